@@ -1,0 +1,27 @@
+// One frame's view of a scene, shared by all workers: what is constant from the first tile to the last.
+#pragma once
+
+#include <memory>
+
+#include "lod/footprint.h"
+#include "lod/topology_cache.h"
+#include "scenegraph/scene.h"
+
+namespace occam::accel {
+
+/// Read only while tracers live. Borrows scene and topologies.
+class Frame {
+public:
+    /// scene    refitted; not edited while this lives
+    /// eye      of the camera whose footprints choose the level of each cage instance
+    Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels);
+    ~Frame();
+
+    struct State;
+    const State& state() const noexcept { return *state_; }
+
+private:
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace occam::accel

@@ -1,0 +1,169 @@
+#include "accel/hit.h"
+
+#include <tuple>
+
+namespace occam::accel {
+namespace {
+
+// The micropolygon's place in the scene, whatever igrid holds it.
+auto order_of(const IGrid& grid, std::uint32_t id) noexcept
+{
+    const bool is_closer = (id & kCloserBit) != 0;
+    if (grid.parts.empty()) return std::tuple(grid.cage->key, id, 0u, 0, 0, 0);
+    const std::uint32_t number = is_closer ? grid.closer_ids[id & ~kCloserBit] : id;
+    const lod::TileRef& tile = grid.parts[part_of(number)].tile;
+    const QuadRef quad = quad_of(number);
+    const std::uint32_t patch_face = tile.patch.face;
+    return std::tuple(grid.cage->key, patch_face, tile.patch.sub, tile.j0 + quad.j, tile.i0 + quad.i, is_closer ? 2 : int(quad.triangle));
+}
+
+struct Triangle {
+    Vec3d a, b, c;
+};
+
+// Barycentrics of the point where the ray meets the triangle's plane, kept inside of it; in double, for shading.
+Vec3d barycentrics(const Triangle& tri, Vec3d origin, Vec3d direction) noexcept
+{
+    const Vec3d a = tri.a - origin, b = tri.b - origin, c = tri.c - origin;
+    Vec3d w{glm::dot(direction, glm::cross(c, b)), glm::dot(direction, glm::cross(a, c)), glm::dot(direction, glm::cross(b, a))};
+    double sum = w.x + w.y + w.z;
+    if (sum == 0) return Vec3d(1.0 / 3);
+    w = glm::max(w / sum, Vec3d(0));
+    sum = w.x + w.y + w.z;
+    return w / sum;
+}
+
+Triangle vertices_of(const IGrid& grid, std::uint32_t id) noexcept
+{
+    Triangle tri;
+    Vec3d* const out[3] = {&tri.a, &tri.b, &tri.c};
+    const bool is_closer = (id & kCloserBit) != 0;
+    if (grid.is_tile && !is_closer) {
+        const QuadRef q = quad_of(id);
+        const int corners[2][3][2] = {{{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}};
+        for (int p = 0; p < 3; ++p) {
+            const int i = q.i + corners[q.triangle][p][0], j = q.j + corners[q.triangle][p][1];
+            const int at = grid.is_transposed ? i * grid.width + j : j * grid.width + i;
+            *out[p] = {grid.rows[0][at], grid.rows[1][at], grid.rows[2][at]};
+        }
+        return tri;
+    }
+    // A soup's id is looked up by position; ids of meshes are faces.
+    const float* const* corners = is_closer ? grid.closer_corners : grid.corners;
+    std::uint32_t at = id & ~kCloserBit;
+    if (!is_closer) {
+        at = 0;
+        while (grid.ids[at] != id) ++at;
+    }
+    for (int p = 0; p < 3; ++p) *out[p] = {corners[p * 3][at], corners[p * 3 + 1][at], corners[p * 3 + 2][at]};
+    return tri;
+}
+
+struct Corner {
+    Vec3f normal{0};
+    Vec2f uv[2]{};
+    Vec4f color{1};
+};
+
+void patch_corners(IGrid& grid, std::uint32_t number, bool is_closer, lod::Dicer& dicer, Arena& arena, Corner (&corner)[3], bool (&has_uv)[2])
+{
+    IGridPart& part = grid.parts[part_of(number)];
+    if (!part.is_shaded) {
+        part.attributes = dicer.shade(*grid.cage, part.tile, arena);
+        part.is_shaded = true;
+    }
+    const QuadRef q = quad_of(number);
+    const int offsets[3][3][2] = {{{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}, {{0, 0}, {0, 0}, {0, 0}}};
+    for (int p = 0; p < 3; ++p) {
+        const auto& offset = offsets[is_closer ? 2 : q.triangle][p];
+        const int at = (q.j + offset[1]) * (part.tile.columns + 1) + q.i + offset[0];
+        corner[p].normal = part.attributes.normal[at];
+        for (int s = 0; s < 2; ++s) {
+            has_uv[s] = part.attributes.uv[s] != nullptr;
+            if (has_uv[s]) corner[p].uv[s] = part.attributes.uv[s][at];
+        }
+    }
+}
+
+void mesh_corners(const IGrid& grid, std::uint32_t face, Corner (&corner)[3], bool (&has_uv)[2])
+{
+    const Cage& cage = grid.cage->slot->cage;
+    for (std::uint32_t p = 0; p < 3; ++p) {
+        const std::size_t at = std::size_t(face) * 3 + p, v = cage.face_vertices[at];
+        if (!cage.normals.empty()) corner[p].normal = grid.cage->pose_normal(cage.normals[v]);
+        if (!cage.colors.empty()) corner[p].color = cage.colors[v];
+        for (std::size_t s = 0; s < 2; ++s) {
+            has_uv[s] = s < cage.uv_sets.size();
+            if (!has_uv[s]) continue;
+            const UvSet& set = cage.uv_sets[s];
+            corner[p].uv[s] = set.values[set.indices.empty() ? v : set.indices[at]];
+        }
+    }
+}
+
+const Material* material_of(const Scene& scene, const lod::PosedCage& cage, std::uint32_t face) noexcept
+{
+    static const Material plain;
+    const Cage& source = cage.slot->cage;
+    const std::size_t slot = source.face_slots.empty() ? 0 : source.face_slots[face];
+    const auto& from = cage.node->materials.empty() ? source.materials : cage.node->materials;
+    const Material* found = slot < from.size() ? scene.find(from[slot]) : nullptr;
+    return found ? found : &plain;
+}
+
+}  // namespace
+
+bool comes_before(const IGrid& a, std::uint32_t a_id, const IGrid& b, std::uint32_t b_id) noexcept
+{
+    return order_of(a, a_id) < order_of(b, b_id);
+}
+
+void resolve(const Ray& ray, float t, IGrid& grid, std::uint32_t id, const Scene& scene, lod::Dicer& dicer, Arena& arena, SurfaceHit& hit)
+{
+    const lod::PosedCage& cage = *grid.cage;
+    const bool is_closer = (id & kCloserBit) != 0;
+    const std::uint32_t number = is_closer ? grid.closer_ids[id & ~kCloserBit] : id;
+    const Triangle tri = vertices_of(grid, id);
+    const Vec3d d(ray.direction);
+    const Vec3d w = barycentrics(tri, ray.origin - cage.anchor, d);
+    const Vec3d local = tri.a * w.x + tri.b * w.y + tri.c * w.z;
+
+    Corner corner[3];
+    bool has_uv[2] = {};
+    if (grid.parts.empty()) mesh_corners(grid, number, corner, has_uv);
+    else patch_corners(grid, number, is_closer, dicer, arena, corner, has_uv);
+
+    const double sense = cage.is_mirrored ? -1 : 1;
+    Vec3d geometric = glm::cross(tri.b - tri.a, tri.c - tri.a) * sense;
+    const double area = glm::length(geometric);
+    Vec3d shading = Vec3d(corner[0].normal) * w.x + Vec3d(corner[1].normal) * w.y + Vec3d(corner[2].normal) * w.z;
+    const double length = glm::length(shading);
+    // A closer has no area, and a degenerate patch corner no normal: one stands in for the other.
+    if (is_closer || !(area > 0)) geometric = length > 0 ? shading / length : -d;
+    else geometric /= area;
+    shading = length > 1e-20 ? shading / length : geometric;
+
+    hit.t = t;
+    hit.position = cage.anchor + local;
+    hit.back_side = glm::dot(geometric, d) > 0;
+    if (hit.back_side) geometric = -geometric;
+    if (glm::dot(shading, geometric) < 0) shading = -shading;
+    hit.normal_geometric = Vec3f(geometric);
+    hit.normal_shading = Vec3f(shading);
+    const Vec3d size = glm::abs(local);
+    hit.self_distance = 16 * FLT_EPSILON * std::max(cage.radius, static_cast<float>(std::max({size.x, size.y, size.z})));
+    hit.color = corner[0].color * float(w.x) + corner[1].color * float(w.y) + corner[2].color * float(w.z);
+    for (int s = 0; s < 2; ++s) {
+        if (!has_uv[s]) continue;
+        hit.uv[s] = corner[0].uv[s] * float(w.x) + corner[1].uv[s] * float(w.y) + corner[2].uv[s] * float(w.z);
+        const Vec2f e = corner[1].uv[s] - corner[0].uv[s], f = corner[2].uv[s] - corner[0].uv[s];
+        const double uv_area = std::fabs(double(e.x) * f.y - double(e.y) * f.x);
+        hit.uv_width[s] = area > 0 ? static_cast<float>(ray.footprint.at(t) * std::sqrt(uv_area / area)) : 0;
+    }
+    hit.face = grid.parts.empty() ? number : grid.parts[part_of(number)].tile.patch.face;
+    hit.material = material_of(scene, cage, hit.face);
+    hit.node = cage.node_id;
+    hit.level = cage.level;
+}
+
+}  // namespace occam::accel

@@ -1,0 +1,154 @@
+#include "accel/kd_tree.h"
+
+#include <algorithm>
+
+namespace occam::accel {
+namespace {
+
+constexpr std::size_t kEnough = 16;        // candidates to choose a plane from; tests/bench has the curve
+constexpr float kTraversalCost = 1;
+constexpr float kEmptyBonus = 0.8f;        // of a split that cuts off empty space
+
+}  // namespace
+
+KdTree::KdTree(Items& items, Arena& arena, TraceCounters& counters)
+    : items_(items), arena_(arena), counters_(counters), nodes_(arena), records_(arena)
+{
+}
+
+void KdTree::restart(const Box3f& bounds, ItemIndex root)
+{
+    nodes_.clear();
+    records_.clear();
+    const std::span<ItemIndex> list = arena_.make_array<ItemIndex>(1);
+    list[0] = root;
+    records_.push_back({bounds, list, 0, true});
+    nodes_.push_back({0, 3});
+}
+
+void KdTree::clip_into(const Box3f& box, ItemIndex item)
+{
+    const Item& it = items_[item];
+    const Box3f clipped{glm::max(it.box.lo, box.lo), glm::min(it.box.hi, box.hi)};
+    if (!clipped.is_empty()) candidates_.push_back({clipped, item, it.cost, it.is_final()});
+}
+
+bool KdTree::open_largest(const Box3f& box)
+{
+    std::size_t largest = candidates_.size();
+    float area = -1;
+    for (std::size_t c = 0; c < candidates_.size(); ++c)
+        if (!candidates_[c].is_final && candidates_[c].box.half_area() > area) {
+            area = candidates_[c].box.half_area();
+            largest = c;
+        }
+    if (largest == candidates_.size()) return false;
+    const ItemIndex opened = candidates_[largest].item;
+    candidates_[largest] = candidates_.back();
+    candidates_.pop_back();
+    items_.open(opened);
+    const std::uint32_t first = items_[opened].first_part, count = items_[opened].part_count;
+    for (std::uint32_t p = 0; p < count; ++p) clip_into(box, first + p);
+    return true;
+}
+
+KdTree::Split KdTree::best_split(const Box3f& box)
+{
+    float all = 0;
+    for (const Candidate& c : candidates_) all += c.cost;
+    Split best;
+    best.cost = all;  // of no split
+    const Vec3f extent = box.extent();
+    const float area = box.half_area();
+    if (!(area > 0)) return best;
+
+    std::vector<Event>& low = low_events_;
+    std::vector<Event>& high = high_events_;
+    for (int axis = 0; axis < 3; ++axis) {
+        low.clear();
+        high.clear();
+        for (const Candidate& c : candidates_) {
+            low.push_back({c.box.lo[axis], c.cost});
+            high.push_back({c.box.hi[axis], c.cost});
+        }
+        const auto before = [](const Event& a, const Event& b) { return a.position < b.position; };
+        std::sort(low.begin(), low.end(), before);
+        std::sort(high.begin(), high.end(), before);
+        const int a1 = (axis + 1) % 3, a2 = (axis + 2) % 3;
+        const float cap = extent[a1] * extent[a2], girth = extent[a1] + extent[a2];
+        // Costs below a plane: of boxes that begin before it; above: of boxes that do not end before it.
+        float below = 0, ended = 0;
+        std::size_t l = 0, h = 0;
+        const auto consider = [&](float position) {
+            if (!(position > box.lo[axis] && position < box.hi[axis])) return;
+            while (l < low.size() && low[l].position < position) below += low[l++].cost;
+            while (h < high.size() && high[h].position <= position) ended += high[h++].cost;
+            const float above = all - ended;
+            const float area_below = cap + girth * (position - box.lo[axis]), area_above = cap + girth * (box.hi[axis] - position);
+            float cost = kTraversalCost + (area_below * below + area_above * above) / area;
+            if (below == 0 || h == high.size()) cost *= kEmptyBonus;
+            if (cost < best.cost) best = {axis, position, cost};
+        };
+        // Planes at the faces of boxes, in rising order.
+        for (std::size_t i = 0, j = 0; i < low.size() || j < high.size();) {
+            if (j == high.size() || (i < low.size() && low[i].position <= high[j].position)) consider(low[i++].position);
+            else consider(high[j++].position);
+        }
+    }
+    return best;
+}
+
+std::uint32_t KdTree::make_lazy(const Box3f& box, int depth, int axis, float position, bool upper)
+{
+    const auto is_in = [&](const Candidate& c) {
+        return upper ? c.box.hi[axis] > position : c.box.lo[axis] < position || c.box.hi[axis] <= position;
+    };
+    std::size_t count = 0;
+    for (const Candidate& c : candidates_) count += is_in(c);
+    const std::span<ItemIndex> list = arena_.make_array<ItemIndex>(count);
+    std::size_t n = 0;
+    for (const Candidate& c : candidates_)
+        if (is_in(c)) list[n++] = c.item;
+    Box3f half = box;
+    (upper ? half.lo : half.hi)[axis] = position;
+    const auto record = static_cast<std::uint32_t>(records_.size());
+    records_.push_back({half, list, depth, count > 0});
+    nodes_.push_back({0, record << 2 | 3});
+    return static_cast<std::uint32_t>(nodes_.size() - 1);
+}
+
+void KdTree::expand(std::uint32_t n)
+{
+    ++counters_.kd_expanded;
+    const std::uint32_t at = nodes_[n].below();
+    const Record record = records_[at];
+    candidates_.clear();
+    for (const ItemIndex item : record.items) clip_into(record.box, item);
+
+    Split split;
+    while (true) {
+        while (candidates_.size() < kEnough && open_largest(record.box)) {
+        }
+        if (record.depth >= kMaxDepth) {
+            while (open_largest(record.box)) {
+            }
+            split.axis = -1;
+            break;
+        }
+        split = best_split(record.box);
+        if (split.axis >= 0 || !open_largest(record.box)) break;
+    }
+    if (split.axis < 0) {
+        const std::span<ItemIndex> list = arena_.make_array<ItemIndex>(candidates_.size());
+        for (std::size_t c = 0; c < candidates_.size(); ++c) list[c] = candidates_[c].item;
+        records_[at].items = list;
+        records_[at].is_lazy = false;
+        return;
+    }
+    const std::uint32_t below = make_lazy(record.box, record.depth + 1, split.axis, split.position, false);
+    make_lazy(record.box, record.depth + 1, split.axis, split.position, true);
+    nodes_[n] = {split.position, below << 2 | static_cast<std::uint32_t>(split.axis)};
+    counters_.kd_nodes += 2;
+}
+
+}  // namespace occam::accel

@@ -1,0 +1,75 @@
+// Which surface does this ray meet first? One worker's lazy trees, and the two questions they answer.
+//
+// A Tracer holds an arena with a kd-tree whose root is one lazy node, and builds what its rays touch. Answers are by
+// value, so that between two batches everything it built can be dropped: the safe point of the memory budget.
+//
+// Space    ray origins and hit positions in world axes, double; directions unit. t is world length along the ray.
+// Memory   what is built lies in the tracer's arena, at most `budget_bytes`; past it the tracer drops all of it and
+//          goes on with the same rays. The floor is what one ray needs: it is always granted.
+// Threads  one tracer a worker; Frame is shared and const. The answers do not depend on budget or thread.
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <span>
+
+#include "lod/footprint.h"
+#include "scenegraph/scene.h"
+
+namespace occam::accel {
+
+class Frame;
+
+struct Ray {
+    Vec3d origin{0};
+    Vec3f direction{0, 0, -1};  ///< unit
+    float t_near = 0;
+    float t_far = std::numeric_limits<float>::infinity();
+    lod::Footprint footprint;   ///< full width of the beam along the ray
+};
+
+/// What phase two needs of a surface point, by value. Pointers are into the scene.
+struct SurfaceHit {
+    float t = std::numeric_limits<float>::infinity();  ///< infinity: nothing was met, and nothing else here is set
+    float self_distance = 0;       ///< a secondary ray starts this far along normal_geometric (lod's bound of the blend plus rounding)
+    Vec3d position{0};             ///< on the micropolygon
+    Vec3f normal_geometric{0};     ///< unit, of the micropolygon, towards the ray's origin
+    Vec3f normal_shading{0};       ///< unit, interpolated, on the side of normal_geometric
+    Vec2f uv[2]{};                 ///< the first two sets
+    float uv_width[2]{};           ///< of the ray's footprint, in units of uv
+    Vec4f color{1};                ///< vertex colour
+    const Material* material = nullptr;  ///< never null at a hit
+    NodeId node;
+    std::uint32_t face = 0;        ///< of the cage
+    bool back_side = false;        ///< the ray came from behind the face
+    int level = 0;                 ///< that the cage is seen at
+
+    bool is_hit() const noexcept { return t < std::numeric_limits<float>::infinity(); }
+};
+
+struct TraceCounters {
+    std::uint64_t rays = 0, packets = 0, kd_nodes = 0, kd_visited = 0, kd_expanded = 0, grids = 0, micropolygons = 0, faces_touched = 0, flushes = 0;
+    std::uint64_t vertices_diced = 0, vertices_shaded = 0;
+    std::size_t peak_bytes = 0;
+    double build_seconds = 0, dice_seconds = 0;
+    TraceCounters& operator+=(const TraceCounters& other) noexcept;
+};
+
+class Tracer {
+public:
+    Tracer(const Frame& frame, std::size_t budget_bytes);
+    ~Tracer();
+
+    /// Nearest hit of each ray in (t_near, t_far). hits.size() == rays.size().
+    void closest(std::span<const Ray> rays, std::span<SurfaceHit> hits);
+    /// occluded[i] becomes 1 if anything lies in (t_near, t_far) of ray i, else 0.
+    void occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded);
+
+    const TraceCounters& counters() const noexcept;
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace occam::accel

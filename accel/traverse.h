@@ -1,0 +1,101 @@
+// One traversal of the kd-tree for everything: packets and single rays, nearest and any hit.
+//
+// F is vfloat (a packet whose rays share the signs of their directions) or float (one ray). `leaf(node, alive)` meets the items of a
+// leaf and may shorten limit(); returning false abandons the traversal (the memory budget is used up).
+//
+// Invariant: a lane is alive in a node while its t_near <= t_far there. t is in the tree's frame, where origins are near the
+// scene; intervals overlap at planes by a few ulps, since culling may never decide a hit.
+#pragma once
+
+#include <cfloat>
+
+#include "accel/kd_tree.h"
+#include "scenegraph/base/simd.h"
+
+namespace occam::accel {
+
+template <class F>
+struct KdRay {
+    F origin[3], inverse[3];
+    F shift;  ///< t of the ray = shift + t here
+    bool negative[3];
+};
+
+template <class F>
+using MaskOf = decltype(F() < F());
+
+inline float abs(float x) noexcept { return std::fabs(x); }
+
+/// Clips [t_near, t_far] to a box, a little widened.
+template <class F>
+void clip(const KdRay<F>& ray, const Box3f& box, F& t_near, F& t_far) noexcept
+{
+    const F slack = 4 * FLT_EPSILON;
+    for (int a = 0; a < 3; ++a) {
+        const F in = (F(ray.negative[a] ? box.hi[a] : box.lo[a]) - ray.origin[a]) * ray.inverse[a];
+        const F out = (F(ray.negative[a] ? box.lo[a] : box.hi[a]) - ray.origin[a]) * ray.inverse[a];
+        t_near = max(t_near, in - (abs(in) + abs(ray.shift)) * slack);
+        t_far = min(t_far, out + (abs(out) + abs(ray.shift)) * slack);
+    }
+}
+
+/// Walks front to back. t_near, t_far: each ray's interval, clipped to the tree. limit(): its end as hits shorten it.
+template <class F, class LimitFn, class LeafFn>
+bool traverse(KdTree& tree, const KdRay<F>& ray, F t_near, F t_far, TraceCounters& counters, LimitFn&& limit, LeafFn&& leaf)
+{
+    struct Span {
+        std::uint32_t node;
+        F t_near, t_far;
+    };
+    Span todo[KdTree::kMaxDepth + 4];
+    int size = 0;
+    std::uint32_t node = 0;
+    while (true) {
+        t_far = min(t_far, limit());
+        MaskOf<F> alive = t_near <= t_far;
+        while (any(alive)) {
+            const KdNode at = tree.node(node);
+            if (!at.is_interior()) {
+                if (tree.is_lazy(at)) {
+                    tree.expand(node);
+                    continue;
+                }
+                if (!leaf(at, alive, t_near, t_far)) return false;
+                break;
+            }
+            ++counters.kd_visited;
+            const int axis = at.axis();
+            const bool flip = ray.negative[axis];
+            const std::uint32_t front = at.below() + (flip ? 1u : 0u), back = at.below() + (flip ? 0u : 1u);
+            const F t_split = (F(at.split) - ray.origin[axis]) * ray.inverse[axis];
+            const F slack = (abs(t_split) + abs(ray.shift)) * F(4 * FLT_EPSILON);
+            const F front_end = t_split + slack, back_begin = t_split - slack;
+            const MaskOf<F> into_front = alive & (t_near <= front_end), into_back = alive & (back_begin <= t_far);
+            if (!any(into_back)) {
+                node = front;
+                t_far = min(front_end, t_far);
+                alive = into_front;
+                continue;
+            }
+            if (!any(into_front)) {
+                node = back;
+                t_near = max(back_begin, t_near);
+                alive = into_back;
+                continue;
+            }
+            // A lane that does not go on has an empty interval.
+            todo[size++] = {back, select(into_back, max(back_begin, t_near), F(FLT_MAX)), t_far};
+            node = front;
+            t_near = select(into_front, t_near, F(FLT_MAX));
+            t_far = min(front_end, t_far);
+            alive = into_front;
+        }
+        if (size == 0) return true;
+        const Span& next = todo[--size];
+        node = next.node;
+        t_near = next.t_near;
+        t_far = next.t_far;
+    }
+}
+
+}  // namespace occam::accel

@@ -1,0 +1,70 @@
+// What was asked for on the command line, checked as far as that can be done without opening a file.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "occam/occam.h"
+
+namespace occam::command {
+
+enum class ProgressStyle : unsigned char { Auto, Plain, OpenJd, None };
+
+/// How the scene's file is read.
+struct SceneArguments {
+    std::filesystem::path scene;  ///< empty: the built-in scene
+    LoadOptions load;
+};
+
+struct LookAt {
+    Vec3d eye{0}, target{0};
+};
+
+struct RenderArguments : SceneArguments {
+    std::filesystem::path output;
+    Settings settings;
+    bool size_given = false;  ///< else the camera's aspect decides the height
+    Resources resources;
+    std::string camera;  ///< name; empty: the first
+    std::optional<LookAt> look_at;
+    Vec3d up{0, 1, 0};
+    float fov_deg = 0;  ///< 0: the camera's own, or 39.6
+    WriteOptions write;
+    ProgressStyle progress = ProgressStyle::Auto;
+    bool quiet = false, verbose = false;
+    std::string stats;  ///< file, "-" or empty
+};
+
+struct InfoArguments : SceneArguments {
+    bool json = false;
+};
+
+struct CompareArguments {
+    std::filesystem::path a, b;
+    std::string layer = "beauty";  ///< that the limits and the heat map are for
+    bool json = false;
+    std::filesystem::path heat;
+    double heat_scale = 0;  ///< 0: the largest difference
+    std::optional<double> max_mse, max_rmse, max_rel_mse, max_error, max_p999, min_psnr;
+};
+
+/// Nothing to do but to end with that exit code: what there was to say has been said.
+struct Finished {
+    int exit_code;
+};
+
+using Arguments = std::variant<Finished, RenderArguments, InfoArguments, CompareArguments>;
+
+/// Usage errors go to standard error, --help and --version to standard output.
+Arguments parse(int argc, char** argv);
+
+int run(const RenderArguments& arguments);
+int run(const InfoArguments& arguments);
+int run(const CompareArguments& arguments);
+
+/// The scene of a file, or the built-in one.
+Scene open_scene(const SceneArguments& arguments);
+
+}  // namespace occam::command

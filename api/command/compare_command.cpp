@@ -1,0 +1,60 @@
+#include <algorithm>
+#include <cstdio>
+
+#include "arguments.h"
+#include "render/compare.h"
+
+namespace occam::command {
+namespace {
+
+void print(const render::Difference& d)
+{
+    std::printf("%s: mse %.6g, rmse %.6g, rel-mse %.6g, psnr %.2f dB, max %.6g, p99.9 %.6g", d.layer.c_str(), d.mse, d.rmse,
+                d.rel_mse, d.psnr, d.max, d.p999);
+    if (d.incomparable) std::printf(", %llu pixels cannot be compared", static_cast<unsigned long long>(d.incomparable));
+    std::printf("\n");
+}
+
+// Says which limit does not hold; a picture with pixels that cannot be compared meets none.
+bool meets_limits(const CompareArguments& a, const render::Difference& d)
+{
+    bool all = true;
+    const auto check = [&](const char* name, double value, const std::optional<double>& limit, bool at_most) {
+        if (!limit) return;
+        const bool holds = (at_most ? value <= *limit : value >= *limit) && d.incomparable == 0;
+        if (!holds) std::fprintf(stderr, "occam: %s is %g, the limit is %g (%s)\n", name, value, *limit, d.layer.c_str());
+        all &= holds;
+    };
+    check("mse", d.mse, a.max_mse, true);
+    check("rmse", d.rmse, a.max_rmse, true);
+    check("rel-mse", d.rel_mse, a.max_rel_mse, true);
+    check("max error", d.max, a.max_error, true);
+    check("p99.9", d.p999, a.max_p999, true);
+    check("psnr", d.psnr, a.min_psnr, false);
+    return all;
+}
+
+}  // namespace
+
+int run(const CompareArguments& a)
+{
+    if (!a.heat.empty()) Image::check_writable(a.heat);
+    const Image picture = Image::read(a.a), reference = Image::read(a.b);
+    const auto differences = render::compare(picture, reference);
+    const auto judged = std::find_if(differences.begin(), differences.end(),
+                                     [&](const render::Difference& d) { return d.layer == a.layer; });
+    if (a.json) std::fputs(render::to_json(differences).c_str(), stdout);
+    else std::for_each(differences.begin(), differences.end(), print);
+
+    const bool has_limit = a.max_mse || a.max_rmse || a.max_rel_mse || a.max_error || a.max_p999 || a.min_psnr;
+    if (judged == differences.end() && (has_limit || !a.heat.empty()))
+        throw Error(a.a.string(), "has no such layer in common with " + a.b.string(), a.layer);
+    if (!a.heat.empty()) {
+        const double scale = a.heat_scale > 0 ? a.heat_scale : judged->max;
+        render::heat_map(picture, reference, a.layer, scale).write(a.heat, {.tonemap = Tonemap::None});
+    }
+    if (std::fflush(stdout) != 0) throw Error("", "standard output cannot be written", {}, Error::Kind::Output);
+    return !has_limit || meets_limits(a, *judged) ? 0 : 1;
+}
+
+}  // namespace occam::command

@@ -1,0 +1,261 @@
+// The command line's grammar; the one file that sees CLI11.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <functional>
+#include <iostream>
+#include <map>
+
+#include "arguments.h"
+#include "values.h"
+
+namespace occam::command {
+namespace {
+
+// An option whose text `read` understands; what it throws becomes a line about that option.
+CLI::Option* add_value(CLI::App& app, const std::string& names, const std::string& what, const std::string& form,
+                       std::function<void(const std::string&)> read)
+{
+    CLI::Option* option = app.add_option_function<std::string>(
+        names,
+        [names, read = std::move(read)](const std::string& text) {
+            try {
+                read(text);
+            } catch (const std::invalid_argument& error) {
+                throw CLI::ValidationError(names.substr(0, names.find(',')), error.what());
+            }
+        },
+        what);
+    return option->type_name(form);
+}
+
+CLI::Option* add_number(CLI::App& app, const std::string& name, const std::string& what, std::function<void(double)> set)
+{
+    return add_value(app, name, what, "NUMBER", [set = std::move(set)](const std::string& t) { set(number_of(t)); });
+}
+
+CLI::Option* add_count(CLI::App& app, const std::string& name, int& value, int most, const std::string& what)
+{
+    return app.add_option(name, value, what)->check(CLI::Range(1, most))->type_name("N");
+}
+
+CLI::Option* add_switch(CLI::App& app, const std::string& name, bool& value, const std::string& what)
+{
+    return add_value(app, name, what, "on|off", [&value](const std::string& t) { value = is_on(t); });
+}
+
+template <class T>
+CLI::Option* add_choice(CLI::App& app, const std::string& name, T& value, const std::map<std::string, T>& choices,
+                        const std::string& what)
+{
+    std::string form;
+    for (const auto& choice : choices) form += (form.empty() ? "" : "|") + choice.first;
+    return add_value(app, name, what, form, [&value, choices, form](const std::string& text) {
+        const auto found = choices.find(text);
+        if (found == choices.end()) throw std::invalid_argument("expected one of " + form + ", not '" + text + "'");
+        value = found->second;
+    });
+}
+
+// An option with one value so far: scripts may already say it.
+CLI::Option* add_only(CLI::App& app, const std::string& name, const std::string& value, const std::string& what)
+{
+    return add_value(app, name, what, value, [value](const std::string& text) {
+        if (text != value) throw std::invalid_argument("expected " + value + ", not '" + text + "'");
+    });
+}
+
+void add_scene(CLI::App& app, SceneArguments& a)
+{
+    app.add_option("SCENE", a.scene, "glTF, GLB or OBJ file; without it the built-in scene")->type_name("");
+    add_choice<Subdivide>(app, "--subdivide", a.load.subdivide,
+                          {{"on", Subdivide::On}, {"off", Subdivide::Off}, {"auto", Subdivide::Auto}},
+                          "Treat polygons as Catmull-Clark cages [auto: as the file says]");
+    app.add_flag("--strict", a.load.strict, "A missing texture or a dropped primitive is an error, not a warning");
+}
+
+struct Quality {
+    int spp;
+    float shading_rate;
+};
+const std::map<std::string, Quality> kQualities{{"fast", {4, 2}}, {"balanced", {16, 1}}, {"high", {64, 0.5f}}};
+
+void add_picture(CLI::App& app, RenderArguments& a)
+{
+    Settings& s = a.settings;
+    add_value(app, "--size", "Pixels of the frame [1280x720, its height from the camera's aspect]", "WxH",
+              [&](const std::string& t) {
+                  std::tie(s.width, s.height) = size_of(t);
+                  a.size_given = true;
+              });
+    add_value(app, "--crop", "Part of the frame, 0 to 1 from the top left", "X0,X1,Y0,Y1", [&](const std::string& t) {
+        const auto n = numbers_of(t, 4);
+        s.crop_x0 = float(n[0]), s.crop_x1 = float(n[1]), s.crop_y0 = float(n[2]), s.crop_y1 = float(n[3]);
+    });
+    add_value(app, "--quality", "A recipe: --spp 4, 16, 64 and --shading-rate 2, 1, 0.5", "fast|balanced|high",
+              [](const std::string& t) {
+                  if (!kQualities.count(t)) throw std::invalid_argument("expected fast, balanced or high, not '" + t + "'");
+              });
+    add_count(app, "--spp", s.spp, render::kMaxSamples, "Samples a pixel [16]");
+    add_switch(app, "--jitter", s.jitter, "off: every sample through the middle of its pixel [on]");
+    add_count(app, "--light-samples", s.light_samples, render::kMaxLightSamples, "Of each light at each hit [1]");
+    add_number(app, "--shading-rate", "Wanted micropolygon edge, pixels [1]", [&](double v) { s.shading_rate = float(v); });
+    app.add_option("--seed", s.seed, "Of the random numbers [0]")->type_name("N");
+    add_number(app, "--deadline", "Stop after so many seconds with what is done", [&](double v) { s.deadline_s = v; });
+    add_switch(app, "--background", s.background, "Sky or environment behind the scene; off: transparent [on]");
+    add_value(app, "--aov", "EXR layers: depth, normal, normal_geometric, albedo, uv, position, id, variance", "A,B,...",
+              [&](const std::string& t) {
+                  for (std::string_view word : words_of(t)) {
+                      const unsigned before = s.aovs;
+                      for (Aov aov : render::kAllAovs)
+                          if (render::aov_name(aov) == word) s.aovs |= unsigned(aov);
+                      if (s.aovs == before) throw std::invalid_argument("there is no layer '" + std::string(word) + "'");
+                  }
+              });
+    std::map<std::string, View> views;
+    for (View view : render::kAllViews) views.emplace(render::view_name(view), view);
+    add_choice<View>(app, "--view", s.view, views, "A debug picture instead of light");
+    add_only(app, "--integrator", "direct", "Light that is followed");
+    add_only(app, "--shade", "hit", "Where materials are looked up");
+}
+
+void add_camera(CLI::App& app, RenderArguments& a)
+{
+    CLI::Option* name =
+        app.add_option("--camera", a.camera, "A camera of the scene by its name [the first, else one that frames it]")
+            ->type_name("NAME");
+    add_value(app, "--look-at", "Eye and target", "EX,EY,EZ,TX,TY,TZ", [&](const std::string& t) {
+        const auto n = numbers_of(t, 6);
+        a.look_at = LookAt{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
+    })->excludes(name);
+    add_value(app, "--up", "Up for --look-at [0,1,0]", "X,Y,Z", [&](const std::string& t) {
+        const auto n = numbers_of(t, 3);
+        a.up = {n[0], n[1], n[2]};
+    });
+    add_number(app, "--fov", "Whole vertical angle, degrees", [&](double v) {
+        if (!(v > 0 && v < 180)) throw std::invalid_argument("expected more than 0 and less than 180 degrees");
+        a.fov_deg = float(v);
+    });
+}
+
+void add_output(CLI::App& app, RenderArguments& a)
+{
+    app.add_option("-o,--output", a.output, "Picture to write, by extension .exr .png .jpg .tif .hdr")
+        ->required()
+        ->type_name("IMAGE");
+    add_number(app, "--exposure", "Stops, display formats only [0]", [&](double v) { a.write.exposure_ev = float(v); });
+    add_choice<Tonemap>(app, "--tonemap", a.write.tonemap,
+                        {{"none", Tonemap::None}, {"srgb", Tonemap::Srgb}, {"aces", Tonemap::Aces}},
+                        "Display formats only [srgb]");
+    add_choice<bool>(app, "--exr", a.write.half, {{"half", true}, {"float", false}}, "Colours of an EXR [half]");
+    app.add_option("--stats", a.stats, "Statistics as JSON; - is standard output")->type_name("FILE");
+}
+
+void add_machine(CLI::App& app, RenderArguments& a)
+{
+    add_count(app, "--threads", a.resources.threads, 1024, "Workers [all processors]");
+    add_value(app, "--memory", "Budget for what is rebuilt each frame [a quarter of the machine]", "SIZE",
+              [&](const std::string& t) { a.resources.memory_bytes = bytes_of(t); });
+    add_value(app, "--texture-memory", "Cap of the texture cache [1G]", "SIZE",
+              [&](const std::string& t) { a.resources.texture_bytes = bytes_of(t); });
+    add_choice<ProgressStyle>(app, "--progress", a.progress,
+                              {{"auto", ProgressStyle::Auto},
+                               {"plain", ProgressStyle::Plain},
+                               {"openjd", ProgressStyle::OpenJd},
+                               {"none", ProgressStyle::None}},
+                              "A bar on a terminal, lines, Open Job Description lines [auto]");
+    app.add_flag("-q,--quiet", a.quiet, "No progress");
+    app.add_flag("-v,--verbose", a.verbose, "Say more");
+}
+
+void add_limit(CLI::App& app, const std::string& name, std::optional<double>& limit, const std::string& what)
+{
+    add_number(app, name, what, [&limit](double v) { limit = v; });
+}
+
+void add_compare(CLI::App& app, CompareArguments& a)
+{
+    app.add_option("A", a.a, "Picture to judge")->required()->type_name("");
+    app.add_option("B", a.b, "Reference")->required()->type_name("");
+    app.add_flag("--json", a.json, "All common layers as JSON");
+    app.add_option("--layer", a.layer, "Layer that limits and heat map are for [beauty]")->type_name("NAME");
+    app.add_option("--heat", a.heat, "Write a map of the differences")->type_name("FILE");
+    add_number(app, "--heat-scale", "Difference that is shown white [the largest]", [&](double v) { a.heat_scale = v; });
+    add_limit(app, "--max-mse", a.max_mse, "Exit code 1 if the mean squared error is larger");
+    add_limit(app, "--max-rmse", a.max_rmse, "The same for its root");
+    add_limit(app, "--max-rel-mse", a.max_rel_mse, "The same for the relative mean squared error");
+    add_limit(app, "--max-error", a.max_error, "The same for the largest difference");
+    add_limit(app, "--max-p999", a.max_p999, "The same for the 99.9th percentile");
+    add_limit(app, "--min-psnr", a.min_psnr, "Exit code 1 if the PSNR is smaller, dB");
+}
+
+void apply_quality(const CLI::App& app, Settings& s)
+{
+    if (!app.count("--quality")) return;
+    const Quality& quality = kQualities.at(app.get_option("--quality")->results().front());
+    if (!app.count("--spp")) s.spp = quality.spp;
+    if (!app.count("--shading-rate")) s.shading_rate = quality.shading_rate;
+}
+
+}  // namespace
+
+Arguments parse(int argc, char** argv)
+{
+    RenderArguments render;
+    InfoArguments info;
+    CompareArguments compare;
+
+    CLI::App app("Occam: dynamic multiresolution ray tracing.", "occam");
+    app.set_version_flag("--version", std::string("occam ") + render::kVersion + "\nwith " OCCAM_LIBRARIES);
+    app.require_subcommand(1);
+    app.footer(
+        "Exit codes: 0 done; 1 a limit of compare does not hold; 2 bad input or usage; 3 output or resources; 130 "
+        "interrupted.\n"
+        "Example: occam render courtyard.glb -o courtyard.png");
+
+    CLI::App& render_app = *app.add_subcommand("render", "One frame to a picture");
+    add_scene(render_app, render);
+    add_output(render_app, render);
+    add_camera(render_app, render);
+    add_picture(render_app, render);
+    add_machine(render_app, render);
+    render_app.footer(
+        "Example: occam render courtyard.glb -o courtyard.exr --size 1920x1080 --spp 64 --aov depth,normal --stats -");
+
+    CLI::App& info_app = *app.add_subcommand("info", "What is in a scene");
+    add_scene(info_app, info);
+    info_app.add_flag("--json", info.json, "As JSON");
+    info_app.footer("Example: occam info courtyard.glb --json");
+
+    CLI::App& compare_app = *app.add_subcommand("compare", "How far two pictures are apart");
+    add_compare(compare_app, compare);
+    compare_app.footer("Example: occam compare out.exr reference.exr --heat heat.png --max-rmse 0.01");
+
+    const auto is_command = [&](const char* word) {
+        const auto all = app.get_subcommands([](const CLI::App*) { return true; });
+        return std::any_of(all.begin(), all.end(), [&](const CLI::App* command) { return command->get_name() == word; });
+    };
+    if (argc > 1 && argv[1][0] != '-' && !is_command(argv[1])) {
+        std::cerr << "occam: there is no command '" << argv[1] << "' (occam --help)\n";
+        return Finished{2};
+    }
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::CallForHelp& help) {
+        return Finished{app.exit(help)};
+    } catch (const CLI::CallForVersion& version) {
+        return Finished{app.exit(version)};
+    } catch (const CLI::ParseError& error) {
+        const CLI::App* used = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
+        std::cerr << "occam: " << error.what() << " (" << (used == &app ? "occam" : "occam " + used->get_name())
+                  << " --help)\n";
+        return Finished{2};
+    }
+    if (render_app.parsed()) {
+        apply_quality(render_app, render.settings);
+        return render;
+    }
+    if (info_app.parsed()) return info;
+    return compare;
+}
+
+}  // namespace occam::command

@@ -1,0 +1,124 @@
+// Occam, for applications: load or build a scene, render it, ask it what a ray meets.
+//
+//     occam::Scene scene = occam::load("courtyard.glb");
+//     occam::Camera camera = scene.camera().value_or(occam::Camera::framing(scene.bounds()));
+//     occam::Renderer renderer;
+//     renderer.render(scene, camera, {.width = 1280, .height = 720, .spp = 16}).write("courtyard.exr");
+//
+// The scene is the application's; renderers, jobs and queries only borrow it, and while one of them works on it edits throw.
+// Everything that can go wrong is an occam::Error that names file, element and reason.
+#pragma once
+
+#include <chrono>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include "render/frame_control.h"
+#include "render/image.h"
+#include "render/settings.h"
+#include "render/stats.h"
+#include "render/version.h"
+#include "scenegraph/base/error.h"
+#include "scenegraph/import/import.h"
+#include "scenegraph/scene.h"
+
+namespace occam {
+
+using render::Aov;
+using render::FrameStats;
+using render::Image;
+using render::Layer;
+using render::Resources;
+using render::Settings;
+using render::Tonemap;
+using render::View;
+using render::WriteOptions;
+
+/// How far a job is: its stage, the fraction done, seconds left (below 0: unknown).
+using Progress = render::FrameControl::Progress;
+using Stage = render::FrameControl::Stage;
+
+/// A frame on its way, on a thread of its own. Movable; one owner.
+class Job {
+public:
+    Job(Job&&) noexcept;
+    Job& operator=(Job&&) noexcept;
+    /// Cancels, and waits for the workers to let go of the scene.
+    ~Job();
+
+    /// True once the frame is done, cancelled or failed.
+    bool wait_for(std::chrono::milliseconds time) const;
+    void wait() const;
+
+    Progress progress() const noexcept;
+    /// Stops soon, within a row of tiles; finished tiles stay.
+    void cancel() noexcept;
+
+    // These wait for the end, and throw what went wrong if something did.
+    const Image& image() const;
+    Image take_image();
+    const FrameStats& stats() const;
+
+private:
+    friend class Renderer;
+    struct State;
+    explicit Job(std::unique_ptr<State> state);
+    std::unique_ptr<State> state_;
+};
+
+/// Makes pictures. Keeps what no vertex position can change (topology tables) and textures from frame to frame.
+class Renderer {
+public:
+    explicit Renderer(const Resources& resources = {});
+    Renderer(Renderer&&) noexcept;
+    Renderer& operator=(Renderer&&) noexcept;
+    ~Renderer();
+
+    /// One frame. Throws Error for a bad setting, or if this renderer is busy with another frame.
+    Image render(Scene& scene, const Camera& camera, const Settings& settings = {});
+    /// The same, without waiting for it.
+    Job start(Scene& scene, const Camera& camera, const Settings& settings = {});
+    /// Of the last frame that render() made.
+    const FrameStats& stats() const noexcept;
+
+private:
+    friend class Job;
+    struct State;
+    std::shared_ptr<State> state_;
+};
+
+/// What a ray met first.
+struct Hit {
+    double distance = 0;  ///< along the ray, world length
+    Vec3d position{0};
+    Vec3f normal_geometric{0};  ///< unit, towards the ray's origin
+    Vec3f normal{0};            ///< of shading
+    Vec2f uv{0};
+    NodeId node;
+    std::uint32_t face = 0;  ///< of the node's cage
+};
+
+/// Questions to a scene that holds still: edits throw while a Query lives.
+///
+/// Surfaces are diced as for the camera's picture: a ray meets what that picture shows. One thread at a time.
+class Query {
+public:
+    /// image_height   of the picture whose pixels decide how fine surfaces are
+    Query(Scene& scene, const Camera& camera, int image_height = 720, std::size_t memory_bytes = std::size_t(256) << 20);
+    Query(Query&&) noexcept;
+    ~Query();
+
+    /// Nearest surface within `far`; `direction` need not be unit. None for a zero or non-finite direction.
+    std::optional<Hit> closest(Vec3d origin, Vec3d direction, double far = std::numeric_limits<double>::infinity());
+    /// True if anything lies strictly between the two points.
+    bool is_occluded(Vec3d from, Vec3d to);
+    /// What a pixel of the camera's picture shows; x and y in pixels of a width x image_height frame.
+    std::optional<Hit> pick(double x, double y, int width);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace occam

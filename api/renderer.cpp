@@ -1,0 +1,213 @@
+#include <atomic>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <unordered_set>
+#include <utility>
+
+#include "occam/occam.h"
+#include "render/frame.h"
+#include "render/metadata.h"
+
+namespace occam {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+FrameStats::Scene describe(const Scene& scene)
+{
+    FrameStats::Scene out;
+    const Scene::Counts counts = scene.counts();
+    out.nodes = counts.nodes;
+    out.cages = counts.cages;
+    out.faces = counts.faces;
+    out.lights = counts.lights;
+    out.warnings = scene.warnings.size();
+    std::unordered_set<CageId> seen;
+    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
+        for (CageId id : node.cages) {
+            const CageSlot* slot = scene.find(id);
+            if (slot && seen.insert(id).second && slot->cage.scheme == Scheme::Triangles)
+                out.triangles_in += slot->cage.face_count();
+        }
+    });
+    return out;
+}
+
+}  // namespace
+
+struct Renderer::State {
+    explicit State(const Resources& wished) : resources(wished.resolved()), textures(resources.texture_bytes) {}
+
+    Resources resources;
+    lod::TopologyCache topologies;
+    TextureStore textures;
+    std::atomic<bool> busy = false;
+    FrameStats stats;
+};
+
+struct Job::State {
+    State(std::shared_ptr<Renderer::State> borrowed_renderer, Scene& borrowed_scene, const Camera& with_camera,
+          const Settings& with_settings)
+        : renderer(std::move(borrowed_renderer)), scene(borrowed_scene), camera(with_camera), settings(with_settings)
+    {
+    }
+    ~State()
+    {
+        control.cancel();
+        if (thread.joinable()) thread.join();
+    }
+    State(const State&) = delete;
+    State& operator=(const State&) = delete;
+
+    void run() noexcept
+    {
+        try {
+            make_image();
+        } catch (const std::bad_alloc&) {
+            error =
+                std::make_exception_ptr(Error("", "there is not enough memory for this picture", {}, Error::Kind::Output));
+        } catch (...) {
+            error = std::current_exception();
+        }
+        lock.reset();
+        renderer->busy = false;
+        control.enter(Stage::Done);
+        const std::lock_guard guard(mutex);
+        done = true;
+        ended.notify_all();
+    }
+
+    void make_image()
+    {
+        control.enter(Stage::Preparing);
+        const auto prepare_start = Clock::now();
+        renderer->topologies.prune(scene);
+        renderer->textures.prepare(scene);
+        stats.seconds.texture = seconds_since(prepare_start);
+
+        const auto deadline =
+            settings.deadline_s > 0
+                ? start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(settings.deadline_s))
+                : Clock::time_point::max();
+        image = render::render_frame(
+            {scene, bounds, camera, settings, renderer->resources, renderer->topologies, renderer->textures, deadline},
+            control, stats);
+        render::describe(image, camera, settings);
+        finish_stats();
+    }
+
+    void finish_stats()
+    {
+        stats.scene = describe(scene);
+        stats.settings = settings;
+        stats.threads = renderer->resources.threads;
+        stats.seconds.total = seconds_since(start);
+        stats.rays.per_second = double(stats.rays.total()) / stats.seconds.total;
+        stats.memory.peak_bytes = render::process_peak_bytes();
+        stats.memory.texture_bytes = renderer->textures.bytes();
+        stats.image = {image.width, image.height, settings.spp, image.checksum()};
+        stats.warnings = scene.warnings;
+        for (std::string& warning : renderer->textures.warnings()) stats.warnings.push_back(std::move(warning));
+        stats.scene.warnings = stats.warnings.size();
+    }
+
+    void wait_until_done()
+    {
+        std::unique_lock guard(mutex);
+        ended.wait(guard, [&] { return done; });
+    }
+    void wait_and_throw()
+    {
+        wait_until_done();
+        if (error) std::rethrow_exception(error);
+    }
+
+    std::shared_ptr<Renderer::State> renderer;
+    Scene& scene;
+    Camera camera;
+    Settings settings;
+    Box3d bounds;
+    Clock::time_point start = Clock::now();
+    std::unique_ptr<Scene::FrameLock> lock;
+    render::FrameControl control;
+
+    Image image;
+    FrameStats stats;
+    std::exception_ptr error;
+
+    std::mutex mutex;
+    std::condition_variable ended;
+    bool done = false;
+    std::thread thread;
+};
+
+Job::Job(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Job::Job(Job&&) noexcept = default;
+Job& Job::operator=(Job&&) noexcept = default;
+Job::~Job() = default;
+
+bool Job::wait_for(std::chrono::milliseconds time) const
+{
+    std::unique_lock guard(state_->mutex);
+    return state_->ended.wait_for(guard, time, [&] { return state_->done; });
+}
+
+void Job::wait() const { state_->wait_until_done(); }
+Progress Job::progress() const noexcept { return state_->control.progress(); }
+void Job::cancel() noexcept { state_->control.cancel(); }
+
+const Image& Job::image() const
+{
+    state_->wait_and_throw();
+    return state_->image;
+}
+
+Image Job::take_image()
+{
+    state_->wait_and_throw();
+    return std::move(state_->image);
+}
+
+const FrameStats& Job::stats() const
+{
+    state_->wait_and_throw();
+    return state_->stats;
+}
+
+Renderer::Renderer(const Resources& resources) : state_(std::make_shared<State>(resources)) {}
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+Renderer::~Renderer() = default;
+
+Job Renderer::start(Scene& scene, const Camera& camera, const Settings& settings)
+{
+    render::check(settings);
+    if (state_->busy.exchange(true)) throw Error("", "this renderer is busy with another frame");
+    try {
+        auto job = std::make_unique<Job::State>(state_, scene, camera, settings);
+        scene.refit();
+        job->bounds = scene.bounds();
+        job->stats.seconds.refit = seconds_since(job->start);
+        job->lock = std::make_unique<Scene::FrameLock>(scene);
+        job->thread = std::thread([state = job.get()] { state->run(); });
+        return Job(std::move(job));
+    } catch (...) {
+        state_->busy = false;
+        throw;
+    }
+}
+
+Image Renderer::render(Scene& scene, const Camera& camera, const Settings& settings)
+{
+    Job job = start(scene, camera, settings);
+    state_->stats = job.stats();
+    return job.take_image();
+}
+
+const FrameStats& Renderer::stats() const noexcept { return state_->stats; }
+
+}  // namespace occam

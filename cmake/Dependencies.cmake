@@ -1,0 +1,31 @@
+# Debian 12's packages; their names are in packages.txt. What each needs beyond find_package is said here, once.
+find_package(Threads REQUIRED)
+find_package(glm REQUIRED)
+find_package(hwy REQUIRED)
+find_package(TBB REQUIRED)
+find_package(TinyGLTF REQUIRED)
+find_package(tinyobjloader REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(CLI11 REQUIRED)
+
+# OpenImageIO 2.4's own config asks for its command line tools and names an include folder of OpenCV that no package brings.
+find_package(OpenEXR REQUIRED)
+find_path(OCCAM_OIIO_INCLUDE OpenImageIO/imageio.h REQUIRED)
+find_library(OCCAM_OIIO_LIBRARY OpenImageIO REQUIRED)
+find_library(OCCAM_OIIO_UTIL_LIBRARY OpenImageIO_Util REQUIRED)
+add_library(occam_oiio INTERFACE)
+target_include_directories(occam_oiio SYSTEM INTERFACE ${OCCAM_OIIO_INCLUDE})
+target_link_libraries(occam_oiio INTERFACE ${OCCAM_OIIO_LIBRARY} ${OCCAM_OIIO_UTIL_LIBRARY} OpenEXR::OpenEXR)
+
+# OpenSubdiv 3.5's own config names a static library that is not packaged.
+find_path(OCCAM_OSD_INCLUDE opensubdiv/bfr/surface.h REQUIRED)
+find_library(OCCAM_OSD_LIBRARY osdCPU REQUIRED)
+add_library(occam_osd INTERFACE)
+target_include_directories(occam_osd SYSTEM INTERFACE ${OCCAM_OSD_INCLUDE})
+target_link_libraries(occam_osd INTERFACE ${OCCAM_OSD_LIBRARY})
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+endif()

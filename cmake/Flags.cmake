@@ -1,0 +1,24 @@
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+
+add_library(occam_flags INTERFACE)
+# The same bits from every code path, compiler and lane count: nothing is contracted, nothing assumed about NaN.
+target_compile_options(occam_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Werror -ffp-contract=off -fno-math-errno)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  # Highway's AVX2 target asks for AES and PCLMUL too; without them it silently becomes four lanes of SSSE3.
+  target_compile_options(occam_flags INTERFACE -march=x86-64-v3 -maes -mpclmul)
+endif()
+if(OCCAM_ONE_LANE)
+  target_compile_definitions(occam_flags INTERFACE OCCAM_ONE_LANE=1)
+endif()
+if(OCCAM_SANITIZE)
+  target_compile_options(occam_flags INTERFACE -fsanitize=${OCCAM_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all -g1)
+  target_link_options(occam_flags INTERFACE -fsanitize=${OCCAM_SANITIZE})
+endif()
+set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")

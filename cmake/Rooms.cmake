@@ -1,0 +1,34 @@
+# A room is a folder and an object library: occam_room(name ROOMS those-it-sees LIBRARIES private-ones).
+# Its include path is the repository's root, so that an #include names its room.
+set(OCCAM_ROOMS "")
+
+function(occam_room name)
+  cmake_parse_arguments(ROOM "" "" "ROOMS;LIBRARIES" ${ARGN})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${name}/*.cpp)
+  list(FILTER sources EXCLUDE REGEX "/api/command/")
+  if(NOT sources)
+    return()
+  endif()
+  add_library(occam_${name} OBJECT ${sources})
+  target_include_directories(occam_${name} PUBLIC ${PROJECT_SOURCE_DIR} ${CMAKE_BINARY_DIR}/generated)
+  target_link_libraries(occam_${name} PUBLIC occam_flags glm::glm hwy::hwy Threads::Threads PRIVATE ${ROOM_LIBRARIES})
+  target_precompile_headers(occam_${name} PRIVATE
+    <algorithm> <cmath> <cstdint> <memory> <span> <string> <vector> ${PROJECT_SOURCE_DIR}/scenegraph/base/box.h)
+  set(OCCAM_ROOMS ${OCCAM_ROOMS} occam_${name} PARENT_SCOPE)
+  set(OCCAM_ROOM_LIBRARIES ${OCCAM_ROOM_LIBRARIES} ${ROOM_LIBRARIES} PARENT_SCOPE)
+endfunction()
+
+function(occam_library)
+  add_library(occam SHARED)
+  add_library(occam::occam ALIAS occam)
+  foreach(room ${OCCAM_ROOMS})
+    target_sources(occam PRIVATE $<TARGET_OBJECTS:${room}>)
+  endforeach()
+  target_link_libraries(occam PUBLIC glm::glm PRIVATE occam_flags hwy::hwy Threads::Threads ${OCCAM_ROOM_LIBRARIES})
+  target_include_directories(occam PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/api/include>
+    $<INSTALL_INTERFACE:include>
+    $<INSTALL_INTERFACE:include/occam>)
+  set_target_properties(occam PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR})
+endfunction()

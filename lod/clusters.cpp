@@ -1,0 +1,99 @@
+#include "lod/clusters.h"
+
+#include <algorithm>
+#include <span>
+
+namespace occam::lod {
+namespace {
+
+// Bits of x, 10 of them, two zeros between each.
+std::uint32_t spread_bits(std::uint32_t x)
+{
+    x = (x | x << 16) & 0x030000ff;
+    x = (x | x << 8) & 0x0300f00f;
+    x = (x | x << 4) & 0x030c30c3;
+    return (x | x << 2) & 0x09249249;
+}
+
+struct Corners {
+    const Cage& cage;
+    const std::vector<std::uint32_t>& first;
+    std::span<const std::uint32_t> of(std::uint32_t face) const
+    {
+        const std::uint32_t begin = first.empty() ? face * 3 : first[face];
+        const std::uint32_t end = first.empty() ? begin + 3 : first[face + 1];
+        return {cage.face_vertices.data() + begin, end - begin};
+    }
+};
+
+}  // namespace
+
+ClusterTree::ClusterTree(const Cage& cage)
+{
+    const auto faces = static_cast<std::uint32_t>(cage.face_count());
+    if (cage.scheme != Scheme::Triangles) {
+        first_corner_.push_back(0);
+        for (const std::uint32_t n : cage.face_sizes) first_corner_.push_back(first_corner_.back() + n);
+    }
+    const Corners corners{cage, first_corner_};
+
+    const Box3d bounds = cage.bounds();
+    const Vec3d scale = Vec3d(1023.0) / glm::max(bounds.extent(), Vec3d(1e-300));
+    std::vector<std::uint64_t> keys(faces);
+    for (std::uint32_t f = 0; f < faces; ++f) {
+        Vec3d centre(0);
+        const auto of = corners.of(f);
+        for (const std::uint32_t v : of) centre += Vec3d(cage.positions[v]);
+        const Vec3d cell = (centre / double(of.size()) - bounds.lo) * scale;
+        const auto bits = [](double x) { return spread_bits(static_cast<std::uint32_t>(std::clamp(x, 0.0, 1023.0))); };
+        keys[f] = std::uint64_t(bits(cell.x) | bits(cell.y) << 1 | bits(cell.z) << 2) << 32 | f;
+    }
+    std::sort(keys.begin(), keys.end());
+    order_.resize(faces);
+    for (std::uint32_t i = 0; i < faces; ++i) order_[i] = static_cast<std::uint32_t>(keys[i]);
+
+    nodes_.push_back({{}, 0, faces, 0});
+    for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
+        const auto [begin, end] = std::pair(nodes_[i].begin, nodes_[i].end);
+        if (end - begin <= kLeafFaces) continue;
+        const std::uint32_t middle = begin + (end - begin) / 2;
+        nodes_[i].left = static_cast<std::uint32_t>(nodes_.size());
+        nodes_.push_back({{}, begin, middle, 0});
+        nodes_.push_back({{}, middle, end, 0});
+    }
+    refit(cage);
+}
+
+void ClusterTree::refit(const Cage& cage)
+{
+    const Corners corners{cage, first_corner_};
+    const bool is_smooth = cage.scheme == Scheme::CatmullClark;
+    const auto faces = static_cast<std::uint32_t>(order_.size());
+
+    // The control points of a smooth face are those of the faces around its corners.
+    std::vector<Box3f> around(is_smooth ? cage.positions.size() : 0);
+    if (is_smooth)
+        for (std::uint32_t f = 0; f < faces; ++f) {
+            Box3f box;
+            for (const std::uint32_t v : corners.of(f)) box.add(cage.positions[v]);
+            for (const std::uint32_t v : corners.of(f)) around[v].add(box);
+        }
+    for (std::uint32_t i = static_cast<std::uint32_t>(nodes_.size()); i-- > 0;) {
+        Node& node = nodes_[i];
+        node.box = {};
+        if (node.left != 0) {
+            node.box.add(nodes_[node.left].box);
+            node.box.add(nodes_[node.left + 1].box);
+            continue;
+        }
+        for (std::uint32_t k = node.begin; k < node.end; ++k)
+            for (const std::uint32_t v : corners.of(order_[k])) {
+                if (is_smooth) node.box.add(around[v]);
+                else node.box.add(cage.positions[v]);
+            }
+        const Vec3f pad(1e-6f * node.box.largest_coordinate());
+        node.box = {node.box.lo - pad, node.box.hi + pad};
+    }
+}
+
+}  // namespace occam::lod

@@ -1,0 +1,34 @@
+// How wide a ray is, and from it the level of detail that it asks for.
+//
+// Djeu et al. 2011, sec. 5.2.6. Level l stands for micropolygon edges of d_l = 2^l world units, l any integer, the same
+// everywhere (levels do not shift with the scene's size or the camera).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "scenegraph/base/box.h"
+
+namespace occam::lod {
+
+/// Full width of a beam at distance t: A + B t, world length.
+struct Footprint {
+    float a = 0, b = 0;
+    float at(float t) const noexcept { return std::max(0.0f, a + b * t); }
+};
+
+/// d_l.
+inline float edge_length(int level) noexcept { return std::ldexp(1.0f, level); }
+
+/// How a frame chooses levels: one for each cage instance, where the camera's footprint on it is smallest.
+struct LevelSettings {
+    Vec3d eye{0};
+    Footprint pixel;          ///< of one pixel of the camera
+    float shading_rate = 1;   ///< wanted micropolygon edge, in pixels
+};
+
+/// Largest level with d_l <= wanted edge, and so the finest that a ray to `bounds` (world axes) needs. Inside or next to
+/// the bounds the distance is taken as a sixteenth of their radius: nothing is infinitely fine.
+int choose_level(const LevelSettings& settings, const Box3d& bounds) noexcept;
+
+}  // namespace occam::lod

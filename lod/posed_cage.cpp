@@ -1,0 +1,33 @@
+#include "lod/posed_cage.h"
+
+#include <cmath>
+
+namespace occam::lod {
+
+void PosedCage::place(const Mat4d& world_from_object, const Box3d& object_bounds) noexcept
+{
+    const Box3d world = transform_box(world_from_object, object_bounds);
+    radius = static_cast<float>(world.radius()) * 1.0001f;
+    // The lattice's step is a power of two near the radius, so an anchor has few bits and survives small movements.
+    const double step = std::ldexp(1.0, std::ilogb(std::max(double(radius), 1e-30)));
+    anchor = glm::round(world.centre() / step) * step;
+    radius += static_cast<float>(glm::distance(anchor, world.centre()));
+    for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 3; ++c) frame_from_object[r][c] = world_from_object[c][r];
+        frame_from_object[r][3] = world_from_object[3][r] - anchor[r];
+    }
+    is_mirrored = glm::determinant(Mat3d(world_from_object)) < 0;
+}
+
+Vec3f PosedCage::pose_normal(Vec3f n) const noexcept
+{
+    // Cofactors: the inverse transpose times the determinant.
+    const auto& m = frame_from_object;
+    const Vec3d a{m[0][0], m[1][0], m[2][0]}, b{m[0][1], m[1][1], m[2][1]}, c{m[0][2], m[1][2], m[2][2]};
+    const Vec3d turned = glm::cross(b, c) * double(n.x) + glm::cross(c, a) * double(n.y) + glm::cross(a, b) * double(n.z);
+    const double length = glm::length(turned);
+    if (!(length > 0)) return n;
+    return Vec3f(turned * ((is_mirrored ? -1.0 : 1.0) / length));
+}
+
+}  // namespace occam::lod

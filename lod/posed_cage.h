@@ -1,0 +1,46 @@
+// One cage where one node shows it, for one frame: the frame that it is diced in, and the level that rays see it at.
+//
+// Space    *dicing frame*: world axes and lengths, translated by `anchor`, a point of a power-of-two lattice near the cage. So
+//          an edge length there is a world length, coordinates stay small far from the world's origin, and a ray gets there
+//          by one subtraction in double.
+// Memory   plain data in a worker's arena; borrows scene and topology for the frame.
+#pragma once
+
+#include <span>
+
+#include "lod/clusters.h"
+#include "lod/topology.h"
+#include "scenegraph/scene.h"
+
+namespace occam::lod {
+
+struct PosedCage {
+    const CageSlot* slot = nullptr;
+    const Topology* topology = nullptr;   ///< null for Scheme::Triangles
+    const ClusterTree* clusters = nullptr;
+    const Node* node = nullptr;
+    NodeId node_id;
+    std::uint64_t key = 0;                ///< of the path of nodes that leads here: orders hits at equal distance
+    double frame_from_object[3][4] = {};  ///< rows: rotation and scale, then translation
+    Vec3d anchor{0};                      ///< world
+    float radius = 0;                     ///< world, of a ball about the anchor that holds it
+    int level = 0;
+    bool is_mirrored = false;             ///< the placement turns the sense of faces round
+
+    /// Sets frame, anchor, radius and mirroring from a placement.
+    void place(const Mat4d& world_from_object, const Box3d& object_bounds) noexcept;
+
+    /// Object axes to the dicing frame, in double, rounded once: a pure function of the point.
+    Vec3f pose(Vec3f p) const noexcept
+    {
+        const auto row = [&](int r) {
+            const double* m = frame_from_object[r];
+            return static_cast<float>(m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3]);
+        };
+        return {row(0), row(1), row(2)};
+    }
+    /// A normal of the object's, not normalised (inverse transpose; mirrored placements keep outsides outside).
+    Vec3f pose_normal(Vec3f n) const noexcept;
+};
+
+}  // namespace occam::lod

@@ -1,0 +1,75 @@
+// A patch with its control points posed: evaluates limit points and tangents of it.
+//
+// Space    the cage's dicing frame; parameters of the patch, [0, 1].
+// Memory   its vectors are reused from patch to patch (see PatchPool); nothing here is in an arena.
+// Threads  one worker's own.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "lod/bicubic.h"
+#include "lod/posed_cage.h"
+
+namespace occam::lod {
+
+struct SurfacePoint {
+    Vec3f p, du, dv;
+};
+
+/// A grid of parameters: (u0 + i * step_u, v0 + j * step_v), i < columns, j < rows. All dyadic, so exact.
+struct ParameterGrid {
+    float u0 = 0, v0 = 0, step_u = 1, step_v = 1;
+    int columns = 2, rows = 2;
+};
+
+class PosedPatch {
+public:
+    /// Poses the control points of a patch of the cage.
+    void set(const PosedCage& cage, PatchRef patch);
+    /// Takes the values of a UV set instead; they are the x and y of points.
+    void set_uv(const PosedCage& cage, PatchRef patch, int uv_set);
+
+    /// Points at `grid`, to rows of `stride` floats at x, y, z.
+    void points(const ParameterGrid& grid, float* x, float* y, float* z, int stride);
+    /// The same with both tangents (with respect to the patch's parameter): 9 arrays of rows, p.x .. dv.z.
+    void points_and_tangents(const ParameterGrid& grid, float* const out[9], int stride);
+
+    /// Points of a curve at v (or u, if along_v) fixed and the other parameter t0 + i * step, i < out.size(); step is not 0.
+    void curve(bool along_v, float fixed, float t0, float step, std::span<Vec3f> out);
+    Vec3f point(float u, float v);
+
+    /// Largest speed along u (or v) that a curve on the border may have: see Dicer. Exact bound for bicubic pieces; where the patch
+    /// meets an extraordinary vertex, chords of sixteenths.
+    float curve_speed(bool along_v, float fixed, float t0, float t1);
+    /// The same for the whole patch along u and along v.
+    void speeds(float& along_u, float& along_v);
+
+    /// A box of all points with u0 <= u <= u1, v0 <= v <= v1: of the Bezier points of the pieces there; next to an
+    /// extraordinary vertex, of the smallest squares' corners, grown by their extent.
+    Box3f bounds(float u0, float u1, float v0, float v1);
+
+private:
+    struct Piece {
+        const PatchClass::Node* node;
+        PieceControls controls;
+    };
+
+    const PieceControls& piece(const PatchClass::Node& node);
+    SurfacePoint direct(const PatchClass::Node& leaf, float u, float v);
+    template <bool kTangents>
+    void fill(const PatchClass::Node& node, const ParameterGrid& grid, int i0, int i1, int j0, int j1, float* const* out, int stride);
+    template <bool kTangents>
+    void fill_piece(const PatchClass::Node& node, const ParameterGrid& grid, int i0, int i1, int j0, int j1, float* const* out, int stride);
+    void fill_curve(const PatchClass::Node& node, bool along_v, float fixed, float t0, float step, int i0, int i1, Vec3f* out);
+    float curve_speed_below(const PatchClass::Node& node, bool along_v, float fixed, float t0, float t1);
+    void bounds_below(const PatchClass::Node& node, float u0, float u1, float v0, float v1, Box3f& box);
+    void speeds_below(const PatchClass::Node& node, float& along_u, float& along_v);
+
+    const PatchClass* kind_ = nullptr;
+    std::vector<float> x_, y_, z_;  ///< control points
+    std::vector<Piece> pieces_;     ///< made so far
+    std::vector<float> rows_;
+};
+
+}  // namespace occam::lod

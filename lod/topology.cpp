@@ -1,0 +1,206 @@
+#include "lod/topology.h"
+
+#include <deque>
+#include <mutex>
+#include <unordered_map>
+
+#include "lod/topology_mesh.h"
+#include "scenegraph/base/hash.h"
+
+namespace occam::lod {
+namespace {
+
+struct KeyHash {
+    std::size_t operator()(const std::vector<std::uint32_t>& key) const noexcept
+    {
+        return static_cast<std::size_t>(fnv1a(key.data(), key.size() * sizeof(key[0])));
+    }
+};
+
+/// Corner i of a quad patch.
+PatchPoint quad_corner(std::uint32_t face, std::uint32_t corner) noexcept
+{
+    constexpr float kU[4] = {0, 1, 1, 0}, kV[4] = {0, 0, 1, 1};
+    return {{face, 0}, kU[corner], kV[corner]};
+}
+
+/// Parameter s along edge j of a quad, from its corner j.
+PatchPoint quad_edge(std::uint32_t face, int j, float s) noexcept
+{
+    switch (j) {
+        case 0: return {{face, 0}, s, 0};
+        case 1: return {{face, 0}, 1, s};
+        case 2: return {{face, 0}, 1 - s, 1};
+        default: return {{face, 0}, 0, 1 - s};
+    }
+}
+
+}  // namespace
+
+struct Topology::Tables {
+    using Slots = std::vector<std::atomic<const PatchControls*>>;
+
+    std::mutex mutex;
+    std::vector<Slots> slots;  ///< 0: vertices, 1 + s: UV set s; one a patch
+    std::unordered_map<std::vector<std::uint32_t>, std::unique_ptr<const PatchClass>, KeyHash> classes;
+    std::deque<PatchControls> records;
+    std::deque<std::vector<std::uint32_t>> indices;
+    std::vector<std::uint32_t> first_inner;  ///< of each face; empty when all faces are quads
+    std::vector<std::uint32_t> inner_face;
+};
+
+Topology::Topology(const Cage& cage) : mesh_(std::make_unique<Mesh>(cage)), tables_(std::make_unique<Tables>())
+{
+    const auto& level = mesh_->level();
+    face_count_ = static_cast<std::uint32_t>(level.GetNumFaces());
+    edge_count_ = static_cast<std::uint32_t>(level.GetNumEdges());
+    uv_set_count_ = static_cast<int>(cage.uv_sets.size());
+    seen_.resize(face_count_);
+    bool all_quads = true;
+    for (std::uint32_t f = 0; f < face_count_; ++f) {
+        const int face = static_cast<int>(f);
+        seen_[f] = mesh_->factory->FaceHasLimitSurface(face) && !level.IsFaceHole(face);
+        all_quads &= face_size(f) == 4;
+    }
+    patch_count_ = face_count_;
+    if (!all_quads) {
+        patch_count_ = 0;
+        for (std::uint32_t f = 0; f < face_count_; ++f) {
+            first_patch_.push_back(patch_count_);
+            tables_->first_inner.push_back(inner_count_);
+            patch_count_ += patches_of(f);
+            if (face_size(f) == 4) continue;
+            inner_count_ += face_size(f);
+            tables_->inner_face.insert(tables_->inner_face.end(), face_size(f), f);
+        }
+    }
+    for (int s = 0; s <= uv_set_count_; ++s) tables_->slots.emplace_back(patch_count_);
+}
+
+Topology::~Topology() = default;
+
+std::uint32_t Topology::face_size(std::uint32_t face) const noexcept
+{
+    return static_cast<std::uint32_t>(mesh_->level().GetFaceVertices(static_cast<int>(face)).size());
+}
+
+std::uint32_t Topology::patch_index(PatchRef p) const noexcept
+{
+    return first_patch_.empty() ? p.face : first_patch_[p.face] + p.sub;
+}
+
+const PatchControls& Topology::controls(PatchRef patch) const
+{
+    const PatchControls* found = tables_->slots[0][patch_index(patch)].load(std::memory_order_acquire);
+    return found ? *found : make_controls(patch, -1);
+}
+
+const PatchControls& Topology::uv_controls(PatchRef patch, int set) const
+{
+    const PatchControls* found = tables_->slots[set + 1][patch_index(patch)].load(std::memory_order_acquire);
+    return found ? *found : make_controls(patch, set);
+}
+
+const PatchControls& Topology::make_controls(PatchRef patch, int uv_set) const
+{
+    Neighbourhood around = neighbourhood(mesh_->level(), patch, mesh_->bilinear, uv_set);
+    const std::lock_guard lock(tables_->mutex);
+    auto& slot = tables_->slots[uv_set + 1][patch_index(patch)];
+    if (const PatchControls* found = slot.load(std::memory_order_relaxed)) return *found;
+    auto& kind = tables_->classes[std::move(around.key)];
+    if (!kind) {
+        auto source = limit_source(*mesh_->factory, patch, around.controls, uv_set);
+        kind = std::make_unique<const PatchClass>(static_cast<int>(around.controls.size()), std::move(source));
+    }
+    const auto& indices = tables_->indices.emplace_back(std::move(around.controls));
+    const PatchControls& record = tables_->records.emplace_back(PatchControls{kind.get(), indices});
+    slot.store(&record, std::memory_order_release);
+    return record;
+}
+
+SideCurve Topology::side(PatchRef patch, int side) const noexcept
+{
+    const auto& level = mesh_->level();
+    const int face = static_cast<int>(patch.face);
+    const auto edges = level.GetFaceEdges(face);
+    const auto vertices = level.GetFaceVertices(face);
+    const int n = vertices.size();
+    const bool is_quad = n == 4;
+    // Base edge j of this face, e from its corner j: the curve runs the other way when it starts at the next corner.
+    const auto on_edge = [&](int j, float e0, float e1) -> SideCurve {
+        const bool forward = level.GetEdgeVertices(edges[j])[0] == vertices[j];
+        return {static_cast<std::uint32_t>(edges[j]), forward ? e0 : 1 - e0, forward ? e1 : 1 - e1};
+    };
+    if (is_quad) return side < 2 ? on_edge(side, 0, 1) : on_edge(side, 1, 0);
+    const int i = static_cast<int>(patch.sub), before = (i + n - 1) % n;
+    const auto on_inner = [&](int j) -> SideCurve {
+        return {edge_count_ + tables_->first_inner[patch.face] + static_cast<std::uint32_t>(j), 0, 1};
+    };
+    switch (side) {
+        case 0: return on_edge(i, 0, 0.5f);
+        case 1: return on_inner(i);
+        case 2: return on_inner(before);
+        default: return on_edge(before, 1, 0.5f);
+    }
+}
+
+PatchPoint Topology::corner_point(std::uint32_t face, std::uint32_t corner) const noexcept
+{
+    return face_size(face) == 4 ? quad_corner(face, corner) : PatchPoint{{face, corner}, 0, 0};
+}
+
+PatchPoint Topology::curve_point(std::uint32_t curve, float c) const noexcept
+{
+    if (curve >= edge_count_) {
+        const std::uint32_t inner = curve - edge_count_, face = tables_->inner_face[inner];
+        return {{face, inner - tables_->first_inner[face]}, 1, c};
+    }
+    const auto& level = mesh_->level();
+    const int edge = static_cast<int>(curve);
+    const std::uint32_t face = mesh_->edge_owner[curve];
+    const auto edges = level.GetFaceEdges(static_cast<int>(face));
+    const auto vertices = level.GetFaceVertices(static_cast<int>(face));
+    int j = 0;
+    while (edges[j] != edge) ++j;
+    const float s = level.GetEdgeVertices(edge)[0] == vertices[j] ? c : 1 - c;
+    const int n = vertices.size();
+    if (n == 4) return quad_edge(face, j, s);
+    if (s <= 0.5f) return {{face, static_cast<std::uint32_t>(j)}, 2 * s, 0};
+    return {{face, static_cast<std::uint32_t>((j + 1) % n)}, 0, 2 * (1 - s)};
+}
+
+PatchPoint Topology::curve_end(std::uint32_t curve, int end) const noexcept
+{
+    if (curve >= edge_count_) return {{tables_->inner_face[curve - edge_count_], 0}, 1, 1};
+    const auto& level = mesh_->level();
+    const int vertex = level.GetEdgeVertices(static_cast<int>(curve))[end];
+    const std::uint32_t face = mesh_->vertex_owner[vertex];
+    std::uint32_t corner = mesh_->vertex_corner[vertex];
+    if (corner == 0xff) {
+        const auto vertices = level.GetFaceVertices(static_cast<int>(face));
+        while (vertices[static_cast<int>(corner)] != vertex) ++corner;
+    }
+    return corner_point(face, corner);
+}
+
+std::uint32_t Topology::base_edge(std::uint32_t inner_curve) const noexcept
+{
+    const std::uint32_t inner = inner_curve - edge_count_, face = tables_->inner_face[inner];
+    const auto edges = mesh_->level().GetFaceEdges(static_cast<int>(face));
+    return static_cast<std::uint32_t>(edges[static_cast<int>(inner - tables_->first_inner[face])]);
+}
+
+int Topology::least_exponent(std::uint32_t curve) const noexcept
+{
+    if (curve >= edge_count_) return 0;
+    for (const int f : mesh_->level().GetEdgeFaces(static_cast<int>(curve)))
+        if (mesh_->level().GetFaceVertices(f).size() != 4) return 1;
+    return 0;
+}
+
+bool Topology::has_middle_knot(std::uint32_t curve) const noexcept
+{
+    return curve < edge_count_ && face_size(mesh_->edge_owner[curve]) != 4;
+}
+
+}  // namespace occam::lod

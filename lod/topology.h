@@ -1,0 +1,99 @@
+// What no vertex position can change about a cage: its patches, who owns each curve and corner, and their classes.
+//
+// A face of four corners is one patch; any other face is one patch a corner (OpenSubdiv's quad sub-faces), whose corner (0, 0)
+// is that vertex, u along the edge to the next, (1, 1) the face's middle.
+//
+// Curves   the borders of patches: base edges first, then the inner curves of n-gons (from the middle of base edge j to the
+//          face's middle). Each has one owner, and all patches along it take the owner's points (Djeu 2011, sec. 5.1.3, asks
+//          for the same bits; evaluated from two sides they differ). The owner is the lowest face with a limit surface.
+// Corners  likewise: a vertex is evaluated at its lowest face.
+//
+// Memory   tables grow on demand: classes, and 8 + 4 n bytes for each patch touched. Freed with the object.
+// Threads  const calls from any thread; what grows does so under a lock of this object.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "lod/patch_class.h"
+#include "scenegraph/cage.h"
+
+namespace occam::lod {
+
+struct PatchRef {
+    std::uint32_t face = 0;
+    std::uint32_t sub = 0;
+    friend bool operator==(PatchRef, PatchRef) = default;
+};
+
+/// A patch's class and its control points, as vertices of the cage (or values of a UV set).
+struct PatchControls {
+    const PatchClass* kind = nullptr;
+    std::span<const std::uint32_t> indices;
+};
+
+/// One side of a patch: the curve it lies on, and the curve's parameter where the side's own lattice has 0 and 1.
+struct SideCurve {
+    std::uint32_t curve = 0;
+    float c0 = 0, c1 = 1;
+};
+
+/// A point of a patch: where an owner evaluates.
+struct PatchPoint {
+    PatchRef patch;
+    float u = 0, v = 0;
+};
+
+class Topology {
+public:
+    /// cage     sanitized; Scheme::CatmullClark or Bilinear. Borrowed for the call only.
+    explicit Topology(const Cage& cage);
+    ~Topology();
+
+    std::uint32_t face_count() const noexcept { return face_count_; }
+    std::uint32_t patch_count() const noexcept { return patch_count_; }
+    std::uint32_t face_size(std::uint32_t face) const noexcept;
+    std::uint32_t patches_of(std::uint32_t face) const noexcept { return face_size(face) == 4 ? 1 : face_size(face); }
+    /// Has a limit surface and is not a hole.
+    bool is_seen(std::uint32_t face) const noexcept { return seen_[face] != 0; }
+    std::uint32_t curve_count() const noexcept { return edge_count_ + inner_count_; }
+
+    const PatchControls& controls(PatchRef patch) const;
+    const PatchControls& uv_controls(PatchRef patch, int set) const;
+    int uv_set_count() const noexcept { return uv_set_count_; }
+
+    /// Side 0: v = 0, 1: u = 1, 2: v = 1, 3: u = 0; its lattice runs with rising u or v.
+    SideCurve side(PatchRef patch, int side) const noexcept;
+
+    /// Where the owner of the curve evaluates its parameter c, 0 < c < 1; at 0 and 1 see curve_end().
+    PatchPoint curve_point(std::uint32_t curve, float c) const noexcept;
+    /// Where an end of a curve is evaluated, by the owner of that point: end 0 or 1. Not of an inner curve's end 0, which
+    /// is the middle of base_edge(curve).
+    PatchPoint curve_end(std::uint32_t curve, int end) const noexcept;
+    bool is_inner(std::uint32_t curve) const noexcept { return curve >= edge_count_; }
+    /// The base edge in whose middle an inner curve begins.
+    std::uint32_t base_edge(std::uint32_t inner_curve) const noexcept;
+    /// Smallest exponent of the curve's rate: 1 where an n-gon splits a base edge into halves, else 0.
+    int least_exponent(std::uint32_t curve) const noexcept;
+    /// A curve belongs to two patches of one owner (a base edge of an n-gon), so its parameter 1/2 is a knot.
+    bool has_middle_knot(std::uint32_t curve) const noexcept;
+
+private:
+    struct Mesh;
+    struct Tables;
+
+    PatchPoint corner_point(std::uint32_t face, std::uint32_t corner) const noexcept;
+    std::uint32_t patch_index(PatchRef p) const noexcept;
+    const PatchControls& make_controls(PatchRef patch, int uv_set) const;
+
+    std::unique_ptr<const Mesh> mesh_;
+    std::unique_ptr<Tables> tables_;
+    std::uint32_t face_count_ = 0, patch_count_ = 0, edge_count_ = 0, inner_count_ = 0;
+    int uv_set_count_ = 0;
+    std::vector<std::uint8_t> seen_;
+    std::vector<std::uint32_t> first_patch_;  ///< empty when all faces are quads
+};
+
+}  // namespace occam::lod

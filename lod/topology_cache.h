@@ -1,0 +1,34 @@
+// What lives from frame to frame for each cage of a scene: its topology and its cluster tree.
+//
+// Threads  get() from any worker: the first to ask builds, others wait for that cage only. prune() and refit() between frames.
+#pragma once
+
+#include <memory>
+
+#include "lod/clusters.h"
+#include "lod/topology.h"
+#include "scenegraph/scene.h"
+
+namespace occam::lod {
+
+struct CageTables {
+    std::unique_ptr<const Topology> topology;  ///< null for Scheme::Triangles
+    std::unique_ptr<ClusterTree> clusters;
+};
+
+class TopologyCache {
+public:
+    TopologyCache();
+    ~TopologyCache();
+
+    /// Tables of the cage, made now if they are new or its positions changed since.
+    const CageTables& get(const CageSlot& slot);
+    /// Forgets cages that the scene no longer has. Between frames.
+    void prune(const Scene& scene);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace occam::lod

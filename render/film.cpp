@@ -1,0 +1,105 @@
+#include "render/film.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace occam::render {
+namespace {
+
+struct LayerForm {
+    std::vector<std::string> channels;
+    bool full_float;
+};
+
+LayerForm form_of(Aov aov)
+{
+    switch (aov) {
+        case Aov::Depth: return {{"Z"}, true};
+        case Aov::Normal:
+        case Aov::NormalGeometric: return {{"X", "Y", "Z"}, false};
+        case Aov::Albedo: return {{"R", "G", "B", "A"}, false};
+        case Aov::Uv: return {{"U", "V"}, true};
+        case Aov::Position: return {{"X", "Y", "Z"}, true};
+        case Aov::Id: return {{"I"}, true};
+        case Aov::Variance: return {{"Y"}, true};
+    }
+    return {};
+}
+
+std::size_t index_of(Aov aov) noexcept { return static_cast<std::size_t>(std::countr_zero(static_cast<unsigned>(aov))); }
+
+bool is_finite(Vec3f v) noexcept { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+}  // namespace
+
+void PixelSums::add(const SampleResult& sample, Vec2f place) noexcept
+{
+    const Vec3d radiance = is_finite(sample.radiance) ? Vec3d(sample.radiance) : Vec3d(0);
+    beauty_ += Vec4d(radiance, double(sample.alpha));
+    if (is_finite(Vec3f(sample.albedo))) albedo_ += Vec4d(sample.albedo);
+    const double y = 0.2126 * radiance.x + 0.7152 * radiance.y + 0.0722 * radiance.z;
+    luminance_ += y;
+    luminance2_ += y * y;
+    ++count_;
+    const Vec2f off = place - Vec2f(0.5f);
+    const float distance = glm::dot(off, off);
+    if (distance < nearest_) {
+        nearest_ = distance;
+        first_ = sample.first;
+    }
+}
+
+Vec4f PixelSums::beauty() const noexcept { return count_ ? Vec4f(beauty_ / double(count_)) : Vec4f(0); }
+Vec4f PixelSums::albedo() const noexcept { return count_ ? Vec4f(albedo_ / double(count_)) : Vec4f(0); }
+
+float PixelSums::variance() const noexcept
+{
+    if (count_ < 2) return 0;
+    const double n = count_;
+    return static_cast<float>(std::max(0.0, (luminance2_ - luminance_ * luminance_ / n) / (n - 1) / n));
+}
+
+Film::Film(const Settings& settings)
+    : settings_(settings), rect_(crop_pixels(settings)), image_(rect_.width(), rect_.height())
+{
+    image_.x0 = rect_.x0;
+    image_.y0 = rect_.y0;
+    image_.full_width = settings.width;
+    image_.full_height = settings.height;
+    image_.add_layer("beauty", {"R", "G", "B", "A"});
+    for (Aov aov : kAllAovs) {
+        if (!settings.has(aov)) continue;
+        LayerForm form = form_of(aov);
+        layer_of_[index_of(aov)] = image_.layers().size();
+        Layer& layer = image_.add_layer(std::string(aov_name(aov)), std::move(form.channels), form.full_float);
+        // What was never reached is a miss.
+        if (aov == Aov::Depth) std::fill(layer.pixels.begin(), layer.pixels.end(), std::numeric_limits<float>::infinity());
+    }
+}
+
+void Film::put(Aov aov, std::size_t pixel, const float* values, std::size_t count) noexcept
+{
+    if (!settings_.has(aov)) return;
+    std::copy_n(values, count, image_.layer(layer_of_[index_of(aov)]).pixels.begin() + std::ptrdiff_t(pixel * count));
+}
+
+void Film::store(int x, int y, const PixelSums& sums) noexcept
+{
+    const std::size_t pixel = std::size_t(y - rect_.y0) * std::size_t(rect_.width()) + std::size_t(x - rect_.x0);
+    const Vec4f beauty = sums.beauty();
+    std::copy_n(&beauty.x, 4, image_.layer(0).pixels.begin() + std::ptrdiff_t(pixel * 4));
+    const FirstHit& first = sums.first();
+    const Vec4f albedo = sums.albedo();
+    const float variance = sums.variance();
+    put(Aov::Depth, pixel, &first.depth, 1);
+    put(Aov::Normal, pixel, &first.normal.x, 3);
+    put(Aov::NormalGeometric, pixel, &first.normal_geometric.x, 3);
+    put(Aov::Albedo, pixel, &albedo.x, 4);
+    put(Aov::Uv, pixel, &first.uv.x, 2);
+    put(Aov::Position, pixel, &first.position.x, 3);
+    put(Aov::Id, pixel, &first.id, 1);
+    put(Aov::Variance, pixel, &variance, 1);
+}
+
+}  // namespace occam::render

@@ -1,0 +1,163 @@
+#include "render/frame.h"
+
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <mutex>
+
+#include "accel/frame.h"
+#include "render/film.h"
+#include "render/integrator.h"
+#include "render/tiles.h"
+
+namespace occam::render {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Rays that start together: enough for a tracer's packets and streams, few enough that a cancelled frame stops soon.
+constexpr int kBatchRays = 4096;
+
+bool has_blending(const Scene& scene)
+{
+    bool found = false;
+    const auto look = [&](const std::vector<MaterialId>& ids) {
+        for (MaterialId id : ids)
+            if (const Material* m = scene.find(id)) found |= m->alpha_mode == AlphaMode::Blend;
+    };
+    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
+        look(node.materials);
+        for (CageId id : node.cages)
+            if (const CageSlot* slot = scene.find(id)) look(slot->cage.materials);
+    });
+    return found;
+}
+
+// Nearest and farthest camera z of the scene's box.
+void set_depth_range(FrameContext& context, const Box3d& bounds)
+{
+    if (bounds.is_empty()) return;
+    double z_near = std::numeric_limits<double>::infinity(), z_far = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        const Vec3d p(corner & 1 ? bounds.hi.x : bounds.lo.x, corner & 2 ? bounds.hi.y : bounds.lo.y,
+                      corner & 4 ? bounds.hi.z : bounds.lo.z);
+        const double z = std::max(0.0, context.camera.depth(p));
+        z_near = std::min(z_near, z);
+        z_far = std::max(z_far, z);
+    }
+    context.depth_near = static_cast<float>(z_near);
+    context.depth_far = static_cast<float>(z_far);
+}
+
+// Makes tiles, one after the other, with what it owns.
+class Worker {
+public:
+    Worker(const FrameContext& context, const accel::Frame& frame, std::size_t budget_bytes, Clock::time_point deadline)
+        : context_(context), tracer_(frame, budget_bytes), integrator_(context), deadline_(deadline)
+    {
+    }
+
+    /// False if it was stopped on the way: then nothing of the tile is kept.
+    bool make(const PixelRect& tile, Film& film, const FrameControl& control)
+    {
+        const int pixels = tile.width() * tile.height();
+        const int spp = context_.settings.spp;
+        const int step = std::clamp(kBatchRays / pixels, 1, spp);
+        sums_.assign(static_cast<std::size_t>(pixels), {});
+        for (int first = 0; first < spp; first += step) {
+            if (control.is_cancelled() || Clock::now() >= deadline_) return false;
+            trace(tile, first, std::min(first + step, spp));
+        }
+        const auto start = Clock::now();
+        std::size_t i = 0;
+        for (int y = tile.y0; y < tile.y1; ++y)
+            for (int x = tile.x0; x < tile.x1; ++x) film.store(x, y, sums_[i++]);
+        film_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
+        return true;
+    }
+
+    void count_into(FrameStats& stats) const
+    {
+        const accel::TraceCounters& t = tracer_.counters();
+        const IntegratorCounters& c = integrator_.counters();
+        stats.rays.primary += c.primary;
+        stats.rays.shadow += c.shadow;
+        stats.seconds.build += t.build_seconds;
+        stats.seconds.tessellate += t.dice_seconds;
+        stats.seconds.trace += std::max(0.0, c.trace_seconds - t.build_seconds - t.dice_seconds);
+        stats.seconds.shade += c.shade_seconds;
+        stats.seconds.film += film_seconds_;
+        stats.built.kd_nodes += t.kd_nodes;
+        stats.built.grids += t.grids;
+        stats.built.micropolygons += t.micropolygons;
+        stats.built.faces_touched += t.faces_touched;
+        stats.built.vertices_shaded += t.vertices_shaded;
+        stats.memory.arena_peak_bytes += t.peak_bytes;
+        stats.memory.flushes += t.flushes;
+    }
+
+private:
+    // Pixel by pixel, a pixel's samples in order: neighbouring rays stay neighbours in the batch.
+    void trace(const PixelRect& tile, int first, int last)
+    {
+        samples_.clear();
+        for (int y = tile.y0; y < tile.y1; ++y)
+            for (int x = tile.x0; x < tile.x1; ++x)
+                for (int s = first; s < last; ++s) samples_.push_back({x, y, s});
+        results_.resize(samples_.size());
+        integrator_.run(tracer_, samples_, results_);
+
+        const auto start = Clock::now();
+        const auto per_pixel = static_cast<std::size_t>(last - first);
+        for (std::size_t i = 0; i < samples_.size(); ++i) {
+            const CameraSample& s = samples_[i];
+            sums_[i / per_pixel].add(results_[i], context_.sampler.in_pixel(s.x, s.y, s.index));
+        }
+        film_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
+    }
+
+    const FrameContext& context_;
+    accel::Tracer tracer_;
+    DirectIntegrator integrator_;
+    Clock::time_point deadline_;
+    double film_seconds_ = 0;
+    std::vector<CameraSample> samples_;
+    std::vector<SampleResult> results_;
+    std::vector<PixelSums> sums_;
+};
+
+}  // namespace
+
+Image render_frame(const FrameInputs& in, FrameControl& control, FrameStats& stats)
+{
+    const CameraRays camera(in.camera, in.settings.width, in.settings.height);
+    const Sampler sampler(in.settings.seed, in.settings.spp, in.settings.jitter);
+    const shade::FrameLights lights(in.scene, in.camera, in.textures);
+    FrameContext context{in.settings, camera, sampler, lights, in.textures, has_blending(in.scene)};
+    set_depth_range(context, in.scene_bounds);
+    const accel::Frame frame(in.scene, in.topologies, {camera.eye(), camera.pixel(), in.settings.shading_rate});
+
+    Film film(in.settings);
+    const int threads = in.resources.threads;
+    TileQueue tiles(make_tiles(crop_pixels(in.settings)), threads);
+    std::mutex stats_mutex;
+    const auto work = [&](int index) {
+        auto tile = tiles.next(index);
+        if (!tile) return;  // another took all of it already
+        Worker worker(context, frame, in.resources.memory_bytes / static_cast<std::size_t>(threads), in.deadline);
+        for (; tile && worker.make(*tile, film, control); tile = tiles.next(index)) control.finish_tile();
+        const std::lock_guard lock(stats_mutex);
+        worker.count_into(stats);
+    };
+
+    control.start_tiles(tiles.size());
+    const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+    tbb::task_arena arena(threads);
+    arena.execute([&] { tbb::parallel_for(0, threads, work, tbb::simple_partitioner()); });
+
+    stats.complete = control.tiles_done() == tiles.size();
+    return std::move(film).take();
+}
+
+}  // namespace occam::render

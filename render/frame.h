@@ -1,0 +1,34 @@
+// One frame: tiles handed to workers, each with a tracer and an integrator of its own.
+//
+// Borrows   everything in FrameInputs until render_frame() returns. The caller has refitted and locked the scene.
+// Memory    the budget is divided evenly among the workers; the film is a few floats a pixel beside it.
+// Threads   one call makes `threads` workers; the picture does not depend on how many.
+#pragma once
+
+#include <chrono>
+
+#include "lod/topology_cache.h"
+#include "render/frame_control.h"
+#include "render/image.h"
+#include "render/settings.h"
+#include "render/stats.h"
+#include "scenegraph/scene.h"
+#include "scenegraph/texture/texture_store.h"
+
+namespace occam::render {
+
+struct FrameInputs {
+    const Scene& scene;
+    Box3d scene_bounds;
+    const Camera& camera;
+    const Settings& settings;    ///< checked
+    const Resources& resources;  ///< resolved
+    lod::TopologyCache& topologies;
+    const TextureStore& textures;
+    std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
+};
+
+/// Adds what it counts to `stats`.
+Image render_frame(const FrameInputs& inputs, FrameControl& control, FrameStats& stats);
+
+}  // namespace occam::render

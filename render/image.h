@@ -1,0 +1,76 @@
+// A picture of named layers of floats, as it is rendered, compared and kept in files.
+//
+// Values are scene-linear Rec.709, colours multiplied by coverage. Rows run from the top.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace occam::render {
+
+struct Layer {
+    std::string name;                   ///< "beauty", "depth", ...
+    std::vector<std::string> channels;  ///< "R", "G", "B", "A"; "Z"; ...
+    bool full_float = false;            ///< in files: 32 bits whatever the others have
+    std::vector<float> pixels;          ///< channels interleaved, row-major from the top left: channels * width * height
+
+    std::size_t channel_count() const noexcept { return channels.size(); }
+};
+
+/// A note in the file's head. Matrices as OpenEXR has them: 16 floats, points are rows, translation last.
+struct Attribute {
+    std::string name;
+    std::variant<std::string, float, int, std::array<float, 16>, std::array<float, 8>> value;
+};
+
+enum class Tonemap : unsigned char {
+    None,  ///< clamped linear values
+    Srgb,  ///< the sRGB curve
+    Aces   ///< a filmic curve near ACES' (Narkowicz 2015), then the sRGB curve
+};
+
+struct WriteOptions {
+    bool half = true;       ///< EXR colours in 16 bits; depth, uv, position and id are always 32
+    float exposure_ev = 0;  ///< display formats (PNG, JPEG, TIFF) only, as is:
+    Tonemap tonemap = Tonemap::Srgb;
+};
+
+class Image {
+public:
+    Image() = default;
+    Image(int columns, int rows) : width(columns), height(rows), full_width(columns), full_height(rows) {}
+
+    int width = 0, height = 0;
+    int x0 = 0, y0 = 0;                   ///< where the pixels lie in the whole frame
+    int full_width = 0, full_height = 0;  ///< the whole frame
+    std::vector<Attribute> attributes;
+
+    /// The layers in the order they were added; beauty first.
+    const std::vector<Layer>& layers() const noexcept { return layers_; }
+    const Layer* find(std::string_view name) const noexcept;  ///< null if there is none
+    /// Black (zeros). Invalidates references to layers.
+    Layer& add_layer(std::string name, std::vector<std::string> channels, bool full_float = false);
+    Layer& layer(std::size_t index) { return layers_[index]; }
+
+    /// FNV-1a 64 over the beauty layer's R, G, B as little-endian float32, row by row from the top.
+    std::uint64_t checksum() const noexcept;
+
+    /// The format follows the extension: .exr .png .jpg .jpeg .tif .tiff .hdr; all but EXR keep beauty alone. Written beside
+    /// the final name and then renamed, so that no reader ever sees half a file. Throws Error of Kind::Output.
+    void write(const std::filesystem::path& file, const WriteOptions& options = {}) const;
+    /// Throws Error if write() would refuse that name: its extension, its folder, or what is there already.
+    static void check_writable(const std::filesystem::path& file);
+
+    /// Reads any format that OpenImageIO knows; 8-bit colours are made linear. Throws Error.
+    static Image read(const std::filesystem::path& file);
+
+private:
+    std::vector<Layer> layers_;
+};
+
+}  // namespace occam::render

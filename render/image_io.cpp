@@ -1,0 +1,263 @@
+// Image files, through OpenImageIO.
+#include <OpenImageIO/imageio.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <system_error>
+
+#include "render/display.h"
+#include "render/image.h"
+#include "scenegraph/base/error.h"
+
+namespace occam::render {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr float kHalfMax = 65504.0f;
+
+std::string extension_of(const fs::path& file)
+{
+    std::string e = file.extension().string();
+    std::transform(e.begin(), e.end(), e.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return e;
+}
+
+bool is_display_format(const std::string& extension)
+{
+    return extension == ".png" || extension == ".jpg" || extension == ".jpeg" || extension == ".tif" || extension == ".tiff";
+}
+
+bool is_known_format(const std::string& extension)
+{
+    return extension == ".exr" || extension == ".hdr" || is_display_format(extension);
+}
+
+[[noreturn]] void refuse(const fs::path& file, const std::string& why)
+{
+    throw Error(file.string(), why, {}, Error::Kind::Output);
+}
+
+fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
+
+// Unfinished files keep their extension, by which OpenImageIO chooses the format, and are hidden.
+fs::path temporary_beside(const fs::path& file)
+{
+    std::string name(".");
+    name += file.stem().string();
+    name += ".part" + std::to_string(getpid());
+    name += file.extension().string();
+    return folder_of(file) / name;
+}
+
+// Removes the unfinished file unless it was renamed.
+class Temporary {
+public:
+    explicit Temporary(const fs::path& file) : final_(file), path_(temporary_beside(file)) {}
+    ~Temporary()
+    {
+        std::error_code ignored;
+        if (!renamed_) fs::remove(path_, ignored);
+    }
+    Temporary(const Temporary&) = delete;
+    Temporary& operator=(const Temporary&) = delete;
+
+    const fs::path& path() const { return path_; }
+    void rename()
+    {
+        std::error_code error;
+        fs::rename(path_, final_, error);
+        if (error) refuse(final_, "cannot be written: " + error.message());
+        renamed_ = true;
+    }
+
+private:
+    fs::path final_, path_;
+    bool renamed_ = false;
+};
+
+OIIO::ImageSpec base_spec(const Image& image, int channels, OIIO::TypeDesc format)
+{
+    OIIO::ImageSpec spec(image.width, image.height, channels, format);
+    spec.full_width = image.width;
+    spec.full_height = image.height;
+    return spec;
+}
+
+void add_attributes(OIIO::ImageSpec& spec, const Image& image)
+{
+    for (const Attribute& a : image.attributes) {
+        if (const auto* text = std::get_if<std::string>(&a.value)) spec.attribute(a.name, *text);
+        if (const auto* number = std::get_if<float>(&a.value)) spec.attribute(a.name, *number);
+        if (const auto* integer = std::get_if<int>(&a.value)) spec.attribute(a.name, *integer);
+        if (const auto* matrix = std::get_if<std::array<float, 16>>(&a.value))
+            spec.attribute(a.name, OIIO::TypeMatrix, matrix->data());
+        if (const auto* eight = std::get_if<std::array<float, 8>>(&a.value))
+            spec.attribute(a.name, OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), eight->data());
+    }
+}
+
+void write_pixels(const fs::path& file, const OIIO::ImageSpec& spec, const std::vector<float>& pixels)
+{
+    Temporary temporary(file);
+    const auto out = OIIO::ImageOutput::create(temporary.path().string());
+    if (!out) refuse(file, "cannot be written: " + OIIO::geterror());
+    const auto attempt = [&](bool done) {
+        if (!done) refuse(file, "cannot be written: " + out->geterror());
+    };
+    attempt(out->open(temporary.path().string(), spec));
+    attempt(out->write_image(OIIO::TypeDesc::FLOAT, pixels.data()));
+    attempt(out->close());
+    temporary.rename();
+}
+
+// OpenEXR's own order of things: beauty's channels have no prefix, others are layer.channel.
+void write_exr(const Image& image, const fs::path& file, const WriteOptions& options)
+{
+    std::size_t channels = 0;
+    for (const Layer& layer : image.layers()) channels += layer.channel_count();
+    if (channels == 0) refuse(file, "there is no layer to write");
+    OIIO::ImageSpec spec = base_spec(image, static_cast<int>(channels), OIIO::TypeDesc::FLOAT);
+    spec.x = image.x0;
+    spec.y = image.y0;
+    spec.full_width = image.full_width;
+    spec.full_height = image.full_height;
+    spec.channelnames.clear();
+    spec.attribute("compression", "zip");
+    add_attributes(spec, image);
+
+    const std::size_t count = std::size_t(image.width) * std::size_t(image.height);
+    std::vector<float> pixels(count * channels);
+    std::size_t first = 0;
+    for (const Layer& layer : image.layers()) {
+        const bool half = options.half && !layer.full_float;
+        const std::size_t n = layer.channel_count();
+        for (const std::string& channel : layer.channels) {
+            spec.channelnames.push_back(layer.name == "beauty" ? channel : layer.name + "." + channel);
+            spec.channelformats.push_back(half ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT);
+        }
+        for (std::size_t i = 0; i < count; ++i)
+            for (std::size_t c = 0; c < n; ++c) {
+                const float v = layer.pixels[i * n + c];
+                // A bright light is not infinite in half; infinity stays what it is.
+                pixels[i * channels + first + c] = half && std::isfinite(v) ? std::clamp(v, -kHalfMax, kHalfMax) : v;
+            }
+        first += n;
+    }
+    const auto alpha = std::find(spec.channelnames.begin(), spec.channelnames.end(), "A");
+    spec.alpha_channel = alpha == spec.channelnames.end() ? -1 : static_cast<int>(alpha - spec.channelnames.begin());
+    write_pixels(file, spec, pixels);
+}
+
+void write_hdr(const Image& image, const fs::path& file)
+{
+    const Layer* beauty = image.find("beauty");
+    if (!beauty || beauty->channel_count() < 3) refuse(file, "there is no beauty layer to write");
+    const std::size_t n = beauty->channel_count();
+    std::vector<float> pixels;
+    for (std::size_t i = 0; i < beauty->pixels.size(); i += n)
+        for (std::size_t c = 0; c < 3; ++c) pixels.push_back(std::max(0.0f, beauty->pixels[i + c]));
+    write_pixels(file, base_spec(image, 3, OIIO::TypeDesc::FLOAT), pixels);
+}
+
+void write_display(const Image& image, const fs::path& file, const WriteOptions& options, const std::string& extension)
+{
+    DisplayImage shown = display_image(image, options);
+    const bool jpeg = extension == ".jpg" || extension == ".jpeg";
+    if (jpeg && shown.channels == 4) {  // JPEG has no alpha: over black
+        std::vector<float> opaque;
+        for (std::size_t i = 0; i < shown.pixels.size(); i += 4)
+            for (std::size_t c = 0; c < 3; ++c) opaque.push_back(shown.pixels[i + c] * shown.pixels[i + 3]);
+        shown = {3, std::move(opaque)};
+    }
+    const bool tiff = extension == ".tif" || extension == ".tiff";
+    OIIO::ImageSpec spec = base_spec(image, shown.channels, tiff ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8);
+    spec.attribute("oiio:UnassociatedAlpha", 1);
+    spec.attribute("oiio:ColorSpace", options.tonemap == Tonemap::None ? "Linear" : "sRGB");
+    if (jpeg) spec.attribute("compression", "jpeg:95");
+    write_pixels(file, spec, shown.pixels);
+}
+
+// Splits "normal_geometric.X" into layer and channel; a channel without a prefix is beauty's.
+std::pair<std::string, std::string> split_channel(const std::string& name)
+{
+    const std::size_t dot = name.rfind('.');
+    if (dot == std::string::npos) return {"beauty", name};
+    return {name.substr(0, dot), name.substr(dot + 1)};
+}
+
+constexpr std::int64_t kMaxReadValues = std::int64_t(1) << 29;  // 2 GiB of floats
+constexpr int kMaxReadChannels = 256;
+
+}  // namespace
+
+void Image::check_writable(const fs::path& file)
+{
+    if (!is_known_format(extension_of(file)))
+        throw Error(file.string(), "has no extension of a format that can be written: .exr .png .jpg .tif .hdr");
+    std::error_code error;
+    const fs::path folder = folder_of(file);
+    if (!fs::is_directory(folder, error)) refuse(file, "cannot be written: there is no folder " + folder.string());
+    if (access(folder.c_str(), W_OK) != 0) refuse(file, "cannot be written: no permission in folder " + folder.string());
+    if (fs::exists(file, error) && !fs::is_regular_file(file, error)) refuse(file, "is there already and is not a file");
+}
+
+void Image::write(const fs::path& file, const WriteOptions& options) const
+{
+    check_writable(file);
+    if (width < 1 || height < 1) refuse(file, "there is no picture to write");
+    const std::string extension = extension_of(file);
+    if (extension == ".exr") write_exr(*this, file, options);
+    else if (extension == ".hdr") write_hdr(*this, file);
+    else write_display(*this, file, options, extension);
+}
+
+Image Image::read(const fs::path& file)
+{
+    std::error_code error;
+    if (!fs::is_regular_file(file, error)) throw Error(file.string(), "is not there or is not a file");
+    OIIO::ImageSpec wish;
+    wish.attribute("oiio:UnassociatedAlpha", 1);
+    const auto in = OIIO::ImageInput::open(file.string(), &wish);
+    if (!in) throw Error(file.string(), "cannot be read: " + OIIO::geterror());
+    const OIIO::ImageSpec spec = in->spec();
+    if (spec.nchannels > kMaxReadChannels || spec.depth > 1 ||
+        std::int64_t(spec.width) * spec.height > kMaxReadValues / std::max(spec.nchannels, 1))
+        throw Error(file.string(), "is too large a picture to read");
+
+    const auto channels = static_cast<std::size_t>(spec.nchannels);
+    const std::size_t count = std::size_t(spec.width) * std::size_t(spec.height);
+    std::vector<float> pixels(count * channels);
+    if (!in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels.data()))
+        throw Error(file.string(), "cannot be read: " + in->geterror());
+
+    Image image(spec.width, spec.height);
+    image.x0 = spec.x - spec.full_x;
+    image.y0 = spec.y - spec.full_y;
+    image.full_width = spec.full_width;
+    image.full_height = spec.full_height;
+    const bool encoded = spec.format.is_floating_point() == false;
+    for (std::size_t first = 0; first < channels;) {
+        const std::string name = split_channel(spec.channelnames[first]).first;
+        std::size_t end = first;
+        std::vector<std::string> names;
+        for (; end < channels && split_channel(spec.channelnames[end]).first == name; ++end)
+            names.push_back(split_channel(spec.channelnames[end]).second);
+        Layer& layer =
+            image.add_layer(name, std::move(names), spec.channelformat(static_cast<int>(first)) == OIIO::TypeDesc::FLOAT);
+        const std::size_t n = end - first;
+        for (std::size_t i = 0; i < count; ++i)
+            for (std::size_t c = 0; c < n; ++c) {
+                const float v = pixels[i * channels + first + c];
+                const bool color = encoded && layer.channels[c] != "A";
+                layer.pixels[i * n + c] = color ? linear_from_srgb(v) : v;
+            }
+        first = end;
+    }
+    return image;
+}
+
+}  // namespace occam::render

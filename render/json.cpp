@@ -1,0 +1,136 @@
+// Everything of this room that is written as JSON; the one file that sees the JSON library.
+#include <sys/resource.h>
+
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "render/compare.h"
+#include "render/stats.h"
+#include "render/version.h"
+
+namespace occam::render {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string hexadecimal(std::uint64_t value)
+{
+    char text[17];
+    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
+    return text;
+}
+
+// JSON has no infinity.
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json json_of(const Settings& s)
+{
+    Json aovs = Json::array();
+    for (Aov aov : kAllAovs)
+        if (s.has(aov)) aovs.push_back(aov_name(aov));
+    return {{"size", {s.width, s.height}},
+            {"crop", {s.crop_x0, s.crop_x1, s.crop_y0, s.crop_y1}},
+            {"spp", s.spp},
+            {"jitter", s.jitter},
+            {"light_samples", s.light_samples},
+            {"shading_rate", s.shading_rate},
+            {"seed", s.seed},
+            {"deadline", s.deadline_s},
+            {"integrator", "direct"},
+            {"shade", "hit"},
+            {"aov", aovs},
+            {"view", view_name(s.view)},
+            {"background", s.background}};
+}
+
+std::string text_of(const Json& json)
+{
+    // Names of a stranger's file may hold bytes that are not UTF-8.
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace
+
+std::uint64_t process_peak_bytes() noexcept
+{
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+std::string to_json(const FrameStats& s)
+{
+    const auto& t = s.seconds;
+    return text_of({
+        {"scene",
+         {{"nodes", s.scene.nodes},
+          {"cages", s.scene.cages},
+          {"faces", s.scene.faces},
+          {"triangles_in", s.scene.triangles_in},
+          {"lights", s.scene.lights},
+          {"warnings", s.scene.warnings}}},
+        {"seconds",
+         {{"total", t.total},
+          {"load", t.load},
+          {"edit", t.edit},
+          {"refit", t.refit},
+          {"build", t.build},
+          {"tessellate", t.tessellate},
+          {"deform", t.deform},
+          {"trace", t.trace},
+          {"shade", t.shade},
+          {"texture", t.texture},
+          {"film", t.film},
+          {"write", t.write}}},
+        {"rays",
+         {{"primary", s.rays.primary},
+          {"shadow", s.rays.shadow},
+          {"ao", s.rays.ao},
+          {"glossy", s.rays.glossy},
+          {"diffuse", s.rays.diffuse},
+          {"total", s.rays.total()},
+          {"per_second", number(s.rays.per_second)}}},
+        {"built",
+         {{"kd_nodes", s.built.kd_nodes},
+          {"grids", s.built.grids},
+          {"micropolygons", s.built.micropolygons},
+          {"faces_touched", s.built.faces_touched},
+          {"vertices_deformed", s.built.vertices_deformed},
+          {"vertices_shaded", s.built.vertices_shaded},
+          {"by_level", s.built.by_level}}},
+        {"memory",
+         {{"peak_bytes", s.memory.peak_bytes},
+          {"arena_peak_bytes", s.memory.arena_peak_bytes},
+          {"texture_bytes", s.memory.texture_bytes},
+          {"flushes", s.memory.flushes}}},
+        {"image",
+         {{"width", s.image.width},
+          {"height", s.image.height},
+          {"spp", s.image.spp},
+          {"checksum", hexadecimal(s.image.checksum)}}},
+        {"settings", json_of(s.settings)},
+        {"complete", s.complete},
+        {"warnings", s.warnings},
+        {"version", kVersion},
+        {"threads", s.threads},
+    });
+}
+
+std::string to_json(const std::vector<Difference>& differences)
+{
+    Json all = Json::array();
+    for (const Difference& d : differences)
+        all.push_back({{"layer", d.layer},
+                       {"pixels", d.pixels},
+                       {"incomparable", d.incomparable},
+                       {"mse", number(d.mse)},
+                       {"rmse", number(d.rmse)},
+                       {"rel_mse", number(d.rel_mse)},
+                       {"psnr", number(d.psnr)},
+                       {"max", number(d.max)},
+                       {"p999", number(d.p999)}});
+    return text_of(all);
+}
+
+}  // namespace occam::render

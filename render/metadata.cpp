@@ -1,0 +1,65 @@
+#include "render/metadata.h"
+
+#include <algorithm>
+#include <ctime>
+#include <glm/matrix.hpp>
+
+#include "render/version.h"
+#include "scenegraph/base/maths.h"
+
+namespace occam::render {
+namespace {
+
+// GLM's columns lie in memory as OpenEXR's rows do.
+std::array<float, 16> rows_of(const Mat4d& m)
+{
+    std::array<float, 16> out{};
+    for (int c = 0; c < 4; ++c)
+        for (int r = 0; r < 4; ++r) out[std::size_t(4 * c + r)] = static_cast<float>(m[c][r]);
+    return out;
+}
+
+Mat4d ndc_from_camera(const CameraLens& lens, double aspect)
+{
+    Mat4d m(0.0);
+    if (lens.orthographic) {
+        const double half = std::max(double(lens.height) * 0.5, 1e-30);
+        m[0][0] = 1 / (half * aspect);
+        m[1][1] = 1 / half;
+        m[2][2] = -1;
+        m[3][3] = 1;
+    } else {
+        const double half = double(maths::tan(std::clamp(lens.fov, 1e-4f, 3.14f) * 0.5f));
+        m[0][0] = 1 / (half * aspect);
+        m[1][1] = 1 / half;
+        m[2][2] = -1;
+        m[2][3] = -1;
+    }
+    return m;
+}
+
+std::string date_now()
+{
+    const std::time_t now = std::time(nullptr);
+    std::tm local{};
+    char text[32] = "";
+    if (localtime_r(&now, &local)) std::strftime(text, sizeof text, "%Y:%m:%d %H:%M:%S", &local);
+    return text;
+}
+
+}  // namespace
+
+void describe(Image& image, const Camera& camera, const Settings& settings)
+{
+    const Mat4d camera_from_world = glm::inverse(camera.world_from_camera);
+    const double aspect = double(settings.width) / settings.height;
+    image.attributes.push_back({"worldToCamera", rows_of(camera_from_world)});
+    image.attributes.push_back({"worldToNDC", rows_of(ndc_from_camera(camera.lens, aspect) * camera_from_world)});
+    image.attributes.push_back(
+        {"chromaticities", std::array<float, 8>{0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f}});
+    image.attributes.push_back({"comments", std::string("Occam ") + kVersion + ", " + std::to_string(settings.spp) +
+                                                " samples a pixel, seed " + std::to_string(settings.seed)});
+    image.attributes.push_back({"capDate", date_now()});
+}
+
+}  // namespace occam::render

@@ -1,0 +1,14 @@
+// What a picture's file says about how it was made, under the names of OpenEXR's standard attributes.
+#pragma once
+
+#include "render/image.h"
+#include "render/settings.h"
+#include "scenegraph/camera.h"
+
+namespace occam::render {
+
+/// worldToCamera (camera axes: right, up, back), worldToNDC (the frame is -1 to 1, y up), chromaticities (Rec.709 and
+/// D65), comments and capDate.
+void describe(Image& image, const Camera& camera, const Settings& settings);
+
+}  // namespace occam::render

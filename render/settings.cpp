@@ -1,0 +1,92 @@
+#include "render/settings.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <thread>
+
+#include "scenegraph/base/error.h"
+
+namespace occam::render {
+namespace {
+
+void require(bool holds, const char* setting, const std::string& rule)
+{
+    if (!holds) throw Error("", rule, setting);
+}
+
+}  // namespace
+
+std::string_view aov_name(Aov aov) noexcept
+{
+    switch (aov) {
+        case Aov::Depth: return "depth";
+        case Aov::Normal: return "normal";
+        case Aov::NormalGeometric: return "normal_geometric";
+        case Aov::Albedo: return "albedo";
+        case Aov::Uv: return "uv";
+        case Aov::Position: return "position";
+        case Aov::Id: return "id";
+        case Aov::Variance: return "variance";
+    }
+    return "";
+}
+
+std::string_view view_name(View view) noexcept
+{
+    switch (view) {
+        case View::Beauty: return "beauty";
+        case View::Depth: return "depth";
+        case View::Normal: return "normal";
+        case View::Uv: return "uv";
+        case View::Face: return "face";
+    }
+    return "";
+}
+
+Resources Resources::resolved() const
+{
+    Resources r = *this;
+    if (r.threads <= 0) r.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    if (r.memory_bytes == 0) {
+        const auto pages = static_cast<std::size_t>(std::max(0L, sysconf(_SC_PHYS_PAGES)));
+        const auto page_bytes = static_cast<std::size_t>(std::max(0L, sysconf(_SC_PAGESIZE)));
+        r.memory_bytes = std::max(pages * page_bytes / 4, std::size_t(256) << 20);
+    }
+    return r;
+}
+
+PixelRect crop_pixels(const Settings& s) noexcept
+{
+    const auto first = [](float share, int side) {
+        return std::clamp(static_cast<int>(std::floor(double(share) * side)), 0, side - 1);
+    };
+    const auto last = [](float share, int side) {
+        return std::clamp(static_cast<int>(std::ceil(double(share) * side)), 1, side);
+    };
+    PixelRect r{first(s.crop_x0, s.width), first(s.crop_y0, s.height), last(s.crop_x1, s.width), last(s.crop_y1, s.height)};
+    r.x1 = std::max(r.x1, r.x0 + 1);
+    r.y1 = std::max(r.y1, r.y0 + 1);
+    return r;
+}
+
+void check(const Settings& s)
+{
+    const auto sides = "from 1 to " + std::to_string(kMaxSide) + " pixels a side";
+    require(s.width >= 1 && s.width <= kMaxSide && s.height >= 1 && s.height <= kMaxSide, "size", sides);
+    const auto is_range = [](float a, float b) { return a >= 0 && a < b && b <= 1; };
+    require(is_range(s.crop_x0, s.crop_x1) && is_range(s.crop_y0, s.crop_y1), "crop",
+            "shares of the frame with 0 <= X0 < X1 <= 1 and 0 <= Y0 < Y1 <= 1");
+    const PixelRect crop = crop_pixels(s);
+    require(std::int64_t(crop.width()) * crop.height() <= kMaxPixels, "size",
+            "at most " + std::to_string(kMaxPixels) + " pixels in one picture");
+    require(s.spp >= 1 && s.spp <= kMaxSamples, "spp", "from 1 to " + std::to_string(kMaxSamples));
+    require(s.light_samples >= 1 && s.light_samples <= kMaxLightSamples, "light samples",
+            "from 1 to " + std::to_string(kMaxLightSamples));
+    require(s.shading_rate >= 1.0f / 64 && s.shading_rate <= 1024, "shading rate", "from 1/64 to 1024 pixels");
+    require(s.deadline_s >= 0 && std::isfinite(s.deadline_s), "deadline", "seconds, 0 or more");
+}
+
+}  // namespace occam::render

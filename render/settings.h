@@ -1,0 +1,80 @@
+// What a picture is made with. The picture depends on the scene, the camera and these alone.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace occam::render {
+
+/// Layers beside beauty, as bits of Settings::aovs. Names: aov_name().
+enum class Aov : std::uint16_t {
+    Depth = 1,            ///< camera z; infinity where nothing is hit
+    Normal = 2,           ///< shading normal, world axes, towards the eye
+    NormalGeometric = 4,  ///< of the micropolygon
+    Albedo = 8,           ///< base colour times coverage, and coverage: the mean over the pixel
+    Uv = 16,              ///< first set, as in the file of glTF's axes: v runs downwards
+    Position = 32,        ///< world
+    Id = 64,              ///< a number for each node, from 1; 0 where nothing is hit
+    Variance = 128        ///< of the pixel's mean luminance, estimated from its samples
+};
+inline constexpr Aov kAllAovs[] = {Aov::Depth,    Aov::Normal, Aov::NormalGeometric, Aov::Albedo, Aov::Uv,
+                                   Aov::Position, Aov::Id,     Aov::Variance};
+std::string_view aov_name(Aov aov) noexcept;
+
+/// Debug pictures instead of light.
+enum class View : std::uint8_t {
+    Beauty,
+    Depth,   ///< near white, far black
+    Normal,  ///< shading normal, -1 to 1 as 0 to 1
+    Uv,      ///< fractional parts as red and green
+    Face     ///< a colour for each face of each node's cage
+};
+std::string_view view_name(View view) noexcept;
+inline constexpr View kAllViews[] = {View::Depth, View::Normal, View::Uv, View::Face};
+
+struct Settings {
+    int width = 1280, height = 720;  ///< of the whole frame, pixels
+    /// Part of the frame that is made, each 0 to 1 from the top left.
+    float crop_x0 = 0, crop_x1 = 1, crop_y0 = 0, crop_y1 = 1;
+
+    int spp = 16;            ///< samples a pixel
+    bool jitter = true;      ///< false: every sample goes through the middle of its pixel
+    int light_samples = 1;   ///< of each light at each hit
+    float shading_rate = 1;  ///< wanted micropolygon edge, pixels
+    std::uint64_t seed = 0;
+    double deadline_s = 0;  ///< stop after so long with what is done; 0: none. The one setting that makes pictures differ
+    unsigned aovs = 0;      ///< bits of Aov
+    View view = View::Beauty;
+    bool background = true;  ///< draw sky or environment behind the scene; false: transparent
+
+    bool has(Aov aov) const noexcept { return (aovs & static_cast<unsigned>(aov)) != 0; }
+};
+
+/// What is at hand to make it with. Has no influence on the picture.
+struct Resources {
+    int threads = 0;               ///< 0: one for each processor
+    std::size_t memory_bytes = 0;  ///< for what is rebuilt each frame, all workers together; 0: a quarter of the machine
+    std::size_t texture_bytes = std::size_t(1) << 30;
+
+    /// The zeros above replaced by what the machine has.
+    Resources resolved() const;
+};
+
+/// The pixels of the frame that the crop names: first and one past the last; never empty.
+struct PixelRect {
+    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+    int width() const noexcept { return x1 - x0; }
+    int height() const noexcept { return y1 - y0; }
+    friend bool operator==(const PixelRect&, const PixelRect&) = default;
+};
+PixelRect crop_pixels(const Settings& settings) noexcept;
+
+/// Throws Error naming the setting that is out of its range.
+void check(const Settings& settings);
+inline constexpr int kMaxSide = 65536;
+inline constexpr int kMaxSamples = 65536;
+inline constexpr int kMaxLightSamples = 1024;
+inline constexpr std::int64_t kMaxPixels = std::int64_t(1) << 28;
+
+}  // namespace occam::render

@@ -1,0 +1,51 @@
+// What a frame cost: the numbers that --stats writes, under the same names.
+//
+// Seconds of build, tessellate, deform, trace, shade and film are the workers' summed; total, load, edit, refit, texture
+// and write are wall time. Adding keys is welcome; renaming is not.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "render/settings.h"
+
+namespace occam::render {
+
+struct FrameStats {
+    struct Scene {
+        std::uint64_t nodes = 0, cages = 0, faces = 0, triangles_in = 0, lights = 0, warnings = 0;
+    } scene;
+    struct Seconds {
+        double total = 0, load = 0, edit = 0, refit = 0, build = 0, tessellate = 0, deform = 0, trace = 0, shade = 0,
+               texture = 0, film = 0, write = 0;
+    } seconds;
+    struct Rays {
+        std::uint64_t primary = 0, shadow = 0, ao = 0, glossy = 0, diffuse = 0;
+        double per_second = 0;  ///< of wall time of the frame
+        std::uint64_t total() const noexcept { return primary + shadow + ao + glossy + diffuse; }
+    } rays;
+    struct Built {
+        std::uint64_t kd_nodes = 0, grids = 0, micropolygons = 0, faces_touched = 0, vertices_deformed = 0,
+                      vertices_shaded = 0;
+        std::vector<std::uint64_t> by_level;
+    } built;
+    struct Memory {
+        std::uint64_t peak_bytes = 0, arena_peak_bytes = 0, texture_bytes = 0, flushes = 0;
+    } memory;
+    struct Image {
+        int width = 0, height = 0, spp = 0;
+        std::uint64_t checksum = 0;
+    } image;
+    Settings settings;
+    int threads = 0;
+    bool complete = true;  ///< false: cancelled or out of time; some tiles are black
+    std::vector<std::string> warnings;
+};
+
+/// Largest resident size of this process so far.
+std::uint64_t process_peak_bytes() noexcept;
+
+std::string to_json(const FrameStats& stats);
+
+}  // namespace occam::render

@@ -1,0 +1,32 @@
+#include "render/views.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scenegraph/base/hash.h"
+
+namespace occam::render {
+namespace {
+
+Vec3f color_of_number(std::uint64_t number) noexcept
+{
+    const std::uint64_t bits = mix_bits(number + 1);
+    const auto channel = [&](int shift) { return 0.1f + 0.8f * static_cast<float>((bits >> shift) & 0xff) / 255; };
+    return {channel(0), channel(8), channel(16)};
+}
+
+}  // namespace
+
+Vec3f view_color(View view, const accel::SurfaceHit& hit, float z, float z_near, float z_far) noexcept
+{
+    switch (view) {
+        case View::Beauty: break;
+        case View::Depth: return Vec3f(std::clamp((z_far - z) / std::max(z_far - z_near, 1e-30f), 0.0f, 1.0f));
+        case View::Normal: return hit.normal_shading * 0.5f + 0.5f;
+        case View::Uv: return {hit.uv[0].x - std::floor(hit.uv[0].x), hit.uv[0].y - std::floor(hit.uv[0].y), 0};
+        case View::Face: return color_of_number((std::uint64_t(hit.node.slot) << 32) | hit.face);
+    }
+    return Vec3f(0);
+}
+
+}  // namespace occam::render

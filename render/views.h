@@ -1,0 +1,12 @@
+// Debug pictures: a colour for a hit that shows one fact about it.
+#pragma once
+
+#include "accel/tracer.h"
+#include "render/settings.h"
+
+namespace occam::render {
+
+/// z        camera z of the hit; shown from white at z_near to black at z_far
+Vec3f view_color(View view, const accel::SurfaceHit& hit, float z, float z_near, float z_far) noexcept;
+
+}  // namespace occam::render

@@ -1,0 +1,129 @@
+// Memory that is only ever given up all at once: what a worker builds for a frame.
+//
+// Memory   chunks of 256 KiB and more, kept over a reset() so that the next frame asks the system for nothing.
+// Threads  one owner; no locks.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <new>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+namespace occam {
+
+class Arena {
+public:
+    static constexpr std::size_t kChunkBytes = 256 << 10;
+    static constexpr std::size_t kAlign = 32;  ///< an eight-lane vector
+
+    /// Uninitialised room for `count` of T, aligned to kAlign. T is trivially destructible: nothing is ever destroyed.
+    template <class T>
+    std::span<T> make_array(std::size_t count)
+    {
+        static_assert(std::is_trivially_destructible_v<T>);
+        return {static_cast<T*>(allocate(count * sizeof(T))), count};
+    }
+    template <class T, class... Args>
+    T* make(Args&&... args)
+    {
+        static_assert(std::is_trivially_destructible_v<T>);
+        return new (allocate(sizeof(T))) T{static_cast<Args&&>(args)...};
+    }
+
+    /// Bytes given out since the last reset.
+    std::size_t bytes() const noexcept { return bytes_; }
+
+    /// Gives up everything. Chunks stay, but for those past `keep_bytes`.
+    void reset(std::size_t keep_bytes = ~std::size_t(0))
+    {
+        std::size_t kept = 0, chunks = 0;
+        while (chunks < chunks_.size() && kept + chunks_[chunks].size <= keep_bytes) kept += chunks_[chunks++].size;
+        chunks_.resize(chunks);
+        current_ = 0;
+        used_ = 0;
+        bytes_ = 0;
+    }
+
+private:
+    struct Free {
+        void operator()(std::byte* p) const noexcept { ::operator delete(p, std::align_val_t(kAlign)); }
+    };
+    struct Chunk {
+        std::unique_ptr<std::byte[], Free> data;
+        std::size_t size;
+    };
+
+    void* allocate(std::size_t bytes)
+    {
+        bytes = (bytes + kAlign - 1) & ~(kAlign - 1);
+        bytes_ += bytes;
+        while (current_ < chunks_.size() && used_ + bytes > chunks_[current_].size) {
+            ++current_;
+            used_ = 0;
+        }
+        if (current_ == chunks_.size()) {
+            const std::size_t size = bytes > kChunkBytes ? bytes : kChunkBytes;
+            chunks_.push_back({std::unique_ptr<std::byte[], Free>(static_cast<std::byte*>(
+                                   ::operator new(size, std::align_val_t(kAlign)))),
+                               size});
+        }
+        std::byte* p = chunks_[current_].data.get() + used_;
+        used_ += bytes;
+        return p;
+    }
+
+    std::vector<Chunk> chunks_;
+    std::size_t current_ = 0, used_ = 0, bytes_ = 0;
+};
+
+/// A growing array in an arena; what it grew out of stays in the arena until the reset.
+template <class T>
+class ArenaVector {
+public:
+    static_assert(std::is_trivially_copyable_v<T>);
+
+    explicit ArenaVector(Arena& arena) : arena_(&arena) {}
+
+    T& push_back(const T& value)
+    {
+        if (size_ == data_.size()) grow(size_ ? size_ * 2 : 16);
+        data_[size_] = value;
+        return data_[size_++];
+    }
+    /// Room for `count` more at the end, uninitialised; returns the index of the first.
+    std::uint32_t extend(std::size_t count)
+    {
+        if (size_ + count > data_.size()) grow(std::max(size_ + count, size_ * 2));
+        size_ += count;
+        return static_cast<std::uint32_t>(size_ - count);
+    }
+    T& operator[](std::size_t i) noexcept { return data_[i]; }
+    const T& operator[](std::size_t i) const noexcept { return data_[i]; }
+    std::size_t size() const noexcept { return size_; }
+    T* begin() noexcept { return data_.data(); }
+    T* end() noexcept { return data_.data() + size_; }
+    /// Forgets its content and its memory: call after the arena was reset.
+    void clear() noexcept
+    {
+        data_ = {};
+        size_ = 0;
+    }
+
+private:
+    void grow(std::size_t capacity)
+    {
+        std::span<T> bigger = arena_->make_array<T>(capacity);
+        for (std::size_t i = 0; i < size_; ++i) bigger[i] = data_[i];
+        data_ = bigger;
+    }
+
+    Arena* arena_;
+    std::span<T> data_;
+    std::size_t size_ = 0;
+};
+
+}  // namespace occam

@@ -1,0 +1,149 @@
+// Eight floats at a time, behind operators: the only file that knows the SIMD library and the lane count.
+//
+// Built over Highway, statically for the target of the build; OCCAM_ONE_LANE gives the same interface with one lane, and the
+// same bits: Highway's own one-lane target fuses nothing and orders NaN otherwise, so what differs is written out here.
+//
+// NaN      min(a, b) = a < b ? a : b and max(a, b) = a > b ? a : b: the second operand if either is NaN (x86's minps).
+//          Comparisons with NaN are false.
+// Fusing   nothing is contracted (a flag forbids it); fma() rounds once, in every build.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#ifdef OCCAM_ONE_LANE
+#define HWY_COMPILE_ONLY_SCALAR
+#endif
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wshadow"
+#include <hwy/highway.h>
+#pragma GCC diagnostic pop
+
+namespace occam {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+#ifdef OCCAM_ONE_LANE
+inline constexpr int kLanes = 1;
+using FloatTag = hn::CappedTag<float, 1>;
+#else
+inline constexpr int kLanes = 8;
+using FloatTag = hn::CappedTag<float, 8>;
+static_assert(hn::MaxLanes(FloatTag()) == 8, "eight lanes need AVX2 with AES and PCLMUL, or OCCAM_ONE_LANE");
+#endif
+
+class vmask {
+public:
+    using Raw = hn::Mask<FloatTag>;
+    vmask() = default;
+    vmask(Raw raw) noexcept : raw_(raw) {}
+    explicit vmask(bool all) noexcept : raw_(hn::MaskFromVec(hn::Set(FloatTag(), all ? -1.0f : 0.0f))) {}
+    Raw raw() const noexcept { return raw_; }
+
+    friend vmask operator&(vmask a, vmask b) noexcept { return hn::And(a.raw_, b.raw_); }
+    friend vmask operator|(vmask a, vmask b) noexcept { return hn::Or(a.raw_, b.raw_); }
+    friend vmask operator!(vmask a) noexcept { return hn::Not(a.raw_); }
+    /// a and not b.
+    friend vmask andnot(vmask a, vmask b) noexcept { return hn::AndNot(b.raw_, a.raw_); }
+    friend bool any(vmask a) noexcept { return bits(a) != 0; }
+    friend bool none(vmask a) noexcept { return bits(a) == 0; }
+    /// Bit i is lane i.
+    friend unsigned bits(vmask a) noexcept
+    {
+#ifdef OCCAM_ONE_LANE
+        return hn::CountTrue(FloatTag(), a.raw_) != 0 ? 1u : 0u;
+#else
+        std::uint8_t b[8] = {};
+        hn::StoreMaskBits(FloatTag(), a.raw_, b);
+        return b[0];
+#endif
+    }
+
+private:
+    Raw raw_;
+};
+
+class vfloat {
+public:
+    using Raw = hn::Vec<FloatTag>;
+    vfloat() = default;
+    vfloat(Raw raw) noexcept : raw_(raw) {}
+    vfloat(float x) noexcept : raw_(hn::Set(FloatTag(), x)) {}
+    Raw raw() const noexcept { return raw_; }
+
+    static vfloat load(const float* p) noexcept { return hn::LoadU(FloatTag(), p); }
+    void store(float* p) const noexcept { hn::StoreU(raw_, FloatTag(), p); }
+    /// Lanes 0 to 3 from a, 4 to 7 from b. With one lane: lane `first` of those eight.
+    static vfloat load_halves(const float* a, const float* b, [[maybe_unused]] int first) noexcept
+    {
+#ifdef OCCAM_ONE_LANE
+        return vfloat(first < 4 ? a[first] : b[first - 4]);
+#else
+        const hn::Half<FloatTag> half;
+        return hn::Combine(FloatTag(), hn::LoadU(half, b), hn::LoadU(half, a));
+#endif
+    }
+
+    friend vfloat operator+(vfloat a, vfloat b) noexcept { return hn::Add(a.raw_, b.raw_); }
+    friend vfloat operator-(vfloat a, vfloat b) noexcept { return hn::Sub(a.raw_, b.raw_); }
+    friend vfloat operator*(vfloat a, vfloat b) noexcept { return hn::Mul(a.raw_, b.raw_); }
+    friend vfloat operator/(vfloat a, vfloat b) noexcept { return hn::Div(a.raw_, b.raw_); }
+    friend vfloat operator-(vfloat a) noexcept { return hn::Neg(a.raw_); }
+    friend vmask operator<(vfloat a, vfloat b) noexcept { return hn::Lt(a.raw_, b.raw_); }
+    friend vmask operator<=(vfloat a, vfloat b) noexcept { return hn::Le(a.raw_, b.raw_); }
+    friend vmask operator>(vfloat a, vfloat b) noexcept { return hn::Gt(a.raw_, b.raw_); }
+    friend vmask operator>=(vfloat a, vfloat b) noexcept { return hn::Ge(a.raw_, b.raw_); }
+    friend vmask operator==(vfloat a, vfloat b) noexcept { return hn::Eq(a.raw_, b.raw_); }
+
+private:
+    Raw raw_;
+};
+
+/// a * b + c with one rounding.
+inline vfloat fma(vfloat a, vfloat b, vfloat c) noexcept
+{
+#ifdef OCCAM_ONE_LANE
+    return vfloat(__builtin_fmaf(hn::GetLane(a.raw()), hn::GetLane(b.raw()), hn::GetLane(c.raw())));
+#else
+    return hn::MulAdd(a.raw(), b.raw(), c.raw());
+#endif
+}
+/// c - a * b with one rounding.
+inline vfloat fnma(vfloat a, vfloat b, vfloat c) noexcept
+{
+#ifdef OCCAM_ONE_LANE
+    return vfloat(__builtin_fmaf(-hn::GetLane(a.raw()), hn::GetLane(b.raw()), hn::GetLane(c.raw())));
+#else
+    return hn::NegMulAdd(a.raw(), b.raw(), c.raw());
+#endif
+}
+inline vfloat select(vmask m, vfloat yes, vfloat no) noexcept { return hn::IfThenElse(m.raw(), yes.raw(), no.raw()); }
+inline vfloat min(vfloat a, vfloat b) noexcept
+{
+#if defined(OCCAM_ONE_LANE) || !HWY_ARCH_X86
+    return select(a < b, a, b);
+#else
+    return hn::Min(a.raw(), b.raw());
+#endif
+}
+inline vfloat max(vfloat a, vfloat b) noexcept
+{
+#if defined(OCCAM_ONE_LANE) || !HWY_ARCH_X86
+    return select(a > b, a, b);
+#else
+    return hn::Max(a.raw(), b.raw());
+#endif
+}
+inline vfloat abs(vfloat a) noexcept { return hn::Abs(a.raw()); }
+
+// The same names for one float, so that a traversal written once serves a packet and a single ray.
+inline float fma(float a, float b, float c) noexcept { return __builtin_fmaf(a, b, c); }
+inline float fnma(float a, float b, float c) noexcept { return __builtin_fmaf(-a, b, c); }
+inline float select(bool m, float yes, float no) noexcept { return m ? yes : no; }
+inline float min(float a, float b) noexcept { return a < b ? a : b; }
+inline float max(float a, float b) noexcept { return a > b ? a : b; }
+inline bool any(bool m) noexcept { return m; }
+inline bool none(bool m) noexcept { return !m; }
+inline bool andnot(bool a, bool b) noexcept { return a && !b; }
+
+}  // namespace occam

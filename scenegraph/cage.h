@@ -1,0 +1,109 @@
+// A polygon mesh as the application owns it: a control cage of a subdivision surface, or plain triangles.
+//
+// Space    object axes; float.
+// Memory   the scene owns it. Nothing here is derived data: what the engine makes of it lives in lod/.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "scenegraph/base/box.h"
+#include "scenegraph/ids.h"
+
+namespace occam {
+
+enum class Scheme : std::uint8_t {
+    CatmullClark,  ///< limit surface of the cage (Catmull and Clark 1978; creases: DeRose et al. 1998)
+    Bilinear,      ///< each quad a bilinear patch, an n-gon n of them about its centroid
+    Triangles      ///< every face a triangle, seen as it is, with the file's vertex normals
+};
+
+/// What happens at the border of an open Catmull-Clark cage (OpenSubdiv's VtxBoundaryInterpolation).
+enum class BoundaryRule : std::uint8_t { EdgeAndCorner, EdgeOnly, None };
+
+/// Where texture coordinates are interpolated linearly (OpenSubdiv's FVarLinearInterpolation).
+enum class FaceVaryingRule : std::uint8_t { CornersPlus1, CornersPlus2, CornersOnly, Boundaries, All, None };
+
+/// Sharpness of an edge between two vertices; 0 smooth, kInfiniteSharpness and more never smoothed.
+struct Crease {
+    std::uint32_t v0, v1;
+    float sharpness;
+};
+struct Corner {
+    std::uint32_t vertex;
+    float sharpness;
+};
+inline constexpr float kInfiniteSharpness = 10.0f;
+
+/// Texture coordinates. `indices` has one entry a face corner (as Cage::face_vertices); empty: one value a vertex.
+struct UvSet {
+    std::vector<Vec2f> values;  ///< glTF's axes: v runs downwards, (0, 0) the image's top left
+    std::vector<std::uint32_t> indices;
+};
+
+/// Offsets of one morph target; each array is empty or has one entry a vertex.
+struct MorphTarget {
+    std::string name;
+    std::vector<Vec3f> positions, normals;
+};
+
+/// Four joints and weights a vertex (glTF JOINTS_n, WEIGHTS_n; `sets` of them one after the other).
+struct SkinBinding {
+    int sets = 0;
+    std::vector<glm::u16vec4> joints;  ///< sets * vertices, set-major
+    std::vector<Vec4f> weights;        ///< as joints; a vertex's weights sum to 1
+};
+
+struct Cage {
+    std::string name;
+    Scheme scheme = Scheme::CatmullClark;
+    BoundaryRule boundary = BoundaryRule::EdgeAndCorner;
+    FaceVaryingRule face_varying = FaceVaryingRule::CornersPlus1;
+
+    std::vector<Vec3f> positions;
+    std::vector<std::uint32_t> face_sizes;     ///< corners of each face, 3 or more; empty for Scheme::Triangles
+    std::vector<std::uint32_t> face_vertices;  ///< counter-clockwise seen from outside, face after face
+    std::vector<Crease> creases;
+    std::vector<Corner> corners;
+    std::vector<std::uint32_t> holes;  ///< faces that shape their neighbours but are not seen
+
+    std::vector<Vec3f> normals;            ///< one a vertex, unit; Scheme::Triangles only; empty: faceted
+    std::vector<UvSet> uv_sets;
+    std::vector<Vec4f> colors;             ///< linear RGBA, one a vertex; empty: white
+    std::vector<MaterialId> materials;     ///< slots; empty: the default material
+    std::vector<std::uint16_t> face_slots; ///< index into materials for each face; empty: 0
+
+    std::vector<MorphTarget> morph_targets;
+    std::vector<float> morph_weights;  ///< at rest
+    SkinBinding skin;
+
+    std::size_t face_count() const noexcept
+    {
+        return scheme == Scheme::Triangles ? face_vertices.size() / 3 : face_sizes.size();
+    }
+    Box3d bounds() const noexcept
+    {
+        Box3d b;
+        for (Vec3f p : positions) b.add(Vec3d(p));
+        return b;
+    }
+};
+
+/// A coordinate that may be used: three of them multiplied stay below the largest float.
+inline constexpr float kMaxCoordinate = 1e12f;
+inline bool is_usable(Vec3f p) noexcept
+{
+    return std::abs(p.x) <= kMaxCoordinate && std::abs(p.y) <= kMaxCoordinate && std::abs(p.z) <= kMaxCoordinate;
+}
+
+/// Mends what a stranger's cage may hold, so that everything after it may rely on: sizes of arrays that fit together,
+/// indices in range, finite numbers, faces of at least three vertices and at most kMaxFaceCorners corners, none of them twice.
+/// A corner that repeats its neighbour is taken out of its face.
+/// Faces, creases, corners and holes that break a rule are dropped (a dropped face takes its hole tag with it).
+/// Returns one line for each kind of mending, with its count; empty when there was nothing to mend.
+/// Throws Error if arrays do not fit together.
+std::vector<std::string> sanitize(Cage& cage);
+inline constexpr std::uint32_t kMaxFaceCorners = 4096;
+
+}  // namespace occam

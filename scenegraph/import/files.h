@@ -1,0 +1,34 @@
+// How an importer reaches the disk: only whole regular files, and only in the scene's folder.
+#pragma once
+
+#include <filesystem>
+#include <istream>
+#include <optional>
+#include <span>
+#include <streambuf>
+#include <string>
+#include <string_view>
+
+namespace occam::import {
+
+/// More than any scene of ours needs in one file, and less than memory.
+inline constexpr std::size_t kMaxFileBytes = std::size_t(8) << 30;
+
+/// The whole file. Throws Error if it is not a regular file, cannot be read, or is larger than `max_bytes`.
+std::string read_file(const std::filesystem::path& file, std::size_t max_bytes = kMaxFileBytes);
+
+/// The path of `relative` (generic separators) under `folder`; none if it is absolute, or leads out of the folder, also by
+/// way of a symbolic link. The file need not exist.
+std::optional<std::filesystem::path> inside(const std::filesystem::path& folder, std::string_view relative);
+
+/// A std::istream over memory that is owned elsewhere.
+class TextStream : private std::streambuf, public std::istream {
+public:
+    explicit TextStream(std::string_view text) : std::istream(static_cast<std::streambuf*>(this))
+    {
+        char* begin = const_cast<char*>(text.data());  // only ever read
+        setg(begin, begin, begin + text.size());
+    }
+};
+
+}  // namespace occam::import

@@ -1,0 +1,39 @@
+// What Occam adds to glTF under extras.occam: cages by file, how polygons are subdivided, area lights, the environment.
+#pragma once
+
+#include <tiny_gltf.h>
+
+#include <compare>
+#include <optional>
+
+#include "scenegraph/import/report.h"
+
+namespace occam::import {
+
+/// How polygons become a cage; what is not said is left as the file has it.
+struct CageStyle {
+    enum class Scheme : unsigned char { CatmullClark, Bilinear, None };
+    std::optional<Scheme> scheme;
+    std::optional<BoundaryRule> boundary;
+    std::optional<FaceVaryingRule> face_varying;
+    auto operator<=>(const CageStyle&) const = default;
+
+    void apply(Cage& cage) const;
+};
+
+struct NodeExtras {
+    std::string cage;  ///< relative path as written; empty: none
+    CageStyle style;
+    int material = -1;
+    std::optional<AreaLight> area_light;
+};
+struct EnvironmentExtras {
+    std::string image;
+    float rotation_deg = 0, strength = 1;
+};
+
+/// Of a node, over those of its mesh: what the node says goes first. Unknown keys are warnings, wrong types throw Error.
+NodeExtras node_extras(const tinygltf::Value& node, const tinygltf::Value& mesh, const std::string& where, Report& report);
+std::optional<EnvironmentExtras> environment_extras(const tinygltf::Value& scene, const std::string& where, Report& report);
+
+}  // namespace occam::import

@@ -1,0 +1,62 @@
+// A place in a text of numbers and words, which never leaves it.
+#pragma once
+
+#include <charconv>
+#include <optional>
+#include <string_view>
+
+namespace occam::import {
+
+class TextCursor {
+public:
+    explicit TextCursor(std::string_view text, char comment = '\0') : text_(text), comment_(comment) {}
+
+    std::size_t left() const noexcept { return text_.size() - at_; }
+    std::size_t line() const noexcept { return line_; }
+    bool is_at_end() { return skip_space(), at_ == text_.size(); }
+
+    /// The next word, also on a later line; empty at the end.
+    std::string_view word()
+    {
+        skip_space();
+        const std::size_t begin = at_;
+        while (at_ < text_.size() && !is_space(text_[at_])) ++at_;
+        return text_.substr(begin, at_ - begin);
+    }
+    /// The next word as a number; none if it is something else.
+    std::optional<double> number()
+    {
+        skip_space();
+        const char *begin = text_.data() + at_, *end = text_.data() + text_.size();
+        if (begin != end && *begin == '+') ++begin;
+        double value = 0;
+        const auto [after, error] = std::from_chars(begin, end, value);
+        if (error != std::errc() || (after != end && !is_space(*after))) return std::nullopt;
+        at_ = static_cast<std::size_t>(after - text_.data());
+        return value;
+    }
+    void skip_line()
+    {
+        while (at_ < text_.size() && text_[at_] != '\n') ++at_;
+    }
+
+private:
+    static bool is_space(char c) noexcept { return c == ' ' || c == '\n' || c == '\r' || c == '\t' || c == '\v' || c == '\f'; }
+    void skip_space()
+    {
+        while (at_ < text_.size()) {
+            if (comment_ != '\0' && text_[at_] == comment_) {
+                skip_line();
+                continue;
+            }
+            if (!is_space(text_[at_])) return;
+            if (text_[at_++] == '\n') ++line_;
+        }
+    }
+
+    std::string_view text_;
+    std::size_t at_ = 0, line_ = 1;
+    char comment_;
+};
+
+}  // namespace occam::import

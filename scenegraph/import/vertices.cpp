@@ -1,0 +1,109 @@
+#include "scenegraph/import/vertices.h"
+
+#include <array>
+#include <bit>
+#include <unordered_map>
+
+#include "scenegraph/base/hash.h"
+#include "scenegraph/import/polygons.h"
+
+namespace occam::import {
+
+namespace {
+
+// Vertex v goes to new_of[v], or away if that is kNoIndex; of several that go to one place the first stays.
+struct Renumbering {
+    std::vector<std::uint32_t> new_of;
+    std::size_t count = 0;
+
+    template <class T>
+    void apply(std::vector<T>& values) const
+    {
+        if (values.empty()) return;
+        std::vector<T> out(count);
+        for (std::size_t v = new_of.size(); v-- > 0;)
+            if (new_of[v] != kNoIndex) out[new_of[v]] = values[v];
+        values = std::move(out);
+    }
+    template <class T>
+    void apply_sets(std::vector<T>& values, int sets) const
+    {
+        std::vector<T> out;
+        for (std::size_t s = 0; s < static_cast<std::size_t>(sets); ++s) {
+            const auto first = values.begin() + static_cast<std::ptrdiff_t>(s * new_of.size());
+            std::vector<T> one(first, first + static_cast<std::ptrdiff_t>(new_of.size()));
+            apply(one);
+            out.insert(out.end(), one.begin(), one.end());
+        }
+        values = std::move(out);
+    }
+    // Everything that has one entry a vertex, but for texture coordinates.
+    void apply(Cage& cage) const
+    {
+        apply(cage.positions);
+        apply(cage.normals);
+        apply(cage.colors);
+        for (MorphTarget& target : cage.morph_targets) apply(target.positions), apply(target.normals);
+        apply_sets(cage.skin.joints, cage.skin.sets);
+        apply_sets(cage.skin.weights, cage.skin.sets);
+        for (std::uint32_t& v : cage.face_vertices) v = v < new_of.size() ? new_of[v] : kNoIndex;
+    }
+};
+
+using Bits = std::array<std::uint32_t, 3>;
+struct BitsHash {
+    std::size_t operator()(const Bits& b) const noexcept
+    {
+        return mix_bits((std::uint64_t(b[0]) << 32 | b[1]) ^ mix_bits(b[2]));
+    }
+};
+std::uint32_t bits_of(float x) { return std::bit_cast<std::uint32_t>(x + 0.0f); }  // -0 lies where 0 does
+
+}  // namespace
+
+void drop_unused_vertices(Cage& cage)
+{
+    Renumbering renumbering;
+    renumbering.new_of.assign(cage.positions.size(), kNoIndex);
+    std::vector<bool> is_used(cage.positions.size(), false);
+    for (std::uint32_t v : cage.face_vertices)
+        if (v < is_used.size()) is_used[v] = true;
+    for (std::size_t v = 0; v < is_used.size(); ++v)
+        if (is_used[v]) renumbering.new_of[v] = static_cast<std::uint32_t>(renumbering.count++);
+    if (renumbering.count == cage.positions.size()) return;
+    renumbering.apply(cage);
+    for (UvSet& set : cage.uv_sets)
+        if (set.indices.empty()) renumbering.apply(set.values);
+}
+
+void weld_by_position(Cage& cage)
+{
+    Renumbering renumbering;
+    std::unordered_map<Bits, std::uint32_t, BitsHash> at;
+    for (Vec3f p : cage.positions) {
+        const auto [entry, is_new] = at.try_emplace({bits_of(p.x), bits_of(p.y), bits_of(p.z)}, static_cast<std::uint32_t>(at.size()));
+        renumbering.new_of.push_back(entry->second);
+    }
+    renumbering.count = at.size();
+    cage.normals.clear();
+    for (UvSet& set : cage.uv_sets) {
+        if (!set.indices.empty()) continue;
+        std::unordered_map<Bits, std::uint32_t, BitsHash> known;
+        std::vector<Vec2f> values;
+        for (std::uint32_t v : cage.face_vertices) {
+            if (v >= set.values.size()) {
+                set.indices.push_back(0);
+                continue;
+            }
+            const Vec2f uv = set.values[v];
+            const auto [entry, is_new] = known.try_emplace({renumbering.new_of[v], bits_of(uv.x), bits_of(uv.y)},
+                                                           static_cast<std::uint32_t>(values.size()));
+            if (is_new) values.push_back(uv);
+            set.indices.push_back(entry->second);
+        }
+        set.values = std::move(values);
+    }
+    renumbering.apply(cage);
+}
+
+}  // namespace occam::import

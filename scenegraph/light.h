@@ -1,0 +1,45 @@
+// Lights. A light sits on a node and is transformed with it; the environment belongs to the scene.
+#pragma once
+
+#include <string>
+#include <variant>
+
+#include "scenegraph/base/vec.h"
+#include "scenegraph/ids.h"
+
+namespace occam {
+
+/// Point or spot (KHR_lights_punctual): intensity in candela (W/sr per channel here), falling with the square of distance.
+struct PointLight {
+    Vec3f intensity{1};
+    float range = 0;  ///< beyond it the light fades out as KHR_lights_punctual says; 0: no limit
+    /// Spot: half angles in radians about the node's -z; outer of pi: a point light.
+    float inner_angle = 0, outer_angle = 3.14159265f;
+};
+/// Parallel light along the node's -z; irradiance (lux) at normal incidence.
+struct SunLight {
+    Vec3f irradiance{1};
+};
+/// Emits to the front side, the node's -z, with constant radiance; size in the node's own units.
+struct AreaLight {
+    enum class Shape : unsigned char { Rectangle, Disc, Sphere };
+    Shape shape = Shape::Rectangle;
+    Vec2f size{1};  ///< width along x and height along y; disc and sphere: diameters (sphere: x alone)
+    Vec3f radiance{1};
+    bool two_sided = false;
+};
+
+struct Light {
+    std::string name;
+    std::variant<PointLight, SunLight, AreaLight> kind;
+};
+
+/// Radiance from infinitely far: a constant, times an equirectangular image if there is one (y up, centre of the
+/// image along -z before rotation).
+struct Environment {
+    Vec3f radiance{0};
+    TextureId image;
+    float rotation = 0;  ///< radians about +y
+};
+
+}  // namespace occam

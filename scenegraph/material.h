@@ -1,0 +1,53 @@
+// The material model: glTF 2.0 metallic-roughness and the extensions that a renderer needs. Colours are linear Rec.709.
+#pragma once
+
+#include <string>
+
+#include "scenegraph/base/vec.h"
+#include "scenegraph/ids.h"
+
+namespace occam {
+
+/// One use of a texture: which coordinates, how they are moved (KHR_texture_transform), how it repeats.
+struct TextureUse {
+    enum class Wrap : unsigned char { Repeat, Clamp, Mirror };
+
+    TextureId texture;  ///< none: the factor beside it alone
+    int uv_set = 0;
+    Vec2f offset{0}, scale{1};
+    float rotation = 0;  ///< radians, counter-clockwise about the origin of st (KHR_texture_transform)
+    Wrap wrap_s = Wrap::Repeat, wrap_t = Wrap::Repeat;
+    bool nearest = false;  ///< magnification without interpolation
+
+    explicit operator bool() const noexcept { return bool(texture); }
+};
+
+enum class AlphaMode : unsigned char { Opaque, Mask, Blend };
+
+struct Material {
+    std::string name;
+    Vec4f base_color{1};
+    TextureUse base_color_texture;
+    float metallic = 0, roughness = 0.6f;
+    TextureUse metallic_roughness_texture;  ///< G roughness, B metallic
+    Vec3f emission{0};                      ///< emissiveFactor times KHR_materials_emissive_strength
+    TextureUse emission_texture;
+    TextureUse normal_texture;
+    float normal_scale = 1;
+    TextureUse occlusion_texture;
+    float occlusion_strength = 1;
+    AlphaMode alpha_mode = AlphaMode::Opaque;
+    float alpha_cutoff = 0.5f;
+    bool double_sided = false;
+    bool unlit = false;              ///< KHR_materials_unlit
+    float ior = 1.5f;                ///< KHR_materials_ior
+    float transmission = 0;          ///< KHR_materials_transmission
+    TextureUse transmission_texture;
+    float clearcoat = 0, clearcoat_roughness = 0;  ///< KHR_materials_clearcoat
+    TextureUse clearcoat_texture, clearcoat_roughness_texture, clearcoat_normal_texture;
+    float specular = 1;              ///< KHR_materials_specular
+    Vec3f specular_color{1};
+    TextureUse specular_texture, specular_color_texture;
+};
+
+}  // namespace occam

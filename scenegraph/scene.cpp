@@ -1,0 +1,180 @@
+// Nodes of a scene: adding, removing, placing, finding. What nodes refer to is in scene_content.cpp, bounds in scene_bounds.cpp.
+#include "scenegraph/scene.h"
+
+#include <cmath>
+
+#include "scenegraph/scene_state.h"
+
+namespace occam {
+
+namespace {
+
+void require_finite(const Mat4d& m)
+{
+    for (int c = 0; c < 4; ++c)
+        for (int r = 0; r < 3; ++r)
+            if (!std::isfinite(m[c][r])) throw Error("", "a transform must be finite");
+}
+
+// The rigid part of a placement: a camera does not scale.
+Mat4d rigid(const Mat4d& m)
+{
+    const auto length_of = [](Vec3d v) { return std::sqrt(glm::dot(v, v)); };
+    Vec3d back(m[2]);
+    if (!(length_of(back) > 0)) back = Vec3d(0, 0, 1);
+    back = back / length_of(back);
+    Vec3d right = glm::cross(Vec3d(m[1]), back);
+    if (!(length_of(right) > 0)) right = glm::cross(std::abs(back.y) < 0.9 ? Vec3d(0, 1, 0) : Vec3d(1, 0, 0), back);
+    right = right / length_of(right);
+    return {Vec4d(right, 0), Vec4d(glm::cross(back, right), 0), Vec4d(back, 0), Vec4d(Vec3d(m[3]), 1)};
+}
+
+}  // namespace
+
+Scene::Scene() : state_(std::make_unique<State>())
+{
+    state_->root = state_->nodes.add({});
+}
+Scene::Scene(Scene&&) noexcept = default;
+Scene& Scene::operator=(Scene&&) noexcept = default;
+Scene::~Scene() = default;
+
+NodeId Scene::root() const noexcept { return state_->root; }
+
+NodeId Scene::add_node(NodeId parent, NodeDesc desc)
+{
+    State& s = *state_;
+    s.require_editable();
+    State::at(s.nodes, parent, "node");
+    for (CageId id : desc.cages) State::at(s.cages, id, "cage");
+    for (MaterialId id : desc.materials) State::at(s.materials, id, "material");
+    if (desc.light) State::at(s.lights, desc.light, "light");
+    if (desc.camera) State::at(s.cameras, desc.camera, "camera");
+    if (desc.skin) State::at(s.skins, desc.skin, "skin");
+    if (desc.instance_of) {
+        State::at(s.nodes, desc.instance_of, "node");
+        if (s.is_shown_by(parent, desc.instance_of)) throw Error("", "a node cannot show itself as an instance", desc.name);
+    }
+    const Mat4d parent_from_node = desc.matrix ? *desc.matrix : desc.place.matrix();
+    require_finite(parent_from_node);
+
+    State::NodeRecord record;
+    static_cast<NodeDesc&>(record) = std::move(desc);
+    record.parent = parent;
+    record.parent_from_node = parent_from_node;
+    record.dirty = false;  // mark_dirty() has to climb from here
+    const NodeId id = s.nodes.add(std::move(record));
+
+    const auto is_alive = [&](NodeId known) { return s.nodes.find(known) != nullptr; };
+    const Node& node = *s.nodes.find(id);
+    s.nodes.find(parent)->children.push_back(id);
+    for (CageId cage : node.cages) s.cages.find(cage)->users.add(id, is_alive);
+    if (node.instance_of) s.nodes.find(node.instance_of)->instances.add(id, is_alive);
+    s.mark_dirty(id);
+    return id;
+}
+
+void Scene::remove(NodeId id)
+{
+    State& s = *state_;
+    s.require_editable();
+    State::at(s.nodes, id, "node");
+    if (id == s.root) throw Error("", "the root cannot be removed");
+    s.mark_dirty(id);
+    std::erase(s.nodes.find(s.nodes.find(id)->parent)->children, id);
+    std::vector<NodeId> todo{id};
+    while (!todo.empty()) {
+        const NodeId next = todo.back();
+        todo.pop_back();
+        const State::NodeRecord& node = *s.nodes.find(next);
+        todo.insert(todo.end(), node.children.begin(), node.children.end());
+        // Elsewhere a part of the subtree may be on show: those placements lose it.
+        for (NodeId instance : node.instances.ids()) s.mark_dirty(instance);
+        s.nodes.remove(next);
+    }
+}
+
+const Node& Scene::node(NodeId id) const { return State::at(state_->nodes, id, "node"); }
+
+void Scene::set_transform(NodeId id, const Trs& place)
+{
+    set_transform(id, place.matrix());
+    Node& node = *state_->nodes.find(id);
+    node.place = place;
+    node.matrix.reset();
+}
+
+void Scene::set_transform(NodeId id, const Mat4d& parent_from_node)
+{
+    state_->require_editable();
+    State::NodeRecord& node = State::at(state_->nodes, id, "node");
+    require_finite(parent_from_node);
+    node.matrix = parent_from_node;
+    node.parent_from_node = parent_from_node;
+    // The node's own box is in its own axes and stays; only a root has nobody above to tell.
+    state_->mark_dirty(node.parent ? node.parent : id);
+}
+
+void Scene::set_visible(NodeId id, bool visible)
+{
+    state_->require_editable();
+    State::NodeRecord& node = State::at(state_->nodes, id, "node");
+    if (node.visible == visible) return;
+    node.visible = visible;
+    state_->mark_dirty(node.parent ? node.parent : id);
+}
+
+void Scene::set_materials(NodeId id, std::vector<MaterialId> materials)
+{
+    state_->require_editable();
+    State::NodeRecord& node = State::at(state_->nodes, id, "node");
+    for (MaterialId material : materials) State::at(state_->materials, material, "material");
+    node.materials = std::move(materials);
+}
+
+void Scene::set_skin(NodeId id, SkinId skin)
+{
+    state_->require_editable();
+    State::NodeRecord& node = State::at(state_->nodes, id, "node");
+    if (skin) State::at(state_->skins, skin, "skin");
+    node.skin = skin;
+    state_->mark_dirty(id);
+}
+
+NodeId Scene::find_node(std::string_view name) const
+{
+    NodeId found;
+    state_->nodes.for_each([&](NodeId id, const Node& node) {
+        if (!found && node.name == name) found = id;
+    });
+    return found;
+}
+
+Mat4d Scene::world_from_node(NodeId id) const
+{
+    const Node* n = &node(id);
+    Mat4d m = n->parent_from_node;
+    while ((n = find(n->parent))) m = n->parent_from_node * m;
+    return m;
+}
+
+std::optional<Camera> Scene::camera(std::string_view name) const
+{
+    NodeId found;
+    state_->nodes.for_each([&](NodeId id, const Node& node) {
+        if (!found && state_->cameras.find(node.camera) && (name.empty() || node.name == name)) found = id;
+    });
+    if (!found) return std::nullopt;
+    return Camera{rigid(world_from_node(found)), *state_->cameras.find(node(found).camera)};
+}
+
+std::vector<std::string> Scene::camera_names() const
+{
+    std::vector<std::string> names;
+    state_->nodes.for_each([&](NodeId, const Node& node) {
+        if (state_->cameras.find(node.camera)) names.push_back(node.name);
+    });
+    return names;
+}
+
+}  // namespace occam

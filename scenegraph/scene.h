@@ -1,0 +1,176 @@
+// The scene graph: nodes, and what hangs on them. The application owns it and may change it between any two frames.
+//
+// An edit costs its path to the root: it marks bounds dirty up to there and does nothing else. A renderer borrows the
+// scene for a frame, refits what is dirty before the first tile, and writes nothing else in it.
+//
+// Space    a node's place is given in its parent's axes; the root's are world axes. Right-handed, y up by habit only.
+// Threads  one thread edits at a time; edits while a frame renders are refused with an Error (FrameLock).
+// Errors   every call with a dead or foreign handle throws Error and changes nothing.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scenegraph/animation.h"
+#include "scenegraph/cage.h"
+#include "scenegraph/camera.h"
+#include "scenegraph/light.h"
+#include "scenegraph/material.h"
+#include "scenegraph/texture/texture.h"
+
+namespace occam {
+
+/// What a node is made with, and what it holds. Everything is optional.
+struct NodeDesc {
+    std::string name{};
+    Trs place{};                       ///< in the parent's axes
+    std::optional<Mat4d> matrix{};     ///< instead of `place`; affine
+    std::vector<CageId> cages{};       ///< usually one; a glTF mesh brings one for each primitive
+    std::vector<MaterialId> materials{};  ///< override of the cages' own slots, in order; empty: none
+    NodeId instance_of{};              ///< shows that node's subtree here too: its own place and visibility do not count
+    LightId light{};
+    CameraId camera{};
+    SkinId skin{};
+    std::vector<float> morph_weights{};   ///< empty: the cage's own
+    bool visible = true;               ///< false hides the subtree below the parent; instances of it are seen
+};
+
+/// A node as the engine reads it.
+struct Node : NodeDesc {
+    NodeId parent;
+    std::vector<NodeId> children;
+    Mat4d parent_from_node{1};
+    Box3d bounds;         ///< of the subtree and of instance_of, in the node's own axes; valid after Scene::refit()
+    bool dirty = true;    ///< bounds of this node and of all above it are out of date
+};
+
+/// A cage and the counters that tell the engine's caches when it changed.
+struct CageSlot {
+    Cage cage;
+    Box3d bounds;                    ///< of the control points, object axes
+    std::uint64_t identity = 0;      ///< unique in the process; a new one when topology is replaced
+    std::uint64_t positions_version = 0;
+};
+
+class Scene {
+public:
+    Scene();
+    Scene(Scene&&) noexcept;
+    Scene& operator=(Scene&&) noexcept;
+    ~Scene();
+
+    // Nodes. The root always lives; removing a node removes its subtree.
+    NodeId root() const noexcept;
+    NodeId add_node(NodeId parent, NodeDesc desc);  ///< throws also if the node would show itself through instance_of
+    void remove(NodeId id);
+    const Node& node(NodeId id) const;
+    void set_transform(NodeId id, const Trs& place);
+    void set_transform(NodeId id, const Mat4d& parent_from_node);
+    void set_visible(NodeId id, bool visible);
+    void set_materials(NodeId id, std::vector<MaterialId> materials);
+    void set_skin(NodeId id, SkinId skin);  ///< a skin names nodes, so it comes after them
+    NodeId find_node(std::string_view name) const;  ///< first by slot; none if there is none
+    Mat4d world_from_node(NodeId id) const;
+
+    // What nodes refer to. Removing something that is referred to is allowed: it is then simply not there.
+    CageId add(Cage cage);  ///< sanitizes; see sanitize()
+    MaterialId add(Material material);
+    TextureId add(Texture texture);
+    LightId add(Light light);
+    CameraId add(CameraLens lens);
+    SkinId add(Skin skin);
+    ClipId add(Clip clip);
+    void remove(CageId id);
+    void remove(LightId id);
+    const CageSlot& cage(CageId id) const;
+    const Material& material(MaterialId id) const;
+    const Texture& texture(TextureId id) const;
+    const Light& light(LightId id) const;
+    const CameraLens& camera_lens(CameraId id) const;
+    const Skin& skin(SkinId id) const;
+    const Clip& clip(ClipId id) const;
+    void write_vertices(CageId id, std::span<const Vec3f> positions);  ///< as many as before
+    void replace(CageId id, Cage cage);                                ///< new topology
+    void replace(MaterialId id, Material material);
+    void replace(LightId id, Light light);
+
+    // Lookups that do not throw: null if dead. The engine's way.
+    const Node* find(NodeId id) const noexcept;
+    const CageSlot* find(CageId id) const noexcept;
+    const Material* find(MaterialId id) const noexcept;
+    const Texture* find(TextureId id) const noexcept;
+    const Light* find(LightId id) const noexcept;
+
+    const std::vector<ClipId>& clips() const noexcept;  ///< in file order
+    std::vector<TextureId> texture_ids() const;         ///< by slot
+    Environment environment;
+
+    /// The camera of that name, or the first of the scene for an empty name, placed in the world.
+    std::optional<Camera> camera(std::string_view name = {}) const;
+    std::vector<std::string> camera_names() const;
+
+    /// Bounds of all that is visible, world axes. Refits.
+    Box3d bounds();
+    /// Brings dirty bounds up to date: O(number of nodes on dirty paths, and their children).
+    void refit();
+
+    /// Calls visit(NodeId, const Node&, const Mat4d& world_from_node) for every visible placement in the graph, parents first,
+    /// through instances too (there are no cycles: add_node refuses them).
+    template <class Visit>
+    void for_each_placement(Visit&& visit) const;
+
+    /// CageSlot::identity of every cage.
+    std::vector<std::uint64_t> cage_identities() const;
+
+    struct Counts {
+        std::size_t nodes = 0, cages = 0, faces = 0, lights = 0, cameras = 0, materials = 0, textures = 0, clips = 0, skins = 0;
+    };
+    Counts counts() const;  ///< `faces` counts each cage once; see placed_faces()
+    std::size_t placed_faces() const;
+
+    /// What was repaired or dropped on the way in: one line each, with a count.
+    std::vector<std::string> warnings;
+
+    /// While one of these lives, edits throw.
+    class FrameLock {
+    public:
+        explicit FrameLock(const Scene& scene);
+        ~FrameLock();
+        FrameLock(const FrameLock&) = delete;
+        FrameLock& operator=(const FrameLock&) = delete;
+
+    private:
+        const Scene& scene_;
+    };
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+template <class Visit>
+void Scene::for_each_placement(Visit&& visit) const
+{
+    struct Place {
+        NodeId id;
+        Mat4d world_from_node;
+    };
+    std::vector<Place> todo;
+    if (node(root()).visible) todo.push_back({root(), node(root()).parent_from_node});
+    while (!todo.empty()) {
+        const Place place = todo.back();
+        todo.pop_back();
+        const Node& n = node(place.id);
+        visit(place.id, n, place.world_from_node);
+        for (auto child = n.children.rbegin(); child != n.children.rend(); ++child)
+            if (const Node& c = node(*child); c.visible) todo.push_back({*child, place.world_from_node * c.parent_from_node});
+        if (find(n.instance_of)) todo.push_back({n.instance_of, place.world_from_node});
+    }
+}
+
+}  // namespace occam

@@ -1,0 +1,179 @@
+// What the nodes of a scene refer to: cages, materials, textures, lights, cameras, skins, clips.
+#include <atomic>
+
+#include "scenegraph/scene_state.h"
+
+namespace occam {
+
+namespace {
+
+// Renderers key what they keep by this across frames and scenes, so it counts for the whole process.
+std::uint64_t next_identity() noexcept
+{
+    static std::atomic<std::uint64_t> last{0};
+    return ++last;
+}
+
+}  // namespace
+
+CageId Scene::add(Cage cage)
+{
+    state_->require_editable();
+    const std::string name = cage.name.empty() ? "cage" : cage.name;
+    for (const std::string& line : sanitize(cage)) warnings.push_back(name + ": " + line);
+    State::CageRecord record;
+    record.bounds = cage.bounds();
+    record.cage = std::move(cage);
+    record.identity = next_identity();
+    return state_->cages.add(std::move(record));
+}
+MaterialId Scene::add(Material material)
+{
+    state_->require_editable();
+    return state_->materials.add(std::move(material));
+}
+TextureId Scene::add(Texture texture)
+{
+    state_->require_editable();
+    if (!texture.pixels.empty() && (texture.width <= 0 || texture.height <= 0 ||
+                                    texture.pixels.size() != std::size_t(texture.width) * std::size_t(texture.height)))
+        throw Error("", "a texture's pixels must be width * height", texture.name);
+    texture.identity = next_identity();
+    return state_->textures.add(std::move(texture));
+}
+LightId Scene::add(Light light)
+{
+    state_->require_editable();
+    return state_->lights.add(std::move(light));
+}
+CameraId Scene::add(CameraLens lens)
+{
+    state_->require_editable();
+    return state_->cameras.add(lens);
+}
+SkinId Scene::add(Skin skin)
+{
+    state_->require_editable();
+    for (NodeId joint : skin.joints) State::at(state_->nodes, joint, "node");
+    if (!skin.joint_from_mesh.empty() && skin.joint_from_mesh.size() != skin.joints.size())
+        throw Error("", "a skin needs one inverse bind matrix a joint, or none", skin.name);
+    return state_->skins.add(std::move(skin));
+}
+ClipId Scene::add(Clip clip)
+{
+    state_->require_editable();
+    for (const Channel& channel : clip.channels) State::at(state_->nodes, channel.target, "node");
+    state_->clip_order.push_back(state_->clips.add(std::move(clip)));
+    return state_->clip_order.back();
+}
+
+void Scene::remove(CageId id)
+{
+    state_->require_editable();
+    state_->mark_users_dirty(State::at(state_->cages, id, "cage"));
+    state_->cages.remove(id);
+}
+void Scene::remove(LightId id)
+{
+    state_->require_editable();
+    State::at(state_->lights, id, "light");
+    state_->lights.remove(id);
+}
+
+const CageSlot& Scene::cage(CageId id) const { return State::at(state_->cages, id, "cage"); }
+const Material& Scene::material(MaterialId id) const { return State::at(state_->materials, id, "material"); }
+const Texture& Scene::texture(TextureId id) const { return State::at(state_->textures, id, "texture"); }
+const Light& Scene::light(LightId id) const { return State::at(state_->lights, id, "light"); }
+const CameraLens& Scene::camera_lens(CameraId id) const { return State::at(state_->cameras, id, "camera"); }
+const Skin& Scene::skin(SkinId id) const { return State::at(state_->skins, id, "skin"); }
+const Clip& Scene::clip(ClipId id) const { return State::at(state_->clips, id, "clip"); }
+
+void Scene::write_vertices(CageId id, std::span<const Vec3f> positions)
+{
+    state_->require_editable();
+    State::CageRecord& record = State::at(state_->cages, id, "cage");
+    if (positions.size() != record.cage.positions.size())
+        throw Error("", "write_vertices needs as many positions as the cage has",
+                    std::to_string(positions.size()) + " for " + std::to_string(record.cage.positions.size()));
+    Box3d bounds;
+    for (Vec3f p : positions) {
+        if (!is_usable(p)) throw Error("", "a position is not finite, or beyond 1e12", record.cage.name);
+        bounds.add(Vec3d(p));
+    }
+    record.cage.positions.assign(positions.begin(), positions.end());
+    record.bounds = bounds;
+    ++record.positions_version;
+    state_->mark_users_dirty(record);
+}
+
+void Scene::replace(CageId id, Cage cage)
+{
+    state_->require_editable();
+    State::CageRecord& record = State::at(state_->cages, id, "cage");
+    const std::string name = cage.name.empty() ? "cage" : cage.name;
+    for (const std::string& line : sanitize(cage)) warnings.push_back(name + ": " + line);
+    record.bounds = cage.bounds();
+    record.cage = std::move(cage);
+    record.identity = next_identity();
+    record.positions_version = 0;
+    state_->mark_users_dirty(record);
+}
+void Scene::replace(MaterialId id, Material material)
+{
+    state_->require_editable();
+    State::at(state_->materials, id, "material") = std::move(material);
+}
+void Scene::replace(LightId id, Light light)
+{
+    state_->require_editable();
+    State::at(state_->lights, id, "light") = std::move(light);
+}
+
+const Node* Scene::find(NodeId id) const noexcept { return state_->nodes.find(id); }
+const CageSlot* Scene::find(CageId id) const noexcept { return state_->cages.find(id); }
+const Material* Scene::find(MaterialId id) const noexcept { return state_->materials.find(id); }
+const Texture* Scene::find(TextureId id) const noexcept { return state_->textures.find(id); }
+const Light* Scene::find(LightId id) const noexcept { return state_->lights.find(id); }
+
+const std::vector<ClipId>& Scene::clips() const noexcept { return state_->clip_order; }
+
+std::vector<std::uint64_t> Scene::cage_identities() const
+{
+    std::vector<std::uint64_t> identities;
+    state_->cages.for_each([&](CageId, const CageSlot& slot) { identities.push_back(slot.identity); });
+    return identities;
+}
+
+std::vector<TextureId> Scene::texture_ids() const
+{
+    std::vector<TextureId> ids;
+    state_->textures.for_each([&](TextureId id, const Texture&) { ids.push_back(id); });
+    return ids;
+}
+
+Scene::Counts Scene::counts() const
+{
+    const State& s = *state_;
+    Counts counts{.nodes = s.nodes.size(), .cages = s.cages.size(), .lights = s.lights.size(), .cameras = s.cameras.size(),
+                  .materials = s.materials.size(), .textures = s.textures.size(), .clips = s.clips.size(), .skins = s.skins.size()};
+    s.cages.for_each([&](CageId, const CageSlot& slot) { counts.faces += slot.cage.face_count(); });
+    return counts;
+}
+
+std::size_t Scene::placed_faces() const
+{
+    std::size_t faces = 0;
+    for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
+        for (CageId id : node.cages)
+            if (const CageSlot* slot = find(id)) faces += slot->cage.face_count();
+    });
+    return faces;
+}
+
+Scene::FrameLock::FrameLock(const Scene& scene) : scene_(scene)
+{
+    scene_.state_->frames.fetch_add(1, std::memory_order_acq_rel);
+}
+Scene::FrameLock::~FrameLock() { scene_.state_->frames.fetch_sub(1, std::memory_order_acq_rel); }
+
+}  // namespace occam

@@ -1,0 +1,49 @@
+// One texture as it is looked up: linear RGBA in half floats, box-filtered levels, each in small square tiles.
+//
+// Memory   8 bytes a texel; a tile of 8 x 8 is eight cache lines, so that a bilinear lookup touches one or two.
+// Threads  read only once it is made.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "scenegraph/material.h"
+
+namespace occam {
+
+class MipImage {
+public:
+    /// Empty; fill row by row, then build_levels().
+    MipImage(int width, int height);
+
+    int width() const noexcept { return levels_[0].width; }
+    int height() const noexcept { return levels_[0].height; }
+    int level_count() const noexcept { return static_cast<int>(levels_.size()); }
+    std::size_t bytes() const noexcept;
+    /// What an image of this size will take with all its levels.
+    static std::size_t bytes_of(int width, int height) noexcept;
+
+    void write_row(int y, std::span<const Vec4f> texels);
+    void build_levels();
+
+    Vec4f texel(int level, int x, int y) const noexcept { return levels_[static_cast<std::size_t>(level)].texel(x, y); }
+    /// Bilinear about `st` of a level, or the nearest texel. `st` is finite; (0, 0) is the top left corner.
+    Vec4f lookup(int level, Vec2f st, TextureUse::Wrap wrap_s, TextureUse::Wrap wrap_t, bool nearest) const noexcept;
+
+private:
+    struct Level {
+        Level(int width_texels, int height_texels);
+        Vec4f texel(int x, int y) const noexcept;
+        void write(int x, int y, Vec4f texel) noexcept;
+        std::size_t offset(int x, int y) const noexcept;
+
+        int width, height, tiles_x;
+        std::vector<std::uint16_t> halves;
+    };
+    static Level halved(const Level& from);
+
+    std::vector<Level> levels_;
+};
+
+}  // namespace occam

@@ -1,0 +1,151 @@
+#include "shade/environment.h"
+
+#include <algorithm>
+#include <span>
+
+#include "shade/frame_of.h"
+
+namespace occam::shade {
+namespace {
+
+constexpr int kColumns = 128, kRows = 64;
+
+// Index of the interval of rising `sums` that holds u, and u's place in it.
+struct Interval {
+    int index;
+    float within;
+    float share;
+};
+Interval find_interval(std::span<const float> sums, float u) noexcept
+{
+    const auto above = std::upper_bound(sums.begin(), sums.end() - 1, u);
+    const int index = static_cast<int>(above - sums.begin());
+    const float below = index ? sums[std::size_t(index) - 1] : 0;
+    const float share = *above - below;
+    return {index, share > 0 ? std::clamp((u - below) / share, 0.0f, 0.9999999f) : 0.5f, share};
+}
+
+float share_of(std::span<const float> sums, int index) noexcept
+{
+    return sums[std::size_t(index)] - (index ? sums[std::size_t(index) - 1] : 0);
+}
+
+// Makes running sums of weights, ending with exactly 1.
+float accumulate(std::span<float> weights) noexcept
+{
+    double sum = 0;
+    for (float w : weights) sum += double(w);
+    double running = 0;
+    for (float& w : weights) {
+        running += double(w);
+        w = sum > 0 ? float(running / sum) : 0;
+    }
+    weights.back() = 1;
+    return float(sum);
+}
+
+constexpr Vec3f kZenith{0.36f, 0.45f, 0.60f}, kHorizon{0.60f, 0.62f, 0.64f}, kGround{0.34f, 0.325f, 0.31f};
+
+Vec3f sky_radiance(float y) noexcept
+{
+    if (y >= 0) {
+        const float down = 1 - std::min(y, 1.0f);
+        return glm::mix(kZenith, kHorizon, down * down * down);
+    }
+    const float t = std::min(1.0f, -y * 6);
+    return glm::mix(kHorizon, kGround, t * t * (3 - 2 * t));
+}
+
+}  // namespace
+
+Environment::Environment(const occam::Environment& description, const TextureStore& textures)
+    : scale_(description.radiance), textures_(&textures)
+{
+    if (scale_ == Vec3f(0)) return;
+    kind_ = Kind::Constant;
+    if (!description.image) return;
+    kind_ = Kind::Image;
+    image_.texture = description.image;
+    image_.wrap_t = TextureUse::Wrap::Clamp;
+    rotation_sin_ = maths::sin(description.rotation);
+    rotation_cos_ = maths::cos(description.rotation);
+    tabulate();
+}
+
+Environment Environment::sky()
+{
+    Environment e;
+    e.kind_ = Kind::Sky;
+    e.scale_ = Vec3f(1);
+    return e;
+}
+
+Vec3f Environment::radiance(Vec3f direction) const noexcept
+{
+    switch (kind_) {
+        case Kind::None: return Vec3f(0);
+        case Kind::Constant: return scale_;
+        case Kind::Sky: return sky_radiance(direction.y);
+        case Kind::Image: break;
+    }
+    return scale_ * glm::max(Vec3f(textures_->sample(image_, uv_of(direction), 0)), Vec3f(0));
+}
+
+Vec2f Environment::uv_of(Vec3f direction) const noexcept
+{
+    // Into the image's axes: back by the rotation about +y.
+    const float x = rotation_cos_ * direction.x - rotation_sin_ * direction.z;
+    const float z = rotation_sin_ * direction.x + rotation_cos_ * direction.z;
+    return {0.5f + maths::atan2(x, -z) / (2 * kPi), maths::acos(std::clamp(direction.y, -1.0f, 1.0f)) / kPi};
+}
+
+Vec3f Environment::direction_of(Vec2f uv) const noexcept
+{
+    const float angle = (uv.x - 0.5f) * 2 * kPi;
+    const float ring = maths::sin(uv.y * kPi);
+    const float x = ring * maths::sin(angle), z = -ring * maths::cos(angle);
+    return {rotation_cos_ * x + rotation_sin_ * z, maths::cos(uv.y * kPi), rotation_cos_ * z - rotation_sin_ * x};
+}
+
+void Environment::tabulate()
+{
+    cell_sums_.resize(std::size_t(kColumns) * kRows);
+    row_sums_.resize(kRows);
+    double total = 0;
+    for (int row = 0; row < kRows; ++row)
+        for (int column = 0; column < kColumns; ++column) {
+            const Vec2f uv((float(column) + 0.5f) / kColumns, (float(row) + 0.5f) / kRows);
+            const Vec3f c = glm::max(Vec3f(textures_->sample(image_, uv, 1.0f / kColumns)), Vec3f(0));
+            const float y = std::min(0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z, 1e6f);
+            cell_sums_[std::size_t(row * kColumns + column)] = y;
+            total += double(y);
+        }
+    // A floor keeps the density above zero where filtering brings light into a black cell.
+    const float floor = std::max(float(total / (kColumns * kRows)) * 0.05f, 1e-6f);
+    for (int row = 0; row < kRows; ++row) {
+        const std::span cells(cell_sums_.data() + row * kColumns, std::size_t(kColumns));
+        for (float& w : cells) w += floor;
+        row_sums_[std::size_t(row)] = accumulate(cells) * maths::sin((float(row) + 0.5f) * kPi / kRows);
+    }
+    accumulate(row_sums_);
+}
+
+Vec3f Environment::sample(Vec2f square) const noexcept
+{
+    const Interval row = find_interval(row_sums_, square.y);
+    const std::span cells(cell_sums_.data() + row.index * kColumns, std::size_t(kColumns));
+    const Interval column = find_interval(cells, square.x);
+    return direction_of({(float(column.index) + column.within) / kColumns, (float(row.index) + row.within) / kRows});
+}
+
+float Environment::density(Vec3f direction) const noexcept
+{
+    const Vec2f uv = uv_of(direction);
+    const int row = std::clamp(int(uv.y * kRows), 0, kRows - 1);
+    const int column = std::clamp(int(uv.x * kColumns), 0, kColumns - 1);
+    const std::span cells(cell_sums_.data() + row * kColumns, std::size_t(kColumns));
+    const float ring = std::max(1e-6f, std::sqrt(std::max(0.0f, 1 - direction.y * direction.y)));
+    return share_of(row_sums_, row) * share_of(cells, column) * float(kColumns * kRows) / (2 * kPi * kPi * ring);
+}
+
+}  // namespace occam::shade

@@ -1,0 +1,46 @@
+// Light from infinitely far, in every direction: a constant, an equirectangular image, or the sky of a bare model.
+//
+// Memory   a table of 128 x 64 luminances for an image. Borrows the texture store.
+// Threads  const after construction.
+#pragma once
+
+#include <vector>
+
+#include "scenegraph/light.h"
+#include "scenegraph/texture/texture_store.h"
+
+namespace occam::shade {
+
+class Environment {
+public:
+    Environment() = default;  ///< none: black
+    /// Textures must be prepared.
+    Environment(const occam::Environment& description, const TextureStore& textures);
+    /// Daylight for a model that brings no light of its own: a soft gradient about +y.
+    static Environment sky();
+
+    bool is_black() const noexcept { return kind_ == Kind::None; }
+    Vec3f radiance(Vec3f direction) const noexcept;
+
+    /// An image is sampled by its own brightness too; for the others the surface's lobes say enough.
+    bool has_density() const noexcept { return kind_ == Kind::Image; }
+    Vec3f sample(Vec2f square) const noexcept;
+    float density(Vec3f direction) const noexcept;  ///< of sample(), per solid angle
+
+private:
+    enum class Kind : unsigned char { None, Constant, Image, Sky };
+
+    Vec2f uv_of(Vec3f direction) const noexcept;
+    Vec3f direction_of(Vec2f uv) const noexcept;
+    void tabulate();
+
+    Kind kind_ = Kind::None;
+    Vec3f scale_{0};
+    TextureUse image_;
+    float rotation_sin_ = 0, rotation_cos_ = 1;
+    const TextureStore* textures_ = nullptr;
+    std::vector<float> row_sums_;   ///< running sums over rows, the last is 1
+    std::vector<float> cell_sums_;  ///< running sums within each row, the last of a row is 1
+};
+
+}  // namespace occam::shade

@@ -1,0 +1,47 @@
+// An orthonormal frame about a direction, and maps from the unit square onto discs and hemispheres.
+#pragma once
+
+#include <cmath>
+
+#include "scenegraph/base/maths.h"
+#include "scenegraph/base/vec.h"
+
+namespace occam::shade {
+
+using maths::kPi;
+
+/// x, y and z = the given direction; right-handed. Continuous but at z = -1 (Duff et al. 2017).
+struct Axes {
+    Vec3f x, y, z;
+
+    explicit Axes(Vec3f unit) noexcept : z(unit)
+    {
+        const float sign = std::copysign(1.0f, unit.z);
+        const float a = -1.0f / (sign + unit.z);
+        const float b = unit.x * unit.y * a;
+        x = {1 + sign * unit.x * unit.x * a, sign * b, -sign * unit.x};
+        y = {b, sign + unit.y * unit.y * a, -unit.y};
+    }
+    Vec3f to_world(Vec3f v) const noexcept { return x * v.x + y * v.y + z * v.z; }
+    Vec3f to_local(Vec3f v) const noexcept { return {glm::dot(v, x), glm::dot(v, y), glm::dot(v, z)}; }
+};
+
+/// Uniform in the unit disc; keeps strata of the square compact (Shirley and Chiu 1997).
+inline Vec2f disc_point(Vec2f square) noexcept
+{
+    const Vec2f p = square * 2.0f - 1.0f;
+    if (p.x == 0 && p.y == 0) return {0, 0};
+    const bool wide = std::fabs(p.x) > std::fabs(p.y);
+    const float radius = wide ? p.x : p.y;
+    const float angle = wide ? kPi / 4 * (p.y / p.x) : kPi / 2 - kPi / 4 * (p.x / p.y);
+    return {radius * maths::cos(angle), radius * maths::sin(angle)};
+}
+
+/// Direction about +z with density cos / pi.
+inline Vec3f cosine_direction(Vec2f square) noexcept
+{
+    const Vec2f d = disc_point(square);
+    return {d.x, d.y, std::sqrt(std::fmax(0.0f, 1 - d.x * d.x - d.y * d.y))};
+}
+
+}  // namespace occam::shade

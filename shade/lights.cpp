@@ -1,0 +1,187 @@
+#include "shade/lights.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "shade/frame_of.h"
+
+namespace occam::shade {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+// A light no nearer than this is finite: a point light's 1 / d^2 must not overflow.
+constexpr float kMinDistance2 = 1e-12f;
+
+Vec3f axis(const Mat4d& m, int column) { return Vec3f(Vec3d(m[column])); }
+
+Vec3f unit_or(Vec3d v, Vec3f fallback) noexcept
+{
+    const double length = glm::length(v);
+    return length > 0 && length < std::numeric_limits<double>::infinity() ? Vec3f(v / length) : fallback;
+}
+
+// The node's -z as a normal: across its x and y also when they are sheared.
+Vec3f shining_normal(const Mat4d& m) noexcept
+{
+    const Vec3d n = glm::cross(Vec3d(m[0]), Vec3d(m[1]));
+    return unit_or(glm::dot(n, Vec3d(m[2])) < 0 ? n : -n, {0, 0, -1});
+}
+
+void place_point(WorldLight& out, const PointLight& light)
+{
+    out.kind = WorldLight::Kind::Point;
+    out.strength = light.intensity;
+    out.range = light.range;
+    if (light.outer_angle < 3.1415f) {
+        const float cos_outer = maths::cos(light.outer_angle);
+        out.spot_scale = 1 / std::max(0.001f, maths::cos(light.inner_angle) - cos_outer);
+        out.spot_offset = -cos_outer * out.spot_scale;
+    }
+}
+
+void place_area(WorldLight& out, const AreaLight& light, const Mat4d& world_from_node)
+{
+    out.strength = light.radiance;
+    out.two_sided = light.two_sided;
+    out.direction = shining_normal(world_from_node);
+    out.half_x = axis(world_from_node, 0) * (light.size.x * 0.5f);
+    out.half_y = axis(world_from_node, 1) * (light.size.y * 0.5f);
+    out.area = glm::length(glm::cross(out.half_x, out.half_y));
+    switch (light.shape) {
+        case AreaLight::Shape::Rectangle:
+            out.kind = WorldLight::Kind::Rectangle;
+            out.area *= 4;
+            break;
+        case AreaLight::Shape::Disc:
+            out.kind = WorldLight::Kind::Disc;
+            out.area *= kPi;
+            break;
+        case AreaLight::Shape::Sphere:
+            out.kind = WorldLight::Kind::Sphere;
+            out.radius = glm::length(out.half_x);
+            break;
+    }
+}
+
+LightSample sample_point(const WorldLight& light, Vec3d point) noexcept
+{
+    const Vec3f to_light(light.position - point);
+    const float distance2 = std::max(glm::dot(to_light, to_light), kMinDistance2);
+    const float distance = std::sqrt(distance2);
+    const Vec3f direction = to_light / distance;
+    const float cone = std::clamp(-glm::dot(direction, light.direction) * light.spot_scale + light.spot_offset, 0.0f, 1.0f);
+    float fall = cone * cone / distance2;
+    if (light.range > 0) {
+        const float share = distance2 / (light.range * light.range);
+        fall *= std::clamp(1 - share * share, 0.0f, 1.0f);
+    }
+    return {direction, distance, light.strength * fall};
+}
+
+LightSample sample_sun(const WorldLight& light, LightNumbers numbers) noexcept
+{
+    Vec3f direction = -light.direction;
+    if (light.sun_spread > 0) {
+        const Axes axes(direction);
+        const Vec2f d = disc_point(numbers.square) * light.sun_spread;
+        direction = glm::normalize(axes.to_world({d.x, d.y, 1}));
+    }
+    return {direction, kInfinity, light.strength};
+}
+
+LightSample sample_flat(const WorldLight& light, Vec3d point, LightNumbers numbers) noexcept
+{
+    const Vec2f d = light.kind == WorldLight::Kind::Disc ? disc_point(numbers.square) : numbers.square * 2.0f - 1.0f;
+    const Vec3f to_light = Vec3f(light.position - point) + light.half_x * d.x + light.half_y * d.y;
+    const float distance2 = std::max(glm::dot(to_light, to_light), kMinDistance2);
+    const float distance = std::sqrt(distance2);
+    const Vec3f direction = to_light / distance;
+    float cosine = -glm::dot(direction, light.direction);
+    if (light.two_sided) cosine = std::fabs(cosine);
+    if (!(cosine > 0)) return {};
+    return {direction, distance, light.strength * (light.area * cosine / distance2)};
+}
+
+// Uniform in the cone that the sphere fills.
+LightSample sample_sphere(const WorldLight& light, Vec3d point, LightNumbers numbers) noexcept
+{
+    const Vec3f to_centre(light.position - point);
+    const float distance2 = glm::dot(to_centre, to_centre);
+    const float sin2 = light.radius * light.radius / distance2;
+    if (!(sin2 < 1)) return {};
+    const float cos_most = std::sqrt(1 - sin2);
+    // 1 - cos without the cancellation that a small sphere would meet.
+    const float one_minus_cos_most = sin2 / (1 + cos_most);
+    const Vec2f d = disc_point(numbers.square);
+    const float one_minus_cos = (d.x * d.x + d.y * d.y) * one_minus_cos_most;
+    const float cosine = 1 - one_minus_cos;
+    // A disc point's squared radius is uniform, and so is 1 - cos in a cone: scale it to that ring.
+    const float stretch = std::sqrt(one_minus_cos_most * (2 - one_minus_cos));
+    const float distance = std::sqrt(distance2);
+    const Axes axes(to_centre / distance);
+    const Vec3f direction = glm::normalize(axes.to_world({d.x * stretch, d.y * stretch, cosine}));
+    const float sin2_ray = one_minus_cos * (2 - one_minus_cos);
+    const float inside = std::sqrt(std::max(0.0f, light.radius * light.radius - distance2 * sin2_ray));
+    return {direction, distance * cosine - inside, light.strength * (2 * kPi * one_minus_cos_most)};
+}
+
+// From over the camera's left shoulder; wide enough for soft shadows.
+WorldLight key_light(const Camera& camera)
+{
+    WorldLight key;
+    key.kind = WorldLight::Kind::Sun;
+    key.direction = unit_or(transform_vector(camera.world_from_camera, Vec3d(0.5, -0.8, -0.6)), {0, -1, 0});
+    key.strength = Vec3f(1.6f, 1.5f, 1.35f);
+    key.sun_spread = 0.05f;
+    return key;
+}
+
+}  // namespace
+
+WorldLight WorldLight::place(const Light& light, const Mat4d& world_from_node)
+{
+    WorldLight out;
+    out.position = Vec3d(world_from_node[3]);
+    out.direction = unit_or(-Vec3d(world_from_node[2]), {0, 0, -1});
+    if (const auto* point = std::get_if<PointLight>(&light.kind)) {
+        place_point(out, *point);
+    } else if (const auto* sun = std::get_if<SunLight>(&light.kind)) {
+        out.kind = Kind::Sun;
+        out.strength = sun->irradiance;
+    } else if (const auto* area_light = std::get_if<AreaLight>(&light.kind)) {
+        place_area(out, *area_light, world_from_node);
+    }
+    return out;
+}
+
+LightSample WorldLight::sample(Vec3d point, LightNumbers numbers) const noexcept
+{
+    switch (kind) {
+        case Kind::Point: return sample_point(*this, point);
+        case Kind::Sun: return sample_sun(*this, numbers);
+        case Kind::Rectangle:
+        case Kind::Disc: return sample_flat(*this, point, numbers);
+        case Kind::Sphere: return sample_sphere(*this, point, numbers);
+    }
+    return {};
+}
+
+FrameLights::FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures)
+    : environment_(scene.environment, textures)
+{
+    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d& world_from_node) {
+        if (const Light* light = scene.find(node.light)) lights_.push_back(WorldLight::place(*light, world_from_node));
+    });
+    if (lights_.empty() && environment_.is_black()) {
+        lights_.push_back(key_light(camera));
+        environment_ = Environment::sky();
+    }
+}
+
+FrameLights::FrameLights(std::vector<WorldLight> lights, Environment environment)
+    : lights_(std::move(lights)), environment_(std::move(environment))
+{
+}
+
+}  // namespace occam::shade

@@ -1,0 +1,21 @@
+// A point to be shaded, as the integrator hands it down: what phase two knows of a hit, without knowing who found it.
+#pragma once
+
+#include "scenegraph/base/vec.h"
+#include "scenegraph/material.h"
+
+namespace occam::shade {
+
+struct ShadePoint {
+    Vec3d position{0};                ///< world
+    Vec3f to_eye{0, 0, 1};            ///< unit, towards the ray's origin
+    Vec3f normal_geometric{0, 0, 1};  ///< unit, on the side of to_eye
+    Vec3f normal_shading{0, 0, 1};    ///< unit, on the side of normal_geometric
+    float self_distance = 0;          ///< a secondary ray starts this far along normal_geometric
+    Vec2f uv[2]{};
+    float uv_width[2]{};                 ///< of the ray's footprint, in units of uv
+    Vec4f color{1};                      ///< vertex colour, linear
+    const Material* material = nullptr;  ///< never null
+};
+
+}  // namespace occam::shade

@@ -1,0 +1,110 @@
+#include "tests/support/diced_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace occam::test {
+
+DicedCage::DicedCage(const Cage& cage, int level, const Mat4d& world_from_object)
+{
+    const CageId id = scene_.add(cage);
+    const NodeId node = scene_.add_node(scene_.root(), {.matrix = world_from_object, .cages = {id}});
+    scene_.refit();
+    const CageSlot& slot = scene_.cage(id);
+    const lod::CageTables& tables = cache_.get(slot);
+    posed.slot = &slot;
+    posed.topology = tables.topology.get();
+    posed.clusters = tables.clusters.get();
+    posed.node = &scene_.node(node);
+    posed.node_id = node;
+    posed.level = level;
+    posed.place(world_from_object, slot.bounds);
+}
+
+std::vector<lod::TileRef> DicedCage::tiles()
+{
+    std::vector<lod::TileRef> all;
+    for (std::uint32_t face = 0; face < topology().face_count(); ++face) {
+        if (!topology().is_seen(face)) continue;
+        for (std::uint32_t sub = 0; sub < topology().patches_of(face); ++sub) {
+            const lod::PatchRates rates = dicer.rates(posed, {face, sub});
+            const int columns = 1 << rates.u, rows = 1 << rates.v, side = lod::TileRef::kMaxSide;
+            for (int j = 0; j < rows; j += side)
+                for (int i = 0; i < columns; i += side) {
+                    const auto size = [&](int whole) { return static_cast<std::uint16_t>(std::min(whole, side)); };
+                    all.push_back({{face, sub}, rates, static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j), size(columns), size(rows)});
+                }
+        }
+    }
+    return all;
+}
+
+std::vector<MeshTriangle> DicedCage::triangles()
+{
+    std::vector<MeshTriangle> mesh;
+    std::vector<lod::Closer> known;  // of the present patch: its tiles keep copies of a closer that reaches into several
+    lod::PatchRef patch{~0u, 0};
+    for (const lod::TileRef& tile : tiles()) {
+        if (!(tile.patch == patch)) known.clear();
+        patch = tile.patch;
+        const lod::LevelGrid grid = dicer.dice(posed, tile, arena);
+        for (int j = 0; j < tile.rows; ++j)
+            for (int i = 0; i < tile.columns; ++i) {
+                mesh.push_back({{grid.vertex(i, j), grid.vertex(i + 1, j), grid.vertex(i + 1, j + 1)}});
+                mesh.push_back({{grid.vertex(i, j), grid.vertex(i + 1, j + 1), grid.vertex(i, j + 1)}});
+            }
+        for (const lod::Closer& c : grid.closers) {
+            const auto same = [&](const lod::Closer& k) { return k.a == c.a && k.middle == c.middle && k.c == c.c; };
+            if (std::any_of(known.begin(), known.end(), same)) continue;
+            known.push_back(c);
+            mesh.push_back({{c.a, c.middle, c.c}, true});
+        }
+    }
+    return mesh;
+}
+
+int DicedCage::level_of_largest_exponent(int exponent)
+{
+    dicer.forget();
+    // Exponents rise by one a level on the way from coarse to fine, once they are off their least value.
+    for (posed.level = std::ilogb(posed.radius) + 4;; --posed.level) {
+        int largest = 0;
+        for (const lod::TileRef& tile : tiles()) largest = std::max({largest, tile.rates.u, tile.rates.v});
+        if (largest >= exponent) return posed.level;
+    }
+}
+
+bool is_closed(const Cage& cage)
+{
+    std::vector<bool> is_hole(cage.face_count());
+    for (const std::uint32_t h : cage.holes) is_hole[h] = true;
+    std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses;
+    std::size_t first = 0;
+    for (std::size_t f = 0; f < cage.face_count(); ++f) {
+        const std::size_t n = cage.scheme == Scheme::Triangles ? 3 : cage.face_sizes[f];
+        for (std::size_t k = 0; k < n && !is_hole[f]; ++k)
+            ++uses[{cage.face_vertices[first + k], cage.face_vertices[first + (k + 1) % n]}];
+        first += n;
+    }
+    for (const auto& [edge, count] : uses) {
+        const auto other = uses.find({edge.second, edge.first});
+        if (count != 1 || other == uses.end() || other->second != 1) return false;
+    }
+    return !uses.empty();
+}
+
+double winding_number(const std::vector<MeshTriangle>& mesh, Vec3d at)
+{
+    double sum = 0;
+    for (const MeshTriangle& t : mesh) {
+        if (t.is_closer) continue;
+        const Vec3d a = Vec3d(t.v[0]) - at, b = Vec3d(t.v[1]) - at, c = Vec3d(t.v[2]) - at;
+        const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
+        const double scale = la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb;
+        sum += 2 * std::atan2(glm::dot(a, glm::cross(b, c)), scale);
+    }
+    return sum / (4 * 3.14159265358979323846);
+}
+
+}  // namespace occam::test

@@ -1,0 +1,31 @@
+// What a refused file says.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "scenegraph/base/error.h"
+#include "scenegraph/import/import.h"
+
+namespace occam::test {
+
+/// The message of the Error that load() throws; empty if it throws none.
+inline std::string error_of(const std::filesystem::path& file, const LoadOptions& options = {})
+{
+    try {
+        load(file, options);
+        return {};
+    } catch (const Error& error) {
+        return error.what();
+    }
+}
+
+/// True if a warning of the scene contains `text`.
+inline bool warns(const Scene& scene, const std::string& text)
+{
+    for (const std::string& line : scene.warnings)
+        if (line.find(text) != std::string::npos) return true;
+    return false;
+}
+
+}  // namespace occam::test

@@ -1,0 +1,197 @@
+// The executable as a person or a script meets it: exit codes, lines, files.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "render/compare.h"
+
+namespace occam {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+    int exit_code = -1;
+    std::string out, err;
+};
+
+std::string text_of(const fs::path& file)
+{
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    return text.str();
+}
+
+class Command : public testing::Test {
+protected:
+    void SetUp() override
+    {
+        const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+        folder = fs::temp_directory_path() / ("occam_command_" + std::to_string(getpid()) + "_" + test->name());
+        fs::create_directories(folder);
+        std::ofstream(folder / "triangle.obj") << "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n";
+    }
+    void TearDown() override { fs::remove_all(folder); }
+
+    /// Starts the executable in the test's folder.
+    pid_t start(const std::vector<std::string>& arguments) const
+    {
+        const pid_t child = fork();
+        if (child != 0) return child;
+        std::vector<char*> argv;
+        static char name[] = OCCAM_EXECUTABLE;
+        argv.push_back(name);
+        for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
+        argv.push_back(nullptr);
+        if (chdir(folder.c_str()) != 0 || !freopen("stdout.txt", "w", stdout) || !freopen("stderr.txt", "w", stderr))
+            _exit(99);
+        execv(OCCAM_EXECUTABLE, argv.data());
+        _exit(98);
+    }
+    Outcome finish(pid_t child) const
+    {
+        int status = 0;
+        waitpid(child, &status, 0);
+        return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(folder / "stdout.txt"),
+                text_of(folder / "stderr.txt")};
+    }
+    Outcome run(const std::vector<std::string>& arguments) const { return finish(start(arguments)); }
+
+    fs::path folder;
+};
+
+constexpr int kDone = 0, kDoesNotHold = 1, kBadInput = 2, kOutput = 3, kInterrupted = 130;
+
+long lines_of(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
+
+TEST_F(Command, HelpShowsAnExampleForEachCommand)
+{
+    for (const char* command : {"render", "info", "compare"}) {
+        const Outcome o = run({command, "--help"});
+        EXPECT_EQ(o.exit_code, kDone) << command;
+        EXPECT_NE(o.out.find(std::string("Example: occam ") + command), std::string::npos) << o.out;
+    }
+}
+
+TEST_F(Command, VersionNamesTheLibraries)
+{
+    const Outcome o = run({"--version"});
+    EXPECT_EQ(o.exit_code, kDone);
+    for (const char* library : {"occam ", "OpenSubdiv", "oneTBB", "OpenImageIO"})
+        EXPECT_NE(o.out.find(library), std::string::npos) << library;
+}
+
+TEST_F(Command, BadUsageIsOneLineAndExitCode2)
+{
+    const std::vector<std::vector<std::string>> bad{{},
+                                                    {"paint"},
+                                                    {"render", "triangle.obj"},
+                                                    {"render", "triangle.obj", "-o", "a.png", "--spp", "0"},
+                                                    {"render", "triangle.obj", "-o", "a.png", "--size", "12"},
+                                                    {"render", "triangle.obj", "-o", "a.png", "--colour", "red"},
+                                                    {"render", "triangle.obj", "-o", "a.png", "--aov", "smell"},
+                                                    {"render", "triangle.obj", "-o", "a.png", "--crop", "1,0,0,1"},
+                                                    {"render", "triangle.obj", "-o", "a.png", "--look-at", "0,0,0,0,0,0"},
+                                                    {"render", "triangle.obj", "-o", "a.png", "--camera", "none"},
+                                                    {"render", "triangle.obj", "-o", "a.xyz"},
+                                                    {"render", "missing.obj", "-o", "a.png"},
+                                                    {"info", "missing.gltf"},
+                                                    {"compare", "missing.exr", "missing.exr"}};
+    for (const auto& arguments : bad) {
+        const Outcome o = run(arguments);
+        std::string line = "occam";
+        for (const std::string& a : arguments) line += " " + a;
+        EXPECT_EQ(o.exit_code, kBadInput) << line << '\n' << o.err;
+        EXPECT_EQ(lines_of(o.err), 1) << line << '\n' << o.err;
+        EXPECT_EQ(o.err.rfind("occam: ", 0), 0u) << o.err;
+        EXPECT_FALSE(fs::exists(folder / "a.png")) << line;
+    }
+}
+
+TEST_F(Command, AnOutputThatCannotBeWrittenIsExitCode3)
+{
+    const Outcome o = run({"render", "triangle.obj", "-o", "missing/a.png"});
+    EXPECT_EQ(o.exit_code, kOutput);
+    EXPECT_NE(o.err.find("missing/a.png"), std::string::npos) << o.err;
+}
+
+TEST_F(Command, RendersQuietlyAndWritesStatistics)
+{
+    const Outcome o = run(
+        {"render", "triangle.obj", "-o", "a.exr", "--size", "64x48", "--spp", "4", "--aov", "depth,normal", "--stats", "-"});
+    ASSERT_EQ(o.exit_code, kDone) << o.err;
+    EXPECT_EQ(o.err, "");
+    for (const char* key : {"\"scene\"", "\"seconds\"", "\"rays\"", "\"per_second\"", "\"built\"", "\"by_level\"",
+                            "\"memory\"", "\"flushes\"", "\"checksum\"", "\"settings\"", "\"version\"", "\"threads\""})
+        EXPECT_NE(o.out.find(key), std::string::npos) << key;
+    const render::Image image = render::Image::read(folder / "a.exr");
+    EXPECT_EQ(image.width, 64);
+    ASSERT_NE(image.find("depth"), nullptr);
+    EXPECT_TRUE(std::isinf(image.find("depth")->pixels.front())) << "the corner is a miss";
+    EXPECT_TRUE(std::isfinite(image.find("depth")->pixels[24 * 64 + 32])) << "the middle is the triangle";
+}
+
+TEST_F(Command, ThePictureDoesNotDependOnThreadsOrBudget)
+{
+    std::vector<std::string> sums;
+    for (const auto& extra :
+         {std::vector<std::string>{"--threads", "1"}, {"--threads", "2"}, {"--threads", "7"}, {"--memory", "1M"}}) {
+        std::vector<std::string> arguments{"render", "triangle.obj", "-o", "a.exr",   "--size",
+                                           "90x50",  "--spp",        "4",  "--stats", "-"};
+        arguments.insert(arguments.end(), extra.begin(), extra.end());
+        const Outcome o = run(arguments);
+        ASSERT_EQ(o.exit_code, kDone) << o.err;
+        sums.push_back(o.out.substr(o.out.find("\"checksum\""), 32));
+        EXPECT_EQ(sums.back(), sums.front()) << extra.back();
+    }
+}
+
+TEST_F(Command, CompareChecksItsLimits)
+{
+    ASSERT_EQ(run({"render", "triangle.obj", "-o", "a.exr", "--size", "32x32", "--spp", "1"}).exit_code, kDone);
+    ASSERT_EQ(run({"render", "triangle.obj", "-o", "b.exr", "--size", "32x32", "--spp", "4"}).exit_code, kDone);
+    EXPECT_EQ(run({"compare", "a.exr", "a.exr", "--max-error", "0"}).exit_code, kDone);
+    EXPECT_EQ(run({"compare", "a.exr", "b.exr"}).exit_code, kDone);
+    const Outcome o = run({"compare", "a.exr", "b.exr", "--max-error", "1e-9", "--heat", "heat.png", "--json"});
+    EXPECT_EQ(o.exit_code, kDoesNotHold);
+    EXPECT_NE(o.err.find("max error"), std::string::npos);
+    EXPECT_NE(o.out.find("\"rmse\""), std::string::npos);
+    EXPECT_TRUE(fs::exists(folder / "heat.png"));
+}
+
+TEST_F(Command, InfoSaysWhatIsInAScene)
+{
+    const Outcome o = run({"info", "triangle.obj", "--json"});
+    EXPECT_EQ(o.exit_code, kDone) << o.err;
+    for (const char* key :
+         {"\"nodes\"", "\"cages\"", "\"faces\": 1", "\"clips\"", "\"cameras\"", "\"lights\"", "\"bounds\"", "\"warnings\""})
+        EXPECT_NE(o.out.find(key), std::string::npos) << key << o.out;
+}
+
+TEST_F(Command, AnInterruptWritesWhatIsDone)
+{
+    const pid_t child = start({"render", "triangle.obj", "-o", "a.png", "--size", "1024x1024", "--spp", "4096", "--progress",
+                               "plain", "--threads", "1"});
+    // Until the first line about tiles appears.
+    for (int i = 0; i < 1000 && text_of(folder / "stderr.txt").find("rendering") == std::string::npos; ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    kill(child, SIGINT);
+    const Outcome o = finish(child);
+    EXPECT_EQ(o.exit_code, kInterrupted) << o.err;
+    EXPECT_TRUE(fs::exists(folder / "a.png"));
+}
+
+}  // namespace
+}  // namespace occam

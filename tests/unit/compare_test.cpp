@@ -1,0 +1,123 @@
+#include "render/compare.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "scenegraph/base/error.h"
+#include "scenegraph/base/vec.h"
+
+namespace occam::render {
+namespace {
+
+Image flat(int width, int height, float value)
+{
+    Image image(width, height);
+    Layer& beauty = image.add_layer("beauty", {"R", "G", "B"});
+    std::fill(beauty.pixels.begin(), beauty.pixels.end(), value);
+    return image;
+}
+
+TEST(Compare, EqualPicturesAreZeroApart)
+{
+    const auto d = compare(flat(4, 4, 0.5f), flat(4, 4, 0.5f), "beauty");
+    EXPECT_EQ(d.mse, 0);
+    EXPECT_EQ(d.max, 0);
+    EXPECT_TRUE(std::isinf(d.psnr));
+    EXPECT_EQ(d.pixels, 16u);
+}
+
+// One of 1000 pixels differs by 0.5 in one channel of a reference of 0.5.
+TEST(Compare, FiguresFollowTheirDefinitions)
+{
+    const Image b = flat(100, 10, 0.5f);
+    Image a = b;
+    a.layer(0).pixels[3 * 77 + 1] = 1.0f;
+    const auto d = compare(a, b, "beauty");
+    EXPECT_NEAR(d.mse, 0.25 / 3000, 1e-12);
+    EXPECT_NEAR(d.rmse, std::sqrt(0.25 / 3000), 1e-12);
+    EXPECT_NEAR(d.rel_mse, 0.25 / 0.26 / 3000, 1e-12);
+    EXPECT_NEAR(d.psnr, 10 * std::log10(3000 / 0.25), 1e-9);
+    EXPECT_EQ(d.max, 0.5);
+    EXPECT_EQ(d.p999, 0) << "the 999th of 1000";
+    a.layer(0).pixels[0] = 0.75f;
+    EXPECT_EQ(compare(a, b, "beauty").p999, 0.25) << "the 999th of 1000";
+}
+
+TEST(Compare, WhatIsNotANumberIsCountedAndLeftOut)
+{
+    const Image b = flat(2, 2, 0.5f);
+    Image a = b;
+    a.layer(0).pixels[0] = NAN;
+    a.layer(0).pixels[3] = INFINITY;
+    const auto d = compare(a, b, "beauty");
+    EXPECT_EQ(d.incomparable, 2u);
+    EXPECT_EQ(d.mse, 0);
+}
+
+TEST(Compare, InfinityOnBothSidesIsEqual)
+{
+    const auto d = compare(flat(2, 2, INFINITY), flat(2, 2, INFINITY), "beauty");
+    EXPECT_EQ(d.incomparable, 0u);
+    EXPECT_EQ(d.mse, 0);
+    EXPECT_EQ(d.rel_mse, 0);
+}
+
+TEST(Compare, AlphaOfBeautyDoesNotCount)
+{
+    Image a(1, 1), b(1, 1);
+    a.add_layer("beauty", {"R", "G", "B", "A"}).pixels = {1, 1, 1, 0};
+    b.add_layer("beauty", {"R", "G", "B"}).pixels = {1, 1, 1};
+    EXPECT_EQ(compare(a, b, "beauty").max, 0);
+}
+
+TEST(Compare, CommonLayersAreComparedBeautyFirst)
+{
+    Image a(1, 1), b(1, 1);
+    a.add_layer("depth", {"Z"});
+    a.add_layer("beauty", {"R", "G", "B"});
+    a.add_layer("uv", {"U", "V"});
+    b.add_layer("beauty", {"R", "G", "B"});
+    b.add_layer("depth", {"Z"});
+    const auto all = compare(a, b);
+    ASSERT_EQ(all.size(), 2u);
+    EXPECT_EQ(all[0].layer, "beauty");
+    EXPECT_EQ(all[1].layer, "depth");
+}
+
+TEST(Compare, DifferentSizesOrChannelsAreRefused)
+{
+    EXPECT_THROW(compare(flat(2, 2, 0), flat(3, 2, 0), "beauty"), Error);
+    EXPECT_THROW(compare(flat(2, 2, 0), flat(2, 2, 0), "depth"), Error);
+    Image luminance(2, 2);
+    luminance.add_layer("beauty", {"Y"});
+    EXPECT_THROW(compare(flat(2, 2, 0), luminance, "beauty"), Error);
+    Image other(2, 2);
+    other.add_layer("depth", {"Z"});
+    EXPECT_THROW(compare(flat(2, 2, 0), other), Error);
+}
+
+TEST(Compare, HeatGoesFromBlackOverRedToWhite)
+{
+    const Image b = flat(3, 1, 0);
+    Image a = b;
+    a.layer(0).pixels[3] = 1.0f / 3;
+    a.layer(0).pixels[6] = NAN;
+    const Image heat = heat_map(a, b, "beauty", 1);
+    const auto& p = heat.layers()[0].pixels;
+    EXPECT_EQ(Vec3f(p[0], p[1], p[2]), Vec3f(0, 0, 0));
+    EXPECT_NEAR(p[3], 1, 1e-6);
+    EXPECT_NEAR(p[4], 0, 1e-6);
+    EXPECT_EQ(Vec3f(p[6], p[7], p[8]), Vec3f(1, 0, 1));
+}
+
+TEST(Compare, JsonHasNoInfinity)
+{
+    const std::string text = to_json(compare(flat(1, 1, 0), flat(1, 1, 0)));
+    EXPECT_NE(text.find("\"psnr\": null"), std::string::npos);
+    EXPECT_NE(text.find("\"layer\": \"beauty\""), std::string::npos);
+}
+
+}  // namespace
+}  // namespace occam::render

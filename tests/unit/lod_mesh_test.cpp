@@ -1,0 +1,117 @@
+// M_l as a mesh: closed bit for bit, no edge longer than d_l, halving exactly from level to level (watertightness rules 1 to 4).
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <map>
+
+#include "lod/footprint.h"
+#include "tests/support/diced_mesh.h"
+#include "tests/support/shapes.h"
+
+namespace occam::test {
+namespace {
+
+using Bits = std::array<std::uint32_t, 3>;
+Bits bits_of(Vec3f p)
+{
+    return {std::bit_cast<std::uint32_t>(p.x + 0.0f), std::bit_cast<std::uint32_t>(p.y + 0.0f), std::bit_cast<std::uint32_t>(p.z + 0.0f)};
+}
+
+/// Edges that an odd number of triangles share, vertices told apart by their bits: 0 for a closed mesh.
+std::size_t open_edges(const std::vector<MeshTriangle>& mesh)
+{
+    std::map<std::pair<Bits, Bits>, int> uses;
+    for (const MeshTriangle& t : mesh) {
+        const std::array<Bits, 3> v{bits_of(t.v[0]), bits_of(t.v[1]), bits_of(t.v[2])};
+        for (int k = 0; k < 3; ++k) {
+            const Bits& a = v[k];
+            const Bits& b = v[(k + 1) % 3];
+            if (a != b) ++uses[{std::min(a, b), std::max(a, b)}];
+        }
+    }
+    std::size_t open = 0;
+    for (const auto& [edge, count] : uses) open += count & 1;
+    return open;
+}
+
+class ClosedCages : public testing::TestWithParam<std::string> {};
+
+TEST_P(ClosedCages, AreClosedBitForBitAtEveryLevel)
+{
+    DicedCage diced(load_cage(GetParam()), 0);
+    const int coarse = diced.level_of_largest_exponent(0), fine = diced.posed.topology->face_count() > 2000 ? 1 : 4;
+    for (int exponent = 0; exponent <= fine; ++exponent) {
+        diced.posed.level = coarse - exponent;
+        diced.dicer.forget();
+        EXPECT_EQ(open_edges(diced.triangles()), 0u) << "at exponent " << exponent;
+        diced.arena.reset();
+    }
+}
+
+TEST_P(ClosedCages, HaveNoGridEdgeLongerThanTheLevelAsks)
+{
+    DicedCage diced(load_cage(GetParam()), 0);
+    const int exponent = diced.posed.topology->face_count() > 2000 ? 1 : 4;
+    diced.level_of_largest_exponent(exponent);
+    const float wanted = lod::edge_length(diced.posed.level) * (1 + 1e-5f);
+    for (const lod::TileRef& tile : diced.tiles()) {
+        const lod::LevelGrid grid = diced.dicer.dice(diced.posed, tile, diced.arena);
+        for (int j = 0; j <= tile.rows; ++j)
+            for (int i = 0; i <= tile.columns; ++i) {
+                if (i < tile.columns) ASSERT_LE(glm::distance(grid.vertex(i, j), grid.vertex(i + 1, j)), wanted) << "face " << tile.patch.face;
+                if (j < tile.rows) ASSERT_LE(glm::distance(grid.vertex(i, j), grid.vertex(i, j + 1)), wanted) << "face " << tile.patch.face;
+            }
+    }
+}
+
+TEST_P(ClosedCages, GiveAPointTheSameBitsAtEveryLevel)
+{
+    DicedCage diced(load_cage(GetParam()), 0);
+    if (diced.posed.topology->face_count() > 2000) GTEST_SKIP() << "large: the others show it";
+    const int fine = diced.level_of_largest_exponent(3);
+    std::vector<lod::TileRef> tiles = diced.tiles();
+    std::map<std::array<std::uint32_t, 2>, lod::LevelGrid> grids;
+    for (const lod::TileRef& t : tiles) grids[{t.patch.face, t.patch.sub}] = diced.dicer.dice(diced.posed, t, diced.arena);
+    diced.posed.level = fine + 1;
+    diced.dicer.forget();
+    for (const lod::TileRef& t : diced.tiles()) {
+        const lod::LevelGrid coarse = diced.dicer.dice(diced.posed, t, diced.arena);
+        const lod::LevelGrid& fine_grid = grids[{t.patch.face, t.patch.sub}];
+        const int su = fine_grid.tile.columns / t.columns, sv = fine_grid.tile.rows / t.rows;
+        for (int j = 1; j < t.rows; ++j)
+            for (int i = 1; i < t.columns; ++i)
+                ASSERT_EQ(bits_of(coarse.vertex(i, j)), bits_of(fine_grid.vertex(i * su, j * sv))) << "face " << t.patch.face;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shared, ClosedCages, testing::ValuesIn(closed_shapes()), shape_test_name);
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(ClosedCages);
+
+TEST(Rates, HalveExactlyAtAndAroundPowersOfTwo)
+{
+    for (int e = -20; e <= 20; ++e)
+        for (const float s : {std::ldexp(1.0f, e), std::nextafterf(std::ldexp(1.0f, e), 0.0f), std::nextafterf(std::ldexp(1.0f, e), 1e30f)}) {
+            const int k = lod::ceil_log2(s);
+            EXPECT_LE(s, std::ldexp(1.0f, k));
+            EXPECT_GT(s, std::ldexp(1.0f, k - 1));
+            for (int level = e - 11; level < e + 3; ++level) {
+                const int fine = 1 << lod::curve_exponent(k, 0, level), coarse = 1 << lod::curve_exponent(k, 0, level + 1);
+                if (fine < 1 << lod::kMaxExponent) EXPECT_EQ(coarse, std::max(1, fine / 2)) << s << " at level " << level;
+            }
+        }
+}
+
+TEST(Rates, OfBothAxesHalveAndStopTogether)
+{
+    for (int level = 0; level < 10; ++level) {
+        int u, v, next_u, next_v;
+        lod::inside_exponents(7, 4, 0, 1, level, u, v);
+        lod::inside_exponents(7, 4, 0, 1, level + 1, next_u, next_v);
+        EXPECT_EQ(u - next_u, v - next_v) << "level " << level;
+        EXPECT_GE(v, 1);
+    }
+}
+
+}  // namespace
+}  // namespace occam::test

@@ -1,0 +1,147 @@
+// The facade: rendering, jobs and queries as an application uses them.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "occam/occam.h"
+
+namespace occam {
+namespace {
+
+using namespace std::chrono_literals;
+
+// A square of side 2 at z = 0, facing +z, made of two triangles.
+struct Square {
+    Scene scene;
+    NodeId node;
+
+    Square()
+    {
+        Cage cage;
+        cage.scheme = Scheme::Triangles;
+        cage.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+        cage.face_vertices = {0, 1, 2, 0, 2, 3};
+        NodeDesc desc;
+        desc.cages = {scene.add(std::move(cage))};
+        node = scene.add_node(scene.root(), desc);
+    }
+};
+
+const Camera kFront = Camera::look_at({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 0.8f);
+
+TEST(Api, APictureOfASquareHasItsDepthAndCoverage)
+{
+    Square square;
+    Renderer renderer({.threads = 2});
+    const Image image = renderer.render(
+        square.scene, kFront, {.width = 40, .height = 40, .spp = 4, .aovs = unsigned(Aov::Depth) | unsigned(Aov::Albedo)});
+    const std::size_t middle = 20 * 40 + 20;
+    EXPECT_NEAR(image.find("depth")->pixels[middle], 5, 1e-4);
+    EXPECT_TRUE(std::isinf(image.find("depth")->pixels[0]));
+    EXPECT_EQ(image.find("albedo")->pixels[4 * middle + 3], 1);
+    EXPECT_EQ(image.find("albedo")->pixels[3], 0);
+    EXPECT_TRUE(renderer.stats().complete);
+    EXPECT_EQ(renderer.stats().rays.primary, 40u * 40 * 4);
+    EXPECT_EQ(renderer.stats().image.checksum, image.checksum());
+}
+
+TEST(Api, ACropIsThatPartOfThePicture)
+{
+    Square square;
+    Renderer renderer;
+    const Settings whole{.width = 60, .height = 40, .spp = 2};
+    Settings part = whole;
+    part.crop_x0 = 0.25f, part.crop_x1 = 0.75f, part.crop_y0 = 0.5f;
+    const Image a = renderer.render(square.scene, kFront, whole), b = renderer.render(square.scene, kFront, part);
+    ASSERT_EQ(b.width, 30);
+    ASSERT_EQ(b.height, 20);
+    for (int y = 0; y < b.height; ++y)
+        for (int c = 0; c < 30 * 4; ++c)
+            ASSERT_EQ(b.layers()[0].pixels[std::size_t(y * 30 * 4 + c)],
+                      a.layers()[0].pixels[std::size_t(((y + 20) * 60 + 15) * 4 + c)]);
+}
+
+TEST(Api, ACancelledJobKeepsItsFinishedTilesAndLetsGoOfTheScene)
+{
+    Square square;
+    Renderer renderer({.threads = 1});
+    Job job = renderer.start(square.scene, kFront, {.width = 1000, .height = 1000, .spp = 4096});
+    EXPECT_THROW(square.scene.set_visible(square.node, false), Error) << "edits while a frame renders are refused";
+    EXPECT_THROW(renderer.start(square.scene, kFront), Error) << "one frame at a time";
+    EXPECT_FALSE(job.wait_for(1ms));
+    job.cancel();
+    job.wait();
+    EXPECT_FALSE(job.stats().complete);
+    EXPECT_EQ(job.progress().stage, Stage::Done);
+    EXPECT_EQ(job.image().width, 1000);
+    square.scene.set_visible(square.node, false);
+    const Image empty =
+        renderer.render(square.scene, kFront, {.width = 8, .height = 8, .spp = 1, .aovs = unsigned(Aov::Depth)});
+    for (float z : empty.find("depth")->pixels) EXPECT_TRUE(std::isinf(z));
+}
+
+TEST(Api, AJobThatIsDroppedStops)
+{
+    Square square;
+    Renderer renderer;
+    {
+        const Job job = renderer.start(square.scene, kFront, {.width = 2000, .height = 2000, .spp = 4096});
+    }
+    square.scene.set_visible(square.node, false);
+}
+
+TEST(Api, ADeadlineEndsAFrame)
+{
+    Square square;
+    Renderer renderer;
+    const Image image =
+        renderer.render(square.scene, kFront, {.width = 2000, .height = 2000, .spp = 65536, .deadline_s = 0.05});
+    EXPECT_EQ(image.width, 2000);
+    EXPECT_FALSE(renderer.stats().complete);
+}
+
+TEST(Api, AnEmptySceneIsAPictureOfTheSky)
+{
+    Scene scene;
+    Renderer renderer;
+    const Image image = renderer.render(scene, Camera::framing(scene.bounds()), {.width = 16, .height = 16, .spp = 1});
+    EXPECT_GT(image.layers()[0].pixels[0], 0);
+}
+
+TEST(Api, BadSettingsAreRefusedBeforeTheFirstTile)
+{
+    Square square;
+    Renderer renderer;
+    EXPECT_THROW(renderer.render(square.scene, kFront, {.width = 0}), Error);
+    renderer.render(square.scene, kFront, {.width = 4, .height = 4, .spp = 1});
+}
+
+TEST(Query, FindsTheNearestSurfaceAndWhatIsBetween)
+{
+    Square square;
+    Query query(square.scene, kFront);
+    const auto hit = query.closest({0.25, 0.5, 3}, {0, 0, -2});
+    ASSERT_TRUE(hit.has_value());
+    EXPECT_NEAR(hit->distance, 3, 1e-6);
+    EXPECT_LT(glm::length(hit->position - Vec3d(0.25, 0.5, 0)), 1e-6);
+    EXPECT_EQ(hit->node, square.node);
+    EXPECT_GT(hit->normal_geometric.z, 0.999f);
+    EXPECT_FALSE(query.closest({0, 0, 3}, {0, 0, -1}, 2.9).has_value());
+    EXPECT_FALSE(query.closest({3, 0, 3}, {0, 0, -1}).has_value());
+    EXPECT_FALSE(query.closest({0, 0, 3}, {0, 0, 0}).has_value());
+    EXPECT_FALSE(query.closest({NAN, 0, 3}, {0, 0, -1}).has_value());
+    EXPECT_TRUE(query.is_occluded({0, 0, 1}, {0, 0, -1}));
+    EXPECT_FALSE(query.is_occluded({0, 0, 2}, {0, 0, 1}));
+    EXPECT_THROW(square.scene.set_visible(square.node, false), Error);
+}
+
+TEST(Query, PicksWhatAPixelShows)
+{
+    Square square;
+    Query query(square.scene, kFront, 100);
+    EXPECT_TRUE(query.pick(50, 50, 100).has_value());
+    EXPECT_FALSE(query.pick(1, 1, 100).has_value());
+}
+
+}  // namespace
+}  // namespace occam

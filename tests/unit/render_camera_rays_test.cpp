@@ -1,0 +1,54 @@
+#include "render/camera_rays.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace occam::render {
+namespace {
+
+// The convention of the reference pictures: d = f + (2 x / w - 1) k aspect r + (1 - 2 y / h) k u.
+TEST(CameraRays, FollowTheConventionOfTheReferencePictures)
+{
+    const Vec3d eye(1, 2, 3), target(-2, 1, 0.5);
+    const float fov = 0.7f;
+    const CameraRays rays(Camera::look_at(eye, target, {0, 1, 0}, fov), 320, 240);
+    const Vec3d f = glm::normalize(target - eye), r = glm::normalize(glm::cross(f, Vec3d(0, 1, 0))), u = glm::cross(r, f);
+    const double k = std::tan(double(fov) / 2);
+    for (const Vec2d at : {Vec2d(0.5, 0.5), Vec2d(319.5, 0.5), Vec2d(160, 120), Vec2d(12.5, 200.5)}) {
+        const Vec3d d = f + r * ((2 * at.x / 320 - 1) * k * 4 / 3) + u * ((1 - 2 * at.y / 240) * k);
+        const accel::Ray ray = rays.ray(at.x, at.y);
+        EXPECT_EQ(ray.origin, eye);
+        // Rounded once to float: half an ulp a component, and as much again of the tangent.
+        EXPECT_LT(glm::length(Vec3d(ray.direction) - glm::normalize(d)), 2e-7);
+        EXPECT_NEAR(rays.depth(eye + d * 5.0), 5, 1e-12);
+    }
+}
+
+TEST(CameraRays, ABeamIsOnePixelWideWhereItsPixelLies)
+{
+    const float fov = 1;
+    const CameraRays rays(Camera::look_at({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, fov), 64, 32);
+    const double pixel = 2 * std::tan(0.5) / 32;
+    const accel::Ray corner = rays.ray(0, 0);
+    const double t = -1 / double(corner.direction.z);  // where z is 1
+    EXPECT_NEAR(double(corner.footprint.at(float(t))), pixel, 1e-6 * pixel);
+    EXPECT_EQ(corner.footprint.a, 0);
+    EXPECT_NEAR(double(rays.pixel().b), pixel, 1e-6 * pixel);
+}
+
+TEST(CameraRays, OrthographicRaysAreParallelAndOfConstantWidth)
+{
+    Camera camera = Camera::look_at({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 1);
+    camera.lens.orthographic = true;
+    camera.lens.height = 4;
+    const CameraRays rays(camera, 200, 100);
+    const accel::Ray a = rays.ray(0, 0), b = rays.ray(200, 100);
+    EXPECT_EQ(a.direction, b.direction);
+    EXPECT_LT(glm::length(a.origin - Vec3d(-4, 2, 5)), 1e-12);
+    EXPECT_LT(glm::length(b.origin - Vec3d(4, -2, 5)), 1e-12);
+    EXPECT_FLOAT_EQ(a.footprint.at(100), 0.04f);
+}
+
+}  // namespace
+}  // namespace occam::render

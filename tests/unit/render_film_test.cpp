@@ -1,0 +1,116 @@
+#include "render/film.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "scenegraph/base/error.h"
+
+namespace occam::render {
+namespace {
+
+SampleResult grey(float value, float depth)
+{
+    SampleResult s;
+    s.radiance = Vec3f(value);
+    s.alpha = 1;
+    s.albedo = Vec4f(0.5f, 0.25f, 0, 1);
+    s.first.depth = depth;
+    return s;
+}
+
+TEST(Film, APixelIsTheMeanOfItsSamples)
+{
+    PixelSums sums;
+    sums.add(grey(1, 4), {0.9f, 0.9f});
+    sums.add(grey(2, 5), {0.6f, 0.5f});
+    sums.add(SampleResult{}, {0.1f, 0.1f});
+    EXPECT_EQ(sums.beauty(), Vec4f(1, 1, 1, 2.0f / 3));
+    EXPECT_EQ(sums.albedo(), Vec4f(1.0f / 3, 0.5f / 3, 0, 2.0f / 3));
+}
+
+TEST(Film, DepthIsThatOfTheSampleNearestTheMiddle)
+{
+    PixelSums sums;
+    sums.add(grey(1, 4), {0.9f, 0.9f});
+    sums.add(grey(2, 5), {0.6f, 0.5f});
+    sums.add(SampleResult{}, {0.1f, 0.1f});
+    EXPECT_EQ(sums.first().depth, 5);
+}
+
+// Of the mean of 1, 2, 3, 6: sum of squared deviations 14, over n - 1 = 3, over n = 4.
+TEST(Film, VarianceIsThatOfTheMean)
+{
+    PixelSums sums;
+    for (float value : {1.0f, 2.0f, 3.0f, 6.0f}) sums.add(grey(value, 1), {0.5f, 0.5f});
+    EXPECT_NEAR(sums.variance(), 14.0 / 12, 1e-6);
+    EXPECT_EQ(PixelSums().variance(), 0);
+}
+
+TEST(Film, ARadianceThatIsNotFiniteCountsAsBlack)
+{
+    PixelSums sums;
+    sums.add(grey(NAN, 1), {0.5f, 0.5f});
+    sums.add(grey(INFINITY, 1), {0.5f, 0.5f});
+    sums.add(grey(3, 1), {0.5f, 0.5f});
+    EXPECT_EQ(sums.beauty(), Vec4f(1, 1, 1, 1));
+}
+
+TEST(Film, StoresInsideTheCropAndKeepsLayersInOrder)
+{
+    Settings settings;
+    settings.width = 8;
+    settings.height = 4;
+    settings.crop_x0 = 0.5f;
+    settings.aovs = unsigned(Aov::Albedo) | unsigned(Aov::Depth);
+    Film film(settings);
+    PixelSums sums;
+    sums.add(grey(1, 7), {0.5f, 0.5f});
+    film.store(5, 3, sums);
+    const Image image = std::move(film).take();
+    EXPECT_EQ(image.width, 4);
+    EXPECT_EQ(image.x0, 4);
+    EXPECT_EQ(image.full_width, 8);
+    ASSERT_EQ(image.layers().size(), 3u);
+    EXPECT_EQ(image.layers()[0].name, "beauty");
+    EXPECT_EQ(image.find("depth")->pixels[3 * 4 + 1], 7);
+    EXPECT_TRUE(std::isinf(image.find("depth")->pixels[0])) << "what was never reached is a miss";
+    EXPECT_EQ(image.find("albedo")->pixels[4 * (3 * 4 + 1) + 1], 0.25f);
+    EXPECT_EQ(image.find("normal"), nullptr);
+}
+
+TEST(Settings, RefusesWhatIsOutOfRangeByName)
+{
+    const auto refused = [](auto change) {
+        Settings s;
+        change(s);
+        try {
+            check(s);
+        } catch (const Error& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    EXPECT_EQ(refused([](Settings&) {}), "");
+    EXPECT_NE(refused([](Settings& s) { s.width = 0; }).find("size"), std::string::npos);
+    EXPECT_NE(refused([](Settings& s) { s.width = s.height = 65536; }).find("size"), std::string::npos);
+    EXPECT_NE(refused([](Settings& s) { s.crop_x1 = 0; }).find("crop"), std::string::npos);
+    EXPECT_NE(refused([](Settings& s) { s.crop_y0 = NAN; }).find("crop"), std::string::npos);
+    EXPECT_NE(refused([](Settings& s) { s.spp = 0; }).find("spp"), std::string::npos);
+    EXPECT_NE(refused([](Settings& s) { s.shading_rate = NAN; }).find("shading rate"), std::string::npos);
+    EXPECT_NE(refused([](Settings& s) { s.deadline_s = -1; }).find("deadline"), std::string::npos);
+}
+
+TEST(Settings, ACropHoldsAtLeastOnePixel)
+{
+    Settings s;
+    s.width = 10;
+    s.height = 10;
+    s.crop_x0 = 0.999f;
+    s.crop_y1 = 0.001f;
+    const PixelRect r = crop_pixels(s);
+    EXPECT_EQ(r, (PixelRect{9, 0, 10, 1}));
+}
+
+}  // namespace
+}  // namespace occam::render

@@ -1,0 +1,209 @@
+#include "render/image.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "render/display.h"
+#include "scenegraph/base/error.h"
+
+namespace occam::render {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ImageFile : public testing::Test {
+protected:
+    void SetUp() override
+    {
+        const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+        folder = fs::temp_directory_path() / ("occam_image_" + std::to_string(getpid()) + "_" + test->name());
+        fs::create_directories(folder);
+    }
+    void TearDown() override { fs::remove_all(folder); }
+
+    std::size_t files() const
+    {
+        return std::size_t(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+    }
+
+    fs::path folder;
+};
+
+Image gradient(int width, int height)
+{
+    Image image(width, height);
+    image.add_layer("beauty", {"R", "G", "B", "A"});
+    image.add_layer("depth", {"Z"}, true);
+    image.add_layer("normal", {"X", "Y", "Z"});
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const std::size_t i = std::size_t(y * width + x);
+            const float v[4] = {float(x) / 8, float(y) / 8, 0.25f, 1};
+            std::copy_n(v, 4, &image.layer(0).pixels[4 * i]);
+            image.layer(1).pixels[i] = x == 0 ? INFINITY : 1.0f + 1e-6f * float(x);
+            image.layer(2).pixels[3 * i + 2] = -1;
+        }
+    return image;
+}
+
+// The definition, byte by byte, on its own.
+std::uint64_t fnv_of_rgb(const Layer& beauty)
+{
+    std::uint64_t h = 14695981039346656037ull;
+    for (std::size_t i = 0; i < beauty.pixels.size(); i += 4)
+        for (std::size_t c = 0; c < 3; ++c) {
+            std::uint32_t bits;
+            std::memcpy(&bits, &beauty.pixels[i + c], 4);
+            for (int byte = 0; byte < 4; ++byte) h = (h ^ ((bits >> (8 * byte)) & 255)) * 1099511628211ull;
+        }
+    return h;
+}
+
+TEST(Image, ChecksumIsFnv1aOfTheColours)
+{
+    Image image = gradient(5, 3);
+    EXPECT_EQ(image.checksum(), fnv_of_rgb(image.layers()[0]));
+    const std::uint64_t before = image.checksum();
+    image.layer(0).pixels[3] = 0.5f;  // alpha does not count
+    EXPECT_EQ(image.checksum(), before);
+    image.layer(0).pixels[4] += 1e-7f;
+    EXPECT_NE(image.checksum(), before);
+}
+
+TEST_F(ImageFile, ExrKeepsLayersInfinityAndFullFloats)
+{
+    const Image image = gradient(6, 4);
+    image.write(folder / "a.exr");
+    const Image back = Image::read(folder / "a.exr");
+    ASSERT_EQ(back.layers().size(), 3u);
+    EXPECT_EQ(back.find("beauty")->channels, (std::vector<std::string>{"R", "G", "B", "A"}));
+    EXPECT_EQ(back.find("beauty")->pixels, image.find("beauty")->pixels) << "eighths are exact in half";
+    EXPECT_EQ(back.find("depth")->pixels, image.find("depth")->pixels) << "depth is float whatever the colours are";
+    EXPECT_EQ(back.find("normal")->pixels, image.find("normal")->pixels);
+}
+
+TEST_F(ImageFile, HalfColoursAreClampedAndFloatColoursAreExact)
+{
+    Image image = gradient(2, 1);
+    image.layer(0).pixels[0] = 1e6f;
+    image.layer(0).pixels[1] = 0.1f;
+    image.write(folder / "half.exr");
+    image.write(folder / "float.exr", {.half = false});
+    const Image half = Image::read(folder / "half.exr"), full = Image::read(folder / "float.exr");
+    EXPECT_EQ(half.find("beauty")->pixels[0], 65504.0f);
+    EXPECT_NEAR(half.find("beauty")->pixels[1], 0.1f, 0.1f / 2048);
+    EXPECT_EQ(full.find("beauty")->pixels, image.find("beauty")->pixels);
+}
+
+TEST_F(ImageFile, ACropKnowsItsPlaceInTheFrame)
+{
+    Image image = gradient(4, 2);
+    image.x0 = 10;
+    image.y0 = 20;
+    image.full_width = 100;
+    image.full_height = 50;
+    image.write(folder / "crop.exr");
+    const Image back = Image::read(folder / "crop.exr");
+    EXPECT_EQ(back.x0, 10);
+    EXPECT_EQ(back.y0, 20);
+    EXPECT_EQ(back.full_width, 100);
+    EXPECT_EQ(back.full_height, 50);
+}
+
+TEST_F(ImageFile, AllFormatsAreWrittenUnderTheirFinalNameAlone)
+{
+    const Image image = gradient(16, 16);
+    for (const char* name : {"a.exr", "a.png", "a.jpg", "a.tif", "a.hdr"}) {
+        image.write(folder / name);
+        EXPECT_TRUE(fs::file_size(folder / name) > 0) << name;
+    }
+    EXPECT_EQ(files(), 5u) << "nothing temporary is left";
+}
+
+TEST_F(ImageFile, PngCarriesTheSrgbCurve)
+{
+    const Image image = gradient(8, 8);
+    image.write(folder / "a.png");
+    const Image back = Image::read(folder / "a.png");
+    const Layer& was = *image.find("beauty");
+    const Layer& is = *back.find("beauty");
+    for (std::size_t i = 0; i < 64; ++i)
+        for (std::size_t c = 0; c < 3; ++c)  // half a step of 1 / 255 in the encoded value
+            EXPECT_NEAR(srgb_from_linear(is.pixels[is.channel_count() * i + c]), srgb_from_linear(was.pixels[4 * i + c]),
+                        0.501f / 255);
+}
+
+TEST_F(ImageFile, TransparentPixelsStayTransparentInPng)
+{
+    Image image = gradient(2, 1);
+    const float half_covered[4] = {0.25f, 0.25f, 0.25f, 0.5f};  // multiplied by coverage
+    std::copy_n(half_covered, 4, image.layer(0).pixels.begin());
+    image.write(folder / "a.png");
+    const Layer beauty = *Image::read(folder / "a.png").find("beauty");
+    ASSERT_EQ(beauty.channel_count(), 4u);
+    EXPECT_NEAR(beauty.pixels[3], 0.5f, 0.51f / 255);
+    EXPECT_NEAR(beauty.pixels[0], 0.5f, 0.01f);
+}
+
+TEST_F(ImageFile, AnExistingFileIsReplaced)
+{
+    std::ofstream(folder / "a.png") << "old";
+    gradient(3, 3).write(folder / "a.png");
+    EXPECT_EQ(Image::read(folder / "a.png").width, 3);
+    EXPECT_EQ(files(), 1u);
+}
+
+Error::Kind kind_of_failure(const Image& image, const fs::path& file)
+{
+    try {
+        image.write(file);
+    } catch (const Error& error) {
+        EXPECT_EQ(error.file(), file.string());
+        return error.kind();
+    }
+    ADD_FAILURE() << "was written: " << file;
+    return Error::Kind::BadInput;
+}
+
+TEST_F(ImageFile, WhatCannotBeWrittenIsAnOutputError)
+{
+    const Image image = gradient(3, 3);
+    EXPECT_EQ(kind_of_failure(image, folder / "missing" / "a.png"), Error::Kind::Output);
+    EXPECT_EQ(kind_of_failure(image, folder / "a.bmpx"), Error::Kind::BadInput);
+    fs::create_directory(folder / "folder.png");
+    EXPECT_EQ(kind_of_failure(image, folder / "folder.png"), Error::Kind::Output);
+    if (geteuid() != 0) {
+        fs::permissions(folder, fs::perms::owner_read | fs::perms::owner_exec);
+        EXPECT_EQ(kind_of_failure(image, folder / "a.png"), Error::Kind::Output);
+        fs::permissions(folder, fs::perms::owner_all);
+    }
+    EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(ImageFile, WhatIsNoPictureIsRefused)
+{
+    std::ofstream(folder / "a.exr") << "not an image";
+    EXPECT_THROW(Image::read(folder / "a.exr"), Error);
+    EXPECT_THROW(Image::read(folder / "none.exr"), Error);
+    EXPECT_THROW(Image::read(folder), Error);
+}
+
+TEST(Display, ExposureAndCurvesDoWhatTheyPromise)
+{
+    Image image(1, 1);
+    image.add_layer("beauty", {"R", "G", "B"}).pixels = {0.25f, 0.5f, 4.0f};
+    const auto one_stop = display_image(image, {.exposure_ev = 1, .tonemap = Tonemap::None});
+    EXPECT_EQ(one_stop.pixels, (std::vector<float>{0.5f, 1.0f, 1.0f}));
+    for (float x : {0.0f, 0.002f, 0.2f, 0.9f, 1.0f}) EXPECT_NEAR(linear_from_srgb(srgb_from_linear(x)), x, 1e-6f);
+    EXPECT_NEAR(srgb_from_linear(0.2140411f), 0.5f, 1e-5f);
+    const auto filmic = display_image(image, {.tonemap = Tonemap::Aces});
+    EXPECT_TRUE(filmic.pixels[0] < filmic.pixels[1] && filmic.pixels[1] < filmic.pixels[2] && filmic.pixels[2] < 1);
+}
+
+}  // namespace
+}  // namespace occam::render

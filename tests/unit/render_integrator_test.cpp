@@ -1,0 +1,210 @@
+#include "render/integrator.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+namespace occam::render {
+namespace {
+
+// Horizontal planes y = height, seen from both sides, in place of a scene.
+struct PlaneTracer {
+    struct Plane {
+        double height;
+        const Material* material;
+        double reach = 1e9;  ///< |x| up to this
+    };
+    std::vector<Plane> planes;
+
+    void closest(std::span<const accel::Ray> rays, std::span<accel::SurfaceHit> hits) const
+    {
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            accel::SurfaceHit& hit = hits[i];
+            for (const Plane& plane : planes) {
+                const accel::Ray& ray = rays[i];
+                const float t = float((plane.height - ray.origin.y) / double(ray.direction.y));
+                const Vec3d p = ray.origin + Vec3d(ray.direction) * double(t);
+                if (!(t > ray.t_near && t < ray.t_far && t < hit.t) || std::fabs(p.x) > plane.reach) continue;
+                hit.t = t;
+                hit.position = p;
+                hit.normal_geometric = hit.normal_shading = {0, ray.direction.y > 0 ? -1.0f : 1.0f, 0};
+                hit.self_distance = 1e-4f;
+                hit.material = plane.material;
+                hit.node = {7, 0};
+            }
+        }
+    }
+    void occluded(std::span<const accel::Ray> rays, std::span<std::uint8_t> occluded) const
+    {
+        std::vector<accel::SurfaceHit> hits(rays.size());
+        closest(rays, hits);
+        for (std::size_t i = 0; i < rays.size(); ++i) occluded[i] = hits[i].is_hit();
+    }
+};
+
+// Lambertian, so that expectations have a closed form.
+Material matte(float color, float alpha = 1)
+{
+    Material m;
+    m.base_color = Vec4f(color, color, color, alpha);
+    m.specular = 0;
+    m.alpha_mode = alpha < 1 ? AlphaMode::Blend : AlphaMode::Opaque;
+    return m;
+}
+
+shade::WorldLight sun_from_above(float irradiance)
+{
+    shade::WorldLight sun;
+    sun.kind = shade::WorldLight::Kind::Sun;
+    sun.direction = {0, -1, 0};
+    sun.strength = Vec3f(irradiance);
+    return sun;
+}
+
+struct Stage {
+    Settings settings;
+    TextureStore textures{1 << 20};
+    CameraRays camera{Camera::look_at({0, 5, 0}, {0, 0, 0}, {0, 0, -1}, 0.5f), 8, 8};
+    std::vector<shade::WorldLight> lights{sun_from_above(3.14159265f)};
+    shade::Environment environment;
+    bool has_blending = true;
+    PlaneTracer tracer;
+
+    Stage()
+    {
+        settings.width = settings.height = 8;
+        settings.spp = 4;
+    }
+    SampleResult one(int x = 4, int y = 4) { return run({{x, y, 0}}).front(); }
+    std::vector<SampleResult> run(const std::vector<CameraSample>& samples)
+    {
+        const Sampler sampler(settings.seed, settings.spp, settings.jitter);
+        const shade::FrameLights frame_lights(lights, environment);
+        const FrameContext context{settings, camera, sampler, frame_lights, textures, has_blending};
+        DirectIntegrator integrator(context);
+        std::vector<SampleResult> results(samples.size());
+        integrator.run(tracer, samples, results);
+        counters = integrator.counters();
+        return results;
+    }
+    IntegratorCounters counters;
+};
+
+TEST(Integrator, ALitPlaneReflectsItsAlbedo)
+{
+    const Material grey = matte(0.5f);
+    Stage stage;
+    stage.tracer.planes = {{0, &grey}};
+    const SampleResult r = stage.one();
+    EXPECT_NEAR(r.radiance.x, 0.5f, 1e-5f);  // albedo / pi times an irradiance of pi
+    EXPECT_EQ(r.alpha, 1);
+    EXPECT_EQ(r.albedo, Vec4f(0.5f, 0.5f, 0.5f, 1));
+    EXPECT_NEAR(r.first.depth, 5, 1e-5);
+    EXPECT_EQ(r.first.normal_geometric, Vec3f(0, 1, 0));
+    EXPECT_EQ(r.first.id, 8);
+    EXPECT_EQ(stage.counters.primary, 1u);
+    EXPECT_EQ(stage.counters.shadow, 1u);
+}
+
+TEST(Integrator, WhatStandsInTheLightCastsAShadow)
+{
+    const Material grey = matte(0.5f);
+    Stage stage;
+    stage.tracer.planes = {{0, &grey}, {100, &grey}};  // above the camera
+    EXPECT_EQ(stage.one().radiance, Vec3f(0));
+}
+
+TEST(Integrator, AMissIsTransparentOrTheEnvironment)
+{
+    Stage stage;
+    occam::Environment uniform;
+    uniform.radiance = Vec3f(2);
+    stage.environment = shade::Environment(uniform, stage.textures);
+    SampleResult r = stage.one();
+    EXPECT_EQ(r.radiance, Vec3f(2));
+    EXPECT_EQ(r.alpha, 1);
+    EXPECT_EQ(r.albedo.w, 0) << "coverage";
+    EXPECT_TRUE(std::isinf(r.first.depth));
+    stage.settings.background = false;
+    r = stage.one();
+    EXPECT_EQ(r.radiance, Vec3f(0));
+    EXPECT_EQ(r.alpha, 0);
+}
+
+// Two sheets of opacity 1/4 over a floor, none of them in each other's light: unlit.
+TEST(Integrator, BlendedSheetsAreLaidOverEachOtherInOrder)
+{
+    Material red = matte(0, 0.25f), green = matte(0, 0.25f), white = matte(1);
+    red.base_color.x = green.base_color.y = 1;
+    red.unlit = green.unlit = white.unlit = true;
+    Stage stage;
+    stage.tracer.planes = {{1, &green}, {0, &white}, {2, &red}};
+    const SampleResult r = stage.one();
+    const float below = 0.75f * 0.75f;
+    EXPECT_NEAR(r.radiance.x, 0.25f + below, 1e-6f);
+    EXPECT_NEAR(r.radiance.y, 0.75f * 0.25f + below, 1e-6f);
+    EXPECT_NEAR(r.radiance.z, below, 1e-6f);
+    EXPECT_NEAR(r.alpha, 1, 1e-6f);
+    EXPECT_NEAR(r.first.depth, 3, 1e-5) << "of the first sheet";
+}
+
+TEST(Integrator, BlendedSheetsLetLightThrough)
+{
+    const Material grey = matte(0.5f), sheet = matte(0.5f, 0.25f);
+    Stage stage;
+    stage.tracer.planes = {{0, &grey}, {50, &sheet}, {60, &sheet}};  // above the camera
+    EXPECT_NEAR(stage.one().radiance.x, 0.5f * 0.75f * 0.75f, 1e-5f);
+    stage.tracer.planes.push_back({70, &grey});
+    EXPECT_EQ(stage.one().radiance.x, 0);
+}
+
+TEST(Integrator, ManyLightsAreSampledWithoutBias)
+{
+    const Material grey = matte(0.5f);
+    Stage stage;
+    stage.tracer.planes = {{0, &grey}};
+    stage.lights.assign(100, sun_from_above(3.14159265f / 100));
+    EXPECT_NEAR(stage.one().radiance.x, 0.5f, 1e-4f);
+    EXPECT_EQ(stage.counters.shadow, std::uint64_t(kMaxLightsPerHit));
+}
+
+TEST(Integrator, ABatchDoesNotChangeASample)
+{
+    const Material grey = matte(0.5f), sheet = matte(0.7f, 0.5f);
+    Stage stage;
+    stage.settings.light_samples = 3;
+    stage.tracer.planes = {{0, &grey}, {1, &sheet, 0.3}, {8, &grey, 1.0}};
+    shade::WorldLight lamp;
+    lamp.kind = shade::WorldLight::Kind::Rectangle;
+    lamp.position = {0, 20, 0};
+    lamp.direction = {0, -1, 0};
+    lamp.half_x = {4, 0, 0};
+    lamp.half_y = {0, 0, 4};
+    lamp.area = 64;
+    lamp.strength = Vec3f(2);
+    stage.lights = {lamp, sun_from_above(1), lamp};
+    stage.environment = shade::Environment::sky();
+    std::vector<CameraSample> samples;
+    for (int i = 0; i < 8 * 8 * 4 * 16; ++i) samples.push_back({i / 4 % 8, i / 32 % 8, i % 4});
+    const auto all = stage.run(samples);
+    EXPECT_GT(stage.counters.shadow, kShadowBatch) << "one batch is traced in parts";
+    for (std::size_t i = 0; i < samples.size(); i += 97) {
+        const auto alone = stage.run({samples[i]});
+        EXPECT_EQ(all[i].radiance, alone[0].radiance) << i;
+        EXPECT_EQ(all[i].first.depth, alone[0].first.depth) << i;
+    }
+}
+
+TEST(Integrator, ViewsReplaceLight)
+{
+    const Material grey = matte(0.5f);
+    Stage stage;
+    stage.tracer.planes = {{0, &grey}};
+    stage.settings.view = View::Normal;
+    EXPECT_EQ(stage.one().radiance, Vec3f(0.5f, 1, 0.5f));
+    EXPECT_EQ(stage.counters.shadow, 0u);
+}
+
+}  // namespace
+}  // namespace occam::render

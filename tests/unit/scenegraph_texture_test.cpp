@@ -1,0 +1,212 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "scenegraph/base/half.h"
+#include "scenegraph/scene.h"
+#include "scenegraph/texture/texture_store.h"
+#include "tests/support/temp_folder.h"
+
+namespace occam {
+namespace {
+
+Texture image(int width, int height, std::vector<Vec4f> pixels)
+{
+    Texture texture;
+    texture.name = "test";
+    texture.width = width, texture.height = height;
+    texture.pixels = std::move(pixels);
+    return texture;
+}
+// Row y, column x is (x, y, 0, 1).
+Texture ramp(int width, int height)
+{
+    std::vector<Vec4f> pixels;
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) pixels.emplace_back(x, y, 0, 1);
+    return image(width, height, std::move(pixels));
+}
+
+struct Prepared {
+    Scene scene;
+    TextureStore store{std::size_t(1) << 30};
+    TextureUse use;
+
+    explicit Prepared(Texture texture)
+    {
+        use.texture = scene.add(std::move(texture));
+        store.prepare(scene);
+    }
+    Vec4f at(float u, float v, float width = 0) const { return store.sample(use, {u, v}, width); }
+};
+
+TEST(Half, EveryFiniteHalfSurvivesARoundTrip)
+{
+    for (std::uint32_t h = 0; h < 0x10000; ++h) {
+        if ((h & 0x7c00u) == 0x7c00u) continue;
+        const float f = float_from_half(static_cast<std::uint16_t>(h));
+        EXPECT_EQ(finite_half_from_float(f), h) << f;
+    }
+}
+
+TEST(Half, RoundsToNearestAndStaysFinite)
+{
+    EXPECT_EQ(float_from_half(finite_half_from_float(1.0f + 1.0f / 2048)), 1.0f) << "a tie goes to the even one";
+    EXPECT_EQ(float_from_half(finite_half_from_float(1.0f + 3.0f / 2048)), 1.0f + 2.0f / 1024);
+    EXPECT_EQ(float_from_half(finite_half_from_float(1e9f)), 65504.0f);
+    EXPECT_EQ(float_from_half(finite_half_from_float(-INFINITY)), -65504.0f);
+    EXPECT_EQ(float_from_half(finite_half_from_float(NAN)), 0.0f);
+    EXPECT_EQ(float_from_half(finite_half_from_float(65519.0f)), 65504.0f);
+}
+
+TEST(TextureStore, TexelCentresLieAtHalves)
+{
+    const Prepared p(ramp(4, 2));
+    EXPECT_EQ(p.at(0.5f / 4, 0.5f / 2), Vec4f(0, 0, 0, 1)) << "the first row is at the top, v runs downwards";
+    EXPECT_EQ(p.at(2.5f / 4, 1.5f / 2), Vec4f(2, 1, 0, 1));
+    EXPECT_EQ(p.at(2.0f / 4, 1.0f / 2), Vec4f(1.5f, 0.5f, 0, 1));
+}
+
+TEST(TextureStore, WrapsAsTheSamplerSays)
+{
+    Prepared p(ramp(4, 1));
+    const auto red = [&](float u) { return p.at(u, 0.5f).x; };
+    EXPECT_EQ(red(1.125f), 0) << "repeat";
+    EXPECT_EQ(red(-0.125f), 3);
+    EXPECT_EQ(red(0.0f), 1.5f) << "between the last and the first";
+    EXPECT_EQ(red(-7.0f - 0.125f), 3);
+    p.use.wrap_s = TextureUse::Wrap::Clamp;
+    EXPECT_EQ(red(-3.0f), 0);
+    EXPECT_EQ(red(9.0f), 3);
+    p.use.wrap_s = TextureUse::Wrap::Mirror;
+    EXPECT_EQ(red(1.125f), 3);
+    EXPECT_EQ(red(-0.125f), 0);
+    EXPECT_EQ(red(1.0f), 3);
+    EXPECT_EQ(red(2.0f), 0);
+    EXPECT_EQ(red(2.375f), 1);
+}
+
+TEST(TextureStore, NearestTakesOneTexel)
+{
+    Prepared p(ramp(4, 1));
+    p.use.nearest = true;
+    EXPECT_EQ(p.at(0.49f, 0.5f).x, 1);
+    EXPECT_EQ(p.at(0.51f, 0.5f).x, 2);
+    EXPECT_EQ(p.at(1.0f, 0.5f).x, 0);
+}
+
+// Sample viewer of the glTF working group: scale, then rotation, then offset.
+TEST(TextureStore, MovesCoordinatesAsKhrTextureTransformSays)
+{
+    Prepared p(ramp(8, 8));
+    p.use.nearest = true;
+    p.use.offset = {0.25f, 0.5f};
+    EXPECT_EQ(p.at(0.0625f, 0.0625f), Vec4f(2, 4, 0, 1));
+    p.use = {.texture = p.use.texture, .scale = {2, 3}, .nearest = true};
+    EXPECT_EQ(p.at(0.15f, 0.1f), Vec4f(2, 2, 0, 1));
+    // A quarter turn: (u, v) looks at (v, -u).
+    p.use = {.texture = p.use.texture, .rotation = 1.57079633f, .nearest = true};
+    EXPECT_EQ(p.at(0.0625f, 0.3125f), Vec4f(2, 7, 0, 1));
+}
+
+TEST(TextureStore, AWideFilterGivesTheMean)
+{
+    // An odd size: the box filter has to weigh three texels.
+    const Prepared p(ramp(13, 6));
+    for (float width : {1.0f, 5.0f, INFINITY}) {
+        const Vec4f mean = p.at(0.3f, 0.9f, width);
+        EXPECT_NEAR(mean.x, 6.0f, 6.0f / 512);  // three levels of half floats
+        EXPECT_NEAR(mean.y, 2.5f, 2.5f / 512);
+    }
+}
+
+TEST(TextureStore, LevelsBlendWithoutAJump)
+{
+    const Prepared p(ramp(64, 64));
+    Vec4f last = p.at(0.37f, 0.41f, 1e-4f);
+    for (float width = 1e-4f; width < 2; width *= 1.01f) {
+        const Vec4f now = p.at(0.37f, 0.41f, width);
+        EXPECT_LT(std::abs(now.x - last.x), 0.5f) << width;
+        last = now;
+    }
+}
+
+TEST(TextureStore, CoordinatesThatAreNoNumbersGiveNumbers)
+{
+    const Prepared p(ramp(5, 3));
+    for (float bad : {NAN, INFINITY, -INFINITY, 1e38f, -1e38f, 1e-45f})
+        for (float width : {0.0f, 0.3f, float(NAN), float(INFINITY), -1.0f}) {
+            const Vec4f texel = p.at(bad, bad, width);
+            for (int c = 0; c < 4; ++c) EXPECT_TRUE(std::isfinite(texel[c])) << bad << ' ' << width;
+        }
+}
+
+TEST(TextureStore, WhatIsNotThereIsWhiteAndWhatCannotBeReadIsMagenta)
+{
+    test::TempFolder folder;
+    Scene scene;
+    TextureStore store(1 << 20);
+    EXPECT_EQ(store.sample({}, {0, 0}, 0), Vec4f(1));
+    Texture missing, broken;
+    missing.path = folder.path() / "missing.png";
+    broken.path = folder.write("broken.png", "\x89PNG nonsense");
+    TextureUse a, b;
+    a.texture = scene.add(std::move(missing));
+    b.texture = scene.add(std::move(broken));
+    store.prepare(scene);
+    EXPECT_EQ(store.warnings().size(), 2u);
+    EXPECT_EQ(store.sample(a, {0.05f, 0.05f}, 0), Vec4f(1, 0, 1, 1));
+    EXPECT_EQ(store.sample(b, {0.05f, 0.05f}, 0), Vec4f(1, 0, 1, 1));
+    EXPECT_EQ(store.bytes(), 0u);
+}
+
+// A PPM of 8 bits: colours are sRGB, data is not.
+TEST(TextureStore, MakesColoursLinearAndLeavesDataAlone)
+{
+    test::TempFolder folder;
+    const std::string bytes = std::string("P6\n2 1\n255\n") + std::string("\xff\x80\x00\x10\x20\x40", 6);
+    Scene scene;
+    TextureUse color, data;
+    Texture texture;
+    texture.path = folder.write("two.ppm", bytes);
+    color.texture = scene.add(texture);
+    texture.role = TextureRole::Data;
+    data.texture = scene.add(texture);
+    TextureStore store(1 << 20);
+    store.prepare(scene);
+    ASSERT_TRUE(store.warnings().empty()) << store.warnings()[0];
+    EXPECT_NEAR(store.sample(color, {0.25f, 0.5f}, 0).y, 0.21586f, 1e-4f);
+    EXPECT_NEAR(store.sample(data, {0.25f, 0.5f}, 0).y, 128.0f / 255, 3e-4f);
+    EXPECT_EQ(store.sample(color, {0.25f, 0.5f}, 0).x, 1.0f);
+    EXPECT_EQ(store.sample(color, {0.25f, 0.5f}, 0).w, 1.0f);
+}
+
+TEST(TextureStore, StaysWithinItsCapByHalvingTheLargest)
+{
+    Scene scene;
+    TextureUse large, small;
+    large.texture = scene.add(ramp(256, 256));
+    small.texture = scene.add(ramp(16, 16));
+    TextureStore store(300'000);  // the large one takes about 700 KB with its levels
+    store.prepare(scene);
+    EXPECT_LE(store.bytes(), 300'000u);
+    EXPECT_EQ(store.warnings().size(), 1u);
+    EXPECT_NEAR(store.sample(large, {0.5f, 0.5f}, 0).x, 127.5f, 0.5f);
+    EXPECT_EQ(store.sample(small, {0.5f / 16, 0.5f / 16}, 0), Vec4f(0, 0, 0, 1)) << "the small one is whole";
+}
+
+TEST(TextureStore, ASecondPrepareKeepsWhatItHas)
+{
+    Prepared p(ramp(4, 4));
+    const std::size_t bytes = p.store.bytes();
+    p.store.prepare(p.scene);
+    EXPECT_EQ(p.store.bytes(), bytes);
+    Scene other;
+    p.store.prepare(other);
+    EXPECT_EQ(p.store.bytes(), 0u) << "and forgets what the scene no longer has";
+    EXPECT_EQ(p.at(0.5f, 0.5f), Vec4f(1));
+}
+
+}  // namespace
+}  // namespace occam

@@ -1,0 +1,259 @@
+#include "shade/lights.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/ext/matrix_transform.hpp>
+
+#include "render/sampler.h"
+#include "shade/direct.h"
+#include "shade/frame_of.h"
+
+namespace occam::shade {
+namespace {
+
+constexpr double kPiD = 3.14159265358979;
+
+// Irradiance on a plane with this normal, by n x n stratified samples. Strata of a smooth function leave an error of about
+// its change over a cell divided by n: below 1e-3 here for n = 128.
+double irradiance(const WorldLight& light, Vec3d point, Vec3f normal, int n = 128)
+{
+    const render::Sampler sampler(5, 1, true);
+    const auto count = static_cast<std::uint32_t>(n * n);
+    double sum = 0;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const LightSample s = light.sample(point, {sampler.square(0, 0, i, count, render::Dimension::pixel()), 0.5f});
+        sum += double(s.radiance.x) * double(std::max(0.0f, glm::dot(normal, s.direction)));
+    }
+    return sum / (n * n);
+}
+
+Light area(AreaLight::Shape shape, Vec2f size, float radiance, bool two_sided = false)
+{
+    return {"", AreaLight{shape, size, Vec3f(radiance), two_sided}};
+}
+
+// A node at (0, 0, z) that shines down the world's -z.
+Mat4d above(double z) { return glm::translate(Mat4d(1), Vec3d(0, 0, z)); }
+
+// A parallel rectangle with one corner above the point: form factor of Howell's catalogue, configuration B-4.
+double corner_form_factor(double a, double b, double c)
+{
+    const double x = a / c, y = b / c;
+    return (x / std::sqrt(1 + x * x) * std::atan(y / std::sqrt(1 + x * x)) +
+            y / std::sqrt(1 + y * y) * std::atan(x / std::sqrt(1 + y * y))) /
+           (2 * kPiD);
+}
+
+TEST(Lights, ASquareOverAPlaneGivesItsFormFactor)
+{
+    for (double height : {0.5, 1.0, 3.0}) {
+        const WorldLight light = WorldLight::place(area(AreaLight::Shape::Rectangle, {2, 2}, 3), above(height));
+        const double expected = 3 * kPiD * 4 * corner_form_factor(1, 1, height);
+        EXPECT_NEAR(irradiance(light, Vec3d(0), {0, 0, 1}), expected, 2e-3 * expected) << height;
+    }
+}
+
+TEST(Lights, ScaleOfTheNodeScalesTheArea)
+{
+    const WorldLight light =
+        WorldLight::place(area(AreaLight::Shape::Rectangle, {1, 1}, 3), glm::scale(above(2), Vec3d(2, 2, 2)));
+    const double expected = 3 * kPiD * 4 * corner_form_factor(1, 1, 2);
+    EXPECT_NEAR(irradiance(light, Vec3d(0), {0, 0, 1}), expected, 2e-3 * expected);
+}
+
+// On the axis of a disc of radius r: E = pi L r^2 / (r^2 + h^2).
+TEST(Lights, ADiscOverAPlaneGivesItsFormFactor)
+{
+    const WorldLight light = WorldLight::place(area(AreaLight::Shape::Disc, {2, 2}, 3), above(1.5));
+    const double expected = 3 * kPiD / (1 + 1.5 * 1.5);
+    EXPECT_NEAR(irradiance(light, Vec3d(0), {0, 0, 1}), expected, 2e-3 * expected);
+}
+
+// A sphere wholly above the horizon: E = pi L (r / d)^2 cos.
+TEST(Lights, ASphereGivesItsFormFactorNearAndFar)
+{
+    for (double distance : {1.01, 2.0, 1e4}) {
+        const WorldLight light = WorldLight::place(area(AreaLight::Shape::Sphere, {2, 2}, 3), above(distance));
+        const double expected = 3 * kPiD / (distance * distance);
+        EXPECT_NEAR(irradiance(light, Vec3d(0), {0, 0, 1}), expected, 3e-3 * expected) << distance;
+    }
+    const WorldLight light = WorldLight::place(area(AreaLight::Shape::Sphere, {2, 2}, 3), above(0.5));
+    EXPECT_EQ(light.sample(Vec3d(0), {}).radiance, Vec3f(0)) << "it shines outward: nothing inside";
+}
+
+TEST(Lights, ASamplesDistanceEndsOnTheSphere)
+{
+    const WorldLight light = WorldLight::place(area(AreaLight::Shape::Sphere, {2, 2}, 1), above(3));
+    const render::Sampler sampler(5, 1, true);
+    for (std::uint32_t i = 0; i < 64; ++i) {
+        const LightSample s = light.sample({0.5, 0, 0}, {sampler.square(0, 0, i, 64, render::Dimension::pixel()), 0.5f});
+        const Vec3d p = Vec3d(0.5, 0, 0) + Vec3d(s.direction) * double(s.distance);
+        EXPECT_NEAR(glm::length(p - Vec3d(0, 0, 3)), 1, 1e-5);
+    }
+}
+
+TEST(Lights, FlatLightsShineToTheirFrontAlone)
+{
+    const Vec3d behind(0, 0, 3);
+    const WorldLight one = WorldLight::place(area(AreaLight::Shape::Rectangle, {1, 1}, 1), above(1));
+    const WorldLight two = WorldLight::place(area(AreaLight::Shape::Rectangle, {1, 1}, 1, true), above(1));
+    EXPECT_EQ(one.sample(behind, {}).radiance, Vec3f(0));
+    EXPECT_GT(two.sample(behind, {}).radiance.x, 0);
+    const WorldLight mirrored =
+        WorldLight::place(area(AreaLight::Shape::Rectangle, {1, 1}, 1), glm::scale(above(1), Vec3d(-1, 1, 1)));
+    EXPECT_GT(mirrored.sample(Vec3d(0), {}).radiance.x, 0) << "a mirrored node still shines along its -z";
+}
+
+TEST(Lights, APointLightFallsWithTheSquareOfDistance)
+{
+    const WorldLight light = WorldLight::place({"", PointLight{Vec3f(8)}}, above(2));
+    EXPECT_FLOAT_EQ(light.sample(Vec3d(0), {}).radiance.x, 2);
+    EXPECT_FLOAT_EQ(light.sample(Vec3d(0), {}).distance, 2);
+    EXPECT_TRUE(std::isfinite(light.sample({0, 0, 2}, {}).radiance.x)) << "in the light itself";
+}
+
+// KHR_lights_punctual: clamp(1 - (d / range)^4, 0, 1) / d^2.
+TEST(Lights, APointLightEndsAtItsRange)
+{
+    PointLight point{Vec3f(1)};
+    point.range = 4;
+    const WorldLight light = WorldLight::place({"", point}, above(0));
+    EXPECT_FLOAT_EQ(light.sample({2, 0, 0}, {}).radiance.x, (1 - 1.0f / 16) / 4);
+    EXPECT_EQ(light.sample({4, 0, 0}, {}).radiance.x, 0);
+    EXPECT_EQ(light.sample({5, 0, 0}, {}).radiance.x, 0);
+}
+
+TEST(Lights, ASpotIsFullInsideAndDarkOutside)
+{
+    PointLight spot{Vec3f(1)};
+    spot.inner_angle = 0.3f;
+    spot.outer_angle = 0.5f;
+    const WorldLight light = WorldLight::place({"", spot}, above(1));
+    const auto at = [&](double angle) {
+        return light.sample({std::tan(angle), 0, 0}, {}).radiance.x * float(1 + std::pow(std::tan(angle), 2));
+    };
+    EXPECT_NEAR(at(0), 1, 1e-5);
+    EXPECT_NEAR(at(0.29), 1, 1e-5);
+    EXPECT_GT(at(0.4), 0);
+    EXPECT_LT(at(0.4), 1);
+    EXPECT_EQ(at(0.51), 0);
+}
+
+TEST(Lights, ASunIsParallelAndInfinitelyFar)
+{
+    const WorldLight light = WorldLight::place({"", SunLight{Vec3f(5)}}, above(100));
+    const LightSample s = light.sample({7, 8, 9}, {});
+    EXPECT_EQ(s.direction, Vec3f(0, 0, 1));
+    EXPECT_TRUE(std::isinf(s.distance));
+    EXPECT_EQ(s.radiance, Vec3f(5));
+}
+
+TEST(Lights, ASceneWithoutLightGetsAKeyLightAndASky)
+{
+    Scene scene;
+    const TextureStore textures(1 << 20);
+    const Camera camera = Camera::look_at({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 1);
+    const FrameLights dark(scene, camera, textures);
+    EXPECT_EQ(dark.lights().size(), 1u);
+    EXPECT_FALSE(dark.environment().is_black());
+    EXPECT_GT(glm::dot(dark.lights()[0].sample(Vec3d(0), {}).direction, Vec3f(0, 0, 1)), 0) << "from the camera's side";
+
+    NodeDesc lamp;
+    lamp.light = scene.add(Light{"lamp", PointLight{}});
+    scene.add_node(scene.root(), lamp);
+    const FrameLights lit(scene, camera, textures);
+    EXPECT_EQ(lit.lights().size(), 1u);
+    EXPECT_TRUE(lit.environment().is_black());
+}
+
+// A Lambertian plane under a uniform sky of radiance L reflects albedo * L.
+TEST(Environment, AUniformSkyGivesTheAlbedo)
+{
+    occam::Environment description;
+    description.radiance = Vec3f(2);
+    const TextureStore textures(1 << 20);
+    const Environment sky(description, textures);
+    Surface s;
+    s.diffuse = Vec3f(0.5f);
+    s.f0 = Vec3f(0);
+    s.f90 = s.dielectric_f0 = s.dielectric_f90 = 0;
+    const render::Sampler sampler(5, 1, true);
+    double sum = 0;
+    constexpr std::uint32_t kCount = 4096;
+    for (std::uint32_t i = 0; i < kCount; ++i) {
+        const LightNumbers u{sampler.square(0, 0, i, kCount, render::Dimension::pixel()),
+                             sampler.interval(0, 0, i, kCount, render::Dimension::light(0, 0))};
+        sum += double(sample_environment(s, sky, u).radiance.x);
+    }
+    EXPECT_NEAR(sum / kCount, 1, 0.01);
+}
+
+// A sky of one bright patch: the image's own sampling, the surface's lobes and a plain sum over the image's texels agree.
+TEST(Environment, AnImageIsSampledByItsBrightness)
+{
+    Scene scene;
+    Texture texture;
+    texture.width = 64;
+    texture.height = 32;
+    texture.pixels.assign(64 * 32, Vec4f(0.1f, 0.1f, 0.1f, 1));
+    for (int y = 6; y < 10; ++y)
+        for (int x = 20; x < 26; ++x) texture.pixels[std::size_t(y * 64 + x)] = Vec4f(50, 50, 50, 1);
+    scene.environment.radiance = Vec3f(1);
+    scene.environment.image = scene.add(texture);
+    TextureStore textures(1 << 24);
+    textures.prepare(scene);
+    const Environment sky(scene.environment, textures);
+    ASSERT_TRUE(sky.has_density());
+
+    Surface s;
+    s.diffuse = Vec3f(1);
+    s.f0 = Vec3f(0);
+    s.f90 = s.dielectric_f0 = s.dielectric_f90 = 0;
+    s.to_eye = s.normal = s.normal_geometric = {0, 1, 0};
+
+    double exact = 0;
+    constexpr int kFine = 512;
+    for (int row = 0; row < kFine; ++row)
+        for (int column = 0; column < 2 * kFine; ++column) {
+            const double theta = (row + 0.5) / kFine * kPiD, phi = (column + 0.5) / kFine * kPiD;
+            const Vec3f d(float(std::sin(theta) * std::cos(phi)), float(std::cos(theta)),
+                          float(std::sin(theta) * std::sin(phi)));
+            exact += double(sky.radiance(d).x * reflect(s, d).x) * std::sin(theta) * (kPiD / kFine) * (kPiD / kFine);
+        }
+    const render::Sampler sampler(5, 1, true);
+    double sum = 0, squares = 0;
+    constexpr std::uint32_t kCount = 20000;
+    for (std::uint32_t i = 0; i < kCount; ++i) {
+        const LightNumbers u{sampler.square(0, 0, i, kCount, render::Dimension::pixel()),
+                             sampler.interval(0, 0, i, kCount, render::Dimension::light(0, 0))};
+        const double value = double(sample_environment(s, sky, u).radiance.x);
+        sum += value;
+        squares += value * value;
+    }
+    const double mean = sum / kCount, deviation = std::sqrt(std::max(0.0, squares / kCount - mean * mean) / kCount);
+    EXPECT_NEAR(mean, exact, 4 * deviation + 1e-3 * exact);
+    EXPECT_LT(deviation, 0.02 * mean) << "the patch is found often";
+}
+
+TEST(Environment, DirectionsAndTexelsMatch)
+{
+    Scene scene;
+    Texture texture;
+    texture.width = 4;
+    texture.height = 2;
+    texture.pixels.assign(8, Vec4f(0, 0, 0, 1));
+    texture.pixels[2] = Vec4f(1, 0, 0, 1);  // right of the middle, upper half
+    scene.environment.radiance = Vec3f(1);
+    scene.environment.image = scene.add(texture);
+    TextureStore textures(1 << 20);
+    textures.prepare(scene);
+    const Vec3f to_texel = glm::normalize(Vec3f(1, std::sqrt(2.0f), -1));  // u = 5/8, v = 1/4
+    EXPECT_NEAR(Environment(scene.environment, textures).radiance(to_texel).x, 1, 1e-3);
+    scene.environment.rotation = kPi / 2;  // -z turns to -x about +y
+    const Vec3f turned = glm::normalize(Vec3f(-1, std::sqrt(2.0f), -1));
+    EXPECT_NEAR(Environment(scene.environment, textures).radiance(turned).x, 1, 1e-3);
+}
+
+}  // namespace
+}  // namespace occam::shade
