@@ -30,5 +30,6 @@ function(occam_library)
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/api/include>
     $<INSTALL_INTERFACE:include>
     $<INSTALL_INTERFACE:include/occam>)
+  target_compile_features(occam PUBLIC cxx_std_20)
   set_target_properties(occam PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR})
 endfunction()

@@ -81,8 +81,21 @@ PatchRates Dicer::rates(const PosedCage& cage, PatchRef patch)
 
 Box3f Dicer::bounds(const PosedCage& cage, const TileRef& part)
 {
+    PosedPatch& patch = posed(cage, part.patch);
     const float u0 = float(part.i0) * part.step_u(), v0 = float(part.j0) * part.step_v();
-    return posed(cage, part.patch).bounds(u0, u0 + part.columns * part.step_u(), v0, v0 + part.rows * part.step_v());
+    const float u1 = u0 + part.columns * part.step_u(), v1 = v0 + part.rows * part.step_v();
+    Box3f box = patch.bounds(u0, u1, v0, v1);
+    // T-vertices lie on chords of the side's own pieces, which may reach beyond the part: their curve's hull holds them.
+    for (int side = 0; side < 4; ++side) {
+        const bool along_v = side & 1;
+        const float fixed = side == 1 || side == 2 ? 1 : 0;
+        const bool touches = along_v ? (fixed == 0 ? u0 == 0 : u1 == 1) : (fixed == 0 ? v0 == 0 : v1 == 1);
+        if (!touches || part.rates.side[side] == (along_v ? part.rates.v : part.rates.u)) continue;
+        const float piece = std::ldexp(1.0f, -part.rates.side[side]);
+        const float t0 = std::floor((along_v ? v0 : u0) / piece) * piece, t1 = std::ceil((along_v ? v1 : u1) / piece) * piece;
+        box.add(along_v ? patch.bounds(fixed, fixed, t0, t1) : patch.bounds(t0, t1, fixed, fixed));
+    }
+    return box;
 }
 
 Vec3f Dicer::curve_end(const PosedCage& cage, std::uint32_t curve, int end)

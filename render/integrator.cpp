@@ -1,5 +1,8 @@
 #include "render/integrator.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "render/views.h"
 
 namespace occam::render {
@@ -8,7 +11,10 @@ namespace {
 // Less of a ray's light than this is not followed through blended surfaces.
 constexpr float kLeastShare = 1.0f / 1024;
 
-shade::ShadePoint shade_point(const accel::Ray& ray, const accel::SurfaceHit& hit) noexcept
+// A pixel is the mean of its samples: each of them filters textures over its own share of the pixel alone.
+float sample_width(int samples) noexcept { return 1 / std::sqrt(static_cast<float>(samples)); }
+
+shade::ShadePoint shade_point(const accel::Ray& ray, const accel::SurfaceHit& hit, float texture_width) noexcept
 {
     shade::ShadePoint p;
     p.position = hit.position;
@@ -18,7 +24,7 @@ shade::ShadePoint shade_point(const accel::Ray& ray, const accel::SurfaceHit& hi
     p.self_distance = hit.self_distance;
     for (int set = 0; set < 2; ++set) {
         p.uv[set] = hit.uv[set];
-        p.uv_width[set] = hit.uv_width[set];
+        p.uv_width[set] = hit.uv_width[set] * texture_width;
     }
     p.color = hit.color;
     p.material = hit.material;
@@ -33,6 +39,11 @@ accel::Ray behind(accel::Ray ray, float t) noexcept
 }
 
 }  // namespace
+
+DirectIntegrator::DirectIntegrator(const FrameContext& context)
+    : context_(context), texture_width_(sample_width(context.settings.spp))
+{
+}
 
 void DirectIntegrator::begin(std::span<const CameraSample> samples, std::span<SampleResult> results)
 {
@@ -74,7 +85,7 @@ void DirectIntegrator::shade_hit(int layer, std::size_t i, const CameraSample& s
         return;
     }
 
-    const shade::Surface surface = shade::evaluate(shade_point(ray, hit), context_.textures);
+    const shade::Surface surface = shade::evaluate(shade_point(ray, hit, texture_width_), context_.textures);
     const float opaque = share * surface.opacity;
     if (opaque > 0 && result.alpha == 0) {
         result.first = {static_cast<float>(context_.camera.depth(hit.position)),
@@ -178,7 +189,7 @@ void DirectIntegrator::pass_blocked()
         const accel::SurfaceHit& hit = blocked_hits_[i];
         if (!hit.is_hit()) continue;
         float& passed = shadow_paths_[blocked_[i]].passed;
-        passed *= 1 - shade::evaluate(shade_point(blocked_rays_[i], hit), context_.textures).opacity;
+        passed *= 1 - shade::evaluate(shade_point(blocked_rays_[i], hit, texture_width_), context_.textures).opacity;
         if (passed < kLeastShare) {
             passed = 0;
             continue;

@@ -50,7 +50,7 @@ inline constexpr std::size_t kShadowBatch = 16384;
 
 class DirectIntegrator {
 public:
-    explicit DirectIntegrator(const FrameContext& context) : context_(context) {}
+    explicit DirectIntegrator(const FrameContext& context);
 
     /// results.size() == samples.size(). Tracer is accel::Tracer, or what a test puts in its place.
     template <class Tracer>
@@ -122,6 +122,7 @@ private:
     }
 
     const FrameContext& context_;
+    float texture_width_;  ///< of a sample, in pixels
     IntegratorCounters counters_;
 
     // Parallel arrays, kept from batch to batch for their memory.

@@ -42,6 +42,10 @@ Out convert(In x, bool normalized)
 template <class In, class Out>
 void copy(const unsigned char* data, std::size_t stride, std::size_t count, int components, bool normalized, int width, Out* out)
 {
+    if (std::is_same_v<In, Out> && components == width && stride == static_cast<std::size_t>(width) * sizeof(In)) {
+        if (count > 0) std::memcpy(out, data, count * stride);  // as it lies there
+        return;
+    }
     for (std::size_t i = 0; i < count; ++i, data += stride, out += width)
         for (int c = 0; c < components; ++c) {
             In x;
@@ -168,6 +172,23 @@ void AccessorReader::fill(const Layout& layout, int accessor, int width, bool no
     }
 }
 
+// The raw numbers of an accessor, some thousand at a time; those of a sparse one at once.
+template <class Visit>
+void AccessorReader::for_each_part(const Layout& layout, int accessor, Visit&& visit) const
+{
+    constexpr std::size_t kElements = 4096;
+    const std::size_t n = static_cast<std::size_t>(layout.components), step = at(accessor).sparse.isSparse ? layout.count : kElements;
+    std::vector<float> values;
+    for (std::size_t begin = 0; begin < layout.count; begin += step) {
+        Layout part = layout;
+        part.count = std::min(step, layout.count - begin);
+        if (part.data) part.data += begin * layout.stride;
+        values.assign(part.count * n, 0.0f);
+        fill(part, accessor, layout.components, false, values.data());
+        visit(std::span<const float>(values));
+    }
+}
+
 void AccessorReader::check_values(Report& report)
 {
     for (int i = 0; i < static_cast<int>(model_.accessors.size()); ++i) {
@@ -177,17 +198,18 @@ void AccessorReader::check_values(Report& report)
         if (n > 4 && a.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT) continue;
         if (a.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) continue;
         const Layout layout = locate(i, static_cast<int>(n));
-        std::vector<float> values(layout.count * n);
-        fill(layout, i, static_cast<int>(n), false, values.data());
         constexpr float kInf = std::numeric_limits<float>::infinity();
         std::vector<float> low(n, kInf), high(n, -kInf);
         bool is_finite = true;
-        for (std::size_t v = 0; v < values.size(); v += n)
-            for (std::size_t c = 0; c < n; ++c) {
-                low[c] = std::min(low[c], values[v + c]);
-                high[c] = std::max(high[c], values[v + c]);
-                is_finite &= std::abs(values[v + c]) < kInf;
-            }
+        for_each_part(layout, i, [&](std::span<const float> values) {
+            for (std::size_t v = 0; v < values.size(); v += n)
+                for (std::size_t c = 0; c < n; ++c) {
+                    const float x = values[v + c];
+                    low[c] = std::min(low[c], x);
+                    high[c] = std::max(high[c], x);
+                    is_finite &= std::abs(x) < kInf;
+                }
+        });
         if (!is_finite) report.warn("accessor holds a number that is not finite", name_of(i));
         const auto differs = [&](const std::vector<double>& declared, const std::vector<float>& found) {
             if (declared.size() != n) return false;

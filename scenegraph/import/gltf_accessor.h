@@ -39,6 +39,8 @@ private:
     Layout locate(int accessor, int width);
     template <class Out>
     void fill(const Layout& layout, int accessor, int width, bool normalized, Out* out) const;
+    template <class Visit>
+    void for_each_part(const Layout& layout, int accessor, Visit&& visit) const;
     void charge(std::size_t bytes, int accessor);
     [[noreturn]] void refuse(int accessor, const std::string& what) const;
 

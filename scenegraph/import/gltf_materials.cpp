@@ -5,6 +5,7 @@
 #include "scenegraph/import/files.h"
 #include "scenegraph/import/gltf_uri.h"
 #include "scenegraph/import/gltf_value.h"
+#include "scenegraph/texture/decode.h"
 
 namespace occam::import {
 
@@ -45,6 +46,16 @@ MaterialImporter::MaterialImporter(const tinygltf::Model& model, AccessorReader&
         const tinygltf::Material& m = model.materials[i];
         materials_.push_back(scene.add(convert(m, element("materials", static_cast<int>(i), m.name))));
     }
+    // The store will look at what is used. The rest is only opened here, so that a broken one is told of.
+    for (std::size_t i = 0; i < model.images.size(); ++i) {
+        const int index = static_cast<int>(i);
+        if (images_.count({index, TextureRole::Color}) || images_.count({index, TextureRole::Data})) continue;
+        try {
+            if (const auto unused = describe(index, TextureRole::Data)) const TextureSource opened(*unused);
+        } catch (const Error& error) {
+            report_.warn("unused image cannot be read", element("images", index, model.images[i].name));
+        }
+    }
 }
 
 MaterialId MaterialImporter::material(int index)
@@ -61,14 +72,20 @@ TextureId MaterialImporter::texture(int index, TextureRole role)
 
 TextureId MaterialImporter::image(int index, TextureRole role, const std::string& where)
 {
-    const tinygltf::Image* i = find(model_.images, index);
-    if (!i) {
+    if (!find(model_.images, index)) {
         report_.warn("texture has no image that can be read", where);
         return {};
     }
     const auto [known, is_new] = images_.try_emplace({index, role});
     if (!is_new) return known->second;
 
+    if (std::optional<Texture> t = describe(index, role)) known->second = scene_.add(*std::move(t));
+    return known->second;
+}
+
+std::optional<Texture> MaterialImporter::describe(int index, TextureRole role)
+{
+    const tinygltf::Image* i = find(model_.images, index);
     Texture t;
     t.name = i->name.empty() ? element("images", index, i->uri) : i->name;
     t.role = role;
@@ -85,12 +102,12 @@ TextureId MaterialImporter::image(int index, TextureRole role, const std::string
         const auto path = inside(report_.file().parent_path(), decode_uri(i->uri));
         if (!path) {
             report_.warn("image is not in the scene's folder", element("images", index, i->uri.substr(0, 80)));
-            return {};
+            return std::nullopt;
         }
         if (!std::filesystem::is_regular_file(*path)) report_.warn("image file is missing", i->uri);
         t.path = *path;
     }
-    return known->second = scene_.add(std::move(t));
+    return t;
 }
 
 void MaterialImporter::transform(const tinygltf::Value& transform, TextureUse& use) const

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 
 #include "scenegraph/import/gltf_accessor.h"
 
@@ -22,6 +23,7 @@ private:
     TextureUse use(const tinygltf::Value& info, TextureRole role, const std::string& where);
     void transform(const tinygltf::Value& transform, TextureUse& use) const;
     TextureId image(int index, TextureRole role, const std::string& where);
+    std::optional<Texture> describe(int image, TextureRole role);  ///< none, and a warning, if it is outside of the folder
 
     const tinygltf::Model& model_;
     AccessorReader& accessors_;

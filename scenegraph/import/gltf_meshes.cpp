@@ -68,7 +68,8 @@ void append(Cage& cage, const Cage& part)
 const std::vector<CageId>& MeshImporter::cages(int mesh, const CageStyle& style)
 {
     const auto [entry, is_new] = cages_.try_emplace({mesh, style});
-    if (!is_new || mesh < 0 || static_cast<std::size_t>(mesh) >= model_.meshes.size()) return entry->second;
+    std::vector<CageId>& ids = entry->second;
+    if (!is_new || mesh < 0 || static_cast<std::size_t>(mesh) >= model_.meshes.size()) return ids;
     const tinygltf::Mesh& m = model_.meshes[static_cast<std::size_t>(mesh)];
     const std::string where = "meshes[" + std::to_string(mesh) + "]" + (m.name.empty() ? "" : " '" + m.name + "'");
     const bool is_cage = style.scheme ? *style.scheme != CageStyle::Scheme::None : subdivide_ == Subdivide::On;
@@ -82,26 +83,26 @@ const std::vector<CageId>& MeshImporter::cages(int mesh, const CageStyle& style)
         }
     const auto add = [&](Cage cage) {
         style.apply(cage);
-        entry->second.push_back(scene_.add(std::move(cage)));
+        ids.push_back(scene_.add(std::move(cage)));
     };
     if (!is_cage) {
         for (Part& part : parts) add(std::move(part.cage));
-        return entry->second;
+        return ids;
     }
     for (Part& part : parts) restore_polygons(part.cage, part.has_polygons);
-    if (parts.empty()) return entry->second;
+    if (parts.empty()) return ids;
     // Parts with skins or morph targets stay apart: their arrays need not match.
     const bool is_deformed = parts[0].cage.skin.sets > 0 || !parts[0].cage.morph_targets.empty();
     if (parts.size() == 1 || is_deformed || parts.size() > 0xffff) {
         for (Part& part : parts) weld_by_position(part.cage), add(std::move(part.cage));
-        return entry->second;
+        return ids;
     }
     Cage whole;
     whole.name = m.name;
     for (const Part& part : parts) append(whole, part.cage);
     weld_by_position(whole);
     add(std::move(whole));
-    return entry->second;
+    return ids;
 }
 
 std::optional<MeshImporter::Part> MeshImporter::read(const tinygltf::Primitive& primitive, const std::string& where)

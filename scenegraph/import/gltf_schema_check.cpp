@@ -32,9 +32,7 @@ public:
         for (const auto& [key, inner] : value.items()) {
             if (key == "extensions") extensions(inner, type, where);
             else if (key == "name" && !inner.is_string()) refuse("name must be a string", where);
-            else if (key != "name" && key != "extras" &&
-                     std::none_of(rules.begin(), rules.end(), [&](const Rule* rule) { return key == rule->key; }))
-                report_.warn("unknown property '" + key.substr(0, 64) + "'", where);
+            else if (key != "name" && key != "extras" && !has_rule(rules, key)) report_.warn("unknown property '" + key.substr(0, 64) + "'", where);
         }
     }
 
@@ -42,6 +40,11 @@ private:
     [[noreturn]] void refuse(const std::string& what, const std::string& where) const
     {
         throw Error(report_.name(), what, where.empty() ? "top level" : where);
+    }
+
+    static bool has_rule(const std::vector<const Rule*>& rules, const std::string& key)
+    {
+        return std::any_of(rules.begin(), rules.end(), [&](const Rule* rule) { return key == rule->key; });
     }
 
     // Texture references of all kinds allow the same extensions.

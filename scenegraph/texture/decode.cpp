@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 
 #include "scenegraph/base/error.h"
 #include "scenegraph/base/srgb.h"
@@ -41,6 +42,15 @@ const char* extension_of(const std::vector<std::byte>& bytes)
     return "";
 }
 
+// A PNG without room for its header and end: libpng would jump out of OpenImageIO's reader, past its destructors.
+constexpr std::size_t kLeastPngBytes = 57;
+
+bool is_cut_off_png(std::istream&& stream, std::uintmax_t size)
+{
+    char magic[4] = {};
+    return size < kLeastPngBytes && stream.read(magic, 4) && std::memcmp(magic, "\x89PNG", 4) == 0;
+}
+
 }  // namespace
 
 struct TextureSource::State {
@@ -67,11 +77,14 @@ void TextureSource::State::open(const Texture& texture)
         encoded = texture.encoded;
         const std::string file = std::string("memory") + extension_of(*encoded);
         if (file == "memory") refuse("not an image format that is known");
+        if (file == "memory.png" && encoded->size() < kLeastPngBytes) refuse("the image is cut off");
         memory = std::make_unique<OIIO::Filesystem::IOMemReader>(const_cast<std::byte*>(encoded->data()), encoded->size());
         input = OIIO::ImageInput::open(file, &config, memory.get());
     } else {
         std::error_code error;
         if (!std::filesystem::is_regular_file(texture.path, error)) refuse("no such image file");
+        if (is_cut_off_png(std::ifstream(texture.path, std::ios::binary), std::filesystem::file_size(texture.path, error)))
+            refuse("the image is cut off");
         input = OIIO::ImageInput::open(texture.path.string(), &config);
     }
     if (!input) refuse("image cannot be read: " + OIIO::geterror());

@@ -89,7 +89,7 @@ TEST_F(Command, VersionNamesTheLibraries)
 {
     const Outcome o = run({"--version"});
     EXPECT_EQ(o.exit_code, kDone);
-    for (const char* library : {"occam ", "OpenSubdiv", "oneTBB", "OpenImageIO"})
+    for (const char* library : {"occam " OCCAM_PROJECT_VERSION "\n", "OpenSubdiv", "oneTBB", "OpenImageIO"})
         EXPECT_NE(o.out.find(library), std::string::npos) << library;
 }
 

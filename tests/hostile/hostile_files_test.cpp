@@ -1,0 +1,110 @@
+// Every hostile file of the shared data is refused with one line, or loads with what was mended counted.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+#include "scenegraph/scene.h"
+#include "scenegraph/texture/texture_store.h"
+#include "tests/support/import_errors.h"
+#include "tests/support/shared_data.h"
+
+namespace occam {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> files_below(const fs::path& folder)
+{
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+        const std::string extension = entry.path().extension().string();
+        for (const char* known : {".gltf", ".glb", ".obj", ".ply", ".off", ".stl"})
+            if (entry.is_regular_file() && extension == known) files.push_back(entry.path());
+    }
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+// What came of a file: its error, or the warnings of the scene and of its textures.
+struct Outcome {
+    std::string error;
+    std::vector<std::string> warnings;
+};
+Outcome outcome_of(const fs::path& file)
+{
+    Outcome outcome;
+    try {
+        Scene scene = load(file);
+        scene.refit();
+        TextureStore store(std::size_t(64) << 20);
+        store.prepare(scene);
+        outcome.warnings = scene.warnings;
+        const std::vector<std::string> more = store.warnings();
+        outcome.warnings.insert(outcome.warnings.end(), more.begin(), more.end());
+    } catch (const Error& error) {
+        outcome.error = error.what();
+    }
+    return outcome;
+}
+
+TEST(HostileFiles, EachIsRefusedInOneLineOrLoads)
+{
+    const fs::path folder = test::shared_data() / "data" / "hostile";
+    if (test::shared_data().empty() || !fs::exists(folder)) GTEST_SKIP() << "the shared test data is not there";
+    const auto files = files_below(folder);
+    EXPECT_GT(files.size(), 300u);
+    for (const fs::path& file : files) {
+        const Outcome outcome = outcome_of(file);
+        EXPECT_EQ(outcome.error.find('\n'), std::string::npos) << outcome.error;
+        const bool names_it = outcome.error.empty() || outcome.error.find(file.filename().string()) != std::string::npos;
+        EXPECT_TRUE(names_it) << outcome.error;
+    }
+}
+
+// The reports are those of the Khronos glTF-Validator; severity 0 is an error.
+TEST(HostileFiles, WhatTheValidatorCallsAnErrorNeverPassesInSilence)
+{
+    const fs::path folder = test::shared_data() / "data" / "hostile" / "gltf-validator";
+    if (test::shared_data().empty() || !fs::exists(folder)) GTEST_SKIP() << "the shared test data is not there";
+    int judged = 0;
+    for (const fs::path& file : files_below(folder)) {
+        std::ifstream report(file.string() + ".report.json");
+        std::stringstream text;
+        text << report.rdbuf();
+        if (text.str().find("\"numErrors\": 0") != std::string::npos || !report) continue;
+        ++judged;
+        const Outcome outcome = outcome_of(file);
+        EXPECT_TRUE(!outcome.error.empty() || !outcome.warnings.empty()) << file;
+    }
+    EXPECT_GT(judged, 100);
+}
+
+TEST(SharedData, EveryModelThatIsNotHostileLoads)
+{
+    const fs::path folder = test::shared_data() / "data";
+    if (test::shared_data().empty() || !fs::exists(folder)) GTEST_SKIP() << "the shared test data is not there";
+    for (const char* part : {"gltf", "subdiv", "scenes"})
+        for (const fs::path& file : files_below(folder / part)) {
+            const std::string error = test::error_of(file);
+            // These two ask for a later version of glTF and an extension that does not exist: to be refused is right.
+            const std::string name = file.stem().string();
+            const std::string expected = name == "Compatibility_04" ? "2.1" : name == "Compatibility_05" ? "FAKE_materials_quantumRendering" : "";
+            EXPECT_EQ(error.empty(), expected.empty()) << file << ": " << error;
+            EXPECT_NE(error.find(expected), std::string::npos) << error;
+        }
+}
+
+TEST(SharedData, TheChessSetSharesItsCages)
+{
+    const fs::path file = test::shared_data() / "data" / "subdiv" / "chess" / "chess_set.gltf";
+    if (test::shared_data().empty() || !fs::exists(file)) GTEST_SKIP() << "the shared test data is not there";
+    const Scene scene = load(file);
+    EXPECT_EQ(scene.counts().cages, 7u);
+    EXPECT_EQ(scene.placed_faces(), 723'568u);
+    EXPECT_TRUE(scene.warnings.empty());
+}
+
+}  // namespace
+}  // namespace occam

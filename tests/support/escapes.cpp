@@ -1,0 +1,119 @@
+#include "tests/support/escapes.h"
+
+#include <cstdlib>
+#include <cstring>
+#include <random>
+#include <sstream>
+
+#include "accel/frame.h"
+
+namespace occam::test {
+namespace {
+
+using Random = std::mt19937_64;
+double uniform(Random& random) { return double(random() >> 11) * 0x1p-53; }
+
+Vec3d any_direction(Random& random)
+{
+    while (true) {
+        const Vec3d d{2 * uniform(random) - 1, 2 * uniform(random) - 1, 2 * uniform(random) - 1};
+        const double l = glm::length(d);
+        if (l > 0.1 && l <= 1) return d / l;
+    }
+}
+
+/// Inside: the winding number is above 0.9, here and a thousandth of the cage's radius to all sides.
+std::vector<Vec3d> inside_points(const std::vector<MeshTriangle>& mesh, std::size_t wanted, Random& random)
+{
+    Box3d box;
+    for (const MeshTriangle& t : mesh)
+        for (const Vec3f v : t.v) box.add(Vec3d(v));
+    std::vector<Vec3d> points;
+    for (int attempt = 0; attempt < 400 && points.size() < wanted; ++attempt) {
+        const Vec3d p = box.lo + box.extent() * Vec3d(uniform(random), uniform(random), uniform(random));
+        // Also a little to all sides: so the point is not on a sheet that is folded onto itself.
+        bool is_inside = true;
+        for (int k = 0; k < 7 && is_inside; ++k) {
+            Vec3d step(0);
+            if (k > 0) step[(k - 1) / 2] = (k & 1 ? 1e-3 : -1e-3) * box.radius();
+            is_inside = winding_number(mesh, p + step) > 0.9;
+        }
+        if (is_inside) points.push_back(p);
+    }
+    return points;
+}
+
+}  // namespace
+
+EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int exponent, std::uint64_t rays, std::uint64_t seed)
+{
+    EscapeCount count;
+    Random random(seed);
+    DicedCage diced(cage, 0, world_from_object);
+    const int level = diced.level_of_largest_exponent(exponent);
+    const std::vector<MeshTriangle> mesh = diced.triangles();
+    const std::vector<Vec3d> starts = inside_points(mesh, mesh.size() > 100'000 ? 4 : 16, random);
+    count.starts = starts.size();
+    if (starts.empty()) return count;
+    std::vector<const MeshTriangle*> closers;
+    for (const MeshTriangle& t : mesh)
+        if (t.is_closer) closers.push_back(&t);
+
+    // A frame whose cage is seen at that very level: the wanted edge is constant.
+    Scene scene;
+    scene.add_node(scene.root(), {.matrix = world_from_object, .cages = {scene.add(cage)}});
+    scene.refit();
+    lod::TopologyCache topologies;
+    const accel::Frame frame(scene, topologies, {.eye = diced.posed.anchor, .pixel = {std::ldexp(1.5f, level), 0}});
+    accel::Tracer tracer(frame, std::size_t(1) << 30);
+
+    std::vector<accel::Ray> batch(2048);
+    std::vector<accel::SurfaceHit> hits(batch.size());
+    while (count.rays < rays) {
+        for (accel::Ray& ray : batch) {
+            const Vec3d from = starts[random() % starts.size()];
+            const double choice = uniform(random);
+            Vec3d target = from + any_direction(random);
+            if (choice < 0.3 && !closers.empty()) {
+                target = Vec3d(closers[random() % closers.size()]->v[1]);
+            } else if (choice < 0.6) {
+                const MeshTriangle& t = mesh[random() % mesh.size()];
+                const Vec3d a(t.v[random() % 3]), b(t.v[random() % 3]);
+                target = choice < 0.45 ? a : glm::mix(a, b, uniform(random));
+            }
+            ray = {};
+            ray.origin = diced.posed.anchor + from;
+            Vec3f d = Vec3f(glm::normalize(target - from));
+            // To an ulp: one component a step up or down, or not.
+            const auto axis = static_cast<int>(random() % 3);
+            if (random() & 1) d[axis] = std::nextafterf(d[axis], random() & 1 ? 2.0f : -2.0f);
+            ray.direction = d;
+        }
+        tracer.closest(batch, hits);
+        for (std::size_t i = 0; i < batch.size(); ++i) {
+            const accel::SurfaceHit& hit = hits[i];
+            if (hit.is_hit()) {
+                const Vec3d all = hit.position + Vec3d(hit.normal_geometric) + Vec3d(hit.normal_shading);
+                count.not_finite += !std::isfinite(all.x + all.y + all.z + hit.t);
+                continue;
+            }
+            if (count.escaped++ < 5) {
+                std::ostringstream out;
+                out.precision(17);
+                out << "origin " << batch[i].origin.x << ' ' << batch[i].origin.y << ' ' << batch[i].origin.z << " direction "
+                    << batch[i].direction.x << ' ' << batch[i].direction.y << ' ' << batch[i].direction.z << " level " << level << '\n';
+                count.replay += out.str();
+            }
+        }
+        count.rays += batch.size();
+    }
+    return count;
+}
+
+std::uint64_t rays_per_cage()
+{
+    const char* is_long = std::getenv("OCCAM_LONG");
+    return is_long && std::strcmp(is_long, "1") == 0 ? 10'000'000 : 100'000;
+}
+
+}  // namespace occam::test

@@ -1,0 +1,57 @@
+// Small cages made by code, for tests that need no data.
+#pragma once
+
+#include <cmath>
+
+#include "scenegraph/scene.h"
+
+namespace occam::test {
+
+/// A torus of quads about y. Unequal steps around, so that neighbours have different rates.
+inline Cage torus(std::uint32_t around = 9, std::uint32_t across = 5, bool uneven = true)
+{
+    Cage cage;
+    for (std::uint32_t i = 0; i < around; ++i)
+        for (std::uint32_t j = 0; j < across; ++j) {
+            const double u = double(i) / around, v = double(j) / across;
+            const double a = 6.283185307 * (uneven ? u + 0.1 * std::sin(6.283185307 * u) : u), b = 6.283185307 * (uneven ? v * v : v);
+            const double r = 1 + 0.4 * std::cos(b);
+            cage.positions.push_back({float(r * std::cos(a)), float(0.4 * std::sin(b)), float(r * std::sin(a))});
+            const std::uint32_t i1 = (i + 1) % around, j1 = (j + 1) % across;
+            cage.face_vertices.insert(cage.face_vertices.end(), {i * across + j, i * across + j1, i1 * across + j1, i1 * across + j});
+            cage.face_sizes.push_back(4);
+        }
+    return cage;
+}
+
+/// A prism over a polygon of n corners: two n-gons and n quads, some edges creased.
+inline Cage prism(std::uint32_t n)
+{
+    Cage cage;
+    for (std::uint32_t k = 0; k < 2; ++k)
+        for (std::uint32_t i = 0; i < n; ++i) {
+            const double a = 6.283185307 * i / n;
+            cage.positions.push_back({float(std::cos(a)), k ? 0.8f : -0.8f, float(-std::sin(a))});
+        }
+    cage.face_sizes = {n, n};
+    for (std::uint32_t i = 0; i < n; ++i) cage.face_vertices.push_back(n - 1 - i);
+    for (std::uint32_t i = 0; i < n; ++i) cage.face_vertices.push_back(n + i);
+    for (std::uint32_t i = 0; i < n; ++i) {
+        const std::uint32_t j = (i + 1) % n;
+        cage.face_sizes.push_back(4);
+        cage.face_vertices.insert(cage.face_vertices.end(), {i, j, n + j, n + i});
+        cage.creases.push_back({n + i, n + j, i % 2 ? 10.0f : 1.5f});
+    }
+    return cage;
+}
+
+inline NodeId place(Scene& scene, CageId cage, Vec3d at, double scale = 1)
+{
+    NodeDesc desc;
+    desc.place.translation = at;
+    desc.place.scale = Vec3d(scale);
+    desc.cages = {cage};
+    return scene.add_node(scene.root(), desc);
+}
+
+}  // namespace occam::test

@@ -1,0 +1,183 @@
+// What a tracer promises: the same hits alone and in company, exact distances on closing triangles, laziness, any budget.
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <random>
+
+#include "accel/frame.h"
+#include "accel/tracer.h"
+#include "tests/support/diced_mesh.h"
+#include "tests/support/shape_builders.h"
+
+namespace occam::test {
+namespace {
+
+constexpr std::size_t kPlenty = std::size_t(1) << 30;
+
+std::vector<accel::Ray> rays_towards(Vec3d eye, const Box3d& bounds, int count, std::uint64_t seed)
+{
+    std::mt19937_64 random(seed);
+    const auto uniform = [&] { return double(random() >> 11) * 0x1p-53; };
+    std::vector<accel::Ray> rays(count);
+    for (accel::Ray& ray : rays) {
+        ray.origin = eye;
+        ray.direction = Vec3f(glm::normalize(bounds.lo + bounds.extent() * Vec3d(uniform(), uniform(), uniform()) - eye));
+    }
+    return rays;
+}
+
+bool same(const accel::SurfaceHit& a, const accel::SurfaceHit& b)
+{
+    return std::bit_cast<std::uint32_t>(a.t) == std::bit_cast<std::uint32_t>(b.t) && a.position == b.position && a.face == b.face &&
+           a.node == b.node && a.normal_shading == b.normal_shading && a.uv[0] == b.uv[0];
+}
+
+struct Stage {
+    Scene scene;
+    lod::TopologyCache topologies;
+    accel::Frame frame(int level)
+    {
+        scene.refit();
+        return accel::Frame(scene, topologies, {.eye = Vec3d(0), .pixel = {std::ldexp(1.5f, level), 0}});
+    }
+};
+
+TEST(Tracer, FindsTheSameBitsForARayAloneAndInAPacket)
+{
+    Stage stage;
+    place(stage.scene, stage.scene.add(torus()), {0, 0, 0});
+    place(stage.scene, stage.scene.add(prism(7)), {1, 0.5, -1}, 0.7);
+    for (const int level : {-1, -4, -6}) {
+        const accel::Frame frame = stage.frame(level);
+        const auto rays = rays_towards({0.3, 3, 4}, stage.scene.bounds(), 20'000, 7);
+        std::vector<accel::SurfaceHit> together(rays.size()), alone(rays.size());
+        accel::Tracer a(frame, kPlenty), b(frame, kPlenty);
+        a.closest(rays, together);
+        for (std::size_t i = 0; i < rays.size(); ++i) b.closest({&rays[i], 1}, {&alone[i], 1});
+        int hits = 0;
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            ASSERT_TRUE(same(together[i], alone[i])) << "ray " << i << " level " << level << ": " << together[i].t << " and " << alone[i].t;
+            hits += together[i].is_hit();
+        }
+        EXPECT_GT(hits, 5000);
+        if (kLanes > 1) EXPECT_GT(a.counters().packets, 0u);
+    }
+}
+
+TEST(Tracer, AnswersOcclusionAsTheNearestHitDoes)
+{
+    Stage stage;
+    place(stage.scene, stage.scene.add(torus()), {0, 0, 0});
+    const accel::Frame frame = stage.frame(-4);
+    auto rays = rays_towards({0.3, 3, 4}, stage.scene.bounds(), 20'000, 8);
+    for (std::size_t i = 0; i < rays.size(); ++i) rays[i].t_far = 3.5f + float(i % 100) * 0.03f;
+    std::vector<accel::SurfaceHit> hits(rays.size());
+    std::vector<std::uint8_t> occluded(rays.size());
+    accel::Tracer tracer(frame, kPlenty);
+    tracer.closest(rays, hits);
+    tracer.occluded(rays, occluded);
+    for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(hits[i].is_hit(), occluded[i] != 0) << "ray " << i;
+}
+
+TEST(Tracer, GivesTheSameHitsForAnyBudget)
+{
+    Stage stage;
+    place(stage.scene, stage.scene.add(torus()), {0, 0, 0});
+    place(stage.scene, stage.scene.add(prism(5)), {1, 0.5, -1}, 0.7);
+    const accel::Frame frame = stage.frame(-6);
+    const auto rays = rays_towards({0.3, 3, 4}, stage.scene.bounds(), 4'000, 9);
+    std::vector<accel::SurfaceHit> expected(rays.size()), hits(rays.size());
+    accel::Tracer whole(frame, kPlenty);
+    whole.closest(rays, expected);
+    EXPECT_EQ(whole.counters().flushes, 0u);
+    const std::size_t used = whole.counters().peak_bytes;
+    for (const std::size_t budget : {used / 2, used / 4, used / 16, std::size_t(1)}) {
+        accel::Tracer tracer(frame, budget);
+        tracer.closest(rays, hits);
+        EXPECT_GT(tracer.counters().flushes, 0u);
+        for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_TRUE(same(expected[i], hits[i])) << "ray " << i << " budget " << budget;
+        if (budget > used / 8) EXPECT_LE(tracer.counters().peak_bytes, budget + Arena::kChunkBytes) << "the budget is kept to within what one step builds";
+    }
+}
+
+// Rays aimed at T-vertices meet closing triangles: in float their t is noise along the edge (watertightness, rule 6).
+TEST(Tracer, ReportsTheExactDistanceOnClosingTriangles)
+{
+    const Cage cage = torus();
+    DicedCage diced(cage, 0);
+    diced.level_of_largest_exponent(4);
+    std::vector<Vec3d> middles;
+    for (const MeshTriangle& t : diced.triangles())
+        if (t.is_closer) middles.push_back(Vec3d(t.v[1]) + diced.posed.anchor);
+    ASSERT_GT(middles.size(), 100u);
+
+    Stage stage;
+    place(stage.scene, stage.scene.add(cage), {0, 0, 0});
+    const accel::Frame frame = stage.frame(diced.posed.level);
+    accel::Tracer tracer(frame, kPlenty);
+    const Vec3d eye{0.2, 5, 0.4};
+    for (const Vec3d middle : middles) {
+        accel::Ray ray;
+        ray.origin = eye;
+        ray.direction = Vec3f(glm::normalize(middle - eye));
+        accel::SurfaceHit hit;
+        tracer.closest({&ray, 1}, {&hit, 1});
+        ASSERT_TRUE(hit.is_hit());
+        const double distance = glm::distance(middle, eye);
+        if (hit.t < distance - 0.05) continue;  // something lies in front
+        // A ray misses its target by the rounding of its direction, which a slope of 1:50 makes 50 times longer.
+        EXPECT_NEAR(hit.t, distance, 50 * distance * 1.2e-7);
+    }
+}
+
+TEST(Tracer, BuildsLittleMoreThanItsRaysSee)
+{
+    Stage stage;
+    const CageId cage = stage.scene.add(torus(16, 8));
+    for (int i = 0; i < 20; ++i)
+        for (int j = 0; j < 20; ++j) place(stage.scene, cage, {4.0 * i, 0, 4.0 * j});
+    const accel::Frame frame = stage.frame(-4);
+    // All of it, from above.
+    accel::Tracer all(frame, kPlenty);
+    const auto everywhere = rays_towards({40, 200, 40}, stage.scene.bounds(), 200'000, 3);
+    std::vector<accel::SurfaceHit> hits(everywhere.size());
+    all.closest(everywhere, hits);
+    // Four of the four hundred: one per cent.
+    accel::Tracer some(frame, kPlenty);
+    const Box3d corner{{-1.5, -0.5, -1.5}, {5.5, 0.5, 5.5}};
+    const auto few = rays_towards({2, 20, 2}, corner, 20'000, 4);
+    hits.resize(few.size());
+    some.closest(few, hits);
+    EXPECT_LE(double(some.counters().micropolygons), 0.02 * double(all.counters().micropolygons));
+    EXPECT_LE(double(some.counters().faces_touched), 0.02 * double(all.counters().faces_touched));
+    EXPECT_LE(double(some.counters().kd_nodes), 0.04 * double(all.counters().kd_nodes));
+}
+
+TEST(Tracer, MeetsNothingInAnEmptySceneAndWithRaysOfNoDirection)
+{
+    Stage empty;
+    const accel::Frame nothing = empty.frame(0);
+    accel::Tracer tracer(nothing, kPlenty);
+    accel::Ray ray;
+    accel::SurfaceHit hit;
+    tracer.closest({&ray, 1}, {&hit, 1});
+    EXPECT_FALSE(hit.is_hit());
+
+    Stage stage;
+    place(stage.scene, stage.scene.add(torus()), {0, 0, 0});
+    const accel::Frame frame = stage.frame(-3);
+    accel::Tracer other(frame, kPlenty);
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    for (const Vec3f d : {Vec3f(0), Vec3f(nan), Vec3f(nan, 0, 1), Vec3f(std::numeric_limits<float>::infinity(), 0, 0)}) {
+        ray.direction = d;
+        other.closest({&ray, 1}, {&hit, 1});
+        EXPECT_FALSE(hit.is_hit());
+    }
+    ray.direction = {0, 0, -1};
+    ray.origin = Vec3d(std::numeric_limits<double>::quiet_NaN());
+    other.closest({&ray, 1}, {&hit, 1});
+    EXPECT_FALSE(hit.is_hit());
+}
+
+}  // namespace
+}  // namespace occam::test

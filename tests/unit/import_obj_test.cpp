@@ -1,0 +1,190 @@
+#include <gtest/gtest.h>
+
+#include "scenegraph/scene.h"
+#include "tests/support/import_errors.h"
+#include "tests/support/temp_folder.h"
+
+namespace occam {
+namespace {
+
+using test::error_of;
+using test::TempFolder;
+using test::warns;
+
+const Cage& only_cage(const Scene& scene)
+{
+    const Cage* found = nullptr;
+    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
+        for (CageId id : node.cages) found = &scene.cage(id).cage;
+    });
+    if (!found) throw std::logic_error("no cage");
+    return *found;
+}
+
+constexpr const char* kQuad = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+TEST(ImportObj, AQuadIsACageAndATriangleIsNot)
+{
+    const TempFolder folder;
+    const Scene quad = load(folder.write("quad.obj", std::string(kQuad) + "f 1 2 3 4\n"));
+    EXPECT_EQ(only_cage(quad).scheme, Scheme::CatmullClark);
+    EXPECT_EQ(only_cage(quad).boundary, BoundaryRule::EdgeAndCorner);
+    const auto triangle = folder.write("triangle.obj", std::string(kQuad) + "f 1 2 3\n");
+    EXPECT_EQ(only_cage(load(triangle)).scheme, Scheme::Triangles);
+    EXPECT_EQ(only_cage(load(triangle, {.subdivide = Subdivide::On})).scheme, Scheme::CatmullClark);
+    EXPECT_TRUE(quad.warnings.empty());
+}
+
+TEST(ImportObj, PolygonsAreCutWhenTheyMayNotBeSubdivided)
+{
+    const TempFolder folder;
+    // An arrow head: the corner at (1, 1) is reflex, so a fan from the first corner would leave the polygon.
+    const auto file = folder.write("concave.obj", "v 0 0 0\nv 2 0 0\nv 1 1 0\nv 2 2 0\nv 0 2 0\nf 1 2 3 4 5\n");
+    const Scene scene = load(file, {.subdivide = Subdivide::Off});
+    const Cage& cage = only_cage(scene);
+    ASSERT_EQ(cage.face_count(), 3u);
+    double area = 0;
+    for (std::size_t f = 0; f < 3; ++f) {
+        const auto p = [&](std::size_t c) { return Vec3d(cage.positions[cage.face_vertices[3 * f + c]]); };
+        const double z = glm::cross(p(1) - p(0), p(2) - p(0)).z;
+        EXPECT_GT(z, 0) << "every triangle faces as the polygon does";
+        area += z / 2;
+    }
+    EXPECT_DOUBLE_EQ(area, 3.0);
+}
+
+TEST(ImportObj, ReadsTagsWithTheirZeroBasedIndices)
+{
+    const TempFolder folder;
+    const Scene scene = load(folder.write("tags.obj", std::string(kQuad) + "f 1 2 3 4\nf 4 3 2 1\n"
+                                                                          "t crease 2/1/0 0 1 2.5\nt crease 4/2/0 0 1 2 3 4 100\n"
+                                                                          "t corner 1/1/0 3 7\nt hole 1/0/0 1\n"
+                                                                          "t interpolateboundary 1/0/0 2\nt creasemethod 0/0/1 chaikin\n"));
+    const Cage& cage = only_cage(scene);
+    ASSERT_EQ(cage.creases.size(), 3u);
+    EXPECT_EQ(cage.creases[0].v1, 1u);
+    EXPECT_EQ(cage.creases[0].sharpness, 2.5f);
+    EXPECT_EQ(cage.creases[2].sharpness, kInfiniteSharpness);
+    ASSERT_EQ(cage.corners.size(), 1u);
+    EXPECT_EQ(cage.corners[0].vertex, 3u);
+    EXPECT_EQ(cage.holes, std::vector<std::uint32_t>{1});
+    EXPECT_EQ(cage.boundary, BoundaryRule::EdgeOnly);
+    EXPECT_TRUE(warns(scene, "tag not understood"));
+    EXPECT_TRUE(warns(scene, "line 12"));
+}
+
+// tinyobjloader's own mesh drops such faces, and the hole would lie on another one.
+TEST(ImportObj, ADegenerateFaceDoesNotMoveTheHoles)
+{
+    const TempFolder folder;
+    const Scene scene = load(folder.write("holes.obj", std::string(kQuad) + "f 1 2\nf 1 2 3 4\nf 4 3 2 1\nt hole 1/0/0 2\n"));
+    const Cage& cage = only_cage(scene);
+    ASSERT_EQ(cage.face_count(), 2u);
+    EXPECT_EQ(cage.holes, std::vector<std::uint32_t>{1});
+    EXPECT_TRUE(warns(scene, "1 faces dropped"));
+}
+
+// Its mesh also counts corners in a byte: 300 would become 44.
+TEST(ImportObj, APolygonOfThreeHundredCornersKeepsThemAll)
+{
+    const TempFolder folder;
+    std::string text, face = "f";
+    for (int i = 0; i < 300; ++i) {
+        text.append("v ").append(std::to_string(i)).append(" ").append(std::to_string(i * i)).append(" 0\n");
+        face.append(" ").append(std::to_string(i + 1));
+    }
+    const Scene scene = load(folder.write("large.obj", text + face + "\nf 1 2 3\n"));
+    EXPECT_EQ(only_cage(scene).face_sizes, (std::vector<std::uint32_t>{300, 3}));
+}
+
+TEST(ImportObj, TextureCoordinatesRunDownwardsAndBelongToCorners)
+{
+    const TempFolder folder;
+    const Scene scene = load(folder.write("uv.obj", std::string(kQuad) + "vt 0 0\nvt 1 0.25\nf 1/1 2/2 3/2 4/-2\nf 1 2 3/1\n"));
+    const Cage& cage = only_cage(scene);
+    ASSERT_EQ(cage.uv_sets.size(), 1u);
+    const UvSet& uv = cage.uv_sets[0];
+    EXPECT_EQ(uv.values[0], Vec2f(0, 1));
+    EXPECT_EQ(uv.values[1], Vec2f(1, 0.75f));
+    EXPECT_EQ(uv.indices, (std::vector<std::uint32_t>{0, 1, 1, 0, 2, 2, 0}));
+    EXPECT_EQ(uv.values.size(), 3u) << "corners without coordinates share one value";
+}
+
+TEST(ImportObj, NegativeIndicesCountBackFromTheFace)
+{
+    const TempFolder folder;
+    const Scene scene = load(folder.write("negative.obj", std::string(kQuad) + "f -4 -3 -2 -1\nv 9 9 9\nf -5 -4 -3\nf -99 1 2\nf 0 1 2\n"));
+    const Cage& cage = only_cage(scene);
+    EXPECT_EQ(cage.face_vertices, (std::vector<std::uint32_t>{0, 1, 2, 3, 0, 1, 2}));
+    EXPECT_TRUE(warns(scene, "2 faces dropped: a vertex index is out of range"));
+}
+
+TEST(ImportObj, VerticesWithSeveralNormalsAreSplit)
+{
+    const TempFolder folder;
+    const Scene scene = load(folder.write("normals.obj", std::string(kQuad) + "vn 0 0 1\nvn 0 1 0\nf 1//1 2//1 3//1\nf 1//2 3//1 4//1\n"));
+    const Cage& cage = only_cage(scene);
+    ASSERT_EQ(cage.positions.size(), 5u);
+    EXPECT_EQ(cage.face_vertices, (std::vector<std::uint32_t>{0, 1, 2, 4, 2, 3}));
+    EXPECT_EQ(cage.normals[4], Vec3f(0, 1, 0));
+    EXPECT_EQ(cage.positions[4], cage.positions[0]);
+}
+
+TEST(ImportObj, MaterialsBecomeSlots)
+{
+    const TempFolder folder;
+    folder.write("a b.mtl", "newmtl red\nKd 1 0 0\nNs 2\nKe 2 2 2\nnewmtl glass\nd 0.5\nPr 0.25\nPm 1\nmap_Kd tex.png\n");
+    folder.write("tex.png", "");
+    const Scene scene = load(folder.write("mtl.obj", "mtllib a b.mtl\n" + std::string(kQuad) +
+                                                         "f 1 2 3 4\nusemtl glass \nf 1 2 3 4\nusemtl red\nf 1 2 3 4\nusemtl nope\nf 1 2 3 4\n"));
+    const Cage& cage = only_cage(scene);
+    EXPECT_EQ(cage.face_slots, (std::vector<std::uint16_t>{0, 1, 2, 0}));
+    ASSERT_EQ(cage.materials.size(), 3u);
+    EXPECT_EQ(scene.find(cage.materials[0]), nullptr) << "no material: the default one";
+    const Material& glass = scene.material(cage.materials[1]);
+    EXPECT_EQ(glass.base_color, Vec4f(1, 1, 1, 0.5f));
+    EXPECT_EQ(glass.alpha_mode, AlphaMode::Blend);
+    EXPECT_EQ(glass.metallic, 1);
+    EXPECT_EQ(glass.roughness, 0.25f);
+    EXPECT_EQ(scene.texture(glass.base_color_texture.texture).path.filename(), "tex.png");
+    const Material& red = scene.material(cage.materials[2]);
+    EXPECT_EQ(red.base_color, Vec4f(1, 0, 0, 1));
+    EXPECT_EQ(red.emission, Vec3f(2));
+    EXPECT_TRUE(warns(scene, "material is in no library (nope)"));
+}
+
+TEST(ImportObj, NothingOutsideOfTheFolderIsOpened)
+{
+    const TempFolder folder;
+    folder.write("secret.mtl", "newmtl m\nKd 1 0 0\n");
+    folder.write("scene/own.mtl", "newmtl m\nmap_Kd ../secret.png\n");
+    const Scene scene = load(folder.write("scene/o.obj", "mtllib ../secret.mtl\nmtllib own.mtl\n" + std::string(kQuad) + "usemtl m\nf 1 2 3 4\n"));
+    EXPECT_TRUE(warns(scene, "material library is missing"));
+    EXPECT_TRUE(warns(scene, "texture is not in the scene's folder"));
+    EXPECT_EQ(scene.counts().textures, 0u);
+}
+
+TEST(ImportObj, SaysWhatIsWrong)
+{
+    const TempFolder folder;
+    EXPECT_NE(error_of(folder.path() / "missing.obj").find("missing.obj: no such file"), std::string::npos);
+    EXPECT_NE(error_of(folder.path()).find("not a scene file"), std::string::npos);
+    EXPECT_NE(error_of(folder.write("empty.obj", "")).find("no face"), std::string::npos);
+    EXPECT_NE(error_of(folder.write("points.obj", "v 0 0 0\np 1\n")).find("no face"), std::string::npos);
+    std::filesystem::create_directory(folder.path() / "folder.obj");
+    EXPECT_NE(error_of(folder.path() / "folder.obj").find("not a regular file"), std::string::npos);
+    const auto bad = folder.write("bad.obj", std::string(kQuad) + "f 1 2 3 4\nf 1 2 9\n");
+    EXPECT_EQ(error_of(bad), "");
+    EXPECT_NE(error_of(bad, {.strict = true}).find("out of range"), std::string::npos) << "strict makes an error of it";
+}
+
+TEST(ImportObj, CoordinatesThatAreNotFiniteAreDropped)
+{
+    const TempFolder folder;
+    const Scene scene = load(folder.write("inf.obj", std::string(kQuad) + "v 1e300 0 0\nv 1e13 0 0\nf 1 2 3 4\nf 1 2 5\nf 1 2 6\n"));
+    EXPECT_EQ(only_cage(scene).face_count(), 1u);
+    EXPECT_TRUE(warns(scene, "not finite"));
+}
+
+}  // namespace
+}  // namespace occam
