@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "lod/level_choice.h"
 #include "scenegraph/base/hash.h"
 
 namespace occam::accel {
@@ -43,13 +44,8 @@ Box3f Items::to_tree(const lod::PosedCage& cage, const Box3f& box) const
 
 Box3f Items::box_of(const lod::PosedCage& cage, const Box3f& object_box) const
 {
-    Mat4d m(1);
-    for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 4; ++c) m[c][r] = cage.frame_from_object[r][c];
-    const Vec3d shift = cage.anchor - frame_.anchor;
-    const Box3d box = transform_box(m, {Vec3d(object_box.lo), Vec3d(object_box.hi)});
-    if (box.is_empty()) return {};
-    return outward_float({box.lo + shift, box.hi + shift}, Vec3d(0), kBoxUlps);
+    const Box3d box = transform_box(cage.world_from_object(), {Vec3d(object_box.lo), Vec3d(object_box.hi)});
+    return outward_float(box, frame_.anchor, kBoxUlps);
 }
 
 void Items::open(ItemIndex i)
@@ -79,7 +75,7 @@ void Items::add_cage(const PlacedNode& at, const Node& node, CageId id, std::siz
     cage.node_id = at.id;
     cage.key = mix_bits(at.key + place + 1);
     cage.place(at.world_from_node, slot->bounds);
-    cage.level = lod::choose_level(frame_.levels, transform_box(at.world_from_node, slot->bounds));
+    if (cage.topology) cage.level = lod::choose_level(frame_.levels, cage);
     Item item;
     item.kind = Item::Cluster;
     item.subject = &cage;

@@ -29,7 +29,7 @@ struct Query::State {
           height(checked_height(image_height)),
           rays(camera, height, height),
           lock(refitted(borrowed)),
-          frame(borrowed, topologies, {rays.eye(), rays.pixel(), 1}),
+          frame(borrowed, topologies, rays.levels(1)),
           tracer(frame, memory_bytes)
     {
     }

@@ -20,15 +20,13 @@ struct Footprint {
 /// d_l.
 inline float edge_length(int level) noexcept { return std::ldexp(1.0f, level); }
 
-/// How a frame chooses levels: one for each cage instance, where the camera's footprint on it is smallest.
+/// What a frame chooses levels by: one for each cage instance, where the camera's footprint on it is smallest.
 struct LevelSettings {
     Vec3d eye{0};
     Footprint pixel;          ///< of one pixel of the camera
     float shading_rate = 1;   ///< wanted micropolygon edge, in pixels
+    int plane_count = 0;      ///< of the view: what lies outside a plane does not choose
+    Vec4d planes[4];          ///< inside where dot(xyz, p - eye) >= 0; w is not used
 };
-
-/// Largest level with d_l <= wanted edge, and so the finest that a ray to `bounds` (world axes) needs. Inside or next to
-/// the bounds the distance is taken as a sixteenth of their radius: nothing is infinitely fine.
-int choose_level(const LevelSettings& settings, const Box3d& bounds) noexcept;
 
 }  // namespace occam::lod

@@ -19,6 +19,16 @@ void PosedCage::place(const Mat4d& world_from_object, const Box3d& object_bounds
     is_mirrored = glm::determinant(Mat3d(world_from_object)) < 0;
 }
 
+Mat4d PosedCage::world_from_object() const noexcept
+{
+    Mat4d m(1);
+    for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 4; ++c) m[c][r] = frame_from_object[r][c];
+        m[3][r] += anchor[r];
+    }
+    return m;
+}
+
 Vec3f PosedCage::pose_normal(Vec3f n) const noexcept
 {
     // Cofactors: the inverse transpose times the determinant.

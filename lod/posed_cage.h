@@ -30,6 +30,8 @@ struct PosedCage {
     /// Sets frame, anchor, radius and mirroring from a placement.
     void place(const Mat4d& world_from_object, const Box3d& object_bounds) noexcept;
 
+    Mat4d world_from_object() const noexcept;
+
     /// Object axes to the dicing frame, in double, rounded once: a pure function of the point.
     Vec3f pose(Vec3f p) const noexcept
     {

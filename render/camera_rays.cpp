@@ -18,6 +18,21 @@ CameraRays::CameraRays(const Camera& camera, int width, int height) noexcept
     pixel_ = orthographic_ ? lod::Footprint{pixel, 0} : lod::Footprint{0, pixel};
 }
 
+lod::LevelSettings CameraRays::levels(float shading_rate) const noexcept
+{
+    lod::LevelSettings levels{eye_, pixel_, shading_rate, 0, {}};
+    if (orthographic_) return levels;
+    // A point in view has |across| <= forward * (width / height), |up| <= forward, across and up in units of half the height.
+    const auto inverse = [](Vec3d v) { return v / glm::dot(v, v); };
+    const Vec3d sides = forward_ * (width_ / height_);
+    levels.plane_count = 4;
+    levels.planes[0] = Vec4d(sides + inverse(right_), 0);
+    levels.planes[1] = Vec4d(sides - inverse(right_), 0);
+    levels.planes[2] = Vec4d(forward_ + inverse(up_), 0);
+    levels.planes[3] = Vec4d(forward_ - inverse(up_), 0);
+    return levels;
+}
+
 accel::Ray CameraRays::ray(double x, double y) const noexcept
 {
     const Vec3d across = right_ * ((2 * x - width_) / height_) + up_ * (1 - 2 * y / height_);

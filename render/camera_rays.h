@@ -22,6 +22,8 @@ public:
     /// Width of one pixel's beam: what a frame's levels are chosen from. Growing for a pinhole, constant if orthographic.
     lod::Footprint pixel() const noexcept { return pixel_; }
     Vec3d eye() const noexcept { return eye_; }
+    /// By which the frame's levels are chosen.
+    lod::LevelSettings levels(float shading_rate) const noexcept;
 
 private:
     Vec3d eye_, forward_, right_, up_;  // right and up: of half the image's height

@@ -136,7 +136,7 @@ Image render_frame(const FrameInputs& in, FrameControl& control, FrameStats& sta
     const shade::FrameLights lights(in.scene, in.camera, in.textures);
     FrameContext context{in.settings, camera, sampler, lights, in.textures, has_blending(in.scene)};
     set_depth_range(context, in.scene_bounds);
-    const accel::Frame frame(in.scene, in.topologies, {camera.eye(), camera.pixel(), in.settings.shading_rate});
+    const accel::Frame frame(in.scene, in.topologies, camera.levels(in.settings.shading_rate));
 
     Film film(in.settings);
     const int threads = in.resources.threads;

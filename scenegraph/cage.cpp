@@ -56,7 +56,8 @@ private:
         }
         require(cage_.normals.empty() || cage_.normals.size() == vertices, "normals must have one entry a vertex");
         require(cage_.colors.empty() || cage_.colors.size() == vertices, "colors must have one entry a vertex");
-        require(cage_.face_slots.empty() || cage_.face_slots.size() == cage_.face_count(), "face_slots must have one entry a face");
+        require(cage_.face_slots.empty() || cage_.face_slots.size() == cage_.face_count(),
+                "face_slots must have one entry a face");
         for (const UvSet& set : cage_.uv_sets)
             require(set.indices.empty() ? set.values.size() == vertices : set.indices.size() == corners,
                     "a UV set must have one value a vertex or one index a face corner");
@@ -129,7 +130,8 @@ private:
         report(counts[static_cast<int>(Verdict::Collapse)], "faces lost corners that repeat their neighbour");
         report(counts[static_cast<int>(Verdict::OutOfRange)], "faces dropped: a vertex index is out of range");
         report(counts[static_cast<int>(Verdict::Unusable)], "faces dropped: a vertex is not finite");
-        report(counts[static_cast<int>(Verdict::Degenerate)], "faces dropped: degenerate (fewer than three vertices, or one twice)");
+        report(counts[static_cast<int>(Verdict::Degenerate)],
+               "faces dropped: degenerate (fewer than three vertices, or one twice)");
         report(counts[static_cast<int>(Verdict::TooLarge)], "faces dropped: more than 4096 corners");
     }
 
@@ -167,10 +169,8 @@ private:
         if (!cage_.face_slots.empty()) cage_.face_slots.resize(face_to);
         std::vector<std::uint32_t> holes;
         for (std::uint32_t hole : cage_.holes) {
-            if (hole >= new_face.size())
-                holes.push_back(kDropped);  // out of range: counted with the other tags
-            else if (new_face[hole] != kDropped)
-                holes.push_back(new_face[hole]);
+            if (hole >= new_face.size()) holes.push_back(kDropped);  // out of range: counted with the other tags
+            else if (new_face[hole] != kDropped) holes.push_back(new_face[hole]);
         }
         cage_.holes = std::move(holes);
     }
@@ -180,7 +180,8 @@ private:
         const std::size_t vertices = cage_.positions.size();
         const auto is_sharpness = [](float s) { return s >= 0; };  // false for NaN
         std::size_t dropped = std::erase_if(cage_.creases, [&](const Crease& crease) {
-            return crease.v0 >= vertices || crease.v1 >= vertices || crease.v0 == crease.v1 || !is_sharpness(crease.sharpness);
+            return crease.v0 >= vertices || crease.v1 >= vertices || crease.v0 == crease.v1 ||
+                   !is_sharpness(crease.sharpness);
         });
         report(dropped, "creases dropped: no such edge, or no sharpness");
         dropped = std::erase_if(cage_.corners, [&](const Corner& corner) {
@@ -277,8 +278,8 @@ private:
 
     Cage& cage_;
     std::vector<std::string> lines_;
-    std::vector<bool> unusable_;               // by vertex; empty: none
-    std::vector<std::uint32_t> stamp_of_;      // by vertex: 1 + the last face that came by
+    std::vector<bool> unusable_;           // by vertex; empty: none
+    std::vector<std::uint32_t> stamp_of_;  // by vertex: 1 + the last face that came by
 };
 
 }  // namespace

@@ -18,12 +18,14 @@ Camera Camera::look_at(Vec3d eye, Vec3d target, Vec3d up, float fov)
 {
     const Vec3d to_eye = eye - target;
     const double distance = length_of(to_eye);
-    if (!(distance > 0 && std::isfinite(distance))) throw Error("", "a camera needs a target that is not its eye", "look_at");
+    if (!(distance > 0 && std::isfinite(distance)))
+        throw Error("", "a camera needs a target that is not its eye", "look_at");
     if (!(fov > 0 && fov < maths::kPi)) throw Error("", "a camera's vertical angle must be in (0, pi)", "look_at");
     const Vec3d back = to_eye / distance;
     Vec3d right = glm::cross(up, back);
     // Looking along `up`: any right angle will do, as long as it is always the same.
-    if (!(length_of(right) > 1e-9 * length_of(up))) right = glm::cross(std::abs(back.z) < 0.9 ? Vec3d(0, 0, 1) : Vec3d(1, 0, 0), back);
+    if (!(length_of(right) > 1e-9 * length_of(up)))
+        right = glm::cross(std::abs(back.z) < 0.9 ? Vec3d(0, 0, 1) : Vec3d(1, 0, 0), back);
     right = right / length_of(right);
     Camera camera;
     camera.world_from_camera = {Vec4d(right, 0), Vec4d(glm::cross(back, right), 0), Vec4d(back, 0), Vec4d(eye, 1)};
@@ -39,13 +41,15 @@ Camera Camera::framing(const Box3d& bounds, float aspect)
     const Vec3d half = bounds.is_empty() ? Vec3d(1) : bounds.extent() * 0.5;
     Camera camera = look_at(centre + direction, centre, {0, 1, 0}, CameraLens().fov);
 
-    // A corner c (relative to the centre, camera axes) is in sight when |c.x| <= (d - c.z) k aspect and |c.y| <= (d - c.z) k.
+    // A corner c (relative to the centre, camera axes) is in sight when |c.x| <= (d - c.z) k aspect and
+    // |c.y| <= (d - c.z) k.
     const double k = double(maths::tan(camera.lens.fov * 0.5f));
     const double k_x = k * double(aspect > 0 && std::isfinite(aspect) ? aspect : 1.0f);
     double distance = 0;
     for (int corner = 0; corner < 8; ++corner) {
         const Vec3d c = half * Vec3d(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
-        const Vec3d in_camera(glm::dot(c, Vec3d(camera.world_from_camera[0])), glm::dot(c, Vec3d(camera.world_from_camera[1])),
+        const Vec3d in_camera(glm::dot(c, Vec3d(camera.world_from_camera[0])),
+                              glm::dot(c, Vec3d(camera.world_from_camera[1])),
                               glm::dot(c, Vec3d(camera.world_from_camera[2])));
         distance = std::max({distance, in_camera.z + kMargin * std::abs(in_camera.x) / k_x,
                              in_camera.z + kMargin * std::abs(in_camera.y) / k});

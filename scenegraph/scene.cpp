@@ -1,4 +1,5 @@
-// Nodes of a scene: adding, removing, placing, finding. What nodes refer to is in scene_content.cpp, bounds in scene_bounds.cpp.
+// Nodes of a scene: adding, removing, placing, finding. What nodes refer to is in scene_content.cpp, bounds in
+// scene_bounds.cpp.
 #include "scenegraph/scene.h"
 
 #include <cmath>
@@ -31,10 +32,7 @@ Mat4d rigid(const Mat4d& m)
 
 }  // namespace
 
-Scene::Scene() : state_(std::make_unique<State>())
-{
-    state_->root = state_->nodes.add({});
-}
+Scene::Scene() : state_(std::make_unique<State>()) { state_->root = state_->nodes.add({}); }
 Scene::Scene(Scene&&) noexcept = default;
 Scene& Scene::operator=(Scene&&) noexcept = default;
 Scene::~Scene() = default;

@@ -119,8 +119,8 @@ public:
     /// Brings dirty bounds up to date: O(number of nodes on dirty paths, and their children).
     void refit();
 
-    /// Calls visit(NodeId, const Node&, const Mat4d& world_from_node) for every visible placement in the graph, parents first,
-    /// through instances too (there are no cycles: add_node refuses them).
+    /// Calls visit(NodeId, const Node&, const Mat4d& world_from_node) for every visible placement in the graph, parents
+    /// first, through instances too (there are no cycles: add_node refuses them).
     template <class Visit>
     void for_each_placement(Visit&& visit) const;
 
@@ -128,7 +128,8 @@ public:
     std::vector<std::uint64_t> cage_identities() const;
 
     struct Counts {
-        std::size_t nodes = 0, cages = 0, faces = 0, lights = 0, cameras = 0, materials = 0, textures = 0, clips = 0, skins = 0;
+        std::size_t nodes = 0, cages = 0, faces = 0, lights = 0, cameras = 0;
+        std::size_t materials = 0, textures = 0, clips = 0, skins = 0;
     };
     Counts counts() const;  ///< `faces` counts each cage once; see placed_faces()
     std::size_t placed_faces() const;
@@ -168,7 +169,8 @@ void Scene::for_each_placement(Visit&& visit) const
         const Node& n = node(place.id);
         visit(place.id, n, place.world_from_node);
         for (auto child = n.children.rbegin(); child != n.children.rend(); ++child)
-            if (const Node& c = node(*child); c.visible) todo.push_back({*child, place.world_from_node * c.parent_from_node});
+            if (const Node& c = node(*child); c.visible)
+                todo.push_back({*child, place.world_from_node * c.parent_from_node});
         if (find(n.instance_of)) todo.push_back({n.instance_of, place.world_from_node});
     }
 }

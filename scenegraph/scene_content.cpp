@@ -154,8 +154,14 @@ std::vector<TextureId> Scene::texture_ids() const
 Scene::Counts Scene::counts() const
 {
     const State& s = *state_;
-    Counts counts{.nodes = s.nodes.size(), .cages = s.cages.size(), .lights = s.lights.size(), .cameras = s.cameras.size(),
-                  .materials = s.materials.size(), .textures = s.textures.size(), .clips = s.clips.size(), .skins = s.skins.size()};
+    Counts counts{.nodes = s.nodes.size(),
+                  .cages = s.cages.size(),
+                  .lights = s.lights.size(),
+                  .cameras = s.cameras.size(),
+                  .materials = s.materials.size(),
+                  .textures = s.textures.size(),
+                  .clips = s.clips.size(),
+                  .skins = s.skins.size()};
     s.cages.for_each([&](CageId, const CageSlot& slot) { counts.faces += slot.cage.face_count(); });
     return counts;
 }

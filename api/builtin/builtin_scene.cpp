@@ -73,7 +73,7 @@ public:
         add_vessels();
         add_toys();
         add_light();
-        const Camera camera = Camera::look_at({0.5, 3.3, 10.6}, {0.2, 1.02, 0}, {0, 1, 0}, 0.40f);
+        const Camera camera = Camera::look_at({0.5, 3.5, 11.2}, {0.12, 1.22, 0}, {0, 1, 0}, 0.41f);
         CameraLens lens = camera.lens;
         lens.aspect = 16.0f / 9.0f;
         NodeDesc node;
@@ -113,8 +113,11 @@ private:
 
     void add_room()
     {
-        const CageId floor = add(sheet("floor and wall", {30, 9, -5.4f, 3, 10, 30, 16, 12}), {materials_.tiles, materials_.plaster});
+        // Two cages: a level of detail is chosen for each, and the wall is three times as far away. It rises from below the floor's end.
+        const CageId floor = add(floor_sheet("floor", {16, 4, -5.7f, 16, 10}), {materials_.tiles});
+        const CageId wall = add(wall_sheet("wall", {24, -5.4f, 3, 10, 16, 12}), {materials_.plaster});
         put("room", {floor}, {0, 0, 0}, turn_upright(0));
+        put("wall", {wall}, {0, 0, 0}, turn_upright(0));
     }
 
     void add_vessels()
@@ -132,22 +135,22 @@ private:
         put_again("pawn again", brass_pawn, {-3.35, 0, 0.1}, turn_upright(0.2f));
         put("ebony pawn", {pawn_cage}, {-2.65, 0, 1.15}, turn_upright(0.4f), {materials_.ebony});
 
-        const auto block = [&](const char* name, BoxEdges edges, MaterialId material) {
-            return add(box(name, Vec3f(0.95f), 0.14f, edges), {material});
+        const auto block = [&](const char* name, float margin, float sharpness, MaterialId material) {
+            return add(box(name, Vec3f(0.95f), margin, sharpness), {material});
         };
-        put("sharp block", {block("sharp block", {kInfiniteSharpness, kInfiniteSharpness, kInfiniteSharpness}, materials_.wood)},
+        put("sharp block", {block("sharp block", 0.2f, kInfiniteSharpness, materials_.wood)},
             {2.45, 0, -1.5}, turn_upright(0.45f));
-        put("soft block", {block("soft block", {1, 1, 1}, materials_.painted)}, {3.55, 0, -1.05}, turn_upright(-0.3f));
-        put("round block", {block("round block", {0, 0, 0}, materials_.wood)}, {2.95, 0.95, -1.3}, turn_upright(0.95f));
+        put("soft block", {block("soft block", 0.2f, 1.5f, materials_.painted)}, {3.55, 0, -1.05}, turn_upright(-0.3f));
+        put("round block", {block("round block", 0.3f, 0, materials_.wood)}, {2.95, 0.95, -1.3}, turn_upright(0.95f));
 
         const CageId ball = add(panelled_ball("ball", 0.62f, 0.05f, 2), {materials_.leather, materials_.leather_dark});
-        put("ball", {ball}, {2.25, 0.62, 0.65}, turn(glm::normalize(Vec3d(1, 0.5, 0.3)), 0.9f));
-        put("knot", {add(knot(), {materials_.rubber})}, {-0.55, 0.40, 1.75}, turn_upright(0.35f));
+        put("ball", {ball}, {2.25, 0.622, 0.65}, turn(glm::normalize(Vec3d(1, 0.5, 0.3)), 0.9f));
+        put("knot", {add(knot(), {materials_.rubber})}, {-0.55, 0.396, 1.75}, turn_upright(0.35f));
 
         // On three of its arms: the cube's diagonal upright.
         const Vec4d tilt = turn(glm::normalize(Vec3d(-1, 0, 1)), maths::acos(0.57735027f));
         const CageId jack_cage = add(jack("jack", 0.36f, 0.13f), {materials_.silver});
-        const double lift = 0.26;
+        const double lift = 0.261;  // of its lowest points
         const NodeId first = put("jack", {jack_cage}, {0.85, lift, 1.75}, tilt);
         put_again("jack again", first, {1.5, lift, 2.35}, after(turn_upright(0.7f), tilt));
         put_again("jack once more", first, {3.25, lift, 1.25}, after(turn_upright(1.6f), tilt));
@@ -168,9 +171,9 @@ private:
 
     void add_light()
     {
-        add_area_light("window", {-6, 7, 4.5}, {0, 0.4, -0.3}, {3, 3}, Vec3f(24, 22, 19));
-        add_area_light("lamp", {6.5, 4.5, -1}, {0.5, 0.5, 0}, {0.8f, 2.6f}, Vec3f(9, 11, 14));
-        scene_.environment.radiance = Vec3f(0.55f);
+        add_area_light("window", {-6.8, 5.2, 2.0}, {0, 0.4, 0}, {2.6f, 2.6f}, Vec3f(52, 46, 38));
+        add_area_light("lamp", {6, 5, 6}, {0.5, 0.5, 0}, {2.5f, 2.5f}, Vec3f(3.0f, 3.6f, 4.6f));
+        scene_.environment.radiance = Vec3f(0.36f);
         scene_.environment.image = scene_.add(studio());
     }
 

@@ -161,7 +161,7 @@ std::vector<Cage> closed_pieces()
     all.push_back(pawn());
     all.push_back(knot());
     all.push_back(panelled_ball("ball", 0.6f, 0.04f, 2));
-    all.push_back(box("block", Vec3f(0.9f), 0.14f, {}));
+    all.push_back(box("block", Vec3f(0.95f), 0.2f, 1.5f));
     all.push_back(jack("jack", 0.4f, 0.15f));
     return all;
 }

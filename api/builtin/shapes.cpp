@@ -111,6 +111,28 @@ void add_cap(Builder& builder, Cap cap, const Ring& ring, std::uint32_t first, s
     for (std::uint32_t k = 0; k < columns; ++k) builder.face({around[k], around[(k + 1) % columns], middle});
 }
 
+// Swept along x: profile(s) is (y, z) at a length s, which runs away from the eye or upwards.
+template <class Profile>
+Cage sheet(std::string name, float width, float length, std::uint32_t columns, std::uint32_t rows, Profile&& profile)
+{
+    Builder builder(std::move(name));
+    for (std::uint32_t i = 0; i <= rows; ++i)
+        for (std::uint32_t j = 0; j <= columns; ++j) {
+            const float s = length * float(i) / float(rows), x = width * (float(j) / float(columns) - 0.5f);
+            const Vec2f yz = profile(s);
+            builder.vertex({x, yz.x, yz.y});
+            builder.uv({x, s});
+        }
+    const auto corner = [&](std::uint32_t i, std::uint32_t j) {
+        const std::uint32_t k = i * (columns + 1) + j;
+        return Builder::Corner{k, k};
+    };
+    for (std::uint32_t i = 0; i < rows; ++i)
+        for (std::uint32_t j = 0; j < columns; ++j)
+            builder.face({corner(i, j), corner(i, j + 1), corner(i + 1, j + 1), corner(i + 1, j)});
+    return builder.take();
+}
+
 }  // namespace
 
 Cage tube(std::string name, const std::vector<Ring>& rings, std::uint32_t columns, Cap first, Cap last)
@@ -139,7 +161,7 @@ Cage lathe(std::string name, const std::vector<Turn>& profile, std::uint32_t col
     return tube(std::move(name), rings, columns, first, last);
 }
 
-Cage box(std::string name, Vec3f size, float margin, BoxEdges edges)
+Cage box(std::string name, Vec3f size, float margin, float sharpness)
 {
     Builder builder(std::move(name));
     // Vertices lie on the surface of a 4 x 4 x 4 lattice.
@@ -176,8 +198,6 @@ Cage box(std::string name, Vec3f size, float margin, BoxEdges edges)
         for (const int a : {0, 3})
             for (const int b : {0, 3}) {
                 const int s = (axis + 1) % 3, t = (axis + 2) % 3;
-                const int height = axis == 1 ? -1 : (s == 1 ? a : b);
-                const float sharpness = height < 0 ? edges.upright : height == 0 ? edges.bottom : edges.top;
                 for (int k = 0; k < 3; ++k) {
                     std::array<int, 3> from{}, to{};
                     from[std::size_t(s)] = to[std::size_t(s)] = a;
@@ -233,39 +253,20 @@ Cage jack(std::string name, float length, float width)
     return builder.take();
 }
 
-Cage sheet(std::string name, const SheetSize& size)
+Cage floor_sheet(std::string name, const FloorSize& size)
 {
-    Builder builder(std::move(name));
-    const float flat = size.front - size.back, bend = size.radius * kPi / 2, wall = bend + size.height - size.radius;
-    // (y, z) of the profile by its length.
-    const auto profile = [&](float s) {
-        if (s <= flat) return Vec2f(0, size.front - s);
-        if (s >= flat + bend) return Vec2f(size.radius + (s - flat - bend), size.back - size.radius);
-        const float angle = (s - flat) / size.radius;
-        return Vec2f(size.radius * (1 - maths::cos(angle)), size.back - size.radius * maths::sin(angle));
-    };
-    const std::uint32_t rows = size.flat_rows + size.wall_rows;
-    for (std::uint32_t i = 0; i <= rows; ++i) {
-        const float s = i <= size.flat_rows ? flat * float(i) / float(size.flat_rows)
-                                            : flat + wall * float(i - size.flat_rows) / float(size.wall_rows);
-        const Vec2f yz = profile(s);
-        for (std::uint32_t j = 0; j <= size.columns; ++j) {
-            const float x = size.width * (float(j) / float(size.columns) - 0.5f);
-            builder.vertex({x, yz.x, yz.y});
-            builder.uv({x, s - size.front});
-        }
-    }
-    const auto corner = [&](std::uint32_t i, std::uint32_t j) {
-        const std::uint32_t k = i * (size.columns + 1) + j;
-        return Builder::Corner{k, k};
-    };
-    for (std::uint32_t i = 0; i < rows; ++i)
-        for (std::uint32_t j = 0; j < size.columns; ++j)
-            builder.face({corner(i, j), corner(i, j + 1), corner(i + 1, j + 1), corner(i + 1, j)});
-    Cage cage = builder.take();
-    for (std::uint32_t i = 0; i < rows; ++i)
-        cage.face_slots.insert(cage.face_slots.end(), size.columns, static_cast<std::uint16_t>(i < size.flat_rows ? 0 : 1));
-    return cage;
+    return sheet(std::move(name), size.width, size.front - size.back, size.columns, size.rows,
+                 [&](float s) { return Vec2f(0, size.front - s); });
+}
+
+Cage wall_sheet(std::string name, const WallSize& size)
+{
+    const float bend = size.radius * kPi / 2;
+    return sheet(std::move(name), size.width, bend + size.height - size.radius, size.columns, size.rows, [&](float s) {
+        if (s >= bend) return Vec2f(size.radius + s - bend, size.front - size.radius);
+        const float angle = s / size.radius;
+        return Vec2f(size.radius * (1 - maths::cos(angle)), size.front - size.radius * maths::sin(angle));
+    });
 }
 
 }  // namespace occam::builtin

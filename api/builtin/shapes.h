@@ -1,6 +1,6 @@
 // Cages by rule: rings of vertices joined to tubes, boxes, and the floor. Faces run counter-clockwise seen from outside.
 //
-// All but sheet() are closed: every edge lies in two faces that run along it in opposite senses.
+// All but the sheets are closed: every edge lies in two faces that run along it in opposite senses.
 #pragma once
 
 #include <string>
@@ -35,24 +35,25 @@ struct Turn {
 /// Turned about the y axis. The profile starts at the bottom and may come back inside: a vessel. Its ends are closed at the axis.
 Cage lathe(std::string name, const std::vector<Turn>& profile, std::uint32_t columns, Cap first, Cap last);
 
-/// Sharpness of the edges of a box, by where they lie.
-struct BoxEdges {
-    float bottom = kInfiniteSharpness, top = 0, upright = 0;
-};
-
 /// Stands on y = 0, centred about the y axis. Each side is 3 x 3 quads; the outer ones are `margin` wide, so that the middle
-/// stays flat and round edges are about as wide. UVs: each side from 0 to 1.
-Cage box(std::string name, Vec3f size, float margin, BoxEdges edges);
+/// stays flat and smooth edges are about as wide. The twelve edges have that sharpness. UVs: each side from 0 to 1.
+Cage box(std::string name, Vec3f size, float margin, float sharpness);
 
 /// A cube from whose sides grow six arms with knobs, of that length from the middle. Eight vertices of valence six.
 Cage jack(std::string name, float length, float width);
 
-/// Floor and wall in one over x in [-width / 2, width / 2]: flat from z = front back to z = back, then bent upwards with that
-/// radius, then upright to `height`. UVs are lengths in world units. Material slot 0: flat, 1: the rest. Open.
-struct SheetSize {
-    float width, front, back, radius, height;
-    std::uint32_t columns, flat_rows, wall_rows;
+/// A strip of floor over x in [-width / 2, width / 2], flat from z = front back to z = back. UVs are lengths in world units. Open.
+struct FloorSize {
+    float width, front, back;
+    std::uint32_t columns, rows;
 };
-Cage sheet(std::string name, const SheetSize& size);
+Cage floor_sheet(std::string name, const FloorSize& size);
+
+/// A backdrop: leaves the floor at z = front, bends upwards with `radius`, then stands upright to `height`. Open.
+struct WallSize {
+    float width, front, radius, height;
+    std::uint32_t columns, rows;
+};
+Cage wall_sheet(std::string name, const WallSize& size);
 
 }  // namespace occam::builtin

@@ -15,7 +15,7 @@ int run(const Finished& finished) { return finished.exit_code; }
 
 Scene open_scene(const SceneArguments& arguments)
 {
-    if (arguments.scene.empty()) throw Error("", "name a scene to open");
+    if (arguments.scene.empty()) return builtin_scene();
     return load(arguments.scene, arguments.load);
 }
 

@@ -4,7 +4,6 @@
 // Threads  one owner; no locks.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -80,7 +79,7 @@ private:
     std::size_t current_ = 0, used_ = 0, bytes_ = 0;
 };
 
-/// A growing array in an arena; what it grew out of stays in the arena until the reset.
+/// A growing list in an arena, in pieces: elements stay where they are, and nothing is copied or left behind.
 template <class T>
 class ArenaVector {
 public:
@@ -90,39 +89,24 @@ public:
 
     T& push_back(const T& value)
     {
-        if (size_ == data_.size()) grow(size_ ? size_ * 2 : 16);
-        data_[size_] = value;
-        return data_[size_++];
+        if ((size_ & kMask) == 0) pieces_.push_back(arena_->make_array<T>(kMask + 1).data());
+        return (*this)[size_++] = value;
     }
-    /// Room for `count` more at the end, uninitialised; returns the index of the first.
-    std::uint32_t extend(std::size_t count)
-    {
-        if (size_ + count > data_.size()) grow(std::max(size_ + count, size_ * 2));
-        size_ += count;
-        return static_cast<std::uint32_t>(size_ - count);
-    }
-    T& operator[](std::size_t i) noexcept { return data_[i]; }
-    const T& operator[](std::size_t i) const noexcept { return data_[i]; }
+    T& operator[](std::size_t i) noexcept { return pieces_[i >> kShift][i & kMask]; }
+    const T& operator[](std::size_t i) const noexcept { return pieces_[i >> kShift][i & kMask]; }
     std::size_t size() const noexcept { return size_; }
-    T* begin() noexcept { return data_.data(); }
-    T* end() noexcept { return data_.data() + size_; }
     /// Forgets its content and its memory: call after the arena was reset.
     void clear() noexcept
     {
-        data_ = {};
+        pieces_.clear();
         size_ = 0;
     }
 
 private:
-    void grow(std::size_t capacity)
-    {
-        std::span<T> bigger = arena_->make_array<T>(capacity);
-        for (std::size_t i = 0; i < size_; ++i) bigger[i] = data_[i];
-        data_ = bigger;
-    }
+    static constexpr std::size_t kShift = 9, kMask = (1 << kShift) - 1;
 
     Arena* arena_;
-    std::span<T> data_;
+    std::vector<T*> pieces_;
     std::size_t size_ = 0;
 };
 

@@ -21,7 +21,8 @@ template <class Vec>
 Vec vector_of(const std::vector<double>& values, Vec otherwise)
 {
     if (values.size() != static_cast<std::size_t>(Vec::length())) return otherwise;
-    for (int i = 0; i < Vec::length(); ++i) otherwise[i] = static_cast<typename Vec::value_type>(values[static_cast<std::size_t>(i)]);
+    for (int i = 0; i < Vec::length(); ++i)
+        otherwise[i] = static_cast<typename Vec::value_type>(values[static_cast<std::size_t>(i)]);
     return otherwise;
 }
 
@@ -106,7 +107,8 @@ private:
             const Step step = todo.back();
             todo.pop_back();
             const std::string where = "nodes[" + std::to_string(step.node) + "]";
-            if (step.node < 0 || static_cast<std::size_t>(step.node) >= nodes_.size()) throw Error(report_.name(), "there is no such node", where);
+            if (step.node < 0 || static_cast<std::size_t>(step.node) >= nodes_.size())
+                throw Error(report_.name(), "there is no such node", where);
             if (step.depth > kMaxDepth) throw Error(report_.name(), "the tree is deeper than 4096 nodes", where);
             NodeId& id = nodes_[static_cast<std::size_t>(step.node)];
             if (id) throw Error(report_.name(), "a node has two parents, or is its own ancestor", where);
@@ -133,8 +135,9 @@ private:
         for (double weight : node.weights) desc.morph_weights.push_back(static_cast<float>(weight));
 
         add_camera(node, desc);
-        const tinygltf::Mesh* mesh =
-            node.mesh >= 0 && static_cast<std::size_t>(node.mesh) < model_.meshes.size() ? &model_.meshes[static_cast<std::size_t>(node.mesh)] : nullptr;
+        const tinygltf::Mesh* mesh = node.mesh >= 0 && static_cast<std::size_t>(node.mesh) < model_.meshes.size()
+                                         ? &model_.meshes[static_cast<std::size_t>(node.mesh)]
+                                         : nullptr;
         static const tinygltf::Value nothing;
         const NodeExtras extras = node_extras(node.extras, mesh ? mesh->extras : nothing, where, report_);
         if (!extras.cage.empty()) desc.cages = {cage_of_file(extras, where)};
@@ -155,7 +158,8 @@ private:
             lens.aspect = static_cast<float>(std::abs(camera.orthographic.xmag / camera.orthographic.ymag));
         } else {
             constexpr double kWidest = 3.1;
-            if (camera.perspective.yfov > kWidest) report_.warn("a camera's angle of pi or more is made smaller", camera.name);
+            if (camera.perspective.yfov > kWidest)
+                report_.warn("a camera's angle of pi or more is made smaller", camera.name);
             lens.fov = static_cast<float>(std::min(camera.perspective.yfov, kWidest));
             lens.aspect = static_cast<float>(camera.perspective.aspectRatio);
         }
@@ -166,7 +170,8 @@ private:
     void add_light(const tinygltf::Node& node, const NodeExtras& extras, NodeDesc& desc, const std::string& where)
     {
         const int light = integer(extension(node.extensions, "KHR_lights_punctual"), "light", -1);
-        if (light >= 0 && static_cast<std::size_t>(light) < lights_.size()) desc.light = lights_[static_cast<std::size_t>(light)];
+        if (light >= 0 && static_cast<std::size_t>(light) < lights_.size())
+            desc.light = lights_[static_cast<std::size_t>(light)];
         if (!extras.area_light) return;
         if (desc.light) report_.warn("a node has room for one light: the area light is taken", where);
         desc.light = scene_.add(Light{node.name, *extras.area_light});

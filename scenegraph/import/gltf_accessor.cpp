@@ -19,12 +19,16 @@ int component_bytes(int type)
 {
     switch (type) {
         case TINYGLTF_COMPONENT_TYPE_BYTE:
-        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return 1;
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+            return 1;
         case TINYGLTF_COMPONENT_TYPE_SHORT:
-        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return 2;
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+            return 2;
         case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-        case TINYGLTF_COMPONENT_TYPE_FLOAT: return 4;
-        default: return 0;
+        case TINYGLTF_COMPONENT_TYPE_FLOAT:
+            return 4;
+        default:
+            return 0;
     }
 }
 
@@ -40,7 +44,8 @@ Out convert(In x, bool normalized)
 }
 
 template <class In, class Out>
-void copy(const unsigned char* data, std::size_t stride, std::size_t count, int components, bool normalized, int width, Out* out)
+void copy(const unsigned char* data, std::size_t stride, std::size_t count, int components, bool normalized, int width,
+          Out* out)
 {
     if (std::is_same_v<In, Out> && components == width && stride == static_cast<std::size_t>(width) * sizeof(In)) {
         if (count > 0) std::memcpy(out, data, count * stride);  // as it lies there
@@ -60,11 +65,16 @@ void copy_any(int component_type, const unsigned char* data, std::size_t stride,
 {
     const auto as = [&]<class In>(In) { copy<In>(data, stride, count, components, normalized, width, out); };
     switch (component_type) {
-        case TINYGLTF_COMPONENT_TYPE_BYTE: return as(std::int8_t());
-        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return as(std::uint8_t());
-        case TINYGLTF_COMPONENT_TYPE_SHORT: return as(std::int16_t());
-        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return as(std::uint16_t());
-        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: return as(std::uint32_t());
+        case TINYGLTF_COMPONENT_TYPE_BYTE:
+            return as(std::int8_t());
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+            return as(std::uint8_t());
+        case TINYGLTF_COMPONENT_TYPE_SHORT:
+            return as(std::int16_t());
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+            return as(std::uint16_t());
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+            return as(std::uint32_t());
         default:
             if constexpr (std::is_floating_point_v<Out>) return as(float());
     }
@@ -85,11 +95,15 @@ AccessorReader::AccessorReader(const tinygltf::Model& model, const Report& repor
     for (const tinygltf::Buffer& buffer : model.buffers) budget_bytes_ += kExpansion * buffer.data.size();
 }
 
-void AccessorReader::refuse(int accessor, const std::string& what) const { throw Error(report_.name(), what, name_of(accessor)); }
+void AccessorReader::refuse(int accessor, const std::string& what) const
+{
+    throw Error(report_.name(), what, name_of(accessor));
+}
 
 const tinygltf::Accessor& AccessorReader::at(int accessor) const
 {
-    if (accessor < 0 || static_cast<std::size_t>(accessor) >= model_.accessors.size()) refuse(accessor, "there is no such accessor");
+    if (accessor < 0 || static_cast<std::size_t>(accessor) >= model_.accessors.size())
+        refuse(accessor, "there is no such accessor");
     return model_.accessors[static_cast<std::size_t>(accessor)];
 }
 
@@ -124,7 +138,8 @@ AccessorReader::Layout AccessorReader::locate(int accessor, int width)
     const tinygltf::Accessor& a = at(accessor);
     const int n = components(accessor), element_bytes = n * component_bytes(a.componentType);
     if (element_bytes <= 0) refuse(accessor, "has no component type");
-    if (n > width) refuse(accessor, "has " + std::to_string(n) + " components where " + std::to_string(width) + " are wanted");
+    if (n > width)
+        refuse(accessor, "has " + std::to_string(n) + " components where " + std::to_string(width) + " are wanted");
     if (a.count > std::numeric_limits<std::uint32_t>::max()) refuse(accessor, "counts more than 2^32 elements");
     charge(a.count * static_cast<std::size_t>(width) * sizeof(float), accessor);
     Layout layout{nullptr, static_cast<std::size_t>(element_bytes), a.count, n, a.componentType};
@@ -133,10 +148,12 @@ AccessorReader::Layout AccessorReader::locate(int accessor, int width)
     const auto bytes = view(a.bufferView, name_of(accessor));
     const std::size_t declared = model_.bufferViews[static_cast<std::size_t>(a.bufferView)].byteStride;
     if (declared != 0) layout.stride = declared;
-    if (layout.stride < static_cast<std::size_t>(element_bytes)) refuse(accessor, "elements overlap: the stride is too small");
+    if (layout.stride < static_cast<std::size_t>(element_bytes))
+        refuse(accessor, "elements overlap: the stride is too small");
     // No overflow: count is below 2^32, and a stride above 252 was refused at the door.
     const std::size_t needed = a.count == 0 ? 0 : (a.count - 1) * layout.stride + static_cast<std::size_t>(element_bytes);
-    if (a.byteOffset > bytes.size() || needed > bytes.size() - a.byteOffset) refuse(accessor, "does not fit its buffer view");
+    if (a.byteOffset > bytes.size() || needed > bytes.size() - a.byteOffset)
+        refuse(accessor, "does not fit its buffer view");
     layout.data = bytes.data() + a.byteOffset;
     return layout;
 }
@@ -162,11 +179,12 @@ void AccessorReader::fill(const Layout& layout, int accessor, int width, bool no
         !fits(value_bytes, a.sparse.values.byteOffset, value_size))
         refuse(accessor, "its sparse part does not fit");
     std::vector<std::uint32_t> where(count);
-    copy_any(a.sparse.indices.componentType, index_bytes.data() + a.sparse.indices.byteOffset, index_size, count, 1, false, 1,
-             where.data());
+    copy_any(a.sparse.indices.componentType, index_bytes.data() + a.sparse.indices.byteOffset, index_size, count, 1, false,
+             1, where.data());
     const unsigned char* values = value_bytes.data() + a.sparse.values.byteOffset;
     for (std::size_t i = 0; i < count; ++i) {
-        if (where[i] >= a.count || (i > 0 && where[i] <= where[i - 1])) refuse(accessor, "sparse indices must rise and stay in range");
+        if (where[i] >= a.count || (i > 0 && where[i] <= where[i - 1]))
+            refuse(accessor, "sparse indices must rise and stay in range");
         copy_any(a.componentType, values + i * value_size, value_size, 1, layout.components, normalized, width,
                  out + std::size_t(where[i]) * static_cast<std::size_t>(width));
     }
@@ -177,7 +195,8 @@ template <class Visit>
 void AccessorReader::for_each_part(const Layout& layout, int accessor, Visit&& visit) const
 {
     constexpr std::size_t kElements = 4096;
-    const std::size_t n = static_cast<std::size_t>(layout.components), step = at(accessor).sparse.isSparse ? layout.count : kElements;
+    const std::size_t n = static_cast<std::size_t>(layout.components),
+                      step = at(accessor).sparse.isSparse ? layout.count : kElements;
     std::vector<float> values;
     for (std::size_t begin = 0; begin < layout.count; begin += step) {
         Layout part = layout;
@@ -217,7 +236,8 @@ void AccessorReader::check_values(Report& report)
                 if (static_cast<float>(declared[c]) != found[c]) return true;
             return false;
         };
-        if (differs(a.minValues, low) || differs(a.maxValues, high)) report.warn("min or max is not that of the values", name_of(i));
+        if (differs(a.minValues, low) || differs(a.maxValues, high))
+            report.warn("min or max is not that of the values", name_of(i));
     }
 }
 

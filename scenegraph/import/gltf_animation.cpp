@@ -33,14 +33,16 @@ public:
     {
     }
 
-    std::optional<Channel> channel(const tinygltf::Animation& animation, const tinygltf::AnimationChannel& c, const std::string& where)
+    std::optional<Channel> channel(const tinygltf::Animation& animation, const tinygltf::AnimationChannel& c,
+                                   const std::string& where)
     {
         Channel out;
         out.target = node_at(nodes_, c.target_node);
         const auto path = path_of(c.target_path);
         if (!out.target || !path) return std::nullopt;  // of another scene, or of an extension: legal, and not ours
         out.path = *path;
-        if (c.sampler < 0 || static_cast<std::size_t>(c.sampler) >= animation.samplers.size()) return dropped("names no sampler", where);
+        if (c.sampler < 0 || static_cast<std::size_t>(c.sampler) >= animation.samplers.size())
+            return dropped("names no sampler", where);
         const tinygltf::AnimationSampler& sampler = animation.samplers[static_cast<std::size_t>(c.sampler)];
         if (sampler.interpolation == "STEP") out.interpolation = Channel::Interpolation::Step;
         if (sampler.interpolation == "CUBICSPLINE") out.interpolation = Channel::Interpolation::CubicSpline;
@@ -51,7 +53,8 @@ public:
         if (out.path == Channel::Path::Weights) {
             const std::size_t values = accessors_.count(sampler.output) / (is_cubic ? 3 : 1);
             out.width = static_cast<int>(values / out.times.size());
-            if (out.width == 0 || out.width != morph_targets(c.target_node)) return dropped("needs one weight a key and morph target", where);
+            if (out.width == 0 || out.width != morph_targets(c.target_node))
+                return dropped("needs one weight a key and morph target", where);
             out.values = accessors_.floats(sampler.output, 1);
         } else {
             out.width = out.path == Channel::Path::Rotation ? 4 : 3;
@@ -128,9 +131,11 @@ std::vector<SkinId> add_skins(const tinygltf::Model& model, AccessorReader& acce
             continue;
         }
         if (in.inverseBindMatrices >= 0) {
-            if (accessors.components(in.inverseBindMatrices) != 16) throw Error(report.name(), "inverse bind matrices must be MAT4", where);
+            if (accessors.components(in.inverseBindMatrices) != 16)
+                throw Error(report.name(), "inverse bind matrices must be MAT4", where);
             skin.joint_from_mesh = matrices(accessors.floats(in.inverseBindMatrices, 16));
-            if (skin.joint_from_mesh.size() < skin.joints.size()) throw Error(report.name(), "fewer inverse bind matrices than joints", where);
+            if (skin.joint_from_mesh.size() < skin.joints.size())
+                throw Error(report.name(), "fewer inverse bind matrices than joints", where);
             skin.joint_from_mesh.resize(skin.joints.size());
             for (Mat4d& m : skin.joint_from_mesh)
                 if (!is_affine(m)) {
@@ -143,7 +148,8 @@ std::vector<SkinId> add_skins(const tinygltf::Model& model, AccessorReader& acce
     return ids;
 }
 
-void add_clips(const tinygltf::Model& model, AccessorReader& accessors, const std::vector<NodeId>& nodes, Scene& scene, Report& report)
+void add_clips(const tinygltf::Model& model, AccessorReader& accessors, const std::vector<NodeId>& nodes, Scene& scene,
+               Report& report)
 {
     ClipReader reader(model, accessors, nodes, report);
     for (std::size_t a = 0; a < model.animations.size(); ++a) {
@@ -151,7 +157,8 @@ void add_clips(const tinygltf::Model& model, AccessorReader& accessors, const st
         Clip clip{animation.name, {}};
         for (std::size_t c = 0; c < animation.channels.size(); ++c) {
             const std::string where = element("animations", a, animation.name) + ".channels[" + std::to_string(c) + "]";
-            if (auto channel = reader.channel(animation, animation.channels[c], where)) clip.channels.push_back(*std::move(channel));
+            if (auto channel = reader.channel(animation, animation.channels[c], where))
+                clip.channels.push_back(*std::move(channel));
         }
         scene.add(std::move(clip));
     }

@@ -9,6 +9,7 @@ namespace occam::import {
 /// Returns skins by index; none for a skin that cannot be used (a warning).
 std::vector<SkinId> add_skins(const tinygltf::Model& model, AccessorReader& accessors, const std::vector<NodeId>& nodes,
                               Scene& scene, Report& report);
-void add_clips(const tinygltf::Model& model, AccessorReader& accessors, const std::vector<NodeId>& nodes, Scene& scene, Report& report);
+void add_clips(const tinygltf::Model& model, AccessorReader& accessors, const std::vector<NodeId>& nodes, Scene& scene,
+               Report& report);
 
 }  // namespace occam::import

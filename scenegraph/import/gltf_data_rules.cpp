@@ -20,7 +20,8 @@ ElementSize element_size(const std::string& type, int component)
 {
     if (type == "MAT2" && component == 1) return {6, 8};
     if (type == "MAT3" && component < 4) return component == 1 ? ElementSize{11, 12} : ElementSize{22, 24};
-    const std::map<std::string, int> components = {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT2", 4}, {"MAT3", 9}, {"MAT4", 16}};
+    const std::map<std::string, int> components = {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4},
+                                                   {"MAT2", 4},   {"MAT3", 9}, {"MAT4", 16}};
     const std::int64_t bytes = std::int64_t(components.at(type)) * component;
     return {bytes, bytes};
 }
@@ -33,11 +34,13 @@ void check_view(const json& view, const json& root, const std::string& where, Re
     const std::int64_t stride = integer(view, "byteStride", 0);
     if (stride % 4 != 0) throw Error(report.name(), "byteStride must be a multiple of four", where);
     if (stride != 0 && integer(view, "target", 0) == 34963) report.warn("byteStride in a view of indices", where);
-    if (integer(view, "byteStride", 0) > integer(view, "byteLength", 0)) report.warn("byteStride is longer than the view", where);
+    if (integer(view, "byteStride", 0) > integer(view, "byteLength", 0))
+        report.warn("byteStride is longer than the view", where);
 }
 
 // Offset and length of elements in a view.
-void check_fit(const json& part, std::int64_t count, ElementSize size, const json& root, const std::string& where, Report& report)
+void check_fit(const json& part, std::int64_t count, ElementSize size, const json& root, const std::string& where,
+               Report& report)
 {
     const json& view = list(root, "bufferViews")[static_cast<std::size_t>(integer(part, "bufferView", 0))];
     const std::int64_t offset = integer(part, "byteOffset", 0);
@@ -53,7 +56,9 @@ void check_accessor(const json& accessor, const json& root, const std::string& w
     const std::string type = text(accessor, "type");
     const ElementSize size = element_size(type, component);
     const std::int64_t count = integer(accessor, "count", 0);
-    const std::size_t components = type == "SCALAR" ? 1 : static_cast<std::size_t>(type[3] - '0') * (type[0] == 'M' ? static_cast<std::size_t>(type[3] - '0') : 1);
+    const std::size_t components = type == "SCALAR" ? 1
+                                                    : static_cast<std::size_t>(type[3] - '0') *
+                                                          (type[0] == 'M' ? static_cast<std::size_t>(type[3] - '0') : 1);
     for (const char* bound : {"min", "max"})
         if (accessor.contains(bound) && accessor[bound].size() != components)
             report.warn(std::string(bound) + " has the wrong number of elements", where);
@@ -79,7 +84,8 @@ void check_accessor(const json& accessor, const json& root, const std::string& w
     check_fit(values, sparse_count, size, root, where + ".sparse.values", report);
     for (const json* part : {&indices, &values}) {
         const json& view = list(root, "bufferViews")[static_cast<std::size_t>(integer(*part, "bufferView", 0))];
-        if (view.contains("byteStride") || view.contains("target")) report.warn("sparse data in a view with byteStride or target", where);
+        if (view.contains("byteStride") || view.contains("target"))
+            report.warn("sparse data in a view with byteStride or target", where);
         if (integer(*part, "byteOffset", 0) % (part == &indices ? index_bytes : component) != 0)
             report.warn("accessor is not aligned to its components", where);
     }
@@ -87,7 +93,8 @@ void check_accessor(const json& accessor, const json& root, const std::string& w
 
 void check_image(const json& image, const json& root, const std::string& where, Report& report)
 {
-    if (image.contains("uri") == image.contains("bufferView")) throw Error(report.name(), "needs a uri or a buffer view, and only one", where);
+    if (image.contains("uri") == image.contains("bufferView"))
+        throw Error(report.name(), "needs a uri or a buffer view, and only one", where);
     if (image.contains("bufferView")) {
         if (!image.contains("mimeType")) report.warn("image in a buffer view without mimeType", where);
         const json& view = list(root, "bufferViews")[static_cast<std::size_t>(integer(image, "bufferView", 0))];
@@ -116,7 +123,8 @@ void check_data_rules(const json& root, Report& report)
     each("images", check_image);
     each("buffers", [](const json& buffer, const json&, const std::string& where, Report& r) {
         const std::string uri = text(buffer, "uri");
-        if (uri.starts_with("data:") && !uri.starts_with("data:application/octet-stream") && !uri.starts_with("data:application/gltf-buffer"))
+        if (uri.starts_with("data:") && !uri.starts_with("data:application/octet-stream") &&
+            !uri.starts_with("data:application/gltf-buffer"))
             r.warn("the data URI has another media type than a buffer's", where);
         if (uri.starts_with("data:application/octet-stream") && uri.find_first_of(";,") != 29)
             r.warn("the data URI has another media type than a buffer's", where);

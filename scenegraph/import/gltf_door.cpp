@@ -20,9 +20,9 @@ using nlohmann::json;
 constexpr int kMaxNesting = 128;
 
 constexpr std::array kExtensions = {
-    "KHR_lights_punctual",       "KHR_materials_clearcoat", "KHR_materials_emissive_strength",
-    "KHR_materials_ior",         "KHR_materials_specular",  "KHR_materials_transmission",
-    "KHR_materials_unlit",       "KHR_mesh_quantization",   "KHR_texture_transform",
+    "KHR_lights_punctual", "KHR_materials_clearcoat", "KHR_materials_emissive_strength",
+    "KHR_materials_ior",   "KHR_materials_specular",  "KHR_materials_transmission",
+    "KHR_materials_unlit", "KHR_mesh_quantization",   "KHR_texture_transform",
     "FB_ngon_encoding",
 };
 
@@ -70,16 +70,20 @@ void check_asset(const json& root, Report& report)
     const Version least = version(text(asset, "minVersion"), report);
     if (least.major > 2 || (least.major == 2 && least.minor > 0))
         throw Error(report.name(), "needs a reader of glTF " + text(asset, "minVersion"), "asset");
-    if (least.major > v.major || (least.major == v.major && least.minor > v.minor)) report.warn("minVersion is above version", "asset");
+    if (least.major > v.major || (least.major == v.major && least.minor > v.minor))
+        report.warn("minVersion is above version", "asset");
 }
 
 void check_extensions(const json& root, Report& report)
 {
     const json &used = list(root, "extensionsUsed"), &required = list(root, "extensionsRequired");
-    const auto contains = [](const json& names, const json& name) { return std::find(names.begin(), names.end(), name) != names.end(); };
+    const auto contains = [](const json& names, const json& name) {
+        return std::find(names.begin(), names.end(), name) != names.end();
+    };
     for (const json& name : required) {
         if (std::find(kExtensions.begin(), kExtensions.end(), name.get<std::string>()) == kExtensions.end())
-            throw Error(report.name(), "requires the extension " + name.get<std::string>().substr(0, 64) + ", which is not known");
+            throw Error(report.name(),
+                        "requires the extension " + name.get<std::string>().substr(0, 64) + ", which is not known");
         if (!contains(used, name)) report.warn("required extension is not declared as used", name.get<std::string>());
     }
     if (contains(used, "KHR_mesh_quantization") && !contains(required, "KHR_mesh_quantization"))

@@ -46,7 +46,8 @@ bool write_whole_file(std::string*, const std::string&, const std::vector<unsign
 
 // Decoding is the texture store's, which looks at the dimensions first. Bytes of a buffer view are not touched: nobody
 // has checked them yet.
-bool keep_image(tinygltf::Image* image, const int, std::string*, std::string*, int, int, const unsigned char* bytes, int size, void*)
+bool keep_image(tinygltf::Image* image, const int, std::string*, std::string*, int, int, const unsigned char* bytes,
+                int size, void*)
 {
     if (image->bufferView < 0 && size > 0) image->image.assign(bytes, bytes + size);
     return true;

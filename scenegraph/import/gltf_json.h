@@ -23,6 +23,9 @@ inline std::string text(const nlohmann::json& object, const char* key)
     const auto found = object.find(key);
     return found == object.end() || !found->is_string() ? std::string() : found->get<std::string>();
 }
-inline std::string element(const char* kind, std::size_t index) { return std::string(kind) + "[" + std::to_string(index) + "]"; }
+inline std::string element(const char* kind, std::size_t index)
+{
+    return std::string(kind) + "[" + std::to_string(index) + "]";
+}
 
 }  // namespace occam::import

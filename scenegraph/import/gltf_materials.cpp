@@ -159,8 +159,8 @@ Material MaterialImporter::convert(const tinygltf::Material& m, const std::strin
     out.metallic = static_cast<float>(pbr.metallicFactor);
     out.roughness = static_cast<float>(pbr.roughnessFactor);
     out.metallic_roughness_texture =
-        use(pbr.metallicRoughnessTexture.index, pbr.metallicRoughnessTexture.texCoord, pbr.metallicRoughnessTexture.extensions,
-            TextureRole::Data, named("metallicRoughnessTexture"));
+        use(pbr.metallicRoughnessTexture.index, pbr.metallicRoughnessTexture.texCoord,
+            pbr.metallicRoughnessTexture.extensions, TextureRole::Data, named("metallicRoughnessTexture"));
     out.emission = vector_of(m.emissiveFactor, Vec3f(0)) *
                    number(extension(m.extensions, "KHR_materials_emissive_strength"), "emissiveStrength", 1);
     out.emission_texture = use(m.emissiveTexture.index, m.emissiveTexture.texCoord, m.emissiveTexture.extensions,

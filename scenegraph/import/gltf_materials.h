@@ -19,7 +19,8 @@ public:
 private:
     Material convert(const tinygltf::Material& m, const std::string& where);
     void add_extensions(const tinygltf::ExtensionMap& extensions, Material& material, const std::string& where);
-    TextureUse use(int texture, int uv_set, const tinygltf::ExtensionMap& extensions, TextureRole role, const std::string& where);
+    TextureUse use(int texture, int uv_set, const tinygltf::ExtensionMap& extensions, TextureRole role,
+                   const std::string& where);
     TextureUse use(const tinygltf::Value& info, TextureRole role, const std::string& where);
     void transform(const tinygltf::Value& transform, TextureUse& use) const;
     TextureId image(int index, TextureRole role, const std::string& where);

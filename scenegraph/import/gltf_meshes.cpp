@@ -57,7 +57,8 @@ void append(Cage& cage, const Cage& part)
     }
     append(cage.colors, n, part.colors, m, Vec4f(1));
     cage.positions.insert(cage.positions.end(), part.positions.begin(), part.positions.end());
-    for (std::uint32_t v : part.face_vertices) cage.face_vertices.push_back(v < m ? v + static_cast<std::uint32_t>(n) : kNoIndex);
+    for (std::uint32_t v : part.face_vertices)
+        cage.face_vertices.push_back(v < m ? v + static_cast<std::uint32_t>(n) : kNoIndex);
     cage.face_sizes.insert(cage.face_sizes.end(), part.face_sizes.begin(), part.face_sizes.end());
     cage.face_slots.insert(cage.face_slots.end(), part.face_sizes.size(), static_cast<std::uint16_t>(cage.materials.size()));
     cage.materials.push_back(part.materials.empty() ? MaterialId() : part.materials[0]);
@@ -135,7 +136,8 @@ std::optional<MeshImporter::Part> MeshImporter::read(const tinygltf::Primitive& 
     return part;
 }
 
-std::vector<std::uint32_t> MeshImporter::triangles(const tinygltf::Primitive& primitive, std::size_t vertices, const std::string& where)
+std::vector<std::uint32_t> MeshImporter::triangles(const tinygltf::Primitive& primitive, std::size_t vertices,
+                                                   const std::string& where)
 {
     std::vector<std::uint32_t> list;
     if (primitive.indices >= 0) {
@@ -144,7 +146,8 @@ std::vector<std::uint32_t> MeshImporter::triangles(const tinygltf::Primitive& pr
         const std::uint32_t restart = type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE    ? 0xff
                                       : type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ? 0xffff
                                                                                        : 0xffffffff;
-        if (std::find(list.begin(), list.end(), restart) != list.end()) report_.warn("indices hold the value of primitive restart", where);
+        if (std::find(list.begin(), list.end(), restart) != list.end())
+            report_.warn("indices hold the value of primitive restart", where);
     } else {
         list.resize(vertices);
         for (std::size_t i = 0; i < vertices; ++i) list[i] = static_cast<std::uint32_t>(i);
@@ -167,7 +170,8 @@ std::vector<std::uint32_t> MeshImporter::triangles(const tinygltf::Primitive& pr
 }
 
 template <class T>
-std::vector<T> MeshImporter::per_vertex(std::vector<T> values, std::size_t vertices, const char* name, const std::string& where)
+std::vector<T> MeshImporter::per_vertex(std::vector<T> values, std::size_t vertices, const char* name,
+                                        const std::string& where)
 {
     if (values.size() == vertices) return values;
     throw Error(report_.name(), std::string(name) + " has another count than POSITION", where);
@@ -179,13 +183,15 @@ void MeshImporter::read_attributes(const tinygltf::Primitive& primitive, Cage& c
     if (const int a = attribute(primitive, "NORMAL"); a >= 0) {
         cage.normals = per_vertex(accessors_.vec3(a), vertices, "NORMAL", where);
         const auto is_far_from_unit = [](Vec3f n) { return !(std::abs(glm::dot(n, n) - 1) < 0.02f); };
-        if (std::any_of(cage.normals.begin(), cage.normals.end(), is_far_from_unit)) report_.warn("normals are not of unit length", where);
+        if (std::any_of(cage.normals.begin(), cage.normals.end(), is_far_from_unit))
+            report_.warn("normals are not of unit length", where);
     }
     for (const char* name : {"TEXCOORD_1", "TEXCOORD_0"}) {
         const int a = attribute(primitive, name);
         if (a < 0 && cage.uv_sets.empty()) continue;
         // The second set keeps its number also if there is no first one.
-        std::vector<Vec2f> values = a < 0 ? std::vector<Vec2f>(vertices, Vec2f(0)) : per_vertex(accessors_.vec2(a), vertices, name, where);
+        std::vector<Vec2f> values =
+            a < 0 ? std::vector<Vec2f>(vertices, Vec2f(0)) : per_vertex(accessors_.vec2(a), vertices, name, where);
         cage.uv_sets.insert(cage.uv_sets.begin(), UvSet{std::move(values), {}});
     }
     if (const int a = attribute(primitive, "COLOR_0"); a >= 0) {

@@ -20,11 +20,12 @@ public:
 
 private:
     struct Part {
-        Cage cage;                 ///< Scheme::Triangles
-        bool has_polygons = false; ///< FB_ngon_encoding
+        Cage cage;                  ///< Scheme::Triangles
+        bool has_polygons = false;  ///< FB_ngon_encoding
     };
     std::optional<Part> read(const tinygltf::Primitive& primitive, const std::string& where);
-    std::vector<std::uint32_t> triangles(const tinygltf::Primitive& primitive, std::size_t vertices, const std::string& where);
+    std::vector<std::uint32_t> triangles(const tinygltf::Primitive& primitive, std::size_t vertices,
+                                         const std::string& where);
     void read_attributes(const tinygltf::Primitive& primitive, Cage& cage, const std::string& where);
     void read_skin(const tinygltf::Primitive& primitive, Cage& cage, const std::string& where);
     void read_morph_targets(const tinygltf::Primitive& primitive, Cage& cage, const std::string& where);

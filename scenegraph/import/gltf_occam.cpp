@@ -66,7 +66,8 @@ public:
     void warn_unknown()
     {
         for (const std::string& key : value_.Keys())
-            if (std::find(asked_.begin(), asked_.end(), key) == asked_.end()) report_.warn("unknown key '" + key + "'", where_);
+            if (std::find(asked_.begin(), asked_.end(), key) == asked_.end())
+                report_.warn("unknown key '" + key + "'", where_);
     }
     [[noreturn]] void refuse(const std::string& what) const { throw Error(report_.name(), what, where_); }
 
@@ -77,16 +78,21 @@ private:
     std::vector<std::string> asked_;
 };
 
-constexpr std::array<std::pair<const char*, CageStyle::Scheme>, 3> kSchemes = {{
-    {"catmull-clark", CageStyle::Scheme::CatmullClark}, {"bilinear", CageStyle::Scheme::Bilinear}, {"none", CageStyle::Scheme::None}}};
-constexpr std::array<std::pair<const char*, BoundaryRule>, 3> kBoundaries = {{
-    {"edge-and-corner", BoundaryRule::EdgeAndCorner}, {"edge-only", BoundaryRule::EdgeOnly}, {"none", BoundaryRule::None}}};
-constexpr std::array<std::pair<const char*, FaceVaryingRule>, 6> kFaceVarying = {{
-    {"corners-plus1", FaceVaryingRule::CornersPlus1}, {"corners-plus2", FaceVaryingRule::CornersPlus2},
-    {"corners-only", FaceVaryingRule::CornersOnly}, {"boundaries", FaceVaryingRule::Boundaries},
-    {"all", FaceVaryingRule::All}, {"none", FaceVaryingRule::None}}};
-constexpr std::array<std::pair<const char*, AreaLight::Shape>, 3> kShapes = {{
-    {"rect", AreaLight::Shape::Rectangle}, {"disc", AreaLight::Shape::Disc}, {"sphere", AreaLight::Shape::Sphere}}};
+constexpr std::array<std::pair<const char*, CageStyle::Scheme>, 3> kSchemes = {
+    {{"catmull-clark", CageStyle::Scheme::CatmullClark},
+     {"bilinear", CageStyle::Scheme::Bilinear},
+     {"none", CageStyle::Scheme::None}}};
+constexpr std::array<std::pair<const char*, BoundaryRule>, 3> kBoundaries = {
+    {{"edge-and-corner", BoundaryRule::EdgeAndCorner}, {"edge-only", BoundaryRule::EdgeOnly}, {"none", BoundaryRule::None}}};
+constexpr std::array<std::pair<const char*, FaceVaryingRule>, 6> kFaceVarying = {
+    {{"corners-plus1", FaceVaryingRule::CornersPlus1},
+     {"corners-plus2", FaceVaryingRule::CornersPlus2},
+     {"corners-only", FaceVaryingRule::CornersOnly},
+     {"boundaries", FaceVaryingRule::Boundaries},
+     {"all", FaceVaryingRule::All},
+     {"none", FaceVaryingRule::None}}};
+constexpr std::array<std::pair<const char*, AreaLight::Shape>, 3> kShapes = {
+    {{"rect", AreaLight::Shape::Rectangle}, {"disc", AreaLight::Shape::Disc}, {"sphere", AreaLight::Shape::Sphere}}};
 
 AreaLight area_light(const Value& value, const std::string& where, Report& report)
 {
@@ -96,7 +102,8 @@ AreaLight area_light(const Value& value, const std::string& where, Report& repor
     light.size = reader.numbers<Vec2f>("size").value_or(Vec2f(1));
     light.radiance = reader.numbers<Vec3f>("radiance").value_or(Vec3f(1));
     if (!(light.size.x > 0 && light.size.y > 0)) reader.refuse("size must be positive");
-    if (!(light.radiance.x >= 0 && light.radiance.y >= 0 && light.radiance.z >= 0)) reader.refuse("radiance must not be negative");
+    if (!(light.radiance.x >= 0 && light.radiance.y >= 0 && light.radiance.z >= 0))
+        reader.refuse("radiance must not be negative");
     if (const Value* v = reader.find("two_sided")) {
         if (!v->IsBool()) reader.refuse("two_sided must be true or false");
         light.two_sided = v->Get<bool>();

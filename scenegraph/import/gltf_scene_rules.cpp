@@ -48,7 +48,8 @@ private:
         for (std::size_t n = 0; n < nodes.size(); ++n)
             for (const json& child : list(nodes[n], "children")) {
                 std::int64_t& parent = parent_[child.get<std::size_t>()];
-                if (parent >= 0) throw Error(report_.name(), "a node has two parents", element("nodes", child.get<std::size_t>()));
+                if (parent >= 0)
+                    throw Error(report_.name(), "a node has two parents", element("nodes", child.get<std::size_t>()));
                 parent = static_cast<std::int64_t>(n);
             }
         // Every node has one parent at most, so whoever climbs more steps than there are nodes goes round in a circle.
@@ -58,7 +59,8 @@ private:
             for (std::int64_t up = static_cast<std::int64_t>(n); up >= 0 && !is_in_tree[static_cast<std::size_t>(up)];
                  up = parent_[static_cast<std::size_t>(up)]) {
                 path.push_back(static_cast<std::size_t>(up));
-                if (path.size() > nodes.size()) throw Error(report_.name(), "a node is its own ancestor", element("nodes", n));
+                if (path.size() > nodes.size())
+                    throw Error(report_.name(), "a node is its own ancestor", element("nodes", n));
             }
             for (std::size_t step : path) is_in_tree[step] = true;
         }
@@ -75,7 +77,8 @@ private:
         if (node.contains("matrix")) {
             if (has_parts) report_.warn("matrix and translation, rotation or scale: the matrix is taken", where);
             const json& m = node["matrix"];
-            if (m.size() == 16 && (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)) report_.warn("the matrix is not affine", where);
+            if (m.size() == 16 && (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1))
+                report_.warn("the matrix is not affine", where);
         }
         if (const json& q = list(node, "rotation"); q.size() == 4) {
             double sum = 0;
@@ -85,7 +88,8 @@ private:
         if (node.contains("skin") && !node.contains("mesh")) report_.warn("skin without a mesh", where);
         if (node.contains("weights")) {
             if (!node.contains("mesh")) report_.warn("weights without a mesh", where);
-            else if (morph_targets(at("meshes", node["mesh"])) != node["weights"].size()) report_.warn("needs one weight a morph target", where);
+            else if (morph_targets(at("meshes", node["mesh"])) != node["weights"].size())
+                report_.warn("needs one weight a morph target", where);
         }
         if (node.contains("skin") && node.contains("mesh")) {
             for (const json& primitive : list(at("meshes", node["mesh"]), "primitives"))
@@ -139,7 +143,8 @@ private:
         const Interval& skeleton = interval_[skin["skeleton"].get<std::size_t>()];
         for (const json& joint : joints) {
             const Interval& j = interval_[joint.get<std::size_t>()];
-            if (j.enter < skeleton.enter || j.leave > skeleton.leave) report_.warn("skeleton is not a common root of the joints", where);
+            if (j.enter < skeleton.enter || j.leave > skeleton.leave)
+                report_.warn("skeleton is not a common root of the joints", where);
         }
     }
 
@@ -155,8 +160,10 @@ private:
         if (camera.contains("perspective") && camera.contains("orthographic")) report_.warn("a camera of both kinds", where);
         if (!camera.contains(type)) throw Error(report_.name(), "'" + type + "' is missing", where);
         const json& lens = camera[type];
-        if (lens.contains("zfar") && lens["zfar"].get<double>() <= lens["znear"].get<double>()) report_.warn("zfar is not behind znear", where);
-        if (type == "orthographic" && (lens["xmag"] == 0 || lens["ymag"] == 0)) throw Error(report_.name(), "xmag and ymag must not be 0", where);
+        if (lens.contains("zfar") && lens["zfar"].get<double>() <= lens["znear"].get<double>())
+            report_.warn("zfar is not behind znear", where);
+        if (type == "orthographic" && (lens["xmag"] == 0 || lens["ymag"] == 0))
+            throw Error(report_.name(), "xmag and ymag must not be 0", where);
     }
 
     void check_mesh(const json& mesh, const std::string& where)
@@ -165,9 +172,11 @@ private:
         for (std::size_t p = 0; p < primitives.size(); ++p) {
             const std::string at_primitive = where + ".primitives[" + std::to_string(p) + "]";
             check_primitive(primitives[p], at_primitive);
-            if (list(primitives[p], "targets").size() != morph_targets(mesh)) report_.warn("primitives with different numbers of morph targets", where);
+            if (list(primitives[p], "targets").size() != morph_targets(mesh))
+                report_.warn("primitives with different numbers of morph targets", where);
         }
-        if (mesh.contains("weights") && mesh["weights"].size() != morph_targets(mesh)) report_.warn("needs one weight a morph target", where);
+        if (mesh.contains("weights") && mesh["weights"].size() != morph_targets(mesh))
+            report_.warn("needs one weight a morph target", where);
     }
 
     static bool is_series(const std::string& name, const char* semantic)
@@ -199,7 +208,8 @@ private:
         for (const json& target : list(primitive, "targets"))
             for (const auto& [name, index] : target.items()) {
                 if (!attributes.contains(name)) report_.warn("morph target of an attribute that is not there", where);
-                if (name == "POSITION" && !at("accessors", index).contains("min")) report_.warn("positions without min and max", where);
+                if (name == "POSITION" && !at("accessors", index).contains("min"))
+                    report_.warn("positions without min and max", where);
             }
         if (primitive.contains("indices")) check_indices(at("accessors", primitive["indices"]), where);
         check_material(primitive, where);
@@ -230,14 +240,21 @@ private:
         } else if (!name.starts_with("_")) {
             report_.warn("unknown attribute '" + name.substr(0, 64) + "'", where);
         }
-        if (!fits || component == 5125) report_.warn("attribute of a format that is not allowed: " + name.substr(0, 64), where);
+        if (!fits || component == 5125)
+            report_.warn("attribute of a format that is not allowed: " + name.substr(0, 64), where);
         if (accessor.contains("bufferView")) {
             const json& view = at("bufferViews", accessor["bufferView"]);
             if (integer(view, "target", 34962) != 34962) report_.warn("attribute in a view of indices", where);
             const auto [user, is_new] = attribute_of_view_.try_emplace(accessor["bufferView"].get<std::size_t>(), &accessor);
             if (!is_new && user->second != &accessor && !view.contains("byteStride"))
                 report_.warn("attributes share a view without byteStride", where);
-            const std::int64_t size = (type == "VEC3" ? 3 : type == "VEC2" ? 2 : type == "VEC4" ? 4 : 1) * (component <= 5121 ? 1 : component <= 5123 ? 2 : 4);
+            const std::int64_t size = (type == "VEC3"   ? 3
+                                       : type == "VEC2" ? 2
+                                       : type == "VEC4" ? 4
+                                                        : 1) *
+                                      (component <= 5121   ? 1
+                                       : component <= 5123 ? 2
+                                                           : 4);
             if (integer(accessor, "byteOffset", 0) % 4 != 0 || integer(view, "byteStride", size) % 4 != 0)
                 report_.warn("attribute is not aligned to four bytes", where);
         }
@@ -252,7 +269,8 @@ private:
         const json& view = at("bufferViews", accessor["bufferView"]);
         if (integer(view, "target", 34963) != 34963) report_.warn("indices in a view of attributes", where);
         if (view.contains("byteStride")) report_.warn("byteStride in a view of indices", where);
-        if (attribute_of_view_.count(accessor["bufferView"].get<std::size_t>())) report_.warn("indices and attributes share a view", where);
+        if (attribute_of_view_.count(accessor["bufferView"].get<std::size_t>()))
+            report_.warn("indices and attributes share a view", where);
     }
 
     void check_material(const json& primitive, const std::string& where)
@@ -284,7 +302,8 @@ private:
             if (!target.contains("node")) continue;
             const json& node = at("nodes", target["node"]);
             const std::string path = text(target, "path");
-            if (!targets.insert({target["node"].get<std::int64_t>(), path}).second) report_.warn("two channels with one target", at_channel);
+            if (!targets.insert({target["node"].get<std::int64_t>(), path}).second)
+                report_.warn("two channels with one target", at_channel);
             if (path != "weights" && node.contains("matrix")) report_.warn("channel of a node with a matrix", at_channel);
             if (path == "weights" && (!node.contains("mesh") || morph_targets(at("meshes", node["mesh"])) == 0))
                 report_.warn("channel of weights, but there is no morph target", at_channel);
@@ -312,10 +331,12 @@ private:
         for (std::size_t l = 0; l < lights.size(); ++l) {
             const std::string where = element("lights", l), type = text(lights[l], "type");
             if (type == "spot" && !lights[l].contains("spot")) throw Error(report_.name(), "'spot' is missing", where);
-            if (type == "directional" && lights[l].contains("range")) report_.warn("a directional light has no range", where);
+            if (type == "directional" && lights[l].contains("range"))
+                report_.warn("a directional light has no range", where);
             if (!lights[l].contains("spot")) continue;
             const json& spot = lights[l]["spot"];
-            if (spot.value("innerConeAngle", 0.0) >= spot.value("outerConeAngle", 0.78539816339)) report_.warn("inner cone is not inside the outer", where);
+            if (spot.value("innerConeAngle", 0.0) >= spot.value("outerConeAngle", 0.78539816339))
+                report_.warn("inner cone is not inside the outer", where);
             if (type != "spot") report_.warn("only a spot light has cones", where);
         }
     }

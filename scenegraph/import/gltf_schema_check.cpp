@@ -32,7 +32,8 @@ public:
         for (const auto& [key, inner] : value.items()) {
             if (key == "extensions") extensions(inner, type, where);
             else if (key == "name" && !inner.is_string()) refuse("name must be a string", where);
-            else if (key != "name" && key != "extras" && !has_rule(rules, key)) report_.warn("unknown property '" + key.substr(0, 64) + "'", where);
+            else if (key != "name" && key != "extras" && !has_rule(rules, key))
+                report_.warn("unknown property '" + key.substr(0, 64) + "'", where);
         }
     }
 
@@ -62,7 +63,8 @@ private:
     }
     bool is_known(const std::string& name) const
     {
-        return std::any_of(rules_.begin(), rules_.end(), [&](const auto& entry) { return entry.first.ends_with("/" + name); });
+        return std::any_of(rules_.begin(), rules_.end(),
+                           [&](const auto& entry) { return entry.first.ends_with("/" + name); });
     }
 
     template <class Visit>
@@ -86,7 +88,9 @@ private:
         }
         if (at && at->is_array()) size = at->size();
         if (!value.is_number_integer() || value < 0) refuse("must be an index", where);
-        if (value >= size) refuse("names " + std::string(list) + "[" + value.dump() + "], of which there are " + std::to_string(size), where);
+        if (value >= size)
+            refuse("names " + std::string(list) + "[" + value.dump() + "], of which there are " + std::to_string(size),
+                   where);
     }
 
     void index_map(const json& value, const char* list, const std::string& where)
@@ -108,10 +112,12 @@ private:
     void property(const json& value, const Rule& rule, const std::string& where)
     {
         switch (rule.kind) {
-            case Kind::Object: return object(value, rule.detail, where);
+            case Kind::Object:
+                return object(value, rule.detail, where);
             case Kind::Objects:
                 return array(value, where, [&](const json& v, const std::string& at) { object(v, rule.detail, at); });
-            case Kind::Index: return index(value, rule.detail, where);
+            case Kind::Index:
+                return index(value, rule.detail, where);
             case Kind::Indices: {
                 std::unordered_set<std::uint64_t> seen;
                 return array(value, where, [&](const json& v, const std::string& at) {
@@ -119,14 +125,17 @@ private:
                     if (!seen.insert(v.get<std::uint64_t>()).second) refuse("is there twice", at);
                 });
             }
-            case Kind::IndexMap: return index_map(value, rule.detail, where);
+            case Kind::IndexMap:
+                return index_map(value, rule.detail, where);
             case Kind::IndexMaps:
                 return array(value, where, [&](const json& v, const std::string& at) { index_map(v, rule.detail, at); });
             case Kind::Integer:
             case Kind::Number:
-            case Kind::Positive: return number(value, rule, where);
+            case Kind::Positive:
+                return number(value, rule, where);
             case Kind::Numbers:
-                if (value.is_array() && (static_cast<double>(value.size()) < rule.low || static_cast<double>(value.size()) > rule.high) &&
+                if (value.is_array() &&
+                    (static_cast<double>(value.size()) < rule.low || static_cast<double>(value.size()) > rule.high) &&
                     !(value.empty() && rule.low <= 1))
                     refuse("has the wrong number of elements", where);
                 return array(value, where, [&](const json& v, const std::string& at) {
@@ -143,14 +152,18 @@ private:
                     if (!v.is_string()) refuse("must be a string", at);
                 });
             case Kind::Choice: {
-                const std::string word = value.is_string() ? value.get<std::string>() : value.is_number_integer() ? value.dump() : "";
+                const std::string word = value.is_string()           ? value.get<std::string>()
+                                         : value.is_number_integer() ? value.dump()
+                                                                     : "";
                 const bool is_known = !word.empty() && word.find('|') == std::string::npos &&
                                       std::string(rule.detail).find("|" + word + "|") != std::string::npos;
                 const bool wants_number = rule.detail[1] >= '0' && rule.detail[1] <= '9';
-                if (!is_known || value.is_string() == wants_number) refuse("has a value that is not allowed: " + value.dump().substr(0, 64), where);
+                if (!is_known || value.is_string() == wants_number)
+                    refuse("has a value that is not allowed: " + value.dump().substr(0, 64), where);
                 return;
             }
-            case Kind::Any: return;
+            case Kind::Any:
+                return;
         }
     }
 

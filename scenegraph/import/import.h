@@ -8,7 +8,8 @@
 namespace occam {
 
 /// Polygons as Catmull-Clark cages: always, never (polygons are triangulated), or as the file says. Auto: an OBJ with a
-/// subdivision tag or any face of four corners or more that is the only content of its file is a cage; plain triangles are not.
+/// subdivision tag or any face of four corners or more that is the only content of its file is a cage; plain triangles are
+/// not.
 enum class Subdivide : unsigned char { Auto, On, Off };
 
 struct LoadOptions {

@@ -34,7 +34,8 @@ public:
         std::istringstream words(names);
         std::string name;
         while (words >> name)
-            if (name == names || !read_file_named(name)) report_.warn("material library is missing, or not in the scene's folder", name);
+            if (name == names || !read_file_named(name))
+                report_.warn("material library is missing, or not in the scene's folder", name);
     }
 
     std::map<std::string, MaterialId> materials;
@@ -94,8 +95,7 @@ private:
         material.base_color = Vec4f(diffuse, unit(m.dissolve));
         if (material.base_color.w < 1 || (!m.alpha_texname.empty() && m.alpha_texname == m.diffuse_texname))
             material.alpha_mode = AlphaMode::Blend;
-        else if (!m.alpha_texname.empty())
-            report_.warn("an alpha map of its own (map_d) is left out", m.name);
+        else if (!m.alpha_texname.empty()) report_.warn("an alpha map of its own (map_d) is left out", m.name);
         material.emission = not_negative(m.emission);
         if (!m.emissive_texname.empty()) {
             material.emission_texture = texture(m.emissive_texname, m.emissive_texopt, TextureRole::Color);
@@ -108,7 +108,8 @@ private:
             // Blinn's exponent of a highlight as wide as that of roughness^2 (Walter et al. 2007, sec. 5.2).
             material.roughness = unit(std::sqrt(std::sqrt(2.0f / (m.shininess + 2.0f))));
         }
-        if (!m.normal_texname.empty()) material.normal_texture = texture(m.normal_texname, m.normal_texopt, TextureRole::Data);
+        if (!m.normal_texname.empty())
+            material.normal_texture = texture(m.normal_texname, m.normal_texopt, TextureRole::Data);
         if (!m.roughness_texname.empty() || !m.metallic_texname.empty())
             report_.warn("maps of roughness and metalness (map_Pr, map_Pm) are left out", m.name);
         if (m.ior >= 1 && m.ior < 10) material.ior = m.ior;

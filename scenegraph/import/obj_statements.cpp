@@ -100,7 +100,8 @@ ObjStatements scan_obj_statements(std::string_view text, Cage& cage, Report& rep
     std::size_t line_number = 0;
     while (!text.empty()) {
         const void* newline = std::memchr(text.data(), '\n', text.size());
-        const std::size_t length = newline ? static_cast<std::size_t>(static_cast<const char*>(newline) - text.data()) : text.size();
+        const std::size_t length =
+            newline ? static_cast<std::size_t>(static_cast<const char*>(newline) - text.data()) : text.size();
         std::string_view line = text.substr(0, length);
         text.remove_prefix(newline ? length + 1 : length);
         ++line_number;

@@ -25,7 +25,10 @@ public:
     }
 
 private:
-    [[noreturn]] void refuse(const std::string& what) { throw Error(report_.name(), what, "line " + std::to_string(cursor_.line())); }
+    [[noreturn]] void refuse(const std::string& what)
+    {
+        throw Error(report_.name(), what, "line " + std::to_string(cursor_.line()));
+    }
 
     void read_header()
     {

@@ -21,11 +21,22 @@ std::size_t bytes_of(Number type)
 
 std::optional<Number> type_of(std::string_view word)
 {
-    constexpr std::array<std::pair<const char*, Number>, 16> kNames = {{
-        {"char", Number::Int8}, {"int8", Number::Int8}, {"uchar", Number::UInt8}, {"uint8", Number::UInt8},
-        {"short", Number::Int16}, {"int16", Number::Int16}, {"ushort", Number::UInt16}, {"uint16", Number::UInt16},
-        {"int", Number::Int32}, {"int32", Number::Int32}, {"uint", Number::UInt32}, {"uint32", Number::UInt32},
-        {"float", Number::Float32}, {"float32", Number::Float32}, {"double", Number::Float64}, {"float64", Number::Float64}}};
+    constexpr std::array<std::pair<const char*, Number>, 16> kNames = {{{"char", Number::Int8},
+                                                                        {"int8", Number::Int8},
+                                                                        {"uchar", Number::UInt8},
+                                                                        {"uint8", Number::UInt8},
+                                                                        {"short", Number::Int16},
+                                                                        {"int16", Number::Int16},
+                                                                        {"ushort", Number::UInt16},
+                                                                        {"uint16", Number::UInt16},
+                                                                        {"int", Number::Int32},
+                                                                        {"int32", Number::Int32},
+                                                                        {"uint", Number::UInt32},
+                                                                        {"uint32", Number::UInt32},
+                                                                        {"float", Number::Float32},
+                                                                        {"float32", Number::Float32},
+                                                                        {"double", Number::Float64},
+                                                                        {"float64", Number::Float64}}};
     for (const auto& [name, type] : kNames)
         if (word == name) return type;
     return std::nullopt;
@@ -48,10 +59,11 @@ constexpr int kIgnored = -1;
 
 int field_of(const std::string& name)
 {
-    constexpr std::array<std::pair<const char*, Field>, 20> kNames = {{
-        {"x", kX}, {"y", kY}, {"z", kZ}, {"nx", kNx}, {"ny", kNy}, {"nz", kNz}, {"u", kU}, {"v", kV}, {"s", kU}, {"t", kV},
-        {"texture_u", kU}, {"texture_v", kV}, {"red", kRed}, {"green", kGreen}, {"blue", kBlue}, {"alpha", kAlpha},
-        {"r", kRed}, {"g", kGreen}, {"b", kBlue}, {"a", kAlpha}}};
+    constexpr std::array<std::pair<const char*, Field>, 20> kNames = {
+        {{"x", kX},         {"y", kY},         {"z", kZ},     {"nx", kNx},       {"ny", kNy},
+         {"nz", kNz},       {"u", kU},         {"v", kV},     {"s", kU},         {"t", kV},
+         {"texture_u", kU}, {"texture_v", kV}, {"red", kRed}, {"green", kGreen}, {"blue", kBlue},
+         {"alpha", kAlpha}, {"r", kRed},       {"g", kGreen}, {"b", kBlue},      {"a", kAlpha}}};
     for (const auto& [known, field] : kNames)
         if (name == known) return field;
     return kIgnored;
@@ -75,7 +87,10 @@ public:
     }
 
 private:
-    [[noreturn]] void refuse(const std::string& what, const std::string& where = {}) const { throw Error(report_.name(), what, where); }
+    [[noreturn]] void refuse(const std::string& what, const std::string& where = {}) const
+    {
+        throw Error(report_.name(), what, where);
+    }
 
     void read_header()
     {
@@ -158,14 +173,22 @@ private:
             return static_cast<double>(value);
         };
         switch (type) {
-            case Number::Int8: return as(std::int8_t());
-            case Number::UInt8: return as(std::uint8_t());
-            case Number::Int16: return as(std::int16_t());
-            case Number::UInt16: return as(std::uint16_t());
-            case Number::Int32: return as(std::int32_t());
-            case Number::UInt32: return as(std::uint32_t());
-            case Number::Float32: return as(float());
-            case Number::Float64: return as(double());
+            case Number::Int8:
+                return as(std::int8_t());
+            case Number::UInt8:
+                return as(std::uint8_t());
+            case Number::Int16:
+                return as(std::int16_t());
+            case Number::UInt16:
+                return as(std::uint16_t());
+            case Number::Int32:
+                return as(std::int32_t());
+            case Number::UInt32:
+                return as(std::uint32_t());
+            case Number::Float32:
+                return as(float());
+            case Number::Float64:
+                return as(double());
         }
         return 0;
     }
@@ -174,7 +197,8 @@ private:
     {
         const double count = number(property.count_type);
         const std::size_t left = is_binary_ ? text_.size() - at_ : cursor_.left();
-        if (!(count >= 0) || count * double(is_binary_ ? bytes_of(property.type) : 1) > double(left)) refuse("a list is longer than the file");
+        if (!(count >= 0) || count * double(is_binary_ ? bytes_of(property.type) : 1) > double(left))
+            refuse("a list is longer than the file");
         return static_cast<std::size_t>(count);
     }
 
@@ -201,7 +225,8 @@ private:
             is_byte_color |= field == kRed && property.type == Number::UInt8;
         }
         if (!has[kX] || !has[kY] || !has[kZ]) refuse("vertices without x, y and z");
-        const bool has_normals = has[kNx] && has[kNy] && has[kNz], has_uvs = has[kU] && has[kV], has_colors = has[kRed] && has[kGreen] && has[kBlue];
+        const bool has_normals = has[kNx] && has[kNy] && has[kNz], has_uvs = has[kU] && has[kV],
+                   has_colors = has[kRed] && has[kGreen] && has[kBlue];
         if (has_uvs) cage.uv_sets.resize(1);
         double v[kFields] = {};
         v[kAlpha] = is_byte_color ? 255 : 1;

@@ -14,15 +14,13 @@ constexpr std::size_t kMaxEarCorners = 64;
 Vec3d newell_normal(std::span<const Vec3f> p)
 {
     Vec3d n(0);
-    for (std::size_t i = 0; i < p.size(); ++i) n += glm::cross(Vec3d(p[i]) - Vec3d(p[0]), Vec3d(p[(i + 1) % p.size()]) - Vec3d(p[0]));
+    for (std::size_t i = 0; i < p.size(); ++i)
+        n += glm::cross(Vec3d(p[i]) - Vec3d(p[0]), Vec3d(p[(i + 1) % p.size()]) - Vec3d(p[0]));
     return n;
 }
 
 // Twice the area of the triangle, seen along n; positive: counter-clockwise.
-double turn(Vec3d n, Vec3f a, Vec3f b, Vec3f c)
-{
-    return glm::dot(n, glm::cross(Vec3d(b) - Vec3d(a), Vec3d(c) - Vec3d(a)));
-}
+double turn(Vec3d n, Vec3f a, Vec3f b, Vec3f c) { return glm::dot(n, glm::cross(Vec3d(b) - Vec3d(a), Vec3d(c) - Vec3d(a))); }
 
 bool is_convex(Vec3d n, std::span<const Vec3f> p)
 {
@@ -179,7 +177,8 @@ Cage triangulate(Polygons polygons)
 Cage settle(Polygons polygons, Subdivide subdivide)
 {
     const auto has_polygon = [&] {
-        return std::any_of(polygons.cage.face_sizes.begin(), polygons.cage.face_sizes.end(), [](std::uint32_t n) { return n > 3; });
+        return std::any_of(polygons.cage.face_sizes.begin(), polygons.cage.face_sizes.end(),
+                           [](std::uint32_t n) { return n > 3; });
     };
     if (subdivide == Subdivide::Off || (subdivide == Subdivide::Auto && !polygons.is_tagged && !has_polygon()))
         return triangulate(std::move(polygons));

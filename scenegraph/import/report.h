@@ -34,7 +34,8 @@ public:
         std::vector<std::string> result;
         for (const Kind& kind : kinds_) {
             std::string line = kind.what;
-            if (!kind.where.empty()) line += " (" + kind.where + (kind.count > 1 ? ", first of " + std::to_string(kind.count) : "") + ")";
+            if (!kind.where.empty())
+                line += " (" + kind.where + (kind.count > 1 ? ", first of " + std::to_string(kind.count) : "") + ")";
             else if (kind.count > 1) line += " (" + std::to_string(kind.count) + " times)";
             result.push_back(std::move(line));
         }

@@ -43,7 +43,8 @@ Polygons read_binary(std::string_view bytes)
         Vec3f corners[3];
         for (int c = 0; c < 3; ++c)
             for (int k = 0; k < 3; ++k)
-                corners[c][k] = std::bit_cast<float>(u32(bytes, kHeaderBytes + f * kFacetBytes + 12 + static_cast<std::size_t>(c * 12 + k * 4)));
+                corners[c][k] = std::bit_cast<float>(
+                    u32(bytes, kHeaderBytes + f * kFacetBytes + 12 + static_cast<std::size_t>(c * 12 + k * 4)));
         add_facet(polygons, corners);
     }
     return polygons;
@@ -63,7 +64,8 @@ Polygons read_ascii(std::string_view text, const Report& report)
         if (word != "vertex") continue;
         for (int k = 0; k < 3; ++k) {
             const auto x = cursor.number();
-            if (!x || corner > 2) throw Error(report.name(), "not a facet of three vertices", "line " + std::to_string(cursor.line()));
+            if (!x || corner > 2)
+                throw Error(report.name(), "not a facet of three vertices", "line " + std::to_string(cursor.line()));
             corners[corner][k] = static_cast<float>(*x);
         }
         if (++corner == 3) add_facet(polygons, corners);

@@ -41,7 +41,10 @@ public:
     }
 
 private:
-    static bool is_space(char c) noexcept { return c == ' ' || c == '\n' || c == '\r' || c == '\t' || c == '\v' || c == '\f'; }
+    static bool is_space(char c) noexcept
+    {
+        return c == ' ' || c == '\n' || c == '\r' || c == '\t' || c == '\v' || c == '\f';
+    }
     void skip_space()
     {
         while (at_ < text_.size()) {

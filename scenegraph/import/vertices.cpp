@@ -81,7 +81,8 @@ void weld_by_position(Cage& cage)
     Renumbering renumbering;
     std::unordered_map<Bits, std::uint32_t, BitsHash> at;
     for (Vec3f p : cage.positions) {
-        const auto [entry, is_new] = at.try_emplace({bits_of(p.x), bits_of(p.y), bits_of(p.z)}, static_cast<std::uint32_t>(at.size()));
+        const auto [entry, is_new] =
+            at.try_emplace({bits_of(p.x), bits_of(p.y), bits_of(p.z)}, static_cast<std::uint32_t>(at.size()));
         renumbering.new_of.push_back(entry->second);
     }
     renumbering.count = at.size();

@@ -120,7 +120,9 @@ void TextureSource::State::read_rows_as(OIIO::TypeDesc type, int y_begin, int y_
         const bool is_grey = channels < 3;
         const float r = color(v[0]);
         texels[i] = {r, is_grey ? r : color(v[1]), is_grey ? r : color(v[2]),
-                     channels == 2 ? data(v[1]) : channels == 4 ? data(v[3]) : 1.0f};
+                     channels == 2   ? data(v[1])
+                     : channels == 4 ? data(v[3])
+                                     : 1.0f};
     }
 }
 
@@ -146,7 +148,8 @@ TextureSource::TextureSource(const Texture& texture) : state_(std::make_unique<S
     } else {
         state_->open(texture);
     }
-    if (width() > kMaxTextureSide || height() > kMaxTextureSide || std::size_t(width()) * std::size_t(height()) > kMaxTextureTexels)
+    if (width() > kMaxTextureSide || height() > kMaxTextureSide ||
+        std::size_t(width()) * std::size_t(height()) > kMaxTextureTexels)
         state_->refuse("image is larger than is read: " + std::to_string(width()) + " x " + std::to_string(height()));
 }
 TextureSource::~TextureSource() = default;

@@ -25,7 +25,8 @@ Taps taps_of(int i, int from, int to) noexcept
     Taps taps;
     taps.first = static_cast<int>(lo / to);
     for (int x = taps.first; std::int64_t(x) * to < hi; ++x) {
-        const std::int64_t overlap = std::min<std::int64_t>(hi, (std::int64_t(x) + 1) * to) - std::max<std::int64_t>(lo, std::int64_t(x) * to);
+        const std::int64_t overlap =
+            std::min<std::int64_t>(hi, (std::int64_t(x) + 1) * to) - std::max<std::int64_t>(lo, std::int64_t(x) * to);
         taps.weight[taps.count++] = static_cast<float>(overlap) / static_cast<float>(from);
     }
     return taps;
@@ -43,9 +44,12 @@ float fold(float s, TextureUse::Wrap wrap) noexcept
 int wrapped(int i, int size, TextureUse::Wrap wrap) noexcept
 {
     switch (wrap) {
-        case TextureUse::Wrap::Clamp: return std::clamp(i, 0, size - 1);
-        case TextureUse::Wrap::Repeat: return i < 0 ? i + size : i >= size ? i - size : i;
-        case TextureUse::Wrap::Mirror: break;
+        case TextureUse::Wrap::Clamp:
+            return std::clamp(i, 0, size - 1);
+        case TextureUse::Wrap::Repeat:
+            return i < 0 ? i + size : i >= size ? i - size : i;
+        case TextureUse::Wrap::Mirror:
+            break;
     }
     if (i < 0) i = -1 - i;
     if (i >= 2 * size) i -= 2 * size;
@@ -127,7 +131,8 @@ Vec4f MipImage::lookup(int level, Vec2f st, TextureUse::Wrap wrap_s, TextureUse:
 {
     const Level& l = levels_[static_cast<std::size_t>(level)];
     // Texel centres lie at halves.
-    const float x = fold(st.x, wrap_s) * static_cast<float>(l.width) - 0.5f, y = fold(st.y, wrap_t) * static_cast<float>(l.height) - 0.5f;
+    const float x = fold(st.x, wrap_s) * static_cast<float>(l.width) - 0.5f,
+                y = fold(st.y, wrap_t) * static_cast<float>(l.height) - 0.5f;
     if (nearest)
         return l.texel(wrapped(static_cast<int>(std::floor(x + 0.5f)), l.width, wrap_s),
                        wrapped(static_cast<int>(std::floor(y + 0.5f)), l.height, wrap_t));

@@ -46,14 +46,17 @@ struct Pending {
 
     std::size_t bytes() const
     {
-        return source ? MipImage::bytes_of(std::max(1, source->width() >> halvings), std::max(1, source->height() >> halvings)) : 0;
+        return source
+                   ? MipImage::bytes_of(std::max(1, source->width() >> halvings), std::max(1, source->height() >> halvings))
+                   : 0;
     }
     void decode()
     {
         if (!source) return;
         try {
             entry.image = std::make_shared<const MipImage>(source->decode(halvings));
-            if (halvings > 0) entry.warning = name + ": halved " + std::to_string(halvings) + " times to fit the texture memory";
+            if (halvings > 0)
+                entry.warning = name + ": halved " + std::to_string(halvings) + " times to fit the texture memory";
         } catch (const std::exception& error) {
             entry.warning = error.what();
         }

@@ -90,7 +90,9 @@ TEST(SharedData, EveryModelThatIsNotHostileLoads)
             const std::string error = test::error_of(file);
             // These two ask for a later version of glTF and an extension that does not exist: to be refused is right.
             const std::string name = file.stem().string();
-            const std::string expected = name == "Compatibility_04" ? "2.1" : name == "Compatibility_05" ? "FAKE_materials_quantumRendering" : "";
+            const std::string expected = name == "Compatibility_04"   ? "2.1"
+                                         : name == "Compatibility_05" ? "FAKE_materials_quantumRendering"
+                                                                      : "";
             EXPECT_EQ(error.empty(), expected.empty()) << file << ": " << error;
             EXPECT_NE(error.find(expected), std::string::npos) << error;
         }

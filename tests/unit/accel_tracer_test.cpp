@@ -60,7 +60,7 @@ TEST(Tracer, FindsTheSameBitsForARayAloneAndInAPacket)
             hits += together[i].is_hit();
         }
         EXPECT_GT(hits, 5000);
-        if (kLanes > 1) EXPECT_GT(a.counters().packets, 0u);
+        EXPECT_EQ(a.counters().packets > 0, kLanes > 1);
     }
 }
 
@@ -96,7 +96,8 @@ TEST(Tracer, GivesTheSameHitsForAnyBudget)
         tracer.closest(rays, hits);
         EXPECT_GT(tracer.counters().flushes, 0u);
         for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_TRUE(same(expected[i], hits[i])) << "ray " << i << " budget " << budget;
-        if (budget > used / 8) EXPECT_LE(tracer.counters().peak_bytes, budget + Arena::kChunkBytes) << "the budget is kept to within what one step builds";
+        if (budget < used / 8) continue;  // below what one packet needs
+        EXPECT_LE(tracer.counters().peak_bytes, budget + Arena::kChunkBytes) << "the budget is kept to within what one step builds";
     }
 }
 

@@ -29,8 +29,8 @@ struct Gltf {
             std::memcpy(raw, &v, sizeof(T));
             bin.append(raw, sizeof(T));
         }
-        buffer_views += (buffer_views.empty() ? "" : ", ") + std::string(R"({"buffer": 0, "byteOffset": )") + std::to_string(offset) +
-                        R"(, "byteLength": )" + std::to_string(bin.size() - offset) + "}";
+        buffer_views += (buffer_views.empty() ? "" : ", ") + std::string(R"({"buffer": 0, "byteOffset": )") +
+                        std::to_string(offset) + R"(, "byteLength": )" + std::to_string(bin.size() - offset) + "}";
         return offset;
     }
     void accessor(const std::string& text) { accessors += (accessors.empty() ? "" : ", ") + text; }
@@ -39,7 +39,8 @@ struct Gltf {
     {
         std::string text = R"({"asset": )" + asset + R"(, "nodes": [)" + nodes + "]";
         if (!bin.empty()) {
-            text += R"(, "buffers": [{"byteLength": )" + std::to_string(bin.size()) + (embedded ? "" : R"(, "uri": "data%20file.bin")") + "}]";
+            text += R"(, "buffers": [{"byteLength": )" + std::to_string(bin.size()) +
+                    (embedded ? "" : R"(, "uri": "data%20file.bin")") + "}]";
             text += R"(, "bufferViews": [)" + buffer_views + "]";
         }
         if (!accessors.empty()) text += R"(, "accessors": [)" + accessors + "]";
@@ -59,7 +60,8 @@ Gltf square(const std::string& primitive_more = "")
     Gltf g;
     g.put<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0});
     g.put<std::uint16_t>({0, 1, 2, 0, 2, 3});
-    g.accessor(R"({"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]})");
+    g.accessor(
+        R"({"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]})");
     g.accessor(R"({"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"})");
     g.meshes = R"({"primitives": [{"attributes": {"POSITION": 0}, "indices": 1)" + primitive_more + "}]}";
     g.nodes = R"({"mesh": 0})";
@@ -136,14 +138,16 @@ TEST(ImportGltf, ReadsInterleavedNormalizedAndSparseAccessors)
     const TempFolder folder;
     Gltf g;
     // Three vertices of a position and a coordinate in normalised bytes, 16 bytes each.
-    g.put<std::uint8_t>({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 255, 51, 0, 0, 0, 0, 128, 63, 0, 0, 0, 0, 0, 0, 0, 0, 0, 255, 0, 0,
-                         0, 0, 0, 0, 0, 0, 128, 63, 0, 0, 0, 0, 0, 0, 0, 0});
+    g.put<std::uint8_t>({0, 0, 0, 0, 0, 0,   0, 0, 0, 0, 0, 0, 255, 51, 0,   0,  0, 0, 128, 63, 0, 0, 0, 0,
+                         0, 0, 0, 0, 0, 255, 0, 0, 0, 0, 0, 0, 0,   0,  128, 63, 0, 0, 0,   0,  0, 0, 0, 0});
     g.buffer_views.insert(g.buffer_views.size() - 1, R"(, "byteStride": 16)");
     g.put<std::uint8_t>({2});
     g.put<float>({5, 6, 7});
     g.accessor(R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [5, 6, 7],
-                   "sparse": {"count": 1, "indices": {"bufferView": 1, "componentType": 5121}, "values": {"bufferView": 2}}})");
-    g.accessor(R"({"bufferView": 0, "byteOffset": 12, "componentType": 5121, "normalized": true, "count": 3, "type": "VEC2"})");
+                   "sparse": {"count": 1, "indices": {"bufferView": 1, "componentType": 5121},
+                "values": {"bufferView": 2}}})");
+    g.accessor(
+        R"({"bufferView": 0, "byteOffset": 12, "componentType": 5121, "normalized": true, "count": 3, "type": "VEC2"})");
     g.accessor(R"({"componentType": 5126, "count": 3, "type": "VEC3"})");
     g.meshes = R"({"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1, "NORMAL": 2}}]})";
     g.nodes = R"({"mesh": 0})";
@@ -167,14 +171,17 @@ TEST(ImportGltf, AccessorsThatDoNotFitAreRefusedByName)
         return error_of(g.write(folder));
     };
     EXPECT_EQ(broken("nothing", ""), "");
-    EXPECT_NE(broken(R"("count": 4)", R"("count": 5)").find("does not fit its buffer view (accessors[0])"), std::string::npos);
+    EXPECT_NE(broken(R"("count": 4)", R"("count": 5)").find("does not fit its buffer view (accessors[0])"),
+              std::string::npos);
     EXPECT_NE(broken(R"("count": 4)", R"("count": 4294967295)").find("accessors[0]"), std::string::npos);
     EXPECT_NE(broken(R"("count": 4)", R"("count": 1e300)").find("accessors[0].count"), std::string::npos);
-    EXPECT_NE(broken(R"("bufferView": 0)", R"("bufferView": 0, "byteOffset": 9007199254740992)").find("accessors[0]"), std::string::npos);
+    EXPECT_NE(broken(R"("bufferView": 0)", R"("bufferView": 0, "byteOffset": 9007199254740992)").find("accessors[0]"),
+              std::string::npos);
     EXPECT_NE(broken(R"("byteLength": 48)", R"("byteLength": 4096)").find("bufferViews[0]"), std::string::npos);
     EXPECT_NE(broken(R"("byteLength": 48)", R"("byteLength": 48, "byteStride": 4)").find("stride"), std::string::npos);
     EXPECT_NE(broken(R"("bufferView": 1)", R"("bufferView": 2)").find("accessors[1].bufferView"), std::string::npos);
-    EXPECT_NE(broken(R"("componentType": 5123, "count": 6)", R"("componentType": 5126, "count": 3)").find("unsigned"), std::string::npos);
+    EXPECT_NE(broken(R"("componentType": 5123, "count": 6)", R"("componentType": 5126, "count": 3)").find("unsigned"),
+              std::string::npos);
     EXPECT_NE(broken(R"("POSITION": 0)", R"("POSITION": 7)").find("attributes.POSITION"), std::string::npos);
     EXPECT_NE(broken(R"("indices": 1)", R"("indices": -1)").find("indices"), std::string::npos);
     EXPECT_NE(broken(R"("VEC3")", R"("VEC9")").find("accessors[0].type"), std::string::npos);
@@ -242,7 +249,8 @@ TEST(ImportGltf, ReadsCamerasAndPunctualLights)
     g.nodes = R"({"name": "eye", "camera": 0}, {"camera": 1}, {"extensions": {"KHR_lights_punctual": {"light": 0}}},
                  {"extensions": {"KHR_lights_punctual": {"light": 1}}})";
     g.more = R"(, "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "aspectRatio": 2, "znear": 0.1}},
-                              {"type": "orthographic", "name": "flat", "orthographic": {"xmag": 3, "ymag": 2, "znear": 0, "zfar": 9}}],
+                              {"type": "orthographic", "name": "flat", "orthographic": {"xmag": 3, "ymag": 2,
+                "znear": 0, "zfar": 9}}],
                 "extensionsUsed": ["KHR_lights_punctual"],
                 "extensions": {"KHR_lights_punctual": {"lights": [
                     {"type": "spot", "intensity": 10, "color": [1, 0.5, 0], "range": 7, "spot": {"outerConeAngle": 0.4}},
@@ -274,13 +282,18 @@ TEST(ImportGltf, ReadsEveryPartOfAMaterial)
     g.more = R"(, "images": [{"uri": "a.png"}], "samplers": [{"magFilter": 9728, "wrapS": 33071, "wrapT": 33648}],
         "textures": [{"source": 0, "sampler": 0}],
         "extensionsUsed": ["KHR_texture_transform", "KHR_materials_ior", "KHR_materials_unlit"],
-        "materials": [{"name": "m", "alphaMode": "MASK", "alphaCutoff": 0.25, "doubleSided": true, "emissiveFactor": [1, 0.5, 0],
+        "materials": [{"name": "m", "alphaMode": "MASK", "alphaCutoff": 0.25, "doubleSided": true,
+                "emissiveFactor": [1, 0.5, 0],
           "pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 1, 0.75], "roughnessFactor": 0.125,
-            "baseColorTexture": {"index": 0, "texCoord": 1, "extensions": {"KHR_texture_transform": {"offset": [0.5, 1], "scale": [2, 3], "rotation": 1, "texCoord": 0}}},
+            "baseColorTexture": {"index": 0, "texCoord": 1,
+                "extensions": {"KHR_texture_transform": {"offset": [0.5, 1], "scale": [2, 3], "rotation": 1,
+                "texCoord": 0}}},
             "metallicRoughnessTexture": {"index": 0}},
           "normalTexture": {"index": 0, "scale": 2}, "occlusionTexture": {"index": 0, "strength": 0.5},
-          "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4}, "KHR_materials_ior": {"ior": 1.25}, "KHR_materials_unlit": {},
-            "KHR_materials_transmission": {"transmissionFactor": 0.5}, "KHR_materials_clearcoat": {"clearcoatFactor": 0.25, "clearcoatTexture": {"index": 0}},
+          "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4},
+                "KHR_materials_ior": {"ior": 1.25}, "KHR_materials_unlit": {},
+            "KHR_materials_transmission": {"transmissionFactor": 0.5},
+                "KHR_materials_clearcoat": {"clearcoatFactor": 0.25, "clearcoatTexture": {"index": 0}},
             "KHR_materials_specular": {"specularFactor": 0.75, "specularColorFactor": [1, 2, 3]}}}])";
     const Scene scene = load(g.write(folder));
     const Material& m = scene.material(cages(scene).at(0)->materials.at(0));
@@ -317,8 +330,10 @@ TEST(ImportGltf, ImagesStayInTheFolderAndMissingOnesAreCounted)
     const TempFolder folder;
     folder.write("secret.png", "");
     Gltf g = square();
-    g.more = R"(, "images": [{"uri": "../secret.png"}, {"uri": "missing%20one.png"}], "textures": [{"source": 0}, {"source": 1}],
-        "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}, {"pbrMetallicRoughness": {"baseColorTexture": {"index": 1}}}])";
+    g.more =
+        R"(, "images": [{"uri": "../secret.png"}, {"uri": "missing%20one.png"}], "textures": [{"source": 0}, {"source": 1}],
+        "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}},
+                {"pbrMetallicRoughness": {"baseColorTexture": {"index": 1}}}])";
     folder.write("scene/data file.bin", g.bin);
     const auto file = folder.write("scene/s.gltf", g.json());
     const Scene scene = load(file);
@@ -383,10 +398,13 @@ TEST(ImportGltf, PolygonsComeBackWhenACageIsWanted)
     g.put<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, /**/ 1, 0, 0, 2, 0, 0, 2, 1, 0, 1, 1, 0});
     g.put<std::uint16_t>({0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7});
     g.put<float>({0, 0, 1, 0, 1, 1, 0, 1, 0, 0, 1, 0, 1, 1, 0, 1});
-    g.accessor(R"({"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3", "min": [0, 0, 0], "max": [2, 1, 0]})");
+    g.accessor(
+        R"({"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3", "min": [0, 0, 0], "max": [2, 1, 0]})");
     g.accessor(R"({"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"})");
     g.accessor(R"({"bufferView": 2, "componentType": 5126, "count": 8, "type": "VEC2"})");
-    g.meshes = R"({"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 2}, "indices": 1, "extensions": {"FB_ngon_encoding": {}}}]})";
+    g.meshes =
+        R"({"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 2}, "indices": 1,
+                "extensions": {"FB_ngon_encoding": {}}}]})";
     g.nodes = R"({"mesh": 0})";
     g.more = R"(, "extensionsUsed": ["FB_ngon_encoding"])";
     const auto file = g.write(folder);

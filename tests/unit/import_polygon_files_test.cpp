@@ -47,7 +47,8 @@ std::string ply_header(const std::string& format, const std::string& elements)
     return "ply\nformat " + format + " 1.0\ncomment anything element vertex 9\n" + elements + "end_header\n";
 }
 constexpr const char* kSquare =
-    "element vertex 4\nproperty float x\nproperty double y\nproperty short z\nelement face 1\nproperty list uchar int vertex_indices\n";
+    "element vertex 4\nproperty float x\nproperty double y\nproperty short z\nelement face 1\nproperty list uchar int "
+    "vertex_indices\n";
 
 TEST(ImportPly, ReadsTheSameFromAllThreeEncodings)
 {
@@ -77,11 +78,13 @@ TEST(ImportPly, ReadsNormalsCoordinatesAndColours)
 {
     const TempFolder folder;
     const Scene scene = load(folder.write(
-        "v.ply", ply_header("ascii", "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\n"
-                                     "property float ny\nproperty float nz\nproperty float s\nproperty float t\nproperty uchar red\n"
-                                     "property uchar green\nproperty uchar blue\nproperty list uchar float ignored\n"
-                                     "element face 1\nproperty list uchar uint vertex_index\n") +
-                     "0 0 0 0 0 1 0 0 255 0 128 2 7 7\n1 0 0 0 0 1 1 0 255 0 128 0\n0 1 0 0 0 1 0 1 255 0 128 1 3\n3 0 1 2\n"));
+        "v.ply",
+        ply_header("ascii",
+                   "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\n"
+                   "property float ny\nproperty float nz\nproperty float s\nproperty float t\nproperty uchar red\n"
+                   "property uchar green\nproperty uchar blue\nproperty list uchar float ignored\n"
+                   "element face 1\nproperty list uchar uint vertex_index\n") +
+            "0 0 0 0 0 1 0 0 255 0 128 2 7 7\n1 0 0 0 0 1 1 0 255 0 128 0\n0 1 0 0 0 1 0 1 255 0 128 1 3\n3 0 1 2\n"));
     const Cage& cage = only_cage(scene);
     EXPECT_EQ(cage.scheme, Scheme::Triangles);
     EXPECT_EQ(cage.normals[2], Vec3f(0, 0, 1));
@@ -94,11 +97,14 @@ TEST(ImportPly, DeclaredSizesAreCheckedBeforeAnythingIsAllocated)
 {
     const TempFolder folder;
     const std::string vertices = "element vertex 2000000000\nproperty float x\nproperty float y\nproperty float z\n";
-    EXPECT_NE(error_of(folder.write("a.ply", ply_header("ascii", vertices) + "0 0 0\n")).find("more than the file holds"), std::string::npos);
-    EXPECT_NE(error_of(folder.write("b.ply", ply_header("binary_little_endian", vertices) + "0000")).find("more than the file holds"),
+    EXPECT_NE(error_of(folder.write("a.ply", ply_header("ascii", vertices) + "0 0 0\n")).find("more than the file holds"),
+              std::string::npos);
+    EXPECT_NE(error_of(folder.write("b.ply", ply_header("binary_little_endian", vertices) + "0000"))
+                  .find("more than the file holds"),
               std::string::npos);
     const std::string list = "element face 1\nproperty list uint int vertex_indices\n";
-    EXPECT_NE(error_of(folder.write("c.ply", ply_header("binary_little_endian", list) + std::string(8, '\xff'))).find("longer than the file"),
+    EXPECT_NE(error_of(folder.write("c.ply", ply_header("binary_little_endian", list) + std::string(8, '\xff')))
+                  .find("longer than the file"),
               std::string::npos);
     const std::string nothing = "element vertex 4000000000\n";
     EXPECT_NE(error_of(folder.write("d.ply", ply_header("ascii", nothing))).find("no face"), std::string::npos);
@@ -108,17 +114,22 @@ TEST(ImportPly, RefusesWhatItDoesNotUnderstand)
 {
     const TempFolder folder;
     EXPECT_NE(error_of(folder.write("a.ply", "plx\n")).find("'ply'"), std::string::npos);
-    EXPECT_NE(error_of(folder.write("b.ply", "ply\nformat ascii 1.0\nelement vertex -1\n")).find("line 3"), std::string::npos);
+    EXPECT_NE(error_of(folder.write("b.ply", "ply\nformat ascii 1.0\nelement vertex -1\n")).find("line 3"),
+              std::string::npos);
     EXPECT_NE(error_of(folder.write("c.ply", "ply\nformat ascii 1.0\n")).find("header has no end"), std::string::npos);
-    EXPECT_NE(error_of(folder.write("d.ply", ply_header("ascii", kSquare) + "0 0 x 1 0 0 1 1 0 0 1 0 4 0 1 2 3")).find("number is missing"), std::string::npos);
+    EXPECT_NE(error_of(folder.write("d.ply", ply_header("ascii", kSquare) + "0 0 x 1 0 0 1 1 0 0 1 0 4 0 1 2 3"))
+                  .find("number is missing"),
+              std::string::npos);
 }
 
 TEST(ImportOff, ReadsPlainAndPrefixedFiles)
 {
     const TempFolder folder;
-    const Scene plain = load(folder.write("a.off", "OFF # comment\n4 1 0\n0 0 0\n1 0 0\n1 1 0 # here too\n0 1 0\n4 0 1 2 3 0.5 0.5 0.5\n"));
+    const Scene plain =
+        load(folder.write("a.off", "OFF # comment\n4 1 0\n0 0 0\n1 0 0\n1 1 0 # here too\n0 1 0\n4 0 1 2 3 0.5 0.5 0.5\n"));
     EXPECT_EQ(only_cage(plain).face_vertices, (std::vector<std::uint32_t>{0, 1, 2, 3}));
-    const Scene colored = load(folder.write("b.off", "CNOFF\n3 1 0\n0 0 0 0 0 1 1 0 0 1\n1 0 0 0 0 1 1 0 0 1\n0 1 0 0 0 1 1 0 0 1\n3 0 1 2"));
+    const Scene colored =
+        load(folder.write("b.off", "CNOFF\n3 1 0\n0 0 0 0 0 1 1 0 0 1\n1 0 0 0 0 1 1 0 0 1\n0 1 0 0 0 1 1 0 0 1\n3 0 1 2"));
     EXPECT_EQ(only_cage(colored).normals.at(1), Vec3f(0, 0, 1));
     EXPECT_EQ(only_cage(colored).colors.at(1), Vec4f(1, 0, 0, 1));
 }
@@ -139,7 +150,8 @@ std::string stl_facet(bool ascii, const float (&p)[9])
     if (ascii) {
         std::string text = "facet normal 0 0 1\nouter loop\n";
         for (int v = 0; v < 3; ++v)
-            text += "vertex " + std::to_string(p[3 * v]) + " " + std::to_string(p[3 * v + 1]) + " " + std::to_string(p[3 * v + 2]) + "\n";
+            text += "vertex " + std::to_string(p[3 * v]) + " " + std::to_string(p[3 * v + 1]) + " " +
+                    std::to_string(p[3 * v + 2]) + "\n";
         return text + "endloop\nendfacet\n";
     }
     Bytes b(false);
@@ -152,11 +164,13 @@ TEST(ImportStl, JoinsEqualPositionsInBothEncodings)
 {
     const TempFolder folder;
     constexpr float kFirst[] = {0, 0, 0, 1, 0, 0, 1, 1, 0}, kSecond[] = {0, 0, 0, 1, 1, 0, -0.0f, 1, 0};
-    const auto ascii = folder.write("a.stl", "solid two triangles\n" + stl_facet(true, kFirst) + stl_facet(true, kSecond) + "endsolid\n");
+    const auto ascii =
+        folder.write("a.stl", "solid two triangles\n" + stl_facet(true, kFirst) + stl_facet(true, kSecond) + "endsolid\n");
     // A binary file may begin with "solid" too.
     std::string header = "solid but binary";
     header.resize(80, ' ');
-    const auto binary = folder.write("b.stl", header + Bytes(false).add(2u).text() + stl_facet(false, kFirst) + stl_facet(false, kSecond));
+    const auto binary =
+        folder.write("b.stl", header + Bytes(false).add(2u).text() + stl_facet(false, kFirst) + stl_facet(false, kSecond));
     for (const auto& file : {ascii, binary}) {
         const Scene scene = load(file);
         EXPECT_EQ(only_cage(scene).positions.size(), 4u) << file;
@@ -169,7 +183,8 @@ TEST(ImportStl, RefusesWhatIsCutOff)
 {
     const TempFolder folder;
     EXPECT_NE(error_of(folder.write("a.stl", "")).find("cut off"), std::string::npos);
-    EXPECT_NE(error_of(folder.write("b.stl", std::string(80, ' ') + Bytes(false).add(1000u).text())).find("cut off"), std::string::npos);
+    EXPECT_NE(error_of(folder.write("b.stl", std::string(80, ' ') + Bytes(false).add(1000u).text())).find("cut off"),
+              std::string::npos);
     EXPECT_NE(error_of(folder.write("c.stl", "solid\nfacet\nvertex 0 0\n")).find("line"), std::string::npos);
     EXPECT_NE(error_of(folder.write("d.stl", "solid\nendsolid\n")).find("no face"), std::string::npos);
 }

@@ -12,7 +12,8 @@ Cage strip()
     Cage cage;
     for (int i = 0; i < 4; ++i) cage.positions.emplace_back(i, 0, 0), cage.positions.emplace_back(i, 1, 0);
     for (std::uint32_t i = 0; i < 3; ++i)
-        cage.face_sizes.push_back(4), cage.face_vertices.insert(cage.face_vertices.end(), {2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1});
+        cage.face_sizes.push_back(4),
+            cage.face_vertices.insert(cage.face_vertices.end(), {2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1});
     cage.holes = {1};
     return cage;
 }
@@ -67,7 +68,8 @@ TEST(Sanitize, RepeatedCornersAreTakenOutAndCrossedFacesDropped)
     cage.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
     cage.face_sizes = {4, 5, 4, 3, 2, 4};
     cage.face_vertices = {0, 1, 2, 3, /**/ 0, 0, 1, 2, 0, /**/ 0, 1, 0, 2, /**/ 1, 1, 2, /**/ 0, 1, /**/ 3, 3, 3, 3};
-    cage.uv_sets = {{{{0, 0}, {1, 0}, {2, 0}}, {0, 0, 0, 0, /**/ 0, 1, 2, 0, 1, /**/ 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}}};
+    cage.uv_sets = {
+        {{{0, 0}, {1, 0}, {2, 0}}, {0, 0, 0, 0, /**/ 0, 1, 2, 0, 1, /**/ 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}}};
     sanitize(cage);
     EXPECT_EQ(cage.face_sizes, (std::vector<std::uint32_t>{4, 3}));
     EXPECT_EQ(cage.face_vertices.size(), 7u);
@@ -92,7 +94,8 @@ TEST(Sanitize, TagsThatNameNothingAreDropped)
 TEST(Sanitize, PolygonsBeyondTheLimitAreDropped)
 {
     Cage cage;
-    for (std::uint32_t i = 0; i <= kMaxFaceCorners; ++i) cage.positions.emplace_back(i, i * i, 0), cage.face_vertices.push_back(i);
+    for (std::uint32_t i = 0; i <= kMaxFaceCorners; ++i)
+        cage.positions.emplace_back(i, i * i, 0), cage.face_vertices.push_back(i);
     cage.face_sizes = {kMaxFaceCorners + 1};
     EXPECT_EQ(sanitize(cage).size(), 1u);
     EXPECT_TRUE(cage.face_sizes.empty());

@@ -206,9 +206,15 @@ TEST(Scene, RefitAfterRandomEditsAgreesWithARefitOfEverything)
         const Mat4d place = moved(double(pick(20)), double(pick(20)), double(pick(20)));
         switch (pick(6)) {
             case 0:
-            case 1: nodes.push_back(scene.add_node(at, {.matrix = place, .cages = {square}})); break;
-            case 2: scene.set_transform(at, place); break;
-            case 3: scene.set_visible(at, pick(4) != 0 || at == scene.root()); break;
+            case 1:
+                nodes.push_back(scene.add_node(at, {.matrix = place, .cages = {square}}));
+                break;
+            case 2:
+                scene.set_transform(at, place);
+                break;
+            case 3:
+                scene.set_visible(at, pick(4) != 0 || at == scene.root());
+                break;
             case 4:
                 try {
                     nodes.push_back(scene.add_node(nodes[pick(nodes.size())], {.matrix = place, .instance_of = at}));
@@ -266,7 +272,8 @@ TEST(Camera, FramingSeesEveryCornerOfABox)
         for (int c = 0; c < 8; ++c) {
             const Vec3d p(c & 1 ? box.hi.x : box.lo.x, c & 2 ? box.hi.y : box.lo.y, c & 4 ? box.hi.z : box.lo.z);
             const Vec3d d = p - camera.eye();
-            const double x = glm::dot(d, Vec3d(camera.world_from_camera[0])), y = glm::dot(d, Vec3d(camera.world_from_camera[1]));
+            const double x = glm::dot(d, Vec3d(camera.world_from_camera[0])),
+                         y = glm::dot(d, Vec3d(camera.world_from_camera[1]));
             const double depth = -glm::dot(d, Vec3d(camera.world_from_camera[2]));
             EXPECT_GT(depth, 0);
             EXPECT_LE(std::abs(x), depth * k * double(aspect));

@@ -14,6 +14,7 @@
 #include <memory>
 #include <optional>
 
+#include "api/builtin/builtin_scene.h"
 #include "render/frame_control.h"
 #include "render/image.h"
 #include "render/settings.h"

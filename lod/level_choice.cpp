@@ -1,0 +1,55 @@
+#include "lod/level_choice.h"
+
+#include <limits>
+
+namespace occam::lod {
+namespace {
+
+bool is_outside(const LevelSettings& settings, const Box3d& box) noexcept
+{
+    const Vec3d centre = box.centre() - settings.eye, half = box.extent() * 0.5;
+    for (int p = 0; p < settings.plane_count; ++p) {
+        const Vec3d n(settings.planes[p]);
+        if (glm::dot(n, centre) + glm::dot(glm::abs(n), half) < 0) return true;
+    }
+    return false;
+}
+
+/// Distance from the eye to the nearest cluster; infinity if none is in view.
+double nearest_distance(const LevelSettings& settings, const PosedCage& cage, bool only_in_view)
+{
+    const Mat4d world = cage.world_from_object();
+    const auto box_of = [&](const ClusterTree::Node& node) { return transform_box(world, {Vec3d(node.box.lo), Vec3d(node.box.hi)}); };
+    const auto distance_to = [&](const Box3d& box) { return glm::distance(settings.eye, glm::clamp(settings.eye, box.lo, box.hi)); };
+    double nearest = std::numeric_limits<double>::infinity();
+    std::vector<std::uint32_t> todo{0};
+    while (!todo.empty()) {
+        const ClusterTree::Node& node = cage.clusters->node(todo.back());
+        todo.pop_back();
+        const Box3d box = box_of(node);
+        if (box.is_empty() || distance_to(box) >= nearest || (only_in_view && is_outside(settings, box))) continue;
+        if (node.left == 0) {
+            nearest = std::min(nearest, std::max(distance_to(box), box.radius() / 8));
+            continue;
+        }
+        // The nearer child on top.
+        const bool left_is_nearer = distance_to(box_of(cage.clusters->node(node.left))) <= distance_to(box_of(cage.clusters->node(node.left + 1)));
+        todo.push_back(node.left + (left_is_nearer ? 1 : 0));
+        todo.push_back(node.left + (left_is_nearer ? 0 : 1));
+    }
+    return nearest;
+}
+
+}  // namespace
+
+int choose_level(const LevelSettings& settings, const PosedCage& cage)
+{
+    constexpr int kFinest = -60, kCoarsest = 60;
+    double distance = nearest_distance(settings, cage, true);
+    if (distance == std::numeric_limits<double>::infinity()) distance = nearest_distance(settings, cage, false);
+    const float wanted = settings.shading_rate * settings.pixel.at(static_cast<float>(distance));
+    if (!(wanted > 0)) return kFinest;
+    return std::isinf(wanted) ? kCoarsest : std::clamp(std::ilogb(wanted), kFinest, kCoarsest);
+}
+
+}  // namespace occam::lod

@@ -1,0 +1,105 @@
+// The same bits: pictures for any number of threads and any budget, and, with OCCAM_HASHES, for another build of the same sources.
+//
+// OCCAM_HASHES names a file. OCCAM_HASHES_MODE=write: this build leaves its checksums there; compare: it must have the same.
+#include <gtest/gtest.h>
+#include <occam/occam.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <map>
+
+#include "tests/support/shape_builders.h"
+
+namespace occam::test {
+namespace {
+
+Scene stage()
+{
+    Scene scene;
+    Cage rings = torus();
+    UvSet uv;
+    for (std::size_t v = 0; v < rings.positions.size(); ++v) uv.values.push_back(Vec2f(rings.positions[v].x, rings.positions[v].y));
+    rings.uv_sets = {uv};
+    Texture checks;
+    checks.width = checks.height = 8;
+    for (int k = 0; k < 64; ++k) checks.pixels.push_back((k + k / 8) % 2 ? Vec4f(0.9f, 0.7f, 0.2f, 1) : Vec4f(0.1f, 0.2f, 0.4f, 1));
+    Material painted;
+    painted.base_color_texture.texture = scene.add(std::move(checks));
+    painted.roughness = 0.35f;
+    rings.materials = {scene.add(painted)};
+    const CageId ring = scene.add(std::move(rings));
+    place(scene, ring, {0, 0, 0});
+    place(scene, ring, {1.3, 0.4, -0.8}, 0.5);
+    place(scene, scene.add(prism(7)), {-1.2, 0.3, 0.6}, 0.5);
+    NodeDesc lamp;
+    lamp.place.translation = {1, 4, 2};
+    lamp.place.rotation = {-0.7071067811865476, 0, 0, 0.7071067811865476};
+    lamp.light = scene.add(Light{"lamp", AreaLight{AreaLight::Shape::Rectangle, Vec2f(2), Vec3f(6)}});
+    scene.add_node(scene.root(), lamp);
+    return scene;
+}
+
+struct Outcome {
+    std::uint64_t checksum;
+    std::size_t arena_bytes;
+    std::uint64_t flushes;
+};
+
+Outcome render(Scene& scene, int threads, std::size_t memory)
+{
+    Renderer renderer({.threads = threads, .memory_bytes = memory});
+    const Camera camera = Camera::framing(scene.bounds());
+    Job job = renderer.start(scene, camera, {.width = 200, .height = 120, .spp = 4});
+    const Image& image = job.image();
+    const FrameStats& stats = job.stats();
+    return {image.checksum(), stats.memory.arena_peak_bytes, stats.memory.flushes};
+}
+
+/// Writes or compares, as the environment says.
+void expect_same_in_other_builds(const std::string& name, std::uint64_t checksum)
+{
+    const char* file = std::getenv("OCCAM_HASHES");
+    const char* mode = std::getenv("OCCAM_HASHES_MODE");
+    if (!file || !mode) return;
+    std::map<std::string, std::uint64_t> known;
+    {
+        std::ifstream in(file);
+        std::string key;
+        std::uint64_t value;
+        while (in >> key >> value) known[key] = value;
+    }
+    if (std::string(mode) == "compare") {
+        ASSERT_TRUE(known.count(name)) << name << " is not in " << file;
+        EXPECT_EQ(checksum, known[name]) << "another build made another picture";
+        return;
+    }
+    known[name] = checksum;
+    std::ofstream out(file);
+    for (const auto& [key, value] : known) out << key << ' ' << value << '\n';
+}
+
+TEST(Picture, IsTheSameForAnyThreadsAndBudgetAndBuild)
+{
+    Scene scene = stage();
+    const Outcome one = render(scene, 1, std::size_t(1) << 30);
+    EXPECT_EQ(one.flushes, 0u);
+    EXPECT_EQ(render(scene, 2, std::size_t(1) << 30).checksum, one.checksum);
+    EXPECT_EQ(render(scene, 7, std::size_t(1) << 30).checksum, one.checksum);
+    for (const std::size_t part : {2, 4}) {
+        const Outcome tight = render(scene, 1, one.arena_bytes / part);
+        EXPECT_EQ(tight.checksum, one.checksum);
+        EXPECT_GT(tight.flushes, 0u) << "a budget of 1/" << part << " of what was used";
+    }
+    expect_same_in_other_builds("stage", one.checksum);
+}
+
+TEST(Picture, OfTheBuiltInSceneIsTheSameInEveryBuild)
+{
+    Scene scene = builtin_scene();
+    Renderer renderer;
+    const Image image = renderer.render(scene, scene.camera().value(), {.width = 160, .height = 90, .spp = 1});
+    expect_same_in_other_builds("builtin", image.checksum());
+}
+
+}  // namespace
+}  // namespace occam::test

@@ -1,0 +1,124 @@
+// Occam's pictures beside those of other software: first hits, normals, base colour, texture coordinates (shared/reference).
+//
+// Cases that have a clip are not instantiated: a frame shows the file's rest pose, since clips are not evaluated.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+
+#include "occam/occam.h"
+#include "tests/support/reference_cases.h"
+
+namespace occam::test {
+namespace {
+
+// Rest poses that only a skin's joints give: a frame shows the vertices as the file holds them.
+constexpr std::array kNeedsSkinning = {
+    "Animation_Skin_00/Animation_Skin_00", "Animation_Skin_02/Animation_Skin_02", "Animation_Skin_03/Animation_Skin_03",
+    "Animation_Skin_05/Animation_Skin_05", "Animation_Skin_06/Animation_Skin_06", "Animation_Skin_08/Animation_Skin_08",
+    "Animation_Skin_10/Animation_Skin_10", "Animation_Skin_11/Animation_Skin_11", "Instancing_08/Instancing_08",
+    "Instancing_09/Instancing_09",
+};
+
+std::vector<ReferenceCase> still_cases()
+{
+    std::vector<ReferenceCase> cases = reference_cases();
+    std::erase_if(cases, [](const ReferenceCase& c) { return !c.is_subdivision && c.pose != "static"; });
+    return cases;
+}
+
+bool says_boundary_rule(const std::filesystem::path& file)
+{
+    std::ifstream in(file);
+    for (std::string line; std::getline(in, line);)
+        if (line.starts_with("t interpolateboundary")) return true;
+    return false;
+}
+
+Scene load_case(const ReferenceCase& c)
+{
+    Scene scene = load(c.model, {.subdivide = c.is_subdivision ? Subdivide::On : Subdivide::Auto});
+    if (!c.is_subdivision || says_boundary_rule(c.model)) return scene;
+    std::vector<CageId> cages;
+    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) { cages.insert(cages.end(), node.cages.begin(), node.cages.end()); });
+    for (const CageId id : cages) {
+        Cage cage = scene.cage(id).cage;
+        if (cage.boundary == c.boundary) continue;
+        cage.boundary = c.boundary;
+        scene.replace(id, std::move(cage));
+    }
+    return scene;
+}
+
+ReferencePicture render_case(const ReferenceCase& c)
+{
+    Scene scene = load_case(c);
+    Renderer renderer;
+    // A debug view needs no light. Texels are filtered for one ray as wide as the pixel, so base colour has its own, finer frame.
+    Settings settings{.width = c.width, .height = c.height, .spp = 1, .jitter = false, .view = View::Normal};
+    for (Aov aov : {Aov::Depth, Aov::Normal, Aov::NormalGeometric, Aov::Uv}) settings.aovs |= static_cast<unsigned>(aov);
+    const Image first = renderer.render(scene, c.camera, settings);
+
+    ReferencePicture picture;
+    picture.width = first.width;
+    picture.height = first.height;
+    picture.depth = first.find("depth")->pixels;
+    picture.normal_geometric = first.find("normal_geometric")->pixels;
+    picture.normal_shading = first.find("normal")->pixels;
+    picture.uv = first.find("uv")->pixels;
+    // The reference counts v upwards.
+    for (std::size_t i = 1; i < picture.uv.size(); i += 2) picture.uv[i] = 1 - picture.uv[i];
+    if (c.files.contains("albedo")) {
+        settings.spp = 64;
+        settings.jitter = true;
+        settings.aovs = static_cast<unsigned>(Aov::Albedo);
+        picture.albedo = renderer.render(scene, c.camera, settings).find("albedo")->pixels;
+    }
+    return picture;
+}
+
+void expect_share(const char* what, std::optional<double> share, std::optional<double> least)
+{
+    if (!least) return;
+    ASSERT_TRUE(share) << what << ": the reference has no such picture, or no pixel to compare";
+    testing::Test::RecordProperty(what, std::to_string(*share));
+    EXPECT_GE(*share, *least) << "share of the interior pixels that agree in " << what;
+}
+
+class ReferencePictures : public testing::TestWithParam<ReferenceCase> {};
+
+TEST_P(ReferencePictures, AreMatched)
+{
+    const ReferenceCase& c = GetParam();
+    if (std::ranges::find(kNeedsSkinning, c.id) != kNeedsSkinning.end()) GTEST_SKIP() << "skins are not evaluated";
+    const ReferenceShares shares = compare(render_case(c), read_reference(c), c.limits);
+    EXPECT_GT(shares.interior, 0u);
+
+    RecordProperty("coverage_mismatch", std::to_string(shares.coverage_mismatch));
+    EXPECT_LE(shares.coverage_mismatch, c.least.coverage_mismatch);
+    expect_share("depth", shares.depth, c.least.depth);
+    expect_share("normal_geometric", shares.normal_geometric, c.least.normal_geometric);
+    expect_share("normal_shading", shares.normal_shading, c.least.normal_shading);
+    expect_share("uv", shares.uv, c.least.uv);
+    expect_share("albedo", shares.albedo, c.least.albedo);
+    if (c.least.albedo_mean_absolute) {
+        RecordProperty("albedo_mean_absolute", std::to_string(shares.albedo_mean_absolute.value_or(NAN)));
+        EXPECT_LE(shares.albedo_mean_absolute.value_or(INFINITY), *c.least.albedo_mean_absolute);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shared, ReferencePictures, testing::ValuesIn(still_cases()),
+                         [](const auto& info) { return reference_test_name(info.param); });
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(ReferencePictures);
+
+TEST(ReferenceData, HoldsStillCases)
+{
+    const std::vector<ReferenceCase> cases = still_cases();
+    if (cases.empty()) GTEST_SKIP() << "no shared/reference: set OCCAM_SHARED, or put the folder beside the repository";
+    for (const char* id : kNeedsSkinning)
+        EXPECT_TRUE(std::ranges::any_of(cases, [&](const ReferenceCase& c) { return c.id == id; })) << id;
+}
+
+}  // namespace
+}  // namespace occam::test

@@ -1,0 +1,43 @@
+// The cases of shared/reference: which model, seen from where, and how near a right picture must come.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "scenegraph/cage.h"
+#include "scenegraph/camera.h"
+#include "tests/support/reference_compare.h"
+
+namespace occam::test {
+
+struct ReferenceCase {
+    std::string id;
+    std::filesystem::path model;
+    bool is_subdivision = false;
+    std::string pose;  ///< of glTF cases: "static", or how its clip was evaluated
+    BoundaryRule boundary = BoundaryRule::EdgeAndCorner;  ///< of subdivision cases, for files that do not say
+    int width = 0, height = 0;
+    Camera camera;
+    std::map<std::string, std::filesystem::path> files;  ///< by layer: "depth", "normal_geometric", ...
+
+    ReferenceLimits limits;
+    ReferenceShares least;  ///< shares that must be reached; none where nothing is asked for.
+                            ///< coverage_mismatch and albedo_mean_absolute are upper bounds
+
+    friend std::ostream& operator<<(std::ostream& out, const ReferenceCase& c) { return out << c.id; }
+};
+
+/// All cases in the order of cases.json; none if the shared data is absent. Throws Error naming case and entry if the file is
+/// not as expected.
+std::vector<ReferenceCase> reference_cases();
+
+/// The reference's pictures. Throws Error.
+ReferencePicture read_reference(const ReferenceCase& c);
+
+/// The id in letters that a test's name may have.
+std::string reference_test_name(const ReferenceCase& c);
+
+}  // namespace occam::test
