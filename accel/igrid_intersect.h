@@ -31,6 +31,26 @@ inline vmask in_box(const RayLanes& ray, const bool (&negative)[3], const vfloat
     return (in - pad_in <= out + pad_out) & (ray.shift + in - pad_in <= t_far) & (ray.shift + out + pad_out >= t_near);
 }
 
+/// One ray of a packet in all lanes.
+inline RayLanes spread(const RayLanes& rays, int lane) noexcept
+{
+    RayLanes one = rays;
+    const auto pick = [&](vfloat& x) {
+        float lanes[kLanes];
+        x.store(lanes);
+        x = lanes[lane];
+    };
+    pick(one.sx);
+    pick(one.sy);
+    pick(one.sz);
+    pick(one.shift);
+    for (int a = 0; a < 3; ++a) {
+        pick(one.inverse[a]);
+        pick(one.origin[a]);
+    }
+    return one;
+}
+
 template <class Query>
 class IGridTracer {
 public:
@@ -60,7 +80,7 @@ public:
         }
         for (int block = 0; block < grid_.closer_blocks; ++block) {
             unsigned lanes = bits(active & in_box_at(grid_.closer_boxes, grid_.closer_boxes.first_leaf() + block));
-            for (; lanes != 0; lanes &= lanes - 1) closers_single(block, std::countr_zero(lanes), spread(std::countr_zero(lanes)));
+            for (; lanes != 0; lanes &= lanes - 1) closers_single(block, std::countr_zero(lanes), spread(ray_, std::countr_zero(lanes)));
         }
     }
 
@@ -192,26 +212,6 @@ private:
             triangle_vertices([&](int c) { return vfloat::load(grid_.corners[c] + first); }, v);
             offer_one(intersect(ray_, v[0], v[1], v[2]), lane, [&](int k) { return grid_.ids[first + k]; });
         }
-    }
-
-    /// One ray of the packet in all lanes.
-    RayLanes spread(int lane) const noexcept
-    {
-        RayLanes one = ray_;
-        const auto pick = [&](vfloat& x) {
-            float lanes[kLanes];
-            x.store(lanes);
-            x = lanes[lane];
-        };
-        pick(one.sx);
-        pick(one.sy);
-        pick(one.sz);
-        pick(one.shift);
-        for (int a = 0; a < 3; ++a) {
-            pick(one.inverse[a]);
-            pick(one.origin[a]);
-        }
-        return one;
     }
 
     /// The float test decides nothing here: its signs are right, but in a triangle without area t is noise along the edge. What

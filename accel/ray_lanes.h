@@ -38,6 +38,13 @@ struct RayAxes {
     }
     /// Rays with equal octants and axes may share a packet.
     int group() const noexcept { return kz * 8 + negative[0] + 2 * negative[1] + 4 * negative[2]; }
+    /// A group has sixteen bins of like directions.
+    static constexpr int kBins = 24 * 16;
+    int bin() const noexcept
+    {
+        const auto quarter = [](float s) { return (s > -0.5f) + (s > 0) + (s > 0.5f); };
+        return group() * 16 + quarter(sx) * 4 + quarter(sy);
+    }
 };
 
 /// A ray's origin in a frame, moved along the ray to near the frame's own origin when it is far away: what is left is small,

@@ -1,6 +1,8 @@
 #include "accel/tracer.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 
 #include "accel/frame_state.h"
 #include "accel/hit.h"
@@ -24,6 +26,15 @@ struct Query : Found {
         if constexpr (kSingle) return vfloat(this->t[only]);
         else return vfloat::load(this->t);
     }
+};
+
+// One ray of a packet, as a query of its own.
+template <class Found>
+struct LaneOf {
+    Found& all;
+    int lane;
+    vfloat limit() const noexcept { return vfloat(all.t[lane]); }
+    void offer(int at, float t, IGrid& grid, std::uint32_t id) noexcept { all.offer(at, t, grid, id); }
 };
 
 }  // namespace
@@ -69,15 +80,29 @@ struct Tracer::State {
         within_budget(first + count / 2, count - count / 2, run);
     }
 
-    /// Calls run for groups of rays that may travel together.
+    /// Sorts rays by direction, keeping their order otherwise, and calls run for runs of `sorted` that may travel together.
     template <class Run>
     void for_groups(std::span<const Ray> rays, Run&& run)
     {
+        std::array<std::uint32_t, RayAxes::kBins + 1> begin{};
         axes.clear();
-        for (const Ray& ray : rays) axes.emplace_back(ray.direction);
+        for (const Ray& ray : rays) {
+            axes.emplace_back(ray.direction);
+            ++begin[axes.back().bin() + 1];
+        }
+        for (int b = 0; b < RayAxes::kBins; ++b) begin[b + 1] += begin[b];
+        sorted.resize(rays.size());
+        place_of.resize(rays.size());
+        sorted_axes.resize(rays.size(), RayAxes(Vec3f(0, 0, 1)));
+        for (std::uint32_t i = 0; i < rays.size(); ++i) {
+            const std::uint32_t to = begin[axes[i].bin()]++;
+            sorted[to] = rays[i];
+            sorted_axes[to] = axes[i];
+            place_of[to] = i;
+        }
         for (std::size_t first = 0; first < rays.size();) {
             std::size_t end = first + 1;
-            while (kLanes > 1 && end < rays.size() && end < first + kPacket && axes[end].group() == axes[first].group()) ++end;
+            while (kLanes > 1 && end < rays.size() && end < first + kPacket && sorted_axes[end].group() == sorted_axes[first].group()) ++end;
             within_budget(first, end - first, run);
             first = end;
         }
@@ -94,7 +119,9 @@ struct Tracer::State {
     TraceCounters counters;
     Items items;
     KdTree tree;
-    std::vector<RayAxes> axes;
+    std::vector<Ray> sorted;            ///< the batch, by direction
+    std::vector<RayAxes> axes, sorted_axes;
+    std::vector<std::uint32_t> place_of;  ///< in the caller's order
     std::uint64_t visit = 0;
 };
 
@@ -163,8 +190,17 @@ bool Tracer::State::run_packet(std::span<const Ray> rays, const RayAxes* ax, std
                 here = grid.cage;
                 place_all(here->anchor, here->radius, lanes.origin, lanes.shift);
             }
-            IGridTracer tracer(grid, lanes, kd.negative, t_near, query);
-            tracer.packet(entering);
+            if (std::popcount(fresh) >= kWorthAPacket) {
+                IGridTracer(grid, lanes, kd.negative, t_near, query).packet(entering);
+                continue;
+            }
+            // Few are left: each alone, across micropolygons.
+            for (unsigned left = fresh; left != 0; left &= left - 1) {
+                const int lane = std::countr_zero(left);
+                LaneOf<Found> one{query, lane};
+                const RayLanes ray = spread(lanes, lane);
+                IGridTracer(grid, ray, kd.negative, vfloat(rays[lane].t_near), one).single(lane);
+            }
         }
         return arena.bytes() <= limit_bytes;
     });
@@ -227,31 +263,32 @@ void Tracer::closest(std::span<const Ray> rays, std::span<SurfaceHit> hits)
 {
     State& s = *state_;
     s.for_groups(rays, [&](std::size_t first, std::size_t count, std::size_t limit) {
+        const std::span<const Ray> group{&s.sorted[first], count};
         Nearest found;
         const auto start = [&](Nearest& n) {
             for (int i = 0; i < kLanes; ++i) {
-                n.t[i] = std::size_t(i) < count ? rays[first + i].t_far : kDead;
+                n.t[i] = std::size_t(i) < count ? group[i].t_far : kDead;
                 n.grid[i] = nullptr;
             }
         };
         if (count >= kWorthAPacket) {
             Query<Nearest, false> query;
             start(query);
-            if (!s.run_packet(rays.subspan(first, count), &s.axes[first], limit, query)) return false;
+            if (!s.run_packet(group, &s.sorted_axes[first], limit, query)) return false;
             found = query;
         } else {
             Query<Nearest, true> query;
             start(query);
             for (std::size_t i = 0; i < count; ++i) {
                 query.only = static_cast<int>(i);
-                if (!s.run_single(rays[first + i], s.axes[first + i], limit, query)) return false;
+                if (!s.run_single(group[i], s.sorted_axes[first + i], limit, query)) return false;
             }
             found = query;
         }
         for (std::size_t i = 0; i < count; ++i) {
-            SurfaceHit& hit = hits[first + i] = {};
+            SurfaceHit& hit = hits[s.place_of[first + i]] = {};
             if (found.grid[i])
-                resolve(rays[first + i], found.t[i], *found.grid[i], found.id[i], *s.frame.scene, s.dicer, s.arena, hit);
+                resolve(group[i], found.t[i], *found.grid[i], found.id[i], *s.frame.scene, s.dicer, s.arena, hit);
         }
         return s.arena.bytes() <= limit;
     });
@@ -261,24 +298,25 @@ void Tracer::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occlude
 {
     State& s = *state_;
     s.for_groups(rays, [&](std::size_t first, std::size_t count, std::size_t limit) {
+        const std::span<const Ray> group{&s.sorted[first], count};
         const auto start = [&](AnyHit& n) {
             for (int i = 0; i < kLanes; ++i)
-                n.t[i] = std::size_t(i) < count ? rays[first + i].t_far : kDead;
+                n.t[i] = std::size_t(i) < count ? group[i].t_far : kDead;
         };
         const auto finish = [&](const AnyHit& n) {
-            for (std::size_t i = 0; i < count; ++i) occluded[first + i] = n.t[i] == kDead;
+            for (std::size_t i = 0; i < count; ++i) occluded[s.place_of[first + i]] = n.t[i] == kDead;
         };
         if (count >= kWorthAPacket) {
             Query<AnyHit, false> query;
             start(query);
-            if (!s.run_packet(rays.subspan(first, count), &s.axes[first], limit, query)) return false;
+            if (!s.run_packet(group, &s.sorted_axes[first], limit, query)) return false;
             finish(query);
         } else {
             Query<AnyHit, true> query;
             start(query);
             for (std::size_t i = 0; i < count; ++i) {
                 query.only = static_cast<int>(i);
-                if (!s.run_single(rays[first + i], s.axes[first + i], limit, query)) return false;
+                if (!s.run_single(group[i], s.sorted_axes[first + i], limit, query)) return false;
             }
             finish(query);
         }
