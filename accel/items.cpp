@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "accel/stopwatch.h"
 #include "lod/level_choice.h"
 #include "scenegraph/base/hash.h"
 
@@ -204,8 +205,9 @@ void Items::open_patch(const lod::PosedCage& cage, const lod::TileRef& part)
 
 IGrid& Items::grid(ItemIndex i)
 {
+    if (items_[i].grid) return *items_[i].grid;
+    const Stopwatch watch(counters_.dice_seconds);
     const Item item = items_[i];
-    if (item.grid) return *item.grid;
     const std::uint64_t before = builder_.micropolygons;
     IGrid* grid = nullptr;
     switch (item.kind) {
@@ -219,7 +221,9 @@ IGrid& Items::grid(ItemIndex i)
         }
     }
     ++counters_.grids;
-    counters_.micropolygons += builder_.micropolygons - before;
+    const std::uint64_t made = builder_.micropolygons - before;
+    counters_.micropolygons += made;
+    counters_.micropolygons_of_level[item.cage().level - TraceCounters::kFinestLevel] += made;
     items_[i].grid = grid;
     return *grid;
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "accel/stopwatch.h"
+
 namespace occam::accel {
 namespace {
 
@@ -119,6 +121,7 @@ std::uint32_t KdTree::make_lazy(const Box3f& box, int depth, int axis, float pos
 
 void KdTree::expand(std::uint32_t n)
 {
+    const Stopwatch watch(counters_.build_seconds);
     ++counters_.kd_expanded;
     const std::uint32_t at = nodes_[n].below();
     const Record record = records_[at];

@@ -340,6 +340,7 @@ TraceCounters& TraceCounters::operator+=(const TraceCounters& o) noexcept
     peak_bytes += o.peak_bytes;
     build_seconds += o.build_seconds;
     dice_seconds += o.dice_seconds;
+    for (int l = 0; l < kLevels; ++l) micropolygons_of_level[l] += o.micropolygons_of_level[l];
     return *this;
 }
 

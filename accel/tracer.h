@@ -9,6 +9,7 @@
 // Threads  one tracer a worker; Frame is shared and const. The answers do not depend on budget or thread.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <memory>
 #include <span>
@@ -51,7 +52,10 @@ struct TraceCounters {
     std::uint64_t rays = 0, packets = 0, kd_nodes = 0, kd_visited = 0, kd_expanded = 0, grids = 0, micropolygons = 0, faces_touched = 0, flushes = 0;
     std::uint64_t vertices_diced = 0, vertices_shaded = 0;
     std::size_t peak_bytes = 0;
-    double build_seconds = 0, dice_seconds = 0;
+    double build_seconds = 0;  ///< of the tree, without dicing
+    double dice_seconds = 0;
+    static constexpr int kFinestLevel = -60, kLevels = 121;
+    std::array<std::uint64_t, kLevels> micropolygons_of_level{};  ///< of kFinestLevel and up
     TraceCounters& operator+=(const TraceCounters& other) noexcept;
 };
 

@@ -26,7 +26,7 @@ struct LevelSettings {
     Footprint pixel;          ///< of one pixel of the camera
     float shading_rate = 1;   ///< wanted micropolygon edge, in pixels
     int plane_count = 0;      ///< of the view: what lies outside a plane does not choose
-    Vec4d planes[4];          ///< inside where dot(xyz, p - eye) >= 0; w is not used
+    Vec4d planes[4]{};        ///< inside where dot(xyz, p - eye) >= 0; w is not used
 };
 
 }  // namespace occam::lod

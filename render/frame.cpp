@@ -83,6 +83,8 @@ public:
         const IntegratorCounters& c = integrator_.counters();
         stats.rays.primary += c.primary;
         stats.rays.shadow += c.shadow;
+        for (int l = 0; l < accel::TraceCounters::kLevels; ++l)
+            if (t.micropolygons_of_level[l] > 0) stats.built.by_level[accel::TraceCounters::kFinestLevel + l] += t.micropolygons_of_level[l];
         stats.seconds.build += t.build_seconds;
         stats.seconds.tessellate += t.dice_seconds;
         stats.seconds.trace += std::max(0.0, c.trace_seconds - t.build_seconds - t.dice_seconds);

@@ -62,6 +62,8 @@ std::uint64_t process_peak_bytes() noexcept
 std::string to_json(const FrameStats& s)
 {
     const auto& t = s.seconds;
+    Json by_level = Json::array();
+    for (const auto& [level, count] : s.built.by_level) by_level.push_back({{"level", level}, {"micropolygons", count}});
     return text_of({
         {"scene",
          {{"nodes", s.scene.nodes},
@@ -98,7 +100,7 @@ std::string to_json(const FrameStats& s)
           {"faces_touched", s.built.faces_touched},
           {"vertices_deformed", s.built.vertices_deformed},
           {"vertices_shaded", s.built.vertices_shaded},
-          {"by_level", s.built.by_level}}},
+          {"by_level", by_level}}},
         {"memory",
          {{"peak_bytes", s.memory.peak_bytes},
           {"arena_peak_bytes", s.memory.arena_peak_bytes},

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,7 @@ struct FrameStats {
     struct Built {
         std::uint64_t kd_nodes = 0, grids = 0, micropolygons = 0, faces_touched = 0, vertices_deformed = 0,
                       vertices_shaded = 0;
-        std::vector<std::uint64_t> by_level;
+        std::map<int, std::uint64_t> by_level;  ///< micropolygons of each level that was built
     } built;
     struct Memory {
         std::uint64_t peak_bytes = 0, arena_peak_bytes = 0, texture_bytes = 0, flushes = 0;

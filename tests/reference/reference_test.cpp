@@ -109,7 +109,7 @@ TEST_P(ReferencePictures, AreMatched)
 }
 
 INSTANTIATE_TEST_SUITE_P(Shared, ReferencePictures, testing::ValuesIn(still_cases()),
-                         [](const auto& info) { return reference_test_name(info.param); });
+                         [](const auto& test) { return reference_test_name(test.param); });
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(ReferencePictures);
 
 TEST(ReferenceData, HoldsStillCases)
