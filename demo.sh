@@ -3,8 +3,12 @@
 set -euo pipefail
 cd "$(dirname "$0")"
 ./install-packages.sh
-cmake --preset demo > /dev/null
-cmake --build --preset demo
-./build/demo/occam render -o demo.exr --spp 16 --aov depth,normal,albedo --stats demo.json
-./build/demo/occam render -o demo.png --spp 16
-echo "demo.png and demo.exr are in $PWD; demo.json says where the time went."
+echo "Building (a few minutes the first time)"
+mkdir -p build
+{ cmake --preset demo && cmake --build --preset demo; } > build/demo.log 2>&1 || { tail -n 40 build/demo.log; exit 1; }
+began=$SECONDS
+build/demo/occam render -o demo.png --spp 16
+echo "$PWD/demo.png: $((SECONDS - began)) s"
+began=$SECONDS
+build/demo/occam render -o demo.exr --spp 16 --aov depth,normal,albedo --stats demo.json
+echo "$PWD/demo.exr: $((SECONDS - began)) s, with layers for depth, normal and base colour; demo.json says where the time went"

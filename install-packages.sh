@@ -1,15 +1,27 @@
 #!/usr/bin/env bash
-# Installs what packages.txt names and this machine lacks. Debian 12; asks for sudo unless run by root.
+# Installs what packages.txt names and this machine lacks, and nothing if all is there; says what. Debian 12; by sudo unless run by
+# root. With --long also what its lines "long:" name.
 set -euo pipefail
 cd "$(dirname "$0")"
-mapfile -t wanted < <(tr ' ' '\n' < packages.txt | sed '/^$/d')
+lines=$(grep -v '^long:' packages.txt)
+[ "${1:-}" != "--long" ] || lines=$(sed 's/^long://' packages.txt)
+read -r -d '' -a wanted <<< "$lines" || true
+
+if ! command -v apt-get > /dev/null; then
+    echo "This is not Debian: what packages.txt names has to be there already." >&2
+    exit 0
+fi
 missing=()
 for package in "${wanted[@]}"; do
-    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
+    dpkg-query -W -f='${Status}' "$package" 2> /dev/null | grep -q 'ok installed' || missing+=("$package")
 done
-[ ${#missing[@]} -eq 0 ] && exit 0
-echo "Installing: ${missing[*]}"
+[ ${#missing[@]} -gt 0 ] || exit 0
+
 as_root=()
-[ "$(id -u)" -eq 0 ] || as_root=(sudo)
+if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo > /dev/null || { echo "Run as root, or install: ${missing[*]}" >&2; exit 1; }
+    as_root=(sudo)
+fi
+echo "Installing from Debian: ${missing[*]}"
 "${as_root[@]}" apt-get update -qq
 "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" > /dev/null

@@ -1,44 +1,68 @@
 #!/usr/bin/env bash
-# Builds and passes the tests: release with all of them, address and undefined-behaviour sanitizers on the unit and hostile
-# tests, the one-lane build on the hash tests. --long adds debug, thread sanitizer, clang and the long campaigns.
+# Builds and passes the tests: release with all of them, the one-lane build on the hash tests, address and undefined-behaviour
+# sanitizers on the unit and hostile tests. --long adds debug, thread sanitizer, clang and the long campaigns.
 set -euo pipefail
 cd "$(dirname "$0")"
 long=0
-[ "${1:-}" = "--long" ] && long=1
-./install-packages.sh
+case "${1:-}" in
+    "") ;;
+    --long) long=1 ;;
+    *) echo "usage: ./test.sh [--long]" >&2; exit 2 ;;
+esac
+if [ $long -eq 1 ]; then ./install-packages.sh --long; else ./install-packages.sh; fi
 
 passed=0 failed=0 skipped=0
-count() { grep -oE "^\[  $1 *\] [0-9]+ test" "$2" | grep -oE '[0-9]+' | awk '{n += $1} END {print n + 0}'; }
-# run PRESET TARGETS NAME-PATTERN [VARIABLE=VALUE ...]: builds targets of a preset and runs its tests whose names match.
+# The sum of the closing lines that GoogleTest prints for PASSED, FAILED or SKIPPED.
+count() { sed -nE "s/^\[  $1 *\] ([0-9]+) tests?.*/\1/p" "$2" | awk '{n += $1} END {print n + 0}'; }
+
+# run PRESET SUITES [VARIABLE=VALUE ...]: builds a preset and passes its suites (folders of tests/, with | between), or "all".
 run() {
-    local preset=$1 targets=$2 pattern=$3 log=build/$1.log status=0
-    shift 3
-    echo "== $preset: $pattern"
-    cmake --preset "$preset" > "build/$preset.configure.log" 2>&1 || { cat "build/$preset.configure.log"; exit 1; }
-    # shellcheck disable=SC2086  # several targets
-    cmake --build --preset "$preset" --target $targets > "build/$preset.build.log" 2>&1 || { grep -E 'error|FAILED' "build/$preset.build.log" | head -n 40; exit 1; }
-    env OCCAM_LONG=$long "$@" ctest --test-dir "build/$preset" -R "$pattern" -V -j2 > "$log" 2>&1 || status=1
-    sed 's/^[0-9]*: //' "$log" > "$log.plain"
-    local p f s scripts
-    p=$(count PASSED "$log.plain") s=$(count SKIPPED "$log.plain") f=$(count FAILED "$log.plain")
+    local preset=$1 suites=$2 status=0 pattern='.*' targets=(all)
+    shift 2
+    if [ "$suites" != all ]; then
+        pattern="^occam_($suites)_tests"
+        mapfile -t targets < <(tr '|' '\n' <<< "$suites" | sed 's/.*/occam_&_tests/')
+    fi
+    local build=build/$preset log=build/$preset.log
+    local began=$SECONDS built
+    echo "== $preset: $suites"
+    cmake --preset "$preset" > "$build.configure.log" 2>&1 || { cat "$build.configure.log"; exit 1; }
+    cmake --build --preset "$preset" --target "${targets[@]}" > "$build.build.log" 2>&1 || {
+        grep -E 'error|FAILED' -A 3 "$build.build.log" | head -n 60
+        exit 1
+    }
+    built=$SECONDS
+    env OCCAM_LONG=$long "$@" ctest --test-dir "$build" -R "$pattern" -j "$(nproc)" --no-tests=error > "$build.ctest.log" 2>&1 ||
+        status=1
+    cp "$build/Testing/Temporary/LastTest.log" "$log"
+
+    local p f s
     # Tests that are not GoogleTest's count one each.
-    scripts=$(grep -cE '(room_order|install) \.+ +Passed' "$log" || true)
-    [ $status -eq 1 ] && [ "$f" -eq 0 ] && f=1
-    echo "   $((p + scripts)) passed, $f failed, $s skipped"
-    grep -E '^\[  FAILED  \]|Skipped' -A 1 "$log.plain" | grep -vE '^--$' | sort -u | head -n 30 || true
-    [ $status -eq 0 ] || grep -E 'Failure|ERROR|runtime error' -A 6 "$log.plain" | head -n 80 || true
-    passed=$((passed + p + scripts)) failed=$((failed + f)) skipped=$((skipped + s))
+    p=$(($(count PASSED "$log") + $(grep -cE '(room_order|install) \.+ +Passed' "$build.ctest.log" || true)))
+    s=$(count SKIPPED "$log")
+    f=$(($(count FAILED "$log") + $(grep -cE "(room_order|install) \.+\*\*\*" "$build.ctest.log" || true)))
+    # A program that ended without a closing line has failed too.
+    [ $status -eq 0 ] || [ "$f" -gt 0 ] || f=1
+    grep -E ': Skipped$' -A 1 "$log" | grep -vE ': Skipped$|^--$' | sort | uniq -c | sed -E 's/^ *([0-9]+) /   \1 skipped: /' || true
+    if [ $status -ne 0 ]; then
+        grep -E '\*\*\*' "$build.ctest.log" || true
+        grep -E ': Failure$|ERROR: |runtime error:|WARNING: ThreadSanitizer|^CMake Error|^\[  FAILED  \] .*[^)]$' -A 8 "$log" | head -n 150 || true
+        echo "   all of it: $log"
+    fi
+    echo "   $p passed, $f failed, $s skipped; $((built - began)) s to build, $((SECONDS - built)) s to run"
+    passed=$((passed + p)) failed=$((failed + f)) skipped=$((skipped + s))
 }
 
 mkdir -p build
-run release all '.*' OCCAM_HASHES="$PWD/build/hashes.txt" OCCAM_HASHES_MODE=write
-run one_lane occam_hash_tests 'occam_hash_tests' OCCAM_HASHES="$PWD/build/hashes.txt" OCCAM_HASHES_MODE=compare
-run asan 'occam_unit_tests occam_hostile_tests' 'occam_(unit|hostile)_tests' ASAN_OPTIONS=detect_leaks=1
+hashes=OCCAM_HASHES=$PWD/build/hashes.txt
+rm -f build/hashes.txt
+run release all "$hashes" OCCAM_HASHES_MODE=write
+run one_lane hash "$hashes" OCCAM_HASHES_MODE=compare
+run asan 'unit|hostile'
 if [ $long -eq 1 ]; then
-    run debug all 'occam_(unit|hostile|hash)_tests' OCCAM_HASHES="$PWD/build/hashes.txt" OCCAM_HASHES_MODE=compare
-    run tsan 'occam_unit_tests occam_hash_tests' 'occam_(unit|hash)_tests' \
-        TSAN_OPTIONS="ignore_noninstrumented_modules=1 suppressions=$PWD/tests/tsan.supp"
-    run clang all '.*' OCCAM_HASHES="$PWD/build/hashes.txt" OCCAM_HASHES_MODE=compare
+    run debug 'unit|hostile|hash' "$hashes" OCCAM_HASHES_MODE=compare
+    run tsan 'unit|hash' TSAN_OPTIONS="ignore_noninstrumented_modules=1 suppressions=$PWD/tests/tsan.supp"
+    run clang all "$hashes" OCCAM_HASHES_MODE=compare
 fi
 echo "$passed passed, $failed failed, $skipped skipped"
 [ $failed -eq 0 ]

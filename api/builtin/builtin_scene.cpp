@@ -1,7 +1,5 @@
 #include "api/builtin/builtin_scene.h"
 
-#include <cmath>
-
 #include "api/builtin/panelled_ball.h"
 #include "api/builtin/pieces.h"
 #include "api/builtin/shapes.h"
@@ -18,7 +16,10 @@ Vec4d turn(Vec3d axis, float angle)
 {
     return {axis * double(maths::sin(angle / 2)), double(maths::cos(angle / 2))};
 }
-Vec4d turn_upright(float angle) { return turn({0, 1, 0}, angle); }
+Vec4d turn_upright(float angle)
+{
+    return turn({0, 1, 0}, angle);
+}
 
 /// First b, then a.
 Vec4d after(Vec4d a, Vec4d b)
@@ -113,7 +114,7 @@ private:
 
     void add_room()
     {
-        // Two cages: a level of detail is chosen for each, and the wall is three times as far away. It rises from below the floor's end.
+        // Two cages, since the wall needs less detail. It rises from the floor before that ends.
         const CageId floor = add(floor_sheet("floor", {16, 4, -5.7f, 16, 10}), {materials_.tiles});
         const CageId wall = add(wall_sheet("wall", {24, -5.4f, 3, 10, 16, 12}), {materials_.plaster});
         put("room", {floor}, {0, 0, 0}, turn_upright(0));
@@ -138,8 +139,8 @@ private:
         const auto block = [&](const char* name, float margin, float sharpness, MaterialId material) {
             return add(box(name, Vec3f(0.95f), margin, sharpness), {material});
         };
-        put("sharp block", {block("sharp block", 0.2f, kInfiniteSharpness, materials_.wood)},
-            {2.45, 0, -1.5}, turn_upright(0.45f));
+        put("sharp block", {block("sharp block", 0.2f, kInfiniteSharpness, materials_.wood)}, {2.45, 0, -1.5},
+            turn_upright(0.45f));
         put("soft block", {block("soft block", 0.2f, 1.5f, materials_.painted)}, {3.55, 0, -1.05}, turn_upright(-0.3f));
         put("round block", {block("round block", 0.3f, 0, materials_.wood)}, {2.95, 0.95, -1.3}, turn_upright(0.95f));
 
@@ -183,6 +184,9 @@ private:
 
 }  // namespace
 
-Scene builtin_scene() { return StillLife().make(); }
+Scene builtin_scene()
+{
+    return StillLife().make();
+}
 
 }  // namespace occam

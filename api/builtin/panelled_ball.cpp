@@ -52,7 +52,8 @@ Polyhedron truncated(const Polyhedron& p)
         if (is_new) out.vertices.push_back((p.vertices[near] * 2.0f + p.vertices[far]) / 3.0f);
         return it->second;
     };
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> before;  // (vertex, next in a face) -> previous in that face
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t>
+        before;  // (vertex, next in a face) -> previous in that face
     for (const Panel& f : p.faces) {
         Panel face;
         for (std::size_t k = 0; k < f.size(); ++k) {

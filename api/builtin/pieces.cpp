@@ -24,7 +24,8 @@ std::vector<Ring> strung(const std::vector<Bead>& beads)
     for (std::size_t i = 0; i < beads.size(); ++i) {
         const Vec2f before = beads[i > 0 ? i - 1 : 0].at, after = beads[i + 1 < beads.size() ? i + 1 : i].at;
         const Vec2f along = glm::normalize(after - before);
-        rings.push_back({Vec3f(beads[i].at, 0), Vec3f(-along.y, along.x, 0) * beads[i].radius, Vec3f(0, 0, beads[i].radius)});
+        rings.push_back(
+            {Vec3f(beads[i].at, 0), Vec3f(-along.y, along.x, 0) * beads[i].radius, Vec3f(0, 0, beads[i].radius)});
     }
     return rings;
 }

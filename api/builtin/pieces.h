@@ -16,7 +16,7 @@ std::vector<Cage> teapot();
 /// A trefoil knot about the y axis; its middle lies at the origin.
 Cage knot();
 
-/// Every cage of the scene that is closed, for tests.
+/// One closed cage of each kind that the scene shows, for tests.
 std::vector<Cage> closed_pieces();
 
 }  // namespace occam::builtin

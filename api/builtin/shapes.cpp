@@ -185,9 +185,7 @@ Cage box(std::string name, Vec3f size, float margin, float sharpness)
                 k[std::size_t(axis)] = side;
                 k[std::size_t(s)] = i;
                 k[std::size_t(t)] = j;
-                const auto along = [&](int a, int at) {
-                    return (coordinate(a, at) - coordinate(a, 0)) / size[a];
-                };
+                const auto along = [&](int a, int at) { return (coordinate(a, at) - coordinate(a, 0)) / size[a]; };
                 return Builder::Corner{vertex(k), builder.uv({along(s, i), 1 - along(t, j)})};
             };
             for (int i = 0; i < 3; ++i)
@@ -220,7 +218,9 @@ Cage jack(std::string name, float length, float width)
     struct Step {
         float out, wide;
     };
-    const std::array<Step, 4> steps{{{0.55f * length, 0.8f * half}, {0.72f * length, 1.5f * half}, {0.95f * length, 1.5f * half},
+    const std::array<Step, 4> steps{{{0.55f * length, 0.8f * half},
+                                     {0.72f * length, 1.5f * half},
+                                     {0.95f * length, 1.5f * half},
                                      {length, 0.8f * half}}};
     for (int axis = 0; axis < 3; ++axis)
         for (const int side : {-1, 1}) {
@@ -244,7 +244,8 @@ Cage jack(std::string name, float length, float width)
                 }
                 for (std::size_t k = 0; k < 4; ++k) {
                     const std::size_t l = (k + 1) % 4;
-                    builder.face({{ring[k], no_texture}, {ring[l], no_texture}, {next[l], no_texture}, {next[k], no_texture}});
+                    builder.face(
+                        {{ring[k], no_texture}, {ring[l], no_texture}, {next[l], no_texture}, {next[k], no_texture}});
                 }
                 ring = next;
             }

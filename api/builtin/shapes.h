@@ -32,7 +32,8 @@ struct Turn {
     float sharpness = 0;
 };
 
-/// Turned about the y axis. The profile starts at the bottom and may come back inside: a vessel. Its ends are closed at the axis.
+/// Turned about the y axis. The profile starts at the bottom and may come back inside: a vessel. Its ends are closed at the
+/// axis.
 Cage lathe(std::string name, const std::vector<Turn>& profile, std::uint32_t columns, Cap first, Cap last);
 
 /// Stands on y = 0, centred about the y axis. Each side is 3 x 3 quads; the outer ones are `margin` wide, so that the middle
@@ -42,7 +43,8 @@ Cage box(std::string name, Vec3f size, float margin, float sharpness);
 /// A cube from whose sides grow six arms with knobs, of that length from the middle. Eight vertices of valence six.
 Cage jack(std::string name, float length, float width);
 
-/// A strip of floor over x in [-width / 2, width / 2], flat from z = front back to z = back. UVs are lengths in world units. Open.
+/// A strip of floor over x in [-width / 2, width / 2], flat from z = front back to z = back. UVs are lengths in world units.
+/// Open.
 struct FloorSize {
     float width, front, back;
     std::uint32_t columns, rows;

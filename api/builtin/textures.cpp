@@ -18,7 +18,10 @@ float smooth(float t) noexcept
     return t * t * (3 - 2 * t);
 }
 /// 0 below a, 1 above b, smooth between.
-float step(float a, float b, float x) noexcept { return smooth((x - a) / (b - a)); }
+float step(float a, float b, float x) noexcept
+{
+    return smooth((x - a) / (b - a));
+}
 
 float hashed(int x, int y, std::uint64_t seed) noexcept
 {
@@ -110,7 +113,8 @@ Texture glaze()
         const float cloud = octaves({u * 12, v * 8}, 4, 4, 31);
         Vec3f color = blue * (0.65f + 0.9f * cloud);
         const auto band = [&](float middle, float half, Vec3f with) {
-            color = glm::mix(color, with * (0.88f + 0.24f * cloud), 1 - step(half - 0.002f, half + 0.002f, std::fabs(v - middle)));
+            color = glm::mix(color, with * (0.88f + 0.24f * cloud),
+                             1 - step(half - 0.002f, half + 0.002f, std::fabs(v - middle)));
         };
         band(0.30f, 0.055f, cream);
         band(0.222f, 0.006f, cream);
@@ -136,9 +140,9 @@ Texture studio()
             const float x = (half_width - std::fabs(away)) / 0.06f, y = (half_height - std::fabs(up - height)) / 0.06f;
             c += light * (smooth(x) * smooth(y));
         };
-        window(-1.9f, 0.62f, 0.42f, 0.36f, {6.0f, 5.6f, 5.0f});    // left, warm
-        window(1.75f, 0.45f, 0.16f, 0.50f, {2.6f, 3.1f, 4.0f});    // right, cool and narrow
-        window(2.95f, 1.0f, 0.7f, 0.09f, {2.2f, 2.2f, 2.2f});      // behind the camera, a strip
+        window(-1.9f, 0.62f, 0.42f, 0.36f, {6.0f, 5.6f, 5.0f});  // left, warm
+        window(1.75f, 0.45f, 0.16f, 0.50f, {2.6f, 3.1f, 4.0f});  // right, cool and narrow
+        window(2.95f, 1.0f, 0.7f, 0.09f, {2.2f, 2.2f, 2.2f});    // behind the camera, a strip
         return c;
     });
     t.role = TextureRole::Data;

@@ -50,7 +50,8 @@ ReferenceCase case_of(const json& from, const fs::path& shared)
     constexpr double kRadians = 0.017453292519943295;  // in a degree
     c.camera = Camera::look_at(vector_of(from.at("eye")), vector_of(from.at("target")), vector_of(from.at("up")),
                                static_cast<float>(from.at("vfov_degrees").get<double>() * kRadians));
-    for (const auto& [layer, file] : from.at("files").items()) c.files[layer] = shared / "reference" / file.get<std::string>();
+    for (const auto& [layer, file] : from.at("files").items())
+        c.files[layer] = shared / "reference" / file.get<std::string>();
 
     const json& t = from.at("tolerance");
     read_tolerance(t, "depth", "relative", c.limits.depth_relative, c.least.depth);

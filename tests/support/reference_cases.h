@@ -17,7 +17,7 @@ struct ReferenceCase {
     std::string id;
     std::filesystem::path model;
     bool is_subdivision = false;
-    std::string pose;  ///< of glTF cases: "static", or how its clip was evaluated
+    std::string pose;                                     ///< of glTF cases: "static", or how its clip was evaluated
     BoundaryRule boundary = BoundaryRule::EdgeAndCorner;  ///< of subdivision cases, for files that do not say
     int width = 0, height = 0;
     Camera camera;
@@ -30,8 +30,8 @@ struct ReferenceCase {
     friend std::ostream& operator<<(std::ostream& out, const ReferenceCase& c) { return out << c.id; }
 };
 
-/// All cases in the order of cases.json; none if the shared data is absent. Throws Error naming case and entry if the file is
-/// not as expected.
+/// All cases in the order of cases.json; none if the shared data is absent. Throws Error naming case and entry if the file
+/// is not as expected.
 std::vector<ReferenceCase> reference_cases();
 
 /// The reference's pictures. Throws Error.

@@ -35,8 +35,8 @@ double largest_difference(const std::vector<float>& a, const std::vector<float>&
     double largest = 0;
     for (std::size_t i = first; i < first + count; ++i) {
         const double d = std::abs(double(a[i]) - double(b[i]));
-        if (!(d <= largest)) largest = d;
         if (std::isnan(d)) return d;
+        largest = std::max(largest, d);
     }
     return largest;
 }
@@ -78,7 +78,9 @@ std::vector<std::uint8_t> interior_pixels(const ReferencePicture& reference)
     std::vector<std::uint8_t> interior(reference.pixel_count(), 0);
     for (int y = 1; y + 1 < reference.height; ++y)
         for (int x = 1; x + 1 < reference.width; ++x) {
-            const auto index = [&](int column, int row) { return std::size_t(row) * std::size_t(reference.width) + std::size_t(column); };
+            const auto index = [&](int column, int row) {
+                return std::size_t(row) * std::size_t(reference.width) + std::size_t(column);
+            };
             float near = std::numeric_limits<float>::infinity(), far = 0;
             bool is_hit = true;
             for (int dy = -1; dy <= 1; ++dy)
@@ -119,7 +121,8 @@ ReferenceShares compare(const ReferencePicture& ours, const ReferencePicture& re
         if (reference.albedo.empty()) continue;
         // A mean over the pixel: whether the ray through its middle hits says nothing here.
         albedo.add(largest_difference(ours.albedo, reference.albedo, 4 * i, 3));
-        for (std::size_t c = 4 * i; c < 4 * i + 3; ++c) albedo_sum += std::abs(double(ours.albedo[c]) - double(reference.albedo[c]));
+        for (std::size_t c = 4 * i; c < 4 * i + 3; ++c)
+            albedo_sum += std::abs(double(ours.albedo[c]) - double(reference.albedo[c]));
     }
     shares.depth = depth.value();
     shares.uv = uv.value();

@@ -13,14 +13,17 @@ namespace occam::test {
 /// Row-major from the top left. What a picture does not have is empty.
 struct ReferencePicture {
     int width = 0, height = 0;
-    std::vector<float> depth;                           ///< 1 a pixel; 0 or infinity: nothing hit
+    std::vector<float> depth;                             ///< 1 a pixel; 0 or infinity: nothing hit
     std::vector<float> normal_geometric, normal_shading;  ///< 3 a pixel, of any length; 0: not known
-    std::vector<float> albedo;                          ///< 4 a pixel: times coverage, and coverage
-    std::vector<float> uv;                              ///< 2 a pixel, v upwards
-    std::vector<std::uint8_t> exclude;                  ///< 1 a pixel; not 0: leave it out
+    std::vector<float> albedo;                            ///< 4 a pixel: times coverage, and coverage
+    std::vector<float> uv;                                ///< 2 a pixel, v upwards
+    std::vector<std::uint8_t> exclude;                    ///< 1 a pixel; not 0: leave it out
 
     std::size_t pixel_count() const noexcept { return std::size_t(width) * std::size_t(height); }
-    bool is_hit(std::size_t pixel) const noexcept { return depth[pixel] > 0 && depth[pixel] < std::numeric_limits<float>::infinity(); }
+    bool is_hit(std::size_t pixel) const noexcept
+    {
+        return depth[pixel] > 0 && depth[pixel] < std::numeric_limits<float>::infinity();
+    }
 };
 
 /// What counts as the same, in the units of cases.json.
@@ -40,8 +43,8 @@ struct ReferenceShares {
 /// Pixels whose 3 x 3 neighbours are all in the picture, hit, and at most a factor of 1.05 apart in depth; and not left out.
 std::vector<std::uint8_t> interior_pixels(const ReferencePicture& reference);
 
-/// A pixel that `ours` misses, or that holds what is no number, disagrees in everything. Pictures are of one size, and `ours` has
-/// all that the reference has (but exclude).
+/// A pixel that `ours` misses, or that holds what is no number, disagrees in everything. Pictures are of one size, and
+/// `ours` has all that the reference has (but exclude).
 ReferenceShares compare(const ReferencePicture& ours, const ReferencePicture& reference, const ReferenceLimits& limits);
 
 }  // namespace occam::test

@@ -8,6 +8,7 @@
 
 #include "lod/posed_patch.h"
 #include "tests/support/diced_mesh.h"
+#include "tests/support/shape_builders.h"
 #include "tests/support/shapes.h"
 
 namespace occam::test {
@@ -247,6 +248,29 @@ TEST_P(SurfaceShapes, AgreeWithRefinementAndLimitMasks)
     EXPECT_GT(compared, 0);
     EXPECT_LE(worst_position, 1e-5) << "of the cage's extent";
     EXPECT_LE(worst_degrees, 0.5);
+}
+
+// Where texture coordinates have no seam their limit is the position's: so st = (x, y) of each vertex stays (x, y) everywhere.
+TEST(TextureCoordinates, FollowTheSurfaceWhereTheyHaveNoSeam)
+{
+    for (Cage cage : {torus(), prism(5), prism(4)}) {
+        UvSet set;
+        for (const Vec3f p : cage.positions) set.values.push_back(Vec2f(p));
+        cage.uv_sets = {set};
+        DicedCage diced(cage, 0);
+        lod::PosedPatch surface, uv;
+        for (std::uint32_t face = 0; face < diced.topology().face_count(); ++face)
+            for (std::uint32_t sub = 0; sub < diced.topology().patches_of(face); ++sub) {
+                surface.set(diced.posed, {face, sub});
+                uv.set_uv(diced.posed, {face, sub}, 0);
+                for (const Vec2f at : {Vec2f(0, 0), Vec2f(0.25f, 0.75f), Vec2f(0.5f, 0.5f), Vec2f(1, 0.5f), Vec2f(1, 1)}) {
+                    const Vec3d p = Vec3d(surface.point(at.x, at.y)) + diced.posed.anchor;
+                    const Vec3f st = uv.point(at.x, at.y);
+                    EXPECT_NEAR(st.x, p.x, 2e-6) << "face " << face;
+                    EXPECT_NEAR(st.y, p.y, 2e-6) << "face " << face;
+                }
+            }
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Shared, SurfaceShapes, testing::ValuesIn(subdivision_shapes()), shape_test_name);

@@ -50,8 +50,8 @@ TEST(ReferenceCompare, WhatTheReferenceDoesNotHaveIsNotCompared)
 TEST(ReferenceCompare, InteriorEndsAtMissesStepsAndLeftOutPixels)
 {
     ReferencePicture p = wall(12, 3);  // one inner row: x = 1 to 10
-    p.depth[2] = 0;                     // x = 1, 2, 3
-    p.depth[2 * 12 + 7] = 2.11f;        // x = 6, 7, 8: a factor of 1.055
+    p.depth[2] = 0;                    // x = 1, 2, 3
+    p.depth[2 * 12 + 7] = 2.11f;       // x = 6, 7, 8: a factor of 1.055
     p.exclude.assign(p.pixel_count(), 0);
     p.exclude[12 + 10] = 1;  // itself alone
     const auto interior = interior_pixels(p);
@@ -76,7 +76,8 @@ TEST(ReferenceCompare, CoverageCountsBothWaysOverTheHitsOfTheReference)
 TEST(ReferenceCompare, SharesFollowTheLimits)
 {
     const ReferencePicture reference = wall(6, 6);
-    const ReferenceLimits limits{.depth_relative = 1e-3, .normal_geometric_degrees = 1, .normal_shading_degrees = 2, .uv_absolute = 2e-3};
+    const ReferenceLimits limits{
+        .depth_relative = 1e-3, .normal_geometric_degrees = 1, .normal_shading_degrees = 2, .uv_absolute = 2e-3};
     const auto changed = [&](double part) {
         ReferencePicture p = reference;
         for (std::size_t i = 7; i < 11; ++i) {

@@ -1,0 +1,111 @@
+#include "tests/bench/embree_mesh.h"
+
+#include <cstring>
+#include <limits>
+#include <stdexcept>
+
+#include "tests/bench/harness.h"
+
+namespace occam::bench {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr int kAll[8] = {-1, -1, -1, -1, -1, -1, -1, -1};
+
+
+}  // namespace
+
+EmbreeMesh::EmbreeMesh(std::span<const Vec3f> corners, Vec3d anchor) : device_(rtcNewDevice("threads=1")), anchor_(anchor)
+{
+    if (!device_) throw std::runtime_error("no Embree device");
+    rtcSetDeviceMemoryMonitorFunction(
+        device_,
+        [](void* self, ssize_t change, bool) {
+            static_cast<EmbreeMesh*>(self)->bytes += static_cast<std::size_t>(change);
+            return true;
+        },
+        this);
+    scene_ = rtcNewScene(device_);
+    rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
+    RTCGeometry mesh = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+    void* vertices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), corners.size());
+    std::memcpy(vertices, corners.data(), corners.size_bytes());
+    auto* indices = static_cast<unsigned*>(
+        rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), corners.size() / 3));
+    for (unsigned i = 0; i < corners.size(); ++i) indices[i] = i;
+    rtcCommitGeometry(mesh);
+    rtcAttachGeometry(scene_, mesh);
+    rtcReleaseGeometry(mesh);
+    const double start = process_seconds();
+    rtcCommitScene(scene_);
+    build_seconds = process_seconds() - start;
+}
+
+EmbreeMesh::~EmbreeMesh()
+{
+    rtcReleaseScene(scene_);
+    rtcReleaseDevice(device_);
+}
+
+EmbreeRays::EmbreeRays(const EmbreeMesh& mesh, std::span<const accel::Ray> rays, bool as_packets) : mesh_(mesh), count_(rays.size())
+{
+    if (as_packets) packet_start_.resize((count_ + 7) / 8);
+    else single_start_.resize(count_);
+    for (std::size_t i = 0; i < (as_packets ? packet_start_.size() * 8 : count_); ++i) {
+        const accel::Ray& ray = rays[std::min(i, count_ - 1)];
+        const Vec3f origin(ray.origin - mesh.anchor()), d = ray.direction;
+        if (as_packets) {
+            RTCRayHit8& p = packet_start_[i / 8];
+            const std::size_t l = i % 8;
+            p.ray.org_x[l] = origin.x, p.ray.org_y[l] = origin.y, p.ray.org_z[l] = origin.z;
+            p.ray.dir_x[l] = d.x, p.ray.dir_y[l] = d.y, p.ray.dir_z[l] = d.z;
+            p.ray.tnear[l] = ray.t_near, p.ray.tfar[l] = ray.t_far;
+            p.ray.time[l] = 0, p.ray.mask[l] = ~0u, p.ray.id[l] = 0, p.ray.flags[l] = 0;
+            p.hit.geomID[l] = p.hit.primID[l] = p.hit.instID[0][l] = RTC_INVALID_GEOMETRY_ID;
+        } else {
+            RTCRayHit& r = single_start_[i];
+            r.ray = {origin.x, origin.y, origin.z, ray.t_near, d.x, d.y, d.z, 0, ray.t_far, ~0u, 0, 0};
+            r.hit.geomID = r.hit.primID = r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+        }
+    }
+}
+
+void EmbreeRays::reset()
+{
+    packet_ = packet_start_;
+    single_ = single_start_;
+}
+
+void EmbreeRays::closest()
+{
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    if (!packet_.empty()) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    for (RTCRayHit8& p : packet_) rtcIntersect8(kAll, mesh_.scene(), &context, &p);
+    for (RTCRayHit& r : single_) rtcIntersect1(mesh_.scene(), &context, &r);
+}
+
+void EmbreeRays::occluded()
+{
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    if (!packet_.empty()) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    for (RTCRayHit8& p : packet_) rtcOccluded8(kAll, mesh_.scene(), &context, &p.ray);
+    for (RTCRayHit& r : single_) rtcOccluded1(mesh_.scene(), &context, &r.ray);
+}
+
+float EmbreeRays::t(std::size_t i) const noexcept
+{
+    const bool is_packet = !packet_.empty();
+    const unsigned geometry = is_packet ? packet_[i / 8].hit.geomID[i % 8] : single_[i].hit.geomID;
+    if (geometry == RTC_INVALID_GEOMETRY_ID) return kInfinity;
+    return is_packet ? packet_[i / 8].ray.tfar[i % 8] : single_[i].ray.tfar;
+}
+
+bool EmbreeRays::is_occluded(std::size_t i) const noexcept
+{
+    return (packet_.empty() ? single_[i].ray.tfar : packet_[i / 8].ray.tfar[i % 8]) < 0;
+}
+
+}  // namespace occam::bench

@@ -1,0 +1,34 @@
+// How soon a large cage starts to appear: from opening its file to the first finished tile, on a warm disk.
+
+#include "api/include/occam/occam.h"
+#include "tests/bench/subjects.h"
+#include "tests/bench/suites.h"
+#include "tests/support/temp_folder.h"
+
+namespace occam::bench {
+
+void run_first(Report& report)
+{
+    constexpr int kRuns = 3;
+    const test::TempFolder folder;
+    const std::filesystem::path file = folder.path() / "waves.obj";
+    write_wave_obj(file, kWaveColumns, kWaveRows);
+
+    std::vector<double> load_s, first_s;
+    for (int i = 0; i < kRuns; ++i) {
+        const double start = wall_seconds();
+        Scene scene = load(file);
+        load_s.push_back(wall_seconds() - start);
+        Renderer renderer;
+        Job job = renderer.start(scene, Camera::framing(scene.bounds()));
+        while (job.progress().fraction <= 0 && !job.wait_for(std::chrono::milliseconds(1))) {}
+        first_s.push_back(wall_seconds() - start);
+        job.cancel();
+        job.wait();
+    }
+    Row row{"first", "first tile of 500,000 faces, 1280 x 720, 16 samples"};
+    row.note = "wall time, file reading included";
+    report.add(row.add("load_s", load_s).add("first_tile_s", first_s));
+}
+
+}  // namespace occam::bench

@@ -1,0 +1,63 @@
+// How the benchmarks measure, and what they say: rows of named figures, each a median with its least and its most.
+//
+// Time is CPU time of the calling thread where the work is one thread's, so that a busy machine disturbs it least; it still
+// shares caches and memory with whatever else runs, so that figures to compare are taken in turns within one run.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace occam::bench {
+
+double thread_seconds();   ///< CPU time of this thread
+double process_seconds();  ///< CPU time of all threads of this process
+double wall_seconds();     ///< from some fixed moment
+
+/// CPU seconds of this thread that each of `runs` calls takes.
+template <class Work>
+std::vector<double> repeat(int runs, Work&& work)
+{
+    std::vector<double> seconds;
+    for (int i = 0; i < runs; ++i) {
+        const double start = thread_seconds();
+        work();
+        seconds.push_back(thread_seconds() - start);
+    }
+    return seconds;
+}
+
+/// `amount` divided by each of the samples: seconds to rates.
+std::vector<double> per(double amount, std::vector<double> samples);
+/// Each of the samples times `factor`.
+std::vector<double> times(std::vector<double> samples, double factor);
+/// a[i] / b[i]: of samples taken in turns.
+std::vector<double> ratios(const std::vector<double>& a, const std::vector<double>& b);
+
+struct Figure {
+    std::string name;  ///< with its unit
+    double median = 0, least = 0, most = 0;
+    int runs = 0;      ///< 0: a count or an error, the same each time
+};
+
+/// One case of a suite.
+struct Row {
+    std::string suite, name;
+    std::vector<Figure> figures{};
+    std::string note{};  ///< why there are no figures, or how to read them
+
+    Row& add(std::string figure, std::vector<double> samples);
+    Row& add(std::string figure, double value);
+};
+
+class Report {
+public:
+    /// Prints the row and keeps it.
+    void add(Row row);
+    /// All rows, and what machine they are of.
+    std::string json() const;
+
+private:
+    std::vector<Row> rows_;
+};
+
+}  // namespace occam::bench

@@ -1,0 +1,52 @@
+// occam_bench [SUITE...] [--json FILE] [--list]
+
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <fstream>
+
+#include "tests/bench/suites.h"
+
+namespace {
+
+const occam::bench::Suite* find_suite(const char* name)
+{
+    for (const occam::bench::Suite& suite : occam::bench::kSuites)
+        if (std::strcmp(suite.name, name) == 0) return &suite;
+    return nullptr;
+}
+
+}  // namespace
+
+int main(int argc, char** argv)
+try {
+    std::vector<const occam::bench::Suite*> wanted;
+    const char* json = nullptr;
+    for (int i = 1; i < argc; ++i) {
+        if (std::strcmp(argv[i], "--list") == 0) {
+            for (const occam::bench::Suite& suite : occam::bench::kSuites) std::printf("%-8s %s\n", suite.name, suite.summary);
+            return 0;
+        }
+        if (std::strcmp(argv[i], "--json") == 0 && i + 1 < argc) {
+            json = argv[++i];
+        } else if (const occam::bench::Suite* suite = find_suite(argv[i])) {
+            wanted.push_back(suite);
+        } else {
+            std::fprintf(stderr, "occam_bench: '%s' is no suite\nusage: occam_bench [SUITE...] [--json FILE] [--list]\n", argv[i]);
+            return 2;
+        }
+    }
+    if (wanted.empty())
+        for (const occam::bench::Suite& suite : occam::bench::kSuites) wanted.push_back(&suite);
+
+    occam::bench::Report report;
+    for (const occam::bench::Suite* suite : wanted) suite->run(report);
+    if (json && !(std::ofstream(json) << report.json()).flush()) {
+        std::fprintf(stderr, "occam_bench: cannot write '%s'\n", json);
+        return 3;
+    }
+    return 0;
+} catch (const std::exception& error) {
+    std::fprintf(stderr, "occam_bench: %s\n", error.what());
+    return 3;
+}

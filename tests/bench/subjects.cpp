@@ -1,0 +1,205 @@
+#include "tests/bench/subjects.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <utility>
+
+#include "lod/dicer.h"
+#include "lod/level_choice.h"
+#include "render/camera_rays.h"
+#include "scenegraph/base/error.h"
+#include "scenegraph/import/import.h"
+#include "tests/bench/harness.h"
+#include "tests/support/shape_builders.h"
+
+namespace occam::bench {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+// Numbers in [0, 1) from an index, the same in every run (a finaliser of 32 bits).
+double number(std::uint32_t i, std::uint32_t which)
+{
+    std::uint32_t h = i * 0x9e3779b9u + which * 0x85ebca6bu + 1;
+    h = (h ^ h >> 16) * 0x7feb352du;
+    h = (h ^ h >> 15) * 0x846ca68bu;
+    return (h ^ h >> 16) / 4294967296.0;
+}
+
+}  // namespace
+
+Cage torus(std::uint32_t around, std::uint32_t across) { return test::torus(around, across, false); }
+
+Cage fan(int valence, float crease)
+{
+    constexpr int kSide = 3;
+    Cage cage;
+    std::map<std::array<int, 3>, std::uint32_t> known;  // sector and steps along its two sides
+    const auto vertex = [&](int sector, int a, int b) {
+        if (a == 0 && b == 0) sector = 0;
+        else if (a == 0) {
+            sector = (sector + 1) % valence;
+            a = std::exchange(b, 0);
+        }
+        const auto [at, is_new] = known.try_emplace({sector, a, b}, static_cast<std::uint32_t>(cage.positions.size()));
+        if (is_new) {
+            const double from = 2 * kPi * sector / valence, to = 2 * kPi * (sector + 1) / valence;
+            const double x = a * std::cos(from) + b * std::cos(to), y = a * std::sin(from) + b * std::sin(to);
+            cage.positions.push_back({float(x), float(y), float(0.4 * std::cos(1.3 * x) * std::cos(0.9 * y))});
+        }
+        return at->second;
+    };
+    for (int s = 0; s < valence; ++s)
+        for (int b = 0; b < kSide; ++b)
+            for (int a = 0; a < kSide; ++a) {
+                cage.face_sizes.push_back(4);
+                cage.face_vertices.insert(cage.face_vertices.end(), {vertex(s, a, b), vertex(s, a + 1, b), vertex(s, a + 1, b + 1), vertex(s, a, b + 1)});
+            }
+    for (int a = 0; a < kSide && crease > 0; ++a) cage.creases.push_back({vertex(0, a, 0), vertex(0, a + 1, 0), crease});
+    return cage;
+}
+
+std::optional<Cage> suzanne()
+{
+    namespace fs = std::filesystem;
+    const char* named = std::getenv("OCCAM_SHARED");
+    const fs::path folder = named ? fs::path(named) : fs::path(OCCAM_SOURCE_DIR).parent_path() / "shared";
+    const fs::path file = folder / "data" / "subdiv" / "suzanne.obj";
+    if (!fs::exists(file)) return std::nullopt;
+    const Scene scene = load(file, {.subdivide = Subdivide::On});
+    std::optional<Cage> cage;
+    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
+        if (!cage && !node.cages.empty()) cage = scene.cage(node.cages.front()).cage;
+    });
+    if (cage) cage->materials.clear();  // they are another scene's
+    if (cage) cage->face_slots.clear();
+    return cage;
+}
+
+void write_wave_obj(const std::filesystem::path& file, int columns, int rows)
+{
+    std::ofstream out(file, std::ios::binary);
+    char line[160];
+    const auto put = [&](const char* format, auto... values) { out.write(line, std::snprintf(line, sizeof line, format, values...)); };
+    for (int j = 0; j <= rows; ++j)
+        for (int i = 0; i <= columns; ++i) {
+            const double x = 4.0 * i / columns - 2, z = 2.0 * j / rows - 1;
+            put("v %.6f %.6f %.6f\n", x, 0.1 * std::sin(9 * x) * std::cos(7 * z), -z);
+        }
+    for (int j = 0; j <= rows; ++j)
+        for (int i = 0; i <= columns; ++i) put("vt %.6f %.6f\n", double(i) / columns, double(j) / rows);
+    for (int j = 0; j < rows; ++j)
+        for (int i = 0; i < columns; ++i) {
+            const int a = j * (columns + 1) + i + 1, b = a + 1, c = b + columns + 1, d = c - 1;
+            put("f %d/%d %d/%d %d/%d %d/%d\n", a, a, b, b, c, c, d, d);
+        }
+    if (!out.flush()) throw Error(file.string(), "cannot be written");
+}
+
+Subject::Subject(std::string what, Cage cage, int width, int height) : name(std::move(what)), width_(width), height_(height)
+{
+    const CageId id = scene.add(std::move(cage));
+    NodeDesc desc;
+    desc.cages = {id};
+    const NodeId node = scene.add_node(scene.root(), std::move(desc));
+    camera_ = Camera::framing(scene.bounds(), static_cast<float>(width) / static_cast<float>(height));
+    const CageSlot& slot = scene.cage(id);
+    const double start = thread_seconds();
+    const lod::CageTables& tables = topologies.get(slot);
+    topology_seconds = thread_seconds() - start;
+    posed.slot = &slot;
+    posed.topology = tables.topology.get();
+    posed.clusters = tables.clusters.get();
+    posed.node = &scene.node(node);
+    posed.node_id = node;
+    posed.place(Mat4d(1), slot.bounds);
+    const lod::LevelSettings levels = render::CameraRays(camera_, width, height).levels(1);
+    posed.level = lod::choose_level(levels, posed);
+    frame = std::make_unique<accel::Frame>(scene, topologies, levels);
+}
+
+std::vector<accel::Ray> Subject::camera_rays() const
+{
+    constexpr int kTile = 16, kSide = 2;
+    const render::CameraRays camera(camera_, width_, height_);
+    std::vector<accel::Ray> rays;
+    for (int y0 = 0; y0 < height_; y0 += kTile)
+        for (int x0 = 0; x0 < width_; x0 += kTile)
+            for (int y = y0; y < std::min(y0 + kTile, height_); ++y)
+                for (int x = x0; x < std::min(x0 + kTile, width_); ++x)
+                    for (int s = 0; s < kSide * kSide; ++s)
+                        rays.push_back(camera.ray(x + (s % kSide + 0.5) / kSide, y + (s / kSide + 0.5) / kSide));
+    return rays;
+}
+
+std::vector<std::unique_ptr<Subject>> usual_subjects(int width, int height)
+{
+    std::vector<std::unique_ptr<Subject>> all;
+    all.push_back(std::make_unique<Subject>("torus", torus(24, 12), width, height));
+    if (auto cage = suzanne()) all.push_back(std::make_unique<Subject>("suzanne", std::move(*cage), width, height));
+    return all;
+}
+
+std::vector<accel::Ray> diffuse_rays(std::span<const accel::Ray> rays, std::span<const accel::SurfaceHit> hits)
+{
+    std::vector<accel::Ray> all;
+    for (std::uint32_t i = 0; i < hits.size(); ++i) {
+        const accel::SurfaceHit& hit = hits[i];
+        if (!hit.is_hit()) continue;
+        const double r2 = number(i, 1), angle = 2 * kPi * number(i, 2);
+        const Vec3d n(hit.normal_geometric);
+        const Vec3d u = glm::normalize(glm::cross(n, std::abs(n.x) < 0.5 ? Vec3d(1, 0, 0) : Vec3d(0, 1, 0))), v = glm::cross(n, u);
+        const Vec3d d = std::sqrt(r2) * (std::cos(angle) * u + std::sin(angle) * v) + std::sqrt(1 - r2) * n;
+        accel::Ray ray;
+        ray.origin = hit.position + n * double(hit.self_distance);
+        ray.direction = Vec3f(glm::normalize(d));
+        ray.footprint = {rays[i].footprint.at(hit.t), 0};
+        all.push_back(ray);
+    }
+    return all;
+}
+
+void trace_closest(accel::Tracer& tracer, std::span<const accel::Ray> rays, std::span<accel::SurfaceHit> hits)
+{
+    for (std::size_t i = 0; i < rays.size(); i += kBatch) {
+        const std::size_t n = std::min(kBatch, rays.size() - i);
+        tracer.closest(rays.subspan(i, n), hits.subspan(i, n));
+    }
+}
+
+void trace_occluded(accel::Tracer& tracer, std::span<const accel::Ray> rays, std::span<std::uint8_t> occluded)
+{
+    for (std::size_t i = 0; i < rays.size(); i += kBatch) {
+        const std::size_t n = std::min(kBatch, rays.size() - i);
+        tracer.occluded(rays.subspan(i, n), occluded.subspan(i, n));
+    }
+}
+
+std::vector<Vec3f> micropolygons(const lod::PosedCage& cage)
+{
+    std::vector<Vec3f> corners;
+    lod::Dicer dicer;
+    Arena arena;
+    const auto add_tile = [&](const lod::TileRef& tile) {
+        arena.reset();
+        const lod::LevelGrid grid = dicer.dice(cage, tile, arena);
+        for (int j = 0; j < tile.rows; ++j)
+            for (int i = 0; i < tile.columns; ++i)
+                for (const auto& [di, dj] : {std::pair(0, 0), {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}}) corners.push_back(grid.vertex(i + di, j + dj));
+    };
+    const auto add_patch = [&](lod::PatchRef patch) {
+        const lod::PatchRates rates = dicer.rates(cage, patch);
+        const int columns = 1 << rates.u, rows = 1 << rates.v, side = lod::TileRef::kMaxSide;
+        const auto size = [&](int whole) { return static_cast<std::uint16_t>(std::min(whole, side)); };
+        for (int j = 0; j < rows; j += side)
+            for (int i = 0; i < columns; i += side)
+                add_tile({patch, rates, static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j), size(columns), size(rows)});
+    };
+    for (std::uint32_t face = 0; face < cage.topology->face_count(); ++face)
+        for (std::uint32_t sub = 0; cage.topology->is_seen(face) && sub < cage.topology->patches_of(face); ++sub) add_patch({face, sub});
+    return corners;
+}
+
+}  // namespace occam::bench

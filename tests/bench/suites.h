@@ -1,0 +1,32 @@
+// The suites of benchmarks: each measures one stage, with an error or a count beside the time.
+#pragma once
+
+#include "tests/bench/harness.h"
+
+namespace occam::bench {
+
+void run_import(Report& report);
+void run_dice(Report& report);
+void run_build(Report& report);
+void run_trace(Report& report);
+void run_memory(Report& report);
+void run_frame(Report& report);
+void run_first(Report& report);
+
+struct Suite {
+    const char* name;
+    const char* summary;
+    void (*run)(Report&);
+};
+
+inline constexpr Suite kSuites[] = {
+    {"import", "an OBJ of 500,000 faces, beside the parser library alone", run_import},
+    {"dice", "points with tangents of one patch, beside OpenSubdiv's Bfr", run_dice},
+    {"build", "topology, lazy trees and grids of a large cage, from cold", run_build},
+    {"trace", "closest and any hit on one thread, beside Embree on the same triangles", run_trace},
+    {"memory", "bytes a resident micro-triangle", run_memory},
+    {"frame", "whole frames at 4 samples, with their error against 64", run_frame},
+    {"first", "from the file to the first finished tile, 500,000 faces", run_first},
+};
+
+}  // namespace occam::bench

@@ -1,0 +1,96 @@
+// Closest and any hit on one thread with a hot tree, beside Embree on the same micropolygons, taken in turns.
+//
+// Occam's closest() also fills SurfaceHit (position in double, normals, texture coordinates, material), which Embree's does
+// not; Embree sees all micropolygons of the cage, but no closers (they have no area). Embree's rays are laid out beforehand.
+
+#include <cmath>
+
+#include "tests/bench/embree_mesh.h"
+#include "tests/bench/subjects.h"
+#include "tests/bench/suites.h"
+
+namespace occam::bench {
+namespace {
+
+constexpr int kRuns = 9, kWidth = 384, kHeight = 216;
+constexpr std::size_t kBudget = std::size_t(1) << 30;
+
+struct Turns {
+    std::vector<double> occam, embree;
+};
+
+template <class Ours, class Theirs>
+Turns in_turns(EmbreeRays& theirs, Ours&& trace_ours, Theirs&& trace_theirs)
+{
+    Turns turns;
+    trace_ours();  // what is lazy is built now
+    for (int i = 0; i < kRuns; ++i) {
+        turns.occam.push_back(repeat(1, trace_ours).front());
+        theirs.reset();
+        turns.embree.push_back(repeat(1, trace_theirs).front());
+    }
+    return turns;
+}
+
+Row row_of(const std::string& name, const Turns& turns, std::size_t rays)
+{
+    const double mega = 1e-6 * static_cast<double>(rays);
+    Row row{"trace", name};
+    row.add("rays", double(rays));
+    row.add("occam_mrays_per_s", per(mega, turns.occam)).add("embree_mrays_per_s", per(mega, turns.embree));
+    row.add("occam_over_embree", ratios(turns.embree, turns.occam));
+    return row;
+}
+
+void run_rays(Report& report, const std::string& name, accel::Tracer& tracer, const EmbreeMesh& mesh, std::span<const accel::Ray> rays,
+              bool coherent)
+{
+    std::vector<accel::SurfaceHit> hits(rays.size());
+    std::vector<std::uint8_t> occluded(rays.size());
+    EmbreeRays theirs(mesh, rays, coherent);
+
+    const Turns closest = in_turns(theirs, [&] { trace_closest(tracer, rays, hits); }, [&] { theirs.closest(); });
+    std::size_t met = 0, other_answer = 0, other_distance = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const float t = theirs.t(i);
+        met += hits[i].is_hit();
+        if (hits[i].is_hit() != std::isfinite(t)) ++other_answer;
+        else if (hits[i].is_hit() && std::abs(hits[i].t - t) > 1e-4f * t) ++other_distance;
+    }
+    report.add(row_of(name + " closest", closest, rays.size())
+                   .add("hits", double(met))
+                   .add("disagree_hit_or_miss", double(other_answer))
+                   .add("disagree_in_t_by_1e-4", double(other_distance)));
+
+    const Turns any = in_turns(theirs, [&] { trace_occluded(tracer, rays, occluded); }, [&] { theirs.occluded(); });
+    std::size_t disagree = 0, met_any = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        met_any += occluded[i];
+        disagree += (occluded[i] != 0) != theirs.is_occluded(i);
+    }
+    report.add(row_of(name + " any", any, rays.size()).add("hits", double(met_any)).add("disagree_hit_or_miss", double(disagree)));
+}
+
+}  // namespace
+
+void run_trace(Report& report)
+{
+    for (const auto& subject : usual_subjects(kWidth, kHeight)) {
+        const std::vector<accel::Ray> rays = subject->camera_rays();
+        accel::Tracer tracer(*subject->frame, kBudget);
+        std::vector<accel::SurfaceHit> hits(rays.size());
+        trace_closest(tracer, rays, hits);
+        const std::vector<accel::Ray> diffuse = diffuse_rays(rays, hits);
+
+        const std::vector<Vec3f> corners = micropolygons(subject->posed);
+        const EmbreeMesh mesh(corners, subject->posed.anchor);
+        run_rays(report, subject->name + " camera", tracer, mesh, rays, true);
+        run_rays(report, subject->name + " diffuse", tracer, mesh, diffuse, false);
+        Row row{"trace", subject->name + " scene"};
+        row.add("embree_triangles", double(corners.size()) / 3).add("embree_build_s", mesh.build_seconds);
+        row.add("occam_micropolygons", double(tracer.counters().micropolygons)).add("occam_build_s", tracer.counters().build_seconds);
+        report.add(row.add("occam_dice_s", tracer.counters().dice_seconds));
+    }
+}
+
+}  // namespace occam::bench
