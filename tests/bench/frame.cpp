@@ -28,7 +28,7 @@ void run_scene(Report& report, const std::string& name, Scene& scene, const Came
     const render::Difference error = render::compare(few, many, "beauty");
 
     Row row{"frame", name + ", 640 x 360, 4 samples"};
-    row.add("wall_s", wall).add("cpu_s", cpu).add("threads", stats.threads).add("rmse_against_64", error.rmse);
+    row.add("wall_s", wall).add("cpu_s", cpu).add("threads", stats.threads).add("rmse_against_64", error.rmse).add("rel_mse_against_64", error.rel_mse);
     const FrameStats::Seconds& s = stats.seconds;
     row.add("build_s", s.build).add("tessellate_s", s.tessellate).add("trace_s", s.trace).add("shade_s", s.shade).add("film_s", s.film);
     row.add("rays", double(stats.rays.total())).add("micropolygons", double(stats.built.micropolygons));

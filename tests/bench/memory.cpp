@@ -8,7 +8,7 @@ namespace occam::bench {
 
 void run_memory(Report& report)
 {
-    for (const auto& subject : usual_subjects(640, 360)) {
+    for (const auto& subject : usual_subjects(288, 288)) {
         const std::vector<accel::Ray> rays = subject->camera_rays();
         std::vector<accel::SurfaceHit> hits(rays.size());
         accel::Tracer tracer(*subject->frame, std::size_t(1) << 30);

@@ -98,13 +98,15 @@ void write_wave_obj(const std::filesystem::path& file, int columns, int rows)
     if (!out.flush()) throw Error(file.string(), "cannot be written");
 }
 
-Subject::Subject(std::string what, Cage cage, int width, int height) : name(std::move(what)), width_(width), height_(height)
+Subject::Subject(std::string what, Cage cage, int width, int height, std::optional<Camera> camera, float shading_rate)
+    : name(std::move(what)), width_(width), height_(height)
 {
     const CageId id = scene.add(std::move(cage));
     NodeDesc desc;
     desc.cages = {id};
     const NodeId node = scene.add_node(scene.root(), std::move(desc));
-    camera_ = Camera::framing(scene.bounds(), static_cast<float>(width) / static_cast<float>(height));
+    camera_ = camera.value_or(Camera::framing(scene.bounds(), static_cast<float>(width) / static_cast<float>(height)));
+    if (!camera) camera_.lens.fov *= 0.75f;  // framing has the box in sight; its middle is enough
     const CageSlot& slot = scene.cage(id);
     const double start = thread_seconds();
     const lod::CageTables& tables = topologies.get(slot);
@@ -115,7 +117,7 @@ Subject::Subject(std::string what, Cage cage, int width, int height) : name(std:
     posed.node = &scene.node(node);
     posed.node_id = node;
     posed.place(Mat4d(1), slot.bounds);
-    const lod::LevelSettings levels = render::CameraRays(camera_, width, height).levels(1);
+    const lod::LevelSettings levels = render::CameraRays(camera_, width, height).levels(shading_rate);
     posed.level = lod::choose_level(levels, posed);
     frame = std::make_unique<accel::Frame>(scene, topologies, levels);
 }
@@ -138,6 +140,9 @@ std::vector<std::unique_ptr<Subject>> usual_subjects(int width, int height)
 {
     std::vector<std::unique_ptr<Subject>> all;
     all.push_back(std::make_unique<Subject>("torus", torus(24, 12), width, height));
+    // One level serves all of a cage, and some of it is next to this eye: with micropolygons of a pixel there they would be millions.
+    const Camera in_tube = Camera::look_at({1, 0, 0}, {1, 0.1, 1}, {0, 1, 0}, 1.2f);
+    all.push_back(std::make_unique<Subject>("tube", torus(24, 12), width, height, in_tube, 32.0f));
     if (auto cage = suzanne()) all.push_back(std::make_unique<Subject>("suzanne", std::move(*cage), width, height));
     return all;
 }

@@ -25,10 +25,12 @@ std::optional<Cage> suzanne();
 void write_wave_obj(const std::filesystem::path& file, int columns, int rows);
 inline constexpr int kWaveColumns = 1000, kWaveRows = 500;  ///< 500,000 faces
 
-/// One cage alone in a scene, as a camera that frames it sees it.
+/// One cage alone in a scene, as a camera sees it.
 class Subject {
 public:
-    Subject(std::string name, Cage cage, int width, int height);
+    /// camera         none: one that frames the cage closely
+    /// shading_rate   wanted micropolygon edge, pixels
+    Subject(std::string name, Cage cage, int width, int height, std::optional<Camera> camera = {}, float shading_rate = 1);
 
     std::string name;
     Scene scene;
@@ -45,7 +47,7 @@ private:
     Camera camera_;
 };
 
-/// Torus and Suzanne (if it is there).
+/// A torus from outside, the same from inside its tube (every ray hits), and Suzanne (if it is there).
 std::vector<std::unique_ptr<Subject>> usual_subjects(int width, int height);
 
 /// A ray from each hit, about its normal with density proportional to the cosine.

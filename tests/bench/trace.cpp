@@ -12,7 +12,7 @@
 namespace occam::bench {
 namespace {
 
-constexpr int kRuns = 9, kWidth = 384, kHeight = 216;
+constexpr int kRuns = 9, kWidth = 288, kHeight = 288;
 constexpr std::size_t kBudget = std::size_t(1) << 30;
 
 struct Turns {
