@@ -1,8 +1,8 @@
 // A point with both tangents: of one patch's grid through PosedPatch and through Dicer, and of the same points through Bfr.
 //
-// PosedPatch  evaluate: control points are posed and pieces made; pose_and_evaluate: they are not, as at a patch's first tile.
-// Dicer       dice() and shade() of a tile of a patch that it has not posed: owned borders, closers and unit normals too.
-// Bfr         one call of Evaluate a point; its patch points are prepared beforehand.
+// PosedPatch  evaluate: control points are posed and pieces made; pose_and_evaluate: they are not, as at a patch's first
+// tile. Dicer       dice() and shade() of a tile of a patch that it has not posed: owned borders, closers and unit normals
+// too. Bfr         one call of Evaluate a point; its patch points are prepared beforehand.
 
 #include <cmath>
 
@@ -26,7 +26,8 @@ struct Worst {
         position = std::max(position, glm::distance(ours.p, theirs.p) / extent);
         const Vec3d a = glm::cross(ours.du, ours.dv), b = glm::cross(theirs.du, theirs.dv);
         const double sine = glm::length(glm::cross(a, b)), cosine = glm::dot(a, b);
-        if (glm::length(a) > 0 && glm::length(b) > 0) normal_deg = std::max(normal_deg, std::atan2(sine, cosine) * 180 / 3.14159265358979323846);
+        if (glm::length(a) > 0 && glm::length(b) > 0)
+            normal_deg = std::max(normal_deg, std::atan2(sine, cosine) * 180 / 3.14159265358979323846);
     }
 };
 
@@ -44,7 +45,11 @@ void run_grid(Report& report, const std::string& name, const Subject& subject, c
     for (std::size_t k = 0; k < 9; ++k) out[k] = rows.data() + k * count;
     const auto evaluate = [&] { patch.points_and_tangents({0, 0, step, step, side, side}, out, side); };
     const auto many = [&](auto&& work) {
-        return times(repeat(kRuns, [&] { for (int i = 0; i < repeats; ++i) work(); }), to_ns);
+        return times(repeat(kRuns,
+                            [&] {
+                                for (int i = 0; i < repeats; ++i) work();
+                            }),
+                     to_ns);
     };
     patch.set(subject.posed, kPatch);
     evaluate();  // classes grow on demand, once a topology
@@ -57,11 +62,14 @@ void run_grid(Report& report, const std::string& name, const Subject& subject, c
     Arena arena;
     const auto size = static_cast<std::uint16_t>(side - 1);
     const lod::TileRef tile{kPatch, {exponent, exponent, {exponent, exponent, exponent, exponent}}, 0, 0, size, size};
-    const std::vector<double> diced = times(repeat(kRuns, [&] {
-                                                arena.reset();
-                                                dicer.forget();
-                                                for (const lod::PosedCage& cage : copies) dicer.dice(cage, tile, arena), dicer.shade(cage, tile, arena);
-                                            }), to_ns);
+    const std::vector<double> diced = times(repeat(kRuns,
+                                                   [&] {
+                                                       arena.reset();
+                                                       dicer.forget();
+                                                       for (const lod::PosedCage& cage : copies)
+                                                           dicer.dice(cage, tile, arena), dicer.shade(cage, tile, arena);
+                                                   }),
+                                            to_ns);
 
     std::vector<float> uv;
     for (int j = 0; j < side; ++j)
@@ -82,7 +90,9 @@ void run_grid(Report& report, const std::string& name, const Subject& subject, c
     }
     const std::string grid = std::to_string(side) + " x " + std::to_string(side);
     Row row{"dice", name + ", " + grid};
-    row.add("evaluate_ns_per_point", evaluated).add("pose_and_evaluate_ns_per_point", posed).add("dicer_ns_per_point", diced);
+    row.add("evaluate_ns_per_point", evaluated)
+        .add("pose_and_evaluate_ns_per_point", posed)
+        .add("dicer_ns_per_point", diced);
     row.add("bfr_float_ns_per_point", bfr_float).add("bfr_double_ns_per_point", bfr_double);
     row.add("position_error_of_extent", ours.position).add("normal_error_deg", ours.normal_deg);
     report.add(row.add("bfr_float_position_error", theirs.position).add("bfr_float_normal_error_deg", theirs.normal_deg));
@@ -95,7 +105,11 @@ void run_dice(Report& report)
     const struct {
         const char* name;
         Cage cage;
-    } kinds[] = {{"regular", fan(4)}, {"valence 3", fan(3)}, {"valence 5", fan(5)}, {"valence 8", fan(8)}, {"crease of 2.5", fan(4, 2.5f)}};
+    } kinds[] = {{"regular", fan(4)},
+                 {"valence 3", fan(3)},
+                 {"valence 5", fan(5)},
+                 {"valence 8", fan(8)},
+                 {"crease of 2.5", fan(4, 2.5f)}};
     for (const auto& [name, cage] : kinds) {
         const Subject subject(name, cage, 640, 360);
         std::vector<Vec3f> positions;

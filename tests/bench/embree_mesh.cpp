@@ -12,7 +12,6 @@ namespace {
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr int kAll[8] = {-1, -1, -1, -1, -1, -1, -1, -1};
 
-
 }  // namespace
 
 EmbreeMesh::EmbreeMesh(std::span<const Vec3f> corners, Vec3d anchor) : device_(rtcNewDevice("threads=1")), anchor_(anchor)
@@ -29,7 +28,8 @@ EmbreeMesh::EmbreeMesh(std::span<const Vec3f> corners, Vec3d anchor) : device_(r
     rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
     RTCGeometry mesh = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-    void* vertices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), corners.size());
+    void* vertices =
+        rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), corners.size());
     std::memcpy(vertices, corners.data(), corners.size_bytes());
     auto* indices = static_cast<unsigned*>(
         rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), corners.size() / 3));
@@ -48,10 +48,13 @@ EmbreeMesh::~EmbreeMesh()
     rtcReleaseDevice(device_);
 }
 
-EmbreeRays::EmbreeRays(const EmbreeMesh& mesh, std::span<const accel::Ray> rays, bool as_packets) : mesh_(mesh), count_(rays.size())
+EmbreeRays::EmbreeRays(const EmbreeMesh& mesh, std::span<const accel::Ray> rays, bool as_packets)
+    : mesh_(mesh), count_(rays.size())
 {
-    if (as_packets) packet_start_.resize((count_ + 7) / 8);
-    else single_start_.resize(count_);
+    if (as_packets)
+        packet_start_.resize((count_ + 7) / 8);
+    else
+        single_start_.resize(count_);
     for (std::size_t i = 0; i < (as_packets ? packet_start_.size() * 8 : count_); ++i) {
         const accel::Ray& ray = rays[std::min(i, count_ - 1)];
         const Vec3f origin(ray.origin - mesh.anchor()), d = ray.direction;

@@ -23,7 +23,8 @@ void run_first(Report& report)
         load_s.push_back(wall_seconds() - start);
         Renderer renderer;
         Job job = renderer.start(scene, Camera::framing(scene.bounds()), middle);
-        while (job.progress().fraction <= 0 && !job.wait_for(std::chrono::milliseconds(1))) {}
+        while (job.progress().fraction <= 0 && !job.wait_for(std::chrono::milliseconds(1))) {
+        }
         first_s.push_back(wall_seconds() - start);
         job.cancel();
         job.wait();

@@ -28,9 +28,17 @@ void run_scene(Report& report, const std::string& name, Scene& scene, const Came
     const render::Difference error = render::compare(few, many, "beauty");
 
     Row row{"frame", name + ", 640 x 360, 4 samples"};
-    row.add("wall_s", wall).add("cpu_s", cpu).add("threads", stats.threads).add("rmse_against_64", error.rmse).add("rel_mse_against_64", error.rel_mse);
+    row.add("wall_s", wall)
+        .add("cpu_s", cpu)
+        .add("threads", stats.threads)
+        .add("rmse_against_64", error.rmse)
+        .add("rel_mse_against_64", error.rel_mse);
     const FrameStats::Seconds& s = stats.seconds;
-    row.add("build_s", s.build).add("tessellate_s", s.tessellate).add("trace_s", s.trace).add("shade_s", s.shade).add("film_s", s.film);
+    row.add("build_s", s.build)
+        .add("tessellate_s", s.tessellate)
+        .add("trace_s", s.trace)
+        .add("shade_s", s.shade)
+        .add("film_s", s.film);
     row.add("rays", double(stats.rays.total())).add("micropolygons", double(stats.built.micropolygons));
     row.add("arena_peak_mb", 1e-6 * double(stats.memory.arena_peak_bytes)).add("flushes", double(stats.memory.flushes));
     row.note = "stages are the workers' summed, of the last run; the first run also makes what is kept from frame to frame";

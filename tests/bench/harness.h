@@ -36,7 +36,7 @@ std::vector<double> ratios(const std::vector<double>& a, const std::vector<doubl
 struct Figure {
     std::string name;  ///< with its unit
     double median = 0, least = 0, most = 0;
-    int runs = 0;      ///< 0: a count or an error, the same each time
+    int runs = 0;  ///< 0: a count or an error, the same each time
 };
 
 /// One case of a suite.

@@ -28,7 +28,8 @@ void run_import(Report& report)
                               tinyobj::attrib_t attributes;
                               std::vector<tinyobj::shape_t> shapes;
                               std::vector<tinyobj::material_t> materials;
-                              tinyobj::LoadObj(&attributes, &shapes, &materials, &warnings, &errors, file.c_str(), nullptr, false);
+                              tinyobj::LoadObj(&attributes, &shapes, &materials, &warnings, &errors, file.c_str(), nullptr,
+                                               false);
                               faces_of_library = shapes.empty() ? 0 : shapes[0].mesh.num_face_vertices.size();
                           }).front());
         callbacks.push_back(repeat(1, [&] {

@@ -24,7 +24,8 @@ try {
     const char* json = nullptr;
     for (int i = 1; i < argc; ++i) {
         if (std::strcmp(argv[i], "--list") == 0) {
-            for (const occam::bench::Suite& suite : occam::bench::kSuites) std::printf("%-8s %s\n", suite.name, suite.summary);
+            for (const occam::bench::Suite& suite : occam::bench::kSuites)
+                std::printf("%-8s %s\n", suite.name, suite.summary);
             return 0;
         }
         if (std::strcmp(argv[i], "--json") == 0 && i + 1 < argc) {
@@ -32,7 +33,8 @@ try {
         } else if (const occam::bench::Suite* suite = find_suite(argv[i])) {
             wanted.push_back(suite);
         } else {
-            std::fprintf(stderr, "occam_bench: '%s' is no suite\nusage: occam_bench [SUITE...] [--json FILE] [--list]\n", argv[i]);
+            std::fprintf(stderr, "occam_bench: '%s' is no suite\nusage: occam_bench [SUITE...] [--json FILE] [--list]\n",
+                         argv[i]);
             return 2;
         }
     }

@@ -30,7 +30,10 @@ double number(std::uint32_t i, std::uint32_t which)
 
 }  // namespace
 
-Cage torus(std::uint32_t around, std::uint32_t across) { return test::torus(around, across, false); }
+Cage torus(std::uint32_t around, std::uint32_t across)
+{
+    return test::torus(around, across, false);
+}
 
 Cage fan(int valence, float crease)
 {
@@ -38,7 +41,8 @@ Cage fan(int valence, float crease)
     Cage cage;
     std::map<std::array<int, 3>, std::uint32_t> known;  // sector and steps along its two sides
     const auto vertex = [&](int sector, int a, int b) {
-        if (a == 0 && b == 0) sector = 0;
+        if (a == 0 && b == 0)
+            sector = 0;
         else if (a == 0) {
             sector = (sector + 1) % valence;
             a = std::exchange(b, 0);
@@ -55,7 +59,8 @@ Cage fan(int valence, float crease)
         for (int b = 0; b < kSide; ++b)
             for (int a = 0; a < kSide; ++a) {
                 cage.face_sizes.push_back(4);
-                cage.face_vertices.insert(cage.face_vertices.end(), {vertex(s, a, b), vertex(s, a + 1, b), vertex(s, a + 1, b + 1), vertex(s, a, b + 1)});
+                cage.face_vertices.insert(cage.face_vertices.end(), {vertex(s, a, b), vertex(s, a + 1, b),
+                                                                     vertex(s, a + 1, b + 1), vertex(s, a, b + 1)});
             }
     for (int a = 0; a < kSide && crease > 0; ++a) cage.creases.push_back({vertex(0, a, 0), vertex(0, a + 1, 0), crease});
     return cage;
@@ -82,7 +87,9 @@ void write_wave_obj(const std::filesystem::path& file, int columns, int rows)
 {
     std::ofstream out(file, std::ios::binary);
     char line[160];
-    const auto put = [&](const char* format, auto... values) { out.write(line, std::snprintf(line, sizeof line, format, values...)); };
+    const auto put = [&](const char* format, auto... values) {
+        out.write(line, std::snprintf(line, sizeof line, format, values...));
+    };
     for (int j = 0; j <= rows; ++j)
         for (int i = 0; i <= columns; ++i) {
             const double x = 4.0 * i / columns - 2, z = 2.0 * j / rows - 1;
@@ -140,7 +147,8 @@ std::vector<std::unique_ptr<Subject>> usual_subjects(int width, int height)
 {
     std::vector<std::unique_ptr<Subject>> all;
     all.push_back(std::make_unique<Subject>("torus", torus(24, 12), width, height));
-    // One level serves all of a cage, and some of it is next to this eye: with micropolygons of a pixel there they would be millions.
+    // One level serves all of a cage, and some of it is next to this eye: with micropolygons of a pixel there they would be
+    // millions.
     const Camera in_tube = Camera::look_at({1, 0, 0}, {1, 0.1, 1}, {0, 1, 0}, 1.2f);
     all.push_back(std::make_unique<Subject>("tube", torus(24, 12), width, height, in_tube, 32.0f));
     if (auto cage = suzanne()) all.push_back(std::make_unique<Subject>("suzanne", std::move(*cage), width, height));
@@ -155,7 +163,8 @@ std::vector<accel::Ray> diffuse_rays(std::span<const accel::Ray> rays, std::span
         if (!hit.is_hit()) continue;
         const double r2 = number(i, 1), angle = 2 * kPi * number(i, 2);
         const Vec3d n(hit.normal_geometric);
-        const Vec3d u = glm::normalize(glm::cross(n, std::abs(n.x) < 0.5 ? Vec3d(1, 0, 0) : Vec3d(0, 1, 0))), v = glm::cross(n, u);
+        const Vec3d u = glm::normalize(glm::cross(n, std::abs(n.x) < 0.5 ? Vec3d(1, 0, 0) : Vec3d(0, 1, 0))),
+                    v = glm::cross(n, u);
         const Vec3d d = std::sqrt(r2) * (std::cos(angle) * u + std::sin(angle) * v) + std::sqrt(1 - r2) * n;
         accel::Ray ray;
         ray.origin = hit.position + n * double(hit.self_distance);
@@ -192,7 +201,8 @@ std::vector<Vec3f> micropolygons(const lod::PosedCage& cage)
         const lod::LevelGrid grid = dicer.dice(cage, tile, arena);
         for (int j = 0; j < tile.rows; ++j)
             for (int i = 0; i < tile.columns; ++i)
-                for (const auto& [di, dj] : {std::pair(0, 0), {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}}) corners.push_back(grid.vertex(i + di, j + dj));
+                for (const auto& [di, dj] : {std::pair(0, 0), {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}})
+                    corners.push_back(grid.vertex(i + di, j + dj));
     };
     const auto add_patch = [&](lod::PatchRef patch) {
         const lod::PatchRates rates = dicer.rates(cage, patch);
@@ -200,10 +210,12 @@ std::vector<Vec3f> micropolygons(const lod::PosedCage& cage)
         const auto size = [&](int whole) { return static_cast<std::uint16_t>(std::min(whole, side)); };
         for (int j = 0; j < rows; j += side)
             for (int i = 0; i < columns; i += side)
-                add_tile({patch, rates, static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j), size(columns), size(rows)});
+                add_tile(
+                    {patch, rates, static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j), size(columns), size(rows)});
     };
     for (std::uint32_t face = 0; face < cage.topology->face_count(); ++face)
-        for (std::uint32_t sub = 0; cage.topology->is_seen(face) && sub < cage.topology->patches_of(face); ++sub) add_patch({face, sub});
+        for (std::uint32_t sub = 0; cage.topology->is_seen(face) && sub < cage.topology->patches_of(face); ++sub)
+            add_patch({face, sub});
     return corners;
 }
 
