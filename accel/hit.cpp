@@ -1,5 +1,7 @@
 #include "accel/hit.h"
 
+#include <algorithm>
+#include <cmath>
 #include <tuple>
 
 namespace occam::accel {
@@ -111,6 +113,52 @@ const Material* material_of(const Scene& scene, const lod::PosedCage& cage, std:
     return found ? found : &plain;
 }
 
+// Gradients over the triangle of the weights of b and c; a's is what they lack to zero. Per world length.
+struct WeightGradients {
+    Vec3d b, c;
+    WeightGradients(const Triangle& tri, Vec3d winding_normal, double area) noexcept
+        : b(glm::cross(winding_normal, tri.a - tri.c) / area), c(glm::cross(winding_normal, tri.b - tri.a) / area)
+    {
+    }
+};
+
+// Half the divergence of the interpolated unit normal: the mean curvature, positive where the outside is convex.
+double outward_curvature(const WeightGradients& g, const Corner (&corner)[3]) noexcept
+{
+    Vec3d n[3];
+    for (int p = 0; p < 3; ++p) {
+        n[p] = Vec3d(corner[p].normal);
+        const double length = glm::length(n[p]);
+        if (!(length > 0)) return 0;
+        n[p] /= length;
+    }
+    return 0.5 * (glm::dot(n[1] - n[0], g.b) + glm::dot(n[2] - n[0], g.c));
+}
+
+// The set that decides the axes of normal maps.
+int normal_map_set(const Material& m) noexcept
+{
+    const TextureUse& use = m.normal_texture ? m.normal_texture : m.clearcoat_normal_texture;
+    return std::clamp(use.uv_set, 0, 1);
+}
+
+// dP/du and dP/dv are the columns of the inverse of (du/dP, dv/dP): in the plane, turned by a right angle from the
+// other's gradient. Their lengths do not matter here, but the sign of the gradients' area does.
+void set_tangent(const WeightGradients& g, Vec3d winding_normal, const Corner (&corner)[3], int set, Vec3d outward, SurfaceHit& hit) noexcept
+{
+    const Vec2d e(corner[1].uv[set] - corner[0].uv[set]), f(corner[2].uv[set] - corner[0].uv[set]);
+    const Vec3d du = g.b * e.x + g.c * f.x, dv = g.b * e.y + g.c * f.y;
+    const double turn = glm::dot(winding_normal, glm::cross(du, dv));
+    if (turn == 0) return;
+    const Vec3d along_u = glm::cross(dv, winding_normal) * (turn > 0 ? 1.0 : -1.0);
+    const Vec3d along_v = glm::cross(winding_normal, du) * (turn > 0 ? 1.0 : -1.0);
+    const Vec3d tangent = along_u - outward * glm::dot(along_u, outward);
+    const double length = glm::length(tangent);
+    if (!(length > 0) || !std::isfinite(length)) return;
+    hit.tangent = Vec3f(tangent / length);
+    hit.tangent_sign = glm::dot(glm::cross(outward, tangent), along_v) > 0 ? -1.0f : 1.0f;
+}
+
 }  // namespace
 
 bool comes_before(const IGrid& a, std::uint32_t a_id, const IGrid& b, std::uint32_t b_id) noexcept
@@ -134,8 +182,9 @@ void resolve(const Ray& ray, float t, IGrid& grid, std::uint32_t id, const Scene
     else patch_corners(grid, number, is_closer, dicer, arena, corner, has_uv);
 
     const double sense = cage.is_mirrored ? -1 : 1;
-    Vec3d geometric = glm::cross(tri.b - tri.a, tri.c - tri.a) * sense;
-    const double area = glm::length(geometric);
+    const Vec3d winding = glm::cross(tri.b - tri.a, tri.c - tri.a);
+    Vec3d geometric = winding * sense;
+    const double area = glm::length(geometric);  // of the parallelogram
     Vec3d shading = Vec3d(corner[0].normal) * w.x + Vec3d(corner[1].normal) * w.y + Vec3d(corner[2].normal) * w.z;
     const double length = glm::length(shading);
     // A closer has no area, and a degenerate patch corner no normal: one stands in for the other.
@@ -163,6 +212,13 @@ void resolve(const Ray& ray, float t, IGrid& grid, std::uint32_t id, const Scene
     hit.face = grid.parts.empty() ? number : grid.parts[part_of(number)].tile.patch.face;
     hit.material = material_of(scene, cage, hit.face);
     hit.node = cage.node_id;
+    if (!is_closer && area > 0) {
+        const WeightGradients gradients(tri, winding / area, area);
+        const double curvature = outward_curvature(gradients, corner);
+        hit.curvature = static_cast<float>(hit.back_side ? -curvature : curvature);
+        const int set = normal_map_set(*hit.material);
+        if (has_uv[set]) set_tangent(gradients, winding / area, corner, set, hit.back_side ? -shading : shading, hit);
+    }
     hit.level = cage.level;
 }
 

@@ -21,12 +21,18 @@ namespace occam::accel {
 
 class Frame;
 
+/// What a ray is for, as bits: by them nodes are hidden from some rays alone.
+struct RayKind {
+    static constexpr std::uint8_t Camera = 1, Shadow = 2, Reflection = 4, Transmission = 8, Diffuse = 16, All = 31;
+};
+
 struct Ray {
     Vec3d origin{0};
     Vec3f direction{0, 0, -1};  ///< unit
     float t_near = 0;
     float t_far = std::numeric_limits<float>::infinity();
     lod::Footprint footprint;   ///< full width of the beam along the ray
+    std::uint8_t kinds = RayKind::All;  ///< what the ray is; a node that none of these may see is not met
 };
 
 /// What phase two needs of a surface point, by value. Pointers are into the scene.
@@ -36,6 +42,13 @@ struct SurfaceHit {
     Vec3d position{0};             ///< on the micropolygon
     Vec3f normal_geometric{0};     ///< unit, of the micropolygon, towards the ray's origin
     Vec3f normal_shading{0};       ///< unit, interpolated, on the side of normal_geometric
+    /// Mean curvature from the vertices' normals, 1 / world length; positive where the surface bulges towards the ray's origin.
+    float curvature = 0;
+    /// Unit, world, across the outward shading normal: where u of the material's normal map grows. Zero without coordinates.
+    /// With n the outward normal (-normal_shading on the back side), tangent_sign * cross(n, tangent) is where v falls: a
+    /// normal map's +Y (glTF 2.0, sec. 3.9.3).
+    Vec3f tangent{0};
+    float tangent_sign = 1;
     Vec2f uv[2]{};                 ///< the first two sets
     float uv_width[2]{};           ///< of the ray's footprint, in units of uv
     Vec4f color{1};                ///< vertex colour
