@@ -4,6 +4,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "scenegraph/base/hash.h"
+
 namespace occam::accel {
 namespace {
 
@@ -11,12 +13,12 @@ namespace {
 auto order_of(const IGrid& grid, std::uint32_t id) noexcept
 {
     const bool is_closer = (id & kCloserBit) != 0;
-    if (grid.parts.empty()) return std::tuple(grid.cage->key, id, 0u, 0, 0, 0);
-    const std::uint32_t number = is_closer ? grid.closer_ids[id & ~kCloserBit] : id;
+    if (!grid.is_lattice) return std::tuple(grid.cage->key, id, 0u, 0, 0u, 0u, 0u);
+    const std::uint32_t number = is_closer ? grid.hanging_quads[id & ~kCloserBit] : id;
     const lod::TileRef& tile = grid.parts[part_of(number)].tile;
     const QuadRef quad = quad_of(number);
-    const std::uint32_t patch_face = tile.patch.face;
-    return std::tuple(grid.cage->key, patch_face, tile.patch.sub, tile.j0 + quad.j, tile.i0 + quad.i, is_closer ? 2 : int(quad.triangle));
+    const std::uint32_t patch_face = tile.patch.face, kind = is_closer ? 2u : quad.triangle;
+    return std::tuple(grid.cage->key, patch_face, tile.patch.sub, grid.pairs.finest, tile.j0 + quad.j, tile.i0 + quad.i, kind);
 }
 
 struct Triangle {
@@ -35,30 +37,50 @@ Vec3d barycentrics(const Triangle& tri, Vec3d origin, Vec3d direction) noexcept
     return w / sum;
 }
 
-Triangle vertices_of(const IGrid& grid, std::uint32_t id) noexcept
+const int kCorners[2][3][2] = {{{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}};
+
+// A vertex of a lattice as a ray sees it, and how coarse it is.
+Vec3f blended(const IGrid& grid, const VertexBlend& blend, std::uint32_t vertex, float* weight = nullptr) noexcept
 {
-    Triangle tri;
-    Vec3d* const out[3] = {&tri.a, &tri.b, &tri.c};
-    const bool is_closer = (id & kCloserBit) != 0;
-    if (grid.is_tile && !is_closer) {
+    const Vec3f f = grid.fine_at(vertex), c = grid.coarse_at(vertex);
+    const LanePoint fine{f.x, f.y, f.z}, coarse{c.x, c.y, c.z};
+    const LanePoint p = grid.blends() ? blend.between(fine, coarse) : fine;
+    if (weight) *weight = grid.blends() ? first_lane(blend.weight(fine)) : 0;
+    return {first_lane(p.x), first_lane(p.y), first_lane(p.z)};
+}
+
+// The micropolygon as the ray has met it, and the weights of its vertices.
+Triangle triangle_of(const IGrid& grid, std::uint32_t id, const VertexBlend& blend, float (&weight)[3]) noexcept
+{
+    Vec3f v[3];
+    const std::uint32_t at = id & ~kCloserBit;
+    if (!grid.is_lattice) {
+        // Ids of meshes are faces, and are looked up by position.
+        std::uint32_t k = 0;
+        while (grid.ids[k] != id) ++k;
+        for (int p = 0; p < 3; ++p) v[p] = {grid.corners[p * 3][k], grid.corners[p * 3 + 1][k], grid.corners[p * 3 + 2][k]};
+    } else if (id & kCloserBit) {
+        const lod::Hanging& hanging = grid.hanging[at];
+        const lod::Hanging::Ends ends = hanging.on(blended(grid, blend, hanging.a, &weight[0]), blended(grid, blend, hanging.c, &weight[2]));
+        v[0] = ends.low;
+        v[1] = ends.middle;
+        v[2] = ends.high;
+        weight[1] = weight[0];
+    } else {
         const QuadRef q = quad_of(id);
-        const int corners[2][3][2] = {{{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}};
+        const IGridPart& part = grid.parts[part_of(id)];
         for (int p = 0; p < 3; ++p) {
-            const int i = q.i + corners[q.triangle][p][0], j = q.j + corners[q.triangle][p][1];
-            const int at = grid.is_transposed ? i * grid.width + j : j * grid.width + i;
-            *out[p] = {grid.rows[0][at], grid.rows[1][at], grid.rows[2][at]};
+            const int i = q.i + kCorners[q.triangle][p][0], j = q.j + kCorners[q.triangle][p][1];
+            v[p] = blended(grid, blend, part.vertex(i, j), &weight[p]);
+            if (!grid.blends()) continue;
+            for (const lod::Hanging& h : grid.hanging)
+                if (h.is_inside && h.i == i && h.j == j && part_of(grid.hanging_quads[&h - grid.hanging.data()]) == part_of(id)) {
+                    v[p] = h.on(blended(grid, blend, h.a), blended(grid, blend, h.c)).middle;
+                    break;
+                }
         }
-        return tri;
     }
-    // A soup's id is looked up by position; ids of meshes are faces.
-    const float* const* corners = is_closer ? grid.closer_corners : grid.corners;
-    std::uint32_t at = id & ~kCloserBit;
-    if (!is_closer) {
-        at = 0;
-        while (grid.ids[at] != id) ++at;
-    }
-    for (int p = 0; p < 3; ++p) *out[p] = {corners[p * 3][at], corners[p * 3 + 1][at], corners[p * 3 + 2][at]};
-    return tri;
+    return {Vec3d(v[0]), Vec3d(v[1]), Vec3d(v[2])};
 }
 
 struct Corner {
@@ -67,7 +89,8 @@ struct Corner {
     Vec4f color{1};
 };
 
-void patch_corners(IGrid& grid, std::uint32_t number, bool is_closer, lod::Dicer& dicer, Arena& arena, Corner (&corner)[3], bool (&has_uv)[2])
+void patch_corners(IGrid& grid, std::uint32_t number, bool is_closer, const float (&weight)[3], lod::Dicer& dicer, Arena& arena,
+                   Corner (&corner)[3], bool (&has_uv)[2])
 {
     IGridPart& part = grid.parts[part_of(number)];
     if (!part.is_shaded) {
@@ -75,14 +98,18 @@ void patch_corners(IGrid& grid, std::uint32_t number, bool is_closer, lod::Dicer
         part.is_shaded = true;
     }
     const QuadRef q = quad_of(number);
-    const int offsets[3][3][2] = {{{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}, {{0, 0}, {0, 0}, {0, 0}}};
     for (int p = 0; p < 3; ++p) {
-        const auto& offset = offsets[is_closer ? 2 : q.triangle][p];
-        const int at = (q.j + offset[1]) * (part.tile.columns + 1) + q.i + offset[0];
-        corner[p].normal = part.attributes.normal[at];
+        const int i = q.i + (is_closer ? 0 : kCorners[q.triangle][p][0]), j = q.j + (is_closer ? 0 : kCorners[q.triangle][p][1]);
+        const int width = part.tile.columns + 1;
+        // What is odd lies, in the coarser level, on an edge or a diagonal; and blends as its position does.
+        const int low = j * width + i, odd_i = part.is_halved ? i & 1 : 0, odd_j = part.is_halved ? j & 1 : 0;
+        const int before = low - odd_j * width - odd_i, behind = low + odd_j * width + odd_i;
+        const float w = weight[p];
+        const auto blend = [&](const auto* values) { return values[low] * (1 - w) + (values[before] + values[behind]) * (0.5f * w); };
+        corner[p].normal = blend(part.attributes.normal);
         for (int s = 0; s < 2; ++s) {
             has_uv[s] = part.attributes.uv[s] != nullptr;
-            if (has_uv[s]) corner[p].uv[s] = part.attributes.uv[s][at];
+            if (has_uv[s]) corner[p].uv[s] = blend(part.attributes.uv[s]);
         }
     }
 }
@@ -166,20 +193,29 @@ bool comes_before(const IGrid& a, std::uint32_t a_id, const IGrid& b, std::uint3
     return order_of(a, a_id) < order_of(b, b_id);
 }
 
-void resolve(const Ray& ray, float t, IGrid& grid, std::uint32_t id, const Scene& scene, lod::Dicer& dicer, Arena& arena, SurfaceHit& hit)
+void resolve(const Ray& ray, const Met& met, const Scene& scene, lod::Dicer& dicer, Arena& arena, SurfaceHit& hit)
 {
+    IGrid& grid = *met.grid;
+    const std::uint32_t id = met.id;
     const lod::PosedCage& cage = *grid.cage;
     const bool is_closer = (id & kCloserBit) != 0;
-    const std::uint32_t number = is_closer ? grid.closer_ids[id & ~kCloserBit] : id;
-    const Triangle tri = vertices_of(grid, id);
+    const std::uint32_t number = is_closer ? grid.hanging_quads[id & ~kCloserBit] : id;
     const Vec3d d(ray.direction);
+    VertexBlend blend{};
+    if (grid.blends()) {
+        const PlacedOrigin at = place(ray, cage.anchor, cage.radius);
+        const vfloat direction[3] = {ray.direction.x, ray.direction.y, ray.direction.z}, origin[3] = {at.origin.x, at.origin.y, at.origin.z};
+        blend.set({met.blend.start, met.blend.scale}, direction, origin, at.shift);
+    }
+    float weight[3] = {};
+    const Triangle tri = triangle_of(grid, id, blend, weight);
     const Vec3d w = barycentrics(tri, ray.origin - cage.anchor, d);
     const Vec3d local = tri.a * w.x + tri.b * w.y + tri.c * w.z;
 
     Corner corner[3];
     bool has_uv[2] = {};
-    if (grid.parts.empty()) mesh_corners(grid, number, corner, has_uv);
-    else patch_corners(grid, number, is_closer, dicer, arena, corner, has_uv);
+    if (!grid.is_lattice) mesh_corners(grid, number, corner, has_uv);
+    else patch_corners(grid, number, is_closer, weight, dicer, arena, corner, has_uv);
 
     const double sense = cage.is_mirrored ? -1 : 1;
     const Vec3d winding = glm::cross(tri.b - tri.a, tri.c - tri.a);
@@ -192,7 +228,7 @@ void resolve(const Ray& ray, float t, IGrid& grid, std::uint32_t id, const Scene
     else geometric /= area;
     shading = length > 1e-20 ? shading / length : geometric;
 
-    hit.t = t;
+    hit.t = met.t;
     hit.position = cage.anchor + local;
     hit.back_side = glm::dot(geometric, d) > 0;
     if (hit.back_side) geometric = -geometric;
@@ -200,16 +236,16 @@ void resolve(const Ray& ray, float t, IGrid& grid, std::uint32_t id, const Scene
     hit.normal_geometric = Vec3f(geometric);
     hit.normal_shading = Vec3f(shading);
     const Vec3d size = glm::abs(local);
-    hit.self_distance = 16 * FLT_EPSILON * std::max(cage.radius, static_cast<float>(std::max({size.x, size.y, size.z})));
+    hit.self_distance = 2 * grid.delta + 16 * FLT_EPSILON * std::max(cage.radius, static_cast<float>(std::max({size.x, size.y, size.z})));
     hit.color = corner[0].color * float(w.x) + corner[1].color * float(w.y) + corner[2].color * float(w.z);
     for (int s = 0; s < 2; ++s) {
         if (!has_uv[s]) continue;
         hit.uv[s] = corner[0].uv[s] * float(w.x) + corner[1].uv[s] * float(w.y) + corner[2].uv[s] * float(w.z);
         const Vec2f e = corner[1].uv[s] - corner[0].uv[s], f = corner[2].uv[s] - corner[0].uv[s];
         const double uv_area = std::fabs(double(e.x) * f.y - double(e.y) * f.x);
-        hit.uv_width[s] = area > 0 ? static_cast<float>(ray.footprint.at(t) * std::sqrt(uv_area / area)) : 0;
+        hit.uv_width[s] = area > 0 ? static_cast<float>(ray.footprint.at(met.t) * std::sqrt(uv_area / area)) : 0;
     }
-    hit.face = grid.parts.empty() ? number : grid.parts[part_of(number)].tile.patch.face;
+    hit.face = !grid.is_lattice ? number : grid.parts[part_of(number)].tile.patch.face;
     hit.material = material_of(scene, cage, hit.face);
     hit.node = cage.node_id;
     if (!is_closer && area > 0) {
@@ -219,7 +255,11 @@ void resolve(const Ray& ray, float t, IGrid& grid, std::uint32_t id, const Scene
         const int set = normal_map_set(*hit.material);
         if (has_uv[set]) set_tangent(gradients, winding / area, corner, set, hit.back_side ? -shading : shading, hit);
     }
-    hit.level = cage.level;
+    hit.level = grid.level;
+    const lod::TileRef* tile = grid.is_lattice ? &grid.parts[part_of(number)].tile : nullptr;
+    const std::uint64_t tile_number = tile ? std::uint64_t(tile->j0) << 32 | tile->i0 : 0;
+    hit.blend = weight[0] * float(w.x) + weight[1] * float(w.y) + weight[2] * float(w.z);
+    hit.micropolygon = static_cast<std::uint32_t>(mix_bits(cage.key ^ mix_bits(std::uint64_t(number) << 32 ^ hit.face) ^ std::uint64_t(tile_number)));
 }
 
 }  // namespace occam::accel

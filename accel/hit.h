@@ -4,7 +4,7 @@
 #include <cfloat>
 
 #include "accel/igrid.h"
-#include "accel/tracer.h"
+#include "accel/ray_lanes.h"
 
 namespace occam::accel {
 
@@ -39,7 +39,15 @@ struct AnyHit {
     }
 };
 
+/// What a ray has met in the end.
+struct Met {
+    float t;
+    IGrid* grid;
+    std::uint32_t id;
+    lod::Blend<float> blend;  ///< of the ray in the grid's pair, if the grid blends
+};
+
 /// Fills a hit from the micropolygon that was met. Runs phase one on its patch if it is the first hit there.
-void resolve(const Ray& ray, float t, IGrid& grid, std::uint32_t id, const Scene& scene, lod::Dicer& dicer, Arena& arena, SurfaceHit& hit);
+void resolve(const Ray& ray, const Met& met, const Scene& scene, lod::Dicer& dicer, Arena& arena, SurfaceHit& hit);
 
 }  // namespace occam::accel

@@ -55,154 +55,196 @@ void finish_boxes(BoxTree& tree)
 
 }  // namespace
 
-int IGridBuilder::lay_out(const std::vector<Corner3>& triangles, const float* (&corners)[9], BoxTree& boxes, Arena& arena)
+void IGridBuilder::grow_by_vertex(const IGrid& grid, BoxTree& tree, int node, std::uint32_t vertex) const
 {
-    const int count = static_cast<int>(triangles.size()), blocks = (count + IGrid::kBlock - 1) / IGrid::kBlock;
-    const std::size_t padded = std::size_t(blocks) * IGrid::kBlock;
-    const std::span<float> data = arena.make_array<float>(9 * padded);
-    boxes = make_boxes(blocks, arena);
-    for (std::size_t k = 0; k < padded; ++k) {
-        // Copies of the last triangle fill its block: they hit where it hits, under the same number.
-        const Corner3& t = triangles[std::min<std::size_t>(k, triangles.size() - 1)];
-        const Vec3f* points[3] = {&t.a, &t.b, &t.c};
-        for (int p = 0; p < 3; ++p) {
-            for (int a = 0; a < 3; ++a) data[(p * 3 + a) * padded + k] = (*points[p])[a];
-            add_to_box(boxes, boxes.first_leaf() + static_cast<int>(k) / IGrid::kBlock, *points[p]);
-        }
-    }
-    finish_boxes(boxes);
-    for (int c = 0; c < 9; ++c) corners[c] = &data[c * padded];
-    return blocks;
+    add_to_box(tree, node, grid.fine_at(vertex));
+    add_to_box(tree, node, grid.coarse_at(vertex));
 }
 
-void IGridBuilder::add_closers(std::uint32_t part, const lod::LevelGrid& grid)
+// Takes a patch's vertices, its blocks and its T-vertices over. Rows run along the longer side.
+void IGridBuilder::add_part(IGrid& grid, std::uint32_t number, const lod::LevelGrid& vertices)
 {
-    for (const lod::Closer& c : grid.closers) {
-        closers_.push_back({c.a, c.middle, c.c});
-        closer_ids_.push_back(make_id(part, c.i, c.j, 0));
-    }
-}
+    IGridPart& part = grid.parts[number];
+    part = {};
+    part.tile = vertices.tile;
+    part.is_halved = vertices.is_halved;
+    part.is_transposed = part.tile.rows > part.tile.columns;
+    part.first = static_cast<std::uint32_t>(fine_[0].size());
+    const int fast = part.is_transposed ? part.tile.rows : part.tile.columns, slow = part.is_transposed ? part.tile.columns : part.tile.rows;
+    part.width = static_cast<std::uint32_t>(fast + 1);
+    micropolygons += std::uint64_t(2) * part.tile.columns * part.tile.rows;
 
-void IGridBuilder::finish_closers(IGrid& grid, Arena& arena)
-{
-    if (!closers_.empty()) {
-        grid.closer_blocks = lay_out(closers_, grid.closer_corners, grid.closer_boxes, arena);
-        const std::span<std::uint32_t> ids = arena.make_array<std::uint32_t>(std::size_t(grid.closer_blocks) * IGrid::kBlock);
-        for (std::size_t k = 0; k < ids.size(); ++k) ids[k] = closer_ids_[std::min(k, closer_ids_.size() - 1)];
-        grid.closer_ids = ids.data();
-    }
-    closers_.clear();
-    closer_ids_.clear();
-}
-
-IGrid* IGridBuilder::build_tile(const lod::PosedCage& cage, const lod::TileRef& tile, Arena& arena)
-{
-    lod::LevelGrid vertices = dicer_.dice(cage, tile, arena);
-    IGrid& grid = *arena.make<IGrid>();
-    grid.cage = &cage;
-    grid.is_tile = true;
-    grid.parts = arena.make_array<IGridPart>(1);
-    grid.parts[0] = {tile, {}, false};
-    grid.is_transposed = tile.columns < 4;
-    micropolygons += std::uint64_t(2) * tile.columns * tile.rows;
-
-    const int fast = grid.is_transposed ? tile.rows : tile.columns, slow = grid.is_transposed ? tile.columns : tile.rows;
-    grid.width = fast + 1;
-    float* from[3] = {vertices.x, vertices.y, vertices.z};
-    if (grid.is_transposed) {
-        const std::size_t count = std::size_t(vertices.width()) * vertices.height();
-        const std::span<float> turned = arena.make_array<float>(3 * count);
-        for (int a = 0; a < 3; ++a)
-            for (int j = 0; j <= tile.rows; ++j)
-                for (int i = 0; i <= tile.columns; ++i) turned[a * count + std::size_t(i) * grid.width + j] = from[a][j * vertices.width() + i];
-        for (int a = 0; a < 3; ++a) from[a] = &turned[a * count];
-    }
-    for (int a = 0; a < 3; ++a) grid.rows[a] = from[a];
-
-    // A block: strips of four in two rows, or, of a single row, two strips one after the other (or one strip twice).
-    const int strips = fast / 4, blocks_along = slow > 1 ? strips : std::max(1, strips / 2);
-    const int blocks = blocks_along * std::max(1, slow / 2);
-    grid.boxes = make_boxes(blocks, arena);
-    const std::span<std::uint16_t> quads = arena.make_array<std::uint16_t>(std::size_t(2) * blocks);
-    int leaf = 0;
-    // Leaves in the order of halving the longer side, so that the binary tree over them is that halving.
-    const auto visit = [&](const auto& self, int a0, int a1, int b0, int b1) -> void {
-        if (a1 - a0 == 1 && b1 - b0 == 1) {
-            const int s = slow > 1 ? b0 * 2 : 0;
-            const int f[2] = {slow > 1 ? a0 * 4 : a0 * 8, slow > 1 ? a0 * 4 : std::min(a0 * 8 + 4, fast - 4)};
-            for (int half = 0; half < 2; ++half) {
-                const int row = slow > 1 ? s + half : 0;
-                quads[leaf * 2 + half] = static_cast<std::uint16_t>(f[half] << 8 | row);
-                for (int y = row; y <= row + 1; ++y)
-                    for (int x = f[half]; x <= f[half] + 4; ++x) {
-                        const int at = y * grid.width + x;
-                        add_to_box(grid.boxes, grid.boxes.first_leaf() + leaf, {from[0][at], from[1][at], from[2][at]});
-                    }
-            }
-            ++leaf;
-        } else if ((a1 - a0) * 4 > (b1 - b0) * 2) {
-            self(self, a0, (a0 + a1) / 2, b0, b1);
-            self(self, (a0 + a1) / 2, a1, b0, b1);
-        } else if (b1 - b0 > 1) {
-            self(self, a0, a1, b0, (b0 + b1) / 2);
-            self(self, a0, a1, (b0 + b1) / 2, b1);
-        } else {
-            self(self, a0, (a0 + a1) / 2, b0, b1);
-            self(self, (a0 + a1) / 2, a1, b0, b1);
+    const auto copy = [&](float* const (&from)[3], std::vector<float> (&to)[3]) {
+        for (int a = 0; a < 3; ++a) {
+            for (int s = 0; s <= slow; ++s)
+                for (int f = 0; f <= fast; ++f) to[a].push_back(from[a][part.is_transposed ? vertices.index(s, f) : vertices.index(f, s)]);
+            to[a].insert(to[a].end(), from[a] + vertices.width() * vertices.height(), from[a] + vertices.vertex_count);
         }
     };
-    visit(visit, 0, blocks_along, 0, std::max(1, slow / 2));
-    finish_boxes(grid.boxes);
-    grid.block_quads = quads.data();
-    add_closers(0, vertices);
-    finish_closers(grid, arena);
-    return &grid;
+    copy(vertices.fine, fine_);
+    copy(vertices.coarse, coarse_);
+
+    // Vertices of the grid that this makes: the lattice may be turned, what follows it is not.
+    const auto moved = [&](std::uint32_t at) {
+        const auto lattice = static_cast<std::uint32_t>(vertices.width() * vertices.height()), width = static_cast<std::uint32_t>(vertices.width());
+        return at < lattice ? part.vertex(static_cast<int>(at % width), static_cast<int>(at / width)) : part.first + at;
+    };
+    const std::size_t first_hanging = hanging_.size();
+    for (lod::Hanging h : vertices.hanging) {
+        h.a = moved(h.a);
+        h.c = moved(h.c);
+        hanging_.push_back(h);
+        hanging_quads_.push_back(make_id(number, h.i, h.j, 0));
+    }
+
+    // Blocks in the order of halving the longer side, so that the binary tree over them is that halving.
+    const auto add_block = [&](int f0, int f1, int s0, int s1) {
+        LatticeBlock block;
+        block.first = part.first + static_cast<std::uint32_t>(s0) * part.width + static_cast<std::uint32_t>(f0);
+        block.stride = static_cast<std::uint16_t>(part.width);
+        block.columns = static_cast<std::uint8_t>(f1 - f0);
+        block.rows = static_cast<std::uint8_t>(s1 - s0);
+        block.fast = static_cast<std::uint8_t>(f0);
+        block.slow = static_cast<std::uint8_t>(s0);
+        block.is_transposed = part.is_transposed;
+        block.part = static_cast<std::uint16_t>(number);
+        block.hanging = static_cast<std::uint32_t>(block_hanging_.size());
+        for (std::size_t h = first_hanging; h < hanging_.size(); ++h) {
+            if (!hanging_[h].is_inside) continue;
+            const int f = part.is_transposed ? hanging_[h].j : hanging_[h].i, s = part.is_transposed ? hanging_[h].i : hanging_[h].j;
+            if (f < f0 || f > f1 || s < s0 || s > s1) continue;
+            block_hanging_.push_back({static_cast<std::uint32_t>(h), static_cast<std::uint8_t>(f - f0), static_cast<std::uint8_t>(s - s0)});
+            ++block.hanging_count;
+        }
+        blocks_.push_back(block);
+    };
+    const auto cut = [&](const auto& self, int f0, int f1, int s0, int s1) -> void {
+        const int columns = f1 - f0, rows = s1 - s0;
+        if (columns <= 4 && rows <= 2) {
+            add_block(f0, f1, s0, s1);
+        } else if (columns > 4 && (columns >= rows || rows <= 2)) {
+            self(self, f0, (f0 + f1) / 2, s0, s1);
+            self(self, (f0 + f1) / 2, f1, s0, s1);
+        } else {
+            self(self, f0, f1, s0, (s0 + s1) / 2);
+            self(self, f0, f1, (s0 + s1) / 2, s1);
+        }
+    };
+    cut(cut, 0, fast, 0, slow);
 }
 
-IGrid* IGridBuilder::build_patches(const lod::PosedCage& cage, std::span<const lod::TileRef> tiles, Arena& arena)
+void IGridBuilder::finish_hanging(IGrid& grid, Arena& arena)
+{
+    const std::size_t count = hanging_.size();
+    if (count == 0) return;
+    grid.hanging_blocks = static_cast<int>((count + IGrid::kBlock - 1) / IGrid::kBlock);
+    const std::size_t padded = static_cast<std::size_t>(grid.hanging_blocks) * IGrid::kBlock;
+    const std::span<lod::Hanging> kept = arena.make_array<lod::Hanging>(padded);
+    const std::span<std::uint32_t> quads = arena.make_array<std::uint32_t>(padded);
+    grid.hanging_boxes = make_boxes(grid.hanging_blocks, arena);
+    for (std::size_t h = 0; h < padded; ++h) {
+        kept[h] = hanging_[std::min(h, count - 1)];
+        quads[h] = hanging_quads_[std::min(h, count - 1)];
+        const int node = grid.hanging_boxes.first_leaf() + static_cast<int>(h) / IGrid::kBlock;
+        grow_by_vertex(grid, grid.hanging_boxes, node, kept[h].a);
+        grow_by_vertex(grid, grid.hanging_boxes, node, kept[h].c);
+    }
+    finish_boxes(grid.hanging_boxes);
+    grid.hanging = kept;
+    grid.hanging_quads = quads.data();
+}
+
+void IGridBuilder::finish(IGrid& grid, bool blends, Arena& arena)
+{
+    grid.is_lattice = true;
+    const std::size_t count = fine_[0].size();
+    // Eight floats more: lanes are loaded eight at a time.
+    const auto keep = [&](const std::vector<float> (&from)[3], const float* (&to)[3]) {
+        float* data = arena.make_array<float>(3 * count + 8).data();
+        for (std::size_t a = 0; a < 3; ++a) to[a] = std::copy(from[a].begin(), from[a].end(), data + a * count) - count;
+        std::fill_n(data + 3 * count, 8, 0.0f);
+    };
+    keep(fine_, grid.fine);
+    if (blends) {
+        keep(coarse_, grid.coarse);
+        float farthest = 0;
+        for (std::uint32_t v = 0; v < count; ++v) {
+            const Vec3f d = grid.fine_at(v) - grid.coarse_at(v);
+            farthest = std::max(farthest, glm::dot(d, d));
+        }
+        grid.delta = std::sqrt(farthest);
+    } else {
+        for (int a = 0; a < 3; ++a) grid.coarse[a] = grid.fine[a];
+    }
+    const std::span<LatticeBlock> blocks = arena.make_array<LatticeBlock>(blocks_.size());
+    std::copy(blocks_.begin(), blocks_.end(), blocks.begin());
+    grid.blocks = blocks.data();
+    const std::span<BlockHanging> block_hanging = arena.make_array<BlockHanging>(block_hanging_.size());
+    std::copy(block_hanging_.begin(), block_hanging_.end(), block_hanging.begin());
+    grid.block_hanging = block_hanging.data();
+    finish_hanging(grid, arena);
+
+    grid.boxes = make_boxes(static_cast<int>(blocks.size()), arena);
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+        const int node = grid.boxes.first_leaf() + static_cast<int>(b);
+        for (std::uint32_t row = 0; row <= blocks[b].rows; ++row)
+            for (std::uint32_t column = 0; column <= blocks[b].columns; ++column)
+                grow_by_vertex(grid, grid.boxes, node, blocks[b].first + row * blocks[b].stride + column);
+        // A T-vertex is anywhere between its ends as each ray blends them.
+        for (std::uint32_t h = 0; blends && h < blocks[b].hanging_count; ++h) {
+            const lod::Hanging& hanging = hanging_[block_hanging_[blocks[b].hanging + h].hanging];
+            grow_by_vertex(grid, grid.boxes, node, hanging.a);
+            grow_by_vertex(grid, grid.boxes, node, hanging.c);
+        }
+    }
+    finish_boxes(grid.boxes);
+}
+
+IGrid* IGridBuilder::build_patches(const lod::PosedCage& cage, std::span<const Part> patches, Arena& arena)
 {
     IGrid& grid = *arena.make<IGrid>();
     grid.cage = &cage;
-    grid.parts = arena.make_array<IGridPart>(tiles.size());
-    triangles_.clear();
-    ids_.clear();
-    for (std::uint32_t p = 0; p < tiles.size(); ++p) {
-        grid.parts[p] = {tiles[p], {}, false};
-        const lod::LevelGrid vertices = dicer_.dice(cage, tiles[p], arena);
-        for (int j = 0; j < tiles[p].rows; ++j)
-            for (int i = 0; i < tiles[p].columns; ++i) {
-                const Vec3f v00 = vertices.vertex(i, j), v10 = vertices.vertex(i + 1, j);
-                const Vec3f v01 = vertices.vertex(i, j + 1), v11 = vertices.vertex(i + 1, j + 1);
-                triangles_.push_back({v00, v10, v11});
-                ids_.push_back(make_id(p, i, j, 0));
-                triangles_.push_back({v00, v11, v01});
-                ids_.push_back(make_id(p, i, j, 1));
-            }
-        add_closers(p, vertices);
+    grid.parts = arena.make_array<IGridPart>(patches.size());
+    for (auto* list : {&fine_[0], &fine_[1], &fine_[2], &coarse_[0], &coarse_[1], &coarse_[2]}) list->clear();
+    blocks_.clear();
+    block_hanging_.clear();
+    hanging_.clear();
+    hanging_quads_.clear();
+    bool blends = false;
+    for (std::uint32_t p = 0; p < patches.size(); ++p) {
+        diced_.reset();
+        const lod::LevelGrid vertices = dicer_.dice_pair(cage, patches[p].tile, patches[p].coarser, diced_);
+        blends |= vertices.blends();
+        add_part(grid, p, vertices);
     }
-    micropolygons += triangles_.size();
-    const int blocks = lay_out(triangles_, grid.corners, grid.boxes, arena);
-    const std::span<std::uint32_t> ids = arena.make_array<std::uint32_t>(std::size_t(blocks) * IGrid::kBlock);
-    for (std::size_t k = 0; k < ids.size(); ++k) ids[k] = ids_[std::min(k, ids_.size() - 1)];
-    grid.ids = ids.data();
-    finish_closers(grid, arena);
+    finish(grid, blends, arena);
     return &grid;
 }
+
+IGrid* IGridBuilder::build_tile(const lod::PosedCage& cage, const Part& tile, Arena& arena) { return build_patches(cage, {&tile, 1}, arena); }
 
 IGrid* IGridBuilder::build_triangles(const lod::PosedCage& cage, std::span<const std::uint32_t> faces, Arena& arena)
 {
     IGrid& grid = *arena.make<IGrid>();
     grid.cage = &cage;
-    triangles_.clear();
     const Cage& source = cage.slot->cage;
-    for (const std::uint32_t f : faces) {
-        const std::uint32_t* v = &source.face_vertices[std::size_t(f) * 3];
-        triangles_.push_back({cage.pose(source.positions[v[0]]), cage.pose(source.positions[v[1]]), cage.pose(source.positions[v[2]])});
+    micropolygons += faces.size();
+    const int blocks = static_cast<int>(faces.size() + IGrid::kBlock - 1) / IGrid::kBlock;
+    const std::size_t padded = static_cast<std::size_t>(blocks) * IGrid::kBlock;
+    const std::span<float> data = arena.make_array<float>(9 * padded);
+    const std::span<std::uint32_t> ids = arena.make_array<std::uint32_t>(padded);
+    grid.boxes = make_boxes(blocks, arena);
+    for (std::size_t k = 0; k < padded; ++k) {
+        // Copies of the last triangle fill its block: they hit where it hits, under the same number.
+        const std::uint32_t face = ids[k] = faces[std::min(k, faces.size() - 1)];
+        for (std::size_t p = 0; p < 3; ++p) {
+            const Vec3f at = cage.pose(source.positions[source.face_vertices[std::size_t(face) * 3 + p]]);
+            for (int a = 0; a < 3; ++a) data[(p * 3 + static_cast<std::size_t>(a)) * padded + k] = at[a];
+            add_to_box(grid.boxes, grid.boxes.first_leaf() + static_cast<int>(k) / IGrid::kBlock, at);
+        }
     }
-    micropolygons += triangles_.size();
-    const int blocks = lay_out(triangles_, grid.corners, grid.boxes, arena);
-    const std::span<std::uint32_t> ids = arena.make_array<std::uint32_t>(std::size_t(blocks) * IGrid::kBlock);
-    for (std::size_t k = 0; k < ids.size(); ++k) ids[k] = faces[std::min(k, faces.size() - 1)];
+    finish_boxes(grid.boxes);
+    for (std::size_t c = 0; c < 9; ++c) grid.corners[c] = &data[c * padded];
     grid.ids = ids.data();
     return &grid;
 }

@@ -1,9 +1,13 @@
-// A tile of a patch, or the triangles of a cluster, ready to be met by rays ("igrid", Djeu et al. 2011, sec. 5.2.3).
+// A tile of a patch, small patches of a cluster, or the triangles of a cluster, ready to be met by rays ("igrid", Djeu et al.
+// 2011, sec. 5.2.3).
 //
-// A *tile* keeps its vertices in rows and is cut into blocks of 4 x 2 quads; a *soup* is a list of triangles, eight a block: small
-// patches of a cluster together, or a triangle mesh's own. Over the blocks lies a complete binary tree of boxes without
-// pointers (Hou et al. 2010, sec. 3: halving the longer parametric side is within 20 % of greedy SAH); children of node n are
-// 2n + 1 and 2n + 2, and the leaves are consecutive, so that a single ray can test eight of them at once.
+// A *lattice* igrid has vertices in rows and is cut into blocks of up to 4 x 2 quads; a *mesh* igrid is a list of triangles, eight a
+// block. Over the blocks lies a complete binary tree of boxes without pointers (Hou et al. 2010, sec. 3: halving the longer
+// parametric side is within 20 % of greedy SAH); children of node n are 2n + 1 and 2n + 2, and the leaves are consecutive, so
+// that a single ray can test eight of them at once.
+//
+// A lattice serves a pair of levels: each vertex has a fine and a coarse position, and each ray blends them for itself
+// (lod/ray_levels.h). T-vertices have neither: they are middles of blended edge vertices.
 //
 // Space    the cage's dicing frame.   Memory  in one worker's arena; its tree borrows it.   Threads  one worker's own.
 #pragma once
@@ -15,6 +19,13 @@
 #include "lod/level_grid.h"
 
 namespace occam::accel {
+
+/// Pairs of levels, both ends included.
+struct PairRange {
+    int finest = 0, coarsest = 0;
+    bool has(int pair) const noexcept { return finest <= pair && pair <= coarsest; }
+    bool is_empty() const noexcept { return finest > coarsest; }
+};
 
 /// A quad of a tile: its lower left vertex; and which triangle: 0 (v00, v10, v11), 1 (v00, v11, v01).
 struct QuadRef {
@@ -31,45 +42,76 @@ struct BoxTree {
     int first_leaf() const noexcept { return leaves - 1; }
 };
 
-/// One patch of a soup, or the tile's own.
+/// One patch of a lattice: a tile of it, or all of a small one.
 struct IGridPart {
     lod::TileRef tile;
     lod::GridAttributes attributes;  ///< made when a hit first asks
     bool is_shaded = false;
+    bool is_transposed = false;      ///< rows run along v
+    bool is_halved = false;          ///< in the pair's coarser level the patch has half as many rows and columns
+    std::uint32_t first = 0;         ///< vertex
+    std::uint32_t width = 0;         ///< vertices of a row
+
+    std::uint32_t vertex(int i, int j) const noexcept
+    {
+        return first + static_cast<std::uint32_t>(is_transposed ? i : j) * width + static_cast<std::uint32_t>(is_transposed ? j : i);
+    }
+};
+
+/// Quads side by side in two rows, or one.
+struct LatticeBlock {
+    std::uint32_t first = 0;         ///< vertex: lower left
+    std::uint16_t stride = 0;        ///< vertices of a row
+    std::uint8_t columns = 0, rows = 0;  ///< quads: 1 to 4, 1 or 2
+    std::uint8_t fast = 0, slow = 0; ///< its first quad in the part, along a row and across
+    bool is_transposed = false;
+    std::uint16_t part = 0;
+    std::uint16_t hanging_count = 0;
+    std::uint32_t hanging = 0;       ///< of its T-vertices: in IGrid::block_hanging
+
+    static constexpr int kColumns = 5, kRows = 3;  ///< vertices, at most
+};
+
+/// A T-vertex of a block.
+struct BlockHanging {
+    std::uint32_t hanging = 0;       ///< in IGrid::hanging
+    std::uint8_t column = 0, row = 0;
 };
 
 struct IGrid {
     static constexpr int kBlock = 8;  ///< quads or triangles a block
 
     const lod::PosedCage* cage = nullptr;
+    PairRange pairs;                  ///< that meet it
     BoxTree boxes;                    ///< one leaf a block; empty boxes pad to a power of two
-    bool is_tile = false;
-    bool has_mask = false;            ///< hits ask the HitFilter
+    bool is_lattice = false;
+    int level = 0;                    ///< of the fine positions
+    float delta = 0;                  ///< largest distance of a vertex from fine to coarse, world length
 
-    // Tile
-    const float* rows[3] = {};        ///< vertices; the fast axis has a multiple of four quads
-    int width = 0;                    ///< vertices of a row
-    bool is_transposed = false;       ///< rows run along v
-    const std::uint16_t* block_quads = nullptr;  ///< each block's two strips of four quads: (fast << 8 | slow) twice
+    // Lattice
+    const float* fine[3] = {};
+    const float* coarse[3] = {};      ///< the same arrays, if nothing blends
+    const LatticeBlock* blocks = nullptr;
+    const BlockHanging* block_hanging = nullptr;
+    std::span<const lod::Hanging> hanging;  ///< all that have a triangle here; padded with copies to whole blocks of eight
+    const std::uint32_t* hanging_quads = nullptr;  ///< of each: the micropolygon that it stands for in ids
+    int hanging_blocks = 0;
+    BoxTree hanging_boxes;
 
-    // Soup
+    // Mesh
     const float* corners[9] = {};     ///< a.x a.y a.z b.x .. c.z, padded with copies to whole blocks
-    const std::uint32_t* ids = nullptr;  ///< part << 16 | quad j << 9 | i << 1 | triangle; of triangle meshes: the face
+    const std::uint32_t* ids = nullptr;  ///< face
 
-    // Closers of all parts, laid out as a soup, each block with a box.
-    int closer_blocks = 0;
-    const float* closer_corners[9] = {};
-    const std::uint32_t* closer_ids = nullptr;
-    BoxTree closer_boxes;
-
-    std::span<IGridPart> parts;       ///< empty for a triangle mesh
+    std::span<IGridPart> parts;       ///< empty for a mesh
     std::uint64_t visit = 0;          ///< mailbox: the packet that met it last,
     std::uint32_t visited_lanes = 0;  ///< and which of its rays
 
-    int block_count() const noexcept { return boxes.leaves; }
+    bool blends() const noexcept { return coarse[0] != fine[0]; }
+    Vec3f fine_at(std::uint32_t v) const noexcept { return {fine[0][v], fine[1][v], fine[2][v]}; }
+    Vec3f coarse_at(std::uint32_t v) const noexcept { return {coarse[0][v], coarse[1][v], coarse[2][v]}; }
 };
 
-/// A micropolygon by number: closers have the top bit.
+/// A micropolygon by number: the triangles of T-vertices have the top bit.
 inline constexpr std::uint32_t kCloserBit = 0x80000000u;
 
 /// Builds igrids. Scratch is reused; results are in the arena.
@@ -77,32 +119,38 @@ class IGridBuilder {
 public:
     explicit IGridBuilder(lod::Dicer& dicer) : dicer_(dicer) {}
 
-    IGrid* build_tile(const lod::PosedCage& cage, const lod::TileRef& tile, Arena& arena);
-    /// Small patches of a cluster: each a whole patch of at most kSmallQuads quads.
-    IGrid* build_patches(const lod::PosedCage& cage, std::span<const lod::TileRef> tiles, Arena& arena);
+    struct Part {
+        lod::TileRef tile;
+        lod::PatchRates coarser;  ///< the patch's rates at the pair's coarser level
+    };
+
+    IGrid* build_tile(const lod::PosedCage& cage, const Part& tile, Arena& arena);
+    /// Small patches of a cluster: each a whole patch of at most 2^kSmallExponent quads.
+    IGrid* build_patches(const lod::PosedCage& cage, std::span<const Part> patches, Arena& arena);
     /// Faces of a triangle mesh.
     IGrid* build_triangles(const lod::PosedCage& cage, std::span<const std::uint32_t> faces, Arena& arena);
 
-    /// log2 of the quads below which a patch goes into a soup.
+    /// log2 of the quads up to which a patch shares an igrid.
     static constexpr int kSmallExponent = 2;
 
     std::uint64_t micropolygons = 0;
 
 private:
-    struct Corner3 {
-        Vec3f a, b, c;
-    };
-    void add_closers(std::uint32_t part, const lod::LevelGrid& grid);
-    void finish_closers(IGrid& grid, Arena& arena);
-    /// Lays triangles out in blocks of eight; returns the block count.
-    int lay_out(const std::vector<Corner3>& triangles, const float* (&corners)[9], BoxTree& boxes, Arena& arena);
+    void add_part(IGrid& grid, std::uint32_t number, const lod::LevelGrid& vertices);
+    void finish(IGrid& grid, bool blends, Arena& arena);
+    void finish_hanging(IGrid& grid, Arena& arena);
+    void grow_by_vertex(const IGrid& grid, BoxTree& tree, int node, std::uint32_t vertex) const;
 
     lod::Dicer& dicer_;
-    std::vector<Corner3> triangles_, closers_;
-    std::vector<std::uint32_t> ids_, closer_ids_;
+    Arena diced_;
+    std::vector<float> fine_[3], coarse_[3];
+    std::vector<LatticeBlock> blocks_;
+    std::vector<BlockHanging> block_hanging_;
+    std::vector<lod::Hanging> hanging_;
+    std::vector<std::uint32_t> hanging_quads_;
 };
 
-/// Quad and triangle of a soup's or a closer's id.
+/// Part, quad and triangle of a lattice's ids.
 inline QuadRef quad_of(std::uint32_t id) noexcept
 {
     return {static_cast<std::uint16_t>(id >> 1 & 0xff), static_cast<std::uint16_t>(id >> 9 & 0x7f), static_cast<std::uint8_t>(id & 1)};

@@ -3,6 +3,9 @@
 // Both ways run the same operations on the same numbers for each pair of ray and triangle, so they find the same bits; which one
 // runs is a matter of speed (break-even at two to three live rays, docs/performance.md).
 //
+// Each vertex of a lattice is blended, then sheared, once a ray and shared by the triangles around it. Where all rays are before
+// or behind the blend, the fine or the coarse positions serve as they are: the same bits, since the blend's ends are exact.
+//
 // Query    vfloat limit() const            lanes' present t_far (a single ray: in all lanes)
 //          void offer(lane, t, grid, id)   a hit with t in (t_near, limit]; decides ties and filters
 #pragma once
@@ -31,15 +34,19 @@ inline vmask in_box(const RayLanes& ray, const bool (&negative)[3], const vfloat
     return (in - pad_in <= out + pad_out) & (ray.shift + in - pad_in <= t_far) & (ray.shift + out + pad_out >= t_near);
 }
 
+/// One lane in all.
+inline vfloat spread(vfloat x, int lane) noexcept
+{
+    float lanes[kLanes];
+    x.store(lanes);
+    return lanes[lane];
+}
+
 /// One ray of a packet in all lanes.
 inline RayLanes spread(const RayLanes& rays, int lane) noexcept
 {
     RayLanes one = rays;
-    const auto pick = [&](vfloat& x) {
-        float lanes[kLanes];
-        x.store(lanes);
-        x = lanes[lane];
-    };
+    const auto pick = [&](vfloat& x) { x = spread(x, lane); };
     pick(one.sx);
     pick(one.sy);
     pick(one.sz);
@@ -47,22 +54,25 @@ inline RayLanes spread(const RayLanes& rays, int lane) noexcept
     for (int a = 0; a < 3; ++a) {
         pick(one.inverse[a]);
         pick(one.origin[a]);
+        pick(one.blend.d[a]);
     }
+    pick(one.blend.k);
     return one;
 }
 
 template <class Query>
 class IGridTracer {
 public:
-    /// t_near: of the rays, in lanes (a single ray: in all).
-    IGridTracer(IGrid& grid, const RayLanes& ray, const bool (&negative)[3], vfloat t_near, Query& query)
-        : grid_(grid), ray_(ray), negative_(negative), t_near_(t_near), query_(query)
+    /// t_near, t_end: what of the rays meets the grid, in lanes (a single ray: in all).
+    IGridTracer(IGrid& grid, const RayLanes& ray, const bool (&negative)[3], vfloat t_near, vfloat t_end, Query& query)
+        : grid_(grid), ray_(ray), negative_(negative), t_near_(t_near), t_end_(t_end), query_(query)
     {
     }
 
     /// Lanes are rays.
     void packet(vmask active) noexcept
     {
+        const bool blends = choose_vertices(active);
         int stack[32], size = 0;
         stack[size++] = 0;
         while (size > 0) {
@@ -75,31 +85,59 @@ public:
                 continue;
             }
             const int block = node - grid_.boxes.first_leaf();
-            if (grid_.is_tile) quads_packet(block, alive);
-            else triangles_packet(block, alive);
+            if (!grid_.is_lattice) triangles_packet(block, alive);
+            else if (blends) quads_packet<true>(grid_.blocks[block], alive);
+            else quads_packet<false>(grid_.blocks[block], alive);
         }
-        for (int block = 0; block < grid_.closer_blocks; ++block) {
-            unsigned lanes = bits(active & in_box_at(grid_.closer_boxes, grid_.closer_boxes.first_leaf() + block));
-            for (; lanes != 0; lanes &= lanes - 1) closers_single(block, std::countr_zero(lanes), spread(ray_, std::countr_zero(lanes)));
+        for (int block = 0; block < grid_.hanging_blocks; ++block) {
+            unsigned lanes = bits(active & in_box_at(grid_.hanging_boxes, grid_.hanging_boxes.first_leaf() + block));
+            for (; lanes != 0; lanes &= lanes - 1) {
+                const int lane = std::countr_zero(lanes);
+                hanging_single(block, lane, spread(ray_, lane), blends);
+            }
         }
     }
 
     /// All lanes hold ray `lane` of the query.
     void single(int lane) noexcept
     {
+        const bool blends = choose_vertices(vmask(true));
         for_each_block(grid_.boxes, [&](int block) {
-            if (grid_.is_tile) quads_single(block, lane);
-            else triangles_single(block, lane);
+            if (!grid_.is_lattice) triangles_single(block, lane);
+            else quads_single(grid_.blocks[block], lane, blends);
         });
-        if (grid_.closer_blocks > 0) for_each_block(grid_.closer_boxes, [&](int block) { closers_single(block, lane, ray_); });
+        if (grid_.hanging_blocks > 0) for_each_block(grid_.hanging_boxes, [&](int block) { hanging_single(block, lane, ray_, blends); });
     }
 
 private:
+    static constexpr int kColumns = LatticeBlock::kColumns, kRows = LatticeBlock::kRows;
+
+    /// Whether rays blend here. If not, one of the two positions of each vertex serves them all.
+    bool choose_vertices(vmask active) noexcept
+    {
+        vertices_ = grid_.fine;
+        if (!grid_.blends()) return false;
+        vfloat lowest[3], highest[3];
+        for (int a = 0; a < 3; ++a) {
+            const vmask falls = ray_.blend.d[a] < vfloat(0.0f);
+            lowest[a] = select(falls, grid_.boxes.hi[a][0], grid_.boxes.lo[a][0]);
+            highest[a] = select(falls, grid_.boxes.lo[a][0], grid_.boxes.hi[a][0]);
+        }
+        if (none(active & (ray_.blend.ramp(highest) > vfloat(0.0f)))) return false;
+        if (none(active & (ray_.blend.ramp(lowest) < vfloat(1.0f)))) {
+            vertices_ = grid_.coarse;
+            return false;
+        }
+        return true;
+    }
+
+    vfloat limit() const noexcept { return min(query_.limit(), t_end_); }
+
     vmask in_box_at(const BoxTree& tree, int node) const noexcept
     {
         const vfloat lo[3] = {tree.lo[0][node], tree.lo[1][node], tree.lo[2][node]};
         const vfloat hi[3] = {tree.hi[0][node], tree.hi[1][node], tree.hi[2][node]};
-        return in_box(ray_, negative_, lo, hi, t_near_, query_.limit());
+        return in_box(ray_, negative_, lo, hi, t_near_, limit());
     }
 
     template <class Visit>
@@ -109,7 +147,7 @@ private:
             const int node = tree.first_leaf() + first;
             const vfloat lo[3] = {vfloat::load(tree.lo[0] + node), vfloat::load(tree.lo[1] + node), vfloat::load(tree.lo[2] + node)};
             const vfloat hi[3] = {vfloat::load(tree.hi[0] + node), vfloat::load(tree.hi[1] + node), vfloat::load(tree.hi[2] + node)};
-            unsigned hit = bits(in_box(ray_, negative_, lo, hi, t_near_, query_.limit()));
+            unsigned hit = bits(in_box(ray_, negative_, lo, hi, t_near_, limit()));
             for (; hit != 0; hit &= hit - 1) visit(first + std::countr_zero(hit));
         }
     }
@@ -117,7 +155,7 @@ private:
     /// Offers the hits of a packet with one micropolygon.
     void offer_lanes(const TriangleHit& hit, vmask alive, std::uint32_t id) noexcept
     {
-        unsigned lanes = bits(hit.is_hit & alive & (hit.t > t_near_) & (hit.t <= query_.limit()));
+        unsigned lanes = bits(hit.is_hit & alive & (hit.t > t_near_) & (hit.t <= limit()));
         if (lanes == 0) return;
         float t[kLanes];
         hit.t.store(t);
@@ -127,72 +165,119 @@ private:
     template <class Id>
     void offer_one(const TriangleHit& hit, int ray, Id&& id) noexcept
     {
-        unsigned lanes = bits(hit.is_hit & (hit.t > t_near_) & (hit.t <= query_.limit()));
+        unsigned lanes = bits(hit.is_hit & (hit.t > t_near_) & (hit.t <= limit()));
         if (lanes == 0) return;
         float t[kLanes];
         hit.t.store(t);
         for (; lanes != 0; lanes &= lanes - 1) query_.offer(ray, t[std::countr_zero(lanes)], grid_, id(std::countr_zero(lanes)));
     }
 
-    std::uint32_t quad_id(int fast, int slow, int triangle) const noexcept
+    static std::uint32_t quad_id(const LatticeBlock& block, int column, int row, int triangle) noexcept
     {
-        return grid_.is_transposed ? make_id(0, slow, fast, 1 - triangle) : make_id(0, fast, slow, triangle);
+        const int fast = block.fast + column, slow = block.slow + row;
+        return block.is_transposed ? make_id(block.part, slow, fast, 1 - triangle) : make_id(block.part, fast, slow, triangle);
     }
 
-    void quads_packet(int block, vmask alive) noexcept
+    /// A vertex as this ray, or each ray of the packet, sees it.
+    template <bool kBlends>
+    LanePoint vertex(const RayLanes& ray, std::uint32_t at) const noexcept
     {
-        // The fifteen vertices of two strips of four quads are sheared once each. A single row of quads has two strips side by side.
-        const std::uint16_t* strips = grid_.block_quads + 2 * block;
-        const bool stacked = (strips[0] >> 8) == (strips[1] >> 8);
-        const auto sheared = [&](int fast, int slow) {
-            const int at = slow * grid_.width + fast;
-            const vfloat c[3] = {grid_.rows[0][at], grid_.rows[1][at], grid_.rows[2][at]};
-            return shear(ray_, c);
-        };
-        ShearedVertex low[5], high[5];
-        for (int half = 0; half < 2; ++half) {
-            const int fast = strips[half] >> 8, slow = strips[half] & 0xff;
-            if (half == 1 && stacked && strips[0] == strips[1]) break;
-            for (int k = 0; k < 5; ++k) {
-                low[k] = half == 1 && stacked ? high[k] : sheared(fast + k, slow);
-                high[k] = sheared(fast + k, slow + 1);
-            }
-            for (int k = 0; k < 4; ++k) {
-                offer_lanes(intersect(ray_, low[k], low[k + 1], high[k + 1]), alive, quad_id(fast + k, slow, 0));
-                offer_lanes(intersect(ray_, low[k], high[k + 1], high[k]), alive, quad_id(fast + k, slow, 1));
-            }
+        if constexpr (!kBlends) return {vertices_[0][at], vertices_[1][at], vertices_[2][at]};
+        else return ray.blend.between({grid_.fine[0][at], grid_.fine[1][at], grid_.fine[2][at]},
+                                      {grid_.coarse[0][at], grid_.coarse[1][at], grid_.coarse[2][at]});
+    }
+    LanePoint hanging_vertex(const RayLanes& ray, const lod::Hanging& hanging) const noexcept
+    {
+        LanePoint low = vertex<true>(ray, hanging.a), high = vertex<true>(ray, hanging.c);
+        for (int d = hanging.depth; d > 0; --d) {
+            const LanePoint m = middle(low, high);
+            (hanging.path >> (d - 1) & 1 ? low : high) = m;
         }
+        return middle(low, high);
     }
 
-    void quads_single(int block, int lane) noexcept
+    template <bool kBlends>
+    void quads_packet(const LatticeBlock& block, vmask alive) noexcept
     {
-        const std::uint16_t* strips = grid_.block_quads + 2 * block;
-        const int at[2] = {(strips[0] & 0xff) * grid_.width + (strips[0] >> 8), (strips[1] & 0xff) * grid_.width + (strips[1] >> 8)};
+        ShearedVertex v[kRows][kColumns];
+        for (std::uint32_t r = 0; r <= block.rows; ++r)
+            for (std::uint32_t c = 0; c <= block.columns; ++c) {
+                const std::uint32_t at = block.first + r * block.stride + c;
+                // What lies still needs no weight.
+                if (kBlends && grid_.fine_at(at) != grid_.coarse_at(at)) v[r][c] = shear(ray_, vertex<true>(ray_, at));
+                else v[r][c] = shear(ray_, vertex<false>(ray_, at));
+            }
+        if constexpr (kBlends)
+            for (std::uint32_t h = block.hanging; h < block.hanging + block.hanging_count; ++h) {
+                const BlockHanging& at = grid_.block_hanging[h];
+                v[at.row][at.column] = shear(ray_, hanging_vertex(ray_, grid_.hanging[at.hanging]));
+            }
+        for (int r = 0; r < block.rows; ++r)
+            for (int c = 0; c < block.columns; ++c) {
+                offer_lanes(intersect(ray_, v[r][c], v[r][c + 1], v[r + 1][c + 1]), alive, quad_id(block, c, r, 0));
+                offer_lanes(intersect(ray_, v[r][c], v[r + 1][c + 1], v[r + 1][c]), alive, quad_id(block, c, r, 1));
+            }
+    }
+
+    void quads_single(const LatticeBlock& block, int lane, bool blends) noexcept
+    {
+        // Rows of the block's vertices: as they are stored, or as this ray blends them.
+        float own[3][kRows][8];
+        const float* from[3][kRows];
+        for (std::uint32_t r = 0; r < std::uint32_t(kRows); ++r)
+            for (int a = 0; a < 3; ++a) from[a][r] = blends ? own[a][r] : vertices_[a] + block.first + std::min<std::uint32_t>(r, block.rows) * block.stride;
+        if (blends) {
+            for (std::uint32_t r = 0; r <= block.rows; ++r)
+                for (std::uint32_t c = 0; c <= block.columns; c += kLanes) {
+                    const std::uint32_t at = block.first + r * block.stride + c;
+                    const auto load = [&](const float* const (&p)[3]) { return LanePoint{vfloat::load(p[0] + at), vfloat::load(p[1] + at), vfloat::load(p[2] + at)}; };
+                    const LanePoint p = ray_.blend.between(load(grid_.fine), load(grid_.coarse));
+                    p.x.store(&own[0][r][c]);
+                    p.y.store(&own[1][r][c]);
+                    p.z.store(&own[2][r][c]);
+                }
+            for (std::uint32_t h = block.hanging; h < block.hanging + block.hanging_count; ++h) {
+                const BlockHanging& at = grid_.block_hanging[h];
+                const LanePoint p = hanging_vertex(ray_, grid_.hanging[at.hanging]);
+                const vfloat* parts[3] = {&p.x, &p.y, &p.z};
+                for (int a = 0; a < 3; ++a) {
+                    float lanes[kLanes];
+                    parts[a]->store(lanes);
+                    own[a][at.row][at.column] = lanes[0];
+                }
+            }
+            if (block.rows == 1)
+                for (auto& coordinate : own) std::copy_n(coordinate[1], 8, coordinate[2]);
+        }
+        // Lanes: four quads of the lower row, four of the upper.
+        unsigned real = (1u << block.columns) - 1;
+        if (block.rows == 2) real |= real << 4;
         for (int first = 0; first < IGrid::kBlock; first += kLanes) {
-            const auto corner = [&](int df, int ds) {
-                const int step = ds * grid_.width + df;
-                const vfloat c[3] = {vfloat::load_halves(grid_.rows[0] + at[0] + step, grid_.rows[0] + at[1] + step, first),
-                                     vfloat::load_halves(grid_.rows[1] + at[0] + step, grid_.rows[1] + at[1] + step, first),
-                                     vfloat::load_halves(grid_.rows[2] + at[0] + step, grid_.rows[2] + at[1] + step, first)};
-                return shear(ray_, c);
+            if ((real >> first & ((1u << kLanes) - 1)) == 0) continue;
+            const auto corner = [&](int dc, int dr) {
+                return shear(ray_, LanePoint{vfloat::load_halves(from[0][dr] + dc, from[0][dr + 1] + dc, first),
+                                             vfloat::load_halves(from[1][dr] + dc, from[1][dr + 1] + dc, first),
+                                             vfloat::load_halves(from[2][dr] + dc, from[2][dr + 1] + dc, first)});
             };
             const ShearedVertex v00 = corner(0, 0), v10 = corner(1, 0), v01 = corner(0, 1), v11 = corner(1, 1);
-            const auto id = [&](int k, int triangle) {
-                const std::uint16_t strip = strips[(first + k) / 4];
-                return quad_id((strip >> 8) + (first + k) % 4, strip & 0xff, triangle);
-            };
-            offer_one(intersect(ray_, v00, v10, v11), lane, [&](int k) { return id(k, 0); });
-            offer_one(intersect(ray_, v00, v11, v01), lane, [&](int k) { return id(k, 1); });
+            for (int triangle = 0; triangle < 2; ++triangle) {
+                const TriangleHit hit = triangle == 0 ? intersect(ray_, v00, v10, v11) : intersect(ray_, v00, v11, v01);
+                unsigned lanes = bits(hit.is_hit & (hit.t > t_near_) & (hit.t <= limit())) & (real >> first);
+                if (lanes == 0) continue;
+                float t[kLanes];
+                hit.t.store(t);
+                for (; lanes != 0; lanes &= lanes - 1) {
+                    const int k = std::countr_zero(lanes), quad = first + k;
+                    query_.offer(lane, t[k], grid_, quad_id(block, quad % 4, quad / 4, triangle));
+                }
+            }
         }
     }
 
     template <class Load>
     void triangle_vertices(Load&& load, ShearedVertex (&v)[3]) const noexcept
     {
-        for (int p = 0; p < 3; ++p) {
-            const vfloat c[3] = {load(p * 3), load(p * 3 + 1), load(p * 3 + 2)};
-            v[p] = shear(ray_, c);
-        }
+        for (int p = 0; p < 3; ++p) v[p] = shear(ray_, {load(p * 3), load(p * 3 + 1), load(p * 3 + 2)});
     }
 
     void triangles_packet(int block, vmask alive) noexcept
@@ -214,20 +299,42 @@ private:
         }
     }
 
-    /// The float test decides nothing here: its signs are right, but in a triangle without area t is noise along the edge. What
-    /// it lets through is done again in double, where the products of floats are exact (watertightness rule 6).
-    void closers_single(int block, int lane, const RayLanes& ray) noexcept
+    /// The triangles of T-vertices, which have no area. The float test decides nothing here: its signs are right, but t is noise
+    /// along the edge. What it lets through is done again in double, where the products of floats are exact (watertightness
+    /// rule 6).
+    void hanging_single(int block, int lane, const RayLanes& ray, bool blends) noexcept
     {
         for (int first = block * IGrid::kBlock; first < (block + 1) * IGrid::kBlock; first += kLanes) {
-            ShearedVertex v[3];
-            for (int p = 0; p < 3; ++p) {
-                const vfloat c[3] = {vfloat::load(grid_.closer_corners[p * 3] + first), vfloat::load(grid_.closer_corners[p * 3 + 1] + first),
-                                     vfloat::load(grid_.closer_corners[p * 3 + 2] + first)};
-                v[p] = shear(ray, c);
+            float end[2][3][kLanes], corner[3][3][kLanes];
+            for (int e = 0; e < 2; ++e) {
+                const auto gather = [&](const float* const* p) {
+                    float lanes[3][kLanes];
+                    for (int k = 0; k < kLanes; ++k) {
+                        const lod::Hanging& hanging = grid_.hanging[static_cast<std::size_t>(first + k)];
+                        for (int a = 0; a < 3; ++a) lanes[a][k] = p[a][e == 0 ? hanging.a : hanging.c];
+                    }
+                    return LanePoint{vfloat::load(lanes[0]), vfloat::load(lanes[1]), vfloat::load(lanes[2])};
+                };
+                const LanePoint p = blends ? ray.blend.between(gather(grid_.fine), gather(grid_.coarse))
+                                           : gather(vertices_);
+                p.x.store(end[e][0]);
+                p.y.store(end[e][1]);
+                p.z.store(end[e][2]);
             }
+            for (int k = 0; k < kLanes; ++k) {
+                const lod::Hanging::Ends ends = grid_.hanging[static_cast<std::size_t>(first + k)].on(
+                    {end[0][0][k], end[0][1][k], end[0][2][k]}, {end[1][0][k], end[1][1][k], end[1][2][k]});
+                for (int a = 0; a < 3; ++a) {
+                    corner[0][a][k] = ends.low[a];
+                    corner[1][a][k] = ends.middle[a];
+                    corner[2][a][k] = ends.high[a];
+                }
+            }
+            ShearedVertex v[3];
+            for (int p = 0; p < 3; ++p) v[p] = shear(ray, {vfloat::load(corner[p][0]), vfloat::load(corner[p][1]), vfloat::load(corner[p][2])});
             unsigned lanes = bits(is_inside(edge_functions(v[0], v[1], v[2])));
             if (lanes == 0) continue;
-            float x[3][kLanes], y[3][kLanes], t[3][kLanes], shift[kLanes], t_near[kLanes], limit[kLanes];
+            float x[3][kLanes], y[3][kLanes], t[3][kLanes], shift[kLanes], t_near[kLanes], t_far[kLanes];
             for (int p = 0; p < 3; ++p) {
                 v[p].x.store(x[p]);
                 v[p].y.store(y[p]);
@@ -235,7 +342,6 @@ private:
             }
             ray.shift.store(shift);
             t_near_.store(t_near);
-            query_.limit().store(limit);
             for (; lanes != 0; lanes &= lanes - 1) {
                 const int k = std::countr_zero(lanes);
                 const auto area = [&](int p, int q) { return double(x[q][k]) * y[p][k] - double(y[q][k]) * x[p][k]; };
@@ -245,7 +351,8 @@ private:
                 if (!inside || det == 0) continue;
                 const double exact = (u * t[0][k] + w_v * t[1][k] + w * t[2][k]) / det;
                 const float found = shift[0] + static_cast<float>(exact);
-                if (found > t_near[lane] && found <= limit[lane])
+                limit().store(t_far);
+                if (found > t_near[lane] && found <= t_far[lane])
                     query_.offer(lane, found, grid_, kCloserBit | static_cast<std::uint32_t>(first + k));
             }
         }
@@ -254,8 +361,9 @@ private:
     IGrid& grid_;
     const RayLanes& ray_;
     const bool (&negative_)[3];
-    vfloat t_near_;
+    vfloat t_near_, t_end_;
     Query& query_;
+    const float* const* vertices_ = nullptr;  ///< of rays that do not blend
 };
 
 }  // namespace occam::accel

@@ -12,21 +12,40 @@ namespace {
 
 constexpr float kBoxUlps = 4;      // what boxes of items are grown by: two for rounding them, two for the culling rule
 constexpr int kMaxSceneDepth = 256;
+constexpr std::size_t kMaxParts = 1024;  // of an igrid: n-gons of thousands of corners never share one
 
 // Rough costs of meeting an item, in steps of the tree: for the surface area heuristic alone.
 float cost_of_blocks(int blocks) { return 3.0f + 0.25f * float(blocks); }
 float cost_of_faces(std::uint32_t faces) { return 3.0f + float(faces) * 0.5f; }
+constexpr float kCostOfRegion = 10;
+
+/// The level from which on a patch has few enough quads to share an igrid with its neighbours.
+int small_from(const lod::PatchScale& scale)
+{
+    const auto exponent = [&](int level) { return scale.inside(0, level) + scale.inside(1, level); };
+    if (exponent(lod::kCoarsestLevel) > IGridBuilder::kSmallExponent) return Item::kNever;
+    // Both halve together: two a level.
+    int level = std::clamp((scale.k[0] + scale.k[1] - IGridBuilder::kSmallExponent) / 2 - 1, lod::kFinestLevel, lod::kCoarsestLevel);
+    while (exponent(level) > IGridBuilder::kSmallExponent) ++level;
+    return level;
+}
+
+std::int8_t level_bound(int level) { return static_cast<std::int8_t>(std::clamp<int>(level, Item::kAlways, Item::kNever)); }
+
+/// Of faces that do not change from level to level.
+constexpr PairRange kAllPairs{lod::kFinestLevel, lod::kCoarsestLevel};
 
 }  // namespace
 
 Items::Items(const FrameState& frame, Arena& arena, lod::Dicer& dicer, TraceCounters& counters)
-    : frame_(frame), arena_(arena), dicer_(dicer), counters_(counters), builder_(dicer), items_(arena)
+    : frame_(frame), arena_(arena), dicer_(dicer), counters_(counters), builder_(dicer), items_(arena), grids_(arena)
 {
 }
 
 ItemIndex Items::restart()
 {
     items_.clear();
+    grids_.clear();
     const Scene& scene = *frame_.scene;
     PlacedNode* root = arena_.make<PlacedNode>();
     *root = {scene.root(), scene.node(scene.root()).parent_from_node, kFnvStart, nullptr, 0};
@@ -49,18 +68,26 @@ Box3f Items::box_of(const lod::PosedCage& cage, const Box3f& object_box) const
     return outward_float(box, frame_.anchor, kBoxUlps);
 }
 
-void Items::open(ItemIndex i)
+bool Items::open(ItemIndex i, int pair)
 {
-    if (items_[i].first_part != Item::kClosed) return;
+    if (items_[i].first_part != Item::kClosed) return true;
+    if (items_[i].kind == Item::Leaf && !items_[i].cluster) {
+        measure(i);
+        if (is_final(i, pair)) return false;
+    }
     const Item item = items_[i];
     const auto first = static_cast<std::uint32_t>(items_.size());
     switch (item.kind) {
         case Item::SceneNode: open_node(*static_cast<const PlacedNode*>(item.subject)); break;
         case Item::Cluster: open_cluster(item.cage(), item.index); break;
-        default: open_patch(item.cage(), *item.tiles); break;
+        case Item::Leaf:
+            for (const PatchInfo& patch : item.cluster->patches) add_region(item.cage(), item.cluster, patch, {patch.ref, 0, 0, 0, 0});
+            break;
+        default: open_region(item); break;
     }
     items_[i].first_part = first;
     items_[i].part_count = static_cast<std::uint32_t>(items_.size()) - first;
+    return true;
 }
 
 void Items::add_cage(const PlacedNode& at, const Node& node, CageId id, std::size_t place)
@@ -76,13 +103,8 @@ void Items::add_cage(const PlacedNode& at, const Node& node, CageId id, std::siz
     cage.node_id = at.id;
     cage.key = mix_bits(at.key + place + 1);
     cage.place(at.world_from_node, slot->bounds);
-    if (cage.topology) cage.level = lod::choose_level(frame_.levels, cage);
-    Item item;
-    item.kind = Item::Cluster;
-    item.subject = &cage;
-    item.box = box_of(cage, cage.clusters->node(0).box);
-    item.cost = cost_of_faces(static_cast<std::uint32_t>(slot->cage.face_count()));
-    if (!item.box.is_empty()) items_.push_back(item);
+    if (cage.topology && frame_.levels.mode == lod::LevelMode::PerInstance) cage.level = lod::choose_level(frame_.levels, cage);
+    add_cluster(cage, 0);
 }
 
 void Items::open_node(const PlacedNode& at)
@@ -110,122 +132,166 @@ void Items::open_node(const PlacedNode& at)
     if (node->instance_of) add(node->instance_of, at.world_from_node, ~std::uint64_t(0) - node->instance_of.slot);
 }
 
-void Items::open_cluster(const lod::PosedCage& cage, std::uint32_t cluster)
+void Items::add_cluster(const lod::PosedCage& cage, std::uint32_t cluster)
 {
     const lod::ClusterTree::Node& node = cage.clusters->node(cluster);
-    if (node.left != 0) {
-        for (const std::uint32_t child : {node.left, node.left + 1}) {
-            const auto& below = cage.clusters->node(child);
-            Item item;
-            item.kind = Item::Cluster;
-            item.subject = &cage;
-            item.index = child;
-            item.box = box_of(cage, below.box);
-            item.cost = cost_of_faces(below.end - below.begin);
-            if (!item.box.is_empty()) items_.push_back(item);
-        }
-        return;
-    }
-    counters_.faces_touched += node.end - node.begin;
-    if (!cage.topology) {
-        Item item;
-        item.kind = Item::Faces;
-        item.subject = &cage;
-        item.index = cluster;
-        item.box = box_of(cage, node.box);
+    Item item;
+    item.kind = node.left != 0 ? Item::Cluster : cage.topology ? Item::Leaf : Item::Faces;
+    item.subject = &cage;
+    item.index = cluster;
+    item.box = box_of(cage, node.box);
+    item.cost = cost_of_faces(node.end - node.begin);
+    if (item.kind == Item::Faces) {
         item.cost = cost_of_blocks(static_cast<int>(node.end - node.begin + 7) / 8);
-        items_.push_back(item);
-        return;
+        item.final_from = Item::kAlways;
+        counters_.faces_touched += node.end - node.begin;
     }
-    small_.clear();
-    Box3f small_box;
-    int small_quads = 0;
-    for (std::uint32_t k = node.begin; k < node.end; ++k) {
-        const std::uint32_t face = cage.clusters->face(k);
-        if (!cage.topology->is_seen(face)) continue;
-        for (std::uint32_t sub = 0; sub < cage.topology->patches_of(face); ++sub) {
-            const lod::PatchRef patch{face, sub};
-            const lod::PatchRates rates = dicer_.rates(cage, patch);
-            const lod::TileRef whole{patch, rates, 0, 0, static_cast<std::uint16_t>(1 << rates.u), static_cast<std::uint16_t>(1 << rates.v)};
-            if (rates.u + rates.v > IGridBuilder::kSmallExponent) {
-                add_patch_part(cage, whole);
-                continue;
-            }
-            small_.push_back(whole);
-            small_box.add(dicer_.bounds(cage, whole));
-            small_quads += whole.columns * whole.rows;
-        }
-    }
-    // A part's number has 15 bits in an igrid's ids; n-gons of thousands of corners make several soups.
-    constexpr std::size_t kMaxParts = 1024;
-    for (std::size_t first = 0; first < small_.size(); first += kMaxParts) {
-        const std::size_t count = std::min(kMaxParts, small_.size() - first);
-        const std::span<lod::TileRef> tiles = arena_.make_array<lod::TileRef>(count);
-        std::copy_n(small_.begin() + static_cast<std::ptrdiff_t>(first), count, tiles.begin());
-        Item item;
-        item.kind = Item::SmallPatches;
-        item.subject = &cage;
-        item.tiles = tiles.data();
-        item.index = static_cast<std::uint32_t>(count);
-        item.box = to_tree(cage, small_box);
-        item.cost = cost_of_blocks(small_quads / 4 + 1);
-        items_.push_back(item);
-    }
+    if (!item.box.is_empty()) items_.push_back(item);
 }
 
-void Items::add_patch_part(const lod::PosedCage& cage, const lod::TileRef& part)
+void Items::open_cluster(const lod::PosedCage& cage, std::uint32_t cluster)
 {
-    const bool is_tile = part.columns <= lod::TileRef::kMaxSide && part.rows <= lod::TileRef::kMaxSide;
+    const std::uint32_t left = cage.clusters->node(cluster).left;
+    add_cluster(cage, left);
+    add_cluster(cage, left + 1);
+}
+
+void Items::measure(ItemIndex leaf)
+{
+    const lod::PosedCage& cage = items_[leaf].cage();
+    const lod::ClusterTree::Node& node = cage.clusters->node(items_[leaf].index);
+    counters_.faces_touched += node.end - node.begin;
+    std::size_t count = 0;
+    for (std::uint32_t k = node.begin; k < node.end; ++k)
+        if (const std::uint32_t face = cage.clusters->face(k); cage.topology->is_seen(face)) count += cage.topology->patches_of(face);
+    ClusterInfo& info = *arena_.make<ClusterInfo>();
+    info.patches = arena_.make_array<PatchInfo>(count);
+    std::size_t n = 0;
+    int quads = 0;
+    Box3f box;
+    for (std::uint32_t k = node.begin; k < node.end; ++k) {
+        const std::uint32_t face = cage.clusters->face(k);
+        for (std::uint32_t sub = 0; cage.topology->is_seen(face) && sub < cage.topology->patches_of(face); ++sub) {
+            PatchInfo& patch = info.patches[n++];
+            patch.ref = {face, sub};
+            patch.scale = dicer_.scale(cage, patch.ref);
+            patch.box = dicer_.bounds(cage, patch.scale, {patch.ref, 0, 0, 0, 0}, lod::kCoarsestLevel);
+            box.add(patch.box);
+            info.same_from = std::max(info.same_from, patch.scale.coarsest());
+            info.small_from = std::max(info.small_from, small_from(patch.scale));
+            quads += 1 << IGridBuilder::kSmallExponent;
+        }
+    }
+    Item& item = items_[leaf];
+    item.cluster = &info;
+    item.final_from = count > kMaxParts ? Item::kNever : level_bound(info.small_from);
+    item.cost = cost_of_blocks(quads / 4 + 1);
+    if (count > 0) item.box = to_tree(cage, box);
+}
+
+void Items::add_region(const lod::PosedCage& cage, ClusterInfo* cluster, const PatchInfo& patch, const lod::PatchRegion& region)
+{
+    const lod::PatchScale& scale = patch.scale;
     Item item;
-    item.kind = is_tile ? Item::Tile : Item::Patch;
+    item.kind = Item::Region;
     item.subject = &cage;
-    item.tiles = arena_.make<lod::TileRef>(part);
-    item.index = 1;
-    item.box = to_tree(cage, dicer_.bounds(cage, part));
-    const int quads = part.columns * part.rows;
-    item.cost = is_tile ? cost_of_blocks(quads / 8) : 4.0f * float(std::bit_width(unsigned(quads) / 128));
+    item.cluster = cluster;
+    item.patch = &patch;
+    item.region = region;
+    item.cost = kCostOfRegion;
+    // It is one tile once neither side has more quads than a tile.
+    int from = lod::kFinestLevel - 1;
+    const int depth[2] = {region.du, region.dv};
+    for (int axis : {0, 1})
+        if (scale.inside(axis, lod::kCoarsestLevel) - depth[axis] > lod::TileRef::kSideExponent) from = Item::kNever;
+        else from = std::max(from, scale.k[axis] - depth[axis] - lod::TileRef::kSideExponent);
+    item.final_from = level_bound(from <= cage.finest_level() ? Item::kAlways : from);
+    // Its box is right while it is whole quads of the pair's coarser level.
+    const bool is_always = frame_.levels.mode == lod::LevelMode::PerInstance || (region.du <= scale.inside(0, lod::kCoarsestLevel) && region.dv <= scale.inside(1, lod::kCoarsestLevel));
+    const int holds_to = is_always ? Item::kNever : std::min(scale.k[0] - region.du, scale.k[1] - region.dv) - 1;
+    item.holds_to = level_bound(holds_to);
+    const bool is_whole = region.du == 0 && region.dv == 0;
+    item.box = to_tree(cage, is_whole ? patch.box : dicer_.bounds(cage, scale, region, std::min(holds_to + 1, lod::kCoarsestLevel)));
     items_.push_back(item);
 }
 
-void Items::open_patch(const lod::PosedCage& cage, const lod::TileRef& part)
+void Items::open_region(const Item& item)
 {
-    // Sides that are too long are halved.
-    const auto halves = [](std::uint16_t side) { return side > lod::TileRef::kMaxSide ? 2 : 1; };
-    const int across = halves(part.columns), down = halves(part.rows);
-    for (int j = 0; j < down; ++j)
-        for (int i = 0; i < across; ++i) {
-            lod::TileRef piece = part;
-            piece.columns = static_cast<std::uint16_t>(part.columns / across);
-            piece.rows = static_cast<std::uint16_t>(part.rows / down);
-            piece.i0 = static_cast<std::uint16_t>(part.i0 + i * piece.columns);
-            piece.j0 = static_cast<std::uint16_t>(part.j0 + j * piece.rows);
-            add_patch_part(cage, piece);
-        }
+    // The longer side is halved, or both: then regions are about as wide as high.
+    const lod::PatchRegion& r = item.region;
+    const int u = item.patch->scale.k[0] - r.du, v = item.patch->scale.k[1] - r.dv;
+    const int across = u >= v ? 2 : 1, down = v >= u ? 2 : 1;
+    for (std::uint32_t j = 0; j < std::uint32_t(down); ++j)
+        for (std::uint32_t i = 0; i < std::uint32_t(across); ++i)
+            add_region(item.cage(), item.cluster, *item.patch,
+                       {r.patch, r.iu * across + i, r.iv * down + j, r.du + across - 1, r.dv + down - 1});
 }
 
-IGrid& Items::grid(ItemIndex i)
+/// Whether the item's patch, or all patches of its cluster, are met in the cluster's one igrid.
+bool Items::shares(const Item& item, int pair) const noexcept
 {
-    if (items_[i].grid) return *items_[i].grid;
-    const Stopwatch watch(counters_.dice_seconds);
-    const Item item = items_[i];
-    const std::uint64_t before = builder_.micropolygons;
-    IGrid* grid = nullptr;
-    switch (item.kind) {
-        case Item::Tile: grid = builder_.build_tile(item.cage(), *item.tiles, arena_); break;
-        case Item::SmallPatches: grid = builder_.build_patches(item.cage(), {item.tiles, item.index}, arena_); break;
-        default: {
-            const auto& node = item.cage().clusters->node(item.index);
-            std::uint32_t faces[lod::ClusterTree::kLeafFaces];
-            for (std::uint32_t k = node.begin; k < node.end; ++k) faces[k - node.begin] = item.cage().clusters->face(k);
-            grid = builder_.build_triangles(item.cage(), {faces, node.end - node.begin}, arena_);
-        }
+    return item.kind == Item::Leaf ||
+           (item.kind == Item::Region && pair >= item.cluster->small_from && item.cluster->patches.size() <= kMaxParts);
+}
+
+PairRange Items::range(ItemIndex i, int pair) const noexcept
+{
+    const Item& item = items_[i];
+    if (item.kind == Item::Faces || frame_.levels.mode == lod::LevelMode::PerInstance) return kAllPairs;
+    const int finest = item.cage().finest_level();
+    if (pair < finest) return {lod::kFinestLevel, finest - 1};
+    const int same = shares(item, pair) ? item.cluster->same_from : item.patch->scale.coarsest();
+    return pair >= same ? PairRange{std::max(same, finest), lod::kCoarsestLevel} : PairRange{pair, pair};
+}
+
+IGrid& Items::grid(ItemIndex i, int pair)
+{
+    const Item& item = items_[i];
+    const int level = std::max(pair_of(item, pair), item.kind == Item::Faces ? pair : item.cage().finest_level());
+    const PairRange pairs = range(i, pair);
+    const bool is_shared = shares(item, pair_of(item, pair));
+    GridKey key{&item, pairs.finest, 0, 0};
+    lod::TileRef tile;
+    if (is_shared) {
+        key.subject = item.cluster;
+    } else if (item.kind == Item::Region) {
+        // The tile that the region lies in, or is.
+        const lod::PatchRates rates = item.patch->scale.rates(level);
+        const auto first = [](std::uint32_t n, int rate, int depth) { return rate >= depth ? n << (rate - depth) : n >> (depth - rate); };
+        tile = lod::Dicer::tile(item.patch->ref, item.patch->scale, level, first(item.region.iu, rates.u, item.region.du),
+                                first(item.region.iv, rates.v, item.region.dv));
+        key = {item.patch, pairs.finest, tile.i0, tile.j0};
     }
-    ++counters_.grids;
-    const std::uint64_t made = builder_.micropolygons - before;
-    counters_.micropolygons += made;
-    counters_.micropolygons_of_level[item.cage().level - TraceCounters::kFinestLevel] += made;
-    items_[i].grid = grid;
+    IGrid*& grid = grids_[key];
+    if (!grid) {
+        const Stopwatch watch(counters_.dice_seconds);
+        const std::uint64_t before = builder_.micropolygons;
+        grid = build(item, level, pair_of(item, pair) < level ? level : level + 1, is_shared, tile);
+        grid->pairs = pairs;
+        if (item.kind != Item::Faces) grid->level = level;
+        ++counters_.grids;
+        const std::uint64_t made = builder_.micropolygons - before;
+        counters_.micropolygons += made;
+        if (item.kind != Item::Faces) counters_.micropolygons_of_level[std::clamp(level, lod::kFinestLevel, lod::kCoarsestLevel) - TraceCounters::kFinestLevel] += made;
+    }
     return *grid;
+}
+
+IGrid* Items::build(const Item& item, int level, int coarser, bool is_shared, const lod::TileRef& tile)
+{
+    const lod::PosedCage& cage = item.cage();
+    if (frame_.levels.mode == lod::LevelMode::PerInstance) coarser = level;
+    if (item.kind == Item::Faces) {
+        const auto& node = cage.clusters->node(item.index);
+        std::uint32_t faces[lod::ClusterTree::kLeafFaces];
+        for (std::uint32_t k = node.begin; k < node.end; ++k) faces[k - node.begin] = cage.clusters->face(k);
+        return builder_.build_triangles(cage, {faces, node.end - node.begin}, arena_);
+    }
+    if (!is_shared) return builder_.build_tile(cage, {tile, item.patch->scale.rates(coarser)}, arena_);
+    parts_.clear();
+    for (const PatchInfo& patch : item.cluster->patches)
+        parts_.push_back({lod::Dicer::tile(patch.ref, patch.scale, level, 0, 0), patch.scale.rates(coarser)});
+    return builder_.build_patches(cage, parts_, arena_);
 }
 
 }  // namespace occam::accel

@@ -1,14 +1,17 @@
 // What a kd-tree's lazy nodes hold: parts of the scene, each with a box, opened step by step as rays come near.
 //
-// An item stands for everything below it (Hunt et al. 2007): a node of the scene graph, a cluster of a cage's faces, a part of a
-// large patch. Opening one makes its parts, once; what cannot be opened becomes an igrid when a ray enters its box.
+// An item stands for everything below it (Hunt et al. 2007): a node of the scene graph, a cluster of a cage's faces, a patch, a
+// dyadic region of a patch. Items know nothing of levels but two bounds: from which pair of levels on a ray meets them as
+// one igrid, and up to which pair their box holds what such a ray meets. So one tree serves all pairs (Djeu et al. 2011,
+// sec. 5.2.1).
 //
 // Space    boxes: the tree's frame (world axes, translated by the frame's anchor), grown to hold what they stand for for sure.
 // Memory   one worker's arena.   Threads  one worker's own.
 #pragma once
 
-#include "accel/igrid.h"
 #include "accel/frame_state.h"
+#include "accel/grid_table.h"
+#include "accel/igrid.h"
 #include "accel/tracer.h"
 #include "scenegraph/base/arena.h"
 
@@ -25,28 +28,44 @@ struct PlacedNode {
     int depth;
 };
 
+/// A patch of a cage, its rates known.
+struct PatchInfo {
+    lod::PatchRef ref;
+    lod::PatchScale scale;
+    Box3f box;  ///< of the whole patch, dicing frame
+};
+
+/// The patches of a leaf of a cage's cluster tree.
+struct ClusterInfo {
+    std::span<PatchInfo> patches;
+    int small_from = lod::kFinestLevel;  ///< from this level on all patches are small: they share an igrid
+    int same_from = lod::kFinestLevel;   ///< from this level on none changes any more
+};
+
 struct Item {
     enum Kind : std::uint8_t {
-        SceneNode,   ///< subject: PlacedNode
-        Cluster,     ///< subject: PosedCage, index: node of its ClusterTree
-        Patch,       ///< part of a patch, too large for one tile
-        Tile,        ///< final: one tile of a patch
-        SmallPatches,  ///< final: small patches of a cluster
-        Faces        ///< final: triangles of a cluster
+        SceneNode,  ///< subject: PlacedNode
+        Cluster,    ///< subject: PosedCage, index: node of its ClusterTree
+        Leaf,       ///< the same, without nodes below
+        Region,     ///< a patch or part of one
+        Faces       ///< triangles of a cluster of a mesh
     };
     static constexpr std::uint32_t kClosed = ~0u;
+    static constexpr std::int8_t kNever = 127, kAlways = -128;
 
     Box3f box;
     Kind kind = SceneNode;
-    float cost = 1;                  ///< of meeting it, in traversal steps
+    std::int8_t final_from = kNever;  ///< coarsest pairs, from this one on, meet the item as one igrid
+    std::int8_t holds_to = kNever;    ///< the box is right for pairs up to this one
+    float cost = 1;                   ///< of meeting it, in traversal steps
     std::uint32_t first_part = kClosed;
     std::uint32_t part_count = 0;
-    const void* subject = nullptr;   ///< PlacedNode or PosedCage
-    std::uint32_t index = 0;         ///< cluster node; or count of tiles
-    const lod::TileRef* tiles = nullptr;
-    IGrid* grid = nullptr;           ///< final kinds, once built
+    const void* subject = nullptr;    ///< PlacedNode or PosedCage
+    std::uint32_t index = 0;          ///< cluster node
+    ClusterInfo* cluster = nullptr;   ///< Leaf, once measured; Region
+    const PatchInfo* patch = nullptr; ///< Region
+    lod::PatchRegion region;          ///< Region
 
-    bool is_final() const noexcept { return kind >= Tile; }
     const lod::PosedCage& cage() const noexcept { return *static_cast<const lod::PosedCage*>(subject); }
 };
 
@@ -59,17 +78,32 @@ public:
 
     Item& operator[](ItemIndex i) noexcept { return items_[i]; }
 
-    /// Makes the parts of an item that is not final; [first_part, first_part + part_count) afterwards. Items may move in memory.
-    void open(ItemIndex i);
-    /// The igrid of a final item, built now if this is the first ray in its box.
-    IGrid& grid(ItemIndex i);
+    bool is_final(ItemIndex i, int pair) const noexcept { return pair_of(items_[i], pair) >= items_[i].final_from; }
+    /// Whether opening it first takes no region apart.
+    bool is_group(ItemIndex i) const noexcept { return items_[i].kind <= Item::Leaf; }
+
+    /// Makes the parts of an item that is not final: [first_part, first_part + part_count) afterwards; or, of a Leaf not looked
+    /// into yet, finds out from when on it is final. Items may move in memory. Returns whether there are parts.
+    bool open(ItemIndex i, int pair);
+    /// The igrid that rays of a pair meet in the item, which is final for it; built now if this is the first.
+    IGrid& grid(ItemIndex i, int pair);
+    /// The pairs for which that igrid is the same.
+    PairRange range(ItemIndex i, int pair) const noexcept;
 
 private:
+    int pair_of(const Item& item, int pair) const noexcept
+    {
+        return frame_.levels.mode != lod::LevelMode::PerInstance || item.kind < Item::Leaf ? pair : item.cage().level;
+    }
     void open_node(const PlacedNode& node);
     void open_cluster(const lod::PosedCage& cage, std::uint32_t cluster);
-    void open_patch(const lod::PosedCage& cage, const lod::TileRef& part);
+    void add_cluster(const lod::PosedCage& cage, std::uint32_t cluster);
+    void measure(ItemIndex leaf);
+    void add_region(const lod::PosedCage& cage, ClusterInfo* cluster, const PatchInfo& patch, const lod::PatchRegion& region);
+    void open_region(const Item& item);
     void add_cage(const PlacedNode& at, const Node& node, CageId id, std::size_t place);
-    void add_patch_part(const lod::PosedCage& cage, const lod::TileRef& part);
+    IGrid* build(const Item& item, int level, int coarser, bool is_shared, const lod::TileRef& tile);
+    bool shares(const Item& item, int pair) const noexcept;
     Box3f box_of(const lod::PosedCage& cage, const Box3f& object_box) const;
     Box3f to_tree(const lod::PosedCage& cage, const Box3f& box) const;
 
@@ -79,7 +113,8 @@ private:
     TraceCounters& counters_;
     IGridBuilder builder_;
     ArenaVector<Item> items_;
-    std::vector<lod::TileRef> small_;
+    GridTable grids_;
+    std::vector<IGridBuilder::Part> parts_;
 };
 
 }  // namespace occam::accel

@@ -8,49 +8,63 @@ namespace occam::accel {
 namespace {
 
 constexpr std::size_t kEnough = 16;        // candidates to choose a plane from; tests/bench has the curve
-constexpr float kTraversalCost = 2;  // 1 builds deeper trees that trace 3 % slower, 4 gains and loses by scene (occam_bench trace)
+constexpr float kTraversalCost = 16;       // in the units of Item::cost; tests/bench has the curve
 constexpr float kEmptyBonus = 0.8f;        // of a split that cuts off empty space
 
 }  // namespace
 
 KdTree::KdTree(Items& items, Arena& arena, TraceCounters& counters)
-    : items_(items), arena_(arena), counters_(counters), nodes_(arena), records_(arena)
+    : items_(items), arena_(arena), counters_(counters), nodes_(arena), heads_(arena), records_(arena), leaves_(arena)
 {
 }
 
 void KdTree::restart(const Box3f& bounds, ItemIndex root)
 {
     nodes_.clear();
+    heads_.clear();
     records_.clear();
+    leaves_.clear();
     const std::span<ItemIndex> list = arena_.make_array<ItemIndex>(1);
     list[0] = root;
-    records_.push_back({bounds, list, 0, true});
-    nodes_.push_back({0, 3});
+    records_.push_back({bounds, list, 0});
+    leaves_.push_back({});
+    leaves_.push_back({});
+    nodes_.push_back({0, 1u << 2 | 3});
 }
 
-void KdTree::clip_into(const Box3f& box, ItemIndex item)
+void KdTree::clip_into(const Box3f& box, ItemIndex item, int pair)
 {
     const Item& it = items_[item];
     const Box3f clipped{glm::max(it.box.lo, box.lo), glm::min(it.box.hi, box.hi)};
-    if (!clipped.is_empty()) candidates_.push_back({clipped, item, it.cost, it.is_final()});
+    if (!clipped.is_empty()) candidates_.push_back({clipped, item, it.cost, items_.is_final(item, pair)});
 }
 
-bool KdTree::open_largest(const Box3f& box)
+bool KdTree::open_largest(const Box3f& box, int pair)
 {
+    // Regions last: taking them apart binds the node to fine levels.
     std::size_t largest = candidates_.size();
     float area = -1;
-    for (std::size_t c = 0; c < candidates_.size(); ++c)
-        if (!candidates_[c].is_final && candidates_[c].box.half_area() > area) {
+    bool is_group = false;
+    for (std::size_t c = 0; c < candidates_.size(); ++c) {
+        if (candidates_[c].is_final) continue;
+        const bool group = items_.is_group(candidates_[c].item);
+        if (is_group && !group) continue;
+        if ((group && !is_group) || candidates_[c].box.half_area() > area) {
             area = candidates_[c].box.half_area();
             largest = c;
+            is_group = group;
         }
+    }
     if (largest == candidates_.size()) return false;
     const ItemIndex opened = candidates_[largest].item;
     candidates_[largest] = candidates_.back();
     candidates_.pop_back();
-    items_.open(opened);
+    if (!items_.open(opened, pair)) {
+        clip_into(box, opened, pair);
+        return true;
+    }
     const std::uint32_t first = items_[opened].first_part, count = items_[opened].part_count;
-    for (std::uint32_t p = 0; p < count; ++p) clip_into(box, first + p);
+    for (std::uint32_t p = 0; p < count; ++p) clip_into(box, first + p, pair);
     return true;
 }
 
@@ -100,7 +114,7 @@ KdTree::Split KdTree::best_split(const Box3f& box)
     return best;
 }
 
-std::uint32_t KdTree::make_lazy(const Box3f& box, int depth, int axis, float position, bool upper)
+void KdTree::make_lazy(const Box3f& box, int depth, int axis, float position, bool upper)
 {
     const auto is_in = [&](const Candidate& c) {
         return upper ? c.box.hi[axis] > position : c.box.lo[axis] < position || c.box.hi[axis] <= position;
@@ -113,45 +127,65 @@ std::uint32_t KdTree::make_lazy(const Box3f& box, int depth, int axis, float pos
         if (is_in(c)) list[n++] = c.item;
     Box3f half = box;
     (upper ? half.lo : half.hi)[axis] = position;
-    const auto record = static_cast<std::uint32_t>(records_.size());
-    records_.push_back({half, list, depth, count > 0});
-    nodes_.push_back({0, record << 2 | 3});
-    return static_cast<std::uint32_t>(nodes_.size() - 1);
+    const auto leaf = static_cast<std::uint32_t>(leaves_.size());
+    KdLeaf unknown;
+    unknown.record = static_cast<std::uint32_t>(records_.size());
+    leaves_.push_back(unknown);
+    records_.push_back({half, list, depth});
+    nodes_.push_back({0, leaf << 2 | 3});
 }
 
-void KdTree::expand(std::uint32_t n)
+KdLeaf* KdTree::make_leaf(std::uint32_t n, int pair, std::uint32_t head, std::uint32_t record)
+{
+    KdLeaf leaf{{lod::kFinestLevel, lod::kCoarsestLevel}, arena_.make_array<KdLeaf::Entry>(candidates_.size()), head, record};
+    for (std::size_t c = 0; c < candidates_.size(); ++c) {
+        const ItemIndex item = candidates_[c].item;
+        leaf.entries[c] = {items_[item].box, item, nullptr};
+        const PairRange range = items_.range(item, pair);
+        leaf.pairs = {std::max(leaf.pairs.finest, range.finest), std::min(leaf.pairs.coarsest, range.coarsest)};
+    }
+    const auto at = static_cast<std::uint32_t>(leaves_.size());
+    // The first of a node holds nothing yet but its record.
+    if (leaf.next != 0 && leaves_[leaf.next].entries.empty() && leaves_[leaf.next].pairs.is_empty()) leaf.next = 0;
+    KdLeaf& made = leaves_.push_back(leaf);
+    if (nodes_[n].is_interior()) heads_[nodes_[n].first_child() >> 1] = at;
+    else nodes_[n].link = at << 2 | 3;
+    return &made;
+}
+
+KdLeaf* KdTree::expand(std::uint32_t n, int pair)
 {
     const Stopwatch watch(counters_.build_seconds);
     ++counters_.kd_expanded;
-    const std::uint32_t at = nodes_[n].below();
+    const bool was_interior = nodes_[n].is_interior();
+    const std::uint32_t head = head_of(n), at = leaves_[head].record;
     const Record record = records_[at];
     candidates_.clear();
-    for (const ItemIndex item : record.items) clip_into(record.box, item);
+    for (const ItemIndex item : record.items) clip_into(record.box, item, pair);
 
     Split split;
     while (true) {
-        while (candidates_.size() < kEnough && open_largest(record.box)) {
-        }
-        if (record.depth >= kMaxDepth) {
-            while (open_largest(record.box)) {
+        if (was_interior || record.depth >= kMaxDepth || heads_.size() == KdNode::kMaxPairs) {
+            while (open_largest(record.box, pair)) {
             }
             split.axis = -1;
             break;
         }
+        while (candidates_.size() < kEnough && open_largest(record.box, pair)) {
+        }
         split = best_split(record.box);
-        if (split.axis >= 0 || !open_largest(record.box)) break;
+        if (split.axis >= 0 || !open_largest(record.box, pair)) break;
     }
-    if (split.axis < 0) {
-        const std::span<ItemIndex> list = arena_.make_array<ItemIndex>(candidates_.size());
-        for (std::size_t c = 0; c < candidates_.size(); ++c) list[c] = candidates_[c].item;
-        records_[at].items = list;
-        records_[at].is_lazy = false;
-        return;
-    }
-    const std::uint32_t below = make_lazy(record.box, record.depth + 1, split.axis, split.position, false);
+    if (split.axis < 0) return make_leaf(n, pair, head, at);
+    int level = KdNode::kAllLevels;
+    for (const Candidate& c : candidates_) level = std::min<int>(level, items_[c.item].holds_to);
+    const auto children = static_cast<std::uint32_t>(heads_.size());
+    make_lazy(record.box, record.depth + 1, split.axis, split.position, false);
     make_lazy(record.box, record.depth + 1, split.axis, split.position, true);
-    nodes_[n] = {split.position, below << 2 | static_cast<std::uint32_t>(split.axis)};
+    heads_.push_back(head);
+    nodes_[n] = KdNode::interior(split.position, split.axis, level, children);
     counters_.kd_nodes += 2;
+    return nullptr;
 }
 
 }  // namespace occam::accel

@@ -1,9 +1,12 @@
-// A lazily grown kd-tree over a scene's items: one worker's own (Djeu et al. 2011, sec. 5.2.1-5.2.2).
+// A lazily grown multiscale kd-tree over a scene's items: one worker's own (Djeu et al. 2011, sec. 5.2.1-5.2.2).
 //
-// A node starts lazy: a box and a list of items. The first ray that enters it makes it interior or a leaf, by the surface area
-// heuristic swept over the items' boxes (Hunt et al. 2006), after opening large items until there are enough to choose from
-// (Hunt et al. 2007). What a node becomes depends on its box and items alone, so the tree has the same shape whichever ray
-// comes first; only what of it exists differs.
+// A node starts lazy: a box and a list of items. Rays that enter it ask for pairs of levels (lod/ray_levels.h). For the pairs that
+// it was asked for it is a leaf, or interior for them and all finer ones: then it has a plane, and a bound up to which pair the
+// boxes below it are right; rays of coarser pairs meet it as a leaf. So it may be a leaf for many pairs, each with its list
+// of igrids.
+//
+// The plane comes from the surface area heuristic swept over the items' boxes (Hunt et al. 2006), after opening large items until
+// there are enough to choose from (Hunt et al. 2007). The tree's shape depends on which pairs come first; what a ray meets does not.
 //
 // Memory   one worker's arena; a lazy node's list stays behind when it is expanded.   Threads  one worker's own.
 #pragma once
@@ -14,13 +17,38 @@ namespace occam::accel {
 
 struct KdNode {
     float split;         ///< interior: position; else unused
-    std::uint32_t link;  ///< low two bits: axis of an interior node, 3: leaf or lazy; the rest: first child, or record
+    std::uint32_t link;  ///< bits 0-1: axis of an interior node, 3: none. Interior: bits 2-8: level, bits 9-31: pair of children
+
+    static constexpr std::uint32_t kMaxPairs = 1u << 23;
+    static constexpr int kAllLevels = 127;
 
     bool is_interior() const noexcept { return (link & 3) != 3; }
     int axis() const noexcept { return static_cast<int>(link & 3); }
-    std::uint32_t below() const noexcept { return link >> 2; }
+    /// Of pairs up to this one (kAllLevels: of all) the node is interior.
+    int level() const noexcept { return static_cast<int>(link >> 2 & 127) + lod::kFinestLevel - 1; }
+    std::uint32_t first_child() const noexcept { return link >> 9 << 1 | 1; }
+    std::uint32_t leaf() const noexcept { return link >> 2; }
+
+    static KdNode interior(float split, int axis, int level, std::uint32_t pair) noexcept
+    {
+        const int code = std::clamp(level - lod::kFinestLevel + 1, 0, 127);
+        return {split, pair << 9 | static_cast<std::uint32_t>(code) << 2 | static_cast<std::uint32_t>(axis)};
+    }
 };
 static_assert(sizeof(KdNode) == 8);  // eight a cache line
+
+/// What a leaf meets for a range of pairs.
+struct KdLeaf {
+    struct Entry {
+        Box3f box;             ///< of the item
+        ItemIndex item;
+        IGrid* grid;           ///< null until a ray enters the box
+    };
+    PairRange pairs{1, 0};     ///< for which it holds; empty: nothing known yet
+    std::span<Entry> entries;
+    std::uint32_t next = 0;    ///< the node's next leaf, for other pairs; 0: none
+    std::uint32_t record = 0;
+};
 
 class KdTree {
 public:
@@ -32,18 +60,19 @@ public:
     void restart(const Box3f& bounds, ItemIndex root);
 
     const KdNode& node(std::uint32_t n) const noexcept { return nodes_[n]; }
-    bool is_lazy(const KdNode& node) const noexcept { return !node.is_interior() && records_[node.below()].is_lazy; }
-    std::span<const ItemIndex> leaf(const KdNode& node) const noexcept { return records_[node.below()].items; }
-
-    /// Makes a lazy node interior or a leaf.
-    void expand(std::uint32_t n);
+    /// What rays of a pair meet at a node that is not interior for it; makes it if need be. Null: the node has become interior.
+    KdLeaf* leaf(std::uint32_t n, int pair)
+    {
+        for (std::uint32_t at = head_of(n); at != 0; at = leaves_[at].next)
+            if (leaves_[at].pairs.has(pair)) return &leaves_[at];
+        return expand(n, pair);
+    }
 
 private:
     struct Record {
         Box3f box;
         std::span<const ItemIndex> items;
         int depth;
-        bool is_lazy;
     };
     struct Candidate {
         Box3f box;  ///< clipped to the node
@@ -59,16 +88,26 @@ private:
         float position = 0, cost = 0;
     };
 
-    void clip_into(const Box3f& box, ItemIndex item);
-    bool open_largest(const Box3f& box);
+    /// The first of a node's leaves: where the link says, or, of an interior node, beside its children.
+    std::uint32_t head_of(std::uint32_t n) const noexcept
+    {
+        const KdNode& at = nodes_[n];
+        return at.is_interior() ? heads_[at.first_child() >> 1] : at.leaf();
+    }
+    KdLeaf* expand(std::uint32_t n, int pair);
+    KdLeaf* make_leaf(std::uint32_t n, int pair, std::uint32_t head, std::uint32_t record);
+    void clip_into(const Box3f& box, ItemIndex item, int pair);
+    bool open_largest(const Box3f& box, int pair);
     Split best_split(const Box3f& box);
-    std::uint32_t make_lazy(const Box3f& box, int depth, int axis, float position, bool upper);
+    void make_lazy(const Box3f& box, int depth, int axis, float position, bool upper);
 
     Items& items_;
     Arena& arena_;
     TraceCounters& counters_;
-    ArenaVector<KdNode> nodes_;
+    ArenaVector<KdNode> nodes_;          ///< 0 the root; the two children of a node side by side, the first at an odd number
+    ArenaVector<std::uint32_t> heads_;   ///< of each pair of children: the parent's first leaf
     ArenaVector<Record> records_;
+    ArenaVector<KdLeaf> leaves_;         ///< 0 is none's
     std::vector<Candidate> candidates_;
     std::vector<Event> low_events_, high_events_;
 };

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "accel/tracer.h"
+#include "lod/ray_levels.h"
 #include "scenegraph/base/simd.h"
 
 namespace occam::accel {
@@ -64,13 +65,68 @@ inline PlacedOrigin place(const Ray& ray, Vec3d anchor, float radius) noexcept
     return {Vec3f(from + d * double(shift)), shift};
 }
 
-/// The constants of kLanes rays (or one ray in all lanes) and their origins in one cage's frame.
+inline float first_lane(vfloat x) noexcept
+{
+    float lanes[kLanes];
+    x.store(lanes);
+    return lanes[0];
+}
+
+/// Points in lanes.
+struct LanePoint {
+    vfloat x, y, z;
+};
+inline LanePoint middle(const LanePoint& a, const LanePoint& b) noexcept
+{
+    const vfloat half = 0.5f;
+    return {(a.x + b.x) * half, (a.y + b.y) * half, (a.z + b.z) * half};
+}
+
+/// How rays blend the vertices of a frame: lod::Blend over the vertex's own distance along the ray, d . v + k before it is cut off
+/// at 0 and 1 (Djeu et al. 2011, sec. 5.2.6, with fine at the near end of a growing footprint).
+struct VertexBlend {
+    vfloat d[3], k;
+
+    /// origin, shift: of the rays in that frame.
+    void set(const lod::Blend<vfloat>& blend, const vfloat (&direction)[3], const vfloat (&origin)[3], vfloat shift) noexcept
+    {
+        vfloat along = shift - blend.start;
+        for (int a = 0; a < 3; ++a) {
+            along = fnma(direction[a], origin[a], along);
+            d[a] = direction[a] * blend.scale;
+        }
+        k = along * blend.scale;
+    }
+    /// Rises or falls along each axis without a step back, rounding included: so the corners of a box bound what is in it.
+    vfloat ramp(const vfloat (&v)[3]) const noexcept { return fma(v[0], d[0], fma(v[1], d[1], fma(v[2], d[2], k))); }
+
+    /// 0: fine, 1: coarse.
+    vfloat weight(const LanePoint& fine) const noexcept
+    {
+        const vfloat v[3] = {fine.x, fine.y, fine.z};
+        const vfloat x = min(max(ramp(v), 0.0f), 1.0f);
+        return x * x * (vfloat(3.0f) - (x + x));
+    }
+    /// Exactly `fine` and `coarse` at the ends, and where both are the same: the blend of a shared vertex has the same bits in all
+    /// of its triangles and grids (watertightness rule 7).
+    LanePoint between(const LanePoint& fine, const LanePoint& coarse) const noexcept
+    {
+        const vfloat w = weight(fine);
+        const vmask at_end = w >= vfloat(1.0f);
+        const auto blend = [&](vfloat f, vfloat c) { return select(at_end, c, fma(w, c - f, f)); };
+        return {blend(fine.x, coarse.x), blend(fine.y, coarse.y), blend(fine.z, coarse.z)};
+    }
+};
+
+/// The constants of kLanes rays (or one ray in all lanes), and their origins and blend in one cage's frame.
 struct RayLanes {
     int kx, ky, kz;
     vfloat sx, sy, sz;
     vfloat inverse[3];
+    vfloat direction[3];
     vfloat origin[3];
     vfloat shift;
+    VertexBlend blend;
 };
 
 }  // namespace occam::accel

@@ -63,6 +63,41 @@ struct Tracer::State {
     template <class Found>
     bool run_single(const Ray& ray, const RayAxes& axes, std::size_t limit_bytes, Query<Found, true>& query);
 
+    template <class F, class Enter, class Meet>
+    LeafResult meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest, int coarsest,
+                         std::size_t limit_bytes, Enter&& enter, Meet&& meet);
+    bool is_per_ray() const noexcept { return frame.levels.mode != lod::LevelMode::PerInstance; }
+    /// Makes the table of transitions of a packet; false if its rays see too many pairs to travel together.
+    bool fits_packet(std::span<const Ray> rays) noexcept;
+    /// The edge length that a ray wants, a + b t. A ray without a width has the camera's.
+    lod::Footprint wanted_of(const Ray& ray) const noexcept
+    {
+        lod::Footprint f = ray.footprint;
+        if (f.a <= 0 && f.b == 0) f = {frame.levels.pixel.at(static_cast<float>(glm::distance(ray.origin, frame.levels.eye))), frame.levels.pixel.b};
+        if (frame.levels.mode == lod::LevelMode::Frozen && !(ray.kinds & RayKind::Camera)) f.b = 0;
+        return {f.a * frame.levels.shading_rate, f.b * frame.levels.shading_rate};
+    }
+    /// Where a ray leaves the scene, or ends: finite.
+    float end_of(const Ray& ray) const noexcept
+    {
+        const double leaves = glm::distance(ray.origin, frame.anchor) + frame.radius;
+        return std::min(ray.t_far, static_cast<float>(leaves));
+    }
+    /// The largest coordinate that the arithmetic of a ray meets.
+    float coordinate_of(const Ray& ray) const noexcept
+    {
+        return std::max(static_cast<float>(glm::distance(ray.origin, frame.anchor)), frame.radius);
+    }
+
+    /// Traces one group, and gives take(i, found, is_single) what each of its rays has met.
+    template <class Found, class Take>
+    bool run(std::size_t first, std::size_t count, std::size_t limit_bytes, Take&& take);
+    lod::Blend<float> blend_of_lane(int pair, int lane) const noexcept
+    {
+        const lod::Blend<vfloat> lanes = packet_levels.blend(pair);
+        return {first_lane(spread(lanes.start, lane)), first_lane(spread(lanes.scale, lane))};
+    }
+
     /// Traces rays[first, first + count) by `run(first, count, limit)`, flushing and halving as the budget asks.
     template <class Run>
     void within_budget(std::size_t first, std::size_t count, Run&& run)
@@ -119,6 +154,8 @@ struct Tracer::State {
     TraceCounters counters;
     Items items;
     KdTree tree;
+    lod::RayLevels<vfloat> packet_levels;  ///< of the packet traced last
+    lod::RayLevels<float> single_levels;   ///< of the ray traced last
     std::vector<Ray> sorted;            ///< the batch, by direction
     std::vector<RayAxes> axes, sorted_axes;
     std::vector<std::uint32_t> place_of;  ///< in the caller's order
@@ -137,6 +174,33 @@ vfloat gather(std::size_t count, Get&& get) noexcept
 }
 
 }  // namespace
+
+/// Meets what a node holds for pairs [finest, coarsest]. enter(entry) says which rays enter an item's box; meet(grid, rays) meets
+/// it with them.
+template <class F, class Enter, class Meet>
+LeafResult Tracer::State::meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest, int coarsest,
+                                    std::size_t limit_bytes, Enter&& enter, Meet&& meet)
+{
+    for (int pair = finest; pair <= coarsest; ++pair) {
+        MaskOf<F> here = alive;
+        if (pairs.levels && finest != coarsest) here = alive & (max(t_near, pairs.in(pair, pair)) <= min(t_far, pairs.out(pair, pair)));
+        if (none(here)) continue;
+        KdLeaf* leaf = tree.leaf(node, pair);
+        if (!leaf) return LeafResult::Expanded;
+        if (leaf->pairs.coarsest > pair) {
+            // The same for several pairs: met once for all of them.
+            const int last = std::min(leaf->pairs.coarsest, coarsest);
+            if (pairs.levels && last > pair) here = alive & (max(t_near, pairs.in(pair, last)) <= min(t_far, pairs.out(pair, last)));
+            for (KdLeaf::Entry& entry : leaf->entries)
+                if (const MaskOf<F> entering = here & enter(entry.box); any(entering) && !meet(entry, pair, entering)) return LeafResult::Abandoned;
+            pair = last;
+            continue;
+        }
+        for (KdLeaf::Entry& entry : leaf->entries)
+            if (const MaskOf<F> entering = here & enter(entry.box); any(entering) && !meet(entry, pair, entering)) return LeafResult::Abandoned;
+    }
+    return arena.bytes() <= limit_bytes ? LeafResult::Done : LeafResult::Abandoned;
+}
 
 template <class Found>
 bool Tracer::State::run_packet(std::span<const Ray> rays, const RayAxes* ax, std::size_t limit_bytes, Query<Found, false>& query)
@@ -160,6 +224,7 @@ bool Tracer::State::run_packet(std::span<const Ray> rays, const RayAxes* ax, std
     for (int a = 0; a < 3; ++a) {
         kd.inverse[a] = lanes.inverse[a] = gather(n, [&](std::size_t i) { return ax[i].inverse[a]; });
         kd.negative[a] = ax->negative[a];
+        lanes.direction[a] = gather(n, [&](std::size_t i) { return rays[i].direction[a]; });
     }
     const vfloat t_near = gather(n, [&](std::size_t i) { return rays[i].t_near; });
     vfloat begin = t_near - kd.shift, end = query.limit() - kd.shift;
@@ -167,43 +232,63 @@ bool Tracer::State::run_packet(std::span<const Ray> rays, const RayAxes* ax, std
     const auto limit = [&] { return query.limit() - kd.shift + (abs(query.limit()) + abs(kd.shift)) * vfloat(4 * FLT_EPSILON); };
     clip(kd, frame.bounds, begin, end);
 
+    PairSpans<vfloat> pairs{nullptr, kd.shift, 0, 0};
+    if (is_per_ray()) pairs = {&packet_levels, kd.shift, packet_levels.finest, packet_levels.coarsest};
+
     const lod::PosedCage* here = nullptr;
+    int blended = lod::kNoPair;
     ++visit;
     ++counters.packets;
-    return traverse(tree, kd, begin, end, counters, limit, [&](const KdNode& leaf, vmask alive, vfloat, vfloat) {
-        for (const ItemIndex i : tree.leaf(leaf)) {
-            vfloat in = begin, out = limit();
-            clip(kd, items[i].box, in, out);
-            const vmask entering = alive & (in <= out);
-            if (none(entering)) continue;
-            IGrid& grid = items.grid(i);
+    const auto enter = [&](const Box3f& box) {
+        vfloat in = begin, out = limit();
+        clip(kd, box, in, out);
+        return in <= out;
+    };
+    const auto meet = [&](KdLeaf::Entry& entry, int pair, vmask entering) {
+        if (!entry.grid) {
+            entry.grid = &items.grid(entry.item, pair);
             if (arena.bytes() > limit_bytes) return false;
-            if (grid.visit != visit) {
-                grid.visit = visit;
-                grid.visited_lanes = 0;
-            }
-            // A box that a ray enters in several cells is met once.
-            const unsigned fresh = bits(entering) & ~grid.visited_lanes;
-            if (fresh == 0) continue;
-            grid.visited_lanes |= fresh;
-            if (grid.cage != here) {
-                here = grid.cage;
-                place_all(here->anchor, here->radius, lanes.origin, lanes.shift);
-            }
-            if (std::popcount(fresh) >= kWorthAPacket) {
-                IGridTracer(grid, lanes, kd.negative, t_near, query).packet(entering);
-                continue;
-            }
-            // Few are left: each alone, across micropolygons.
-            for (unsigned left = fresh; left != 0; left &= left - 1) {
-                const int lane = std::countr_zero(left);
-                LaneOf<Found> one{query, lane};
-                const RayLanes ray = spread(lanes, lane);
-                IGridTracer(grid, ray, kd.negative, vfloat(rays[lane].t_near), one).single(lane);
+        }
+        IGrid& grid = *entry.grid;
+        if (grid.visit != visit) {
+            grid.visit = visit;
+            grid.visited_lanes = 0;
+        }
+        // A grid that a ray enters in several cells is met once.
+        const unsigned fresh = bits(entering) & ~grid.visited_lanes;
+        if (fresh == 0) return true;
+        grid.visited_lanes |= fresh;
+        if (grid.cage != here) {
+            here = grid.cage;
+            blended = lod::kNoPair;
+            place_all(here->anchor, here->radius, lanes.origin, lanes.shift);
+        }
+        vfloat from = t_near, to = FLT_MAX;
+        if (pairs.levels) {
+            from = max(from, pairs.levels->begin(grid.pairs.finest, grid.pairs.coarsest));
+            to = pairs.levels->end(grid.pairs.finest, grid.pairs.coarsest);
+            if (grid.blends() && blended != grid.pairs.finest) {
+                blended = grid.pairs.finest;
+                lanes.blend.set(pairs.levels->blend(blended), lanes.direction, lanes.origin, lanes.shift);
             }
         }
-        return arena.bytes() <= limit_bytes;
-    });
+        if (std::popcount(fresh) >= kWorthAPacket) {
+            IGridTracer(grid, lanes, kd.negative, from, to, query).packet(entering);
+            return true;
+        }
+        // Few are left: each alone, across micropolygons.
+        for (unsigned left = fresh; left != 0; left &= left - 1) {
+            const int lane = std::countr_zero(left);
+            LaneOf<Found> one{query, lane};
+            const RayLanes ray = spread(lanes, lane);
+            IGridTracer(grid, ray, kd.negative, spread(from, lane), spread(to, lane), one).single(lane);
+        }
+        return true;
+    };
+    return traverse(tree, kd, begin, end, pairs, counters, limit,
+                    [&](std::uint32_t node, vmask alive, vfloat near, vfloat far, int finest, int coarsest) {
+                        return meet_leaf(node, alive, near, far, pairs, finest, coarsest, limit_bytes, enter, meet);
+                    });
 }
 
 template <class Found>
@@ -224,6 +309,7 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& ax, std::size_t li
         kd.inverse[a] = ax.inverse[a];
         kd.negative[a] = ax.negative[a];
         lanes.inverse[a] = ax.inverse[a];
+        lanes.direction[a] = ray.direction[a];
     }
     const int lane = query.only;
     float begin = ray.t_near - kd.shift, end = query.t[lane] - kd.shift;
@@ -231,27 +317,52 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& ax, std::size_t li
     const auto limit = [&] { return query.t[lane] - kd.shift + (std::fabs(query.t[lane]) + std::fabs(kd.shift)) * (4 * FLT_EPSILON); };
     clip(kd, frame.bounds, begin, end);
 
+    PairSpans<float> pairs{nullptr, kd.shift, 0, 0};
+    if (is_per_ray()) {
+        // One ray never has too many pairs.
+        const lod::Footprint wanted = wanted_of(ray);
+        single_levels.set(wanted.a, wanted.b, end_of(ray), coordinate_of(ray), frame.levels);
+        pairs = {&single_levels, kd.shift, single_levels.finest, single_levels.coarsest};
+    }
+
     const lod::PosedCage* here = nullptr;
+    int blended = lod::kNoPair;
     ++visit;
-    return traverse(tree, kd, begin, end, counters, limit, [&](const KdNode& leaf, bool, float, float) {
-        for (const ItemIndex i : tree.leaf(leaf)) {
-            float in = begin, out = limit();
-            clip(kd, items[i].box, in, out);
-            if (!(in <= out)) continue;
-            IGrid& grid = items.grid(i);
+    const auto enter = [&](const Box3f& box) {
+        float in = begin, out = limit();
+        clip(kd, box, in, out);
+        return in <= out;
+    };
+    const auto meet = [&](KdLeaf::Entry& entry, int pair, bool) {
+        if (!entry.grid) {
+            entry.grid = &items.grid(entry.item, pair);
             if (arena.bytes() > limit_bytes) return false;
-            if (grid.visit == visit) continue;
-            grid.visit = visit;
-            if (grid.cage != here) {
-                here = grid.cage;
-                const PlacedOrigin at = place(ray, here->anchor, here->radius);
-                for (int a = 0; a < 3; ++a) lanes.origin[a] = at.origin[a];
-                lanes.shift = at.shift;
-            }
-            IGridTracer tracer(grid, lanes, kd.negative, vfloat(ray.t_near), query);
-            tracer.single(lane);
         }
-        return arena.bytes() <= limit_bytes;
+        IGrid& grid = *entry.grid;
+        if (grid.visit == visit) return true;
+        grid.visit = visit;
+        if (grid.cage != here) {
+            here = grid.cage;
+            blended = lod::kNoPair;
+            const PlacedOrigin at = place(ray, here->anchor, here->radius);
+            for (int a = 0; a < 3; ++a) lanes.origin[a] = at.origin[a];
+            lanes.shift = at.shift;
+        }
+        float from = ray.t_near, to = FLT_MAX;
+        if (pairs.levels) {
+            from = max(from, pairs.levels->begin(grid.pairs.finest, grid.pairs.coarsest));
+            to = pairs.levels->end(grid.pairs.finest, grid.pairs.coarsest);
+            if (grid.blends() && blended != grid.pairs.finest) {
+                blended = grid.pairs.finest;
+                const lod::Blend<float> blend = pairs.levels->blend(blended);
+                lanes.blend.set({blend.start, blend.scale}, lanes.direction, lanes.origin, lanes.shift);
+            }
+        }
+        IGridTracer(grid, lanes, kd.negative, from, to, query).single(lane);
+        return true;
+    };
+    return traverse(tree, kd, begin, end, pairs, counters, limit, [&](std::uint32_t node, bool alive, float near, float far, int finest, int coarsest) {
+        return meet_leaf(node, alive, near, far, pairs, finest, coarsest, limit_bytes, enter, meet);
     });
 }
 
@@ -259,38 +370,68 @@ Tracer::Tracer(const Frame& frame, std::size_t budget_bytes) : state_(std::make_
 Tracer::~Tracer() = default;
 const TraceCounters& Tracer::counters() const noexcept { return state_->counters; }
 
+namespace {
+
+template <class Found>
+void start(Found& found, std::span<const Ray> rays)
+{
+    for (int i = 0; i < kLanes; ++i) {
+        found.t[i] = std::size_t(i) < rays.size() ? rays[i].t_far : kDead;
+        if constexpr (std::is_base_of_v<Nearest, Found>) found.grid[i] = nullptr;
+    }
+}
+
+}  // namespace
+
+bool Tracer::State::fits_packet(std::span<const Ray> rays) noexcept
+{
+    if (!is_per_ray()) return true;
+    const std::size_t n = rays.size();
+    const vfloat a = gather(n, [&](std::size_t i) { return wanted_of(rays[i]).a; });
+    const vfloat b = gather(n, [&](std::size_t i) { return wanted_of(rays[i]).b; });
+    const vfloat ray_end = gather(n, [&](std::size_t i) { return end_of(rays[i]); });
+    const vfloat coordinate = gather(n, [&](std::size_t i) { return coordinate_of(rays[i]); });
+    return packet_levels.set(a, b, ray_end, coordinate, frame.levels);
+}
+
+template <class Found, class Take>
+bool Tracer::State::run(std::size_t first, std::size_t count, std::size_t limit_bytes, Take&& take)
+{
+    const std::span<const Ray> group{&sorted[first], count};
+    if (count >= kWorthAPacket) {
+        Query<Found, false> query;
+        start(query, group);
+        if (fits_packet(group)) {
+            if (!run_packet(group, &sorted_axes[first], limit_bytes, query)) return false;
+            for (std::size_t i = 0; i < count; ++i) take(i, query, false);
+            return true;
+        }
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        Query<Found, true> query;
+        start(query, group);
+        query.only = static_cast<int>(i % kLanes);
+        query.t[query.only] = group[i].t_far;
+        if (!run_single(group[i], sorted_axes[first + i], limit_bytes, query)) return false;
+        take(i, query, true);
+    }
+    return true;
+}
+
 void Tracer::closest(std::span<const Ray> rays, std::span<SurfaceHit> hits)
 {
     State& s = *state_;
     s.for_groups(rays, [&](std::size_t first, std::size_t count, std::size_t limit) {
-        const std::span<const Ray> group{&s.sorted[first], count};
-        Nearest found;
-        const auto start = [&](Nearest& n) {
-            for (int i = 0; i < kLanes; ++i) {
-                n.t[i] = std::size_t(i) < count ? group[i].t_far : kDead;
-                n.grid[i] = nullptr;
-            }
-        };
-        if (count >= kWorthAPacket) {
-            Query<Nearest, false> query;
-            start(query);
-            if (!s.run_packet(group, &s.sorted_axes[first], limit, query)) return false;
-            found = query;
-        } else {
-            Query<Nearest, true> query;
-            start(query);
-            for (std::size_t i = 0; i < count; ++i) {
-                query.only = static_cast<int>(i);
-                if (!s.run_single(group[i], s.sorted_axes[first + i], limit, query)) return false;
-            }
-            found = query;
-        }
-        for (std::size_t i = 0; i < count; ++i) {
+        const auto take = [&](std::size_t i, const auto& found, bool is_single) {
             SurfaceHit& hit = hits[s.place_of[first + i]] = {};
-            if (found.grid[i])
-                resolve(group[i], found.t[i], *found.grid[i], found.id[i], *s.frame.scene, s.dicer, s.arena, hit);
-        }
-        return s.arena.bytes() <= limit;
+            const std::size_t lane = i % kLanes;
+            IGrid* grid = found.grid[lane];
+            if (!grid) return;
+            Met met{found.t[lane], grid, found.id[lane], {}};
+            if (grid->blends()) met.blend = is_single ? s.single_levels.blend(grid->pairs.finest) : s.blend_of_lane(grid->pairs.finest, static_cast<int>(lane));
+            resolve(s.sorted[first + i], met, *s.frame.scene, s.dicer, s.arena, hit);
+        };
+        return s.run<Nearest>(first, count, limit, take) && s.arena.bytes() <= limit;
     });
 }
 
@@ -298,29 +439,8 @@ void Tracer::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occlude
 {
     State& s = *state_;
     s.for_groups(rays, [&](std::size_t first, std::size_t count, std::size_t limit) {
-        const std::span<const Ray> group{&s.sorted[first], count};
-        const auto start = [&](AnyHit& n) {
-            for (int i = 0; i < kLanes; ++i)
-                n.t[i] = std::size_t(i) < count ? group[i].t_far : kDead;
-        };
-        const auto finish = [&](const AnyHit& n) {
-            for (std::size_t i = 0; i < count; ++i) occluded[s.place_of[first + i]] = n.t[i] == kDead;
-        };
-        if (count >= kWorthAPacket) {
-            Query<AnyHit, false> query;
-            start(query);
-            if (!s.run_packet(group, &s.sorted_axes[first], limit, query)) return false;
-            finish(query);
-        } else {
-            Query<AnyHit, true> query;
-            start(query);
-            for (std::size_t i = 0; i < count; ++i) {
-                query.only = static_cast<int>(i);
-                if (!s.run_single(group[i], s.sorted_axes[first + i], limit, query)) return false;
-            }
-            finish(query);
-        }
-        return true;
+        const auto take = [&](std::size_t i, const auto& found, bool) { occluded[s.place_of[first + i]] = found.t[i % kLanes] == kDead; };
+        return s.run<AnyHit>(first, count, limit, take);
     });
 }
 

@@ -31,7 +31,7 @@ struct Ray {
     Vec3f direction{0, 0, -1};  ///< unit
     float t_near = 0;
     float t_far = std::numeric_limits<float>::infinity();
-    lod::Footprint footprint;   ///< full width of the beam along the ray
+    lod::Footprint footprint;   ///< full width of the beam along the ray; none: the camera's at the origin
     std::uint8_t kinds = RayKind::All;  ///< what the ray is; a node that none of these may see is not met
 };
 
@@ -56,7 +56,9 @@ struct SurfaceHit {
     NodeId node;
     std::uint32_t face = 0;        ///< of the cage
     bool back_side = false;        ///< the ray came from behind the face
-    int level = 0;                 ///< that the cage is seen at
+    int level = 0;                 ///< finer one of the pair of levels that the cage is seen at
+    float blend = 0;               ///< how far the surface has gone from there to the coarser one, 0 to 1
+    std::uint32_t micropolygon = 0;  ///< a number of the quad, mixed: for pictures of the grid
 
     bool is_hit() const noexcept { return t < std::numeric_limits<float>::infinity(); }
 };

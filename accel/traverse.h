@@ -1,7 +1,7 @@
 // One traversal of the kd-tree for everything: packets and single rays, nearest and any hit.
 //
-// F is vfloat (a packet whose rays share the signs of their directions) or float (one ray). `leaf(node, alive)` meets the items of a
-// leaf and may shorten limit(); returning false abandons the traversal (the memory budget is used up).
+// F is vfloat (a packet whose rays share the signs of their directions) or float (one ray). One descent serves all pairs of levels
+// of a ray: where a node is interior for fine pairs only, the part of the ray that sees coarser ones meets it as a leaf.
 //
 // Invariant: a lane is alive in a node while its t_near <= t_far there. t is in the tree's frame, where origins are near the
 // scene; intervals overlap at planes by a few ulps, since culling may never decide a hit.
@@ -10,6 +10,7 @@
 #include <cfloat>
 
 #include "accel/kd_tree.h"
+#include "lod/ray_levels.h"
 #include "scenegraph/base/simd.h"
 
 namespace occam::accel {
@@ -39,9 +40,32 @@ void clip(const KdRay<F>& ray, const Box3f& box, F& t_near, F& t_far) noexcept
     }
 }
 
+/// Where rays see which pairs, as t of the tree's frame.
+template <class F>
+struct PairSpans {
+    const lod::RayLevels<F>* levels = nullptr;  ///< null: all pairs are the same to these rays
+    F shift;
+    int finest = 0, coarsest = 0;
+
+    F in(int low, int high) const noexcept { return widen(levels->begin(low, high), -1); }
+    F out(int low, int high) const noexcept { return widen(levels->end(low, high), 1); }
+
+private:
+    F widen(F t, float sign) const noexcept { return t - shift + (abs(t) + abs(shift)) * F(sign * 4 * FLT_EPSILON); }
+};
+
+enum class LeafResult : unsigned char {
+    Done,
+    Expanded,   ///< the node has become interior for some of the pairs: look again
+    Abandoned   ///< the memory budget is used up
+};
+
 /// Walks front to back. t_near, t_far: each ray's interval, clipped to the tree. limit(): its end as hits shorten it.
+/// leaf(node, alive, t_near, t_far, finest, coarsest): meets what a node holds for those pairs; may shorten limit().
+/// Returns false if it was abandoned.
 template <class F, class LimitFn, class LeafFn>
-bool traverse(KdTree& tree, const KdRay<F>& ray, F t_near, F t_far, TraceCounters& counters, LimitFn&& limit, LeafFn&& leaf)
+bool traverse(KdTree& tree, const KdRay<F>& ray, F t_near, F t_far, const PairSpans<F>& pairs, TraceCounters& counters, LimitFn&& limit,
+              LeafFn&& leaf)
 {
     struct Span {
         std::uint32_t node;
@@ -55,18 +79,28 @@ bool traverse(KdTree& tree, const KdRay<F>& ray, F t_near, F t_far, TraceCounter
         MaskOf<F> alive = t_near <= t_far;
         while (any(alive)) {
             const KdNode at = tree.node(node);
-            if (!at.is_interior()) {
-                if (tree.is_lazy(at)) {
-                    tree.expand(node);
-                    continue;
-                }
-                if (!leaf(at, alive, t_near, t_far)) return false;
+            if (!at.is_interior() || at.level() < pairs.finest) {
+                const LeafResult result = leaf(node, alive, t_near, t_far, pairs.finest, pairs.coarsest);
+                if (result == LeafResult::Abandoned) return false;
+                if (result == LeafResult::Expanded) continue;
                 break;
+            }
+            if (at.level() < pairs.coarsest) {
+                const F from = max(t_near, pairs.in(at.level() + 1, pairs.coarsest)), to = min(t_far, pairs.out(at.level() + 1, pairs.coarsest));
+                const MaskOf<F> coarse = alive & (from <= to);
+                if (any(coarse)) {
+                    if (leaf(node, coarse, from, to, at.level() + 1, pairs.coarsest) == LeafResult::Abandoned) return false;
+                    t_far = min(t_far, limit());
+                }
+                t_near = max(t_near, pairs.in(pairs.finest, at.level()));
+                t_far = min(t_far, pairs.out(pairs.finest, at.level()));
+                alive = alive & (t_near <= t_far);
+                if (none(alive)) break;
             }
             ++counters.kd_visited;
             const int axis = at.axis();
             const bool flip = ray.negative[axis];
-            const std::uint32_t front = at.below() + (flip ? 1u : 0u), back = at.below() + (flip ? 0u : 1u);
+            const std::uint32_t front = at.first_child() + (flip ? 1u : 0u), back = at.first_child() + (flip ? 0u : 1u);
             const F t_split = (F(at.split) - ray.origin[axis]) * ray.inverse[axis];
             const F slack = (abs(t_split) + abs(ray.shift)) * F(4 * FLT_EPSILON);
             const F front_end = t_split + slack, back_begin = t_split - slack;

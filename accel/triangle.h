@@ -15,9 +15,10 @@ struct ShearedVertex {
     vfloat x, y, t;
 };
 
-/// c: coordinates of the vertex along x, y, z of the cage's frame.
-inline ShearedVertex shear(const RayLanes& ray, const vfloat (&c)[3]) noexcept
+/// p: of the cage's frame.
+inline ShearedVertex shear(const RayLanes& ray, const LanePoint& p) noexcept
 {
+    const vfloat c[3] = {p.x, p.y, p.z};
     const vfloat z = c[ray.kz] - ray.origin[ray.kz];
     return {fnma(ray.sx, z, c[ray.kx] - ray.origin[ray.kx]), fnma(ray.sy, z, c[ray.ky] - ray.origin[ray.ky]), ray.sz * z};
 }

@@ -12,8 +12,6 @@ std::size_t slot_of(const PosedCage& cage, std::uint64_t index, std::size_t size
     return static_cast<std::size_t>(mix_bits(index ^ reinterpret_cast<std::uintptr_t>(&cage) << 20)) & (size - 1);
 }
 
-Vec3f middle(Vec3f a, Vec3f b) noexcept { return (a + b) * 0.5f; }
-
 }  // namespace
 
 Dicer::Dicer() : pool_(kPoolSize), curves_(kCurveSize) {}
@@ -59,43 +57,52 @@ int Dicer::curve_k(const PosedCage& cage, std::uint32_t curve)
     return entry.exponent;
 }
 
-PatchRates Dicer::rates(const PosedCage& cage, PatchRef patch)
+PatchScale Dicer::scale(const PosedCage& cage, PatchRef patch)
 {
     const Topology& topology = *cage.topology;
     float speed_u, speed_v;
     posed(cage, patch).speeds(speed_u, speed_v);
-    int k[2] = {ceil_log2(speed_u), ceil_log2(speed_v)}, least[2] = {0, 0};
-    PatchRates rates;
+    PatchScale scale;
+    scale.k = {ceil_log2(speed_u), ceil_log2(speed_v)};
     for (int side = 0; side < 4; ++side) {
         const SideCurve on = topology.side(patch, side);
         // A side that is half of a curve has one piece in two, and half of its speed.
         const int half = std::fabs(on.c1 - on.c0) == 0.5f ? 1 : 0;
-        const int own = curve_k(cage, on.curve), m = topology.least_exponent(on.curve);
-        rates.side[side] = curve_exponent(own, m, cage.level) - half;
-        k[side & 1] = std::max(k[side & 1], own - half);
-        least[side & 1] = std::max(least[side & 1], m - half);
+        scale.side_k[side] = curve_k(cage, on.curve) - half;
+        scale.side_least[side] = topology.least_exponent(on.curve) - half;
+        scale.k[side & 1] = std::max(scale.k[side & 1], scale.side_k[side]);
+        scale.least[side & 1] = std::max(scale.least[side & 1], scale.side_least[side]);
     }
-    inside_exponents(k[0], k[1], least[0], least[1], cage.level, rates.u, rates.v);
-    return rates;
+    scale.limit_aspect();
+    return scale;
 }
 
-Box3f Dicer::bounds(const PosedCage& cage, const TileRef& part)
+Box3f Dicer::bounds(const PosedCage& cage, const PatchScale& scale, const PatchRegion& region, int coarsest)
 {
-    PosedPatch& patch = posed(cage, part.patch);
-    const float u0 = float(part.i0) * part.step_u(), v0 = float(part.j0) * part.step_v();
-    const float u1 = u0 + part.columns * part.step_u(), v1 = v0 + part.rows * part.step_v();
+    PosedPatch& patch = posed(cage, region.patch);
+    const float size_u = std::ldexp(1.0f, -region.du), size_v = std::ldexp(1.0f, -region.dv);
+    const float u0 = float(region.iu) * size_u, v0 = float(region.iv) * size_v, u1 = u0 + size_u, v1 = v0 + size_v;
     Box3f box = patch.bounds(u0, u1, v0, v1);
-    // T-vertices lie on chords of the side's own pieces, which may reach beyond the part: their curve's hull holds them.
+    // T-vertices lie on chords of the side's own pieces, which may reach beyond the region: their curve's hull holds them.
     for (int side = 0; side < 4; ++side) {
         const bool along_v = side & 1;
         const float fixed = side == 1 || side == 2 ? 1 : 0;
         const bool touches = along_v ? (fixed == 0 ? u0 == 0 : u1 == 1) : (fixed == 0 ? v0 == 0 : v1 == 1);
-        if (!touches || part.rates.side[side] == (along_v ? part.rates.v : part.rates.u)) continue;
-        const float piece = std::ldexp(1.0f, -part.rates.side[side]);
-        const float t0 = std::floor((along_v ? v0 : u0) / piece) * piece, t1 = std::ceil((along_v ? v1 : u1) / piece) * piece;
+        const int exponent = curve_exponent(scale.side_k[side], scale.side_least[side], coarsest);
+        if (!touches || exponent >= (along_v ? region.dv : region.du)) continue;
+        const float piece = std::ldexp(1.0f, -exponent);
+        const float t0 = std::floor((along_v ? v0 : u0) / piece) * piece, t1 = t0 + piece;
         box.add(along_v ? patch.bounds(fixed, fixed, t0, t1) : patch.bounds(t0, t1, fixed, fixed));
     }
     return box;
+}
+
+TileRef Dicer::tile(PatchRef patch, const PatchScale& scale, int level, std::uint32_t i, std::uint32_t j)
+{
+    TileRef tile{patch, scale.rates(level), i & ~(TileRef::kMaxSide - 1u), j & ~(TileRef::kMaxSide - 1u), 1, 1};
+    tile.columns = static_cast<std::uint16_t>(1 << std::min(tile.rates.u, TileRef::kSideExponent));
+    tile.rows = static_cast<std::uint16_t>(1 << std::min(tile.rates.v, TileRef::kSideExponent));
+    return tile;
 }
 
 Vec3f Dicer::curve_end(const PosedCage& cage, std::uint32_t curve, int end)
@@ -136,77 +143,152 @@ void Dicer::curve_points(const PosedCage& cage, std::uint32_t curve, float c0, f
     }
 }
 
+void Dicer::side_points(const PosedCage& cage, const TileRef& tile, int side, int first, std::span<Vec3f> out)
+{
+    const SideCurve on = cage.topology->side(tile.patch, side);
+    const float step = (on.c1 - on.c0) * std::ldexp(1.0f, -tile.rates.side[side]);
+    curve_points(cage, on.curve, on.c0 + float(first) * step, step, out);
+}
+
 void Dicer::dice_side(const PosedCage& cage, int side, LevelGrid& grid)
 {
     const TileRef& tile = grid.tile;
     const bool along_v = side & 1;
     const int exponent = along_v ? tile.rates.v : tile.rates.u;
     const int shift = exponent - tile.rates.side[side];  // 2^shift lattice steps to an edge piece
-    const int first = along_v ? tile.j0 : tile.i0, count = along_v ? tile.rows : tile.columns;
+    const int first = static_cast<int>(along_v ? tile.j0 : tile.i0), count = along_v ? tile.rows : tile.columns;
     const int fixed = side == 1 ? tile.columns : side == 2 ? tile.rows : 0;
 
     const int piece0 = first >> shift, piece1 = (first + count + (1 << shift) - 1) >> shift;
-    side_points_.resize(piece1 - piece0 + 1);
-    const SideCurve on = cage.topology->side(tile.patch, side);
-    const float step = (on.c1 - on.c0) * std::ldexp(1.0f, -tile.rates.side[side]);
-    curve_points(cage, on.curve, on.c0 + float(piece0) * step, step, side_points_);
+    side_points_.resize(static_cast<std::size_t>(piece1 - piece0 + 1));
+    side_points(cage, tile, side, piece0, side_points_);
 
-    const auto place = [&](int index, Vec3f p) {
-        const int n = index - first, at = (along_v ? n : fixed) * grid.width() + (along_v ? fixed : n);
-        grid.x[at] = p.x;
-        grid.y[at] = p.y;
-        grid.z[at] = p.z;
+    const auto write = [&](int at, Vec3f p) {
+        for (int a = 0; a < 3; ++a) grid.fine[a][at] = p[a];
     };
-    // Halves a piece down to single steps. A tile closes every gap along its part of the side: so it keeps the closers of all
+    const auto lattice = [&](int n) { return along_v ? grid.index(fixed, n) : grid.index(n, fixed); };
+    // The vertex at lattice step `index` of the side, which ends a piece.
+    const auto place_end = [&](int index, Vec3f p) {
+        const int n = index - first;
+        const bool is_inside = n >= 0 && n <= count;
+        const int at = is_inside ? lattice(n) : grid.vertex_count++;
+        if (!is_inside) extras_.push_back({side, index >> shift});
+        write(at, p);
+        return static_cast<std::uint32_t>(at);
+    };
+    // Halves a piece down to single steps. A tile closes every gap along its part of the side: so it keeps the triangles of all
     // halvings that reach into it, also of T-vertices outside.
-    const auto halve = [&](const auto& self, int low, int high, Vec3f a, Vec3f c) -> void {
+    Hanging next;
+    const auto halve = [&](const auto& self, int low, int high, Vec3f a, Vec3f c, std::uint32_t path, int depth) -> void {
         if (high - low < 2 || low >= first + count || high <= first) return;
         const int mid = (low + high) / 2;
-        const Vec3f p = middle(a, c);
+        const Vec3f p = (a + c) * 0.5f;
         const int inside = std::clamp(mid - first, 0, count);
-        if (mid == first + inside) place(mid, p);
-        closers_.push_back({a, p, c, static_cast<std::uint16_t>(along_v ? fixed : inside), static_cast<std::uint16_t>(along_v ? inside : fixed)});
-        self(self, low, mid, a, p);
-        self(self, mid, high, p, c);
+        next.path = path;
+        next.depth = static_cast<std::uint8_t>(depth);
+        next.is_inside = mid == first + inside;
+        next.i = static_cast<std::uint8_t>(along_v ? fixed : inside);
+        next.j = static_cast<std::uint8_t>(along_v ? inside : fixed);
+        if (next.is_inside) write(lattice(inside), p);
+        hanging_.push_back(next);
+        self(self, low, mid, a, p, path << 1, depth + 1);
+        self(self, mid, high, p, c, path << 1 | 1, depth + 1);
     };
-    for (int piece = piece0; piece <= piece1; ++piece) {
-        const int index = piece << shift;
-        if (index >= first && index <= first + count) place(index, side_points_[piece - piece0]);
-        if (piece < piece1) halve(halve, index, index + (1 << shift), side_points_[piece - piece0], side_points_[piece - piece0 + 1]);
+    std::uint32_t end = place_end(piece0 << shift, side_points_[0]);
+    for (int piece = piece0; piece < piece1; ++piece) {
+        const Vec3f a = side_points_[static_cast<std::size_t>(piece - piece0)], c = side_points_[static_cast<std::size_t>(piece - piece0 + 1)];
+        next.a = end;
+        next.c = end = place_end((piece + 1) << shift, c);
+        halve(halve, piece << shift, (piece + 1) << shift, a, c, 0, 0);
     }
 }
 
-LevelGrid Dicer::dice(const PosedCage& cage, const TileRef& tile, Arena& arena)
+LevelGrid Dicer::dice_vertices(const PosedCage& cage, const TileRef& tile, Arena& arena)
 {
     LevelGrid grid;
     grid.tile = tile;
-    const std::size_t count = std::size_t(grid.width()) * grid.height();
-    vertices_diced += count;
-    // One array for all three: and eight floats more, since lanes are loaded four at a time.
-    float* data = arena.make_array<float>(3 * count + 8).data();
-    grid.x = data;
-    grid.y = data + count;
-    grid.z = data + 2 * count;
+    grid.vertex_count = grid.width() * grid.height();
+    vertices_diced += static_cast<std::uint64_t>(grid.vertex_count);
+    hanging_.clear();
+    extras_.clear();
+    bool hangs = false;
+    for (int side = 0; side < 4; ++side) hangs |= tile.rates.side[side] != (side & 1 ? tile.rates.v : tile.rates.u);
+    // One array for all three: and eight floats more, since lanes are loaded eight at a time.
+    const std::size_t room = static_cast<std::size_t>(grid.vertex_count + (hangs ? LevelGrid::kMaxExtra : 0));
+    float* data = arena.make_array<float>(3 * room + 8).data();
+    for (std::size_t a = 0; a < 3; ++a) grid.fine[a] = grid.coarse[a] = data + a * room;
 
     const bool left = tile.i0 == 0, bottom = tile.j0 == 0;
-    const bool right = tile.i0 + tile.columns == 1 << tile.rates.u, top = tile.j0 + tile.rows == 1 << tile.rates.v;
+    const bool right = tile.i0 + tile.columns == 1u << tile.rates.u, top = tile.j0 + tile.rows == 1u << tile.rates.v;
     // Borders of the patch come from their owners below; the rest is the patch's own.
     const int i0 = left, i1 = grid.width() - right, j0 = bottom, j1 = grid.height() - top;
     if (i0 < i1 && j0 < j1) {
         const ParameterGrid inside{float(tile.i0 + i0) * tile.step_u(), float(tile.j0 + j0) * tile.step_v(), tile.step_u(), tile.step_v(),
                                    i1 - i0, j1 - j0};
-        const int at = j0 * grid.width() + i0;
-        posed(cage, tile.patch).points(inside, grid.x + at, grid.y + at, grid.z + at, grid.width());
+        const int at = grid.index(i0, j0);
+        posed(cage, tile.patch).points(inside, grid.fine[0] + at, grid.fine[1] + at, grid.fine[2] + at, grid.width());
     }
-    closers_.clear();
     if (bottom) dice_side(cage, 0, grid);
     if (right) dice_side(cage, 1, grid);
     if (top) dice_side(cage, 2, grid);
     if (left) dice_side(cage, 3, grid);
-    if (!closers_.empty()) {
-        const std::span<Closer> kept = arena.make_array<Closer>(closers_.size());
-        std::copy(closers_.begin(), closers_.end(), kept.begin());
-        grid.closers = kept;
+    return grid;
+}
+
+LevelGrid Dicer::dice(const PosedCage& cage, const TileRef& tile, Arena& arena)
+{
+    LevelGrid grid = dice_vertices(cage, tile, arena);
+    if (!hanging_.empty()) {
+        const std::span<Hanging> kept = arena.make_array<Hanging>(hanging_.size());
+        std::copy(hanging_.begin(), hanging_.end(), kept.begin());
+        grid.hanging = kept;
+    }
+    return grid;
+}
+
+LevelGrid Dicer::dice_pair(const PosedCage& cage, const TileRef& tile, const PatchRates& coarser, Arena& arena)
+{
+    if (coarser == tile.rates) return dice(cage, tile, arena);
+    LevelGrid grid = dice(cage, tile, arena);
+    const std::vector<Extra> extras = extras_;
+    const std::size_t room = static_cast<std::size_t>(grid.vertex_count);
+    float* data = arena.make_array<float>(3 * room + 8).data();
+    for (std::size_t a = 0; a < 3; ++a) grid.coarse[a] = data + a * room;
+    const auto write = [&](int at, Vec3f p) {
+        for (int a = 0; a < 3; ++a) grid.coarse[a][at] = p[a];
+    };
+
+    const bool halved = grid.is_halved = coarser.u != tile.rates.u || coarser.v != tile.rates.v;
+    TileRef half = tile;
+    half.rates = coarser;
+    if (halved) {
+        half.i0 /= 2;
+        half.j0 /= 2;
+        half.columns /= 2;
+        half.rows /= 2;
+    }
+    scratch_.reset();
+    const LevelGrid below = dice_vertices(cage, half, scratch_);
+    for (int j = 0; j <= tile.rows; ++j)
+        for (int i = 0; i <= tile.columns; ++i) {
+            const int at = grid.index(i, j);
+            if (!halved) {
+                write(at, below.vertex(i, j));
+                continue;
+            }
+            // Odd ones lie on an edge of the coarse mesh, or on its diagonal.
+            const Vec3f low = below.vertex(i / 2, j / 2);
+            write(at, (i | j) & 1 ? (low + below.vertex((i + 1) / 2, (j + 1) / 2)) * 0.5f : low);
+        }
+    for (std::size_t e = 0; e < extras.size(); ++e) {
+        const int at = grid.width() * grid.height() + static_cast<int>(e);
+        Vec3f p = grid.at(at);
+        if (coarser.side[static_cast<std::size_t>(extras[e].side)] != tile.rates.side[static_cast<std::size_t>(extras[e].side)] && (extras[e].piece & 1)) {
+            Vec3f around[3];
+            side_points(cage, tile, extras[e].side, extras[e].piece - 1, around);
+            p = (around[0] + around[2]) * 0.5f;
+        }
+        write(at, p);
     }
     return grid;
 }

@@ -2,6 +2,7 @@
 //
 // M_l, the mesh of level l, is a function of (patch, level) alone; tiles only store it in pieces. Points between patches come
 // from their owners (topology.h), T-vertices are middles of their neighbours on the owner's polyline (watertightness rule 4).
+// A *pair* of levels l and l + 1 is M_l, each vertex of which also knows where its parameter lies in M_(l+1).
 //
 // Space    the cage's dicing frame.
 // Memory   results in the arena given; scratch is the dicer's own, bounded by the largest ring of a cage.
@@ -16,6 +17,13 @@
 
 namespace occam::lod {
 
+/// A dyadic part of a patch: 1 / 2^du by 1 / 2^dv of it, the (iu, iv)-th.
+struct PatchRegion {
+    PatchRef patch;
+    std::uint32_t iu = 0, iv = 0;
+    int du = 0, dv = 0;
+};
+
 class Dicer {
 public:
     Dicer();
@@ -23,14 +31,18 @@ public:
     /// Call when posed cages die: between frames and after a flush.
     void forget();
 
-    /// Rates of a patch at the level of the cage.
-    PatchRates rates(const PosedCage& cage, PatchRef patch);
+    PatchScale scale(const PosedCage& cage, PatchRef patch);
 
-    /// A box of a tile's surface, or of a larger part of a patch.
-    Box3f bounds(const PosedCage& cage, const TileRef& part);
+    /// A box that holds the region's surface and, for all levels at which the region is whole quads up to `coarsest`, its mesh.
+    Box3f bounds(const PosedCage& cage, const PatchScale& scale, const PatchRegion& region, int coarsest);
 
-    /// All vertices of a tile, owned borders and T-vertices included.
+    /// The tile of level `level` that holds quad (i, j) of the patch's lattice there.
+    static TileRef tile(PatchRef patch, const PatchScale& scale, int level, std::uint32_t i, std::uint32_t j);
+
+    /// All vertices of a tile of a level, owned borders and T-vertices included.
     LevelGrid dice(const PosedCage& cage, const TileRef& tile, Arena& arena);
+    /// A tile of level l with its places in the mesh of level l + 1, whose rates are `coarser`.
+    LevelGrid dice_pair(const PosedCage& cage, const TileRef& tile, const PatchRates& coarser, Arena& arena);
 
     /// Normals and texture coordinates of a tile's vertices, by the patch itself: sides do not share them (creases, seams).
     GridAttributes shade(const PosedCage& cage, const TileRef& tile, Arena& arena);
@@ -53,6 +65,11 @@ private:
         bool along_v;
         float fixed, t0, dt;  ///< the owner's parameter is t0 + c * dt
     };
+    /// An edge vertex outside of the tile.
+    struct Extra {
+        int side;
+        int piece;  ///< of the side, counted in its own pieces
+    };
 
     PosedPatch& posed(const PosedCage& cage, PatchRef patch);
     OwnerSpan owner_span(const Topology& topology, std::uint32_t curve, float ca, float cb) const;
@@ -61,15 +78,20 @@ private:
     /// Points of a curve at c0 + i * dc; 0 and 1 are its ends.
     void curve_points(const PosedCage& cage, std::uint32_t curve, float c0, float dc, std::span<Vec3f> out);
     Vec3f curve_end(const PosedCage& cage, std::uint32_t curve, int end);
+    /// Ends of pieces [first, first + out.size()) of a side.
+    void side_points(const PosedCage& cage, const TileRef& tile, int side, int first, std::span<Vec3f> out);
     void dice_side(const PosedCage& cage, int side, LevelGrid& grid);
+    LevelGrid dice_vertices(const PosedCage& cage, const TileRef& tile, Arena& arena);
 
     static constexpr std::size_t kPoolSize = 256, kCurveSize = 2048;
     std::vector<PoolEntry> pool_;     ///< direct-mapped
     std::vector<CurveEntry> curves_;  ///< direct-mapped
     PosedPatch uv_patch_;
     std::vector<Vec3f> side_points_;
-    std::vector<Closer> closers_;
+    std::vector<Hanging> hanging_;
+    std::vector<Extra> extras_;       ///< of the tile diced last
     std::vector<float> tangents_;
+    Arena scratch_;
 };
 
 }  // namespace occam::lod

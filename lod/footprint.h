@@ -20,13 +20,24 @@ struct Footprint {
 /// d_l.
 inline float edge_length(int level) noexcept { return std::ldexp(1.0f, level); }
 
-/// What a frame chooses levels by: one for each cage instance, where the camera's footprint on it is smallest.
+/// Whose wanted edge decides.
+enum class LevelMode {
+    PerRay,      ///< each ray's own footprint, along the ray
+    Frozen,      ///< the same for rays from the camera; others are all along as wide as at their origin
+    PerInstance  ///< a cage instance has one level for all rays: of the camera's footprint where it comes nearest
+};
+
+/// What a frame chooses levels by.
 struct LevelSettings {
     Vec3d eye{0};
     Footprint pixel;          ///< of one pixel of the camera
-    float shading_rate = 1;   ///< wanted micropolygon edge, in pixels
-    int plane_count = 0;      ///< of the view: what lies outside a plane does not choose
+    float shading_rate = 1;   ///< wanted micropolygon edge, in widths of the footprint
+    int plane_count = 0;      ///< of the view: what lies outside a plane does not choose (PerInstance)
     Vec4d planes[4]{};        ///< inside where dot(xyz, p - eye) >= 0; w is not used
+    LevelMode mode = LevelMode::PerRay;
+    /// Segments of a ray overlap by the larger of these: in edges of the finer pair, and in ulps of the largest coordinate
+    /// (watertightness rule 9). Tests make them small, since a wide overlap hides faults.
+    float overlap_edges = 0.1f, overlap_ulps = 16;
 };
 
 }  // namespace occam::lod

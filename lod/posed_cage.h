@@ -1,4 +1,4 @@
-// One cage where one node shows it, for one frame: the frame that it is diced in, and the level that rays see it at.
+// One cage where one node shows it, for one frame, and the frame that it is diced in.
 //
 // Space    *dicing frame*: world axes and lengths, translated by `anchor`, a point of a power-of-two lattice near the cage. So
 //          an edge length there is a world length, coordinates stay small far from the world's origin, and a ray gets there
@@ -9,6 +9,7 @@
 #include <span>
 
 #include "lod/clusters.h"
+#include "lod/rates.h"
 #include "lod/topology.h"
 #include "scenegraph/scene.h"
 
@@ -24,13 +25,16 @@ struct PosedCage {
     double frame_from_object[3][4] = {};  ///< rows: rotation and scale, then translation
     Vec3d anchor{0};                      ///< world
     float radius = 0;                     ///< world, of a ball about the anchor that holds it
-    int level = 0;
+    int level = 0;                        ///< LevelMode::PerInstance: of all rays
     bool is_mirrored = false;             ///< the placement turns the sense of faces round
 
     /// Sets frame, anchor, radius and mirroring from a placement.
     void place(const Mat4d& world_from_object, const Box3d& object_bounds) noexcept;
 
     Mat4d world_from_object() const noexcept;
+
+    /// No level is finer: all rates stay within kMaxExponent.
+    int finest_level() const noexcept { return ceil_log2(16 * radius) - kMaxExponent; }
 
     /// Object axes to the dicing frame, in double, rounded once: a pure function of the point.
     Vec3f pose(Vec3f p) const noexcept

@@ -11,8 +11,14 @@
 
 namespace occam::lod {
 
-inline constexpr int kMaxExponent = 12;  ///< 4096 pieces: what one face may have along a side
+inline constexpr int kMaxExponent = 20;  ///< of a rate; a cage's finest level keeps all of its patches below (PosedCage)
 inline constexpr int kMinLength = -200;  ///< exponent of a speed of 0
+inline constexpr int kMaxAspect = 4;     ///< a patch thinner than 1 : 16 is diced as if it were as wide
+
+/// Levels that are looked at, and pairs of them. Scales beyond are no scene's.
+inline constexpr int kFinestLevel = -60, kCoarsestLevel = 60;
+/// A pair coarser than all.
+inline constexpr int kNoPair = kCoarsestLevel + 1;
 
 /// ceil(log2(s)) by frexp; kMinLength for s <= 0 and NaN.
 inline int ceil_log2(float s) noexcept
@@ -29,15 +35,40 @@ inline int curve_exponent(int k, int least, int level) noexcept { return std::cl
 struct PatchRates {
     int u = 0, v = 0;              ///< of the inside
     std::array<int, 4> side{};     ///< of each side's own vertices; at most u (sides 0, 2) or v (1, 3)
+    friend bool operator==(const PatchRates&, const PatchRates&) = default;
 };
 
-/// The inside of a patch at a level. ku, kv: of the inside and of its sides, whichever is largest; mu, mv: least exponents of
-/// the sides. Both axes halve together and stop together: else a coarse diagonal would cross a row that the finer level has.
-inline void inside_exponents(int ku, int kv, int mu, int mv, int level, int& u, int& v) noexcept
-{
-    const int steps = std::min({level, ku - mu, kv - mv});
-    u = std::clamp(ku - steps, mu, kMaxExponent);
-    v = std::clamp(kv - steps, mv, kMaxExponent);
-}
+/// How large a patch is, from which its rates at all levels follow.
+struct PatchScale {
+    std::array<int, 2> k{kMinLength, kMinLength};  ///< along u and v: ceil(log2) of the largest speed of the inside and of the sides
+    std::array<int, 2> least{};                    ///< exponents that the sides ask for along u and v
+    std::array<int, 4> side_k{}, side_least{};     ///< of each side, per unit of the patch's parameter
+
+    /// Completes k: no patch is thinner than kMaxAspect.
+    void limit_aspect() noexcept
+    {
+        for (int a : {0, 1}) k[a] = std::max({k[a], k[1 - a] - kMaxAspect, kMinLength});
+    }
+    /// The level from which on the inside is the same. Both axes halve together and stop together: else a coarse diagonal would
+    /// cross a row that the finer level has.
+    int inside_stops() const noexcept { return std::min(k[0] - least[0], k[1] - least[1]); }
+    int inside(int axis, int level) const noexcept
+    {
+        return std::clamp(k[axis] - std::min(level, inside_stops()), least[axis], kMaxExponent);
+    }
+    PatchRates rates(int level) const noexcept
+    {
+        PatchRates r{inside(0, level), inside(1, level), {}};
+        for (int s = 0; s < 4; ++s) r.side[s] = curve_exponent(side_k[s], side_least[s], level);
+        return r;
+    }
+    /// The level from which on nothing changes any more.
+    int coarsest() const noexcept
+    {
+        int level = inside_stops();
+        for (int s = 0; s < 4; ++s) level = std::max(level, side_k[s] - side_least[s]);
+        return level;
+    }
+};
 
 }  // namespace occam::lod

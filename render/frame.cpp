@@ -138,7 +138,10 @@ Image render_frame(const FrameInputs& in, FrameControl& control, FrameStats& sta
     const shade::FrameLights lights(in.scene, in.camera, in.textures);
     FrameContext context{in.settings, camera, sampler, lights, in.textures, has_blending(in.scene)};
     set_depth_range(context, in.scene_bounds);
-    const accel::Frame frame(in.scene, in.topologies, camera.levels(in.settings.shading_rate));
+    lod::LevelSettings levels = camera.levels(in.settings.shading_rate);
+    constexpr lod::LevelMode kModes[] = {lod::LevelMode::PerRay, lod::LevelMode::PerInstance, lod::LevelMode::Frozen};
+    levels.mode = kModes[static_cast<int>(in.settings.lod)];
+    const accel::Frame frame(in.scene, in.topologies, levels);
 
     Film film(in.settings);
     const int threads = in.resources.threads;

@@ -42,6 +42,9 @@ std::string_view view_name(View view) noexcept
         case View::Normal: return "normal";
         case View::Uv: return "uv";
         case View::Face: return "face";
+        case View::Level: return "level";
+        case View::Blend: return "blend";
+        case View::Grid: return "grid";
     }
     return "";
 }

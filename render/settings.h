@@ -28,10 +28,20 @@ enum class View : std::uint8_t {
     Depth,   ///< near white, far black
     Normal,  ///< shading normal, -1 to 1 as 0 to 1
     Uv,      ///< fractional parts as red and green
-    Face     ///< a colour for each face of each node's cage
+    Face,    ///< a colour for each face of each node's cage
+    Level,   ///< a colour for each pair of levels, darker towards the coarser one
+    Blend,   ///< black where the finer level of the pair is seen, white where the coarser one is
+    Grid     ///< a colour for each micropolygon
 };
 std::string_view view_name(View view) noexcept;
-inline constexpr View kAllViews[] = {View::Depth, View::Normal, View::Uv, View::Face};
+inline constexpr View kAllViews[] = {View::Depth, View::Normal, View::Uv, View::Face, View::Level, View::Blend, View::Grid};
+
+/// Whose wanted edge length decides how finely a surface is seen.
+enum class Lod : unsigned char {
+    On,     ///< each ray's own, all along it
+    Off,    ///< one level a cage instance, by the camera's footprint where it comes nearest
+    Frozen  ///< of secondary rays: as wide all along as at their origin
+};
 
 struct Settings {
     int width = 1280, height = 720;  ///< of the whole frame, pixels
@@ -42,6 +52,7 @@ struct Settings {
     bool jitter = true;      ///< false: every sample goes through the middle of its pixel
     int light_samples = 1;   ///< of each light at each hit
     float shading_rate = 1;  ///< wanted micropolygon edge, pixels
+    Lod lod = Lod::On;
     std::uint64_t seed = 0;
     double deadline_s = 0;  ///< stop after so long with what is done; 0: none. The one setting that makes pictures differ
     unsigned aovs = 0;      ///< bits of Aov

@@ -99,6 +99,8 @@ void add_picture(CLI::App& app, RenderArguments& a)
     add_switch(app, "--jitter", s.jitter, "off: every sample through the middle of its pixel [on]");
     add_count(app, "--light-samples", s.light_samples, render::kMaxLightSamples, "Of each light at each hit [1]");
     add_number(app, "--shading-rate", "Wanted micropolygon edge, pixels [1]", [&](double v) { s.shading_rate = float(v); });
+    add_choice<render::Lod>(app, "--lod", s.lod, {{"on", render::Lod::On}, {"off", render::Lod::Off}, {"frozen", render::Lod::Frozen}},
+                            "Level of detail: each ray's own; one a cage; secondary rays as at their origin [on]");
     app.add_option("--seed", s.seed, "Of the random numbers [0]")->type_name("N");
     add_number(app, "--deadline", "Stop after so many seconds with what is done", [&](double v) { s.deadline_s = v; });
     add_switch(app, "--background", s.background, "Sky or environment behind the scene; off: transparent [on]");

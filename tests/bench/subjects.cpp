@@ -205,13 +205,13 @@ std::vector<Vec3f> micropolygons(const lod::PosedCage& cage)
                     corners.push_back(grid.vertex(i + di, j + dj));
     };
     const auto add_patch = [&](lod::PatchRef patch) {
-        const lod::PatchRates rates = dicer.rates(cage, patch);
+        const lod::PatchRates rates = dicer.scale(cage, patch).rates(cage.level);
         const int columns = 1 << rates.u, rows = 1 << rates.v, side = lod::TileRef::kMaxSide;
         const auto size = [&](int whole) { return static_cast<std::uint16_t>(std::min(whole, side)); };
         for (int j = 0; j < rows; j += side)
             for (int i = 0; i < columns; i += side)
                 add_tile(
-                    {patch, rates, static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j), size(columns), size(rows)});
+                    {patch, rates, static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j), size(columns), size(rows)});
     };
     for (std::uint32_t face = 0; face < cage.topology->face_count(); ++face)
         for (std::uint32_t sub = 0; cage.topology->is_seen(face) && sub < cage.topology->patches_of(face); ++sub)

@@ -28,12 +28,12 @@ std::vector<lod::TileRef> DicedCage::tiles()
     for (std::uint32_t face = 0; face < topology().face_count(); ++face) {
         if (!topology().is_seen(face)) continue;
         for (std::uint32_t sub = 0; sub < topology().patches_of(face); ++sub) {
-            const lod::PatchRates rates = dicer.rates(posed, {face, sub});
+            const lod::PatchRates rates = dicer.scale(posed, {face, sub}).rates(posed.level);
             const int columns = 1 << rates.u, rows = 1 << rates.v, side = lod::TileRef::kMaxSide;
             for (int j = 0; j < rows; j += side)
                 for (int i = 0; i < columns; i += side) {
                     const auto size = [&](int whole) { return static_cast<std::uint16_t>(std::min(whole, side)); };
-                    all.push_back({{face, sub}, rates, static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j), size(columns), size(rows)});
+                    all.push_back({{face, sub}, rates, static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j), size(columns), size(rows)});
                 }
         }
     }
@@ -43,7 +43,7 @@ std::vector<lod::TileRef> DicedCage::tiles()
 std::vector<MeshTriangle> DicedCage::triangles()
 {
     std::vector<MeshTriangle> mesh;
-    std::vector<lod::Closer> known;  // of the present patch: its tiles keep copies of a closer that reaches into several
+    std::vector<lod::Hanging::Ends> known;  // of the present patch: its tiles keep copies of a closer that reaches into several
     lod::PatchRef patch{~0u, 0};
     for (const lod::TileRef& tile : tiles()) {
         if (!(tile.patch == patch)) known.clear();
@@ -54,11 +54,12 @@ std::vector<MeshTriangle> DicedCage::triangles()
                 mesh.push_back({{grid.vertex(i, j), grid.vertex(i + 1, j), grid.vertex(i + 1, j + 1)}});
                 mesh.push_back({{grid.vertex(i, j), grid.vertex(i + 1, j + 1), grid.vertex(i, j + 1)}});
             }
-        for (const lod::Closer& c : grid.closers) {
-            const auto same = [&](const lod::Closer& k) { return k.a == c.a && k.middle == c.middle && k.c == c.c; };
+        for (const lod::Hanging& h : grid.hanging) {
+            const lod::Hanging::Ends ends = h.on(grid.at(static_cast<int>(h.a)), grid.at(static_cast<int>(h.c)));
+            const auto same = [&](const lod::Hanging::Ends& k) { return k.low == ends.low && k.middle == ends.middle && k.high == ends.high; };
             if (std::any_of(known.begin(), known.end(), same)) continue;
-            known.push_back(c);
-            mesh.push_back({{c.a, c.middle, c.c}, true});
+            known.push_back(ends);
+            mesh.push_back({{ends.low, ends.middle, ends.high}, true});
         }
     }
     return mesh;

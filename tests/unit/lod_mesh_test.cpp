@@ -106,13 +106,23 @@ TEST(Rates, HalveExactlyAtAndAroundPowersOfTwo)
 
 TEST(Rates, OfBothAxesHalveAndStopTogether)
 {
+    lod::PatchScale scale;
+    scale.k = {7, 4};
+    scale.least = {0, 1};
     for (int level = 0; level < 10; ++level) {
-        int u, v, next_u, next_v;
-        lod::inside_exponents(7, 4, 0, 1, level, u, v);
-        lod::inside_exponents(7, 4, 0, 1, level + 1, next_u, next_v);
-        EXPECT_EQ(u - next_u, v - next_v) << "level " << level;
-        EXPECT_GE(v, 1);
+        const lod::PatchRates rates = scale.rates(level), next = scale.rates(level + 1);
+        EXPECT_EQ(rates.u - next.u, rates.v - next.v) << "level " << level;
+        EXPECT_GE(rates.v, 1);
     }
+}
+
+TEST(Rates, OfAThinPatchAreNotThoseOfItsLengthAlone)
+{
+    lod::PatchScale scale;
+    scale.k = {lod::kMinLength, 5};
+    scale.limit_aspect();
+    EXPECT_EQ(scale.rates(lod::kCoarsestLevel).v, lod::kMaxAspect);
+    EXPECT_EQ(scale.rates(0).u, 5 - lod::kMaxAspect);
 }
 
 }  // namespace

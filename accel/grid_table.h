@@ -1,0 +1,71 @@
+// Which igrids a worker has: a table by what they are of, which pair of levels, and which tile (architecture: all leaves point at one
+// igrid per key).
+//
+// Memory   one worker's arena; growing leaves the smaller table behind.   Threads  one worker's own.
+#pragma once
+
+#include "accel/igrid.h"
+#include "scenegraph/base/arena.h"
+#include "scenegraph/base/hash.h"
+
+namespace occam::accel {
+
+struct GridKey {
+    const void* subject = nullptr;  ///< PatchInfo, ClusterInfo
+    int pair = 0;
+    std::uint32_t i = 0, j = 0;     ///< first quad of the tile
+    friend bool operator==(const GridKey&, const GridKey&) = default;
+};
+
+class GridTable {
+public:
+    explicit GridTable(Arena& arena) : arena_(arena) { clear(); }
+
+    /// Forgets its content and its memory: call after the arena was reset.
+    void clear() noexcept
+    {
+        slots_ = {};
+        used_ = 0;
+    }
+    /// The place of a key's igrid: null when the key is new. Good until the next call.
+    IGrid*& operator[](const GridKey& key)
+    {
+        if (2 * (used_ + 1) > slots_.size()) grow();
+        Slot& slot = find(slots_, key);
+        if (!slot.key.subject) {
+            slot = {key, nullptr};
+            ++used_;
+        }
+        return slot.grid;
+    }
+
+private:
+    struct Slot {
+        GridKey key;
+        IGrid* grid = nullptr;
+    };
+
+    static Slot& find(std::span<Slot> slots, const GridKey& key) noexcept
+    {
+        const std::uint64_t hash = mix_bits(reinterpret_cast<std::uintptr_t>(key.subject) ^
+                                            mix_bits(std::uint64_t(key.i) << 32 ^ std::uint64_t(key.j) << 8 ^ std::uint64_t(key.pair + 128)));
+        for (std::size_t at = hash;; ++at) {
+            Slot& slot = slots[at & (slots.size() - 1)];
+            if (!slot.key.subject || slot.key == key) return slot;
+        }
+    }
+    void grow()
+    {
+        const std::span<Slot> larger = arena_.make_array<Slot>(std::max<std::size_t>(64, slots_.size() * 2));
+        std::fill(larger.begin(), larger.end(), Slot());
+        for (const Slot& slot : slots_)
+            if (slot.key.subject) find(larger, slot.key) = slot;
+        slots_ = larger;
+    }
+
+    Arena& arena_;
+    std::span<Slot> slots_;
+    std::size_t used_ = 0;
+};
+
+}  // namespace occam::accel

@@ -1,0 +1,161 @@
+// A ray's table of transitions: from where to where it sees which pair of levels, and how far each vertex has gone from the finer
+// to the coarser.
+//
+// Djeu et al. 2011, sec. 5.1.2 and 5.2.6; the constants are those of docs/watertightness.md, rules 7 to 9. Pair l serves a ray
+// where d_l <= wanted edge < d_(l+1). F is vfloat (lanes are rays) or float (one ray): the same operations, so the same bits.
+//
+// Transition b lies between pair b - 1 and pair b. Where the footprint grows, transitions are pushed away from the ray's start
+// until each segment between two of them is at least two margins long; where it shrinks, they are pulled towards it from the
+// ray's end. So nothing is coarser than asked. Constant, zero and infinite widths are ordinary: a width that does not
+// change grows by next to nothing, and its transitions are far away.
+#pragma once
+
+#include <bit>
+#include <cfloat>
+#include <cstdint>
+#include <type_traits>
+
+#include "lod/footprint.h"
+#include "lod/rates.h"
+#include "scenegraph/base/simd.h"
+
+namespace occam::lod {
+
+/// How a vertex at distance t of the ray goes from fine to coarse: w = smoothstep((t - start) * scale).
+template <class F>
+struct Blend {
+    F start, scale;
+
+    /// Exactly 0 and 1 from the ends on.
+    F weight(F t) const noexcept
+    {
+        const F x = min(max((t - start) * scale, F(0.0f)), F(1.0f));
+        return x * x * (F(3.0f) - (x + x));
+    }
+};
+
+template <class F>
+class RayLevels {
+public:
+    using Mask = decltype(F() < F());
+    static constexpr int kMostOfRay = 16;   ///< pairs of one ray: the finest serves all that is nearer
+    static constexpr int kMost = 32;        ///< of all lanes together
+    static constexpr float kFar = 1e30f;
+
+    /// width    a + b t: the wanted edge; t_end: where the ray ends, finite; coordinate: the largest of ray and scene.
+    /// Returns false if the lanes have more than kMost pairs: then they cannot travel together.
+    bool set(F a, F b, F t_end, F coordinate, const LevelSettings& settings) noexcept
+    {
+        a = max(a, F(0.0f));
+        const F at_end = max(a + b * t_end, F(0.0f));
+        const F widest = max(a, at_end);
+        const F cap = floor_exponents(widest, min(a, at_end));
+        if (coarsest - finest >= kMost) return false;
+        settings_ = &settings;
+        ulps_ = coordinate * F(settings.overlap_ulps * 0x1p-24f);
+        grows_ = b >= F(0.0f);
+        // Never divide by 0: what hardly changes changes by 10^-24 of itself.
+        const F least = a * F(1e-24f) + F(1e-37f);
+        const F slope = select(grows_, max(b, least), min(b, F(0.0f) - least));
+        F previous = select(grows_, F(-kFar), F(kFar));
+        for (int b_index = finest; b_index <= coarsest + 1; ++b_index) {
+            const F d = edge_length(b_index);
+            const F ideal = min(max((d - a) / slope, F(-kFar)), F(kFar));
+            const F length = margin(b_index - 1) + margin(b_index - 1);
+            const F pushed = select(grows_, max(ideal, previous + length), min(ideal, previous - length));
+            const bool is_inner = b_index != finest && b_index != coarsest + 1;
+            // Before the ray's start, past its end, and below the finest pair of a lane, there is none.
+            const Mask none_before = (pushed <= F(0.0f)) | (grows_ & (d <= cap));
+            const Mask none_after = andnot(pushed >= t_end, grows_) | andnot(d <= cap, grows_);
+            raw_[b_index - finest] = pushed;
+            const F low = F(-kFar), high = F(kFar);
+            F edge = select(none_after, high, select(none_before, low, pushed));
+            if (!is_inner) edge = select(b_index == finest ? grows_ : !grows_, low, high);
+            edge_[b_index - finest] = edge;
+            previous = select(grows_, select(none_before, low, pushed), select(none_after, high, pushed));
+        }
+        return true;
+    }
+
+    int finest = 0, coarsest = 0;   ///< pairs that some lane has
+
+    /// Pair p's part of each ray, overlaps included; empty (begin > end of anything) for lanes without it.
+    F begin(int pair) const noexcept
+    {
+        const F near = select(grows_, edge_[pair - finest], edge_[pair + 1 - finest]);
+        return near - select(grows_, overlap(pair), overlap(pair + 1));
+    }
+    F end(int pair) const noexcept
+    {
+        const F far = select(grows_, edge_[pair + 1 - finest], edge_[pair - finest]);
+        return far + select(grows_, overlap(pair + 1), overlap(pair));
+    }
+    /// Of the pairs [low, high] together, as far as there are such.
+    F begin(int low, int high) const noexcept
+    {
+        return select(grows_, begin(std::clamp(low, finest, coarsest)), begin(std::clamp(high, finest, coarsest)));
+    }
+    F end(int low, int high) const noexcept
+    {
+        return select(grows_, end(std::clamp(high, finest, coarsest)), end(std::clamp(low, finest, coarsest)));
+    }
+
+    Blend<F> blend(int pair) const noexcept
+    {
+        const F m = margin(pair), zero = 0.0f;
+        const F lower = raw_[pair - finest], upper = raw_[pair + 1 - finest];
+        const F near = select(grows_, lower, upper), far = select(grows_, upper, lower);
+        // At the ray's own start there is no transition, and no margin.
+        const F from = near + select(near > zero, m, zero), to = far - m;
+        // A little steeper than from `from` to `to`, so that rounding never keeps a weight off its end.
+        const F steep = F(1.0f + 0x1p-20f) / max(to - from, F(1e-30f));
+        return {select(grows_, min(from, to), to), select(grows_, steep, zero - steep)};
+    }
+
+    /// What each end of a segment keeps flat.
+    F margin(int pair) const noexcept
+    {
+        const float d = edge_length(pair);
+        return F(2 * d) + max(F(settings_->overlap_edges * d), ulps_) + ulps_;
+    }
+    /// By which the segments at transition b overlap, on either side.
+    F overlap(int b) const noexcept { return max(F(settings_->overlap_edges * edge_length(b - 1)), ulps_); }
+
+private:
+    static int exponent_of(float x) noexcept
+    {
+        const auto e = static_cast<int>(std::bit_cast<std::uint32_t>(x) >> 23 & 0xff) - 127;
+        return std::clamp(e, kFinestLevel, kCoarsestLevel);
+    }
+    /// Sets finest and coarsest; returns the finest level of each lane.
+    F floor_exponents(F widest, F thinnest) noexcept
+    {
+        float wide[kLanes], thin[kLanes];
+        int count = 1;
+        if constexpr (std::is_same_v<F, float>) {
+            wide[0] = widest;
+            thin[0] = thinnest;
+        } else {
+            widest.store(wide);
+            thinnest.store(thin);
+            count = kLanes;
+        }
+        finest = kCoarsestLevel;
+        coarsest = kFinestLevel;
+        for (int i = 0; i < count; ++i) {
+            const int high = exponent_of(wide[i]), low = std::max(exponent_of(thin[i]), high - kMostOfRay + 1);
+            finest = std::min(finest, low);
+            coarsest = std::max(coarsest, high);
+            wide[i] = edge_length(high - kMostOfRay + 1);
+        }
+        if constexpr (std::is_same_v<F, float>) return wide[0];
+        else return F::load(wide);
+    }
+
+    const LevelSettings* settings_ = nullptr;
+    F ulps_;
+    Mask grows_;
+    F raw_[kMost + 1], edge_[kMost + 1];
+};
+
+}  // namespace occam::lod
