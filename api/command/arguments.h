@@ -50,18 +50,24 @@ struct CompareArguments {
     std::optional<double> max_mse, max_rmse, max_rel_mse, max_error, max_p999, min_psnr;
 };
 
+struct VerifyArguments : SceneArguments {
+    VerifySettings settings;
+    bool json = false;
+};
+
 /// Nothing to do but to end with that exit code: what there was to say has been said.
 struct Finished {
     int exit_code;
 };
 
-using Arguments = std::variant<Finished, RenderArguments, InfoArguments, CompareArguments>;
+using Arguments = std::variant<Finished, RenderArguments, InfoArguments, VerifyArguments, CompareArguments>;
 
 /// Usage errors go to standard error, --help and --version to standard output.
 Arguments parse(int argc, char** argv);
 
 int run(const RenderArguments& arguments);
 int run(const InfoArguments& arguments);
+int run(const VerifyArguments& arguments);
 int run(const CompareArguments& arguments);
 
 /// The scene of a file, or the built-in one.

@@ -204,13 +204,14 @@ Arguments parse(int argc, char** argv)
 {
     RenderArguments render;
     InfoArguments info;
+    VerifyArguments verify;
     CompareArguments compare;
 
     CLI::App app("Occam: dynamic multiresolution ray tracing.", "occam");
     app.set_version_flag("--version", std::string("occam ") + render::kVersion + "\nwith " OCCAM_LIBRARIES);
     app.require_subcommand(1);
     app.footer(
-        "Exit codes: 0 done; 1 a limit of compare does not hold; 2 bad input or usage; 3 output or resources; 130 "
+        "Exit codes: 0 done; 1 a limit of compare or verify does not hold; 2 bad input or usage; 3 output or resources; 130 "
         "interrupted.\n"
         "Example: occam render courtyard.glb -o courtyard.png");
 
@@ -227,6 +228,13 @@ Arguments parse(int argc, char** argv)
     add_scene(info_app, info);
     info_app.add_flag("--json", info.json, "As JSON");
     info_app.footer("Example: occam info courtyard.glb --json");
+
+    CLI::App& verify_app = *app.add_subcommand("verify", "Whether closed cages let rays out");
+    add_scene(verify_app, verify);
+    verify_app.add_option("--rays", verify.settings.rays, "For each placed cage [1000000]")->type_name("N");
+    verify_app.add_option("--seed", verify.settings.seed, "Of the random numbers [0]")->type_name("N");
+    verify_app.add_flag("--json", verify.json, "As JSON");
+    verify_app.footer("Exit code 1 if a ray escapes. Example: occam verify suzanne.obj --subdivide on --rays 10000000 --json");
 
     CLI::App& compare_app = *app.add_subcommand("compare", "How far two pictures are apart");
     add_compare(compare_app, compare);
@@ -257,6 +265,7 @@ Arguments parse(int argc, char** argv)
         return render;
     }
     if (info_app.parsed()) return info;
+    if (verify_app.parsed()) return verify;
     return compare;
 }
 

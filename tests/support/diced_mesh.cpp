@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 namespace occam::test {
 
@@ -74,38 +73,6 @@ int DicedCage::level_of_largest_exponent(int exponent)
         for (const lod::TileRef& tile : tiles()) largest = std::max({largest, tile.rates.u, tile.rates.v});
         if (largest >= exponent) return posed.level;
     }
-}
-
-bool is_closed(const Cage& cage)
-{
-    std::vector<bool> is_hole(cage.face_count());
-    for (const std::uint32_t h : cage.holes) is_hole[h] = true;
-    std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses;
-    std::size_t first = 0;
-    for (std::size_t f = 0; f < cage.face_count(); ++f) {
-        const std::size_t n = cage.scheme == Scheme::Triangles ? 3 : cage.face_sizes[f];
-        for (std::size_t k = 0; k < n && !is_hole[f]; ++k)
-            ++uses[{cage.face_vertices[first + k], cage.face_vertices[first + (k + 1) % n]}];
-        first += n;
-    }
-    for (const auto& [edge, count] : uses) {
-        const auto other = uses.find({edge.second, edge.first});
-        if (count != 1 || other == uses.end() || other->second != 1) return false;
-    }
-    return !uses.empty();
-}
-
-double winding_number(const std::vector<MeshTriangle>& mesh, Vec3d at)
-{
-    double sum = 0;
-    for (const MeshTriangle& t : mesh) {
-        if (t.is_closer) continue;
-        const Vec3d a = Vec3d(t.v[0]) - at, b = Vec3d(t.v[1]) - at, c = Vec3d(t.v[2]) - at;
-        const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
-        const double scale = la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb;
-        sum += 2 * std::atan2(glm::dot(a, glm::cross(b, c)), scale);
-    }
-    return sum / (4 * 3.14159265358979323846);
 }
 
 }  // namespace occam::test

@@ -35,10 +35,4 @@ private:
     lod::TopologyCache cache_;
 };
 
-/// Every edge in exactly two faces that run along it in opposite senses, holes counted as missing.
-bool is_closed(const Cage& cage);
-
-/// Winding number of a closed mesh about a point, in double (solid angles, Van Oosterom and Strackee 1983): 1 inside.
-double winding_number(const std::vector<MeshTriangle>& mesh, Vec3d at);
-
 }  // namespace occam::test

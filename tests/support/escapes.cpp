@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "accel/frame.h"
+#include "api/closed.h"
 
 namespace occam::test {
 namespace {
@@ -26,8 +27,12 @@ Vec3d any_direction(Random& random)
 std::vector<Vec3d> inside_points(const std::vector<MeshTriangle>& mesh, std::size_t wanted, Random& random)
 {
     Box3d box;
+    std::vector<Vec3f> corners;
     for (const MeshTriangle& t : mesh)
-        for (const Vec3f v : t.v) box.add(Vec3d(v));
+        for (const Vec3f v : t.v) {
+            box.add(Vec3d(v));
+            if (!t.is_closer) corners.push_back(v);
+        }
     std::vector<Vec3d> points;
     for (int attempt = 0; attempt < 400 && points.size() < wanted; ++attempt) {
         const Vec3d p = box.lo + box.extent() * Vec3d(uniform(random), uniform(random), uniform(random));
@@ -36,7 +41,7 @@ std::vector<Vec3d> inside_points(const std::vector<MeshTriangle>& mesh, std::siz
         for (int k = 0; k < 7 && is_inside; ++k) {
             Vec3d step(0);
             if (k > 0) step[(k - 1) / 2] = (k & 1 ? 1e-3 : -1e-3) * box.radius();
-            is_inside = winding_number(mesh, p + step) > 0.9;
+            is_inside = winding_number(corners, p + step) > 0.9;
         }
         if (is_inside) points.push_back(p);
     }
@@ -110,10 +115,15 @@ EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int 
     return count;
 }
 
-std::uint64_t rays_per_cage()
+namespace {
+bool is_long()
 {
-    const char* is_long = std::getenv("OCCAM_LONG");
-    return is_long && std::strcmp(is_long, "1") == 0 ? 10'000'000 : 100'000;
+    const char* value = std::getenv("OCCAM_LONG");
+    return value && std::strcmp(value, "1") == 0;
 }
+}  // namespace
+
+std::uint64_t rays_per_cage() { return is_long() ? 10'000'000 : 100'000; }
+std::uint64_t blended_rays_per_place() { return is_long() ? 2'500'000 : 500'000; }
 
 }  // namespace occam::test

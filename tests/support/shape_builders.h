@@ -45,6 +45,23 @@ inline Cage prism(std::uint32_t n)
     return cage;
 }
 
+/// A pole of `valence` edges at both ends of a spindle: triangles all.
+inline Cage spindle(std::uint32_t valence)
+{
+    Cage cage;
+    cage.positions = {{0, 1.5f, 0}, {0, -1.5f, 0}};
+    for (std::uint32_t i = 0; i < valence; ++i) {
+        const float angle = 6.2831853f * float(i) / float(valence);
+        cage.positions.push_back({std::cos(angle), 0.1f * float(i % 2), std::sin(angle)});
+    }
+    for (std::uint32_t i = 0; i < valence; ++i) {
+        const std::uint32_t a = 2 + i, b = 2 + (i + 1) % valence;
+        cage.face_vertices.insert(cage.face_vertices.end(), {0, b, a, 1, a, b});
+        cage.face_sizes.insert(cage.face_sizes.end(), {3, 3});
+    }
+    return cage;
+}
+
 inline NodeId place(Scene& scene, CageId cage, Vec3d at, double scale = 1)
 {
     NodeDesc desc;

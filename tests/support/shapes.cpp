@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "occam/verify.h"
 #include "scenegraph/import/import.h"
-#include "tests/support/diced_mesh.h"
 #include "tests/support/shared_data.h"
 
 namespace occam::test {
@@ -30,7 +30,7 @@ std::vector<std::string> closed_shapes()
         const fs::path& path = entry.path();
         if (path.extension() != ".obj" || path.string().find("opensubdiv_reference") != std::string::npos) continue;
         if (path.filename().string().starts_with("loop_")) continue;
-        if (is_closed(load_cage(path.string()))) paths.push_back(path.string());
+        if (why_not_closed(load_cage(path.string())).empty()) paths.push_back(path.string());
     }
     std::sort(paths.begin(), paths.end());
     return paths;

@@ -2,27 +2,11 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/escapes.h"
+#include "tests/support/shape_builders.h"
 #include "tests/support/shapes.h"
 
 namespace occam::test {
 namespace {
-
-/// A pole of `valence` edges at both ends of a spindle: triangles all.
-Cage spindle(std::uint32_t valence)
-{
-    Cage cage;
-    cage.positions = {{0, 1.5f, 0}, {0, -1.5f, 0}};
-    for (std::uint32_t i = 0; i < valence; ++i) {
-        const float angle = 6.2831853f * float(i) / float(valence);
-        cage.positions.push_back({std::cos(angle), 0.1f * float(i % 2), std::sin(angle)});
-    }
-    for (std::uint32_t i = 0; i < valence; ++i) {
-        const std::uint32_t a = 2 + i, b = 2 + (i + 1) % valence;
-        cage.face_vertices.insert(cage.face_vertices.end(), {0, b, a, 1, a, b});
-        cage.face_sizes.insert(cage.face_sizes.end(), {3, 3});
-    }
-    return cage;
-}
 
 void expect_no_escape(const Cage& cage, int exponent)
 {

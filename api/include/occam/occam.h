@@ -15,6 +15,7 @@
 #include <optional>
 
 #include "api/builtin/builtin_scene.h"
+#include "occam/verify.h"
 #include "render/frame_control.h"
 #include "render/image.h"
 #include "render/settings.h"

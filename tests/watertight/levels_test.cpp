@@ -1,0 +1,59 @@
+// No ray leaves a closed cage, whatever its footprint: constant, growing, shrinking, steep; each ray blends the surface for
+// itself between two levels, and changes from pair to pair near the hit (watertightness, rules 4 to 10).
+#include <gtest/gtest.h>
+
+#include "api/builtin/pieces.h"
+#include "occam/verify.h"
+#include "tests/support/escapes.h"
+#include "tests/support/shape_builders.h"
+#include "tests/support/shapes.h"
+
+namespace occam::test {
+namespace {
+
+/// At the origin segments overlap by 4 ulps only, so that nothing is hidden; far away as the engine has them.
+void expect_no_escape(const Cage& cage)
+{
+    const double size = 2 * cage.bounds().radius();
+    Mat4d far(1);
+    far[3] = Vec4d(0.7e5 * size, 0.1e5 * size, -0.7e5 * size, 1);
+    VerifySettings settings;
+    settings.rays = blended_rays_per_place();
+    settings.largest_rate = cage.face_count() > 2000 ? 2 : cage.face_count() > 100 ? 8 : 32;
+    for (const Mat4d& place : {Mat4d(1), far}) {
+        settings.overlap_ulps = place == Mat4d(1) ? 4.0f : 0.0f;
+        const VerifiedCage found = verify(cage, place, settings);
+        if (found.rays == 0) GTEST_SKIP() << found.not_testable;
+        std::string replay;
+        for (const std::string& line : found.replay) replay += line + '\n';
+        EXPECT_EQ(found.escaped, 0u) << "of " << found.rays << " at " << place[3].x << '\n' << replay;
+        EXPECT_EQ(found.not_finite, 0u);
+    }
+}
+
+class Levels : public testing::TestWithParam<std::string> {};
+TEST_P(Levels, LetNoRayOut) { expect_no_escape(load_cage(GetParam())); }
+INSTANTIATE_TEST_SUITE_P(Shared, Levels, testing::ValuesIn(closed_shapes()), shape_test_name);
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Levels);
+
+class LevelsOfPieces : public testing::TestWithParam<Cage> {};
+TEST_P(LevelsOfPieces, LetNoRayOut) { expect_no_escape(GetParam()); }
+INSTANTIATE_TEST_SUITE_P(Closed, LevelsOfPieces, testing::ValuesIn(builtin::closed_pieces()), [](const auto& test) {
+    std::string name = test.param.name;
+    std::replace(name.begin(), name.end(), ' ', '_');
+    return name;
+});
+
+TEST(LevelsOfSpindle, OfValence360LetNoRayOut) { expect_no_escape(spindle(360)); }
+TEST(LevelsOfSpindle, OfValence3LetNoRayOut) { expect_no_escape(spindle(3)); }
+TEST(LevelsOfSpindle, OfValence9WithCreasesLetNoRayOut)
+{
+    Cage cage = spindle(9);
+    cage.creases = {{0, 2, 10}, {2, 3, 2.5f}, {4, 1, 0.7f}, {3, 4, 10}};
+    expect_no_escape(cage);
+}
+TEST(LevelsOfTorus, UnevenLetNoRayOut) { expect_no_escape(torus()); }
+TEST(LevelsOfPrism, WithPolygonsAndCreasesLetNoRayOut) { expect_no_escape(prism(7)); }
+
+}  // namespace
+}  // namespace occam::test
