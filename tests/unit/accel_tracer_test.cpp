@@ -35,10 +35,10 @@ bool same(const accel::SurfaceHit& a, const accel::SurfaceHit& b)
 struct Stage {
     Scene scene;
     lod::TopologyCache topologies;
-    accel::Frame frame(int level)
+    accel::Frame frame(int level, lod::LevelMode mode = lod::LevelMode::PerRay)
     {
         scene.refit();
-        return accel::Frame(scene, topologies, {.eye = Vec3d(0), .pixel = {std::ldexp(1.5f, level), 0}});
+        return accel::Frame(scene, topologies, {.eye = Vec3d(0), .pixel = {std::ldexp(1.5f, level), 0}, .mode = mode});
     }
 };
 
@@ -114,7 +114,7 @@ TEST(Tracer, ReportsTheExactDistanceOnClosingTriangles)
 
     Stage stage;
     place(stage.scene, stage.scene.add(cage), {0, 0, 0});
-    const accel::Frame frame = stage.frame(diced.posed.level);
+    const accel::Frame frame = stage.frame(diced.posed.level, lod::LevelMode::PerInstance);
     accel::Tracer tracer(frame, kPlenty);
     const Vec3d eye{0.2, 5, 0.4};
     for (const Vec3d middle : middles) {
