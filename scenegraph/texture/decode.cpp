@@ -25,21 +25,21 @@ const std::array<float, 256>& srgb_table()
     return table;
 }
 
-// OpenImageIO chooses a reader by the extension first.
-const char* extension_of(const std::vector<std::byte>& bytes)
+// The name of the reader of OpenImageIO, by what the file begins with; a declared type may be wrong. Empty: unknown.
+std::string format_of(const std::vector<std::byte>& bytes)
 {
     const auto starts_with = [&](const char* magic, std::size_t size, std::size_t at = 0) {
         return bytes.size() >= at + size && std::memcmp(bytes.data() + at, magic, size) == 0;
     };
-    if (starts_with("\x89PNG", 4)) return ".png";
-    if (starts_with("\xff\xd8\xff", 3)) return ".jpg";
-    if (starts_with("\x76\x2f\x31\x01", 4)) return ".exr";
-    if (starts_with("RIFF", 4) && starts_with("WEBP", 4, 8)) return ".webp";
-    if (starts_with("II*\0", 4) || starts_with("MM\0*", 4)) return ".tif";
-    if (starts_with("#?RADIANCE", 10)) return ".hdr";
-    if (starts_with("GIF8", 4)) return ".gif";
-    if (starts_with("BM", 2)) return ".bmp";
-    return "";
+    if (starts_with("\x89PNG", 4)) return "png";
+    if (starts_with("\xff\xd8\xff", 3)) return "jpeg";
+    if (starts_with("\x76\x2f\x31\x01", 4)) return "openexr";
+    if (starts_with("RIFF", 4) && starts_with("WEBP", 4, 8)) return "webp";
+    if (starts_with("II*\0", 4) || starts_with("MM\0*", 4)) return "tiff";
+    if (starts_with("#?RADIANCE", 10)) return "hdr";
+    if (starts_with("GIF8", 4)) return "gif";
+    if (starts_with("BM", 2)) return "bmp";
+    return {};
 }
 
 // A PNG without room for its header and end: libpng would jump out of OpenImageIO's reader, past its destructors.
@@ -75,11 +75,20 @@ void TextureSource::State::open(const Texture& texture)
     config["oiio:UnassociatedAlpha"] = 1;
     if (texture.encoded) {
         encoded = texture.encoded;
-        const std::string file = std::string("memory") + extension_of(*encoded);
-        if (file == "memory") refuse("not an image format that is known");
-        if (file == "memory.png" && encoded->size() < kLeastPngBytes) refuse("the image is cut off");
+        const std::string format = format_of(*encoded);
+        if (format.empty()) refuse("not an image format that is known");
+        if (format == "png" && encoded->size() < kLeastPngBytes) refuse("the image is cut off");
         memory = std::make_unique<OIIO::Filesystem::IOMemReader>(const_cast<std::byte*>(encoded->data()), encoded->size());
-        input = OIIO::ImageInput::open(file, &config, memory.get());
+        // The reader takes the bytes from this attribute: ImageInput::open(name, config, proxy) closes the proxy again.
+        OIIO::Filesystem::IOProxy* proxy = memory.get();
+        config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+        input = OIIO::ImageInput::create(format);
+        OIIO::ImageSpec opened;
+        if (input && !input->open("memory." + format, opened, config)) {
+            const std::string why = input->geterror();
+            input.reset();
+            refuse("image cannot be read: " + why);
+        }
     } else {
         std::error_code error;
         if (!std::filesystem::is_regular_file(texture.path, error)) refuse("no such image file");
