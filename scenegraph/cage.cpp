@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "scenegraph/base/error.h"
+#include "scenegraph/cage_creases.h"
 
 namespace occam {
 
@@ -25,6 +26,7 @@ public:
         mend_positions();
         mend_faces();
         mend_tags();
+        report(drop_crowded_creases(cage_), "creases dropped: beside a vertex of two faces, at a border");
         mend_normals();
         mend_attributes();
         mend_skin();

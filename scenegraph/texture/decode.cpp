@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <span>
 
 #include "scenegraph/base/error.h"
 #include "scenegraph/base/srgb.h"
@@ -42,13 +43,40 @@ std::string format_of(const std::vector<std::byte>& bytes)
     return {};
 }
 
-// A PNG without room for its header and end: libpng would jump out of OpenImageIO's reader, past its destructors.
-constexpr std::size_t kLeastPngBytes = 57;
+constexpr std::array<unsigned char, 8> kPngMagic = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
 
-bool is_cut_off_png(std::istream&& stream, std::uintmax_t size)
+// Does a chunk of a PNG reach past the end of the file, or the last one lack? (PNG, sec. 5.3.) libpng would jump out of
+// OpenImageIO's reader at the missing byte, past its destructors. read(at, to) fills 8 bytes, or says that they are not there.
+template <class Read>
+bool is_cut_off_png(std::uintmax_t size, Read&& read)
 {
-    char magic[4] = {};
-    return size < kLeastPngBytes && stream.read(magic, 4) && std::memcmp(magic, "\x89PNG", 4) == 0;
+    std::array<unsigned char, 8> word{};
+    if (!read(0, word) || word != kPngMagic) return false;
+    for (std::uintmax_t at = word.size(); read(at, word);) {
+        std::uintmax_t length = 0;
+        for (int i = 0; i < 4; ++i) length = length << 8 | word[static_cast<std::size_t>(i)];
+        constexpr std::uintmax_t kAround = 12;  // length, name, checksum
+        if (size - at < kAround || length > size - at - kAround) return true;
+        if (std::memcmp(&word[4], "IEND", 4) == 0) return false;
+        at += length + kAround;
+    }
+    return true;
+}
+bool is_cut_off_png(std::span<const std::byte> bytes)
+{
+    return is_cut_off_png(bytes.size(), [&](std::uintmax_t at, std::array<unsigned char, 8>& to) {
+        if (bytes.size() < to.size() || at > bytes.size() - to.size()) return false;
+        std::memcpy(to.data(), bytes.data() + at, to.size());
+        return true;
+    });
+}
+bool is_cut_off_png(const std::filesystem::path& path)
+{
+    std::ifstream stream(path, std::ios::binary);
+    std::error_code error;
+    return is_cut_off_png(std::filesystem::file_size(path, error), [&](std::uintmax_t at, std::array<unsigned char, 8>& to) {
+        return stream.seekg(static_cast<std::streamoff>(at)) && stream.read(reinterpret_cast<char*>(to.data()), to.size());
+    });
 }
 
 }  // namespace
@@ -77,7 +105,7 @@ void TextureSource::State::open(const Texture& texture)
         encoded = texture.encoded;
         const std::string format = format_of(*encoded);
         if (format.empty()) refuse("not an image format that is known");
-        if (format == "png" && encoded->size() < kLeastPngBytes) refuse("the image is cut off");
+        if (is_cut_off_png(*encoded)) refuse("the image is cut off");
         memory = std::make_unique<OIIO::Filesystem::IOMemReader>(const_cast<std::byte*>(encoded->data()), encoded->size());
         // The reader takes the bytes from this attribute: ImageInput::open(name, config, proxy) closes the proxy again.
         OIIO::Filesystem::IOProxy* proxy = memory.get();
@@ -92,8 +120,7 @@ void TextureSource::State::open(const Texture& texture)
     } else {
         std::error_code error;
         if (!std::filesystem::is_regular_file(texture.path, error)) refuse("no such image file");
-        if (is_cut_off_png(std::ifstream(texture.path, std::ios::binary), std::filesystem::file_size(texture.path, error)))
-            refuse("the image is cut off");
+        if (is_cut_off_png(texture.path)) refuse("the image is cut off");
         input = OIIO::ImageInput::open(texture.path.string(), &config);
     }
     if (!input) refuse("image cannot be read: " + OIIO::geterror());

@@ -145,6 +145,35 @@ TEST(TextureStore, CoordinatesThatAreNoNumbersGiveNumbers)
         }
 }
 
+// libpng leaves OpenImageIO's reader by a jump where the bytes end; what that one holds would leak.
+TEST(TextureStore, APngThatIsCutOffAnywhereIsToldOfBeforeItIsDecoded)
+{
+    test::TempFolder folder;
+    const std::filesystem::path path = folder.path() / "image.png";
+    const auto writer = OIIO::ImageOutput::create(path.string());
+    ASSERT_TRUE(writer && writer->open(path.string(), OIIO::ImageSpec(4, 4, 4, OIIO::TypeDesc::UINT8)));
+    const std::vector<unsigned char> pixels(4 * 4 * 4, 77);
+    ASSERT_TRUE(writer->write_image(OIIO::TypeDesc::UINT8, pixels.data()));
+    writer->close();
+    std::ifstream stream(path, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+    for (std::size_t size = 8; size <= bytes.size(); ++size) {
+        Texture in_memory, in_file;
+        const auto* first = reinterpret_cast<const std::byte*>(bytes.data());
+        in_memory.encoded = std::make_shared<const std::vector<std::byte>>(first, first + size);
+        in_file.path = folder.write("cut.png", std::string_view(bytes).substr(0, size));
+        for (Texture* texture : {&in_memory, &in_file}) {
+            Scene scene;
+            scene.add(*texture);
+            TextureStore store(1 << 20);
+            store.prepare(scene);
+            const std::vector<std::string> warnings = store.warnings();
+            ASSERT_EQ(warnings.empty(), size == bytes.size()) << size;
+            for (const std::string& line : warnings) EXPECT_NE(line.find("cut off"), std::string::npos) << line;
+        }
+    }
+}
+
 TEST(TextureStore, WhatIsNotThereIsWhiteAndWhatCannotBeReadIsMagenta)
 {
     test::TempFolder folder;
