@@ -5,12 +5,11 @@
 
 #include <array>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <span>
 
 #include "scenegraph/base/error.h"
 #include "scenegraph/base/srgb.h"
+#include "scenegraph/texture/image_header.h"
 
 namespace occam {
 
@@ -26,58 +25,9 @@ const std::array<float, 256>& srgb_table()
     return table;
 }
 
-// The name of the reader of OpenImageIO, by what the file begins with; a declared type may be wrong. Empty: unknown.
-std::string format_of(const std::vector<std::byte>& bytes)
-{
-    const auto starts_with = [&](const char* magic, std::size_t size, std::size_t at = 0) {
-        return bytes.size() >= at + size && std::memcmp(bytes.data() + at, magic, size) == 0;
-    };
-    if (starts_with("\x89PNG", 4)) return "png";
-    if (starts_with("\xff\xd8\xff", 3)) return "jpeg";
-    if (starts_with("\x76\x2f\x31\x01", 4)) return "openexr";
-    if (starts_with("RIFF", 4) && starts_with("WEBP", 4, 8)) return "webp";
-    if (starts_with("II*\0", 4) || starts_with("MM\0*", 4)) return "tiff";
-    if (starts_with("#?RADIANCE", 10)) return "hdr";
-    if (starts_with("GIF8", 4)) return "gif";
-    if (starts_with("BM", 2)) return "bmp";
-    return {};
-}
-
-constexpr std::array<unsigned char, 8> kPngMagic = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-
-// Does a chunk of a PNG reach past the end of the file, or the last one lack? (PNG, sec. 5.3.) libpng would jump out of
-// OpenImageIO's reader at the missing byte, past its destructors. read(at, to) fills 8 bytes, or says that they are not there.
-template <class Read>
-bool is_cut_off_png(std::uintmax_t size, Read&& read)
-{
-    std::array<unsigned char, 8> word{};
-    if (!read(0, word) || word != kPngMagic) return false;
-    for (std::uintmax_t at = word.size(); read(at, word);) {
-        std::uintmax_t length = 0;
-        for (int i = 0; i < 4; ++i) length = length << 8 | word[static_cast<std::size_t>(i)];
-        constexpr std::uintmax_t kAround = 12;  // length, name, checksum
-        if (size - at < kAround || length > size - at - kAround) return true;
-        if (std::memcmp(&word[4], "IEND", 4) == 0) return false;
-        at += length + kAround;
-    }
-    return true;
-}
-bool is_cut_off_png(std::span<const std::byte> bytes)
-{
-    return is_cut_off_png(bytes.size(), [&](std::uintmax_t at, std::array<unsigned char, 8>& to) {
-        if (bytes.size() < to.size() || at > bytes.size() - to.size()) return false;
-        std::memcpy(to.data(), bytes.data() + at, to.size());
-        return true;
-    });
-}
-bool is_cut_off_png(const std::filesystem::path& path)
-{
-    std::ifstream stream(path, std::ios::binary);
-    std::error_code error;
-    return is_cut_off_png(std::filesystem::file_size(path, error), [&](std::uintmax_t at, std::array<unsigned char, 8>& to) {
-        return stream.seekg(static_cast<std::streamoff>(at)) && stream.read(reinterpret_cast<char*>(to.data()), to.size());
-    });
-}
+// More texels for each byte of a file than any compression gives: deflate writes 1032 bytes for one, of up to eight texels.
+constexpr std::uintmax_t kMaxTexelsPerByte = 16384;
+constexpr std::uintmax_t kAlwaysAllowedTexels = std::uintmax_t(1) << 24;
 
 }  // namespace
 
@@ -91,21 +41,42 @@ struct TextureSource::State {
     std::unique_ptr<OIIO::ImageInput> input;
 
     void open(const Texture& texture);
+    void check_header(ImageBytes bytes);
+    void check_size(std::uintmax_t wide, std::uintmax_t high, std::uintmax_t file_bytes) const;
     void read_rows(int y_begin, int y_end, std::vector<Vec4f>& texels) const;
     template <class T>
     void read_rows_as(OIIO::TypeDesc type, int y_begin, int y_end, std::vector<Vec4f>& texels) const;
     [[noreturn]] void refuse(const std::string& what) const { throw Error(name, what); }
 };
 
+// Before anything is allocated for it.
+void TextureSource::State::check_size(std::uintmax_t wide, std::uintmax_t high, std::uintmax_t file_bytes) const
+{
+    const std::string size = std::to_string(wide) + " x " + std::to_string(high);
+    if (wide > kMaxTextureSide || high > kMaxTextureSide || wide * high > kMaxTextureTexels)
+        refuse("image is larger than is read: " + size);
+    if (wide * high > kAlwaysAllowedTexels && wide * high / kMaxTexelsPerByte > file_bytes)
+        refuse("image declares far more than the file holds: " + size);
+}
+
+void TextureSource::State::check_header(ImageBytes bytes)
+{
+    if (is_cut_off_png(bytes)) refuse("the image is cut off");
+    if (const auto canvas = declared_canvas(bytes)) check_size(canvas->width, canvas->height, bytes.size());
+}
+
 void TextureSource::State::open(const Texture& texture)
 {
     OIIO::ImageSpec config;
     config["oiio:UnassociatedAlpha"] = 1;
+    std::uintmax_t file_bytes = 0;
     if (texture.encoded) {
         encoded = texture.encoded;
-        const std::string format = format_of(*encoded);
+        file_bytes = encoded->size();
+        ImageBytes bytes{std::span(*encoded)};
+        const std::string format = image_format(bytes);
         if (format.empty()) refuse("not an image format that is known");
-        if (is_cut_off_png(*encoded)) refuse("the image is cut off");
+        check_header(std::move(bytes));
         memory = std::make_unique<OIIO::Filesystem::IOMemReader>(const_cast<std::byte*>(encoded->data()), encoded->size());
         // The reader takes the bytes from this attribute: ImageInput::open(name, config, proxy) closes the proxy again.
         OIIO::Filesystem::IOProxy* proxy = memory.get();
@@ -120,7 +91,8 @@ void TextureSource::State::open(const Texture& texture)
     } else {
         std::error_code error;
         if (!std::filesystem::is_regular_file(texture.path, error)) refuse("no such image file");
-        if (is_cut_off_png(texture.path)) refuse("the image is cut off");
+        file_bytes = std::filesystem::file_size(texture.path, error);
+        check_header(ImageBytes(texture.path));
         input = OIIO::ImageInput::open(texture.path.string(), &config);
     }
     if (!input) refuse("image cannot be read: " + OIIO::geterror());
@@ -128,6 +100,7 @@ void TextureSource::State::open(const Texture& texture)
     if (spec.width <= 0 || spec.height <= 0 || spec.depth > 1 || spec.nchannels < 1) refuse("not a flat image");
     if (spec.deep) refuse("deep images are not read");
     width = spec.width, height = spec.height;
+    check_size(static_cast<std::uintmax_t>(width), static_cast<std::uintmax_t>(height), file_bytes);
 }
 
 template <class T>
@@ -181,12 +154,10 @@ TextureSource::TextureSource(const Texture& texture) : state_(std::make_unique<S
     if (!texture.pixels.empty()) {
         state_->pixels = texture.pixels;
         state_->width = texture.width, state_->height = texture.height;
+        state_->check_size(static_cast<std::uintmax_t>(width()), static_cast<std::uintmax_t>(height()), texture.pixels.size());
     } else {
         state_->open(texture);
     }
-    if (width() > kMaxTextureSide || height() > kMaxTextureSide ||
-        std::size_t(width()) * std::size_t(height()) > kMaxTextureTexels)
-        state_->refuse("image is larger than is read: " + std::to_string(width()) + " x " + std::to_string(height()));
 }
 TextureSource::~TextureSource() = default;
 TextureSource::TextureSource(TextureSource&&) noexcept = default;

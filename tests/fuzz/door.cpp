@@ -14,8 +14,8 @@ namespace occam::fuzz {
 namespace {
 
 constexpr std::size_t kTextureBytes = std::size_t(64) << 20;
-constexpr std::uint64_t kScenesAPicture = 8;
-constexpr std::size_t kMostFaces = 2000;  // of a scene that becomes a picture
+constexpr std::uint64_t kScenesAPicture = 16;
+constexpr std::size_t kMostFaces = 200;  // of a scene that becomes a picture
 
 // Gone when the process ends in order; a finding leaves it.
 class Folder {
