@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kTextureBytes = std::size_t(64) << 20;
 constexpr std::uint64_t kScenesAPicture = 16;
-constexpr std::size_t kMostFaces = 200;  // of a scene that becomes a picture
+constexpr std::size_t kMostFaces = 32;    // of a scene that becomes a picture
 
 // Gone when the process ends in order; a finding leaves it.
 class Folder {
@@ -67,7 +67,7 @@ void pass_door(const std::string& name, std::string_view bytes)
         TextureStore(kTextureBytes).prepare(scene);
         if (sum_of(bytes) % kScenesAPicture != 0 || scene.placed_faces() > kMostFaces) return;
         Renderer renderer({.threads = 1, .memory_bytes = std::size_t(256) << 20});
-        renderer.render(scene, Camera::framing(scene.bounds()), {.width = 8, .height = 6, .spp = 1});
+        renderer.render(scene, Camera::framing(scene.bounds()), {.width = 4, .height = 3, .spp = 1, .shading_rate = 8});
     } catch (const Error&) {
         return;
     }
