@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Builds and passes the tests: release with all of them, the one-lane build on the hash tests, address and undefined-behaviour
-# sanitizers on the unit and hostile tests. --long adds debug, thread sanitizer, clang and the long campaigns.
+# sanitizers on the unit and hostile tests. --long adds debug, thread sanitizer, clang, the long campaigns and
+# the fuzz targets.
 set -euo pipefail
 cd "$(dirname "$0")"
 long=0
@@ -53,6 +54,19 @@ run() {
     passed=$((passed + p)) failed=$((failed + f)) skipped=$((skipped + s))
 }
 
+# Ten minutes for each door (tests/fuzz): the targets of the preset fuzz print lines like GoogleTest's.
+fuzz() {
+    local log=build/fuzz.log
+    echo "== fuzz: $1 s a door"
+    { cmake --preset fuzz && cmake --build --preset fuzz; } > build/fuzz.build.log 2>&1 || {
+        grep -E 'error|FAILED' -A 3 build/fuzz.build.log | head -n 60
+        exit 1
+    }
+    tests/fuzz/run.sh "$1" > "$log" || true
+    sed 's/^/   /' "$log"
+    passed=$((passed + $(count PASSED "$log"))) failed=$((failed + $(count FAILED "$log")))
+}
+
 mkdir -p build
 hashes=OCCAM_HASHES=$PWD/build/hashes.txt
 rm -f build/hashes.txt
@@ -63,6 +77,7 @@ if [ $long -eq 1 ]; then
     run debug 'unit|hostile|hash' "$hashes" OCCAM_HASHES_MODE=compare
     run tsan 'unit|hash' TSAN_OPTIONS="ignore_noninstrumented_modules=1 suppressions=$PWD/tests/tsan.supp"
     run clang all "$hashes" OCCAM_HASHES_MODE=compare
+    fuzz 600
 fi
 echo "$passed passed, $failed failed, $skipped skipped"
 [ $failed -eq 0 ]

@@ -112,7 +112,11 @@ public:
         surface_.GetControlPointIndices(own.data());
         std::unordered_map<std::uint32_t, std::uint32_t> number;
         for (std::uint32_t i = 0; i < controls.size(); ++i) number.emplace(controls[i], i);
-        for (int index : own) number_.push_back(number.at(static_cast<std::uint32_t>(index)));
+        // Texture coordinates that collapse around a vertex of two faces leave points without an index (-1): any will do.
+        for (int index : own) {
+            const auto known = number.find(static_cast<std::uint32_t>(index));
+            number_.push_back(known == number.end() ? 0 : known->second);
+        }
     }
 
     void evaluate(double u, double v, LimitStencil& out) const override

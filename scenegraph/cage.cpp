@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "scenegraph/base/error.h"
+#include "scenegraph/cage_creases.h"
 
 namespace occam {
 
@@ -25,6 +26,7 @@ public:
         mend_positions();
         mend_faces();
         mend_tags();
+        report(drop_crowded_creases(cage_), "creases dropped: beside a vertex of two faces, at a border");
         mend_normals();
         mend_attributes();
         mend_skin();
@@ -111,8 +113,22 @@ private:
         return different == face.size() ? Verdict::Keep : Verdict::Collapse;
     }
 
+    // The common case, in one pass without a table.
+    bool are_good_triangles() const
+    {
+        if (cage_.scheme != Scheme::Triangles || !unusable_.empty()) return false;
+        const std::uint32_t vertices = static_cast<std::uint32_t>(cage_.positions.size());
+        bool good = true;
+        for (std::size_t c = 0; c < cage_.face_vertices.size(); c += 3) {
+            const std::uint32_t v0 = cage_.face_vertices[c], v1 = cage_.face_vertices[c + 1], v2 = cage_.face_vertices[c + 2];
+            good &= (std::max({v0, v1, v2}) < vertices) & (v0 != v1) & (v1 != v2) & (v2 != v0);
+        }
+        return good;
+    }
+
     void mend_faces()
     {
+        if (are_good_triangles()) return;
         const bool triangles = cage_.scheme == Scheme::Triangles;
         const std::size_t faces = cage_.face_count();
         stamp_of_.assign(cage_.positions.size(), 0);

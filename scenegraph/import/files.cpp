@@ -1,29 +1,38 @@
 #include "scenegraph/import/files.h"
 
-#include <cstdio>
-#include <memory>
-
 #include "scenegraph/base/error.h"
 
 namespace occam::import {
 
 namespace fs = std::filesystem;
 
-std::string read_file(const fs::path& file, std::size_t max_bytes)
+FileReader::FileReader(const fs::path& file, std::size_t max_bytes) : name_(file.string()), stream_(nullptr, &std::fclose)
 {
     std::error_code error;
     const fs::file_status status = fs::status(file, error);
-    if (!fs::exists(status)) throw Error(file.string(), "no such file");
-    if (!fs::is_regular_file(status)) throw Error(file.string(), "not a regular file");
+    if (!fs::exists(status)) throw Error(name_, "no such file");
+    if (!fs::is_regular_file(status)) throw Error(name_, "not a regular file");
     const std::uintmax_t size = fs::file_size(file, error);
-    if (error) throw Error(file.string(), "cannot be read", error.message());
-    if (size > max_bytes) throw Error(file.string(), "larger than " + std::to_string(max_bytes >> 20) + " MiB");
+    if (error) throw Error(name_, "cannot be read", error.message());
+    if (size > max_bytes) throw Error(name_, "larger than " + std::to_string(max_bytes >> 20) + " MiB");
+    size_ = size;
+    stream_.reset(std::fopen(file.c_str(), "rb"));
+    if (!stream_) throw Error(name_, "cannot be opened");
+    std::setvbuf(stream_.get(), nullptr, _IONBF, 0);  // parts are read whole
+}
 
-    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), &std::fclose);
-    if (!stream) throw Error(file.string(), "cannot be opened");
-    std::string bytes(size, '\0');
-    bytes.resize(std::fread(bytes.data(), 1, bytes.size(), stream.get()));
-    if (bytes.size() != size) throw Error(file.string(), "could not be read to its end");
+void FileReader::read(std::size_t at, std::span<char> to) const
+{
+    if (fseeko(stream_.get(), static_cast<off_t>(at), SEEK_SET) != 0 ||
+        std::fread(to.data(), 1, to.size(), stream_.get()) != to.size())
+        throw Error(name_, "could not be read to its end");
+}
+
+std::string read_file(const fs::path& file, std::size_t max_bytes)
+{
+    const FileReader reader(file, max_bytes);
+    std::string bytes(reader.size(), '\0');
+    reader.read(0, bytes);
     return bytes;
 }
 

@@ -1,8 +1,10 @@
 // How an importer reaches the disk: only whole regular files, and only in the scene's folder.
 #pragma once
 
+#include <cstdio>
 #include <filesystem>
 #include <istream>
+#include <memory>
 #include <optional>
 #include <span>
 #include <streambuf>
@@ -14,7 +16,23 @@ namespace occam::import {
 /// More than any scene of ours needs in one file, and less than memory.
 inline constexpr std::size_t kMaxFileBytes = std::size_t(8) << 30;
 
-/// The whole file. Throws Error if it is not a regular file, cannot be read, or is larger than `max_bytes`.
+/// One file, open.
+class FileReader {
+public:
+    /// Throws Error if it is not a regular file, cannot be read, or is larger than `max_bytes`.
+    explicit FileReader(const std::filesystem::path& file, std::size_t max_bytes = kMaxFileBytes);
+
+    std::size_t size() const noexcept { return size_; }
+    /// Fills `to` from position `at`. Throws Error if the file does not reach that far.
+    void read(std::size_t at, std::span<char> to) const;
+
+private:
+    std::string name_;
+    std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream_;
+    std::size_t size_ = 0;
+};
+
+/// The whole file. Throws as FileReader.
 std::string read_file(const std::filesystem::path& file, std::size_t max_bytes = kMaxFileBytes);
 
 /// The path of `relative` (generic separators) under `folder`; none if it is absolute, or leads out of the folder, also by

@@ -80,6 +80,44 @@ void copy_any(int component_type, const unsigned char* data, std::size_t stride,
     }
 }
 
+// Least and greatest of each component. Eight elements at a time, so that the inner loop runs over whole registers.
+struct Extremes {
+    static constexpr std::size_t kAtOnce = 8, kMaxComponents = 16;
+
+    explicit Extremes(std::size_t components) : low(components, kInf), high(components, -kInf) {}
+
+    void add(std::span<const float> values)
+    {
+        const std::size_t n = low.size(), block = n * kAtOnce, whole = values.size() / block * block;
+        if (whole > 0) {
+            float least[kAtOnce * kMaxComponents], most[kAtOnce * kMaxComponents], sum[kAtOnce * kMaxComponents] = {};
+            std::fill_n(least, block, kInf);
+            std::fill_n(most, block, -kInf);
+            for (std::size_t v = 0; v < whole; v += block)
+                for (std::size_t k = 0; k < block; ++k) {
+                    const float x = values[v + k];
+                    least[k] = x < least[k] ? x : least[k];
+                    most[k] = x > most[k] ? x : most[k];
+                    sum[k] += x * 0.0f;  // NaN from then on, if x is not finite
+                }
+            for (std::size_t k = 0; k < block; ++k) {
+                low[k % n] = std::min(low[k % n], least[k]);
+                high[k % n] = std::max(high[k % n], most[k]);
+                is_finite &= sum[k] == 0;
+            }
+        }
+        for (std::size_t v = whole; v < values.size(); ++v) {
+            low[v % n] = std::min(low[v % n], values[v]);
+            high[v % n] = std::max(high[v % n], values[v]);
+            is_finite &= std::abs(values[v]) < kInf;
+        }
+    }
+
+    static constexpr float kInf = std::numeric_limits<float>::infinity();
+    std::vector<float> low, high;
+    bool is_finite = true;
+};
+
 }  // namespace
 
 /// Where the elements of an accessor lie; data is null for zeros.
@@ -217,26 +255,16 @@ void AccessorReader::check_values(Report& report)
         if (n > 4 && a.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT) continue;
         if (a.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) continue;
         const Layout layout = locate(i, static_cast<int>(n));
-        constexpr float kInf = std::numeric_limits<float>::infinity();
-        std::vector<float> low(n, kInf), high(n, -kInf);
-        bool is_finite = true;
-        for_each_part(layout, i, [&](std::span<const float> values) {
-            for (std::size_t v = 0; v < values.size(); v += n)
-                for (std::size_t c = 0; c < n; ++c) {
-                    const float x = values[v + c];
-                    low[c] = std::min(low[c], x);
-                    high[c] = std::max(high[c], x);
-                    is_finite &= std::abs(x) < kInf;
-                }
-        });
-        if (!is_finite) report.warn("accessor holds a number that is not finite", name_of(i));
-        const auto differs = [&](const std::vector<double>& declared, const std::vector<float>& found) {
+        Extremes extremes(n);
+        for_each_part(layout, i, [&](std::span<const float> values) { extremes.add(values); });
+        if (!extremes.is_finite) report.warn("accessor holds a number that is not finite", name_of(i));
+        const auto differs = [&](const std::vector<double>& declared, std::span<const float> found) {
             if (declared.size() != n) return false;
             for (std::size_t c = 0; c < n; ++c)
                 if (static_cast<float>(declared[c]) != found[c]) return true;
             return false;
         };
-        if (differs(a.minValues, low) || differs(a.maxValues, high))
+        if (differs(a.minValues, extremes.low) || differs(a.maxValues, extremes.high))
             report.warn("min or max is not that of the values", name_of(i));
     }
 }

@@ -92,39 +92,7 @@ void check_extensions(const json& root, Report& report)
 
 }  // namespace
 
-std::string_view glb_json(std::string_view bytes, const Report& report)
-{
-    const auto u32 = [&](std::size_t at) {
-        std::uint32_t x = 0;
-        for (int i = 3; i >= 0; --i) x = x << 8 | static_cast<unsigned char>(bytes[at + static_cast<std::size_t>(i)]);
-        return std::size_t(x);
-    };
-    constexpr std::size_t kHeader = 12, kChunkHeader = 8, kJson = 0x4e4f534a, kBin = 0x004e4942;
-    const auto require = [&](bool holds, const char* rule) {
-        if (!holds) throw Error(report.name(), rule, "GLB container");
-    };
-    require(bytes.size() >= kHeader + kChunkHeader, "the header is cut off");
-    require(u32(4) == 2, "only version 2 of the container is known");
-    require(u32(8) == bytes.size(), "the declared length is not that of the file");
-    std::string_view json;
-    bool has_bin = false;
-    for (std::size_t at = kHeader, index = 0; at < bytes.size(); ++index) {
-        require(bytes.size() - at >= kChunkHeader, "a chunk header is cut off");
-        const std::size_t length = u32(at), type = u32(at + 4);
-        at += kChunkHeader;
-        require(length % 4 == 0, "a chunk's length is not a multiple of four");
-        require(length <= bytes.size() - at, "a chunk is longer than the file");
-        require((index == 0) == (type == kJson), "the first chunk, and no other, must be JSON");
-        require(type != kBin || (index == 1 && !has_bin), "the binary chunk must be the second one");
-        if (type == kJson) json = bytes.substr(at, length);
-        if (type == kBin) has_bin = true;
-        at += length;
-    }
-    require(!json.empty(), "there is no JSON in it");
-    return json;
-}
-
-std::set<std::string> check_gltf(std::string_view json_text, bool is_glb, Report& report)
+CheckedGltf check_gltf(std::string_view json_text, bool is_glb, Report& report)
 {
     check_nesting(json_text, report);
     if (json_text.starts_with("\xef\xbb\xbf")) report.warn("starts with a byte order mark");
@@ -140,14 +108,19 @@ std::set<std::string> check_gltf(std::string_view json_text, bool is_glb, Report
     check_data_rules(root, report);
     check_scene_rules(root, report);
 
-    std::set<std::string> files;
-    const json& buffers = list(root, "buffers");
-    for (std::size_t b = 0; b < buffers.size(); ++b) {
-        const std::string uri = text(buffers[b], "uri");
-        if (uri.empty() && !(is_glb && b == 0)) throw Error(report.name(), "has no data", element("buffers", b));
-        if (!uri.empty() && !uri.starts_with("data:")) files.insert(decode_uri(uri));
+    CheckedGltf checked;
+    for (std::size_t b = 0; b < list(root, "buffers").size(); ++b) {
+        json& buffer = root["buffers"][b];
+        std::string uri = text(buffer, "uri");
+        if (uri.empty()) {
+            if (!is_glb || b > 0) throw Error(report.name(), "has no data", element("buffers", b));
+            buffer["uri"] = uri = kBinaryChunk;
+            checked.json = root.dump();
+        }
+        if (!uri.starts_with("data:"))
+            checked.files[decode_uri(uri)].push_back(static_cast<std::size_t>(integer(buffer, "byteLength", 0)));
     }
-    return files;
+    return checked;
 }
 
 }  // namespace occam::import

@@ -3,19 +3,26 @@
 // glTF 2.0 specification (Khronos, 2021) and the schemas of the extensions that we know.
 #pragma once
 
-#include <set>
+#include <map>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "scenegraph/import/report.h"
 
 namespace occam::import {
 
-/// The JSON of a GLB container; checks header, chunk order and lengths (sec. 4).
-std::string_view glb_json(std::string_view bytes, const Report& report);
+/// What stands for the URI of the buffer that lies in the binary chunk.
+inline constexpr const char* kBinaryChunk = "<binary chunk>";
+
+/// A document that has passed.
+struct CheckedGltf {
+    std::string json;  ///< with kBinaryChunk where it applies; empty: as it was
+    std::map<std::string, std::vector<std::size_t>> files;  ///< by decoded URI: bytes that each buffer wants of it, in order
+};
 
 /// Checks JSON against the schema: types, required properties, ranges, and that every index names something.
 /// What a renderer can do without (an unknown property, a wrong hint) is a warning; the rest throws Error.
-/// Returns the URIs of buffers that are files.
-std::set<std::string> check_gltf(std::string_view json_text, bool is_glb, Report& report);
+CheckedGltf check_gltf(std::string_view json_text, bool is_glb, Report& report);
 
 }  // namespace occam::import

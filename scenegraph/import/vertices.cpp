@@ -1,5 +1,6 @@
 #include "scenegraph/import/vertices.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <unordered_map>
@@ -63,14 +64,15 @@ std::uint32_t bits_of(float x) { return std::bit_cast<std::uint32_t>(x + 0.0f); 
 
 void drop_unused_vertices(Cage& cage)
 {
-    Renumbering renumbering;
-    renumbering.new_of.assign(cage.positions.size(), kNoIndex);
-    std::vector<bool> is_used(cage.positions.size(), false);
+    const std::size_t vertices = cage.positions.size();
+    std::vector<unsigned char> is_used(vertices, 0);
     for (std::uint32_t v : cage.face_vertices)
-        if (v < is_used.size()) is_used[v] = true;
-    for (std::size_t v = 0; v < is_used.size(); ++v)
+        if (v < vertices) is_used[v] = 1;
+    if (std::find(is_used.begin(), is_used.end(), 0) == is_used.end()) return;
+    Renumbering renumbering;
+    renumbering.new_of.assign(vertices, kNoIndex);
+    for (std::size_t v = 0; v < vertices; ++v)
         if (is_used[v]) renumbering.new_of[v] = static_cast<std::uint32_t>(renumbering.count++);
-    if (renumbering.count == cage.positions.size()) return;
     renumbering.apply(cage);
     for (UvSet& set : cage.uv_sets)
         if (set.indices.empty()) renumbering.apply(set.values);

@@ -5,11 +5,11 @@
 
 #include <array>
 #include <cmath>
-#include <cstring>
-#include <fstream>
+#include <span>
 
 #include "scenegraph/base/error.h"
 #include "scenegraph/base/srgb.h"
+#include "scenegraph/texture/image_header.h"
 
 namespace occam {
 
@@ -25,31 +25,9 @@ const std::array<float, 256>& srgb_table()
     return table;
 }
 
-// OpenImageIO chooses a reader by the extension first.
-const char* extension_of(const std::vector<std::byte>& bytes)
-{
-    const auto starts_with = [&](const char* magic, std::size_t size, std::size_t at = 0) {
-        return bytes.size() >= at + size && std::memcmp(bytes.data() + at, magic, size) == 0;
-    };
-    if (starts_with("\x89PNG", 4)) return ".png";
-    if (starts_with("\xff\xd8\xff", 3)) return ".jpg";
-    if (starts_with("\x76\x2f\x31\x01", 4)) return ".exr";
-    if (starts_with("RIFF", 4) && starts_with("WEBP", 4, 8)) return ".webp";
-    if (starts_with("II*\0", 4) || starts_with("MM\0*", 4)) return ".tif";
-    if (starts_with("#?RADIANCE", 10)) return ".hdr";
-    if (starts_with("GIF8", 4)) return ".gif";
-    if (starts_with("BM", 2)) return ".bmp";
-    return "";
-}
-
-// A PNG without room for its header and end: libpng would jump out of OpenImageIO's reader, past its destructors.
-constexpr std::size_t kLeastPngBytes = 57;
-
-bool is_cut_off_png(std::istream&& stream, std::uintmax_t size)
-{
-    char magic[4] = {};
-    return size < kLeastPngBytes && stream.read(magic, 4) && std::memcmp(magic, "\x89PNG", 4) == 0;
-}
+// More texels for each byte of a file than any compression gives: deflate writes 1032 bytes for one, of up to eight texels.
+constexpr std::uintmax_t kMaxTexelsPerByte = 16384;
+constexpr std::uintmax_t kAlwaysAllowedTexels = std::uintmax_t(1) << 24;
 
 }  // namespace
 
@@ -63,28 +41,58 @@ struct TextureSource::State {
     std::unique_ptr<OIIO::ImageInput> input;
 
     void open(const Texture& texture);
+    void check_header(ImageBytes bytes);
+    void check_size(std::uintmax_t wide, std::uintmax_t high, std::uintmax_t file_bytes) const;
     void read_rows(int y_begin, int y_end, std::vector<Vec4f>& texels) const;
     template <class T>
     void read_rows_as(OIIO::TypeDesc type, int y_begin, int y_end, std::vector<Vec4f>& texels) const;
     [[noreturn]] void refuse(const std::string& what) const { throw Error(name, what); }
 };
 
+// Before anything is allocated for it.
+void TextureSource::State::check_size(std::uintmax_t wide, std::uintmax_t high, std::uintmax_t file_bytes) const
+{
+    const std::string size = std::to_string(wide) + " x " + std::to_string(high);
+    if (wide > kMaxTextureSide || high > kMaxTextureSide || wide * high > kMaxTextureTexels)
+        refuse("image is larger than is read: " + size);
+    if (wide * high > kAlwaysAllowedTexels && wide * high / kMaxTexelsPerByte > file_bytes)
+        refuse("image declares far more than the file holds: " + size);
+}
+
+void TextureSource::State::check_header(ImageBytes bytes)
+{
+    if (is_cut_off_png(bytes)) refuse("the image is cut off");
+    if (const auto canvas = declared_canvas(bytes)) check_size(canvas->width, canvas->height, bytes.size());
+}
+
 void TextureSource::State::open(const Texture& texture)
 {
     OIIO::ImageSpec config;
     config["oiio:UnassociatedAlpha"] = 1;
+    std::uintmax_t file_bytes = 0;
     if (texture.encoded) {
         encoded = texture.encoded;
-        const std::string file = std::string("memory") + extension_of(*encoded);
-        if (file == "memory") refuse("not an image format that is known");
-        if (file == "memory.png" && encoded->size() < kLeastPngBytes) refuse("the image is cut off");
+        file_bytes = encoded->size();
+        ImageBytes bytes{std::span(*encoded)};
+        const std::string format = image_format(bytes);
+        if (format.empty()) refuse("not an image format that is known");
+        check_header(std::move(bytes));
         memory = std::make_unique<OIIO::Filesystem::IOMemReader>(const_cast<std::byte*>(encoded->data()), encoded->size());
-        input = OIIO::ImageInput::open(file, &config, memory.get());
+        // The reader takes the bytes from this attribute: ImageInput::open(name, config, proxy) closes the proxy again.
+        OIIO::Filesystem::IOProxy* proxy = memory.get();
+        config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+        input = OIIO::ImageInput::create(format);
+        OIIO::ImageSpec opened;
+        if (input && !input->open("memory." + format, opened, config)) {
+            const std::string why = input->geterror();
+            input.reset();
+            refuse("image cannot be read: " + why);
+        }
     } else {
         std::error_code error;
         if (!std::filesystem::is_regular_file(texture.path, error)) refuse("no such image file");
-        if (is_cut_off_png(std::ifstream(texture.path, std::ios::binary), std::filesystem::file_size(texture.path, error)))
-            refuse("the image is cut off");
+        file_bytes = std::filesystem::file_size(texture.path, error);
+        check_header(ImageBytes(texture.path));
         input = OIIO::ImageInput::open(texture.path.string(), &config);
     }
     if (!input) refuse("image cannot be read: " + OIIO::geterror());
@@ -92,6 +100,7 @@ void TextureSource::State::open(const Texture& texture)
     if (spec.width <= 0 || spec.height <= 0 || spec.depth > 1 || spec.nchannels < 1) refuse("not a flat image");
     if (spec.deep) refuse("deep images are not read");
     width = spec.width, height = spec.height;
+    check_size(static_cast<std::uintmax_t>(width), static_cast<std::uintmax_t>(height), file_bytes);
 }
 
 template <class T>
@@ -145,12 +154,10 @@ TextureSource::TextureSource(const Texture& texture) : state_(std::make_unique<S
     if (!texture.pixels.empty()) {
         state_->pixels = texture.pixels;
         state_->width = texture.width, state_->height = texture.height;
+        state_->check_size(static_cast<std::uintmax_t>(width()), static_cast<std::uintmax_t>(height()), texture.pixels.size());
     } else {
         state_->open(texture);
     }
-    if (width() > kMaxTextureSide || height() > kMaxTextureSide ||
-        std::size_t(width()) * std::size_t(height()) > kMaxTextureTexels)
-        state_->refuse("image is larger than is read: " + std::to_string(width()) + " x " + std::to_string(height()));
 }
 TextureSource::~TextureSource() = default;
 TextureSource::TextureSource(TextureSource&&) noexcept = default;

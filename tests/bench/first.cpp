@@ -3,6 +3,7 @@
 #include "api/include/occam/occam.h"
 #include "tests/bench/subjects.h"
 #include "tests/bench/suites.h"
+#include "tests/bench/wave_files.h"
 #include "tests/support/temp_folder.h"
 
 namespace occam::bench {

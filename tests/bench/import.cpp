@@ -1,23 +1,29 @@
-// An OBJ into a scene, beside the parser library alone: its usual reader, and its callbacks that keep nothing.
+// An OBJ and a GLB of 100 MB into scenes, beside the parser libraries alone: tinyobjloader's usual reader, and its callbacks
+// that keep nothing; tinygltf's model, which holds the buffers as they lie in the file.
 
 // A copy of the library of our own, so that this file needs nothing to be linked.
 #define tinyobj occam_bench_tinyobj
 #define TINYOBJLOADER_IMPLEMENTATION
+#include <tiny_gltf.h>
 #include <tiny_obj_loader.h>
 
 #include "scenegraph/import/import.h"
-#include "tests/bench/subjects.h"
+#include "tests/bench/harness.h"
 #include "tests/bench/suites.h"
+#include "tests/bench/wave_files.h"
 #include "tests/support/temp_folder.h"
 
 namespace occam::bench {
 
-void run_import(Report& report)
+namespace {
+
+constexpr int kRuns = 5;
+
+void run_obj(Report& report)
 {
-    constexpr int kRuns = 5;
     const test::TempFolder folder;
     const std::filesystem::path file = folder.path() / "waves.obj";
-    write_wave_obj(file, kWaveColumns, kWaveRows);
+    write_wave_obj(file, 1000, 1000);
 
     std::vector<double> ours, library, callbacks;
     std::size_t faces = 0, faces_of_library = 0;
@@ -38,13 +44,45 @@ void run_import(Report& report)
                             }).front());
     }
     const double count = double(faces);
-    Row row{"import", "obj, 500,000 quads with texture coordinates"};
+    Row row{"import", "obj, 1,000,000 quads with texture coordinates"};
     row.add("faces", count).add("faces_of_tinyobj", double(faces_of_library));
     row.add("megabytes", 1e-6 * double(std::filesystem::file_size(file)));
     row.add("occam_faces_per_s", per(count, ours)).add("tinyobj_faces_per_s", per(count, library));
     row.add("tinyobj_callbacks_faces_per_s", per(count, callbacks));
     row.add("time_over_tinyobj", ratios(ours, library)).add("time_over_callbacks", ratios(ours, callbacks));
     report.add(std::move(row));
+}
+
+void run_glb(Report& report)
+{
+    const test::TempFolder folder;
+    const std::filesystem::path file = folder.path() / "waves.glb";
+    write_wave_glb(file, 1400, 1300);
+
+    std::vector<double> ours, library;
+    std::size_t faces = 0;
+    for (int i = 0; i < kRuns; ++i) {
+        ours.push_back(repeat(1, [&] { faces = load(file).counts().faces; }).front());
+        library.push_back(repeat(1, [&] {
+                              tinygltf::TinyGLTF reader;
+                              tinygltf::Model model;
+                              std::string warnings, errors;
+                              reader.LoadBinaryFromFile(&model, &errors, &warnings, file.string());
+                          }).front());
+    }
+    Row row{"import", "glb, 3,640,000 triangles with normals and texture coordinates"};
+    row.add("faces", double(faces)).add("megabytes", 1e-6 * double(std::filesystem::file_size(file)));
+    row.add("occam_faces_per_s", per(double(faces), ours)).add("tinygltf_faces_per_s", per(double(faces), library));
+    row.add("time_over_tinygltf", ratios(ours, library));
+    report.add(std::move(row));
+}
+
+}  // namespace
+
+void run_import(Report& report)
+{
+    run_obj(report);
+    run_glb(report);
 }
 
 }  // namespace occam::bench

@@ -83,28 +83,6 @@ std::optional<Cage> suzanne()
     return cage;
 }
 
-void write_wave_obj(const std::filesystem::path& file, int columns, int rows)
-{
-    std::ofstream out(file, std::ios::binary);
-    char line[160];
-    const auto put = [&](const char* format, auto... values) {
-        out.write(line, std::snprintf(line, sizeof line, format, values...));
-    };
-    for (int j = 0; j <= rows; ++j)
-        for (int i = 0; i <= columns; ++i) {
-            const double x = 4.0 * i / columns - 2, z = 2.0 * j / rows - 1;
-            put("v %.6f %.6f %.6f\n", x, 0.1 * std::sin(9 * x) * std::cos(7 * z), -z);
-        }
-    for (int j = 0; j <= rows; ++j)
-        for (int i = 0; i <= columns; ++i) put("vt %.6f %.6f\n", double(i) / columns, double(j) / rows);
-    for (int j = 0; j < rows; ++j)
-        for (int i = 0; i < columns; ++i) {
-            const int a = j * (columns + 1) + i + 1, b = a + 1, c = b + columns + 1, d = c - 1;
-            put("f %d/%d %d/%d %d/%d %d/%d\n", a, a, b, b, c, c, d, d);
-        }
-    if (!out.flush()) throw Error(file.string(), "cannot be written");
-}
-
 Subject::Subject(std::string what, Cage cage, int width, int height, std::optional<Camera> camera, float shading_rate)
     : name(std::move(what)), width_(width), height_(height)
 {

@@ -21,10 +21,6 @@ Cage fan(int valence, float crease = 0);
 /// The shared data's control cage; none if it is absent.
 std::optional<Cage> suzanne();
 
-/// Writes an OBJ of columns x rows quads with texture coordinates, a field of waves.
-void write_wave_obj(const std::filesystem::path& file, int columns, int rows);
-inline constexpr int kWaveColumns = 1000, kWaveRows = 500;  ///< 500,000 faces
-
 /// One cage alone in a scene, as a camera sees it.
 class Subject {
 public:

@@ -1,13 +1,13 @@
 // Every hostile file of the shared data is refused with one line, or loads with what was mended counted.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <fstream>
 #include <sstream>
 
-#include "scenegraph/scene.h"
+#include "occam/occam.h"
 #include "scenegraph/texture/texture_store.h"
 #include "tests/support/import_errors.h"
+#include "tests/support/scene_files.h"
 #include "tests/support/shared_data.h"
 
 namespace occam {
@@ -15,19 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<fs::path> files_below(const fs::path& folder)
-{
-    std::vector<fs::path> files;
-    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-        const std::string extension = entry.path().extension().string();
-        for (const char* known : {".gltf", ".glb", ".obj", ".ply", ".off", ".stl"})
-            if (entry.is_regular_file() && extension == known) files.push_back(entry.path());
-    }
-    std::sort(files.begin(), files.end());
-    return files;
-}
-
-// What came of a file: its error, or the warnings of the scene and of its textures.
+// What came of a file: its error, or the warnings of the scene and of its textures. What loads is also rendered: what lies
+// behind the door must be able to rely on it.
 struct Outcome {
     std::string error;
     std::vector<std::string> warnings;
@@ -43,6 +32,8 @@ Outcome outcome_of(const fs::path& file)
         outcome.warnings = scene.warnings;
         const std::vector<std::string> more = store.warnings();
         outcome.warnings.insert(outcome.warnings.end(), more.begin(), more.end());
+        Renderer renderer({.threads = 2, .memory_bytes = std::size_t(256) << 20});
+        renderer.render(scene, Camera::framing(scene.bounds()), {.width = 8, .height = 6, .spp = 1});
     } catch (const Error& error) {
         outcome.error = error.what();
     }
@@ -53,7 +44,7 @@ TEST(HostileFiles, EachIsRefusedInOneLineOrLoads)
 {
     const fs::path folder = test::shared_data() / "data" / "hostile";
     if (test::shared_data().empty() || !fs::exists(folder)) GTEST_SKIP() << "the shared test data is not there";
-    const auto files = files_below(folder);
+    const auto files = test::scene_files_below(folder);
     EXPECT_GT(files.size(), 300u);
     for (const fs::path& file : files) {
         const Outcome outcome = outcome_of(file);
@@ -69,7 +60,7 @@ TEST(HostileFiles, WhatTheValidatorCallsAnErrorNeverPassesInSilence)
     const fs::path folder = test::shared_data() / "data" / "hostile" / "gltf-validator";
     if (test::shared_data().empty() || !fs::exists(folder)) GTEST_SKIP() << "the shared test data is not there";
     int judged = 0;
-    for (const fs::path& file : files_below(folder)) {
+    for (const fs::path& file : test::scene_files_below(folder)) {
         std::ifstream report(file.string() + ".report.json");
         std::stringstream text;
         text << report.rdbuf();
@@ -86,7 +77,7 @@ TEST(SharedData, EveryModelThatIsNotHostileLoads)
     const fs::path folder = test::shared_data() / "data";
     if (test::shared_data().empty() || !fs::exists(folder)) GTEST_SKIP() << "the shared test data is not there";
     for (const char* part : {"gltf", "subdiv", "scenes"})
-        for (const fs::path& file : files_below(folder / part)) {
+        for (const fs::path& file : test::scene_files_below(folder / part)) {
             const std::string error = test::error_of(file);
             // These two ask for a later version of glTF and an extension that does not exist: to be refused is right.
             const std::string name = file.stem().string();

@@ -1,81 +1,18 @@
 #include <gtest/gtest.h>
 
-#include <cstring>
-
-#include "scenegraph/scene.h"
+#include "tests/support/gltf_scene.h"
 #include "tests/support/import_errors.h"
 #include "tests/support/temp_folder.h"
 
 namespace occam {
 namespace {
 
+using test::cages;
 using test::error_of;
+using test::Gltf;
+using test::square;
 using test::TempFolder;
 using test::warns;
-
-// A glTF in parts: what a test does not set is left out.
-struct Gltf {
-    std::string bin;  ///< written beside it
-    std::string buffer_views, accessors, meshes, nodes = "{}", more;
-    std::string asset = R"({"version": "2.0"})";
-
-    template <class T>
-    std::size_t put(std::initializer_list<T> values)
-    {
-        bin.resize((bin.size() + 3) / 4 * 4);
-        const std::size_t offset = bin.size();
-        for (T v : values) {
-            char raw[sizeof(T)];
-            std::memcpy(raw, &v, sizeof(T));
-            bin.append(raw, sizeof(T));
-        }
-        buffer_views += (buffer_views.empty() ? "" : ", ") + std::string(R"({"buffer": 0, "byteOffset": )") +
-                        std::to_string(offset) + R"(, "byteLength": )" + std::to_string(bin.size() - offset) + "}";
-        return offset;
-    }
-    void accessor(const std::string& text) { accessors += (accessors.empty() ? "" : ", ") + text; }
-
-    std::string json(bool embedded = false) const
-    {
-        std::string text = R"({"asset": )" + asset + R"(, "nodes": [)" + nodes + "]";
-        if (!bin.empty()) {
-            text += R"(, "buffers": [{"byteLength": )" + std::to_string(bin.size()) +
-                    (embedded ? "" : R"(, "uri": "data%20file.bin")") + "}]";
-            text += R"(, "bufferViews": [)" + buffer_views + "]";
-        }
-        if (!accessors.empty()) text += R"(, "accessors": [)" + accessors + "]";
-        if (!meshes.empty()) text += R"(, "meshes": [)" + meshes + "]";
-        return text + more + "}";
-    }
-    std::filesystem::path write(const TempFolder& folder, const std::string& name = "scene.gltf") const
-    {
-        folder.write("data file.bin", bin);
-        return folder.write(name, json());
-    }
-};
-
-// Four corners of a unit square, and the triangles 0 1 2, 0 2 3.
-Gltf square(const std::string& primitive_more = "")
-{
-    Gltf g;
-    g.put<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0});
-    g.put<std::uint16_t>({0, 1, 2, 0, 2, 3});
-    g.accessor(
-        R"({"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]})");
-    g.accessor(R"({"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"})");
-    g.meshes = R"({"primitives": [{"attributes": {"POSITION": 0}, "indices": 1)" + primitive_more + "}]}";
-    g.nodes = R"({"mesh": 0})";
-    return g;
-}
-
-std::vector<const Cage*> cages(const Scene& scene)
-{
-    std::vector<const Cage*> list;
-    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
-        for (CageId id : node.cages) list.push_back(&scene.cage(id).cage);
-    });
-    return list;
-}
 
 TEST(ImportGltf, ReadsTrianglesFromAFileBesideIt)
 {
@@ -87,27 +24,6 @@ TEST(ImportGltf, ReadsTrianglesFromAFileBesideIt)
     EXPECT_EQ(list[0]->scheme, Scheme::Triangles);
     EXPECT_EQ(list[0]->positions[2], Vec3f(1, 1, 0));
     EXPECT_EQ(list[0]->face_vertices, (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3}));
-}
-
-TEST(ImportGltf, ReadsTheSameFromAGlb)
-{
-    const TempFolder folder;
-    const Gltf g = square();
-    std::string json = g.json(true), bin = g.bin;
-    json.resize((json.size() + 3) / 4 * 4, ' ');
-    bin.resize((bin.size() + 3) / 4 * 4);
-    const auto u32 = [](std::size_t x) {
-        std::string s;
-        for (int i = 0; i < 4; ++i) s += static_cast<char>(x >> 8 * i & 0xff);
-        return s;
-    };
-    const std::string body = u32(json.size()) + "JSON" + json + u32(bin.size()) + std::string("BIN\0", 4) + bin;
-    const std::string glb = "glTF" + u32(2) + u32(12 + body.size()) + body;
-    EXPECT_EQ(cages(load(folder.write("a.glb", glb))).at(0)->face_count(), 2u);
-    EXPECT_NE(error_of(folder.write("b.glb", glb.substr(0, glb.size() - 4))).find("declared length"), std::string::npos);
-    std::string longer = glb;
-    longer[12] = '\x7f';
-    EXPECT_NE(error_of(folder.write("c.glb", longer)).find("GLB container"), std::string::npos);
 }
 
 TEST(ImportGltf, StripsAndFansWindLikeTheirFirstTriangle)

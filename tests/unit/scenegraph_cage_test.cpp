@@ -143,5 +143,32 @@ TEST(Sanitize, RefusesArraysThatDoNotFitTogether)
     EXPECT_THROW(sanitize(cage), Error);
 }
 
+// Two hexagons with three edges in common, as in OpenSubdiv's own shape catmark_val2_interior: its library writes past its
+// arrays for creases there. Creases of the border change nothing and are not told of.
+TEST(Sanitize, CreasesBesideAVertexOfTwoFacesAtABorderAreDropped)
+{
+    Cage cage;
+    for (int i = 0; i < 8; ++i) cage.positions.emplace_back(i % 4, 0, i / 4);
+    cage.face_sizes = {6, 6};
+    cage.face_vertices = {0, 1, 2, 6, 5, 4, 7, 5, 6, 2, 1, 3};
+    cage.creases = {{1, 2, 5}, {2, 6, 5}, {0, 1, 5}};
+    const auto lines = sanitize(cage);
+    ASSERT_EQ(lines.size(), 1u);
+    EXPECT_NE(lines[0].find("2 creases dropped"), std::string::npos) << lines[0];
+    EXPECT_TRUE(cage.creases.empty());
+}
+
+// Closed back to back: without a border there is nothing to mistake.
+TEST(Sanitize, CreasesBesideAVertexOfTwoFacesStayWithoutABorder)
+{
+    Cage cage;
+    cage.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+    cage.face_sizes = {4, 4};
+    cage.face_vertices = {0, 1, 2, 3, 3, 2, 1, 0};
+    cage.creases = {{0, 1, 5}};
+    EXPECT_TRUE(sanitize(cage).empty());
+    EXPECT_EQ(cage.creases.size(), 1u);
+}
+
 }  // namespace
 }  // namespace occam

@@ -1,6 +1,9 @@
+#include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <limits>
 
 #include "scenegraph/base/half.h"
@@ -142,6 +145,35 @@ TEST(TextureStore, CoordinatesThatAreNoNumbersGiveNumbers)
         }
 }
 
+// libpng leaves OpenImageIO's reader by a jump where the bytes end; what that one holds would leak.
+TEST(TextureStore, APngThatIsCutOffAnywhereIsToldOfBeforeItIsDecoded)
+{
+    test::TempFolder folder;
+    const std::filesystem::path path = folder.path() / "image.png";
+    const auto writer = OIIO::ImageOutput::create(path.string());
+    ASSERT_TRUE(writer && writer->open(path.string(), OIIO::ImageSpec(4, 4, 4, OIIO::TypeDesc::UINT8)));
+    const std::vector<unsigned char> pixels(4 * 4 * 4, 77);
+    ASSERT_TRUE(writer->write_image(OIIO::TypeDesc::UINT8, pixels.data()));
+    writer->close();
+    std::ifstream stream(path, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+    for (std::size_t size = 8; size <= bytes.size(); ++size) {
+        Texture in_memory, in_file;
+        const auto* first = reinterpret_cast<const std::byte*>(bytes.data());
+        in_memory.encoded = std::make_shared<const std::vector<std::byte>>(first, first + size);
+        in_file.path = folder.write("cut.png", std::string_view(bytes).substr(0, size));
+        for (Texture* texture : {&in_memory, &in_file}) {
+            Scene scene;
+            scene.add(*texture);
+            TextureStore store(1 << 20);
+            store.prepare(scene);
+            const std::vector<std::string> warnings = store.warnings();
+            ASSERT_EQ(warnings.empty(), size == bytes.size()) << size;
+            for (const std::string& line : warnings) EXPECT_NE(line.find("cut off"), std::string::npos) << line;
+        }
+    }
+}
+
 TEST(TextureStore, WhatIsNotThereIsWhiteAndWhatCannotBeReadIsMagenta)
 {
     test::TempFolder folder;
@@ -161,11 +193,48 @@ TEST(TextureStore, WhatIsNotThereIsWhiteAndWhatCannotBeReadIsMagenta)
     EXPECT_EQ(store.bytes(), 0u);
 }
 
+// As in a GLB: the format is told by the bytes, since a declared type may be wrong.
+TEST(TextureStore, AnImageInMemoryIsTheSameAsTheFile)
+{
+    test::TempFolder folder;
+    constexpr int kSide = 16;
+    std::vector<unsigned char> pixels;
+    for (int i = 0; i < kSide * kSide; ++i)
+        for (const int channel : {i, 255 - i, 40 + i / 2}) pixels.push_back(static_cast<unsigned char>(channel));
+    for (const char* extension : {"png", "jpg", "tif", "bmp", "exr", "hdr"}) {
+        const std::filesystem::path path = folder.path() / (std::string("image.") + extension);
+        const auto writer = OIIO::ImageOutput::create(path.string());
+        ASSERT_TRUE(writer) << extension;
+        ASSERT_TRUE(writer->open(path.string(), OIIO::ImageSpec(kSide, kSide, 3, OIIO::TypeDesc::UINT8))) << extension;
+        ASSERT_TRUE(writer->write_image(OIIO::TypeDesc::UINT8, pixels.data())) << extension;
+        writer->close();
+        std::ifstream stream(path, std::ios::binary);
+        const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+
+        Scene scene;
+        TextureUse of_file, of_memory;
+        Texture texture;
+        texture.path = path;
+        of_file.texture = scene.add(std::move(texture));
+        texture = {};
+        const auto* first = reinterpret_cast<const std::byte*>(bytes.data());
+        texture.encoded = std::make_shared<const std::vector<std::byte>>(first, first + bytes.size());
+        of_memory.texture = scene.add(std::move(texture));
+        TextureStore store(1 << 20);
+        store.prepare(scene);
+        ASSERT_TRUE(store.warnings().empty()) << extension << ": " << store.warnings()[0];
+        for (int i = 0; i < kSide * kSide; ++i) {
+            const Vec2f uv = (Vec2f(i % kSide, i / kSide) + 0.5f) / static_cast<float>(kSide);
+            ASSERT_EQ(store.sample(of_memory, uv, 0), store.sample(of_file, uv, 0)) << extension << ' ' << i;
+        }
+    }
+}
+
 // A PPM of 8 bits: colours are sRGB, data is not.
 TEST(TextureStore, MakesColoursLinearAndLeavesDataAlone)
 {
     test::TempFolder folder;
-    const std::string bytes = std::string("P6\n2 1\n255\n") + std::string("\xff\x80\x00\x10\x20\x40", 6);
+    const std::string_view bytes("P6\n2 1\n255\n\xff\x80\0\x10\x20\x40", 17);
     Scene scene;
     TextureUse color, data;
     Texture texture;

@@ -1,0 +1,27 @@
+// What every fuzz target does with its bytes: a file in a folder of the process, loaded as an application would.
+//
+// Finding  a crash, a sanitizer's report, an exception other than occam::Error, a hang, or more memory than the run allows.
+// Threads  one input at a time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace occam::fuzz {
+
+inline std::string_view text_of(const std::uint8_t* data, std::size_t size)
+{
+    return {reinterpret_cast<const char*>(data), size};
+}
+
+/// Writes a file into the folder of this process; the last one of that name is gone.
+void write_file(const std::string& name, std::string_view bytes);
+
+/// Loads a file of the folder and decodes its textures; every few scenes (told by a sum over `bytes`, so that a finding
+/// can be replayed) also become a small picture. occam::Error is the right answer to a bad file.
+void pass_door(const std::string& name, std::string_view bytes);
+
+}  // namespace occam::fuzz

@@ -1,0 +1,95 @@
+// Every scene file of the shared data through the executable: pictures of what is valid; for the rest one line or a picture,
+// within 20 s and one GiB.
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <map>
+#include <string>
+
+#include "tests/support/child_process.h"
+#include "tests/support/scene_files.h"
+#include "tests/support/shared_data.h"
+#include "tests/support/temp_folder.h"
+
+namespace occam::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kIsSanitized = true;
+#else
+constexpr bool kIsSanitized = false;
+#endif
+constexpr unsigned kSeconds = 20;
+constexpr std::size_t kPeakBytes = std::size_t(1) << 30;
+
+// These two ask for a later version of glTF, and for an extension that does not exist.
+const std::map<std::string, std::string> kRefused = {{"Compatibility_04", "2.1"},
+                                                     {"Compatibility_05", "FAKE_materials_quantumRendering"}};
+
+class SceneFiles : public testing::TestWithParam<const char*> {
+protected:
+    void SetUp() override
+    {
+        if (kIsSanitized) GTEST_SKIP() << "limits are those of builds without sanitizers";
+        if (shared_data().empty() || !fs::exists(folder())) GTEST_SKIP() << "the shared test data is not there";
+    }
+    fs::path folder() const { return shared_data() / "data" / GetParam(); }
+
+    ChildOutcome render(const fs::path& scene) const
+    {
+        fs::remove(picture_);
+        return run_occam({"render", scene.string(), "-o", picture_.string(), "--size", "32x24", "--spp", "1"}, kSeconds);
+    }
+    bool has_picture() const { return fs::exists(picture_); }
+
+private:
+    const TempFolder temp_;
+    const fs::path picture_ = temp_.path() / "picture.png";
+};
+
+bool is_one_line(const std::string& text)
+{
+    return !text.empty() && text.find('\n') == text.size() - 1;
+}
+
+class ValidFiles : public SceneFiles {};
+TEST_P(ValidFiles, GiveAPicture)
+{
+    for (const fs::path& file : scene_files_below(folder())) {
+        const ChildOutcome outcome = render(file);
+        if (const auto refused = kRefused.find(file.stem().string()); refused != kRefused.end()) {
+            EXPECT_EQ(outcome.exit_code, 2) << file;
+            EXPECT_NE(outcome.err.find(refused->second), std::string::npos) << outcome.err;
+            continue;
+        }
+        EXPECT_EQ(outcome.exit_code, 0) << file << " signal " << outcome.signal << ": " << outcome.err;
+        EXPECT_TRUE(has_picture()) << file;
+        EXPECT_EQ(outcome.err, "") << file;
+    }
+}
+INSTANTIATE_TEST_SUITE_P(Shared, ValidFiles, testing::Values("gltf", "subdiv", "scenes", "motion"));
+
+class HostileFilesInAProcess : public SceneFiles {};
+TEST_P(HostileFilesInAProcess, EndInOneLineOrAPictureWithinLimits)
+{
+    for (const fs::path& file : scene_files_below(folder())) {
+        const ChildOutcome outcome = render(file);
+        if (outcome.exit_code == 2) {
+            EXPECT_TRUE(is_one_line(outcome.err)) << file << ": " << outcome.err;
+            EXPECT_EQ(outcome.err.find("occam: " + file.string()), 0u) << outcome.err;
+        } else {
+            EXPECT_EQ(outcome.exit_code, 0) << file << " signal " << outcome.signal << ": " << outcome.err;
+            EXPECT_TRUE(has_picture()) << file;
+        }
+        EXPECT_NE(outcome.signal, SIGALRM) << file << " takes more than " << kSeconds << " s";
+        EXPECT_LE(outcome.peak_bytes, kPeakBytes) << file;
+    }
+}
+INSTANTIATE_TEST_SUITE_P(Shared, HostileFilesInAProcess,
+                         testing::Values("hostile/assimp", "hostile/gltf-validator", "hostile/missing-images",
+                                         "hostile/tinygltf", "hostile/tinyobj"));
+
+}  // namespace
+}  // namespace occam::test

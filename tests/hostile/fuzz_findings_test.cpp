@@ -1,0 +1,74 @@
+// What the fuzz targets found, mended since: each as small as it came to be.
+#include <gtest/gtest.h>
+
+#include "occam/occam.h"
+#include "scenegraph/texture/texture_store.h"
+#include "tests/support/temp_folder.h"
+
+namespace occam::test {
+namespace {
+
+// Loads and renders, or is refused: either is right.
+void pass_door(const std::filesystem::path& file)
+{
+    try {
+        Scene scene = load(file);
+        scene.refit();
+        Renderer renderer({.threads = 1});
+        renderer.render(scene, Camera::framing(scene.bounds()), {.width = 32, .height = 24, .spp = 1});
+    } catch (const Error&) {
+        return;
+    }
+}
+
+// Read past the end of an array: creases beside vertices of two faces, at a border.
+TEST(FuzzFindings, ObjCreasesBesideAVertexOfTwoFaces)
+{
+    TempFolder folder;
+    pass_door(folder.write("scene.obj",
+                           "v -0.5 0 -1.75\nv 0 0 -1.75\nv 0 -0.5 -1.75\nv 0.5 0 -1.75\nv -0.5 0 -0.75\nv 0 0 -0.75\n"
+                           "v 0 -0.5 -0.75\nv 0.5 0 -0.75\nf 1 2 3 7 6 5\nf 8 6 7 3 2 4\nt crease 2/1/0 1 2 5.0\n"
+                           "t crease 2/1/0 2 6 5.0\nt crease 2/1/0 6 5 5.0\nt interpolateboundary 1/0/0 1\n"));
+}
+
+// A control point without an index: coordinates that collapse to one, around a vertex of two faces.
+TEST(FuzzFindings, ObjCoordinatesThatCollapseAroundAVertexOfTwoFaces)
+{
+    TempFolder folder;
+    pass_door(folder.write("scene.obj", "v -1.42 -0.5 -0.17\nv -1.08 -0.5 -0.17\nv -0.75 0 -0.17\nv -1.42 -0.5 0.17\n"
+                                        "v -1.08 -0.5 0.17\nv -0.75 0 0.17\nv -1.08 0.1 0\nv -1.2 0 0.5\n"
+                                        "f 2/1 7/1 4/1 1/1\nf 2/1 8/1 4/1 7/1\nf 2/1 3/1 6/1 5/1\n"));
+}
+
+std::vector<std::string> warnings_of_image(std::string_view file)
+{
+    Scene scene;
+    Texture texture;
+    const auto* first = reinterpret_cast<const std::byte*>(file.data());
+    texture.encoded = std::make_shared<const std::vector<std::byte>>(first, first + file.size());
+    scene.add(std::move(texture));
+    TextureStore store(std::size_t(16) << 20);
+    store.prepare(scene);
+    return store.warnings();
+}
+
+// The readers of these two allocate the canvas that the header declares, when they are opened.
+TEST(FuzzFindings, ImagesOfThirtyBytesDoNotDeclareGibibytes)
+{
+    const std::string_view images[] = {
+        {"GIF89a\xff\xff\xff\xff\0\0\0-\x03\xfe\x7f\xff\0\0\0\x03\xfe\x01\x01\0", 24},
+        {"GIF89a\0\x40\0\x20\0\0\0-\x03\xfe\x7f\xff\0\0\0\x03\xfe\x01\x01\0", 24},
+        {"RIFF\x16\0\0\0WEBPVP8X\x0a\0\0\0\0\0\0\0\xff\x3f\0\xff\x3f\0", 30},
+        {"RIFF\x16\0\0\0WEBPVP8L\x0a\0\0\0\x2f\xff\xff\xff\x0f\0\0\0\0\0", 30},
+    };
+    for (const std::string_view image : images) {
+        const std::vector<std::string> warnings = warnings_of_image(image);
+        ASSERT_EQ(warnings.size(), 1u);
+        EXPECT_TRUE(warnings[0].find("larger than is read") != std::string::npos ||
+                    warnings[0].find("far more than the file holds") != std::string::npos)
+            << warnings[0];
+    }
+}
+
+}  // namespace
+}  // namespace occam::test

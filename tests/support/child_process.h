@@ -1,0 +1,20 @@
+// The executable `occam` as a child process, with what it took.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace occam::test {
+
+struct ChildOutcome {
+    int exit_code = -1;          ///< -1: ended by a signal
+    int signal = 0;              ///< SIGALRM: it ran into the time limit
+    std::size_t peak_bytes = 0;  ///< largest resident size
+    double seconds = 0;
+    std::string err;             ///< what it wrote to standard error
+};
+
+/// Runs it to its end, or to `limit_s` seconds. Throws std::runtime_error if it cannot be started.
+ChildOutcome run_occam(const std::vector<std::string>& arguments, unsigned limit_s);
+
+}  // namespace occam::test

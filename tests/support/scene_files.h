@@ -1,0 +1,23 @@
+// All scene files below a folder.
+#pragma once
+
+#include <algorithm>
+#include <filesystem>
+#include <vector>
+
+namespace occam::test {
+
+/// Sorted by path; by the extensions that load() knows.
+inline std::vector<std::filesystem::path> scene_files_below(const std::filesystem::path& folder)
+{
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+        const std::string extension = entry.path().extension().string();
+        for (const char* known : {".gltf", ".glb", ".obj", ".ply", ".off", ".stl"})
+            if (entry.is_regular_file() && extension == known) files.push_back(entry.path());
+    }
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+}  // namespace occam::test
