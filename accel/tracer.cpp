@@ -69,13 +69,13 @@ struct Tracer::State {
     bool is_per_ray() const noexcept { return frame.levels.mode != lod::LevelMode::PerInstance; }
     /// Makes the table of transitions of a packet; false if its rays see too many pairs to travel together.
     bool fits_packet(std::span<const Ray> rays) noexcept;
-    /// The edge length that a ray wants, a + b t. A ray without a width has the camera's.
+    /// What a ray's levels are chosen by. A ray without a width has the camera's.
     lod::Footprint wanted_of(const Ray& ray) const noexcept
     {
         lod::Footprint f = ray.footprint;
         if (f.a <= 0 && f.b == 0) f = {frame.levels.pixel.at(static_cast<float>(glm::distance(ray.origin, frame.levels.eye))), frame.levels.pixel.b};
         if (frame.levels.mode == lod::LevelMode::Frozen && !(ray.kinds & RayKind::Camera)) f.b = 0;
-        return {f.a * frame.levels.shading_rate, f.b * frame.levels.shading_rate};
+        return frame.levels.wanted(f);
     }
     /// Where a ray leaves the scene, or ends: finite.
     float end_of(const Ray& ray) const noexcept

@@ -25,8 +25,6 @@ struct KdRay {
 template <class F>
 using MaskOf = decltype(F() < F());
 
-inline float abs(float x) noexcept { return std::fabs(x); }
-
 /// Clips [t_near, t_far] to a box, a little widened.
 template <class F>
 void clip(const KdRay<F>& ray, const Box3f& box, F& t_near, F& t_far) noexcept

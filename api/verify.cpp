@@ -167,9 +167,14 @@ public:
             report_.not_testable = "it has no limit surface";
             return;
         }
+        // Finer, if what is inside is thinner than the edges.
         finest_ = subject_.level_of_rate(settings_.largest_rate);
-        for (int level = finest_; level < finest_ + kLevels; ++level) pairs_.push_back(subject_.dice(level));
-        find_starts();
+        for (int finer = 0; finer < kFiner && starts_.empty(); ++finer, --finest_) {
+            pairs_.clear();
+            for (int level = finest_; level < finest_ + kLevels; ++level) pairs_.push_back(subject_.dice(level));
+            find_starts();
+            if (!starts_.empty() || pairs_.front().corners.size() > kMostCorners) break;
+        }
         report_.starts = starts_.size();
         if (starts_.empty()) {
             report_.not_testable = "no point inside was found: no winding number is 1";
@@ -178,6 +183,7 @@ public:
         lod::LevelSettings levels;
         levels.eye = subject_.posed().anchor;
         levels.pixel = {lod::edge_length(finest_), 0};
+        levels.shading_rate = 1 / lod::LevelSettings::kLongestEdge;  // footprints are edges
         if (settings_.overlap_ulps > 0) {
             levels.overlap_edges = 0;
             levels.overlap_ulps = settings_.overlap_ulps;
@@ -196,7 +202,8 @@ public:
     }
 
 private:
-    static constexpr int kLevels = 4;
+    static constexpr int kLevels = 4, kFiner = 5;
+    static constexpr std::size_t kMostCorners = 2'000'000;
 
     void find_starts()
     {

@@ -38,6 +38,17 @@ struct LevelSettings {
     /// Segments of a ray overlap by the larger of these: in edges of the finer pair, and in ulps of the largest coordinate
     /// (watertightness rule 9). Tests make them small, since a wide overlap hides faults.
     float overlap_edges = 0.1f, overlap_ulps = 16;
+
+    /// Edges of the finer level of a pair are at most 1.41 times as long as wanted, and half of that at least where faces ask for
+    /// it: so what a ray blends has, on the average of all distances, edges of the wanted length. Sure to be no longer would
+    /// take twice as many micropolygons (tests/unit/accel_levels_test.cpp).
+    static constexpr float kLongestEdge = 1.41421356f;
+    /// The length that level d_l <= wanted < d_(l+1) is chosen by.
+    Footprint wanted(Footprint width) const noexcept
+    {
+        const float scale = shading_rate * kLongestEdge;
+        return {width.a * scale, width.b * scale};
+    }
 };
 
 }  // namespace occam::lod

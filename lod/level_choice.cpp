@@ -47,7 +47,7 @@ int choose_level(const LevelSettings& settings, const PosedCage& cage)
     constexpr int kFinest = -60, kCoarsest = 60;
     double distance = nearest_distance(settings, cage, true);
     if (distance == std::numeric_limits<double>::infinity()) distance = nearest_distance(settings, cage, false);
-    const float wanted = settings.shading_rate * settings.pixel.at(static_cast<float>(distance));
+    const float wanted = settings.wanted(settings.pixel).at(static_cast<float>(distance));
     if (!(wanted > 0)) return kFinest;
     return std::isinf(wanted) ? kCoarsest : std::clamp(std::ilogb(wanted), kFinest, kCoarsest);
 }

@@ -102,14 +102,18 @@ public:
 
     Blend<F> blend(int pair) const noexcept
     {
-        const F m = margin(pair), zero = 0.0f;
+        const F m = margin(pair), zero = 0.0f, far_away = kFar;
         const F lower = raw_[pair - finest], upper = raw_[pair + 1 - finest];
-        const F near = select(grows_, lower, upper), far = select(grows_, upper, lower);
-        // At the ray's own start there is no transition, and no margin.
-        const F from = near + select(near > zero, m, zero), to = far - m;
-        // A little steeper than from `from` to `to`, so that rounding never keeps a weight off its end.
-        const F steep = F(1.0f + 0x1p-20f) / max(to - from, F(1e-30f));
-        return {select(grows_, min(from, to), to), select(grows_, steep, zero - steep)};
+        // Margins are kept at transitions: not at the ray's own ends, where the finest or the coarsest segment may be too short
+        // for them.
+        const Mask lower_is_real = abs(edge_[pair - finest]) < far_away;
+        const Mask upper_is_real = abs(edge_[pair + 1 - finest]) < far_away;
+        const F fine = select(grows_, lower + select(lower_is_real, m, zero), lower - select(lower_is_real, m, zero));
+        const F coarse = select(grows_, upper - m, upper + select(upper_is_real, m, zero));
+        // A little steeper than from one to the other, so that rounding never keeps a weight off its end.
+        const F steep = F(1.0f + 0x1p-20f) / max(abs(coarse - fine), F(1e-30f));
+        const F grown = select(lower_is_real, fine, min(fine, coarse)), shrunk = select(lower_is_real, fine, max(fine, coarse));
+        return {select(grows_, grown, shrunk), select(grows_, steep, zero - steep)};
     }
 
     /// What each end of a segment keeps flat.

@@ -137,6 +137,7 @@ inline vfloat max(vfloat a, vfloat b) noexcept
 inline vfloat abs(vfloat a) noexcept { return hn::Abs(a.raw()); }
 
 // The same names for one float, so that a traversal written once serves a packet and a single ray.
+inline float abs(float a) noexcept { return std::fabs(a); }
 inline float fma(float a, float b, float c) noexcept { return __builtin_fmaf(a, b, c); }
 inline float fnma(float a, float b, float c) noexcept { return __builtin_fmaf(-a, b, c); }
 inline float select(bool m, float yes, float no) noexcept { return m ? yes : no; }

@@ -102,7 +102,8 @@ Subject::Subject(std::string what, Cage cage, int width, int height, std::option
     posed.node = &scene.node(node);
     posed.node_id = node;
     posed.place(Mat4d(1), slot.bounds);
-    const lod::LevelSettings levels = render::CameraRays(camera_, width, height).levels(shading_rate);
+    lod::LevelSettings levels = render::CameraRays(camera_, width, height).levels(shading_rate);
+    levels.mode = lod::LevelMode::PerInstance;  // one mesh for all rays, as the peer has
     posed.level = lod::choose_level(levels, posed);
     frame = std::make_unique<accel::Frame>(scene, topologies, levels);
 }

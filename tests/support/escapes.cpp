@@ -69,7 +69,7 @@ EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int 
     scene.add_node(scene.root(), {.matrix = world_from_object, .cages = {scene.add(cage)}});
     scene.refit();
     lod::TopologyCache topologies;
-    const accel::Frame frame(scene, topologies, {.eye = diced.posed.anchor, .pixel = {std::ldexp(1.5f, level), 0}, .mode = lod::LevelMode::PerInstance});
+    const accel::Frame frame(scene, topologies, {.eye = diced.posed.anchor, .pixel = {std::ldexp(1.0f, level), 0}, .mode = lod::LevelMode::PerInstance});
     accel::Tracer tracer(frame, std::size_t(1) << 30);
 
     std::vector<accel::Ray> batch(2048);

@@ -38,7 +38,7 @@ struct Stage {
     accel::Frame frame(int level, lod::LevelMode mode = lod::LevelMode::PerRay)
     {
         scene.refit();
-        return accel::Frame(scene, topologies, {.eye = Vec3d(0), .pixel = {std::ldexp(1.5f, level), 0}, .mode = mode});
+        return accel::Frame(scene, topologies, {.eye = Vec3d(0), .pixel = {std::ldexp(1.0f, level), 0}, .mode = mode});
     }
 };
 

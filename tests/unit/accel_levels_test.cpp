@@ -1,0 +1,134 @@
+// Surfaces as rays with footprints see them: they converge, they do not pop, and little is built for them.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "accel/frame.h"
+#include "accel/tracer.h"
+#include "render/camera_rays.h"
+#include "tests/support/shape_builders.h"
+
+namespace occam::test {
+namespace {
+
+struct World {
+    explicit World(const Cage& cage)
+    {
+        place(scene, scene.add(cage), {0, 0, 0});
+        scene.refit();
+    }
+    Scene scene;
+    lod::TopologyCache topologies;
+};
+
+/// Lines that meet the torus, most of them not at grazing angles.
+std::vector<accel::Ray> lines(int count)
+{
+    std::mt19937_64 random(5);
+    const auto uniform = [&](double low, double high) { return low + (high - low) * double(random() >> 11) * 0x1p-53; };
+    std::vector<accel::Ray> rays(static_cast<std::size_t>(count));
+    for (accel::Ray& ray : rays) {
+        const double a = uniform(0, 6.28318), r = uniform(0.85, 1.15);
+        const Vec3d target{r * std::cos(a), 0, r * std::sin(a)};
+        ray.direction = Vec3f(glm::normalize(Vec3d(uniform(-0.3, 0.3), -1, uniform(-0.3, 0.3))));
+        ray.origin = target - Vec3d(ray.direction) * 3.0;
+    }
+    return rays;
+}
+
+TEST(Levels, ConvergeWithTheSquareOfTheWantedEdge)
+{
+    World world(torus(12, 8));
+    const accel::Frame frame(world.scene, world.topologies, {.eye = {0, 3, 0}, .pixel = {1, 0}});
+    accel::Tracer tracer(frame, std::size_t(1) << 30);
+    std::vector<accel::Ray> rays = lines(1000);
+    std::vector<accel::SurfaceHit> exact(rays.size()), hits(rays.size());
+    for (accel::Ray& ray : rays) ray.footprint = {0x1p-11f, 0};
+    tracer.closest(rays, exact);
+
+    // Least squares of log2(error) over log2(edge), in steps of a third of a level.
+    double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+    for (double x = -7; x <= -2.9; x += 1.0 / 3) {
+        for (accel::Ray& ray : rays) ray.footprint = {float(std::exp2(x)), 0};
+        tracer.closest(rays, hits);
+        double sum = 0;
+        int count = 0;
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            if (!exact[i].is_hit() || !hits[i].is_hit()) continue;
+            sum += (double(hits[i].t) - exact[i].t) * (double(hits[i].t) - exact[i].t);
+            ++count;
+        }
+        ASSERT_GT(count, 900);
+        const double y = 0.5 * std::log2(sum / count);
+        n += 1, sx += x, sy += y, sxx += x * x, sxy += x * y;
+    }
+    const double slope = (n * sxy - sx * sy) / (n * sxx - sx * sx);
+    RecordProperty("slope", std::to_string(slope));
+    EXPECT_NEAR(slope, 2, 0.2);
+}
+
+// A ray's eye steps towards its hit by a thousandth of the distance. The line stays the same, so what the hit moves by is the level
+// of detail alone. The wanted edge e at the hit falls by a thousandth; w = smoothstep(x), x = (e - d) / d with e < 2 d, so x moves by at
+// most 0.002 and w by 1.5 times that; margins make x steeper by (1 - 2 margin / length)^-1 = 1.02 for this beam. A vertex moves
+// by at most delta, the grid's largest distance from fine to coarse; the hit, along the ray, by that over the cosine.
+TEST(Levels, DoNotPop)
+{
+    World world(torus(12, 8));
+    const accel::Frame frame(world.scene, world.topologies, {.eye = {0, 3, 0}, .pixel = {1, 0}});
+    accel::Tracer tracer(frame, std::size_t(1) << 30);
+    const std::vector<accel::Ray> start = lines(200);
+    std::vector<accel::Ray> rays = start;
+    std::vector<accel::SurfaceHit> before(rays.size()), hits(rays.size());
+    int changes = 0;
+    double worst = 0;
+    double distance = 512;
+    for (; distance > 4; distance *= 0.999) {
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            rays[i].origin = start[i].origin + Vec3d(start[i].direction) * (3 - distance);
+            rays[i].footprint = {0, 1.0f / 500};
+        }
+        tracer.closest(rays, hits);
+        for (std::size_t i = 0; i < rays.size() && distance < 511.9; ++i) {
+            ASSERT_TRUE(hits[i].is_hit());
+            changes += i == 0 && hits[i].level != before[i].level;
+            const double cosine = std::fabs(glm::dot(hits[i].normal_geometric, rays[i].direction));
+            if (cosine < 0.3) continue;
+            const double delta = 0.5 * std::max(hits[i].self_distance, before[i].self_distance);
+            const double bound = 1.5 * 0.002 * 1.02 * delta / cosine + 1e-5;
+            const double moved = glm::distance(hits[i].position, before[i].position);
+            worst = std::max(worst, moved / bound);
+            ASSERT_LE(moved, bound) << "at distance " << distance << ", level " << before[i].level << " to " << hits[i].level;
+        }
+        before = hits;
+    }
+    EXPECT_GE(changes, 6);
+    RecordProperty("worst_over_bound", std::to_string(worst));
+}
+
+// Quads built for each cell of a shading rate's size on the visible surface, over a range of distances: powers of two in both
+// directions and pairs of levels give 4.7 for a surface that is seen as a whole; tiles half out of sight add to it.
+TEST(Levels, BuildFewMicropolygonsForWhatIsVisible)
+{
+    World world(torus(24, 12, false));
+    double built = 0, cells = 0;
+    for (double distance = 3.5; distance < 7; distance *= std::exp2(1.0 / 6)) {
+        const Camera camera = Camera::look_at({0, distance, 0.01}, {0, 0, 0}, {0, 0, 1}, 0.8f);
+        const render::CameraRays view(camera, 256, 256);
+        const accel::Frame frame(world.scene, world.topologies, view.levels(1));
+        accel::Tracer tracer(frame, std::size_t(1) << 30);
+        std::vector<accel::Ray> rays;
+        for (int y = 0; y < 256; ++y)
+            for (int x = 0; x < 256; ++x) rays.push_back(view.ray(x + 0.5, y + 0.5));
+        std::vector<accel::SurfaceHit> hits(rays.size());
+        tracer.closest(rays, hits);
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            if (hits[i].is_hit()) cells += 1 / std::max(0.1f, std::fabs(glm::dot(hits[i].normal_shading, rays[i].direction)));
+        built += double(tracer.counters().micropolygons) / 2;
+    }
+    RecordProperty("quads_per_cell", std::to_string(built / cells));
+    EXPECT_LE(built / cells, 6);
+}
+
+}  // namespace
+}  // namespace occam::test

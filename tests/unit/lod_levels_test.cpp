@@ -1,0 +1,200 @@
+// The table of transitions of a ray, and pairs of levels as meshes (watertightness rules 2, 5, 7, 8 and 9).
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <random>
+
+#include "lod/ray_levels.h"
+#include "tests/support/diced_mesh.h"
+#include "tests/support/shape_builders.h"
+#include "tests/support/shapes.h"
+
+namespace occam::test {
+namespace {
+
+constexpr float kFar = lod::RayLevels<float>::kFar;
+
+struct Beam {
+    float a, b, t_end;
+};
+lod::RayLevels<float> table_of(const Beam& beam, const lod::LevelSettings& settings)
+{
+    lod::RayLevels<float> table;
+    EXPECT_TRUE(table.set(beam.a, beam.b, beam.t_end, beam.t_end, settings));
+    return table;
+}
+
+std::vector<Beam> beams(int count)
+{
+    std::mt19937_64 random(3);
+    const auto uniform = [&](double low, double high) { return low + (high - low) * double(random() >> 11) * 0x1p-53; };
+    std::vector<Beam> all{{1, 0, 10}, {0, 0.01f, 100}, {0, 0.5f, 1e6f}, {1, -0.01f, 100}, {1, -0.5f, 100}, {0, 0, 10}, {1e-20f, 0, 10}, {1e20f, 0, 10}};
+    for (int i = 0; i < count; ++i) {
+        const double b = std::exp2(uniform(-12, -1)), end = std::exp2(uniform(-3, 12)), a = random() & 1 ? 0 : std::exp2(uniform(-8, 8));
+        all.push_back({float(a), float(random() & 1 ? b : -b), float(end)});
+    }
+    return all;
+}
+
+TEST(RayLevels, CoverARayWithoutAGapAndOverlapAsAsked)
+{
+    const lod::LevelSettings settings;
+    for (const Beam& beam : beams(2000)) {
+        const lod::RayLevels<float> table = table_of(beam, settings);
+        ASSERT_LE(table.coarsest - table.finest, lod::RayLevels<float>::kMostOfRay - 1);
+        // Walking from the ray's start to its end, along pairs in the order in which it meets them.
+        const bool grows = beam.b >= 0;
+        float reached = -kFar;
+        for (int n = 0; n <= table.coarsest - table.finest; ++n) {
+            const int pair = grows ? table.finest + n : table.coarsest - n;
+            const float begin = table.begin(pair), end = table.end(pair);
+            if (begin > end || end < 0 || begin > beam.t_end) continue;
+            EXPECT_LE(begin, reached) << "a gap before pair " << pair << " of " << beam.a << " + " << beam.b << " t";
+            if (reached > -kFar / 2 && reached < beam.t_end) {
+                // To within the rounding of both ends.
+                EXPECT_GE(reached - begin, 2 * std::min(table.overlap(pair), table.overlap(pair + 1)) - reached * 3e-7f);
+            }
+            reached = end;
+        }
+        EXPECT_GE(reached, beam.t_end);
+    }
+}
+
+TEST(RayLevels, AreNeverCoarserThanAskedAndKeepTheirLeastLength)
+{
+    lod::LevelSettings settings;
+    settings.overlap_edges = 0;
+    settings.overlap_ulps = 0;
+    for (const Beam& beam : beams(2000)) {
+        const lod::RayLevels<float> table = table_of(beam, settings);
+        for (int pair = table.finest; pair <= table.coarsest; ++pair) {
+            const float begin = table.begin(pair), end = table.end(pair), d = lod::edge_length(pair);
+            if (begin >= end) continue;
+            for (const float t : {std::max(begin, 0.0f), std::min(end, beam.t_end)}) {
+                if (t < begin || t > end || pair == table.finest) continue;
+                EXPECT_LE(d, (beam.a + beam.b * t) * 1.0001f + beam.a * 3e-7f) << "pair " << pair << " at " << t << " of " << beam.a << " + " << beam.b << " t";
+            }
+            const bool has_both_ends = begin > 0 && end < beam.t_end;
+            if (has_both_ends) {
+                EXPECT_GE(end - begin, 4 * d * 0.9999f);
+            }
+        }
+    }
+}
+
+TEST(RayLevels, WeightsAreExactlyFineAndCoarseInTheMargins)
+{
+    const lod::LevelSettings settings;
+    for (const Beam& beam : beams(2000)) {
+        const lod::RayLevels<float> table = table_of(beam, settings);
+        for (int pair = table.finest; pair <= table.coarsest; ++pair) {
+            const float begin = table.begin(pair), end = table.end(pair), margin = 2 * lod::edge_length(pair);
+            if (begin >= end) continue;
+            const lod::Blend<float> blend = table.blend(pair);
+            const float near = beam.b >= 0 ? 0.0f : 1.0f;
+            for (const float share : {0.0f, 0.5f, 1.0f}) {
+                if (begin > 0) {
+                    EXPECT_EQ(blend.weight(begin + share * margin), near) << "pair " << pair;
+                }
+                if (end < beam.t_end) {
+                    EXPECT_EQ(blend.weight(end - share * margin), 1 - near) << "pair " << pair;
+                }
+            }
+        }
+    }
+}
+
+TEST(RayLevels, OfAConstantWidthHaveOneWeightThatGrowsWithIt)
+{
+    const lod::LevelSettings settings;
+    float before = -1;
+    for (int step = 0; step < 64; ++step) {
+        const float width = 1 + float(step) / 64;
+        const lod::RayLevels<float> table = table_of({width, 0, 100}, settings);
+        ASSERT_EQ(table.finest, 0);
+        ASSERT_EQ(table.coarsest, 0);
+        const lod::Blend<float> blend = table.blend(0);
+        const float x = width - 1, expected = x * x * (3 - 2 * x);
+        EXPECT_NEAR(blend.weight(0), expected, 1e-5f);
+        EXPECT_NEAR(blend.weight(100), expected, 1e-5f);
+        EXPECT_GT(blend.weight(50), before);
+        before = blend.weight(50);
+    }
+}
+
+TEST(RayLevels, HaveTheSameBitsInLanesAndAlone)
+{
+    const lod::LevelSettings settings;
+    const std::vector<Beam> all = beams(400);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        lod::RayLevels<vfloat> lanes;
+        ASSERT_TRUE(lanes.set(all[i].a, all[i].b, all[i].t_end, all[i].t_end, settings));
+        const lod::RayLevels<float> alone = table_of(all[i], settings);
+        ASSERT_EQ(lanes.finest, alone.finest);
+        ASSERT_EQ(lanes.coarsest, alone.coarsest);
+        for (int pair = alone.finest; pair <= alone.coarsest; ++pair) {
+            const auto same = [&](vfloat x, float y) {
+                float out[kLanes];
+                x.store(out);
+                return std::bit_cast<std::uint32_t>(out[kLanes - 1]) == std::bit_cast<std::uint32_t>(y);
+            };
+            EXPECT_TRUE(same(lanes.begin(pair), alone.begin(pair)));
+            EXPECT_TRUE(same(lanes.end(pair), alone.end(pair)));
+            EXPECT_TRUE(same(lanes.blend(pair).start, alone.blend(pair).start));
+            EXPECT_TRUE(same(lanes.blend(pair).scale, alone.blend(pair).scale));
+        }
+    }
+}
+
+/// Every vertex of pair l fully coarse is where that parameter lies in the mesh of level l + 1: compared with the mesh itself.
+void expect_nested(const Cage& cage, int largest_exponent)
+{
+    DicedCage diced(cage, 0);
+    const int finest = diced.level_of_largest_exponent(largest_exponent);
+    std::size_t compared = 0;
+    for (int level = finest; level <= finest + largest_exponent + 1; ++level) {
+        diced.posed.level = level;
+        for (const lod::TileRef& tile : diced.tiles()) {
+            const lod::PatchScale scale = diced.dicer.scale(diced.posed, tile.patch);
+            const lod::LevelGrid pair = diced.dicer.dice_pair(diced.posed, tile, scale.rates(level + 1), diced.arena);
+            // The tile of level l + 1 over the same part of the patch.
+            const int half = pair.is_halved ? 2 : 1;
+            const lod::TileRef over = lod::Dicer::tile(tile.patch, scale, level + 1, tile.i0 / std::uint32_t(half), tile.j0 / std::uint32_t(half));
+            const lod::LevelGrid coarse = diced.dicer.dice(diced.posed, over, diced.arena);
+            const int i0 = static_cast<int>(tile.i0) / half - static_cast<int>(over.i0), j0 = static_cast<int>(tile.j0) / half - static_cast<int>(over.j0);
+            for (int j = 0; j <= tile.rows; ++j)
+                for (int i = 0; i <= tile.columns; ++i) {
+                    const Vec3f low = coarse.vertex(i0 + i / half, j0 + j / half);
+                    const Vec3f high = coarse.vertex(i0 + (i + half - 1) / half, j0 + (j + half - 1) / half);
+                    ASSERT_EQ(pair.coarse_at(pair.index(i, j)), low == high ? low : (low + high) * 0.5f)
+                        << "face " << tile.patch.face << " level " << level << " vertex " << i << ", " << j;
+                    ++compared;
+                }
+            // T-vertices as a ray that sees only the coarser level blends them.
+            for (const lod::Hanging& h : pair.hanging) {
+                if (!h.is_inside) continue;
+                const Vec3f middle = h.on(pair.coarse_at(static_cast<int>(h.a)), pair.coarse_at(static_cast<int>(h.c))).middle;
+                ASSERT_EQ(middle, pair.coarse_at(pair.index(h.i, h.j))) << "face " << tile.patch.face << " level " << level;
+            }
+        }
+        diced.arena.reset();
+    }
+    EXPECT_GT(compared, 100u);
+}
+
+class Pairs : public testing::TestWithParam<std::string> {};
+TEST_P(Pairs, FullyCoarseAreTheNextLevelFullyFine)
+{
+    const Cage cage = load_cage(GetParam());
+    expect_nested(cage, cage.face_count() > 2000 ? 1 : 4);
+}
+INSTANTIATE_TEST_SUITE_P(Shared, Pairs, testing::ValuesIn(closed_shapes()), shape_test_name);
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Pairs);
+
+TEST(PairsOfTorus, FullyCoarseAreTheNextLevelFullyFine) { expect_nested(torus(), 5); }
+TEST(PairsOfPrism, FullyCoarseAreTheNextLevelFullyFine) { expect_nested(prism(7), 5); }
+TEST(PairsOfSpindle, FullyCoarseAreTheNextLevelFullyFine) { expect_nested(spindle(9), 5); }
+
+}  // namespace
+}  // namespace occam::test
