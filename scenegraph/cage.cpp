@@ -30,6 +30,7 @@ public:
         mend_normals();
         mend_attributes();
         mend_skin();
+        mend_displacement();
         return std::move(lines_);
     }
 
@@ -290,6 +291,17 @@ private:
             }
         }
         report(count, "skin weights are negative, not finite or all zero");
+    }
+
+    void mend_displacement()
+    {
+        if (!cage_.displacement) return;
+        const Displacement& d = *cage_.displacement;
+        const bool is_good = std::abs(d.scale) <= kMaxCoordinate && std::abs(d.midlevel) <= kMaxCoordinate && d.bound >= 0 &&
+                             d.bound <= kMaxCoordinate;
+        if (is_good) return;
+        cage_.displacement.reset();
+        report(1, "displacement dropped: it is not finite, or its bound negative");
     }
 
     Cage& cage_;

@@ -5,11 +5,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "scenegraph/base/box.h"
 #include "scenegraph/ids.h"
+#include "scenegraph/material.h"
 
 namespace occam {
 
@@ -55,6 +57,13 @@ struct SkinBinding {
     std::vector<Vec4f> weights;        ///< as joints; a vertex's weights sum to 1
 };
 
+/// Moves the limit surface along its normal, by scale * (R of the texture - midlevel) in object units.
+struct Displacement {
+    TextureUse texture;
+    float scale = 0, midlevel = 0.5f;
+    float bound = 0;  ///< no point moves farther: what bounds of the surface have to add
+};
+
 struct Cage {
     std::string name;
     Scheme scheme = Scheme::CatmullClark;
@@ -73,6 +82,8 @@ struct Cage {
     std::vector<Vec4f> colors;             ///< linear RGBA, one a vertex; empty: white
     std::vector<MaterialId> materials;     ///< slots; empty: the default material
     std::vector<std::uint16_t> face_slots; ///< index into materials for each face; empty: 0
+
+    std::optional<Displacement> displacement;
 
     std::vector<MorphTarget> morph_targets;
     std::vector<float> morph_weights;  ///< at rest

@@ -30,12 +30,15 @@ struct Material {
     TextureUse base_color_texture;
     float metallic = 0, roughness = 0.6f;
     TextureUse metallic_roughness_texture;  ///< G roughness, B metallic
+    TextureUse roughness_texture;           ///< G; times that of metallic_roughness_texture (maps of their own: MTL's map_Pr)
+    TextureUse metallic_texture;            ///< B; as above (MTL's map_Pm)
     Vec3f emission{0};                      ///< emissiveFactor times KHR_materials_emissive_strength
     TextureUse emission_texture;
     TextureUse normal_texture;
     float normal_scale = 1;
     TextureUse occlusion_texture;
     float occlusion_strength = 1;
+    TextureUse alpha_texture;  ///< R; times the alpha of the base colour (MTL's map_d)
     AlphaMode alpha_mode = AlphaMode::Opaque;
     float alpha_cutoff = 0.5f;
     bool double_sided = false;

@@ -36,14 +36,14 @@ Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
 
     const Vec4f base = m.base_color * texel(m.base_color_texture, point, textures) * point.color;
     s.base_color = Vec3f(base);
-    s.opacity = opacity_of(m, base.w);
+    s.opacity = opacity_of(m, base.w * texel(m.alpha_texture, point, textures).x);
     s.unlit = m.unlit;
     if (s.unlit) return s;
     s.emission = m.emission == Vec3f(0) ? Vec3f(0) : m.emission * Vec3f(texel(m.emission_texture, point, textures));
 
     const Vec4f rough_metal = texel(m.metallic_roughness_texture, point, textures);
-    const float metallic = std::clamp(m.metallic * rough_metal.z, 0.0f, 1.0f);
-    s.alpha = lobe_width(m.roughness * rough_metal.y);
+    const float metallic = std::clamp(m.metallic * rough_metal.z * texel(m.metallic_texture, point, textures).z, 0.0f, 1.0f);
+    s.alpha = lobe_width(m.roughness * rough_metal.y * texel(m.roughness_texture, point, textures).y);
     s.diffuse = s.base_color * (1 - metallic);
 
     // KHR_materials_ior and KHR_materials_specular: reflectance of the dielectric at both ends of the angle.

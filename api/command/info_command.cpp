@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "arguments.h"
+#include "scenegraph/texture/texture_store.h"
 
 namespace occam::command {
 namespace {
@@ -9,6 +10,16 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json json_of(Vec3d v) { return {v.x, v.y, v.z}; }
+
+// What loading mended or left out, and which images cannot be read: they are decoded for that.
+std::vector<std::string> all_warnings(const Scene& scene)
+{
+    TextureStore store(std::size_t(1) << 30);
+    store.prepare(scene);
+    std::vector<std::string> lines = scene.warnings;
+    for (std::string& line : store.warnings()) lines.push_back(std::move(line));
+    return lines;
+}
 
 Json describe(Scene& scene, const std::string& file)
 {
@@ -31,7 +42,7 @@ Json describe(Scene& scene, const std::string& file)
             {"skins", counts.skins},
             {"clips", clips},
             {"bounds", box},
-            {"warnings", scene.warnings}};
+            {"warnings", all_warnings(scene)}};
 }
 
 void print_text(const Json& info)

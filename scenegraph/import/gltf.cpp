@@ -197,6 +197,7 @@ private:
         const bool is_cage = extras.style.scheme.value_or(CageStyle::Scheme::CatmullClark) != CageStyle::Scheme::None;
         Cage cage = settle(std::move(polygons), is_cage ? Subdivide::On : Subdivide::Off);
         extras.style.apply(cage);
+        if (extras.style.displacement) cage.displacement = materials_.displacement(*extras.style.displacement, where);
         for (const std::string& line : report.lines()) scene_.warnings.push_back(extras.cage + ": " + line);
         return known->second = scene_.add(std::move(cage));
     }

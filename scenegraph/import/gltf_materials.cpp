@@ -64,10 +64,11 @@ MaterialId MaterialImporter::material(int index)
     return id ? *id : MaterialId();
 }
 
-TextureId MaterialImporter::texture(int index, TextureRole role)
+Displacement MaterialImporter::displacement(const DisplacementExtras& extras, const std::string& where)
 {
-    const tinygltf::Texture* t = find(model_.textures, index);
-    return t ? image(t->source, role, element("textures", index, t->name)) : TextureId();
+    if (!find(model_.textures, extras.texture))
+        throw Error(report_.name(), "there is no texture " + std::to_string(extras.texture), where);
+    return {use(extras.texture, 0, {}, TextureRole::Data, where + ".displacement"), extras.scale, extras.midlevel, extras.bound};
 }
 
 TextureId MaterialImporter::image(int index, TextureRole role, const std::string& where)

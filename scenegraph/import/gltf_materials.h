@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "scenegraph/import/gltf_accessor.h"
+#include "scenegraph/import/gltf_occam.h"
 
 namespace occam::import {
 
@@ -14,7 +15,8 @@ public:
 
     /// By index in the file; none for -1.
     MaterialId material(int index);
-    TextureId texture(int index, TextureRole role);
+    /// Throws Error if there is no such texture.
+    Displacement displacement(const DisplacementExtras& extras, const std::string& where);
 
 private:
     Material convert(const tinygltf::Material& m, const std::string& where);

@@ -84,6 +84,7 @@ const std::vector<CageId>& MeshImporter::cages(int mesh, const CageStyle& style)
         }
     const auto add = [&](Cage cage) {
         style.apply(cage);
+        if (style.displacement) cage.displacement = materials_.displacement(*style.displacement, where);
         ids.push_back(scene_.add(std::move(cage)));
     };
     if (!is_cage) {

@@ -1,5 +1,6 @@
 #include "scenegraph/import/gltf_occam.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -112,6 +113,22 @@ AreaLight area_light(const Value& value, const std::string& where, Report& repor
     return light;
 }
 
+DisplacementExtras displacement(const Value& value, const std::string& where, Report& report)
+{
+    Reader reader(value, where, report);
+    DisplacementExtras out;
+    const std::optional<int> texture = reader.index("texture");
+    if (!texture) reader.refuse("texture is missing");
+    out.texture = *texture;
+    out.scale = reader.number("scale").value_or(1.0f);
+    out.midlevel = reader.number("midlevel").value_or(0.5f);
+    // What texels between 0 and 1 can do.
+    out.bound = reader.number("bound").value_or(std::abs(out.scale) * std::max(std::abs(out.midlevel), std::abs(1 - out.midlevel)));
+    if (out.bound < 0) reader.refuse("bound must not be negative");
+    reader.warn_unknown();
+    return out;
+}
+
 void add(const Value& extras, const std::string& where, Report& report, NodeExtras& out)
 {
     Reader reader(member(extras, "occam"), where + ".extras.occam", report);
@@ -122,7 +139,10 @@ void add(const Value& extras, const std::string& where, Report& report, NodeExtr
     out.material = reader.index("material").value_or(out.material);
     if (const Value* light = reader.find("area_light"))
         out.area_light = area_light(*light, where + ".extras.occam.area_light", report);
-    if (reader.find("displacement")) report.warn("displacement is not rendered", where);
+    if (const Value* moves = reader.find("displacement")) {
+        out.style.displacement = displacement(*moves, where + ".extras.occam.displacement", report);
+        report.warn("displacement is not rendered", where);
+    }
     reader.warn_unknown();
 }
 

@@ -10,14 +10,22 @@
 
 namespace occam::import {
 
+struct DisplacementExtras {
+    int texture = -1;
+    float scale = 1, midlevel = 0.5f, bound = 0;
+    auto operator<=>(const DisplacementExtras&) const = default;
+};
+
 /// How polygons become a cage; what is not said is left as the file has it.
 struct CageStyle {
     enum class Scheme : unsigned char { CatmullClark, Bilinear, None };
     std::optional<Scheme> scheme;
     std::optional<BoundaryRule> boundary;
     std::optional<FaceVaryingRule> face_varying;
+    std::optional<DisplacementExtras> displacement;
     auto operator<=>(const CageStyle&) const = default;
 
+    /// All but the displacement, whose texture is the importer's.
     void apply(Cage& cage) const;
 };
 

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "scenegraph/import/files.h"
+#include "scenegraph/texture/decode.h"
 
 namespace occam::import {
 
@@ -19,6 +20,26 @@ Vec3f not_negative(const float (&c)[3])
 {
     const auto part = [](float x) { return x >= 0 && std::isfinite(x) ? x : 0.0f; };
     return {part(c[0]), part(c[1]), part(c[2])};
+}
+
+// Is it an image of which no texel has a colour? False if it cannot be read: the texture store will say so.
+bool is_grey(const Texture& texture)
+{
+    constexpr float kColor = 4.0f / 255;
+    try {
+        const TextureSource source(texture);
+        int halvings = 0;
+        while (std::max(source.width(), source.height()) >> halvings > 64) ++halvings;
+        const MipImage image = source.decode(halvings);
+        for (int y = 0; y < image.height(); ++y)
+            for (int x = 0; x < image.width(); ++x) {
+                const Vec4f t = image.texel(0, x, y);
+                if (std::abs(t.x - t.z) > kColor || std::abs(t.y - t.z) > kColor) return false;
+            }
+        return true;
+    } catch (const Error&) {
+        return false;
+    }
 }
 
 class LibraryReader {
@@ -68,6 +89,7 @@ private:
         }
         const auto [known, is_new] = textures_.try_emplace({path->string(), role});
         if (is_new) {
+            if (!std::filesystem::is_regular_file(*path)) report_.warn("image file is missing", name);
             Texture t;
             t.name = name, t.role = role, t.path = *path;
             known->second = scene_.add(std::move(t));
@@ -79,6 +101,22 @@ private:
             use.scale = {su, sv}, use.offset = {ou, 1 - sv - ov};
         if (option.clamp) use.wrap_s = use.wrap_t = TextureUse::Wrap::Clamp;
         return use;
+    }
+
+    // A normal map by `norm`; or by `map_Bump`, where exporters write both kinds: one without any colour holds heights.
+    void add_normals(const tinyobj::material_t& m, Material& material)
+    {
+        if (!m.normal_texname.empty()) {
+            material.normal_texture = texture(m.normal_texname, m.normal_texopt, TextureRole::Data);
+        } else if (!m.bump_texname.empty()) {
+            const TextureUse use = texture(m.bump_texname, m.bump_texopt, TextureRole::Data);
+            if (use && is_grey(scene_.texture(use.texture))) {
+                report_.warn("a map of heights (map_Bump) is left out", m.name);
+                return;
+            }
+            material.normal_texture = use;
+            if (std::isfinite(m.bump_texopt.bump_multiplier)) material.normal_scale = m.bump_texopt.bump_multiplier;
+        }
     }
 
     Material convert(const tinyobj::material_t& m)
@@ -93,9 +131,10 @@ private:
             material.base_color_texture = texture(m.diffuse_texname, m.diffuse_texopt, TextureRole::Color);
         }
         material.base_color = Vec4f(diffuse, unit(m.dissolve));
-        if (material.base_color.w < 1 || (!m.alpha_texname.empty() && m.alpha_texname == m.diffuse_texname))
-            material.alpha_mode = AlphaMode::Blend;
-        else if (!m.alpha_texname.empty()) report_.warn("an alpha map of its own (map_d) is left out", m.name);
+        if (material.base_color.w < 1 || !m.alpha_texname.empty()) material.alpha_mode = AlphaMode::Blend;
+        // The alpha of the base colour's own image is there already.
+        if (m.alpha_texname != m.diffuse_texname)
+            material.alpha_texture = texture(m.alpha_texname, m.alpha_texopt, TextureRole::Data);
         material.emission = not_negative(m.emission);
         if (!m.emissive_texname.empty()) {
             material.emission_texture = texture(m.emissive_texname, m.emissive_texopt, TextureRole::Color);
@@ -108,10 +147,12 @@ private:
             // Blinn's exponent of a highlight as wide as that of roughness^2 (Walter et al. 2007, sec. 5.2).
             material.roughness = unit(std::sqrt(std::sqrt(2.0f / (m.shininess + 2.0f))));
         }
-        if (!m.normal_texname.empty())
-            material.normal_texture = texture(m.normal_texname, m.normal_texopt, TextureRole::Data);
-        if (!m.roughness_texname.empty() || !m.metallic_texname.empty())
-            report_.warn("maps of roughness and metalness (map_Pr, map_Pm) are left out", m.name);
+        // A map without a factor, which the library makes 0, means the map alone.
+        material.roughness_texture = texture(m.roughness_texname, m.roughness_texopt, TextureRole::Data);
+        if (material.roughness_texture) material.roughness = m.roughness > 0 ? unit(m.roughness) : 1;
+        material.metallic_texture = texture(m.metallic_texname, m.metallic_texopt, TextureRole::Data);
+        if (material.metallic_texture) material.metallic = m.metallic > 0 ? unit(m.metallic) : 1;
+        add_normals(m, material);
         if (m.ior >= 1 && m.ior < 10) material.ior = m.ior;
         material.clearcoat = unit(m.clearcoat_thickness);
         material.clearcoat_roughness = unit(m.clearcoat_roughness);

@@ -1,0 +1,89 @@
+// Materials of an OBJ: maps of their own for opacity, roughness, metalness and normals.
+#include <gtest/gtest.h>
+
+#include "scenegraph/scene.h"
+#include "tests/support/import_errors.h"
+#include "tests/support/temp_folder.h"
+
+namespace occam {
+namespace {
+
+using test::TempFolder;
+using test::warns;
+
+// A PPM of one texel.
+std::string texel(const char* rgb) { return "P6\n1 1\n255\n" + std::string(rgb, 3); }
+
+struct Loaded {
+    TempFolder folder;
+    Scene scene;
+    Material material;
+
+    explicit Loaded(const std::string& mtl)
+    {
+        folder.write("grey.ppm", texel("\x80\x80\x80"));
+        folder.write("blue.ppm", texel("\x80\x80\xff"));
+        folder.write("m.mtl", "newmtl m\n" + mtl);
+        scene = load(folder.write("o.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n"));
+        scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
+            for (const CageId id : node.cages) material = scene.material(scene.cage(id).cage.materials.at(0));
+        });
+    }
+    std::string file(const TextureUse& use) const
+    {
+        return use ? scene.texture(use.texture).path.filename().string() : std::string();
+    }
+    TextureRole role(const TextureUse& use) const { return scene.texture(use.texture).role; }
+};
+
+TEST(ImportMtl, AnAlphaMapOfItsOwnIsData)
+{
+    const Loaded loaded("map_Kd blue.ppm\nmap_d grey.ppm\n");
+    EXPECT_EQ(loaded.material.alpha_mode, AlphaMode::Blend);
+    ASSERT_EQ(loaded.file(loaded.material.alpha_texture), "grey.ppm");
+    EXPECT_EQ(loaded.role(loaded.material.alpha_texture), TextureRole::Data);
+    EXPECT_EQ(loaded.role(loaded.material.base_color_texture), TextureRole::Color);
+}
+
+TEST(ImportMtl, AnAlphaMapThatIsTheBaseColoursImageIsItsAlpha)
+{
+    const Loaded loaded("map_Kd blue.ppm\nmap_d blue.ppm\n");
+    EXPECT_EQ(loaded.material.alpha_mode, AlphaMode::Blend);
+    EXPECT_FALSE(loaded.material.alpha_texture);
+}
+
+TEST(ImportMtl, MapsOfRoughnessAndMetalnessMultiplyTheirFactors)
+{
+    const Loaded alone("map_Pr grey.ppm\nmap_Pm -s 2 3 1 blue.ppm\n");
+    EXPECT_EQ(alone.file(alone.material.roughness_texture), "grey.ppm");
+    EXPECT_EQ(alone.file(alone.material.metallic_texture), "blue.ppm");
+    EXPECT_EQ(alone.material.metallic_texture.scale, Vec2f(2, 3));
+    EXPECT_EQ(alone.material.roughness, 1);
+    EXPECT_EQ(alone.material.metallic, 1);
+    const Loaded both("Pr 0.5\nPm 0.25\nmap_Pr grey.ppm\nmap_Pm grey.ppm\n");
+    EXPECT_EQ(both.material.roughness, 0.5f);
+    EXPECT_EQ(both.material.metallic, 0.25f);
+}
+
+TEST(ImportMtl, NormalMapsComeByNormOrAsAColouredBumpMap)
+{
+    const Loaded norm("norm blue.ppm\n"), bump("map_Bump -bm 0.5 blue.ppm\n");
+    EXPECT_EQ(norm.file(norm.material.normal_texture), "blue.ppm");
+    EXPECT_EQ(bump.file(bump.material.normal_texture), "blue.ppm");
+    EXPECT_EQ(bump.material.normal_scale, 0.5f);
+}
+
+TEST(ImportMtl, HeightsAreCountedAndLeftOut)
+{
+    const Loaded loaded("map_Bump grey.ppm\n");
+    EXPECT_FALSE(loaded.material.normal_texture);
+    EXPECT_TRUE(warns(loaded.scene, "a map of heights (map_Bump) is left out (m)"));
+}
+
+TEST(ImportMtl, AMissingMapIsCounted)
+{
+    EXPECT_TRUE(warns(Loaded("map_Kd none.png\nmap_Ke none2.png\n").scene, "image file is missing (none.png, first of 2)"));
+}
+
+}  // namespace
+}  // namespace occam
