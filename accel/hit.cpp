@@ -119,7 +119,7 @@ void mesh_corners(const IGrid& grid, std::uint32_t face, Corner (&corner)[3], bo
     const Cage& cage = grid.cage->slot->cage;
     for (std::uint32_t p = 0; p < 3; ++p) {
         const std::size_t at = std::size_t(face) * 3 + p, v = cage.face_vertices[at];
-        if (!cage.normals.empty()) corner[p].normal = grid.cage->pose_normal(cage.normals[v]);
+        if (!cage.normals.empty()) corner[p].normal = grid.cage->vertex_normal(static_cast<std::uint32_t>(v));
         if (!cage.colors.empty()) corner[p].color = cage.colors[v];
         for (std::size_t s = 0; s < 2; ++s) {
             has_uv[s] = s < cage.uv_sets.size();

@@ -238,7 +238,7 @@ IGrid* IGridBuilder::build_triangles(const lod::PosedCage& cage, std::span<const
         // Copies of the last triangle fill its block: they hit where it hits, under the same number.
         const std::uint32_t face = ids[k] = faces[std::min(k, faces.size() - 1)];
         for (std::size_t p = 0; p < 3; ++p) {
-            const Vec3f at = cage.pose(source.positions[source.face_vertices[std::size_t(face) * 3 + p]]);
+            const Vec3f at = cage.vertex(source.face_vertices[std::size_t(face) * 3 + p]);
             for (int a = 0; a < 3; ++a) data[(p * 3 + static_cast<std::size_t>(a)) * padded + k] = at[a];
             add_to_box(grid.boxes, grid.boxes.first_leaf() + static_cast<int>(k) / IGrid::kBlock, at);
         }

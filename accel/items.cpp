@@ -62,10 +62,9 @@ Box3f Items::to_tree(const lod::PosedCage& cage, const Box3f& box) const
     return outward_float({Vec3d(box.lo) + shift, Vec3d(box.hi) + shift}, Vec3d(0), kBoxUlps);
 }
 
-Box3f Items::box_of(const lod::PosedCage& cage, const Box3f& object_box) const
+Box3f Items::box_of(const lod::PosedCage& cage, std::uint32_t cluster) const
 {
-    const Box3d box = transform_box(cage.world_from_object(), {Vec3d(object_box.lo), Vec3d(object_box.hi)});
-    return outward_float(box, frame_.anchor, kBoxUlps);
+    return outward_float(cage.world_box(cluster), frame_.anchor, kBoxUlps);
 }
 
 bool Items::open(ItemIndex i, int pair)
@@ -102,7 +101,9 @@ void Items::add_cage(const PlacedNode& at, const Node& node, CageId id, std::siz
     cage.node = &node;
     cage.node_id = at.id;
     cage.key = mix_bits(at.key + place + 1);
-    cage.place(at.world_from_node, slot->bounds);
+    const SkinSlot* skin = frame_.scene->find(node.skin);
+    cage.place(at.world_from_node, cage_bounds(node, *slot, skin));
+    if (tables.deformed_clusters) cage.deform(*tables.deformed_clusters, skin, arena_, counters_.deform);
     if (cage.topology && frame_.levels.mode == lod::LevelMode::PerInstance) cage.level = lod::choose_level(frame_.levels, cage);
     add_cluster(cage, 0);
 }
@@ -139,7 +140,7 @@ void Items::add_cluster(const lod::PosedCage& cage, std::uint32_t cluster)
     item.kind = node.left != 0 ? Item::Cluster : cage.topology ? Item::Leaf : Item::Faces;
     item.subject = &cage;
     item.index = cluster;
-    item.box = box_of(cage, node.box);
+    item.box = box_of(cage, cluster);
     item.cost = cost_of_faces(node.end - node.begin);
     if (item.kind == Item::Faces) {
         item.cost = cost_of_blocks(static_cast<int>(node.end - node.begin + 7) / 8);

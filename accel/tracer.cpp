@@ -460,6 +460,8 @@ TraceCounters& TraceCounters::operator+=(const TraceCounters& o) noexcept
     peak_bytes += o.peak_bytes;
     build_seconds += o.build_seconds;
     dice_seconds += o.dice_seconds;
+    deform.vertices += o.deform.vertices;
+    deform.seconds += o.deform.seconds;
     for (int l = 0; l < kLevels; ++l) micropolygons_of_level[l] += o.micropolygons_of_level[l];
     return *this;
 }

@@ -14,6 +14,7 @@
 #include <memory>
 #include <span>
 
+#include "lod/deformed_cage.h"
 #include "lod/footprint.h"
 #include "scenegraph/scene.h"
 
@@ -69,6 +70,7 @@ struct TraceCounters {
     std::size_t peak_bytes = 0;
     double build_seconds = 0;  ///< of the tree, without dicing
     double dice_seconds = 0;
+    lod::DeformCounters deform;  ///< its seconds are among those of build and dice
     static constexpr int kFinestLevel = -60, kLevels = 121;
     std::array<std::uint64_t, kLevels> micropolygons_of_level{};  ///< of kFinestLevel and up
     TraceCounters& operator+=(const TraceCounters& other) noexcept;

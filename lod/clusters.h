@@ -29,6 +29,7 @@ public:
     void refit(const Cage& cage);
 
     const Node& node(std::uint32_t i) const noexcept { return nodes_[i]; }
+    std::uint32_t node_count() const noexcept { return static_cast<std::uint32_t>(nodes_.size()); }
     std::uint32_t face(std::uint32_t i) const noexcept { return order_[i]; }
 
 private:

@@ -18,22 +18,21 @@ bool is_outside(const LevelSettings& settings, const Box3d& box) noexcept
 /// Distance from the eye to the nearest cluster; infinity if none is in view.
 double nearest_distance(const LevelSettings& settings, const PosedCage& cage, bool only_in_view)
 {
-    const Mat4d world = cage.world_from_object();
-    const auto box_of = [&](const ClusterTree::Node& node) { return transform_box(world, {Vec3d(node.box.lo), Vec3d(node.box.hi)}); };
     const auto distance_to = [&](const Box3d& box) { return glm::distance(settings.eye, glm::clamp(settings.eye, box.lo, box.hi)); };
     double nearest = std::numeric_limits<double>::infinity();
     std::vector<std::uint32_t> todo{0};
     while (!todo.empty()) {
-        const ClusterTree::Node& node = cage.clusters->node(todo.back());
+        const std::uint32_t cluster = todo.back();
+        const ClusterTree::Node& node = cage.clusters->node(cluster);
         todo.pop_back();
-        const Box3d box = box_of(node);
+        const Box3d box = cage.world_box(cluster);
         if (box.is_empty() || distance_to(box) >= nearest || (only_in_view && is_outside(settings, box))) continue;
         if (node.left == 0) {
             nearest = std::min(nearest, std::max(distance_to(box), box.radius() / 8));
             continue;
         }
         // The nearer child on top.
-        const bool left_is_nearer = distance_to(box_of(cage.clusters->node(node.left))) <= distance_to(box_of(cage.clusters->node(node.left + 1)));
+        const bool left_is_nearer = distance_to(cage.world_box(node.left)) <= distance_to(cage.world_box(node.left + 1));
         todo.push_back(node.left + (left_is_nearer ? 1 : 0));
         todo.push_back(node.left + (left_is_nearer ? 0 : 1));
     }

@@ -29,6 +29,23 @@ Mat4d PosedCage::world_from_object() const noexcept
     return m;
 }
 
+void PosedCage::deform(const DeformedClusters& bounds, const SkinSlot* skin, Arena& arena, DeformCounters& counters)
+{
+    deformed = arena.make<DeformedCage>(*slot, *node, skin, frame_from_object, arena, counters);
+    deformed_clusters = &bounds;
+    is_mirrored = deformed->is_mirrored();
+}
+
+Box3d PosedCage::world_box(std::uint32_t cluster) const noexcept
+{
+    if (deformed) {
+        const Box3d box = deformed->box((*deformed_clusters)[cluster]);
+        return {box.lo + anchor, box.hi + anchor};
+    }
+    const Box3f& box = clusters->node(cluster).box;
+    return transform_box(world_from_object(), {Vec3d(box.lo), Vec3d(box.hi)});
+}
+
 Vec3f PosedCage::pose_normal(Vec3f n) const noexcept
 {
     // Cofactors: the inverse transpose times the determinant.

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "lod/clusters.h"
+#include "lod/deformed_cage.h"
 #include "lod/rates.h"
 #include "lod/topology.h"
 #include "scenegraph/scene.h"
@@ -19,6 +20,8 @@ struct PosedCage {
     const CageSlot* slot = nullptr;
     const Topology* topology = nullptr;   ///< null for Scheme::Triangles
     const ClusterTree* clusters = nullptr;
+    DeformedCage* deformed = nullptr;     ///< null: rigid
+    const DeformedClusters* deformed_clusters = nullptr;  ///< set if `deformed` is
     const Node* node = nullptr;
     NodeId node_id;
     std::uint64_t key = 0;                ///< of the path of nodes that leads here: orders hits at equal distance
@@ -30,6 +33,19 @@ struct PosedCage {
 
     /// Sets frame, anchor, radius and mirroring from a placement.
     void place(const Mat4d& world_from_object, const Box3d& object_bounds) noexcept;
+    /// After place(): has skin and morph targets deform the cage.
+    /// skin   null: morph targets alone
+    void deform(const DeformedClusters& bounds, const SkinSlot* skin, Arena& arena, DeformCounters& counters);
+
+    /// Of all control points of a cluster's faces.
+    Box3d world_box(std::uint32_t cluster) const noexcept;
+    /// A vertex of the cage, in the dicing frame.
+    Vec3f vertex(std::uint32_t v) const { return deformed ? deformed->position(v) : pose(slot->cage.positions[v]); }
+    /// A vertex's normal, world axes, not normalised; the cage has normals.
+    Vec3f vertex_normal(std::uint32_t v) const noexcept
+    {
+        return deformed ? deformed->normal(v) : pose_normal(slot->cage.normals[v]);
+    }
 
     Mat4d world_from_object() const noexcept;
 

@@ -29,7 +29,7 @@ void PosedPatch::set(const PosedCage& cage, PatchRef patch)
     y_.resize(n);
     z_.resize(n);
     for (std::size_t k = 0; k < n; ++k) {
-        const Vec3f p = cage.pose(cage.slot->cage.positions[controls.indices[k]]);
+        const Vec3f p = cage.vertex(controls.indices[k]);
         x_[k] = p.x;
         y_[k] = p.y;
         z_[k] = p.z;

@@ -35,7 +35,10 @@ const CageTables& TopologyCache::get(const CageSlot& slot)
         tables.clusters = std::make_unique<ClusterTree>(slot.cage);
     } else if (entry->positions_version != slot.positions_version) {
         tables.clusters->refit(slot.cage);
+        tables.deformed_clusters.reset();
     }
+    if (slot.is_deformed() && !tables.deformed_clusters)
+        tables.deformed_clusters = std::make_unique<DeformedClusters>(slot.cage, *tables.clusters);
     entry->positions_version = slot.positions_version;
     return tables;
 }

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "lod/clusters.h"
+#include "lod/deformed_clusters.h"
 #include "lod/topology.h"
 #include "scenegraph/scene.h"
 
@@ -14,6 +15,7 @@ namespace occam::lod {
 struct CageTables {
     std::unique_ptr<const Topology> topology;  ///< null for Scheme::Triangles
     std::unique_ptr<ClusterTree> clusters;
+    std::unique_ptr<DeformedClusters> deformed_clusters;  ///< null if no skin and no morph target deforms the cage
 };
 
 class TopologyCache {

@@ -87,6 +87,7 @@ public:
             if (t.micropolygons_of_level[l] > 0) stats.built.by_level[accel::TraceCounters::kFinestLevel + l] += t.micropolygons_of_level[l];
         stats.seconds.build += t.build_seconds;
         stats.seconds.tessellate += t.dice_seconds;
+        stats.seconds.deform += t.deform.seconds;
         stats.seconds.trace += std::max(0.0, c.trace_seconds - t.build_seconds - t.dice_seconds);
         stats.seconds.shade += c.shade_seconds;
         stats.seconds.film += film_seconds_;
@@ -94,6 +95,7 @@ public:
         stats.built.grids += t.grids;
         stats.built.micropolygons += t.micropolygons;
         stats.built.faces_touched += t.faces_touched;
+        stats.built.vertices_deformed += t.deform.vertices;
         stats.built.vertices_shaded += t.vertices_shaded;
         stats.memory.arena_peak_bytes += t.peak_bytes;
         stats.memory.flushes += t.flushes;

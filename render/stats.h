@@ -1,7 +1,7 @@
 // What a frame cost: the numbers that --stats writes, under the same names.
 //
-// Seconds of build, tessellate, deform, trace, shade and film are the workers' summed; total, load, edit, refit, texture
-// and write are wall time. Adding keys is welcome; renaming is not.
+// Seconds of build, tessellate, deform (which is a part of those two), trace, shade and film are the workers' summed;
+// total, load, edit, refit, texture and write are wall time. Adding keys is welcome; renaming is not.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,42 @@
 #include "scenegraph/animation.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "scenegraph/base/maths.h"
+
 namespace occam {
+namespace {
+
+Vec4d normalised(Vec4d q) noexcept
+{
+    const double length = std::sqrt(glm::dot(q, q));
+    return length > 0 ? q / length : Vec4d(0, 0, 0, 1);
+}
+
+// Parts of a CUBICSPLINE key: in-tangent, value, out-tangent.
+enum Part : std::size_t { InTangent, Value, OutTangent };
+
+class Keys {
+public:
+    explicit Keys(const Channel& channel) noexcept
+        : channel_(channel), parts_(channel.interpolation == Channel::Interpolation::CubicSpline ? 3 : 1)
+    {
+    }
+    double at(std::size_t key, std::size_t component, Part part = Value) const noexcept
+    {
+        const std::size_t offset = parts_ == 3 ? std::size_t(part) : 0;
+        return double(channel_.values[(key * parts_ + offset) * static_cast<std::size_t>(channel_.width) + component]);
+    }
+    Vec4d rotation(std::size_t key) const noexcept { return normalised({at(key, 0), at(key, 1), at(key, 2), at(key, 3)}); }
+
+private:
+    const Channel& channel_;
+    std::size_t parts_;
+};
+
+}  // namespace
 
 // glTF 2.0, sec. 3.5.3: scale, then rotation, then translation.
 Mat4d Trs::matrix() const noexcept
@@ -10,6 +46,69 @@ Mat4d Trs::matrix() const noexcept
     const Vec3d up(2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w));
     const Vec3d back(2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y));
     return {Vec4d(right * scale.x, 0), Vec4d(up * scale.y, 0), Vec4d(back * scale.z, 0), Vec4d(translation, 1)};
+}
+
+Vec4d slerp(Vec4d a, Vec4d b, double t) noexcept
+{
+    if (glm::dot(a, b) < 0) b = -b;
+    const Vec4d across = a - b, along = a + b;
+    // Half the angle from its tangent: exact for small angles too, where its cosine is not.
+    const float half = maths::atan2(static_cast<float>(std::sqrt(glm::dot(across, across))),
+                                    static_cast<float>(std::sqrt(glm::dot(along, along))));
+    const double sine = double(maths::sin(2 * half));
+    if (!(sine > 1e-6)) return normalised(a * (1 - t) + b * t);
+    const double from = double(maths::sin(static_cast<float>(1 - t) * 2 * half)), to = double(maths::sin(static_cast<float>(t) * 2 * half));
+    return normalised((a * from + b * to) / sine);
+}
+
+TimeRange time_range(const Clip& clip) noexcept
+{
+    TimeRange range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+    for (const Channel& channel : clip.channels) {
+        if (channel.times.empty()) continue;
+        range.first = std::min(range.first, double(channel.times.front()));
+        range.last = std::max(range.last, double(channel.times.back()));
+    }
+    return range.first <= range.last ? range : TimeRange{};
+}
+
+double looped(TimeRange range, double seconds) noexcept
+{
+    const double length = range.last - range.first;
+    if (!(length > 0) || !std::isfinite(seconds)) return range.first;
+    double since = std::fmod(seconds - range.first, length);
+    if (since < 0) since += length;
+    return range.first + since;
+}
+
+void evaluate(const Channel& channel, double seconds, std::span<double> values) noexcept
+{
+    const Keys keys(channel);
+    const std::vector<float>& times = channel.times;
+    const bool is_rotation = channel.path == Channel::Path::Rotation;
+    const auto store = [&](Vec4d q) { std::copy_n(&q[0], values.size(), values.begin()); };
+    const auto hold = [&](std::size_t key) {
+        if (is_rotation) return store(keys.rotation(key));
+        for (std::size_t c = 0; c < values.size(); ++c) values[c] = keys.at(key, c);
+    };
+    if (!(seconds > double(times.front()))) return hold(0);
+    if (!(seconds < double(times.back()))) return hold(times.size() - 1);
+
+    const auto after = std::upper_bound(times.begin(), times.end(), seconds, [](double s, float key) { return s < double(key); });
+    const auto k = static_cast<std::size_t>(after - times.begin()) - 1;
+    if (channel.interpolation == Channel::Interpolation::Step) return hold(k);
+    const double duration = double(times[k + 1]) - double(times[k]), t = (seconds - double(times[k])) / duration;
+    if (channel.interpolation == Channel::Interpolation::Linear) {
+        if (is_rotation) return store(slerp(keys.rotation(k), keys.rotation(k + 1), t));
+        for (std::size_t c = 0; c < values.size(); ++c) values[c] = keys.at(k, c) * (1 - t) + keys.at(k + 1, c) * t;
+        return;
+    }
+    // Hermite's cubic; tangents are a second's (glTF 2.0, appendix C, "cubic spline interpolation").
+    const double t2 = t * t, t3 = t2 * t;
+    for (std::size_t c = 0; c < values.size(); ++c)
+        values[c] = (2 * t3 - 3 * t2 + 1) * keys.at(k, c) + duration * (t3 - 2 * t2 + t) * keys.at(k, c, OutTangent) +
+                    (3 * t2 - 2 * t3) * keys.at(k + 1, c) + duration * (t3 - t2) * keys.at(k + 1, c, InTangent);
+    if (is_rotation) store(normalised({values[0], values[1], values[2], values[3]}));
 }
 
 }  // namespace occam

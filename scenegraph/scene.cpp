@@ -68,6 +68,10 @@ NodeId Scene::add_node(NodeId parent, NodeDesc desc)
     s.nodes.find(parent)->children.push_back(id);
     for (CageId cage : node.cages) s.cages.find(cage)->users.add(id, is_alive);
     if (node.instance_of) s.nodes.find(node.instance_of)->instances.add(id, is_alive);
+    if (node.skin) {
+        s.skins.find(node.skin)->users.add(id, is_alive);
+        s.link_user(id);
+    }
     s.mark_dirty(id);
     return id;
 }
@@ -88,6 +92,11 @@ void Scene::remove(NodeId id)
         todo.insert(todo.end(), node.children.begin(), node.children.end());
         // Elsewhere a part of the subtree may be on show: those placements lose it.
         for (NodeId instance : node.instances.ids()) s.mark_dirty(instance);
+        s.place_changed(next, node);  // it may be a joint of what stays
+        if (const auto copy = s.posed.find(next); copy != s.posed.end()) {
+            for (const SkinId skin : copy->second.skins) s.skins.remove(skin);
+            s.posed.erase(copy);
+        }
         s.nodes.remove(next);
     }
 }
@@ -107,10 +116,15 @@ void Scene::set_transform(NodeId id, const Mat4d& parent_from_node)
     state_->require_editable();
     State::NodeRecord& node = State::at(state_->nodes, id, "node");
     require_finite(parent_from_node);
+    if (node.rest) node.rest->place.reset();
     node.matrix = parent_from_node;
+    state_->place(id, node, parent_from_node);
+}
+
+void Scene::State::place(NodeId id, NodeRecord& node, const Mat4d& parent_from_node)
+{
     node.parent_from_node = parent_from_node;
-    // The node's own box is in its own axes and stays; only a root has nobody above to tell.
-    state_->mark_dirty(node.parent ? node.parent : id);
+    place_changed(id, node);
 }
 
 void Scene::set_visible(NodeId id, bool visible)
@@ -128,15 +142,6 @@ void Scene::set_materials(NodeId id, std::vector<MaterialId> materials)
     State::NodeRecord& node = State::at(state_->nodes, id, "node");
     for (MaterialId material : materials) State::at(state_->materials, material, "material");
     node.materials = std::move(materials);
-}
-
-void Scene::set_skin(NodeId id, SkinId skin)
-{
-    state_->require_editable();
-    State::NodeRecord& node = State::at(state_->nodes, id, "node");
-    if (skin) State::at(state_->skins, skin, "skin");
-    node.skin = skin;
-    state_->mark_dirty(id);
 }
 
 NodeId Scene::find_node(std::string_view name) const

@@ -19,6 +19,7 @@
 #include "scenegraph/animation.h"
 #include "scenegraph/cage.h"
 #include "scenegraph/camera.h"
+#include "scenegraph/deform_bounds.h"
 #include "scenegraph/light.h"
 #include "scenegraph/material.h"
 #include "scenegraph/texture/texture.h"
@@ -35,7 +36,7 @@ struct NodeDesc {
     NodeId instance_of{};              ///< shows that node's subtree here too: its own place and visibility do not count
     LightId light{};
     CameraId camera{};
-    SkinId skin{};
+    SkinId skin{};                     ///< the joints place what is skinned: this node's own place does not count for it
     std::vector<float> morph_weights{};   ///< empty: the cage's own
     bool visible = true;               ///< false hides the subtree below the parent; instances of it are seen
 };
@@ -46,6 +47,7 @@ struct Node : NodeDesc {
     std::vector<NodeId> children;
     Mat4d parent_from_node{1};
     Box3d bounds;         ///< of the subtree and of instance_of, in the node's own axes; valid after Scene::refit()
+    Mat4d node_from_skin{1};  ///< of a skinned node: from the axes of SkinSlot::mesh_poses; valid after Scene::refit()
     bool dirty = true;    ///< bounds of this node and of all above it are out of date
 };
 
@@ -55,7 +57,21 @@ struct CageSlot {
     Box3d bounds;                    ///< of the control points, object axes
     std::uint64_t identity = 0;      ///< unique in the process; a new one when topology is replaced
     std::uint64_t positions_version = 0;
+    DeformBoundsTable deform;        ///< one part, the whole cage; none for a cage that no skin and no target deforms
+
+    bool is_deformed() const noexcept { return deform.size() > 0; }
 };
+
+/// A skin and where its joints are.
+struct SkinSlot {
+    Skin skin;
+    NodeId base;                     ///< lowest node above all joints; none: above the root
+    std::vector<Mat4d> mesh_poses;   ///< base_from_mesh of each joint; valid after Scene::refit(). A removed joint: identity
+};
+
+/// Where a node shows a cage, in the node's axes: without looking at a vertex.
+/// skin   the node's, or null if it has none; poses of nodes and skins up to date (Scene::refit())
+Box3d cage_bounds(const Node& node, const CageSlot& slot, const SkinSlot* skin) noexcept;
 
 class Scene {
 public:
@@ -74,8 +90,22 @@ public:
     void set_visible(NodeId id, bool visible);
     void set_materials(NodeId id, std::vector<MaterialId> materials);
     void set_skin(NodeId id, SkinId skin);  ///< a skin names nodes, so it comes after them
+    void set_morph_weights(NodeId id, std::vector<float> weights);  ///< empty: the cage's own
     NodeId find_node(std::string_view name) const;  ///< first by slot; none if there is none
     Mat4d world_from_node(NodeId id) const;
+
+    // Animation. Poses are written into the nodes, as set_transform() and set_morph_weights() would.
+
+    /// Poses the clips' nodes; nodes that an earlier pose() moved and these clips do not go back to where they were. What an
+    /// application sets by itself is where they go back to from then on. Several clips that move the same property are mixed:
+    /// the weighted mean, of rotations along the shorter way. Needs finite seconds and weights of 0 or more.
+    /// of   none: the nodes that the clips name; a node that copy() made: their counterparts in that copy
+    void pose(std::span<const ClipAt> clips, NodeId of = {});
+    void pose(ClipId clip, double seconds);
+    /// A second one of the subtree, below `parent`: nodes and the skins whose joints lie in it are new, the rest is shared. So
+    /// each copy has a pose of its own. Throws if parent lies in the subtree.
+    NodeId copy(NodeId subtree, NodeId parent);
+    ClipId find_clip(std::string_view name) const;  ///< first in file order; none if there is none
 
     // What nodes refer to. Removing something that is referred to is allowed: it is then simply not there.
     CageId add(Cage cage);  ///< sanitizes; see sanitize()
@@ -87,6 +117,7 @@ public:
     ClipId add(Clip clip);
     void remove(CageId id);
     void remove(LightId id);
+    void remove(SkinId id);
     const CageSlot& cage(CageId id) const;
     const Material& material(MaterialId id) const;
     const Texture& texture(TextureId id) const;
@@ -105,6 +136,8 @@ public:
     const Material* find(MaterialId id) const noexcept;
     const Texture* find(TextureId id) const noexcept;
     const Light* find(LightId id) const noexcept;
+    const SkinSlot* find(SkinId id) const noexcept;
+    const Clip* find(ClipId id) const noexcept;
 
     const std::vector<ClipId>& clips() const noexcept;  ///< in file order
     std::vector<TextureId> texture_ids() const;         ///< by slot

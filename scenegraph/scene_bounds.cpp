@@ -39,13 +39,28 @@ bool Scene::State::is_shown_by(NodeId below, NodeId above) const
     return false;
 }
 
-void Scene::State::refit_node(NodeRecord& node) const
+Box3d cage_bounds(const Node& node, const CageSlot& slot, const SkinSlot* skin) noexcept
 {
+    if (!slot.is_deformed()) return slot.bounds;
+    const bool is_skinned = skin && slot.cage.skin.sets > 0;
+    DeformBounds of = slot.deform[0];
+    if (!is_skinned) of.joints = {};
+    const auto& weights = node.morph_weights.empty() ? slot.cage.morph_weights : node.morph_weights;
+    return deformed_box(of, weights, Mat4d(1), [&](std::size_t joint) {
+        return joint < skin->mesh_poses.size() ? node.node_from_skin * skin->mesh_poses[joint] : node.node_from_skin;
+    });
+}
+
+void Scene::State::refit_node(NodeId id, NodeRecord& node)
+{
+    SkinRecord* skin = skins.find(node.skin);
+    if (skin && skin->dirty) pose_skin(*skin);
+    if (skin) node.node_from_skin = node_from_skin(id, *skin);
     Box3d bounds;
-    for (CageId id : node.cages)
-        if (const CageRecord* cage = cages.find(id)) bounds.add(cage->bounds);
-    for (NodeId id : node.children)
-        if (const Node* child = nodes.find(id); child && child->visible)
+    for (CageId c : node.cages)
+        if (const CageRecord* cage = cages.find(c)) bounds.add(cage_bounds(node, *cage, skin));
+    for (NodeId c : node.children)
+        if (const Node* child = nodes.find(c); child && child->visible)
             bounds.add(transform_box(child->parent_from_node, child->bounds));
     if (const Node* target = nodes.find(node.instance_of)) bounds.add(target->bounds);
     node.bounds = bounds;
@@ -68,7 +83,7 @@ void Scene::refit()
         State::NodeRecord* node = s.nodes.find(step.id);
         if (!node || !node->dirty) continue;
         if (step.children_are_done) {
-            s.refit_node(*node);
+            s.refit_node(step.id, *node);
             continue;
         }
         todo.push_back({step.id, true});

@@ -14,6 +14,13 @@ std::uint64_t next_identity() noexcept
     return ++last;
 }
 
+void find_bounds(CageSlot& slot)
+{
+    slot.bounds = slot.cage.bounds();
+    slot.deform = {};
+    if (slot.cage.skin.sets > 0 || !slot.cage.morph_targets.empty()) slot.deform.add_all(slot.cage);
+}
+
 }  // namespace
 
 CageId Scene::add(Cage cage)
@@ -22,9 +29,9 @@ CageId Scene::add(Cage cage)
     const std::string name = cage.name.empty() ? "cage" : cage.name;
     for (const std::string& line : sanitize(cage)) warnings.push_back(name + ": " + line);
     State::CageRecord record;
-    record.bounds = cage.bounds();
     record.cage = std::move(cage);
     record.identity = next_identity();
+    find_bounds(record);
     return state_->cages.add(std::move(record));
 }
 MaterialId Scene::add(Material material)
@@ -50,14 +57,6 @@ CameraId Scene::add(CameraLens lens)
 {
     state_->require_editable();
     return state_->cameras.add(lens);
-}
-SkinId Scene::add(Skin skin)
-{
-    state_->require_editable();
-    for (NodeId joint : skin.joints) State::at(state_->nodes, joint, "node");
-    if (!skin.joint_from_mesh.empty() && skin.joint_from_mesh.size() != skin.joints.size())
-        throw Error("", "a skin needs one inverse bind matrix a joint, or none", skin.name);
-    return state_->skins.add(std::move(skin));
 }
 ClipId Scene::add(Clip clip)
 {
@@ -85,7 +84,6 @@ const Material& Scene::material(MaterialId id) const { return State::at(state_->
 const Texture& Scene::texture(TextureId id) const { return State::at(state_->textures, id, "texture"); }
 const Light& Scene::light(LightId id) const { return State::at(state_->lights, id, "light"); }
 const CameraLens& Scene::camera_lens(CameraId id) const { return State::at(state_->cameras, id, "camera"); }
-const Skin& Scene::skin(SkinId id) const { return State::at(state_->skins, id, "skin"); }
 const Clip& Scene::clip(ClipId id) const { return State::at(state_->clips, id, "clip"); }
 
 void Scene::write_vertices(CageId id, std::span<const Vec3f> positions)
@@ -95,13 +93,10 @@ void Scene::write_vertices(CageId id, std::span<const Vec3f> positions)
     if (positions.size() != record.cage.positions.size())
         throw Error("", "write_vertices needs as many positions as the cage has",
                     std::to_string(positions.size()) + " for " + std::to_string(record.cage.positions.size()));
-    Box3d bounds;
-    for (Vec3f p : positions) {
+    for (Vec3f p : positions)
         if (!is_usable(p)) throw Error("", "a position is not finite, or beyond 1e12", record.cage.name);
-        bounds.add(Vec3d(p));
-    }
     record.cage.positions.assign(positions.begin(), positions.end());
-    record.bounds = bounds;
+    find_bounds(record);
     ++record.positions_version;
     state_->mark_users_dirty(record);
 }
@@ -112,10 +107,10 @@ void Scene::replace(CageId id, Cage cage)
     State::CageRecord& record = State::at(state_->cages, id, "cage");
     const std::string name = cage.name.empty() ? "cage" : cage.name;
     for (const std::string& line : sanitize(cage)) warnings.push_back(name + ": " + line);
-    record.bounds = cage.bounds();
     record.cage = std::move(cage);
     record.identity = next_identity();
     record.positions_version = 0;
+    find_bounds(record);
     state_->mark_users_dirty(record);
 }
 void Scene::replace(MaterialId id, Material material)

@@ -1,6 +1,9 @@
 // What a Scene keeps: the tables behind its handles, and who uses what, so that an edit knows which bounds it touches.
 #pragma once
 
+#include <algorithm>
+#include <unordered_map>
+
 #include "scenegraph/base/error.h"
 #include "scenegraph/base/handle.h"
 #include "scenegraph/scene.h"
@@ -17,6 +20,12 @@ public:
         if (ids_.size() == ids_.capacity()) std::erase_if(ids_, [&](NodeId known) { return !is_alive(known); });
         ids_.push_back(id);
     }
+    /// The same, unless it is in the list. Cost: the list.
+    template <class IsAlive>
+    void add_once(NodeId id, IsAlive&& is_alive)
+    {
+        if (std::find(ids_.begin(), ids_.end(), id) == ids_.end()) add(id, is_alive);
+    }
     const std::vector<NodeId>& ids() const noexcept { return ids_; }
 
 private:
@@ -24,8 +33,32 @@ private:
 };
 
 struct Scene::State {
+    /// What a node's place decides beside its parent's bounds.
+    struct Dependents {
+        std::vector<SkinId> skins;  ///< it lies between a joint of theirs and their base
+        Watchers users;             ///< it lies between such a node and the base of its skin
+    };
+    /// What pose() found before it moved a node.
+    struct Rest {
+        std::optional<Trs> place;
+        std::optional<Mat4d> matrix;
+        std::optional<std::vector<float>> weights;
+    };
     struct NodeRecord : Node {
         Watchers instances;  ///< nodes whose instance_of is this one
+        std::unique_ptr<Dependents> dependents;
+        std::unique_ptr<Rest> rest;
+    };
+    struct SkinRecord : SkinSlot {
+        std::vector<int> parent_joint;  ///< the nearest joint above each, by index; below 0: none
+        bool dirty = true;              ///< mesh_poses are out of date
+        Watchers users;
+    };
+    /// What pose() keeps for the scene itself, and for each subtree that copy() made.
+    struct Posed {
+        std::unordered_map<NodeId, NodeId> node_of;  ///< copies: from the originals
+        std::vector<SkinId> skins;                   ///< copies: made for it
+        std::vector<NodeId> nodes;                   ///< moved by the last pose()
     };
     struct CageRecord : CageSlot {
         Watchers users;
@@ -37,9 +70,10 @@ struct Scene::State {
     SlotMap<Texture, TextureTag> textures;
     SlotMap<Light, LightTag> lights;
     SlotMap<CameraLens, CameraTag> cameras;
-    SlotMap<Skin, SkinTag> skins;
+    SlotMap<SkinRecord, SkinTag> skins;
     SlotMap<Clip, ClipTag> clips;
     std::vector<ClipId> clip_order;
+    std::unordered_map<NodeId, Posed> posed;  ///< by copy; none: the scene itself
     NodeId root;
     mutable std::atomic<int> frames{0};  ///< FrameLocks alive
 
@@ -67,7 +101,20 @@ struct Scene::State {
     void mark_users_dirty(const CageRecord& cage);
     /// True if `below` lies in what `above` shows, or is `above`.
     bool is_shown_by(NodeId below, NodeId above) const;
-    void refit_node(NodeRecord& node) const;
+    void refit_node(NodeId id, NodeRecord& node);
+
+    /// A node's place was changed: tells the nodes above, and skins.
+    void place_changed(NodeId id, const NodeRecord& node);
+    void place(NodeId id, NodeRecord& node, const Mat4d& parent_from_node);
+    /// Finds base and parents of a new skin's joints, and has the nodes between them know it.
+    void link_skin(SkinId id);
+    /// Has the nodes between a skinned node and the skin's base know it.
+    void link_user(NodeId id);
+    void pose_skin(SkinRecord& skin) const;
+    Mat4d node_from_skin(NodeId node, const SkinRecord& skin) const;
+    NodeId lowest_common(NodeId a, NodeId b) const;  ///< of the two and their ancestors
+    Mat4d path(NodeId above, NodeId node) const;     ///< above_from_node
+    void restore(NodeRecord& node, NodeId id);
 };
 
 }  // namespace occam

@@ -41,10 +41,12 @@ ReferenceCase case_of(const json& from, const fs::path& shared)
     c.id = from.at("id");
     c.model = shared / "data" / from.at("model").get<std::string>();
     c.is_subdivision = from.at("kind") == "subdivision";
-    if (c.is_subdivision)
+    if (c.is_subdivision) {
         c.boundary = boundary_of(from);
-    else
-        c.pose = from.at("pose");
+    } else if (from.at("pose") != "static") {
+        c.clip = from.at("clip_index");
+        c.seconds = from.at("time");
+    }
     c.width = from.at("size").at(0);
     c.height = from.at("size").at(1);
     constexpr double kRadians = 0.017453292519943295;  // in a degree

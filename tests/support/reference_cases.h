@@ -17,7 +17,8 @@ struct ReferenceCase {
     std::string id;
     std::filesystem::path model;
     bool is_subdivision = false;
-    std::string pose;                                     ///< of glTF cases: "static", or how its clip was evaluated
+    int clip = -1;                                        ///< of the file, by index; below 0: none
+    double seconds = 0;                                   ///< on the clip's own axis
     BoundaryRule boundary = BoundaryRule::EdgeAndCorner;  ///< of subdivision cases, for files that do not say
     int width = 0, height = 0;
     Camera camera;

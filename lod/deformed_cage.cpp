@@ -1,0 +1,110 @@
+#include "lod/deformed_cage.h"
+
+#include <chrono>
+
+namespace occam::lod {
+namespace {
+
+// Cofactors: the inverse transpose times the determinant.
+Vec3d turned_normal(const Mat3d& m, Vec3d n) noexcept
+{
+    const Vec3d v = glm::cross(m[1], m[2]) * n.x + glm::cross(m[2], m[0]) * n.y + glm::cross(m[0], m[1]) * n.z;
+    return glm::determinant(m) < 0 ? -v : v;
+}
+
+}  // namespace
+
+DeformedCage::DeformedCage(const CageSlot& slot, const Node& node, const SkinSlot* skin, const double (&rows)[3][4], Arena& arena,
+                           DeformCounters& counters)
+    : cage_(slot.cage), weights_(node.morph_weights.empty() ? slot.cage.morph_weights : node.morph_weights), arena_(&arena),
+      counters_(&counters)
+{
+    for (int c = 0; c < 4; ++c) frame_from_mesh_[c] = Vec4d(rows[0][c], rows[1][c], rows[2][c], c == 3 ? 1 : 0);
+    if (skin && cage_.skin.sets > 0) {
+        frame_from_mesh_ = frame_from_mesh_ * node.node_from_skin;
+        joint_count_ = skin->mesh_poses.size();
+        const std::span<Mat4d> joints = arena.make_array<Mat4d>(joint_count_);
+        // Joints that move no vertex are never asked for.
+        int mirrored = 0;
+        for (const JointBox& used : slot.deform[0].joints) {
+            if (used.joint < joint_count_) joints[used.joint] = frame_from_mesh_ * skin->mesh_poses[used.joint];
+            mirrored += glm::determinant(Mat3d(used.joint < joint_count_ ? joints[used.joint] : frame_from_mesh_)) < 0 ? 1 : -1;
+        }
+        joints_ = joints.data();
+        is_mirrored_ = mirrored > 0;
+    } else {
+        is_mirrored_ = glm::determinant(Mat3d(frame_from_mesh_)) < 0;
+    }
+    const std::size_t blocks = (cage_.positions.size() + kBlock - 1) / kBlock;
+    blocks_ = arena.make_array<Vec3f*>(blocks).data();
+    std::fill_n(blocks_, blocks, nullptr);
+}
+
+Vec3d DeformedCage::morphed(std::uint32_t v) const noexcept
+{
+    Vec3d p(cage_.positions[v]);
+    for (std::size_t k = 0; k < std::min(weights_.size(), cage_.morph_targets.size()); ++k)
+        if (weights_[k] != 0 && !cage_.morph_targets[k].positions.empty())
+            p += Vec3d(cage_.morph_targets[k].positions[v]) * double(weights_[k]);
+    return p;
+}
+
+const Vec3f* DeformedCage::pose_block(std::uint32_t block)
+{
+    const auto start = std::chrono::steady_clock::now();
+    const auto vertices = static_cast<std::uint32_t>(cage_.positions.size());
+    const std::uint32_t first = block * kBlock, end = std::min(first + kBlock, vertices);
+    Vec3f* out = arena_->make_array<Vec3f>(kBlock).data();
+    for (std::uint32_t v = first; v < end; ++v) {
+        const Vec3d p = morphed(v);
+        if (!joints_) {
+            out[v - first] = Vec3f(transform_point(frame_from_mesh_, p));
+            continue;
+        }
+        Vec3d sum(0);
+        double total = 0;
+        for (int set = 0; set < cage_.skin.sets; ++set) {
+            const std::size_t at = std::size_t(set) * vertices + v;
+            for (int k = 0; k < 4; ++k) {
+                const double w = double(cage_.skin.weights[at][k]);
+                if (!(w > 0)) continue;
+                sum += transform_point(joint(cage_.skin.joints[at][k]), p) * w;
+                total += w;
+            }
+        }
+        // Divided by their sum, the weights are those of a mean: what deformed_box() relies on.
+        out[v - first] = Vec3f(sum / total);
+    }
+    blocks_[block] = out;
+    counters_->vertices += end - first;
+    counters_->seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return out;
+}
+
+Vec3f DeformedCage::normal(std::uint32_t v) const noexcept
+{
+    Vec3d n(cage_.normals[v]);
+    for (std::size_t k = 0; k < std::min(weights_.size(), cage_.morph_targets.size()); ++k)
+        if (weights_[k] != 0 && !cage_.morph_targets[k].normals.empty())
+            n += Vec3d(cage_.morph_targets[k].normals[v]) * double(weights_[k]);
+    Mat3d blended(frame_from_mesh_);
+    if (joints_) {
+        blended = Mat3d(0);
+        for (int set = 0; set < cage_.skin.sets; ++set) {
+            const std::size_t at = std::size_t(set) * cage_.positions.size() + v;
+            for (int k = 0; k < 4; ++k)
+                if (cage_.skin.weights[at][k] > 0) blended += Mat3d(joint(cage_.skin.joints[at][k])) * double(cage_.skin.weights[at][k]);
+        }
+    }
+    n = turned_normal(blended, n);
+    const double length = glm::length(n);
+    return length > 0 ? Vec3f(n / length) : Vec3f(0);
+}
+
+Box3d DeformedCage::box(const DeformBounds& of) const noexcept
+{
+    const DeformBounds bounds = joints_ ? of : DeformBounds{of.rest, {}, of.offsets};
+    return deformed_box(bounds, weights_, frame_from_mesh_, [&](std::size_t j) { return joint(j); });
+}
+
+}  // namespace occam::lod

@@ -1,0 +1,58 @@
+// A skinned or morphed cage where a node shows it, for one frame. Its vertices are posed when they are first asked for.
+//
+// Morph targets first, then linear blend skinning (glTF 2.0, sec. 3.7.3: the node's own place does not count). A vertex's
+// place is a pure function of vertex and pose, in double, rounded once: whoever asks gets the same bits.
+//
+// Space    mesh axes to the dicing frame of a PosedCage.
+// Memory   one worker's arena: a matrix a joint, and 12 bytes a vertex in blocks of kBlock as they are touched.
+// Threads  one worker's own.
+#pragma once
+
+#include "lod/deformed_clusters.h"
+#include "scenegraph/base/arena.h"
+#include "scenegraph/scene.h"
+
+namespace occam::lod {
+
+struct DeformCounters {
+    std::uint64_t vertices = 0;  ///< posed, whole blocks
+    double seconds = 0;
+};
+
+class DeformedCage {
+public:
+    /// frame_from_node   rows, as PosedCage has them
+    /// skin              null: morph targets alone
+    DeformedCage(const CageSlot& slot, const Node& node, const SkinSlot* skin, const double (&frame_from_node)[3][4], Arena& arena,
+                 DeformCounters& counters);
+
+    Vec3f position(std::uint32_t v)
+    {
+        const Vec3f* block = blocks_[v / kBlock];
+        return (block ? block : pose_block(v / kBlock))[v % kBlock];
+    }
+    /// Not normalised; of a cage that has normals. Morphed, then by the inverse transpose of the vertex's blended matrix.
+    Vec3f normal(std::uint32_t v) const noexcept;
+    /// Of the vertices that `of` is about, in the dicing frame.
+    Box3d box(const DeformBounds& of) const noexcept;
+    bool is_mirrored() const noexcept { return is_mirrored_; }
+
+private:
+    static constexpr std::uint32_t kBlock = 32;
+
+    Vec3d morphed(std::uint32_t v) const noexcept;
+    const Vec3f* pose_block(std::uint32_t block);
+    const Mat4d& joint(std::size_t j) const noexcept { return j < joint_count_ ? joints_[j] : frame_from_mesh_; }
+
+    const Cage& cage_;
+    std::span<const float> weights_;  ///< of morph targets
+    Mat4d frame_from_mesh_;           ///< without joints
+    const Mat4d* joints_ = nullptr;   ///< frame_from_mesh of each; null: not skinned
+    std::size_t joint_count_ = 0;
+    bool is_mirrored_ = false;
+    Vec3f** blocks_;
+    Arena* arena_;
+    DeformCounters* counters_;
+};
+
+}  // namespace occam::lod

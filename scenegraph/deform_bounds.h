@@ -1,0 +1,76 @@
+// Where a deformed cage can be, from what deforms it: no vertex is posed to know it.
+//
+// A skinned vertex is a mean of its joints' images of it, with weights that are not negative; so it lies in the union of the
+// images of each joint's box: of the rest vertices that the joint moves. A morph target adds at most its weight times the
+// box of its offsets.
+//
+// Space    boxes: mesh axes (those of the cage's rest positions).   Threads  plain data, const after it is made.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "scenegraph/cage.h"
+
+namespace occam {
+
+/// The rest vertices that a joint moves.
+struct JointBox {
+    std::uint16_t joint = 0;
+    Box3f box;
+};
+
+/// Bounds of some of a cage's vertices, in its arrays.
+struct DeformBounds {
+    Box3f rest;
+    std::span<const JointBox> joints;  ///< none: not skinned
+    std::span<const Box3f> offsets;    ///< of each morph target; empty boxes where it moves none of them
+};
+
+/// How far morph targets move a vertex at these weights; a point at 0 where nothing is said.
+Box3d morph_extent(std::span<const Box3f> offsets, std::span<const float> weights) noexcept;
+
+/// A box that holds every vertex of `of`, morphed and then posed by its joints, or without a skin by `otherwise`.
+/// joint_pose(j)   space_from_mesh of joint j
+template <class JointPose>
+Box3d deformed_box(const DeformBounds& of, std::span<const float> weights, const Mat4d& otherwise, JointPose&& joint_pose) noexcept
+{
+    const Box3d moved = morph_extent(of.offsets, weights);
+    const auto grown = [&](const Box3f& box) { return Box3d{Vec3d(box.lo) + moved.lo, Vec3d(box.hi) + moved.hi}; };
+    if (of.joints.empty()) return of.rest.is_empty() ? Box3d() : transform_box(otherwise, grown(of.rest));
+    Box3d box;
+    for (const JointBox& joint : of.joints) box.add(transform_box(joint_pose(joint.joint), grown(joint.box)));
+    return box;
+}
+
+/// Collects the bounds of a cage's parts, one after the other, in common arrays.
+class DeformBoundsTable {
+public:
+    /// Bounds of the vertices given; its number is the count of parts before it.
+    void add(const Cage& cage, std::span<const std::uint32_t> vertices);
+    /// Bounds of all the cage's vertices.
+    void add_all(const Cage& cage);
+    /// Bounds of two parts together.
+    void add_union(std::size_t a, std::size_t b);
+
+    DeformBounds operator[](std::size_t part) const noexcept;
+    std::size_t size() const noexcept { return parts_.size(); }
+
+private:
+    struct Part {
+        Box3f rest;
+        std::uint32_t first_joint = 0, joint_count = 0, first_offset = 0;
+    };
+    void add_vertex(const Cage& cage, std::uint32_t v);
+    void begin(const Cage& cage);
+    void finish();
+
+    std::vector<Part> parts_;
+    std::vector<JointBox> joints_;
+    std::vector<Box3f> offsets_;
+    std::size_t targets_ = 0;
+    std::vector<Box3f> scratch_;  ///< by joint
+};
+
+}  // namespace occam

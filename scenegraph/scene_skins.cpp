@@ -1,0 +1,186 @@
+// Where a skin's joints are, and which nodes' places that depends on.
+//
+// A skin's base is the lowest node above all its joints: moving the base, or what is above, moves a character as a whole and
+// leaves its poses. Nodes below it know the skin, so that moving a joint finds the nodes that wear it: O(depth) an edit.
+#include "scenegraph/scene_state.h"
+
+namespace occam {
+
+NodeId Scene::State::lowest_common(NodeId a, NodeId b) const
+{
+    const auto depth = [&](NodeId id) {
+        std::size_t d = 0;
+        for (const NodeRecord* n = nodes.find(id); n; n = nodes.find(id)) id = n->parent, ++d;
+        return d;
+    };
+    const auto climb = [&](NodeId id, std::size_t steps) {
+        for (; steps > 0; --steps) id = nodes.find(id)->parent;
+        return id;
+    };
+    const std::size_t da = depth(a), db = depth(b);
+    a = climb(a, da > db ? da - db : 0);
+    b = climb(b, db > da ? db - da : 0);
+    while (a != b && nodes.find(a)) {
+        a = nodes.find(a)->parent;
+        b = nodes.find(b)->parent;
+    }
+    return nodes.find(a) ? a : NodeId();
+}
+
+Mat4d Scene::State::path(NodeId above, NodeId node) const
+{
+    Mat4d m(1);
+    for (const NodeRecord* n = nodes.find(node); n && node != above; n = nodes.find(node)) {
+        m = n->parent_from_node * m;
+        node = n->parent;
+    }
+    return m;
+}
+
+void Scene::State::link_skin(SkinId id)
+{
+    SkinRecord& skin = *skins.find(id);
+    const std::vector<NodeId>& joints = skin.skin.joints;
+    skin.base = joints.empty() ? NodeId() : nodes.find(joints[0])->parent;
+    for (const NodeId joint : joints) {
+        const NodeId parent = nodes.find(joint)->parent;
+        skin.base = parent && skin.base ? lowest_common(skin.base, parent) : NodeId();
+    }
+    std::unordered_map<NodeId, int> index_of;
+    for (std::size_t j = 0; j < joints.size(); ++j) index_of.emplace(joints[j], static_cast<int>(j));
+    skin.parent_joint.assign(joints.size(), -1);
+    for (std::size_t j = 0; j < joints.size(); ++j)
+        for (NodeId at = nodes.find(joints[j])->parent; at && at != skin.base; at = nodes.find(at)->parent)
+            if (const auto found = index_of.find(at); found != index_of.end()) {
+                skin.parent_joint[j] = found->second;
+                break;
+            }
+    for (const NodeId joint : joints)
+        for (NodeId at = joint; at && at != skin.base; at = nodes.find(at)->parent) {
+            NodeRecord& node = *nodes.find(at);
+            if (!node.dependents) node.dependents = std::make_unique<Dependents>();
+            if (!node.dependents->skins.empty() && node.dependents->skins.back() == id) break;  // from here on known
+            node.dependents->skins.push_back(id);
+        }
+}
+
+void Scene::State::link_user(NodeId id)
+{
+    const SkinRecord* skin = skins.find(nodes.find(id)->skin);
+    const auto is_alive = [&](NodeId known) { return nodes.find(known) != nullptr; };
+    const NodeId top = lowest_common(id, skin->base);
+    for (const NodeId from : {id, skin->base})
+        for (NodeId at = from; at && at != top; at = nodes.find(at)->parent) {
+            NodeRecord& node = *nodes.find(at);
+            if (!node.dependents) node.dependents = std::make_unique<Dependents>();
+            node.dependents->users.add_once(id, is_alive);
+        }
+}
+
+Mat4d Scene::State::node_from_skin(NodeId id, const SkinRecord& skin) const
+{
+    const NodeId top = skin.base ? lowest_common(id, skin.base) : NodeId();
+    const Mat4d top_from_node = path(top, id);
+    // A node squeezed to nothing shows nothing.
+    const double size = glm::determinant(Mat3d(top_from_node));
+    if (size == 0 || !std::isfinite(size)) return {Vec4d(0), Vec4d(0), Vec4d(0), Vec4d(0, 0, 0, 1)};
+    return glm::inverse(top_from_node) * path(top, skin.base);
+}
+
+void Scene::State::pose_skin(SkinRecord& skin) const
+{
+    const std::size_t count = skin.skin.joints.size();
+    std::vector<Mat4d> base_from_joint(count);
+    std::vector<bool> is_known(count, false);
+    std::vector<std::size_t> todo;
+    for (std::size_t j = 0; j < count; ++j) {
+        // Joints above first: most files have them in that order, and then nothing waits.
+        for (std::size_t at = j; !is_known[at];) {
+            todo.push_back(at);
+            if (skin.parent_joint[at] < 0) break;
+            at = static_cast<std::size_t>(skin.parent_joint[at]);
+        }
+        for (; !todo.empty(); todo.pop_back()) {
+            const std::size_t at = todo.back();
+            const int above = skin.parent_joint[at];
+            const NodeId joint = skin.skin.joints[at];
+            base_from_joint[at] = above < 0 ? path(skin.base, joint)
+                                            : base_from_joint[static_cast<std::size_t>(above)] *
+                                                  path(skin.skin.joints[static_cast<std::size_t>(above)], joint);
+            is_known[at] = true;
+        }
+    }
+    skin.mesh_poses.resize(count);
+    for (std::size_t j = 0; j < count; ++j) {
+        const bool is_alive = nodes.find(skin.skin.joints[j]) != nullptr;
+        const Mat4d& from_joint = base_from_joint[j];
+        skin.mesh_poses[j] = !is_alive                           ? Mat4d(1)
+                             : skin.skin.joint_from_mesh.empty() ? from_joint
+                                                                 : from_joint * skin.skin.joint_from_mesh[j];
+    }
+    skin.dirty = false;
+}
+
+void Scene::State::place_changed(NodeId id, const NodeRecord& node)
+{
+    // The node's own box is in its own axes and stays; only a root has nobody above to tell.
+    mark_dirty(node.parent ? node.parent : id);
+    if (!node.dependents) return;
+    for (const SkinId s : node.dependents->skins)
+        if (SkinRecord* skin = skins.find(s)) {
+            skin->dirty = true;
+            for (const NodeId user : skin->users.ids()) mark_dirty(user);
+        }
+    for (const NodeId user : node.dependents->users.ids()) mark_dirty(user);
+}
+
+SkinId Scene::add(Skin skin)
+{
+    state_->require_editable();
+    for (NodeId joint : skin.joints) State::at(state_->nodes, joint, "node");
+    if (!skin.joint_from_mesh.empty() && skin.joint_from_mesh.size() != skin.joints.size())
+        throw Error("", "a skin needs one inverse bind matrix a joint, or none", skin.name);
+    State::SkinRecord record;
+    record.skin = std::move(skin);
+    const SkinId id = state_->skins.add(std::move(record));
+    state_->link_skin(id);
+    return id;
+}
+
+void Scene::remove(SkinId id)
+{
+    state_->require_editable();
+    for (const NodeId user : State::at(state_->skins, id, "skin").users.ids()) state_->mark_dirty(user);
+    state_->skins.remove(id);
+}
+
+void Scene::set_skin(NodeId id, SkinId skin)
+{
+    state_->require_editable();
+    State::NodeRecord& node = State::at(state_->nodes, id, "node");
+    if (skin) State::at(state_->skins, skin, "skin");
+    if (node.skin == skin) return;
+    node.skin = skin;
+    state_->mark_dirty(id);
+    if (!skin) return;
+    const auto is_alive = [&](NodeId known) { return state_->nodes.find(known) != nullptr; };
+    state_->skins.find(skin)->users.add_once(id, is_alive);
+    state_->link_user(id);
+}
+
+void Scene::set_morph_weights(NodeId id, std::vector<float> weights)
+{
+    state_->require_editable();
+    State::NodeRecord& node = State::at(state_->nodes, id, "node");
+    for (const float weight : weights)
+        if (!std::isfinite(weight)) throw Error("", "a morph weight must be finite", node.name);
+    if (node.rest) node.rest->weights.reset();
+    if (node.morph_weights == weights) return;
+    node.morph_weights = std::move(weights);
+    state_->mark_dirty(id);
+}
+
+const Skin& Scene::skin(SkinId id) const { return State::at(state_->skins, id, "skin").skin; }
+const SkinSlot* Scene::find(SkinId id) const noexcept { return state_->skins.find(id); }
+
+}  // namespace occam
