@@ -109,7 +109,10 @@ struct Job::State {
         stats.rays.per_second = double(stats.rays.total()) / stats.seconds.total;
         stats.memory.peak_bytes = render::process_peak_bytes();
         stats.memory.texture_bytes = renderer->textures.bytes();
-        stats.image = {image.width, image.height, settings.spp, image.checksum()};
+        stats.image.width = image.width;
+        stats.image.height = image.height;
+        stats.image.spp = settings.spp;
+        stats.image.checksum = image.checksum();
         stats.warnings = scene.warnings;
         for (std::string& warning : renderer->textures.warnings()) stats.warnings.push_back(std::move(warning));
         stats.scene.warnings = stats.warnings.size();

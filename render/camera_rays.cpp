@@ -2,13 +2,18 @@
 
 #include <algorithm>
 
-#include "scenegraph/base/maths.h"
+#include "render/aperture.h"
 
 namespace occam::render {
 
-CameraRays::CameraRays(const Camera& camera, int width, int height) noexcept
-    : eye_(camera.eye()), width_(width), height_(height), orthographic_(camera.lens.orthographic)
+CameraRays::CameraRays(const Camera& camera, int width, int height, int samples) noexcept
+    : eye_(camera.eye()), width_(width), height_(height), orthographic_(camera.lens.orthographic), samples_(samples)
 {
+    if (camera.lens.radius > 0 && camera.lens.focus > 0) {
+        lens_radius_ = camera.lens.radius;
+        focus_ = camera.lens.focus;
+        blades_ = camera.lens.blades;
+    }
     const float half_fov = std::clamp(camera.lens.fov, 1e-4f, 3.14f) * 0.5f;
     const double half = orthographic_ ? double(camera.lens.height) * 0.5 : double(maths::tan(half_fov));
     forward_ = -glm::normalize(Vec3d(camera.world_from_camera[2]));
@@ -33,21 +38,43 @@ lod::LevelSettings CameraRays::levels(float shading_rate) const noexcept
     return levels;
 }
 
-accel::Ray CameraRays::ray(double x, double y) const noexcept
+accel::Ray CameraRays::ray(double x, double y, Vec2f lens) const noexcept
 {
     const Vec3d across = right_ * ((2 * x - width_) / height_) + up_ * (1 - 2 * y / height_);
     accel::Ray ray;
+    ray.kinds = accel::RayKind::Camera;
     ray.footprint = pixel_;
-    if (orthographic_) {
-        ray.origin = eye_ + across;
-        ray.direction = Vec3f(forward_);
-        return ray;
+    ray.origin = orthographic_ ? eye_ + across : eye_;
+    Vec3d d = orthographic_ ? forward_ : forward_ + across;  // to where camera z is 1
+    if (has_lens()) {
+        // All rays of a place in the image meet where it is sharp.
+        const Vec2d at(aperture_point(lens, blades_) * lens_radius_);
+        const Vec3d shift = glm::normalize(right_) * at.x + glm::normalize(up_) * at.y;
+        ray.origin += shift;
+        d -= shift / double(focus_);
     }
-    const Vec3d d = forward_ + across;
     const double length = glm::length(d);
-    ray.origin = eye_;
     ray.direction = Vec3f(d / length);
-    ray.footprint.b = static_cast<float>(double(pixel_.b) / length);  // a pixel lies `length` away where z is 1
+    ray.footprint.b = static_cast<float>(double(pixel_.b) / length);
+    if (has_lens()) {
+        ray.t_far = static_cast<float>(double(focus_) * length);
+        ray.footprint = lens_beams_of(ray).near_side;
+    }
+    return ray;
+}
+
+shade::LensBeams CameraRays::lens_beams_of(const accel::Ray& ray) const noexcept
+{
+    const lod::Footprint pixel = orthographic_ ? lod::Footprint{pixel_.a, 0} : lod::Footprint{0, pixel_.b * focus_ / ray.t_far};
+    return shade::lens_beams(pixel, 2 * lens_radius_, ray.t_far, samples_);
+}
+
+accel::Ray CameraRays::behind_focus(accel::Ray ray) const noexcept
+{
+    ray.footprint = lens_beams_of(ray).far_side;
+    // Both pieces reach a little over the focus, so that nothing there is lost by rounding.
+    ray.t_near = std::max(ray.t_near, ray.t_far * (1 - 4 * std::numeric_limits<float>::epsilon()));
+    ray.t_far = std::numeric_limits<float>::infinity();
     return ray;
 }
 

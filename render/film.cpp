@@ -23,6 +23,7 @@ LayerForm form_of(Aov aov)
         case Aov::Position: return {{"X", "Y", "Z"}, true};
         case Aov::Id: return {{"I"}, true};
         case Aov::Variance: return {{"Y"}, true};
+        case Aov::NormalMean: return {{"X", "Y", "Z"}, false};
     }
     return {};
 }
@@ -33,31 +34,44 @@ bool is_finite(Vec3f v) noexcept { return std::isfinite(v.x) && std::isfinite(v.
 
 }  // namespace
 
-void PixelSums::add(const SampleResult& sample, Vec2f place) noexcept
+void PixelSums::add(const SampleResult& sample) noexcept
 {
-    const Vec3d radiance = is_finite(sample.radiance) ? Vec3d(sample.radiance) : Vec3d(0);
-    beauty_ += Vec4d(radiance, double(sample.alpha));
-    if (is_finite(Vec3f(sample.albedo))) albedo_ += Vec4d(sample.albedo);
-    const double y = 0.2126 * radiance.x + 0.7152 * radiance.y + 0.0722 * radiance.z;
+    const bool is_good = is_finite(sample.radiance);
+    not_finite_ += !is_good;
+    const double weight = double(sample.weight);
+    const Vec3d radiance = is_good ? Vec3d(sample.radiance) : Vec3d(0);
+    beauty_ += Vec4d(radiance, double(sample.alpha)) * weight;
+    if (is_finite(Vec3f(sample.albedo))) albedo_ += Vec4d(sample.albedo) * weight;
+    if (is_finite(sample.normal)) normal_ += Vec3d(sample.normal) * weight;
+    const double y = (0.2126 * radiance.x + 0.7152 * radiance.y + 0.0722 * radiance.z) * weight;
     luminance_ += y;
     luminance2_ += y * y;
+    weight_ += weight;
     ++count_;
-    const Vec2f off = place - Vec2f(0.5f);
-    const float distance = glm::dot(off, off);
+    const float distance = glm::dot(sample.offset, sample.offset);
     if (distance < nearest_) {
         nearest_ = distance;
         first_ = sample.first;
     }
 }
 
-Vec4f PixelSums::beauty() const noexcept { return count_ ? Vec4f(beauty_ / double(count_)) : Vec4f(0); }
-Vec4f PixelSums::albedo() const noexcept { return count_ ? Vec4f(albedo_ / double(count_)) : Vec4f(0); }
+// A few samples of a filter with negative lobes may weigh nothing or less: such a pixel stays black.
+Vec4f PixelSums::beauty() const noexcept { return weight_ > 0 ? Vec4f(beauty_ / weight_) : Vec4f(0); }
+Vec4f PixelSums::albedo() const noexcept { return weight_ > 0 ? Vec4f(albedo_ / weight_) : Vec4f(0); }
+Vec3f PixelSums::normal() const noexcept { return weight_ > 0 ? Vec3f(normal_ / weight_) : Vec3f(0); }
 
 float PixelSums::variance() const noexcept
 {
-    if (count_ < 2) return 0;
+    if (count_ < 2 || !(weight_ > 0)) return 0;
     const double n = count_;
-    return static_cast<float>(std::max(0.0, (luminance2_ - luminance_ * luminance_ / n) / (n - 1) / n));
+    const double of_mean = std::max(0.0, (luminance2_ - luminance_ * luminance_ / n) / (n - 1) / n);
+    return static_cast<float>(of_mean * (n / weight_) * (n / weight_));
+}
+
+float PixelSums::relative_error() const noexcept
+{
+    if (count_ < 2 || !(weight_ > 0)) return std::numeric_limits<float>::infinity();
+    return std::sqrt(variance()) / std::max(static_cast<float>(luminance_ / weight_), kDarkest);
 }
 
 Film::Film(const Settings& settings)
@@ -100,6 +114,8 @@ void Film::store(int x, int y, const PixelSums& sums) noexcept
     put(Aov::Position, pixel, &first.position.x, 3);
     put(Aov::Id, pixel, &first.id, 1);
     put(Aov::Variance, pixel, &variance, 1);
+    const Vec3f normal = sums.normal();
+    put(Aov::NormalMean, pixel, &normal.x, 3);
 }
 
 }  // namespace occam::render

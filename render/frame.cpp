@@ -19,12 +19,15 @@ using Clock = std::chrono::steady_clock;
 // Rays that start together: enough for a tracer's packets and streams, few enough that a cancelled frame stops soon.
 constexpr int kBatchRays = 4096;
 
-bool has_blending(const Scene& scene)
+// Error estimates of fewer samples say little.
+constexpr int kLeastSamples = 16;
+
+bool may_pass(const Scene& scene)
 {
     bool found = false;
     const auto look = [&](const std::vector<MaterialId>& ids) {
         for (MaterialId id : ids)
-            if (const Material* m = scene.find(id)) found |= m->alpha_mode == AlphaMode::Blend;
+            if (const Material* m = scene.find(id)) found |= shade::may_pass(*m);
     };
     scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
         look(node.materials);
@@ -65,14 +68,20 @@ public:
         const int spp = context_.settings.spp;
         const int step = std::clamp(kBatchRays / pixels, 1, spp);
         sums_.assign(static_cast<std::size_t>(pixels), {});
-        for (int first = 0; first < spp; first += step) {
+        for (int first = 0; first < spp;) {
             if (control.is_cancelled() || Clock::now() >= deadline_) return false;
-            trace(tile, first, std::min(first + step, spp));
+            const int last = std::min({first + step, next_check(first), spp});
+            trace(tile, first, last);
+            first = last;
+            if (last == next_check(last - 1) && is_good_enough()) break;
         }
         const auto start = Clock::now();
         std::size_t i = 0;
         for (int y = tile.y0; y < tile.y1; ++y)
-            for (int x = tile.x0; x < tile.x1; ++x) film.store(x, y, sums_[i++]);
+            for (int x = tile.x0; x < tile.x1; ++x) {
+                not_finite_ += static_cast<std::uint64_t>(sums_[i].not_finite());
+                film.store(x, y, sums_[i++]);
+            }
         film_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
         return true;
     }
@@ -81,8 +90,13 @@ public:
     {
         const accel::TraceCounters& t = tracer_.counters();
         const IntegratorCounters& c = integrator_.counters();
-        stats.rays.primary += c.primary;
-        stats.rays.shadow += c.shadow;
+        stats.rays.primary += c.rays.primary;
+        stats.rays.shadow += c.rays.shadow;
+        stats.rays.ao += c.rays.ao;
+        stats.rays.glossy += c.rays.glossy;
+        stats.rays.diffuse += c.rays.diffuse;
+        stats.image.samples += samples_made_;
+        stats.image.samples_not_finite += not_finite_;
         for (int l = 0; l < accel::TraceCounters::kLevels; ++l)
             if (t.micropolygons_of_level[l] > 0) stats.built.by_level[accel::TraceCounters::kFinestLevel + l] += t.micropolygons_of_level[l];
         stats.seconds.build += t.build_seconds;
@@ -102,6 +116,25 @@ public:
     }
 
 private:
+    // Samples a pixel at which its tile may end: powers of two. The points of so many are evenly laid out.
+    int next_check(int after) const noexcept
+    {
+        if (!(context_.settings.error > 0)) return context_.settings.spp;
+        int count = kLeastSamples;
+        while (count <= after) count *= 2;
+        return count;
+    }
+
+    // The root of the mean square over the tile: of a pixel alone, luck would decide.
+    bool is_good_enough() const noexcept
+    {
+        if (!(context_.settings.error > 0)) return false;
+        double sum = 0;
+        for (const PixelSums& pixel : sums_) sum += double(pixel.relative_error()) * double(pixel.relative_error());
+        const double most = double(context_.settings.error);
+        return sum <= most * most * double(sums_.size());
+    }
+
     // Pixel by pixel, a pixel's samples in order: neighbouring rays stay neighbours in the batch.
     void trace(const PixelRect& tile, int first, int last)
     {
@@ -114,18 +147,17 @@ private:
 
         const auto start = Clock::now();
         const auto per_pixel = static_cast<std::size_t>(last - first);
-        for (std::size_t i = 0; i < samples_.size(); ++i) {
-            const CameraSample& s = samples_[i];
-            sums_[i / per_pixel].add(results_[i], context_.sampler.in_pixel(s.x, s.y, s.index));
-        }
+        for (std::size_t i = 0; i < samples_.size(); ++i) sums_[i / per_pixel].add(results_[i]);
+        samples_made_ += samples_.size();
         film_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
     }
 
     const FrameContext& context_;
     accel::Tracer tracer_;
-    DirectIntegrator integrator_;
+    Integrator integrator_;
     Clock::time_point deadline_;
     double film_seconds_ = 0;
+    std::uint64_t samples_made_ = 0, not_finite_ = 0;
     std::vector<CameraSample> samples_;
     std::vector<SampleResult> results_;
     std::vector<PixelSums> sums_;
@@ -135,10 +167,11 @@ private:
 
 Image render_frame(const FrameInputs& in, FrameControl& control, FrameStats& stats)
 {
-    const CameraRays camera(in.camera, in.settings.width, in.settings.height);
+    const CameraRays camera(in.camera, in.settings.width, in.settings.height, in.settings.spp);
+    const PixelFilter filter(in.settings.filter, in.settings.filter_radius);
     const Sampler sampler(in.settings.seed, in.settings.spp, in.settings.jitter);
     const shade::FrameLights lights(in.scene, in.camera, in.textures);
-    FrameContext context{in.settings, camera, sampler, lights, in.textures, has_blending(in.scene)};
+    FrameContext context{in.settings, camera, sampler, filter, lights, in.textures, may_pass(in.scene)};
     set_depth_range(context, in.scene_bounds);
     lod::LevelSettings levels = camera.levels(in.settings.shading_rate);
     constexpr lod::LevelMode kModes[] = {lod::LevelMode::PerRay, lod::LevelMode::PerInstance, lod::LevelMode::Frozen};

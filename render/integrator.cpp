@@ -3,91 +3,111 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/shade_point.h"
 #include "render/views.h"
 
 namespace occam::render {
 namespace {
 
-// Less of a ray's light than this is not followed through blended surfaces.
-constexpr float kLeastShare = 1.0f / 1024;
-
 // A pixel is the mean of its samples: each of them filters textures over its own share of the pixel alone.
 float sample_width(int samples) noexcept { return 1 / std::sqrt(static_cast<float>(samples)); }
 
-shade::ShadePoint shade_point(const accel::Ray& ray, const accel::SurfaceHit& hit, float texture_width) noexcept
+// A path's name for its random numbers, new at each of its surfaces and for each branch there.
+std::uint32_t child_key(std::uint32_t key, std::uint32_t branch) noexcept
 {
-    shade::ShadePoint p;
-    p.position = hit.position;
-    p.to_eye = -ray.direction;
-    p.normal_geometric = hit.normal_geometric;
-    p.normal_shading = hit.normal_shading;
-    p.self_distance = hit.self_distance;
-    for (int set = 0; set < 2; ++set) {
-        p.uv[set] = hit.uv[set];
-        p.uv_width[set] = hit.uv_width[set] * texture_width;
-    }
-    p.color = hit.color;
-    p.material = hit.material;
-    return p;
+    return static_cast<std::uint32_t>(mix_bits((std::uint64_t(key) << 8) + branch + 1) >> 32);
 }
 
-// The rest of a ray behind a hit: the interval is open at its near end, and rounding of t must not find the hit again.
-accel::Ray behind(accel::Ray ray, float t) noexcept
-{
-    ray.t_near = t * (1 + 4 * std::numeric_limits<float>::epsilon());
-    return ray;
-}
+float mean(Vec3f c) noexcept { return (c.x + c.y + c.z) / 3; }
 
 }  // namespace
 
-DirectIntegrator::DirectIntegrator(const FrameContext& context)
-    : context_(context), texture_width_(sample_width(context.settings.spp))
+Integrator::Integrator(const FrameContext& context)
+    : context_(context),
+      texture_width_(sample_width(context.settings.spp)),
+      placed_tries_(1),
+      shadows_(context.textures, context.may_pass, texture_width_)
 {
+    const std::size_t lights = context.lights.lights().size();
+    if (lights > kMaxLightsPerHit) placed_tries_ = kMaxLightsPerHit / static_cast<float>(lights);
 }
 
-void DirectIntegrator::begin(std::span<const CameraSample> samples, std::span<SampleResult> results)
+void Integrator::begin(std::span<const CameraSample> samples, std::span<SampleResult> results)
 {
     paths_.clear();
     rays_.clear();
+    lit_.assign(samples.size(), Vec3f(0));
     for (std::size_t i = 0; i < samples.size(); ++i) {
         const CameraSample& s = samples[i];
-        const Vec2f place = context_.sampler.in_pixel(s.x, s.y, s.index);
-        paths_.push_back({static_cast<std::uint32_t>(i), 1});
-        rays_.push_back(context_.camera.ray(s.x + double(place.x), s.y + double(place.y)));
         results[i] = {};
+        const PixelFilter::Place place = context_.filter.place(context_.sampler.in_pixel(s.x, s.y, s.index));
+        results[i].offset = place.offset;
+        results[i].weight = place.weight;
+        const Vec2f lens = context_.camera.has_lens()
+                               ? context_.sampler.square(s.x, s.y, static_cast<std::uint32_t>(s.index), Dimension::lens())
+                               : Vec2f(0.5f);
+        Path path;
+        path.sample = static_cast<std::uint32_t>(i);
+        path.is_before_focus = context_.camera.has_lens();
+        paths_.push_back(path);
+        rays_.push_back(context_.camera.ray(s.x + 0.5 + double(place.offset.x), s.y + 0.5 + double(place.offset.y), lens));
     }
-    counters_.primary += samples.size();
+    counters_.rays.primary += samples.size();
 }
 
-std::size_t DirectIntegrator::shade_some(int layer, std::size_t first, std::span<const CameraSample> samples,
-                                         std::span<SampleResult> results)
+std::size_t Integrator::shade_some(std::size_t first, std::span<const CameraSample> samples, std::span<SampleResult> results)
 {
     const auto start = Clock::now();
-    shadow_paths_.clear();
-    shadow_rays_.clear();
+    shadows_.clear();
     std::size_t i = first;
-    for (; i < paths_.size() && shadow_rays_.size() < kShadowBatch; ++i)
-        shade_hit(layer, i, samples[paths_[i].sample], results[paths_[i].sample]);
+    for (; i < paths_.size() && shadows_.size() < kShadowBatch; ++i) {
+        const std::uint32_t sample = paths_[i].sample;
+        if (hits_[i].is_hit())
+            shade_hit(i, samples[sample], results[sample]);
+        else
+            shade_miss(i, results[sample]);
+    }
     counters_.shade_seconds += std::chrono::duration<double>(Clock::now() - start).count();
     return i;
 }
 
-void DirectIntegrator::shade_hit(int layer, std::size_t i, const CameraSample& sample, SampleResult& result)
+void Integrator::shade_miss(std::size_t i, SampleResult& result)
 {
+    const Path& path = paths_[i];
     const accel::Ray& ray = rays_[i];
-    const accel::SurfaceHit& hit = hits_[i];
-    const float share = paths_[i].share;
-    const bool is_view = context_.settings.view != View::Beauty;
-    if (!hit.is_hit()) {
-        if (!context_.settings.background || is_view) return;
-        result.radiance += share * context_.lights.environment().radiance(ray.direction);
-        result.alpha += share;
+    if (path.is_before_focus) {
+        Path next = path;
+        next.is_before_focus = false;
+        push(next, context_.camera.behind_focus(ray));
         return;
     }
+    if (!path.is_camera()) {
+        cross_lights(path, ray, std::numeric_limits<float>::infinity(), result);
+        const shade::Environment& sky = context_.lights.environment();
+        const float weight = tries_of(path.light_tries, path.scatter_tries, false).of_scatter(path.density, sky.density(ray.direction));
+        result.radiance += path.throughput * sky.radiance(ray.direction) * weight;
+        return;
+    }
+    if (!context_.settings.background || context_.settings.view != View::Beauty) return;
+    const bool is_ao = context_.settings.integrator == IntegratorKind::Ao;
+    result.radiance += path.throughput * (is_ao ? Vec3f(1) : context_.lights.environment().radiance(ray.direction));
+    result.alpha += path.coverage;
+}
 
-    const shade::Surface surface = shade::evaluate(shade_point(ray, hit, texture_width_), context_.textures);
-    const float opaque = share * surface.opacity;
-    if (opaque > 0 && result.alpha == 0) {
+void Integrator::cross_lights(const Path& path, const accel::Ray& ray, float t_far, SampleResult& result) const
+{
+    const shade::Tries tries = tries_of(path.light_tries, path.scatter_tries, true);
+    context_.lights.for_crossings(ray.origin, ray.direction, t_far,
+                                  [&](const shade::WorldLight&, const shade::LightCrossing& crossing) {
+                                      if (crossing.distance <= ray.t_near) return;
+                                      const float weight = tries.of_scatter(path.density, crossing.density);
+                                      result.radiance += path.throughput * crossing.radiance * weight;
+                                  });
+}
+
+void Integrator::record_first(const accel::SurfaceHit& hit, const shade::Surface& surface, float covered, SampleResult& result) const
+{
+    if (covered > 0 && result.alpha == 0) {
         result.first = {static_cast<float>(context_.camera.depth(hit.position)),
                         hit.normal_shading,
                         hit.normal_geometric,
@@ -95,117 +115,102 @@ void DirectIntegrator::shade_hit(int layer, std::size_t i, const CameraSample& s
                         Vec3f(hit.position),
                         static_cast<float>(hit.node.slot + 1)};
     }
-    result.alpha += opaque;
-    result.albedo += Vec4f(surface.base_color, 1) * opaque;
-    if (is_view) {
-        const float z = static_cast<float>(context_.camera.depth(hit.position));
-        result.radiance += opaque * view_color(context_.settings.view, hit, z, context_.depth_near, context_.depth_far);
-    } else if (surface.unlit) {
-        result.radiance += opaque * surface.base_color;
-    } else {
-        result.radiance += opaque * surface.emission;
-        if (opaque > 0) gather_light(layer, i, sample, surface, opaque);
+    result.alpha += covered;
+    result.albedo += Vec4f(surface.base_color, 1) * covered;
+    result.normal += surface.normal * covered;
+}
+
+void Integrator::add_emission(const Path& path, const accel::SurfaceHit& hit, const shade::Surface& surface, Vec3f share,
+                              SampleResult& result) const
+{
+    if (surface.emission == Vec3f(0)) return;
+    float weight = 1;
+    if (!path.is_camera()) {
+        const float per_area = context_.lights.meshes().area_density(hit.node, hit.material);
+        const float cosine = std::max(glm::dot(surface.normal_geometric, surface.to_eye), 1e-6f);
+        weight = tries_of(path.light_tries, path.scatter_tries, false).of_scatter(path.density, per_area * hit.t * hit.t / cosine);
     }
-
-    const float rest = share - opaque;
-    if (rest < kLeastShare) return;
-    next_paths_.push_back({paths_[i].sample, rest});
-    next_rays_.push_back(behind(ray, hit.t));
+    result.radiance += share * surface.emission * weight;
 }
 
-void DirectIntegrator::gather_light(int layer, std::size_t i, const CameraSample& sample, const shade::Surface& surface,
-                                    float share)
+void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResult& result)
 {
-    const auto& lights = context_.lights.lights();
-    const int light_count = static_cast<int>(lights.size());
-    const int slots = std::min(light_count, kMaxLightsPerHit);
-    const auto per_hit = static_cast<std::uint32_t>(context_.settings.light_samples);
-    const std::uint32_t count = per_hit * static_cast<std::uint32_t>(context_.sampler.samples());
-    const float each = share / static_cast<float>(per_hit);
+    const accel::Ray& ray = rays_[i];
+    const accel::SurfaceHit& hit = hits_[i];
+    Path path = paths_[i];
+    const Settings& settings = context_.settings;
+    if (path.absorption != Vec3f(0))
+        for (int c = 0; c < 3; ++c) path.throughput[c] *= maths::exp(-path.absorption[c] * (hit.t - ray.t_near));
+    // Only the last piece of a ray knows which lights lie before its end: those behind a surface that it passes come later.
+    if (!path.is_camera()) cross_lights(path, ray, hit.t, result);
 
-    const auto numbers = [&](int slot, std::uint32_t n) {
-        const std::uint32_t index = static_cast<std::uint32_t>(sample.index) * per_hit + n;
-        const Dimension d = Dimension::light(layer, slot);
-        return shade::LightNumbers{context_.sampler.square(sample.x, sample.y, index, count, d),
-                                   context_.sampler.interval(sample.x, sample.y, index, count, d.next(2))};
-    };
-    for (int slot = 0; slot < slots; ++slot)
-        for (std::uint32_t n = 0; n < per_hit; ++n) {
-            const shade::LightNumbers u = numbers(slot, n);
-            int light = slot;
-            if (light_count > slots) {
-                const float at = (static_cast<float>(slot) + u.choice) / static_cast<float>(slots);
-                light = std::min(static_cast<int>(at * static_cast<float>(light_count)), light_count - 1);
-            }
-            const float weight = each * static_cast<float>(light_count) / static_cast<float>(slots);
-            wait_for_shadow(i, shade::sample_light(surface, lights[std::size_t(light)], u), weight);
+    const shade::Surface surface = shade::evaluate(shade_point(ray, hit, texture_width_), context_.textures);
+    const float covered = path.coverage * surface.opacity;
+    if (path.is_camera()) record_first(hit, surface, covered, result);
+    const Vec3f share = path.throughput * surface.opacity;
+    Vec3f passes = surface.passes;
+    const Vertex v{path, ray, hit, sample, surface, share};
+
+    const Chances chance = chances(v);
+
+    if (settings.view != View::Beauty) {
+        const float z = static_cast<float>(context_.camera.depth(hit.position));
+        result.radiance += share * view_color(settings.view, hit, z, context_.depth_near, context_.depth_far);
+        passes = Vec3f(1 - surface.opacity);
+    } else if (surface.opacity > 0 && settings.integrator == IntegratorKind::Ao) {
+        gather_sky(v);
+        passes = Vec3f(1 - surface.opacity);
+    } else if (surface.unlit) {
+        result.radiance += share * surface.base_color;
+    } else if (surface.opacity > 0) {
+        add_emission(path, hit, surface, share, result);
+        if (!path.is_probe) {
+            gather_light(v);
+            if (chance.scatter > 0) scatter_on(v, chance.scatter);
         }
-    if (context_.lights.environment().is_black()) return;
-    for (std::uint32_t n = 0; n < per_hit; ++n)
-        wait_for_shadow(i, shade::sample_environment(surface, context_.lights.environment(), numbers(slots, n)), each);
+    }
+    if (chance.pass > 0) pass_straight(path, ray, hit.t, passes, path.coverage - covered, chance.pass);
 }
 
-void DirectIntegrator::wait_for_shadow(std::size_t i, const shade::ShadowTest& test, float share)
+Integrator::Chances Integrator::chances(const Vertex& v) const noexcept
 {
-    if (!(test.radiance.x > 0 || test.radiance.y > 0 || test.radiance.z > 0)) return;
-    accel::Ray ray;
-    ray.origin = test.origin;
-    ray.direction = test.direction;
-    ray.t_far = test.t_far;
-    // As wide as the beam that sees the point, and growing at least as fast.
-    const lod::Footprint& beam = rays_[i].footprint;
-    ray.footprint = {beam.at(hits_[i].t), beam.b};
-    shadow_rays_.push_back(ray);
-    shadow_paths_.push_back({paths_[i].sample, test.radiance * share, 1});
+    const bool passes = v.surface.passes != Vec3f(0), scatters = v.surface.opacity > 0 && !v.path.is_probe;
+    if (!passes || !scatters || v.path.is_camera()) return {passes ? 1.0f : 0.0f, scatters ? 1.0f : 0.0f};
+    const float pass = std::clamp(mean(v.surface.passes), 0.05f, 0.95f);
+    const bool is_passing = square(v, Dimension::at(v.path.key, Dimension::Use::Passing), 0, 1).x < pass;
+    return is_passing ? Chances{pass, 0} : Chances{0, 1 - pass};
 }
 
-void DirectIntegrator::extend()
+void Integrator::pass_straight(const Path& path, const accel::Ray& ray, float t, Vec3f passes, float coverage, float chance)
+{
+    Path next = path;
+    next.throughput *= passes / chance;
+    next.coverage = coverage;
+    next.key = child_key(path.key, 0);
+    ++next.passed;
+    if (next.passed >= kMaxBlendLayers || std::max({next.throughput.x, next.throughput.y, next.throughput.z}) < kLeastShare) return;
+    push(next, behind(ray, t));
+}
+
+void Integrator::push(const Path& path, const accel::Ray& ray)
+{
+    next_paths_.push_back(path);
+    next_rays_.push_back(ray);
+}
+
+void Integrator::extend()
 {
     paths_.swap(next_paths_);
     rays_.swap(next_rays_);
     next_paths_.clear();
     next_rays_.clear();
-}
-
-void DirectIntegrator::collect_blocked()
-{
-    blocked_.clear();
-    blocked_rays_.clear();
-    for (std::size_t i = 0; i < shadow_paths_.size(); ++i) {
-        if (!occluded_[i]) continue;
-        if (!context_.has_blending) {
-            shadow_paths_[i].passed = 0;
-            continue;
-        }
-        blocked_.push_back(static_cast<std::uint32_t>(i));
-        blocked_rays_.push_back(shadow_rays_[i]);
+    for (std::size_t i = 0; i < paths_.size(); ++i) {
+        const std::uint8_t kinds = rays_[i].kinds;
+        std::uint64_t& count = (kinds & accel::RayKind::Camera) != 0    ? counters_.rays.primary
+                               : (kinds & accel::RayKind::Diffuse) != 0 ? counters_.rays.diffuse
+                                                                        : counters_.rays.glossy;
+        ++count;
     }
-}
-
-void DirectIntegrator::pass_blocked()
-{
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < blocked_.size(); ++i) {
-        const accel::SurfaceHit& hit = blocked_hits_[i];
-        if (!hit.is_hit()) continue;
-        float& passed = shadow_paths_[blocked_[i]].passed;
-        passed *= 1 - shade::evaluate(shade_point(blocked_rays_[i], hit, texture_width_), context_.textures).opacity;
-        if (passed < kLeastShare) {
-            passed = 0;
-            continue;
-        }
-        blocked_rays_[kept] = behind(blocked_rays_[i], hit.t);
-        blocked_[kept++] = blocked_[i];
-    }
-    blocked_.resize(kept);
-    blocked_rays_.resize(kept);
-}
-
-void DirectIntegrator::add_light(std::span<SampleResult> results)
-{
-    // What is still on its way after the last layer counts as blocked.
-    for (const std::uint32_t i : blocked_) shadow_paths_[i].passed = 0;
-    for (const ShadowPath& p : shadow_paths_) results[p.sample].radiance += p.radiance * p.passed;
 }
 
 }  // namespace occam::render

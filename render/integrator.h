@@ -1,8 +1,12 @@
 // From camera samples to what they bring back: a wavefront over the samples of a tile. Shoot all, shade all, extend all.
 //
-// Direct light only. A surface that blends lets the rest of the ray through, and the ray is shot again from there, in order
-// of t. A sample's sums are made in an order that depends on the sample alone: layer by layer, light by light; so neither
-// the size of a batch nor the budget of a tracer can change them.
+// direct   light that comes straight from lights, seen also in mirrors and through clear glass
+// path     light of any number of bounces up to a limit; after a few, a path lives on by its worth (Russian roulette)
+// ao       how much of a white sky each point sees
+//
+// A surface that blends, masks or is clear glass lets light through, and the ray is shot again from there, in order of t. Camera
+// rays split in two at it; a scattered ray goes on by one of both at random. A sample's sums are made in an order that depends
+// on the sample alone: so neither the size of a batch nor the budget of a tracer can change them.
 //
 // Threads  one integrator a worker; the context is shared and const.
 #pragma once
@@ -14,8 +18,11 @@
 #include "accel/tracer.h"
 #include "render/camera_rays.h"
 #include "render/film.h"
+#include "render/filter.h"
+#include "render/path.h"
 #include "render/sampler.h"
 #include "render/settings.h"
+#include "render/shadow_queue.h"
 #include "shade/direct.h"
 
 namespace occam::render {
@@ -25,9 +32,10 @@ struct FrameContext {
     const Settings& settings;
     const CameraRays& camera;
     const Sampler& sampler;
+    const PixelFilter& filter;
     const shade::FrameLights& lights;
     const TextureStore& textures;
-    bool has_blending = false;            ///< some material of the scene lets light through
+    bool may_pass = false;                ///< some material of the scene lets light pass straight on
     float depth_near = 0, depth_far = 1;  ///< camera z of the scene, for View::Depth
 };
 
@@ -37,35 +45,40 @@ struct CameraSample {
 };
 
 struct IntegratorCounters {
-    std::uint64_t primary = 0, shadow = 0;
+    RayCounters rays;
     double trace_seconds = 0, shade_seconds = 0;
 };
 
-/// Surfaces that a ray may pass through before the rest of its light is dropped.
-inline constexpr int kMaxBlendLayers = 32;
 /// Lights tried at a hit. A scene with more has them sampled, one from each sixteenth of the list.
 inline constexpr int kMaxLightsPerHit = 16;
 /// Shadow rays that may wait before they are traced: bounds the memory of a batch.
 inline constexpr std::size_t kShadowBatch = 16384;
+/// GGX width of a lobe that `direct` follows as a mirror; wider ones show lights alone.
+inline constexpr float kMirrorAlpha = 0.01f;
+/// Bounces before a path's life is left to chance.
+inline constexpr int kCertainBounces = 3;
 
-class DirectIntegrator {
+class Integrator {
 public:
-    explicit DirectIntegrator(const FrameContext& context);
+    explicit Integrator(const FrameContext& context);
 
     /// results.size() == samples.size(). Tracer is accel::Tracer, or what a test puts in its place.
     template <class Tracer>
     void run(Tracer& tracer, std::span<const CameraSample> samples, std::span<SampleResult> results)
     {
         begin(samples, results);
-        for (int layer = 0; layer < kMaxBlendLayers && !paths_.empty(); ++layer) {
+        while (!paths_.empty()) {
             hits_.assign(rays_.size(), {});
             trace([&] { tracer.closest(rays_, hits_); });
             for (std::size_t done = 0; done < paths_.size();) {
-                done = shade_some(layer, done, samples, results);
-                trace_shadows(tracer, results);
+                done = shade_some(done, samples, results);
+                std::uint64_t shot = 0;
+                trace([&] { shot = shadows_.trace(tracer, lit_); });
+                (context_.settings.integrator == IntegratorKind::Ao ? counters_.rays.ao : counters_.rays.shadow) += shot;
             }
             extend();
         }
+        for (std::size_t i = 0; i < results.size(); ++i) results[i].radiance += lit_[i];
     }
 
     const IntegratorCounters& counters() const noexcept { return counters_; }
@@ -73,29 +86,46 @@ public:
 private:
     using Clock = std::chrono::steady_clock;
 
-    /// A sample that is still on its way, and the share of its light that is not yet accounted for.
-    struct Path {
-        std::uint32_t sample;
-        float share;
-    };
-    struct ShadowPath {
-        std::uint32_t sample;
-        Vec3f radiance;  ///< if nothing is in the way
-        float passed;    ///< share that gets through, once it is known
+    /// A hit that is being shaded.
+    struct Vertex {
+        const Path& path;
+        const accel::Ray& ray;
+        const accel::SurfaceHit& hit;
+        const CameraSample& sample;
+        const shade::Surface& surface;
+        Vec3f share;  ///< of what leaves the surface, this reaches the pixel
     };
 
     void begin(std::span<const CameraSample> samples, std::span<SampleResult> results);
     /// Shades hits from `first` on until enough shadow rays wait; returns the first that is not shaded yet.
-    std::size_t shade_some(int layer, std::size_t first, std::span<const CameraSample> samples,
-                           std::span<SampleResult> results);
-    void shade_hit(int layer, std::size_t i, const CameraSample& sample, SampleResult& result);
-    void gather_light(int layer, std::size_t i, const CameraSample& sample, const shade::Surface& surface, float share);
-    void wait_for_shadow(std::size_t i, const shade::ShadowTest& test, float share);
+    std::size_t shade_some(std::size_t first, std::span<const CameraSample> samples, std::span<SampleResult> results);
+    void shade_hit(std::size_t i, const CameraSample& sample, SampleResult& result);
+    void shade_miss(std::size_t i, SampleResult& result);
+    /// Adds the lights without a surface that a scattered ray crosses before `t_far`.
+    void cross_lights(const Path& path, const accel::Ray& ray, float t_far, SampleResult& result) const;
+    void add_emission(const Path& path, const accel::SurfaceHit& hit, const shade::Surface& surface, Vec3f share,
+                      SampleResult& result) const;
+    void record_first(const accel::SurfaceHit& hit, const shade::Surface& surface, float covered, SampleResult& result) const;
+
+    /// With which a ray goes on straight and scattered; one of them 0, and the ray of the other not shot.
+    struct Chances {
+        float pass, scatter;
+    };
+    Chances chances(const Vertex& v) const noexcept;
+    void gather_light(const Vertex& v);
+    void gather_sky(const Vertex& v);
+    void scatter_on(const Vertex& v, float chance);
+    /// A scattered direction that is followed no further: what lights lie along it?
+    void look_for_light(const Path& next, const accel::Ray& ray);
+    void test(const Vertex& v, const shade::ShadowTest& test, Vec3f share, int samples);
+    void pass_straight(const Path& path, const accel::Ray& ray, float t, Vec3f passes, float coverage, float chance);
+    void push(const Path& path, const accel::Ray& ray);
     void extend();
-    /// Of the shadow rays that met something, those that may pass it: their hits are to be found.
-    void collect_blocked();
-    void pass_blocked();
-    void add_light(std::span<SampleResult> results);
+
+    int light_samples_at(const Path& path) const noexcept;
+    shade::Tries tries_of(float light_tries, float scatter_tries, bool is_placed) const noexcept;
+    Vec2f square(const Vertex& v, Dimension d, int n, int of) const noexcept;
+    accel::Ray scattered_ray(const Vertex& v, const shade::ScatterSample& s, int samples) const noexcept;
 
     template <class Call>
     void trace(Call&& call)
@@ -105,36 +135,17 @@ private:
         counters_.trace_seconds += std::chrono::duration<double>(Clock::now() - start).count();
     }
 
-    template <class Tracer>
-    void trace_shadows(Tracer& tracer, std::span<SampleResult> results)
-    {
-        counters_.shadow += shadow_rays_.size();
-        occluded_.assign(shadow_rays_.size(), 0);
-        trace([&] { tracer.occluded(shadow_rays_, occluded_); });
-        collect_blocked();
-        for (int layer = 0; layer < kMaxBlendLayers && !blocked_rays_.empty(); ++layer) {
-            counters_.shadow += blocked_rays_.size();
-            blocked_hits_.assign(blocked_rays_.size(), {});
-            trace([&] { tracer.closest(blocked_rays_, blocked_hits_); });
-            pass_blocked();
-        }
-        add_light(results);
-    }
-
     const FrameContext& context_;
     float texture_width_;  ///< of a sample, in pixels
+    float placed_tries_;   ///< expected samples of one placed light for each round over the lights
     IntegratorCounters counters_;
 
     // Parallel arrays, kept from batch to batch for their memory.
     std::vector<Path> paths_, next_paths_;
     std::vector<accel::Ray> rays_, next_rays_;
     std::vector<accel::SurfaceHit> hits_;
-    std::vector<ShadowPath> shadow_paths_;
-    std::vector<accel::Ray> shadow_rays_;
-    std::vector<std::uint8_t> occluded_;
-    std::vector<std::uint32_t> blocked_;  ///< indices into shadow_paths_
-    std::vector<accel::Ray> blocked_rays_;
-    std::vector<accel::SurfaceHit> blocked_hits_;
+    std::vector<Vec3f> lit_;  ///< what shadow rays brought, one sum a sample
+    ShadowQueue shadows_;
 };
 
 }  // namespace occam::render

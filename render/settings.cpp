@@ -30,6 +30,7 @@ std::string_view aov_name(Aov aov) noexcept
         case Aov::Position: return "position";
         case Aov::Id: return "id";
         case Aov::Variance: return "variance";
+        case Aov::NormalMean: return "normal_mean";
     }
     return "";
 }
@@ -45,6 +46,16 @@ std::string_view view_name(View view) noexcept
         case View::Level: return "level";
         case View::Blend: return "blend";
         case View::Grid: return "grid";
+    }
+    return "";
+}
+
+std::string_view integrator_name(IntegratorKind kind) noexcept
+{
+    switch (kind) {
+        case IntegratorKind::Direct: return "direct";
+        case IntegratorKind::Ao: return "ao";
+        case IntegratorKind::Path: return "path";
     }
     return "";
 }
@@ -88,6 +99,10 @@ void check(const Settings& s)
     require(s.spp >= 1 && s.spp <= kMaxSamples, "spp", "from 1 to " + std::to_string(kMaxSamples));
     require(s.light_samples >= 1 && s.light_samples <= kMaxLightSamples, "light samples",
             "from 1 to " + std::to_string(kMaxLightSamples));
+    require(s.bounces >= 0 && s.bounces <= kMaxBounces, "bounces", "from 0 to " + std::to_string(kMaxBounces));
+    require(s.ao_distance >= 0 && std::isfinite(s.ao_distance), "ao distance", "world length, 0 or more");
+    require(s.filter_radius >= 0 && s.filter_radius <= 16, "filter radius", "from 0 to 16 pixels");
+    require(s.error >= 0 && s.error < 1, "error", "from 0 to less than 1");
     require(s.shading_rate >= 1.0f / 64 && s.shading_rate <= 1024, "shading rate", "from 1/64 to 1024 pixels");
     require(s.deadline_s >= 0 && std::isfinite(s.deadline_s), "deadline", "seconds, 0 or more");
 }

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "render/filter.h"
+
 namespace occam::render {
 
 /// Layers beside beauty, as bits of Settings::aovs. Names: aov_name().
@@ -16,10 +18,11 @@ enum class Aov : std::uint16_t {
     Uv = 16,              ///< first set, as in the file of glTF's axes: v runs downwards
     Position = 32,        ///< world
     Id = 64,              ///< a number for each node, from 1; 0 where nothing is hit
-    Variance = 128        ///< of the pixel's mean luminance, estimated from its samples
+    Variance = 128,       ///< of the pixel's mean luminance, estimated from its samples
+    NormalMean = 256      ///< mean over the pixel of the normal with its normal map: with albedo, what a denoiser wants
 };
 inline constexpr Aov kAllAovs[] = {Aov::Depth,    Aov::Normal, Aov::NormalGeometric, Aov::Albedo, Aov::Uv,
-                                   Aov::Position, Aov::Id,     Aov::Variance};
+                                   Aov::Position, Aov::Id,     Aov::Variance, Aov::NormalMean};
 std::string_view aov_name(Aov aov) noexcept;
 
 /// Debug pictures instead of light.
@@ -43,6 +46,10 @@ enum class Lod : unsigned char {
     Frozen  ///< of secondary rays: as wide all along as at their origin
 };
 
+/// Which light is followed; see render/integrator.h.
+enum class IntegratorKind : std::uint8_t { Direct, Ao, Path };
+std::string_view integrator_name(IntegratorKind kind) noexcept;
+
 struct Settings {
     int width = 1280, height = 720;  ///< of the whole frame, pixels
     /// Part of the frame that is made, each 0 to 1 from the top left.
@@ -50,7 +57,15 @@ struct Settings {
 
     int spp = 16;            ///< samples a pixel
     bool jitter = true;      ///< false: every sample goes through the middle of its pixel
-    int light_samples = 1;   ///< of each light at each hit
+    FilterKind filter = FilterKind::Box;
+    float filter_radius = 0;  ///< half the filter's width, pixels; 0: what suits it
+    /// Above 0: a tile of pixels is done before its `spp` samples once the estimated standard error of its pixels is below
+    /// this share of their brightness (see PixelSums::relative_error).
+    float error = 0;
+    IntegratorKind integrator = IntegratorKind::Direct;
+    int bounces = 8;         ///< most times that light is scattered on its way; `direct`: mirrors one behind the other
+    float ao_distance = 0;   ///< how far `ao` looks, world length; 0: to infinity
+    int light_samples = 1;   ///< of each light at each hit that the camera sees; of the sky in `ao`
     float shading_rate = 1;  ///< wanted micropolygon edge, pixels
     Lod lod = Lod::On;
     std::uint64_t seed = 0;
@@ -86,6 +101,7 @@ void check(const Settings& settings);
 inline constexpr int kMaxSide = 65536;
 inline constexpr int kMaxSamples = 65536;
 inline constexpr int kMaxLightSamples = 1024;
+inline constexpr int kMaxBounces = 128;
 inline constexpr std::int64_t kMaxPixels = std::int64_t(1) << 28;
 
 }  // namespace occam::render

@@ -37,6 +37,8 @@ struct FrameStats {
     struct Image {
         int width = 0, height = 0, spp = 0;
         std::uint64_t checksum = 0;
+        std::uint64_t samples = 0;             ///< in all; fewer than spp a pixel where Settings::error ended a tile
+        std::uint64_t samples_not_finite = 0;  ///< left out of the picture
     } image;
     Settings settings;
     int threads = 0;

@@ -1,4 +1,4 @@
-// A pinhole camera: where it is in the world, and its whole vertical angle.
+// A camera: where it is in the world, its whole vertical angle, and its lens if it is no pinhole.
 #pragma once
 
 #include "scenegraph/base/box.h"
@@ -11,6 +11,9 @@ struct CameraLens {
     float aspect = 0;        ///< width over height; 0: that of the image
     bool orthographic = false;
     float height = 2;        ///< whole height in world units, orthographic only
+    float radius = 0;        ///< of the thin lens, world units; 0: a pinhole, all is sharp
+    float focus = 0;         ///< camera z of what is sharp, world units; of a lens above 0
+    int blades = 0;          ///< corners of the lens's opening; fewer than 3: round
 };
 
 /// A camera as a frame needs it. World axes, unit world length.

@@ -46,6 +46,9 @@ struct Material {
     float ior = 1.5f;                ///< KHR_materials_ior
     float transmission = 0;          ///< KHR_materials_transmission
     TextureUse transmission_texture;
+    float thickness = 0;             ///< KHR_materials_volume: above 0 the surface bounds a body that bends light; its value is not read
+    Vec3f attenuation_color{1};      ///< of light that has gone attenuation_distance inside of that body
+    float attenuation_distance = 0;  ///< world length; 0: the body is clear
     float clearcoat = 0, clearcoat_roughness = 0;  ///< KHR_materials_clearcoat
     TextureUse clearcoat_texture, clearcoat_roughness_texture, clearcoat_normal_texture;
     float specular = 1;              ///< KHR_materials_specular

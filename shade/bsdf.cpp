@@ -2,165 +2,233 @@
 
 #include <algorithm>
 
-#include "shade/frame_of.h"
+#include "shade/fresnel.h"
+#include "shade/transmission.h"
 
 namespace occam::shade {
 namespace {
 
 float luminance(Vec3f c) noexcept { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
 
-float fifth_power(float x) noexcept
-{
-    const float x2 = x * x;
-    return x2 * x2 * x;
-}
-
-// Schlick 1994.
-float grazing(float v_dot_h) noexcept { return fifth_power(std::clamp(1 - v_dot_h, 0.0f, 1.0f)); }
-
-// Distribution of normals, Walter et al. 2007, eq. 33, isotropic. In sin^2 = 1 - cos^2 of the half vector's cross
-// product with the normal, since 1 - n_h^2 loses all digits of a narrow lobe.
-float ggx(float n_h, float sin2_h, float alpha) noexcept
-{
-    const float d = sin2_h + n_h * n_h * alpha * alpha;
-    return alpha * alpha / (kPi * d * d);
-}
-
-// Height-correlated masking and shadowing over 4 n_l n_v (Heitz 2014, eq. 99).
-float visibility(float n_l, float n_v, float alpha) noexcept
-{
-    const float a2 = alpha * alpha;
-    const float l = n_v * std::sqrt(n_l * n_l * (1 - a2) + a2);
-    const float v = n_l * std::sqrt(n_v * n_v * (1 - a2) + a2);
-    return 0.5f / std::max(l + v, 1e-12f);
-}
-
-// A shading normal may lean away from the eye; the cosine is then held just above zero.
-constexpr float kMinCosine = 1e-4f;
-
 struct Angles {
     float n_l, n_v, n_h, v_h, sin2_h;
 
-    Angles(const Surface& s, Vec3f to_light) noexcept
+    Angles(Vec3f normal, Vec3f to_eye, Vec3f to_light) noexcept
     {
-        const Vec3f half = s.to_eye + to_light;
+        const Vec3f half = to_eye + to_light;
         const float length = glm::length(half);
-        const Vec3f h = length > 0 ? half / length : s.normal;
-        const Vec3f across = glm::cross(s.normal, h);
-        n_l = glm::dot(s.normal, to_light);
-        n_v = std::max(glm::dot(s.normal, s.to_eye), kMinCosine);
-        n_h = glm::dot(s.normal, h);
-        v_h = glm::dot(s.to_eye, h);
+        const Vec3f h = length > 0 ? half / length : normal;
+        const Vec3f across = glm::cross(normal, h);
+        n_l = glm::dot(normal, to_light);
+        n_v = eye_cosine(normal, to_eye);
+        n_h = glm::dot(normal, h);
+        v_h = glm::dot(to_eye, h);
         sin2_h = glm::dot(across, across);
     }
 };
 
-// Share of the light that the dielectric layer lets down to the base and back up: what it reflects on the way in and on the
-// way out is gone, so that a white base under a smooth layer reflects exactly 1 (Kelemen and Szirmay-Kalos 2001, sec. 3).
-// A rough layer reflects little at grazing angles; there its curve ends below f90 (fitted).
-// Departs from glTF's appendix B, whose 1 - F of the half vector gains up to 70 % at grazing angles. Held by
-// Bsdf.AWhiteFurnaceNeverGainsLight.
-float into_base(const Surface& s, const Angles& a) noexcept
+// The mean of Schlick's curve, weighted with the cosine.
+Vec3f mean_fresnel(Vec3f f0, float f90) noexcept { return f0 + (Vec3f(f90) - f0) / 21.0f; }
+
+// What light of several bounces between microfacets is worth, where 1 is what single scattering lost (Kulla and Conty 2017;
+// the sum of the series F^2 E (1 + F (1 - E) + ...)).
+Vec3f multiple_share(Vec3f f0, float f90, float mean_albedo) noexcept
 {
-    const float f0 = s.dielectric_f0;
-    const float rise = std::max(0.0f, s.dielectric_f90 * (1 - 0.9f * s.alpha) - f0);
-    const auto let_through = [&](float cosine) { return 1 - f0 - rise * grazing(cosine); };
-    // Schlick's curve weighted with the cosine, over the hemisphere, is f0 + rise / 21.
-    const float mean = 1 - f0 - rise / 21;
-    return mean > 0 ? let_through(a.n_l) * let_through(a.n_v) / mean : 0;
+    const Vec3f f = mean_fresnel(f0, f90);
+    return f * f * mean_albedo / (Vec3f(1) - f * (1 - mean_albedo));
 }
 
-// How often each lobe is sampled: by what it reflects at this angle.
+// The layer over the base: a lobe for its multiple scattering, and how much of light it lets through to the base and back.
+struct Layer {
+    float alpha, mean;  // GGX width; albedo of a layer that reflects all, over all directions
+    Vec3f multiple;     // of the layer as it is
+    float f0, f90;      // of the dielectric over the base
+    float base_multiple, base_mean;
+    const AlbedoTable& table = AlbedoTable::instance();
+
+    explicit Layer(const Surface& s) noexcept
+        : alpha(s.alpha), f0(s.dielectric_f0), f90(s.dielectric_f90)
+    {
+        const LayerAlbedo all = table.mean(alpha);
+        mean = all.sum();
+        multiple = multiple_share(s.f0, s.f90, mean);
+        base_multiple = multiple_share(Vec3f(f0), f90, mean).x;
+        base_mean = f0 * all.f0 + f90 * all.f90 + base_multiple * (1 - mean);
+    }
+    // Share of a direction's light that gets below the dielectric.
+    float through(LayerAlbedo e) const noexcept
+    {
+        return std::max(0.0f, 1 - (f0 * e.f0 + f90 * e.f90 + base_multiple * (1 - e.sum())));
+    }
+    // The base's factor: reciprocal, and exact for a white base (Kelemen and Szirmay-Kalos 2001, sec. 3).
+    float into_base(LayerAlbedo eye, LayerAlbedo light) const noexcept
+    {
+        return base_mean < 1 ? through(eye) * through(light) / (1 - base_mean) : 0;
+    }
+    Vec3f multiple_lobe(LayerAlbedo eye, LayerAlbedo light) const noexcept
+    {
+        return mean < 1 ? multiple * std::max(0.0f, (1 - eye.sum()) * (1 - light.sum()) / ((1 - mean) * kPi)) : Vec3f(0);
+    }
+};
+
+// How often each lobe is sampled: by what it sends to this eye.
+// Of a body, `layer` is both what it mirrors and what it lets through.
 struct LobeShares {
-    float diffuse, base, coat;
+    float diffuse = 1, layer = 0, coat = 0, transmission = 0;
 
     explicit LobeShares(const Surface& s) noexcept
     {
-        const float n_v = std::max(glm::dot(s.normal, s.to_eye), kMinCosine);
-        const float g = grazing(n_v);
-        coat = s.coat * (0.04f + 0.96f * g);
-        base = (1 - coat) * (luminance(s.f0) * (1 - g) + s.f90 * g);
-        diffuse = (1 - coat) * luminance(s.diffuse);
-        const float sum = diffuse + base + coat;
+        const float n_v = eye_cosine(s.normal, s.to_eye);
+        coat = s.coat > 0 ? s.coat * coat_albedo(eye_cosine(s.coat_normal, s.to_eye), s.coat_alpha) : 0;
+        const float below = 1 - coat;
+        if (s.is_solid) {
+            const float f = fresnel_dielectric(n_v, s.eta);
+            layer = below * (f + (1 - f) * luminance(s.transmission));
+            diffuse = below * (1 - f) * luminance(s.diffuse);
+        } else {
+            const Layer over(s);
+            const LayerAlbedo e = over.table.at(n_v, s.alpha);
+            const float through = over.through(e);
+            layer = below * (luminance(s.f0) * e.f0 + s.f90 * e.f90);
+            transmission = below * through * luminance(s.transmission);
+            diffuse = below * (through * luminance(s.diffuse) + luminance(over.multiple) * std::max(0.0f, 1 - e.sum()));
+        }
+        const float sum = diffuse + layer + coat + transmission;
         if (!(sum > 0)) {
             *this = {};
             return;
         }
-        // None is starved: a texture's dark texel must not make its highlight noisy.
-        diffuse = luminance(s.diffuse) > 0 ? 0.05f + 0.9f * diffuse / sum : 0;
-        base = 0.05f + 0.9f * base / sum;
-        coat = s.coat > 0 ? 0.05f + 0.9f * coat / sum : 0;
-        const float scale = 1 / (diffuse + base + coat);
-        diffuse *= scale;
-        base *= scale;
-        coat *= scale;
+        diffuse /= sum;
+        layer /= sum;
+        coat /= sum;
+        transmission /= sum;
     }
 
 private:
-    LobeShares() noexcept : diffuse(1), base(0), coat(0) {}
+    LobeShares() noexcept = default;
 };
 
-// A normal among those that the eye sees (Heitz 2018, sec. 4: the unit hemisphere, stretched by alpha).
-Vec3f visible_normal(Vec3f eye, float alpha, Vec2f square) noexcept
+// Chiang et al. 2019, eq. 1 to 3: 1 where the normals agree, falling smoothly to 0 at the geometric horizon.
+float terminator(const Surface& s, float n_l, Vec3f to_light) noexcept
 {
-    const Vec3f stretched = glm::normalize(Vec3f(alpha * eye.x, alpha * eye.y, eye.z));
-    const float flat2 = stretched.x * stretched.x + stretched.y * stretched.y;
-    const Vec3f t1 = flat2 > 0 ? Vec3f(-stretched.y, stretched.x, 0) / std::sqrt(flat2) : Vec3f(1, 0, 0);
-    const Vec3f t2 = glm::cross(stretched, t1);
-    Vec2f p = disc_point(square);
-    const float s = 0.5f * (1 + stretched.z);
-    p.y = (1 - s) * std::sqrt(std::max(0.0f, 1 - p.x * p.x)) + s * p.y;
-    const float up = std::sqrt(std::max(0.0f, 1 - p.x * p.x - p.y * p.y));
-    const Vec3f h = t1 * p.x + t2 * p.y + stretched * up;
-    return glm::normalize(Vec3f(alpha * h.x, alpha * h.y, std::max(1e-6f, h.z)));
+    const float ratio = glm::dot(s.normal_geometric, to_light) / std::max(n_l * glm::dot(s.normal_geometric, s.normal), 1e-6f);
+    if (ratio >= 1) return 1;
+    if (!(ratio > 0)) return 0;
+    return ratio * (1 + ratio * (1 - ratio));
 }
 
-// Density of the direction mirrored at visible_normal(): G1 D / (4 n_v) (Heitz 2018, eq. 17).
-float visible_density(const Angles& a, float alpha) noexcept
+// Below the coat: f times the cosine, light on the eye's side.
+Vec3f reflected(const Surface& s, Vec3f to_light) noexcept
 {
-    if (!(a.n_h > 0)) return 0;
-    const float a2 = alpha * alpha;
-    const float masking = 2 / (a.n_v + std::sqrt(a2 + (1 - a2) * a.n_v * a.n_v));  // G1 / n_v
-    return masking * ggx(a.n_h, a.sin2_h, alpha) / 4;
+    const Angles a(s.normal, s.to_eye, to_light);
+    if (!(a.n_l > 0)) return Vec3f(0);
+    const float lobe = ggx_density(a.n_h, a.sin2_h, s.alpha) * ggx_visibility(a.n_l, a.n_v, s.alpha);
+    Vec3f f;
+    if (s.is_solid) {
+        const float through = (1 - fresnel_dielectric(a.n_v, s.eta)) * (1 - fresnel_dielectric(std::min(a.n_l, 1.0f), s.eta));
+        f = Vec3f(fresnel_dielectric(std::clamp(a.v_h, 0.0f, 1.0f), s.eta) * lobe) + s.diffuse * (through / kPi);
+    } else {
+        const Layer layer(s);
+        const LayerAlbedo eye = layer.table.at(a.n_v, s.alpha), light = layer.table.at(a.n_l, s.alpha);
+        const float g = schlick(a.v_h);
+        f = (s.f0 * (1 - g) + Vec3f(s.f90 * g)) * lobe + layer.multiple_lobe(eye, light) +
+            s.diffuse * (layer.into_base(eye, light) / kPi);
+    }
+    return f * (a.n_l * terminator(s, a.n_l, to_light));
+}
+
+// Below the coat: f times the cosine, light on the far side.
+Vec3f transmitted(const Surface& s, Vec3f to_light) noexcept
+{
+    return s.is_solid ? body_transmission(s, to_light) : pane_transmission(s, to_light);
+}
+
+Vec3f mirrored(Vec3f to_eye, Vec3f h) noexcept { return glm::normalize(h * (2 * glm::dot(to_eye, h)) - to_eye); }
+
+float lobe_density(Vec3f normal, Vec3f to_eye, Vec3f to_light, float alpha) noexcept
+{
+    const Angles a(normal, to_eye, to_light);
+    return visible_density_over_cosine(a.n_v, a.n_h, a.sin2_h, alpha) / 4;
+}
+
+float body_lobes_density(const Surface& s, Vec3f to_light) noexcept
+{
+    const Angles a(s.normal, s.to_eye, to_light);
+    if (a.n_l < 0) return body_density(s, to_light);
+    return mirror_chance(s, a.v_h) * visible_density_over_cosine(a.n_v, a.n_h, a.sin2_h, s.alpha) / 4;
+}
+
+float density_of(const Surface& s, const LobeShares& share, Vec3f to_light) noexcept
+{
+    float density = share.diffuse * std::max(glm::dot(s.normal, to_light), 0.0f) / kPi;
+    if (share.layer > 0) density += share.layer * (s.is_solid ? body_lobes_density(s, to_light) : lobe_density(s.normal, s.to_eye, to_light, s.alpha));
+    if (share.coat > 0) density += share.coat * lobe_density(s.coat_normal, s.to_eye, to_light, s.coat_alpha);
+    if (share.transmission > 0) density += share.transmission * pane_density(s, to_light);
+    return density;
+}
+
+Vec3f coated(const Surface& s, Vec3f below, Vec3f to_light) noexcept
+{
+    const Angles a(s.coat_normal, s.to_eye, to_light);
+    // What the coat takes, it takes once: the same for both directions, and never less than what it reflects.
+    const float taken =
+        s.coat * std::max(coat_albedo(a.n_v, s.coat_alpha), coat_albedo(std::min(std::fabs(a.n_l), 1.0f), s.coat_alpha));
+    below *= 1 - taken;
+    if (!(a.n_l > 0) || !(glm::dot(s.normal_geometric, to_light) > 0)) return below;
+    const float fresnel = kCoatF0 + (1 - kCoatF0) * schlick(a.v_h);
+    const float lobe = ggx_density(a.n_h, a.sin2_h, s.coat_alpha) * ggx_visibility(a.n_l, a.n_v, s.coat_alpha);
+    return below + Vec3f(s.coat * fresnel * lobe * a.n_l * terminator(s, a.n_l, to_light));
 }
 
 }  // namespace
 
-Vec3f reflect(const Surface& s, Vec3f to_light) noexcept
+Vec3f scatter(const Surface& s, Vec3f to_light) noexcept
 {
-    const Angles a(s, to_light);
-    if (!(a.n_l > 0) || !(glm::dot(s.normal_geometric, to_light) > 0)) return Vec3f(0);
-
-    const float g = grazing(a.v_h);
-    const Vec3f fresnel = s.f0 * (1 - g) + Vec3f(s.f90) * g;
-    Vec3f f =
-        s.diffuse * (into_base(s, a) / kPi) + fresnel * (ggx(a.n_h, a.sin2_h, s.alpha) * visibility(a.n_l, a.n_v, s.alpha));
-    if (s.coat > 0) {
-        const float coat = s.coat * (0.04f + 0.96f * g);  // KHR_materials_clearcoat: a dielectric of ior 1.5
-        f = f * (1 - coat) + Vec3f(coat * ggx(a.n_h, a.sin2_h, s.coat_alpha) * visibility(a.n_l, a.n_v, s.coat_alpha));
-    }
-    return f * a.n_l;
+    const float side = glm::dot(s.normal_geometric, to_light);
+    Vec3f f(0);
+    if (side > 0)
+        f = reflected(s, to_light);
+    else if (side < 0 && s.transmission != Vec3f(0))
+        f = transmitted(s, to_light);
+    return s.coat > 0 ? coated(s, f, to_light) : f;
 }
 
-Vec3f sample_direction(const Surface& s, float lobe, Vec2f square) noexcept
+float scatter_density(const Surface& s, Vec3f to_light) noexcept { return density_of(s, LobeShares(s), to_light); }
+
+ScatterSample sample_scatter(const Surface& s, float choice, Vec2f square) noexcept
 {
     const LobeShares share(s);
     const Axes axes(s.normal);
-    if (lobe < share.diffuse) return axes.to_world(cosine_direction(square));
-    const float alpha = lobe < share.diffuse + share.base ? s.alpha : s.coat_alpha;
-    Vec3f eye = axes.to_local(s.to_eye);
-    eye.z = std::max(eye.z, kMinCosine);
-    const Vec3f h = axes.to_world(visible_normal(glm::normalize(eye), std::max(alpha, kMinAlpha), square));
-    return glm::normalize(h * (2 * glm::dot(s.to_eye, h)) - s.to_eye);
-}
-
-float direction_density(const Surface& s, Vec3f to_light) noexcept
-{
-    const Angles a(s, to_light);
-    const LobeShares share(s);
-    float density = share.diffuse * std::max(a.n_l, 0.0f) / kPi + share.base * visible_density(a, s.alpha);
-    if (s.coat > 0) density += share.coat * visible_density(a, s.coat_alpha);
-    return density;
+    ScatterSample out;
+    if (choice < share.diffuse) {
+        out.direction = axes.to_world(cosine_direction(square));
+    } else if (choice < share.diffuse + share.layer) {
+        out.lobe = Lobe::Layer;
+        out.alpha = s.alpha;
+        const Vec3f h = seen_normal(axes, s.to_eye, s.alpha, square);
+        if (s.is_solid && (choice - share.diffuse) / share.layer >= mirror_chance(s, glm::dot(s.to_eye, h))) {
+            out.lobe = Lobe::Transmission;
+            out.direction = bent(s, h);
+        } else {
+            out.direction = mirrored(s.to_eye, h);
+        }
+        // A body's density tells its two lobes apart by their sides: what strays to the other's is lost.
+        const bool is_far = glm::dot(s.normal, out.direction) < 0;
+        if (s.is_solid && is_far != (out.lobe == Lobe::Transmission)) return {};
+    } else if (choice < share.diffuse + share.layer + share.coat || share.transmission == 0) {
+        out.lobe = Lobe::Coat;
+        out.alpha = s.coat_alpha;
+        out.direction = mirrored(s.to_eye, seen_normal(Axes(s.coat_normal), s.to_eye, s.coat_alpha, square));
+    } else {
+        out.lobe = Lobe::Transmission;
+        out.alpha = s.alpha;
+        out.direction = through_pane(s, seen_normal(axes, s.to_eye, s.alpha, square));
+    }
+    if (out.direction == Vec3f(0)) return out;
+    out.density = density_of(s, share, out.direction);
+    if (out.density > 0 && out.density < std::numeric_limits<float>::infinity())
+        out.weight = scatter(s, out.direction) / out.density;
+    return out;
 }
 
 }  // namespace occam::shade

@@ -1,34 +1,41 @@
 #include "shade/direct.h"
 
-#include <algorithm>
 #include <limits>
 
 namespace occam::shade {
+namespace {
 
-ShadowTest sample_light(const Surface& surface, const WorldLight& light, LightNumbers numbers) noexcept
+ShadowTest test_of(const Surface& surface, const LightSample& sample, Tries tries) noexcept
 {
-    const LightSample sample = light.sample(surface.origin, numbers);
     if (sample.radiance == Vec3f(0)) return {};
-    return {surface.origin, sample.direction, sample.distance, reflect(surface, sample.direction) * sample.radiance};
+    const Vec3f f = scatter(surface, sample.direction);
+    if (f == Vec3f(0)) return {};
+    const float weight = sample.density > 0 ? tries.of_light(sample.density, scatter_density(surface, sample.direction)) : 1;
+    return {surface.start(sample.direction), sample.direction, sample.distance, f * sample.radiance * weight, sample.density};
 }
 
-// Two ways to choose a direction are weighted by both densities (one-sample balance heuristic, Veach and Guibas
-// 1995, sec. 3).
-ShadowTest sample_environment(const Surface& surface, const Environment& environment, LightNumbers numbers) noexcept
+}  // namespace
+
+ShadowTest test_light(const Surface& surface, const WorldLight& light, LightNumbers numbers, Tries tries) noexcept
 {
-    const bool two_ways = environment.has_density();
-    Vec3f direction;
-    if (two_ways && numbers.choice < 0.5f) {
-        direction = environment.sample(numbers.square);
-    } else {
-        const float lobe = two_ways ? std::max(0.0f, numbers.choice * 2 - 1) : numbers.choice;
-        direction = sample_direction(surface, lobe, numbers.square);
-    }
-    float density = direction_density(surface, direction);
-    if (two_ways) density = 0.5f * (density + environment.density(direction));
-    if (!(density > 0)) return {};
-    return {surface.origin, direction, std::numeric_limits<float>::infinity(),
-            reflect(surface, direction) * environment.radiance(direction) / density};
+    return test_of(surface, light.sample(surface.position, numbers), tries);
+}
+
+ShadowTest test_meshes(const Surface& surface, const MeshLights& lights, LightNumbers numbers, Tries tries) noexcept
+{
+    return test_of(surface, lights.sample(surface.position, numbers), tries);
+}
+
+ShadowTest test_environment(const Surface& surface, const Environment& environment, LightNumbers numbers, Tries tries) noexcept
+{
+    if (!environment.has_density()) return {};
+    LightSample sample;
+    sample.direction = environment.sample(numbers.square);
+    sample.distance = std::numeric_limits<float>::infinity();
+    sample.density = environment.density(sample.direction);
+    if (!(sample.density > 0)) return {};
+    sample.radiance = environment.radiance(sample.direction) / sample.density;
+    return test_of(surface, sample, tries);
 }
 
 }  // namespace occam::shade

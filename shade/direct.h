@@ -1,8 +1,11 @@
-// Direct light at a point, one sample of one light at a time: what would arrive, and the ray that decides whether it does.
+// Direct light at a point: what would arrive from a light or along a scattered direction, and the ray that decides.
+//
+// Light is looked for in two ways, by drawing points of lights and by drawing directions from the surface's lobes; what both
+// can find is weighted by the expected numbers of samples of either (balance heuristic, Veach and Guibas 1995, eq. 9).
 #pragma once
 
 #include "shade/bsdf.h"
-#include "shade/lights.h"
+#include "shade/frame_lights.h"
 
 namespace occam::shade {
 
@@ -12,11 +15,33 @@ struct ShadowTest {
     Vec3f direction{0};
     float t_far = 0;
     Vec3f radiance{0};  ///< zero: nothing to trace
+    float density = 0;  ///< that the light is drawn with, per solid angle; 0: it has no extent
 };
 
-ShadowTest sample_light(const Surface& surface, const WorldLight& light, LightNumbers numbers) noexcept;
+/// How often either way is tried at a point, in expectation.
+struct Tries {
+    float lights = 1;   ///< samples of the light in question
+    float scatter = 1;  ///< directions drawn from the lobes
 
-/// One sample: by the environment's own brightness if it is an image, or by the surface's lobes.
-ShadowTest sample_environment(const Surface& surface, const Environment& environment, LightNumbers numbers) noexcept;
+    /// Weight of a sample that was drawn with `own` density and could have been drawn with `other`.
+    static float weight(float own_tries, float own, float other_tries, float other) noexcept
+    {
+        return own > 0 ? own_tries * own / (own_tries * own + other_tries * other) : 0;
+    }
+    float of_light(float light_density, float scatter_density) const noexcept
+    {
+        return light_density > 0 ? weight(lights, light_density, scatter, scatter_density) : 1;
+    }
+    float of_scatter(float scatter_density, float light_density) const noexcept
+    {
+        return weight(scatter, scatter_density, lights, light_density);
+    }
+};
+
+/// One sample each. Lights that scattered directions cannot meet get all of the weight.
+ShadowTest test_light(const Surface& surface, const WorldLight& light, LightNumbers numbers, Tries tries) noexcept;
+ShadowTest test_meshes(const Surface& surface, const MeshLights& lights, LightNumbers numbers, Tries tries) noexcept;
+/// Nothing for an environment without a density of its own: then scattered directions find all of it.
+ShadowTest test_environment(const Surface& surface, const Environment& environment, LightNumbers numbers, Tries tries) noexcept;
 
 }  // namespace occam::shade

@@ -8,7 +8,7 @@
 namespace occam::shade {
 namespace {
 
-constexpr int kColumns = 128, kRows = 64;
+constexpr int kColumns = 512, kRows = 256;
 
 // Index of the interval of rising `sums` that holds u, and u's place in it.
 struct Interval {
@@ -140,6 +140,7 @@ Vec3f Environment::sample(Vec2f square) const noexcept
 
 float Environment::density(Vec3f direction) const noexcept
 {
+    if (!has_density()) return 0;
     const Vec2f uv = uv_of(direction);
     const int row = std::clamp(int(uv.y * kRows), 0, kRows - 1);
     const int column = std::clamp(int(uv.x * kColumns), 0, kColumns - 1);

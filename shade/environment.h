@@ -1,6 +1,6 @@
 // Light from infinitely far, in every direction: a constant, an equirectangular image, or the sky of a bare model.
 //
-// Memory   a table of 128 x 64 luminances for an image. Borrows the texture store.
+// Memory   a table of 512 x 256 luminances for an image. Borrows the texture store.
 // Threads  const after construction.
 #pragma once
 
@@ -25,7 +25,7 @@ public:
     /// An image is sampled by its own brightness too; for the others the surface's lobes say enough.
     bool has_density() const noexcept { return kind_ == Kind::Image; }
     Vec3f sample(Vec2f square) const noexcept;
-    float density(Vec3f direction) const noexcept;  ///< of sample(), per solid angle
+    float density(Vec3f direction) const noexcept;  ///< of sample(), per solid angle; 0 without a density
 
 private:
     enum class Kind : unsigned char { None, Constant, Image, Sky };

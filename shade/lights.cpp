@@ -76,7 +76,7 @@ LightSample sample_point(const WorldLight& light, Vec3d point) noexcept
         const float share = distance2 / (light.range * light.range);
         fall *= std::clamp(1 - share * share, 0.0f, 1.0f);
     }
-    return {direction, distance, light.strength * fall};
+    return {direction, distance, light.strength * fall, 0};
 }
 
 LightSample sample_sun(const WorldLight& light, LightNumbers numbers) noexcept
@@ -87,7 +87,7 @@ LightSample sample_sun(const WorldLight& light, LightNumbers numbers) noexcept
         const Vec2f d = disc_point(numbers.square) * light.sun_spread;
         direction = glm::normalize(axes.to_world({d.x, d.y, 1}));
     }
-    return {direction, kInfinity, light.strength};
+    return {direction, kInfinity, light.strength, 0};
 }
 
 LightSample sample_flat(const WorldLight& light, Vec3d point, LightNumbers numbers) noexcept
@@ -100,7 +100,45 @@ LightSample sample_flat(const WorldLight& light, Vec3d point, LightNumbers numbe
     float cosine = -glm::dot(direction, light.direction);
     if (light.two_sided) cosine = std::fabs(cosine);
     if (!(cosine > 0)) return {};
-    return {direction, distance, light.strength * (light.area * cosine / distance2)};
+    return {direction, distance, light.strength * (light.area * cosine / distance2), distance2 / (light.area * cosine)};
+}
+
+LightCrossing cross_flat(const WorldLight& light, Vec3d origin, Vec3f direction) noexcept
+{
+    const float cosine = -glm::dot(direction, light.direction);
+    if (!(light.two_sided ? cosine != 0 : cosine > 0) || !(light.area > 0)) return {};
+    const Vec3f to_middle(light.position - origin);
+    const float distance = glm::dot(to_middle, light.direction) / -cosine;
+    if (!(distance > 0)) return {};
+    const Vec3f at = direction * distance - to_middle;
+    // Coordinates along the half sides, which may be sheared.
+    const float xx = glm::dot(light.half_x, light.half_x), yy = glm::dot(light.half_y, light.half_y),
+                xy = glm::dot(light.half_x, light.half_y), ax = glm::dot(at, light.half_x), ay = glm::dot(at, light.half_y);
+    const float determinant = xx * yy - xy * xy;
+    if (!(determinant > 0)) return {};
+    const float u = (ax * yy - ay * xy) / determinant, v = (ay * xx - ax * xy) / determinant;
+    const bool is_inside = light.kind == WorldLight::Kind::Disc ? u * u + v * v <= 1 : std::fabs(u) <= 1 && std::fabs(v) <= 1;
+    if (!is_inside) return {};
+    return {distance, light.strength, distance * distance / (light.area * std::fabs(cosine))};
+}
+
+// 1 - cos of the cone that a sphere fills, without the cancellation that a small one would meet; 0 inside of it.
+float cone_height(float radius, float distance2) noexcept
+{
+    const float sin2 = radius * radius / distance2;
+    return sin2 < 1 ? sin2 / (1 + std::sqrt(1 - sin2)) : 0;
+}
+
+LightCrossing cross_sphere(const WorldLight& light, Vec3d origin, Vec3f direction) noexcept
+{
+    const Vec3f to_centre(light.position - origin);
+    const float height = cone_height(light.radius, glm::dot(to_centre, to_centre));
+    if (!(height > 0)) return {};
+    const float along = glm::dot(to_centre, direction);
+    const Vec3f across = to_centre - direction * along;
+    const float inside2 = light.radius * light.radius - glm::dot(across, across);
+    if (!(inside2 >= 0) || !(along > 0)) return {};
+    return {along - std::sqrt(inside2), light.strength, 1 / (2 * kPi * height)};
 }
 
 // Uniform in the cone that the sphere fills.
@@ -108,11 +146,8 @@ LightSample sample_sphere(const WorldLight& light, Vec3d point, LightNumbers num
 {
     const Vec3f to_centre(light.position - point);
     const float distance2 = glm::dot(to_centre, to_centre);
-    const float sin2 = light.radius * light.radius / distance2;
-    if (!(sin2 < 1)) return {};
-    const float cos_most = std::sqrt(1 - sin2);
-    // 1 - cos without the cancellation that a small sphere would meet.
-    const float one_minus_cos_most = sin2 / (1 + cos_most);
+    const float one_minus_cos_most = cone_height(light.radius, distance2);
+    if (!(one_minus_cos_most > 0)) return {};
     const Vec2f d = disc_point(numbers.square);
     const float one_minus_cos = (d.x * d.x + d.y * d.y) * one_minus_cos_most;
     const float cosine = 1 - one_minus_cos;
@@ -123,18 +158,8 @@ LightSample sample_sphere(const WorldLight& light, Vec3d point, LightNumbers num
     const Vec3f direction = glm::normalize(axes.to_world({d.x * stretch, d.y * stretch, cosine}));
     const float sin2_ray = one_minus_cos * (2 - one_minus_cos);
     const float inside = std::sqrt(std::max(0.0f, light.radius * light.radius - distance2 * sin2_ray));
-    return {direction, distance * cosine - inside, light.strength * (2 * kPi * one_minus_cos_most)};
-}
-
-// From over the camera's left shoulder; wide enough for soft shadows.
-WorldLight key_light(const Camera& camera)
-{
-    WorldLight key;
-    key.kind = WorldLight::Kind::Sun;
-    key.direction = unit_or(transform_vector(camera.world_from_camera, Vec3d(0.5, -0.8, -0.6)), {0, -1, 0});
-    key.strength = Vec3f(1.6f, 1.5f, 1.35f);
-    key.sun_spread = 0.05f;
-    return key;
+    return {direction, distance * cosine - inside, light.strength * (2 * kPi * one_minus_cos_most),
+            1 / (2 * kPi * one_minus_cos_most)};
 }
 
 }  // namespace
@@ -167,21 +192,16 @@ LightSample WorldLight::sample(Vec3d point, LightNumbers numbers) const noexcept
     return {};
 }
 
-FrameLights::FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures)
-    : environment_(scene.environment, textures)
+LightCrossing WorldLight::crossing(Vec3d origin, Vec3f toward) const noexcept
 {
-    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d& world_from_node) {
-        if (const Light* light = scene.find(node.light)) lights_.push_back(WorldLight::place(*light, world_from_node));
-    });
-    if (lights_.empty() && environment_.is_black()) {
-        lights_.push_back(key_light(camera));
-        environment_ = Environment::sky();
+    switch (kind) {
+        case Kind::Point:
+        case Kind::Sun: break;
+        case Kind::Rectangle:
+        case Kind::Disc: return cross_flat(*this, origin, toward);
+        case Kind::Sphere: return cross_sphere(*this, origin, toward);
     }
-}
-
-FrameLights::FrameLights(std::vector<WorldLight> lights, Environment environment)
-    : lights_(std::move(lights)), environment_(std::move(environment))
-{
+    return {};
 }
 
 }  // namespace occam::shade

@@ -1,16 +1,13 @@
-// The lights of one frame, gathered from the scene graph into world axes, and how each is sampled.
+// A light of the scene graph in world axes, and how it is sampled.
 //
-// Area lights emit but are not seen by camera rays: they have no surface in the scene. A scene without any light gets a
-// soft key light from over the camera's shoulder and a sky.
+// Area lights have no surface in the scene: they are not seen by camera rays, but mirrors show them.
 //
 // Space    world; positions double, directions float.
 // Threads  const after construction.
 #pragma once
 
-#include <vector>
-
-#include "scenegraph/scene.h"
-#include "shade/environment.h"
+#include "scenegraph/base/vec.h"
+#include "scenegraph/light.h"
 
 namespace occam::shade {
 
@@ -25,6 +22,14 @@ struct LightSample {
     Vec3f direction{0};  ///< unit, towards the light
     float distance = 0;  ///< infinity for parallel light
     Vec3f radiance{0};   ///< incoming, divided by the sample's density per solid angle; zero: nothing arrives
+    float density = 0;   ///< per solid angle; 0: the light has no extent, and no scattered ray can meet it
+};
+
+/// Where a ray meets a light that has no surface in the scene.
+struct LightCrossing {
+    float distance = 0;
+    Vec3f radiance{0};  ///< zero: the ray does not meet it, or from behind
+    float density = 0;  ///< that WorldLight::sample() has for this direction
 };
 
 /// A light in world axes. Which fields are read depends on `kind`.
@@ -45,20 +50,9 @@ struct WorldLight {
     /// Light is placed by its node; `light` as the scene describes it.
     static WorldLight place(const Light& light, const Mat4d& world_from_node);
     LightSample sample(Vec3d point, LightNumbers numbers) const noexcept;
-};
-
-class FrameLights {
-public:
-    /// Textures must be prepared. `camera` places the key light of a scene that has none.
-    FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures);
-    FrameLights(std::vector<WorldLight> lights, Environment environment);
-
-    const std::vector<WorldLight>& lights() const noexcept { return lights_; }
-    const Environment& environment() const noexcept { return environment_; }
-
-private:
-    std::vector<WorldLight> lights_;
-    Environment environment_;
+    LightCrossing crossing(Vec3d origin, Vec3f direction) const noexcept;
+    /// Rays can meet it: it has an area.
+    bool has_area() const noexcept { return kind == Kind::Rectangle || kind == Kind::Disc || kind == Kind::Sphere; }
 };
 
 }  // namespace occam::shade

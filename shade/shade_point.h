@@ -11,7 +11,10 @@ struct ShadePoint {
     Vec3f to_eye{0, 0, 1};            ///< unit, towards the ray's origin
     Vec3f normal_geometric{0, 0, 1};  ///< unit, on the side of to_eye
     Vec3f normal_shading{0, 0, 1};    ///< unit, on the side of normal_geometric
+    bool back_side = false;           ///< the eye is behind the face: its outward normal is -normal_geometric
     float self_distance = 0;          ///< a secondary ray starts this far along normal_geometric
+    Vec3f tangent{0};                 ///< unit, across the normal, where u of the normal map grows; zero: no normal map
+    float tangent_sign = 1;           ///< of cross(outward normal, tangent), where v falls
     Vec2f uv[2]{};
     float uv_width[2]{};                 ///< of the ray's footprint, in units of uv
     Vec4f color{1};                      ///< vertex colour, linear

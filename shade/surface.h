@@ -1,36 +1,60 @@
 // A material's parameters at one point, textures looked up and factors applied: all that the BSDF reads.
+//
+// glTF 2.0 metallic-roughness with KHR_materials_ior, _specular, _clearcoat, _transmission, _volume, _emissive_strength and
+// _unlit. Where it leaves them: both sides of every face are seen (as path tracers do; double_sided decides nothing), and
+// occlusion maps are not read, since shadow rays find what they stand for.
 #pragma once
 
 #include "scenegraph/texture/texture_store.h"
+#include "shade/microfacet.h"
 #include "shade/shade_point.h"
 
 namespace occam::shade {
 
 /// Colours are linear Rec.709; vectors are unit, world axes.
 struct Surface {
-    Vec3d origin{0};  ///< where secondary rays start: the point, moved off its own surface
+    Vec3d position{0};
+    float self_distance = 0;
     Vec3f to_eye{0, 0, 1};
-    Vec3f normal_geometric{0, 0, 1};
-    Vec3f normal{0, 0, 1};  ///< of shading
+    Vec3f normal_geometric{0, 0, 1};  ///< on the side of to_eye
+    Vec3f normal{0, 0, 1};            ///< of shading, with the normal map
+    Vec3f coat_normal{0, 0, 1};       ///< the coat lies smoothly over the normal map, or has one of its own
 
     Vec3f base_color{0};  ///< factor, texture and vertex colour
-    float opacity = 1;    ///< 1 unless the material blends
-    Vec3f emission{0};
-    bool unlit = false;  ///< base_color is the radiance; nothing else counts
+    float opacity = 1;    ///< share that is there at all; below 1 where the material blends, 0 or 1 where it masks
+    Vec3f passes{0};      ///< share of light that goes straight on: what is not there, and smooth thin glass
+    Vec3f emission{0};    ///< towards the eye, the coat's share taken off
+    bool unlit = false;   ///< base_color is the radiance; nothing else counts
 
-    Vec3f diffuse{0};  ///< base_color times what is not metal
+    Vec3f diffuse{0};  ///< base_color times what is neither metal nor glass
     Vec3f f0{0.04f};   ///< reflectance at normal incidence, dielectric and metal mixed
     float f90 = 1;     ///< at grazing incidence
     float dielectric_f0 = 0.04f,
-          dielectric_f90 = 1;  ///< of the dielectric alone: what it reflects does not reach the diffuse base
+          dielectric_f90 = 1;  ///< of the dielectric alone: what it reflects does not reach the base below it
     float alpha = 0.36f;       ///< GGX width, roughness squared
     float coat = 0;            ///< share of the clear coat
-    float coat_alpha = 0;
+    float coat_alpha = kMinAlpha;
+
+    Vec3f transmission{0};      ///< tint of what a rough thin pane, or a solid body, lets through; zero: nothing
+    bool is_solid = false;      ///< light is bent (KHR_materials_volume); else the surface is a thin pane
+    float eta = 1;              ///< solid: refractive index behind the surface over that on the eye's side
+    Vec3f absorption_inside{0}; ///< solid: per world length inside of the body (Beer-Lambert)
+
+    /// Where a ray in that direction starts: off the surface, to the side that it leaves by.
+    Vec3d start(Vec3f direction) const noexcept
+    {
+        const float side = glm::dot(normal_geometric, direction) < 0 ? -self_distance : self_distance;
+        return position + Vec3d(normal_geometric) * double(side);
+    }
 };
 
-/// Narrowest GGX lobe: a mirror is drawn as a lobe of this width, so that no density is infinite.
-inline constexpr float kMinAlpha = 1e-3f;
-
+/// `point.material` is never null; textures must be prepared.
 Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept;
+
+/// Share of light that goes straight on at the point: evaluate().passes, without the rest.
+Vec3f passes_straight(const ShadePoint& point, const TextureStore& textures) noexcept;
+
+/// True if some point of the material may let light pass straight on.
+bool may_pass(const Material& material) noexcept;
 
 }  // namespace occam::shade

@@ -31,6 +31,8 @@ struct RenderArguments : SceneArguments {
     std::optional<LookAt> look_at;
     Vec3d up{0, 1, 0};
     float fov_deg = 0;  ///< 0: the camera's own, or 39.6
+    float lens_radius = 0, focus = 0;  ///< 0: the camera's own
+    int blades = 0;
     WriteOptions write;
     ProgressStyle progress = ProgressStyle::Auto;
     bool quiet = false, verbose = false;

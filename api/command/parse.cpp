@@ -98,13 +98,19 @@ void add_picture(CLI::App& app, RenderArguments& a)
     add_count(app, "--spp", s.spp, render::kMaxSamples, "Samples a pixel [16]");
     add_switch(app, "--jitter", s.jitter, "off: every sample through the middle of its pixel [on]");
     add_count(app, "--light-samples", s.light_samples, render::kMaxLightSamples, "Of each light at each hit [1]");
+    std::map<std::string, FilterKind> filters;
+    for (FilterKind kind : render::kAllFilters) filters.emplace(render::filter_name(kind), kind);
+    add_choice<FilterKind>(app, "--filter", s.filter, filters, "Reconstruction filter [box]");
+    add_number(app, "--filter-radius", "Half its width, pixels [what suits it]", [&](double v) { s.filter_radius = float(v); });
+    add_number(app, "--error", "End a tile of pixels below this estimated relative error; --spp is then the most",
+               [&](double v) { s.error = float(v); });
     add_number(app, "--shading-rate", "Wanted micropolygon edge, pixels [1]", [&](double v) { s.shading_rate = float(v); });
     add_choice<render::Lod>(app, "--lod", s.lod, {{"on", render::Lod::On}, {"off", render::Lod::Off}, {"frozen", render::Lod::Frozen}},
                             "Level of detail: each ray's own; one a cage; secondary rays as at their origin [on]");
     app.add_option("--seed", s.seed, "Of the random numbers [0]")->type_name("N");
     add_number(app, "--deadline", "Stop after so many seconds with what is done", [&](double v) { s.deadline_s = v; });
     add_switch(app, "--background", s.background, "Sky or environment behind the scene; off: transparent [on]");
-    add_value(app, "--aov", "EXR layers: depth, normal, normal_geometric, albedo, uv, position, id, variance", "A,B,...",
+    add_value(app, "--aov", "EXR layers: depth, normal, normal_geometric, albedo, uv, position, id, variance, normal_mean", "A,B,...",
               [&](const std::string& t) {
                   for (std::string_view word : words_of(t)) {
                       const unsigned before = s.aovs;
@@ -116,7 +122,14 @@ void add_picture(CLI::App& app, RenderArguments& a)
     std::map<std::string, View> views;
     for (View view : render::kAllViews) views.emplace(render::view_name(view), view);
     add_choice<View>(app, "--view", s.view, views, "A debug picture instead of light");
-    add_only(app, "--integrator", "direct", "Light that is followed");
+    std::map<std::string, IntegratorKind> integrators;
+    for (IntegratorKind kind : {IntegratorKind::Direct, IntegratorKind::Ao, IntegratorKind::Path})
+        integrators.emplace(render::integrator_name(kind), kind);
+    add_choice<IntegratorKind>(app, "--integrator", s.integrator, integrators, "Light that is followed [direct]");
+    app.add_option("--bounces", s.bounces, "Most times that light is scattered; direct: mirrors in a row [8]")
+        ->check(CLI::Range(0, render::kMaxBounces))
+        ->type_name("N");
+    add_number(app, "--ao-distance", "How far ao looks, world length [to infinity]", [&](double v) { s.ao_distance = float(v); });
     add_only(app, "--shade", "hit", "Where materials are looked up");
 }
 
@@ -137,6 +150,17 @@ void add_camera(CLI::App& app, RenderArguments& a)
         if (!(v > 0 && v < 180)) throw std::invalid_argument("expected more than 0 and less than 180 degrees");
         a.fov_deg = float(v);
     });
+    CLI::Option* lens = add_number(app, "--lens", "Radius of a thin lens, world length [a pinhole]", [&](double v) {
+        if (!(v > 0)) throw std::invalid_argument("expected a length above 0");
+        a.lens_radius = float(v);
+    });
+    CLI::Option* focus = add_number(app, "--focus", "How far what is sharp lies along the view, world length", [&](double v) {
+        if (!(v > 0)) throw std::invalid_argument("expected a length above 0");
+        a.focus = float(v);
+    });
+    lens->needs(focus);
+    focus->needs(lens);
+    app.add_option("--blades", a.blades, "Corners of the lens's opening [0: round]")->check(CLI::Range(0, 64))->type_name("N");
 }
 
 void add_output(CLI::App& app, RenderArguments& a)

@@ -46,6 +46,11 @@ Camera choose_camera(Scene& scene, const RenderArguments& a)
         camera.lens.fov = a.fov_deg * kRadians;
         camera.lens.orthographic = false;
     }
+    if (a.lens_radius > 0) {
+        camera.lens.radius = a.lens_radius;
+        camera.lens.focus = a.focus;
+        camera.lens.blades = a.blades;
+    }
     return camera;
 }
 

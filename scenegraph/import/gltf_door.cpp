@@ -23,7 +23,7 @@ constexpr std::array kExtensions = {
     "KHR_lights_punctual", "KHR_materials_clearcoat", "KHR_materials_emissive_strength",
     "KHR_materials_ior",   "KHR_materials_specular",  "KHR_materials_transmission",
     "KHR_materials_unlit", "KHR_mesh_quantization",   "KHR_texture_transform",
-    "FB_ngon_encoding",
+    "FB_ngon_encoding",    "KHR_materials_volume",
 };
 
 void check_nesting(std::string_view text, const Report& report)

@@ -192,6 +192,11 @@ void MaterialImporter::add_extensions(const tinygltf::ExtensionMap& extensions, 
     out.transmission = number(transmission, "transmissionFactor", 0);
     out.transmission_texture = map(transmission, "transmissionTexture");
 
+    const tinygltf::Value& volume = extension(extensions, "KHR_materials_volume");
+    out.thickness = number(volume, "thicknessFactor", 0);
+    out.attenuation_color = vector<Vec3f>(volume, "attenuationColor").value_or(Vec3f(1));
+    out.attenuation_distance = number(volume, "attenuationDistance", 0);
+
     const tinygltf::Value& clearcoat = extension(extensions, "KHR_materials_clearcoat");
     out.clearcoat = number(clearcoat, "clearcoatFactor", 0);
     out.clearcoat_roughness = number(clearcoat, "clearcoatRoughnessFactor", 0);

@@ -19,12 +19,19 @@ SampleResult grey(float value, float depth)
     return s;
 }
 
+// `place` from the pixel's top left corner.
+SampleResult at(SampleResult sample, Vec2f place)
+{
+    sample.offset = place - Vec2f(0.5f);
+    return sample;
+}
+
 TEST(Film, APixelIsTheMeanOfItsSamples)
 {
     PixelSums sums;
-    sums.add(grey(1, 4), {0.9f, 0.9f});
-    sums.add(grey(2, 5), {0.6f, 0.5f});
-    sums.add(SampleResult{}, {0.1f, 0.1f});
+    sums.add(at(grey(1, 4), {0.9f, 0.9f}));
+    sums.add(at(grey(2, 5), {0.6f, 0.5f}));
+    sums.add(at(SampleResult{}, {0.1f, 0.1f}));
     EXPECT_EQ(sums.beauty(), Vec4f(1, 1, 1, 2.0f / 3));
     EXPECT_EQ(sums.albedo(), Vec4f(1.0f / 3, 0.5f / 3, 0, 2.0f / 3));
 }
@@ -32,9 +39,9 @@ TEST(Film, APixelIsTheMeanOfItsSamples)
 TEST(Film, DepthIsThatOfTheSampleNearestTheMiddle)
 {
     PixelSums sums;
-    sums.add(grey(1, 4), {0.9f, 0.9f});
-    sums.add(grey(2, 5), {0.6f, 0.5f});
-    sums.add(SampleResult{}, {0.1f, 0.1f});
+    sums.add(at(grey(1, 4), {0.9f, 0.9f}));
+    sums.add(at(grey(2, 5), {0.6f, 0.5f}));
+    sums.add(at(SampleResult{}, {0.1f, 0.1f}));
     EXPECT_EQ(sums.first().depth, 5);
 }
 
@@ -42,7 +49,7 @@ TEST(Film, DepthIsThatOfTheSampleNearestTheMiddle)
 TEST(Film, VarianceIsThatOfTheMean)
 {
     PixelSums sums;
-    for (float value : {1.0f, 2.0f, 3.0f, 6.0f}) sums.add(grey(value, 1), {0.5f, 0.5f});
+    for (float value : {1.0f, 2.0f, 3.0f, 6.0f}) sums.add(at(grey(value, 1), {0.5f, 0.5f}));
     EXPECT_NEAR(sums.variance(), 14.0 / 12, 1e-6);
     EXPECT_EQ(PixelSums().variance(), 0);
 }
@@ -50,10 +57,36 @@ TEST(Film, VarianceIsThatOfTheMean)
 TEST(Film, ARadianceThatIsNotFiniteCountsAsBlack)
 {
     PixelSums sums;
-    sums.add(grey(NAN, 1), {0.5f, 0.5f});
-    sums.add(grey(INFINITY, 1), {0.5f, 0.5f});
-    sums.add(grey(3, 1), {0.5f, 0.5f});
+    sums.add(at(grey(NAN, 1), {0.5f, 0.5f}));
+    sums.add(at(grey(INFINITY, 1), {0.5f, 0.5f}));
+    sums.add(at(grey(3, 1), {0.5f, 0.5f}));
     EXPECT_EQ(sums.beauty(), Vec4f(1, 1, 1, 1));
+    EXPECT_EQ(sums.not_finite(), 2) << "and is counted";
+}
+
+TEST(Film, WeightsOfAFilterMayBeNegative)
+{
+    PixelSums sums;
+    for (int i = 0; i < 4; ++i) {
+        SampleResult s = grey(i == 3 ? 6.0f : 2.0f, 1);
+        s.weight = i == 3 ? -1.0f : 1.0f;
+        sums.add(s);
+    }
+    EXPECT_EQ(sums.beauty(), Vec4f(0, 0, 0, 1)) << "(2 + 2 + 2 - 6) / (3 - 1)";
+    PixelSums nothing;
+    SampleResult lost = grey(1, 1);
+    lost.weight = -1;
+    nothing.add(lost);
+    EXPECT_EQ(nothing.beauty(), Vec4f(0));
+}
+
+// Four samples 1, 2, 3, 6 have a mean of 3 and a standard error of sqrt(14 / 12).
+TEST(Film, TheRelativeErrorIsTheStandardErrorOverTheMean)
+{
+    PixelSums sums;
+    for (float value : {1.0f, 2.0f, 3.0f, 6.0f}) sums.add(grey(value, 1));
+    EXPECT_NEAR(sums.relative_error(), std::sqrt(14.0 / 12) / 3, 1e-6);
+    EXPECT_TRUE(std::isinf(PixelSums().relative_error()));
 }
 
 TEST(Film, StoresInsideTheCropAndKeepsLayersInOrder)
@@ -65,7 +98,7 @@ TEST(Film, StoresInsideTheCropAndKeepsLayersInOrder)
     settings.aovs = unsigned(Aov::Albedo) | unsigned(Aov::Depth);
     Film film(settings);
     PixelSums sums;
-    sums.add(grey(1, 7), {0.5f, 0.5f});
+    sums.add(at(grey(1, 7), {0.5f, 0.5f}));
     film.store(5, 3, sums);
     const Image image = std::move(film).take();
     EXPECT_EQ(image.width, 4);

@@ -68,7 +68,7 @@ struct Stage {
     CameraRays camera{Camera::look_at({0, 5, 0}, {0, 0, 0}, {0, 0, -1}, 0.5f), 8, 8};
     std::vector<shade::WorldLight> lights{sun_from_above(3.14159265f)};
     shade::Environment environment;
-    bool has_blending = true;
+    bool may_pass = true;
     PlaneTracer tracer;
 
     Stage()
@@ -81,8 +81,9 @@ struct Stage {
     {
         const Sampler sampler(settings.seed, settings.spp, settings.jitter);
         const shade::FrameLights frame_lights(lights, environment);
-        const FrameContext context{settings, camera, sampler, frame_lights, textures, has_blending};
-        DirectIntegrator integrator(context);
+        const PixelFilter filter(settings.filter);
+        const FrameContext context{settings, camera, sampler, filter, frame_lights, textures, may_pass};
+        Integrator integrator(context);
         std::vector<SampleResult> results(samples.size());
         integrator.run(tracer, samples, results);
         counters = integrator.counters();
@@ -103,8 +104,8 @@ TEST(Integrator, ALitPlaneReflectsItsAlbedo)
     EXPECT_NEAR(r.first.depth, 5, 1e-5);
     EXPECT_EQ(r.first.normal_geometric, Vec3f(0, 1, 0));
     EXPECT_EQ(r.first.id, 8);
-    EXPECT_EQ(stage.counters.primary, 1u);
-    EXPECT_EQ(stage.counters.shadow, 1u);
+    EXPECT_EQ(stage.counters.rays.primary, 1u);
+    EXPECT_EQ(stage.counters.rays.shadow, 1u);
 }
 
 TEST(Integrator, WhatStandsInTheLightCastsAShadow)
@@ -166,7 +167,7 @@ TEST(Integrator, ManyLightsAreSampledWithoutBias)
     stage.tracer.planes = {{0, &grey}};
     stage.lights.assign(100, sun_from_above(3.14159265f / 100));
     EXPECT_NEAR(stage.one().radiance.x, 0.5f, 1e-4f);
-    EXPECT_EQ(stage.counters.shadow, std::uint64_t(kMaxLightsPerHit));
+    EXPECT_EQ(stage.counters.rays.shadow, std::uint64_t(kMaxLightsPerHit));
 }
 
 TEST(Integrator, ABatchDoesNotChangeASample)
@@ -188,7 +189,7 @@ TEST(Integrator, ABatchDoesNotChangeASample)
     std::vector<CameraSample> samples;
     for (int i = 0; i < 8 * 8 * 4 * 16; ++i) samples.push_back({i / 4 % 8, i / 32 % 8, i % 4});
     const auto all = stage.run(samples);
-    EXPECT_GT(stage.counters.shadow, kShadowBatch) << "one batch is traced in parts";
+    EXPECT_GT(stage.counters.rays.shadow, kShadowBatch) << "one batch is traced in parts";
     for (std::size_t i = 0; i < samples.size(); i += 97) {
         const auto alone = stage.run({samples[i]});
         EXPECT_EQ(all[i].radiance, alone[0].radiance) << i;
@@ -203,7 +204,7 @@ TEST(Integrator, ViewsReplaceLight)
     stage.tracer.planes = {{0, &grey}};
     stage.settings.view = View::Normal;
     EXPECT_EQ(stage.one().radiance, Vec3f(0.5f, 1, 0.5f));
-    EXPECT_EQ(stage.counters.shadow, 0u);
+    EXPECT_EQ(stage.counters.rays.shadow, 0u);
 }
 
 }  // namespace

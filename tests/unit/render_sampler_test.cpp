@@ -5,55 +5,38 @@
 #include <set>
 #include <vector>
 
+#include "render/aperture.h"
+#include "render/filter.h"
+#include "tests/support/statistics.h"
+
 namespace occam::render {
 namespace {
 
-TEST(Sampler, APermutationTakesEveryPlaceOnce)
-{
-    for (std::uint32_t count : {1u, 2u, 3u, 7u, 16u, 100u, 1024u, 1025u})
-        for (std::uint64_t key : {0ull, 1ull, 0x123456789abcdefull, ~0ull}) {
-            std::set<std::uint32_t> places;
-            for (std::uint32_t i = 0; i < count; ++i) places.insert(permute(i, count, mix_bits(key)));
-            EXPECT_EQ(places.size(), count) << "count " << count << " key " << key;
-            EXPECT_EQ(*places.rbegin(), count - 1);
-        }
-}
+constexpr Dimension kLight = {77};
 
-TEST(Sampler, EveryCellOfAPixelHoldsOneSample)
-{
-    const Sampler sampler(7, 16, true);
-    for (int x = 0; x < 20; ++x) {
-        std::set<int> cells;
-        for (int s = 0; s < 16; ++s) {
-            const Vec2f p = sampler.in_pixel(x, 3, s);
-            ASSERT_TRUE(p.x >= 0 && p.x < 1 && p.y >= 0 && p.y < 1);
-            cells.insert(int(p.x * 4) + 4 * int(p.y * 4));
-        }
-        EXPECT_EQ(cells.size(), 16u);
-    }
-}
-
-TEST(Sampler, CountsThatAreNoSquareShareNoCell)
-{
-    const Sampler sampler(7, 7, true);  // a grid of 3 x 3
-    std::set<int> cells;
-    for (std::uint32_t i = 0; i < 7; ++i) {
-        const Vec2f p = sampler.square(1, 2, i, 7, Dimension::light(0, 0));
-        cells.insert(int(p.x * 3) + 3 * int(p.y * 3));
-    }
-    EXPECT_EQ(cells.size(), 7u);
-}
-
-TEST(Sampler, EveryStratumOfAnIntervalHoldsOneNumber)
+// Elementary intervals of area 2^-m: every shape of 2^a x 2^(m - a) cells holds one of each aligned 2^m points.
+TEST(Sampler, EveryElementaryIntervalHoldsOnePointOfEachAlignedBlock)
 {
     const Sampler sampler(7, 1, true);
-    std::set<int> strata;
-    for (std::uint32_t i = 0; i < 100; ++i) {
-        const float u = sampler.interval(5, 6, i, 100, Dimension::light(1, 2));
-        ASSERT_TRUE(u >= 0 && u < 1);
-        strata.insert(int(double(u) * 100));
-    }
-    EXPECT_GE(strata.size(), 99u);  // a number on the border of two may round into the next
+    for (int pixel = 0; pixel < 5; ++pixel)
+        for (const int m : {2, 4, 5, 8})
+            for (const std::uint32_t block : {0u, 1u, 6u})
+                for (int a = 0; a <= m; ++a) {
+                    std::set<int> cells;
+                    for (std::uint32_t i = block << m; i < (block + 1) << m; ++i) {
+                        const Vec2f p = sampler.square(pixel, 3, i, kLight);
+                        ASSERT_TRUE(p.x >= 0 && p.x < 1 && p.y >= 0 && p.y < 1);
+                        cells.insert(int(p.x * float(1 << a)) + (int(p.y * float(1 << (m - a))) << a));
+                    }
+                    EXPECT_EQ(cells.size(), std::size_t(1) << m) << "2^" << m << " points in columns 2^" << a;
+                }
+}
+
+TEST(Sampler, ScramblingKeepsTheOrderOfBitsAndIsABijection)
+{
+    std::set<std::uint32_t> seen;
+    for (std::uint32_t i = 0; i < 4096; ++i) seen.insert(owen_scramble(i << 20, 0x1234567u) >> 20);
+    EXPECT_EQ(seen.size(), 4096u) << "of the first twelve bits";
 }
 
 TEST(Sampler, WithoutJitterEverySampleIsTheMiddle)
@@ -62,33 +45,104 @@ TEST(Sampler, WithoutJitterEverySampleIsTheMiddle)
     for (int s = 0; s < 16; ++s) EXPECT_EQ(sampler.in_pixel(3, 4, s), Vec2f(0.5f));
 }
 
-TEST(Sampler, NumbersDependOnSeedPixelAndDimension)
+TEST(Sampler, NumbersDependOnSeedPixelDimensionAndIndex)
 {
-    const auto u = [](std::uint64_t seed, int x, int y, int light) {
-        return Sampler(seed, 1, true).interval(x, y, 0, 1, Dimension::light(0, light));
+    const auto u = [](std::uint64_t seed, int x, int y, std::uint32_t index, std::uint32_t slot) {
+        return Sampler(seed, 1, true).interval(x, y, index, Dimension::at(5, Dimension::Use::Light, slot));
     };
-    EXPECT_EQ(u(1, 2, 3, 4), u(1, 2, 3, 4));
-    EXPECT_NE(u(1, 2, 3, 4), u(2, 2, 3, 4));
-    EXPECT_NE(u(1, 2, 3, 4), u(1, 3, 2, 4));
-    EXPECT_NE(u(1, 2, 3, 4), u(1, 2, 3, 5));
+    EXPECT_EQ(u(1, 2, 3, 0, 4), u(1, 2, 3, 0, 4));
+    EXPECT_NE(u(1, 2, 3, 0, 4), u(2, 2, 3, 0, 4));
+    EXPECT_NE(u(1, 2, 3, 0, 4), u(1, 3, 2, 0, 4));
+    EXPECT_NE(u(1, 2, 3, 0, 4), u(1, 2, 3, 1, 4));
+    EXPECT_NE(u(1, 2, 3, 0, 4), u(1, 2, 3, 0, 5));
 }
 
-// Chi-square of pairs (pixel x, light u) over 8 x 8 cells, 63 degrees of freedom: 113.5 is passed once in 10,000 (the seed
-// is fixed, so it is not passed at all or always).
+// Pairs (one dimension, another) over 8 x 8 cells, of one sample in many pixels and of many samples in one pixel.
 TEST(Sampler, TwoDimensionsAreNotCorrelated)
 {
-    std::vector<int> cells(64);
     const Sampler sampler(1, 16, true);
-    int n = 0;
-    for (int y = 0; y < 64; ++y)
-        for (int x = 0; x < 64; ++x, ++n) {
-            const float a = sampler.in_pixel(x, y, 5).x;
-            const float b = sampler.interval(x, y, 5, 16, Dimension::light(0, 0));
+    const std::vector<double> wanted(64, 64.0);
+    for (const bool along_samples : {false, true}) {
+        std::vector<double> cells(64);
+        for (int i = 0; i < 4096; ++i) {
+            const int x = along_samples ? 9 : i % 64, y = along_samples ? 9 : i / 64;
+            const auto index = static_cast<std::uint32_t>(along_samples ? i : 5);
+            const float a = sampler.square(x, y, index, Dimension::pixel()).x, b = sampler.square(x, y, index, kLight).y;
             ++cells[std::size_t(int(a * 8) + 8 * int(b * 8))];
         }
-    double chi2 = 0;
-    for (int c : cells) chi2 += (c - n / 64.0) * (c - n / 64.0) / (n / 64.0);
-    EXPECT_LT(chi2, 113.5);
+        EXPECT_LT(test::chi_square_excess(cells, wanted), 4.5) << along_samples;
+    }
+}
+
+// Samples times weights make the filter: moments against the filter's own, by sums over a fine grid.
+TEST(Filter, SamplesFollowTheFilter)
+{
+    for (const FilterKind kind : kAllFilters) {
+        const PixelFilter filter(kind);
+        const float r = filter.radius();
+        double sum = 0, absolute = 0, square = 0;
+        for (int i = 0; i < 20000; ++i) {
+            const float x = (2 * (float(i) + 0.5f) / 20000 - 1) * r;
+            sum += double(filter.value(x));
+            absolute += double(std::fabs(filter.value(x)));
+            square += double(x * x * filter.value(x));
+        }
+        const Sampler sampler(3, 1, true);
+        double weights = 0, drawn = 0;
+        constexpr int kCount = 1 << 14;
+        for (std::uint32_t i = 0; i < kCount; ++i) {
+            const PixelFilter::Place p = filter.place(sampler.square(0, 0, i, kLight));
+            EXPECT_LE(std::fabs(p.offset.x), r);
+            weights += double(p.weight);
+            drawn += double(p.weight * p.offset.x * p.offset.x);
+        }
+        // Of a product of two equal filters: the weights' mean is the square of one axis's share.
+        EXPECT_NEAR(weights / kCount, (sum / absolute) * (sum / absolute), 5e-3) << filter_name(kind);
+        EXPECT_NEAR(drawn / weights, square / sum, 5e-3 * std::max(1.0, square / sum)) << filter_name(kind);
+    }
+}
+
+TEST(Filter, TheMiddleOfTheSquareIsTheMiddleOfThePixel)
+{
+    for (const FilterKind kind : kAllFilters) {
+        const PixelFilter::Place p = PixelFilter(kind).place(Vec2f(0.5f));
+        EXPECT_NEAR(p.offset.x, 0, 1e-5f) << filter_name(kind);
+        EXPECT_EQ(p.weight, 1) << filter_name(kind);
+    }
+}
+
+// Of a regular polygon, and of a disc: shares of a grid's cells that lie in it, by points of a finer grid.
+TEST(Aperture, PointsAreUniformInTheOpening)
+{
+    constexpr int kCells = 10, kFine = 40;
+    constexpr double kTau = 6.283185307179586;
+    for (const int blades : {0, 3, 5, 6, 8}) {
+        const auto is_inside = [&](double x, double y) {
+            if (blades < 3) return x * x + y * y <= 1;
+            for (int b = 0; b < blades; ++b) {
+                const double middle = (b + 0.5) * kTau / blades;
+                if (x * std::cos(middle) + y * std::sin(middle) > std::cos(kTau / blades / 2)) return false;
+            }
+            return true;
+        };
+        std::vector<double> found(kCells * kCells), wanted(kCells * kCells);
+        test::Numbers numbers(4);
+        constexpr int kCount = 40'000;
+        double inside = 0;
+        for (int j = 0; j < kCells * kFine; ++j)
+            for (int i = 0; i < kCells * kFine; ++i) {
+                const double x = (i + 0.5) / (kCells * kFine) * 2 - 1, y = (j + 0.5) / (kCells * kFine) * 2 - 1;
+                if (!is_inside(x, y)) continue;
+                wanted[std::size_t(j / kFine * kCells + i / kFine)] += 1;
+                inside += 1;
+            }
+        for (double& w : wanted) w *= kCount / inside;
+        for (int i = 0; i < kCount; ++i) {
+            const Vec2f p = aperture_point(numbers.square(), blades);
+            ++found[std::size_t(std::min(kCells - 1, int((p.y + 1) / 2 * kCells)) * kCells + std::min(kCells - 1, int((p.x + 1) / 2 * kCells)))];
+        }
+        EXPECT_LT(test::chi_square_excess(found, wanted), 4.5) << blades;
+    }
 }
 
 }  // namespace

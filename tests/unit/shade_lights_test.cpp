@@ -8,6 +8,7 @@
 #include "render/sampler.h"
 #include "shade/direct.h"
 #include "shade/frame_of.h"
+#include "tests/support/statistics.h"
 
 namespace occam::shade {
 namespace {
@@ -22,7 +23,7 @@ double irradiance(const WorldLight& light, Vec3d point, Vec3f normal, int n = 12
     const auto count = static_cast<std::uint32_t>(n * n);
     double sum = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
-        const LightSample s = light.sample(point, {sampler.square(0, 0, i, count, render::Dimension::pixel()), 0.5f});
+        const LightSample s = light.sample(point, {sampler.square(0, 0, i, render::Dimension::pixel()), 0.5f});
         sum += double(s.radiance.x) * double(std::max(0.0f, glm::dot(normal, s.direction)));
     }
     return sum / (n * n);
@@ -87,7 +88,7 @@ TEST(Lights, ASamplesDistanceEndsOnTheSphere)
     const WorldLight light = WorldLight::place(area(AreaLight::Shape::Sphere, {2, 2}, 1), above(3));
     const render::Sampler sampler(5, 1, true);
     for (std::uint32_t i = 0; i < 64; ++i) {
-        const LightSample s = light.sample({0.5, 0, 0}, {sampler.square(0, 0, i, 64, render::Dimension::pixel()), 0.5f});
+        const LightSample s = light.sample({0.5, 0, 0}, {sampler.square(0, 0, i, render::Dimension::pixel()), 0.5f});
         const Vec3d p = Vec3d(0.5, 0, 0) + Vec3d(s.direction) * double(s.distance);
         EXPECT_NEAR(glm::length(p - Vec3d(0, 0, 3)), 1, 1e-5);
     }
@@ -149,6 +150,31 @@ TEST(Lights, ASunIsParallelAndInfinitelyFar)
     EXPECT_EQ(s.radiance, Vec3f(5));
 }
 
+// Chi-square of sampled directions, and a ray that follows one finds the same light at the same place, as often.
+TEST(Lights, SampledDirectionsFollowTheDensityThatCrossingRaysAreTold)
+{
+    const WorldLight lights[] = {WorldLight::place(area(AreaLight::Shape::Rectangle, {2, 3}, 1), above(1.5)),
+                                 WorldLight::place(area(AreaLight::Shape::Disc, {2, 3}, 1), above(1.5)),
+                                 WorldLight::place(area(AreaLight::Shape::Sphere, {2, 2}, 1), above(1.5)),
+                                 WorldLight::place(area(AreaLight::Shape::Rectangle, {2, 3}, 1, true), above(-1.5))};
+    const Vec3d point(0.4, -0.3, 0.1);
+    for (const WorldLight& light : lights) {
+        EXPECT_LT(test::direction_excess(
+                      60'000, 24, [&](test::Numbers& n) { return light.sample(point, {n.square(), 0}).direction; },
+                      [&](Vec3f d) { return light.crossing(point, d).density; }),
+                  4.5)
+            << int(light.kind);
+        test::Numbers numbers(2);
+        for (int i = 0; i < 100; ++i) {
+            const LightSample s = light.sample(point, {numbers.square() * 0.98f + 0.01f, 0});
+            const LightCrossing c = light.crossing(point, s.direction);
+            EXPECT_NEAR(c.distance, s.distance, 2e-4f * s.distance) << int(light.kind);
+            EXPECT_NEAR(c.density, s.density, 1e-3f * s.density) << int(light.kind);
+            EXPECT_NEAR(s.radiance.x * s.density, c.radiance.x, 1e-5f) << int(light.kind);
+        }
+    }
+}
+
 TEST(Lights, ASceneWithoutLightGetsAKeyLightAndASky)
 {
     Scene scene;
@@ -165,28 +191,6 @@ TEST(Lights, ASceneWithoutLightGetsAKeyLightAndASky)
     const FrameLights lit(scene, camera, textures);
     EXPECT_EQ(lit.lights().size(), 1u);
     EXPECT_TRUE(lit.environment().is_black());
-}
-
-// A Lambertian plane under a uniform sky of radiance L reflects albedo * L.
-TEST(Environment, AUniformSkyGivesTheAlbedo)
-{
-    occam::Environment description;
-    description.radiance = Vec3f(2);
-    const TextureStore textures(1 << 20);
-    const Environment sky(description, textures);
-    Surface s;
-    s.diffuse = Vec3f(0.5f);
-    s.f0 = Vec3f(0);
-    s.f90 = s.dielectric_f0 = s.dielectric_f90 = 0;
-    const render::Sampler sampler(5, 1, true);
-    double sum = 0;
-    constexpr std::uint32_t kCount = 4096;
-    for (std::uint32_t i = 0; i < kCount; ++i) {
-        const LightNumbers u{sampler.square(0, 0, i, kCount, render::Dimension::pixel()),
-                             sampler.interval(0, 0, i, kCount, render::Dimension::light(0, 0))};
-        sum += double(sample_environment(s, sky, u).radiance.x);
-    }
-    EXPECT_NEAR(sum / kCount, 1, 0.01);
 }
 
 // A sky of one bright patch: the image's own sampling, the surface's lobes and a plain sum over the image's texels agree.
@@ -219,21 +223,44 @@ TEST(Environment, AnImageIsSampledByItsBrightness)
             const double theta = (row + 0.5) / kFine * kPiD, phi = (column + 0.5) / kFine * kPiD;
             const Vec3f d(float(std::sin(theta) * std::cos(phi)), float(std::cos(theta)),
                           float(std::sin(theta) * std::sin(phi)));
-            exact += double(sky.radiance(d).x * reflect(s, d).x) * std::sin(theta) * (kPiD / kFine) * (kPiD / kFine);
+            exact += double(sky.radiance(d).x * scatter(s, d).x) * std::sin(theta) * (kPiD / kFine) * (kPiD / kFine);
         }
-    const render::Sampler sampler(5, 1, true);
-    double sum = 0, squares = 0;
-    constexpr std::uint32_t kCount = 20000;
-    for (std::uint32_t i = 0; i < kCount; ++i) {
-        const LightNumbers u{sampler.square(0, 0, i, kCount, render::Dimension::pixel()),
-                             sampler.interval(0, 0, i, kCount, render::Dimension::light(0, 0))};
-        const double value = double(sample_environment(s, sky, u).radiance.x);
-        sum += value;
-        squares += value * value;
+    // Both ways together, one sample each: drawn from the image, and drawn from the surface.
+    test::Numbers numbers(5);
+    test::Mean both, image_alone;
+    for (int i = 0; i < 20000; ++i) {
+        const LightNumbers u{numbers.square(), 0};
+        const double drawn = double(test_environment(s, sky, u, {1, 1}).radiance.x);
+        const float choice = numbers.one();
+        const ScatterSample d = sample_scatter(s, choice, numbers.square());
+        const float weight = Tries{1, 1}.of_scatter(d.density, sky.density(d.direction));
+        both.add(drawn + double(d.weight.x * sky.radiance(d.direction).x * weight));
+        image_alone.add(double(test_environment(s, sky, u, {1, 0}).radiance.x));
     }
-    const double mean = sum / kCount, deviation = std::sqrt(std::max(0.0, squares / kCount - mean * mean) / kCount);
-    EXPECT_NEAR(mean, exact, 4 * deviation + 1e-3 * exact);
-    EXPECT_LT(deviation, 0.02 * mean) << "the patch is found often";
+    EXPECT_NEAR(both.value(), exact, 4 * both.error() + 1e-3 * exact);
+    EXPECT_LT(both.error(), 0.02 * exact) << "the patch is found often";
+    EXPECT_NEAR(image_alone.value(), exact, 4 * image_alone.error() + 1e-3 * exact);
+}
+
+TEST(Environment, SampledDirectionsFollowTheirDensity)
+{
+    Scene scene;
+    Texture texture;
+    texture.width = 64;
+    texture.height = 32;
+    for (int k = 0; k < 64 * 32; ++k) {
+        const float value = k % 64 > 20 && k % 64 < 30 && k / 64 > 4 && k / 64 < 20 ? 5.0f : 0.4f;
+        texture.pixels.push_back(Vec4f(value, value, value, 1));
+    }
+    scene.environment.radiance = Vec3f(1);
+    scene.environment.image = scene.add(texture);
+    TextureStore textures(1 << 24);
+    textures.prepare(scene);
+    const Environment sky(scene.environment, textures);
+    EXPECT_LT(test::direction_excess(
+                  60'000, 24, [&](test::Numbers& n) { return sky.sample(n.square()); },
+                  [&](Vec3f d) { return sky.density(d); }),
+              4.5);
 }
 
 TEST(Environment, DirectionsAndTexelsMatch)

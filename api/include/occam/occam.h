@@ -28,8 +28,10 @@
 namespace occam {
 
 using render::Aov;
+using render::FilterKind;
 using render::FrameStats;
 using render::Image;
+using render::IntegratorKind;
 using render::Layer;
 using render::Resources;
 using render::Settings;

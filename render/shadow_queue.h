@@ -1,0 +1,80 @@
+// Shadow rays of a batch: collected while hits are shaded, traced together, added in the order they came in.
+//
+// A ray that meets something may pass it where it blends, masks or is clear glass: it is then shot again from there, in order
+// of t. So what a sample gets depends on the sample alone.
+//
+// Threads  one worker's own.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "accel/tracer.h"
+#include "render/path.h"
+#include "scenegraph/texture/texture_store.h"
+
+namespace occam::render {
+
+/// Surfaces that a ray may pass through before the rest of its light is dropped.
+inline constexpr int kMaxBlendLayers = 32;
+/// Less of a ray's light than this is not followed through surfaces that let it pass.
+inline constexpr float kLeastShare = 1.0f / 1024;
+
+/// The rest of a ray behind a hit: the interval is open at its near end, and rounding of t must not find the hit again.
+accel::Ray behind(accel::Ray ray, float t) noexcept;
+
+class ShadowQueue {
+public:
+    /// may_pass   some material of the scene lets light pass straight on
+    ShadowQueue(const TextureStore& textures, bool may_pass, float texture_width) noexcept
+        : textures_(textures), texture_width_(texture_width), may_pass_(may_pass)
+    {
+    }
+
+    std::size_t size() const noexcept { return rays_.size(); }
+    void clear() noexcept;
+    /// `radiance` is added to sums[sample] as far as nothing is in the way. Black: the ray is not traced.
+    void add(std::uint32_t sample, const accel::Ray& ray, Vec3f radiance);
+
+    /// Traces all rays and adds what they bring. Returns how many were shot. Tracer: see Integrator::run.
+    template <class Tracer>
+    std::uint64_t trace(Tracer& tracer, std::span<Vec3f> sums)
+    {
+        std::uint64_t shot = rays_.size();
+        occluded_.assign(rays_.size(), 0);
+        tracer.occluded(rays_, occluded_);
+        collect_blocked();
+        for (int layer = 0; layer < kMaxBlendLayers && !blocked_rays_.empty(); ++layer) {
+            shot += blocked_rays_.size();
+            blocked_hits_.assign(blocked_rays_.size(), {});
+            tracer.closest(blocked_rays_, blocked_hits_);
+            pass_blocked();
+        }
+        add_light(sums);
+        return shot;
+    }
+
+private:
+    struct Shadow {
+        std::uint32_t sample;
+        Vec3f radiance;
+    };
+
+    /// Of the rays that met something, those that may pass it: their hits are to be found.
+    void collect_blocked();
+    void pass_blocked();
+    void add_light(std::span<Vec3f> sums);
+
+    const TextureStore& textures_;
+    float texture_width_;
+    bool may_pass_;
+    // Parallel arrays, kept from batch to batch for their memory.
+    std::vector<Shadow> shadows_;
+    std::vector<accel::Ray> rays_;
+    std::vector<std::uint8_t> occluded_;
+    std::vector<std::uint32_t> blocked_;  ///< indices into shadows_
+    std::vector<accel::Ray> blocked_rays_;
+    std::vector<accel::SurfaceHit> blocked_hits_;
+};
+
+}  // namespace occam::render

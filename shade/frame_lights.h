@@ -1,0 +1,46 @@
+// All light of one frame, gathered from the scene graph: placed lights, surfaces that shine, the environment.
+//
+// A scene without any of them gets a soft key light from over the camera's shoulder and a sky.
+//
+// Space    world; positions double, directions float.
+// Threads  const after construction.
+#pragma once
+
+#include <vector>
+
+#include "shade/environment.h"
+#include "shade/lights.h"
+#include "shade/mesh_lights.h"
+
+namespace occam::shade {
+
+class FrameLights {
+public:
+    /// Textures must be prepared. `camera` places the key light of a scene that has none.
+    FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures);
+    FrameLights(std::vector<WorldLight> lights, Environment environment);
+
+    const std::vector<WorldLight>& lights() const noexcept { return lights_; }
+    const Environment& environment() const noexcept { return environment_; }
+    const MeshLights& meshes() const noexcept { return meshes_; }
+
+    /// Calls use(const WorldLight&, const LightCrossing&) for every area light that the ray meets within t_far.
+    template <class Use>
+    void for_crossings(Vec3d origin, Vec3f direction, float t_far, Use&& use) const
+    {
+        for (const std::uint32_t i : with_area_) {
+            const LightCrossing c = lights_[i].crossing(origin, direction);
+            if (c.density > 0 && c.distance < t_far) use(lights_[i], c);
+        }
+    }
+
+private:
+    void list_areas();
+
+    std::vector<WorldLight> lights_;
+    std::vector<std::uint32_t> with_area_;
+    MeshLights meshes_;
+    Environment environment_;
+};
+
+}  // namespace occam::shade

@@ -1,0 +1,41 @@
+// What a smooth boundary reflects.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "shade/albedo_table.h"
+
+namespace occam::shade {
+
+/// (1 - cosine)^5: the weight of f90 in f0 (1 - w) + f90 w (Schlick 1994).
+inline float schlick(float cosine) noexcept
+{
+    const float x = std::clamp(1 - cosine, 0.0f, 1.0f);
+    const float x2 = x * x;
+    return x2 * x2 * x;
+}
+
+/// Unpolarised reflectance of a dielectric (Fresnel's equations). cosine in [0, 1] on the incident side; eta: index behind
+/// over index in front. 1 where light is totally reflected.
+inline float fresnel_dielectric(float cosine, float eta) noexcept
+{
+    const float sin2_behind = (1 - cosine * cosine) / (eta * eta);
+    if (sin2_behind >= 1) return 1;
+    const float behind = std::sqrt(1 - sin2_behind);
+    const float parallel = (eta * cosine - behind) / (eta * cosine + behind);
+    const float across = (cosine - eta * behind) / (cosine + eta * behind);
+    return 0.5f * (parallel * parallel + across * across);
+}
+
+/// Reflectance of a coat at normal incidence (KHR_materials_clearcoat: an index of 1.5).
+inline constexpr float kCoatF0 = 0.04f;
+
+/// All that a coat reflects of light from one direction.
+inline float coat_albedo(float cosine, float alpha) noexcept
+{
+    const LayerAlbedo e = AlbedoTable::instance().at(cosine, alpha);
+    return kCoatF0 * e.f0 + e.f90;
+}
+
+}  // namespace occam::shade

@@ -1,0 +1,149 @@
+#include "shade/mesh_lights.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "shade/surface.h"
+
+namespace occam::shade {
+namespace {
+
+// Below this share of the distance a shadow ray stops: what lies there is the shining surface itself.
+constexpr float kShort = 1e-4f;
+
+float luminance(Vec3f c) noexcept { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
+
+// Of the whole texture: the filter is as wide as the image.
+float mean_luminance(const Material& m, const TextureStore& textures) noexcept
+{
+    if (m.unlit || m.emission == Vec3f(0)) return 0;
+    const Vec3f texture = m.emission_texture ? Vec3f(textures.sample(m.emission_texture, Vec2f(0.5f), 1e6f)) : Vec3f(1);
+    return luminance(m.emission * texture);
+}
+
+auto key_of(NodeId node, const Material* material) noexcept
+{
+    return std::tuple(node.slot, node.generation, reinterpret_cast<std::uintptr_t>(material));
+}
+
+const Material* material_of(const Scene& scene, const Node& node, const Cage& cage, std::size_t slot) noexcept
+{
+    const auto& from = node.materials.empty() ? cage.materials : node.materials;
+    return slot < from.size() ? scene.find(from[slot]) : nullptr;
+}
+
+// Whether a ray that meets the node's surface of that material can be told what density it is sampled with: all of that
+// node's cages that show it are triangles that stand still.
+bool is_sampled(const Scene& scene, const Node& node, const Material* material) noexcept
+{
+    if (node.skin) return false;
+    for (CageId id : node.cages) {
+        const CageSlot* slot = scene.find(id);
+        if (!slot || (slot->cage.scheme == Scheme::Triangles && slot->cage.morph_targets.empty())) continue;
+        const std::size_t slots = (node.materials.empty() ? slot->cage.materials : node.materials).size();
+        for (std::size_t s = 0; s < slots; ++s)
+            if (material_of(scene, node, slot->cage, s) == material) return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+MeshLights::Corners MeshLights::corners(const Mesh& mesh, std::uint32_t face) noexcept
+{
+    const auto at = [&](std::uint32_t corner) {
+        return transform_point(mesh.world_from_object, Vec3d(mesh.cage->positions[mesh.cage->face_vertices[face * 3 + corner]]));
+    };
+    return {at(0), at(1), at(2)};
+}
+
+void MeshLights::add(const Node& node, NodeId id, const CageSlot& slot, const Mat4d& world_from_object, const Scene& scene)
+{
+    const Cage& cage = slot.cage;
+    const std::size_t slots = std::max<std::size_t>(1, (node.materials.empty() ? cage.materials : node.materials).size());
+    for (std::size_t s = 0; s < slots; ++s) {
+        const Material* material = material_of(scene, node, cage, s);
+        if (!material || material->unlit || material->emission == Vec3f(0)) continue;
+        any_emitter_ = true;
+        const float density = mean_luminance(*material, *textures_);
+        if (!(density > 0) || !is_sampled(scene, node, material)) continue;
+        known_.push_back({id, material, density});
+        const Mesh mesh{&cage, material, world_from_object, static_cast<std::uint32_t>(sums_.size()), density};
+        for (std::uint32_t face = 0; face < cage.face_count(); ++face) {
+            if ((cage.face_slots.empty() ? 0 : cage.face_slots[face]) != s) continue;
+            const Corners c = corners(mesh, face);
+            const double area = 0.5 * glm::length(glm::cross(c.b - c.a, c.c - c.a));
+            if (!(area > 0)) continue;
+            sums_.push_back((sums_.empty() ? 0 : sums_.back()) + area * double(density));
+            faces_.push_back(face);
+        }
+        if (sums_.size() > mesh.first) meshes_.push_back(mesh);
+    }
+}
+
+MeshLights::MeshLights(const Scene& scene, const TextureStore& textures) : textures_(&textures)
+{
+    scene.for_each_placement([&](NodeId id, const Node& node, const Mat4d& world_from_node) {
+        for (CageId cage : node.cages)
+            if (const CageSlot* slot = scene.find(cage)) add(node, id, *slot, world_from_node, scene);
+    });
+    std::sort(known_.begin(), known_.end(),
+              [](const Known& a, const Known& b) { return key_of(a.node, a.material) < key_of(b.node, b.material); });
+    const double whole = sums_.empty() ? 1 : sums_.back();
+    for (Known& k : known_) k.area_density = static_cast<float>(double(k.area_density) / whole);
+    known_.erase(std::unique(known_.begin(), known_.end(),
+                             [](const Known& a, const Known& b) { return key_of(a.node, a.material) == key_of(b.node, b.material); }),
+                 known_.end());
+}
+
+float MeshLights::area_density(NodeId node, const Material* material) const noexcept
+{
+    const auto found = std::lower_bound(known_.begin(), known_.end(), key_of(node, material),
+                                        [](const Known& a, const auto& key) { return key_of(a.node, a.material) < key; });
+    const bool is_known = found != known_.end() && key_of(found->node, found->material) == key_of(node, material);
+    return is_known ? found->area_density : 0;
+}
+
+LightSample MeshLights::sample(Vec3d point, LightNumbers numbers) const noexcept
+{
+    if (meshes_.empty()) return {};
+    const double whole = sums_.back(), wanted = double(numbers.choice) * whole;
+    const auto above = std::upper_bound(sums_.begin(), sums_.end() - 1, wanted);
+    const auto index = static_cast<std::uint32_t>(above - sums_.begin());
+    const auto next = std::upper_bound(meshes_.begin(), meshes_.end(), index, [](std::uint32_t i, const Mesh& m) { return i < m.first; });
+    const Mesh& mesh = *(next - 1);
+    const std::uint32_t face = faces_[index];
+    const Corners c = corners(mesh, face);
+
+    // Uniform in the triangle (Turk 1990).
+    const float root = std::sqrt(numbers.square.x);
+    const double wa = 1 - double(root), wb = double(root) * (1 - double(numbers.square.y)), wc = 1 - wa - wb;
+    ShadePoint p;
+    p.position = c.a * wa + c.b * wb + c.c * wc;
+    const Vec3d to_light = p.position - point;
+    const double distance2 = glm::dot(to_light, to_light);
+    const Vec3d normal = glm::cross(c.b - c.a, c.c - c.a);
+    const double length = glm::length(normal), distance = std::sqrt(distance2);
+    const double cosine = std::fabs(glm::dot(normal, to_light)) / (length * distance);
+    if (!(cosine > 0) || !(distance > 0)) return {};
+
+    p.material = mesh.material;
+    p.to_eye = Vec3f(to_light / -distance);
+    p.back_side = glm::dot(normal, to_light) > 0;
+    p.normal_geometric = p.normal_shading = Vec3f(normal / (p.back_side ? -length : length));
+    for (std::size_t s = 0; s < 2 && s < mesh.cage->uv_sets.size(); ++s) {
+        const UvSet& set = mesh.cage->uv_sets[s];
+        const auto uv = [&](std::uint32_t corner) {
+            const std::size_t at = std::size_t(face) * 3 + corner;
+            return set.values[set.indices.empty() ? mesh.cage->face_vertices[at] : set.indices[at]];
+        };
+        p.uv[s] = uv(0) * float(wa) + uv(1) * float(wb) + uv(2) * float(wc);
+    }
+    const Surface surface = evaluate(p, *textures_);
+    const auto density = static_cast<float>(double(mesh.area_density) / whole * distance2 / cosine);
+    if (!(density > 0)) return {};
+    return {Vec3f(to_light / distance), static_cast<float>(distance) * (1 - kShort), surface.emission * (surface.opacity / density),
+            density};
+}
+
+}  // namespace occam::shade

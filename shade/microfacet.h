@@ -1,0 +1,67 @@
+// The GGX distribution of microfacet normals: density, masking, and normals as the eye sees them. Isotropic.
+//
+// In double-safe terms: cosines are of unit vectors against the macroscopic normal; `sin2_h` is the squared length of the
+// cross product of normal and microfacet normal, since 1 - cos^2 loses all digits of a narrow lobe.
+// Walter et al. 2007 (distribution), Heitz 2014 (masking), Heitz 2018 (visible normals).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "shade/frame_of.h"
+
+namespace occam::shade {
+
+/// Narrowest GGX width: a mirror is drawn as a lobe of this width, so that no density is infinite. The lobe of reflected
+/// directions is twice as wide: half a pixel of a frame of 1600 with a field of view of 60 degrees.
+inline constexpr float kMinAlpha = 3e-4f;
+
+/// Density of normals per solid angle (Walter et al. 2007, eq. 33).
+inline float ggx_density(float n_h, float sin2_h, float alpha) noexcept
+{
+    const float d = sin2_h + n_h * n_h * alpha * alpha;
+    return alpha * alpha / (kPi * d * d);
+}
+
+/// Height-correlated masking and shadowing over 4 n_l n_v (Heitz 2014, eq. 99); both cosines above zero.
+inline float ggx_visibility(float n_l, float n_v, float alpha) noexcept
+{
+    const float a2 = alpha * alpha;
+    const float l = n_v * std::sqrt(n_l * n_l * (1 - a2) + a2);
+    const float v = n_l * std::sqrt(n_v * n_v * (1 - a2) + a2);
+    return 0.5f / std::max(l + v, 1e-12f);
+}
+
+/// Masking of one direction over its cosine: G1(v) / n_v (Heitz 2014, eq. 43 and 72).
+inline float ggx_masking_over_cosine(float n_v, float alpha) noexcept
+{
+    const float a2 = alpha * alpha;
+    return 2 / (n_v + std::sqrt(a2 + (1 - a2) * n_v * n_v));
+}
+
+/// A normal among those that the eye sees, about +z (Heitz 2018, sec. 4: the unit hemisphere, stretched by alpha), from a
+/// point of the unit disc.
+inline Vec3f visible_normal_of(Vec3f eye, float alpha, Vec2f p) noexcept
+{
+    const Vec3f stretched = glm::normalize(Vec3f(alpha * eye.x, alpha * eye.y, eye.z));
+    const float flat2 = stretched.x * stretched.x + stretched.y * stretched.y;
+    const Vec3f t1 = flat2 > 0 ? Vec3f(-stretched.y, stretched.x, 0) / std::sqrt(flat2) : Vec3f(1, 0, 0);
+    const Vec3f t2 = glm::cross(stretched, t1);
+    const float s = 0.5f * (1 + stretched.z);
+    p.y = (1 - s) * std::sqrt(std::max(0.0f, 1 - p.x * p.x)) + s * p.y;
+    const float up = std::sqrt(std::max(0.0f, 1 - p.x * p.x - p.y * p.y));
+    const Vec3f h = t1 * p.x + t2 * p.y + stretched * up;
+    return glm::normalize(Vec3f(alpha * h.x, alpha * h.y, std::max(1e-6f, h.z)));
+}
+inline Vec3f visible_normal(Vec3f eye, float alpha, Vec2f square) noexcept
+{
+    return visible_normal_of(eye, alpha, disc_point(square));
+}
+
+/// Density of visible_normal() over v_h: G1 D / n_v (Heitz 2018, eq. 1). A mirrored direction has a fourth of it.
+inline float visible_density_over_cosine(float n_v, float n_h, float sin2_h, float alpha) noexcept
+{
+    return n_h > 0 ? ggx_masking_over_cosine(n_v, alpha) * ggx_density(n_h, sin2_h, alpha) : 0;
+}
+
+}  // namespace occam::shade

@@ -1,0 +1,34 @@
+// Light that comes through a surface and is scattered by it: a rough pane, and the rough boundary of a body.
+//
+// All functions are zero where the light is not on the far side of the shading normal. GGX microfacets, single scattering.
+// Walter et al. 2007 (refraction), KHR_materials_transmission (panes).
+#pragma once
+
+#include "shade/surface.h"
+
+namespace occam::shade {
+
+/// A shading normal may lean away from the eye; the cosine is then held just above zero.
+inline float eye_cosine(Vec3f normal, Vec3f to_eye) noexcept { return std::clamp(glm::dot(normal, to_eye), 1e-4f, 1.0f); }
+
+/// A microfacet normal that the eye sees, world axes.
+inline Vec3f seen_normal(const Axes& axes, Vec3f to_eye, float alpha, Vec2f square) noexcept
+{
+    Vec3f eye = axes.to_local(to_eye);
+    eye.z = std::max(eye.z, 1e-4f);
+    return axes.to_world(visible_normal(glm::normalize(eye), alpha, square));
+}
+
+// A pane: the reflected lobe, turned to the far side.
+Vec3f pane_transmission(const Surface& surface, Vec3f to_light) noexcept;  ///< f times the cosine
+float pane_density(const Surface& surface, Vec3f to_light) noexcept;
+Vec3f through_pane(const Surface& surface, Vec3f microfacet) noexcept;  ///< direction of a sample
+
+// A body: reflection or refraction at microfacets, which is chosen when the microfacet is known: far from the normal's own
+// angle of total reflection some of them still let light through.
+float mirror_chance(const Surface& surface, float cosine_to_microfacet) noexcept;
+Vec3f body_transmission(const Surface& surface, Vec3f to_light) noexcept;
+float body_density(const Surface& surface, Vec3f to_light) noexcept;
+Vec3f bent(const Surface& surface, Vec3f microfacet) noexcept;  ///< zero: totally reflected
+
+}  // namespace occam::shade

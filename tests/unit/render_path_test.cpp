@@ -1,0 +1,199 @@
+// Whole paths against closed forms: rooms whose radiance is known, both ways of finding a light, glass.
+#include <gtest/gtest.h>
+#include <occam/occam.h>
+
+#include "tests/support/shape_builders.h"
+#include "tests/support/statistics.h"
+
+namespace occam::test {
+namespace {
+
+// A closed box of triangles, seen from inside or outside.
+Cage box()
+{
+    Cage cage;
+    cage.scheme = Scheme::Triangles;
+    for (int i = 0; i < 8; ++i) cage.positions.push_back({i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f});
+    cage.face_vertices = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
+    return cage;
+}
+
+Cage square(float half)
+{
+    Cage cage;
+    cage.scheme = Scheme::Triangles;
+    cage.positions = {{-half, 0, -half}, {half, 0, -half}, {half, 0, half}, {-half, 0, half}};
+    cage.face_vertices = {0, 2, 1, 0, 3, 2};
+    return cage;
+}
+
+Material matte(float color)
+{
+    Material m;
+    m.base_color = Vec4f(color, color, color, 1);
+    m.specular = 0;
+    m.roughness = 1;
+    return m;
+}
+
+NodeId put(Scene& scene, Cage cage, const Material& material, Vec3d at = Vec3d(0))
+{
+    cage.materials = {scene.add(material)};
+    return place(scene, scene.add(std::move(cage)), at);
+}
+
+/// Mean of all pixels, and the error of that.
+Mean mean_of(Scene& scene, const Camera& camera, Settings settings)
+{
+    Renderer renderer({.threads = 2});
+    const Image image = renderer.render(scene, camera, settings);
+    const Layer& beauty = *image.find("beauty");
+    Mean mean;
+    for (std::size_t i = 0; i < beauty.pixels.size(); i += 4) mean.add(double(beauty.pixels[i]));
+    EXPECT_EQ(renderer.stats().image.samples_not_finite, 0u);
+    return mean;
+}
+
+const Settings kSmall{.width = 32, .height = 32, .spp = 64, .integrator = IntegratorKind::Path};
+const Camera kInside = Camera::look_at({0.3, 0.2, 0.1}, {1, 0.3, -0.4}, {0, 1, 0}, 1);
+
+// Walls that shine with e and reflect rho are everywhere e / (1 - rho) bright, found by lights' samples and by bounces alike.
+TEST(Path, AShiningRoomIsAsBrightAsTheSeriesOfItsBounces)
+{
+    Scene scene;
+    Material walls = matte(0.6f);
+    walls.emission = Vec3f(0.4f);
+    put(scene, box(), walls);
+    Settings settings = kSmall;
+    settings.bounces = 60;
+    const Mean all = mean_of(scene, kInside, settings);
+    EXPECT_NEAR(all.value(), 1, 4 * all.error() + 1e-3);
+    settings.bounces = 1;
+    const Mean two = mean_of(scene, kInside, settings);
+    EXPECT_NEAR(two.value(), 0.4 * (1 + 0.6 + 0.36), 4 * two.error() + 1e-3) << "one bounce, and the light of the last surface";
+    settings.integrator = IntegratorKind::Direct;
+    const Mean one = mean_of(scene, kInside, settings);
+    EXPECT_NEAR(one.value(), 0.4 * (1 + 0.6), 4 * one.error() + 1e-3);
+}
+
+// The same lamp as an area light of the scene graph and as a mesh that shines.
+TEST(Path, AShiningMeshLightsAsAnAreaLightDoes)
+{
+    const Camera camera = Camera::look_at({0, 0.8, 0}, {0, 0, 0}, {0, 0, -1}, 1.2f);
+    double light[2][2];
+    double error = 0;
+    for (const bool is_mesh : {false, true})
+        for (const float roughness : {0.15f, 1.0f}) {
+            Scene scene;
+            Material floor = matte(0.5f);
+            floor.specular = 1;
+            floor.metallic = 0.5f;
+            floor.roughness = roughness;
+            put(scene, square(4), floor);
+            if (is_mesh) {
+                Material lamp = matte(0);
+                lamp.emission = Vec3f(5);
+                put(scene, square(0.5f), lamp, {0, 1, 0});
+            } else {
+                NodeDesc lamp;
+                lamp.place.translation = {0, 1, 0};
+                lamp.place.rotation = {-0.7071067811865476, 0, 0, 0.7071067811865476};
+                lamp.light = scene.add(Light{"lamp", AreaLight{AreaLight::Shape::Rectangle, Vec2f(1), Vec3f(5)}});
+                scene.add_node(scene.root(), lamp);
+            }
+            Settings settings = kSmall;
+            settings.integrator = IntegratorKind::Direct;
+            const Mean m = mean_of(scene, camera, settings);
+            light[is_mesh][roughness == 1] = m.value();
+            error = std::max(error, m.value() * 3e-3);  // of 65,536 samples that are each right to a factor
+        }
+    for (const int rough : {0, 1}) EXPECT_NEAR(light[0][rough], light[1][rough], 4 * error) << rough;
+}
+
+// A pane is looked through straight on; a body bends, and both lose to reflection alone what Fresnel says.
+TEST(Path, GlassInAWhiteSkyIsWhite)
+{
+    for (const float thickness : {0.0f, 1.0f})
+        for (const float roughness : {0.0f, 0.1f}) {
+            Scene scene;
+            Material glass;
+            glass.roughness = roughness;
+            glass.transmission = 1;
+            glass.thickness = thickness;
+            put(scene, box(), glass);
+            scene.environment.radiance = Vec3f(1);
+            Settings settings = kSmall;
+            settings.bounces = 60;
+            const Mean m = mean_of(scene, Camera::look_at({2, 3, 4}, {0, 0, 0}, {0, 1, 0}, 0.4f), settings);
+            // Roughness 0.1 is an alpha of 0.01, which loses a little each time (bsdf.h).
+            EXPECT_NEAR(m.value(), 1, 4 * m.error() + (roughness > 0 ? 0.02 : 2e-3)) << thickness << ' ' << roughness;
+        }
+}
+
+// Straight through a slab of thickness 2: exp(-2 a), with a = -ln 0.25 / 4, is 1/2. What is reflected comes back through it.
+TEST(Path, ABodyTakesLightByTheLengthOfTheWay)
+{
+    Scene scene;
+    Material glass;
+    glass.roughness = 0;
+    glass.transmission = 1;
+    glass.thickness = 1;
+    glass.ior = 1.5f;
+    glass.attenuation_color = Vec3f(0.25f);
+    glass.attenuation_distance = 4;
+    put(scene, box(), glass);
+    scene.environment.radiance = Vec3f(1);
+    Settings settings = kSmall;
+    settings.bounces = 40;
+    // A narrow view along the axis. r = 0.04, T = 1/2: r + (1 - r)^2 T / (1 - r T) summed over all echoes, the sky on both sides.
+    const Mean m = mean_of(scene, Camera::look_at({0, 0, 60}, {0, 0, 0}, {0, 1, 0}, 0.01f), settings);
+    const double r = 0.04, t = 0.5;
+    const double expected = r + (1 - r) * (1 - r) * (t + r * t * t) / (1 - r * r * t * t);
+    EXPECT_NEAR(m.value(), expected, 4 * m.error() + 3e-3);
+}
+
+TEST(Path, OneThreadAndManyAndAnyBudgetMakeTheSamePicture)
+{
+    Scene scene;
+    Material glass, gold;
+    glass.transmission = glass.thickness = 1;
+    glass.roughness = 0.2f;
+    gold.metallic = 1;
+    gold.roughness = 0.3f;
+    put(scene, torus(), gold);
+    put(scene, torus(), glass, {1.5, 0.3, 0.2});
+    const Camera camera = Camera::framing(scene.bounds());
+    Settings settings{.width = 80, .height = 45, .spp = 4, .integrator = IntegratorKind::Path};
+    std::uint64_t checksum = 0;
+    for (const int threads : {1, 3})
+        for (const std::size_t memory : {std::size_t(1) << 30, std::size_t(3) << 20}) {
+            Renderer renderer({.threads = threads, .memory_bytes = memory});
+            const Image image = renderer.render(scene, camera, settings);
+            if (checksum == 0) checksum = image.checksum();
+            EXPECT_EQ(image.checksum(), checksum) << threads << " threads, " << memory << " bytes";
+        }
+}
+
+// Ends where the estimated error is small, and the mean stays what it is.
+TEST(Path, AdaptiveSamplingEndsEarlyWhereLittleIsLeftToFind)
+{
+    Scene scene;
+    put(scene, torus(), matte(0.5f));
+    scene.environment.radiance = Vec3f(1);
+    const Camera camera = Camera::framing(scene.bounds());
+    Settings settings{.width = 64, .height = 36, .spp = 256, .integrator = IntegratorKind::Path};
+    Renderer renderer({.threads = 2});
+    const Image all = renderer.render(scene, camera, settings);
+    const std::uint64_t most = renderer.stats().image.samples;
+    EXPECT_EQ(most, 64u * 36 * 256);
+    settings.error = 0.02f;
+    const Image some = renderer.render(scene, camera, settings);
+    EXPECT_LT(renderer.stats().image.samples, most / 2);
+    double difference = 0;
+    for (std::size_t i = 0; i < all.find("beauty")->pixels.size(); ++i)
+        difference += std::pow(double(all.find("beauty")->pixels[i] - some.find("beauty")->pixels[i]), 2);
+    EXPECT_LT(std::sqrt(difference / double(all.find("beauty")->pixels.size())), 2 * 0.02);
+}
+
+}  // namespace
+}  // namespace occam::test
