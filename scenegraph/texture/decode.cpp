@@ -6,10 +6,12 @@
 #include <array>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "scenegraph/base/error.h"
 #include "scenegraph/base/srgb.h"
 #include "scenegraph/texture/image_header.h"
+#include "scenegraph/texture/image_metadata.h"
 
 namespace occam {
 
@@ -36,12 +38,13 @@ struct TextureSource::State {
     TextureRole role = TextureRole::Color;
     int width = 0, height = 0;
     std::vector<Vec4f> pixels;                              // linear already; or
-    std::shared_ptr<const std::vector<std::byte>> encoded;  // kept while the reader looks into it
+    std::vector<std::byte> encoded;                         // kept while the reader looks into it
     std::unique_ptr<OIIO::Filesystem::IOMemReader> memory;
     std::unique_ptr<OIIO::ImageInput> input;
 
     void open(const Texture& texture);
-    void check_header(ImageBytes bytes);
+    void check_header(ImageBytes& bytes);
+    void open_memory(const std::string& format, OIIO::ImageSpec& config);
     void check_size(std::uintmax_t wide, std::uintmax_t high, std::uintmax_t file_bytes) const;
     void read_rows(int y_begin, int y_end, std::vector<Vec4f>& texels) const;
     template <class T>
@@ -59,40 +62,46 @@ void TextureSource::State::check_size(std::uintmax_t wide, std::uintmax_t high, 
         refuse("image declares far more than the file holds: " + size);
 }
 
-void TextureSource::State::check_header(ImageBytes bytes)
+void TextureSource::State::check_header(ImageBytes& bytes)
 {
     if (is_cut_off_png(bytes)) refuse("the image is cut off");
     if (const auto canvas = declared_canvas(bytes)) check_size(canvas->width, canvas->height, bytes.size());
+}
+
+void TextureSource::State::open_memory(const std::string& format, OIIO::ImageSpec& config)
+{
+    memory = std::make_unique<OIIO::Filesystem::IOMemReader>(encoded.data(), encoded.size());
+    // The reader takes the bytes from this attribute: ImageInput::open(name, config, proxy) closes the proxy again.
+    OIIO::Filesystem::IOProxy* proxy = memory.get();
+    config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+    input = OIIO::ImageInput::create(format);
+    OIIO::ImageSpec opened;
+    if (!input || input->open("memory." + format, opened, config)) return;
+    const std::string why = input->geterror();
+    input.reset();
+    refuse("image cannot be read: " + why);
 }
 
 void TextureSource::State::open(const Texture& texture)
 {
     OIIO::ImageSpec config;
     config["oiio:UnassociatedAlpha"] = 1;
-    std::uintmax_t file_bytes = 0;
-    if (texture.encoded) {
-        encoded = texture.encoded;
-        file_bytes = encoded->size();
-        ImageBytes bytes{std::span(*encoded)};
-        const std::string format = image_format(bytes);
-        if (format.empty()) refuse("not an image format that is known");
-        check_header(std::move(bytes));
-        memory = std::make_unique<OIIO::Filesystem::IOMemReader>(const_cast<std::byte*>(encoded->data()), encoded->size());
-        // The reader takes the bytes from this attribute: ImageInput::open(name, config, proxy) closes the proxy again.
-        OIIO::Filesystem::IOProxy* proxy = memory.get();
-        config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
-        input = OIIO::ImageInput::create(format);
-        OIIO::ImageSpec opened;
-        if (input && !input->open("memory." + format, opened, config)) {
-            const std::string why = input->geterror();
-            input.reset();
-            refuse("image cannot be read: " + why);
-        }
+    std::error_code error;
+    if (!texture.encoded && !std::filesystem::is_regular_file(texture.path, error)) refuse("no such image file");
+    ImageBytes bytes = texture.encoded ? ImageBytes(std::span(*texture.encoded)) : ImageBytes(texture.path);
+    const std::uintmax_t file_bytes = bytes.size();
+    const std::string format = image_format(bytes);
+    check_header(bytes);
+    if (texture.encoded && format.empty()) refuse("not an image format that is known");
+    if (format == "png" || format == "jpeg" || format == "tiff") {
+        std::vector<std::byte> whole(texture.encoded ? 0 : static_cast<std::size_t>(file_bytes));
+        if (!bytes.read(0, {reinterpret_cast<unsigned char*>(whole.data()), whole.size()})) refuse("the image cannot be read");
+        encoded = without_metadata(texture.encoded ? std::span(*texture.encoded) : std::span(std::as_const(whole)), format);
+        open_memory(format, config);
+    } else if (texture.encoded) {
+        encoded = *texture.encoded;
+        open_memory(format, config);
     } else {
-        std::error_code error;
-        if (!std::filesystem::is_regular_file(texture.path, error)) refuse("no such image file");
-        file_bytes = std::filesystem::file_size(texture.path, error);
-        check_header(ImageBytes(texture.path));
         input = OIIO::ImageInput::open(texture.path.string(), &config);
     }
     if (!input) refuse("image cannot be read: " + OIIO::geterror());

@@ -1,5 +1,9 @@
 // What the fuzz targets found, mended since: each as small as it came to be.
+#include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
 
 #include "occam/occam.h"
 #include "scenegraph/texture/texture_store.h"
@@ -68,6 +72,39 @@ TEST(FuzzFindings, ImagesOfThirtyBytesDoNotDeclareGibibytes)
                     warnings[0].find("far more than the file holds") != std::string::npos)
             << warnings[0];
     }
+}
+
+// A colour profile of one tag, a text that is said to be far longer than the profile.
+std::string profile_past_its_end()
+{
+    std::string profile(128, '\0');
+    const auto u32 = [](std::uint32_t value) {
+        std::string bytes;
+        for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift & 0xff);
+        return bytes;
+    };
+    profile.replace(12, 12, "mntrRGB XYZ ");
+    profile.replace(36, 4, "acsp");
+    profile += u32(1) + "desc" + u32(144) + u32(40);
+    profile += "mluc" + u32(0) + u32(1) + u32(12) + "enUS" + u32(0x00ffffff) + u32(28) + std::string(12, 'x');
+    return profile.replace(0, 4, u32(static_cast<std::uint32_t>(profile.size())));
+}
+
+// OpenImageIO copies the text from beyond the profile's end.
+TEST(FuzzFindings, ColourProfilesThatReachPastTheirEndAreNotRead)
+{
+    TempFolder folder;
+    const std::string profile = profile_past_its_end(), path = (folder.path() / "image.jpg").string();
+    OIIO::ImageSpec spec(8, 8, 3, OIIO::TypeDesc::UINT8);
+    spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, static_cast<int>(profile.size())), profile.data());
+    const std::vector<unsigned char> pixels(8 * 8 * 3, 128);
+    const auto writer = OIIO::ImageOutput::create(path);
+    ASSERT_TRUE(writer && writer->open(path, spec) && writer->write_image(OIIO::TypeDesc::UINT8, pixels.data()));
+    writer->close();
+    std::ifstream stream(path, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+    ASSERT_NE(bytes.find("ICC_PROFILE"), std::string::npos);
+    EXPECT_TRUE(warnings_of_image(bytes).empty());
 }
 
 }  // namespace
