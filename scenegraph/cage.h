@@ -77,11 +77,11 @@ struct Cage {
     std::vector<Corner> corners;
     std::vector<std::uint32_t> holes;  ///< faces that shape their neighbours but are not seen
 
-    std::vector<Vec3f> normals;            ///< one a vertex, unit; Scheme::Triangles only; empty: faceted
+    std::vector<Vec3f> normals;  ///< one a vertex, unit; Scheme::Triangles only; empty: faceted
     std::vector<UvSet> uv_sets;
-    std::vector<Vec4f> colors;             ///< linear RGBA, one a vertex; empty: white
-    std::vector<MaterialId> materials;     ///< slots; empty: the default material
-    std::vector<std::uint16_t> face_slots; ///< index into materials for each face; empty: 0
+    std::vector<Vec4f> colors;              ///< linear RGBA, one a vertex; empty: white
+    std::vector<MaterialId> materials;      ///< slots; empty: the default material
+    std::vector<std::uint16_t> face_slots;  ///< index into materials for each face; empty: 0
 
     std::optional<Displacement> displacement;
 
@@ -109,11 +109,10 @@ inline bool is_usable(Vec3f p) noexcept
 }
 
 /// Mends what a stranger's cage may hold, so that everything after it may rely on: sizes of arrays that fit together,
-/// indices in range, finite numbers, faces of at least three vertices and at most kMaxFaceCorners corners, none of them twice.
-/// A corner that repeats its neighbour is taken out of its face.
-/// Faces, creases, corners and holes that break a rule are dropped (a dropped face takes its hole tag with it).
-/// Returns one line for each kind of mending, with its count; empty when there was nothing to mend.
-/// Throws Error if arrays do not fit together.
+/// indices in range, finite numbers, faces of at least three vertices and at most kMaxFaceCorners corners, none of them
+/// twice. A corner that repeats its neighbour is taken out of its face. Faces, creases, corners and holes that break a rule
+/// are dropped (a dropped face takes its hole tag with it). Returns one line for each kind of mending, with its count; empty
+/// when there was nothing to mend. Throws Error if arrays do not fit together.
 std::vector<std::string> sanitize(Cage& cage);
 inline constexpr std::uint32_t kMaxFaceCorners = 4096;
 

@@ -149,7 +149,7 @@ Vec3f passes_straight(const ShadePoint& point, const TextureStore& textures) noe
 
 bool may_pass(const Material& m) noexcept
 {
-    const bool may_be_clear = m.roughness < kClearRoughness || m.metallic_roughness_texture;
+    const bool may_be_clear = m.roughness < kClearRoughness || m.metallic_roughness_texture || m.roughness_texture;
     return m.alpha_mode != AlphaMode::Opaque || (m.transmission > 0 && may_be_clear);
 }
 

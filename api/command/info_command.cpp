@@ -9,7 +9,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json json_of(Vec3d v) { return {v.x, v.y, v.z}; }
+Json json_of(Vec3d v)
+{
+    return {v.x, v.y, v.z};
+}
 
 // What loading mended or left out, and which images cannot be read: they are decoded for that.
 std::vector<std::string> all_warnings(const Scene& scene)
@@ -65,8 +68,10 @@ int run(const InfoArguments& a)
 {
     Scene scene = open_scene(a);
     const Json info = describe(scene, a.scene.empty() ? "built-in" : a.scene.string());
-    if (a.json) std::cout << info.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
-    else print_text(info);
+    if (a.json)
+        std::cout << info.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+    else
+        print_text(info);
     std::cout.flush();
     if (!std::cout) throw Error("", "standard output cannot be written", {}, Error::Kind::Output);
     return 0;

@@ -158,8 +158,10 @@ std::vector<std::uint32_t> MeshImporter::triangles(const tinygltf::Primitive& pr
         const bool is_strip = primitive.mode == TINYGLTF_MODE_TRIANGLE_STRIP;
         std::vector<std::uint32_t> out;
         for (std::size_t i = 0; i + 2 < list.size(); ++i) {
-            if (is_strip) out.insert(out.end(), {list[i], list[i + 1 + i % 2], list[i + 2 - i % 2]});
-            else out.insert(out.end(), {list[i + 1], list[i + 2], list[0]});
+            if (is_strip)
+                out.insert(out.end(), {list[i], list[i + 1 + i % 2], list[i + 2 - i % 2]});
+            else
+                out.insert(out.end(), {list[i + 1], list[i + 2], list[0]});
         }
         return out;
     }

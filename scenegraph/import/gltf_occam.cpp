@@ -123,7 +123,8 @@ DisplacementExtras displacement(const Value& value, const std::string& where, Re
     out.scale = reader.number("scale").value_or(1.0f);
     out.midlevel = reader.number("midlevel").value_or(0.5f);
     // What texels between 0 and 1 can do.
-    out.bound = reader.number("bound").value_or(std::abs(out.scale) * std::max(std::abs(out.midlevel), std::abs(1 - out.midlevel)));
+    out.bound =
+        reader.number("bound").value_or(std::abs(out.scale) * std::max(std::abs(out.midlevel), std::abs(1 - out.midlevel)));
     if (out.bound < 0) reader.refuse("bound must not be negative");
     reader.warn_unknown();
     return out;

@@ -15,7 +15,10 @@ namespace {
 
 constexpr std::size_t kMaxLibraryBytes = std::size_t(256) << 20;
 
-float unit(float x) { return x >= 0 ? std::min(x, 1.0f) : 0.0f; }
+float unit(float x)
+{
+    return x >= 0 ? std::min(x, 1.0f) : 0.0f;
+}
 Vec3f not_negative(const float (&c)[3])
 {
     const auto part = [](float x) { return x >= 0 && std::isfinite(x) ? x : 0.0f; };

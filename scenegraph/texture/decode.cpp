@@ -37,8 +37,8 @@ struct TextureSource::State {
     std::string name;
     TextureRole role = TextureRole::Color;
     int width = 0, height = 0;
-    std::vector<Vec4f> pixels;                              // linear already; or
-    std::vector<std::byte> encoded;                         // kept while the reader looks into it
+    std::vector<Vec4f> pixels;       // linear already; or
+    std::vector<std::byte> encoded;  // kept while the reader looks into it
     std::unique_ptr<OIIO::Filesystem::IOMemReader> memory;
     std::unique_ptr<OIIO::ImageInput> input;
 
@@ -95,7 +95,8 @@ void TextureSource::State::open(const Texture& texture)
     if (texture.encoded && format.empty()) refuse("not an image format that is known");
     if (format == "png" || format == "jpeg" || format == "tiff") {
         std::vector<std::byte> whole(texture.encoded ? 0 : static_cast<std::size_t>(file_bytes));
-        if (!bytes.read(0, {reinterpret_cast<unsigned char*>(whole.data()), whole.size()})) refuse("the image cannot be read");
+        if (!bytes.read(0, {reinterpret_cast<unsigned char*>(whole.data()), whole.size()}))
+            refuse("the image cannot be read");
         encoded = without_metadata(texture.encoded ? std::span(*texture.encoded) : std::span(std::as_const(whole)), format);
         open_memory(format, config);
     } else if (texture.encoded) {
@@ -129,8 +130,10 @@ void TextureSource::State::read_rows_as(OIIO::TypeDesc type, int y_begin, int y_
     const bool is_srgb = role == TextureRole::Color && is_integer;
     const auto data = [](T x) { return std::is_integral_v<T> ? static_cast<float>(x) / 255.0f : static_cast<float>(x); };
     const auto color = [&](T x) {
-        if constexpr (std::is_integral_v<T>) return is_srgb ? srgb_table()[x] : data(x);
-        else return is_srgb ? linear_from_srgb(x) : x;
+        if constexpr (std::is_integral_v<T>)
+            return is_srgb ? srgb_table()[x] : data(x);
+        else
+            return is_srgb ? linear_from_srgb(x) : x;
     };
     texels.resize(std::size_t(y_end - y_begin) * std::size_t(width));
     for (std::size_t i = 0; i < texels.size(); ++i) {
@@ -163,7 +166,8 @@ TextureSource::TextureSource(const Texture& texture) : state_(std::make_unique<S
     if (!texture.pixels.empty()) {
         state_->pixels = texture.pixels;
         state_->width = texture.width, state_->height = texture.height;
-        state_->check_size(static_cast<std::uintmax_t>(width()), static_cast<std::uintmax_t>(height()), texture.pixels.size());
+        state_->check_size(static_cast<std::uintmax_t>(width()), static_cast<std::uintmax_t>(height()),
+                           texture.pixels.size());
     } else {
         state_->open(texture);
     }
@@ -171,8 +175,14 @@ TextureSource::TextureSource(const Texture& texture) : state_(std::make_unique<S
 TextureSource::~TextureSource() = default;
 TextureSource::TextureSource(TextureSource&&) noexcept = default;
 
-int TextureSource::width() const noexcept { return state_->width; }
-int TextureSource::height() const noexcept { return state_->height; }
+int TextureSource::width() const noexcept
+{
+    return state_->width;
+}
+int TextureSource::height() const noexcept
+{
+    return state_->height;
+}
 
 MipImage TextureSource::decode(int halvings) const
 {

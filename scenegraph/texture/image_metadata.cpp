@@ -49,14 +49,16 @@ std::vector<std::byte> without_png_metadata(std::span<const std::byte> file)
     copier.copy(kMagic);
     while (copier.left() > 0) {
         const std::size_t size = kAround + copier.big_endian(0, 4);
-        if ((copier.byte(4) & kLowerCase) != 0 && copier.big_endian(4, 4) != kTransparency) copier.skip(size);
-        else copier.copy(size);
+        if ((copier.byte(4) & kLowerCase) != 0 && copier.big_endian(4, 4) != kTransparency)
+            copier.skip(size);
+        else
+            copier.copy(size);
     }
     return copier.take();
 }
 
-// JPEG (ITU T.81, annex B): application segments and comments before the first scan, but for those of JFIF and Adobe, which say
-// what the components are.
+// JPEG (ITU T.81, annex B): application segments and comments before the first scan, but for those of JFIF and Adobe, which
+// say what the components are.
 std::vector<std::byte> without_jpeg_metadata(std::span<const std::byte> file)
 {
     constexpr std::uint32_t kApp0 = 0xe0, kApp14 = 0xee, kApp15 = 0xef, kComment = 0xfe, kScan = 0xda;
@@ -67,8 +69,10 @@ std::vector<std::byte> without_jpeg_metadata(std::span<const std::byte> file)
         const bool is_bare = marker == 0xff || marker == 0x01 || (marker >= 0xd0 && marker <= 0xd8);
         const std::size_t size = marker == 0xff ? 1 : is_bare ? 2 : 2 + copier.big_endian(2, 2);
         const bool describes = (marker > kApp0 && marker <= kApp15 && marker != kApp14) || marker == kComment;
-        if (describes) copier.skip(size);
-        else copier.copy(size);
+        if (describes)
+            copier.skip(size);
+        else
+            copier.copy(size);
     }
     copier.copy(copier.left());
     return copier.take();

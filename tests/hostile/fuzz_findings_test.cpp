@@ -39,9 +39,10 @@ TEST(FuzzFindings, ObjCreasesBesideAVertexOfTwoFaces)
 TEST(FuzzFindings, ObjCoordinatesThatCollapseAroundAVertexOfTwoFaces)
 {
     TempFolder folder;
-    pass_door(folder.write("scene.obj", "v -1.42 -0.5 -0.17\nv -1.08 -0.5 -0.17\nv -0.75 0 -0.17\nv -1.42 -0.5 0.17\n"
-                                        "v -1.08 -0.5 0.17\nv -0.75 0 0.17\nv -1.08 0.1 0\nv -1.2 0 0.5\n"
-                                        "f 2/1 7/1 4/1 1/1\nf 2/1 8/1 4/1 7/1\nf 2/1 3/1 6/1 5/1\n"));
+    pass_door(folder.write("scene.obj",
+                           "v -1.42 -0.5 -0.17\nv -1.08 -0.5 -0.17\nv -0.75 0 -0.17\nv -1.42 -0.5 0.17\n"
+                           "v -1.08 -0.5 0.17\nv -0.75 0 0.17\nv -1.08 0.1 0\nv -1.2 0 0.5\n"
+                           "f 2/1 7/1 4/1 1/1\nf 2/1 8/1 4/1 7/1\nf 2/1 3/1 6/1 5/1\n"));
 }
 
 std::vector<std::string> warnings_of_image(std::string_view file)

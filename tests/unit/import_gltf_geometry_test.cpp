@@ -25,7 +25,8 @@ TEST(ImportGltfGeometry, QuantizedPositionsAreNumbersAndQuantizedNormalsAreNorma
     g.put<std::int8_t>({0, 0, 127, 0, 0, 0, 127, 0, 0, 0, -127, 0});
     g.buffer_views = R"({"buffer": 0, "byteLength": 24, "byteStride": 8},
         {"buffer": 0, "byteOffset": 24, "byteLength": 12, "byteStride": 4})";
-    g.accessor(R"({"bufferView": 0, "componentType": 5122, "count": 3, "type": "VEC3", "min": [0, -500, 0], "max": [1000, 0, 0]})");
+    g.accessor(
+        R"({"bufferView": 0, "componentType": 5122, "count": 3, "type": "VEC3", "min": [0, -500, 0], "max": [1000, 0, 0]})");
     g.accessor(R"({"bufferView": 1, "componentType": 5120, "normalized": true, "count": 3, "type": "VEC3"})");
     g.meshes = R"({"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1}}]})";
     g.nodes = R"({"mesh": 0, "scale": [0.001, 0.001, 0.001]})";
@@ -100,7 +101,8 @@ TEST(ImportGltfGeometry, MirroredNodesKeepTheirMatrix)
 {
     const TempFolder folder;
     Gltf g = square();
-    g.nodes = R"({"scale": [-1, 2, 3], "children": [1]}, {"mesh": 0, "scale": [1, -1, 1]}, {"mesh": 0, "scale": [1, 1, -1]})";
+    g.nodes =
+        R"({"scale": [-1, 2, 3], "children": [1]}, {"mesh": 0, "scale": [1, -1, 1]}, {"mesh": 0, "scale": [1, 1, -1]})";
     g.more = R"(, "scenes": [{"nodes": [0, 2]}], "scene": 0)";
     const Scene scene = load(g.write(folder));
     std::vector<double> determinants;

@@ -35,7 +35,8 @@ std::filesystem::path described(const test::TempFolder& folder, const char* name
     const std::string profile = "a colour profile that is none" + std::string(200, '\x7f');
     // libpng would not write this one.
     if (path.extension() != ".png")
-        spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, static_cast<int>(profile.size())), profile.data());
+        spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, static_cast<int>(profile.size())),
+                       profile.data());
     spec.attribute("ImageDescription", "a ramp, and nothing else");
     spec.attribute("Artist", "nobody");
     const auto writer = OIIO::ImageOutput::create(path.string());
