@@ -81,30 +81,30 @@ struct BlockHanging {
 struct IGrid {
     static constexpr int kBlock = 8;  ///< quads or triangles a block
 
-    const lod::PosedCage* cage = nullptr;
-    PairRange pairs;                  ///< that meet it
-    BoxTree boxes;                    ///< one leaf a block; empty boxes pad to a power of two
+    // What every visit reads comes first, in few cache lines.
+    std::uint64_t visit = 0;          ///< mailbox: the packet that met it last,
+    std::uint32_t visited_lanes = 0;  ///< and which of its rays
     bool is_lattice = false;
-    int level = 0;                    ///< of the fine positions
-    float delta = 0;                  ///< largest distance of a vertex from fine to coarse, world length
+    int hanging_blocks = 0;
+    PairRange pairs;                  ///< that meet it
+    const lod::PosedCage* cage = nullptr;
+    BoxTree boxes;                    ///< one leaf a block; empty boxes pad to a power of two
 
     // Lattice
     const float* fine[3] = {};
     const float* coarse[3] = {};      ///< the same arrays, if nothing blends
     const LatticeBlock* blocks = nullptr;
+    BoxTree hanging_boxes;
     const BlockHanging* block_hanging = nullptr;
     std::span<const lod::Hanging> hanging;  ///< all that have a triangle here; padded with copies to whole blocks of eight
     const std::uint32_t* hanging_quads = nullptr;  ///< of each: the micropolygon that it stands for in ids
-    int hanging_blocks = 0;
-    BoxTree hanging_boxes;
+    std::span<IGridPart> parts;       ///< empty for a mesh
+    int level = 0;                    ///< of the fine positions
+    float delta = 0;                  ///< largest distance of a vertex from fine to coarse, world length
 
     // Mesh
     const float* corners[9] = {};     ///< a.x a.y a.z b.x .. c.z, padded with copies to whole blocks
     const std::uint32_t* ids = nullptr;  ///< face
-
-    std::span<IGridPart> parts;       ///< empty for a mesh
-    std::uint64_t visit = 0;          ///< mailbox: the packet that met it last,
-    std::uint32_t visited_lanes = 0;  ///< and which of its rays
 
     bool blends() const noexcept { return coarse[0] != fine[0]; }
     Vec3f fine_at(std::uint32_t v) const noexcept { return {fine[0][v], fine[1][v], fine[2][v]}; }

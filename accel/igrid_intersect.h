@@ -19,7 +19,7 @@
 namespace occam::accel {
 
 /// The lanes of rays whose line is in the box between t_near and t_far, a little widened. `negative`: signs of the direction.
-inline vmask in_box(const RayLanes& ray, const bool (&negative)[3], const vfloat (&lo)[3], const vfloat (&hi)[3], vfloat t_near,
+OCCAM_ALWAYS_INLINE vmask in_box(const RayLanes& ray, const bool (&negative)[3], const vfloat (&lo)[3], const vfloat (&hi)[3], vfloat t_near,
                     vfloat t_far) noexcept
 {
     vfloat in = ((negative[0] ? hi[0] : lo[0]) - ray.origin[0]) * ray.inverse[0];
@@ -42,7 +42,12 @@ inline vfloat spread(vfloat x, int lane) noexcept
     return lanes[lane];
 }
 
-/// One ray of a packet in all lanes.
+inline VertexBlend spread(const VertexBlend& rays, int lane) noexcept
+{
+    return {{spread(rays.d[0], lane), spread(rays.d[1], lane), spread(rays.d[2], lane)}, spread(rays.k, lane)};
+}
+
+/// One ray of a packet in all lanes, without its blend.
 inline RayLanes spread(const RayLanes& rays, int lane) noexcept
 {
     RayLanes one = rays;
@@ -54,9 +59,7 @@ inline RayLanes spread(const RayLanes& rays, int lane) noexcept
     for (int a = 0; a < 3; ++a) {
         pick(one.inverse[a]);
         pick(one.origin[a]);
-        pick(one.blend.d[a]);
     }
-    pick(one.blend.k);
     return one;
 }
 
@@ -65,8 +68,20 @@ class IGridTracer {
 public:
     /// t_near, t_end: what of the rays meets the grid, in lanes (a single ray: in all).
     IGridTracer(IGrid& grid, const RayLanes& ray, const bool (&negative)[3], vfloat t_near, vfloat t_end, Query& query)
-        : grid_(grid), ray_(ray), negative_(negative), t_near_(t_near), t_end_(t_end), query_(query)
+        : grid_(grid),
+          ray_(ray),
+          origin_{ray.origin[ray.kx], ray.origin[ray.ky], ray.origin[ray.kz]},
+          negative_(negative),
+          t_near_(t_near),
+          t_end_(t_end),
+          query_(query)
     {
+        const int axes[3] = {ray.kx, ray.ky, ray.kz};
+        for (int a = 0; a < 3; ++a) {
+            axes_[a] = axes[a];
+            fine_[a] = grid.fine[axes[a]];
+            coarse_[a] = grid.coarse[axes[a]];
+        }
     }
 
     /// Lanes are rays.
@@ -93,7 +108,8 @@ public:
             unsigned lanes = bits(active & in_box_at(grid_.hanging_boxes, grid_.hanging_boxes.first_leaf() + block));
             for (; lanes != 0; lanes &= lanes - 1) {
                 const int lane = std::countr_zero(lanes);
-                hanging_single(block, lane, spread(ray_, lane), blends);
+                const LanePoint origin{spread(origin_.x, lane), spread(origin_.y, lane), spread(origin_.z, lane)};
+                hanging_single(block, lane, spread(ray_, lane), origin, blends ? spread(blend_, lane) : blend_, blends);
             }
         }
     }
@@ -106,7 +122,7 @@ public:
             if (!grid_.is_lattice) triangles_single(block, lane);
             else quads_single(grid_.blocks[block], lane, blends);
         });
-        if (grid_.hanging_blocks > 0) for_each_block(grid_.hanging_boxes, [&](int block) { hanging_single(block, lane, ray_, blends); });
+        if (grid_.hanging_blocks > 0) for_each_block(grid_.hanging_boxes, [&](int block) { hanging_single(block, lane, ray_, origin_, blend_, blends); });
     }
 
 private:
@@ -115,17 +131,19 @@ private:
     /// Whether rays blend here. If not, one of the two positions of each vertex serves them all.
     bool choose_vertices(vmask active) noexcept
     {
-        vertices_ = grid_.fine;
+        vertices_ = fine_;
         if (!grid_.blends()) return false;
+        blend_ = ray_.blend.along(axes_[0], axes_[1], axes_[2]);
         vfloat lowest[3], highest[3];
         for (int a = 0; a < 3; ++a) {
-            const vmask falls = ray_.blend.d[a] < vfloat(0.0f);
-            lowest[a] = select(falls, grid_.boxes.hi[a][0], grid_.boxes.lo[a][0]);
-            highest[a] = select(falls, grid_.boxes.lo[a][0], grid_.boxes.hi[a][0]);
+            const vmask falls = blend_.d[a] < vfloat(0.0f);
+            const vfloat lo = grid_.boxes.lo[axes_[a]][0], hi = grid_.boxes.hi[axes_[a]][0];
+            lowest[a] = select(falls, hi, lo);
+            highest[a] = select(falls, lo, hi);
         }
-        if (none(active & (ray_.blend.ramp(highest) > vfloat(0.0f)))) return false;
-        if (none(active & (ray_.blend.ramp(lowest) < vfloat(1.0f)))) {
-            vertices_ = grid_.coarse;
+        if (none(active & (blend_.ramp({highest[0], highest[1], highest[2]}) > vfloat(0.0f)))) return false;
+        if (none(active & (blend_.ramp({lowest[0], lowest[1], lowest[2]}) < vfloat(1.0f)))) {
+            vertices_ = coarse_;
             return false;
         }
         return true;
@@ -178,17 +196,15 @@ private:
         return block.is_transposed ? make_id(block.part, slow, fast, 1 - triangle) : make_id(block.part, fast, slow, triangle);
     }
 
-    /// A vertex as this ray, or each ray of the packet, sees it.
-    template <bool kBlends>
-    LanePoint vertex(const RayLanes& ray, std::uint32_t at) const noexcept
+    /// A vertex as this ray, or each ray of the packet, sees it; along kx, ky, kz.
+    OCCAM_ALWAYS_INLINE LanePoint still_vertex(std::uint32_t at) const noexcept { return {vertices_[0][at], vertices_[1][at], vertices_[2][at]}; }
+    OCCAM_ALWAYS_INLINE LanePoint blended_vertex(std::uint32_t at) const noexcept
     {
-        if constexpr (!kBlends) return {vertices_[0][at], vertices_[1][at], vertices_[2][at]};
-        else return ray.blend.between({grid_.fine[0][at], grid_.fine[1][at], grid_.fine[2][at]},
-                                      {grid_.coarse[0][at], grid_.coarse[1][at], grid_.coarse[2][at]});
+        return blend_.between({fine_[0][at], fine_[1][at], fine_[2][at]}, {coarse_[0][at], coarse_[1][at], coarse_[2][at]});
     }
-    LanePoint hanging_vertex(const RayLanes& ray, const lod::Hanging& hanging) const noexcept
+    LanePoint hanging_vertex(const lod::Hanging& hanging) const noexcept
     {
-        LanePoint low = vertex<true>(ray, hanging.a), high = vertex<true>(ray, hanging.c);
+        LanePoint low = blended_vertex(hanging.a), high = blended_vertex(hanging.c);
         for (int d = hanging.depth; d > 0; --d) {
             const LanePoint m = middle(low, high);
             (hanging.path >> (d - 1) & 1 ? low : high) = m;
@@ -197,20 +213,21 @@ private:
     }
 
     template <bool kBlends>
-    void quads_packet(const LatticeBlock& block, vmask alive) noexcept
+    OCCAM_NEVER_INLINE void quads_packet(const LatticeBlock& block, vmask alive) noexcept
     {
         ShearedVertex v[kRows][kColumns];
         for (std::uint32_t r = 0; r <= block.rows; ++r)
             for (std::uint32_t c = 0; c <= block.columns; ++c) {
                 const std::uint32_t at = block.first + r * block.stride + c;
                 // What lies still needs no weight.
-                if (kBlends && grid_.fine_at(at) != grid_.coarse_at(at)) v[r][c] = shear(ray_, vertex<true>(ray_, at));
-                else v[r][c] = shear(ray_, vertex<false>(ray_, at));
+                if (kBlends && (fine_[0][at] != coarse_[0][at] || fine_[1][at] != coarse_[1][at] || fine_[2][at] != coarse_[2][at]))
+                    v[r][c] = shear(ray_, origin_, blended_vertex(at));
+                else v[r][c] = shear(ray_, origin_, still_vertex(at));
             }
         if constexpr (kBlends)
             for (std::uint32_t h = block.hanging; h < block.hanging + block.hanging_count; ++h) {
                 const BlockHanging& at = grid_.block_hanging[h];
-                v[at.row][at.column] = shear(ray_, hanging_vertex(ray_, grid_.hanging[at.hanging]));
+                v[at.row][at.column] = shear(ray_, origin_, hanging_vertex(grid_.hanging[at.hanging]));
             }
         for (int r = 0; r < block.rows; ++r)
             for (int c = 0; c < block.columns; ++c) {
@@ -219,45 +236,51 @@ private:
             }
     }
 
+    /// A block's vertices in rows, as one ray blends them; along kx, ky, kz.
+    struct OwnRows {
+        float v[3][kRows][8];
+    };
+    OCCAM_NEVER_INLINE void blend_rows(const LatticeBlock& block, OwnRows& own) const noexcept
+    {
+        for (std::uint32_t r = 0; r <= block.rows; ++r)
+            for (std::uint32_t c = 0; c <= block.columns; c += kLanes) {
+                const std::uint32_t at = block.first + r * block.stride + c;
+                const auto load = [&](const float* const* p) { return LanePoint{vfloat::load(p[0] + at), vfloat::load(p[1] + at), vfloat::load(p[2] + at)}; };
+                const LanePoint p = blend_.between(load(fine_), load(coarse_));
+                p.x.store(&own.v[0][r][c]);
+                p.y.store(&own.v[1][r][c]);
+                p.z.store(&own.v[2][r][c]);
+            }
+        for (std::uint32_t h = block.hanging; h < block.hanging + block.hanging_count; ++h) {
+            const BlockHanging& at = grid_.block_hanging[h];
+            const LanePoint p = hanging_vertex(grid_.hanging[at.hanging]);
+            own.v[0][at.row][at.column] = first_lane(p.x);
+            own.v[1][at.row][at.column] = first_lane(p.y);
+            own.v[2][at.row][at.column] = first_lane(p.z);
+        }
+    }
+
     void quads_single(const LatticeBlock& block, int lane, bool blends) noexcept
     {
-        // Rows of the block's vertices: as they are stored, or as this ray blends them.
-        float own[3][kRows][8];
-        const float* from[3][kRows];
-        for (std::uint32_t r = 0; r < std::uint32_t(kRows); ++r)
-            for (int a = 0; a < 3; ++a) from[a][r] = blends ? own[a][r] : vertices_[a] + block.first + std::min<std::uint32_t>(r, block.rows) * block.stride;
+        OwnRows own;
+        const float* from[3] = {vertices_[0] + block.first, vertices_[1] + block.first, vertices_[2] + block.first};
+        std::ptrdiff_t stride = block.stride;
         if (blends) {
-            for (std::uint32_t r = 0; r <= block.rows; ++r)
-                for (std::uint32_t c = 0; c <= block.columns; c += kLanes) {
-                    const std::uint32_t at = block.first + r * block.stride + c;
-                    const auto load = [&](const float* const (&p)[3]) { return LanePoint{vfloat::load(p[0] + at), vfloat::load(p[1] + at), vfloat::load(p[2] + at)}; };
-                    const LanePoint p = ray_.blend.between(load(grid_.fine), load(grid_.coarse));
-                    p.x.store(&own[0][r][c]);
-                    p.y.store(&own[1][r][c]);
-                    p.z.store(&own[2][r][c]);
-                }
-            for (std::uint32_t h = block.hanging; h < block.hanging + block.hanging_count; ++h) {
-                const BlockHanging& at = grid_.block_hanging[h];
-                const LanePoint p = hanging_vertex(ray_, grid_.hanging[at.hanging]);
-                const vfloat* parts[3] = {&p.x, &p.y, &p.z};
-                for (int a = 0; a < 3; ++a) {
-                    float lanes[kLanes];
-                    parts[a]->store(lanes);
-                    own[a][at.row][at.column] = lanes[0];
-                }
-            }
-            if (block.rows == 1)
-                for (auto& coordinate : own) std::copy_n(coordinate[1], 8, coordinate[2]);
+            blend_rows(block, own);
+            for (int a = 0; a < 3; ++a) from[a] = own.v[a][0];
+            stride = 8;
         }
+        const std::ptrdiff_t upper = block.rows == 2 ? stride : 0;
         // Lanes: four quads of the lower row, four of the upper.
         unsigned real = (1u << block.columns) - 1;
         if (block.rows == 2) real |= real << 4;
         for (int first = 0; first < IGrid::kBlock; first += kLanes) {
             if ((real >> first & ((1u << kLanes) - 1)) == 0) continue;
             const auto corner = [&](int dc, int dr) {
-                return shear(ray_, LanePoint{vfloat::load_halves(from[0][dr] + dc, from[0][dr + 1] + dc, first),
-                                             vfloat::load_halves(from[1][dr] + dc, from[1][dr + 1] + dc, first),
-                                             vfloat::load_halves(from[2][dr] + dc, from[2][dr + 1] + dc, first)});
+                const std::ptrdiff_t at = dr * stride + dc;
+                return shear(ray_, origin_, LanePoint{vfloat::load_halves(from[0] + at, from[0] + at + upper, first),
+                                                      vfloat::load_halves(from[1] + at, from[1] + at + upper, first),
+                                                      vfloat::load_halves(from[2] + at, from[2] + at + upper, first)});
             };
             const ShearedVertex v00 = corner(0, 0), v10 = corner(1, 0), v01 = corner(0, 1), v11 = corner(1, 1);
             for (int triangle = 0; triangle < 2; ++triangle) {
@@ -277,7 +300,7 @@ private:
     template <class Load>
     void triangle_vertices(Load&& load, ShearedVertex (&v)[3]) const noexcept
     {
-        for (int p = 0; p < 3; ++p) v[p] = shear(ray_, {load(p * 3), load(p * 3 + 1), load(p * 3 + 2)});
+        for (int p = 0; p < 3; ++p) v[p] = shear(ray_, origin_, {load(p * 3 + axes_[0]), load(p * 3 + axes_[1]), load(p * 3 + axes_[2])});
     }
 
     void triangles_packet(int block, vmask alive) noexcept
@@ -302,7 +325,7 @@ private:
     /// The triangles of T-vertices, which have no area. The float test decides nothing here: its signs are right, but t is noise
     /// along the edge. What it lets through is done again in double, where the products of floats are exact (watertightness
     /// rule 6).
-    void hanging_single(int block, int lane, const RayLanes& ray, bool blends) noexcept
+    OCCAM_NEVER_INLINE void hanging_single(int block, int lane, const RayLanes& ray, const LanePoint& origin, const VertexBlend& blend, bool blends) noexcept
     {
         for (int first = block * IGrid::kBlock; first < (block + 1) * IGrid::kBlock; first += kLanes) {
             float end[2][3][kLanes], corner[3][3][kLanes];
@@ -315,7 +338,7 @@ private:
                     }
                     return LanePoint{vfloat::load(lanes[0]), vfloat::load(lanes[1]), vfloat::load(lanes[2])};
                 };
-                const LanePoint p = blends ? ray.blend.between(gather(grid_.fine), gather(grid_.coarse))
+                const LanePoint p = blends ? blend.between(gather(fine_), gather(coarse_))
                                            : gather(vertices_);
                 p.x.store(end[e][0]);
                 p.y.store(end[e][1]);
@@ -331,7 +354,7 @@ private:
                 }
             }
             ShearedVertex v[3];
-            for (int p = 0; p < 3; ++p) v[p] = shear(ray, {vfloat::load(corner[p][0]), vfloat::load(corner[p][1]), vfloat::load(corner[p][2])});
+            for (int p = 0; p < 3; ++p) v[p] = shear(ray, origin, {vfloat::load(corner[p][0]), vfloat::load(corner[p][1]), vfloat::load(corner[p][2])});
             unsigned lanes = bits(is_inside(edge_functions(v[0], v[1], v[2])));
             if (lanes == 0) continue;
             float x[3][kLanes], y[3][kLanes], t[3][kLanes], shift[kLanes], t_near[kLanes], t_far[kLanes];
@@ -360,6 +383,11 @@ private:
 
     IGrid& grid_;
     const RayLanes& ray_;
+    LanePoint origin_;                        ///< along kx, ky, kz
+    int axes_[3];                             ///< kx, ky, kz
+    const float* fine_[3];                    ///< along these
+    const float* coarse_[3];
+    VertexBlend blend_;                       ///< likewise; of a grid that blends
     const bool (&negative_)[3];
     vfloat t_near_, t_end_;
     Query& query_;

@@ -76,7 +76,7 @@ inline float first_lane(vfloat x) noexcept
 struct LanePoint {
     vfloat x, y, z;
 };
-inline LanePoint middle(const LanePoint& a, const LanePoint& b) noexcept
+OCCAM_ALWAYS_INLINE LanePoint middle(const LanePoint& a, const LanePoint& b) noexcept
 {
     const vfloat half = 0.5f;
     return {(a.x + b.x) * half, (a.y + b.y) * half, (a.z + b.z) * half};
@@ -87,6 +87,8 @@ inline LanePoint middle(const LanePoint& a, const LanePoint& b) noexcept
 struct VertexBlend {
     vfloat d[3], k;
 
+    /// The same of points given along three axes in this order.
+    VertexBlend along(int kx, int ky, int kz) const noexcept { return {{d[kx], d[ky], d[kz]}, k}; }
     /// origin, shift: of the rays in that frame.
     void set(const lod::Blend<vfloat>& blend, const vfloat (&direction)[3], const vfloat (&origin)[3], vfloat shift) noexcept
     {
@@ -98,18 +100,17 @@ struct VertexBlend {
         k = along * blend.scale;
     }
     /// Rises or falls along each axis without a step back, rounding included: so the corners of a box bound what is in it.
-    vfloat ramp(const vfloat (&v)[3]) const noexcept { return fma(v[0], d[0], fma(v[1], d[1], fma(v[2], d[2], k))); }
+    OCCAM_ALWAYS_INLINE vfloat ramp(const LanePoint& v) const noexcept { return fma(v.x, d[0], fma(v.y, d[1], fma(v.z, d[2], k))); }
 
     /// 0: fine, 1: coarse.
-    vfloat weight(const LanePoint& fine) const noexcept
+    OCCAM_ALWAYS_INLINE vfloat weight(const LanePoint& fine) const noexcept
     {
-        const vfloat v[3] = {fine.x, fine.y, fine.z};
-        const vfloat x = min(max(ramp(v), 0.0f), 1.0f);
+        const vfloat x = min(max(ramp(fine), 0.0f), 1.0f);
         return x * x * (vfloat(3.0f) - (x + x));
     }
     /// Exactly `fine` and `coarse` at the ends, and where both are the same: the blend of a shared vertex has the same bits in all
     /// of its triangles and grids (watertightness rule 7).
-    LanePoint between(const LanePoint& fine, const LanePoint& coarse) const noexcept
+    OCCAM_ALWAYS_INLINE LanePoint between(const LanePoint& fine, const LanePoint& coarse) const noexcept
     {
         const vfloat w = weight(fine);
         const vmask at_end = w >= vfloat(1.0f);
@@ -123,7 +124,6 @@ struct RayLanes {
     int kx, ky, kz;
     vfloat sx, sy, sz;
     vfloat inverse[3];
-    vfloat direction[3];
     vfloat origin[3];
     vfloat shift;
     VertexBlend blend;

@@ -178,7 +178,7 @@ vfloat gather(std::size_t count, Get&& get) noexcept
 /// Meets what a node holds for pairs [finest, coarsest]. enter(entry) says which rays enter an item's box; meet(grid, rays) meets
 /// it with them.
 template <class F, class Enter, class Meet>
-LeafResult Tracer::State::meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest, int coarsest,
+OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest, int coarsest,
                                     std::size_t limit_bytes, Enter&& enter, Meet&& meet)
 {
     for (int pair = finest; pair <= coarsest; ++pair) {
@@ -187,17 +187,14 @@ LeafResult Tracer::State::meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_nea
         if (none(here)) continue;
         KdLeaf* leaf = tree.leaf(node, pair);
         if (!leaf) return LeafResult::Expanded;
-        if (leaf->pairs.coarsest > pair) {
-            // The same for several pairs: met once for all of them.
-            const int last = std::min(leaf->pairs.coarsest, coarsest);
-            if (pairs.levels && last > pair) here = alive & (max(t_near, pairs.in(pair, last)) <= min(t_far, pairs.out(pair, last)));
-            for (KdLeaf::Entry& entry : leaf->entries)
-                if (const MaskOf<F> entering = here & enter(entry.box); any(entering) && !meet(entry, pair, entering)) return LeafResult::Abandoned;
-            pair = last;
-            continue;
+        // What is the same for several pairs is met once for all of them.
+        const int last = std::min(leaf->pairs.coarsest, coarsest);
+        if (last > pair) here = alive & (max(t_near, pairs.in(pair, last)) <= min(t_far, pairs.out(pair, last)));
+        for (KdLeaf::Entry& entry : leaf->entries) {
+            const MaskOf<F> entering = here & enter(entry.box);
+            if (any(entering) && !meet(entry, pair, entering)) return LeafResult::Abandoned;
         }
-        for (KdLeaf::Entry& entry : leaf->entries)
-            if (const MaskOf<F> entering = here & enter(entry.box); any(entering) && !meet(entry, pair, entering)) return LeafResult::Abandoned;
+        pair = last;
     }
     return arena.bytes() <= limit_bytes ? LeafResult::Done : LeafResult::Abandoned;
 }
@@ -215,6 +212,7 @@ bool Tracer::State::run_packet(std::span<const Ray> rays, const RayAxes* ax, std
     KdRay<vfloat> kd;
     place_all(frame.anchor, frame.radius, kd.origin, kd.shift);
     RayLanes lanes;
+    vfloat direction[3];
     lanes.kx = ax->kx;
     lanes.ky = ax->ky;
     lanes.kz = ax->kz;
@@ -224,7 +222,7 @@ bool Tracer::State::run_packet(std::span<const Ray> rays, const RayAxes* ax, std
     for (int a = 0; a < 3; ++a) {
         kd.inverse[a] = lanes.inverse[a] = gather(n, [&](std::size_t i) { return ax[i].inverse[a]; });
         kd.negative[a] = ax->negative[a];
-        lanes.direction[a] = gather(n, [&](std::size_t i) { return rays[i].direction[a]; });
+        direction[a] = gather(n, [&](std::size_t i) { return rays[i].direction[a]; });
     }
     const vfloat t_near = gather(n, [&](std::size_t i) { return rays[i].t_near; });
     vfloat begin = t_near - kd.shift, end = query.limit() - kd.shift;
@@ -239,12 +237,12 @@ bool Tracer::State::run_packet(std::span<const Ray> rays, const RayAxes* ax, std
     int blended = lod::kNoPair;
     ++visit;
     ++counters.packets;
-    const auto enter = [&](const Box3f& box) {
+    const auto enter = [&](const Box3f& box) __attribute__((always_inline)) {
         vfloat in = begin, out = limit();
         clip(kd, box, in, out);
         return in <= out;
     };
-    const auto meet = [&](KdLeaf::Entry& entry, int pair, vmask entering) {
+    const auto meet = [&](KdLeaf::Entry& entry, int pair, vmask entering) __attribute__((always_inline)) {
         if (!entry.grid) {
             entry.grid = &items.grid(entry.item, pair);
             if (arena.bytes() > limit_bytes) return false;
@@ -269,7 +267,7 @@ bool Tracer::State::run_packet(std::span<const Ray> rays, const RayAxes* ax, std
             to = pairs.levels->end(grid.pairs.finest, grid.pairs.coarsest);
             if (grid.blends() && blended != grid.pairs.finest) {
                 blended = grid.pairs.finest;
-                lanes.blend.set(pairs.levels->blend(blended), lanes.direction, lanes.origin, lanes.shift);
+                lanes.blend.set(pairs.levels->blend(blended), direction, lanes.origin, lanes.shift);
             }
         }
         if (std::popcount(fresh) >= kWorthAPacket) {
@@ -280,7 +278,8 @@ bool Tracer::State::run_packet(std::span<const Ray> rays, const RayAxes* ax, std
         for (unsigned left = fresh; left != 0; left &= left - 1) {
             const int lane = std::countr_zero(left);
             LaneOf<Found> one{query, lane};
-            const RayLanes ray = spread(lanes, lane);
+            RayLanes ray = spread(lanes, lane);
+            if (grid.blends()) ray.blend = spread(lanes.blend, lane);
             IGridTracer(grid, ray, kd.negative, spread(from, lane), spread(to, lane), one).single(lane);
         }
         return true;
@@ -297,6 +296,7 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& ax, std::size_t li
     const PlacedOrigin start = place(ray, frame.anchor, frame.radius);
     KdRay<float> kd;
     RayLanes lanes;
+    vfloat direction[3];
     lanes.kx = ax.kx;
     lanes.ky = ax.ky;
     lanes.kz = ax.kz;
@@ -309,7 +309,7 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& ax, std::size_t li
         kd.inverse[a] = ax.inverse[a];
         kd.negative[a] = ax.negative[a];
         lanes.inverse[a] = ax.inverse[a];
-        lanes.direction[a] = ray.direction[a];
+        direction[a] = ray.direction[a];
     }
     const int lane = query.only;
     float begin = ray.t_near - kd.shift, end = query.t[lane] - kd.shift;
@@ -355,7 +355,7 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& ax, std::size_t li
             if (grid.blends() && blended != grid.pairs.finest) {
                 blended = grid.pairs.finest;
                 const lod::Blend<float> blend = pairs.levels->blend(blended);
-                lanes.blend.set({blend.start, blend.scale}, lanes.direction, lanes.origin, lanes.shift);
+                lanes.blend.set({blend.start, blend.scale}, direction, lanes.origin, lanes.shift);
             }
         }
         IGridTracer(grid, lanes, kd.negative, from, to, query).single(lane);

@@ -27,7 +27,7 @@ using MaskOf = decltype(F() < F());
 
 /// Clips [t_near, t_far] to a box, a little widened.
 template <class F>
-void clip(const KdRay<F>& ray, const Box3f& box, F& t_near, F& t_far) noexcept
+OCCAM_ALWAYS_INLINE void clip(const KdRay<F>& ray, const Box3f& box, F& t_near, F& t_far) noexcept
 {
     const F slack = 4 * FLT_EPSILON;
     for (int a = 0; a < 3; ++a) {

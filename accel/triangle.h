@@ -15,12 +15,11 @@ struct ShearedVertex {
     vfloat x, y, t;
 };
 
-/// p: of the cage's frame.
-inline ShearedVertex shear(const RayLanes& ray, const LanePoint& p) noexcept
+/// p, origin: along the ray's kx, ky, kz.
+OCCAM_ALWAYS_INLINE ShearedVertex shear(const RayLanes& ray, const LanePoint& origin, const LanePoint& p) noexcept
 {
-    const vfloat c[3] = {p.x, p.y, p.z};
-    const vfloat z = c[ray.kz] - ray.origin[ray.kz];
-    return {fnma(ray.sx, z, c[ray.kx] - ray.origin[ray.kx]), fnma(ray.sy, z, c[ray.ky] - ray.origin[ray.ky]), ray.sz * z};
+    const vfloat z = p.z - origin.z;
+    return {fnma(ray.sx, z, p.x - origin.x), fnma(ray.sy, z, p.y - origin.y), ray.sz * z};
 }
 
 struct TriangleHit {
@@ -32,17 +31,17 @@ struct TriangleHit {
 struct EdgeFunctions {
     vfloat u, v, w;
 };
-inline EdgeFunctions edge_functions(const ShearedVertex& a, const ShearedVertex& b, const ShearedVertex& c) noexcept
+OCCAM_ALWAYS_INLINE EdgeFunctions edge_functions(const ShearedVertex& a, const ShearedVertex& b, const ShearedVertex& c) noexcept
 {
     return {c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x};
 }
-inline vmask is_inside(const EdgeFunctions& e) noexcept
+OCCAM_ALWAYS_INLINE vmask is_inside(const EdgeFunctions& e) noexcept
 {
     const vfloat zero = 0.0f;
     return ((e.u >= zero) & (e.v >= zero) & (e.w >= zero)) | ((e.u <= zero) & (e.v <= zero) & (e.w <= zero));
 }
 
-inline TriangleHit intersect(const RayLanes& ray, const ShearedVertex& a, const ShearedVertex& b, const ShearedVertex& c) noexcept
+OCCAM_ALWAYS_INLINE TriangleHit intersect(const RayLanes& ray, const ShearedVertex& a, const ShearedVertex& b, const ShearedVertex& c) noexcept
 {
     const EdgeFunctions e = edge_functions(a, b, c);
     const vmask inside = is_inside(e);

@@ -23,6 +23,11 @@ namespace occam {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+/// Of kernels that are too long for the compiler's taste, and yet called where every cycle counts.
+#define OCCAM_ALWAYS_INLINE [[gnu::always_inline]] inline
+/// Of what is rare, and would keep the common out of registers.
+#define OCCAM_NEVER_INLINE [[gnu::noinline]]
+
 #ifdef OCCAM_ONE_LANE
 inline constexpr int kLanes = 1;
 using FloatTag = hn::CappedTag<float, 1>;
