@@ -60,6 +60,12 @@ public:
     void restart(const Box3f& bounds, ItemIndex root);
 
     const KdNode& node(std::uint32_t n) const noexcept { return nodes_[n]; }
+    /// Whether the leaf of a node asked for last is the same for all pairs of a range.
+    bool is_same_for(std::uint32_t n, int finest, int coarsest) const noexcept
+    {
+        const PairRange& pairs = leaves_[head_of(n)].pairs;
+        return pairs.has(finest) && pairs.has(coarsest);
+    }
     /// What rays of a pair meet at a node that is not interior for it; makes it if need be. Null: the node has become interior.
     KdLeaf* leaf(std::uint32_t n, int pair)
     {

@@ -183,13 +183,13 @@ OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, Mask
 {
     for (int pair = finest; pair <= coarsest; ++pair) {
         MaskOf<F> here = alive;
-        if (pairs.levels && finest != coarsest) here = alive & (max(t_near, pairs.in(pair, pair)) <= min(t_far, pairs.out(pair, pair)));
+        if (finest != coarsest && !tree.is_same_for(node, finest, coarsest)) here = alive & (max(t_near, pairs.in(pair, pair)) <= min(t_far, pairs.out(pair, pair)));
         if (none(here)) continue;
         KdLeaf* leaf = tree.leaf(node, pair);
         if (!leaf) return LeafResult::Expanded;
         // What is the same for several pairs is met once for all of them.
         const int last = std::min(leaf->pairs.coarsest, coarsest);
-        if (last > pair) here = alive & (max(t_near, pairs.in(pair, last)) <= min(t_far, pairs.out(pair, last)));
+        if (last > pair && (pair != finest || last != coarsest)) here = alive & (max(t_near, pairs.in(pair, last)) <= min(t_far, pairs.out(pair, last)));
         for (KdLeaf::Entry& entry : leaf->entries) {
             const MaskOf<F> entering = here & enter(entry.box);
             if (any(entering) && !meet(entry, pair, entering)) return LeafResult::Abandoned;
@@ -262,7 +262,8 @@ bool Tracer::State::run_packet(std::span<const Ray> rays, const RayAxes* ax, std
             place_all(here->anchor, here->radius, lanes.origin, lanes.shift);
         }
         vfloat from = t_near, to = FLT_MAX;
-        if (pairs.levels) {
+        if (pairs.levels && (!pairs.are_all_in(grid.pairs) || grid.blends())) {
+            pairs.levels->make();
             from = max(from, pairs.levels->begin(grid.pairs.finest, grid.pairs.coarsest));
             to = pairs.levels->end(grid.pairs.finest, grid.pairs.coarsest);
             if (grid.blends() && blended != grid.pairs.finest) {
@@ -349,7 +350,8 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& ax, std::size_t li
             lanes.shift = at.shift;
         }
         float from = ray.t_near, to = FLT_MAX;
-        if (pairs.levels) {
+        if (pairs.levels && (!pairs.are_all_in(grid.pairs) || grid.blends())) {
+            pairs.levels->make();
             from = max(from, pairs.levels->begin(grid.pairs.finest, grid.pairs.coarsest));
             to = pairs.levels->end(grid.pairs.finest, grid.pairs.coarsest);
             if (grid.blends() && blended != grid.pairs.finest) {

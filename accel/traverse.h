@@ -41,12 +41,21 @@ OCCAM_ALWAYS_INLINE void clip(const KdRay<F>& ray, const Box3f& box, F& t_near, 
 /// Where rays see which pairs, as t of the tree's frame.
 template <class F>
 struct PairSpans {
-    const lod::RayLevels<F>* levels = nullptr;  ///< null: all pairs are the same to these rays
+    lod::RayLevels<F>* levels = nullptr;  ///< null: all pairs are the same to these rays
     F shift;
     int finest = 0, coarsest = 0;
 
-    F in(int low, int high) const noexcept { return widen(levels->begin(low, high), -1); }
-    F out(int low, int high) const noexcept { return widen(levels->end(low, high), 1); }
+    F in(int low, int high) const noexcept
+    {
+        levels->make();
+        return widen(levels->begin(low, high), -1);
+    }
+    F out(int low, int high) const noexcept
+    {
+        levels->make();
+        return widen(levels->end(low, high), 1);
+    }
+    bool are_all_in(PairRange range) const noexcept { return range.finest <= finest && coarsest <= range.coarsest; }
 
 private:
     F widen(F t, float sign) const noexcept { return t - shift + (abs(t) + abs(shift)) * F(sign * 4 * FLT_EPSILON); }

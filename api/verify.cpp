@@ -273,6 +273,7 @@ private:
         for (int step = 0; step < 3; ++step) {
             lod::RayLevels<float> table;
             if (!table.set(ray.footprint.a, ray.footprint.b, far, far, levels_) || level < table.finest || level > table.coarsest) break;
+            table.make();
             const Vec3d to = target.at(start.at, direction, table.blend(level)) - start.at;
             if (!(glm::length(to) > 0)) break;
             direction = glm::normalize(to);

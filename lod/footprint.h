@@ -5,7 +5,9 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "scenegraph/base/box.h"
 
@@ -17,8 +19,8 @@ struct Footprint {
     float at(float t) const noexcept { return std::max(0.0f, a + b * t); }
 };
 
-/// d_l.
-inline float edge_length(int level) noexcept { return std::ldexp(1.0f, level); }
+/// d_l; level from -126 to 127.
+inline float edge_length(int level) noexcept { return std::bit_cast<float>(static_cast<std::uint32_t>(level + 127) << 23); }
 
 /// Whose wanted edge decides.
 enum class LevelMode {

@@ -46,35 +46,43 @@ public:
     /// Returns false if the lanes have more than kMost pairs: then they cannot travel together.
     bool set(F a, F b, F t_end, F coordinate, const LevelSettings& settings) noexcept
     {
-        a = max(a, F(0.0f));
-        const F at_end = max(a + b * t_end, F(0.0f));
-        const F widest = max(a, at_end);
-        const F cap = floor_exponents(widest, min(a, at_end));
-        if (coarsest - finest >= kMost) return false;
         settings_ = &settings;
+        a_ = max(a, F(0.0f));
+        b_ = b;
+        t_end_ = t_end;
         ulps_ = coordinate * F(settings.overlap_ulps * 0x1p-24f);
-        grows_ = b >= F(0.0f);
+        const F at_end = max(a_ + b_ * t_end_, F(0.0f));
+        cap_ = floor_exponents(max(a_, at_end), min(a_, at_end));
+        is_made_ = false;
+        return coarsest - finest < kMost;
+    }
+
+    /// Makes the table, which nothing but the following asks for: rays that see one mesh all along do without.
+    void make() noexcept
+    {
+        if (is_made_) return;
+        is_made_ = true;
+        grows_ = b_ >= F(0.0f);
         // Never divide by 0: what hardly changes changes by 10^-24 of itself.
-        const F least = a * F(1e-24f) + F(1e-37f);
-        const F slope = select(grows_, max(b, least), min(b, F(0.0f) - least));
-        F previous = select(grows_, F(-kFar), F(kFar));
-        for (int b_index = finest; b_index <= coarsest + 1; ++b_index) {
-            const F d = edge_length(b_index);
-            const F ideal = min(max((d - a) / slope, F(-kFar)), F(kFar));
-            const F length = margin(b_index - 1) + margin(b_index - 1);
+        const F least = a_ * F(1e-24f) + F(1e-37f);
+        const F per_slope = F(1.0f) / select(grows_, max(b_, least), min(b_, F(0.0f) - least));
+        const F low = -kFar, high = kFar;
+        F previous = select(grows_, low, high);
+        for (int at = finest; at <= coarsest + 1; ++at) {
+            const F d = edge_length(at);
+            const F ideal = min(max((d - a_) * per_slope, low), high);
+            const F length = margin(at - 1) + margin(at - 1);
             const F pushed = select(grows_, max(ideal, previous + length), min(ideal, previous - length));
-            const bool is_inner = b_index != finest && b_index != coarsest + 1;
             // Before the ray's start, past its end, and below the finest pair of a lane, there is none.
-            const Mask none_before = (pushed <= F(0.0f)) | (grows_ & (d <= cap));
-            const Mask none_after = andnot(pushed >= t_end, grows_) | andnot(d <= cap, grows_);
-            raw_[b_index - finest] = pushed;
-            const F low = F(-kFar), high = F(kFar);
+            const Mask none_before = (pushed <= F(0.0f)) | (grows_ & (d <= cap_));
+            const Mask none_after = andnot((pushed >= t_end_) | (d <= cap_), grows_);
+            raw_[at - finest] = pushed;
             F edge = select(none_after, high, select(none_before, low, pushed));
-            if (!is_inner) edge = select(b_index == finest ? grows_ : !grows_, low, high);
-            edge_[b_index - finest] = edge;
+            if (at == finest) edge = select(grows_, low, high);
+            if (at == coarsest + 1) edge = select(grows_, high, low);
+            edge_[at - finest] = edge;
             previous = select(grows_, select(none_before, low, pushed), select(none_after, high, pushed));
         }
-        return true;
     }
 
     int finest = 0, coarsest = 0;   ///< pairs that some lane has
@@ -157,8 +165,9 @@ private:
     }
 
     const LevelSettings* settings_ = nullptr;
-    F ulps_;
+    F a_, b_, t_end_, ulps_, cap_;
     Mask grows_;
+    bool is_made_ = false;
     F raw_[kMost + 1], edge_[kMost + 1];
 };
 

@@ -12,6 +12,7 @@ void run_trace(Report& report);
 void run_memory(Report& report);
 void run_frame(Report& report);
 void run_first(Report& report);
+void run_levels(Report& report);
 
 struct Suite {
     const char* name;
@@ -26,6 +27,7 @@ inline constexpr Suite kSuites[] = {
     {"trace", "closest and any hit on one thread, beside Embree on the same triangles", run_trace},
     {"memory", "bytes a resident micro-triangle", run_memory},
     {"frame", "whole frames at 4 samples, with their error against 64", run_frame},
+    {"levels", "level of detail of each ray, of each cage, and of a ray's origin: time, memory, difference", run_levels},
     {"first", "from the file to the first finished tile, 500,000 faces", run_first},
 };
 

@@ -22,6 +22,7 @@ lod::RayLevels<float> table_of(const Beam& beam, const lod::LevelSettings& setti
 {
     lod::RayLevels<float> table;
     EXPECT_TRUE(table.set(beam.a, beam.b, beam.t_end, beam.t_end, settings));
+    table.make();
     return table;
 }
 
@@ -130,6 +131,7 @@ TEST(RayLevels, HaveTheSameBitsInLanesAndAlone)
     for (std::size_t i = 0; i < all.size(); ++i) {
         lod::RayLevels<vfloat> lanes;
         ASSERT_TRUE(lanes.set(all[i].a, all[i].b, all[i].t_end, all[i].t_end, settings));
+        lanes.make();
         const lod::RayLevels<float> alone = table_of(all[i], settings);
         ASSERT_EQ(lanes.finest, alone.finest);
         ASSERT_EQ(lanes.coarsest, alone.coarsest);
