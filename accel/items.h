@@ -79,8 +79,8 @@ public:
     Item& operator[](ItemIndex i) noexcept { return items_[i]; }
 
     bool is_final(ItemIndex i, int pair) const noexcept { return pair_of(items_[i], pair) >= items_[i].final_from; }
-    /// Whether opening it first takes no region apart.
-    bool is_group(ItemIndex i) const noexcept { return items_[i].kind <= Item::Leaf; }
+    /// What opening it costs: 0 looks at no vertex, 1 poses the vertices of a cluster, 2 takes a region apart.
+    int effort(ItemIndex i) const noexcept { return items_[i].kind < Item::Leaf ? 0 : items_[i].kind == Item::Leaf ? 1 : 2; }
 
     /// Makes the parts of an item that is not final: [first_part, first_part + part_count) afterwards; or, of a Leaf not looked
     /// into yet, finds out from when on it is final. Items may move in memory. Returns whether there are parts.

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "occam/occam.h"
+#include "sequence.h"
 
 namespace occam::command {
 
@@ -33,10 +34,21 @@ struct RenderArguments : SceneArguments {
     float fov_deg = 0;  ///< 0: the camera's own, or 39.6
     float lens_radius = 0, focus = 0;  ///< 0: the camera's own
     int blades = 0;
+    std::string clip;   ///< name or number; empty: the first, if a frame or a time is asked for
+    std::optional<double> time;  ///< seconds on the clip's own axis
+    std::optional<int> frame;    ///< time is frame / fps
+    double fps = 24;
     WriteOptions write;
     ProgressStyle progress = ProgressStyle::Auto;
     bool quiet = false, verbose = false;
     std::string stats;  ///< file, "-" or empty
+};
+
+struct AnimateArguments : RenderArguments {
+    FramePattern pattern{"frame.####.exr"};  ///< from `output`
+    std::vector<int> frames;
+    Shard shard;
+    bool overwrite = false;
 };
 
 struct InfoArguments : SceneArguments {
@@ -62,12 +74,13 @@ struct Finished {
     int exit_code;
 };
 
-using Arguments = std::variant<Finished, RenderArguments, InfoArguments, VerifyArguments, CompareArguments>;
+using Arguments = std::variant<Finished, RenderArguments, AnimateArguments, InfoArguments, VerifyArguments, CompareArguments>;
 
 /// Usage errors go to standard error, --help and --version to standard output.
 Arguments parse(int argc, char** argv);
 
 int run(const RenderArguments& arguments);
+int run(const AnimateArguments& arguments);
 int run(const InfoArguments& arguments);
 int run(const VerifyArguments& arguments);
 int run(const CompareArguments& arguments);

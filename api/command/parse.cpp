@@ -163,11 +163,32 @@ void add_camera(CLI::App& app, RenderArguments& a)
     app.add_option("--blades", a.blades, "Corners of the lens's opening [0: round]")->check(CLI::Range(0, 64))->type_name("N");
 }
 
-void add_output(CLI::App& app, RenderArguments& a)
+void add_clip(CLI::App& app, RenderArguments& a)
 {
-    app.add_option("-o,--output", a.output, "Picture to write, by extension .exr .png .jpg .tif .hdr")
-        ->required()
-        ->type_name("IMAGE");
+    app.add_option("--clip", a.clip, "Animation by name or number [the first, if a frame or a time is given]")->type_name("NAME|INDEX");
+    add_number(app, "--fps", "Frames a second [24]", [&](double v) {
+        if (!(v > 0)) throw std::invalid_argument("expected more than 0");
+        a.fps = v;
+    });
+}
+
+void add_moment(CLI::App& app, RenderArguments& a)
+{
+    CLI::Option* time = add_number(app, "--time", "Seconds on the clip's own axis [the file's pose]", [&](double v) { a.time = v; });
+    app.add_option("--frame", a.frame, "The same as a frame's number: time * fps")->type_name("N")->excludes(time);
+}
+
+void add_sequence(CLI::App& app, AnimateArguments& a)
+{
+    add_value(app, "--frames", "Which frames", "A-BxSTEP,C,...", [&](const std::string& t) { a.frames = frames_of(t); })->required();
+    app.add_flag("--overwrite", a.overwrite, "Make frames again whose pictures are there");
+    add_value(app, "--shard", "Every N-th frame, from the K-th [what Slurm's array variables say, else all]", "K/N",
+              [&](const std::string& t) { a.shard = shard_of(t); });
+}
+
+void add_output(CLI::App& app, RenderArguments& a, const std::string& form)
+{
+    app.add_option("-o,--output", a.output, "Picture to write, by extension .exr .png .jpg .tif .hdr")->required()->type_name(form);
     add_number(app, "--exposure", "Stops, display formats only [0]", [&](double v) { a.write.exposure_ev = float(v); });
     add_choice<Tonemap>(app, "--tonemap", a.write.tonemap,
                         {{"none", Tonemap::None}, {"srgb", Tonemap::Srgb}, {"aces", Tonemap::Aces}},
@@ -222,11 +243,26 @@ void apply_quality(const CLI::App& app, Settings& s)
     if (!app.count("--shading-rate")) s.shading_rate = quality.shading_rate;
 }
 
+// What only the whole of the words decides.
+Arguments finished(AnimateArguments a, bool has_shard)
+{
+    try {
+        a.pattern = FramePattern(a.output);
+    } catch (const std::invalid_argument& error) {
+        std::cerr << "occam: --output: " << error.what() << " (occam animate --help)\n";
+        return Finished{2};
+    }
+    if (!has_shard)
+        if (const auto slurm = slurm_shard([](const char* name) -> const char* { return std::getenv(name); })) a.shard = *slurm;
+    return a;
+}
+
 }  // namespace
 
 Arguments parse(int argc, char** argv)
 {
     RenderArguments render;
+    AnimateArguments animate;
     InfoArguments info;
     VerifyArguments verify;
     CompareArguments compare;
@@ -241,12 +277,26 @@ Arguments parse(int argc, char** argv)
 
     CLI::App& render_app = *app.add_subcommand("render", "One frame to a picture");
     add_scene(render_app, render);
-    add_output(render_app, render);
+    add_output(render_app, render, "IMAGE");
     add_camera(render_app, render);
+    add_clip(render_app, render);
+    add_moment(render_app, render);
     add_picture(render_app, render);
     add_machine(render_app, render);
     render_app.footer(
         "Example: occam render courtyard.glb -o courtyard.exr --size 1920x1080 --spp 64 --aov depth,normal --stats -");
+
+    CLI::App& animate_app = *app.add_subcommand("animate", "A sequence of frames; goes on where it was stopped");
+    add_scene(animate_app, animate);
+    add_output(animate_app, animate, "IMAGE.####.EXT");
+    add_sequence(animate_app, animate);
+    add_clip(animate_app, animate);
+    add_camera(animate_app, animate);
+    add_picture(animate_app, animate);
+    add_machine(animate_app, animate);
+    animate_app.footer(
+        "Frames whose pictures are there are left alone: a run that was stopped is started again with the same words.\n"
+        "Example: occam animate fox.glb -o fox.####.exr --frames 0-95 --clip Run --shard 1/4");
 
     CLI::App& info_app = *app.add_subcommand("info", "What is in a scene");
     add_scene(info_app, info);
@@ -287,6 +337,10 @@ Arguments parse(int argc, char** argv)
     if (render_app.parsed()) {
         apply_quality(render_app, render.settings);
         return render;
+    }
+    if (animate_app.parsed()) {
+        apply_quality(animate_app, animate.settings);
+        return finished(std::move(animate), animate_app.count("--shard") > 0);
     }
     if (info_app.parsed()) return info;
     if (verify_app.parsed()) return verify;
