@@ -19,17 +19,19 @@ struct TopologyCache::State {
 TopologyCache::TopologyCache() : state_(std::make_unique<State>()) {}
 TopologyCache::~TopologyCache() = default;
 
-const CageTables& TopologyCache::get(const CageSlot& slot)
+const CageTables& TopologyCache::get(const CageSlot& asked)
 {
     State::Entry* entry;
     {
         const std::lock_guard lock(state_->mutex);
-        auto& found = state_->entries[slot.identity];
+        auto& found = state_->entries[asked.identity];
         if (!found) found = std::make_unique<State::Entry>();
         entry = found.get();
     }
     const std::lock_guard lock(entry->mutex);
     CageTables& tables = entry->tables;
+    if (asked.is_on_demand() && !tables.made) tables.made = std::make_unique<const CageSlot>(asked.made());
+    const CageSlot& slot = tables.made ? *tables.made : asked;
     if (!tables.clusters) {
         if (slot.cage.scheme != Scheme::Triangles) tables.topology = std::make_unique<const Topology>(slot.cage);
         tables.clusters = std::make_unique<ClusterTree>(slot.cage);

@@ -12,6 +12,7 @@ void run_trace(Report& report);
 void run_memory(Report& report);
 void run_frame(Report& report);
 void run_first(Report& report);
+void run_crowd(Report& report);
 
 struct Suite {
     const char* name;
@@ -27,6 +28,7 @@ inline constexpr Suite kSuites[] = {
     {"memory", "bytes a resident micro-triangle", run_memory},
     {"frame", "whole frames at 4 samples, with their error against 64", run_frame},
     {"first", "from the file to the first finished tile, 500,000 faces", run_first},
+    {"crowd", "cages that all deform every frame, beside Embree rebuilding its own", run_crowd},
 };
 
 }  // namespace occam::bench
