@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "scenegraph/base/box.h"
+#include "scenegraph/base/power_of_two.h"
 
 namespace occam::lod {
 
@@ -18,7 +19,7 @@ struct Footprint {
 };
 
 /// d_l.
-inline float edge_length(int level) noexcept { return std::ldexp(1.0f, level); }
+inline float edge_length(int level) noexcept { return power_of_two(level); }
 
 /// Whose wanted edge decides.
 enum class LevelMode {

@@ -69,12 +69,16 @@ struct VerifyArguments : SceneArguments {
     bool json = false;
 };
 
+struct BenchArguments {
+    std::vector<std::string> words;  ///< for the program of benchmarks
+};
+
 /// Nothing to do but to end with that exit code: what there was to say has been said.
 struct Finished {
     int exit_code;
 };
 
-using Arguments = std::variant<Finished, RenderArguments, AnimateArguments, InfoArguments, VerifyArguments, CompareArguments>;
+using Arguments = std::variant<Finished, RenderArguments, AnimateArguments, InfoArguments, VerifyArguments, CompareArguments, BenchArguments>;
 
 /// Usage errors go to standard error, --help and --version to standard output.
 Arguments parse(int argc, char** argv);
@@ -84,6 +88,7 @@ int run(const AnimateArguments& arguments);
 int run(const InfoArguments& arguments);
 int run(const VerifyArguments& arguments);
 int run(const CompareArguments& arguments);
+int run(const BenchArguments& arguments);
 
 /// The scene of a file, or the built-in one.
 Scene open_scene(const SceneArguments& arguments);

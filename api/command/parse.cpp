@@ -314,6 +314,16 @@ Arguments parse(int argc, char** argv)
     add_compare(compare_app, compare);
     compare_app.footer("Example: occam compare out.exr reference.exr --heat heat.png --max-rmse 0.01");
 
+    CLI::App& bench_app = *app.add_subcommand("bench", "Speed, beside other software");
+    std::vector<std::string> suites;
+    std::string only, json;
+    bool list = false;
+    bench_app.add_option("SUITE", suites, "Which; without it all")->type_name("");
+    bench_app.add_option("--only", only, "Cases whose name or recipe has this text")->type_name("TEXT");
+    bench_app.add_option("--json", json, "Write the rows")->type_name("FILE");
+    bench_app.add_flag("--list", list, "What suites there are");
+    bench_app.footer("Example: occam bench crowd --only fast --json crowd.json");
+
     const auto is_command = [&](const char* word) {
         const auto all = app.get_subcommands([](const CLI::App*) { return true; });
         return std::any_of(all.begin(), all.end(), [&](const CLI::App* command) { return command->get_name() == word; });
@@ -341,6 +351,12 @@ Arguments parse(int argc, char** argv)
     if (animate_app.parsed()) {
         apply_quality(animate_app, animate.settings);
         return finished(std::move(animate), animate_app.count("--shard") > 0);
+    }
+    if (bench_app.parsed()) {
+        if (list) suites.push_back("--list");
+        if (!only.empty()) suites.insert(suites.end(), {"--only", only});
+        if (!json.empty()) suites.insert(suites.end(), {"--json", json});
+        return BenchArguments{suites};
     }
     if (info_app.parsed()) return info;
     if (verify_app.parsed()) return verify;

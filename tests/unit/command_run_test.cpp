@@ -22,7 +22,7 @@ long lines_of(const std::string& text) { return std::count(text.begin(), text.en
 
 TEST_F(Command, HelpShowsAnExampleForEachCommand)
 {
-    for (const char* command : {"render", "animate", "info", "verify", "compare"}) {
+    for (const char* command : {"render", "animate", "info", "verify", "compare", "bench"}) {
         const Outcome o = run({command, "--help"});
         EXPECT_EQ(o.exit_code, kDone) << command;
         EXPECT_NE(o.out.find(std::string("Example: occam ") + command), std::string::npos) << o.out;
