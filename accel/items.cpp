@@ -12,6 +12,7 @@ namespace {
 
 constexpr float kBoxUlps = 4;      // what boxes of items are grown by: two for rounding them, two for the culling rule
 constexpr int kMaxSceneDepth = 256;
+constexpr float kCostOfUnmade = 100;  // of a cage that nobody has seen yet, in steps of the tree
 constexpr std::size_t kMaxParts = 1024;  // of an igrid: n-gons of thousands of corners never share one
 
 // Rough costs of meeting an item, in steps of the tree: for the surface area heuristic alone.
@@ -78,6 +79,12 @@ bool Items::open(ItemIndex i, int pair)
     const auto first = static_cast<std::uint32_t>(items_.size());
     switch (item.kind) {
         case Item::SceneNode: open_node(*static_cast<const PlacedNode*>(item.subject)); break;
+        case Item::Unmade: {
+            const PlacedNode& at = *static_cast<const PlacedNode*>(item.subject);
+            const Node& node = *frame_.scene->find(at.id);
+            add_cage(at, node, node.cages[item.index], item.index);
+            break;
+        }
         case Item::Cluster: open_cluster(item.cage(), item.index); break;
         case Item::Leaf:
             for (const PatchInfo& patch : item.cluster->patches) add_region(item.cage(), item.cluster, patch, {patch.ref, 0, 0, 0, 0});
@@ -92,8 +99,10 @@ bool Items::open(ItemIndex i, int pair)
 void Items::add_cage(const PlacedNode& at, const Node& node, CageId id, std::size_t place)
 {
     const CageSlot* slot = frame_.scene->find(id);
-    if (!slot || slot->cage.face_count() == 0 || slot->bounds.is_empty()) return;
+    if (!slot || slot->bounds.is_empty() || (slot->cage.face_count() == 0 && !slot->is_on_demand())) return;
     const lod::CageTables& tables = frame_.topologies->get(*slot);
+    if (tables.made) slot = tables.made.get();
+    if (slot->cage.face_count() == 0) return;
     lod::PosedCage& cage = *arena_.make<lod::PosedCage>();
     cage.slot = slot;
     cage.topology = tables.topology.get();
@@ -112,7 +121,20 @@ void Items::open_node(const PlacedNode& at)
 {
     const Node* node = frame_.scene->find(at.id);
     if (!node) return;
-    for (std::size_t c = 0; c < node->cages.size(); ++c) add_cage(at, *node, node->cages[c], c);
+    for (std::size_t c = 0; c < node->cages.size(); ++c) {
+        const CageSlot* slot = frame_.scene->find(node->cages[c]);
+        if (!slot || !slot->is_on_demand()) {
+            add_cage(at, *node, node->cages[c], c);
+            continue;
+        }
+        Item item;
+        item.kind = Item::Unmade;
+        item.subject = &at;
+        item.index = static_cast<std::uint32_t>(c);
+        item.box = outward_float(transform_box(at.world_from_node, slot->bounds), frame_.anchor, kBoxUlps);
+        item.cost = kCostOfUnmade;
+        if (!item.box.is_empty()) items_.push_back(item);
+    }
     if (at.depth == kMaxSceneDepth) return;
     const auto add = [&](NodeId id, const Mat4d& world, std::uint64_t place) {
         const Node* below = frame_.scene->find(id);

@@ -45,6 +45,7 @@ struct ClusterInfo {
 struct Item {
     enum Kind : std::uint8_t {
         SceneNode,  ///< subject: PlacedNode
+        Unmade,     ///< subject: PlacedNode, index: of its cages, one that is made on demand
         Cluster,    ///< subject: PosedCage, index: node of its ClusterTree
         Leaf,       ///< the same, without nodes below
         Region,     ///< a patch or part of one
@@ -79,8 +80,16 @@ public:
     Item& operator[](ItemIndex i) noexcept { return items_[i]; }
 
     bool is_final(ItemIndex i, int pair) const noexcept { return pair_of(items_[i], pair) >= items_[i].final_from; }
-    /// Whether opening it first takes no region apart.
-    bool is_group(ItemIndex i) const noexcept { return items_[i].kind <= Item::Leaf; }
+    /// What opening it costs: 0 looks at no vertex, 1 makes or poses vertices, 2 takes a region apart.
+    int effort(ItemIndex i) const noexcept
+    {
+        switch (items_[i].kind) {
+            case Item::Unmade:
+            case Item::Leaf: return 1;
+            case Item::Region: return 2;
+            default: return 0;
+        }
+    }
 
     /// Makes the parts of an item that is not final: [first_part, first_part + part_count) afterwards; or, of a Leaf not looked
     /// into yet, finds out from when on it is final. Items may move in memory. Returns whether there are parts.

@@ -10,6 +10,7 @@ namespace {
 constexpr std::size_t kEnough = 16;        // candidates to choose a plane from; tests/bench has the curve
 constexpr float kTraversalCost = 16;       // in the units of Item::cost; tests/bench has the curve
 constexpr float kEmptyBonus = 0.8f;        // of a split that cuts off empty space
+constexpr int kAnyEffort = 2;
 
 }  // namespace
 
@@ -39,20 +40,20 @@ void KdTree::clip_into(const Box3f& box, ItemIndex item, int pair)
     if (!clipped.is_empty()) candidates_.push_back({clipped, item, it.cost, items_.is_final(item, pair)});
 }
 
-bool KdTree::open_largest(const Box3f& box, int pair)
+bool KdTree::open_largest(const Box3f& box, int pair, int most_effort)
 {
     // Regions last: taking them apart binds the node to fine levels.
     std::size_t largest = candidates_.size();
     float area = -1;
-    bool is_group = false;
+    int least = most_effort;
     for (std::size_t c = 0; c < candidates_.size(); ++c) {
         if (candidates_[c].is_final) continue;
-        const bool group = items_.is_group(candidates_[c].item);
-        if (is_group && !group) continue;
-        if ((group && !is_group) || candidates_[c].box.half_area() > area) {
+        const int effort = items_.effort(candidates_[c].item);
+        if (effort > least) continue;
+        if (effort < least || candidates_[c].box.half_area() > area) {
             area = candidates_[c].box.half_area();
             largest = c;
-            is_group = group;
+            least = effort;
         }
     }
     if (largest == candidates_.size()) return false;
@@ -166,15 +167,16 @@ KdLeaf* KdTree::expand(std::uint32_t n, int pair)
     Split split;
     while (true) {
         if (was_interior || record.depth >= kMaxDepth || heads_.size() == KdNode::kMaxPairs) {
-            while (open_largest(record.box, pair)) {
+            while (open_largest(record.box, pair, kAnyEffort)) {
             }
             split.axis = -1;
             break;
         }
-        while (candidates_.size() < kEnough && open_largest(record.box, pair)) {
+        // A plane is chosen before a vertex is looked at: what lies beyond it may be hidden.
+        while (candidates_.size() < kEnough && open_largest(record.box, pair, 0)) {
         }
         split = best_split(record.box);
-        if (split.axis >= 0 || !open_largest(record.box, pair)) break;
+        if (split.axis >= 0 || !open_largest(record.box, pair, kAnyEffort)) break;
     }
     if (split.axis < 0) return make_leaf(n, pair, head, at);
     int level = KdNode::kAllLevels;

@@ -103,7 +103,7 @@ private:
     KdLeaf* expand(std::uint32_t n, int pair);
     KdLeaf* make_leaf(std::uint32_t n, int pair, std::uint32_t head, std::uint32_t record);
     void clip_into(const Box3f& box, ItemIndex item, int pair);
-    bool open_largest(const Box3f& box, int pair);
+    bool open_largest(const Box3f& box, int pair, int most_effort);
     Split best_split(const Box3f& box);
     void make_lazy(const Box3f& box, int depth, int axis, float position, bool upper);
 

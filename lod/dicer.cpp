@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "scenegraph/base/hash.h"
+#include "scenegraph/base/power_of_two.h"
 
 namespace occam::lod {
 namespace {
@@ -80,7 +81,7 @@ PatchScale Dicer::scale(const PosedCage& cage, PatchRef patch)
 Box3f Dicer::bounds(const PosedCage& cage, const PatchScale& scale, const PatchRegion& region, int coarsest)
 {
     PosedPatch& patch = posed(cage, region.patch);
-    const float size_u = std::ldexp(1.0f, -region.du), size_v = std::ldexp(1.0f, -region.dv);
+    const float size_u = power_of_two(-region.du), size_v = power_of_two(-region.dv);
     const float u0 = float(region.iu) * size_u, v0 = float(region.iv) * size_v, u1 = u0 + size_u, v1 = v0 + size_v;
     Box3f box = patch.bounds(u0, u1, v0, v1);
     // T-vertices lie on chords of the side's own pieces, which may reach beyond the region: their curve's hull holds them.
@@ -90,7 +91,7 @@ Box3f Dicer::bounds(const PosedCage& cage, const PatchScale& scale, const PatchR
         const bool touches = along_v ? (fixed == 0 ? u0 == 0 : u1 == 1) : (fixed == 0 ? v0 == 0 : v1 == 1);
         const int exponent = curve_exponent(scale.side_k[side], scale.side_least[side], coarsest);
         if (!touches || exponent >= (along_v ? region.dv : region.du)) continue;
-        const float piece = std::ldexp(1.0f, -exponent);
+        const float piece = power_of_two(-exponent);
         const float t0 = std::floor((along_v ? v0 : u0) / piece) * piece, t1 = t0 + piece;
         box.add(along_v ? patch.bounds(fixed, fixed, t0, t1) : patch.bounds(t0, t1, fixed, fixed));
     }
@@ -146,7 +147,7 @@ void Dicer::curve_points(const PosedCage& cage, std::uint32_t curve, float c0, f
 void Dicer::side_points(const PosedCage& cage, const TileRef& tile, int side, int first, std::span<Vec3f> out)
 {
     const SideCurve on = cage.topology->side(tile.patch, side);
-    const float step = (on.c1 - on.c0) * std::ldexp(1.0f, -tile.rates.side[side]);
+    const float step = (on.c1 - on.c0) * power_of_two(-tile.rates.side[side]);
     curve_points(cage, on.curve, on.c0 + float(first) * step, step, out);
 }
 

@@ -5,11 +5,10 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 
 #include "scenegraph/base/box.h"
+#include "scenegraph/base/power_of_two.h"
 
 namespace occam::lod {
 
@@ -19,8 +18,8 @@ struct Footprint {
     float at(float t) const noexcept { return std::max(0.0f, a + b * t); }
 };
 
-/// d_l; level from -126 to 127.
-inline float edge_length(int level) noexcept { return std::bit_cast<float>(static_cast<std::uint32_t>(level + 127) << 23); }
+/// d_l.
+inline float edge_length(int level) noexcept { return power_of_two(level); }
 
 /// Whose wanted edge decides.
 enum class LevelMode {

@@ -8,6 +8,7 @@
 
 #include "lod/posed_cage.h"
 #include "lod/rates.h"
+#include "scenegraph/base/power_of_two.h"
 
 namespace occam::lod {
 
@@ -21,8 +22,8 @@ struct TileRef {
     std::uint32_t i0 = 0, j0 = 0;
     std::uint16_t columns = 1, rows = 1;
 
-    float step_u() const noexcept { return std::ldexp(1.0f, -rates.u); }
-    float step_v() const noexcept { return std::ldexp(1.0f, -rates.v); }
+    float step_u() const noexcept { return power_of_two(-rates.u); }
+    float step_v() const noexcept { return power_of_two(-rates.v); }
 };
 
 /// A T-vertex: not a vertex of its own, but a point on the straight piece of a side between two edge vertices a and c, which may

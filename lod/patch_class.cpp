@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "scenegraph/base/check.h"
+#include "scenegraph/base/power_of_two.h"
 
 namespace occam::lod {
 namespace {
@@ -56,7 +57,7 @@ Matrix4 inverse_sampling()
 
 }  // namespace
 
-float PatchClass::Node::size() const noexcept { return std::ldexp(1.0f, -depth); }
+float PatchClass::Node::size() const noexcept { return power_of_two(-depth); }
 
 PatchClass::PatchClass(int control_count, std::unique_ptr<const LimitSource> source)
     : control_count_(control_count), source_(std::move(source))
@@ -108,7 +109,7 @@ bool PatchClass::fit_bicubic(Node& node) const
 {
     static const Matrix4 inverse = inverse_sampling();
     const std::size_t n = control_count_;
-    const double size = std::ldexp(1.0, -node.depth);
+    const double size = power_of_two_double(-node.depth);
     LimitStencil stencil;
 
     std::vector<double> samples(16 * n);

@@ -3,12 +3,13 @@
 #include <cmath>
 
 #include "scenegraph/base/check.h"
+#include "scenegraph/base/power_of_two.h"
 
 namespace occam::lod {
 namespace {
 
 // Local parameter of a piece, exact: all are dyadic.
-double local(float t, float t0, int depth) noexcept { return std::ldexp(double(t) - double(t0), depth); }
+double local(float t, float t0, int depth) noexcept { return (double(t) - double(t0)) * power_of_two_double(depth); }
 
 // First index of a lattice t0 + i * step (step > 0) with a value of at least `border`.
 int first_at(float t0, float step, float border, int begin, int end) noexcept
@@ -96,7 +97,7 @@ void PosedPatch::fill_piece(const PatchClass::Node& node, const ParameterGrid& g
     constexpr int kMaxColumns = 32;
     OCCAM_DCHECK_LE(i1 - i0, kMaxColumns);
     const PieceControls& net = piece(node);
-    const float scale = std::ldexp(1.0f, node.depth);  // of derivatives, from the piece's parameter to the patch's
+    const float scale = power_of_two(node.depth);  // of derivatives, from the piece's parameter to the patch's
     alignas(32) float wu[4][kMaxColumns + 8], du[4][kMaxColumns + 8];
     for (int i = i0; i < i1; ++i) {
         const double t = local(grid.u0 + float(i) * grid.step_u, node.u0, node.depth);

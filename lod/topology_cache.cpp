@@ -1,12 +1,69 @@
 #include "lod/topology_cache.h"
 
+#include <bit>
 #include <mutex>
 #include <unordered_map>
 #include <unordered_set>
 
+#include "scenegraph/base/hash.h"
+
 namespace occam::lod {
+namespace {
+
+// All that a Topology is made from, as numbers: equal words, equal topology.
+std::vector<std::uint32_t> connectivity_of(const Cage& cage)
+{
+    std::vector<std::uint32_t> words{std::uint32_t(cage.scheme), std::uint32_t(cage.boundary), std::uint32_t(cage.face_varying),
+                                     static_cast<std::uint32_t>(cage.positions.size())};
+    const auto add = [&](const std::vector<std::uint32_t>& list) {
+        words.push_back(static_cast<std::uint32_t>(list.size()));
+        words.insert(words.end(), list.begin(), list.end());
+    };
+    add(cage.face_sizes);
+    add(cage.face_vertices);
+    add(cage.holes);
+    words.push_back(static_cast<std::uint32_t>(cage.creases.size()));
+    for (const Crease& c : cage.creases) words.insert(words.end(), {c.v0, c.v1, std::bit_cast<std::uint32_t>(c.sharpness)});
+    words.push_back(static_cast<std::uint32_t>(cage.corners.size()));
+    for (const Corner& c : cage.corners) words.insert(words.end(), {c.vertex, std::bit_cast<std::uint32_t>(c.sharpness)});
+    for (const UvSet& set : cage.uv_sets) {
+        words.push_back(static_cast<std::uint32_t>(set.values.size()));
+        add(set.indices);
+    }
+    return words;
+}
+
+struct WordsHash {
+    std::size_t operator()(const std::vector<std::uint32_t>& words) const noexcept
+    {
+        std::uint64_t h = words.size();
+        for (const std::uint32_t w : words) h = mix_bits(h ^ w);
+        return static_cast<std::size_t>(h);
+    }
+};
+
+}  // namespace
 
 struct TopologyCache::State {
+    struct Shared {
+        std::once_flag once;
+        std::shared_ptr<const Topology> topology;
+    };
+    /// The topology of cages that are connected like this one; others who ask for it wait.
+    std::shared_ptr<const Topology> topology_of(const Cage& cage)
+    {
+        std::shared_ptr<Shared> shared;
+        {
+            std::vector<std::uint32_t> words = connectivity_of(cage);
+            const std::lock_guard lock(mutex);
+            auto& found = topologies[std::move(words)];
+            if (!found) found = std::make_shared<Shared>();
+            shared = found;
+        }
+        std::call_once(shared->once, [&] { shared->topology = std::make_shared<const Topology>(cage); });
+        return shared->topology;
+    }
+
     struct Entry {
         std::mutex mutex;
         std::uint64_t positions_version = 0;
@@ -14,24 +71,27 @@ struct TopologyCache::State {
     };
     std::mutex mutex;
     std::unordered_map<std::uint64_t, std::unique_ptr<Entry>> entries;
+    std::unordered_map<std::vector<std::uint32_t>, std::shared_ptr<Shared>, WordsHash> topologies;
 };
 
 TopologyCache::TopologyCache() : state_(std::make_unique<State>()) {}
 TopologyCache::~TopologyCache() = default;
 
-const CageTables& TopologyCache::get(const CageSlot& slot)
+const CageTables& TopologyCache::get(const CageSlot& asked)
 {
     State::Entry* entry;
     {
         const std::lock_guard lock(state_->mutex);
-        auto& found = state_->entries[slot.identity];
+        auto& found = state_->entries[asked.identity];
         if (!found) found = std::make_unique<State::Entry>();
         entry = found.get();
     }
     const std::lock_guard lock(entry->mutex);
     CageTables& tables = entry->tables;
+    if (asked.is_on_demand() && !tables.made) tables.made = std::make_unique<const CageSlot>(asked.made());
+    const CageSlot& slot = tables.made ? *tables.made : asked;
     if (!tables.clusters) {
-        if (slot.cage.scheme != Scheme::Triangles) tables.topology = std::make_unique<const Topology>(slot.cage);
+        if (slot.cage.scheme != Scheme::Triangles) tables.topology = state_->topology_of(slot.cage);
         tables.clusters = std::make_unique<ClusterTree>(slot.cage);
     } else if (entry->positions_version != slot.positions_version) {
         tables.clusters->refit(slot.cage);
@@ -48,7 +108,8 @@ void TopologyCache::prune(const Scene& scene)
     const std::vector<std::uint64_t> identities = scene.cage_identities();
     const std::unordered_set<std::uint64_t> alive(identities.begin(), identities.end());
     const std::lock_guard lock(state_->mutex);
-    std::erase_if(state_->entries, [&](const auto& entry) { return !alive.contains(entry.first); });
+    if (std::erase_if(state_->entries, [&](const auto& entry) { return !alive.contains(entry.first); }) == 0) return;
+    std::erase_if(state_->topologies, [](const auto& entry) { return entry.second->topology.use_count() <= 1; });
 }
 
 }  // namespace occam::lod

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -99,6 +100,16 @@ struct Cage {
         for (Vec3f p : positions) b.add(Vec3d(p));
         return b;
     }
+};
+
+/// A cage that is described by its bounds, and made when a ray first enters them.
+struct OnDemandCage {
+    std::string name;
+    Box3d bounds;  ///< object axes: holds every vertex of what `make` gives
+    /// Pure, and called from any thread, perhaps more than once: each time the same cage. What it gives has no skin and no morph
+    /// targets; its materials are those below. If it throws or leaves the bounds, the frame ends with that error.
+    std::function<Cage()> make;
+    std::vector<MaterialId> materials;  ///< slots; empty: the default material
 };
 
 /// A coordinate that may be used: three of them multiplied stay below the largest float.

@@ -58,8 +58,12 @@ struct CageSlot {
     std::uint64_t identity = 0;      ///< unique in the process; a new one when topology is replaced
     std::uint64_t positions_version = 0;
     DeformBoundsTable deform;        ///< one part, the whole cage; none for a cage that no skin and no target deforms
+    std::function<Cage()> make;      ///< of an OnDemandCage: `cage` has its name and materials only
 
     bool is_deformed() const noexcept { return deform.size() > 0; }
+    bool is_on_demand() const noexcept { return bool(make); }
+    /// An OnDemandCage's polygons in a slot of the same identity. Throws Error; see OnDemandCage::make.
+    CageSlot made() const;
 };
 
 /// A skin and where its joints are.
@@ -109,6 +113,7 @@ public:
 
     // What nodes refer to. Removing something that is referred to is allowed: it is then simply not there.
     CageId add(Cage cage);  ///< sanitizes; see sanitize()
+    CageId add(OnDemandCage cage);
     MaterialId add(Material material);
     TextureId add(Texture texture);
     LightId add(Light light);

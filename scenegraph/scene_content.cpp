@@ -23,6 +23,41 @@ void find_bounds(CageSlot& slot)
 
 }  // namespace
 
+CageSlot CageSlot::made() const
+{
+    CageSlot slot;
+    slot.identity = identity;
+    slot.bounds = bounds;
+    slot.cage = make();
+    sanitize(slot.cage);
+    slot.cage.name = cage.name;
+    slot.cage.materials = cage.materials;
+    for (std::uint16_t& of : slot.cage.face_slots)
+        if (of >= cage.materials.size()) of = 0;
+    if (slot.cage.skin.sets > 0 || !slot.cage.morph_targets.empty())
+        throw Error("", "a cage made on demand has neither skin nor morph targets", cage.name);
+    const Box3d box = slot.cage.bounds();
+    if (!box.is_empty() && (glm::any(glm::lessThan(box.lo, bounds.lo)) || glm::any(glm::greaterThan(box.hi, bounds.hi))))
+        throw Error("", "a cage made on demand leaves its bounds", cage.name);
+    return slot;
+}
+
+CageId Scene::add(OnDemandCage cage)
+{
+    state_->require_editable();
+    if (!cage.make) throw Error("", "a cage on demand needs something that makes it", cage.name);
+    if (!cage.bounds.is_empty() && !(cage.bounds.largest_coordinate() <= double(kMaxCoordinate)))
+        throw Error("", "a bound is not finite, or beyond 1e12", cage.name);
+    for (const MaterialId material : cage.materials) State::at(state_->materials, material, "material");
+    State::CageRecord record;
+    record.cage.name = std::move(cage.name);
+    record.cage.materials = std::move(cage.materials);
+    record.bounds = cage.bounds;
+    record.make = std::move(cage.make);
+    record.identity = next_identity();
+    return state_->cages.add(std::move(record));
+}
+
 CageId Scene::add(Cage cage)
 {
     state_->require_editable();
@@ -108,6 +143,7 @@ void Scene::replace(CageId id, Cage cage)
     const std::string name = cage.name.empty() ? "cage" : cage.name;
     for (const std::string& line : sanitize(cage)) warnings.push_back(name + ": " + line);
     record.cage = std::move(cage);
+    record.make = nullptr;
     record.identity = next_identity();
     record.positions_version = 0;
     find_bounds(record);

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "occam/occam.h"
+#include "sequence.h"
 
 namespace occam::command {
 
@@ -33,10 +34,21 @@ struct RenderArguments : SceneArguments {
     float fov_deg = 0;  ///< 0: the camera's own, or 39.6
     float lens_radius = 0, focus = 0;  ///< 0: the camera's own
     int blades = 0;
+    std::string clip;   ///< name or number; empty: the first, if a frame or a time is asked for
+    std::optional<double> time;  ///< seconds on the clip's own axis
+    std::optional<int> frame;    ///< time is frame / fps
+    double fps = 24;
     WriteOptions write;
     ProgressStyle progress = ProgressStyle::Auto;
     bool quiet = false, verbose = false;
     std::string stats;  ///< file, "-" or empty
+};
+
+struct AnimateArguments : RenderArguments {
+    FramePattern pattern{"frame.####.exr"};  ///< from `output`
+    std::vector<int> frames;
+    Shard shard;
+    bool overwrite = false;
 };
 
 struct InfoArguments : SceneArguments {
@@ -57,20 +69,26 @@ struct VerifyArguments : SceneArguments {
     bool json = false;
 };
 
+struct BenchArguments {
+    std::vector<std::string> words;  ///< for the program of benchmarks
+};
+
 /// Nothing to do but to end with that exit code: what there was to say has been said.
 struct Finished {
     int exit_code;
 };
 
-using Arguments = std::variant<Finished, RenderArguments, InfoArguments, VerifyArguments, CompareArguments>;
+using Arguments = std::variant<Finished, RenderArguments, AnimateArguments, InfoArguments, VerifyArguments, CompareArguments, BenchArguments>;
 
 /// Usage errors go to standard error, --help and --version to standard output.
 Arguments parse(int argc, char** argv);
 
 int run(const RenderArguments& arguments);
+int run(const AnimateArguments& arguments);
 int run(const InfoArguments& arguments);
 int run(const VerifyArguments& arguments);
 int run(const CompareArguments& arguments);
+int run(const BenchArguments& arguments);
 
 /// The scene of a file, or the built-in one.
 Scene open_scene(const SceneArguments& arguments);

@@ -163,11 +163,32 @@ void add_camera(CLI::App& app, RenderArguments& a)
     app.add_option("--blades", a.blades, "Corners of the lens's opening [0: round]")->check(CLI::Range(0, 64))->type_name("N");
 }
 
-void add_output(CLI::App& app, RenderArguments& a)
+void add_clip(CLI::App& app, RenderArguments& a)
 {
-    app.add_option("-o,--output", a.output, "Picture to write, by extension .exr .png .jpg .tif .hdr")
-        ->required()
-        ->type_name("IMAGE");
+    app.add_option("--clip", a.clip, "Animation by name or number [the first, if a frame or a time is given]")->type_name("NAME|INDEX");
+    add_number(app, "--fps", "Frames a second [24]", [&](double v) {
+        if (!(v > 0)) throw std::invalid_argument("expected more than 0");
+        a.fps = v;
+    });
+}
+
+void add_moment(CLI::App& app, RenderArguments& a)
+{
+    CLI::Option* time = add_number(app, "--time", "Seconds on the clip's own axis [the file's pose]", [&](double v) { a.time = v; });
+    app.add_option("--frame", a.frame, "The same as a frame's number: time * fps")->type_name("N")->excludes(time);
+}
+
+void add_sequence(CLI::App& app, AnimateArguments& a)
+{
+    add_value(app, "--frames", "Which frames", "A-BxSTEP,C,...", [&](const std::string& t) { a.frames = frames_of(t); })->required();
+    app.add_flag("--overwrite", a.overwrite, "Make frames again whose pictures are there");
+    add_value(app, "--shard", "Every N-th frame, from the K-th [what Slurm's array variables say, else all]", "K/N",
+              [&](const std::string& t) { a.shard = shard_of(t); });
+}
+
+void add_output(CLI::App& app, RenderArguments& a, const std::string& form)
+{
+    app.add_option("-o,--output", a.output, "Picture to write, by extension .exr .png .jpg .tif .hdr")->required()->type_name(form);
     add_number(app, "--exposure", "Stops, display formats only [0]", [&](double v) { a.write.exposure_ev = float(v); });
     add_choice<Tonemap>(app, "--tonemap", a.write.tonemap,
                         {{"none", Tonemap::None}, {"srgb", Tonemap::Srgb}, {"aces", Tonemap::Aces}},
@@ -222,11 +243,26 @@ void apply_quality(const CLI::App& app, Settings& s)
     if (!app.count("--shading-rate")) s.shading_rate = quality.shading_rate;
 }
 
+// What only the whole of the words decides.
+Arguments finished(AnimateArguments a, bool has_shard)
+{
+    try {
+        a.pattern = FramePattern(a.output);
+    } catch (const std::invalid_argument& error) {
+        std::cerr << "occam: --output: " << error.what() << " (occam animate --help)\n";
+        return Finished{2};
+    }
+    if (!has_shard)
+        if (const auto slurm = slurm_shard([](const char* name) -> const char* { return std::getenv(name); })) a.shard = *slurm;
+    return a;
+}
+
 }  // namespace
 
 Arguments parse(int argc, char** argv)
 {
     RenderArguments render;
+    AnimateArguments animate;
     InfoArguments info;
     VerifyArguments verify;
     CompareArguments compare;
@@ -241,12 +277,26 @@ Arguments parse(int argc, char** argv)
 
     CLI::App& render_app = *app.add_subcommand("render", "One frame to a picture");
     add_scene(render_app, render);
-    add_output(render_app, render);
+    add_output(render_app, render, "IMAGE");
     add_camera(render_app, render);
+    add_clip(render_app, render);
+    add_moment(render_app, render);
     add_picture(render_app, render);
     add_machine(render_app, render);
     render_app.footer(
         "Example: occam render courtyard.glb -o courtyard.exr --size 1920x1080 --spp 64 --aov depth,normal --stats -");
+
+    CLI::App& animate_app = *app.add_subcommand("animate", "A sequence of frames; goes on where it was stopped");
+    add_scene(animate_app, animate);
+    add_output(animate_app, animate, "IMAGE.####.EXT");
+    add_sequence(animate_app, animate);
+    add_clip(animate_app, animate);
+    add_camera(animate_app, animate);
+    add_picture(animate_app, animate);
+    add_machine(animate_app, animate);
+    animate_app.footer(
+        "Frames whose pictures are there are left alone: a run that was stopped is started again with the same words.\n"
+        "Example: occam animate fox.glb -o fox.####.exr --frames 0-95 --clip Run --shard 1/4");
 
     CLI::App& info_app = *app.add_subcommand("info", "What is in a scene");
     add_scene(info_app, info);
@@ -263,6 +313,16 @@ Arguments parse(int argc, char** argv)
     CLI::App& compare_app = *app.add_subcommand("compare", "How far two pictures are apart");
     add_compare(compare_app, compare);
     compare_app.footer("Example: occam compare out.exr reference.exr --heat heat.png --max-rmse 0.01");
+
+    CLI::App& bench_app = *app.add_subcommand("bench", "Speed, beside other software");
+    std::vector<std::string> suites;
+    std::string only, json;
+    bool list = false;
+    bench_app.add_option("SUITE", suites, "Which; without it all")->type_name("");
+    bench_app.add_option("--only", only, "Cases whose name or recipe has this text")->type_name("TEXT");
+    bench_app.add_option("--json", json, "Write the rows")->type_name("FILE");
+    bench_app.add_flag("--list", list, "What suites there are");
+    bench_app.footer("Example: occam bench crowd --only fast --json crowd.json");
 
     const auto is_command = [&](const char* word) {
         const auto all = app.get_subcommands([](const CLI::App*) { return true; });
@@ -287,6 +347,16 @@ Arguments parse(int argc, char** argv)
     if (render_app.parsed()) {
         apply_quality(render_app, render.settings);
         return render;
+    }
+    if (animate_app.parsed()) {
+        apply_quality(animate_app, animate.settings);
+        return finished(std::move(animate), animate_app.count("--shard") > 0);
+    }
+    if (bench_app.parsed()) {
+        if (list) suites.push_back("--list");
+        if (!only.empty()) suites.insert(suites.end(), {"--only", only});
+        if (!json.empty()) suites.insert(suites.end(), {"--json", json});
+        return BenchArguments{suites};
     }
     if (info_app.parsed()) return info;
     if (verify_app.parsed()) return verify;

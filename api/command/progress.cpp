@@ -61,20 +61,39 @@ void ProgressDisplay::say(const std::string& status)
     }
 }
 
+void ProgressDisplay::finish_part(std::size_t done, std::size_t all, const std::string& file)
+{
+    if (style_ == Style::Plain) std::fprintf(stderr, "%s: %s\n", subject_.c_str(), file.c_str());
+    if (style_ == Style::OpenJd) {
+        last_percent_ = static_cast<int>(100 * done / all);
+        std::printf("openjd_progress: %d\nopenjd_status: %s: %s\n", last_percent_, subject_.c_str(), file.c_str());
+        std::fflush(stdout);
+    }
+}
+
+void ProgressDisplay::fail(const std::string& what)
+{
+    end();
+    if (style_ != Style::OpenJd) return;
+    std::printf("openjd_fail: %s\n", what.c_str());
+    std::fflush(stdout);
+}
+
 void ProgressDisplay::show(const Progress& p)
 {
+    const std::string text = (subject_.empty() ? "" : subject_ + ", ") + sentence(p);
     const int percent = static_cast<int>(p.fraction * 100);
     if (style_ == Style::Bar) {
         const int full = static_cast<int>(p.fraction * kBarWidth);
         const std::string bar = std::string(std::size_t(full), '#') + std::string(std::size_t(kBarWidth - full), '.');
-        draw("[" + bar + "] " + sentence(p));
+        draw("[" + bar + "] " + text);
     }
     // Lines only at each further 5 %: a log is read by people.
     if (p.stage != Stage::Rendering || percent < last_percent_ + (last_percent_ < 0 ? 1 : 5)) return;
     last_percent_ = percent;
-    if (style_ == Style::Plain) std::fprintf(stderr, "%s\n", sentence(p).c_str());
+    if (style_ == Style::Plain) std::fprintf(stderr, "%s\n", text.c_str());
     if (style_ == Style::OpenJd) {
-        std::printf("openjd_progress: %d\nopenjd_status: %s\n", percent, sentence(p).c_str());
+        std::printf("openjd_progress: %d\nopenjd_status: %s\n", percent, text.c_str());
         std::fflush(stdout);
     }
 }

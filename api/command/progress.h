@@ -18,6 +18,12 @@ public:
 
     void say(const std::string& status);  ///< what begins now: reading, writing
     void show(const Progress& progress);
+    /// What the progress is of, where there are several frames; stands before it.
+    void set_subject(std::string subject) { subject_ = std::move(subject); }
+    /// One of several equal parts is done, and its file is there.
+    void finish_part(std::size_t done, std::size_t all, const std::string& file);
+    /// The line by which a farm learns what went wrong; nothing in the other styles.
+    void fail(const std::string& what);
     /// Clears the bar, so that other lines can follow.
     void end();
 
@@ -26,6 +32,7 @@ private:
     void draw(const std::string& line);
 
     Style style_;
+    std::string subject_;
     bool is_bar_drawn_ = false;
     int last_percent_ = -1;
 };

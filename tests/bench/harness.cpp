@@ -79,7 +79,7 @@ Row& Row::add(std::string figure, double value)
 
 void Report::add(Row row)
 {
-    std::printf("%-7s %s\n", row.suite.c_str(), row.name.c_str());
+    std::printf("%-7s %s%s%s\n", row.suite.c_str(), row.name.c_str(), row.recipe.empty() ? "" : ", ", row.recipe.c_str());
     for (const Figure& f : row.figures) {
         std::printf("        %-30s %12.5g", f.name.c_str(), f.median);
         if (f.runs > 1) std::printf("   %.5g .. %.5g, %d runs", f.least, f.most, f.runs);
@@ -102,7 +102,14 @@ std::string Report::json() const
             else
                 figures[f.name] = {{"median", f.median}, {"min", f.least}, {"max", f.most}, {"runs", f.runs}};
         }
-        Json entry = {{"suite", row.suite}, {"case", row.name}, {"figures", figures}};
+        Json entry = {{"suite", row.suite}, {"case", row.name}};
+        if (row.recipe.empty()) entry["figures"] = figures;
+        else entry["recipe"] = row.recipe;
+        for (const Figure& f : row.figures) {
+            if (row.recipe.empty()) break;
+            entry[f.name] = f.median;
+            if (f.runs > 0) entry["spread"][f.name] = figures[f.name];
+        }
         if (!row.note.empty()) entry["note"] = row.note;
         rows.push_back(std::move(entry));
     }

@@ -44,6 +44,7 @@ struct Row {
     std::string suite, name;
     std::vector<Figure> figures{};
     std::string note{};  ///< why there are no figures, or how to read them
+    std::string recipe{};  ///< if not empty, the row's JSON is flat: medians under the figures' names
 
     Row& add(std::string figure, std::vector<double> samples);
     Row& add(std::string figure, double value);
@@ -51,12 +52,17 @@ struct Row {
 
 class Report {
 public:
+    /// only   empty, or a part of the names of the cases to run
+    explicit Report(std::string only = {}) : only_(std::move(only)) {}
+
+    bool wants(const std::string& name) const { return name.find(only_) != std::string::npos; }
     /// Prints the row and keeps it.
     void add(Row row);
     /// All rows, and what machine they are of.
     std::string json() const;
 
 private:
+    std::string only_;
     std::vector<Row> rows_;
 };
 

@@ -1,4 +1,4 @@
-// occam_bench [SUITE...] [--json FILE] [--list]
+// occam_bench [SUITE...] [--only TEXT] [--json FILE] [--list]
 
 #include <cstdio>
 #include <cstring>
@@ -22,18 +22,21 @@ int main(int argc, char** argv)
 try {
     std::vector<const occam::bench::Suite*> wanted;
     const char* json = nullptr;
+    const char* only = "";
     for (int i = 1; i < argc; ++i) {
         if (std::strcmp(argv[i], "--list") == 0) {
             for (const occam::bench::Suite& suite : occam::bench::kSuites)
                 std::printf("%-8s %s\n", suite.name, suite.summary);
             return 0;
         }
-        if (std::strcmp(argv[i], "--json") == 0 && i + 1 < argc) {
+        if (std::strcmp(argv[i], "--only") == 0 && i + 1 < argc) {
+            only = argv[++i];
+        } else if (std::strcmp(argv[i], "--json") == 0 && i + 1 < argc) {
             json = argv[++i];
         } else if (const occam::bench::Suite* suite = find_suite(argv[i])) {
             wanted.push_back(suite);
         } else {
-            std::fprintf(stderr, "occam_bench: '%s' is no suite\nusage: occam_bench [SUITE...] [--json FILE] [--list]\n",
+            std::fprintf(stderr, "occam_bench: '%s' is no suite\nusage: occam_bench [SUITE...] [--only TEXT] [--json FILE] [--list]\n",
                          argv[i]);
             return 2;
         }
@@ -41,7 +44,7 @@ try {
     if (wanted.empty())
         for (const occam::bench::Suite& suite : occam::bench::kSuites) wanted.push_back(&suite);
 
-    occam::bench::Report report;
+    occam::bench::Report report(only);
     for (const occam::bench::Suite* suite : wanted) suite->run(report);
     if (json && !(std::ofstream(json) << report.json()).flush()) {
         std::fprintf(stderr, "occam_bench: cannot write '%s'\n", json);

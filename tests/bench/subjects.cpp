@@ -66,12 +66,14 @@ Cage fan(int valence, float crease)
     return cage;
 }
 
-std::optional<Cage> suzanne()
+std::optional<Cage> suzanne() { return shared_cage("subdiv/suzanne.obj"); }
+
+std::optional<Cage> shared_cage(const char* name)
 {
     namespace fs = std::filesystem;
     const char* named = std::getenv("OCCAM_SHARED");
     const fs::path folder = named ? fs::path(named) : fs::path(OCCAM_SOURCE_DIR).parent_path() / "shared";
-    const fs::path file = folder / "data" / "subdiv" / "suzanne.obj";
+    const fs::path file = folder / "data" / name;
     if (!fs::exists(file)) return std::nullopt;
     const Scene scene = load(file, {.subdivide = Subdivide::On});
     std::optional<Cage> cage;

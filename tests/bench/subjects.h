@@ -18,7 +18,9 @@ Cage torus(std::uint32_t around, std::uint32_t across);
 /// `valence` sectors of 3 x 3 quads about a middle vertex, bumpy; face 0 is at the middle. `crease`: sharpness of the edges
 /// from the middle along the face's side u, 0 for none.
 Cage fan(int valence, float crease = 0);
-/// The shared data's control cage; none if it is absent.
+/// A control cage of the shared data, without its materials; none if it is absent.
+/// file   below the data folder
+std::optional<Cage> shared_cage(const char* file);
 std::optional<Cage> suzanne();
 
 /// One cage alone in a scene, as a camera sees it.

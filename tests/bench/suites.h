@@ -13,6 +13,7 @@ void run_memory(Report& report);
 void run_frame(Report& report);
 void run_first(Report& report);
 void run_levels(Report& report);
+void run_crowd(Report& report);
 
 struct Suite {
     const char* name;
@@ -29,6 +30,7 @@ inline constexpr Suite kSuites[] = {
     {"frame", "whole frames at 4 samples, with their error against 64", run_frame},
     {"levels", "level of detail of each ray, of each cage, and of a ray's origin: time, memory, difference", run_levels},
     {"first", "from the file to the first finished tile, 500,000 faces", run_first},
+    {"crowd", "cages that all deform every frame, beside Embree rebuilding its own", run_crowd},
 };
 
 }  // namespace occam::bench

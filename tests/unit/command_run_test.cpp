@@ -1,84 +1,28 @@
 // The executable as a person or a script meets it: exit codes, lines, files.
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "render/compare.h"
+#include "tests/support/command_test.h"
 
 namespace occam {
 namespace {
 
-namespace fs = std::filesystem;
-
-struct Outcome {
-    int exit_code = -1;
-    std::string out, err;
-};
-
-std::string text_of(const fs::path& file)
-{
-    std::ostringstream text;
-    text << std::ifstream(file).rdbuf();
-    return text.str();
-}
-
-class Command : public testing::Test {
-protected:
-    void SetUp() override
-    {
-        const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-        folder = fs::temp_directory_path() / ("occam_command_" + std::to_string(getpid()) + "_" + test->name());
-        fs::create_directories(folder);
-        std::ofstream(folder / "triangle.obj") << "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n";
-    }
-    void TearDown() override { fs::remove_all(folder); }
-
-    /// Starts the executable in the test's folder.
-    pid_t start(const std::vector<std::string>& arguments) const
-    {
-        const pid_t child = fork();
-        if (child != 0) return child;
-        std::vector<char*> argv;
-        static char name[] = OCCAM_EXECUTABLE;
-        argv.push_back(name);
-        for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
-        argv.push_back(nullptr);
-        if (chdir(folder.c_str()) != 0 || !freopen("stdout.txt", "w", stdout) || !freopen("stderr.txt", "w", stderr))
-            _exit(99);
-        execv(OCCAM_EXECUTABLE, argv.data());
-        _exit(98);
-    }
-    Outcome finish(pid_t child) const
-    {
-        int status = 0;
-        waitpid(child, &status, 0);
-        return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(folder / "stdout.txt"),
-                text_of(folder / "stderr.txt")};
-    }
-    Outcome run(const std::vector<std::string>& arguments) const { return finish(start(arguments)); }
-
-    fs::path folder;
-};
-
-constexpr int kDone = 0, kDoesNotHold = 1, kBadInput = 2, kOutput = 3, kInterrupted = 130;
+using namespace test;
+using Command = CommandTest;
 
 long lines_of(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
 
 TEST_F(Command, HelpShowsAnExampleForEachCommand)
 {
-    for (const char* command : {"render", "info", "compare"}) {
+    for (const char* command : {"render", "animate", "info", "verify", "compare", "bench"}) {
         const Outcome o = run({command, "--help"});
         EXPECT_EQ(o.exit_code, kDone) << command;
         EXPECT_NE(o.out.find(std::string("Example: occam ") + command), std::string::npos) << o.out;

@@ -1,0 +1,167 @@
+// A game's loop: the scene is the application's, and every frame is new.
+//
+//     occam_game [FILE.glb] [--headless --frames N] [--size WxH]
+//
+// FILE: a character whose first clip is played, instead of the worm. Escape ends.
+#include <occam/occam.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "worm.h"
+#ifdef OCCAM_HAS_SDL2
+#include <SDL2/SDL.h>
+#endif
+
+using namespace occam;
+
+namespace {
+
+struct Walker {
+    NodeId node;
+    double radius, phase, speed;
+};
+
+class Game {
+public:
+    explicit Game(const char* file)
+    {
+        if (file) {
+            scene_ = load(file);
+            if (scene_.node(scene_.root()).children.empty()) throw Error(file, "has no node to make a character of");
+            character_ = scene_.node(scene_.root()).children.front();
+            clip_ = scene_.clips().empty() ? ClipId() : scene_.clips().front();
+        } else {
+            const sample::Worm worm = sample::add_worm(scene_, {0.9f, 0.35f, 0.25f});
+            character_ = worm.node;
+            clip_ = worm.crawl;
+        }
+        size_ = std::max(1e-3, 2 * scene_.bounds().radius());
+        height_ = -scene_.bounds().lo.y;
+        scene_.set_visible(character_, false);  // the mould: copies of it walk
+        sample::add_surroundings(scene_, float(20 * size_));
+        for (int i = 0; i < 12; ++i) appear();
+    }
+
+    /// What happens in one frame: edits, each as cheap as its path to the root.
+    void step(double clock)
+    {
+        if (++frame_ % 20 == 0) appear();
+        if (frame_ % 30 == 0 && walkers_.size() > 4) {
+            scene_.remove(walkers_.front().node);  // the handle is dead from here on, and says so if used
+            walkers_.erase(walkers_.begin());
+        }
+        for (const Walker& w : walkers_) {
+            const double angle = w.phase + w.speed * clock;
+            Trs place;
+            place.translation = {w.radius * std::cos(angle), height_, -w.radius * std::sin(angle)};
+            place.rotation = {0, std::sin((angle + 1.5708) / 2), 0, std::cos((angle + 1.5708) / 2)};
+            scene_.set_transform(w.node, place);
+            if (!clip_) continue;
+            // Described, not executed: whoever is not seen is never skinned.
+            const ClipAt now{clip_, looped(time_range(scene_.clip(clip_)), clock + w.phase)};
+            scene_.pose({&now, 1}, w.node);
+        }
+    }
+
+    Camera camera(double clock) const
+    {
+        const Vec3d eye = Vec3d(7 * std::cos(0.2 * clock), 3 + std::sin(0.5 * clock), 7 * std::sin(0.2 * clock)) * size_;
+        return Camera::look_at(eye, {0, 0.5 * size_, 0}, {0, 1, 0}, 0.8f);
+    }
+    Scene& scene() { return scene_; }
+
+private:
+    void appear()
+    {
+        const double n = double(++made_);
+        walkers_.push_back({scene_.copy(character_, scene_.root()), size_ * (1 + std::fmod(n * 0.618, 1.0) * 4), n * 2.4, 0.3 + 0.1 * std::fmod(n, 3)});
+        scene_.set_visible(walkers_.back().node, true);
+    }
+
+    Scene scene_;
+    NodeId character_;
+    ClipId clip_;
+    std::vector<Walker> walkers_;
+    double size_ = 1, height_ = 0;
+    int frame_ = 0, made_ = 0;
+};
+
+int play_headless(Game& game, Settings settings, int frames)
+{
+    Renderer renderer;
+    for (int frame = 0; frame < frames; ++frame) {
+        const double clock = frame / 30.0;
+        game.step(clock);
+        const Image image = renderer.render(game.scene(), game.camera(clock), settings);
+        std::printf("frame %d: %.3f s, %llu vertices deformed, checksum %016llx\n", frame, renderer.stats().seconds.total,
+                    static_cast<unsigned long long>(renderer.stats().built.vertices_deformed),
+                    static_cast<unsigned long long>(image.checksum()));
+    }
+    return 0;
+}
+
+#ifdef OCCAM_HAS_SDL2
+unsigned display_value(float linear)
+{
+    const float v = linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
+    return static_cast<unsigned>(std::lround(255 * std::fmin(std::fmax(v, 0.0f), 1.0f)));
+}
+
+int play(Game& game, Settings settings)
+{
+    if (SDL_Init(SDL_INIT_VIDEO) != 0) throw Error("", SDL_GetError(), "window");
+    SDL_Window* window = SDL_CreateWindow("Occam", SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED, settings.width, settings.height, 0);
+    SDL_Surface* surface = window ? SDL_GetWindowSurface(window) : nullptr;
+    if (!surface) throw Error("", SDL_GetError(), "window");
+    Renderer renderer;
+    const Uint32 start = SDL_GetTicks();
+    for (bool open = true; open;) {
+        for (SDL_Event event; SDL_PollEvent(&event);)
+            open &= event.type != SDL_QUIT && !(event.type == SDL_KEYDOWN && event.key.keysym.sym == SDLK_ESCAPE);
+        const double clock = (SDL_GetTicks() - start) / 1000.0;
+        game.step(clock);
+        const Image image = renderer.render(game.scene(), game.camera(clock), settings);
+        const std::vector<float>& rgba = image.layers().front().pixels;
+        for (int y = 0; y < image.height; ++y) {
+            auto* row = reinterpret_cast<Uint32*>(static_cast<char*>(surface->pixels) + y * surface->pitch);
+            for (int x = 0; x < image.width; ++x) {
+                const float* p = &rgba[4 * static_cast<std::size_t>(y * image.width + x)];
+                row[x] = SDL_MapRGB(surface->format, Uint8(display_value(p[0])), Uint8(display_value(p[1])), Uint8(display_value(p[2])));
+            }
+        }
+        SDL_UpdateWindowSurface(window);
+    }
+    SDL_DestroyWindow(window);
+    SDL_Quit();
+    return 0;
+}
+#endif
+
+}  // namespace
+
+int main(int argc, char** argv)
+try {
+    const char* file = nullptr;
+    bool headless = false;
+    int frames = 100;
+    Settings settings{.width = 640, .height = 360, .spp = 1, .shading_rate = 2};
+    for (int i = 1; i < argc; ++i) {
+        if (!std::strcmp(argv[i], "--headless")) headless = true;
+        else if (!std::strcmp(argv[i], "--frames") && i + 1 < argc) frames = std::atoi(argv[++i]);
+        else if (!std::strcmp(argv[i], "--size") && i + 1 < argc && std::sscanf(argv[i + 1], "%dx%d", &settings.width, &settings.height) == 2) ++i;
+        else file = argv[i];
+    }
+    Game game(file);
+#ifdef OCCAM_HAS_SDL2
+    if (!headless) return play(game, settings);
+#else
+    if (!headless) std::puts("built without SDL2: no window");
+#endif
+    return play_headless(game, settings, frames);
+} catch (const Error& error) {
+    std::fprintf(stderr, "occam_game: %s\n", error.what());
+    return 2;
+}

@@ -1,0 +1,136 @@
+// A crowd that deforms every frame, beside Embree on the same cages and rays (crowd.h has the rules).
+//
+// A frame's time is everything from the application's edit to the last pixel, wall clock; the two take turns, frame by frame.
+#include "api/include/occam/occam.h"
+#include "tests/bench/crowd_embree.h"
+#include "tests/bench/subjects.h"
+#include "tests/bench/suites.h"
+
+namespace occam::bench {
+namespace {
+
+constexpr int kFrames = 3;
+
+// The same crowd as an application of ours has it.
+class OccamCrowd {
+public:
+    explicit OccamCrowd(const Crowd& crowd) : crowd_(crowd)
+    {
+        Material grey;
+        grey.base_color = {0.5f, 0.5f, 0.5f, 1};
+        grey.roughness = 1;
+        grey.specular = 0;
+        const MaterialId material = scene_.add(grey);
+        for (int i = 0; i < crowd.copies; ++i) {
+            Cage cage = crowd.cage;
+            cage.materials = {material};
+            NodeDesc desc;
+            desc.place.translation = crowd.place(i);
+            desc.cages = {scene_.add(std::move(cage))};
+            cages_.push_back(desc.cages[0]);
+            scene_.add_node(scene_.root(), std::move(desc));
+        }
+        Cage floor;
+        floor.scheme = Scheme::Triangles;
+        const auto corners = crowd.floor();
+        floor.positions.assign(corners.begin(), corners.end());
+        floor.face_vertices = {0, 1, 2, 0, 2, 3};
+        floor.materials = {material};
+        NodeDesc ground;
+        ground.cages = {scene_.add(std::move(floor))};
+        scene_.add_node(scene_.root(), std::move(ground));
+        for (const SquareLight& light : crowd.lights()) {
+            AreaLight square;
+            square.size = Vec2f(static_cast<float>(light.side));
+            square.radiance = Vec3f(20);
+            NodeDesc desc;
+            desc.light = scene_.add(Light{"", square});
+            desc.matrix = Mat4d(Vec4d(light.right, 0), Vec4d(-light.up, 0), Vec4d(-light.towards, 0), Vec4d(light.centre, 1));
+            scene_.add_node(scene_.root(), std::move(desc));
+        }
+        camera_ = Camera::look_at(crowd.eye(), {0, 0, 0}, {0, 1, 0}, 0.78539816f);
+    }
+
+    /// Wall seconds of edit and frame.
+    double render(int frame, const Recipe& recipe)
+    {
+        const double start = wall_seconds();
+        for (int i = 0; i < crowd_.copies; ++i) {
+            crowd_.twist(i, frame, positions_);
+            scene_.write_vertices(cages_[static_cast<std::size_t>(i)], positions_);
+        }
+        edit_seconds_ = wall_seconds() - start;
+        Settings settings{.width = kCrowdPixels, .height = kCrowdPixels, .spp = recipe.primary};
+        settings.light_samples = recipe.shadow;
+        settings.shading_rate = recipe.edge_pixels;
+        image_ = renderer_.render(scene_, camera_, settings);
+        return wall_seconds() - start;
+    }
+    double edit_seconds() const { return edit_seconds_; }
+    const FrameStats& stats() const { return renderer_.stats(); }
+
+private:
+    const Crowd& crowd_;
+    Scene scene_;
+    Camera camera_;
+    Renderer renderer_;
+    std::vector<CageId> cages_;
+    std::vector<Vec3f> positions_;
+    Image image_;
+    double edit_seconds_ = 0;
+};
+
+void run_case(Report& report, const Crowd& crowd, const Recipe& recipe)
+{
+    const std::string name = crowd.name + " x " + std::to_string(crowd.copies);
+    if (!report.wants(name + " " + recipe.name)) return;
+    OccamCrowd ours(crowd);
+    EmbreeCrowd theirs(crowd);
+    std::vector<double> frame, edit, peer, peer_commit, peer_trace;
+    std::uint64_t peer_rays = 0;
+    for (int f = 0; f <= kFrames; ++f) {
+        const double seconds = ours.render(f, recipe);
+        const EmbreeCrowd::Frame other = theirs.render(f, recipe);
+        if (f == 0) continue;  // makes what is kept from frame to frame
+        frame.push_back(seconds);
+        edit.push_back(ours.edit_seconds());
+        peer.push_back(other.edit_seconds + other.commit_seconds + other.trace_seconds);
+        peer_commit.push_back(other.commit_seconds);
+        peer_trace.push_back(other.trace_seconds);
+        peer_rays = other.rays;
+    }
+    const FrameStats& s = ours.stats();
+    Row row{"crowd", name};
+    row.recipe = recipe.name;
+    row.add("copies", crowd.copies).add("faces", double(crowd.faces())).add("frame_seconds", frame);
+    row.add("rays", double(s.rays.total())).add("bytes", double(s.memory.arena_peak_bytes));
+    row.add("micropolygons", double(s.built.micropolygons)).add("edit_seconds", edit);
+    row.add("refit_seconds", s.seconds.refit).add("build_seconds", s.seconds.build).add("tessellate_seconds", s.seconds.tessellate);
+    row.add("trace_seconds", s.seconds.trace).add("shade_seconds", s.seconds.shade).add("film_seconds", s.seconds.film);
+    row.add("faces_touched", double(s.built.faces_touched)).add("grids", double(s.built.grids)).add("flushes", double(s.memory.flushes));
+    row.add("embree_frame_seconds", peer).add("embree_commit_seconds", peer_commit).add("embree_trace_seconds", peer_trace);
+    row.add("embree_rays", double(peer_rays)).add("embree_bytes", double(theirs.peak_bytes()));
+    row.add("ratio", ratios(frame, peer));
+    row.note = "frame, edit and refit: wall clock; stages from build to film: workers' seconds summed, of the last frame";
+    report.add(std::move(row));
+}
+
+}  // namespace
+
+void run_crowd(Report& report)
+{
+    const auto cage_of = [&](const char* file) {
+        std::optional<Cage> cage = shared_cage(file);
+        if (!cage) report.add({"crowd", file, {}, "skipped: no shared data (set OCCAM_SHARED)"});
+        return cage;
+    };
+    if (const std::optional<Cage> cage = cage_of("subdiv/suzanne.obj"))
+        for (const Crowd& crowd : {Crowd("suzanne", *cage, 64, 1), Crowd("suzanne", *cage, 1210, 0.3)})
+            for (const Recipe& recipe : kRecipes) run_case(report, crowd, recipe);
+    if (const std::optional<Cage> cage = cage_of("subdiv/chess/Queen.obj")) {
+        const Crowd crowd("queen", *cage, 16, 1);
+        for (const Recipe& recipe : kRecipes) run_case(report, crowd, recipe);
+    }
+}
+
+}  // namespace occam::bench

@@ -1,0 +1,186 @@
+// Values of clips, and what pose() and copy() do to nodes.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "scenegraph/base/error.h"
+#include "scenegraph/scene.h"
+
+namespace occam {
+namespace {
+
+using Path = Channel::Path;
+using Interpolation = Channel::Interpolation;
+
+Channel channel(Path path, Interpolation interpolation, std::vector<float> times, std::vector<float> values, int width)
+{
+    return {{}, path, interpolation, std::move(times), std::move(values), width};
+}
+
+std::vector<double> at(const Channel& c, double seconds)
+{
+    std::vector<double> values(static_cast<std::size_t>(c.width));
+    evaluate(c, seconds, values);
+    return values;
+}
+
+TEST(Clips, StepHoldsAndLinearMixesAndBothAreClampedAtTheirEnds)
+{
+    const std::vector<float> keys{1, 2, 4}, values{0, 10, 100, 2, 30, 200, 4, 40, 400};
+    const Channel step = channel(Path::Translation, Interpolation::Step, keys, values, 3);
+    EXPECT_EQ(at(step, 0), (std::vector<double>{0, 10, 100}));
+    EXPECT_EQ(at(step, 1.999), (std::vector<double>{0, 10, 100}));
+    EXPECT_EQ(at(step, 2), (std::vector<double>{2, 30, 200}));
+    EXPECT_EQ(at(step, 9), (std::vector<double>{4, 40, 400}));
+    const Channel linear = channel(Path::Translation, Interpolation::Linear, keys, values, 3);
+    EXPECT_EQ(at(linear, 1.5), (std::vector<double>{1, 20, 150}));
+    EXPECT_EQ(at(linear, 3.5), (std::vector<double>{3.5, 37.5, 350}));
+    EXPECT_EQ(at(linear, -1), (std::vector<double>{0, 10, 100}));
+    EXPECT_EQ(at(linear, 4), (std::vector<double>{4, 40, 400}));
+}
+
+// A cubic is its own Hermite interpolant: keys with the cubic's values and slopes give the cubic back. Products of floats of
+// few bits are exact in double, sums round: 1e-14 is a few hundred roundings.
+TEST(Clips, CubicSplinesOfACubicAreThatCubic)
+{
+    const auto f = [](double t) { return 2 * t * t * t - 3 * t * t + 0.5 * t + 1; };
+    const auto slope = [](double t) { return 6 * t * t - 6 * t + 0.5; };
+    Channel c = channel(Path::Weights, Interpolation::CubicSpline, {-1, 0.5f, 3}, {}, 1);
+    for (float t : c.times)
+        for (double v : {slope(t), f(t), slope(t)}) c.values.push_back(float(v));
+    for (double t = -1; t <= 3; t += 0.0625) EXPECT_NEAR(at(c, t)[0], f(t), 1e-13) << t;
+    EXPECT_EQ(at(c, -5)[0], f(-1));
+}
+
+// Sines are rounded to float (6e-8 relative), and slerp is a ratio of two.
+TEST(Clips, RotationsTurnAtConstantSpeedTheShorterWay)
+{
+    for (const double angle : {1e-5, 1e-3, 0.5, 1.0, 2.0, 3.0, 3.14}) {
+        const Vec4d a(0, 0, 0, 1), b(0, std::sin(angle / 2), 0, std::cos(angle / 2));
+        for (const double sign : {1.0, -1.0})
+            for (double t = 0; t <= 1; t += 0.125) {
+                const Vec4d q = slerp(a, b * sign, t), wanted(0, std::sin(t * angle / 2), 0, std::cos(t * angle / 2));
+                EXPECT_NEAR(std::abs(glm::dot(q, wanted)), 1, 1e-13) << angle << ' ' << t;
+                EXPECT_LT(glm::length(q - wanted), 3e-7) << angle << ' ' << t;
+            }
+    }
+    const Vec4d q = slerp({1, 0, 0, 0}, {-1, 0, 0, 0}, 0.5);
+    EXPECT_EQ(q, Vec4d(1, 0, 0, 0)) << "the same rotation twice";
+}
+
+TEST(Clips, RepeatOverTheirRange)
+{
+    const TimeRange range{1, 3};
+    EXPECT_EQ(looped(range, 1.5), 1.5);
+    EXPECT_EQ(looped(range, 3), 1);
+    EXPECT_EQ(looped(range, 8), 2);
+    EXPECT_EQ(looped(range, 0.5), 2.5);
+    EXPECT_EQ(looped({2, 2}, 17), 2);
+    EXPECT_EQ(looped(range, NAN), 1);
+}
+
+struct Walkers {
+    Scene scene;
+    NodeId hip, leg;
+    ClipId walk, wave;
+
+    Walkers()
+    {
+        NodeDesc desc;
+        desc.place.translation = {0, 5, 0};
+        hip = scene.add_node(scene.root(), desc);
+        desc.place = {.translation = {1, 0, 0}, .scale = Vec3d(2)};
+        leg = scene.add_node(hip, desc);
+        walk = add("walk", hip, Path::Translation, {0, 0, 0, 8, 0, 0});
+        wave = add("wave", leg, Path::Translation, {0, 0, 0, 0, 4, 0});
+    }
+    ClipId add(const char* name, NodeId target, Path path, std::vector<float> values)
+    {
+        Channel c = channel(path, Interpolation::Linear, {0, 1}, std::move(values), 3);
+        c.target = target;
+        return scene.add(Clip{name, {c}});
+    }
+    Vec3d translation(NodeId id) const { return scene.node(id).place.translation; }
+};
+
+TEST(Pose, MovesWhatTheClipNamesAndLetsGoOfWhatTheLastOneMoved)
+{
+    Walkers w;
+    w.scene.pose(w.walk, 0.5);
+    EXPECT_EQ(w.translation(w.hip), Vec3d(4, 0, 0));
+    EXPECT_EQ(w.translation(w.leg), Vec3d(1, 0, 0));
+    EXPECT_EQ(w.scene.world_from_node(w.leg)[3], Vec4d(5, 0, 0, 1));
+    w.scene.pose(w.wave, 1);
+    EXPECT_EQ(w.translation(w.hip), Vec3d(0, 5, 0)) << "back where it was";
+    EXPECT_EQ(w.translation(w.leg), Vec3d(0, 4, 0));
+    EXPECT_EQ(w.scene.node(w.leg).place.scale, Vec3d(2)) << "no channel of it";
+    w.scene.pose({});
+    EXPECT_EQ(w.translation(w.leg), Vec3d(1, 0, 0));
+}
+
+TEST(Pose, GoesBackToWhatTheApplicationSetMeanwhile)
+{
+    Walkers w;
+    w.scene.pose(w.walk, 0.5);
+    w.scene.set_transform(w.hip, Trs{.translation = {7, 7, 7}});
+    w.scene.pose(w.walk, 1);
+    EXPECT_EQ(w.translation(w.hip), Vec3d(8, 0, 0));
+    w.scene.pose({});
+    EXPECT_EQ(w.translation(w.hip), Vec3d(7, 7, 7));
+}
+
+TEST(Pose, MixesClipsThatMoveTheSameProperty)
+{
+    Walkers w;
+    const ClipId rise = w.add("rise", w.hip, Path::Translation, {0, 0, 0, 0, 8, 0});
+    const ClipAt mix[] = {{w.walk, 1, 3}, {rise, 1, 1}, {w.wave, 1, 0.5}};
+    w.scene.pose(mix);
+    EXPECT_EQ(w.translation(w.hip), Vec3d(6, 2, 0));
+    EXPECT_EQ(w.translation(w.leg), Vec3d(0, 4, 0)) << "alone, its share does not matter";
+    const ClipAt none[] = {{w.walk, 1, 0}};
+    w.scene.pose(none);
+    EXPECT_EQ(w.translation(w.hip), Vec3d(0, 5, 0));
+}
+
+TEST(Pose, OfACopyLeavesTheOthersAlone)
+{
+    Walkers w;
+    w.scene.pose(w.walk, 0.5);
+    const NodeId copy = w.scene.copy(w.hip, w.scene.root());
+    EXPECT_EQ(w.translation(copy), Vec3d(0, 5, 0)) << "the pose of the moment is not copied";
+    const ClipAt both[] = {{w.walk, 1, 1}, {w.wave, 0.5, 1}};
+    w.scene.pose(both, copy);
+    EXPECT_EQ(w.translation(copy), Vec3d(8, 0, 0));
+    EXPECT_EQ(w.translation(w.scene.node(copy).children.at(0)), Vec3d(0, 2, 0));
+    EXPECT_EQ(w.translation(w.hip), Vec3d(4, 0, 0));
+    EXPECT_EQ(w.translation(w.leg), Vec3d(1, 0, 0));
+    w.scene.remove(copy);
+    EXPECT_THROW(w.scene.pose(both, copy), Error);
+    EXPECT_THROW(w.scene.pose(both, w.hip), Error) << "no copy";
+    EXPECT_THROW(w.scene.copy(w.hip, w.leg), Error) << "into itself";
+}
+
+TEST(Pose, SameMomentMarksNothing)
+{
+    Walkers w;
+    w.scene.pose(w.walk, 0.5);
+    w.scene.refit();
+    w.scene.pose(w.walk, 0.5);
+    EXPECT_FALSE(w.scene.node(w.scene.root()).dirty);
+    w.scene.pose(w.walk, 0.6);
+    EXPECT_TRUE(w.scene.node(w.scene.root()).dirty);
+}
+
+TEST(Pose, RefusesWhatIsNoMoment)
+{
+    Walkers w;
+    EXPECT_THROW(w.scene.pose(ClipId(), 0), Error);
+    EXPECT_THROW(w.scene.pose(w.walk, NAN), Error);
+    const ClipAt negative[] = {{w.walk, 0, -1}};
+    EXPECT_THROW(w.scene.pose(negative), Error);
+    const Scene::FrameLock lock(w.scene);
+    EXPECT_THROW(w.scene.pose(w.walk, 0), Error);
+}
+
+}  // namespace
+}  // namespace occam

@@ -1,0 +1,160 @@
+// occam animate as a farm meets it: stopped at any moment and started again, in parts, with nowhere to write.
+#include <signal.h>
+#include <sys/stat.h>
+
+#include <chrono>
+#include <set>
+#include <thread>
+
+#include "render/image.h"
+#include "tests/support/command_test.h"
+
+namespace occam {
+namespace {
+
+using namespace test;
+
+// A triangle that slides and turns: translation LINEAR, rotation LINEAR, one second long.
+constexpr const char* kMovingTriangle = R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+"nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+"animations": [{"name": "slide", "samplers": [{"input": 1, "output": 2}], "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]},
+               {"name": "rise", "samplers": [{"input": 1, "output": 3}], "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}],
+"buffers": [{"uri": "moving.bin", "byteLength": 92}],
+"bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 8}, {"buffer": 0, "byteOffset": 44, "byteLength": 48}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-1, -1, 0], "max": [1, 1, 0]},
+{"bufferView": 1, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [1]},
+{"bufferView": 2, "componentType": 5126, "count": 2, "type": "VEC3"},
+{"bufferView": 2, "byteOffset": 24, "componentType": 5126, "count": 2, "type": "VEC3"}]})";
+
+class Animate : public CommandTest {
+protected:
+    void SetUp() override
+    {
+        CommandTest::SetUp();
+        const float numbers[] = {-1, -1, 0, 1, -1, 0, 0, 1, 0, /* times */ 0, 1, /* slide */ 0, 0, 0, 2, 0, 0, /* rise */ 0, 0, 0, 0, 2, 0};
+        std::ofstream(folder / "moving.bin", std::ios::binary).write(reinterpret_cast<const char*>(numbers), sizeof numbers);
+        std::ofstream(folder / "moving.gltf") << kMovingTriangle;
+    }
+    std::vector<std::string> words(const std::string& pattern, const std::string& frames, const std::vector<std::string>& more = {},
+                                   const std::string& spp = "4", const std::string& fps = "10") const
+    {
+        std::vector<std::string> all{"animate", "moving.gltf", "-o",     pattern,  "--frames", frames,
+                                     "--fps",   fps,           "--size", "48x32", "--spp",    spp};
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    }
+    std::string bytes(const std::string& name) const { return text_of(folder / name); }
+    std::vector<float> pixels(const std::string& name) const { return render::Image::read(folder / name).layer(0).pixels; }
+};
+
+TEST_F(Animate, AFrameIsTheOneThatRenderMakes)
+{
+    ASSERT_EQ(run(words("a.####.exr", "0-4x2", {"--clip", "rise"})).exit_code, kDone);
+    ASSERT_EQ(run({"render", "moving.gltf", "-o", "one.exr", "--frame", "4", "--clip", "rise", "--fps", "10", "--size", "48x32", "--spp", "4"}).exit_code, kDone);
+    ASSERT_EQ(run({"render", "moving.gltf", "-o", "time.exr", "--time", "0.4", "--clip", "1", "--size", "48x32", "--spp", "4"}).exit_code, kDone);
+    EXPECT_EQ(pixels("a.0004.exr"), pixels("one.exr"));
+    EXPECT_EQ(pixels("a.0004.exr"), pixels("time.exr"));
+    EXPECT_NE(pixels("a.0004.exr"), pixels("a.0000.exr"));
+    EXPECT_FALSE(fs::exists(folder / "a.0001.exr"));
+    const Outcome o = run({"render", "moving.gltf", "-o", "b.exr", "--clip", "fly"});
+    EXPECT_EQ(o.exit_code, kBadInput);
+    EXPECT_NE(o.err.find("slide, rise"), std::string::npos) << o.err;
+}
+
+TEST_F(Animate, ShardsTogetherAreTheWholeBitForBit)
+{
+    ASSERT_EQ(run(words("whole.####.exr", "0-6", {"--threads", "2"})).exit_code, kDone);
+    for (const char* shard : {"1/3", "2/3", "3/3"})
+        ASSERT_EQ(run(words("part.####.exr", "0-6", {"--shard", shard, "--threads", "1"})).exit_code, kDone);
+    for (int frame = 0; frame <= 6; ++frame)
+        EXPECT_EQ(pixels("whole.000" + std::to_string(frame) + ".exr"), pixels("part.000" + std::to_string(frame) + ".exr")) << frame;
+}
+
+TEST_F(Animate, LeavesFramesThatAreThereUnlessToldOtherwise)
+{
+    std::ofstream(folder / "a.0001.png") << "mine";
+    const Outcome o = run(words("a.%04d.png", "0-2", {"--stats", "-"}));
+    ASSERT_EQ(o.exit_code, kDone) << o.err;
+    EXPECT_EQ(bytes("a.0001.png"), "mine");
+    EXPECT_EQ(o.out.find("\"frame\": 1,"), std::string::npos);
+    EXPECT_NE(o.out.find("\"frame\": 2,"), std::string::npos);
+    ASSERT_EQ(run(words("a.%04d.png", "0-2", {"--overwrite"})).exit_code, kDone);
+    EXPECT_NE(bytes("a.0001.png"), "mine");
+}
+
+TEST_F(Animate, KilledTwentyTimesEveryFrameIsWholeAndNoneIsMissing)
+{
+    ASSERT_EQ(run(words("good.####.exr", "0-39", {}, "64")).exit_code, kDone);
+    for (int round = 0; round < 20; ++round) {
+        const pid_t child = start(words("a.####.exr", "0-39", {}, "64"));
+        // Later and later, so that kills meet every stage: starting, reading, rendering, writing.
+        std::this_thread::sleep_for(std::chrono::microseconds(2000 + 7919 * round));
+        kill(child, SIGKILL);
+        finish(child);
+        for (const auto& entry : fs::directory_iterator(folder)) {
+            const std::string name = entry.path().filename().string();
+            if (!name.starts_with("a.")) continue;
+            ASSERT_EQ(pixels(name), pixels("good" + name.substr(1))) << name << " after kill " << round;
+        }
+    }
+    ASSERT_EQ(run(words("a.####.exr", "0-39", {}, "64")).exit_code, kDone);
+    for (int frame = 0; frame < 40; ++frame) {
+        const std::string number = (frame < 10 ? "000" : "00") + std::to_string(frame) + ".exr";
+        ASSERT_EQ(pixels("a." + number), pixels("good." + number));
+    }
+}
+
+TEST_F(Animate, AnInterruptLeavesNoPartOfAFrame)
+{
+    const pid_t child = start(words("a.####.exr", "0-3", {"--progress", "plain", "--threads", "1"}, "65536"));
+    for (int i = 0; i < 1000 && text_of(folder / "stderr.txt").find("rendering") == std::string::npos; ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    kill(child, SIGINT);
+    EXPECT_EQ(finish(child).exit_code, kInterrupted);
+    for (const auto& entry : fs::directory_iterator(folder)) EXPECT_NE(entry.path().extension(), ".exr") << entry.path();
+}
+
+TEST_F(Animate, AFrameThatCannotBeWrittenIsExitCode3AndTheRestIsKept)
+{
+    // A folder in the way of the third frame: also for a user who may write everywhere.
+    fs::create_directories(folder / "a.0002.exr" / "in the way");
+    const Outcome o = run(words("a.####.exr", "0-4", {"--overwrite", "--progress", "openjd"}));
+    EXPECT_EQ(o.exit_code, kOutput);
+    EXPECT_NE(o.err.find("a.0002.exr"), std::string::npos) << o.err;
+    EXPECT_NE(o.out.find("openjd_fail: "), std::string::npos) << o.out;
+    EXPECT_TRUE(fs::is_regular_file(folder / "a.0000.exr"));
+    EXPECT_TRUE(fs::is_regular_file(folder / "a.0001.exr"));
+    EXPECT_EQ(run(words("missing/a.####.exr", "0-1")).exit_code, kOutput);
+}
+
+TEST_F(Animate, SpeaksOpenJobDescription)
+{
+    const Outcome o = run(words("a.####.exr", "0-3", {"--progress", "openjd"}));
+    ASSERT_EQ(o.exit_code, kDone) << o.err;
+    EXPECT_EQ(o.err, "");
+    int last = -1;
+    std::istringstream lines(o.out);
+    for (std::string line; std::getline(lines, line);) {
+        const bool is_progress = line.starts_with("openjd_progress: ");
+        ASSERT_TRUE(is_progress || line.starts_with("openjd_status: ")) << line;
+        if (!is_progress) continue;
+        const int percent = std::stoi(line.substr(17));
+        EXPECT_GE(percent, last) << o.out;
+        last = percent;
+    }
+    EXPECT_EQ(last, 100);
+    EXPECT_NE(o.out.find("frame 2 (3 of 4)"), std::string::npos) << o.out;
+}
+
+TEST_F(Animate, BadWordsAreOneLineAndExitCode2)
+{
+    for (const auto& bad : {words("a.exr", "0-3"), words("a.####.exr", "3-0"), words("a.####.exr", "0-3", {"--shard", "4/3"}),
+                            words("a.####.exr", "0-3", {}, "4", "0"), words("a.####.xyz", "0-3"), words("a.####.exr", "0-3", {"--clip", "7"})}) {
+        const Outcome o = run(bad);
+        EXPECT_EQ(o.exit_code, kBadInput) << o.err;
+        EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+    }
+}
+
+}  // namespace
+}  // namespace occam

@@ -1,0 +1,173 @@
+// A scene that changes between frames: each picture is that of a scene built anew, whatever the renderer has kept.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <stdexcept>
+
+#include "occam/occam.h"
+#include "tests/support/shape_builders.h"
+
+namespace occam {
+namespace {
+
+using test::place;
+using test::prism;
+using test::torus;
+
+const Camera kCamera = Camera::look_at({0.5, 3, 6}, {0, 0, 0}, {0, 1, 0}, 0.8f);
+const Settings kSmall{.width = 64, .height = 48, .spp = 2};
+
+// What an application may have at one moment.
+struct State {
+    bool is_tall = false, is_prism = false, is_aside = false, is_red = false, is_dark = false, is_hidden = false;
+};
+
+Cage body(const State& state, MaterialId material)
+{
+    Cage cage = state.is_prism ? prism(6) : torus();
+    if (state.is_tall)
+        for (Vec3f& p : cage.positions) p.y *= 3;
+    cage.materials = {material};
+    return cage;
+}
+Material paint(const State& state)
+{
+    Material m;
+    m.base_color = state.is_red ? Vec4f(1, 0, 0, 1) : Vec4f(0.8f);
+    return m;
+}
+Light lamp(const State& state) { return {"", SunLight{Vec3f(state.is_dark ? 0.2f : 3.0f)}}; }
+Mat4d site(const State& state)
+{
+    Mat4d m(1);
+    m[3] = Vec4d(state.is_aside ? 1.5 : 0, 0, 0, 1);
+    return m;
+}
+
+struct World {
+    Scene scene;
+    MaterialId material;
+    CageId cage;
+    LightId light;
+    NodeId node;
+
+    explicit World(const State& state = {})
+    {
+        material = scene.add(paint(state));
+        cage = scene.add(body(state, material));
+        light = scene.add(lamp(state));
+        NodeDesc desc;
+        desc.matrix = site(state);
+        desc.cages = {cage};
+        desc.visible = !state.is_hidden;
+        node = scene.add_node(scene.root(), desc);
+        NodeDesc sun;
+        sun.light = light;
+        scene.add_node(scene.root(), sun);
+        place(scene, scene.add(prism(5)), {-2, 0, 0}, 0.5);
+    }
+    void become(const State& before, const State& now)
+    {
+        if (now.is_prism != before.is_prism) scene.replace(cage, body(now, material));
+        else if (now.is_tall != before.is_tall) scene.write_vertices(cage, body(now, material).positions);
+        if (now.is_red != before.is_red) scene.replace(material, paint(now));
+        if (now.is_dark != before.is_dark) scene.replace(light, lamp(now));
+        if (now.is_aside != before.is_aside) scene.set_transform(node, site(now));
+        if (now.is_hidden != before.is_hidden) scene.set_visible(node, !now.is_hidden);
+    }
+};
+
+TEST(ChangingScene, EveryFrameIsThatOfASceneBuiltAnew)
+{
+    World world;
+    Renderer renderer;
+    State before;
+    renderer.render(world.scene, kCamera, kSmall);
+    for (const State& now : {State{.is_tall = true}, State{.is_tall = true, .is_aside = true}, State{.is_prism = true, .is_aside = true},
+                             State{.is_tall = true, .is_prism = true, .is_red = true}, State{.is_red = true, .is_dark = true},
+                             State{.is_hidden = true}, State{}}) {
+        world.become(before, now);
+        World fresh(now);
+        EXPECT_EQ(renderer.render(world.scene, kCamera, kSmall).checksum(), Renderer().render(fresh.scene, kCamera, kSmall).checksum());
+        before = now;
+    }
+}
+
+TEST(ChangingScene, EditsWaitForARunningJobAndPassAfterIt)
+{
+    World world;
+    Renderer renderer;
+    Settings long_one = kSmall;
+    long_one.spp = 4096;
+    {
+        Job job = renderer.start(world.scene, kCamera, long_one);
+        EXPECT_THROW(world.scene.write_vertices(world.cage, world.scene.cage(world.cage).cage.positions), Error);
+        EXPECT_THROW(world.scene.replace(world.material, Material{}), Error);
+        EXPECT_THROW(world.scene.replace(world.light, Light{}), Error);
+        EXPECT_THROW(world.scene.set_transform(world.node, Mat4d(1)), Error);
+        EXPECT_THROW(world.scene.set_morph_weights(world.node, {}), Error);
+        EXPECT_THROW(world.scene.copy(world.node, world.scene.root()), Error);
+        job.cancel();
+    }
+    EXPECT_NO_THROW(world.scene.set_transform(world.node, Mat4d(1)));
+}
+
+OnDemandCage demanded(std::atomic<int>& calls, Cage cage)
+{
+    OnDemandCage on_demand;
+    on_demand.name = "demanded";
+    on_demand.bounds = torus().bounds();
+    on_demand.make = [&calls, cage] {
+        ++calls;
+        return cage;
+    };
+    return on_demand;
+}
+
+TEST(OnDemandCages, AreMadeWhenSeenAndNotBefore)
+{
+    std::atomic<int> calls = 0;
+    Scene scene;
+    place(scene, scene.add(demanded(calls, torus())), {0, 0, 0});
+    Cage wall;
+    wall.scheme = Scheme::Triangles;
+    wall.positions = {{-90, -90, 4}, {90, -90, 4}, {0, 180, 4}};
+    wall.face_vertices = {0, 1, 2};
+    const NodeId in_front = place(scene, scene.add(wall), {0, 0, 0});
+    const Camera camera = Camera::look_at({0, 0, 9}, {0, 0, 0}, {0, 1, 0}, 0.6f);
+    Renderer renderer;
+    renderer.render(scene, camera, kSmall);
+    EXPECT_EQ(calls, 0) << "behind a wall";
+    EXPECT_LT(scene.bounds().lo.z, -1) << "its bounds are there all the same";
+
+    scene.set_visible(in_front, false);
+    const Image seen = renderer.render(scene, camera, kSmall);
+    EXPECT_GE(calls, 1);
+    Scene plain;
+    place(plain, plain.add(torus()), {0, 0, 0});
+    EXPECT_EQ(seen.checksum(), renderer.render(plain, camera, kSmall).checksum());
+    EXPECT_EQ(Renderer({.threads = 2, .memory_bytes = 1 << 18}).render(scene, camera, kSmall).checksum(), seen.checksum());
+}
+
+TEST(OnDemandCages, EndTheFrameWithAClearErrorIfTheyDoNotKeepTheirWord)
+{
+    std::atomic<int> calls = 0;
+    const Camera camera = Camera::look_at({0, 0, 9}, {0, 0, 0}, {0, 1, 0}, 0.6f);
+    Cage large = torus();
+    for (Vec3f& p : large.positions) p *= 2.0f;
+    OnDemandCage fails = demanded(calls, torus());
+    fails.make = []() -> Cage { throw std::runtime_error("the disk is gone"); };
+    Renderer renderer;
+    for (OnDemandCage bad : {demanded(calls, large), fails}) {
+        Scene scene;
+        place(scene, scene.add(bad), {0, 0, 0});
+        EXPECT_THROW(renderer.render(scene, camera, kSmall), std::exception);
+    }
+    Scene scene;
+    place(scene, scene.add(demanded(calls, torus())), {0, 0, 0});
+    EXPECT_NO_THROW(renderer.render(scene, camera, kSmall)) << "the renderer goes on";
+    EXPECT_THROW(scene.add(OnDemandCage{}), Error);
+}
+
+}  // namespace
+}  // namespace occam
