@@ -2,7 +2,7 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-# Everything that `header` (relative to the root) includes by a quoted path from the root, and what that includes in turn.
+# Everything that `header` (relative to the root) includes by a quoted path from the root or from api/include, and what that includes in turn.
 function(occam_headers_reached header reached)
   set(todo ${header})
   set(done "")
@@ -16,9 +16,11 @@ function(occam_headers_reached header reached)
     file(STRINGS ${PROJECT_SOURCE_DIR}/${next} lines REGEX "^#include \"")
     foreach(line ${lines})
       string(REGEX REPLACE "^#include \"([^\"]+)\".*" "\\1" included "${line}")
-      if(EXISTS ${PROJECT_SOURCE_DIR}/${included})
-        list(APPEND todo ${included})
-      endif()
+      foreach(folder "" api/include/)
+        if(EXISTS ${PROJECT_SOURCE_DIR}/${folder}${included})
+          list(APPEND todo ${folder}${included})
+        endif()
+      endforeach()
     endforeach()
   endwhile()
   set(${reached} ${done} PARENT_SCOPE)
