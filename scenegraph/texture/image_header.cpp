@@ -40,8 +40,7 @@ bool ImageBytes::read(std::uintmax_t at, std::span<unsigned char> to)
     if (at > size_ || to.size() > size_ - at) return false;
     if (!stream_.is_open()) {
         if (bytes_.size() != size_) return false;
-        const auto from = bytes_.subspan(at, to.size());
-        std::copy(from.begin(), from.end(), to.begin());
+        if (!to.empty()) std::memcpy(to.data(), bytes_.data() + at, to.size());  // neither pointer may be null, even then
         return true;
     }
     return stream_.seekg(static_cast<std::streamoff>(at)) &&
