@@ -189,7 +189,8 @@ OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, Mask
         if (!leaf) return LeafResult::Expanded;
         // What is the same for several pairs is met once for all of them.
         const int last = std::min(leaf->pairs.coarsest, coarsest);
-        if (last > pair && (pair != finest || last != coarsest)) here = alive & (max(t_near, pairs.in(pair, last)) <= min(t_far, pairs.out(pair, last)));
+        if (pair == finest && last == coarsest) here = alive;
+        else if (last > pair) here = alive & (max(t_near, pairs.in(pair, last)) <= min(t_far, pairs.out(pair, last)));
         for (KdLeaf::Entry& entry : leaf->entries) {
             const MaskOf<F> entering = here & enter(entry.box);
             if (any(entering) && !meet(entry, pair, entering)) return LeafResult::Abandoned;
