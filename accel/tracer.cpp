@@ -14,7 +14,7 @@ namespace occam::accel {
 namespace {
 
 constexpr int kPacket = 8;       // rays a packet; as many as lanes, but for the one-lane build, which has no packets
-constexpr int kWorthAPacket = 3; // live rays below which single rays are faster (docs/performance.md)
+constexpr int kWorthAPacket = 5; // live rays below which single rays are faster (docs/performance.md)
 constexpr std::size_t kNoLimit = ~std::size_t(0);
 
 // limit() of a single ray is the same in all lanes.
