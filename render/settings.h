@@ -3,9 +3,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "render/filter.h"
+#include "scenegraph/camera.h"
 
 namespace occam::render {
 
@@ -68,6 +70,7 @@ struct Settings {
     int light_samples = 1;   ///< of each light at each hit that the camera sees; of the sky in `ao`
     float shading_rate = 1;  ///< wanted micropolygon edge, pixels
     Lod lod = Lod::On;
+    std::optional<Camera> lod_camera{};  ///< whose pixels the footprints are; none: the picture's own
     std::uint64_t seed = 0;
     double deadline_s = 0;  ///< stop after so long with what is done; 0: none. The one setting that makes pictures differ
     unsigned aovs = 0;      ///< bits of Aov
