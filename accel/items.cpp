@@ -295,7 +295,9 @@ IGrid& Items::grid(ItemIndex i, int pair)
         ++counters_.grids;
         const std::uint64_t made = builder_.micropolygons - before;
         counters_.micropolygons += made;
-        if (item.kind != Item::Faces) counters_.micropolygons_of_level[std::clamp(level, lod::kFinestLevel, lod::kCoarsestLevel) - TraceCounters::kFinestLevel] += made;
+        if (item.kind == Item::Faces) return *grid;
+        counters_.diced += made;
+        counters_.micropolygons_of_level[std::clamp(level, lod::kFinestLevel, lod::kCoarsestLevel) - TraceCounters::kFinestLevel] += made;
     }
     return *grid;
 }

@@ -424,6 +424,7 @@ bool Tracer::State::run(std::size_t first, std::size_t count, std::size_t limit_
 void Tracer::closest(std::span<const Ray> rays, std::span<SurfaceHit> hits)
 {
     State& s = *state_;
+    const std::uint64_t diced = s.counters.diced;
     s.for_groups(rays, [&](std::size_t first, std::size_t count, std::size_t limit) {
         const auto take = [&](std::size_t i, const auto& found, bool is_single) {
             SurfaceHit& hit = hits[s.place_of[first + i]] = {};
@@ -436,15 +437,18 @@ void Tracer::closest(std::span<const Ray> rays, std::span<SurfaceHit> hits)
         };
         return s.run<Nearest>(first, count, limit, take) && s.arena.bytes() <= limit;
     });
+    if (!rays.empty() && rays.front().kinds & RayKind::Camera) s.counters.diced_for_camera += s.counters.diced - diced;
 }
 
 void Tracer::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded)
 {
     State& s = *state_;
+    const std::uint64_t diced = s.counters.diced;
     s.for_groups(rays, [&](std::size_t first, std::size_t count, std::size_t limit) {
         const auto take = [&](std::size_t i, const auto& found, bool) { occluded[s.place_of[first + i]] = found.t[i % kLanes] == kDead; };
         return s.run<AnyHit>(first, count, limit, take);
     });
+    s.counters.diced_for_occlusion += s.counters.diced - diced;
 }
 
 TraceCounters& TraceCounters::operator+=(const TraceCounters& o) noexcept
@@ -456,6 +460,9 @@ TraceCounters& TraceCounters::operator+=(const TraceCounters& o) noexcept
     kd_expanded += o.kd_expanded;
     grids += o.grids;
     micropolygons += o.micropolygons;
+    diced += o.diced;
+    diced_for_camera += o.diced_for_camera;
+    diced_for_occlusion += o.diced_for_occlusion;
     faces_touched += o.faces_touched;
     flushes += o.flushes;
     vertices_diced += o.vertices_diced;

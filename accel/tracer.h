@@ -72,6 +72,8 @@ struct TraceCounters {
     double dice_seconds = 0;
     lod::DeformCounters deform;  ///< its seconds are among those of build and dice
     static constexpr int kFinestLevel = -60, kLevels = 121;
+    std::uint64_t diced = 0;                ///< micropolygons of surfaces: of triangle meshes none
+    std::uint64_t diced_for_camera = 0, diced_for_occlusion = 0;  ///< by which rays they were first asked for
     std::array<std::uint64_t, kLevels> micropolygons_of_level{};  ///< of kFinestLevel and up
     TraceCounters& operator+=(const TraceCounters& other) noexcept;
 };

@@ -68,13 +68,16 @@ public:
         const int spp = context_.settings.spp;
         const int step = std::clamp(kBatchRays / pixels, 1, spp);
         sums_.assign(static_cast<std::size_t>(pixels), {});
-        for (int first = 0; first < spp;) {
+        const double cells = integrator_.counters().visible_cells;
+        int first = 0;
+        while (first < spp) {
             if (control.is_cancelled() || Clock::now() >= deadline_) return false;
             const int last = std::min({first + step, next_check(first), spp});
             trace(tile, first, last);
             first = last;
             if (last == next_check(last - 1) && is_good_enough()) break;
         }
+        visible_cells_ += (integrator_.counters().visible_cells - cells) / first;
         const auto start = Clock::now();
         std::size_t i = 0;
         for (int y = tile.y0; y < tile.y1; ++y)
@@ -108,6 +111,9 @@ public:
         stats.built.kd_nodes += t.kd_nodes;
         stats.built.grids += t.grids;
         stats.built.micropolygons += t.micropolygons;
+        stats.built.by_camera_rays += t.diced_for_camera;
+        stats.built.by_shadow_rays += t.diced_for_occlusion;
+        stats.built.visible_cells += visible_cells_;
         stats.built.faces_touched += t.faces_touched;
         stats.built.vertices_deformed += t.deform.vertices;
         stats.built.vertices_shaded += t.vertices_shaded;
@@ -156,7 +162,7 @@ private:
     accel::Tracer tracer_;
     Integrator integrator_;
     Clock::time_point deadline_;
-    double film_seconds_ = 0;
+    double film_seconds_ = 0, visible_cells_ = 0;
     std::uint64_t samples_made_ = 0, not_finite_ = 0;
     std::vector<CameraSample> samples_;
     std::vector<SampleResult> results_;

@@ -62,6 +62,7 @@ std::size_t Integrator::shade_some(std::size_t first, std::span<const CameraSamp
     std::size_t i = first;
     for (; i < paths_.size() && shadows_.size() < kShadowBatch; ++i) {
         const std::uint32_t sample = paths_[i].sample;
+        if (hits_[i].is_hit() && paths_[i].is_camera()) count_cells(rays_[i], hits_[i]);
         if (hits_[i].is_hit())
             shade_hit(i, samples[sample], results[sample]);
         else
@@ -69,6 +70,13 @@ std::size_t Integrator::shade_some(std::size_t first, std::span<const CameraSamp
     }
     counters_.shade_seconds += std::chrono::duration<double>(Clock::now() - start).count();
     return i;
+}
+
+void Integrator::count_cells(const accel::Ray& ray, const accel::SurfaceHit& hit)
+{
+    constexpr double kSteepest = 0.1;  // cosine: a silhouette has no end of surface
+    const double facing = std::abs(double(glm::dot(hit.normal_geometric, ray.direction))), rate = double(context_.settings.shading_rate);
+    counters_.visible_cells += 1 / (std::max(facing, kSteepest) * rate * rate);
 }
 
 void Integrator::shade_miss(std::size_t i, SampleResult& result)

@@ -47,6 +47,8 @@ struct CameraSample {
 struct IntegratorCounters {
     RayCounters rays;
     double trace_seconds = 0, shade_seconds = 0;
+    /// Of camera rays that hit: the surface that a pixel covers there, in squares of the shading rate. Summed over samples.
+    double visible_cells = 0;
 };
 
 /// Lights tried at a hit. A scene with more has them sampled, one from each sixteenth of the list.
@@ -100,6 +102,7 @@ private:
     /// Shades hits from `first` on until enough shadow rays wait; returns the first that is not shaded yet.
     std::size_t shade_some(std::size_t first, std::span<const CameraSample> samples, std::span<SampleResult> results);
     void shade_hit(std::size_t i, const CameraSample& sample, SampleResult& result);
+    void count_cells(const accel::Ray& ray, const accel::SurfaceHit& hit);
     void shade_miss(std::size_t i, SampleResult& result);
     /// Adds the lights without a surface that a scattered ray crosses before `t_far`.
     void cross_lights(const Path& path, const accel::Ray& ray, float t_far, SampleResult& result) const;

@@ -29,6 +29,14 @@ struct FrameStats {
     struct Built {
         std::uint64_t kd_nodes = 0, grids = 0, micropolygons = 0, faces_touched = 0, vertices_deformed = 0,
                       vertices_shaded = 0;
+        /// Cells of the shading rate's size that the visible surfaces have, and the micropolygons of surfaces (two a cell's quad) that
+        /// camera rays and shadow or occlusion rays were the first to ask for; each worker's counts.
+        double visible_cells = 0;
+        std::uint64_t by_camera_rays = 0, by_shadow_rays = 0;
+        double quads_per_cell(std::uint64_t count) const noexcept
+        {
+            return visible_cells > 0 ? 0.5 * double(count) / visible_cells : 0;
+        }
         std::map<int, std::uint64_t> by_level;  ///< micropolygons of each level that was built
     } built;
     struct Memory {

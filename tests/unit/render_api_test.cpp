@@ -45,6 +45,34 @@ TEST(Api, APictureOfASquareHasItsDepthAndCoverage)
     EXPECT_EQ(renderer.stats().image.checksum, image.checksum());
 }
 
+// Seen from straight above by an orthographic camera a flat sheet has a cell a pixel, whatever the samples; powers of two and their
+// pairs of levels build 1 to 4.5 quads for each (4.7 is the mean over scales of what both directions need), tiles out of sight some more.
+TEST(Api, StatisticsTellQuadsPerVisibleCell)
+{
+    Scene scene;
+    Cage sheet;
+    sheet.scheme = Scheme::Bilinear;
+    sheet.positions = {{-4, -4, 0}, {4, -4, 0}, {4, 4, 0}, {-4, 4, 0}};
+    sheet.face_vertices = {0, 1, 2, 3};
+    sheet.face_sizes = {4};
+    scene.add_node(scene.root(), {.cages = {scene.add(std::move(sheet))}});
+    AreaLight lamp;
+    lamp.size = Vec2f(1);
+    scene.add_node(scene.root(), {.place = {.translation = {0, 0, 8}}, .light = scene.add(Light{"lamp", lamp})});
+    Camera camera = kFront;
+    camera.lens.orthographic = true;
+    camera.lens.height = 6;
+    Renderer renderer({.threads = 1});
+    renderer.render(scene, camera, {.width = 96, .height = 96, .spp = 3});
+    const FrameStats& stats = renderer.stats();
+    EXPECT_NEAR(stats.built.visible_cells, 96 * 96, 1e-3);
+    const double quads = stats.built.quads_per_cell(stats.built.by_camera_rays);
+    EXPECT_GT(quads, 0.9);
+    EXPECT_LT(quads, 6);
+    // Beams to a lamp leave the surface as wide as they came and grow: they find what is there already, or what is coarser.
+    EXPECT_LT(stats.built.quads_per_cell(stats.built.by_shadow_rays), quads);
+}
+
 TEST(Api, ACropIsThatPartOfThePicture)
 {
     Square square;
