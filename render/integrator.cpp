@@ -98,8 +98,8 @@ void Integrator::cross_lights(const Path& path, const accel::Ray& ray, float t_f
 {
     const shade::Tries tries = tries_of(path.light_tries, path.scatter_tries, true);
     context_.lights.for_crossings(ray.origin, ray.direction, t_far,
-                                  [&](const shade::WorldLight&, const shade::LightCrossing& crossing) {
-                                      if (crossing.distance <= ray.t_near) return;
+                                  [&](const shade::WorldLight& light, const shade::LightCrossing& crossing) {
+                                      if (crossing.distance <= ray.t_near || (light.groups & path.lit_by) == 0) return;
                                       const float weight = tries.of_scatter(path.density, crossing.density);
                                       result.radiance += path.throughput * crossing.radiance * weight;
                                   });
