@@ -27,7 +27,7 @@ Integrator::Integrator(const FrameContext& context)
       texture_width_(sample_width(context.settings.spp)),
       has_mattes_(context.settings.has(Aov::CryptomatteObject) || context.settings.has(Aov::CryptomatteMaterial)),
       placed_tries_(1),
-      shadows_(context.textures, context.may_pass, texture_width_)
+      shadows_(context.textures, context.may_pass, !context.settings.back_faces, texture_width_)
 {
     const std::size_t lights = context.lights.lights().size();
     if (lights > kMaxLightsPerHit) placed_tries_ = kMaxLightsPerHit / static_cast<float>(lights);
@@ -147,7 +147,7 @@ void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResu
     const accel::SurfaceHit& hit = hits_[i];
     Path path = paths_[i];
     const Settings& settings = context_.settings;
-    if (!settings.back_faces && path.is_camera() && hit.back_side && !hit.material->double_sided && !(hit.material->transmission > 0)) {
+    if (!settings.back_faces && is_culled(hit)) {
         pass_straight(path, ray, hit.t, Vec3f(1), path.coverage, 1);
         return;
     }

@@ -78,7 +78,7 @@ struct Settings {
     double deadline_s = 0;  ///< stop after so long with what is done; 0: none. The one setting that makes pictures differ
     unsigned aovs = 0;      ///< bits of Aov
     View view = View::Beauty;
-    bool back_faces = true;  ///< false: camera rays pass the backs of single-sided surfaces (glTF 2.0, sec. 3.9.6), but those of glass
+    bool back_faces = true;  ///< false: rays pass the backs of single-sided surfaces (glTF 2.0, sec. 3.9.5), but those of glass
     bool background = true;  ///< draw sky or environment behind the scene; false: transparent
 
     bool has(Aov aov) const noexcept { return (aovs & static_cast<unsigned>(aov)) != 0; }
