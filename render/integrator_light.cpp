@@ -131,7 +131,7 @@ accel::Ray Integrator::scattered_ray(const Vertex& v, const shade::ScatterSample
     } else if (s.lobe != shade::Lobe::Diffuse) {
         smooth = shade::mirrored_beam(beam, v.hit.curvature, cosine);
     }
-    ray.footprint = shade::scattered_beam(smooth, s.density, samples * context_.settings.spp);
+    ray.footprint = shade::followable(shade::scattered_beam(smooth, s.density, samples * context_.settings.spp), context_.settings.shading_rate);
     return ray;
 }
 
