@@ -1,9 +1,14 @@
 // Secondary rays a second by kind, with their footprints and without, and what shading costs.
 //
 // "Without": each ray keeps the width that its parent had at the hit, so that its surfaces are as fine far away as near.
+//
+// A lobe's share that one sample stands for is longer in the plane of incidence than across, by one over the cosine at the
+// half vector (where reflection doubles angles in one direction alone). Footprints have one width, the mean of both: what a second
+// could save or mend lies between the figures of the smaller and the larger one.
 
 #include <cmath>
 
+#include "accel/frame_state.h"
 #include "render/sampler.h"
 #include "shade/direct.h"
 #include "shade/footprints.h"
@@ -67,7 +72,7 @@ std::vector<accel::Ray> secondary_rays(const Kind& kind, std::span<const accel::
             const lod::Footprint smooth =
                 kind.is_diffuse ? lod::Footprint{width, 0}
                                 : shade::mirrored_beam({width, rays[i].footprint.b}, hit.curvature, glm::dot(s.normal, s.to_eye));
-            ray.footprint = shade::scattered_beam(smooth, d.density, kSamples);
+            ray.footprint = shade::followable(shade::scattered_beam(smooth, d.density, kSamples), 1);
         }
         ray.origin = s.start(ray.direction);
         if (!with_footprint) ray.footprint = {width, 0};
@@ -88,10 +93,60 @@ shade::WorldLight lamp_over(const Box3d& bounds)
     return shade::WorldLight::place({"lamp", AreaLight{AreaLight::Shape::Rectangle, Vec2f(float(size)), Vec3f(1)}}, m);
 }
 
+accel::Frame levels_of_each_ray(Subject& subject)
+{
+    lod::LevelSettings levels = subject.frame->state().levels;
+    levels.mode = lod::LevelMode::PerRay;
+    return accel::Frame(subject.scene, subject.topologies, levels);
+}
+
+// Glossy rays from grazing hits with the share's smaller width, its mean, and its larger one.
+void run_widths(Report& report, Subject& subject)
+{
+    const accel::Frame frame = levels_of_each_ray(subject);
+    const std::vector<accel::Ray> camera = subject.camera_rays();
+    accel::Tracer first(frame, kBudget);
+    std::vector<accel::SurfaceHit> hits(camera.size());
+    trace_closest(first, camera, hits);
+    const Kind glossy{"", 0.2f, false, false};
+    const render::Sampler sampler(1, kSamples, true);
+    Row row{"light", subject.name + ", glossy from grazing hits"};
+    double stretch = 0;
+    std::size_t count = 0;
+    for (const int power : {1, 0, -1}) {
+        std::vector<accel::Ray> rays;
+        for (std::size_t i = 0; i < camera.size(); ++i) {
+            if (!hits[i].is_hit() || -glm::dot(hits[i].normal_shading, camera[i].direction) > 0.3f) continue;
+            const shade::Surface s = surface_at(camera[i], hits[i], glossy);
+            const shade::ScatterSample d = shade::sample_scatter(s, 0.5f, sampler.square(int(i), 0, 0, render::Dimension::pixel()));
+            if (d.weight == Vec3f(0)) continue;
+            const float cosine = glm::dot(glm::normalize(s.to_eye + d.direction), s.to_eye);
+            if (power == 0) stretch += 1 / double(cosine);
+            const float width = camera[i].footprint.at(hits[i].t);
+            const lod::Footprint mean = shade::scattered_beam({width, 0}, d.density, kSamples);
+            accel::Ray ray;
+            ray.direction = d.direction;
+            ray.origin = s.start(ray.direction);
+            ray.footprint = shade::followable({mean.a, mean.b * std::pow(cosine, 0.5f * float(power))}, 1);
+            rays.push_back(ray);
+        }
+        count = rays.size();
+        accel::Tracer tracer(frame, kBudget);
+        std::vector<accel::SurfaceHit> found(rays.size());
+        trace_closest(tracer, rays, found);
+        const std::string name = power > 0 ? "smaller" : power == 0 ? "mean" : "larger";
+        row.add("mrays_per_s_" + name, per(1e-6 * double(rays.size()), repeat(kRuns, [&] { trace_closest(tracer, rays, found); })));
+        row.add("micropolygons_" + name, double(tracer.counters().micropolygons));
+    }
+    row.add("rays", double(count)).add("larger_over_smaller", stretch / double(count));
+    report.add(std::move(row));
+}
+
 void run_kinds(Report& report, Subject& subject)
 {
+    const accel::Frame frame = levels_of_each_ray(subject);
     const std::vector<accel::Ray> camera = subject.camera_rays();
-    accel::Tracer first(*subject.frame, kBudget);
+    accel::Tracer first(frame, kBudget);
     std::vector<accel::SurfaceHit> hits(camera.size());
     trace_closest(first, camera, hits);
     const shade::WorldLight lamp = lamp_over(subject.scene.bounds());
@@ -99,7 +154,7 @@ void run_kinds(Report& report, Subject& subject)
         Row row{"light", subject.name + ", " + kind.name};
         for (const bool with_footprint : {true, false}) {
             const std::vector<accel::Ray> rays = secondary_rays(kind, camera, hits, lamp, with_footprint);
-            accel::Tracer tracer(*subject.frame, kBudget);
+            accel::Tracer tracer(frame, kBudget);
             std::vector<accel::SurfaceHit> found(rays.size());
             std::vector<std::uint8_t> occluded(rays.size());
             const auto trace = [&] {
@@ -166,7 +221,10 @@ void run_shading(Report& report)
 void run_light(Report& report)
 {
     run_shading(report);
-    for (const auto& subject : usual_subjects(kWidth, kHeight)) run_kinds(report, *subject);
+    for (const auto& subject : usual_subjects(kWidth, kHeight)) {
+        run_kinds(report, *subject);
+        run_widths(report, *subject);
+    }
     run_light_frames(report);
 }
 
