@@ -38,6 +38,12 @@ lod::LevelSettings CameraRays::levels(float shading_rate) const noexcept
     return levels;
 }
 
+void CameraRays::take_footprints_of(const CameraRays& other) noexcept
+{
+    footprints_are_own_ = false;
+    footprint_ = {other.pixel_.at(static_cast<float>(glm::distance(eye_, other.eye_))), other.pixel_.b};
+}
+
 accel::Ray CameraRays::ray(double x, double y, Vec2f lens) const noexcept
 {
     const Vec3d across = right_ * ((2 * x - width_) / height_) + up_ * (1 - 2 * y / height_);
@@ -60,6 +66,7 @@ accel::Ray CameraRays::ray(double x, double y, Vec2f lens) const noexcept
         ray.t_far = static_cast<float>(double(focus_) * length);
         ray.footprint = lens_beams_of(ray).near_side;
     }
+    if (!footprints_are_own_) ray.footprint = footprint_;
     return ray;
 }
 
@@ -71,7 +78,7 @@ shade::LensBeams CameraRays::lens_beams_of(const accel::Ray& ray) const noexcept
 
 accel::Ray CameraRays::behind_focus(accel::Ray ray) const noexcept
 {
-    ray.footprint = lens_beams_of(ray).far_side;
+    if (footprints_are_own_) ray.footprint = lens_beams_of(ray).far_side;
     // Both pieces reach a little over the focus, so that nothing there is lost by rounding.
     ray.t_near = std::max(ray.t_near, ray.t_far * (1 - 4 * std::numeric_limits<float>::epsilon()));
     ray.t_far = std::numeric_limits<float>::infinity();

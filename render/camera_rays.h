@@ -22,6 +22,10 @@ public:
     accel::Ray behind_focus(accel::Ray ray) const noexcept;
     bool has_lens() const noexcept { return lens_radius_ > 0; }
 
+    /// From now on footprints are those that another camera's pixels have: at t of a ray, its pixel at the distance of the ray's
+    /// start from it, plus t. That is never too narrow, and too wide by at most 2 |start - eye| / distance.
+    void take_footprints_of(const CameraRays& other) noexcept;
+
     /// Camera z of a point: its distance along the view, not along the ray.
     double depth(Vec3d point) const noexcept { return glm::dot(point - eye_, forward_); }
 
@@ -36,10 +40,11 @@ private:
 
     Vec3d eye_, forward_, right_, up_;  // right and up: of half the image's height
     double width_, height_;
-    bool orthographic_;
+    bool orthographic_, footprints_are_own_ = true;
     float lens_radius_ = 0, focus_ = 0;
     int blades_ = 0, samples_ = 1;
     lod::Footprint pixel_;
+    lod::Footprint footprint_;  // from the eye on: another camera's, unless they are its own
 };
 
 }  // namespace occam::render

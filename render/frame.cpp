@@ -180,14 +180,19 @@ private:
 
 Image render_frame(const FrameInputs& in, FrameControl& control, FrameStats& stats)
 {
-    const CameraRays camera(in.camera, in.settings.width, in.settings.height, in.settings.spp);
+    CameraRays camera(in.camera, in.settings.width, in.settings.height, in.settings.spp);
+    lod::LevelSettings levels = camera.levels(in.settings.shading_rate);
+    if (in.settings.lod_camera) {
+        const CameraRays other(*in.settings.lod_camera, in.settings.width, in.settings.height);
+        camera.take_footprints_of(other);
+        levels = other.levels(in.settings.shading_rate);
+    }
     const PixelFilter filter(in.settings.filter, in.settings.filter_radius);
     const Sampler sampler(in.settings.seed, in.settings.spp, in.settings.jitter);
     const shade::FrameLights lights(in.scene, in.camera, in.textures, in.settings.sky, in.settings.sky_strength);
     FrameContext context{in.settings, camera, sampler, filter, lights, in.textures, may_pass(in.scene)};
     context.scene = &in.scene;
     set_depth_range(context, in.scene_bounds);
-    lod::LevelSettings levels = camera.levels(in.settings.shading_rate);
     constexpr lod::LevelMode kModes[] = {lod::LevelMode::PerRay, lod::LevelMode::PerInstance, lod::LevelMode::Frozen};
     levels.mode = kModes[static_cast<int>(in.settings.lod)];
     const accel::Frame frame(in.scene, in.topologies, levels);

@@ -3,10 +3,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "render/filter.h"
 #include "shade/sky.h"
+#include "scenegraph/camera.h"
 
 namespace occam::render {
 
@@ -74,6 +76,7 @@ struct Settings {
     float sky_strength = 1;  ///< its brightness times this
     float shading_rate = 1;  ///< wanted micropolygon edge, pixels
     Lod lod = Lod::On;
+    std::optional<Camera> lod_camera{};  ///< whose pixels the footprints are; none: the picture's own
     std::uint64_t seed = 0;
     double deadline_s = 0;  ///< stop after so long with what is done; 0: none. The one setting that makes pictures differ
     unsigned aovs = 0;      ///< bits of Aov

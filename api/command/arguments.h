@@ -29,6 +29,7 @@ struct RenderArguments : SceneArguments {
     bool size_given = false;  ///< else the camera's aspect decides the height
     Resources resources;
     std::string camera;  ///< name; empty: the first
+    std::string lod_camera;  ///< name; empty: the picture's own
     std::optional<LookAt> look_at;
     Vec3d up{0, 1, 0};
     float fov_deg = 0;  ///< 0: the camera's own, or 39.6

@@ -70,6 +70,12 @@ void Framing::pose(std::optional<int> frame)
     scene_.pose(clip_, a.time ? *a.time : double(frame.value_or(0)) / a.fps);
 }
 
+Camera Framing::camera_named(const std::string& name) const
+{
+    if (const auto found = scene_.camera(name)) return *found;
+    throw Error(arguments_.scene.string(), "has no camera of that name; " + list_of(scene_.camera_names()), name);
+}
+
 Camera Framing::camera() const
 {
     const RenderArguments& a = arguments_;
@@ -79,10 +85,10 @@ Camera Framing::camera() const
         if (glm::length(glm::cross(a.look_at->target - a.look_at->eye, a.up)) == 0)
             throw Error("", "up is parallel to the view", "--up");
         camera = Camera::look_at(a.look_at->eye, a.look_at->target, a.up, CameraLens{}.fov);
-    } else if (const auto found = scene_.camera(a.camera)) {
-        camera = *found;
     } else if (!a.camera.empty()) {
-        throw Error(a.scene.string(), "has no camera of that name; " + list_of(scene_.camera_names()), a.camera);
+        camera = camera_named(a.camera);
+    } else if (const auto first = scene_.camera()) {
+        camera = *first;
     }
     if (a.fov_deg > 0) {
         camera.lens.fov = a.fov_deg * kRadians;
@@ -99,6 +105,7 @@ Camera Framing::camera() const
 Settings Framing::settings(const Camera& camera) const
 {
     Settings settings = arguments_.settings;
+    if (const std::string& name = arguments_.lod_camera; !name.empty()) settings.lod_camera = camera_named(name);
     const float aspect = camera.lens.aspect;
     if (!arguments_.size_given && aspect > 0)
         settings.height = std::clamp(static_cast<int>(std::lround(float(settings.width) / aspect)), 1, render::kMaxSide);

@@ -17,6 +17,7 @@ public:
     void pose(std::optional<int> frame = std::nullopt);
     /// Throws Error for a camera that is not there, or a view that has no direction.
     Camera camera() const;
+    Camera camera_named(const std::string& name) const;
     /// The arguments' settings, their height from a camera's aspect where no size was given.
     Settings settings(const Camera& camera) const;
 

@@ -150,6 +150,8 @@ void add_camera(CLI::App& app, RenderArguments& a)
     CLI::Option* name =
         app.add_option("--camera", a.camera, "A camera of the scene by its name [the first, else one that frames it]")
             ->type_name("NAME");
+    app.add_option("--lod-camera", a.lod_camera, "Footprints of this camera of the scene: detail stays while the picture's camera moves [its own]")
+        ->type_name("NAME");
     add_value(app, "--look-at", "Eye and target", "EX,EY,EZ,TX,TY,TZ", [&](const std::string& t) {
         const auto n = numbers_of(t, 6);
         a.look_at = LookAt{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};

@@ -64,10 +64,10 @@ Stage behind_a_wall()
 {
     Stage stage;
     put_things(stage.scene, stage.scene.add(Material{}));
-    put(stage.scene, stage.scene.add(sheet(300, 300, 40, 40, 0.15f)), {22, 14, 4}, 1, 0.2);
+    put(stage.scene, stage.scene.add(sheet(40, 40, 40, 40, 0.15f)), {21, 6, 4}, 1, 0.05);
     AreaLight light;
-    light.size = Vec2f(6);
-    light.radiance = {30, 28, 26};
+    light.size = Vec2f(14);
+    light.radiance = {6, 5.6f, 5.2f};
     NodeDesc desc;
     desc.place.translation = {2, 24, 4};
     desc.place.rotation = about_x(-1.5707963267948966);  // its -z is down

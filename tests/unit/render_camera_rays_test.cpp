@@ -37,6 +37,21 @@ TEST(CameraRays, ABeamIsOnePixelWideWhereItsPixelLies)
     EXPECT_NEAR(double(rays.pixel().b), pixel, 1e-6 * pixel);
 }
 
+TEST(CameraRays, TakeAnotherCamerasFootprints)
+{
+    const CameraRays other(Camera::look_at({3, 1, 2}, {0, 0, 0}, {0, 1, 0}, 0.6f), 64, 32);
+    CameraRays rays(Camera::look_at({-1, 0, 5}, {0, 0, 0}, {0, 1, 0}, 1.2f), 64, 32);
+    rays.take_footprints_of(other);
+    const double apart = glm::distance(rays.eye(), other.eye());
+    for (const float t : {0.0f, 1.0f, 5.0f, 100.0f}) {
+        const accel::Ray ray = rays.ray(50, 3);
+        const double distance = glm::distance(ray.origin + Vec3d(ray.direction) * double(t), other.eye());
+        const double asked = double(other.pixel().at(float(distance))), found = double(ray.footprint.at(t));
+        EXPECT_GE(found, asked * (1 - 1e-6));
+        EXPECT_LE(found, asked * (1 + 2 * apart / distance) * (1 + 1e-6));
+    }
+}
+
 TEST(CameraRays, OrthographicRaysAreParallelAndOfConstantWidth)
 {
     Camera camera = Camera::look_at({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 1);
