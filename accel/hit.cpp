@@ -248,6 +248,7 @@ void resolve(const Ray& ray, const Met& met, const Scene& scene, lod::Dicer& dic
     hit.face = !grid.is_lattice ? number : grid.parts[part_of(number)].tile.patch.face;
     hit.material = material_of(scene, cage, hit.face);
     hit.node = cage.node_id;
+    hit.lit_by = cage.lit_by;
     if (!is_closer && area > 0) {
         const WeightGradients gradients(tri, winding / area, area);
         const double curvature = outward_curvature(gradients, corner);

@@ -96,6 +96,7 @@ struct IGrid {
     std::uint64_t visit = 0;          ///< mailbox: the packet that met it last,
     std::uint32_t visited_lanes = 0;  ///< and which of its rays
     bool is_lattice = false;
+    std::uint8_t seen_by = RayKind::All;
     int hanging_blocks = 0;
     PairRange pairs;                  ///< that meet it
     const lod::PosedCage* cage = nullptr;

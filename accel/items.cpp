@@ -49,7 +49,8 @@ ItemIndex Items::restart()
     grids_.clear();
     const Scene& scene = *frame_.scene;
     PlacedNode* root = arena_.make<PlacedNode>();
-    *root = {scene.root(), scene.node(scene.root()).parent_from_node, kFnvStart, nullptr, 0};
+    const Node& top = scene.node(scene.root());
+    *root = {scene.root(), top.parent_from_node, kFnvStart, nullptr, 0, top.seen_by, top.lit_by};
     Item item;
     item.box = frame_.bounds;
     item.subject = root;
@@ -109,6 +110,8 @@ void Items::add_cage(const PlacedNode& at, const Node& node, CageId id, std::siz
     cage.clusters = tables.clusters.get();
     cage.node = &node;
     cage.node_id = at.id;
+    cage.seen_by = at.seen_by;
+    cage.lit_by = at.lit_by;
     cage.key = mix_bits(at.key + place + 1);
     const SkinSlot* skin = frame_.scene->find(node.skin);
     cage.place(at.world_from_node, cage_bounds(node, *slot, skin));
@@ -140,7 +143,8 @@ void Items::open_node(const PlacedNode& at)
         const Node* below = frame_.scene->find(id);
         if (!below || below->bounds.is_empty()) return;
         PlacedNode* placed = arena_.make<PlacedNode>();
-        *placed = {id, world, mix_bits(at.key ^ mix_bits(place)), &at, at.depth + 1};
+        *placed = {id, world, mix_bits(at.key ^ mix_bits(place)), &at, at.depth + 1, static_cast<std::uint8_t>(at.seen_by & below->seen_by),
+                   at.lit_by & below->lit_by};
         const Box3d box = transform_box(world, below->bounds);
         Item item;
         item.subject = placed;
@@ -291,6 +295,7 @@ IGrid& Items::grid(ItemIndex i, int pair)
         const std::uint64_t before = builder_.micropolygons;
         grid = build(item, level, pair_of(item, pair) < level ? level : level + 1, is_shared, tile);
         grid->pairs = pairs;
+        grid->seen_by = item.cage().seen_by;
         if (item.kind != Item::Faces) grid->level = level;
         ++counters_.grids;
         const std::uint64_t made = builder_.micropolygons - before;

@@ -26,6 +26,8 @@ struct PlacedNode {
     std::uint64_t key;  ///< of the path
     const PlacedNode* parent;
     int depth;
+    std::uint8_t seen_by;  ///< by the flags of the path, as is:
+    LightGroups lit_by;
 };
 
 /// A patch of a cage, its rates known.

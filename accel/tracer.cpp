@@ -173,6 +173,11 @@ vfloat gather(std::size_t count, Get&& get) noexcept
     return vfloat::load(lanes);
 }
 
+vmask lanes_of_kinds(std::span<const Ray> rays, std::uint8_t kinds) noexcept
+{
+    return gather(rays.size(), [&](std::size_t i) { return (rays[i].kinds & kinds) != 0 ? 1.0f : 0.0f; }) > vfloat(0.0f);
+}
+
 }  // namespace
 
 /// Meets what a node holds for pairs [finest, coarsest]. enter(entry) says which rays enter an item's box; meet(grid, rays) meets
@@ -254,6 +259,7 @@ bool Tracer::State::run_packet(std::span<const Ray> rays, const RayAxes* ax, std
             grid.visited_lanes = 0;
         }
         // A grid that a ray enters in several cells is met once.
+        if (grid.seen_by != RayKind::All) entering = entering & lanes_of_kinds(rays, grid.seen_by);
         const unsigned fresh = bits(entering) & ~grid.visited_lanes;
         if (fresh == 0) return true;
         grid.visited_lanes |= fresh;
@@ -341,7 +347,7 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& ax, std::size_t li
             if (arena.bytes() > limit_bytes) return false;
         }
         IGrid& grid = *entry.grid;
-        if (grid.visit == visit) return true;
+        if (grid.visit == visit || (ray.kinds & grid.seen_by) == 0) return true;
         grid.visit = visit;
         if (grid.cage != here) {
             here = grid.cage;

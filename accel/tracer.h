@@ -22,10 +22,7 @@ namespace occam::accel {
 
 class Frame;
 
-/// What a ray is for, as bits: by them nodes are hidden from some rays alone.
-struct RayKind {
-    static constexpr std::uint8_t Camera = 1, Shadow = 2, Reflection = 4, Transmission = 8, Diffuse = 16, All = 31;
-};
+using occam::RayKind;
 
 struct Ray {
     Vec3d origin{0};
@@ -33,7 +30,7 @@ struct Ray {
     float t_near = 0;
     float t_far = std::numeric_limits<float>::infinity();
     lod::Footprint footprint;   ///< full width of the beam along the ray; none: the camera's at the origin
-    std::uint8_t kinds = RayKind::All;  ///< what the ray is; a node that none of these may see is not met
+    std::uint8_t kinds = RayKind::All;  ///< what the ray is for; what none of these may see is not met
 };
 
 /// What phase two needs of a surface point, by value. Pointers are into the scene.
@@ -55,6 +52,7 @@ struct SurfaceHit {
     Vec4f color{1};                ///< vertex colour
     const Material* material = nullptr;  ///< never null at a hit
     NodeId node;
+    LightGroups lit_by = kAllGroups;
     std::uint32_t face = 0;        ///< of the cage
     bool back_side = false;        ///< the ray came from behind the face
     int level = 0;                 ///< finer one of the pair of levels that the cage is seen at

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "occam/occam.h"
+#include "render/cryptomatte.h"
 #include "render/frame.h"
 #include "render/metadata.h"
 
@@ -97,6 +98,7 @@ struct Job::State {
             {scene, bounds, camera, settings, renderer->resources, renderer->topologies, renderer->textures, deadline},
             control, stats);
         render::describe(image, camera, settings);
+        render::describe_mattes(image, scene, settings);
         finish_stats();
     }
 

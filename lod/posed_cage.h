@@ -24,6 +24,8 @@ struct PosedCage {
     const DeformedClusters* deformed_clusters = nullptr;  ///< set if `deformed` is
     const Node* node = nullptr;
     NodeId node_id;
+    std::uint8_t seen_by = RayKind::All;  ///< by the flags of all nodes that lead here, as is:
+    LightGroups lit_by = kAllGroups;
     std::uint64_t key = 0;                ///< of the path of nodes that leads here: orders hits at equal distance
     double frame_from_object[3][4] = {};  ///< rows: rotation and scale, then translation
     Vec3d anchor{0};                      ///< world

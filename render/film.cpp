@@ -24,6 +24,8 @@ LayerForm form_of(Aov aov)
         case Aov::Id: return {{"I"}, true};
         case Aov::Variance: return {{"Y"}, true};
         case Aov::NormalMean: return {{"X", "Y", "Z"}, false};
+        case Aov::CryptomatteObject:
+        case Aov::CryptomatteMaterial: return {{"R", "G", "B", "A"}, true};
     }
     return {};
 }
@@ -86,6 +88,10 @@ Film::Film(const Settings& settings)
         if (!settings.has(aov)) continue;
         LayerForm form = form_of(aov);
         layer_of_[index_of(aov)] = image_.layers().size();
+        if (const std::string_view matte = matte_layer(aov); !matte.empty()) {
+            for (int n = 0; n < kMatteLayers; ++n) image_.add_layer(std::string(matte) + "0" + std::to_string(n), form.channels, form.full_float);
+            continue;
+        }
         Layer& layer = image_.add_layer(std::string(aov_name(aov)), std::move(form.channels), form.full_float);
         // What was never reached is a miss.
         if (aov == Aov::Depth) std::fill(layer.pixels.begin(), layer.pixels.end(), std::numeric_limits<float>::infinity());
@@ -98,9 +104,23 @@ void Film::put(Aov aov, std::size_t pixel, const float* values, std::size_t coun
     std::copy_n(values, count, image_.layer(layer_of_[index_of(aov)]).pixels.begin() + std::ptrdiff_t(pixel * count));
 }
 
+std::size_t Film::pixel_of(int x, int y) const noexcept
+{
+    return std::size_t(y - rect_.y0) * std::size_t(rect_.width()) + std::size_t(x - rect_.x0);
+}
+
+void Film::store(int x, int y, Aov aov, MatteSums& mattes, double weight) noexcept
+{
+    float ranks[2 * kMatteRanks];
+    mattes.rank(weight, ranks);
+    const std::size_t first = layer_of_[index_of(aov)];
+    for (std::size_t n = 0; n < kMatteLayers; ++n)
+        std::copy_n(ranks + 4 * n, 4, image_.layer(first + n).pixels.begin() + std::ptrdiff_t(pixel_of(x, y) * 4));
+}
+
 void Film::store(int x, int y, const PixelSums& sums) noexcept
 {
-    const std::size_t pixel = std::size_t(y - rect_.y0) * std::size_t(rect_.width()) + std::size_t(x - rect_.x0);
+    const std::size_t pixel = pixel_of(x, y);
     const Vec4f beauty = sums.beauty();
     std::copy_n(&beauty.x, 4, image_.layer(0).pixels.begin() + std::ptrdiff_t(pixel * 4));
     const FirstHit& first = sums.first();

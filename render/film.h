@@ -7,6 +7,7 @@
 
 #include <limits>
 
+#include "render/cryptomatte.h"
 #include "render/image.h"
 #include "render/settings.h"
 #include "scenegraph/base/vec.h"
@@ -47,6 +48,7 @@ public:
     /// nobody sees asks for no samples. From the sample variance: it knows nothing of light that no sample has found yet.
     float relative_error() const noexcept;
     int not_finite() const noexcept { return not_finite_; }
+    double weight() const noexcept { return weight_; }  ///< of all samples
     static constexpr float kDarkest = 0.02f;
 
 private:
@@ -65,9 +67,12 @@ public:
 
     /// x, y     of the whole frame, inside the crop
     void store(int x, int y, const PixelSums& sums) noexcept;
+    /// aov      of the two of Cryptomatte
+    void store(int x, int y, Aov aov, MatteSums& mattes, double weight) noexcept;
     Image take() && { return std::move(image_); }
 
 private:
+    std::size_t pixel_of(int x, int y) const noexcept;
     void put(Aov aov, std::size_t pixel, const float* values, std::size_t count) noexcept;
 
     Settings settings_;

@@ -22,6 +22,8 @@ constexpr int kBatchRays = 4096;
 // Error estimates of fewer samples say little.
 constexpr int kLeastSamples = 16;
 
+constexpr Aov kMattes[] = {Aov::CryptomatteObject, Aov::CryptomatteMaterial};
+
 bool may_pass(const Scene& scene)
 {
     bool found = false;
@@ -68,6 +70,8 @@ public:
         const int spp = context_.settings.spp;
         const int step = std::clamp(kBatchRays / pixels, 1, spp);
         sums_.assign(static_cast<std::size_t>(pixels), {});
+        for (int k : {0, 1})
+            if (context_.settings.has(kMattes[k])) mattes_[k].assign(static_cast<std::size_t>(pixels), {});
         const double cells = integrator_.counters().visible_cells;
         int first = 0;
         while (first < spp) {
@@ -83,7 +87,10 @@ public:
         for (int y = tile.y0; y < tile.y1; ++y)
             for (int x = tile.x0; x < tile.x1; ++x) {
                 not_finite_ += static_cast<std::uint64_t>(sums_[i].not_finite());
-                film.store(x, y, sums_[i++]);
+                film.store(x, y, sums_[i]);
+                for (int k : {0, 1})
+                    if (context_.settings.has(kMattes[k])) film.store(x, y, kMattes[k], mattes_[k][i], sums_[i].weight());
+                ++i;
             }
         film_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
         return true;
@@ -154,6 +161,11 @@ private:
         const auto start = Clock::now();
         const auto per_pixel = static_cast<std::size_t>(last - first);
         for (std::size_t i = 0; i < samples_.size(); ++i) sums_[i / per_pixel].add(results_[i]);
+        for (const MatteShare& share : integrator_.mattes()) {
+            const double covers = double(share.coverage) * double(results_[share.sample].weight);
+            for (int k : {0, 1})
+                if (context_.settings.has(kMattes[k])) mattes_[k][share.sample / per_pixel].add(k ? share.material : share.object, covers);
+        }
         samples_made_ += samples_.size();
         film_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
     }
@@ -167,6 +179,7 @@ private:
     std::vector<CameraSample> samples_;
     std::vector<SampleResult> results_;
     std::vector<PixelSums> sums_;
+    std::vector<MatteSums> mattes_[2];
 };
 
 }  // namespace
@@ -182,8 +195,9 @@ Image render_frame(const FrameInputs& in, FrameControl& control, FrameStats& sta
     }
     const PixelFilter filter(in.settings.filter, in.settings.filter_radius);
     const Sampler sampler(in.settings.seed, in.settings.spp, in.settings.jitter);
-    const shade::FrameLights lights(in.scene, in.camera, in.textures);
+    const shade::FrameLights lights(in.scene, in.camera, in.textures, in.settings.sky, in.settings.sky_strength);
     FrameContext context{in.settings, camera, sampler, filter, lights, in.textures, may_pass(in.scene)};
+    context.scene = &in.scene;
     set_depth_range(context, in.scene_bounds);
     constexpr lod::LevelMode kModes[] = {lod::LevelMode::PerRay, lod::LevelMode::PerInstance, lod::LevelMode::Frozen};
     levels.mode = kModes[static_cast<int>(in.settings.lod)];

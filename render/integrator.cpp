@@ -25,8 +25,9 @@ float mean(Vec3f c) noexcept { return (c.x + c.y + c.z) / 3; }
 Integrator::Integrator(const FrameContext& context)
     : context_(context),
       texture_width_(sample_width(context.settings.spp)),
+      has_mattes_(context.settings.has(Aov::CryptomatteObject) || context.settings.has(Aov::CryptomatteMaterial)),
       placed_tries_(1),
-      shadows_(context.textures, context.may_pass, texture_width_)
+      shadows_(context.textures, context.may_pass, !context.settings.back_faces, texture_width_)
 {
     const std::size_t lights = context.lights.lights().size();
     if (lights > kMaxLightsPerHit) placed_tries_ = kMaxLightsPerHit / static_cast<float>(lights);
@@ -36,6 +37,7 @@ void Integrator::begin(std::span<const CameraSample> samples, std::span<SampleRe
 {
     paths_.clear();
     rays_.clear();
+    mattes_.clear();
     lit_.assign(samples.size(), Vec3f(0));
     for (std::size_t i = 0; i < samples.size(); ++i) {
         const CameraSample& s = samples[i];
@@ -106,8 +108,8 @@ void Integrator::cross_lights(const Path& path, const accel::Ray& ray, float t_f
 {
     const shade::Tries tries = tries_of(path.light_tries, path.scatter_tries, true);
     context_.lights.for_crossings(ray.origin, ray.direction, t_far,
-                                  [&](const shade::WorldLight&, const shade::LightCrossing& crossing) {
-                                      if (crossing.distance <= ray.t_near) return;
+                                  [&](const shade::WorldLight& light, const shade::LightCrossing& crossing) {
+                                      if (crossing.distance <= ray.t_near || (light.groups & path.lit_by) == 0) return;
                                       const float weight = tries.of_scatter(path.density, crossing.density);
                                       result.radiance += path.throughput * crossing.radiance * weight;
                                   });
@@ -126,6 +128,12 @@ void Integrator::record_first(const accel::SurfaceHit& hit, const shade::Surface
     result.alpha += covered;
     result.albedo += Vec4f(surface.base_color, 1) * covered;
     result.normal += surface.normal * covered;
+}
+
+void Integrator::record_matte(const accel::SurfaceHit& hit, std::uint32_t sample, float covered)
+{
+    if (!has_mattes_ || !(covered > 0)) return;
+    mattes_.push_back({sample, matte_id(matte_name(*context_.scene, hit.node)), matte_id(matte_name(*hit.material)), covered});
 }
 
 void Integrator::add_emission(const Path& path, const accel::SurfaceHit& hit, const shade::Surface& surface, Vec3f share,
@@ -147,6 +155,10 @@ void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResu
     const accel::SurfaceHit& hit = hits_[i];
     Path path = paths_[i];
     const Settings& settings = context_.settings;
+    if (!settings.back_faces && is_culled(hit)) {
+        pass_straight(path, ray, hit.t, Vec3f(1), path.coverage, 1);
+        return;
+    }
     if (path.absorption != Vec3f(0))
         for (int c = 0; c < 3; ++c) path.throughput[c] *= maths::exp(-path.absorption[c] * (hit.t - ray.t_near));
     // Only the last piece of a ray knows which lights lie before its end: those behind a surface that it passes come later.
@@ -154,7 +166,10 @@ void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResu
 
     const shade::Surface surface = shade::evaluate(shade_point(ray, hit, texture_width_), context_.textures);
     const float covered = path.coverage * surface.opacity;
-    if (path.is_camera()) record_first(hit, surface, covered, result);
+    if (path.is_camera()) {
+        record_first(hit, surface, covered, result);
+        record_matte(hit, path.sample, covered);
+    }
     const Vec3f share = path.throughput * surface.opacity;
     Vec3f passes = surface.passes;
     const Vertex v{path, ray, hit, sample, surface, share};

@@ -17,6 +17,7 @@
 
 #include "accel/tracer.h"
 #include "render/camera_rays.h"
+#include "render/cryptomatte.h"
 #include "render/film.h"
 #include "render/filter.h"
 #include "render/path.h"
@@ -37,6 +38,7 @@ struct FrameContext {
     const TextureStore& textures;
     bool may_pass = false;                ///< some material of the scene lets light pass straight on
     float depth_near = 0, depth_far = 1;  ///< camera z of the scene, for View::Depth
+    const Scene* scene = nullptr;         ///< for the names that Cryptomatte wants
 };
 
 struct CameraSample {
@@ -83,6 +85,9 @@ public:
         for (std::size_t i = 0; i < results.size(); ++i) results[i].radiance += lit_[i];
     }
 
+    /// Of the batch that was run last, if the settings have a layer of Cryptomatte: a sample's surfaces from front to back.
+    std::span<const MatteShare> mattes() const noexcept { return mattes_; }
+
     const IntegratorCounters& counters() const noexcept { return counters_; }
 
 private:
@@ -109,6 +114,7 @@ private:
     void add_emission(const Path& path, const accel::SurfaceHit& hit, const shade::Surface& surface, Vec3f share,
                       SampleResult& result) const;
     void record_first(const accel::SurfaceHit& hit, const shade::Surface& surface, float covered, SampleResult& result) const;
+    void record_matte(const accel::SurfaceHit& hit, std::uint32_t sample, float covered);
 
     /// With which a ray goes on straight and scattered; one of them 0, and the ray of the other not shot.
     struct Chances {
@@ -140,6 +146,7 @@ private:
 
     const FrameContext& context_;
     float texture_width_;  ///< of a sample, in pixels
+    bool has_mattes_;
     float placed_tries_;   ///< expected samples of one placed light for each round over the lights
     IntegratorCounters counters_;
 
@@ -147,6 +154,7 @@ private:
     std::vector<Path> paths_, next_paths_;
     std::vector<accel::Ray> rays_, next_rays_;
     std::vector<accel::SurfaceHit> hits_;
+    std::vector<MatteShare> mattes_;
     std::vector<Vec3f> lit_;  ///< what shadow rays brought, one sum a sample
     ShadowQueue shadows_;
 };

@@ -72,7 +72,9 @@ void Integrator::gather_light(const Vertex& v)
                 const float at = (static_cast<float>(slot) + u.choice) / static_cast<float>(slots);
                 light = std::min(static_cast<int>(at * static_cast<float>(light_count)), light_count - 1);
             }
-            test(v, shade::test_light(v.surface, lights[std::size_t(light)], u, tries(true)), each / placed_tries_, per_hit);
+            const shade::WorldLight& placed = lights[std::size_t(light)];
+            if ((placed.groups & v.hit.lit_by) == 0) continue;
+            test(v, shade::test_light(v.surface, placed, u, tries(true)), each / placed_tries_, per_hit);
         }
     for (int n = 0; n < per_hit; ++n) {
         if (!context_.lights.meshes().is_empty())
@@ -129,7 +131,7 @@ accel::Ray Integrator::scattered_ray(const Vertex& v, const shade::ScatterSample
     } else if (s.lobe != shade::Lobe::Diffuse) {
         smooth = shade::mirrored_beam(beam, v.hit.curvature, cosine);
     }
-    ray.footprint = shade::scattered_beam(smooth, s.density, samples * context_.settings.spp);
+    ray.footprint = shade::followable(shade::scattered_beam(smooth, s.density, samples * context_.settings.spp), context_.settings.shading_rate);
     return ray;
 }
 
@@ -151,6 +153,7 @@ void Integrator::scatter_on(const Vertex& v, float chance)
         next.coverage = 0;
         next.key = scattered_key(v.path.key, static_cast<std::uint32_t>(n));
         next.density = s.density;
+        next.lit_by = v.hit.lit_by;
         next.light_tries = static_cast<float>(light_tries);
         next.scatter_tries = static_cast<float>(samples);
         next.is_before_focus = false;
@@ -191,7 +194,8 @@ void Integrator::look_for_light(const Path& next, const accel::Ray& ray)
     };
     const float infinity = std::numeric_limits<float>::infinity();
     context_.lights.for_crossings(ray.origin, ray.direction, infinity,
-                                  [&](const shade::WorldLight&, const shade::LightCrossing& c) {
+                                  [&](const shade::WorldLight& light, const shade::LightCrossing& c) {
+                                      if ((light.groups & next.lit_by) == 0) return;
                                       add(c.distance, c.radiance * placed.of_scatter(next.density, c.density));
                                   });
     const shade::Environment& sky = context_.lights.environment();

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "scenegraph/base/vec.h"
+#include "scenegraph/ray_kind.h"
 
 namespace occam::render {
 
@@ -16,6 +17,7 @@ struct Path {
     float density = 0;               ///< of the scattered direction per solid angle; 0: a camera ray
     float light_tries = 1, scatter_tries = 1;  ///< samples of either kind at the surface it comes from
     Vec3f absorption{0};             ///< of the body that it travels in, per world length
+    LightGroups lit_by = kAllGroups; ///< of the surface that scattered it
     std::uint8_t bounces = 0;        ///< surfaces that scattered it
     std::uint8_t passed = 0;         ///< surfaces that let it pass straight on
     bool is_probe = false;           ///< looks for light, and is scattered no more

@@ -31,6 +31,8 @@ std::string_view aov_name(Aov aov) noexcept
         case Aov::Id: return "id";
         case Aov::Variance: return "variance";
         case Aov::NormalMean: return "normal_mean";
+        case Aov::CryptomatteObject: return "cryptomatte_object";
+        case Aov::CryptomatteMaterial: return "cryptomatte_material";
     }
     return "";
 }
@@ -101,6 +103,7 @@ void check(const Settings& s)
             "from 1 to " + std::to_string(kMaxLightSamples));
     require(s.bounces >= 0 && s.bounces <= kMaxBounces, "bounces", "from 0 to " + std::to_string(kMaxBounces));
     require(s.ao_distance >= 0 && std::isfinite(s.ao_distance), "ao distance", "world length, 0 or more");
+    require(s.sky_strength >= 0 && std::isfinite(s.sky_strength), "sky strength", "0 or more");
     require(s.filter_radius >= 0 && s.filter_radius <= 16, "filter radius", "from 0 to 16 pixels");
     require(s.error >= 0 && s.error < 1, "error", "from 0 to less than 1");
     require(s.shading_rate >= 1.0f / 64 && s.shading_rate <= 1024, "shading rate", "from 1/64 to 1024 pixels");

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "render/filter.h"
+#include "shade/sky.h"
 #include "scenegraph/camera.h"
 
 namespace occam::render {
@@ -21,10 +22,13 @@ enum class Aov : std::uint16_t {
     Position = 32,        ///< world
     Id = 64,              ///< a number for each node, from 1; 0 where nothing is hit
     Variance = 128,       ///< of the pixel's mean luminance, estimated from its samples
-    NormalMean = 256      ///< mean over the pixel of the normal with its normal map: with albedo, what a denoiser wants
+    NormalMean = 256,     ///< mean over the pixel of the normal with its normal map: with albedo, what a denoiser wants
+    CryptomatteObject = 512,    ///< which nodes are seen and how much of each, by name: render/cryptomatte.h
+    CryptomatteMaterial = 1024  ///< the same of materials
 };
 inline constexpr Aov kAllAovs[] = {Aov::Depth,    Aov::Normal, Aov::NormalGeometric, Aov::Albedo, Aov::Uv,
-                                   Aov::Position, Aov::Id,     Aov::Variance, Aov::NormalMean};
+                                   Aov::Position, Aov::Id,     Aov::Variance, Aov::NormalMean,
+                                   Aov::CryptomatteObject, Aov::CryptomatteMaterial};
 std::string_view aov_name(Aov aov) noexcept;
 
 /// Debug pictures instead of light.
@@ -68,6 +72,8 @@ struct Settings {
     int bounces = 8;         ///< most times that light is scattered on its way; `direct`: mirrors one behind the other
     float ao_distance = 0;   ///< how far `ao` looks, world length; 0: to infinity
     int light_samples = 1;   ///< of each light at each hit that the camera sees; of the sky in `ao`
+    shade::Sky sky = shade::Sky::Auto;  ///< soft daylight, in place of a black environment
+    float sky_strength = 1;  ///< its brightness times this
     float shading_rate = 1;  ///< wanted micropolygon edge, pixels
     Lod lod = Lod::On;
     std::optional<Camera> lod_camera{};  ///< whose pixels the footprints are; none: the picture's own
@@ -75,6 +81,7 @@ struct Settings {
     double deadline_s = 0;  ///< stop after so long with what is done; 0: none. The one setting that makes pictures differ
     unsigned aovs = 0;      ///< bits of Aov
     View view = View::Beauty;
+    bool back_faces = true;  ///< false: rays pass the backs of single-sided surfaces (glTF 2.0, sec. 3.9.5), but those of glass
     bool background = true;  ///< draw sky or environment behind the scene; false: transparent
 
     bool has(Aov aov) const noexcept { return (aovs & static_cast<unsigned>(aov)) != 0; }

@@ -20,14 +20,21 @@ inline constexpr int kMaxBlendLayers = 32;
 /// Less of a ray's light than this is not followed through surfaces that let it pass.
 inline constexpr float kLeastShare = 1.0f / 1024;
 
+/// The back of a single-sided surface, for Settings::back_faces = false. Bodies of glass have to be left again.
+inline bool is_culled(const accel::SurfaceHit& hit) noexcept
+{
+    return hit.back_side && !hit.material->double_sided && !(hit.material->transmission > 0);
+}
+
 /// The rest of a ray behind a hit: the interval is open at its near end, and rounding of t must not find the hit again.
 accel::Ray behind(accel::Ray ray, float t) noexcept;
 
 class ShadowQueue {
 public:
     /// may_pass   some material of the scene lets light pass straight on
-    ShadowQueue(const TextureStore& textures, bool may_pass, float texture_width) noexcept
-        : textures_(textures), texture_width_(texture_width), may_pass_(may_pass)
+    /// culls      and so do the backs of single-sided surfaces
+    ShadowQueue(const TextureStore& textures, bool may_pass, bool culls, float texture_width) noexcept
+        : textures_(textures), texture_width_(texture_width), may_pass_(may_pass || culls), culls_(culls)
     {
     }
 
@@ -67,7 +74,7 @@ private:
 
     const TextureStore& textures_;
     float texture_width_;
-    bool may_pass_;
+    bool may_pass_, culls_;
     // Parallel arrays, kept from batch to batch for their memory.
     std::vector<Shadow> shadows_;
     std::vector<accel::Ray> rays_;

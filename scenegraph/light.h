@@ -6,6 +6,7 @@
 
 #include "scenegraph/base/vec.h"
 #include "scenegraph/ids.h"
+#include "scenegraph/ray_kind.h"
 
 namespace occam {
 
@@ -32,6 +33,7 @@ struct AreaLight {
 struct Light {
     std::string name;
     std::variant<PointLight, SunLight, AreaLight> kind;
+    LightGroups groups = kAllGroups;  ///< it lights what is lit by one of them
 };
 
 /// Radiance from infinitely far: a constant, times an equirectangular image if there is one (y up, centre of the

@@ -136,6 +136,18 @@ void Scene::set_visible(NodeId id, bool visible)
     state_->mark_dirty(node.parent ? node.parent : id);
 }
 
+void Scene::set_seen_by(NodeId id, std::uint8_t ray_kinds)
+{
+    state_->require_editable();
+    State::at(state_->nodes, id, "node").seen_by = ray_kinds;
+}
+
+void Scene::set_lit_by(NodeId id, LightGroups groups)
+{
+    state_->require_editable();
+    State::at(state_->nodes, id, "node").lit_by = groups;
+}
+
 void Scene::set_materials(NodeId id, std::vector<MaterialId> materials)
 {
     state_->require_editable();

@@ -22,6 +22,7 @@
 #include "scenegraph/deform_bounds.h"
 #include "scenegraph/light.h"
 #include "scenegraph/material.h"
+#include "scenegraph/ray_kind.h"
 #include "scenegraph/texture/texture.h"
 
 namespace occam {
@@ -39,6 +40,8 @@ struct NodeDesc {
     SkinId skin{};                     ///< the joints place what is skinned: this node's own place does not count for it
     std::vector<float> morph_weights{};   ///< empty: the cage's own
     bool visible = true;               ///< false hides the subtree below the parent; instances of it are seen
+    std::uint8_t seen_by = RayKind::All;  ///< rays of no such kind pass through the surfaces of the subtree, and of its instances
+    LightGroups lit_by = kAllGroups;   ///< placed lights of no such group do not light the surfaces of the subtree, and of its instances
 };
 
 /// A node as the engine reads it.
@@ -92,6 +95,8 @@ public:
     void set_transform(NodeId id, const Trs& place);
     void set_transform(NodeId id, const Mat4d& parent_from_node);
     void set_visible(NodeId id, bool visible);
+    void set_seen_by(NodeId id, std::uint8_t ray_kinds);
+    void set_lit_by(NodeId id, LightGroups groups);
     void set_materials(NodeId id, std::vector<MaterialId> materials);
     void set_skin(NodeId id, SkinId skin);  ///< a skin names nodes, so it comes after them
     void set_morph_weights(NodeId id, std::vector<float> weights);  ///< empty: the cage's own

@@ -72,11 +72,11 @@ Environment::Environment(const occam::Environment& description, const TextureSto
     tabulate();
 }
 
-Environment Environment::sky()
+Environment Environment::sky(float strength)
 {
     Environment e;
-    e.kind_ = Kind::Sky;
-    e.scale_ = Vec3f(1);
+    e.kind_ = strength > 0 ? Kind::Sky : Kind::None;
+    e.scale_ = Vec3f(strength);
     return e;
 }
 
@@ -85,7 +85,7 @@ Vec3f Environment::radiance(Vec3f direction) const noexcept
     switch (kind_) {
         case Kind::None: return Vec3f(0);
         case Kind::Constant: return scale_;
-        case Kind::Sky: return sky_radiance(direction.y);
+        case Kind::Sky: return scale_ * sky_radiance(direction.y);
         case Kind::Image: break;
     }
     return scale_ * glm::max(Vec3f(textures_->sample(image_, uv_of(direction), 0)), Vec3f(0));

@@ -16,8 +16,8 @@ public:
     Environment() = default;  ///< none: black
     /// Textures must be prepared.
     Environment(const occam::Environment& description, const TextureStore& textures);
-    /// Daylight for a model that brings no light of its own: a soft gradient about +y.
-    static Environment sky();
+    /// Daylight for a model that brings none of its own: a soft gradient about +y.
+    static Environment sky(float strength = 1);
 
     bool is_black() const noexcept { return kind_ == Kind::None; }
     Vec3f radiance(Vec3f direction) const noexcept;

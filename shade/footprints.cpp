@@ -44,6 +44,14 @@ lod::Footprint scattered_beam(lod::Footprint smooth, float density, int samples)
     return from_width(smooth.a, std::sqrt(smooth.b * smooth.b + share * share));
 }
 
+// A segment between two transitions is two margins long, each of 2 d and an overlap (lod/ray_levels.h), and in it the wanted edge
+// grows by d.
+lod::Footprint followable(lod::Footprint beam, float shading_rate, const lod::LevelSettings& levels) noexcept
+{
+    const float wanted = shading_rate * lod::LevelSettings::kLongestEdge;
+    return {beam.a, std::min(beam.b, 1 / ((4 + 2 * levels.overlap_edges) * wanted))};
+}
+
 lod::Footprint light_beam(float width, float distance, float density, int samples) noexcept
 {
     const float angle = density > 0 ? share_width(density, samples) : 0;

@@ -32,6 +32,11 @@ lod::Footprint bent_beam(Beam beam, float curvature, float cosine, float cosine_
 /// for 1 / (density * samples) of it. The two widths are independent: their squares add.
 lod::Footprint scattered_beam(lod::Footprint smooth, float density, int samples) noexcept;
 
+/// The same, growing no faster than levels of detail can follow. A steeper beam would be wider at its hit than the levels that were seen
+/// there, and a ray that goes on from the hit with that width would meet a coarser surface, and be on the wrong side of it.
+/// shading_rate   wanted edge over the beam's width
+lod::Footprint followable(lod::Footprint beam, float shading_rate, const lod::LevelSettings& levels = {}) noexcept;
+
 /// Towards a light that is `distance` away and drawn with `density` per solid angle: from the beam's width at the point to
 /// that of the light's share. No narrower than an eighth of the start: a light without extent is met by beams of
 /// no width, whose levels have no end. At infinity (parallel light) the share is an angle, added to the width.

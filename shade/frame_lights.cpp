@@ -16,16 +16,15 @@ WorldLight key_light(const Camera& camera)
 
 }  // namespace
 
-FrameLights::FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures)
+FrameLights::FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures, Sky sky, float sky_strength)
     : meshes_(scene, textures), environment_(scene.environment, textures)
 {
     scene.for_each_placement([&](NodeId, const Node& node, const Mat4d& world_from_node) {
         if (const Light* light = scene.find(node.light)) lights_.push_back(WorldLight::place(*light, world_from_node));
     });
-    if (lights_.empty() && environment_.is_black() && !meshes_.any_emitter()) {
-        lights_.push_back(key_light(camera));
-        environment_ = Environment::sky();
-    }
+    const bool is_dark = lights_.empty() && environment_.is_black() && !meshes_.any_emitter();
+    if (sky == Sky::Auto && is_dark) lights_.push_back(key_light(camera));
+    if (environment_.is_black() && (sky == Sky::On || (sky == Sky::Auto && is_dark))) environment_ = Environment::sky(sky_strength);
     list_areas();
 }
 

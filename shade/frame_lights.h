@@ -1,6 +1,6 @@
 // All light of one frame, gathered from the scene graph: placed lights, surfaces that shine, the environment.
 //
-// A scene without any of them gets a soft key light from over the camera's shoulder and a sky.
+// A scene without any of them gets a soft key light from over the camera's shoulder and a sky, unless Sky says otherwise.
 //
 // Space    world; positions double, directions float.
 // Threads  const after construction.
@@ -11,13 +11,14 @@
 #include "shade/environment.h"
 #include "shade/lights.h"
 #include "shade/mesh_lights.h"
+#include "shade/sky.h"
 
 namespace occam::shade {
 
 class FrameLights {
 public:
     /// Textures must be prepared. `camera` places the key light of a scene that has none.
-    FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures);
+    FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures, Sky sky = Sky::Auto, float sky_strength = 1);
     FrameLights(std::vector<WorldLight> lights, Environment environment);
 
     const std::vector<WorldLight>& lights() const noexcept { return lights_; }

@@ -168,6 +168,7 @@ WorldLight WorldLight::place(const Light& light, const Mat4d& world_from_node)
 {
     WorldLight out;
     out.position = Vec3d(world_from_node[3]);
+    out.groups = light.groups;
     out.direction = unit_or(-Vec3d(world_from_node[2]), {0, 0, -1});
     if (const auto* point = std::get_if<PointLight>(&light.kind)) {
         place_point(out, *point);

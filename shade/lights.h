@@ -42,6 +42,7 @@ struct WorldLight {
     float area = 0;              ///< flat lights
     float radius = 0;            ///< sphere
     bool two_sided = false;
+    LightGroups groups = kAllGroups;
     Vec3f strength{0};                      ///< intensity, irradiance or radiance, by kind
     float range = 0;                        ///< point; 0: no limit
     float spot_scale = 0, spot_offset = 1;  ///< of the cosine to `direction` (KHR_lights_punctual)

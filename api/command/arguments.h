@@ -35,6 +35,9 @@ struct RenderArguments : SceneArguments {
     float fov_deg = 0;  ///< 0: the camera's own, or 39.6
     float lens_radius = 0, focus = 0;  ///< 0: the camera's own
     int blades = 0;
+    std::filesystem::path environment;  ///< image instead of the scene's own; empty: none was given
+    float environment_strength = 1, environment_rotation_deg = 0;
+    bool has_environment = true;        ///< false: the scene's own is left out
     std::string clip;   ///< name or number; empty: the first, if a frame or a time is asked for
     std::optional<double> time;  ///< seconds on the clip's own axis
     std::optional<int> frame;    ///< time is frame / fps

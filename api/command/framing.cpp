@@ -38,6 +38,20 @@ ClipId choose_clip(const Scene& scene, const RenderArguments& a)
     throw Error(a.scene.string(), "has no clip of that name or number; " + list_of(names), a.clip);
 }
 
+void set_environment(Scene& scene, const RenderArguments& a)
+{
+    if (!a.has_environment) scene.environment = {};
+    if (!a.environment.empty()) {
+        if (!std::filesystem::is_regular_file(a.environment)) throw Error(a.environment.string(), "is not there or is not a file", "--environment");
+        Texture image;
+        image.name = a.environment.filename().string();
+        image.path = a.environment;
+        scene.environment = {Vec3f(1), scene.add(std::move(image)), 0};
+    }
+    scene.environment.radiance *= a.environment_strength;
+    scene.environment.rotation += a.environment_rotation_deg * kRadians;
+}
+
 }  // namespace
 
 Framing::Framing(Scene& scene, const RenderArguments& arguments)
@@ -45,6 +59,7 @@ Framing::Framing(Scene& scene, const RenderArguments& arguments)
       whole_(Camera::framing(scene.bounds(), float(arguments.settings.width) / float(arguments.settings.height))),
       clip_(choose_clip(scene, arguments))
 {
+    set_environment(scene, arguments);
 }
 
 void Framing::pose(std::optional<int> frame)

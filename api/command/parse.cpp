@@ -110,7 +110,8 @@ void add_picture(CLI::App& app, RenderArguments& a)
     app.add_option("--seed", s.seed, "Of the random numbers [0]")->type_name("N");
     add_number(app, "--deadline", "Stop after so many seconds with what is done", [&](double v) { s.deadline_s = v; });
     add_switch(app, "--background", s.background, "Sky or environment behind the scene; off: transparent [on]");
-    add_value(app, "--aov", "EXR layers: depth, normal, normal_geometric, albedo, uv, position, id, variance, normal_mean", "A,B,...",
+    add_switch(app, "--back-faces", s.back_faces, "off: rays pass the backs of single-sided surfaces [on]");
+    add_value(app, "--aov", "EXR layers: depth, normal, normal_geometric, albedo, uv, position, id, variance, normal_mean, cryptomatte_object, cryptomatte_material", "A,B,...",
               [&](const std::string& t) {
                   for (std::string_view word : words_of(t)) {
                       const unsigned before = s.aovs;
@@ -130,6 +131,17 @@ void add_picture(CLI::App& app, RenderArguments& a)
         ->check(CLI::Range(0, render::kMaxBounces))
         ->type_name("N");
     add_number(app, "--ao-distance", "How far ao looks, world length [to infinity]", [&](double v) { s.ao_distance = float(v); });
+    add_value(app, "--environment", "Light from all around: an image, daylight, or none [the scene's own; daylight and a lamp if nothing shines]",
+              "FILE|sky|none", [&](const std::string& t) {
+                  a.has_environment = t != "sky" && t != "none";
+                  s.sky = t == "sky" ? shade::Sky::On : t == "none" ? shade::Sky::Off : shade::Sky::Auto;
+                  if (a.has_environment) a.environment = t;
+              });
+    add_number(app, "--environment-strength", "Its brightness times this [1]", [&](double v) {
+        if (!(v >= 0)) throw std::invalid_argument("expected 0 or more");
+        a.environment_strength = s.sky_strength = float(v);
+    });
+    add_number(app, "--environment-rotation", "Degrees about +y [0]", [&](double v) { a.environment_rotation_deg = float(v); });
     add_only(app, "--shade", "hit", "Where materials are looked up");
 }
 

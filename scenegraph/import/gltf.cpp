@@ -144,6 +144,11 @@ private:
         else if (mesh) desc.cages = meshes_.cages(node.mesh, extras.style);
         if (extras.material >= 0) override_materials(extras.material, desc, where);
         add_light(node, extras, desc, where);
+        desc.seen_by = static_cast<std::uint8_t>(RayKind::All & ~extras.hidden_from);
+        if (extras.lit_by) {
+            desc.lit_by = 0;
+            for (const std::string& group : *extras.lit_by) desc.lit_by |= light_group(group, where);
+        }
         return desc;
     }
 
@@ -172,9 +177,22 @@ private:
         const int light = integer(extension(node.extensions, "KHR_lights_punctual"), "light", -1);
         if (light >= 0 && static_cast<std::size_t>(light) < lights_.size())
             desc.light = lights_[static_cast<std::size_t>(light)];
-        if (!extras.area_light) return;
-        if (desc.light) report_.warn("a node has room for one light: the area light is taken", where);
-        desc.light = scene_.add(Light{node.name, *extras.area_light});
+        if (extras.area_light) {
+            if (desc.light) report_.warn("a node has room for one light: the area light is taken", where);
+            desc.light = scene_.add(Light{node.name, *extras.area_light});
+        }
+        if (!desc.light || extras.light_group.empty()) return;
+        Light grouped = scene_.light(desc.light);  // other nodes may show the file's light in other groups
+        grouped.groups = light_group(extras.light_group, where);
+        desc.light = scene_.add(std::move(grouped));
+    }
+
+    LightGroups light_group(const std::string& name, const std::string& where)
+    {
+        constexpr std::size_t kMost = 32;
+        const auto [known, is_new] = light_groups_.try_emplace(name, LightGroups(1) << light_groups_.size() % kMost);
+        if (light_groups_.size() > kMost) throw Error(report_.name(), "a scene has at most 32 light groups", where);
+        return known->second;
     }
 
     void override_materials(int material, NodeDesc& desc, const std::string& where)
@@ -228,6 +246,7 @@ private:
     MeshImporter meshes_;
     std::vector<NodeId> nodes_;  // by index in the file
     std::vector<LightId> lights_;
+    std::map<std::string, LightGroups> light_groups_;
     std::map<std::pair<std::string, CageStyle>, CageId> cage_files_;
 };
 

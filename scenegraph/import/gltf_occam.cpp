@@ -64,6 +64,18 @@ public:
         }
         refuse(key + " must be one of " + known);
     }
+    std::optional<std::vector<std::string>> strings(const std::string& key)
+    {
+        const Value* v = find(key);
+        if (!v) return std::nullopt;
+        if (!v->IsArray()) refuse(key + " must be an array of strings");
+        std::vector<std::string> list;
+        for (std::size_t i = 0; i < v->ArrayLen(); ++i) {
+            if (!v->Get(i).IsString()) refuse(key + " must be an array of strings");
+            list.push_back(v->Get(i).Get<std::string>());
+        }
+        return list;
+    }
     void warn_unknown()
     {
         for (const std::string& key : value_.Keys())
@@ -94,6 +106,23 @@ constexpr std::array<std::pair<const char*, FaceVaryingRule>, 6> kFaceVarying = 
      {"none", FaceVaryingRule::None}}};
 constexpr std::array<std::pair<const char*, AreaLight::Shape>, 3> kShapes = {
     {{"rect", AreaLight::Shape::Rectangle}, {"disc", AreaLight::Shape::Disc}, {"sphere", AreaLight::Shape::Sphere}}};
+
+constexpr std::array<std::pair<const char*, std::uint8_t>, 5> kRayKinds = {{{"camera", RayKind::Camera},
+                                                                         {"shadow", RayKind::Shadow},
+                                                                         {"reflection", RayKind::Reflection},
+                                                                         {"transmission", RayKind::Transmission},
+                                                                         {"diffuse", RayKind::Diffuse}}};
+
+std::uint8_t ray_kinds(const std::vector<std::string>& names, const Reader& reader)
+{
+    std::uint8_t kinds = 0;
+    for (const std::string& name : names) {
+        const auto kind = std::find_if(kRayKinds.begin(), kRayKinds.end(), [&](const auto& known) { return name == known.first; });
+        if (kind == kRayKinds.end()) reader.refuse("hidden_from knows camera, shadow, reflection, transmission and diffuse, not '" + name + "'");
+        kinds |= kind->second;
+    }
+    return kinds;
+}
 
 AreaLight area_light(const Value& value, const std::string& where, Report& report)
 {
@@ -140,6 +169,9 @@ void add(const Value& extras, const std::string& where, Report& report, NodeExtr
     out.material = reader.index("material").value_or(out.material);
     if (const Value* light = reader.find("area_light"))
         out.area_light = area_light(*light, where + ".extras.occam.area_light", report);
+    if (const auto kinds = reader.strings("hidden_from")) out.hidden_from = ray_kinds(*kinds, reader);
+    if (const std::string group = reader.string("light_group"); !group.empty()) out.light_group = group;
+    if (auto groups = reader.strings("lit_by")) out.lit_by = std::move(groups);
     if (const Value* moves = reader.find("displacement")) {
         out.style.displacement = displacement(*moves, where + ".extras.occam.displacement", report);
         report.warn("displacement is not rendered", where);

@@ -1,4 +1,5 @@
-// What Occam adds to glTF under extras.occam: cages by file, how polygons are subdivided, area lights, the environment.
+// What Occam adds to glTF under extras.occam: cages by file, how polygons are subdivided, area lights, the environment,
+// which rays see a node and which lights light it.
 #pragma once
 
 #include <tiny_gltf.h>
@@ -34,6 +35,9 @@ struct NodeExtras {
     CageStyle style;
     int material = -1;
     std::optional<AreaLight> area_light;
+    std::uint8_t hidden_from = 0;  ///< bits of RayKind
+    std::string light_group;       ///< of the node's light; empty: it lights everything
+    std::optional<std::vector<std::string>> lit_by;  ///< groups; none: by all lights
 };
 struct EnvironmentExtras {
     std::string image;

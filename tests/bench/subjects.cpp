@@ -68,13 +68,17 @@ Cage fan(int valence, float crease)
 
 std::optional<Cage> suzanne() { return shared_cage("subdiv/suzanne.obj"); }
 
-std::optional<Cage> shared_cage(const char* name)
+std::filesystem::path shared_folder()
 {
     namespace fs = std::filesystem;
     const char* named = std::getenv("OCCAM_SHARED");
-    const fs::path folder = named ? fs::path(named) : fs::path(OCCAM_SOURCE_DIR).parent_path() / "shared";
-    const fs::path file = folder / "data" / name;
-    if (!fs::exists(file)) return std::nullopt;
+    return (named ? fs::path(named) : fs::path(OCCAM_SOURCE_DIR).parent_path() / "shared") / "data";
+}
+
+std::optional<Cage> shared_cage(const char* name)
+{
+    const std::filesystem::path file = shared_folder() / name;
+    if (!std::filesystem::exists(file)) return std::nullopt;
     const Scene scene = load(file, {.subdivide = Subdivide::On});
     std::optional<Cage> cage;
     scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {

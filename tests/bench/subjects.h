@@ -18,6 +18,8 @@ Cage torus(std::uint32_t around, std::uint32_t across);
 /// `valence` sectors of 3 x 3 quads about a middle vertex, bumpy; face 0 is at the middle. `crease`: sharpness of the edges
 /// from the middle along the face's side u, 0 for none.
 Cage fan(int valence, float crease = 0);
+/// Of the shared data; it may be absent.
+std::filesystem::path shared_folder();
 /// A control cage of the shared data, without its materials; none if it is absent.
 /// file   below the data folder
 std::optional<Cage> shared_cage(const char* file);

@@ -9,6 +9,9 @@ void run_import(Report& report);
 void run_dice(Report& report);
 void run_build(Report& report);
 void run_trace(Report& report);
+void run_light(Report& report);
+void run_light_frames(Report& report);  ///< a part of run_light()
+void run_converge(Report& report);
 void run_memory(Report& report);
 void run_frame(Report& report);
 void run_first(Report& report);
@@ -26,6 +29,8 @@ inline constexpr Suite kSuites[] = {
     {"dice", "points with tangents of one patch, beside OpenSubdiv's Bfr", run_dice},
     {"build", "topology, lazy trees and grids of a large cage, from cold", run_build},
     {"trace", "closest and any hit on one thread, beside Embree on the same triangles", run_trace},
+    {"light", "secondary rays by kind, with footprints and without; what shading and textures cost", run_light},
+    {"converge", "light with level of detail on and off at many samples, over shading rates", run_converge},
     {"memory", "bytes a resident micro-triangle", run_memory},
     {"frame", "whole frames at 4 samples, with their error against 64", run_frame},
     {"levels", "level of detail of each ray, of each cage, and of a ray's origin: time, memory, difference", run_levels},

@@ -64,6 +64,37 @@ TEST_F(Command, BadUsageIsOneLineAndExitCode2)
     }
 }
 
+// What is seen beside a triangle, and that it is lit.
+TEST_F(Command, AnEnvironmentIsAnImageDaylightOrNone)
+{
+    const auto corner = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> words{"render", "triangle.obj", "-o", "a.exr", "--size", "9x9", "--spp", "4", "--exr", "float"};
+        words.insert(words.end(), more.begin(), more.end());
+        const Outcome o = run(words);
+        EXPECT_EQ(o.exit_code, kDone) << o.err;
+        const render::Image made = render::Image::read(folder / "a.exr");
+        const std::vector<float>& pixels = made.find("beauty")->pixels;
+        return std::pair(pixels[0], pixels[4 * 40]);
+    };
+    const auto [beside, on] = corner({"--environment", "none"});
+    EXPECT_EQ(beside, 0);
+    EXPECT_EQ(on, 0);
+    const auto [sky, lit_by_sky] = corner({"--environment", "sky"});
+    EXPECT_GT(sky, 0);
+    EXPECT_GT(lit_by_sky, 0);
+    const auto [brighter, lit_brighter] = corner({"--environment", "sky", "--environment-strength", "2"});
+    EXPECT_FLOAT_EQ(brighter, 2 * sky);
+    EXPECT_FLOAT_EQ(lit_brighter, 2 * lit_by_sky);
+
+    render::Image image(4, 2);
+    image.add_layer("beauty", {"R", "G", "B", "A"}).pixels.assign(32, 3);
+    image.write(folder / "sky.exr", {.half = false});
+    const auto [seen, lit] = corner({"--environment", "sky.exr", "--environment-strength", "0.5"});
+    EXPECT_FLOAT_EQ(seen, 1.5f);
+    EXPECT_GT(lit, 0.5f);
+    EXPECT_EQ(run({"render", "triangle.obj", "-o", "b.png", "--environment", "missing.exr"}).exit_code, kBadInput);
+}
+
 TEST_F(Command, AnOutputThatCannotBeWrittenIsExitCode3)
 {
     const Outcome o = run({"render", "triangle.obj", "-o", "missing/a.png"});

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <occam/occam.h>
 
+#include "lod/footprint.h"
 #include "tests/support/shape_builders.h"
 
 namespace occam::test {
@@ -89,6 +90,54 @@ TEST(SelfShadow, AWhiteBodyInAWhiteSkyIsWhite)
         EXPECT_GT(seen.pixels, 500);
         EXPECT_GT(seen.darkest, 0.9) << scale;
     }
+}
+
+// A room between shells of a rounded cube, seen from inside, in bright light from outside: how many of its pixels are not black.
+int lit_pixels(const std::vector<double>& shells, double scale, float rate, int bounces)
+{
+    Scene scene;
+    Material material;
+    material.roughness = 0.3f;
+    Cage cage = rounded_cube();
+    cage.materials = {scene.add(material)};
+    const CageId id = scene.add(std::move(cage));
+    for (const double shell : shells) place(scene, id, {0, 0, 0}, scale * shell);
+    scene.environment.radiance = Vec3f(1000);
+    for (const Vec3d at : {Vec3d(0, 6, 0), Vec3d(4, 2, 4)}) {
+        NodeDesc lamp;
+        lamp.place.translation = at * scale;
+        lamp.light = scene.add(Light{"lamp", PointLight{Vec3f(float(1000 * scale * scale))}});
+        scene.add_node(scene.root(), lamp);
+    }
+    const Camera camera = Camera::look_at(Vec3d(0.2, 0.1, 0.25) * scale, Vec3d(-0.3, 0.2, -1) * scale, {0, 1, 0}, 1.4f);
+    Settings settings{.width = 57, .height = 57, .spp = 16, .integrator = IntegratorKind::Path, .bounces = bounces};
+    settings.shading_rate = rate;
+    const Image image = Renderer({.threads = 2}).render(scene, camera, settings);
+    const Layer& beauty = *image.find("beauty");
+    int lit = 0, seen = 0;
+    for (std::size_t i = 0; i < beauty.pixels.size(); i += 4) {
+        lit += beauty.pixels[i] > 0 || beauty.pixels[i + 1] > 0 || beauty.pixels[i + 2] > 0;
+        seen += beauty.pixels[i + 3] == 1;
+    }
+    EXPECT_EQ(seen, 57 * 57);
+    return lit;
+}
+
+// Rays start from where coarse levels were met by wide beams, and stay inside.
+TEST(SelfShadow, AClosedRoomLetsNoLightInHoweverWideItsBeams)
+{
+    for (const float rate : {0.5f, 1.0f, 4.0f}) EXPECT_EQ(lit_pixels({1.0}, 1, rate, 6), 0) << rate;
+}
+
+// While the edge that is wanted where rays start is at most a quarter of the wall: here that of camera rays at the far wall, up to 1.1
+// away. The inner shell's limit surface is 0.55 to 0.8 from the middle.
+TEST(SelfShadow, AWallLeaksNoLightAtAQuarterOfItsThickness)
+{
+    for (const double scale : {1e-3, 1.0, 1e4})
+        for (const float rate : {1.0f, 4.0f}) {
+            const double edge = 1.1 * 2 * std::tan(0.7) / 57 * double(rate * lod::LevelSettings::kLongestEdge);
+            EXPECT_EQ(lit_pixels({1.0, 1 + 4 * edge / 0.55}, scale, rate, 0), 0) << "scale " << scale << ", shading rate " << rate;
+        }
 }
 
 }  // namespace

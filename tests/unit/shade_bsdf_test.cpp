@@ -161,6 +161,13 @@ TEST(Bsdf, IsReciprocal)
         coated.to_eye = b;
         EXPECT_NEAR(scatter(coated, a).x / a.z, ab, 1e-4f * ab);
 
+        Surface metal = surface_of(0.9f, Vec3f(0), Vec3f(0.9f, 0.6f, 0.3f), 0.9f);  // with what is given back of multiple scattering
+        metal.to_eye = a;
+        const Vec3f from_a = scatter(metal, b) / b.z;
+        metal.to_eye = b;
+        const Vec3f from_b = scatter(metal, a) / a.z;
+        for (int c : {0, 1, 2}) EXPECT_NEAR(from_a[c], from_b[c], 1e-4f * from_a[c]);
+
         // Rough, so that most pairs of directions are joined by some microfacet.
         Surface in = glass_of(0.8f, 1.5f, 1), out = glass_of(0.8f, 1 / 1.5f, 1);
         in.to_eye = a;
@@ -220,10 +227,40 @@ const Case kCases[] = {
          s.coat_normal = glm::normalize(Vec3f(0.2f, 0.1f, 1));
          return s;
      }},
+    {"a coat alone, over black", [](float c) {
+         Surface s = surface_of(1, Vec3f(0), Vec3f(0), c);
+         s.dielectric_f90 = s.f90 = 0;
+         s.coat = 1;
+         s.coat_alpha = 0.4f;
+         return s;
+     }},
     {"rough pane", [](float c) { return pane_of(0.4f, c); }},
     {"into glass", [](float c) { return glass_of(0.3f, 1.5f, c); }},
     {"out of glass", [](float c) { return glass_of(0.3f, 1 / 1.5f, c); }},
 };
+
+// Eyes and lights down to the horizon, and normals that turn away from either.
+TEST(Bsdf, IsFiniteAndNeverNegative)
+{
+    Numbers numbers(21);
+    const auto is_good = [](Vec3f v) { return v.x >= 0 && v.y >= 0 && v.z >= 0 && std::isfinite(v.x + v.y + v.z); };
+    for (const Case& c : kCases)
+        for (const float alpha : kAlphas)
+            for (const float cos_eye : {1e-7f, 1e-3f, 0.5f, 1.0f})
+                for (int i = 0; i < 60; ++i) {
+                    Surface s = c.make(cos_eye);
+                    s.alpha = alpha;
+                    if (i % 3 == 0) s.normal = glm::normalize(direction(numbers.one(), 6.2831853f * numbers.one()));
+                    const float height = i % 2 ? 2 * numbers.one() - 1 : 1e-7f;
+                    const Vec3f light = direction(height, 6.2831853f * numbers.one());
+                    ASSERT_TRUE(is_good(scatter(s, light))) << c.name << ' ' << alpha << ' ' << cos_eye << ' ' << height;
+                    ASSERT_TRUE(is_good(Vec3f(scatter_density(s, light)))) << c.name << ' ' << alpha << ' ' << cos_eye << ' ' << height;
+                    const float choice = numbers.one();
+                    const ScatterSample sample = sample_scatter(s, choice, numbers.square());
+                    ASSERT_TRUE(is_good(sample.weight)) << c.name << ' ' << alpha << ' ' << cos_eye;
+                    ASSERT_TRUE(sample.weight == Vec3f(0) || std::fabs(glm::length(sample.direction) - 1) < 1e-4f) << c.name;
+                }
+}
 
 TEST(Bsdf, SampledDirectionsFollowTheirDensity)
 {

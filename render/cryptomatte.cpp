@@ -1,0 +1,125 @@
+#include "render/cryptomatte.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstdio>
+#include <map>
+#include <nlohmann/json.hpp>
+
+namespace occam::render {
+namespace {
+
+std::uint32_t id_bits(std::string_view name) noexcept { return std::bit_cast<std::uint32_t>(matte_id(name)); }
+
+std::string hex(std::uint32_t value)
+{
+    char text[9];
+    std::snprintf(text, sizeof text, "%08x", value);
+    return text;
+}
+
+std::string manifest_of(Aov aov, const Scene& scene)
+{
+    nlohmann::json manifest = nlohmann::json::object();
+    const auto add = [&](std::string_view name) { manifest[std::string(name)] = hex(id_bits(name)); };
+    const auto add_materials = [&](const std::vector<MaterialId>& ids) {
+        for (const MaterialId id : ids)
+            if (const Material* material = scene.find(id)) add(matte_name(*material));
+    };
+    if (aov == Aov::CryptomatteMaterial) add(matte_name(Material()));
+    scene.for_each_placement([&](NodeId id, const Node& node, const Mat4d&) {
+        if (node.cages.empty()) return;
+        if (aov == Aov::CryptomatteObject) {
+            add(matte_name(scene, id));
+            return;
+        }
+        add_materials(node.materials);
+        for (const CageId cage : node.cages)
+            if (const CageSlot* slot = scene.find(cage)) add_materials(slot->cage.materials);
+    });
+    return manifest.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace
+
+std::uint32_t murmur3(std::string_view text) noexcept
+{
+    const auto byte = [&](std::size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(text[i])); };
+    const auto scramble = [](std::uint32_t k) { return std::rotl(k * 0xcc9e2d51u, 15) * 0x1b873593u; };
+    std::uint32_t h = 0;
+    std::size_t i = 0;
+    for (; i + 4 <= text.size(); i += 4) {
+        h ^= scramble(byte(i) | byte(i + 1) << 8 | byte(i + 2) << 16 | byte(i + 3) << 24);
+        h = std::rotl(h, 13) * 5 + 0xe6546b64u;
+    }
+    std::uint32_t rest = 0;
+    for (std::size_t k = text.size(); k > i; --k) rest = rest << 8 | byte(k - 1);
+    h ^= scramble(rest);
+    h ^= static_cast<std::uint32_t>(text.size());
+    h = (h ^ h >> 16) * 0x85ebca6bu;
+    h = (h ^ h >> 13) * 0xc2b2ae35u;
+    return h ^ h >> 16;
+}
+
+float matte_id(std::string_view name) noexcept
+{
+    std::uint32_t bits = murmur3(name);
+    const std::uint32_t exponent = bits >> 23 & 255;
+    if (exponent == 0 || exponent == 255) bits ^= 1u << 23;
+    return std::bit_cast<float>(bits);
+}
+
+std::string_view matte_name(const Scene& scene, NodeId node) noexcept
+{
+    const Node* found = scene.find(node);
+    return found && !found->name.empty() ? std::string_view(found->name) : std::string_view("unnamed");
+}
+
+std::string_view matte_name(const Material& material) noexcept
+{
+    return material.name.empty() ? std::string_view("unnamed") : std::string_view(material.name);
+}
+
+void MatteSums::add(float id, double coverage)
+{
+    const auto known = std::find_if(shares_.begin(), shares_.end(), [&](const Share& s) { return s.id == id; });
+    if (known == shares_.end()) shares_.push_back({id, coverage});
+    else known->coverage += coverage;
+}
+
+void MatteSums::rank(double weight, float (&out)[2 * kMatteRanks])
+{
+    std::fill(std::begin(out), std::end(out), 0.0f);
+    if (!(weight > 0)) return;
+    std::sort(shares_.begin(), shares_.end(), [](const Share& a, const Share& b) {
+        if (a.coverage != b.coverage) return a.coverage > b.coverage;
+        return std::bit_cast<std::uint32_t>(a.id) < std::bit_cast<std::uint32_t>(b.id);
+    });
+    const std::size_t count = std::min<std::size_t>(shares_.size(), kMatteRanks);
+    for (std::size_t i = 0; i < count && shares_[i].coverage > 0; ++i) {
+        out[2 * i] = shares_[i].id;
+        out[2 * i + 1] = static_cast<float>(shares_[i].coverage / weight);
+    }
+}
+
+std::string_view matte_layer(Aov aov) noexcept
+{
+    if (aov == Aov::CryptomatteObject) return "CryptoObject";
+    if (aov == Aov::CryptomatteMaterial) return "CryptoMaterial";
+    return "";
+}
+
+void describe_mattes(Image& image, const Scene& scene, const Settings& settings)
+{
+    for (const Aov aov : {Aov::CryptomatteObject, Aov::CryptomatteMaterial}) {
+        if (!settings.has(aov)) continue;
+        const std::string name(matte_layer(aov));
+        const std::string head = "cryptomatte/" + hex(murmur3(name)).substr(0, 7) + "/";
+        image.attributes.push_back({head + "name", name});
+        image.attributes.push_back({head + "hash", std::string("MurmurHash3_32")});
+        image.attributes.push_back({head + "conversion", std::string("uint32_to_float32")});
+        image.attributes.push_back({head + "manifest", manifest_of(aov, scene)});
+    }
+}
+
+}  // namespace occam::render

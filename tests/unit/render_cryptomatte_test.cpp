@@ -1,0 +1,139 @@
+// Cryptomatte: ids by the specification's own examples, coverages of a whole picture, what files keep.
+#include "render/cryptomatte.h"
+
+#include <gtest/gtest.h>
+#include <occam/occam.h>
+
+#include <bit>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/shape_builders.h"
+#include "tests/support/temp_folder.h"
+
+namespace occam::test {
+namespace {
+
+// From the unit tests of Psyop's own implementation (Cryptomatte 1.2.0).
+TEST(Cryptomatte, IdsAreThoseOfTheSpecification)
+{
+    EXPECT_EQ(render::murmur3("hello"), 0x248bfa47u);
+    EXPECT_FLOAT_EQ(render::matte_id("hello"), 6.0705627102400005616e-17f);
+    EXPECT_FLOAT_EQ(render::matte_id("cube"), -4.08461912519e+15f);
+    EXPECT_FLOAT_EQ(render::matte_id("sphere"), 2.79018604383e+15f);
+    EXPECT_FLOAT_EQ(render::matte_id("plane"), 3.66557617593e-11f);
+    EXPECT_EQ(render::murmur3(""), 0u);
+    EXPECT_TRUE(std::isnormal(render::matte_id(""))) << "an exponent of zeros is mended";
+}
+
+TEST(Cryptomatte, RanksGoByCoverage)
+{
+    render::MatteSums sums;
+    sums.add(3.0f, 0.5);
+    sums.add(2.0f, 1);
+    sums.add(5.0f, 0.5);
+    sums.add(2.0f, 1);
+    for (int i = 0; i < 6; ++i) sums.add(10.0f + float(i), 0.05 * (i + 1));
+    float ranks[2 * render::kMatteRanks];
+    sums.rank(4, ranks);
+    EXPECT_EQ(ranks[0], 2.0f);
+    EXPECT_EQ(ranks[1], 0.5f);
+    for (int i = 1; i < render::kMatteRanks; ++i) EXPECT_GE(ranks[2 * i - 1], ranks[2 * i + 1]);
+    EXPECT_EQ(ranks[2], 3.0f) << "equals go by their bits";
+    EXPECT_EQ(ranks[4], 5.0f);
+    EXPECT_EQ(ranks[6], 15.0f);
+}
+
+// A floor all over the picture, and before it a pane that is there to a quarter and covers the left half.
+struct Panes {
+    Scene scene;
+    Camera camera = Camera::look_at({0, 4, 0}, {0, 0, 0}, {0, 0, -1}, 0.5f);
+
+    Panes()
+    {
+        add("floor", "stone", 1, 3, 0);
+        add("a \"pane\"", "glass", 0.25f, 3, -3);
+    }
+    void add(const std::string& node, const std::string& material, float alpha, float half, float x)
+    {
+        Material m;
+        m.name = material;
+        m.base_color.w = alpha;
+        m.alpha_mode = alpha < 1 ? AlphaMode::Blend : AlphaMode::Opaque;
+        Cage cage;
+        cage.scheme = Scheme::Triangles;
+        cage.positions = {{-half, 0, -half}, {half, 0, -half}, {half, 0, half}, {-half, 0, half}};
+        cage.face_vertices = {0, 2, 1, 0, 3, 2};
+        cage.materials = {scene.add(m)};
+        NodeDesc desc;
+        desc.name = node;
+        desc.place.translation = {x, x < 0 ? 1.0 : 0.0, 0};
+        desc.cages = {scene.add(std::move(cage))};
+        scene.add_node(scene.root(), desc);
+    }
+    Image render(const Resources& resources)
+    {
+        Settings settings{.width = 33, .height = 8, .spp = 16, .filter = FilterKind::Gaussian};
+        settings.aovs = unsigned(Aov::CryptomatteObject) | unsigned(Aov::CryptomatteMaterial);
+        return Renderer(resources).render(scene, camera, settings);
+    }
+};
+
+std::map<std::uint32_t, float> coverages(const Image& image, const std::string& layer, std::size_t pixel)
+{
+    std::map<std::uint32_t, float> found;
+    for (const char* number : {"00", "01", "02"}) {
+        const Layer* l = image.find(layer + number);
+        EXPECT_TRUE(l && l->full_float && l->channel_count() == 4);
+        for (int rank : {0, 2})
+            if (const float* p = &l->pixels[pixel * 4 + std::size_t(rank)]; p[1] > 0) found[std::bit_cast<std::uint32_t>(p[0])] += p[1];
+    }
+    return found;
+}
+
+std::string text_of(const Image& image, std::string_view end)
+{
+    for (const render::Attribute& a : image.attributes)
+        if (a.name.starts_with("cryptomatte/") && a.name.ends_with(end)) return std::get<std::string>(a.value);
+    return "";
+}
+
+TEST(Cryptomatte, PixelsSayHowMuchOfEachNameTheyShow)
+{
+    Panes panes;
+    const TempFolder folder;
+    const Image made = panes.render({.threads = 1});
+    made.write(folder.path() / "mattes.exr");
+    const Image image = Image::read(folder.path() / "mattes.exr");
+    const nlohmann::json objects = nlohmann::json::parse(text_of(made, "/manifest"));
+    EXPECT_EQ(objects.size(), 2u);
+    EXPECT_EQ(text_of(made, "/name"), "CryptoObject");
+    EXPECT_EQ(text_of(made, "/conversion"), "uint32_to_float32");
+    const auto id = [&](const char* name) { return std::uint32_t(std::stoul(objects.at(name).get<std::string>(), nullptr, 16)); };
+    const std::size_t row = 4 * 33;
+    for (const std::size_t x : {7u, 10u}) {
+        auto shown = coverages(image, "CryptoObject", row + x);
+        EXPECT_NEAR(shown[id("a \"pane\"")], 0.25f, 1e-6f);
+        EXPECT_NEAR(shown[id("floor")], 0.75f, 1e-6f);
+        shown = coverages(image, "CryptoMaterial", row + x);
+        EXPECT_NEAR(shown[std::bit_cast<std::uint32_t>(render::matte_id("glass"))], 0.25f, 1e-6f);
+        EXPECT_NEAR(shown[std::bit_cast<std::uint32_t>(render::matte_id("stone"))], 0.75f, 1e-6f);
+    }
+    auto right = coverages(image, "CryptoObject", row + 26);
+    EXPECT_EQ(right.size(), 1u);
+    EXPECT_NEAR(right[id("floor")], 1, 1e-6f);
+    auto edge = coverages(image, "CryptoObject", row + 16);
+    EXPECT_GT(edge[id("a \"pane\"")], 0.02f) << "the pane's edge runs through the pixel";
+    EXPECT_LT(edge[id("a \"pane\"")], 0.23f);
+}
+
+TEST(Cryptomatte, IsTheSameForAnyNumberOfThreads)
+{
+    Panes panes;
+    const Image one = panes.render({.threads = 1}), two = panes.render({.threads = 2, .memory_bytes = 1});
+    ASSERT_EQ(one.layers().size(), 7u);
+    for (const Layer& layer : one.layers()) EXPECT_EQ(layer.pixels, two.find(layer.name)->pixels) << layer.name;
+}
+
+}  // namespace
+}  // namespace occam::test

@@ -1,0 +1,189 @@
+// Which rays see a node, which lights light it: in the tracer, in pictures, in files.
+#include <gtest/gtest.h>
+#include <occam/occam.h>
+
+#include <bit>
+#include <random>
+
+#include "accel/frame.h"
+#include "accel/tracer.h"
+#include "tests/support/gltf_scene.h"
+#include "tests/support/shape_builders.h"
+
+namespace occam::test {
+namespace {
+
+constexpr std::uint8_t kKinds[] = {RayKind::Camera, RayKind::Shadow, RayKind::Reflection, RayKind::Transmission, RayKind::Diffuse};
+
+// Between two prisms that span the scene's bounds stands a torus, and in it another; the first may be left out.
+struct Toruses {
+    Scene scene;
+    lod::TopologyCache topologies;
+    NodeId outer, inner;
+
+    explicit Toruses(bool has_outer)
+    {
+        const CageId span = scene.add(prism(5));
+        place(scene, span, {-3, -1, -3}, 0.3);
+        place(scene, span, {3, 1, 3}, 0.3);
+        inner = place(scene, scene.add(torus(7, 4)), {0, 0, 0}, 0.8);
+        const CageId cage = scene.add(torus());
+        if (has_outer) outer = place(scene, cage, {0, 0, 0});
+        scene.refit();
+    }
+    std::vector<float> distances(std::span<const accel::Ray> rays, bool is_alone = false)
+    {
+        const accel::Frame frame(scene, topologies, {.eye = Vec3d(0), .pixel = {std::ldexp(1.0f, -4), 0}});
+        accel::Tracer tracer(frame, std::size_t(1) << 30);
+        std::vector<accel::SurfaceHit> hits(rays.size());
+        if (!is_alone) tracer.closest(rays, hits);
+        else
+            for (std::size_t i = 0; i < rays.size(); ++i) tracer.closest({&rays[i], 1}, {&hits[i], 1});
+        std::vector<std::uint8_t> occluded(rays.size());
+        tracer.occluded(rays, occluded);
+        std::vector<float> t;
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            t.push_back(hits[i].t);
+            EXPECT_EQ(hits[i].is_hit(), occluded[i] != 0) << "ray " << i;
+        }
+        return t;
+    }
+};
+
+std::vector<accel::Ray> rays_of_all_kinds()
+{
+    std::mt19937_64 random(3);
+    const auto uniform = [&] { return double(random() >> 11) * 0x1p-53; };
+    std::vector<accel::Ray> rays(10'000);
+    for (accel::Ray& ray : rays) {
+        ray.origin = {0.4, 3, 2.5};
+        ray.direction = Vec3f(glm::normalize(Vec3d(3 * uniform() - 1.5, uniform() - 0.5, 3 * uniform() - 1.5) - ray.origin));
+        ray.kinds = kKinds[random() % std::size(kKinds)];
+    }
+    return rays;
+}
+
+TEST(Visibility, RaysPassWhatIsHiddenFromThemAsIfItWereNotThere)
+{
+    const std::vector<accel::Ray> rays = rays_of_all_kinds();
+    Toruses both(true), without(false), flagged(true);
+    const std::vector<float> all = both.distances(rays), inner = without.distances(rays);
+    for (const std::uint8_t kind : kKinds) {
+        flagged.scene.set_seen_by(flagged.outer, static_cast<std::uint8_t>(RayKind::All & ~kind));
+        for (const bool is_alone : {false, true}) {
+            const std::vector<float> found = flagged.distances(rays, is_alone);
+            int differ = 0;
+            for (std::size_t i = 0; i < rays.size(); ++i) {
+                const float wanted = rays[i].kinds == kind ? inner[i] : all[i];
+                ASSERT_EQ(std::bit_cast<std::uint32_t>(found[i]), std::bit_cast<std::uint32_t>(wanted)) << "ray " << i;
+                differ += found[i] != all[i];
+            }
+            EXPECT_GT(differ, 300);
+        }
+    }
+}
+
+TEST(Visibility, AFlagHoldsForTheSubtreeAndForInstances)
+{
+    const std::vector<accel::Ray> rays = rays_of_all_kinds();
+    Toruses below(true), without(false);
+    NodeDesc group;
+    group.seen_by = 0;
+    group.instance_of = below.outer;
+    below.scene.add_node(below.scene.root(), group);
+    below.scene.set_visible(below.outer, false);
+    EXPECT_EQ(below.distances(rays), without.distances(rays));
+}
+
+Cage floor_of(float half)
+{
+    Cage cage;
+    cage.scheme = Scheme::Triangles;
+    cage.positions = {{-half, 0, -half}, {half, 0, -half}, {half, 0, half}, {-half, 0, half}};
+    cage.face_vertices = {0, 2, 1, 0, 3, 2};
+    return cage;
+}
+
+NodeId add_light(Scene& scene, Vec3d at, Light light)
+{
+    NodeDesc node;
+    node.place.translation = at;
+    node.place.rotation = {-0.7071067811865476, 0, 0, 0.7071067811865476};  // it looks down
+    node.light = scene.add(std::move(light));
+    return scene.add_node(scene.root(), node);
+}
+
+Vec3f middle(Scene& scene, IntegratorKind integrator = IntegratorKind::Direct, int light_samples = 1)
+{
+    const Settings settings{.width = 1, .height = 1, .spp = 16, .integrator = integrator, .light_samples = light_samples};
+    const Image image = Renderer({.threads = 1}).render(scene, Camera::look_at({0, 2, 0}, {0, 0, 0}, {0, 0, -1}, 0.01f), settings);
+    const auto& p = image.find("beauty")->pixels;
+    return {p[0], p[1], p[2]};
+}
+
+// A lid between camera and floor, and under a lamp: seen, casting a shadow, both or neither.
+TEST(Visibility, ALidHiddenFromTheCameraStillCastsItsShadow)
+{
+    Scene scene;
+    place(scene, scene.add(floor_of(3)), {0, 0, 0});
+    const NodeId lid = place(scene, scene.add(floor_of(0.5f)), {0, 1, 0});
+    add_light(scene, {0, 4, 0}, {"lamp", PointLight{Vec3f(10)}});
+    const float seen = middle(scene).x;
+    scene.set_seen_by(lid, RayKind::All & ~RayKind::Camera);
+    EXPECT_EQ(middle(scene).x, 0) << "the floor's shadow";
+    scene.set_seen_by(lid, RayKind::All & ~(RayKind::Camera | RayKind::Shadow));
+    const float lit = middle(scene).x;
+    EXPECT_GT(lit, 0);
+    scene.set_seen_by(lid, RayKind::All & ~RayKind::Shadow);
+    EXPECT_EQ(middle(scene).x, seen) << "16/9 as bright as the floor, being nearer";
+    EXPECT_NEAR(seen, lit * 16 / 9, 1e-4f * seen);
+}
+
+// Both ways of finding an area light keep to the groups: rough surfaces draw it, mirrors meet it.
+TEST(Visibility, ALightLightsWhatIsLitByItsGroup)
+{
+    for (const float roughness : {0.02f, 1.0f})
+        for (const IntegratorKind integrator : {IntegratorKind::Direct, IntegratorKind::Path}) {
+            Scene scene;
+            Material metal;
+            metal.metallic = 1;
+            metal.roughness = roughness;
+            Cage cage = floor_of(3);
+            cage.materials = {scene.add(metal)};
+            const NodeId floor = place(scene, scene.add(std::move(cage)), {0, 0, 0});
+            add_light(scene, {0, 3, 0}, {"red", AreaLight{AreaLight::Shape::Rectangle, Vec2f(2), Vec3f(1, 0, 0)}, 1});
+            add_light(scene, {0, 4, 0}, {"green", AreaLight{AreaLight::Shape::Rectangle, Vec2f(3), Vec3f(0, 1, 0)}, 2});
+            const Vec3f both = middle(scene, integrator, 16);
+            scene.set_lit_by(floor, 2);
+            const Vec3f green = middle(scene, integrator, 16);
+            EXPECT_GT(both.x, 0.05f);
+            EXPECT_EQ(green.x, 0) << roughness;
+            EXPECT_EQ(green.y, both.y) << roughness;
+            scene.set_lit_by(floor, 4);
+            EXPECT_EQ(middle(scene, integrator, 16), Vec3f(0)) << roughness;
+        }
+}
+
+TEST(Visibility, FilesSayWhoSeesANodeAndWhatLightsIt)
+{
+    const TempFolder folder;
+    Gltf g;
+    g.nodes = R"({"extras": {"occam": {"hidden_from": ["camera", "shadow"], "lit_by": ["key", "rim"]}}},
+                 {"extras": {"occam": {"area_light": {"shape": "disc"}, "light_group": "rim"}}}, {"extras": {"occam": {"area_light": {"shape": "disc"}}}})";
+    Scene scene = load(g.write(folder));
+    std::vector<const Node*> nodes;
+    scene.for_each_placement([&](NodeId id, const Node& node, const Mat4d&) {
+        if (id != scene.root()) nodes.push_back(&node);
+    });
+    ASSERT_EQ(nodes.size(), 3u);
+    EXPECT_EQ(nodes[0]->seen_by, RayKind::Reflection | RayKind::Transmission | RayKind::Diffuse);
+    EXPECT_EQ(nodes[1]->seen_by, RayKind::All);
+    EXPECT_EQ(std::popcount(nodes[0]->lit_by), 2);
+    EXPECT_EQ(nodes[1]->lit_by, kAllGroups);
+    EXPECT_EQ(std::popcount(scene.light(nodes[1]->light).groups), 1);
+    EXPECT_NE(scene.light(nodes[1]->light).groups & nodes[0]->lit_by, 0u);
+    EXPECT_EQ(scene.light(nodes[2]->light).groups, kAllGroups) << "a light without a group lights everything";
+}
+
+}  // namespace
+}  // namespace occam::test
