@@ -140,10 +140,8 @@ void add(const Value& extras, const std::string& where, Report& report, NodeExtr
     out.material = reader.index("material").value_or(out.material);
     if (const Value* light = reader.find("area_light"))
         out.area_light = area_light(*light, where + ".extras.occam.area_light", report);
-    if (const Value* moves = reader.find("displacement")) {
+    if (const Value* moves = reader.find("displacement"))
         out.style.displacement = displacement(*moves, where + ".extras.occam.displacement", report);
-        report.warn("displacement is not rendered", where);
-    }
     reader.warn_unknown();
 }
 
