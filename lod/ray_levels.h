@@ -40,7 +40,7 @@ public:
     using Mask = decltype(F() < F());
     static constexpr int kMostOfRay = 16;   ///< pairs of one ray: the finest serves all that is nearer
     static constexpr int kMost = 32;        ///< of all lanes together
-    static constexpr int kFinerThanEven = 5;  ///< see floor_exponents
+    static constexpr float kFinerThanEven = 0x1p-5f, kLeastOfDisplaced = 0x1p-6f;  ///< see floor_exponents
     static constexpr float kFar = 1e30f;
 
     /// width    a + b t: the wanted edge; t_end: where the ray ends, finite; coordinate: the largest of ray and scene.
@@ -143,7 +143,8 @@ private:
     /// Sets finest and coarsest; returns the finest level of each lane.
     /// even   where displacement makes margins long, pairs of shorter edges than this have segments as long as margins ask, and not
     ///        as edges do. A beam that begins as a point would see many such pairs, each much finer than it asks for, so it begins
-    ///        with this one; any other, since it may start on what it was scattered by, at most kFinerThanEven below.
+    ///        with this one. Any other may start on what it was scattered by, and goes on down: to edges of kFinerThanEven of it,
+    ///        or of kLeastOfDisplaced of what displacement does if that is longer.
     F floor_exponents(F widest, F thinnest, F even) noexcept
     {
         float wide[kLanes], thin[kLanes], least[kLanes];
@@ -163,7 +164,10 @@ private:
         for (int i = 0; i < count; ++i) {
             const int high = exponent_of(wide[i]);
             int cap = high - kMostOfRay + 1;
-            if (settings_->displaced > 0) cap = std::max(cap, std::min(high, exponent_of(least[i]) - (thin[i] > 0 ? kFinerThanEven : 0)));
+            if (settings_->displaced > 0) {
+                const float down = std::max(least[i] * kFinerThanEven, settings_->displaced * kLeastOfDisplaced);
+                cap = std::max(cap, std::min(high, exponent_of(thin[i] > 0 ? std::min(least[i], down) : least[i])));
+            }
             const int low = std::max(exponent_of(thin[i]), cap);
             finest = std::min(finest, low);
             coarsest = std::max(coarsest, high);

@@ -71,7 +71,7 @@ DisplacedCage displaced_case(int index)
 {
     switch (index) {
         case 0: return {"torus", torus_with_seams(false), 0.04f, 1};
-        case 1: return {"creased_torus", torus_with_seams(true), 0.1f, 2};
+        case 1: return {"creased_torus", torus_with_seams(true), 0.06f, 2};
         case 2: return {"charted_torus", charted(torus()), 0.05f, 3};
         case 3: return {"creased_spindle", creased_spindle(), 0.03f, 4};
         case 4: return {"prism", charted(prism(7)), 0.04f, 5};
