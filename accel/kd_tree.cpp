@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kEnough = 16;        // candidates to choose a plane from; tests/bench has the curve
 constexpr std::size_t kMany = 64;          // candidates that are not opened one by one
-constexpr float kTraversalCost = 16;       // in the units of Item::cost; tests/bench has the curve
+constexpr float kTraversalCost = 32;       // in the units of Item::cost; tests/bench has the curve
 constexpr float kEmptyBonus = 0.8f;        // of a split that cuts off empty space
 constexpr int kAnyEffort = 2;
 
