@@ -20,8 +20,8 @@ double largest_stretch(const double (&map)[3][4]) noexcept
     return std::sqrt(largest);
 }
 
-PosedDisplacement::PosedDisplacement(const Cage& cage, const TextureStore& store, const double (&frame_from_object)[3][4], bool mirrored,
-                                     float radius) noexcept
+PosedDisplacement::PosedDisplacement(const Cage& cage, const TextureStore& store, const double (&frame_from_object)[3][4],
+                                     bool mirrored, float radius) noexcept
 {
     if (!cage.is_displaced()) return;
     of = &*cage.displacement;
@@ -44,10 +44,12 @@ Vec3f PosedDisplacement::offset(Vec3f du, Vec3f dv, Vec2f uv, Vec2f uv_du, Vec2f
     if (!(size > 0) || !(length > 0)) return Vec3f(0);
     const double uv_size = std::abs(double(uv_du.x) * uv_dv.y - double(uv_du.y) * uv_dv.x);
     const auto width = static_cast<float>(double(edge_length(level)) * std::sqrt(uv_size / size));
-    const float height = std::clamp(of->scale * (textures->sample(of->texture, uv, width).x - of->midlevel), -of->bound, of->bound);
+    const float height =
+        std::clamp(of->scale * (textures->sample(of->texture, uv, width).x - of->midlevel), -of->bound, of->bound);
     normal *= double(sense * height) / length;
     Vec3f moved;
-    for (int r = 0; r < 3; ++r) moved[r] = static_cast<float>(map[r][0] * normal.x + map[r][1] * normal.y + map[r][2] * normal.z);
+    for (int r = 0; r < 3; ++r)
+        moved[r] = static_cast<float>(map[r][0] * normal.x + map[r][1] * normal.y + map[r][2] * normal.z);
     return moved;
 }
 

@@ -1,9 +1,10 @@
 // How far a texture moves a cage's limit surface, where one node shows the cage.
 //
-// A point of M_l is P + h_l N: P and N of the limit surface, h_l the texture's value over a square of d_l about it, clamped to the
-// cage's bound. All three are the owner's on curves and corners between patches (topology.h), so that neither creases nor seams of
-// the coordinates open; T-vertices are middles of what was moved. N and h are the object's: a placement that stretches the
-// cage stretches the displacement with it. A skinned cage moves along its posed normal, as far as its node's own place says.
+// A point of M_l is P + h_l N: P and N of the limit surface, h_l the texture's value over a square of d_l about it, clamped
+// to the cage's bound. All three are the owner's on curves and corners between patches (topology.h), so that neither creases
+// nor seams of the coordinates open; T-vertices are middles of what was moved. N and h are the object's: a placement that
+// stretches the cage stretches the displacement with it. A skinned cage moves along its posed normal, as far as its node's
+// own place says.
 //
 // Threads  read only.
 #pragma once
@@ -19,7 +20,8 @@ double largest_stretch(const double (&map)[3][4]) noexcept;
 struct PosedDisplacement {
     PosedDisplacement() = default;
     /// radius   of the posed cage, world length
-    PosedDisplacement(const Cage& cage, const TextureStore& store, const double (&frame_from_object)[3][4], bool mirrored, float radius) noexcept;
+    PosedDisplacement(const Cage& cage, const TextureStore& store, const double (&frame_from_object)[3][4], bool mirrored,
+                      float radius) noexcept;
 
     const Displacement* of = nullptr;  ///< null: none
     const TextureStore* textures = nullptr;

@@ -17,9 +17,11 @@ Cage torus_with_seams(bool creased)
         for (std::uint32_t j = 0; j <= kAcross; ++j) set.values.push_back({float(i) * 0.37f, float(j) * 0.41f});
     for (std::uint32_t i = 0; i < kAround; ++i)
         for (std::uint32_t j = 0; j < kAcross; ++j)
-            for (const auto& [di, dj] : {std::pair{0u, 0u}, {0u, 1u}, {1u, 1u}, {1u, 0u}}) set.indices.push_back((i + di) * (kAcross + 1) + j + dj);
+            for (const auto& [di, dj] : {std::pair{0u, 0u}, {0u, 1u}, {1u, 1u}, {1u, 0u}})
+                set.indices.push_back((i + di) * (kAcross + 1) + j + dj);
     cage.uv_sets = {set};
-    for (std::uint32_t i = 0; creased && i < kAround; ++i) cage.creases.push_back({i * kAcross, (i + 1) % kAround * kAcross, i % 2 ? 10.0f : 1.3f});
+    for (std::uint32_t i = 0; creased && i < kAround; ++i)
+        cage.creases.push_back({i * kAcross, (i + 1) % kAround * kAcross, i % 2 ? 10.0f : 1.3f});
     return cage;
 }
 
@@ -70,11 +72,16 @@ DisplacedCage::DisplacedCage(std::string called, Cage of, float bound, std::uint
 DisplacedCage displaced_case(int index)
 {
     switch (index) {
-        case 0: return {"torus", torus_with_seams(false), 0.04f, 1};
-        case 1: return {"creased_torus", torus_with_seams(true), 0.06f, 2};
-        case 2: return {"charted_torus", charted(torus()), 0.05f, 3};
-        case 3: return {"creased_spindle", creased_spindle(), 0.03f, 4};
-        case 4: return {"prism", charted(prism(7)), 0.04f, 5};
+        case 0:
+            return {"torus", torus_with_seams(false), 0.04f, 1};
+        case 1:
+            return {"creased_torus", torus_with_seams(true), 0.06f, 2};
+        case 2:
+            return {"charted_torus", charted(torus()), 0.05f, 3};
+        case 3:
+            return {"creased_spindle", creased_spindle(), 0.03f, 4};
+        case 4:
+            return {"prism", charted(prism(7)), 0.04f, 5};
         default: {
             Cage bilinear = charted(prism(5));
             bilinear.scheme = Scheme::Bilinear;

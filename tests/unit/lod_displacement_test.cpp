@@ -45,9 +45,12 @@ TEST(Displacement, StaysWithinItsBoundAndItsBoxes)
                 for (int v = 0; v < grid.vertex_count; ++v) {
                     const Vec3f p = grid.at(v);
                     farthest = std::max(farthest, glm::distance(p, still.at(v)));
-                    ASSERT_TRUE(glm::all(glm::lessThanEqual(box.lo, p)) && glm::all(glm::lessThanEqual(p, box.hi))) << displaced.name;
+                    ASSERT_TRUE(glm::all(glm::lessThanEqual(box.lo, p)) && glm::all(glm::lessThanEqual(p, box.hi)))
+                        << displaced.name;
                     const Vec3d world = Vec3d(p) + moved.posed.anchor;
-                    ASSERT_TRUE(glm::all(glm::lessThanEqual(scene_box.lo, world)) && glm::all(glm::lessThanEqual(world, scene_box.hi))) << displaced.name;
+                    ASSERT_TRUE(glm::all(glm::lessThanEqual(scene_box.lo, world)) &&
+                                glm::all(glm::lessThanEqual(world, scene_box.hi)))
+                        << displaced.name;
                 }
             }
             // Vertices of both are one parameter's, T-vertices the same mean of two.
@@ -73,7 +76,8 @@ TEST(Displacement, OfOneValueMovesEveryPointAlongItsNormal)
     DicedCage smooth(displaced.cage, 0), moved(displaced.cage, 0, Mat4d(1), &displaced.textures);
     smooth.posed.level = moved.level_of_largest_exponent(4);
     for (const lod::TileRef& tile : moved.tiles()) {
-        const lod::LevelGrid grid = moved.dicer.dice(moved.posed, tile, moved.arena), still = smooth.dicer.dice(smooth.posed, tile, smooth.arena);
+        const lod::LevelGrid grid = moved.dicer.dice(moved.posed, tile, moved.arena),
+                             still = smooth.dicer.dice(smooth.posed, tile, smooth.arena);
         const lod::GridAttributes before = smooth.dicer.shade(smooth.posed, tile, tile.rates, smooth.arena);
         const lod::GridAttributes after = moved.dicer.shade(moved.posed, tile, tile.rates, moved.arena);
         for (int k = 0; k < grid.width() * grid.height(); ++k) {
@@ -82,8 +86,8 @@ TEST(Displacement, OfOneValueMovesEveryPointAlongItsNormal)
             if (inside) {
                 ASSERT_NEAR(glm::distance(grid.at(k), still.at(k) + before.normal[k] * 0.075f), 0, 1e-6f);
             }
-            // A surface beside a smooth one has its normals. Normals turn by 0.08 a step here, and differences are taken over a
-            // quarter of one, on borders to one side.
+            // A surface beside a smooth one has its normals. Normals turn by 0.08 a step here, and differences are taken
+            // over a quarter of one, on borders to one side.
             ASSERT_NEAR(glm::distance(before.normal[k], after.normal[k]), 0, 0.01f);
         }
     }
@@ -97,7 +101,9 @@ TEST(Displacement, HasTheNormalsOfItsMeshWhereThatIsFine)
     hills.width = hills.height = 256;
     hills.role = TextureRole::Data;
     for (int y = 0; y < 256; ++y)
-        for (int x = 0; x < 256; ++x) hills.pixels.push_back(Vec4f(0.5f + 0.25f * std::sin(6.2831853f * float(x) / 256) + 0.25f * std::cos(6.2831853f * float(y) / 256)));
+        for (int x = 0; x < 256; ++x)
+            hills.pixels.push_back(
+                Vec4f(0.5f + 0.25f * std::sin(6.2831853f * float(x) / 256) + 0.25f * std::cos(6.2831853f * float(y) / 256)));
     displaced.cage.displacement->texture.texture = displaced.scene.add(hills);
     displaced.textures.prepare(displaced.scene);
     DicedCage diced(displaced.cage, 0, Mat4d(1), &displaced.textures);
@@ -113,7 +119,8 @@ TEST(Displacement, HasTheNormalsOfItsMeshWhereThatIsFine)
         // Off the borders: on seams these have their owners' coordinates.
         for (int j = 2; j < tile.rows - 1; ++j)
             for (int i = 2; i < tile.columns - 1; ++i) {
-                const Vec3f n = glm::normalize(glm::cross(grid.vertex(i + 1, j) - grid.vertex(i - 1, j), grid.vertex(i, j + 1) - grid.vertex(i, j - 1)));
+                const Vec3f n = glm::normalize(glm::cross(grid.vertex(i + 1, j) - grid.vertex(i - 1, j),
+                                                          grid.vertex(i, j + 1) - grid.vertex(i, j - 1)));
                 worst = std::max(worst, double(glm::distance(n, made.normal[grid.index(i, j)])));
                 undisplaced = std::max(undisplaced, double(glm::distance(n, smooth.normal[grid.index(i, j)])));
             }
