@@ -3,15 +3,37 @@
 #include <cmath>
 
 #include "accel/frame_state.h"
+#include "lod/posed_cage.h"
 
 namespace occam::accel {
+namespace {
 
-Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels)
+/// The farthest that any placed cage is displaced, world length.
+float farthest_displaced(const Scene& scene)
+{
+    double farthest = 0;
+    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d& world_from_node) {
+        for (const CageId id : node.cages) {
+            const CageSlot* slot = scene.find(id);
+            if (!slot || !slot->cage.is_displaced()) continue;
+            lod::PosedCage posed;
+            posed.place(world_from_node, slot->bounds);
+            farthest = std::max(farthest, lod::largest_stretch(posed.frame_from_object) * double(slot->cage.displacement->bound));
+        }
+    });
+    return static_cast<float>(farthest) * (1 + 0x1p-18f);
+}
+
+}  // namespace
+
+Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels, const TextureStore* textures)
     : state_(std::make_unique<State>())
 {
     state_->scene = &scene;
     state_->topologies = &topologies;
     state_->levels = levels;
+    state_->textures = textures;
+    if (textures && scene.is_displaced()) state_->levels.displaced = farthest_displaced(scene);
     const Node& root = scene.node(scene.root());
     const Box3d world = root.visible ? transform_box(root.parent_from_node, root.bounds) : Box3d();
     if (world.is_empty()) return;

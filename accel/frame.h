@@ -5,6 +5,7 @@
 
 #include "lod/footprint.h"
 #include "lod/topology_cache.h"
+#include "scenegraph/texture/texture_store.h"
 #include "scenegraph/scene.h"
 
 namespace occam::accel {
@@ -14,7 +15,8 @@ class Frame {
 public:
     /// scene    refitted; not edited while this lives
     /// eye      of the camera whose footprints choose the level of each cage instance
-    Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels);
+    /// textures prepared; null: nothing is displaced
+    Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels, const TextureStore* textures = nullptr);
     ~Frame();
 
     struct State;

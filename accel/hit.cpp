@@ -94,7 +94,7 @@ void patch_corners(IGrid& grid, std::uint32_t number, bool is_closer, const floa
 {
     IGridPart& part = grid.parts[part_of(number)];
     if (!part.is_shaded) {
-        part.attributes = dicer.shade(*grid.cage, part.tile, arena);
+        part.attributes = dicer.shade(*grid.cage, part.tile, grid.blends() ? part.coarser() : part.tile.rates, arena);
         part.is_shaded = true;
     }
     const QuadRef q = quad_of(number);
@@ -106,7 +106,8 @@ void patch_corners(IGrid& grid, std::uint32_t number, bool is_closer, const floa
         const int before = low - odd_j * width - odd_i, behind = low + odd_j * width + odd_i;
         const float w = weight[p];
         const auto blend = [&](const auto* values) { return values[low] * (1 - w) + (values[before] + values[behind]) * (0.5f * w); };
-        corner[p].normal = blend(part.attributes.normal);
+        const lod::GridAttributes& made = part.attributes;
+        corner[p].normal = made.coarse_normal ? made.normal[low] * (1 - w) + made.coarse_normal[low] * w : blend(made.normal);
         for (int s = 0; s < 2; ++s) {
             has_uv[s] = part.attributes.uv[s] != nullptr;
             if (has_uv[s]) corner[p].uv[s] = blend(part.attributes.uv[s]);

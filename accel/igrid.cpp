@@ -214,6 +214,7 @@ IGrid* IGridBuilder::build_patches(const lod::PosedCage& cage, std::span<const P
         const lod::LevelGrid vertices = dicer_.dice_pair(cage, patches[p].tile, patches[p].coarser, diced_);
         blends |= vertices.blends();
         add_part(grid, p, vertices);
+        grid.parts[p].coarse_filter = static_cast<std::int8_t>(patches[p].coarser.filter);
     }
     finish(grid, blends, arena);
     return &grid;

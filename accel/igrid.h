@@ -60,9 +60,19 @@ struct IGridPart {
     bool is_shaded = false;
     bool is_transposed = false;      ///< rows run along v
     bool is_halved = false;          ///< in the pair's coarser level the patch has half as many rows and columns
+    std::int8_t coarse_filter = 0;   ///< PatchRates::filter of that level
     std::uint32_t first = 0;         ///< vertex
     std::uint32_t width = 0;         ///< vertices of a row
 
+    /// Of the pair's coarser level, sides aside.
+    lod::PatchRates coarser() const noexcept
+    {
+        lod::PatchRates rates = tile.rates;
+        rates.u -= is_halved;
+        rates.v -= is_halved;
+        rates.filter = coarse_filter;
+        return rates;
+    }
     std::uint32_t vertex(int i, int j) const noexcept
     {
         return first + static_cast<std::uint32_t>(is_transposed ? i : j) * width + static_cast<std::uint32_t>(is_transposed ? j : i);

@@ -116,6 +116,7 @@ void Items::add_cage(const PlacedNode& at, const Node& node, CageId id, std::siz
     const SkinSlot* skin = frame_.scene->find(node.skin);
     cage.place(at.world_from_node, cage_bounds(node, *slot, skin));
     if (tables.deformed_clusters) cage.deform(*tables.deformed_clusters, skin, arena_, counters_.deform);
+    if (frame_.textures) cage.displace(*frame_.textures);
     if (cage.topology && frame_.levels.mode == lod::LevelMode::PerInstance) cage.level = lod::choose_level(frame_.levels, cage);
     add_cluster(cage, 0);
 }

@@ -8,6 +8,7 @@ namespace occam::accel {
 namespace {
 
 constexpr std::size_t kEnough = 16;        // candidates to choose a plane from; tests/bench has the curve
+constexpr std::size_t kMany = 64;          // candidates that are not opened one by one
 constexpr float kTraversalCost = 32;       // in the units of Item::cost; tests/bench has the curve
 constexpr float kEmptyBonus = 0.8f;        // of a split that cuts off empty space
 constexpr int kAnyEffort = 2;
@@ -176,7 +177,12 @@ KdLeaf* KdTree::expand(std::uint32_t n, int pair)
         while (candidates_.size() < kEnough && open_largest(record.box, pair, 0)) {
         }
         split = best_split(record.box);
-        if (split.axis >= 0 || !open_largest(record.box, pair, kAnyEffort)) break;
+        if (split.axis >= 0) break;
+        // Where boxes overlap so that no plane pays, as those of displaced surfaces may: not one by one.
+        const std::size_t wanted = candidates_.size() > kMany ? candidates_.size() * 3 / 2 : 0;
+        if (!open_largest(record.box, pair, kAnyEffort)) break;
+        while (candidates_.size() < wanted && open_largest(record.box, pair, kAnyEffort)) {
+        }
     }
     if (split.axis < 0) return make_leaf(n, pair, head, at);
     int level = KdNode::kAllLevels;

@@ -15,6 +15,12 @@ int checked_height(int height)
     return height;
 }
 
+const TextureStore& prepared(TextureStore& textures, const Scene& scene)
+{
+    if (scene.is_displaced()) textures.prepare(scene);
+    return textures;
+}
+
 const Scene& refitted(Scene& scene)
 {
     scene.refit();
@@ -29,7 +35,8 @@ struct Query::State {
           height(checked_height(image_height)),
           rays(camera, height, height),
           lock(refitted(borrowed)),
-          frame(borrowed, topologies, rays.levels(1)),
+          textures(render::Resources().texture_bytes),
+          frame(borrowed, topologies, rays.levels(1), &prepared(textures, borrowed)),
           tracer(frame, memory_bytes)
     {
     }
@@ -47,6 +54,7 @@ struct Query::State {
     render::CameraRays rays;
     Scene::FrameLock lock;
     lod::TopologyCache topologies;
+    TextureStore textures;  ///< of displacement
     accel::Frame frame;
     accel::Tracer tracer;
 };

@@ -37,7 +37,7 @@ Vec3d any_direction(Random& random)
 /// A cage diced at some pairs of levels: what to aim at, and where inside is.
 class Subject {
 public:
-    Subject(const Cage& cage, const Mat4d& place)
+    Subject(const Cage& cage, const Mat4d& place, const TextureStore* textures)
     {
         const CageId id = scene_.add(cage);
         const NodeId node = scene_.add_node(scene_.root(), {.matrix = place, .cages = {id}});
@@ -49,6 +49,7 @@ public:
         posed_.clusters = tables.clusters.get();
         posed_.node = &scene_.node(node);
         posed_.place(place, slot.bounds);
+        if (textures) posed_.displace(*textures);
         for (std::uint32_t face = 0; face < posed_.topology->face_count(); ++face)
             for (std::uint32_t sub = 0; posed_.topology->is_seen(face) && sub < posed_.topology->patches_of(face); ++sub)
                 patches_.push_back({{face, sub}, dicer_.scale(posed_, {face, sub})});
@@ -158,8 +159,12 @@ struct Start {
 
 class EscapeTest {
 public:
-    EscapeTest(const Cage& cage, const Mat4d& place, const VerifySettings& settings, VerifiedCage& report)
-        : settings_(settings), report_(report), random_(settings.seed * 0x9E3779B97F4A7C15u + 1), subject_(cage, place)
+    EscapeTest(const Cage& cage, const Mat4d& place, const VerifySettings& settings, const TextureStore* textures, VerifiedCage& report)
+        : settings_(settings),
+          textures_(textures),
+          report_(report),
+          random_(settings.seed * 0x9E3779B97F4A7C15u + 1),
+          subject_(cage, place, textures)
     {
     }
 
@@ -190,8 +195,9 @@ public:
             levels.overlap_edges = 0;
             levels.overlap_ulps = settings_.overlap_ulps;
         }
+        levels.displaced = subject_.posed().displacement.reach;
         levels_ = levels;
-        const accel::Frame frame(subject_.scene(), subject_.topologies(), levels);
+        const accel::Frame frame(subject_.scene(), subject_.topologies(), levels, textures_);
         accel::Tracer tracer(frame, std::size_t(1) << 30);
         std::vector<accel::Ray> rays(2048);
         std::vector<accel::SurfaceHit> hits(rays.size());
@@ -327,6 +333,7 @@ private:
     }
 
     const VerifySettings& settings_;
+    const TextureStore* textures_;
     VerifiedCage& report_;
     std::map<int, std::vector<lod::LevelGrid>> diced_;  ///< for escapes
     Random random_;
@@ -339,7 +346,7 @@ private:
 
 }  // namespace
 
-VerifiedCage verify(const Cage& cage, const Mat4d& world_from_object, const VerifySettings& settings)
+VerifiedCage verify(const Cage& cage, const Mat4d& world_from_object, const VerifySettings& settings, const TextureStore* textures)
 {
     VerifiedCage report;
     report.cage = cage.name;
@@ -349,7 +356,7 @@ VerifiedCage verify(const Cage& cage, const Mat4d& world_from_object, const Veri
         return report;
     }
     if (report.not_testable = why_not_closed(cage); !report.not_testable.empty()) return report;
-    EscapeTest(cage, world_from_object, settings, report).run();
+    EscapeTest(cage, world_from_object, settings, textures, report).run();
     return report;
 }
 
@@ -357,9 +364,11 @@ std::vector<VerifiedCage> verify(Scene& scene, const VerifySettings& settings)
 {
     std::vector<VerifiedCage> reports;
     scene.refit();
+    TextureStore textures(std::size_t(1) << 30);
+    if (scene.is_displaced()) textures.prepare(scene);
     scene.for_each_placement([&](NodeId, const Node& node, const Mat4d& world_from_node) {
         for (const CageId id : node.cages) {
-            reports.push_back(verify(scene.cage(id).cage, world_from_node, settings));
+            reports.push_back(verify(scene.cage(id).cage, world_from_node, settings, &textures));
             reports.back().node = node.name;
         }
     });

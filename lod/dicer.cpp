@@ -21,6 +21,7 @@ void Dicer::forget()
 {
     for (PoolEntry& e : pool_) e.cage = nullptr;
     for (CurveEntry& e : curves_) e.cage = nullptr;
+    uv_.cage = nullptr;
 }
 
 PosedPatch& Dicer::posed(const PosedCage& cage, PatchRef patch)
@@ -54,6 +55,7 @@ int Dicer::curve_k(const PosedCage& cage, std::uint32_t curve)
     };
     float s = speed(0.125f, 0.25f);
     if (topology.has_middle_knot(curve)) s = std::max(s, speed(0.75f, 0.875f));
+    if (cage.is_displaced()) s = displaced_speed(cage, curve, s);
     entry = {&cage, curve, ceil_log2(s)};
     return entry.exponent;
 }
@@ -64,6 +66,10 @@ PatchScale Dicer::scale(const PosedCage& cage, PatchRef patch)
     float speed_u, speed_v;
     posed(cage, patch).speeds(speed_u, speed_v);
     PatchScale scale;
+    if (cage.is_displaced()) {
+        scale.filter_stops = cage.displacement.stops;
+        displaced_speeds(cage, patch, speed_u, speed_v);
+    }
     scale.k = {ceil_log2(speed_u), ceil_log2(speed_v)};
     for (int side = 0; side < 4; ++side) {
         const SideCurve on = topology.side(patch, side);
@@ -95,7 +101,7 @@ Box3f Dicer::bounds(const PosedCage& cage, const PatchScale& scale, const PatchR
         const float t0 = std::floor((along_v ? v0 : u0) / piece) * piece, t1 = t0 + piece;
         box.add(along_v ? patch.bounds(fixed, fixed, t0, t1) : patch.bounds(t0, t1, fixed, fixed));
     }
-    return box;
+    return {box.lo - cage.displacement.reach, box.hi + cage.displacement.reach};
 }
 
 TileRef Dicer::tile(PatchRef patch, const PatchScale& scale, int level, std::uint32_t i, std::uint32_t j)
@@ -106,19 +112,31 @@ TileRef Dicer::tile(PatchRef patch, const PatchScale& scale, int level, std::uin
     return tile;
 }
 
-Vec3f Dicer::curve_end(const PosedCage& cage, std::uint32_t curve, int end)
+void Dicer::patch_curve(const PosedCage& cage, PatchRef patch, int filter, bool along_v, float fixed, float t0, float step, std::span<Vec3f> out)
+{
+    if (cage.is_displaced()) displaced_curve(cage, patch, filter, along_v, fixed, t0, step, out);
+    else posed(cage, patch).curve(along_v, fixed, t0, step, out);
+}
+
+Vec3f Dicer::patch_point(const PosedCage& cage, PatchPoint at, int filter)
+{
+    Vec3f p;
+    patch_curve(cage, at.patch, filter, false, at.v, at.u, 1, {&p, 1});
+    return p;
+}
+
+Vec3f Dicer::curve_end(const PosedCage& cage, std::uint32_t curve, int filter, int end)
 {
     const Topology& topology = *cage.topology;
     if (topology.is_inner(curve) && end == 0) {
         Vec3f p;
-        curve_points(cage, topology.base_edge(curve), 0.5f, 1, {&p, 1});
+        curve_points(cage, topology.base_edge(curve), filter, 0.5f, 1, {&p, 1});
         return p;
     }
-    const PatchPoint at = topology.curve_end(curve, end);
-    return posed(cage, at.patch).point(at.u, at.v);
+    return patch_point(cage, topology.curve_end(curve, end), filter);
 }
 
-void Dicer::curve_points(const PosedCage& cage, std::uint32_t curve, float c0, float dc, std::span<Vec3f> out)
+void Dicer::curve_points(const PosedCage& cage, std::uint32_t curve, int filter, float c0, float dc, std::span<Vec3f> out)
 {
     const Topology& topology = *cage.topology;
     const auto c_at = [&](std::size_t i) { return c0 + float(i) * dc; };
@@ -126,12 +144,11 @@ void Dicer::curve_points(const PosedCage& cage, std::uint32_t curve, float c0, f
     for (std::size_t i = 0; i < out.size();) {
         const float c = c_at(i);
         if (c == 0 || c == 1) {
-            out[i++] = curve_end(cage, curve, c == 1);
+            out[i++] = curve_end(cage, curve, filter, c == 1);
             continue;
         }
         if (knot && c == 0.5f) {
-            const PatchPoint at = topology.curve_point(curve, c);
-            out[i++] = posed(cage, at.patch).point(at.u, at.v);
+            out[i++] = patch_point(cage, topology.curve_point(curve, c), filter);
             continue;
         }
         // The longest run on one owner's patch.
@@ -139,7 +156,7 @@ void Dicer::curve_points(const PosedCage& cage, std::uint32_t curve, float c0, f
         while (end < out.size() && c_at(end) != 0 && c_at(end) != 1 && !(knot && ((c_at(end) < 0.5f) != (c < 0.5f) || c_at(end) == 0.5f)))
             ++end;
         const OwnerSpan s = knot && c > 0.5f ? owner_span(topology, curve, 0.75f, 0.875f) : owner_span(topology, curve, 0.125f, 0.25f);
-        posed(cage, s.patch).curve(s.along_v, s.fixed, s.t0 + c * s.dt, dc * s.dt, out.subspan(i, end - i));
+        patch_curve(cage, s.patch, filter, s.along_v, s.fixed, s.t0 + c * s.dt, dc * s.dt, out.subspan(i, end - i));
         i = end;
     }
 }
@@ -148,7 +165,7 @@ void Dicer::side_points(const PosedCage& cage, const TileRef& tile, int side, in
 {
     const SideCurve on = cage.topology->side(tile.patch, side);
     const float step = (on.c1 - on.c0) * power_of_two(-tile.rates.side[side]);
-    curve_points(cage, on.curve, on.c0 + float(first) * step, step, out);
+    curve_points(cage, on.curve, tile.rates.filter, on.c0 + float(first) * step, step, out);
 }
 
 void Dicer::dice_side(const PosedCage& cage, int side, LevelGrid& grid)
@@ -227,7 +244,9 @@ LevelGrid Dicer::dice_vertices(const PosedCage& cage, const TileRef& tile, Arena
         const ParameterGrid inside{float(tile.i0 + i0) * tile.step_u(), float(tile.j0 + j0) * tile.step_v(), tile.step_u(), tile.step_v(),
                                    i1 - i0, j1 - j0};
         const int at = grid.index(i0, j0);
-        posed(cage, tile.patch).points(inside, grid.fine[0] + at, grid.fine[1] + at, grid.fine[2] + at, grid.width());
+        float* const out[3] = {grid.fine[0] + at, grid.fine[1] + at, grid.fine[2] + at};
+        if (cage.is_displaced()) displaced_points(cage, tile.patch, tile.rates.filter, inside, out, grid.width());
+        else posed(cage, tile.patch).points(inside, out[0], out[1], out[2], grid.width());
     }
     if (bottom) dice_side(cage, 0, grid);
     if (right) dice_side(cage, 1, grid);
@@ -283,18 +302,21 @@ LevelGrid Dicer::dice_pair(const PosedCage& cage, const TileRef& tile, const Pat
         }
     for (std::size_t e = 0; e < extras.size(); ++e) {
         const int at = grid.width() * grid.height() + static_cast<int>(e);
-        Vec3f p = grid.at(at);
-        if (coarser.side[static_cast<std::size_t>(extras[e].side)] != tile.rates.side[static_cast<std::size_t>(extras[e].side)] && (extras[e].piece & 1)) {
-            Vec3f around[3];
-            side_points(cage, tile, extras[e].side, extras[e].piece - 1, around);
-            p = (around[0] + around[2]) * 0.5f;
+        const auto side = static_cast<std::size_t>(extras[e].side);
+        const bool side_halves = coarser.side[side] != tile.rates.side[side];
+        Vec3f around[2] = {grid.at(at)};
+        if (side_halves && (extras[e].piece & 1)) {
+            side_points(cage, half, extras[e].side, extras[e].piece / 2, around);
+            around[0] = (around[0] + around[1]) * 0.5f;
+        } else if (cage.is_displaced()) {
+            side_points(cage, half, extras[e].side, side_halves ? extras[e].piece / 2 : extras[e].piece, {around, 1});
         }
-        write(at, p);
+        write(at, around[0]);
     }
     return grid;
 }
 
-GridAttributes Dicer::shade(const PosedCage& cage, const TileRef& tile, Arena& arena)
+GridAttributes Dicer::shade(const PosedCage& cage, const TileRef& tile, const PatchRates& coarser, Arena& arena)
 {
     const int width = tile.columns + 1, height = tile.rows + 1;
     const std::size_t count = std::size_t(width) * height;
@@ -305,21 +327,41 @@ GridAttributes Dicer::shade(const PosedCage& cage, const TileRef& tile, Arena& a
     for (int a = 0; a < 9; ++a) out[a] = &tangents_[a * count];
 
     GridAttributes made;
-    posed(cage, tile.patch).points_and_tangents(grid, out, width);
-    made.normal = arena.make_array<Vec3f>(count).data();
-    for (std::size_t k = 0; k < count; ++k) {
-        const Vec3f n = glm::cross(Vec3f{out[3][k], out[4][k], out[5][k]}, Vec3f{out[6][k], out[7][k], out[8][k]});
-        const float length = glm::length(n);
-        // Degenerate tangents (a corner where both sides run alike) leave the choice to the geometric normal: see Tracer.
-        made.normal[k] = length > 0 ? n * ((cage.is_mirrored ? -1.0f : 1.0f) / length) : Vec3f(0);
+    if (cage.is_displaced()) {
+        const bool blends = coarser != tile.rates;
+        made.normal = arena.make_array<Vec3f>(blends ? 2 * count : count).data();
+        displaced_normals(cage, tile.patch, tile.rates.filter, grid, made.normal);
+        if (blends) {
+            made.coarse_normal = made.normal + count;
+            displaced_coarse_normals(cage, tile, coarser, made.coarse_normal);
+        }
+    } else {
+        posed(cage, tile.patch).points_and_tangents(grid, out, width);
+        made.normal = arena.make_array<Vec3f>(count).data();
+        for (std::size_t k = 0; k < count; ++k) {
+            const Vec3f n = glm::cross(Vec3f{out[3][k], out[4][k], out[5][k]}, Vec3f{out[6][k], out[7][k], out[8][k]});
+            const float length = glm::length(n);
+            // Degenerate tangents (a corner where both sides run alike) leave the choice to the geometric normal: see Tracer.
+            made.normal[k] = length > 0 ? n * ((cage.is_mirrored ? -1.0f : 1.0f) / length) : Vec3f(0);
+        }
     }
     for (int set = 0; set < std::min(2, cage.topology->uv_set_count()); ++set) {
-        uv_patch_.set_uv(cage, tile.patch, set);
         made.uv[set] = arena.make_array<Vec2f>(count).data();
-        uv_patch_.points(grid, out[0], out[1], out[2], width);
+        uv_patch(cage, tile.patch, set).points(grid, out[0], out[1], out[2], width);
         for (std::size_t k = 0; k < count; ++k) made.uv[set][k] = {out[0][k], out[1][k]};
     }
     return made;
+}
+
+PosedPatch& Dicer::uv_patch(const PosedCage& cage, PatchRef patch, int set)
+{
+    if (uv_.cage != &cage || uv_.patch != patch || uv_set_ != set) {
+        uv_.cage = &cage;
+        uv_.patch = patch;
+        uv_set_ = set;
+        uv_.posed.set_uv(cage, patch, set);
+    }
+    return uv_.posed;
 }
 
 }  // namespace occam::lod

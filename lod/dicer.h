@@ -45,7 +45,8 @@ public:
     LevelGrid dice_pair(const PosedCage& cage, const TileRef& tile, const PatchRates& coarser, Arena& arena);
 
     /// Normals and texture coordinates of a tile's vertices, by the patch itself: sides do not share them (creases, seams).
-    GridAttributes shade(const PosedCage& cage, const TileRef& tile, Arena& arena);
+    /// coarser   rates of the next coarser level, or the tile's own: a displaced cage has its normals there too
+    GridAttributes shade(const PosedCage& cage, const TileRef& tile, const PatchRates& coarser, Arena& arena);
 
     std::uint64_t vertices_diced = 0, vertices_shaded = 0;
 
@@ -75,9 +76,29 @@ private:
     OwnerSpan owner_span(const Topology& topology, std::uint32_t curve, float ca, float cb) const;
     /// ceil(log2) of the curve's largest speed.
     int curve_k(const PosedCage& cage, std::uint32_t curve);
+    // `filter`: PatchRates::filter of the level.
     /// Points of a curve at c0 + i * dc; 0 and 1 are its ends.
-    void curve_points(const PosedCage& cage, std::uint32_t curve, float c0, float dc, std::span<Vec3f> out);
-    Vec3f curve_end(const PosedCage& cage, std::uint32_t curve, int end);
+    void curve_points(const PosedCage& cage, std::uint32_t curve, int filter, float c0, float dc, std::span<Vec3f> out);
+    Vec3f curve_end(const PosedCage& cage, std::uint32_t curve, int filter, int end);
+    /// As PosedPatch::curve(), displaced.
+    void patch_curve(const PosedCage& cage, PatchRef patch, int filter, bool along_v, float fixed, float t0, float step, std::span<Vec3f> out);
+    Vec3f patch_point(const PosedCage& cage, PatchPoint at, int filter);
+
+    PosedPatch& uv_patch(const PosedCage& cage, PatchRef patch, int set);
+
+    // Of displaced cages (dicer_displaced.cpp).
+    /// What points of a patch are moved by, to rows of `stride` floats; leaves the points and tangents in surface_.
+    void offsets(const PosedCage& cage, PatchRef patch, int filter, const ParameterGrid& grid, float* const out[3], int stride);
+    void displaced_points(const PosedCage& cage, PatchRef patch, int filter, const ParameterGrid& grid, float* const out[3], int stride);
+    void displaced_curve(const PosedCage& cage, PatchRef patch, int filter, bool along_v, float fixed, float t0, float step, std::span<Vec3f> out);
+    /// Offsets at the grid's parameters moved by `by` along an axis; a line that would leave the patch stays where it is.
+    void offsets_beside(const PosedCage& cage, PatchRef patch, int filter, const ParameterGrid& grid, int axis, float by, float* const out[3]);
+    void displaced_normals(const PosedCage& cage, PatchRef patch, int filter, const ParameterGrid& grid, Vec3f* out);
+    /// Of the next coarser level, at a tile's vertices: what is odd lies between two that the level has.
+    void displaced_coarse_normals(const PosedCage& cage, const TileRef& tile, const PatchRates& coarser, Vec3f* out);
+    /// The longest displaced piece of sixteenths, per unit of the parameter.
+    float displaced_speed(const PosedCage& cage, std::uint32_t curve, float undisplaced);
+    void displaced_speeds(const PosedCage& cage, PatchRef patch, float& along_u, float& along_v);
     /// Ends of pieces [first, first + out.size()) of a side.
     void side_points(const PosedCage& cage, const TileRef& tile, int side, int first, std::span<Vec3f> out);
     void dice_side(const PosedCage& cage, int side, LevelGrid& grid);
@@ -86,11 +107,13 @@ private:
     static constexpr std::size_t kPoolSize = 256, kCurveSize = 2048;
     std::vector<PoolEntry> pool_;     ///< direct-mapped
     std::vector<CurveEntry> curves_;  ///< direct-mapped
-    PosedPatch uv_patch_;
+    PoolEntry uv_;
+    int uv_set_ = 0;
     std::vector<Vec3f> side_points_;
     std::vector<Hanging> hanging_;
     std::vector<Extra> extras_;       ///< of the tile diced last
-    std::vector<float> tangents_;
+    std::vector<float> tangents_, surface_, beside_;
+    std::vector<Vec3f> coarse_normals_;
     Arena scratch_;
 };
 

@@ -40,6 +40,10 @@ struct LevelSettings {
     /// (watertightness rule 9). Tests make them small, since a wide overlap hides faults.
     float overlap_edges = 0.1f, overlap_ulps = 16;
 
+    /// World length: points of displaced cages lie no farther off the surface whose edges levels bound. So an edge of M_l may be
+    /// longer than d_l by twice that, and a vertex move as much more from level to level: margins grow by both.
+    float displaced = 0;
+
     /// Edges of the finer level of a pair are at most 1.41 times as long as wanted, and half of that at least where faces ask for
     /// it: so what a ray blends has, on the average of all distances, edges of the wanted length. Sure to be no longer would
     /// take twice as many micropolygons (tests/unit/accel_levels_test.cpp).

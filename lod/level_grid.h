@@ -73,7 +73,8 @@ struct LevelGrid {
 
 /// What phase one gives each vertex of a tile, laid out as the vertices.
 struct GridAttributes {
-    Vec3f* normal = nullptr;       ///< unit, of the limit surface, outward
+    Vec3f* normal = nullptr;       ///< unit, of the limit surface or of the displaced one, outward
+    Vec3f* coarse_normal = nullptr;  ///< displaced: of the next coarser level; null: the mean of neighbours, as positions are
     Vec2f* uv[2] = {};             ///< null: the cage has no such set
 };
 

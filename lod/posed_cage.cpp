@@ -36,14 +36,22 @@ void PosedCage::deform(const DeformedClusters& bounds, const SkinSlot* skin, Are
     is_mirrored = deformed->is_mirrored();
 }
 
+void PosedCage::displace(const TextureStore& textures) noexcept
+{
+    if (topology) displacement = PosedDisplacement(slot->cage, textures, frame_from_object, is_mirrored, radius);
+}
+
 Box3d PosedCage::world_box(std::uint32_t cluster) const noexcept
 {
+    const auto grown = [&](const Box3d& box) {
+        return box.is_empty() ? box : Box3d{box.lo - double(displacement.reach), box.hi + double(displacement.reach)};
+    };
     if (deformed) {
         const Box3d box = deformed->box((*deformed_clusters)[cluster]);
-        return {box.lo + anchor, box.hi + anchor};
+        return grown({box.lo + anchor, box.hi + anchor});
     }
     const Box3f& box = clusters->node(cluster).box;
-    return transform_box(world_from_object(), {Vec3d(box.lo), Vec3d(box.hi)});
+    return grown(transform_box(world_from_object(), {Vec3d(box.lo), Vec3d(box.hi)}));
 }
 
 Vec3f PosedCage::pose_normal(Vec3f n) const noexcept

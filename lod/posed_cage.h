@@ -9,6 +9,7 @@
 #include <span>
 
 #include "lod/clusters.h"
+#include "lod/displacement.h"
 #include "lod/deformed_cage.h"
 #include "lod/rates.h"
 #include "lod/topology.h"
@@ -32,6 +33,7 @@ struct PosedCage {
     float radius = 0;                     ///< world, of a ball about the anchor that holds it
     int level = 0;                        ///< LevelMode::PerInstance: of all rays
     bool is_mirrored = false;             ///< the placement turns the sense of faces round
+    PosedDisplacement displacement;       ///< of the limit surface; none: not displaced
 
     /// Sets frame, anchor, radius and mirroring from a placement.
     void place(const Mat4d& world_from_object, const Box3d& object_bounds) noexcept;
@@ -39,7 +41,11 @@ struct PosedCage {
     /// skin   null: morph targets alone
     void deform(const DeformedClusters& bounds, const SkinSlot* skin, Arena& arena, DeformCounters& counters);
 
-    /// Of all control points of a cluster's faces.
+    /// After place(): has the cage's displacement move its surface, if it has one and the coordinates that it asks for.
+    void displace(const TextureStore& textures) noexcept;
+    bool is_displaced() const noexcept { return displacement.of != nullptr; }
+
+    /// Holds the surface of a cluster's faces.
     Box3d world_box(std::uint32_t cluster) const noexcept;
     /// A vertex of the cage, in the dicing frame.
     Vec3f vertex(std::uint32_t v) const { return deformed ? deformed->position(v) : pose(slot->cage.positions[v]); }

@@ -35,6 +35,7 @@ inline int curve_exponent(int k, int least, int level) noexcept { return std::cl
 struct PatchRates {
     int u = 0, v = 0;              ///< of the inside
     std::array<int, 4> side{};     ///< of each side's own vertices; at most u (sides 0, 2) or v (1, 3)
+    int filter = kFinestLevel - 1; ///< displacement: the level whose edge length its texture is filtered by; else constant
     friend bool operator==(const PatchRates&, const PatchRates&) = default;
 };
 
@@ -43,6 +44,7 @@ struct PatchScale {
     std::array<int, 2> k{kMinLength, kMinLength};  ///< along u and v: ceil(log2) of the largest speed of the inside and of the sides
     std::array<int, 2> least{};                    ///< exponents that the sides ask for along u and v
     std::array<int, 4> side_k{}, side_least{};     ///< of each side, per unit of the patch's parameter
+    int filter_stops = kFinestLevel - 1;           ///< displacement is the same from this level on
 
     /// Completes k: no patch is thinner than kMaxAspect.
     void limit_aspect() noexcept
@@ -58,14 +60,14 @@ struct PatchScale {
     }
     PatchRates rates(int level) const noexcept
     {
-        PatchRates r{inside(0, level), inside(1, level), {}};
+        PatchRates r{inside(0, level), inside(1, level), {}, std::min(level, filter_stops)};
         for (int s = 0; s < 4; ++s) r.side[s] = curve_exponent(side_k[s], side_least[s], level);
         return r;
     }
     /// The level from which on nothing changes any more.
     int coarsest() const noexcept
     {
-        int level = inside_stops();
+        int level = std::max(inside_stops(), filter_stops);
         for (int s = 0; s < 4; ++s) level = std::max(level, side_k[s] - side_least[s]);
         return level;
     }

@@ -40,6 +40,7 @@ public:
     using Mask = decltype(F() < F());
     static constexpr int kMostOfRay = 16;   ///< pairs of one ray: the finest serves all that is nearer
     static constexpr int kMost = 32;        ///< of all lanes together
+    static constexpr float kFinerThanEven = 0x1p-5f, kLeastOfDisplaced = 0x1p-6f;  ///< see floor_exponents
     static constexpr float kFar = 1e30f;
 
     /// width    a + b t: the wanted edge; t_end: where the ray ends, finite; coordinate: the largest of ray and scene.
@@ -52,7 +53,7 @@ public:
         t_end_ = t_end;
         ulps_ = coordinate * F(settings.overlap_ulps * 0x1p-24f);
         const F at_end = max(a_ + b_ * t_end_, F(0.0f));
-        cap_ = floor_exponents(max(a_, at_end), min(a_, at_end));
+        cap_ = floor_exponents(max(a_, at_end), min(a_, at_end), abs(b_) * F(8 * settings.displaced));
         is_made_ = false;
         return coarsest - finest < kMost;
     }
@@ -128,7 +129,7 @@ public:
     F margin(int pair) const noexcept
     {
         const float d = edge_length(pair);
-        return F(2 * d) + max(F(settings_->overlap_edges * d), ulps_) + ulps_;
+        return F(2 * d + 4 * settings_->displaced) + max(F(settings_->overlap_edges * d), ulps_) + ulps_;
     }
     /// By which the segments at transition b overlap, on either side.
     F overlap(int b) const noexcept { return max(F(settings_->overlap_edges * edge_length(b - 1)), ulps_); }
@@ -140,25 +141,37 @@ private:
         return std::clamp(e, kFinestLevel, kCoarsestLevel);
     }
     /// Sets finest and coarsest; returns the finest level of each lane.
-    F floor_exponents(F widest, F thinnest) noexcept
+    /// even   where displacement makes margins long, pairs of shorter edges than this have segments as long as margins ask, and not
+    ///        as edges do. A beam that begins as a point would see many such pairs, each much finer than it asks for, so it begins
+    ///        with this one. Any other may start on what it was scattered by, and goes on down: to edges of kFinerThanEven of it,
+    ///        or of kLeastOfDisplaced of what displacement does if that is longer.
+    F floor_exponents(F widest, F thinnest, F even) noexcept
     {
-        float wide[kLanes], thin[kLanes];
+        float wide[kLanes], thin[kLanes], least[kLanes];
         int count = 1;
         if constexpr (std::is_same_v<F, float>) {
             wide[0] = widest;
             thin[0] = thinnest;
+            least[0] = even;
         } else {
             widest.store(wide);
             thinnest.store(thin);
+            even.store(least);
             count = kLanes;
         }
         finest = kCoarsestLevel;
         coarsest = kFinestLevel;
         for (int i = 0; i < count; ++i) {
-            const int high = exponent_of(wide[i]), low = std::max(exponent_of(thin[i]), high - kMostOfRay + 1);
+            const int high = exponent_of(wide[i]);
+            int cap = high - kMostOfRay + 1;
+            if (settings_->displaced > 0) {
+                const float down = std::max(least[i] * kFinerThanEven, settings_->displaced * kLeastOfDisplaced);
+                cap = std::max(cap, std::min(high, exponent_of(thin[i] > 0 ? std::min(least[i], down) : least[i])));
+            }
+            const int low = std::max(exponent_of(thin[i]), cap);
             finest = std::min(finest, low);
             coarsest = std::max(coarsest, high);
-            wide[i] = edge_length(high - kMostOfRay + 1);
+            wide[i] = edge_length(cap);
         }
         if constexpr (std::is_same_v<F, float>) return wide[0];
         else return F::load(wide);

@@ -201,7 +201,7 @@ Image render_frame(const FrameInputs& in, FrameControl& control, FrameStats& sta
     set_depth_range(context, in.scene_bounds);
     constexpr lod::LevelMode kModes[] = {lod::LevelMode::PerRay, lod::LevelMode::PerInstance, lod::LevelMode::Frozen};
     levels.mode = kModes[static_cast<int>(in.settings.lod)];
-    const accel::Frame frame(in.scene, in.topologies, levels);
+    const accel::Frame frame(in.scene, in.topologies, levels, &in.textures);
 
     Film film(in.settings);
     const int threads = in.resources.threads;

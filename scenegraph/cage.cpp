@@ -307,7 +307,12 @@ private:
         const Displacement& d = *cage_.displacement;
         const bool is_good = std::abs(d.scale) <= kMaxCoordinate && std::abs(d.midlevel) <= kMaxCoordinate && d.bound >= 0 &&
                              d.bound <= kMaxCoordinate;
-        if (is_good) return;
+        if (is_good) {
+            if (cage_.scheme == Scheme::Triangles) report(1, "displacement is not rendered: it is a mesh of triangles");
+            else if (d.texture.uv_set < 0 || static_cast<std::size_t>(d.texture.uv_set) >= cage_.uv_sets.size())
+                report(1, "displacement is not rendered: the cage lacks the texture coordinates that it asks for");
+            return;
+        }
         cage_.displacement.reset();
         report(1, "displacement dropped: it is not finite, or its bound negative");
     }

@@ -90,6 +90,12 @@ struct Cage {
     std::vector<float> morph_weights;  ///< at rest
     SkinBinding skin;
 
+    /// Whether its surface moves: it is a smooth or bilinear one, and has the coordinates that the displacement asks for.
+    bool is_displaced() const noexcept
+    {
+        return displacement && scheme != Scheme::Triangles && displacement->bound > 0 && displacement->scale != 0 &&
+               displacement->texture.uv_set >= 0 && std::size_t(displacement->texture.uv_set) < uv_sets.size();
+    }
     std::size_t face_count() const noexcept
     {
         return scheme == Scheme::Triangles ? face_vertices.size() / 3 : face_sizes.size();
@@ -106,8 +112,8 @@ struct Cage {
 struct OnDemandCage {
     std::string name;
     Box3d bounds;  ///< object axes: holds every vertex of what `make` gives
-    /// Pure, and called from any thread, perhaps more than once: each time the same cage. What it gives has no skin and no morph
-    /// targets; its materials are those below. If it throws or leaves the bounds, the frame ends with that error.
+    /// Pure, and called from any thread, perhaps more than once: each time the same cage. What it gives has no skin, no morph
+    /// targets and no displacement; its materials are those below. If it throws or leaves the bounds, the frame ends with that error.
     std::function<Cage()> make;
     std::vector<MaterialId> materials;  ///< slots; empty: the default material
 };

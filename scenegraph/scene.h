@@ -57,7 +57,7 @@ struct Node : NodeDesc {
 /// A cage and the counters that tell the engine's caches when it changed.
 struct CageSlot {
     Cage cage;
-    Box3d bounds;                    ///< of the control points, object axes
+    Box3d bounds;                    ///< of the control points, displacement added, object axes
     std::uint64_t identity = 0;      ///< unique in the process; a new one when topology is replaced
     std::uint64_t positions_version = 0;
     DeformBoundsTable deform;        ///< one part, the whole cage; none for a cage that no skin and no target deforms
@@ -176,6 +176,7 @@ public:
     };
     Counts counts() const;  ///< `faces` counts each cage once; see placed_faces()
     std::size_t placed_faces() const;
+    bool is_displaced() const;  ///< some cage is
 
     /// What was repaired or dropped on the way in: one line each, with a count.
     std::vector<std::string> warnings;

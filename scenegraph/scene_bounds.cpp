@@ -39,6 +39,13 @@ bool Scene::State::is_shown_by(NodeId below, NodeId above) const
     return false;
 }
 
+Box3d grown_by_displacement(const Cage& cage, const Box3d& box) noexcept
+{
+    if (box.is_empty() || !cage.is_displaced()) return box;
+    const double bound = double(cage.displacement->bound) * (1 + 0x1p-18);  // what is displaced is rounded
+    return {box.lo - bound, box.hi + bound};
+}
+
 Box3d cage_bounds(const Node& node, const CageSlot& slot, const SkinSlot* skin) noexcept
 {
     if (!slot.is_deformed()) return slot.bounds;
@@ -46,9 +53,10 @@ Box3d cage_bounds(const Node& node, const CageSlot& slot, const SkinSlot* skin) 
     DeformBounds of = slot.deform[0];
     if (!is_skinned) of.joints = {};
     const auto& weights = node.morph_weights.empty() ? slot.cage.morph_weights : node.morph_weights;
-    return deformed_box(of, weights, Mat4d(1), [&](std::size_t joint) {
+    const Box3d box = deformed_box(of, weights, Mat4d(1), [&](std::size_t joint) {
         return joint < skin->mesh_poses.size() ? node.node_from_skin * skin->mesh_poses[joint] : node.node_from_skin;
     });
+    return grown_by_displacement(slot.cage, box);
 }
 
 void Scene::State::refit_node(NodeId id, NodeRecord& node)

@@ -16,7 +16,7 @@ std::uint64_t next_identity() noexcept
 
 void find_bounds(CageSlot& slot)
 {
-    slot.bounds = slot.cage.bounds();
+    slot.bounds = grown_by_displacement(slot.cage, slot.cage.bounds());
     slot.deform = {};
     if (slot.cage.skin.sets > 0 || !slot.cage.morph_targets.empty()) slot.deform.add_all(slot.cage);
 }
@@ -34,8 +34,8 @@ CageSlot CageSlot::made() const
     slot.cage.materials = cage.materials;
     for (std::uint16_t& of : slot.cage.face_slots)
         if (of >= cage.materials.size()) of = 0;
-    if (slot.cage.skin.sets > 0 || !slot.cage.morph_targets.empty())
-        throw Error("", "a cage made on demand has neither skin nor morph targets", cage.name);
+    if (slot.cage.skin.sets > 0 || !slot.cage.morph_targets.empty() || slot.cage.displacement)
+        throw Error("", "a cage made on demand has neither skin nor morph targets nor displacement", cage.name);
     const Box3d box = slot.cage.bounds();
     if (!box.is_empty() && (glm::any(glm::lessThan(box.lo, bounds.lo)) || glm::any(glm::greaterThan(box.hi, bounds.hi))))
         throw Error("", "a cage made on demand leaves its bounds", cage.name);
@@ -180,6 +180,13 @@ std::vector<TextureId> Scene::texture_ids() const
     std::vector<TextureId> ids;
     state_->textures.for_each([&](TextureId id, const Texture&) { ids.push_back(id); });
     return ids;
+}
+
+bool Scene::is_displaced() const
+{
+    bool any = false;
+    state_->cages.for_each([&](CageId, const CageSlot& slot) { any |= slot.cage.is_displaced(); });
+    return any;
 }
 
 Scene::Counts Scene::counts() const

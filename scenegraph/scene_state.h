@@ -10,6 +10,9 @@
 
 namespace occam {
 
+/// A box of a cage's undisplaced surface, for the displaced one.
+Box3d grown_by_displacement(const Cage& cage, const Box3d& box) noexcept;
+
 /// Nodes to be told about an edit. Removed nodes are forgotten when the list would grow, so that it stays in
 /// proportion to the nodes alive at one time.
 class Watchers {

@@ -172,10 +172,8 @@ void add(const Value& extras, const std::string& where, Report& report, NodeExtr
     if (const auto kinds = reader.strings("hidden_from")) out.hidden_from = ray_kinds(*kinds, reader);
     if (const std::string group = reader.string("light_group"); !group.empty()) out.light_group = group;
     if (auto groups = reader.strings("lit_by")) out.lit_by = std::move(groups);
-    if (const Value* moves = reader.find("displacement")) {
+    if (const Value* moves = reader.find("displacement"))
         out.style.displacement = displacement(*moves, where + ".extras.occam.displacement", report);
-        report.warn("displacement is not rendered", where);
-    }
     reader.warn_unknown();
 }
 

@@ -1,11 +1,13 @@
 #include "tests/support/diced_mesh.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <map>
 
 namespace occam::test {
 
-DicedCage::DicedCage(const Cage& cage, int level, const Mat4d& world_from_object)
+DicedCage::DicedCage(const Cage& cage, int level, const Mat4d& world_from_object, const TextureStore* textures)
 {
     const CageId id = scene_.add(cage);
     const NodeId node = scene_.add_node(scene_.root(), {.matrix = world_from_object, .cages = {id}});
@@ -19,6 +21,7 @@ DicedCage::DicedCage(const Cage& cage, int level, const Mat4d& world_from_object
     posed.node_id = node;
     posed.level = level;
     posed.place(world_from_object, slot.bounds);
+    if (textures) posed.displace(*textures);
 }
 
 std::vector<lod::TileRef> DicedCage::tiles()
@@ -73,6 +76,27 @@ int DicedCage::level_of_largest_exponent(int exponent)
         for (const lod::TileRef& tile : tiles()) largest = std::max({largest, tile.rates.u, tile.rates.v});
         if (largest >= exponent) return posed.level;
     }
+}
+
+Bits bits_of(Vec3f p)
+{
+    return {std::bit_cast<std::uint32_t>(p.x + 0.0f), std::bit_cast<std::uint32_t>(p.y + 0.0f), std::bit_cast<std::uint32_t>(p.z + 0.0f)};
+}
+
+std::size_t open_edges(const std::vector<MeshTriangle>& mesh)
+{
+    std::map<std::pair<Bits, Bits>, int> uses;
+    for (const MeshTriangle& t : mesh) {
+        const std::array<Bits, 3> v{bits_of(t.v[0]), bits_of(t.v[1]), bits_of(t.v[2])};
+        for (int k = 0; k < 3; ++k) {
+            const Bits& a = v[k];
+            const Bits& b = v[(k + 1) % 3];
+            if (a != b) ++uses[{std::min(a, b), std::max(a, b)}];
+        }
+    }
+    std::size_t open = 0;
+    for (const auto& [edge, count] : uses) open += count & 1;
+    return open;
 }
 
 }  // namespace occam::test

@@ -1,6 +1,7 @@
 // A whole cage diced at one level: every micropolygon and closer of every patch, for tests that look at M_l as a mesh.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "lod/dicer.h"
@@ -17,7 +18,8 @@ struct MeshTriangle {
 /// Owns what a PosedCage borrows.
 class DicedCage {
 public:
-    DicedCage(const Cage& cage, int level, const Mat4d& world_from_object = Mat4d(1));
+    /// textures   of the cage's displacement; null: undisplaced
+    DicedCage(const Cage& cage, int level, const Mat4d& world_from_object = Mat4d(1), const TextureStore* textures = nullptr);
 
     lod::PosedCage posed;
     lod::Dicer dicer;
@@ -34,5 +36,11 @@ private:
     Scene scene_;
     lod::TopologyCache cache_;
 };
+
+/// A point by its bits; the two zeros are one.
+using Bits = std::array<std::uint32_t, 3>;
+Bits bits_of(Vec3f p);
+/// Edges that an odd number of triangles share, vertices told apart by their bits: 0 for a closed mesh.
+std::size_t open_edges(const std::vector<MeshTriangle>& mesh);
 
 }  // namespace occam::test

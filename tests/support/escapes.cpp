@@ -50,11 +50,12 @@ std::vector<Vec3d> inside_points(const std::vector<MeshTriangle>& mesh, std::siz
 
 }  // namespace
 
-EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int exponent, std::uint64_t rays, std::uint64_t seed)
+EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int exponent, std::uint64_t rays, std::uint64_t seed,
+                          const TextureStore* textures)
 {
     EscapeCount count;
     Random random(seed);
-    DicedCage diced(cage, 0, world_from_object);
+    DicedCage diced(cage, 0, world_from_object, textures);
     const int level = diced.level_of_largest_exponent(exponent);
     const std::vector<MeshTriangle> mesh = diced.triangles();
     const std::vector<Vec3d> starts = inside_points(mesh, mesh.size() > 100'000 ? 4 : 16, random);
@@ -69,7 +70,7 @@ EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int 
     scene.add_node(scene.root(), {.matrix = world_from_object, .cages = {scene.add(cage)}});
     scene.refit();
     lod::TopologyCache topologies;
-    const accel::Frame frame(scene, topologies, {.eye = diced.posed.anchor, .pixel = {std::ldexp(1.0f, level), 0}, .mode = lod::LevelMode::PerInstance});
+    const accel::Frame frame(scene, topologies, {.eye = diced.posed.anchor, .pixel = {std::ldexp(1.0f, level), 0}, .mode = lod::LevelMode::PerInstance}, textures);
     accel::Tracer tracer(frame, std::size_t(1) << 30);
 
     std::vector<accel::Ray> batch(2048);

@@ -15,8 +15,9 @@ struct EscapeCount {
 };
 
 /// Places the cage by `world_from_object` and shoots `rays` rays from inside, of which 45 % are aimed at T-vertices (if there are any) and
-/// vertices, 15 % at edges, the rest anywhere. exponent: log2 of the largest rate of a patch.
-EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int exponent, std::uint64_t rays, std::uint64_t seed);
+/// vertices, 15 % at edges, the rest anywhere. exponent: log2 of the largest rate of a patch. textures: of its displacement.
+EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int exponent, std::uint64_t rays, std::uint64_t seed,
+                          const TextureStore* textures = nullptr);
 
 /// 10^7 rays a cage with OCCAM_LONG=1, else 10^5.
 std::uint64_t rays_per_cage();

@@ -136,6 +136,9 @@ TEST(ImportGltfGeometry, DisplacementReachesTheCageWithABound)
     EXPECT_NE(error_of(with(R"({"scale": 1})")).find("texture is missing"), std::string::npos);
     EXPECT_NE(error_of(with(R"({"texture": 0, "bound": -1})")).find("must not be negative"), std::string::npos);
     EXPECT_TRUE(warns(load(with(R"({"texture": 0, "height": 1})")), "unknown key 'height'"));
+    EXPECT_TRUE(warns(scene, "lacks the texture coordinates"));
+    g.nodes = R"({"mesh": 0, "extras": {"occam": {"displacement": {"texture": 0}}}})";
+    EXPECT_TRUE(warns(load(g.write(folder)), "it is a mesh of triangles"));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "lod/ray_levels.h"
 #include "tests/support/diced_mesh.h"
+#include "tests/support/displaced_cages.h"
 #include "tests/support/shape_builders.h"
 #include "tests/support/shapes.h"
 
@@ -150,9 +151,9 @@ TEST(RayLevels, HaveTheSameBitsInLanesAndAlone)
 }
 
 /// Every vertex of pair l fully coarse is where that parameter lies in the mesh of level l + 1: compared with the mesh itself.
-void expect_nested(const Cage& cage, int largest_exponent)
+void expect_nested(const Cage& cage, int largest_exponent, const TextureStore* textures = nullptr)
 {
-    DicedCage diced(cage, 0);
+    DicedCage diced(cage, 0, Mat4d(1), textures);
     const int finest = diced.level_of_largest_exponent(largest_exponent);
     std::size_t compared = 0;
     for (int level = finest; level <= finest + largest_exponent + 1; ++level) {
@@ -196,6 +197,14 @@ GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Pairs);
 
 TEST(PairsOfTorus, FullyCoarseAreTheNextLevelFullyFine) { expect_nested(torus(), 5); }
 TEST(PairsOfPrism, FullyCoarseAreTheNextLevelFullyFine) { expect_nested(prism(7), 5); }
+TEST(PairsOfDisplacedCages, FullyCoarseAreTheNextLevelFullyFine)
+{
+    for (int c = 0; c < kDisplacedCases; ++c) {
+        const DisplacedCage displaced = displaced_case(c);
+        SCOPED_TRACE(displaced.name);
+        expect_nested(displaced.cage, 5, &displaced.textures);
+    }
+}
 TEST(PairsOfSpindle, FullyCoarseAreTheNextLevelFullyFine) { expect_nested(spindle(9), 5); }
 
 }  // namespace

@@ -7,33 +7,11 @@
 
 #include "lod/footprint.h"
 #include "tests/support/diced_mesh.h"
+#include "tests/support/displaced_cages.h"
 #include "tests/support/shapes.h"
 
 namespace occam::test {
 namespace {
-
-using Bits = std::array<std::uint32_t, 3>;
-Bits bits_of(Vec3f p)
-{
-    return {std::bit_cast<std::uint32_t>(p.x + 0.0f), std::bit_cast<std::uint32_t>(p.y + 0.0f), std::bit_cast<std::uint32_t>(p.z + 0.0f)};
-}
-
-/// Edges that an odd number of triangles share, vertices told apart by their bits: 0 for a closed mesh.
-std::size_t open_edges(const std::vector<MeshTriangle>& mesh)
-{
-    std::map<std::pair<Bits, Bits>, int> uses;
-    for (const MeshTriangle& t : mesh) {
-        const std::array<Bits, 3> v{bits_of(t.v[0]), bits_of(t.v[1]), bits_of(t.v[2])};
-        for (int k = 0; k < 3; ++k) {
-            const Bits& a = v[k];
-            const Bits& b = v[(k + 1) % 3];
-            if (a != b) ++uses[{std::min(a, b), std::max(a, b)}];
-        }
-    }
-    std::size_t open = 0;
-    for (const auto& [edge, count] : uses) open += count & 1;
-    return open;
-}
 
 class ClosedCages : public testing::TestWithParam<std::string> {};
 
@@ -83,6 +61,21 @@ TEST_P(ClosedCages, GiveAPointTheSameBitsAtEveryLevel)
         for (int j = 1; j < t.rows; ++j)
             for (int i = 1; i < t.columns; ++i)
                 ASSERT_EQ(bits_of(coarse.vertex(i, j)), bits_of(fine_grid.vertex(i * su, j * sv))) << "face " << t.patch.face;
+    }
+}
+
+TEST(ClosedDisplacedCages, AreClosedBitForBitAtEveryLevel)
+{
+    for (int c = 0; c < kDisplacedCases; ++c) {
+        const DisplacedCage displaced = displaced_case(c);
+        DicedCage diced(displaced.cage, 0, Mat4d(1), &displaced.textures);
+        const int coarse = diced.level_of_largest_exponent(0);
+        for (int exponent = -2; exponent <= 6; ++exponent) {
+            diced.posed.level = coarse - exponent;
+            diced.dicer.forget();
+            EXPECT_EQ(open_edges(diced.triangles()), 0u) << displaced.name << " at exponent " << exponent;
+            diced.arena.reset();
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 // No ray leaves a closed cage: at the origin, and at 10^5 sizes from it.
 #include <gtest/gtest.h>
 
+#include "tests/support/displaced_cages.h"
 #include "tests/support/escapes.h"
 #include "tests/support/shape_builders.h"
 #include "tests/support/shapes.h"
@@ -8,13 +9,13 @@
 namespace occam::test {
 namespace {
 
-void expect_no_escape(const Cage& cage, int exponent)
+void expect_no_escape(const Cage& cage, int exponent, const TextureStore* textures = nullptr)
 {
     const double size = 2 * cage.bounds().radius();
     Mat4d far(1);
     far[3] = Vec4d(0.7e5 * size, 0.1e5 * size, -0.7e5 * size, 1);
     for (const Mat4d& place : {Mat4d(1), far}) {
-        const EscapeCount count = count_escapes(cage, place, exponent, rays_per_cage(), 1);
+        const EscapeCount count = count_escapes(cage, place, exponent, rays_per_cage(), 1, textures);
         if (count.starts == 0) GTEST_SKIP() << "no start point whose winding number is 1";
         EXPECT_EQ(count.escaped, 0u) << "of " << count.rays << '\n' << count.replay;
         EXPECT_EQ(count.not_finite, 0u);
@@ -31,6 +32,14 @@ TEST_P(Escapes, NoRayLeavesAClosedCage)
 
 INSTANTIATE_TEST_SUITE_P(Shared, Escapes, testing::ValuesIn(closed_shapes()), shape_test_name);
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Escapes);
+
+class EscapesOfDisplacedCages : public testing::TestWithParam<int> {};
+TEST_P(EscapesOfDisplacedCages, NoRayLeavesAClosedCage)
+{
+    const DisplacedCage displaced = displaced_case(GetParam());
+    expect_no_escape(displaced.cage, 5, &displaced.textures);
+}
+INSTANTIATE_TEST_SUITE_P(Closed, EscapesOfDisplacedCages, testing::Range(0, kDisplacedCases), [](const auto& test) { return displaced_case(test.param).name; });
 
 TEST(Spindle, OfValence360LetsNoRayOut) { expect_no_escape(spindle(360), 3); }
 TEST(Spindle, OfValence3LetsNoRayOut) { expect_no_escape(spindle(3), 5); }

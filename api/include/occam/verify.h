@@ -13,6 +13,8 @@
 
 namespace occam {
 
+class TextureStore;
+
 struct VerifySettings {
     std::uint64_t rays = 1'000'000;  ///< for each placed cage
     std::uint64_t seed = 0;
@@ -44,7 +46,8 @@ struct VerifiedCage {
 std::string why_not_closed(const Cage& cage);
 
 /// Tests one cage where `world_from_object` places it.
-VerifiedCage verify(const Cage& cage, const Mat4d& world_from_object, const VerifySettings& settings);
+/// textures   with the texture of its displacement, prepared; null: it is tested without
+VerifiedCage verify(const Cage& cage, const Mat4d& world_from_object, const VerifySettings& settings, const TextureStore* textures = nullptr);
 
 /// Tests every cage of a scene, at each of its places. Refits the scene.
 std::vector<VerifiedCage> verify(Scene& scene, const VerifySettings& settings);

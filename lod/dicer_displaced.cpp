@@ -1,0 +1,165 @@
+// What dicing does for displaced cages: points, their normals, and speeds that count what displacement adds.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "lod/dicer.h"
+#include "scenegraph/base/check.h"
+
+namespace occam::lod {
+
+void Dicer::offsets(const PosedCage& cage, PatchRef patch, int filter, const ParameterGrid& grid, float* const out[3],
+                    int stride)
+{
+    const int columns = grid.columns, count = columns * grid.rows;
+    surface_.resize(static_cast<std::size_t>(18 * count));
+    float* at[18];
+    for (int a = 0; a < 18; ++a) at[a] = &surface_[static_cast<std::size_t>(a * count)];
+    posed(cage, patch).points_and_tangents(grid, at, columns);
+    uv_patch(cage, patch, cage.displacement.uv_set()).points_and_tangents(grid, at + 9, columns);
+    const auto pair = [&](int from, int k) { return Vec2f(at[from][k], at[from + 1][k]); };
+    const auto triple = [&](int from, int k) { return Vec3f(at[from][k], at[from + 1][k], at[from + 2][k]); };
+    for (int j = 0; j < grid.rows; ++j)
+        for (int i = 0; i < columns; ++i) {
+            const int k = j * columns + i;
+            const Vec3f moved =
+                cage.displacement.offset(triple(3, k), triple(6, k), pair(9, k), pair(12, k), pair(15, k), filter);
+            for (int a = 0; a < 3; ++a) out[a][j * stride + i] = moved[a];
+        }
+}
+
+void Dicer::displaced_points(const PosedCage& cage, PatchRef patch, int filter, const ParameterGrid& grid,
+                             float* const out[3], int stride)
+{
+    offsets(cage, patch, filter, grid, out, stride);
+    for (int a = 0; a < 3; ++a)
+        for (int j = 0; j < grid.rows; ++j)
+            for (int i = 0; i < grid.columns; ++i)
+                out[a][j * stride + i] += surface_[static_cast<std::size_t>((a * grid.rows + j) * grid.columns + i)];
+}
+
+void Dicer::displaced_curve(const PosedCage& cage, PatchRef patch, int filter, bool along_v, float fixed, float t0,
+                            float step, std::span<Vec3f> out)
+{
+    // Grids run with rising parameters; a point's bits do not depend on those beside it.
+    const auto count = static_cast<int>(out.size());
+    const float low = step < 0 ? t0 + float(count - 1) * step : t0;
+    const ParameterGrid line = along_v ? ParameterGrid{fixed, low, 1, std::fabs(step), 1, count}
+                                       : ParameterGrid{low, fixed, std::fabs(step), 1, count, 1};
+    std::array<float, 3 * (TileRef::kMaxSide + 1)> points;
+    OCCAM_DCHECK_LE(count, TileRef::kMaxSide + 1);
+    float* const to[3] = {&points[0], &points[TileRef::kMaxSide + 1], &points[2 * (TileRef::kMaxSide + 1)]};
+    displaced_points(cage, patch, filter, line, to, along_v ? 1 : count);
+    for (int i = 0; i < count; ++i) {
+        const int k = step < 0 ? count - 1 - i : i;
+        out[static_cast<std::size_t>(i)] = {to[0][k], to[1][k], to[2][k]};
+    }
+}
+
+void Dicer::offsets_beside(const PosedCage& cage, PatchRef patch, int filter, const ParameterGrid& grid, int axis, float by,
+                           float* const out[3])
+{
+    const int lines = axis == 0 ? grid.columns : grid.rows, stride = axis == 0 ? 1 : grid.columns;
+    const float first = axis == 0 ? grid.u0 : grid.v0, step = axis == 0 ? grid.step_u : grid.step_v;
+    const auto part = [&](int from, int count, float moved) {
+        if (count == 0) return;
+        ParameterGrid piece = grid;
+        (axis == 0 ? piece.columns : piece.rows) = count;
+        (axis == 0 ? piece.u0 : piece.v0) = first + float(from) * step + moved;
+        float* const to[3] = {out[0] + from * stride, out[1] + from * stride, out[2] + from * stride};
+        offsets(cage, patch, filter, piece, to, grid.columns);
+    };
+    const int stay_low = by < 0 && first == 0, stay_high = by > 0 && first + float(lines - 1) * step == 1;
+    part(0, stay_low, 0);
+    part(stay_low, lines - stay_low - stay_high, by);
+    part(lines - stay_high, stay_high, 0);
+}
+
+// The derivative of P + h N: tangents of the limit surface, and differences of what displacement adds over a quarter step to
+// each side (to one side on the patch's border). Over smooth edges both patches come to the same normal but for a difference
+// of the second order in the step; at creases and seams each has its own.
+void Dicer::displaced_normals(const PosedCage& cage, PatchRef patch, int filter, const ParameterGrid& grid, Vec3f* out)
+{
+    const auto count = static_cast<std::size_t>(grid.columns * grid.rows);
+    beside_.resize(15 * count);
+    float* at[15];
+    for (std::size_t a = 0; a < 15; ++a) at[a] = &beside_[a * count];
+    const float quarter[2] = {grid.step_u / 4, grid.step_v / 4};
+    for (int axis : {0, 1}) {
+        offsets_beside(cage, patch, filter, grid, axis, -quarter[axis], at);
+        offsets_beside(cage, patch, filter, grid, axis, quarter[axis], at + 3);
+        for (int j = 0; j < grid.rows; ++j)
+            for (int i = 0; i < grid.columns; ++i) {
+                const float t = axis == 0 ? grid.u0 + float(i) * grid.step_u : grid.v0 + float(j) * grid.step_v;
+                const float width = (t == 0 || t == 1 ? 1.0f : 2.0f) * quarter[axis];
+                const auto k = static_cast<std::size_t>(j * grid.columns + i);
+                for (int a = 0; a < 3; ++a) at[9 + 3 * axis + a][k] = (at[3 + a][k] - at[a][k]) / width;
+            }
+    }
+    offsets(cage, patch, filter, grid, at, grid.columns);
+    for (std::size_t k = 0; k < count; ++k) {
+        const auto tangent = [&](std::size_t axis) {
+            Vec3f t;
+            for (std::size_t a = 0; a < 3; ++a)
+                t[static_cast<int>(a)] = surface_[(3 + 3 * axis + a) * count + k] + at[9 + 3 * axis + a][k];
+            return t;
+        };
+        const Vec3f n = glm::cross(tangent(0), tangent(1));
+        const float length = glm::length(n);
+        out[k] = length > 0 ? n * (cage.displacement.sense / length) : Vec3f(0);
+    }
+}
+
+void Dicer::displaced_coarse_normals(const PosedCage& cage, const TileRef& tile, const PatchRates& coarser, Vec3f* out)
+{
+    const int step = coarser.u != tile.rates.u ? 2 : 1, columns = tile.columns / step + 1, rows = tile.rows / step + 1;
+    const ParameterGrid grid{float(tile.i0) * tile.step_u(),
+                             float(tile.j0) * tile.step_v(),
+                             float(step) * tile.step_u(),
+                             float(step) * tile.step_v(),
+                             columns,
+                             rows};
+    coarse_normals_.resize(static_cast<std::size_t>(columns * rows));
+    displaced_normals(cage, tile.patch, coarser.filter, grid, coarse_normals_.data());
+    const auto normal = [&](int i, int j) { return coarse_normals_[static_cast<std::size_t>(j * columns + i)]; };
+    for (int j = 0; j <= tile.rows; ++j)
+        for (int i = 0; i <= tile.columns; ++i)
+            *out++ = step == 1 ? normal(i, j) : (normal(i / 2, j / 2) + normal((i + 1) / 2, (j + 1) / 2)) * 0.5f;
+}
+
+namespace {
+constexpr int kPieces = 16;  // of a side, by which displaced speeds are measured
+/// The level that such pieces stand for.
+int level_of_pieces(float speed) noexcept
+{
+    return std::clamp(ceil_log2(speed) - 4, kFinestLevel, kCoarsestLevel);
+}
+}  // namespace
+
+float Dicer::displaced_speed(const PosedCage& cage, std::uint32_t curve, float undisplaced)
+{
+    std::array<Vec3f, kPieces + 1> points;
+    curve_points(cage, curve, level_of_pieces(undisplaced), 0, 1.0f / kPieces, points);
+    float longest = 0;
+    for (std::size_t i = 0; i < kPieces; ++i) longest = std::max(longest, glm::distance(points[i], points[i + 1]));
+    return std::max(undisplaced, longest * kPieces);
+}
+
+void Dicer::displaced_speeds(const PosedCage& cage, PatchRef patch, float& along_u, float& along_v)
+{
+    constexpr int kWidth = kPieces + 1;
+    std::array<float, 3 * kWidth * kWidth> points;
+    float* const at[3] = {&points[0], &points[kWidth * kWidth], &points[2 * kWidth * kWidth]};
+    const ParameterGrid grid{0, 0, 1.0f / kPieces, 1.0f / kPieces, kWidth, kWidth};
+    displaced_points(cage, patch, level_of_pieces(std::max(along_u, along_v)), grid, at, kWidth);
+    const auto distance = [&](int a, int b) {
+        return glm::length(Vec3f(at[0][a] - at[0][b], at[1][a] - at[1][b], at[2][a] - at[2][b]));
+    };
+    for (int j = 0; j < kWidth; ++j)
+        for (int i = 0; i < kPieces; ++i) {
+            along_u = std::max(along_u, kPieces * distance(j * kWidth + i, j * kWidth + i + 1));
+            along_v = std::max(along_v, kPieces * distance(i * kWidth + j, (i + 1) * kWidth + j));
+        }
+}
+
+}  // namespace occam::lod

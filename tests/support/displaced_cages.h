@@ -1,0 +1,29 @@
+// Closed cages with a displacement, for tests that need no data.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scenegraph/scene.h"
+#include "scenegraph/texture/texture_store.h"
+
+namespace occam::test {
+
+/// A cage and the store that its displacement's texture lies in.
+struct DisplacedCage {
+    DisplacedCage(std::string called, Cage of, float bound, std::uint64_t seed);
+
+    std::string name;
+    Cage cage;
+    Scene scene;  ///< of the texture alone
+    TextureStore textures;
+};
+
+/// A chart of its own for every face: each edge is a seam.
+void add_charts(Cage& cage);
+
+/// Over creases, poles, n-gons and seams; noise of 64 x 64 texels that goes to the bound. Named by index.
+DisplacedCage displaced_case(int index);
+inline constexpr int kDisplacedCases = 6;
+
+}  // namespace occam::test

@@ -1,0 +1,133 @@
+// What displacement does to a surface: how far it moves, that bounds hold it, and which normals it has.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "scenegraph/texture/texture_store.h"
+#include "tests/support/diced_mesh.h"
+#include "tests/support/displaced_cages.h"
+#include "tests/support/shape_builders.h"
+
+namespace occam::test {
+namespace {
+
+Mat4d turned_and_stretched()
+{
+    Mat4d place(1);
+    place[0] = {0, 2, 0, 0};
+    place[1] = {-0.5, 0, 0.1, 0};
+    place[2] = {0, 0, 1.5, 0};
+    place[3] = {3, -2, 7, 1};
+    return place;
+}
+
+TEST(Displacement, StaysWithinItsBoundAndItsBoxes)
+{
+    for (int c = 0; c < kDisplacedCases; ++c) {
+        DisplacedCage displaced = displaced_case(c);
+        // More than the bound: what goes beyond is cut off.
+        displaced.cage.displacement->scale *= 3;
+        for (const Mat4d& place : {Mat4d(1), turned_and_stretched()}) {
+            DicedCage smooth(displaced.cage, 0, place), moved(displaced.cage, 0, place, &displaced.textures);
+            smooth.posed.level = moved.level_of_largest_exponent(5);
+            const float reach = moved.posed.displacement.reach;
+            ASSERT_GT(reach, 0);
+            float farthest = 0;
+            Box3d scene_box = transform_box(place, moved.posed.slot->bounds);
+            const double rounding = 4 * 0x1p-24 * double(moved.posed.radius);
+            scene_box = {scene_box.lo - rounding, scene_box.hi + rounding};
+            for (const lod::TileRef& tile : moved.tiles()) {
+                const lod::LevelGrid grid = moved.dicer.dice(moved.posed, tile, moved.arena);
+                const lod::LevelGrid still = smooth.dicer.dice(smooth.posed, tile, smooth.arena);
+                const lod::PatchScale scale = moved.dicer.scale(moved.posed, tile.patch);
+                const Box3f box = moved.dicer.bounds(moved.posed, scale, {tile.patch, 0, 0, 0, 0}, lod::kCoarsestLevel);
+                for (int v = 0; v < grid.vertex_count; ++v) {
+                    const Vec3f p = grid.at(v);
+                    farthest = std::max(farthest, glm::distance(p, still.at(v)));
+                    ASSERT_TRUE(glm::all(glm::lessThanEqual(box.lo, p)) && glm::all(glm::lessThanEqual(p, box.hi)))
+                        << displaced.name;
+                    const Vec3d world = Vec3d(p) + moved.posed.anchor;
+                    ASSERT_TRUE(glm::all(glm::lessThanEqual(scene_box.lo, world)) &&
+                                glm::all(glm::lessThanEqual(world, scene_box.hi)))
+                        << displaced.name;
+                }
+            }
+            // Vertices of both are one parameter's, T-vertices the same mean of two.
+            EXPECT_LE(farthest, reach) << displaced.name;
+            EXPECT_GT(farthest, reach * 0.25f) << displaced.name;
+        }
+    }
+}
+
+TEST(Displacement, OfOneValueMovesEveryPointAlongItsNormal)
+{
+    Cage cage = torus(9, 5, false);
+    add_charts(cage);
+    DisplacedCage displaced("torus", cage, 0.1f, 1);
+    Texture full;
+    full.width = full.height = 1;
+    full.pixels = {Vec4f(1)};
+    full.role = TextureRole::Data;
+    displaced.cage.displacement->texture.texture = displaced.scene.add(full);
+    displaced.cage.displacement->scale = 0.1f;
+    displaced.cage.displacement->midlevel = 0.25f;
+    displaced.textures.prepare(displaced.scene);
+    DicedCage smooth(displaced.cage, 0), moved(displaced.cage, 0, Mat4d(1), &displaced.textures);
+    smooth.posed.level = moved.level_of_largest_exponent(4);
+    for (const lod::TileRef& tile : moved.tiles()) {
+        const lod::LevelGrid grid = moved.dicer.dice(moved.posed, tile, moved.arena),
+                             still = smooth.dicer.dice(smooth.posed, tile, smooth.arena);
+        const lod::GridAttributes before = smooth.dicer.shade(smooth.posed, tile, tile.rates, smooth.arena);
+        const lod::GridAttributes after = moved.dicer.shade(moved.posed, tile, tile.rates, moved.arena);
+        for (int k = 0; k < grid.width() * grid.height(); ++k) {
+            const int i = k % grid.width(), j = k / grid.width();
+            const bool inside = i > 0 && j > 0 && i < tile.columns && j < tile.rows;
+            if (inside) {
+                ASSERT_NEAR(glm::distance(grid.at(k), still.at(k) + before.normal[k] * 0.075f), 0, 1e-6f);
+            }
+            // A surface beside a smooth one has its normals. Normals turn by 0.08 a step here, and differences are taken
+            // over a quarter of one, on borders to one side.
+            ASSERT_NEAR(glm::distance(before.normal[k], after.normal[k]), 0, 0.01f);
+        }
+    }
+}
+
+TEST(Displacement, HasTheNormalsOfItsMeshWhereThatIsFine)
+{
+    DisplacedCage displaced = displaced_case(0);
+    // Rolling hills instead of noise: an edge is short beside them.
+    Texture hills;
+    hills.width = hills.height = 256;
+    hills.role = TextureRole::Data;
+    for (int y = 0; y < 256; ++y)
+        for (int x = 0; x < 256; ++x)
+            hills.pixels.push_back(
+                Vec4f(0.5f + 0.25f * std::sin(6.2831853f * float(x) / 256) + 0.25f * std::cos(6.2831853f * float(y) / 256)));
+    displaced.cage.displacement->texture.texture = displaced.scene.add(hills);
+    displaced.textures.prepare(displaced.scene);
+    DicedCage diced(displaced.cage, 0, Mat4d(1), &displaced.textures);
+    diced.level_of_largest_exponent(7);
+    double worst = 0, undisplaced = 0;
+    for (const lod::TileRef& tile : diced.tiles()) {
+        if (std::min(tile.rates.u, tile.rates.v) < 5) continue;
+        const lod::LevelGrid grid = diced.dicer.dice(diced.posed, tile, diced.arena);
+        const lod::GridAttributes made = diced.dicer.shade(diced.posed, tile, tile.rates, diced.arena);
+        diced.posed.displacement.of = nullptr;
+        const lod::GridAttributes smooth = diced.dicer.shade(diced.posed, tile, tile.rates, diced.arena);
+        diced.posed.displacement.of = &*diced.posed.slot->cage.displacement;
+        // Off the borders: on seams these have their owners' coordinates.
+        for (int j = 2; j < tile.rows - 1; ++j)
+            for (int i = 2; i < tile.columns - 1; ++i) {
+                const Vec3f n = glm::normalize(glm::cross(grid.vertex(i + 1, j) - grid.vertex(i - 1, j),
+                                                          grid.vertex(i, j + 1) - grid.vertex(i, j - 1)));
+                worst = std::max(worst, double(glm::distance(n, made.normal[grid.index(i, j)])));
+                undisplaced = std::max(undisplaced, double(glm::distance(n, smooth.normal[grid.index(i, j)])));
+            }
+    }
+    EXPECT_LT(worst, 0.1);
+    EXPECT_GT(undisplaced, 3 * worst);
+}
+
+}  // namespace
+}  // namespace occam::test
