@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "render/filter.h"
-#include "shade/sky.h"
 #include "scenegraph/camera.h"
+#include "shade/sky.h"
 
 namespace occam::render {
 
