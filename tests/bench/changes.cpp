@@ -18,8 +18,8 @@ NodeId add_node(Scene& scene, NodeId parent, Vec3d at, CageId cage = {})
     return scene.add_node(parent, std::move(desc));
 }
 
-// A torus in front of a wall; behind the wall and beside the picture, half each, as many tori of 5,000 faces as asked for. All of them
-// swell by a morph target, anew in every frame.
+// A torus in front of a wall; behind the wall and beside the picture, half each, as many tori of 5,000 faces as asked for.
+// All of them swell by a morph target, anew in every frame.
 class HiddenCrowd {
 public:
     explicit HiddenCrowd(int copies) : renderer_({.threads = 1})
@@ -36,16 +36,19 @@ public:
         wall.positions = {{-90, -90, -3}, {90, -90, -3}, {0, 180, -3}};
         wall.face_vertices = {0, 1, 2};
         add_node(scene_, scene_.root(), Vec3d(0), scene_.add(std::move(wall)));
-        const NodeId groups[2] = {add_node(scene_, scene_.root(), {0, 0, -10}), add_node(scene_, scene_.root(), {500, 0, 0})};
+        const NodeId groups[2] = {add_node(scene_, scene_.root(), {0, 0, -10}),
+                                  add_node(scene_, scene_.root(), {500, 0, 0})};
         for (int i = 0; i < copies; ++i)
-            hidden_.push_back(add_node(scene_, groups[i % 2], {3.0 * (i / 2 % 10 - 5), 3.0 * (i / 20 % 10 - 5), -3.0 * (i / 200)}, shape));
+            hidden_.push_back(
+                add_node(scene_, groups[i % 2], {3.0 * (i / 2 % 10 - 5), 3.0 * (i / 20 % 10 - 5), -3.0 * (i / 200)}, shape));
     }
     void render(int frame)
     {
         const std::vector<float> weight{float(std::sin(0.7 * frame))};
         scene_.set_morph_weights(seen_, weight);
         for (const NodeId node : hidden_) scene_.set_morph_weights(node, weight);
-        renderer_.render(scene_, Camera::look_at({0, 2.5, 4}, {0, 0, 0}, {0, 1, 0}, 0.7f), {.width = 320, .height = 240, .spp = 4});
+        renderer_.render(scene_, Camera::look_at({0, 2.5, 4}, {0, 0, 0}, {0, 1, 0}, 0.7f),
+                         {.width = 320, .height = 240, .spp = 4});
     }
     const FrameStats& stats() const { return renderer_.stats(); }
 
@@ -90,7 +93,8 @@ void run_edits(Report& report)
     for (int depth = 1; depth <= 6; ++depth) {
         std::vector<NodeId> below;
         for (const NodeId parent : row)
-            for (std::size_t c = 0; c < kFanOut; ++c) below.push_back(add_node(scene, parent, {double(c), 0, 0}, depth == 6 ? shape : CageId{}));
+            for (std::size_t c = 0; c < kFanOut; ++c)
+                below.push_back(add_node(scene, parent, {double(c), 0, 0}, depth == 6 ? shape : CageId{}));
         row = std::move(below);
         nodes += row.size();
         if (depth < 2) continue;
