@@ -13,14 +13,12 @@ BoxTree make_boxes(int blocks, Arena& arena)
 {
     BoxTree tree;
     tree.leaves = static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(1, blocks))));
-    const int nodes = 2 * tree.leaves - 1;
-    // Leaves are read eight at a time, past the last one too.
-    const std::span<float> data = arena.make_array<float>(std::size_t(6) * (nodes + IGrid::kBlock));
-    for (int a = 0; a < 3; ++a) {
-        tree.lo[a] = &data[std::size_t(a) * (nodes + IGrid::kBlock)];
-        tree.hi[a] = &data[std::size_t(a + 3) * (nodes + IGrid::kBlock)];
-        std::fill_n(tree.lo[a], nodes + IGrid::kBlock, kInfinity);
-        std::fill_n(tree.hi[a], nodes + IGrid::kBlock, -kInfinity);
+    const int groups = (tree.node_count() + BoxTree::kGroup - 1) / BoxTree::kGroup;
+    tree.data = arena.make_array<float>(std::size_t(groups) * BoxTree::kFloats).data();
+    for (int g = 0; g < groups; ++g) {
+        float* group = tree.data + g * BoxTree::kFloats;
+        std::fill_n(group, BoxTree::kFloats / 2, kInfinity);
+        std::fill_n(group + BoxTree::kFloats / 2, BoxTree::kFloats / 2, -kInfinity);
     }
     return tree;
 }
@@ -28,28 +26,28 @@ BoxTree make_boxes(int blocks, Arena& arena)
 void add_to_box(BoxTree& tree, int node, Vec3f p)
 {
     for (int a = 0; a < 3; ++a) {
-        tree.lo[a][node] = std::min(tree.lo[a][node], p[a]);
-        tree.hi[a][node] = std::max(tree.hi[a][node], p[a]);
+        tree.lo(node, a) = std::min(tree.lo(node, a), p[a]);
+        tree.hi(node, a) = std::max(tree.hi(node, a), p[a]);
     }
 }
 
 // Grows the leaves by 2 ulps of their largest coordinate, then makes the nodes above them.
 void finish_boxes(BoxTree& tree)
 {
-    for (int n = tree.first_leaf(); n < 2 * tree.leaves - 1; ++n) {
-        if (tree.lo[0][n] > tree.hi[0][n]) continue;
+    for (int n = tree.first_leaf(); n < tree.node_count(); ++n) {
+        if (tree.lo(n, 0) > tree.hi(n, 0)) continue;
         float largest = 0;
-        for (int a = 0; a < 3; ++a) largest = std::max({largest, std::fabs(tree.lo[a][n]), std::fabs(tree.hi[a][n])});
+        for (int a = 0; a < 3; ++a) largest = std::max({largest, std::fabs(tree.lo(n, a)), std::fabs(tree.hi(n, a))});
         const float pad = largest * 2 * std::numeric_limits<float>::epsilon();
         for (int a = 0; a < 3; ++a) {
-            tree.lo[a][n] -= pad;
-            tree.hi[a][n] += pad;
+            tree.lo(n, a) -= pad;
+            tree.hi(n, a) += pad;
         }
     }
     for (int n = tree.first_leaf() - 1; n >= 0; --n)
         for (int a = 0; a < 3; ++a) {
-            tree.lo[a][n] = std::min(tree.lo[a][2 * n + 1], tree.lo[a][2 * n + 2]);
-            tree.hi[a][n] = std::max(tree.hi[a][2 * n + 1], tree.hi[a][2 * n + 2]);
+            tree.lo(n, a) = std::min(tree.lo(2 * n + 1, a), tree.lo(2 * n + 2, a));
+            tree.hi(n, a) = std::max(tree.hi(2 * n + 1, a), tree.hi(2 * n + 2, a));
         }
 }
 

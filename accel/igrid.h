@@ -33,13 +33,24 @@ struct QuadRef {
     std::uint8_t triangle;
 };
 
-/// Boxes as a structure of arrays, node after node.
+/// Boxes of a complete binary tree without pointers, in groups of eight: eight lo.x, eight lo.y, ..., eight hi.z, so that what is read
+/// together is together. The leaves come first, then the nodes above them from the root on.
 struct BoxTree {
+    static constexpr int kGroup = 8, kFloats = 6 * kGroup;
+
     int leaves = 0;  ///< a power of two
-    float* lo[3] = {};
-    float* hi[3] = {};
+    float* data = nullptr;
 
     int first_leaf() const noexcept { return leaves - 1; }
+    int node_count() const noexcept { return 2 * leaves - 1; }
+    /// lo.x of a node; the next coordinate is kGroup further. Of consecutive leaves from a multiple of eight on: side by side.
+    float* at(int node) const noexcept
+    {
+        const int place = node < first_leaf() ? leaves + node : node - first_leaf();
+        return data + place / kGroup * kFloats + place % kGroup;
+    }
+    float& lo(int node, int axis) const noexcept { return at(node)[axis * kGroup]; }
+    float& hi(int node, int axis) const noexcept { return at(node)[(axis + 3) * kGroup]; }
 };
 
 /// One patch of a lattice: a tile of it, or all of a small one.

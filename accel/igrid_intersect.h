@@ -18,28 +18,20 @@
 
 namespace occam::accel {
 
-/// The lanes of rays whose line is in the box between t_near and t_far, a little widened. `negative`: signs of the direction.
-OCCAM_ALWAYS_INLINE vmask in_box(const RayLanes& ray, const bool (&negative)[3], const vfloat (&lo)[3], const vfloat (&hi)[3], vfloat t_near,
-                    vfloat t_far) noexcept
+/// The lanes of rays whose line is in the box between t_near and t_far, a little widened. near, far: of the box's planes on each axis
+/// the one that the ray meets first, and the other.
+OCCAM_ALWAYS_INLINE vmask in_box(const RayLanes& ray, const vfloat (&near)[3], const vfloat (&far)[3], vfloat t_near, vfloat t_far) noexcept
 {
-    vfloat in = ((negative[0] ? hi[0] : lo[0]) - ray.origin[0]) * ray.inverse[0];
-    vfloat out = ((negative[0] ? lo[0] : hi[0]) - ray.origin[0]) * ray.inverse[0];
+    vfloat in = (near[0] - ray.origin[0]) * ray.inverse[0];
+    vfloat out = (far[0] - ray.origin[0]) * ray.inverse[0];
     for (int a = 1; a < 3; ++a) {
-        in = max(in, ((negative[a] ? hi[a] : lo[a]) - ray.origin[a]) * ray.inverse[a]);
-        out = min(out, ((negative[a] ? lo[a] : hi[a]) - ray.origin[a]) * ray.inverse[a]);
+        in = max(in, (near[a] - ray.origin[a]) * ray.inverse[a]);
+        out = min(out, (far[a] - ray.origin[a]) * ray.inverse[a]);
     }
     // Three ulps of each t, and the rounding of the shift: culling may never decide a hit.
     const vfloat slack = 4 * FLT_EPSILON;
     const vfloat pad_in = (abs(in) + abs(ray.shift)) * slack, pad_out = (abs(out) + abs(ray.shift)) * slack;
     return (in - pad_in <= out + pad_out) & (ray.shift + in - pad_in <= t_far) & (ray.shift + out + pad_out >= t_near);
-}
-
-/// One lane in all.
-inline vfloat spread(vfloat x, int lane) noexcept
-{
-    float lanes[kLanes];
-    x.store(lanes);
-    return lanes[lane];
 }
 
 inline VertexBlend spread(const VertexBlend& rays, int lane) noexcept
@@ -48,18 +40,21 @@ inline VertexBlend spread(const VertexBlend& rays, int lane) noexcept
 }
 
 /// One ray of a packet in all lanes, without its blend.
-inline RayLanes spread(const RayLanes& rays, int lane) noexcept
+OCCAM_ALWAYS_INLINE RayLanes spread(const RayLanes& rays, int lane) noexcept
 {
-    RayLanes one = rays;
-    const auto pick = [&](vfloat& x) { x = spread(x, lane); };
-    pick(one.sx);
-    pick(one.sy);
-    pick(one.sz);
-    pick(one.shift);
-    for (int a = 0; a < 3; ++a) {
-        pick(one.inverse[a]);
-        pick(one.origin[a]);
-    }
+    const auto all = [lane](const vfloat (&x)[3], vfloat (&to)[3]) {
+        for (int a = 0; a < 3; ++a) to[a] = spread(x[a], lane);
+    };
+    RayLanes one;
+    one.kx = rays.kx;
+    one.ky = rays.ky;
+    one.kz = rays.kz;
+    one.sx = spread(rays.sx, lane);
+    one.sy = spread(rays.sy, lane);
+    one.sz = spread(rays.sz, lane);
+    all(rays.inverse, one.inverse);
+    all(rays.origin, one.origin);
+    one.shift = spread(rays.shift, lane);
     return one;
 }
 
@@ -71,7 +66,6 @@ public:
         : grid_(grid),
           ray_(ray),
           origin_{ray.origin[ray.kx], ray.origin[ray.ky], ray.origin[ray.kz]},
-          negative_(negative),
           t_near_(t_near),
           t_end_(t_end),
           query_(query)
@@ -81,6 +75,8 @@ public:
             axes_[a] = axes[a];
             fine_[a] = grid.fine[axes[a]];
             coarse_[a] = grid.coarse[axes[a]];
+            near_[a] = (negative[a] ? a + 3 : a) * BoxTree::kGroup;
+            far_[a] = (negative[a] ? a : a + 3) * BoxTree::kGroup;
         }
     }
 
@@ -137,7 +133,7 @@ private:
         vfloat lowest[3], highest[3];
         for (int a = 0; a < 3; ++a) {
             const vmask falls = blend_.d[a] < vfloat(0.0f);
-            const vfloat lo = grid_.boxes.lo[axes_[a]][0], hi = grid_.boxes.hi[axes_[a]][0];
+            const vfloat lo = grid_.boxes.lo(0, axes_[a]), hi = grid_.boxes.hi(0, axes_[a]);
             lowest[a] = select(falls, hi, lo);
             highest[a] = select(falls, lo, hi);
         }
@@ -153,19 +149,19 @@ private:
 
     vmask in_box_at(const BoxTree& tree, int node) const noexcept
     {
-        const vfloat lo[3] = {tree.lo[0][node], tree.lo[1][node], tree.lo[2][node]};
-        const vfloat hi[3] = {tree.hi[0][node], tree.hi[1][node], tree.hi[2][node]};
-        return in_box(ray_, negative_, lo, hi, t_near_, limit());
+        const float* box = tree.at(node);
+        return in_box(ray_, {box[near_[0]], box[near_[1]], box[near_[2]]}, {box[far_[0]], box[far_[1]], box[far_[2]]}, t_near_, limit());
     }
 
     template <class Visit>
     void for_each_block(const BoxTree& tree, Visit&& visit) noexcept
     {
+        const unsigned real = tree.leaves < kLanes ? (1u << tree.leaves) - 1 : (1u << kLanes) - 1;  // nodes above the leaves may follow
         for (int first = 0; first < tree.leaves; first += kLanes) {
-            const int node = tree.first_leaf() + first;
-            const vfloat lo[3] = {vfloat::load(tree.lo[0] + node), vfloat::load(tree.lo[1] + node), vfloat::load(tree.lo[2] + node)};
-            const vfloat hi[3] = {vfloat::load(tree.hi[0] + node), vfloat::load(tree.hi[1] + node), vfloat::load(tree.hi[2] + node)};
-            unsigned hit = bits(in_box(ray_, negative_, lo, hi, t_near_, limit()));
+            const float* box = tree.at(tree.first_leaf() + first);
+            const vfloat near[3] = {vfloat::load(box + near_[0]), vfloat::load(box + near_[1]), vfloat::load(box + near_[2])};
+            const vfloat far[3] = {vfloat::load(box + far_[0]), vfloat::load(box + far_[1]), vfloat::load(box + far_[2])};
+            unsigned hit = bits(in_box(ray_, near, far, t_near_, limit())) & real;
             for (; hit != 0; hit &= hit - 1) visit(first + std::countr_zero(hit));
         }
     }
@@ -388,7 +384,7 @@ private:
     const float* fine_[3];                    ///< along these
     const float* coarse_[3];
     VertexBlend blend_;                       ///< likewise; of a grid that blends
-    const bool (&negative_)[3];
+    int near_[3], far_[3];                    ///< where in a box the plane lies that the ray meets first, and the other
     vfloat t_near_, t_end_;
     Query& query_;
     const float* const* vertices_ = nullptr;  ///< of rays that do not blend

@@ -14,7 +14,7 @@ namespace occam::accel {
 namespace {
 
 constexpr int kPacket = 8;       // rays a packet; as many as lanes, but for the one-lane build, which has no packets
-constexpr int kWorthAPacket = 3; // live rays below which single rays are faster (docs/performance.md)
+constexpr int kWorthAPacket = 5; // live rays below which single rays are faster (docs/performance.md)
 constexpr std::size_t kNoLimit = ~std::size_t(0);
 
 // limit() of a single ray is the same in all lanes.
@@ -192,7 +192,8 @@ OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, Mask
         if (!leaf) return LeafResult::Expanded;
         // What is the same for several pairs is met once for all of them.
         const int last = std::min(leaf->pairs.coarsest, coarsest);
-        if (last > pair && (pair != finest || last != coarsest)) here = alive & (max(t_near, pairs.in(pair, last)) <= min(t_far, pairs.out(pair, last)));
+        if (pair == finest && last == coarsest) here = alive;
+        else if (last > pair) here = alive & (max(t_near, pairs.in(pair, last)) <= min(t_far, pairs.out(pair, last)));
         for (KdLeaf::Entry& entry : leaf->entries) {
             const MaskOf<F> entering = here & enter(entry.box);
             if (any(entering) && !meet(entry, pair, entering)) return LeafResult::Abandoned;

@@ -7,7 +7,9 @@
 
 namespace occam {
 
-double winding_number(std::span<const Vec3f> corners, Vec3d at)
+namespace {
+template <class Corner>
+double solid_angles(std::span<const Corner> corners, Vec3d at)
 {
     double sum = 0;
     for (std::size_t t = 0; t + 2 < corners.size(); t += 3) {
@@ -18,6 +20,10 @@ double winding_number(std::span<const Vec3f> corners, Vec3d at)
     }
     return sum / (4 * 3.14159265358979323846);
 }
+}  // namespace
+
+double winding_number(std::span<const Vec3f> corners, Vec3d at) { return solid_angles(corners, at); }
+double winding_number(std::span<const Vec3d> corners, Vec3d at) { return solid_angles(corners, at); }
 
 std::string why_not_closed(const Cage& cage)
 {

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
 #include <sstream>
 
 #include "accel/frame.h"
 #include "accel/tracer.h"
 #include "api/closed.h"
+#include "api/ray_surface.h"
 #include "lod/dicer.h"
 #include "lod/ray_levels.h"
 #include "lod/topology_cache.h"
@@ -296,6 +298,10 @@ private:
             }
             return;
         }
+        if (std::abs(winding_of(ray)) < 0.5) {  // the surface that this ray sees does not hold its start
+            ++report_.outside;
+            return;
+        }
         ++report_.escaped;
         if (report_.replay.size() >= 5) return;
         std::ostringstream out;
@@ -305,8 +311,24 @@ private:
         report_.replay.push_back(out.str());
     }
 
+    /// About the start of the ray, of the surface that it sees.
+    double winding_of(const accel::Ray& ray)
+    {
+        const auto far = static_cast<float>(4 * subject_.posed().radius);
+        lod::RayLevels<float> table;
+        if (!table.set(ray.footprint.a, ray.footprint.b, far, far, levels_)) return 1;
+        table.make();
+        return winding_number_of_ray(ray.origin - subject_.posed().anchor, glm::normalize(Vec3d(ray.direction)), table, finest_,
+                                     [this](int level) -> const std::vector<lod::LevelGrid>& {
+                                         auto [at, is_new] = diced_.try_emplace(level);
+                                         if (is_new) at->second = subject_.dice(level).grids;
+                                         return at->second;
+                                     });
+    }
+
     const VerifySettings& settings_;
     VerifiedCage& report_;
+    std::map<int, std::vector<lod::LevelGrid>> diced_;  ///< for escapes
     Random random_;
     Subject subject_;
     int finest_ = 0;

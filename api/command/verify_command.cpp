@@ -18,6 +18,7 @@ Json json_of(const VerifiedCage& c)
     entry.update({{"starts", c.starts},
                   {"rays", c.rays},
                   {"escaped", c.escaped},
+                  {"outside", c.outside},
                   {"not_finite", c.not_finite},
                   {"front_side", c.front_side},
                   {"worst_front", c.worst_front},

@@ -104,6 +104,16 @@ private:
     Raw raw_;
 };
 
+/// One lane in all.
+inline vfloat spread(vfloat x, [[maybe_unused]] int lane) noexcept
+{
+#ifdef OCCAM_ONE_LANE
+    return x;
+#else
+    return hn::TableLookupLanes(x.raw(), hn::IndicesFromVec(FloatTag(), hn::Set(hn::RebindToSigned<FloatTag>(), lane)));
+#endif
+}
+
 /// a * b + c with one rounding.
 inline vfloat fma(vfloat a, vfloat b, vfloat c) noexcept
 {

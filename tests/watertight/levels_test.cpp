@@ -28,6 +28,7 @@ void expect_no_escape(const Cage& cage)
         for (const std::string& line : found.replay) replay += line + '\n';
         EXPECT_EQ(found.escaped, 0u) << "of " << found.rays << " at " << place[3].x << '\n' << replay;
         EXPECT_EQ(found.not_finite, 0u);
+        EXPECT_LE(found.outside, found.rays / 10'000);  // or it tests too little
     }
 }
 

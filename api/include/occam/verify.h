@@ -28,6 +28,9 @@ struct VerifiedCage {
     std::string not_testable;        ///< why; empty: it was tested
     std::uint64_t starts = 0;        ///< points inside that rays start from
     std::uint64_t rays = 0, escaped = 0;
+    /// Rays that met nothing and started outside: coarse meshes of thin parts leave some fine point outside of the surface that one ray
+    /// sees. Found by that surface's winding number, for rays that met nothing alone.
+    std::uint64_t outside = 0;
     std::uint64_t not_finite = 0;    ///< hits with a NaN or an infinity
     std::uint64_t front_side = 0;    ///< hits on the outside, which a ray from inside meets only where coarse triangles fold
     double worst_front = 0;          ///< of those: largest cosine between the outward normal and the way back
