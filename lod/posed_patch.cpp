@@ -333,8 +333,8 @@ Box3f PosedPatch::bounds(float u0, float u1, float v0, float v1)
     Box3f box;
     if (u0 == 0 && u1 == 1 && v0 == 0 && v1 == 1) box = whole_bounds();
     else bounds_below(kind_->root(), u0, u1, v0, v1, box);
-    // Owners' points differ from the patch's own by rounding.
-    const Vec3f pad(box.largest_coordinate() * 16 * std::numeric_limits<float>::epsilon());
+    // Owners' points differ from the patch's own by rounding, and so do those of a hull's rows, one sum of all control points.
+    const Vec3f pad(box.largest_coordinate() * 64 * std::numeric_limits<float>::epsilon());
     return {box.lo - pad, box.hi + pad};
 }
 
