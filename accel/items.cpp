@@ -58,6 +58,16 @@ ItemIndex Items::restart()
     return 0;
 }
 
+std::vector<ItemIndex> Items::base_patches()
+{
+    std::vector<ItemIndex> list;
+    for (ItemIndex i = 0; i < items_.size(); ++i) {
+        const Item::Kind kind = items_[i].kind;
+        if (kind == Item::Region || kind == Item::Faces || !open(i, lod::kFinestLevel)) list.push_back(i);
+    }
+    return list;
+}
+
 Box3f Items::to_tree(const lod::PosedCage& cage, const Box3f& box) const
 {
     const Vec3d shift = cage.anchor - frame_.anchor;

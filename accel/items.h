@@ -78,6 +78,8 @@ public:
 
     /// Forgets everything and makes the root item again; call after the arena was reset.
     ItemIndex restart();
+    /// After restart(): opens all nodes and clusters. What is left: every base patch, and triangles by clusters.
+    std::vector<ItemIndex> base_patches();
 
     Item& operator[](ItemIndex i) noexcept { return items_[i]; }
 

@@ -1,6 +1,7 @@
 #include "accel/kd_tree.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "accel/stopwatch.h"
 
@@ -12,26 +13,35 @@ constexpr std::size_t kMany = 64;          // candidates that are not opened one
 constexpr float kTraversalCost = 32;       // in the units of Item::cost; tests/bench has the curve
 constexpr float kEmptyBonus = 0.8f;        // of a split that cuts off empty space
 constexpr int kAnyEffort = 2;
+constexpr std::size_t kMany = 64;          // boxes above which planes are tried at fixed steps
+constexpr int kSteps = 32;
 
 }  // namespace
 
-KdTree::KdTree(Items& items, Arena& arena, TraceCounters& counters)
-    : items_(items), arena_(arena), counters_(counters), nodes_(arena), heads_(arena), records_(arena), leaves_(arena)
+KdTree::KdTree(Items& items, Arena& arena, TraceCounters& counters, bool may_scan)
+    : items_(items), arena_(arena), counters_(counters), may_scan_(may_scan), nodes_(arena), heads_(arena), records_(arena), leaves_(arena)
 {
 }
 
-void KdTree::restart(const Box3f& bounds, ItemIndex root)
+void KdTree::restart(const Box3f& bounds, std::span<const ItemIndex> roots)
 {
     nodes_.clear();
     heads_.clear();
     records_.clear();
     leaves_.clear();
-    const std::span<ItemIndex> list = arena_.make_array<ItemIndex>(1);
-    list[0] = root;
+    const std::span<ItemIndex> list = arena_.make_array<ItemIndex>(roots.size());
+    std::copy(roots.begin(), roots.end(), list.begin());
     records_.push_back({bounds, list, 0});
     leaves_.push_back({});
     leaves_.push_back({});
     nodes_.push_back({0, 1u << 2 | 3});
+}
+
+void KdTree::expand_all(int pair)
+{
+    for (std::uint32_t n = 0; n < nodes_.size(); ++n)
+        while (!nodes_[n].is_interior() && !leaf(n, pair)) {
+        }
 }
 
 void KdTree::clip_into(const Box3f& box, ItemIndex item, int pair)
@@ -70,8 +80,45 @@ bool KdTree::open_largest(const Box3f& box, int pair, int most_effort)
     return true;
 }
 
+KdTree::Split KdTree::scanned_split(const Box3f& box) const
+{
+    Split best;
+    const Vec3f extent = box.extent();
+    const float area = box.half_area();
+    float all = 0;
+    for (const Candidate& c : candidates_) all += c.cost;
+    best.cost = all;  // of no split
+    for (int axis = 0; axis < 3; ++axis) {
+        // Of boxes that begin, and that end, between two planes.
+        float begins[kSteps + 1] = {}, ends[kSteps + 1] = {};
+        const float per_length = float(kSteps) / extent[axis];
+        if (!(per_length < std::numeric_limits<float>::max())) continue;
+        const auto step = [&](float x) { return std::clamp(static_cast<int>((x - box.lo[axis]) * per_length), 0, kSteps); };
+        for (const Candidate& c : candidates_) {
+            begins[step(c.box.lo[axis])] += c.cost;
+            ends[step(c.box.hi[axis])] += c.cost;
+        }
+        const int a1 = (axis + 1) % 3, a2 = (axis + 2) % 3;
+        const float cap = extent[a1] * extent[a2], girth = extent[a1] + extent[a2];
+        float below = 0, ended = 0;
+        for (int plane = 1; plane < kSteps; ++plane) {
+            below += begins[plane - 1];
+            ended += ends[plane - 1];
+            const float above = all - ended, share = float(plane) / float(kSteps) * extent[axis];
+            const float position = box.lo[axis] + share;
+            if (!(position > box.lo[axis] && position < box.hi[axis])) continue;
+            float cost = kTraversalCost + ((cap + girth * share) * below + (cap + girth * (extent[axis] - share)) * above) / area;
+            if (below == 0 || !(above > 0)) cost *= kEmptyBonus;
+            if (cost < best.cost) best = {axis, position, cost};
+        }
+    }
+    return best;
+}
+
 KdTree::Split KdTree::best_split(const Box3f& box)
 {
+    if (may_scan_ && candidates_.size() > kMany && box.half_area() > 0)
+        if (const Split scanned = scanned_split(box); scanned.axis >= 0) return scanned;
     float all = 0;
     for (const Candidate& c : candidates_) all += c.cost;
     Split best;

@@ -5,8 +5,8 @@
 // boxes below it are right; rays of coarser pairs meet it as a leaf. So it may be a leaf for many pairs, each with its list
 // of igrids.
 //
-// The plane comes from the surface area heuristic swept over the items' boxes (Hunt et al. 2006), after opening large items until
-// there are enough to choose from (Hunt et al. 2007). The tree's shape depends on which pairs come first; what a ray meets does not.
+// The plane comes from the surface area heuristic, scanned at fixed steps where there are many boxes (Hunt et al. 2006) and swept over
+// their ends where there are few, after opening large items until there are enough to choose from (Hunt et al. 2007). The tree's shape depends on which pairs come first; what a ray meets does not.
 //
 // Memory   one worker's arena; a lazy node's list stays behind when it is expanded.   Threads  one worker's own.
 #pragma once
@@ -54,10 +54,13 @@ class KdTree {
 public:
     static constexpr int kMaxDepth = 60;
 
-    KdTree(Items& items, Arena& arena, TraceCounters& counters);
+    /// may_scan   planes at fixed steps are tried where there are many boxes
+    KdTree(Items& items, Arena& arena, TraceCounters& counters, bool may_scan);
 
-    /// One lazy node with the root item; call after the arena was reset.
-    void restart(const Box3f& bounds, ItemIndex root);
+    /// One lazy node with these items; call after the arena was reset.
+    void restart(const Box3f& bounds, std::span<const ItemIndex> roots);
+    /// Expands every node as if rays of the pair entered it.
+    void expand_all(int pair);
 
     const KdNode& node(std::uint32_t n) const noexcept { return nodes_[n]; }
     /// Whether the leaf of a node asked for last is the same for all pairs of a range.
@@ -105,11 +108,13 @@ private:
     void clip_into(const Box3f& box, ItemIndex item, int pair);
     bool open_largest(const Box3f& box, int pair, int most_effort);
     Split best_split(const Box3f& box);
+    Split scanned_split(const Box3f& box) const;
     void make_lazy(const Box3f& box, int depth, int axis, float position, bool upper);
 
     Items& items_;
     Arena& arena_;
     TraceCounters& counters_;
+    bool may_scan_;
     ArenaVector<KdNode> nodes_;          ///< 0 the root; the two children of a node side by side, the first at an odd number
     ArenaVector<std::uint32_t> heads_;   ///< of each pair of children: the parent's first leaf
     ArenaVector<Record> records_;

@@ -40,8 +40,8 @@ struct LaneOf {
 }  // namespace
 
 struct Tracer::State {
-    State(const FrameState& f, std::size_t budget_bytes)
-        : frame(f), budget(budget_bytes), items(f, arena, dicer, counters), tree(items, arena, counters)
+    State(const FrameState& f, std::size_t budget_bytes, BuildTechniques with)
+        : frame(f), budget(budget_bytes), techniques(with), items(f, arena, dicer, counters), tree(items, arena, counters, with.scan)
     {
         flush();
         counters.flushes = 0;
@@ -54,7 +54,9 @@ struct Tracer::State {
         arena.reset(budget);
         dicer.forget();
         const ItemIndex root = items.restart();
-        tree.restart(frame.bounds, root);
+        if (techniques.hierarchy) tree.restart(frame.bounds, {&root, 1});
+        else tree.restart(frame.bounds, items.base_patches());
+        if (!techniques.lazy) tree.expand_all(lod::kCoarsestLevel);
     }
 
     /// One group of rays with equal axes and octant; false if the budget was passed on the way.
@@ -149,6 +151,7 @@ struct Tracer::State {
 
     const FrameState& frame;
     std::size_t budget;
+    BuildTechniques techniques;
     Arena arena;
     lod::Dicer dicer;
     TraceCounters counters;
@@ -375,7 +378,10 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& ax, std::size_t li
     });
 }
 
-Tracer::Tracer(const Frame& frame, std::size_t budget_bytes) : state_(std::make_unique<State>(frame.state(), budget_bytes)) {}
+Tracer::Tracer(const Frame& frame, std::size_t budget_bytes, BuildTechniques techniques)
+    : state_(std::make_unique<State>(frame.state(), budget_bytes, techniques))
+{
+}
 Tracer::~Tracer() = default;
 const TraceCounters& Tracer::counters() const noexcept { return state_->counters; }
 

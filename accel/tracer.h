@@ -76,9 +76,16 @@ struct TraceCounters {
     TraceCounters& operator+=(const TraceCounters& other) noexcept;
 };
 
+/// What makes building cheap, each switchable for a benchmark (Djeu et al. 2011, fig. 11). What rays meet does not depend on it.
+struct BuildTechniques {
+    bool lazy = true;       ///< nodes are split when a ray enters them; else all, down to clusters of base patches, before the first ray
+    bool hierarchy = true;  ///< scene nodes and clusters stand for what is below them; else the root lists every base patch
+    bool scan = true;       ///< of many boxes, planes at fixed steps are tried; else one at every box's ends
+};
+
 class Tracer {
 public:
-    Tracer(const Frame& frame, std::size_t budget_bytes);
+    Tracer(const Frame& frame, std::size_t budget_bytes, BuildTechniques techniques = {});
     ~Tracer();
 
     /// Nearest hit of each ray in (t_near, t_far). hits.size() == rays.size().

@@ -51,7 +51,8 @@ int Dicer::curve_k(const PosedCage& cage, std::uint32_t curve)
     const Topology& topology = *cage.topology;
     const auto speed = [&](float ca, float cb) {
         const OwnerSpan s = owner_span(topology, curve, ca, cb);
-        return posed(cage, s.patch).curve_speed(s.along_v, s.fixed, 0, 1) * std::fabs(s.dt);
+        const int side = s.along_v ? (s.fixed == 0 ? 3 : 1) : (s.fixed == 0 ? 0 : 2);
+        return posed(cage, s.patch).side_speed(side) * std::fabs(s.dt);
     };
     float s = speed(0.125f, 0.25f);
     if (topology.has_middle_knot(curve)) s = std::max(s, speed(0.75f, 0.875f));

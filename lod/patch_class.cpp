@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "lod/patch_hull.h"
 #include "scenegraph/base/check.h"
 #include "scenegraph/base/power_of_two.h"
 
@@ -64,13 +65,26 @@ PatchClass::PatchClass(int control_count, std::unique_ptr<const LimitSource> sou
 {
 }
 
-const PatchClass::Node& PatchClass::resolve(const Node& node) const
+PatchClass::~PatchClass() = default;
+
+const PatchClass::Node& PatchClass::look_into(const Node& node) const
 {
-    if (node.kind.load(std::memory_order_acquire) == Node::Unknown) {
-        const std::lock_guard lock(mutex_);
-        if (node.kind.load(std::memory_order_relaxed) == Node::Unknown) classify(const_cast<Node&>(node));
-    }
+    const std::lock_guard lock(mutex_);
+    if (node.kind.load(std::memory_order_relaxed) == Node::Unknown) classify(const_cast<Node&>(node));
     return node;
+}
+
+LimitStencil PatchClass::limit(double u, double v) const
+{
+    LimitStencil stencil;
+    source_->evaluate(u, v, stencil);
+    return stencil;
+}
+
+const PatchHull& PatchClass::hull() const
+{
+    std::call_once(hull_once_, [&] { hull_ = std::make_unique<const PatchHull>(*this); });
+    return *hull_;
 }
 
 const PatchClass::Node& PatchClass::locate(float u, float v) const

@@ -37,6 +37,8 @@ public:
     virtual void evaluate(double u, double v, LimitStencil& out) const = 0;
 };
 
+struct PatchHull;
+
 class PatchClass {
 public:
     static constexpr int kDeepest = 6;  ///< beyond it squares only have stencils of their points; finer pieces would serve rates above 64
@@ -56,11 +58,15 @@ public:
     };
 
     PatchClass(int control_count, std::unique_ptr<const LimitSource> source);
+    ~PatchClass();
 
     int control_count() const noexcept { return control_count_; }
 
     /// The square itself, looked into: never Unknown.
-    const Node& resolve(const Node& node) const;
+    const Node& resolve(const Node& node) const
+    {
+        return node.kind.load(std::memory_order_acquire) == Node::Unknown ? look_into(node) : node;
+    }
     const Node& root() const { return resolve(root_); }
     /// The leaf that (u, v) belongs to: a parameter on a border belongs to the upper side, 1 to the last.
     const Node& locate(float u, float v) const;
@@ -68,8 +74,13 @@ public:
     /// Limit stencil of a point in a Direct leaf: from the leaf's table at its corners, else evaluated now.
     /// rows     3 * n floats: p, du, dv, with respect to the patch's [0, 1]
     void direct_rows(const Node& leaf, float u, float v, float* rows) const;
+    LimitStencil limit(double u, double v) const;
+
+    /// What bounds the whole patch; made when it is first asked for.
+    const PatchHull& hull() const;
 
 private:
+    const Node& look_into(const Node& node) const;
     void classify(Node& node) const;
     bool fit_bicubic(Node& node) const;
     void fill_direct(Node& node) const;
@@ -78,6 +89,8 @@ private:
     std::unique_ptr<const LimitSource> source_;
     mutable Node root_;
     mutable std::mutex mutex_;
+    mutable std::once_flag hull_once_;
+    mutable std::unique_ptr<const PatchHull> hull_;
 };
 
 }  // namespace occam::lod

@@ -1,5 +1,6 @@
 #include "lod/posed_patch.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "scenegraph/base/check.h"
@@ -228,72 +229,77 @@ Vec3f PosedPatch::point(float u, float v)
     return p;
 }
 
-float PosedPatch::curve_speed_below(const PatchClass::Node& node, bool along_v, float fixed, float t0, float t1)
+template <class Use>
+void PosedPatch::for_results(const WeightRows& rows, Use&& use) const
 {
-    constexpr int kChordDepth = 4;  // of the sixteenths: rates up to 16 are then bounded exactly
-    const float from = along_v ? node.v0 : node.u0, across = along_v ? node.u0 : node.v0, size = node.size();
-    if (from + size <= t0 || from >= t1) return 0;
-    kind_->resolve(node);
-    const auto kind = node.kind.load(std::memory_order_relaxed);
-    if (kind == PatchClass::Node::Bicubic) {
-        const CubicWeights w = cubic_weights(local(fixed, across, node.depth));
-        return speed_bound(along_v ? column_controls(piece(node), w) : row_controls(piece(node), w)) / size;
-    }
-    if (node.depth >= kChordDepth) {
-        Vec3f ends[2];
-        curve(along_v, fixed, from, size, ends);
-        return glm::distance(ends[0], ends[1]) / size;
-    }
-    const int side = fixed >= across + size * 0.5f;
-    const int low = along_v ? side : side * 2, high = low + (along_v ? 2 : 1);
-    return std::max(curve_speed_below(node.children[low], along_v, fixed, t0, t1),
-                    curve_speed_below(node.children[high], along_v, fixed, t0, t1));
-}
-
-float PosedPatch::curve_speed(bool along_v, float fixed, float t0, float t1)
-{
-    return curve_speed_below(kind_->root(), along_v, fixed, t0, t1);
-}
-
-void PosedPatch::speeds_below(const PatchClass::Node& node, float& along_u, float& along_v)
-{
-    constexpr int kChordDepth = 4;
-    kind_->resolve(node);
-    const auto kind = node.kind.load(std::memory_order_relaxed);
-    const float size = node.size();
-    if (kind == PatchClass::Node::Bicubic) {
-        const PieceControls& net = piece(node);
-        float u2 = 0, v2 = 0;
-        for (int j = 0; j < 4; ++j)
-            for (int i = 0; i < 3; ++i) {
-                const auto squared = [&](int a, int b) {
-                    const Vec3f d{net.c[0][b] - net.c[0][a], net.c[1][b] - net.c[1][a], net.c[2][b] - net.c[2][a]};
-                    return glm::dot(d, d);
-                };
-                u2 = std::max(u2, squared(j * 4 + i, j * 4 + i + 1));
-                v2 = std::max(v2, squared(i * 4 + j, i * 4 + 4 + j));
+    // A whole group at once: sums that wait for one another leave room for others.
+    constexpr std::size_t kVectors = WeightRows::kGroup / kLanes;
+    const std::size_t n = x_.size();
+    for (std::size_t g = 0; g < rows.group_count(); ++g) {
+        const float* w = rows.group(g);
+        vfloat x[kVectors], y[kVectors], z[kVectors];
+        for (std::size_t i = 0; i < kVectors; ++i) x[i] = y[i] = z[i] = 0.0f;
+        for (std::size_t k = 0; k < n; ++k)
+            for (std::size_t i = 0; i < kVectors; ++i, w += kLanes) {
+                const vfloat weight = vfloat::load(w);
+                x[i] = fma(weight, x_[k], x[i]);
+                y[i] = fma(weight, y_[k], y[i]);
+                z[i] = fma(weight, z_[k], z[i]);
             }
-        along_u = std::max(along_u, std::sqrt(u2) / size);
-        along_v = std::max(along_v, std::sqrt(v2) / size);
-        return;
+        for (std::size_t i = 0; i < kVectors; ++i) use(x[i], y[i], z[i]);
     }
-    if (node.depth >= kChordDepth) {
-        for (const float side : {0.0f, size}) {
-            Vec3f ends[2];
-            curve(false, node.v0 + side, node.u0, size, ends);
-            along_u = std::max(along_u, glm::distance(ends[0], ends[1]) / size);
-            curve(true, node.u0 + side, node.v0, size, ends);
-            along_v = std::max(along_v, glm::distance(ends[0], ends[1]) / size);
-        }
-        return;
-    }
-    for (int c = 0; c < 4; ++c) speeds_below(node.children[c], along_u, along_v);
 }
 
-void PosedPatch::speeds(float& along_u, float& along_v)
+float PosedPatch::largest_length(const WeightRows& rows) const
 {
-    along_u = along_v = 0;
-    speeds_below(kind_->root(), along_u, along_v);
+    vfloat largest = 0.0f;
+    for_results(rows, [&](vfloat x, vfloat y, vfloat z) { largest = max(largest, fma(x, x, fma(y, y, z * z))); });
+    float lanes[kLanes];
+    largest.store(lanes);
+    return std::sqrt(*std::max_element(lanes, lanes + kLanes));
+}
+
+float PosedPatch::side_speed(int side) const { return largest_length(kind_->hull().side_speed[std::size_t(side)]); }
+
+void PosedPatch::speeds(float& along_u, float& along_v) const
+{
+    along_u = largest_length(kind_->hull().speed_u);
+    along_v = largest_length(kind_->hull().speed_v);
+}
+
+Box3f PosedPatch::whole_bounds() const
+{
+    const PatchHull& hull = kind_->hull();
+    vfloat lo[3], hi[3];
+    for (int a = 0; a < 3; ++a) lo[a] = std::numeric_limits<float>::infinity(), hi[a] = -std::numeric_limits<float>::infinity();
+    for_results(hull.points, [&](vfloat x, vfloat y, vfloat z) {
+        const vfloat p[3] = {x, y, z};
+        for (int a = 0; a < 3; ++a) lo[a] = min(lo[a], p[a]), hi[a] = max(hi[a], p[a]);
+    });
+    Box3f box;
+    for (int a = 0; a < 3; ++a) {
+        float lanes[kLanes];
+        lo[a].store(lanes);
+        box.lo[a] = *std::min_element(lanes, lanes + kLanes);
+        hi[a].store(lanes);
+        box.hi[a] = *std::max_element(lanes, lanes + kLanes);
+    }
+    float p[3][WeightRows::kGroup];
+    std::size_t made = 0;
+    for_results(hull.corners, [&](vfloat x, vfloat y, vfloat z) {
+        x.store(p[0] + made);
+        y.store(p[1] + made);
+        z.store(p[2] + made);
+        made += kLanes;
+        if (made < WeightRows::kGroup) return;
+        made = 0;
+        for (std::size_t square = 0; square < WeightRows::kGroup; square += 4) {
+            Box3f corners;
+            for (std::size_t c = square; c < square + 4; ++c) corners.add(Vec3f(p[0][c], p[1][c], p[2][c]));
+            box.add({corners.lo - corners.extent(), corners.hi + corners.extent()});
+        }
+    });
+    return box;
 }
 
 void PosedPatch::bounds_below(const PatchClass::Node& node, float u0, float u1, float v0, float v1, Box3f& box)
@@ -325,9 +331,10 @@ void PosedPatch::bounds_below(const PatchClass::Node& node, float u0, float u1, 
 Box3f PosedPatch::bounds(float u0, float u1, float v0, float v1)
 {
     Box3f box;
-    bounds_below(kind_->root(), u0, u1, v0, v1, box);
-    // Owners' points differ from the patch's own by rounding.
-    const Vec3f pad(box.largest_coordinate() * 16 * std::numeric_limits<float>::epsilon());
+    if (u0 == 0 && u1 == 1 && v0 == 0 && v1 == 1) box = whole_bounds();
+    else bounds_below(kind_->root(), u0, u1, v0, v1, box);
+    // Owners' points differ from the patch's own by rounding, and so do those of a hull's rows, one sum of all control points.
+    const Vec3f pad(box.largest_coordinate() * 64 * std::numeric_limits<float>::epsilon());
     return {box.lo - pad, box.hi + pad};
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lod/bicubic.h"
+#include "lod/patch_hull.h"
 #include "lod/posed_cage.h"
 
 namespace occam::lod {
@@ -39,11 +40,11 @@ public:
     void curve(bool along_v, float fixed, float t0, float step, std::span<Vec3f> out);
     Vec3f point(float u, float v);
 
-    /// Largest speed along u (or v) that a curve on the border may have: see Dicer. Exact bound for bicubic pieces; where the patch
-    /// meets an extraordinary vertex, chords of sixteenths.
-    float curve_speed(bool along_v, float fixed, float t0, float t1);
+    /// Largest speed along a side (numbered as Topology::side) that its curve may have. Exact bound for bicubic pieces; where the
+    /// patch meets an extraordinary vertex, chords of sixteenths.
+    float side_speed(int side) const;
     /// The same for the whole patch along u and along v.
-    void speeds(float& along_u, float& along_v);
+    void speeds(float& along_u, float& along_v) const;
 
     /// A box of all points with u0 <= u <= u1, v0 <= v <= v1: of the Bezier points of the pieces there; next to an
     /// extraordinary vertex, of the smallest squares' corners, grown by their extent.
@@ -62,9 +63,12 @@ private:
     template <bool kTangents>
     void fill_piece(const PatchClass::Node& node, const ParameterGrid& grid, int i0, int i1, int j0, int j1, float* const* out, int stride);
     void fill_curve(const PatchClass::Node& node, bool along_v, float fixed, float t0, float step, int i0, int i1, Vec3f* out);
-    float curve_speed_below(const PatchClass::Node& node, bool along_v, float fixed, float t0, float t1);
+    /// use(x, y, z) with the results of the rows, as many at a time as there are lanes.
+    template <class Use>
+    void for_results(const WeightRows& rows, Use&& use) const;
+    float largest_length(const WeightRows& rows) const;
+    Box3f whole_bounds() const;
     void bounds_below(const PatchClass::Node& node, float u0, float u1, float v0, float v1, Box3f& box);
-    void speeds_below(const PatchClass::Node& node, float& along_u, float& along_v);
 
     const PatchClass* kind_ = nullptr;
     std::vector<float> x_, y_, z_;  ///< control points

@@ -134,6 +134,7 @@ private:
     int light_samples_at(const Path& path) const noexcept;
     shade::Tries tries_of(float light_tries, float scatter_tries, bool is_placed) const noexcept;
     Vec2f square(const Vertex& v, Dimension d, int n, int of) const noexcept;
+    float interval(const Vertex& v, Dimension d, int n, int of) const noexcept;
     accel::Ray scattered_ray(const Vertex& v, const shade::ScatterSample& s, int samples) const noexcept;
 
     template <class Call>

@@ -48,6 +48,12 @@ Vec2f Integrator::square(const Vertex& v, Dimension d, int n, int of) const noex
     return context_.sampler.square(v.sample.x, v.sample.y, index, d);
 }
 
+float Integrator::interval(const Vertex& v, Dimension d, int n, int of) const noexcept
+{
+    const auto index = static_cast<std::uint32_t>(v.sample.index * of + n);
+    return context_.sampler.interval(v.sample.x, v.sample.y, index, d);
+}
+
 void Integrator::gather_light(const Vertex& v)
 {
     const auto& lights = context_.lights.lights();
@@ -58,15 +64,17 @@ void Integrator::gather_light(const Vertex& v)
                                   ? per_hit
                                   : 1;
     const Vec3f each = v.share / static_cast<float>(per_hit);
-    const auto numbers = [&](int slot, int n) {
+    // A light of its own has no choice to make.
+    const auto numbers = [&](int slot, int n, bool is_choice) {
         const auto s = static_cast<std::uint32_t>(slot);
-        return shade::LightNumbers{square(v, Dimension::at(v.path.key, Use::Light, s), n, per_hit),
-                                   square(v, Dimension::at(v.path.key, Use::LightChoice, s), n, per_hit).x};
+        shade::LightNumbers u{square(v, Dimension::at(v.path.key, Use::Light, s), n, per_hit)};
+        if (is_choice) u.choice = interval(v, Dimension::at(v.path.key, Use::LightChoice, s), n, per_hit);
+        return u;
     };
     const auto tries = [&](bool is_placed) { return tries_of(float(per_hit), float(scatter_tries), is_placed); };
     for (int slot = 0; slot < slots; ++slot)
         for (int n = 0; n < per_hit; ++n) {
-            const shade::LightNumbers u = numbers(slot, n);
+            const shade::LightNumbers u = numbers(slot, n, light_count > slots);
             int light = slot;
             if (light_count > slots) {
                 const float at = (static_cast<float>(slot) + u.choice) / static_cast<float>(slots);
@@ -78,9 +86,9 @@ void Integrator::gather_light(const Vertex& v)
         }
     for (int n = 0; n < per_hit; ++n) {
         if (!context_.lights.meshes().is_empty())
-            test(v, shade::test_meshes(v.surface, context_.lights.meshes(), numbers(slots, n), tries(false)), each, per_hit);
+            test(v, shade::test_meshes(v.surface, context_.lights.meshes(), numbers(slots, n, true), tries(false)), each, per_hit);
         if (context_.lights.environment().has_density())
-            test(v, shade::test_environment(v.surface, context_.lights.environment(), numbers(slots + 1, n), tries(false)), each,
+            test(v, shade::test_environment(v.surface, context_.lights.environment(), numbers(slots + 1, n, false), tries(false)), each,
                  per_hit);
     }
 }
@@ -143,9 +151,9 @@ void Integrator::scatter_on(const Vertex& v, float chance)
     const int light_tries = light_samples_at(v.path);
     const int samples = is_direct || is_last ? light_tries : 1;
     for (int n = 0; n < samples; ++n) {
-        const Vec2f lobe = square(v, Dimension::at(v.path.key, Use::Lobe), n, samples);
+        const float lobe = interval(v, Dimension::at(v.path.key, Use::Lobe), n, samples);
         const shade::ScatterSample s =
-            shade::sample_scatter(v.surface, lobe.x, square(v, Dimension::at(v.path.key, Use::Scatter), n, samples));
+            shade::sample_scatter(v.surface, lobe, square(v, Dimension::at(v.path.key, Use::Scatter), n, samples));
         if (is_black(s.weight)) continue;
 
         Path next = v.path;
@@ -169,7 +177,7 @@ void Integrator::scatter_on(const Vertex& v, float chance)
         if (!is_direct && next.bounces > kCertainBounces) {
             const float worth = std::max({next.throughput.x, next.throughput.y, next.throughput.z});
             const float survival = std::clamp(worth, 0.05f, 0.95f);
-            if (square(v, Dimension::at(v.path.key, Use::Survival), 0, 1).x >= survival) continue;
+            if (interval(v, Dimension::at(v.path.key, Use::Survival), 0, 1) >= survival) continue;
             next.throughput /= survival;
         }
         push(next, ray);

@@ -52,15 +52,15 @@ public:
         return jitter_ ? square(x, y, static_cast<std::uint32_t>(sample), Dimension::pixel()) : Vec2f(0.5f);
     }
     /// Number `index` of that pixel and dimension, in [0, 1).
-    float interval(int x, int y, std::uint32_t index, Dimension dimension) const noexcept
-    {
-        return square(x, y, index, dimension).x;
-    }
+    float interval(int x, int y, std::uint32_t index, Dimension dimension) const noexcept;
+    /// As a point; x is what interval() gives.
     Vec2f square(int x, int y, std::uint32_t index, Dimension dimension) const noexcept;
 
     int samples() const noexcept { return samples_; }
 
 private:
+    std::uint64_t key_of(int x, int y, Dimension dimension) const noexcept;
+
     std::uint64_t seed_;
     int samples_;
     bool jitter_;

@@ -159,8 +159,8 @@ public:
 
     /// Bounds of all that is visible, world axes. Refits.
     Box3d bounds();
-    /// Brings dirty bounds up to date: O(number of nodes on dirty paths, and their children).
-    void refit();
+    /// Brings dirty bounds up to date: O(number of nodes on dirty paths, and their children). Returns how many it looked at.
+    std::size_t refit();
 
     /// Calls visit(NodeId, const Node&, const Mat4d& world_from_node) for every visible placement in the graph, parents
     /// first, through instances too (there are no cycles: add_node refuses them).

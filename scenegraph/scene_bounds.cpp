@@ -77,7 +77,7 @@ void Scene::State::refit_node(NodeId id, NodeRecord& node)
 
 // Depth first without recursion, since a stranger's tree may be deep. add_node() keeps the graph free of cycles; a node
 // that is reached twice is clean the second time.
-void Scene::refit()
+std::size_t Scene::refit()
 {
     struct Step {
         NodeId id;
@@ -85,10 +85,12 @@ void Scene::refit()
     };
     State& s = *state_;
     std::vector<Step> todo{{s.root, false}};
+    std::size_t looked_at = 0;
     while (!todo.empty()) {
         const Step step = todo.back();
         todo.pop_back();
         State::NodeRecord* node = s.nodes.find(step.id);
+        looked_at += step.children_are_done ? 0 : 1;
         if (!node || !node->dirty) continue;
         if (step.children_are_done) {
             s.refit_node(step.id, *node);
@@ -98,6 +100,7 @@ void Scene::refit()
         for (NodeId child : node->children) todo.push_back({child, false});
         if (node->instance_of) todo.push_back({node->instance_of, false});
     }
+    return looked_at;
 }
 
 Box3d Scene::bounds()

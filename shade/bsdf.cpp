@@ -78,6 +78,7 @@ struct LobeShares {
 
     explicit LobeShares(const Surface& s) noexcept
     {
+        if (s.is_matte) return;
         const float n_v = eye_cosine(s.normal, s.to_eye);
         coat = s.coat > 0 ? s.coat * coat_albedo(eye_cosine(s.coat_normal, s.to_eye), s.coat_alpha) : 0;
         const float below = 1 - coat;
@@ -120,6 +121,11 @@ float terminator(const Surface& s, float n_l, Vec3f to_light) noexcept
 // Below the coat: f times the cosine, light on the eye's side.
 Vec3f reflected(const Surface& s, Vec3f to_light) noexcept
 {
+    if (s.is_matte) {
+        // What is below comes to, bit by bit, where the layer is nothing.
+        const float n_l = glm::dot(s.normal, to_light);
+        return n_l > 0 ? s.diffuse * (1 / kPi) * (n_l * terminator(s, n_l, to_light)) : Vec3f(0);
+    }
     const Angles a(s.normal, s.to_eye, to_light);
     if (!(a.n_l > 0)) return Vec3f(0);
     const float lobe = ggx_density(a.n_h, a.sin2_h, s.alpha) * ggx_visibility(a.n_l, a.n_v, s.alpha);

@@ -139,6 +139,8 @@ Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
         s.emission *= kept;
         s.passes = Vec3f(1 - s.opacity) + (s.passes - Vec3f(1 - s.opacity)) * kept;
     }
+    const bool reflects = s.f0 != Vec3f(0) || s.f90 != 0 || s.dielectric_f0 != 0 || s.dielectric_f90 != 0 || s.coat > 0;
+    s.is_matte = !reflects && !s.is_solid && s.transmission == Vec3f(0);
     return s;
 }
 

@@ -35,6 +35,8 @@ struct Surface {
     float coat = 0;            ///< share of the clear coat
     float coat_alpha = kMinAlpha;
 
+    bool is_matte = false;     ///< nothing but `diffuse` scatters light: what follows from that is not worked out again
+
     Vec3f transmission{0};      ///< tint of what a rough thin pane, or a solid body, lets through; zero: nothing
     bool is_solid = false;      ///< light is bent (KHR_materials_volume); else the surface is a thin pane
     float eta = 1;              ///< solid: refractive index behind the surface over that on the eye's side

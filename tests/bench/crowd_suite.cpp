@@ -86,12 +86,17 @@ void run_case(Report& report, const Crowd& crowd, const Recipe& recipe)
     if (!report.wants(name + " " + recipe.name)) return;
     OccamCrowd ours(crowd);
     EmbreeCrowd theirs(crowd);
-    std::vector<double> frame, edit, peer, peer_commit, peer_trace;
+    std::vector<double> frame, edit, cpu, peer, peer_cpu, peer_commit, peer_trace;
     std::uint64_t peer_rays = 0;
     for (int f = 0; f <= kFrames; ++f) {
+        const double start = process_seconds();
         const double seconds = ours.render(f, recipe);
+        const double between = process_seconds();
         const EmbreeCrowd::Frame other = theirs.render(f, recipe);
+        const double end = process_seconds();
         if (f == 0) continue;  // makes what is kept from frame to frame
+        cpu.push_back(between - start);
+        peer_cpu.push_back(end - between);
         frame.push_back(seconds);
         edit.push_back(ours.edit_seconds());
         peer.push_back(other.edit_seconds + other.commit_seconds + other.trace_seconds);
@@ -110,8 +115,9 @@ void run_case(Report& report, const Crowd& crowd, const Recipe& recipe)
     row.add("faces_touched", double(s.built.faces_touched)).add("grids", double(s.built.grids)).add("flushes", double(s.memory.flushes));
     row.add("embree_frame_seconds", peer).add("embree_commit_seconds", peer_commit).add("embree_trace_seconds", peer_trace);
     row.add("embree_rays", double(peer_rays)).add("embree_bytes", double(theirs.peak_bytes()));
-    row.add("ratio", ratios(frame, peer));
-    row.note = "frame, edit and refit: wall clock; stages from build to film: workers' seconds summed, of the last frame";
+    row.add("cpu_seconds", cpu).add("embree_cpu_seconds", peer_cpu);
+    row.add("ratio", ratios(frame, peer)).add("cpu_ratio", ratios(cpu, peer_cpu));
+    row.note = "cpu_: of all threads, what a busy machine disturbs least; frame, edit and refit: wall clock; stages from build to film: workers' seconds summed, of the last frame";
     report.add(std::move(row));
 }
 

@@ -17,6 +17,9 @@ void run_frame(Report& report);
 void run_first(Report& report);
 void run_levels(Report& report);
 void run_crowd(Report& report);
+void run_hidden(Report& report);
+void run_edits(Report& report);
+void run_figure11(Report& report);
 
 struct Suite {
     const char* name;
@@ -36,6 +39,9 @@ inline constexpr Suite kSuites[] = {
     {"levels", "level of detail of each ray, of each cage, and of a ray's origin: time, memory, difference", run_levels},
     {"first", "from the file to the first finished tile, 500,000 faces", run_first},
     {"crowd", "cages that all deform every frame, beside Embree rebuilding its own", run_crowd},
+    {"hidden", "frames with 10^5 to 10^7 hidden faces that deform, beside the same without them", run_hidden},
+    {"edits", "refitting after edits, in trees of 10^2 to 10^6 nodes", run_edits},
+    {"figure11", "building 605,000 faces lazily, by hierarchy, by scanning: each switched on and off", run_figure11},
 };
 
 }  // namespace occam::bench

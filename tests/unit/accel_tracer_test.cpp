@@ -3,6 +3,7 @@
 
 #include <bit>
 #include <random>
+#include <set>
 
 #include "accel/frame.h"
 #include "accel/tracer.h"
@@ -62,6 +63,28 @@ TEST(Tracer, FindsTheSameBitsForARayAloneAndInAPacket)
         EXPECT_GT(hits, 5000);
         EXPECT_EQ(a.counters().packets > 0, kLanes > 1);
     }
+}
+
+// Eager or lazy, flat or by hierarchy, swept or scanned: other trees, the same hits.
+TEST(Tracer, FindsTheSameHitsHoweverItBuilds)
+{
+    Stage stage;
+    const CageId ring = stage.scene.add(torus(24, 12));
+    for (int i = 0; i < 9; ++i) place(stage.scene, ring, {i % 3 * 2.0 - 2, 0.1 * i, i / 3 * 2.0 - 2}, 0.7);
+    place(stage.scene, stage.scene.add(prism(7)), {0, 1, 0});
+    const accel::Frame frame = stage.frame(-5);
+    const auto rays = rays_towards({0.3, 3, 4}, stage.scene.bounds(), 4000, 7);
+    std::vector<accel::SurfaceHit> usual(rays.size()), hits(rays.size());
+    accel::Tracer(frame, kPlenty).closest(rays, usual);
+    std::set<std::uint64_t> nodes;
+    for (int on = 0; on < 8; ++on) {
+        accel::Tracer tracer(frame, kPlenty, {(on & 1) != 0, (on & 2) != 0, (on & 4) != 0});
+        EXPECT_EQ(tracer.counters().kd_nodes > 0, (on & 1) == 0) << "built before the first ray, unless lazily";
+        tracer.closest(rays, hits);
+        for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_TRUE(same(usual[i], hits[i])) << "ray " << i << " techniques " << on;
+        nodes.insert(tracer.counters().kd_nodes);
+    }
+    EXPECT_GE(nodes.size(), 6u) << "each technique makes another tree";
 }
 
 TEST(Tracer, AnswersOcclusionAsTheNearestHitDoes)

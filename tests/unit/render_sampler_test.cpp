@@ -32,6 +32,24 @@ TEST(Sampler, EveryElementaryIntervalHoldsOnePointOfEachAlignedBlock)
                 }
 }
 
+// Direction numbers of the second dimension: the polynomials (1 + x)^i modulo 2.
+TEST(Sampler, TheSecondDimensionIsThatOfSobolsDirectionNumbers)
+{
+    for (std::uint32_t n = 0; n < 5000; ++n) {
+        const std::uint32_t index = n * 0x9e3779b9u;
+        std::uint32_t y = 0, direction = 1u << 31;
+        for (std::uint32_t i = index; i != 0; i >>= 1, direction ^= direction >> 1)
+            if ((i & 1u) != 0) y ^= direction;
+        ASSERT_EQ(sobol_pair(index).y, y) << "of number " << index;
+    }
+}
+
+TEST(Sampler, AnIntervalIsTheFirstCoordinateOfItsSquare)
+{
+    const Sampler sampler(7, 1, true);
+    for (std::uint32_t i = 0; i < 100; ++i) EXPECT_EQ(sampler.interval(4, 5, i, kLight), sampler.square(4, 5, i, kLight).x);
+}
+
 TEST(Sampler, ScramblingKeepsTheOrderOfBitsAndIsABijection)
 {
     std::set<std::uint32_t> seen;

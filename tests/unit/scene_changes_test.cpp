@@ -124,6 +124,49 @@ OnDemandCage demanded(std::atomic<int>& calls, Cage cage)
     return on_demand;
 }
 
+// Hidden behind a wall, or beside the picture: however much it is, and however it changes, a frame does the same work. One worker,
+// since two divide it as they come.
+TEST(HiddenGeometry, CostsNoWorkOfAnyKind)
+{
+    const auto work_with = [](int copies) {
+        World world;
+        Cage wall;
+        wall.scheme = Scheme::Triangles;
+        wall.positions = {{-90, -90, -4}, {90, -90, -4}, {0, 180, -4}};
+        wall.face_vertices = {0, 1, 2};
+        place(world.scene, world.scene.add(wall), {0, 0, 0});
+        std::vector<CageId> hidden;
+        NodeDesc behind, beside;
+        behind.place.translation = {0, 0, -12};
+        beside.place.translation = {200, 0, 0};
+        for (const NodeId group : {world.scene.add_node(world.scene.root(), behind), world.scene.add_node(world.scene.root(), beside)})
+            for (int i = 0; i < copies; ++i) {
+                hidden.push_back(world.scene.add(torus()));
+                NodeDesc desc;
+                desc.place.translation = {i % 8 - 4.0, i / 8 % 8 - 4.0, -0.1 * i};
+                desc.cages = {hidden.back()};
+                world.scene.add_node(group, std::move(desc));
+            }
+        Renderer renderer({.threads = 1});
+        renderer.render(world.scene, kCamera, kSmall);
+        for (const CageId cage : hidden) {
+            std::vector<Vec3f> positions = world.scene.cage(cage).cage.positions;
+            for (Vec3f& p : positions) p.y *= 1.5f;
+            world.scene.write_vertices(cage, positions);
+        }
+        renderer.render(world.scene, kCamera, kSmall);
+        return renderer.stats();
+    };
+    const FrameStats few = work_with(1), many = work_with(64);
+    EXPECT_GT(few.built.faces_touched, 0u);
+    EXPECT_EQ(few.built.faces_touched, many.built.faces_touched);
+    // Planes fall elsewhere, so that a packet may look into other boxes beside its way.
+    EXPECT_NEAR(double(few.built.grids), double(many.built.grids), 0.05 * double(few.built.grids));
+    EXPECT_NEAR(double(few.built.micropolygons), double(many.built.micropolygons), 0.05 * double(few.built.micropolygons));
+    EXPECT_LE(many.built.kd_nodes, few.built.kd_nodes + 24) << "planes between what is seen and what is not";
+    EXPECT_LE(many.memory.arena_peak_bytes, few.memory.arena_peak_bytes + (std::size_t(128) << 10)) << "the items of two groups";
+}
+
 TEST(OnDemandCages, AreMadeWhenSeenAndNotBefore)
 {
     std::atomic<int> calls = 0;

@@ -59,6 +59,29 @@ TEST(Scene, AnEditMarksThePathToTheRootAndNothingElse)
     expect_box(scene.bounds(), {0, 0, 0}, {4, 1, 0});
 }
 
+// Of a tree of any size: each path from an edited node to the root, and the nodes beside it.
+TEST(Scene, AnEditLooksAtItsPathsToTheRootAlone)
+{
+    constexpr std::size_t kFanOut = 8;
+    for (const int depth : {2, 4}) {
+        Scene scene;
+        const CageId square = scene.add(unit_square());
+        std::vector<NodeId> row{scene.root()};
+        for (int d = 0; d < depth; ++d) {
+            std::vector<NodeId> below;
+            for (const NodeId parent : row)
+                for (std::size_t c = 0; c < kFanOut; ++c) below.push_back(scene.add_node(parent, {.cages = {square}}));
+            row = std::move(below);
+        }
+        EXPECT_GE(scene.refit(), row.size());
+        EXPECT_EQ(scene.refit(), 1u) << "nothing to do";
+        for (const std::size_t edits : {1u, 3u, 7u}) {
+            for (std::size_t e = 0; e < edits; ++e) scene.set_transform(row[e * row.size() / edits], moved(double(e), 0, 1));
+            EXPECT_LE(scene.refit(), 1 + edits * kFanOut * std::size_t(depth)) << "depth " << depth;
+        }
+    }
+}
+
 TEST(Scene, WrittenVerticesReachEveryNodeThatShowsTheCage)
 {
     Scene scene;

@@ -146,6 +146,25 @@ TEST(Bsdf, ASurfaceWithoutReflectanceIsLambertian)
     EXPECT_NEAR(scatter(s, glm::normalize(Vec3f(0, 1, 1))).x, 0.6f / kPi * std::sqrt(0.5f), 1e-6f);
 }
 
+TEST(Bsdf, AMatteSurfaceIsWorkedOutShortlyToTheSameBits)
+{
+    Numbers numbers(11);
+    for (int i = 0; i < 1000; ++i) {
+        Surface s = surface_of(0.5f, Vec3f(0.6f, 0.3f, 0), Vec3f(0), 0.1f + 0.9f * numbers.one());
+        s.dielectric_f90 = s.f90 = 0;
+        s.normal = direction(0.9f, numbers.one());
+        Surface shortly = s;
+        shortly.is_matte = true;
+        const Vec3f to_light = direction(2 * numbers.one() - 1, 6 * numbers.one());
+        EXPECT_EQ(scatter(shortly, to_light), scatter(s, to_light));
+        EXPECT_EQ(scatter_density(shortly, to_light), scatter_density(s, to_light));
+        const float choice = numbers.one();
+        const Vec2f square(numbers.one(), numbers.one());
+        EXPECT_EQ(sample_scatter(shortly, choice, square).direction, sample_scatter(s, choice, square).direction);
+        EXPECT_EQ(sample_scatter(shortly, choice, square).weight, sample_scatter(s, choice, square).weight);
+    }
+}
+
 // f(a, b) = f(b, a) where the normals agree; through a body too, since radiance is counted over the squared index: then
 // f(a, b) / eta_b^2 is symmetric.
 TEST(Bsdf, IsReciprocal)

@@ -1,0 +1,90 @@
+// What bounds a whole patch, against the points that it bounds.
+#include <gtest/gtest.h>
+
+#include "lod/posed_patch.h"
+#include "tests/support/diced_mesh.h"
+#include "tests/support/shape_builders.h"
+
+namespace occam::test {
+namespace {
+
+constexpr int kSide = 16;  // rates up to this many are bounded by the speeds
+
+struct Grid {
+    Vec3f at[kSide + 1][kSide + 1];
+
+    explicit Grid(lod::PosedPatch& patch)
+    {
+        std::vector<float> p(3 * (kSide + 1) * (kSide + 1));
+        const std::size_t room = p.size() / 3;
+        patch.points({0, 0, 1.0f / kSide, 1.0f / kSide, kSide + 1, kSide + 1}, &p[0], &p[room], &p[2 * room], kSide + 1);
+        for (std::size_t j = 0; j <= kSide; ++j)
+            for (std::size_t i = 0; i <= kSide; ++i) {
+                const std::size_t k = j * (kSide + 1) + i;
+                at[j][i] = {p[k], p[room + k], p[2 * room + k]};
+            }
+    }
+};
+
+class PatchHulls : public testing::TestWithParam<Cage> {
+protected:
+    template <class Check>
+    void for_patches(Check&& check)
+    {
+        const DicedCage diced(GetParam(), 0);
+        const lod::Topology& topology = diced.topology();
+        lod::PosedPatch patch;
+        for (std::uint32_t face = 0; face < topology.face_count(); ++face)
+            for (std::uint32_t sub = 0; sub < topology.patches_of(face); ++sub) {
+                SCOPED_TRACE(testing::Message() << "face " << face << ", part " << sub);
+                patch.set(diced.posed, {face, sub});
+                Box3f controls;
+                for (const std::uint32_t v : topology.controls({face, sub}).indices) controls.add(diced.posed.vertex(v));
+                check(patch, Grid(patch), controls);
+            }
+    }
+};
+
+TEST_P(PatchHulls, HoldThePatchAndLieInItsControlPoints)
+{
+    for_patches([](lod::PosedPatch& patch, const Grid& grid, const Box3f& controls) {
+        const Box3f box = patch.bounds(0, 1, 0, 1);
+        for (const auto& row : grid.at)
+            for (const Vec3f p : row)
+                for (int a = 0; a < 3; ++a) ASSERT_TRUE(box.lo[a] <= p[a] && p[a] <= box.hi[a]) << "along axis " << a;
+        for (int a = 0; a < 3; ++a)
+            ASSERT_TRUE(controls.lo[a] - 1e-4f <= box.lo[a] && box.hi[a] <= controls.hi[a] + 1e-4f) << "along axis " << a;
+    });
+}
+
+TEST_P(PatchHulls, BoundSpeedsInsideAndAlongEachSide)
+{
+    for_patches([](lod::PosedPatch& patch, const Grid& grid, const Box3f&) {
+        float u = 0, v = 0, side[4] = {};
+        for (int j = 0; j <= kSide; ++j)
+            for (int i = 0; i < kSide; ++i) {
+                const float along_u = kSide * glm::distance(grid.at[j][i], grid.at[j][i + 1]);
+                const float along_v = kSide * glm::distance(grid.at[i][j], grid.at[i + 1][j]);
+                u = std::max(u, along_u);
+                v = std::max(v, along_v);
+                if (j == 0) side[0] = std::max(side[0], along_u), side[3] = std::max(side[3], along_v);
+                if (j == kSide) side[2] = std::max(side[2], along_u), side[1] = std::max(side[1], along_v);
+            }
+        float bound_u, bound_v;
+        patch.speeds(bound_u, bound_v);
+        EXPECT_LE(u, bound_u * 1.0001f);
+        EXPECT_LE(v, bound_v * 1.0001f);
+        // Control points are no farther from the curve than to give a loose bound.
+        EXPECT_LE(bound_u, 3 * u + 1e-4f);
+        EXPECT_LE(bound_v, 3 * v + 1e-4f);
+        for (int s = 0; s < 4; ++s) {
+            EXPECT_LE(side[s], patch.side_speed(s) * 1.0001f) << "side " << s;
+            EXPECT_LE(patch.side_speed(s), 3 * side[s] + 1e-4f) << "side " << s;
+        }
+    });
+}
+
+INSTANTIATE_TEST_SUITE_P(Cages, PatchHulls, testing::Values(torus(), prism(3), prism(5), spindle(7)));
+
+}  // namespace
+}  // namespace occam::test
