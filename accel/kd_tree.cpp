@@ -9,11 +9,10 @@ namespace occam::accel {
 namespace {
 
 constexpr std::size_t kEnough = 16;        // candidates to choose a plane from; tests/bench has the curve
-constexpr std::size_t kMany = 64;          // candidates that are not opened one by one
+constexpr std::size_t kMany = 64;          // candidates above which planes are tried at fixed steps, and items not opened one by one
 constexpr float kTraversalCost = 32;       // in the units of Item::cost; tests/bench has the curve
 constexpr float kEmptyBonus = 0.8f;        // of a split that cuts off empty space
 constexpr int kAnyEffort = 2;
-constexpr std::size_t kMany = 64;          // boxes above which planes are tried at fixed steps
 constexpr int kSteps = 32;
 
 }  // namespace
