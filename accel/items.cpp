@@ -268,8 +268,11 @@ void Items::open_region(const Item& item)
 /// Whether the item's patch, or all patches of its cluster, are met in the cluster's one igrid.
 bool Items::shares(const Item& item, int pair) const noexcept
 {
-    return item.kind == Item::Leaf ||
-           (item.kind == Item::Region && pair >= item.cluster->small_from && item.cluster->patches.size() <= kMaxParts);
+    return item.kind == Item::Leaf || (may_share(item) && pair >= item.cluster->small_from);
+}
+bool Items::may_share(const Item& item) const noexcept
+{
+    return item.kind == Item::Region && item.cluster->patches.size() <= kMaxParts;
 }
 
 PairRange Items::range(ItemIndex i, int pair) const noexcept
@@ -278,8 +281,13 @@ PairRange Items::range(ItemIndex i, int pair) const noexcept
     if (item.kind == Item::Faces || frame_.levels.mode == lod::LevelMode::PerInstance) return kAllPairs;
     const int finest = item.cage().finest_level();
     if (pair < finest) return {lod::kFinestLevel, finest - 1};
-    const int same = shares(item, pair) ? item.cluster->same_from : item.patch->scale.coarsest();
-    return pair >= same ? PairRange{std::max(same, finest), lod::kCoarsestLevel} : PairRange{pair, pair};
+    if (shares(item, pair)) {
+        const int same = item.cluster->same_from;
+        return pair >= same ? PairRange{std::max(same, finest), lod::kCoarsestLevel} : PairRange{pair, pair};
+    }
+    // Up to where it is met in the cluster's igrid instead.
+    const int same = item.patch->scale.coarsest(), last = may_share(item) ? item.cluster->small_from - 1 : lod::kCoarsestLevel;
+    return pair >= same ? PairRange{std::max(same, finest), last} : PairRange{pair, pair};
 }
 
 IGrid& Items::grid(ItemIndex i, int pair)

@@ -117,6 +117,7 @@ private:
     void add_cage(const PlacedNode& at, const Node& node, CageId id, std::size_t place);
     IGrid* build(const Item& item, int level, int coarser, bool is_shared, const lod::TileRef& tile);
     bool shares(const Item& item, int pair) const noexcept;
+    bool may_share(const Item& item) const noexcept;
     Box3f box_of(const lod::PosedCage& cage, std::uint32_t cluster) const;
     Box3f to_tree(const lod::PosedCage& cage, const Box3f& box) const;
 
