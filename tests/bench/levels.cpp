@@ -66,8 +66,8 @@ Stage behind_a_wall()
     put_things(stage.scene, stage.scene.add(Material{}));
     put(stage.scene, stage.scene.add(sheet(40, 40, 40, 40, 0.15f)), {21, 7, 4}, 1, 0.05);
     AreaLight light;
-    light.size = Vec2f(18);
-    light.radiance = {3.6f, 3.4f, 3.1f};
+    light.size = Vec2f(14);
+    light.radiance = {6, 5.6f, 5.2f};
     NodeDesc desc;
     desc.place.translation = {2, 24, 4};
     desc.place.rotation = about_x(-1.5707963267948966);  // its -z is down
