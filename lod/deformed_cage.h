@@ -29,7 +29,8 @@ public:
     Vec3f position(std::uint32_t v)
     {
         const Vec3f* block = blocks_[v / kBlock];
-        return (block ? block : pose_block(v / kBlock))[v % kBlock];
+        if (!block) block = pose_block(v / kBlock);  // as (block ? block : ...)[v % kBlock], g++ 12 loses the index under ubsan
+        return block[v % kBlock];
     }
     /// Not normalised; of a cage that has normals. Morphed, then by the inverse transpose of the vertex's blended matrix.
     Vec3f normal(std::uint32_t v) const noexcept;
