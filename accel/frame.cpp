@@ -26,13 +26,15 @@ float farthest_displaced(const Scene& scene)
 
 }  // namespace
 
-Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels, const TextureStore* textures)
+Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels, const TextureStore* textures,
+             const lod::VertexShading& shading)
     : state_(std::make_unique<State>())
 {
     state_->scene = &scene;
     state_->topologies = &topologies;
     state_->levels = levels;
     state_->textures = textures;
+    state_->shading = shading;
     if (textures && scene.is_displaced()) state_->levels.displaced = farthest_displaced(scene);
     const Node& root = scene.node(scene.root());
     const Box3d world = root.visible ? transform_box(root.parent_from_node, root.bounds) : Box3d();

@@ -5,6 +5,7 @@
 
 #include "lod/footprint.h"
 #include "lod/topology_cache.h"
+#include "lod/vertex_shader.h"
 #include "scenegraph/texture/texture_store.h"
 #include "scenegraph/scene.h"
 
@@ -16,7 +17,9 @@ public:
     /// scene    refitted; not edited while this lives
     /// eye      of the camera whose footprints choose the level of each cage instance
     /// textures prepared; null: nothing is displaced
-    Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels, const TextureStore* textures = nullptr);
+    /// shading  phase one at the vertices of grids, for SurfaceHit::phase_one; its shader is borrowed
+    Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels, const TextureStore* textures = nullptr,
+          const lod::VertexShading& shading = {});
     ~Frame();
 
     struct State;

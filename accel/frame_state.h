@@ -10,6 +10,7 @@ struct FrameState {
     lod::TopologyCache* topologies = nullptr;
     lod::LevelSettings levels;
     const TextureStore* textures = nullptr;  ///< of displacement
+    lod::VertexShading shading;
     Vec3d anchor{0};  ///< of the tree's frame: a lattice point near the scene's middle
     Box3f bounds;     ///< of the scene, tree's frame
     float radius = 0; ///< of a ball about the anchor that holds the scene

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "accel/stopwatch.h"
+#include "accel/vertex_values.h"
 #include "scenegraph/base/hash.h"
 
 namespace occam::accel {
@@ -89,12 +91,13 @@ struct Corner {
     Vec4f color{1};
 };
 
-void patch_corners(IGrid& grid, std::uint32_t number, bool is_closer, const float (&weight)[3], lod::Dicer& dicer, Arena& arena,
+void patch_corners(IGrid& grid, std::uint32_t number, bool is_closer, const float (&weight)[3], const PhaseOneTools& tools,
                    Corner (&corner)[3], bool (&has_uv)[2])
 {
     IGridPart& part = grid.parts[part_of(number)];
     if (!part.is_shaded) {
-        part.attributes = dicer.shade(*grid.cage, part.tile, grid.blends() ? part.coarser() : part.tile.rates, arena);
+        const Stopwatch watch(tools.counters.shade_seconds);
+        part.attributes = tools.dicer.shade(*grid.cage, part.tile, grid.blends() ? part.coarser() : part.tile.rates, tools.arena);
         part.is_shaded = true;
     }
     const QuadRef q = quad_of(number);
@@ -194,7 +197,7 @@ bool comes_before(const IGrid& a, std::uint32_t a_id, const IGrid& b, std::uint3
     return order_of(a, a_id) < order_of(b, b_id);
 }
 
-void resolve(const Ray& ray, const Met& met, const Scene& scene, lod::Dicer& dicer, Arena& arena, SurfaceHit& hit)
+void resolve(const Ray& ray, const Met& met, const PhaseOneTools& tools, SurfaceHit& hit)
 {
     IGrid& grid = *met.grid;
     const std::uint32_t id = met.id;
@@ -216,7 +219,7 @@ void resolve(const Ray& ray, const Met& met, const Scene& scene, lod::Dicer& dic
     Corner corner[3];
     bool has_uv[2] = {};
     if (!grid.is_lattice) mesh_corners(grid, number, corner, has_uv);
-    else patch_corners(grid, number, is_closer, weight, dicer, arena, corner, has_uv);
+    else patch_corners(grid, number, is_closer, weight, tools, corner, has_uv);
 
     const double sense = cage.is_mirrored ? -1 : 1;
     const Vec3d winding = glm::cross(tri.b - tri.a, tri.c - tri.a);
@@ -247,7 +250,7 @@ void resolve(const Ray& ray, const Met& met, const Scene& scene, lod::Dicer& dic
         hit.uv_width[s] = area > 0 ? static_cast<float>(ray.footprint.at(met.t) * std::sqrt(uv_area / area)) : 0;
     }
     hit.face = !grid.is_lattice ? number : grid.parts[part_of(number)].tile.patch.face;
-    hit.material = material_of(scene, cage, hit.face);
+    hit.material = material_of(*tools.frame.scene, cage, hit.face);
     hit.node = cage.node_id;
     hit.lit_by = cage.lit_by;
     if (!is_closer && area > 0) {
@@ -261,6 +264,13 @@ void resolve(const Ray& ray, const Met& met, const Scene& scene, lod::Dicer& dic
     const lod::TileRef* tile = grid.is_lattice ? &grid.parts[part_of(number)].tile : nullptr;
     const std::uint64_t tile_number = tile ? std::uint64_t(tile->j0) << 32 | tile->i0 : 0;
     hit.blend = weight[0] * float(w.x) + weight[1] * float(w.y) + weight[2] * float(w.z);
+    if (tile && tools.frame.shading.shader) {
+        // A closer is a line without width: the quad beside it stands in.
+        const QuadRef q = quad_of(number);
+        Vec2d at(q.i, q.j);
+        for (int p = 0; p < 3 && !is_closer; ++p) at += Vec2d(kCorners[q.triangle][p][0], kCorners[q.triangle][p][1]) * w[p];
+        add_vertex_values(grid, part_of(number), at, tools, hit);
+    }
     hit.micropolygon = static_cast<std::uint32_t>(mix_bits(cage.key ^ mix_bits(std::uint64_t(number) << 32 ^ hit.face) ^ std::uint64_t(tile_number)));
 }
 

@@ -3,8 +3,10 @@
 
 #include <cfloat>
 
+#include "accel/frame_state.h"
 #include "accel/igrid.h"
 #include "accel/ray_lanes.h"
+#include "accel/tracer.h"
 
 namespace occam::accel {
 
@@ -47,7 +49,15 @@ struct Met {
     lod::Blend<float> blend;  ///< of the ray in the grid's pair, if the grid blends
 };
 
+/// What phase one is run with.
+struct PhaseOneTools {
+    const FrameState& frame;
+    lod::Dicer& dicer;
+    Arena& arena;
+    TraceCounters& counters;
+};
+
 /// Fills a hit from the micropolygon that was met. Runs phase one on its patch if it is the first hit there.
-void resolve(const Ray& ray, const Met& met, const Scene& scene, lod::Dicer& dicer, Arena& arena, SurfaceHit& hit);
+void resolve(const Ray& ray, const Met& met, const PhaseOneTools& tools, SurfaceHit& hit);
 
 }  // namespace occam::accel

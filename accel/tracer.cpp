@@ -445,7 +445,7 @@ void Tracer::closest(std::span<const Ray> rays, std::span<SurfaceHit> hits)
             if (!grid) return;
             Met met{found.t[lane], grid, found.id[lane], {}};
             if (grid->blends()) met.blend = is_single ? s.single_levels.blend(grid->pairs.finest) : s.blend_of_lane(grid->pairs.finest, static_cast<int>(lane));
-            resolve(s.sorted[first + i], met, *s.frame.scene, s.dicer, s.arena, hit);
+            resolve(s.sorted[first + i], met, {s.frame, s.dicer, s.arena, s.counters}, hit);
         };
         return s.run<Nearest>(first, count, limit, take) && s.arena.bytes() <= limit;
     });
@@ -479,9 +479,11 @@ TraceCounters& TraceCounters::operator+=(const TraceCounters& o) noexcept
     flushes += o.flushes;
     vertices_diced += o.vertices_diced;
     vertices_shaded += o.vertices_shaded;
+    vertices_looked_up += o.vertices_looked_up;
     peak_bytes += o.peak_bytes;
     build_seconds += o.build_seconds;
     dice_seconds += o.dice_seconds;
+    shade_seconds += o.shade_seconds;
     deform.vertices += o.deform.vertices;
     deform.seconds += o.deform.seconds;
     for (int l = 0; l < kLevels; ++l) micropolygons_of_level[l] += o.micropolygons_of_level[l];

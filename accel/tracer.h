@@ -16,6 +16,7 @@
 
 #include "lod/deformed_cage.h"
 #include "lod/footprint.h"
+#include "lod/vertex_shader.h"
 #include "scenegraph/scene.h"
 
 namespace occam::accel {
@@ -50,6 +51,8 @@ struct SurfaceHit {
     Vec2f uv[2]{};                 ///< the first two sets
     float uv_width[2]{};           ///< of the ray's footprint, in units of uv
     Vec4f color{1};                ///< vertex colour
+    int phase_one_channels = 0;    ///< VertexShader's values at the hit; 0: none were made, look them up
+    float phase_one[lod::VertexShader::kMaxChannels] = {};
     const Material* material = nullptr;  ///< never null at a hit
     NodeId node;
     LightGroups lit_by = kAllGroups;
@@ -65,9 +68,11 @@ struct SurfaceHit {
 struct TraceCounters {
     std::uint64_t rays = 0, packets = 0, kd_nodes = 0, kd_visited = 0, kd_expanded = 0, grids = 0, micropolygons = 0, faces_touched = 0, flushes = 0;
     std::uint64_t vertices_diced = 0, vertices_shaded = 0;
+    std::uint64_t vertices_looked_up = 0;  ///< at which VertexShader made values
     std::size_t peak_bytes = 0;
     double build_seconds = 0;  ///< of the tree, without dicing
     double dice_seconds = 0;
+    double shade_seconds = 0;  ///< of phase one: normals, coordinates, VertexShader's values
     lod::DeformCounters deform;  ///< its seconds are among those of build and dice
     static constexpr int kFinestLevel = -60, kLevels = 121;
     std::uint64_t diced = 0;                ///< micropolygons of surfaces: of triangle meshes none

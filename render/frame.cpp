@@ -9,7 +9,9 @@
 #include "accel/frame.h"
 #include "render/film.h"
 #include "render/integrator.h"
+#include "render/shade_point.h"
 #include "render/tiles.h"
+#include "shade/material_values.h"
 
 namespace occam::render {
 namespace {
@@ -112,8 +114,9 @@ public:
         stats.seconds.build += t.build_seconds;
         stats.seconds.tessellate += t.dice_seconds;
         stats.seconds.deform += t.deform.seconds;
-        stats.seconds.trace += std::max(0.0, c.trace_seconds - t.build_seconds - t.dice_seconds);
-        stats.seconds.shade += c.shade_seconds;
+        stats.seconds.trace += std::max(0.0, c.trace_seconds - t.build_seconds - t.dice_seconds - t.shade_seconds);
+        stats.seconds.shade += c.shade_seconds + t.shade_seconds;
+        stats.seconds.phase_one += t.shade_seconds;
         stats.seconds.film += film_seconds_;
         stats.built.kd_nodes += t.kd_nodes;
         stats.built.grids += t.grids;
@@ -124,6 +127,8 @@ public:
         stats.built.faces_touched += t.faces_touched;
         stats.built.vertices_deformed += t.deform.vertices;
         stats.built.vertices_shaded += t.vertices_shaded;
+        stats.built.vertices_looked_up += t.vertices_looked_up;
+        stats.built.hits_looked_up += c.hits_looked_up;
         stats.memory.arena_peak_bytes += t.peak_bytes;
         stats.memory.flushes += t.flushes;
     }
@@ -201,7 +206,10 @@ Image render_frame(const FrameInputs& in, FrameControl& control, FrameStats& sta
     set_depth_range(context, in.scene_bounds);
     constexpr lod::LevelMode kModes[] = {lod::LevelMode::PerRay, lod::LevelMode::PerInstance, lod::LevelMode::Frozen};
     levels.mode = kModes[static_cast<int>(in.settings.lod)];
-    const accel::Frame frame(in.scene, in.topologies, levels, &in.textures);
+    const shade::PhaseOne phase_one(in.textures);
+    lod::VertexShading shading{nullptr, sample_width(in.settings.spp)};
+    if (in.settings.shade_at == ShadeAt::Vertex) shading.shader = &phase_one;
+    const accel::Frame frame(in.scene, in.topologies, levels, &in.textures, shading);
 
     Film film(in.settings);
     const int threads = in.resources.threads;

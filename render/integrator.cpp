@@ -9,9 +9,6 @@
 namespace occam::render {
 namespace {
 
-// A pixel is the mean of its samples: each of them filters textures over its own share of the pixel alone.
-float sample_width(int samples) noexcept { return 1 / std::sqrt(static_cast<float>(samples)); }
-
 // A path's name for its random numbers, new at each of its surfaces and for each branch there.
 std::uint32_t child_key(std::uint32_t key, std::uint32_t branch) noexcept
 {
@@ -164,6 +161,7 @@ void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResu
     // Only the last piece of a ray knows which lights lie before its end: those behind a surface that it passes come later.
     if (!path.is_camera()) cross_lights(path, ray, hit.t, result);
 
+    counters_.hits_looked_up += hit.phase_one_channels == 0;
     const shade::Surface surface = shade::evaluate(shade_point(ray, hit, texture_width_), context_.textures);
     const float covered = path.coverage * surface.opacity;
     if (path.is_camera()) {

@@ -51,6 +51,7 @@ struct IntegratorCounters {
     double trace_seconds = 0, shade_seconds = 0;
     /// Of camera rays that hit: the surface that a pixel covers there, in squares of the shading rate. Summed over samples.
     double visible_cells = 0;
+    std::uint64_t hits_looked_up = 0;  ///< shaded without values of phase one
 };
 
 /// Lights tried at a hit. A scene with more has them sampled, one from each sixteenth of the list.

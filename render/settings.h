@@ -52,6 +52,12 @@ enum class Lod : unsigned char {
     Frozen  ///< of secondary rays: as wide all along as at their origin
 };
 
+/// Where materials are looked up.
+enum class ShadeAt : std::uint8_t {
+    Vertex,  ///< phase one at the vertices of grids, once, interpolated to hits; triangle meshes and alpha masks: at hits
+    Hit
+};
+
 /// Which light is followed; see render/integrator.h.
 enum class IntegratorKind : std::uint8_t { Direct, Ao, Path };
 std::string_view integrator_name(IntegratorKind kind) noexcept;
@@ -76,6 +82,7 @@ struct Settings {
     float sky_strength = 1;  ///< its brightness times this
     float shading_rate = 1;  ///< wanted micropolygon edge, pixels
     Lod lod = Lod::On;
+    ShadeAt shade_at = ShadeAt::Hit;
     std::optional<Camera> lod_camera{};  ///< whose pixels the footprints are; none: the picture's own
     std::uint64_t seed = 0;
     double deadline_s = 0;  ///< stop after so long with what is done; 0: none. The one setting that makes pictures differ

@@ -25,9 +25,10 @@ shade::ShadePoint shade_point(const accel::Ray& ray, const accel::SurfaceHit& hi
     p.tangent = hit.tangent;
     p.tangent_sign = hit.tangent_sign;
     for (int set = 0; set < 2; ++set) {
-        p.uv[set] = hit.uv[set];
-        p.uv_width[set] = hit.uv_width[set] * texture_width;
+        p.texture.uv[set] = hit.uv[set];
+        p.texture.uv_width[set] = hit.uv_width[set] * texture_width;
     }
+    p.phase_one = hit.phase_one_channels > 0 ? hit.phase_one : nullptr;
     p.color = hit.color;
     p.material = hit.material;
     return p;

@@ -137,7 +137,7 @@ LightSample MeshLights::sample(Vec3d point, LightNumbers numbers) const noexcept
             const std::size_t at = std::size_t(face) * 3 + corner;
             return set.values[set.indices.empty() ? mesh.cage->face_vertices[at] : set.indices[at]];
         };
-        p.uv[s] = uv(0) * float(wa) + uv(1) * float(wb) + uv(2) * float(wc);
+        p.texture.uv[s] = uv(0) * float(wa) + uv(1) * float(wb) + uv(2) * float(wc);
     }
     const Surface surface = evaluate(p, *textures_);
     const auto density = static_cast<float>(double(mesh.area_density) / whole * distance2 / cosine);

@@ -1,8 +1,7 @@
 // A point to be shaded, as the integrator hands it down: what phase two knows of a hit, without knowing who found it.
 #pragma once
 
-#include "scenegraph/base/vec.h"
-#include "scenegraph/material.h"
+#include "lod/vertex_shader.h"
 
 namespace occam::shade {
 
@@ -15,8 +14,8 @@ struct ShadePoint {
     float self_distance = 0;          ///< a secondary ray starts this far along normal_geometric
     Vec3f tangent{0};                 ///< unit, across the normal, where u of the normal map grows; zero: no normal map
     float tangent_sign = 1;           ///< of cross(outward normal, tangent), where v falls
-    Vec2f uv[2]{};
-    float uv_width[2]{};                 ///< of the ray's footprint, in units of uv
+    lod::VertexToShade texture;          ///< where textures are looked up: over the ray's footprint
+    const float* phase_one = nullptr;    ///< what PhaseOne made at the vertices about the hit, interpolated; null: nothing
     Vec4f color{1};                      ///< vertex colour, linear
     const Material* material = nullptr;  ///< never null
 };

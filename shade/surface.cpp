@@ -4,6 +4,7 @@
 
 #include "shade/albedo_table.h"
 #include "shade/fresnel.h"
+#include "shade/material_values.h"
 
 namespace occam::shade {
 namespace {
@@ -12,13 +13,6 @@ namespace {
 constexpr float kClearRoughness = 0.05f;
 // A body whose index is nearer to that of the outside does not bend light at all.
 constexpr float kLeastBend = 1e-3f;
-
-Vec4f texel(const TextureUse& use, const ShadePoint& point, const TextureStore& textures) noexcept
-{
-    if (!use) return Vec4f(1);
-    const int set = std::clamp(use.uv_set, 0, 1);
-    return textures.sample(use, point.uv[set], point.uv_width[set]);
-}
 
 float lobe_width(float roughness) noexcept
 {
@@ -38,7 +32,7 @@ float opacity_of(const Material& material, float alpha) noexcept
 
 // Normal from a map (glTF 2.0, sec. 3.9.3), about the interpolated one, on its side. Axes are those of the coordinates after
 // KHR_texture_transform.
-Vec3f mapped_normal(const TextureUse& use, float scale, const ShadePoint& p, const TextureStore& textures) noexcept
+Vec3f mapped_normal(const TextureUse& use, Vec3f t, float scale, const ShadePoint& p) noexcept
 {
     if (!use || p.tangent == Vec3f(0)) return p.normal_shading;
     const Vec3f outward = p.back_side ? -p.normal_shading : p.normal_shading;
@@ -50,7 +44,6 @@ Vec3f mapped_normal(const TextureUse& use, float scale, const ShadePoint& p, con
         up = right * (s * sx) + up * (c * sy);
         right = turned;
     }
-    const Vec3f t = Vec3f(texel(use, p, textures)) * 2.0f - 1.0f;
     const Vec3f n = right * (t.x * scale) + up * (t.y * scale) + outward * t.z;
     const float length = glm::length(n);
     if (!(length > 1e-6f)) return p.normal_shading;
@@ -63,18 +56,15 @@ struct Dielectric {
 };
 
 // KHR_materials_ior and KHR_materials_specular: reflectance at both ends of the angle.
-Dielectric dielectric_of(const Material& m, const ShadePoint& point, const TextureStore& textures) noexcept
+Dielectric dielectric_of(const Material& m, const MaterialValues& values) noexcept
 {
     const float root = (m.ior - 1) / (m.ior + 1);
-    const float strength = m.specular * texel(m.specular_texture, point, textures).w;
-    const Vec3f tint = m.specular_color * Vec3f(texel(m.specular_color_texture, point, textures));
-    return {glm::min(root * root * tint, Vec3f(1)) * strength, strength};
+    return {glm::min(root * root * values.specular_color, Vec3f(1)) * values.specular, values.specular};
 }
 
-void add_transmission(const Material& m, float metallic, float roughness, const ShadePoint& point, const TextureStore& textures,
-                      Surface& s) noexcept
+void add_transmission(const Material& m, const MaterialValues& values, float metallic, bool back_side, Surface& s) noexcept
 {
-    const float share = m.transmission * texel(m.transmission_texture, point, textures).x * (1 - metallic);
+    const float share = values.transmission * (1 - metallic);
     if (!(share > 0)) return;
     s.diffuse *= 1 - std::min(share, 1.0f);
     s.is_solid = m.thickness > 0 && m.ior > 1 + kLeastBend;
@@ -82,14 +72,14 @@ void add_transmission(const Material& m, float metallic, float roughness, const 
         // Light crosses a body's surface twice: straight through it is tinted once.
         s.transmission = share * Vec3f(std::sqrt(std::max(0.0f, s.base_color.x)), std::sqrt(std::max(0.0f, s.base_color.y)),
                                        std::sqrt(std::max(0.0f, s.base_color.z)));
-        s.eta = point.back_side ? 1 / m.ior : m.ior;
+        s.eta = back_side ? 1 / m.ior : m.ior;
         if (m.attenuation_distance > 0 && m.attenuation_distance < std::numeric_limits<float>::infinity())
             for (int c = 0; c < 3; ++c)
                 s.absorption_inside[c] = -maths::log(std::clamp(m.attenuation_color[c], 1e-6f, 1.0f)) / m.attenuation_distance;
         return;
     }
     const Vec3f tint = share * s.base_color;
-    if (roughness >= kClearRoughness) {
+    if (values.roughness >= kClearRoughness) {
         s.transmission = tint;
         return;
     }
@@ -110,31 +100,32 @@ Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
     s.normal_geometric = point.normal_geometric;
     s.normal = s.coat_normal = point.normal_shading;
 
-    const Vec4f base = m.base_color * texel(m.base_color_texture, point, textures) * point.color;
+    MaterialValues values = point.phase_one ? unpack(m, point.phase_one) : MaterialValues(m);
+    if (!point.phase_one || m.alpha_mode == AlphaMode::Mask) values.look_up_color(m, point.texture, textures);
+    const Vec4f base = values.base_color * point.color;
     s.base_color = Vec3f(base);
-    s.opacity = opacity_of(m, base.w * texel(m.alpha_texture, point, textures).x);
+    s.opacity = opacity_of(m, base.w * values.alpha);
     s.passes = Vec3f(1 - s.opacity);
     s.unlit = m.unlit;
     if (s.unlit || s.opacity == 0) return s;
-    s.normal = mapped_normal(m.normal_texture, m.normal_scale, point, textures);
-    s.emission = m.emission == Vec3f(0) ? Vec3f(0) : m.emission * Vec3f(texel(m.emission_texture, point, textures));
+    if (!point.phase_one) values.look_up_rest(m, point.texture, textures);
+    s.normal = mapped_normal(m.normal_texture, values.normal, m.normal_scale, point);
+    s.emission = values.emission;
 
-    const Vec4f rough_metal = texel(m.metallic_roughness_texture, point, textures);
-    const float metallic = std::clamp(m.metallic * rough_metal.z * texel(m.metallic_texture, point, textures).z, 0.0f, 1.0f);
-    const float roughness = m.roughness * rough_metal.y * texel(m.roughness_texture, point, textures).y;
-    s.alpha = lobe_width(roughness);
+    const float metallic = std::clamp(values.metallic, 0.0f, 1.0f);
+    s.alpha = lobe_width(values.roughness);
     s.diffuse = s.base_color * (1 - metallic);
-    const Dielectric dielectric = dielectric_of(m, point, textures);
+    const Dielectric dielectric = dielectric_of(m, values);
     s.dielectric_f0 = std::max({dielectric.f0.x, dielectric.f0.y, dielectric.f0.z});
     s.dielectric_f90 = dielectric.f90;
     s.f0 = dielectric.f0 * (1 - metallic) + s.base_color * metallic;
     s.f90 = dielectric.f90 * (1 - metallic) + metallic;
-    if (m.transmission > 0) add_transmission(m, metallic, roughness, point, textures, s);
+    if (m.transmission > 0) add_transmission(m, values, metallic, point.back_side, s);
 
     if (m.clearcoat > 0) {
-        s.coat = std::clamp(m.clearcoat * texel(m.clearcoat_texture, point, textures).x, 0.0f, 1.0f);
-        s.coat_alpha = lobe_width(m.clearcoat_roughness * texel(m.clearcoat_roughness_texture, point, textures).y);
-        s.coat_normal = mapped_normal(m.clearcoat_normal_texture, 1, point, textures);
+        s.coat = std::clamp(values.coat, 0.0f, 1.0f);
+        s.coat_alpha = lobe_width(values.coat_roughness);
+        s.coat_normal = mapped_normal(m.clearcoat_normal_texture, values.coat_normal, 1, point);
         const float kept = 1 - s.coat * coat_albedo(std::max(0.0f, glm::dot(s.coat_normal, s.to_eye)), s.coat_alpha);
         s.emission *= kept;
         s.passes = Vec3f(1 - s.opacity) + (s.passes - Vec3f(1 - s.opacity)) * kept;

@@ -1,4 +1,4 @@
-// A material's parameters at one point, textures looked up and factors applied: all that the BSDF reads.
+// Phase two of shading begins: a material's parameters at one point, seen from one side: all that the BSDF reads.
 //
 // glTF 2.0 metallic-roughness with KHR_materials_ior, _specular, _clearcoat, _transmission, _volume, _emissive_strength and
 // _unlit. Where it leaves them: both sides of every face are seen (as path tracers do; double_sided decides nothing), and

@@ -56,14 +56,6 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, T& value, const 
     });
 }
 
-// An option with one value so far: scripts may already say it.
-CLI::Option* add_only(CLI::App& app, const std::string& name, const std::string& value, const std::string& what)
-{
-    return add_value(app, name, what, value, [value](const std::string& text) {
-        if (text != value) throw std::invalid_argument("expected " + value + ", not '" + text + "'");
-    });
-}
-
 void add_scene(CLI::App& app, SceneArguments& a)
 {
     app.add_option("SCENE", a.scene, "glTF, GLB or OBJ file; without it the built-in scene")->type_name("");
@@ -142,7 +134,8 @@ void add_picture(CLI::App& app, RenderArguments& a)
         a.environment_strength = s.sky_strength = float(v);
     });
     add_number(app, "--environment-rotation", "Degrees about +y [0]", [&](double v) { a.environment_rotation_deg = float(v); });
-    add_only(app, "--shade", "hit", "Where materials are looked up");
+    add_choice<render::ShadeAt>(app, "--shade", s.shade_at, {{"vertex", render::ShadeAt::Vertex}, {"hit", render::ShadeAt::Hit}},
+                                "Where materials are looked up: at vertices of grids, once, or at every hit [hit]");
 }
 
 void add_camera(CLI::App& app, RenderArguments& a)

@@ -1,0 +1,97 @@
+#include "accel/vertex_values.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "accel/stopwatch.h"
+
+namespace occam::accel {
+namespace {
+
+/// Vertices of a tile at which a level's values are made: every step-th.
+struct ValueLattice {
+    int step_u, step_v, columns, rows;
+
+    ValueLattice(const IGridPart& part, bool is_coarse) noexcept
+    {
+        const int step = 1 << (kCoarser + (is_coarse && part.is_halved));
+        step_u = std::min<int>(step, part.tile.columns);
+        step_v = std::min<int>(step, part.tile.rows);
+        columns = part.tile.columns / step_u;
+        rows = part.tile.rows / step_v;
+    }
+    int count() const noexcept { return (columns + 1) * (rows + 1); }
+    int index(int i, int j) const noexcept { return j * (columns + 1) + i; }
+};
+
+// Filters are as wide as the lattice's quads, and no narrower than those of hits that see the level fully fine.
+const float* make_values(const IGrid& grid, const IGridPart& part, bool is_coarse, const Material& material, int channels,
+                         const PhaseOneTools& tools)
+{
+    const Stopwatch watch(tools.counters.shade_seconds);
+    const ValueLattice lattice(part, is_coarse);
+    const int width = part.tile.columns + 1;
+    const lod::LevelSettings& levels = tools.frame.levels;
+    const double least = double(tools.frame.shading.texture_width) * double(lod::edge_length(grid.level + is_coarse)) /
+                         double(levels.shading_rate * lod::LevelSettings::kLongestEdge);
+    std::array<lod::VertexToShade, (lod::TileRef::kMaxSide + 1) * (lod::TileRef::kMaxSide + 1)> vertices;
+    for (int j = 0; j <= lattice.rows; ++j)
+        for (int i = 0; i <= lattice.columns; ++i) {
+            // Differences to both sides, or to one at the tile's border.
+            const int i0 = std::max(i - 1, 0) * lattice.step_u, i1 = std::min(i + 1, lattice.columns) * lattice.step_u;
+            const int j0 = std::max(j - 1, 0) * lattice.step_v, j1 = std::min(j + 1, lattice.rows) * lattice.step_v;
+            const int at_i = i * lattice.step_u, at_j = j * lattice.step_v;
+            const double quads = double(i1 - i0) / lattice.step_u * (double(j1 - j0) / lattice.step_v);
+            const auto place = [&](int u, int v) { return grid.fine_at(part.vertex(u, v)); };
+            const Vec3f along_u = place(i1, at_j) - place(i0, at_j), along_v = place(at_i, j1) - place(at_i, j0);
+            const double area = double(glm::length(glm::cross(along_u, along_v)));
+            lod::VertexToShade& vertex = vertices[static_cast<std::size_t>(lattice.index(i, j))] = {};
+            for (int s = 0; s < 2; ++s) {
+                const Vec2f* uv = part.attributes.uv[s];
+                if (!uv) continue;
+                const Vec2f u = uv[at_j * width + i1] - uv[at_j * width + i0], v = uv[j1 * width + at_i] - uv[j0 * width + at_i];
+                const double uv_area = std::abs(double(u.x) * v.y - double(u.y) * v.x);
+                vertex.uv[s] = uv[at_j * width + at_i];
+                vertex.uv_width[s] = static_cast<float>(std::sqrt(std::max(uv_area / quads, area > 0 ? least * least * uv_area / area : 0)));
+            }
+        }
+    const auto count = static_cast<std::size_t>(lattice.count());
+    float* values = tools.arena.make_array<float>(count * static_cast<std::size_t>(channels)).data();
+    tools.frame.shading.shader->shade(material, {vertices.data(), count}, values);
+    tools.counters.vertices_looked_up += count;
+    return values;
+}
+
+/// Adds a level's values, bilinear, times `share`.
+void interpolate(const ValueLattice& lattice, const float* values, Vec2d at, float share, int channels, float* out) noexcept
+{
+    const double x = at.x / lattice.step_u, y = at.y / lattice.step_v;
+    const int i = std::clamp(static_cast<int>(x), 0, lattice.columns - 1), j = std::clamp(static_cast<int>(y), 0, lattice.rows - 1);
+    const auto fx = static_cast<float>(x - i), fy = static_cast<float>(y - j);
+    const float* v00 = values + lattice.index(i, j) * channels;
+    const float* v10 = v00 + channels;
+    const float* v01 = values + lattice.index(i, j + 1) * channels;
+    const float* v11 = v01 + channels;
+    const float w00 = (1 - fx) * (1 - fy) * share, w10 = fx * (1 - fy) * share, w01 = (1 - fx) * fy * share, w11 = fx * fy * share;
+    for (int c = 0; c < channels; ++c) out[c] += v00[c] * w00 + v10[c] * w10 + v01[c] * w01 + v11[c] * w11;
+}
+
+}  // namespace
+
+void add_vertex_values(IGrid& grid, std::uint32_t number, Vec2d at, const PhaseOneTools& tools, SurfaceHit& hit)
+{
+    IGridPart& part = grid.parts[number];
+    if (part.tile.columns == 1 && part.tile.rows == 1) return;
+    const int channels = tools.frame.shading.shader->channels(*hit.material);
+    if (channels == 0) return;
+    const float share[2] = {1 - hit.blend, hit.blend};
+    for (int level : {0, 1}) {
+        if (!(share[level] > 0)) continue;
+        if (!part.values[level]) part.values[level] = make_values(grid, part, level == 1, *hit.material, channels, tools);
+        interpolate(ValueLattice(part, level == 1), part.values[level], at, share[level], channels, hit.phase_one);
+    }
+    hit.phase_one_channels = channels;
+}
+
+}  // namespace occam::accel

@@ -1,0 +1,101 @@
+#include "shade/material_values.h"
+
+#include <algorithm>
+
+namespace occam::shade {
+namespace {
+
+Vec4f texel(const TextureUse& use, const lod::VertexToShade& at, const TextureStore& textures) noexcept
+{
+    if (!use) return Vec4f(1);
+    const int set = std::clamp(use.uv_set, 0, 1);
+    return textures.sample(use, at.uv[set], at.uv_width[set]);
+}
+
+// Calls visit(first float, floats) for every value that is made at vertices.
+template <class Values, class Visit>
+void for_each_packed(const Material& m, Values& v, Visit&& visit) noexcept
+{
+    if (m.alpha_mode != AlphaMode::Mask && m.base_color_texture) visit(&v.base_color.x, 4);
+    if (m.alpha_mode == AlphaMode::Blend && m.alpha_texture) visit(&v.alpha, 1);
+    if (m.unlit) return;
+    if (m.metallic_roughness_texture || m.metallic_texture) visit(&v.metallic, 1);
+    if (m.metallic_roughness_texture || m.roughness_texture) visit(&v.roughness, 1);
+    if (m.emission_texture && m.emission != Vec3f(0)) visit(&v.emission.x, 3);
+    if (m.normal_texture) visit(&v.normal.x, 3);
+    if (m.specular_texture) visit(&v.specular, 1);
+    if (m.specular_color_texture) visit(&v.specular_color.x, 3);
+    if (m.transmission > 0 && m.transmission_texture) visit(&v.transmission, 1);
+    if (!(m.clearcoat > 0)) return;
+    if (m.clearcoat_texture) visit(&v.coat, 1);
+    if (m.clearcoat_roughness_texture) visit(&v.coat_roughness, 1);
+    if (m.clearcoat_normal_texture) visit(&v.coat_normal.x, 3);
+}
+
+}  // namespace
+
+MaterialValues::MaterialValues(const Material& m) noexcept
+    : base_color(m.base_color), metallic(m.metallic), roughness(m.roughness), emission(m.emission), specular(m.specular),
+      specular_color(m.specular_color), transmission(m.transmission), coat(m.clearcoat), coat_roughness(m.clearcoat_roughness)
+{
+}
+
+void MaterialValues::look_up_color(const Material& m, const lod::VertexToShade& at, const TextureStore& textures) noexcept
+{
+    base_color = m.base_color * texel(m.base_color_texture, at, textures);
+    alpha = texel(m.alpha_texture, at, textures).x;
+}
+
+void MaterialValues::look_up_rest(const Material& m, const lod::VertexToShade& at, const TextureStore& textures) noexcept
+{
+    const auto look_up = [&](const TextureUse& use) { return texel(use, at, textures); };
+    const Vec4f rough_metal = look_up(m.metallic_roughness_texture);
+    metallic = m.metallic * rough_metal.z * look_up(m.metallic_texture).z;
+    roughness = m.roughness * rough_metal.y * look_up(m.roughness_texture).y;
+    if (m.emission != Vec3f(0)) emission = m.emission * Vec3f(look_up(m.emission_texture));
+    if (m.normal_texture) normal = Vec3f(look_up(m.normal_texture)) * 2.0f - 1.0f;
+    specular = m.specular * look_up(m.specular_texture).w;
+    specular_color = m.specular_color * Vec3f(look_up(m.specular_color_texture));
+    if (m.transmission > 0) transmission = m.transmission * look_up(m.transmission_texture).x;
+    if (!(m.clearcoat > 0)) return;
+    coat = m.clearcoat * look_up(m.clearcoat_texture).x;
+    coat_roughness = m.clearcoat_roughness * look_up(m.clearcoat_roughness_texture).y;
+    if (m.clearcoat_normal_texture) coat_normal = Vec3f(look_up(m.clearcoat_normal_texture)) * 2.0f - 1.0f;
+}
+
+int packed_floats(const Material& material) noexcept
+{
+    int count = 0;
+    const MaterialValues values(material);
+    for_each_packed(material, values, [&](const float*, int floats) { count += floats; });
+    return count;
+}
+
+void pack(const Material& material, const MaterialValues& values, float* to) noexcept
+{
+    for_each_packed(material, values, [&](const float* from, int floats) { to = std::copy_n(from, floats, to); });
+}
+
+MaterialValues unpack(const Material& material, const float* from) noexcept
+{
+    MaterialValues values(material);
+    for_each_packed(material, values, [&](float* to, int floats) {
+        std::copy_n(from, floats, to);
+        from += floats;
+    });
+    return values;
+}
+
+void PhaseOne::shade(const Material& material, std::span<const lod::VertexToShade> vertices, float* out) const noexcept
+{
+    const int floats = packed_floats(material);
+    for (const lod::VertexToShade& at : vertices) {
+        MaterialValues values(material);
+        if (material.alpha_mode != AlphaMode::Mask) values.look_up_color(material, at, textures_);
+        if (!material.unlit) values.look_up_rest(material, at, textures_);
+        pack(material, values, out);
+        out += floats;
+    }
+}
+
+}  // namespace occam::shade
