@@ -25,7 +25,9 @@ struct ValueLattice {
     int index(int i, int j) const noexcept { return j * (columns + 1) + i; }
 };
 
-// Filters are as wide as the lattice's quads, and no narrower than those of hits that see the level fully fine.
+// Filters are half as wide as the lattice's quads, since a bilinear lookup in a MIP level reaches two texels far and the values are
+// interpolated once more (docs/performance.md has what wider ones cost in error); and no narrower than those of hits that see the level
+// fully fine.
 const float* make_values(const IGrid& grid, const IGridPart& part, bool is_coarse, const Material& material, int channels,
                          const PhaseOneTools& tools)
 {
@@ -53,7 +55,7 @@ const float* make_values(const IGrid& grid, const IGridPart& part, bool is_coars
                 const Vec2f u = uv[at_j * width + i1] - uv[at_j * width + i0], v = uv[j1 * width + at_i] - uv[j0 * width + at_i];
                 const double uv_area = std::abs(double(u.x) * v.y - double(u.y) * v.x);
                 vertex.uv[s] = uv[at_j * width + at_i];
-                vertex.uv_width[s] = static_cast<float>(std::sqrt(std::max(uv_area / quads, area > 0 ? least * least * uv_area / area : 0)));
+                vertex.uv_width[s] = static_cast<float>(std::sqrt(std::max(0.25 * uv_area / quads, area > 0 ? least * least * uv_area / area : 0)));
             }
         }
     const auto count = static_cast<std::size_t>(lattice.count());

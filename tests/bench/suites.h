@@ -11,6 +11,7 @@ void run_build(Report& report);
 void run_trace(Report& report);
 void run_light(Report& report);
 void run_light_frames(Report& report);  ///< a part of run_light()
+void run_shade(Report& report);
 void run_converge(Report& report);
 void run_memory(Report& report);
 void run_frame(Report& report);
@@ -33,6 +34,7 @@ inline constexpr Suite kSuites[] = {
     {"build", "topology, lazy trees and grids of a large cage, from cold", run_build},
     {"trace", "closest and any hit on one thread, beside Embree on the same triangles", run_trace},
     {"light", "secondary rays by kind, with footprints and without; what shading and textures cost", run_light},
+    {"shade", "materials looked up at vertices or at hits: counts, time, error; over shading rates and samples", run_shade},
     {"converge", "light with level of detail on and off at many samples, over shading rates", run_converge},
     {"memory", "bytes a resident micro-triangle", run_memory},
     {"frame", "whole frames at 4 samples, with their error against 64", run_frame},
