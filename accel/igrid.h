@@ -59,6 +59,7 @@ struct IGridPart {
     lod::GridAttributes attributes;  ///< made when a hit first asks
     bool is_shaded = false;
     const float* values[2] = {};     ///< VertexShader's, of the fine and of the coarse level; null: not made (accel/vertex_values.h)
+    std::int8_t channels = -1;       ///< floats of these a vertex; below 0: nobody has asked yet
     bool is_transposed = false;      ///< rows run along v
     bool is_halved = false;          ///< in the pair's coarser level the patch has half as many rows and columns
     std::int8_t coarse_filter = 0;   ///< PatchRates::filter of that level

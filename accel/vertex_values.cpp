@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 #include "accel/stopwatch.h"
@@ -11,15 +12,17 @@ namespace {
 
 /// Vertices of a tile at which a level's values are made: every step-th.
 struct ValueLattice {
-    int step_u, step_v, columns, rows;
+    int shift_u, shift_v, step_u, step_v, columns, rows;
 
     ValueLattice(const IGridPart& part, bool is_coarse) noexcept
     {
-        const int step = 1 << (kCoarser + (is_coarse && part.is_halved));
-        step_u = std::min<int>(step, part.tile.columns);
-        step_v = std::min<int>(step, part.tile.rows);
-        columns = part.tile.columns / step_u;
-        rows = part.tile.rows / step_v;
+        const int shift = kCoarser + (is_coarse && part.is_halved);
+        shift_u = std::min(shift, std::countr_zero(part.tile.columns));
+        shift_v = std::min(shift, std::countr_zero(part.tile.rows));
+        step_u = 1 << shift_u;
+        step_v = 1 << shift_v;
+        columns = part.tile.columns >> shift_u;
+        rows = part.tile.rows >> shift_v;
     }
     int count() const noexcept { return (columns + 1) * (rows + 1); }
     int index(int i, int j) const noexcept { return j * (columns + 1) + i; }
@@ -35,8 +38,8 @@ const float* make_values(const IGrid& grid, const IGridPart& part, bool is_coars
     const ValueLattice lattice(part, is_coarse);
     const int width = part.tile.columns + 1;
     const lod::LevelSettings& levels = tools.frame.levels;
-    const double least = double(tools.frame.shading.texture_width) * double(lod::edge_length(grid.level + is_coarse)) /
-                         double(levels.shading_rate * lod::LevelSettings::kLongestEdge);
+    const float least = tools.frame.shading.texture_width * lod::edge_length(grid.level + is_coarse) /
+                        (levels.shading_rate * lod::LevelSettings::kLongestEdge);
     std::array<lod::VertexToShade, (lod::TileRef::kMaxSide + 1) * (lod::TileRef::kMaxSide + 1)> vertices;
     for (int j = 0; j <= lattice.rows; ++j)
         for (int i = 0; i <= lattice.columns; ++i) {
@@ -44,18 +47,18 @@ const float* make_values(const IGrid& grid, const IGridPart& part, bool is_coars
             const int i0 = std::max(i - 1, 0) * lattice.step_u, i1 = std::min(i + 1, lattice.columns) * lattice.step_u;
             const int j0 = std::max(j - 1, 0) * lattice.step_v, j1 = std::min(j + 1, lattice.rows) * lattice.step_v;
             const int at_i = i * lattice.step_u, at_j = j * lattice.step_v;
-            const double quads = double(i1 - i0) / lattice.step_u * (double(j1 - j0) / lattice.step_v);
+            const auto quads = static_cast<float>(((i1 - i0) >> lattice.shift_u) * ((j1 - j0) >> lattice.shift_v));
             const auto place = [&](int u, int v) { return grid.fine_at(part.vertex(u, v)); };
             const Vec3f along_u = place(i1, at_j) - place(i0, at_j), along_v = place(at_i, j1) - place(at_i, j0);
-            const double area = double(glm::length(glm::cross(along_u, along_v)));
+            const float area = glm::length(glm::cross(along_u, along_v));
             lod::VertexToShade& vertex = vertices[static_cast<std::size_t>(lattice.index(i, j))] = {};
             for (int s = 0; s < 2; ++s) {
                 const Vec2f* uv = part.attributes.uv[s];
                 if (!uv) continue;
                 const Vec2f u = uv[at_j * width + i1] - uv[at_j * width + i0], v = uv[j1 * width + at_i] - uv[j0 * width + at_i];
-                const double uv_area = std::abs(double(u.x) * v.y - double(u.y) * v.x);
+                const float uv_area = std::abs(u.x * v.y - u.y * v.x);
                 vertex.uv[s] = uv[at_j * width + at_i];
-                vertex.uv_width[s] = static_cast<float>(std::sqrt(std::max(0.25 * uv_area / quads, area > 0 ? least * least * uv_area / area : 0)));
+                vertex.uv_width[s] = std::sqrt(uv_area * std::max(0.25f / quads, area > 0 ? least * least / area : 0));
             }
         }
     const auto count = static_cast<std::size_t>(lattice.count());
@@ -68,7 +71,7 @@ const float* make_values(const IGrid& grid, const IGridPart& part, bool is_coars
 /// Adds a level's values, bilinear, times `share`.
 void interpolate(const ValueLattice& lattice, const float* values, Vec2d at, float share, int channels, float* out) noexcept
 {
-    const double x = at.x / lattice.step_u, y = at.y / lattice.step_v;
+    const double x = at.x * double(lod::edge_length(-lattice.shift_u)), y = at.y * double(lod::edge_length(-lattice.shift_v));
     const int i = std::clamp(static_cast<int>(x), 0, lattice.columns - 1), j = std::clamp(static_cast<int>(y), 0, lattice.rows - 1);
     const auto fx = static_cast<float>(x - i), fy = static_cast<float>(y - j);
     const float* v00 = values + lattice.index(i, j) * channels;
@@ -85,7 +88,8 @@ void add_vertex_values(IGrid& grid, std::uint32_t number, Vec2d at, const PhaseO
 {
     IGridPart& part = grid.parts[number];
     if (part.tile.columns == 1 && part.tile.rows == 1) return;
-    const int channels = tools.frame.shading.shader->channels(*hit.material);
+    if (part.channels < 0) part.channels = static_cast<std::int8_t>(tools.frame.shading.shader->channels(*hit.material));
+    const int channels = part.channels;
     if (channels == 0) return;
     const float share[2] = {1 - hit.blend, hit.blend};
     for (int level : {0, 1}) {

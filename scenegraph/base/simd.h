@@ -11,6 +11,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "scenegraph/base/half.h"
+
 #ifdef OCCAM_ONE_LANE
 #define HWY_COMPILE_ONLY_SCALAR
 #endif
@@ -102,6 +104,53 @@ public:
 
 private:
     Raw raw_;
+};
+
+/// Four floats of one thing, a colour, in every build.
+class vfloat4 {
+public:
+#ifdef OCCAM_ONE_LANE
+    explicit vfloat4(float x) noexcept : raw_{x, x, x, x} {}
+    static vfloat4 from_halves(const std::uint16_t* p) noexcept
+    {
+        vfloat4 v(0);
+        for (int i = 0; i < 4; ++i) v.raw_[i] = float_from_half(p[i]);
+        return v;
+    }
+    void store(float* p) const noexcept
+    {
+        for (int i = 0; i < 4; ++i) p[i] = raw_[i];
+    }
+    friend vfloat4 operator+(vfloat4 a, vfloat4 b) noexcept
+    {
+        for (int i = 0; i < 4; ++i) a.raw_[i] = a.raw_[i] + b.raw_[i];
+        return a;
+    }
+    friend vfloat4 operator*(vfloat4 a, float b) noexcept
+    {
+        for (int i = 0; i < 4; ++i) a.raw_[i] = a.raw_[i] * b;
+        return a;
+    }
+
+private:
+    float raw_[4];
+#else
+    using Tag = hn::CappedTag<float, 4>;
+    using Raw = hn::Vec<Tag>;
+    vfloat4(Raw raw) noexcept : raw_(raw) {}
+    explicit vfloat4(float x) noexcept : raw_(hn::Set(Tag(), x)) {}
+    /// Of four finite half floats, exact.
+    static vfloat4 from_halves(const std::uint16_t* p) noexcept
+    {
+        return hn::PromoteTo(Tag(), hn::LoadU(hn::Rebind<hwy::float16_t, Tag>(), reinterpret_cast<const hwy::float16_t*>(p)));
+    }
+    void store(float* p) const noexcept { hn::StoreU(raw_, Tag(), p); }
+    friend vfloat4 operator+(vfloat4 a, vfloat4 b) noexcept { return hn::Add(a.raw_, b.raw_); }
+    friend vfloat4 operator*(vfloat4 a, float b) noexcept { return hn::Mul(a.raw_, hn::Set(Tag(), b)); }
+
+private:
+    Raw raw_;
+#endif
 };
 
 /// One lane in all.

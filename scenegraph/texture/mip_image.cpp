@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "scenegraph/base/half.h"
+#include "scenegraph/base/simd.h"
 
 namespace occam {
 
@@ -140,9 +141,12 @@ Vec4f MipImage::lookup(int level, Vec2f st, TextureUse::Wrap wrap_s, TextureUse:
     const int x0 = static_cast<int>(x_floor), y0 = static_cast<int>(y_floor);
     const int xs[2] = {wrapped(x0, l.width, wrap_s), wrapped(x0 + 1, l.width, wrap_s)};
     const int ys[2] = {wrapped(y0, l.height, wrap_t), wrapped(y0 + 1, l.height, wrap_t)};
-    const Vec4f top = l.texel(xs[0], ys[0]) * (1 - fx) + l.texel(xs[1], ys[0]) * fx;
-    const Vec4f bottom = l.texel(xs[0], ys[1]) * (1 - fx) + l.texel(xs[1], ys[1]) * fx;
-    return top * (1 - fy) + bottom * fy;
+    const auto texel_at = [&](int i, int j) { return vfloat4::from_halves(l.at(xs[i], ys[j])); };
+    const vfloat4 top = texel_at(0, 0) * (1 - fx) + texel_at(1, 0) * fx;
+    const vfloat4 bottom = texel_at(0, 1) * (1 - fx) + texel_at(1, 1) * fx;
+    Vec4f mean;
+    (top * (1 - fy) + bottom * fy).store(&mean.x);
+    return mean;
 }
 
 }  // namespace occam

@@ -34,6 +34,7 @@ public:
 private:
     struct Level {
         Level(int width_texels, int height_texels);
+        const std::uint16_t* at(int x, int y) const noexcept { return &halves[offset(x, y)]; }
         Vec4f texel(int x, int y) const noexcept;
         void write(int x, int y, Vec4f texel) noexcept;
         std::size_t offset(int x, int y) const noexcept;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -166,10 +167,11 @@ Vec4f TextureStore::sample(const TextureUse& use, Vec2f uv, float width) const n
                          static_cast<float>(std::max(image.width(), image.height()));
     if (!(texels > 1)) return at(0, use.nearest);
     const int last = image.level_count() - 1;
-    const float level = maths::log2(texels);
-    if (!(level < static_cast<float>(last))) return at(last, false);
-    const int finer = static_cast<int>(level);
-    const float share = level - static_cast<float>(finer);
+    // Between two levels by width, not by its logarithm: the same at both ends, and no slower than the lookups.
+    const auto bits = std::bit_cast<std::uint32_t>(texels);
+    const int finer = static_cast<int>(bits >> 23) - 127;
+    if (finer >= last) return at(last, false);
+    const float share = std::bit_cast<float>((bits & 0x7fffffu) | 0x3f800000u) - 1;
     return at(finer, false) * (1 - share) + at(finer + 1, false) * share;
 }
 

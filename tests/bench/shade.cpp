@@ -23,8 +23,9 @@
 namespace occam::bench {
 namespace {
 
-constexpr int kWidth = 256, kHeight = 192, kRuns = 3, kManySamples = 36, kReferenceSamples = 256;
+constexpr int kWidth = 256, kHeight = 192, kRuns = 5, kManySamples = 36, kReferenceSamples = 256;
 constexpr std::size_t kBudget = std::size_t(2) << 30;
+constexpr double kNever = 1e30;
 
 float hashed(std::uint32_t x, std::uint32_t y, std::uint32_t seed)
 {
@@ -181,9 +182,11 @@ Seconds look_at(accel::Tracer& tracer, std::span<const accel::Ray> rays, float t
     return seconds;
 }
 
+/// Seconds are the least of the runs: phase one is timed by the wall.
 struct Costs {
     double vertices = 0, hits = 0;
-    std::vector<double> at_vertices{}, at_hits{}, trace{};  ///< seconds
+    double phase_one = kNever, interpolation = 0, reading = kNever, looking_up = kNever;
+    double at_vertices() const { return phase_one + interpolation + reading; }
 };
 
 /// What looking materials up costs for a frame's camera rays, either way.
@@ -196,28 +199,36 @@ Costs costs_of(Stage& stage, const TextureStore& textures, int samples, float ra
     const accel::Frame without(stage.scene, topologies, levels, &textures), with(stage.scene, topologies, levels, &textures, {&phase_one, texture_width});
     const std::vector<accel::Ray> rays = camera_rays(stage, samples);
     Costs costs;
+    double made[2] = {kNever, kNever}, traced[2] = {kNever, kNever};
     for (int run = 0; run < kRuns; ++run) {
         accel::Tracer plain(without, kBudget), shading(with, kBudget);
+        accel::Tracer* const tracers[] = {&plain, &shading};
         std::uint64_t hits;
-        look_at(plain, rays, texture_width, textures, hits);  // what is lazy is built now
-        look_at(shading, rays, texture_width, textures, hits);
-        const Seconds at_hits = look_at(plain, rays, texture_width, textures, hits);
-        const Seconds at_vertices = look_at(shading, rays, texture_width, textures, hits);
-        const double made = shading.counters().shade_seconds - plain.counters().shade_seconds;
-        costs.at_hits.push_back(at_hits.evaluate);
-        costs.at_vertices.push_back(made + at_vertices.evaluate + at_vertices.trace - at_hits.trace);
-        costs.trace.push_back(at_hits.trace);
+        for (accel::Tracer* tracer : tracers) look_at(*tracer, rays, texture_width, textures, hits);  // what is lazy is built now
+        for (const int way : {0, 1}) {
+            const Seconds hot = look_at(*tracers[way], rays, texture_width, textures, hits);
+            made[way] = std::min(made[way], tracers[way]->counters().shade_seconds);
+            traced[way] = std::min(traced[way], hot.trace);
+            double& reads = way ? costs.reading : costs.looking_up;
+            reads = std::min(reads, hot.evaluate);
+        }
         costs.vertices = double(shading.counters().vertices_looked_up);
         costs.hits = double(hits);
     }
+    costs.phase_one = made[1] - made[0];
+    costs.interpolation = std::max(0.0, traced[1] - traced[0]);
     return costs;
 }
 
 Row& add_costs(Row& row, const Costs& costs)
 {
     row.add("vertices", costs.vertices).add("hits", costs.hits).add("vertices_over_hits", costs.vertices / costs.hits);
-    row.add("at_vertices_s", costs.at_vertices).add("at_hits_s", costs.at_hits);
-    return row.add("vertices_over_hits_s", ratios(costs.at_vertices, costs.at_hits));
+    row.add("phase_one_ns_a_vertex", 1e9 * costs.phase_one / costs.vertices);
+    row.add("interpolation_ns_a_hit", 1e9 * costs.interpolation / costs.hits);
+    row.add("evaluate_ns_a_hit_with_values", 1e9 * costs.reading / costs.hits);
+    row.add("evaluate_ns_a_hit_looking_up", 1e9 * costs.looking_up / costs.hits);
+    row.add("at_vertices_s", costs.at_vertices()).add("at_hits_s", costs.looking_up);
+    return row.add("vertices_over_hits_s", costs.at_vertices() / costs.looking_up);
 }
 
 void add_frames(Row& row, Stage& stage, int samples, float rate)
@@ -256,34 +267,28 @@ void run_rates(Report& report)
     }
 }
 
-/// From which number of samples on vertices are the cheaper ones, between the two measured that lie about it.
+/// From how many samples a pixel on vertices are cheaper: where phase one costs what it saves at hits. A vertex costs the same for any
+/// number of samples, and so does a hit: of each the least is taken.
 void run_crossover(Report& report)
 {
     Stage stage = stage_of(3);
     TextureStore textures(std::size_t(1) << 30);
     textures.prepare(stage.scene);
-    for (const float rate : {1.0f, 2.0f}) {
+    for (const float rate : {0.5f, 1.0f, 2.0f}) {
         const std::string name = "3 maps, rate " + std::to_string(rate).substr(0, 3);
         if (!report.wants(name)) continue;
-        double before = 0, before_samples = 0, crossover = 0;
+        double vertices = 0, hits = 0, vertex = kNever, saved = 0;
         for (const int samples : {1, 2, 4, 8, 16, 36}) {
             Row row{"shade", name + ", samples " + std::to_string(samples)};
             const Costs costs = costs_of(stage, textures, samples, rate);
-            add_costs(row, costs);
-            report.add(std::move(row));
-            std::vector<double> all = ratios(costs.at_vertices, costs.at_hits);
-            std::nth_element(all.begin(), all.begin() + kRuns / 2, all.end());
-            const double ratio = all[kRuns / 2];
-            if (crossover == 0 && ratio < 1) {
-                const double log_share = before > 1 ? std::log(before) / std::log(before / ratio) : 0;
-                crossover = before > 1 ? before_samples * std::pow(samples / before_samples, log_share) : samples;
-            }
-            before = ratio;
-            before_samples = samples;
+            report.add(std::move(add_costs(row, costs)));
+            vertex = std::min(vertex, costs.phase_one / costs.vertices);
+            saved = std::max(saved, (costs.looking_up - costs.reading - costs.interpolation) / costs.hits);
+            if (samples == 4) vertices = costs.vertices, hits = costs.hits / samples;
         }
         Row row{"shade", name + ", crossover"};
-        row.add("samples_a_pixel", crossover);
-        row.note = "0: none of those measured";
+        row.add("samples_a_pixel", vertices * vertex / (hits * saved)).add("vertices_a_sample_of_hits", vertices / hits);
+        row.add("phase_one_ns_a_vertex", 1e9 * vertex).add("saved_ns_a_hit", 1e9 * saved);
         report.add(std::move(row));
     }
 }
@@ -292,6 +297,7 @@ void run_maps(Report& report)
 {
     constexpr int kSide = 9, kTiles = 64;
     for (int maps = 0; maps <= 5; ++maps) {
+        if (!report.wants(std::to_string(maps) + " maps")) continue;
         Scene scene;
         const Material material = mapped(scene, maps);
         TextureStore textures(std::size_t(1) << 30);

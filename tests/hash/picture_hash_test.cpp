@@ -52,11 +52,11 @@ struct Outcome {
     std::uint64_t flushes;
 };
 
-Outcome render(Scene& scene, int threads, std::size_t memory)
+Outcome render(Scene& scene, const Settings& settings, int threads, std::size_t memory)
 {
     Renderer renderer({.threads = threads, .memory_bytes = memory});
     const Camera camera = Camera::framing(scene.bounds());
-    Job job = renderer.start(scene, camera, {.width = 200, .height = 120, .spp = 4});
+    Job job = renderer.start(scene, camera, settings);
     const Image& image = job.image();
     const FrameStats& stats = job.stats();
     return {image.checksum(), stats.memory.arena_peak_bytes, stats.memory.flushes};
@@ -85,14 +85,17 @@ void expect_same_in_other_builds(const std::string& name, std::uint64_t checksum
     for (const auto& [key, value] : known) out << key << ' ' << value << '\n';
 }
 
-void expect_the_same(Scene scene, const std::string& name)
+void expect_the_same(Scene scene, const std::string& name, Settings settings = {})
 {
-    const Outcome one = render(scene, 1, std::size_t(1) << 30);
+    settings.width = 200;
+    settings.height = 120;
+    settings.spp = 4;
+    const Outcome one = render(scene, settings, 1, std::size_t(1) << 30);
     EXPECT_EQ(one.flushes, 0u);
-    EXPECT_EQ(render(scene, 2, std::size_t(1) << 30).checksum, one.checksum);
-    EXPECT_EQ(render(scene, 7, std::size_t(1) << 30).checksum, one.checksum);
+    EXPECT_EQ(render(scene, settings, 2, std::size_t(1) << 30).checksum, one.checksum);
+    EXPECT_EQ(render(scene, settings, 7, std::size_t(1) << 30).checksum, one.checksum);
     for (const std::size_t part : {2, 4}) {
-        const Outcome tight = render(scene, 1, one.arena_bytes / part);
+        const Outcome tight = render(scene, settings, 1, one.arena_bytes / part);
         EXPECT_EQ(tight.checksum, one.checksum);
         EXPECT_GT(tight.flushes, 0u) << "a budget of 1/" << part << " of what was used";
     }
@@ -101,6 +104,16 @@ void expect_the_same(Scene scene, const std::string& name)
 
 TEST(Picture, IsTheSameForAnyThreadsAndBudgetAndBuild) { expect_the_same(stage(false), "stage"); }
 TEST(Picture, OfDisplacedCagesIsTheSameForAnyThreadsAndBudgetAndBuild) { expect_the_same(stage(true), "displaced"); }
+
+TEST(Picture, ShadedAtVerticesIsTheSameForAnyThreadsAndBudgetAndBuild)
+{
+    expect_the_same(stage(false), "vertices", {.shade_at = render::ShadeAt::Vertex});
+    expect_the_same(stage(true), "displaced_vertices", {.shade_at = render::ShadeAt::Vertex});
+}
+TEST(Picture, OfDisplacedCagesWithFrozenLevelsIsTheSameForAnyThreadsAndBudgetAndBuild)
+{
+    expect_the_same(stage(true), "displaced_frozen", {.integrator = IntegratorKind::Path, .bounces = 2, .lod = render::Lod::Frozen});
+}
 
 TEST(Picture, OfTheBuiltInSceneIsTheSameInEveryBuild)
 {

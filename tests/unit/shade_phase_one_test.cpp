@@ -1,0 +1,234 @@
+// Materials looked up at vertices of grids: the same surface as at hits where textures are smooth, never popping, and nothing but
+// what may be interpolated.
+#include <gtest/gtest.h>
+#include <occam/occam.h>
+
+#include <cmath>
+
+#include "accel/frame.h"
+#include "accel/tracer.h"
+#include "render/compare.h"
+#include "shade/material_values.h"
+#include "tests/support/shape_builders.h"
+
+namespace occam::test {
+namespace {
+
+constexpr int kSide = 64;
+
+template <class Of>
+Texture texture_of(Of&& of)
+{
+    Texture texture;
+    texture.role = TextureRole::Data;
+    texture.width = texture.height = kSide;
+    for (int y = 0; y < kSide; ++y)
+        for (int x = 0; x < kSide; ++x) texture.pixels.push_back(of(float(x), float(y)));
+    return texture;
+}
+
+Texture waves(float phase)
+{
+    return texture_of([&](float x, float y) {
+        const float a = 6.2831853f / kSide;
+        return Vec4f(0.5f + 0.4f * std::sin(a * x * 3 + phase), 0.5f + 0.4f * std::sin(a * y * 2 + phase), 0.5f + 0.3f * std::sin(a * (x + y)), 1);
+    });
+}
+
+Texture checks()
+{
+    return texture_of([](float x, float y) { return int(x / 8 + std::floor(y / 8)) % 2 ? Vec4f(1) : Vec4f(0.2f, 0.2f, 0.2f, 0); });
+}
+
+/// A floor of 4 x 4 faces over [-2, 2], with coordinates from 0 to 1.
+Cage floor_of(MaterialId material, Scheme scheme)
+{
+    Cage cage;
+    UvSet uv;
+    for (int j = 0; j <= 4; ++j)
+        for (int i = 0; i <= 4; ++i) {
+            cage.positions.push_back({float(i - 2), 0, float(j - 2)});
+            uv.values.push_back(Vec2f(float(i), float(j)) * 0.25f);
+        }
+    for (std::uint32_t j = 0; j < 4; ++j)
+        for (std::uint32_t i = 0; i < 4; ++i) {
+            const std::uint32_t a = j * 5 + i, b = a + 5, c = b + 1, d = a + 1;
+            if (scheme == Scheme::Triangles) {
+                cage.face_vertices.insert(cage.face_vertices.end(), {a, b, c, a, c, d});
+            } else {
+                cage.face_vertices.insert(cage.face_vertices.end(), {a, b, c, d});
+                cage.face_sizes.push_back(4);
+            }
+        }
+    cage.uv_sets = {uv};
+    cage.scheme = scheme;
+    cage.materials = {material};
+    return cage;
+}
+
+/// With a map for all that may have one.
+Material all_maps(Scene& scene)
+{
+    Material m;
+    float phase = 0;
+    for (TextureUse* use : {&m.base_color_texture, &m.metallic_roughness_texture, &m.emission_texture, &m.specular_texture, &m.specular_color_texture,
+                            &m.transmission_texture, &m.clearcoat_texture, &m.clearcoat_roughness_texture})
+        use->texture = scene.add(waves(phase++));
+    const Texture flat = texture_of([](float x, float) { return Vec4f(0.5f + 0.1f * std::sin(0.2f * x), 0.5f, 1, 1); });
+    m.normal_texture.texture = m.clearcoat_normal_texture.texture = scene.add(flat);
+    m.emission = Vec3f(0.3f);
+    m.metallic = 0.5f;
+    m.transmission = m.clearcoat = 0.5f;
+    m.clearcoat_roughness = 0.4f;
+    return m;
+}
+
+struct World {
+    explicit World(Scheme scheme, const std::function<Material(Scene&)>& make)
+    {
+        material = make(scene);
+        place(scene, scene.add(floor_of(scene.add(material), scheme)), {0, 0, 0});
+        NodeDesc lamp;
+        lamp.place.translation = {1, 3, 1};
+        lamp.light = scene.add(Light{"lamp", PointLight{Vec3f(30)}});
+        scene.add_node(scene.root(), lamp);
+    }
+    Image picture(render::ShadeAt at, float rate = 1)
+    {
+        Settings settings{.width = 96, .height = 72, .spp = 4, .shading_rate = rate, .shade_at = at};
+        settings.background = false;
+        Job job = renderer.start(scene, Camera::look_at({0, 2.5, 3}, {0, 0, 0}, {0, 1, 0}, 0.9f), settings);
+        const Image image = job.image();
+        stats = job.stats();
+        return image;
+    }
+    double difference(float rate)
+    {
+        return render::compare(picture(render::ShadeAt::Vertex, rate), picture(render::ShadeAt::Hit, rate), "beauty").rmse;
+    }
+
+    Scene scene;
+    Material material;
+    Renderer renderer{{.threads = 2}};
+    FrameStats stats;
+};
+
+TEST(PhaseOne, PacksWhatHasAMapAndGivesItBack)
+{
+    Scene scene;
+    const Material m = all_maps(scene);
+    TextureStore textures(std::size_t(1) << 24);
+    textures.prepare(scene);
+    const shade::PhaseOne phase_one(textures);
+    const lod::VertexToShade at{{Vec2f(0.3f, 0.6f), Vec2f(0)}, {0.01f, 0}};
+    float floats[lod::VertexShader::kMaxChannels] = {};
+    ASSERT_LE(phase_one.channels(m), lod::VertexShader::kMaxChannels);
+    EXPECT_EQ(phase_one.channels(m), 22);
+    phase_one.shade(m, {&at, 1}, floats);
+    shade::MaterialValues made(m);
+    made.look_up_color(m, at, textures);
+    made.look_up_rest(m, at, textures);
+    const shade::MaterialValues back = shade::unpack(m, floats);
+    EXPECT_EQ(back.base_color, made.base_color);
+    EXPECT_EQ(back.metallic, made.metallic);
+    EXPECT_EQ(back.roughness, made.roughness);
+    EXPECT_EQ(back.emission, made.emission);
+    EXPECT_EQ(back.normal, made.normal);
+    EXPECT_EQ(back.specular, made.specular);
+    EXPECT_EQ(back.specular_color, made.specular_color);
+    EXPECT_EQ(back.transmission, made.transmission);
+    EXPECT_EQ(back.coat, made.coat);
+    EXPECT_EQ(back.coat_roughness, made.coat_roughness);
+    EXPECT_EQ(back.coat_normal, made.coat_normal);
+
+    Material plain;
+    EXPECT_EQ(phase_one.channels(plain), 0);
+    plain.base_color_texture = m.base_color_texture;
+    EXPECT_EQ(phase_one.channels(plain), 4);
+    plain.alpha_mode = AlphaMode::Mask;
+    EXPECT_EQ(phase_one.channels(plain), 0) << "a mask's edge is a hit's own";
+}
+
+TEST(PhaseOne, ConvergesToWhatHitsLookUpAsVerticesComeCloser)
+{
+    World world(Scheme::Bilinear, all_maps);
+    const double coarse = world.difference(8), middle = world.difference(2), fine = world.difference(0.5f);
+    EXPECT_LT(middle, 0.5 * coarse);
+    EXPECT_LT(fine, 0.5 * middle);
+    EXPECT_LT(fine, 2e-3);
+    world.picture(render::ShadeAt::Vertex, 2);
+    EXPECT_EQ(world.stats.built.hits_looked_up, 0u);
+    EXPECT_GT(world.stats.built.vertices_looked_up, 0u);
+    EXPECT_LT(world.stats.built.vertices_looked_up, std::uint64_t(96 * 72 * 4) / 4);
+}
+
+TEST(PhaseOne, OfTriangleMeshesIsDoneAtHits)
+{
+    World world(Scheme::Triangles, all_maps);
+    EXPECT_EQ(world.picture(render::ShadeAt::Vertex).checksum(), world.picture(render::ShadeAt::Hit).checksum());
+}
+
+TEST(PhaseOne, LeavesTheEdgesOfMasksToHits)
+{
+    World world(Scheme::Bilinear, [](Scene& scene) {
+        Material m;
+        m.base_color_texture.texture = scene.add(checks());
+        m.metallic_roughness_texture.texture = scene.add(waves(0));
+        m.alpha_mode = AlphaMode::Mask;
+        return m;
+    });
+    const Image at_vertices = world.picture(render::ShadeAt::Vertex, 4), at_hits = world.picture(render::ShadeAt::Hit, 4);
+    const auto &a = at_vertices.find("beauty")->pixels, &b = at_hits.find("beauty")->pixels;
+    std::size_t covered = 0;
+    for (std::size_t p = 3; p < a.size(); p += 4) {
+        ASSERT_EQ(a[p], b[p]);
+        covered += a[p] > 0 && a[p] < 1;
+    }
+    EXPECT_GT(covered, 50u);
+    EXPECT_GT(world.stats.built.hits_looked_up, 0u);
+}
+
+// A ray's origin draws back by a hundredth of its distance at a time, from where vertices are closer than texels to where a face is one
+// quad: values go over from level to level and from the last of them to hits. From one doubling of the distance to the next a value
+// may go through all of its range, by a smoothstep, whose steepest slope is 1.5: 0.8 * 1.5 * log2(1.01) = 0.017.
+TEST(PhaseOne, DoesNotPopFromLevelToLevel)
+{
+    World world(Scheme::Bilinear, [](Scene& scene) {
+        Material m;
+        m.base_color_texture.texture = scene.add(waves(0));
+        return m;
+    });
+    world.scene.refit();
+    TextureStore textures(std::size_t(1) << 24);
+    textures.prepare(world.scene);
+    const shade::PhaseOne phase_one(textures);
+    lod::TopologyCache topologies;
+    const accel::Frame frame(world.scene, topologies, {.pixel = {0, 0.01f}}, &textures, {&phase_one, 1});
+    accel::Tracer tracer(frame, std::size_t(1) << 28);
+    constexpr int kPlaces = 40;
+    std::vector<accel::Ray> rays(kPlaces);
+    std::vector<accel::SurfaceHit> before(kPlaces), hits(kPlaces);
+    int changes = 0;
+    float farthest = 0;
+    for (double distance = 0.5; distance < 30; distance *= 1.01) {
+        for (int k = 0; k < kPlaces; ++k) {
+            rays[std::size_t(k)].origin = {-1.9 + 0.0971 * k, distance, 1.83 - 0.0873 * k};
+            rays[std::size_t(k)].direction = {0, -1, 0};
+            rays[std::size_t(k)].footprint = {0, 0.01f};
+        }
+        tracer.closest(rays, hits);
+        for (std::size_t k = 0; k < kPlaces; ++k) {
+            ASSERT_TRUE(hits[k].is_hit());
+            ASSERT_EQ(hits[k].phase_one_channels, 4);
+            if (distance > 0.5)
+                for (int c = 0; c < 4; ++c) farthest = std::max(farthest, std::fabs(hits[k].phase_one[c] - before[k].phase_one[c]));
+        }
+        changes += distance > 0.5 && hits[0].level != before[0].level;
+        before = hits;
+    }
+    EXPECT_GE(changes, 5);
+    EXPECT_LT(farthest, 0.017f);
+}
+
+}  // namespace
+}  // namespace occam::test
