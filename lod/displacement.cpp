@@ -37,20 +37,26 @@ Vec3f PosedDisplacement::offset(Vec3f du, Vec3f dv, Vec2f uv, Vec2f uv_du, Vec2f
 {
     const Vec3d area = glm::cross(Vec3d(du), Vec3d(dv));
     const double size = glm::length(area);
+    const double uv_size = std::abs(double(uv_du.x) * uv_dv.y - double(uv_du.y) * uv_dv.x);
+    const auto width = size > 0 ? static_cast<float>(double(edge_length(level)) * std::sqrt(uv_size / size)) : 0;
+    const auto from_object = [&](Vec3d v) {
+        Vec3f moved;
+        for (int r = 0; r < 3; ++r) moved[r] = static_cast<float>(map[r][0] * v.x + map[r][1] * v.y + map[r][2] * v.z);
+        return moved;
+    };
+    if (of->axes == Displacement::Axes::Object) {
+        const Vec3d v = double(of->scale) * (Vec3d(textures->sample(of->texture, uv, width)) - double(of->midlevel));
+        const double far = glm::length(v);
+        return from_object(far > double(of->bound) ? v * (double(of->bound) / far) : v);
+    }
     // The object's normal: posed areas are cofactors of the map times the object's, and its transpose takes them back.
     Vec3d normal;
     for (int c = 0; c < 3; ++c) normal[c] = map[0][c] * area.x + map[1][c] * area.y + map[2][c] * area.z;
     const double length = glm::length(normal);
     if (!(size > 0) || !(length > 0)) return Vec3f(0);
-    const double uv_size = std::abs(double(uv_du.x) * uv_dv.y - double(uv_du.y) * uv_dv.x);
-    const auto width = static_cast<float>(double(edge_length(level)) * std::sqrt(uv_size / size));
     const float height =
         std::clamp(of->scale * (textures->sample(of->texture, uv, width).x - of->midlevel), -of->bound, of->bound);
-    normal *= double(sense * height) / length;
-    Vec3f moved;
-    for (int r = 0; r < 3; ++r)
-        moved[r] = static_cast<float>(map[r][0] * normal.x + map[r][1] * normal.y + map[r][2] * normal.z);
-    return moved;
+    return from_object(normal * (double(sense * height) / length));
 }
 
 }  // namespace occam::lod

@@ -6,6 +6,9 @@
 // stretches the cage stretches the displacement with it. A skinned cage moves along its posed normal, as far as its node's
 // own place says.
 //
+// Or it is P + v_l, a vector of three channels in the object's axes, shortened to the bound. These axes need no coordinates to be
+// smooth, as tangents of a texture's would. Skins do not turn them.
+//
 // Threads  read only.
 #pragma once
 

@@ -58,11 +58,16 @@ struct SkinBinding {
     std::vector<Vec4f> weights;        ///< as joints; a vertex's weights sum to 1
 };
 
-/// Moves the limit surface along its normal, by scale * (R of the texture - midlevel) in object units.
+/// Moves the limit surface, in object units.
 struct Displacement {
+    enum class Axes : std::uint8_t {
+        Normal,  ///< along its normal, by scale * (R of the texture - midlevel)
+        Object   ///< by the vector scale * (RGB of the texture - midlevel) in the axes of the object at rest
+    };
     TextureUse texture;
     float scale = 0, midlevel = 0.5f;
     float bound = 0;  ///< no point moves farther: what bounds of the surface have to add
+    Axes axes = Axes::Normal;
 };
 
 struct Cage {

@@ -69,7 +69,7 @@ Displacement MaterialImporter::displacement(const DisplacementExtras& extras, co
     if (!find(model_.textures, extras.texture))
         throw Error(report_.name(), "there is no texture " + std::to_string(extras.texture), where);
     return {use(extras.texture, 0, {}, TextureRole::Data, where + ".displacement"), extras.scale, extras.midlevel,
-            extras.bound};
+            extras.bound, extras.axes};
 }
 
 TextureId MaterialImporter::image(int index, TextureRole role, const std::string& where)

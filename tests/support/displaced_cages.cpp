@@ -52,18 +52,24 @@ void add_charts(Cage& cage)
     cage.uv_sets = {set};
 }
 
-DisplacedCage::DisplacedCage(std::string called, Cage of, float bound, std::uint64_t seed)
+DisplacedCage::DisplacedCage(std::string called, Cage of, float bound, std::uint64_t seed, Displacement::Axes axes)
     : name(std::move(called)), cage(std::move(of)), textures(std::size_t(1) << 24)
 {
     std::mt19937_64 random(seed);
     Texture noise;
     noise.role = TextureRole::Data;
     noise.width = noise.height = 64;
-    for (int k = 0; k < 64 * 64; ++k) noise.pixels.push_back(Vec4f(float(random() >> 40) * 0x1p-24f));
+    const auto number = [&] { return float(random() >> 40) * 0x1p-24f; };
+    for (int k = 0; k < 64 * 64; ++k) {
+        const bool is_vector = axes == Displacement::Axes::Object;
+        const float x = number(), y = is_vector ? number() : x, z = is_vector ? number() : x;
+        noise.pixels.push_back({x, y, z, 1});
+    }
     Displacement displacement;
     displacement.texture.texture = scene.add(std::move(noise));
     displacement.scale = 2 * bound;
     displacement.bound = bound;
+    displacement.axes = axes;
     cage.name = name;
     cage.displacement = displacement;
     textures.prepare(scene);
@@ -82,11 +88,15 @@ DisplacedCage displaced_case(int index)
             return {"creased_spindle", creased_spindle(), 0.03f, 4};
         case 4:
             return {"prism", charted(prism(7)), 0.04f, 5};
-        default: {
+        case 5: {
             Cage bilinear = charted(prism(5));
             bilinear.scheme = Scheme::Bilinear;
             return {"bilinear_prism", std::move(bilinear), 0.02f, 6};
         }
+        case 6:
+            return {"creased_torus_by_vectors", torus_with_seams(true), 0.06f, 7, Displacement::Axes::Object};
+        default:
+            return {"creased_spindle_by_vectors", creased_spindle(), 0.03f, 8, Displacement::Axes::Object};
     }
 }
 

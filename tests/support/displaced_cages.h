@@ -11,7 +11,7 @@ namespace occam::test {
 
 /// A cage and the store that its displacement's texture lies in.
 struct DisplacedCage {
-    DisplacedCage(std::string called, Cage of, float bound, std::uint64_t seed);
+    DisplacedCage(std::string called, Cage of, float bound, std::uint64_t seed, Displacement::Axes axes = Displacement::Axes::Normal);
 
     std::string name;
     Cage cage;
@@ -22,8 +22,8 @@ struct DisplacedCage {
 /// A chart of its own for every face: each edge is a seam.
 void add_charts(Cage& cage);
 
-/// Over creases, poles, n-gons and seams; noise of 64 x 64 texels that goes to the bound. Named by index.
+/// Over creases, poles, n-gons and seams; noise of 64 x 64 texels that goes to the bound, the last two by vectors. Named by index.
 DisplacedCage displaced_case(int index);
-inline constexpr int kDisplacedCases = 6;
+inline constexpr int kDisplacedCases = 8;
 
 }  // namespace occam::test

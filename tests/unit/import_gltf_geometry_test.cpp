@@ -132,6 +132,11 @@ TEST(ImportGltfGeometry, DisplacementReachesTheCageWithABound)
     EXPECT_EQ(d.midlevel, 0.25f);
     EXPECT_EQ(d.bound, 1.5f) << "a texel of 1 moves by 0.75 times the scale";
     EXPECT_EQ(cages(load(with(R"({"texture": 0, "bound": 0.125})"))).at(0)->displacement->bound, 0.125f);
+    EXPECT_EQ(d.axes, Displacement::Axes::Normal);
+    const Scene by_vectors = load(with(R"({"texture": 0, "scale": 2, "axes": "object"})"));
+    EXPECT_EQ(cages(by_vectors).at(0)->displacement->axes, Displacement::Axes::Object);
+    EXPECT_NEAR(cages(by_vectors).at(0)->displacement->bound, std::sqrt(3.0f), 1e-6f) << "three channels of a half times the scale";
+    EXPECT_NE(error_of(with(R"({"texture": 0, "axes": "tangent"})")).find("axes"), std::string::npos);
     EXPECT_NE(error_of(with(R"({"texture": 1})")).find("no texture 1"), std::string::npos);
     EXPECT_NE(error_of(with(R"({"scale": 1})")).find("texture is missing"), std::string::npos);
     EXPECT_NE(error_of(with(R"({"texture": 0, "bound": -1})")).find("must not be negative"), std::string::npos);

@@ -93,6 +93,41 @@ TEST(Displacement, OfOneValueMovesEveryPointAlongItsNormal)
     }
 }
 
+TEST(Displacement, ByOneVectorMovesEveryPointAsThePlacementMovesVectors)
+{
+    Cage cage = prism(7);
+    add_charts(cage);
+    DisplacedCage displaced("prism", cage, 1, 1, Displacement::Axes::Object);
+    Texture full;
+    full.width = full.height = 1;
+    full.pixels = {Vec4f(0.75f, 0.25f, 0.5f, 1)};
+    full.role = TextureRole::Data;
+    displaced.cage.displacement->texture.texture = displaced.scene.add(full);
+    displaced.cage.displacement->scale = 0.2f;
+    displaced.textures.prepare(displaced.scene);
+    const Mat4d place = turned_and_stretched();
+    const Vec3f moves(Mat3d(place) * Vec3d(0.05, -0.05, 0));
+    DicedCage smooth(displaced.cage, 0, place), moved(displaced.cage, 0, place, &displaced.textures);
+    smooth.posed.level = moved.level_of_largest_exponent(3);
+    for (const lod::TileRef& tile : moved.tiles()) {
+        const lod::LevelGrid grid = moved.dicer.dice(moved.posed, tile, moved.arena), still = smooth.dicer.dice(smooth.posed, tile, smooth.arena);
+        const lod::GridAttributes before = smooth.dicer.shade(smooth.posed, tile, tile.rates, smooth.arena);
+        const lod::GridAttributes after = moved.dicer.shade(moved.posed, tile, tile.rates, moved.arena);
+        for (int k = 0; k < grid.width() * grid.height(); ++k) {
+            ASSERT_NEAR(glm::distance(grid.at(k), still.at(k) + moves), 0, 4e-6f);
+            ASSERT_NEAR(glm::distance(before.normal[k], after.normal[k]), 0, 2e-3f) << "rounding of differences over a quarter step";
+        }
+    }
+    // What is longer than the bound is shortened, not cut off by axis.
+    displaced.cage.displacement->bound = 0.01f;
+    DicedCage held(displaced.cage, 0, place, &displaced.textures);
+    held.posed.level = moved.posed.level;
+    const lod::TileRef tile = held.tiles().front();
+    const lod::LevelGrid near = held.dicer.dice(held.posed, tile, held.arena), still = smooth.dicer.dice(smooth.posed, tile, smooth.arena);
+    const float share = 0.01f / std::sqrt(0.005f);
+    EXPECT_NEAR(glm::distance(near.at(0), still.at(0) + moves * share), 0, 4e-6f);
+}
+
 TEST(Displacement, HasTheNormalsOfItsMeshWhereThatIsFine)
 {
     DisplacedCage displaced = displaced_case(0);
