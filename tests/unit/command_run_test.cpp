@@ -46,6 +46,7 @@ TEST_F(Command, BadUsageIsOneLineAndExitCode2)
                                                     {"render", "triangle.obj", "-o", "a.png", "--size", "12"},
                                                     {"render", "triangle.obj", "-o", "a.png", "--colour", "red"},
                                                     {"render", "triangle.obj", "-o", "a.png", "--aov", "smell"},
+                                                    {"render", "triangle.obj", "-o", "a.png", "--shade", "face"},
                                                     {"render", "triangle.obj", "-o", "a.png", "--crop", "1,0,0,1"},
                                                     {"render", "triangle.obj", "-o", "a.png", "--look-at", "0,0,0,0,0,0"},
                                                     {"render", "triangle.obj", "-o", "a.png", "--camera", "none"},
@@ -131,6 +132,24 @@ TEST_F(Command, ThePictureDoesNotDependOnThreadsOrBudget)
         sums.push_back(o.out.substr(o.out.find("\"checksum\""), 32));
         EXPECT_EQ(sums.back(), sums.front()) << extra.back();
     }
+}
+
+TEST_F(Command, ShadesAtHitsUnlessToldToAtVertices)
+{
+    const auto stats = [&](std::vector<std::string> more) {
+        std::vector<std::string> arguments{"render", "-o", "a.png", "--size", "80x45", "--spp", "1", "--stats", "-"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const Outcome o = run(arguments);
+        EXPECT_EQ(o.exit_code, kDone) << o.err;
+        return o.out;
+    };
+    const std::string usual = stats({}), at_hits = stats({"--shade", "hit"}), at_vertices = stats({"--shade", "vertex"});
+    for (const std::string& out : {usual, at_hits}) {
+        EXPECT_NE(out.find("\"shade\": \"hit\""), std::string::npos);
+        EXPECT_NE(out.find("\"vertices_looked_up\": 0,"), std::string::npos);
+    }
+    EXPECT_NE(at_vertices.find("\"shade\": \"vertex\""), std::string::npos);
+    EXPECT_EQ(at_vertices.find("\"vertices_looked_up\": 0,"), std::string::npos);
 }
 
 TEST_F(Command, CompareChecksItsLimits)

@@ -124,8 +124,8 @@ TEST(Displacement, ByOneVectorMovesEveryPointAsThePlacementMovesVectors)
     held.posed.level = moved.posed.level;
     const lod::TileRef tile = held.tiles().front();
     const lod::LevelGrid near = held.dicer.dice(held.posed, tile, held.arena), still = smooth.dicer.dice(smooth.posed, tile, smooth.arena);
-    const float share = 0.01f / std::sqrt(0.005f);
-    EXPECT_NEAR(glm::distance(near.at(0), still.at(0) + moves * share), 0, 4e-6f);
+    const Vec3d expected = Vec3d(still.at(0)) + smooth.posed.anchor + Vec3d(moves) * (0.01 / std::sqrt(0.005));
+    EXPECT_NEAR(glm::distance(Vec3d(near.at(0)) + held.posed.anchor, expected), 0, 4e-6);
 }
 
 TEST(Displacement, HasTheNormalsOfItsMeshWhereThatIsFine)
