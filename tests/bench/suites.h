@@ -13,6 +13,7 @@ void run_light(Report& report);
 void run_light_frames(Report& report);  ///< a part of run_light()
 void run_converge(Report& report);
 void run_memory(Report& report);
+void run_budgets(Report& report);  ///< a part of run_memory()
 void run_frame(Report& report);
 void run_first(Report& report);
 void run_levels(Report& report);
@@ -34,7 +35,7 @@ inline constexpr Suite kSuites[] = {
     {"trace", "closest and any hit on one thread, beside Embree on the same triangles", run_trace},
     {"light", "secondary rays by kind, with footprints and without; what shading and textures cost", run_light},
     {"converge", "light with level of detail on and off at many samples, over shading rates", run_converge},
-    {"memory", "bytes a resident micro-triangle", run_memory},
+    {"memory", "bytes a resident micro-triangle; frames under parts of the memory that they take", run_memory},
     {"frame", "whole frames at 4 samples, with their error against 64", run_frame},
     {"levels", "level of detail of each ray, of each cage, and of a ray's origin: time, memory, difference", run_levels},
     {"first", "from the file to the first finished tile, 500,000 faces", run_first},
