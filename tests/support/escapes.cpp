@@ -125,6 +125,6 @@ bool is_long()
 }  // namespace
 
 std::uint64_t rays_per_cage() { return is_long() ? 10'000'000 : 100'000; }
-std::uint64_t blended_rays_per_place() { return is_long() ? 2'500'000 : 500'000; }
+std::uint64_t blended_rays_per_place() { return is_long() ? 1'250'000 : 500'000; }
 
 }  // namespace occam::test

@@ -22,7 +22,7 @@ EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int 
 /// 10^7 rays a cage with OCCAM_LONG=1, else 10^5.
 std::uint64_t rays_per_cage();
 
-/// Of tests in which each ray blends the surface for itself: half a million at each of two places, with OCCAM_LONG=1 five times that.
+/// Of tests in which each ray blends the surface for itself: half a million at each of two places, with OCCAM_LONG=1 two and a half times that.
 std::uint64_t blended_rays_per_place();
 
 }  // namespace occam::test
