@@ -89,14 +89,19 @@ struct Corner {
     Vec4f color{1};
 };
 
-void patch_corners(IGrid& grid, std::uint32_t number, bool is_closer, const float (&weight)[3], lod::Dicer& dicer, Arena& arena,
+void shade(const IGrid& grid, IGridPart& part, const PhaseOne& phase_one)
+{
+    const MaybeLock lock(phase_one.building);
+    if (part.is_shaded) return;  // another was here meanwhile
+    part.attributes = phase_one.dicer.shade(*grid.cage, part.tile, grid.blends() ? part.coarser() : part.tile.rates, phase_one.arena);
+    publish(part.is_shaded, true);
+}
+
+void patch_corners(IGrid& grid, std::uint32_t number, bool is_closer, const float (&weight)[3], const PhaseOne& phase_one,
                    Corner (&corner)[3], bool (&has_uv)[2])
 {
     IGridPart& part = grid.parts[part_of(number)];
-    if (!part.is_shaded) {
-        part.attributes = dicer.shade(*grid.cage, part.tile, grid.blends() ? part.coarser() : part.tile.rates, arena);
-        part.is_shaded = true;
-    }
+    if (!read_published(part.is_shaded)) shade(grid, part, phase_one);
     const QuadRef q = quad_of(number);
     for (int p = 0; p < 3; ++p) {
         const int i = q.i + (is_closer ? 0 : kCorners[q.triangle][p][0]), j = q.j + (is_closer ? 0 : kCorners[q.triangle][p][1]);
@@ -194,7 +199,7 @@ bool comes_before(const IGrid& a, std::uint32_t a_id, const IGrid& b, std::uint3
     return order_of(a, a_id) < order_of(b, b_id);
 }
 
-void resolve(const Ray& ray, const Met& met, const Scene& scene, lod::Dicer& dicer, Arena& arena, SurfaceHit& hit)
+void resolve(const Ray& ray, const Met& met, const Scene& scene, const PhaseOne& phase_one, SurfaceHit& hit)
 {
     IGrid& grid = *met.grid;
     const std::uint32_t id = met.id;
@@ -216,7 +221,7 @@ void resolve(const Ray& ray, const Met& met, const Scene& scene, lod::Dicer& dic
     Corner corner[3];
     bool has_uv[2] = {};
     if (!grid.is_lattice) mesh_corners(grid, number, corner, has_uv);
-    else patch_corners(grid, number, is_closer, weight, dicer, arena, corner, has_uv);
+    else patch_corners(grid, number, is_closer, weight, phase_one, corner, has_uv);
 
     const double sense = cage.is_mirrored ? -1 : 1;
     const Vec3d winding = glm::cross(tri.b - tri.a, tri.c - tri.a);

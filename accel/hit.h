@@ -47,7 +47,14 @@ struct Met {
     lod::Blend<float> blend;  ///< of the ray in the grid's pair, if the grid blends
 };
 
+/// Where phase one is run.
+struct PhaseOne {
+    lod::Dicer& dicer;
+    Arena& arena;
+    std::mutex* building;  ///< held meanwhile; null: nobody else meets these igrids
+};
+
 /// Fills a hit from the micropolygon that was met. Runs phase one on its patch if it is the first hit there.
-void resolve(const Ray& ray, const Met& met, const Scene& scene, lod::Dicer& dicer, Arena& arena, SurfaceHit& hit);
+void resolve(const Ray& ray, const Met& met, const Scene& scene, const PhaseOne& phase_one, SurfaceHit& hit);
 
 }  // namespace occam::accel

@@ -60,6 +60,7 @@ struct CageSlot {
     Box3d bounds;                    ///< of the control points, displacement added, object axes
     std::uint64_t identity = 0;      ///< unique in the process; a new one when topology is replaced
     std::uint64_t positions_version = 0;
+    std::uint32_t largest_face = 4;  ///< corners; 4 at least, and of an OnDemandCage
     DeformBoundsTable deform;        ///< one part, the whole cage; none for a cage that no skin and no target deforms
     std::function<Cage()> make;      ///< of an OnDemandCage: `cage` has its name and materials only
 

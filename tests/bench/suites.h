@@ -21,6 +21,7 @@ void run_crowd(Report& report);
 void run_hidden(Report& report);
 void run_edits(Report& report);
 void run_figure11(Report& report);
+void run_workers(Report& report);
 
 struct Suite {
     const char* name;
@@ -42,6 +43,7 @@ inline constexpr Suite kSuites[] = {
     {"crowd", "cages that all deform every frame, beside Embree rebuilding its own", run_crowd},
     {"hidden", "frames with 10^5 to 10^7 hidden faces that deform, beside the same without them", run_hidden},
     {"edits", "refitting after edits, in trees of 10^2 to 10^6 nodes", run_edits},
+    {"workers", "one worker, two, eight, 32: trees of their own and shared ones, and what is built again", run_workers},
     {"figure11", "building 605,000 faces lazily, by hierarchy, by scanning: each switched on and off", run_figure11},
 };
 
