@@ -13,7 +13,7 @@ BoxTree make_boxes(int blocks, Arena& arena)
 {
     BoxTree tree;
     tree.leaves = static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(1, blocks))));
-    const int groups = (tree.node_count() + BoxTree::kGroup - 1) / BoxTree::kGroup;
+    const int groups = tree.group_count();
     tree.data = arena.make_array<float>(std::size_t(groups) * BoxTree::kFloats).data();
     for (int g = 0; g < groups; ++g) {
         float* group = tree.data + g * BoxTree::kFloats;

@@ -35,19 +35,23 @@ struct QuadRef {
 };
 
 /// Boxes of a complete binary tree without pointers, in groups of eight: eight lo.x, eight lo.y, ..., eight hi.z, so that what is read
-/// together is together. The leaves come first, then the nodes above them from the root on.
+/// together is together. The leaves come first, then a place to spare and the nodes above them from the root on: so the eight nodes
+/// of the fourth row are a group, too.
 struct BoxTree {
     static constexpr int kGroup = 8, kFloats = 6 * kGroup;
 
     int leaves = 0;  ///< a power of two
     float* data = nullptr;
 
+    static constexpr int kFourthRow = 7;  ///< its first node
+
     int first_leaf() const noexcept { return leaves - 1; }
     int node_count() const noexcept { return 2 * leaves - 1; }
+    int group_count() const noexcept { return (2 * leaves + kGroup - 1) / kGroup; }
     /// lo.x of a node; the next coordinate is kGroup further. Of consecutive leaves from a multiple of eight on: side by side.
     float* at(int node) const noexcept
     {
-        const int place = node < first_leaf() ? leaves + node : node - first_leaf();
+        const int place = node < first_leaf() ? leaves + 1 + node : node - first_leaf();
         return data + place / kGroup * kFloats + place % kGroup;
     }
     float& lo(int node, int axis) const noexcept { return at(node)[axis * kGroup]; }

@@ -153,15 +153,28 @@ private:
         return in_box(ray_, {box[near_[0]], box[near_[1]], box[near_[2]]}, {box[far_[0]], box[far_[1]], box[far_[2]]}, t_near_, limit());
     }
 
+    /// Which of eight boxes side by side the ray is in; all lanes hold it.
+    unsigned in_boxes(const float* box) const noexcept
+    {
+        const vfloat near[3] = {vfloat::load(box + near_[0]), vfloat::load(box + near_[1]), vfloat::load(box + near_[2])};
+        const vfloat far[3] = {vfloat::load(box + far_[0]), vfloat::load(box + far_[1]), vfloat::load(box + far_[2])};
+        return bits(in_box(ray_, near, far, t_near_, limit()));
+    }
+
     template <class Visit>
     void for_each_block(const BoxTree& tree, Visit&& visit) noexcept
     {
         const unsigned real = tree.leaves < kLanes ? (1u << tree.leaves) - 1 : (1u << kLanes) - 1;  // nodes above the leaves may follow
-        for (int first = 0; first < tree.leaves; first += kLanes) {
-            const float* box = tree.at(tree.first_leaf() + first);
-            const vfloat near[3] = {vfloat::load(box + near_[0]), vfloat::load(box + near_[1]), vfloat::load(box + near_[2])};
-            const vfloat far[3] = {vfloat::load(box + far_[0]), vfloat::load(box + far_[1]), vfloat::load(box + far_[2])};
-            unsigned hit = bits(in_box(ray_, near, far, t_near_, limit())) & real;
+        // Of many, only those below the nodes of the fourth row that the ray is in.
+        unsigned above = ~0u;
+        int below = 0;  // log2 of the leaves of such a node
+        if (kLanes == BoxTree::kGroup && tree.leaves > 2 * kLanes) {
+            above = in_boxes(tree.at(BoxTree::kFourthRow));
+            below = std::countr_zero(static_cast<unsigned>(tree.leaves)) - 3;
+        }
+        for (int first = 0; above != 0 && first < tree.leaves; first += kLanes) {
+            if (above != ~0u && (above >> (first >> below) & ((2u << ((kLanes - 1) >> below)) - 1)) == 0) continue;
+            unsigned hit = in_boxes(tree.at(tree.first_leaf() + first)) & real;
             for (; hit != 0; hit &= hit - 1) visit(first + std::countr_zero(hit));
         }
     }
