@@ -131,8 +131,7 @@ Body add_body(Scene& scene, const std::filesystem::path& folder, const std::stri
 
     const auto shares = read_weights(Json::parse(open(folder / "default_weights.mhw")).at("weights"), body.bone_of, mesh.positions.size());
     const std::pair<const char*, Vec3f> pieces[] = {{"body", {0.75f, 0.55f, 0.45f}}, {"helper-tights", clothes},
-                                                    {"helper-hair", {0.08f, 0.05f, 0.03f}}, {"helper-l-eye", Vec3f(0.8f)},
-                                                    {"helper-r-eye", Vec3f(0.8f)}};
+                                                    {"helper-l-eye", Vec3f(0.8f)}, {"helper-r-eye", Vec3f(0.8f)}};
     NodeDesc shown;
     for (const auto& [group, color] : pieces) {
         Material material;

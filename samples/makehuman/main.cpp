@@ -41,7 +41,7 @@ try {
             const ClipAt now{walk.clip, std::fmod(seconds, walk.period)};
             scene.pose({&now, 1}, people[i]);
         }
-        const Camera camera = Camera::look_at({20, 14, 42}, {0, 8, -4}, {0, 1, 0}, 0.62f);
+        const Camera camera = Camera::look_at({18, 13, 46}, {0, 8.5, -4}, {0, 1, 0}, 0.5f);
         const std::string number = std::to_string(10000 + frame).substr(1);
         renderer.render(scene, camera, settings).write(folder / ("people." + number + ".png"));
         std::printf("frame %d: %.2f s, %llu vertices deformed\n", frame, renderer.stats().seconds.total,

@@ -27,7 +27,7 @@ void run_crowd(Report& report, const Crowd& crowd, const Recipe& recipe, int pix
     OccamCrowd unbudgeted(crowd, {.threads = 1, .memory_bytes = kNoBudget});
     unbudgeted.render(0, recipe, pixels);
     const FrameStats::Memory all = unbudgeted.stats().memory;
-    const auto used = double(all.arena_peak_bytes);
+    const auto used = double(all.arena_peak_bytes + all.queue_bytes);
     std::vector<Budgeted> budgets;
     for (const double part : kParts)
         budgets.push_back({part, OccamCrowd(crowd, {.threads = 1, .memory_bytes = static_cast<std::size_t>(used * part)})});
@@ -48,8 +48,8 @@ void run_crowd(Report& report, const Crowd& crowd, const Recipe& recipe, int pix
     for (const Budgeted& b : budgets) {
         const FrameStats& s = b.crowd.stats();
         Row row{"memory", name + ", " + std::to_string(b.part).substr(0, 5) + " of the memory"};
-        row.add("bytes", double(s.memory.arena_peak_bytes)).add("cpu_seconds", b.seconds).add("time_ratio", ratios(b.seconds, seconds));
-        row.add("flushes", double(s.memory.flushes));
+        row.add("bytes", double(s.memory.arena_peak_bytes + s.memory.queue_bytes)).add("cpu_seconds", b.seconds).add("time_ratio", ratios(b.seconds, seconds));
+        row.add("flushes", double(s.memory.flushes)).add("floor_bytes", double(s.memory.floor_bytes));
         row.add("micropolygons_ratio", double(s.built.micropolygons) / double(whole.built.micropolygons));
         row.add("kd_nodes_ratio", double(s.built.kd_nodes) / double(whole.built.kd_nodes));
         row.add("build_seconds", s.seconds.build + s.seconds.tessellate);
