@@ -1,4 +1,5 @@
-// Lets one of several workers drop what all of them use. Each is inside while it works; at its safe points it steps out if asked to.
+// Lets one of several workers drop what all of them use. Each is inside while it works; at its safe points it steps out if
+// asked to.
 //
 // Threads  any.
 #pragma once
@@ -66,10 +67,10 @@ private:
     }
     void leave() { inside_.unlock_shared(); }
 
-    std::mutex turn_;           ///< of those who come in or flush
+    std::mutex turn_;  ///< of those who come in or flush
     std::shared_mutex inside_;
     std::atomic<bool> is_wanted_ = false;
-    std::uint64_t flushes_ = 0; ///< written with nobody inside
+    std::uint64_t flushes_ = 0;  ///< written with nobody inside
 };
 
 }  // namespace occam::accel

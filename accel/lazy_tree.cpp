@@ -3,8 +3,12 @@
 namespace occam::accel {
 
 LazyTree::LazyTree(const FrameState& f, std::size_t budget_bytes, BuildTechniques with, bool is_shared)
-    : frame(f), budget(budget_bytes), techniques(with), sharing(is_shared ? std::make_unique<Sharing>() : nullptr),
-      items(f, arena, dicer, counters), tree(items, arena, counters, with.scan, building())
+    : frame(f),
+      budget(budget_bytes),
+      techniques(with),
+      sharing(is_shared ? std::make_unique<Sharing>() : nullptr),
+      items(f, arena, dicer, counters),
+      tree(items, arena, counters, with.scan, building())
 {
     flush();
     counters.flushes = 0;
@@ -17,8 +21,10 @@ void LazyTree::flush()
     arena.reset(budget);
     dicer.forget();
     const ItemIndex root = items.restart();
-    if (techniques.hierarchy) tree.restart(frame.bounds, {&root, 1});
-    else tree.restart(frame.bounds, items.base_patches());
+    if (techniques.hierarchy)
+        tree.restart(frame.bounds, {&root, 1});
+    else
+        tree.restart(frame.bounds, items.base_patches());
     if (!techniques.lazy) tree.expand_all(lod::kCoarsestLevel);
 }
 

@@ -1,7 +1,7 @@
 // A kd-tree with all that it is made of: one worker's own, or shared by a group of workers.
 //
-// Shared, it is read without a lock; what grows it (expanding a node, dicing an igrid, shading one) does so under one lock. It is
-// dropped with all workers at a safe point between two groups of rays.
+// Shared, it is read without a lock; what grows it (expanding a node, dicing an igrid, shading one) does so under one lock.
+// It is dropped with all workers at a safe point between two groups of rays.
 //
 // Memory   its arena.   Threads  one, or those who come through its gate.
 #pragma once

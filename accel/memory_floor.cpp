@@ -9,8 +9,9 @@ namespace {
 constexpr std::size_t kGrids = 8;  // of a ray
 
 // The largest igrid: a whole tile, both levels of its vertices, their normals and coordinates, its boxes.
-constexpr std::size_t kBytesOfAGrid = sizeof(IGrid) + (lod::TileRef::kMaxSide + 1) * (lod::TileRef::kMaxSide + 1) *
-                                                          (2 * sizeof(Vec3f) + 2 * sizeof(Vec3f) + 2 * sizeof(Vec2f)) +
+constexpr std::size_t kBytesOfAGrid = sizeof(IGrid) +
+                                      (lod::TileRef::kMaxSide + 1) * (lod::TileRef::kMaxSide + 1) *
+                                          (2 * sizeof(Vec3f) + 2 * sizeof(Vec3f) + 2 * sizeof(Vec2f)) +
                                       128 * (BoxTree::kFloats / BoxTree::kGroup) * sizeof(float);
 
 // A part of the scene that is opened: itself, and its places in the lists of nodes above and below a plane.
@@ -19,8 +20,10 @@ constexpr std::size_t kBytesOfAnItem = sizeof(Item) + sizeof(PlacedNode) + 4 * s
 std::size_t bytes_of(const CageSlot& slot, const SkinSlot* skin)
 {
     const Cage& cage = slot.cage;
-    std::size_t bytes = sizeof(lod::PosedCage) + lod::ClusterTree::kLeafFaces * slot.largest_face * (sizeof(PatchInfo) + kBytesOfAnItem);
-    if (slot.is_deformed()) bytes += sizeof(lod::DeformedCage) + cage.positions.size() / 4;  // a pointer a block of 32 vertices
+    std::size_t bytes =
+        sizeof(lod::PosedCage) + lod::ClusterTree::kLeafFaces * slot.largest_face * (sizeof(PatchInfo) + kBytesOfAnItem);
+    if (slot.is_deformed())
+        bytes += sizeof(lod::DeformedCage) + cage.positions.size() / 4;  // a pointer a block of 32 vertices
     if (skin) bytes += skin->skin.joints.size() * sizeof(Mat4d);
     return bytes;
 }

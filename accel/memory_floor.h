@@ -6,8 +6,8 @@
 
 namespace occam::accel {
 
-/// What one ray may need of a tracer's arena: a way down through the scene's widest node and largest cage, and some igrids. A ray that
-/// passes through more is granted it all the same.
+/// What one ray may need of a tracer's arena: a way down through the scene's widest node and largest cage, and some igrids.
+/// A ray that passes through more is granted it all the same.
 std::size_t memory_floor(const Scene& scene);
 
 /// What a tracer keeps for each ray of a batch, beside its arena.

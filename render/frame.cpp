@@ -98,11 +98,11 @@ public:
         stats.built.by_shadow_rays += t.diced_for_occlusion;
         stats.built.visible_cells += visible_cells_;
         stats.workers.push_back({.cpu_seconds = cpu_seconds_, .tiles = tiles_});
-        count_building(t, stats);
+        count_building(t, stats, stats.workers.back());
     }
 
-    /// What a tree has cost; of the worker counted last.
-    static void count_building(const accel::TraceCounters& t, FrameStats& stats)
+    /// What a tree has cost.
+    static void count_building(const accel::TraceCounters& t, FrameStats& stats, FrameStats::Worker& worker)
     {
         for (int l = 0; l < accel::TraceCounters::kLevels; ++l)
             if (t.micropolygons_of_level[l] > 0) stats.built.by_level[accel::TraceCounters::kFinestLevel + l] += t.micropolygons_of_level[l];
@@ -117,7 +117,6 @@ public:
         stats.built.vertices_shaded += t.vertices_shaded;
         stats.memory.arena_peak_bytes += t.peak_bytes;
         stats.memory.flushes += t.flushes;
-        FrameStats::Worker& worker = stats.workers.back();
         worker.build_seconds += t.build_seconds + t.dice_seconds;
         worker.kd_nodes += t.kd_nodes;
         worker.grids += t.grids;
@@ -246,9 +245,12 @@ public:
     void count_into(FrameStats& stats) const
     {
         const auto group = static_cast<std::size_t>(in_.resources.workers_a_tree);
-        for (std::size_t i = 0; i < workers_.size(); ++i) {
-            if (workers_[i]) workers_[i]->count_into(stats);
-            if (i % group == 0 && !trees_.empty() && !stats.workers.empty()) Worker::count_building(trees_[i / group]->counters(), stats);
+        for (std::size_t first = 0; first < workers_.size(); first += group) {
+            const std::size_t known = stats.workers.size();
+            for (std::size_t i = first; i < std::min(first + group, workers_.size()); ++i)
+                if (workers_[i]) workers_[i]->count_into(stats);
+            if (!trees_.empty() && stats.workers.size() > known)
+                Worker::count_building(trees_[first / group]->counters(), stats, stats.workers[known]);
         }
         stats.seconds.trace = std::max(0.0, stats.seconds.trace - stats.seconds.build - stats.seconds.tessellate);
     }

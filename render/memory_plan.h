@@ -1,7 +1,7 @@
 // How the memory budget of a frame is shared out: evenly among the workers, each with queues of rays and a tracer's arena.
 //
-// The budget is for what is built anew each frame. Beside it stand the scene, its topology tables, textures (Resources::texture_bytes) and
-// the picture itself.
+// The budget is for what is built anew each frame. Beside it stand the scene, its topology tables, textures
+// (Resources::texture_bytes) and the picture itself.
 #pragma once
 
 #include "render/settings.h"

@@ -1,7 +1,7 @@
 // The boxes of a node's many children under a tree of boxes, so that an edit of one looks at few of the others.
 //
-// A complete binary tree over blocks of kBlock children in their order: an edit costs its block and one box a level above it. Where
-// children lie in space does not matter, since only the union of all is asked for.
+// A complete binary tree over blocks of kBlock children in their order: an edit costs its block and one box a level above
+// it. Where children lie in space does not matter, since only the union of all is asked for.
 //
 // Space    the axes of whoever gives the boxes: the parent's own.   Memory  6 to 12 bytes a child.   Threads  as Scene.
 #pragma once

@@ -84,11 +84,13 @@ std::vector<Bone> read_bones(const Json& file, const std::vector<Vec3f>& positio
 
 // Of each vertex its bones, the heaviest first.
 using Share = std::pair<float, int>;
-std::vector<std::vector<Share>> read_weights(const Json& weights, const std::map<std::string, int>& bone_of, std::size_t vertices)
+std::vector<std::vector<Share>> read_weights(const Json& weights, const std::map<std::string, int>& bone_of,
+                                             std::size_t vertices)
 {
     std::vector<std::vector<Share>> shares(vertices);
     for (const auto& [name, list] : weights.items())
-        for (const Json& entry : list) shares.at(entry.at(0).get<std::size_t>()).push_back({entry.at(1).get<float>(), bone_of.at(name)});
+        for (const Json& entry : list)
+            shares.at(entry.at(0).get<std::size_t>()).push_back({entry.at(1).get<float>(), bone_of.at(name)});
     for (std::vector<Share>& of_vertex : shares) std::sort(of_vertex.rbegin(), of_vertex.rend());
     return shares;
 }
@@ -100,7 +102,8 @@ void add_vertex(Cage& cage, Vec3f position, std::vector<Share> shares)
     const float sum = shares[0].first + shares[1].first + shares[2].first + shares[3].first;
     cage.positions.push_back(position);
     cage.skin.joints.push_back({shares[0].second, shares[1].second, shares[2].second, shares[3].second});
-    cage.skin.weights.push_back(sum > 0 ? Vec4f(shares[0].first, shares[1].first, shares[2].first, shares[3].first) / sum : Vec4f(1, 0, 0, 0));
+    cage.skin.weights.push_back(sum > 0 ? Vec4f(shares[0].first, shares[1].first, shares[2].first, shares[3].first) / sum
+                                        : Vec4f(1, 0, 0, 0));
 }
 
 Cage cage_of(const Mesh& mesh, const std::string& group, const std::vector<std::vector<Share>>& shares)
@@ -129,9 +132,12 @@ Body add_body(Scene& scene, const std::filesystem::path& folder, const std::stri
     body.bones = read_bones(Json::parse(open(folder / "default.mhskel")), mesh.positions);
     for (std::size_t b = 0; b < body.bones.size(); ++b) body.bone_of[body.bones[b].name] = static_cast<int>(b);
 
-    const auto shares = read_weights(Json::parse(open(folder / "default_weights.mhw")).at("weights"), body.bone_of, mesh.positions.size());
-    const std::pair<const char*, Vec3f> pieces[] = {{"body", {0.75f, 0.55f, 0.45f}}, {"helper-tights", clothes},
-                                                    {"helper-l-eye", Vec3f(0.8f)}, {"helper-r-eye", Vec3f(0.8f)}};
+    const auto shares =
+        read_weights(Json::parse(open(folder / "default_weights.mhw")).at("weights"), body.bone_of, mesh.positions.size());
+    const std::pair<const char*, Vec3f> pieces[] = {{"body", {0.75f, 0.55f, 0.45f}},
+                                                    {"helper-tights", clothes},
+                                                    {"helper-l-eye", Vec3f(0.8f)},
+                                                    {"helper-r-eye", Vec3f(0.8f)}};
     NodeDesc shown;
     for (const auto& [group, color] : pieces) {
         Material material;

@@ -19,13 +19,20 @@ struct Motion {
     };
     std::vector<Joint> joints;
     std::map<std::string, int> joint_of;
-    std::vector<std::vector<Quaternion>> turns;  ///< of each frame and joint, from the whole's axes: a joint's parents included
+    /// Of each frame and joint, from the whole's axes: a joint's parents included.
+    std::vector<std::vector<Quaternion>> turns;
     double frame_seconds = 0;
 };
 
 // The file is z up, facing -y.
-Vec3d upright(Vec3d p) { return {p.x, p.z, -p.y}; }
-Quaternion upright(Quaternion q) { return {q.w, q.x, q.z, -q.y}; }
+Vec3d upright(Vec3d p)
+{
+    return {p.x, p.z, -p.y};
+}
+Quaternion upright(Quaternion q)
+{
+    return {q.w, q.x, q.z, -q.y};
+}
 
 Motion read_motion(const std::filesystem::path& file)
 {
@@ -53,7 +60,8 @@ Motion read_motion(const std::filesystem::path& file)
             Motion::Joint& joint = motion.joints[static_cast<std::size_t>(at)];
             Vec3d offset;
             in >> offset.x >> offset.y >> offset.z;
-            joint.head = upright(offset) + (joint.parent < 0 ? Vec3d(0) : motion.joints[static_cast<std::size_t>(joint.parent)].head);
+            joint.head =
+                upright(offset) + (joint.parent < 0 ? Vec3d(0) : motion.joints[static_cast<std::size_t>(joint.parent)].head);
         }
     }
     std::string word;
@@ -65,7 +73,8 @@ Motion read_motion(const std::filesystem::path& file)
         for (const Motion::Joint& joint : motion.joints) {
             in >> degrees.x >> degrees.y >> degrees.z;
             const Vec3d r = glm::radians(degrees);
-            const Quaternion own = upright(glm::angleAxis(r.x, Vec3d(1, 0, 0)) * glm::angleAxis(r.y, Vec3d(0, 1, 0)) * glm::angleAxis(r.z, Vec3d(0, 0, 1)));
+            const Quaternion own = upright(glm::angleAxis(r.x, Vec3d(1, 0, 0)) * glm::angleAxis(r.y, Vec3d(0, 1, 0)) *
+                                           glm::angleAxis(r.z, Vec3d(0, 0, 1)));
             turns.push_back(joint.parent < 0 ? own : turns[static_cast<std::size_t>(joint.parent)] * own);
         }
         motion.turns.push_back(std::move(turns));
@@ -79,15 +88,23 @@ struct Pair {
     const char *bone, *joint;
     const char *next_bone = nullptr, *next_joint = nullptr;
 };
-constexpr Pair kPairs[] = {{"root", "Root"},          {"spine05", "Spine1"},      {"spine03", "Spine2"},
-                           {"spine01", "Spine3"},     {"neck01", "Neck"},         {"head", "Head"},
-                           {"pelvis.*", "Hips"},      {"foot.*", "Foot_*"},       {"clavicle.*", "Clavicle_*"},
-                           {"upperarm01.*", "UpArm_*", "lowerarm01.*", "LoArm_*"}, {"lowerarm01.*", "LoArm_*", "wrist.*", "Hand_*"},
-                           {"wrist.*", "Hand_*", "finger3-1.*", "Middle1_*"},      {"upperleg01.*", "UpLeg_*", "lowerleg01.*", "LoLeg_*"},
+constexpr Pair kPairs[] = {{"root", "Root"},
+                           {"spine05", "Spine1"},
+                           {"spine03", "Spine2"},
+                           {"spine01", "Spine3"},
+                           {"neck01", "Neck"},
+                           {"head", "Head"},
+                           {"pelvis.*", "Hips"},
+                           {"foot.*", "Foot_*"},
+                           {"clavicle.*", "Clavicle_*"},
+                           {"upperarm01.*", "UpArm_*", "lowerarm01.*", "LoArm_*"},
+                           {"lowerarm01.*", "LoArm_*", "wrist.*", "Hand_*"},
+                           {"wrist.*", "Hand_*", "finger3-1.*", "Middle1_*"},
+                           {"upperleg01.*", "UpLeg_*", "lowerleg01.*", "LoLeg_*"},
                            {"lowerleg01.*", "LoLeg_*", "foot.*", "Foot_*"}};
 
 struct Follower {
-    int joint = -1;              ///< none: as the bone above
+    int joint = -1;                  ///< none: as the bone above
     Quaternion to_rest{1, 0, 0, 0};  ///< from the body's rest to the motion's
 };
 
@@ -106,7 +123,8 @@ std::vector<Follower> followers(const Body& body, const Motion& motion)
             follower.joint = static_cast<int>(joint(pair.joint));
             if (!pair.next_bone) continue;
             const Vec3d from = glm::normalize(body.bones[bone(pair.next_bone)].head - body.bones[bone(pair.bone)].head);
-            const Vec3d to = glm::normalize(motion.joints[joint(pair.next_joint)].head - motion.joints[joint(pair.joint)].head);
+            const Vec3d to =
+                glm::normalize(motion.joints[joint(pair.next_joint)].head - motion.joints[joint(pair.joint)].head);
             follower.to_rest = glm::normalize(Quaternion(1 + glm::dot(from, to), glm::cross(from, to)));
         }
     return all;
@@ -137,8 +155,10 @@ Walk add_walk(Scene& scene, const Body& body, const std::filesystem::path& file)
             const int parent = body.bones[b].parent;
             const auto above = static_cast<std::size_t>(std::max(parent, 0));
             const Quaternion inherited = parent < 0 ? Quaternion(1, 0, 0, 0) : whole[above];
-            whole[b] = follow[b].joint < 0 ? inherited : turns[static_cast<std::size_t>(follow[b].joint)] * follow[b].to_rest;
-            head[b] = parent < 0 ? body.bones[b].head : head[above] + inherited * (body.bones[b].head - body.bones[above].head);
+            whole[b] =
+                follow[b].joint < 0 ? inherited : turns[static_cast<std::size_t>(follow[b].joint)] * follow[b].to_rest;
+            head[b] =
+                parent < 0 ? body.bones[b].head : head[above] + inherited * (body.bones[b].head - body.bones[above].head);
             const Quaternion own = glm::conjugate(inherited) * whole[b];
             channels[b].times.push_back(float(double(key) * motion.frame_seconds));
             for (const double value : {own.x, own.y, own.z, own.w}) channels[b].values.push_back(float(value));

@@ -1,5 +1,5 @@
-// What one thread makes and others read meanwhile: published by one store, read by one load. On x86 both are plain moves, so that
-// who has it alone pays nothing.
+// What one thread makes and others read meanwhile: published by one store, read by one load. On x86 both are plain moves, so
+// that who has it alone pays nothing.
 #pragma once
 
 #include <atomic>

@@ -1,7 +1,8 @@
-// What a memory budget costs (in the manner of Djeu et al. 2011, fig. 16): the same frame under parts of what it takes unbudgeted.
+// What a memory budget costs (in the manner of Djeu et al. 2011, fig. 16): the same frame under parts of what it takes
+// unbudgeted.
 //
-// 36 rays a pixel. All budgets take turns within a round, so that each frame has an unbudgeted one beside it; of six pairs the
-// smallest and the largest ratio hold the median with 97 % confidence.
+// 36 rays a pixel. All budgets take turns within a round, so that each frame has an unbudgeted one beside it; of six pairs
+// the smallest and the largest ratio hold the median with 97 % confidence.
 #include "tests/bench/crowd_occam.h"
 #include "tests/bench/subjects.h"
 #include "tests/bench/suites.h"
@@ -48,7 +49,9 @@ void run_crowd(Report& report, const Crowd& crowd, const Recipe& recipe, int pix
     for (const Budgeted& b : budgets) {
         const FrameStats& s = b.crowd.stats();
         Row row{"memory", name + ", " + std::to_string(b.part).substr(0, 5) + " of the memory"};
-        row.add("bytes", double(s.memory.arena_peak_bytes + s.memory.queue_bytes)).add("cpu_seconds", b.seconds).add("time_ratio", ratios(b.seconds, seconds));
+        row.add("bytes", double(s.memory.arena_peak_bytes + s.memory.queue_bytes))
+            .add("cpu_seconds", b.seconds)
+            .add("time_ratio", ratios(b.seconds, seconds));
         row.add("flushes", double(s.memory.flushes)).add("floor_bytes", double(s.memory.floor_bytes));
         row.add("micropolygons_ratio", double(s.built.micropolygons) / double(whole.built.micropolygons));
         row.add("kd_nodes_ratio", double(s.built.kd_nodes) / double(whole.built.kd_nodes));

@@ -1,8 +1,9 @@
 // Workers with trees of their own and workers that share one: time, memory, and how much of the work each does again.
 //
-// Two workers beside one, frame by frame: wall clock, and CPU seconds that do not know what else the machine does. For more workers than
-// the machine has processors the frame is made all the same, and what each worker did is counted: on so many processors it would take as
-// long as its busiest worker at most, and as long as the mean at least, since workers take tiles from one another.
+// Two workers beside one, frame by frame: wall clock, and CPU seconds that do not know what else the machine does. For more
+// workers than the machine has processors the frame is made all the same, and what each worker did is counted: on so many
+// processors it would take as long as its busiest worker at most, and as long as the mean at least, since workers take tiles
+// from one another.
 #include <algorithm>
 
 #include "tests/bench/crowd_occam.h"
@@ -16,7 +17,10 @@ constexpr int kRounds = 7, kPixels = 512;
 
 class Team {
 public:
-    Team(const Crowd& crowd, int threads, int workers_a_tree) : crowd_(crowd, {.threads = threads, .workers_a_tree = workers_a_tree}) {}
+    Team(const Crowd& crowd, int threads, int workers_a_tree)
+        : crowd_(crowd, {.threads = threads, .workers_a_tree = workers_a_tree})
+    {
+    }
 
     void render(const Recipe& recipe, bool counts)
     {
@@ -51,9 +55,14 @@ void run_crowd(Report& report, const Crowd& crowd, const Recipe& recipe)
         const char* name;
         int threads, workers_a_tree;
     };
-    constexpr Case kCases[] = {{"1 worker", 1, 1},          {"2 workers", 2, 1},          {"2 workers, one tree", 2, 2},
-                               {"8 workers", 8, 1},         {"8 workers, one tree", 8, 8}, {"8 workers, trees for four", 8, 4},
-                               {"32 workers", 32, 1},       {"32 workers, trees for eight", 32, 8}};
+    constexpr Case kCases[] = {{"1 worker", 1, 1},
+                               {"2 workers", 2, 1},
+                               {"2 workers, one tree", 2, 2},
+                               {"8 workers", 8, 1},
+                               {"8 workers, one tree", 8, 8},
+                               {"8 workers, trees for four", 8, 4},
+                               {"32 workers", 32, 1},
+                               {"32 workers, trees for eight", 32, 8}};
     if (!report.wants(name)) return;
     std::vector<std::unique_ptr<Team>> teams;
     for (const Case& c : kCases) teams.push_back(std::make_unique<Team>(crowd, c.threads, c.workers_a_tree));

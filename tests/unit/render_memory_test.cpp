@@ -21,7 +21,8 @@ struct Field {
     Field()
     {
         const CageId shapes[] = {scene.add(torus()), scene.add(prism(7))};
-        for (int i = 0; i < 144; ++i) place(scene, shapes[i % 2], {1.7 * (i % 12 - 5.5), 0.2 * (i % 3), 1.7 * (i / 12 - 5.5)}, 0.5);
+        for (int i = 0; i < 144; ++i)
+            place(scene, shapes[i % 2], {1.7 * (i % 12 - 5.5), 0.2 * (i % 3), 1.7 * (i / 12 - 5.5)}, 0.5);
         NodeDesc lamp;
         lamp.place.translation = {3, 6, 2};
         lamp.light = scene.add(Light{"lamp", PointLight{Vec3f(60)}});
