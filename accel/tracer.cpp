@@ -74,9 +74,15 @@ struct Tracer::State {
         else lazy.flush();
     }
 
-    /// One group of rays with equal axes and octant; false if the budget was passed on the way.
+    enum class PacketResult : unsigned char {
+        Done,
+        Abandoned,  ///< the budget was passed on the way
+        TooWide     ///< the rays see too many pairs of levels to travel together
+    };
+    /// One group of rays with equal axes and octant.
     template <class Found>
-    bool run_packet(std::span<const Ray> rays, const RayAxes* axes, std::size_t limit_bytes, Query<Found, false>& query);
+    PacketResult run_packet(std::span<const Ray> rays, const RayAxes* axes, std::size_t limit_bytes, Query<Found, false>& query);
+    /// False if the budget was passed on the way.
     template <class Found>
     bool run_single(const Ray& ray, const RayAxes& axes, std::size_t limit_bytes, Query<Found, true>& query);
 
@@ -84,8 +90,9 @@ struct Tracer::State {
     LeafResult meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest, int coarsest,
                          std::size_t limit_bytes, Enter&& enter, Meet&& meet);
     bool is_per_ray() const noexcept { return frame.levels.mode != lod::LevelMode::PerInstance; }
-    /// Makes the table of transitions of a packet; false if its rays see too many pairs to travel together.
-    bool fits_packet(std::span<const Ray> rays) noexcept;
+    /// Makes the table of transitions of a packet that enters the scene at t_in; false if its rays see too many pairs to travel
+    /// together.
+    bool fits_packet(std::span<const Ray> rays, vfloat t_in) noexcept;
     /// What a ray's levels are chosen by. A ray without a width has the camera's.
     lod::Footprint wanted_of(const Ray& ray) const noexcept
     {
@@ -227,7 +234,7 @@ OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, Mask
 }
 
 template <class Found>
-bool Tracer::State::run_packet(std::span<const Ray> rays, const RayAxes* ax, std::size_t limit_bytes, Query<Found, false>& query)
+Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays, const RayAxes* ax, std::size_t limit_bytes, Query<Found, false>& query)
 {
     const std::size_t n = rays.size();
     PlacedOrigin placed[kPacket];
@@ -257,8 +264,13 @@ bool Tracer::State::run_packet(std::span<const Ray> rays, const RayAxes* ax, std
     const auto limit = [&] { return query.limit() - kd.shift + (abs(query.limit()) + abs(kd.shift)) * vfloat(4 * FLT_EPSILON); };
     clip(kd, frame.bounds, begin, end);
 
+    const vmask enters = begin <= end;
+    if (none(enters)) return PacketResult::Done;
     PairSpans<vfloat> pairs{nullptr, kd.shift, 0, 0};
-    if (is_per_ray()) pairs = {&packet_levels, kd.shift, packet_levels.finest, packet_levels.coarsest};
+    if (is_per_ray()) {
+        if (!fits_packet(rays, select(enters, kd.shift + begin, vfloat(FLT_MAX)))) return PacketResult::TooWide;
+        pairs = {&packet_levels, kd.shift, packet_levels.finest, packet_levels.coarsest};
+    }
 
     const lod::PosedCage* here = nullptr;
     int blended = lod::kNoPair;
@@ -312,10 +324,11 @@ bool Tracer::State::run_packet(std::span<const Ray> rays, const RayAxes* ax, std
         }
         return true;
     };
-    return traverse(tree, kd, begin, end, pairs, counters, limit,
-                    [&](std::uint32_t node, vmask alive, vfloat near, vfloat far, int finest, int coarsest) {
-                        return meet_leaf(node, alive, near, far, pairs, finest, coarsest, limit_bytes, enter, meet);
-                    });
+    const bool is_done = traverse(tree, kd, begin, end, pairs, counters, limit,
+                                  [&](std::uint32_t node, vmask alive, vfloat near, vfloat far, int finest, int coarsest) {
+                                      return meet_leaf(node, alive, near, far, pairs, finest, coarsest, limit_bytes, enter, meet);
+                                  });
+    return is_done ? PacketResult::Done : PacketResult::Abandoned;
 }
 
 template <class Found>
@@ -345,11 +358,12 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& ax, std::size_t li
     const auto limit = [&] { return query.t[lane] - kd.shift + (std::fabs(query.t[lane]) + std::fabs(kd.shift)) * (4 * FLT_EPSILON); };
     clip(kd, frame.bounds, begin, end);
 
+    if (!(begin <= end)) return true;
     PairSpans<float> pairs{nullptr, kd.shift, 0, 0};
     if (is_per_ray()) {
         // One ray never has too many pairs.
         const lod::Footprint wanted = wanted_of(ray);
-        single_levels.set(wanted.a, wanted.b, end_of(ray), coordinate_of(ray), frame.levels);
+        single_levels.set(wanted.a, wanted.b, kd.shift + begin, end_of(ray), coordinate_of(ray), frame.levels);
         pairs = {&single_levels, kd.shift, single_levels.finest, single_levels.coarsest};
     }
 
@@ -431,15 +445,14 @@ void start(Found& found, std::span<const Ray> rays)
 
 }  // namespace
 
-bool Tracer::State::fits_packet(std::span<const Ray> rays) noexcept
+bool Tracer::State::fits_packet(std::span<const Ray> rays, vfloat t_in) noexcept
 {
-    if (!is_per_ray()) return true;
     const std::size_t n = rays.size();
     const vfloat a = gather(n, [&](std::size_t i) { return wanted_of(rays[i]).a; });
     const vfloat b = gather(n, [&](std::size_t i) { return wanted_of(rays[i]).b; });
     const vfloat ray_end = gather(n, [&](std::size_t i) { return end_of(rays[i]); });
     const vfloat coordinate = gather(n, [&](std::size_t i) { return coordinate_of(rays[i]); });
-    return packet_levels.set(a, b, ray_end, coordinate, frame.levels);
+    return packet_levels.set(a, b, t_in, ray_end, coordinate, frame.levels);
 }
 
 template <class Found, class Take>
@@ -449,8 +462,9 @@ bool Tracer::State::run(std::size_t first, std::size_t count, std::size_t limit_
     if (count >= kWorthAPacket) {
         Query<Found, false> query;
         start(query, group);
-        if (fits_packet(group)) {
-            if (!run_packet(group, &sorted_axes[first], limit_bytes, query)) return false;
+        const PacketResult result = run_packet(group, &sorted_axes[first], limit_bytes, query);
+        if (result == PacketResult::Abandoned) return false;
+        if (result == PacketResult::Done) {
             for (std::size_t i = 0; i < count; ++i) take(i, query, false);
             return true;
         }

@@ -43,9 +43,10 @@ public:
     static constexpr float kFinerThanEven = 0x1p-5f, kLeastOfDisplaced = 0x1p-6f;  ///< see floor_exponents
     static constexpr float kFar = 1e30f;
 
-    /// width    a + b t: the wanted edge; t_end: where the ray ends, finite; coordinate: the largest of ray and scene.
+    /// width    a + b t: the wanted edge; t_in, t_end: where the ray enters the scene and ends, finite; coordinate: the largest of
+    ///          ray and scene.
     /// Returns false if the lanes have more than kMost pairs: then they cannot travel together.
-    bool set(F a, F b, F t_end, F coordinate, const LevelSettings& settings) noexcept
+    bool set(F a, F b, F t_in, F t_end, F coordinate, const LevelSettings& settings) noexcept
     {
         settings_ = &settings;
         a_ = max(a, F(0.0f));
@@ -53,7 +54,9 @@ public:
         t_end_ = t_end;
         ulps_ = coordinate * F(settings.overlap_ulps * 0x1p-24f);
         const F at_end = max(a_ + b_ * t_end_, F(0.0f));
-        cap_ = floor_exponents(max(a_, at_end), min(a_, at_end), abs(b_) * F(8 * settings.displaced));
+        // What is finer than the width where the ray enters the scene meets nothing.
+        const F at_start = min(max(a_ + b_ * t_in, F(0.0f)), at_end);
+        cap_ = floor_exponents(max(a_, at_end), min(a_, at_end), at_start, abs(b_) * F(8 * settings.displaced));
         is_made_ = false;
         return coarsest - finest < kMost;
     }
@@ -145,17 +148,20 @@ private:
     ///        as edges do. A beam that begins as a point would see many such pairs, each much finer than it asks for, so it begins
     ///        with this one. Any other may start on what it was scattered by, and goes on down: to edges of kFinerThanEven of it,
     ///        or of kLeastOfDisplaced of what displacement does if that is longer.
-    F floor_exponents(F widest, F thinnest, F even) noexcept
+    /// start  the width where a growing ray enters the scene; at most that at its end.
+    F floor_exponents(F widest, F thinnest, F start, F even) noexcept
     {
-        float wide[kLanes], thin[kLanes], least[kLanes];
+        float wide[kLanes], thin[kLanes], first[kLanes], least[kLanes];
         int count = 1;
         if constexpr (std::is_same_v<F, float>) {
             wide[0] = widest;
             thin[0] = thinnest;
+            first[0] = start;
             least[0] = even;
         } else {
             widest.store(wide);
             thinnest.store(thin);
+            start.store(first);
             even.store(least);
             count = kLanes;
         }
@@ -168,6 +174,7 @@ private:
                 const float down = std::max(least[i] * kFinerThanEven, settings_->displaced * kLeastOfDisplaced);
                 cap = std::max(cap, std::min(high, exponent_of(thin[i] > 0 ? std::min(least[i], down) : least[i])));
             }
+            cap = std::max(cap, exponent_of(first[i]));
             const int low = std::max(exponent_of(thin[i]), cap);
             finest = std::min(finest, low);
             coarsest = std::max(coarsest, high);

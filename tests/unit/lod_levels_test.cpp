@@ -17,12 +17,12 @@ namespace {
 constexpr float kFar = lod::RayLevels<float>::kFar;
 
 struct Beam {
-    float a, b, t_end;
+    float a, b, t_end, t_in = 0;
 };
 lod::RayLevels<float> table_of(const Beam& beam, const lod::LevelSettings& settings)
 {
     lod::RayLevels<float> table;
-    EXPECT_TRUE(table.set(beam.a, beam.b, beam.t_end, beam.t_end, settings));
+    EXPECT_TRUE(table.set(beam.a, beam.b, beam.t_in, beam.t_end, beam.t_end, settings));
     table.make();
     return table;
 }
@@ -60,6 +60,28 @@ TEST(RayLevels, CoverARayWithoutAGapAndOverlapAsAsked)
             reached = end;
         }
         EXPECT_GE(reached, beam.t_end);
+    }
+}
+
+// Where it enters the scene a ray begins with the pair that it asks for there: what is finer would only cost.
+TEST(RayLevels, BeginWhereTheRayEntersTheScene)
+{
+    const lod::LevelSettings settings;
+    for (Beam beam : beams(2000)) {
+        const lod::RayLevels<float> whole = table_of(beam, settings);
+        beam.t_in = beam.t_end * 0.75f;
+        const lod::RayLevels<float> late = table_of(beam, settings);
+        EXPECT_EQ(late.coarsest, whole.coarsest);
+        const float width = beam.a + beam.b * beam.t_in;
+        if (beam.b < 0 || !(width > 0)) {
+            EXPECT_EQ(late.finest, whole.finest);
+            continue;
+        }
+        EXPECT_GE(late.finest, whole.finest);
+        const int wanted = std::clamp(std::ilogb(width), lod::kFinestLevel, lod::kCoarsestLevel);
+        EXPECT_GE(late.finest, wanted) << beam.a << " + " << beam.b << " t";
+        EXPECT_LE(late.finest, std::max(wanted, whole.finest));
+        EXPECT_EQ(late.begin(late.finest), -kFar);
     }
 }
 
@@ -131,7 +153,7 @@ TEST(RayLevels, HaveTheSameBitsInLanesAndAlone)
     const std::vector<Beam> all = beams(400);
     for (std::size_t i = 0; i < all.size(); ++i) {
         lod::RayLevels<vfloat> lanes;
-        ASSERT_TRUE(lanes.set(all[i].a, all[i].b, all[i].t_end, all[i].t_end, settings));
+        ASSERT_TRUE(lanes.set(all[i].a, all[i].b, 0, all[i].t_end, all[i].t_end, settings));
         lanes.make();
         const lod::RayLevels<float> alone = table_of(all[i], settings);
         ASSERT_EQ(lanes.finest, alone.finest);
