@@ -49,4 +49,14 @@ TraceCounters LazyTree::totals()
     return all;
 }
 
+SharedTree::SharedTree(const Frame& frame, std::size_t budget_bytes)
+    : tree_(std::make_unique<LazyTree>(frame.state(), budget_bytes, BuildTechniques(), true))
+{
+}
+SharedTree::~SharedTree() = default;
+TraceCounters SharedTree::counters() const
+{
+    return tree_->totals();
+}
+
 }  // namespace occam::accel

@@ -7,6 +7,7 @@
 #include "accel/frame_state.h"
 #include "accel/igrid_intersect.h"
 #include "accel/lazy_tree.h"
+#include "accel/mailboxes.h"
 #include "accel/traverse.h"
 
 namespace occam::accel {
@@ -15,28 +16,6 @@ namespace {
 constexpr int kPacket = 8;       // rays a packet; as many as lanes, but for the one-lane build, which has no packets
 constexpr int kWorthAPacket = 5; // live rays below which single rays are faster (docs/performance.md)
 constexpr std::size_t kNoLimit = ~std::size_t(0);
-
-// Mailboxes of a worker whose tree is shared, by the igrid's address. Of two igrids with one box either may be met twice: no harm.
-class Mailboxes {
-public:
-    explicit Mailboxes(bool are_used) : slots_(are_used ? kSlots : 0) {}
-
-    GridVisit& of(IGrid& grid) noexcept
-    {
-        if (slots_.empty()) return grid.visit;
-        Slot& slot = slots_[mix_bits(reinterpret_cast<std::uintptr_t>(&grid)) % kSlots];
-        if (slot.grid != &grid) slot = {&grid, {}};
-        return slot.visit;
-    }
-
-private:
-    struct Slot {
-        const IGrid* grid = nullptr;
-        GridVisit visit;
-    };
-    static constexpr std::size_t kSlots = 1024;
-    std::vector<Slot> slots_;
-};
 
 // limit() of a single ray is the same in all lanes.
 template <class Found, bool kSingle>
@@ -425,13 +404,6 @@ TraceCounters Tracer::counters() const
     return all;
 }
 
-SharedTree::SharedTree(const Frame& frame, std::size_t budget_bytes)
-    : tree_(std::make_unique<LazyTree>(frame.state(), budget_bytes, BuildTechniques(), true))
-{
-}
-SharedTree::~SharedTree() = default;
-TraceCounters SharedTree::counters() const { return tree_->totals(); }
-
 namespace {
 
 template <class Found>
@@ -508,31 +480,6 @@ void Tracer::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occlude
         return s.run<AnyHit>(first, count, limit, take);
     });
     s.counters.diced_for_occlusion += s.counters.diced - diced;
-}
-
-TraceCounters& TraceCounters::operator+=(const TraceCounters& o) noexcept
-{
-    rays += o.rays;
-    packets += o.packets;
-    kd_nodes += o.kd_nodes;
-    kd_visited += o.kd_visited;
-    kd_expanded += o.kd_expanded;
-    grids += o.grids;
-    micropolygons += o.micropolygons;
-    diced += o.diced;
-    diced_for_camera += o.diced_for_camera;
-    diced_for_occlusion += o.diced_for_occlusion;
-    faces_touched += o.faces_touched;
-    flushes += o.flushes;
-    vertices_diced += o.vertices_diced;
-    vertices_shaded += o.vertices_shaded;
-    peak_bytes += o.peak_bytes;
-    build_seconds += o.build_seconds;
-    dice_seconds += o.dice_seconds;
-    deform.vertices += o.deform.vertices;
-    deform.seconds += o.deform.seconds;
-    for (int l = 0; l < kLevels; ++l) micropolygons_of_level[l] += o.micropolygons_of_level[l];
-    return *this;
 }
 
 }  // namespace occam::accel
