@@ -7,6 +7,7 @@
 #include "accel/stopwatch.h"
 #include "accel/vertex_values.h"
 #include "scenegraph/base/hash.h"
+#include "scenegraph/base/publish.h"
 
 namespace occam::accel {
 namespace {
@@ -91,15 +92,20 @@ struct Corner {
     Vec4f color{1};
 };
 
+void shade(const IGrid& grid, IGridPart& part, const PhaseOneTools& tools)
+{
+    const MaybeLock lock(tools.building);
+    if (part.is_shaded) return;  // another was here meanwhile
+    const Stopwatch watch(tools.counters.shade_seconds);
+    part.attributes = tools.dicer.shade(*grid.cage, part.tile, grid.blends() ? part.coarser() : part.tile.rates, tools.arena);
+    publish(part.is_shaded, true);
+}
+
 void patch_corners(IGrid& grid, std::uint32_t number, bool is_closer, const float (&weight)[3], const PhaseOneTools& tools,
                    Corner (&corner)[3], bool (&has_uv)[2])
 {
     IGridPart& part = grid.parts[part_of(number)];
-    if (!part.is_shaded) {
-        const Stopwatch watch(tools.counters.shade_seconds);
-        part.attributes = tools.dicer.shade(*grid.cage, part.tile, grid.blends() ? part.coarser() : part.tile.rates, tools.arena);
-        part.is_shaded = true;
-    }
+    if (!read_published(part.is_shaded)) shade(grid, part, tools);
     const QuadRef q = quad_of(number);
     for (int p = 0; p < 3; ++p) {
         const int i = q.i + (is_closer ? 0 : kCorners[q.triangle][p][0]), j = q.j + (is_closer ? 0 : kCorners[q.triangle][p][1]);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cfloat>
+#include <mutex>
 
 #include "accel/frame_state.h"
 #include "accel/igrid.h"
@@ -55,6 +56,7 @@ struct PhaseOneTools {
     lod::Dicer& dicer;
     Arena& arena;
     TraceCounters& counters;
+    std::mutex* building;  ///< held meanwhile; null: nobody else meets these igrids
 };
 
 /// Fills a hit from the micropolygon that was met. Runs phase one on its patch if it is the first hit there.

@@ -9,7 +9,8 @@
 // A lattice serves a pair of levels: each vertex has a fine and a coarse position, and each ray blends them for itself
 // (lod/ray_levels.h). T-vertices have neither: they are middles of blended edge vertices.
 //
-// Space    the cage's dicing frame.   Memory  in one worker's arena; its tree borrows it.   Threads  one worker's own.
+// Space    the cage's dicing frame.   Memory  in an arena; its tree borrows it.   Threads  read only but for `visit` and what phase
+//          one fills in.
 #pragma once
 
 #include <cstdint>
@@ -61,7 +62,7 @@ struct BoxTree {
 struct IGridPart {
     lod::TileRef tile;
     lod::GridAttributes attributes;  ///< made when a hit first asks
-    bool is_shaded = false;
+    bool is_shaded = false;          ///< published, as are:
     const float* values[2] = {};     ///< VertexShader's, of the fine and of the coarse level; null: not made (accel/vertex_values.h)
     std::int8_t channels = -1;       ///< floats of these a vertex; below 0: nobody has asked yet
     bool is_transposed = false;      ///< rows run along v
@@ -105,12 +106,17 @@ struct BlockHanging {
     std::uint8_t column = 0, row = 0;
 };
 
+/// A mailbox: the packet that met an igrid last, and which of its rays.
+struct GridVisit {
+    std::uint64_t packet = 0;
+    std::uint32_t lanes = 0;
+};
+
 struct IGrid {
     static constexpr int kBlock = 8;  ///< quads or triangles a block
 
     // What every visit reads comes first, in few cache lines.
-    std::uint64_t visit = 0;          ///< mailbox: the packet that met it last,
-    std::uint32_t visited_lanes = 0;  ///< and which of its rays
+    GridVisit visit;                  ///< of the one worker whose tree it is; workers that share a tree have theirs
     bool is_lattice = false;
     std::uint8_t seen_by = RayKind::All;
     int hanging_blocks = 0;

@@ -17,8 +17,8 @@ constexpr int kSteps = 32;
 
 }  // namespace
 
-KdTree::KdTree(Items& items, Arena& arena, TraceCounters& counters, bool may_scan)
-    : items_(items), arena_(arena), counters_(counters), may_scan_(may_scan), nodes_(arena), heads_(arena), records_(arena), leaves_(arena)
+KdTree::KdTree(Items& items, Arena& arena, TraceCounters& counters, bool may_scan, std::mutex* building)
+    : items_(items), arena_(arena), counters_(counters), may_scan_(may_scan), building_(building), nodes_(arena), heads_(arena), records_(arena), leaves_(arena)
 {
 }
 
@@ -33,13 +33,13 @@ void KdTree::restart(const Box3f& bounds, std::span<const ItemIndex> roots)
     records_.push_back({bounds, list, 0});
     leaves_.push_back({});
     leaves_.push_back({});
-    nodes_.push_back({0, 1u << 2 | 3});
+    nodes_.push_back({0, KdLink::to_leaf(1).bits});
 }
 
 void KdTree::expand_all(int pair)
 {
     for (std::uint32_t n = 0; n < nodes_.size(); ++n)
-        while (!nodes_[n].is_interior() && !leaf(n, pair)) {
+        while (!nodes_[n].link().is_interior() && !leaf(n, pair)) {
         }
 }
 
@@ -180,7 +180,7 @@ void KdTree::make_lazy(const Box3f& box, int depth, int axis, float position, bo
     unknown.record = static_cast<std::uint32_t>(records_.size());
     leaves_.push_back(unknown);
     records_.push_back({half, list, depth});
-    nodes_.push_back({0, leaf << 2 | 3});
+    nodes_.push_back({0, KdLink::to_leaf(leaf).bits});
 }
 
 KdLeaf* KdTree::make_leaf(std::uint32_t n, int pair, std::uint32_t head, std::uint32_t record)
@@ -196,16 +196,24 @@ KdLeaf* KdTree::make_leaf(std::uint32_t n, int pair, std::uint32_t head, std::ui
     // The first of a node holds nothing yet but its record.
     if (leaf.next != 0 && leaves_[leaf.next].entries.empty() && leaves_[leaf.next].pairs.is_empty()) leaf.next = 0;
     KdLeaf& made = leaves_.push_back(leaf);
-    if (nodes_[n].is_interior()) heads_[nodes_[n].first_child() >> 1] = at;
-    else nodes_[n].link = at << 2 | 3;
+    const KdLink link = nodes_[n].link();
+    if (link.is_interior()) publish(heads_[link.first_child() >> 1], at);
+    else publish(nodes_[n].bits, KdLink::to_leaf(at).bits);
     return &made;
 }
 
 KdLeaf* KdTree::expand(std::uint32_t n, int pair)
 {
+    const MaybeLock lock(building_);
+    const KdLink link = nodes_[n].link();
+    const bool was_interior = link.is_interior();
+    if (building_) {
+        // Another may have been here meanwhile.
+        if (was_interior && pair <= link.level()) return nullptr;
+        if (KdLeaf* known = find_leaf(n, pair)) return known;
+    }
     const Stopwatch watch(counters_.build_seconds);
     ++counters_.kd_expanded;
-    const bool was_interior = nodes_[n].is_interior();
     const std::uint32_t head = head_of(n), at = leaves_[head].record;
     const Record record = records_[at];
     candidates_.clear();
@@ -213,7 +221,7 @@ KdLeaf* KdTree::expand(std::uint32_t n, int pair)
 
     Split split;
     while (true) {
-        if (was_interior || record.depth >= kMaxDepth || heads_.size() == KdNode::kMaxPairs) {
+        if (was_interior || record.depth >= kMaxDepth || heads_.size() == KdLink::kMaxPairs) {
             while (open_largest(record.box, pair, kAnyEffort)) {
             }
             split.axis = -1;
@@ -231,13 +239,14 @@ KdLeaf* KdTree::expand(std::uint32_t n, int pair)
         }
     }
     if (split.axis < 0) return make_leaf(n, pair, head, at);
-    int level = KdNode::kAllLevels;
+    int level = KdLink::kAllLevels;
     for (const Candidate& c : candidates_) level = std::min<int>(level, items_[c.item].holds_to);
     const auto children = static_cast<std::uint32_t>(heads_.size());
     make_lazy(record.box, record.depth + 1, split.axis, split.position, false);
     make_lazy(record.box, record.depth + 1, split.axis, split.position, true);
     heads_.push_back(head);
-    nodes_[n] = KdNode::interior(split.position, split.axis, level, children);
+    nodes_[n].split = split.position;
+    publish(nodes_[n].bits, KdLink::to_children(split.axis, level, children).bits);
     counters_.kd_nodes += 2;
     return nullptr;
 }

@@ -8,32 +8,42 @@
 // The plane comes from the surface area heuristic, scanned at fixed steps where there are many boxes (Hunt et al. 2006) and swept over
 // their ends where there are few, after opening large items until there are enough to choose from (Hunt et al. 2007). The tree's shape depends on which pairs come first; what a ray meets does not.
 //
-// Memory   one worker's arena; a lazy node's list stays behind when it is expanded.   Threads  one worker's own.
+// Memory   an arena; a lazy node's list stays behind when it is expanded.
+// Threads  one worker's own, or several workers': they read what is there without a lock, and expand under one (`building`). A node
+//          is written before the link that leads to it.
 #pragma once
 
 #include "accel/items.h"
 
 namespace occam::accel {
 
-struct KdNode {
-    float split;         ///< interior: position; else unused
-    std::uint32_t link;  ///< bits 0-1: axis of an interior node, 3: none. Interior: bits 2-8: level, bits 9-31: pair of children
+/// What a node is at one moment.
+struct KdLink {
+    std::uint32_t bits;  ///< 0-1: axis of an interior node, 3: none. Interior: 2-8: level, 9-31: pair of children
 
     static constexpr std::uint32_t kMaxPairs = 1u << 23;
     static constexpr int kAllLevels = 127;
 
-    bool is_interior() const noexcept { return (link & 3) != 3; }
-    int axis() const noexcept { return static_cast<int>(link & 3); }
+    bool is_interior() const noexcept { return (bits & 3) != 3; }
+    int axis() const noexcept { return static_cast<int>(bits & 3); }
     /// Of pairs up to this one (kAllLevels: of all) the node is interior.
-    int level() const noexcept { return static_cast<int>(link >> 2 & 127) + lod::kFinestLevel - 1; }
-    std::uint32_t first_child() const noexcept { return link >> 9 << 1 | 1; }
-    std::uint32_t leaf() const noexcept { return link >> 2; }
+    int level() const noexcept { return static_cast<int>(bits >> 2 & 127) + lod::kFinestLevel - 1; }
+    std::uint32_t first_child() const noexcept { return bits >> 9 << 1 | 1; }
+    std::uint32_t leaf() const noexcept { return bits >> 2; }
 
-    static KdNode interior(float split, int axis, int level, std::uint32_t pair) noexcept
+    static KdLink to_leaf(std::uint32_t leaf) noexcept { return {leaf << 2 | 3}; }
+    static KdLink to_children(int axis, int level, std::uint32_t pair) noexcept
     {
         const int code = std::clamp(level - lod::kFinestLevel + 1, 0, 127);
-        return {split, pair << 9 | static_cast<std::uint32_t>(code) << 2 | static_cast<std::uint32_t>(axis)};
+        return {pair << 9 | static_cast<std::uint32_t>(code) << 2 | static_cast<std::uint32_t>(axis)};
     }
+};
+
+struct KdNode {
+    float split;          ///< position, once the link is an interior node's
+    std::uint32_t bits;   ///< of the link
+
+    KdLink link() const noexcept { return {read_published(bits)}; }
 };
 static_assert(sizeof(KdNode) == 8);  // eight a cache line
 
@@ -42,7 +52,7 @@ struct KdLeaf {
     struct Entry {
         Box3f box;             ///< of the item
         ItemIndex item;
-        IGrid* grid;           ///< null until a ray enters the box
+        IGrid* grid;           ///< null until a ray enters the box; published
     };
     PairRange pairs{1, 0};     ///< for which it holds; empty: nothing known yet
     std::span<Entry> entries;
@@ -55,7 +65,8 @@ public:
     static constexpr int kMaxDepth = 60;
 
     /// may_scan   planes at fixed steps are tried where there are many boxes
-    KdTree(Items& items, Arena& arena, TraceCounters& counters, bool may_scan);
+    /// building   held while the tree grows; null: nobody else reads it
+    KdTree(Items& items, Arena& arena, TraceCounters& counters, bool may_scan, std::mutex* building);
 
     /// One lazy node with these items; call after the arena was reset.
     void restart(const Box3f& bounds, std::span<const ItemIndex> roots);
@@ -72,9 +83,8 @@ public:
     /// What rays of a pair meet at a node that is not interior for it; makes it if need be. Null: the node has become interior.
     KdLeaf* leaf(std::uint32_t n, int pair)
     {
-        for (std::uint32_t at = head_of(n); at != 0; at = leaves_[at].next)
-            if (leaves_[at].pairs.has(pair)) return &leaves_[at];
-        return expand(n, pair);
+        KdLeaf* known = find_leaf(n, pair);
+        return known ? known : expand(n, pair);
     }
 
 private:
@@ -100,8 +110,14 @@ private:
     /// The first of a node's leaves: where the link says, or, of an interior node, beside its children.
     std::uint32_t head_of(std::uint32_t n) const noexcept
     {
-        const KdNode& at = nodes_[n];
-        return at.is_interior() ? heads_[at.first_child() >> 1] : at.leaf();
+        const KdLink at = nodes_[n].link();
+        return at.is_interior() ? read_published(heads_[at.first_child() >> 1]) : at.leaf();
+    }
+    KdLeaf* find_leaf(std::uint32_t n, int pair) noexcept
+    {
+        for (std::uint32_t at = head_of(n); at != 0; at = leaves_[at].next)
+            if (leaves_[at].pairs.has(pair)) return &leaves_[at];
+        return nullptr;
     }
     KdLeaf* expand(std::uint32_t n, int pair);
     KdLeaf* make_leaf(std::uint32_t n, int pair, std::uint32_t head, std::uint32_t record);
@@ -115,6 +131,7 @@ private:
     Arena& arena_;
     TraceCounters& counters_;
     bool may_scan_;
+    std::mutex* building_;
     ArenaVector<KdNode> nodes_;          ///< 0 the root; the two children of a node side by side, the first at an odd number
     ArenaVector<std::uint32_t> heads_;   ///< of each pair of children: the parent's first leaf
     ArenaVector<Record> records_;

@@ -5,9 +5,9 @@
 #include <bit>
 
 #include "accel/frame_state.h"
-#include "accel/hit.h"
 #include "accel/igrid_intersect.h"
-#include "accel/kd_tree.h"
+#include "accel/lazy_tree.h"
+#include "accel/mailboxes.h"
 #include "accel/traverse.h"
 
 namespace occam::accel {
@@ -40,23 +40,17 @@ struct LaneOf {
 }  // namespace
 
 struct Tracer::State {
-    State(const FrameState& f, std::size_t budget_bytes, BuildTechniques with)
-        : frame(f), budget(budget_bytes), techniques(with), items(f, arena, dicer, counters), tree(items, arena, counters, with.scan)
+    explicit State(std::unique_ptr<LazyTree> tree_of_its_own) : State(*tree_of_its_own) { own = std::move(tree_of_its_own); }
+    explicit State(LazyTree& all)
+        : lazy(all), frame(all.frame), budget(all.budget), arena(all.arena), tree(all.tree), gate(all.gate()), mailboxes(gate != nullptr)
     {
-        flush();
-        counters.flushes = 0;
     }
 
-    void flush()
+    /// `seen`: the gate's flushes before it was found that there is too little room.
+    void flush(std::uint64_t seen)
     {
-        counters.peak_bytes = std::max(counters.peak_bytes, arena.bytes());
-        ++counters.flushes;
-        arena.reset(budget);
-        dicer.forget();
-        const ItemIndex root = items.restart();
-        if (techniques.hierarchy) tree.restart(frame.bounds, {&root, 1});
-        else tree.restart(frame.bounds, items.base_patches());
-        if (!techniques.lazy) tree.expand_all(lod::kCoarsestLevel);
+        if (gate) gate->flush(seen, [&] { lazy.flush(); });
+        else lazy.flush();
     }
 
     enum class PacketResult : unsigned char {
@@ -111,11 +105,15 @@ struct Tracer::State {
     template <class Run>
     void within_budget(std::size_t first, std::size_t count, Run&& run)
     {
-        if (run(first, count, budget)) return;
+        const auto fits = [&] {
+            if (gate) gate->pass();
+            const std::uint64_t seen = gate ? gate->flushes() : 0;
+            if (run(first, count, budget)) return true;
+            flush(seen);
+            return false;
+        };
         // Abandoned: what was built is dropped, and the same rays start again in an empty arena, at last one by one.
-        flush();
-        if (run(first, count, budget)) return;
-        flush();
+        if (fits() || fits()) return;
         if (count == 1) {
             run(first, 1, kNoLimit);
             return;
@@ -144,6 +142,7 @@ struct Tracer::State {
             sorted_axes[to] = axes[i];
             place_of[to] = i;
         }
+        const FlushGate::Inside inside(gate);
         for (std::size_t first = 0; first < rays.size();) {
             std::size_t end = first + 1;
             while (kLanes > 1 && end < rays.size() && end < first + kPacket && sorted_axes[end].group() == sorted_axes[first].group()) ++end;
@@ -151,19 +150,17 @@ struct Tracer::State {
             first = end;
         }
         counters.rays += rays.size();
-        counters.peak_bytes = std::max(counters.peak_bytes, arena.bytes());
-        counters.vertices_diced = dicer.vertices_diced;
-        counters.vertices_shaded = dicer.vertices_shaded;
     }
 
+    std::unique_ptr<LazyTree> own;  ///< null: the tree is shared
+    LazyTree& lazy;
     const FrameState& frame;
-    std::size_t budget;
-    BuildTechniques techniques;
-    Arena arena;
-    lod::Dicer dicer;
-    TraceCounters counters;
-    Items items;
-    KdTree tree;
+    const std::size_t budget;
+    Arena& arena;
+    KdTree& tree;
+    FlushGate* const gate;          ///< null unless the tree is shared
+    TraceCounters counters;         ///< without those of building
+    Mailboxes mailboxes;
     lod::RayLevels<vfloat> packet_levels;  ///< of the packet traced last
     lod::RayLevels<float> single_levels;   ///< of the ray traced last
     std::vector<Ray> sorted;            ///< the batch, by direction
@@ -264,20 +261,19 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
         return in <= out;
     };
     const auto meet = [&](KdLeaf::Entry& entry, int pair, vmask entering) __attribute__((always_inline)) {
-        if (!entry.grid) {
-            entry.grid = &items.grid(entry.item, pair);
+        IGrid* known = read_published(entry.grid);
+        if (!known) {
+            known = &lazy.grid(entry, pair, counters.diced);
             if (arena.bytes() > limit_bytes) return false;
         }
-        IGrid& grid = *entry.grid;
-        if (grid.visit != visit) {
-            grid.visit = visit;
-            grid.visited_lanes = 0;
-        }
+        IGrid& grid = *known;
+        GridVisit& visited = mailboxes.of(grid);
+        if (visited.packet != visit) visited = {visit, 0};
         // A grid that a ray enters in several cells is met once.
         if (grid.seen_by != RayKind::All) entering = entering & lanes_of_kinds(rays, grid.seen_by);
-        const unsigned fresh = bits(entering) & ~grid.visited_lanes;
+        const unsigned fresh = bits(entering) & ~visited.lanes;
         if (fresh == 0) return true;
-        grid.visited_lanes |= fresh;
+        visited.lanes |= fresh;
         if (grid.cage != here) {
             here = grid.cage;
             blended = lod::kNoPair;
@@ -359,13 +355,15 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& ax, std::size_t li
         return in <= out;
     };
     const auto meet = [&](KdLeaf::Entry& entry, int pair, bool) {
-        if (!entry.grid) {
-            entry.grid = &items.grid(entry.item, pair);
+        IGrid* known = read_published(entry.grid);
+        if (!known) {
+            known = &lazy.grid(entry, pair, counters.diced);
             if (arena.bytes() > limit_bytes) return false;
         }
-        IGrid& grid = *entry.grid;
-        if (grid.visit == visit || (ray.kinds & grid.seen_by) == 0) return true;
-        grid.visit = visit;
+        IGrid& grid = *known;
+        GridVisit& visited = mailboxes.of(grid);
+        if (visited.packet == visit || (ray.kinds & grid.seen_by) == 0) return true;
+        visited.packet = visit;
         if (grid.cage != here) {
             here = grid.cage;
             blended = lod::kNoPair;
@@ -393,11 +391,18 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& ax, std::size_t li
 }
 
 Tracer::Tracer(const Frame& frame, std::size_t budget_bytes, BuildTechniques techniques)
-    : state_(std::make_unique<State>(frame.state(), budget_bytes, techniques))
+    : state_(std::make_unique<State>(std::make_unique<LazyTree>(frame.state(), budget_bytes, techniques, false)))
 {
 }
+Tracer::Tracer(SharedTree& tree) : state_(std::make_unique<State>(*tree.tree_)) {}
 Tracer::~Tracer() = default;
-const TraceCounters& Tracer::counters() const noexcept { return state_->counters; }
+TraceCounters Tracer::counters() const
+{
+    TraceCounters all = state_->counters;
+    all.diced = 0;  // counted with building
+    if (state_->own) all += state_->own->totals();
+    return all;
+}
 
 namespace {
 
@@ -459,7 +464,7 @@ void Tracer::closest(std::span<const Ray> rays, std::span<SurfaceHit> hits)
             if (!grid) return;
             Met met{found.t[lane], grid, found.id[lane], {}};
             if (grid->blends()) met.blend = is_single ? s.single_levels.blend(grid->pairs.finest) : s.blend_of_lane(grid->pairs.finest, static_cast<int>(lane));
-            resolve(s.sorted[first + i], met, {s.frame, s.dicer, s.arena, s.counters}, hit);
+            resolve(s.sorted[first + i], met, s.lazy.phase_one(), hit);
         };
         return s.run<Nearest>(first, count, limit, take) && s.arena.bytes() <= limit;
     });
@@ -475,33 +480,6 @@ void Tracer::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occlude
         return s.run<AnyHit>(first, count, limit, take);
     });
     s.counters.diced_for_occlusion += s.counters.diced - diced;
-}
-
-TraceCounters& TraceCounters::operator+=(const TraceCounters& o) noexcept
-{
-    rays += o.rays;
-    packets += o.packets;
-    kd_nodes += o.kd_nodes;
-    kd_visited += o.kd_visited;
-    kd_expanded += o.kd_expanded;
-    grids += o.grids;
-    micropolygons += o.micropolygons;
-    diced += o.diced;
-    diced_for_camera += o.diced_for_camera;
-    diced_for_occlusion += o.diced_for_occlusion;
-    faces_touched += o.faces_touched;
-    flushes += o.flushes;
-    vertices_diced += o.vertices_diced;
-    vertices_shaded += o.vertices_shaded;
-    vertices_looked_up += o.vertices_looked_up;
-    peak_bytes += o.peak_bytes;
-    build_seconds += o.build_seconds;
-    dice_seconds += o.dice_seconds;
-    shade_seconds += o.shade_seconds;
-    deform.vertices += o.deform.vertices;
-    deform.seconds += o.deform.seconds;
-    for (int l = 0; l < kLevels; ++l) micropolygons_of_level[l] += o.micropolygons_of_level[l];
-    return *this;
 }
 
 }  // namespace occam::accel

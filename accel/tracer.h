@@ -6,7 +6,8 @@
 // Space    ray origins and hit positions in world axes, double; directions unit. t is world length along the ray.
 // Memory   what is built lies in the tracer's arena, at most `budget_bytes`; past it the tracer drops all of it and
 //          goes on with the same rays. The floor is what one ray needs: it is always granted.
-// Threads  one tracer a worker; Frame is shared and const. The answers do not depend on budget or thread.
+// Threads  one tracer a worker; Frame is shared and const. The answers do not depend on budget or thread, nor on whether a
+//          tree is shared.
 #pragma once
 
 #include <array>
@@ -88,9 +89,28 @@ struct BuildTechniques {
     bool scan = true;       ///< of many boxes, planes at fixed steps are tried; else one at every box's ends
 };
 
+struct LazyTree;
+
+/// A tree for several tracers: built once, in the memory of one, where each worker by itself would build much of it again. Tracers wait
+/// for each other while it grows.
+class SharedTree {
+public:
+    /// Borrows the frame.
+    SharedTree(const Frame& frame, std::size_t budget_bytes);
+    ~SharedTree();
+    /// What building has cost; of its tracers', these counters are in none. Any thread.
+    TraceCounters counters() const;
+
+private:
+    friend class Tracer;
+    std::unique_ptr<LazyTree> tree_;
+};
+
 class Tracer {
 public:
     Tracer(const Frame& frame, std::size_t budget_bytes, BuildTechniques techniques = {});
+    /// One of those who use the tree; borrows it.
+    explicit Tracer(SharedTree& tree);
     ~Tracer();
 
     /// Nearest hit of each ray in (t_near, t_far). hits.size() == rays.size().
@@ -98,7 +118,8 @@ public:
     /// occluded[i] becomes 1 if anything lies in (t_near, t_far) of ray i, else 0.
     void occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded);
 
-    const TraceCounters& counters() const noexcept;
+    /// Its own, and those of building unless the tree is shared.
+    TraceCounters counters() const;
 
 private:
     struct State;

@@ -85,7 +85,8 @@ bool traverse(KdTree& tree, const KdRay<F>& ray, F t_near, F t_far, const PairSp
         t_far = min(t_far, limit());
         MaskOf<F> alive = t_near <= t_far;
         while (any(alive)) {
-            const KdNode at = tree.node(node);
+            const KdNode& there = tree.node(node);
+            const KdLink at = there.link();
             if (!at.is_interior() || at.level() < pairs.finest) {
                 const LeafResult result = leaf(node, alive, t_near, t_far, pairs.finest, pairs.coarsest);
                 if (result == LeafResult::Abandoned) return false;
@@ -108,7 +109,7 @@ bool traverse(KdTree& tree, const KdRay<F>& ray, F t_near, F t_far, const PairSp
             const int axis = at.axis();
             const bool flip = ray.negative[axis];
             const std::uint32_t front = at.first_child() + (flip ? 1u : 0u), back = at.first_child() + (flip ? 0u : 1u);
-            const F t_split = (F(at.split) - ray.origin[axis]) * ray.inverse[axis];
+            const F t_split = (F(there.split) - ray.origin[axis]) * ray.inverse[axis];
             const F slack = (abs(t_split) + abs(ray.shift)) * F(4 * FLT_EPSILON);
             const F front_end = t_split + slack, back_begin = t_split - slack;
             const MaskOf<F> into_front = alive & (t_near <= front_end), into_back = alive & (back_begin <= t_far);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "accel/stopwatch.h"
+#include "scenegraph/base/publish.h"
 
 namespace occam::accel {
 namespace {
@@ -31,9 +32,10 @@ struct ValueLattice {
 // Filters are half as wide as the lattice's quads, since a bilinear lookup in a MIP level reaches two texels far and the values are
 // interpolated once more (docs/performance.md has what wider ones cost in error); and no narrower than those of hits that see the level
 // fully fine.
-const float* make_values(const IGrid& grid, const IGridPart& part, bool is_coarse, const Material& material, int channels,
-                         const PhaseOneTools& tools)
+const float* make_values(const IGrid& grid, IGridPart& part, bool is_coarse, const Material& material, int channels, const PhaseOneTools& tools)
 {
+    const MaybeLock lock(tools.building);
+    if (part.values[is_coarse]) return part.values[is_coarse];  // another was here meanwhile
     const Stopwatch watch(tools.counters.shade_seconds);
     const ValueLattice lattice(part, is_coarse);
     const int width = part.tile.columns + 1;
@@ -65,6 +67,7 @@ const float* make_values(const IGrid& grid, const IGridPart& part, bool is_coars
     float* values = tools.arena.make_array<float>(count * static_cast<std::size_t>(channels)).data();
     tools.frame.shading.shader->shade(material, {vertices.data(), count}, values);
     tools.counters.vertices_looked_up += count;
+    publish(part.values[is_coarse], static_cast<const float*>(values));
     return values;
 }
 
@@ -88,14 +91,18 @@ void add_vertex_values(IGrid& grid, std::uint32_t number, Vec2d at, const PhaseO
 {
     IGridPart& part = grid.parts[number];
     if (part.tile.columns == 1 && part.tile.rows == 1) return;
-    if (part.channels < 0) part.channels = static_cast<std::int8_t>(tools.frame.shading.shader->channels(*hit.material));
-    const int channels = part.channels;
+    int channels = read_published(part.channels);
+    if (channels < 0) {
+        channels = tools.frame.shading.shader->channels(*hit.material);
+        publish(part.channels, static_cast<std::int8_t>(channels));  // the same, whoever asks
+    }
     if (channels == 0) return;
     const float share[2] = {1 - hit.blend, hit.blend};
     for (int level : {0, 1}) {
         if (!(share[level] > 0)) continue;
-        if (!part.values[level]) part.values[level] = make_values(grid, part, level == 1, *hit.material, channels, tools);
-        interpolate(ValueLattice(part, level == 1), part.values[level], at, share[level], channels, hit.phase_one);
+        const float* values = read_published(part.values[level]);
+        if (!values) values = make_values(grid, part, level == 1, *hit.material, channels, tools);
+        interpolate(ValueLattice(part, level == 1), values, at, share[level], channels, hit.phase_one);
     }
     hit.phase_one_channels = channels;
 }

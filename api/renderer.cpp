@@ -95,7 +95,7 @@ struct Job::State {
                 ? start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(settings.deadline_s))
                 : Clock::time_point::max();
         image = render::render_frame(
-            {scene, bounds, camera, settings, renderer->resources, renderer->topologies, renderer->textures, deadline},
+            {scene, bounds, camera, settings, renderer->resources, memory, renderer->topologies, renderer->textures, deadline},
             control, stats);
         render::describe(image, camera, settings);
         render::describe_mattes(image, scene, settings);
@@ -117,6 +117,9 @@ struct Job::State {
         stats.image.checksum = image.checksum();
         stats.warnings = scene.warnings;
         for (std::string& warning : renderer->textures.warnings()) stats.warnings.push_back(std::move(warning));
+        if (!stats.complete && !control.is_cancelled())
+            stats.warnings.push_back("out of time: " + std::to_string(static_cast<int>(100 * control.fraction_done())) +
+                                     " % of the picture has all its samples, the rest fewer, or none and is black");
         stats.scene.warnings = stats.warnings.size();
     }
 
@@ -136,6 +139,7 @@ struct Job::State {
     Camera camera;
     Settings settings;
     Box3d bounds;
+    render::MemoryPlan memory;
     Clock::time_point start = Clock::now();
     std::unique_ptr<Scene::FrameLock> lock;
     render::FrameControl control;
@@ -196,6 +200,7 @@ Job Renderer::start(Scene& scene, const Camera& camera, const Settings& settings
         auto job = std::make_unique<Job::State>(state_, scene, camera, settings);
         scene.refit();
         job->bounds = scene.bounds();
+        job->memory = render::plan_memory(scene, state_->resources);
         job->stats.seconds.refit = seconds_since(job->start);
         job->lock = std::make_unique<Scene::FrameLock>(scene);
         job->thread = std::thread([state = job.get()] { state->run(); });
@@ -211,6 +216,13 @@ Image Renderer::render(Scene& scene, const Camera& camera, const Settings& setti
     Job job = start(scene, camera, settings);
     state_->stats = job.stats();
     return job.take_image();
+}
+
+std::size_t Renderer::memory_floor(const Scene& scene) const
+{
+    Resources resources = state_->resources;
+    resources.memory_bytes = ~std::size_t(0);
+    return render::plan_memory(scene, resources).floor_bytes;
 }
 
 const FrameStats& Renderer::stats() const noexcept { return state_->stats; }

@@ -138,4 +138,11 @@ void Film::store(int x, int y, const PixelSums& sums) noexcept
     put(Aov::NormalMean, pixel, &normal.x, 3);
 }
 
+std::size_t Film::bytes() const noexcept
+{
+    std::size_t floats = 0;
+    for (const Layer& layer : image_.layers()) floats += layer.pixels.size();
+    return floats * sizeof(float);
+}
+
 }  // namespace occam::render

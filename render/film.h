@@ -69,6 +69,7 @@ public:
     void store(int x, int y, const PixelSums& sums) noexcept;
     /// aov      of the two of Cryptomatte
     void store(int x, int y, Aov aov, MatteSums& mattes, double weight) noexcept;
+    std::size_t bytes() const noexcept;
     Image take() && { return std::move(image_); }
 
 private:

@@ -3,8 +3,7 @@
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
-
-#include <mutex>
+#include <time.h>
 
 #include "accel/frame.h"
 #include "render/film.h"
@@ -17,9 +16,6 @@ namespace occam::render {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-// Rays that start together: enough for a tracer's packets and streams, few enough that a cancelled frame stops soon.
-constexpr int kBatchRays = 4096;
 
 // Error estimates of fewer samples say little.
 constexpr int kLeastSamples = 16;
@@ -41,6 +37,13 @@ bool may_pass(const Scene& scene)
     return found;
 }
 
+double thread_seconds()
+{
+    timespec t{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
 // Nearest and farthest camera z of the scene's box.
 void set_depth_range(FrameContext& context, const Box3d& bounds)
 {
@@ -60,30 +63,95 @@ void set_depth_range(FrameContext& context, const Box3d& bounds)
 // Makes tiles, one after the other, with what it owns.
 class Worker {
 public:
-    Worker(const FrameContext& context, const accel::Frame& frame, std::size_t budget_bytes, Clock::time_point deadline)
-        : context_(context), tracer_(frame, budget_bytes), integrator_(context), deadline_(deadline)
+    /// shared   null: the worker grows a tree of its own
+    Worker(const FrameContext& context, const accel::Frame& frame, const MemoryPlan& memory, accel::SharedTree* shared,
+           Clock::time_point deadline)
+        : context_(context), tracer_(shared ? accel::Tracer(*shared) : accel::Tracer(frame, memory.tracer_bytes)), integrator_(context),
+          batch_rays_(memory.batch_rays), deadline_(deadline)
     {
     }
 
-    /// False if it was stopped on the way: then nothing of the tile is kept.
-    bool make(const PixelRect& tile, Film& film, const FrameControl& control)
+    /// spp   samples a pixel; fewer than the picture's: what the tile shows until it is made in full
+    /// False if it was stopped on the way: by the deadline, then the samples so far are kept; or cancelled, then nothing.
+    bool make(const PixelRect& tile, int spp, Film& film, const FrameControl& control)
+    {
+        const double start_seconds = thread_seconds();
+        const bool is_whole = make_samples(tile, spp, film, control);
+        cpu_seconds_ += thread_seconds() - start_seconds;
+        tiles_ += is_whole && spp == context_.settings.spp;
+        return is_whole;
+    }
+
+    void count_into(FrameStats& stats) const
+    {
+        const accel::TraceCounters t = tracer_.counters();
+        const IntegratorCounters& c = integrator_.counters();
+        stats.rays.primary += c.rays.primary;
+        stats.rays.shadow += c.rays.shadow;
+        stats.rays.ao += c.rays.ao;
+        stats.rays.glossy += c.rays.glossy;
+        stats.rays.diffuse += c.rays.diffuse;
+        stats.image.samples += samples_made_;
+        stats.image.samples_not_finite += not_finite_;
+        stats.seconds.trace += c.trace_seconds;
+        stats.seconds.shade += c.shade_seconds;
+        stats.seconds.film += film_seconds_;
+        stats.built.by_camera_rays += t.diced_for_camera;
+        stats.built.by_shadow_rays += t.diced_for_occlusion;
+        stats.built.visible_cells += visible_cells_;
+        stats.built.hits_looked_up += c.hits_looked_up;
+        stats.workers.push_back({.cpu_seconds = cpu_seconds_, .tiles = tiles_});
+        count_building(t, stats, stats.workers.back());
+    }
+
+    /// What a tree has cost.
+    static void count_building(const accel::TraceCounters& t, FrameStats& stats, FrameStats::Worker& worker)
+    {
+        for (int l = 0; l < accel::TraceCounters::kLevels; ++l)
+            if (t.micropolygons_of_level[l] > 0) stats.built.by_level[accel::TraceCounters::kFinestLevel + l] += t.micropolygons_of_level[l];
+        stats.seconds.build += t.build_seconds;
+        stats.seconds.tessellate += t.dice_seconds;
+        stats.seconds.shade += t.shade_seconds;
+        stats.seconds.phase_one += t.shade_seconds;
+        stats.seconds.deform += t.deform.seconds;
+        stats.built.kd_nodes += t.kd_nodes;
+        stats.built.grids += t.grids;
+        stats.built.micropolygons += t.micropolygons;
+        stats.built.faces_touched += t.faces_touched;
+        stats.built.vertices_deformed += t.deform.vertices;
+        stats.built.vertices_shaded += t.vertices_shaded;
+        stats.built.vertices_looked_up += t.vertices_looked_up;
+        stats.memory.arena_peak_bytes += t.peak_bytes;
+        stats.memory.flushes += t.flushes;
+        worker.build_seconds += t.build_seconds + t.dice_seconds;
+        worker.kd_nodes += t.kd_nodes;
+        worker.grids += t.grids;
+        worker.micropolygons += t.micropolygons;
+        worker.arena_peak_bytes += t.peak_bytes;
+    }
+
+private:
+    bool make_samples(const PixelRect& tile, int spp, Film& film, const FrameControl& control)
     {
         const int pixels = tile.width() * tile.height();
-        const int spp = context_.settings.spp;
-        const int step = std::clamp(kBatchRays / pixels, 1, spp);
+        const int step = std::clamp(batch_rays_ / pixels, 1, spp);
+        bool is_late = false;
         sums_.assign(static_cast<std::size_t>(pixels), {});
         for (int k : {0, 1})
             if (context_.settings.has(kMattes[k])) mattes_[k].assign(static_cast<std::size_t>(pixels), {});
         const double cells = integrator_.counters().visible_cells;
         int first = 0;
         while (first < spp) {
-            if (control.is_cancelled() || Clock::now() >= deadline_) return false;
+            if (control.is_cancelled()) return false;
+            is_late = Clock::now() >= deadline_;
+            if (is_late && first == 0) return false;
+            if (is_late) break;
             const int last = std::min({first + step, next_check(first), spp});
             trace(tile, first, last);
             first = last;
             if (last == next_check(last - 1) && is_good_enough()) break;
         }
-        visible_cells_ += (integrator_.counters().visible_cells - cells) / first;
+        if (spp == context_.settings.spp) visible_cells_ += (integrator_.counters().visible_cells - cells) / first;
         const auto start = Clock::now();
         std::size_t i = 0;
         for (int y = tile.y0; y < tile.y1; ++y)
@@ -95,45 +163,9 @@ public:
                 ++i;
             }
         film_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
-        return true;
+        return !is_late;
     }
 
-    void count_into(FrameStats& stats) const
-    {
-        const accel::TraceCounters& t = tracer_.counters();
-        const IntegratorCounters& c = integrator_.counters();
-        stats.rays.primary += c.rays.primary;
-        stats.rays.shadow += c.rays.shadow;
-        stats.rays.ao += c.rays.ao;
-        stats.rays.glossy += c.rays.glossy;
-        stats.rays.diffuse += c.rays.diffuse;
-        stats.image.samples += samples_made_;
-        stats.image.samples_not_finite += not_finite_;
-        for (int l = 0; l < accel::TraceCounters::kLevels; ++l)
-            if (t.micropolygons_of_level[l] > 0) stats.built.by_level[accel::TraceCounters::kFinestLevel + l] += t.micropolygons_of_level[l];
-        stats.seconds.build += t.build_seconds;
-        stats.seconds.tessellate += t.dice_seconds;
-        stats.seconds.deform += t.deform.seconds;
-        stats.seconds.trace += std::max(0.0, c.trace_seconds - t.build_seconds - t.dice_seconds - t.shade_seconds);
-        stats.seconds.shade += c.shade_seconds + t.shade_seconds;
-        stats.seconds.phase_one += t.shade_seconds;
-        stats.seconds.film += film_seconds_;
-        stats.built.kd_nodes += t.kd_nodes;
-        stats.built.grids += t.grids;
-        stats.built.micropolygons += t.micropolygons;
-        stats.built.by_camera_rays += t.diced_for_camera;
-        stats.built.by_shadow_rays += t.diced_for_occlusion;
-        stats.built.visible_cells += visible_cells_;
-        stats.built.faces_touched += t.faces_touched;
-        stats.built.vertices_deformed += t.deform.vertices;
-        stats.built.vertices_shaded += t.vertices_shaded;
-        stats.built.vertices_looked_up += t.vertices_looked_up;
-        stats.built.hits_looked_up += c.hits_looked_up;
-        stats.memory.arena_peak_bytes += t.peak_bytes;
-        stats.memory.flushes += t.flushes;
-    }
-
-private:
     // Samples a pixel at which its tile may end: powers of two. The points of so many are evenly laid out.
     int next_check(int after) const noexcept
     {
@@ -178,13 +210,68 @@ private:
     const FrameContext& context_;
     accel::Tracer tracer_;
     Integrator integrator_;
+    int batch_rays_;
     Clock::time_point deadline_;
-    double film_seconds_ = 0, visible_cells_ = 0;
-    std::uint64_t samples_made_ = 0, not_finite_ = 0;
+    double film_seconds_ = 0, visible_cells_ = 0, cpu_seconds_ = 0;
+    std::uint64_t samples_made_ = 0, not_finite_ = 0, tiles_ = 0;
     std::vector<CameraSample> samples_;
     std::vector<SampleResult> results_;
     std::vector<PixelSums> sums_;
     std::vector<MatteSums> mattes_[2];
+};
+
+// The workers of a frame, and the trees that groups of them share.
+class Crew {
+public:
+    Crew(const FrameContext& context, const accel::Frame& frame, const FrameInputs& in)
+        : context_(context), frame_(frame), in_(in), workers_(static_cast<std::size_t>(in.resources.threads))
+    {
+        const auto group = static_cast<std::size_t>(in.resources.workers_a_tree);
+        for (std::size_t first = 0; group > 1 && first < workers_.size(); first += group)
+            trees_.push_back(std::make_unique<accel::SharedTree>(frame, in.memory.tracer_bytes * std::min(group, workers_.size() - first)));
+    }
+
+    template <class Finished>
+    void make(const std::vector<PixelRect>& all, int spp, Film& film, const FrameControl& control, Finished&& finished)
+    {
+        const int threads = in_.resources.threads;
+        TileQueue tiles(all, threads);
+        const auto work = [&](int index) {
+            auto tile = tiles.next(index);
+            if (!tile) return;  // another took all of it already
+            std::unique_ptr<Worker>& worker = workers_[static_cast<std::size_t>(index)];
+            if (!worker) worker = std::make_unique<Worker>(context_, frame_, in_.memory, tree_of(index), in_.deadline);
+            for (; tile && worker->make(*tile, spp, film, control); tile = tiles.next(index)) finished();
+        };
+        const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+        tbb::task_arena arena(threads);
+        arena.execute([&] { tbb::parallel_for(0, threads, work, tbb::simple_partitioner()); });
+    }
+
+    void count_into(FrameStats& stats) const
+    {
+        const auto group = static_cast<std::size_t>(in_.resources.workers_a_tree);
+        for (std::size_t first = 0; first < workers_.size(); first += group) {
+            const std::size_t known = stats.workers.size();
+            for (std::size_t i = first; i < std::min(first + group, workers_.size()); ++i)
+                if (workers_[i]) workers_[i]->count_into(stats);
+            if (!trees_.empty() && stats.workers.size() > known)
+                Worker::count_building(trees_[first / group]->counters(), stats, stats.workers[known]);
+        }
+        stats.seconds.trace = std::max(0.0, stats.seconds.trace - stats.seconds.build - stats.seconds.tessellate - stats.seconds.phase_one);
+    }
+
+private:
+    accel::SharedTree* tree_of(int worker) const
+    {
+        return trees_.empty() ? nullptr : trees_[static_cast<std::size_t>(worker / in_.resources.workers_a_tree)].get();
+    }
+
+    const FrameContext& context_;
+    const accel::Frame& frame_;
+    const FrameInputs& in_;
+    std::vector<std::unique_ptr<accel::SharedTree>> trees_;
+    std::vector<std::unique_ptr<Worker>> workers_;  ///< made when they first find a tile
 };
 
 }  // namespace
@@ -211,24 +298,19 @@ Image render_frame(const FrameInputs& in, FrameControl& control, FrameStats& sta
     if (in.settings.shade_at == ShadeAt::Vertex) shading.shader = &phase_one;
     const accel::Frame frame(in.scene, in.topologies, levels, &in.textures, shading);
 
+    context.shadow_batch = in.memory.shadow_batch;
+
     Film film(in.settings);
-    const int threads = in.resources.threads;
-    TileQueue tiles(make_tiles(crop_pixels(in.settings)), threads);
-    std::mutex stats_mutex;
-    const auto work = [&](int index) {
-        auto tile = tiles.next(index);
-        if (!tile) return;  // another took all of it already
-        Worker worker(context, frame, in.resources.memory_bytes / static_cast<std::size_t>(threads), in.deadline);
-        for (; tile && worker.make(*tile, film, control); tile = tiles.next(index)) control.finish_tile();
-        const std::lock_guard lock(stats_mutex);
-        worker.count_into(stats);
-    };
-
+    stats.memory.film_bytes = film.bytes();
+    stats.memory.floor_bytes = in.memory.floor_bytes;
+    stats.memory.queue_bytes = in.memory.queue_bytes * static_cast<std::size_t>(in.resources.threads);
+    Crew crew(context, frame, in);
+    const std::vector<PixelRect> tiles = make_tiles(crop_pixels(in.settings));
     control.start_tiles(tiles.size());
-    const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-    tbb::task_arena arena(threads);
-    arena.execute([&] { tbb::parallel_for(0, threads, work, tbb::simple_partitioner()); });
-
+    // What runs out of time shows a sample of each pixel first of all.
+    if (in.deadline != Clock::time_point::max() && in.settings.spp > 1) crew.make(tiles, 1, film, control, [] {});
+    crew.make(tiles, in.settings.spp, film, control, [&] { control.finish_tile(); });
+    crew.count_into(stats);
     stats.complete = control.tiles_done() == tiles.size();
     return std::move(film).take();
 }

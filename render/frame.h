@@ -1,7 +1,7 @@
 // One frame: tiles handed to workers, each with a tracer and an integrator of its own.
 //
 // Borrows   everything in FrameInputs until render_frame() returns. The caller has refitted and locked the scene.
-// Memory    the budget is divided evenly among the workers; the film is a few floats a pixel beside it.
+// Memory    memory_plan.h; the film is a few floats a pixel beside it.
 // Threads   one call makes `threads` workers; the picture does not depend on how many.
 #pragma once
 
@@ -10,6 +10,7 @@
 #include "lod/topology_cache.h"
 #include "render/frame_control.h"
 #include "render/image.h"
+#include "render/memory_plan.h"
 #include "render/settings.h"
 #include "render/stats.h"
 #include "scenegraph/scene.h"
@@ -23,6 +24,7 @@ struct FrameInputs {
     const Camera& camera;
     const Settings& settings;    ///< checked
     const Resources& resources;  ///< resolved
+    const MemoryPlan& memory;
     lod::TopologyCache& topologies;
     const TextureStore& textures;
     std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();

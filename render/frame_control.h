@@ -29,6 +29,7 @@ public:
     void start_tiles(std::size_t count) noexcept;
     void finish_tile() noexcept { ++tiles_done_; }
     std::size_t tiles_done() const noexcept { return tiles_done_; }
+    double fraction_done() const noexcept { return tiles_ == 0 ? 0 : double(tiles_done_) / double(tiles_); }
 
 private:
     using Clock = std::chrono::steady_clock;

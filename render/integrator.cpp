@@ -59,7 +59,7 @@ std::size_t Integrator::shade_some(std::size_t first, std::span<const CameraSamp
     const auto start = Clock::now();
     shadows_.clear();
     std::size_t i = first;
-    for (; i < paths_.size() && shadows_.size() < kShadowBatch; ++i) {
+    for (; i < paths_.size() && shadows_.size() < context_.shadow_batch; ++i) {
         const std::uint32_t sample = paths_[i].sample;
         if (hits_[i].is_hit() && paths_[i].is_camera()) count_cells(rays_[i], hits_[i]);
         if (hits_[i].is_hit())

@@ -39,6 +39,8 @@ struct FrameContext {
     bool may_pass = false;                ///< some material of the scene lets light pass straight on
     float depth_near = 0, depth_far = 1;  ///< camera z of the scene, for View::Depth
     const Scene* scene = nullptr;         ///< for the names that Cryptomatte wants
+    static constexpr std::size_t kShadowBatch = 16384;
+    std::size_t shadow_batch = kShadowBatch;  ///< shadow rays that may wait before they are traced
 };
 
 struct CameraSample {
@@ -56,8 +58,6 @@ struct IntegratorCounters {
 
 /// Lights tried at a hit. A scene with more has them sampled, one from each sixteenth of the list.
 inline constexpr int kMaxLightsPerHit = 16;
-/// Shadow rays that may wait before they are traced: bounds the memory of a batch.
-inline constexpr std::size_t kShadowBatch = 16384;
 /// GGX width of a lobe that `direct` follows as a mirror; wider ones show lights alone.
 inline constexpr float kMirrorAlpha = 0.01f;
 /// Bounces before a path's life is left to chance.

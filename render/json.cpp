@@ -68,6 +68,15 @@ std::string to_json(const FrameStats& s)
     const auto& t = s.seconds;
     Json by_level = Json::array();
     for (const auto& [level, count] : s.built.by_level) by_level.push_back({{"level", level}, {"micropolygons", count}});
+    Json workers = Json::array();
+    for (const FrameStats::Worker& w : s.workers)
+        workers.push_back({{"cpu_seconds", number(w.cpu_seconds)},
+                           {"build_seconds", number(w.build_seconds)},
+                           {"tiles", w.tiles},
+                           {"kd_nodes", w.kd_nodes},
+                           {"grids", w.grids},
+                           {"micropolygons", w.micropolygons},
+                           {"arena_peak_bytes", w.arena_peak_bytes}});
     return text_of({
         {"scene",
          {{"nodes", s.scene.nodes},
@@ -115,7 +124,11 @@ std::string to_json(const FrameStats& s)
          {{"peak_bytes", s.memory.peak_bytes},
           {"arena_peak_bytes", s.memory.arena_peak_bytes},
           {"texture_bytes", s.memory.texture_bytes},
-          {"flushes", s.memory.flushes}}},
+          {"flushes", s.memory.flushes},
+          {"floor_bytes", s.memory.floor_bytes},
+          {"queue_bytes", s.memory.queue_bytes},
+          {"film_bytes", s.memory.film_bytes}}},
+        {"workers", workers},
         {"image",
          {{"width", s.image.width},
           {"height", s.image.height},

@@ -66,6 +66,7 @@ Resources Resources::resolved() const
 {
     Resources r = *this;
     if (r.threads <= 0) r.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    if (r.workers_a_tree <= 0 || r.workers_a_tree > r.threads) r.workers_a_tree = r.threads;
     if (r.memory_bytes == 0) {
         const auto pages = static_cast<std::size_t>(std::max(0L, sysconf(_SC_PHYS_PAGES)));
         const auto page_bytes = static_cast<std::size_t>(std::max(0L, sysconf(_SC_PAGESIZE)));

@@ -97,7 +97,10 @@ struct Settings {
 /// What is at hand to make it with. Has no influence on the picture.
 struct Resources {
     int threads = 0;               ///< 0: one for each processor
-    std::size_t memory_bytes = 0;  ///< for what is rebuilt each frame, all workers together; 0: a quarter of the machine
+    /// For what is rebuilt each frame, all workers together; 0: a quarter of the machine. What a scene needs at least:
+    /// Renderer::memory_floor().
+    std::size_t memory_bytes = 0;
+    int workers_a_tree = 1;        ///< 1: each worker builds its own; more: that many share one; 0: all do
     std::size_t texture_bytes = std::size_t(1) << 30;
 
     /// The zeros above replaced by what the machine has.

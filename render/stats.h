@@ -43,7 +43,16 @@ struct FrameStats {
     } built;
     struct Memory {
         std::uint64_t peak_bytes = 0, arena_peak_bytes = 0, texture_bytes = 0, flushes = 0;
+        std::uint64_t floor_bytes = 0;  ///< the least budget that the frame could do with
+        std::uint64_t queue_bytes = 0;  ///< of the budget, for rays on their way; the arenas have the rest
+        std::uint64_t film_bytes = 0;   ///< of the picture, beside the budget
     } memory;
+    /// What each worker did. Builders of a shared tree are not told apart: it is counted for its first worker.
+    struct Worker {
+        double cpu_seconds = 0, build_seconds = 0;  ///< all its work; of that, building and dicing
+        std::uint64_t tiles = 0, kd_nodes = 0, grids = 0, micropolygons = 0, arena_peak_bytes = 0;
+    };
+    std::vector<Worker> workers;
     struct Image {
         int width = 0, height = 0, spp = 0;
         std::uint64_t checksum = 0;

@@ -65,7 +65,9 @@ NodeId Scene::add_node(NodeId parent, NodeDesc desc)
 
     const auto is_alive = [&](NodeId known) { return s.nodes.find(known) != nullptr; };
     const Node& node = *s.nodes.find(id);
-    s.nodes.find(parent)->children.push_back(id);
+    std::vector<NodeId>& siblings = s.nodes.find(parent)->children;
+    s.nodes.find(id)->place_among_siblings = static_cast<std::uint32_t>(siblings.size());
+    siblings.push_back(id);
     for (CageId cage : node.cages) s.cages.find(cage)->users.add(id, is_alive);
     if (node.instance_of) s.nodes.find(node.instance_of)->instances.add(id, is_alive);
     if (node.skin) {
@@ -83,13 +85,14 @@ void Scene::remove(NodeId id)
     State::at(s.nodes, id, "node");
     if (id == s.root) throw Error("", "the root cannot be removed");
     s.mark_dirty(id);
-    std::erase(s.nodes.find(s.nodes.find(id)->parent)->children, id);
+    s.leave_parent(*s.nodes.find(id));
     std::vector<NodeId> todo{id};
     while (!todo.empty()) {
         const NodeId next = todo.back();
         todo.pop_back();
         const State::NodeRecord& node = *s.nodes.find(next);
-        todo.insert(todo.end(), node.children.begin(), node.children.end());
+        for (const NodeId child : node.children)
+            if (child) todo.push_back(child);
         // Elsewhere a part of the subtree may be on show: those placements lose it.
         for (NodeId instance : node.instances.ids()) s.mark_dirty(instance);
         s.place_changed(next, node);  // it may be a joint of what stays
@@ -133,6 +136,7 @@ void Scene::set_visible(NodeId id, bool visible)
     State::NodeRecord& node = State::at(state_->nodes, id, "node");
     if (node.visible == visible) return;
     node.visible = visible;
+    state_->touch_in_parent(node);
     state_->mark_dirty(node.parent ? node.parent : id);
 }
 

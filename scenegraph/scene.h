@@ -47,7 +47,7 @@ struct NodeDesc {
 /// A node as the engine reads it.
 struct Node : NodeDesc {
     NodeId parent;
-    std::vector<NodeId> children;
+    std::vector<NodeId> children;  ///< in the order they were added; none where one of many was removed
     Mat4d parent_from_node{1};
     Box3d bounds;         ///< of the subtree and of instance_of, in the node's own axes; valid after Scene::refit()
     Mat4d node_from_skin{1};  ///< of a skinned node: from the axes of SkinSlot::mesh_poses; valid after Scene::refit()
@@ -60,6 +60,7 @@ struct CageSlot {
     Box3d bounds;                    ///< of the control points, displacement added, object axes
     std::uint64_t identity = 0;      ///< unique in the process; a new one when topology is replaced
     std::uint64_t positions_version = 0;
+    std::uint32_t largest_face = 4;  ///< corners; 4 at least, and of an OnDemandCage
     DeformBoundsTable deform;        ///< one part, the whole cage; none for a cage that no skin and no target deforms
     std::function<Cage()> make;      ///< of an OnDemandCage: `cage` has its name and materials only
 
@@ -159,7 +160,8 @@ public:
 
     /// Bounds of all that is visible, world axes. Refits.
     Box3d bounds();
-    /// Brings dirty bounds up to date: O(number of nodes on dirty paths, and their children). Returns how many it looked at.
+    /// Brings dirty bounds up to date. Cost: a node on a dirty path looks at its children, or, if it has many, at 16 about each
+    /// that changed and twice the logarithm of their number. Returns how many nodes and boxes it looked at.
     std::size_t refit();
 
     /// Calls visit(NodeId, const Node&, const Mat4d& world_from_node) for every visible placement in the graph, parents
@@ -213,8 +215,8 @@ void Scene::for_each_placement(Visit&& visit) const
         const Node& n = node(place.id);
         visit(place.id, n, place.world_from_node);
         for (auto child = n.children.rbegin(); child != n.children.rend(); ++child)
-            if (const Node& c = node(*child); c.visible)
-                todo.push_back({*child, place.world_from_node * c.parent_from_node});
+            if (const Node* c = find(*child); c && c->visible)
+                todo.push_back({*child, place.world_from_node * c->parent_from_node});
         if (find(n.instance_of)) todo.push_back({n.instance_of, place.world_from_node});
     }
 }

@@ -1,5 +1,7 @@
 // Clips written into nodes, and copies of subtrees that are posed by themselves.
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "scenegraph/scene_state.h"
 
@@ -152,7 +154,7 @@ NodeId Scene::copy(NodeId subtree, NodeId parent)
             if (rest->place) desc.place = *rest->place, desc.matrix = rest->matrix;
             if (rest->weights) desc.morph_weights = *rest->weights;
         }
-        originals.insert(originals.end(), from.children.begin(), from.children.end());
+        std::copy_if(from.children.begin(), from.children.end(), std::back_inserter(originals), [](NodeId child) { return bool(child); });
         const NodeId above = i == 0 ? parent : copy.node_of.at(from.parent);
         copy.node_of[originals[i]] = add_node(above, std::move(desc));
     }

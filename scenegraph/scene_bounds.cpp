@@ -13,9 +13,30 @@ void Scene::State::mark_dirty(NodeId id)
         todo.pop_back();
         for (; node && !node->dirty; node = nodes.find(node->parent)) {
             node->dirty = true;
+            touch_in_parent(*node);
             for (NodeId instance : node->instances.ids()) todo.push_back(instance);
         }
     }
+}
+
+void Scene::State::touch_in_parent(const NodeRecord& node)
+{
+    if (NodeRecord* parent = nodes.find(node.parent); parent && parent->child_boxes)
+        parent->child_boxes->touch(node.place_among_siblings);
+}
+
+void Scene::State::leave_parent(const NodeRecord& node)
+{
+    NodeRecord& parent = *nodes.find(node.parent);
+    touch_in_parent(node);
+    parent.children[node.place_among_siblings] = NodeId();
+    // Gaps are closed where there are few children, or as many gaps as children: a constant cost for each removal.
+    if (++parent.removed_children * 2 < parent.children.size() && parent.children.size() > kManyChildren) return;
+    std::erase(parent.children, NodeId());
+    parent.removed_children = 0;
+    parent.child_boxes.reset();
+    for (std::size_t i = 0; i < parent.children.size(); ++i)
+        nodes.find(parent.children[i])->place_among_siblings = static_cast<std::uint32_t>(i);
 }
 
 void Scene::State::mark_users_dirty(const CageRecord& cage)
@@ -59,7 +80,7 @@ Box3d cage_bounds(const Node& node, const CageSlot& slot, const SkinSlot* skin) 
     return grown_by_displacement(slot.cage, box);
 }
 
-void Scene::State::refit_node(NodeId id, NodeRecord& node)
+std::size_t Scene::State::refit_node(NodeId id, NodeRecord& node)
 {
     SkinRecord* skin = skins.find(node.skin);
     if (skin && skin->dirty) pose_skin(*skin);
@@ -67,38 +88,54 @@ void Scene::State::refit_node(NodeId id, NodeRecord& node)
     Box3d bounds;
     for (CageId c : node.cages)
         if (const CageRecord* cage = cages.find(c)) bounds.add(cage_bounds(node, *cage, skin));
-    for (NodeId c : node.children)
-        if (const Node* child = nodes.find(c); child && child->visible)
-            bounds.add(transform_box(child->parent_from_node, child->bounds));
+    const auto box_of = [&](std::size_t i) {
+        const Node* child = nodes.find(node.children[i]);
+        return child && child->visible ? transform_box(child->parent_from_node, child->bounds) : Box3d();
+    };
+    std::size_t looked_at = 0;
+    if (node.child_boxes) {
+        looked_at = node.child_boxes->refit(box_of);
+        bounds.add(node.child_boxes->bounds());
+    } else {
+        for (std::size_t i = 0; i < node.children.size(); ++i) bounds.add(box_of(i));
+    }
     if (const Node* target = nodes.find(node.instance_of)) bounds.add(target->bounds);
     node.bounds = bounds;
     node.dirty = false;
+    return looked_at;
+}
+
+void Scene::State::push_below(NodeRecord& node, std::vector<RefitStep>& todo) const
+{
+    if (node.children.size() > kManyChildren) {
+        if (!node.child_boxes) node.child_boxes = std::make_unique<ChildBoxes>();
+        node.child_boxes->resize(node.children.size());
+        node.child_boxes->for_each_stale([&](std::size_t i) { todo.push_back({node.children[i], false}); });
+    } else {
+        for (const NodeId child : node.children) todo.push_back({child, false});
+    }
+    if (node.instance_of) todo.push_back({node.instance_of, false});
 }
 
 // Depth first without recursion, since a stranger's tree may be deep. add_node() keeps the graph free of cycles; a node
 // that is reached twice is clean the second time.
 std::size_t Scene::refit()
 {
-    struct Step {
-        NodeId id;
-        bool children_are_done;
-    };
     State& s = *state_;
-    std::vector<Step> todo{{s.root, false}};
+    std::vector<State::RefitStep> todo{{s.root, false}};
     std::size_t looked_at = 0;
     while (!todo.empty()) {
-        const Step step = todo.back();
+        const State::RefitStep step = todo.back();
         todo.pop_back();
         State::NodeRecord* node = s.nodes.find(step.id);
         looked_at += step.children_are_done ? 0 : 1;
         if (!node || !node->dirty) continue;
         if (step.children_are_done) {
-            s.refit_node(step.id, *node);
+            looked_at += s.refit_node(step.id, *node);
             continue;
         }
         todo.push_back({step.id, true});
-        for (NodeId child : node->children) todo.push_back({child, false});
-        if (node->instance_of) todo.push_back({node->instance_of, false});
+        s.push_below(*node, todo);
     }
     return looked_at;
 }

@@ -14,6 +14,13 @@ std::uint64_t next_identity() noexcept
     return ++last;
 }
 
+std::uint32_t largest_face(const Cage& cage)
+{
+    std::uint32_t corners = 4;
+    for (const std::uint32_t size : cage.face_sizes) corners = std::max(corners, size);
+    return corners;
+}
+
 void find_bounds(CageSlot& slot)
 {
     slot.bounds = grown_by_displacement(slot.cage, slot.cage.bounds());
@@ -65,6 +72,7 @@ CageId Scene::add(Cage cage)
     for (const std::string& line : sanitize(cage)) warnings.push_back(name + ": " + line);
     State::CageRecord record;
     record.cage = std::move(cage);
+    record.largest_face = largest_face(record.cage);
     record.identity = next_identity();
     find_bounds(record);
     return state_->cages.add(std::move(record));
@@ -143,6 +151,7 @@ void Scene::replace(CageId id, Cage cage)
     const std::string name = cage.name.empty() ? "cage" : cage.name;
     for (const std::string& line : sanitize(cage)) warnings.push_back(name + ": " + line);
     record.cage = std::move(cage);
+    record.largest_face = largest_face(record.cage);
     record.make = nullptr;
     record.identity = next_identity();
     record.positions_version = 0;

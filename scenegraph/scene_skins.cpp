@@ -124,6 +124,7 @@ void Scene::State::pose_skin(SkinRecord& skin) const
 void Scene::State::place_changed(NodeId id, const NodeRecord& node)
 {
     // The node's own box is in its own axes and stays; only a root has nobody above to tell.
+    touch_in_parent(node);
     mark_dirty(node.parent ? node.parent : id);
     if (!node.dependents) return;
     for (const SkinId s : node.dependents->skins)

@@ -6,6 +6,7 @@
 
 #include "scenegraph/base/error.h"
 #include "scenegraph/base/handle.h"
+#include "scenegraph/child_boxes.h"
 #include "scenegraph/scene.h"
 
 namespace occam {
@@ -48,6 +49,9 @@ struct Scene::State {
         std::optional<std::vector<float>> weights;
     };
     struct NodeRecord : Node {
+        std::uint32_t place_among_siblings = 0;  ///< in the parent's list
+        std::uint32_t removed_children = 0;      ///< none-handles in the list of a node with many
+        std::unique_ptr<ChildBoxes> child_boxes; ///< of a node with many children; made by its first refit
         Watchers instances;  ///< nodes whose instance_of is this one
         std::unique_ptr<Dependents> dependents;
         std::unique_ptr<Rest> rest;
@@ -63,9 +67,16 @@ struct Scene::State {
         std::vector<SkinId> skins;                   ///< copies: made for it
         std::vector<NodeId> nodes;                   ///< moved by the last pose()
     };
+    struct RefitStep {
+        NodeId id;
+        bool children_are_done;
+    };
     struct CageRecord : CageSlot {
         Watchers users;
     };
+
+    /// A node with more children keeps their boxes in a tree, and leaves gaps where some were removed.
+    static constexpr std::size_t kManyChildren = 2 * ChildBoxes::kBlock;
 
     SlotMap<NodeRecord, NodeTag> nodes;
     SlotMap<CageRecord, CageTag> cages;
@@ -101,10 +112,17 @@ struct Scene::State {
     /// Marks the node, its ancestors, and all that show one of them as an instance. Stops at what is dirty already: what
     /// lies above that is dirty too.
     void mark_dirty(NodeId id);
+    /// What the parent of a node knows of its box, place and visibility is out of date. Does not mark it.
+    void touch_in_parent(const NodeRecord& node);
+    /// Takes a node out of its parent's list: at a cost that does not grow with the list.
+    void leave_parent(const NodeRecord& node);
     void mark_users_dirty(const CageRecord& cage);
     /// True if `below` lies in what `above` shows, or is `above`.
     bool is_shown_by(NodeId below, NodeId above) const;
-    void refit_node(NodeId id, NodeRecord& node);
+    /// Returns how many boxes of children it looked at beyond those that Scene::refit() has visited.
+    std::size_t refit_node(NodeId id, NodeRecord& node);
+    /// The nodes that have to be up to date before this one is.
+    void push_below(NodeRecord& node, std::vector<RefitStep>& todo) const;
 
     /// A node's place was changed: tells the nodes above, and skins.
     void place_changed(NodeId id, const NodeRecord& node);

@@ -209,6 +209,7 @@ void add_machine(CLI::App& app, RenderArguments& a)
     add_count(app, "--threads", a.resources.threads, 1024, "Workers [all processors]");
     add_value(app, "--memory", "Budget for what is rebuilt each frame [a quarter of the machine]", "SIZE",
               [&](const std::string& t) { a.resources.memory_bytes = bytes_of(t); });
+    add_count(app, "--share-tree", a.resources.workers_a_tree, 1024, "Workers that share one tree, in the memory of one [1: each its own]");
     add_value(app, "--texture-memory", "Cap of the texture cache [1G]", "SIZE",
               [&](const std::string& t) { a.resources.texture_bytes = bytes_of(t); });
     add_choice<ProgressStyle>(app, "--progress", a.progress,

@@ -5,6 +5,7 @@
 // Exit code 1 if a picture differs.
 #include <occam/occam.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -45,7 +46,9 @@ try {
     std::printf("%12s %10s %8s\n%12llu %9.2fx %8llu   unbudgeted, %.2f s\n", "bytes", "time", "flushes",
                 static_cast<unsigned long long>(peak), 1.0, static_cast<unsigned long long>(stats.memory.flushes), seconds);
     bool is_same = true;
-    for (std::uint64_t budget = peak / 2; budget > peak / 32; budget /= 2) {
+    // Below the floor a budget is refused.
+    const std::uint64_t floor = Renderer().memory_floor(scene);
+    for (std::uint64_t budget = peak / 2; budget > std::max(peak / 32, floor); budget /= 2) {
         const bool equal = render(budget, stats) == wanted;
         is_same &= equal;
         std::printf("%12llu %9.2fx %8llu%s\n", static_cast<unsigned long long>(budget), stats.seconds.total / seconds,

@@ -83,9 +83,40 @@ void run_hidden(Report& report)
     }
 }
 
-void run_edits(Report& report)
+namespace {
+
+constexpr std::size_t kEdits = 10;
+
+// `edit(frame, e)` makes the e-th of kEdits edits.
+template <class Edit>
+void measure_edits(Report& report, Scene& scene, const std::string& name, int depth, Edit&& edit)
 {
-    constexpr std::size_t kFanOut = 10, kEdits = 10;
+    if (!report.wants(name)) return;
+    scene.refit();
+    std::size_t looked_at = 0;
+    int frame = 0;
+    const std::vector<double> seconds = repeat(50, [&] {
+        ++frame;
+        for (std::size_t e = 0; e < kEdits; ++e) edit(std::size_t(frame), e);
+        looked_at = scene.refit();
+    });
+    Row out{"edits", name};
+    out.add("microseconds_an_edit", times(seconds, 1e6 / double(kEdits)));
+    out.add("microseconds_an_edit_and_depth", times(seconds, 1e6 / double(kEdits) / depth));
+    out.add("nodes_and_boxes_looked_at", double(looked_at)).add("edits", double(kEdits));
+    report.add(std::move(out));
+}
+
+Mat4d moved(std::size_t x, std::size_t y)
+{
+    Mat4d place(1);
+    place[3] = Vec4d(double(x), double(y), 0, 1);
+    return place;
+}
+
+void run_deep_edits(Report& report)
+{
+    constexpr std::size_t kFanOut = 10;
     Scene scene;
     const CageId shape = scene.add(torus(8, 6));
     std::vector<NodeId> row{scene.root()};
@@ -98,24 +129,37 @@ void run_edits(Report& report)
         row = std::move(below);
         nodes += row.size();
         if (depth < 2) continue;
-        scene.refit();
-        std::size_t looked_at = 0;
-        int frame = 0;
-        const std::vector<double> seconds = repeat(50, [&] {
-            ++frame;
-            for (std::size_t e = 0; e < kEdits; ++e) {
-                Mat4d place(1);
-                place[3] = Vec4d(frame, double(e), 0, 1);
-                scene.set_transform(row[(e * row.size() / kEdits + std::size_t(frame) * 7919) % row.size()], place);
-            }
-            looked_at = scene.refit();
-        });
-        Row out{"edits", std::to_string(nodes) + " nodes, " + std::to_string(depth) + " deep"};
-        out.add("microseconds_an_edit", times(seconds, 1e6 / double(kEdits)));
-        out.add("microseconds_an_edit_and_depth", times(seconds, 1e6 / double(kEdits) / depth));
-        out.add("nodes_looked_at", double(looked_at)).add("edits", double(kEdits));
-        report.add(std::move(out));
+        measure_edits(report, scene, std::to_string(nodes) + " nodes, " + std::to_string(depth) + " deep", depth,
+                      [&](std::size_t frame, std::size_t e) {
+                          scene.set_transform(row[(e * row.size() / kEdits + frame * 7919) % row.size()], moved(frame, e));
+                      });
     }
+}
+
+// One node with all others below it.
+void run_flat_edits(Report& report)
+{
+    Scene scene;
+    const CageId shape = scene.add(torus(8, 6));
+    std::vector<NodeId> nodes;
+    for (std::size_t count = 100; count <= 1'000'000; count *= 10) {
+        while (nodes.size() < count) nodes.push_back(add_node(scene, scene.root(), {double(nodes.size()), 0, 0}, shape));
+        const auto at = [&](std::size_t frame, std::size_t e) -> NodeId& { return nodes[(e * count / kEdits + frame * 7919) % count]; };
+        const std::string name = std::to_string(count) + " nodes, side by side";
+        measure_edits(report, scene, name, 1, [&](std::size_t frame, std::size_t e) { scene.set_transform(at(frame, e), moved(frame, e)); });
+        measure_edits(report, scene, name + ", one removed and one added", 1, [&](std::size_t frame, std::size_t e) {
+            scene.remove(at(frame, e));
+            at(frame, e) = add_node(scene, scene.root(), {double(e), 0, 0}, shape);
+        });
+    }
+}
+
+}  // namespace
+
+void run_edits(Report& report)
+{
+    run_deep_edits(report);
+    run_flat_edits(report);
 }
 
 }  // namespace occam::bench

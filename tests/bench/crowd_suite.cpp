@@ -1,8 +1,8 @@
 // A crowd that deforms every frame, beside Embree on the same cages and rays (crowd.h has the rules).
 //
 // A frame's time is everything from the application's edit to the last pixel, wall clock; the two take turns, frame by frame.
-#include "api/include/occam/occam.h"
 #include "tests/bench/crowd_embree.h"
+#include "tests/bench/crowd_occam.h"
 #include "tests/bench/subjects.h"
 #include "tests/bench/suites.h"
 
@@ -10,75 +10,6 @@ namespace occam::bench {
 namespace {
 
 constexpr int kFrames = 3;
-
-// The same crowd as an application of ours has it.
-class OccamCrowd {
-public:
-    explicit OccamCrowd(const Crowd& crowd) : crowd_(crowd)
-    {
-        Material grey;
-        grey.base_color = {0.5f, 0.5f, 0.5f, 1};
-        grey.roughness = 1;
-        grey.specular = 0;
-        const MaterialId material = scene_.add(grey);
-        for (int i = 0; i < crowd.copies; ++i) {
-            Cage cage = crowd.cage;
-            cage.materials = {material};
-            NodeDesc desc;
-            desc.place.translation = crowd.place(i);
-            desc.cages = {scene_.add(std::move(cage))};
-            cages_.push_back(desc.cages[0]);
-            scene_.add_node(scene_.root(), std::move(desc));
-        }
-        Cage floor;
-        floor.scheme = Scheme::Triangles;
-        const auto corners = crowd.floor();
-        floor.positions.assign(corners.begin(), corners.end());
-        floor.face_vertices = {0, 1, 2, 0, 2, 3};
-        floor.materials = {material};
-        NodeDesc ground;
-        ground.cages = {scene_.add(std::move(floor))};
-        scene_.add_node(scene_.root(), std::move(ground));
-        for (const SquareLight& light : crowd.lights()) {
-            AreaLight square;
-            square.size = Vec2f(static_cast<float>(light.side));
-            square.radiance = Vec3f(20);
-            NodeDesc desc;
-            desc.light = scene_.add(Light{"", square});
-            desc.matrix = Mat4d(Vec4d(light.right, 0), Vec4d(-light.up, 0), Vec4d(-light.towards, 0), Vec4d(light.centre, 1));
-            scene_.add_node(scene_.root(), std::move(desc));
-        }
-        camera_ = Camera::look_at(crowd.eye(), {0, 0, 0}, {0, 1, 0}, 0.78539816f);
-    }
-
-    /// Wall seconds of edit and frame.
-    double render(int frame, const Recipe& recipe)
-    {
-        const double start = wall_seconds();
-        for (int i = 0; i < crowd_.copies; ++i) {
-            crowd_.twist(i, frame, positions_);
-            scene_.write_vertices(cages_[static_cast<std::size_t>(i)], positions_);
-        }
-        edit_seconds_ = wall_seconds() - start;
-        Settings settings{.width = kCrowdPixels, .height = kCrowdPixels, .spp = recipe.primary};
-        settings.light_samples = recipe.shadow;
-        settings.shading_rate = recipe.edge_pixels;
-        image_ = renderer_.render(scene_, camera_, settings);
-        return wall_seconds() - start;
-    }
-    double edit_seconds() const { return edit_seconds_; }
-    const FrameStats& stats() const { return renderer_.stats(); }
-
-private:
-    const Crowd& crowd_;
-    Scene scene_;
-    Camera camera_;
-    Renderer renderer_;
-    std::vector<CageId> cages_;
-    std::vector<Vec3f> positions_;
-    Image image_;
-    double edit_seconds_ = 0;
-};
 
 void run_case(Report& report, const Crowd& crowd, const Recipe& recipe)
 {

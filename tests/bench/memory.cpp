@@ -9,6 +9,7 @@ namespace occam::bench {
 void run_memory(Report& report)
 {
     for (const auto& subject : usual_subjects(288, 288)) {
+        if (!report.wants(subject->name)) continue;
         const std::vector<accel::Ray> rays = subject->camera_rays();
         std::vector<accel::SurfaceHit> hits(rays.size());
         accel::Tracer tracer(*subject->frame, std::size_t(1) << 30);
@@ -28,6 +29,7 @@ void run_memory(Report& report)
         row.note = "Embree: triangles with vertices of their own, as in the trace suite";
         report.add(row.add("embree_bytes_per_triangle", double(mesh.bytes) / triangles));
     }
+    run_budgets(report);
 }
 
 }  // namespace occam::bench

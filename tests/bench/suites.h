@@ -14,6 +14,7 @@ void run_light_frames(Report& report);  ///< a part of run_light()
 void run_shade(Report& report);
 void run_converge(Report& report);
 void run_memory(Report& report);
+void run_budgets(Report& report);  ///< a part of run_memory()
 void run_frame(Report& report);
 void run_first(Report& report);
 void run_levels(Report& report);
@@ -21,6 +22,7 @@ void run_crowd(Report& report);
 void run_hidden(Report& report);
 void run_edits(Report& report);
 void run_figure11(Report& report);
+void run_workers(Report& report);
 
 struct Suite {
     const char* name;
@@ -36,13 +38,14 @@ inline constexpr Suite kSuites[] = {
     {"light", "secondary rays by kind, with footprints and without; what shading and textures cost", run_light},
     {"shade", "materials looked up at vertices or at hits: counts, time, error; over shading rates and samples", run_shade},
     {"converge", "light with level of detail on and off at many samples, over shading rates", run_converge},
-    {"memory", "bytes a resident micro-triangle", run_memory},
+    {"memory", "bytes a resident micro-triangle; frames under parts of the memory that they take", run_memory},
     {"frame", "whole frames at 4 samples, with their error against 64", run_frame},
     {"levels", "level of detail of each ray, of each cage, and of a ray's origin: time, memory, difference", run_levels},
     {"first", "from the file to the first finished tile, 500,000 faces", run_first},
     {"crowd", "cages that all deform every frame, beside Embree rebuilding its own", run_crowd},
     {"hidden", "frames with 10^5 to 10^7 hidden faces that deform, beside the same without them", run_hidden},
     {"edits", "refitting after edits, in trees of 10^2 to 10^6 nodes", run_edits},
+    {"workers", "one worker, two, eight, 32: trees of their own and shared ones, and what is built again", run_workers},
     {"figure11", "building 605,000 faces lazily, by hierarchy, by scanning: each switched on and off", run_figure11},
 };
 

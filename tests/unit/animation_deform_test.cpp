@@ -230,7 +230,8 @@ TEST(Deformation, GivesTheSameBitsForAnyThreadsAndBudget)
     eel.bend(0.8);
     const Camera camera = Camera::look_at({0.5, 2, 4}, {0.5, 0, 0}, {0, 1, 0}, 0.8f);
     std::vector<std::uint64_t> sums;
-    for (const Resources& resources : {Resources{.threads = 1}, Resources{.threads = 3}, Resources{.threads = 2, .memory_bytes = 256 << 10}}) {
+    const std::size_t floor = Renderer({.threads = 2}).memory_floor(eel.scene);
+    for (const Resources& resources : {Resources{.threads = 1}, Resources{.threads = 3}, Resources{.threads = 2, .memory_bytes = floor}}) {
         Renderer renderer(resources);
         sums.push_back(renderer.render(eel.scene, camera, {.width = 96, .height = 72, .spp = 4}).checksum());
     }

@@ -123,7 +123,7 @@ TEST_F(Command, ThePictureDoesNotDependOnThreadsOrBudget)
 {
     std::vector<std::string> sums;
     for (const auto& extra :
-         {std::vector<std::string>{"--threads", "1"}, {"--threads", "2"}, {"--threads", "7"}, {"--memory", "1M"}}) {
+         {std::vector<std::string>{"--threads", "1"}, {"--threads", "2"}, {"--threads", "7"}, {"--threads", "7", "--share-tree", "3"}, {"--threads", "2", "--memory", "4M"}}) {
         std::vector<std::string> arguments{"render", "triangle.obj", "-o", "a.exr",   "--size",
                                            "90x50",  "--spp",        "4",  "--stats", "-"};
         arguments.insert(arguments.end(), extra.begin(), extra.end());
@@ -150,6 +150,52 @@ TEST_F(Command, ShadesAtHitsUnlessToldToAtVertices)
     }
     EXPECT_NE(at_vertices.find("\"shade\": \"vertex\""), std::string::npos);
     EXPECT_EQ(at_vertices.find("\"vertices_looked_up\": 0,"), std::string::npos);
+}
+
+TEST_F(Command, AMemoryBudgetBelowTheFloorIsRefusedAndTheFloorIsNamed)
+{
+    const std::vector<std::string> words{"render", "triangle.obj", "-o", "a.exr", "--size", "64x64", "--spp", "1", "--threads", "1", "--memory"};
+    const auto with = [&](const std::string& memory) {
+        std::vector<std::string> all = words;
+        all.push_back(memory);
+        return run(all);
+    };
+    const Outcome o = with("1K");
+    EXPECT_EQ(o.exit_code, kBadInput);
+    EXPECT_FALSE(fs::exists(folder / "a.exr"));
+    const std::string before = "needs a memory budget of ";
+    const std::size_t at = o.err.find(before);
+    ASSERT_NE(at, std::string::npos) << o.err;
+    const std::size_t begin = at + before.size();
+    EXPECT_EQ(with(o.err.substr(begin, o.err.find(' ', begin) - begin)).exit_code, kDone) << "what it asks for is enough: " << o.err;
+}
+
+// So short that nothing is finished, and so long that it never comes: neither depends on how fast the machine is.
+TEST_F(Command, ADeadlineEndsTheFrameWithWhatThereIs)
+{
+    const auto with = [&](const std::string& spp, const std::vector<std::string>& more) {
+        std::vector<std::string> all{"render", "triangle.obj", "-o", "a.exr", "--size", "64x48", "--spp", spp, "--stats", "stats.json"};
+        all.insert(all.end(), more.begin(), more.end());
+        const Outcome o = run(all);
+        EXPECT_EQ(o.exit_code, kDone) << o.err;
+        return o;
+    };
+    const Outcome late = with("65536", {"--deadline", "1e-9", "-v"});
+    EXPECT_NE(late.err.find("out of time: 0 % of the picture"), std::string::npos) << late.err;
+    const std::string stats = text_of(folder / "stats.json");
+    EXPECT_NE(stats.find("\"complete\": false"), std::string::npos);
+    EXPECT_NE(stats.find("out of time"), std::string::npos);
+    const render::Image image = render::Image::read(folder / "a.exr");
+    EXPECT_EQ(image.width, 64);
+    EXPECT_EQ(image.height, 48);
+
+    const auto pixels = [&] { return render::Image::read(folder / "a.exr").layer(0).pixels; };
+    with("4", {});
+    const std::vector<float> whole = pixels();
+    EXPECT_EQ(with("4", {"--deadline", "1e6"}).err, "");
+    EXPECT_EQ(pixels(), whole) << "a sample of each pixel comes first, and leaves no trace";
+    EXPECT_NE(text_of(folder / "stats.json").find("\"complete\": true"), std::string::npos);
+    EXPECT_EQ(run({"render", "triangle.obj", "-o", "b.exr", "--deadline", "-1"}).exit_code, kBadInput);
 }
 
 TEST_F(Command, CompareChecksItsLimits)

@@ -189,7 +189,7 @@ TEST(Integrator, ABatchDoesNotChangeASample)
     std::vector<CameraSample> samples;
     for (int i = 0; i < 8 * 8 * 4 * 16; ++i) samples.push_back({i / 4 % 8, i / 32 % 8, i % 4});
     const auto all = stage.run(samples);
-    EXPECT_GT(stage.counters.rays.shadow, kShadowBatch) << "one batch is traced in parts";
+    EXPECT_GT(stage.counters.rays.shadow, FrameContext::kShadowBatch) << "one batch is traced in parts";
     for (std::size_t i = 0; i < samples.size(); i += 97) {
         const auto alone = stage.run({samples[i]});
         EXPECT_EQ(all[i].radiance, alone[0].radiance) << i;

@@ -166,7 +166,7 @@ TEST(Path, OneThreadAndManyAndAnyBudgetMakeTheSamePicture)
     Settings settings{.width = 80, .height = 45, .spp = 4, .integrator = IntegratorKind::Path};
     std::uint64_t checksum = 0;
     for (const int threads : {1, 3})
-        for (const std::size_t memory : {std::size_t(1) << 30, std::size_t(3) << 20}) {
+        for (const std::size_t memory : {std::size_t(1) << 30, Renderer({.threads = threads}).memory_floor(scene)}) {
             Renderer renderer({.threads = threads, .memory_bytes = memory});
             const Image image = renderer.render(scene, camera, settings);
             if (checksum == 0) checksum = image.checksum();

@@ -189,7 +189,8 @@ TEST(OnDemandCages, AreMadeWhenSeenAndNotBefore)
     Scene plain;
     place(plain, plain.add(torus()), {0, 0, 0});
     EXPECT_EQ(seen.checksum(), renderer.render(plain, camera, kSmall).checksum());
-    EXPECT_EQ(Renderer({.threads = 2, .memory_bytes = 1 << 18}).render(scene, camera, kSmall).checksum(), seen.checksum());
+    const std::size_t floor = Renderer({.threads = 2}).memory_floor(scene);
+    EXPECT_EQ(Renderer({.threads = 2, .memory_bytes = floor}).render(scene, camera, kSmall).checksum(), seen.checksum());
 }
 
 TEST(OnDemandCages, EndTheFrameWithAClearErrorIfTheyDoNotKeepTheirWord)

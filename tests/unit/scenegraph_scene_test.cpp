@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <random>
 
 #include "scenegraph/base/error.h"
+#include "scenegraph/child_boxes.h"
 #include "scenegraph/scene.h"
 
 namespace occam {
@@ -78,6 +80,34 @@ TEST(Scene, AnEditLooksAtItsPathsToTheRootAlone)
         for (const std::size_t edits : {1u, 3u, 7u}) {
             for (std::size_t e = 0; e < edits; ++e) scene.set_transform(row[e * row.size() / edits], moved(double(e), 0, 1));
             EXPECT_LE(scene.refit(), 1 + edits * kFanOut * std::size_t(depth)) << "depth " << depth;
+        }
+    }
+}
+
+// However many siblings there are: 16 beside each, and two boxes a level of the tree above them.
+TEST(Scene, AnEditOfOneOfManySiblingsLooksAtFewOfThem)
+{
+    for (const std::size_t siblings : {std::size_t(100), std::size_t(10'000), std::size_t(100'000)}) {
+        Scene scene;
+        const CageId square = scene.add(unit_square());
+        std::vector<NodeId> nodes;
+        for (std::size_t i = 0; i < siblings; ++i) nodes.push_back(scene.add_node(scene.root(), {.matrix = moved(double(i), 0, 0), .cages = {square}}));
+        EXPECT_GE(scene.refit(), siblings);
+        EXPECT_EQ(scene.refit(), 1u) << "nothing to do";
+        const std::size_t levels = std::bit_width(siblings / ChildBoxes::kBlock);
+        const auto allowed = [&](std::size_t edits) { return 1 + edits * 2 * (ChildBoxes::kBlock + levels); };
+        for (const std::size_t edits : {1u, 3u, 7u}) {
+            for (std::size_t e = 0; e < edits; ++e) scene.set_transform(nodes[e * siblings / edits], moved(0, double(e), 1));
+            EXPECT_LE(scene.refit(), allowed(edits)) << siblings << " siblings, moved";
+            for (std::size_t e = 0; e < edits; ++e) scene.set_visible(nodes[e * siblings / edits], e % 2 != 0);
+            EXPECT_LE(scene.refit(), allowed(edits)) << siblings << " siblings, hidden";
+            for (std::size_t e = 0; e < edits; ++e) {
+                scene.remove(nodes.back());
+                nodes.pop_back();
+            }
+            EXPECT_LE(scene.refit(), allowed(edits)) << siblings << " siblings, removed";
+            scene.add_node(scene.root(), {.cages = {square}});
+            EXPECT_LE(scene.refit(), allowed(1)) << siblings << " siblings, added";
         }
     }
 }
@@ -254,6 +284,49 @@ TEST(Scene, RefitAfterRandomEditsAgreesWithARefitOfEverything)
         scene.for_each_placement([&](NodeId, const Node& node, const Mat4d& world) {
             for (CageId id : node.cages) expected.add(transform_box(world, scene.cage(id).bounds));
         });
+        const Box3d found = scene.bounds();
+        ASSERT_EQ(found.is_empty(), expected.is_empty()) << "step " << step;
+        if (found.is_empty()) continue;
+        ASSERT_TRUE(found.lo == expected.lo && found.hi == expected.hi) << "step " << step;
+    }
+}
+
+// The same where one node has a hundred children or so: they come and go until all of them are new, several times over.
+TEST(Scene, RefitOfManySiblingsAgreesWithARefitOfEverything)
+{
+    std::mt19937 random(11);
+    const auto pick = [&](std::size_t n) { return std::size_t(random() % n); };
+    Scene scene;
+    const CageId square = scene.add(unit_square());
+    const NodeId crowd = scene.add_node(scene.root(), {});
+    std::vector<NodeId> nodes;
+    for (int step = 0; step < 6000; ++step) {
+        const Mat4d place = moved(double(pick(1000)), double(pick(1000)), double(pick(1000)));
+        // Grows to about 200, shrinks to about 20, and again.
+        const bool grows = step / 1000 % 2 == 0;
+        const std::size_t i = nodes.empty() ? 0 : pick(nodes.size());
+        const std::size_t choice = pick(4);
+        if (nodes.empty() || (choice == 0 && (grows ? nodes.size() < 200 : nodes.size() < 20))) {
+            nodes.push_back(scene.add_node(crowd, {.matrix = place, .cages = {square}}));
+        } else if (choice == 1 && (grows ? pick(4) == 0 : nodes.size() > 20)) {
+            scene.remove(nodes[i]);
+            nodes.erase(nodes.begin() + std::ptrdiff_t(i));
+        } else if (choice == 2) {
+            scene.set_transform(nodes[i], place);
+        } else {
+            scene.set_visible(nodes[i], pick(3) != 0);
+        }
+        if (step % 3 != 0) continue;
+        Box3d expected;
+        std::vector<NodeId> met;
+        scene.for_each_placement([&](NodeId id, const Node& node, const Mat4d& world) {
+            for (CageId cage : node.cages) expected.add(transform_box(world, scene.cage(cage).bounds));
+            if (id != scene.root() && id != crowd) met.push_back(id);
+        });
+        std::vector<NodeId> visible;
+        for (const NodeId id : nodes)
+            if (scene.node(id).visible) visible.push_back(id);
+        ASSERT_EQ(met, visible) << "in the order they were added, step " << step;
         const Box3d found = scene.bounds();
         ASSERT_EQ(found.is_empty(), expected.is_empty()) << "step " << step;
         if (found.is_empty()) continue;

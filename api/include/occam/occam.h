@@ -79,10 +79,12 @@ public:
     Renderer& operator=(Renderer&&) noexcept;
     ~Renderer();
 
-    /// One frame. Throws Error for a bad setting, or if this renderer is busy with another frame.
+    /// One frame. Throws Error for a bad setting, for a memory budget below memory_floor(), or if this renderer is busy with another frame.
     Image render(Scene& scene, const Camera& camera, const Settings& settings = {});
     /// The same, without waiting for it.
     Job start(Scene& scene, const Camera& camera, const Settings& settings = {});
+    /// The least Resources::memory_bytes that this scene can be rendered with by this renderer's number of threads.
+    std::size_t memory_floor(const Scene& scene) const;
     /// Of the last frame that render() made.
     const FrameStats& stats() const noexcept;
 

@@ -1,0 +1,48 @@
+#include "accel/memory_floor.h"
+
+#include "accel/kd_tree.h"
+#include "lod/deformed_cage.h"
+
+namespace occam::accel {
+namespace {
+
+constexpr std::size_t kGrids = 8;  // of a ray
+
+// The largest igrid: a whole tile, both levels of its vertices, their normals and coordinates, its boxes.
+constexpr std::size_t kBytesOfAGrid = sizeof(IGrid) +
+                                      (lod::TileRef::kMaxSide + 1) * (lod::TileRef::kMaxSide + 1) *
+                                          (2 * sizeof(Vec3f) + 2 * sizeof(Vec3f) + 2 * sizeof(Vec2f)) +
+                                      128 * (BoxTree::kFloats / BoxTree::kGroup) * sizeof(float);
+
+// A part of the scene that is opened: itself, and its places in the lists of nodes above and below a plane.
+constexpr std::size_t kBytesOfAnItem = sizeof(Item) + sizeof(PlacedNode) + 4 * sizeof(ItemIndex);
+
+std::size_t bytes_of(const CageSlot& slot, const SkinSlot* skin)
+{
+    const Cage& cage = slot.cage;
+    std::size_t bytes =
+        sizeof(lod::PosedCage) + lod::ClusterTree::kLeafFaces * slot.largest_face * (sizeof(PatchInfo) + kBytesOfAnItem);
+    if (slot.is_deformed())
+        bytes += sizeof(lod::DeformedCage) + cage.positions.size() / 4;  // a pointer a block of 32 vertices
+    if (skin) bytes += skin->skin.joints.size() * sizeof(Mat4d);
+    return bytes;
+}
+
+}  // namespace
+
+std::size_t memory_floor(const Scene& scene)
+{
+    std::size_t widest = 0, largest = 0;
+    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
+        widest = std::max(widest, node.children.size() + node.cages.size() + 1);
+        for (const CageId id : node.cages)
+            if (const CageSlot* slot = scene.find(id)) largest = std::max(largest, bytes_of(*slot, scene.find(node.skin)));
+    });
+    // The tables of a tree grow in pieces: the first of each.
+    constexpr std::size_t kPiece = ArenaVector<Item>::kPiece;
+    constexpr std::size_t kTables = kPiece * (sizeof(Item) + sizeof(KdNode) + 2 * sizeof(KdLeaf));
+    const std::size_t bytes = kTables + widest * kBytesOfAnItem + largest + kGrids * kBytesOfAGrid;
+    return (bytes + Arena::kChunkBytes - 1) / Arena::kChunkBytes * Arena::kChunkBytes;
+}
+
+}  // namespace occam::accel

@@ -1,0 +1,54 @@
+#include "render/memory_plan.h"
+
+#include "accel/memory_floor.h"
+#include "render/film.h"
+#include "render/integrator.h"
+#include "render/path.h"
+#include "render/tiles.h"
+#include "scenegraph/base/error.h"
+
+namespace occam::render {
+namespace {
+
+// Enough for a tracer's packets and streams, few enough that a cancelled frame stops soon.
+constexpr int kMostRays = 4096;
+constexpr int kLeastRays = kTileSide * kTileSide;                            // one sample of each pixel of a tile
+constexpr std::size_t kShadowRays = FrameContext::kShadowBatch / kMostRays;  // that may wait, for each ray of a batch
+
+// Of a ray that is followed: it and its successor. Surfaces that split rays in two may need more.
+constexpr std::size_t kBytesOfARay = 2 * (sizeof(Path) + sizeof(accel::Ray)) + sizeof(accel::SurfaceHit) +
+                                     sizeof(SampleResult) + 4 * sizeof(int) + sizeof(Vec3f) + accel::kBytesOfABatchedRay;
+constexpr std::size_t kBytesOfAShadowRay = sizeof(accel::Ray) + 2 * sizeof(Vec4f) + accel::kBytesOfABatchedRay;
+constexpr std::size_t queue_bytes(int rays)
+{
+    return std::size_t(rays) * (kBytesOfARay + kShadowRays * kBytesOfAShadowRay);
+}
+
+std::string megabytes(std::size_t bytes)
+{
+    return std::to_string((bytes + (1 << 20) - 1) >> 20) + "M";
+}
+
+}  // namespace
+
+MemoryPlan plan_memory(const Scene& scene, const Resources& resources)
+{
+    const auto threads = static_cast<std::size_t>(resources.threads);
+    const std::size_t of_a_worker = resources.memory_bytes / threads;
+    MemoryPlan plan;
+    plan.floor_bytes = threads * (queue_bytes(kLeastRays) + accel::memory_floor(scene));
+    if (resources.memory_bytes < plan.floor_bytes)
+        throw Error("",
+                    "this scene needs a memory budget of " + megabytes(plan.floor_bytes) + " or more with " +
+                        std::to_string(threads) + (threads == 1 ? " thread" : " threads"),
+                    megabytes(resources.memory_bytes) + " given");
+    // Queues are short beside the arena.
+    plan.batch_rays = kMostRays;
+    while (plan.batch_rays > kLeastRays && queue_bytes(plan.batch_rays) > of_a_worker / 8) plan.batch_rays /= 2;
+    plan.shadow_batch = kShadowRays * static_cast<std::size_t>(plan.batch_rays);
+    plan.queue_bytes = queue_bytes(plan.batch_rays);
+    plan.tracer_bytes = of_a_worker - plan.queue_bytes;
+    return plan;
+}
+
+}  // namespace occam::render

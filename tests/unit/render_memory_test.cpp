@@ -1,0 +1,140 @@
+// Memory budgets down to the floor, and trees that workers share: what they may use, and that the picture stays what it is.
+#include <gtest/gtest.h>
+
+#include "occam/occam.h"
+#include "scenegraph/base/arena.h"
+#include "tests/support/shape_builders.h"
+
+namespace occam {
+namespace {
+
+using test::place;
+using test::prism;
+using test::torus;
+
+// A few hundred bumpy things with a lamp: several megabytes of trees and igrids.
+struct Field {
+    Scene scene;
+    Camera camera = Camera::look_at({0, 7, 13}, {0, 0, 0}, {0, 1, 0}, 0.9f);
+    Settings settings{.width = 160, .height = 96, .spp = 4};
+
+    Field()
+    {
+        const CageId shapes[] = {scene.add(torus()), scene.add(prism(7))};
+        for (int i = 0; i < 144; ++i)
+            place(scene, shapes[i % 2], {1.7 * (i % 12 - 5.5), 0.2 * (i % 3), 1.7 * (i / 12 - 5.5)}, 0.5);
+        NodeDesc lamp;
+        lamp.place.translation = {3, 6, 2};
+        lamp.light = scene.add(Light{"lamp", PointLight{Vec3f(60)}});
+        scene.add_node(scene.root(), lamp);
+    }
+    std::uint64_t render(const Resources& resources)
+    {
+        Renderer renderer(resources);
+        const std::uint64_t checksum = renderer.render(scene, camera, settings).checksum();
+        stats = renderer.stats();
+        return checksum;
+    }
+    FrameStats stats;
+};
+
+TEST(Memory, ABudgetBelowTheFloorIsRefusedAndOneAtTheFloorIsKept)
+{
+    Field field;
+    const std::uint64_t wanted = field.render({.threads = 1, .memory_bytes = std::size_t(1) << 40});
+    EXPECT_EQ(field.stats.memory.flushes, 0u);
+    const std::uint64_t used = field.stats.memory.arena_peak_bytes;
+    for (const int threads : {1, 2, 5}) {
+        Resources resources{.threads = threads};
+        resources.memory_bytes = Renderer(resources).memory_floor(field.scene);
+        EXPECT_EQ(field.render(resources), wanted);
+        EXPECT_GT(field.stats.memory.flushes, 0u);
+        EXPECT_EQ(field.stats.memory.floor_bytes, resources.memory_bytes);
+        // The last igrid of a group of rays is finished before it is dropped.
+        EXPECT_LE(field.stats.memory.arena_peak_bytes + field.stats.memory.queue_bytes,
+                  resources.memory_bytes + std::size_t(threads) * Arena::kChunkBytes);
+        EXPECT_LT(resources.memory_bytes / std::size_t(threads), used / 2) << "the floor is no excuse";
+        --resources.memory_bytes;
+        try {
+            field.render(resources);
+            ADD_FAILURE() << "a budget below the floor was accepted";
+        } catch (const Error& error) {
+            EXPECT_NE(std::string(error.what()).find("memory budget of"), std::string::npos) << error.what();
+        }
+    }
+}
+
+TEST(Memory, TheFloorKnowsTheWidestNodeAndTheLargestFace)
+{
+    const auto floor_of = [](int nodes, std::uint32_t corners) {
+        Scene scene;
+        const CageId shape = scene.add(prism(corners));
+        for (int i = 0; i < nodes; ++i) place(scene, shape, {double(i), 0, 0});
+        return Renderer({.threads = 1}).memory_floor(scene);
+    };
+    EXPECT_LT(floor_of(10, 5), std::size_t(2) << 20);
+    EXPECT_GT(floor_of(20'000, 5), floor_of(10, 5) + (std::size_t(2) << 20));
+    EXPECT_GT(floor_of(10, 500), floor_of(10, 5));
+}
+
+TEST(SharedTree, MakesTheSamePictureForAnyGroupsAndBudget)
+{
+    Field field;
+    const std::uint64_t wanted = field.render({.threads = 1});
+    for (const int threads : {2, 5})
+        for (const int group : {0, 2, 3}) {
+            Resources resources{.threads = threads, .workers_a_tree = group};
+            EXPECT_EQ(field.render(resources), wanted) << threads << " threads, trees for " << group;
+            EXPECT_EQ(field.stats.memory.flushes, 0u);
+            resources.memory_bytes = Renderer(resources).memory_floor(field.scene);
+            EXPECT_EQ(field.render(resources), wanted) << threads << " threads, trees for " << group << ", at the floor";
+            EXPECT_GT(field.stats.memory.flushes, 0u);
+        }
+}
+
+// Skins and morph targets are posed as rays come, in the memory of the tree.
+TEST(SharedTree, HoldsNoMoreThanOneWorkerNeedsByItself)
+{
+    Field field;
+    field.render({.threads = 1});
+    const FrameStats one = field.stats;
+    field.render({.threads = 4, .workers_a_tree = 4});
+    EXPECT_LE(double(field.stats.memory.arena_peak_bytes), 1.1 * double(one.memory.arena_peak_bytes));
+    EXPECT_LE(double(field.stats.built.micropolygons), 1.1 * double(one.built.micropolygons));
+}
+
+TEST(Workers, AreCountedEachByItself)
+{
+    Field field;
+    field.render({.threads = 3});
+    std::uint64_t tiles = 0, kd_nodes = 0, micropolygons = 0;
+    for (const FrameStats::Worker& worker : field.stats.workers) {
+        tiles += worker.tiles;
+        kd_nodes += worker.kd_nodes;
+        micropolygons += worker.micropolygons;
+    }
+    EXPECT_EQ(tiles, 60u);
+    EXPECT_EQ(kd_nodes, field.stats.built.kd_nodes);
+    EXPECT_EQ(micropolygons, field.stats.built.micropolygons);
+}
+
+// Once a tile is finished in full, all others show a sample a pixel.
+TEST(Deadline, WhatIsNotFinishedShowsASampleOfEachPixel)
+{
+    Field field;
+    field.settings.spp = 256;
+    field.settings.deadline_s = 1e9;
+    Renderer renderer({.threads = 2});
+    Job job = renderer.start(field.scene, field.camera, field.settings);
+    while (!(job.progress().fraction > 0)) job.wait_for(std::chrono::milliseconds(1));
+    job.cancel();
+    const Image& image = job.image();
+    EXPECT_FALSE(job.stats().complete);
+    const Layer& beauty = *image.find("beauty");
+    std::size_t black = 0;
+    for (std::size_t i = 0; i < beauty.pixels.size(); i += 4) black += beauty.pixels[i + 3] == 0;
+    EXPECT_EQ(black, 0u) << "pixels without a sample";
+}
+
+}  // namespace
+}  // namespace occam
