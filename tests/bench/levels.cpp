@@ -66,7 +66,7 @@ Stage behind_a_wall()
     put_things(stage.scene, stage.scene.add(Material{}));
     put(stage.scene, stage.scene.add(sheet(40, 40, 40, 40, 0.15f)), {21, 7, 4}, 1, 0.05);
     AreaLight light;
-    light.size = Vec2f(22);
+    light.size = Vec2f(26);
     light.radiance = {6, 5.6f, 5.2f};
     NodeDesc desc;
     desc.place.translation = {2, 24, 4};
