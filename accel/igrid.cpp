@@ -196,6 +196,20 @@ void IGridBuilder::finish(IGrid& grid, bool blends, Arena& arena)
         }
     }
     finish_boxes(grid.boxes);
+    // Across the sum of the parts' diagonals: the normal of the whole, as it were.
+    Vec3f normal(0);
+    for (const IGridPart& part : grid.parts) {
+        const int c = part.tile.columns, r = part.tile.rows;
+        normal += glm::cross(grid.fine_at(part.vertex(c, r)) - grid.fine_at(part.vertex(0, 0)), grid.fine_at(part.vertex(0, r)) - grid.fine_at(part.vertex(c, 0)));
+    }
+    const float length = glm::length(normal);
+    if (!(length > 0)) return;
+    grid.slab = {normal / length, FLT_MAX, -FLT_MAX};
+    for (std::uint32_t v = 0; v < count; ++v)
+        for (const float d : {glm::dot(grid.slab.normal, grid.fine_at(v)), glm::dot(grid.slab.normal, grid.coarse_at(v))}) {
+            grid.slab.lo = std::min(grid.slab.lo, d);
+            grid.slab.hi = std::max(grid.slab.hi, d);
+        }
 }
 
 IGrid* IGridBuilder::build_patches(const lod::PosedCage& cage, std::span<const Part> patches, Arena& arena)

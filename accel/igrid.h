@@ -13,6 +13,7 @@
 //          one fills in.
 #pragma once
 
+#include <cfloat>
 #include <cstdint>
 #include <span>
 
@@ -54,8 +55,21 @@ struct BoxTree {
         const int place = node < first_leaf() ? leaves + 1 + node : node - first_leaf();
         return data + place / kGroup * kFloats + place % kGroup;
     }
+    Box3f bounds() const noexcept { return {{lo(0, 0), lo(0, 1), lo(0, 2)}, {hi(0, 0), hi(0, 1), hi(0, 2)}}; }
     float& lo(int node, int axis) const noexcept { return at(node)[axis * kGroup]; }
     float& hi(int node, int axis) const noexcept { return at(node)[(axis + 3) * kGroup]; }
+};
+
+/// What lies between two parallel planes: lo <= dot(normal, p) <= hi.
+struct Slab {
+    Vec3f normal{0};
+    float lo = -FLT_MAX, hi = FLT_MAX;
+};
+
+/// Where an igrid lies: in both.
+struct GridBounds {
+    Box3f box;
+    Slab slab;
 };
 
 /// One patch of a lattice: a tile of it, or all of a small one.
@@ -123,6 +137,7 @@ struct IGrid {
     PairRange pairs;                  ///< that meet it
     const lod::PosedCage* cage = nullptr;
     BoxTree boxes;                    ///< one leaf a block; empty boxes pad to a power of two
+    Slab slab;                        ///< around all vertices, fine and coarse
 
     // Lattice
     const float* fine[3] = {};

@@ -326,6 +326,15 @@ IGrid& Items::grid(ItemIndex i, int pair)
     return *grid;
 }
 
+GridBounds Items::bounds_of(const IGrid& grid) const
+{
+    // What a ray's distance from a plane may be off: products and sums of coordinates of several radii (place()), and of the
+    // test of triangles as much again.
+    const float off = frame_.radius * 256 * 0x1p-24f;
+    const auto shift = static_cast<float>(glm::dot(Vec3d(grid.slab.normal), grid.cage->anchor - frame_.anchor));
+    return {to_tree(*grid.cage, grid.boxes.bounds()), {grid.slab.normal, grid.slab.lo + shift - off, grid.slab.hi + shift + off}};
+}
+
 IGrid* Items::build(const Item& item, int level, int coarser, bool is_shared, const lod::TileRef& tile)
 {
     const lod::PosedCage& cage = item.cage();

@@ -100,6 +100,8 @@ public:
     bool open(ItemIndex i, int pair);
     /// The igrid that rays of a pair meet in the item, which is final for it; built now if this is the first.
     IGrid& grid(ItemIndex i, int pair);
+    /// Where such an igrid lies, in the tree's frame: closer around it than the item's box.
+    GridBounds bounds_of(const IGrid& grid) const;
     /// The pairs for which that igrid is the same.
     PairRange range(ItemIndex i, int pair) const noexcept;
 

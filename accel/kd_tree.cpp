@@ -185,10 +185,12 @@ void KdTree::make_lazy(const Box3f& box, int depth, int axis, float position, bo
 
 KdLeaf* KdTree::make_leaf(std::uint32_t n, int pair, std::uint32_t head, std::uint32_t record)
 {
-    KdLeaf leaf{{lod::kFinestLevel, lod::kCoarsestLevel}, arena_.make_array<KdLeaf::Entry>(candidates_.size()), head, record};
+    const std::span<Box3f> boxes = arena_.make_array<Box3f>(candidates_.size());
+    KdLeaf leaf{{lod::kFinestLevel, lod::kCoarsestLevel}, arena_.make_array<KdLeaf::Entry>(candidates_.size()), boxes.data(), head, record};
     for (std::size_t c = 0; c < candidates_.size(); ++c) {
         const ItemIndex item = candidates_[c].item;
-        leaf.entries[c] = {items_[item].box, item, nullptr};
+        boxes[c] = items_[item].box;
+        leaf.entries[c] = {nullptr, {}, item};
         const PairRange range = items_.range(item, pair);
         leaf.pairs = {std::max(leaf.pairs.finest, range.finest), std::min(leaf.pairs.coarsest, range.coarsest)};
     }

@@ -49,13 +49,15 @@ static_assert(sizeof(KdNode) == 8);  // eight a cache line
 
 /// What a leaf meets for a range of pairs.
 struct KdLeaf {
-    struct Entry {
-        Box3f box;             ///< of the item
-        ItemIndex item;
-        IGrid* grid;           ///< null until a ray enters the box; published
+    /// One cache line, with all that keeps a ray from an igrid in vain.
+    struct alignas(64) Entry {
+        IGrid* grid = nullptr;  ///< null until a ray enters the item's box; published, as are:
+        GridBounds bounds;      ///< of the igrid
+        ItemIndex item = 0;
     };
     PairRange pairs{1, 0};     ///< for which it holds; empty: nothing known yet
     std::span<Entry> entries;
+    const Box3f* boxes = nullptr;  ///< of the entries' items
     std::uint32_t next = 0;    ///< the node's next leaf, for other pairs; 0: none
     std::uint32_t record = 0;
 };

@@ -35,6 +35,7 @@ IGrid& LazyTree::grid(KdLeaf::Entry& entry, int pair, std::uint64_t& diced)
     const std::uint64_t before = counters.diced;
     IGrid& made = items.grid(entry.item, pair);
     diced += counters.diced - before;
+    entry.bounds = items.bounds_of(made);
     publish(entry.grid, &made);
     return made;
 }

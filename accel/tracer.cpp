@@ -17,6 +17,8 @@ constexpr int kPacket = 8;       // rays a packet; as many as lanes, but for the
 constexpr int kWorthAPacket = 5; // live rays below which single rays are faster (docs/performance.md)
 constexpr std::size_t kNoLimit = ~std::size_t(0);
 
+constexpr Slab kEverywhere;
+
 // limit() of a single ray is the same in all lanes.
 template <class Found, bool kSingle>
 struct Query : Found {
@@ -187,8 +189,8 @@ vmask lanes_of_kinds(std::span<const Ray> rays, std::uint8_t kinds) noexcept
 
 }  // namespace
 
-/// Meets what a node holds for pairs [finest, coarsest]. enter(entry) says which rays enter an item's box; meet(grid, rays) meets
-/// it with them.
+/// Meets what a node holds for pairs [finest, coarsest]. enter(box, slab) says which rays are in a box and between planes, if
+/// there are any; meet(entry, pair, rays) meets an igrid with them.
 template <class F, class Enter, class Meet>
 OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest, int coarsest,
                                     std::size_t limit_bytes, Enter&& enter, Meet&& meet)
@@ -203,8 +205,10 @@ OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, Mask
         const int last = std::min(leaf->pairs.coarsest, coarsest);
         if (pair == finest && last == coarsest) here = alive;
         else if (last > pair) here = alive & (max(t_near, pairs.in(pair, last)) <= min(t_far, pairs.out(pair, last)));
-        for (KdLeaf::Entry& entry : leaf->entries) {
-            const MaskOf<F> entering = here & enter(entry.box);
+        for (std::size_t e = 0; e < leaf->entries.size(); ++e) {
+            KdLeaf::Entry& entry = leaf->entries[e];
+            const bool is_made = read_published(entry.grid) != nullptr;
+            const MaskOf<F> entering = here & enter(is_made ? entry.bounds.box : leaf->boxes[e], is_made ? entry.bounds.slab : kEverywhere);
             if (any(entering) && !meet(entry, pair, entering)) return LeafResult::Abandoned;
         }
         pair = last;
@@ -235,7 +239,7 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
     for (int a = 0; a < 3; ++a) {
         kd.inverse[a] = lanes.inverse[a] = gather(n, [&](std::size_t i) { return ax[i].inverse[a]; });
         kd.negative[a] = ax->negative[a];
-        direction[a] = gather(n, [&](std::size_t i) { return rays[i].direction[a]; });
+        kd.direction[a] = direction[a] = gather(n, [&](std::size_t i) { return rays[i].direction[a]; });
     }
     const vfloat t_near = gather(n, [&](std::size_t i) { return rays[i].t_near; });
     vfloat begin = t_near - kd.shift, end = query.limit() - kd.shift;
@@ -255,10 +259,10 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
     int blended = lod::kNoPair;
     ++visit;
     ++counters.packets;
-    const auto enter = [&](const Box3f& box) __attribute__((always_inline)) {
+    const auto enter = [&](const Box3f& box, const Slab& slab) __attribute__((always_inline)) {
         vfloat in = begin, out = limit();
         clip(kd, box, in, out);
-        return in <= out;
+        return (in <= out) & crosses(kd, slab, in, out);
     };
     const auto meet = [&](KdLeaf::Entry& entry, int pair, vmask entering) __attribute__((always_inline)) {
         IGrid* known = read_published(entry.grid);
@@ -329,6 +333,7 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& ax, std::size_t li
         kd.inverse[a] = ax.inverse[a];
         kd.negative[a] = ax.negative[a];
         lanes.inverse[a] = ax.inverse[a];
+        kd.direction[a] = ray.direction[a];
         direction[a] = ray.direction[a];
     }
     const int lane = query.only;
@@ -349,10 +354,10 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& ax, std::size_t li
     const lod::PosedCage* here = nullptr;
     int blended = lod::kNoPair;
     ++visit;
-    const auto enter = [&](const Box3f& box) {
+    const auto enter = [&](const Box3f& box, const Slab& slab) {
         float in = begin, out = limit();
         clip(kd, box, in, out);
-        return in <= out;
+        return in <= out && crosses(kd, slab, in, out);
     };
     const auto meet = [&](KdLeaf::Entry& entry, int pair, bool) {
         IGrid* known = read_published(entry.grid);

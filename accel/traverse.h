@@ -17,7 +17,7 @@ namespace occam::accel {
 
 template <class F>
 struct KdRay {
-    F origin[3], inverse[3];
+    F origin[3], inverse[3], direction[3];
     F shift;  ///< t of the ray = shift + t here
     bool negative[3];
 };
@@ -36,6 +36,16 @@ OCCAM_ALWAYS_INLINE void clip(const KdRay<F>& ray, const Box3f& box, F& t_near, 
         t_near = max(t_near, in - (abs(in) + abs(ray.shift)) * slack);
         t_far = min(t_far, out + (abs(out) + abs(ray.shift)) * slack);
     }
+}
+
+/// Whether the ray is between the planes somewhere in [in, out].
+template <class F>
+OCCAM_ALWAYS_INLINE MaskOf<F> crosses(const KdRay<F>& ray, const Slab& slab, F in, F out) noexcept
+{
+    const auto dot = [&](const F (&v)[3]) { return fma(v[0], F(slab.normal.x), fma(v[1], F(slab.normal.y), v[2] * F(slab.normal.z))); };
+    const F start = dot(ray.origin), speed = dot(ray.direction);
+    const F a = fma(in, speed, start), b = fma(out, speed, start);
+    return (min(a, b) <= F(slab.hi)) & (max(a, b) >= F(slab.lo));
 }
 
 /// Where rays see which pairs, as t of the tree's frame.

@@ -88,6 +88,7 @@ void run_rays(Report& report, const std::string& name, accel::Tracer& tracer, co
 void run_trace(Report& report)
 {
     for (const auto& subject : usual_subjects(kWidth, kHeight)) {
+        if (!report.wants(subject->name)) continue;
         const std::vector<accel::Ray> rays = subject->camera_rays();
         accel::Tracer tracer(*subject->frame, kBudget);
         std::vector<accel::SurfaceHit> hits(rays.size());
