@@ -214,7 +214,7 @@ void resolve(const Ray& ray, const Met& met, const PhaseOneTools& tools, Surface
     VertexBlend blend{};
     if (grid.blends()) {
         const PlacedOrigin at = place(ray, cage.anchor, cage.radius);
-        const vfloat direction[3] = {ray.direction.x, ray.direction.y, ray.direction.z}, origin[3] = {at.origin.x, at.origin.y, at.origin.z};
+        const vfloat direction[3] = {ray.direction.x, ray.direction.y, ray.direction.z}, origin[3] = {at.origin[0], at.origin[1], at.origin[2]};
         blend.set({met.blend.start, met.blend.scale}, direction, origin, at.shift);
     }
     float weight[3] = {};
@@ -255,7 +255,7 @@ void resolve(const Ray& ray, const Met& met, const PhaseOneTools& tools, Surface
         const double uv_area = std::fabs(double(e.x) * f.y - double(e.y) * f.x);
         hit.uv_width[s] = area > 0 ? static_cast<float>(ray.footprint.at(met.t) * std::sqrt(uv_area / area)) : 0;
     }
-    hit.face = !grid.is_lattice ? number : grid.parts[part_of(number)].tile.patch.face;
+    hit.face = face_of(met);
     hit.material = material_of(*tools.frame.scene, cage, hit.face);
     hit.node = cage.node_id;
     hit.lit_by = cage.lit_by;

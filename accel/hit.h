@@ -45,7 +45,7 @@ struct AnyHit {
 /// What a ray has met in the end.
 struct Met {
     float t;
-    IGrid* grid;
+    IGrid* grid;              ///< null: nothing
     std::uint32_t id;
     lod::Blend<float> blend;  ///< of the ray in the grid's pair, if the grid blends
 };
@@ -58,6 +58,14 @@ struct PhaseOneTools {
     TraceCounters& counters;
     std::mutex* building;  ///< held meanwhile; null: nobody else meets these igrids
 };
+
+/// Of its cage.
+inline std::uint32_t face_of(const Met& met) noexcept
+{
+    const IGrid& grid = *met.grid;
+    const std::uint32_t number = met.id & kCloserBit ? grid.hanging_quads[met.id & ~kCloserBit] : met.id;
+    return grid.is_lattice ? grid.parts[part_of(number)].tile.patch.face : number;
+}
 
 /// Fills a hit from the micropolygon that was met. Runs phase one on its patch if it is the first hit there.
 void resolve(const Ray& ray, const Met& met, const PhaseOneTools& tools, SurfaceHit& hit);

@@ -12,12 +12,12 @@ namespace {
 
 constexpr float kBoxUlps = 4;      // what boxes of items are grown by: two for rounding them, two for the culling rule
 constexpr int kMaxSceneDepth = 256;
-constexpr float kCostOfUnmade = 100;  // of a cage that nobody has seen yet, in steps of the tree
+constexpr float kCostOfUnmade = 1000;  // of a cage that nobody has seen yet, in steps of the tree
 constexpr std::size_t kMaxParts = 1024;  // of an igrid: n-gons of thousands of corners never share one
 
 // Rough costs of meeting an item, in steps of the tree: for the surface area heuristic alone.
 float cost_of_blocks(int blocks) { return 3.0f + 0.25f * float(blocks); }
-float cost_of_faces(std::uint32_t faces) { return 3.0f + float(faces) * 0.5f; }
+float cost_of_faces(std::uint32_t faces) { return 3.0f + float(faces) * 4.0f; }
 constexpr float kCostOfRegion = 10;
 
 /// The level from which on a patch has few enough quads to share an igrid with its neighbours.

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kEnough = 16;        // candidates to choose a plane from; tests/bench has the curve
 constexpr std::size_t kMany = 64;          // candidates above which planes are tried at fixed steps, and items not opened one by one
-constexpr float kTraversalCost = 32;       // in the units of Item::cost; tests/bench has the curve
+constexpr float kTraversalCost = 64;       // in the units of Item::cost; tests/bench has the curve
 constexpr float kEmptyBonus = 0.8f;        // of a split that cuts off empty space
 constexpr int kAnyEffort = 2;
 constexpr int kSteps = 32;
@@ -185,11 +185,13 @@ void KdTree::make_lazy(const Box3f& box, int depth, int axis, float position, bo
 
 KdLeaf* KdTree::make_leaf(std::uint32_t n, int pair, std::uint32_t head, std::uint32_t record)
 {
-    const std::span<Box3f> boxes = arena_.make_array<Box3f>(candidates_.size());
+    const std::size_t groups = (candidates_.size() + kBoxGroup - 1) / kBoxGroup;
+    const std::span<float> boxes = arena_.make_array<float>(groups * kBoxGroupFloats);
+    for (std::size_t c = candidates_.size(); c < groups * kBoxGroup; ++c) set_box(boxes.data(), c, Box3f());
     KdLeaf leaf{{lod::kFinestLevel, lod::kCoarsestLevel}, arena_.make_array<KdLeaf::Entry>(candidates_.size()), boxes.data(), head, record};
     for (std::size_t c = 0; c < candidates_.size(); ++c) {
         const ItemIndex item = candidates_[c].item;
-        boxes[c] = items_[item].box;
+        set_box(boxes.data(), c, items_[item].box);
         leaf.entries[c] = {nullptr, {}, item};
         const PairRange range = items_.range(item, pair);
         leaf.pairs = {std::max(leaf.pairs.finest, range.finest), std::min(leaf.pairs.coarsest, range.coarsest)};

@@ -47,6 +47,23 @@ struct KdNode {
 };
 static_assert(sizeof(KdNode) == 8);  // eight a cache line
 
+inline constexpr int kBoxGroup = BoxTree::kGroup, kBoxGroupFloats = BoxTree::kFloats;
+
+/// Boxes side by side in groups of eight: eight lo.x, eight lo.y, ..., eight hi.z (as BoxTree has them).
+inline void set_box(float* groups, std::size_t place, const Box3f& box) noexcept
+{
+    float* to = groups + place / kBoxGroup * kBoxGroupFloats + place % kBoxGroup;
+    for (int a = 0; a < 3; ++a) {
+        to[a * kBoxGroup] = box.lo[a];
+        to[(a + 3) * kBoxGroup] = box.hi[a];
+    }
+}
+inline Box3f get_box(const float* groups, std::size_t place) noexcept
+{
+    const float* at = groups + place / kBoxGroup * kBoxGroupFloats + place % kBoxGroup;
+    return {{at[0], at[kBoxGroup], at[2 * kBoxGroup]}, {at[3 * kBoxGroup], at[4 * kBoxGroup], at[5 * kBoxGroup]}};
+}
+
 /// What a leaf meets for a range of pairs.
 struct KdLeaf {
     /// One cache line, with all that keeps a ray from an igrid in vain.
@@ -57,7 +74,7 @@ struct KdLeaf {
     };
     PairRange pairs{1, 0};     ///< for which it holds; empty: nothing known yet
     std::span<Entry> entries;
-    const Box3f* boxes = nullptr;  ///< of the entries' items
+    float* boxes = nullptr;    ///< of the entries' items, in groups ; of igrids, where these are made, in a tree of one worker
     std::uint32_t next = 0;    ///< the node's next leaf, for other pairs; 0: none
     std::uint32_t record = 0;
 };

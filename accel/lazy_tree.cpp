@@ -28,14 +28,17 @@ void LazyTree::flush()
     if (!techniques.lazy) tree.expand_all(lod::kCoarsestLevel);
 }
 
-IGrid& LazyTree::grid(KdLeaf::Entry& entry, int pair, std::uint64_t& diced)
+IGrid& LazyTree::grid(const KdLeaf& leaf, std::size_t place, int pair, std::uint64_t& diced)
 {
     const MaybeLock lock(building());
+    KdLeaf::Entry& entry = leaf.entries[place];
     if (entry.grid) return *entry.grid;  // another was here meanwhile
     const std::uint64_t before = counters.diced;
     IGrid& made = items.grid(entry.item, pair);
     diced += counters.diced - before;
     entry.bounds = items.bounds_of(made);
+    // Others may be reading the boxes of a shared tree.
+    if (!sharing) set_box(leaf.boxes, place, entry.bounds.box);
     publish(entry.grid, &made);
     return made;
 }

@@ -20,9 +20,9 @@ struct LazyTree {
 
     /// Drops everything. Nobody else is inside.
     void flush();
-    /// The igrid of an entry, built now if this is the first ray that enters its box.
+    /// The igrid of an entry of a leaf, built now if this is the first ray that enters its box.
     /// diced   what is diced now is added to it, as TraceCounters::diced counts
-    IGrid& grid(KdLeaf::Entry& entry, int pair, std::uint64_t& diced);
+    IGrid& grid(const KdLeaf& leaf, std::size_t place, int pair, std::uint64_t& diced);
     PhaseOneTools phase_one() noexcept { return {frame, dicer, arena, counters, building()}; }
     /// What building has cost so far.
     TraceCounters totals();

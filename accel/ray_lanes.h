@@ -16,9 +16,9 @@ namespace occam::accel {
 
 /// Constants of one ray.
 struct RayAxes {
-    int kx, ky, kz;   ///< kz: the dominant axis; kx, ky: the next two, cyclic
-    float sx, sy, sz; ///< shear and scale
-    Vec3f inverse;    ///< 1 / direction, of components below kSmallest: of that size, with their sign
+    float shear[4];    ///< sx, sy, and the scale sz; the fourth is to spare, so that four are loaded at a time
+    float inverse[4];  ///< 1 / direction, of components below kSmallest: of that size, with their sign; the same
+    int kx, ky, kz;    ///< kz: the dominant axis; kx, ky: the next two, cyclic
     bool negative[3];
 
     static constexpr float kSmallest = 1e-18f;
@@ -29,9 +29,11 @@ struct RayAxes {
         kz = m.x > m.y ? (m.x > m.z ? 0 : 2) : (m.y > m.z ? 1 : 2);
         kx = kz == 2 ? 0 : kz + 1;
         ky = kx == 2 ? 0 : kx + 1;
-        sz = 1.0f / d[kz];
-        sx = d[kx] * sz;
-        sy = d[ky] * sz;
+        const float sz = 1.0f / d[kz];
+        shear[0] = d[kx] * sz;
+        shear[1] = d[ky] * sz;
+        shear[2] = sz;
+        shear[3] = inverse[3] = 0;
         for (int a = 0; a < 3; ++a) {
             negative[a] = std::signbit(d[a]);
             inverse[a] = 1.0f / (m[a] < kSmallest ? std::copysign(kSmallest, d[a]) : d[a]);
@@ -44,25 +46,25 @@ struct RayAxes {
     int bin() const noexcept
     {
         const auto quarter = [](float s) { return (s > -0.5f) + (s > 0) + (s > 0.5f); };
-        return group() * 16 + quarter(sx) * 4 + quarter(sy);
+        return group() * 16 + quarter(shear[0]) * 4 + quarter(shear[1]);
     }
 };
 
 /// A ray's origin in a frame, moved along the ray to near the frame's own origin when it is far away: what is left is small,
 /// so that floats hold it well. t of the ray = shift + t from that origin.
 struct PlacedOrigin {
-    Vec3f origin;
+    float origin[3];
     float shift;
 };
 inline PlacedOrigin place(const Ray& ray, Vec3d anchor, float radius) noexcept
 {
-    constexpr double kNear = 4;  // radii: nearer than that the origin stays where it is
+    constexpr float kNear = 4;  // radii: nearer than that the origin stays where it is
     const Vec3d from = ray.origin - anchor;
-    const Vec3d d(ray.direction);
-    const double along = -glm::dot(from, d);
-    if (!(along > kNear * radius)) return {Vec3f(from), 0};
-    const float shift = static_cast<float>(along);
-    return {Vec3f(from + d * double(shift)), shift};
+    const Vec3f near(from);
+    const float shift = -glm::dot(near, ray.direction);
+    if (!(shift > kNear * radius)) return {{near.x, near.y, near.z}, 0};
+    const Vec3f moved(from + Vec3d(ray.direction) * double(shift));
+    return {{moved.x, moved.y, moved.z}, shift};
 }
 
 inline float first_lane(vfloat x) noexcept

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstddef>
 
 #include "accel/frame_state.h"
 #include "accel/igrid_intersect.h"
+#include "accel/leaf_boxes.h"
 #include "accel/lazy_tree.h"
 #include "accel/mailboxes.h"
 #include "accel/traverse.h"
@@ -16,8 +18,6 @@ namespace {
 constexpr int kPacket = 8;       // rays a packet; as many as lanes, but for the one-lane build, which has no packets
 constexpr int kWorthAPacket = 5; // live rays below which single rays are faster (docs/performance.md)
 constexpr std::size_t kNoLimit = ~std::size_t(0);
-
-constexpr Slab kEverywhere;
 
 // limit() of a single ray is the same in all lanes.
 template <class Found, bool kSingle>
@@ -69,7 +69,7 @@ struct Tracer::State {
 
     template <class F, class Enter, class Meet>
     LeafResult meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest, int coarsest,
-                         std::size_t limit_bytes, Enter&& enter, Meet&& meet);
+                         std::size_t limit_bytes, const RaysAsOne<F>& as_one, Enter&& enter, Meet&& meet);
     bool is_per_ray() const noexcept { return frame.levels.mode != lod::LevelMode::PerInstance; }
     /// Makes the table of transitions of a packet that enters the scene at t_in; false if its rays see too many pairs to travel
     /// together.
@@ -82,21 +82,24 @@ struct Tracer::State {
         if (frame.levels.mode == lod::LevelMode::Frozen && !(ray.kinds & RayKind::Camera)) f.b = 0;
         return frame.levels.wanted(f);
     }
-    /// Where a ray leaves the scene, or ends: finite.
-    float end_of(const Ray& ray) const noexcept
+    /// What a ray's table of transitions is made of, but for where it enters the scene.
+    struct Reach {
+        lod::Footprint wanted;
+        float end;         ///< where the ray leaves the scene, or ends: finite
+        float coordinate;  ///< the largest that its arithmetic meets
+    };
+    Reach reach_of(const Ray& ray) const noexcept
     {
-        const double leaves = glm::distance(ray.origin, frame.anchor) + frame.radius;
-        return std::min(ray.t_far, static_cast<float>(leaves));
-    }
-    /// The largest coordinate that the arithmetic of a ray meets.
-    float coordinate_of(const Ray& ray) const noexcept
-    {
-        return std::max(static_cast<float>(glm::distance(ray.origin, frame.anchor)), frame.radius);
+        const double away = glm::distance(ray.origin, frame.anchor);
+        return {wanted_of(ray), std::min(ray.t_far, static_cast<float>(away + frame.radius)), std::max(static_cast<float>(away), frame.radius)};
     }
 
     /// Traces one group, and gives take(i, found, is_single) what each of its rays has met.
     template <class Found, class Take>
     bool run(std::size_t first, std::size_t count, std::size_t limit_bytes, Take&& take);
+    /// fill(place in `sorted`, Met without its blend, is_single, lane) for each ray.
+    template <class Fill>
+    void find_nearest(std::span<const Ray> rays, Fill&& fill);
     lod::Blend<float> blend_of_lane(int pair, int lane) const noexcept
     {
         const lod::Blend<vfloat> lanes = packet_levels.blend(pair);
@@ -182,6 +185,15 @@ vfloat gather(std::size_t count, Get&& get) noexcept
     return vfloat::load(lanes);
 }
 
+/// The same of four floats of each ray that lie one behind the other in `things`, `offset` bytes into each.
+template <class Thing>
+void gather_four(const Thing* things, std::size_t count, std::size_t offset, vfloat (&to)[4]) noexcept
+{
+    const float* from[kLanes];
+    for (int i = 0; i < kLanes; ++i) from[i] = reinterpret_cast<const float*>(reinterpret_cast<const std::byte*>(&things[std::min<std::size_t>(i, count - 1)]) + offset);
+    load_turned(from, to);
+}
+
 vmask lanes_of_kinds(std::span<const Ray> rays, std::uint8_t kinds) noexcept
 {
     return gather(rays.size(), [&](std::size_t i) { return (rays[i].kinds & kinds) != 0 ? 1.0f : 0.0f; }) > vfloat(0.0f);
@@ -189,11 +201,11 @@ vmask lanes_of_kinds(std::span<const Ray> rays, std::uint8_t kinds) noexcept
 
 }  // namespace
 
-/// Meets what a node holds for pairs [finest, coarsest]. enter(box, slab) says which rays are in a box and between planes, if
-/// there are any; meet(entry, pair, rays) meets an igrid with them.
+/// Meets what a node holds for pairs [finest, coarsest]. enter(bounds, t_near, t_far) says which rays are inside somewhere in
+/// between; meet(leaf, number, pair, rays) meets the igrid of an entry with them.
 template <class F, class Enter, class Meet>
 OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest, int coarsest,
-                                    std::size_t limit_bytes, Enter&& enter, Meet&& meet)
+                                    std::size_t limit_bytes, const RaysAsOne<F>& as_one, Enter&& enter, Meet&& meet)
 {
     for (int pair = finest; pair <= coarsest; ++pair) {
         MaskOf<F> here = alive;
@@ -205,11 +217,15 @@ OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, Mask
         const int last = std::min(leaf->pairs.coarsest, coarsest);
         if (pair == finest && last == coarsest) here = alive;
         else if (last > pair) here = alive & (max(t_near, pairs.in(pair, last)) <= min(t_far, pairs.out(pair, last)));
-        for (std::size_t e = 0; e < leaf->entries.size(); ++e) {
-            KdLeaf::Entry& entry = leaf->entries[e];
-            const bool is_made = read_published(entry.grid) != nullptr;
-            const MaskOf<F> entering = here & enter(is_made ? entry.bounds.box : leaf->boxes[e], is_made ? entry.bounds.slab : kEverywhere);
-            if (any(entering) && !meet(entry, pair, entering)) return LeafResult::Abandoned;
+        const float begin = lowest(select(here, t_near, F(FLT_MAX))), end = highest(select(here, t_far, F(-FLT_MAX)));
+        for (std::size_t first = 0; first < leaf->entries.size(); first += kBoxGroup) {
+            unsigned maybe = as_one.in_boxes(leaf->boxes + first / kBoxGroup * kBoxGroupFloats, begin, end);
+            for (; maybe != 0; maybe &= maybe - 1) {
+                const std::size_t number = first + static_cast<std::size_t>(std::countr_zero(maybe));
+                const KdLeaf::Entry& entry = leaf->entries[number];
+                const MaskOf<F> entering = here & (read_published(entry.grid) ? enter(entry.bounds, t_near, t_far) : enter({get_box(leaf->boxes, number), {}}, t_near, t_far));
+                if (any(entering) && !meet(*leaf, number, pair, entering)) return LeafResult::Abandoned;
+            }
         }
         pair = last;
     }
@@ -223,8 +239,10 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
     PlacedOrigin placed[kPacket];
     const auto place_all = [&](Vec3d anchor, float radius, vfloat (&origin)[3], vfloat& shift) {
         for (std::size_t i = 0; i < n; ++i) placed[i] = place(rays[i], anchor, radius);
-        for (int a = 0; a < 3; ++a) origin[a] = gather(n, [&](std::size_t i) { return placed[i].origin[a]; });
-        shift = gather(n, [&](std::size_t i) { return placed[i].shift; });
+        vfloat four[4];
+        gather_four(placed, n, 0, four);
+        std::copy_n(four, 3, origin);
+        shift = four[3];
     };
     KdRay<vfloat> kd;
     place_all(frame.anchor, frame.radius, kd.origin, kd.shift);
@@ -233,15 +251,20 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
     lanes.kx = ax->kx;
     lanes.ky = ax->ky;
     lanes.kz = ax->kz;
-    lanes.sx = gather(n, [&](std::size_t i) { return ax[i].sx; });
-    lanes.sy = gather(n, [&](std::size_t i) { return ax[i].sy; });
-    lanes.sz = gather(n, [&](std::size_t i) { return ax[i].sz; });
+    vfloat shear[4], inverse[4], way[4];
+    gather_four(ax, n, offsetof(RayAxes, shear), shear);
+    gather_four(ax, n, offsetof(RayAxes, inverse), inverse);
+    static_assert(offsetof(Ray, t_near) == offsetof(Ray, direction) + 3 * sizeof(float));
+    gather_four(rays.data(), n, offsetof(Ray, direction), way);
+    lanes.sx = shear[0];
+    lanes.sy = shear[1];
+    lanes.sz = shear[2];
     for (int a = 0; a < 3; ++a) {
-        kd.inverse[a] = lanes.inverse[a] = gather(n, [&](std::size_t i) { return ax[i].inverse[a]; });
+        kd.inverse[a] = lanes.inverse[a] = inverse[a];
         kd.negative[a] = ax->negative[a];
-        kd.direction[a] = direction[a] = gather(n, [&](std::size_t i) { return rays[i].direction[a]; });
+        kd.direction[a] = direction[a] = way[a];
     }
-    const vfloat t_near = gather(n, [&](std::size_t i) { return rays[i].t_near; });
+    const vfloat t_near = way[3];
     vfloat begin = t_near - kd.shift, end = query.limit() - kd.shift;
     begin = begin - (abs(t_near) + abs(kd.shift)) * vfloat(4 * FLT_EPSILON);
     const auto limit = [&] { return query.limit() - kd.shift + (abs(query.limit()) + abs(kd.shift)) * vfloat(4 * FLT_EPSILON); };
@@ -259,15 +282,16 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
     int blended = lod::kNoPair;
     ++visit;
     ++counters.packets;
-    const auto enter = [&](const Box3f& box, const Slab& slab) __attribute__((always_inline)) {
-        vfloat in = begin, out = limit();
-        clip(kd, box, in, out);
-        return (in <= out) & crosses(kd, slab, in, out);
+    const RaysAsOne<vfloat> as_one(kd);
+    const auto enter = [&](const GridBounds& bounds, vfloat in, vfloat out) __attribute__((always_inline)) {
+        out = min(out, limit());
+        clip(kd, bounds.box, in, out);
+        return (in <= out) & crosses(kd, bounds.slab, in, out);
     };
-    const auto meet = [&](KdLeaf::Entry& entry, int pair, vmask entering) __attribute__((always_inline)) {
-        IGrid* known = read_published(entry.grid);
+    const auto meet = [&](const KdLeaf& leaf, std::size_t number, int pair, vmask entering) __attribute__((always_inline)) {
+        IGrid* known = read_published(leaf.entries[number].grid);
         if (!known) {
-            known = &lazy.grid(entry, pair, counters.diced);
+            known = &lazy.grid(leaf, number, pair, counters.diced);
             if (arena.bytes() > limit_bytes) return false;
         }
         IGrid& grid = *known;
@@ -309,7 +333,7 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
     };
     const bool is_done = traverse(tree, kd, begin, end, pairs, counters, limit,
                                   [&](std::uint32_t node, vmask alive, vfloat near, vfloat far, int finest, int coarsest) {
-                                      return meet_leaf(node, alive, near, far, pairs, finest, coarsest, limit_bytes, enter, meet);
+                                      return meet_leaf(node, alive, near, far, pairs, finest, coarsest, limit_bytes, as_one, enter, meet);
                                   });
     return is_done ? PacketResult::Done : PacketResult::Abandoned;
 }
@@ -324,9 +348,9 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& ax, std::size_t li
     lanes.kx = ax.kx;
     lanes.ky = ax.ky;
     lanes.kz = ax.kz;
-    lanes.sx = ax.sx;
-    lanes.sy = ax.sy;
-    lanes.sz = ax.sz;
+    lanes.sx = ax.shear[0];
+    lanes.sy = ax.shear[1];
+    lanes.sz = ax.shear[2];
     kd.shift = start.shift;
     for (int a = 0; a < 3; ++a) {
         kd.origin[a] = start.origin[a];
@@ -346,23 +370,24 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& ax, std::size_t li
     PairSpans<float> pairs{nullptr, kd.shift, 0, 0};
     if (is_per_ray()) {
         // One ray never has too many pairs.
-        const lod::Footprint wanted = wanted_of(ray);
-        single_levels.set(wanted.a, wanted.b, kd.shift + begin, end_of(ray), coordinate_of(ray), frame.levels);
+        const Reach reach = reach_of(ray);
+        single_levels.set(reach.wanted.a, reach.wanted.b, kd.shift + begin, reach.end, reach.coordinate, frame.levels);
         pairs = {&single_levels, kd.shift, single_levels.finest, single_levels.coarsest};
     }
 
     const lod::PosedCage* here = nullptr;
     int blended = lod::kNoPair;
     ++visit;
-    const auto enter = [&](const Box3f& box, const Slab& slab) {
-        float in = begin, out = limit();
-        clip(kd, box, in, out);
-        return in <= out && crosses(kd, slab, in, out);
+    const RaysAsOne<float> as_one(kd);
+    const auto enter = [&](const GridBounds& bounds, float in, float out) {
+        out = min(out, limit());
+        clip(kd, bounds.box, in, out);
+        return in <= out && crosses(kd, bounds.slab, in, out);
     };
-    const auto meet = [&](KdLeaf::Entry& entry, int pair, bool) {
-        IGrid* known = read_published(entry.grid);
+    const auto meet = [&](const KdLeaf& leaf, std::size_t number, int pair, bool) {
+        IGrid* known = read_published(leaf.entries[number].grid);
         if (!known) {
-            known = &lazy.grid(entry, pair, counters.diced);
+            known = &lazy.grid(leaf, number, pair, counters.diced);
             if (arena.bytes() > limit_bytes) return false;
         }
         IGrid& grid = *known;
@@ -391,7 +416,7 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& ax, std::size_t li
         return true;
     };
     return traverse(tree, kd, begin, end, pairs, counters, limit, [&](std::uint32_t node, bool alive, float near, float far, int finest, int coarsest) {
-        return meet_leaf(node, alive, near, far, pairs, finest, coarsest, limit_bytes, enter, meet);
+        return meet_leaf(node, alive, near, far, pairs, finest, coarsest, limit_bytes, as_one, enter, meet);
     });
 }
 
@@ -425,11 +450,11 @@ void start(Found& found, std::span<const Ray> rays)
 bool Tracer::State::fits_packet(std::span<const Ray> rays, vfloat t_in) noexcept
 {
     const std::size_t n = rays.size();
-    const vfloat a = gather(n, [&](std::size_t i) { return wanted_of(rays[i]).a; });
-    const vfloat b = gather(n, [&](std::size_t i) { return wanted_of(rays[i]).b; });
-    const vfloat ray_end = gather(n, [&](std::size_t i) { return end_of(rays[i]); });
-    const vfloat coordinate = gather(n, [&](std::size_t i) { return coordinate_of(rays[i]); });
-    return packet_levels.set(a, b, t_in, ray_end, coordinate, frame.levels);
+    Reach reach[kPacket];
+    for (std::size_t i = 0; i < n; ++i) reach[i] = reach_of(rays[i]);
+    vfloat of[4];
+    gather_four(reach, n, 0, of);
+    return packet_levels.set(of[0], of[1], t_in, of[2], of[3], frame.levels);
 }
 
 template <class Found, class Take>
@@ -457,23 +482,39 @@ bool Tracer::State::run(std::size_t first, std::size_t count, std::size_t limit_
     return true;
 }
 
+template <class Fill>
+void Tracer::State::find_nearest(std::span<const Ray> rays, Fill&& fill)
+{
+    const std::uint64_t diced = counters.diced;
+    for_groups(rays, [&](std::size_t first, std::size_t count, std::size_t limit) {
+        const auto take = [&](std::size_t i, const auto& found, bool is_single) {
+            const std::size_t lane = i % kLanes;
+            fill(first + i, Met{found.t[lane], found.grid[lane], found.id[lane], {}}, is_single, static_cast<int>(lane));
+        };
+        return run<Nearest>(first, count, limit, take) && arena.bytes() <= limit;
+    });
+    if (!rays.empty() && rays.front().kinds & RayKind::Camera) counters.diced_for_camera += counters.diced - diced;
+}
+
 void Tracer::closest(std::span<const Ray> rays, std::span<SurfaceHit> hits)
 {
     State& s = *state_;
-    const std::uint64_t diced = s.counters.diced;
-    s.for_groups(rays, [&](std::size_t first, std::size_t count, std::size_t limit) {
-        const auto take = [&](std::size_t i, const auto& found, bool is_single) {
-            SurfaceHit& hit = hits[s.place_of[first + i]] = {};
-            const std::size_t lane = i % kLanes;
-            IGrid* grid = found.grid[lane];
-            if (!grid) return;
-            Met met{found.t[lane], grid, found.id[lane], {}};
-            if (grid->blends()) met.blend = is_single ? s.single_levels.blend(grid->pairs.finest) : s.blend_of_lane(grid->pairs.finest, static_cast<int>(lane));
-            resolve(s.sorted[first + i], met, s.lazy.phase_one(), hit);
-        };
-        return s.run<Nearest>(first, count, limit, take) && s.arena.bytes() <= limit;
+    s.find_nearest(rays, [&](std::size_t at, Met met, bool is_single, int lane) {
+        SurfaceHit& hit = hits[s.place_of[at]] = {};
+        if (!met.grid) return;
+        const int pair = met.grid->pairs.finest;
+        if (met.grid->blends()) met.blend = is_single ? s.single_levels.blend(pair) : s.blend_of_lane(pair, lane);
+        resolve(s.sorted[at], met, s.lazy.phase_one(), hit);
     });
-    if (!rays.empty() && rays.front().kinds & RayKind::Camera) s.counters.diced_for_camera += s.counters.diced - diced;
+}
+
+void Tracer::first_hits(std::span<const Ray> rays, std::span<FirstHit> hits)
+{
+    State& s = *state_;
+    s.find_nearest(rays, [&](std::size_t at, const Met& met, bool, int) {
+        FirstHit& hit = hits[s.place_of[at]] = {};
+        if (met.grid) hit = {met.t, met.grid->cage->node_id, face_of(met)};
+    });
 }
 
 void Tracer::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded)

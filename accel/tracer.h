@@ -66,6 +66,15 @@ struct SurfaceHit {
     bool is_hit() const noexcept { return t < std::numeric_limits<float>::infinity(); }
 };
 
+/// Where a ray ends, without what shading needs.
+struct FirstHit {
+    float t = std::numeric_limits<float>::infinity();  ///< infinity: nothing was met
+    NodeId node;
+    std::uint32_t face = 0;  ///< of the cage
+
+    bool is_hit() const noexcept { return t < std::numeric_limits<float>::infinity(); }
+};
+
 struct TraceCounters {
     std::uint64_t rays = 0, packets = 0, kd_nodes = 0, kd_visited = 0, kd_expanded = 0, grids = 0, micropolygons = 0, faces_touched = 0, flushes = 0;
     std::uint64_t vertices_diced = 0, vertices_shaded = 0;
@@ -115,6 +124,8 @@ public:
 
     /// Nearest hit of each ray in (t_near, t_far). hits.size() == rays.size().
     void closest(std::span<const Ray> rays, std::span<SurfaceHit> hits);
+    /// The same, and no more of it than a sensor or a collision asks for: with t as closest() finds it.
+    void first_hits(std::span<const Ray> rays, std::span<FirstHit> hits);
     /// occluded[i] becomes 1 if anything lies in (t_near, t_far) of ray i, else 0.
     void occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded);
 

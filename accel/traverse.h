@@ -30,12 +30,14 @@ template <class F>
 OCCAM_ALWAYS_INLINE void clip(const KdRay<F>& ray, const Box3f& box, F& t_near, F& t_far) noexcept
 {
     const F slack = 4 * FLT_EPSILON;
-    for (int a = 0; a < 3; ++a) {
-        const F in = (F(ray.negative[a] ? box.hi[a] : box.lo[a]) - ray.origin[a]) * ray.inverse[a];
-        const F out = (F(ray.negative[a] ? box.lo[a] : box.hi[a]) - ray.origin[a]) * ray.inverse[a];
-        t_near = max(t_near, in - (abs(in) + abs(ray.shift)) * slack);
-        t_far = min(t_far, out + (abs(out) + abs(ray.shift)) * slack);
+    F in = (F(ray.negative[0] ? box.hi[0] : box.lo[0]) - ray.origin[0]) * ray.inverse[0];
+    F out = (F(ray.negative[0] ? box.lo[0] : box.hi[0]) - ray.origin[0]) * ray.inverse[0];
+    for (int a = 1; a < 3; ++a) {
+        in = max(in, (F(ray.negative[a] ? box.hi[a] : box.lo[a]) - ray.origin[a]) * ray.inverse[a]);
+        out = min(out, (F(ray.negative[a] ? box.lo[a] : box.hi[a]) - ray.origin[a]) * ray.inverse[a]);
     }
+    t_near = max(t_near, in - (abs(in) + abs(ray.shift)) * slack);
+    t_far = min(t_far, out + (abs(out) + abs(ray.shift)) * slack);
 }
 
 /// Whether the ray is between the planes somewhere in [in, out].

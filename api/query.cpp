@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "accel/frame.h"
 #include "accel/tracer.h"
@@ -41,6 +43,20 @@ struct Query::State {
     {
     }
 
+    /// Of nothing, for a direction without length.
+    accel::Ray ray(Vec3d origin, Vec3d direction, double far) const
+    {
+        accel::Ray ray;
+        ray.t_far = 0;
+        const double length = glm::length(direction);
+        if (!(length > 0) || !std::isfinite(length) || !std::isfinite(glm::dot(origin, origin))) return ray;
+        ray.origin = origin;
+        ray.direction = Vec3f(direction / length);
+        ray.t_far = static_cast<float>(far);
+        ray.footprint = rays.pixel();
+        return ray;
+    }
+
     std::optional<Hit> closest(const accel::Ray& ray)
     {
         accel::SurfaceHit hit;
@@ -68,26 +84,30 @@ Query::~Query() = default;
 
 std::optional<Hit> Query::closest(Vec3d origin, Vec3d direction, double far)
 {
-    const double length = glm::length(direction);
-    if (!(length > 0) || !std::isfinite(length) || !std::isfinite(glm::dot(origin, origin))) return std::nullopt;
-    accel::Ray ray;
-    ray.origin = origin;
-    ray.direction = Vec3f(direction / length);
-    ray.t_far = static_cast<float>(far);
-    ray.footprint = state_->rays.pixel();
-    return state_->closest(ray);
+    const accel::Ray ray = state_->ray(origin, direction, far);
+    return ray.t_far > 0 ? state_->closest(ray) : std::nullopt;
+}
+
+void Query::first_hits(std::span<const QueryRay> rays, std::span<FirstHit> hits)
+{
+    if (rays.size() != hits.size()) throw std::invalid_argument("Query::first_hits: as many hits as rays are wanted");
+    constexpr std::size_t kBatch = 2048;
+    std::vector<accel::Ray> batch;
+    std::vector<accel::FirstHit> found;
+    for (std::size_t first = 0; first < rays.size(); first += kBatch) {
+        const std::size_t count = std::min(kBatch, rays.size() - first);
+        batch.clear();
+        for (const QueryRay& ray : rays.subspan(first, count)) batch.push_back(state_->ray(ray.origin, ray.direction, ray.far));
+        found.resize(count);
+        state_->tracer.first_hits(batch, found);
+        for (std::size_t i = 0; i < count; ++i) hits[first + i] = {double(found[i].t), found[i].node, found[i].face};
+    }
 }
 
 bool Query::is_occluded(Vec3d from, Vec3d to)
 {
-    const Vec3d way = to - from;
-    const double length = glm::length(way);
-    if (!(length > 0) || !std::isfinite(length)) return false;
-    accel::Ray ray;
-    ray.origin = from;
-    ray.direction = Vec3f(way / length);
-    ray.t_far = static_cast<float>(length);
-    ray.footprint = state_->rays.pixel();
+    const accel::Ray ray = state_->ray(from, to - from, glm::distance(from, to));
+    if (!(ray.t_far > 0)) return false;
     std::uint8_t occluded = 0;
     state_->tracer.occluded({&ray, 1}, {&occluded, 1});
     return occluded != 0;

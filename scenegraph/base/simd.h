@@ -199,6 +199,28 @@ inline vfloat max(vfloat a, vfloat b) noexcept
 #endif
 }
 inline vfloat abs(vfloat a) noexcept { return hn::Abs(a.raw()); }
+/// Of all lanes.
+inline float lowest(vfloat a) noexcept { return hn::GetLane(hn::MinOfLanes(FloatTag(), a.raw())); }
+inline float highest(vfloat a) noexcept { return hn::GetLane(hn::MaxOfLanes(FloatTag(), a.raw())); }
+
+/// Four floats each of as many things as there are lanes, turned: lane i of to[f] is from[i][f].
+inline void load_turned(const float* const* from, vfloat (&to)[4]) noexcept
+{
+#ifdef OCCAM_ONE_LANE
+    for (int f = 0; f < 4; ++f) to[f] = vfloat(from[0][f]);
+#else
+    const FloatTag tag;
+    const hn::RepartitionToWide<FloatTag> pairs;
+    const auto both = [&](int i) { return vfloat::load_halves(from[i], from[i + 4], 0).raw(); };
+    const auto a = both(0), b = both(1), c = both(2), d = both(3);
+    const auto ab_low = hn::BitCast(pairs, hn::InterleaveLower(tag, a, b)), ab_high = hn::BitCast(pairs, hn::InterleaveUpper(tag, a, b));
+    const auto cd_low = hn::BitCast(pairs, hn::InterleaveLower(tag, c, d)), cd_high = hn::BitCast(pairs, hn::InterleaveUpper(tag, c, d));
+    to[0] = hn::BitCast(tag, hn::InterleaveLower(pairs, ab_low, cd_low));
+    to[1] = hn::BitCast(tag, hn::InterleaveUpper(pairs, ab_low, cd_low));
+    to[2] = hn::BitCast(tag, hn::InterleaveLower(pairs, ab_high, cd_high));
+    to[3] = hn::BitCast(tag, hn::InterleaveUpper(pairs, ab_high, cd_high));
+#endif
+}
 
 // The same names for one float, so that a traversal written once serves a packet and a single ray.
 inline float abs(float a) noexcept { return std::fabs(a); }
@@ -207,6 +229,8 @@ inline float fnma(float a, float b, float c) noexcept { return __builtin_fmaf(-a
 inline float select(bool m, float yes, float no) noexcept { return m ? yes : no; }
 inline float min(float a, float b) noexcept { return a < b ? a : b; }
 inline float max(float a, float b) noexcept { return a > b ? a : b; }
+inline float lowest(float a) noexcept { return a; }
+inline float highest(float a) noexcept { return a; }
 inline bool any(bool m) noexcept { return m; }
 inline bool none(bool m) noexcept { return !m; }
 inline bool andnot(bool a, bool b) noexcept { return a && !b; }

@@ -1,7 +1,7 @@
 // Closest and any hit on one thread with a hot tree, beside Embree on the same micropolygons, taken in turns.
 //
-// Occam's closest() also fills SurfaceHit (position in double, normals, texture coordinates, material), which Embree's does
-// not; Embree sees all micropolygons of the cage, but no closers (they have no area). Embree's rays are laid out beforehand.
+// Occam's closest() also fills SurfaceHit (position in double, normals, curvature, texture coordinates, material), which Embree's does
+// not; its first_hits() fills distance, node and face, where Embree fills distance, ids, normal and barycentrics. Embree sees all micropolygons of the cage, but no closers (they have no area). Embree's rays are laid out beforehand.
 
 #include <cmath>
 
@@ -18,6 +18,12 @@ constexpr std::size_t kBudget = std::size_t(1) << 30;
 struct Turns {
     std::vector<double> occam, embree;
 };
+
+template <class Trace>
+void in_batches(std::size_t rays, Trace&& trace)
+{
+    for (std::size_t i = 0; i < rays; i += kBatch) trace(i, std::min(kBatch, rays - i));
+}
 
 template <class Ours, class Theirs>
 Turns in_turns(EmbreeRays& theirs, Ours&& trace_ours, Theirs&& trace_theirs)
@@ -51,10 +57,7 @@ void run_rays(Report& report, const std::string& name, accel::Tracer& tracer, co
 
     // A renderer looks at one batch of hits before it asks for the next, so they stay in its caches.
     const auto batch_by_batch = [&] {
-        for (std::size_t i = 0; i < rays.size(); i += kBatch) {
-            const std::size_t n = std::min(kBatch, rays.size() - i);
-            tracer.closest(rays.subspan(i, n), {hits.data(), n});
-        }
+        in_batches(rays.size(), [&](std::size_t i, std::size_t n) { tracer.closest(rays.subspan(i, n), {hits.data(), n}); });
     };
     const Turns closest = in_turns(theirs, batch_by_batch, [&] { theirs.closest(); });
     trace_closest(tracer, rays, hits);
@@ -71,6 +74,14 @@ void run_rays(Report& report, const std::string& name, accel::Tracer& tracer, co
                    .add("hits", double(met))
                    .add("disagree_hit_or_miss", double(other_answer))
                    .add("disagree_in_t_by_1e-4", double(other_distance)));
+
+    std::vector<accel::FirstHit> first(rays.size());
+    const Turns found = in_turns(
+        theirs, [&] { in_batches(rays.size(), [&](std::size_t i, std::size_t n) { tracer.first_hits(rays.subspan(i, n), {&first[i], n}); }); },
+        [&] { theirs.closest(); });
+    std::size_t other_hit = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) other_hit += first[i].t != hits[i].t || first[i].face != hits[i].face;
+    report.add(row_of(name + " first", found, rays.size()).add("disagree_with_closest", double(other_hit)));
 
     const Turns any = in_turns(
         theirs, [&] { trace_occluded(tracer, rays, occluded); }, [&] { theirs.occluded(); });

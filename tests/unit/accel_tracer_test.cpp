@@ -65,6 +65,26 @@ TEST(Tracer, FindsTheSameBitsForARayAloneAndInAPacket)
     }
 }
 
+TEST(Tracer, FindsTheSameFirstHitsWithoutWhatShadingNeeds)
+{
+    Stage stage;
+    place(stage.scene, stage.scene.add(torus()), {0, 0, 0});
+    place(stage.scene, stage.scene.add(prism(7)), {1, 0.5, -1}, 0.7);
+    const accel::Frame frame = stage.frame(-4);
+    const auto rays = rays_towards({0.3, 3, 4}, stage.scene.bounds(), 20'000, 11);
+    std::vector<accel::SurfaceHit> whole(rays.size());
+    std::vector<accel::FirstHit> first(rays.size());
+    accel::Tracer(frame, kPlenty).closest(rays, whole);
+    accel::Tracer(frame, kPlenty).first_hits(rays, first);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        ASSERT_EQ(first[i].t, whole[i].t) << "ray " << i;
+        ASSERT_EQ(first[i].is_hit(), whole[i].is_hit());
+        if (!whole[i].is_hit()) continue;
+        ASSERT_EQ(first[i].face, whole[i].face) << "ray " << i;
+        ASSERT_EQ(first[i].node, whole[i].node) << "ray " << i;
+    }
+}
+
 // Eager or lazy, flat or by hierarchy, swept or scanned: other trees, the same hits.
 TEST(Tracer, FindsTheSameHitsHoweverItBuilds)
 {

@@ -163,6 +163,20 @@ TEST(Query, FindsTheNearestSurfaceAndWhatIsBetween)
     EXPECT_THROW(square.scene.set_visible(square.node, false), Error);
 }
 
+TEST(Query, FindsFirstHitsOfManyRays)
+{
+    Square square;
+    Query query(square.scene, kFront);
+    const std::vector<QueryRay> rays{{{0.25, 0.5, 3}, {0, 0, -2}}, {{0, 0, 3}, {0, 0, -1}, 2.9}, {{0, 0, 3}, {0, 0, 0}}, {{0, NAN, 3}, {0, 0, -1}}};
+    std::vector<FirstHit> hits(rays.size());
+    query.first_hits(rays, hits);
+    EXPECT_NEAR(hits[0].distance, 3, 1e-6);
+    EXPECT_EQ(hits[0].node, square.node);
+    for (std::size_t i = 1; i < rays.size(); ++i) EXPECT_TRUE(std::isinf(hits[i].distance)) << i;
+    std::vector<FirstHit> too_few(1);
+    EXPECT_THROW(query.first_hits(rays, too_few), std::invalid_argument);
+}
+
 TEST(Query, PicksWhatAPixelShows)
 {
     Square square;
