@@ -179,12 +179,22 @@ int normal_map_set(const Material& m) noexcept
     return std::clamp(use.uv_set, 0, 1);
 }
 
+// Of texture coordinates over the triangle, per world length.
+struct UvGradients {
+    Vec3d u, v;
+    UvGradients(const WeightGradients& g, const Corner (&corner)[3], int set) noexcept
+    {
+        const Vec2d e(corner[1].uv[set] - corner[0].uv[set]), f(corner[2].uv[set] - corner[0].uv[set]);
+        u = g.b * e.x + g.c * f.x;
+        v = g.b * e.y + g.c * f.y;
+    }
+};
+
 // dP/du and dP/dv are the columns of the inverse of (du/dP, dv/dP): in the plane, turned by a right angle from the
 // other's gradient. Their lengths do not matter here, but the sign of the gradients' area does.
 void set_tangent(const WeightGradients& g, Vec3d winding_normal, const Corner (&corner)[3], int set, Vec3d outward, SurfaceHit& hit) noexcept
 {
-    const Vec2d e(corner[1].uv[set] - corner[0].uv[set]), f(corner[2].uv[set] - corner[0].uv[set]);
-    const Vec3d du = g.b * e.x + g.c * f.x, dv = g.b * e.y + g.c * f.y;
+    const auto [du, dv] = UvGradients(g, corner, set);
     const double turn = glm::dot(winding_normal, glm::cross(du, dv));
     if (turn == 0) return;
     const Vec3d along_u = glm::cross(dv, winding_normal) * (turn > 0 ? 1.0 : -1.0);
@@ -265,6 +275,12 @@ void resolve(const Ray& ray, const Met& met, const PhaseOneTools& tools, Surface
         hit.curvature = static_cast<float>(hit.back_side ? -curvature : curvature);
         const int set = normal_map_set(*hit.material);
         if (has_uv[set]) set_tangent(gradients, winding / area, corner, set, hit.back_side ? -shading : shading, hit);
+        const int bump_set = std::clamp(hit.material->bump_texture.uv_set, 0, 1);
+        if (hit.material->bump_texture && has_uv[bump_set]) {
+            const UvGradients uv(gradients, corner, bump_set);
+            hit.u_gradient = Vec3f(uv.u);
+            hit.v_gradient = Vec3f(uv.v);
+        }
     }
     hit.level = grid.level;
     const lod::TileRef* tile = grid.is_lattice ? &grid.parts[part_of(number)].tile : nullptr;

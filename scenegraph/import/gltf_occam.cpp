@@ -199,6 +199,20 @@ NodeExtras node_extras(const Value& node, const Value& mesh, const std::string& 
     return extras;
 }
 
+std::optional<BumpExtras> bump_extras(const Value& material, const std::string& where, Report& report)
+{
+    Reader occam(member(material, "occam"), where + ".extras.occam", report);
+    const Value* bump = occam.find("bump");
+    occam.warn_unknown();
+    if (!bump) return std::nullopt;
+    Reader reader(*bump, where + ".extras.occam.bump", report);
+    const std::optional<int> texture = reader.index("texture");
+    if (!texture) reader.refuse("texture is missing");
+    const BumpExtras extras{*texture, reader.index("texCoord").value_or(0), reader.number("scale").value_or(1.0f)};
+    reader.warn_unknown();
+    return extras;
+}
+
 std::optional<EnvironmentExtras> environment_extras(const Value& scene, const std::string& where, Report& report)
 {
     Reader occam(member(scene, "occam"), where + ".extras.occam", report);
