@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <tuple>
 
 #include "accel/stopwatch.h"
 #include "accel/vertex_values.h"
+#include "lod/patch_colors.h"
 #include "scenegraph/base/hash.h"
 #include "scenegraph/base/publish.h"
 
@@ -107,6 +109,11 @@ void patch_corners(IGrid& grid, std::uint32_t number, bool is_closer, const floa
     IGridPart& part = grid.parts[part_of(number)];
     if (!read_published(part.is_shaded)) shade(grid, part, tools);
     const QuadRef q = quad_of(number);
+    std::optional<lod::PatchColors> colors;
+    if (!grid.cage->slot->cage.colors.empty()) colors.emplace(*grid.cage, part.tile.patch);
+    const auto color_at = [&](int i, int j) {
+        return colors->at((float(part.tile.i0) + float(i)) * part.tile.step_u(), (float(part.tile.j0) + float(j)) * part.tile.step_v());
+    };
     for (int p = 0; p < 3; ++p) {
         const int i = q.i + (is_closer ? 0 : kCorners[q.triangle][p][0]), j = q.j + (is_closer ? 0 : kCorners[q.triangle][p][1]);
         const int width = part.tile.columns + 1;
@@ -121,6 +128,8 @@ void patch_corners(IGrid& grid, std::uint32_t number, bool is_closer, const floa
             has_uv[s] = part.attributes.uv[s] != nullptr;
             if (has_uv[s]) corner[p].uv[s] = blend(part.attributes.uv[s]);
         }
+        if (colors)
+            corner[p].color = color_at(i, j) * (1 - w) + (color_at(i - odd_i, j - odd_j) + color_at(i + odd_i, j + odd_j)) * (0.5f * w);
     }
 }
 
@@ -130,7 +139,7 @@ void mesh_corners(const IGrid& grid, std::uint32_t face, Corner (&corner)[3], bo
     for (std::uint32_t p = 0; p < 3; ++p) {
         const std::size_t at = std::size_t(face) * 3 + p, v = cage.face_vertices[at];
         if (!cage.normals.empty()) corner[p].normal = grid.cage->vertex_normal(static_cast<std::uint32_t>(v));
-        if (!cage.colors.empty()) corner[p].color = cage.colors[v];
+        if (!cage.colors.empty()) corner[p].color = cage.colors[cage.color_indices.empty() ? v : cage.color_indices[at]];
         for (std::size_t s = 0; s < 2; ++s) {
             has_uv[s] = s < cage.uv_sets.size();
             if (!has_uv[s]) continue;

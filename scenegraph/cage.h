@@ -85,7 +85,8 @@ struct Cage {
 
     std::vector<Vec3f> normals;  ///< one a vertex, unit; Scheme::Triangles only; empty: faceted
     std::vector<UvSet> uv_sets;
-    std::vector<Vec4f> colors;              ///< linear RGBA, one a vertex; empty: white
+    std::vector<Vec4f> colors;              ///< linear RGBA; empty: white
+    std::vector<std::uint32_t> color_indices;  ///< one entry a face corner; empty: one colour a vertex
     std::vector<MaterialId> materials;      ///< slots; empty: the default material
     std::vector<std::uint16_t> face_slots;  ///< index into materials for each face; empty: 0
 
