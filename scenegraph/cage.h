@@ -62,7 +62,8 @@ struct SkinBinding {
 struct Displacement {
     enum class Axes : std::uint8_t {
         Normal,  ///< along its normal, by scale * (R of the texture - midlevel)
-        Object   ///< by the vector scale * (RGB of the texture - midlevel) in the axes of the object at rest
+        Object,  ///< by the vector scale * (RGB of the texture - midlevel) in the axes of the object at rest, turned as poses turn the surface
+        Tangent  ///< by such a vector in the surface's own axes: where u grows, where v falls, outward (those of normal maps)
     };
     TextureUse texture;
     float scale = 0, midlevel = 0.5f;

@@ -136,7 +136,10 @@ TEST(ImportGltfGeometry, DisplacementReachesTheCageWithABound)
     const Scene by_vectors = load(with(R"({"texture": 0, "scale": 2, "axes": "object"})"));
     EXPECT_EQ(cages(by_vectors).at(0)->displacement->axes, Displacement::Axes::Object);
     EXPECT_NEAR(cages(by_vectors).at(0)->displacement->bound, std::sqrt(3.0f), 1e-6f) << "three channels of a half times the scale";
-    EXPECT_NE(error_of(with(R"({"texture": 0, "axes": "tangent"})")).find("axes"), std::string::npos);
+    const Scene by_tangents = load(with(R"({"texture": 0, "scale": 2, "axes": "tangent"})"));
+    EXPECT_EQ(cages(by_tangents).at(0)->displacement->axes, Displacement::Axes::Tangent);
+    EXPECT_NEAR(cages(by_tangents).at(0)->displacement->bound, std::sqrt(3.0f), 1e-6f);
+    EXPECT_NE(error_of(with(R"({"texture": 0, "axes": "world"})")).find("normal, object, tangent"), std::string::npos);
     EXPECT_NE(error_of(with(R"({"texture": 1})")).find("no texture 1"), std::string::npos);
     EXPECT_NE(error_of(with(R"({"scale": 1})")).find("texture is missing"), std::string::npos);
     EXPECT_NE(error_of(with(R"({"texture": 0, "bound": -1})")).find("must not be negative"), std::string::npos);
