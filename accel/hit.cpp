@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <tuple>
 
 #include "accel/stopwatch.h"
 #include "accel/vertex_values.h"
+#include "lod/patch_colors.h"
 #include "scenegraph/base/hash.h"
 #include "scenegraph/base/publish.h"
 
@@ -107,6 +109,11 @@ void patch_corners(IGrid& grid, std::uint32_t number, bool is_closer, const floa
     IGridPart& part = grid.parts[part_of(number)];
     if (!read_published(part.is_shaded)) shade(grid, part, tools);
     const QuadRef q = quad_of(number);
+    std::optional<lod::PatchColors> colors;
+    if (!grid.cage->slot->cage.colors.empty()) colors.emplace(*grid.cage, part.tile.patch);
+    const auto color_at = [&](int i, int j) {
+        return colors->at((float(part.tile.i0) + float(i)) * part.tile.step_u(), (float(part.tile.j0) + float(j)) * part.tile.step_v());
+    };
     for (int p = 0; p < 3; ++p) {
         const int i = q.i + (is_closer ? 0 : kCorners[q.triangle][p][0]), j = q.j + (is_closer ? 0 : kCorners[q.triangle][p][1]);
         const int width = part.tile.columns + 1;
@@ -121,6 +128,8 @@ void patch_corners(IGrid& grid, std::uint32_t number, bool is_closer, const floa
             has_uv[s] = part.attributes.uv[s] != nullptr;
             if (has_uv[s]) corner[p].uv[s] = blend(part.attributes.uv[s]);
         }
+        if (colors)
+            corner[p].color = color_at(i, j) * (1 - w) + (color_at(i - odd_i, j - odd_j) + color_at(i + odd_i, j + odd_j)) * (0.5f * w);
     }
 }
 
@@ -130,7 +139,7 @@ void mesh_corners(const IGrid& grid, std::uint32_t face, Corner (&corner)[3], bo
     for (std::uint32_t p = 0; p < 3; ++p) {
         const std::size_t at = std::size_t(face) * 3 + p, v = cage.face_vertices[at];
         if (!cage.normals.empty()) corner[p].normal = grid.cage->vertex_normal(static_cast<std::uint32_t>(v));
-        if (!cage.colors.empty()) corner[p].color = cage.colors[v];
+        if (!cage.colors.empty()) corner[p].color = cage.colors[cage.color_indices.empty() ? v : cage.color_indices[at]];
         for (std::size_t s = 0; s < 2; ++s) {
             has_uv[s] = s < cage.uv_sets.size();
             if (!has_uv[s]) continue;
@@ -179,12 +188,22 @@ int normal_map_set(const Material& m) noexcept
     return std::clamp(use.uv_set, 0, 1);
 }
 
+// Of texture coordinates over the triangle, per world length.
+struct UvGradients {
+    Vec3d u, v;
+    UvGradients(const WeightGradients& g, const Corner (&corner)[3], int set) noexcept
+    {
+        const Vec2d e(corner[1].uv[set] - corner[0].uv[set]), f(corner[2].uv[set] - corner[0].uv[set]);
+        u = g.b * e.x + g.c * f.x;
+        v = g.b * e.y + g.c * f.y;
+    }
+};
+
 // dP/du and dP/dv are the columns of the inverse of (du/dP, dv/dP): in the plane, turned by a right angle from the
 // other's gradient. Their lengths do not matter here, but the sign of the gradients' area does.
 void set_tangent(const WeightGradients& g, Vec3d winding_normal, const Corner (&corner)[3], int set, Vec3d outward, SurfaceHit& hit) noexcept
 {
-    const Vec2d e(corner[1].uv[set] - corner[0].uv[set]), f(corner[2].uv[set] - corner[0].uv[set]);
-    const Vec3d du = g.b * e.x + g.c * f.x, dv = g.b * e.y + g.c * f.y;
+    const auto [du, dv] = UvGradients(g, corner, set);
     const double turn = glm::dot(winding_normal, glm::cross(du, dv));
     if (turn == 0) return;
     const Vec3d along_u = glm::cross(dv, winding_normal) * (turn > 0 ? 1.0 : -1.0);
@@ -265,6 +284,12 @@ void resolve(const Ray& ray, const Met& met, const PhaseOneTools& tools, Surface
         hit.curvature = static_cast<float>(hit.back_side ? -curvature : curvature);
         const int set = normal_map_set(*hit.material);
         if (has_uv[set]) set_tangent(gradients, winding / area, corner, set, hit.back_side ? -shading : shading, hit);
+        const int bump_set = std::clamp(hit.material->bump_texture.uv_set, 0, 1);
+        if (hit.material->bump_texture && has_uv[bump_set]) {
+            const UvGradients uv(gradients, corner, bump_set);
+            hit.u_gradient = Vec3f(uv.u);
+            hit.v_gradient = Vec3f(uv.v);
+        }
     }
     hit.level = grid.level;
     const lod::TileRef* tile = grid.is_lattice ? &grid.parts[part_of(number)].tile : nullptr;

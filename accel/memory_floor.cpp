@@ -1,6 +1,7 @@
 #include "accel/memory_floor.h"
 
 #include "accel/kd_tree.h"
+#include "accel/vertex_values.h"
 #include "lod/deformed_cage.h"
 
 namespace occam::accel {
@@ -8,11 +9,14 @@ namespace {
 
 constexpr std::size_t kGrids = 8;  // of a ray
 
-// The largest igrid: a whole tile, both levels of its vertices, their normals and coordinates, its boxes.
+// The largest igrid: a whole tile, both levels of its vertices, their normals and coordinates, its boxes; and the most floats that
+// phase one keeps of both levels, on every kCoarser-th of these vertices.
+constexpr std::size_t kValueSide = (lod::TileRef::kMaxSide >> kCoarser) + 1;
 constexpr std::size_t kBytesOfAGrid = sizeof(IGrid) +
                                       (lod::TileRef::kMaxSide + 1) * (lod::TileRef::kMaxSide + 1) *
                                           (2 * sizeof(Vec3f) + 2 * sizeof(Vec3f) + 2 * sizeof(Vec2f)) +
-                                      128 * (BoxTree::kFloats / BoxTree::kGroup) * sizeof(float);
+                                      128 * (BoxTree::kFloats / BoxTree::kGroup) * sizeof(float) +
+                                      2 * kValueSide * kValueSide * lod::VertexShader::kMaxChannels * sizeof(float);
 
 // A part of the scene that is opened: itself, and its places in the lists of nodes above and below a plane.
 constexpr std::size_t kBytesOfAnItem = sizeof(Item) + sizeof(PlacedNode) + 4 * sizeof(ItemIndex);

@@ -49,6 +49,8 @@ struct SurfaceHit {
     /// normal map's +Y (glTF 2.0, sec. 3.9.3).
     Vec3f tangent{0};
     float tangent_sign = 1;
+    /// Gradients of the coordinates that the material's bump map uses, over the micropolygon, per world length; zero: no bump.
+    Vec3f u_gradient{0}, v_gradient{0};
     Vec2f uv[2]{};                 ///< the first two sets
     float uv_width[2]{};           ///< of the ray's footprint, in units of uv
     Vec4f color{1};                ///< vertex colour

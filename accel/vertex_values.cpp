@@ -42,7 +42,9 @@ const float* make_values(const IGrid& grid, IGridPart& part, bool is_coarse, con
     const lod::LevelSettings& levels = tools.frame.levels;
     const float least = tools.frame.shading.texture_width * lod::edge_length(grid.level + is_coarse) /
                         (levels.shading_rate * lod::LevelSettings::kLongestEdge);
-    std::array<lod::VertexToShade, (lod::TileRef::kMaxSide + 1) * (lod::TileRef::kMaxSide + 1)> vertices;
+    constexpr std::size_t kMost = (lod::TileRef::kMaxSide + 1) * (lod::TileRef::kMaxSide + 1);
+    std::array<lod::VertexToShade, kMost> vertices;
+    std::array<Vec3f, kMost> places;
     for (int j = 0; j <= lattice.rows; ++j)
         for (int i = 0; i <= lattice.columns; ++i) {
             // Differences to both sides, or to one at the tile's border.
@@ -53,7 +55,9 @@ const float* make_values(const IGrid& grid, IGridPart& part, bool is_coarse, con
             const auto place = [&](int u, int v) { return grid.fine_at(part.vertex(u, v)); };
             const Vec3f along_u = place(i1, at_j) - place(i0, at_j), along_v = place(at_i, j1) - place(at_i, j0);
             const float area = glm::length(glm::cross(along_u, along_v));
-            lod::VertexToShade& vertex = vertices[static_cast<std::size_t>(lattice.index(i, j))] = {};
+            const auto index = static_cast<std::size_t>(lattice.index(i, j));
+            lod::VertexToShade& vertex = vertices[index] = {};
+            places[index] = place(at_i, at_j);
             for (int s = 0; s < 2; ++s) {
                 const Vec2f* uv = part.attributes.uv[s];
                 if (!uv) continue;
@@ -65,7 +69,7 @@ const float* make_values(const IGrid& grid, IGridPart& part, bool is_coarse, con
         }
     const auto count = static_cast<std::size_t>(lattice.count());
     float* values = tools.arena.make_array<float>(count * static_cast<std::size_t>(channels)).data();
-    tools.frame.shading.shader->shade(material, {vertices.data(), count}, values);
+    tools.frame.shading.shader->shade(material, {{vertices.data(), count}, {places.data(), count}, lattice.columns + 1}, values);
     tools.counters.vertices_looked_up += count;
     publish(part.values[is_coarse], static_cast<const float*>(values));
     return values;

@@ -34,13 +34,28 @@ Vec3d any_direction(Random& random)
     }
 }
 
+/// How a node of another scene deforms its cages.
+struct Pose {
+    const Node& node;
+    const SkinSlot* skin;
+};
+
 /// A cage diced at some pairs of levels: what to aim at, and where inside is.
 class Subject {
 public:
-    Subject(const Cage& cage, const Mat4d& place, const TextureStore* textures)
+    Subject(const Cage& cage, const Mat4d& place, const TextureStore* textures, const Pose* pose)
     {
         const CageId id = scene_.add(cage);
-        const NodeId node = scene_.add_node(scene_.root(), {.matrix = place, .cages = {id}});
+        NodeDesc desc{.matrix = place, .cages = {id}};
+        if (pose) desc.morph_weights = pose->node.morph_weights;
+        if (pose && pose->skin && cage.skin.sets > 0) {
+            // Joints stand where the node has them here, whatever is above them there.
+            Skin skin;
+            for (const Mat4d& mesh_pose : pose->skin->mesh_poses)
+                skin.joints.push_back(scene_.add_node(scene_.root(), {.matrix = place * pose->node.node_from_skin * mesh_pose}));
+            desc.skin = scene_.add(std::move(skin));
+        }
+        const NodeId node = scene_.add_node(scene_.root(), desc);
         scene_.refit();
         const CageSlot& slot = scene_.cage(id);
         const lod::CageTables& tables = topologies_.get(slot);
@@ -48,7 +63,9 @@ public:
         posed_.topology = tables.topology.get();
         posed_.clusters = tables.clusters.get();
         posed_.node = &scene_.node(node);
-        posed_.place(place, slot.bounds);
+        const SkinSlot* skin = scene_.find(posed_.node->skin);
+        posed_.place(place, cage_bounds(*posed_.node, slot, skin));
+        if (tables.deformed_clusters) posed_.deform(*tables.deformed_clusters, skin, pose_, deform_);
         if (textures) posed_.displace(*textures);
         for (std::uint32_t face = 0; face < posed_.topology->face_count(); ++face)
             for (std::uint32_t sub = 0; posed_.topology->is_seen(face) && sub < posed_.topology->patches_of(face); ++sub)
@@ -106,7 +123,8 @@ private:
     lod::TopologyCache topologies_;
     lod::PosedCage posed_;
     lod::Dicer dicer_;
-    Arena arena_;
+    Arena arena_, pose_;
+    lod::DeformCounters deform_;
     std::vector<Patch> patches_;
 };
 
@@ -159,12 +177,13 @@ struct Start {
 
 class EscapeTest {
 public:
-    EscapeTest(const Cage& cage, const Mat4d& place, const VerifySettings& settings, const TextureStore* textures, VerifiedCage& report)
+    EscapeTest(const Cage& cage, const Mat4d& place, const VerifySettings& settings, const TextureStore* textures, const Pose* pose,
+               VerifiedCage& report)
         : settings_(settings),
           textures_(textures),
           report_(report),
           random_(settings.seed * 0x9E3779B97F4A7C15u + 1),
-          subject_(cage, place, textures)
+          subject_(cage, place, textures, pose)
     {
     }
 
@@ -344,9 +363,8 @@ private:
     lod::LevelSettings levels_;
 };
 
-}  // namespace
-
-VerifiedCage verify(const Cage& cage, const Mat4d& world_from_object, const VerifySettings& settings, const TextureStore* textures)
+VerifiedCage verify_posed(const Cage& cage, const Mat4d& world_from_object, const VerifySettings& settings, const TextureStore* textures,
+                          const Pose* pose)
 {
     VerifiedCage report;
     report.cage = cage.name;
@@ -356,8 +374,15 @@ VerifiedCage verify(const Cage& cage, const Mat4d& world_from_object, const Veri
         return report;
     }
     if (report.not_testable = why_not_closed(cage); !report.not_testable.empty()) return report;
-    EscapeTest(cage, world_from_object, settings, textures, report).run();
+    EscapeTest(cage, world_from_object, settings, textures, pose, report).run();
     return report;
+}
+
+}  // namespace
+
+VerifiedCage verify(const Cage& cage, const Mat4d& world_from_object, const VerifySettings& settings, const TextureStore* textures)
+{
+    return verify_posed(cage, world_from_object, settings, textures, nullptr);
 }
 
 std::vector<VerifiedCage> verify(Scene& scene, const VerifySettings& settings)
@@ -368,7 +393,8 @@ std::vector<VerifiedCage> verify(Scene& scene, const VerifySettings& settings)
     if (scene.is_displaced()) textures.prepare(scene);
     scene.for_each_placement([&](NodeId, const Node& node, const Mat4d& world_from_node) {
         for (const CageId id : node.cages) {
-            reports.push_back(verify(scene.cage(id).cage, world_from_node, settings, &textures));
+            const Pose pose{node, scene.find(node.skin)};
+            reports.push_back(verify_posed(scene.cage(id).cage, world_from_node, settings, &textures, &pose));
             reports.back().node = node.name;
         }
     });

@@ -21,7 +21,7 @@ void Dicer::forget()
 {
     for (PoolEntry& e : pool_) e.cage = nullptr;
     for (CurveEntry& e : curves_) e.cage = nullptr;
-    uv_.cage = nullptr;
+    uv_.cage = rest_.cage = nullptr;
 }
 
 PosedPatch& Dicer::posed(const PosedCage& cage, PatchRef patch)

@@ -85,6 +85,8 @@ private:
     Vec3f patch_point(const PosedCage& cage, PatchPoint at, int filter);
 
     PosedPatch& uv_patch(const PosedCage& cage, PatchRef patch, int set);
+    /// As it is without skin and morph targets, in the object's axes.
+    PosedPatch& rest_patch(const PosedCage& cage, PatchRef patch);
 
     // Of displaced cages (dicer_displaced.cpp).
     /// What points of a patch are moved by, to rows of `stride` floats; leaves the points and tangents in surface_.
@@ -107,7 +109,7 @@ private:
     static constexpr std::size_t kPoolSize = 256, kCurveSize = 2048;
     std::vector<PoolEntry> pool_;     ///< direct-mapped
     std::vector<CurveEntry> curves_;  ///< direct-mapped
-    PoolEntry uv_;
+    PoolEntry uv_, rest_;
     int uv_set_ = 0;
     std::vector<Vec3f> side_points_;
     std::vector<Hanging> hanging_;

@@ -12,20 +12,37 @@ void Dicer::offsets(const PosedCage& cage, PatchRef patch, int filter, const Par
                     int stride)
 {
     const int columns = grid.columns, count = columns * grid.rows;
-    surface_.resize(static_cast<std::size_t>(18 * count));
-    float* at[18];
-    for (int a = 0; a < 18; ++a) at[a] = &surface_[static_cast<std::size_t>(a * count)];
+    const bool turns = cage.displacement.turns;
+    surface_.resize(static_cast<std::size_t>((turns ? 27 : 18) * count));
+    float* at[27] = {};
+    for (int a = 0; a < (turns ? 27 : 18); ++a) at[a] = &surface_[static_cast<std::size_t>(a * count)];
     posed(cage, patch).points_and_tangents(grid, at, columns);
     uv_patch(cage, patch, cage.displacement.uv_set()).points_and_tangents(grid, at + 9, columns);
+    if (turns) rest_patch(cage, patch).points_and_tangents(grid, at + 18, columns);
     const auto pair = [&](int from, int k) { return Vec2f(at[from][k], at[from + 1][k]); };
     const auto triple = [&](int from, int k) { return Vec3f(at[from][k], at[from + 1][k], at[from + 2][k]); };
     for (int j = 0; j < grid.rows; ++j)
         for (int i = 0; i < columns; ++i) {
             const int k = j * columns + i;
-            const Vec3f moved =
-                cage.displacement.offset(triple(3, k), triple(6, k), pair(9, k), pair(12, k), pair(15, k), filter);
+            PointToDisplace point{triple(3, k), triple(6, k), pair(9, k), pair(12, k), pair(15, k)};
+            if (turns) point.rest_du = triple(21, k), point.rest_dv = triple(24, k);
+            const Vec3f moved = cage.displacement.offset(point, filter);
             for (int a = 0; a < 3; ++a) out[a][j * stride + i] = moved[a];
         }
+}
+
+PosedPatch& Dicer::rest_patch(const PosedCage& cage, PatchRef patch)
+{
+    if (rest_.cage != &cage || rest_.patch != patch) {
+        PosedCage rest;
+        rest.slot = cage.slot;
+        rest.topology = cage.topology;
+        for (int a = 0; a < 3; ++a) rest.frame_from_object[a][a] = 1;
+        rest_.cage = &cage;
+        rest_.patch = patch;
+        rest_.posed.set(rest, patch);
+    }
+    return rest_.posed;
 }
 
 void Dicer::displaced_points(const PosedCage& cage, PatchRef patch, int filter, const ParameterGrid& grid,

@@ -8,6 +8,31 @@
 
 namespace occam::lod {
 
+namespace {
+
+/// Unit axes of a surface: along its du, across it, and where the sense of its parameter sees the outside.
+struct SurfaceAxes {
+    Vec3d along{0}, across{0}, normal{0};
+    double du, dv_along = 0, dv_across = 0;  ///< du = du * along, dv = dv_along * along + dv_across * across
+    bool is_good;
+
+    SurfaceAxes(Vec3d d_u, Vec3d d_v) noexcept
+    {
+        const Vec3d area = glm::cross(d_u, d_v);
+        const double size = glm::length(area);
+        du = glm::length(d_u);
+        is_good = size > 0 && du > 0;
+        if (!is_good) return;
+        normal = area / size;
+        along = d_u / du;
+        across = glm::cross(normal, along);
+        dv_along = glm::dot(d_v, along);
+        dv_across = size / du;
+    }
+};
+
+}  // namespace
+
 double largest_stretch(const double (&map)[3][4]) noexcept
 {
     // The largest eigenvalue of the map's Gram matrix is at most its largest row sum.
@@ -21,42 +46,97 @@ double largest_stretch(const double (&map)[3][4]) noexcept
 }
 
 PosedDisplacement::PosedDisplacement(const Cage& cage, const TextureStore& store, const double (&frame_from_object)[3][4],
-                                     bool mirrored, float radius) noexcept
+                                     bool mirrored, bool deformed, float radius) noexcept
 {
     if (!cage.is_displaced()) return;
     of = &*cage.displacement;
     textures = &store;
     map = frame_from_object;
     sense = mirrored ? -1.0f : 1.0f;
+    turns = deformed && of->axes == Displacement::Axes::Object;
     // A little more than the bound: offsets are rounded.
     reach = static_cast<float>(largest_stretch(frame_from_object) * double(of->bound)) * (1 + 0x1p-18f);
     stops = std::min(ceil_log2(4 * radius), kCoarsestLevel);
 }
 
-Vec3f PosedDisplacement::offset(Vec3f du, Vec3f dv, Vec2f uv, Vec2f uv_du, Vec2f uv_dv, int level) const noexcept
+Vec3d PosedDisplacement::from_object(Vec3d v) const noexcept
 {
-    const Vec3d area = glm::cross(Vec3d(du), Vec3d(dv));
-    const double size = glm::length(area);
-    const double uv_size = std::abs(double(uv_du.x) * uv_dv.y - double(uv_du.y) * uv_dv.x);
-    const auto width = size > 0 ? static_cast<float>(double(edge_length(level)) * std::sqrt(uv_size / size)) : 0;
-    const auto from_object = [&](Vec3d v) {
-        Vec3f moved;
-        for (int r = 0; r < 3; ++r) moved[r] = static_cast<float>(map[r][0] * v.x + map[r][1] * v.y + map[r][2] * v.z);
-        return moved;
-    };
-    if (of->axes == Displacement::Axes::Object) {
-        const Vec3d v = double(of->scale) * (Vec3d(textures->sample(of->texture, uv, width)) - double(of->midlevel));
-        const double far = glm::length(v);
-        return from_object(far > double(of->bound) ? v * (double(of->bound) / far) : v);
-    }
+    const auto row = [&](int r) { return map[r][0] * v.x + map[r][1] * v.y + map[r][2] * v.z; };
+    return {row(0), row(1), row(2)};
+}
+
+// By the map's cofactors: up to its determinant's size.
+Vec3d PosedDisplacement::to_object(Vec3d v) const noexcept
+{
+    const auto column = [&](int c) { return Vec3d(map[0][c], map[1][c], map[2][c]); };
+    const Vec3d a = column(0), b = column(1), c = column(2), bc = glm::cross(b, c);
+    const Vec3d u(glm::dot(bc, v), glm::dot(glm::cross(c, a), v), glm::dot(glm::cross(a, b), v));
+    return glm::dot(a, bc) < 0 ? -u : u;
+}
+
+Vec3d PosedDisplacement::texel_vector(const Vec4f& texel) const noexcept
+{
+    const Vec3d v = double(of->scale) * (Vec3d(texel) - double(of->midlevel));
+    const double far = glm::length(v);
+    return far > double(of->bound) ? v * (double(of->bound) / far) : v;
+}
+
+Vec3d PosedDisplacement::along_normal(const PointToDisplace& at, double height) const noexcept
+{
     // The object's normal: posed areas are cofactors of the map times the object's, and its transpose takes them back.
+    const Vec3d area = glm::cross(Vec3d(at.du), Vec3d(at.dv));
     Vec3d normal;
     for (int c = 0; c < 3; ++c) normal[c] = map[0][c] * area.x + map[1][c] * area.y + map[2][c] * area.z;
     const double length = glm::length(normal);
-    if (!(size > 0) || !(length > 0)) return Vec3f(0);
-    const float height =
-        std::clamp(of->scale * (textures->sample(of->texture, uv, width).x - of->midlevel), -of->bound, of->bound);
-    return from_object(normal * (double(sense * height) / length));
+    return length > 0 ? from_object(normal * (double(sense) * height / length)) : Vec3d(0);
+}
+
+Vec3d PosedDisplacement::turned(const PointToDisplace& at, Vec3d v) const noexcept
+{
+    const Vec3d placed = from_object(v);
+    const double far = glm::length(placed), length = glm::length(v);
+    const SurfaceAxes rest(at.rest_du, at.rest_dv), pose(at.du, at.dv);
+    if (!rest.is_good || !pose.is_good || !(length > 0)) return placed;
+    // What the pose did to the surface is [a b; 0 d] in these axes, and (a + d, -b) the direction of its nearest rotation.
+    const double a = pose.du / rest.du, d = pose.dv_across / rest.dv_across;
+    const double b = (pose.dv_along - a * rest.dv_along) / rest.dv_across;
+    const double size = std::sqrt((a + d) * (a + d) + b * b);
+    const double cosine = (a + d) / size, sine = -b / size;
+    const double x = glm::dot(v, rest.along), y = glm::dot(v, rest.across), z = glm::dot(v, rest.normal);
+    const Vec3d posed = pose.along * (x * cosine - y * sine) + pose.across * (x * sine + y * cosine) + pose.normal * (double(sense) * z);
+    return posed * (far / length);
+}
+
+Vec3d PosedDisplacement::in_tangents(const PointToDisplace& at, Vec3d v) const noexcept
+{
+    const double turn = double(at.uv_du.x) * at.uv_dv.y - double(at.uv_du.y) * at.uv_dv.x;
+    const Vec3d du = to_object(at.du), dv = to_object(at.dv);
+    const Vec3d along_u = (du * double(at.uv_dv.y) - dv * double(at.uv_du.y)) * (turn < 0 ? -1.0 : 1.0);
+    const double size = glm::length(along_u);
+    if (turn == 0 || !(size > 0)) return along_normal(at, v.z);
+    const Vec3d area = glm::cross(du, dv), tangent = along_u / size;
+    // Where v falls, across the tangent: on one side of it or the other, as the coordinates are mirrored.
+    const Vec3d across = glm::cross(area, tangent);
+    const double length = glm::length(across);
+    if (!(length > 0)) return Vec3d(0);
+    return from_object(tangent * v.x + across * ((turn < 0 ? v.y : -v.y) / length)) + along_normal(at, v.z);
+}
+
+Vec3f PosedDisplacement::offset(const PointToDisplace& at, int level) const noexcept
+{
+    const double size = glm::length(glm::cross(Vec3d(at.du), Vec3d(at.dv)));
+    const double uv_size = std::abs(double(at.uv_du.x) * at.uv_dv.y - double(at.uv_du.y) * at.uv_dv.x);
+    const auto width = size > 0 ? static_cast<float>(double(edge_length(level)) * std::sqrt(uv_size / size)) : 0;
+    const Vec4f texel = textures->sample(of->texture, at.uv, width);
+    switch (of->axes) {
+        case Displacement::Axes::Normal: {
+            const float height = std::clamp(of->scale * (texel.x - of->midlevel), -of->bound, of->bound);
+            return Vec3f(size > 0 ? along_normal(at, double(height)) : Vec3d(0));
+        }
+        case Displacement::Axes::Object: return Vec3f(turns ? turned(at, texel_vector(texel)) : from_object(texel_vector(texel)));
+        case Displacement::Axes::Tangent: return Vec3f(size > 0 ? in_tangents(at, texel_vector(texel)) : Vec3d(0));
+    }
+    return Vec3f(0);
 }
 
 }  // namespace occam::lod

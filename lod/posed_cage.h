@@ -41,7 +41,7 @@ struct PosedCage {
     /// skin   null: morph targets alone
     void deform(const DeformedClusters& bounds, const SkinSlot* skin, Arena& arena, DeformCounters& counters);
 
-    /// After place(): has the cage's displacement move its surface, if it has one and the coordinates that it asks for.
+    /// After place() and deform(): has the cage's displacement move its surface, if it has one and the coordinates that it asks for.
     void displace(const TextureStore& textures) noexcept;
     bool is_displaced() const noexcept { return displacement.of != nullptr; }
 

@@ -65,8 +65,11 @@ Topology::Topology(const Cage& cage) : mesh_(std::make_unique<Mesh>(cage)), tabl
     patch_count_ = face_count_;
     if (!all_quads) {
         patch_count_ = 0;
+        std::uint32_t corners = 0;
         for (std::uint32_t f = 0; f < face_count_; ++f) {
             first_patch_.push_back(patch_count_);
+            first_corner_.push_back(corners);
+            corners += face_size(f);
             tables_->first_inner.push_back(inner_count_);
             patch_count_ += patches_of(f);
             if (face_size(f) == 4) continue;

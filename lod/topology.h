@@ -55,6 +55,8 @@ public:
     std::uint32_t face_count() const noexcept { return face_count_; }
     std::uint32_t patch_count() const noexcept { return patch_count_; }
     std::uint32_t face_size(std::uint32_t face) const noexcept;
+    /// Index of the face's first corner in the cage's face_vertices.
+    std::uint32_t first_corner(std::uint32_t face) const noexcept { return first_corner_.empty() ? 4 * face : first_corner_[face]; }
     std::uint32_t patches_of(std::uint32_t face) const noexcept { return face_size(face) == 4 ? 1 : face_size(face); }
     /// Has a limit surface and is not a hole.
     bool is_seen(std::uint32_t face) const noexcept { return seen_[face] != 0; }
@@ -93,7 +95,7 @@ private:
     std::uint32_t face_count_ = 0, patch_count_ = 0, edge_count_ = 0, inner_count_ = 0;
     int uv_set_count_ = 0;
     std::vector<std::uint8_t> seen_;
-    std::vector<std::uint32_t> first_patch_;  ///< empty when all faces are quads
+    std::vector<std::uint32_t> first_patch_, first_corner_;  ///< empty when all faces are quads
 };
 
 }  // namespace occam::lod

@@ -6,6 +6,7 @@
 
 #include <span>
 
+#include "scenegraph/base/vec.h"
 #include "scenegraph/material.h"
 
 namespace occam::lod {
@@ -15,16 +16,23 @@ struct VertexToShade {
     float uv_width[2]{};  ///< of the texture filter, in units of uv
 };
 
+/// Vertices in rows and columns, so that differences between neighbours can be taken.
+struct LatticeToShade {
+    std::span<const VertexToShade> vertices;  ///< row after row
+    std::span<const Vec3f> places;            ///< of each, from any origin: world axes and lengths
+    int columns = 2;                          ///< vertices of a row, at least two; as many rows
+};
+
 class VertexShader {
 public:
-    static constexpr int kMaxChannels = 24;
+    static constexpr int kMaxChannels = 26;
 
     virtual ~VertexShader() = default;
 
     /// Floats that a vertex of the material has, at most kMaxChannels; 0: nothing varies over the surface.
     virtual int channels(const Material& material) const noexcept = 0;
-    /// A pure function of each vertex. out: channels() floats a vertex, vertex after vertex.
-    virtual void shade(const Material& material, std::span<const VertexToShade> vertices, float* out) const noexcept = 0;
+    /// A pure function of each vertex and its neighbours. out: channels() floats a vertex, vertex after vertex.
+    virtual void shade(const Material& material, const LatticeToShade& lattice, float* out) const noexcept = 0;
 };
 
 /// How a frame shades at vertices.

@@ -23,6 +23,7 @@ LayerForm form_of(Aov aov)
         case Aov::Position: return {{"X", "Y", "Z"}, true};
         case Aov::Id: return {{"I"}, true};
         case Aov::Variance: return {{"Y"}, true};
+        case Aov::Occlusion: return {{"Y"}, false};
         case Aov::NormalMean: return {{"X", "Y", "Z"}, false};
         case Aov::CryptomatteObject:
         case Aov::CryptomatteMaterial: return {{"R", "G", "B", "A"}, true};
@@ -45,6 +46,7 @@ void PixelSums::add(const SampleResult& sample) noexcept
     beauty_ += Vec4d(radiance, double(sample.alpha)) * weight;
     if (is_finite(Vec3f(sample.albedo))) albedo_ += Vec4d(sample.albedo) * weight;
     if (is_finite(sample.normal)) normal_ += Vec3d(sample.normal) * weight;
+    if (std::isfinite(sample.occlusion)) occlusion_ += double(sample.occlusion) * weight;
     const double y = (0.2126 * radiance.x + 0.7152 * radiance.y + 0.0722 * radiance.z) * weight;
     luminance_ += y;
     luminance2_ += y * y;
@@ -61,6 +63,7 @@ void PixelSums::add(const SampleResult& sample) noexcept
 Vec4f PixelSums::beauty() const noexcept { return weight_ > 0 ? Vec4f(beauty_ / weight_) : Vec4f(0); }
 Vec4f PixelSums::albedo() const noexcept { return weight_ > 0 ? Vec4f(albedo_ / weight_) : Vec4f(0); }
 Vec3f PixelSums::normal() const noexcept { return weight_ > 0 ? Vec3f(normal_ / weight_) : Vec3f(0); }
+float PixelSums::occlusion() const noexcept { return weight_ > 0 ? static_cast<float>(occlusion_ / weight_) : 0; }
 
 float PixelSums::variance() const noexcept
 {
@@ -136,6 +139,8 @@ void Film::store(int x, int y, const PixelSums& sums) noexcept
     put(Aov::Variance, pixel, &variance, 1);
     const Vec3f normal = sums.normal();
     put(Aov::NormalMean, pixel, &normal.x, 3);
+    const float occlusion = sums.occlusion();
+    put(Aov::Occlusion, pixel, &occlusion, 1);
 }
 
 std::size_t Film::bytes() const noexcept

@@ -1,7 +1,7 @@
 // Where samples become pixels.
 //
 // A pixel's samples are added by one worker, in their order, in double: so the sums have the same bits in every run.
-// Colour layers and normal_mean are means with the reconstruction filter's weights. Depth, normals, uv, position and id are those of the one sample nearest the middle of the
+// Colour layers, normal_mean and occlusion are means with the reconstruction filter's weights. Depth, normals, uv, position and id are those of the one sample nearest the middle of the
 // pixel: the mean of two depths lies on no surface.
 #pragma once
 
@@ -29,6 +29,7 @@ struct SampleResult {
     float alpha = 0;
     Vec4f albedo{0};
     Vec3f normal{0};
+    float occlusion = 0;
     FirstHit first;
     Vec2f offset{0};   ///< from the middle of the pixel, in pixels
     float weight = 1;  ///< by the reconstruction filter: 1 or -1
@@ -43,6 +44,7 @@ public:
     Vec4f albedo() const noexcept;
     const FirstHit& first() const noexcept { return first_; }
     Vec3f normal() const noexcept;
+    float occlusion() const noexcept;
     float variance() const noexcept;  ///< of the mean of the luminance
     /// Estimated standard error of the mean of the luminance over that mean; of dark pixels over kDarkest, so that noise which
     /// nobody sees asks for no samples. From the sample variance: it knows nothing of light that no sample has found yet.
@@ -54,6 +56,7 @@ public:
 private:
     Vec4d beauty_{0}, albedo_{0};
     Vec3d normal_{0};
+    double occlusion_ = 0;
     double luminance_ = 0, luminance2_ = 0, weight_ = 0;
     int count_ = 0, not_finite_ = 0;
     float nearest_ = std::numeric_limits<float>::infinity();

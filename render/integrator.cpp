@@ -23,6 +23,7 @@ Integrator::Integrator(const FrameContext& context)
     : context_(context),
       texture_width_(sample_width(context.settings.spp)),
       has_mattes_(context.settings.has(Aov::CryptomatteObject) || context.settings.has(Aov::CryptomatteMaterial)),
+      wants_occlusion_(context.settings.integrator == IntegratorKind::Ao || context.settings.has(Aov::Occlusion)),
       placed_tries_(1),
       shadows_(context.textures, context.may_pass, !context.settings.back_faces, texture_width_)
 {
@@ -112,7 +113,8 @@ void Integrator::cross_lights(const Path& path, const accel::Ray& ray, float t_f
                                   });
 }
 
-void Integrator::record_first(const accel::SurfaceHit& hit, const shade::Surface& surface, float covered, SampleResult& result) const
+void Integrator::record_first(const accel::SurfaceHit& hit, const shade::Surface& surface, float occlusion, float covered,
+                              SampleResult& result) const
 {
     if (covered > 0 && result.alpha == 0) {
         result.first = {static_cast<float>(context_.camera.depth(hit.position)),
@@ -125,6 +127,7 @@ void Integrator::record_first(const accel::SurfaceHit& hit, const shade::Surface
     result.alpha += covered;
     result.albedo += Vec4f(surface.base_color, 1) * covered;
     result.normal += surface.normal * covered;
+    result.occlusion += occlusion * covered;
 }
 
 void Integrator::record_matte(const accel::SurfaceHit& hit, std::uint32_t sample, float covered)
@@ -162,15 +165,17 @@ void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResu
     if (!path.is_camera()) cross_lights(path, ray, hit.t, result);
 
     counters_.hits_looked_up += hit.phase_one_channels == 0;
-    const shade::Surface surface = shade::evaluate(shade_point(ray, hit, texture_width_), context_.textures);
+    const shade::ShadePoint point = shade_point(ray, hit, texture_width_);
+    const shade::Surface surface = shade::evaluate(point, context_.textures);
+    const float occlusion = wants_occlusion_ ? shade::ambient_share(point, context_.textures) : 1;
     const float covered = path.coverage * surface.opacity;
     if (path.is_camera()) {
-        record_first(hit, surface, covered, result);
+        record_first(hit, surface, occlusion, covered, result);
         record_matte(hit, path.sample, covered);
     }
     const Vec3f share = path.throughput * surface.opacity;
     Vec3f passes = surface.passes;
-    const Vertex v{path, ray, hit, sample, surface, share};
+    const Vertex v{path, ray, hit, sample, surface, share, occlusion};
 
     const Chances chance = chances(v);
 

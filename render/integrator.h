@@ -102,6 +102,7 @@ private:
         const CameraSample& sample;
         const shade::Surface& surface;
         Vec3f share;  ///< of what leaves the surface, this reaches the pixel
+        float occlusion;  ///< of ambient light that reaches the surface, its occlusion map leaves this
     };
 
     void begin(std::span<const CameraSample> samples, std::span<SampleResult> results);
@@ -114,7 +115,7 @@ private:
     void cross_lights(const Path& path, const accel::Ray& ray, float t_far, SampleResult& result) const;
     void add_emission(const Path& path, const accel::SurfaceHit& hit, const shade::Surface& surface, Vec3f share,
                       SampleResult& result) const;
-    void record_first(const accel::SurfaceHit& hit, const shade::Surface& surface, float covered, SampleResult& result) const;
+    void record_first(const accel::SurfaceHit& hit, const shade::Surface& surface, float occlusion, float covered, SampleResult& result) const;
     void record_matte(const accel::SurfaceHit& hit, std::uint32_t sample, float covered);
 
     /// With which a ray goes on straight and scattered; one of them 0, and the ray of the other not shot.
@@ -149,6 +150,7 @@ private:
     const FrameContext& context_;
     float texture_width_;  ///< of a sample, in pixels
     bool has_mattes_;
+    bool wants_occlusion_;  ///< maps of it are looked up: for `ao` or the layer
     float placed_tries_;   ///< expected samples of one placed light for each round over the lights
     IntegratorCounters counters_;
 

@@ -119,7 +119,7 @@ void Integrator::gather_sky(const Vertex& v)
         ray.kinds = RayKind::Shadow;
         const float density = glm::dot(ray.direction, v.surface.normal) / shade::kPi;
         ray.footprint = shade::scattered_beam({v.ray.footprint.at(v.hit.t), 0}, density, samples * context_.settings.spp);
-        shadows_.add(v.path.sample, ray, v.share / static_cast<float>(samples));
+        shadows_.add(v.path.sample, ray, v.share * (v.occlusion / static_cast<float>(samples)));
     }
 }
 

@@ -33,6 +33,7 @@ std::string_view aov_name(Aov aov) noexcept
         case Aov::NormalMean: return "normal_mean";
         case Aov::CryptomatteObject: return "cryptomatte_object";
         case Aov::CryptomatteMaterial: return "cryptomatte_material";
+        case Aov::Occlusion: return "occlusion";
     }
     return "";
 }

@@ -24,11 +24,12 @@ enum class Aov : std::uint16_t {
     Variance = 128,       ///< of the pixel's mean luminance, estimated from its samples
     NormalMean = 256,     ///< mean over the pixel of the normal with its normal map: with albedo, what a denoiser wants
     CryptomatteObject = 512,    ///< which nodes are seen and how much of each, by name: render/cryptomatte.h
-    CryptomatteMaterial = 1024  ///< the same of materials
+    CryptomatteMaterial = 1024,  ///< the same of materials
+    Occlusion = 2048  ///< what occlusion maps leave of ambient light, times coverage: the mean over the pixel
 };
 inline constexpr Aov kAllAovs[] = {Aov::Depth,    Aov::Normal, Aov::NormalGeometric, Aov::Albedo, Aov::Uv,
                                    Aov::Position, Aov::Id,     Aov::Variance, Aov::NormalMean,
-                                   Aov::CryptomatteObject, Aov::CryptomatteMaterial};
+                                   Aov::CryptomatteObject, Aov::CryptomatteMaterial, Aov::Occlusion};
 std::string_view aov_name(Aov aov) noexcept;
 
 /// Debug pictures instead of light.

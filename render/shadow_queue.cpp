@@ -24,6 +24,8 @@ shade::ShadePoint shade_point(const accel::Ray& ray, const accel::SurfaceHit& hi
     p.self_distance = hit.self_distance;
     p.tangent = hit.tangent;
     p.tangent_sign = hit.tangent_sign;
+    p.u_gradient = hit.u_gradient;
+    p.v_gradient = hit.v_gradient;
     for (int set = 0; set < 2; ++set) {
         p.texture.uv[set] = hit.uv[set];
         p.texture.uv_width[set] = hit.uv_width[set] * texture_width;

@@ -61,7 +61,9 @@ private:
             require(sum == corners, "face_vertices must have one entry a face corner");
         }
         require(cage_.normals.empty() || cage_.normals.size() == vertices, "normals must have one entry a vertex");
-        require(cage_.colors.empty() || cage_.colors.size() == vertices, "colors must have one entry a vertex");
+        require(cage_.color_indices.empty() ? cage_.colors.empty() || cage_.colors.size() == vertices
+                                            : cage_.color_indices.size() == corners,
+                "colors must have one entry a vertex or one index a face corner");
         require(cage_.face_slots.empty() || cage_.face_slots.size() == cage_.face_count(),
                 "face_slots must have one entry a face");
         for (const UvSet& set : cage_.uv_sets)
@@ -177,6 +179,7 @@ private:
                 cage_.face_vertices[to] = v;
                 for (UvSet& set : cage_.uv_sets)
                     if (!set.indices.empty()) set.indices[to] = set.indices[c];
+                if (!cage_.color_indices.empty()) cage_.color_indices[to] = cage_.color_indices[c];
                 ++to;
             }
             if (!triangles) cage_.face_sizes[face_to] = static_cast<std::uint32_t>(to - to_begin);
@@ -186,6 +189,7 @@ private:
         cage_.face_vertices.resize(to);
         for (UvSet& set : cage_.uv_sets)
             if (!set.indices.empty()) set.indices.resize(to);
+        if (!cage_.color_indices.empty()) cage_.color_indices.resize(to);
         if (!triangles) cage_.face_sizes.resize(face_to);
         if (!cage_.face_slots.empty()) cage_.face_slots.resize(face_to);
         std::vector<std::uint32_t> holes;
@@ -262,7 +266,10 @@ private:
         count = 0;
         for (Vec4f& color : cage_.colors)
             if (!is_finite(color)) color = Vec4f(1), ++count;
-        report(count, "vertex colours are not finite");
+        if (cage_.colors.empty() && !cage_.color_indices.empty()) cage_.colors.push_back(Vec4f(1));
+        for (std::uint32_t& i : cage_.color_indices)
+            if (i >= cage_.colors.size()) i = 0, ++count;
+        report(count, "vertex colours are not finite or out of range");
         count = 0;
         const std::size_t slots = std::max<std::size_t>(1, cage_.materials.size());
         for (std::uint16_t& slot : cage_.face_slots)

@@ -62,7 +62,8 @@ struct SkinBinding {
 struct Displacement {
     enum class Axes : std::uint8_t {
         Normal,  ///< along its normal, by scale * (R of the texture - midlevel)
-        Object   ///< by the vector scale * (RGB of the texture - midlevel) in the axes of the object at rest
+        Object,  ///< by the vector scale * (RGB of the texture - midlevel) in the axes of the object at rest, turned as poses turn the surface
+        Tangent  ///< by such a vector in the surface's own axes: where u grows, where v falls, outward (those of normal maps)
     };
     TextureUse texture;
     float scale = 0, midlevel = 0.5f;
@@ -85,7 +86,8 @@ struct Cage {
 
     std::vector<Vec3f> normals;  ///< one a vertex, unit; Scheme::Triangles only; empty: faceted
     std::vector<UvSet> uv_sets;
-    std::vector<Vec4f> colors;              ///< linear RGBA, one a vertex; empty: white
+    std::vector<Vec4f> colors;              ///< linear RGBA; empty: white
+    std::vector<std::uint32_t> color_indices;  ///< one entry a face corner; empty: one colour a vertex
     std::vector<MaterialId> materials;      ///< slots; empty: the default material
     std::vector<std::uint16_t> face_slots;  ///< index into materials for each face; empty: 0
 

@@ -36,8 +36,10 @@ struct Material {
     TextureUse emission_texture;
     TextureUse normal_texture;
     float normal_scale = 1;
-    TextureUse occlusion_texture;
-    float occlusion_strength = 1;
+    TextureUse bump_texture;                ///< R: heights that normals show and places do not (Blinn 1978)
+    float bump_scale = 1;                   ///< world length that a texel of 1 is high
+    TextureUse occlusion_texture;           ///< R: share of ambient light that arrives
+    float occlusion_strength = 1;           ///< 0: all of it, whatever the texture says
     TextureUse alpha_texture;  ///< R; times the alpha of the base colour (MTL's map_d)
     AlphaMode alpha_mode = AlphaMode::Opaque;
     float alpha_cutoff = 0.5f;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "shade/bump.h"
+
 namespace occam::shade {
 namespace {
 
@@ -23,6 +25,8 @@ void for_each_packed(const Material& m, Values& v, Visit&& visit) noexcept
     if (m.metallic_roughness_texture || m.roughness_texture) visit(&v.roughness, 1);
     if (m.emission_texture && m.emission != Vec3f(0)) visit(&v.emission.x, 3);
     if (m.normal_texture) visit(&v.normal.x, 3);
+    if (m.bump_texture) visit(&v.slope.x, 3);
+    if (m.occlusion_texture) visit(&v.occlusion, 1);
     if (m.specular_texture) visit(&v.specular, 1);
     if (m.specular_color_texture) visit(&v.specular_color.x, 3);
     if (m.transmission > 0 && m.transmission_texture) visit(&v.transmission, 1);
@@ -63,6 +67,11 @@ void MaterialValues::look_up_rest(const Material& m, const lod::VertexToShade& a
     if (m.clearcoat_normal_texture) coat_normal = Vec3f(look_up(m.clearcoat_normal_texture)) * 2.0f - 1.0f;
 }
 
+void MaterialValues::look_up_occlusion(const Material& m, const lod::VertexToShade& at, const TextureStore& textures) noexcept
+{
+    if (m.occlusion_texture) occlusion = 1 + m.occlusion_strength * (texel(m.occlusion_texture, at, textures).x - 1);
+}
+
 int packed_floats(const Material& material) noexcept
 {
     int count = 0;
@@ -86,13 +95,19 @@ MaterialValues unpack(const Material& material, const float* from) noexcept
     return values;
 }
 
-void PhaseOne::shade(const Material& material, std::span<const lod::VertexToShade> vertices, float* out) const noexcept
+void PhaseOne::shade(const Material& material, const lod::LatticeToShade& lattice, float* out) const noexcept
 {
     const int floats = packed_floats(material);
-    for (const lod::VertexToShade& at : vertices) {
+    const BumpLattice bump(material, lattice, textures_);
+    for (int k = 0; k < static_cast<int>(lattice.vertices.size()); ++k) {
+        const lod::VertexToShade& at = lattice.vertices[static_cast<std::size_t>(k)];
         MaterialValues values(material);
         if (material.alpha_mode != AlphaMode::Mask) values.look_up_color(material, at, textures_);
-        if (!material.unlit) values.look_up_rest(material, at, textures_);
+        if (!material.unlit) {
+            values.look_up_rest(material, at, textures_);
+            values.look_up_occlusion(material, at, textures_);
+            values.slope = bump.slope(k % lattice.columns, k / lattice.columns);
+        }
         pack(material, values, out);
         out += floats;
     }

@@ -18,6 +18,8 @@ struct MaterialValues {
     float metallic, roughness;
     Vec3f emission;
     Vec3f normal{0, 0, 1};  ///< in the axes of the normal map, not scaled, not unit
+    Vec3f slope{0};         ///< gradient of the bump map's height over the surface, world axes
+    float occlusion = 1;    ///< share of ambient light that arrives
     float specular;
     Vec3f specular_color;
     float transmission;
@@ -26,7 +28,9 @@ struct MaterialValues {
 
     /// Base colour and alpha: all that tells whether there is anything to shade.
     void look_up_color(const Material& material, const lod::VertexToShade& at, const TextureStore& textures) noexcept;
+    /// All but the occlusion, which few ask for, and the slope, which takes more than one place (shade/bump.h).
     void look_up_rest(const Material& material, const lod::VertexToShade& at, const TextureStore& textures) noexcept;
+    void look_up_occlusion(const Material& material, const lod::VertexToShade& at, const TextureStore& textures) noexcept;
 };
 
 /// Values that have a map and are made at vertices, one after the other: how many floats. Alpha that masks is a hit's own, for its
@@ -42,7 +46,7 @@ public:
     explicit PhaseOne(const TextureStore& textures) noexcept : textures_(textures) {}
 
     int channels(const Material& material) const noexcept override { return packed_floats(material); }
-    void shade(const Material& material, std::span<const lod::VertexToShade> vertices, float* out) const noexcept override;
+    void shade(const Material& material, const lod::LatticeToShade& lattice, float* out) const noexcept override;
 
 private:
     const TextureStore& textures_;

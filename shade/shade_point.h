@@ -14,6 +14,7 @@ struct ShadePoint {
     float self_distance = 0;          ///< a secondary ray starts this far along normal_geometric
     Vec3f tangent{0};                 ///< unit, across the normal, where u of the normal map grows; zero: no normal map
     float tangent_sign = 1;           ///< of cross(outward normal, tangent), where v falls
+    Vec3f u_gradient{0}, v_gradient{0};  ///< of the bump map's coordinates over the surface, per world length; zero: no bump
     lod::VertexToShade texture;          ///< where textures are looked up: over the ray's footprint
     const float* phase_one = nullptr;    ///< what PhaseOne made at the vertices about the hit, interpolated; null: nothing
     Vec4f color{1};                      ///< vertex colour, linear

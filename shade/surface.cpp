@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "shade/albedo_table.h"
+#include "shade/bump.h"
 #include "shade/fresnel.h"
 #include "shade/material_values.h"
 
@@ -108,8 +109,12 @@ Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
     s.passes = Vec3f(1 - s.opacity);
     s.unlit = m.unlit;
     if (s.unlit || s.opacity == 0) return s;
-    if (!point.phase_one) values.look_up_rest(m, point.texture, textures);
+    if (!point.phase_one) {
+        values.look_up_rest(m, point.texture, textures);
+        values.slope = bump_slope(point, textures);
+    }
     s.normal = mapped_normal(m.normal_texture, values.normal, m.normal_scale, point);
+    if (values.slope != Vec3f(0)) s.normal = bumped_normal(s.normal, values.slope, point);
     s.emission = values.emission;
 
     const float metallic = std::clamp(values.metallic, 0.0f, 1.0f);
@@ -138,6 +143,15 @@ Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
 Vec3f passes_straight(const ShadePoint& point, const TextureStore& textures) noexcept
 {
     return may_pass(*point.material) ? evaluate(point, textures).passes : Vec3f(0);
+}
+
+float ambient_share(const ShadePoint& point, const TextureStore& textures) noexcept
+{
+    const Material& m = *point.material;
+    if (m.unlit || !m.occlusion_texture) return 1;
+    MaterialValues values = point.phase_one ? unpack(m, point.phase_one) : MaterialValues(m);
+    if (!point.phase_one) values.look_up_occlusion(m, point.texture, textures);
+    return values.occlusion;
 }
 
 bool may_pass(const Material& m) noexcept

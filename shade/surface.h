@@ -2,7 +2,7 @@
 //
 // glTF 2.0 metallic-roughness with KHR_materials_ior, _specular, _clearcoat, _transmission, _volume, _emissive_strength and
 // _unlit. Where it leaves them: both sides of every face are seen (as path tracers do; double_sided decides nothing), and
-// occlusion maps are not read, since shadow rays find what they stand for.
+// occlusion maps dim no light whose way is traced (ambient_share).
 #pragma once
 
 #include "scenegraph/texture/texture_store.h"
@@ -55,6 +55,10 @@ Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
 
 /// Share of light that goes straight on at the point: evaluate().passes, without the rest.
 Vec3f passes_straight(const ShadePoint& point, const TextureStore& textures) noexcept;
+
+/// What the material's occlusion map leaves of ambient light, 0 to 1: of light that is not traced to where it comes from. Nobody else
+/// reads the map: rays find what it stands for.
+float ambient_share(const ShadePoint& point, const TextureStore& textures) noexcept;
 
 /// True if some point of the material may let light pass straight on.
 bool may_pass(const Material& material) noexcept;

@@ -103,7 +103,7 @@ void add_picture(CLI::App& app, RenderArguments& a)
     add_number(app, "--deadline", "Stop after so many seconds with what is done", [&](double v) { s.deadline_s = v; });
     add_switch(app, "--background", s.background, "Sky or environment behind the scene; off: transparent [on]");
     add_switch(app, "--back-faces", s.back_faces, "off: rays pass the backs of single-sided surfaces [on]");
-    add_value(app, "--aov", "EXR layers: depth, normal, normal_geometric, albedo, uv, position, id, variance, normal_mean, cryptomatte_object, cryptomatte_material", "A,B,...",
+    add_value(app, "--aov", "EXR layers: depth, normal, normal_geometric, albedo, uv, position, id, variance, normal_mean, cryptomatte_object, cryptomatte_material, occlusion", "A,B,...",
               [&](const std::string& t) {
                   for (std::string_view word : words_of(t)) {
                       const unsigned before = s.aovs;

@@ -66,10 +66,14 @@ MaterialId MaterialImporter::material(int index)
 
 Displacement MaterialImporter::displacement(const DisplacementExtras& extras, const std::string& where)
 {
-    if (!find(model_.textures, extras.texture))
-        throw Error(report_.name(), "there is no texture " + std::to_string(extras.texture), where);
+    require_texture(extras.texture, where);
     return {use(extras.texture, 0, {}, TextureRole::Data, where + ".displacement"), extras.scale, extras.midlevel,
             extras.bound, extras.axes};
+}
+
+void MaterialImporter::require_texture(int index, const std::string& where) const
+{
+    if (!find(model_.textures, index)) throw Error(report_.name(), "there is no texture " + std::to_string(index), where);
 }
 
 TextureId MaterialImporter::image(int index, TextureRole role, const std::string& where)
@@ -178,6 +182,11 @@ Material MaterialImporter::convert(const tinygltf::Material& m, const std::strin
     out.alpha_cutoff = static_cast<float>(m.alphaCutoff);
     out.double_sided = m.doubleSided;
     add_extensions(m.extensions, out, where);
+    if (const auto bump = bump_extras(m.extras, where, report_)) {
+        require_texture(bump->texture, where);
+        out.bump_texture = use(bump->texture, bump->uv_set, {}, TextureRole::Data, where + ".bump");
+        out.bump_scale = bump->scale;
+    }
     return out;
 }
 

@@ -25,6 +25,8 @@ private:
                    const std::string& where);
     TextureUse use(const tinygltf::Value& info, TextureRole role, const std::string& where);
     void transform(const tinygltf::Value& transform, TextureUse& use) const;
+    /// Throws Error if there is no such texture.
+    void require_texture(int index, const std::string& where) const;
     TextureId image(int index, TextureRole role, const std::string& where);
     std::optional<Texture> describe(int image, TextureRole role);  ///< none, and a warning, if it is outside of the folder
 

@@ -104,8 +104,8 @@ constexpr std::array<std::pair<const char*, FaceVaryingRule>, 6> kFaceVarying = 
      {"boundaries", FaceVaryingRule::Boundaries},
      {"all", FaceVaryingRule::All},
      {"none", FaceVaryingRule::None}}};
-constexpr std::array<std::pair<const char*, Displacement::Axes>, 2> kAxes = {
-    {{"normal", Displacement::Axes::Normal}, {"object", Displacement::Axes::Object}}};
+constexpr std::array<std::pair<const char*, Displacement::Axes>, 3> kAxes = {
+    {{"normal", Displacement::Axes::Normal}, {"object", Displacement::Axes::Object}, {"tangent", Displacement::Axes::Tangent}}};
 constexpr std::array<std::pair<const char*, AreaLight::Shape>, 3> kShapes = {
     {{"rect", AreaLight::Shape::Rectangle}, {"disc", AreaLight::Shape::Disc}, {"sphere", AreaLight::Shape::Sphere}}};
 
@@ -155,7 +155,7 @@ DisplacementExtras displacement(const Value& value, const std::string& where, Re
     out.midlevel = reader.number("midlevel").value_or(0.5f);
     out.axes = reader.choice("axes", kAxes).value_or(out.axes);
     // What texels between 0 and 1 can do: a vector has three of them.
-    const float longest = out.axes == Displacement::Axes::Object ? 1.7320509f : 1.0f;
+    const float longest = out.axes == Displacement::Axes::Normal ? 1.0f : 1.7320509f;
     out.bound = reader.number("bound").value_or(longest * std::abs(out.scale) *
                                                 std::max(std::abs(out.midlevel), std::abs(1 - out.midlevel)));
     if (out.bound < 0) reader.refuse("bound must not be negative");
@@ -196,6 +196,20 @@ NodeExtras node_extras(const Value& node, const Value& mesh, const std::string& 
     NodeExtras extras;
     add(mesh, where + ".mesh", report, extras);
     add(node, where, report, extras);
+    return extras;
+}
+
+std::optional<BumpExtras> bump_extras(const Value& material, const std::string& where, Report& report)
+{
+    Reader occam(member(material, "occam"), where + ".extras.occam", report);
+    const Value* bump = occam.find("bump");
+    occam.warn_unknown();
+    if (!bump) return std::nullopt;
+    Reader reader(*bump, where + ".extras.occam.bump", report);
+    const std::optional<int> texture = reader.index("texture");
+    if (!texture) reader.refuse("texture is missing");
+    const BumpExtras extras{*texture, reader.index("texCoord").value_or(0), reader.number("scale").value_or(1.0f)};
+    reader.warn_unknown();
     return extras;
 }
 

@@ -1,5 +1,5 @@
 // What Occam adds to glTF under extras.occam: cages by file, how polygons are subdivided, area lights, the environment,
-// which rays see a node and which lights light it.
+// which rays see a node and which lights light it, bump maps.
 #pragma once
 
 #include <tiny_gltf.h>
@@ -16,6 +16,13 @@ struct DisplacementExtras {
     float scale = 1, midlevel = 0.5f, bound = 0;
     Displacement::Axes axes = Displacement::Axes::Normal;
     auto operator<=>(const DisplacementExtras&) const = default;
+};
+
+/// Of a material.
+struct BumpExtras {
+    int texture = -1;
+    int uv_set = 0;
+    float scale = 1;  ///< world length that a texel of 1 is high
 };
 
 /// How polygons become a cage; what is not said is left as the file has it.
@@ -47,6 +54,7 @@ struct EnvironmentExtras {
 
 /// Of a node, over those of its mesh: what the node says goes first. Unknown keys are warnings, wrong types throw Error.
 NodeExtras node_extras(const tinygltf::Value& node, const tinygltf::Value& mesh, const std::string& where, Report& report);
+std::optional<BumpExtras> bump_extras(const tinygltf::Value& material, const std::string& where, Report& report);
 std::optional<EnvironmentExtras> environment_extras(const tinygltf::Value& scene, const std::string& where, Report& report);
 
 }  // namespace occam::import

@@ -106,19 +106,18 @@ private:
         return use;
     }
 
-    // A normal map by `norm`; or by `map_Bump`, where exporters write both kinds: one without any colour holds heights.
+    // A normal map by `norm`; or by `map_Bump`, where exporters write both kinds: one without any colour holds heights. These are file
+    // units high, times -bm.
     void add_normals(const tinyobj::material_t& m, Material& material)
     {
         if (!m.normal_texname.empty()) {
             material.normal_texture = texture(m.normal_texname, m.normal_texopt, TextureRole::Data);
         } else if (!m.bump_texname.empty()) {
             const TextureUse use = texture(m.bump_texname, m.bump_texopt, TextureRole::Data);
-            if (use && is_grey(scene_.texture(use.texture))) {
-                report_.warn("a map of heights (map_Bump) is left out", m.name);
-                return;
-            }
-            material.normal_texture = use;
-            if (std::isfinite(m.bump_texopt.bump_multiplier)) material.normal_scale = m.bump_texopt.bump_multiplier;
+            const bool has_heights = use && is_grey(scene_.texture(use.texture));
+            (has_heights ? material.bump_texture : material.normal_texture) = use;
+            if (std::isfinite(m.bump_texopt.bump_multiplier))
+                (has_heights ? material.bump_scale : material.normal_scale) = m.bump_texopt.bump_multiplier;
         }
     }
 

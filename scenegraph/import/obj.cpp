@@ -47,6 +47,7 @@ public:
     void finish()
     {
         if (!has_uvs_) cage_.uv_sets.clear();
+        if (!cage_.colors.empty()) cage_.colors.resize(cage_.positions.size(), Vec4f(1));
         if (!has_normals_) polygons_.normal_indices.clear(), polygons_.normals.clear();
         if (cage_.materials.size() < 2) cage_.face_slots.clear();
         if (cage_.materials.size() == 1 && !cage_.materials[0]) cage_.materials.clear();

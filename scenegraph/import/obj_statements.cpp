@@ -1,8 +1,11 @@
 #include "scenegraph/import/obj_statements.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cstring>
 #include <optional>
+
+#include "scenegraph/base/srgb.h"
 
 namespace occam::import {
 
@@ -92,11 +95,40 @@ bool apply_tag(const Tag& tag, Cage& cage)
     return false;
 }
 
+// The colours that some programs write after a vertex's place: sRGB from 0 to 1. Whether a file has them is decided by its first vertex;
+// a vertex that lacks them is white.
+class VertexColors {
+public:
+    explicit VertexColors(std::vector<Vec4f>& colors) : colors_(colors) {}
+
+    void add(std::string_view line)
+    {
+        if (has_none_) return;
+        Words words(line);
+        for (int place = 0; place < 4; ++place) words.next();  // the keyword too
+        const auto r = words.number<float>(), g = words.number<float>(), b = words.number<float>();
+        const bool is_color = r && g && b;
+        has_none_ = colors_.empty() && !is_color;
+        if (has_none_) return;
+        const auto linear = [&](float s) {
+            are_in_range &= s >= 0 && s <= 1;
+            return linear_from_srgb(std::clamp(s, 0.0f, 1.0f));
+        };
+        colors_.push_back(is_color ? Vec4f(linear(*r), linear(*g), linear(*b), 1) : Vec4f(1));
+    }
+    bool are_in_range = true;
+
+private:
+    std::vector<Vec4f>& colors_;
+    bool has_none_ = false;
+};
+
 }  // namespace
 
 ObjStatements scan_obj_statements(std::string_view text, Cage& cage, Report& report)
 {
     ObjStatements found;
+    VertexColors colors(cage.colors);
     std::size_t line_number = 0;
     while (!text.empty()) {
         const void* newline = std::memchr(text.data(), '\n', text.size());
@@ -106,6 +138,7 @@ ObjStatements scan_obj_statements(std::string_view text, Cage& cage, Report& rep
         text.remove_prefix(newline ? length + 1 : length);
         ++line_number;
         line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+        if (line.size() > 1 && line[0] == 'v' && (line[1] == ' ' || line[1] == '\t')) colors.add(line);
         // Nearly every line is a vertex or a face.
         if (line.empty() || line[0] == 'v' || line[0] == 'f' || line[0] == '#') continue;
         Words words(line);
@@ -125,6 +158,7 @@ ObjStatements scan_obj_statements(std::string_view text, Cage& cage, Report& rep
             report.warn("free-form curves and surfaces are not rendered", where());
         }
     }
+    if (!colors.are_in_range) report.warn("vertex colours are not between 0 and 1", "");
     return found;
 }
 

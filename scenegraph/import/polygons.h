@@ -9,7 +9,7 @@ namespace occam::import {
 /// An index that a file left out, or that points nowhere: sanitize() drops what uses it.
 inline constexpr std::uint32_t kNoIndex = 0xffffffff;
 
-/// `cage` has face_sizes and scheme CatmullClark; its uv_sets may have kNoIndex where a corner has no coordinates.
+/// `cage` has face_sizes and scheme CatmullClark, its colours, if any, one a vertex; its uv_sets may have kNoIndex where a corner has no coordinates.
 struct Polygons {
     Cage cage;
     std::vector<Vec3f> normals;

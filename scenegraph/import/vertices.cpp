@@ -43,7 +43,7 @@ struct Renumbering {
     {
         apply(cage.positions);
         apply(cage.normals);
-        apply(cage.colors);
+        if (cage.color_indices.empty()) apply(cage.colors);
         for (MorphTarget& target : cage.morph_targets) apply(target.positions), apply(target.normals);
         apply_sets(cage.skin.joints, cage.skin.sets);
         apply_sets(cage.skin.weights, cage.skin.sets);
@@ -51,14 +51,39 @@ struct Renumbering {
     }
 };
 
-using Bits = std::array<std::uint32_t, 3>;
+template <std::size_t N>
+using Bits = std::array<std::uint32_t, N>;
 struct BitsHash {
-    std::size_t operator()(const Bits& b) const noexcept
+    template <std::size_t N>
+    std::size_t operator()(const Bits<N>& bits) const noexcept
     {
-        return mix_bits((std::uint64_t(b[0]) << 32 | b[1]) ^ mix_bits(b[2]));
+        std::uint64_t mixed = 0;
+        for (const std::uint32_t b : bits) mixed = mix_bits(mixed ^ b);
+        return static_cast<std::size_t>(mixed);
     }
 };
 std::uint32_t bits_of(float x) { return std::bit_cast<std::uint32_t>(x + 0.0f); }  // -0 lies where 0 does
+
+// One value a vertex becomes one a corner: vertices that go to one place may have several, each kept once.
+template <class Vec>
+void weld_values(std::vector<Vec>& values, std::vector<std::uint32_t>& indices, const Cage& cage, const Renumbering& renumbering)
+{
+    constexpr std::size_t kFloats = Vec::length();
+    std::unordered_map<Bits<kFloats + 1>, std::uint32_t, BitsHash> known;
+    std::vector<Vec> kept;
+    for (const std::uint32_t v : cage.face_vertices) {
+        if (v >= values.size()) {
+            indices.push_back(0);
+            continue;
+        }
+        Bits<kFloats + 1> key{renumbering.new_of[v]};
+        for (std::size_t i = 0; i < kFloats; ++i) key[i + 1] = bits_of(values[v][static_cast<int>(i)]);
+        const auto [entry, is_new] = known.try_emplace(key, static_cast<std::uint32_t>(kept.size()));
+        if (is_new) kept.push_back(values[v]);
+        indices.push_back(entry->second);
+    }
+    values = std::move(kept);
+}
 
 }  // namespace
 
@@ -81,7 +106,7 @@ void drop_unused_vertices(Cage& cage)
 void weld_by_position(Cage& cage)
 {
     Renumbering renumbering;
-    std::unordered_map<Bits, std::uint32_t, BitsHash> at;
+    std::unordered_map<Bits<3>, std::uint32_t, BitsHash> at;
     for (Vec3f p : cage.positions) {
         const auto [entry, is_new] =
             at.try_emplace({bits_of(p.x), bits_of(p.y), bits_of(p.z)}, static_cast<std::uint32_t>(at.size()));
@@ -89,23 +114,9 @@ void weld_by_position(Cage& cage)
     }
     renumbering.count = at.size();
     cage.normals.clear();
-    for (UvSet& set : cage.uv_sets) {
-        if (!set.indices.empty()) continue;
-        std::unordered_map<Bits, std::uint32_t, BitsHash> known;
-        std::vector<Vec2f> values;
-        for (std::uint32_t v : cage.face_vertices) {
-            if (v >= set.values.size()) {
-                set.indices.push_back(0);
-                continue;
-            }
-            const Vec2f uv = set.values[v];
-            const auto [entry, is_new] = known.try_emplace({renumbering.new_of[v], bits_of(uv.x), bits_of(uv.y)},
-                                                           static_cast<std::uint32_t>(values.size()));
-            if (is_new) values.push_back(uv);
-            set.indices.push_back(entry->second);
-        }
-        set.values = std::move(values);
-    }
+    for (UvSet& set : cage.uv_sets)
+        if (set.indices.empty()) weld_values(set.values, set.indices, cage, renumbering);
+    if (!cage.colors.empty() && cage.color_indices.empty()) weld_values(cage.colors, cage.color_indices, cage, renumbering);
     renumbering.apply(cage);
 }
 

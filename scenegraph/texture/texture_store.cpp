@@ -144,12 +144,24 @@ void TextureStore::prepare(const Scene& scene)
     }
 }
 
+const MipImage* TextureStore::image(TextureId id) const noexcept
+{
+    if (id.slot >= state_->slots.size()) return nullptr;
+    const State::Slot& slot = state_->slots[id.slot];
+    return slot.generation == id.generation ? slot.image : nullptr;
+}
+
+float TextureStore::texel_width(const TextureUse& use) const noexcept
+{
+    const MipImage* found = image(use.texture);
+    const float repeats = std::max(std::abs(use.scale.x), std::abs(use.scale.y));
+    return found && repeats > 0 ? 1 / (repeats * static_cast<float>(std::max(found->width(), found->height()))) : 0;
+}
+
 Vec4f TextureStore::sample(const TextureUse& use, Vec2f uv, float width) const noexcept
 {
-    const TextureId id = use.texture;
-    if (id.slot >= state_->slots.size()) return Vec4f(1);
-    const State::Slot& slot = state_->slots[id.slot];
-    if (!slot.image || slot.generation != id.generation) return Vec4f(1);
+    const MipImage* found = image(use.texture);
+    if (!found) return Vec4f(1);
 
     // KHR_texture_transform: scale, then rotate, then move.
     Vec2f st = uv * use.scale;
@@ -161,7 +173,7 @@ Vec4f TextureStore::sample(const TextureUse& use, Vec2f uv, float width) const n
     if (!std::isfinite(st.x)) st.x = 0;
     if (!std::isfinite(st.y)) st.y = 0;
 
-    const MipImage& image = *slot.image;
+    const MipImage& image = *found;
     const auto at = [&](int level, bool nearest) { return image.lookup(level, st, use.wrap_s, use.wrap_t, nearest); };
     const float texels = width * std::max(std::abs(use.scale.x), std::abs(use.scale.y)) *
                          static_cast<float>(std::max(image.width(), image.height()));

@@ -14,6 +14,7 @@
 
 namespace occam {
 
+class MipImage;
 class Scene;
 
 class TextureStore {
@@ -29,11 +30,15 @@ public:
     /// width    of the filter in units of uv; 0: bilinear texels of the finest level (how the references are made)
     Vec4f sample(const TextureUse& use, Vec2f uv, float width) const noexcept;
 
+    /// Of a texel of the finest level, in units of uv; 0 where sample() gives white.
+    float texel_width(const TextureUse& use) const noexcept;
+
     std::size_t bytes() const noexcept;
     std::vector<std::string> warnings() const;
 
 private:
     struct State;
+    const MipImage* image(TextureId id) const noexcept;
     std::unique_ptr<State> state_;
 };
 

@@ -28,7 +28,7 @@ void strip_textures(Scene& scene)
     for (const MaterialId id : materials_of(scene)) {
         Material m = scene.material(id);
         for (TextureUse* use : {&m.base_color_texture, &m.metallic_roughness_texture, &m.roughness_texture, &m.metallic_texture, &m.emission_texture,
-                                &m.normal_texture, &m.occlusion_texture, &m.alpha_texture, &m.transmission_texture, &m.clearcoat_texture,
+                                &m.normal_texture, &m.bump_texture, &m.occlusion_texture, &m.alpha_texture, &m.transmission_texture, &m.clearcoat_texture,
                                 &m.clearcoat_roughness_texture, &m.clearcoat_normal_texture, &m.specular_texture, &m.specular_color_texture})
             use->texture = {};
         scene.replace(id, m);

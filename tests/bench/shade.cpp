@@ -65,7 +65,7 @@ Texture bumps(std::uint32_t seed)
     return texture;
 }
 
-/// Base colour, roughness and metallic, normals, emission, specular: the first `maps` of them.
+/// Base colour, roughness and metallic, normals, emission, specular, heights: the first `maps` of them.
 Material mapped(Scene& scene, int maps)
 {
     Material m;
@@ -75,6 +75,7 @@ Material mapped(Scene& scene, int maps)
     if (maps > 2) m.normal_texture.texture = scene.add(bumps(3));
     if (maps > 3) m.emission_texture.texture = scene.add(noise(4)), m.emission = Vec3f(0.05f);
     if (maps > 4) m.specular_texture.texture = scene.add(noise(5));
+    if (maps > 5) m.bump_texture.texture = scene.add(noise(6)), m.bump_scale = 0.01f;
     return m;
 }
 
@@ -296,7 +297,7 @@ void run_crossover(Report& report)
 void run_maps(Report& report)
 {
     constexpr int kSide = 9, kTiles = 64;
-    for (int maps = 0; maps <= 5; ++maps) {
+    for (int maps = 0; maps <= 6; ++maps) {
         if (!report.wants(std::to_string(maps) + " maps")) continue;
         Scene scene;
         const Material material = mapped(scene, maps);
@@ -305,14 +306,23 @@ void run_maps(Report& report)
         const shade::PhaseOne phase_one(textures);
         // Tiles beside each other in the texture, vertices two texels apart.
         std::vector<lod::VertexToShade> vertices;
+        std::vector<Vec3f> places;
         constexpr float kStep = 2.0f / 1024;
         for (int tile = 0; tile < kTiles; ++tile)
             for (int j = 0; j < kSide; ++j)
-                for (int i = 0; i < kSide; ++i)
+                for (int i = 0; i < kSide; ++i) {
+                    places.push_back({float(i), float(j), 0});
                     vertices.push_back({{Vec2f(float(tile % 8 * (kSide - 1) + i) * kStep, float(tile / 8 * (kSide - 1) + j) * kStep)}, {kStep * 0.9f}});
+                }
         std::vector<float> out(vertices.size() * lod::VertexShader::kMaxChannels);
         const double each = 1e9 / double(vertices.size());
-        const auto shade_all = [&] { phase_one.shade(material, vertices, out.data()); };
+        const auto shade_all = [&] {
+            constexpr std::size_t kVertices = kSide * kSide;
+            for (std::size_t first = 0; first < vertices.size(); first += kVertices) {
+                const lod::LatticeToShade lattice{std::span(vertices).subspan(first, kVertices), std::span(places).subspan(first, kVertices), kSide};
+                phase_one.shade(material, lattice, &out[first * static_cast<std::size_t>(phase_one.channels(material))]);
+            }
+        };
         shade::ShadePoint point;
         point.material = &material;
         point.tangent = {1, 0, 0};

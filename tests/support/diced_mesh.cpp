@@ -7,10 +7,15 @@
 
 namespace occam::test {
 
-DicedCage::DicedCage(const Cage& cage, int level, const Mat4d& world_from_object, const TextureStore* textures)
+DicedCage::DicedCage(const Cage& cage, int level, const Mat4d& world_from_object, const TextureStore* textures,
+                     std::span<const Mat4d> joints)
 {
     const CageId id = scene_.add(cage);
-    const NodeId node = scene_.add_node(scene_.root(), {.matrix = world_from_object, .cages = {id}});
+    NodeDesc desc{.matrix = world_from_object, .cages = {id}};
+    Skin skin;
+    for (const Mat4d& joint : joints) skin.joints.push_back(scene_.add_node(scene_.root(), {.matrix = joint}));
+    if (!joints.empty()) desc.skin = scene_.add(skin);
+    const NodeId node = scene_.add_node(scene_.root(), desc);
     scene_.refit();
     const CageSlot& slot = scene_.cage(id);
     const lod::CageTables& tables = cache_.get(slot);
@@ -20,7 +25,9 @@ DicedCage::DicedCage(const Cage& cage, int level, const Mat4d& world_from_object
     posed.node = &scene_.node(node);
     posed.node_id = node;
     posed.level = level;
-    posed.place(world_from_object, slot.bounds);
+    const SkinSlot* pose = scene_.find(posed.node->skin);
+    posed.place(world_from_object, cage_bounds(*posed.node, slot, pose));
+    if (tables.deformed_clusters) posed.deform(*tables.deformed_clusters, pose, pose_, deform_);
     if (textures) posed.displace(*textures);
 }
 

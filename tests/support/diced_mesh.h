@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "lod/dicer.h"
@@ -19,7 +20,9 @@ struct MeshTriangle {
 class DicedCage {
 public:
     /// textures   of the cage's displacement; null: undisplaced
-    DicedCage(const Cage& cage, int level, const Mat4d& world_from_object = Mat4d(1), const TextureStore* textures = nullptr);
+    /// joints     world_from_mesh of each joint of the cage's skin; empty: the cage is at rest
+    DicedCage(const Cage& cage, int level, const Mat4d& world_from_object = Mat4d(1), const TextureStore* textures = nullptr,
+              std::span<const Mat4d> joints = {});
 
     lod::PosedCage posed;
     lod::Dicer dicer;
@@ -35,6 +38,8 @@ public:
 private:
     Scene scene_;
     lod::TopologyCache cache_;
+    lod::DeformCounters deform_;
+    Arena pose_;
 };
 
 /// A point by its bits; the two zeros are one.

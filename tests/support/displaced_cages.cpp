@@ -1,5 +1,6 @@
 #include "tests/support/displaced_cages.h"
 
+#include <algorithm>
 #include <random>
 
 #include "tests/support/shape_builders.h"
@@ -52,6 +53,26 @@ void add_charts(Cage& cage)
     cage.uv_sets = {set};
 }
 
+void add_skin(Cage& cage)
+{
+    cage.skin.sets = 1;
+    for (const Vec3f p : cage.positions) {
+        const float second = std::clamp(0.5f + 0.5f * p.x, 0.0f, 1.0f);
+        cage.skin.joints.push_back({0, 1, 0, 0});
+        cage.skin.weights.push_back({1 - second, second, 0, 0});
+    }
+}
+
+std::vector<Mat4d> bent_joints()
+{
+    Mat4d second(1);
+    second[0] = {0.8, 0.6, 0, 0};
+    second[1] = {-0.48, 0.64, 0.6, 0};
+    second[2] = {0.36, -0.48, 0.8, 0};
+    second[3] = {0.1, 0.3, -0.2, 1};
+    return {Mat4d(1), second};
+}
+
 DisplacedCage::DisplacedCage(std::string called, Cage of, float bound, std::uint64_t seed, Displacement::Axes axes)
     : name(std::move(called)), cage(std::move(of)), textures(std::size_t(1) << 24)
 {
@@ -61,7 +82,7 @@ DisplacedCage::DisplacedCage(std::string called, Cage of, float bound, std::uint
     noise.width = noise.height = 64;
     const auto number = [&] { return float(random() >> 40) * 0x1p-24f; };
     for (int k = 0; k < 64 * 64; ++k) {
-        const bool is_vector = axes == Displacement::Axes::Object;
+        const bool is_vector = axes != Displacement::Axes::Normal;
         const float x = number(), y = is_vector ? number() : x, z = is_vector ? number() : x;
         noise.pixels.push_back({x, y, z, 1});
     }
@@ -95,8 +116,12 @@ DisplacedCage displaced_case(int index)
         }
         case 6:
             return {"creased_torus_by_vectors", torus_with_seams(true), 0.06f, 7, Displacement::Axes::Object};
-        default:
+        case 7:
             return {"creased_spindle_by_vectors", creased_spindle(), 0.03f, 8, Displacement::Axes::Object};
+        case 8:
+            return {"creased_torus_by_tangents", torus_with_seams(true), 0.06f, 9, Displacement::Axes::Tangent};
+        default:
+            return {"creased_spindle_by_tangents", creased_spindle(), 0.03f, 10, Displacement::Axes::Tangent};
     }
 }
 

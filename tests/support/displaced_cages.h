@@ -22,8 +22,13 @@ struct DisplacedCage {
 /// A chart of its own for every face: each edge is a seam.
 void add_charts(Cage& cage);
 
-/// Over creases, poles, n-gons and seams; noise of 64 x 64 texels that goes to the bound, the last two by vectors. Named by index.
+/// Gives a cage a skin of two joints, the second one's weight growing with x; and a pose of them that bends and twists.
+void add_skin(Cage& cage);
+std::vector<Mat4d> bent_joints();
+
+/// Over creases, poles, n-gons and seams; noise of 64 x 64 texels that goes to the bound, the last four by vectors: two in
+/// the object's axes, two in those of the surface. Named by index.
 DisplacedCage displaced_case(int index);
-inline constexpr int kDisplacedCases = 8;
+inline constexpr int kDisplacedCases = 10;
 
 }  // namespace occam::test

@@ -76,11 +76,15 @@ TEST(ImportMtl, NormalMapsComeByNormOrAsAColouredBumpMap)
     EXPECT_EQ(bump.material.normal_scale, 0.5f);
 }
 
-TEST(ImportMtl, HeightsAreCountedAndLeftOut)
+TEST(ImportMtl, ABumpMapWithoutColourHoldsHeights)
 {
-    const Loaded loaded("map_Bump grey.ppm\n");
+    const Loaded loaded("map_Bump -bm 0.25 grey.ppm\n"), bump("bump grey.ppm\n");
     EXPECT_FALSE(loaded.material.normal_texture);
-    EXPECT_TRUE(warns(loaded.scene, "a map of heights (map_Bump) is left out (m)"));
+    EXPECT_EQ(loaded.file(loaded.material.bump_texture), "grey.ppm");
+    EXPECT_EQ(loaded.role(loaded.material.bump_texture), TextureRole::Data);
+    EXPECT_EQ(loaded.material.bump_scale, 0.25f);
+    EXPECT_EQ(bump.file(bump.material.bump_texture), "grey.ppm");
+    EXPECT_EQ(bump.material.bump_scale, 1);
 }
 
 TEST(ImportMtl, AMissingMapIsCounted)

@@ -173,9 +173,9 @@ TEST(RayLevels, HaveTheSameBitsInLanesAndAlone)
 }
 
 /// Every vertex of pair l fully coarse is where that parameter lies in the mesh of level l + 1: compared with the mesh itself.
-void expect_nested(const Cage& cage, int largest_exponent, const TextureStore* textures = nullptr)
+void expect_nested(const Cage& cage, int largest_exponent, const TextureStore* textures = nullptr, std::span<const Mat4d> joints = {})
 {
-    DicedCage diced(cage, 0, Mat4d(1), textures);
+    DicedCage diced(cage, 0, Mat4d(1), textures, joints);
     const int finest = diced.level_of_largest_exponent(largest_exponent);
     std::size_t compared = 0;
     for (int level = finest; level <= finest + largest_exponent + 1; ++level) {
@@ -225,6 +225,15 @@ TEST(PairsOfDisplacedCages, FullyCoarseAreTheNextLevelFullyFine)
         const DisplacedCage displaced = displaced_case(c);
         SCOPED_TRACE(displaced.name);
         expect_nested(displaced.cage, 5, &displaced.textures);
+    }
+}
+TEST(PairsOfDisplacedCages, FullyCoarseAreTheNextLevelFullyFineWhenPosed)
+{
+    for (int c = 0; c < kDisplacedCases; ++c) {
+        DisplacedCage displaced = displaced_case(c);
+        add_skin(displaced.cage);
+        SCOPED_TRACE(displaced.name);
+        expect_nested(displaced.cage, 4, &displaced.textures, bent_joints());
     }
 }
 TEST(PairsOfSpindle, FullyCoarseAreTheNextLevelFullyFine) { expect_nested(spindle(9), 5); }

@@ -66,17 +66,20 @@ TEST_P(ClosedCages, GiveAPointTheSameBitsAtEveryLevel)
 
 TEST(ClosedDisplacedCages, AreClosedBitForBitAtEveryLevel)
 {
-    for (int c = 0; c < kDisplacedCases; ++c) {
-        const DisplacedCage displaced = displaced_case(c);
-        DicedCage diced(displaced.cage, 0, Mat4d(1), &displaced.textures);
-        const int coarse = diced.level_of_largest_exponent(0);
-        for (int exponent = -2; exponent <= 6; ++exponent) {
-            diced.posed.level = coarse - exponent;
-            diced.dicer.forget();
-            EXPECT_EQ(open_edges(diced.triangles()), 0u) << displaced.name << " at exponent " << exponent;
-            diced.arena.reset();
+    for (const bool is_posed : {false, true})
+        for (int c = 0; c < kDisplacedCases; ++c) {
+            DisplacedCage displaced = displaced_case(c);
+            std::vector<Mat4d> joints;
+            if (is_posed) add_skin(displaced.cage), joints = bent_joints();
+            DicedCage diced(displaced.cage, 0, Mat4d(1), &displaced.textures, joints);
+            const int coarse = diced.level_of_largest_exponent(0);
+            for (int exponent = -2; exponent <= (is_posed ? 5 : 6); ++exponent) {
+                diced.posed.level = coarse - exponent;
+                diced.dicer.forget();
+                EXPECT_EQ(open_edges(diced.triangles()), 0u) << displaced.name << " at exponent " << exponent << (is_posed ? ", posed" : "");
+                diced.arena.reset();
+            }
         }
-    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Shared, ClosedCages, testing::ValuesIn(closed_shapes()), shape_test_name);

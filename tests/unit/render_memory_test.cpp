@@ -1,16 +1,20 @@
 // Memory budgets down to the floor, and trees that workers share: what they may use, and that the picture stays what it is.
 #include <gtest/gtest.h>
 
+#include "lod/vertex_shader.h"
 #include "occam/occam.h"
 #include "scenegraph/base/arena.h"
 #include "tests/support/shape_builders.h"
+#include "tests/support/textured_floor.h"
 
 namespace occam {
 namespace {
 
 using test::place;
 using test::prism;
+using test::TexturedFloor;
 using test::torus;
+using test::waves;
 
 // A few hundred bumpy things with a lamp: several megabytes of trees and igrids.
 struct Field {
@@ -75,6 +79,28 @@ TEST(Memory, TheFloorKnowsTheWidestNodeAndTheLargestFace)
     EXPECT_LT(floor_of(10, 5), std::size_t(2) << 20);
     EXPECT_GT(floor_of(20'000, 5), floor_of(10, 5) + (std::size_t(2) << 20));
     EXPECT_GT(floor_of(10, 500), floor_of(10, 5));
+}
+
+TEST(Memory, ABudgetAtTheFloorHasRoomForValuesAtVertices)
+{
+    TexturedFloor world(Scheme::CatmullClark, [](Scene& scene) {
+        Material m;
+        m.base_color_texture.texture = m.normal_texture.texture = m.bump_texture.texture = scene.add(waves(0));
+        m.emission_texture.texture = m.metallic_roughness_texture.texture = m.specular_color_texture.texture = scene.add(waves(1));
+        m.emission = Vec3f(0.1f);
+        return m;
+    });
+    const Settings settings{.shading_rate = 0.25f, .shade_at = render::ShadeAt::Vertex};
+    const std::uint64_t wanted = world.picture(settings).checksum();
+    const std::uint64_t used = world.stats.memory.arena_peak_bytes;
+    Resources resources{.threads = 1};
+    resources.memory_bytes = Renderer(resources).memory_floor(world.scene);
+    EXPECT_GT(resources.memory_bytes, std::size_t(8) * 2 * 81 * lod::VertexShader::kMaxChannels * sizeof(float)) << "of the igrids of a ray";
+    world.renderer = Renderer(resources);
+    EXPECT_EQ(world.picture(settings).checksum(), wanted);
+    EXPECT_GT(world.stats.memory.flushes, 0u);
+    EXPECT_LT(resources.memory_bytes, used);
+    EXPECT_LE(world.stats.memory.arena_peak_bytes, resources.memory_bytes + Arena::kChunkBytes);
 }
 
 TEST(SharedTree, MakesTheSamePictureForAnyGroupsAndBudget)

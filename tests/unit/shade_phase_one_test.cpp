@@ -7,63 +7,16 @@
 
 #include "accel/frame.h"
 #include "accel/tracer.h"
-#include "render/compare.h"
+#include "shade/bump.h"
 #include "shade/material_values.h"
-#include "tests/support/shape_builders.h"
+#include "tests/support/textured_floor.h"
 
 namespace occam::test {
 namespace {
 
-constexpr int kSide = 64;
-
-template <class Of>
-Texture texture_of(Of&& of)
-{
-    Texture texture;
-    texture.role = TextureRole::Data;
-    texture.width = texture.height = kSide;
-    for (int y = 0; y < kSide; ++y)
-        for (int x = 0; x < kSide; ++x) texture.pixels.push_back(of(float(x), float(y)));
-    return texture;
-}
-
-Texture waves(float phase)
-{
-    return texture_of([&](float x, float y) {
-        const float a = 6.2831853f / kSide;
-        return Vec4f(0.5f + 0.4f * std::sin(a * x * 3 + phase), 0.5f + 0.4f * std::sin(a * y * 2 + phase), 0.5f + 0.3f * std::sin(a * (x + y)), 1);
-    });
-}
-
 Texture checks()
 {
     return texture_of([](float x, float y) { return int(x / 8 + std::floor(y / 8)) % 2 ? Vec4f(1) : Vec4f(0.2f, 0.2f, 0.2f, 0); });
-}
-
-/// A floor of 4 x 4 faces over [-2, 2], with coordinates from 0 to 1.
-Cage floor_of(MaterialId material, Scheme scheme)
-{
-    Cage cage;
-    UvSet uv;
-    for (int j = 0; j <= 4; ++j)
-        for (int i = 0; i <= 4; ++i) {
-            cage.positions.push_back({float(i - 2), 0, float(j - 2)});
-            uv.values.push_back(Vec2f(float(i), float(j)) * 0.25f);
-        }
-    for (std::uint32_t j = 0; j < 4; ++j)
-        for (std::uint32_t i = 0; i < 4; ++i) {
-            const std::uint32_t a = j * 5 + i, b = a + 5, c = b + 1, d = a + 1;
-            if (scheme == Scheme::Triangles) {
-                cage.face_vertices.insert(cage.face_vertices.end(), {a, b, c, a, c, d});
-            } else {
-                cage.face_vertices.insert(cage.face_vertices.end(), {a, b, c, d});
-                cage.face_sizes.push_back(4);
-            }
-        }
-    cage.uv_sets = {uv};
-    cage.scheme = scheme;
-    cage.materials = {material};
-    return cage;
 }
 
 /// With a map for all that may have one.
@@ -76,42 +29,14 @@ Material all_maps(Scene& scene)
         use->texture = scene.add(waves(phase++));
     const Texture flat = texture_of([](float x, float) { return Vec4f(0.5f + 0.1f * std::sin(0.2f * x), 0.5f, 1, 1); });
     m.normal_texture.texture = m.clearcoat_normal_texture.texture = scene.add(flat);
+    m.bump_texture.texture = m.occlusion_texture.texture = scene.add(waves(phase));
+    m.bump_scale = 0.05f;
     m.emission = Vec3f(0.3f);
     m.metallic = 0.5f;
     m.transmission = m.clearcoat = 0.5f;
     m.clearcoat_roughness = 0.4f;
     return m;
 }
-
-struct World {
-    explicit World(Scheme scheme, const std::function<Material(Scene&)>& make)
-    {
-        material = make(scene);
-        place(scene, scene.add(floor_of(scene.add(material), scheme)), {0, 0, 0});
-        NodeDesc lamp;
-        lamp.place.translation = {1, 3, 1};
-        lamp.light = scene.add(Light{"lamp", PointLight{Vec3f(30)}});
-        scene.add_node(scene.root(), lamp);
-    }
-    Image picture(render::ShadeAt at, float rate = 1)
-    {
-        Settings settings{.width = 96, .height = 72, .spp = 4, .shading_rate = rate, .shade_at = at};
-        settings.background = false;
-        Job job = renderer.start(scene, Camera::look_at({0, 2.5, 3}, {0, 0, 0}, {0, 1, 0}, 0.9f), settings);
-        const Image image = job.image();
-        stats = job.stats();
-        return image;
-    }
-    double difference(float rate)
-    {
-        return render::compare(picture(render::ShadeAt::Vertex, rate), picture(render::ShadeAt::Hit, rate), "beauty").rmse;
-    }
-
-    Scene scene;
-    Material material;
-    Renderer renderer{{.threads = 2}};
-    FrameStats stats;
-};
 
 TEST(PhaseOne, PacksWhatHasAMapAndGivesItBack)
 {
@@ -120,20 +45,31 @@ TEST(PhaseOne, PacksWhatHasAMapAndGivesItBack)
     TextureStore textures(std::size_t(1) << 24);
     textures.prepare(scene);
     const shade::PhaseOne phase_one(textures);
+    // Two by two vertices; the first is looked at.
     const lod::VertexToShade at{{Vec2f(0.3f, 0.6f), Vec2f(0)}, {0.01f, 0}};
-    float floats[lod::VertexShader::kMaxChannels] = {};
+    std::vector<lod::VertexToShade> vertices(4, at);
+    vertices[1].uv[0].x = vertices[3].uv[0].x = 0.31f;
+    vertices[2].uv[0].y = vertices[3].uv[0].y = 0.61f;
+    const std::vector<Vec3f> places{{0, 0, 0}, {0.1f, 0, 0}, {0, 0.1f, 0}, {0.1f, 0.1f, 0}};
+    const lod::LatticeToShade lattice{vertices, places, 2};
+    float floats[4 * lod::VertexShader::kMaxChannels] = {};
     ASSERT_LE(phase_one.channels(m), lod::VertexShader::kMaxChannels);
-    EXPECT_EQ(phase_one.channels(m), 22);
-    phase_one.shade(m, {&at, 1}, floats);
+    EXPECT_EQ(phase_one.channels(m), lod::VertexShader::kMaxChannels);
+    phase_one.shade(m, lattice, floats);
     shade::MaterialValues made(m);
     made.look_up_color(m, at, textures);
     made.look_up_rest(m, at, textures);
+    made.look_up_occlusion(m, at, textures);
     const shade::MaterialValues back = shade::unpack(m, floats);
     EXPECT_EQ(back.base_color, made.base_color);
     EXPECT_EQ(back.metallic, made.metallic);
     EXPECT_EQ(back.roughness, made.roughness);
     EXPECT_EQ(back.emission, made.emission);
     EXPECT_EQ(back.normal, made.normal);
+    EXPECT_EQ(back.slope, shade::BumpLattice(m, lattice, textures).slope(0, 0));
+    EXPECT_NE(back.slope, Vec3f(0));
+    EXPECT_EQ(back.occlusion, made.occlusion);
+    EXPECT_LT(back.occlusion, 1);
     EXPECT_EQ(back.specular, made.specular);
     EXPECT_EQ(back.specular_color, made.specular_color);
     EXPECT_EQ(back.transmission, made.transmission);
@@ -151,7 +87,7 @@ TEST(PhaseOne, PacksWhatHasAMapAndGivesItBack)
 
 TEST(PhaseOne, ConvergesToWhatHitsLookUpAsVerticesComeCloser)
 {
-    World world(Scheme::Bilinear, all_maps);
+    TexturedFloor world(Scheme::Bilinear, all_maps);
     const double coarse = world.difference(8), middle = world.difference(2), fine = world.difference(0.5f);
     EXPECT_LT(middle, 0.5 * coarse);
     EXPECT_LT(fine, 0.5 * middle);
@@ -164,13 +100,13 @@ TEST(PhaseOne, ConvergesToWhatHitsLookUpAsVerticesComeCloser)
 
 TEST(PhaseOne, OfTriangleMeshesIsDoneAtHits)
 {
-    World world(Scheme::Triangles, all_maps);
+    TexturedFloor world(Scheme::Triangles, all_maps);
     EXPECT_EQ(world.picture(render::ShadeAt::Vertex).checksum(), world.picture(render::ShadeAt::Hit).checksum());
 }
 
 TEST(PhaseOne, LeavesTheEdgesOfMasksToHits)
 {
-    World world(Scheme::Bilinear, [](Scene& scene) {
+    TexturedFloor world(Scheme::Bilinear, [](Scene& scene) {
         Material m;
         m.base_color_texture.texture = scene.add(checks());
         m.metallic_roughness_texture.texture = scene.add(waves(0));
@@ -193,7 +129,7 @@ TEST(PhaseOne, LeavesTheEdgesOfMasksToHits)
 // may go through all of its range, by a smoothstep, whose steepest slope is 1.5: 0.8 * 1.5 * log2(1.01) = 0.017.
 TEST(PhaseOne, DoesNotPopFromLevelToLevel)
 {
-    World world(Scheme::Bilinear, [](Scene& scene) {
+    TexturedFloor world(Scheme::Bilinear, [](Scene& scene) {
         Material m;
         m.base_color_texture.texture = scene.add(waves(0));
         return m;

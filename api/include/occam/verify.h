@@ -45,11 +45,11 @@ struct VerifiedCage {
 /// Empty if the cage is closed, else why it is not.
 std::string why_not_closed(const Cage& cage);
 
-/// Tests one cage where `world_from_object` places it.
+/// Tests one cage where `world_from_object` places it, without a skin.
 /// textures   with the texture of its displacement, prepared; null: it is tested without
 VerifiedCage verify(const Cage& cage, const Mat4d& world_from_object, const VerifySettings& settings, const TextureStore* textures = nullptr);
 
-/// Tests every cage of a scene, at each of its places. Refits the scene.
+/// Tests every cage of a scene, at each of its places and as it is posed there. Refits the scene.
 std::vector<VerifiedCage> verify(Scene& scene, const VerifySettings& settings);
 
 }  // namespace occam

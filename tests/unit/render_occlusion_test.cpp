@@ -1,0 +1,61 @@
+// Occlusion maps: what ambient light they leave, and that traced light does not know of them.
+#include <gtest/gtest.h>
+
+#include "tests/support/textured_floor.h"
+
+namespace occam::test {
+namespace {
+
+/// A quarter of the light in one half of the floor, all of it in the other; of this four fifths.
+Material half_occluded(Scene& scene)
+{
+    Material m;
+    m.occlusion_texture.texture = scene.add(texture_of([](float x, float) { return Vec4f(x < kTexels / 2 ? 0.25f : 1, 0, 0, 1); }));
+    m.occlusion_strength = 0.8f;
+    return m;
+}
+
+/// Of a layer's first channel, in a pixel that shows the floor's left or right half.
+float value(const Image& image, const char* layer, bool is_right)
+{
+    const Layer* found = image.find(layer);
+    const std::size_t pixel = std::size_t(image.height / 2) * std::size_t(image.width) + std::size_t(image.width * (is_right ? 5 : 3) / 8);
+    return found->pixels[pixel * found->channels.size()];
+}
+
+TEST(Occlusion, DimsAmbientLightByItsStrength)
+{
+    for (const Scheme scheme : {Scheme::Bilinear, Scheme::Triangles})
+        for (const render::ShadeAt at : {render::ShadeAt::Hit, render::ShadeAt::Vertex}) {
+            TexturedFloor world(scheme, half_occluded);
+            const Image image = world.picture({.integrator = IntegratorKind::Ao, .shade_at = at, .aovs = unsigned(Aov::Occlusion)});
+            for (const char* layer : {"beauty", "occlusion"}) {
+                EXPECT_NEAR(value(image, layer, false), 1 + 0.8f * (0.25f - 1), 2e-3f) << layer;
+                EXPECT_NEAR(value(image, layer, true), 1, 2e-3f) << layer;
+            }
+        }
+}
+
+TEST(Occlusion, LeavesTracedLightAsItIs)
+{
+    TexturedFloor with(Scheme::Bilinear, half_occluded), without(Scheme::Bilinear, [](Scene&) { return Material(); });
+    for (const IntegratorKind kind : {IntegratorKind::Direct, IntegratorKind::Path}) {
+        const Settings settings{.integrator = kind};
+        EXPECT_EQ(with.picture(settings).checksum(), without.picture(settings).checksum());
+    }
+    const Image layers = with.picture({.aovs = unsigned(Aov::Occlusion)});
+    EXPECT_NEAR(value(layers, "occlusion", false), 0.4f, 2e-3f) << "but tells the compositor";
+}
+
+TEST(Occlusion, OfUnlitMaterialsIsNone)
+{
+    TexturedFloor world(Scheme::Bilinear, [](Scene& scene) {
+        Material m = half_occluded(scene);
+        m.unlit = true;
+        return m;
+    });
+    EXPECT_EQ(value(world.picture({.aovs = unsigned(Aov::Occlusion)}), "occlusion", false), 1);
+}
+
+}  // namespace
+}  // namespace occam::test

@@ -1,0 +1,160 @@
+// Bump maps: slopes are derivatives of the height, wherever they are made, and no normal faces away.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "accel/frame.h"
+#include "accel/tracer.h"
+#include "render/shade_point.h"
+#include "shade/bump.h"
+#include "shade/material_values.h"
+#include "shade/surface.h"
+#include "tests/support/shape_builders.h"
+#include "tests/support/textured_floor.h"
+
+namespace occam::test {
+namespace {
+
+constexpr float kAround = 6.2831853f;
+
+/// A hill and a hollow across the texture; texels stand for their middles.
+Material hilly(Scene& scene)
+{
+    Material m;
+    m.bump_texture.texture = scene.add(texture_of([](float x, float y) {
+        const float a = kAround / kTexels;
+        return Vec4f(0.5f + 0.25f * std::sin(a * (x + 0.5f)) + 0.25f * std::cos(a * (y + 0.5f)), 0, 0, 1);
+    }));
+    m.bump_scale = 0.8f;
+    return m;
+}
+
+/// Derivatives of 0.8 times that height with respect to the coordinates.
+Vec2f derivatives(Vec2f uv) { return Vec2f(std::cos(kAround * uv.x), -std::sin(kAround * uv.y)) * (0.8f * 0.25f * kAround); }
+
+TEST(Bump, SlopesOfALatticeAreTheHeightsDerivativesAlsoOnItsBorder)
+{
+    Scene scene;
+    const Material m = hilly(scene);
+    TextureStore textures(std::size_t(1) << 24);
+    textures.prepare(scene);
+    // A skewed plane, on which 3 * 0.02 is as long as coordinates grow by 0.02 one way, and 2 * 0.02 the other.
+    const Vec3f along_u(3, 0, 0), along_v(1, 2, 0.5f);
+    constexpr int kColumns = 7, kRows = 5;
+    std::vector<lod::VertexToShade> vertices;
+    std::vector<Vec3f> places;
+    for (int j = 0; j < kRows; ++j)
+        for (int i = 0; i < kColumns; ++i) {
+            const Vec2f uv(0.3f + 0.02f * float(i), 0.4f + 0.02f * float(j));
+            vertices.push_back({{uv, uv}, {0, 0}});
+            places.push_back(along_u * uv.x + along_v * uv.y);
+        }
+    const lod::LatticeToShade lattice{vertices, places, kColumns};
+    const shade::BumpLattice bump(m, lattice, textures);
+    for (int j = 0; j < kRows; ++j)
+        for (int i = 0; i < kColumns; ++i) {
+            const Vec3f slope = bump.slope(i, j);
+            const Vec2f expected = derivatives(vertices[std::size_t(j * kColumns + i)].uv[0]);
+            // Differences over 0.04 of a wave, and texels between which heights are straight.
+            EXPECT_NEAR(glm::dot(slope, along_u), expected.x, 0.03f) << i << ' ' << j;
+            EXPECT_NEAR(glm::dot(slope, along_v), expected.y, 0.03f) << i << ' ' << j;
+            EXPECT_NEAR(glm::dot(slope, glm::cross(along_u, along_v)), 0, 1e-4f) << "slopes lie in the surface";
+        }
+}
+
+// The floor's coordinates grow by a quarter a unit. Straight down, from below, and on a floor seen in a mirroring placement.
+TEST(Bump, HitsHaveTheNormalOfTheHillsOnCagesAndTrianglesFromBothSides)
+{
+    for (const Scheme scheme : {Scheme::Bilinear, Scheme::Triangles})
+        for (const bool at_vertices : {false, true})
+            for (const double mirror : {1.0, -1.0})
+                for (const float side : {1.0f, -1.0f}) {
+                    Scene scene;
+                    const Material m = hilly(scene);
+                    NodeDesc node;
+                    node.place.scale = {mirror, 1, 1};
+                    node.cages = {scene.add(floor_of(scene.add(m), scheme))};
+                    scene.add_node(scene.root(), node);
+                    scene.refit();
+                    TextureStore textures(std::size_t(1) << 24);
+                    textures.prepare(scene);
+                    const shade::PhaseOne phase_one(textures);
+                    lod::TopologyCache topologies;
+                    const accel::Frame frame(scene, topologies, {.pixel = {0, 0.01f}}, &textures,
+                                             {at_vertices ? &phase_one : nullptr, 1});
+                    accel::Tracer tracer(frame, std::size_t(1) << 28);
+                    for (int k = 0; k < 20; ++k) {
+                        accel::Ray ray;
+                        ray.origin = {-1.81 + 0.183 * k, double(side) * 2, 1.73 - 0.171 * k};
+                        ray.direction = {0, -side, 0};
+                        ray.footprint = {0.05f, 0};
+                        accel::SurfaceHit hit;
+                        tracer.closest({&ray, 1}, {&hit, 1});
+                        ASSERT_TRUE(hit.is_hit());
+                        ASSERT_EQ(hit.phase_one_channels > 0, at_vertices && scheme == Scheme::Bilinear);
+                        const shade::Surface surface = shade::evaluate(render::shade_point(ray, hit, 1), textures);
+                        const Vec2f rise = derivatives(hit.uv[0]) * 0.25f;
+                        const Vec3f expected = glm::normalize(Vec3f(-float(mirror) * rise.x, 1, -rise.y)) * side;
+                        EXPECT_LT(glm::distance(surface.normal, expected), 0.03f) << at_vertices << ' ' << mirror << ' ' << side << ' ' << k;
+                    }
+                }
+}
+
+TEST(Bump, NoSlopeTurnsANormalAwayFromTheEyeOrTheFacet)
+{
+    std::mt19937_64 random(5);
+    const auto number = [&] { return float(random() >> 40) * 0x1p-23f - 1; };
+    const auto direction = [&] {
+        for (;;)
+            if (const Vec3f v(number(), number(), number()); glm::dot(v, v) < 1 && glm::dot(v, v) > 0.01f) return glm::normalize(v);
+    };
+    int shortened = 0;
+    for (int k = 0; k < 20000; ++k) {
+        shade::ShadePoint p;
+        p.normal_geometric = direction();
+        const auto facing = [&](Vec3f v) { return glm::dot(v, p.normal_geometric) < 0 ? -v : v; };
+        p.normal_shading = facing(direction());
+        p.to_eye = facing(direction());
+        if (!(glm::dot(p.normal_shading, p.to_eye) > 1e-3f) || !(glm::dot(p.normal_shading, p.normal_geometric) > 1e-3f)) continue;
+        p.back_side = k & 1;
+        const Vec3f slope = direction() * std::exp2(12 * number());
+        const Vec3f n = shade::bumped_normal(p.normal_shading, slope, p);
+        EXPECT_NEAR(glm::length(n), 1, 1e-5f);
+        EXPECT_GT(glm::dot(n, p.to_eye), 0);
+        EXPECT_GT(glm::dot(n, p.normal_geometric), 0);
+        const Vec3f outward = p.back_side ? -slope : slope, across = outward - p.normal_shading * glm::dot(outward, p.normal_shading);
+        shortened += glm::dot(p.normal_shading - across, p.to_eye) < 0;
+    }
+    EXPECT_GT(shortened, 1000) << "the test asks for what it tests";
+    shade::ShadePoint flat;
+    for (const float odd : {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN(), 3e38f})
+        EXPECT_EQ(shade::bumped_normal({0, 0, 1}, {odd, 0, odd}, flat), Vec3f(0, 0, 1));
+}
+
+TEST(Bump, WithoutCoordinatesThereIsNone)
+{
+    Scene scene;
+    Material m = hilly(scene);
+    m.bump_texture.uv_set = 1;
+    NodeDesc node;
+    node.cages = {scene.add(floor_of(scene.add(m), Scheme::Bilinear))};
+    scene.add_node(scene.root(), node);
+    scene.refit();
+    TextureStore textures(std::size_t(1) << 24);
+    textures.prepare(scene);
+    lod::TopologyCache topologies;
+    const accel::Frame frame(scene, topologies, {.pixel = {0, 0.01f}}, &textures, {});
+    accel::Tracer tracer(frame, std::size_t(1) << 28);
+    accel::Ray ray;
+    ray.origin = {0.3, 2, 0.4};
+    ray.direction = {0, -1, 0};
+    ray.footprint = {0.05f, 0};
+    accel::SurfaceHit hit;
+    tracer.closest({&ray, 1}, {&hit, 1});
+    ASSERT_TRUE(hit.is_hit());
+    EXPECT_EQ(shade::evaluate(render::shade_point(ray, hit, 1), textures).normal, Vec3f(0, 1, 0));
+}
+
+}  // namespace
+}  // namespace occam::test
