@@ -61,6 +61,11 @@ private:
         std::uint32_t curve = 0;
         int exponent = 0;
     };
+    struct CornerEntry {
+        const PosedCage* cage = nullptr;
+        PatchPoint at;
+        Vec3f p;
+    };
     struct OwnerSpan {
         PatchRef patch;
         bool along_v;
@@ -104,9 +109,10 @@ private:
     void dice_side(const PosedCage& cage, int side, LevelGrid& grid);
     LevelGrid dice_vertices(const PosedCage& cage, const TileRef& tile, Arena& arena);
 
-    static constexpr std::size_t kPoolSize = 256, kCurveSize = 2048;
+    static constexpr std::size_t kPoolSize = 256, kCurveSize = 2048, kCornerSize = 4096;
     std::vector<PoolEntry> pool_;     ///< direct-mapped
     std::vector<CurveEntry> curves_;  ///< direct-mapped
+    std::vector<CornerEntry> corners_;  ///< direct-mapped: limit points that all levels of several patches share
     PoolEntry uv_;
     int uv_set_ = 0;
     std::vector<Vec3f> side_points_;
