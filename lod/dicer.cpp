@@ -62,6 +62,8 @@ int Dicer::curve_k(const PosedCage& cage, std::uint32_t curve)
     return entry.exponent;
 }
 
+void Dicer::ask_for(const PosedCage& cage, PatchRef patch) { cage.topology->controls(patch).kind->hull().ask_for_first(); }
+
 PatchScale Dicer::scale(const PosedCage& cage, PatchRef patch)
 {
     const Topology& topology = *cage.topology;

@@ -31,6 +31,8 @@ public:
     /// Call when posed cages die: between frames and after a flush.
     void forget();
 
+    /// Hints that scale() and bounds() of a patch come next: of many, their tables come from memory side by side.
+    static void ask_for(const PosedCage& cage, PatchRef patch);
     PatchScale scale(const PosedCage& cage, PatchRef patch);
 
     /// A box that holds the region's surface and, for all levels at which the region is whole quads up to `coarsest`, its mesh.

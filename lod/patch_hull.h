@@ -17,6 +17,8 @@
 
 namespace occam::lod {
 
+inline void prefetch(const float* p) noexcept { __builtin_prefetch(p); }
+
 struct PatchHull {
     static constexpr int kResidualDepth = 3;
 
@@ -38,6 +40,13 @@ struct PatchHull {
         std::uint8_t first_row = 0, row_end = 4;  ///< in each of these
     };
     std::array<Side, 4> sides;  ///< 0: v = 0, 1: u = 1, 2: v = 1, 3: u = 0
+
+    /// Floats of `weights` that are asked for ahead: tables of all classes are more than the caches close by hold.
+    static constexpr std::size_t kAhead = 16 * 16;
+    void ask_for_first() const noexcept
+    {
+        for (std::size_t i = 0; i < kAhead; i += 16) prefetch(weights.data() + i);
+    }
 
     bool is_one_square() const noexcept { return squares == speeds.size(); }
 

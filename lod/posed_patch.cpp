@@ -12,11 +12,6 @@ namespace {
 // Local parameter of a piece, exact: all are dyadic.
 double local(float t, float t0, int depth) noexcept { return (double(t) - double(t0)) * power_of_two_double(depth); }
 
-/// Floats that weights are asked for ahead: tables of all classes are more than caches close by hold.
-constexpr std::size_t kAhead = 16 * 16;
-
-void prefetch(const float* p) noexcept { __builtin_prefetch(p); }
-
 // First index of a lattice t0 + i * step (step > 0) with a value of at least `border`.
 int first_at(float t0, float step, float border, int begin, int end) noexcept
 {
@@ -39,9 +34,6 @@ void PosedPatch::set(const PosedCage& cage, PatchRef patch)
     kind_ = controls.kind;
     forget();
     const std::size_t n = controls.indices.size();
-    // What measures it is asked for next, most often.
-    const float* const hull = kind_->hull().weights.data();
-    for (std::size_t ahead = 0; ahead < kAhead; ahead += 16) prefetch(hull + ahead);
     x_.resize(n);
     y_.resize(n);
     z_.resize(n);
@@ -250,7 +242,7 @@ PosedPatch::Points PosedPatch::points(const PatchHull& hull, std::size_t group) 
     const float* w = &hull.weights[group * n * 16];
     Points p{0.0f, 0.0f, 0.0f};
     for (std::size_t k = 0; k < n; ++k, w += 16) {
-        prefetch(w + kAhead);
+        prefetch(w + PatchHull::kAhead);
         const vfloat4x4 weight = vfloat4x4::load(w);
         p.x = fma(weight, vfloat(x_[k]), p.x);
         p.y = fma(weight, vfloat(y_[k]), p.y);
