@@ -13,6 +13,7 @@ namespace {
 constexpr float kBoxUlps = 4;      // what boxes of items are grown by: two for rounding them, two for the culling rule
 constexpr int kMaxSceneDepth = 256;
 constexpr float kCostOfUnmade = 1000;  // of a cage that nobody has seen yet, in steps of the tree
+constexpr std::uint32_t kMostAskedFor = 4;  // of a face's patches, ahead
 constexpr std::size_t kMaxParts = 1024;  // of an igrid: n-gons of thousands of corners never share one
 
 // Rough costs of meeting an item, in steps of the tree: for the surface area heuristic alone.
@@ -200,8 +201,13 @@ void Items::measure(ItemIndex leaf)
     const lod::ClusterTree::Node& node = cage.clusters->node(items_[leaf].index);
     counters_.faces_touched += node.end - node.begin;
     std::size_t count = 0;
-    for (std::uint32_t k = node.begin; k < node.end; ++k)
-        if (const std::uint32_t face = cage.clusters->face(k); cage.topology->is_seen(face)) count += cage.topology->patches_of(face);
+    for (std::uint32_t k = node.begin; k < node.end; ++k) {
+        const std::uint32_t face = cage.clusters->face(k);
+        if (!cage.topology->is_seen(face)) continue;
+        const std::uint32_t subs = cage.topology->patches_of(face);
+        for (std::uint32_t sub = 0; sub < std::min(subs, kMostAskedFor); ++sub) lod::Dicer::ask_for(cage, {face, sub});
+        count += subs;
+    }
     ClusterInfo& info = *arena_.make<ClusterInfo>();
     info.patches = arena_.make_array<PatchInfo>(count);
     std::size_t n = 0;

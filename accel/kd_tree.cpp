@@ -114,10 +114,54 @@ KdTree::Split KdTree::scanned_split(const Box3f& box) const
     return best;
 }
 
+KdTree::Split KdTree::counted_split(const Box3f& box)
+{
+    Split best;
+    const Vec3f extent = box.extent();
+    const float area = box.half_area();
+    for (const Candidate& c : candidates_) best.cost += c.cost;  // of no split
+    // No plane is cheaper than to pass it.
+    if (!(area > 0) || best.cost <= kTraversalCost * kEmptyBonus) return best;
+    for (int axis = 0; axis < 3; ++axis) {
+        planes_.clear();
+        for (const Candidate& c : candidates_)
+            for (const float position : {c.box.lo[axis], c.box.hi[axis]})
+                if (position > box.lo[axis] && position < box.hi[axis]) planes_.push_back(position);
+        const std::size_t count = planes_.size();
+        if (count == 0) continue;
+        planes_.resize((count + kLanes - 1) / kLanes * kLanes, planes_.back());
+        const int a1 = (axis + 1) % 3, a2 = (axis + 2) % 3;
+        const float cap = extent[a1] * extent[a2], girth = extent[a1] + extent[a2];
+        for (std::size_t p = 0; p < count; p += kLanes) {
+            const vfloat position = vfloat::load(&planes_[p]);
+            vfloat below = 0.0f, above = 0.0f;
+            for (const Candidate& c : candidates_) {
+                below = below + select(vfloat(c.box.lo[axis]) < position, vfloat(c.cost), vfloat(0.0f));
+                above = above + select(vfloat(c.box.hi[axis]) > position, vfloat(c.cost), vfloat(0.0f));
+            }
+            const vfloat area_below = cap + girth * (position - box.lo[axis]), area_above = cap + girth * (box.hi[axis] - position);
+            vfloat cost = kTraversalCost + (area_below * below + area_above * above) / area;
+            cost = select((below == 0.0f) | (above == 0.0f), cost * kEmptyBonus, cost);
+            if (none(cost < best.cost)) continue;
+            float costs[kLanes];
+            cost.store(costs);
+            for (std::size_t lane = 0; lane < kLanes; ++lane)
+                if (costs[lane] < best.cost) best = {axis, planes_[p + lane], costs[lane]};
+        }
+    }
+    return best;
+}
+
 KdTree::Split KdTree::best_split(const Box3f& box)
 {
-    if (may_scan_ && candidates_.size() > kMany && box.half_area() > 0)
+    if (candidates_.size() <= kMany) return counted_split(box);
+    if (may_scan_ && box.half_area() > 0)
         if (const Split scanned = scanned_split(box); scanned.axis >= 0) return scanned;
+    return swept_split(box);
+}
+
+KdTree::Split KdTree::swept_split(const Box3f& box)
+{
     float all = 0;
     for (const Candidate& c : candidates_) all += c.cost;
     Split best;

@@ -5,8 +5,8 @@
 // boxes below it are right; rays of coarser pairs meet it as a leaf. So it may be a leaf for many pairs, each with its list
 // of igrids.
 //
-// The plane comes from the surface area heuristic, scanned at fixed steps where there are many boxes (Hunt et al. 2006) and swept over
-// their ends where there are few, after opening large items until there are enough to choose from (Hunt et al. 2007). The tree's shape depends on which pairs come first; what a ray meets does not.
+// The plane comes from the surface area heuristic, scanned at fixed steps where there are many boxes (Hunt et al. 2006) and tried at
+// all their ends where there are few, after opening large items until there are enough to choose from (Hunt et al. 2007). The tree's shape depends on which pairs come first; what a ray meets does not.
 //
 // Memory   an arena; a lazy node's list stays behind when it is expanded.
 // Threads  one worker's own, or several workers': they read what is there without a lock, and expand under one (`building`). A node
@@ -143,6 +143,10 @@ private:
     void clip_into(const Box3f& box, ItemIndex item, int pair);
     bool open_largest(const Box3f& box, int pair, int most_effort);
     Split best_split(const Box3f& box);
+    // Planes at the faces of boxes: each tried against all boxes, or, of many, in order.
+    Split counted_split(const Box3f& box);
+    Split swept_split(const Box3f& box);
+    // Planes at fixed steps.
     Split scanned_split(const Box3f& box) const;
     void make_lazy(const Box3f& box, int depth, int axis, float position, bool upper);
 
@@ -157,6 +161,7 @@ private:
     ArenaVector<KdLeaf> leaves_;         ///< 0 is none's
     std::vector<Candidate> candidates_;
     std::vector<Event> low_events_, high_events_;
+    std::vector<float> planes_;
 };
 
 }  // namespace occam::accel

@@ -15,12 +15,13 @@ std::size_t slot_of(const PosedCage& cage, std::uint64_t index, std::size_t size
 
 }  // namespace
 
-Dicer::Dicer() : pool_(kPoolSize), curves_(kCurveSize) {}
+Dicer::Dicer() : pool_(kPoolSize), curves_(kCurveSize), corners_(kCornerSize) {}
 
 void Dicer::forget()
 {
     for (PoolEntry& e : pool_) e.cage = nullptr;
     for (CurveEntry& e : curves_) e.cage = nullptr;
+    for (CornerEntry& e : corners_) e.cage = nullptr;
     uv_.cage = rest_.cage = nullptr;
 }
 
@@ -60,6 +61,8 @@ int Dicer::curve_k(const PosedCage& cage, std::uint32_t curve)
     entry = {&cage, curve, ceil_log2(s)};
     return entry.exponent;
 }
+
+void Dicer::ask_for(const PosedCage& cage, PatchRef patch) { cage.topology->controls(patch).kind->hull().ask_for_first(); }
 
 PatchScale Dicer::scale(const PosedCage& cage, PatchRef patch)
 {
@@ -134,7 +137,13 @@ Vec3f Dicer::curve_end(const PosedCage& cage, std::uint32_t curve, int filter, i
         curve_points(cage, topology.base_edge(curve), filter, 0.5f, 1, {&p, 1});
         return p;
     }
-    return patch_point(cage, topology.curve_end(curve, end), filter);
+    const PatchPoint at = topology.curve_end(curve, end);
+    if (cage.is_displaced()) return patch_point(cage, at, filter);
+    const std::uint64_t corner = std::uint64_t(at.patch.sub) << 34 | std::uint64_t(at.patch.face) << 2 | std::uint64_t(at.v == 1) << 1 |
+                                 std::uint64_t(at.u == 1);
+    CornerEntry& entry = corners_[slot_of(cage, corner, kCornerSize)];
+    if (entry.cage != &cage || entry.at != at) entry = {&cage, at, patch_point(cage, at, filter)};
+    return entry.p;
 }
 
 void Dicer::curve_points(const PosedCage& cage, std::uint32_t curve, int filter, float c0, float dc, std::span<Vec3f> out)

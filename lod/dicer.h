@@ -31,6 +31,8 @@ public:
     /// Call when posed cages die: between frames and after a flush.
     void forget();
 
+    /// Hints that scale() and bounds() of a patch come next: of many, their tables come from memory side by side.
+    static void ask_for(const PosedCage& cage, PatchRef patch);
     PatchScale scale(const PosedCage& cage, PatchRef patch);
 
     /// A box that holds the region's surface and, for all levels at which the region is whole quads up to `coarsest`, its mesh.
@@ -60,6 +62,11 @@ private:
         const PosedCage* cage = nullptr;
         std::uint32_t curve = 0;
         int exponent = 0;
+    };
+    struct CornerEntry {
+        const PosedCage* cage = nullptr;
+        PatchPoint at;
+        Vec3f p;
     };
     struct OwnerSpan {
         PatchRef patch;
@@ -106,9 +113,10 @@ private:
     void dice_side(const PosedCage& cage, int side, LevelGrid& grid);
     LevelGrid dice_vertices(const PosedCage& cage, const TileRef& tile, Arena& arena);
 
-    static constexpr std::size_t kPoolSize = 256, kCurveSize = 2048;
+    static constexpr std::size_t kPoolSize = 256, kCurveSize = 2048, kCornerSize = 4096;
     std::vector<PoolEntry> pool_;     ///< direct-mapped
     std::vector<CurveEntry> curves_;  ///< direct-mapped
+    std::vector<CornerEntry> corners_;  ///< direct-mapped: limit points that all levels of several patches share
     PoolEntry uv_, rest_;
     int uv_set_ = 0;
     std::vector<Vec3f> side_points_;

@@ -81,9 +81,12 @@ LimitStencil PatchClass::limit(double u, double v) const
     return stencil;
 }
 
-const PatchHull& PatchClass::hull() const
+const PatchHull& PatchClass::make_hull() const
 {
-    std::call_once(hull_once_, [&] { hull_ = std::make_unique<const PatchHull>(*this); });
+    std::call_once(hull_once_, [&] {
+        hull_ = std::make_unique<const PatchHull>(*this);
+        hull_made_.store(hull_.get(), std::memory_order_release);
+    });
     return *hull_;
 }
 

@@ -77,10 +77,15 @@ public:
     LimitStencil limit(double u, double v) const;
 
     /// What bounds the whole patch; made when it is first asked for.
-    const PatchHull& hull() const;
+    const PatchHull& hull() const
+    {
+        const PatchHull* made = hull_made_.load(std::memory_order_acquire);
+        return made ? *made : make_hull();
+    }
 
 private:
     const Node& look_into(const Node& node) const;
+    const PatchHull& make_hull() const;
     void classify(Node& node) const;
     bool fit_bicubic(Node& node) const;
     void fill_direct(Node& node) const;
@@ -91,6 +96,7 @@ private:
     mutable std::mutex mutex_;
     mutable std::once_flag hull_once_;
     mutable std::unique_ptr<const PatchHull> hull_;
+    mutable std::atomic<const PatchHull*> hull_made_ = nullptr;
 };
 
 }  // namespace occam::lod

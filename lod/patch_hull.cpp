@@ -1,121 +1,138 @@
 #include "lod/patch_hull.h"
 
-namespace occam::lod {
-namespace {
+#include <algorithm>
 
-constexpr int kChordDepth =
-    4;  // squares this small that are not bicubic are measured by their chords: rates up to 16 are exact
+namespace occam::lod {
+
+/// Four points: of control point k at k * 4.
+struct PatchHull::Row {
+    std::vector<float> weights;
+    float speed;
+};
+
+namespace {
 
 bool is_bicubic(const PatchClass::Node& node)
 {
     return node.kind.load(std::memory_order_relaxed) == PatchClass::Node::Bicubic;
 }
 
-double sum(const CubicWeights& w, const float* q, int stride)
+double sum(const CubicWeights& w, const double* q)
 {
-    double s = 0;
-    for (int i = 0; i < 4; ++i) s += double(w.b[i]) * double(q[i * stride]);
-    return s;
+    return double(w.b[0]) * q[0] + double(w.b[1]) * q[1] + double(w.b[2]) * q[2] + double(w.b[3]) * q[3];
 }
 
-// (b - a) / size, of limit points.
-void add_chord(WeightRows& rows, const LimitStencil& a, const LimitStencil& b, float size)
+// Weight of control point k for Bezier point (i, j) of a bicubic square.
+float bezier_weight(const PatchClass::Node& node, std::size_t k, std::size_t i, std::size_t j)
 {
-    rows.add([&](std::size_t k) { return (b.p[k] - a.p[k]) / double(size); });
+    static const BezierWeights bezier = bezier_weights(0, 1);
+    double along[4];
+    for (std::size_t r = 0; r < 4; ++r) {
+        double row[4];
+        for (std::size_t c = 0; c < 4; ++c) row[c] = double(node.weights[k * 16 + r * 4 + c]);
+        along[r] = sum(bezier.row[i], row);
+    }
+    return static_cast<float>(sum(bezier.row[j], along));
+}
+
+// Offset of row or column i of a lattice over a square.
+float lattice_step(const PatchClass::Node& square, std::size_t i) { return float(std::min<std::size_t>(i, 2)) * 0.5f * square.size(); }
+
+template <class Row>
+void add_rows(const PatchClass& kind, const PatchClass::Node& node, int side, std::vector<Row>& rows)
+{
+    const bool along_v = side & 1, is_far = side == 1 || side == 2;
+    const bool is_net = is_bicubic(kind.resolve(node));
+    if (!is_net && node.depth < PatchHull::kResidualDepth) {
+        const int low = is_far ? (along_v ? 1 : 2) : 0, high = low + (along_v ? 2 : 1);
+        add_rows(kind, node.children[low], side, rows);
+        add_rows(kind, node.children[high], side, rows);
+        return;
+    }
+    const auto n = static_cast<std::size_t>(kind.control_count());
+    Row& row = rows.emplace_back();
+    row.weights.resize(n * 4);
+    row.speed = (is_net ? 3 : 2) / node.size();
+    for (std::size_t i = 0; i < 4; ++i) {
+        if (is_net) {
+            const std::size_t across = is_far ? 3 : 0;
+            for (std::size_t k = 0; k < n; ++k)
+                row.weights[k * 4 + i] = along_v ? bezier_weight(node, k, across, i) : bezier_weight(node, k, i, across);
+            continue;
+        }
+        const float t = lattice_step(node, i), across = is_far ? node.size() : 0;
+        const LimitStencil point = along_v ? kind.limit(node.u0 + across, node.v0 + t) : kind.limit(node.u0 + t, node.v0 + across);
+        for (std::size_t k = 0; k < n; ++k) row.weights[k * 4 + i] = static_cast<float>(point.p[k]);
+    }
 }
 
 }  // namespace
 
 PatchHull::PatchHull(const PatchClass& kind)
-    : points(kind.control_count()),
-      corners(kind.control_count()),
-      speed_u(kind.control_count()),
-      speed_v(kind.control_count()),
-      side_speed(4, WeightRows(kind.control_count()))
-{
-    add_points(kind, kind.root());
-    add_speeds(kind, kind.root());
-    for (int side = 0; side < 4; ++side) add_side_speeds(kind, kind.root(), side);
-    for (WeightRows* rows : {&points, &corners, &speed_u, &speed_v}) rows->finish();
-    for (WeightRows& rows : side_speed) rows.finish();
-}
-
-void PatchHull::add_points(const PatchClass& kind, const PatchClass::Node& node)
 {
     const auto n = static_cast<std::size_t>(kind.control_count());
-    switch (kind.resolve(node).kind.load(std::memory_order_relaxed)) {
-        case PatchClass::Node::Split:
-            for (int c = 0; c < 4; ++c) add_points(kind, node.children[c]);
-            break;
-        case PatchClass::Node::Direct:
-            for (std::size_t c = 0; c < 4; ++c)
-                corners.add([&](std::size_t k) { return double(node.weights[c * 3 * n + k]); });
-            break;
-        default: {
-            const BezierWeights bezier = bezier_weights(0, 1);
-            for (int j = 0; j < 4; ++j)
-                for (int i = 0; i < 4; ++i)
-                    points.add_new([&](std::size_t k) {
-                        double s = 0;
-                        for (int r = 0; r < 4; ++r)
-                            s += double(bezier.row[j].b[r]) * sum(bezier.row[i], &node.weights[k * 16 + r * 4], 1);
-                        return s;
-                    });
+    std::vector<const PatchClass::Node*> residual;
+    add_nets(kind, kind.root(), residual);
+    nets = speeds.size();
+    for (const PatchClass::Node* square : residual) {
+        float* group = &*weights.insert(weights.end(), n * 16, 0.0f);
+        for (std::size_t r = 0; r < 16; ++r) {
+            const LimitStencil point = kind.limit(square->u0 + lattice_step(*square, r % 4), square->v0 + lattice_step(*square, r / 4));
+            for (std::size_t k = 0; k < n; ++k) group[k * 16 + r] = static_cast<float>(point.p[k]);
         }
+        speeds.emplace_back().fill(2 / square->size());
+    }
+    squares = speeds.size();
+    if (is_bicubic(kind.root())) return;
+
+    std::vector<Row> together;
+    for (std::size_t side = 0; side < 4; ++side) {
+        std::vector<Row> rows;
+        add_rows(kind, kind.root(), static_cast<int>(side), rows);
+        if (rows.size() == 1) {
+            sides[side].first_row = static_cast<std::uint8_t>(together.size());
+            sides[side].row_end = static_cast<std::uint8_t>(together.size() + 1);
+            together.push_back(std::move(rows.front()));
+            continue;
+        }
+        sides[side].first = static_cast<std::uint16_t>(speeds.size());
+        for (std::size_t row = 0; row < rows.size(); row += 4) add_group(rows, row);
+        sides[side].count = static_cast<std::uint16_t>(speeds.size() - sides[side].first);
+    }
+    if (together.empty()) return;
+    for (Side& side : sides)
+        if (side.count == 0) {
+            side.first = static_cast<std::uint16_t>(speeds.size());
+            side.count = 1;
+        }
+    add_group(together, 0);
+}
+
+// Rows [first, first + 4); those that there are not have no weight.
+void PatchHull::add_group(const std::vector<Row>& rows, std::size_t first)
+{
+    const std::size_t n = rows[first].weights.size() / 4;
+    float* group = &*weights.insert(weights.end(), n * 16, 0.0f);
+    std::array<float, 4>& speed = speeds.emplace_back();
+    speed = {};
+    for (std::size_t row = 0; row < std::min<std::size_t>(4, rows.size() - first); ++row) {
+        speed[row] = rows[first + row].speed;
+        for (std::size_t k = 0; k < n; ++k) std::copy_n(&rows[first + row].weights[k * 4], 4, &group[k * 16 + row * 4]);
     }
 }
 
-void PatchHull::add_speeds(const PatchClass& kind, const PatchClass::Node& node)
+void PatchHull::add_nets(const PatchClass& kind, const PatchClass::Node& node, std::vector<const PatchClass::Node*>& residual)
 {
-    const float size = node.size();
     if (is_bicubic(kind.resolve(node))) {
-        for (std::size_t j = 0; j < 4; ++j)
-            for (std::size_t i = 0; i < 3; ++i) {
-                const auto difference = [&](std::size_t a, std::size_t b) {
-                    return [&, a, b](std::size_t k) {
-                        return (double(node.weights[k * 16 + b]) - double(node.weights[k * 16 + a])) / double(size);
-                    };
-                };
-                speed_u.add_new(difference(j * 4 + i, j * 4 + i + 1));
-                speed_v.add_new(difference(i * 4 + j, i * 4 + 4 + j));
-            }
-        return;
+        const auto n = static_cast<std::size_t>(kind.control_count());
+        for (std::size_t k = 0; k < n; ++k)
+            for (std::size_t r = 0; r < 16; ++r) weights.push_back(bezier_weight(node, k, r % 4, r / 4));
+        speeds.emplace_back().fill(3 / node.size());
+    } else if (node.depth < kResidualDepth) {
+        for (int c = 0; c < 4; ++c) add_nets(kind, node.children[c], residual);
+    } else {
+        residual.push_back(&node);
     }
-    if (node.depth < kChordDepth) {
-        for (int c = 0; c < 4; ++c) add_speeds(kind, node.children[c]);
-        return;
-    }
-    LimitStencil p[4];
-    for (int c = 0; c < 4; ++c) p[c] = kind.limit(node.u0 + (c & 1 ? size : 0), node.v0 + (c & 2 ? size : 0));
-    add_chord(speed_u, p[0], p[1], size);
-    add_chord(speed_u, p[2], p[3], size);
-    add_chord(speed_v, p[0], p[2], size);
-    add_chord(speed_v, p[1], p[3], size);
-}
-
-void PatchHull::add_side_speeds(const PatchClass& kind, const PatchClass::Node& node, int side)
-{
-    const bool along_v = side & 1, is_far = side == 1 || side == 2;
-    const float size = node.size();
-    if (is_bicubic(kind.resolve(node))) {
-        const CubicWeights across = cubic_weights(is_far ? 1 : 0);
-        for (int i = 0; i < 3; ++i)
-            side_speed[std::size_t(side)].add_new([&](std::size_t k) {
-                const float* w = &node.weights[k * 16];
-                const auto control = [&](int c) { return along_v ? sum(across, w + c * 4, 1) : sum(across, w + c, 4); };
-                return (control(i + 1) - control(i)) / double(size);
-            });
-        return;
-    }
-    if (node.depth < kChordDepth) {
-        const int low = is_far ? (along_v ? 1 : 2) : 0, high = low + (along_v ? 2 : 1);
-        add_side_speeds(kind, node.children[low], side);
-        add_side_speeds(kind, node.children[high], side);
-        return;
-    }
-    const float u = node.u0 + (along_v && is_far ? size : 0), v = node.v0 + (!along_v && is_far ? size : 0);
-    add_chord(side_speed[std::size_t(side)], kind.limit(u, v), kind.limit(along_v ? u : u + size, along_v ? v + size : v),
-              size);
 }
 
 }  // namespace occam::lod

@@ -1,84 +1,62 @@
 // Fixed weights that bound a patch of one class, whatever its control points are: its box and its speeds cost one pass over
 // a table instead of a walk through the class's quadtree, which near an extraordinary vertex has dozens of squares.
 //
-// Memory   64 n bytes for each group of 16 results, n control points: 7 groups for a regular patch, some 45 for one with an
-//          extraordinary corner.
+// A bicubic square is in the hull of its 16 Bezier points, and its derivatives in that of three times the differences of these: so one
+// net gives both. What is not bicubic at kResidualDepth touches an extraordinary vertex; there a lattice of limit points takes the
+// net's place.
+//
+// Memory   64 n bytes for each net or lattice of a patch of n control points: one for a regular patch, some 10 for one with an
+//          extraordinary corner, and one for each of its sides.
 // Threads  const once made.
 #pragma once
 
-#include <cmath>
+#include <array>
 #include <vector>
 
 #include "lod/patch_class.h"
 
 namespace occam::lod {
 
-/// Results linear in the control points, in groups of 16: of group g, control point k, result i at (g * n + k) * 16 + i.
-class WeightRows {
-public:
-    static constexpr std::size_t kGroup = 16;
-
-    explicit WeightRows(int control_count) : control_count_(static_cast<std::size_t>(control_count)) {}
-
-    /// One more result; `weight(k)` is that of control point k.
-    template <class Weight>
-    void add(Weight&& weight)
-    {
-        if (count_ % kGroup == 0) weights_.resize(weights_.size() + kGroup * control_count_);
-        for (std::size_t k = 0; k < control_count_; ++k) weights_[at(count_, k)] = static_cast<float>(weight(k));
-        ++count_;
-    }
-    /// The same, left out if there is such a result already: neighbouring squares share control points.
-    template <class Weight>
-    void add_new(Weight&& weight)
-    {
-        add(weight);
-        for (std::size_t other = 0; other + 1 < count_; ++other)
-            if (are_alike(other, count_ - 1)) {
-                --count_;
-                weights_.resize((count_ + kGroup - 1) / kGroup * kGroup * control_count_);
-                return;
-            }
-    }
-    /// Fills the last group up with the last result.
-    void finish()
-    {
-        for (const std::size_t last = count_ - 1; count_ % kGroup != 0;)
-            add([&](std::size_t k) { return weights_[at(last, k)]; });
-    }
-    std::size_t group_count() const noexcept { return count_ / kGroup; }
-    const float* group(std::size_t g) const noexcept { return weights_.data() + g * control_count_ * kGroup; }
-
-private:
-    std::size_t at(std::size_t result, std::size_t k) const noexcept
-    {
-        return (result / kGroup * control_count_ + k) * kGroup + result % kGroup;
-    }
-    /// But for rounding, which is far below what boxes are padded by.
-    bool are_alike(std::size_t a, std::size_t b) const noexcept
-    {
-        for (std::size_t k = 0; k < control_count_; ++k)
-            if (std::fabs(weights_[at(a, k)] - weights_[at(b, k)]) > 2e-7f * (1 + std::fabs(weights_[at(a, k)])))
-                return false;
-        return true;
-    }
-
-    std::size_t control_count_, count_ = 0;
-    std::vector<float> weights_;
-};
+inline void prefetch(const float* p) noexcept { __builtin_prefetch(p); }
 
 struct PatchHull {
+    static constexpr int kResidualDepth = 3;
+
     explicit PatchHull(const PatchClass& kind);
 
-    WeightRows points;                   ///< Bezier points of all bicubic squares: their hull holds these squares
-    WeightRows corners;                  ///< of squares that only have stencils, four each, four squares a group
-    WeightRows speed_u, speed_v;         ///< differences of control points, whose largest bounds the speed along u and v
-    std::vector<WeightRows> side_speed;  ///< the same of each side's curve: 0: v = 0, 1: u = 1, 2: v = 1, 3: u = 0
+    /// Groups of 16 points, four rows of four: weights of control point k for all points of group g at (g * n + k) * 16.
+    std::vector<float> weights;
+    /// What differences along each row of a group, or from row to row, are to be multiplied by: then they bound speeds.
+    std::vector<std::array<float, 4>> speeds;
+    /// Groups [0, nets) are Bezier nets, rows along u, whose hull holds their square.
+    std::size_t nets = 0;
+    /// Groups [nets, squares) are 3 x 3 limit points of a square, the last row and column twice: their box holds it once
+    /// grown by kLatticeGrowth of its extent.
+    std::size_t squares = 0;
+    /// From there on: borders of squares, a row each, Bezier points or three limit points. Sides of one row share a group. None for a
+    /// patch that is one square: its net has them.
+    struct Side {
+        std::uint16_t first = 0, count = 0;       ///< groups
+        std::uint8_t first_row = 0, row_end = 4;  ///< in each of these
+    };
+    std::array<Side, 4> sides;  ///< 0: v = 0, 1: u = 1, 2: v = 1, 3: u = 0
+
+    /// Floats of `weights` that are asked for ahead: tables of all classes are more than the caches close by hold.
+    static constexpr std::size_t kAhead = 16 * 16;
+    void ask_for_first() const noexcept
+    {
+        for (std::size_t i = 0; i < kAhead; i += 16) prefetch(weights.data() + i);
+    }
+
+    bool is_one_square() const noexcept { return squares == speeds.size(); }
+
+    /// A quadratic leaves the range of three equidistant values of its own by an eighth at most.
+    static constexpr float kLatticeGrowth = 0.25f;
 
 private:
-    void add_points(const PatchClass& kind, const PatchClass::Node& node);
-    void add_speeds(const PatchClass& kind, const PatchClass::Node& node);
-    void add_side_speeds(const PatchClass& kind, const PatchClass::Node& node, int side);
+    struct Row;
+    void add_group(const std::vector<Row>& rows, std::size_t first);
+    void add_nets(const PatchClass& kind, const PatchClass::Node& node, std::vector<const PatchClass::Node*>& residual);
 };
 
 }  // namespace occam::lod

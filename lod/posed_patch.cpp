@@ -21,11 +21,18 @@ int first_at(float t0, float step, float border, int begin, int end) noexcept
 
 }  // namespace
 
+void PosedPatch::forget()
+{
+    pieces_.clear();
+    is_measured_ = false;
+    side_speed_.fill(-1);
+}
+
 void PosedPatch::set(const PosedCage& cage, PatchRef patch)
 {
     const PatchControls& controls = cage.topology->controls(patch);
     kind_ = controls.kind;
-    pieces_.clear();
+    forget();
     const std::size_t n = controls.indices.size();
     x_.resize(n);
     y_.resize(n);
@@ -42,7 +49,7 @@ void PosedPatch::set_uv(const PosedCage& cage, PatchRef patch, int uv_set)
 {
     const PatchControls& controls = cage.topology->uv_controls(patch, uv_set);
     kind_ = controls.kind;
-    pieces_.clear();
+    forget();
     const std::size_t n = controls.indices.size();
     x_.resize(n);
     y_.resize(n);
@@ -229,77 +236,89 @@ Vec3f PosedPatch::point(float u, float v)
     return p;
 }
 
-template <class Use>
-void PosedPatch::for_results(const WeightRows& rows, Use&& use) const
+PosedPatch::Points PosedPatch::points(const PatchHull& hull, std::size_t group) const
 {
-    // A whole group at once: sums that wait for one another leave room for others.
-    constexpr std::size_t kVectors = WeightRows::kGroup / kLanes;
     const std::size_t n = x_.size();
-    for (std::size_t g = 0; g < rows.group_count(); ++g) {
-        const float* w = rows.group(g);
-        vfloat x[kVectors], y[kVectors], z[kVectors];
-        for (std::size_t i = 0; i < kVectors; ++i) x[i] = y[i] = z[i] = 0.0f;
-        for (std::size_t k = 0; k < n; ++k)
-            for (std::size_t i = 0; i < kVectors; ++i, w += kLanes) {
-                const vfloat weight = vfloat::load(w);
-                x[i] = fma(weight, x_[k], x[i]);
-                y[i] = fma(weight, y_[k], y[i]);
-                z[i] = fma(weight, z_[k], z[i]);
-            }
-        for (std::size_t i = 0; i < kVectors; ++i) use(x[i], y[i], z[i]);
+    const float* w = &hull.weights[group * n * 16];
+    Points p{0.0f, 0.0f, 0.0f};
+    for (std::size_t k = 0; k < n; ++k, w += 16) {
+        prefetch(w + PatchHull::kAhead);
+        const vfloat4x4 weight = vfloat4x4::load(w);
+        p.x = fma(weight, vfloat(x_[k]), p.x);
+        p.y = fma(weight, vfloat(y_[k]), p.y);
+        p.z = fma(weight, vfloat(z_[k]), p.z);
     }
+    return p;
 }
 
-float PosedPatch::largest_length(const WeightRows& rows) const
+void PosedPatch::measure()
 {
-    vfloat largest = 0.0f;
-    for_results(rows, [&](vfloat x, vfloat y, vfloat z) { largest = max(largest, fma(x, x, fma(y, y, z * z))); });
-    float lanes[kLanes];
-    largest.store(lanes);
-    return std::sqrt(*std::max_element(lanes, lanes + kLanes));
-}
-
-float PosedPatch::side_speed(int side) const { return largest_length(kind_->hull().side_speed[std::size_t(side)]); }
-
-void PosedPatch::speeds(float& along_u, float& along_v) const
-{
-    along_u = largest_length(kind_->hull().speed_u);
-    along_v = largest_length(kind_->hull().speed_v);
-}
-
-Box3f PosedPatch::whole_bounds() const
-{
+    if (is_measured_) return;
+    is_measured_ = true;
     const PatchHull& hull = kind_->hull();
-    vfloat lo[3], hi[3];
-    for (int a = 0; a < 3; ++a) lo[a] = std::numeric_limits<float>::infinity(), hi[a] = -std::numeric_limits<float>::infinity();
-    for_results(hull.points, [&](vfloat x, vfloat y, vfloat z) {
-        const vfloat p[3] = {x, y, z};
-        for (int a = 0; a < 3; ++a) lo[a] = min(lo[a], p[a]), hi[a] = max(hi[a], p[a]);
-    });
-    Box3f box;
-    for (int a = 0; a < 3; ++a) {
-        float lanes[kLanes];
-        lo[a].store(lanes);
-        box.lo[a] = *std::min_element(lanes, lanes + kLanes);
-        hi[a].store(lanes);
-        box.hi[a] = *std::max_element(lanes, lanes + kLanes);
-    }
-    float p[3][WeightRows::kGroup];
-    std::size_t made = 0;
-    for_results(hull.corners, [&](vfloat x, vfloat y, vfloat z) {
-        x.store(p[0] + made);
-        y.store(p[1] + made);
-        z.store(p[2] + made);
-        made += kLanes;
-        if (made < WeightRows::kGroup) return;
-        made = 0;
-        for (std::size_t square = 0; square < WeightRows::kGroup; square += 4) {
-            Box3f corners;
-            for (std::size_t c = square; c < square + 4; ++c) corners.add(Vec3f(p[0][c], p[1][c], p[2][c]));
-            box.add({corners.lo - corners.extent(), corners.hi + corners.extent()});
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    vfloat4x4 lo[3] = {kInfinity, kInfinity, kInfinity}, hi[3] = {-kInfinity, -kInfinity, -kInfinity};
+    // Squares of the largest differences from column to column and from row to row.
+    vfloat4x4 along = 0.0f, down = 0.0f;
+    const auto squared = [](vfloat4x4 x, vfloat4x4 y, vfloat4x4 z) { return fma(x, x, fma(y, y, z * z)); };
+    box_ = {};
+    for (std::size_t g = 0; g < hull.squares; ++g) {
+        const Points p = points(hull, g);
+        const vfloat4x4 scale = hull.speeds[g][0] * hull.speeds[g][0];
+        along = max(along, squared(p.x.next_column() - p.x, p.y.next_column() - p.y, p.z.next_column() - p.z) * scale);
+        down = max(down, squared(p.x.next_row() - p.x, p.y.next_row() - p.y, p.z.next_row() - p.z) * scale);
+        if (g < hull.nets) {
+            const vfloat4x4 all[3] = {p.x, p.y, p.z};
+            for (int a = 0; a < 3; ++a) lo[a] = min(lo[a], all[a]), hi[a] = max(hi[a], all[a]);
+            continue;
         }
-    });
-    return box;
+        const Box3f lattice{{smallest(p.x), smallest(p.y), smallest(p.z)}, {largest(p.x), largest(p.y), largest(p.z)}};
+        const Vec3f growth = lattice.extent() * PatchHull::kLatticeGrowth;
+        box_.add({lattice.lo - growth, lattice.hi + growth});
+    }
+    box_.add({{smallest(lo[0]), smallest(lo[1]), smallest(lo[2])}, {largest(hi[0]), largest(hi[1]), largest(hi[2])}});
+    // The last column's and the last row's differences are from the first.
+    alignas(32) static constexpr float kNotLastColumn[16] = {1, 1, 1, 0, 1, 1, 1, 0, 1, 1, 1, 0, 1, 1, 1, 0};
+    alignas(32) static constexpr float kNotLastRow[16] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0};
+    speed_u_ = std::sqrt(largest(along * vfloat4x4::load(kNotLastColumn)));
+    speed_v_ = std::sqrt(largest(down * vfloat4x4::load(kNotLastRow)));
+    if (!hull.is_one_square()) return;
+    float u[16], v[16];
+    along.store(u);
+    down.store(v);
+    side_speed_ = {std::sqrt(std::max({u[0], u[1], u[2]})), std::sqrt(std::max({v[3], v[7], v[11]})),
+                   std::sqrt(std::max({u[12], u[13], u[14]})), std::sqrt(std::max({v[0], v[4], v[8]}))};
+}
+
+float PosedPatch::side_speed(int side)
+{
+    const auto s = static_cast<std::size_t>(side);
+    if (side_speed_[s] >= 0) return side_speed_[s];
+    const PatchHull& hull = kind_->hull();
+    if (hull.is_one_square()) {
+        measure();
+        return side_speed_[s];
+    }
+    const PatchHull::Side& at = hull.sides[s];
+    float most = 0;
+    for (std::size_t g = at.first; g < std::size_t(at.first) + at.count; ++g) {
+        const Points p = points(hull, g);
+        const vfloat4x4 x = p.x.next_column() - p.x, y = p.y.next_column() - p.y, z = p.z.next_column() - p.z;
+        float squared[16];
+        fma(x, x, fma(y, y, z * z)).store(squared);
+        for (std::size_t row = at.first_row; row < at.row_end; ++row) {
+            const float* d = squared + row * 4;
+            most = std::max(most, std::sqrt(std::max({d[0], d[1], d[2]})) * hull.speeds[g][row]);
+        }
+    }
+    return side_speed_[s] = most;
+}
+
+void PosedPatch::speeds(float& along_u, float& along_v)
+{
+    measure();
+    along_u = speed_u_;
+    along_v = speed_v_;
 }
 
 void PosedPatch::bounds_below(const PatchClass::Node& node, float u0, float u1, float v0, float v1, Box3f& box)
@@ -331,8 +350,12 @@ void PosedPatch::bounds_below(const PatchClass::Node& node, float u0, float u1, 
 Box3f PosedPatch::bounds(float u0, float u1, float v0, float v1)
 {
     Box3f box;
-    if (u0 == 0 && u1 == 1 && v0 == 0 && v1 == 1) box = whole_bounds();
-    else bounds_below(kind_->root(), u0, u1, v0, v1, box);
+    if (u0 == 0 && u1 == 1 && v0 == 0 && v1 == 1) {
+        measure();
+        box = box_;
+    } else {
+        bounds_below(kind_->root(), u0, u1, v0, v1, box);
+    }
     // Owners' points differ from the patch's own by rounding, and so do those of a hull's rows, one sum of all control points.
     const Vec3f pad(box.largest_coordinate() * 64 * std::numeric_limits<float>::epsilon());
     return {box.lo - pad, box.hi + pad};

@@ -5,6 +5,7 @@
 // Threads  one worker's own.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -42,9 +43,9 @@ public:
 
     /// Largest speed along a side (numbered as Topology::side) that its curve may have. Exact bound for bicubic pieces; where the
     /// patch meets an extraordinary vertex, chords of sixteenths.
-    float side_speed(int side) const;
+    float side_speed(int side);
     /// The same for the whole patch along u and along v.
-    void speeds(float& along_u, float& along_v) const;
+    void speeds(float& along_u, float& along_v);
 
     /// A box of all points with u0 <= u <= u1, v0 <= v <= v1: of the Bezier points of the pieces there; next to an
     /// extraordinary vertex, of the smallest squares' corners, grown by their extent.
@@ -56,6 +57,8 @@ private:
         PieceControls controls;
     };
 
+    /// All that was made of the last patch.
+    void forget();
     const PieceControls& piece(const PatchClass::Node& node);
     SurfacePoint direct(const PatchClass::Node& leaf, float u, float v);
     template <bool kTangents>
@@ -63,17 +66,22 @@ private:
     template <bool kTangents>
     void fill_piece(const PatchClass::Node& node, const ParameterGrid& grid, int i0, int i1, int j0, int j1, float* const* out, int stride);
     void fill_curve(const PatchClass::Node& node, bool along_v, float fixed, float t0, float step, int i0, int i1, Vec3f* out);
-    /// use(x, y, z) with the results of the rows, as many at a time as there are lanes.
-    template <class Use>
-    void for_results(const WeightRows& rows, Use&& use) const;
-    float largest_length(const WeightRows& rows) const;
-    Box3f whole_bounds() const;
+    struct Points {
+        vfloat4x4 x, y, z;
+    };
+    Points points(const PatchHull& hull, std::size_t group) const;
+    /// Makes box and speeds, once.
+    void measure();
     void bounds_below(const PatchClass::Node& node, float u0, float u1, float v0, float v1, Box3f& box);
 
     const PatchClass* kind_ = nullptr;
     std::vector<float> x_, y_, z_;  ///< control points
     std::vector<Piece> pieces_;     ///< made so far
     std::vector<float> rows_;
+    bool is_measured_ = false;
+    Box3f box_;
+    float speed_u_ = 0, speed_v_ = 0;
+    std::array<float, 4> side_speed_{};  ///< negative: not known yet
 };
 
 }  // namespace occam::lod

@@ -44,6 +44,7 @@ struct SideCurve {
 struct PatchPoint {
     PatchRef patch;
     float u = 0, v = 0;
+    friend bool operator==(PatchPoint, PatchPoint) = default;
 };
 
 class Topology {

@@ -153,6 +153,69 @@ private:
 #endif
 };
 
+/// Sixteen floats as four rows of four, in every build.
+class vfloat4x4 {
+public:
+    static constexpr int kParts = 16 / kLanes;
+
+    vfloat4x4() = default;
+    vfloat4x4(vfloat x) noexcept
+    {
+        for (vfloat& part : parts_) part = x;
+    }
+    vfloat4x4(float x) noexcept : vfloat4x4(vfloat(x)) {}
+    static vfloat4x4 load(const float* p) noexcept
+    {
+        vfloat4x4 m;
+        for (int i = 0; i < kParts; ++i) m.parts_[i] = vfloat::load(p + i * kLanes);
+        return m;
+    }
+    void store(float* p) const noexcept
+    {
+        for (int i = 0; i < kParts; ++i) parts_[i].store(p + i * kLanes);
+    }
+    /// Each row moved on by one: column c has what column c + 1 had, the last what the first had.
+    vfloat4x4 next_column() const noexcept
+    {
+        vfloat4x4 m;
+#ifdef OCCAM_ONE_LANE
+        for (int i = 0; i < 16; ++i) m.parts_[i] = parts_[i / 4 * 4 + (i + 1) % 4];
+#else
+        for (int i = 0; i < kParts; ++i) m.parts_[i] = hn::Shuffle0321(parts_[i].raw());
+#endif
+        return m;
+    }
+    /// The same of columns.
+    vfloat4x4 next_row() const noexcept
+    {
+        vfloat4x4 m;
+#ifdef OCCAM_ONE_LANE
+        for (int i = 0; i < 16; ++i) m.parts_[i] = parts_[(i + 4) % 16];
+#else
+        for (int i = 0; i < kParts; ++i) m.parts_[i] = hn::ConcatLowerUpper(FloatTag(), parts_[(i + 1) % kParts].raw(), parts_[i].raw());
+#endif
+        return m;
+    }
+    friend vfloat4x4 operator-(vfloat4x4 a, vfloat4x4 b) noexcept
+    {
+        for (int i = 0; i < kParts; ++i) a.parts_[i] = a.parts_[i] - b.parts_[i];
+        return a;
+    }
+    friend vfloat4x4 operator*(vfloat4x4 a, vfloat4x4 b) noexcept
+    {
+        for (int i = 0; i < kParts; ++i) a.parts_[i] = a.parts_[i] * b.parts_[i];
+        return a;
+    }
+    friend vfloat4x4 min(vfloat4x4 a, vfloat4x4 b) noexcept;
+    friend vfloat4x4 max(vfloat4x4 a, vfloat4x4 b) noexcept;
+    friend vfloat4x4 fma(vfloat4x4 a, vfloat4x4 b, vfloat4x4 c) noexcept;
+    friend float smallest(vfloat4x4 a) noexcept;
+    friend float largest(vfloat4x4 a) noexcept;
+
+private:
+    vfloat parts_[kParts];
+};
+
 /// One lane in all.
 inline vfloat spread(vfloat x, [[maybe_unused]] int lane) noexcept
 {
@@ -220,6 +283,35 @@ inline void load_turned(const float* const* from, vfloat (&to)[4]) noexcept
     to[2] = hn::BitCast(tag, hn::InterleaveLower(pairs, ab_high, cd_high));
     to[3] = hn::BitCast(tag, hn::InterleaveUpper(pairs, ab_high, cd_high));
 #endif
+}
+
+inline vfloat4x4 min(vfloat4x4 a, vfloat4x4 b) noexcept
+{
+    for (int i = 0; i < vfloat4x4::kParts; ++i) a.parts_[i] = min(a.parts_[i], b.parts_[i]);
+    return a;
+}
+inline vfloat4x4 max(vfloat4x4 a, vfloat4x4 b) noexcept
+{
+    for (int i = 0; i < vfloat4x4::kParts; ++i) a.parts_[i] = max(a.parts_[i], b.parts_[i]);
+    return a;
+}
+inline vfloat4x4 fma(vfloat4x4 a, vfloat4x4 b, vfloat4x4 c) noexcept
+{
+    for (int i = 0; i < vfloat4x4::kParts; ++i) c.parts_[i] = fma(a.parts_[i], b.parts_[i], c.parts_[i]);
+    return c;
+}
+/// Of all sixteen; of numbers.
+inline float smallest(vfloat4x4 a) noexcept
+{
+    vfloat least = a.parts_[0];
+    for (int i = 1; i < vfloat4x4::kParts; ++i) least = min(least, a.parts_[i]);
+    return hn::GetLane(hn::MinOfLanes(FloatTag(), least.raw()));
+}
+inline float largest(vfloat4x4 a) noexcept
+{
+    vfloat most = a.parts_[0];
+    for (int i = 1; i < vfloat4x4::kParts; ++i) most = max(most, a.parts_[i]);
+    return hn::GetLane(hn::MaxOfLanes(FloatTag(), most.raw()));
 }
 
 // The same names for one float, so that a traversal written once serves a packet and a single ray.

@@ -87,8 +87,8 @@ void expect_same_in_other_builds(const std::string& name, std::uint64_t checksum
 
 void expect_the_same(Scene scene, const std::string& name, Settings settings = {})
 {
-    settings.width = 200;
-    settings.height = 120;
+    settings.width = 320;
+    settings.height = 192;
     settings.spp = 4;
     const Outcome one = render(scene, settings, 1, std::size_t(1) << 30);
     EXPECT_EQ(one.flushes, 0u);

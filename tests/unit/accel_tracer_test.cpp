@@ -149,7 +149,7 @@ TEST(Tracer, ReportsTheExactDistanceOnClosingTriangles)
 {
     const Cage cage = torus();
     DicedCage diced(cage, 0);
-    diced.level_of_largest_exponent(4);
+    diced.level_of_largest_exponent(5);
     std::vector<Vec3d> middles;
     for (const MeshTriangle& t : diced.triangles())
         if (t.is_closer) middles.push_back(Vec3d(t.v[1]) + diced.posed.anchor);

@@ -9,22 +9,27 @@ namespace occam::test {
 namespace {
 
 constexpr int kSide = 16;  // rates up to this many are bounded by the speeds
+constexpr int kFineSide = 64;
 
-struct Grid {
-    Vec3f at[kSide + 1][kSide + 1];
+template <int kQuads>
+struct GridOf {
+    Vec3f at[kQuads + 1][kQuads + 1];
 
-    explicit Grid(lod::PosedPatch& patch)
+    explicit GridOf(lod::PosedPatch& patch)
     {
-        std::vector<float> p(3 * (kSide + 1) * (kSide + 1));
+        std::vector<float> p(3 * (kQuads + 1));
         const std::size_t room = p.size() / 3;
-        patch.points({0, 0, 1.0f / kSide, 1.0f / kSide, kSide + 1, kSide + 1}, &p[0], &p[room], &p[2 * room], kSide + 1);
-        for (std::size_t j = 0; j <= kSide; ++j)
-            for (std::size_t i = 0; i <= kSide; ++i) {
-                const std::size_t k = j * (kSide + 1) + i;
-                at[j][i] = {p[k], p[room + k], p[2 * room + k]};
+        const float step = 1.0f / kQuads;
+        for (std::size_t j = 0; j <= kQuads; ++j)
+            // Parts of rows: no grid is wider than 32.
+            for (std::size_t first = 0; first <= kQuads; first += kQuads / 4) {
+                const int count = first == kQuads ? 1 : kQuads / 4;
+                patch.points({float(first) * step, float(j) * step, step, 1, count, 1}, &p[0], &p[room], &p[2 * room], count);
+                for (std::size_t i = 0; i < std::size_t(count); ++i) at[j][first + i] = {p[i], p[room + i], p[2 * room + i]};
             }
     }
 };
+using Grid = GridOf<kSide>;
 
 class PatchHulls : public testing::TestWithParam<Cage> {
 protected:
@@ -47,9 +52,9 @@ protected:
 
 TEST_P(PatchHulls, HoldThePatchAndLieInItsControlPoints)
 {
-    for_patches([](lod::PosedPatch& patch, const Grid& grid, const Box3f& controls) {
+    for_patches([](lod::PosedPatch& patch, const Grid&, const Box3f& controls) {
         const Box3f box = patch.bounds(0, 1, 0, 1);
-        for (const auto& row : grid.at)
+        for (const auto& row : GridOf<kFineSide>(patch).at)
             for (const Vec3f p : row)
                 for (int a = 0; a < 3; ++a) ASSERT_TRUE(box.lo[a] <= p[a] && p[a] <= box.hi[a]) << "along axis " << a;
         for (int a = 0; a < 3; ++a)
