@@ -104,7 +104,7 @@ void Integrator::shade_miss(std::size_t i, SampleResult& result)
 void Integrator::cross_lights(const Path& path, const accel::Ray& ray, float t_far, SampleResult& result) const
 {
     const shade::Tries tries = tries_of(path.light_tries, path.scatter_tries, true);
-    context_.lights.for_crossings(ray.origin, ray.direction, t_far,
+    context_.lights.for_crossings(ray.origin, ray.direction, t_far, path.peak,
                                   [&](const shade::WorldLight& light, const shade::LightCrossing& crossing) {
                                       if (crossing.distance <= ray.t_near || (light.groups & path.lit_by) == 0) return;
                                       const float weight = tries.of_scatter(path.density, crossing.density);
@@ -187,7 +187,7 @@ void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResu
         add_emission(path, hit, surface, share, result);
         if (!path.is_probe) {
             gather_light(v);
-            if (chance.scatter > 0) scatter_on(v, chance.scatter);
+            if (chance.scatter > 0 && needs_scattering(v)) scatter_on(v, chance.scatter);
         }
     }
     if (chance.pass > 0) pass_straight(path, ray, hit.t, passes, path.coverage - covered, chance.pass);

@@ -102,6 +102,9 @@ private:
         const CameraSample& sample;
         const shade::Surface& surface;
         Vec3f share;  ///< of what leaves the surface, this reaches the pixel
+        /// What decides which lights are left to their own samples here (shade/direct.h).
+        float peak = shade::peak_density(surface);
+        Vec3d start = surface.start(surface.normal_geometric);
     };
 
     void begin(std::span<const CameraSample> samples, std::span<SampleResult> results);
@@ -124,6 +127,8 @@ private:
     Chances chances(const Vertex& v) const noexcept;
     void gather_light(const Vertex& v);
     void gather_sky(const Vertex& v);
+    /// False if a scattered direction can bring nothing that gather_light() has not brought.
+    bool needs_scattering(const Vertex& v) const noexcept;
     void scatter_on(const Vertex& v, float chance);
     /// A scattered direction that is followed no further: what lights lie along it?
     void look_for_light(const Path& next, const accel::Ray& ray);

@@ -71,7 +71,9 @@ void Integrator::gather_light(const Vertex& v)
         if (is_choice) u.choice = interval(v, Dimension::at(v.path.key, Use::LightChoice, s), n, per_hit);
         return u;
     };
-    const auto tries = [&](bool is_placed) { return tries_of(float(per_hit), float(scatter_tries), is_placed); };
+    const auto tries = [&](bool is_placed, bool is_left_to_samples = false) {
+        return tries_of(float(per_hit), is_left_to_samples ? 0.0f : float(scatter_tries), is_placed);
+    };
     for (int slot = 0; slot < slots; ++slot)
         for (int n = 0; n < per_hit; ++n) {
             const shade::LightNumbers u = numbers(slot, n, light_count > slots);
@@ -82,7 +84,8 @@ void Integrator::gather_light(const Vertex& v)
             }
             const shade::WorldLight& placed = lights[std::size_t(light)];
             if ((placed.groups & v.hit.lit_by) == 0) continue;
-            test(v, shade::test_light(v.surface, placed, u, tries(true)), each / placed_tries_, per_hit);
+            const bool is_left = shade::FrameLights::is_left_to_samples(placed, v.start, v.peak);
+            test(v, shade::test_light(v.surface, placed, u, tries(true, is_left)), each / placed_tries_, per_hit);
         }
     for (int n = 0; n < per_hit; ++n) {
         if (!context_.lights.meshes().is_empty())
@@ -143,6 +146,13 @@ accel::Ray Integrator::scattered_ray(const Vertex& v, const shade::ScatterSample
     return ray;
 }
 
+bool Integrator::needs_scattering(const Vertex& v) const noexcept
+{
+    const bool is_direct = context_.settings.integrator == IntegratorKind::Direct;
+    const bool goes_on = v.path.bounces < context_.settings.bounces && !(is_direct && shade::narrowest_lobe(v.surface) > kMirrorAlpha);
+    return goes_on || !context_.lights.leaves_all_to_samples(v.start, v.peak, v.hit.lit_by);
+}
+
 void Integrator::scatter_on(const Vertex& v, float chance)
 {
     const Settings& settings = context_.settings;
@@ -161,6 +171,7 @@ void Integrator::scatter_on(const Vertex& v, float chance)
         next.coverage = 0;
         next.key = scattered_key(v.path.key, static_cast<std::uint32_t>(n));
         next.density = s.density;
+        next.peak = v.peak;
         next.lit_by = v.hit.lit_by;
         next.light_tries = static_cast<float>(light_tries);
         next.scatter_tries = static_cast<float>(samples);
@@ -201,7 +212,7 @@ void Integrator::look_for_light(const Path& next, const accel::Ray& ray)
         shadows_.add(next.sample, shadow, next.throughput * radiance);
     };
     const float infinity = std::numeric_limits<float>::infinity();
-    context_.lights.for_crossings(ray.origin, ray.direction, infinity,
+    context_.lights.for_crossings(ray.origin, ray.direction, infinity, next.peak,
                                   [&](const shade::WorldLight& light, const shade::LightCrossing& c) {
                                       if ((light.groups & next.lit_by) == 0) return;
                                       add(c.distance, c.radiance * placed.of_scatter(next.density, c.density));

@@ -201,6 +201,20 @@ Vec3f scatter(const Surface& s, Vec3f to_light) noexcept
 
 float scatter_density(const Surface& s, Vec3f to_light) noexcept { return density_of(s, LobeShares(s), to_light); }
 
+float peak_density(const Surface& s) noexcept
+{
+    if (s.transmission != Vec3f(0)) return std::numeric_limits<float>::infinity();
+    float peak = 1 / kPi;
+    if (s.is_matte) return peak;
+    // A GGX lobe is densest about the mirrored direction, where the microfacet is the surface.
+    const auto include = [&](Vec3f normal, float alpha) {
+        peak = std::max(peak, visible_density_over_cosine(eye_cosine(normal, s.to_eye), 1, 0, alpha) / 4);
+    };
+    include(s.normal, s.alpha);
+    if (s.coat > 0) include(s.coat_normal, s.coat_alpha);
+    return peak;
+}
+
 ScatterSample sample_scatter(const Surface& s, float choice, Vec2f square) noexcept
 {
     const LobeShares share(s);

@@ -36,4 +36,14 @@ ScatterSample sample_scatter(const Surface& surface, float choice, Vec2f square)
 /// Density of sample_scatter()'s directions per solid angle.
 float scatter_density(const Surface& surface, Vec3f to_light) noexcept;
 
+/// No lobe of the surface draws any direction more densely; infinity if light passes through it.
+float peak_density(const Surface& surface) noexcept;
+
+/// GGX width of the narrowest lobe; 1 if there is none.
+inline float narrowest_lobe(const Surface& s) noexcept
+{
+    if (s.is_matte) return 1;
+    return s.coat > 0 ? std::min(s.alpha, s.coat_alpha) : s.alpha;
+}
+
 }  // namespace occam::shade

@@ -10,7 +10,8 @@ ShadowTest test_of(const Surface& surface, const LightSample& sample, Tries trie
     if (sample.radiance == Vec3f(0)) return {};
     const Vec3f f = scatter(surface, sample.direction);
     if (f == Vec3f(0)) return {};
-    const float weight = sample.density > 0 ? tries.of_light(sample.density, scatter_density(surface, sample.direction)) : 1;
+    const bool is_weighed = sample.density > 0 && tries.scatter > 0;
+    const float weight = is_weighed ? tries.of_light(sample.density, scatter_density(surface, sample.direction)) : 1;
     return {surface.start(sample.direction), sample.direction, sample.distance, f * sample.radiance * weight, sample.density};
 }
 

@@ -2,6 +2,11 @@
 //
 // Light is looked for in two ways, by drawing points of lights and by drawing directions from the surface's lobes; what both
 // can find is weighted by the expected numbers of samples of either (balance heuristic, Veach and Guibas 1995, eq. 9).
+//
+// A light that scattered directions would hardly ever find is left to its own samples: it counts as if no direction were scattered, so
+// that its samples weigh 1 and what a scattered ray finds of it weighs 0, and where all lights are of that kind nothing is scattered
+// to find them. Weights have to be no more than the same on either side (Veach and Guibas 1995, sec. 3.2): the rule looks at surface, eye
+// and light, never at a sample. It costs no noise: FrameLights::kLeastChance.
 #pragma once
 
 #include "shade/bsdf.h"
@@ -21,7 +26,7 @@ struct ShadowTest {
 /// How often either way is tried at a point, in expectation.
 struct Tries {
     float lights = 1;   ///< samples of the light in question
-    float scatter = 1;  ///< directions drawn from the lobes
+    float scatter = 1;  ///< directions drawn from the lobes; 0 for a light that is left to its own samples
 
     /// Weight of a sample that was drawn with `own` density and could have been drawn with `other`.
     static float weight(float own_tries, float own, float other_tries, float other) noexcept

@@ -52,6 +52,8 @@ struct WorldLight {
     static WorldLight place(const Light& light, const Mat4d& world_from_node);
     LightSample sample(Vec3d point, LightNumbers numbers) const noexcept;
     LightCrossing crossing(Vec3d origin, Vec3f direction) const noexcept;
+    /// Squared sine of the angle about its middle that it covers from there, by a sphere around it: above 1 within that sphere.
+    float cover(Vec3d point) const noexcept;
     /// Rays can meet it: it has an area.
     bool has_area() const noexcept { return kind == Kind::Rectangle || kind == Kind::Disc || kind == Kind::Sphere; }
 };

@@ -170,6 +170,28 @@ TEST(Integrator, ManyLightsAreSampledWithoutBias)
     EXPECT_EQ(stage.counters.rays.shadow, std::uint64_t(kMaxLightsPerHit));
 }
 
+// A ray towards a lamp for each of its samples, and none that is scattered to find it, unless it is near.
+TEST(Integrator, ALampFarOffIsLeftToItsSamples)
+{
+    const Material grey = matte(0.5f);
+    Stage stage;
+    stage.settings.light_samples = 64;
+    stage.tracer.planes = {{0, &grey}};
+    shade::WorldLight lamp;
+    lamp.kind = shade::WorldLight::Kind::Sphere;
+    lamp.radius = 1;
+    lamp.strength = Vec3f(1);
+    for (const double height : {2.0, 20.0}) {
+        lamp.position = {0, height, 0};
+        stage.lights = {lamp};
+        // Form factor of a sphere straight above: (r / h)^2. The camera's ray meets the plane up to 0.2 beside that.
+        const float expected = 0.5f / static_cast<float>(height * height);
+        EXPECT_NEAR(stage.one().radiance.x, expected, 0.03f * expected) << height;
+        if (height > 4) EXPECT_EQ(stage.counters.rays.shadow, 64u);
+        else EXPECT_GT(stage.counters.rays.shadow, 64u);
+    }
+}
+
 TEST(Integrator, ABatchDoesNotChangeASample)
 {
     const Material grey = matte(0.5f), sheet = matte(0.7f, 0.5f);
