@@ -198,7 +198,7 @@ Integrator::Chances Integrator::chances(const Vertex& v) const noexcept
     const bool passes = v.surface.passes != Vec3f(0), scatters = v.surface.opacity > 0 && !v.path.is_probe;
     if (!passes || !scatters || v.path.is_camera()) return {passes ? 1.0f : 0.0f, scatters ? 1.0f : 0.0f};
     const float pass = std::clamp(mean(v.surface.passes), 0.05f, 0.95f);
-    const bool is_passing = interval(v, Dimension::at(v.path.key, Dimension::Use::Passing), 0, 1) < pass;
+    const bool is_passing = numbers(v, Dimension::Use::Passing).interval(v.first_of(1)) < pass;
     return is_passing ? Chances{pass, 0} : Chances{0, 1 - pass};
 }
 

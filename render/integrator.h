@@ -105,6 +105,9 @@ private:
         /// What decides which lights are left to their own samples here (shade/direct.h).
         float peak = shade::peak_density(surface);
         Vec3d start = surface.start(surface.normal_geometric);
+        float width = ray.footprint.at(hit.t);  ///< of the beam
+        /// Index of the first of its numbers in a dimension that has `of` for each sample.
+        std::uint32_t first_of(int of) const noexcept { return static_cast<std::uint32_t>(sample.index * of); }
     };
 
     void begin(std::span<const CameraSample> samples, std::span<SampleResult> results);
@@ -132,15 +135,16 @@ private:
     void scatter_on(const Vertex& v, float chance);
     /// A scattered direction that is followed no further: what lights lie along it?
     void look_for_light(const Path& next, const accel::Ray& ray);
+    void gather_light(const Vertex& v, const shade::WorldLight& light, const Sequence& squares, int first, int end, Vec3f each);
     void test(const Vertex& v, const shade::ShadowTest& test, Vec3f share, int samples);
     void pass_straight(const Path& path, const accel::Ray& ray, float t, Vec3f passes, float coverage, float chance);
     void push(const Path& path, const accel::Ray& ray);
     void extend();
 
     int light_samples_at(const Path& path) const noexcept;
+    int scatter_samples_at(const Path& path) const noexcept;
     shade::Tries tries_of(float light_tries, float scatter_tries, bool is_placed) const noexcept;
-    Vec2f square(const Vertex& v, Dimension d, int n, int of) const noexcept;
-    float interval(const Vertex& v, Dimension d, int n, int of) const noexcept;
+    Sequence numbers(const Vertex& v, Dimension::Use use, int slot = 0) const noexcept;
     accel::Ray scattered_ray(const Vertex& v, const shade::ScatterSample& s, int samples) const noexcept;
 
     template <class Call>

@@ -43,8 +43,18 @@ struct Tries {
     }
 };
 
-/// One sample each. Lights that scattered directions cannot meet get all of the weight.
-ShadowTest test_light(const Surface& surface, const WorldLight& light, LightNumbers numbers, Tries tries) noexcept;
+/// What a sample of a light brings. Lights that scattered directions cannot meet get all of the weight.
+inline ShadowTest test_of(const Surface& surface, const LightSample& sample, Tries tries) noexcept
+{
+    if (sample.radiance == Vec3f(0)) return {};
+    const Vec3f f = scatter(surface, sample.direction);
+    if (f == Vec3f(0)) return {};
+    const bool is_weighed = sample.density > 0 && tries.scatter > 0;
+    const float weight = is_weighed ? tries.of_light(sample.density, scatter_density(surface, sample.direction)) : 1;
+    return {surface.start(sample.direction), sample.direction, sample.distance, f * sample.radiance * weight, sample.density};
+}
+
+/// One sample each.
 ShadowTest test_meshes(const Surface& surface, const MeshLights& lights, LightNumbers numbers, Tries tries) noexcept;
 /// Nothing for an environment without a density of its own: then scattered directions find all of it.
 ShadowTest test_environment(const Surface& surface, const Environment& environment, LightNumbers numbers, Tries tries) noexcept;

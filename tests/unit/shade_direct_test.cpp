@@ -73,7 +73,7 @@ test::Mean radiance(const Surface& s, const WorldLight& light, bool by_rule, int
     test::Numbers numbers(7);
     test::Mean mean;
     for (int i = 0; i < count; ++i) {
-        double sum = double(test_light(s, light, {numbers.square(), 0}, tries).radiance.x);
+        double sum = double(test_of(s, light.sample(s.position, {numbers.square(), 0}), tries).radiance.x);
         const float choice = numbers.one();
         const ScatterSample d = sample_scatter(s, choice, numbers.square());
         lights.for_crossings(s.start(d.direction), d.direction, 1e30f, peak, [&](const WorldLight&, const LightCrossing& c) {
