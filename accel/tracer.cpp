@@ -133,9 +133,12 @@ struct Tracer::State {
             ++begin[axes.back().bin() + 1];
         }
         for (int b = 0; b < RayAxes::kBins; ++b) begin[b + 1] += begin[b];
-        sorted.resize(rays.size());
-        place_of.resize(rays.size());
-        sorted_axes.resize(rays.size(), RayAxes(Vec3f(0, 0, 1)));
+        // Batches come in several sizes: what has been made stays, to be written over.
+        if (sorted.size() < rays.size()) {
+            sorted.resize(rays.size());
+            place_of.resize(rays.size());
+            sorted_axes.resize(rays.size(), RayAxes(Vec3f(0, 0, 1)));
+        }
         for (std::uint32_t i = 0; i < rays.size(); ++i) {
             const std::uint32_t to = begin[axes[i].bin()]++;
             sorted[to] = rays[i];
@@ -163,7 +166,7 @@ struct Tracer::State {
     Mailboxes mailboxes;
     lod::RayLevels<vfloat> packet_levels;  ///< of the packet traced last
     lod::RayLevels<float> single_levels;   ///< of the ray traced last
-    std::vector<Ray> sorted;            ///< the batch, by direction
+    std::vector<Ray> sorted;            ///< the batch, by direction; and like those below, as long as the longest batch so far
     std::vector<RayAxes> axes, sorted_axes;
     std::vector<std::uint32_t> place_of;  ///< in the caller's order
     std::uint64_t visit = 0;
@@ -458,10 +461,12 @@ void Tracer::closest(std::span<const Ray> rays, std::span<SurfaceHit> hits)
     const std::uint64_t diced = s.counters.diced;
     s.for_groups(rays, [&](std::size_t first, std::size_t count, std::size_t limit) {
         const auto take = [&](std::size_t i, const auto& found, bool is_single) {
-            SurfaceHit& hit = hits[s.place_of[first + i]] = {};
+            SurfaceHit& hit = hits[s.place_of[first + i]];
             const std::size_t lane = i % kLanes;
             IGrid* grid = found.grid[lane];
+            hit.t = std::numeric_limits<float>::infinity();
             if (!grid) return;
+            hit = {};
             Met met{found.t[lane], grid, found.id[lane], {}};
             if (grid->blends()) met.blend = is_single ? s.single_levels.blend(grid->pairs.finest) : s.blend_of_lane(grid->pairs.finest, static_cast<int>(lane));
             resolve(s.sorted[first + i], met, s.lazy.phase_one(), hit);

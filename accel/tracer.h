@@ -113,7 +113,7 @@ public:
     explicit Tracer(SharedTree& tree);
     ~Tracer();
 
-    /// Nearest hit of each ray in (t_near, t_far). hits.size() == rays.size().
+    /// Nearest hit of each ray in (t_near, t_far). hits.size() == rays.size(); of a ray that misses, t alone is written.
     void closest(std::span<const Ray> rays, std::span<SurfaceHit> hits);
     /// occluded[i] becomes 1 if anything lies in (t_near, t_far) of ray i, else 0.
     void occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded);

@@ -73,8 +73,8 @@ public:
     {
         begin(samples, results);
         while (!paths_.empty()) {
-            hits_.assign(rays_.size(), {});
-            trace([&] { tracer.closest(rays_, hits_); });
+            if (hits_.size() < rays_.size()) hits_.resize(rays_.size());
+            trace([&] { tracer.closest(rays_, std::span(hits_).first(rays_.size())); });
             for (std::size_t done = 0; done < paths_.size();) {
                 done = shade_some(done, samples, results);
                 std::uint64_t shot = 0;
@@ -164,7 +164,7 @@ private:
     // Parallel arrays, kept from batch to batch for their memory.
     std::vector<Path> paths_, next_paths_;
     std::vector<accel::Ray> rays_, next_rays_;
-    std::vector<accel::SurfaceHit> hits_;
+    std::vector<accel::SurfaceHit> hits_;  ///< at least as many as rays
     std::vector<MatteShare> mattes_;
     std::vector<Vec3f> lit_;  ///< what shadow rays brought, one sum a sample
     ShadowQueue shadows_;

@@ -59,8 +59,8 @@ public:
         collect_blocked();
         for (int layer = 0; layer < kMaxBlendLayers && !blocked_rays_.empty(); ++layer) {
             shot += blocked_rays_.size();
-            blocked_hits_.assign(blocked_rays_.size(), {});
-            tracer.closest(blocked_rays_, blocked_hits_);
+            if (blocked_hits_.size() < blocked_rays_.size()) blocked_hits_.resize(blocked_rays_.size());
+            tracer.closest(blocked_rays_, std::span(blocked_hits_).first(blocked_rays_.size()));
             pass_blocked();
         }
         add_light(sums);

@@ -20,7 +20,7 @@ struct PlaneTracer {
     void closest(std::span<const accel::Ray> rays, std::span<accel::SurfaceHit> hits) const
     {
         for (std::size_t i = 0; i < rays.size(); ++i) {
-            accel::SurfaceHit& hit = hits[i];
+            accel::SurfaceHit& hit = hits[i] = {};
             for (const Plane& plane : planes) {
                 const accel::Ray& ray = rays[i];
                 const float t = float((plane.height - ray.origin.y) / double(ray.direction.y));
