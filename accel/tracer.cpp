@@ -138,9 +138,12 @@ struct Tracer::State {
             ++begin[axes.back().bin() + 1];
         }
         for (int b = 0; b < RayAxes::kBins; ++b) begin[b + 1] += begin[b];
-        sorted.resize(rays.size());
-        place_of.resize(rays.size());
-        sorted_axes.resize(rays.size(), RayAxes(Vec3f(0, 0, 1)));
+        // Batches come in several sizes: what has been made stays, to be written over.
+        if (sorted.size() < rays.size()) {
+            sorted.resize(rays.size());
+            place_of.resize(rays.size());
+            sorted_axes.resize(rays.size(), RayAxes(Vec3f(0, 0, 1)));
+        }
         for (std::uint32_t i = 0; i < rays.size(); ++i) {
             const std::uint32_t to = begin[axes[i].bin()]++;
             sorted[to] = rays[i];
@@ -168,7 +171,7 @@ struct Tracer::State {
     Mailboxes mailboxes;
     lod::RayLevels<vfloat> packet_levels;  ///< of the packet traced last
     lod::RayLevels<float> single_levels;   ///< of the ray traced last
-    std::vector<Ray> sorted;            ///< the batch, by direction
+    std::vector<Ray> sorted;            ///< the batch, by direction; and like those below, as long as the longest batch so far
     std::vector<RayAxes> axes, sorted_axes;
     std::vector<std::uint32_t> place_of;  ///< in the caller's order
     std::uint64_t visit = 0;
@@ -500,8 +503,10 @@ void Tracer::closest(std::span<const Ray> rays, std::span<SurfaceHit> hits)
 {
     State& s = *state_;
     s.find_nearest(rays, [&](std::size_t at, Met met, bool is_single, int lane) {
-        SurfaceHit& hit = hits[s.place_of[at]] = {};
+        SurfaceHit& hit = hits[s.place_of[at]];
+        hit.t = std::numeric_limits<float>::infinity();
         if (!met.grid) return;
+        hit = {};
         const int pair = met.grid->pairs.finest;
         if (met.grid->blends()) met.blend = is_single ? s.single_levels.blend(pair) : s.blend_of_lane(pair, lane);
         resolve(s.sorted[at], met, s.lazy.phase_one(), hit);

@@ -124,7 +124,7 @@ public:
     explicit Tracer(SharedTree& tree);
     ~Tracer();
 
-    /// Nearest hit of each ray in (t_near, t_far). hits.size() == rays.size().
+    /// Nearest hit of each ray in (t_near, t_far). hits.size() == rays.size(); of a ray that misses, t alone is written.
     void closest(std::span<const Ray> rays, std::span<SurfaceHit> hits);
     /// The same, and no more of it than a sensor or a collision asks for: with t as closest() finds it.
     void first_hits(std::span<const Ray> rays, std::span<FirstHit> hits);

@@ -105,7 +105,7 @@ void Integrator::shade_miss(std::size_t i, SampleResult& result)
 void Integrator::cross_lights(const Path& path, const accel::Ray& ray, float t_far, SampleResult& result) const
 {
     const shade::Tries tries = tries_of(path.light_tries, path.scatter_tries, true);
-    context_.lights.for_crossings(ray.origin, ray.direction, t_far,
+    context_.lights.for_crossings(ray.origin, ray.direction, t_far, path.peak,
                                   [&](const shade::WorldLight& light, const shade::LightCrossing& crossing) {
                                       if (crossing.distance <= ray.t_near || (light.groups & path.lit_by) == 0) return;
                                       const float weight = tries.of_scatter(path.density, crossing.density);
@@ -192,7 +192,7 @@ void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResu
         add_emission(path, hit, surface, share, result);
         if (!path.is_probe) {
             gather_light(v);
-            if (chance.scatter > 0) scatter_on(v, chance.scatter);
+            if (chance.scatter > 0 && needs_scattering(v)) scatter_on(v, chance.scatter);
         }
     }
     if (chance.pass > 0) pass_straight(path, ray, hit.t, passes, path.coverage - covered, chance.pass);
@@ -203,7 +203,7 @@ Integrator::Chances Integrator::chances(const Vertex& v) const noexcept
     const bool passes = v.surface.passes != Vec3f(0), scatters = v.surface.opacity > 0 && !v.path.is_probe;
     if (!passes || !scatters || v.path.is_camera()) return {passes ? 1.0f : 0.0f, scatters ? 1.0f : 0.0f};
     const float pass = std::clamp(mean(v.surface.passes), 0.05f, 0.95f);
-    const bool is_passing = interval(v, Dimension::at(v.path.key, Dimension::Use::Passing), 0, 1) < pass;
+    const bool is_passing = numbers(v, Dimension::Use::Passing).interval(v.first_of(1)) < pass;
     return is_passing ? Chances{pass, 0} : Chances{0, 1 - pass};
 }
 

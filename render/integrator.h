@@ -73,8 +73,8 @@ public:
     {
         begin(samples, results);
         while (!paths_.empty()) {
-            hits_.assign(rays_.size(), {});
-            trace([&] { tracer.closest(rays_, hits_); });
+            if (hits_.size() < rays_.size()) hits_.resize(rays_.size());
+            trace([&] { tracer.closest(rays_, std::span(hits_).first(rays_.size())); });
             for (std::size_t done = 0; done < paths_.size();) {
                 done = shade_some(done, samples, results);
                 std::uint64_t shot = 0;
@@ -103,6 +103,12 @@ private:
         const shade::Surface& surface;
         Vec3f share;  ///< of what leaves the surface, this reaches the pixel
         float occlusion;  ///< of ambient light that reaches the surface, its occlusion map leaves this
+        /// What decides which lights are left to their own samples here (shade/direct.h).
+        float peak = shade::peak_density(surface);
+        Vec3d start = surface.start(surface.normal_geometric);
+        float width = ray.footprint.at(hit.t);  ///< of the beam
+        /// Index of the first of its numbers in a dimension that has `of` for each sample.
+        std::uint32_t first_of(int of) const noexcept { return static_cast<std::uint32_t>(sample.index * of); }
     };
 
     void begin(std::span<const CameraSample> samples, std::span<SampleResult> results);
@@ -125,18 +131,21 @@ private:
     Chances chances(const Vertex& v) const noexcept;
     void gather_light(const Vertex& v);
     void gather_sky(const Vertex& v);
+    /// False if a scattered direction can bring nothing that gather_light() has not brought.
+    bool needs_scattering(const Vertex& v) const noexcept;
     void scatter_on(const Vertex& v, float chance);
     /// A scattered direction that is followed no further: what lights lie along it?
     void look_for_light(const Path& next, const accel::Ray& ray);
+    void gather_light(const Vertex& v, const shade::WorldLight& light, const Sequence& squares, int first, int end, Vec3f each);
     void test(const Vertex& v, const shade::ShadowTest& test, Vec3f share, int samples);
     void pass_straight(const Path& path, const accel::Ray& ray, float t, Vec3f passes, float coverage, float chance);
     void push(const Path& path, const accel::Ray& ray);
     void extend();
 
     int light_samples_at(const Path& path) const noexcept;
+    int scatter_samples_at(const Path& path) const noexcept;
     shade::Tries tries_of(float light_tries, float scatter_tries, bool is_placed) const noexcept;
-    Vec2f square(const Vertex& v, Dimension d, int n, int of) const noexcept;
-    float interval(const Vertex& v, Dimension d, int n, int of) const noexcept;
+    Sequence numbers(const Vertex& v, Dimension::Use use, int slot = 0) const noexcept;
     accel::Ray scattered_ray(const Vertex& v, const shade::ScatterSample& s, int samples) const noexcept;
 
     template <class Call>
@@ -157,7 +166,7 @@ private:
     // Parallel arrays, kept from batch to batch for their memory.
     std::vector<Path> paths_, next_paths_;
     std::vector<accel::Ray> rays_, next_rays_;
-    std::vector<accel::SurfaceHit> hits_;
+    std::vector<accel::SurfaceHit> hits_;  ///< at least as many as rays
     std::vector<MatteShare> mattes_;
     std::vector<Vec3f> lit_;  ///< what shadow rays brought, one sum a sample
     ShadowQueue shadows_;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "render/integrator.h"
+#include "scenegraph/base/simd.h"  // OCCAM_ALWAYS_INLINE
 #include "shade/footprints.h"
 
 namespace occam::render {
@@ -42,16 +43,26 @@ shade::Tries Integrator::tries_of(float light_tries, float scatter_tries, bool i
     return {light_tries * (is_placed ? placed_tries_ : 1.0f), scatter_tries};
 }
 
-Vec2f Integrator::square(const Vertex& v, Dimension d, int n, int of) const noexcept
+Sequence Integrator::numbers(const Vertex& v, Use use, int slot) const noexcept
 {
-    const auto index = static_cast<std::uint32_t>(v.sample.index * of + n);
-    return context_.sampler.square(v.sample.x, v.sample.y, index, d);
+    return context_.sampler.sequence(v.sample.x, v.sample.y, Dimension::at(v.path.key, use, static_cast<std::uint32_t>(slot)));
 }
 
-float Integrator::interval(const Vertex& v, Dimension d, int n, int of) const noexcept
+// Only what is scattered no further has as many directions as a light has samples.
+int Integrator::scatter_samples_at(const Path& path) const noexcept
 {
-    const auto index = static_cast<std::uint32_t>(v.sample.index * of + n);
-    return context_.sampler.interval(v.sample.x, v.sample.y, index, d);
+    const bool goes_on = context_.settings.integrator != IntegratorKind::Direct && path.bounces < context_.settings.bounces;
+    return goes_on ? 1 : light_samples_at(path);
+}
+
+OCCAM_ALWAYS_INLINE void Integrator::test(const Vertex& v, const shade::ShadowTest& test, Vec3f share, int samples)
+{
+    if (is_black(test.radiance)) return;
+    accel::Ray& ray = shadows_.add(v.path.sample, test.radiance * share);
+    ray.origin = test.origin;
+    ray.direction = test.direction;
+    ray.t_far = test.t_far;
+    ray.footprint = shade::light_beam(v.width, test.t_far, test.density, samples * context_.settings.spp);
 }
 
 void Integrator::gather_light(const Vertex& v)
@@ -60,66 +71,78 @@ void Integrator::gather_light(const Vertex& v)
     const int light_count = static_cast<int>(lights.size());
     const int slots = std::min(light_count, kMaxLightsPerHit);
     const int per_hit = light_samples_at(v.path);
-    const int scatter_tries = context_.settings.integrator == IntegratorKind::Direct || v.path.bounces >= context_.settings.bounces
-                                  ? per_hit
-                                  : 1;
     const Vec3f each = v.share / static_cast<float>(per_hit);
-    // A light of its own has no choice to make.
-    const auto numbers = [&](int slot, int n, bool is_choice) {
-        const auto s = static_cast<std::uint32_t>(slot);
-        shade::LightNumbers u{square(v, Dimension::at(v.path.key, Use::Light, s), n, per_hit)};
-        if (is_choice) u.choice = interval(v, Dimension::at(v.path.key, Use::LightChoice, s), n, per_hit);
-        return u;
-    };
-    const auto tries = [&](bool is_placed) { return tries_of(float(per_hit), float(scatter_tries), is_placed); };
-    for (int slot = 0; slot < slots; ++slot)
-        for (int n = 0; n < per_hit; ++n) {
-            const shade::LightNumbers u = numbers(slot, n, light_count > slots);
-            int light = slot;
-            if (light_count > slots) {
-                const float at = (static_cast<float>(slot) + u.choice) / static_cast<float>(slots);
-                light = std::min(static_cast<int>(at * static_cast<float>(light_count)), light_count - 1);
-            }
-            const shade::WorldLight& placed = lights[std::size_t(light)];
-            if ((placed.groups & v.hit.lit_by) == 0) continue;
-            test(v, shade::test_light(v.surface, placed, u, tries(true)), each / placed_tries_, per_hit);
+    for (int slot = 0; slot < slots; ++slot) {
+        const Sequence squares = numbers(v, Use::Light, slot);
+        if (light_count == slots) {
+            gather_light(v, lights[std::size_t(slot)], squares, 0, per_hit, each);
+            continue;
         }
-    for (int n = 0; n < per_hit; ++n) {
-        if (!context_.lights.meshes().is_empty())
-            test(v, shade::test_meshes(v.surface, context_.lights.meshes(), numbers(slots, n, true), tries(false)), each, per_hit);
-        if (context_.lights.environment().has_density())
-            test(v, shade::test_environment(v.surface, context_.lights.environment(), numbers(slots + 1, n, false), tries(false)), each,
-                 per_hit);
+        const Sequence choices = numbers(v, Use::LightChoice, slot);
+        for (int n = 0; n < per_hit; ++n) {
+            const float choice = choices.interval(v.first_of(per_hit) + static_cast<std::uint32_t>(n));
+            const float at = (static_cast<float>(slot) + choice) / static_cast<float>(slots);
+            const int light = std::min(static_cast<int>(at * static_cast<float>(light_count)), light_count - 1);
+            gather_light(v, lights[std::size_t(light)], squares, n, n + 1, each);
+        }
+    }
+    const shade::Tries tries = tries_of(float(per_hit), float(scatter_samples_at(v.path)), false);
+    if (!context_.lights.meshes().is_empty()) {
+        const Sequence squares = numbers(v, Use::Light, slots), choices = numbers(v, Use::LightChoice, slots);
+        for (int n = 0; n < per_hit; ++n) {
+            const std::uint32_t index = v.first_of(per_hit) + static_cast<std::uint32_t>(n);
+            const shade::LightNumbers u{squares.square(index), choices.interval(index)};
+            test(v, shade::test_meshes(v.surface, context_.lights.meshes(), u, tries), each, per_hit);
+        }
+    }
+    if (context_.lights.environment().has_density()) {
+        const Sequence squares = numbers(v, Use::Light, slots + 1);
+        for (int n = 0; n < per_hit; ++n) {
+            const shade::LightNumbers u{squares.square(v.first_of(per_hit) + static_cast<std::uint32_t>(n))};
+            test(v, shade::test_environment(v.surface, context_.lights.environment(), u, tries), each, per_hit);
+        }
     }
 }
 
-void Integrator::test(const Vertex& v, const shade::ShadowTest& test, Vec3f share, int samples)
+// Samples [first, end) of a placed light.
+void Integrator::gather_light(const Vertex& v, const shade::WorldLight& light, const Sequence& squares, int first, int end, Vec3f each)
 {
-    if (is_black(test.radiance)) return;
-    accel::Ray ray;
-    ray.origin = test.origin;
-    ray.direction = test.direction;
-    ray.t_far = test.t_far;
-    ray.kinds = RayKind::Shadow;
-    ray.footprint = shade::light_beam(v.ray.footprint.at(v.hit.t), test.t_far, test.density, samples * context_.settings.spp);
-    shadows_.add(v.path.sample, ray, test.radiance * share);
+    if ((light.groups & v.hit.lit_by) == 0) return;
+    const int per_hit = light_samples_at(v.path);
+    const bool is_left_to_samples = shade::FrameLights::is_left_to_samples(light, v.start, v.peak);
+    const shade::Tries tries = tries_of(float(per_hit), is_left_to_samples ? 0.0f : float(scatter_samples_at(v.path)), true);
+    const Vec3f to_middle(light.position - v.surface.position), share = each / placed_tries_;
+    const auto sample = [&](Vec2f square) {
+        test(v, shade::test_of(v.surface, light.sample_from(to_middle, {square}), tries), share, per_hit);
+    };
+    const std::uint32_t index = v.first_of(per_hit) + static_cast<std::uint32_t>(first);
+    if (end - first == 1) {
+        sample(squares.square(index));
+        return;
+    }
+    for (int n = 0; n < end - first; n += Sequence::kBlock) {
+        float x[Sequence::kBlock], y[Sequence::kBlock];
+        squares.squares(index + static_cast<std::uint32_t>(n), x, y);
+        for (int i = 0; i < std::min(end - first - n, Sequence::kBlock); ++i) sample({x[i], y[i]});
+    }
 }
 
 void Integrator::gather_sky(const Vertex& v)
 {
+    if (!(v.occlusion > 0)) return;
     const int samples = light_samples_at(v.path);
     const shade::Axes axes(v.surface.normal);
+    const Sequence squares = numbers(v, Use::Scatter);
     const float reach = context_.settings.ao_distance > 0 ? context_.settings.ao_distance : std::numeric_limits<float>::infinity();
     for (int n = 0; n < samples; ++n) {
-        accel::Ray ray;
-        ray.direction = axes.to_world(shade::cosine_direction(square(v, Dimension::at(v.path.key, Use::Scatter), n, samples)));
-        if (!(glm::dot(ray.direction, v.surface.normal_geometric) > 0)) continue;
-        ray.origin = v.surface.start(ray.direction);
+        const Vec3f direction = axes.to_world(shade::cosine_direction(squares.square(v.first_of(samples) + static_cast<std::uint32_t>(n))));
+        if (!(glm::dot(direction, v.surface.normal_geometric) > 0)) continue;
+        accel::Ray& ray = shadows_.add(v.path.sample, v.share * (v.occlusion / static_cast<float>(samples)));
+        ray.origin = v.surface.start(direction);
+        ray.direction = direction;
         ray.t_far = reach;
-        ray.kinds = RayKind::Shadow;
-        const float density = glm::dot(ray.direction, v.surface.normal) / shade::kPi;
-        ray.footprint = shade::scattered_beam({v.ray.footprint.at(v.hit.t), 0}, density, samples * context_.settings.spp);
-        shadows_.add(v.path.sample, ray, v.share * (v.occlusion / static_cast<float>(samples)));
+        const float density = glm::dot(direction, v.surface.normal) / shade::kPi;
+        ray.footprint = shade::scattered_beam({v.width, 0}, density, samples * context_.settings.spp);
     }
 }
 
@@ -129,7 +152,7 @@ accel::Ray Integrator::scattered_ray(const Vertex& v, const shade::ScatterSample
     ray.origin = v.surface.start(s.direction);
     ray.direction = s.direction;
     ray.kinds = kind_of(s.lobe);
-    const shade::Beam beam{v.ray.footprint.at(v.hit.t), v.ray.footprint.b};
+    const shade::Beam beam{v.width, v.ray.footprint.b};
     const float cosine = std::max(glm::dot(v.surface.normal, v.surface.to_eye), 0.0f);
     lod::Footprint smooth{beam.width, 0};
     if (s.lobe == shade::Lobe::Transmission) {
@@ -143,17 +166,24 @@ accel::Ray Integrator::scattered_ray(const Vertex& v, const shade::ScatterSample
     return ray;
 }
 
+bool Integrator::needs_scattering(const Vertex& v) const noexcept
+{
+    const bool is_direct = context_.settings.integrator == IntegratorKind::Direct;
+    const bool goes_on = v.path.bounces < context_.settings.bounces && !(is_direct && shade::narrowest_lobe(v.surface) > kMirrorAlpha);
+    return goes_on || !context_.lights.leaves_all_to_samples(v.start, v.peak, v.hit.lit_by);
+}
+
 void Integrator::scatter_on(const Vertex& v, float chance)
 {
     const Settings& settings = context_.settings;
     const bool is_last = v.path.bounces >= settings.bounces;
     const bool is_direct = settings.integrator == IntegratorKind::Direct;
     const int light_tries = light_samples_at(v.path);
-    const int samples = is_direct || is_last ? light_tries : 1;
+    const int samples = scatter_samples_at(v.path);
+    const Sequence lobes = numbers(v, Use::Lobe), squares = numbers(v, Use::Scatter);
     for (int n = 0; n < samples; ++n) {
-        const float lobe = interval(v, Dimension::at(v.path.key, Use::Lobe), n, samples);
-        const shade::ScatterSample s =
-            shade::sample_scatter(v.surface, lobe, square(v, Dimension::at(v.path.key, Use::Scatter), n, samples));
+        const std::uint32_t index = v.first_of(samples) + static_cast<std::uint32_t>(n);
+        const shade::ScatterSample s = shade::sample_scatter(v.surface, lobes.interval(index), squares.square(index));
         if (is_black(s.weight)) continue;
 
         Path next = v.path;
@@ -161,6 +191,7 @@ void Integrator::scatter_on(const Vertex& v, float chance)
         next.coverage = 0;
         next.key = scattered_key(v.path.key, static_cast<std::uint32_t>(n));
         next.density = s.density;
+        next.peak = v.peak;
         next.lit_by = v.hit.lit_by;
         next.light_tries = static_cast<float>(light_tries);
         next.scatter_tries = static_cast<float>(samples);
@@ -177,7 +208,7 @@ void Integrator::scatter_on(const Vertex& v, float chance)
         if (!is_direct && next.bounces > kCertainBounces) {
             const float worth = std::max({next.throughput.x, next.throughput.y, next.throughput.z});
             const float survival = std::clamp(worth, 0.05f, 0.95f);
-            if (interval(v, Dimension::at(v.path.key, Use::Survival), 0, 1) >= survival) continue;
+            if (numbers(v, Use::Survival).interval(v.first_of(1)) >= survival) continue;
             next.throughput /= survival;
         }
         push(next, ray);
@@ -195,13 +226,15 @@ void Integrator::look_for_light(const Path& next, const accel::Ray& ray)
     // Lights without a surface and the sky need no hit: something is in the way or not.
     const shade::Tries placed = tries_of(next.light_tries, next.scatter_tries, true);
     const auto add = [&](float t_far, Vec3f radiance) {
-        accel::Ray shadow = ray;
+        const Vec3f reaches = next.throughput * radiance;
+        if (is_black(reaches)) return;
+        accel::Ray& shadow = shadows_.add(next.sample, reaches);
+        shadow = ray;
         shadow.kinds = RayKind::Shadow;
         shadow.t_far = t_far;
-        shadows_.add(next.sample, shadow, next.throughput * radiance);
     };
     const float infinity = std::numeric_limits<float>::infinity();
-    context_.lights.for_crossings(ray.origin, ray.direction, infinity,
+    context_.lights.for_crossings(ray.origin, ray.direction, infinity, next.peak,
                                   [&](const shade::WorldLight& light, const shade::LightCrossing& c) {
                                       if ((light.groups & next.lit_by) == 0) return;
                                       add(c.distance, c.radiance * placed.of_scatter(next.density, c.density));

@@ -15,6 +15,7 @@ struct Path {
     Vec3f throughput{1};             ///< of what it finds, this reaches the pixel
     float coverage = 1;              ///< share of the pixel that nothing before covers; 0 once the path was scattered
     float density = 0;               ///< of the scattered direction per solid angle; 0: a camera ray
+    float peak = 0;                  ///< shade::peak_density() of the surface that scattered it
     float light_tries = 1, scatter_tries = 1;  ///< samples of either kind at the surface it comes from
     Vec3f absorption{0};             ///< of the body that it travels in, per world length
     LightGroups lit_by = kAllGroups; ///< of the surface that scattered it

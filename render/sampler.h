@@ -38,6 +38,27 @@ SobolPair sobol_pair(std::uint32_t index) noexcept;
 /// and Karras 2011 with the constants of Vegdahl 2021.
 std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t seed) noexcept;
 
+/// The numbers of one pixel and dimension: what does not depend on their index is worked out once.
+class Sequence {
+public:
+    explicit Sequence(std::uint64_t key) noexcept
+        : order_(static_cast<std::uint32_t>(key)),
+          flips_x_(static_cast<std::uint32_t>(key >> 32)),
+          flips_y_(static_cast<std::uint32_t>(mix_bits(key)))
+    {
+    }
+    /// Number `index`, in [0, 1).
+    float interval(std::uint32_t index) const noexcept;
+    /// As a point; x is what interval() gives.
+    Vec2f square(std::uint32_t index) const noexcept;
+    /// Points first, first + 1, ...
+    static constexpr int kBlock = 8;
+    void squares(std::uint32_t first, float (&x)[kBlock], float (&y)[kBlock]) const noexcept;
+
+private:
+    std::uint32_t order_, flips_x_, flips_y_;
+};
+
 class Sampler {
 public:
     /// jitter   false: every sample through the middle of its pixel
@@ -51,19 +72,80 @@ public:
     {
         return jitter_ ? square(x, y, static_cast<std::uint32_t>(sample), Dimension::pixel()) : Vec2f(0.5f);
     }
-    /// Number `index` of that pixel and dimension, in [0, 1).
-    float interval(int x, int y, std::uint32_t index, Dimension dimension) const noexcept;
-    /// As a point; x is what interval() gives.
-    Vec2f square(int x, int y, std::uint32_t index, Dimension dimension) const noexcept;
+    Sequence sequence(int x, int y, Dimension dimension) const noexcept
+    {
+        const auto pixel = (std::uint64_t(static_cast<std::uint32_t>(y)) << 32) | static_cast<std::uint32_t>(x);
+        return Sequence(mix_bits(mix_bits(seed_ ^ pixel) + dimension.value * 0xd1342543de82ef95ull));
+    }
+    float interval(int x, int y, std::uint32_t index, Dimension dimension) const noexcept
+    {
+        return sequence(x, y, dimension).interval(index);
+    }
+    Vec2f square(int x, int y, std::uint32_t index, Dimension dimension) const noexcept { return sequence(x, y, dimension).square(index); }
 
     int samples() const noexcept { return samples_; }
 
 private:
-    std::uint64_t key_of(int x, int y, Dimension dimension) const noexcept;
-
     std::uint64_t seed_;
     int samples_;
     bool jitter_;
 };
+
+namespace sobol {
+
+inline std::uint32_t reversed(std::uint32_t x) noexcept
+{
+    x = (x >> 16) | (x << 16);
+    x = ((x & 0xff00ff00u) >> 8) | ((x & 0x00ff00ffu) << 8);
+    x = ((x & 0xf0f0f0f0u) >> 4) | ((x & 0x0f0f0f0fu) << 4);
+    x = ((x & 0xccccccccu) >> 2) | ((x & 0x33333333u) << 2);
+    return ((x & 0xaaaaaaaau) >> 1) | ((x & 0x55555555u) << 1);
+}
+
+// The top 24 bits, all of which a float can hold.
+inline float unit_float(std::uint32_t bits) noexcept { return static_cast<float>(static_cast<std::int32_t>(bits >> 8)) * 0x1p-24f; }
+
+// Pascal's triangle modulo 2 as a matrix of bits: entry (k, i) is 1 where k's bits are among i's (Lucas), so each bit of the
+// index adds itself to the one that lacks it, one power of two after the other.
+inline std::uint32_t pascal(std::uint32_t x) noexcept
+{
+    x ^= x >> 16;
+    x ^= (x >> 8) & 0x00ff00ffu;
+    x ^= (x >> 4) & 0x0f0f0f0fu;
+    x ^= (x >> 2) & 0x33333333u;
+    return x ^ ((x >> 1) & 0x55555555u);
+}
+
+// owen_scramble() of a number whose bits are given, and wanted, in reversed order.
+inline std::uint32_t scramble_reversed(std::uint32_t x, std::uint32_t seed) noexcept
+{
+    x ^= x * 0x3d20adeau;
+    x += seed;
+    x *= (seed >> 16) | 1u;
+    x ^= x * 0x05526c56u;
+    return x ^ x * 0x53a22864u;
+}
+
+}  // namespace sobol
+
+inline SobolPair sobol_pair(std::uint32_t index) noexcept { return {sobol::reversed(index), sobol::reversed(sobol::pascal(index))}; }
+
+inline std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t seed) noexcept
+{
+    return sobol::reversed(sobol::scramble_reversed(sobol::reversed(x), seed));
+}
+
+// Both coordinates are reversed once: what sobol_pair() and owen_scramble() do twice cancels.
+inline Vec2f Sequence::square(std::uint32_t index) const noexcept
+{
+    using namespace sobol;
+    const std::uint32_t shuffled = owen_scramble(index, order_);
+    return {unit_float(reversed(scramble_reversed(shuffled, flips_x_))), unit_float(reversed(scramble_reversed(pascal(shuffled), flips_y_)))};
+}
+
+inline float Sequence::interval(std::uint32_t index) const noexcept
+{
+    return sobol::unit_float(sobol::reversed(sobol::scramble_reversed(owen_scramble(index, order_), flips_x_)));
+}
 
 }  // namespace occam::render

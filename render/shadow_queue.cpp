@@ -42,13 +42,6 @@ void ShadowQueue::clear() noexcept
     rays_.clear();
 }
 
-void ShadowQueue::add(std::uint32_t sample, const accel::Ray& ray, Vec3f radiance)
-{
-    if (!(radiance.x > 0 || radiance.y > 0 || radiance.z > 0)) return;
-    shadows_.push_back({sample, radiance});
-    rays_.push_back(ray);
-}
-
 void ShadowQueue::collect_blocked()
 {
     blocked_.clear();

@@ -40,8 +40,14 @@ public:
 
     std::size_t size() const noexcept { return rays_.size(); }
     void clear() noexcept;
-    /// `radiance` is added to sums[sample] as far as nothing is in the way. Black: the ray is not traced.
-    void add(std::uint32_t sample, const accel::Ray& ray, Vec3f radiance);
+    /// `radiance` is added to sums[sample] as far as nothing is in the way of the ray, which is the caller's to write.
+    accel::Ray& add(std::uint32_t sample, Vec3f radiance)
+    {
+        shadows_.push_back({sample, radiance});
+        accel::Ray& ray = rays_.emplace_back();
+        ray.kinds = accel::RayKind::Shadow;
+        return ray;
+    }
 
     /// Traces all rays and adds what they bring. Returns how many were shot. Tracer: see Integrator::run.
     template <class Tracer>
@@ -53,8 +59,8 @@ public:
         collect_blocked();
         for (int layer = 0; layer < kMaxBlendLayers && !blocked_rays_.empty(); ++layer) {
             shot += blocked_rays_.size();
-            blocked_hits_.assign(blocked_rays_.size(), {});
-            tracer.closest(blocked_rays_, blocked_hits_);
+            if (blocked_hits_.size() < blocked_rays_.size()) blocked_hits_.resize(blocked_rays_.size());
+            tracer.closest(blocked_rays_, std::span(blocked_hits_).first(blocked_rays_.size()));
             pass_blocked();
         }
         add_light(sums);

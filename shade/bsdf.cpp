@@ -109,23 +109,9 @@ private:
     LobeShares() noexcept = default;
 };
 
-// Chiang et al. 2019, eq. 1 to 3: 1 where the normals agree, falling smoothly to 0 at the geometric horizon.
-float terminator(const Surface& s, float n_l, Vec3f to_light) noexcept
-{
-    const float ratio = glm::dot(s.normal_geometric, to_light) / std::max(n_l * glm::dot(s.normal_geometric, s.normal), 1e-6f);
-    if (ratio >= 1) return 1;
-    if (!(ratio > 0)) return 0;
-    return ratio * (1 + ratio * (1 - ratio));
-}
-
 // Below the coat: f times the cosine, light on the eye's side.
 Vec3f reflected(const Surface& s, Vec3f to_light) noexcept
 {
-    if (s.is_matte) {
-        // What is below comes to, bit by bit, where the layer is nothing.
-        const float n_l = glm::dot(s.normal, to_light);
-        return n_l > 0 ? s.diffuse * (1 / kPi) * (n_l * terminator(s, n_l, to_light)) : Vec3f(0);
-    }
     const Angles a(s.normal, s.to_eye, to_light);
     if (!(a.n_l > 0)) return Vec3f(0);
     const float lobe = ggx_density(a.n_h, a.sin2_h, s.alpha) * ggx_visibility(a.n_l, a.n_v, s.alpha);
@@ -188,7 +174,7 @@ Vec3f coated(const Surface& s, Vec3f below, Vec3f to_light) noexcept
 
 }  // namespace
 
-Vec3f scatter(const Surface& s, Vec3f to_light) noexcept
+Vec3f scatter_of_lobes(const Surface& s, Vec3f to_light) noexcept
 {
     const float side = glm::dot(s.normal_geometric, to_light);
     Vec3f f(0);
@@ -200,6 +186,20 @@ Vec3f scatter(const Surface& s, Vec3f to_light) noexcept
 }
 
 float scatter_density(const Surface& s, Vec3f to_light) noexcept { return density_of(s, LobeShares(s), to_light); }
+
+float peak_density(const Surface& s) noexcept
+{
+    if (s.transmission != Vec3f(0)) return std::numeric_limits<float>::infinity();
+    float peak = 1 / kPi;
+    if (s.is_matte) return peak;
+    // A GGX lobe is densest about the mirrored direction, where the microfacet is the surface.
+    const auto include = [&](Vec3f normal, float alpha) {
+        peak = std::max(peak, visible_density_over_cosine(eye_cosine(normal, s.to_eye), 1, 0, alpha) / 4);
+    };
+    include(s.normal, s.alpha);
+    if (s.coat > 0) include(s.coat_normal, s.coat_alpha);
+    return peak;
+}
 
 ScatterSample sample_scatter(const Surface& s, float choice, Vec2f square) noexcept
 {

@@ -16,8 +16,27 @@
 
 namespace occam::shade {
 
+/// Chiang et al. 2019, eq. 1 to 3: 1 where the normals agree, falling smoothly to 0 at the geometric horizon. n_l: above 0.
+inline float terminator(const Surface& s, float n_l, Vec3f to_light) noexcept
+{
+    const float side = glm::dot(s.normal_geometric, to_light), along = std::max(n_l * glm::dot(s.normal_geometric, s.normal), 1e-6f);
+    if (side >= along) return 1;
+    if (!(side > 0)) return 0;
+    const float ratio = side / along;
+    return ratio * (1 + ratio * (1 - ratio));
+}
+
+/// scatter() of a surface that is not, or need not be, matte.
+Vec3f scatter_of_lobes(const Surface& surface, Vec3f to_light) noexcept;
+
 /// f(to_eye, to_light) times the cosine at the light's side.
-Vec3f scatter(const Surface& surface, Vec3f to_light) noexcept;
+inline Vec3f scatter(const Surface& s, Vec3f to_light) noexcept
+{
+    if (!s.is_matte) return scatter_of_lobes(s, to_light);
+    // What the lobes come to, bit by bit, where the layer is nothing.
+    const float n_l = glm::dot(s.normal, to_light);
+    return n_l > 0 ? s.diffuse * (1 / kPi) * (n_l * terminator(s, n_l, to_light)) : Vec3f(0);
+}
 
 /// Which part of the surface a direction was drawn from.
 enum class Lobe : unsigned char { Diffuse, Layer, Coat, Transmission };
@@ -35,5 +54,15 @@ ScatterSample sample_scatter(const Surface& surface, float choice, Vec2f square)
 
 /// Density of sample_scatter()'s directions per solid angle.
 float scatter_density(const Surface& surface, Vec3f to_light) noexcept;
+
+/// No lobe of the surface draws any direction more densely; infinity if light passes through it.
+float peak_density(const Surface& surface) noexcept;
+
+/// GGX width of the narrowest lobe; 1 if there is none.
+inline float narrowest_lobe(const Surface& s) noexcept
+{
+    if (s.is_matte) return 1;
+    return s.coat > 0 ? std::min(s.alpha, s.coat_alpha) : s.alpha;
+}
 
 }  // namespace occam::shade

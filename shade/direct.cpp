@@ -3,23 +3,6 @@
 #include <limits>
 
 namespace occam::shade {
-namespace {
-
-ShadowTest test_of(const Surface& surface, const LightSample& sample, Tries tries) noexcept
-{
-    if (sample.radiance == Vec3f(0)) return {};
-    const Vec3f f = scatter(surface, sample.direction);
-    if (f == Vec3f(0)) return {};
-    const float weight = sample.density > 0 ? tries.of_light(sample.density, scatter_density(surface, sample.direction)) : 1;
-    return {surface.start(sample.direction), sample.direction, sample.distance, f * sample.radiance * weight, sample.density};
-}
-
-}  // namespace
-
-ShadowTest test_light(const Surface& surface, const WorldLight& light, LightNumbers numbers, Tries tries) noexcept
-{
-    return test_of(surface, light.sample(surface.position, numbers), tries);
-}
 
 ShadowTest test_meshes(const Surface& surface, const MeshLights& lights, LightNumbers numbers, Tries tries) noexcept
 {

@@ -10,6 +10,10 @@
 // `samples` is how many rays of one pixel share the domain in all: each speaks for one such part of it.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 #include "lod/footprint.h"
 
 namespace occam::shade {
@@ -50,5 +54,31 @@ struct LensBeams {
 };
 /// focus       distance along the ray; pixel: the beam of a pinhole, or of parallel rays
 LensBeams lens_beams(lod::Footprint pixel, float diameter, float focus, int samples) noexcept;
+
+/// The side of a square of a hemisphere's solid angle, 2 pi.
+inline constexpr float kWidestSpread = 2.5066283f;
+
+/// Side of the square of one sample's solid angle.
+inline float share_width(float density, int samples) noexcept
+{
+    const float shares = density * static_cast<float>(samples);
+    return shares > 0 ? std::min(1 / std::sqrt(shares), kWidestSpread) : kWidestSpread;
+}
+
+inline lod::Footprint from_width(float width, float spread) noexcept
+{
+    // A facet's edge may have any curvature; a beam is never wider than a hemisphere.
+    return {width, std::isfinite(spread) ? std::clamp(spread, 0.0f, kWidestSpread) : 0.0f};
+}
+
+inline lod::Footprint light_beam(float width, float distance, float density, int samples) noexcept
+{
+    constexpr float kNarrowestAtLight = 1.0f / 8;
+    const float angle = density > 0 ? share_width(density, samples) : 0;
+    if (!(distance < std::numeric_limits<float>::infinity())) return from_width(width, angle);
+    if (!(distance > 0)) return {width, 0};
+    const float at_light = std::max(angle * distance, width * kNarrowestAtLight);
+    return {width, std::min((at_light - width) / distance, kWidestSpread)};
+}
 
 }  // namespace occam::shade

@@ -34,6 +34,14 @@ FrameLights::FrameLights(std::vector<WorldLight> lights, Environment environment
     list_areas();
 }
 
+bool FrameLights::leaves_all_to_samples(Vec3d start, float peak, LightGroups groups) const noexcept
+{
+    if (meshes_.any_emitter() || !environment_.is_black()) return false;
+    for (const std::uint32_t i : with_area_)
+        if ((lights_[i].groups & groups) != 0 && !is_left_to_samples(lights_[i], start, peak)) return false;
+    return true;
+}
+
 void FrameLights::list_areas()
 {
     for (std::uint32_t i = 0; i < lights_.size(); ++i)

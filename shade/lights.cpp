@@ -10,9 +10,6 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// A light no nearer than this is finite: a point light's 1 / d^2 must not overflow.
-constexpr float kMinDistance2 = 1e-12f;
-
 Vec3f axis(const Mat4d& m, int column) { return Vec3f(Vec3d(m[column])); }
 
 Vec3f unit_or(Vec3d v, Vec3f fallback) noexcept
@@ -64,9 +61,8 @@ void place_area(WorldLight& out, const AreaLight& light, const Mat4d& world_from
     }
 }
 
-LightSample sample_point(const WorldLight& light, Vec3d point) noexcept
+LightSample sample_point(const WorldLight& light, Vec3f to_light) noexcept
 {
-    const Vec3f to_light(light.position - point);
     const float distance2 = std::max(glm::dot(to_light, to_light), kMinDistance2);
     const float distance = std::sqrt(distance2);
     const Vec3f direction = to_light / distance;
@@ -88,19 +84,6 @@ LightSample sample_sun(const WorldLight& light, LightNumbers numbers) noexcept
         direction = glm::normalize(axes.to_world({d.x, d.y, 1}));
     }
     return {direction, kInfinity, light.strength, 0};
-}
-
-LightSample sample_flat(const WorldLight& light, Vec3d point, LightNumbers numbers) noexcept
-{
-    const Vec2f d = light.kind == WorldLight::Kind::Disc ? disc_point(numbers.square) : numbers.square * 2.0f - 1.0f;
-    const Vec3f to_light = Vec3f(light.position - point) + light.half_x * d.x + light.half_y * d.y;
-    const float distance2 = std::max(glm::dot(to_light, to_light), kMinDistance2);
-    const float distance = std::sqrt(distance2);
-    const Vec3f direction = to_light / distance;
-    float cosine = -glm::dot(direction, light.direction);
-    if (light.two_sided) cosine = std::fabs(cosine);
-    if (!(cosine > 0)) return {};
-    return {direction, distance, light.strength * (light.area * cosine / distance2), distance2 / (light.area * cosine)};
 }
 
 LightCrossing cross_flat(const WorldLight& light, Vec3d origin, Vec3f direction) noexcept
@@ -142,9 +125,8 @@ LightCrossing cross_sphere(const WorldLight& light, Vec3d origin, Vec3f directio
 }
 
 // Uniform in the cone that the sphere fills.
-LightSample sample_sphere(const WorldLight& light, Vec3d point, LightNumbers numbers) noexcept
+LightSample sample_sphere(const WorldLight& light, Vec3f to_centre, LightNumbers numbers) noexcept
 {
-    const Vec3f to_centre(light.position - point);
     const float distance2 = glm::dot(to_centre, to_centre);
     const float one_minus_cos_most = cone_height(light.radius, distance2);
     if (!(one_minus_cos_most > 0)) return {};
@@ -181,16 +163,24 @@ WorldLight WorldLight::place(const Light& light, const Mat4d& world_from_node)
     return out;
 }
 
-LightSample WorldLight::sample(Vec3d point, LightNumbers numbers) const noexcept
+LightSample WorldLight::sample_other(Vec3f to_middle, LightNumbers numbers) const noexcept
 {
     switch (kind) {
-        case Kind::Point: return sample_point(*this, point);
+        case Kind::Point: return sample_point(*this, to_middle);
         case Kind::Sun: return sample_sun(*this, numbers);
-        case Kind::Rectangle:
-        case Kind::Disc: return sample_flat(*this, point, numbers);
-        case Kind::Sphere: return sample_sphere(*this, point, numbers);
+        case Kind::Disc: return sample_flat(to_middle, disc_point(numbers.square));
+        case Kind::Sphere: return sample_sphere(*this, to_middle, numbers);
+        case Kind::Rectangle: break;  // sample_from() has it
     }
     return {};
+}
+
+float WorldLight::cover(Vec3d point) const noexcept
+{
+    // No point of a parallelogram, sheared or not, is farther from its middle than its corners are.
+    const float flat2 = glm::dot(half_x, half_x) + glm::dot(half_y, half_y) + 2 * std::fabs(glm::dot(half_x, half_y));
+    const Vec3f to_middle(position - point);
+    return (kind == Kind::Sphere ? radius * radius : flat2) / glm::dot(to_middle, to_middle);
 }
 
 LightCrossing WorldLight::crossing(Vec3d origin, Vec3f toward) const noexcept

@@ -20,7 +20,7 @@ struct PlaneTracer {
     void closest(std::span<const accel::Ray> rays, std::span<accel::SurfaceHit> hits) const
     {
         for (std::size_t i = 0; i < rays.size(); ++i) {
-            accel::SurfaceHit& hit = hits[i];
+            accel::SurfaceHit& hit = hits[i] = {};
             for (const Plane& plane : planes) {
                 const accel::Ray& ray = rays[i];
                 const float t = float((plane.height - ray.origin.y) / double(ray.direction.y));
@@ -168,6 +168,28 @@ TEST(Integrator, ManyLightsAreSampledWithoutBias)
     stage.lights.assign(100, sun_from_above(3.14159265f / 100));
     EXPECT_NEAR(stage.one().radiance.x, 0.5f, 1e-4f);
     EXPECT_EQ(stage.counters.rays.shadow, std::uint64_t(kMaxLightsPerHit));
+}
+
+// A ray towards a lamp for each of its samples, and none that is scattered to find it, unless it is near.
+TEST(Integrator, ALampFarOffIsLeftToItsSamples)
+{
+    const Material grey = matte(0.5f);
+    Stage stage;
+    stage.settings.light_samples = 64;
+    stage.tracer.planes = {{0, &grey}};
+    shade::WorldLight lamp;
+    lamp.kind = shade::WorldLight::Kind::Sphere;
+    lamp.radius = 1;
+    lamp.strength = Vec3f(1);
+    for (const double height : {2.0, 20.0}) {
+        lamp.position = {0, height, 0};
+        stage.lights = {lamp};
+        // Form factor of a sphere straight above: (r / h)^2. The camera's ray meets the plane up to 0.2 beside that.
+        const float expected = 0.5f / static_cast<float>(height * height);
+        EXPECT_NEAR(stage.one().radiance.x, expected, 0.03f * expected) << height;
+        if (height > 4) EXPECT_EQ(stage.counters.rays.shadow, 64u);
+        else EXPECT_GT(stage.counters.rays.shadow, 64u);
+    }
 }
 
 TEST(Integrator, ABatchDoesNotChangeASample)

@@ -76,38 +76,41 @@ TEST(Path, AShiningRoomIsAsBrightAsTheSeriesOfItsBounces)
     EXPECT_NEAR(one.value(), 0.4 * (1 + 0.6), 4 * one.error() + 1e-3);
 }
 
-// The same lamp as an area light of the scene graph and as a mesh that shines.
+// The same lamp as an area light of the scene graph and as a mesh that shines: near by, and so far that the area light is left to its
+// samples, while the mesh is found by scattered rays too.
 TEST(Path, AShiningMeshLightsAsAnAreaLightDoes)
 {
     const Camera camera = Camera::look_at({0, 0.8, 0}, {0, 0, 0}, {0, 0, -1}, 1.2f);
-    double light[2][2];
-    double error = 0;
-    for (const bool is_mesh : {false, true})
-        for (const float roughness : {0.15f, 1.0f}) {
-            Scene scene;
-            Material floor = matte(0.5f);
-            floor.specular = 1;
-            floor.metallic = 0.5f;
-            floor.roughness = roughness;
-            put(scene, square(4), floor);
-            if (is_mesh) {
-                Material lamp = matte(0);
-                lamp.emission = Vec3f(5);
-                put(scene, square(0.5f), lamp, {0, 1, 0});
-            } else {
-                NodeDesc lamp;
-                lamp.place.translation = {0, 1, 0};
-                lamp.place.rotation = {-0.7071067811865476, 0, 0, 0.7071067811865476};
-                lamp.light = scene.add(Light{"lamp", AreaLight{AreaLight::Shape::Rectangle, Vec2f(1), Vec3f(5)}});
-                scene.add_node(scene.root(), lamp);
-            }
-            Settings settings = kSmall;
-            settings.integrator = IntegratorKind::Direct;
-            const Mean m = mean_of(scene, camera, settings);
-            light[is_mesh][roughness == 1] = m.value();
-            error = std::max(error, m.value() * 3e-3);  // of 65,536 samples that are each right to a factor
+    const auto light = [&](bool is_mesh, float roughness, double height, IntegratorKind integrator) {
+        Scene scene;
+        Material floor = matte(0.5f);
+        floor.specular = 1;
+        floor.metallic = 0.5f;
+        floor.roughness = roughness;
+        put(scene, square(4), floor);
+        const auto radiance = static_cast<float>(5 * height * height);
+        if (is_mesh) {
+            Material lamp = matte(0);
+            lamp.emission = Vec3f(radiance);
+            put(scene, square(0.5f), lamp, {0, height, 0});
+        } else {
+            NodeDesc lamp;
+            lamp.place.translation = {0, height, 0};
+            lamp.place.rotation = {-0.7071067811865476, 0, 0, 0.7071067811865476};
+            lamp.light = scene.add(Light{"lamp", AreaLight{AreaLight::Shape::Rectangle, Vec2f(1), Vec3f(radiance)}});
+            scene.add_node(scene.root(), lamp);
         }
-    for (const int rough : {0, 1}) EXPECT_NEAR(light[0][rough], light[1][rough], 4 * error) << rough;
+        Settings settings = kSmall;
+        settings.integrator = integrator;
+        return mean_of(scene, camera, settings).value();
+    };
+    for (const IntegratorKind integrator : {IntegratorKind::Direct, IntegratorKind::Path})
+        for (const double height : {1.0, 9.0})
+            for (const float roughness : {0.15f, 1.0f}) {
+                const double area = light(false, roughness, height, integrator), mesh = light(true, roughness, height, integrator);
+                // Of 65,536 samples that are each right to a factor.
+                EXPECT_NEAR(area, mesh, 4 * 3e-3 * area) << height << ' ' << roughness;
+            }
 }
 
 // A pane is looked through straight on; a body bends, and both lose to reflection alone what Fresnel says.

@@ -50,6 +50,16 @@ TEST(Sampler, AnIntervalIsTheFirstCoordinateOfItsSquare)
     for (std::uint32_t i = 0; i < 100; ++i) EXPECT_EQ(sampler.interval(4, 5, i, kLight), sampler.square(4, 5, i, kLight).x);
 }
 
+TEST(Sampler, ABlockIsItsPoints)
+{
+    const Sequence sequence = Sampler(7, 1, true).sequence(4, 5, kLight);
+    for (const std::uint32_t first : {0u, 5u, 1000u, 0xfffffffcu}) {
+        float x[Sequence::kBlock], y[Sequence::kBlock];
+        sequence.squares(first, x, y);
+        for (std::uint32_t i = 0; i < Sequence::kBlock; ++i) EXPECT_EQ(Vec2f(x[i], y[i]), sequence.square(first + i));
+    }
+}
+
 TEST(Sampler, ScramblingKeepsTheOrderOfBitsAndIsABijection)
 {
     std::set<std::uint32_t> seen;

@@ -1,0 +1,145 @@
+#include "shade/direct.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/statistics.h"
+
+namespace occam::shade {
+namespace {
+
+Surface matte()
+{
+    Surface s;
+    s.diffuse = Vec3f(0.5f);
+    s.f0 = Vec3f(0);
+    s.f90 = s.dielectric_f0 = s.dielectric_f90 = 0;
+    s.is_matte = true;
+    s.self_distance = 1e-4f;
+    s.to_eye = glm::normalize(Vec3f(-0.6f, 0.1f, 1));
+    return s;
+}
+
+Surface glossy(float alpha, float coat = 0)
+{
+    Surface s = matte();
+    s.is_matte = false;
+    s.f0 = Vec3f(0.2f);
+    s.f90 = s.dielectric_f90 = 1;
+    s.dielectric_f0 = 0.04f;
+    s.alpha = alpha;
+    s.coat = coat;
+    s.coat_alpha = 0.1f;
+    return s;
+}
+
+// A square whose corners are a unit from its middle, `distance` away at `angle` to the normal, turned by `tilt` from facing the point.
+WorldLight square_light(float distance, float angle, float tilt)
+{
+    WorldLight light;
+    light.kind = WorldLight::Kind::Rectangle;
+    light.position = Vec3d(std::sin(double(angle)), 0, std::cos(double(angle))) * double(distance);
+    light.direction = {-std::sin(angle + tilt), 0, -std::cos(angle + tilt)};
+    const float half = std::sqrt(0.5f);
+    light.half_x = Vec3f(std::cos(angle + tilt), 0, -std::sin(angle + tilt)) * half;
+    light.half_y = {0, half, 0};
+    light.area = 2;
+    light.strength = Vec3f(1);
+    return light;
+}
+
+WorldLight ball(float distance, float angle)
+{
+    WorldLight light;
+    light.kind = WorldLight::Kind::Sphere;
+    light.position = Vec3d(std::sin(double(angle)), 0, std::cos(double(angle))) * double(distance);
+    light.radius = 1;
+    light.strength = Vec3f(1);
+    return light;
+}
+
+bool is_left(const Surface& s, const WorldLight& light)
+{
+    return FrameLights::is_left_to_samples(light, s.start(s.normal_geometric), peak_density(s));
+}
+
+// Light that leaves the surface: one sample of the light and one scattered direction, weighed with each other or as the rule says.
+test::Mean radiance(const Surface& s, const WorldLight& light, bool by_rule, int count = 10'000)
+{
+    const FrameLights lights({light}, {});
+    const float peak = by_rule ? peak_density(s) : std::numeric_limits<float>::infinity();
+    const Tries tries{1, by_rule && is_left(s, light) ? 0.0f : 1.0f};
+    test::Numbers numbers(7);
+    test::Mean mean;
+    for (int i = 0; i < count; ++i) {
+        double sum = double(test_of(s, light.sample(s.position, {numbers.square(), 0}), tries).radiance.x);
+        const float choice = numbers.one();
+        const ScatterSample d = sample_scatter(s, choice, numbers.square());
+        lights.for_crossings(s.start(d.direction), d.direction, 1e30f, peak, [&](const WorldLight&, const LightCrossing& c) {
+            sum += double(d.weight.x * c.radiance.x * Tries{1, 1}.of_scatter(d.density, c.density));
+        });
+        mean.add(sum);
+    }
+    return mean;
+}
+
+TEST(DirectLight, TheRuleLeavesTheMeanAsItIsNearAndFar)
+{
+    int left = 0, shared = 0;
+    for (const Surface& s : {matte(), glossy(0.5f), glossy(0.1f), glossy(0.5f, 1), glossy(0.01f)})
+        for (const float distance : {1.2f, 2.0f, 3.9f, 4.2f, 10.0f, 60.0f})
+            for (const WorldLight& light : {square_light(distance, 0.3f, 0.2f), square_light(distance, 1.3f, -0.8f), ball(distance, 0.5f)}) {
+                const test::Mean both = radiance(s, light, false), by_rule = radiance(s, light, true);
+                const double error = std::hypot(both.error(), by_rule.error());
+                EXPECT_NEAR(by_rule.value(), both.value(), 4 * error + 1e-6) << "alpha " << s.alpha << ", distance " << distance;
+                ++(is_left(s, light) ? left : shared);
+            }
+    EXPECT_GT(left, 20);
+    EXPECT_GT(shared, 40);
+}
+
+TEST(DirectLight, LightsCloseByAndNarrowLobesAreWeighedBothWays)
+{
+    EXPECT_FALSE(is_left(matte(), square_light(3.9f, 0.3f, 0.2f)));
+    EXPECT_TRUE(is_left(matte(), square_light(4.1f, 0.3f, 0.2f)));
+    EXPECT_FALSE(is_left(matte(), square_light(0.5f, 0, 0))) << "within its sphere";
+    EXPECT_FALSE(is_left(glossy(0.1f), square_light(4.1f, 0.3f, 0.2f)));
+    EXPECT_FALSE(is_left(glossy(0.5f, 1), square_light(8, 0.3f, 0.2f))) << "its coat is narrow";
+    EXPECT_TRUE(is_left(glossy(0.1f), square_light(100, 0.3f, 0.2f)));
+    Surface glass = glossy(0.5f);
+    glass.transmission = Vec3f(0.5f);
+    EXPECT_FALSE(is_left(glass, square_light(1e6f, 0, 0)));
+}
+
+// No direction is drawn more densely than the rule believes.
+TEST(DirectLight, NoLobeIsDenserThanItsPeak)
+{
+    for (const Surface& s : {matte(), glossy(0.5f), glossy(0.1f), glossy(0.5f, 1), glossy(0.01f)}) {
+        test::Numbers numbers(3);
+        float most = 0;
+        for (int i = 0; i < 5000; ++i) {
+            const float choice = numbers.one();
+            most = std::max(most, sample_scatter(s, choice, numbers.square()).density);
+        }
+        EXPECT_LE(most, peak_density(s) * 1.0001f) << s.alpha;
+    }
+}
+
+// As near as the rule lets it be, where one is nearly as good as the other.
+TEST(DirectLight, ALightLeftToItsSamplesIsNoNoisier)
+{
+    for (const Surface& s : {matte(), glossy(0.5f), glossy(0.2f), glossy(0.05f)}) {
+        const float distance = 1.001f * std::sqrt(peak_density(s) * kPi / FrameLights::kLeastChance);
+        for (const float angle : {0.0f, 0.54f, 0.9f, 1.2f})
+            for (const float tilt : {0.0f, 0.9f, -0.9f, 1.3f}) {
+                const WorldLight light = square_light(distance, angle, tilt);
+                ASSERT_TRUE(is_left(s, light));
+                const test::Mean both = radiance(s, light, false), alone = radiance(s, light, true);
+                EXPECT_LT(alone.error(), 1.05 * both.error()) << s.alpha << ' ' << angle << ' ' << tilt;
+            }
+    }
+}
+
+}  // namespace
+}  // namespace occam::shade
