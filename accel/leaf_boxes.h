@@ -14,7 +14,8 @@ namespace occam::accel {
 template <class F>
 class RaysAsOne {
 public:
-    explicit RaysAsOne(const KdRay<F>& rays) noexcept : shift_(highest(abs(rays.shift)))
+    /// begin   where the first of the rays starts
+    RaysAsOne(const KdRay<F>& rays, float begin) noexcept : begin_(begin), shift_(highest(abs(rays.shift)))
     {
         for (int a = 0; a < 3; ++a) {
             const float low = lowest(rays.origin[a]), high = highest(rays.origin[a]);
@@ -27,8 +28,8 @@ public:
         }
     }
 
-    /// Bit i: some ray may be in box i of the group somewhere in [begin, end].
-    unsigned in_boxes(const float* group, float begin, float end) const noexcept
+    /// Bit i: some ray may be in box i of the group before `end`.
+    unsigned in_boxes(const float* group, float end) const noexcept
     {
         unsigned all = 0;
         for (int first = 0; first < kBoxGroup; first += kLanes) {
@@ -40,7 +41,7 @@ public:
             const vfloat slack = 4 * FLT_EPSILON;
             in = in - (abs(in) + shift_) * slack;
             out = out + (abs(out) + shift_) * slack;
-            all |= bits((in <= out) & (in <= vfloat(end)) & (out >= vfloat(begin))) << first;
+            all |= bits((in <= out) & (in <= vfloat(end)) & (out >= begin_)) << first;
         }
         return all;
     }
@@ -54,7 +55,7 @@ private:
         else return x * select(x >= vfloat(0.0f), if_positive, if_negative);
     }
 
-    vfloat shift_;
+    vfloat begin_, shift_;
     vfloat from_in_[3], from_out_[3];  ///< the origins that give the earliest entry and the latest exit
     vfloat least_[3], most_[3];        ///< inverse directions, of one sign
     int near_[3], far_[3];             ///< rows of the planes that rays meet first, and last

@@ -67,9 +67,9 @@ struct Tracer::State {
     template <class Found>
     bool run_single(const Ray& ray, const RayAxes& axes, std::size_t limit_bytes, Query<Found, true>& query);
 
-    template <class F, class Enter, class Meet>
+    template <class F, class Limit, class Enter, class Meet>
     LeafResult meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest, int coarsest,
-                         std::size_t limit_bytes, const RaysAsOne<F>& as_one, Enter&& enter, Meet&& meet);
+                         std::size_t limit_bytes, const RaysAsOne<F>& as_one, Limit&& limit, Enter&& enter, Meet&& meet);
     bool is_per_ray() const noexcept { return frame.levels.mode != lod::LevelMode::PerInstance; }
     /// Makes the table of transitions of a packet that enters the scene at t_in; false if its rays see too many pairs to travel
     /// together.
@@ -204,11 +204,11 @@ vmask lanes_of_kinds(std::span<const Ray> rays, std::uint8_t kinds) noexcept
 
 }  // namespace
 
-/// Meets what a node holds for pairs [finest, coarsest]. enter(bounds, t_near, t_far) says which rays are inside somewhere in
-/// between; meet(leaf, number, pair, rays) meets the igrid of an entry with them.
-template <class F, class Enter, class Meet>
+/// Meets what a node holds for pairs [finest, coarsest]. enter(bounds) says which rays are inside somewhere before
+/// limit(); meet(leaf, number, pair, rays) meets the igrid of an entry with them.
+template <class F, class Limit, class Enter, class Meet>
 OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest, int coarsest,
-                                    std::size_t limit_bytes, const RaysAsOne<F>& as_one, Enter&& enter, Meet&& meet)
+                                    std::size_t limit_bytes, const RaysAsOne<F>& as_one, Limit&& limit, Enter&& enter, Meet&& meet)
 {
     for (int pair = finest; pair <= coarsest; ++pair) {
         MaskOf<F> here = alive;
@@ -220,13 +220,13 @@ OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, Mask
         const int last = std::min(leaf->pairs.coarsest, coarsest);
         if (pair == finest && last == coarsest) here = alive;
         else if (last > pair) here = alive & (max(t_near, pairs.in(pair, last)) <= min(t_far, pairs.out(pair, last)));
-        const float begin = lowest(select(here, t_near, F(FLT_MAX))), end = highest(select(here, t_far, F(-FLT_MAX)));
+        const float end = highest(limit());
         for (std::size_t first = 0; first < leaf->entries.size(); first += kBoxGroup) {
-            unsigned maybe = as_one.in_boxes(leaf->boxes + first / kBoxGroup * kBoxGroupFloats, begin, end);
+            unsigned maybe = as_one.in_boxes(leaf->boxes + first / kBoxGroup * kBoxGroupFloats, end);
             for (; maybe != 0; maybe &= maybe - 1) {
                 const std::size_t number = first + static_cast<std::size_t>(std::countr_zero(maybe));
                 const KdLeaf::Entry& entry = leaf->entries[number];
-                const MaskOf<F> entering = here & (read_published(entry.grid) ? enter(entry.bounds, t_near, t_far) : enter({get_box(leaf->boxes, number), {}}, t_near, t_far));
+                const MaskOf<F> entering = here & (read_published(entry.grid) ? enter(entry.bounds) : enter({get_box(leaf->boxes, number), {}}));
                 if (any(entering) && !meet(*leaf, number, pair, entering)) return LeafResult::Abandoned;
             }
         }
@@ -285,9 +285,9 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
     int blended = lod::kNoPair;
     ++visit;
     ++counters.packets;
-    const RaysAsOne<vfloat> as_one(kd);
-    const auto enter = [&](const GridBounds& bounds, vfloat in, vfloat out) __attribute__((always_inline)) {
-        out = min(out, limit());
+    const RaysAsOne<vfloat> as_one(kd, lowest(begin));
+    const auto enter = [&](const GridBounds& bounds) __attribute__((always_inline)) {
+        vfloat in = begin, out = limit();
         clip(kd, bounds.box, in, out);
         return (in <= out) & crosses(kd, bounds.slab, in, out);
     };
@@ -336,7 +336,7 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
     };
     const bool is_done = traverse(tree, kd, begin, end, pairs, counters, limit,
                                   [&](std::uint32_t node, vmask alive, vfloat near, vfloat far, int finest, int coarsest) {
-                                      return meet_leaf(node, alive, near, far, pairs, finest, coarsest, limit_bytes, as_one, enter, meet);
+                                      return meet_leaf(node, alive, near, far, pairs, finest, coarsest, limit_bytes, as_one, limit, enter, meet);
                                   });
     return is_done ? PacketResult::Done : PacketResult::Abandoned;
 }
@@ -381,9 +381,9 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& ax, std::size_t li
     const lod::PosedCage* here = nullptr;
     int blended = lod::kNoPair;
     ++visit;
-    const RaysAsOne<float> as_one(kd);
-    const auto enter = [&](const GridBounds& bounds, float in, float out) {
-        out = min(out, limit());
+    const RaysAsOne<float> as_one(kd, begin);
+    const auto enter = [&](const GridBounds& bounds) {
+        float in = begin, out = limit();
         clip(kd, bounds.box, in, out);
         return in <= out && crosses(kd, bounds.slab, in, out);
     };
@@ -419,7 +419,7 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& ax, std::size_t li
         return true;
     };
     return traverse(tree, kd, begin, end, pairs, counters, limit, [&](std::uint32_t node, bool alive, float near, float far, int finest, int coarsest) {
-        return meet_leaf(node, alive, near, far, pairs, finest, coarsest, limit_bytes, as_one, enter, meet);
+        return meet_leaf(node, alive, near, far, pairs, finest, coarsest, limit_bytes, as_one, limit, enter, meet);
     });
 }
 
