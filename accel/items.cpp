@@ -338,7 +338,10 @@ GridBounds Items::bounds_of(const IGrid& grid) const
     // test of triangles as much again.
     const float off = frame_.radius * 256 * 0x1p-24f;
     const auto shift = static_cast<float>(glm::dot(Vec3d(grid.slab.normal), grid.cage->anchor - frame_.anchor));
-    return {to_tree(*grid.cage, grid.boxes.bounds()), {grid.slab.normal, grid.slab.lo + shift - off, grid.slab.hi + shift + off}};
+    Box3f box = grid.boxes.bounds();
+    // The triangles that close gaps may reach beyond the tile whose side they lie on.
+    if (grid.hanging_blocks > 0) box.add(grid.hanging_boxes.bounds());
+    return {to_tree(*grid.cage, box), {grid.slab.normal, grid.slab.lo + shift - off, grid.slab.hi + shift + off}};
 }
 
 IGrid* Items::build(const Item& item, int level, int coarser, bool is_shared, const lod::TileRef& tile)
