@@ -66,8 +66,8 @@ inline Box3f get_box(const float* groups, std::size_t place) noexcept
 
 /// What a leaf meets for a range of pairs.
 struct KdLeaf {
-    /// One cache line, with all that keeps a ray from an igrid in vain.
-    struct alignas(64) Entry {
+    /// Less than a cache line, with all that keeps a ray from an igrid in vain.
+    struct Entry {
         IGrid* grid = nullptr;  ///< null until a ray enters the item's box; published, as are:
         GridBounds bounds;      ///< of the igrid
         ItemIndex item = 0;
