@@ -196,7 +196,12 @@ void IGridBuilder::finish(IGrid& grid, bool blends, Arena& arena)
         }
     }
     finish_boxes(grid.boxes);
-    // Across the sum of the parts' diagonals: the normal of the whole, as it were.
+    finish_slab(grid);
+}
+
+// Across the sum of the parts' diagonals' cross products: the normal of the whole, as it were.
+void IGridBuilder::finish_slab(IGrid& grid) const
+{
     Vec3f normal(0);
     for (const IGridPart& part : grid.parts) {
         const int c = part.tile.columns, r = part.tile.rows;
@@ -205,7 +210,7 @@ void IGridBuilder::finish(IGrid& grid, bool blends, Arena& arena)
     const float length = glm::length(normal);
     if (!(length > 0)) return;
     grid.slab = {normal / length, FLT_MAX, -FLT_MAX};
-    for (std::uint32_t v = 0; v < count; ++v)
+    for (std::uint32_t v = 0; v < fine_[0].size(); ++v)
         for (const float d : {glm::dot(grid.slab.normal, grid.fine_at(v)), glm::dot(grid.slab.normal, grid.coarse_at(v))}) {
             grid.slab.lo = std::min(grid.slab.lo, d);
             grid.slab.hi = std::max(grid.slab.hi, d);

@@ -60,9 +60,9 @@ struct BoxTree {
     float& hi(int node, int axis) const noexcept { return at(node)[(axis + 3) * kGroup]; }
 };
 
-/// What lies between two parallel planes: lo <= dot(normal, p) <= hi.
+/// What lies between two parallel planes: lo <= dot(normal, p) <= hi. By default everything.
 struct Slab {
-    Vec3f normal{0};
+    Vec3f normal{0};  ///< unit, or 0
     float lo = -FLT_MAX, hi = FLT_MAX;
 };
 
@@ -188,6 +188,7 @@ private:
     void add_part(IGrid& grid, std::uint32_t number, const lod::LevelGrid& vertices);
     void finish(IGrid& grid, bool blends, Arena& arena);
     void finish_hanging(IGrid& grid, Arena& arena);
+    void finish_slab(IGrid& grid) const;
     void grow_by_vertex(const IGrid& grid, BoxTree& tree, int node, std::uint32_t vertex) const;
 
     lod::Dicer& dicer_;

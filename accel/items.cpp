@@ -18,6 +18,7 @@ constexpr std::size_t kMaxParts = 1024;  // of an igrid: n-gons of thousands of 
 
 // Rough costs of meeting an item, in steps of the tree: for the surface area heuristic alone.
 float cost_of_blocks(int blocks) { return 3.0f + 0.25f * float(blocks); }
+// Faces that nobody has looked into cost more than what they become: so planes part them from what is seen.
 float cost_of_faces(std::uint32_t faces) { return 3.0f + float(faces) * 4.0f; }
 constexpr float kCostOfRegion = 10;
 

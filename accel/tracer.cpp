@@ -204,7 +204,6 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
     KdRay<vfloat> kd;
     place_all(frame.anchor, frame.radius, kd.origin, kd.shift);
     RayLanes lanes;
-    vfloat direction[3];
     lanes.kx = ax->kx;
     lanes.ky = ax->ky;
     lanes.kz = ax->kz;
@@ -219,7 +218,7 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
     for (int a = 0; a < 3; ++a) {
         kd.inverse[a] = lanes.inverse[a] = inverse[a];
         kd.negative[a] = ax->negative[a];
-        kd.direction[a] = direction[a] = way[a];
+        kd.direction[a] = way[a];
     }
     const vfloat t_near = way[3];
     vfloat begin = t_near - kd.shift, end = query.limit() - kd.shift;
@@ -271,7 +270,7 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
             to = pairs.levels->end(grid.pairs.finest, grid.pairs.coarsest);
             if (grid.blends() && blended != grid.pairs.finest) {
                 blended = grid.pairs.finest;
-                lanes.blend.set(pairs.levels->blend(blended), direction, lanes.origin, lanes.shift);
+                lanes.blend.set(pairs.levels->blend(blended), kd.direction, lanes.origin, lanes.shift);
             }
         }
         if (std::popcount(fresh) >= kWorthAPacket) {

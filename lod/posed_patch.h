@@ -48,7 +48,7 @@ public:
     void speeds(float& along_u, float& along_v);
 
     /// A box of all points with u0 <= u <= u1, v0 <= v <= v1: of the Bezier points of the pieces there; next to an
-    /// extraordinary vertex, of the smallest squares' corners, grown by their extent.
+    /// extraordinary vertex, of the smallest squares' corners, grown by their extent. Of the whole patch: as PatchHull says.
     Box3f bounds(float u0, float u1, float v0, float v1);
 
 private:

@@ -87,6 +87,7 @@ void expect_same_in_other_builds(const std::string& name, std::uint64_t checksum
 
 void expect_the_same(Scene scene, const std::string& name, Settings settings = {})
 {
+    // So large that a quarter of what a frame takes is above the budget's floor.
     settings.width = 320;
     settings.height = 192;
     settings.spp = 4;
