@@ -53,8 +53,10 @@ struct BoxTree {
     float* at(int node) const noexcept
     {
         const int place = node < first_leaf() ? leaves + 1 + node : node - first_leaf();
-        return data + place / kGroup * kFloats + place % kGroup;
+        return data + offset(static_cast<std::size_t>(place));
     }
+    /// Of a box's lo.x in groups.
+    static constexpr std::size_t offset(std::size_t place) noexcept { return place / kGroup * kFloats + place % kGroup; }
     Box3f bounds() const noexcept { return {{lo(0, 0), lo(0, 1), lo(0, 2)}, {hi(0, 0), hi(0, 1), hi(0, 2)}}; }
     float& lo(int node, int axis) const noexcept { return at(node)[axis * kGroup]; }
     float& hi(int node, int axis) const noexcept { return at(node)[(axis + 3) * kGroup]; }

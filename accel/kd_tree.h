@@ -52,7 +52,7 @@ inline constexpr int kBoxGroup = BoxTree::kGroup, kBoxGroupFloats = BoxTree::kFl
 /// Boxes side by side in groups of eight: eight lo.x, eight lo.y, ..., eight hi.z (as BoxTree has them).
 inline void set_box(float* groups, std::size_t place, const Box3f& box) noexcept
 {
-    float* to = groups + place / kBoxGroup * kBoxGroupFloats + place % kBoxGroup;
+    float* to = groups + BoxTree::offset(place);
     for (int a = 0; a < 3; ++a) {
         to[a * kBoxGroup] = box.lo[a];
         to[(a + 3) * kBoxGroup] = box.hi[a];
@@ -60,7 +60,7 @@ inline void set_box(float* groups, std::size_t place, const Box3f& box) noexcept
 }
 inline Box3f get_box(const float* groups, std::size_t place) noexcept
 {
-    const float* at = groups + place / kBoxGroup * kBoxGroupFloats + place % kBoxGroup;
+    const float* at = groups + BoxTree::offset(place);
     return {{at[0], at[kBoxGroup], at[2 * kBoxGroup]}, {at[3 * kBoxGroup], at[4 * kBoxGroup], at[5 * kBoxGroup]}};
 }
 
