@@ -9,6 +9,7 @@
 #include "accel/vertex_values.h"
 #include "lod/patch_colors.h"
 #include "scenegraph/base/hash.h"
+#include "scenegraph/base/prefetch.h"
 #include "scenegraph/base/publish.h"
 
 namespace occam::accel {
@@ -27,35 +28,52 @@ auto order_of(const IGrid& grid, std::uint32_t id) noexcept
 }
 
 struct Triangle {
-    Vec3d a, b, c;
+    Vec3f a, b, c;
 };
 
-// Barycentrics of the point where the ray meets the triangle's plane, kept inside of it; in double, for shading.
+// Barycentrics of the point where the ray meets the triangle's plane, kept inside of it; in double, since the origin may be far away.
 Vec3d barycentrics(const Triangle& tri, Vec3d origin, Vec3d direction) noexcept
 {
-    const Vec3d a = tri.a - origin, b = tri.b - origin, c = tri.c - origin;
+    const Vec3d a = Vec3d(tri.a) - origin, b = Vec3d(tri.b) - origin, c = Vec3d(tri.c) - origin;
     Vec3d w{glm::dot(direction, glm::cross(c, b)), glm::dot(direction, glm::cross(a, c)), glm::dot(direction, glm::cross(b, a))};
-    double sum = w.x + w.y + w.z;
+    const double sum = w.x + w.y + w.z;
     if (sum == 0) return Vec3d(1.0 / 3);
-    w = glm::max(w / sum, Vec3d(0));
-    sum = w.x + w.y + w.z;
-    return w / sum;
+    w *= 1 / sum;
+    if (w.x >= 0 && w.y >= 0 && w.z >= 0) return w;
+    w = glm::max(w, Vec3d(0));
+    return w / (w.x + w.y + w.z);
 }
+
+constexpr std::size_t kCacheLine = 64;
 
 const int kCorners[2][3][2] = {{{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}};
 
+using OwnBlend = VertexBlendOf<float>;
+
 // A vertex of a lattice as a ray sees it, and how coarse it is.
-Vec3f blended(const IGrid& grid, const VertexBlend& blend, std::uint32_t vertex, float* weight = nullptr) noexcept
+Vec3f blended(const IGrid& grid, const OwnBlend& blend, std::uint32_t vertex, float* weight = nullptr) noexcept
 {
-    const Vec3f f = grid.fine_at(vertex), c = grid.coarse_at(vertex);
-    const LanePoint fine{f.x, f.y, f.z}, coarse{c.x, c.y, c.z};
-    const LanePoint p = grid.blends() ? blend.between(fine, coarse) : fine;
-    if (weight) *weight = grid.blends() ? first_lane(blend.weight(fine)) : 0;
-    return {first_lane(p.x), first_lane(p.y), first_lane(p.z)};
+    const Vec3f f = grid.fine_at(vertex);
+    if (!grid.blends()) return f;
+    const Vec3f c = grid.coarse_at(vertex);
+    const float w = blend.weight({f.x, f.y, f.z});
+    if (weight) *weight = w;
+    const PointOf<float> p = OwnBlend::between({f.x, f.y, f.z}, {c.x, c.y, c.z}, w);
+    return {p.x, p.y, p.z};
+}
+
+// Whether a vertex of the tile is a T-vertex: on a side that has fewer than the lattice, and not one of those.
+bool hangs(const lod::TileRef& tile, int i, int j) noexcept
+{
+    const lod::PatchRates& rates = tile.rates;
+    const std::uint32_t u = tile.i0 + static_cast<std::uint32_t>(i), v = tile.j0 + static_cast<std::uint32_t>(j);
+    const auto is_between = [&](std::size_t side, std::uint32_t along, int exponent) { return (along & ((1u << (exponent - rates.side[side])) - 1)) != 0; };
+    return (v == 0 && is_between(0, u, rates.u)) || (u == 1u << rates.u && is_between(1, v, rates.v)) || (v == 1u << rates.v && is_between(2, u, rates.u)) ||
+           (u == 0 && is_between(3, v, rates.v));
 }
 
 // The micropolygon as the ray has met it, and the weights of its vertices.
-Triangle triangle_of(const IGrid& grid, std::uint32_t id, const VertexBlend& blend, float (&weight)[3]) noexcept
+Triangle triangle_of(const IGrid& grid, std::uint32_t id, const OwnBlend& blend, float (&weight)[3]) noexcept
 {
     Vec3f v[3];
     const std::uint32_t at = id & ~kCloserBit;
@@ -77,7 +95,7 @@ Triangle triangle_of(const IGrid& grid, std::uint32_t id, const VertexBlend& ble
         for (int p = 0; p < 3; ++p) {
             const int i = q.i + kCorners[q.triangle][p][0], j = q.j + kCorners[q.triangle][p][1];
             v[p] = blended(grid, blend, part.vertex(i, j), &weight[p]);
-            if (!grid.blends()) continue;
+            if (!grid.blends() || !hangs(part.tile, i, j)) continue;
             for (const lod::Hanging& h : grid.hanging)
                 if (h.is_inside && h.i == i && h.j == j && part_of(grid.hanging_quads[&h - grid.hanging.data()]) == part_of(id)) {
                     v[p] = h.on(blended(grid, blend, h.a), blended(grid, blend, h.c)).middle;
@@ -85,7 +103,7 @@ Triangle triangle_of(const IGrid& grid, std::uint32_t id, const VertexBlend& ble
                 }
         }
     }
-    return {Vec3d(v[0]), Vec3d(v[1]), Vec3d(v[2])};
+    return {v[0], v[1], v[2]};
 }
 
 struct Corner {
@@ -121,7 +139,9 @@ void patch_corners(IGrid& grid, std::uint32_t number, bool is_closer, const floa
         const int low = j * width + i, odd_i = part.is_halved ? i & 1 : 0, odd_j = part.is_halved ? j & 1 : 0;
         const int before = low - odd_j * width - odd_i, behind = low + odd_j * width + odd_i;
         const float w = weight[p];
-        const auto blend = [&](const auto* values) { return values[low] * (1 - w) + (values[before] + values[behind]) * (0.5f * w); };
+        const auto blend = [&](const auto* values) {
+            return w == 0 ? values[low] : values[low] * (1 - w) + (values[before] + values[behind]) * (0.5f * w);
+        };
         const lod::GridAttributes& made = part.attributes;
         corner[p].normal = made.coarse_normal ? made.normal[low] * (1 - w) + made.coarse_normal[low] * w : blend(made.normal);
         for (int s = 0; s < 2; ++s) {
@@ -159,26 +179,28 @@ const Material* material_of(const Scene& scene, const lod::PosedCage& cage, std:
     return found ? found : &plain;
 }
 
+// Of what is smaller no gradient is asked for: a float would not hold it.
+constexpr double kLeastArea = 1e-30;
+
 // Gradients over the triangle of the weights of b and c; a's is what they lack to zero. Per world length.
 struct WeightGradients {
-    Vec3d b, c;
-    WeightGradients(const Triangle& tri, Vec3d winding_normal, double area) noexcept
-        : b(glm::cross(winding_normal, tri.a - tri.c) / area), c(glm::cross(winding_normal, tri.b - tri.a) / area)
+    Vec3f b, c;
+    WeightGradients(const Triangle& tri, Vec3f winding_normal, float per_area) noexcept
+        : b(glm::cross(winding_normal, tri.a - tri.c) * per_area), c(glm::cross(winding_normal, tri.b - tri.a) * per_area)
     {
     }
 };
 
 // Half the divergence of the interpolated unit normal: the mean curvature, positive where the outside is convex.
-double outward_curvature(const WeightGradients& g, const Corner (&corner)[3]) noexcept
+float outward_curvature(const WeightGradients& g, const Corner (&corner)[3]) noexcept
 {
-    Vec3d n[3];
+    Vec3f n[3];
     for (int p = 0; p < 3; ++p) {
-        n[p] = Vec3d(corner[p].normal);
-        const double length = glm::length(n[p]);
-        if (!(length > 0)) return 0;
-        n[p] /= length;
+        const float squared = glm::dot(corner[p].normal, corner[p].normal);
+        if (!(squared > 0)) return 0;
+        n[p] = corner[p].normal * (1 / std::sqrt(squared));
     }
-    return 0.5 * (glm::dot(n[1] - n[0], g.b) + glm::dot(n[2] - n[0], g.c));
+    return 0.5f * (glm::dot(n[1] - n[0], g.b) + glm::dot(n[2] - n[0], g.c));
 }
 
 // The set that decides the axes of normal maps.
@@ -194,8 +216,8 @@ struct UvGradients {
     UvGradients(const WeightGradients& g, const Corner (&corner)[3], int set) noexcept
     {
         const Vec2d e(corner[1].uv[set] - corner[0].uv[set]), f(corner[2].uv[set] - corner[0].uv[set]);
-        u = g.b * e.x + g.c * f.x;
-        v = g.b * e.y + g.c * f.y;
+        u = Vec3d(g.b) * e.x + Vec3d(g.c) * f.x;
+        v = Vec3d(g.b) * e.y + Vec3d(g.c) * f.y;
     }
 };
 
@@ -222,6 +244,31 @@ bool comes_before(const IGrid& a, std::uint32_t a_id, const IGrid& b, std::uint3
     return order_of(a, a_id) < order_of(b, b_id);
 }
 
+void ask_for_part(const Met& met) noexcept
+{
+    if (!met.grid->is_lattice || (met.id & kCloserBit)) return;
+    const auto* part = reinterpret_cast<const std::byte*>(&met.grid->parts[part_of(met.id)]);
+    for (std::size_t line = 0; line < sizeof(IGridPart); line += kCacheLine) prefetch(part + line);
+}
+
+void ask_for_corners(const Met& met) noexcept
+{
+    if (!met.grid->is_lattice || (met.id & kCloserBit)) return;
+    const IGrid& grid = *met.grid;
+    const IGridPart& part = grid.parts[part_of(met.id)];
+    const QuadRef q = quad_of(met.id);
+    const std::uint32_t rows[2] = {part.vertex(q.i, q.j), part.vertex(q.i + 1, q.j + 1)};
+    for (const std::uint32_t at : rows)
+        for (int a = 0; a < 3; ++a) {
+            prefetch(grid.fine[a] + at);
+            prefetch(grid.coarse[a] + at);
+        }
+    const int width = part.tile.columns + 1;
+    if (!part.attributes.normal) return;
+    prefetch(part.attributes.normal + q.j * width + q.i);
+    prefetch(part.attributes.normal + (q.j + 1) * width + q.i);
+}
+
 void resolve(const Ray& ray, const Met& met, const PhaseOneTools& tools, SurfaceHit& hit)
 {
     IGrid& grid = *met.grid;
@@ -230,46 +277,53 @@ void resolve(const Ray& ray, const Met& met, const PhaseOneTools& tools, Surface
     const bool is_closer = (id & kCloserBit) != 0;
     const std::uint32_t number = is_closer ? grid.hanging_quads[id & ~kCloserBit] : id;
     const Vec3d d(ray.direction);
-    VertexBlend blend{};
+    OwnBlend blend{};
     if (grid.blends()) {
         const PlacedOrigin at = place(ray, cage.anchor, cage.radius);
-        const vfloat direction[3] = {ray.direction.x, ray.direction.y, ray.direction.z}, origin[3] = {at.origin[0], at.origin[1], at.origin[2]};
-        blend.set({met.blend.start, met.blend.scale}, direction, origin, at.shift);
+        const float direction[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
+        blend.set(met.blend, direction, at.origin, at.shift);
     }
     float weight[3] = {};
     const Triangle tri = triangle_of(grid, id, blend, weight);
     const Vec3d w = barycentrics(tri, ray.origin - cage.anchor, d);
-    const Vec3d local = tri.a * w.x + tri.b * w.y + tri.c * w.z;
+    const Vec3d local = Vec3d(tri.a) * w.x + Vec3d(tri.b) * w.y + Vec3d(tri.c) * w.z;
+    const Vec3f share(w);
 
     Corner corner[3];
     bool has_uv[2] = {};
     if (!grid.is_lattice) mesh_corners(grid, number, corner, has_uv);
     else patch_corners(grid, number, is_closer, weight, tools, corner, has_uv);
 
-    const double sense = cage.is_mirrored ? -1 : 1;
-    const Vec3d winding = glm::cross(tri.b - tri.a, tri.c - tri.a);
-    Vec3d geometric = winding * sense;
-    const double area = glm::length(geometric);  // of the parallelogram
-    Vec3d shading = Vec3d(corner[0].normal) * w.x + Vec3d(corner[1].normal) * w.y + Vec3d(corner[2].normal) * w.z;
-    const double length = glm::length(shading);
+    const Vec3d winding = glm::cross(Vec3d(tri.b - tri.a), Vec3d(tri.c - tri.a));
+    const double area = glm::length(winding);  // of the parallelogram
+    Vec3f geometric(winding * ((cage.is_mirrored ? -1 : 1) / area));
+    Vec3f shading = corner[0].normal * share.x + corner[1].normal * share.y + corner[2].normal * share.z;
+    const double length = glm::length(Vec3d(shading));  // of a mesh's normals: any
+    const bool is_smooth = length > 1e-20;
+    if (is_smooth) shading = Vec3f(Vec3d(shading) * (1 / length));
     // A closer has no area, and a degenerate patch corner no normal: one stands in for the other.
-    if (is_closer || !(area > 0)) geometric = length > 0 ? shading / length : -d;
-    else geometric /= area;
-    shading = length > 1e-20 ? shading / length : geometric;
+    if (is_closer || !(area > 0)) geometric = is_smooth ? shading : -ray.direction;
+    if (!is_smooth) shading = geometric;
 
     hit.t = met.t;
+    hit.curvature = 0;
+    hit.tangent = hit.u_gradient = hit.v_gradient = Vec3f(0);
+    hit.tangent_sign = 1;
+    hit.phase_one_channels = 0;
     hit.position = cage.anchor + local;
-    hit.back_side = glm::dot(geometric, d) > 0;
+    hit.back_side = glm::dot(geometric, ray.direction) > 0;
     if (hit.back_side) geometric = -geometric;
     if (glm::dot(shading, geometric) < 0) shading = -shading;
-    hit.normal_geometric = Vec3f(geometric);
-    hit.normal_shading = Vec3f(shading);
+    hit.normal_geometric = geometric;
+    hit.normal_shading = shading;
     const Vec3d size = glm::abs(local);
     hit.self_distance = 2 * grid.delta + 16 * FLT_EPSILON * std::max(cage.radius, static_cast<float>(std::max({size.x, size.y, size.z})));
-    hit.color = corner[0].color * float(w.x) + corner[1].color * float(w.y) + corner[2].color * float(w.z);
+    hit.color = corner[0].color * share.x + corner[1].color * share.y + corner[2].color * share.z;
     for (int s = 0; s < 2; ++s) {
+        hit.uv[s] = Vec2f(0);
+        hit.uv_width[s] = 0;
         if (!has_uv[s]) continue;
-        hit.uv[s] = corner[0].uv[s] * float(w.x) + corner[1].uv[s] * float(w.y) + corner[2].uv[s] * float(w.z);
+        hit.uv[s] = corner[0].uv[s] * share.x + corner[1].uv[s] * share.y + corner[2].uv[s] * share.z;
         const Vec2f e = corner[1].uv[s] - corner[0].uv[s], f = corner[2].uv[s] - corner[0].uv[s];
         const double uv_area = std::fabs(double(e.x) * f.y - double(e.y) * f.x);
         hit.uv_width[s] = area > 0 ? static_cast<float>(ray.footprint.at(met.t) * std::sqrt(uv_area / area)) : 0;
@@ -278,12 +332,14 @@ void resolve(const Ray& ray, const Met& met, const PhaseOneTools& tools, Surface
     hit.material = material_of(*tools.frame.scene, cage, hit.face);
     hit.node = cage.node_id;
     hit.lit_by = cage.lit_by;
-    if (!is_closer && area > 0) {
-        const WeightGradients gradients(tri, winding / area, area);
-        const double curvature = outward_curvature(gradients, corner);
-        hit.curvature = static_cast<float>(hit.back_side ? -curvature : curvature);
+    if (!is_closer && area > kLeastArea) {
+        const double per_area = 1 / area;
+        const Vec3f winding_normal(winding * per_area);
+        const WeightGradients gradients(tri, winding_normal, static_cast<float>(per_area));
+        const float curvature = outward_curvature(gradients, corner);
+        hit.curvature = hit.back_side ? -curvature : curvature;
         const int set = normal_map_set(*hit.material);
-        if (has_uv[set]) set_tangent(gradients, winding / area, corner, set, hit.back_side ? -shading : shading, hit);
+        if (has_uv[set]) set_tangent(gradients, Vec3d(winding_normal), corner, set, Vec3d(hit.back_side ? -shading : shading), hit);
         const int bump_set = std::clamp(hit.material->bump_texture.uv_set, 0, 1);
         if (hit.material->bump_texture && has_uv[bump_set]) {
             const UvGradients uv(gradients, corner, bump_set);
@@ -294,7 +350,7 @@ void resolve(const Ray& ray, const Met& met, const PhaseOneTools& tools, Surface
     hit.level = grid.level;
     const lod::TileRef* tile = grid.is_lattice ? &grid.parts[part_of(number)].tile : nullptr;
     const std::uint64_t tile_number = tile ? std::uint64_t(tile->j0) << 32 | tile->i0 : 0;
-    hit.blend = weight[0] * float(w.x) + weight[1] * float(w.y) + weight[2] * float(w.z);
+    hit.blend = weight[0] * share.x + weight[1] * share.y + weight[2] * share.z;
     if (tile && tools.frame.shading.shader) {
         // A closer is a line without width: the quad beside it stands in.
         const QuadRef q = quad_of(number);

@@ -23,27 +23,21 @@ BoxTree make_boxes(int blocks, Arena& arena)
     return tree;
 }
 
-void add_to_box(BoxTree& tree, int node, Vec3f p)
+// A leaf's box, grown by 2 ulps of its largest coordinate.
+void set_leaf(BoxTree& tree, int leaf, const Box3f& box)
 {
+    if (box.is_empty()) return;
+    const float pad = box.largest_coordinate() * 2 * std::numeric_limits<float>::epsilon();
+    const int node = tree.first_leaf() + leaf;
     for (int a = 0; a < 3; ++a) {
-        tree.lo(node, a) = std::min(tree.lo(node, a), p[a]);
-        tree.hi(node, a) = std::max(tree.hi(node, a), p[a]);
+        tree.lo(node, a) = box.lo[a] - pad;
+        tree.hi(node, a) = box.hi[a] + pad;
     }
 }
 
-// Grows the leaves by 2 ulps of their largest coordinate, then makes the nodes above them.
+// Makes the nodes above the leaves.
 void finish_boxes(BoxTree& tree)
 {
-    for (int n = tree.first_leaf(); n < tree.node_count(); ++n) {
-        if (tree.lo(n, 0) > tree.hi(n, 0)) continue;
-        float largest = 0;
-        for (int a = 0; a < 3; ++a) largest = std::max({largest, std::fabs(tree.lo(n, a)), std::fabs(tree.hi(n, a))});
-        const float pad = largest * 2 * std::numeric_limits<float>::epsilon();
-        for (int a = 0; a < 3; ++a) {
-            tree.lo(n, a) -= pad;
-            tree.hi(n, a) += pad;
-        }
-    }
     for (int n = tree.first_leaf() - 1; n >= 0; --n)
         for (int a = 0; a < 3; ++a) {
             tree.lo(n, a) = std::min(tree.lo(2 * n + 1, a), tree.lo(2 * n + 2, a));
@@ -51,13 +45,13 @@ void finish_boxes(BoxTree& tree)
         }
 }
 
-}  // namespace
-
-void IGridBuilder::grow_by_vertex(const IGrid& grid, BoxTree& tree, int node, std::uint32_t vertex) const
+void add_vertex(const IGrid& grid, Box3f& box, std::uint32_t vertex)
 {
-    add_to_box(tree, node, grid.fine_at(vertex));
-    add_to_box(tree, node, grid.coarse_at(vertex));
+    box.add(grid.fine_at(vertex));
+    if (grid.blends()) box.add(grid.coarse_at(vertex));
 }
+
+}  // namespace
 
 // Takes a patch's vertices, its blocks and its T-vertices over. Rows run along the longer side.
 void IGridBuilder::add_part(IGrid& grid, std::uint32_t number, const lod::LevelGrid& vertices)
@@ -73,10 +67,11 @@ void IGridBuilder::add_part(IGrid& grid, std::uint32_t number, const lod::LevelG
     micropolygons += std::uint64_t(2) * part.tile.columns * part.tile.rows;
 
     const auto copy = [&](float* const (&from)[3], std::vector<float> (&to)[3]) {
+        const int lattice = part.is_transposed ? vertices.width() * vertices.height() : 0;
         for (int a = 0; a < 3; ++a) {
-            for (int s = 0; s <= slow; ++s)
-                for (int f = 0; f <= fast; ++f) to[a].push_back(from[a][part.is_transposed ? vertices.index(s, f) : vertices.index(f, s)]);
-            to[a].insert(to[a].end(), from[a] + vertices.width() * vertices.height(), from[a] + vertices.vertex_count);
+            for (int s = 0; s <= slow && part.is_transposed; ++s)
+                for (int f = 0; f <= fast; ++f) to[a].push_back(from[a][vertices.index(s, f)]);
+            to[a].insert(to[a].end(), from[a] + lattice, from[a] + vertices.vertex_count);
         }
     };
     copy(vertices.fine, fine_);
@@ -140,12 +135,14 @@ void IGridBuilder::finish_hanging(IGrid& grid, Arena& arena)
     const std::span<lod::Hanging> kept = arena.make_array<lod::Hanging>(padded);
     const std::span<std::uint32_t> quads = arena.make_array<std::uint32_t>(padded);
     grid.hanging_boxes = make_boxes(grid.hanging_blocks, arena);
+    Box3f box;
     for (std::size_t h = 0; h < padded; ++h) {
         kept[h] = hanging_[std::min(h, count - 1)];
         quads[h] = hanging_quads_[std::min(h, count - 1)];
-        const int node = grid.hanging_boxes.first_leaf() + static_cast<int>(h) / IGrid::kBlock;
-        grow_by_vertex(grid, grid.hanging_boxes, node, kept[h].a);
-        grow_by_vertex(grid, grid.hanging_boxes, node, kept[h].c);
+        if (h % IGrid::kBlock == 0) box = {};
+        add_vertex(grid, box, kept[h].a);
+        add_vertex(grid, box, kept[h].c);
+        if ((h + 1) % IGrid::kBlock == 0) set_leaf(grid.hanging_boxes, static_cast<int>(h / IGrid::kBlock), box);
     }
     finish_boxes(grid.hanging_boxes);
     grid.hanging = kept;
@@ -184,16 +181,17 @@ void IGridBuilder::finish(IGrid& grid, bool blends, Arena& arena)
 
     grid.boxes = make_boxes(static_cast<int>(blocks.size()), arena);
     for (std::size_t b = 0; b < blocks.size(); ++b) {
-        const int node = grid.boxes.first_leaf() + static_cast<int>(b);
+        Box3f box;
         for (std::uint32_t row = 0; row <= blocks[b].rows; ++row)
             for (std::uint32_t column = 0; column <= blocks[b].columns; ++column)
-                grow_by_vertex(grid, grid.boxes, node, blocks[b].first + row * blocks[b].stride + column);
+                add_vertex(grid, box, blocks[b].first + row * blocks[b].stride + column);
         // A T-vertex is anywhere between its ends as each ray blends them.
         for (std::uint32_t h = 0; blends && h < blocks[b].hanging_count; ++h) {
             const lod::Hanging& hanging = hanging_[block_hanging_[blocks[b].hanging + h].hanging];
-            grow_by_vertex(grid, grid.boxes, node, hanging.a);
-            grow_by_vertex(grid, grid.boxes, node, hanging.c);
+            add_vertex(grid, box, hanging.a);
+            add_vertex(grid, box, hanging.c);
         }
+        set_leaf(grid.boxes, static_cast<int>(b), box);
     }
     finish_boxes(grid.boxes);
     finish_slab(grid);
@@ -252,14 +250,17 @@ IGrid* IGridBuilder::build_triangles(const lod::PosedCage& cage, std::span<const
     const std::span<float> data = arena.make_array<float>(9 * padded);
     const std::span<std::uint32_t> ids = arena.make_array<std::uint32_t>(padded);
     grid.boxes = make_boxes(blocks, arena);
+    Box3f box;
     for (std::size_t k = 0; k < padded; ++k) {
+        if (k % IGrid::kBlock == 0) box = {};
         // Copies of the last triangle fill its block: they hit where it hits, under the same number.
         const std::uint32_t face = ids[k] = faces[std::min(k, faces.size() - 1)];
         for (std::size_t p = 0; p < 3; ++p) {
             const Vec3f at = cage.vertex(source.face_vertices[std::size_t(face) * 3 + p]);
             for (int a = 0; a < 3; ++a) data[(p * 3 + static_cast<std::size_t>(a)) * padded + k] = at[a];
-            add_to_box(grid.boxes, grid.boxes.first_leaf() + static_cast<int>(k) / IGrid::kBlock, at);
+            box.add(at);
         }
+        if ((k + 1) % IGrid::kBlock == 0) set_leaf(grid.boxes, static_cast<int>(k / IGrid::kBlock), box);
     }
     finish_boxes(grid.boxes);
     for (std::size_t c = 0; c < 9; ++c) grid.corners[c] = &data[c * padded];

@@ -191,7 +191,6 @@ private:
     void finish(IGrid& grid, bool blends, Arena& arena);
     void finish_hanging(IGrid& grid, Arena& arena);
     void finish_slab(IGrid& grid) const;
-    void grow_by_vertex(const IGrid& grid, BoxTree& tree, int node, std::uint32_t vertex) const;
 
     lod::Dicer& dicer_;
     Arena diced_;

@@ -74,10 +74,12 @@ inline float first_lane(vfloat x) noexcept
     return lanes[0];
 }
 
-/// Points in lanes.
-struct LanePoint {
-    vfloat x, y, z;
+/// F is vfloat (points, or one point as each ray sees it, in lanes) or float.
+template <class F>
+struct PointOf {
+    F x, y, z;
 };
+using LanePoint = PointOf<vfloat>;
 OCCAM_ALWAYS_INLINE LanePoint middle(const LanePoint& a, const LanePoint& b) noexcept
 {
     const vfloat half = 0.5f;
@@ -85,16 +87,17 @@ OCCAM_ALWAYS_INLINE LanePoint middle(const LanePoint& a, const LanePoint& b) noe
 }
 
 /// How rays blend the vertices of a frame: lod::Blend over the vertex's own distance along the ray, d . v + k before it is cut off
-/// at 0 and 1 (Djeu et al. 2011, sec. 5.2.6, with fine at the near end of a growing footprint).
-struct VertexBlend {
-    vfloat d[3], k;
+/// at 0 and 1 (Djeu et al. 2011, sec. 5.2.6, with fine at the near end of a growing footprint). F as above: the same bits.
+template <class F>
+struct VertexBlendOf {
+    F d[3], k;
 
     /// The same of points given along three axes in this order.
-    VertexBlend along(int kx, int ky, int kz) const noexcept { return {{d[kx], d[ky], d[kz]}, k}; }
+    VertexBlendOf along(int kx, int ky, int kz) const noexcept { return {{d[kx], d[ky], d[kz]}, k}; }
     /// origin, shift: of the rays in that frame.
-    void set(const lod::Blend<vfloat>& blend, const vfloat (&direction)[3], const vfloat (&origin)[3], vfloat shift) noexcept
+    void set(const lod::Blend<F>& blend, const F (&direction)[3], const F (&origin)[3], F shift) noexcept
     {
-        vfloat along = shift - blend.start;
+        F along = shift - blend.start;
         for (int a = 0; a < 3; ++a) {
             along = fnma(direction[a], origin[a], along);
             d[a] = direction[a] * blend.scale;
@@ -102,24 +105,25 @@ struct VertexBlend {
         k = along * blend.scale;
     }
     /// Rises or falls along each axis without a step back, rounding included: so the corners of a box bound what is in it.
-    OCCAM_ALWAYS_INLINE vfloat ramp(const LanePoint& v) const noexcept { return fma(v.x, d[0], fma(v.y, d[1], fma(v.z, d[2], k))); }
+    OCCAM_ALWAYS_INLINE F ramp(const PointOf<F>& v) const noexcept { return fma(v.x, d[0], fma(v.y, d[1], fma(v.z, d[2], k))); }
 
     /// 0: fine, 1: coarse.
-    OCCAM_ALWAYS_INLINE vfloat weight(const LanePoint& fine) const noexcept
+    OCCAM_ALWAYS_INLINE F weight(const PointOf<F>& fine) const noexcept
     {
-        const vfloat x = min(max(ramp(fine), 0.0f), 1.0f);
-        return x * x * (vfloat(3.0f) - (x + x));
+        const F x = min(max(ramp(fine), F(0.0f)), F(1.0f));
+        return x * x * (F(3.0f) - (x + x));
     }
     /// Exactly `fine` and `coarse` at the ends, and where both are the same: the blend of a shared vertex has the same bits in all
     /// of its triangles and grids (watertightness rule 7).
-    OCCAM_ALWAYS_INLINE LanePoint between(const LanePoint& fine, const LanePoint& coarse) const noexcept
+    OCCAM_ALWAYS_INLINE PointOf<F> between(const PointOf<F>& fine, const PointOf<F>& coarse) const noexcept { return between(fine, coarse, weight(fine)); }
+    OCCAM_ALWAYS_INLINE static PointOf<F> between(const PointOf<F>& fine, const PointOf<F>& coarse, F w) noexcept
     {
-        const vfloat w = weight(fine);
-        const vmask at_end = w >= vfloat(1.0f);
-        const auto blend = [&](vfloat f, vfloat c) { return select(at_end, c, fma(w, c - f, f)); };
+        const auto at_end = w >= F(1.0f);
+        const auto blend = [&](F f, F c) { return select(at_end, c, fma(w, c - f, f)); };
         return {blend(fine.x, coarse.x), blend(fine.y, coarse.y), blend(fine.z, coarse.z)};
     }
 };
+using VertexBlend = VertexBlendOf<vfloat>;
 
 /// The constants of kLanes rays (or one ray in all lanes), and their origins and blend in one cage's frame.
 struct RayLanes {

@@ -78,14 +78,9 @@ struct Tracer::State {
     /// Traces one group, and gives take(i, found, is_single) what each of its rays has met.
     template <class Found, class Take>
     bool run(std::size_t first, std::size_t count, std::size_t limit_bytes, Take&& take);
-    /// fill(place in `sorted`, Met without its blend, is_single, lane) for each ray.
-    template <class Fill>
+    /// fill(first, met) for each group: what sorted[first + i] has met, and, if kWithBlend, how it blends there.
+    template <bool kWithBlend, class Fill>
     void find_nearest(std::span<const Ray> rays, Fill&& fill);
-    lod::Blend<float> blend_of_lane(int pair, int lane) const noexcept
-    {
-        const lod::Blend<vfloat> lanes = packet_levels.blend(pair);
-        return {first_lane(spread(lanes.start, lane)), first_lane(spread(lanes.scale, lane))};
-    }
 
     /// Traces rays[first, first + count) by `run(first, count, limit)`, flushing and halving as the budget asks.
     template <class Run>
@@ -164,6 +159,7 @@ template <class F, class Limit, class Enter, class Meet>
 OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest, int coarsest,
                                     std::size_t limit_bytes, const RaysAsOne<F>& as_one, Limit&& limit, Enter&& enter, Meet&& meet)
 {
+    if (finest != coarsest && !tree.is_same_for(node, finest, coarsest)) pairs.narrow(alive, t_near, t_far, finest, coarsest);
     for (int pair = finest; pair <= coarsest; ++pair) {
         MaskOf<F> here = alive;
         if (finest != coarsest && !tree.is_same_for(node, finest, coarsest)) here = alive & (max(t_near, pairs.in(pair, pair)) <= min(t_far, pairs.out(pair, pair)));
@@ -425,16 +421,33 @@ bool Tracer::State::run(std::size_t first, std::size_t count, std::size_t limit_
     return true;
 }
 
-template <class Fill>
+template <bool kWithBlend, class Fill>
 void Tracer::State::find_nearest(std::span<const Ray> rays, Fill&& fill)
 {
     const std::uint64_t diced = counters.diced;
     for_groups(rays, [&](std::size_t first, std::size_t count, std::size_t limit) {
+        Met met[kPacket];
+        int pair = lod::kNoPair;
+        float start[kLanes], scale[kLanes];  // of the packet's blends in that pair
         const auto take = [&](std::size_t i, const auto& found, bool is_single) {
             const std::size_t lane = i % kLanes;
-            fill(first + i, Met{found.t[lane], found.grid[lane], found.id[lane], {}}, is_single, static_cast<int>(lane));
+            Met& m = met[i] = {found.t[lane], found.grid[lane], found.id[lane], {}};
+            if (!kWithBlend || !m.grid || !m.grid->blends()) return;
+            if (is_single) {
+                m.blend = single_levels.blend(m.grid->pairs.finest);
+                return;
+            }
+            if (pair != m.grid->pairs.finest) {
+                pair = m.grid->pairs.finest;
+                const lod::Blend<vfloat> lanes = packet_levels.blend(pair);
+                lanes.start.store(start);
+                lanes.scale.store(scale);
+            }
+            m.blend = {start[lane], scale[lane]};
         };
-        return run<Nearest>(first, count, limit, take) && arena.bytes() <= limit;
+        if (!run<Nearest>(first, count, limit, take)) return false;
+        fill(first, std::span<const Met>(met, count));
+        return arena.bytes() <= limit;
     });
     if (!rays.empty() && rays.front().kinds & RayKind::Camera) counters.diced_for_camera += counters.diced - diced;
 }
@@ -442,23 +455,27 @@ void Tracer::State::find_nearest(std::span<const Ray> rays, Fill&& fill)
 void Tracer::closest(std::span<const Ray> rays, std::span<SurfaceHit> hits)
 {
     State& s = *state_;
-    s.find_nearest(rays, [&](std::size_t at, Met met, bool is_single, int lane) {
-        SurfaceHit& hit = hits[s.place_of[at]];
-        hit.t = std::numeric_limits<float>::infinity();
-        if (!met.grid) return;
-        hit = {};
-        const int pair = met.grid->pairs.finest;
-        if (met.grid->blends()) met.blend = is_single ? s.single_levels.blend(pair) : s.blend_of_lane(pair, lane);
-        resolve(s.sorted[at], met, s.lazy.phase_one(), hit);
+    s.find_nearest<true>(rays, [&](std::size_t first, std::span<const Met> met) {
+        for (const Met& m : met)
+            if (m.grid) ask_for_part(m);
+        for (const Met& m : met)
+            if (m.grid) ask_for_corners(m);
+        for (std::size_t i = 0; i < met.size(); ++i) {
+            SurfaceHit& hit = hits[s.place_of[first + i]];
+            if (met[i].grid) resolve(s.sorted[first + i], met[i], s.lazy.phase_one(), hit);
+            else hit.t = std::numeric_limits<float>::infinity();
+        }
     });
 }
 
 void Tracer::first_hits(std::span<const Ray> rays, std::span<FirstHit> hits)
 {
     State& s = *state_;
-    s.find_nearest(rays, [&](std::size_t at, const Met& met, bool, int) {
-        FirstHit& hit = hits[s.place_of[at]] = {};
-        if (met.grid) hit = {met.t, met.grid->cage->node_id, face_of(met)};
+    s.find_nearest<false>(rays, [&](std::size_t first, std::span<const Met> met) {
+        for (std::size_t i = 0; i < met.size(); ++i) {
+            FirstHit& hit = hits[s.place_of[first + i]] = {};
+            if (met[i].grid) hit = {met[i].t, met[i].grid->cage->node_id, face_of(met[i])};
+        }
     });
 }
 

@@ -55,7 +55,7 @@ struct SurfaceHit {
     float uv_width[2]{};           ///< of the ray's footprint, in units of uv
     Vec4f color{1};                ///< vertex colour
     int phase_one_channels = 0;    ///< VertexShader's values at the hit; 0: none were made, look them up
-    float phase_one[lod::VertexShader::kMaxChannels] = {};
+    float phase_one[lod::VertexShader::kMaxChannels] = {};  ///< so many of them
     const Material* material = nullptr;  ///< never null at a hit
     NodeId node;
     LightGroups lit_by = kAllGroups;

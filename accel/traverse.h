@@ -60,17 +60,23 @@ struct PairSpans {
     F in(int low, int high) const noexcept
     {
         levels->make();
-        return widen(levels->begin(low, high), -1);
+        return widen(levels->begin(low, high), -1) - shift;
     }
     F out(int low, int high) const noexcept
     {
         levels->make();
-        return widen(levels->end(low, high), 1);
+        return widen(levels->end(low, high), 1) - shift;
+    }
+    /// Leaves out pairs that no ray sees in [near, far], from both ends of [low, high].
+    void narrow(MaskOf<F> alive, F near, F far, int& low, int& high) const noexcept
+    {
+        levels->make();
+        levels->narrow(lowest(select(alive, widen(near + shift, -1), F(FLT_MAX))), highest(select(alive, widen(far + shift, 1), F(-FLT_MAX))), low, high);
     }
     bool are_all_in(PairRange range) const noexcept { return range.finest <= finest && coarsest <= range.coarsest; }
 
 private:
-    F widen(F t, float sign) const noexcept { return t - shift + (abs(t) + abs(shift)) * F(sign * 4 * FLT_EPSILON); }
+    F widen(F t, float sign) const noexcept { return t + (abs(t) + abs(shift)) * F(sign * 4 * FLT_EPSILON); }
 };
 
 enum class LeafResult : unsigned char {

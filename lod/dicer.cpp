@@ -129,21 +129,32 @@ Vec3f Dicer::patch_point(const PosedCage& cage, PatchPoint at, int filter)
     return p;
 }
 
+Vec3f Dicer::vertex_point(const PosedCage& cage, std::uint32_t vertex, int filter)
+{
+    if (cage.is_displaced()) return patch_point(cage, cage.topology->vertex_point(vertex), filter);
+    CornerEntry& entry = corners_[slot_of(cage, vertex, kCornerSize)];
+    if (entry.cage == &cage && entry.vertex == vertex) return entry.p;
+    const PatchPoint at = cage.topology->vertex_point(vertex);
+    const PatchControls& controls = cage.topology->controls(at.patch);
+    const PointStencil& stencil = controls.kind->corner(int(at.u == 1) + 2 * int(at.v == 1));
+    Vec3f sum(0);
+    for (std::size_t k = 0; k < stencil.controls.size(); ++k) {
+        const Vec3f p = cage.vertex(controls.indices[stencil.controls[k]]);
+        const float w = stencil.weights[k];
+        sum = {fma(w, p.x, sum.x), fma(w, p.y, sum.y), fma(w, p.z, sum.z)};
+    }
+    entry = {&cage, vertex, sum};
+    return sum;
+}
+
 Vec3f Dicer::curve_end(const PosedCage& cage, std::uint32_t curve, int filter, int end)
 {
     const Topology& topology = *cage.topology;
-    if (topology.is_inner(curve) && end == 0) {
-        Vec3f p;
-        curve_points(cage, topology.base_edge(curve), filter, 0.5f, 1, {&p, 1});
-        return p;
-    }
-    const PatchPoint at = topology.curve_end(curve, end);
-    if (cage.is_displaced()) return patch_point(cage, at, filter);
-    const std::uint64_t corner = std::uint64_t(at.patch.sub) << 34 | std::uint64_t(at.patch.face) << 2 | std::uint64_t(at.v == 1) << 1 |
-                                 std::uint64_t(at.u == 1);
-    CornerEntry& entry = corners_[slot_of(cage, corner, kCornerSize)];
-    if (entry.cage != &cage || entry.at != at) entry = {&cage, at, patch_point(cage, at, filter)};
-    return entry.p;
+    if (!topology.is_inner(curve)) return vertex_point(cage, topology.end_vertex(curve, end), filter);
+    if (end == 1) return patch_point(cage, {{topology.curve_point(curve, 1).patch.face, 0}, 1, 1}, filter);
+    Vec3f p;
+    curve_points(cage, topology.base_edge(curve), filter, 0.5f, 1, {&p, 1});
+    return p;
 }
 
 void Dicer::curve_points(const PosedCage& cage, std::uint32_t curve, int filter, float c0, float dc, std::span<Vec3f> out)
@@ -258,10 +269,25 @@ LevelGrid Dicer::dice_vertices(const PosedCage& cage, const TileRef& tile, Arena
         if (cage.is_displaced()) displaced_points(cage, tile.patch, tile.rates.filter, inside, out, grid.width());
         else posed(cage, tile.patch).points(inside, out[0], out[1], out[2], grid.width());
     }
-    if (bottom) dice_side(cage, 0, grid);
-    if (right) dice_side(cage, 1, grid);
-    if (top) dice_side(cage, 2, grid);
-    if (left) dice_side(cage, 3, grid);
+    // Sides of one step have the corners that the others have, too.
+    const bool is_low = tile.rates.v == 0, is_narrow = tile.rates.u == 0;
+    if (is_low && is_narrow && cage.topology->face_size(tile.patch.face) == 4) {
+        const std::array<std::uint32_t, 4> quad = cage.topology->quad_vertices(tile.patch.face);
+        constexpr int kPlace[4] = {0, 1, 3, 2};
+        for (std::size_t c = 0; c < 4; ++c) {
+            const Vec3f p = vertex_point(cage, quad[c], tile.rates.filter);
+            for (int a = 0; a < 3; ++a) grid.fine[a][kPlace[c]] = p[a];
+        }
+        return grid;
+    }
+    if (is_low || !is_narrow) {
+        if (bottom) dice_side(cage, 0, grid);
+        if (top) dice_side(cage, 2, grid);
+    }
+    if (!is_low) {
+        if (right) dice_side(cage, 1, grid);
+        if (left) dice_side(cage, 3, grid);
+    }
     return grid;
 }
 

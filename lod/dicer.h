@@ -65,7 +65,7 @@ private:
     };
     struct CornerEntry {
         const PosedCage* cage = nullptr;
-        PatchPoint at;
+        std::uint32_t vertex = 0;
         Vec3f p;
     };
     struct OwnerSpan {
@@ -87,6 +87,8 @@ private:
     /// Points of a curve at c0 + i * dc; 0 and 1 are its ends.
     void curve_points(const PosedCage& cage, std::uint32_t curve, int filter, float c0, float dc, std::span<Vec3f> out);
     Vec3f curve_end(const PosedCage& cage, std::uint32_t curve, int filter, int end);
+    /// The surface's point at a vertex of the cage.
+    Vec3f vertex_point(const PosedCage& cage, std::uint32_t vertex, int filter);
     /// As PosedPatch::curve(), displaced.
     void patch_curve(const PosedCage& cage, PatchRef patch, int filter, bool along_v, float fixed, float t0, float step, std::span<Vec3f> out);
     Vec3f patch_point(const PosedCage& cage, PatchPoint at, int filter);

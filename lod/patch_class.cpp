@@ -81,6 +81,20 @@ LimitStencil PatchClass::limit(double u, double v) const
     return stencil;
 }
 
+const PointStencil& PatchClass::corner(int corner) const
+{
+    const auto at = static_cast<std::size_t>(corner);
+    std::call_once(corner_once_[at], [&] {
+        const LimitStencil stencil = limit(corner & 1, corner >> 1);
+        for (std::uint32_t k = 0; k < stencil.p.size(); ++k) {
+            if (std::fabs(stencil.p[k]) < kNoise) continue;
+            corners_[at].controls.push_back(k);
+            corners_[at].weights.push_back(static_cast<float>(stencil.p[k]));
+        }
+    });
+    return corners_[at];
+}
+
 const PatchHull& PatchClass::make_hull() const
 {
     std::call_once(hull_once_, [&] {

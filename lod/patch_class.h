@@ -37,6 +37,12 @@ public:
     virtual void evaluate(double u, double v, LimitStencil& out) const = 0;
 };
 
+/// A limit point as a sum over few control points.
+struct PointStencil {
+    std::vector<std::uint32_t> controls;
+    std::vector<float> weights;
+};
+
 struct PatchHull;
 
 class PatchClass {
@@ -75,6 +81,8 @@ public:
     /// rows     3 * n floats: p, du, dv, with respect to the patch's [0, 1]
     void direct_rows(const Node& leaf, float u, float v, float* rows) const;
     LimitStencil limit(double u, double v) const;
+    /// The limit point at u = corner & 1, v = corner >> 1; made when it is first asked for.
+    const PointStencil& corner(int corner) const;
 
     /// What bounds the whole patch; made when it is first asked for.
     const PatchHull& hull() const
@@ -97,6 +105,8 @@ private:
     mutable std::once_flag hull_once_;
     mutable std::unique_ptr<const PatchHull> hull_;
     mutable std::atomic<const PatchHull*> hull_made_ = nullptr;
+    mutable std::array<std::once_flag, 4> corner_once_;
+    mutable std::array<PointStencil, 4> corners_;
 };
 
 }  // namespace occam::lod

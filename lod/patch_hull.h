@@ -14,10 +14,9 @@
 #include <vector>
 
 #include "lod/patch_class.h"
+#include "scenegraph/base/prefetch.h"
 
 namespace occam::lod {
-
-inline void prefetch(const float* p) noexcept { __builtin_prefetch(p); }
 
 struct PatchHull {
     static constexpr int kResidualDepth = 3;

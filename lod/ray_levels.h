@@ -87,6 +87,18 @@ public:
             edge_[at - finest] = edge;
             previous = select(grows_, select(none_before, low, pushed), select(none_after, high, pushed));
         }
+        for (int pair = finest; pair <= coarsest; ++pair) {
+            first_[pair - finest] = lowest(begin(pair));
+            last_[pair - finest] = highest(end(pair));
+        }
+    }
+
+    /// Leaves out pairs that no ray sees in [near, far], from both ends of [low, high], which are pairs that some lane has.
+    void narrow(float near, float far, int& low, int& high) const noexcept
+    {
+        const auto is_away = [&](int pair) { return last_[pair - finest] < near || first_[pair - finest] > far; };
+        while (low < high && is_away(low)) ++low;
+        while (low < high && is_away(high)) --high;
     }
 
     int finest = 0, coarsest = 0;   ///< pairs that some lane has
@@ -189,6 +201,7 @@ private:
     Mask grows_;
     bool is_made_ = false;
     F raw_[kMost + 1], edge_[kMost + 1];
+    float first_[kMost], last_[kMost];  ///< of each pair: where it begins for the first of the rays, and ends for the last
 };
 
 }  // namespace occam::lod

@@ -147,11 +147,6 @@ SideCurve Topology::side(PatchRef patch, int side) const noexcept
     }
 }
 
-PatchPoint Topology::corner_point(std::uint32_t face, std::uint32_t corner) const noexcept
-{
-    return face_size(face) == 4 ? quad_corner(face, corner) : PatchPoint{{face, corner}, 0, 0};
-}
-
 PatchPoint Topology::curve_point(std::uint32_t curve, float c) const noexcept
 {
     if (curve >= edge_count_) {
@@ -172,18 +167,28 @@ PatchPoint Topology::curve_point(std::uint32_t curve, float c) const noexcept
     return {{face, static_cast<std::uint32_t>((j + 1) % n)}, 0, 2 * (1 - s)};
 }
 
-PatchPoint Topology::curve_end(std::uint32_t curve, int end) const noexcept
+std::uint32_t Topology::end_vertex(std::uint32_t edge, int end) const noexcept
 {
-    if (curve >= edge_count_) return {{tables_->inner_face[curve - edge_count_], 0}, 1, 1};
-    const auto& level = mesh_->level();
-    const int vertex = level.GetEdgeVertices(static_cast<int>(curve))[end];
+    return static_cast<std::uint32_t>(mesh_->level().GetEdgeVertices(static_cast<int>(edge))[end]);
+}
+
+std::array<std::uint32_t, 4> Topology::quad_vertices(std::uint32_t face) const noexcept
+{
+    const auto vertices = mesh_->level().GetFaceVertices(static_cast<int>(face));
+    std::array<std::uint32_t, 4> quad;
+    for (int i = 0; i < 4; ++i) quad[static_cast<std::size_t>(i)] = static_cast<std::uint32_t>(vertices[i]);
+    return quad;
+}
+
+PatchPoint Topology::vertex_point(std::uint32_t vertex) const noexcept
+{
     const std::uint32_t face = mesh_->vertex_owner[vertex];
     std::uint32_t corner = mesh_->vertex_corner[vertex];
     if (corner == 0xff) {
-        const auto vertices = level.GetFaceVertices(static_cast<int>(face));
-        while (vertices[static_cast<int>(corner)] != vertex) ++corner;
+        const auto vertices = mesh_->level().GetFaceVertices(static_cast<int>(face));
+        while (static_cast<std::uint32_t>(vertices[static_cast<int>(corner)]) != vertex) ++corner;
     }
-    return corner_point(face, corner);
+    return face_size(face) == 4 ? quad_corner(face, corner) : PatchPoint{{face, corner}, 0, 0};
 }
 
 std::uint32_t Topology::base_edge(std::uint32_t inner_curve) const noexcept

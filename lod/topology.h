@@ -40,7 +40,7 @@ struct SideCurve {
     float c0 = 0, c1 = 1;
 };
 
-/// A point of a patch: where an owner evaluates.
+/// A point of a patch: where an owner evaluates, unless it is a vertex of the cage.
 struct PatchPoint {
     PatchRef patch;
     float u = 0, v = 0;
@@ -70,11 +70,15 @@ public:
     /// Side 0: v = 0, 1: u = 1, 2: v = 1, 3: u = 0; its lattice runs with rising u or v.
     SideCurve side(PatchRef patch, int side) const noexcept;
 
-    /// Where the owner of the curve evaluates its parameter c, 0 < c < 1; at 0 and 1 see curve_end().
+    /// Where the owner of the curve evaluates its parameter c, 0 < c < 1. A base edge's ends are vertices; an inner curve's
+    /// are the middle of base_edge(curve) and, at (1, 1) of any of the face's patches, the middle of the face.
     PatchPoint curve_point(std::uint32_t curve, float c) const noexcept;
-    /// Where an end of a curve is evaluated, by the owner of that point: end 0 or 1. Not of an inner curve's end 0, which
-    /// is the middle of base_edge(curve).
-    PatchPoint curve_end(std::uint32_t curve, int end) const noexcept;
+    /// The vertex at end 0 or 1 of a base edge.
+    std::uint32_t end_vertex(std::uint32_t edge, int end) const noexcept;
+    /// The vertices of a face of four, in its sense.
+    std::array<std::uint32_t, 4> quad_vertices(std::uint32_t face) const noexcept;
+    /// Where the owner of a vertex evaluates it: at a corner of a patch.
+    PatchPoint vertex_point(std::uint32_t vertex) const noexcept;
     bool is_inner(std::uint32_t curve) const noexcept { return curve >= edge_count_; }
     /// The base edge in whose middle an inner curve begins.
     std::uint32_t base_edge(std::uint32_t inner_curve) const noexcept;
@@ -87,7 +91,6 @@ private:
     struct Mesh;
     struct Tables;
 
-    PatchPoint corner_point(std::uint32_t face, std::uint32_t corner) const noexcept;
     std::uint32_t patch_index(PatchRef p) const noexcept;
     const PatchControls& make_controls(PatchRef patch, int uv_set) const;
 
