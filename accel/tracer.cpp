@@ -52,9 +52,9 @@ struct Tracer::State {
     LeafResult meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest, int coarsest,
                          std::size_t limit_bytes, const RaysAsOne<F>& as_one, Limit&& limit, Enter&& enter, Meet&& meet);
     bool is_per_ray() const noexcept { return frame.levels.mode != lod::LevelMode::PerInstance; }
-    /// Makes the table of transitions of a packet that enters the scene at t_in; false if its rays see too many pairs to travel
-    /// together.
-    bool fits_packet(std::span<const Ray> rays, vfloat t_in) noexcept;
+    /// Makes the table of transitions of a packet of which `enters` are in the scene from t_in to t_out; false if its rays see too many
+    /// pairs to travel together.
+    bool fits_packet(std::span<const Ray> rays, vmask enters, vfloat t_in, vfloat t_out) noexcept;
     /// What a ray's levels are chosen by. A ray without a width has the camera's.
     lod::Footprint wanted_of(const Ray& ray) const noexcept
     {
@@ -63,16 +63,15 @@ struct Tracer::State {
         if (frame.levels.mode == lod::LevelMode::Frozen && !(ray.kinds & RayKind::Camera)) f.b = 0;
         return frame.levels.wanted(f);
     }
-    /// What a ray's table of transitions is made of, but for where it enters the scene.
+    /// What a ray's table of transitions is made of, but for where it is in the scene.
     struct Reach {
         lod::Footprint wanted;
-        float end;         ///< where the ray leaves the scene, or ends: finite
-        float coordinate;  ///< the largest that its arithmetic meets
+        float coordinate;  ///< the largest that the ray's arithmetic meets
+        float unused = 0;  ///< four are loaded at a time
     };
     Reach reach_of(const Ray& ray) const noexcept
     {
-        const double away = glm::distance(ray.origin, frame.anchor);
-        return {wanted_of(ray), std::min(ray.t_far, static_cast<float>(away + frame.radius)), std::max(static_cast<float>(away), frame.radius)};
+        return {wanted_of(ray), std::max(static_cast<float>(glm::distance(ray.origin, frame.anchor)), frame.radius)};
     }
 
     /// Traces one group, and gives take(i, found, is_single) what each of its rays has met.
@@ -226,7 +225,7 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
     if (none(enters)) return PacketResult::Done;
     PairSpans<vfloat> pairs{nullptr, kd.shift, 0, 0};
     if (is_per_ray()) {
-        if (!fits_packet(rays, select(enters, kd.shift + begin, vfloat(FLT_MAX)))) return PacketResult::TooWide;
+        if (!fits_packet(rays, enters, kd.shift + begin, kd.shift + end)) return PacketResult::TooWide;
         pairs = {&packet_levels, kd.shift, packet_levels.finest, packet_levels.coarsest};
     }
 
@@ -323,7 +322,7 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& ax, std::size_t li
     if (is_per_ray()) {
         // One ray never has too many pairs.
         const Reach reach = reach_of(ray);
-        single_levels.set(reach.wanted.a, reach.wanted.b, kd.shift + begin, reach.end, reach.coordinate, frame.levels);
+        single_levels.set(reach.wanted.a, reach.wanted.b, kd.shift + begin, kd.shift + end, reach.coordinate, frame.levels);
         pairs = {&single_levels, kd.shift, single_levels.finest, single_levels.coarsest};
     }
 
@@ -386,14 +385,16 @@ TraceCounters Tracer::counters() const
     return all;
 }
 
-bool Tracer::State::fits_packet(std::span<const Ray> rays, vfloat t_in) noexcept
+bool Tracer::State::fits_packet(std::span<const Ray> rays, vmask enters, vfloat t_in, vfloat t_out) noexcept
 {
     const std::size_t n = rays.size();
+    // A ray that misses the scene has the table of one that does not, so as to ask for no more pairs.
+    const int one = std::countr_zero(bits(enters));
     Reach reach[kPacket];
-    for (std::size_t i = 0; i < n; ++i) reach[i] = reach_of(rays[i]);
+    for (std::size_t i = 0; i < n; ++i) reach[i] = reach_of(rays[bits(enters) >> i & 1 ? i : static_cast<std::size_t>(one)]);
     vfloat of[4];
     gather_four(reach, n, 0, of);
-    return packet_levels.set(of[0], of[1], t_in, of[2], of[3], frame.levels);
+    return packet_levels.set(of[0], of[1], select(enters, t_in, spread(t_in, one)), select(enters, t_out, spread(t_out, one)), of[2], frame.levels);
 }
 
 template <class Found, class Take>

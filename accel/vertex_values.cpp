@@ -102,6 +102,7 @@ void add_vertex_values(IGrid& grid, std::uint32_t number, Vec2d at, const PhaseO
     }
     if (channels == 0) return;
     const float share[2] = {1 - hit.blend, hit.blend};
+    std::fill_n(hit.phase_one, channels, 0.0f);
     for (int level : {0, 1}) {
         if (!(share[level] > 0)) continue;
         const float* values = read_published(part.values[level]);

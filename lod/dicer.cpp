@@ -45,21 +45,27 @@ Dicer::OwnerSpan Dicer::owner_span(const Topology& topology, std::uint32_t curve
     return {a.patch, along_v, along_v ? a.u : a.v, ta - ca * dt, dt};
 }
 
-int Dicer::curve_k(const PosedCage& cage, std::uint32_t curve)
+Dicer::CurveEntry& Dicer::curve_entry(const PosedCage& cage, std::uint32_t curve)
 {
     CurveEntry& entry = curves_[slot_of(cage, curve, kCurveSize)];
-    if (entry.cage == &cage && entry.curve == curve) return entry.exponent;
+    if (entry.cage != &cage || entry.curve != curve) entry = {&cage, curve};
+    return entry;
+}
+
+int Dicer::curve_k(const PosedCage& cage, std::uint32_t curve)
+{
+    if (const int known = curve_entry(cage, curve).k; known != CurveEntry::kUnknown) return known;
     const Topology& topology = *cage.topology;
-    const auto speed = [&](float ca, float cb) {
-        const OwnerSpan s = owner_span(topology, curve, ca, cb);
-        const int side = s.along_v ? (s.fixed == 0 ? 3 : 1) : (s.fixed == 0 ? 0 : 2);
-        return posed(cage, s.patch).side_speed(side) * std::fabs(s.dt);
+    const bool is_halves = topology.has_middle_knot(curve);  // each of which is a side of its own patch
+    const auto speed = [&](float c) {
+        const PatchPoint at = topology.curve_point(curve, c);
+        const int side = at.v == 0 ? 0 : at.u == 1 ? 1 : at.v == 1 ? 2 : 3;
+        return posed(cage, at.patch).side_speed(side) * (is_halves ? 2.0f : 1.0f);
     };
-    float s = speed(0.125f, 0.25f);
-    if (topology.has_middle_knot(curve)) s = std::max(s, speed(0.75f, 0.875f));
+    float s = speed(0.25f);
+    if (is_halves) s = std::max(s, speed(0.75f));
     if (cage.is_displaced()) s = displaced_speed(cage, curve, s);
-    entry = {&cage, curve, ceil_log2(s)};
-    return entry.exponent;
+    return curve_entry(cage, curve).k = ceil_log2(s);
 }
 
 void Dicer::ask_for(const PosedCage& cage, PatchRef patch) { cage.topology->controls(patch).kind->hull().ask_for_first(); }
@@ -157,6 +163,32 @@ Vec3f Dicer::curve_end(const PosedCage& cage, std::uint32_t curve, int filter, i
     return p;
 }
 
+void Dicer::owned_points(const PosedCage& cage, std::uint32_t curve, int filter, float c0, float dc, std::span<Vec3f> out)
+{
+    // Few points are asked for again and again: by the patch on the other side, and by coarser pairs.
+    const bool is_middle = c0 == 0.5f && out.size() == 1, is_kept = !cage.is_displaced() && (is_middle || (std::fabs(dc) == 0.25f && out.size() == 3));
+    if (is_kept) {
+        const CurveEntry& entry = curve_entry(cage, curve);
+        if (is_middle && entry.has_middle) {
+            out[0] = entry.p[1];
+            return;
+        }
+        if (!is_middle && entry.has_quarters) {
+            for (std::size_t i = 0; i < 3; ++i) out[i] = entry.p[dc > 0 ? i : 2 - i];
+            return;
+        }
+    }
+    const Topology& topology = *cage.topology;
+    const OwnerSpan s = topology.has_middle_knot(curve) && c0 > 0.5f ? owner_span(topology, curve, 0.75f, 0.875f) : owner_span(topology, curve, 0.125f, 0.25f);
+    patch_curve(cage, s.patch, filter, s.along_v, s.fixed, s.t0 + c0 * s.dt, dc * s.dt, out);
+    if (!is_kept) return;
+    CurveEntry& entry = curve_entry(cage, curve);
+    entry.has_middle = true;
+    entry.has_quarters |= !is_middle;
+    if (is_middle) entry.p[1] = out[0];
+    for (std::size_t i = 0; i < 3 && !is_middle; ++i) entry.p[i] = out[dc > 0 ? i : 2 - i];
+}
+
 void Dicer::curve_points(const PosedCage& cage, std::uint32_t curve, int filter, float c0, float dc, std::span<Vec3f> out)
 {
     const Topology& topology = *cage.topology;
@@ -176,8 +208,7 @@ void Dicer::curve_points(const PosedCage& cage, std::uint32_t curve, int filter,
         std::size_t end = i + 1;
         while (end < out.size() && c_at(end) != 0 && c_at(end) != 1 && !(knot && ((c_at(end) < 0.5f) != (c < 0.5f) || c_at(end) == 0.5f)))
             ++end;
-        const OwnerSpan s = knot && c > 0.5f ? owner_span(topology, curve, 0.75f, 0.875f) : owner_span(topology, curve, 0.125f, 0.25f);
-        patch_curve(cage, s.patch, filter, s.along_v, s.fixed, s.t0 + c * s.dt, dc * s.dt, out.subspan(i, end - i));
+        owned_points(cage, curve, filter, c, dc, out.subspan(i, end - i));
         i = end;
     }
 }

@@ -61,7 +61,10 @@ private:
     struct CurveEntry {
         const PosedCage* cage = nullptr;
         std::uint32_t curve = 0;
-        int exponent = 0;
+        int k = kUnknown;
+        bool has_quarters = false, has_middle = false;  ///< which of the following are known
+        std::array<Vec3f, 3> p{};                       ///< at 1/4, 1/2 and 3/4; not of displaced cages
+        static constexpr int kUnknown = kMinLength - 1;
     };
     struct CornerEntry {
         const PosedCage* cage = nullptr;
@@ -80,12 +83,15 @@ private:
     };
 
     PosedPatch& posed(const PosedCage& cage, PatchRef patch);
+    CurveEntry& curve_entry(const PosedCage& cage, std::uint32_t curve);
     OwnerSpan owner_span(const Topology& topology, std::uint32_t curve, float ca, float cb) const;
     /// ceil(log2) of the curve's largest speed.
     int curve_k(const PosedCage& cage, std::uint32_t curve);
     // `filter`: PatchRates::filter of the level.
     /// Points of a curve at c0 + i * dc; 0 and 1 are its ends.
     void curve_points(const PosedCage& cage, std::uint32_t curve, int filter, float c0, float dc, std::span<Vec3f> out);
+    /// Points of a part of a curve that has one owner, ends and knots aside.
+    void owned_points(const PosedCage& cage, std::uint32_t curve, int filter, float c0, float dc, std::span<Vec3f> out);
     Vec3f curve_end(const PosedCage& cage, std::uint32_t curve, int filter, int end);
     /// The surface's point at a vertex of the cage.
     Vec3f vertex_point(const PosedCage& cage, std::uint32_t vertex, int filter);

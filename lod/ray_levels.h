@@ -43,7 +43,7 @@ public:
     static constexpr float kFinerThanEven = 0x1p-5f, kLeastOfDisplaced = 0x1p-6f;  ///< see floor_exponents
     static constexpr float kFar = 1e30f;
 
-    /// width    a + b t: the wanted edge; t_in, t_end: where the ray enters the scene and ends, finite; coordinate: the largest of
+    /// width    a + b t: the wanted edge; t_in, t_end: where the ray enters the scene, and leaves it or ends, finite; coordinate: the largest of
     ///          ray and scene.
     /// Returns false if the lanes have more than kMost pairs: then they cannot travel together.
     bool set(F a, F b, F t_in, F t_end, F coordinate, const LevelSettings& settings) noexcept

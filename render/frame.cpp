@@ -133,7 +133,8 @@ public:
 private:
     bool make_samples(const PixelRect& tile, int spp, Film& film, const FrameControl& control)
     {
-        const int pixels = tile.width() * tile.height();
+        pixels_ = pixels_of(tile);
+        const auto pixels = static_cast<int>(pixels_.size());
         const int step = std::clamp(batch_rays_ / pixels, 1, spp);
         bool is_late = false;
         sums_.assign(static_cast<std::size_t>(pixels), {});
@@ -147,21 +148,19 @@ private:
             if (is_late && first == 0) return false;
             if (is_late) break;
             const int last = std::min({first + step, next_check(first), spp});
-            trace(tile, first, last);
+            trace(first, last);
             first = last;
             if (last == next_check(last - 1) && is_good_enough()) break;
         }
         if (spp == context_.settings.spp) visible_cells_ += (integrator_.counters().visible_cells - cells) / first;
         const auto start = Clock::now();
-        std::size_t i = 0;
-        for (int y = tile.y0; y < tile.y1; ++y)
-            for (int x = tile.x0; x < tile.x1; ++x) {
-                not_finite_ += static_cast<std::uint64_t>(sums_[i].not_finite());
-                film.store(x, y, sums_[i]);
-                for (int k : {0, 1})
-                    if (context_.settings.has(kMattes[k])) film.store(x, y, kMattes[k], mattes_[k][i], sums_[i].weight());
-                ++i;
-            }
+        for (std::size_t i = 0; i < pixels_.size(); ++i) {
+            const auto [x, y] = pixels_[i];
+            not_finite_ += static_cast<std::uint64_t>(sums_[i].not_finite());
+            film.store(x, y, sums_[i]);
+            for (int k : {0, 1})
+                if (context_.settings.has(kMattes[k])) film.store(x, y, kMattes[k], mattes_[k][i], sums_[i].weight());
+        }
         film_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
         return !is_late;
     }
@@ -186,12 +185,11 @@ private:
     }
 
     // Pixel by pixel, a pixel's samples in order: neighbouring rays stay neighbours in the batch.
-    void trace(const PixelRect& tile, int first, int last)
+    void trace(int first, int last)
     {
         samples_.clear();
-        for (int y = tile.y0; y < tile.y1; ++y)
-            for (int x = tile.x0; x < tile.x1; ++x)
-                for (int s = first; s < last; ++s) samples_.push_back({x, y, s});
+        for (const auto [x, y] : pixels_)
+            for (int s = first; s < last; ++s) samples_.push_back({x, y, s});
         results_.resize(samples_.size());
         integrator_.run(tracer_, samples_, results_);
 
@@ -216,6 +214,7 @@ private:
     std::uint64_t samples_made_ = 0, not_finite_ = 0, tiles_ = 0;
     std::vector<CameraSample> samples_;
     std::vector<SampleResult> results_;
+    std::vector<Pixel> pixels_;           ///< of the tile
     std::vector<PixelSums> sums_;
     std::vector<MatteSums> mattes_[2];
 };

@@ -45,6 +45,22 @@ std::vector<PixelRect> make_tiles(PixelRect area)
     return tiles;
 }
 
+std::vector<Pixel> pixels_of(const PixelRect& tile)
+{
+    const auto every_other = [](unsigned bits) {
+        unsigned packed = 0;
+        for (unsigned b = 0; bits >> (2 * b) != 0; ++b) packed |= (bits >> (2 * b) & 1) << b;
+        return static_cast<int>(packed);
+    };
+    const unsigned side = std::bit_ceil(static_cast<unsigned>(std::max(tile.width(), tile.height())));
+    std::vector<Pixel> pixels;
+    for (unsigned d = 0; d < side * side; ++d) {
+        const Pixel p{tile.x0 + every_other(d), tile.y0 + every_other(d >> 1)};
+        if (p.x < tile.x1 && p.y < tile.y1) pixels.push_back(p);
+    }
+    return pixels;
+}
+
 TileQueue::TileQueue(std::vector<PixelRect> tiles, int workers) : tiles_(std::move(tiles))
 {
     const auto n = static_cast<std::size_t>(workers);

@@ -16,8 +16,16 @@ namespace occam::render {
 
 inline constexpr int kTileSide = 16;
 
+struct Pixel {
+    int x, y;
+};
+
 /// Tiles that cover `area`, along a Hilbert curve.
 std::vector<PixelRect> make_tiles(PixelRect area);
+
+/// The pixels of a tile along a Morton curve: eight in a row, from a multiple of eight on, are a block of 4 x 2, whose rays travel
+/// together.
+std::vector<Pixel> pixels_of(const PixelRect& tile);
 
 class TileQueue {
 public:
