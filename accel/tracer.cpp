@@ -152,8 +152,8 @@ struct Tracer::State {
     std::uint64_t visit = 0;
 };
 
-/// Meets what a node holds for pairs [finest, coarsest]. enter(bounds) says which rays are inside somewhere before
-/// limit(); meet(leaf, number, pair, rays) meets the igrid of an entry with them.
+/// Meets what a node holds for pairs [finest, coarsest]. enter(bounds, far) says which rays are inside somewhere before
+/// far, which is limit(); meet(leaf, number, pair, rays) meets the igrid of an entry with them.
 template <class F, class Limit, class Enter, class Meet>
 OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest, int coarsest,
                                     std::size_t limit_bytes, const RaysAsOne<F>& as_one, Limit&& limit, Enter&& enter, Meet&& meet)
@@ -169,14 +169,16 @@ OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, Mask
         const int last = std::min(leaf->pairs.coarsest, coarsest);
         if (pair == finest && last == coarsest) here = alive;
         else if (last > pair) here = alive & (max(t_near, pairs.in(pair, last)) <= min(t_far, pairs.out(pair, last)));
-        const float end = highest(limit());
+        F far = limit();
         for (std::size_t first = 0; first < leaf->entries.size(); first += kBoxGroup) {
-            unsigned maybe = as_one.in_boxes(leaf->boxes + first / kBoxGroup * kBoxGroupFloats, end);
+            unsigned maybe = as_one.in_boxes(leaf->boxes + first / kBoxGroup * kBoxGroupFloats, highest(far));
             for (; maybe != 0; maybe &= maybe - 1) {
                 const std::size_t number = first + static_cast<std::size_t>(std::countr_zero(maybe));
                 const KdLeaf::Entry& entry = leaf->entries[number];
-                const MaskOf<F> entering = here & (read_published(entry.grid) ? enter(entry.bounds) : enter({get_box(leaf->boxes, number), {}}));
-                if (any(entering) && !meet(*leaf, number, pair, entering)) return LeafResult::Abandoned;
+                const MaskOf<F> entering = here & (read_published(entry.grid) ? enter(entry.bounds, far) : enter({get_box(leaf->boxes, number), {}}, far));
+                if (none(entering)) continue;
+                if (!meet(*leaf, number, pair, entering)) return LeafResult::Abandoned;
+                far = limit();
             }
         }
         pair = last;
@@ -234,8 +236,8 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
     ++visit;
     ++counters.packets;
     const RaysAsOne<vfloat> as_one(kd, lowest(begin));
-    const auto enter = [&](const GridBounds& bounds) __attribute__((always_inline)) {
-        vfloat in = begin, out = limit();
+    const auto enter = [&](const GridBounds& bounds, vfloat far) __attribute__((always_inline)) {
+        vfloat in = begin, out = far;
         clip(kd, bounds.box, in, out);
         return (in <= out) & crosses(kd, bounds.slab, in, out);
     };
@@ -330,8 +332,8 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& ax, std::size_t li
     int blended = lod::kNoPair;
     ++visit;
     const RaysAsOne<float> as_one(kd, begin);
-    const auto enter = [&](const GridBounds& bounds) {
-        float in = begin, out = limit();
+    const auto enter = [&](const GridBounds& bounds, float far) {
+        float in = begin, out = far;
         clip(kd, bounds.box, in, out);
         return in <= out && crosses(kd, bounds.slab, in, out);
     };

@@ -37,7 +37,7 @@ PosedPatch& Dicer::rest_patch(const PosedCage& cage, PatchRef patch)
         PosedCage rest;
         rest.slot = cage.slot;
         rest.topology = cage.topology;
-        for (int a = 0; a < 3; ++a) rest.frame_from_object[a][a] = 1;
+        rest.keep();
         rest_.cage = &cage;
         rest_.patch = patch;
         rest_.posed.set(rest, patch);

@@ -15,6 +15,7 @@ void PosedCage::place(const Mat4d& world_from_object, const Box3d& object_bounds
     for (int r = 0; r < 3; ++r) {
         for (int c = 0; c < 3; ++c) frame_from_object[r][c] = world_from_object[c][r];
         frame_from_object[r][3] = world_from_object[3][r] - anchor[r];
+        for (int c = 0; c < 4; ++c) columns[c][r] = frame_from_object[r][c];
     }
     is_mirrored = glm::determinant(Mat3d(world_from_object)) < 0;
 }

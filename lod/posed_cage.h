@@ -29,12 +29,18 @@ struct PosedCage {
     LightGroups lit_by = kAllGroups;
     std::uint64_t key = 0;                ///< of the path of nodes that leads here: orders hits at equal distance
     double frame_from_object[3][4] = {};  ///< rows: rotation and scale, then translation
+    double columns[4][4] = {};            ///< the same the other way round, the last row 0: four sums at a time
     Vec3d anchor{0};                      ///< world
     float radius = 0;                     ///< world, of a ball about the anchor that holds it
     int level = 0;                        ///< LevelMode::PerInstance: of all rays
     bool is_mirrored = false;             ///< the placement turns the sense of faces round
     PosedDisplacement displacement;       ///< of the limit surface; none: not displaced
 
+    /// Keeps positions as they are: the dicing frame is the object's.
+    void keep() noexcept
+    {
+        for (int a = 0; a < 3; ++a) frame_from_object[a][a] = columns[a][a] = 1;
+    }
     /// Sets frame, anchor, radius and mirroring from a placement.
     void place(const Mat4d& world_from_object, const Box3d& object_bounds) noexcept;
     /// After place(): has skin and morph targets deform the cage.
@@ -63,11 +69,9 @@ struct PosedCage {
     /// Object axes to the dicing frame, in double, rounded once: a pure function of the point.
     Vec3f pose(Vec3f p) const noexcept
     {
-        const auto row = [&](int r) {
-            const double* m = frame_from_object[r];
-            return static_cast<float>(m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3]);
-        };
-        return {row(0), row(1), row(2)};
+        double sum[4];
+        for (int r = 0; r < 4; ++r) sum[r] = columns[0][r] * double(p.x) + columns[1][r] * double(p.y) + columns[2][r] * double(p.z) + columns[3][r];
+        return {static_cast<float>(sum[0]), static_cast<float>(sum[1]), static_cast<float>(sum[2])};
     }
     /// A normal of the object's, not normalised (inverse transpose; mirrored placements keep outsides outside).
     Vec3f pose_normal(Vec3f n) const noexcept;
