@@ -106,13 +106,21 @@ void add_vertex(Cage& cage, Vec3f position, std::vector<Share> shares)
                                         : Vec4f(1, 0, 0, 0));
 }
 
-Cage cage_of(const Mesh& mesh, const std::string& group, const std::vector<std::vector<Share>>& shares)
+// Clothes bend a little otherwise than the body below: so its legs, which nobody sees, are left out.
+bool is_leg(const std::vector<Bone>& bones, const std::vector<Share>& shares)
+{
+    const std::string name = shares.empty() ? "" : bones[shares[0].second].name;
+    return name.starts_with("upperleg") || name.starts_with("lowerleg");
+}
+
+Cage cage_of(const Mesh& mesh, const std::string& group, const std::vector<std::vector<Share>>& shares, const std::vector<Bone>& bones)
 {
     Cage cage;
     cage.name = group;
     cage.skin.sets = 1;
     std::map<std::uint32_t, std::uint32_t> place_of;
     for (const auto& face : mesh.faces.at(group)) {
+        if (group == "body" && std::all_of(face.begin(), face.end(), [&](std::uint32_t v) { return is_leg(bones, shares.at(v)); })) continue;
         cage.face_sizes.push_back(4);
         for (const std::uint32_t v : face) {
             const auto [place, is_new] = place_of.try_emplace(v, static_cast<std::uint32_t>(cage.positions.size()));
@@ -143,7 +151,7 @@ Body add_body(Scene& scene, const std::filesystem::path& folder, const std::stri
         Material material;
         material.base_color = Vec4f(color, 1);
         material.roughness = 0.6f;
-        Cage cage = cage_of(mesh, group, shares);
+        Cage cage = cage_of(mesh, group, shares, body.bones);
         cage.materials = {scene.add(material)};
         for (const Vec3f p : cage.positions) body.sole = std::min(body.sole, double(p.y));
         shown.cages.push_back(scene.add(std::move(cage)));
