@@ -9,7 +9,6 @@
 #include "accel/vertex_values.h"
 #include "lod/patch_colors.h"
 #include "scenegraph/base/hash.h"
-#include "scenegraph/base/prefetch.h"
 #include "scenegraph/base/publish.h"
 
 namespace occam::accel {
@@ -43,8 +42,6 @@ Vec3d barycentrics(const Triangle& tri, Vec3d origin, Vec3d direction) noexcept
     w = glm::max(w, Vec3d(0));
     return w / (w.x + w.y + w.z);
 }
-
-constexpr std::size_t kCacheLine = 64;
 
 const int kCorners[2][3][2] = {{{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}};
 
@@ -242,31 +239,6 @@ void set_tangent(const WeightGradients& g, Vec3d winding_normal, const Corner (&
 bool comes_before(const IGrid& a, std::uint32_t a_id, const IGrid& b, std::uint32_t b_id) noexcept
 {
     return order_of(a, a_id) < order_of(b, b_id);
-}
-
-void ask_for_part(const Met& met) noexcept
-{
-    if (!met.grid->is_lattice || (met.id & kCloserBit)) return;
-    const auto* part = reinterpret_cast<const std::byte*>(&met.grid->parts[part_of(met.id)]);
-    for (std::size_t line = 0; line < sizeof(IGridPart); line += kCacheLine) prefetch(part + line);
-}
-
-void ask_for_corners(const Met& met) noexcept
-{
-    if (!met.grid->is_lattice || (met.id & kCloserBit)) return;
-    const IGrid& grid = *met.grid;
-    const IGridPart& part = grid.parts[part_of(met.id)];
-    const QuadRef q = quad_of(met.id);
-    const std::uint32_t rows[2] = {part.vertex(q.i, q.j), part.vertex(q.i + 1, q.j + 1)};
-    for (const std::uint32_t at : rows)
-        for (int a = 0; a < 3; ++a) {
-            prefetch(grid.fine[a] + at);
-            prefetch(grid.coarse[a] + at);
-        }
-    const int width = part.tile.columns + 1;
-    if (!part.attributes.normal) return;
-    prefetch(part.attributes.normal + q.j * width + q.i);
-    prefetch(part.attributes.normal + (q.j + 1) * width + q.i);
 }
 
 void resolve(const Ray& ray, const Met& met, const PhaseOneTools& tools, SurfaceHit& hit)

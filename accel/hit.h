@@ -67,11 +67,6 @@ inline std::uint32_t face_of(const Met& met) noexcept
     return grid.is_lattice ? grid.parts[part_of(number)].tile.patch.face : number;
 }
 
-/// Asks the caches for what resolve() will read: of several hits, each call for all of them before the next, since what it asks for
-/// is found by what the last one has.
-void ask_for_part(const Met& met) noexcept;
-void ask_for_corners(const Met& met) noexcept;
-
 /// Fills a hit from the micropolygon that was met. Runs phase one on its patch if it is the first hit there.
 void resolve(const Ray& ray, const Met& met, const PhaseOneTools& tools, SurfaceHit& hit);
 

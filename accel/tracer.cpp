@@ -459,10 +459,6 @@ void Tracer::closest(std::span<const Ray> rays, std::span<SurfaceHit> hits)
 {
     State& s = *state_;
     s.find_nearest<true>(rays, [&](std::size_t first, std::span<const Met> met) {
-        for (const Met& m : met)
-            if (m.grid) ask_for_part(m);
-        for (const Met& m : met)
-            if (m.grid) ask_for_corners(m);
         for (std::size_t i = 0; i < met.size(); ++i) {
             SurfaceHit& hit = hits[s.place_of[first + i]];
             if (met[i].grid) resolve(s.sorted[first + i], met[i], s.lazy.phase_one(), hit);
