@@ -431,7 +431,7 @@ void Tracer::State::find_nearest(std::span<const Ray> rays, Fill&& fill)
     for_groups(rays, [&](std::size_t first, std::size_t count, std::size_t limit) {
         Met met[kPacket];
         int pair = lod::kNoPair;
-        float start[kLanes], scale[kLanes];  // of the packet's blends in that pair
+        float start[kLanes]{}, scale[kLanes]{};  // of the packet's blends in that pair
         const auto take = [&](std::size_t i, const auto& found, bool is_single) {
             const std::size_t lane = i % kLanes;
             Met& m = met[i] = {found.t[lane], found.grid[lane], found.id[lane], {}};
