@@ -41,7 +41,9 @@ Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::Leve
     if (world.is_empty()) return;
     const double step = std::ldexp(1.0, std::ilogb(std::max(world.radius(), 1e-30)));
     state_->anchor = glm::round(world.centre() / step) * step;
-    state_->bounds = outward_float(world, state_->anchor, 8);
+    // As Items grows the boxes of nodes.
+    const double pad = world.radius() * 0x1p-13;
+    state_->bounds = outward_float({world.lo - pad, world.hi + pad}, state_->anchor, 8);
     state_->radius = static_cast<float>(world.radius() + glm::distance(world.centre(), state_->anchor)) * 1.001f;
 }
 

@@ -331,6 +331,16 @@ private:
         }
     }
 
+    /// Whether the ray may meet a triangle whose corners lie on the line from a to c, but for the rounding of the middles of some
+    /// ten halvings and of shearing: of coordinates of up to five radii (place()).
+    vmask may_be_on(const ShearedVertex& a, const ShearedVertex& c) const noexcept
+    {
+        const vfloat off = grid_.cage->radius * 0x1p-16f;
+        const vfloat left = a.x * c.y, right = a.y * c.x;
+        const vfloat slack = off * (abs(c.x - a.x) + abs(c.y - a.y)) + (abs(left) + abs(right)) * vfloat(0x1p-21f);
+        return (min(a.x, c.x) <= off) & (max(a.x, c.x) >= -off) & (min(a.y, c.y) <= off) & (max(a.y, c.y) >= -off) & (abs(left - right) <= slack);
+    }
+
     /// The triangles of T-vertices, which have no area. The float test decides nothing here: its signs are right, but t is noise
     /// along the edge. What it lets through is done again in double, where the products of floats are exact (watertightness
     /// rule 6).
@@ -338,6 +348,7 @@ private:
     {
         for (int first = block * IGrid::kBlock; first < (block + 1) * IGrid::kBlock; first += kLanes) {
             float end[2][3][kLanes], corner[3][3][kLanes];
+            ShearedVertex sheared[2];
             for (int e = 0; e < 2; ++e) {
                 const auto gather = [&](const float* const* p) {
                     float lanes[3][kLanes];
@@ -352,7 +363,9 @@ private:
                 p.x.store(end[e][0]);
                 p.y.store(end[e][1]);
                 p.z.store(end[e][2]);
+                sheared[e] = shear(ray, origin, p);
             }
+            if (none(may_be_on(sheared[0], sheared[1]))) continue;
             for (int k = 0; k < kLanes; ++k) {
                 const lod::Hanging::Ends ends = grid_.hanging[static_cast<std::size_t>(first + k)].on(
                     {end[0][0][k], end[0][1][k], end[0][2][k]}, {end[1][0][k], end[1][1][k], end[1][2][k]});

@@ -11,6 +11,8 @@ namespace occam::accel {
 namespace {
 
 constexpr float kBoxUlps = 4;      // what boxes of items are grown by: two for rounding them, two for the culling rule
+// Of a cage's radius: the hull of control points holds the surface but for the rounding of vertices, sums of up to hundreds of them.
+constexpr double kVertexRounding = 0x1p-14;
 constexpr int kMaxSceneDepth = 256;
 constexpr float kCostOfUnmade = 1000;  // of a cage that nobody has seen yet, in steps of the tree
 constexpr std::uint32_t kMostAskedFor = 4;  // of a face's patches, ahead
@@ -76,9 +78,22 @@ Box3f Items::to_tree(const lod::PosedCage& cage, const Box3f& box) const
     return outward_float({Vec3d(box.lo) + shift, Vec3d(box.hi) + shift}, Vec3d(0), kBoxUlps);
 }
 
+Box3f Items::to_tree(const Box3d& world, double pad) const
+{
+    if (world.is_empty()) return {};
+    return outward_float({world.lo - pad, world.hi + pad}, frame_.anchor, kBoxUlps);
+}
+
+// The radius of a cage's ball is less than twice that of a box around the cage.
+Box3f Items::box_of_node(const Mat4d& world_from_node, const Box3d& bounds) const
+{
+    const Box3d world = transform_box(world_from_node, bounds);
+    return to_tree(world, 2 * world.radius() * kVertexRounding);
+}
+
 Box3f Items::box_of(const lod::PosedCage& cage, std::uint32_t cluster) const
 {
-    return outward_float(cage.world_box(cluster), frame_.anchor, kBoxUlps);
+    return to_tree(cage.world_box(cluster), cage.radius * kVertexRounding);
 }
 
 bool Items::open(ItemIndex i, int pair)
@@ -147,7 +162,7 @@ void Items::open_node(const PlacedNode& at)
         item.kind = Item::Unmade;
         item.subject = &at;
         item.index = static_cast<std::uint32_t>(c);
-        item.box = outward_float(transform_box(at.world_from_node, slot->bounds), frame_.anchor, kBoxUlps);
+        item.box = box_of_node(at.world_from_node, slot->bounds);
         item.cost = kCostOfUnmade;
         if (!item.box.is_empty()) items_.push_back(item);
     }
@@ -158,10 +173,9 @@ void Items::open_node(const PlacedNode& at)
         PlacedNode* placed = arena_.make<PlacedNode>();
         *placed = {id, world, mix_bits(at.key ^ mix_bits(place)), &at, at.depth + 1, static_cast<std::uint8_t>(at.seen_by & below->seen_by),
                    at.lit_by & below->lit_by};
-        const Box3d box = transform_box(world, below->bounds);
         Item item;
         item.subject = placed;
-        item.box = outward_float(box, frame_.anchor, kBoxUlps);
+        item.box = box_of_node(world, below->bounds);
         item.cost = 8;
         items_.push_back(item);
     };

@@ -121,7 +121,9 @@ private:
     bool shares(const Item& item, int pair) const noexcept;
     bool may_share(const Item& item) const noexcept;
     Box3f box_of(const lod::PosedCage& cage, std::uint32_t cluster) const;
+    Box3f box_of_node(const Mat4d& world_from_node, const Box3d& bounds) const;
     Box3f to_tree(const lod::PosedCage& cage, const Box3f& box) const;
+    Box3f to_tree(const Box3d& world, double pad) const;
 
     const FrameState& frame_;
     Arena& arena_;

@@ -8,9 +8,10 @@
 namespace occam::lod {
 namespace {
 
+// What lies together in a cage lies together in the table: neighbours neither push each other out nor are far in memory.
 std::size_t slot_of(const PosedCage& cage, std::uint64_t index, std::size_t size)
 {
-    return static_cast<std::size_t>(mix_bits(index ^ reinterpret_cast<std::uintptr_t>(&cage) << 20)) & (size - 1);
+    return static_cast<std::size_t>(mix_bits(reinterpret_cast<std::uintptr_t>(&cage)) + index) & (size - 1);
 }
 
 }  // namespace
@@ -27,7 +28,7 @@ void Dicer::forget()
 
 PosedPatch& Dicer::posed(const PosedCage& cage, PatchRef patch)
 {
-    PoolEntry& entry = pool_[slot_of(cage, std::uint64_t(patch.sub) << 32 | patch.face, kPoolSize)];
+    PoolEntry& entry = pool_[slot_of(cage, patch.face + 61 * patch.sub, kPoolSize)];
     if (entry.cage != &cage || entry.patch != patch) {
         entry.cage = &cage;
         entry.patch = patch;

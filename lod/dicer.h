@@ -121,7 +121,7 @@ private:
     void dice_side(const PosedCage& cage, int side, LevelGrid& grid);
     LevelGrid dice_vertices(const PosedCage& cage, const TileRef& tile, Arena& arena);
 
-    static constexpr std::size_t kPoolSize = 256, kCurveSize = 2048, kCornerSize = 4096;
+    static constexpr std::size_t kPoolSize = 512, kCurveSize = 4096, kCornerSize = 4096;
     std::vector<PoolEntry> pool_;     ///< direct-mapped
     std::vector<CurveEntry> curves_;  ///< direct-mapped
     std::vector<CornerEntry> corners_;  ///< direct-mapped: limit points that all levels of several patches share

@@ -25,6 +25,7 @@ void PosedPatch::forget()
 {
     pieces_.clear();
     is_measured_ = false;
+    reach_ = -1;
     side_speed_.fill(-1);
 }
 
@@ -321,6 +322,14 @@ void PosedPatch::speeds(float& along_u, float& along_v)
     along_v = speed_v_;
 }
 
+float PosedPatch::reach()
+{
+    if (reach_ >= 0) return reach_;
+    reach_ = 0;
+    for (std::size_t k = 0; k < x_.size(); ++k) reach_ = std::max({reach_, std::fabs(x_[k]), std::fabs(y_[k]), std::fabs(z_[k])});
+    return reach_;
+}
+
 void PosedPatch::bounds_below(const PatchClass::Node& node, float u0, float u1, float v0, float v1, Box3f& box)
 {
     const float size = node.size();
@@ -356,8 +365,9 @@ Box3f PosedPatch::bounds(float u0, float u1, float v0, float v1)
     } else {
         bounds_below(kind_->root(), u0, u1, v0, v1, box);
     }
-    // Owners' points differ from the patch's own by rounding, and so do those of a hull's rows, one sum of all control points.
-    const Vec3f pad(box.largest_coordinate() * 64 * std::numeric_limits<float>::epsilon());
+    // Vertices and hulls are sums of all control points, n of them: each is off by up to n / 2 ulps of the largest. Around a pole,
+    // where many weights are equal, roundings add up so indeed. Owners' points differ from the patch's own by as much.
+    const Vec3f pad(reach() * (48 + float(x_.size())) * std::numeric_limits<float>::epsilon());
     return {box.lo - pad, box.hi + pad};
 }
 

@@ -72,6 +72,8 @@ private:
     Points points(const PatchHull& hull, std::size_t group) const;
     /// Makes box and speeds, once.
     void measure();
+    /// The largest coordinate of a control point.
+    float reach();
     void bounds_below(const PatchClass::Node& node, float u0, float u1, float v0, float v1, Box3f& box);
 
     const PatchClass* kind_ = nullptr;
@@ -79,6 +81,7 @@ private:
     std::vector<Piece> pieces_;     ///< made so far
     std::vector<float> rows_;
     bool is_measured_ = false;
+    float reach_ = -1;              ///< negative: not known yet
     Box3f box_;
     float speed_u_ = 0, speed_v_ = 0;
     std::array<float, 4> side_speed_{};  ///< negative: not known yet
