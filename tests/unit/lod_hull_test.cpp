@@ -101,6 +101,24 @@ TEST_P(HullsAtPoles, HoldThePatch)
 {
     for_patches([](lod::PosedPatch& patch, const Grid&, const Box3f&) { expect_in_box(patch); });
 }
+// The vertices at corners and on sides are their owners', each a sum of hundreds of control points: what that rounds to lies in the
+// boxes of all patches around.
+TEST(Bounds, HoldVerticesThatNeighboursOwn)
+{
+    const Cage cage = spindle(360);
+    const double size = 2 * cage.bounds().radius();
+    Mat4d far(1);
+    far[3] = Vec4d(0.7e5 * size, 0.1e5 * size, -0.7e5 * size, 1);
+    DicedCage diced(cage, 0, far);
+    diced.level_of_largest_exponent(3);
+    for (const lod::TileRef& tile : diced.tiles()) {
+        SCOPED_TRACE(testing::Message() << "face " << tile.patch.face << ", part " << tile.patch.sub);
+        const Box3f box = diced.dicer.bounds(diced.posed, diced.dicer.scale(diced.posed, tile.patch), {tile.patch, 0, 0, 0, 0}, lod::kCoarsestLevel);
+        const lod::LevelGrid grid = diced.dicer.dice(diced.posed, tile, diced.arena);
+        for (int v = 0; v < grid.vertex_count; ++v)
+            for (int a = 0; a < 3; ++a) ASSERT_TRUE(box.lo[a] <= grid.fine[a][v] && grid.fine[a][v] <= box.hi[a]) << "vertex " << v << " along axis " << a;
+    }
+}
 INSTANTIATE_TEST_SUITE_P(Cages, HullsAtPoles, testing::Values(spindle(30), spindle(360)));
 
 INSTANTIATE_TEST_SUITE_P(Cages, PatchHulls, testing::Values(torus(), prism(3), prism(5), spindle(7)));
