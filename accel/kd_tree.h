@@ -93,12 +93,8 @@ public:
     void expand_all(int pair);
 
     const KdNode& node(std::uint32_t n) const noexcept { return nodes_[n]; }
-    /// Whether the leaf of a node asked for last is the same for all pairs of a range.
-    bool is_same_for(std::uint32_t n, int finest, int coarsest) const noexcept
-    {
-        const PairRange& pairs = leaves_[head_of(n)].pairs;
-        return pairs.has(finest) && pairs.has(coarsest);
-    }
+    /// Of a node's leaves the one made last; one that holds for no pair, if there is none yet.
+    KdLeaf& latest_leaf(std::uint32_t n) noexcept { return leaves_[head_of(n)]; }
     /// What rays of a pair meet at a node that is not interior for it; makes it if need be. Null: the node has become interior.
     KdLeaf* leaf(std::uint32_t n, int pair)
     {

@@ -158,12 +158,14 @@ template <class F, class Limit, class Enter, class Meet>
 OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest, int coarsest,
                                     std::size_t limit_bytes, const RaysAsOne<F>& as_one, Limit&& limit, Enter&& enter, Meet&& meet)
 {
-    if (finest != coarsest && !tree.is_same_for(node, finest, coarsest)) pairs.narrow(alive, t_near, t_far, finest, coarsest);
+    KdLeaf& latest = tree.latest_leaf(node);
+    const auto is_one = [&] { return finest == coarsest || (latest.pairs.has(finest) && latest.pairs.has(coarsest)); };
+    if (!is_one()) pairs.narrow(alive, t_near, t_far, finest, coarsest);
     for (int pair = finest; pair <= coarsest; ++pair) {
         MaskOf<F> here = alive;
-        if (finest != coarsest && !tree.is_same_for(node, finest, coarsest)) here = alive & (max(t_near, pairs.in(pair, pair)) <= min(t_far, pairs.out(pair, pair)));
+        if (!is_one()) here = alive & (max(t_near, pairs.in(pair, pair)) <= min(t_far, pairs.out(pair, pair)));
         if (none(here)) continue;
-        KdLeaf* leaf = tree.leaf(node, pair);
+        KdLeaf* leaf = latest.pairs.has(pair) ? &latest : tree.leaf(node, pair);
         if (!leaf) return LeafResult::Expanded;
         // What is the same for several pairs is met once for all of them.
         const int last = std::min(leaf->pairs.coarsest, coarsest);
