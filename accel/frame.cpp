@@ -41,8 +41,7 @@ Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::Leve
     if (world.is_empty()) return;
     const double step = std::ldexp(1.0, std::ilogb(std::max(world.radius(), 1e-30)));
     state_->anchor = glm::round(world.centre() / step) * step;
-    // As Items grows the boxes of nodes.
-    const double pad = world.radius() * 0x1p-13;
+    const double pad = vertex_rounding(world);
     state_->bounds = outward_float({world.lo - pad, world.hi + pad}, state_->anchor, 8);
     state_->radius = static_cast<float>(world.radius() + glm::distance(world.centre(), state_->anchor)) * 1.001f;
 }

@@ -5,6 +5,11 @@
 
 namespace occam::accel {
 
+/// Of a cage's radius: the hull of control points holds the surface but for the rounding of vertices, sums of up to hundreds of them.
+inline constexpr double kVertexRounding = 0x1p-14;
+/// The same of whatever cages a box holds: a cage's ball has less than twice the radius of a box around the cage.
+inline double vertex_rounding(const Box3d& box) noexcept { return 2 * box.radius() * kVertexRounding; }
+
 struct FrameState {
     const Scene* scene = nullptr;
     lod::TopologyCache* topologies = nullptr;

@@ -11,8 +11,6 @@ namespace occam::accel {
 namespace {
 
 constexpr float kBoxUlps = 4;      // what boxes of items are grown by: two for rounding them, two for the culling rule
-// Of a cage's radius: the hull of control points holds the surface but for the rounding of vertices, sums of up to hundreds of them.
-constexpr double kVertexRounding = 0x1p-14;
 constexpr int kMaxSceneDepth = 256;
 constexpr float kCostOfUnmade = 1000;  // of a cage that nobody has seen yet, in steps of the tree
 constexpr std::uint32_t kMostAskedFor = 4;  // of a face's patches, ahead
@@ -84,11 +82,10 @@ Box3f Items::to_tree(const Box3d& world, double pad) const
     return outward_float({world.lo - pad, world.hi + pad}, frame_.anchor, kBoxUlps);
 }
 
-// The radius of a cage's ball is less than twice that of a box around the cage.
 Box3f Items::box_of_node(const Mat4d& world_from_node, const Box3d& bounds) const
 {
     const Box3d world = transform_box(world_from_node, bounds);
-    return to_tree(world, 2 * world.radius() * kVertexRounding);
+    return to_tree(world, vertex_rounding(world));
 }
 
 Box3f Items::box_of(const lod::PosedCage& cage, std::uint32_t cluster) const

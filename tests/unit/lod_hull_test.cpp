@@ -101,6 +101,8 @@ TEST_P(HullsAtPoles, HoldThePatch)
 {
     for_patches([](lod::PosedPatch& patch, const Grid&, const Box3f&) { expect_in_box(patch); });
 }
+INSTANTIATE_TEST_SUITE_P(Cages, HullsAtPoles, testing::Values(spindle(30), spindle(360)));
+
 // The vertices at corners and on sides are their owners', each a sum of hundreds of control points: what that rounds to lies in the
 // boxes of all patches around.
 TEST(Bounds, HoldVerticesThatNeighboursOwn)
@@ -119,7 +121,6 @@ TEST(Bounds, HoldVerticesThatNeighboursOwn)
             for (int a = 0; a < 3; ++a) ASSERT_TRUE(box.lo[a] <= grid.fine[a][v] && grid.fine[a][v] <= box.hi[a]) << "vertex " << v << " along axis " << a;
     }
 }
-INSTANTIATE_TEST_SUITE_P(Cages, HullsAtPoles, testing::Values(spindle(30), spindle(360)));
 
 INSTANTIATE_TEST_SUITE_P(Cages, PatchHulls, testing::Values(torus(), prism(3), prism(5), spindle(7)));
 
