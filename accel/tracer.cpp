@@ -241,7 +241,8 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
     const auto enter = [&](const GridBounds& bounds, vfloat far) __attribute__((always_inline)) {
         vfloat in = begin, out = far;
         clip(kd, bounds.box, in, out);
-        return (in <= out) & crosses(kd, bounds.slab, in, out);
+        const vmask inside = in <= out;
+        return none(inside) ? inside : inside & crosses(kd, bounds.slab, in, out);
     };
     const auto meet = [&](const KdLeaf& leaf, std::size_t number, int pair, vmask entering) __attribute__((always_inline)) {
         IGrid* known = read_published(leaf.entries[number].grid);
