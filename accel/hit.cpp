@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <cstddef>
 #include <tuple>
 
-#include "accel/stopwatch.h"
+#include "accel/corners.h"
+#include "accel/packet.h"
+#include "accel/triangle.h"
+#include "accel/vec_lanes.h"
 #include "accel/vertex_values.h"
-#include "lod/patch_colors.h"
 #include "scenegraph/base/hash.h"
-#include "scenegraph/base/publish.h"
 
 namespace occam::accel {
 namespace {
@@ -26,14 +27,11 @@ auto order_of(const IGrid& grid, std::uint32_t id) noexcept
     return std::tuple(grid.cage->key, patch_face, tile.patch.sub, grid.pairs.finest, tile.j0 + quad.j, tile.i0 + quad.i, kind);
 }
 
-struct Triangle {
-    Vec3f a, b, c;
-};
-
-// Barycentrics of the point where the ray meets the triangle's plane, kept inside of it; in double, since the origin may be far away.
-Vec3d barycentrics(const Triangle& tri, Vec3d origin, Vec3d direction) noexcept
+// Barycentrics of the point where the ray meets the plane of a T-vertex's triangle, kept inside of it; in double, since it has no area.
+Vec3d barycentrics(const Corners& corners, std::size_t lane, Vec3d origin, Vec3d direction) noexcept
 {
-    const Vec3d a = Vec3d(tri.a) - origin, b = Vec3d(tri.b) - origin, c = Vec3d(tri.c) - origin;
+    const auto from_origin = [&](int corner) { return Vec3d(corners.position_of(corner, lane)) - origin; };
+    const Vec3d a = from_origin(0), b = from_origin(1), c = from_origin(2);
     Vec3d w{glm::dot(direction, glm::cross(c, b)), glm::dot(direction, glm::cross(a, c)), glm::dot(direction, glm::cross(b, a))};
     const double sum = w.x + w.y + w.z;
     if (sum == 0) return Vec3d(1.0 / 3);
@@ -41,129 +39,6 @@ Vec3d barycentrics(const Triangle& tri, Vec3d origin, Vec3d direction) noexcept
     if (w.x >= 0 && w.y >= 0 && w.z >= 0) return w;
     w = glm::max(w, Vec3d(0));
     return w / (w.x + w.y + w.z);
-}
-
-const int kCorners[2][3][2] = {{{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}};
-
-using OwnBlend = VertexBlendOf<float>;
-
-// A vertex of a lattice as a ray sees it, and how coarse it is.
-Vec3f blended(const IGrid& grid, const OwnBlend& blend, std::uint32_t vertex, float* weight = nullptr) noexcept
-{
-    const Vec3f f = grid.fine_at(vertex);
-    if (!grid.blends()) return f;
-    const Vec3f c = grid.coarse_at(vertex);
-    const float w = blend.weight({f.x, f.y, f.z});
-    if (weight) *weight = w;
-    const PointOf<float> p = OwnBlend::between({f.x, f.y, f.z}, {c.x, c.y, c.z}, w);
-    return {p.x, p.y, p.z};
-}
-
-// Whether a vertex of the tile is a T-vertex: on a side that has fewer than the lattice, and not one of those.
-bool hangs(const lod::TileRef& tile, int i, int j) noexcept
-{
-    const lod::PatchRates& rates = tile.rates;
-    const std::uint32_t u = tile.i0 + static_cast<std::uint32_t>(i), v = tile.j0 + static_cast<std::uint32_t>(j);
-    const auto is_between = [&](std::size_t side, std::uint32_t along, int exponent) { return (along & ((1u << (exponent - rates.side[side])) - 1)) != 0; };
-    return (v == 0 && is_between(0, u, rates.u)) || (u == 1u << rates.u && is_between(1, v, rates.v)) || (v == 1u << rates.v && is_between(2, u, rates.u)) ||
-           (u == 0 && is_between(3, v, rates.v));
-}
-
-// The micropolygon as the ray has met it, and the weights of its vertices.
-Triangle triangle_of(const IGrid& grid, std::uint32_t id, const OwnBlend& blend, float (&weight)[3]) noexcept
-{
-    Vec3f v[3];
-    const std::uint32_t at = id & ~kCloserBit;
-    if (!grid.is_lattice) {
-        // Ids of meshes are faces, and are looked up by position.
-        std::uint32_t k = 0;
-        while (grid.ids[k] != id) ++k;
-        for (int p = 0; p < 3; ++p) v[p] = {grid.corners[p * 3][k], grid.corners[p * 3 + 1][k], grid.corners[p * 3 + 2][k]};
-    } else if (id & kCloserBit) {
-        const lod::Hanging& hanging = grid.hanging[at];
-        const lod::Hanging::Ends ends = hanging.on(blended(grid, blend, hanging.a, &weight[0]), blended(grid, blend, hanging.c, &weight[2]));
-        v[0] = ends.low;
-        v[1] = ends.middle;
-        v[2] = ends.high;
-        weight[1] = weight[0];
-    } else {
-        const QuadRef q = quad_of(id);
-        const IGridPart& part = grid.parts[part_of(id)];
-        for (int p = 0; p < 3; ++p) {
-            const int i = q.i + kCorners[q.triangle][p][0], j = q.j + kCorners[q.triangle][p][1];
-            v[p] = blended(grid, blend, part.vertex(i, j), &weight[p]);
-            if (!grid.blends() || !hangs(part.tile, i, j)) continue;
-            for (const lod::Hanging& h : grid.hanging)
-                if (h.is_inside && h.i == i && h.j == j && part_of(grid.hanging_quads[&h - grid.hanging.data()]) == part_of(id)) {
-                    v[p] = h.on(blended(grid, blend, h.a), blended(grid, blend, h.c)).middle;
-                    break;
-                }
-        }
-    }
-    return {v[0], v[1], v[2]};
-}
-
-struct Corner {
-    Vec3f normal{0};
-    Vec2f uv[2]{};
-    Vec4f color{1};
-};
-
-void shade(const IGrid& grid, IGridPart& part, const PhaseOneTools& tools)
-{
-    const MaybeLock lock(tools.building);
-    if (part.is_shaded) return;  // another was here meanwhile
-    const Stopwatch watch(tools.counters.shade_seconds);
-    part.attributes = tools.dicer.shade(*grid.cage, part.tile, grid.blends() ? part.coarser() : part.tile.rates, tools.arena);
-    publish(part.is_shaded, true);
-}
-
-void patch_corners(IGrid& grid, std::uint32_t number, bool is_closer, const float (&weight)[3], const PhaseOneTools& tools,
-                   Corner (&corner)[3], bool (&has_uv)[2])
-{
-    IGridPart& part = grid.parts[part_of(number)];
-    if (!read_published(part.is_shaded)) shade(grid, part, tools);
-    const QuadRef q = quad_of(number);
-    std::optional<lod::PatchColors> colors;
-    if (!grid.cage->slot->cage.colors.empty()) colors.emplace(*grid.cage, part.tile.patch);
-    const auto color_at = [&](int i, int j) {
-        return colors->at((float(part.tile.i0) + float(i)) * part.tile.step_u(), (float(part.tile.j0) + float(j)) * part.tile.step_v());
-    };
-    for (int p = 0; p < 3; ++p) {
-        const int i = q.i + (is_closer ? 0 : kCorners[q.triangle][p][0]), j = q.j + (is_closer ? 0 : kCorners[q.triangle][p][1]);
-        const int width = part.tile.columns + 1;
-        // What is odd lies, in the coarser level, on an edge or a diagonal; and blends as its position does.
-        const int low = j * width + i, odd_i = part.is_halved ? i & 1 : 0, odd_j = part.is_halved ? j & 1 : 0;
-        const int before = low - odd_j * width - odd_i, behind = low + odd_j * width + odd_i;
-        const float w = weight[p];
-        const auto blend = [&](const auto* values) {
-            return w == 0 ? values[low] : values[low] * (1 - w) + (values[before] + values[behind]) * (0.5f * w);
-        };
-        const lod::GridAttributes& made = part.attributes;
-        corner[p].normal = made.coarse_normal ? made.normal[low] * (1 - w) + made.coarse_normal[low] * w : blend(made.normal);
-        for (int s = 0; s < 2; ++s) {
-            has_uv[s] = part.attributes.uv[s] != nullptr;
-            if (has_uv[s]) corner[p].uv[s] = blend(part.attributes.uv[s]);
-        }
-        if (colors)
-            corner[p].color = color_at(i, j) * (1 - w) + (color_at(i - odd_i, j - odd_j) + color_at(i + odd_i, j + odd_j)) * (0.5f * w);
-    }
-}
-
-void mesh_corners(const IGrid& grid, std::uint32_t face, Corner (&corner)[3], bool (&has_uv)[2])
-{
-    const Cage& cage = grid.cage->slot->cage;
-    for (std::uint32_t p = 0; p < 3; ++p) {
-        const std::size_t at = std::size_t(face) * 3 + p, v = cage.face_vertices[at];
-        if (!cage.normals.empty()) corner[p].normal = grid.cage->vertex_normal(static_cast<std::uint32_t>(v));
-        if (!cage.colors.empty()) corner[p].color = cage.colors[cage.color_indices.empty() ? v : cage.color_indices[at]];
-        for (std::size_t s = 0; s < 2; ++s) {
-            has_uv[s] = s < cage.uv_sets.size();
-            if (!has_uv[s]) continue;
-            const UvSet& set = cage.uv_sets[s];
-            corner[p].uv[s] = set.values[set.indices.empty() ? v : set.indices[at]];
-        }
-    }
 }
 
 const Material* material_of(const Scene& scene, const lod::PosedCage& cage, std::uint32_t face) noexcept
@@ -176,30 +51,6 @@ const Material* material_of(const Scene& scene, const lod::PosedCage& cage, std:
     return found ? found : &plain;
 }
 
-// Of what is smaller no gradient is asked for: a float would not hold it.
-constexpr double kLeastArea = 1e-30;
-
-// Gradients over the triangle of the weights of b and c; a's is what they lack to zero. Per world length.
-struct WeightGradients {
-    Vec3f b, c;
-    WeightGradients(const Triangle& tri, Vec3f winding_normal, float per_area) noexcept
-        : b(glm::cross(winding_normal, tri.a - tri.c) * per_area), c(glm::cross(winding_normal, tri.b - tri.a) * per_area)
-    {
-    }
-};
-
-// Half the divergence of the interpolated unit normal: the mean curvature, positive where the outside is convex.
-float outward_curvature(const WeightGradients& g, const Corner (&corner)[3]) noexcept
-{
-    Vec3f n[3];
-    for (int p = 0; p < 3; ++p) {
-        const float squared = glm::dot(corner[p].normal, corner[p].normal);
-        if (!(squared > 0)) return 0;
-        n[p] = corner[p].normal * (1 / std::sqrt(squared));
-    }
-    return 0.5f * (glm::dot(n[1] - n[0], g.b) + glm::dot(n[2] - n[0], g.c));
-}
-
 // The set that decides the axes of normal maps.
 int normal_map_set(const Material& m) noexcept
 {
@@ -207,31 +58,106 @@ int normal_map_set(const Material& m) noexcept
     return std::clamp(use.uv_set, 0, 1);
 }
 
-// Of texture coordinates over the triangle, per world length.
-struct UvGradients {
-    Vec3d u, v;
-    UvGradients(const WeightGradients& g, const Corner (&corner)[3], int set) noexcept
+// Of what is smaller no gradient is asked for: a float would not hold it.
+constexpr float kLeastArea = 1e-30f;
+
+VecLanes load(const FloatLanes (&v)[3]) noexcept { return {vfloat::load(v[0]), vfloat::load(v[1]), vfloat::load(v[2])}; }
+
+// A vector's lanes, to be read one by one.
+struct Stored {
+    alignas(32) FloatLanes axis[3];
+    explicit Stored(const VecLanes& v) noexcept
     {
-        const Vec2d e(corner[1].uv[set] - corner[0].uv[set]), f(corner[2].uv[set] - corner[0].uv[set]);
-        u = Vec3d(g.b) * e.x + Vec3d(g.c) * f.x;
-        v = Vec3d(g.b) * e.y + Vec3d(g.c) * f.y;
+        v.x.store(axis[0]);
+        v.y.store(axis[1]);
+        v.z.store(axis[2]);
     }
+    Vec3f operator[](std::size_t lane) const noexcept { return {axis[0][lane], axis[1][lane], axis[2][lane]}; }
+};
+struct StoredFloats {
+    alignas(32) FloatLanes lanes;
+    explicit StoredFloats(vfloat x) noexcept { x.store(lanes); }
+    float operator[](std::size_t lane) const noexcept { return lanes[lane]; }
+};
+
+// Triangles in lanes. Edges are b - a and c - a.
+struct Triangles {
+    VecLanes edge[2];
+    VecLanes normal;      // unit, by winding; 0: there is no area
+    vfloat area;          // of the parallelogram
+    VecLanes gradient[2]; // of the weights of b and c over the triangle, per world length; a's is what they lack to zero
+    VecLanes way[2];      // the same, as long as may be: only their directions count
+
+    explicit Triangles(const Corners& corners) noexcept
+    {
+        const VecLanes a = load(corners.position[0]);
+        edge[0] = load(corners.position[1]) - a;
+        edge[1] = load(corners.position[2]) - a;
+        // As long as one at most, so that no product is too small for a float.
+        const vfloat size = max(largest(edge[0]), largest(edge[1]));
+        const vfloat scale = select(size > vfloat(0.0f), vfloat(1.0f) / size, 0.0f);
+        const VecLanes e = edge[0] * scale, f = edge[1] * scale;
+        const VecLanes across = cross(e, f);
+        const vfloat length = sqrt(dot(across, across));
+        const vfloat inverse = select(length > vfloat(0.0f), vfloat(1.0f) / length, 0.0f);
+        normal = across * inverse;
+        area = length * size * size;
+        way[0] = cross(f, normal);
+        way[1] = cross(normal, e);
+        const vfloat per_length = inverse * scale;
+        gradient[0] = way[0] * per_length;
+        gradient[1] = way[1] * per_length;
+    }
+};
+
+// Half the divergence of the interpolated unit normal: the mean curvature, positive where the outside is convex.
+vfloat outward_curvature(const Triangles& tri, const VecLanes (&normal)[3]) noexcept
+{
+    VecLanes n[3];
+    vmask known(true);
+    for (int p = 0; p < 3; ++p) {
+        const vfloat squared = dot(normal[p], normal[p]);
+        known = known & (squared > vfloat(0.0f));
+        n[p] = normal[p] * (vfloat(1.0f) / sqrt(squared));
+    }
+    return select(known, vfloat(0.5f) * (dot(n[1] - n[0], tri.gradient[0]) + dot(n[2] - n[0], tri.gradient[1])), 0.0f);
+}
+
+// Texture coordinates in lanes: of a, and how they change to b and c.
+struct UvLanes {
+    vfloat at[2], edge[2][2];  // axis; corner b or c, axis
+    UvLanes() = default;
+    explicit UvLanes(const FloatLanes (&uv)[3][2]) noexcept
+    {
+        for (int a = 0; a < 2; ++a) {
+            at[a] = vfloat::load(uv[0][a]);
+            for (int p = 0; p < 2; ++p) edge[p][a] = vfloat::load(uv[p + 1][a]) - at[a];
+        }
+    }
+};
+
+struct Tangents {
+    VecLanes along;  // unit, or 0
+    vfloat sign;
 };
 
 // dP/du and dP/dv are the columns of the inverse of (du/dP, dv/dP): in the plane, turned by a right angle from the
 // other's gradient. Their lengths do not matter here, but the sign of the gradients' area does.
-void set_tangent(const WeightGradients& g, Vec3d winding_normal, const Corner (&corner)[3], int set, Vec3d outward, SurfaceHit& hit) noexcept
+Tangents tangents(const Triangles& tri, const UvLanes& uv, const VecLanes& outward) noexcept
 {
-    const auto [du, dv] = UvGradients(g, corner, set);
-    const double turn = glm::dot(winding_normal, glm::cross(du, dv));
-    if (turn == 0) return;
-    const Vec3d along_u = glm::cross(dv, winding_normal) * (turn > 0 ? 1.0 : -1.0);
-    const Vec3d along_v = glm::cross(winding_normal, du) * (turn > 0 ? 1.0 : -1.0);
-    const Vec3d tangent = along_u - outward * glm::dot(along_u, outward);
-    const double length = glm::length(tangent);
-    if (!(length > 0) || !std::isfinite(length)) return;
-    hit.tangent = Vec3f(tangent / length);
-    hit.tangent_sign = glm::dot(glm::cross(outward, tangent), along_v) > 0 ? -1.0f : 1.0f;
+    VecLanes d[2];
+    for (int a = 0; a < 2; ++a) {
+        const vfloat size = max(abs(uv.edge[0][a]), abs(uv.edge[1][a]));
+        const vfloat scale = select(size > vfloat(0.0f), vfloat(1.0f) / size, 0.0f);
+        d[a] = tri.way[0] * (uv.edge[0][a] * scale) + tri.way[1] * (uv.edge[1][a] * scale);
+    }
+    const vfloat zero = 0.0f, turn = dot(tri.normal, cross(d[0], d[1])), hand = select(turn > zero, 1.0f, -1.0f);
+    const VecLanes along_u = cross(d[1], tri.normal) * hand, along_v = cross(tri.normal, d[0]) * hand;
+    const VecLanes tangent = along_u - outward * dot(along_u, outward);
+    const vfloat length = sqrt(dot(tangent, tangent));
+    const vmask known = ((turn > zero) | (turn < zero)) & (length > zero) & (length <= vfloat(FLT_MAX));
+    return {select(known, tangent * (vfloat(1.0f) / length), VecLanes(0.0f)),
+            select(known & (dot(cross(outward, tangent), along_v) > zero), -1.0f, 1.0f)};
 }
 
 }  // namespace
@@ -241,96 +167,158 @@ bool comes_before(const IGrid& a, std::uint32_t a_id, const IGrid& b, std::uint3
     return order_of(a, a_id) < order_of(b, b_id);
 }
 
-void resolve(const Ray& ray, const Met& met, const PhaseOneTools& tools, SurfaceHit& hit)
+void resolve(std::span<const Ray> rays, const RayAxes* axes, std::span<const Met> met, const PhaseOneTools& tools, SurfaceHit* const* hits)
 {
-    IGrid& grid = *met.grid;
-    const std::uint32_t id = met.id;
-    const lod::PosedCage& cage = *grid.cage;
-    const bool is_closer = (id & kCloserBit) != 0;
-    const std::uint32_t number = is_closer ? grid.hanging_quads[id & ~kCloserBit] : id;
-    const Vec3d d(ray.direction);
-    OwnBlend blend{};
-    if (grid.blends()) {
-        const PlacedOrigin at = place(ray, cage.anchor, cage.radius);
-        const float direction[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
-        blend.set(met.blend, direction, at.origin, at.shift);
+    const std::size_t n = rays.size();
+    // What is read ray by ray.
+    PlacedOrigin placed[kLanes]{};
+    const Material* material[kLanes]{};
+    Corners corners;
+    alignas(32) FloatLanes mirrored{}, width{}, second_set{};
+    unsigned closers = 0;
+    for (std::size_t i = 0; i < n; ++i)
+        if (met[i].grid) placed[i] = place(rays[i], met[i].grid->cage->anchor, met[i].grid->cage->radius);
+    vfloat origin[4], way[4], shear_of[4];
+    gather_four(placed, n, 0, origin);
+    gather_four(rays.data(), n, offsetof(Ray, direction), way);
+    gather_four(axes, n, offsetof(RayAxes, shear), shear_of);
+    corners.set_positions(met, {way[0], way[1], way[2]}, {origin[0], origin[1], origin[2]}, origin[3]);
+    for (std::size_t i = 0; i < n; ++i) {
+        if (!met[i].grid) continue;
+        corners.set_attributes(i, met[i], tools);
+        const lod::PosedCage& cage = *met[i].grid->cage;
+        material[i] = material_of(*tools.frame.scene, cage, face_of(met[i]));
+        mirrored[i] = cage.is_mirrored ? -1.0f : 1.0f;
+        width[i] = rays[i].footprint.at(met[i].t);
+        second_set[i] = static_cast<float>(normal_map_set(*material[i]));
+        if (is_closer(met[i])) closers |= 1u << i;
     }
-    float weight[3] = {};
-    const Triangle tri = triangle_of(grid, id, blend, weight);
-    const Vec3d w = barycentrics(tri, ray.origin - cage.anchor, d);
-    const Vec3d local = Vec3d(tri.a) * w.x + Vec3d(tri.b) * w.y + Vec3d(tri.c) * w.z;
-    const Vec3f share(w);
 
-    Corner corner[3];
-    bool has_uv[2] = {};
-    if (!grid.is_lattice) mesh_corners(grid, number, corner, has_uv);
-    else patch_corners(grid, number, is_closer, weight, tools, corner, has_uv);
-
-    const Vec3d winding = glm::cross(Vec3d(tri.b - tri.a), Vec3d(tri.c - tri.a));
-    const double area = glm::length(winding);  // of the parallelogram
-    Vec3f geometric(winding * ((cage.is_mirrored ? -1 : 1) / area));
-    Vec3f shading = corner[0].normal * share.x + corner[1].normal * share.y + corner[2].normal * share.z;
-    const double length = glm::length(Vec3d(shading));  // of a mesh's normals: any
-    const bool is_smooth = length > 1e-20;
-    if (is_smooth) shading = Vec3f(Vec3d(shading) * (1 / length));
-    // A closer has no area, and a degenerate patch corner no normal: one stands in for the other.
-    if (is_closer || !(area > 0)) geometric = is_smooth ? shading : -ray.direction;
-    if (!is_smooth) shading = geometric;
-
-    hit.t = met.t;
-    hit.curvature = 0;
-    hit.tangent = hit.u_gradient = hit.v_gradient = Vec3f(0);
-    hit.tangent_sign = 1;
-    hit.phase_one_channels = 0;
-    hit.position = cage.anchor + local;
-    hit.back_side = glm::dot(geometric, ray.direction) > 0;
-    if (hit.back_side) geometric = -geometric;
-    if (glm::dot(shading, geometric) < 0) shading = -shading;
-    hit.normal_geometric = geometric;
-    hit.normal_shading = shading;
-    const Vec3d size = glm::abs(local);
-    hit.self_distance = 2 * grid.delta + 16 * FLT_EPSILON * std::max(cage.radius, static_cast<float>(std::max({size.x, size.y, size.z})));
-    hit.color = corner[0].color * share.x + corner[1].color * share.y + corner[2].color * share.z;
-    for (int s = 0; s < 2; ++s) {
-        hit.uv[s] = Vec2f(0);
-        hit.uv_width[s] = 0;
-        if (!has_uv[s]) continue;
-        hit.uv[s] = corner[0].uv[s] * share.x + corner[1].uv[s] * share.y + corner[2].uv[s] * share.z;
-        const Vec2f e = corner[1].uv[s] - corner[0].uv[s], f = corner[2].uv[s] - corner[0].uv[s];
-        const double uv_area = std::fabs(double(e.x) * f.y - double(e.y) * f.x);
-        hit.uv_width[s] = area > 0 ? static_cast<float>(ray.footprint.at(met.t) * std::sqrt(uv_area / area)) : 0;
-    }
-    hit.face = face_of(met);
-    hit.material = material_of(*tools.frame.scene, cage, hit.face);
-    hit.node = cage.node_id;
-    hit.lit_by = cage.lit_by;
-    if (!is_closer && area > kLeastArea) {
-        const double per_area = 1 / area;
-        const Vec3f winding_normal(winding * per_area);
-        const WeightGradients gradients(tri, winding_normal, static_cast<float>(per_area));
-        const float curvature = outward_curvature(gradients, corner);
-        hit.curvature = hit.back_side ? -curvature : curvature;
-        const int set = normal_map_set(*hit.material);
-        if (has_uv[set]) set_tangent(gradients, Vec3d(winding_normal), corner, set, Vec3d(hit.back_side ? -shading : shading), hit);
-        const int bump_set = std::clamp(hit.material->bump_texture.uv_set, 0, 1);
-        if (hit.material->bump_texture && has_uv[bump_set]) {
-            const UvGradients uv(gradients, corner, bump_set);
-            hit.u_gradient = Vec3f(uv.u);
-            hit.v_gradient = Vec3f(uv.v);
+    // Where in the triangle: its edge functions, as when it was met.
+    const vfloat zero = 0.0f, one = 1.0f;
+    RayLanes sheared;
+    sheared.sx = shear_of[0];
+    sheared.sy = shear_of[1];
+    sheared.sz = shear_of[2];
+    const int kx = axes->kx, ky = axes->ky, kz = axes->kz;
+    const LanePoint from{origin[kx], origin[ky], origin[kz]};
+    const auto sheared_corner = [&](int p) {
+        return shear(sheared, from, {vfloat::load(corners.position[p][kx]), vfloat::load(corners.position[p][ky]), vfloat::load(corners.position[p][kz])});
+    };
+    const EdgeFunctions edges = edge_functions(sheared_corner(0), sheared_corner(1), sheared_corner(2));
+    const vfloat det = (edges.u + edges.v) + edges.w;
+    const vmask has_area = (det > zero) | (det < zero);
+    const auto share_of = [&](vfloat edge) { return select(has_area, max(edge / det, zero), 1.0f / 3); };
+    vfloat share[3] = {share_of(edges.u), share_of(edges.v), share_of(edges.w)};
+    if (closers != 0) {
+        alignas(32) FloatLanes own[3];
+        for (int p = 0; p < 3; ++p) share[p].store(own[p]);
+        for (unsigned left = closers; left != 0; left &= left - 1) {
+            const auto i = static_cast<std::size_t>(std::countr_zero(left));
+            const Vec3d w = barycentrics(corners, i, rays[i].origin - met[i].grid->cage->anchor, Vec3d(rays[i].direction));
+            for (int p = 0; p < 3; ++p) own[p][i] = static_cast<float>(w[p]);
         }
+        for (int p = 0; p < 3; ++p) share[p] = vfloat::load(own[p]);
     }
-    hit.level = grid.level;
-    const lod::TileRef* tile = grid.is_lattice ? &grid.parts[part_of(number)].tile : nullptr;
-    const std::uint64_t tile_number = tile ? std::uint64_t(tile->j0) << 32 | tile->i0 : 0;
-    hit.blend = weight[0] * share.x + weight[1] * share.y + weight[2] * share.z;
-    if (tile && tools.frame.shading.shader) {
-        // A closer is a line without width: the quad beside it stands in.
-        const QuadRef q = quad_of(number);
-        Vec2d at(q.i, q.j);
-        for (int p = 0; p < 3 && !is_closer; ++p) at += Vec2d(kCorners[q.triangle][p][0], kCorners[q.triangle][p][1]) * w[p];
-        add_vertex_values(grid, part_of(number), at, tools, hit);
+
+    const Triangles tri(corners);
+    const auto between = [&](vfloat a, vfloat b, vfloat c) { return fma(a, share[0], fma(b, share[1], c * share[2])); };
+    const VecLanes offset = tri.edge[0] * share[1] + tri.edge[1] * share[2];  // from a
+    const VecLanes direction(way[0], way[1], way[2]);
+    const VecLanes normal[3] = {load(corners.normal[0]), load(corners.normal[1]), load(corners.normal[2])};
+    const VecLanes mixed = normal[0] * share[0] + normal[1] * share[1] + normal[2] * share[2];
+    const vfloat longest = largest(mixed);
+    const vmask is_smooth = longest > vfloat(1e-20f);
+    const VecLanes scaled = mixed * select(is_smooth, one / longest, zero);
+    VecLanes shading = scaled * select(is_smooth, one / sqrt(dot(scaled, scaled)), zero);
+    // A closer has no area, and a degenerate patch corner no normal: one stands in for the other.
+    alignas(32) FloatLanes is_flat{};
+    for (unsigned left = closers; left != 0; left &= left - 1) is_flat[std::countr_zero(left)] = 1;
+    const vmask has_normal = andnot(tri.area > zero, vfloat::load(is_flat) > zero);
+    VecLanes geometric = select(has_normal, tri.normal * vfloat::load(mirrored), select(is_smooth, shading, -direction));
+    shading = select(is_smooth, shading, geometric);
+    const vmask is_back = dot(geometric, direction) > zero;
+    geometric = select(is_back, -geometric, geometric);
+    shading = select(dot(shading, geometric) < zero, -shading, shading);
+
+    // How coordinates change over the triangle.
+    const vmask has_gradients = andnot(tri.area > vfloat(kLeastArea), vfloat::load(is_flat) > zero);
+    const vfloat outward = outward_curvature(tri, normal);
+    const StoredFloats curvature(select(has_gradients, select(is_back, -outward, outward), zero));
+    const unsigned with_gradients = bits(has_gradients);
+    const UvLanes uv[2] = {UvLanes(corners.uv[0]), UvLanes(corners.uv[1])};
+    Tangents tangent{VecLanes(0.0f), 1.0f};
+    if ((corners.has_uv[0] | corners.has_uv[1]) != 0) {
+        const vmask is_second = vfloat::load(second_set) > zero;
+        UvLanes chosen;
+        for (int p = 0; p < 2; ++p)
+            for (int a = 0; a < 2; ++a) chosen.edge[p][a] = select(is_second, uv[1].edge[p][a], uv[0].edge[p][a]);
+        tangent = tangents(tri, chosen, select(is_back, -shading, shading));
     }
-    hit.micropolygon = static_cast<std::uint32_t>(mix_bits(cage.key ^ mix_bits(std::uint64_t(number) << 32 ^ hit.face) ^ std::uint64_t(tile_number)));
+    const Stored tangent_along(tangent.along);
+    const StoredFloats tangent_sign(tangent.sign);
+    alignas(32) FloatLanes uv_at[2][2], uv_width[2];
+    for (int s = 0; s < 2; ++s) {
+        for (int a = 0; a < 2; ++a) fma(uv[s].edge[0][a], share[1], fma(uv[s].edge[1][a], share[2], uv[s].at[a])).store(uv_at[s][a]);
+        const vfloat uv_area = abs(difference_of_products(uv[s].edge[0][0], uv[s].edge[1][1], uv[s].edge[0][1], uv[s].edge[1][0]));
+        select(tri.area > zero, vfloat::load(width) * sqrt(uv_area / tri.area), zero).store(uv_width[s]);
+    }
+
+    const Stored from_a(offset), shading_at(shading), geometric_at(geometric), shares(VecLanes(share[0], share[1], share[2]));
+    const StoredFloats farthest(largest(load(corners.position[0]) + offset));
+    const StoredFloats blend(between(vfloat::load(corners.weight[0]), vfloat::load(corners.weight[1]), vfloat::load(corners.weight[2])));
+    const unsigned back = bits(is_back);
+    for (std::size_t i = 0; i < n; ++i) {
+        if (!met[i].grid) continue;
+        IGrid& grid = *met[i].grid;
+        const lod::PosedCage& cage = *grid.cage;
+        const std::uint32_t number = number_of(met[i]);
+        const Vec3f w = shares[i];
+        SurfaceHit& hit = *hits[i];
+        hit.t = met[i].t;
+        hit.position = cage.anchor + (Vec3d(corners.position_of(0, i)) + Vec3d(from_a[i]));
+        hit.self_distance = 2 * grid.delta + 16 * FLT_EPSILON * std::max(cage.radius, farthest[i]);
+        hit.normal_geometric = geometric_at[i];
+        hit.normal_shading = shading_at[i];
+        hit.back_side = (back >> i & 1) != 0;
+        hit.curvature = curvature[i];
+        hit.material = material[i];
+        const bool is_known = (with_gradients >> i & 1) != 0;
+        const bool has_tangent = is_known && (corners.has_uv[static_cast<int>(second_set[i])] >> i & 1) != 0;
+        hit.tangent = has_tangent ? tangent_along[i] : Vec3f(0);
+        hit.tangent_sign = has_tangent ? tangent_sign[i] : 1;
+        hit.u_gradient = hit.v_gradient = Vec3f(0);
+        const int bump_set = std::clamp(material[i]->bump_texture.uv_set, 0, 1);
+        if (material[i]->bump_texture && is_known && (corners.has_uv[bump_set] >> i & 1) != 0) {
+            const Stored b(tri.gradient[0]), c(tri.gradient[1]);
+            const auto change = [&](int corner, int axis) { return corners.uv[bump_set][corner][axis][i] - corners.uv[bump_set][0][axis][i]; };
+            hit.u_gradient = b[i] * change(1, 0) + c[i] * change(2, 0);
+            hit.v_gradient = b[i] * change(1, 1) + c[i] * change(2, 1);
+        }
+        for (int s = 0; s < 2; ++s) {
+            const bool has_uv = (corners.has_uv[s] >> i & 1) != 0;
+            hit.uv[s] = has_uv ? Vec2f(uv_at[s][0][i], uv_at[s][1][i]) : Vec2f(0);
+            hit.uv_width[s] = has_uv ? uv_width[s][i] : 0;
+        }
+        hit.color = Vec4f(1);
+        if (corners.has_color >> i & 1) hit.color = corners.color[i][0] * w.x + corners.color[i][1] * w.y + corners.color[i][2] * w.z;
+        hit.node = cage.node_id;
+        hit.lit_by = cage.lit_by;
+        hit.face = face_of(met[i]);
+        hit.level = grid.level;
+        hit.blend = blend[i];
+        hit.phase_one_channels = 0;
+        const lod::TileRef* tile = grid.is_lattice ? &grid.parts[part_of(number)].tile : nullptr;
+        if (tile && tools.frame.shading.shader) {
+            // A closer is a line without width: the quad beside it stands in.
+            const QuadRef q = quad_of(number);
+            Vec2d at(q.i, q.j);
+            for (int p = 0; p < 3 && !is_closer(met[i]); ++p) at += Vec2d(kQuadCorners[q.triangle][p][0], kQuadCorners[q.triangle][p][1]) * double(w[p]);
+            add_vertex_values(grid, part_of(number), at, tools, hit);
+        }
+        const std::uint64_t tile_number = tile ? std::uint64_t(tile->j0) << 32 | tile->i0 : 0;
+        hit.micropolygon = static_cast<std::uint32_t>(mix_bits(cage.key ^ mix_bits(std::uint64_t(number) << 32 ^ hit.face) ^ tile_number));
+    }
 }
 
 }  // namespace occam::accel

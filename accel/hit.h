@@ -59,15 +59,19 @@ struct PhaseOneTools {
     std::mutex* building;  ///< held meanwhile; null: nobody else meets these igrids
 };
 
+/// Whether it is a T-vertex's triangle, which has no area.
+inline bool is_closer(const Met& met) noexcept { return (met.id & kCloserBit) != 0; }
+/// The micropolygon, or the one that a T-vertex's triangle stands for.
+inline std::uint32_t number_of(const Met& met) noexcept { return is_closer(met) ? met.grid->hanging_quads[met.id & ~kCloserBit] : met.id; }
 /// Of its cage.
 inline std::uint32_t face_of(const Met& met) noexcept
 {
-    const IGrid& grid = *met.grid;
-    const std::uint32_t number = met.id & kCloserBit ? grid.hanging_quads[met.id & ~kCloserBit] : met.id;
-    return grid.is_lattice ? grid.parts[part_of(number)].tile.patch.face : number;
+    const std::uint32_t number = number_of(met);
+    return met.grid->is_lattice ? met.grid->parts[part_of(number)].tile.patch.face : number;
 }
 
-/// Fills a hit from the micropolygon that was met. Runs phase one on its patch if it is the first hit there.
-void resolve(const Ray& ray, const Met& met, const PhaseOneTools& tools, SurfaceHit& hit);
+/// Fills hits from the micropolygons that up to kLanes rays of a group have met. Runs phase one on their patches if they are the first hits
+/// there. hits: of rays that have met something; the others' are left alone.
+void resolve(std::span<const Ray> rays, const RayAxes* axes, std::span<const Met> met, const PhaseOneTools& tools, SurfaceHit* const* hits);
 
 }  // namespace occam::accel

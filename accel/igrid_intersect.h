@@ -238,11 +238,18 @@ private:
                 const BlockHanging& at = grid_.block_hanging[h];
                 v[at.row][at.column] = shear(ray_, origin_, hanging_vertex(grid_.hanging[at.hanging]));
             }
-        for (int r = 0; r < block.rows; ++r)
+        Edge across[kColumns - 1];  // the upper edges of the last row
+        for (int c = 0; c < block.columns; ++c) across[c] = {v[0][c + 1], v[0][c]};
+        for (int r = 0; r < block.rows; ++r) {
+            Edge left(v[r][0], v[r + 1][0]);
             for (int c = 0; c < block.columns; ++c) {
-                offer_lanes(intersect(ray_, v[r][c], v[r][c + 1], v[r + 1][c + 1]), alive, quad_id(block, c, r, 0));
-                offer_lanes(intersect(ray_, v[r][c], v[r + 1][c + 1], v[r + 1][c]), alive, quad_id(block, c, r, 1));
+                const Edge right(v[r][c + 1], v[r + 1][c + 1]), upper(v[r + 1][c + 1], v[r + 1][c]);
+                intersect_quad(ray_, v[r][c], v[r][c + 1], v[r + 1][c], v[r + 1][c + 1], left, right, across[c], upper,
+                               [&](const TriangleHit& hit, int triangle) { offer_lanes(hit, alive, quad_id(block, c, r, triangle)); });
+                left = right;
+                across[c] = upper;
             }
+        }
     }
 
     /// A block's vertices in rows, as one ray blends them; along kx, ky, kz.
@@ -292,17 +299,16 @@ private:
                                                       vfloat::load_halves(from[2] + at, from[2] + at + upper, first)});
             };
             const ShearedVertex v00 = corner(0, 0), v10 = corner(1, 0), v01 = corner(0, 1), v11 = corner(1, 1);
-            for (int triangle = 0; triangle < 2; ++triangle) {
-                const TriangleHit hit = triangle == 0 ? intersect(ray_, v00, v10, v11) : intersect(ray_, v00, v11, v01);
+            intersect_quad(ray_, v00, v10, v01, v11, {v00, v01}, {v10, v11}, {v10, v00}, {v11, v01}, [&](const TriangleHit& hit, int triangle) {
                 unsigned lanes = bits(hit.is_hit & (hit.t > t_near_) & (hit.t <= limit())) & (real >> first);
-                if (lanes == 0) continue;
+                if (lanes == 0) return;
                 float t[kLanes];
                 hit.t.store(t);
                 for (; lanes != 0; lanes &= lanes - 1) {
                     const int k = std::countr_zero(lanes), quad = first + k;
                     query_.offer(lane, t[k], grid_, quad_id(block, quad % 4, quad / 4, triangle));
                 }
-            }
+            });
         }
     }
 

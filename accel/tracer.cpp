@@ -462,10 +462,18 @@ void Tracer::closest(std::span<const Ray> rays, std::span<SurfaceHit> hits)
 {
     State& s = *state_;
     s.find_nearest<true>(rays, [&](std::size_t first, std::span<const Met> met) {
+        SurfaceHit* to[kPacket];
+        bool any_met = false;
         for (std::size_t i = 0; i < met.size(); ++i) {
-            SurfaceHit& hit = hits[s.place_of[first + i]];
-            if (met[i].grid) resolve(s.sorted[first + i], met[i], s.lazy.phase_one(), hit);
-            else hit.t = std::numeric_limits<float>::infinity();
+            to[i] = &hits[s.place_of[first + i]];
+            if (met[i].grid) any_met = true;
+            else to[i]->t = std::numeric_limits<float>::infinity();
+        }
+        if (!any_met) return;
+        const std::span<const Ray> group(&s.sorted[first], met.size());
+        for (std::size_t i = 0; i < met.size(); i += kLanes) {
+            const std::size_t n = std::min<std::size_t>(kLanes, met.size() - i);
+            resolve(group.subspan(i, n), &s.sorted_axes[first + i], met.subspan(i, n), s.lazy.phase_one(), to + i);
         }
     });
 }

@@ -41,15 +41,49 @@ OCCAM_ALWAYS_INLINE vmask is_inside(const EdgeFunctions& e) noexcept
     return ((e.u >= zero) & (e.v >= zero) & (e.w >= zero)) | ((e.u <= zero) & (e.v <= zero) & (e.w <= zero));
 }
 
+/// Of lanes inside.
+OCCAM_ALWAYS_INLINE TriangleHit hit_inside(const RayLanes& ray, const EdgeFunctions& e, vmask inside, const ShearedVertex& a, const ShearedVertex& b,
+                                           const ShearedVertex& c) noexcept
+{
+    const vfloat det = (e.u + e.v) + e.w;
+    const vfloat t = ((e.u * a.t + e.v * b.t) + e.w * c.t) / det;
+    const vfloat low = min(min(a.t, b.t), c.t), high = max(max(a.t, b.t), c.t);
+    return {andnot(inside, det == vfloat(0.0f)), ray.shift + min(max(t, low), high)};
+}
+
 OCCAM_ALWAYS_INLINE TriangleHit intersect(const RayLanes& ray, const ShearedVertex& a, const ShearedVertex& b, const ShearedVertex& c) noexcept
 {
     const EdgeFunctions e = edge_functions(a, b, c);
     const vmask inside = is_inside(e);
     if (none(inside)) return {inside, 0.0f};
-    const vfloat det = (e.u + e.v) + e.w;
-    const vfloat t = ((e.u * a.t + e.v * b.t) + e.w * c.t) / det;
-    const vfloat low = min(min(a.t, b.t), c.t), high = max(max(a.t, b.t), c.t);
-    return {andnot(inside, det == vfloat(0.0f)), ray.shift + min(max(t, low), high)};
+    return hit_inside(ray, e, inside, a, b, c);
+}
+
+/// The side of an edge from p to q on which the ray passes: 0 on it. As in edge_functions(); of q to p it is exactly the opposite.
+struct Edge {
+    vfloat side;
+    vmask is_left, is_right;  ///< on it is both
+
+    Edge() = default;
+    OCCAM_ALWAYS_INLINE Edge(const ShearedVertex& p, const ShearedVertex& q) noexcept
+        : side(p.x * q.y - p.y * q.x), is_left(side >= vfloat(0.0f)), is_right(side <= vfloat(0.0f))
+    {
+    }
+};
+
+/// The two triangles of a quad (v00, v10, v11) and (v00, v11, v01), whose edges are made once, as are those that quads share: the same bits as of
+/// intersect(). Left, right: from the lower vertex to the upper; low, high: from the right vertex to the left.
+/// take(hit, triangle): for triangles that have been met by some lane.
+template <class Take>
+OCCAM_ALWAYS_INLINE void intersect_quad(const RayLanes& ray, const ShearedVertex& v00, const ShearedVertex& v10, const ShearedVertex& v01,
+                                        const ShearedVertex& v11, const Edge& left, const Edge& right, const Edge& low, const Edge& high, Take&& take) noexcept
+{
+    const Edge diagonal(v00, v11);
+    const vmask first = (right.is_right & diagonal.is_left & low.is_left) | (right.is_left & diagonal.is_right & low.is_right);
+    const vmask second = (high.is_right & left.is_left & diagonal.is_right) | (high.is_left & left.is_right & diagonal.is_left);
+    if (none(first | second)) return;
+    if (any(first)) take(hit_inside(ray, {-right.side, diagonal.side, low.side}, first, v00, v10, v11), 0);
+    if (any(second)) take(hit_inside(ray, {-high.side, left.side, -diagonal.side}, second, v00, v11, v01), 1);
 }
 
 }  // namespace occam::accel

@@ -262,6 +262,7 @@ inline vfloat max(vfloat a, vfloat b) noexcept
 #endif
 }
 inline vfloat abs(vfloat a) noexcept { return hn::Abs(a.raw()); }
+inline vfloat sqrt(vfloat a) noexcept { return hn::Sqrt(a.raw()); }
 /// Of all lanes.
 inline float lowest(vfloat a) noexcept { return hn::GetLane(hn::MinOfLanes(FloatTag(), a.raw())); }
 inline float highest(vfloat a) noexcept { return hn::GetLane(hn::MaxOfLanes(FloatTag(), a.raw())); }
