@@ -80,25 +80,23 @@ public:
         }
     }
 
-    /// Lanes are rays.
-    void packet(vmask active) noexcept
+    /// Lanes are rays; as_one(): all of them, in the cage's frame.
+    template <class AsOne>
+    void packet(vmask active, AsOne&& as_one) noexcept
     {
         const bool blends = choose_vertices(active);
-        int stack[32], size = 0;
-        stack[size++] = 0;
-        while (size > 0) {
-            const int node = stack[--size];
-            const vmask alive = active & in_box_at(grid_.boxes, node);
-            if (none(alive)) continue;
-            if (node < grid_.boxes.first_leaf()) {
-                stack[size++] = 2 * node + 2;
-                stack[size++] = 2 * node + 1;
-                continue;
-            }
-            const int block = node - grid_.boxes.first_leaf();
+        const auto meet = [&](int block) {
+            const vmask alive = active & in_box_at(grid_.boxes, grid_.boxes.first_leaf() + block);
+            if (none(alive)) return;
             if (!grid_.is_lattice) triangles_packet(block, alive);
             else if (blends) quads_packet<true>(grid_.blocks[block], alive);
             else quads_packet<false>(grid_.blocks[block], alive);
+        };
+        if (grid_.boxes.leaves < kWorthAGroup)
+            for (int block = 0; block < grid_.boxes.leaves; ++block) meet(block);
+        else {
+            const auto& rays = as_one();
+            for_each_block(grid_.boxes, [&](const float* boxes) { return rays.in_boxes(boxes, FLT_MAX); }, meet);
         }
         for (int block = 0; block < grid_.hanging_blocks; ++block) {
             unsigned lanes = bits(active & in_box_at(grid_.hanging_boxes, grid_.hanging_boxes.first_leaf() + block));
@@ -114,15 +112,17 @@ public:
     void single(int lane) noexcept
     {
         const bool blends = choose_vertices(vmask(true));
-        for_each_block(grid_.boxes, [&](int block) {
+        const auto in = [&](const float* boxes) { return in_boxes(boxes); };
+        for_each_block(grid_.boxes, in, [&](int block) {
             if (!grid_.is_lattice) triangles_single(block, lane);
             else quads_single(grid_.blocks[block], lane, blends);
         });
-        if (grid_.hanging_blocks > 0) for_each_block(grid_.hanging_boxes, [&](int block) { hanging_single(block, lane, ray_, origin_, blend_, blends); });
+        if (grid_.hanging_blocks > 0) for_each_block(grid_.hanging_boxes, in, [&](int block) { hanging_single(block, lane, ray_, origin_, blend_, blends); });
     }
 
 private:
     static constexpr int kColumns = LatticeBlock::kColumns, kRows = LatticeBlock::kRows;
+    static constexpr int kWorthAGroup = 4;  ///< blocks from which a packet looks at eight of them as one ray
 
     /// Whether rays blend here. If not, one of the two positions of each vertex serves them all.
     bool choose_vertices(vmask active) noexcept
@@ -161,20 +161,21 @@ private:
         return bits(in_box(ray_, near, far, t_near_, limit()));
     }
 
-    template <class Visit>
-    void for_each_block(const BoxTree& tree, Visit&& visit) noexcept
+    /// in(boxes): which of eight side by side are entered.
+    template <class In, class Visit>
+    void for_each_block(const BoxTree& tree, In&& in, Visit&& visit) noexcept
     {
         const unsigned real = tree.leaves < kLanes ? (1u << tree.leaves) - 1 : (1u << kLanes) - 1;  // nodes above the leaves may follow
         // Of many, only those below the nodes of the fourth row that the ray is in.
         unsigned above = ~0u;
         int below = 0;  // log2 of the leaves of such a node
         if (kLanes == BoxTree::kGroup && tree.leaves > 2 * kLanes) {
-            above = in_boxes(tree.at(BoxTree::kFourthRow));
+            above = in(tree.at(BoxTree::kFourthRow));
             below = std::countr_zero(static_cast<unsigned>(tree.leaves)) - 3;
         }
         for (int first = 0; above != 0 && first < tree.leaves; first += kLanes) {
             if (above != ~0u && (above >> (first >> below) & ((2u << ((kLanes - 1) >> below)) - 1)) == 0) continue;
-            unsigned hit = in_boxes(tree.at(tree.first_leaf() + first)) & real;
+            unsigned hit = in(tree.at(tree.first_leaf() + first)) & real;
             for (; hit != 0; hit &= hit - 1) visit(first + std::countr_zero(hit));
         }
     }

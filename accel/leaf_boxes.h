@@ -1,9 +1,10 @@
 // The boxes of a leaf's entries, eight at a time, against a ray or against all rays of a packet as if they were one.
 //
 // A packet's origins and inverse directions are taken as intervals (Reshetov et al. 2005, sec. 2): what they find to be missed is
-// missed by all of its rays; what is left is tested ray by ray. So a leaf costs a packet a few tests, and not one an entry.
+// missed by all of its rays; what is left is tested ray by ray. So a leaf costs a packet a few tests, and not one an entry. The blocks of an
+// igrid are met in the same way.
 //
-// Boxes    KdLeaf::boxes. Places to spare are empty.
+// Boxes    KdLeaf::boxes, BoxTree: alike. Places to spare are empty.
 #pragma once
 
 #include "accel/traverse.h"
@@ -14,17 +15,20 @@ namespace occam::accel {
 template <class F>
 class RaysAsOne {
 public:
+    RaysAsOne() = default;
     /// begin   where the first of the rays starts
-    RaysAsOne(const KdRay<F>& rays, float begin) noexcept : begin_(begin), shift_(highest(abs(rays.shift)))
+    RaysAsOne(const KdRay<F>& rays, float begin) noexcept : RaysAsOne(rays.origin, rays.inverse, rays.negative, rays.shift, begin) {}
+    RaysAsOne(const F (&origin)[3], const F (&inverse)[3], const bool (&negative)[3], F shift, float begin) noexcept
+        : begin_(begin), shift_(highest(abs(shift)))
     {
         for (int a = 0; a < 3; ++a) {
-            const float low = lowest(rays.origin[a]), high = highest(rays.origin[a]);
-            from_in_[a] = rays.negative[a] ? low : high;
-            from_out_[a] = rays.negative[a] ? high : low;
-            least_[a] = lowest(rays.inverse[a]);
-            most_[a] = highest(rays.inverse[a]);
-            near_[a] = (rays.negative[a] ? a + 3 : a) * kBoxGroup;
-            far_[a] = (rays.negative[a] ? a : a + 3) * kBoxGroup;
+            const float low = lowest(origin[a]), high = highest(origin[a]);
+            from_in_[a] = negative[a] ? low : high;
+            from_out_[a] = negative[a] ? high : low;
+            least_[a] = lowest(inverse[a]);
+            most_[a] = highest(inverse[a]);
+            near_[a] = (negative[a] ? a + 3 : a) * kBoxGroup;
+            far_[a] = (negative[a] ? a : a + 3) * kBoxGroup;
         }
     }
 

@@ -238,6 +238,13 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
     ++visit;
     ++counters.packets;
     const RaysAsOne<vfloat> as_one(kd, lowest(begin));
+    RaysAsOne<vfloat> as_one_placed;  // in the frame of `here`, if
+    bool is_as_one_placed = false;
+    const auto placed_as_one = [&]() -> const RaysAsOne<vfloat>& {
+        if (!is_as_one_placed) as_one_placed = {lanes.origin, lanes.inverse, kd.negative, lanes.shift, -FLT_MAX};
+        is_as_one_placed = true;
+        return as_one_placed;
+    };
     const auto enter = [&](const GridBounds& bounds, vfloat far) __attribute__((always_inline)) {
         vfloat in = begin, out = far;
         clip(kd, bounds.box, in, out);
@@ -262,6 +269,7 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
             here = grid.cage;
             blended = lod::kNoPair;
             place_all(here->anchor, here->radius, lanes.origin, lanes.shift);
+            is_as_one_placed = false;
         }
         vfloat from = t_near, to = FLT_MAX;
         if (pairs.levels && (!pairs.are_all_in(grid.pairs) || grid.blends())) {
@@ -274,7 +282,7 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
             }
         }
         if (std::popcount(fresh) >= kWorthAPacket) {
-            IGridTracer(grid, lanes, kd.negative, from, to, query).packet(entering);
+            IGridTracer(grid, lanes, kd.negative, from, to, query).packet(entering, placed_as_one);
             return true;
         }
         // Few are left: each alone, across micropolygons.

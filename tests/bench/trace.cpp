@@ -80,7 +80,7 @@ void run_rays(Report& report, const std::string& name, accel::Tracer& tracer, co
         theirs, [&] { in_batches(rays.size(), [&](std::size_t i, std::size_t n) { tracer.first_hits(rays.subspan(i, n), {&first[i], n}); }); },
         [&] { theirs.closest(); });
     std::size_t other_hit = 0;
-    for (std::size_t i = 0; i < rays.size(); ++i) other_hit += first[i].t != hits[i].t || first[i].face != hits[i].face;
+    for (std::size_t i = 0; i < rays.size(); ++i) other_hit += first[i].t != hits[i].t || (first[i].is_hit() && first[i].face != hits[i].face);
     report.add(row_of(name + " first", found, rays.size()).add("disagree_with_closest", double(other_hit)));
 
     const Turns any = in_turns(
