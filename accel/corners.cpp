@@ -19,7 +19,7 @@ Vec3f blended(const IGrid& grid, const OwnBlend& blend, std::uint32_t vertex, fl
     if (!grid.blends()) return f;
     const Vec3f c = grid.coarse_at(vertex);
     weight = blend.weight({f.x, f.y, f.z});
-    const PointOf<float> p = OwnBlend::between({f.x, f.y, f.z}, {c.x, c.y, c.z}, weight);
+    const VecOf<float> p = OwnBlend::between({f.x, f.y, f.z}, {c.x, c.y, c.z}, weight);
     return {p.x, p.y, p.z};
 }
 
@@ -130,10 +130,9 @@ void Corners::set_positions(std::span<const Met> met, const vfloat (&direction)[
     if (any_blends) {
         const vmask here = vfloat::load(blends) > vfloat(0.0f);
         for (int p = 0; p < 3; ++p) {
-            const auto load = [](const FloatLanes(&of)[3]) { return LanePoint{vfloat::load(of[0]), vfloat::load(of[1]), vfloat::load(of[2])}; };
-            const LanePoint fine = load(position[p]);
+            const VecLanes fine = load(position[p]);
             const vfloat w = select(here, blend.weight(fine), 0.0f);
-            const LanePoint seen = VertexBlend::between(fine, load(coarse[p]), w);
+            const VecLanes seen = VertexBlend::between(fine, load(coarse[p]), w);
             w.store(weight[p]);
             seen.x.store(position[p][0]);
             seen.y.store(position[p][1]);
@@ -175,17 +174,18 @@ void Corners::set_attributes(std::size_t lane, const Met& met, const PhaseOneToo
     const std::uint32_t number = number_of(met), bit = 1u << lane;
     const Cage& cage = grid.cage->slot->cage;
     if (!grid.is_lattice) {
+        const std::size_t sets = std::min<std::size_t>(2, cage.uv_sets.size());
         for (std::uint32_t p = 0; p < 3; ++p) {
             const std::size_t at = std::size_t(number) * 3 + p, v = cage.face_vertices[at];
             if (!cage.normals.empty()) put(normal[p], lane, grid.cage->vertex_normal(static_cast<std::uint32_t>(v)));
             if (!cage.colors.empty()) color[lane][p] = cage.colors[cage.color_indices.empty() ? v : cage.color_indices[at]];
-            for (std::size_t s = 0; s < std::min<std::size_t>(2, cage.uv_sets.size()); ++s) {
+            for (std::size_t s = 0; s < sets; ++s) {
                 const UvSet& set = cage.uv_sets[s];
                 put(uv[s][p], lane, set.values[set.indices.empty() ? v : set.indices[at]]);
             }
         }
         if (!cage.colors.empty()) has_color |= bit;
-        for (std::size_t s = 0; s < std::min<std::size_t>(2, cage.uv_sets.size()); ++s) has_uv[s] |= bit;
+        for (std::size_t s = 0; s < sets; ++s) has_uv[s] |= bit;
         return;
     }
     IGridPart& part = met.grid->parts[part_of(number)];
@@ -200,8 +200,8 @@ void Corners::set_attributes(std::size_t lane, const Met& met, const PhaseOneToo
     const auto color_at = [&](int i, int j) {
         return colors->at((float(part.tile.i0) + float(i)) * part.tile.step_u(), (float(part.tile.j0) + float(j)) * part.tile.step_v());
     };
+    const bool alone = is_closer(met);
     for (int p = 0; p < 3; ++p) {
-        const bool alone = is_closer(met);
         const int i = q.i + (alone ? 0 : kQuadCorners[q.triangle][p][0]), j = q.j + (alone ? 0 : kQuadCorners[q.triangle][p][1]);
         const int width = part.tile.columns + 1;
         // What is odd lies, in the coarser level, on an edge or a diagonal; and blends as its position does.

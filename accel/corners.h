@@ -10,6 +10,7 @@
 namespace occam::accel {
 
 using FloatLanes = float[kLanes];
+inline VecLanes load(const FloatLanes (&v)[3]) noexcept { return {vfloat::load(v[0]), vfloat::load(v[1]), vfloat::load(v[2])}; }
 
 struct Corners {
     alignas(32) FloatLanes position[3][3];  ///< corner, axis

@@ -5,10 +5,9 @@
 #include <cstddef>
 #include <tuple>
 
-#include "accel/corners.h"
+#include "accel/hit_geometry.h"
 #include "accel/packet.h"
 #include "accel/triangle.h"
-#include "accel/vec_lanes.h"
 #include "accel/vertex_values.h"
 #include "scenegraph/base/hash.h"
 
@@ -18,12 +17,11 @@ namespace {
 // The micropolygon's place in the scene, whatever igrid holds it.
 auto order_of(const IGrid& grid, std::uint32_t id) noexcept
 {
-    const bool is_closer = (id & kCloserBit) != 0;
     if (!grid.is_lattice) return std::tuple(grid.cage->key, id, 0u, 0, 0u, 0u, 0u);
-    const std::uint32_t number = is_closer ? grid.hanging_quads[id & ~kCloserBit] : id;
+    const std::uint32_t number = number_of(grid, id);
     const lod::TileRef& tile = grid.parts[part_of(number)].tile;
     const QuadRef quad = quad_of(number);
-    const std::uint32_t patch_face = tile.patch.face, kind = is_closer ? 2u : quad.triangle;
+    const std::uint32_t patch_face = tile.patch.face, kind = is_closer(id) ? 2u : quad.triangle;
     return std::tuple(grid.cage->key, patch_face, tile.patch.sub, grid.pairs.finest, tile.j0 + quad.j, tile.i0 + quad.i, kind);
 }
 
@@ -39,6 +37,25 @@ Vec3d barycentrics(const Corners& corners, std::size_t lane, Vec3d origin, Vec3d
     if (w.x >= 0 && w.y >= 0 && w.z >= 0) return w;
     w = glm::max(w, Vec3d(0));
     return w / (w.x + w.y + w.z);
+}
+
+// Shares of the corners at the hit: the triangle's edge functions, as when it was met.
+void shares_of(const Corners& corners, const vfloat (&shears)[4], const RayAxes& axes, const vfloat (&origin)[4], vfloat (&share)[3]) noexcept
+{
+    RayLanes rays;
+    rays.sx = shears[0];
+    rays.sy = shears[1];
+    rays.sz = shears[2];
+    const VecLanes from{origin[axes.kx], origin[axes.ky], origin[axes.kz]};
+    const auto corner = [&](int p) {
+        const FloatLanes(&at)[3] = corners.position[p];
+        return shear(rays, from, {vfloat::load(at[axes.kx]), vfloat::load(at[axes.ky]), vfloat::load(at[axes.kz])});
+    };
+    const EdgeFunctions edges = edge_functions(corner(0), corner(1), corner(2));
+    const vfloat zero = 0.0f, det = (edges.u + edges.v) + edges.w;
+    const vmask has_area = (det > zero) | (det < zero);
+    const vfloat of[3] = {edges.u, edges.v, edges.w};
+    for (int p = 0; p < 3; ++p) share[p] = select(has_area, max(of[p] / det, zero), 1.0f / 3);
 }
 
 const Material* material_of(const Scene& scene, const lod::PosedCage& cage, std::uint32_t face) noexcept
@@ -61,8 +78,6 @@ int normal_map_set(const Material& m) noexcept
 // Of what is smaller no gradient is asked for: a float would not hold it.
 constexpr float kLeastArea = 1e-30f;
 
-VecLanes load(const FloatLanes (&v)[3]) noexcept { return {vfloat::load(v[0]), vfloat::load(v[1]), vfloat::load(v[2])}; }
-
 // A vector's lanes, to be read one by one.
 struct Stored {
     alignas(32) FloatLanes axis[3];
@@ -79,86 +94,6 @@ struct StoredFloats {
     explicit StoredFloats(vfloat x) noexcept { x.store(lanes); }
     float operator[](std::size_t lane) const noexcept { return lanes[lane]; }
 };
-
-// Triangles in lanes. Edges are b - a and c - a.
-struct Triangles {
-    VecLanes edge[2];
-    VecLanes normal;      // unit, by winding; 0: there is no area
-    vfloat area;          // of the parallelogram
-    VecLanes gradient[2]; // of the weights of b and c over the triangle, per world length; a's is what they lack to zero
-    VecLanes way[2];      // the same, as long as may be: only their directions count
-
-    explicit Triangles(const Corners& corners) noexcept
-    {
-        const VecLanes a = load(corners.position[0]);
-        edge[0] = load(corners.position[1]) - a;
-        edge[1] = load(corners.position[2]) - a;
-        // As long as one at most, so that no product is too small for a float.
-        const vfloat size = max(largest(edge[0]), largest(edge[1]));
-        const vfloat scale = select(size > vfloat(0.0f), vfloat(1.0f) / size, 0.0f);
-        const VecLanes e = edge[0] * scale, f = edge[1] * scale;
-        const VecLanes across = cross(e, f);
-        const vfloat length = sqrt(dot(across, across));
-        const vfloat inverse = select(length > vfloat(0.0f), vfloat(1.0f) / length, 0.0f);
-        normal = across * inverse;
-        area = length * size * size;
-        way[0] = cross(f, normal);
-        way[1] = cross(normal, e);
-        const vfloat per_length = inverse * scale;
-        gradient[0] = way[0] * per_length;
-        gradient[1] = way[1] * per_length;
-    }
-};
-
-// Half the divergence of the interpolated unit normal: the mean curvature, positive where the outside is convex.
-vfloat outward_curvature(const Triangles& tri, const VecLanes (&normal)[3]) noexcept
-{
-    VecLanes n[3];
-    vmask known(true);
-    for (int p = 0; p < 3; ++p) {
-        const vfloat squared = dot(normal[p], normal[p]);
-        known = known & (squared > vfloat(0.0f));
-        n[p] = normal[p] * (vfloat(1.0f) / sqrt(squared));
-    }
-    return select(known, vfloat(0.5f) * (dot(n[1] - n[0], tri.gradient[0]) + dot(n[2] - n[0], tri.gradient[1])), 0.0f);
-}
-
-// Texture coordinates in lanes: of a, and how they change to b and c.
-struct UvLanes {
-    vfloat at[2], edge[2][2];  // axis; corner b or c, axis
-    UvLanes() = default;
-    explicit UvLanes(const FloatLanes (&uv)[3][2]) noexcept
-    {
-        for (int a = 0; a < 2; ++a) {
-            at[a] = vfloat::load(uv[0][a]);
-            for (int p = 0; p < 2; ++p) edge[p][a] = vfloat::load(uv[p + 1][a]) - at[a];
-        }
-    }
-};
-
-struct Tangents {
-    VecLanes along;  // unit, or 0
-    vfloat sign;
-};
-
-// dP/du and dP/dv are the columns of the inverse of (du/dP, dv/dP): in the plane, turned by a right angle from the
-// other's gradient. Their lengths do not matter here, but the sign of the gradients' area does.
-Tangents tangents(const Triangles& tri, const UvLanes& uv, const VecLanes& outward) noexcept
-{
-    VecLanes d[2];
-    for (int a = 0; a < 2; ++a) {
-        const vfloat size = max(abs(uv.edge[0][a]), abs(uv.edge[1][a]));
-        const vfloat scale = select(size > vfloat(0.0f), vfloat(1.0f) / size, 0.0f);
-        d[a] = tri.way[0] * (uv.edge[0][a] * scale) + tri.way[1] * (uv.edge[1][a] * scale);
-    }
-    const vfloat zero = 0.0f, turn = dot(tri.normal, cross(d[0], d[1])), hand = select(turn > zero, 1.0f, -1.0f);
-    const VecLanes along_u = cross(d[1], tri.normal) * hand, along_v = cross(tri.normal, d[0]) * hand;
-    const VecLanes tangent = along_u - outward * dot(along_u, outward);
-    const vfloat length = sqrt(dot(tangent, tangent));
-    const vmask known = ((turn > zero) | (turn < zero)) & (length > zero) & (length <= vfloat(FLT_MAX));
-    return {select(known, tangent * (vfloat(1.0f) / length), VecLanes(0.0f)),
-            select(known & (dot(cross(outward, tangent), along_v) > zero), -1.0f, 1.0f)};
-}
 
 }  // namespace
 
@@ -194,22 +129,8 @@ void resolve(std::span<const Ray> rays, const RayAxes* axes, std::span<const Met
         if (is_closer(met[i])) closers |= 1u << i;
     }
 
-    // Where in the triangle: its edge functions, as when it was met.
-    const vfloat zero = 0.0f, one = 1.0f;
-    RayLanes sheared;
-    sheared.sx = shear_of[0];
-    sheared.sy = shear_of[1];
-    sheared.sz = shear_of[2];
-    const int kx = axes->kx, ky = axes->ky, kz = axes->kz;
-    const LanePoint from{origin[kx], origin[ky], origin[kz]};
-    const auto sheared_corner = [&](int p) {
-        return shear(sheared, from, {vfloat::load(corners.position[p][kx]), vfloat::load(corners.position[p][ky]), vfloat::load(corners.position[p][kz])});
-    };
-    const EdgeFunctions edges = edge_functions(sheared_corner(0), sheared_corner(1), sheared_corner(2));
-    const vfloat det = (edges.u + edges.v) + edges.w;
-    const vmask has_area = (det > zero) | (det < zero);
-    const auto share_of = [&](vfloat edge) { return select(has_area, max(edge / det, zero), 1.0f / 3); };
-    vfloat share[3] = {share_of(edges.u), share_of(edges.v), share_of(edges.w)};
+    vfloat share[3];
+    shares_of(corners, shear_of, axes[0], origin, share);
     if (closers != 0) {
         alignas(32) FloatLanes own[3];
         for (int p = 0; p < 3; ++p) share[p].store(own[p]);
@@ -221,10 +142,11 @@ void resolve(std::span<const Ray> rays, const RayAxes* axes, std::span<const Met
         for (int p = 0; p < 3; ++p) share[p] = vfloat::load(own[p]);
     }
 
+    const vfloat zero = 0.0f, one = 1.0f;
     const Triangles tri(corners);
     const auto between = [&](vfloat a, vfloat b, vfloat c) { return fma(a, share[0], fma(b, share[1], c * share[2])); };
     const VecLanes offset = tri.edge[0] * share[1] + tri.edge[1] * share[2];  // from a
-    const VecLanes direction(way[0], way[1], way[2]);
+    const VecLanes direction{way[0], way[1], way[2]};
     const VecLanes normal[3] = {load(corners.normal[0]), load(corners.normal[1]), load(corners.normal[2])};
     const VecLanes mixed = normal[0] * share[0] + normal[1] * share[1] + normal[2] * share[2];
     const vfloat longest = largest(mixed);
@@ -247,7 +169,7 @@ void resolve(std::span<const Ray> rays, const RayAxes* axes, std::span<const Met
     const StoredFloats curvature(select(has_gradients, select(is_back, -outward, outward), zero));
     const unsigned with_gradients = bits(has_gradients);
     const UvLanes uv[2] = {UvLanes(corners.uv[0]), UvLanes(corners.uv[1])};
-    Tangents tangent{VecLanes(0.0f), 1.0f};
+    Tangents tangent{VecLanes{0.0f, 0.0f, 0.0f}, 1.0f};
     if ((corners.has_uv[0] | corners.has_uv[1]) != 0) {
         const vmask is_second = vfloat::load(second_set) > zero;
         UvLanes chosen;
@@ -264,7 +186,7 @@ void resolve(std::span<const Ray> rays, const RayAxes* axes, std::span<const Met
         select(tri.area > zero, vfloat::load(width) * sqrt(uv_area / tri.area), zero).store(uv_width[s]);
     }
 
-    const Stored from_a(offset), shading_at(shading), geometric_at(geometric), shares(VecLanes(share[0], share[1], share[2]));
+    const Stored from_a(offset), shading_at(shading), geometric_at(geometric), shares({share[0], share[1], share[2]});
     const StoredFloats farthest(largest(load(corners.position[0]) + offset));
     const StoredFloats blend(between(vfloat::load(corners.weight[0]), vfloat::load(corners.weight[1]), vfloat::load(corners.weight[2])));
     const unsigned back = bits(is_back);

@@ -17,11 +17,14 @@ bool comes_before(const IGrid& a, std::uint32_t a_id, const IGrid& b, std::uint3
 /// t of a lane that has no ray, or that is done: finite, so that arithmetic on it gives no NaN.
 inline constexpr float kDead = -FLT_MAX;
 
-/// Nearest hits so far of up to kLanes rays.
+/// Rays of the largest packet.
+inline constexpr int kPacket = 2 * kLanes;
+
+/// Nearest hits so far of up to kPacket rays.
 struct Nearest {
-    alignas(32) float t[kLanes];  ///< t_far of the ray, until something is met
-    IGrid* grid[kLanes];
-    std::uint32_t id[kLanes];
+    alignas(32) float t[kPacket];  ///< t_far of the ray, until something is met
+    IGrid* grid[kPacket];
+    std::uint32_t id[kPacket];
 
     void offer(int lane, float found, IGrid& on, std::uint32_t number) noexcept
     {
@@ -34,7 +37,7 @@ struct Nearest {
 
 /// Whether anything was met: such a ray's t becomes kDead.
 struct AnyHit {
-    alignas(32) float t[kLanes];
+    alignas(32) float t[kPacket];
 
     void offer(int lane, float found, IGrid&, std::uint32_t) noexcept
     {
@@ -60,9 +63,11 @@ struct PhaseOneTools {
 };
 
 /// Whether it is a T-vertex's triangle, which has no area.
-inline bool is_closer(const Met& met) noexcept { return (met.id & kCloserBit) != 0; }
+inline bool is_closer(std::uint32_t id) noexcept { return (id & kCloserBit) != 0; }
+inline bool is_closer(const Met& met) noexcept { return is_closer(met.id); }
 /// The micropolygon, or the one that a T-vertex's triangle stands for.
-inline std::uint32_t number_of(const Met& met) noexcept { return is_closer(met) ? met.grid->hanging_quads[met.id & ~kCloserBit] : met.id; }
+inline std::uint32_t number_of(const IGrid& grid, std::uint32_t id) noexcept { return is_closer(id) ? grid.hanging_quads[id & ~kCloserBit] : id; }
+inline std::uint32_t number_of(const Met& met) noexcept { return number_of(*met.grid, met.id); }
 /// Of its cage.
 inline std::uint32_t face_of(const Met& met) noexcept
 {

@@ -102,7 +102,7 @@ public:
             unsigned lanes = bits(active & in_box_at(grid_.hanging_boxes, grid_.hanging_boxes.first_leaf() + block));
             for (; lanes != 0; lanes &= lanes - 1) {
                 const int lane = std::countr_zero(lanes);
-                const LanePoint origin{spread(origin_.x, lane), spread(origin_.y, lane), spread(origin_.z, lane)};
+                const VecLanes origin{spread(origin_.x, lane), spread(origin_.y, lane), spread(origin_.z, lane)};
                 hanging_single(block, lane, spread(ray_, lane), origin, blends ? spread(blend_, lane) : blend_, blends);
             }
         }
@@ -207,16 +207,16 @@ private:
     }
 
     /// A vertex as this ray, or each ray of the packet, sees it; along kx, ky, kz.
-    OCCAM_ALWAYS_INLINE LanePoint still_vertex(std::uint32_t at) const noexcept { return {vertices_[0][at], vertices_[1][at], vertices_[2][at]}; }
-    OCCAM_ALWAYS_INLINE LanePoint blended_vertex(std::uint32_t at) const noexcept
+    OCCAM_ALWAYS_INLINE VecLanes still_vertex(std::uint32_t at) const noexcept { return {vertices_[0][at], vertices_[1][at], vertices_[2][at]}; }
+    OCCAM_ALWAYS_INLINE VecLanes blended_vertex(std::uint32_t at) const noexcept
     {
         return blend_.between({fine_[0][at], fine_[1][at], fine_[2][at]}, {coarse_[0][at], coarse_[1][at], coarse_[2][at]});
     }
-    LanePoint hanging_vertex(const lod::Hanging& hanging) const noexcept
+    VecLanes hanging_vertex(const lod::Hanging& hanging) const noexcept
     {
-        LanePoint low = blended_vertex(hanging.a), high = blended_vertex(hanging.c);
+        VecLanes low = blended_vertex(hanging.a), high = blended_vertex(hanging.c);
         for (int d = hanging.depth; d > 0; --d) {
-            const LanePoint m = middle(low, high);
+            const VecLanes m = middle(low, high);
             (hanging.path >> (d - 1) & 1 ? low : high) = m;
         }
         return middle(low, high);
@@ -262,15 +262,15 @@ private:
         for (std::uint32_t r = 0; r <= block.rows; ++r)
             for (std::uint32_t c = 0; c <= block.columns; c += kLanes) {
                 const std::uint32_t at = block.first + r * block.stride + c;
-                const auto load = [&](const float* const* p) { return LanePoint{vfloat::load(p[0] + at), vfloat::load(p[1] + at), vfloat::load(p[2] + at)}; };
-                const LanePoint p = blend_.between(load(fine_), load(coarse_));
+                const auto load = [&](const float* const* p) { return VecLanes{vfloat::load(p[0] + at), vfloat::load(p[1] + at), vfloat::load(p[2] + at)}; };
+                const VecLanes p = blend_.between(load(fine_), load(coarse_));
                 p.x.store(&own.v[0][r][c]);
                 p.y.store(&own.v[1][r][c]);
                 p.z.store(&own.v[2][r][c]);
             }
         for (std::uint32_t h = block.hanging; h < block.hanging + block.hanging_count; ++h) {
             const BlockHanging& at = grid_.block_hanging[h];
-            const LanePoint p = hanging_vertex(grid_.hanging[at.hanging]);
+            const VecLanes p = hanging_vertex(grid_.hanging[at.hanging]);
             own.v[0][at.row][at.column] = first_lane(p.x);
             own.v[1][at.row][at.column] = first_lane(p.y);
             own.v[2][at.row][at.column] = first_lane(p.z);
@@ -295,7 +295,7 @@ private:
             if ((real >> first & ((1u << kLanes) - 1)) == 0) continue;
             const auto corner = [&](int dc, int dr) {
                 const std::ptrdiff_t at = dr * stride + dc;
-                return shear(ray_, origin_, LanePoint{vfloat::load_halves(from[0] + at, from[0] + at + upper, first),
+                return shear(ray_, origin_, VecLanes{vfloat::load_halves(from[0] + at, from[0] + at + upper, first),
                                                       vfloat::load_halves(from[1] + at, from[1] + at + upper, first),
                                                       vfloat::load_halves(from[2] + at, from[2] + at + upper, first)});
             };
@@ -351,7 +351,7 @@ private:
     /// The triangles of T-vertices, which have no area. The float test decides nothing here: its signs are right, but t is noise
     /// along the edge. What it lets through is done again in double, where the products of floats are exact (watertightness
     /// rule 6).
-    OCCAM_NEVER_INLINE void hanging_single(int block, int lane, const RayLanes& ray, const LanePoint& origin, const VertexBlend& blend, bool blends) noexcept
+    OCCAM_NEVER_INLINE void hanging_single(int block, int lane, const RayLanes& ray, const VecLanes& origin, const VertexBlend& blend, bool blends) noexcept
     {
         for (int first = block * IGrid::kBlock; first < (block + 1) * IGrid::kBlock; first += kLanes) {
             float end[2][3][kLanes], corner[3][3][kLanes];
@@ -363,9 +363,9 @@ private:
                         const lod::Hanging& hanging = grid_.hanging[static_cast<std::size_t>(first + k)];
                         for (int a = 0; a < 3; ++a) lanes[a][k] = p[a][e == 0 ? hanging.a : hanging.c];
                     }
-                    return LanePoint{vfloat::load(lanes[0]), vfloat::load(lanes[1]), vfloat::load(lanes[2])};
+                    return VecLanes{vfloat::load(lanes[0]), vfloat::load(lanes[1]), vfloat::load(lanes[2])};
                 };
-                const LanePoint p = blends ? blend.between(gather(fine_), gather(coarse_))
+                const VecLanes p = blends ? blend.between(gather(fine_), gather(coarse_))
                                            : gather(vertices_);
                 p.x.store(end[e][0]);
                 p.y.store(end[e][1]);
@@ -412,7 +412,7 @@ private:
 
     IGrid& grid_;
     const RayLanes& ray_;
-    LanePoint origin_;                        ///< along kx, ky, kz
+    VecLanes origin_;                        ///< along kx, ky, kz
     int axes_[3];                             ///< kx, ky, kz
     const float* fine_[3];                    ///< along these
     const float* coarse_[3];

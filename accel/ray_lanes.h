@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "accel/tracer.h"
+#include "accel/vec_lanes.h"
 #include "lod/ray_levels.h"
 #include "scenegraph/base/simd.h"
 
@@ -74,18 +75,6 @@ inline float first_lane(vfloat x) noexcept
     return lanes[0];
 }
 
-/// F is vfloat (points, or one point as each ray sees it, in lanes) or float.
-template <class F>
-struct PointOf {
-    F x, y, z;
-};
-using LanePoint = PointOf<vfloat>;
-OCCAM_ALWAYS_INLINE LanePoint middle(const LanePoint& a, const LanePoint& b) noexcept
-{
-    const vfloat half = 0.5f;
-    return {(a.x + b.x) * half, (a.y + b.y) * half, (a.z + b.z) * half};
-}
-
 /// How rays blend the vertices of a frame: lod::Blend over the vertex's own distance along the ray, d . v + k before it is cut off
 /// at 0 and 1 (Djeu et al. 2011, sec. 5.2.6, with fine at the near end of a growing footprint). F as above: the same bits.
 template <class F>
@@ -105,18 +94,18 @@ struct VertexBlendOf {
         k = along * blend.scale;
     }
     /// Rises or falls along each axis without a step back, rounding included: so the corners of a box bound what is in it.
-    OCCAM_ALWAYS_INLINE F ramp(const PointOf<F>& v) const noexcept { return fma(v.x, d[0], fma(v.y, d[1], fma(v.z, d[2], k))); }
+    OCCAM_ALWAYS_INLINE F ramp(const VecOf<F>& v) const noexcept { return fma(v.x, d[0], fma(v.y, d[1], fma(v.z, d[2], k))); }
 
     /// 0: fine, 1: coarse.
-    OCCAM_ALWAYS_INLINE F weight(const PointOf<F>& fine) const noexcept
+    OCCAM_ALWAYS_INLINE F weight(const VecOf<F>& fine) const noexcept
     {
         const F x = min(max(ramp(fine), F(0.0f)), F(1.0f));
         return x * x * (F(3.0f) - (x + x));
     }
     /// Exactly `fine` and `coarse` at the ends, and where both are the same: the blend of a shared vertex has the same bits in all
     /// of its triangles and grids (watertightness rule 7).
-    OCCAM_ALWAYS_INLINE PointOf<F> between(const PointOf<F>& fine, const PointOf<F>& coarse) const noexcept { return between(fine, coarse, weight(fine)); }
-    OCCAM_ALWAYS_INLINE static PointOf<F> between(const PointOf<F>& fine, const PointOf<F>& coarse, F w) noexcept
+    OCCAM_ALWAYS_INLINE VecOf<F> between(const VecOf<F>& fine, const VecOf<F>& coarse) const noexcept { return between(fine, coarse, weight(fine)); }
+    OCCAM_ALWAYS_INLINE static VecOf<F> between(const VecOf<F>& fine, const VecOf<F>& coarse, F w) noexcept
     {
         const auto at_end = w >= F(1.0f);
         const auto blend = [&](F f, F c) { return select(at_end, c, fma(w, c - f, f)); };

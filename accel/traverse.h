@@ -47,7 +47,8 @@ OCCAM_ALWAYS_INLINE MaskOf<F> crosses(const KdRay<F>& ray, const Slab& slab, F i
     const auto dot = [&](const F (&v)[3]) { return fma(v[0], F(slab.normal.x), fma(v[1], F(slab.normal.y), v[2] * F(slab.normal.z))); };
     const F start = dot(ray.origin), speed = dot(ray.direction);
     const F a = fma(in, speed, start), b = fma(out, speed, start);
-    return (min(a, b) <= F(slab.hi)) & (max(a, b) >= F(slab.lo));
+    const F low = min(a, b), high = max(a, b);
+    return (low <= F(slab.hi)) & (high >= F(slab.lo));
 }
 
 /// Where rays see which pairs, as t of the tree's frame.

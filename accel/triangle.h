@@ -16,7 +16,7 @@ struct ShearedVertex {
 };
 
 /// p, origin: along the ray's kx, ky, kz.
-OCCAM_ALWAYS_INLINE ShearedVertex shear(const RayLanes& ray, const LanePoint& origin, const LanePoint& p) noexcept
+OCCAM_ALWAYS_INLINE ShearedVertex shear(const RayLanes& ray, const VecLanes& origin, const VecLanes& p) noexcept
 {
     const vfloat z = p.z - origin.z;
     return {fnma(ray.sx, z, p.x - origin.x), fnma(ray.sy, z, p.y - origin.y), ray.sz * z};

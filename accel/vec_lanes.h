@@ -1,32 +1,32 @@
-// Vectors of three in lanes.
+// Vectors of three: of lanes, or of floats for one ray.
 #pragma once
 
 #include "scenegraph/base/simd.h"
 
 namespace occam::accel {
 
-struct VecLanes {
-    vfloat x, y, z;
+/// F is vfloat (points or directions in lanes, or one as each ray sees it) or float.
+template <class F>
+struct VecOf {
+    F x, y, z;
 
-    VecLanes() = default;
-    VecLanes(vfloat all) noexcept : x(all), y(all), z(all) {}
-    VecLanes(vfloat x_, vfloat y_, vfloat z_) noexcept : x(x_), y(y_), z(z_) {}
-
-    friend VecLanes operator+(const VecLanes& a, const VecLanes& b) noexcept { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-    friend VecLanes operator-(const VecLanes& a, const VecLanes& b) noexcept { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-    friend VecLanes operator-(const VecLanes& a) noexcept { return {-a.x, -a.y, -a.z}; }
-    friend VecLanes operator*(const VecLanes& a, vfloat s) noexcept { return {a.x * s, a.y * s, a.z * s}; }
+    friend VecOf operator+(const VecOf& a, const VecOf& b) noexcept { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+    friend VecOf operator-(const VecOf& a, const VecOf& b) noexcept { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+    friend VecOf operator-(const VecOf& a) noexcept { return {-a.x, -a.y, -a.z}; }
+    friend VecOf operator*(const VecOf& a, F s) noexcept { return {a.x * s, a.y * s, a.z * s}; }
+    friend VecOf select(decltype(F() < F()) m, const VecOf& yes, const VecOf& no) noexcept
+    {
+        return {select(m, yes.x, no.x), select(m, yes.y, no.y), select(m, yes.z, no.z)};
+    }
 };
+using VecLanes = VecOf<vfloat>;
 
-inline VecLanes select(vmask m, const VecLanes& yes, const VecLanes& no) noexcept
-{
-    return {select(m, yes.x, no.x), select(m, yes.y, no.y), select(m, yes.z, no.z)};
-}
+OCCAM_ALWAYS_INLINE VecLanes middle(const VecLanes& a, const VecLanes& b) noexcept { return (a + b) * 0.5f; }
 inline vfloat dot(const VecLanes& a, const VecLanes& b) noexcept { return fma(a.x, b.x, fma(a.y, b.y, a.z * b.z)); }
 /// Of the absolute components.
 inline vfloat largest(const VecLanes& a) noexcept { return max(max(abs(a.x), abs(a.y)), abs(a.z)); }
 
-/// a * b - c * d, to 1.5 ulps (Kahan's).
+/// a * b - c * d, to 1.5 ulps (Kahan's; Jeannerod et al. 2013).
 inline vfloat difference_of_products(vfloat a, vfloat b, vfloat c, vfloat d) noexcept
 {
     const vfloat cd = c * d, error = fnma(c, d, cd);

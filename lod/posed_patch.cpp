@@ -29,21 +29,32 @@ void PosedPatch::forget()
     side_speed_.fill(-1);
 }
 
+// What is there is written over: vectors only grow.
+void PosedPatch::make_room(std::size_t count)
+{
+    count_ = count;
+    if (x_.size() >= count) return;
+    x_.resize(count);
+    y_.resize(count);
+    z_.resize(count);
+}
+
 void PosedPatch::set(const PosedCage& cage, PatchRef patch)
 {
     const PatchControls& controls = cage.topology->controls(patch);
     kind_ = controls.kind;
     forget();
-    const std::size_t n = controls.indices.size();
-    x_.resize(n);
-    y_.resize(n);
-    z_.resize(n);
-    for (std::size_t k = 0; k < n; ++k) {
-        const Vec3f p = cage.vertex(controls.indices[k]);
-        x_[k] = p.x;
-        y_[k] = p.y;
-        z_[k] = p.z;
-    }
+    make_room(controls.indices.size());
+    const auto take = [&](auto&& vertex) {
+        for (std::size_t k = 0; k < count_; ++k) {
+            const Vec3f p = vertex(controls.indices[k]);
+            x_[k] = p.x;
+            y_[k] = p.y;
+            z_[k] = p.z;
+        }
+    };
+    if (cage.deformed) take([&](std::uint32_t v) { return cage.deformed->position(v); });
+    else take([&cage, from = cage.slot->cage.positions.data()](std::uint32_t v) { return cage.pose(from[v]); });
 }
 
 void PosedPatch::set_uv(const PosedCage& cage, PatchRef patch, int uv_set)
@@ -51,14 +62,12 @@ void PosedPatch::set_uv(const PosedCage& cage, PatchRef patch, int uv_set)
     const PatchControls& controls = cage.topology->uv_controls(patch, uv_set);
     kind_ = controls.kind;
     forget();
-    const std::size_t n = controls.indices.size();
-    x_.resize(n);
-    y_.resize(n);
-    z_.assign(n, 0);
-    for (std::size_t k = 0; k < n; ++k) {
+    make_room(controls.indices.size());
+    for (std::size_t k = 0; k < count_; ++k) {
         const Vec2f st = cage.slot->cage.uv_sets[uv_set].values[controls.indices[k]];
         x_[k] = st.x;
         y_[k] = st.y;
+        z_[k] = 0;
     }
 }
 
@@ -74,7 +83,7 @@ const PieceControls& PosedPatch::piece(const PatchClass::Node& node)
             for (int i = 0; i < 16; ++i) made.controls.c[a][i] = values[a][node.order[i]];
         return made.controls;
     }
-    const std::size_t n = x_.size();
+    const std::size_t n = count_;
     for (int i = 0; i < 16; i += kLanes) {
         vfloat sum[3] = {0.0f, 0.0f, 0.0f};
         for (std::size_t k = 0; k < n; ++k) {
@@ -88,7 +97,7 @@ const PieceControls& PosedPatch::piece(const PatchClass::Node& node)
 
 SurfacePoint PosedPatch::direct(const PatchClass::Node& leaf, float u, float v)
 {
-    const std::size_t n = x_.size();
+    const std::size_t n = count_;
     rows_.resize(3 * n);
     kind_->direct_rows(leaf, u, v, rows_.data());
     const auto apply = [&](const float* row) {
@@ -239,7 +248,7 @@ Vec3f PosedPatch::point(float u, float v)
 
 PosedPatch::Points PosedPatch::points(const PatchHull& hull, std::size_t group) const
 {
-    const std::size_t n = x_.size();
+    const std::size_t n = count_;
     const float* w = &hull.weights[group * n * 16];
     Points p{0.0f, 0.0f, 0.0f};
     for (std::size_t k = 0; k < n; ++k, w += 16) {
@@ -326,7 +335,7 @@ float PosedPatch::reach()
 {
     if (reach_ >= 0) return reach_;
     reach_ = 0;
-    for (std::size_t k = 0; k < x_.size(); ++k) reach_ = std::max({reach_, std::fabs(x_[k]), std::fabs(y_[k]), std::fabs(z_[k])});
+    for (std::size_t k = 0; k < count_; ++k) reach_ = std::max({reach_, std::fabs(x_[k]), std::fabs(y_[k]), std::fabs(z_[k])});
     return reach_;
 }
 
@@ -367,7 +376,7 @@ Box3f PosedPatch::bounds(float u0, float u1, float v0, float v1)
     }
     // Vertices and hulls are sums of all control points, n of them: each is off by up to n / 2 ulps of the largest. Around a pole,
     // where many weights are equal, roundings add up so indeed. Owners' points differ from the patch's own by as much.
-    const Vec3f pad(reach() * (48 + float(x_.size())) * std::numeric_limits<float>::epsilon());
+    const Vec3f pad(reach() * (48 + float(count_)) * std::numeric_limits<float>::epsilon());
     return {box.lo - pad, box.hi + pad};
 }
 

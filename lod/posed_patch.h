@@ -59,6 +59,7 @@ private:
 
     /// All that was made of the last patch.
     void forget();
+    void make_room(std::size_t count);
     const PieceControls& piece(const PatchClass::Node& node);
     SurfacePoint direct(const PatchClass::Node& leaf, float u, float v);
     template <bool kTangents>
@@ -77,7 +78,8 @@ private:
     void bounds_below(const PatchClass::Node& node, float u0, float u1, float v0, float v1, Box3f& box);
 
     const PatchClass* kind_ = nullptr;
-    std::vector<float> x_, y_, z_;  ///< control points
+    std::size_t count_ = 0;         ///< of control points
+    std::vector<float> x_, y_, z_;  ///< these, and room for more
     std::vector<Piece> pieces_;     ///< made so far
     std::vector<float> rows_;
     bool is_measured_ = false;

@@ -163,8 +163,8 @@ private:
     /// start  the width where a growing ray enters the scene; at most that at its end.
     F floor_exponents(F widest, F thinnest, F start, F even) noexcept
     {
-        float wide[kLanes], thin[kLanes], first[kLanes], least[kLanes];
-        int count = 1;
+        constexpr int kCount = sizeof(F) / sizeof(float);
+        float wide[kCount], thin[kCount], first[kCount], least[kCount];
         if constexpr (std::is_same_v<F, float>) {
             wide[0] = widest;
             thin[0] = thinnest;
@@ -175,11 +175,10 @@ private:
             thinnest.store(thin);
             start.store(first);
             even.store(least);
-            count = kLanes;
         }
         finest = kCoarsestLevel;
         coarsest = kFinestLevel;
-        for (int i = 0; i < count; ++i) {
+        for (int i = 0; i < kCount; ++i) {
             const int high = exponent_of(wide[i]);
             int cap = high - kMostOfRay + 1;
             if (settings_->displaced > 0) {

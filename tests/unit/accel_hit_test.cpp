@@ -63,6 +63,25 @@ TEST(Hit, CurvatureOfABallIsOneOverItsRadius)
     }
 }
 
+// Off the ray by what its distance rounds to; off the surface, whose triangles' planes hold the position, by a chord's sagitta.
+TEST(Hit, PositionsLieOnTheRayAndOnTheSurface)
+{
+    const Vec3d centre{3e5, -2e5, 1e5};
+    Scene scene;
+    place(scene, scene.add(torus(48, 32, false)), centre);
+    for (const double away : {5.0, 5e3}) {
+        const Vec3d origin = centre + Vec3d(away, 0.2, 0.1), towards{-1, 0.01 / away, -0.02 / away};
+        const accel::SurfaceHit hit = hit_from(scene, origin, towards);
+        const Vec3d on_ray = origin + Vec3d(Vec3f(glm::normalize(towards))) * double(hit.t);
+        EXPECT_LT(glm::distance(hit.position, on_ray), 4e-7 * away);
+        // Radii 1 and 0.4 about y, but for what a cubic spline through 48 and 32 points draws in, and for a chord as long as was asked for.
+        const Vec3d p = hit.position - centre;
+        const auto drawn_in = [](double radius, int points) { return radius * (1 - std::cos(kTau / points)) / 3; };
+        const double chord = 0.05 * 0.05 / (8 * 0.4);
+        EXPECT_NEAR(std::hypot(std::hypot(p.x, p.z) - 1, p.y), 0.4, drawn_in(1.4, 48) + drawn_in(0.4, 32) + chord);
+    }
+}
+
 TEST(Hit, CurvatureOfASubdivisionSurfaceIsThatOfItsLimit)
 {
     // A round torus of many faces: (1 / r + cos b / (R + r cos b)) / 2 at the angle b of the tube.

@@ -1,0 +1,92 @@
+// The shape of the triangles that rays have met, in lanes: normals, curvature, and the axes of texture coordinates.
+//
+// Edges are differences of neighbouring vertices, so floats hold all of it to a few ulps; products are never too small for a float.
+#pragma once
+
+#include <cfloat>
+
+#include "accel/corners.h"
+
+namespace occam::accel {
+
+/// Triangles in lanes. Edges are b - a and c - a.
+struct Triangles {
+    VecLanes edge[2];
+    VecLanes normal;      ///< unit, by winding; 0: there is no area
+    vfloat area;          ///< of the parallelogram
+    VecLanes gradient[2]; ///< of the weights of b and c over the triangle, per world length; a's is what they lack to zero
+    VecLanes way[2];      ///< the same, as long as may be: only their directions count
+
+    explicit Triangles(const Corners& corners) noexcept
+    {
+        const VecLanes a = load(corners.position[0]);
+        edge[0] = load(corners.position[1]) - a;
+        edge[1] = load(corners.position[2]) - a;
+        // As long as one at most, so that no product is too small for a float.
+        const vfloat size = max(largest(edge[0]), largest(edge[1]));
+        const vfloat scale = select(size > vfloat(0.0f), vfloat(1.0f) / size, 0.0f);
+        const VecLanes e = edge[0] * scale, f = edge[1] * scale;
+        const VecLanes across = cross(e, f);
+        const vfloat length = sqrt(dot(across, across));
+        const vfloat inverse = select(length > vfloat(0.0f), vfloat(1.0f) / length, 0.0f);
+        normal = across * inverse;
+        area = length * size * size;
+        way[0] = cross(f, normal);
+        way[1] = cross(normal, e);
+        const vfloat per_length = inverse * scale;
+        gradient[0] = way[0] * per_length;
+        gradient[1] = way[1] * per_length;
+    }
+};
+
+/// Half the divergence of the interpolated unit normal: the mean curvature, positive where the outside is convex.
+inline vfloat outward_curvature(const Triangles& tri, const VecLanes (&normal)[3]) noexcept
+{
+    VecLanes n[3];
+    vmask known(true);
+    for (int p = 0; p < 3; ++p) {
+        const vfloat squared = dot(normal[p], normal[p]);
+        known = known & (squared > vfloat(0.0f));
+        n[p] = normal[p] * (vfloat(1.0f) / sqrt(squared));
+    }
+    return select(known, vfloat(0.5f) * (dot(n[1] - n[0], tri.gradient[0]) + dot(n[2] - n[0], tri.gradient[1])), 0.0f);
+}
+
+/// Texture coordinates in lanes: of a, and how they change to b and c.
+struct UvLanes {
+    vfloat at[2], edge[2][2];  ///< axis; corner b or c, axis
+    UvLanes() = default;
+    explicit UvLanes(const FloatLanes (&uv)[3][2]) noexcept
+    {
+        for (int a = 0; a < 2; ++a) {
+            at[a] = vfloat::load(uv[0][a]);
+            for (int p = 0; p < 2; ++p) edge[p][a] = vfloat::load(uv[p + 1][a]) - at[a];
+        }
+    }
+};
+
+struct Tangents {
+    VecLanes along;  ///< unit, or 0
+    vfloat sign;
+};
+
+/// dP/du and dP/dv are the columns of the inverse of (du/dP, dv/dP): in the plane, turned by a right angle from the
+/// other's gradient. Their lengths do not matter here, but the sign of the gradients' area does.
+inline Tangents tangents(const Triangles& tri, const UvLanes& uv, const VecLanes& outward) noexcept
+{
+    VecLanes d[2];
+    for (int a = 0; a < 2; ++a) {
+        const vfloat size = max(abs(uv.edge[0][a]), abs(uv.edge[1][a]));
+        const vfloat scale = select(size > vfloat(0.0f), vfloat(1.0f) / size, 0.0f);
+        d[a] = tri.way[0] * (uv.edge[0][a] * scale) + tri.way[1] * (uv.edge[1][a] * scale);
+    }
+    const vfloat zero = 0.0f, turn = dot(tri.normal, cross(d[0], d[1])), hand = select(turn > zero, 1.0f, -1.0f);
+    const VecLanes along_u = cross(d[1], tri.normal) * hand, along_v = cross(tri.normal, d[0]) * hand;
+    const VecLanes tangent = along_u - outward * dot(along_u, outward);
+    const vfloat length = sqrt(dot(tangent, tangent));
+    const vmask known = ((turn > zero) | (turn < zero)) & (length > zero) & (length <= vfloat(FLT_MAX));
+    return {select(known, tangent * (vfloat(1.0f) / length), VecLanes{0.0f, 0.0f, 0.0f}),
+            select(known & (dot(cross(outward, tangent), along_v) > zero), -1.0f, 1.0f)};
+}
+
+}  // namespace occam::accel

@@ -1,0 +1,254 @@
+// Packets of rays through the tree, and single rays.
+#include <bit>
+#include <cstddef>
+
+#include "accel/igrid_intersect.h"
+#include "accel/tracer_state.h"
+
+namespace occam::accel {
+
+template <int kParts>
+bool Tracer::State::fits_packet(std::span<const Ray> rays, const vmasks<kParts>& enters, const vfloats<kParts>& t_in, const vfloats<kParts>& t_out) noexcept
+{
+    const std::size_t n = rays.size();
+    // A ray that misses the scene has the table of one that does not, so as to ask for no more pairs.
+    const auto one = static_cast<std::size_t>(std::countr_zero(bits(enters)));
+    Reach reach[kParts * kLanes]{};
+    for (std::size_t i = 0; i < n; ++i) reach[i] = reach_of(rays[bits(enters) >> i & 1 ? i : one]);
+    vfloats<kParts> of[4];
+    gather_four(reach, n, 0, of);
+    const auto of_one = [&](const vfloats<kParts>& x) {
+        float lanes[kParts * kLanes];
+        x.store(lanes);
+        return vfloats<kParts>(lanes[one]);
+    };
+    return packet_levels<kParts>().set(of[0], of[1], select(enters, t_in, of_one(t_in)), select(enters, t_out, of_one(t_out)), of[2], frame.levels);
+}
+
+template <int kParts, class Found>
+Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays, const RayAxes* ax, std::size_t limit_bytes, PacketQuery<Found, kParts>& query)
+{
+    using F = vfloats<kParts>;
+    const std::size_t n = rays.size();
+    const auto place_all = [&](Vec3d anchor, float radius, F (&to)[4]) {
+        PlacedOrigin placed[kParts * kLanes]{};
+        for (std::size_t i = 0; i < n; ++i) placed[i] = place(rays[i], anchor, radius);
+        gather_four(placed, n, 0, to);
+    };
+    KdRay<F> kd;
+    F start[4], shear[4], inverse[4], way[4];
+    place_all(frame.anchor, frame.radius, start);
+    gather_four(ax, n, offsetof(RayAxes, shear), shear);
+    gather_four(ax, n, offsetof(RayAxes, inverse), inverse);
+    static_assert(offsetof(Ray, t_near) == offsetof(Ray, direction) + 3 * sizeof(float));
+    gather_four(rays.data(), n, offsetof(Ray, direction), way);
+    /// As many rays as there are lanes, in the frame of the cage that the packet is at.
+    struct Part {
+        RayLanes lanes;
+        RaysAsOne<vfloat> as_one;
+        bool is_as_one_placed = false;
+    };
+    Part parts[kParts];
+    for (int p = 0; p < kParts; ++p) {
+        RayLanes& lanes = parts[p].lanes;
+        lanes.kx = ax->kx;
+        lanes.ky = ax->ky;
+        lanes.kz = ax->kz;
+        lanes.sx = shear[0].part[p];
+        lanes.sy = shear[1].part[p];
+        lanes.sz = shear[2].part[p];
+        for (int a = 0; a < 3; ++a) lanes.inverse[a] = inverse[a].part[p];
+    }
+    kd.shift = start[3];
+    for (int a = 0; a < 3; ++a) {
+        kd.origin[a] = start[a];
+        kd.inverse[a] = inverse[a];
+        kd.negative[a] = ax->negative[a];
+        kd.direction[a] = way[a];
+    }
+    const F t_near = way[3];
+    F begin = t_near - kd.shift, end = query.limit() - kd.shift;
+    begin = begin - (abs(t_near) + abs(kd.shift)) * F(4 * FLT_EPSILON);
+    const auto limit = [&] { return query.limit() - kd.shift + (abs(query.limit()) + abs(kd.shift)) * F(4 * FLT_EPSILON); };
+    clip(kd, frame.bounds, begin, end);
+
+    const vmasks<kParts> enters = begin <= end;
+    if (none(enters)) return PacketResult::Done;
+    PairSpans<F> pairs{nullptr, kd.shift, 0, 0};
+    if (is_per_ray()) {
+        if (!fits_packet(rays, enters, kd.shift + begin, kd.shift + end)) return PacketResult::TooWide;
+        lod::RayLevels<F>& levels = packet_levels<kParts>();
+        pairs = {&levels, kd.shift, levels.finest, levels.coarsest};
+    }
+
+    const lod::PosedCage* here = nullptr;
+    int blended = lod::kNoPair;
+    ++visit;
+    ++counters.packets;
+    const RaysAsOne<F> as_one(kd, lowest(begin));
+    const auto enter = [&](const GridBounds& bounds, const F& far) __attribute__((always_inline)) {
+        F in = begin, out = far;
+        clip(kd, bounds.box, in, out);
+        const vmasks<kParts> inside = in <= out;
+        return none(inside) ? inside : inside & crosses(kd, bounds.slab, in, out);
+    };
+    const auto meet = [&](const KdLeaf& leaf, std::size_t number, int pair, vmasks<kParts> entering) __attribute__((always_inline)) {
+        IGrid* known = read_published(leaf.entries[number].grid);
+        if (!known) {
+            known = &lazy.grid(leaf, number, pair, counters.diced);
+            if (arena.bytes() > limit_bytes) return false;
+        }
+        IGrid& grid = *known;
+        GridVisit& visited = mailboxes.of(grid);
+        if (visited.packet != visit) visited = {visit, 0};
+        // A grid that a ray enters in several cells is met once.
+        if (grid.seen_by != RayKind::All) entering = entering & lanes_of_kinds<kParts>(rays, grid.seen_by);
+        const unsigned fresh = bits(entering) & ~visited.lanes;
+        if (fresh == 0) return true;
+        visited.lanes |= fresh;
+        if (grid.cage != here) {
+            here = grid.cage;
+            blended = lod::kNoPair;
+            F placed[4];
+            place_all(here->anchor, here->radius, placed);
+            for (int p = 0; p < kParts; ++p) {
+                for (int a = 0; a < 3; ++a) parts[p].lanes.origin[a] = placed[a].part[p];
+                parts[p].lanes.shift = placed[3].part[p];
+                parts[p].is_as_one_placed = false;
+            }
+        }
+        F from = t_near, to = FLT_MAX;
+        if (pairs.levels && (!pairs.are_all_in(grid.pairs) || grid.blends())) {
+            pairs.levels->make();
+            from = max(from, pairs.levels->begin(grid.pairs.finest, grid.pairs.coarsest));
+            to = pairs.levels->end(grid.pairs.finest, grid.pairs.coarsest);
+            if (grid.blends() && blended != grid.pairs.finest) {
+                blended = grid.pairs.finest;
+                const lod::Blend<F> blend = pairs.levels->blend(blended);
+                for (int p = 0; p < kParts; ++p) {
+                    RayLanes& lanes = parts[p].lanes;
+                    lanes.blend.set({blend.start.part[p], blend.scale.part[p]}, {way[0].part[p], way[1].part[p], way[2].part[p]}, lanes.origin, lanes.shift);
+                }
+            }
+        }
+        for (int p = 0; p < kParts; ++p) {
+            const unsigned of_part = fresh >> (p * kLanes) & ((1u << kLanes) - 1);
+            if (of_part == 0) continue;
+            Part& part = parts[p];
+            PartOf<Found> some{query, p * kLanes};
+            if (std::popcount(of_part) >= kWorthAPacket) {
+                IGridTracer(grid, part.lanes, kd.negative, from.part[p], to.part[p], some).packet(entering.part[p], [&]() -> const RaysAsOne<vfloat>& {
+                    if (!part.is_as_one_placed) part.as_one = {part.lanes.origin, part.lanes.inverse, kd.negative, part.lanes.shift, -FLT_MAX};
+                    part.is_as_one_placed = true;
+                    return part.as_one;
+                });
+                continue;
+            }
+            // Few are left: each alone, across micropolygons.
+            for (unsigned left = of_part; left != 0; left &= left - 1) {
+                const int lane = std::countr_zero(left);
+                LaneOf<Found> one{some, lane};
+                RayLanes ray = spread(part.lanes, lane);
+                if (grid.blends()) ray.blend = spread(part.lanes.blend, lane);
+                IGridTracer(grid, ray, kd.negative, spread(from.part[p], lane), spread(to.part[p], lane), one).single(lane);
+            }
+        }
+        return true;
+    };
+    const bool is_done = traverse(tree, kd, begin, end, pairs, counters, limit,
+                                  [&](std::uint32_t node, const vmasks<kParts>& alive, const F& near, const F& far, int finest, int coarsest) {
+                                      return meet_leaf(node, alive, near, far, pairs, finest, coarsest, limit_bytes, as_one, limit, enter, meet);
+                                  });
+    return is_done ? PacketResult::Done : PacketResult::Abandoned;
+}
+
+template <class Found>
+bool Tracer::State::run_single(const Ray& ray, const RayAxes& ax, std::size_t limit_bytes, SingleQuery<Found>& query)
+{
+    const PlacedOrigin start = place(ray, frame.anchor, frame.radius);
+    KdRay<float> kd;
+    RayLanes lanes;
+    vfloat direction[3];
+    lanes.kx = ax.kx;
+    lanes.ky = ax.ky;
+    lanes.kz = ax.kz;
+    lanes.sx = ax.shear[0];
+    lanes.sy = ax.shear[1];
+    lanes.sz = ax.shear[2];
+    kd.shift = start.shift;
+    for (int a = 0; a < 3; ++a) {
+        kd.origin[a] = start.origin[a];
+        kd.inverse[a] = ax.inverse[a];
+        kd.negative[a] = ax.negative[a];
+        lanes.inverse[a] = ax.inverse[a];
+        kd.direction[a] = ray.direction[a];
+        direction[a] = ray.direction[a];
+    }
+    const int lane = query.only;
+    float begin = ray.t_near - kd.shift, end = query.t[lane] - kd.shift;
+    begin = begin - (std::fabs(ray.t_near) + std::fabs(kd.shift)) * (4 * FLT_EPSILON);
+    const auto limit = [&] { return query.t[lane] - kd.shift + (std::fabs(query.t[lane]) + std::fabs(kd.shift)) * (4 * FLT_EPSILON); };
+    clip(kd, frame.bounds, begin, end);
+
+    if (!(begin <= end)) return true;
+    PairSpans<float> pairs{nullptr, kd.shift, 0, 0};
+    if (is_per_ray()) {
+        // One ray never has too many pairs.
+        const Reach reach = reach_of(ray);
+        single_levels.set(reach.wanted.a, reach.wanted.b, kd.shift + begin, kd.shift + end, reach.coordinate, frame.levels);
+        pairs = {&single_levels, kd.shift, single_levels.finest, single_levels.coarsest};
+    }
+
+    const lod::PosedCage* here = nullptr;
+    int blended = lod::kNoPair;
+    ++visit;
+    const RaysAsOne<float> as_one(kd, begin);
+    const auto enter = [&](const GridBounds& bounds, float far) {
+        float in = begin, out = far;
+        clip(kd, bounds.box, in, out);
+        return in <= out && crosses(kd, bounds.slab, in, out);
+    };
+    const auto meet = [&](const KdLeaf& leaf, std::size_t number, int pair, bool) {
+        IGrid* known = read_published(leaf.entries[number].grid);
+        if (!known) {
+            known = &lazy.grid(leaf, number, pair, counters.diced);
+            if (arena.bytes() > limit_bytes) return false;
+        }
+        IGrid& grid = *known;
+        GridVisit& visited = mailboxes.of(grid);
+        if (visited.packet == visit || (ray.kinds & grid.seen_by) == 0) return true;
+        visited.packet = visit;
+        if (grid.cage != here) {
+            here = grid.cage;
+            blended = lod::kNoPair;
+            const PlacedOrigin at = place(ray, here->anchor, here->radius);
+            for (int a = 0; a < 3; ++a) lanes.origin[a] = at.origin[a];
+            lanes.shift = at.shift;
+        }
+        float from = ray.t_near, to = FLT_MAX;
+        if (pairs.levels && (!pairs.are_all_in(grid.pairs) || grid.blends())) {
+            pairs.levels->make();
+            from = max(from, pairs.levels->begin(grid.pairs.finest, grid.pairs.coarsest));
+            to = pairs.levels->end(grid.pairs.finest, grid.pairs.coarsest);
+            if (grid.blends() && blended != grid.pairs.finest) {
+                blended = grid.pairs.finest;
+                const lod::Blend<float> blend = pairs.levels->blend(blended);
+                lanes.blend.set({blend.start, blend.scale}, direction, lanes.origin, lanes.shift);
+            }
+        }
+        IGridTracer(grid, lanes, kd.negative, from, to, query).single(lane);
+        return true;
+    };
+    return traverse(tree, kd, begin, end, pairs, counters, limit, [&](std::uint32_t node, bool alive, float near, float far, int finest, int coarsest) {
+        return meet_leaf(node, alive, near, far, pairs, finest, coarsest, limit_bytes, as_one, limit, enter, meet);
+    });
+}
+
+template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes*, std::size_t, PacketQuery<Nearest, 1>&);
+template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes*, std::size_t, PacketQuery<Nearest, 2>&);
+template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes*, std::size_t, PacketQuery<AnyHit, 1>&);
+template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes*, std::size_t, PacketQuery<AnyHit, 2>&);
+template bool Tracer::State::run_single(const Ray&, const RayAxes&, std::size_t, SingleQuery<Nearest>&);
+template bool Tracer::State::run_single(const Ray&, const RayAxes&, std::size_t, SingleQuery<AnyHit>&);
+
+}  // namespace occam::accel

@@ -1,0 +1,172 @@
+// What a Tracer holds, and how its rays, in packets or one by one, go through the tree.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+
+#include "accel/frame_state.h"
+#include "accel/lazy_tree.h"
+#include "accel/leaf_boxes.h"
+#include "accel/mailboxes.h"
+#include "accel/packet.h"
+#include "accel/ray_groups.h"
+#include "accel/traverse.h"
+
+namespace occam::accel {
+
+struct Tracer::State {
+    explicit State(std::unique_ptr<LazyTree> tree_of_its_own) : State(*tree_of_its_own) { own = std::move(tree_of_its_own); }
+    explicit State(LazyTree& all)
+        : lazy(all), frame(all.frame), budget(all.budget), arena(all.arena), tree(all.tree), gate(all.gate()), mailboxes(gate != nullptr)
+    {
+    }
+
+    /// `seen`: the gate's flushes before it was found that there is too little room.
+    void flush(std::uint64_t seen)
+    {
+        if (gate) gate->flush(seen, [&] { lazy.flush(); });
+        else lazy.flush();
+    }
+
+    enum class PacketResult : unsigned char {
+        Done,
+        Abandoned,  ///< the budget was passed on the way
+        TooWide     ///< the rays see too many pairs of levels to travel together
+    };
+    /// One group of rays with equal axes and octant.
+    template <int kParts, class Found>
+    PacketResult run_packet(std::span<const Ray> rays, const RayAxes* axes, std::size_t limit_bytes, PacketQuery<Found, kParts>& query);
+    /// False if the budget was passed on the way.
+    template <class Found>
+    bool run_single(const Ray& ray, const RayAxes& axes, std::size_t limit_bytes, SingleQuery<Found>& query);
+
+    template <class F, class Limit, class Enter, class Meet>
+    LeafResult meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest, int coarsest,
+                         std::size_t limit_bytes, const RaysAsOne<F>& as_one, Limit&& limit, Enter&& enter, Meet&& meet);
+    bool is_per_ray() const noexcept { return frame.levels.mode != lod::LevelMode::PerInstance; }
+    /// Makes the table of transitions of a packet of which `enters` are in the scene from t_in to t_out; false if its rays see too many
+    /// pairs to travel together.
+    template <int kParts>
+    bool fits_packet(std::span<const Ray> rays, const vmasks<kParts>& enters, const vfloats<kParts>& t_in, const vfloats<kParts>& t_out) noexcept;
+    template <int kParts>
+    lod::RayLevels<vfloats<kParts>>& packet_levels() noexcept
+    {
+        if constexpr (kParts == 1) return narrow_levels;
+        else return wide_levels;
+    }
+    /// What a ray's levels are chosen by. A ray without a width has the camera's.
+    lod::Footprint wanted_of(const Ray& ray) const noexcept
+    {
+        lod::Footprint f = ray.footprint;
+        if (f.a <= 0 && f.b == 0) f = {frame.levels.pixel.at(static_cast<float>(glm::distance(ray.origin, frame.levels.eye))), frame.levels.pixel.b};
+        if (frame.levels.mode == lod::LevelMode::Frozen && !(ray.kinds & RayKind::Camera)) f.b = 0;
+        return frame.levels.wanted(f);
+    }
+    /// What a ray's table of transitions is made of, but for where it is in the scene.
+    struct Reach {
+        lod::Footprint wanted;
+        float coordinate;  ///< the largest that the ray's arithmetic meets
+        float unused = 0;  ///< four are loaded at a time
+    };
+    Reach reach_of(const Ray& ray) const noexcept
+    {
+        return {wanted_of(ray), std::max(static_cast<float>(glm::distance(ray.origin, frame.anchor)), frame.radius)};
+    }
+
+    template <int kParts, class Found, class Take>
+    PacketResult run_packet_of(std::span<const Ray> rays, const RayAxes* axes, std::size_t first, std::size_t limit_bytes, Take&& take);
+    /// Traces one group, and gives take(i, lane, found, blends) what its ray i has met: lane of found; blends(pair, lane): how it blends.
+    template <class Found, class Take>
+    bool run(std::size_t first, std::size_t count, std::size_t limit_bytes, Take&& take);
+    /// fill(first, met) for each group: what groups.sorted[first + i] has met, and, if kWithBlend, how it blends there.
+    template <bool kWithBlend, class Fill>
+    void find_nearest(std::span<const Ray> rays, Fill&& fill);
+
+    /// Traces rays[first, first + count) by `run(first, count, limit)`, flushing and halving as the budget asks.
+    template <class Run>
+    void within_budget(std::size_t first, std::size_t count, Run&& run)
+    {
+        const auto fits = [&] {
+            if (gate) gate->pass();
+            const std::uint64_t seen = gate ? gate->flushes() : 0;
+            if (run(first, count, budget)) return true;
+            flush(seen);
+            return false;
+        };
+        // Abandoned: what was built is dropped, and the same rays start again in an empty arena, at last one by one.
+        if (fits() || fits()) return;
+        if (count == 1) {
+            run(first, 1, ~std::size_t(0));
+            return;
+        }
+        within_budget(first, count / 2, run);
+        within_budget(first + count / 2, count - count / 2, run);
+    }
+
+    /// Calls run(first, count, limit) for runs of groups.sorted that may travel together.
+    template <class Run>
+    void for_groups(std::span<const Ray> rays, Run&& run)
+    {
+        groups.sort(rays);
+        const FlushGate::Inside inside(gate);
+        for (std::size_t first = 0; first < rays.size();) {
+            const std::size_t end = groups.end_of(first, rays.size());
+            within_budget(first, end - first, run);
+            first = end;
+        }
+        counters.rays += rays.size();
+    }
+
+    std::unique_ptr<LazyTree> own;  ///< null: the tree is shared
+    LazyTree& lazy;
+    const FrameState& frame;
+    const std::size_t budget;
+    Arena& arena;
+    KdTree& tree;
+    FlushGate* const gate;          ///< null unless the tree is shared
+    TraceCounters counters;         ///< without those of building
+    Mailboxes mailboxes;
+    lod::RayLevels<vfloats<1>> narrow_levels;  ///< of the packet traced last
+    lod::RayLevels<vfloats<2>> wide_levels;
+    lod::RayLevels<float> single_levels;   ///< of the ray traced last
+    RayGroups groups;                          ///< of the batch traced last
+    std::uint64_t visit = 0;
+};
+
+/// Meets what a node holds for pairs [finest, coarsest]. enter(bounds, far) says which rays are inside somewhere before
+/// far, which is limit(); meet(leaf, number, pair, rays) meets the igrid of an entry with them.
+template <class F, class Limit, class Enter, class Meet>
+OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest, int coarsest,
+                                    std::size_t limit_bytes, const RaysAsOne<F>& as_one, Limit&& limit, Enter&& enter, Meet&& meet)
+{
+    KdLeaf& latest = tree.latest_leaf(node);
+    const auto is_one = [&] { return finest == coarsest || (latest.pairs.has(finest) && latest.pairs.has(coarsest)); };
+    if (!is_one()) pairs.narrow(alive, t_near, t_far, finest, coarsest);
+    for (int pair = finest; pair <= coarsest; ++pair) {
+        MaskOf<F> here = alive;
+        if (!is_one()) here = alive & (max(t_near, pairs.in(pair, pair)) <= min(t_far, pairs.out(pair, pair)));
+        if (none(here)) continue;
+        KdLeaf* leaf = latest.pairs.has(pair) ? &latest : tree.leaf(node, pair);
+        if (!leaf) return LeafResult::Expanded;
+        // What is the same for several pairs is met once for all of them.
+        const int last = std::min(leaf->pairs.coarsest, coarsest);
+        if (pair == finest && last == coarsest) here = alive;
+        else if (last > pair) here = alive & (max(t_near, pairs.in(pair, last)) <= min(t_far, pairs.out(pair, last)));
+        F far = limit();
+        for (std::size_t first = 0; first < leaf->entries.size(); first += kBoxGroup) {
+            unsigned maybe = as_one.in_boxes(leaf->boxes + first / kBoxGroup * kBoxGroupFloats, highest(far));
+            for (; maybe != 0; maybe &= maybe - 1) {
+                const std::size_t number = first + static_cast<std::size_t>(std::countr_zero(maybe));
+                const KdLeaf::Entry& entry = leaf->entries[number];
+                const MaskOf<F> entering = here & (read_published(entry.grid) ? enter(entry.bounds, far) : enter({get_box(leaf->boxes, number), {}}, far));
+                if (none(entering)) continue;
+                if (!meet(*leaf, number, pair, entering)) return LeafResult::Abandoned;
+                far = limit();
+            }
+        }
+        pair = last;
+    }
+    return arena.bytes() <= limit_bytes ? LeafResult::Done : LeafResult::Abandoned;
+}
+
+}  // namespace occam::accel
