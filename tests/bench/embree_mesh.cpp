@@ -1,5 +1,7 @@
 #include "tests/bench/embree_mesh.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <stdexcept>
@@ -14,7 +16,7 @@ constexpr int kAll[8] = {-1, -1, -1, -1, -1, -1, -1, -1};
 
 }  // namespace
 
-EmbreeMesh::EmbreeMesh(std::span<const Vec3f> corners, Vec3d anchor) : device_(rtcNewDevice("threads=1")), anchor_(anchor)
+EmbreeMesh::EmbreeMesh(std::span<const Vec3f> positions, Vec3d anchor) : device_(rtcNewDevice("threads=1")), anchor_(anchor)
 {
     if (!device_) throw std::runtime_error("no Embree device");
     rtcSetDeviceMemoryMonitorFunction(
@@ -29,11 +31,16 @@ EmbreeMesh::EmbreeMesh(std::span<const Vec3f> corners, Vec3d anchor) : device_(r
     rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
     RTCGeometry mesh = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
     void* vertices =
-        rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), corners.size());
-    std::memcpy(vertices, corners.data(), corners.size_bytes());
+        rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), positions.size());
+    std::memcpy(vertices, positions.data(), positions.size_bytes());
     auto* indices = static_cast<unsigned*>(
-        rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), corners.size() / 3));
-    for (unsigned i = 0; i < corners.size(); ++i) indices[i] = i;
+        rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), positions.size() / 3));
+    for (unsigned i = 0; i < positions.size(); ++i) indices[i] = i;
+    corners.reserve(positions.size());
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        const Vec3f* of = &positions[i / 3 * 3];
+        corners.push_back({positions[i], glm::normalize(glm::cross(of[1] - of[0], of[2] - of[0]))});
+    }
     rtcCommitGeometry(mesh);
     rtcAttachGeometry(scene_, mesh);
     rtcReleaseGeometry(mesh);
@@ -87,6 +94,54 @@ void EmbreeRays::closest()
     if (!packet_.empty()) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     for (RTCRayHit8& p : packet_) rtcIntersect8(kAll, mesh_.scene(), &context, &p);
     for (RTCRayHit& r : single_) rtcIntersect1(mesh_.scene(), &context, &r);
+}
+
+// By hand: rtcInterpolate() is for surfaces of all kinds, and slower.
+void EmbreeRays::fill(unsigned primitive, float u, float v, float distance, Vec3f direction, ShadedHit& hit) const noexcept
+{
+    const EmbreeMesh::Corner* of = &mesh_.corners[std::size_t(primitive) * 3];
+    const float w = 1 - u - v;
+    const Vec3f e = of[1].position - of[0].position, f = of[2].position - of[0].position;
+    const Vec3f across = glm::cross(e, f);
+    const float squared = glm::dot(across, across);
+    hit.t = distance;
+    hit.primitive = primitive;
+    hit.position = mesh_.anchor() + Vec3d(of[0].position + e * u + f * v);
+    hit.normal_geometric = across / std::sqrt(squared);
+    hit.normal_shading = glm::normalize(of[0].normal * w + of[1].normal * u + of[2].normal * v);
+    // Half the divergence of the normal over the triangle.
+    const Vec3f along_e = glm::cross(f, across) / squared, along_f = glm::cross(across, e) / squared;
+    hit.curvature = 0.5f * (glm::dot(of[1].normal - of[0].normal, along_e) + glm::dot(of[2].normal - of[0].normal, along_f));
+    hit.back_side = glm::dot(hit.normal_geometric, direction) > 0;
+    if (hit.back_side) hit.normal_geometric = -hit.normal_geometric, hit.curvature = -hit.curvature;
+    if (glm::dot(hit.normal_shading, hit.normal_geometric) < 0) hit.normal_shading = -hit.normal_shading;
+}
+
+void EmbreeRays::closest_filled(std::span<ShadedHit> batch)
+{
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    if (!packet_.empty()) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    for (std::size_t first = 0; first < count_; first += batch.size()) {
+        const std::size_t end = std::min(first + batch.size(), count_);
+        if (!packet_.empty())
+            for (std::size_t i = first; i < end; i += 8) rtcIntersect8(kAll, mesh_.scene(), &context, &packet_[i / 8]);
+        else
+            for (std::size_t i = first; i < end; ++i) rtcIntersect1(mesh_.scene(), &context, &single_[i]);
+        for (std::size_t i = first; i < end; ++i) {
+            ShadedHit& hit = batch[i - first];
+            if (packet_.empty()) {
+                const RTCRayHit& r = single_[i];
+                if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) hit.t = kInfinity;
+                else fill(r.hit.primID, r.hit.u, r.hit.v, r.ray.tfar, {r.ray.dir_x, r.ray.dir_y, r.ray.dir_z}, hit);
+                continue;
+            }
+            const RTCRayHit8& p = packet_[i / 8];
+            const std::size_t l = i % 8;
+            if (p.hit.geomID[l] == RTC_INVALID_GEOMETRY_ID) hit.t = kInfinity;
+            else fill(p.hit.primID[l], p.hit.u[l], p.hit.v[l], p.ray.tfar[l], {p.ray.dir_x[l], p.ray.dir_y[l], p.ray.dir_z[l]}, hit);
+        }
+    }
 }
 
 void EmbreeRays::occluded()

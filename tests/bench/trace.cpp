@@ -1,7 +1,8 @@
 // Closest and any hit on one thread with a hot tree, beside Embree on the same micropolygons, taken in turns.
 //
 // Occam's closest() also fills SurfaceHit (position in double, normals, curvature, texture coordinates, material), which Embree's does
-// not; its first_hits() fills distance, node and face, where Embree fills distance, ids, normal and barycentrics. Embree sees all micropolygons of the cage, but no closers (they have no area). Embree's rays are laid out beforehand.
+// not, but where both are filled; its first_hits() fills distance, node and face, where Embree fills distance, ids, normal and barycentrics.
+// Embree sees all micropolygons of the cage, but no closers (they have no area). Embree's rays are laid out beforehand.
 
 #include <cmath>
 
@@ -59,6 +60,9 @@ void run_rays(Report& report, const std::string& name, accel::Tracer& tracer, co
     const auto batch_by_batch = [&] {
         in_batches(rays.size(), [&](std::size_t i, std::size_t n) { tracer.closest(rays.subspan(i, n), {hits.data(), n}); });
     };
+    // The same work: what is shaded with is filled from Embree's hits, too.
+    std::vector<ShadedHit> shaded(kBatch);
+    report.add(row_of(name + " closest, both filled", in_turns(theirs, batch_by_batch, [&] { theirs.closest_filled(shaded); }), rays.size()));
     const Turns closest = in_turns(theirs, batch_by_batch, [&] { theirs.closest(); });
     trace_closest(tracer, rays, hits);
     std::size_t met = 0, other_answer = 0, other_distance = 0;
