@@ -25,6 +25,42 @@ bool Tracer::State::fits_packet(std::span<const Ray> rays, const vmasks<kParts>&
     return packet_levels<kParts>().set(of[0], of[1], select(enters, t_in, of_one(t_in)), select(enters, t_out, of_one(t_out)), of[2], frame.levels);
 }
 
+/// Meets what a node holds for pairs [finest, coarsest]. enter(bounds, far) says which rays are inside somewhere before
+/// far, which is limit(); meet(leaf, number, pair, rays) meets the igrid of an entry with them.
+template <class F, class Limit, class Enter, class Meet>
+OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest, int coarsest,
+                                    std::size_t limit_bytes, const RaysAsOne<F>& as_one, Limit&& limit, Enter&& enter, Meet&& meet)
+{
+    KdLeaf& latest = tree.latest_leaf(node);
+    const auto is_one = [&] { return finest == coarsest || (latest.pairs.has(finest) && latest.pairs.has(coarsest)); };
+    if (!is_one()) pairs.narrow(alive, t_near, t_far, finest, coarsest);
+    for (int pair = finest; pair <= coarsest; ++pair) {
+        MaskOf<F> here = alive;
+        if (!is_one()) here = alive & (max(t_near, pairs.in(pair, pair)) <= min(t_far, pairs.out(pair, pair)));
+        if (none(here)) continue;
+        KdLeaf* leaf = latest.pairs.has(pair) ? &latest : tree.leaf(node, pair);
+        if (!leaf) return LeafResult::Expanded;
+        // What is the same for several pairs is met once for all of them.
+        const int last = std::min(leaf->pairs.coarsest, coarsest);
+        if (pair == finest && last == coarsest) here = alive;
+        else if (last > pair) here = alive & (max(t_near, pairs.in(pair, last)) <= min(t_far, pairs.out(pair, last)));
+        F far = limit();
+        for (std::size_t first = 0; first < leaf->entries.size(); first += kBoxGroup) {
+            unsigned maybe = as_one.in_boxes(leaf->boxes + first / kBoxGroup * kBoxGroupFloats, highest(far));
+            for (; maybe != 0; maybe &= maybe - 1) {
+                const std::size_t number = first + static_cast<std::size_t>(std::countr_zero(maybe));
+                const KdLeaf::Entry& entry = leaf->entries[number];
+                const MaskOf<F> entering = here & (read_published(entry.grid) ? enter(entry.bounds, far) : enter({get_box(leaf->boxes, number), {}}, far));
+                if (none(entering)) continue;
+                if (!meet(*leaf, number, pair, entering)) return LeafResult::Abandoned;
+                far = limit();
+            }
+        }
+        pair = last;
+    }
+    return arena.bytes() <= limit_bytes ? LeafResult::Done : LeafResult::Abandoned;
+}
+
 template <int kParts, class Found>
 Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays, const RayAxes* ax, std::size_t limit_bytes, PacketQuery<Found, kParts>& query)
 {
@@ -93,11 +129,8 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
         return none(inside) ? inside : inside & crosses(kd, bounds.slab, in, out);
     };
     const auto meet = [&](const KdLeaf& leaf, std::size_t number, int pair, vmasks<kParts> entering) __attribute__((always_inline)) {
-        IGrid* known = read_published(leaf.entries[number].grid);
-        if (!known) {
-            known = &lazy.grid(leaf, number, pair, counters.diced);
-            if (arena.bytes() > limit_bytes) return false;
-        }
+        IGrid* known = grid_of(leaf, number, pair, limit_bytes);
+        if (!known) return false;
         IGrid& grid = *known;
         GridVisit& visited = mailboxes.of(grid);
         if (visited.packet != visit) visited = {visit, 0};
@@ -209,11 +242,8 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& ax, std::size_t li
         return in <= out && crosses(kd, bounds.slab, in, out);
     };
     const auto meet = [&](const KdLeaf& leaf, std::size_t number, int pair, bool) {
-        IGrid* known = read_published(leaf.entries[number].grid);
-        if (!known) {
-            known = &lazy.grid(leaf, number, pair, counters.diced);
-            if (arena.bytes() > limit_bytes) return false;
-        }
+        IGrid* known = grid_of(leaf, number, pair, limit_bytes);
+        if (!known) return false;
         IGrid& grid = *known;
         GridVisit& visited = mailboxes.of(grid);
         if (visited.packet == visit || (ray.kinds & grid.seen_by) == 0) return true;

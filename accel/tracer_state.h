@@ -43,6 +43,13 @@ struct Tracer::State {
     template <class F, class Limit, class Enter, class Meet>
     LeafResult meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest, int coarsest,
                          std::size_t limit_bytes, const RaysAsOne<F>& as_one, Limit&& limit, Enter&& enter, Meet&& meet);
+    /// The igrid of an entry, made if need be; null: the budget is passed.
+    IGrid* grid_of(const KdLeaf& leaf, std::size_t number, int pair, std::size_t limit_bytes)
+    {
+        if (IGrid* known = read_published(leaf.entries[number].grid)) return known;
+        IGrid* made = &lazy.grid(leaf, number, pair, counters.diced);
+        return arena.bytes() <= limit_bytes ? made : nullptr;
+    }
     bool is_per_ray() const noexcept { return frame.levels.mode != lod::LevelMode::PerInstance; }
     /// Makes the table of transitions of a packet of which `enters` are in the scene from t_in to t_out; false if its rays see too many
     /// pairs to travel together.
@@ -128,45 +135,9 @@ struct Tracer::State {
     Mailboxes mailboxes;
     lod::RayLevels<vfloats<1>> narrow_levels;  ///< of the packet traced last
     lod::RayLevels<vfloats<2>> wide_levels;
-    lod::RayLevels<float> single_levels;   ///< of the ray traced last
+    lod::RayLevels<float> single_levels;       ///< of the ray traced last
     RayGroups groups;                          ///< of the batch traced last
     std::uint64_t visit = 0;
 };
-
-/// Meets what a node holds for pairs [finest, coarsest]. enter(bounds, far) says which rays are inside somewhere before
-/// far, which is limit(); meet(leaf, number, pair, rays) meets the igrid of an entry with them.
-template <class F, class Limit, class Enter, class Meet>
-OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest, int coarsest,
-                                    std::size_t limit_bytes, const RaysAsOne<F>& as_one, Limit&& limit, Enter&& enter, Meet&& meet)
-{
-    KdLeaf& latest = tree.latest_leaf(node);
-    const auto is_one = [&] { return finest == coarsest || (latest.pairs.has(finest) && latest.pairs.has(coarsest)); };
-    if (!is_one()) pairs.narrow(alive, t_near, t_far, finest, coarsest);
-    for (int pair = finest; pair <= coarsest; ++pair) {
-        MaskOf<F> here = alive;
-        if (!is_one()) here = alive & (max(t_near, pairs.in(pair, pair)) <= min(t_far, pairs.out(pair, pair)));
-        if (none(here)) continue;
-        KdLeaf* leaf = latest.pairs.has(pair) ? &latest : tree.leaf(node, pair);
-        if (!leaf) return LeafResult::Expanded;
-        // What is the same for several pairs is met once for all of them.
-        const int last = std::min(leaf->pairs.coarsest, coarsest);
-        if (pair == finest && last == coarsest) here = alive;
-        else if (last > pair) here = alive & (max(t_near, pairs.in(pair, last)) <= min(t_far, pairs.out(pair, last)));
-        F far = limit();
-        for (std::size_t first = 0; first < leaf->entries.size(); first += kBoxGroup) {
-            unsigned maybe = as_one.in_boxes(leaf->boxes + first / kBoxGroup * kBoxGroupFloats, highest(far));
-            for (; maybe != 0; maybe &= maybe - 1) {
-                const std::size_t number = first + static_cast<std::size_t>(std::countr_zero(maybe));
-                const KdLeaf::Entry& entry = leaf->entries[number];
-                const MaskOf<F> entering = here & (read_published(entry.grid) ? enter(entry.bounds, far) : enter({get_box(leaf->boxes, number), {}}, far));
-                if (none(entering)) continue;
-                if (!meet(*leaf, number, pair, entering)) return LeafResult::Abandoned;
-                far = limit();
-            }
-        }
-        pair = last;
-    }
-    return arena.bytes() <= limit_bytes ? LeafResult::Done : LeafResult::Abandoned;
-}
 
 }  // namespace occam::accel

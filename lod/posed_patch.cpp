@@ -45,16 +45,12 @@ void PosedPatch::set(const PosedCage& cage, PatchRef patch)
     kind_ = controls.kind;
     forget();
     make_room(controls.indices.size());
-    const auto take = [&](auto&& vertex) {
-        for (std::size_t k = 0; k < count_; ++k) {
-            const Vec3f p = vertex(controls.indices[k]);
-            x_[k] = p.x;
-            y_[k] = p.y;
-            z_[k] = p.z;
-        }
-    };
-    if (cage.deformed) take([&](std::uint32_t v) { return cage.deformed->position(v); });
-    else take([&cage, from = cage.slot->cage.positions.data()](std::uint32_t v) { return cage.pose(from[v]); });
+    for (std::size_t k = 0; k < count_; ++k) {
+        const Vec3f p = cage.vertex(controls.indices[k]);
+        x_[k] = p.x;
+        y_[k] = p.y;
+        z_[k] = p.z;
+    }
 }
 
 void PosedPatch::set_uv(const PosedCage& cage, PatchRef patch, int uv_set)
