@@ -1,6 +1,7 @@
 #include "accel/corners.h"
 
-#include <optional>
+#include <algorithm>
+#include <bit>
 
 #include "accel/stopwatch.h"
 #include "lod/patch_colors.h"
@@ -48,12 +49,24 @@ const lod::Hanging* find_hanging(const IGrid& grid, std::uint32_t part, int i, i
     return nullptr;
 }
 
-void shade(const IGrid& grid, IGridPart& part, const PhaseOneTools& tools)
+const Material* material_of(const Scene& scene, const lod::PosedCage& cage, std::uint32_t face) noexcept
+{
+    static const Material plain;
+    const Cage& source = cage.slot->cage;
+    const std::size_t slot = source.face_slots.empty() ? 0 : source.face_slots[face];
+    const auto& from = cage.node->materials.empty() ? source.materials : cage.node->materials;
+    const Material* found = slot < from.size() ? scene.find(from[slot]) : nullptr;
+    return found ? found : &plain;
+}
+
+// Out of line: it is rare.
+OCCAM_NEVER_INLINE void shade(const IGrid& grid, IGridPart& part, const PhaseOneTools& tools)
 {
     const MaybeLock lock(tools.building);
     if (part.is_shaded) return;  // another was here meanwhile
     const Stopwatch watch(tools.counters.shade_seconds);
     part.attributes = tools.dicer.shade(*grid.cage, part.tile, grid.blends() ? part.coarser() : part.tile.rates, tools.arena);
+    part.material = material_of(*tools.frame.scene, *grid.cage, part.tile.patch.face);
     publish(part.is_shaded, true);
 }
 
@@ -71,29 +84,33 @@ void put(FloatLanes (&to)[N], std::size_t lane, const Vector& v) noexcept
 
 }  // namespace
 
-Corners::Corners() noexcept
+Corners::Corners(std::span<const Met> met, const Spot* spots) noexcept : met_(met), spots_(spots)
 {
     clear(weight);
+    std::size_t hits = 0;
+    for (const Met& m : met) hits += m.grid != nullptr;
+    if (hits == kLanes) return;
+    // Lanes without a hit.
     for (int p = 0; p < 3; ++p) {
         clear(position[p]);
-        clear(normal[p]);
-        clear(uv[0][p]);
-        clear(uv[1][p]);
+        for (LaneFours* fours : {&normal[p], &uv[0][p], &uv[1][p]})
+            for (auto& lane : *fours) vfloat4(0.0f).store(lane);
     }
 }
 
-void Corners::set_positions(std::span<const Met> met, const vfloat (&direction)[3], const vfloat (&origin)[3], vfloat shift) noexcept
+void Corners::set_positions(const vfloat (&direction)[3], const vfloat (&origin)[3], vfloat shift) noexcept
 {
-    FloatLanes coarse[3][3], start, scale, blends;
+    alignas(32) FloatLanes coarse[3][3], start, scale, blends;
     for (auto& corner : coarse) clear(corner);
     for (FloatLanes* lanes : {&start, &scale, &blends}) vfloat(0.0f).store(*lanes);
     unsigned special = 0;  // lanes with a T-vertex
     bool any_blends = false;
-    for (std::size_t lane = 0; lane < met.size(); ++lane) {
-        const Met& m = met[lane];
+    for (std::size_t lane = 0; lane < met_.size(); ++lane) {
+        const Met& m = met_[lane];
         if (!m.grid) continue;
         const IGrid& grid = *m.grid;
-        if (!grid.is_lattice) {
+        const Spot& spot = spots_[lane];
+        if (!spot.part) {
             // Ids of meshes are faces, and are looked up by position.
             std::uint32_t k = 0;
             while (grid.ids[k] != m.id) ++k;
@@ -101,27 +118,29 @@ void Corners::set_positions(std::span<const Met> met, const vfloat (&direction)[
                 for (int a = 0; a < 3; ++a) position[p][a][lane] = coarse[p][a][lane] = grid.corners[p * 3 + a][k];
             continue;
         }
-        if (grid.blends()) {
+        const bool is_blended = grid.blends();
+        if (is_blended) {
             any_blends = true;
             start[lane] = m.blend.start;
             scale[lane] = m.blend.scale;
             blends[lane] = 1;
         }
         if (is_closer(m)) {
+            for (int p = 0; p < 3; ++p) put(position[p], lane, Vec3f(0));
             special |= 1u << lane;
             continue;
         }
-        const QuadRef q = quad_of(m.id);
-        const IGridPart& part = grid.parts[part_of(m.id)];
-        for (int p = 0; p < 3; ++p) {
-            const int i = q.i + kQuadCorners[q.triangle][p][0], j = q.j + kQuadCorners[q.triangle][p][1];
-            const std::uint32_t vertex = part.vertex(i, j);
-            for (int a = 0; a < 3; ++a) {
-                position[p][a][lane] = grid.fine[a][vertex];
-                coarse[p][a][lane] = grid.coarse[a][vertex];
-            }
-            if (grid.blends() && hangs(part.tile, i, j)) special |= 1u << lane;
-        }
+        const IGridPart& part = *spot.part;
+        const std::uint32_t low = part.vertex(spot.i, spot.j), along_i = part.is_transposed ? part.width : 1, along_j = part.is_transposed ? 1 : part.width;
+        const std::uint32_t vertex[3] = {low, low + along_i + (spot.triangle != 0 ? along_j : 0), low + along_j + (spot.triangle != 0 ? 0 : along_i)};
+        for (int a = 0; a < 3; ++a)
+            for (int p = 0; p < 3; ++p) position[p][a][lane] = grid.fine[a][vertex[p]];
+        if (!is_blended) continue;
+        for (int a = 0; a < 3; ++a)
+            for (int p = 0; p < 3; ++p) coarse[p][a][lane] = grid.coarse[a][vertex[p]];
+        if (grid.hanging.empty()) continue;
+        for (const auto& corner : kQuadCorners[spot.triangle])
+            if (hangs(part.tile, spot.i + corner[0], spot.j + corner[1])) special |= 1u << lane;
     }
     if (!any_blends && special == 0) return;
 
@@ -139,85 +158,124 @@ void Corners::set_positions(std::span<const Met> met, const vfloat (&direction)[
             seen.z.store(position[p][2]);
         }
     }
+    if (special == 0) return;
     FloatLanes d[3], k;
     for (int a = 0; a < 3; ++a) blend.d[a].store(d[a]);
     blend.k.store(k);
     for (; special != 0; special &= special - 1) {
         const auto lane = static_cast<std::size_t>(std::countr_zero(special));
-        const Met& m = met[lane];
-        const IGrid& grid = *m.grid;
-        const OwnBlend own{{d[0][lane], d[1][lane], d[2][lane]}, k[lane]};
-        if (is_closer(m)) {
-            float at_end[2];
-            const lod::Hanging::Ends ends = ends_of(grid, own, grid.hanging[m.id & ~kCloserBit], at_end);
-            put(position[0], lane, ends.low);
-            put(position[1], lane, ends.middle);
-            put(position[2], lane, ends.high);
-            weight[0][lane] = weight[1][lane] = at_end[0];
-            weight[2][lane] = at_end[1];
-            continue;
-        }
-        const QuadRef q = quad_of(m.id);
-        const IGridPart& part = grid.parts[part_of(m.id)];
-        for (int p = 0; p < 3; ++p) {
-            const int i = q.i + kQuadCorners[q.triangle][p][0], j = q.j + kQuadCorners[q.triangle][p][1];
-            const lod::Hanging* hanging = hangs(part.tile, i, j) ? find_hanging(grid, part_of(m.id), i, j) : nullptr;
-            float unused[2];
-            if (hanging) put(position[p], lane, ends_of(grid, own, *hanging, unused).middle);
-        }
+        set_special(lane, {{d[0][lane], d[1][lane], d[2][lane]}, k[lane]});
     }
 }
 
-void Corners::set_attributes(std::size_t lane, const Met& met, const PhaseOneTools& tools)
+void Corners::set_special(std::size_t lane, const OwnBlend& blend) noexcept
 {
-    const IGrid& grid = *met.grid;
-    const std::uint32_t number = number_of(met), bit = 1u << lane;
-    const Cage& cage = grid.cage->slot->cage;
-    if (!grid.is_lattice) {
-        const std::size_t sets = std::min<std::size_t>(2, cage.uv_sets.size());
-        for (std::uint32_t p = 0; p < 3; ++p) {
-            const std::size_t at = std::size_t(number) * 3 + p, v = cage.face_vertices[at];
-            if (!cage.normals.empty()) put(normal[p], lane, grid.cage->vertex_normal(static_cast<std::uint32_t>(v)));
-            if (!cage.colors.empty()) color[lane][p] = cage.colors[cage.color_indices.empty() ? v : cage.color_indices[at]];
-            for (std::size_t s = 0; s < sets; ++s) {
-                const UvSet& set = cage.uv_sets[s];
-                put(uv[s][p], lane, set.values[set.indices.empty() ? v : set.indices[at]]);
-            }
-        }
-        if (!cage.colors.empty()) has_color |= bit;
-        for (std::size_t s = 0; s < sets; ++s) has_uv[s] |= bit;
+    const Met& m = met_[lane];
+    const Spot& spot = spots_[lane];
+    const IGrid& grid = *m.grid;
+    if (is_closer(m)) {
+        float at_end[2];
+        const lod::Hanging::Ends ends = ends_of(grid, blend, grid.hanging[m.id & ~kCloserBit], at_end);
+        put(position[0], lane, ends.low);
+        put(position[1], lane, ends.middle);
+        put(position[2], lane, ends.high);
+        weight[0][lane] = weight[1][lane] = at_end[0];
+        weight[2][lane] = at_end[1];
         return;
     }
-    IGridPart& part = met.grid->parts[part_of(number)];
-    if (!read_published(part.is_shaded)) shade(grid, part, tools);
-    const lod::GridAttributes& made = part.attributes;
-    const QuadRef q = quad_of(number);
-    std::optional<lod::PatchColors> colors;
-    if (!cage.colors.empty()) {
-        colors.emplace(*grid.cage, part.tile.patch);
-        has_color |= bit;
-    }
-    const auto color_at = [&](int i, int j) {
-        return colors->at((float(part.tile.i0) + float(i)) * part.tile.step_u(), (float(part.tile.j0) + float(j)) * part.tile.step_v());
-    };
-    const bool alone = is_closer(met);
     for (int p = 0; p < 3; ++p) {
-        const int i = q.i + (alone ? 0 : kQuadCorners[q.triangle][p][0]), j = q.j + (alone ? 0 : kQuadCorners[q.triangle][p][1]);
-        const int width = part.tile.columns + 1;
-        // What is odd lies, in the coarser level, on an edge or a diagonal; and blends as its position does.
-        const int low = j * width + i, odd_i = part.is_halved ? i & 1 : 0, odd_j = part.is_halved ? j & 1 : 0;
-        const int before = low - odd_j * width - odd_i, behind = low + odd_j * width + odd_i;
-        const float w = weight[p][lane];
-        const auto blend = [&](const auto* values) {
-            return w == 0 ? values[low] : values[low] * (1 - w) + (values[before] + values[behind]) * (0.5f * w);
-        };
-        put(normal[p], lane, made.coarse_normal ? made.normal[low] * (1 - w) + made.coarse_normal[low] * w : blend(made.normal));
-        for (std::size_t s = 0; s < 2; ++s)
-            if (made.uv[s]) put(uv[s][p], lane, blend(made.uv[s]));
-        if (colors) color[lane][p] = color_at(i, j) * (1 - w) + (color_at(i - odd_i, j - odd_j) + color_at(i + odd_i, j + odd_j)) * (0.5f * w);
+        const int i = spot.i + kQuadCorners[spot.triangle][p][0], j = spot.j + kQuadCorners[spot.triangle][p][1];
+        const lod::Hanging* hanging = hangs(spot.part->tile, i, j) ? find_hanging(grid, part_of(m.id), i, j) : nullptr;
+        float unused[2];
+        if (hanging) put(position[p], lane, ends_of(grid, blend, *hanging, unused).middle);
     }
-    for (std::size_t s = 0; s < 2; ++s)
-        if (made.uv[s]) has_uv[s] |= bit;
+}
+
+void Corners::set_attributes(const PhaseOneTools& tools)
+{
+    for (std::size_t lane = 0; lane < met_.size(); ++lane) {
+        const Met& m = met_[lane];
+        if (!m.grid) continue;
+        const IGrid& grid = *m.grid;
+        const Spot& spot = spots_[lane];
+        if (!spot.part) {
+            set_attributes_of_mesh(lane, *tools.frame.scene);
+            continue;
+        }
+        IGridPart& part = *spot.part;
+        if (!read_published(part.is_shaded)) shade(grid, part, tools);
+        material[lane] = part.material;
+        const lod::GridAttributes& made = part.attributes;
+        const std::ptrdiff_t width = part.tile.columns + 1, halved = part.is_halved && grid.blends() ? 1 : 0;
+        // A T-vertex's triangle has the attributes of one corner.
+        const std::ptrdiff_t one = is_closer(m) ? 0 : 1, up = spot.triangle != 0 ? one : 0;
+        const std::ptrdiff_t i[3] = {spot.i, spot.i + one, spot.i + one - up}, j[3] = {spot.j, spot.j + up, spot.j + one};
+        const auto set = [&](LaneFours* corners, const auto* values) {
+            for (int p = 0; p < 3; ++p) {
+                const float w = weight[p][lane];
+                const auto of = [&](std::ptrdiff_t vertex) { return vfloat4::load(&values[vertex].x); };
+                // What is odd lies, in the coarser level, on an edge or a diagonal; and blends as its position does.
+                const std::ptrdiff_t at = j[p] * width + i[p], step = (j[p] & halved) * width + (i[p] & halved);
+                (of(at) * (1 - w) + (of(at - step) + of(at + step)) * (0.5f * w)).store(corners[p][lane]);
+            }
+        };
+        set(normal, made.normal);
+        if (made.coarse_normal) {
+            for (int p = 0; p < 3; ++p) {
+                const float w = weight[p][lane];
+                const std::ptrdiff_t at = j[p] * width + i[p];
+                (vfloat4::load(&made.normal[at].x) * (1 - w) + vfloat4::load(&made.coarse_normal[at].x) * w).store(normal[p][lane]);
+            }
+        }
+        for (std::size_t s = 0; s < 2; ++s) {
+            if (made.uv[s]) set(uv[s], made.uv[s]);
+            else
+                for (auto& corner : uv[s]) vfloat4(0.0f).store(corner[lane]);
+        }
+        for (std::size_t s = 0; s < 2; ++s) has_uv[s] |= made.uv[s] ? 1u << lane : 0;
+        if (!grid.cage->slot->cage.colors.empty()) set_colors(lane);
+    }
+}
+
+void Corners::set_colors(std::size_t lane) noexcept
+{
+    const Spot& spot = spots_[lane];
+    const IGridPart& part = *spot.part;
+    const lod::PatchColors colors(*met_[lane].grid->cage, part.tile.patch);
+    const auto color_at = [&](int i, int j) {
+        return colors.at((float(part.tile.i0) + float(i)) * part.tile.step_u(), (float(part.tile.j0) + float(j)) * part.tile.step_v());
+    };
+    has_color |= 1u << lane;
+    for (int p = 0; p < 3; ++p) {
+        const int* of_quad = kQuadCorners[spot.triangle][is_closer(met_[lane]) ? 0 : p];
+        const int i = spot.i + of_quad[0], j = spot.j + of_quad[1], odd_i = part.is_halved ? i & 1 : 0, odd_j = part.is_halved ? j & 1 : 0;
+        const float w = weight[p][lane];
+        color[lane][p] = color_at(i, j) * (1 - w) + (color_at(i - odd_i, j - odd_j) + color_at(i + odd_i, j + odd_j)) * (0.5f * w);
+    }
+}
+
+void Corners::set_attributes_of_mesh(std::size_t lane, const Scene& scene) noexcept
+{
+    const lod::PosedCage& posed = *met_[lane].grid->cage;
+    const Cage& cage = posed.slot->cage;
+    const Spot& spot = spots_[lane];
+    const std::size_t sets = std::min<std::size_t>(2, cage.uv_sets.size());
+    const auto put_four = [lane](LaneFours& to, auto v) {
+        vfloat4(0.0f).store(to[lane]);
+        for (int a = 0; a < v.length(); ++a) to[lane][a] = v[a];
+    };
+    for (std::uint32_t p = 0; p < 3; ++p) {
+        const std::size_t at = std::size_t(spot.number) * 3 + p, v = cage.face_vertices[at];
+        put_four(normal[p], cage.normals.empty() ? Vec3f(0) : posed.vertex_normal(static_cast<std::uint32_t>(v)));
+        if (!cage.colors.empty()) color[lane][p] = cage.colors[cage.color_indices.empty() ? v : cage.color_indices[at]];
+        for (std::size_t s = 0; s < 2; ++s) {
+            const auto value = [&] { return cage.uv_sets[s].values[cage.uv_sets[s].indices.empty() ? v : cage.uv_sets[s].indices[at]]; };
+            put_four(uv[s][p], s < sets ? value() : Vec2f(0));
+        }
+    }
+    if (!cage.colors.empty()) has_color |= 1u << lane;
+    for (std::size_t s = 0; s < sets; ++s) has_uv[s] |= 1u << lane;
+    material[lane] = material_of(scene, posed, spot.face);
 }
 
 }  // namespace occam::accel

@@ -12,24 +12,43 @@ namespace occam::accel {
 using FloatLanes = float[kLanes];
 inline VecLanes load(const FloatLanes (&v)[3]) noexcept { return {vfloat::load(v[0]), vfloat::load(v[1]), vfloat::load(v[2])}; }
 
+/// Up to four floats a lane, side by side.
+using LaneFours = float[kLanes][4];
+inline void load(const LaneFours& from, vfloat (&to)[4]) noexcept
+{
+    const float* lanes[kLanes];
+    for (int lane = 0; lane < kLanes; ++lane) lanes[lane] = from[lane];
+    load_turned(lanes, to);
+}
+
 struct Corners {
     alignas(32) FloatLanes position[3][3];  ///< corner, axis
     FloatLanes weight[3];                   ///< how far the corner has gone to its coarse position
-    FloatLanes normal[3][3];                ///< unit, or of a mesh: any length
-    FloatLanes uv[2][3][2];                 ///< set, corner, axis
+    LaneFours normal[3];                    ///< of each corner: unit, or of a mesh: any length
+    LaneFours uv[2][3];                     ///< set, corner
     Vec4f color[kLanes][3];                 ///< of lanes in has_color
+    const Material* material[kLanes];       ///< of lanes with a hit
     unsigned has_uv[2]{}, has_color = 0;    ///< lanes
 
-    Corners() noexcept;
-    /// met   of up to kLanes rays, each in its cage's frame: direction, origin, shift
-    void set_positions(std::span<const Met> met, const vfloat (&direction)[3], const vfloat (&origin)[3], vfloat shift) noexcept;
-    /// The rest of a lane. Runs phase one on its patch if it is the first hit there.
-    void set_attributes(std::size_t lane, const Met& met, const PhaseOneTools& tools);
+    /// Corners of what up to kLanes rays have met, and where.
+    Corners(std::span<const Met> met, const Spot* spots) noexcept;
+    /// The rays, each in its cage's frame.
+    void set_positions(const vfloat (&direction)[3], const vfloat (&origin)[3], vfloat shift) noexcept;
+    /// The rest, and materials. Runs phase one on patches if these are the first hits there.
+    void set_attributes(const PhaseOneTools& tools);
 
     Vec3f position_of(int corner, std::size_t lane) const noexcept
     {
         return {position[corner][0][lane], position[corner][1][lane], position[corner][2][lane]};
     }
+
+private:
+    void set_special(std::size_t lane, const VertexBlendOf<float>& blend) noexcept;
+    void set_attributes_of_mesh(std::size_t lane, const Scene& scene) noexcept;
+    void set_colors(std::size_t lane) noexcept;
+
+    std::span<const Met> met_;
+    const Spot* spots_;
 };
 
 /// Where the corners of a quad's two triangles are, in quads.

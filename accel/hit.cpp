@@ -40,8 +40,10 @@ Vec3d barycentrics(const Corners& corners, std::size_t lane, Vec3d origin, Vec3d
 }
 
 // Shares of the corners at the hit: the triangle's edge functions, as when it was met.
-void shares_of(const Corners& corners, const vfloat (&shears)[4], const RayAxes& axes, const vfloat (&origin)[4], vfloat (&share)[3]) noexcept
+void shares_of(const Corners& corners, const RayAxes& axes, const vfloat (&way)[4], const vfloat (&origin)[4], vfloat (&share)[3]) noexcept
 {
+    vfloat shears[3];
+    set_shear(axes, way, shears);
     RayLanes rays;
     rays.sx = shears[0];
     rays.sy = shears[1];
@@ -58,21 +60,11 @@ void shares_of(const Corners& corners, const vfloat (&shears)[4], const RayAxes&
     for (int p = 0; p < 3; ++p) share[p] = select(has_area, max(of[p] / det, zero), 1.0f / 3);
 }
 
-const Material* material_of(const Scene& scene, const lod::PosedCage& cage, std::uint32_t face) noexcept
-{
-    static const Material plain;
-    const Cage& source = cage.slot->cage;
-    const std::size_t slot = source.face_slots.empty() ? 0 : source.face_slots[face];
-    const auto& from = cage.node->materials.empty() ? source.materials : cage.node->materials;
-    const Material* found = slot < from.size() ? scene.find(from[slot]) : nullptr;
-    return found ? found : &plain;
-}
-
-// The set that decides the axes of normal maps.
+// The set that decides the axes of normal maps; -1: the material has none.
 int normal_map_set(const Material& m) noexcept
 {
     const TextureUse& use = m.normal_texture ? m.normal_texture : m.clearcoat_normal_texture;
-    return std::clamp(use.uv_set, 0, 1);
+    return use ? std::clamp(use.uv_set, 0, 1) : -1;
 }
 
 // Of what is smaller no gradient is asked for: a float would not hold it.
@@ -89,11 +81,6 @@ struct Stored {
     }
     Vec3f operator[](std::size_t lane) const noexcept { return {axis[0][lane], axis[1][lane], axis[2][lane]}; }
 };
-struct StoredFloats {
-    alignas(32) FloatLanes lanes;
-    explicit StoredFloats(vfloat x) noexcept { x.store(lanes); }
-    float operator[](std::size_t lane) const noexcept { return lanes[lane]; }
-};
 
 }  // namespace
 
@@ -102,35 +89,45 @@ bool comes_before(const IGrid& a, std::uint32_t a_id, const IGrid& b, std::uint3
     return order_of(a, a_id) < order_of(b, b_id);
 }
 
-void resolve(std::span<const Ray> rays, const RayAxes* axes, std::span<const Met> met, const PhaseOneTools& tools, SurfaceHit* const* hits)
+void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met> met, const PhaseOneTools& tools, SurfaceHit* const* hits)
 {
     const std::size_t n = rays.size();
     // What is read ray by ray.
-    PlacedOrigin placed[kLanes]{};
-    const Material* material[kLanes]{};
-    Corners corners;
-    alignas(32) FloatLanes mirrored{}, width{}, second_set{};
+    Spot spots[kLanes];
+    alignas(32) FloatLanes t{}, mirrored{}, set_of_map{}, delta{}, radius{};
     unsigned closers = 0;
-    for (std::size_t i = 0; i < n; ++i)
-        if (met[i].grid) placed[i] = place(rays[i], met[i].grid->cage->anchor, met[i].grid->cage->radius);
-    vfloat origin[4], way[4], shear_of[4];
-    gather_four(placed, n, 0, origin);
-    gather_four(rays.data(), n, offsetof(Ray, direction), way);
-    gather_four(axes, n, offsetof(RayAxes, shear), shear_of);
-    corners.set_positions(met, {way[0], way[1], way[2]}, {origin[0], origin[1], origin[2]}, origin[3]);
+    bool any_maps = false;
+    const IGrid* someone = nullptr;
     for (std::size_t i = 0; i < n; ++i) {
         if (!met[i].grid) continue;
-        corners.set_attributes(i, met[i], tools);
-        const lod::PosedCage& cage = *met[i].grid->cage;
-        material[i] = material_of(*tools.frame.scene, cage, face_of(met[i]));
+        const IGrid& grid = *met[i].grid;
+        const lod::PosedCage& cage = *grid.cage;
+        someone = &grid;
+        spots[i].set(met[i]);
+        t[i] = met[i].t;
+        delta[i] = grid.delta;
+        radius[i] = cage.radius;
         mirrored[i] = cage.is_mirrored ? -1.0f : 1.0f;
-        width[i] = rays[i].footprint.at(met[i].t);
-        second_set[i] = static_cast<float>(normal_map_set(*material[i]));
         if (is_closer(met[i])) closers |= 1u << i;
+    }
+    if (!someone) return;
+    Corners corners(met, spots);
+    vfloat origin[4], way[4], beam[4];
+    gather_four(rays.data(), n, offsetof(Ray, direction), way);
+    place_all(rays, way, [&](std::size_t i) -> const lod::PosedCage& { return *(met[i].grid ? met[i].grid : someone)->cage; }, origin);
+    static_assert(offsetof(Ray, footprint) == offsetof(Ray, t_near) + 2 * sizeof(float));
+    gather_four(rays.data(), n, offsetof(Ray, t_near), beam);
+    corners.set_positions({way[0], way[1], way[2]}, {origin[0], origin[1], origin[2]}, origin[3]);
+    corners.set_attributes(tools);
+    for (std::size_t i = 0; i < n; ++i) {
+        if (!met[i].grid) continue;
+        const int set = normal_map_set(*corners.material[i]);
+        set_of_map[i] = static_cast<float>(set);
+        any_maps = any_maps || set >= 0;
     }
 
     vfloat share[3];
-    shares_of(corners, shear_of, axes[0], origin, share);
+    shares_of(corners, axes, way, origin, share);
     if (closers != 0) {
         alignas(32) FloatLanes own[3];
         for (int p = 0; p < 3; ++p) share[p].store(own[p]);
@@ -147,7 +144,12 @@ void resolve(std::span<const Ray> rays, const RayAxes* axes, std::span<const Met
     const auto between = [&](vfloat a, vfloat b, vfloat c) { return fma(a, share[0], fma(b, share[1], c * share[2])); };
     const VecLanes offset = tri.edge[0] * share[1] + tri.edge[1] * share[2];  // from a
     const VecLanes direction{way[0], way[1], way[2]};
-    const VecLanes normal[3] = {load(corners.normal[0]), load(corners.normal[1]), load(corners.normal[2])};
+    VecLanes normal[3];
+    for (int p = 0; p < 3; ++p) {
+        vfloat axes_of[4];
+        load(corners.normal[p], axes_of);
+        normal[p] = {axes_of[0], axes_of[1], axes_of[2]};
+    }
     const VecLanes mixed = normal[0] * share[0] + normal[1] * share[1] + normal[2] * share[2];
     const vfloat longest = largest(mixed);
     const vmask is_smooth = longest > vfloat(1e-20f);
@@ -166,80 +168,73 @@ void resolve(std::span<const Ray> rays, const RayAxes* axes, std::span<const Met
     // How coordinates change over the triangle.
     const vmask has_gradients = andnot(tri.area > vfloat(kLeastArea), vfloat::load(is_flat) > zero);
     const vfloat outward = outward_curvature(tri, normal);
-    const StoredFloats curvature(select(has_gradients, select(is_back, -outward, outward), zero));
-    const unsigned with_gradients = bits(has_gradients);
-    const UvLanes uv[2] = {UvLanes(corners.uv[0]), UvLanes(corners.uv[1])};
-    Tangents tangent{VecLanes{0.0f, 0.0f, 0.0f}, 1.0f};
-    if ((corners.has_uv[0] | corners.has_uv[1]) != 0) {
-        const vmask is_second = vfloat::load(second_set) > zero;
-        UvLanes chosen;
-        for (int p = 0; p < 2; ++p)
-            for (int a = 0; a < 2; ++a) chosen.edge[p][a] = select(is_second, uv[1].edge[p][a], uv[0].edge[p][a]);
-        tangent = tangents(tri, chosen, select(is_back, -shading, shading));
-    }
-    const Stored tangent_along(tangent.along);
-    const StoredFloats tangent_sign(tangent.sign);
-    alignas(32) FloatLanes uv_at[2][2], uv_width[2];
+    const vfloat curvature = select(has_gradients, select(is_back, -outward, outward), zero);
+    const vfloat width = max(beam[2] + beam[3] * vfloat::load(t), zero);
+    vfloat uv_at[2][2] = {{zero, zero}, {zero, zero}}, uv_width[2] = {zero, zero};
+    Tangents tangent{VecLanes{zero, zero, zero}, one};
+    UvLanes of_map;  // of lanes without a map, or coordinates: all 0, and so is the tangent
     for (int s = 0; s < 2; ++s) {
-        for (int a = 0; a < 2; ++a) fma(uv[s].edge[0][a], share[1], fma(uv[s].edge[1][a], share[2], uv[s].at[a])).store(uv_at[s][a]);
-        const vfloat uv_area = abs(difference_of_products(uv[s].edge[0][0], uv[s].edge[1][1], uv[s].edge[0][1], uv[s].edge[1][0]));
-        select(tri.area > zero, vfloat::load(width) * sqrt(uv_area / tri.area), zero).store(uv_width[s]);
+        if (corners.has_uv[s] == 0) continue;
+        const UvLanes uv(corners.uv[s]);
+        for (int a = 0; a < 2; ++a) uv_at[s][a] = fma(uv.edge[0][a], share[1], fma(uv.edge[1][a], share[2], uv.at[a]));
+        const vfloat uv_area = abs(difference_of_products(uv.edge[0][0], uv.edge[1][1], uv.edge[0][1], uv.edge[1][0]));
+        uv_width[s] = select((tri.area > zero) & (uv_area > zero), width * sqrt(uv_area / tri.area), zero);
+        if (any_maps) of_map.set_where(has_gradients & (vfloat::load(set_of_map) == vfloat(float(s))), uv);
     }
+    if (any_maps) tangent = tangents(tri, of_map, select(is_back, -shading, shading));
+    const vfloat farthest = max(largest(load(corners.position[0]) + offset), vfloat::load(radius));
+    const vfloat self_distance = vfloat(2.0f) * vfloat::load(delta) + vfloat(16 * FLT_EPSILON) * farthest;
+    const vfloat blend = between(vfloat::load(corners.weight[0]), vfloat::load(corners.weight[1]), vfloat::load(corners.weight[2]));
 
-    const Stored from_a(offset), shading_at(shading), geometric_at(geometric), shares({share[0], share[1], share[2]});
-    const StoredFloats farthest(largest(load(corners.position[0]) + offset));
-    const StoredFloats blend(between(vfloat::load(corners.weight[0]), vfloat::load(corners.weight[1]), vfloat::load(corners.weight[2])));
-    const unsigned back = bits(is_back);
+    alignas(SurfaceHit) float nobody[sizeof(SurfaceHit) / sizeof(float)];
+    float* to[kLanes];
+    for (std::size_t i = 0; i < kLanes; ++i) to[i] = i < n && met[i].grid ? reinterpret_cast<float*>(hits[i]) : nobody;
+    const auto put = [&](const vfloat& a, const vfloat& b, const vfloat& c, const vfloat& d, std::size_t place) {
+        const vfloat four[4] = {a, b, c, d};
+        store_turned(four, to, place / sizeof(float));
+    };
+    put(vfloat::load(t), self_distance, uv_width[0], uv_width[1], offsetof(SurfaceHit, t));
+    put(geometric.x, geometric.y, geometric.z, curvature, offsetof(SurfaceHit, normal_geometric));
+    put(shading.x, shading.y, shading.z, tangent.sign, offsetof(SurfaceHit, normal_shading));
+    put(tangent.along.x, tangent.along.y, tangent.along.z, blend, offsetof(SurfaceHit, tangent));
+    put(uv_at[0][0], uv_at[0][1], uv_at[1][0], uv_at[1][1], offsetof(SurfaceHit, uv));
+
+    const Stored from_a(offset), shares({share[0], share[1], share[2]});
+    const unsigned back = bits(is_back), with_gradients = bits(has_gradients);
     for (std::size_t i = 0; i < n; ++i) {
         if (!met[i].grid) continue;
         IGrid& grid = *met[i].grid;
         const lod::PosedCage& cage = *grid.cage;
-        const std::uint32_t number = number_of(met[i]);
+        const Spot& spot = spots[i];
         const Vec3f w = shares[i];
         SurfaceHit& hit = *hits[i];
-        hit.t = met[i].t;
         hit.position = cage.anchor + (Vec3d(corners.position_of(0, i)) + Vec3d(from_a[i]));
-        hit.self_distance = 2 * grid.delta + 16 * FLT_EPSILON * std::max(cage.radius, farthest[i]);
-        hit.normal_geometric = geometric_at[i];
-        hit.normal_shading = shading_at[i];
         hit.back_side = (back >> i & 1) != 0;
-        hit.curvature = curvature[i];
-        hit.material = material[i];
-        const bool is_known = (with_gradients >> i & 1) != 0;
-        const bool has_tangent = is_known && (corners.has_uv[static_cast<int>(second_set[i])] >> i & 1) != 0;
-        hit.tangent = has_tangent ? tangent_along[i] : Vec3f(0);
-        hit.tangent_sign = has_tangent ? tangent_sign[i] : 1;
+        const Material& material = *corners.material[i];
+        hit.material = &material;
         hit.u_gradient = hit.v_gradient = Vec3f(0);
-        const int bump_set = std::clamp(material[i]->bump_texture.uv_set, 0, 1);
-        if (material[i]->bump_texture && is_known && (corners.has_uv[bump_set] >> i & 1) != 0) {
+        const int bump_set = std::clamp(material.bump_texture.uv_set, 0, 1);
+        if (material.bump_texture && (with_gradients & corners.has_uv[bump_set]) >> i & 1) {
             const Stored b(tri.gradient[0]), c(tri.gradient[1]);
-            const auto change = [&](int corner, int axis) { return corners.uv[bump_set][corner][axis][i] - corners.uv[bump_set][0][axis][i]; };
+            const auto change = [&](int corner, int axis) { return corners.uv[bump_set][corner][i][axis] - corners.uv[bump_set][0][i][axis]; };
             hit.u_gradient = b[i] * change(1, 0) + c[i] * change(2, 0);
             hit.v_gradient = b[i] * change(1, 1) + c[i] * change(2, 1);
-        }
-        for (int s = 0; s < 2; ++s) {
-            const bool has_uv = (corners.has_uv[s] >> i & 1) != 0;
-            hit.uv[s] = has_uv ? Vec2f(uv_at[s][0][i], uv_at[s][1][i]) : Vec2f(0);
-            hit.uv_width[s] = has_uv ? uv_width[s][i] : 0;
         }
         hit.color = Vec4f(1);
         if (corners.has_color >> i & 1) hit.color = corners.color[i][0] * w.x + corners.color[i][1] * w.y + corners.color[i][2] * w.z;
         hit.node = cage.node_id;
         hit.lit_by = cage.lit_by;
-        hit.face = face_of(met[i]);
+        hit.face = spot.face;
         hit.level = grid.level;
-        hit.blend = blend[i];
         hit.phase_one_channels = 0;
-        const lod::TileRef* tile = grid.is_lattice ? &grid.parts[part_of(number)].tile : nullptr;
-        if (tile && tools.frame.shading.shader) {
+        if (spot.part && tools.frame.shading.shader) {
             // A closer is a line without width: the quad beside it stands in.
-            const QuadRef q = quad_of(number);
-            Vec2d at(q.i, q.j);
-            for (int p = 0; p < 3 && !is_closer(met[i]); ++p) at += Vec2d(kQuadCorners[q.triangle][p][0], kQuadCorners[q.triangle][p][1]) * double(w[p]);
-            add_vertex_values(grid, part_of(number), at, tools, hit);
+            Vec2d at(spot.i, spot.j);
+            for (int p = 0; p < 3 && !is_closer(met[i]); ++p) at += Vec2d(kQuadCorners[spot.triangle][p][0], kQuadCorners[spot.triangle][p][1]) * double(w[p]);
+            add_vertex_values(grid, part_of(spot.number), at, tools, hit);
         }
-        const std::uint64_t tile_number = tile ? std::uint64_t(tile->j0) << 32 | tile->i0 : 0;
-        hit.micropolygon = static_cast<std::uint32_t>(mix_bits(cage.key ^ mix_bits(std::uint64_t(number) << 32 ^ hit.face) ^ tile_number));
+        const std::uint64_t tile_number = spot.part ? std::uint64_t(spot.part->tile.j0) << 32 | spot.part->tile.i0 : 0;
+        hit.micropolygon = static_cast<std::uint32_t>(mix_bits(cage.key ^ (std::uint64_t(spot.number) << 32 ^ spot.face) ^ tile_number * 0x9e3779b97f4a7c15u));
     }
 }
 

@@ -67,16 +67,30 @@ inline bool is_closer(std::uint32_t id) noexcept { return (id & kCloserBit) != 0
 inline bool is_closer(const Met& met) noexcept { return is_closer(met.id); }
 /// The micropolygon, or the one that a T-vertex's triangle stands for.
 inline std::uint32_t number_of(const IGrid& grid, std::uint32_t id) noexcept { return is_closer(id) ? grid.hanging_quads[id & ~kCloserBit] : id; }
-inline std::uint32_t number_of(const Met& met) noexcept { return number_of(*met.grid, met.id); }
-/// Of its cage.
-inline std::uint32_t face_of(const Met& met) noexcept
-{
-    const std::uint32_t number = number_of(met);
-    return met.grid->is_lattice ? met.grid->parts[part_of(number)].tile.patch.face : number;
-}
+
+/// Where the micropolygon is that a ray has met, or the one that a T-vertex's triangle stands for.
+struct Spot {
+    std::uint32_t number;
+    std::uint32_t face;  ///< of the cage
+    IGridPart* part;     ///< null: a mesh's triangle
+    int i, j, triangle;  ///< as QuadRef, in the part
+
+    void set(const Met& met) noexcept
+    {
+        number = face = number_of(*met.grid, met.id);
+        part = nullptr;
+        if (!met.grid->is_lattice) return;
+        part = &met.grid->parts[part_of(number)];
+        face = part->tile.patch.face;
+        const QuadRef quad = quad_of(number);
+        i = quad.i;
+        j = quad.j;
+        triangle = quad.triangle;
+    }
+};
 
 /// Fills hits from the micropolygons that up to kLanes rays of a group have met. Runs phase one on their patches if they are the first hits
 /// there. hits: of rays that have met something; the others' are left alone.
-void resolve(std::span<const Ray> rays, const RayAxes* axes, std::span<const Met> met, const PhaseOneTools& tools, SurfaceHit* const* hits);
+void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met> met, const PhaseOneTools& tools, SurfaceHit* const* hits);
 
 }  // namespace occam::accel

@@ -55,12 +55,24 @@ inline vfloat outward_curvature(const Triangles& tri, const VecLanes (&normal)[3
 /// Texture coordinates in lanes: of a, and how they change to b and c.
 struct UvLanes {
     vfloat at[2], edge[2][2];  ///< axis; corner b or c, axis
-    UvLanes() = default;
-    explicit UvLanes(const FloatLanes (&uv)[3][2]) noexcept
+    UvLanes() noexcept
+    {
+        for (int a = 0; a < 2; ++a) at[a] = edge[0][a] = edge[1][a] = 0.0f;
+    }
+    explicit UvLanes(const LaneFours (&uv)[3]) noexcept
+    {
+        vfloat of[3][4];
+        for (int p = 0; p < 3; ++p) load(uv[p], of[p]);
+        for (int a = 0; a < 2; ++a) {
+            at[a] = of[0][a];
+            for (int p = 0; p < 2; ++p) edge[p][a] = of[p + 1][a] - at[a];
+        }
+    }
+    void set_where(vmask here, const UvLanes& from) noexcept
     {
         for (int a = 0; a < 2; ++a) {
-            at[a] = vfloat::load(uv[0][a]);
-            for (int p = 0; p < 2; ++p) edge[p][a] = vfloat::load(uv[p + 1][a]) - at[a];
+            at[a] = select(here, from.at[a], at[a]);
+            for (int p = 0; p < 2; ++p) edge[p][a] = select(here, from.edge[p][a], edge[p][a]);
         }
     }
 };

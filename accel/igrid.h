@@ -77,7 +77,8 @@ struct GridBounds {
 /// One patch of a lattice: a tile of it, or all of a small one.
 struct IGridPart {
     lod::TileRef tile;
-    lod::GridAttributes attributes;  ///< made when a hit first asks
+    lod::GridAttributes attributes;  ///< made when a hit first asks, as is:
+    const Material* material = nullptr;
     bool is_shaded = false;          ///< published, as are:
     const float* values[2] = {};     ///< VertexShader's, of the fine and of the coarse level; null: not made (accel/vertex_values.h)
     std::int8_t channels = -1;       ///< floats of these a vertex; below 0: nobody has asked yet

@@ -11,6 +11,6 @@ namespace occam::accel {
 std::size_t memory_floor(const Scene& scene);
 
 /// What a tracer keeps for each ray of a batch, beside its arena.
-inline constexpr std::size_t kBytesOfABatchedRay = sizeof(Ray) + 2 * sizeof(RayAxes) + sizeof(std::uint32_t);
+inline constexpr std::size_t kBytesOfABatchedRay = sizeof(Ray) + sizeof(std::uint16_t) + sizeof(std::uint32_t);
 
 }  // namespace occam::accel

@@ -4,12 +4,14 @@
 // Threads  one worker's own.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "accel/hit.h"
+#include "accel/packet.h"
 #include "accel/ray_lanes.h"
 
 namespace occam::accel {
@@ -19,41 +21,67 @@ public:
     /// By bins of direction; within a bin rays keep their order.
     void sort(std::span<const Ray> rays)
     {
-        std::array<std::uint32_t, RayAxes::kBins + 1> begin{};
-        unsorted_.clear();
-        for (const Ray& ray : rays) {
-            unsorted_.emplace_back(ray.direction);
-            ++begin[unsorted_.back().bin() + 1];
-        }
-        for (int b = 0; b < RayAxes::kBins; ++b) begin[b + 1] += begin[b];
         // Batches come in several sizes: what has been made stays, to be written over.
         if (sorted.size() < rays.size()) {
             sorted.resize(rays.size());
             place_of.resize(rays.size());
-            axes.resize(rays.size(), RayAxes(Vec3f(0, 0, 1)));
+            bins_.resize(rays.size());
         }
+        std::array<std::uint32_t, kBins + 1> next{};
+        for (std::size_t first = 0; first < rays.size(); first += kLanes) {
+            const std::size_t count = std::min<std::size_t>(kLanes, rays.size() - first);
+            float bins[kLanes];
+            bins_of(&rays[first], count).store(bins);
+            for (std::size_t i = 0; i < count; ++i) {
+                bins_[first + i] = static_cast<std::uint16_t>(bins[i]);
+                ++next[bins_[first + i] + 1u];
+            }
+        }
+        for (std::size_t b = 0; b < kBins; ++b) next[b + 1] += next[b];
         for (std::uint32_t i = 0; i < rays.size(); ++i) {
-            const std::uint32_t to = begin[unsorted_[i].bin()]++;
+            const std::uint32_t to = next[bins_[i]]++;
             sorted[to] = rays[i];
-            axes[to] = unsorted_[i];
             place_of[to] = i;
         }
+        for (std::size_t g = 0; g < RayAxes::kGroups; ++g) ends_[g] = next[g * kBinsOfAGroup + kBinsOfAGroup - 1];
     }
 
-    /// Where the packet ends that begins at `first`. With one lane, rays travel alone.
-    std::size_t end_of(std::size_t first, std::size_t count) const noexcept
+    /// Calls travel(axes, first, count) for rays sorted[first, first + count) that share their axes. With one lane, rays travel alone.
+    template <class Travel>
+    void for_each_packet(Travel&& travel) const
     {
-        std::size_t end = first + 1;
-        while (kLanes > 1 && end < count && end < first + kPacket && axes[end].group() == axes[first].group()) ++end;
-        return end;
+        constexpr std::size_t kMost = kLanes > 1 ? kPacket : 1;
+        std::size_t first = 0;
+        for (int g = 0; g < RayAxes::kGroups; ++g) {
+            const RayAxes axes(g);
+            for (std::size_t count = 0; first < ends_[g]; first += count) {
+                count = std::min(kMost, ends_[g] - first);
+                travel(axes, first, count);
+            }
+        }
     }
 
     std::vector<Ray> sorted;
-    std::vector<RayAxes> axes;            ///< of these
     std::vector<std::uint32_t> place_of;  ///< in the caller's order
 
 private:
-    std::vector<RayAxes> unsorted_;
+    static constexpr std::size_t kBinsOfAGroup = 4, kBins = RayAxes::kGroups * kBinsOfAGroup;
+
+    /// Group, and whether a ray goes more than half as far along the lesser axes: in lanes.
+    static vfloat bins_of(const Ray* rays, std::size_t count) noexcept
+    {
+        vfloat d[4];
+        gather_four(rays, count, offsetof(Ray, direction), d);
+        const vfloat x = abs(d[0]), y = abs(d[1]), z = abs(d[2]), zero = 0.0f;
+        const vmask more_x = x > y, is_x = more_x & (x > z), is_y = andnot(y > z, more_x);
+        const vfloat half = vfloat(0.5f) * select(is_x, x, select(is_y, y, z));
+        const auto if_so = [&](vmask m, float value) { return select(m, value, zero); };
+        const vfloat group = select(is_x, zero, select(is_y, 8.0f, 16.0f)) + (if_so(d[0] < zero, 1) + if_so(d[1] < zero, 2)) + if_so(d[2] < zero, 4);
+        return group * float(kBinsOfAGroup) + if_so(select(is_x, y, select(is_y, z, x)) > half, 2) + if_so(select(is_x, z, select(is_y, x, y)) > half, 1);
+    }
+
+    std::vector<std::uint16_t> bins_;              ///< in the caller's order
+    std::size_t ends_[RayAxes::kGroups]{};         ///< of groups, in `sorted`
 };
 
 }  // namespace occam::accel

@@ -1,12 +1,14 @@
 // Rays as the kernels see them: lanes that share their dominant axis and the signs of their direction.
 //
-// The watertight test (Woop et al. 2013) shears a ray onto its dominant axis. All per-ray constants are made by one function, so
+// The watertight test (Woop et al. 2013) shears a ray onto its dominant axis. All per-ray constants are made by one function a kind, so
 // that a ray has the same bits alone, in a packet, and in the one-lane build.
 //
 // Space    directions: world. Origins: the dicing frame of one cage at a time (world axes, translated), see place().
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "accel/tracer.h"
 #include "accel/vec_lanes.h"
@@ -15,41 +17,40 @@
 
 namespace occam::accel {
 
-/// Constants of one ray.
+/// What rays must have in common to share a packet: the dominant axis, and the octant.
 struct RayAxes {
-    float shear[4];    ///< sx, sy, and the scale sz; the fourth is to spare, so that four are loaded at a time
-    float inverse[4];  ///< 1 / direction, of components below kSmallest: of that size, with their sign; the same
-    int kx, ky, kz;    ///< kz: the dominant axis; kx, ky: the next two, cyclic
+    int kx, ky, kz;  ///< kz: the dominant axis; kx, ky: the next two, cyclic
     bool negative[3];
 
-    static constexpr float kSmallest = 1e-18f;
+    static constexpr int kGroups = 3 * 8;
 
-    explicit RayAxes(Vec3f d) noexcept
+    /// group   kz * 8 + the signs of x, y and z: 1, 2 and 4
+    explicit RayAxes(int group) noexcept : kz(group / 8)
     {
-        const Vec3f m = glm::abs(d);
-        kz = m.x > m.y ? (m.x > m.z ? 0 : 2) : (m.y > m.z ? 1 : 2);
         kx = kz == 2 ? 0 : kz + 1;
         ky = kx == 2 ? 0 : kx + 1;
-        const float sz = 1.0f / d[kz];
-        shear[0] = d[kx] * sz;
-        shear[1] = d[ky] * sz;
-        shear[2] = sz;
-        shear[3] = inverse[3] = 0;
-        for (int a = 0; a < 3; ++a) {
-            negative[a] = std::signbit(d[a]);
-            inverse[a] = 1.0f / (m[a] < kSmallest ? std::copysign(kSmallest, d[a]) : d[a]);
-        }
-    }
-    /// Rays with equal octants and axes may share a packet.
-    int group() const noexcept { return kz * 8 + negative[0] + 2 * negative[1] + 4 * negative[2]; }
-    /// A group has sixteen bins of like directions.
-    static constexpr int kBins = 24 * 16;
-    int bin() const noexcept
-    {
-        const auto quarter = [](float s) { return (s > -0.5f) + (s > 0) + (s > 0.5f); };
-        return group() * 16 + quarter(shear[0]) * 4 + quarter(shear[1]);
+        for (int a = 0; a < 3; ++a) negative[a] = (group >> a & 1) != 0;
     }
 };
+
+/// The shear of rays along their dominant axis: sx, sy, and the scale sz. F is vfloat, several of them, or float: the same bits.
+template <class F>
+OCCAM_ALWAYS_INLINE void set_shear(const RayAxes& axes, const F* direction, F (&shear)[3]) noexcept
+{
+    shear[2] = F(1.0f) / direction[axes.kz];
+    shear[0] = direction[axes.kx] * shear[2];
+    shear[1] = direction[axes.ky] * shear[2];
+}
+/// 1 / direction; of components that are smaller, as if they were of this size, with their sign.
+template <class F>
+OCCAM_ALWAYS_INLINE void set_inverse(const RayAxes& axes, const F* direction, F (&inverse)[3]) noexcept
+{
+    constexpr float kSmallest = 1e-18f;
+    for (int a = 0; a < 3; ++a) {
+        const F d = direction[a];
+        inverse[a] = F(1.0f) / select(abs(d) < F(kSmallest), F(axes.negative[a] ? -kSmallest : kSmallest), d);
+    }
+}
 
 /// A ray's origin in a frame, moved along the ray to near the frame's own origin when it is far away: what is left is small,
 /// so that floats hold it well. t of the ray = shift + t from that origin.
@@ -57,15 +58,57 @@ struct PlacedOrigin {
     float origin[3];
     float shift;
 };
+namespace detail {
+template <class F>
+F shift_of(const F (&near)[3], const F* direction) noexcept
+{
+    return F(0.0f) - ((near[0] * direction[0] + near[1] * direction[1]) + near[2] * direction[2]);
+}
+inline constexpr float kNear = 4;  ///< radii: nearer than that an origin stays where it is
+}  // namespace detail
+
 inline PlacedOrigin place(const Ray& ray, Vec3d anchor, float radius) noexcept
 {
-    constexpr float kNear = 4;  // radii: nearer than that the origin stays where it is
     const Vec3d from = ray.origin - anchor;
-    const Vec3f near(from);
-    const float shift = -glm::dot(near, ray.direction);
-    if (!(shift > kNear * radius)) return {{near.x, near.y, near.z}, 0};
+    const float near[3] = {float(from.x), float(from.y), float(from.z)}, way[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
+    const float shift = detail::shift_of(near, way);
+    if (!(shift > detail::kNear * radius)) return {{near[0], near[1], near[2]}, 0};
     const Vec3f moved(from + Vec3d(ray.direction) * double(shift));
     return {{moved.x, moved.y, moved.z}, shift};
+}
+
+/// The same of a packet's rays: to[0] to to[2] are origins, to[3] shifts. frame_of(i).anchor, .radius: the frame of ray i.
+template <class F, class FrameOf>
+OCCAM_ALWAYS_INLINE void place_all(std::span<const Ray> rays, const F* direction, FrameOf&& frame_of, F (&to)[4]) noexcept
+{
+    constexpr std::size_t kRays = sizeof(F) / sizeof(float);
+    alignas(32) float near[3][kRays], radius[kRays], shift[kRays];
+    for (std::size_t lane = 0; lane < kRays; ++lane) {
+        const std::size_t i = std::min(lane, rays.size() - 1);
+        const auto& frame = frame_of(i);
+        const Vec3d from = rays[i].origin - frame.anchor;
+        near[0][lane] = static_cast<float>(from.x);
+        near[1][lane] = static_cast<float>(from.y);
+        near[2][lane] = static_cast<float>(from.z);
+        radius[lane] = frame.radius;
+    }
+    const F at[3] = {F::load(near[0]), F::load(near[1]), F::load(near[2])};
+    const F along = detail::shift_of(at, direction);
+    const auto is_far = along > F(detail::kNear) * F::load(radius);
+    if (none(is_far)) {
+        for (int a = 0; a < 3; ++a) to[a] = at[a];
+        to[3] = F(0.0f);
+        return;
+    }
+    for (std::size_t lane = 0; lane < kRays; ++lane) {
+        const std::size_t i = std::min(lane, rays.size() - 1);
+        const auto& frame = frame_of(i);
+        const PlacedOrigin placed = place(rays[i], frame.anchor, frame.radius);
+        for (int a = 0; a < 3; ++a) near[a][lane] = placed.origin[a];
+        shift[lane] = placed.shift;
+    }
+    for (int a = 0; a < 3; ++a) to[a] = F::load(near[a]);
+    to[3] = F::load(shift);
 }
 
 inline float first_lane(vfloat x) noexcept

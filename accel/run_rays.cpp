@@ -62,22 +62,17 @@ OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, Mask
 }
 
 template <int kParts, class Found>
-Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays, const RayAxes* ax, std::size_t limit_bytes, PacketQuery<Found, kParts>& query)
+Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays, const RayAxes& axes, std::size_t limit_bytes, PacketQuery<Found, kParts>& query)
 {
     using F = vfloats<kParts>;
     const std::size_t n = rays.size();
-    const auto place_all = [&](Vec3d anchor, float radius, F (&to)[4]) {
-        PlacedOrigin placed[kParts * kLanes]{};
-        for (std::size_t i = 0; i < n; ++i) placed[i] = place(rays[i], anchor, radius);
-        gather_four(placed, n, 0, to);
-    };
     KdRay<F> kd;
-    F start[4], shear[4], inverse[4], way[4];
-    place_all(frame.anchor, frame.radius, start);
-    gather_four(ax, n, offsetof(RayAxes, shear), shear);
-    gather_four(ax, n, offsetof(RayAxes, inverse), inverse);
+    F start[4], shear[3], inverse[3], way[4];
     static_assert(offsetof(Ray, t_near) == offsetof(Ray, direction) + 3 * sizeof(float));
     gather_four(rays.data(), n, offsetof(Ray, direction), way);
+    place_all(rays, way, [&](std::size_t) -> const FrameState& { return frame; }, start);
+    set_shear(axes, way, shear);
+    set_inverse(axes, way, inverse);
     /// As many rays as there are lanes, in the frame of the cage that the packet is at.
     struct Part {
         RayLanes lanes;
@@ -87,9 +82,9 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
     Part parts[kParts];
     for (int p = 0; p < kParts; ++p) {
         RayLanes& lanes = parts[p].lanes;
-        lanes.kx = ax->kx;
-        lanes.ky = ax->ky;
-        lanes.kz = ax->kz;
+        lanes.kx = axes.kx;
+        lanes.ky = axes.ky;
+        lanes.kz = axes.kz;
         lanes.sx = shear[0].part[p];
         lanes.sy = shear[1].part[p];
         lanes.sz = shear[2].part[p];
@@ -99,7 +94,7 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
     for (int a = 0; a < 3; ++a) {
         kd.origin[a] = start[a];
         kd.inverse[a] = inverse[a];
-        kd.negative[a] = ax->negative[a];
+        kd.negative[a] = axes.negative[a];
         kd.direction[a] = way[a];
     }
     const F t_near = way[3];
@@ -143,7 +138,7 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
             here = grid.cage;
             blended = lod::kNoPair;
             F placed[4];
-            place_all(here->anchor, here->radius, placed);
+            place_all(rays, way, [&](std::size_t) -> const lod::PosedCage& { return *here; }, placed);
             for (int p = 0; p < kParts; ++p) {
                 for (int a = 0; a < 3; ++a) parts[p].lanes.origin[a] = placed[a].part[p];
                 parts[p].lanes.shift = placed[3].part[p];
@@ -196,26 +191,29 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
 }
 
 template <class Found>
-bool Tracer::State::run_single(const Ray& ray, const RayAxes& ax, std::size_t limit_bytes, SingleQuery<Found>& query)
+bool Tracer::State::run_single(const Ray& ray, const RayAxes& axes, std::size_t limit_bytes, SingleQuery<Found>& query)
 {
     const PlacedOrigin start = place(ray, frame.anchor, frame.radius);
     KdRay<float> kd;
     RayLanes lanes;
     vfloat direction[3];
-    lanes.kx = ax.kx;
-    lanes.ky = ax.ky;
-    lanes.kz = ax.kz;
-    lanes.sx = ax.shear[0];
-    lanes.sy = ax.shear[1];
-    lanes.sz = ax.shear[2];
+    const float way[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
+    float shear[3];
+    set_shear(axes, way, shear);
+    set_inverse(axes, way, kd.inverse);
+    lanes.kx = axes.kx;
+    lanes.ky = axes.ky;
+    lanes.kz = axes.kz;
+    lanes.sx = shear[0];
+    lanes.sy = shear[1];
+    lanes.sz = shear[2];
     kd.shift = start.shift;
     for (int a = 0; a < 3; ++a) {
         kd.origin[a] = start.origin[a];
-        kd.inverse[a] = ax.inverse[a];
-        kd.negative[a] = ax.negative[a];
-        lanes.inverse[a] = ax.inverse[a];
-        kd.direction[a] = ray.direction[a];
-        direction[a] = ray.direction[a];
+        kd.negative[a] = axes.negative[a];
+        lanes.inverse[a] = kd.inverse[a];
+        kd.direction[a] = way[a];
+        direction[a] = way[a];
     }
     const int lane = query.only;
     float begin = ray.t_near - kd.shift, end = query.t[lane] - kd.shift;
@@ -274,10 +272,10 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& ax, std::size_t li
     });
 }
 
-template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes*, std::size_t, PacketQuery<Nearest, 1>&);
-template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes*, std::size_t, PacketQuery<Nearest, 2>&);
-template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes*, std::size_t, PacketQuery<AnyHit, 1>&);
-template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes*, std::size_t, PacketQuery<AnyHit, 2>&);
+template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes&, std::size_t, PacketQuery<Nearest, 1>&);
+template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes&, std::size_t, PacketQuery<Nearest, 2>&);
+template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes&, std::size_t, PacketQuery<AnyHit, 1>&);
+template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes&, std::size_t, PacketQuery<AnyHit, 2>&);
 template bool Tracer::State::run_single(const Ray&, const RayAxes&, std::size_t, SingleQuery<Nearest>&);
 template bool Tracer::State::run_single(const Ray&, const RayAxes&, std::size_t, SingleQuery<AnyHit>&);
 

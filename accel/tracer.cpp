@@ -50,11 +50,11 @@ TraceCounters Tracer::counters() const
 }
 
 template <int kParts, class Found, class Take>
-Tracer::State::PacketResult Tracer::State::run_packet_of(std::span<const Ray> rays, const RayAxes* ax, std::size_t first, std::size_t limit_bytes, Take&& take)
+Tracer::State::PacketResult Tracer::State::run_packet_of(std::span<const Ray> rays, const RayAxes& axes, std::size_t first, std::size_t limit_bytes, Take&& take)
 {
     PacketQuery<Found, kParts> query;
     start(query, rays);
-    const PacketResult result = run_packet<kParts>(rays, ax, limit_bytes, query);
+    const PacketResult result = run_packet<kParts>(rays, axes, limit_bytes, query);
     if (result != PacketResult::Done) return result;
     Blends blends(packet_levels<kParts>());
     for (std::size_t i = 0; i < rays.size(); ++i) take(first + i, i, query, blends);
@@ -62,18 +62,17 @@ Tracer::State::PacketResult Tracer::State::run_packet_of(std::span<const Ray> ra
 }
 
 template <class Found, class Take>
-bool Tracer::State::run(std::size_t first, std::size_t count, std::size_t limit_bytes, Take&& take)
+bool Tracer::State::run(const RayAxes& axes, std::size_t first, std::size_t count, std::size_t limit_bytes, Take&& take)
 {
     if (count > kLanes) {
-        const PacketResult result = run_packet_of<2, Found>({&groups.sorted[first], count}, &groups.axes[first], 0, limit_bytes, take);
+        const PacketResult result = run_packet_of<2, Found>({&groups.sorted[first], count}, axes, 0, limit_bytes, take);
         if (result == PacketResult::Abandoned) return false;
         if (result == PacketResult::Done) return true;
     }
     for (std::size_t at = 0; at < count; at += kLanes) {
         const std::span<const Ray> rays{&groups.sorted[first + at], std::min<std::size_t>(kLanes, count - at)};
-        const RayAxes* ax = &groups.axes[first + at];
         if (rays.size() >= kWorthAPacket) {
-            const PacketResult result = run_packet_of<1, Found>(rays, ax, at, limit_bytes, take);
+            const PacketResult result = run_packet_of<1, Found>(rays, axes, at, limit_bytes, take);
             if (result == PacketResult::Abandoned) return false;
             if (result == PacketResult::Done) continue;
         }
@@ -81,7 +80,7 @@ bool Tracer::State::run(std::size_t first, std::size_t count, std::size_t limit_
             SingleQuery<Found> query;
             start(query, rays);
             query.only = static_cast<int>(i);
-            if (!run_single(rays[i], ax[i], limit_bytes, query)) return false;
+            if (!run_single(rays[i], axes, limit_bytes, query)) return false;
             Blends blends(single_levels);
             take(at + i, i, query, blends);
         }
@@ -93,14 +92,14 @@ template <bool kWithBlend, class Fill>
 void Tracer::State::find_nearest(std::span<const Ray> rays, Fill&& fill)
 {
     const std::uint64_t diced = counters.diced;
-    for_groups(rays, [&](std::size_t first, std::size_t count, std::size_t limit) {
+    for_groups(rays, [&](const RayAxes& axes, std::size_t first, std::size_t count, std::size_t limit) {
         Met met[kPacket];
         const auto take = [&](std::size_t i, std::size_t lane, const Nearest& found, auto& blends) {
             Met& m = met[i] = {found.t[lane], found.grid[lane], found.id[lane], {}};
             if (kWithBlend && m.grid && m.grid->blends()) m.blend = blends(m.grid->pairs.finest, lane);
         };
-        if (!run<Nearest>(first, count, limit, take)) return false;
-        fill(first, std::span<const Met>(met, count));
+        if (!run<Nearest>(axes, first, count, limit, take)) return false;
+        fill(axes, first, std::span<const Met>(met, count));
         return arena.bytes() <= limit;
     });
     if (!rays.empty() && rays.front().kinds & RayKind::Camera) counters.diced_for_camera += counters.diced - diced;
@@ -109,19 +108,15 @@ void Tracer::State::find_nearest(std::span<const Ray> rays, Fill&& fill)
 void Tracer::closest(std::span<const Ray> rays, std::span<SurfaceHit> hits)
 {
     State& s = *state_;
-    s.find_nearest<true>(rays, [&](std::size_t first, std::span<const Met> met) {
-        SurfaceHit* to[kPacket];
-        bool any_met = false;
-        for (std::size_t i = 0; i < met.size(); ++i) {
-            to[i] = &hits[s.groups.place_of[first + i]];
-            if (met[i].grid) any_met = true;
-            else to[i]->t = std::numeric_limits<float>::infinity();
-        }
-        if (!any_met) return;
-        const std::span<const Ray> group(&s.groups.sorted[first], met.size());
-        for (std::size_t i = 0; i < met.size(); i += kLanes) {
-            const std::size_t n = std::min<std::size_t>(kLanes, met.size() - i);
-            resolve(group.subspan(i, n), &s.groups.axes[first + i], met.subspan(i, n), s.lazy.phase_one(), to + i);
+    s.find_nearest<true>(rays, [&](const RayAxes& axes, std::size_t first, std::span<const Met> met) {
+        for (std::size_t at = 0; at < met.size(); at += kLanes) {
+            const std::size_t n = std::min<std::size_t>(kLanes, met.size() - at);
+            SurfaceHit* to[kLanes];
+            for (std::size_t i = 0; i < n; ++i) {
+                to[i] = &hits[s.groups.place_of[first + at + i]];
+                if (!met[at + i].grid) to[i]->t = std::numeric_limits<float>::infinity();
+            }
+            resolve({&s.groups.sorted[first + at], n}, axes, met.subspan(at, n), s.lazy.phase_one(), to);
         }
     });
 }
@@ -129,10 +124,13 @@ void Tracer::closest(std::span<const Ray> rays, std::span<SurfaceHit> hits)
 void Tracer::first_hits(std::span<const Ray> rays, std::span<FirstHit> hits)
 {
     State& s = *state_;
-    s.find_nearest<false>(rays, [&](std::size_t first, std::span<const Met> met) {
+    s.find_nearest<false>(rays, [&](const RayAxes&, std::size_t first, std::span<const Met> met) {
         for (std::size_t i = 0; i < met.size(); ++i) {
             FirstHit& hit = hits[s.groups.place_of[first + i]] = {};
-            if (met[i].grid) hit = {met[i].t, met[i].grid->cage->node_id, face_of(met[i])};
+            if (!met[i].grid) continue;
+            Spot spot;
+            spot.set(met[i]);
+            hit = {met[i].t, met[i].grid->cage->node_id, spot.face};
         }
     });
 }
@@ -141,9 +139,9 @@ void Tracer::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occlude
 {
     State& s = *state_;
     const std::uint64_t diced = s.counters.diced;
-    s.for_groups(rays, [&](std::size_t first, std::size_t count, std::size_t limit) {
+    s.for_groups(rays, [&](const RayAxes& axes, std::size_t first, std::size_t count, std::size_t limit) {
         const auto take = [&](std::size_t i, std::size_t lane, const AnyHit& found, auto&) { occluded[s.groups.place_of[first + i]] = found.t[lane] == kDead; };
-        return s.run<AnyHit>(first, count, limit, take);
+        return s.run<AnyHit>(axes, first, count, limit, take);
     });
     s.counters.diced_for_occlusion += s.counters.diced - diced;
 }

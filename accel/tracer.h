@@ -39,20 +39,22 @@ struct Ray {
 struct SurfaceHit {
     float t = std::numeric_limits<float>::infinity();  ///< infinity: nothing was met, and nothing else here is set
     float self_distance = 0;       ///< a secondary ray starts this far along normal_geometric (lod's bound of the blend plus rounding)
-    Vec3d position{0};             ///< on the micropolygon
+    float uv_width[2]{};           ///< of the ray's footprint, in units of uv
+    // From here to uv, fours of floats are written together (accel/hit.cpp).
     Vec3f normal_geometric{0};     ///< unit, of the micropolygon, towards the ray's origin
-    Vec3f normal_shading{0};       ///< unit, interpolated, on the side of normal_geometric
     /// Mean curvature from the vertices' normals, 1 / world length; positive where the surface bulges towards the ray's origin.
     float curvature = 0;
-    /// Unit, world, across the outward shading normal: where u of the material's normal map grows. Zero without coordinates.
+    Vec3f normal_shading{0};       ///< unit, interpolated, on the side of normal_geometric
     /// With n the outward normal (-normal_shading on the back side), tangent_sign * cross(n, tangent) is where v falls: a
     /// normal map's +Y (glTF 2.0, sec. 3.9.3).
-    Vec3f tangent{0};
     float tangent_sign = 1;
+    /// Unit, world, across the outward shading normal: where u of the material's normal map grows. Zero without a map or coordinates.
+    Vec3f tangent{0};
+    float blend = 0;               ///< how far the surface has gone from `level` to the coarser one of its pair, 0 to 1
+    Vec2f uv[2]{};                 ///< the first two sets
+    Vec3d position{0};             ///< on the micropolygon
     /// Gradients of the coordinates that the material's bump map uses, over the micropolygon, per world length; zero: no bump.
     Vec3f u_gradient{0}, v_gradient{0};
-    Vec2f uv[2]{};                 ///< the first two sets
-    float uv_width[2]{};           ///< of the ray's footprint, in units of uv
     Vec4f color{1};                ///< vertex colour
     int phase_one_channels = 0;    ///< VertexShader's values at the hit; 0: none were made, look them up
     float phase_one[lod::VertexShader::kMaxChannels] = {};  ///< so many of them
@@ -62,7 +64,6 @@ struct SurfaceHit {
     std::uint32_t face = 0;        ///< of the cage
     bool back_side = false;        ///< the ray came from behind the face
     int level = 0;                 ///< finer one of the pair of levels that the cage is seen at
-    float blend = 0;               ///< how far the surface has gone from there to the coarser one, 0 to 1
     std::uint32_t micropolygon = 0;  ///< a number of the quad, mixed: for pictures of the grid
 
     bool is_hit() const noexcept { return t < std::numeric_limits<float>::infinity(); }

@@ -35,7 +35,7 @@ struct Tracer::State {
     };
     /// One group of rays with equal axes and octant.
     template <int kParts, class Found>
-    PacketResult run_packet(std::span<const Ray> rays, const RayAxes* axes, std::size_t limit_bytes, PacketQuery<Found, kParts>& query);
+    PacketResult run_packet(std::span<const Ray> rays, const RayAxes& axes, std::size_t limit_bytes, PacketQuery<Found, kParts>& query);
     /// False if the budget was passed on the way.
     template <class Found>
     bool run_single(const Ray& ray, const RayAxes& axes, std::size_t limit_bytes, SingleQuery<Found>& query);
@@ -81,11 +81,11 @@ struct Tracer::State {
     }
 
     template <int kParts, class Found, class Take>
-    PacketResult run_packet_of(std::span<const Ray> rays, const RayAxes* axes, std::size_t first, std::size_t limit_bytes, Take&& take);
+    PacketResult run_packet_of(std::span<const Ray> rays, const RayAxes& axes, std::size_t first, std::size_t limit_bytes, Take&& take);
     /// Traces one group, and gives take(i, lane, found, blends) what its ray i has met: lane of found; blends(pair, lane): how it blends.
     template <class Found, class Take>
-    bool run(std::size_t first, std::size_t count, std::size_t limit_bytes, Take&& take);
-    /// fill(first, met) for each group: what groups.sorted[first + i] has met, and, if kWithBlend, how it blends there.
+    bool run(const RayAxes& axes, std::size_t first, std::size_t count, std::size_t limit_bytes, Take&& take);
+    /// fill(axes, first, met) for each group: what groups.sorted[first + i] has met, and, if kWithBlend, how it blends there.
     template <bool kWithBlend, class Fill>
     void find_nearest(std::span<const Ray> rays, Fill&& fill);
 
@@ -110,17 +110,15 @@ struct Tracer::State {
         within_budget(first + count / 2, count - count / 2, run);
     }
 
-    /// Calls run(first, count, limit) for runs of groups.sorted that may travel together.
+    /// Calls run(axes, first, count, limit) for runs of groups.sorted that may travel together.
     template <class Run>
     void for_groups(std::span<const Ray> rays, Run&& run)
     {
         groups.sort(rays);
         const FlushGate::Inside inside(gate);
-        for (std::size_t first = 0; first < rays.size();) {
-            const std::size_t end = groups.end_of(first, rays.size());
-            within_budget(first, end - first, run);
-            first = end;
-        }
+        groups.for_each_packet([&](const RayAxes& axes, std::size_t first, std::size_t count) {
+            within_budget(first, count, [&](std::size_t from, std::size_t of_these, std::size_t limit) { return run(axes, from, of_these, limit); });
+        });
         counters.rays += rays.size();
     }
 

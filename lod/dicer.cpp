@@ -397,7 +397,7 @@ GridAttributes Dicer::shade(const PosedCage& cage, const TileRef& tile, const Pa
     GridAttributes made;
     if (cage.is_displaced()) {
         const bool blends = coarser != tile.rates;
-        made.normal = arena.make_array<Vec3f>(blends ? 2 * count : count).data();
+        made.normal = arena.make_array<Vec3f>((blends ? 2 * count : count) + 1).data();
         displaced_normals(cage, tile.patch, tile.rates.filter, grid, made.normal);
         if (blends) {
             made.coarse_normal = made.normal + count;
@@ -405,7 +405,7 @@ GridAttributes Dicer::shade(const PosedCage& cage, const TileRef& tile, const Pa
         }
     } else {
         posed(cage, tile.patch).points_and_tangents(grid, out, width);
-        made.normal = arena.make_array<Vec3f>(count).data();
+        made.normal = arena.make_array<Vec3f>(count + 1).data();
         for (std::size_t k = 0; k < count; ++k) {
             const Vec3f n = glm::cross(Vec3f{out[3][k], out[4][k], out[5][k]}, Vec3f{out[6][k], out[7][k], out[8][k]});
             const float length = glm::length(n);
@@ -414,7 +414,7 @@ GridAttributes Dicer::shade(const PosedCage& cage, const TileRef& tile, const Pa
         }
     }
     for (int set = 0; set < std::min(2, cage.topology->uv_set_count()); ++set) {
-        made.uv[set] = arena.make_array<Vec2f>(count).data();
+        made.uv[set] = arena.make_array<Vec2f>(count + 1).data();
         uv_patch(cage, tile.patch, set).points(grid, out[0], out[1], out[2], width);
         for (std::size_t k = 0; k < count; ++k) made.uv[set][k] = {out[0][k], out[1][k]};
     }

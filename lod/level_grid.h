@@ -73,9 +73,10 @@ struct LevelGrid {
 
 /// What phase one gives each vertex of a tile, laid out as the vertices.
 struct GridAttributes {
-    Vec3f* normal = nullptr;       ///< unit, of the limit surface or of the displaced one, outward
+    // Behind the last of each there is room for one more: four floats may be read from any.
+    Vec3f* normal = nullptr;         ///< unit, of the limit surface or of the displaced one, outward
     Vec3f* coarse_normal = nullptr;  ///< displaced: of the next coarser level; null: the mean of neighbours, as positions are
-    Vec2f* uv[2] = {};             ///< null: the cage has no such set
+    Vec2f* uv[2] = {};               ///< null: the cage has no such set
 };
 
 }  // namespace occam::lod

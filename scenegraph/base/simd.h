@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include "scenegraph/base/half.h"
@@ -106,7 +107,7 @@ private:
     Raw raw_;
 };
 
-/// Four floats of one thing, a colour, in every build.
+/// Four floats of one thing, a colour or a normal, in every build.
 class vfloat4 {
 public:
 #ifdef OCCAM_ONE_LANE
@@ -115,6 +116,12 @@ public:
     {
         vfloat4 v(0);
         for (int i = 0; i < 4; ++i) v.raw_[i] = float_from_half(p[i]);
+        return v;
+    }
+    static vfloat4 load(const float* p) noexcept
+    {
+        vfloat4 v(0);
+        for (int i = 0; i < 4; ++i) v.raw_[i] = p[i];
         return v;
     }
     void store(float* p) const noexcept
@@ -144,6 +151,7 @@ private:
     {
         return hn::PromoteTo(Tag(), hn::LoadU(hn::Rebind<hwy::float16_t, Tag>(), reinterpret_cast<const hwy::float16_t*>(p)));
     }
+    static vfloat4 load(const float* p) noexcept { return hn::LoadU(Tag(), p); }
     void store(float* p) const noexcept { hn::StoreU(raw_, Tag(), p); }
     friend vfloat4 operator+(vfloat4 a, vfloat4 b) noexcept { return hn::Add(a.raw_, b.raw_); }
     friend vfloat4 operator*(vfloat4 a, float b) noexcept { return hn::Mul(a.raw_, hn::Set(Tag(), b)); }
@@ -283,6 +291,30 @@ inline void load_turned(const float* const* from, vfloat (&to)[4]) noexcept
     to[1] = hn::BitCast(tag, hn::InterleaveUpper(pairs, ab_low, cd_low));
     to[2] = hn::BitCast(tag, hn::InterleaveLower(pairs, ab_high, cd_high));
     to[3] = hn::BitCast(tag, hn::InterleaveUpper(pairs, ab_high, cd_high));
+#endif
+}
+
+/// The other way round: lane i of from[f] goes to to[i][offset + f].
+inline void store_turned(const vfloat (&from)[4], float* const* to, std::size_t offset) noexcept
+{
+#ifdef OCCAM_ONE_LANE
+    for (std::size_t f = 0; f < 4; ++f) from[f].store(to[0] + offset + f);
+#else
+    const FloatTag tag;
+    const hn::RepartitionToWide<FloatTag> pairs;
+    const hn::Half<FloatTag> half;
+    const auto a = from[0].raw(), b = from[1].raw(), c = from[2].raw(), d = from[3].raw();
+    const auto ab_low = hn::BitCast(pairs, hn::InterleaveLower(tag, a, b)), ab_high = hn::BitCast(pairs, hn::InterleaveUpper(tag, a, b));
+    const auto cd_low = hn::BitCast(pairs, hn::InterleaveLower(tag, c, d)), cd_high = hn::BitCast(pairs, hn::InterleaveUpper(tag, c, d));
+    const auto both = [&](auto turned, int i) {
+        const auto floats = hn::BitCast(tag, turned);
+        hn::StoreU(hn::LowerHalf(half, floats), half, to[i] + offset);
+        hn::StoreU(hn::UpperHalf(half, floats), half, to[i + 4] + offset);
+    };
+    both(hn::InterleaveLower(pairs, ab_low, cd_low), 0);
+    both(hn::InterleaveUpper(pairs, ab_low, cd_low), 1);
+    both(hn::InterleaveLower(pairs, ab_high, cd_high), 2);
+    both(hn::InterleaveUpper(pairs, ab_high, cd_high), 3);
 #endif
 }
 

@@ -4,6 +4,7 @@
 #include "accel/frame.h"
 #include "accel/tracer.h"
 #include "tests/support/shape_builders.h"
+#include "tests/support/textured_floor.h"
 
 namespace occam::test {
 namespace {
@@ -100,14 +101,23 @@ TEST(Hit, FacetsHaveNoCurvature)
     EXPECT_EQ(hit_from(scene, kAside * 3.0, -kAside).curvature, 0);
 }
 
+Material with_normal_map(Scene& scene)
+{
+    Material m;
+    m.normal_texture.texture = scene.add(waves(0));
+    return m;
+}
+
 // On the ball, u grows along cross(y, n), and v falls upwards.
 TEST(Hit, TangentsFollowTheTextureCoordinates)
 {
     for (const Vec3d scale : {Vec3d(1), Vec3d(-1, 1, 1)}) {
         Scene scene;
+        Cage cage = ball(64, 32);
+        cage.materials = {scene.add(with_normal_map(scene))};
         NodeDesc desc;
         desc.place.scale = scale;
-        desc.cages = {scene.add(ball(64, 32))};
+        desc.cages = {scene.add(std::move(cage))};
         scene.add_node(scene.root(), desc);
         for (const bool inside : {false, true}) {
             const accel::SurfaceHit hit =
@@ -123,13 +133,18 @@ TEST(Hit, TangentsFollowTheTextureCoordinates)
     }
 }
 
-TEST(Hit, WithoutCoordinatesThereIsNoTangent)
+TEST(Hit, WithoutCoordinatesOrANormalMapThereIsNoTangent)
 {
-    Cage cage = ball(16, 8);
-    cage.uv_sets.clear();
-    Scene scene;
-    place(scene, scene.add(cage), {0, 0, 0});
-    EXPECT_EQ(hit_from(scene, kAside * 3.0, -kAside).tangent, Vec3f(0));
+    for (const bool has_map : {false, true}) {
+        Scene scene;
+        Cage cage = ball(16, 8);
+        if (has_map) {
+            cage.uv_sets.clear();
+            cage.materials = {scene.add(with_normal_map(scene))};
+        }
+        place(scene, scene.add(std::move(cage)), {0, 0, 0});
+        EXPECT_EQ(hit_from(scene, kAside * 3.0, -kAside).tangent, Vec3f(0));
+    }
 }
 
 }  // namespace

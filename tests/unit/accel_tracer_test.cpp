@@ -4,11 +4,13 @@
 #include <bit>
 #include <random>
 #include <set>
+#include <tuple>
 
 #include "accel/frame.h"
 #include "accel/tracer.h"
 #include "tests/support/diced_mesh.h"
 #include "tests/support/shape_builders.h"
+#include "tests/support/textured_floor.h"
 
 namespace occam::test {
 namespace {
@@ -29,8 +31,33 @@ std::vector<accel::Ray> rays_towards(Vec3d eye, const Box3d& bounds, int count, 
 
 bool same(const accel::SurfaceHit& a, const accel::SurfaceHit& b)
 {
-    return std::bit_cast<std::uint32_t>(a.t) == std::bit_cast<std::uint32_t>(b.t) && a.position == b.position && a.face == b.face &&
-           a.node == b.node && a.normal_shading == b.normal_shading && a.uv[0] == b.uv[0];
+    if (std::bit_cast<std::uint32_t>(a.t) != std::bit_cast<std::uint32_t>(b.t)) return false;
+    const auto all = [](const accel::SurfaceHit& h) {
+        return std::tuple(h.self_distance, h.uv_width[0], h.uv_width[1], h.normal_geometric, h.curvature, h.normal_shading, h.tangent_sign, h.tangent, h.blend,
+                          h.uv[0], h.uv[1], h.position, h.u_gradient, h.v_gradient, h.color, h.material, h.node, h.face, h.back_side, h.level, h.micropolygon);
+    };
+    return !a.is_hit() || all(a) == all(b);
+}
+
+// Prisms side by side, with two sets of coordinates: their materials have maps on one of the sets, or none.
+void add_wall_of_maps(Scene& scene)
+{
+    std::vector<MaterialId> materials;
+    const TextureId texture = scene.add(waves(0));
+    for (int k = 0; k < 4; ++k) {
+        Material m;
+        if (k > 0) m.normal_texture = {texture, (k - 1) & 1};
+        if (k >= 2) m.bump_texture = {texture, 1};
+        materials.push_back(scene.add(std::move(m)));
+    }
+    Cage cage = prism(5);
+    cage.uv_sets.resize(2);
+    for (std::size_t s = 0; s < 2; ++s)
+        for (const Vec3f p : cage.positions) cage.uv_sets[s].values.push_back(s == 0 ? Vec2f(p.x + p.z, p.y) : Vec2f(p.y, p.x - p.z));
+    for (std::size_t f = 0; f < cage.face_sizes.size(); ++f) cage.face_slots.push_back(static_cast<std::uint32_t>(f % materials.size()));
+    cage.materials = materials;
+    const CageId id = scene.add(std::move(cage));
+    for (int k = 0; k < 9; ++k) place(scene, id, {-1.5 + 0.7 * (k % 3), -1, 0.7 * (k / 3)}, 0.4);
 }
 
 struct Stage {
@@ -48,6 +75,7 @@ TEST(Tracer, FindsTheSameBitsForARayAloneAndInAPacket)
     Stage stage;
     place(stage.scene, stage.scene.add(torus()), {0, 0, 0});
     place(stage.scene, stage.scene.add(prism(7)), {1, 0.5, -1}, 0.7);
+    add_wall_of_maps(stage.scene);
     for (const int level : {-1, -4, -6}) {
         const accel::Frame frame = stage.frame(level);
         const auto rays = rays_towards({0.3, 3, 4}, stage.scene.bounds(), 20'000, 7);
@@ -55,12 +83,19 @@ TEST(Tracer, FindsTheSameBitsForARayAloneAndInAPacket)
         accel::Tracer a(frame, kPlenty), b(frame, kPlenty);
         a.closest(rays, together);
         for (std::size_t i = 0; i < rays.size(); ++i) b.closest({&rays[i], 1}, {&alone[i], 1});
-        int hits = 0;
+        int hits = 0, tangents = 0, bumps = 0;
         for (std::size_t i = 0; i < rays.size(); ++i) {
             ASSERT_TRUE(same(together[i], alone[i])) << "ray " << i << " level " << level << ": " << together[i].t << " and " << alone[i].t;
-            hits += together[i].is_hit();
+            if (!together[i].is_hit()) continue;
+            ++hits;
+            const bool has_tangent = together[i].tangent != Vec3f(0);
+            ASSERT_TRUE(!has_tangent || together[i].material->normal_texture);
+            tangents += has_tangent;
+            bumps += together[i].u_gradient != Vec3f(0);
         }
         EXPECT_GT(hits, 5000);
+        EXPECT_GT(tangents, 200);
+        EXPECT_GT(bumps, 50);
         EXPECT_EQ(a.counters().packets > 0, kLanes > 1);
     }
 }
