@@ -60,6 +60,20 @@ void shares_of(const Corners& corners, const RayAxes& axes, const vfloat (&way)[
     for (int p = 0; p < 3; ++p) share[p] = select(has_area, max(of[p] / det, zero), 1.0f / 3);
 }
 
+// The same of T-vertices' triangles, which have no edge functions.
+OCCAM_NEVER_INLINE void set_shares_of_closers(unsigned closers, const Corners& corners, std::span<const Ray> rays, std::span<const Met> met,
+                                              vfloat (&share)[3]) noexcept
+{
+    alignas(32) FloatLanes own[3];
+    for (int p = 0; p < 3; ++p) share[p].store(own[p]);
+    for (unsigned left = closers; left != 0; left &= left - 1) {
+        const auto i = static_cast<std::size_t>(std::countr_zero(left));
+        const Vec3d w = barycentrics(corners, i, rays[i].origin - met[i].grid->cage->anchor, Vec3d(rays[i].direction));
+        for (int p = 0; p < 3; ++p) own[p][i] = static_cast<float>(w[p]);
+    }
+    for (int p = 0; p < 3; ++p) share[p] = vfloat::load(own[p]);
+}
+
 // The set that decides the axes of normal maps; -1: the material has none.
 int normal_map_set(const Material& m) noexcept
 {
@@ -81,6 +95,38 @@ struct Stored {
     }
     Vec3f operator[](std::size_t lane) const noexcept { return {axis[0][lane], axis[1][lane], axis[2][lane]}; }
 };
+
+Vec4f weighted(const Vec4f (&of)[3], Vec3f w) noexcept { return of[0] * w.x + of[1] * w.y + of[2] * w.z; }
+
+OCCAM_NEVER_INLINE void set_bump_gradients(const Corners& corners, const Triangles& tri, std::size_t lane, SurfaceHit& hit) noexcept
+{
+    const int set = std::clamp(hit.material->bump_texture.uv_set, 0, 1);
+    if ((corners.has_uv[set] >> lane & 1) == 0) return;
+    const Stored b(tri.gradient[0]), c(tri.gradient[1]);
+    const auto change = [&](int corner, int axis) { return corners.uv[set][corner][lane][axis] - corners.uv[set][0][lane][axis]; };
+    hit.u_gradient = b[lane] * change(1, 0) + c[lane] * change(2, 0);
+    hit.v_gradient = b[lane] * change(1, 1) + c[lane] * change(2, 1);
+}
+
+// What was met, by number.
+void set_identity(const Met& met, const Spot& spot, SurfaceHit& hit) noexcept
+{
+    const lod::PosedCage& cage = *met.grid->cage;
+    hit.node = cage.node_id;
+    hit.lit_by = cage.lit_by;
+    hit.face = spot.face;
+    hit.level = met.grid->level;
+    const std::uint64_t tile = spot.part ? std::uint64_t(spot.part->tile.j0) << 32 | spot.part->tile.i0 : 0;
+    hit.micropolygon = static_cast<std::uint32_t>(mix_bits(cage.key ^ (std::uint64_t(spot.number) << 32 ^ spot.face) ^ tile * 0x9e3779b97f4a7c15u));
+}
+
+// In quads. A T-vertex's triangle is a line without width: the quad beside it stands in.
+Vec2d place_in_part(const Met& met, const Spot& spot, Vec3f share) noexcept
+{
+    Vec2d at(spot.i, spot.j);
+    for (int p = 0; p < 3 && !is_closer(met); ++p) at += Vec2d(kQuadCorners[spot.triangle][p][0], kQuadCorners[spot.triangle][p][1]) * double(share[p]);
+    return at;
+}
 
 }  // namespace
 
@@ -128,16 +174,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met
 
     vfloat share[3];
     shares_of(corners, axes, way, origin, share);
-    if (closers != 0) {
-        alignas(32) FloatLanes own[3];
-        for (int p = 0; p < 3; ++p) share[p].store(own[p]);
-        for (unsigned left = closers; left != 0; left &= left - 1) {
-            const auto i = static_cast<std::size_t>(std::countr_zero(left));
-            const Vec3d w = barycentrics(corners, i, rays[i].origin - met[i].grid->cage->anchor, Vec3d(rays[i].direction));
-            for (int p = 0; p < 3; ++p) own[p][i] = static_cast<float>(w[p]);
-        }
-        for (int p = 0; p < 3; ++p) share[p] = vfloat::load(own[p]);
-    }
+    if (closers != 0) set_shares_of_closers(closers, corners, rays, met, share);
 
     const vfloat zero = 0.0f, one = 1.0f;
     const Triangles tri(corners);
@@ -203,38 +240,17 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met
     const unsigned back = bits(is_back), with_gradients = bits(has_gradients);
     for (std::size_t i = 0; i < n; ++i) {
         if (!met[i].grid) continue;
-        IGrid& grid = *met[i].grid;
-        const lod::PosedCage& cage = *grid.cage;
-        const Spot& spot = spots[i];
-        const Vec3f w = shares[i];
         SurfaceHit& hit = *hits[i];
-        hit.position = cage.anchor + (Vec3d(corners.position_of(0, i)) + Vec3d(from_a[i]));
+        hit.position = met[i].grid->cage->anchor + (Vec3d(corners.position_of(0, i)) + Vec3d(from_a[i]));
         hit.back_side = (back >> i & 1) != 0;
-        const Material& material = *corners.material[i];
-        hit.material = &material;
-        hit.u_gradient = hit.v_gradient = Vec3f(0);
-        const int bump_set = std::clamp(material.bump_texture.uv_set, 0, 1);
-        if (material.bump_texture && (with_gradients & corners.has_uv[bump_set]) >> i & 1) {
-            const Stored b(tri.gradient[0]), c(tri.gradient[1]);
-            const auto change = [&](int corner, int axis) { return corners.uv[bump_set][corner][i][axis] - corners.uv[bump_set][0][i][axis]; };
-            hit.u_gradient = b[i] * change(1, 0) + c[i] * change(2, 0);
-            hit.v_gradient = b[i] * change(1, 1) + c[i] * change(2, 1);
-        }
+        hit.material = corners.material[i];
         hit.color = Vec4f(1);
-        if (corners.has_color >> i & 1) hit.color = corners.color[i][0] * w.x + corners.color[i][1] * w.y + corners.color[i][2] * w.z;
-        hit.node = cage.node_id;
-        hit.lit_by = cage.lit_by;
-        hit.face = spot.face;
-        hit.level = grid.level;
+        if (corners.has_color >> i & 1) hit.color = weighted(corners.color[i], shares[i]);
+        hit.u_gradient = hit.v_gradient = Vec3f(0);
+        if (hit.material->bump_texture && (with_gradients >> i & 1) != 0) set_bump_gradients(corners, tri, i, hit);
+        set_identity(met[i], spots[i], hit);
         hit.phase_one_channels = 0;
-        if (spot.part && tools.frame.shading.shader) {
-            // A closer is a line without width: the quad beside it stands in.
-            Vec2d at(spot.i, spot.j);
-            for (int p = 0; p < 3 && !is_closer(met[i]); ++p) at += Vec2d(kQuadCorners[spot.triangle][p][0], kQuadCorners[spot.triangle][p][1]) * double(w[p]);
-            add_vertex_values(grid, part_of(spot.number), at, tools, hit);
-        }
-        const std::uint64_t tile_number = spot.part ? std::uint64_t(spot.part->tile.j0) << 32 | spot.part->tile.i0 : 0;
-        hit.micropolygon = static_cast<std::uint32_t>(mix_bits(cage.key ^ (std::uint64_t(spot.number) << 32 ^ spot.face) ^ tile_number * 0x9e3779b97f4a7c15u));
+        if (spots[i].part && tools.frame.shading.shader) add_vertex_values(*met[i].grid, part_of(spots[i].number), place_in_part(met[i], spots[i], shares[i]), tools, hit);
     }
 }
 

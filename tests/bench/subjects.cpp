@@ -9,6 +9,7 @@
 #include "lod/dicer.h"
 #include "lod/level_choice.h"
 #include "render/camera_rays.h"
+#include "render/tiles.h"
 #include "scenegraph/base/error.h"
 #include "scenegraph/import/import.h"
 #include "tests/bench/harness.h"
@@ -116,15 +117,12 @@ Subject::Subject(std::string what, Cage cage, int width, int height, std::option
 
 std::vector<accel::Ray> Subject::camera_rays() const
 {
-    constexpr int kTile = 16, kSide = 2;
+    constexpr int kSide = 2;
     const render::CameraRays camera(camera_, width_, height_);
     std::vector<accel::Ray> rays;
-    for (int y0 = 0; y0 < height_; y0 += kTile)
-        for (int x0 = 0; x0 < width_; x0 += kTile)
-            for (int y = y0; y < std::min(y0 + kTile, height_); ++y)
-                for (int x = x0; x < std::min(x0 + kTile, width_); ++x)
-                    for (int s = 0; s < kSide * kSide; ++s)
-                        rays.push_back(camera.ray(x + (s % kSide + 0.5) / kSide, y + (s / kSide + 0.5) / kSide));
+    for (const render::PixelRect& tile : render::make_tiles({0, 0, width_, height_}))
+        for (const auto [x, y] : render::pixels_of(tile))
+            for (int s = 0; s < kSide * kSide; ++s) rays.push_back(camera.ray(x + (s % kSide + 0.5) / kSide, y + (s / kSide + 0.5) / kSide));
     return rays;
 }
 
