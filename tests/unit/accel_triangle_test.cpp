@@ -123,5 +123,26 @@ TEST(SimdGroups, AreTheirParts)
     }
 }
 
+// Turned there and back: lane i of the f-th is the f-th of thing i, wherever these lie.
+TEST(SimdTurned, LanesAreThingsThereAndBack)
+{
+    constexpr std::size_t kStride = 7, kOffset = 3;
+    float from[kLanes * kStride], to[kLanes * kStride]{};
+    for (std::size_t i = 0; i < std::size(from); ++i) from[i] = 0.5f + float(i);
+    const float* read[kLanes];
+    float* written[kLanes];
+    for (std::size_t i = 0; i < kLanes; ++i) {
+        read[i] = from + i * kStride + kOffset;
+        written[i] = to + (kLanes - 1 - i) * kStride;
+    }
+    vfloat fours[4];
+    load_turned(read, fours);
+    for (std::size_t f = 0; f < 4; ++f)
+        for (std::size_t i = 0; i < kLanes; ++i) EXPECT_EQ(Lanes(fours[f]).at[i], read[i][f]);
+    store_turned(fours, written, kOffset);
+    for (std::size_t i = 0; i < kLanes; ++i)
+        for (std::size_t f = 0; f < kStride; ++f) EXPECT_EQ(written[i][f], f < kOffset ? 0 : read[i][f - kOffset]);
+}
+
 }  // namespace
 }  // namespace occam::test
