@@ -219,8 +219,8 @@ void Corners::set_attributes(const PhaseOneTools& tools)
                 (of(at) * (1 - w) + (of(at - step) + of(at + step)) * (0.5f * w)).store(corners[p][lane]);
             }
         };
-        set(normal, made.normal);
-        if (made.coarse_normal) {
+        if (!made.coarse_normal) set(normal, made.normal);
+        else {
             for (int p = 0; p < 3; ++p) {
                 const float w = weight[p][lane];
                 const std::ptrdiff_t at = j[p] * width + i[p];

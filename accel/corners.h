@@ -1,4 +1,4 @@
-// What the corners of the micropolygons that rays have met carry, a lane for each ray's.
+// What the corners of the micropolygons that rays have met carry, a lane for each ray's; and their materials.
 //
 // Positions are blended as the ray sees them. Normals and coordinates are phase one's, which runs on a patch at the first hit there.
 //

@@ -226,6 +226,11 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met
     alignas(SurfaceHit) float nobody[sizeof(SurfaceHit) / sizeof(float)];
     float* to[kLanes];
     for (std::size_t i = 0; i < kLanes; ++i) to[i] = i < n && met[i].grid ? reinterpret_cast<float*>(hits[i]) : nobody;
+    static_assert(offsetof(SurfaceHit, self_distance) == sizeof(float) && offsetof(SurfaceHit, uv_width) == 2 * sizeof(float));
+    static_assert(offsetof(SurfaceHit, curvature) == offsetof(SurfaceHit, normal_geometric) + sizeof(Vec3f));
+    static_assert(offsetof(SurfaceHit, tangent_sign) == offsetof(SurfaceHit, normal_shading) + sizeof(Vec3f));
+    static_assert(offsetof(SurfaceHit, blend) == offsetof(SurfaceHit, tangent) + sizeof(Vec3f));
+    static_assert(offsetof(SurfaceHit, t) == 0 && sizeof(SurfaceHit::uv) == 4 * sizeof(float));
     const auto put = [&](const vfloat& a, const vfloat& b, const vfloat& c, const vfloat& d, std::size_t place) {
         const vfloat four[4] = {a, b, c, d};
         store_turned(four, to, place / sizeof(float));

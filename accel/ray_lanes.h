@@ -58,21 +58,20 @@ struct PlacedOrigin {
     float origin[3];
     float shift;
 };
-namespace detail {
+/// How far along the ray the frame's own origin is, from an origin in that frame.
 template <class F>
 F shift_of(const F (&near)[3], const F* direction) noexcept
 {
     return F(0.0f) - ((near[0] * direction[0] + near[1] * direction[1]) + near[2] * direction[2]);
 }
-inline constexpr float kNear = 4;  ///< radii: nearer than that an origin stays where it is
-}  // namespace detail
+inline constexpr float kNearRadii = 4;  ///< of the frame: nearer than that an origin stays where it is
 
 inline PlacedOrigin place(const Ray& ray, Vec3d anchor, float radius) noexcept
 {
     const Vec3d from = ray.origin - anchor;
     const float near[3] = {float(from.x), float(from.y), float(from.z)}, way[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
-    const float shift = detail::shift_of(near, way);
-    if (!(shift > detail::kNear * radius)) return {{near[0], near[1], near[2]}, 0};
+    const float shift = shift_of(near, way);
+    if (!(shift > kNearRadii * radius)) return {{near[0], near[1], near[2]}, 0};
     const Vec3f moved(from + Vec3d(ray.direction) * double(shift));
     return {{moved.x, moved.y, moved.z}, shift};
 }
@@ -93,8 +92,8 @@ OCCAM_ALWAYS_INLINE void place_all(std::span<const Ray> rays, const F* direction
         radius[lane] = frame.radius;
     }
     const F at[3] = {F::load(near[0]), F::load(near[1]), F::load(near[2])};
-    const F along = detail::shift_of(at, direction);
-    const auto is_far = along > F(detail::kNear) * F::load(radius);
+    const F along = shift_of(at, direction);
+    const auto is_far = along > F(kNearRadii) * F::load(radius);
     if (none(is_far)) {
         for (int a = 0; a < 3; ++a) to[a] = at[a];
         to[3] = F(0.0f);

@@ -37,10 +37,10 @@ struct Ray {
 
 /// What phase two needs of a surface point, by value. Pointers are into the scene.
 struct SurfaceHit {
+    // Down to uv, floats are written four at a time (accel/hit.cpp).
     float t = std::numeric_limits<float>::infinity();  ///< infinity: nothing was met, and nothing else here is set
     float self_distance = 0;       ///< a secondary ray starts this far along normal_geometric (lod's bound of the blend plus rounding)
     float uv_width[2]{};           ///< of the ray's footprint, in units of uv
-    // From here to uv, fours of floats are written together (accel/hit.cpp).
     Vec3f normal_geometric{0};     ///< unit, of the micropolygon, towards the ray's origin
     /// Mean curvature from the vertices' normals, 1 / world length; positive where the surface bulges towards the ray's origin.
     float curvature = 0;
