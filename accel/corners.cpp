@@ -4,8 +4,8 @@
 #include <bit>
 
 #include "accel/stopwatch.h"
+#include "base/publish.h"
 #include "lod/patch_colors.h"
-#include "scenegraph/base/publish.h"
 
 namespace occam::accel {
 namespace {
@@ -29,12 +29,15 @@ bool hangs(const lod::TileRef& tile, int i, int j) noexcept
 {
     const lod::PatchRates& rates = tile.rates;
     const std::uint32_t u = tile.i0 + static_cast<std::uint32_t>(i), v = tile.j0 + static_cast<std::uint32_t>(j);
-    const auto is_between = [&](std::size_t side, std::uint32_t along, int exponent) { return (along & ((1u << (exponent - rates.side[side])) - 1)) != 0; };
-    return (v == 0 && is_between(0, u, rates.u)) || (u == 1u << rates.u && is_between(1, v, rates.v)) || (v == 1u << rates.v && is_between(2, u, rates.u)) ||
-           (u == 0 && is_between(3, v, rates.v));
+    const auto is_between = [&](std::size_t side, std::uint32_t along, int exponent) {
+        return (along & ((1u << (exponent - rates.side[side])) - 1)) != 0;
+    };
+    return (v == 0 && is_between(0, u, rates.u)) || (u == 1u << rates.u && is_between(1, v, rates.v)) ||
+           (v == 1u << rates.v && is_between(2, u, rates.u)) || (u == 0 && is_between(3, v, rates.v));
 }
 
-lod::Hanging::Ends ends_of(const IGrid& grid, const OwnBlend& blend, const lod::Hanging& hanging, float (&weight)[2]) noexcept
+lod::Hanging::Ends ends_of(const IGrid& grid, const OwnBlend& blend, const lod::Hanging& hanging,
+                           float (&weight)[2]) noexcept
 {
     return hanging.on(blended(grid, blend, hanging.a, weight[0]), blended(grid, blend, hanging.c, weight[1]));
 }
@@ -65,7 +68,8 @@ OCCAM_NEVER_INLINE void shade(const IGrid& grid, IGridPart& part, const PhaseOne
     const MaybeLock lock(tools.building);
     if (part.is_shaded) return;  // another was here meanwhile
     const Stopwatch watch(tools.counters.shade_seconds);
-    part.attributes = tools.dicer.shade(*grid.cage, part.tile, grid.blends() ? part.coarser() : part.tile.rates, tools.arena);
+    part.attributes = tools.dicer.shade(*grid.cage, part.tile, grid.blends() ? part.coarser() : part.tile.rates,
+                                        tools.arena);
     part.material = material_of(*tools.frame.scene, *grid.cage, part.tile.patch.face);
     publish(part.is_shaded, true);
 }
@@ -131,8 +135,10 @@ void Corners::set_positions(const vfloat (&direction)[3], const vfloat (&origin)
             continue;
         }
         const IGridPart& part = *spot.part;
-        const std::uint32_t low = part.vertex(spot.i, spot.j), along_i = part.is_transposed ? part.width : 1, along_j = part.is_transposed ? 1 : part.width;
-        const std::uint32_t vertex[3] = {low, low + along_i + (spot.triangle != 0 ? along_j : 0), low + along_j + (spot.triangle != 0 ? 0 : along_i)};
+        const std::uint32_t low = part.vertex(spot.i, spot.j), along_i = part.is_transposed ? part.width : 1,
+                            along_j = part.is_transposed ? 1 : part.width;
+        const std::uint32_t vertex[3] = {low, low + along_i + (spot.triangle != 0 ? along_j : 0),
+                                         low + along_j + (spot.triangle != 0 ? 0 : along_i)};
         for (int a = 0; a < 3; ++a)
             for (int p = 0; p < 3; ++p) position[p][a][lane] = grid.fine[a][vertex[p]];
         if (!is_blended) continue;
@@ -224,7 +230,8 @@ void Corners::set_attributes(const PhaseOneTools& tools)
             for (int p = 0; p < 3; ++p) {
                 const float w = weight[p][lane];
                 const std::ptrdiff_t at = j[p] * width + i[p];
-                (vfloat4::load(&made.normal[at].x) * (1 - w) + vfloat4::load(&made.coarse_normal[at].x) * w).store(normal[p][lane]);
+                (vfloat4::load(&made.normal[at].x) * (1 - w) + vfloat4::load(&made.coarse_normal[at].x) * w)
+                    .store(normal[p][lane]);
             }
         }
         for (std::size_t s = 0; s < 2; ++s) {
@@ -243,14 +250,17 @@ void Corners::set_colors(std::size_t lane) noexcept
     const IGridPart& part = *spot.part;
     const lod::PatchColors colors(*met_[lane].grid->cage, part.tile.patch);
     const auto color_at = [&](int i, int j) {
-        return colors.at((float(part.tile.i0) + float(i)) * part.tile.step_u(), (float(part.tile.j0) + float(j)) * part.tile.step_v());
+        return colors.at((float(part.tile.i0) + float(i)) * part.tile.step_u(),
+                         (float(part.tile.j0) + float(j)) * part.tile.step_v());
     };
     has_color |= 1u << lane;
     for (int p = 0; p < 3; ++p) {
         const int* of_quad = kQuadCorners[spot.triangle][is_closer(met_[lane]) ? 0 : p];
-        const int i = spot.i + of_quad[0], j = spot.j + of_quad[1], odd_i = part.is_halved ? i & 1 : 0, odd_j = part.is_halved ? j & 1 : 0;
+        const int i = spot.i + of_quad[0], j = spot.j + of_quad[1], odd_i = part.is_halved ? i & 1 : 0,
+                  odd_j = part.is_halved ? j & 1 : 0;
         const float w = weight[p][lane];
-        color[lane][p] = color_at(i, j) * (1 - w) + (color_at(i - odd_i, j - odd_j) + color_at(i + odd_i, j + odd_j)) * (0.5f * w);
+        color[lane][p] = color_at(i, j) * (1 - w) +
+                         (color_at(i - odd_i, j - odd_j) + color_at(i + odd_i, j + odd_j)) * (0.5f * w);
     }
 }
 
@@ -269,7 +279,9 @@ void Corners::set_attributes_of_mesh(std::size_t lane, const Scene& scene) noexc
         put_four(normal[p], cage.normals.empty() ? Vec3f(0) : posed.vertex_normal(static_cast<std::uint32_t>(v)));
         if (!cage.colors.empty()) color[lane][p] = cage.colors[cage.color_indices.empty() ? v : cage.color_indices[at]];
         for (std::size_t s = 0; s < 2; ++s) {
-            const auto value = [&] { return cage.uv_sets[s].values[cage.uv_sets[s].indices.empty() ? v : cage.uv_sets[s].indices[at]]; };
+            const auto value = [&] {
+                return cage.uv_sets[s].values[cage.uv_sets[s].indices.empty() ? v : cage.uv_sets[s].indices[at]];
+            };
             put_four(uv[s][p], s < sets ? value() : Vec2f(0));
         }
     }

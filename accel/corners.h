@@ -1,6 +1,7 @@
 // What the corners of the micropolygons that rays have met carry, a lane for each ray's; and their materials.
 //
-// Positions are blended as the ray sees them. Normals and coordinates are phase one's, which runs on a patch at the first hit there.
+// Positions are blended as the ray sees them. Normals and coordinates are phase one's, which runs on a patch at the first
+// hit there.
 //
 // Space    positions: the dicing frame of the lane's cage. Normals: world.   Lanes without a hit: zero.
 #pragma once
@@ -10,7 +11,10 @@
 namespace occam::accel {
 
 using FloatLanes = float[kLanes];
-inline VecLanes load(const FloatLanes (&v)[3]) noexcept { return {vfloat::load(v[0]), vfloat::load(v[1]), vfloat::load(v[2])}; }
+inline VecLanes load(const FloatLanes (&v)[3]) noexcept
+{
+    return {vfloat::load(v[0]), vfloat::load(v[1]), vfloat::load(v[2])};
+}
 
 /// Up to four floats a lane, side by side.
 using LaneFours = float[kLanes][4];

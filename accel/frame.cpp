@@ -18,7 +18,8 @@ float farthest_displaced(const Scene& scene)
             if (!slot || !slot->cage.is_displaced()) continue;
             lod::PosedCage posed;
             posed.place(world_from_node, slot->bounds);
-            farthest = std::max(farthest, lod::largest_stretch(posed.frame_from_object) * double(slot->cage.displacement->bound));
+            farthest = std::max(farthest,
+                                lod::largest_stretch(posed.frame_from_object) * double(slot->cage.displacement->bound));
         }
     });
     return static_cast<float>(farthest) * (1 + 0x1p-18f);
@@ -26,8 +27,8 @@ float farthest_displaced(const Scene& scene)
 
 }  // namespace
 
-Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels, const TextureStore* textures,
-             const lod::VertexShading& shading)
+Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels,
+             const TextureStore* textures, const lod::VertexShading& shading)
     : state_(std::make_unique<State>())
 {
     state_->scene = &scene;

@@ -3,10 +3,10 @@
 
 #include <memory>
 
+#include "io/texture/texture_store.h"
 #include "lod/footprint.h"
 #include "lod/topology_cache.h"
 #include "lod/vertex_shader.h"
-#include "scenegraph/texture/texture_store.h"
 #include "scenegraph/scene.h"
 
 namespace occam::accel {
@@ -18,8 +18,8 @@ public:
     /// eye      of the camera whose footprints choose the level of each cage instance
     /// textures prepared; null: nothing is displaced
     /// shading  phase one at the vertices of grids, for SurfaceHit::phase_one; its shader is borrowed
-    Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels, const TextureStore* textures = nullptr,
-          const lod::VertexShading& shading = {});
+    Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels,
+          const TextureStore* textures = nullptr, const lod::VertexShading& shading = {});
     ~Frame();
 
     struct State;

@@ -1,19 +1,19 @@
-// Which igrids a worker has: a table by what they are of, which pair of levels, and which tile (architecture: all leaves point at one
-// igrid per key).
+// Which igrids a worker has: a table by what they are of, which pair of levels, and which tile (architecture: all leaves
+// point at one igrid per key).
 //
 // Memory   one worker's arena; growing leaves the smaller table behind.   Threads  one worker's own.
 #pragma once
 
 #include "accel/igrid.h"
-#include "scenegraph/base/arena.h"
-#include "scenegraph/base/hash.h"
+#include "base/arena.h"
+#include "base/hash.h"
 
 namespace occam::accel {
 
 struct GridKey {
     const void* subject = nullptr;  ///< PatchInfo, ClusterInfo
     int pair = 0;
-    std::uint32_t i = 0, j = 0;     ///< first quad of the tile
+    std::uint32_t i = 0, j = 0;  ///< first quad of the tile
     friend bool operator==(const GridKey&, const GridKey&) = default;
 };
 
@@ -47,8 +47,9 @@ private:
 
     static Slot& find(std::span<Slot> slots, const GridKey& key) noexcept
     {
-        const std::uint64_t hash = mix_bits(reinterpret_cast<std::uintptr_t>(key.subject) ^
-                                            mix_bits(std::uint64_t(key.i) << 32 ^ std::uint64_t(key.j) << 8 ^ std::uint64_t(key.pair + 128)));
+        const std::uint64_t hash = mix_bits(
+            reinterpret_cast<std::uintptr_t>(key.subject) ^
+            mix_bits(std::uint64_t(key.i) << 32 ^ std::uint64_t(key.j) << 8 ^ std::uint64_t(key.pair + 128)));
         for (std::size_t at = hash;; ++at) {
             Slot& slot = slots[at & (slots.size() - 1)];
             if (!slot.key.subject || slot.key == key) return slot;

@@ -9,7 +9,7 @@
 #include "accel/packet.h"
 #include "accel/triangle.h"
 #include "accel/vertex_values.h"
-#include "scenegraph/base/hash.h"
+#include "base/hash.h"
 
 namespace occam::accel {
 namespace {
@@ -22,15 +22,18 @@ auto order_of(const IGrid& grid, std::uint32_t id) noexcept
     const lod::TileRef& tile = grid.parts[part_of(number)].tile;
     const QuadRef quad = quad_of(number);
     const std::uint32_t patch_face = tile.patch.face, kind = is_closer(id) ? 2u : quad.triangle;
-    return std::tuple(grid.cage->key, patch_face, tile.patch.sub, grid.pairs.finest, tile.j0 + quad.j, tile.i0 + quad.i, kind);
+    return std::tuple(grid.cage->key, patch_face, tile.patch.sub, grid.pairs.finest, tile.j0 + quad.j, tile.i0 + quad.i,
+                      kind);
 }
 
-// Barycentrics of the point where the ray meets the plane of a T-vertex's triangle, kept inside of it; in double, since it has no area.
+// Barycentrics of the point where the ray meets the plane of a T-vertex's triangle, kept inside of it; in double, since it
+// has no area.
 Vec3d barycentrics(const Corners& corners, std::size_t lane, Vec3d origin, Vec3d direction) noexcept
 {
     const auto from_origin = [&](int corner) { return Vec3d(corners.position_of(corner, lane)) - origin; };
     const Vec3d a = from_origin(0), b = from_origin(1), c = from_origin(2);
-    Vec3d w{glm::dot(direction, glm::cross(c, b)), glm::dot(direction, glm::cross(a, c)), glm::dot(direction, glm::cross(b, a))};
+    Vec3d w{glm::dot(direction, glm::cross(c, b)), glm::dot(direction, glm::cross(a, c)),
+            glm::dot(direction, glm::cross(b, a))};
     const double sum = w.x + w.y + w.z;
     if (sum == 0) return Vec3d(1.0 / 3);
     w *= 1 / sum;
@@ -40,7 +43,8 @@ Vec3d barycentrics(const Corners& corners, std::size_t lane, Vec3d origin, Vec3d
 }
 
 // Shares of the corners at the hit: the triangle's edge functions, as when it was met.
-void shares_of(const Corners& corners, const RayAxes& axes, const vfloat (&way)[4], const vfloat (&origin)[4], vfloat (&share)[3]) noexcept
+void shares_of(const Corners& corners, const RayAxes& axes, const vfloat (&way)[4], const vfloat (&origin)[4],
+               vfloat (&share)[3]) noexcept
 {
     vfloat shears[3];
     set_shear(axes, way, shears);
@@ -61,8 +65,8 @@ void shares_of(const Corners& corners, const RayAxes& axes, const vfloat (&way)[
 }
 
 // The same of T-vertices' triangles, which have no edge functions.
-OCCAM_NEVER_INLINE void set_shares_of_closers(unsigned closers, const Corners& corners, std::span<const Ray> rays, std::span<const Met> met,
-                                              vfloat (&share)[3]) noexcept
+OCCAM_NEVER_INLINE void set_shares_of_closers(unsigned closers, const Corners& corners, std::span<const Ray> rays,
+                                              std::span<const Met> met, vfloat (&share)[3]) noexcept
 {
     alignas(32) FloatLanes own[3];
     for (int p = 0; p < 3; ++p) share[p].store(own[p]);
@@ -98,12 +102,15 @@ struct Stored {
 
 Vec4f weighted(const Vec4f (&of)[3], Vec3f w) noexcept { return of[0] * w.x + of[1] * w.y + of[2] * w.z; }
 
-OCCAM_NEVER_INLINE void set_bump_gradients(const Corners& corners, const Triangles& tri, std::size_t lane, SurfaceHit& hit) noexcept
+OCCAM_NEVER_INLINE void set_bump_gradients(const Corners& corners, const Triangles& tri, std::size_t lane,
+                                           SurfaceHit& hit) noexcept
 {
     const int set = std::clamp(hit.material->bump_texture.uv_set, 0, 1);
     if ((corners.has_uv[set] >> lane & 1) == 0) return;
     const Stored b(tri.gradient[0]), c(tri.gradient[1]);
-    const auto change = [&](int corner, int axis) { return corners.uv[set][corner][lane][axis] - corners.uv[set][0][lane][axis]; };
+    const auto change = [&](int corner, int axis) {
+        return corners.uv[set][corner][lane][axis] - corners.uv[set][0][lane][axis];
+    };
     hit.u_gradient = b[lane] * change(1, 0) + c[lane] * change(2, 0);
     hit.v_gradient = b[lane] * change(1, 1) + c[lane] * change(2, 1);
 }
@@ -117,14 +124,16 @@ void set_identity(const Met& met, const Spot& spot, SurfaceHit& hit) noexcept
     hit.face = spot.face;
     hit.level = met.grid->level;
     const std::uint64_t tile = spot.part ? std::uint64_t(spot.part->tile.j0) << 32 | spot.part->tile.i0 : 0;
-    hit.micropolygon = static_cast<std::uint32_t>(mix_bits(cage.key ^ (std::uint64_t(spot.number) << 32 ^ spot.face) ^ tile * 0x9e3779b97f4a7c15u));
+    hit.micropolygon = static_cast<std::uint32_t>(
+        mix_bits(cage.key ^ (std::uint64_t(spot.number) << 32 ^ spot.face) ^ tile * 0x9e3779b97f4a7c15u));
 }
 
 // In quads. A T-vertex's triangle is a line without width: the quad beside it stands in.
 Vec2d place_in_part(const Met& met, const Spot& spot, Vec3f share) noexcept
 {
     Vec2d at(spot.i, spot.j);
-    for (int p = 0; p < 3 && !is_closer(met); ++p) at += Vec2d(kQuadCorners[spot.triangle][p][0], kQuadCorners[spot.triangle][p][1]) * double(share[p]);
+    for (int p = 0; p < 3 && !is_closer(met); ++p)
+        at += Vec2d(kQuadCorners[spot.triangle][p][0], kQuadCorners[spot.triangle][p][1]) * double(share[p]);
     return at;
 }
 
@@ -135,7 +144,8 @@ bool comes_before(const IGrid& a, std::uint32_t a_id, const IGrid& b, std::uint3
     return order_of(a, a_id) < order_of(b, b_id);
 }
 
-void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met> met, const PhaseOneTools& tools, SurfaceHit* const* hits)
+void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met> met, const PhaseOneTools& tools,
+             SurfaceHit* const* hits)
 {
     const std::size_t n = rays.size();
     // What is read ray by ray.
@@ -160,7 +170,9 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met
     Corners corners(met, spots);
     vfloat origin[4], way[4], beam[4];
     gather_four(rays.data(), n, offsetof(Ray, direction), way);
-    place_all(rays, way, [&](std::size_t i) -> const lod::PosedCage& { return *(met[i].grid ? met[i].grid : someone)->cage; }, origin);
+    place_all(
+        rays, way, [&](std::size_t i) -> const lod::PosedCage& { return *(met[i].grid ? met[i].grid : someone)->cage; },
+        origin);
     static_assert(offsetof(Ray, footprint) == offsetof(Ray, t_near) + 2 * sizeof(float));
     gather_four(rays.data(), n, offsetof(Ray, t_near), beam);
     corners.set_positions({way[0], way[1], way[2]}, {origin[0], origin[1], origin[2]}, origin[3]);
@@ -221,12 +233,14 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met
     if (any_maps) tangent = tangents(tri, of_map, select(is_back, -shading, shading));
     const vfloat farthest = max(largest(load(corners.position[0]) + offset), vfloat::load(radius));
     const vfloat self_distance = vfloat(2.0f) * vfloat::load(delta) + vfloat(16 * FLT_EPSILON) * farthest;
-    const vfloat blend = between(vfloat::load(corners.weight[0]), vfloat::load(corners.weight[1]), vfloat::load(corners.weight[2]));
+    const vfloat blend = between(vfloat::load(corners.weight[0]), vfloat::load(corners.weight[1]),
+                                 vfloat::load(corners.weight[2]));
 
     alignas(SurfaceHit) float nobody[sizeof(SurfaceHit) / sizeof(float)];
     float* to[kLanes];
     for (std::size_t i = 0; i < kLanes; ++i) to[i] = i < n && met[i].grid ? reinterpret_cast<float*>(hits[i]) : nobody;
-    static_assert(offsetof(SurfaceHit, self_distance) == sizeof(float) && offsetof(SurfaceHit, uv_width) == 2 * sizeof(float));
+    static_assert(offsetof(SurfaceHit, self_distance) == sizeof(float) &&
+                  offsetof(SurfaceHit, uv_width) == 2 * sizeof(float));
     static_assert(offsetof(SurfaceHit, curvature) == offsetof(SurfaceHit, normal_geometric) + sizeof(Vec3f));
     static_assert(offsetof(SurfaceHit, tangent_sign) == offsetof(SurfaceHit, normal_shading) + sizeof(Vec3f));
     static_assert(offsetof(SurfaceHit, blend) == offsetof(SurfaceHit, tangent) + sizeof(Vec3f));
@@ -255,7 +269,9 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met
         if (hit.material->bump_texture && (with_gradients >> i & 1) != 0) set_bump_gradients(corners, tri, i, hit);
         set_identity(met[i], spots[i], hit);
         hit.phase_one_channels = 0;
-        if (spots[i].part && tools.frame.shading.shader) add_vertex_values(*met[i].grid, part_of(spots[i].number), place_in_part(met[i], spots[i], shares[i]), tools, hit);
+        if (spots[i].part && tools.frame.shading.shader)
+            add_vertex_values(*met[i].grid, part_of(spots[i].number), place_in_part(met[i], spots[i], shares[i]), tools,
+                              hit);
     }
 }
 

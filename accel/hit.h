@@ -28,7 +28,8 @@ struct Nearest {
 
     void offer(int lane, float found, IGrid& on, std::uint32_t number) noexcept
     {
-        if (found > t[lane] || (found == t[lane] && (!grid[lane] || !comes_before(on, number, *grid[lane], id[lane])))) return;
+        if (found > t[lane] || (found == t[lane] && (!grid[lane] || !comes_before(on, number, *grid[lane], id[lane]))))
+            return;
         t[lane] = found;
         grid[lane] = &on;
         id[lane] = number;
@@ -48,7 +49,7 @@ struct AnyHit {
 /// What a ray has met in the end.
 struct Met {
     float t;
-    IGrid* grid;              ///< null: nothing
+    IGrid* grid;  ///< null: nothing
     std::uint32_t id;
     lod::Blend<float> blend;  ///< of the ray in the grid's pair, if the grid blends
 };
@@ -66,7 +67,10 @@ struct PhaseOneTools {
 inline bool is_closer(std::uint32_t id) noexcept { return (id & kCloserBit) != 0; }
 inline bool is_closer(const Met& met) noexcept { return is_closer(met.id); }
 /// The micropolygon, or the one that a T-vertex's triangle stands for.
-inline std::uint32_t number_of(const IGrid& grid, std::uint32_t id) noexcept { return is_closer(id) ? grid.hanging_quads[id & ~kCloserBit] : id; }
+inline std::uint32_t number_of(const IGrid& grid, std::uint32_t id) noexcept
+{
+    return is_closer(id) ? grid.hanging_quads[id & ~kCloserBit] : id;
+}
 
 /// Where the micropolygon is that a ray has met, or the one that a T-vertex's triangle stands for.
 struct Spot {
@@ -89,8 +93,9 @@ struct Spot {
     }
 };
 
-/// Fills hits from the micropolygons that up to kLanes rays of a group have met. Runs phase one on their patches if they are the first hits
-/// there. hits: of rays that have met something; the others' are left alone.
-void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met> met, const PhaseOneTools& tools, SurfaceHit* const* hits);
+/// Fills hits from the micropolygons that up to kLanes rays of a group have met. Runs phase one on their patches if they are
+/// the first hits there. hits: of rays that have met something; the others' are left alone.
+void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met> met, const PhaseOneTools& tools,
+             SurfaceHit* const* hits);
 
 }  // namespace occam::accel

@@ -1,6 +1,7 @@
 // The shape of the triangles that rays have met, in lanes: normals, curvature, and the axes of texture coordinates.
 //
-// Edges are differences of neighbouring vertices, so floats hold all of it to a few ulps; products are never too small for a float.
+// Edges are differences of neighbouring vertices, so floats hold all of it to a few ulps; products are never too small for a
+// float.
 #pragma once
 
 #include <cfloat>
@@ -12,10 +13,10 @@ namespace occam::accel {
 /// Triangles in lanes. Edges are b - a and c - a.
 struct Triangles {
     VecLanes edge[2];
-    VecLanes normal;      ///< unit, by winding; 0: there is no area
-    vfloat area;          ///< of the parallelogram
-    VecLanes gradient[2]; ///< of the weights of b and c over the triangle, per world length; a's is what they lack to zero
-    VecLanes way[2];      ///< the same, as long as may be: only their directions count
+    VecLanes normal;       ///< unit, by winding; 0: there is no area
+    vfloat area;           ///< of the parallelogram
+    VecLanes gradient[2];  ///< of the weights of b and c over the triangle, per world length; a's is what they lack to zero
+    VecLanes way[2];       ///< the same, as long as may be: only their directions count
 
     explicit Triangles(const Corners& corners) noexcept
     {

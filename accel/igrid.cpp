@@ -62,11 +62,12 @@ void IGridBuilder::add_part(IGrid& grid, std::uint32_t number, const lod::LevelG
     part.is_halved = vertices.is_halved;
     part.is_transposed = part.tile.rows > part.tile.columns;
     part.first = static_cast<std::uint32_t>(fine_[0].size());
-    const int fast = part.is_transposed ? part.tile.rows : part.tile.columns, slow = part.is_transposed ? part.tile.columns : part.tile.rows;
+    const int fast = part.is_transposed ? part.tile.rows : part.tile.columns,
+              slow = part.is_transposed ? part.tile.columns : part.tile.rows;
     part.width = static_cast<std::uint32_t>(fast + 1);
     micropolygons += std::uint64_t(2) * part.tile.columns * part.tile.rows;
 
-    const auto copy = [&](float* const (&from)[3], std::vector<float> (&to)[3]) {
+    const auto copy = [&](float* const(&from)[3], std::vector<float>(&to)[3]) {
         const int lattice = part.is_transposed ? vertices.width() * vertices.height() : 0;
         for (int a = 0; a < 3; ++a) {
             for (int s = 0; s <= slow && part.is_transposed; ++s)
@@ -79,7 +80,8 @@ void IGridBuilder::add_part(IGrid& grid, std::uint32_t number, const lod::LevelG
 
     // Vertices of the grid that this makes: the lattice may be turned, what follows it is not.
     const auto moved = [&](std::uint32_t at) {
-        const auto lattice = static_cast<std::uint32_t>(vertices.width() * vertices.height()), width = static_cast<std::uint32_t>(vertices.width());
+        const auto lattice = static_cast<std::uint32_t>(vertices.width() * vertices.height()),
+                   width = static_cast<std::uint32_t>(vertices.width());
         return at < lattice ? part.vertex(static_cast<int>(at % width), static_cast<int>(at / width)) : part.first + at;
     };
     const std::size_t first_hanging = hanging_.size();
@@ -104,9 +106,11 @@ void IGridBuilder::add_part(IGrid& grid, std::uint32_t number, const lod::LevelG
         block.hanging = static_cast<std::uint32_t>(block_hanging_.size());
         for (std::size_t h = first_hanging; h < hanging_.size(); ++h) {
             if (!hanging_[h].is_inside) continue;
-            const int f = part.is_transposed ? hanging_[h].j : hanging_[h].i, s = part.is_transposed ? hanging_[h].i : hanging_[h].j;
+            const int f = part.is_transposed ? hanging_[h].j : hanging_[h].i,
+                      s = part.is_transposed ? hanging_[h].i : hanging_[h].j;
             if (f < f0 || f > f1 || s < s0 || s > s1) continue;
-            block_hanging_.push_back({static_cast<std::uint32_t>(h), static_cast<std::uint8_t>(f - f0), static_cast<std::uint8_t>(s - s0)});
+            block_hanging_.push_back(
+                {static_cast<std::uint32_t>(h), static_cast<std::uint8_t>(f - f0), static_cast<std::uint8_t>(s - s0)});
             ++block.hanging_count;
         }
         blocks_.push_back(block);
@@ -154,7 +158,7 @@ void IGridBuilder::finish(IGrid& grid, bool blends, Arena& arena)
     grid.is_lattice = true;
     const std::size_t count = fine_[0].size();
     // Eight floats more: lanes are loaded eight at a time.
-    const auto keep = [&](const std::vector<float> (&from)[3], const float* (&to)[3]) {
+    const auto keep = [&](const std::vector<float>(&from)[3], const float*(&to)[3]) {
         float* data = arena.make_array<float>(3 * count + 8).data();
         for (std::size_t a = 0; a < 3; ++a) to[a] = std::copy(from[a].begin(), from[a].end(), data + a * count) - count;
         std::fill_n(data + 3 * count, 8, 0.0f);
@@ -203,7 +207,8 @@ void IGridBuilder::finish_slab(IGrid& grid) const
     Vec3f normal(0);
     for (const IGridPart& part : grid.parts) {
         const int c = part.tile.columns, r = part.tile.rows;
-        normal += glm::cross(grid.fine_at(part.vertex(c, r)) - grid.fine_at(part.vertex(0, 0)), grid.fine_at(part.vertex(0, r)) - grid.fine_at(part.vertex(c, 0)));
+        normal += glm::cross(grid.fine_at(part.vertex(c, r)) - grid.fine_at(part.vertex(0, 0)),
+                             grid.fine_at(part.vertex(0, r)) - grid.fine_at(part.vertex(c, 0)));
     }
     const float length = glm::length(normal);
     if (!(length > 0)) return;
@@ -237,7 +242,10 @@ IGrid* IGridBuilder::build_patches(const lod::PosedCage& cage, std::span<const P
     return &grid;
 }
 
-IGrid* IGridBuilder::build_tile(const lod::PosedCage& cage, const Part& tile, Arena& arena) { return build_patches(cage, {&tile, 1}, arena); }
+IGrid* IGridBuilder::build_tile(const lod::PosedCage& cage, const Part& tile, Arena& arena)
+{
+    return build_patches(cage, {&tile, 1}, arena);
+}
 
 IGrid* IGridBuilder::build_triangles(const lod::PosedCage& cage, std::span<const std::uint32_t> faces, Arena& arena)
 {

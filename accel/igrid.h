@@ -1,15 +1,16 @@
-// A tile of a patch, small patches of a cluster, or the triangles of a cluster, ready to be met by rays ("igrid", Djeu et al.
-// 2011, sec. 5.2.3).
+// A tile of a patch, small patches of a cluster, or the triangles of a cluster, ready to be met by rays ("igrid", Djeu et
+// al. 2011, sec. 5.2.3).
 //
-// A *lattice* igrid has vertices in rows and is cut into blocks of up to 4 x 2 quads; a *mesh* igrid is a list of triangles, eight a
-// block. Over the blocks lies a complete binary tree of boxes without pointers (Hou et al. 2010, sec. 3: halving the longer
-// parametric side is within 20 % of greedy SAH); children of node n are 2n + 1 and 2n + 2, and the leaves are consecutive, so
-// that a single ray can test eight of them at once.
+// A *lattice* igrid has vertices in rows and is cut into blocks of up to 4 x 2 quads; a *mesh* igrid is a list of triangles,
+// eight a block. Over the blocks lies a complete binary tree of boxes without pointers (Hou et al. 2010, sec. 3: halving the
+// longer parametric side is within 20 % of greedy SAH); children of node n are 2n + 1 and 2n + 2, and the leaves are
+// consecutive, so that a single ray can test eight of them at once.
 //
 // A lattice serves a pair of levels: each vertex has a fine and a coarse position, and each ray blends them for itself
 // (lod/ray_levels.h). T-vertices have neither: they are middles of blended edge vertices.
 //
-// Space    the cage's dicing frame.   Memory  in an arena; its tree borrows it.   Threads  read only but for `visit` and what phase
+// Space    the cage's dicing frame.   Memory  in an arena; its tree borrows it.   Threads  read only but for `visit` and
+// what phase
 //          one fills in.
 #pragma once
 
@@ -35,9 +36,9 @@ struct QuadRef {
     std::uint8_t triangle;
 };
 
-/// Boxes of a complete binary tree without pointers, in groups of eight: eight lo.x, eight lo.y, ..., eight hi.z, so that what is read
-/// together is together. The leaves come first, then a place to spare and the nodes above them from the root on: so the eight nodes
-/// of the fourth row are a group, too.
+/// Boxes of a complete binary tree without pointers, in groups of eight: eight lo.x, eight lo.y, ..., eight hi.z, so that
+/// what is read together is together. The leaves come first, then a place to spare and the nodes above them from the root
+/// on: so the eight nodes of the fourth row are a group, too.
 struct BoxTree {
     static constexpr int kGroup = 8, kFloats = 6 * kGroup;
 
@@ -49,7 +50,8 @@ struct BoxTree {
     int first_leaf() const noexcept { return leaves - 1; }
     int node_count() const noexcept { return 2 * leaves - 1; }
     int group_count() const noexcept { return (2 * leaves + kGroup - 1) / kGroup; }
-    /// lo.x of a node; the next coordinate is kGroup further. Of consecutive leaves from a multiple of eight on: side by side.
+    /// lo.x of a node; the next coordinate is kGroup further. Of consecutive leaves from a multiple of eight on: side by
+    /// side.
     float* at(int node) const noexcept
     {
         const int place = node < first_leaf() ? leaves + 1 + node : node - first_leaf();
@@ -79,14 +81,15 @@ struct IGridPart {
     lod::TileRef tile;
     lod::GridAttributes attributes;  ///< made when a hit first asks, as is:
     const Material* material = nullptr;
-    bool is_shaded = false;          ///< published, as are:
-    const float* values[2] = {};     ///< VertexShader's, of the fine and of the coarse level; null: not made (accel/vertex_values.h)
-    std::int8_t channels = -1;       ///< floats of these a vertex; below 0: nobody has asked yet
-    bool is_transposed = false;      ///< rows run along v
-    bool is_halved = false;          ///< in the pair's coarser level the patch has half as many rows and columns
-    std::int8_t coarse_filter = 0;   ///< PatchRates::filter of that level
-    std::uint32_t first = 0;         ///< vertex
-    std::uint32_t width = 0;         ///< vertices of a row
+    bool is_shaded = false;  ///< published, as are:
+    const float* values[2] =
+        {};  ///< VertexShader's, of the fine and of the coarse level; null: not made (accel/vertex_values.h)
+    std::int8_t channels = -1;      ///< floats of these a vertex; below 0: nobody has asked yet
+    bool is_transposed = false;     ///< rows run along v
+    bool is_halved = false;         ///< in the pair's coarser level the patch has half as many rows and columns
+    std::int8_t coarse_filter = 0;  ///< PatchRates::filter of that level
+    std::uint32_t first = 0;        ///< vertex
+    std::uint32_t width = 0;        ///< vertices of a row
 
     /// Of the pair's coarser level, sides aside.
     lod::PatchRates coarser() const noexcept
@@ -99,27 +102,28 @@ struct IGridPart {
     }
     std::uint32_t vertex(int i, int j) const noexcept
     {
-        return first + static_cast<std::uint32_t>(is_transposed ? i : j) * width + static_cast<std::uint32_t>(is_transposed ? j : i);
+        return first + static_cast<std::uint32_t>(is_transposed ? i : j) * width +
+               static_cast<std::uint32_t>(is_transposed ? j : i);
     }
 };
 
 /// Quads side by side in two rows, or one.
 struct LatticeBlock {
-    std::uint32_t first = 0;         ///< vertex: lower left
-    std::uint16_t stride = 0;        ///< vertices of a row
+    std::uint32_t first = 0;             ///< vertex: lower left
+    std::uint16_t stride = 0;            ///< vertices of a row
     std::uint8_t columns = 0, rows = 0;  ///< quads: 1 to 4, 1 or 2
-    std::uint8_t fast = 0, slow = 0; ///< its first quad in the part, along a row and across
+    std::uint8_t fast = 0, slow = 0;     ///< its first quad in the part, along a row and across
     bool is_transposed = false;
     std::uint16_t part = 0;
     std::uint16_t hanging_count = 0;
-    std::uint32_t hanging = 0;       ///< of its T-vertices: in IGrid::block_hanging
+    std::uint32_t hanging = 0;  ///< of its T-vertices: in IGrid::block_hanging
 
     static constexpr int kColumns = 5, kRows = 3;  ///< vertices, at most
 };
 
 /// A T-vertex of a block.
 struct BlockHanging {
-    std::uint32_t hanging = 0;       ///< in IGrid::hanging
+    std::uint32_t hanging = 0;  ///< in IGrid::hanging
     std::uint8_t column = 0, row = 0;
 };
 
@@ -133,29 +137,29 @@ struct IGrid {
     static constexpr int kBlock = 8;  ///< quads or triangles a block
 
     // What every visit reads comes first, in few cache lines.
-    GridVisit visit;                  ///< of the one worker whose tree it is; workers that share a tree have theirs
+    GridVisit visit;  ///< of the one worker whose tree it is; workers that share a tree have theirs
     bool is_lattice = false;
     std::uint8_t seen_by = RayKind::All;
     int hanging_blocks = 0;
-    PairRange pairs;                  ///< that meet it
+    PairRange pairs;  ///< that meet it
     const lod::PosedCage* cage = nullptr;
-    BoxTree boxes;                    ///< one leaf a block; empty boxes pad to a power of two
-    Slab slab;                        ///< around all vertices, fine and coarse
+    BoxTree boxes;  ///< one leaf a block; empty boxes pad to a power of two
+    Slab slab;      ///< around all vertices, fine and coarse
 
     // Lattice
     const float* fine[3] = {};
-    const float* coarse[3] = {};      ///< the same arrays, if nothing blends
+    const float* coarse[3] = {};  ///< the same arrays, if nothing blends
     const LatticeBlock* blocks = nullptr;
     BoxTree hanging_boxes;
     const BlockHanging* block_hanging = nullptr;
     std::span<const lod::Hanging> hanging;  ///< all that have a triangle here; padded with copies to whole blocks of eight
     const std::uint32_t* hanging_quads = nullptr;  ///< of each: the micropolygon that it stands for in ids
-    std::span<IGridPart> parts;       ///< empty for a mesh
-    int level = 0;                    ///< of the fine positions
-    float delta = 0;                  ///< largest distance of a vertex from fine to coarse, world length
+    std::span<IGridPart> parts;                    ///< empty for a mesh
+    int level = 0;                                 ///< of the fine positions
+    float delta = 0;                               ///< largest distance of a vertex from fine to coarse, world length
 
     // Mesh
-    const float* corners[9] = {};     ///< a.x a.y a.z b.x .. c.z, padded with copies to whole blocks
+    const float* corners[9] = {};        ///< a.x a.y a.z b.x .. c.z, padded with copies to whole blocks
     const std::uint32_t* ids = nullptr;  ///< face
 
     bool blends() const noexcept { return coarse[0] != fine[0]; }
@@ -205,7 +209,8 @@ private:
 /// Part, quad and triangle of a lattice's ids.
 inline QuadRef quad_of(std::uint32_t id) noexcept
 {
-    return {static_cast<std::uint16_t>(id >> 1 & 0xff), static_cast<std::uint16_t>(id >> 9 & 0x7f), static_cast<std::uint8_t>(id & 1)};
+    return {static_cast<std::uint16_t>(id >> 1 & 0xff), static_cast<std::uint16_t>(id >> 9 & 0x7f),
+            static_cast<std::uint8_t>(id & 1)};
 }
 inline std::uint32_t part_of(std::uint32_t id) noexcept { return id >> 16 & 0x7fff; }
 inline std::uint32_t make_id(std::uint32_t part, int i, int j, int triangle) noexcept

@@ -1,10 +1,11 @@
 // Rays meet an igrid: a packet goes down the box tree together; a single ray tests eight boxes, then eight quads, at once.
 //
-// Both ways run the same operations on the same numbers for each pair of ray and triangle, so they find the same bits; which one
-// runs is a matter of speed (break-even at two to three live rays, docs/performance.md).
+// Both ways run the same operations on the same numbers for each pair of ray and triangle, so they find the same bits; which
+// one runs is a matter of speed (break-even at two to three live rays, docs/performance.md).
 //
-// Each vertex of a lattice is blended, then sheared, once a ray and shared by the triangles around it. Where all rays are before
-// or behind the blend, the fine or the coarse positions serve as they are: the same bits, since the blend's ends are exact.
+// Each vertex of a lattice is blended, then sheared, once a ray and shared by the triangles around it. Where all rays are
+// before or behind the blend, the fine or the coarse positions serve as they are: the same bits, since the blend's ends are
+// exact.
 //
 // Query    vfloat limit() const            lanes' present t_far (a single ray: in all lanes)
 //          void offer(lane, t, grid, id)   a hit with t in (t_near, limit]; decides ties and filters
@@ -18,9 +19,10 @@
 
 namespace occam::accel {
 
-/// The lanes of rays whose line is in the box between t_near and t_far, a little widened. near, far: of the box's planes on each axis
-/// the one that the ray meets first, and the other.
-OCCAM_ALWAYS_INLINE vmask in_box(const RayLanes& ray, const vfloat (&near)[3], const vfloat (&far)[3], vfloat t_near, vfloat t_far) noexcept
+/// The lanes of rays whose line is in the box between t_near and t_far, a little widened. near, far: of the box's planes on
+/// each axis the one that the ray meets first, and the other.
+OCCAM_ALWAYS_INLINE vmask in_box(const RayLanes& ray, const vfloat (&near)[3], const vfloat (&far)[3], vfloat t_near,
+                                 vfloat t_far) noexcept
 {
     vfloat in = (near[0] - ray.origin[0]) * ray.inverse[0];
     vfloat out = (far[0] - ray.origin[0]) * ray.inverse[0];
@@ -42,7 +44,7 @@ inline VertexBlend spread(const VertexBlend& rays, int lane) noexcept
 /// One ray of a packet in all lanes, without its blend.
 OCCAM_ALWAYS_INLINE RayLanes spread(const RayLanes& rays, int lane) noexcept
 {
-    const auto all = [lane](const vfloat (&x)[3], vfloat (&to)[3]) {
+    const auto all = [lane](const vfloat(&x)[3], vfloat(&to)[3]) {
         for (int a = 0; a < 3; ++a) to[a] = spread(x[a], lane);
     };
     RayLanes one;
@@ -96,7 +98,8 @@ public:
             for (int block = 0; block < grid_.boxes.leaves; ++block) meet(block);
         else {
             const auto& rays = as_one();
-            for_each_block(grid_.boxes, [&](const float* boxes) { return rays.in_boxes(boxes, FLT_MAX); }, meet);
+            for_each_block(
+                grid_.boxes, [&](const float* boxes) { return rays.in_boxes(boxes, FLT_MAX); }, meet);
         }
         for (int block = 0; block < grid_.hanging_blocks; ++block) {
             unsigned lanes = bits(active & in_box_at(grid_.hanging_boxes, grid_.hanging_boxes.first_leaf() + block));
@@ -117,7 +120,9 @@ public:
             if (!grid_.is_lattice) triangles_single(block, lane);
             else quads_single(grid_.blocks[block], lane, blends);
         });
-        if (grid_.hanging_blocks > 0) for_each_block(grid_.hanging_boxes, in, [&](int block) { hanging_single(block, lane, ray_, origin_, blend_, blends); });
+        if (grid_.hanging_blocks > 0)
+            for_each_block(grid_.hanging_boxes, in,
+                           [&](int block) { hanging_single(block, lane, ray_, origin_, blend_, blends); });
     }
 
 private:
@@ -150,7 +155,8 @@ private:
     vmask in_box_at(const BoxTree& tree, int node) const noexcept
     {
         const float* box = tree.at(node);
-        return in_box(ray_, {box[near_[0]], box[near_[1]], box[near_[2]]}, {box[far_[0]], box[far_[1]], box[far_[2]]}, t_near_, limit());
+        return in_box(ray_, {box[near_[0]], box[near_[1]], box[near_[2]]}, {box[far_[0]], box[far_[1]], box[far_[2]]},
+                      t_near_, limit());
     }
 
     /// Which of eight boxes side by side the ray is in; all lanes hold it.
@@ -165,7 +171,8 @@ private:
     template <class In, class Visit>
     void for_each_block(const BoxTree& tree, In&& in, Visit&& visit) noexcept
     {
-        const unsigned real = tree.leaves < kLanes ? (1u << tree.leaves) - 1 : (1u << kLanes) - 1;  // nodes above the leaves may follow
+        const unsigned real = tree.leaves < kLanes ? (1u << tree.leaves) - 1
+                                                   : (1u << kLanes) - 1;  // nodes above the leaves may follow
         // Of many, only those below the nodes of the fourth row that the ray is in.
         unsigned above = ~0u;
         int below = 0;  // log2 of the leaves of such a node
@@ -197,17 +204,22 @@ private:
         if (lanes == 0) return;
         float t[kLanes];
         hit.t.store(t);
-        for (; lanes != 0; lanes &= lanes - 1) query_.offer(ray, t[std::countr_zero(lanes)], grid_, id(std::countr_zero(lanes)));
+        for (; lanes != 0; lanes &= lanes - 1)
+            query_.offer(ray, t[std::countr_zero(lanes)], grid_, id(std::countr_zero(lanes)));
     }
 
     static std::uint32_t quad_id(const LatticeBlock& block, int column, int row, int triangle) noexcept
     {
         const int fast = block.fast + column, slow = block.slow + row;
-        return block.is_transposed ? make_id(block.part, slow, fast, 1 - triangle) : make_id(block.part, fast, slow, triangle);
+        return block.is_transposed ? make_id(block.part, slow, fast, 1 - triangle)
+                                   : make_id(block.part, fast, slow, triangle);
     }
 
     /// A vertex as this ray, or each ray of the packet, sees it; along kx, ky, kz.
-    OCCAM_ALWAYS_INLINE VecLanes still_vertex(std::uint32_t at) const noexcept { return {vertices_[0][at], vertices_[1][at], vertices_[2][at]}; }
+    OCCAM_ALWAYS_INLINE VecLanes still_vertex(std::uint32_t at) const noexcept
+    {
+        return {vertices_[0][at], vertices_[1][at], vertices_[2][at]};
+    }
     OCCAM_ALWAYS_INLINE VecLanes blended_vertex(std::uint32_t at) const noexcept
     {
         return blend_.between({fine_[0][at], fine_[1][at], fine_[2][at]}, {coarse_[0][at], coarse_[1][at], coarse_[2][at]});
@@ -230,7 +242,8 @@ private:
             for (std::uint32_t c = 0; c <= block.columns; ++c) {
                 const std::uint32_t at = block.first + r * block.stride + c;
                 // What lies still needs no weight.
-                if (kBlends && (fine_[0][at] != coarse_[0][at] || fine_[1][at] != coarse_[1][at] || fine_[2][at] != coarse_[2][at]))
+                if (kBlends &&
+                    (fine_[0][at] != coarse_[0][at] || fine_[1][at] != coarse_[1][at] || fine_[2][at] != coarse_[2][at]))
                     v[r][c] = shear(ray_, origin_, blended_vertex(at));
                 else v[r][c] = shear(ray_, origin_, still_vertex(at));
             }
@@ -245,8 +258,9 @@ private:
             Edge left(v[r][0], v[r + 1][0]);
             for (int c = 0; c < block.columns; ++c) {
                 const Edge right(v[r][c + 1], v[r + 1][c + 1]), upper(v[r + 1][c + 1], v[r + 1][c]);
-                intersect_quad(ray_, v[r][c], v[r][c + 1], v[r + 1][c], v[r + 1][c + 1], left, right, across[c], upper,
-                               [&](const TriangleHit& hit, int triangle) { offer_lanes(hit, alive, quad_id(block, c, r, triangle)); });
+                intersect_quad(
+                    ray_, v[r][c], v[r][c + 1], v[r + 1][c], v[r + 1][c + 1], left, right, across[c], upper,
+                    [&](const TriangleHit& hit, int triangle) { offer_lanes(hit, alive, quad_id(block, c, r, triangle)); });
                 left = right;
                 across[c] = upper;
             }
@@ -262,7 +276,9 @@ private:
         for (std::uint32_t r = 0; r <= block.rows; ++r)
             for (std::uint32_t c = 0; c <= block.columns; c += kLanes) {
                 const std::uint32_t at = block.first + r * block.stride + c;
-                const auto load = [&](const float* const* p) { return VecLanes{vfloat::load(p[0] + at), vfloat::load(p[1] + at), vfloat::load(p[2] + at)}; };
+                const auto load = [&](const float* const* p) {
+                    return VecLanes{vfloat::load(p[0] + at), vfloat::load(p[1] + at), vfloat::load(p[2] + at)};
+                };
                 const VecLanes p = blend_.between(load(fine_), load(coarse_));
                 p.x.store(&own.v[0][r][c]);
                 p.y.store(&own.v[1][r][c]);
@@ -295,28 +311,31 @@ private:
             if ((real >> first & ((1u << kLanes) - 1)) == 0) continue;
             const auto corner = [&](int dc, int dr) {
                 const std::ptrdiff_t at = dr * stride + dc;
-                return shear(ray_, origin_, VecLanes{vfloat::load_halves(from[0] + at, from[0] + at + upper, first),
-                                                      vfloat::load_halves(from[1] + at, from[1] + at + upper, first),
-                                                      vfloat::load_halves(from[2] + at, from[2] + at + upper, first)});
+                return shear(ray_, origin_,
+                             VecLanes{vfloat::load_halves(from[0] + at, from[0] + at + upper, first),
+                                      vfloat::load_halves(from[1] + at, from[1] + at + upper, first),
+                                      vfloat::load_halves(from[2] + at, from[2] + at + upper, first)});
             };
             const ShearedVertex v00 = corner(0, 0), v10 = corner(1, 0), v01 = corner(0, 1), v11 = corner(1, 1);
-            intersect_quad(ray_, v00, v10, v01, v11, {v00, v01}, {v10, v11}, {v10, v00}, {v11, v01}, [&](const TriangleHit& hit, int triangle) {
-                unsigned lanes = bits(hit.is_hit & (hit.t > t_near_) & (hit.t <= limit())) & (real >> first);
-                if (lanes == 0) return;
-                float t[kLanes];
-                hit.t.store(t);
-                for (; lanes != 0; lanes &= lanes - 1) {
-                    const int k = std::countr_zero(lanes), quad = first + k;
-                    query_.offer(lane, t[k], grid_, quad_id(block, quad % 4, quad / 4, triangle));
-                }
-            });
+            intersect_quad(ray_, v00, v10, v01, v11, {v00, v01}, {v10, v11}, {v10, v00}, {v11, v01},
+                           [&](const TriangleHit& hit, int triangle) {
+                               unsigned lanes = bits(hit.is_hit & (hit.t > t_near_) & (hit.t <= limit())) & (real >> first);
+                               if (lanes == 0) return;
+                               float t[kLanes];
+                               hit.t.store(t);
+                               for (; lanes != 0; lanes &= lanes - 1) {
+                                   const int k = std::countr_zero(lanes), quad = first + k;
+                                   query_.offer(lane, t[k], grid_, quad_id(block, quad % 4, quad / 4, triangle));
+                               }
+                           });
         }
     }
 
     template <class Load>
     void triangle_vertices(Load&& load, ShearedVertex (&v)[3]) const noexcept
     {
-        for (int p = 0; p < 3; ++p) v[p] = shear(ray_, origin_, {load(p * 3 + axes_[0]), load(p * 3 + axes_[1]), load(p * 3 + axes_[2])});
+        for (int p = 0; p < 3; ++p)
+            v[p] = shear(ray_, origin_, {load(p * 3 + axes_[0]), load(p * 3 + axes_[1]), load(p * 3 + axes_[2])});
     }
 
     void triangles_packet(int block, vmask alive) noexcept
@@ -338,20 +357,22 @@ private:
         }
     }
 
-    /// Whether the ray may meet a triangle whose corners lie on the line from a to c, but for the rounding of the middles of some
-    /// ten halvings and of shearing: of coordinates of up to five radii (place()).
+    /// Whether the ray may meet a triangle whose corners lie on the line from a to c, but for the rounding of the middles of
+    /// some ten halvings and of shearing: of coordinates of up to five radii (place()).
     vmask may_be_on(const ShearedVertex& a, const ShearedVertex& c) const noexcept
     {
         const vfloat off = grid_.cage->radius * 0x1p-16f;
         const vfloat left = a.x * c.y, right = a.y * c.x;
         const vfloat slack = off * (abs(c.x - a.x) + abs(c.y - a.y)) + (abs(left) + abs(right)) * vfloat(0x1p-21f);
-        return (min(a.x, c.x) <= off) & (max(a.x, c.x) >= -off) & (min(a.y, c.y) <= off) & (max(a.y, c.y) >= -off) & (abs(left - right) <= slack);
+        return (min(a.x, c.x) <= off) & (max(a.x, c.x) >= -off) & (min(a.y, c.y) <= off) & (max(a.y, c.y) >= -off) &
+               (abs(left - right) <= slack);
     }
 
-    /// The triangles of T-vertices, which have no area. The float test decides nothing here: its signs are right, but t is noise
-    /// along the edge. What it lets through is done again in double, where the products of floats are exact (watertightness
-    /// rule 6).
-    OCCAM_NEVER_INLINE void hanging_single(int block, int lane, const RayLanes& ray, const VecLanes& origin, const VertexBlend& blend, bool blends) noexcept
+    /// The triangles of T-vertices, which have no area. The float test decides nothing here: its signs are right, but t is
+    /// noise along the edge. What it lets through is done again in double, where the products of floats are exact
+    /// (watertightness rule 6).
+    OCCAM_NEVER_INLINE void hanging_single(int block, int lane, const RayLanes& ray, const VecLanes& origin,
+                                           const VertexBlend& blend, bool blends) noexcept
     {
         for (int first = block * IGrid::kBlock; first < (block + 1) * IGrid::kBlock; first += kLanes) {
             float end[2][3][kLanes], corner[3][3][kLanes];
@@ -365,8 +386,7 @@ private:
                     }
                     return VecLanes{vfloat::load(lanes[0]), vfloat::load(lanes[1]), vfloat::load(lanes[2])};
                 };
-                const VecLanes p = blends ? blend.between(gather(fine_), gather(coarse_))
-                                           : gather(vertices_);
+                const VecLanes p = blends ? blend.between(gather(fine_), gather(coarse_)) : gather(vertices_);
                 p.x.store(end[e][0]);
                 p.y.store(end[e][1]);
                 p.z.store(end[e][2]);
@@ -383,7 +403,9 @@ private:
                 }
             }
             ShearedVertex v[3];
-            for (int p = 0; p < 3; ++p) v[p] = shear(ray, origin, {vfloat::load(corner[p][0]), vfloat::load(corner[p][1]), vfloat::load(corner[p][2])});
+            for (int p = 0; p < 3; ++p)
+                v[p] = shear(ray, origin,
+                             {vfloat::load(corner[p][0]), vfloat::load(corner[p][1]), vfloat::load(corner[p][2])});
             unsigned lanes = bits(is_inside(edge_functions(v[0], v[1], v[2])));
             if (lanes == 0) continue;
             float x[3][kLanes], y[3][kLanes], t[3][kLanes], shift[kLanes], t_near[kLanes], t_far[kLanes];
@@ -412,12 +434,12 @@ private:
 
     IGrid& grid_;
     const RayLanes& ray_;
-    VecLanes origin_;                        ///< along kx, ky, kz
-    int axes_[3];                             ///< kx, ky, kz
-    const float* fine_[3];                    ///< along these
+    VecLanes origin_;       ///< along kx, ky, kz
+    int axes_[3];           ///< kx, ky, kz
+    const float* fine_[3];  ///< along these
     const float* coarse_[3];
-    VertexBlend blend_;                       ///< likewise; of a grid that blends
-    int near_[3], far_[3];                    ///< where in a box the plane lies that the ray meets first, and the other
+    VertexBlend blend_;     ///< likewise; of a grid that blends
+    int near_[3], far_[3];  ///< where in a box the plane lies that the ray meets first, and the other
     vfloat t_near_, t_end_;
     Query& query_;
     const float* const* vertices_ = nullptr;  ///< of rays that do not blend

@@ -4,17 +4,17 @@
 #include <bit>
 
 #include "accel/stopwatch.h"
+#include "base/hash.h"
 #include "lod/level_choice.h"
-#include "scenegraph/base/hash.h"
 
 namespace occam::accel {
 namespace {
 
-constexpr float kBoxUlps = 4;      // what boxes of items are grown by: two for rounding them, two for the culling rule
+constexpr float kBoxUlps = 4;  // what boxes of items are grown by: two for rounding them, two for the culling rule
 constexpr int kMaxSceneDepth = 256;
-constexpr float kCostOfUnmade = 1000;  // of a cage that nobody has seen yet, in steps of the tree
+constexpr float kCostOfUnmade = 1000;       // of a cage that nobody has seen yet, in steps of the tree
 constexpr std::uint32_t kMostAskedFor = 4;  // of a face's patches, ahead
-constexpr std::size_t kMaxParts = 1024;  // of an igrid: n-gons of thousands of corners never share one
+constexpr std::size_t kMaxParts = 1024;     // of an igrid: n-gons of thousands of corners never share one
 
 // Rough costs of meeting an item, in steps of the tree: for the surface area heuristic alone.
 float cost_of_blocks(int blocks) { return 3.0f + 0.25f * float(blocks); }
@@ -28,7 +28,8 @@ int small_from(const lod::PatchScale& scale)
     const auto exponent = [&](int level) { return scale.inside(0, level) + scale.inside(1, level); };
     if (exponent(lod::kCoarsestLevel) > IGridBuilder::kSmallExponent) return Item::kNever;
     // Both halve together: two a level.
-    int level = std::clamp((scale.k[0] + scale.k[1] - IGridBuilder::kSmallExponent) / 2 - 1, lod::kFinestLevel, lod::kCoarsestLevel);
+    int level = std::clamp((scale.k[0] + scale.k[1] - IGridBuilder::kSmallExponent) / 2 - 1, lod::kFinestLevel,
+                           lod::kCoarsestLevel);
     while (exponent(level) > IGridBuilder::kSmallExponent) ++level;
     return level;
 }
@@ -103,18 +104,25 @@ bool Items::open(ItemIndex i, int pair)
     const Item item = items_[i];
     const auto first = static_cast<std::uint32_t>(items_.size());
     switch (item.kind) {
-        case Item::SceneNode: open_node(*static_cast<const PlacedNode*>(item.subject)); break;
+        case Item::SceneNode:
+            open_node(*static_cast<const PlacedNode*>(item.subject));
+            break;
         case Item::Unmade: {
             const PlacedNode& at = *static_cast<const PlacedNode*>(item.subject);
             const Node& node = *frame_.scene->find(at.id);
             add_cage(at, node, node.cages[item.index], item.index);
             break;
         }
-        case Item::Cluster: open_cluster(item.cage(), item.index); break;
-        case Item::Leaf:
-            for (const PatchInfo& patch : item.cluster->patches) add_region(item.cage(), item.cluster, patch, {patch.ref, 0, 0, 0, 0});
+        case Item::Cluster:
+            open_cluster(item.cage(), item.index);
             break;
-        default: open_region(item); break;
+        case Item::Leaf:
+            for (const PatchInfo& patch : item.cluster->patches)
+                add_region(item.cage(), item.cluster, patch, {patch.ref, 0, 0, 0, 0});
+            break;
+        default:
+            open_region(item);
+            break;
     }
     items_[i].first_part = first;
     items_[i].part_count = static_cast<std::uint32_t>(items_.size()) - first;
@@ -141,7 +149,8 @@ void Items::add_cage(const PlacedNode& at, const Node& node, CageId id, std::siz
     cage.place(at.world_from_node, cage_bounds(node, *slot, skin));
     if (tables.deformed_clusters) cage.deform(*tables.deformed_clusters, skin, arena_, counters_.deform);
     if (frame_.textures) cage.displace(*frame_.textures);
-    if (cage.topology && frame_.levels.mode == lod::LevelMode::PerInstance) cage.level = lod::choose_level(frame_.levels, cage);
+    if (cage.topology && frame_.levels.mode == lod::LevelMode::PerInstance)
+        cage.level = lod::choose_level(frame_.levels, cage);
     add_cluster(cage, 0);
 }
 
@@ -168,7 +177,12 @@ void Items::open_node(const PlacedNode& at)
         const Node* below = frame_.scene->find(id);
         if (!below || below->bounds.is_empty()) return;
         PlacedNode* placed = arena_.make<PlacedNode>();
-        *placed = {id, world, mix_bits(at.key ^ mix_bits(place)), &at, at.depth + 1, static_cast<std::uint8_t>(at.seen_by & below->seen_by),
+        *placed = {id,
+                   world,
+                   mix_bits(at.key ^ mix_bits(place)),
+                   &at,
+                   at.depth + 1,
+                   static_cast<std::uint8_t>(at.seen_by & below->seen_by),
                    at.lit_by & below->lit_by};
         Item item;
         item.subject = placed;
@@ -245,7 +259,8 @@ void Items::measure(ItemIndex leaf)
     if (count > 0) item.box = to_tree(cage, box);
 }
 
-void Items::add_region(const lod::PosedCage& cage, ClusterInfo* cluster, const PatchInfo& patch, const lod::PatchRegion& region)
+void Items::add_region(const lod::PosedCage& cage, ClusterInfo* cluster, const PatchInfo& patch,
+                       const lod::PatchRegion& region)
 {
     const lod::PatchScale& scale = patch.scale;
     Item item;
@@ -263,11 +278,14 @@ void Items::add_region(const lod::PosedCage& cage, ClusterInfo* cluster, const P
         else from = std::max(from, scale.k[axis] - depth[axis] - lod::TileRef::kSideExponent);
     item.final_from = level_bound(from <= cage.finest_level() ? Item::kAlways : from);
     // Its box is right while it is whole quads of the pair's coarser level.
-    const bool is_always = frame_.levels.mode == lod::LevelMode::PerInstance || (region.du <= scale.inside(0, lod::kCoarsestLevel) && region.dv <= scale.inside(1, lod::kCoarsestLevel));
+    const bool is_always = frame_.levels.mode == lod::LevelMode::PerInstance ||
+                           (region.du <= scale.inside(0, lod::kCoarsestLevel) &&
+                            region.dv <= scale.inside(1, lod::kCoarsestLevel));
     const int holds_to = is_always ? Item::kNever : std::min(scale.k[0] - region.du, scale.k[1] - region.dv) - 1;
     item.holds_to = level_bound(holds_to);
     const bool is_whole = region.du == 0 && region.dv == 0;
-    item.box = to_tree(cage, is_whole ? patch.box : dicer_.bounds(cage, scale, region, std::min(holds_to + 1, lod::kCoarsestLevel)));
+    item.box = to_tree(
+        cage, is_whole ? patch.box : dicer_.bounds(cage, scale, region, std::min(holds_to + 1, lod::kCoarsestLevel)));
     items_.push_back(item);
 }
 
@@ -304,7 +322,8 @@ PairRange Items::range(ItemIndex i, int pair) const noexcept
         return pair >= same ? PairRange{std::max(same, finest), lod::kCoarsestLevel} : PairRange{pair, pair};
     }
     // Up to where it is met in the cluster's igrid instead.
-    const int same = item.patch->scale.coarsest(), last = may_share(item) ? item.cluster->small_from - 1 : lod::kCoarsestLevel;
+    const int same = item.patch->scale.coarsest(),
+              last = may_share(item) ? item.cluster->small_from - 1 : lod::kCoarsestLevel;
     return pair >= same ? PairRange{std::max(same, finest), last} : PairRange{pair, pair};
 }
 
@@ -321,7 +340,9 @@ IGrid& Items::grid(ItemIndex i, int pair)
     } else if (item.kind == Item::Region) {
         // The tile that the region lies in, or is.
         const lod::PatchRates rates = item.patch->scale.rates(level);
-        const auto first = [](std::uint32_t n, int rate, int depth) { return rate >= depth ? n << (rate - depth) : n >> (depth - rate); };
+        const auto first = [](std::uint32_t n, int rate, int depth) {
+            return rate >= depth ? n << (rate - depth) : n >> (depth - rate);
+        };
         tile = lod::Dicer::tile(item.patch->ref, item.patch->scale, level, first(item.region.iu, rates.u, item.region.du),
                                 first(item.region.iv, rates.v, item.region.dv));
         key = {item.patch, pairs.finest, tile.i0, tile.j0};
@@ -339,7 +360,8 @@ IGrid& Items::grid(ItemIndex i, int pair)
         counters_.micropolygons += made;
         if (item.kind == Item::Faces) return *grid;
         counters_.diced += made;
-        counters_.micropolygons_of_level[std::clamp(level, lod::kFinestLevel, lod::kCoarsestLevel) - TraceCounters::kFinestLevel] += made;
+        counters_.micropolygons_of_level[std::clamp(level, lod::kFinestLevel, lod::kCoarsestLevel) -
+                                         TraceCounters::kFinestLevel] += made;
     }
     return *grid;
 }

@@ -1,19 +1,19 @@
 // What a kd-tree's lazy nodes hold: parts of the scene, each with a box, opened step by step as rays come near.
 //
-// An item stands for everything below it (Hunt et al. 2007): a node of the scene graph, a cluster of a cage's faces, a patch, a
-// dyadic region of a patch. Items know nothing of levels but two bounds: from which pair of levels on a ray meets them as
-// one igrid, and up to which pair their box holds what such a ray meets. So one tree serves all pairs (Djeu et al. 2011,
-// sec. 5.2.1).
+// An item stands for everything below it (Hunt et al. 2007): a node of the scene graph, a cluster of a cage's faces, a
+// patch, a dyadic region of a patch. Items know nothing of levels but two bounds: from which pair of levels on a ray meets
+// them as one igrid, and up to which pair their box holds what such a ray meets. So one tree serves all pairs (Djeu et al.
+// 2011, sec. 5.2.1).
 //
-// Space    boxes: the tree's frame (world axes, translated by the frame's anchor), grown to hold what they stand for for sure.
-// Memory   one worker's arena.   Threads  one worker's own.
+// Space    boxes: the tree's frame (world axes, translated by the frame's anchor), grown to hold what they stand for for
+// sure. Memory   one worker's arena.   Threads  one worker's own.
 #pragma once
 
 #include "accel/frame_state.h"
 #include "accel/grid_table.h"
 #include "accel/igrid.h"
 #include "accel/tracer.h"
-#include "scenegraph/base/arena.h"
+#include "base/arena.h"
 
 namespace occam::accel {
 
@@ -63,11 +63,11 @@ struct Item {
     float cost = 1;                   ///< of meeting it, in traversal steps
     std::uint32_t first_part = kClosed;
     std::uint32_t part_count = 0;
-    const void* subject = nullptr;    ///< PlacedNode or PosedCage
-    std::uint32_t index = 0;          ///< cluster node
-    ClusterInfo* cluster = nullptr;   ///< Leaf, once measured; Region
-    const PatchInfo* patch = nullptr; ///< Region
-    lod::PatchRegion region;          ///< Region
+    const void* subject = nullptr;     ///< PlacedNode or PosedCage
+    std::uint32_t index = 0;           ///< cluster node
+    ClusterInfo* cluster = nullptr;    ///< Leaf, once measured; Region
+    const PatchInfo* patch = nullptr;  ///< Region
+    lod::PatchRegion region;           ///< Region
 
     const lod::PosedCage& cage() const noexcept { return *static_cast<const lod::PosedCage*>(subject); }
 };
@@ -89,14 +89,17 @@ public:
     {
         switch (items_[i].kind) {
             case Item::Unmade:
-            case Item::Leaf: return 1;
-            case Item::Region: return 2;
-            default: return 0;
+            case Item::Leaf:
+                return 1;
+            case Item::Region:
+                return 2;
+            default:
+                return 0;
         }
     }
 
-    /// Makes the parts of an item that is not final: [first_part, first_part + part_count) afterwards; or, of a Leaf not looked
-    /// into yet, finds out from when on it is final. Items may move in memory. Returns whether there are parts.
+    /// Makes the parts of an item that is not final: [first_part, first_part + part_count) afterwards; or, of a Leaf not
+    /// looked into yet, finds out from when on it is final. Items may move in memory. Returns whether there are parts.
     bool open(ItemIndex i, int pair);
     /// The igrid that rays of a pair meet in the item, which is final for it; built now if this is the first.
     IGrid& grid(ItemIndex i, int pair);
@@ -114,7 +117,8 @@ private:
     void open_cluster(const lod::PosedCage& cage, std::uint32_t cluster);
     void add_cluster(const lod::PosedCage& cage, std::uint32_t cluster);
     void measure(ItemIndex leaf);
-    void add_region(const lod::PosedCage& cage, ClusterInfo* cluster, const PatchInfo& patch, const lod::PatchRegion& region);
+    void add_region(const lod::PosedCage& cage, ClusterInfo* cluster, const PatchInfo& patch,
+                    const lod::PatchRegion& region);
     void open_region(const Item& item);
     void add_cage(const PlacedNode& at, const Node& node, CageId id, std::size_t place);
     IGrid* build(const Item& item, int level, int coarser, bool is_shared, const lod::TileRef& tile);

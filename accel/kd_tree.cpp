@@ -8,17 +8,25 @@
 namespace occam::accel {
 namespace {
 
-constexpr std::size_t kEnough = 16;        // candidates to choose a plane from; tests/bench has the curve
-constexpr std::size_t kMany = 64;          // candidates above which planes are tried at fixed steps, and items not opened one by one
-constexpr float kTraversalCost = 64;       // in the units of Item::cost; tests/bench has the curve
-constexpr float kEmptyBonus = 0.8f;        // of a split that cuts off empty space
+constexpr std::size_t kEnough = 16;  // candidates to choose a plane from; tests/bench has the curve
+constexpr std::size_t kMany = 64;  // candidates above which planes are tried at fixed steps, and items not opened one by one
+constexpr float kTraversalCost = 64;  // in the units of Item::cost; tests/bench has the curve
+constexpr float kEmptyBonus = 0.8f;   // of a split that cuts off empty space
 constexpr int kAnyEffort = 2;
 constexpr int kSteps = 32;
 
 }  // namespace
 
 KdTree::KdTree(Items& items, Arena& arena, TraceCounters& counters, bool may_scan, std::mutex* building)
-    : items_(items), arena_(arena), counters_(counters), may_scan_(may_scan), building_(building), nodes_(arena), heads_(arena), records_(arena), leaves_(arena)
+    : items_(items),
+      arena_(arena),
+      counters_(counters),
+      may_scan_(may_scan),
+      building_(building),
+      nodes_(arena),
+      heads_(arena),
+      records_(arena),
+      leaves_(arena)
 {
 }
 
@@ -106,7 +114,8 @@ KdTree::Split KdTree::scanned_split(const Box3f& box) const
             const float above = all - ended, share = float(plane) / float(kSteps) * extent[axis];
             const float position = box.lo[axis] + share;
             if (!(position > box.lo[axis] && position < box.hi[axis])) continue;
-            float cost = kTraversalCost + ((cap + girth * share) * below + (cap + girth * (extent[axis] - share)) * above) / area;
+            float cost = kTraversalCost +
+                         ((cap + girth * share) * below + (cap + girth * (extent[axis] - share)) * above) / area;
             if (below == 0 || !(above > 0)) cost *= kEmptyBonus;
             if (cost < best.cost) best = {axis, position, cost};
         }
@@ -139,7 +148,8 @@ KdTree::Split KdTree::counted_split(const Box3f& box)
                 below = below + select(vfloat(c.box.lo[axis]) < position, vfloat(c.cost), vfloat(0.0f));
                 above = above + select(vfloat(c.box.hi[axis]) > position, vfloat(c.cost), vfloat(0.0f));
             }
-            const vfloat area_below = cap + girth * (position - box.lo[axis]), area_above = cap + girth * (box.hi[axis] - position);
+            const vfloat area_below = cap + girth * (position - box.lo[axis]),
+                         area_above = cap + girth * (box.hi[axis] - position);
             vfloat cost = kTraversalCost + (area_below * below + area_above * above) / area;
             cost = select((below == 0.0f) | (above == 0.0f), cost * kEmptyBonus, cost);
             if (none(cost < best.cost)) continue;
@@ -192,7 +202,8 @@ KdTree::Split KdTree::swept_split(const Box3f& box)
             while (l < low.size() && low[l].position < position) below += low[l++].cost;
             while (h < high.size() && high[h].position <= position) ended += high[h++].cost;
             const float above = all - ended;
-            const float area_below = cap + girth * (position - box.lo[axis]), area_above = cap + girth * (box.hi[axis] - position);
+            const float area_below = cap + girth * (position - box.lo[axis]),
+                        area_above = cap + girth * (box.hi[axis] - position);
             float cost = kTraversalCost + (area_below * below + area_above * above) / area;
             if (below == 0 || h == high.size()) cost *= kEmptyBonus;
             if (cost < best.cost) best = {axis, position, cost};
@@ -232,7 +243,11 @@ KdLeaf* KdTree::make_leaf(std::uint32_t n, int pair, std::uint32_t head, std::ui
     const std::size_t groups = (candidates_.size() + kBoxGroup - 1) / kBoxGroup;
     const std::span<float> boxes = arena_.make_array<float>(groups * kBoxGroupFloats);
     for (std::size_t c = candidates_.size(); c < groups * kBoxGroup; ++c) set_box(boxes.data(), c, Box3f());
-    KdLeaf leaf{{lod::kFinestLevel, lod::kCoarsestLevel}, arena_.make_array<KdLeaf::Entry>(candidates_.size()), boxes.data(), head, record};
+    KdLeaf leaf{{lod::kFinestLevel, lod::kCoarsestLevel},
+                arena_.make_array<KdLeaf::Entry>(candidates_.size()),
+                boxes.data(),
+                head,
+                record};
     for (std::size_t c = 0; c < candidates_.size(); ++c) {
         const ItemIndex item = candidates_[c].item;
         set_box(boxes.data(), c, items_[item].box);

@@ -1,15 +1,17 @@
 // A lazily grown multiscale kd-tree over a scene's items: one worker's own (Djeu et al. 2011, sec. 5.2.1-5.2.2).
 //
-// A node starts lazy: a box and a list of items. Rays that enter it ask for pairs of levels (lod/ray_levels.h). For the pairs that
-// it was asked for it is a leaf, or interior for them and all finer ones: then it has a plane, and a bound up to which pair the
-// boxes below it are right; rays of coarser pairs meet it as a leaf. So it may be a leaf for many pairs, each with its list
-// of igrids.
+// A node starts lazy: a box and a list of items. Rays that enter it ask for pairs of levels (lod/ray_levels.h). For the
+// pairs that it was asked for it is a leaf, or interior for them and all finer ones: then it has a plane, and a bound up to
+// which pair the boxes below it are right; rays of coarser pairs meet it as a leaf. So it may be a leaf for many pairs, each
+// with its list of igrids.
 //
-// The plane comes from the surface area heuristic, scanned at fixed steps where there are many boxes (Hunt et al. 2006) and tried at
-// all their ends where there are few, after opening large items until there are enough to choose from (Hunt et al. 2007). The tree's shape depends on which pairs come first; what a ray meets does not.
+// The plane comes from the surface area heuristic, scanned at fixed steps where there are many boxes (Hunt et al. 2006) and
+// tried at all their ends where there are few, after opening large items until there are enough to choose from (Hunt et al.
+// 2007). The tree's shape depends on which pairs come first; what a ray meets does not.
 //
 // Memory   an arena; a lazy node's list stays behind when it is expanded.
-// Threads  one worker's own, or several workers': they read what is there without a lock, and expand under one (`building`). A node
+// Threads  one worker's own, or several workers': they read what is there without a lock, and expand under one (`building`).
+// A node
 //          is written before the link that leads to it.
 #pragma once
 
@@ -40,8 +42,8 @@ struct KdLink {
 };
 
 struct KdNode {
-    float split;          ///< position, once the link is an interior node's
-    std::uint32_t bits;   ///< of the link
+    float split;         ///< position, once the link is an interior node's
+    std::uint32_t bits;  ///< of the link
 
     KdLink link() const noexcept { return {read_published(bits)}; }
 };
@@ -72,10 +74,10 @@ struct KdLeaf {
         GridBounds bounds;      ///< of the igrid
         ItemIndex item = 0;
     };
-    PairRange pairs{1, 0};     ///< for which it holds; empty: nothing known yet
+    PairRange pairs{1, 0};  ///< for which it holds; empty: nothing known yet
     std::span<Entry> entries;
-    float* boxes = nullptr;    ///< of the entries' items, in groups ; of igrids, where these are made, in a tree of one worker
-    std::uint32_t next = 0;    ///< the node's next leaf, for other pairs; 0: none
+    float* boxes = nullptr;  ///< of the entries' items, in groups ; of igrids, where these are made, in a tree of one worker
+    std::uint32_t next = 0;  ///< the node's next leaf, for other pairs; 0: none
     std::uint32_t record = 0;
 };
 
@@ -95,7 +97,8 @@ public:
     const KdNode& node(std::uint32_t n) const noexcept { return nodes_[n]; }
     /// Of a node's leaves the one made last; one that holds for no pair, if there is none yet.
     KdLeaf& latest_leaf(std::uint32_t n) noexcept { return leaves_[head_of(n)]; }
-    /// What rays of a pair meet at a node that is not interior for it; makes it if need be. Null: the node has become interior.
+    /// What rays of a pair meet at a node that is not interior for it; makes it if need be. Null: the node has become
+    /// interior.
     KdLeaf* leaf(std::uint32_t n, int pair)
     {
         KdLeaf* known = find_leaf(n, pair);
@@ -151,10 +154,10 @@ private:
     TraceCounters& counters_;
     bool may_scan_;
     std::mutex* building_;
-    ArenaVector<KdNode> nodes_;          ///< 0 the root; the two children of a node side by side, the first at an odd number
-    ArenaVector<std::uint32_t> heads_;   ///< of each pair of children: the parent's first leaf
+    ArenaVector<KdNode> nodes_;         ///< 0 the root; the two children of a node side by side, the first at an odd number
+    ArenaVector<std::uint32_t> heads_;  ///< of each pair of children: the parent's first leaf
     ArenaVector<Record> records_;
-    ArenaVector<KdLeaf> leaves_;         ///< 0 is none's
+    ArenaVector<KdLeaf> leaves_;  ///< 0 is none's
     std::vector<Candidate> candidates_;
     std::vector<Event> low_events_, high_events_;
     std::vector<float> planes_;

@@ -21,10 +21,8 @@ void LazyTree::flush()
     arena.reset(budget);
     dicer.forget();
     const ItemIndex root = items.restart();
-    if (techniques.hierarchy)
-        tree.restart(frame.bounds, {&root, 1});
-    else
-        tree.restart(frame.bounds, items.base_patches());
+    if (techniques.hierarchy) tree.restart(frame.bounds, {&root, 1});
+    else tree.restart(frame.bounds, items.base_patches());
     if (!techniques.lazy) tree.expand_all(lod::kCoarsestLevel);
 }
 
@@ -58,9 +56,6 @@ SharedTree::SharedTree(const Frame& frame, std::size_t budget_bytes)
 {
 }
 SharedTree::~SharedTree() = default;
-TraceCounters SharedTree::counters() const
-{
-    return tree_->totals();
-}
+TraceCounters SharedTree::counters() const { return tree_->totals(); }
 
 }  // namespace occam::accel

@@ -1,8 +1,8 @@
 // The boxes of a leaf's entries, eight at a time, against a ray or against all rays of a packet as if they were one.
 //
-// A packet's origins and inverse directions are taken as intervals (Reshetov et al. 2005, sec. 2): what they find to be missed is
-// missed by all of its rays; what is left is tested ray by ray. So a leaf costs a packet a few tests, and not one an entry. The blocks of an
-// igrid are met in the same way.
+// A packet's origins and inverse directions are taken as intervals (Reshetov et al. 2005, sec. 2): what they find to be
+// missed is missed by all of its rays; what is left is tested ray by ray. So a leaf costs a packet a few tests, and not one
+// an entry. The blocks of an igrid are met in the same way.
 //
 // Boxes    KdLeaf::boxes, BoxTree: alike. Places to spare are empty.
 #pragma once
@@ -17,7 +17,10 @@ class RaysAsOne {
 public:
     RaysAsOne() = default;
     /// begin   where the first of the rays starts
-    RaysAsOne(const KdRay<F>& rays, float begin) noexcept : RaysAsOne(rays.origin, rays.inverse, rays.negative, rays.shift, begin) {}
+    RaysAsOne(const KdRay<F>& rays, float begin) noexcept
+        : RaysAsOne(rays.origin, rays.inverse, rays.negative, rays.shift, begin)
+    {
+    }
     RaysAsOne(const F (&origin)[3], const F (&inverse)[3], const bool (&negative)[3], F shift, float begin) noexcept
         : begin_(begin), shift_(highest(abs(shift)))
     {

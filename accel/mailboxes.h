@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "accel/igrid.h"
-#include "scenegraph/base/hash.h"
+#include "base/hash.h"
 
 namespace occam::accel {
 
-/// A worker with a tree of its own writes into the igrids. One that shares its tree has a table by the igrid's address: of two igrids
-/// with one place in it either may be met twice, which does no harm.
+/// A worker with a tree of its own writes into the igrids. One that shares its tree has a table by the igrid's address: of
+/// two igrids with one place in it either may be met twice, which does no harm.
 class Mailboxes {
 public:
     explicit Mailboxes(bool is_shared) : slots_(is_shared ? kSlots : 0) {}

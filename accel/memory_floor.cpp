@@ -9,8 +9,8 @@ namespace {
 
 constexpr std::size_t kGrids = 8;  // of a ray
 
-// The largest igrid: a whole tile, both levels of its vertices, their normals and coordinates, its boxes; and the most floats that
-// phase one keeps of both levels, on every kCoarser-th of these vertices.
+// The largest igrid: a whole tile, both levels of its vertices, their normals and coordinates, its boxes; and the most
+// floats that phase one keeps of both levels, on every kCoarser-th of these vertices.
 constexpr std::size_t kValueSide = (lod::TileRef::kMaxSide >> kCoarser) + 1;
 constexpr std::size_t kBytesOfAGrid = sizeof(IGrid) +
                                       (lod::TileRef::kMaxSide + 1) * (lod::TileRef::kMaxSide + 1) *
@@ -24,8 +24,8 @@ constexpr std::size_t kBytesOfAnItem = sizeof(Item) + sizeof(PlacedNode) + 4 * s
 std::size_t bytes_of(const CageSlot& slot, const SkinSlot* skin)
 {
     const Cage& cage = slot.cage;
-    std::size_t bytes =
-        sizeof(lod::PosedCage) + lod::ClusterTree::kLeafFaces * slot.largest_face * (sizeof(PatchInfo) + kBytesOfAnItem);
+    std::size_t bytes = sizeof(lod::PosedCage) +
+                        lod::ClusterTree::kLeafFaces * slot.largest_face * (sizeof(PatchInfo) + kBytesOfAnItem);
     if (slot.is_deformed())
         bytes += sizeof(lod::DeformedCage) + cage.positions.size() / 4;  // a pointer a block of 32 vertices
     if (skin) bytes += skin->skin.joints.size() * sizeof(Mat4d);

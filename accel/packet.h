@@ -7,7 +7,7 @@
 #include <type_traits>
 
 #include "accel/hit.h"
-#include "scenegraph/base/simd_groups.h"
+#include "base/simd_groups.h"
 
 namespace occam::accel {
 
@@ -55,13 +55,15 @@ void start(Found& found, std::span<const Ray> rays)
     }
 }
 
-/// Four floats of each ray that lie one behind the other in `things`, `offset` bytes into each. Lanes past the last ray repeat it, and are
-/// never alive.
+/// Four floats of each ray that lie one behind the other in `things`, `offset` bytes into each. Lanes past the last ray
+/// repeat it, and are never alive.
 template <class Thing>
 void gather_four(const Thing* things, std::size_t count, std::size_t offset, vfloat (&to)[4]) noexcept
 {
     const float* from[kLanes];
-    for (int i = 0; i < kLanes; ++i) from[i] = reinterpret_cast<const float*>(reinterpret_cast<const std::byte*>(&things[std::min<std::size_t>(i, count - 1)]) + offset);
+    for (int i = 0; i < kLanes; ++i)
+        from[i] = reinterpret_cast<const float*>(
+            reinterpret_cast<const std::byte*>(&things[std::min<std::size_t>(i, count - 1)]) + offset);
     load_turned(from, to);
 }
 template <int kParts, class Thing>

@@ -46,7 +46,8 @@ public:
         for (std::size_t g = 0; g < RayAxes::kGroups; ++g) ends_[g] = next[g * kBinsOfAGroup + kBinsOfAGroup - 1];
     }
 
-    /// Calls travel(axes, first, count) for rays sorted[first, first + count) that share their axes. With one lane, rays travel alone.
+    /// Calls travel(axes, first, count) for rays sorted[first, first + count) that share their axes. With one lane, rays
+    /// travel alone.
     template <class Travel>
     void for_each_packet(Travel&& travel) const
     {
@@ -76,12 +77,14 @@ private:
         const vmask more_x = x > y, is_x = more_x & (x > z), is_y = andnot(y > z, more_x);
         const vfloat half = vfloat(0.5f) * select(is_x, x, select(is_y, y, z));
         const auto if_so = [&](vmask m, float value) { return select(m, value, zero); };
-        const vfloat group = select(is_x, zero, select(is_y, 8.0f, 16.0f)) + (if_so(d[0] < zero, 1) + if_so(d[1] < zero, 2)) + if_so(d[2] < zero, 4);
-        return group * float(kBinsOfAGroup) + if_so(select(is_x, y, select(is_y, z, x)) > half, 2) + if_so(select(is_x, z, select(is_y, x, y)) > half, 1);
+        const vfloat group = select(is_x, zero, select(is_y, 8.0f, 16.0f)) +
+                             (if_so(d[0] < zero, 1) + if_so(d[1] < zero, 2)) + if_so(d[2] < zero, 4);
+        return group * float(kBinsOfAGroup) + if_so(select(is_x, y, select(is_y, z, x)) > half, 2) +
+               if_so(select(is_x, z, select(is_y, x, y)) > half, 1);
     }
 
-    std::vector<std::uint16_t> bins_;              ///< in the caller's order
-    std::size_t ends_[RayAxes::kGroups]{};         ///< of groups, in `sorted`
+    std::vector<std::uint16_t> bins_;       ///< in the caller's order
+    std::size_t ends_[RayAxes::kGroups]{};  ///< of groups, in `sorted`
 };
 
 }  // namespace occam::accel

@@ -1,7 +1,7 @@
 // Rays as the kernels see them: lanes that share their dominant axis and the signs of their direction.
 //
-// The watertight test (Woop et al. 2013) shears a ray onto its dominant axis. All per-ray constants are made by one function a kind, so
-// that a ray has the same bits alone, in a packet, and in the one-lane build.
+// The watertight test (Woop et al. 2013) shears a ray onto its dominant axis. All per-ray constants are made by one function
+// a kind, so that a ray has the same bits alone, in a packet, and in the one-lane build.
 //
 // Space    directions: world. Origins: the dicing frame of one cage at a time (world axes, translated), see place().
 #pragma once
@@ -12,8 +12,8 @@
 
 #include "accel/tracer.h"
 #include "accel/vec_lanes.h"
+#include "base/simd.h"
 #include "lod/ray_levels.h"
-#include "scenegraph/base/simd.h"
 
 namespace occam::accel {
 
@@ -33,7 +33,8 @@ struct RayAxes {
     }
 };
 
-/// The shear of rays along their dominant axis: sx, sy, and the scale sz. F is vfloat, several of them, or float: the same bits.
+/// The shear of rays along their dominant axis: sx, sy, and the scale sz. F is vfloat, several of them, or float: the same
+/// bits.
 template <class F>
 OCCAM_ALWAYS_INLINE void set_shear(const RayAxes& axes, const F* direction, F (&shear)[3]) noexcept
 {
@@ -69,7 +70,8 @@ inline constexpr float kNearRadii = 4;  ///< of the frame: nearer than that an o
 inline PlacedOrigin place(const Ray& ray, Vec3d anchor, float radius) noexcept
 {
     const Vec3d from = ray.origin - anchor;
-    const float near[3] = {float(from.x), float(from.y), float(from.z)}, way[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
+    const float near[3] = {float(from.x), float(from.y), float(from.z)},
+                way[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
     const float shift = shift_of(near, way);
     if (!(shift > kNearRadii * radius)) return {{near[0], near[1], near[2]}, 0};
     const Vec3f moved(from + Vec3d(ray.direction) * double(shift));
@@ -117,8 +119,9 @@ inline float first_lane(vfloat x) noexcept
     return lanes[0];
 }
 
-/// How rays blend the vertices of a frame: lod::Blend over the vertex's own distance along the ray, d . v + k before it is cut off
-/// at 0 and 1 (Djeu et al. 2011, sec. 5.2.6, with fine at the near end of a growing footprint). F as above: the same bits.
+/// How rays blend the vertices of a frame: lod::Blend over the vertex's own distance along the ray, d . v + k before it is
+/// cut off at 0 and 1 (Djeu et al. 2011, sec. 5.2.6, with fine at the near end of a growing footprint). F as above: the same
+/// bits.
 template <class F>
 struct VertexBlendOf {
     F d[3], k;
@@ -136,7 +139,10 @@ struct VertexBlendOf {
         k = along * blend.scale;
     }
     /// Rises or falls along each axis without a step back, rounding included: so the corners of a box bound what is in it.
-    OCCAM_ALWAYS_INLINE F ramp(const VecOf<F>& v) const noexcept { return fma(v.x, d[0], fma(v.y, d[1], fma(v.z, d[2], k))); }
+    OCCAM_ALWAYS_INLINE F ramp(const VecOf<F>& v) const noexcept
+    {
+        return fma(v.x, d[0], fma(v.y, d[1], fma(v.z, d[2], k)));
+    }
 
     /// 0: fine, 1: coarse.
     OCCAM_ALWAYS_INLINE F weight(const VecOf<F>& fine) const noexcept
@@ -144,9 +150,12 @@ struct VertexBlendOf {
         const F x = min(max(ramp(fine), F(0.0f)), F(1.0f));
         return x * x * (F(3.0f) - (x + x));
     }
-    /// Exactly `fine` and `coarse` at the ends, and where both are the same: the blend of a shared vertex has the same bits in all
-    /// of its triangles and grids (watertightness rule 7).
-    OCCAM_ALWAYS_INLINE VecOf<F> between(const VecOf<F>& fine, const VecOf<F>& coarse) const noexcept { return between(fine, coarse, weight(fine)); }
+    /// Exactly `fine` and `coarse` at the ends, and where both are the same: the blend of a shared vertex has the same bits
+    /// in all of its triangles and grids (watertightness rule 7).
+    OCCAM_ALWAYS_INLINE VecOf<F> between(const VecOf<F>& fine, const VecOf<F>& coarse) const noexcept
+    {
+        return between(fine, coarse, weight(fine));
+    }
     OCCAM_ALWAYS_INLINE static VecOf<F> between(const VecOf<F>& fine, const VecOf<F>& coarse, F w) noexcept
     {
         const auto at_end = w >= F(1.0f);

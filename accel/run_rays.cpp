@@ -8,7 +8,8 @@
 namespace occam::accel {
 
 template <int kParts>
-bool Tracer::State::fits_packet(std::span<const Ray> rays, const vmasks<kParts>& enters, const vfloats<kParts>& t_in, const vfloats<kParts>& t_out) noexcept
+bool Tracer::State::fits_packet(std::span<const Ray> rays, const vmasks<kParts>& enters, const vfloats<kParts>& t_in,
+                                const vfloats<kParts>& t_out) noexcept
 {
     const std::size_t n = rays.size();
     // A ray that misses the scene has the table of one that does not, so as to ask for no more pairs.
@@ -22,14 +23,17 @@ bool Tracer::State::fits_packet(std::span<const Ray> rays, const vmasks<kParts>&
         x.store(lanes);
         return vfloats<kParts>(lanes[one]);
     };
-    return packet_levels<kParts>().set(of[0], of[1], select(enters, t_in, of_one(t_in)), select(enters, t_out, of_one(t_out)), of[2], frame.levels);
+    return packet_levels<kParts>().set(of[0], of[1], select(enters, t_in, of_one(t_in)),
+                                       select(enters, t_out, of_one(t_out)), of[2], frame.levels);
 }
 
 /// Meets what a node holds for pairs [finest, coarsest]. enter(bounds, far) says which rays are inside somewhere before
 /// far, which is limit(); meet(leaf, number, pair, rays) meets the igrid of an entry with them.
 template <class F, class Limit, class Enter, class Meet>
-OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest, int coarsest,
-                                    std::size_t limit_bytes, const RaysAsOne<F>& as_one, Limit&& limit, Enter&& enter, Meet&& meet)
+OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far,
+                                                        const PairSpans<F>& pairs, int finest, int coarsest,
+                                                        std::size_t limit_bytes, const RaysAsOne<F>& as_one, Limit&& limit,
+                                                        Enter&& enter, Meet&& meet)
 {
     KdLeaf& latest = tree.latest_leaf(node);
     const auto is_one = [&] { return finest == coarsest || (latest.pairs.has(finest) && latest.pairs.has(coarsest)); };
@@ -50,7 +54,9 @@ OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, Mask
             for (; maybe != 0; maybe &= maybe - 1) {
                 const std::size_t number = first + static_cast<std::size_t>(std::countr_zero(maybe));
                 const KdLeaf::Entry& entry = leaf->entries[number];
-                const MaskOf<F> entering = here & (read_published(entry.grid) ? enter(entry.bounds, far) : enter({get_box(leaf->boxes, number), {}}, far));
+                const MaskOf<F> entering = here &
+                                           (read_published(entry.grid) ? enter(entry.bounds, far)
+                                                                       : enter({get_box(leaf->boxes, number), {}}, far));
                 if (none(entering)) continue;
                 if (!meet(*leaf, number, pair, entering)) return LeafResult::Abandoned;
                 far = limit();
@@ -62,7 +68,8 @@ OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, Mask
 }
 
 template <int kParts, class Found>
-Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays, const RayAxes& axes, std::size_t limit_bytes, PacketQuery<Found, kParts>& query)
+Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays, const RayAxes& axes,
+                                                      std::size_t limit_bytes, PacketQuery<Found, kParts>& query)
 {
     using F = vfloats<kParts>;
     const std::size_t n = rays.size();
@@ -70,7 +77,8 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
     F start[4], shear[3], inverse[3], way[4];
     static_assert(offsetof(Ray, t_near) == offsetof(Ray, direction) + 3 * sizeof(float));
     gather_four(rays.data(), n, offsetof(Ray, direction), way);
-    place_all(rays, way, [&](std::size_t) -> const FrameState& { return frame; }, start);
+    place_all(
+        rays, way, [&](std::size_t) -> const FrameState& { return frame; }, start);
     set_shear(axes, way, shear);
     set_inverse(axes, way, inverse);
     /// As many rays as there are lanes, in the frame of the cage that the packet is at.
@@ -117,13 +125,16 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
     ++visit;
     ++counters.packets;
     const RaysAsOne<F> as_one(kd, lowest(begin));
-    const auto enter = [&](const GridBounds& bounds, const F& far) __attribute__((always_inline)) {
+    const auto enter = [&](const GridBounds& bounds, const F& far) __attribute__((always_inline))
+    {
         F in = begin, out = far;
         clip(kd, bounds.box, in, out);
         const vmasks<kParts> inside = in <= out;
         return none(inside) ? inside : inside & crosses(kd, bounds.slab, in, out);
     };
-    const auto meet = [&](const KdLeaf& leaf, std::size_t number, int pair, vmasks<kParts> entering) __attribute__((always_inline)) {
+    const auto meet = [&](const KdLeaf& leaf, std::size_t number, int pair, vmasks<kParts> entering)
+        __attribute__((always_inline))
+    {
         IGrid* known = grid_of(leaf, number, pair, limit_bytes);
         if (!known) return false;
         IGrid& grid = *known;
@@ -138,7 +149,8 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
             here = grid.cage;
             blended = lod::kNoPair;
             F placed[4];
-            place_all(rays, way, [&](std::size_t) -> const lod::PosedCage& { return *here; }, placed);
+            place_all(
+                rays, way, [&](std::size_t) -> const lod::PosedCage& { return *here; }, placed);
             for (int p = 0; p < kParts; ++p) {
                 for (int a = 0; a < 3; ++a) parts[p].lanes.origin[a] = placed[a].part[p];
                 parts[p].lanes.shift = placed[3].part[p];
@@ -155,7 +167,8 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
                 const lod::Blend<F> blend = pairs.levels->blend(blended);
                 for (int p = 0; p < kParts; ++p) {
                     RayLanes& lanes = parts[p].lanes;
-                    lanes.blend.set({blend.start.part[p], blend.scale.part[p]}, {way[0].part[p], way[1].part[p], way[2].part[p]}, lanes.origin, lanes.shift);
+                    lanes.blend.set({blend.start.part[p], blend.scale.part[p]},
+                                    {way[0].part[p], way[1].part[p], way[2].part[p]}, lanes.origin, lanes.shift);
                 }
             }
         }
@@ -165,11 +178,13 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
             Part& part = parts[p];
             PartOf<Found> some{query, p * kLanes};
             if (std::popcount(of_part) >= kWorthAPacket) {
-                IGridTracer(grid, part.lanes, kd.negative, from.part[p], to.part[p], some).packet(entering.part[p], [&]() -> const RaysAsOne<vfloat>& {
-                    if (!part.is_as_one_placed) part.as_one = {part.lanes.origin, part.lanes.inverse, kd.negative, part.lanes.shift, -FLT_MAX};
-                    part.is_as_one_placed = true;
-                    return part.as_one;
-                });
+                IGridTracer(grid, part.lanes, kd.negative, from.part[p], to.part[p], some)
+                    .packet(entering.part[p], [&]() -> const RaysAsOne<vfloat>& {
+                        if (!part.is_as_one_placed)
+                            part.as_one = {part.lanes.origin, part.lanes.inverse, kd.negative, part.lanes.shift, -FLT_MAX};
+                        part.is_as_one_placed = true;
+                        return part.as_one;
+                    });
                 continue;
             }
             // Few are left: each alone, across micropolygons.
@@ -183,10 +198,11 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
         }
         return true;
     };
-    const bool is_done = traverse(tree, kd, begin, end, pairs, counters, limit,
-                                  [&](std::uint32_t node, const vmasks<kParts>& alive, const F& near, const F& far, int finest, int coarsest) {
-                                      return meet_leaf(node, alive, near, far, pairs, finest, coarsest, limit_bytes, as_one, limit, enter, meet);
-                                  });
+    const bool is_done = traverse(
+        tree, kd, begin, end, pairs, counters, limit,
+        [&](std::uint32_t node, const vmasks<kParts>& alive, const F& near, const F& far, int finest, int coarsest) {
+            return meet_leaf(node, alive, near, far, pairs, finest, coarsest, limit_bytes, as_one, limit, enter, meet);
+        });
     return is_done ? PacketResult::Done : PacketResult::Abandoned;
 }
 
@@ -218,7 +234,9 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& axes, std::size_t 
     const int lane = query.only;
     float begin = ray.t_near - kd.shift, end = query.t[lane] - kd.shift;
     begin = begin - (std::fabs(ray.t_near) + std::fabs(kd.shift)) * (4 * FLT_EPSILON);
-    const auto limit = [&] { return query.t[lane] - kd.shift + (std::fabs(query.t[lane]) + std::fabs(kd.shift)) * (4 * FLT_EPSILON); };
+    const auto limit = [&] {
+        return query.t[lane] - kd.shift + (std::fabs(query.t[lane]) + std::fabs(kd.shift)) * (4 * FLT_EPSILON);
+    };
     clip(kd, frame.bounds, begin, end);
 
     if (!(begin <= end)) return true;
@@ -267,15 +285,21 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& axes, std::size_t 
         IGridTracer(grid, lanes, kd.negative, from, to, query).single(lane);
         return true;
     };
-    return traverse(tree, kd, begin, end, pairs, counters, limit, [&](std::uint32_t node, bool alive, float near, float far, int finest, int coarsest) {
-        return meet_leaf(node, alive, near, far, pairs, finest, coarsest, limit_bytes, as_one, limit, enter, meet);
-    });
+    return traverse(tree, kd, begin, end, pairs, counters, limit,
+                    [&](std::uint32_t node, bool alive, float near, float far, int finest, int coarsest) {
+                        return meet_leaf(node, alive, near, far, pairs, finest, coarsest, limit_bytes, as_one, limit, enter,
+                                         meet);
+                    });
 }
 
-template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes&, std::size_t, PacketQuery<Nearest, 1>&);
-template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes&, std::size_t, PacketQuery<Nearest, 2>&);
-template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes&, std::size_t, PacketQuery<AnyHit, 1>&);
-template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes&, std::size_t, PacketQuery<AnyHit, 2>&);
+template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                               PacketQuery<Nearest, 1>&);
+template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                               PacketQuery<Nearest, 2>&);
+template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                               PacketQuery<AnyHit, 1>&);
+template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                               PacketQuery<AnyHit, 2>&);
 template bool Tracer::State::run_single(const Ray&, const RayAxes&, std::size_t, SingleQuery<Nearest>&);
 template bool Tracer::State::run_single(const Ray&, const RayAxes&, std::size_t, SingleQuery<AnyHit>&);
 

@@ -50,7 +50,8 @@ TraceCounters Tracer::counters() const
 }
 
 template <int kParts, class Found, class Take>
-Tracer::State::PacketResult Tracer::State::run_packet_of(std::span<const Ray> rays, const RayAxes& axes, std::size_t first, std::size_t limit_bytes, Take&& take)
+Tracer::State::PacketResult Tracer::State::run_packet_of(std::span<const Ray> rays, const RayAxes& axes, std::size_t first,
+                                                         std::size_t limit_bytes, Take&& take)
 {
     PacketQuery<Found, kParts> query;
     start(query, rays);
@@ -140,7 +141,9 @@ void Tracer::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occlude
     State& s = *state_;
     const std::uint64_t diced = s.counters.diced;
     s.for_groups(rays, [&](const RayAxes& axes, std::size_t first, std::size_t count, std::size_t limit) {
-        const auto take = [&](std::size_t i, std::size_t lane, const AnyHit& found, auto&) { occluded[s.groups.place_of[first + i]] = found.t[lane] == kDead; };
+        const auto take = [&](std::size_t i, std::size_t lane, const AnyHit& found, auto&) {
+            occluded[s.groups.place_of[first + i]] = found.t[lane] == kDead;
+        };
         return s.run<AnyHit>(axes, first, count, limit, take);
     });
     s.counters.diced_for_occlusion += s.counters.diced - diced;

@@ -17,7 +17,13 @@ namespace occam::accel {
 struct Tracer::State {
     explicit State(std::unique_ptr<LazyTree> tree_of_its_own) : State(*tree_of_its_own) { own = std::move(tree_of_its_own); }
     explicit State(LazyTree& all)
-        : lazy(all), frame(all.frame), budget(all.budget), arena(all.arena), tree(all.tree), gate(all.gate()), mailboxes(gate != nullptr)
+        : lazy(all),
+          frame(all.frame),
+          budget(all.budget),
+          arena(all.arena),
+          tree(all.tree),
+          gate(all.gate()),
+          mailboxes(gate != nullptr)
     {
     }
 
@@ -35,14 +41,16 @@ struct Tracer::State {
     };
     /// One group of rays with equal axes and octant.
     template <int kParts, class Found>
-    PacketResult run_packet(std::span<const Ray> rays, const RayAxes& axes, std::size_t limit_bytes, PacketQuery<Found, kParts>& query);
+    PacketResult run_packet(std::span<const Ray> rays, const RayAxes& axes, std::size_t limit_bytes,
+                            PacketQuery<Found, kParts>& query);
     /// False if the budget was passed on the way.
     template <class Found>
     bool run_single(const Ray& ray, const RayAxes& axes, std::size_t limit_bytes, SingleQuery<Found>& query);
 
     template <class F, class Limit, class Enter, class Meet>
-    LeafResult meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest, int coarsest,
-                         std::size_t limit_bytes, const RaysAsOne<F>& as_one, Limit&& limit, Enter&& enter, Meet&& meet);
+    LeafResult meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest,
+                         int coarsest, std::size_t limit_bytes, const RaysAsOne<F>& as_one, Limit&& limit, Enter&& enter,
+                         Meet&& meet);
     /// The igrid of an entry, made if need be; null: the budget is passed.
     IGrid* grid_of(const KdLeaf& leaf, std::size_t number, int pair, std::size_t limit_bytes)
     {
@@ -51,10 +59,11 @@ struct Tracer::State {
         return arena.bytes() <= limit_bytes ? made : nullptr;
     }
     bool is_per_ray() const noexcept { return frame.levels.mode != lod::LevelMode::PerInstance; }
-    /// Makes the table of transitions of a packet of which `enters` are in the scene from t_in to t_out; false if its rays see too many
-    /// pairs to travel together.
+    /// Makes the table of transitions of a packet of which `enters` are in the scene from t_in to t_out; false if its rays
+    /// see too many pairs to travel together.
     template <int kParts>
-    bool fits_packet(std::span<const Ray> rays, const vmasks<kParts>& enters, const vfloats<kParts>& t_in, const vfloats<kParts>& t_out) noexcept;
+    bool fits_packet(std::span<const Ray> rays, const vmasks<kParts>& enters, const vfloats<kParts>& t_in,
+                     const vfloats<kParts>& t_out) noexcept;
     template <int kParts>
     lod::RayLevels<vfloats<kParts>>& packet_levels() noexcept
     {
@@ -65,7 +74,9 @@ struct Tracer::State {
     lod::Footprint wanted_of(const Ray& ray) const noexcept
     {
         lod::Footprint f = ray.footprint;
-        if (f.a <= 0 && f.b == 0) f = {frame.levels.pixel.at(static_cast<float>(glm::distance(ray.origin, frame.levels.eye))), frame.levels.pixel.b};
+        if (f.a <= 0 && f.b == 0)
+            f = {frame.levels.pixel.at(static_cast<float>(glm::distance(ray.origin, frame.levels.eye))),
+                 frame.levels.pixel.b};
         if (frame.levels.mode == lod::LevelMode::Frozen && !(ray.kinds & RayKind::Camera)) f.b = 0;
         return frame.levels.wanted(f);
     }
@@ -81,11 +92,14 @@ struct Tracer::State {
     }
 
     template <int kParts, class Found, class Take>
-    PacketResult run_packet_of(std::span<const Ray> rays, const RayAxes& axes, std::size_t first, std::size_t limit_bytes, Take&& take);
-    /// Traces one group, and gives take(i, lane, found, blends) what its ray i has met: lane of found; blends(pair, lane): how it blends.
+    PacketResult run_packet_of(std::span<const Ray> rays, const RayAxes& axes, std::size_t first, std::size_t limit_bytes,
+                               Take&& take);
+    /// Traces one group, and gives take(i, lane, found, blends) what its ray i has met: lane of found; blends(pair, lane):
+    /// how it blends.
     template <class Found, class Take>
     bool run(const RayAxes& axes, std::size_t first, std::size_t count, std::size_t limit_bytes, Take&& take);
-    /// fill(axes, first, met) for each group: what groups.sorted[first + i] has met, and, if kWithBlend, how it blends there.
+    /// fill(axes, first, met) for each group: what groups.sorted[first + i] has met, and, if kWithBlend, how it blends
+    /// there.
     template <bool kWithBlend, class Fill>
     void find_nearest(std::span<const Ray> rays, Fill&& fill);
 
@@ -117,7 +131,9 @@ struct Tracer::State {
         groups.sort(rays);
         const FlushGate::Inside inside(gate);
         groups.for_each_packet([&](const RayAxes& axes, std::size_t first, std::size_t count) {
-            within_budget(first, count, [&](std::size_t from, std::size_t of_these, std::size_t limit) { return run(axes, from, of_these, limit); });
+            within_budget(first, count, [&](std::size_t from, std::size_t of_these, std::size_t limit) {
+                return run(axes, from, of_these, limit);
+            });
         });
         counters.rays += rays.size();
     }
@@ -128,13 +144,13 @@ struct Tracer::State {
     const std::size_t budget;
     Arena& arena;
     KdTree& tree;
-    FlushGate* const gate;          ///< null unless the tree is shared
-    TraceCounters counters;         ///< without those of building
+    FlushGate* const gate;   ///< null unless the tree is shared
+    TraceCounters counters;  ///< without those of building
     Mailboxes mailboxes;
     lod::RayLevels<vfloats<1>> narrow_levels;  ///< of the packet traced last
     lod::RayLevels<vfloats<2>> wide_levels;
-    lod::RayLevels<float> single_levels;       ///< of the ray traced last
-    RayGroups groups;                          ///< of the batch traced last
+    lod::RayLevels<float> single_levels;  ///< of the ray traced last
+    RayGroups groups;                     ///< of the batch traced last
     std::uint64_t visit = 0;
 };
 

@@ -1,7 +1,8 @@
 // One traversal of the kd-tree for everything: packets and single rays, nearest and any hit.
 //
-// F is vfloat (a packet whose rays share the signs of their directions) or float (one ray). One descent serves all pairs of levels
-// of a ray: where a node is interior for fine pairs only, the part of the ray that sees coarser ones meets it as a leaf.
+// F is vfloat (a packet whose rays share the signs of their directions) or float (one ray). One descent serves all pairs of
+// levels of a ray: where a node is interior for fine pairs only, the part of the ray that sees coarser ones meets it as a
+// leaf.
 //
 // Invariant: a lane is alive in a node while its t_near <= t_far there. t is in the tree's frame, where origins are near the
 // scene; intervals overlap at planes by a few ulps, since culling may never decide a hit.
@@ -10,8 +11,8 @@
 #include <cfloat>
 
 #include "accel/kd_tree.h"
+#include "base/simd.h"
 #include "lod/ray_levels.h"
-#include "scenegraph/base/simd.h"
 
 namespace occam::accel {
 
@@ -44,7 +45,9 @@ OCCAM_ALWAYS_INLINE void clip(const KdRay<F>& ray, const Box3f& box, F& t_near, 
 template <class F>
 OCCAM_ALWAYS_INLINE MaskOf<F> crosses(const KdRay<F>& ray, const Slab& slab, F in, F out) noexcept
 {
-    const auto dot = [&](const F (&v)[3]) { return fma(v[0], F(slab.normal.x), fma(v[1], F(slab.normal.y), v[2] * F(slab.normal.z))); };
+    const auto dot = [&](const F(&v)[3]) {
+        return fma(v[0], F(slab.normal.x), fma(v[1], F(slab.normal.y), v[2] * F(slab.normal.z)));
+    };
     const F start = dot(ray.origin), speed = dot(ray.direction);
     const F a = fma(in, speed, start), b = fma(out, speed, start);
     const F low = min(a, b), high = max(a, b);
@@ -72,7 +75,8 @@ struct PairSpans {
     void narrow(MaskOf<F> alive, F near, F far, int& low, int& high) const noexcept
     {
         levels->make();
-        levels->narrow(lowest(select(alive, widen(near + shift, -1), F(FLT_MAX))), highest(select(alive, widen(far + shift, 1), F(-FLT_MAX))), low, high);
+        levels->narrow(lowest(select(alive, widen(near + shift, -1), F(FLT_MAX))),
+                       highest(select(alive, widen(far + shift, 1), F(-FLT_MAX))), low, high);
     }
     bool are_all_in(PairRange range) const noexcept { return range.finest <= finest && coarsest <= range.coarsest; }
 
@@ -82,16 +86,16 @@ private:
 
 enum class LeafResult : unsigned char {
     Done,
-    Expanded,   ///< the node has become interior for some of the pairs: look again
-    Abandoned   ///< the memory budget is used up
+    Expanded,  ///< the node has become interior for some of the pairs: look again
+    Abandoned  ///< the memory budget is used up
 };
 
 /// Walks front to back. t_near, t_far: each ray's interval, clipped to the tree. limit(): its end as hits shorten it.
 /// leaf(node, alive, t_near, t_far, finest, coarsest): meets what a node holds for those pairs; may shorten limit().
 /// Returns false if it was abandoned.
 template <class F, class LimitFn, class LeafFn>
-bool traverse(KdTree& tree, const KdRay<F>& ray, F t_near, F t_far, const PairSpans<F>& pairs, TraceCounters& counters, LimitFn&& limit,
-              LeafFn&& leaf)
+bool traverse(KdTree& tree, const KdRay<F>& ray, F t_near, F t_far, const PairSpans<F>& pairs, TraceCounters& counters,
+              LimitFn&& limit, LeafFn&& leaf)
 {
     struct Span {
         std::uint32_t node;
@@ -113,7 +117,8 @@ bool traverse(KdTree& tree, const KdRay<F>& ray, F t_near, F t_far, const PairSp
                 break;
             }
             if (at.level() < pairs.coarsest) {
-                const F from = max(t_near, pairs.in(at.level() + 1, pairs.coarsest)), to = min(t_far, pairs.out(at.level() + 1, pairs.coarsest));
+                const F from = max(t_near, pairs.in(at.level() + 1, pairs.coarsest)),
+                        to = min(t_far, pairs.out(at.level() + 1, pairs.coarsest));
                 const MaskOf<F> coarse = alive & (from <= to);
                 if (any(coarse)) {
                     if (leaf(node, coarse, from, to, at.level() + 1, pairs.coarsest) == LeafResult::Abandoned) return false;

@@ -1,9 +1,9 @@
 // The watertight ray/triangle test, on lanes: rays against one triangle, or one ray against many.
 //
-// After Woop et al. 2013. Edge functions are not fused, and zero is inside: a - b of two rounded products has the right sign or is
-// zero, and swapping the ends of an edge flips it exactly, so no ray passes between two triangles with the same vertex bits
-// (measured against fused forms: docs/watertightness.md). det = 0 misses. t is clamped to the triangle's own extent along the
-// ray, so that a sliver seen edge-on cannot report a hit outside of its box.
+// After Woop et al. 2013. Edge functions are not fused, and zero is inside: a - b of two rounded products has the right sign
+// or is zero, and swapping the ends of an edge flips it exactly, so no ray passes between two triangles with the same vertex
+// bits (measured against fused forms: docs/watertightness.md). det = 0 misses. t is clamped to the triangle's own extent
+// along the ray, so that a sliver seen edge-on cannot report a hit outside of its box.
 #pragma once
 
 #include "accel/ray_lanes.h"
@@ -31,7 +31,8 @@ struct TriangleHit {
 struct EdgeFunctions {
     vfloat u, v, w;
 };
-OCCAM_ALWAYS_INLINE EdgeFunctions edge_functions(const ShearedVertex& a, const ShearedVertex& b, const ShearedVertex& c) noexcept
+OCCAM_ALWAYS_INLINE EdgeFunctions edge_functions(const ShearedVertex& a, const ShearedVertex& b,
+                                                 const ShearedVertex& c) noexcept
 {
     return {c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x};
 }
@@ -42,8 +43,8 @@ OCCAM_ALWAYS_INLINE vmask is_inside(const EdgeFunctions& e) noexcept
 }
 
 /// Of lanes inside.
-OCCAM_ALWAYS_INLINE TriangleHit hit_inside(const RayLanes& ray, const EdgeFunctions& e, vmask inside, const ShearedVertex& a, const ShearedVertex& b,
-                                           const ShearedVertex& c) noexcept
+OCCAM_ALWAYS_INLINE TriangleHit hit_inside(const RayLanes& ray, const EdgeFunctions& e, vmask inside, const ShearedVertex& a,
+                                           const ShearedVertex& b, const ShearedVertex& c) noexcept
 {
     const vfloat det = (e.u + e.v) + e.w;
     const vfloat t = ((e.u * a.t + e.v * b.t) + e.w * c.t) / det;
@@ -51,7 +52,8 @@ OCCAM_ALWAYS_INLINE TriangleHit hit_inside(const RayLanes& ray, const EdgeFuncti
     return {andnot(inside, det == vfloat(0.0f)), ray.shift + min(max(t, low), high)};
 }
 
-OCCAM_ALWAYS_INLINE TriangleHit intersect(const RayLanes& ray, const ShearedVertex& a, const ShearedVertex& b, const ShearedVertex& c) noexcept
+OCCAM_ALWAYS_INLINE TriangleHit intersect(const RayLanes& ray, const ShearedVertex& a, const ShearedVertex& b,
+                                          const ShearedVertex& c) noexcept
 {
     const EdgeFunctions e = edge_functions(a, b, c);
     const vmask inside = is_inside(e);
@@ -59,7 +61,8 @@ OCCAM_ALWAYS_INLINE TriangleHit intersect(const RayLanes& ray, const ShearedVert
     return hit_inside(ray, e, inside, a, b, c);
 }
 
-/// The side of an edge from p to q on which the ray passes: 0 on it. As in edge_functions(); of q to p it is exactly the opposite.
+/// The side of an edge from p to q on which the ray passes: 0 on it. As in edge_functions(); of q to p it is exactly the
+/// opposite.
 struct Edge {
     vfloat side;
     vmask is_left, is_right;  ///< on it is both
@@ -71,16 +74,19 @@ struct Edge {
     }
 };
 
-/// The two triangles of a quad (v00, v10, v11) and (v00, v11, v01), whose edges are made once, as are those that quads share: the same bits as of
-/// intersect(). Left, right: from the lower vertex to the upper; low, high: from the right vertex to the left.
-/// take(hit, triangle): for triangles that have been met by some lane.
+/// The two triangles of a quad (v00, v10, v11) and (v00, v11, v01), whose edges are made once, as are those that quads
+/// share: the same bits as of intersect(). Left, right: from the lower vertex to the upper; low, high: from the right vertex
+/// to the left. take(hit, triangle): for triangles that have been met by some lane.
 template <class Take>
-OCCAM_ALWAYS_INLINE void intersect_quad(const RayLanes& ray, const ShearedVertex& v00, const ShearedVertex& v10, const ShearedVertex& v01,
-                                        const ShearedVertex& v11, const Edge& left, const Edge& right, const Edge& low, const Edge& high, Take&& take) noexcept
+OCCAM_ALWAYS_INLINE void intersect_quad(const RayLanes& ray, const ShearedVertex& v00, const ShearedVertex& v10,
+                                        const ShearedVertex& v01, const ShearedVertex& v11, const Edge& left,
+                                        const Edge& right, const Edge& low, const Edge& high, Take&& take) noexcept
 {
     const Edge diagonal(v00, v11);
-    const vmask first = (right.is_right & diagonal.is_left & low.is_left) | (right.is_left & diagonal.is_right & low.is_right);
-    const vmask second = (high.is_right & left.is_left & diagonal.is_right) | (high.is_left & left.is_right & diagonal.is_left);
+    const vmask first = (right.is_right & diagonal.is_left & low.is_left) |
+                        (right.is_left & diagonal.is_right & low.is_right);
+    const vmask second = (high.is_right & left.is_left & diagonal.is_right) |
+                         (high.is_left & left.is_right & diagonal.is_left);
     if (none(first | second)) return;
     if (any(first)) take(hit_inside(ray, {-right.side, diagonal.side, low.side}, first, v00, v10, v11), 0);
     if (any(second)) take(hit_inside(ray, {-high.side, left.side, -diagonal.side}, second, v00, v11, v01), 1);

@@ -1,7 +1,7 @@
 // Vectors of three: of lanes, or of floats for one ray.
 #pragma once
 
-#include "scenegraph/base/simd.h"
+#include "base/simd.h"
 
 namespace occam::accel {
 
@@ -34,7 +34,8 @@ inline vfloat difference_of_products(vfloat a, vfloat b, vfloat c, vfloat d) noe
 }
 inline VecLanes cross(const VecLanes& a, const VecLanes& b) noexcept
 {
-    return {difference_of_products(a.y, b.z, a.z, b.y), difference_of_products(a.z, b.x, a.x, b.z), difference_of_products(a.x, b.y, a.y, b.x)};
+    return {difference_of_products(a.y, b.z, a.z, b.y), difference_of_products(a.z, b.x, a.x, b.z),
+            difference_of_products(a.x, b.y, a.y, b.x)};
 }
 
 }  // namespace occam::accel

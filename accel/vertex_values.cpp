@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "accel/stopwatch.h"
-#include "scenegraph/base/publish.h"
+#include "base/publish.h"
 
 namespace occam::accel {
 namespace {
@@ -29,10 +29,11 @@ struct ValueLattice {
     int index(int i, int j) const noexcept { return j * (columns + 1) + i; }
 };
 
-// Filters are half as wide as the lattice's quads, since a bilinear lookup in a MIP level reaches two texels far and the values are
-// interpolated once more (docs/performance.md has what wider ones cost in error); and no narrower than those of hits that see the level
-// fully fine.
-const float* make_values(const IGrid& grid, IGridPart& part, bool is_coarse, const Material& material, int channels, const PhaseOneTools& tools)
+// Filters are half as wide as the lattice's quads, since a bilinear lookup in a MIP level reaches two texels far and the
+// values are interpolated once more (docs/performance.md has what wider ones cost in error); and no narrower than those of
+// hits that see the level fully fine.
+const float* make_values(const IGrid& grid, IGridPart& part, bool is_coarse, const Material& material, int channels,
+                         const PhaseOneTools& tools)
 {
     const MaybeLock lock(tools.building);
     if (part.values[is_coarse]) return part.values[is_coarse];  // another was here meanwhile
@@ -61,7 +62,8 @@ const float* make_values(const IGrid& grid, IGridPart& part, bool is_coarse, con
             for (int s = 0; s < 2; ++s) {
                 const Vec2f* uv = part.attributes.uv[s];
                 if (!uv) continue;
-                const Vec2f u = uv[at_j * width + i1] - uv[at_j * width + i0], v = uv[j1 * width + at_i] - uv[j0 * width + at_i];
+                const Vec2f u = uv[at_j * width + i1] - uv[at_j * width + i0],
+                            v = uv[j1 * width + at_i] - uv[j0 * width + at_i];
                 const float uv_area = std::abs(u.x * v.y - u.y * v.x);
                 vertex.uv[s] = uv[at_j * width + at_i];
                 vertex.uv_width[s] = std::sqrt(uv_area * std::max(0.25f / quads, area > 0 ? least * least / area : 0));
@@ -69,7 +71,8 @@ const float* make_values(const IGrid& grid, IGridPart& part, bool is_coarse, con
         }
     const auto count = static_cast<std::size_t>(lattice.count());
     float* values = tools.arena.make_array<float>(count * static_cast<std::size_t>(channels)).data();
-    tools.frame.shading.shader->shade(material, {{vertices.data(), count}, {places.data(), count}, lattice.columns + 1}, values);
+    tools.frame.shading.shader->shade(material, {{vertices.data(), count}, {places.data(), count}, lattice.columns + 1},
+                                      values);
     tools.counters.vertices_looked_up += count;
     publish(part.values[is_coarse], static_cast<const float*>(values));
     return values;
@@ -78,14 +81,17 @@ const float* make_values(const IGrid& grid, IGridPart& part, bool is_coarse, con
 /// Adds a level's values, bilinear, times `share`.
 void interpolate(const ValueLattice& lattice, const float* values, Vec2d at, float share, int channels, float* out) noexcept
 {
-    const double x = at.x * double(lod::edge_length(-lattice.shift_u)), y = at.y * double(lod::edge_length(-lattice.shift_v));
-    const int i = std::clamp(static_cast<int>(x), 0, lattice.columns - 1), j = std::clamp(static_cast<int>(y), 0, lattice.rows - 1);
+    const double x = at.x * double(lod::edge_length(-lattice.shift_u)),
+                 y = at.y * double(lod::edge_length(-lattice.shift_v));
+    const int i = std::clamp(static_cast<int>(x), 0, lattice.columns - 1),
+              j = std::clamp(static_cast<int>(y), 0, lattice.rows - 1);
     const auto fx = static_cast<float>(x - i), fy = static_cast<float>(y - j);
     const float* v00 = values + lattice.index(i, j) * channels;
     const float* v10 = v00 + channels;
     const float* v01 = values + lattice.index(i, j + 1) * channels;
     const float* v11 = v01 + channels;
-    const float w00 = (1 - fx) * (1 - fy) * share, w10 = fx * (1 - fy) * share, w01 = (1 - fx) * fy * share, w11 = fx * fy * share;
+    const float w00 = (1 - fx) * (1 - fy) * share, w10 = fx * (1 - fy) * share, w01 = (1 - fx) * fy * share,
+                w11 = fx * fy * share;
     for (int c = 0; c < channels; ++c) out[c] += v00[c] * w00 + v10[c] * w10 + v01[c] * w01 + v11[c] * w11;
 }
 

@@ -97,7 +97,8 @@ void Query::first_hits(std::span<const QueryRay> rays, std::span<FirstHit> hits)
     for (std::size_t first = 0; first < rays.size(); first += kBatch) {
         const std::size_t count = std::min(kBatch, rays.size() - first);
         batch.clear();
-        for (const QueryRay& ray : rays.subspan(first, count)) batch.push_back(state_->ray(ray.origin, ray.direction, ray.far));
+        for (const QueryRay& ray : rays.subspan(first, count))
+            batch.push_back(state_->ray(ray.origin, ray.direction, ray.far));
         found.resize(count);
         state_->tracer.first_hits(batch, found);
         for (std::size_t i = 0; i < count; ++i) hits[first + i] = {double(found[i].t), found[i].node, found[i].face};

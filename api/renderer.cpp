@@ -69,8 +69,8 @@ struct Job::State {
         try {
             make_image();
         } catch (const std::bad_alloc&) {
-            error =
-                std::make_exception_ptr(Error("", "there is not enough memory for this picture", {}, Error::Kind::Output));
+            error = std::make_exception_ptr(
+                Error("", "there is not enough memory for this picture", {}, Error::Kind::Output));
         } catch (...) {
             error = std::current_exception();
         }
@@ -90,13 +90,12 @@ struct Job::State {
         renderer->textures.prepare(scene);
         stats.seconds.texture = seconds_since(prepare_start);
 
-        const auto deadline =
-            settings.deadline_s > 0
-                ? start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(settings.deadline_s))
-                : Clock::time_point::max();
-        image = render::render_frame(
-            {scene, bounds, camera, settings, renderer->resources, memory, renderer->topologies, renderer->textures, deadline},
-            control, stats);
+        const auto deadline = settings.deadline_s > 0 ? start + std::chrono::duration_cast<Clock::duration>(
+                                                                    std::chrono::duration<double>(settings.deadline_s))
+                                                      : Clock::time_point::max();
+        image = render::render_frame({scene, bounds, camera, settings, renderer->resources, memory, renderer->topologies,
+                                      renderer->textures, deadline},
+                                     control, stats);
         render::describe(image, camera, settings);
         render::describe_mattes(image, scene, settings);
         finish_stats();

@@ -5,8 +5,8 @@
 //          the same one. The order is fixed: along v first, then along u, coefficients in ascending order.
 #pragma once
 
-#include "scenegraph/base/simd.h"
-#include "scenegraph/base/vec.h"
+#include "base/simd.h"
+#include "base/vec.h"
 
 namespace occam::lod {
 
@@ -18,7 +18,8 @@ struct CubicWeights {
 inline CubicWeights cubic_weights(double t) noexcept
 {
     const double s = 1 - t;
-    return {{float(s * s * s / 6), float((4 + t * t * (3 * t - 6)) / 6), float((4 + s * s * (3 * s - 6)) / 6), float(t * t * t / 6)}};
+    return {{float(s * s * s / 6), float((4 + t * t * (3 * t - 6)) / 6), float((4 + s * s * (3 * s - 6)) / 6),
+             float(t * t * t / 6)}};
 }
 
 /// Their derivatives at t.

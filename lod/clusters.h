@@ -1,7 +1,8 @@
 // A cage's faces in a tree of boxes, so that a cage of any size is opened step by step.
 //
 // Built from topology and rest positions; the boxes follow when positions change. A face's box holds its control points'
-// (the surface lies in their hull: the weights of subdivision are not negative; val-2 vertices leave it by 4e-7, hence the pad).
+// (the surface lies in their hull: the weights of subdivision are not negative; val-2 vertices leave it by 4e-7, hence the
+// pad).
 //
 // Space    object axes.   Memory   28 bytes a node, 4 a face.   Threads  const after refit().
 #pragma once

@@ -14,9 +14,11 @@ Vec3d turned_normal(const Mat3d& m, Vec3d n) noexcept
 
 }  // namespace
 
-DeformedCage::DeformedCage(const CageSlot& slot, const Node& node, const SkinSlot* skin, const double (&rows)[3][4], Arena& arena,
-                           DeformCounters& counters)
-    : cage_(slot.cage), weights_(node.morph_weights.empty() ? slot.cage.morph_weights : node.morph_weights), arena_(&arena),
+DeformedCage::DeformedCage(const CageSlot& slot, const Node& node, const SkinSlot* skin, const double (&rows)[3][4],
+                           Arena& arena, DeformCounters& counters)
+    : cage_(slot.cage),
+      weights_(node.morph_weights.empty() ? slot.cage.morph_weights : node.morph_weights),
+      arena_(&arena),
       counters_(&counters)
 {
     for (int c = 0; c < 4; ++c) frame_from_mesh_[c] = Vec4d(rows[0][c], rows[1][c], rows[2][c], c == 3 ? 1 : 0);
@@ -28,7 +30,8 @@ DeformedCage::DeformedCage(const CageSlot& slot, const Node& node, const SkinSlo
         int mirrored = 0;
         for (const JointBox& used : slot.deform[0].joints) {
             if (used.joint < joint_count_) joints[used.joint] = frame_from_mesh_ * skin->mesh_poses[used.joint];
-            mirrored += glm::determinant(Mat3d(used.joint < joint_count_ ? joints[used.joint] : frame_from_mesh_)) < 0 ? 1 : -1;
+            mirrored += glm::determinant(Mat3d(used.joint < joint_count_ ? joints[used.joint] : frame_from_mesh_)) < 0 ? 1
+                                                                                                                       : -1;
         }
         joints_ = joints.data();
         is_mirrored_ = mirrored > 0;
@@ -93,7 +96,8 @@ Vec3f DeformedCage::normal(std::uint32_t v) const noexcept
         for (int set = 0; set < cage_.skin.sets; ++set) {
             const std::size_t at = std::size_t(set) * cage_.positions.size() + v;
             for (int k = 0; k < 4; ++k)
-                if (cage_.skin.weights[at][k] > 0) blended += Mat3d(joint(cage_.skin.joints[at][k])) * double(cage_.skin.weights[at][k]);
+                if (cage_.skin.weights[at][k] > 0)
+                    blended += Mat3d(joint(cage_.skin.joints[at][k])) * double(cage_.skin.weights[at][k]);
         }
     }
     n = turned_normal(blended, n);

@@ -8,8 +8,8 @@
 // Threads  one worker's own.
 #pragma once
 
+#include "base/arena.h"
 #include "lod/deformed_clusters.h"
-#include "scenegraph/base/arena.h"
 #include "scenegraph/scene.h"
 
 namespace occam::lod {
@@ -23,13 +23,14 @@ class DeformedCage {
 public:
     /// frame_from_node   rows, as PosedCage has them
     /// skin              null: morph targets alone
-    DeformedCage(const CageSlot& slot, const Node& node, const SkinSlot* skin, const double (&frame_from_node)[3][4], Arena& arena,
-                 DeformCounters& counters);
+    DeformedCage(const CageSlot& slot, const Node& node, const SkinSlot* skin, const double (&frame_from_node)[3][4],
+                 Arena& arena, DeformCounters& counters);
 
     Vec3f position(std::uint32_t v)
     {
         const Vec3f* block = blocks_[v / kBlock];
-        if (!block) block = pose_block(v / kBlock);  // as (block ? block : ...)[v % kBlock], g++ 12 loses the index under ubsan
+        if (!block)
+            block = pose_block(v / kBlock);  // as (block ? block : ...)[v % kBlock], g++ 12 loses the index under ubsan
         return block[v % kBlock];
     }
     /// Not normalised; of a cage that has normals. Morphed, then by the inverse transpose of the vertex's blended matrix.

@@ -50,7 +50,8 @@ DeformedClusters::DeformedClusters(const Cage& cage, const ClusterTree& clusters
         for (std::uint32_t k = node.begin; k < node.end; ++k) add_corners(clusters.face(k), i + 1);
         const std::size_t own = vertices.size();
         for (std::size_t k = 0; is_smooth && k < own; ++k)
-            for (std::uint32_t n = around.first[vertices[k]]; n < around.first[vertices[k] + 1]; ++n) add_corners(around.faces[n], i + 1);
+            for (std::uint32_t n = around.first[vertices[k]]; n < around.first[vertices[k] + 1]; ++n)
+                add_corners(around.faces[n], i + 1);
         table_.add(cage, vertices);
     }
 }

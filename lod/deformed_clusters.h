@@ -1,6 +1,6 @@
 // Bounds of a cage's clusters however skins and morph targets deform it.
 //
-// Space    boxes as DeformBounds.   Memory  28 bytes for each joint of a cluster, 24 for each morph target.   Threads  const.
+// Space    boxes as DeformBounds.   Memory  28 bytes for each joint of a cluster, 24 for each morph target.   Threads const.
 #pragma once
 
 #include "lod/clusters.h"

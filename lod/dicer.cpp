@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "scenegraph/base/hash.h"
-#include "scenegraph/base/power_of_two.h"
+#include "base/hash.h"
+#include "base/power_of_two.h"
 
 namespace occam::lod {
 namespace {
@@ -123,7 +123,8 @@ TileRef Dicer::tile(PatchRef patch, const PatchScale& scale, int level, std::uin
     return tile;
 }
 
-void Dicer::patch_curve(const PosedCage& cage, PatchRef patch, int filter, bool along_v, float fixed, float t0, float step, std::span<Vec3f> out)
+void Dicer::patch_curve(const PosedCage& cage, PatchRef patch, int filter, bool along_v, float fixed, float t0, float step,
+                        std::span<Vec3f> out)
 {
     if (cage.is_displaced()) displaced_curve(cage, patch, filter, along_v, fixed, t0, step, out);
     else posed(cage, patch).curve(along_v, fixed, t0, step, out);
@@ -167,7 +168,8 @@ Vec3f Dicer::curve_end(const PosedCage& cage, std::uint32_t curve, int filter, i
 void Dicer::owned_points(const PosedCage& cage, std::uint32_t curve, int filter, float c0, float dc, std::span<Vec3f> out)
 {
     // Few points are asked for again and again: by the patch on the other side, and by coarser pairs.
-    const bool is_middle = c0 == 0.5f && out.size() == 1, is_kept = !cage.is_displaced() && (is_middle || (std::fabs(dc) == 0.25f && out.size() == 3));
+    const bool is_middle = c0 == 0.5f && out.size() == 1,
+               is_kept = !cage.is_displaced() && (is_middle || (std::fabs(dc) == 0.25f && out.size() == 3));
     if (is_kept) {
         const CurveEntry& entry = curve_entry(cage, curve);
         if (is_middle && entry.has_middle) {
@@ -180,7 +182,8 @@ void Dicer::owned_points(const PosedCage& cage, std::uint32_t curve, int filter,
         }
     }
     const Topology& topology = *cage.topology;
-    const OwnerSpan s = topology.has_middle_knot(curve) && c0 > 0.5f ? owner_span(topology, curve, 0.75f, 0.875f) : owner_span(topology, curve, 0.125f, 0.25f);
+    const OwnerSpan s = topology.has_middle_knot(curve) && c0 > 0.5f ? owner_span(topology, curve, 0.75f, 0.875f)
+                                                                     : owner_span(topology, curve, 0.125f, 0.25f);
     patch_curve(cage, s.patch, filter, s.along_v, s.fixed, s.t0 + c0 * s.dt, dc * s.dt, out);
     if (!is_kept) return;
     CurveEntry& entry = curve_entry(cage, curve);
@@ -207,7 +210,8 @@ void Dicer::curve_points(const PosedCage& cage, std::uint32_t curve, int filter,
         }
         // The longest run on one owner's patch.
         std::size_t end = i + 1;
-        while (end < out.size() && c_at(end) != 0 && c_at(end) != 1 && !(knot && ((c_at(end) < 0.5f) != (c < 0.5f) || c_at(end) == 0.5f)))
+        while (end < out.size() && c_at(end) != 0 && c_at(end) != 1 &&
+               !(knot && ((c_at(end) < 0.5f) != (c < 0.5f) || c_at(end) == 0.5f)))
             ++end;
         owned_points(cage, curve, filter, c, dc, out.subspan(i, end - i));
         i = end;
@@ -247,8 +251,8 @@ void Dicer::dice_side(const PosedCage& cage, int side, LevelGrid& grid)
         write(at, p);
         return static_cast<std::uint32_t>(at);
     };
-    // Halves a piece down to single steps. A tile closes every gap along its part of the side: so it keeps the triangles of all
-    // halvings that reach into it, also of T-vertices outside.
+    // Halves a piece down to single steps. A tile closes every gap along its part of the side: so it keeps the triangles of
+    // all halvings that reach into it, also of T-vertices outside.
     Hanging next;
     const auto halve = [&](const auto& self, int low, int high, Vec3f a, Vec3f c, std::uint32_t path, int depth) -> void {
         if (high - low < 2 || low >= first + count || high <= first) return;
@@ -267,7 +271,8 @@ void Dicer::dice_side(const PosedCage& cage, int side, LevelGrid& grid)
     };
     std::uint32_t end = place_end(piece0 << shift, side_points_[0]);
     for (int piece = piece0; piece < piece1; ++piece) {
-        const Vec3f a = side_points_[static_cast<std::size_t>(piece - piece0)], c = side_points_[static_cast<std::size_t>(piece - piece0 + 1)];
+        const Vec3f a = side_points_[static_cast<std::size_t>(piece - piece0)],
+                    c = side_points_[static_cast<std::size_t>(piece - piece0 + 1)];
         next.a = end;
         next.c = end = place_end((piece + 1) << shift, c);
         halve(halve, piece << shift, (piece + 1) << shift, a, c, 0, 0);
@@ -294,8 +299,12 @@ LevelGrid Dicer::dice_vertices(const PosedCage& cage, const TileRef& tile, Arena
     // Borders of the patch come from their owners below; the rest is the patch's own.
     const int i0 = left, i1 = grid.width() - right, j0 = bottom, j1 = grid.height() - top;
     if (i0 < i1 && j0 < j1) {
-        const ParameterGrid inside{float(tile.i0 + i0) * tile.step_u(), float(tile.j0 + j0) * tile.step_v(), tile.step_u(), tile.step_v(),
-                                   i1 - i0, j1 - j0};
+        const ParameterGrid inside{float(tile.i0 + i0) * tile.step_u(),
+                                   float(tile.j0 + j0) * tile.step_v(),
+                                   tile.step_u(),
+                                   tile.step_v(),
+                                   i1 - i0,
+                                   j1 - j0};
         const int at = grid.index(i0, j0);
         float* const out[3] = {grid.fine[0] + at, grid.fine[1] + at, grid.fine[2] + at};
         if (cage.is_displaced()) displaced_points(cage, tile.patch, tile.rates.filter, inside, out, grid.width());
@@ -389,7 +398,8 @@ GridAttributes Dicer::shade(const PosedCage& cage, const TileRef& tile, const Pa
     const int width = tile.columns + 1, height = tile.rows + 1;
     const std::size_t count = std::size_t(width) * height;
     vertices_shaded += count;
-    const ParameterGrid grid{float(tile.i0) * tile.step_u(), float(tile.j0) * tile.step_v(), tile.step_u(), tile.step_v(), width, height};
+    const ParameterGrid grid{
+        float(tile.i0) * tile.step_u(), float(tile.j0) * tile.step_v(), tile.step_u(), tile.step_v(), width, height};
     tangents_.resize(9 * count);
     float* out[9];
     for (int a = 0; a < 9; ++a) out[a] = &tangents_[a * count];
@@ -409,7 +419,8 @@ GridAttributes Dicer::shade(const PosedCage& cage, const TileRef& tile, const Pa
         for (std::size_t k = 0; k < count; ++k) {
             const Vec3f n = glm::cross(Vec3f{out[3][k], out[4][k], out[5][k]}, Vec3f{out[6][k], out[7][k], out[8][k]});
             const float length = glm::length(n);
-            // Degenerate tangents (a corner where both sides run alike) leave the choice to the geometric normal: see Tracer.
+            // Degenerate tangents (a corner where both sides run alike) leave the choice to the geometric normal: see
+            // Tracer.
             made.normal[k] = length > 0 ? n * ((cage.is_mirrored ? -1.0f : 1.0f) / length) : Vec3f(0);
         }
     }

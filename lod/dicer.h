@@ -1,8 +1,8 @@
 // Dices patches: rates, tiles of vertices, attributes. One a worker.
 //
-// M_l, the mesh of level l, is a function of (patch, level) alone; tiles only store it in pieces. Points between patches come
-// from their owners (topology.h), T-vertices are middles of their neighbours on the owner's polyline (watertightness rule 4).
-// A *pair* of levels l and l + 1 is M_l, each vertex of which also knows where its parameter lies in M_(l+1).
+// M_l, the mesh of level l, is a function of (patch, level) alone; tiles only store it in pieces. Points between patches
+// come from their owners (topology.h), T-vertices are middles of their neighbours on the owner's polyline (watertightness
+// rule 4). A *pair* of levels l and l + 1 is M_l, each vertex of which also knows where its parameter lies in M_(l+1).
 //
 // Space    the cage's dicing frame.
 // Memory   results in the arena given; scratch is the dicer's own, bounded by the largest ring of a cage.
@@ -11,9 +11,9 @@
 
 #include <vector>
 
+#include "base/arena.h"
 #include "lod/level_grid.h"
 #include "lod/posed_patch.h"
-#include "scenegraph/base/arena.h"
 
 namespace occam::lod {
 
@@ -35,7 +35,8 @@ public:
     static void ask_for(const PosedCage& cage, PatchRef patch);
     PatchScale scale(const PosedCage& cage, PatchRef patch);
 
-    /// A box that holds the region's surface and, for all levels at which the region is whole quads up to `coarsest`, its mesh.
+    /// A box that holds the region's surface and, for all levels at which the region is whole quads up to `coarsest`, its
+    /// mesh.
     Box3f bounds(const PosedCage& cage, const PatchScale& scale, const PatchRegion& region, int coarsest);
 
     /// The tile of level `level` that holds quad (i, j) of the patch's lattice there.
@@ -96,7 +97,8 @@ private:
     /// The surface's point at a vertex of the cage.
     Vec3f vertex_point(const PosedCage& cage, std::uint32_t vertex, int filter);
     /// As PosedPatch::curve(), displaced.
-    void patch_curve(const PosedCage& cage, PatchRef patch, int filter, bool along_v, float fixed, float t0, float step, std::span<Vec3f> out);
+    void patch_curve(const PosedCage& cage, PatchRef patch, int filter, bool along_v, float fixed, float t0, float step,
+                     std::span<Vec3f> out);
     Vec3f patch_point(const PosedCage& cage, PatchPoint at, int filter);
 
     PosedPatch& uv_patch(const PosedCage& cage, PatchRef patch, int set);
@@ -105,11 +107,15 @@ private:
 
     // Of displaced cages (dicer_displaced.cpp).
     /// What points of a patch are moved by, to rows of `stride` floats; leaves the points and tangents in surface_.
-    void offsets(const PosedCage& cage, PatchRef patch, int filter, const ParameterGrid& grid, float* const out[3], int stride);
-    void displaced_points(const PosedCage& cage, PatchRef patch, int filter, const ParameterGrid& grid, float* const out[3], int stride);
-    void displaced_curve(const PosedCage& cage, PatchRef patch, int filter, bool along_v, float fixed, float t0, float step, std::span<Vec3f> out);
+    void offsets(const PosedCage& cage, PatchRef patch, int filter, const ParameterGrid& grid, float* const out[3],
+                 int stride);
+    void displaced_points(const PosedCage& cage, PatchRef patch, int filter, const ParameterGrid& grid, float* const out[3],
+                          int stride);
+    void displaced_curve(const PosedCage& cage, PatchRef patch, int filter, bool along_v, float fixed, float t0, float step,
+                         std::span<Vec3f> out);
     /// Offsets at the grid's parameters moved by `by` along an axis; a line that would leave the patch stays where it is.
-    void offsets_beside(const PosedCage& cage, PatchRef patch, int filter, const ParameterGrid& grid, int axis, float by, float* const out[3]);
+    void offsets_beside(const PosedCage& cage, PatchRef patch, int filter, const ParameterGrid& grid, int axis, float by,
+                        float* const out[3]);
     void displaced_normals(const PosedCage& cage, PatchRef patch, int filter, const ParameterGrid& grid, Vec3f* out);
     /// Of the next coarser level, at a tile's vertices: what is odd lies between two that the level has.
     void displaced_coarse_normals(const PosedCage& cage, const TileRef& tile, const PatchRates& coarser, Vec3f* out);
@@ -122,14 +128,14 @@ private:
     LevelGrid dice_vertices(const PosedCage& cage, const TileRef& tile, Arena& arena);
 
     static constexpr std::size_t kPoolSize = 512, kCurveSize = 4096, kCornerSize = 4096;
-    std::vector<PoolEntry> pool_;     ///< direct-mapped
-    std::vector<CurveEntry> curves_;  ///< direct-mapped
+    std::vector<PoolEntry> pool_;       ///< direct-mapped
+    std::vector<CurveEntry> curves_;    ///< direct-mapped
     std::vector<CornerEntry> corners_;  ///< direct-mapped: limit points that all levels of several patches share
     PoolEntry uv_, rest_;
     int uv_set_ = 0;
     std::vector<Vec3f> side_points_;
     std::vector<Hanging> hanging_;
-    std::vector<Extra> extras_;       ///< of the tile diced last
+    std::vector<Extra> extras_;  ///< of the tile diced last
     std::vector<float> tangents_, surface_, beside_;
     std::vector<Vec3f> coarse_normals_;
     Arena scratch_;

@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "base/check.h"
 #include "lod/dicer.h"
-#include "scenegraph/base/check.h"
 
 namespace occam::lod {
 
@@ -147,10 +147,7 @@ void Dicer::displaced_coarse_normals(const PosedCage& cage, const TileRef& tile,
 namespace {
 constexpr int kPieces = 16;  // of a side, by which displaced speeds are measured
 /// The level that such pieces stand for.
-int level_of_pieces(float speed) noexcept
-{
-    return std::clamp(ceil_log2(speed) - 4, kFinestLevel, kCoarsestLevel);
-}
+int level_of_pieces(float speed) noexcept { return std::clamp(ceil_log2(speed) - 4, kFinestLevel, kCoarsestLevel); }
 }  // namespace
 
 float Dicer::displaced_speed(const PosedCage& cage, std::uint32_t curve, float undisplaced)

@@ -103,7 +103,8 @@ Vec3d PosedDisplacement::turned(const PointToDisplace& at, Vec3d v) const noexce
     const double size = std::sqrt((a + d) * (a + d) + b * b);
     const double cosine = (a + d) / size, sine = -b / size;
     const double x = glm::dot(v, rest.along), y = glm::dot(v, rest.across), z = glm::dot(v, rest.normal);
-    const Vec3d posed = pose.along * (x * cosine - y * sine) + pose.across * (x * sine + y * cosine) + pose.normal * (double(sense) * z);
+    const Vec3d posed = pose.along * (x * cosine - y * sine) + pose.across * (x * sine + y * cosine) +
+                        pose.normal * (double(sense) * z);
     return posed * (far / length);
 }
 
@@ -133,8 +134,10 @@ Vec3f PosedDisplacement::offset(const PointToDisplace& at, int level) const noex
             const float height = std::clamp(of->scale * (texel.x - of->midlevel), -of->bound, of->bound);
             return Vec3f(size > 0 ? along_normal(at, double(height)) : Vec3d(0));
         }
-        case Displacement::Axes::Object: return Vec3f(turns ? turned(at, texel_vector(texel)) : from_object(texel_vector(texel)));
-        case Displacement::Axes::Tangent: return Vec3f(size > 0 ? in_tangents(at, texel_vector(texel)) : Vec3d(0));
+        case Displacement::Axes::Object:
+            return Vec3f(turns ? turned(at, texel_vector(texel)) : from_object(texel_vector(texel)));
+        case Displacement::Axes::Tangent:
+            return Vec3f(size > 0 ? in_tangents(at, texel_vector(texel)) : Vec3d(0));
     }
     return Vec3f(0);
 }

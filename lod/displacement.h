@@ -7,19 +7,22 @@
 // own place says.
 //
 // Or it is P + v_l, a vector of three channels, shortened to the bound:
-// - in the object's axes at rest, which need no coordinates to be smooth. Where skin or morph targets pose the cage, v turns as they
-//   turned the surface: by the rotation between rest and pose that takes normal to normal and, in the surface, is nearest to what the
-//   pose did (polar decomposition). It is a function of the owner's patch at rest and posed, so it closes as P does, and does not depend
-//   on how the patch is parametrized: so neighbours agree over smooth edges. How far v goes is not the pose's but the node's own place's.
-// - in tangent space: along dP/du of the coordinates, across it, and along the normal. On a seam of the coordinates these are the owner's,
-//   with its texel: closed, and without a jump if the texture gives both charts the same vector there. Where coordinates have no area
-//   there is no tangent, and the normal's part alone is left.
+// - in the object's axes at rest, which need no coordinates to be smooth. Where skin or morph targets pose the cage, v turns
+// as they
+//   turned the surface: by the rotation between rest and pose that takes normal to normal and, in the surface, is nearest to
+//   what the pose did (polar decomposition). It is a function of the owner's patch at rest and posed, so it closes as P
+//   does, and does not depend on how the patch is parametrized: so neighbours agree over smooth edges. How far v goes is not
+//   the pose's but the node's own place's.
+// - in tangent space: along dP/du of the coordinates, across it, and along the normal. On a seam of the coordinates these
+// are the owner's,
+//   with its texel: closed, and without a jump if the texture gives both charts the same vector there. Where coordinates
+//   have no area there is no tangent, and the normal's part alone is left.
 //
 // Threads  read only.
 #pragma once
 
+#include "io/texture/texture_store.h"
 #include "scenegraph/cage.h"
-#include "scenegraph/texture/texture_store.h"
 
 namespace occam::lod {
 
@@ -28,8 +31,8 @@ double largest_stretch(const double (&map)[3][4]) noexcept;
 
 /// A limit point that is displaced, with its derivatives with respect to the patch's parameter.
 struct PointToDisplace {
-    Vec3f du, dv;            ///< of the place, dicing frame
-    Vec2f uv, uv_du, uv_dv;  ///< coordinates
+    Vec3f du, dv;                  ///< of the place, dicing frame
+    Vec2f uv, uv_du, uv_dv;        ///< coordinates
     Vec3f rest_du{0}, rest_dv{0};  ///< of the place at rest, object axes; read if PosedDisplacement::turns
 };
 
@@ -37,8 +40,8 @@ struct PosedDisplacement {
     PosedDisplacement() = default;
     /// deformed   by skin or morph targets; `mirrored` is then the pose's
     /// radius     of the posed cage, world length
-    PosedDisplacement(const Cage& cage, const TextureStore& store, const double (&frame_from_object)[3][4], bool mirrored, bool deformed,
-                      float radius) noexcept;
+    PosedDisplacement(const Cage& cage, const TextureStore& store, const double (&frame_from_object)[3][4], bool mirrored,
+                      bool deformed, float radius) noexcept;
 
     const Displacement* of = nullptr;  ///< null: none
     const TextureStore* textures = nullptr;

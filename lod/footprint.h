@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scenegraph/base/box.h"
-#include "scenegraph/base/power_of_two.h"
+#include "base/box.h"
+#include "base/power_of_two.h"
 
 namespace occam::lod {
 
@@ -31,22 +31,22 @@ enum class LevelMode {
 /// What a frame chooses levels by.
 struct LevelSettings {
     Vec3d eye{0};
-    Footprint pixel;          ///< of one pixel of the camera
-    float shading_rate = 1;   ///< wanted micropolygon edge, in widths of the footprint
-    int plane_count = 0;      ///< of the view: what lies outside a plane does not choose (PerInstance)
-    Vec4d planes[4]{};        ///< inside where dot(xyz, p - eye) >= 0; w is not used
+    Footprint pixel;         ///< of one pixel of the camera
+    float shading_rate = 1;  ///< wanted micropolygon edge, in widths of the footprint
+    int plane_count = 0;     ///< of the view: what lies outside a plane does not choose (PerInstance)
+    Vec4d planes[4]{};       ///< inside where dot(xyz, p - eye) >= 0; w is not used
     LevelMode mode = LevelMode::PerRay;
     /// Segments of a ray overlap by the larger of these: in edges of the finer pair, and in ulps of the largest coordinate
     /// (watertightness rule 9). Tests make them small, since a wide overlap hides faults.
     float overlap_edges = 0.1f, overlap_ulps = 16;
 
-    /// World length: points of displaced cages lie no farther off the surface whose edges levels bound. So an edge of M_l may be
-    /// longer than d_l by twice that, and a vertex move as much more from level to level: margins grow by both.
+    /// World length: points of displaced cages lie no farther off the surface whose edges levels bound. So an edge of M_l
+    /// may be longer than d_l by twice that, and a vertex move as much more from level to level: margins grow by both.
     float displaced = 0;
 
-    /// Edges of the finer level of a pair are at most 1.41 times as long as wanted, and half of that at least where faces ask for
-    /// it: so what a ray blends has, on the average of all distances, edges of the wanted length. Sure to be no longer would
-    /// take twice as many micropolygons (tests/unit/accel_levels_test.cpp).
+    /// Edges of the finer level of a pair are at most 1.41 times as long as wanted, and half of that at least where faces
+    /// ask for it: so what a ray blends has, on the average of all distances, edges of the wanted length. Sure to be no
+    /// longer would take twice as many micropolygons (tests/unit/accel_levels_test.cpp).
     static constexpr float kLongestEdge = 1.41421356f;
     /// The length that level d_l <= wanted < d_(l+1) is chosen by.
     Footprint wanted(Footprint width) const noexcept

@@ -18,7 +18,9 @@ bool is_outside(const LevelSettings& settings, const Box3d& box) noexcept
 /// Distance from the eye to the nearest cluster; infinity if none is in view.
 double nearest_distance(const LevelSettings& settings, const PosedCage& cage, bool only_in_view)
 {
-    const auto distance_to = [&](const Box3d& box) { return glm::distance(settings.eye, glm::clamp(settings.eye, box.lo, box.hi)); };
+    const auto distance_to = [&](const Box3d& box) {
+        return glm::distance(settings.eye, glm::clamp(settings.eye, box.lo, box.hi));
+    };
     double nearest = std::numeric_limits<double>::infinity();
     std::vector<std::uint32_t> todo{0};
     while (!todo.empty()) {

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <span>
 
+#include "base/power_of_two.h"
 #include "lod/posed_cage.h"
 #include "lod/rates.h"
-#include "scenegraph/base/power_of_two.h"
 
 namespace occam::lod {
 
@@ -26,16 +26,16 @@ struct TileRef {
     float step_v() const noexcept { return power_of_two(-rates.v); }
 };
 
-/// A T-vertex: not a vertex of its own, but a point on the straight piece of a side between two edge vertices a and c, which may
-/// lie outside of the tile. It is found by halving the piece `depth` times, going to the upper half where a bit of `path` is set
-/// (the first halving's is the highest), and taking the middle once more. The triangle (lower end, middle, upper end) of the last
-/// half has no area and closes the gap to the neighbour (watertightness rules 4 and 6).
+/// A T-vertex: not a vertex of its own, but a point on the straight piece of a side between two edge vertices a and c, which
+/// may lie outside of the tile. It is found by halving the piece `depth` times, going to the upper half where a bit of
+/// `path` is set (the first halving's is the highest), and taking the middle once more. The triangle (lower end, middle,
+/// upper end) of the last half has no area and closes the gap to the neighbour (watertightness rules 4 and 6).
 struct Hanging {
     std::uint32_t a = 0, c = 0;  ///< vertices of the grid
     std::uint32_t path = 0;
     std::uint8_t depth = 0;
-    bool is_inside = true;       ///< lies on the tile; else only its triangle reaches into it
-    std::uint8_t i = 0, j = 0;   ///< in the tile's lattice; the nearest vertex, if it is not inside
+    bool is_inside = true;      ///< lies on the tile; else only its triangle reaches into it
+    std::uint8_t i = 0, j = 0;  ///< in the tile's lattice; the nearest vertex, if it is not inside
 
     struct Ends {
         Vec3f low, middle, high;
@@ -56,10 +56,11 @@ struct LevelGrid {
     static constexpr int kMaxExtra = 8;
 
     TileRef tile;
-    float* fine[3] = {};         ///< x, y, z
-    float* coarse[3] = {};       ///< where each of them lies in the mesh of the next coarser level; the same arrays, if nowhere else
+    float* fine[3] = {};  ///< x, y, z
+    float* coarse[3] =
+        {};  ///< where each of them lies in the mesh of the next coarser level; the same arrays, if nowhere else
     int vertex_count = 0;
-    bool is_halved = false;      ///< the next coarser level has half as many rows and columns
+    bool is_halved = false;  ///< the next coarser level has half as many rows and columns
     std::span<const Hanging> hanging;
 
     int width() const noexcept { return tile.columns + 1; }
@@ -74,9 +75,10 @@ struct LevelGrid {
 /// What phase one gives each vertex of a tile, laid out as the vertices.
 struct GridAttributes {
     // Behind the last of each there is room for one more: four floats may be read from any.
-    Vec3f* normal = nullptr;         ///< unit, of the limit surface or of the displaced one, outward
-    Vec3f* coarse_normal = nullptr;  ///< displaced: of the next coarser level; null: the mean of neighbours, as positions are
-    Vec2f* uv[2] = {};               ///< null: the cage has no such set
+    Vec3f* normal = nullptr;  ///< unit, of the limit surface or of the displaced one, outward
+    Vec3f* coarse_normal =
+        nullptr;        ///< displaced: of the next coarser level; null: the mean of neighbours, as positions are
+    Vec2f* uv[2] = {};  ///< null: the cage has no such set
 };
 
 }  // namespace occam::lod

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "base/check.h"
+#include "base/power_of_two.h"
 #include "lod/patch_hull.h"
-#include "scenegraph/base/check.h"
-#include "scenegraph/base/power_of_two.h"
 
 namespace occam::lod {
 namespace {

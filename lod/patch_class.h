@@ -6,8 +6,8 @@
 // are bicubic is found by trying: 16 limit stencils of OpenSubdiv's Bfr, in double, determine the piece, others test it.
 // What still is not bicubic at kDeepest touches an extraordinary vertex: there a point has a limit stencil of its own.
 //
-// A point's bits depend on class, parameter and control points alone, never on the level that asks: one rule (locate) says to
-// which piece a parameter belongs.
+// A point's bits depend on class, parameter and control points alone, never on the level that asks: one rule (locate) says
+// to which piece a parameter belongs.
 //
 // Memory   grown on demand, freed with the Topology; a piece takes 64 n bytes.
 // Threads  reading is free of locks; growing takes the class's mutex.
@@ -47,17 +47,19 @@ struct PatchHull;
 
 class PatchClass {
 public:
-    static constexpr int kDeepest = 6;  ///< beyond it squares only have stencils of their points; finer pieces would serve rates above 64
+    static constexpr int kDeepest =
+        6;  ///< beyond it squares only have stencils of their points; finer pieces would serve rates above 64
 
     /// A square of the quadtree.
     struct Node {
         enum Kind : unsigned char { Unknown, Bicubic, Split, Direct };
         float u0 = 0, v0 = 0;
-        int depth = 0;                     ///< side 2^-depth
+        int depth = 0;  ///< side 2^-depth
         std::atomic<Kind> kind{Unknown};
-        bool is_plain = false;             ///< Bicubic: control point i is the patch's own order[i] (a regular patch)
+        bool is_plain = false;  ///< Bicubic: control point i is the patch's own order[i] (a regular patch)
         std::array<std::uint8_t, 16> order{};
-        std::unique_ptr<float[]> weights;  ///< Bicubic: n * 16, piece point fastest. Direct: corners 0..3, each 3 * n (p, du, dv)
+        std::unique_ptr<float[]>
+            weights;  ///< Bicubic: n * 16, piece point fastest. Direct: corners 0..3, each 3 * n (p, du, dv)
         std::unique_ptr<Node[]> children;  ///< Split: (u, v) halves at v * 2 + u
 
         float size() const noexcept;

@@ -1,7 +1,8 @@
 // Vertex colours over a patch: bilinear between the cage's corners.
 //
-// As colours of a face are where coordinates would be with FaceVaryingRule::All: a quad's four corners, or the quadrant of an n-gon
-// between a corner, the middles of its two edges and the mean of all corners. Continuous over edges whose corners agree, and no smoother.
+// As colours of a face are where coordinates would be with FaceVaryingRule::All: a quad's four corners, or the quadrant of
+// an n-gon between a corner, the middles of its two edges and the mean of all corners. Continuous over edges whose corners
+// agree, and no smoother.
 #pragma once
 
 #include "lod/posed_cage.h"

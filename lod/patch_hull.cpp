@@ -36,7 +36,10 @@ float bezier_weight(const PatchClass::Node& node, std::size_t k, std::size_t i, 
 }
 
 // Offset of row or column i of a lattice over a square.
-float lattice_step(const PatchClass::Node& square, std::size_t i) { return float(std::min<std::size_t>(i, 2)) * 0.5f * square.size(); }
+float lattice_step(const PatchClass::Node& square, std::size_t i)
+{
+    return float(std::min<std::size_t>(i, 2)) * 0.5f * square.size();
+}
 
 template <class Row>
 void add_rows(const PatchClass& kind, const PatchClass::Node& node, int side, std::vector<Row>& rows)
@@ -61,7 +64,8 @@ void add_rows(const PatchClass& kind, const PatchClass::Node& node, int side, st
             continue;
         }
         const float t = lattice_step(node, i), across = is_far ? node.size() : 0;
-        const LimitStencil point = along_v ? kind.limit(node.u0 + across, node.v0 + t) : kind.limit(node.u0 + t, node.v0 + across);
+        const LimitStencil point = along_v ? kind.limit(node.u0 + across, node.v0 + t)
+                                           : kind.limit(node.u0 + t, node.v0 + across);
         for (std::size_t k = 0; k < n; ++k) row.weights[k * 4 + i] = static_cast<float>(point.p[k]);
     }
 }
@@ -77,7 +81,8 @@ PatchHull::PatchHull(const PatchClass& kind)
     for (const PatchClass::Node* square : residual) {
         float* group = &*weights.insert(weights.end(), n * 16, 0.0f);
         for (std::size_t r = 0; r < 16; ++r) {
-            const LimitStencil point = kind.limit(square->u0 + lattice_step(*square, r % 4), square->v0 + lattice_step(*square, r / 4));
+            const LimitStencil point = kind.limit(square->u0 + lattice_step(*square, r % 4),
+                                                  square->v0 + lattice_step(*square, r / 4));
             for (std::size_t k = 0; k < n; ++k) group[k * 16 + r] = static_cast<float>(point.p[k]);
         }
         speeds.emplace_back().fill(2 / square->size());
@@ -121,7 +126,8 @@ void PatchHull::add_group(const std::vector<Row>& rows, std::size_t first)
     }
 }
 
-void PatchHull::add_nets(const PatchClass& kind, const PatchClass::Node& node, std::vector<const PatchClass::Node*>& residual)
+void PatchHull::add_nets(const PatchClass& kind, const PatchClass::Node& node,
+                         std::vector<const PatchClass::Node*>& residual)
 {
     if (is_bicubic(kind.resolve(node))) {
         const auto n = static_cast<std::size_t>(kind.control_count());

@@ -1,11 +1,12 @@
 // Fixed weights that bound a patch of one class, whatever its control points are: its box and its speeds cost one pass over
 // a table instead of a walk through the class's quadtree, which near an extraordinary vertex has dozens of squares.
 //
-// A bicubic square is in the hull of its 16 Bezier points, and its derivatives in that of three times the differences of these: so one
-// net gives both. What is not bicubic at kResidualDepth touches an extraordinary vertex; there a lattice of limit points takes the
-// net's place.
+// A bicubic square is in the hull of its 16 Bezier points, and its derivatives in that of three times the differences of
+// these: so one net gives both. What is not bicubic at kResidualDepth touches an extraordinary vertex; there a lattice of
+// limit points takes the net's place.
 //
-// Memory   64 n bytes for each net or lattice of a patch of n control points: one for a regular patch, some 10 for one with an
+// Memory   64 n bytes for each net or lattice of a patch of n control points: one for a regular patch, some 10 for one with
+// an
 //          extraordinary corner, and one for each of its sides.
 // Threads  const once made.
 #pragma once
@@ -13,8 +14,8 @@
 #include <array>
 #include <vector>
 
+#include "base/prefetch.h"
 #include "lod/patch_class.h"
-#include "scenegraph/base/prefetch.h"
 
 namespace occam::lod {
 
@@ -32,8 +33,8 @@ struct PatchHull {
     /// Groups [nets, squares) are 3 x 3 limit points of a square, the last row and column twice: their box holds it once
     /// grown by kLatticeGrowth of its extent.
     std::size_t squares = 0;
-    /// From there on: borders of squares, a row each, Bezier points or three limit points. Sides of one row share a group. None for a
-    /// patch that is one square: its net has them.
+    /// From there on: borders of squares, a row each, Bezier points or three limit points. Sides of one row share a group.
+    /// None for a patch that is one square: its net has them.
     struct Side {
         std::uint16_t first = 0, count = 0;       ///< groups
         std::uint8_t first_row = 0, row_end = 4;  ///< in each of these

@@ -39,7 +39,8 @@ void PosedCage::deform(const DeformedClusters& bounds, const SkinSlot* skin, Are
 
 void PosedCage::displace(const TextureStore& textures) noexcept
 {
-    if (topology) displacement = PosedDisplacement(slot->cage, textures, frame_from_object, is_mirrored, deformed != nullptr, radius);
+    if (topology)
+        displacement = PosedDisplacement(slot->cage, textures, frame_from_object, is_mirrored, deformed != nullptr, radius);
 }
 
 Box3d PosedCage::world_box(std::uint32_t cluster) const noexcept

@@ -1,6 +1,7 @@
 // One cage where one node shows it, for one frame, and the frame that it is diced in.
 //
-// Space    *dicing frame*: world axes and lengths, translated by `anchor`, a point of a power-of-two lattice near the cage. So
+// Space    *dicing frame*: world axes and lengths, translated by `anchor`, a point of a power-of-two lattice near the cage.
+// So
 //          an edge length there is a world length, coordinates stay small far from the world's origin, and a ray gets there
 //          by one subtraction in double.
 // Memory   plain data in a worker's arena; borrows scene and topology for the frame.
@@ -9,8 +10,8 @@
 #include <span>
 
 #include "lod/clusters.h"
-#include "lod/displacement.h"
 #include "lod/deformed_cage.h"
+#include "lod/displacement.h"
 #include "lod/rates.h"
 #include "lod/topology.h"
 #include "scenegraph/scene.h"
@@ -19,9 +20,9 @@ namespace occam::lod {
 
 struct PosedCage {
     const CageSlot* slot = nullptr;
-    const Topology* topology = nullptr;   ///< null for Scheme::Triangles
+    const Topology* topology = nullptr;  ///< null for Scheme::Triangles
     const ClusterTree* clusters = nullptr;
-    DeformedCage* deformed = nullptr;     ///< null: rigid
+    DeformedCage* deformed = nullptr;                     ///< null: rigid
     const DeformedClusters* deformed_clusters = nullptr;  ///< set if `deformed` is
     const Node* node = nullptr;
     NodeId node_id;
@@ -47,7 +48,8 @@ struct PosedCage {
     /// skin   null: morph targets alone
     void deform(const DeformedClusters& bounds, const SkinSlot* skin, Arena& arena, DeformCounters& counters);
 
-    /// After place() and deform(): has the cage's displacement move its surface, if it has one and the coordinates that it asks for.
+    /// After place() and deform(): has the cage's displacement move its surface, if it has one and the coordinates that it
+    /// asks for.
     void displace(const TextureStore& textures) noexcept;
     bool is_displaced() const noexcept { return displacement.of != nullptr; }
 
@@ -70,7 +72,8 @@ struct PosedCage {
     Vec3f pose(Vec3f p) const noexcept
     {
         double sum[4];
-        for (int r = 0; r < 4; ++r) sum[r] = columns[0][r] * double(p.x) + columns[1][r] * double(p.y) + columns[2][r] * double(p.z) + columns[3][r];
+        for (int r = 0; r < 4; ++r)
+            sum[r] = columns[0][r] * double(p.x) + columns[1][r] * double(p.y) + columns[2][r] * double(p.z) + columns[3][r];
         return {static_cast<float>(sum[0]), static_cast<float>(sum[1]), static_cast<float>(sum[2])};
     }
     /// A normal of the object's, not normalised (inverse transpose; mirrored placements keep outsides outside).

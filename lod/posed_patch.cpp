@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scenegraph/base/check.h"
-#include "scenegraph/base/power_of_two.h"
+#include "base/check.h"
+#include "base/power_of_two.h"
 
 namespace occam::lod {
 namespace {
@@ -98,15 +98,16 @@ SurfacePoint PosedPatch::direct(const PatchClass::Node& leaf, float u, float v)
     kind_->direct_rows(leaf, u, v, rows_.data());
     const auto apply = [&](const float* row) {
         Vec3f sum(0);
-        for (std::size_t k = 0; k < n; ++k) sum = {fma(row[k], x_[k], sum.x), fma(row[k], y_[k], sum.y), fma(row[k], z_[k], sum.z)};
+        for (std::size_t k = 0; k < n; ++k)
+            sum = {fma(row[k], x_[k], sum.x), fma(row[k], y_[k], sum.y), fma(row[k], z_[k], sum.z)};
         return sum;
     };
     return {apply(&rows_[0]), apply(&rows_[n]), apply(&rows_[2 * n])};
 }
 
 template <bool kTangents>
-void PosedPatch::fill_piece(const PatchClass::Node& node, const ParameterGrid& grid, int i0, int i1, int j0, int j1, float* const* out,
-                            int stride)
+void PosedPatch::fill_piece(const PatchClass::Node& node, const ParameterGrid& grid, int i0, int i1, int j0, int j1,
+                            float* const* out, int stride)
 {
     constexpr int kMaxColumns = 32;
     OCCAM_DCHECK_LE(i1 - i0, kMaxColumns);
@@ -160,12 +161,15 @@ void PosedPatch::fill_piece(const PatchClass::Node& node, const ParameterGrid& g
 }
 
 template <bool kTangents>
-void PosedPatch::fill(const PatchClass::Node& node, const ParameterGrid& grid, int i0, int i1, int j0, int j1, float* const* out, int stride)
+void PosedPatch::fill(const PatchClass::Node& node, const ParameterGrid& grid, int i0, int i1, int j0, int j1,
+                      float* const* out, int stride)
 {
     if (i0 == i1 || j0 == j1) return;
     kind_->resolve(node);
     switch (node.kind.load(std::memory_order_relaxed)) {
-        case PatchClass::Node::Bicubic: fill_piece<kTangents>(node, grid, i0, i1, j0, j1, out, stride); break;
+        case PatchClass::Node::Bicubic:
+            fill_piece<kTangents>(node, grid, i0, i1, j0, j1, out, stride);
+            break;
         case PatchClass::Node::Split: {
             const float half = node.size() * 0.5f;
             const int im = first_at(grid.u0, grid.step_u, node.u0 + half, i0, i1);
@@ -198,7 +202,8 @@ void PosedPatch::points_and_tangents(const ParameterGrid& grid, float* const out
     fill<true>(kind_->root(), grid, 0, grid.columns, 0, grid.rows, out, stride);
 }
 
-void PosedPatch::fill_curve(const PatchClass::Node& node, bool along_v, float fixed, float t0, float step, int i0, int i1, Vec3f* out)
+void PosedPatch::fill_curve(const PatchClass::Node& node, bool along_v, float fixed, float t0, float step, int i0, int i1,
+                            Vec3f* out)
 {
     if (i0 == i1) return;
     kind_->resolve(node);
@@ -331,7 +336,8 @@ float PosedPatch::reach()
 {
     if (reach_ >= 0) return reach_;
     reach_ = 0;
-    for (std::size_t k = 0; k < count_; ++k) reach_ = std::max({reach_, std::fabs(x_[k]), std::fabs(y_[k]), std::fabs(z_[k])});
+    for (std::size_t k = 0; k < count_; ++k)
+        reach_ = std::max({reach_, std::fabs(x_[k]), std::fabs(y_[k]), std::fabs(z_[k])});
     return reach_;
 }
 
@@ -370,8 +376,8 @@ Box3f PosedPatch::bounds(float u0, float u1, float v0, float v1)
     } else {
         bounds_below(kind_->root(), u0, u1, v0, v1, box);
     }
-    // Vertices and hulls are sums of all control points, n of them: each is off by up to n / 2 ulps of the largest. Around a pole,
-    // where many weights are equal, roundings add up so indeed. Owners' points differ from the patch's own by as much.
+    // Vertices and hulls are sums of all control points, n of them: each is off by up to n / 2 ulps of the largest. Around a
+    // pole, where many weights are equal, roundings add up so indeed. Owners' points differ from the patch's own by as much.
     const Vec3f pad(reach() * (48 + float(count_)) * std::numeric_limits<float>::epsilon());
     return {box.lo - pad, box.hi + pad};
 }

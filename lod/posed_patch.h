@@ -41,8 +41,8 @@ public:
     void curve(bool along_v, float fixed, float t0, float step, std::span<Vec3f> out);
     Vec3f point(float u, float v);
 
-    /// Largest speed along a side (numbered as Topology::side) that its curve may have. Exact bound for bicubic pieces; where the
-    /// patch meets an extraordinary vertex, chords of sixteenths.
+    /// Largest speed along a side (numbered as Topology::side) that its curve may have. Exact bound for bicubic pieces;
+    /// where the patch meets an extraordinary vertex, chords of sixteenths.
     float side_speed(int side);
     /// The same for the whole patch along u and along v.
     void speeds(float& along_u, float& along_v);
@@ -63,10 +63,13 @@ private:
     const PieceControls& piece(const PatchClass::Node& node);
     SurfacePoint direct(const PatchClass::Node& leaf, float u, float v);
     template <bool kTangents>
-    void fill(const PatchClass::Node& node, const ParameterGrid& grid, int i0, int i1, int j0, int j1, float* const* out, int stride);
+    void fill(const PatchClass::Node& node, const ParameterGrid& grid, int i0, int i1, int j0, int j1, float* const* out,
+              int stride);
     template <bool kTangents>
-    void fill_piece(const PatchClass::Node& node, const ParameterGrid& grid, int i0, int i1, int j0, int j1, float* const* out, int stride);
-    void fill_curve(const PatchClass::Node& node, bool along_v, float fixed, float t0, float step, int i0, int i1, Vec3f* out);
+    void fill_piece(const PatchClass::Node& node, const ParameterGrid& grid, int i0, int i1, int j0, int j1,
+                    float* const* out, int stride);
+    void fill_curve(const PatchClass::Node& node, bool along_v, float fixed, float t0, float step, int i0, int i1,
+                    Vec3f* out);
     struct Points {
         vfloat4x4 x, y, z;
     };
@@ -83,7 +86,7 @@ private:
     std::vector<Piece> pieces_;     ///< made so far
     std::vector<float> rows_;
     bool is_measured_ = false;
-    float reach_ = -1;              ///< negative: not known yet
+    float reach_ = -1;  ///< negative: not known yet
     Box3f box_;
     float speed_u_ = 0, speed_v_ = 0;
     std::array<float, 4> side_speed_{};  ///< negative: not known yet

@@ -1,8 +1,9 @@
-// Dicing rates: how many pieces an edge and a face have at a level. Always powers of two, halving exactly from level to level.
+// Dicing rates: how many pieces an edge and a face have at a level. Always powers of two, halving exactly from level to
+// level.
 //
-// Djeu et al. 2011, sec. 5.1.3. A curve of largest speed s (world length per unit of its parameter) has 2^max(m, k - l) pieces
-// at level l, k = ceil(log2 s) taken once as an integer: a logarithm per level would fail to halve for round lengths. Speed,
-// not length: length bounds no piece. So no piece is longer than d_l = 2^l.
+// Djeu et al. 2011, sec. 5.1.3. A curve of largest speed s (world length per unit of its parameter) has 2^max(m, k - l)
+// pieces at level l, k = ceil(log2 s) taken once as an integer: a logarithm per level would fail to halve for round lengths.
+// Speed, not length: length bounds no piece. So no piece is longer than d_l = 2^l.
 #pragma once
 
 #include <algorithm>
@@ -33,26 +34,27 @@ inline int curve_exponent(int k, int least, int level) noexcept { return std::cl
 
 /// Exponents of a patch's rates at a level.
 struct PatchRates {
-    int u = 0, v = 0;              ///< of the inside
-    std::array<int, 4> side{};     ///< of each side's own vertices; at most u (sides 0, 2) or v (1, 3)
-    int filter = kFinestLevel - 1; ///< displacement: the level whose edge length its texture is filtered by; else constant
+    int u = 0, v = 0;               ///< of the inside
+    std::array<int, 4> side{};      ///< of each side's own vertices; at most u (sides 0, 2) or v (1, 3)
+    int filter = kFinestLevel - 1;  ///< displacement: the level whose edge length its texture is filtered by; else constant
     friend bool operator==(const PatchRates&, const PatchRates&) = default;
 };
 
 /// How large a patch is, from which its rates at all levels follow.
 struct PatchScale {
-    std::array<int, 2> k{kMinLength, kMinLength};  ///< along u and v: ceil(log2) of the largest speed of the inside and of the sides
-    std::array<int, 2> least{};                    ///< exponents that the sides ask for along u and v
-    std::array<int, 4> side_k{}, side_least{};     ///< of each side, per unit of the patch's parameter
-    int filter_stops = kFinestLevel - 1;           ///< displacement is the same from this level on
+    std::array<int, 2> k{kMinLength,
+                         kMinLength};  ///< along u and v: ceil(log2) of the largest speed of the inside and of the sides
+    std::array<int, 2> least{};        ///< exponents that the sides ask for along u and v
+    std::array<int, 4> side_k{}, side_least{};  ///< of each side, per unit of the patch's parameter
+    int filter_stops = kFinestLevel - 1;        ///< displacement is the same from this level on
 
     /// Completes k: no patch is thinner than kMaxAspect.
     void limit_aspect() noexcept
     {
         for (int a : {0, 1}) k[a] = std::max({k[a], k[1 - a] - kMaxAspect, kMinLength});
     }
-    /// The level from which on the inside is the same. Both axes halve together and stop together: else a coarse diagonal would
-    /// cross a row that the finer level has.
+    /// The level from which on the inside is the same. Both axes halve together and stop together: else a coarse diagonal
+    /// would cross a row that the finer level has.
     int inside_stops() const noexcept { return std::min(k[0] - least[0], k[1] - least[1]); }
     int inside(int axis, int level) const noexcept
     {

@@ -1,13 +1,14 @@
-// A ray's table of transitions: from where to where it sees which pair of levels, and how far each vertex has gone from the finer
-// to the coarser.
+// A ray's table of transitions: from where to where it sees which pair of levels, and how far each vertex has gone from the
+// finer to the coarser.
 //
-// Djeu et al. 2011, sec. 5.1.2 and 5.2.6; the constants are those of docs/watertightness.md, rules 7 to 9. Pair l serves a ray
-// where d_l <= wanted edge < d_(l+1). F is vfloat (lanes are rays) or float (one ray): the same operations, so the same bits.
+// Djeu et al. 2011, sec. 5.1.2 and 5.2.6; the constants are those of docs/watertightness.md, rules 7 to 9. Pair l serves a
+// ray where d_l <= wanted edge < d_(l+1). F is vfloat (lanes are rays) or float (one ray): the same operations, so the same
+// bits.
 //
-// Transition b lies between pair b - 1 and pair b. Where the footprint grows, transitions are pushed away from the ray's start
-// until each segment between two of them is at least two margins long; where it shrinks, they are pulled towards it from the
-// ray's end. So nothing is coarser than asked. Constant, zero and infinite widths are ordinary: a width that does not
-// change grows by next to nothing, and its transitions are far away.
+// Transition b lies between pair b - 1 and pair b. Where the footprint grows, transitions are pushed away from the ray's
+// start until each segment between two of them is at least two margins long; where it shrinks, they are pulled towards it
+// from the ray's end. So nothing is coarser than asked. Constant, zero and infinite widths are ordinary: a width that does
+// not change grows by next to nothing, and its transitions are far away.
 #pragma once
 
 #include <bit>
@@ -15,9 +16,9 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "base/simd.h"
 #include "lod/footprint.h"
 #include "lod/rates.h"
-#include "scenegraph/base/simd.h"
 
 namespace occam::lod {
 
@@ -38,12 +39,13 @@ template <class F>
 class RayLevels {
 public:
     using Mask = decltype(F() < F());
-    static constexpr int kMostOfRay = 16;   ///< pairs of one ray: the finest serves all that is nearer
-    static constexpr int kMost = 32;        ///< of all lanes together
+    static constexpr int kMostOfRay = 16;  ///< pairs of one ray: the finest serves all that is nearer
+    static constexpr int kMost = 32;       ///< of all lanes together
     static constexpr float kFinerThanEven = 0x1p-5f, kLeastOfDisplaced = 0x1p-6f;  ///< see floor_exponents
     static constexpr float kFar = 1e30f;
 
-    /// width    a + b t: the wanted edge; t_in, t_end: where the ray enters the scene, and leaves it or ends, finite; coordinate: the largest of
+    /// width    a + b t: the wanted edge; t_in, t_end: where the ray enters the scene, and leaves it or ends, finite;
+    /// coordinate: the largest of
     ///          ray and scene.
     /// Returns false if the lanes have more than kMost pairs: then they cannot travel together.
     bool set(F a, F b, F t_in, F t_end, F coordinate, const LevelSettings& settings) noexcept
@@ -101,7 +103,7 @@ public:
         while (low < high && is_away(high)) --high;
     }
 
-    int finest = 0, coarsest = 0;   ///< pairs that some lane has
+    int finest = 0, coarsest = 0;  ///< pairs that some lane has
 
     /// Pair p's part of each ray, overlaps included; empty (begin > end of anything) for lanes without it.
     F begin(int pair) const noexcept
@@ -128,15 +130,16 @@ public:
     {
         const F m = margin(pair), zero = 0.0f, far_away = kFar;
         const F lower = raw_[pair - finest], upper = raw_[pair + 1 - finest];
-        // Margins are kept at transitions: not at the ray's own ends, where the finest or the coarsest segment may be too short
-        // for them.
+        // Margins are kept at transitions: not at the ray's own ends, where the finest or the coarsest segment may be too
+        // short for them.
         const Mask lower_is_real = abs(edge_[pair - finest]) < far_away;
         const Mask upper_is_real = abs(edge_[pair + 1 - finest]) < far_away;
         const F fine = select(grows_, lower + select(lower_is_real, m, zero), lower - select(lower_is_real, m, zero));
         const F coarse = select(grows_, upper - m, upper + select(upper_is_real, m, zero));
         // A little steeper than from one to the other, so that rounding never keeps a weight off its end.
         const F steep = F(1.0f + 0x1p-20f) / max(abs(coarse - fine), F(1e-30f));
-        const F grown = select(lower_is_real, fine, min(fine, coarse)), shrunk = select(lower_is_real, fine, max(fine, coarse));
+        const F grown = select(lower_is_real, fine, min(fine, coarse)),
+                shrunk = select(lower_is_real, fine, max(fine, coarse));
         return {select(grows_, grown, shrunk), select(grows_, steep, zero - steep)};
     }
 
@@ -156,10 +159,11 @@ private:
         return std::clamp(e, kFinestLevel, kCoarsestLevel);
     }
     /// Sets finest and coarsest; returns the finest level of each lane.
-    /// even   where displacement makes margins long, pairs of shorter edges than this have segments as long as margins ask, and not
-    ///        as edges do. A beam that begins as a point would see many such pairs, each much finer than it asks for, so it begins
-    ///        with this one. Any other may start on what it was scattered by, and goes on down: to edges of kFinerThanEven of it,
-    ///        or of kLeastOfDisplaced of what displacement does if that is longer.
+    /// even   where displacement makes margins long, pairs of shorter edges than this have segments as long as margins ask,
+    /// and not
+    ///        as edges do. A beam that begins as a point would see many such pairs, each much finer than it asks for, so it
+    ///        begins with this one. Any other may start on what it was scattered by, and goes on down: to edges of
+    ///        kFinerThanEven of it, or of kLeastOfDisplaced of what displacement does if that is longer.
     /// start  the width where a growing ray enters the scene; at most that at its end.
     F floor_exponents(F widest, F thinnest, F start, F even) noexcept
     {

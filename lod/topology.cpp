@@ -4,8 +4,8 @@
 #include <mutex>
 #include <unordered_map>
 
+#include "base/hash.h"
 #include "lod/topology_mesh.h"
-#include "scenegraph/base/hash.h"
 
 namespace occam::lod {
 namespace {
@@ -28,10 +28,14 @@ PatchPoint quad_corner(std::uint32_t face, std::uint32_t corner) noexcept
 PatchPoint quad_edge(std::uint32_t face, int j, float s) noexcept
 {
     switch (j) {
-        case 0: return {{face, 0}, s, 0};
-        case 1: return {{face, 0}, 1, s};
-        case 2: return {{face, 0}, 1 - s, 1};
-        default: return {{face, 0}, 0, 1 - s};
+        case 0:
+            return {{face, 0}, s, 0};
+        case 1:
+            return {{face, 0}, 1, s};
+        case 2:
+            return {{face, 0}, 1 - s, 1};
+        default:
+            return {{face, 0}, 0, 1 - s};
     }
 }
 
@@ -140,10 +144,14 @@ SideCurve Topology::side(PatchRef patch, int side) const noexcept
         return {edge_count_ + tables_->first_inner[patch.face] + static_cast<std::uint32_t>(j), 0, 1};
     };
     switch (side) {
-        case 0: return on_edge(i, 0, 0.5f);
-        case 1: return on_inner(i);
-        case 2: return on_inner(before);
-        default: return on_edge(before, 1, 0.5f);
+        case 0:
+            return on_edge(i, 0, 0.5f);
+        case 1:
+            return on_inner(i);
+        case 2:
+            return on_inner(before);
+        default:
+            return on_edge(before, 1, 0.5f);
     }
 }
 

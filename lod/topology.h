@@ -1,7 +1,7 @@
 // What no vertex position can change about a cage: its patches, who owns each curve and corner, and their classes.
 //
-// A face of four corners is one patch; any other face is one patch a corner (OpenSubdiv's quad sub-faces), whose corner (0, 0)
-// is that vertex, u along the edge to the next, (1, 1) the face's middle.
+// A face of four corners is one patch; any other face is one patch a corner (OpenSubdiv's quad sub-faces), whose corner (0,
+// 0) is that vertex, u along the edge to the next, (1, 1) the face's middle.
 //
 // Curves   the borders of patches: base edges first, then the inner curves of n-gons (from the middle of base edge j to the
 //          face's middle). Each has one owner, and all patches along it take the owner's points (Djeu 2011, sec. 5.1.3, asks
@@ -57,7 +57,10 @@ public:
     std::uint32_t patch_count() const noexcept { return patch_count_; }
     std::uint32_t face_size(std::uint32_t face) const noexcept;
     /// Index of the face's first corner in the cage's face_vertices.
-    std::uint32_t first_corner(std::uint32_t face) const noexcept { return first_corner_.empty() ? 4 * face : first_corner_[face]; }
+    std::uint32_t first_corner(std::uint32_t face) const noexcept
+    {
+        return first_corner_.empty() ? 4 * face : first_corner_[face];
+    }
     std::uint32_t patches_of(std::uint32_t face) const noexcept { return face_size(face) == 4 ? 1 : face_size(face); }
     /// Has a limit surface and is not a hole.
     bool is_seen(std::uint32_t face) const noexcept { return seen_[face] != 0; }

@@ -5,7 +5,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "scenegraph/base/hash.h"
+#include "base/hash.h"
 
 namespace occam::lod {
 namespace {
@@ -13,8 +13,8 @@ namespace {
 // All that a Topology is made from, as numbers: equal words, equal topology.
 std::vector<std::uint32_t> connectivity_of(const Cage& cage)
 {
-    std::vector<std::uint32_t> words{std::uint32_t(cage.scheme), std::uint32_t(cage.boundary), std::uint32_t(cage.face_varying),
-                                     static_cast<std::uint32_t>(cage.positions.size())};
+    std::vector<std::uint32_t> words{std::uint32_t(cage.scheme), std::uint32_t(cage.boundary),
+                                     std::uint32_t(cage.face_varying), static_cast<std::uint32_t>(cage.positions.size())};
     const auto add = [&](const std::vector<std::uint32_t>& list) {
         words.push_back(static_cast<std::uint32_t>(list.size()));
         words.insert(words.end(), list.begin(), list.end());

@@ -1,8 +1,10 @@
 // What lives from frame to frame for each cage of a scene: its topology and its cluster tree.
 //
-// Cages that are connected alike share a topology, wherever their vertices are: a crowd's matrices stay in the processor's caches.
+// Cages that are connected alike share a topology, wherever their vertices are: a crowd's matrices stay in the processor's
+// caches.
 //
-// Threads  get() from any worker: the first to ask builds, others wait for that cage only. prune() and refit() between frames.
+// Threads  get() from any worker: the first to ask builds, others wait for that cage only. prune() and refit() between
+// frames.
 #pragma once
 
 #include <memory>

@@ -4,7 +4,7 @@
 #include <bit>
 #include <unordered_map>
 
-#include "scenegraph/base/check.h"
+#include "base/check.h"
 
 namespace occam::lod {
 namespace {
@@ -14,16 +14,29 @@ using namespace OpenSubdiv;
 Sdc::Options sdc_options(const Cage& cage)
 {
     Sdc::Options options;
-    options.SetVtxBoundaryInterpolation(cage.boundary == BoundaryRule::EdgeAndCorner ? Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER
-                                        : cage.boundary == BoundaryRule::EdgeOnly    ? Sdc::Options::VTX_BOUNDARY_EDGE_ONLY
-                                                                                     : Sdc::Options::VTX_BOUNDARY_NONE);
+    options.SetVtxBoundaryInterpolation(cage.boundary == BoundaryRule::EdgeAndCorner
+                                            ? Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER
+                                        : cage.boundary == BoundaryRule::EdgeOnly ? Sdc::Options::VTX_BOUNDARY_EDGE_ONLY
+                                                                                  : Sdc::Options::VTX_BOUNDARY_NONE);
     switch (cage.face_varying) {
-        case FaceVaryingRule::CornersPlus1: options.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_CORNERS_PLUS1); break;
-        case FaceVaryingRule::CornersPlus2: options.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_CORNERS_PLUS2); break;
-        case FaceVaryingRule::CornersOnly: options.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_CORNERS_ONLY); break;
-        case FaceVaryingRule::Boundaries: options.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_BOUNDARIES); break;
-        case FaceVaryingRule::All: options.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_ALL); break;
-        case FaceVaryingRule::None: options.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_NONE); break;
+        case FaceVaryingRule::CornersPlus1:
+            options.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_CORNERS_PLUS1);
+            break;
+        case FaceVaryingRule::CornersPlus2:
+            options.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_CORNERS_PLUS2);
+            break;
+        case FaceVaryingRule::CornersOnly:
+            options.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_CORNERS_ONLY);
+            break;
+        case FaceVaryingRule::Boundaries:
+            options.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_BOUNDARIES);
+            break;
+        case FaceVaryingRule::All:
+            options.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_ALL);
+            break;
+        case FaceVaryingRule::None:
+            options.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_NONE);
+            break;
     }
     return options;
 }
@@ -102,7 +115,9 @@ private:
 class BfrSource : public LimitSource {
 public:
     BfrSource(const SurfaceFactory& factory, PatchRef patch, std::span<const std::uint32_t> controls, int uv_set)
-        : sub_(patch.sub), parameters_(factory.GetFaceParameterization(static_cast<int>(patch.face))), count_(controls.size())
+        : sub_(patch.sub),
+          parameters_(factory.GetFaceParameterization(static_cast<int>(patch.face))),
+          count_(controls.size())
     {
         const int face = static_cast<int>(patch.face);
         const bool is_valid = uv_set < 0 ? factory.InitVertexSurface(face, &surface_)
@@ -154,8 +169,8 @@ private:
 
 Topology::Mesh::Mesh(const Cage& cage) : bilinear(cage.scheme == Scheme::Bilinear), refiner(make_refiner(cage))
 {
-    // Bfr's defaults (2, 6) are not the limit surface: positions off by 1.5e-3 of the cage, normals by 10 degrees. The end of an inner
-    // crease converges by 3.2 a level: 1.7e-5 of the cage off at 8.
+    // Bfr's defaults (2, 6) are not the limit surface: positions off by 1.5e-3 of the cage, normals by 10 degrees. The end
+    // of an inner crease converges by 3.2 a level: 1.7e-5 of the cage off at 8.
     constexpr int kApproxLevel = 10;  // the library's largest
     SurfaceFactory::Options options;
     options.SetApproxLevelSmooth(kApproxLevel).SetApproxLevelSharp(kApproxLevel);
@@ -221,15 +236,16 @@ Neighbourhood neighbourhood(const Far::TopologyLevel& level, PatchRef patch, boo
             const auto edges = level.GetFaceEdges(g);
             out.key.push_back(static_cast<std::uint32_t>(place));
             out.key.push_back(std::bit_cast<std::uint32_t>(level.GetEdgeSharpness(edges[place])));
-            out.key.push_back(std::bit_cast<std::uint32_t>(level.GetEdgeSharpness(edges[(place + edges.size() - 1) % edges.size()])));
+            out.key.push_back(
+                std::bit_cast<std::uint32_t>(level.GetEdgeSharpness(edges[(place + edges.size() - 1) % edges.size()])));
             add_face(g);
         }
     }
     return out;
 }
 
-std::unique_ptr<const LimitSource> limit_source(const SurfaceFactory& factory, PatchRef patch, std::span<const std::uint32_t> controls,
-                                                int uv_set)
+std::unique_ptr<const LimitSource> limit_source(const SurfaceFactory& factory, PatchRef patch,
+                                                std::span<const std::uint32_t> controls, int uv_set)
 {
     return std::make_unique<BfrSource>(factory, patch, controls, uv_set);
 }

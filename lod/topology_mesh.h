@@ -14,7 +14,7 @@
 namespace occam::lod {
 
 using LockedCache = OpenSubdiv::Bfr::SurfaceFactoryCacheThreaded<std::shared_mutex, std::shared_lock<std::shared_mutex>,
-                                                                std::unique_lock<std::shared_mutex>>;
+                                                                 std::unique_lock<std::shared_mutex>>;
 using SurfaceFactory = OpenSubdiv::Bfr::RefinerSurfaceFactory<LockedCache>;
 
 struct Topology::Mesh {
@@ -41,7 +41,7 @@ struct Neighbourhood {
 Neighbourhood neighbourhood(const OpenSubdiv::Far::TopologyLevel& level, PatchRef patch, bool bilinear, int uv_set);
 
 /// The stencils of one patch by Bfr, its control points renumbered as in `controls`.
-std::unique_ptr<const LimitSource> limit_source(const SurfaceFactory& factory, PatchRef patch, std::span<const std::uint32_t> controls,
-                                                int uv_set);
+std::unique_ptr<const LimitSource> limit_source(const SurfaceFactory& factory, PatchRef patch,
+                                                std::span<const std::uint32_t> controls, int uv_set);
 
 }  // namespace occam::lod

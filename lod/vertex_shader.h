@@ -1,12 +1,12 @@
-// Phase one of shading as those see it who keep its results: floats at grid vertices, interpolated to hits (Djeu et al. 2011,
-// sec. 5.3). What they mean is known to who makes them and to who reads them at a hit, both in shade/.
+// Phase one of shading as those see it who keep its results: floats at grid vertices, interpolated to hits (Djeu et al.
+// 2011, sec. 5.3). What they mean is known to who makes them and to who reads them at a hit, both in shade/.
 //
 // Threads  const: called by all workers at once.
 #pragma once
 
 #include <span>
 
-#include "scenegraph/base/vec.h"
+#include "base/vec.h"
 #include "scenegraph/material.h"
 
 namespace occam::lod {

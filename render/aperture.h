@@ -7,7 +7,8 @@
 
 namespace occam::render {
 
-/// Uniform in the opening, whose corners (or rim) lie at distance 1. `square` uniform in [0, 1); fewer than 3 blades: a disc.
+/// Uniform in the opening, whose corners (or rim) lie at distance 1. `square` uniform in [0, 1); fewer than 3 blades: a
+/// disc.
 inline Vec2f aperture_point(Vec2f square, int blades) noexcept
 {
     if (blades < 3) return shade::disc_point(square);

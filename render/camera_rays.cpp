@@ -27,7 +27,8 @@ lod::LevelSettings CameraRays::levels(float shading_rate) const noexcept
 {
     lod::LevelSettings levels{eye_, pixel_, shading_rate, 0, {}};
     if (orthographic_) return levels;
-    // A point in view has |across| <= forward * (width / height), |up| <= forward, across and up in units of half the height.
+    // A point in view has |across| <= forward * (width / height), |up| <= forward, across and up in units of half the
+    // height.
     const auto inverse = [](Vec3d v) { return v / glm::dot(v, v); };
     const Vec3d sides = forward_ * (width_ / height_);
     levels.plane_count = 4;
@@ -72,7 +73,8 @@ accel::Ray CameraRays::ray(double x, double y, Vec2f lens) const noexcept
 
 shade::LensBeams CameraRays::lens_beams_of(const accel::Ray& ray) const noexcept
 {
-    const lod::Footprint pixel = orthographic_ ? lod::Footprint{pixel_.a, 0} : lod::Footprint{0, pixel_.b * focus_ / ray.t_far};
+    const lod::Footprint pixel = orthographic_ ? lod::Footprint{pixel_.a, 0}
+                                               : lod::Footprint{0, pixel_.b * focus_ / ray.t_far};
     return shade::lens_beams(pixel, 2 * lens_radius_, ray.t_far, samples_);
 }
 

@@ -22,8 +22,8 @@ public:
     accel::Ray behind_focus(accel::Ray ray) const noexcept;
     bool has_lens() const noexcept { return lens_radius_ > 0; }
 
-    /// From now on footprints are those that another camera's pixels have: at t of a ray, its pixel at the distance of the ray's
-    /// start from it, plus t. That is never too narrow, and too wide by at most 2 |start - eye| / distance.
+    /// From now on footprints are those that another camera's pixels have: at t of a ray, its pixel at the distance of the
+    /// ray's start from it, plus t. That is never too narrow, and too wide by at most 2 |start - eye| / distance.
     void take_footprints_of(const CameraRays& other) noexcept;
 
     /// Camera z of a point: its distance along the view, not along the ray.

@@ -5,7 +5,7 @@
 #include <limits>
 #include <optional>
 
-#include "scenegraph/base/error.h"
+#include "base/error.h"
 
 namespace occam::render {
 namespace {

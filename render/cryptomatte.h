@@ -1,8 +1,8 @@
 // Cryptomatte: which objects and materials a pixel shows, and how much of it each covers, by Psyop's specification 1.2.0.
 //
-// A name's id is its MurmurHash3 as a float's bits. A pixel's ids are ranked by coverage; two of them with their coverages make
-// one RGBA layer: CryptoObject00 holds ranks 0 and 1, CryptoObject01 ranks 2 and 3, and so on. A manifest in the file's head says the
-// names. An object is a node by its name, so instances of one name are one matte.
+// A name's id is its MurmurHash3 as a float's bits. A pixel's ids are ranked by coverage; two of them with their coverages
+// make one RGBA layer: CryptoObject00 holds ranks 0 and 1, CryptoObject01 ranks 2 and 3, and so on. A manifest in the file's
+// head says the names. An object is a node by its name, so instances of one name are one matte.
 #pragma once
 
 #include <cstdint>
@@ -38,8 +38,8 @@ class MatteSums {
 public:
     void clear() noexcept { shares_.clear(); }
     void add(float id, double coverage);
-    /// Id and coverage of each rank, the largest coverage first (then the smaller bits of the id); zeros where there are fewer.
-    /// weight   of all samples of the pixel; overwrites the order of what was added
+    /// Id and coverage of each rank, the largest coverage first (then the smaller bits of the id); zeros where there are
+    /// fewer. weight   of all samples of the pixel; overwrites the order of what was added
     void rank(double weight, float (&out)[2 * kMatteRanks]);
 
 private:

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "scenegraph/base/maths.h"
+#include "base/maths.h"
 
 namespace occam::render {
 namespace {

@@ -1,8 +1,8 @@
 // From scene-linear colour to what a screen shows: exposure, tone curve, transfer. For display formats only.
 #pragma once
 
+#include "base/vec.h"
 #include "render/image.h"
-#include "scenegraph/base/vec.h"
 
 namespace occam::render {
 

@@ -15,18 +15,28 @@ struct LayerForm {
 LayerForm form_of(Aov aov)
 {
     switch (aov) {
-        case Aov::Depth: return {{"Z"}, true};
+        case Aov::Depth:
+            return {{"Z"}, true};
         case Aov::Normal:
-        case Aov::NormalGeometric: return {{"X", "Y", "Z"}, false};
-        case Aov::Albedo: return {{"R", "G", "B", "A"}, false};
-        case Aov::Uv: return {{"U", "V"}, true};
-        case Aov::Position: return {{"X", "Y", "Z"}, true};
-        case Aov::Id: return {{"I"}, true};
-        case Aov::Variance: return {{"Y"}, true};
-        case Aov::Occlusion: return {{"Y"}, false};
-        case Aov::NormalMean: return {{"X", "Y", "Z"}, false};
+        case Aov::NormalGeometric:
+            return {{"X", "Y", "Z"}, false};
+        case Aov::Albedo:
+            return {{"R", "G", "B", "A"}, false};
+        case Aov::Uv:
+            return {{"U", "V"}, true};
+        case Aov::Position:
+            return {{"X", "Y", "Z"}, true};
+        case Aov::Id:
+            return {{"I"}, true};
+        case Aov::Variance:
+            return {{"Y"}, true};
+        case Aov::Occlusion:
+            return {{"Y"}, false};
+        case Aov::NormalMean:
+            return {{"X", "Y", "Z"}, false};
         case Aov::CryptomatteObject:
-        case Aov::CryptomatteMaterial: return {{"R", "G", "B", "A"}, true};
+        case Aov::CryptomatteMaterial:
+            return {{"R", "G", "B", "A"}, true};
     }
     return {};
 }
@@ -92,7 +102,8 @@ Film::Film(const Settings& settings)
         LayerForm form = form_of(aov);
         layer_of_[index_of(aov)] = image_.layers().size();
         if (const std::string_view matte = matte_layer(aov); !matte.empty()) {
-            for (int n = 0; n < kMatteLayers; ++n) image_.add_layer(std::string(matte) + "0" + std::to_string(n), form.channels, form.full_float);
+            for (int n = 0; n < kMatteLayers; ++n)
+                image_.add_layer(std::string(matte) + "0" + std::to_string(n), form.channels, form.full_float);
             continue;
         }
         Layer& layer = image_.add_layer(std::string(aov_name(aov)), std::move(form.channels), form.full_float);

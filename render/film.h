@@ -1,16 +1,16 @@
 // Where samples become pixels.
 //
 // A pixel's samples are added by one worker, in their order, in double: so the sums have the same bits in every run.
-// Colour layers, normal_mean and occlusion are means with the reconstruction filter's weights. Depth, normals, uv, position and id are those of the one sample nearest the middle of the
-// pixel: the mean of two depths lies on no surface.
+// Colour layers, normal_mean and occlusion are means with the reconstruction filter's weights. Depth, normals, uv, position
+// and id are those of the one sample nearest the middle of the pixel: the mean of two depths lies on no surface.
 #pragma once
 
 #include <limits>
 
+#include "base/vec.h"
 #include "render/cryptomatte.h"
 #include "render/image.h"
 #include "render/settings.h"
-#include "scenegraph/base/vec.h"
 
 namespace occam::render {
 
@@ -46,8 +46,9 @@ public:
     Vec3f normal() const noexcept;
     float occlusion() const noexcept;
     float variance() const noexcept;  ///< of the mean of the luminance
-    /// Estimated standard error of the mean of the luminance over that mean; of dark pixels over kDarkest, so that noise which
-    /// nobody sees asks for no samples. From the sample variance: it knows nothing of light that no sample has found yet.
+    /// Estimated standard error of the mean of the luminance over that mean; of dark pixels over kDarkest, so that noise
+    /// which nobody sees asks for no samples. From the sample variance: it knows nothing of light that no sample has found
+    /// yet.
     float relative_error() const noexcept;
     int not_finite() const noexcept { return not_finite_; }
     double weight() const noexcept { return weight_; }  ///< of all samples

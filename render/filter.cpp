@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scenegraph/base/maths.h"
+#include "base/maths.h"
 
 namespace occam::render {
 namespace {
@@ -33,11 +33,16 @@ float gaussian(float x) noexcept { return std::max(0.0f, maths::exp(-4.5f * x * 
 std::string_view filter_name(FilterKind kind) noexcept
 {
     switch (kind) {
-        case FilterKind::Box: return "box";
-        case FilterKind::Tent: return "tent";
-        case FilterKind::Gaussian: return "gaussian";
-        case FilterKind::BlackmanHarris: return "blackman-harris";
-        case FilterKind::Mitchell: return "mitchell";
+        case FilterKind::Box:
+            return "box";
+        case FilterKind::Tent:
+            return "tent";
+        case FilterKind::Gaussian:
+            return "gaussian";
+        case FilterKind::BlackmanHarris:
+            return "blackman-harris";
+        case FilterKind::Mitchell:
+            return "mitchell";
     }
     return "";
 }
@@ -45,11 +50,16 @@ std::string_view filter_name(FilterKind kind) noexcept
 float usual_radius(FilterKind kind) noexcept
 {
     switch (kind) {
-        case FilterKind::Box: return 0.5f;
-        case FilterKind::Tent: return 1;
-        case FilterKind::Gaussian: return 1.5f;
-        case FilterKind::BlackmanHarris: return 1.65f;
-        case FilterKind::Mitchell: return 2;
+        case FilterKind::Box:
+            return 0.5f;
+        case FilterKind::Tent:
+            return 1;
+        case FilterKind::Gaussian:
+            return 1.5f;
+        case FilterKind::BlackmanHarris:
+            return 1.65f;
+        case FilterKind::Mitchell:
+            return 2;
     }
     return 0.5f;
 }
@@ -71,11 +81,16 @@ float PixelFilter::value(float x) const noexcept
     const float share = x / radius_;
     if (!(std::fabs(share) <= 1)) return 0;
     switch (kind_) {
-        case FilterKind::Box: return 1;
-        case FilterKind::Tent: return 1 - std::fabs(share);
-        case FilterKind::Gaussian: return gaussian(share);
-        case FilterKind::BlackmanHarris: return blackman_harris(share);
-        case FilterKind::Mitchell: return mitchell(share);
+        case FilterKind::Box:
+            return 1;
+        case FilterKind::Tent:
+            return 1 - std::fabs(share);
+        case FilterKind::Gaussian:
+            return gaussian(share);
+        case FilterKind::BlackmanHarris:
+            return blackman_harris(share);
+        case FilterKind::Mitchell:
+            return mitchell(share);
     }
     return 0;
 }

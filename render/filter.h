@@ -1,4 +1,5 @@
-// Reconstruction filters, by where samples are taken: a sample's place follows the filter, and its weight is the filter's sign.
+// Reconstruction filters, by where samples are taken: a sample's place follows the filter, and its weight is the filter's
+// sign.
 //
 // Every sample then belongs to one pixel alone (Ernst et al. 2006), so that no sum crosses a border of tiles. Filters are
 // separable. Box and tent are drawn exactly; the others from a table of their absolute value, whose steps the weights do not
@@ -9,13 +10,13 @@
 #include <cstdint>
 #include <string_view>
 
-#include "scenegraph/base/vec.h"
+#include "base/vec.h"
 
 namespace occam::render {
 
 enum class FilterKind : std::uint8_t { Box, Tent, Gaussian, BlackmanHarris, Mitchell };
-inline constexpr FilterKind kAllFilters[] = {FilterKind::Box, FilterKind::Tent, FilterKind::Gaussian, FilterKind::BlackmanHarris,
-                                             FilterKind::Mitchell};
+inline constexpr FilterKind kAllFilters[] = {FilterKind::Box, FilterKind::Tent, FilterKind::Gaussian,
+                                             FilterKind::BlackmanHarris, FilterKind::Mitchell};
 std::string_view filter_name(FilterKind kind) noexcept;
 
 /// Half the width that suits a filter, in pixels: 0.5, 1, 1.5, 1.65, 2.

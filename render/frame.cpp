@@ -66,8 +66,11 @@ public:
     /// shared   null: the worker grows a tree of its own
     Worker(const FrameContext& context, const accel::Frame& frame, const MemoryPlan& memory, accel::SharedTree* shared,
            Clock::time_point deadline)
-        : context_(context), tracer_(shared ? accel::Tracer(*shared) : accel::Tracer(frame, memory.tracer_bytes)), integrator_(context),
-          batch_rays_(memory.batch_rays), deadline_(deadline)
+        : context_(context),
+          tracer_(shared ? accel::Tracer(*shared) : accel::Tracer(frame, memory.tracer_bytes)),
+          integrator_(context),
+          batch_rays_(memory.batch_rays),
+          deadline_(deadline)
     {
     }
 
@@ -108,7 +111,8 @@ public:
     static void count_building(const accel::TraceCounters& t, FrameStats& stats, FrameStats::Worker& worker)
     {
         for (int l = 0; l < accel::TraceCounters::kLevels; ++l)
-            if (t.micropolygons_of_level[l] > 0) stats.built.by_level[accel::TraceCounters::kFinestLevel + l] += t.micropolygons_of_level[l];
+            if (t.micropolygons_of_level[l] > 0)
+                stats.built.by_level[accel::TraceCounters::kFinestLevel + l] += t.micropolygons_of_level[l];
         stats.seconds.build += t.build_seconds;
         stats.seconds.tessellate += t.dice_seconds;
         stats.seconds.shade += t.shade_seconds;
@@ -199,7 +203,8 @@ private:
         for (const MatteShare& share : integrator_.mattes()) {
             const double covers = double(share.coverage) * double(results_[share.sample].weight);
             for (int k : {0, 1})
-                if (context_.settings.has(kMattes[k])) mattes_[k][share.sample / per_pixel].add(k ? share.material : share.object, covers);
+                if (context_.settings.has(kMattes[k]))
+                    mattes_[k][share.sample / per_pixel].add(k ? share.material : share.object, covers);
         }
         samples_made_ += samples_.size();
         film_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
@@ -214,7 +219,7 @@ private:
     std::uint64_t samples_made_ = 0, not_finite_ = 0, tiles_ = 0;
     std::vector<CameraSample> samples_;
     std::vector<SampleResult> results_;
-    std::vector<Pixel> pixels_;           ///< of the tile
+    std::vector<Pixel> pixels_;  ///< of the tile
     std::vector<PixelSums> sums_;
     std::vector<MatteSums> mattes_[2];
 };
@@ -227,7 +232,8 @@ public:
     {
         const auto group = static_cast<std::size_t>(in.resources.workers_a_tree);
         for (std::size_t first = 0; group > 1 && first < workers_.size(); first += group)
-            trees_.push_back(std::make_unique<accel::SharedTree>(frame, in.memory.tracer_bytes * std::min(group, workers_.size() - first)));
+            trees_.push_back(std::make_unique<accel::SharedTree>(
+                frame, in.memory.tracer_bytes * std::min(group, workers_.size() - first)));
     }
 
     template <class Finished>
@@ -257,7 +263,8 @@ public:
             if (!trees_.empty() && stats.workers.size() > known)
                 Worker::count_building(trees_[first / group]->counters(), stats, stats.workers[known]);
         }
-        stats.seconds.trace = std::max(0.0, stats.seconds.trace - stats.seconds.build - stats.seconds.tessellate - stats.seconds.phase_one);
+        stats.seconds.trace = std::max(
+            0.0, stats.seconds.trace - stats.seconds.build - stats.seconds.tessellate - stats.seconds.phase_one);
     }
 
 private:

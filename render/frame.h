@@ -7,6 +7,7 @@
 
 #include <chrono>
 
+#include "io/texture/texture_store.h"
 #include "lod/topology_cache.h"
 #include "render/frame_control.h"
 #include "render/image.h"
@@ -14,7 +15,6 @@
 #include "render/settings.h"
 #include "render/stats.h"
 #include "scenegraph/scene.h"
-#include "scenegraph/texture/texture_store.h"
 
 namespace occam::render {
 

@@ -2,7 +2,7 @@
 
 #include <bit>
 
-#include "scenegraph/base/hash.h"
+#include "base/hash.h"
 
 namespace occam::render {
 

@@ -8,9 +8,9 @@
 #include <limits>
 #include <system_error>
 
+#include "base/error.h"
 #include "render/display.h"
 #include "render/image.h"
-#include "scenegraph/base/error.h"
 
 namespace occam::render {
 namespace {
@@ -246,8 +246,8 @@ Image Image::read(const fs::path& file)
         std::vector<std::string> names;
         for (; end < channels && split_channel(spec.channelnames[end]).first == name; ++end)
             names.push_back(split_channel(spec.channelnames[end]).second);
-        Layer& layer =
-            image.add_layer(name, std::move(names), spec.channelformat(static_cast<int>(first)) == OIIO::TypeDesc::FLOAT);
+        Layer& layer = image.add_layer(name, std::move(names),
+                                       spec.channelformat(static_cast<int>(first)) == OIIO::TypeDesc::FLOAT);
         const std::size_t n = end - first;
         for (std::size_t i = 0; i < count; ++i)
             for (std::size_t c = 0; c < n; ++c) {

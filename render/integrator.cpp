@@ -63,10 +63,8 @@ std::size_t Integrator::shade_some(std::size_t first, std::span<const CameraSamp
     for (; i < paths_.size() && shadows_.size() < context_.shadow_batch; ++i) {
         const std::uint32_t sample = paths_[i].sample;
         if (hits_[i].is_hit() && paths_[i].is_camera()) count_cells(rays_[i], hits_[i]);
-        if (hits_[i].is_hit())
-            shade_hit(i, samples[sample], results[sample]);
-        else
-            shade_miss(i, results[sample]);
+        if (hits_[i].is_hit()) shade_hit(i, samples[sample], results[sample]);
+        else shade_miss(i, results[sample]);
     }
     counters_.shade_seconds += std::chrono::duration<double>(Clock::now() - start).count();
     return i;
@@ -75,7 +73,8 @@ std::size_t Integrator::shade_some(std::size_t first, std::span<const CameraSamp
 void Integrator::count_cells(const accel::Ray& ray, const accel::SurfaceHit& hit)
 {
     constexpr double kSteepest = 0.1;  // cosine: a silhouette has no end of surface
-    const double facing = std::abs(double(glm::dot(hit.normal_geometric, ray.direction))), rate = double(context_.settings.shading_rate);
+    const double facing = std::abs(double(glm::dot(hit.normal_geometric, ray.direction))),
+                 rate = double(context_.settings.shading_rate);
     counters_.visible_cells += 1 / (std::max(facing, kSteepest) * rate * rate);
 }
 
@@ -92,7 +91,8 @@ void Integrator::shade_miss(std::size_t i, SampleResult& result)
     if (!path.is_camera()) {
         cross_lights(path, ray, std::numeric_limits<float>::infinity(), result);
         const shade::Environment& sky = context_.lights.environment();
-        const float weight = tries_of(path.light_tries, path.scatter_tries, false).of_scatter(path.density, sky.density(ray.direction));
+        const float weight =
+            tries_of(path.light_tries, path.scatter_tries, false).of_scatter(path.density, sky.density(ray.direction));
         result.radiance += path.throughput * sky.radiance(ray.direction) * weight;
         return;
     }
@@ -133,7 +133,8 @@ void Integrator::record_first(const accel::SurfaceHit& hit, const shade::Surface
 void Integrator::record_matte(const accel::SurfaceHit& hit, std::uint32_t sample, float covered)
 {
     if (!has_mattes_ || !(covered > 0)) return;
-    mattes_.push_back({sample, matte_id(matte_name(*context_.scene, hit.node)), matte_id(matte_name(*hit.material)), covered});
+    mattes_.push_back(
+        {sample, matte_id(matte_name(*context_.scene, hit.node)), matte_id(matte_name(*hit.material)), covered});
 }
 
 void Integrator::add_emission(const Path& path, const accel::SurfaceHit& hit, const shade::Surface& surface, Vec3f share,
@@ -144,7 +145,8 @@ void Integrator::add_emission(const Path& path, const accel::SurfaceHit& hit, co
     if (!path.is_camera()) {
         const float per_area = context_.lights.meshes().area_density(hit.node, hit.material);
         const float cosine = std::max(glm::dot(surface.normal_geometric, surface.to_eye), 1e-6f);
-        weight = tries_of(path.light_tries, path.scatter_tries, false).of_scatter(path.density, per_area * hit.t * hit.t / cosine);
+        weight = tries_of(path.light_tries, path.scatter_tries, false)
+                     .of_scatter(path.density, per_area * hit.t * hit.t / cosine);
     }
     result.radiance += share * surface.emission * weight;
 }
@@ -214,7 +216,8 @@ void Integrator::pass_straight(const Path& path, const accel::Ray& ray, float t,
     next.coverage = coverage;
     next.key = child_key(path.key, 0);
     ++next.passed;
-    if (next.passed >= kMaxBlendLayers || std::max({next.throughput.x, next.throughput.y, next.throughput.z}) < kLeastShare) return;
+    if (next.passed >= kMaxBlendLayers || std::max({next.throughput.x, next.throughput.y, next.throughput.z}) < kLeastShare)
+        return;
     push(next, behind(ray, t));
 }
 

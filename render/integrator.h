@@ -4,9 +4,9 @@
 // path     light of any number of bounces up to a limit; after a few, a path lives on by its worth (Russian roulette)
 // ao       how much of a white sky each point sees
 //
-// A surface that blends, masks or is clear glass lets light through, and the ray is shot again from there, in order of t. Camera
-// rays split in two at it; a scattered ray goes on by one of both at random. A sample's sums are made in an order that depends
-// on the sample alone: so neither the size of a batch nor the budget of a tracer can change them.
+// A surface that blends, masks or is clear glass lets light through, and the ray is shot again from there, in order of t.
+// Camera rays split in two at it; a scattered ray goes on by one of both at random. A sample's sums are made in an order
+// that depends on the sample alone: so neither the size of a batch nor the budget of a tracer can change them.
 //
 // Threads  one integrator a worker; the context is shared and const.
 #pragma once
@@ -101,7 +101,7 @@ private:
         const accel::SurfaceHit& hit;
         const CameraSample& sample;
         const shade::Surface& surface;
-        Vec3f share;  ///< of what leaves the surface, this reaches the pixel
+        Vec3f share;      ///< of what leaves the surface, this reaches the pixel
         float occlusion;  ///< of ambient light that reaches the surface, its occlusion map leaves this
         /// What decides which lights are left to their own samples here (shade/direct.h).
         float peak = shade::peak_density(surface);
@@ -121,7 +121,8 @@ private:
     void cross_lights(const Path& path, const accel::Ray& ray, float t_far, SampleResult& result) const;
     void add_emission(const Path& path, const accel::SurfaceHit& hit, const shade::Surface& surface, Vec3f share,
                       SampleResult& result) const;
-    void record_first(const accel::SurfaceHit& hit, const shade::Surface& surface, float occlusion, float covered, SampleResult& result) const;
+    void record_first(const accel::SurfaceHit& hit, const shade::Surface& surface, float occlusion, float covered,
+                      SampleResult& result) const;
     void record_matte(const accel::SurfaceHit& hit, std::uint32_t sample, float covered);
 
     /// With which a ray goes on straight and scattered; one of them 0, and the ray of the other not shot.
@@ -136,7 +137,8 @@ private:
     void scatter_on(const Vertex& v, float chance);
     /// A scattered direction that is followed no further: what lights lie along it?
     void look_for_light(const Path& next, const accel::Ray& ray);
-    void gather_light(const Vertex& v, const shade::WorldLight& light, const Sequence& squares, int first, int end, Vec3f each);
+    void gather_light(const Vertex& v, const shade::WorldLight& light, const Sequence& squares, int first, int end,
+                      Vec3f each);
     void test(const Vertex& v, const shade::ShadowTest& test, Vec3f share, int samples);
     void pass_straight(const Path& path, const accel::Ray& ray, float t, Vec3f passes, float coverage, float chance);
     void push(const Path& path, const accel::Ray& ray);
@@ -160,7 +162,7 @@ private:
     float texture_width_;  ///< of a sample, in pixels
     bool has_mattes_;
     bool wants_occlusion_;  ///< maps of it are looked up: for `ao` or the layer
-    float placed_tries_;   ///< expected samples of one placed light for each round over the lights
+    float placed_tries_;    ///< expected samples of one placed light for each round over the lights
     IntegratorCounters counters_;
 
     // Parallel arrays, kept from batch to batch for their memory.

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/simd.h"  // OCCAM_ALWAYS_INLINE
 #include "render/integrator.h"
-#include "scenegraph/base/simd.h"  // OCCAM_ALWAYS_INLINE
 #include "shade/footprints.h"
 
 namespace occam::render {
@@ -15,10 +15,13 @@ using Use = Dimension::Use;
 std::uint8_t kind_of(shade::Lobe lobe) noexcept
 {
     switch (lobe) {
-        case shade::Lobe::Diffuse: return RayKind::Diffuse;
+        case shade::Lobe::Diffuse:
+            return RayKind::Diffuse;
         case shade::Lobe::Layer:
-        case shade::Lobe::Coat: return RayKind::Reflection;
-        case shade::Lobe::Transmission: return RayKind::Transmission;
+        case shade::Lobe::Coat:
+            return RayKind::Reflection;
+        case shade::Lobe::Transmission:
+            return RayKind::Transmission;
     }
     return RayKind::All;
 }
@@ -45,7 +48,8 @@ shade::Tries Integrator::tries_of(float light_tries, float scatter_tries, bool i
 
 Sequence Integrator::numbers(const Vertex& v, Use use, int slot) const noexcept
 {
-    return context_.sampler.sequence(v.sample.x, v.sample.y, Dimension::at(v.path.key, use, static_cast<std::uint32_t>(slot)));
+    return context_.sampler.sequence(v.sample.x, v.sample.y,
+                                     Dimension::at(v.path.key, use, static_cast<std::uint32_t>(slot)));
 }
 
 // Only what is scattered no further has as many directions as a light has samples.
@@ -105,7 +109,8 @@ void Integrator::gather_light(const Vertex& v)
 }
 
 // Samples [first, end) of a placed light.
-void Integrator::gather_light(const Vertex& v, const shade::WorldLight& light, const Sequence& squares, int first, int end, Vec3f each)
+void Integrator::gather_light(const Vertex& v, const shade::WorldLight& light, const Sequence& squares, int first, int end,
+                              Vec3f each)
 {
     if ((light.groups & v.hit.lit_by) == 0) return;
     const int per_hit = light_samples_at(v.path);
@@ -133,9 +138,11 @@ void Integrator::gather_sky(const Vertex& v)
     const int samples = light_samples_at(v.path);
     const shade::Axes axes(v.surface.normal);
     const Sequence squares = numbers(v, Use::Scatter);
-    const float reach = context_.settings.ao_distance > 0 ? context_.settings.ao_distance : std::numeric_limits<float>::infinity();
+    const float reach = context_.settings.ao_distance > 0 ? context_.settings.ao_distance
+                                                          : std::numeric_limits<float>::infinity();
     for (int n = 0; n < samples; ++n) {
-        const Vec3f direction = axes.to_world(shade::cosine_direction(squares.square(v.first_of(samples) + static_cast<std::uint32_t>(n))));
+        const Vec3f direction = axes.to_world(
+            shade::cosine_direction(squares.square(v.first_of(samples) + static_cast<std::uint32_t>(n))));
         if (!(glm::dot(direction, v.surface.normal_geometric) > 0)) continue;
         accel::Ray& ray = shadows_.add(v.path.sample, v.share * (v.occlusion / static_cast<float>(samples)));
         ray.origin = v.surface.start(direction);
@@ -158,18 +165,21 @@ accel::Ray Integrator::scattered_ray(const Vertex& v, const shade::ScatterSample
     if (s.lobe == shade::Lobe::Transmission) {
         smooth.b = std::max(beam.spread, 0.0f);
         if (v.surface.is_solid)
-            smooth = shade::bent_beam(beam, v.hit.curvature, cosine, std::fabs(glm::dot(v.surface.normal, s.direction)), v.surface.eta);
+            smooth = shade::bent_beam(beam, v.hit.curvature, cosine, std::fabs(glm::dot(v.surface.normal, s.direction)),
+                                      v.surface.eta);
     } else if (s.lobe != shade::Lobe::Diffuse) {
         smooth = shade::mirrored_beam(beam, v.hit.curvature, cosine);
     }
-    ray.footprint = shade::followable(shade::scattered_beam(smooth, s.density, samples * context_.settings.spp), context_.settings.shading_rate);
+    ray.footprint = shade::followable(shade::scattered_beam(smooth, s.density, samples * context_.settings.spp),
+                                      context_.settings.shading_rate);
     return ray;
 }
 
 bool Integrator::needs_scattering(const Vertex& v) const noexcept
 {
     const bool is_direct = context_.settings.integrator == IntegratorKind::Direct;
-    const bool goes_on = v.path.bounces < context_.settings.bounces && !(is_direct && shade::narrowest_lobe(v.surface) > kMirrorAlpha);
+    const bool goes_on = v.path.bounces < context_.settings.bounces &&
+                         !(is_direct && shade::narrowest_lobe(v.surface) > kMirrorAlpha);
     return goes_on || !context_.lights.leaves_all_to_samples(v.start, v.peak, v.hit.lit_by);
 }
 

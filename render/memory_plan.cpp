@@ -1,11 +1,11 @@
 #include "render/memory_plan.h"
 
 #include "accel/memory_floor.h"
+#include "base/error.h"
 #include "render/film.h"
 #include "render/integrator.h"
 #include "render/path.h"
 #include "render/tiles.h"
-#include "scenegraph/base/error.h"
 
 namespace occam::render {
 namespace {
@@ -19,15 +19,9 @@ constexpr std::size_t kShadowRays = FrameContext::kShadowBatch / kMostRays;  // 
 constexpr std::size_t kBytesOfARay = 2 * (sizeof(Path) + sizeof(accel::Ray)) + sizeof(accel::SurfaceHit) +
                                      sizeof(SampleResult) + 4 * sizeof(int) + sizeof(Vec3f) + accel::kBytesOfABatchedRay;
 constexpr std::size_t kBytesOfAShadowRay = sizeof(accel::Ray) + 2 * sizeof(Vec4f) + accel::kBytesOfABatchedRay;
-constexpr std::size_t queue_bytes(int rays)
-{
-    return std::size_t(rays) * (kBytesOfARay + kShadowRays * kBytesOfAShadowRay);
-}
+constexpr std::size_t queue_bytes(int rays) { return std::size_t(rays) * (kBytesOfARay + kShadowRays * kBytesOfAShadowRay); }
 
-std::string megabytes(std::size_t bytes)
-{
-    return std::to_string((bytes + (1 << 20) - 1) >> 20) + "M";
-}
+std::string megabytes(std::size_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20) + "M"; }
 
 }  // namespace
 

@@ -4,8 +4,8 @@
 #include <ctime>
 #include <glm/matrix.hpp>
 
+#include "base/maths.h"
 #include "render/version.h"
-#include "scenegraph/base/maths.h"
 
 namespace occam::render {
 namespace {

@@ -8,8 +8,8 @@
 
 #include <cstdint>
 
-#include "scenegraph/base/hash.h"
-#include "scenegraph/base/vec.h"
+#include "base/hash.h"
+#include "base/vec.h"
 
 namespace occam::render {
 
@@ -81,7 +81,10 @@ public:
     {
         return sequence(x, y, dimension).interval(index);
     }
-    Vec2f square(int x, int y, std::uint32_t index, Dimension dimension) const noexcept { return sequence(x, y, dimension).square(index); }
+    Vec2f square(int x, int y, std::uint32_t index, Dimension dimension) const noexcept
+    {
+        return sequence(x, y, dimension).square(index);
+    }
 
     int samples() const noexcept { return samples_; }
 
@@ -103,7 +106,10 @@ inline std::uint32_t reversed(std::uint32_t x) noexcept
 }
 
 // The top 24 bits, all of which a float can hold.
-inline float unit_float(std::uint32_t bits) noexcept { return static_cast<float>(static_cast<std::int32_t>(bits >> 8)) * 0x1p-24f; }
+inline float unit_float(std::uint32_t bits) noexcept
+{
+    return static_cast<float>(static_cast<std::int32_t>(bits >> 8)) * 0x1p-24f;
+}
 
 // Pascal's triangle modulo 2 as a matrix of bits: entry (k, i) is 1 where k's bits are among i's (Lucas), so each bit of the
 // index adds itself to the one that lacks it, one power of two after the other.
@@ -128,7 +134,10 @@ inline std::uint32_t scramble_reversed(std::uint32_t x, std::uint32_t seed) noex
 
 }  // namespace sobol
 
-inline SobolPair sobol_pair(std::uint32_t index) noexcept { return {sobol::reversed(index), sobol::reversed(sobol::pascal(index))}; }
+inline SobolPair sobol_pair(std::uint32_t index) noexcept
+{
+    return {sobol::reversed(index), sobol::reversed(sobol::pascal(index))};
+}
 
 inline std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t seed) noexcept
 {
@@ -140,7 +149,8 @@ inline Vec2f Sequence::square(std::uint32_t index) const noexcept
 {
     using namespace sobol;
     const std::uint32_t shuffled = owen_scramble(index, order_);
-    return {unit_float(reversed(scramble_reversed(shuffled, flips_x_))), unit_float(reversed(scramble_reversed(pascal(shuffled), flips_y_)))};
+    return {unit_float(reversed(scramble_reversed(shuffled, flips_x_))),
+            unit_float(reversed(scramble_reversed(pascal(shuffled), flips_y_)))};
 }
 
 inline float Sequence::interval(std::uint32_t index) const noexcept

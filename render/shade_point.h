@@ -8,7 +8,8 @@
 
 namespace occam::render {
 
-/// Of the textures' filter at a hit, in pixels: a pixel is the mean of its samples, and each filters over its own share of it alone.
+/// Of the textures' filter at a hit, in pixels: a pixel is the mean of its samples, and each filters over its own share of
+/// it alone.
 inline float sample_width(int samples) noexcept { return 1 / std::sqrt(static_cast<float>(samples)); }
 
 /// Good as long as the hit.

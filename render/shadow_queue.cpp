@@ -63,8 +63,9 @@ void ShadowQueue::pass_blocked()
     for (std::size_t i = 0; i < blocked_.size(); ++i) {
         const accel::SurfaceHit& hit = blocked_hits_[i];
         if (!hit.is_hit()) continue;
-        const Vec3f passes =
-            culls_ && is_culled(hit) ? Vec3f(1) : shade::passes_straight(shade_point(blocked_rays_[i], hit, texture_width_), textures_);
+        const Vec3f passes = culls_ && is_culled(hit)
+                                 ? Vec3f(1)
+                                 : shade::passes_straight(shade_point(blocked_rays_[i], hit, texture_width_), textures_);
         Vec3f& radiance = shadows_[blocked_[i]].radiance;
         if (std::max({passes.x, passes.y, passes.z}) < kLeastShare) {
             radiance = Vec3f(0);

@@ -1,7 +1,7 @@
 // Shadow rays of a batch: collected while hits are shaded, traced together, added in the order they came in.
 //
-// A ray that meets something may pass it where it blends, masks or is clear glass: it is then shot again from there, in order
-// of t. So what a sample gets depends on the sample alone.
+// A ray that meets something may pass it where it blends, masks or is clear glass: it is then shot again from there, in
+// order of t. So what a sample gets depends on the sample alone.
 //
 // Threads  one worker's own.
 #pragma once
@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "accel/tracer.h"
+#include "io/texture/texture_store.h"
 #include "render/path.h"
-#include "scenegraph/texture/texture_store.h"
 
 namespace occam::render {
 

@@ -1,7 +1,8 @@
 // What a frame cost: the numbers that --stats writes, under the same names.
 //
-// Seconds of build, tessellate, deform (which is a part of those two), trace, shade, phase_one (a part of shade) and film are the
-// workers' summed; total, load, edit, refit, texture and write are wall time. Adding keys is welcome; renaming is not.
+// Seconds of build, tessellate, deform (which is a part of those two), trace, shade, phase_one (a part of shade) and film
+// are the workers' summed; total, load, edit, refit, texture and write are wall time. Adding keys is welcome; renaming is
+// not.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +19,8 @@ struct FrameStats {
         std::uint64_t nodes = 0, cages = 0, faces = 0, triangles_in = 0, lights = 0, warnings = 0;
     } scene;
     struct Seconds {
-        double total = 0, load = 0, edit = 0, refit = 0, build = 0, tessellate = 0, deform = 0, trace = 0, shade = 0, phase_one = 0,
-               texture = 0, film = 0, write = 0;
+        double total = 0, load = 0, edit = 0, refit = 0, build = 0, tessellate = 0, deform = 0, trace = 0, shade = 0,
+               phase_one = 0, texture = 0, film = 0, write = 0;
     } seconds;
     struct Rays {
         std::uint64_t primary = 0, shadow = 0, ao = 0, glossy = 0, diffuse = 0;
@@ -31,8 +32,8 @@ struct FrameStats {
                       vertices_shaded = 0;     ///< normals and coordinates
         std::uint64_t vertices_looked_up = 0;  ///< materials at vertices (ShadeAt::Vertex)
         std::uint64_t hits_looked_up = 0;      ///< materials at hits
-        /// Cells of the shading rate's size that the visible surfaces have, and the micropolygons of surfaces (two a cell's quad) that
-        /// camera rays and shadow or occlusion rays were the first to ask for; each worker's counts.
+        /// Cells of the shading rate's size that the visible surfaces have, and the micropolygons of surfaces (two a cell's
+        /// quad) that camera rays and shadow or occlusion rays were the first to ask for; each worker's counts.
         double visible_cells = 0;
         std::uint64_t by_camera_rays = 0, by_shadow_rays = 0;
         double quads_per_cell(std::uint64_t count) const noexcept

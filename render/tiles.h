@@ -23,8 +23,8 @@ struct Pixel {
 /// Tiles that cover `area`, along a Hilbert curve.
 std::vector<PixelRect> make_tiles(PixelRect area);
 
-/// The pixels of a tile along a Morton curve: eight in a row, from a multiple of eight on, are a block of 4 x 2, whose rays travel
-/// together.
+/// The pixels of a tile along a Morton curve: eight in a row, from a multiple of eight on, are a block of 4 x 2, whose rays
+/// travel together.
 std::vector<Pixel> pixels_of(const PixelRect& tile);
 
 class TileQueue {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scenegraph/base/hash.h"
+#include "base/hash.h"
 
 namespace occam::render {
 namespace {
@@ -20,14 +20,22 @@ Vec3f color_of_number(std::uint64_t number) noexcept
 Vec3f view_color(View view, const accel::SurfaceHit& hit, float z, float z_near, float z_far) noexcept
 {
     switch (view) {
-        case View::Beauty: break;
-        case View::Depth: return Vec3f(std::clamp((z_far - z) / std::max(z_far - z_near, 1e-30f), 0.0f, 1.0f));
-        case View::Normal: return hit.normal_shading * 0.5f + 0.5f;
-        case View::Uv: return {hit.uv[0].x - std::floor(hit.uv[0].x), hit.uv[0].y - std::floor(hit.uv[0].y), 0};
-        case View::Face: return color_of_number((std::uint64_t(hit.node.slot) << 32) | hit.face);
-        case View::Level: return color_of_number(static_cast<std::uint64_t>(hit.level + 128)) * (1 - 0.5f * hit.blend);
-        case View::Blend: return Vec3f(hit.blend);
-        case View::Grid: return color_of_number(hit.micropolygon);
+        case View::Beauty:
+            break;
+        case View::Depth:
+            return Vec3f(std::clamp((z_far - z) / std::max(z_far - z_near, 1e-30f), 0.0f, 1.0f));
+        case View::Normal:
+            return hit.normal_shading * 0.5f + 0.5f;
+        case View::Uv:
+            return {hit.uv[0].x - std::floor(hit.uv[0].x), hit.uv[0].y - std::floor(hit.uv[0].y), 0};
+        case View::Face:
+            return color_of_number((std::uint64_t(hit.node.slot) << 32) | hit.face);
+        case View::Level:
+            return color_of_number(static_cast<std::uint64_t>(hit.level + 128)) * (1 - 0.5f * hit.blend);
+        case View::Blend:
+            return Vec3f(hit.blend);
+        case View::Grid:
+            return color_of_number(hit.micropolygon);
     }
     return Vec3f(0);
 }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "scenegraph/base/maths.h"
+#include "base/maths.h"
 
 namespace occam {
 namespace {
@@ -57,7 +57,8 @@ Vec4d slerp(Vec4d a, Vec4d b, double t) noexcept
                                     static_cast<float>(std::sqrt(glm::dot(along, along))));
     const double sine = double(maths::sin(2 * half));
     if (!(sine > 1e-6)) return normalised(a * (1 - t) + b * t);
-    const double from = double(maths::sin(static_cast<float>(1 - t) * 2 * half)), to = double(maths::sin(static_cast<float>(t) * 2 * half));
+    const double from = double(maths::sin(static_cast<float>(1 - t) * 2 * half)),
+                 to = double(maths::sin(static_cast<float>(t) * 2 * half));
     return normalised((a * from + b * to) / sine);
 }
 
@@ -94,7 +95,8 @@ void evaluate(const Channel& channel, double seconds, std::span<double> values) 
     if (!(seconds > double(times.front()))) return hold(0);
     if (!(seconds < double(times.back()))) return hold(times.size() - 1);
 
-    const auto after = std::upper_bound(times.begin(), times.end(), seconds, [](double s, float key) { return s < double(key); });
+    const auto after = std::upper_bound(times.begin(), times.end(), seconds,
+                                        [](double s, float key) { return s < double(key); });
     const auto k = static_cast<std::size_t>(after - times.begin()) - 1;
     if (channel.interpolation == Channel::Interpolation::Step) return hold(k);
     const double duration = double(times[k + 1]) - double(times[k]), t = (seconds - double(times[k])) / duration;

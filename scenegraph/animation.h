@@ -1,7 +1,8 @@
 // Clips, skins and how a node is posed by them.
 //
-// A clip says what its nodes' places and morph weights are at a moment; Scene::pose() writes that into the nodes. What follows
-// from a node's place for the vertices that hang on it (skins, morph targets) is described only: lod/deformed_cage.h has the rest.
+// A clip says what its nodes' places and morph weights are at a moment; Scene::pose() writes that into the nodes. What
+// follows from a node's place for the vertices that hang on it (skins, morph targets) is described only: lod/deformed_cage.h
+// has the rest.
 //
 // Space    each value in its node's parent's axes, as Trs.   Time  seconds on the clip's own axis.
 #pragma once
@@ -10,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "scenegraph/base/vec.h"
+#include "base/vec.h"
 #include "scenegraph/ids.h"
 
 namespace occam {
@@ -45,7 +46,8 @@ struct TimeRange {
 };
 TimeRange time_range(const Clip& clip) noexcept;
 
-/// `seconds` brought into the range as a clip that repeats has it: last is first again. A range of one moment is that moment.
+/// `seconds` brought into the range as a clip that repeats has it: last is first again. A range of one moment is that
+/// moment.
 double looped(TimeRange range, double seconds) noexcept;
 
 /// The channel's value (glTF 2.0, appendix C): clamped at its ends, rotations by slerp and of unit length.

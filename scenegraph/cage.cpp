@@ -3,17 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scenegraph/base/error.h"
+#include "base/error.h"
 #include "scenegraph/cage_creases.h"
 
 namespace occam {
 
 namespace {
 
-bool is_finite(Vec2f p) noexcept
-{
-    return std::isfinite(p.x) && std::isfinite(p.y);
-}
+bool is_finite(Vec2f p) noexcept { return std::isfinite(p.x) && std::isfinite(p.y); }
 bool is_finite(Vec4f p) noexcept
 {
     return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && std::isfinite(p.w);
@@ -194,10 +191,8 @@ private:
         if (!cage_.face_slots.empty()) cage_.face_slots.resize(face_to);
         std::vector<std::uint32_t> holes;
         for (std::uint32_t hole : cage_.holes) {
-            if (hole >= new_face.size())
-                holes.push_back(kDropped);  // out of range: counted with the other tags
-            else if (new_face[hole] != kDropped)
-                holes.push_back(new_face[hole]);
+            if (hole >= new_face.size()) holes.push_back(kDropped);  // out of range: counted with the other tags
+            else if (new_face[hole] != kDropped) holes.push_back(new_face[hole]);
         }
         cage_.holes = std::move(holes);
     }
@@ -231,10 +226,8 @@ private:
         for (std::size_t v = 0; v < cage_.normals.size(); ++v) {
             Vec3f& n = cage_.normals[v];
             const double length = glm::length(Vec3d(n));
-            if (!(length > 1e-30 && length < 1e30))
-                broken.push_back(static_cast<std::uint32_t>(v));
-            else if (!(std::abs(length - 1) < 1e-6))
-                n = Vec3f(Vec3d(n) / length);
+            if (!(length > 1e-30 && length < 1e30)) broken.push_back(static_cast<std::uint32_t>(v));
+            else if (!(std::abs(length - 1) < 1e-6)) n = Vec3f(Vec3d(n) / length);
         }
         if (broken.empty()) return;
         for (std::uint32_t v : broken) cage_.normals[v] = Vec3f(0);
@@ -332,9 +325,6 @@ private:
 
 }  // namespace
 
-std::vector<std::string> sanitize(Cage& cage)
-{
-    return Mending(cage).run();
-}
+std::vector<std::string> sanitize(Cage& cage) { return Mending(cage).run(); }
 
 }  // namespace occam

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "scenegraph/base/box.h"
+#include "base/box.h"
 #include "scenegraph/ids.h"
 #include "scenegraph/material.h"
 
@@ -62,8 +62,10 @@ struct SkinBinding {
 struct Displacement {
     enum class Axes : std::uint8_t {
         Normal,  ///< along its normal, by scale * (R of the texture - midlevel)
-        Object,  ///< by the vector scale * (RGB of the texture - midlevel) in the axes of the object at rest, turned as poses turn the surface
-        Tangent  ///< by such a vector in the surface's own axes: where u grows, where v falls, outward (those of normal maps)
+        Object,  ///< by the vector scale * (RGB of the texture - midlevel) in the axes of the object at rest, turned as
+                 ///< poses turn the surface
+        Tangent  ///< by such a vector in the surface's own axes: where u grows, where v falls, outward (those of normal
+                 ///< maps)
     };
     TextureUse texture;
     float scale = 0, midlevel = 0.5f;
@@ -86,10 +88,10 @@ struct Cage {
 
     std::vector<Vec3f> normals;  ///< one a vertex, unit; Scheme::Triangles only; empty: faceted
     std::vector<UvSet> uv_sets;
-    std::vector<Vec4f> colors;              ///< linear RGBA; empty: white
+    std::vector<Vec4f> colors;                 ///< linear RGBA; empty: white
     std::vector<std::uint32_t> color_indices;  ///< one entry a face corner; empty: one colour a vertex
-    std::vector<MaterialId> materials;      ///< slots; empty: the default material
-    std::vector<std::uint16_t> face_slots;  ///< index into materials for each face; empty: 0
+    std::vector<MaterialId> materials;         ///< slots; empty: the default material
+    std::vector<std::uint16_t> face_slots;     ///< index into materials for each face; empty: 0
 
     std::optional<Displacement> displacement;
 
@@ -119,8 +121,9 @@ struct Cage {
 struct OnDemandCage {
     std::string name;
     Box3d bounds;  ///< object axes: holds every vertex of what `make` gives
-    /// Pure, and called from any thread, perhaps more than once: each time the same cage. What it gives has no skin, no morph
-    /// targets and no displacement; its materials are those below. If it throws or leaves the bounds, the frame ends with that error.
+    /// Pure, and called from any thread, perhaps more than once: each time the same cage. What it gives has no skin, no
+    /// morph targets and no displacement; its materials are those below. If it throws or leaves the bounds, the frame ends
+    /// with that error.
     std::function<Cage()> make;
     std::vector<MaterialId> materials;  ///< slots; empty: the default material
 };

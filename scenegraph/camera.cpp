@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scenegraph/base/error.h"
-#include "scenegraph/base/maths.h"
+#include "base/error.h"
+#include "base/maths.h"
 
 namespace occam {
 

@@ -1,19 +1,19 @@
 // A camera: where it is in the world, its whole vertical angle, and its lens if it is no pinhole.
 #pragma once
 
-#include "scenegraph/base/box.h"
+#include "base/box.h"
 
 namespace occam {
 
 /// What a camera node of the scene holds; it looks along its node's -z, y up.
 struct CameraLens {
-    float fov = 0.69f;       ///< whole vertical angle, radians; of a perspective camera
-    float aspect = 0;        ///< width over height; 0: that of the image
+    float fov = 0.69f;  ///< whole vertical angle, radians; of a perspective camera
+    float aspect = 0;   ///< width over height; 0: that of the image
     bool orthographic = false;
-    float height = 2;        ///< whole height in world units, orthographic only
-    float radius = 0;        ///< of the thin lens, world units; 0: a pinhole, all is sharp
-    float focus = 0;         ///< camera z of what is sharp, world units; of a lens above 0
-    int blades = 0;          ///< corners of the lens's opening; fewer than 3: round
+    float height = 2;  ///< whole height in world units, orthographic only
+    float radius = 0;  ///< of the thin lens, world units; 0: a pinhole, all is sharp
+    float focus = 0;   ///< camera z of what is sharp, world units; of a lens above 0
+    int blades = 0;    ///< corners of the lens's opening; fewer than 3: round
 };
 
 /// A camera as a frame needs it. World axes, unit world length.

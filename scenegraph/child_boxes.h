@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "scenegraph/base/box.h"
+#include "base/box.h"
 
 namespace occam {
 

@@ -36,7 +36,8 @@ void DeformBoundsTable::add_vertex(const Cage& cage, std::uint32_t v)
         }
     }
     for (std::size_t t = 0; t < targets_; ++t)
-        if (!cage.morph_targets[t].positions.empty()) offsets_[part.first_offset + t].add(cage.morph_targets[t].positions[v]);
+        if (!cage.morph_targets[t].positions.empty())
+            offsets_[part.first_offset + t].add(cage.morph_targets[t].positions[v]);
 }
 
 void DeformBoundsTable::finish()

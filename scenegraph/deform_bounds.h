@@ -34,7 +34,8 @@ Box3d morph_extent(std::span<const Box3f> offsets, std::span<const float> weight
 /// A box that holds every vertex of `of`, morphed and then posed by its joints, or without a skin by `otherwise`.
 /// joint_pose(j)   space_from_mesh of joint j
 template <class JointPose>
-Box3d deformed_box(const DeformBounds& of, std::span<const float> weights, const Mat4d& otherwise, JointPose&& joint_pose) noexcept
+Box3d deformed_box(const DeformBounds& of, std::span<const float> weights, const Mat4d& otherwise,
+                   JointPose&& joint_pose) noexcept
 {
     const Box3d moved = morph_extent(of.offsets, weights);
     const auto grown = [&](const Box3f& box) { return Box3d{Vec3d(box.lo) + moved.lo, Vec3d(box.hi) + moved.hi}; };

@@ -1,7 +1,7 @@
 // The handles of a scene. Never pointers: a handle outlives what it names, and says so when it is used.
 #pragma once
 
-#include "scenegraph/base/handle.h"
+#include "base/handle.h"
 
 namespace occam {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <variant>
 
-#include "scenegraph/base/vec.h"
+#include "base/vec.h"
 #include "scenegraph/ids.h"
 #include "scenegraph/ray_kind.h"
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "scenegraph/base/vec.h"
+#include "base/vec.h"
 #include "scenegraph/ids.h"
 
 namespace occam {
@@ -30,30 +30,31 @@ struct Material {
     TextureUse base_color_texture;
     float metallic = 0, roughness = 0.6f;
     TextureUse metallic_roughness_texture;  ///< G roughness, B metallic
-    TextureUse roughness_texture;           ///< G; times that of metallic_roughness_texture (maps of their own: MTL's map_Pr)
-    TextureUse metallic_texture;            ///< B; as above (MTL's map_Pm)
-    Vec3f emission{0};                      ///< emissiveFactor times KHR_materials_emissive_strength
+    TextureUse roughness_texture;  ///< G; times that of metallic_roughness_texture (maps of their own: MTL's map_Pr)
+    TextureUse metallic_texture;   ///< B; as above (MTL's map_Pm)
+    Vec3f emission{0};             ///< emissiveFactor times KHR_materials_emissive_strength
     TextureUse emission_texture;
     TextureUse normal_texture;
     float normal_scale = 1;
-    TextureUse bump_texture;                ///< R: heights that normals show and places do not (Blinn 1978)
-    float bump_scale = 1;                   ///< world length that a texel of 1 is high
-    TextureUse occlusion_texture;           ///< R: share of ambient light that arrives
-    float occlusion_strength = 1;           ///< 0: all of it, whatever the texture says
-    TextureUse alpha_texture;  ///< R; times the alpha of the base colour (MTL's map_d)
+    TextureUse bump_texture;       ///< R: heights that normals show and places do not (Blinn 1978)
+    float bump_scale = 1;          ///< world length that a texel of 1 is high
+    TextureUse occlusion_texture;  ///< R: share of ambient light that arrives
+    float occlusion_strength = 1;  ///< 0: all of it, whatever the texture says
+    TextureUse alpha_texture;      ///< R; times the alpha of the base colour (MTL's map_d)
     AlphaMode alpha_mode = AlphaMode::Opaque;
     float alpha_cutoff = 0.5f;
     bool double_sided = false;
-    bool unlit = false;              ///< KHR_materials_unlit
-    float ior = 1.5f;                ///< KHR_materials_ior
-    float transmission = 0;          ///< KHR_materials_transmission
+    bool unlit = false;      ///< KHR_materials_unlit
+    float ior = 1.5f;        ///< KHR_materials_ior
+    float transmission = 0;  ///< KHR_materials_transmission
     TextureUse transmission_texture;
-    float thickness = 0;             ///< KHR_materials_volume: above 0 the surface bounds a body that bends light; its value is not read
-    Vec3f attenuation_color{1};      ///< of light that has gone attenuation_distance inside of that body
-    float attenuation_distance = 0;  ///< world length; 0: the body is clear
+    float thickness =
+        0;  ///< KHR_materials_volume: above 0 the surface bounds a body that bends light; its value is not read
+    Vec3f attenuation_color{1};                    ///< of light that has gone attenuation_distance inside of that body
+    float attenuation_distance = 0;                ///< world length; 0: the body is clear
     float clearcoat = 0, clearcoat_roughness = 0;  ///< KHR_materials_clearcoat
     TextureUse clearcoat_texture, clearcoat_roughness_texture, clearcoat_normal_texture;
-    float specular = 1;              ///< KHR_materials_specular
+    float specular = 1;  ///< KHR_materials_specular
     Vec3f specular_color{1};
     TextureUse specular_texture, specular_color_texture;
 };

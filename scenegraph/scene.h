@@ -23,25 +23,27 @@
 #include "scenegraph/light.h"
 #include "scenegraph/material.h"
 #include "scenegraph/ray_kind.h"
-#include "scenegraph/texture/texture.h"
+#include "scenegraph/texture.h"
 
 namespace occam {
 
 /// What a node is made with, and what it holds. Everything is optional.
 struct NodeDesc {
     std::string name{};
-    Trs place{};                       ///< in the parent's axes
-    std::optional<Mat4d> matrix{};     ///< instead of `place`; affine
-    std::vector<CageId> cages{};       ///< usually one; a glTF mesh brings one for each primitive
+    Trs place{};                          ///< in the parent's axes
+    std::optional<Mat4d> matrix{};        ///< instead of `place`; affine
+    std::vector<CageId> cages{};          ///< usually one; a glTF mesh brings one for each primitive
     std::vector<MaterialId> materials{};  ///< override of the cages' own slots, in order; empty: none
-    NodeId instance_of{};              ///< shows that node's subtree here too: its own place and visibility do not count
+    NodeId instance_of{};                 ///< shows that node's subtree here too: its own place and visibility do not count
     LightId light{};
     CameraId camera{};
-    SkinId skin{};                     ///< the joints place what is skinned: this node's own place does not count for it
-    std::vector<float> morph_weights{};   ///< empty: the cage's own
-    bool visible = true;               ///< false hides the subtree below the parent; instances of it are seen
-    std::uint8_t seen_by = RayKind::All;  ///< rays of no such kind pass through the surfaces of the subtree, and of its instances
-    LightGroups lit_by = kAllGroups;   ///< placed lights of no such group do not light the surfaces of the subtree, and of its instances
+    SkinId skin{};                       ///< the joints place what is skinned: this node's own place does not count for it
+    std::vector<float> morph_weights{};  ///< empty: the cage's own
+    bool visible = true;                 ///< false hides the subtree below the parent; instances of it are seen
+    std::uint8_t seen_by =
+        RayKind::All;  ///< rays of no such kind pass through the surfaces of the subtree, and of its instances
+    LightGroups lit_by =
+        kAllGroups;  ///< placed lights of no such group do not light the surfaces of the subtree, and of its instances
 };
 
 /// A node as the engine reads it.
@@ -49,16 +51,16 @@ struct Node : NodeDesc {
     NodeId parent;
     std::vector<NodeId> children;  ///< in the order they were added; none where one of many was removed
     Mat4d parent_from_node{1};
-    Box3d bounds;         ///< of the subtree and of instance_of, in the node's own axes; valid after Scene::refit()
+    Box3d bounds;             ///< of the subtree and of instance_of, in the node's own axes; valid after Scene::refit()
     Mat4d node_from_skin{1};  ///< of a skinned node: from the axes of SkinSlot::mesh_poses; valid after Scene::refit()
-    bool dirty = true;    ///< bounds of this node and of all above it are out of date
+    bool dirty = true;        ///< bounds of this node and of all above it are out of date
 };
 
 /// A cage and the counters that tell the engine's caches when it changed.
 struct CageSlot {
     Cage cage;
-    Box3d bounds;                    ///< of the control points, displacement added, object axes
-    std::uint64_t identity = 0;      ///< unique in the process; a new one when topology is replaced
+    Box3d bounds;                ///< of the control points, displacement added, object axes
+    std::uint64_t identity = 0;  ///< unique in the process; a new one when topology is replaced
     std::uint64_t positions_version = 0;
     std::uint32_t largest_face = 4;  ///< corners; 4 at least, and of an OnDemandCage
     DeformBoundsTable deform;        ///< one part, the whole cage; none for a cage that no skin and no target deforms
@@ -73,8 +75,8 @@ struct CageSlot {
 /// A skin and where its joints are.
 struct SkinSlot {
     Skin skin;
-    NodeId base;                     ///< lowest node above all joints; none: above the root
-    std::vector<Mat4d> mesh_poses;   ///< base_from_mesh of each joint; valid after Scene::refit(). A removed joint: identity
+    NodeId base;                    ///< lowest node above all joints; none: above the root
+    std::vector<Mat4d> mesh_poses;  ///< base_from_mesh of each joint; valid after Scene::refit(). A removed joint: identity
 };
 
 /// Where a node shows a cage, in the node's axes: without looking at a vertex.
@@ -99,21 +101,21 @@ public:
     void set_seen_by(NodeId id, std::uint8_t ray_kinds);
     void set_lit_by(NodeId id, LightGroups groups);
     void set_materials(NodeId id, std::vector<MaterialId> materials);
-    void set_skin(NodeId id, SkinId skin);  ///< a skin names nodes, so it comes after them
+    void set_skin(NodeId id, SkinId skin);                          ///< a skin names nodes, so it comes after them
     void set_morph_weights(NodeId id, std::vector<float> weights);  ///< empty: the cage's own
-    NodeId find_node(std::string_view name) const;  ///< first by slot; none if there is none
+    NodeId find_node(std::string_view name) const;                  ///< first by slot; none if there is none
     Mat4d world_from_node(NodeId id) const;
 
     // Animation. Poses are written into the nodes, as set_transform() and set_morph_weights() would.
 
     /// Poses the clips' nodes; nodes that an earlier pose() moved and these clips do not go back to where they were. What an
-    /// application sets by itself is where they go back to from then on. Several clips that move the same property are mixed:
-    /// the weighted mean, of rotations along the shorter way. Needs finite seconds and weights of 0 or more.
-    /// of   none: the nodes that the clips name; a node that copy() made: their counterparts in that copy
+    /// application sets by itself is where they go back to from then on. Several clips that move the same property are
+    /// mixed: the weighted mean, of rotations along the shorter way. Needs finite seconds and weights of 0 or more. of none:
+    /// the nodes that the clips name; a node that copy() made: their counterparts in that copy
     void pose(std::span<const ClipAt> clips, NodeId of = {});
     void pose(ClipId clip, double seconds);
-    /// A second one of the subtree, below `parent`: nodes and the skins whose joints lie in it are new, the rest is shared. So
-    /// each copy has a pose of its own. Throws if parent lies in the subtree.
+    /// A second one of the subtree, below `parent`: nodes and the skins whose joints lie in it are new, the rest is shared.
+    /// So each copy has a pose of its own. Throws if parent lies in the subtree.
     NodeId copy(NodeId subtree, NodeId parent);
     ClipId find_clip(std::string_view name) const;  ///< first in file order; none if there is none
 
@@ -160,8 +162,8 @@ public:
 
     /// Bounds of all that is visible, world axes. Refits.
     Box3d bounds();
-    /// Brings dirty bounds up to date. Cost: a node on a dirty path looks at its children, or, if it has many, at 16 about each
-    /// that changed and twice the logarithm of their number. Returns how many nodes and boxes it looked at.
+    /// Brings dirty bounds up to date. Cost: a node on a dirty path looks at its children, or, if it has many, at 16 about
+    /// each that changed and twice the logarithm of their number. Returns how many nodes and boxes it looked at.
     std::size_t refit();
 
     /// Calls visit(NodeId, const Node&, const Mat4d& world_from_node) for every visible placement in the graph, parents

@@ -21,8 +21,12 @@ struct Sum {
         v.resize(static_cast<std::size_t>(channel.width));
         evaluate(channel, seconds, v);
         switch (channel.path) {
-            case Channel::Path::Translation: add_vector(translation, of_translation, weight); break;
-            case Channel::Path::Scale: add_vector(scale, of_scale, weight); break;
+            case Channel::Path::Translation:
+                add_vector(translation, of_translation, weight);
+                break;
+            case Channel::Path::Scale:
+                add_vector(scale, of_scale, weight);
+                break;
             case Channel::Path::Rotation: {
                 Vec4d q(v[0], v[1], v[2], v[3]);
                 if (glm::dot(q, rotation) < 0) q = -q;
@@ -46,7 +50,10 @@ private:
     std::vector<double> values;
 };
 
-bool same(const Trs& a, const Trs& b) { return a.translation == b.translation && a.rotation == b.rotation && a.scale == b.scale; }
+bool same(const Trs& a, const Trs& b)
+{
+    return a.translation == b.translation && a.rotation == b.rotation && a.scale == b.scale;
+}
 
 }  // namespace
 
@@ -137,7 +144,8 @@ NodeId Scene::copy(NodeId subtree, NodeId parent)
     s.require_editable();
     State::at(s.nodes, subtree, "node");
     State::at(s.nodes, parent, "node");
-    if (s.lowest_common(subtree, parent) == subtree) throw Error("", "a subtree cannot be copied into itself", node(subtree).name);
+    if (s.lowest_common(subtree, parent) == subtree)
+        throw Error("", "a subtree cannot be copied into itself", node(subtree).name);
 
     State::Posed copy;
     std::vector<NodeId> originals{subtree};
@@ -154,7 +162,8 @@ NodeId Scene::copy(NodeId subtree, NodeId parent)
             if (rest->place) desc.place = *rest->place, desc.matrix = rest->matrix;
             if (rest->weights) desc.morph_weights = *rest->weights;
         }
-        std::copy_if(from.children.begin(), from.children.end(), std::back_inserter(originals), [](NodeId child) { return bool(child); });
+        std::copy_if(from.children.begin(), from.children.end(), std::back_inserter(originals),
+                     [](NodeId child) { return bool(child); });
         const NodeId above = i == 0 ? parent : copy.node_of.at(from.parent);
         copy.node_of[originals[i]] = add_node(above, std::move(desc));
     }
@@ -169,7 +178,9 @@ NodeId Scene::copy(NodeId subtree, NodeId parent)
         if (s.nodes.find(from.instance_of)) {
             State::NodeRecord& record = *s.nodes.find(to);
             record.instance_of = counterpart(from.instance_of);
-            s.nodes.find(record.instance_of)->instances.add(to, [&](NodeId known) { return s.nodes.find(known) != nullptr; });
+            s.nodes.find(record.instance_of)->instances.add(to, [&](NodeId known) {
+                return s.nodes.find(known) != nullptr;
+            });
         }
         if (!s.skins.find(from.skin)) continue;
         const auto [entry, is_new] = skin_of.try_emplace(from.skin, from.skin);

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "scenegraph/base/error.h"
-#include "scenegraph/base/handle.h"
+#include "base/error.h"
+#include "base/handle.h"
 #include "scenegraph/child_boxes.h"
 #include "scenegraph/scene.h"
 
@@ -49,10 +49,10 @@ struct Scene::State {
         std::optional<std::vector<float>> weights;
     };
     struct NodeRecord : Node {
-        std::uint32_t place_among_siblings = 0;  ///< in the parent's list
-        std::uint32_t removed_children = 0;      ///< none-handles in the list of a node with many
-        std::unique_ptr<ChildBoxes> child_boxes; ///< of a node with many children; made by its first refit
-        Watchers instances;  ///< nodes whose instance_of is this one
+        std::uint32_t place_among_siblings = 0;   ///< in the parent's list
+        std::uint32_t removed_children = 0;       ///< none-handles in the list of a node with many
+        std::unique_ptr<ChildBoxes> child_boxes;  ///< of a node with many children; made by its first refit
+        Watchers instances;                       ///< nodes whose instance_of is this one
         std::unique_ptr<Dependents> dependents;
         std::unique_ptr<Rest> rest;
     };

@@ -7,8 +7,8 @@ namespace {
 
 constexpr int kRings = 24, kAngles = 12;
 
-// Visible normals leave of the integrand masking alone. They come from the unit disc: rings that get finer towards its rim, where
-// GGX's long tail is, and half a turn of angles (the other half is its mirror image).
+// Visible normals leave of the integrand masking alone. They come from the unit disc: rings that get finer towards its rim,
+// where GGX's long tail is, and half a turn of angles (the other half is its mirror image).
 LayerAlbedo integrate(float cosine, float alpha) noexcept
 {
     const Vec3f eye(std::sqrt(std::max(0.0f, 1 - cosine * cosine)), 0, cosine);
@@ -56,10 +56,7 @@ LayerAlbedo mix(LayerAlbedo a, LayerAlbedo b, float share) noexcept
 float row_root(float alpha) noexcept { return std::sqrt(std::sqrt(std::max(0.0f, alpha))); }
 const float kLeastRoot = row_root(kMinAlpha);
 
-Place row_of(float alpha, int rows) noexcept
-{
-    return place_of((row_root(alpha) - kLeastRoot) / (1 - kLeastRoot), rows);
-}
+Place row_of(float alpha, int rows) noexcept { return place_of((row_root(alpha) - kLeastRoot) / (1 - kLeastRoot), rows); }
 
 template <class Row>
 LayerAlbedo in_row(const Row& row, float root_of_cosine) noexcept

@@ -27,8 +27,8 @@ public:
     LayerAlbedo mean(float alpha) const noexcept;
 
 private:
-    static constexpr int kCosines = 48;     ///< nodes, even in the root of the cosine
-    static constexpr int kRoughnesses = 32; ///< nodes, even in the fourth root of alpha, from that of kMinAlpha
+    static constexpr int kCosines = 48;      ///< nodes, even in the root of the cosine
+    static constexpr int kRoughnesses = 32;  ///< nodes, even in the fourth root of alpha, from that of kMinAlpha
 
     AlbedoTable();
 

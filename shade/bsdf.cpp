@@ -46,8 +46,7 @@ struct Layer {
     float base_multiple, base_mean;
     const AlbedoTable& table = AlbedoTable::instance();
 
-    explicit Layer(const Surface& s) noexcept
-        : alpha(s.alpha), f0(s.dielectric_f0), f90(s.dielectric_f90)
+    explicit Layer(const Surface& s) noexcept : alpha(s.alpha), f0(s.dielectric_f0), f90(s.dielectric_f90)
     {
         const LayerAlbedo all = table.mean(alpha);
         mean = all.sum();
@@ -117,7 +116,8 @@ Vec3f reflected(const Surface& s, Vec3f to_light) noexcept
     const float lobe = ggx_density(a.n_h, a.sin2_h, s.alpha) * ggx_visibility(a.n_l, a.n_v, s.alpha);
     Vec3f f;
     if (s.is_solid) {
-        const float through = (1 - fresnel_dielectric(a.n_v, s.eta)) * (1 - fresnel_dielectric(std::min(a.n_l, 1.0f), s.eta));
+        const float through = (1 - fresnel_dielectric(a.n_v, s.eta)) *
+                              (1 - fresnel_dielectric(std::min(a.n_l, 1.0f), s.eta));
         f = Vec3f(fresnel_dielectric(std::clamp(a.v_h, 0.0f, 1.0f), s.eta) * lobe) + s.diffuse * (through / kPi);
     } else {
         const Layer layer(s);
@@ -153,7 +153,9 @@ float body_lobes_density(const Surface& s, Vec3f to_light) noexcept
 float density_of(const Surface& s, const LobeShares& share, Vec3f to_light) noexcept
 {
     float density = share.diffuse * std::max(glm::dot(s.normal, to_light), 0.0f) / kPi;
-    if (share.layer > 0) density += share.layer * (s.is_solid ? body_lobes_density(s, to_light) : lobe_density(s.normal, s.to_eye, to_light, s.alpha));
+    if (share.layer > 0)
+        density += share.layer *
+                   (s.is_solid ? body_lobes_density(s, to_light) : lobe_density(s.normal, s.to_eye, to_light, s.alpha));
     if (share.coat > 0) density += share.coat * lobe_density(s.coat_normal, s.to_eye, to_light, s.coat_alpha);
     if (share.transmission > 0) density += share.transmission * pane_density(s, to_light);
     return density;
@@ -163,8 +165,8 @@ Vec3f coated(const Surface& s, Vec3f below, Vec3f to_light) noexcept
 {
     const Angles a(s.coat_normal, s.to_eye, to_light);
     // What the coat takes, it takes once: the same for both directions, and never less than what it reflects.
-    const float taken =
-        s.coat * std::max(coat_albedo(a.n_v, s.coat_alpha), coat_albedo(std::min(std::fabs(a.n_l), 1.0f), s.coat_alpha));
+    const float taken = s.coat * std::max(coat_albedo(a.n_v, s.coat_alpha),
+                                          coat_albedo(std::min(std::fabs(a.n_l), 1.0f), s.coat_alpha));
     below *= 1 - taken;
     if (!(a.n_l > 0) || !(glm::dot(s.normal_geometric, to_light) > 0)) return below;
     const float fresnel = kCoatF0 + (1 - kCoatF0) * schlick(a.v_h);
@@ -178,10 +180,8 @@ Vec3f scatter_of_lobes(const Surface& s, Vec3f to_light) noexcept
 {
     const float side = glm::dot(s.normal_geometric, to_light);
     Vec3f f(0);
-    if (side > 0)
-        f = reflected(s, to_light);
-    else if (side < 0 && s.transmission != Vec3f(0))
-        f = transmitted(s, to_light);
+    if (side > 0) f = reflected(s, to_light);
+    else if (side < 0 && s.transmission != Vec3f(0)) f = transmitted(s, to_light);
     return s.coat > 0 ? coated(s, f, to_light) : f;
 }
 

@@ -1,13 +1,14 @@
 // How a surface scatters light: a diffuse base or a rough pane under a GGX layer, or the boundary of a body that bends
 // light, and a clear coat over it (glTF 2.0, appendix B, and its extensions).
 //
-// Directions are unit, world axes, away from the point. Radiance is counted over the squared index, as if all were vacuum: it
-// does not jump where light enters a body.
+// Directions are unit, world axes, away from the point. Radiance is counted over the squared index, as if all were vacuum:
+// it does not jump where light enters a body.
 //
 // Energy   what single scattering of the GGX layer loses is given back (Kulla and Conty 2017), and the base gets what the
 //          layer does not reflect: a white surface under uniform light reflects all of it. Rough transmission alone is
 //          single scattering: it loses up to 7 % at alpha = 0.1, 25 % at 0.3 and 65 % at 1 (from inside, or grazing).
-// Normals  where shading and geometric normal differ, light is shaded off towards the geometric horizon (Chiang et al. 2019),
+// Normals  where shading and geometric normal differ, light is shaded off towards the geometric horizon (Chiang et al.
+// 2019),
 //          so that coarse triangles with smooth normals do not end their light in a hard line. That factor looks at the
 //          light's side alone: there, and only there, the function is not reciprocal.
 #pragma once
@@ -19,7 +20,8 @@ namespace occam::shade {
 /// Chiang et al. 2019, eq. 1 to 3: 1 where the normals agree, falling smoothly to 0 at the geometric horizon. n_l: above 0.
 inline float terminator(const Surface& s, float n_l, Vec3f to_light) noexcept
 {
-    const float side = glm::dot(s.normal_geometric, to_light), along = std::max(n_l * glm::dot(s.normal_geometric, s.normal), 1e-6f);
+    const float side = glm::dot(s.normal_geometric, to_light),
+                along = std::max(n_l * glm::dot(s.normal_geometric, s.normal), 1e-6f);
     if (side >= along) return 1;
     if (!(side > 0)) return 0;
     const float ratio = side / along;
@@ -46,7 +48,7 @@ struct ScatterSample {
     Vec3f weight{0};     ///< scatter() / density; zero: the sample is lost (below the horizon)
     float density = 0;   ///< per solid angle, of all lobes together
     Lobe lobe = Lobe::Diffuse;
-    float alpha = 1;     ///< GGX width of the lobe; 1 for the diffuse base
+    float alpha = 1;  ///< GGX width of the lobe; 1 for the diffuse base
 };
 
 /// A direction that follows the lobes. `choice` chooses among them, `square` within; both uniform in [0, 1).

@@ -8,8 +8,9 @@ namespace {
 
 int set_of(const TextureUse& use) noexcept { return std::clamp(use.uv_set, 0, 1); }
 
-// What lies beyond a lattice's border goes on as it went inside. So a slope on the border is that of the neighbour's lattice but for the
-// second order of a step, and does not depend on where tiles end, which differs between the pairs that show a level.
+// What lies beyond a lattice's border goes on as it went inside. So a slope on the border is that of the neighbour's lattice
+// but for the second order of a step, and does not depend on where tiles end, which differs between the pairs that show a
+// level.
 template <class Of>
 auto beyond(int i, int j, int columns, int rows, Of&& of) noexcept
 {
@@ -22,7 +23,9 @@ auto beyond(int i, int j, int columns, int rows, Of&& of) noexcept
 }  // namespace
 
 BumpLattice::BumpLattice(const Material& material, const lod::LatticeToShade& lattice, const TextureStore& textures) noexcept
-    : lattice_(lattice), has_map_(bool(material.bump_texture)), scale_(double(material.bump_scale)),
+    : lattice_(lattice),
+      has_map_(bool(material.bump_texture)),
+      scale_(double(material.bump_scale)),
       rows_(static_cast<int>(lattice.vertices.size()) / lattice.columns)
 {
     if (!has_map_) return;
@@ -30,8 +33,10 @@ BumpLattice::BumpLattice(const Material& material, const lod::LatticeToShade& la
     const int set = set_of(use);
     for (int j = -1; j <= rows_; ++j)
         for (int i = -1; i <= lattice.columns; ++i) {
-            const Vec2f uv = beyond(i, j, lattice.columns, rows_, [&](std::size_t k) { return lattice.vertices[k].uv[set]; });
-            const float width = beyond(i, j, lattice.columns, rows_, [&](std::size_t k) { return lattice.vertices[k].uv_width[set]; });
+            const Vec2f uv = beyond(i, j, lattice.columns, rows_,
+                                    [&](std::size_t k) { return lattice.vertices[k].uv[set]; });
+            const float width = beyond(i, j, lattice.columns, rows_,
+                                       [&](std::size_t k) { return lattice.vertices[k].uv_width[set]; });
             heights_[index(i, j)] = textures.sample(use, uv, std::max(width, 0.0f)).x;
         }
 }
@@ -63,7 +68,8 @@ Vec3f bump_slope(const ShadePoint& point, const TextureStore& textures) noexcept
     return (point.u_gradient * rise_u + point.v_gradient * rise_v) * (point.material->bump_scale / (2 * step));
 }
 
-// A slope that would turn the normal away is shortened so that a tenth of its cosine is left: what is seen has a normal that is seen.
+// A slope that would turn the normal away is shortened so that a tenth of its cosine is left: what is seen has a normal that
+// is seen.
 Vec3f bumped_normal(Vec3f normal, Vec3f slope, const ShadePoint& point) noexcept
 {
     constexpr float kLeast = 0.1f;

@@ -1,13 +1,14 @@
 // Bump maps: heights that a surface's normals show and its places do not (Blinn 1978).
 //
-// A normal n becomes n minus the height's gradient over the surface (Mikkelsen 2010, eq. 4, in world lengths), which needs no frame of
-// tangents: at vertices of grids from differences between neighbours, at hits from differences over the footprint.
+// A normal n becomes n minus the height's gradient over the surface (Mikkelsen 2010, eq. 4, in world lengths), which needs
+// no frame of tangents: at vertices of grids from differences between neighbours, at hits from differences over the
+// footprint.
 #pragma once
 
 #include <array>
 
+#include "io/texture/texture_store.h"
 #include "lod/level_grid.h"
-#include "scenegraph/texture/texture_store.h"
 #include "shade/shade_point.h"
 
 namespace occam::shade {

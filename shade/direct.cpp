@@ -9,7 +9,8 @@ ShadowTest test_meshes(const Surface& surface, const MeshLights& lights, LightNu
     return test_of(surface, lights.sample(surface.position, numbers), tries);
 }
 
-ShadowTest test_environment(const Surface& surface, const Environment& environment, LightNumbers numbers, Tries tries) noexcept
+ShadowTest test_environment(const Surface& surface, const Environment& environment, LightNumbers numbers,
+                            Tries tries) noexcept
 {
     if (!environment.has_density()) return {};
     LightSample sample;

@@ -3,10 +3,10 @@
 // Light is looked for in two ways, by drawing points of lights and by drawing directions from the surface's lobes; what both
 // can find is weighted by the expected numbers of samples of either (balance heuristic, Veach and Guibas 1995, eq. 9).
 //
-// A light that scattered directions would hardly ever find is left to its own samples: it counts as if no direction were scattered, so
-// that its samples weigh 1 and what a scattered ray finds of it weighs 0, and where all lights are of that kind nothing is scattered
-// to find them. Weights have to be no more than the same on either side (Veach and Guibas 1995, sec. 3.2): the rule looks at surface, eye
-// and light, never at a sample. It costs no noise: FrameLights::kLeastChance.
+// A light that scattered directions would hardly ever find is left to its own samples: it counts as if no direction were
+// scattered, so that its samples weigh 1 and what a scattered ray finds of it weighs 0, and where all lights are of that
+// kind nothing is scattered to find them. Weights have to be no more than the same on either side (Veach and Guibas 1995,
+// sec. 3.2): the rule looks at surface, eye and light, never at a sample. It costs no noise: FrameLights::kLeastChance.
 #pragma once
 
 #include "shade/bsdf.h"
@@ -51,12 +51,14 @@ inline ShadowTest test_of(const Surface& surface, const LightSample& sample, Tri
     if (f == Vec3f(0)) return {};
     const bool is_weighed = sample.density > 0 && tries.scatter > 0;
     const float weight = is_weighed ? tries.of_light(sample.density, scatter_density(surface, sample.direction)) : 1;
-    return {surface.start(sample.direction), sample.direction, sample.distance, f * sample.radiance * weight, sample.density};
+    return {surface.start(sample.direction), sample.direction, sample.distance, f * sample.radiance * weight,
+            sample.density};
 }
 
 /// One sample each.
 ShadowTest test_meshes(const Surface& surface, const MeshLights& lights, LightNumbers numbers, Tries tries) noexcept;
 /// Nothing for an environment without a density of its own: then scattered directions find all of it.
-ShadowTest test_environment(const Surface& surface, const Environment& environment, LightNumbers numbers, Tries tries) noexcept;
+ShadowTest test_environment(const Surface& surface, const Environment& environment, LightNumbers numbers,
+                            Tries tries) noexcept;
 
 }  // namespace occam::shade

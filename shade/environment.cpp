@@ -83,10 +83,14 @@ Environment Environment::sky(float strength)
 Vec3f Environment::radiance(Vec3f direction) const noexcept
 {
     switch (kind_) {
-        case Kind::None: return Vec3f(0);
-        case Kind::Constant: return scale_;
-        case Kind::Sky: return scale_ * sky_radiance(direction.y);
-        case Kind::Image: break;
+        case Kind::None:
+            return Vec3f(0);
+        case Kind::Constant:
+            return scale_;
+        case Kind::Sky:
+            return scale_ * sky_radiance(direction.y);
+        case Kind::Image:
+            break;
     }
     return scale_ * glm::max(Vec3f(textures_->sample(image_, uv_of(direction), 0)), Vec3f(0));
 }

@@ -6,8 +6,8 @@
 
 #include <vector>
 
+#include "io/texture/texture_store.h"
 #include "scenegraph/light.h"
-#include "scenegraph/texture/texture_store.h"
 
 namespace occam::shade {
 

@@ -24,8 +24,8 @@ lod::Footprint scattered_beam(lod::Footprint smooth, float density, int samples)
     return from_width(smooth.a, std::sqrt(smooth.b * smooth.b + share * share));
 }
 
-// A segment between two transitions is two margins long, each of 2 d and an overlap (lod/ray_levels.h), and in it the wanted edge
-// grows by d.
+// A segment between two transitions is two margins long, each of 2 d and an overlap (lod/ray_levels.h), and in it the wanted
+// edge grows by d.
 lod::Footprint followable(lod::Footprint beam, float shading_rate, const lod::LevelSettings& levels) noexcept
 {
     const float wanted = shading_rate * lod::LevelSettings::kLongestEdge;

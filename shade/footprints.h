@@ -1,9 +1,9 @@
 // How wide the beams of secondary rays are: path differentials, as one width across a beam that grows along it.
 //
 // A beam has a width w at a hit (full, world length) and a spread b = dw/dt. From these each kind of secondary ray gets its
-// footprint A + B t with A = w: it starts as wide as its parent arrived. Of the two curvatures of a wave front, the one across
-// the plane of incidence is followed (it is the smaller where a surface bulges), so that the footprint is the smaller axis
-// of the true one. A beam that converges after a mirror or a lens is held at its width: it is then too fine beyond
+// footprint A + B t with A = w: it starts as wide as its parent arrived. Of the two curvatures of a wave front, the one
+// across the plane of incidence is followed (it is the smaller where a surface bulges), so that the footprint is the smaller
+// axis of the true one. A beam that converges after a mirror or a lens is held at its width: it is then too fine beyond
 // twice the focal length, which costs time and shows nothing. Igehy 1999 (mirrors, refraction); Suykens and Willems 2001
 // (what is sampled: the width of one sample's share of the domain).
 //
@@ -36,9 +36,9 @@ lod::Footprint bent_beam(Beam beam, float curvature, float cosine, float cosine_
 /// for 1 / (density * samples) of it. The two widths are independent: their squares add.
 lod::Footprint scattered_beam(lod::Footprint smooth, float density, int samples) noexcept;
 
-/// The same, growing no faster than levels of detail can follow. A steeper beam would be wider at its hit than the levels that were seen
-/// there, and a ray that goes on from the hit with that width would meet a coarser surface, and be on the wrong side of it.
-/// shading_rate   wanted edge over the beam's width
+/// The same, growing no faster than levels of detail can follow. A steeper beam would be wider at its hit than the levels
+/// that were seen there, and a ray that goes on from the hit with that width would meet a coarser surface, and be on the
+/// wrong side of it. shading_rate   wanted edge over the beam's width
 lod::Footprint followable(lod::Footprint beam, float shading_rate, const lod::LevelSettings& levels = {}) noexcept;
 
 /// Towards a light that is `distance` away and drawn with `density` per solid angle: from the beam's width at the point to

@@ -24,7 +24,8 @@ FrameLights::FrameLights(const Scene& scene, const Camera& camera, const Texture
     });
     const bool is_dark = lights_.empty() && environment_.is_black() && !meshes_.any_emitter();
     if (sky == Sky::Auto && is_dark) lights_.push_back(key_light(camera));
-    if (environment_.is_black() && (sky == Sky::On || (sky == Sky::Auto && is_dark))) environment_ = Environment::sky(sky_strength);
+    if (environment_.is_black() && (sky == Sky::On || (sky == Sky::Auto && is_dark)))
+        environment_ = Environment::sky(sky_strength);
     list_areas();
 }
 

@@ -8,7 +8,7 @@
 
 #include <vector>
 
-#include "scenegraph/base/maths.h"
+#include "base/maths.h"
 #include "shade/environment.h"
 #include "shade/lights.h"
 #include "shade/mesh_lights.h"
@@ -18,8 +18,9 @@ namespace occam::shade {
 
 class FrameLights {
 public:
-    /// A placed light is left to its own samples (direct.h) if no lobe of the surface finds it with more than about this chance. A sample
-    /// of the light then varies less alone than weighed with a scattered direction (DirectLight.ALightLeftToItsSamplesIsNoNoisier).
+    /// A placed light is left to its own samples (direct.h) if no lobe of the surface finds it with more than about this
+    /// chance. A sample of the light then varies less alone than weighed with a scattered direction
+    /// (DirectLight.ALightLeftToItsSamplesIsNoNoisier).
     static constexpr float kLeastChance = 1.0f / 16;
 
     /// start   where rays leave the surface; peak: its peak_density()
@@ -28,7 +29,8 @@ public:
         return light.cover(start) * (peak * maths::kPi) < kLeastChance;
     }
     /// Textures must be prepared. `camera` places the key light of a scene that has none.
-    FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures, Sky sky = Sky::Auto, float sky_strength = 1);
+    FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures, Sky sky = Sky::Auto,
+                float sky_strength = 1);
     FrameLights(std::vector<WorldLight> lights, Environment environment);
 
     const std::vector<WorldLight>& lights() const noexcept { return lights_; }
@@ -38,8 +40,8 @@ public:
     /// True if scattered rays from `start` can bring nothing that samples of lights do not.
     bool leaves_all_to_samples(Vec3d start, float peak, LightGroups groups) const noexcept;
 
-    /// Calls use(const WorldLight&, const LightCrossing&) for every area light that the ray meets within t_far, but those that are
-    /// left to their samples where it starts.
+    /// Calls use(const WorldLight&, const LightCrossing&) for every area light that the ray meets within t_far, but those
+    /// that are left to their samples where it starts.
     template <class Use>
     void for_crossings(Vec3d origin, Vec3f direction, float t_far, float peak, Use&& use) const
     {

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "scenegraph/base/maths.h"
-#include "scenegraph/base/vec.h"
+#include "base/maths.h"
+#include "base/vec.h"
 
 namespace occam::shade {
 

@@ -100,7 +100,8 @@ LightCrossing cross_flat(const WorldLight& light, Vec3d origin, Vec3f direction)
     const float determinant = xx * yy - xy * xy;
     if (!(determinant > 0)) return {};
     const float u = (ax * yy - ay * xy) / determinant, v = (ay * xx - ax * xy) / determinant;
-    const bool is_inside = light.kind == WorldLight::Kind::Disc ? u * u + v * v <= 1 : std::fabs(u) <= 1 && std::fabs(v) <= 1;
+    const bool is_inside = light.kind == WorldLight::Kind::Disc ? u * u + v * v <= 1
+                                                                : std::fabs(u) <= 1 && std::fabs(v) <= 1;
     if (!is_inside) return {};
     return {distance, light.strength, distance * distance / (light.area * std::fabs(cosine))};
 }
@@ -166,11 +167,16 @@ WorldLight WorldLight::place(const Light& light, const Mat4d& world_from_node)
 LightSample WorldLight::sample_other(Vec3f to_middle, LightNumbers numbers) const noexcept
 {
     switch (kind) {
-        case Kind::Point: return sample_point(*this, to_middle);
-        case Kind::Sun: return sample_sun(*this, numbers);
-        case Kind::Disc: return sample_flat(to_middle, disc_point(numbers.square));
-        case Kind::Sphere: return sample_sphere(*this, to_middle, numbers);
-        case Kind::Rectangle: break;  // sample_from() has it
+        case Kind::Point:
+            return sample_point(*this, to_middle);
+        case Kind::Sun:
+            return sample_sun(*this, numbers);
+        case Kind::Disc:
+            return sample_flat(to_middle, disc_point(numbers.square));
+        case Kind::Sphere:
+            return sample_sphere(*this, to_middle, numbers);
+        case Kind::Rectangle:
+            break;  // sample_from() has it
     }
     return {};
 }
@@ -187,10 +193,13 @@ LightCrossing WorldLight::crossing(Vec3d origin, Vec3f toward) const noexcept
 {
     switch (kind) {
         case Kind::Point:
-        case Kind::Sun: break;
+        case Kind::Sun:
+            break;
         case Kind::Rectangle:
-        case Kind::Disc: return cross_flat(*this, origin, toward);
-        case Kind::Sphere: return cross_sphere(*this, origin, toward);
+        case Kind::Disc:
+            return cross_flat(*this, origin, toward);
+        case Kind::Sphere:
+            return cross_sphere(*this, origin, toward);
     }
     return {};
 }

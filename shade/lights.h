@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scenegraph/base/vec.h"
+#include "base/vec.h"
 #include "scenegraph/light.h"
 
 namespace occam::shade {
@@ -53,11 +53,16 @@ struct WorldLight {
 
     /// Light is placed by its node; `light` as the scene describes it.
     static WorldLight place(const Light& light, const Mat4d& world_from_node);
-    LightSample sample(Vec3d point, LightNumbers numbers) const noexcept { return sample_from(Vec3f(position - point), numbers); }
-    /// The same from a point that is known by where it sees the light's middle: of several samples, one subtraction in double.
+    LightSample sample(Vec3d point, LightNumbers numbers) const noexcept
+    {
+        return sample_from(Vec3f(position - point), numbers);
+    }
+    /// The same from a point that is known by where it sees the light's middle: of several samples, one subtraction in
+    /// double.
     LightSample sample_from(Vec3f to_middle, LightNumbers numbers) const noexcept;
     LightCrossing crossing(Vec3d origin, Vec3f direction) const noexcept;
-    /// Squared sine of the angle about its middle that it covers from there, by a sphere around it: above 1 within that sphere.
+    /// Squared sine of the angle about its middle that it covers from there, by a sphere around it: above 1 within that
+    /// sphere.
     float cover(Vec3d point) const noexcept;
     /// Rays can meet it: it has an area.
     bool has_area() const noexcept { return kind == Kind::Rectangle || kind == Kind::Disc || kind == Kind::Sphere; }

@@ -39,8 +39,15 @@ void for_each_packed(const Material& m, Values& v, Visit&& visit) noexcept
 }  // namespace
 
 MaterialValues::MaterialValues(const Material& m) noexcept
-    : base_color(m.base_color), metallic(m.metallic), roughness(m.roughness), emission(m.emission), specular(m.specular),
-      specular_color(m.specular_color), transmission(m.transmission), coat(m.clearcoat), coat_roughness(m.clearcoat_roughness)
+    : base_color(m.base_color),
+      metallic(m.metallic),
+      roughness(m.roughness),
+      emission(m.emission),
+      specular(m.specular),
+      specular_color(m.specular_color),
+      transmission(m.transmission),
+      coat(m.clearcoat),
+      coat_roughness(m.clearcoat_roughness)
 {
 }
 
@@ -67,7 +74,8 @@ void MaterialValues::look_up_rest(const Material& m, const lod::VertexToShade& a
     if (m.clearcoat_normal_texture) coat_normal = Vec3f(look_up(m.clearcoat_normal_texture)) * 2.0f - 1.0f;
 }
 
-void MaterialValues::look_up_occlusion(const Material& m, const lod::VertexToShade& at, const TextureStore& textures) noexcept
+void MaterialValues::look_up_occlusion(const Material& m, const lod::VertexToShade& at,
+                                       const TextureStore& textures) noexcept
 {
     if (m.occlusion_texture) occlusion = 1 + m.occlusion_strength * (texel(m.occlusion_texture, at, textures).x - 1);
 }

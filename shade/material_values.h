@@ -1,11 +1,11 @@
 // Phase one of shading: what a material is at a point, from wherever it is seen. Textures looked up, factors applied.
 //
-// Djeu et al. 2011, sec. 5.3. Every value is linear in its texels, so that values made at grid vertices and interpolated to a hit
-// are what the texels, interpolated, would give. Colours are linear Rec.709.
+// Djeu et al. 2011, sec. 5.3. Every value is linear in its texels, so that values made at grid vertices and interpolated to
+// a hit are what the texels, interpolated, would give. Colours are linear Rec.709.
 #pragma once
 
+#include "io/texture/texture_store.h"
 #include "lod/vertex_shader.h"
-#include "scenegraph/texture/texture_store.h"
 
 namespace occam::shade {
 
@@ -13,8 +13,8 @@ struct MaterialValues {
     /// Of the factors alone.
     explicit MaterialValues(const Material& material) noexcept;
 
-    Vec4f base_color;       ///< without the vertex colour
-    float alpha = 1;        ///< of the map of its own; base_color.w apart
+    Vec4f base_color;  ///< without the vertex colour
+    float alpha = 1;   ///< of the map of its own; base_color.w apart
     float metallic, roughness;
     Vec3f emission;
     Vec3f normal{0, 0, 1};  ///< in the axes of the normal map, not scaled, not unit
@@ -33,8 +33,8 @@ struct MaterialValues {
     void look_up_occlusion(const Material& material, const lod::VertexToShade& at, const TextureStore& textures) noexcept;
 };
 
-/// Values that have a map and are made at vertices, one after the other: how many floats. Alpha that masks is a hit's own, for its
-/// edge would be as wide as vertices are apart; so is the base colour, which comes with it.
+/// Values that have a map and are made at vertices, one after the other: how many floats. Alpha that masks is a hit's own,
+/// for its edge would be as wide as vertices are apart; so is the base colour, which comes with it.
 int packed_floats(const Material& material) noexcept;
 void pack(const Material& material, const MaterialValues& values, float* to) noexcept;
 /// Values of the material at a hit: those packed, and the factors of the rest.

@@ -52,7 +52,8 @@ bool is_sampled(const Scene& scene, const Node& node, const Material* material) 
 MeshLights::Corners MeshLights::corners(const Mesh& mesh, std::uint32_t face) noexcept
 {
     const auto at = [&](std::uint32_t corner) {
-        return transform_point(mesh.world_from_object, Vec3d(mesh.cage->positions[mesh.cage->face_vertices[face * 3 + corner]]));
+        return transform_point(mesh.world_from_object,
+                               Vec3d(mesh.cage->positions[mesh.cage->face_vertices[face * 3 + corner]]));
     };
     return {at(0), at(1), at(2)};
 }
@@ -91,9 +92,10 @@ MeshLights::MeshLights(const Scene& scene, const TextureStore& textures) : textu
               [](const Known& a, const Known& b) { return key_of(a.node, a.material) < key_of(b.node, b.material); });
     const double whole = sums_.empty() ? 1 : sums_.back();
     for (Known& k : known_) k.area_density = static_cast<float>(double(k.area_density) / whole);
-    known_.erase(std::unique(known_.begin(), known_.end(),
-                             [](const Known& a, const Known& b) { return key_of(a.node, a.material) == key_of(b.node, b.material); }),
-                 known_.end());
+    known_.erase(
+        std::unique(known_.begin(), known_.end(),
+                    [](const Known& a, const Known& b) { return key_of(a.node, a.material) == key_of(b.node, b.material); }),
+        known_.end());
 }
 
 float MeshLights::area_density(NodeId node, const Material* material) const noexcept
@@ -110,7 +112,8 @@ LightSample MeshLights::sample(Vec3d point, LightNumbers numbers) const noexcept
     const double whole = sums_.back(), wanted = double(numbers.choice) * whole;
     const auto above = std::upper_bound(sums_.begin(), sums_.end() - 1, wanted);
     const auto index = static_cast<std::uint32_t>(above - sums_.begin());
-    const auto next = std::upper_bound(meshes_.begin(), meshes_.end(), index, [](std::uint32_t i, const Mesh& m) { return i < m.first; });
+    const auto next = std::upper_bound(meshes_.begin(), meshes_.end(), index,
+                                       [](std::uint32_t i, const Mesh& m) { return i < m.first; });
     const Mesh& mesh = *(next - 1);
     const std::uint32_t face = faces_[index];
     const Corners c = corners(mesh, face);
@@ -142,8 +145,8 @@ LightSample MeshLights::sample(Vec3d point, LightNumbers numbers) const noexcept
     const Surface surface = evaluate(p, *textures_);
     const auto density = static_cast<float>(double(mesh.area_density) / whole * distance2 / cosine);
     if (!(density > 0)) return {};
-    return {Vec3f(to_light / distance), static_cast<float>(distance) * (1 - kShort), surface.emission * (surface.opacity / density),
-            density};
+    return {Vec3f(to_light / distance), static_cast<float>(distance) * (1 - kShort),
+            surface.emission * (surface.opacity / density), density};
 }
 
 }  // namespace occam::shade

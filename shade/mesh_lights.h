@@ -12,8 +12,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "io/texture/texture_store.h"
 #include "scenegraph/scene.h"
-#include "scenegraph/texture/texture_store.h"
 #include "shade/lights.h"
 
 namespace occam::shade {

@@ -6,14 +6,14 @@
 namespace occam::shade {
 
 struct ShadePoint {
-    Vec3d position{0};                ///< world
-    Vec3f to_eye{0, 0, 1};            ///< unit, towards the ray's origin
-    Vec3f normal_geometric{0, 0, 1};  ///< unit, on the side of to_eye
-    Vec3f normal_shading{0, 0, 1};    ///< unit, on the side of normal_geometric
-    bool back_side = false;           ///< the eye is behind the face: its outward normal is -normal_geometric
-    float self_distance = 0;          ///< a secondary ray starts this far along normal_geometric
-    Vec3f tangent{0};                 ///< unit, across the normal, where u of the normal map grows; zero: no normal map
-    float tangent_sign = 1;           ///< of cross(outward normal, tangent), where v falls
+    Vec3d position{0};                   ///< world
+    Vec3f to_eye{0, 0, 1};               ///< unit, towards the ray's origin
+    Vec3f normal_geometric{0, 0, 1};     ///< unit, on the side of to_eye
+    Vec3f normal_shading{0, 0, 1};       ///< unit, on the side of normal_geometric
+    bool back_side = false;              ///< the eye is behind the face: its outward normal is -normal_geometric
+    float self_distance = 0;             ///< a secondary ray starts this far along normal_geometric
+    Vec3f tangent{0};                    ///< unit, across the normal, where u of the normal map grows; zero: no normal map
+    float tangent_sign = 1;              ///< of cross(outward normal, tangent), where v falls
     Vec3f u_gradient{0}, v_gradient{0};  ///< of the bump map's coordinates over the surface, per world length; zero: no bump
     lod::VertexToShade texture;          ///< where textures are looked up: over the ray's footprint
     const float* phase_one = nullptr;    ///< what PhaseOne made at the vertices about the hit, interpolated; null: nothing

@@ -24,9 +24,12 @@ float lobe_width(float roughness) noexcept
 float opacity_of(const Material& material, float alpha) noexcept
 {
     switch (material.alpha_mode) {
-        case AlphaMode::Opaque: break;
-        case AlphaMode::Mask: return alpha >= material.alpha_cutoff ? 1.0f : 0.0f;
-        case AlphaMode::Blend: return std::clamp(alpha, 0.0f, 1.0f);
+        case AlphaMode::Opaque:
+            break;
+        case AlphaMode::Mask:
+            return alpha >= material.alpha_cutoff ? 1.0f : 0.0f;
+        case AlphaMode::Blend:
+            return std::clamp(alpha, 0.0f, 1.0f);
     }
     return 1;
 }
@@ -76,7 +79,8 @@ void add_transmission(const Material& m, const MaterialValues& values, float met
         s.eta = back_side ? 1 / m.ior : m.ior;
         if (m.attenuation_distance > 0 && m.attenuation_distance < std::numeric_limits<float>::infinity())
             for (int c = 0; c < 3; ++c)
-                s.absorption_inside[c] = -maths::log(std::clamp(m.attenuation_color[c], 1e-6f, 1.0f)) / m.attenuation_distance;
+                s.absorption_inside[c] = -maths::log(std::clamp(m.attenuation_color[c], 1e-6f, 1.0f)) /
+                                         m.attenuation_distance;
         return;
     }
     const Vec3f tint = share * s.base_color;

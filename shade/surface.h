@@ -5,7 +5,7 @@
 // occlusion maps dim no light whose way is traced (ambient_share).
 #pragma once
 
-#include "scenegraph/texture/texture_store.h"
+#include "io/texture/texture_store.h"
 #include "shade/microfacet.h"
 #include "shade/shade_point.h"
 
@@ -35,12 +35,12 @@ struct Surface {
     float coat = 0;            ///< share of the clear coat
     float coat_alpha = kMinAlpha;
 
-    bool is_matte = false;     ///< nothing but `diffuse` scatters light: what follows from that is not worked out again
+    bool is_matte = false;  ///< nothing but `diffuse` scatters light: what follows from that is not worked out again
 
-    Vec3f transmission{0};      ///< tint of what a rough thin pane, or a solid body, lets through; zero: nothing
-    bool is_solid = false;      ///< light is bent (KHR_materials_volume); else the surface is a thin pane
-    float eta = 1;              ///< solid: refractive index behind the surface over that on the eye's side
-    Vec3f absorption_inside{0}; ///< solid: per world length inside of the body (Beer-Lambert)
+    Vec3f transmission{0};       ///< tint of what a rough thin pane, or a solid body, lets through; zero: nothing
+    bool is_solid = false;       ///< light is bent (KHR_materials_volume); else the surface is a thin pane
+    float eta = 1;               ///< solid: refractive index behind the surface over that on the eye's side
+    Vec3f absorption_inside{0};  ///< solid: per world length inside of the body (Beer-Lambert)
 
     /// Where a ray in that direction starts: off the surface, to the side that it leaves by.
     Vec3d start(Vec3f direction) const noexcept
@@ -56,8 +56,8 @@ Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
 /// Share of light that goes straight on at the point: evaluate().passes, without the rest.
 Vec3f passes_straight(const ShadePoint& point, const TextureStore& textures) noexcept;
 
-/// What the material's occlusion map leaves of ambient light, 0 to 1: of light that is not traced to where it comes from. Nobody else
-/// reads the map: rays find what it stands for.
+/// What the material's occlusion map leaves of ambient light, 0 to 1: of light that is not traced to where it comes from.
+/// Nobody else reads the map: rays find what it stands for.
 float ambient_share(const ShadePoint& point, const TextureStore& textures) noexcept;
 
 /// True if some point of the material may let light pass straight on.

@@ -51,15 +51,17 @@ Vec3f pane_transmission(const Surface& s, Vec3f to_light) noexcept
     const Vec3f across = glm::cross(s.normal, h);
     const float n_v = eye_cosine(s.normal, s.to_eye), n_h = glm::dot(s.normal, h);
     const float reflected = s.dielectric_f0 + (s.dielectric_f90 - s.dielectric_f0) * schlick(glm::dot(s.to_eye, h));
-    return s.transmission * ((1 - reflected) * ggx_density(n_h, glm::dot(across, across), s.alpha) *
-                             ggx_visibility(n_l, n_v, s.alpha) * n_l);
+    return s.transmission *
+           ((1 - reflected) * ggx_density(n_h, glm::dot(across, across), s.alpha) * ggx_visibility(n_l, n_v, s.alpha) * n_l);
 }
 
 float pane_density(const Surface& s, Vec3f to_light) noexcept
 {
     const Vec3f h = glm::normalize(s.to_eye + turned(to_light, s.normal));
     const Vec3f across = glm::cross(s.normal, h);
-    return visible_density_over_cosine(eye_cosine(s.normal, s.to_eye), glm::dot(s.normal, h), glm::dot(across, across), s.alpha) / 4;
+    return visible_density_over_cosine(eye_cosine(s.normal, s.to_eye), glm::dot(s.normal, h), glm::dot(across, across),
+                                       s.alpha) /
+           4;
 }
 
 float mirror_chance(const Surface& s, float cosine) noexcept
@@ -90,7 +92,8 @@ float body_density(const Surface& s, Vec3f to_light) noexcept
 {
     const Refraction r(s, to_light);
     if (!r.is_valid) return 0;
-    return (1 - mirror_chance(s, r.v_h)) * visible_density_over_cosine(r.n_v, r.n_h, r.sin2_h, s.alpha) * r.v_h * r.jacobian(s.eta);
+    return (1 - mirror_chance(s, r.v_h)) * visible_density_over_cosine(r.n_v, r.n_h, r.sin2_h, s.alpha) * r.v_h *
+           r.jacobian(s.eta);
 }
 
 }  // namespace occam::shade

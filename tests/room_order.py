@@ -3,13 +3,12 @@ import pathlib
 import re
 import sys
 
+# Lowest first; a room may include what stands before it, less what FORBIDDEN says.
+ROOMS = ["base", "scenegraph", "io", "lod", "accel", "shade", "render", "verify", "api", "command"]
+FORBIDDEN = {("shade", "accel"), ("verify", "shade"), ("verify", "render")}
 MAY_USE = {
-    "scenegraph": set(),
-    "lod": {"scenegraph"},
-    "accel": {"lod", "scenegraph"},
-    "shade": {"lod", "scenegraph"},
-    "render": {"shade", "accel", "lod", "scenegraph"},
-    "api": {"render", "shade", "accel", "lod", "scenegraph"},
+    room: {below for below in ROOMS[:place] if (room, below) not in FORBIDDEN}
+    for place, room in enumerate(ROOMS)
 }
 
 

@@ -17,7 +17,8 @@ int main(int argc, char** argv)
 try {
     const std::filesystem::path folder = argc > 1 ? argv[1] : "pictures";
     const int frames = argc > 2 ? std::atoi(argv[2]) : 96;
-    const Settings settings{.width = argc > 4 ? std::atoi(argv[3]) : 640, .height = argc > 4 ? std::atoi(argv[4]) : 360, .spp = 16};
+    const Settings settings{
+        .width = argc > 4 ? std::atoi(argv[3]) : 640, .height = argc > 4 ? std::atoi(argv[4]) : 360, .spp = 16};
 
     Scene scene;
     const sample::Worm worm = sample::add_worm(scene, {0.3f, 0.6f, 0.9f});

@@ -33,7 +33,8 @@ Cage tube(MaterialId material)
     for (int r = 0; r + 1 < kRings; ++r)
         for (int k = 0; k < kAround; ++k) {
             cage.face_sizes.push_back(4);
-            for (const std::uint32_t v : {vertex(r, k), vertex(r, k + 1), vertex(r + 1, k + 1), vertex(r + 1, k)}) cage.face_vertices.push_back(v);
+            for (const std::uint32_t v : {vertex(r, k), vertex(r, k + 1), vertex(r + 1, k + 1), vertex(r + 1, k)})
+                cage.face_vertices.push_back(v);
         }
     for (int end : {0, 1}) {
         cage.face_sizes.push_back(kAround);
@@ -87,7 +88,8 @@ void add_surroundings(Scene& scene, float half_side)
 {
     Cage floor;
     floor.scheme = Scheme::Triangles;
-    floor.positions = {{-half_side, 0, half_side}, {half_side, 0, half_side}, {half_side, 0, -half_side}, {-half_side, 0, -half_side}};
+    floor.positions = {
+        {-half_side, 0, half_side}, {half_side, 0, half_side}, {half_side, 0, -half_side}, {-half_side, 0, -half_side}};
     floor.face_vertices = {0, 1, 2, 0, 2, 3};
     scene.add_node(scene.root(), {.name = "floor", .cages = {scene.add(std::move(floor))}});
     NodeDesc sun;

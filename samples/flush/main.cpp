@@ -1,4 +1,5 @@
-// Memory flush: the same heavy scene under smaller and smaller budgets. Every picture has to be the unbudgeted one, bit for bit.
+// Memory flush: the same heavy scene under smaller and smaller budgets. Every picture has to be the unbudgeted one, bit for
+// bit.
 //
 //     occam_flush [WORMS A SIDE] [WIDTH HEIGHT]
 //
@@ -17,7 +18,8 @@ using namespace occam;
 int main(int argc, char** argv)
 try {
     const int side = argc > 1 ? std::atoi(argv[1]) : 24;
-    const Settings settings{.width = argc > 3 ? std::atoi(argv[2]) : 640, .height = argc > 3 ? std::atoi(argv[3]) : 360, .spp = 4};
+    const Settings settings{
+        .width = argc > 3 ? std::atoi(argv[2]) : 640, .height = argc > 3 ? std::atoi(argv[3]) : 360, .spp = 4};
 
     Scene scene;
     const sample::Worm worm = sample::add_worm(scene, {0.8f, 0.7f, 0.3f});

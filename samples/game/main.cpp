@@ -77,7 +77,8 @@ private:
     void appear()
     {
         const double n = double(++made_);
-        walkers_.push_back({scene_.copy(character_, scene_.root()), size_ * (1 + std::fmod(n * 0.618, 1.0) * 4), n * 2.4, 0.3 + 0.1 * std::fmod(n, 3)});
+        walkers_.push_back({scene_.copy(character_, scene_.root()), size_ * (1 + std::fmod(n * 0.618, 1.0) * 4), n * 2.4,
+                            0.3 + 0.1 * std::fmod(n, 3)});
         scene_.set_visible(walkers_.back().node, true);
     }
 
@@ -113,7 +114,8 @@ unsigned display_value(float linear)
 int play(Game& game, Settings settings)
 {
     if (SDL_Init(SDL_INIT_VIDEO) != 0) throw Error("", SDL_GetError(), "window");
-    SDL_Window* window = SDL_CreateWindow("Occam", SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED, settings.width, settings.height, 0);
+    SDL_Window* window = SDL_CreateWindow("Occam", SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED, settings.width,
+                                          settings.height, 0);
     SDL_Surface* surface = window ? SDL_GetWindowSurface(window) : nullptr;
     if (!surface) throw Error("", SDL_GetError(), "window");
     Renderer renderer;
@@ -129,7 +131,8 @@ int play(Game& game, Settings settings)
             auto* row = reinterpret_cast<Uint32*>(static_cast<char*>(surface->pixels) + y * surface->pitch);
             for (int x = 0; x < image.width; ++x) {
                 const float* p = &rgba[4 * static_cast<std::size_t>(y * image.width + x)];
-                row[x] = SDL_MapRGB(surface->format, Uint8(display_value(p[0])), Uint8(display_value(p[1])), Uint8(display_value(p[2])));
+                row[x] = SDL_MapRGB(surface->format, Uint8(display_value(p[0])), Uint8(display_value(p[1])),
+                                    Uint8(display_value(p[2])));
             }
         }
         SDL_UpdateWindowSurface(window);
@@ -151,7 +154,9 @@ try {
     for (int i = 1; i < argc; ++i) {
         if (!std::strcmp(argv[i], "--headless")) headless = true;
         else if (!std::strcmp(argv[i], "--frames") && i + 1 < argc) frames = std::atoi(argv[++i]);
-        else if (!std::strcmp(argv[i], "--size") && i + 1 < argc && std::sscanf(argv[i + 1], "%dx%d", &settings.width, &settings.height) == 2) ++i;
+        else if (!std::strcmp(argv[i], "--size") && i + 1 < argc &&
+                 std::sscanf(argv[i + 1], "%dx%d", &settings.width, &settings.height) == 2)
+            ++i;
         else file = argv[i];
     }
     Game game(file);

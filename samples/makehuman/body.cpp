@@ -113,14 +113,17 @@ bool is_leg(const std::vector<Bone>& bones, const std::vector<Share>& shares)
     return name.starts_with("upperleg") || name.starts_with("lowerleg");
 }
 
-Cage cage_of(const Mesh& mesh, const std::string& group, const std::vector<std::vector<Share>>& shares, const std::vector<Bone>& bones)
+Cage cage_of(const Mesh& mesh, const std::string& group, const std::vector<std::vector<Share>>& shares,
+             const std::vector<Bone>& bones)
 {
     Cage cage;
     cage.name = group;
     cage.skin.sets = 1;
     std::map<std::uint32_t, std::uint32_t> place_of;
     for (const auto& face : mesh.faces.at(group)) {
-        if (group == "body" && std::all_of(face.begin(), face.end(), [&](std::uint32_t v) { return is_leg(bones, shares.at(v)); })) continue;
+        if (group == "body" &&
+            std::all_of(face.begin(), face.end(), [&](std::uint32_t v) { return is_leg(bones, shares.at(v)); }))
+            continue;
         cage.face_sizes.push_back(4);
         for (const std::uint32_t v : face) {
             const auto [place, is_new] = place_of.try_emplace(v, static_cast<std::uint32_t>(cage.positions.size()));
@@ -140,8 +143,8 @@ Body add_body(Scene& scene, const std::filesystem::path& folder, const std::stri
     body.bones = read_bones(Json::parse(open(folder / "default.mhskel")), mesh.positions);
     for (std::size_t b = 0; b < body.bones.size(); ++b) body.bone_of[body.bones[b].name] = static_cast<int>(b);
 
-    const auto shares =
-        read_weights(Json::parse(open(folder / "default_weights.mhw")).at("weights"), body.bone_of, mesh.positions.size());
+    const auto shares = read_weights(Json::parse(open(folder / "default_weights.mhw")).at("weights"), body.bone_of,
+                                     mesh.positions.size());
     const std::pair<const char*, Vec3f> pieces[] = {{"body", {0.75f, 0.55f, 0.45f}},
                                                     {"helper-tights", clothes},
                                                     {"helper-l-eye", Vec3f(0.8f)},

@@ -24,8 +24,8 @@ try {
         .width = argc > 5 ? std::atoi(argv[4]) : 640, .height = argc > 5 ? std::atoi(argv[5]) : 360, .spp = 16};
 
     Scene scene;
-    const sample::Body body =
-        sample::add_body(scene, data, "male-young-averagemuscle-averageweight-maxheight.target", {0.15f, 0.25f, 0.45f});
+    const sample::Body body = sample::add_body(scene, data, "male-young-averagemuscle-averageweight-maxheight.target",
+                                               {0.15f, 0.25f, 0.45f});
     const sample::Walk walk = sample::add_walk(scene, body, data / "walk1.bvh");
     sample::add_surroundings(scene, 80);
     std::vector<NodeId> people;

@@ -25,14 +25,8 @@ struct Motion {
 };
 
 // The file is z up, facing -y.
-Vec3d upright(Vec3d p)
-{
-    return {p.x, p.z, -p.y};
-}
-Quaternion upright(Quaternion q)
-{
-    return {q.w, q.x, q.z, -q.y};
-}
+Vec3d upright(Vec3d p) { return {p.x, p.z, -p.y}; }
+Quaternion upright(Quaternion q) { return {q.w, q.x, q.z, -q.y}; }
 
 Motion read_motion(const std::filesystem::path& file)
 {
@@ -60,8 +54,8 @@ Motion read_motion(const std::filesystem::path& file)
             Motion::Joint& joint = motion.joints[static_cast<std::size_t>(at)];
             Vec3d offset;
             in >> offset.x >> offset.y >> offset.z;
-            joint.head =
-                upright(offset) + (joint.parent < 0 ? Vec3d(0) : motion.joints[static_cast<std::size_t>(joint.parent)].head);
+            joint.head = upright(offset) +
+                         (joint.parent < 0 ? Vec3d(0) : motion.joints[static_cast<std::size_t>(joint.parent)].head);
         }
     }
     std::string word;
@@ -123,8 +117,8 @@ std::vector<Follower> followers(const Body& body, const Motion& motion)
             follower.joint = static_cast<int>(joint(pair.joint));
             if (!pair.next_bone) continue;
             const Vec3d from = glm::normalize(body.bones[bone(pair.next_bone)].head - body.bones[bone(pair.bone)].head);
-            const Vec3d to =
-                glm::normalize(motion.joints[joint(pair.next_joint)].head - motion.joints[joint(pair.joint)].head);
+            const Vec3d to = glm::normalize(motion.joints[joint(pair.next_joint)].head -
+                                            motion.joints[joint(pair.joint)].head);
             follower.to_rest = glm::normalize(Quaternion(1 + glm::dot(from, to), glm::cross(from, to)));
         }
     return all;
@@ -155,10 +149,10 @@ Walk add_walk(Scene& scene, const Body& body, const std::filesystem::path& file)
             const int parent = body.bones[b].parent;
             const auto above = static_cast<std::size_t>(std::max(parent, 0));
             const Quaternion inherited = parent < 0 ? Quaternion(1, 0, 0, 0) : whole[above];
-            whole[b] =
-                follow[b].joint < 0 ? inherited : turns[static_cast<std::size_t>(follow[b].joint)] * follow[b].to_rest;
-            head[b] =
-                parent < 0 ? body.bones[b].head : head[above] + inherited * (body.bones[b].head - body.bones[above].head);
+            whole[b] = follow[b].joint < 0 ? inherited
+                                           : turns[static_cast<std::size_t>(follow[b].joint)] * follow[b].to_rest;
+            head[b] = parent < 0 ? body.bones[b].head
+                                 : head[above] + inherited * (body.bones[b].head - body.bones[above].head);
             const Quaternion own = glm::conjugate(inherited) * whole[b];
             channels[b].times.push_back(float(double(key) * motion.frame_seconds));
             for (const double value : {own.x, own.y, own.z, own.w}) channels[b].values.push_back(float(value));

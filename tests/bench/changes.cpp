@@ -144,9 +144,12 @@ void run_flat_edits(Report& report)
     std::vector<NodeId> nodes;
     for (std::size_t count = 100; count <= 1'000'000; count *= 10) {
         while (nodes.size() < count) nodes.push_back(add_node(scene, scene.root(), {double(nodes.size()), 0, 0}, shape));
-        const auto at = [&](std::size_t frame, std::size_t e) -> NodeId& { return nodes[(e * count / kEdits + frame * 7919) % count]; };
+        const auto at = [&](std::size_t frame, std::size_t e) -> NodeId& {
+            return nodes[(e * count / kEdits + frame * 7919) % count];
+        };
         const std::string name = std::to_string(count) + " nodes, side by side";
-        measure_edits(report, scene, name, 1, [&](std::size_t frame, std::size_t e) { scene.set_transform(at(frame, e), moved(frame, e)); });
+        measure_edits(report, scene, name, 1,
+                      [&](std::size_t frame, std::size_t e) { scene.set_transform(at(frame, e), moved(frame, e)); });
         measure_edits(report, scene, name + ", one removed and one added", 1, [&](std::size_t frame, std::size_t e) {
             scene.remove(at(frame, e));
             at(frame, e) = add_node(scene, scene.root(), {double(e), 0, 0}, shape);

@@ -1,10 +1,11 @@
-// The crowd: N copies of a cage, each twisted anew every frame, over a floor under two square lights. So that anyone can repeat
-// it, the rules are exact:
+// The crowd: N copies of a cage, each twisted anew every frame, over a floor under two square lights. So that anyone can
+// repeat it, the rules are exact:
 //
-//   A cage is scaled to unit size (its box's longest side) about its box's centre. Copies stand on a square grid of spacing 1.2 in
-//   the xz plane, row after row; the grid's extent is 1.2 times its side. Copy i at frame f is twisted about y: the point (x, y, z)
-//   turns by 2 a y with a = 0.3 sin(0.7 f + i). The floor is a square at y = -0.6, twice the extent wide. The camera stands at
-//   c (0.1, 0.45, -0.85) extents, looks at the origin, 45 degrees whole vertical angle. Two lights, squares of 0.15 extent at
+//   A cage is scaled to unit size (its box's longest side) about its box's centre. Copies stand on a square grid of
+//   spacing 1.2 in the xz plane, row after row; the grid's extent is 1.2 times its side. Copy i at frame f is twisted about
+//   y: the point (x, y, z) turns by 2 a y with a = 0.3 sin(0.7 f + i). The floor is a square at y = -0.6, twice the extent
+//   wide. The camera stands at c (0.1, 0.45, -0.85) extents, looks at the origin, 45 degrees whole vertical angle. Two
+//   lights, squares of 0.15 extent at
 //   (-0.7, 0.9, -0.3) and (0.8, 0.7, -0.5) extents, look at the origin. 1024 x 1024 pixels.
 #pragma once
 

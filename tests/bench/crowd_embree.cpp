@@ -72,8 +72,8 @@ EmbreeCrowd::EmbreeCrowd(const Crowd& crowd) : crowd_(crowd), device_(rtcNewDevi
     for (int i = 0; i < crowd.copies; ++i) {
         RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_SUBDIVISION);
         rtcSetGeometryBuildQuality(g, RTC_BUILD_QUALITY_LOW);
-        vertices_.push_back(static_cast<Vec3f*>(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f),
-                                                                        cage.positions.size() + 1)));
+        vertices_.push_back(static_cast<Vec3f*>(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                                        sizeof(Vec3f), cage.positions.size() + 1)));
         void* index = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, 4, cage.face_vertices.size());
         std::memcpy(index, cage.face_vertices.data(), cage.face_vertices.size() * 4);
         void* face = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, 4, cage.face_sizes.size());
@@ -85,10 +85,12 @@ EmbreeCrowd::EmbreeCrowd(const Crowd& crowd) : crowd_(crowd), device_(rtcNewDevi
         copies_.push_back(g);
     }
     RTCGeometry ground = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_QUAD);
-    auto* corners = static_cast<Vec3f*>(rtcSetNewGeometryBuffer(ground, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), 5));
+    auto* corners = static_cast<Vec3f*>(
+        rtcSetNewGeometryBuffer(ground, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), 5));
     const auto floor = crowd.floor();
     std::copy(floor.begin(), floor.end(), corners);
-    auto* quad = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(ground, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, 16, 1));
+    auto* quad = static_cast<std::uint32_t*>(
+        rtcSetNewGeometryBuffer(ground, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, 16, 1));
     for (std::uint32_t c = 0; c < 4; ++c) quad[c] = c;
     rtcCommitGeometry(ground);
     rtcAttachGeometry(scene_, ground);
@@ -167,7 +169,8 @@ EmbreeCrowd::Frame EmbreeCrowd::trace(int frame, const Recipe& recipe) const
                 alignas(32) RTCRayHit8 p;
                 for (int l = 0; l < 8; ++l) {
                     const int x = x0 + block % (kTile / 4) * 4 + l % 4, y = y0 + block / (kTile / 4) * 2 + l / 4;
-                    const std::uint32_t seed = static_cast<std::uint32_t>((y * kCrowdPixels + x) * recipe.primary + sample) * 2u;
+                    const std::uint32_t seed = static_cast<std::uint32_t>((y * kCrowdPixels + x) * recipe.primary + sample) *
+                                               2u;
                     const Vec3f d = view.direction(float(x) + number(seed, static_cast<std::uint32_t>(frame)),
                                                    float(y) + number(seed + 1, static_cast<std::uint32_t>(frame)));
                     p.ray.org_x[l] = view.eye.x, p.ray.org_y[l] = view.eye.y, p.ray.org_z[l] = view.eye.z;
@@ -189,9 +192,14 @@ EmbreeCrowd::Frame EmbreeCrowd::trace(int frame, const Recipe& recipe) const
                         for (int l = 0; l < 8; ++l) {
                             if (!valid[l]) continue;
                             const SquareLight& to = lights[light];
-                            const std::uint32_t seed = static_cast<std::uint32_t>(tile * 4096 + block * 128 + sample * 16 + l);
-                            const double u = double(number(seed, static_cast<std::uint32_t>(light * 64 + std::size_t(s) * 2))) - 0.5,
-                                         v = double(number(seed, static_cast<std::uint32_t>(light * 64 + std::size_t(s) * 2 + 1))) - 0.5;
+                            const std::uint32_t seed = static_cast<std::uint32_t>(tile * 4096 + block * 128 + sample * 16 +
+                                                                                  l);
+                            const double u = double(
+                                                 number(seed, static_cast<std::uint32_t>(light * 64 + std::size_t(s) * 2))) -
+                                             0.5,
+                                         v = double(number(
+                                                 seed, static_cast<std::uint32_t>(light * 64 + std::size_t(s) * 2 + 1))) -
+                                             0.5;
                             const Vec3f at(to.centre + to.right * (u * to.side) + to.up * (v * to.side));
                             const Vec3f d(p.ray.dir_x[l], p.ray.dir_y[l], p.ray.dir_z[l]);
                             Vec3f n = glm::normalize(Vec3f(p.hit.Ng_x[l], p.hit.Ng_y[l], p.hit.Ng_z[l]));

@@ -1,6 +1,7 @@
 // A crowd that deforms every frame, beside Embree on the same cages and rays (crowd.h has the rules).
 //
-// A frame's time is everything from the application's edit to the last pixel, wall clock; the two take turns, frame by frame.
+// A frame's time is everything from the application's edit to the last pixel, wall clock; the two take turns, frame by
+// frame.
 #include "tests/bench/crowd_embree.h"
 #include "tests/bench/crowd_occam.h"
 #include "tests/bench/subjects.h"
@@ -41,14 +42,20 @@ void run_case(Report& report, const Crowd& crowd, const Recipe& recipe)
     row.add("copies", crowd.copies).add("faces", double(crowd.faces())).add("frame_seconds", frame);
     row.add("rays", double(s.rays.total())).add("bytes", double(s.memory.arena_peak_bytes));
     row.add("micropolygons", double(s.built.micropolygons)).add("edit_seconds", edit);
-    row.add("refit_seconds", s.seconds.refit).add("build_seconds", s.seconds.build).add("tessellate_seconds", s.seconds.tessellate);
+    row.add("refit_seconds", s.seconds.refit)
+        .add("build_seconds", s.seconds.build)
+        .add("tessellate_seconds", s.seconds.tessellate);
     row.add("trace_seconds", s.seconds.trace).add("shade_seconds", s.seconds.shade).add("film_seconds", s.seconds.film);
-    row.add("faces_touched", double(s.built.faces_touched)).add("grids", double(s.built.grids)).add("flushes", double(s.memory.flushes));
+    row.add("faces_touched", double(s.built.faces_touched))
+        .add("grids", double(s.built.grids))
+        .add("flushes", double(s.memory.flushes));
     row.add("embree_frame_seconds", peer).add("embree_commit_seconds", peer_commit).add("embree_trace_seconds", peer_trace);
     row.add("embree_rays", double(peer_rays)).add("embree_bytes", double(theirs.peak_bytes()));
     row.add("cpu_seconds", cpu).add("embree_cpu_seconds", peer_cpu);
     row.add("ratio", ratios(frame, peer)).add("cpu_ratio", ratios(cpu, peer_cpu));
-    row.note = "cpu_: of all threads, what a busy machine disturbs least; frame, edit and refit: wall clock; stages from build to film: workers' seconds summed, of the last frame";
+    row.note =
+        "cpu_: of all threads, what a busy machine disturbs least; frame, edit and refit: wall clock; stages from build to "
+        "film: workers' seconds summed, of the last frame";
     report.add(std::move(row));
 }
 

@@ -67,7 +67,8 @@ void run_grid(Report& report, const std::string& name, const Subject& subject, c
                                                        arena.reset();
                                                        dicer.forget();
                                                        for (const lod::PosedCage& cage : copies)
-                                                           dicer.dice(cage, tile, arena), dicer.shade(cage, tile, tile.rates, arena);
+                                                           dicer.dice(cage, tile, arena),
+                                                               dicer.shade(cage, tile, tile.rates, arena);
                                                    }),
                                             to_ns);
 

@@ -30,11 +30,11 @@ EmbreeMesh::EmbreeMesh(std::span<const Vec3f> positions, Vec3d anchor) : device_
     rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
     RTCGeometry mesh = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-    void* vertices =
-        rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), positions.size());
+    void* vertices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f),
+                                             positions.size());
     std::memcpy(vertices, positions.data(), positions.size_bytes());
-    auto* indices = static_cast<unsigned*>(
-        rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), positions.size() / 3));
+    auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                                                   3 * sizeof(unsigned), positions.size() / 3));
     for (unsigned i = 0; i < positions.size(); ++i) indices[i] = i;
     corners.reserve(positions.size());
     for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -58,10 +58,8 @@ EmbreeMesh::~EmbreeMesh()
 EmbreeRays::EmbreeRays(const EmbreeMesh& mesh, std::span<const accel::Ray> rays, bool as_packets)
     : mesh_(mesh), count_(rays.size())
 {
-    if (as_packets)
-        packet_start_.resize((count_ + 7) / 8);
-    else
-        single_start_.resize(count_);
+    if (as_packets) packet_start_.resize((count_ + 7) / 8);
+    else single_start_.resize(count_);
     for (std::size_t i = 0; i < (as_packets ? packet_start_.size() * 8 : count_); ++i) {
         const accel::Ray& ray = rays[std::min(i, count_ - 1)];
         const Vec3f origin(ray.origin - mesh.anchor()), d = ray.direction;
@@ -139,7 +137,9 @@ void EmbreeRays::closest_filled(std::span<ShadedHit> batch)
             const RTCRayHit8& p = packet_[i / 8];
             const std::size_t l = i % 8;
             if (p.hit.geomID[l] == RTC_INVALID_GEOMETRY_ID) hit.t = kInfinity;
-            else fill(p.hit.primID[l], p.hit.u[l], p.hit.v[l], p.ray.tfar[l], {p.ray.dir_x[l], p.ray.dir_y[l], p.ray.dir_z[l]}, hit);
+            else
+                fill(p.hit.primID[l], p.hit.u[l], p.hit.v[l], p.ray.tfar[l],
+                     {p.ray.dir_x[l], p.ray.dir_y[l], p.ray.dir_z[l]}, hit);
         }
     }
 }

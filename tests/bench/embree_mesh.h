@@ -58,7 +58,8 @@ public:
     void reset();
     void closest();
     void occluded();
-    /// closest(), and each batch of as many rays as there is room is filled before the next is traced; hits of the last batch are left.
+    /// closest(), and each batch of as many rays as there is room is filled before the next is traced; hits of the last
+    /// batch are left.
     void closest_filled(std::span<ShadedHit> batch);
 
     float t(std::size_t i) const noexcept;  ///< after closest(): infinity if nothing was met

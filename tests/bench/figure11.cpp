@@ -49,10 +49,8 @@ void run_view(Report& report, const Scene& scene, lod::TopologyCache& topologies
         std::size_t others = 0;
         for (std::size_t i = 0; i < hits.size(); ++i) {
             const std::uint32_t face = hits[i].is_hit() ? hits[i].face : ~0u;
-            if (on == 0)
-                faces.push_back(face);
-            else if (!faces.empty())
-                others += faces[i] != face;
+            if (on == 0) faces.push_back(face);
+            else if (!faces.empty()) others += faces[i] != face;
         }
         Row row{"figure11", name};
         row.add("build_seconds", build).add("trace_seconds", trace);

@@ -29,18 +29,9 @@ std::string processor_name()
 
 }  // namespace
 
-double thread_seconds()
-{
-    return clock_seconds(CLOCK_THREAD_CPUTIME_ID);
-}
-double process_seconds()
-{
-    return clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
-}
-double wall_seconds()
-{
-    return clock_seconds(CLOCK_MONOTONIC);
-}
+double thread_seconds() { return clock_seconds(CLOCK_THREAD_CPUTIME_ID); }
+double process_seconds() { return clock_seconds(CLOCK_PROCESS_CPUTIME_ID); }
+double wall_seconds() { return clock_seconds(CLOCK_MONOTONIC); }
 
 std::vector<double> per(double amount, std::vector<double> samples)
 {
@@ -97,10 +88,8 @@ std::string Report::json() const
     for (const Row& row : rows_) {
         Json figures = Json::object();
         for (const Figure& f : row.figures) {
-            if (f.runs == 0)
-                figures[f.name] = f.median;
-            else
-                figures[f.name] = {{"median", f.median}, {"min", f.least}, {"max", f.most}, {"runs", f.runs}};
+            if (f.runs == 0) figures[f.name] = f.median;
+            else figures[f.name] = {{"median", f.median}, {"min", f.least}, {"max", f.most}, {"runs", f.runs}};
         }
         Json entry = {{"suite", row.suite}, {"case", row.name}};
         if (row.recipe.empty()) entry["figures"] = figures;

@@ -43,7 +43,7 @@ struct Figure {
 struct Row {
     std::string suite, name;
     std::vector<Figure> figures{};
-    std::string note{};  ///< why there are no figures, or how to read them
+    std::string note{};    ///< why there are no figures, or how to read them
     std::string recipe{};  ///< if not empty, the row's JSON is flat: medians under the figures' names
 
     Row& add(std::string figure, std::vector<double> samples);

@@ -7,7 +7,7 @@
 #include <tiny_gltf.h>
 #include <tiny_obj_loader.h>
 
-#include "scenegraph/import/import.h"
+#include "io/import/import.h"
 #include "tests/bench/harness.h"
 #include "tests/bench/suites.h"
 #include "tests/bench/wave_files.h"

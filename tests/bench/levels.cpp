@@ -1,6 +1,6 @@
-// What each ray's own level of detail costs and saves: against one level a cage, and against secondary rays that keep the level of
-// their origin. The scenes are in the manner of Djeu et al. 2011, fig. 12 (soft shadow of a large, finely tessellated wall off screen)
-// and fig. 15 (glossy throughout).
+// What each ray's own level of detail costs and saves: against one level a cage, and against secondary rays that keep the
+// level of their origin. The scenes are in the manner of Djeu et al. 2011, fig. 12 (soft shadow of a large, finely
+// tessellated wall off screen) and fig. 15 (glossy throughout).
 
 #include <array>
 #include <cmath>
@@ -26,7 +26,8 @@ Cage sheet(int columns, int rows, float width, float depth, float bump)
         }
     for (int j = 0; j < rows; ++j)
         for (int i = 0; i < columns; ++i) {
-            const auto at = static_cast<std::uint32_t>(j * (columns + 1) + i), up = at + static_cast<std::uint32_t>(columns + 1);
+            const auto at = static_cast<std::uint32_t>(j * (columns + 1) + i),
+                       up = at + static_cast<std::uint32_t>(columns + 1);
             cage.face_vertices.insert(cage.face_vertices.end(), {at, up, up + 1, at + 1});
             cage.face_sizes.push_back(4);
         }
@@ -172,7 +173,8 @@ void run_kernel(Report& report, const std::string& name, float width, std::strin
     Row row{"levels", name};
     row.add("on_over_off", ratios(a, b));
     row.add("on_mrays_per_s", per(1e-6 * double(rays.size()), a)).add("off_mrays_per_s", per(1e-6 * double(rays.size()), b));
-    row.add("micropolygons_on", double(with.counters().micropolygons)).add("micropolygons_off", double(without.counters().micropolygons));
+    row.add("micropolygons_on", double(with.counters().micropolygons))
+        .add("micropolygons_off", double(without.counters().micropolygons));
     row.note = std::move(note);
     report.add(std::move(row));
 }

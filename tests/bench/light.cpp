@@ -3,8 +3,8 @@
 // "Without": each ray keeps the width that its parent had at the hit, so that its surfaces are as fine far away as near.
 //
 // A lobe's share that one sample stands for is longer in the plane of incidence than across, by one over the cosine at the
-// half vector (where reflection doubles angles in one direction alone). Footprints have one width, the mean of both: what a second
-// could save or mend lies between the figures of the smaller and the larger one.
+// half vector (where reflection doubles angles in one direction alone). Footprints have one width, the mean of both: what a
+// second could save or mend lies between the figures of the smaller and the larger one.
 
 #include <cmath>
 
@@ -23,7 +23,7 @@ constexpr std::size_t kBudget = std::size_t(1) << 30;
 
 struct Kind {
     const char* name;
-    float alpha;       // of the lobe that rays follow; 0: see below
+    float alpha;  // of the lobe that rays follow; 0: see below
     bool is_diffuse, is_shadow;
 };
 constexpr Kind kKinds[] = {{"mirror", shade::kMinAlpha, false, false},
@@ -47,8 +47,9 @@ shade::Surface surface_at(const accel::Ray& ray, const accel::SurfaceHit& hit, c
 }
 
 // One ray of that kind from each hit.
-std::vector<accel::Ray> secondary_rays(const Kind& kind, std::span<const accel::Ray> rays, std::span<const accel::SurfaceHit> hits,
-                                       const shade::WorldLight& lamp, bool with_footprint)
+std::vector<accel::Ray> secondary_rays(const Kind& kind, std::span<const accel::Ray> rays,
+                                       std::span<const accel::SurfaceHit> hits, const shade::WorldLight& lamp,
+                                       bool with_footprint)
 {
     const render::Sampler sampler(1, kSamples, true);
     std::vector<accel::Ray> out;
@@ -69,9 +70,9 @@ std::vector<accel::Ray> secondary_rays(const Kind& kind, std::span<const accel::
             const shade::ScatterSample d = shade::sample_scatter(s, 0.5f, square);
             if (d.weight == Vec3f(0)) continue;
             ray.direction = d.direction;
-            const lod::Footprint smooth =
-                kind.is_diffuse ? lod::Footprint{width, 0}
-                                : shade::mirrored_beam({width, rays[i].footprint.b}, hit.curvature, glm::dot(s.normal, s.to_eye));
+            const lod::Footprint smooth = kind.is_diffuse ? lod::Footprint{width, 0}
+                                                          : shade::mirrored_beam({width, rays[i].footprint.b}, hit.curvature,
+                                                                                 glm::dot(s.normal, s.to_eye));
             ray.footprint = shade::followable(shade::scattered_beam(smooth, d.density, kSamples), 1);
         }
         ray.origin = s.start(ray.direction);
@@ -118,7 +119,8 @@ void run_widths(Report& report, Subject& subject)
         for (std::size_t i = 0; i < camera.size(); ++i) {
             if (!hits[i].is_hit() || -glm::dot(hits[i].normal_shading, camera[i].direction) > 0.3f) continue;
             const shade::Surface s = surface_at(camera[i], hits[i], glossy);
-            const shade::ScatterSample d = shade::sample_scatter(s, 0.5f, sampler.square(int(i), 0, 0, render::Dimension::pixel()));
+            const shade::ScatterSample d = shade::sample_scatter(s, 0.5f,
+                                                                 sampler.square(int(i), 0, 0, render::Dimension::pixel()));
             if (d.weight == Vec3f(0)) continue;
             const float cosine = glm::dot(glm::normalize(s.to_eye + d.direction), s.to_eye);
             if (power == 0) stretch += 1 / double(cosine);
@@ -135,7 +137,8 @@ void run_widths(Report& report, Subject& subject)
         std::vector<accel::SurfaceHit> found(rays.size());
         trace_closest(tracer, rays, found);
         const std::string name = power > 0 ? "smaller" : power == 0 ? "mean" : "larger";
-        row.add("mrays_per_s_" + name, per(1e-6 * double(rays.size()), repeat(kRuns, [&] { trace_closest(tracer, rays, found); })));
+        row.add("mrays_per_s_" + name,
+                per(1e-6 * double(rays.size()), repeat(kRuns, [&] { trace_closest(tracer, rays, found); })));
         row.add("micropolygons_" + name, double(tracer.counters().micropolygons));
     }
     row.add("rays", double(count)).add("larger_over_smaller", stretch / double(count));
@@ -158,10 +161,8 @@ void run_kinds(Report& report, Subject& subject)
             std::vector<accel::SurfaceHit> found(rays.size());
             std::vector<std::uint8_t> occluded(rays.size());
             const auto trace = [&] {
-                if (kind.is_shadow)
-                    trace_occluded(tracer, rays, occluded);
-                else
-                    trace_closest(tracer, rays, found);
+                if (kind.is_shadow) trace_occluded(tracer, rays, occluded);
+                else trace_closest(tracer, rays, found);
             };
             trace();  // what is lazy is built now
             const std::string name = with_footprint ? "with_footprints" : "without";

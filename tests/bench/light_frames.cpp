@@ -16,7 +16,8 @@ std::vector<MaterialId> materials_of(const Scene& scene)
     scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
         all.insert(all.end(), node.materials.begin(), node.materials.end());
         for (const CageId id : node.cages)
-            if (const CageSlot* slot = scene.find(id)) all.insert(all.end(), slot->cage.materials.begin(), slot->cage.materials.end());
+            if (const CageSlot* slot = scene.find(id))
+                all.insert(all.end(), slot->cage.materials.begin(), slot->cage.materials.end());
     });
     std::erase_if(all, [&](MaterialId id) { return !scene.find(id); });
     return all;
@@ -27,9 +28,11 @@ void strip_textures(Scene& scene)
 {
     for (const MaterialId id : materials_of(scene)) {
         Material m = scene.material(id);
-        for (TextureUse* use : {&m.base_color_texture, &m.metallic_roughness_texture, &m.roughness_texture, &m.metallic_texture, &m.emission_texture,
-                                &m.normal_texture, &m.bump_texture, &m.occlusion_texture, &m.alpha_texture, &m.transmission_texture, &m.clearcoat_texture,
-                                &m.clearcoat_roughness_texture, &m.clearcoat_normal_texture, &m.specular_texture, &m.specular_color_texture})
+        for (TextureUse* use :
+             {&m.base_color_texture, &m.metallic_roughness_texture, &m.roughness_texture, &m.metallic_texture,
+              &m.emission_texture, &m.normal_texture, &m.bump_texture, &m.occlusion_texture, &m.alpha_texture,
+              &m.transmission_texture, &m.clearcoat_texture, &m.clearcoat_roughness_texture, &m.clearcoat_normal_texture,
+              &m.specular_texture, &m.specular_color_texture})
             use->texture = {};
         scene.replace(id, m);
     }
@@ -140,11 +143,14 @@ void run_convergence(Report& report, const std::string& thing, const Cage& cage)
         Row row{"converge", thing + ", " + effect.name};
         for (const float rate : {4.0f, 2.0f, 1.0f, 0.5f}) {
             const std::string at = "_at_rate_" + std::to_string(rate).substr(0, 3);
-            row.add("on_against_off" + at, render::compare(picture(render::Lod::On, rate, 0), picture(render::Lod::Off, rate, 0), "beauty").rmse);
+            row.add("on_against_off" + at,
+                    render::compare(picture(render::Lod::On, rate, 0), picture(render::Lod::Off, rate, 0), "beauty").rmse);
             row.add("on_against_fine" + at, render::compare(picture(render::Lod::On, rate, 0), reference, "beauty").rmse);
         }
         row.add("noise", render::compare(picture(render::Lod::Off, 0.25f, 1), reference, "beauty").rmse);
-        row.note = "RMSE of means over 4 x 4 pixels, 256 samples each; fine: level of detail off at rate 0.25; noise: that with another seed";
+        row.note =
+            "RMSE of means over 4 x 4 pixels, 256 samples each; fine: level of detail off at rate 0.25; noise: that with "
+            "another seed";
         report.add(std::move(row));
     }
 }

@@ -36,8 +36,10 @@ try {
         } else if (const occam::bench::Suite* suite = find_suite(argv[i])) {
             wanted.push_back(suite);
         } else {
-            std::fprintf(stderr, "occam_bench: '%s' is no suite\nusage: occam_bench [SUITE...] [--only TEXT] [--json FILE] [--list]\n",
-                         argv[i]);
+            std::fprintf(
+                stderr,
+                "occam_bench: '%s' is no suite\nusage: occam_bench [SUITE...] [--only TEXT] [--json FILE] [--list]\n",
+                argv[i]);
             return 2;
         }
     }

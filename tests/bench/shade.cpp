@@ -1,20 +1,20 @@
-// Materials looked up at vertices of grids, once, or at every hit (Djeu et al. 2011, sec. 5.3 and 6.5): how many, in which time, and
-// with which error, over shading rates and samples a pixel.
+// Materials looked up at vertices of grids, once, or at every hit (Djeu et al. 2011, sec. 5.3 and 6.5): how many, in which
+// time, and with which error, over shading rates and samples a pixel.
 //
-// Error: RMSE of the picture against one of many samples at hits, at the same shading rate, so that geometry has no part in it. One
-// light without size: what differs are textures and the edges of things.
+// Error: RMSE of the picture against one of many samples at hits, at the same shading rate, so that geometry has no part in
+// it. One light without size: what differs are textures and the edges of things.
 //
-// Seconds of the two ways, one thread: at vertices, what phase one takes more than without values, what their interpolation adds to
-// hits on hot trees, and reading them there; at hits, looking up and reading. Whole frames are beside them.
+// Seconds of the two ways, one thread: at vertices, what phase one takes more than without values, what their interpolation
+// adds to hits on hot trees, and reading them there; at hits, looking up and reading. Whole frames are beside them.
 
 #include <cmath>
 
 #include "api/include/occam/occam.h"
+#include "base/hash.h"
 #include "render/camera_rays.h"
 #include "render/compare.h"
 #include "render/sampler.h"
 #include "render/shade_point.h"
-#include "scenegraph/base/hash.h"
 #include "shade/material_values.h"
 #include "shade/surface.h"
 #include "tests/bench/subjects.h"
@@ -47,8 +47,11 @@ Texture noise(std::uint32_t seed)
                 const auto i = static_cast<std::uint32_t>(s), j = static_cast<std::uint32_t>(t);
                 const float u = s - float(i), v = t - float(j);
                 for (std::uint32_t c = 0; c < 3; ++c) {
-                    const auto at = [&](std::uint32_t p, std::uint32_t q) { return hashed(p % cells, q % cells, seed * 64 + std::uint32_t(octave) * 4 + c); };
-                    const float low = at(i, j) * (1 - u) + at(i + 1, j) * u, high = at(i, j + 1) * (1 - u) + at(i + 1, j + 1) * u;
+                    const auto at = [&](std::uint32_t p, std::uint32_t q) {
+                        return hashed(p % cells, q % cells, seed * 64 + std::uint32_t(octave) * 4 + c);
+                    };
+                    const float low = at(i, j) * (1 - u) + at(i + 1, j) * u,
+                                high = at(i, j + 1) * (1 - u) + at(i + 1, j + 1) * u;
                     sum[static_cast<int>(c)] += (low * (1 - v) + high * v - 0.5f) * std::ldexp(1.2f, 1 - octave);
                 }
             }
@@ -61,7 +64,8 @@ Texture noise(std::uint32_t seed)
 Texture bumps(std::uint32_t seed)
 {
     Texture texture = noise(seed);
-    for (Vec4f& p : texture.pixels) p = Vec4f(Vec3f(glm::normalize(Vec3f((p.x - 0.5f) * 0.6f, (p.y - 0.5f) * 0.6f, 1))) * 0.5f + 0.5f, 1);
+    for (Vec4f& p : texture.pixels)
+        p = Vec4f(Vec3f(glm::normalize(Vec3f((p.x - 0.5f) * 0.6f, (p.y - 0.5f) * 0.6f, 1))) * 0.5f + 0.5f, 1);
     return texture;
 }
 
@@ -79,7 +83,8 @@ Material mapped(Scene& scene, int maps)
     return m;
 }
 
-/// Faces of columns x rows quads with coordinates from 0 to `repeats`; place(i, j) of a corner. Sides that close share vertices.
+/// Faces of columns x rows quads with coordinates from 0 to `repeats`; place(i, j) of a corner. Sides that close share
+/// vertices.
 template <class Place>
 Cage sheet_of(std::uint32_t columns, std::uint32_t rows, bool closes, Vec2f repeats, Place&& place)
 {
@@ -89,7 +94,8 @@ Cage sheet_of(std::uint32_t columns, std::uint32_t rows, bool closes, Vec2f repe
     for (std::uint32_t j = 0; j < height; ++j)
         for (std::uint32_t i = 0; i < width; ++i) cage.positions.push_back(place(i, j));
     for (std::uint32_t j = 0; j <= rows; ++j)
-        for (std::uint32_t i = 0; i <= columns; ++i) uv.values.push_back(repeats * Vec2f(float(i) / float(columns), float(j) / float(rows)));
+        for (std::uint32_t i = 0; i <= columns; ++i)
+            uv.values.push_back(repeats * Vec2f(float(i) / float(columns), float(j) / float(rows)));
     for (std::uint32_t j = 0; j < rows; ++j)
         for (std::uint32_t i = 0; i < columns; ++i) {
             for (const auto& [di, dj] : {std::pair(0u, 0u), {0u, 1u}, {1u, 1u}, {1u, 0u}}) {
@@ -113,7 +119,8 @@ Stage stage_of(int maps)
     Stage stage;
     Scene& scene = stage.scene;
     const MaterialId material = scene.add(mapped(scene, maps));
-    Cage floor = sheet_of(6, 6, false, Vec2f(3), [](std::uint32_t i, std::uint32_t j) { return Vec3f(2 * float(i) - 6, 0, 2 * float(j) - 8); });
+    Cage floor = sheet_of(6, 6, false, Vec2f(3),
+                          [](std::uint32_t i, std::uint32_t j) { return Vec3f(2 * float(i) - 6, 0, 2 * float(j) - 8); });
     floor.scheme = Scheme::Bilinear;
     Cage ring = sheet_of(16, 8, true, Vec2f(3, 1), [](std::uint32_t i, std::uint32_t j) {
         const double a = 0.39269908169872414 * i, b = 0.7853981633974483 * j, r = 1 + 0.4 * std::cos(b);
@@ -160,7 +167,8 @@ struct Seconds {
 };
 
 /// Finds all hits and begins to shade them, batch by batch.
-Seconds look_at(accel::Tracer& tracer, std::span<const accel::Ray> rays, float texture_width, const TextureStore& textures, std::uint64_t& hit_count)
+Seconds look_at(accel::Tracer& tracer, std::span<const accel::Ray> rays, float texture_width, const TextureStore& textures,
+                std::uint64_t& hit_count)
 {
     Seconds seconds;
     std::vector<accel::SurfaceHit> hits(kBatch);
@@ -197,7 +205,8 @@ Costs costs_of(Stage& stage, const TextureStore& textures, int samples, float ra
     const lod::LevelSettings levels = render::CameraRays(stage.camera, kWidth, kHeight).levels(rate);
     const float texture_width = render::sample_width(samples);
     const shade::PhaseOne phase_one(textures);
-    const accel::Frame without(stage.scene, topologies, levels, &textures), with(stage.scene, topologies, levels, &textures, {&phase_one, texture_width});
+    const accel::Frame without(stage.scene, topologies, levels, &textures),
+        with(stage.scene, topologies, levels, &textures, {&phase_one, texture_width});
     const std::vector<accel::Ray> rays = camera_rays(stage, samples);
     Costs costs;
     double made[2] = {kNever, kNever}, traced[2] = {kNever, kNever};
@@ -205,7 +214,8 @@ Costs costs_of(Stage& stage, const TextureStore& textures, int samples, float ra
         accel::Tracer plain(without, kBudget), shading(with, kBudget);
         accel::Tracer* const tracers[] = {&plain, &shading};
         std::uint64_t hits;
-        for (accel::Tracer* tracer : tracers) look_at(*tracer, rays, texture_width, textures, hits);  // what is lazy is built now
+        for (accel::Tracer* tracer : tracers)
+            look_at(*tracer, rays, texture_width, textures, hits);  // what is lazy is built now
         for (const int way : {0, 1}) {
             const Seconds hot = look_at(*tracers[way], rays, texture_width, textures, hits);
             made[way] = std::min(made[way], tracers[way]->counters().shade_seconds);
@@ -268,8 +278,8 @@ void run_rates(Report& report)
     }
 }
 
-/// From how many samples a pixel on vertices are cheaper: where phase one costs what it saves at hits. A vertex costs the same for any
-/// number of samples, and so does a hit: of each the least is taken.
+/// From how many samples a pixel on vertices are cheaper: where phase one costs what it saves at hits. A vertex costs the
+/// same for any number of samples, and so does a hit: of each the least is taken.
 void run_crossover(Report& report)
 {
     Stage stage = stage_of(3);
@@ -312,14 +322,17 @@ void run_maps(Report& report)
             for (int j = 0; j < kSide; ++j)
                 for (int i = 0; i < kSide; ++i) {
                     places.push_back({float(i), float(j), 0});
-                    vertices.push_back({{Vec2f(float(tile % 8 * (kSide - 1) + i) * kStep, float(tile / 8 * (kSide - 1) + j) * kStep)}, {kStep * 0.9f}});
+                    vertices.push_back(
+                        {{Vec2f(float(tile % 8 * (kSide - 1) + i) * kStep, float(tile / 8 * (kSide - 1) + j) * kStep)},
+                         {kStep * 0.9f}});
                 }
         std::vector<float> out(vertices.size() * lod::VertexShader::kMaxChannels);
         const double each = 1e9 / double(vertices.size());
         const auto shade_all = [&] {
             constexpr std::size_t kVertices = kSide * kSide;
             for (std::size_t first = 0; first < vertices.size(); first += kVertices) {
-                const lod::LatticeToShade lattice{std::span(vertices).subspan(first, kVertices), std::span(places).subspan(first, kVertices), kSide};
+                const lod::LatticeToShade lattice{std::span(vertices).subspan(first, kVertices),
+                                                  std::span(places).subspan(first, kVertices), kSide};
                 phase_one.shade(material, lattice, &out[first * static_cast<std::size_t>(phase_one.channels(material))]);
             }
         };

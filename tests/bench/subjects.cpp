@@ -6,12 +6,12 @@
 #include <map>
 #include <utility>
 
+#include "base/error.h"
+#include "io/import/import.h"
 #include "lod/dicer.h"
 #include "lod/level_choice.h"
 #include "render/camera_rays.h"
 #include "render/tiles.h"
-#include "scenegraph/base/error.h"
-#include "scenegraph/import/import.h"
 #include "tests/bench/harness.h"
 #include "tests/support/shape_builders.h"
 
@@ -31,10 +31,7 @@ double number(std::uint32_t i, std::uint32_t which)
 
 }  // namespace
 
-Cage torus(std::uint32_t around, std::uint32_t across)
-{
-    return test::torus(around, across, false);
-}
+Cage torus(std::uint32_t around, std::uint32_t across) { return test::torus(around, across, false); }
 
 Cage fan(int valence, float crease)
 {
@@ -42,8 +39,7 @@ Cage fan(int valence, float crease)
     Cage cage;
     std::map<std::array<int, 3>, std::uint32_t> known;  // sector and steps along its two sides
     const auto vertex = [&](int sector, int a, int b) {
-        if (a == 0 && b == 0)
-            sector = 0;
+        if (a == 0 && b == 0) sector = 0;
         else if (a == 0) {
             sector = (sector + 1) % valence;
             a = std::exchange(b, 0);
@@ -122,7 +118,8 @@ std::vector<accel::Ray> Subject::camera_rays() const
     std::vector<accel::Ray> rays;
     for (const render::PixelRect& tile : render::make_tiles({0, 0, width_, height_}))
         for (const auto [x, y] : render::pixels_of(tile))
-            for (int s = 0; s < kSide * kSide; ++s) rays.push_back(camera.ray(x + (s % kSide + 0.5) / kSide, y + (s / kSide + 0.5) / kSide));
+            for (int s = 0; s < kSide * kSide; ++s)
+                rays.push_back(camera.ray(x + (s % kSide + 0.5) / kSide, y + (s / kSide + 0.5) / kSide));
     return rays;
 }
 

@@ -1,8 +1,9 @@
 // Closest and any hit on one thread with a hot tree, beside Embree on the same micropolygons, taken in turns.
 //
-// Occam's closest() also fills SurfaceHit (position in double, normals, curvature, texture coordinates, material), which Embree's does
-// not, but where both are filled; its first_hits() fills distance, node and face, where Embree fills distance, ids, normal and barycentrics.
-// Embree sees all micropolygons of the cage, but no closers (they have no area). Embree's rays are laid out beforehand.
+// Occam's closest() also fills SurfaceHit (position in double, normals, curvature, texture coordinates, material), which
+// Embree's does not, but where both are filled; its first_hits() fills distance, node and face, where Embree fills distance,
+// ids, normal and barycentrics. Embree sees all micropolygons of the cage, but no closers (they have no area). Embree's rays
+// are laid out beforehand.
 
 #include <cmath>
 
@@ -62,17 +63,16 @@ void run_rays(Report& report, const std::string& name, accel::Tracer& tracer, co
     };
     // The same work: what is shaded with is filled from Embree's hits, too.
     std::vector<ShadedHit> shaded(kBatch);
-    report.add(row_of(name + " closest, both filled", in_turns(theirs, batch_by_batch, [&] { theirs.closest_filled(shaded); }), rays.size()));
+    report.add(row_of(name + " closest, both filled",
+                      in_turns(theirs, batch_by_batch, [&] { theirs.closest_filled(shaded); }), rays.size()));
     const Turns closest = in_turns(theirs, batch_by_batch, [&] { theirs.closest(); });
     trace_closest(tracer, rays, hits);
     std::size_t met = 0, other_answer = 0, other_distance = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const float t = theirs.t(i);
         met += hits[i].is_hit();
-        if (hits[i].is_hit() != std::isfinite(t))
-            ++other_answer;
-        else if (hits[i].is_hit() && std::abs(hits[i].t - t) > 1e-4f * t)
-            ++other_distance;
+        if (hits[i].is_hit() != std::isfinite(t)) ++other_answer;
+        else if (hits[i].is_hit() && std::abs(hits[i].t - t) > 1e-4f * t) ++other_distance;
     }
     report.add(row_of(name + " closest", closest, rays.size())
                    .add("hits", double(met))
@@ -81,10 +81,16 @@ void run_rays(Report& report, const std::string& name, accel::Tracer& tracer, co
 
     std::vector<accel::FirstHit> first(rays.size());
     const Turns found = in_turns(
-        theirs, [&] { in_batches(rays.size(), [&](std::size_t i, std::size_t n) { tracer.first_hits(rays.subspan(i, n), {&first[i], n}); }); },
+        theirs,
+        [&] {
+            in_batches(rays.size(), [&](std::size_t i, std::size_t n) {
+                tracer.first_hits(rays.subspan(i, n), {&first[i], n});
+            });
+        },
         [&] { theirs.closest(); });
     std::size_t other_hit = 0;
-    for (std::size_t i = 0; i < rays.size(); ++i) other_hit += first[i].t != hits[i].t || (first[i].is_hit() && first[i].face != hits[i].face);
+    for (std::size_t i = 0; i < rays.size(); ++i)
+        other_hit += first[i].t != hits[i].t || (first[i].is_hit() && first[i].face != hits[i].face);
     report.add(row_of(name + " first", found, rays.size()).add("disagree_with_closest", double(other_hit)));
 
     const Turns any = in_turns(

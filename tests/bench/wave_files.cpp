@@ -6,8 +6,8 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
-#include "scenegraph/base/box.h"
-#include "scenegraph/base/error.h"
+#include "base/box.h"
+#include "base/error.h"
 
 namespace occam::bench {
 
@@ -35,7 +35,8 @@ void write_wave_obj(const std::filesystem::path& file, int columns, int rows)
 
 void write_wave_glb(const std::filesystem::path& file, int columns, int rows)
 {
-    const std::size_t vertices = std::size_t(columns + 1) * std::size_t(rows + 1), quads = std::size_t(columns) * std::size_t(rows);
+    const std::size_t vertices = std::size_t(columns + 1) * std::size_t(rows + 1),
+                      quads = std::size_t(columns) * std::size_t(rows);
     std::vector<Vec3f> positions, normals;
     std::vector<Vec2f> uvs;
     std::vector<std::uint32_t> indices;
@@ -66,13 +67,11 @@ void write_wave_glb(const std::filesystem::path& file, int columns, int rows)
     const auto accessor = [](int view, int component, std::size_t count, const char* type) {
         return json{{"bufferView", view}, {"componentType", component}, {"count", count}, {"type", type}};
     };
-    json scene = {{"asset", {{"version", "2.0"}}},
-                  {"scene", 0},
-                  {"scenes", {{{"nodes", {0}}}}},
-                  {"nodes", {{{"mesh", 0}}}},
-                  {"buffers", {{{"byteLength", total}}}},
-                  {"bufferViews", views}};
-    scene["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", 0}, {"NORMAL", 1}, {"TEXCOORD_0", 2}}}, {"indices", 3}}}}}};
+    json scene = {{"asset", {{"version", "2.0"}}},        {"scene", 0},
+                  {"scenes", {{{"nodes", {0}}}}},         {"nodes", {{{"mesh", 0}}}},
+                  {"buffers", {{{"byteLength", total}}}}, {"bufferViews", views}};
+    scene["meshes"] = {
+        {{"primitives", {{{"attributes", {{"POSITION", 0}, {"NORMAL", 1}, {"TEXCOORD_0", 2}}}, {"indices", 3}}}}}};
     scene["accessors"] = {accessor(0, 5126, vertices, "VEC3"), accessor(1, 5126, vertices, "VEC3"),
                           accessor(2, 5126, vertices, "VEC2"), accessor(3, 5125, quads * 6, "SCALAR")};
     Box3f box;

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "io/texture/texture_store.h"
 #include "occam/occam.h"
-#include "scenegraph/texture/texture_store.h"
 
 namespace occam::fuzz {
 
@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kTextureBytes = std::size_t(64) << 20;
 constexpr std::uint64_t kScenesAPicture = 16;
-constexpr std::size_t kMostFaces = 32;    // of a scene that becomes a picture
+constexpr std::size_t kMostFaces = 32;  // of a scene that becomes a picture
 
 // Gone when the process ends in order; a finding leaves it.
 class Folder {

@@ -33,8 +33,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::string_view bytes = occam::fuzz::text_of(data, size);
     const std::size_t zero = bytes.find('\0');
     const bool is_whole = bytes.starts_with("glTF") || zero == std::string_view::npos;
-    occam::fuzz::write_file("scene.glb", is_whole ? std::string(bytes)
-                                                  : with_container(bytes.substr(0, zero), bytes.substr(zero + 1)));
+    occam::fuzz::write_file("scene.glb",
+                            is_whole ? std::string(bytes) : with_container(bytes.substr(0, zero), bytes.substr(zero + 1)));
     occam::fuzz::pass_door("scene.glb", bytes);
     return 0;
 }

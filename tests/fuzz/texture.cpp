@@ -1,6 +1,6 @@
 // An image in memory, as it lies in a GLB.
+#include "io/texture/texture_store.h"
 #include "scenegraph/scene.h"
-#include "scenegraph/texture/texture_store.h"
 #include "tests/fuzz/door.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)

@@ -1,4 +1,5 @@
-// The same bits: pictures for any number of threads and any budget, and, with OCCAM_HASHES, for another build of the same sources.
+// The same bits: pictures for any number of threads and any budget, and, with OCCAM_HASHES, for another build of the same
+// sources.
 //
 // OCCAM_HASHES names a file. OCCAM_HASHES_MODE=write: this build leaves its checksums there; compare: it must have the same.
 #include <gtest/gtest.h>
@@ -18,11 +19,13 @@ Scene stage(bool is_displaced)
     Scene scene;
     Cage rings = torus();
     UvSet uv;
-    for (std::size_t v = 0; v < rings.positions.size(); ++v) uv.values.push_back(Vec2f(rings.positions[v].x, rings.positions[v].y));
+    for (std::size_t v = 0; v < rings.positions.size(); ++v)
+        uv.values.push_back(Vec2f(rings.positions[v].x, rings.positions[v].y));
     rings.uv_sets = {uv};
     Texture checks;
     checks.width = checks.height = 8;
-    for (int k = 0; k < 64; ++k) checks.pixels.push_back((k + k / 8) % 2 ? Vec4f(0.9f, 0.7f, 0.2f, 1) : Vec4f(0.1f, 0.2f, 0.4f, 1));
+    for (int k = 0; k < 64; ++k)
+        checks.pixels.push_back((k + k / 8) % 2 ? Vec4f(0.9f, 0.7f, 0.2f, 1) : Vec4f(0.1f, 0.2f, 0.4f, 1));
     Material painted;
     painted.base_color_texture.texture = scene.add(std::move(checks));
     if (is_displaced) {
@@ -113,7 +116,8 @@ TEST(Picture, ShadedAtVerticesIsTheSameForAnyThreadsAndBudgetAndBuild)
 }
 TEST(Picture, OfDisplacedCagesWithFrozenLevelsIsTheSameForAnyThreadsAndBudgetAndBuild)
 {
-    expect_the_same(stage(true), "displaced_frozen", {.integrator = IntegratorKind::Path, .bounces = 2, .lod = render::Lod::Frozen});
+    expect_the_same(stage(true), "displaced_frozen",
+                    {.integrator = IntegratorKind::Path, .bounces = 2, .lod = render::Lod::Frozen});
 }
 
 TEST(Picture, OfTheBuiltInSceneIsTheSameInEveryBuild)

@@ -49,10 +49,7 @@ private:
     const fs::path picture_ = temp_.path() / "picture.png";
 };
 
-bool is_one_line(const std::string& text)
-{
-    return !text.empty() && text.find('\n') == text.size() - 1;
-}
+bool is_one_line(const std::string& text) { return !text.empty() && text.find('\n') == text.size() - 1; }
 
 class ValidFiles : public SceneFiles {};
 TEST_P(ValidFiles, GiveAPicture)

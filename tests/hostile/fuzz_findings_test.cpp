@@ -5,8 +5,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "io/texture/texture_store.h"
 #include "occam/occam.h"
-#include "scenegraph/texture/texture_store.h"
 #include "tests/support/temp_folder.h"
 
 namespace occam::test {

@@ -4,8 +4,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "io/texture/texture_store.h"
 #include "occam/occam.h"
-#include "scenegraph/texture/texture_store.h"
 #include "tests/support/import_errors.h"
 #include "tests/support/scene_files.h"
 #include "tests/support/shared_data.h"

@@ -29,11 +29,13 @@ namespace {
 
 }  // namespace
 
+const char* occam_executable() { return OCCAM_EXECUTABLE; }
+
 ChildOutcome run_occam(const std::vector<std::string>& arguments, unsigned limit_s)
 {
     const TempFolder folder;
     const std::string err_file = (folder.path() / "stderr").string();
-    std::vector<std::string> words{OCCAM_EXECUTABLE};
+    std::vector<std::string> words{occam_executable()};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());

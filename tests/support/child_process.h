@@ -11,8 +11,11 @@ struct ChildOutcome {
     int signal = 0;              ///< SIGALRM: it ran into the time limit
     std::size_t peak_bytes = 0;  ///< largest resident size
     double seconds = 0;
-    std::string err;             ///< what it wrote to standard error
+    std::string err;  ///< what it wrote to standard error
 };
+
+/// The path of the executable `occam` that belongs to these tests.
+const char* occam_executable();
 
 /// Runs it to its end, or to `limit_s` seconds. Throws std::runtime_error if it cannot be started.
 ChildOutcome run_occam(const std::vector<std::string>& arguments, unsigned limit_s);

@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/child_process.h"
+
 namespace occam::test {
 
 namespace fs = std::filesystem;
@@ -46,13 +48,12 @@ protected:
         const pid_t child = fork();
         if (child != 0) return child;
         std::vector<char*> argv;
-        static char name[] = OCCAM_EXECUTABLE;
-        argv.push_back(name);
+        argv.push_back(const_cast<char*>(test::occam_executable()));
         for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
         argv.push_back(nullptr);
         if (chdir(folder.c_str()) != 0 || !freopen("stdout.txt", "w", stdout) || !freopen("stderr.txt", "w", stderr))
             _exit(99);
-        execv(OCCAM_EXECUTABLE, argv.data());
+        execv(test::occam_executable(), argv.data());
         _exit(98);
     }
     Outcome finish(pid_t child) const

@@ -42,7 +42,12 @@ std::vector<lod::TileRef> DicedCage::tiles()
             for (int j = 0; j < rows; j += side)
                 for (int i = 0; i < columns; i += side) {
                     const auto size = [&](int whole) { return static_cast<std::uint16_t>(std::min(whole, side)); };
-                    all.push_back({{face, sub}, rates, static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j), size(columns), size(rows)});
+                    all.push_back({{face, sub},
+                                   rates,
+                                   static_cast<std::uint32_t>(i),
+                                   static_cast<std::uint32_t>(j),
+                                   size(columns),
+                                   size(rows)});
                 }
         }
     }
@@ -52,7 +57,8 @@ std::vector<lod::TileRef> DicedCage::tiles()
 std::vector<MeshTriangle> DicedCage::triangles()
 {
     std::vector<MeshTriangle> mesh;
-    std::vector<lod::Hanging::Ends> known;  // of the present patch: its tiles keep copies of a closer that reaches into several
+    std::vector<lod::Hanging::Ends>
+        known;  // of the present patch: its tiles keep copies of a closer that reaches into several
     lod::PatchRef patch{~0u, 0};
     for (const lod::TileRef& tile : tiles()) {
         if (!(tile.patch == patch)) known.clear();
@@ -65,7 +71,9 @@ std::vector<MeshTriangle> DicedCage::triangles()
             }
         for (const lod::Hanging& h : grid.hanging) {
             const lod::Hanging::Ends ends = h.on(grid.at(static_cast<int>(h.a)), grid.at(static_cast<int>(h.c)));
-            const auto same = [&](const lod::Hanging::Ends& k) { return k.low == ends.low && k.middle == ends.middle && k.high == ends.high; };
+            const auto same = [&](const lod::Hanging::Ends& k) {
+                return k.low == ends.low && k.middle == ends.middle && k.high == ends.high;
+            };
             if (std::any_of(known.begin(), known.end(), same)) continue;
             known.push_back(ends);
             mesh.push_back({{ends.low, ends.middle, ends.high}, true});
@@ -87,7 +95,8 @@ int DicedCage::level_of_largest_exponent(int exponent)
 
 Bits bits_of(Vec3f p)
 {
-    return {std::bit_cast<std::uint32_t>(p.x + 0.0f), std::bit_cast<std::uint32_t>(p.y + 0.0f), std::bit_cast<std::uint32_t>(p.z + 0.0f)};
+    return {std::bit_cast<std::uint32_t>(p.x + 0.0f), std::bit_cast<std::uint32_t>(p.y + 0.0f),
+            std::bit_cast<std::uint32_t>(p.z + 0.0f)};
 }
 
 std::size_t open_edges(const std::vector<MeshTriangle>& mesh)

@@ -4,14 +4,15 @@
 #include <string>
 #include <vector>
 
+#include "io/texture/texture_store.h"
 #include "scenegraph/scene.h"
-#include "scenegraph/texture/texture_store.h"
 
 namespace occam::test {
 
 /// A cage and the store that its displacement's texture lies in.
 struct DisplacedCage {
-    DisplacedCage(std::string called, Cage of, float bound, std::uint64_t seed, Displacement::Axes axes = Displacement::Axes::Normal);
+    DisplacedCage(std::string called, Cage of, float bound, std::uint64_t seed,
+                  Displacement::Axes axes = Displacement::Axes::Normal);
 
     std::string name;
     Cage cage;

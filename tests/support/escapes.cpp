@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "accel/frame.h"
-#include "api/closed.h"
+#include "verify/closed.h"
 
 namespace occam::test {
 namespace {
@@ -50,8 +50,8 @@ std::vector<Vec3d> inside_points(const std::vector<MeshTriangle>& mesh, std::siz
 
 }  // namespace
 
-EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int exponent, std::uint64_t rays, std::uint64_t seed,
-                          const TextureStore* textures)
+EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int exponent, std::uint64_t rays,
+                          std::uint64_t seed, const TextureStore* textures)
 {
     EscapeCount count;
     Random random(seed);
@@ -70,7 +70,9 @@ EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int 
     scene.add_node(scene.root(), {.matrix = world_from_object, .cages = {scene.add(cage)}});
     scene.refit();
     lod::TopologyCache topologies;
-    const accel::Frame frame(scene, topologies, {.eye = diced.posed.anchor, .pixel = {std::ldexp(1.0f, level), 0}, .mode = lod::LevelMode::PerInstance}, textures);
+    const accel::Frame frame(
+        scene, topologies,
+        {.eye = diced.posed.anchor, .pixel = {std::ldexp(1.0f, level), 0}, .mode = lod::LevelMode::PerInstance}, textures);
     accel::Tracer tracer(frame, std::size_t(1) << 30);
 
     std::vector<accel::Ray> batch(2048);
@@ -106,8 +108,9 @@ EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int 
             if (count.escaped++ < 5) {
                 std::ostringstream out;
                 out.precision(17);
-                out << "origin " << batch[i].origin.x << ' ' << batch[i].origin.y << ' ' << batch[i].origin.z << " direction "
-                    << batch[i].direction.x << ' ' << batch[i].direction.y << ' ' << batch[i].direction.z << " level " << level << '\n';
+                out << "origin " << batch[i].origin.x << ' ' << batch[i].origin.y << ' ' << batch[i].origin.z
+                    << " direction " << batch[i].direction.x << ' ' << batch[i].direction.y << ' ' << batch[i].direction.z
+                    << " level " << level << '\n';
                 count.replay += out.str();
             }
         }

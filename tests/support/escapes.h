@@ -1,4 +1,5 @@
-// Rays from inside a closed cage, aimed where surfaces leak: at T-vertices, vertices and edges, to an ulp (watertightness rule 10).
+// Rays from inside a closed cage, aimed where surfaces leak: at T-vertices, vertices and edges, to an ulp (watertightness
+// rule 10).
 #pragma once
 
 #include <string>
@@ -10,19 +11,21 @@ namespace occam::test {
 
 struct EscapeCount {
     std::uint64_t rays = 0, escaped = 0, not_finite = 0;
-    std::size_t starts = 0;       ///< points inside that rays start from; 0: nothing could be tested
-    std::string replay;           ///< the first escapes, as origin and direction
+    std::size_t starts = 0;  ///< points inside that rays start from; 0: nothing could be tested
+    std::string replay;      ///< the first escapes, as origin and direction
 };
 
-/// Places the cage by `world_from_object` and shoots `rays` rays from inside, of which 45 % are aimed at T-vertices (if there are any) and
-/// vertices, 15 % at edges, the rest anywhere. exponent: log2 of the largest rate of a patch. textures: of its displacement.
-EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int exponent, std::uint64_t rays, std::uint64_t seed,
-                          const TextureStore* textures = nullptr);
+/// Places the cage by `world_from_object` and shoots `rays` rays from inside, of which 45 % are aimed at T-vertices (if
+/// there are any) and vertices, 15 % at edges, the rest anywhere. exponent: log2 of the largest rate of a patch. textures:
+/// of its displacement.
+EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int exponent, std::uint64_t rays,
+                          std::uint64_t seed, const TextureStore* textures = nullptr);
 
 /// 10^7 rays a cage with OCCAM_LONG=1, else 10^5.
 std::uint64_t rays_per_cage();
 
-/// Of tests in which each ray blends the surface for itself: half a million at each of two places, with OCCAM_LONG=1 two and a half times that.
+/// Of tests in which each ray blends the surface for itself: half a million at each of two places, with OCCAM_LONG=1 two and
+/// a half times that.
 std::uint64_t blended_rays_per_place();
 
 }  // namespace occam::test

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <string>
 
-#include "scenegraph/base/error.h"
-#include "scenegraph/import/import.h"
+#include "base/error.h"
+#include "io/import/import.h"
 
 namespace occam::test {
 

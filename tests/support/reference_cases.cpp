@@ -4,8 +4,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "base/error.h"
 #include "render/image.h"
-#include "scenegraph/base/error.h"
 #include "tests/support/shared_data.h"
 
 namespace occam::test {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <span>
 
-#include "scenegraph/base/check.h"
-#include "scenegraph/base/vec.h"
+#include "base/check.h"
+#include "base/vec.h"
 
 namespace occam::test {
 namespace {
@@ -128,10 +128,10 @@ ReferenceShares compare(const ReferencePicture& ours, const ReferencePicture& re
     shares.uv = uv.value();
     shares.albedo = albedo.value();
     if (shares.albedo) shares.albedo_mean_absolute = albedo_sum / (3 * double(shares.interior));
-    shares.normal_geometric =
-        share_of_normals(ours.normal_geometric, reference.normal_geometric, limits.normal_geometric_degrees, interior, ours);
-    shares.normal_shading =
-        share_of_normals(ours.normal_shading, reference.normal_shading, limits.normal_shading_degrees, interior, ours);
+    shares.normal_geometric = share_of_normals(ours.normal_geometric, reference.normal_geometric,
+                                               limits.normal_geometric_degrees, interior, ours);
+    shares.normal_shading = share_of_normals(ours.normal_shading, reference.normal_shading, limits.normal_shading_degrees,
+                                             interior, ours);
     return shares;
 }
 

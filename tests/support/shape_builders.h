@@ -14,11 +14,13 @@ inline Cage torus(std::uint32_t around = 9, std::uint32_t across = 5, bool uneve
     for (std::uint32_t i = 0; i < around; ++i)
         for (std::uint32_t j = 0; j < across; ++j) {
             const double u = double(i) / around, v = double(j) / across;
-            const double a = 6.283185307 * (uneven ? u + 0.1 * std::sin(6.283185307 * u) : u), b = 6.283185307 * (uneven ? v * v : v);
+            const double a = 6.283185307 * (uneven ? u + 0.1 * std::sin(6.283185307 * u) : u),
+                         b = 6.283185307 * (uneven ? v * v : v);
             const double r = 1 + 0.4 * std::cos(b);
             cage.positions.push_back({float(r * std::cos(a)), float(0.4 * std::sin(b)), float(r * std::sin(a))});
             const std::uint32_t i1 = (i + 1) % around, j1 = (j + 1) % across;
-            cage.face_vertices.insert(cage.face_vertices.end(), {i * across + j, i * across + j1, i1 * across + j1, i1 * across + j});
+            cage.face_vertices.insert(cage.face_vertices.end(),
+                                      {i * across + j, i * across + j1, i1 * across + j1, i1 * across + j});
             cage.face_sizes.push_back(4);
         }
     return cage;

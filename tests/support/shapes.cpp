@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "occam/verify.h"
-#include "scenegraph/import/import.h"
+#include "io/import/import.h"
 #include "tests/support/shared_data.h"
+#include "verify/verify.h"
 
 namespace occam::test {
 namespace fs = std::filesystem;

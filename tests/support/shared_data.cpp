@@ -7,7 +7,8 @@ namespace occam::test {
 std::filesystem::path shared_data()
 {
     namespace fs = std::filesystem;
-    if (const char* named = std::getenv("OCCAM_SHARED")) return fs::exists(fs::path(named) / "data") ? fs::path(named) : fs::path();
+    if (const char* named = std::getenv("OCCAM_SHARED"))
+        return fs::exists(fs::path(named) / "data") ? fs::path(named) : fs::path();
     const fs::path beside = fs::path(OCCAM_SOURCE_DIR).parent_path() / "shared";
     return fs::exists(beside / "data") ? beside : fs::path();
 }

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <span>
 
-#include "scenegraph/base/hash.h"
-#include "scenegraph/base/vec.h"
+#include "base/hash.h"
+#include "base/vec.h"
 
 namespace occam::test {
 
@@ -46,8 +46,8 @@ private:
     int count_ = 0;
 };
 
-/// How many standard deviations Pearson's statistic lies above its mean. `found` counts in cells, `wanted` their expectations;
-/// cells that expect fewer than 5 are pooled. Above 4.5 once in 300,000 if both agree.
+/// How many standard deviations Pearson's statistic lies above its mean. `found` counts in cells, `wanted` their
+/// expectations; cells that expect fewer than 5 are pooled. Above 4.5 once in 300,000 if both agree.
 inline double chi_square_excess(std::span<const double> found, std::span<const double> wanted)
 {
     double chi2 = 0, pooled_found = 0, pooled_wanted = 0;
@@ -89,8 +89,8 @@ double direction_excess(int samples, int fine, Draw&& draw, Density&& density, s
             const double z = (row + 0.5) / (kRows * fine) * 2 - 1, angle = ((column + 0.5) / (kColumns * fine) - 0.5) * kTau;
             const double r = std::sqrt(1 - z * z);
             const Vec3f d(float(r * std::cos(angle)), float(r * std::sin(angle)), float(z));
-            wanted[row / fine * kColumns + column / fine] +=
-                double(density(d)) * 2 * kTau / (double(kRows) * fine * kColumns * fine) * samples;
+            wanted[row / fine * kColumns + column / fine] += double(density(d)) * 2 * kTau /
+                                                             (double(kRows) * fine * kColumns * fine) * samples;
         }
     return chi_square_excess(found, wanted);
 }

@@ -11,7 +11,8 @@ Texture waves(float phase)
 {
     return texture_of([&](float x, float y) {
         const float a = 6.2831853f / kTexels;
-        return Vec4f(0.5f + 0.4f * std::sin(a * x * 3 + phase), 0.5f + 0.4f * std::sin(a * y * 2 + phase), 0.5f + 0.3f * std::sin(a * (x + y)), 1);
+        return Vec4f(0.5f + 0.4f * std::sin(a * x * 3 + phase), 0.5f + 0.4f * std::sin(a * y * 2 + phase),
+                     0.5f + 0.3f * std::sin(a * (x + y)), 1);
     });
 }
 

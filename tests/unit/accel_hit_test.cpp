@@ -64,7 +64,8 @@ TEST(Hit, CurvatureOfABallIsOneOverItsRadius)
     }
 }
 
-// Off the ray by what its distance rounds to; off the surface, whose triangles' planes hold the position, by a chord's sagitta.
+// Off the ray by what its distance rounds to; off the surface, whose triangles' planes hold the position, by a chord's
+// sagitta.
 TEST(Hit, PositionsLieOnTheRayAndOnTheSurface)
 {
     const Vec3d centre{3e5, -2e5, 1e5};
@@ -75,7 +76,8 @@ TEST(Hit, PositionsLieOnTheRayAndOnTheSurface)
         const accel::SurfaceHit hit = hit_from(scene, origin, towards);
         const Vec3d on_ray = origin + Vec3d(Vec3f(glm::normalize(towards))) * double(hit.t);
         EXPECT_LT(glm::distance(hit.position, on_ray), 4e-7 * away);
-        // Radii 1 and 0.4 about y, but for what a cubic spline through 48 and 32 points draws in, and for a chord as long as was asked for.
+        // Radii 1 and 0.4 about y, but for what a cubic spline through 48 and 32 points draws in, and for a chord as long as
+        // was asked for.
         const Vec3d p = hit.position - centre;
         const auto drawn_in = [](double radius, int points) { return radius * (1 - std::cos(kTau / points)) / 3; };
         const double chord = 0.05 * 0.05 / (8 * 0.4);
@@ -120,8 +122,8 @@ TEST(Hit, TangentsFollowTheTextureCoordinates)
         desc.cages = {scene.add(std::move(cage))};
         scene.add_node(scene.root(), desc);
         for (const bool inside : {false, true}) {
-            const accel::SurfaceHit hit =
-                inside ? hit_from(scene, {0, 0, 0}, kAside) : hit_from(scene, kAside * 3.0, -kAside);
+            const accel::SurfaceHit hit = inside ? hit_from(scene, {0, 0, 0}, kAside)
+                                                 : hit_from(scene, kAside * 3.0, -kAside);
             EXPECT_EQ(hit.back_side, inside);
             const Vec3d outward = Vec3d(hit.normal_shading) * (inside ? -1.0 : 1.0);
             const Vec3d along_u = glm::normalize(glm::cross(Vec3d(0, 1, 0), outward)) * scale.x;

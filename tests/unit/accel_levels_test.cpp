@@ -68,10 +68,11 @@ TEST(Levels, ConvergeWithTheSquareOfTheWantedEdge)
     EXPECT_NEAR(slope, 2, 0.2);
 }
 
-// A ray's eye steps towards its hit by a thousandth of the distance. The line stays the same, so what the hit moves by is the level
-// of detail alone. The wanted edge e at the hit falls by a thousandth; w = smoothstep(x), x = (e - d) / d with e < 2 d, so x moves by at
-// most 0.002 and w by 1.5 times that; margins make x steeper by (1 - 2 margin / length)^-1 = 1.02 for this beam. A vertex moves
-// by at most delta, the grid's largest distance from fine to coarse; the hit, along the ray, by that over the cosine.
+// A ray's eye steps towards its hit by a thousandth of the distance. The line stays the same, so what the hit moves by is
+// the level of detail alone. The wanted edge e at the hit falls by a thousandth; w = smoothstep(x), x = (e - d) / d with e <
+// 2 d, so x moves by at most 0.002 and w by 1.5 times that; margins make x steeper by (1 - 2 margin / length)^-1 = 1.02 for
+// this beam. A vertex moves by at most delta, the grid's largest distance from fine to coarse; the hit, along the ray, by
+// that over the cosine.
 TEST(Levels, DoNotPop)
 {
     World world(torus(12, 8));
@@ -98,7 +99,8 @@ TEST(Levels, DoNotPop)
             const double bound = 1.5 * 0.002 * 1.02 * delta / cosine + 1e-5;
             const double moved = glm::distance(hits[i].position, before[i].position);
             worst = std::max(worst, moved / bound);
-            ASSERT_LE(moved, bound) << "at distance " << distance << ", level " << before[i].level << " to " << hits[i].level;
+            ASSERT_LE(moved, bound) << "at distance " << distance << ", level " << before[i].level << " to "
+                                    << hits[i].level;
         }
         before = hits;
     }
@@ -106,8 +108,8 @@ TEST(Levels, DoNotPop)
     RecordProperty("worst_over_bound", std::to_string(worst));
 }
 
-// Quads built for each cell of a shading rate's size on the visible surface, over a range of distances: powers of two in both
-// directions and pairs of levels give 4.7 for a surface that is seen as a whole; tiles half out of sight add to it.
+// Quads built for each cell of a shading rate's size on the visible surface, over a range of distances: powers of two in
+// both directions and pairs of levels give 4.7 for a surface that is seen as a whole; tiles half out of sight add to it.
 TEST(Levels, BuildFewMicropolygonsForWhatIsVisible)
 {
     World world(torus(24, 12, false));
@@ -123,7 +125,8 @@ TEST(Levels, BuildFewMicropolygonsForWhatIsVisible)
         std::vector<accel::SurfaceHit> hits(rays.size());
         tracer.closest(rays, hits);
         for (std::size_t i = 0; i < rays.size(); ++i)
-            if (hits[i].is_hit()) cells += 1 / std::max(0.1f, std::fabs(glm::dot(hits[i].normal_shading, rays[i].direction)));
+            if (hits[i].is_hit())
+                cells += 1 / std::max(0.1f, std::fabs(glm::dot(hits[i].normal_shading, rays[i].direction)));
         built += double(tracer.counters().micropolygons) / 2;
     }
     RecordProperty("quads_per_cell", std::to_string(built / cells));

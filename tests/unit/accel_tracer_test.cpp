@@ -33,8 +33,9 @@ bool same(const accel::SurfaceHit& a, const accel::SurfaceHit& b)
 {
     if (std::bit_cast<std::uint32_t>(a.t) != std::bit_cast<std::uint32_t>(b.t)) return false;
     const auto all = [](const accel::SurfaceHit& h) {
-        return std::tuple(h.self_distance, h.uv_width[0], h.uv_width[1], h.normal_geometric, h.curvature, h.normal_shading, h.tangent_sign, h.tangent, h.blend,
-                          h.uv[0], h.uv[1], h.position, h.u_gradient, h.v_gradient, h.color, h.material, h.node, h.face, h.back_side, h.level, h.micropolygon);
+        return std::tuple(h.self_distance, h.uv_width[0], h.uv_width[1], h.normal_geometric, h.curvature, h.normal_shading,
+                          h.tangent_sign, h.tangent, h.blend, h.uv[0], h.uv[1], h.position, h.u_gradient, h.v_gradient,
+                          h.color, h.material, h.node, h.face, h.back_side, h.level, h.micropolygon);
     };
     return !a.is_hit() || all(a) == all(b);
 }
@@ -53,8 +54,10 @@ void add_wall_of_maps(Scene& scene)
     Cage cage = prism(5);
     cage.uv_sets.resize(2);
     for (std::size_t s = 0; s < 2; ++s)
-        for (const Vec3f p : cage.positions) cage.uv_sets[s].values.push_back(s == 0 ? Vec2f(p.x + p.z, p.y) : Vec2f(p.y, p.x - p.z));
-    for (std::size_t f = 0; f < cage.face_sizes.size(); ++f) cage.face_slots.push_back(static_cast<std::uint32_t>(f % materials.size()));
+        for (const Vec3f p : cage.positions)
+            cage.uv_sets[s].values.push_back(s == 0 ? Vec2f(p.x + p.z, p.y) : Vec2f(p.y, p.x - p.z));
+    for (std::size_t f = 0; f < cage.face_sizes.size(); ++f)
+        cage.face_slots.push_back(static_cast<std::uint32_t>(f % materials.size()));
     cage.materials = materials;
     const CageId id = scene.add(std::move(cage));
     for (int k = 0; k < 9; ++k) place(scene, id, {-1.5 + 0.7 * (k % 3), -1, 0.7 * (k / 3)}, 0.4);
@@ -85,7 +88,8 @@ TEST(Tracer, FindsTheSameBitsForARayAloneAndInAPacket)
         for (std::size_t i = 0; i < rays.size(); ++i) b.closest({&rays[i], 1}, {&alone[i], 1});
         int hits = 0, tangents = 0, bumps = 0;
         for (std::size_t i = 0; i < rays.size(); ++i) {
-            ASSERT_TRUE(same(together[i], alone[i])) << "ray " << i << " level " << level << ": " << together[i].t << " and " << alone[i].t;
+            ASSERT_TRUE(same(together[i], alone[i]))
+                << "ray " << i << " level " << level << ": " << together[i].t << " and " << alone[i].t;
             if (!together[i].is_hit()) continue;
             ++hits;
             const bool has_tangent = together[i].tangent != Vec3f(0);
@@ -136,7 +140,8 @@ TEST(Tracer, FindsTheSameHitsHoweverItBuilds)
         accel::Tracer tracer(frame, kPlenty, {(on & 1) != 0, (on & 2) != 0, (on & 4) != 0});
         EXPECT_EQ(tracer.counters().kd_nodes > 0, (on & 1) == 0) << "built before the first ray, unless lazily";
         tracer.closest(rays, hits);
-        for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_TRUE(same(usual[i], hits[i])) << "ray " << i << " techniques " << on;
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            ASSERT_TRUE(same(usual[i], hits[i])) << "ray " << i << " techniques " << on;
         nodes.insert(tracer.counters().kd_nodes);
     }
     EXPECT_GE(nodes.size(), 6u) << "each technique makes another tree";
@@ -173,9 +178,11 @@ TEST(Tracer, GivesTheSameHitsForAnyBudget)
         accel::Tracer tracer(frame, budget);
         tracer.closest(rays, hits);
         EXPECT_GT(tracer.counters().flushes, 0u);
-        for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_TRUE(same(expected[i], hits[i])) << "ray " << i << " budget " << budget;
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            ASSERT_TRUE(same(expected[i], hits[i])) << "ray " << i << " budget " << budget;
         if (budget < used / 8) continue;  // below what one packet needs
-        EXPECT_LE(tracer.counters().peak_bytes, budget + Arena::kChunkBytes) << "the budget is kept to within what one step builds";
+        EXPECT_LE(tracer.counters().peak_bytes, budget + Arena::kChunkBytes)
+            << "the budget is kept to within what one step builds";
     }
 }
 

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "accel/triangle.h"
-#include "scenegraph/base/simd_groups.h"
+#include "base/simd_groups.h"
 
 namespace occam::test {
 namespace {
@@ -20,8 +20,8 @@ struct Lanes {
     explicit Lanes(vfloat x) { x.store(at); }
 };
 
-// A quad whose triangles share edge functions has the bits of two triangles with their own: also where vertices coincide, lie on the ray, or
-// are so far away that products overflow.
+// A quad whose triangles share edge functions has the bits of two triangles with their own: also where vertices coincide,
+// lie on the ray, or are so far away that products overflow.
 TEST(Triangle, AQuadHasTheBitsOfItsTwoTriangles)
 {
     std::mt19937 random(3);
@@ -34,20 +34,31 @@ TEST(Triangle, AQuadHasTheBitsOfItsTwoTriangles)
         for (auto& of : corner)
             for (auto& axis : of)
                 for (float& x : axis) x = near(random);
-        for (int lane = 0; lane < kLanes; ++lane)
-            switch (random() % 8) {
-                case 0: corner[1][0][lane] = corner[0][0][lane], corner[1][1][lane] = corner[0][1][lane]; break;
-                case 1: corner[3][0][lane] = corner[0][0][lane], corner[3][1][lane] = corner[0][1][lane]; break;
-                case 2: corner[random() % 4][0][lane] = 0; break;
-                case 3: corner[random() % 4][0][lane] = corner[random() % 4][1][lane] = 0; break;
+        for (int lane = 0; lane < kLanes; ++lane) switch (random() % 8) {
+                case 0:
+                    corner[1][0][lane] = corner[0][0][lane], corner[1][1][lane] = corner[0][1][lane];
+                    break;
+                case 1:
+                    corner[3][0][lane] = corner[0][0][lane], corner[3][1][lane] = corner[0][1][lane];
+                    break;
+                case 2:
+                    corner[random() % 4][0][lane] = 0;
+                    break;
+                case 3:
+                    corner[random() % 4][0][lane] = corner[random() % 4][1][lane] = 0;
+                    break;
                 case 4:
                     for (auto& of : corner) of[1][lane] = of[0][lane];
                     break;
-                case 5: corner[random() % 4][0][lane] = 3e38f, corner[random() % 4][1][lane] = -3e38f; break;
-                default: break;
+                case 5:
+                    corner[random() % 4][0][lane] = 3e38f, corner[random() % 4][1][lane] = -3e38f;
+                    break;
+                default:
+                    break;
             }
         ShearedVertex v[4];
-        for (int c = 0; c < 4; ++c) v[c] = {vfloat::load(corner[c][0]), vfloat::load(corner[c][1]), vfloat::load(corner[c][2])};
+        for (int c = 0; c < 4; ++c)
+            v[c] = {vfloat::load(corner[c][0]), vfloat::load(corner[c][1]), vfloat::load(corner[c][2])};
         const auto& [v00, v10, v01, v11] = v;
         const accel::TriangleHit alone[2] = {intersect(ray, v00, v10, v11), intersect(ray, v00, v11, v01)};
         accel::TriangleHit shared[2] = {{vmask(false), 0.0f}, {vmask(false), 0.0f}};
@@ -60,7 +71,8 @@ TEST(Triangle, AQuadHasTheBitsOfItsTwoTriangles)
                 const bool is_hit = bits(alone[t].is_hit) >> lane & 1;
                 (is_hit ? hits : misses) += 1;
                 if (is_hit) {
-                    ASSERT_EQ(std::bit_cast<std::uint32_t>(a.at[lane]), std::bit_cast<std::uint32_t>(b.at[lane])) << "quad " << n;
+                    ASSERT_EQ(std::bit_cast<std::uint32_t>(a.at[lane]), std::bit_cast<std::uint32_t>(b.at[lane]))
+                        << "quad " << n;
                 }
             }
         }

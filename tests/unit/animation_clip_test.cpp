@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "scenegraph/base/error.h"
+#include "base/error.h"
 #include "scenegraph/scene.h"
 
 namespace occam {

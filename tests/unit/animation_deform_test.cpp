@@ -64,7 +64,8 @@ void expect_true_to_formulas(Scene& scene, const char* what)
             const double slack = 1e-6 * double(posed.radius) + 1e-12 * whole.largest_coordinate();
             std::vector<Vec3d> vertices;
             for (std::uint32_t v = 0; v < slot.cage.positions.size(); ++v) {
-                const Vec3d wanted = skinned_vertex(scene, node, id, slot.cage, v), found = Vec3d(posed.vertex(v)) + posed.anchor;
+                const Vec3d wanted = skinned_vertex(scene, node, id, slot.cage, v),
+                            found = Vec3d(posed.vertex(v)) + posed.anchor;
                 ASSERT_TRUE(std::isfinite(glm::dot(found, found))) << what << ' ' << node.name << ' ' << v;
                 ASSERT_LE(glm::distance(found, wanted), 2 * slack) << what << ' ' << node.name << ' ' << v;
                 ASSERT_TRUE(holds(box, wanted, 1e-9 * whole.radius())) << what << ' ' << node.name << ' ' << v;
@@ -76,8 +77,9 @@ void expect_true_to_formulas(Scene& scene, const char* what)
                 for (std::uint32_t k = posed.clusters->node(n).begin; k < posed.clusters->node(n).end; ++k) {
                     if (slot.cage.scheme != Scheme::Triangles) continue;
                     for (std::size_t corner = 0; corner < 3; ++corner)
-                        ASSERT_TRUE(holds(cluster, vertices[slot.cage.face_vertices[std::size_t(posed.clusters->face(k)) * 3 + corner]],
-                                          1e-9 * whole.radius()))
+                        ASSERT_TRUE(holds(
+                            cluster, vertices[slot.cage.face_vertices[std::size_t(posed.clusters->face(k)) * 3 + corner]],
+                            1e-9 * whole.radius()))
                             << what << " cluster " << n;
                 }
             }
@@ -105,8 +107,9 @@ TEST_P(Characters, PlayAllTheirClipsInsideTheirBounds)
 }
 
 INSTANTIATE_TEST_SUITE_P(Shared, Characters,
-                         testing::Values(std::tuple("skinned/Knight/Knight.glb", 76u), std::tuple("skinned/Robot/robot.glb", 14u),
-                                         std::tuple("skinned/Fox/Fox.gltf", 3u), std::tuple("skinned/CesiumMan/CesiumMan.glb", 1u),
+                         testing::Values(std::tuple("skinned/Knight/Knight.glb", 76u),
+                                         std::tuple("skinned/Robot/robot.glb", 14u), std::tuple("skinned/Fox/Fox.gltf", 3u),
+                                         std::tuple("skinned/CesiumMan/CesiumMan.glb", 1u),
                                          std::tuple("morph/MorphStressTest/MorphStressTest.gltf", 3u)));
 
 // A torus of three joints that turn about each other, with a bump that grows.
@@ -150,7 +153,8 @@ struct Eel {
     void bend(double angle)
     {
         for (int j = 1; j < 3; ++j)
-            scene.set_transform(joints[j], Trs{.translation = {0.7, 0, 0}, .rotation = {0, 0, std::sin(angle / 2), std::cos(angle / 2)}});
+            scene.set_transform(
+                joints[j], Trs{.translation = {0.7, 0, 0}, .rotation = {0, 0, std::sin(angle / 2), std::cos(angle / 2)}});
     }
 };
 
@@ -173,7 +177,8 @@ TEST(Deformation, FollowsJointsThatTheApplicationMoves)
 TEST(Deformation, ShowsWhatWrittenVerticesWouldShow)
 {
     const Camera camera = Camera::look_at({0.5, 2, 4}, {0.5, 0, 0}, {0, 1, 0}, 0.8f);
-    const Settings settings{.width = 96, .height = 72, .spp = 1, .jitter = false, .aovs = unsigned(Aov::Depth) | unsigned(Aov::Normal)};
+    const Settings settings{
+        .width = 96, .height = 72, .spp = 1, .jitter = false, .aovs = unsigned(Aov::Depth) | unsigned(Aov::Normal)};
     for (const Scheme scheme : {Scheme::CatmullClark, Scheme::Bilinear}) {
         Eel eel(scheme);
         eel.bend(0.7);
@@ -181,7 +186,8 @@ TEST(Deformation, ShowsWhatWrittenVerticesWouldShow)
         const CageId id = eel.scene.node(eel.body).cages[0];
         Cage written = eel.scene.cage(id).cage;
         for (std::uint32_t v = 0; v < written.positions.size(); ++v)
-            written.positions[v] = Vec3f(skinned_vertex(eel.scene, eel.scene.node(eel.body), eel.body, eel.scene.cage(id).cage, v));
+            written.positions[v] = Vec3f(
+                skinned_vertex(eel.scene, eel.scene.node(eel.body), eel.body, eel.scene.cage(id).cage, v));
         written.skin = {};
         written.morph_targets.clear();
         Scene plain;
@@ -231,7 +237,8 @@ TEST(Deformation, GivesTheSameBitsForAnyThreadsAndBudget)
     const Camera camera = Camera::look_at({0.5, 2, 4}, {0.5, 0, 0}, {0, 1, 0}, 0.8f);
     std::vector<std::uint64_t> sums;
     const std::size_t floor = Renderer({.threads = 2}).memory_floor(eel.scene);
-    for (const Resources& resources : {Resources{.threads = 1}, Resources{.threads = 3}, Resources{.threads = 2, .memory_bytes = floor}}) {
+    for (const Resources& resources :
+         {Resources{.threads = 1}, Resources{.threads = 3}, Resources{.threads = 2, .memory_bytes = floor}}) {
         Renderer renderer(resources);
         sums.push_back(renderer.render(eel.scene, camera, {.width = 96, .height = 72, .spp = 4}).checksum());
     }

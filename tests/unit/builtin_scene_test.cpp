@@ -1,6 +1,6 @@
 // The built-in scene: its cages are sound, it is the same each time, and it shows what it is meant to show.
-#include "occam/verify.h"
-#include "api/builtin/builtin_scene.h"
+#include "io/builtin/builtin_scene.h"
+#include "verify/verify.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <map>
 #include <set>
 
-#include "api/builtin/pieces.h"
-#include "scenegraph/base/hash.h"
+#include "base/hash.h"
+#include "io/builtin/pieces.h"
 
 namespace occam {
 namespace {
@@ -60,10 +60,7 @@ TEST(BuiltinScene, EveryVertexOfAPieceHasOneFan)
     }
 }
 
-TEST(BuiltinScene, NothingInItHasToBeMended)
-{
-    EXPECT_EQ(builtin_scene().warnings, std::vector<std::string>());
-}
+TEST(BuiltinScene, NothingInItHasToBeMended) { EXPECT_EQ(builtin_scene().warnings, std::vector<std::string>()); }
 
 TEST(BuiltinScene, ShowsCreasesPolesPolygonsTexturesAndInstances)
 {
@@ -105,10 +102,7 @@ std::uint64_t hash_of(const Scene& scene)
     return h;
 }
 
-TEST(BuiltinScene, IsTheSameEachTime)
-{
-    EXPECT_EQ(hash_of(builtin_scene()), hash_of(builtin_scene()));
-}
+TEST(BuiltinScene, IsTheSameEachTime) { EXPECT_EQ(hash_of(builtin_scene()), hash_of(builtin_scene())); }
 
 TEST(BuiltinScene, TexelsAreNumbersThatLightCanHave)
 {

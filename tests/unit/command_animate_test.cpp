@@ -31,14 +31,16 @@ protected:
     void SetUp() override
     {
         CommandTest::SetUp();
-        const float numbers[] = {-1, -1, 0, 1, -1, 0, 0, 1, 0, /* times */ 0, 1, /* slide */ 0, 0, 0, 2, 0, 0, /* rise */ 0, 0, 0, 0, 2, 0};
+        const float numbers[] = {-1, -1,           0, 1, -1, 0, 0, 1, 0, /* times */ 0, 1, /* slide */ 0, 0, 0, 2, 0,
+                                 0,  /* rise */ 0, 0, 0, 0,  2, 0};
         std::ofstream(folder / "moving.bin", std::ios::binary).write(reinterpret_cast<const char*>(numbers), sizeof numbers);
         std::ofstream(folder / "moving.gltf") << kMovingTriangle;
     }
-    std::vector<std::string> words(const std::string& pattern, const std::string& frames, const std::vector<std::string>& more = {},
-                                   const std::string& spp = "4", const std::string& fps = "10") const
+    std::vector<std::string> words(const std::string& pattern, const std::string& frames,
+                                   const std::vector<std::string>& more = {}, const std::string& spp = "4",
+                                   const std::string& fps = "10") const
     {
-        std::vector<std::string> all{"animate", "moving.gltf", "-o",     pattern,  "--frames", frames,
+        std::vector<std::string> all{"animate", "moving.gltf", "-o",     pattern, "--frames", frames,
                                      "--fps",   fps,           "--size", "48x32", "--spp",    spp};
         all.insert(all.end(), more.begin(), more.end());
         return all;
@@ -50,8 +52,14 @@ protected:
 TEST_F(Animate, AFrameIsTheOneThatRenderMakes)
 {
     ASSERT_EQ(run(words("a.####.exr", "0-4x2", {"--clip", "rise"})).exit_code, kDone);
-    ASSERT_EQ(run({"render", "moving.gltf", "-o", "one.exr", "--frame", "4", "--clip", "rise", "--fps", "10", "--size", "48x32", "--spp", "4"}).exit_code, kDone);
-    ASSERT_EQ(run({"render", "moving.gltf", "-o", "time.exr", "--time", "0.4", "--clip", "1", "--size", "48x32", "--spp", "4"}).exit_code, kDone);
+    ASSERT_EQ(run({"render", "moving.gltf", "-o", "one.exr", "--frame", "4", "--clip", "rise", "--fps", "10", "--size",
+                   "48x32", "--spp", "4"})
+                  .exit_code,
+              kDone);
+    ASSERT_EQ(
+        run({"render", "moving.gltf", "-o", "time.exr", "--time", "0.4", "--clip", "1", "--size", "48x32", "--spp", "4"})
+            .exit_code,
+        kDone);
     EXPECT_EQ(pixels("a.0004.exr"), pixels("one.exr"));
     EXPECT_EQ(pixels("a.0004.exr"), pixels("time.exr"));
     EXPECT_NE(pixels("a.0004.exr"), pixels("a.0000.exr"));
@@ -67,7 +75,8 @@ TEST_F(Animate, ShardsTogetherAreTheWholeBitForBit)
     for (const char* shard : {"1/3", "2/3", "3/3"})
         ASSERT_EQ(run(words("part.####.exr", "0-6", {"--shard", shard, "--threads", "1"})).exit_code, kDone);
     for (int frame = 0; frame <= 6; ++frame)
-        EXPECT_EQ(pixels("whole.000" + std::to_string(frame) + ".exr"), pixels("part.000" + std::to_string(frame) + ".exr")) << frame;
+        EXPECT_EQ(pixels("whole.000" + std::to_string(frame) + ".exr"), pixels("part.000" + std::to_string(frame) + ".exr"))
+            << frame;
 }
 
 TEST_F(Animate, LeavesFramesThatAreThereUnlessToldOtherwise)
@@ -148,8 +157,9 @@ TEST_F(Animate, SpeaksOpenJobDescription)
 
 TEST_F(Animate, BadWordsAreOneLineAndExitCode2)
 {
-    for (const auto& bad : {words("a.exr", "0-3"), words("a.####.exr", "3-0"), words("a.####.exr", "0-3", {"--shard", "4/3"}),
-                            words("a.####.exr", "0-3", {}, "4", "0"), words("a.####.xyz", "0-3"), words("a.####.exr", "0-3", {"--clip", "7"})}) {
+    for (const auto& bad : {words("a.exr", "0-3"), words("a.####.exr", "3-0"),
+                            words("a.####.exr", "0-3", {"--shard", "4/3"}), words("a.####.exr", "0-3", {}, "4", "0"),
+                            words("a.####.xyz", "0-3"), words("a.####.exr", "0-3", {"--clip", "7"})}) {
         const Outcome o = run(bad);
         EXPECT_EQ(o.exit_code, kBadInput) << o.err;
         EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;

@@ -69,7 +69,8 @@ TEST_F(Command, BadUsageIsOneLineAndExitCode2)
 TEST_F(Command, AnEnvironmentIsAnImageDaylightOrNone)
 {
     const auto corner = [&](const std::vector<std::string>& more) {
-        std::vector<std::string> words{"render", "triangle.obj", "-o", "a.exr", "--size", "9x9", "--spp", "4", "--exr", "float"};
+        std::vector<std::string> words{"render", "triangle.obj", "-o", "a.exr", "--size",
+                                       "9x9",    "--spp",        "4",  "--exr", "float"};
         words.insert(words.end(), more.begin(), more.end());
         const Outcome o = run(words);
         EXPECT_EQ(o.exit_code, kDone) << o.err;
@@ -122,8 +123,11 @@ TEST_F(Command, RendersQuietlyAndWritesStatistics)
 TEST_F(Command, ThePictureDoesNotDependOnThreadsOrBudget)
 {
     std::vector<std::string> sums;
-    for (const auto& extra :
-         {std::vector<std::string>{"--threads", "1"}, {"--threads", "2"}, {"--threads", "7"}, {"--threads", "7", "--share-tree", "3"}, {"--threads", "2", "--memory", "4M"}}) {
+    for (const auto& extra : {std::vector<std::string>{"--threads", "1"},
+                              {"--threads", "2"},
+                              {"--threads", "7"},
+                              {"--threads", "7", "--share-tree", "3"},
+                              {"--threads", "2", "--memory", "4M"}}) {
         std::vector<std::string> arguments{"render", "triangle.obj", "-o", "a.exr",   "--size",
                                            "90x50",  "--spp",        "4",  "--stats", "-"};
         arguments.insert(arguments.end(), extra.begin(), extra.end());
@@ -154,7 +158,8 @@ TEST_F(Command, ShadesAtHitsUnlessToldToAtVertices)
 
 TEST_F(Command, AMemoryBudgetBelowTheFloorIsRefusedAndTheFloorIsNamed)
 {
-    const std::vector<std::string> words{"render", "triangle.obj", "-o", "a.exr", "--size", "64x64", "--spp", "1", "--threads", "1", "--memory"};
+    const std::vector<std::string> words{"render", "triangle.obj", "-o", "a.exr",   "--size", "64x64", "--spp",
+                                         "1",      "--threads",    "1",  "--memory"};
     const auto with = [&](const std::string& memory) {
         std::vector<std::string> all = words;
         all.push_back(memory);
@@ -167,14 +172,16 @@ TEST_F(Command, AMemoryBudgetBelowTheFloorIsRefusedAndTheFloorIsNamed)
     const std::size_t at = o.err.find(before);
     ASSERT_NE(at, std::string::npos) << o.err;
     const std::size_t begin = at + before.size();
-    EXPECT_EQ(with(o.err.substr(begin, o.err.find(' ', begin) - begin)).exit_code, kDone) << "what it asks for is enough: " << o.err;
+    EXPECT_EQ(with(o.err.substr(begin, o.err.find(' ', begin) - begin)).exit_code, kDone)
+        << "what it asks for is enough: " << o.err;
 }
 
 // So short that nothing is finished, and so long that it never comes: neither depends on how fast the machine is.
 TEST_F(Command, ADeadlineEndsTheFrameWithWhatThereIs)
 {
     const auto with = [&](const std::string& spp, const std::vector<std::string>& more) {
-        std::vector<std::string> all{"render", "triangle.obj", "-o", "a.exr", "--size", "64x48", "--spp", spp, "--stats", "stats.json"};
+        std::vector<std::string> all{"render", "triangle.obj", "-o", "a.exr",   "--size",
+                                     "64x48",  "--spp",        spp,  "--stats", "stats.json"};
         all.insert(all.end(), more.begin(), more.end());
         const Outcome o = run(all);
         EXPECT_EQ(o.exit_code, kDone) << o.err;

@@ -1,4 +1,4 @@
-#include "api/command/sequence.h"
+#include "command/sequence.h"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,8 @@ TEST(FramePattern, PutsTheNumberWhereThePatternHasIt)
     EXPECT_EQ(FramePattern("shots/a%04d.png").file(12), "shots/a0012.png");
     EXPECT_EQ(FramePattern("%d.png").file(12), "12.png");
     EXPECT_EQ(FramePattern("#.png").file(12), "12.png");
-    for (const char* bad : {"out.exr", "out.##.##.exr", "a%04d.#.exr", "a%s.exr", "a%4d.exr", "a%0d.exr", "a%.exr", "#/a.exr", "%0999d.exr"})
+    for (const char* bad :
+         {"out.exr", "out.##.##.exr", "a%04d.#.exr", "a%s.exr", "a%4d.exr", "a%0d.exr", "a%.exr", "#/a.exr", "%0999d.exr"})
         EXPECT_THROW(FramePattern{bad}, std::invalid_argument) << bad;
 }
 
@@ -40,7 +41,8 @@ TEST(Shards, DivideASequenceWithoutOverlapOrGap)
     }
     EXPECT_EQ(shard_of("2/8").index, 2);
     EXPECT_EQ(shard_of("2/8").count, 8);
-    for (const char* bad : {"", "2", "0/4", "5/4", "1/0", "a/b", "1/2/3"}) EXPECT_THROW(shard_of(bad), std::invalid_argument) << bad;
+    for (const char* bad : {"", "2", "0/4", "5/4", "1/0", "a/b", "1/2/3"})
+        EXPECT_THROW(shard_of(bad), std::invalid_argument) << bad;
 }
 
 std::map<std::string, std::string> environment;

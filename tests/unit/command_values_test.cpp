@@ -1,4 +1,4 @@
-#include "api/command/values.h"
+#include "command/values.h"
 
 #include <gtest/gtest.h>
 

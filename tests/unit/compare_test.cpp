@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scenegraph/base/error.h"
-#include "scenegraph/base/vec.h"
+#include "base/error.h"
+#include "base/vec.h"
 
 namespace occam::render {
 namespace {

@@ -1,5 +1,6 @@
-// Models that their authors made to show at a glance whether a renderer follows glTF, judged as their labels say. Their pictures
-// were looked at once; what is held here is what makes them right: equal swatches, arrows at their marks, colours by position.
+// Models that their authors made to show at a glance whether a renderer follows glTF, judged as their labels say. Their
+// pictures were looked at once; what is held here is what makes them right: equal swatches, arrows at their marks, colours
+// by position.
 #include <gtest/gtest.h>
 #include <occam/occam.h>
 
@@ -63,7 +64,8 @@ private:
     {
         const int column = int(image_.width * 0.5 + sign_ * (x - middle_.x) / kPixel);
         const int row = int(image_.height * 0.5 - (y - middle_.y) / kPixel);
-        return std::size_t(std::clamp(row, 0, image_.height - 1)) * std::size_t(image_.width) + std::size_t(std::clamp(column, 0, image_.width - 1));
+        return std::size_t(std::clamp(row, 0, image_.height - 1)) * std::size_t(image_.width) +
+               std::size_t(std::clamp(column, 0, image_.width - 1));
     }
 
     double sign_;
@@ -77,8 +79,9 @@ float brightness(Vec3f c) { return (c.x + c.y + c.z) / 3; }
     const Plate name(__VA_ARGS__); \
     if (!name.is_there()) GTEST_SKIP() << "no shared data"
 
-// How much the square to test of a row of TextureSettingsTest differs from the one beside it that shows what it should be. The
-// file's coordinates of the two differ by up to a twelfth of a side, in size too: the best of some shifts, and edges remain.
+// How much the square to test of a row of TextureSettingsTest differs from the one beside it that shows what it should be.
+// The file's coordinates of the two differ by up to a twelfth of a side, in size too: the best of some shifts, and edges
+// remain.
 double row_difference(const Plate& plate, double top)
 {
     double least = 1;
@@ -109,7 +112,8 @@ TEST(GltfModels, BothSidesOfASingleSidedSquareAreSeenUnlessItIsAskedFor)
     EXPECT_GT(row_difference(plate, 2.995), 0.16) << "a red cross before the green check mark";
 }
 
-// Shifted textures show the check mark of the swatch's own colour; turned and scaled arrows have their tips at the check marks.
+// Shifted textures show the check mark of the swatch's own colour; turned and scaled arrows have their tips at the check
+// marks.
 TEST(GltfModels, TransformedTexturesPointWhereTheyShould)
 {
     PLATE(plate, "features/ManyTextureTransforms/TextureTransformTest.gltf");
@@ -131,9 +135,11 @@ TEST(GltfModels, TransformedTexturesPointWhereTheyShould)
         Vec2d at;
         bool is_right;
     };
-    const Mark marks[] = {{"rotation, correct", {-1.179, -1.066}, true},   {"rotation, not supported", {-0.822, -0.828}, false},
+    const Mark marks[] = {{"rotation, correct", {-1.179, -1.066}, true},
+                          {"rotation, not supported", {-0.822, -0.828}, false},
                           {"scale, correct", {0.0185, -0.5685}, true},
-                          {"scale, not supported", {0.278, -0.828}, false},   {"all, correct", {1.03, -0.8}, true}};
+                          {"scale, not supported", {0.278, -0.828}, false},
+                          {"all, correct", {1.03, -0.8}, true}};
     for (const Mark& mark : marks) {
         const float darkest = darkest_near(mark.at, 0.11, 0.16);
         if (mark.is_right) EXPECT_LT(darkest, 0.05f) << mark.name;
@@ -149,10 +155,12 @@ TEST(GltfModels, TextureCoordinatesPutEachColourIntoItsCorner)
         Vec2d at;
         Vec3f color;
     };
-    const Corner corners[] = {{{0.7, 0.7}, {1, 1, 0}}, {{-0.7, 0.7}, {1, 0, 0}}, {{0.7, -0.7}, {0, 0, 1}}, {{-0.7, -0.7}, {0, 1, 0}}};
+    const Corner corners[] = {
+        {{0.7, 0.7}, {1, 1, 0}}, {{-0.7, 0.7}, {1, 0, 0}}, {{0.7, -0.7}, {0, 0, 1}}, {{-0.7, -0.7}, {0, 1, 0}}};
     for (const Corner& c : corners) {
         const Vec3f found = plate.at(c.at.x, c.at.y);
-        for (int i : {0, 1, 2}) EXPECT_EQ(found[i] > 0.45f, c.color[i] > 0.5f) << c.at.x << ' ' << c.at.y << ' ' << i << ' ' << found[i];
+        for (int i : {0, 1, 2})
+            EXPECT_EQ(found[i] > 0.45f, c.color[i] > 0.5f) << c.at.x << ' ' << c.at.y << ' ' << i << ' ' << found[i];
         const Vec2d end = c.at + glm::sign(c.at) * 0.44;
         EXPECT_LT(brightness(plate.mean(end - 0.05, end + 0.05)), 0.85f * brightness(found)) << c.at.x << ' ' << c.at.y;
     }
@@ -173,8 +181,8 @@ TEST(GltfModels, VertexColoursAreLinearBetweenCorners)
     EXPECT_GT(corners[2].y, 2 * corners[2].z) << "green at the upper left";
 }
 
-// Alpha grows downwards from 0 to 1. Masks end at the height of the green arrow beside them; at those heights the blended pane
-// covers as much as the marks say.
+// Alpha grows downwards from 0 to 1. Masks end at the height of the green arrow beside them; at those heights the blended
+// pane covers as much as the marks say.
 TEST(GltfModels, AlphaIsCutAndBlendedAtTheMarks)
 {
     PLATE(plate, "static/AlphaBlendModeTest/AlphaBlendModeTest.glb");

@@ -57,7 +57,8 @@ TEST(ImportGltfContainer, AChunkThatIsMissingIsRefused)
     const TempFolder folder;
     Gltf g = square();
     const std::string bin = std::exchange(g.bin, {});
-    g.more = ", \"buffers\": [{\"byteLength\": " + std::to_string(bin.size()) + "}], \"bufferViews\": [" + g.buffer_views + "]";
+    g.more = ", \"buffers\": [{\"byteLength\": " + std::to_string(bin.size()) + "}], \"bufferViews\": [" + g.buffer_views +
+             "]";
     EXPECT_NE(error_of(folder.write("none.glb", g.glb())).find("binary chunk is missing"), std::string::npos);
 }
 

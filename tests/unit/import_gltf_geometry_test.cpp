@@ -135,7 +135,8 @@ TEST(ImportGltfGeometry, DisplacementReachesTheCageWithABound)
     EXPECT_EQ(d.axes, Displacement::Axes::Normal);
     const Scene by_vectors = load(with(R"({"texture": 0, "scale": 2, "axes": "object"})"));
     EXPECT_EQ(cages(by_vectors).at(0)->displacement->axes, Displacement::Axes::Object);
-    EXPECT_NEAR(cages(by_vectors).at(0)->displacement->bound, std::sqrt(3.0f), 1e-6f) << "three channels of a half times the scale";
+    EXPECT_NEAR(cages(by_vectors).at(0)->displacement->bound, std::sqrt(3.0f), 1e-6f)
+        << "three channels of a half times the scale";
     const Scene by_tangents = load(with(R"({"texture": 0, "scale": 2, "axes": "tangent"})"));
     EXPECT_EQ(cages(by_tangents).at(0)->displacement->axes, Displacement::Axes::Tangent);
     EXPECT_NEAR(cages(by_tangents).at(0)->displacement->bound, std::sqrt(3.0f), 1e-6f);
@@ -155,8 +156,9 @@ TEST(ImportGltfGeometry, BumpMapsAreExtrasOfMaterials)
     folder.write("h.png", "");
     const auto with = [&](const std::string& bump) {
         Gltf g = square();
-        g.more = R"(, "images": [{"uri": "h.png"}], "textures": [{"source": 0}], "materials": [{"name": "rough", "extras": {"occam": {"bump": )" +
-                 bump + "}}}]";
+        g.more =
+            R"(, "images": [{"uri": "h.png"}], "textures": [{"source": 0}], "materials": [{"name": "rough", "extras": {"occam": {"bump": )" +
+            bump + "}}}]";
         g.meshes.insert(g.meshes.find("\"attributes\""), R"("material": 0, )");
         return g.write(folder);
     };
@@ -166,7 +168,8 @@ TEST(ImportGltfGeometry, BumpMapsAreExtrasOfMaterials)
     EXPECT_EQ(scene.texture(m.bump_texture.texture).role, TextureRole::Data);
     EXPECT_EQ(m.bump_scale, -0.5f);
     EXPECT_EQ(m.bump_texture.uv_set, 1);
-    EXPECT_NE(error_of(with(R"({"texture": 1})")).find("no texture 1 (materials[0] 'rough'"), std::string::npos) << error_of(with(R"({"texture": 1})"));
+    EXPECT_NE(error_of(with(R"({"texture": 1})")).find("no texture 1 (materials[0] 'rough'"), std::string::npos)
+        << error_of(with(R"({"texture": 1})"));
     EXPECT_NE(error_of(with(R"({"scale": 1})")).find("texture is missing"), std::string::npos);
     EXPECT_NE(error_of(with(R"({"texture": 0, "scale": "high"})")).find("scale must be a number"), std::string::npos);
     EXPECT_TRUE(warns(load(with(R"({"texture": 0, "height": 1})")), "unknown key 'height'"));

@@ -12,10 +12,7 @@ using test::TempFolder;
 using test::warns;
 
 // A PPM of one texel.
-std::string texel(const char* rgb)
-{
-    return "P6\n1 1\n255\n" + std::string(rgb, 3);
-}
+std::string texel(const char* rgb) { return "P6\n1 1\n255\n" + std::string(rgb, 3); }
 
 struct Loaded {
     TempFolder folder;

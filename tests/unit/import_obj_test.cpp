@@ -56,11 +56,11 @@ TEST(ImportObj, PolygonsAreCutWhenTheyMayNotBeSubdivided)
 TEST(ImportObj, ReadsTagsWithTheirZeroBasedIndices)
 {
     const TempFolder folder;
-    const Scene scene =
-        load(folder.write("tags.obj", std::string(kQuad) + "f 1 2 3 4\nf 4 3 2 1\n"
-                                                           "t crease 2/1/0 0 1 2.5\nt crease 4/2/0 0 1 2 3 4 100\n"
-                                                           "t corner 1/1/0 3 7\nt hole 1/0/0 1\n"
-                                                           "t interpolateboundary 1/0/0 2\nt creasemethod 0/0/1 chaikin\n"));
+    const Scene scene = load(folder.write("tags.obj", std::string(kQuad) +
+                                                          "f 1 2 3 4\nf 4 3 2 1\n"
+                                                          "t crease 2/1/0 0 1 2.5\nt crease 4/2/0 0 1 2 3 4 100\n"
+                                                          "t corner 1/1/0 3 7\nt hole 1/0/0 1\n"
+                                                          "t interpolateboundary 1/0/0 2\nt creasemethod 0/0/1 chaikin\n"));
     const Cage& cage = only_cage(scene);
     ASSERT_EQ(cage.creases.size(), 3u);
     EXPECT_EQ(cage.creases[0].v1, 1u);
@@ -78,8 +78,8 @@ TEST(ImportObj, ReadsTagsWithTheirZeroBasedIndices)
 TEST(ImportObj, ADegenerateFaceDoesNotMoveTheHoles)
 {
     const TempFolder folder;
-    const Scene scene =
-        load(folder.write("holes.obj", std::string(kQuad) + "f 1 2\nf 1 2 3 4\nf 4 3 2 1\nt hole 1/0/0 2\n"));
+    const Scene scene = load(
+        folder.write("holes.obj", std::string(kQuad) + "f 1 2\nf 1 2 3 4\nf 4 3 2 1\nt hole 1/0/0 2\n"));
     const Cage& cage = only_cage(scene);
     ASSERT_EQ(cage.face_count(), 2u);
     EXPECT_EQ(cage.holes, std::vector<std::uint32_t>{1});
@@ -102,8 +102,8 @@ TEST(ImportObj, APolygonOfThreeHundredCornersKeepsThemAll)
 TEST(ImportObj, TextureCoordinatesRunDownwardsAndBelongToCorners)
 {
     const TempFolder folder;
-    const Scene scene =
-        load(folder.write("uv.obj", std::string(kQuad) + "vt 0 0\nvt 1 0.25\nf 1/1 2/2 3/2 4/-2\nf 1 2 3/1\n"));
+    const Scene scene = load(
+        folder.write("uv.obj", std::string(kQuad) + "vt 0 0\nvt 1 0.25\nf 1/1 2/2 3/2 4/-2\nf 1 2 3/1\n"));
     const Cage& cage = only_cage(scene);
     ASSERT_EQ(cage.uv_sets.size(), 1u);
     const UvSet& uv = cage.uv_sets[0];
@@ -116,8 +116,8 @@ TEST(ImportObj, TextureCoordinatesRunDownwardsAndBelongToCorners)
 TEST(ImportObj, NegativeIndicesCountBackFromTheFace)
 {
     const TempFolder folder;
-    const Scene scene =
-        load(folder.write("negative.obj", std::string(kQuad) + "f -4 -3 -2 -1\nv 9 9 9\nf -5 -4 -3\nf -99 1 2\nf 0 1 2\n"));
+    const Scene scene = load(
+        folder.write("negative.obj", std::string(kQuad) + "f -4 -3 -2 -1\nv 9 9 9\nf -5 -4 -3\nf -99 1 2\nf 0 1 2\n"));
     const Cage& cage = only_cage(scene);
     EXPECT_EQ(cage.face_vertices, (std::vector<std::uint32_t>{0, 1, 2, 3, 0, 1, 2}));
     EXPECT_TRUE(warns(scene, "2 faces dropped: a vertex index is out of range"));
@@ -126,8 +126,8 @@ TEST(ImportObj, NegativeIndicesCountBackFromTheFace)
 TEST(ImportObj, VerticesWithSeveralNormalsAreSplit)
 {
     const TempFolder folder;
-    const Scene scene =
-        load(folder.write("normals.obj", std::string(kQuad) + "vn 0 0 1\nvn 0 1 0\nf 1//1 2//1 3//1\nf 1//2 3//1 4//1\n"));
+    const Scene scene = load(
+        folder.write("normals.obj", std::string(kQuad) + "vn 0 0 1\nvn 0 1 0\nf 1//1 2//1 3//1\nf 1//2 3//1 4//1\n"));
     const Cage& cage = only_cage(scene);
     ASSERT_EQ(cage.positions.size(), 5u);
     EXPECT_EQ(cage.face_vertices, (std::vector<std::uint32_t>{0, 1, 2, 4, 2, 3}));
@@ -188,8 +188,8 @@ TEST(ImportObj, SaysWhatIsWrong)
 TEST(ImportObj, CoordinatesThatAreNotFiniteAreDropped)
 {
     const TempFolder folder;
-    const Scene scene =
-        load(folder.write("inf.obj", std::string(kQuad) + "v 1e300 0 0\nv 1e13 0 0\nf 1 2 3 4\nf 1 2 5\nf 1 2 6\n"));
+    const Scene scene = load(
+        folder.write("inf.obj", std::string(kQuad) + "v 1e300 0 0\nv 1e13 0 0\nf 1 2 3 4\nf 1 2 5\nf 1 2 6\n"));
     EXPECT_EQ(only_cage(scene).face_count(), 1u);
     EXPECT_TRUE(warns(scene, "not finite"));
 }

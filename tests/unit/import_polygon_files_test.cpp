@@ -125,11 +125,11 @@ TEST(ImportPly, RefusesWhatItDoesNotUnderstand)
 TEST(ImportOff, ReadsPlainAndPrefixedFiles)
 {
     const TempFolder folder;
-    const Scene plain =
-        load(folder.write("a.off", "OFF # comment\n4 1 0\n0 0 0\n1 0 0\n1 1 0 # here too\n0 1 0\n4 0 1 2 3 0.5 0.5 0.5\n"));
+    const Scene plain = load(
+        folder.write("a.off", "OFF # comment\n4 1 0\n0 0 0\n1 0 0\n1 1 0 # here too\n0 1 0\n4 0 1 2 3 0.5 0.5 0.5\n"));
     EXPECT_EQ(only_cage(plain).face_vertices, (std::vector<std::uint32_t>{0, 1, 2, 3}));
-    const Scene colored =
-        load(folder.write("b.off", "CNOFF\n3 1 0\n0 0 0 0 0 1 1 0 0 1\n1 0 0 0 0 1 1 0 0 1\n0 1 0 0 0 1 1 0 0 1\n3 0 1 2"));
+    const Scene colored = load(
+        folder.write("b.off", "CNOFF\n3 1 0\n0 0 0 0 0 1 1 0 0 1\n1 0 0 0 0 1 1 0 0 1\n0 1 0 0 0 1 1 0 0 1\n3 0 1 2"));
     EXPECT_EQ(only_cage(colored).normals.at(1), Vec3f(0, 0, 1));
     EXPECT_EQ(only_cage(colored).colors.at(1), Vec4f(1, 0, 0, 1));
 }
@@ -164,13 +164,13 @@ TEST(ImportStl, JoinsEqualPositionsInBothEncodings)
 {
     const TempFolder folder;
     constexpr float kFirst[] = {0, 0, 0, 1, 0, 0, 1, 1, 0}, kSecond[] = {0, 0, 0, 1, 1, 0, -0.0f, 1, 0};
-    const auto ascii =
-        folder.write("a.stl", "solid two triangles\n" + stl_facet(true, kFirst) + stl_facet(true, kSecond) + "endsolid\n");
+    const auto ascii = folder.write(
+        "a.stl", "solid two triangles\n" + stl_facet(true, kFirst) + stl_facet(true, kSecond) + "endsolid\n");
     // A binary file may begin with "solid" too.
     std::string header = "solid but binary";
     header.resize(80, ' ');
-    const auto binary =
-        folder.write("b.stl", header + Bytes(false).add(2u).text() + stl_facet(false, kFirst) + stl_facet(false, kSecond));
+    const auto binary = folder.write(
+        "b.stl", header + Bytes(false).add(2u).text() + stl_facet(false, kFirst) + stl_facet(false, kSecond));
     for (const auto& file : {ascii, binary}) {
         const Scene scene = load(file);
         EXPECT_EQ(only_cage(scene).positions.size(), 4u) << file;

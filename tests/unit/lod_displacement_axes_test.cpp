@@ -1,6 +1,6 @@
 // Which way vectors of displacement point: in the object's axes turned as poses turn the surface, or in the surface's own.
 #include <gtest/gtest.h>
-#include <occam/verify.h>
+#include "verify/verify.h"
 
 #include <cmath>
 
@@ -37,7 +37,8 @@ void for_moves(DicedCage& still, DicedCage& moved, Compare&& compare)
 {
     still.posed.level = moved.level_of_largest_exponent(4);
     for (const lod::TileRef& tile : moved.tiles()) {
-        const lod::LevelGrid after = moved.dicer.dice(moved.posed, tile, moved.arena), before = still.dicer.dice(still.posed, tile, still.arena);
+        const lod::LevelGrid after = moved.dicer.dice(moved.posed, tile, moved.arena),
+                             before = still.dicer.dice(still.posed, tile, still.arena);
         const lod::GridAttributes made = still.dicer.shade(still.posed, tile, tile.rates, still.arena);
         for (int j = 1; j < tile.rows; ++j)
             for (int i = 1; i < tile.columns; ++i) compare(after.vertex(i, j) - before.vertex(i, j), before, made, i, j);
@@ -69,20 +70,23 @@ TEST(DisplacementInTangentSpace, OfTheFirstTwoFollowsTheCoordinatesOverTheSurfac
             const float far = displaced.cage.displacement->bound * (place == Mat4d(1) ? 1.0f : 2.0f);
             DicedCage still(displaced.cage, 0, place), moved(displaced.cage, 0, place, &displaced.textures);
             int compared = 0;
-            for_moves(still, moved, [&](Vec3f move, const lod::LevelGrid& grid, const lod::GridAttributes& made, int i, int j) {
-                const Vec3f di = grid.vertex(i + 1, j) - grid.vertex(i - 1, j), dj = grid.vertex(i, j + 1) - grid.vertex(i, j - 1);
-                const Vec2f ui = made.uv[0][grid.index(i + 1, j)] - made.uv[0][grid.index(i - 1, j)],
-                            uj = made.uv[0][grid.index(i, j + 1)] - made.uv[0][grid.index(i, j - 1)];
-                const float turn = ui.x * uj.y - ui.y * uj.x;
-                const Vec3f normal = made.normal[grid.index(i, j)], along_u = glm::normalize((di * uj.y - dj * ui.y) / turn);
-                const Vec3f along_v = (dj * ui.x - di * uj.x) / turn;
-                const Vec3f up = -glm::normalize(along_v - along_u * glm::dot(along_v, along_u));
-                ASSERT_NEAR(glm::length(move), far, 1e-3f * far);
-                ASSERT_NEAR(glm::dot(move, normal), 0, 0.02f * far);
-                // Differences over two steps of an eighth of the tube's quadrant.
-                ASSERT_GT(glm::dot(move, is_up ? up : along_u), 0.98f * far);
-                ++compared;
-            });
+            for_moves(still, moved,
+                      [&](Vec3f move, const lod::LevelGrid& grid, const lod::GridAttributes& made, int i, int j) {
+                          const Vec3f di = grid.vertex(i + 1, j) - grid.vertex(i - 1, j),
+                                      dj = grid.vertex(i, j + 1) - grid.vertex(i, j - 1);
+                          const Vec2f ui = made.uv[0][grid.index(i + 1, j)] - made.uv[0][grid.index(i - 1, j)],
+                                      uj = made.uv[0][grid.index(i, j + 1)] - made.uv[0][grid.index(i, j - 1)];
+                          const float turn = ui.x * uj.y - ui.y * uj.x;
+                          const Vec3f normal = made.normal[grid.index(i, j)],
+                                      along_u = glm::normalize((di * uj.y - dj * ui.y) / turn);
+                          const Vec3f along_v = (dj * ui.x - di * uj.x) / turn;
+                          const Vec3f up = -glm::normalize(along_v - along_u * glm::dot(along_v, along_u));
+                          ASSERT_NEAR(glm::length(move), far, 1e-3f * far);
+                          ASSERT_NEAR(glm::dot(move, normal), 0, 0.02f * far);
+                          // Differences over two steps of an eighth of the tube's quadrant.
+                          ASSERT_GT(glm::dot(move, is_up ? up : along_u), 0.98f * far);
+                          ++compared;
+                      });
             EXPECT_GT(compared, 500);
         }
 }
@@ -104,7 +108,8 @@ TEST(DisplacementInTangentSpace, WithoutATangentKeepsTheNormalsPart)
 // A skin of one joint moves all as a node does: vectors and all.
 TEST(DisplacementByVectors, TurnsWithAJointAsWithANode)
 {
-    for (const Mat4d& joint : {bent_joints()[1], bent_joints()[1] * Mat4d(Vec4d(-1, 0, 0, 0), Vec4d(0, 1, 0, 0), Vec4d(0, 0, 1, 0), Vec4d(0, 0, 0, 1))})
+    for (const Mat4d& joint : {bent_joints()[1], bent_joints()[1] * Mat4d(Vec4d(-1, 0, 0, 0), Vec4d(0, 1, 0, 0),
+                                                                          Vec4d(0, 0, 1, 0), Vec4d(0, 0, 0, 1))})
         for (const int c : {6, 7}) {
             DisplacedCage displaced = displaced_case(c);
             DicedCage placed(displaced.cage, 0, joint, &displaced.textures);
@@ -116,7 +121,8 @@ TEST(DisplacementByVectors, TurnsWithAJointAsWithANode)
             placed.posed.level = posed.level_of_largest_exponent(4);
             int compared = 0;
             for (const lod::TileRef& tile : posed.tiles()) {
-                const lod::LevelGrid a = posed.dicer.dice(posed.posed, tile, posed.arena), b = placed.dicer.dice(placed.posed, tile, placed.arena);
+                const lod::LevelGrid a = posed.dicer.dice(posed.posed, tile, posed.arena),
+                                     b = placed.dicer.dice(placed.posed, tile, placed.arena);
                 ASSERT_EQ(a.vertex_count, b.vertex_count);
                 for (int k = 0; k < a.vertex_count; ++k) {
                     const Vec3d x = Vec3d(a.at(k)) + posed.posed.anchor, y = Vec3d(b.at(k)) + placed.posed.anchor;
@@ -128,7 +134,8 @@ TEST(DisplacementByVectors, TurnsWithAJointAsWithANode)
         }
 }
 
-// Where joints disagree the surface is sheared and bent between them, and vectors of one texel stay one length and turn smoothly.
+// Where joints disagree the surface is sheared and bent between them, and vectors of one texel stay one length and turn
+// smoothly.
 TEST(DisplacementByVectors, GoesAsFarWhenPosedAndTurnsSmoothlyOverTheSurface)
 {
     DisplacedCage displaced = displaced_case(6);
@@ -136,17 +143,20 @@ TEST(DisplacementByVectors, GoesAsFarWhenPosedAndTurnsSmoothlyOverTheSurface)
     add_skin(displaced.cage);
     set_texel(displaced, {0.9f, 0.3f, 0.6f});
     const std::vector<Mat4d> joints = bent_joints();
-    DicedCage still(displaced.cage, 0, Mat4d(1), nullptr, joints), moved(displaced.cage, 0, Mat4d(1), &displaced.textures, joints);
+    DicedCage still(displaced.cage, 0, Mat4d(1), nullptr, joints),
+        moved(displaced.cage, 0, Mat4d(1), &displaced.textures, joints);
     const float far = displaced.cage.displacement->bound * glm::length(Vec3f(0.8f, -0.4f, 0.2f));
     still.posed.level = moved.level_of_largest_exponent(4);
     float sharpest = 0, turned = 0;
     for (const lod::TileRef& tile : moved.tiles()) {
-        const lod::LevelGrid after = moved.dicer.dice(moved.posed, tile, moved.arena), before = still.dicer.dice(still.posed, tile, still.arena);
+        const lod::LevelGrid after = moved.dicer.dice(moved.posed, tile, moved.arena),
+                             before = still.dicer.dice(still.posed, tile, still.arena);
         const auto move = [&](int i, int j) { return after.vertex(i, j) - before.vertex(i, j); };
         for (int j = 0; j < tile.rows; ++j)
             for (int i = 0; i < tile.columns; ++i) {
                 ASSERT_NEAR(glm::length(move(i, j)), far, 2e-3f * far);
-                sharpest = std::max({sharpest, glm::distance(move(i, j), move(i + 1, j)) / far, glm::distance(move(i, j), move(i, j + 1)) / far});
+                sharpest = std::max({sharpest, glm::distance(move(i, j), move(i + 1, j)) / far,
+                                     glm::distance(move(i, j), move(i, j + 1)) / far});
                 turned = std::max(turned, glm::distance(move(i, j), glm::normalize(Vec3f(0.8f, -0.4f, 0.2f)) * far) / far);
             }
     }
@@ -170,7 +180,8 @@ TEST(Verify, HoldsForDisplacedCagesAsTheyArePosed)
         ASSERT_EQ(reports.size(), 1u);
         EXPECT_EQ(reports[0].not_testable, "");
         EXPECT_GE(reports[0].rays, 40000u);
-        EXPECT_TRUE(reports[0].holds()) << displaced.name << ' ' << reports[0].escaped << (reports[0].replay.empty() ? "" : reports[0].replay[0]);
+        EXPECT_TRUE(reports[0].holds()) << displaced.name << ' ' << reports[0].escaped
+                                        << (reports[0].replay.empty() ? "" : reports[0].replay[0]);
     }
 }
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "scenegraph/texture/texture_store.h"
+#include "io/texture/texture_store.h"
 #include "tests/support/diced_mesh.h"
 #include "tests/support/displaced_cages.h"
 #include "tests/support/shape_builders.h"
@@ -110,12 +110,14 @@ TEST(Displacement, ByOneVectorMovesEveryPointAsThePlacementMovesVectors)
     DicedCage smooth(displaced.cage, 0, place), moved(displaced.cage, 0, place, &displaced.textures);
     smooth.posed.level = moved.level_of_largest_exponent(3);
     for (const lod::TileRef& tile : moved.tiles()) {
-        const lod::LevelGrid grid = moved.dicer.dice(moved.posed, tile, moved.arena), still = smooth.dicer.dice(smooth.posed, tile, smooth.arena);
+        const lod::LevelGrid grid = moved.dicer.dice(moved.posed, tile, moved.arena),
+                             still = smooth.dicer.dice(smooth.posed, tile, smooth.arena);
         const lod::GridAttributes before = smooth.dicer.shade(smooth.posed, tile, tile.rates, smooth.arena);
         const lod::GridAttributes after = moved.dicer.shade(moved.posed, tile, tile.rates, moved.arena);
         for (int k = 0; k < grid.width() * grid.height(); ++k) {
             ASSERT_NEAR(glm::distance(grid.at(k), still.at(k) + moves), 0, 4e-6f);
-            ASSERT_NEAR(glm::distance(before.normal[k], after.normal[k]), 0, 2e-3f) << "rounding of differences over a quarter step";
+            ASSERT_NEAR(glm::distance(before.normal[k], after.normal[k]), 0, 2e-3f)
+                << "rounding of differences over a quarter step";
         }
     }
     // What is longer than the bound is shortened, not cut off by axis.
@@ -123,7 +125,8 @@ TEST(Displacement, ByOneVectorMovesEveryPointAsThePlacementMovesVectors)
     DicedCage held(displaced.cage, 0, place, &displaced.textures);
     held.posed.level = moved.posed.level;
     const lod::TileRef tile = held.tiles().front();
-    const lod::LevelGrid near = held.dicer.dice(held.posed, tile, held.arena), still = smooth.dicer.dice(smooth.posed, tile, smooth.arena);
+    const lod::LevelGrid near = held.dicer.dice(held.posed, tile, held.arena),
+                         still = smooth.dicer.dice(smooth.posed, tile, smooth.arena);
     const Vec3d expected = Vec3d(still.at(0)) + smooth.posed.anchor + Vec3d(moves) * (0.01 / std::sqrt(0.005));
     EXPECT_NEAR(glm::distance(Vec3d(near.at(0)) + held.posed.anchor, expected), 0, 4e-6);
 }

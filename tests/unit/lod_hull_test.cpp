@@ -24,7 +24,8 @@ struct GridOf {
             // Parts of rows: no grid is wider than 32.
             for (std::size_t first = 0; first <= kQuads; first += kQuads / 4) {
                 const int count = first == kQuads ? 1 : kQuads / 4;
-                patch.points({float(first) * step, float(j) * step, step, 1, count, 1}, &p[0], &p[room], &p[2 * room], count);
+                patch.points({float(first) * step, float(j) * step, step, 1, count, 1}, &p[0], &p[room], &p[2 * room],
+                             count);
                 for (std::size_t i = 0; i < std::size_t(count); ++i) at[j][first + i] = {p[i], p[room + i], p[2 * room + i]};
             }
     }
@@ -103,8 +104,8 @@ TEST_P(HullsAtPoles, HoldThePatch)
 }
 INSTANTIATE_TEST_SUITE_P(Cages, HullsAtPoles, testing::Values(spindle(30), spindle(360)));
 
-// The vertices at corners and on sides are their owners', each a sum of hundreds of control points: what that rounds to lies in the
-// boxes of all patches around.
+// The vertices at corners and on sides are their owners', each a sum of hundreds of control points: what that rounds to lies
+// in the boxes of all patches around.
 TEST(Bounds, HoldVerticesThatNeighboursOwn)
 {
     const Cage cage = spindle(360);
@@ -115,10 +116,13 @@ TEST(Bounds, HoldVerticesThatNeighboursOwn)
     diced.level_of_largest_exponent(3);
     for (const lod::TileRef& tile : diced.tiles()) {
         SCOPED_TRACE(testing::Message() << "face " << tile.patch.face << ", part " << tile.patch.sub);
-        const Box3f box = diced.dicer.bounds(diced.posed, diced.dicer.scale(diced.posed, tile.patch), {tile.patch, 0, 0, 0, 0}, lod::kCoarsestLevel);
+        const Box3f box = diced.dicer.bounds(diced.posed, diced.dicer.scale(diced.posed, tile.patch),
+                                             {tile.patch, 0, 0, 0, 0}, lod::kCoarsestLevel);
         const lod::LevelGrid grid = diced.dicer.dice(diced.posed, tile, diced.arena);
         for (int v = 0; v < grid.vertex_count; ++v)
-            for (int a = 0; a < 3; ++a) ASSERT_TRUE(box.lo[a] <= grid.fine[a][v] && grid.fine[a][v] <= box.hi[a]) << "vertex " << v << " along axis " << a;
+            for (int a = 0; a < 3; ++a)
+                ASSERT_TRUE(box.lo[a] <= grid.fine[a][v] && grid.fine[a][v] <= box.hi[a])
+                    << "vertex " << v << " along axis " << a;
     }
 }
 

@@ -31,9 +31,11 @@ std::vector<Beam> beams(int count)
 {
     std::mt19937_64 random(3);
     const auto uniform = [&](double low, double high) { return low + (high - low) * double(random() >> 11) * 0x1p-53; };
-    std::vector<Beam> all{{1, 0, 10}, {0, 0.01f, 100}, {0, 0.5f, 1e6f}, {1, -0.01f, 100}, {1, -0.5f, 100}, {0, 0, 10}, {1e-20f, 0, 10}, {1e20f, 0, 10}};
+    std::vector<Beam> all{{1, 0, 10},      {0, 0.01f, 100}, {0, 0.5f, 1e6f}, {1, -0.01f, 100},
+                          {1, -0.5f, 100}, {0, 0, 10},      {1e-20f, 0, 10}, {1e20f, 0, 10}};
     for (int i = 0; i < count; ++i) {
-        const double b = std::exp2(uniform(-12, -1)), end = std::exp2(uniform(-3, 12)), a = random() & 1 ? 0 : std::exp2(uniform(-8, 8));
+        const double b = std::exp2(uniform(-12, -1)), end = std::exp2(uniform(-3, 12)),
+                     a = random() & 1 ? 0 : std::exp2(uniform(-8, 8));
         all.push_back({float(a), float(random() & 1 ? b : -b), float(end)});
     }
     return all;
@@ -97,7 +99,8 @@ TEST(RayLevels, AreNeverCoarserThanAskedAndKeepTheirLeastLength)
             if (begin >= end) continue;
             for (const float t : {std::max(begin, 0.0f), std::min(end, beam.t_end)}) {
                 if (t < begin || t > end || pair == table.finest) continue;
-                EXPECT_LE(d, (beam.a + beam.b * t) * 1.0001f + beam.a * 3e-7f) << "pair " << pair << " at " << t << " of " << beam.a << " + " << beam.b << " t";
+                EXPECT_LE(d, (beam.a + beam.b * t) * 1.0001f + beam.a * 3e-7f)
+                    << "pair " << pair << " at " << t << " of " << beam.a << " + " << beam.b << " t";
             }
             const bool has_both_ends = begin > 0 && end < beam.t_end;
             if (has_both_ends) {
@@ -172,8 +175,10 @@ TEST(RayLevels, HaveTheSameBitsInLanesAndAlone)
     }
 }
 
-/// Every vertex of pair l fully coarse is where that parameter lies in the mesh of level l + 1: compared with the mesh itself.
-void expect_nested(const Cage& cage, int largest_exponent, const TextureStore* textures = nullptr, std::span<const Mat4d> joints = {})
+/// Every vertex of pair l fully coarse is where that parameter lies in the mesh of level l + 1: compared with the mesh
+/// itself.
+void expect_nested(const Cage& cage, int largest_exponent, const TextureStore* textures = nullptr,
+                   std::span<const Mat4d> joints = {})
 {
     DicedCage diced(cage, 0, Mat4d(1), textures, joints);
     const int finest = diced.level_of_largest_exponent(largest_exponent);
@@ -185,9 +190,11 @@ void expect_nested(const Cage& cage, int largest_exponent, const TextureStore* t
             const lod::LevelGrid pair = diced.dicer.dice_pair(diced.posed, tile, scale.rates(level + 1), diced.arena);
             // The tile of level l + 1 over the same part of the patch.
             const int half = pair.is_halved ? 2 : 1;
-            const lod::TileRef over = lod::Dicer::tile(tile.patch, scale, level + 1, tile.i0 / std::uint32_t(half), tile.j0 / std::uint32_t(half));
+            const lod::TileRef over = lod::Dicer::tile(tile.patch, scale, level + 1, tile.i0 / std::uint32_t(half),
+                                                       tile.j0 / std::uint32_t(half));
             const lod::LevelGrid coarse = diced.dicer.dice(diced.posed, over, diced.arena);
-            const int i0 = static_cast<int>(tile.i0) / half - static_cast<int>(over.i0), j0 = static_cast<int>(tile.j0) / half - static_cast<int>(over.j0);
+            const int i0 = static_cast<int>(tile.i0) / half - static_cast<int>(over.i0),
+                      j0 = static_cast<int>(tile.j0) / half - static_cast<int>(over.j0);
             for (int j = 0; j <= tile.rows; ++j)
                 for (int i = 0; i <= tile.columns; ++i) {
                     const Vec3f low = coarse.vertex(i0 + i / half, j0 + j / half);
@@ -199,7 +206,8 @@ void expect_nested(const Cage& cage, int largest_exponent, const TextureStore* t
             // T-vertices as a ray that sees only the coarser level blends them.
             for (const lod::Hanging& h : pair.hanging) {
                 if (!h.is_inside) continue;
-                const Vec3f middle = h.on(pair.coarse_at(static_cast<int>(h.a)), pair.coarse_at(static_cast<int>(h.c))).middle;
+                const Vec3f middle =
+                    h.on(pair.coarse_at(static_cast<int>(h.a)), pair.coarse_at(static_cast<int>(h.c))).middle;
                 ASSERT_EQ(middle, pair.coarse_at(pair.index(h.i, h.j))) << "face " << tile.patch.face << " level " << level;
             }
         }

@@ -1,4 +1,5 @@
-// M_l as a mesh: closed bit for bit, no edge longer than d_l, halving exactly from level to level (watertightness rules 1 to 4).
+// M_l as a mesh: closed bit for bit, no edge longer than d_l, halving exactly from level to level (watertightness rules 1 to
+// 4).
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -37,7 +38,8 @@ TEST_P(ClosedCages, HaveNoGridEdgeLongerThanTheLevelAsks)
         const lod::LevelGrid grid = diced.dicer.dice(diced.posed, tile, diced.arena);
         for (int j = 0; j <= tile.rows; ++j)
             for (int i = 0; i <= tile.columns; ++i) {
-                const Vec3f right = grid.vertex(std::min<int>(i + 1, tile.columns), j), up = grid.vertex(i, std::min<int>(j + 1, tile.rows));
+                const Vec3f right = grid.vertex(std::min<int>(i + 1, tile.columns), j),
+                            up = grid.vertex(i, std::min<int>(j + 1, tile.rows));
                 ASSERT_LE(glm::distance(grid.vertex(i, j), right), wanted) << "face " << tile.patch.face;
                 ASSERT_LE(glm::distance(grid.vertex(i, j), up), wanted) << "face " << tile.patch.face;
             }
@@ -60,7 +62,8 @@ TEST_P(ClosedCages, GiveAPointTheSameBitsAtEveryLevel)
         const int su = fine_grid.tile.columns / t.columns, sv = fine_grid.tile.rows / t.rows;
         for (int j = 1; j < t.rows; ++j)
             for (int i = 1; i < t.columns; ++i)
-                ASSERT_EQ(bits_of(coarse.vertex(i, j)), bits_of(fine_grid.vertex(i * su, j * sv))) << "face " << t.patch.face;
+                ASSERT_EQ(bits_of(coarse.vertex(i, j)), bits_of(fine_grid.vertex(i * su, j * sv)))
+                    << "face " << t.patch.face;
     }
 }
 
@@ -76,7 +79,8 @@ TEST(ClosedDisplacedCages, AreClosedBitForBitAtEveryLevel)
             for (int exponent = -2; exponent <= (is_posed ? 5 : 6); ++exponent) {
                 diced.posed.level = coarse - exponent;
                 diced.dicer.forget();
-                EXPECT_EQ(open_edges(diced.triangles()), 0u) << displaced.name << " at exponent " << exponent << (is_posed ? ", posed" : "");
+                EXPECT_EQ(open_edges(diced.triangles()), 0u)
+                    << displaced.name << " at exponent " << exponent << (is_posed ? ", posed" : "");
                 diced.arena.reset();
             }
         }
@@ -88,7 +92,8 @@ GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(ClosedCages);
 TEST(Rates, HalveExactlyAtAndAroundPowersOfTwo)
 {
     for (int e = -20; e <= 20; ++e)
-        for (const float s : {std::ldexp(1.0f, e), std::nextafterf(std::ldexp(1.0f, e), 0.0f), std::nextafterf(std::ldexp(1.0f, e), 1e30f)}) {
+        for (const float s : {std::ldexp(1.0f, e), std::nextafterf(std::ldexp(1.0f, e), 0.0f),
+                              std::nextafterf(std::ldexp(1.0f, e), 1e30f)}) {
             const int k = lod::ceil_log2(s);
             EXPECT_LE(s, std::ldexp(1.0f, k));
             EXPECT_GT(s, std::ldexp(1.0f, k - 1));

@@ -1,4 +1,5 @@
-// The limit surface against uniform refinement, whose vertices are pushed to the limit by the rules of subdivision themselves.
+// The limit surface against uniform refinement, whose vertices are pushed to the limit by the rules of subdivision
+// themselves.
 #include <gtest/gtest.h>
 #include <opensubdiv/far/primvarRefiner.h>
 #include <opensubdiv/far/topologyDescriptor.h>
@@ -28,9 +29,9 @@ struct LimitVertex {
     bool has_normal = false;    ///< and all faces share one
 };
 
-// The limit of one vertex of a refined mesh: the rules of subdivision, applied to its ring of quads until it stands still. Unlike masks
-// this holds at valence 2 and at ends of creases too. (OpenSubdiv 3.5's PrimvarRefiner::Limit is inexact at the latter, and writes
-// past its buffers at non-manifold vertices.)
+// The limit of one vertex of a refined mesh: the rules of subdivision, applied to its ring of quads until it stands still.
+// Unlike masks this holds at valence 2 and at ends of creases too. (OpenSubdiv 3.5's PrimvarRefiner::Limit is inexact at the
+// latter, and writes past its buffers at non-manifold vertices.)
 LimitVertex limit_vertex(const Far::TopologyLevel& level, int v, const std::vector<Point>& points, bool bilinear)
 {
     LimitVertex out;
@@ -42,7 +43,8 @@ LimitVertex limit_vertex(const Far::TopologyLevel& level, int v, const std::vect
         const float s = level.GetEdgeSharpness(e);
         semi |= s > 0 && s < 10;
         const auto ends = level.GetEdgeVertices(e);
-        if (s >= 10 || level.IsEdgeBoundary(e) || level.IsEdgeNonManifold(e)) sharp_ends.push_back(ends[0] == v ? ends[1] : ends[0]);
+        if (s >= 10 || level.IsEdgeBoundary(e) || level.IsEdgeNonManifold(e))
+            sharp_ends.push_back(ends[0] == v ? ends[1] : ends[0]);
     }
     out.p = points[v].p;
     out.has_position = !semi;
@@ -72,7 +74,9 @@ LimitVertex limit_vertex(const Far::TopologyLevel& level, int v, const std::vect
         }
         // A fold has but one tangent: no normal.
         if (step == 0) out.normal = glm::cross(t1, t2);
-        if (step == 0) out.has_normal = n > 2 && sharp < 0 && glm::length(out.normal) > 1e-6 * std::max(glm::dot(t1, t1), glm::dot(t2, t2));
+        if (step == 0)
+            out.has_normal = n > 2 && sharp < 0 &&
+                             glm::length(out.normal) > 1e-6 * std::max(glm::dot(t1, t1), glm::dot(t2, t2));
         std::vector<Vec3d> next_f(n), next_e(n);
         for (int i = 0; i < n; ++i) {
             next_f[i] = (out.p + e[i] + e[(i + 1) % n] + f[i]) / 4.0;
@@ -181,9 +185,10 @@ private:
             d.numHoles = int(holes.size());
             d.holeIndices = holes.data();
             Sdc::Options options;
-            options.SetVtxBoundaryInterpolation(cage.boundary == BoundaryRule::EdgeAndCorner ? Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER
-                                                : cage.boundary == BoundaryRule::EdgeOnly    ? Sdc::Options::VTX_BOUNDARY_EDGE_ONLY
-                                                                                             : Sdc::Options::VTX_BOUNDARY_NONE);
+            options.SetVtxBoundaryInterpolation(
+                cage.boundary == BoundaryRule::EdgeAndCorner ? Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER
+                : cage.boundary == BoundaryRule::EdgeOnly    ? Sdc::Options::VTX_BOUNDARY_EDGE_ONLY
+                                                             : Sdc::Options::VTX_BOUNDARY_NONE);
             using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
             const Sdc::SchemeType scheme = cage.scheme == Scheme::Bilinear ? Sdc::SCHEME_BILINEAR : Sdc::SCHEME_CATMARK;
             refiner.reset(Factory::Create(d, Factory::Options(scheme, options)));
@@ -193,7 +198,8 @@ private:
     OwnMesh mesh_;
 };
 
-// Two faces that share several semi-sharp edges in a row, so at a vertex of valence 2: Bfr 3.5 warns that it loses these creases.
+// Two faces that share several semi-sharp edges in a row, so at a vertex of valence 2: Bfr 3.5 warns that it loses these
+// creases.
 bool is_lost_by_bfr(const Far::TopologyLevel& level, int face)
 {
     for (const int v : level.GetFaceVertices(face)) {
@@ -224,7 +230,8 @@ TEST_P(SurfaceShapes, AgreeWithRefinementAndLimitMasks)
         if (!(face.square.patch == at)) patch.set(diced.posed, at = face.square.patch);
         const float u0 = float(face.square.u0), v0 = float(face.square.v0), size = float(face.square.size);
         float values[9][4];
-        float* const out[9] = {values[0], values[1], values[2], values[3], values[4], values[5], values[6], values[7], values[8]};
+        float* const out[9] = {values[0], values[1], values[2], values[3], values[4],
+                               values[5], values[6], values[7], values[8]};
         patch.points_and_tangents({u0, v0, size, size, 2, 2}, out, 2);
         const auto vec = [&](int row, int k) { return Vec3d(values[row][k], values[row + 1][k], values[row + 2][k]); };
         const auto corner = [&](int c) { return refined.vertices[face.vertices[c & 3]]; };
@@ -242,7 +249,8 @@ TEST_P(SurfaceShapes, AgreeWithRefinementAndLimitMasks)
             const Vec3d n = glm::cross(vec(3, k), vec(6, k));
             const double scale = glm::length(expected) * glm::length(n);
             if (!(scale > 0)) continue;
-            worst_degrees = std::max(worst_degrees, std::acos(std::clamp(glm::dot(n, expected) / scale, -1.0, 1.0)) * 57.29578);
+            worst_degrees = std::max(worst_degrees,
+                                     std::acos(std::clamp(glm::dot(n, expected) / scale, -1.0, 1.0)) * 57.29578);
         }
     }
     EXPECT_GT(compared, 0);
@@ -250,7 +258,8 @@ TEST_P(SurfaceShapes, AgreeWithRefinementAndLimitMasks)
     EXPECT_LE(worst_degrees, 0.5);
 }
 
-// Where texture coordinates have no seam their limit is the position's: so st = (x, y) of each vertex stays (x, y) everywhere.
+// Where texture coordinates have no seam their limit is the position's: so st = (x, y) of each vertex stays (x, y)
+// everywhere.
 TEST(TextureCoordinates, FollowTheSurfaceWhereTheyHaveNoSeam)
 {
     for (Cage cage : {torus(), prism(5), prism(4)}) {

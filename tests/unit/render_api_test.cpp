@@ -45,8 +45,9 @@ TEST(Api, APictureOfASquareHasItsDepthAndCoverage)
     EXPECT_EQ(renderer.stats().image.checksum, image.checksum());
 }
 
-// Seen from straight above by an orthographic camera a flat sheet has a cell a pixel, whatever the samples; powers of two and their
-// pairs of levels build 1 to 4.5 quads for each (4.7 is the mean over scales of what both directions need), tiles out of sight some more.
+// Seen from straight above by an orthographic camera a flat sheet has a cell a pixel, whatever the samples; powers of two
+// and their pairs of levels build 1 to 4.5 quads for each (4.7 is the mean over scales of what both directions need), tiles
+// out of sight some more.
 TEST(Api, StatisticsTellQuadsPerVisibleCell)
 {
     Scene scene;
@@ -103,8 +104,8 @@ TEST(Api, ACancelledJobKeepsItsFinishedTilesAndLetsGoOfTheScene)
     EXPECT_EQ(job.progress().stage, Stage::Done);
     EXPECT_EQ(job.image().width, 1000);
     square.scene.set_visible(square.node, false);
-    const Image empty =
-        renderer.render(square.scene, kFront, {.width = 8, .height = 8, .spp = 1, .aovs = unsigned(Aov::Depth)});
+    const Image empty = renderer.render(square.scene, kFront,
+                                        {.width = 8, .height = 8, .spp = 1, .aovs = unsigned(Aov::Depth)});
     for (float z : empty.find("depth")->pixels) EXPECT_TRUE(std::isinf(z));
 }
 
@@ -122,8 +123,8 @@ TEST(Api, ADeadlineEndsAFrame)
 {
     Square square;
     Renderer renderer;
-    const Image image =
-        renderer.render(square.scene, kFront, {.width = 2000, .height = 2000, .spp = 65536, .deadline_s = 0.05});
+    const Image image = renderer.render(square.scene, kFront,
+                                        {.width = 2000, .height = 2000, .spp = 65536, .deadline_s = 0.05});
     EXPECT_EQ(image.width, 2000);
     EXPECT_FALSE(renderer.stats().complete);
 }
@@ -167,7 +168,8 @@ TEST(Query, FindsFirstHitsOfManyRays)
 {
     Square square;
     Query query(square.scene, kFront);
-    const std::vector<QueryRay> rays{{{0.25, 0.5, 3}, {0, 0, -2}}, {{0, 0, 3}, {0, 0, -1}, 2.9}, {{0, 0, 3}, {0, 0, 0}}, {{0, NAN, 3}, {0, 0, -1}}};
+    const std::vector<QueryRay> rays{
+        {{0.25, 0.5, 3}, {0, 0, -2}}, {{0, 0, 3}, {0, 0, -1}, 2.9}, {{0, 0, 3}, {0, 0, 0}}, {{0, NAN, 3}, {0, 0, -1}}};
     std::vector<FirstHit> hits(rays.size());
     query.first_hits(rays, hits);
     EXPECT_NEAR(hits[0].distance, 3, 1e-6);

@@ -86,7 +86,8 @@ std::map<std::uint32_t, float> coverages(const Image& image, const std::string& 
         const Layer* l = image.find(layer + number);
         EXPECT_TRUE(l && l->full_float && l->channel_count() == 4);
         for (int rank : {0, 2})
-            if (const float* p = &l->pixels[pixel * 4 + std::size_t(rank)]; p[1] > 0) found[std::bit_cast<std::uint32_t>(p[0])] += p[1];
+            if (const float* p = &l->pixels[pixel * 4 + std::size_t(rank)]; p[1] > 0)
+                found[std::bit_cast<std::uint32_t>(p[0])] += p[1];
     }
     return found;
 }
@@ -109,7 +110,9 @@ TEST(Cryptomatte, PixelsSayHowMuchOfEachNameTheyShow)
     EXPECT_EQ(objects.size(), 2u);
     EXPECT_EQ(text_of(made, "/name"), "CryptoObject");
     EXPECT_EQ(text_of(made, "/conversion"), "uint32_to_float32");
-    const auto id = [&](const char* name) { return std::uint32_t(std::stoul(objects.at(name).get<std::string>(), nullptr, 16)); };
+    const auto id = [&](const char* name) {
+        return std::uint32_t(std::stoul(objects.at(name).get<std::string>(), nullptr, 16));
+    };
     const std::size_t row = 4 * 33;
     for (const std::size_t x : {7u, 10u}) {
         auto shown = coverages(image, "CryptoObject", row + x);

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "scenegraph/base/error.h"
+#include "base/error.h"
 
 namespace occam::render {
 namespace {

@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "base/error.h"
 #include "render/display.h"
-#include "scenegraph/base/error.h"
 
 namespace occam::render {
 namespace {

@@ -42,17 +42,26 @@ Scene stage_of(const Effect& effect)
 // The same numbers are drawn in both pictures, so that most noise cancels out.
 TEST(LodLight, ConvergesToThePictureOfOneFineLevel)
 {
-    for (const Effect& effect : {Effect{"soft shadow", IntegratorKind::Direct, true}, Effect{"ambient occlusion", IntegratorKind::Ao, false},
-                                 Effect{"glossy", IntegratorKind::Path, false}}) {
+    for (const Effect& effect :
+         {Effect{"soft shadow", IntegratorKind::Direct, true}, Effect{"ambient occlusion", IntegratorKind::Ao, false},
+          Effect{"glossy", IntegratorKind::Path, false}}) {
         Scene scene = stage_of(effect);
         const Camera camera = Camera::look_at({2.5, 2.2, 4}, {0, 0.4, 0}, {0, 1, 0}, 0.7f);
         Renderer renderer({.threads = 2});
         const auto picture = [&](render::Lod lod, float rate) {
-            const Settings settings{.width = 64, .height = 48, .spp = 64, .integrator = effect.integrator, .bounces = 3, .shading_rate = rate, .lod = lod};
+            const Settings settings{.width = 64,
+                                    .height = 48,
+                                    .spp = 64,
+                                    .integrator = effect.integrator,
+                                    .bounces = 3,
+                                    .shading_rate = rate,
+                                    .lod = lod};
             return renderer.render(scene, camera, settings);
         };
         const Image fine = picture(render::Lod::Off, 0.25f);
-        const auto difference = [&](float rate) { return render::compare(picture(render::Lod::On, rate), fine, "beauty").rmse; };
+        const auto difference = [&](float rate) {
+            return render::compare(picture(render::Lod::On, rate), fine, "beauty").rmse;
+        };
         const double coarse = difference(8), middle = difference(2), small = difference(0.5f);
         EXPECT_LT(middle, coarse) << effect.name;
         EXPECT_LT(small, middle) << effect.name;

@@ -1,9 +1,9 @@
 // Memory budgets down to the floor, and trees that workers share: what they may use, and that the picture stays what it is.
 #include <gtest/gtest.h>
 
+#include "base/arena.h"
 #include "lod/vertex_shader.h"
 #include "occam/occam.h"
-#include "scenegraph/base/arena.h"
 #include "tests/support/shape_builders.h"
 #include "tests/support/textured_floor.h"
 
@@ -86,7 +86,8 @@ TEST(Memory, ABudgetAtTheFloorHasRoomForValuesAtVertices)
     TexturedFloor world(Scheme::CatmullClark, [](Scene& scene) {
         Material m;
         m.base_color_texture.texture = m.normal_texture.texture = m.bump_texture.texture = scene.add(waves(0));
-        m.emission_texture.texture = m.metallic_roughness_texture.texture = m.specular_color_texture.texture = scene.add(waves(1));
+        m.emission_texture.texture = m.metallic_roughness_texture.texture = m.specular_color_texture.texture = scene.add(
+            waves(1));
         m.emission = Vec3f(0.1f);
         return m;
     });
@@ -95,7 +96,8 @@ TEST(Memory, ABudgetAtTheFloorHasRoomForValuesAtVertices)
     const std::uint64_t used = world.stats.memory.arena_peak_bytes;
     Resources resources{.threads = 1};
     resources.memory_bytes = Renderer(resources).memory_floor(world.scene);
-    EXPECT_GT(resources.memory_bytes, std::size_t(8) * 2 * 81 * lod::VertexShader::kMaxChannels * sizeof(float)) << "of the igrids of a ray";
+    EXPECT_GT(resources.memory_bytes, std::size_t(8) * 2 * 81 * lod::VertexShader::kMaxChannels * sizeof(float))
+        << "of the igrids of a ray";
     world.renderer = Renderer(resources);
     EXPECT_EQ(world.picture(settings).checksum(), wanted);
     EXPECT_GT(world.stats.memory.flushes, 0u);

@@ -10,7 +10,8 @@ namespace {
 Material half_occluded(Scene& scene)
 {
     Material m;
-    m.occlusion_texture.texture = scene.add(texture_of([](float x, float) { return Vec4f(x < kTexels / 2 ? 0.25f : 1, 0, 0, 1); }));
+    m.occlusion_texture.texture = scene.add(
+        texture_of([](float x, float) { return Vec4f(x < kTexels / 2 ? 0.25f : 1, 0, 0, 1); }));
     m.occlusion_strength = 0.8f;
     return m;
 }
@@ -19,7 +20,8 @@ Material half_occluded(Scene& scene)
 float value(const Image& image, const char* layer, bool is_right)
 {
     const Layer* found = image.find(layer);
-    const std::size_t pixel = std::size_t(image.height / 2) * std::size_t(image.width) + std::size_t(image.width * (is_right ? 5 : 3) / 8);
+    const std::size_t pixel = std::size_t(image.height / 2) * std::size_t(image.width) +
+                              std::size_t(image.width * (is_right ? 5 : 3) / 8);
     return found->pixels[pixel * found->channels.size()];
 }
 
@@ -28,7 +30,8 @@ TEST(Occlusion, DimsAmbientLightByItsStrength)
     for (const Scheme scheme : {Scheme::Bilinear, Scheme::Triangles})
         for (const render::ShadeAt at : {render::ShadeAt::Hit, render::ShadeAt::Vertex}) {
             TexturedFloor world(scheme, half_occluded);
-            const Image image = world.picture({.integrator = IntegratorKind::Ao, .shade_at = at, .aovs = unsigned(Aov::Occlusion)});
+            const Image image = world.picture(
+                {.integrator = IntegratorKind::Ao, .shade_at = at, .aovs = unsigned(Aov::Occlusion)});
             for (const char* layer : {"beauty", "occlusion"}) {
                 EXPECT_NEAR(value(image, layer, false), 1 + 0.8f * (0.25f - 1), 2e-3f) << layer;
                 EXPECT_NEAR(value(image, layer, true), 1, 2e-3f) << layer;

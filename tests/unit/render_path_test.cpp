@@ -14,7 +14,8 @@ Cage box()
     Cage cage;
     cage.scheme = Scheme::Triangles;
     for (int i = 0; i < 8; ++i) cage.positions.push_back({i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f});
-    cage.face_vertices = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
+    cage.face_vertices = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4,
+                          2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
     return cage;
 }
 
@@ -57,7 +58,8 @@ Mean mean_of(Scene& scene, const Camera& camera, Settings settings)
 const Settings kSmall{.width = 32, .height = 32, .spp = 64, .integrator = IntegratorKind::Path};
 const Camera kInside = Camera::look_at({0.3, 0.2, 0.1}, {1, 0.3, -0.4}, {0, 1, 0}, 1);
 
-// Walls that shine with e and reflect rho are everywhere e / (1 - rho) bright, found by lights' samples and by bounces alike.
+// Walls that shine with e and reflect rho are everywhere e / (1 - rho) bright, found by lights' samples and by bounces
+// alike.
 TEST(Path, AShiningRoomIsAsBrightAsTheSeriesOfItsBounces)
 {
     Scene scene;
@@ -70,14 +72,15 @@ TEST(Path, AShiningRoomIsAsBrightAsTheSeriesOfItsBounces)
     EXPECT_NEAR(all.value(), 1, 4 * all.error() + 1e-3);
     settings.bounces = 1;
     const Mean two = mean_of(scene, kInside, settings);
-    EXPECT_NEAR(two.value(), 0.4 * (1 + 0.6 + 0.36), 4 * two.error() + 1e-3) << "one bounce, and the light of the last surface";
+    EXPECT_NEAR(two.value(), 0.4 * (1 + 0.6 + 0.36), 4 * two.error() + 1e-3)
+        << "one bounce, and the light of the last surface";
     settings.integrator = IntegratorKind::Direct;
     const Mean one = mean_of(scene, kInside, settings);
     EXPECT_NEAR(one.value(), 0.4 * (1 + 0.6), 4 * one.error() + 1e-3);
 }
 
-// The same lamp as an area light of the scene graph and as a mesh that shines: near by, and so far that the area light is left to its
-// samples, while the mesh is found by scattered rays too.
+// The same lamp as an area light of the scene graph and as a mesh that shines: near by, and so far that the area light is
+// left to its samples, while the mesh is found by scattered rays too.
 TEST(Path, AShiningMeshLightsAsAnAreaLightDoes)
 {
     const Camera camera = Camera::look_at({0, 0.8, 0}, {0, 0, 0}, {0, 0, -1}, 1.2f);
@@ -107,7 +110,8 @@ TEST(Path, AShiningMeshLightsAsAnAreaLightDoes)
     for (const IntegratorKind integrator : {IntegratorKind::Direct, IntegratorKind::Path})
         for (const double height : {1.0, 9.0})
             for (const float roughness : {0.15f, 1.0f}) {
-                const double area = light(false, roughness, height, integrator), mesh = light(true, roughness, height, integrator);
+                const double area = light(false, roughness, height, integrator),
+                             mesh = light(true, roughness, height, integrator);
                 // Of 65,536 samples that are each right to a factor.
                 EXPECT_NEAR(area, mesh, 4 * 3e-3 * area) << height << ' ' << roughness;
             }
@@ -148,7 +152,8 @@ TEST(Path, ABodyTakesLightByTheLengthOfTheWay)
     scene.environment.radiance = Vec3f(1);
     Settings settings = kSmall;
     settings.bounces = 40;
-    // A narrow view along the axis. r = 0.04, T = 1/2: r + (1 - r)^2 T / (1 - r T) summed over all echoes, the sky on both sides.
+    // A narrow view along the axis. r = 0.04, T = 1/2: r + (1 - r)^2 T / (1 - r T) summed over all echoes, the sky on both
+    // sides.
     const Mean m = mean_of(scene, Camera::look_at({0, 0, 60}, {0, 0, 0}, {0, 1, 0}, 0.01f), settings);
     const double r = 0.04, t = 0.5;
     const double expected = r + (1 - r) * (1 - r) * (t + r * t * t) / (1 - r * r * t * t);

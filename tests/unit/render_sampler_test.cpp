@@ -167,7 +167,8 @@ TEST(Aperture, PointsAreUniformInTheOpening)
         for (double& w : wanted) w *= kCount / inside;
         for (int i = 0; i < kCount; ++i) {
             const Vec2f p = aperture_point(numbers.square(), blades);
-            ++found[std::size_t(std::min(kCells - 1, int((p.y + 1) / 2 * kCells)) * kCells + std::min(kCells - 1, int((p.x + 1) / 2 * kCells)))];
+            ++found[std::size_t(std::min(kCells - 1, int((p.y + 1) / 2 * kCells)) * kCells +
+                                std::min(kCells - 1, int((p.x + 1) / 2 * kCells)))];
         }
         EXPECT_LT(test::chi_square_excess(found, wanted), 4.5) << blades;
     }

@@ -38,8 +38,8 @@ Darkness look_at(Scene& scene, const Settings& settings)
     return result;
 }
 
-// 64 rays a pixel, four from each camera sample. Those few that leave below their micropolygon's own horizon, though above the
-// smooth normal's, are not shot: a hundredth where facets are a pixel wide, more at the rim. One sample of sixteen that
+// 64 rays a pixel, four from each camera sample. Those few that leave below their micropolygon's own horizon, though above
+// the smooth normal's, are not shot: a hundredth where facets are a pixel wide, more at the rim. One sample of sixteen that
 // starts below the surface would take a sixteenth.
 TEST(SelfShadow, AConvexBodySeesAllOfItsSkyAtAnyScale)
 {
@@ -92,7 +92,8 @@ TEST(SelfShadow, AWhiteBodyInAWhiteSkyIsWhite)
     }
 }
 
-// A room between shells of a rounded cube, seen from inside, in bright light from outside: how many of its pixels are not black.
+// A room between shells of a rounded cube, seen from inside, in bright light from outside: how many of its pixels are not
+// black.
 int lit_pixels(const std::vector<double>& shells, double scale, float rate, int bounces)
 {
     Scene scene;
@@ -129,14 +130,15 @@ TEST(SelfShadow, AClosedRoomLetsNoLightInHoweverWideItsBeams)
     for (const float rate : {0.5f, 1.0f, 4.0f}) EXPECT_EQ(lit_pixels({1.0}, 1, rate, 6), 0) << rate;
 }
 
-// While the edge that is wanted where rays start is at most a quarter of the wall: here that of camera rays at the far wall, up to 1.1
-// away. The inner shell's limit surface is 0.55 to 0.8 from the middle.
+// While the edge that is wanted where rays start is at most a quarter of the wall: here that of camera rays at the far wall,
+// up to 1.1 away. The inner shell's limit surface is 0.55 to 0.8 from the middle.
 TEST(SelfShadow, AWallLeaksNoLightAtAQuarterOfItsThickness)
 {
     for (const double scale : {1e-3, 1.0, 1e4})
         for (const float rate : {1.0f, 4.0f}) {
             const double edge = 1.1 * 2 * std::tan(0.7) / 57 * double(rate * lod::LevelSettings::kLongestEdge);
-            EXPECT_EQ(lit_pixels({1.0, 1 + 4 * edge / 0.55}, scale, rate, 0), 0) << "scale " << scale << ", shading rate " << rate;
+            EXPECT_EQ(lit_pixels({1.0, 1 + 4 * edge / 0.55}, scale, rate, 0), 0)
+                << "scale " << scale << ", shading rate " << rate;
         }
 }
 

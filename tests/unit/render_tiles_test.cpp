@@ -27,11 +27,14 @@ TEST(Tiles, CoverEveryPixelOnce)
 
 TEST(Tiles, ListTheirPixelsInBlocksOfEight)
 {
-    for (const PixelRect tile : {PixelRect{0, 0, 1, 1}, PixelRect{32, 16, 48, 32}, PixelRect{3, 5, 14, 8}, PixelRect{7, 0, 8, 16}}) {
+    for (const PixelRect tile :
+         {PixelRect{0, 0, 1, 1}, PixelRect{32, 16, 48, 32}, PixelRect{3, 5, 14, 8}, PixelRect{7, 0, 8, 16}}) {
         std::map<std::pair<int, int>, int> times;
         for (const Pixel p : pixels_of(tile)) ++times[{p.x, p.y}];
         EXPECT_EQ(times.size(), std::size_t(tile.width() * tile.height()));
-        for (const auto& [pixel, n] : times) EXPECT_TRUE(n == 1 && pixel.first >= tile.x0 && pixel.first < tile.x1 && pixel.second >= tile.y0 && pixel.second < tile.y1);
+        for (const auto& [pixel, n] : times)
+            EXPECT_TRUE(n == 1 && pixel.first >= tile.x0 && pixel.first < tile.x1 && pixel.second >= tile.y0 &&
+                        pixel.second < tile.y1);
     }
     const std::vector<Pixel> whole = pixels_of({0, 0, kTileSide, kTileSide});
     for (std::size_t first = 0; first < whole.size(); first += 8)

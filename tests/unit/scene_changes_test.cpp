@@ -83,12 +83,14 @@ TEST(ChangingScene, EveryFrameIsThatOfASceneBuiltAnew)
     Renderer renderer;
     State before;
     renderer.render(world.scene, kCamera, kSmall);
-    for (const State& now : {State{.is_tall = true}, State{.is_tall = true, .is_aside = true}, State{.is_prism = true, .is_aside = true},
-                             State{.is_tall = true, .is_prism = true, .is_red = true}, State{.is_red = true, .is_dark = true},
-                             State{.is_hidden = true}, State{}}) {
+    for (const State& now :
+         {State{.is_tall = true}, State{.is_tall = true, .is_aside = true}, State{.is_prism = true, .is_aside = true},
+          State{.is_tall = true, .is_prism = true, .is_red = true}, State{.is_red = true, .is_dark = true},
+          State{.is_hidden = true}, State{}}) {
         world.become(before, now);
         World fresh(now);
-        EXPECT_EQ(renderer.render(world.scene, kCamera, kSmall).checksum(), Renderer().render(fresh.scene, kCamera, kSmall).checksum());
+        EXPECT_EQ(renderer.render(world.scene, kCamera, kSmall).checksum(),
+                  Renderer().render(fresh.scene, kCamera, kSmall).checksum());
         before = now;
     }
 }
@@ -124,8 +126,8 @@ OnDemandCage demanded(std::atomic<int>& calls, Cage cage)
     return on_demand;
 }
 
-// Hidden behind a wall, or beside the picture: however much it is, and however it changes, a frame does the same work. One worker,
-// since two divide it as they come.
+// Hidden behind a wall, or beside the picture: however much it is, and however it changes, a frame does the same work. One
+// worker, since two divide it as they come.
 TEST(HiddenGeometry, CostsNoWorkOfAnyKind)
 {
     const auto work_with = [](int copies) {
@@ -139,7 +141,8 @@ TEST(HiddenGeometry, CostsNoWorkOfAnyKind)
         NodeDesc behind, beside;
         behind.place.translation = {0, 0, -12};
         beside.place.translation = {200, 0, 0};
-        for (const NodeId group : {world.scene.add_node(world.scene.root(), behind), world.scene.add_node(world.scene.root(), beside)})
+        for (const NodeId group :
+             {world.scene.add_node(world.scene.root(), behind), world.scene.add_node(world.scene.root(), beside)})
             for (int i = 0; i < copies; ++i) {
                 hidden.push_back(world.scene.add(torus()));
                 NodeDesc desc;
@@ -164,7 +167,8 @@ TEST(HiddenGeometry, CostsNoWorkOfAnyKind)
     EXPECT_NEAR(double(few.built.grids), double(many.built.grids), 0.05 * double(few.built.grids));
     EXPECT_NEAR(double(few.built.micropolygons), double(many.built.micropolygons), 0.05 * double(few.built.micropolygons));
     EXPECT_LE(many.built.kd_nodes, few.built.kd_nodes + 24) << "planes between what is seen and what is not";
-    EXPECT_LE(many.memory.arena_peak_bytes, few.memory.arena_peak_bytes + (std::size_t(128) << 10)) << "the items of two groups";
+    EXPECT_LE(many.memory.arena_peak_bytes, few.memory.arena_peak_bytes + (std::size_t(128) << 10))
+        << "the items of two groups";
 }
 
 TEST(OnDemandCages, AreMadeWhenSeenAndNotBefore)

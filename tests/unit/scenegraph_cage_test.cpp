@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "scenegraph/base/error.h"
+#include "base/error.h"
 #include "scenegraph/cage.h"
 
 namespace occam {

@@ -3,7 +3,7 @@
 #include <bit>
 #include <random>
 
-#include "scenegraph/base/error.h"
+#include "base/error.h"
 #include "scenegraph/child_boxes.h"
 #include "scenegraph/scene.h"
 
@@ -91,7 +91,8 @@ TEST(Scene, AnEditOfOneOfManySiblingsLooksAtFewOfThem)
         Scene scene;
         const CageId square = scene.add(unit_square());
         std::vector<NodeId> nodes;
-        for (std::size_t i = 0; i < siblings; ++i) nodes.push_back(scene.add_node(scene.root(), {.matrix = moved(double(i), 0, 0), .cages = {square}}));
+        for (std::size_t i = 0; i < siblings; ++i)
+            nodes.push_back(scene.add_node(scene.root(), {.matrix = moved(double(i), 0, 0), .cages = {square}}));
         EXPECT_GE(scene.refit(), siblings);
         EXPECT_EQ(scene.refit(), 1u) << "nothing to do";
         const std::size_t levels = std::bit_width(siblings / ChildBoxes::kBlock);

@@ -6,9 +6,9 @@
 #include <iterator>
 #include <limits>
 
-#include "scenegraph/base/half.h"
+#include "base/half.h"
+#include "io/texture/texture_store.h"
 #include "scenegraph/scene.h"
-#include "scenegraph/texture/texture_store.h"
 #include "tests/support/temp_folder.h"
 
 namespace occam {

@@ -171,7 +171,8 @@ TEST(Bsdf, IsReciprocal)
 {
     Numbers numbers(5);
     for (int i = 0; i < 200; ++i) {
-        const Vec3f a = direction(0.05f + 0.9f * numbers.one(), 6 * numbers.one()), b = direction(0.05f + 0.9f * numbers.one(), 6 * numbers.one());
+        const Vec3f a = direction(0.05f + 0.9f * numbers.one(), 6 * numbers.one()),
+                    b = direction(0.05f + 0.9f * numbers.one(), 6 * numbers.one());
         Surface coated = surface_of(0.3f, Vec3f(0.5f), Vec3f(0.04f), 0.9f);
         coated.coat = 0.7f;
         coated.coat_alpha = 0.05f;
@@ -180,7 +181,8 @@ TEST(Bsdf, IsReciprocal)
         coated.to_eye = b;
         EXPECT_NEAR(scatter(coated, a).x / a.z, ab, 1e-4f * ab);
 
-        Surface metal = surface_of(0.9f, Vec3f(0), Vec3f(0.9f, 0.6f, 0.3f), 0.9f);  // with what is given back of multiple scattering
+        Surface metal = surface_of(0.9f, Vec3f(0), Vec3f(0.9f, 0.6f, 0.3f),
+                                   0.9f);  // with what is given back of multiple scattering
         metal.to_eye = a;
         const Vec3f from_a = scatter(metal, b) / b.z;
         metal.to_eye = b;
@@ -246,7 +248,8 @@ const Case kCases[] = {
          s.coat_normal = glm::normalize(Vec3f(0.2f, 0.1f, 1));
          return s;
      }},
-    {"a coat alone, over black", [](float c) {
+    {"a coat alone, over black",
+     [](float c) {
          Surface s = surface_of(1, Vec3f(0), Vec3f(0), c);
          s.dielectric_f90 = s.f90 = 0;
          s.coat = 1;
@@ -273,7 +276,8 @@ TEST(Bsdf, IsFiniteAndNeverNegative)
                     const float height = i % 2 ? 2 * numbers.one() - 1 : 1e-7f;
                     const Vec3f light = direction(height, 6.2831853f * numbers.one());
                     ASSERT_TRUE(is_good(scatter(s, light))) << c.name << ' ' << alpha << ' ' << cos_eye << ' ' << height;
-                    ASSERT_TRUE(is_good(Vec3f(scatter_density(s, light)))) << c.name << ' ' << alpha << ' ' << cos_eye << ' ' << height;
+                    ASSERT_TRUE(is_good(Vec3f(scatter_density(s, light))))
+                        << c.name << ' ' << alpha << ' ' << cos_eye << ' ' << height;
                     const float choice = numbers.one();
                     const ScatterSample sample = sample_scatter(s, choice, numbers.square());
                     ASSERT_TRUE(is_good(sample.weight)) << c.name << ' ' << alpha << ' ' << cos_eye;

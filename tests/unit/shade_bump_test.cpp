@@ -96,7 +96,8 @@ TEST(Bump, HitsHaveTheNormalOfTheHillsOnCagesAndTrianglesFromBothSides)
                         const shade::Surface surface = shade::evaluate(render::shade_point(ray, hit, 1), textures);
                         const Vec2f rise = derivatives(hit.uv[0]) * 0.25f;
                         const Vec3f expected = glm::normalize(Vec3f(-float(mirror) * rise.x, 1, -rise.y)) * side;
-                        EXPECT_LT(glm::distance(surface.normal, expected), 0.03f) << at_vertices << ' ' << mirror << ' ' << side << ' ' << k;
+                        EXPECT_LT(glm::distance(surface.normal, expected), 0.03f)
+                            << at_vertices << ' ' << mirror << ' ' << side << ' ' << k;
                     }
                 }
 }
@@ -107,7 +108,8 @@ TEST(Bump, NoSlopeTurnsANormalAwayFromTheEyeOrTheFacet)
     const auto number = [&] { return float(random() >> 40) * 0x1p-23f - 1; };
     const auto direction = [&] {
         for (;;)
-            if (const Vec3f v(number(), number(), number()); glm::dot(v, v) < 1 && glm::dot(v, v) > 0.01f) return glm::normalize(v);
+            if (const Vec3f v(number(), number(), number()); glm::dot(v, v) < 1 && glm::dot(v, v) > 0.01f)
+                return glm::normalize(v);
     };
     int shortened = 0;
     for (int k = 0; k < 20000; ++k) {
@@ -116,14 +118,16 @@ TEST(Bump, NoSlopeTurnsANormalAwayFromTheEyeOrTheFacet)
         const auto facing = [&](Vec3f v) { return glm::dot(v, p.normal_geometric) < 0 ? -v : v; };
         p.normal_shading = facing(direction());
         p.to_eye = facing(direction());
-        if (!(glm::dot(p.normal_shading, p.to_eye) > 1e-3f) || !(glm::dot(p.normal_shading, p.normal_geometric) > 1e-3f)) continue;
+        if (!(glm::dot(p.normal_shading, p.to_eye) > 1e-3f) || !(glm::dot(p.normal_shading, p.normal_geometric) > 1e-3f))
+            continue;
         p.back_side = k & 1;
         const Vec3f slope = direction() * std::exp2(12 * number());
         const Vec3f n = shade::bumped_normal(p.normal_shading, slope, p);
         EXPECT_NEAR(glm::length(n), 1, 1e-5f);
         EXPECT_GT(glm::dot(n, p.to_eye), 0);
         EXPECT_GT(glm::dot(n, p.normal_geometric), 0);
-        const Vec3f outward = p.back_side ? -slope : slope, across = outward - p.normal_shading * glm::dot(outward, p.normal_shading);
+        const Vec3f outward = p.back_side ? -slope : slope,
+                    across = outward - p.normal_shading * glm::dot(outward, p.normal_shading);
         shortened += glm::dot(p.normal_shading - across, p.to_eye) < 0;
     }
     EXPECT_GT(shortened, 1000) << "the test asks for what it tests";

@@ -34,7 +34,8 @@ Surface glossy(float alpha, float coat = 0)
     return s;
 }
 
-// A square whose corners are a unit from its middle, `distance` away at `angle` to the normal, turned by `tilt` from facing the point.
+// A square whose corners are a unit from its middle, `distance` away at `angle` to the normal, turned by `tilt` from facing
+// the point.
 WorldLight square_light(float distance, float angle, float tilt)
 {
     WorldLight light;
@@ -64,7 +65,8 @@ bool is_left(const Surface& s, const WorldLight& light)
     return FrameLights::is_left_to_samples(light, s.start(s.normal_geometric), peak_density(s));
 }
 
-// Light that leaves the surface: one sample of the light and one scattered direction, weighed with each other or as the rule says.
+// Light that leaves the surface: one sample of the light and one scattered direction, weighed with each other or as the rule
+// says.
 test::Mean radiance(const Surface& s, const WorldLight& light, bool by_rule, int count = 10'000)
 {
     const FrameLights lights({light}, {});
@@ -89,10 +91,12 @@ TEST(DirectLight, TheRuleLeavesTheMeanAsItIsNearAndFar)
     int left = 0, shared = 0;
     for (const Surface& s : {matte(), glossy(0.5f), glossy(0.1f), glossy(0.5f, 1), glossy(0.01f)})
         for (const float distance : {1.2f, 2.0f, 3.9f, 4.2f, 10.0f, 60.0f})
-            for (const WorldLight& light : {square_light(distance, 0.3f, 0.2f), square_light(distance, 1.3f, -0.8f), ball(distance, 0.5f)}) {
+            for (const WorldLight& light :
+                 {square_light(distance, 0.3f, 0.2f), square_light(distance, 1.3f, -0.8f), ball(distance, 0.5f)}) {
                 const test::Mean both = radiance(s, light, false), by_rule = radiance(s, light, true);
                 const double error = std::hypot(both.error(), by_rule.error());
-                EXPECT_NEAR(by_rule.value(), both.value(), 4 * error + 1e-6) << "alpha " << s.alpha << ", distance " << distance;
+                EXPECT_NEAR(by_rule.value(), both.value(), 4 * error + 1e-6)
+                    << "alpha " << s.alpha << ", distance " << distance;
                 ++(is_left(s, light) ? left : shared);
             }
     EXPECT_GT(left, 20);

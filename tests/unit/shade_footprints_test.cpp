@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "scenegraph/base/vec.h"
+#include "base/vec.h"
 
 namespace occam::shade {
 namespace {
@@ -16,8 +16,8 @@ struct Pair {
     Vec3d p, q, dp, dq;  // where two rays of one beam leave the ball, and their directions
 };
 
-// The ball is about the origin. Rays in the plane z = 0 meet it at an angle of incidence; the second ray of the beam is offset
-// and turned along z, across the plane of incidence.
+// The ball is about the origin. Rays in the plane z = 0 meet it at an angle of incidence; the second ray of the beam is
+// offset and turned along z, across the plane of incidence.
 Pair rays_at_ball(double angle, double offset, double spread, bool hollow)
 {
     const double side = hollow ? -1 : 1;
@@ -49,7 +49,8 @@ TEST(Footprints, AMirrorSpreadsABeamAsItsNeighboursSay)
                 const Vec3d n0 = towards(glm::normalize(r.p), r.dp), n1 = towards(glm::normalize(r.q), r.dq);
                 const double measured = (mirror(r.dq, n1).z - mirror(r.dp, n0).z) / (r.q.z - r.p.z);
                 const float w = 0.01f;
-                const auto f = mirrored_beam({w, float(spread) * w}, (hollow ? -1.0f : 1.0f) / kRadius, float(std::cos(angle)));
+                const auto f = mirrored_beam({w, float(spread) * w}, (hollow ? -1.0f : 1.0f) / kRadius,
+                                             float(std::cos(angle)));
                 EXPECT_EQ(f.a, w);
                 EXPECT_NEAR(double(f.b / w), std::max(0.0, measured), 2e-4) << angle << ' ' << spread << ' ' << hollow;
             }
@@ -66,8 +67,8 @@ TEST(Footprints, ALensSpreadsABeamAsItsNeighboursSay)
                     const Vec3d out = bend(r.dp, n0, eta);
                     const double measured = (bend(r.dq, n1, eta).z - out.z) / (r.q.z - r.p.z);
                     const float w = 0.01f;
-                    const auto f = bent_beam({w, float(spread) * w}, (hollow ? -1.0f : 1.0f) / kRadius, float(std::cos(angle)),
-                                             float(-glm::dot(out, n0)), float(eta));
+                    const auto f = bent_beam({w, float(spread) * w}, (hollow ? -1.0f : 1.0f) / kRadius,
+                                             float(std::cos(angle)), float(-glm::dot(out, n0)), float(eta));
                     EXPECT_NEAR(double(f.b / w), std::max(0.0, measured), 2e-4) << angle << ' ' << eta << ' ' << hollow;
                 }
 }

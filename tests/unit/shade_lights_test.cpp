@@ -57,8 +57,8 @@ TEST(Lights, ASquareOverAPlaneGivesItsFormFactor)
 
 TEST(Lights, ScaleOfTheNodeScalesTheArea)
 {
-    const WorldLight light =
-        WorldLight::place(area(AreaLight::Shape::Rectangle, {1, 1}, 3), glm::scale(above(2), Vec3d(2, 2, 2)));
+    const WorldLight light = WorldLight::place(area(AreaLight::Shape::Rectangle, {1, 1}, 3),
+                                               glm::scale(above(2), Vec3d(2, 2, 2)));
     const double expected = 3 * kPiD * 4 * corner_form_factor(1, 1, 2);
     EXPECT_NEAR(irradiance(light, Vec3d(0), {0, 0, 1}), expected, 2e-3 * expected);
 }
@@ -101,8 +101,8 @@ TEST(Lights, FlatLightsShineToTheirFrontAlone)
     const WorldLight two = WorldLight::place(area(AreaLight::Shape::Rectangle, {1, 1}, 1, true), above(1));
     EXPECT_EQ(one.sample(behind, {}).radiance, Vec3f(0));
     EXPECT_GT(two.sample(behind, {}).radiance.x, 0);
-    const WorldLight mirrored =
-        WorldLight::place(area(AreaLight::Shape::Rectangle, {1, 1}, 1), glm::scale(above(1), Vec3d(-1, 1, 1)));
+    const WorldLight mirrored = WorldLight::place(area(AreaLight::Shape::Rectangle, {1, 1}, 1),
+                                                  glm::scale(above(1), Vec3d(-1, 1, 1)));
     EXPECT_GT(mirrored.sample(Vec3d(0), {}).radiance.x, 0) << "a mirrored node still shines along its -z";
 }
 
@@ -160,7 +160,10 @@ TEST(Lights, SampledDirectionsFollowTheDensityThatCrossingRaysAreTold)
     const Vec3d point(0.4, -0.3, 0.1);
     for (const WorldLight& light : lights) {
         EXPECT_LT(test::direction_excess(
-                      60'000, 24, [&](test::Numbers& n) { return light.sample(point, {n.square(), 0}).direction; },
+                      60'000, 24,
+                      [&](test::Numbers& n) {
+                          return light.sample(point, {n.square(), 0}).direction;
+                      },
                       [&](Vec3f d) { return light.crossing(point, d).density; }),
                   4.5)
             << int(light.kind);
@@ -257,10 +260,10 @@ TEST(Environment, SampledDirectionsFollowTheirDensity)
     TextureStore textures(1 << 24);
     textures.prepare(scene);
     const Environment sky(scene.environment, textures);
-    EXPECT_LT(test::direction_excess(
-                  60'000, 24, [&](test::Numbers& n) { return sky.sample(n.square()); },
-                  [&](Vec3f d) { return sky.density(d); }),
-              4.5);
+    EXPECT_LT(
+        test::direction_excess(
+            60'000, 24, [&](test::Numbers& n) { return sky.sample(n.square()); }, [&](Vec3f d) { return sky.density(d); }),
+        4.5);
 }
 
 TEST(Environment, DirectionsAndTexelsMatch)

@@ -1,5 +1,5 @@
-// Materials looked up at vertices of grids: the same surface as at hits where textures are smooth, never popping, and nothing but
-// what may be interpolated.
+// Materials looked up at vertices of grids: the same surface as at hits where textures are smooth, never popping, and
+// nothing but what may be interpolated.
 #include <gtest/gtest.h>
 #include <occam/occam.h>
 
@@ -16,7 +16,8 @@ namespace {
 
 Texture checks()
 {
-    return texture_of([](float x, float y) { return int(x / 8 + std::floor(y / 8)) % 2 ? Vec4f(1) : Vec4f(0.2f, 0.2f, 0.2f, 0); });
+    return texture_of(
+        [](float x, float y) { return int(x / 8 + std::floor(y / 8)) % 2 ? Vec4f(1) : Vec4f(0.2f, 0.2f, 0.2f, 0); });
 }
 
 /// With a map for all that may have one.
@@ -24,8 +25,9 @@ Material all_maps(Scene& scene)
 {
     Material m;
     float phase = 0;
-    for (TextureUse* use : {&m.base_color_texture, &m.metallic_roughness_texture, &m.emission_texture, &m.specular_texture, &m.specular_color_texture,
-                            &m.transmission_texture, &m.clearcoat_texture, &m.clearcoat_roughness_texture})
+    for (TextureUse* use :
+         {&m.base_color_texture, &m.metallic_roughness_texture, &m.emission_texture, &m.specular_texture,
+          &m.specular_color_texture, &m.transmission_texture, &m.clearcoat_texture, &m.clearcoat_roughness_texture})
         use->texture = scene.add(waves(phase++));
     const Texture flat = texture_of([](float x, float) { return Vec4f(0.5f + 0.1f * std::sin(0.2f * x), 0.5f, 1, 1); });
     m.normal_texture.texture = m.clearcoat_normal_texture.texture = scene.add(flat);
@@ -124,9 +126,10 @@ TEST(PhaseOne, LeavesTheEdgesOfMasksToHits)
     EXPECT_GT(world.stats.built.hits_looked_up, 0u);
 }
 
-// A ray's origin draws back by a hundredth of its distance at a time, from where vertices are closer than texels to where a face is one
-// quad: values go over from level to level and from the last of them to hits. From one doubling of the distance to the next a value
-// may go through all of its range, by a smoothstep, whose steepest slope is 1.5: 0.8 * 1.5 * log2(1.01) = 0.017.
+// A ray's origin draws back by a hundredth of its distance at a time, from where vertices are closer than texels to where a
+// face is one quad: values go over from level to level and from the last of them to hits. From one doubling of the distance
+// to the next a value may go through all of its range, by a smoothstep, whose steepest slope is 1.5: 0.8 * 1.5 * log2(1.01)
+// = 0.017.
 TEST(PhaseOne, DoesNotPopFromLevelToLevel)
 {
     TexturedFloor world(Scheme::Bilinear, [](Scene& scene) {
@@ -157,7 +160,8 @@ TEST(PhaseOne, DoesNotPopFromLevelToLevel)
             ASSERT_TRUE(hits[k].is_hit());
             ASSERT_EQ(hits[k].phase_one_channels, 4);
             if (distance > 0.5)
-                for (int c = 0; c < 4; ++c) farthest = std::max(farthest, std::fabs(hits[k].phase_one[c] - before[k].phase_one[c]));
+                for (int c = 0; c < 4; ++c)
+                    farthest = std::max(farthest, std::fabs(hits[k].phase_one[c] - before[k].phase_one[c]));
         }
         changes += distance > 0.5 && hits[0].level != before[0].level;
         before = hits;

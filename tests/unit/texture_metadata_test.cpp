@@ -5,7 +5,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "scenegraph/texture/image_metadata.h"
+#include "io/texture/image_metadata.h"
 #include "tests/support/temp_folder.h"
 
 namespace occam {

@@ -71,9 +71,10 @@ TEST(VertexColors, AreBilinearOverAQuadAtEveryLevel)
     for (int k = 0; k < 40; ++k) {
         const double x = 0.013 + 0.0491 * k, z = 0.987 - 0.0237 * k;
         const std::string where = std::to_string(x) + ' ' + std::to_string(z);
-        // Straight over micropolygons. Nothing pops: two triangles differ from the bilinear quad by a quarter of its twist, 0.52, and go
-        // over within a doubling by a smoothstep, whose steepest slope is 1.5: 0.52 * 1.5 * log2(1.03) = 0.033.
-        for (const float width : {0.005f, 0.01f, 0.02f, 0.04f}) expect_near(above.color(x, z, width), expected(x, z), 2 * width, where);
+        // Straight over micropolygons. Nothing pops: two triangles differ from the bilinear quad by a quarter of its twist,
+        // 0.52, and go over within a doubling by a smoothstep, whose steepest slope is 1.5: 0.52 * 1.5 * log2(1.03) = 0.033.
+        for (const float width : {0.005f, 0.01f, 0.02f, 0.04f})
+            expect_near(above.color(x, z, width), expected(x, z), 2 * width, where);
         Vec4f before = above.color(x, z, 0.01f);
         for (float width = 0.01f; width < 2; width *= 1.03f) {
             const Vec4f now = above.color(x, z, width);
@@ -104,7 +105,8 @@ TEST(VertexColors, OfAnNGonMeetInItsMiddleAtTheirMean)
         const Vec3f a = cage.positions[k], b = cage.positions[(k + 1) % kCorners];
         const auto inside = [&](Vec3f p) { return above.color(double(p.x) * 0.995, double(p.z) * 0.995); };
         expect_near(inside(a), cage.colors[k], 0.03f, "corner " + std::to_string(k));
-        expect_near(inside((a + b) * 0.5f), (cage.colors[k] + cage.colors[(k + 1) % kCorners]) * 0.5f, 0.03f, "edge " + std::to_string(k));
+        expect_near(inside((a + b) * 0.5f), (cage.colors[k] + cage.colors[(k + 1) % kCorners]) * 0.5f, 0.03f,
+                    "edge " + std::to_string(k));
     }
 }
 
@@ -147,7 +149,8 @@ TEST(VertexColors, OfGltfSurviveWelding)
     g.put<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 1, 0, 0, 2, 0, 0, 2, 1, 0, 1, 1, 0});
     g.put<std::uint16_t>({0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7});
     g.put<float>({1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1});
-    g.accessor(R"({"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3", "min": [0, 0, 0], "max": [2, 1, 0]})");
+    g.accessor(
+        R"({"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3", "min": [0, 0, 0], "max": [2, 1, 0]})");
     g.accessor(R"({"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"})");
     g.accessor(R"({"bufferView": 2, "componentType": 5126, "count": 8, "type": "VEC3"})");
     g.meshes = R"({"primitives": [{"attributes": {"POSITION": 0, "COLOR_0": 2}, "indices": 1}]})";

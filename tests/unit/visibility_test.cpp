@@ -13,7 +13,8 @@
 namespace occam::test {
 namespace {
 
-constexpr std::uint8_t kKinds[] = {RayKind::Camera, RayKind::Shadow, RayKind::Reflection, RayKind::Transmission, RayKind::Diffuse};
+constexpr std::uint8_t kKinds[] = {RayKind::Camera, RayKind::Shadow, RayKind::Reflection, RayKind::Transmission,
+                                   RayKind::Diffuse};
 
 // Between two prisms that span the scene's bounds stands a torus, and in it another; the first may be left out.
 struct Toruses {
@@ -116,7 +117,8 @@ NodeId add_light(Scene& scene, Vec3d at, Light light)
 Vec3f middle(Scene& scene, IntegratorKind integrator = IntegratorKind::Direct, int light_samples = 1)
 {
     const Settings settings{.width = 1, .height = 1, .spp = 16, .integrator = integrator, .light_samples = light_samples};
-    const Image image = Renderer({.threads = 1}).render(scene, Camera::look_at({0, 2, 0}, {0, 0, 0}, {0, 0, -1}, 0.01f), settings);
+    const Image image =
+        Renderer({.threads = 1}).render(scene, Camera::look_at({0, 2, 0}, {0, 0, 0}, {0, 0, -1}, 0.01f), settings);
     const auto& p = image.find("beauty")->pixels;
     return {p[0], p[1], p[2]};
 }

@@ -2,7 +2,7 @@
 // data.
 #include <gtest/gtest.h>
 
-#include "api/builtin/pieces.h"
+#include "io/builtin/pieces.h"
 #include "tests/support/escapes.h"
 
 namespace occam::test {

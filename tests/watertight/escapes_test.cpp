@@ -39,7 +39,8 @@ TEST_P(EscapesOfDisplacedCages, NoRayLeavesAClosedCage)
     const DisplacedCage displaced = displaced_case(GetParam());
     expect_no_escape(displaced.cage, 5, &displaced.textures);
 }
-INSTANTIATE_TEST_SUITE_P(Closed, EscapesOfDisplacedCages, testing::Range(0, kDisplacedCases), [](const auto& test) { return displaced_case(test.param).name; });
+INSTANTIATE_TEST_SUITE_P(Closed, EscapesOfDisplacedCages, testing::Range(0, kDisplacedCases),
+                         [](const auto& test) { return displaced_case(test.param).name; });
 
 TEST(Spindle, OfValence360LetsNoRayOut) { expect_no_escape(spindle(360), 3); }
 TEST(Spindle, OfValence3LetsNoRayOut) { expect_no_escape(spindle(3), 5); }

@@ -2,12 +2,12 @@
 // itself between two levels, and changes from pair to pair near the hit (watertightness, rules 4 to 10).
 #include <gtest/gtest.h>
 
-#include "api/builtin/pieces.h"
-#include "occam/verify.h"
+#include "io/builtin/pieces.h"
 #include "tests/support/displaced_cages.h"
 #include "tests/support/escapes.h"
 #include "tests/support/shape_builders.h"
 #include "tests/support/shapes.h"
+#include "verify/verify.h"
 
 namespace occam::test {
 namespace {
@@ -65,7 +65,8 @@ TEST_P(LevelsOfDisplacedCages, LetNoRayOut)
     const DisplacedCage displaced = displaced_case(GetParam());
     expect_no_escape(displaced.cage, &displaced.textures);
 }
-INSTANTIATE_TEST_SUITE_P(Closed, LevelsOfDisplacedCages, testing::Range(0, kDisplacedCases), [](const auto& test) { return displaced_case(test.param).name; });
+INSTANTIATE_TEST_SUITE_P(Closed, LevelsOfDisplacedCages, testing::Range(0, kDisplacedCases),
+                         [](const auto& test) { return displaced_case(test.param).name; });
 
 TEST(LevelsOfTorus, UnevenLetNoRayOut) { expect_no_escape(torus()); }
 TEST(LevelsOfPrism, WithPolygonsAndCreasesLetNoRayOut) { expect_no_escape(prism(7)); }

@@ -14,16 +14,16 @@
 #include <memory>
 #include <optional>
 
-#include "api/builtin/builtin_scene.h"
-#include "occam/verify.h"
+#include "base/error.h"
+#include "io/builtin/builtin_scene.h"
+#include "io/import/import.h"
 #include "render/frame_control.h"
 #include "render/image.h"
 #include "render/settings.h"
 #include "render/stats.h"
 #include "render/version.h"
-#include "scenegraph/base/error.h"
-#include "scenegraph/import/import.h"
 #include "scenegraph/scene.h"
+#include "verify/verify.h"
 
 namespace occam {
 
@@ -79,7 +79,8 @@ public:
     Renderer& operator=(Renderer&&) noexcept;
     ~Renderer();
 
-    /// One frame. Throws Error for a bad setting, for a memory budget below memory_floor(), or if this renderer is busy with another frame.
+    /// One frame. Throws Error for a bad setting, for a memory budget below memory_floor(), or if this renderer is busy with
+    /// another frame.
     Image render(Scene& scene, const Camera& camera, const Settings& settings = {});
     /// The same, without waiting for it.
     Job start(Scene& scene, const Camera& camera, const Settings& settings = {});
@@ -108,7 +109,7 @@ struct Hit {
 /// A ray to be asked about.
 struct QueryRay {
     Vec3d origin{0};
-    Vec3d direction{0, 0, -1};  ///< need not be unit
+    Vec3d direction{0, 0, -1};                             ///< need not be unit
     double far = std::numeric_limits<double>::infinity();  ///< world length
 };
 

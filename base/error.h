@@ -1,0 +1,35 @@
+// The one exception of the engine: bad input, met at the door (importers and api/). After the first tile nothing throws.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace occam {
+
+/// What went wrong, so that a person can mend it: "FILE: WHAT (WHERE)".
+class Error : public std::runtime_error {
+public:
+    enum class Kind {
+        BadInput,  ///< a file, a setting or a call that breaks a rule: exit code 2
+        Output     ///< something could not be written, or a resource ran out: exit code 3
+    };
+
+    /// file     path as the user gave it, or empty for an error of use
+    /// what     the rule that is broken
+    /// where    the element: "mesh 3, primitive 0", "line 12"; may be empty
+    Error(std::string file, std::string what, std::string where = {}, Kind kind = Kind::BadInput)
+        : std::runtime_error((file.empty() ? "" : file + ": ") + what + (where.empty() ? "" : " (" + where + ")")),
+          file_(std::move(file)),
+          kind_(kind)
+    {
+    }
+
+    const std::string& file() const noexcept { return file_; }
+    Kind kind() const noexcept { return kind_; }
+
+private:
+    std::string file_;
+    Kind kind_;
+};
+
+}  // namespace occam

@@ -1,0 +1,147 @@
+// Several vfloats as one: what a packet of more rays than there are lanes is made of.
+//
+// Each operation is that of its parts, one after the other: lanes know nothing of each other, so a ray has the same bits in
+// a packet of any size. The parts do not wait for each other, which hides the latency of a traversal's few operations a
+// node.
+#pragma once
+
+#include "base/simd.h"
+
+namespace occam {
+
+template <int kParts>
+struct vmasks {
+    vmask part[kParts];
+
+    vmasks() = default;
+    explicit vmasks(bool all) noexcept
+    {
+        for (vmask& p : part) p = vmask(all);
+    }
+    OCCAM_ALWAYS_INLINE friend vmasks operator&(vmasks a, const vmasks& b) noexcept
+    {
+        for (int i = 0; i < kParts; ++i) a.part[i] = a.part[i] & b.part[i];
+        return a;
+    }
+    OCCAM_ALWAYS_INLINE friend vmasks operator|(vmasks a, const vmasks& b) noexcept
+    {
+        for (int i = 0; i < kParts; ++i) a.part[i] = a.part[i] | b.part[i];
+        return a;
+    }
+    OCCAM_ALWAYS_INLINE friend vmasks andnot(vmasks a, const vmasks& b) noexcept
+    {
+        for (int i = 0; i < kParts; ++i) a.part[i] = andnot(a.part[i], b.part[i]);
+        return a;
+    }
+    OCCAM_ALWAYS_INLINE friend bool any(const vmasks& a) noexcept
+    {
+        vmask all = a.part[0];
+        for (int i = 1; i < kParts; ++i) all = all | a.part[i];
+        return any(all);
+    }
+    OCCAM_ALWAYS_INLINE friend bool none(const vmasks& a) noexcept { return !any(a); }
+    /// Bit i is lane i.
+    OCCAM_ALWAYS_INLINE friend unsigned bits(const vmasks& a) noexcept
+    {
+        unsigned all = 0;
+        for (int i = 0; i < kParts; ++i) all |= bits(a.part[i]) << (i * kLanes);
+        return all;
+    }
+};
+
+template <int kParts>
+struct vfloats {
+    using Mask = vmasks<kParts>;
+    vfloat part[kParts];
+
+    vfloats() = default;
+    vfloats(float x) noexcept
+    {
+        for (vfloat& p : part) p = vfloat(x);
+    }
+    OCCAM_ALWAYS_INLINE static vfloats load(const float* p) noexcept
+    {
+        vfloats v;
+        for (int i = 0; i < kParts; ++i) v.part[i] = vfloat::load(p + i * kLanes);
+        return v;
+    }
+    OCCAM_ALWAYS_INLINE void store(float* p) const noexcept
+    {
+        for (int i = 0; i < kParts; ++i) part[i].store(p + i * kLanes);
+    }
+
+    OCCAM_ALWAYS_INLINE friend vfloats operator+(vfloats a, const vfloats& b) noexcept
+    {
+        for (int i = 0; i < kParts; ++i) a.part[i] = a.part[i] + b.part[i];
+        return a;
+    }
+    OCCAM_ALWAYS_INLINE friend vfloats operator-(vfloats a, const vfloats& b) noexcept
+    {
+        for (int i = 0; i < kParts; ++i) a.part[i] = a.part[i] - b.part[i];
+        return a;
+    }
+    OCCAM_ALWAYS_INLINE friend vfloats operator*(vfloats a, const vfloats& b) noexcept
+    {
+        for (int i = 0; i < kParts; ++i) a.part[i] = a.part[i] * b.part[i];
+        return a;
+    }
+    OCCAM_ALWAYS_INLINE friend vfloats operator/(vfloats a, const vfloats& b) noexcept
+    {
+        for (int i = 0; i < kParts; ++i) a.part[i] = a.part[i] / b.part[i];
+        return a;
+    }
+    OCCAM_ALWAYS_INLINE friend Mask operator<(const vfloats& a, const vfloats& b) noexcept
+    {
+        Mask m;
+        for (int i = 0; i < kParts; ++i) m.part[i] = a.part[i] < b.part[i];
+        return m;
+    }
+    OCCAM_ALWAYS_INLINE friend Mask operator<=(const vfloats& a, const vfloats& b) noexcept
+    {
+        Mask m;
+        for (int i = 0; i < kParts; ++i) m.part[i] = a.part[i] <= b.part[i];
+        return m;
+    }
+    OCCAM_ALWAYS_INLINE friend Mask operator>(const vfloats& a, const vfloats& b) noexcept { return b < a; }
+    OCCAM_ALWAYS_INLINE friend Mask operator>=(const vfloats& a, const vfloats& b) noexcept { return b <= a; }
+    OCCAM_ALWAYS_INLINE friend vfloats min(vfloats a, const vfloats& b) noexcept
+    {
+        for (int i = 0; i < kParts; ++i) a.part[i] = min(a.part[i], b.part[i]);
+        return a;
+    }
+    OCCAM_ALWAYS_INLINE friend vfloats max(vfloats a, const vfloats& b) noexcept
+    {
+        for (int i = 0; i < kParts; ++i) a.part[i] = max(a.part[i], b.part[i]);
+        return a;
+    }
+    OCCAM_ALWAYS_INLINE friend vfloats abs(vfloats a) noexcept
+    {
+        for (int i = 0; i < kParts; ++i) a.part[i] = abs(a.part[i]);
+        return a;
+    }
+    OCCAM_ALWAYS_INLINE friend vfloats fma(const vfloats& a, const vfloats& b, vfloats c) noexcept
+    {
+        for (int i = 0; i < kParts; ++i) c.part[i] = fma(a.part[i], b.part[i], c.part[i]);
+        return c;
+    }
+    OCCAM_ALWAYS_INLINE friend vfloats select(const Mask& m, vfloats yes, const vfloats& no) noexcept
+    {
+        for (int i = 0; i < kParts; ++i) yes.part[i] = select(m.part[i], yes.part[i], no.part[i]);
+        return yes;
+    }
+    /// Of all lanes.
+    OCCAM_ALWAYS_INLINE friend float lowest(const vfloats& a) noexcept
+    {
+        vfloat least = a.part[0];
+        for (int i = 1; i < kParts; ++i) least = min(least, a.part[i]);
+        return lowest(least);
+    }
+    OCCAM_ALWAYS_INLINE friend float highest(const vfloats& a) noexcept
+    {
+        vfloat most = a.part[0];
+        for (int i = 1; i < kParts; ++i) most = max(most, a.part[i]);
+        return highest(most);
+    }
+};
+
+}  // namespace occam

@@ -1,0 +1,105 @@
+// A sequence: one frame after the other in one process, so that textures and topology are made once.
+//
+// A frame is whole or not there: pictures appear under their names when they are finished (Image::write). So a run that was
+// killed is started again with the same words, and goes on with the first frame that is missing.
+#include "arguments.h"
+#include "framing.h"
+#include "interrupt.h"
+#include "progress.h"
+
+namespace occam::command {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+namespace fs = std::filesystem;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+// A list of statistics, each with its frame's number.
+class SequenceStats {
+public:
+    void add(int frame, const FrameStats& stats)
+    {
+        const std::string object = render::to_json(stats);
+        text_ += (text_.empty() ? "[\n{\"frame\": " : ",\n{\"frame\": ") + std::to_string(frame) + "," +
+                 object.substr(object.find('{') + 1);
+    }
+    std::string text() const { return text_.empty() ? "[]\n" : text_ + "]\n"; }
+
+private:
+    std::string text_;
+};
+
+int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
+{
+    const std::vector<int> frames = a.shard.of(a.frames);
+    Image::check_writable(a.pattern.file(0));
+    std::vector<int> missing;
+    for (const int frame : frames)
+        if (std::error_code ignored; a.overwrite || !fs::is_regular_file(a.pattern.file(frame), ignored))
+            missing.push_back(frame);
+    SequenceStats all;
+    if (missing.empty()) {
+        display.say("nothing to do: every frame is there");
+        if (!a.stats.empty()) write_text(a.stats, all.text());
+        return 0;
+    }
+
+    display.say("reading " + (a.scene.empty() ? "the built-in scene" : a.scene.string()));
+    const auto load_start = Clock::now();
+    Scene scene = open_scene(a);
+    double load_seconds = seconds_since(load_start);
+    Framing framing(scene, a);
+    Renderer renderer(a.resources);
+
+    std::size_t done = frames.size() - missing.size();
+    for (const int frame : missing) {
+        if (is_interrupted()) return 130;
+        // Another process may have made it since.
+        const fs::path file = a.pattern.file(frame);
+        if (std::error_code ignored; !a.overwrite && fs::is_regular_file(file, ignored)) {
+            ++done;
+            continue;
+        }
+        display.set_subject("frame " + std::to_string(frame) + " (" + std::to_string(done + 1) + " of " +
+                            std::to_string(frames.size()) + ")");
+        const auto edit_start = Clock::now();
+        framing.pose(frame);
+        const Camera camera = framing.camera();
+        const double edit_seconds = seconds_since(edit_start);
+        Job job = renderer.start(scene, camera, framing.settings(camera));
+        // Half a frame is none: an interrupted one is not written.
+        if (wait_for(job, display, done, frames.size())) return 130;
+        FrameStats stats = job.stats();
+        const auto write_start = Clock::now();
+        job.image().write(file, a.write);
+        stats.seconds.load = load_seconds;
+        stats.seconds.edit = edit_seconds;
+        stats.seconds.write = seconds_since(write_start);
+        stats.seconds.total += load_seconds + edit_seconds + stats.seconds.write;
+        load_seconds = 0;
+        if (!a.stats.empty()) all.add(frame, stats);
+        ++done;
+        display.finish_part(done, frames.size(), file.string());
+        if (a.verbose) display.end(), report(stats, a.quiet, a.verbose);
+    }
+    display.end();
+    if (!a.stats.empty()) write_text(a.stats, all.text());
+    return 0;
+}
+
+}  // namespace
+
+int run(const AnimateArguments& a)
+{
+    catch_interrupts();
+    ProgressDisplay display(a.progress, a.quiet);
+    try {
+        return run_sequence(a, display);
+    } catch (const std::exception& error) {
+        display.fail(error.what());
+        throw;
+    }
+}
+
+}  // namespace occam::command

@@ -1,0 +1,101 @@
+// What was asked for on the command line, checked as far as that can be done without opening a file.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "occam/occam.h"
+#include "sequence.h"
+
+namespace occam::command {
+
+enum class ProgressStyle : unsigned char { Auto, Plain, OpenJd, None };
+
+/// How the scene's file is read.
+struct SceneArguments {
+    std::filesystem::path scene;  ///< empty: the built-in scene
+    LoadOptions load;
+};
+
+struct LookAt {
+    Vec3d eye{0}, target{0};
+};
+
+struct RenderArguments : SceneArguments {
+    std::filesystem::path output;
+    Settings settings;
+    bool size_given = false;  ///< else the camera's aspect decides the height
+    Resources resources;
+    std::string camera;      ///< name; empty: the first
+    std::string lod_camera;  ///< name; empty: the picture's own
+    std::optional<LookAt> look_at;
+    Vec3d up{0, 1, 0};
+    float fov_deg = 0;                 ///< 0: the camera's own, or 39.6
+    float lens_radius = 0, focus = 0;  ///< 0: the camera's own
+    int blades = 0;
+    std::filesystem::path environment;  ///< image instead of the scene's own; empty: none was given
+    float environment_strength = 1, environment_rotation_deg = 0;
+    bool has_environment = true;  ///< false: the scene's own is left out
+    std::string clip;             ///< name or number; empty: the first, if a frame or a time is asked for
+    std::optional<double> time;   ///< seconds on the clip's own axis
+    std::optional<int> frame;     ///< time is frame / fps
+    double fps = 24;
+    WriteOptions write;
+    ProgressStyle progress = ProgressStyle::Auto;
+    bool quiet = false, verbose = false;
+    std::string stats;  ///< file, "-" or empty
+};
+
+struct AnimateArguments : RenderArguments {
+    FramePattern pattern{"frame.####.exr"};  ///< from `output`
+    std::vector<int> frames;
+    Shard shard;
+    bool overwrite = false;
+};
+
+struct InfoArguments : SceneArguments {
+    bool json = false;
+};
+
+struct CompareArguments {
+    std::filesystem::path a, b;
+    std::string layer = "beauty";  ///< that the limits and the heat map are for
+    bool json = false;
+    std::filesystem::path heat;
+    double heat_scale = 0;  ///< 0: the largest difference
+    std::optional<double> max_mse, max_rmse, max_rel_mse, max_error, max_p999, min_psnr;
+};
+
+struct VerifyArguments : SceneArguments {
+    VerifySettings settings;
+    bool json = false;
+};
+
+struct BenchArguments {
+    std::vector<std::string> words;  ///< for the program of benchmarks
+};
+
+/// Nothing to do but to end with that exit code: what there was to say has been said.
+struct Finished {
+    int exit_code;
+};
+
+using Arguments = std::variant<Finished, RenderArguments, AnimateArguments, InfoArguments, VerifyArguments, CompareArguments,
+                               BenchArguments>;
+
+/// Usage errors go to standard error, --help and --version to standard output.
+Arguments parse(int argc, char** argv);
+
+int run(const RenderArguments& arguments);
+int run(const AnimateArguments& arguments);
+int run(const InfoArguments& arguments);
+int run(const VerifyArguments& arguments);
+int run(const CompareArguments& arguments);
+int run(const BenchArguments& arguments);
+
+/// The scene of a file, or the built-in one.
+Scene open_scene(const SceneArguments& arguments);
+
+}  // namespace occam::command

@@ -1,0 +1,162 @@
+#include "framing.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+
+#include "interrupt.h"
+
+namespace occam::command {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr float kRadians = 3.14159265f / 180;
+
+std::string list_of(const std::vector<std::string>& names)
+{
+    std::string text;
+    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+    return text.empty() ? "it has none" : "it has " + text;
+}
+
+// By name, else by number, else the first if a time was asked for.
+ClipId choose_clip(const Scene& scene, const RenderArguments& a)
+{
+    const std::vector<ClipId>& clips = scene.clips();
+    if (a.clip.empty()) return clips.empty() ? ClipId() : clips.front();
+    if (const ClipId named = scene.find_clip(a.clip)) return named;
+    std::size_t index = 0;
+    const auto [end, error] = std::from_chars(a.clip.data(), a.clip.data() + a.clip.size(), index);
+    if (error == std::errc() && end == a.clip.data() + a.clip.size() && index < clips.size()) return clips[index];
+    std::vector<std::string> names;
+    for (const ClipId id : clips)
+        names.push_back(scene.clip(id).name.empty() ? std::to_string(names.size()) : scene.clip(id).name);
+    throw Error(a.scene.string(), "has no clip of that name or number; " + list_of(names), a.clip);
+}
+
+void set_environment(Scene& scene, const RenderArguments& a)
+{
+    if (!a.has_environment) scene.environment = {};
+    if (!a.environment.empty()) {
+        if (!std::filesystem::is_regular_file(a.environment))
+            throw Error(a.environment.string(), "is not there or is not a file", "--environment");
+        Texture image;
+        image.name = a.environment.filename().string();
+        image.path = a.environment;
+        scene.environment = {Vec3f(1), scene.add(std::move(image)), 0};
+    }
+    scene.environment.radiance *= a.environment_strength;
+    scene.environment.rotation += a.environment_rotation_deg * kRadians;
+}
+
+}  // namespace
+
+Framing::Framing(Scene& scene, const RenderArguments& arguments)
+    : scene_(scene),
+      arguments_(arguments),
+      whole_(Camera::framing(scene.bounds(), float(arguments.settings.width) / float(arguments.settings.height))),
+      clip_(choose_clip(scene, arguments))
+{
+    set_environment(scene, arguments);
+}
+
+void Framing::pose(std::optional<int> frame)
+{
+    const RenderArguments& a = arguments_;
+    if (!frame) frame = a.frame;
+    if (!clip_ || (!frame && !a.time && a.clip.empty())) return;
+    scene_.pose(clip_, a.time ? *a.time : double(frame.value_or(0)) / a.fps);
+}
+
+Camera Framing::camera_named(const std::string& name) const
+{
+    if (const auto found = scene_.camera(name)) return *found;
+    throw Error(arguments_.scene.string(), "has no camera of that name; " + list_of(scene_.camera_names()), name);
+}
+
+Camera Framing::camera() const
+{
+    const RenderArguments& a = arguments_;
+    Camera camera = whole_;
+    if (a.look_at) {
+        if (a.look_at->eye == a.look_at->target) throw Error("", "eye and target are the same point", "--look-at");
+        if (glm::length(glm::cross(a.look_at->target - a.look_at->eye, a.up)) == 0)
+            throw Error("", "up is parallel to the view", "--up");
+        camera = Camera::look_at(a.look_at->eye, a.look_at->target, a.up, CameraLens{}.fov);
+    } else if (!a.camera.empty()) {
+        camera = camera_named(a.camera);
+    } else if (const auto first = scene_.camera()) {
+        camera = *first;
+    }
+    if (a.fov_deg > 0) {
+        camera.lens.fov = a.fov_deg * kRadians;
+        camera.lens.orthographic = false;
+    }
+    if (a.lens_radius > 0) {
+        camera.lens.radius = a.lens_radius;
+        camera.lens.focus = a.focus;
+        camera.lens.blades = a.blades;
+    }
+    return camera;
+}
+
+Settings Framing::settings(const Camera& camera) const
+{
+    Settings settings = arguments_.settings;
+    if (const std::string& name = arguments_.lod_camera; !name.empty()) settings.lod_camera = camera_named(name);
+    const float aspect = camera.lens.aspect;
+    if (!arguments_.size_given && aspect > 0)
+        settings.height = std::clamp(static_cast<int>(std::lround(float(settings.width) / aspect)), 1, render::kMaxSide);
+    return settings;
+}
+
+bool wait_for(Job& job, ProgressDisplay& display, std::size_t done, std::size_t all)
+{
+    bool cancelled = false;
+    while (!job.wait_for(100ms)) {
+        Progress progress = job.progress();
+        // A sequence's end is as far away as its frames so far took.
+        if (progress.seconds_left >= 0 && progress.fraction > 0) {
+            const double frame_seconds = progress.seconds_left / std::max(1 - progress.fraction, 1e-6);
+            progress.seconds_left += frame_seconds * double(all - done - 1);
+        }
+        progress.fraction = (double(done) + progress.fraction) / double(all);
+        display.show(progress);
+        if (is_interrupted() && !cancelled) {
+            job.cancel();
+            cancelled = true;
+        }
+    }
+    return is_interrupted();
+}
+
+void write_text(const std::string& file, const std::string& text)
+{
+    if (file == "-") {
+        if (std::fputs(text.c_str(), stdout) < 0 || std::fflush(stdout) != 0)
+            throw Error("", "standard output cannot be written", {}, Error::Kind::Output);
+        return;
+    }
+    std::ofstream out(file, std::ios::binary);
+    out << text;
+    out.close();
+    if (!out) throw Error(file, "cannot be written", {}, Error::Kind::Output);
+}
+
+void report(const FrameStats& stats, bool quiet, bool verbose)
+{
+    if (!stats.warnings.empty() && !verbose && !quiet && isatty(STDERR_FILENO))
+        std::fprintf(stderr, "occam: %zu warnings; -v shows them\n", stats.warnings.size());
+    if (!verbose) return;
+    for (const std::string& warning : stats.warnings) std::fprintf(stderr, "occam: warning: %s\n", warning.c_str());
+    std::fprintf(stderr, "occam: %dx%d, %d samples a pixel, %.2f s, %.2f million rays a second, checksum %016llx\n",
+                 stats.image.width, stats.image.height, stats.image.spp, stats.seconds.total, stats.rays.per_second * 1e-6,
+                 static_cast<unsigned long long>(stats.image.checksum));
+}
+
+}  // namespace occam::command

@@ -1,0 +1,75 @@
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "arguments.h"
+#include "io/texture/texture_store.h"
+
+namespace occam::command {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(Vec3d v) { return {v.x, v.y, v.z}; }
+
+// What loading mended or left out, and which images cannot be read: they are decoded for that.
+std::vector<std::string> all_warnings(const Scene& scene)
+{
+    TextureStore store(std::size_t(1) << 30);
+    store.prepare(scene);
+    std::vector<std::string> lines = scene.warnings;
+    for (std::string& line : store.warnings()) lines.push_back(std::move(line));
+    return lines;
+}
+
+Json describe(Scene& scene, const std::string& file)
+{
+    const Scene::Counts counts = scene.counts();
+    const Box3d bounds = scene.bounds();
+    Json clips = Json::array();
+    for (ClipId id : scene.clips()) clips.push_back(scene.clip(id).name);
+    Json box = nullptr;
+    if (!bounds.is_empty()) box = {{"min", json_of(bounds.lo)}, {"max", json_of(bounds.hi)}};
+    return {{"file", file},
+            {"nodes", counts.nodes},
+            {"cages", counts.cages},
+            {"faces", counts.faces},
+            {"placed_faces", scene.placed_faces()},
+            {"materials", counts.materials},
+            {"textures", counts.textures},
+            {"lights", counts.lights},
+            {"environment", scene.environment.radiance != Vec3f(0)},
+            {"cameras", scene.camera_names()},
+            {"skins", counts.skins},
+            {"clips", clips},
+            {"bounds", box},
+            {"warnings", all_warnings(scene)}};
+}
+
+void print_text(const Json& info)
+{
+    for (const auto& [key, value] : info.items()) {
+        if (value.is_array()) {
+            std::cout << key << ": " << value.size() << '\n';
+            for (const Json& entry : value) std::cout << "  " << entry.get<std::string>() << '\n';
+        } else if (value.is_object()) {
+            std::cout << key << ": " << value["min"].dump() << " to " << value["max"].dump() << '\n';
+        } else {
+            std::cout << key << ": " << (value.is_string() ? value.get<std::string>() : value.dump()) << '\n';
+        }
+    }
+}
+
+}  // namespace
+
+int run(const InfoArguments& a)
+{
+    Scene scene = open_scene(a);
+    const Json info = describe(scene, a.scene.empty() ? "built-in" : a.scene.string());
+    if (a.json) std::cout << info.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+    else print_text(info);
+    std::cout.flush();
+    if (!std::cout) throw Error("", "standard output cannot be written", {}, Error::Kind::Output);
+    return 0;
+}
+
+}  // namespace occam::command

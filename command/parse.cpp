@@ -1,0 +1,395 @@
+// The command line's grammar; the one file that sees CLI11.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <functional>
+#include <iostream>
+#include <map>
+
+#include "arguments.h"
+#include "values.h"
+
+namespace occam::command {
+namespace {
+
+// An option whose text `read` understands; what it throws becomes a line about that option.
+CLI::Option* add_value(CLI::App& app, const std::string& names, const std::string& what, const std::string& form,
+                       std::function<void(const std::string&)> read)
+{
+    CLI::Option* option = app.add_option_function<std::string>(
+        names,
+        [names, read = std::move(read)](const std::string& text) {
+            try {
+                read(text);
+            } catch (const std::invalid_argument& error) {
+                throw CLI::ValidationError(names.substr(0, names.find(',')), error.what());
+            }
+        },
+        what);
+    return option->type_name(form);
+}
+
+CLI::Option* add_number(CLI::App& app, const std::string& name, const std::string& what, std::function<void(double)> set)
+{
+    return add_value(app, name, what, "NUMBER", [set = std::move(set)](const std::string& t) { set(number_of(t)); });
+}
+
+CLI::Option* add_count(CLI::App& app, const std::string& name, int& value, int most, const std::string& what)
+{
+    return app.add_option(name, value, what)->check(CLI::Range(1, most))->type_name("N");
+}
+
+CLI::Option* add_switch(CLI::App& app, const std::string& name, bool& value, const std::string& what)
+{
+    return add_value(app, name, what, "on|off", [&value](const std::string& t) { value = is_on(t); });
+}
+
+template <class T>
+CLI::Option* add_choice(CLI::App& app, const std::string& name, T& value, const std::map<std::string, T>& choices,
+                        const std::string& what)
+{
+    std::string form;
+    for (const auto& choice : choices) form += (form.empty() ? "" : "|") + choice.first;
+    return add_value(app, name, what, form, [&value, choices, form](const std::string& text) {
+        const auto found = choices.find(text);
+        if (found == choices.end()) throw std::invalid_argument("expected one of " + form + ", not '" + text + "'");
+        value = found->second;
+    });
+}
+
+void add_scene(CLI::App& app, SceneArguments& a)
+{
+    app.add_option("SCENE", a.scene, "glTF, GLB or OBJ file; without it the built-in scene")->type_name("");
+    add_choice<Subdivide>(app, "--subdivide", a.load.subdivide,
+                          {{"on", Subdivide::On}, {"off", Subdivide::Off}, {"auto", Subdivide::Auto}},
+                          "Treat polygons as Catmull-Clark cages [auto: as the file says]");
+    app.add_flag("--strict", a.load.strict, "A missing texture or a dropped primitive is an error, not a warning");
+}
+
+struct Quality {
+    int spp;
+    float shading_rate;
+};
+const std::map<std::string, Quality> kQualities{{"fast", {4, 2}}, {"balanced", {16, 1}}, {"high", {64, 0.5f}}};
+
+void add_picture(CLI::App& app, RenderArguments& a)
+{
+    Settings& s = a.settings;
+    add_value(app, "--size", "Pixels of the frame [1280x720, its height from the camera's aspect]", "WxH",
+              [&](const std::string& t) {
+                  std::tie(s.width, s.height) = size_of(t);
+                  a.size_given = true;
+              });
+    add_value(app, "--crop", "Part of the frame, 0 to 1 from the top left", "X0,X1,Y0,Y1", [&](const std::string& t) {
+        const auto n = numbers_of(t, 4);
+        s.crop_x0 = float(n[0]), s.crop_x1 = float(n[1]), s.crop_y0 = float(n[2]), s.crop_y1 = float(n[3]);
+    });
+    add_value(app, "--quality", "A recipe: --spp 4, 16, 64 and --shading-rate 2, 1, 0.5", "fast|balanced|high",
+              [](const std::string& t) {
+                  if (!kQualities.count(t)) throw std::invalid_argument("expected fast, balanced or high, not '" + t + "'");
+              });
+    add_count(app, "--spp", s.spp, render::kMaxSamples, "Samples a pixel [16]");
+    add_switch(app, "--jitter", s.jitter, "off: every sample through the middle of its pixel [on]");
+    add_count(app, "--light-samples", s.light_samples, render::kMaxLightSamples, "Of each light at each hit [1]");
+    std::map<std::string, FilterKind> filters;
+    for (FilterKind kind : render::kAllFilters) filters.emplace(render::filter_name(kind), kind);
+    add_choice<FilterKind>(app, "--filter", s.filter, filters, "Reconstruction filter [box]");
+    add_number(app, "--filter-radius", "Half its width, pixels [what suits it]",
+               [&](double v) { s.filter_radius = float(v); });
+    add_number(app, "--error", "End a tile of pixels below this estimated relative error; --spp is then the most",
+               [&](double v) { s.error = float(v); });
+    add_number(app, "--shading-rate", "Wanted micropolygon edge, pixels [1]", [&](double v) { s.shading_rate = float(v); });
+    add_choice<render::Lod>(app, "--lod", s.lod,
+                            {{"on", render::Lod::On}, {"off", render::Lod::Off}, {"frozen", render::Lod::Frozen}},
+                            "Level of detail: each ray's own; one a cage; secondary rays as at their origin [on]");
+    app.add_option("--seed", s.seed, "Of the random numbers [0]")->type_name("N");
+    add_number(app, "--deadline", "Stop after so many seconds with what is done", [&](double v) { s.deadline_s = v; });
+    add_switch(app, "--background", s.background, "Sky or environment behind the scene; off: transparent [on]");
+    add_switch(app, "--back-faces", s.back_faces, "off: rays pass the backs of single-sided surfaces [on]");
+    add_value(app, "--aov",
+              "EXR layers: depth, normal, normal_geometric, albedo, uv, position, id, variance, normal_mean, "
+              "cryptomatte_object, cryptomatte_material, occlusion",
+              "A,B,...", [&](const std::string& t) {
+                  for (std::string_view word : words_of(t)) {
+                      const unsigned before = s.aovs;
+                      for (Aov aov : render::kAllAovs)
+                          if (render::aov_name(aov) == word) s.aovs |= unsigned(aov);
+                      if (s.aovs == before) throw std::invalid_argument("there is no layer '" + std::string(word) + "'");
+                  }
+              });
+    std::map<std::string, View> views;
+    for (View view : render::kAllViews) views.emplace(render::view_name(view), view);
+    add_choice<View>(app, "--view", s.view, views, "A debug picture instead of light");
+    std::map<std::string, IntegratorKind> integrators;
+    for (IntegratorKind kind : {IntegratorKind::Direct, IntegratorKind::Ao, IntegratorKind::Path})
+        integrators.emplace(render::integrator_name(kind), kind);
+    add_choice<IntegratorKind>(app, "--integrator", s.integrator, integrators, "Light that is followed [direct]");
+    app.add_option("--bounces", s.bounces, "Most times that light is scattered; direct: mirrors in a row [8]")
+        ->check(CLI::Range(0, render::kMaxBounces))
+        ->type_name("N");
+    add_number(app, "--ao-distance", "How far ao looks, world length [to infinity]",
+               [&](double v) { s.ao_distance = float(v); });
+    add_value(app, "--environment",
+              "Light from all around: an image, daylight, or none [the scene's own; daylight and a lamp if nothing shines]",
+              "FILE|sky|none", [&](const std::string& t) {
+                  a.has_environment = t != "sky" && t != "none";
+                  s.sky = t == "sky" ? shade::Sky::On : t == "none" ? shade::Sky::Off : shade::Sky::Auto;
+                  if (a.has_environment) a.environment = t;
+              });
+    add_number(app, "--environment-strength", "Its brightness times this [1]", [&](double v) {
+        if (!(v >= 0)) throw std::invalid_argument("expected 0 or more");
+        a.environment_strength = s.sky_strength = float(v);
+    });
+    add_number(app, "--environment-rotation", "Degrees about +y [0]",
+               [&](double v) { a.environment_rotation_deg = float(v); });
+    add_choice<render::ShadeAt>(app, "--shade", s.shade_at,
+                                {{"vertex", render::ShadeAt::Vertex}, {"hit", render::ShadeAt::Hit}},
+                                "Where materials are looked up: at vertices of grids, once, or at every hit [hit]");
+}
+
+void add_camera(CLI::App& app, RenderArguments& a)
+{
+    CLI::Option* name = app.add_option("--camera", a.camera,
+                                       "A camera of the scene by its name [the first, else one that frames it]")
+                            ->type_name("NAME");
+    app.add_option("--lod-camera", a.lod_camera,
+                   "Footprints of this camera of the scene: detail stays while the picture's camera moves [its own]")
+        ->type_name("NAME");
+    add_value(app, "--look-at", "Eye and target", "EX,EY,EZ,TX,TY,TZ", [&](const std::string& t) {
+        const auto n = numbers_of(t, 6);
+        a.look_at = LookAt{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
+    })->excludes(name);
+    add_value(app, "--up", "Up for --look-at [0,1,0]", "X,Y,Z", [&](const std::string& t) {
+        const auto n = numbers_of(t, 3);
+        a.up = {n[0], n[1], n[2]};
+    });
+    add_number(app, "--fov", "Whole vertical angle, degrees", [&](double v) {
+        if (!(v > 0 && v < 180)) throw std::invalid_argument("expected more than 0 and less than 180 degrees");
+        a.fov_deg = float(v);
+    });
+    CLI::Option* lens = add_number(app, "--lens", "Radius of a thin lens, world length [a pinhole]", [&](double v) {
+        if (!(v > 0)) throw std::invalid_argument("expected a length above 0");
+        a.lens_radius = float(v);
+    });
+    CLI::Option* focus = add_number(app, "--focus", "How far what is sharp lies along the view, world length",
+                                    [&](double v) {
+                                        if (!(v > 0)) throw std::invalid_argument("expected a length above 0");
+                                        a.focus = float(v);
+                                    });
+    lens->needs(focus);
+    focus->needs(lens);
+    app.add_option("--blades", a.blades, "Corners of the lens's opening [0: round]")
+        ->check(CLI::Range(0, 64))
+        ->type_name("N");
+}
+
+void add_clip(CLI::App& app, RenderArguments& a)
+{
+    app.add_option("--clip", a.clip, "Animation by name or number [the first, if a frame or a time is given]")
+        ->type_name("NAME|INDEX");
+    add_number(app, "--fps", "Frames a second [24]", [&](double v) {
+        if (!(v > 0)) throw std::invalid_argument("expected more than 0");
+        a.fps = v;
+    });
+}
+
+void add_moment(CLI::App& app, RenderArguments& a)
+{
+    CLI::Option* time = add_number(app, "--time", "Seconds on the clip's own axis [the file's pose]",
+                                   [&](double v) { a.time = v; });
+    app.add_option("--frame", a.frame, "The same as a frame's number: time * fps")->type_name("N")->excludes(time);
+}
+
+void add_sequence(CLI::App& app, AnimateArguments& a)
+{
+    add_value(app, "--frames", "Which frames", "A-BxSTEP,C,...", [&](const std::string& t) {
+        a.frames = frames_of(t);
+    })->required();
+    app.add_flag("--overwrite", a.overwrite, "Make frames again whose pictures are there");
+    add_value(app, "--shard", "Every N-th frame, from the K-th [what Slurm's array variables say, else all]", "K/N",
+              [&](const std::string& t) { a.shard = shard_of(t); });
+}
+
+void add_output(CLI::App& app, RenderArguments& a, const std::string& form)
+{
+    app.add_option("-o,--output", a.output, "Picture to write, by extension .exr .png .jpg .tif .hdr")
+        ->required()
+        ->type_name(form);
+    add_number(app, "--exposure", "Stops, display formats only [0]", [&](double v) { a.write.exposure_ev = float(v); });
+    add_choice<Tonemap>(app, "--tonemap", a.write.tonemap,
+                        {{"none", Tonemap::None}, {"srgb", Tonemap::Srgb}, {"aces", Tonemap::Aces}},
+                        "Display formats only [srgb]");
+    add_choice<bool>(app, "--exr", a.write.half, {{"half", true}, {"float", false}}, "Colours of an EXR [half]");
+    app.add_option("--stats", a.stats, "Statistics as JSON; - is standard output")->type_name("FILE");
+}
+
+void add_machine(CLI::App& app, RenderArguments& a)
+{
+    add_count(app, "--threads", a.resources.threads, 1024, "Workers [all processors]");
+    add_value(app, "--memory", "Budget for what is rebuilt each frame [a quarter of the machine]", "SIZE",
+              [&](const std::string& t) { a.resources.memory_bytes = bytes_of(t); });
+    add_count(app, "--share-tree", a.resources.workers_a_tree, 1024,
+              "Workers that share one tree, in the memory of one [1: each its own]");
+    add_value(app, "--texture-memory", "Cap of the texture cache [1G]", "SIZE",
+              [&](const std::string& t) { a.resources.texture_bytes = bytes_of(t); });
+    add_choice<ProgressStyle>(app, "--progress", a.progress,
+                              {{"auto", ProgressStyle::Auto},
+                               {"plain", ProgressStyle::Plain},
+                               {"openjd", ProgressStyle::OpenJd},
+                               {"none", ProgressStyle::None}},
+                              "A bar on a terminal, lines, Open Job Description lines [auto]");
+    app.add_flag("-q,--quiet", a.quiet, "No progress");
+    app.add_flag("-v,--verbose", a.verbose, "Say more");
+}
+
+void add_limit(CLI::App& app, const std::string& name, std::optional<double>& limit, const std::string& what)
+{
+    add_number(app, name, what, [&limit](double v) { limit = v; });
+}
+
+void add_compare(CLI::App& app, CompareArguments& a)
+{
+    app.add_option("A", a.a, "Picture to judge")->required()->type_name("");
+    app.add_option("B", a.b, "Reference")->required()->type_name("");
+    app.add_flag("--json", a.json, "All common layers as JSON");
+    app.add_option("--layer", a.layer, "Layer that limits and heat map are for [beauty]")->type_name("NAME");
+    app.add_option("--heat", a.heat, "Write a map of the differences")->type_name("FILE");
+    add_number(app, "--heat-scale", "Difference that is shown white [the largest]", [&](double v) { a.heat_scale = v; });
+    add_limit(app, "--max-mse", a.max_mse, "Exit code 1 if the mean squared error is larger");
+    add_limit(app, "--max-rmse", a.max_rmse, "The same for its root");
+    add_limit(app, "--max-rel-mse", a.max_rel_mse, "The same for the relative mean squared error");
+    add_limit(app, "--max-error", a.max_error, "The same for the largest difference");
+    add_limit(app, "--max-p999", a.max_p999, "The same for the 99.9th percentile");
+    add_limit(app, "--min-psnr", a.min_psnr, "Exit code 1 if the PSNR is smaller, dB");
+}
+
+void apply_quality(const CLI::App& app, Settings& s)
+{
+    if (!app.count("--quality")) return;
+    const Quality& quality = kQualities.at(app.get_option("--quality")->results().front());
+    if (!app.count("--spp")) s.spp = quality.spp;
+    if (!app.count("--shading-rate")) s.shading_rate = quality.shading_rate;
+}
+
+// What only the whole of the words decides.
+Arguments finished(AnimateArguments a, bool has_shard)
+{
+    try {
+        a.pattern = FramePattern(a.output);
+    } catch (const std::invalid_argument& error) {
+        std::cerr << "occam: --output: " << error.what() << " (occam animate --help)\n";
+        return Finished{2};
+    }
+    if (!has_shard)
+        if (const auto slurm = slurm_shard([](const char* name) -> const char* { return std::getenv(name); }))
+            a.shard = *slurm;
+    return a;
+}
+
+}  // namespace
+
+Arguments parse(int argc, char** argv)
+{
+    RenderArguments render;
+    AnimateArguments animate;
+    InfoArguments info;
+    VerifyArguments verify;
+    CompareArguments compare;
+
+    CLI::App app("Occam: dynamic multiresolution ray tracing.", "occam");
+    app.set_version_flag("--version", std::string("occam ") + render::kVersion + "\nwith " OCCAM_LIBRARIES);
+    app.require_subcommand(1);
+    app.footer(
+        "Exit codes: 0 done; 1 a limit of compare or verify does not hold; 2 bad input or usage; 3 output or resources; 130 "
+        "interrupted.\n"
+        "Example: occam render courtyard.glb -o courtyard.png");
+
+    CLI::App& render_app = *app.add_subcommand("render", "One frame to a picture");
+    add_scene(render_app, render);
+    add_output(render_app, render, "IMAGE");
+    add_camera(render_app, render);
+    add_clip(render_app, render);
+    add_moment(render_app, render);
+    add_picture(render_app, render);
+    add_machine(render_app, render);
+    render_app.footer(
+        "Example: occam render courtyard.glb -o courtyard.exr --size 1920x1080 --spp 64 --aov depth,normal --stats -");
+
+    CLI::App& animate_app = *app.add_subcommand("animate", "A sequence of frames; goes on where it was stopped");
+    add_scene(animate_app, animate);
+    add_output(animate_app, animate, "IMAGE.####.EXT");
+    add_sequence(animate_app, animate);
+    add_clip(animate_app, animate);
+    add_camera(animate_app, animate);
+    add_picture(animate_app, animate);
+    add_machine(animate_app, animate);
+    animate_app.footer(
+        "Frames whose pictures are there are left alone: a run that was stopped is started again with the same words.\n"
+        "Example: occam animate fox.glb -o fox.####.exr --frames 0-95 --clip Run --shard 1/4");
+
+    CLI::App& info_app = *app.add_subcommand("info", "What is in a scene");
+    add_scene(info_app, info);
+    info_app.add_flag("--json", info.json, "As JSON");
+    info_app.footer("Example: occam info courtyard.glb --json");
+
+    CLI::App& verify_app = *app.add_subcommand("verify", "Whether closed cages let rays out");
+    add_scene(verify_app, verify);
+    verify_app.add_option("--rays", verify.settings.rays, "For each placed cage [1000000]")->type_name("N");
+    verify_app.add_option("--seed", verify.settings.seed, "Of the random numbers [0]")->type_name("N");
+    verify_app.add_flag("--json", verify.json, "As JSON");
+    verify_app.footer(
+        "Exit code 1 if a ray escapes. Example: occam verify suzanne.obj --subdivide on --rays 10000000 --json");
+
+    CLI::App& compare_app = *app.add_subcommand("compare", "How far two pictures are apart");
+    add_compare(compare_app, compare);
+    compare_app.footer("Example: occam compare out.exr reference.exr --heat heat.png --max-rmse 0.01");
+
+    CLI::App& bench_app = *app.add_subcommand("bench", "Speed, beside other software");
+    std::vector<std::string> suites;
+    std::string only, json;
+    bool list = false;
+    bench_app.add_option("SUITE", suites, "Which; without it all")->type_name("");
+    bench_app.add_option("--only", only, "Cases whose name or recipe has this text")->type_name("TEXT");
+    bench_app.add_option("--json", json, "Write the rows")->type_name("FILE");
+    bench_app.add_flag("--list", list, "What suites there are");
+    bench_app.footer("Example: occam bench crowd --only fast --json crowd.json");
+
+    const auto is_command = [&](const char* word) {
+        const auto all = app.get_subcommands([](const CLI::App*) { return true; });
+        return std::any_of(all.begin(), all.end(), [&](const CLI::App* command) { return command->get_name() == word; });
+    };
+    if (argc > 1 && argv[1][0] != '-' && !is_command(argv[1])) {
+        std::cerr << "occam: there is no command '" << argv[1] << "' (occam --help)\n";
+        return Finished{2};
+    }
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::CallForHelp& help) {
+        return Finished{app.exit(help)};
+    } catch (const CLI::CallForVersion& version) {
+        return Finished{app.exit(version)};
+    } catch (const CLI::ParseError& error) {
+        const CLI::App* used = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
+        std::cerr << "occam: " << error.what() << " (" << (used == &app ? "occam" : "occam " + used->get_name())
+                  << " --help)\n";
+        return Finished{2};
+    }
+    if (render_app.parsed()) {
+        apply_quality(render_app, render.settings);
+        return render;
+    }
+    if (animate_app.parsed()) {
+        apply_quality(animate_app, animate.settings);
+        return finished(std::move(animate), animate_app.count("--shard") > 0);
+    }
+    if (bench_app.parsed()) {
+        if (list) suites.push_back("--list");
+        if (!only.empty()) suites.insert(suites.end(), {"--only", only});
+        if (!json.empty()) suites.insert(suites.end(), {"--json", json});
+        return BenchArguments{suites};
+    }
+    if (info_app.parsed()) return info;
+    if (verify_app.parsed()) return verify;
+    return compare;
+}
+
+}  // namespace occam::command

@@ -1,0 +1,110 @@
+#include "progress.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace occam::command {
+namespace {
+
+constexpr int kBarWidth = 32;
+
+std::string sentence(const Progress& p)
+{
+    switch (p.stage) {
+        case Stage::Waiting:
+        case Stage::Preparing:
+            return "preparing";
+        case Stage::Done:
+            return "done";
+        case Stage::Rendering:
+            break;
+    }
+    std::string text = "rendering, " + std::to_string(static_cast<int>(p.fraction * 100)) + " %";
+    if (p.seconds_left >= 0) text += ", " + duration_text(p.seconds_left) + " left";
+    return text;
+}
+
+}  // namespace
+
+std::string duration_text(double seconds)
+{
+    const long s = std::lround(std::clamp(seconds, 0.0, 1e9));
+    if (s < 60) return std::to_string(s) + " s";
+    if (s < 3600) return std::to_string(s / 60) + " min " + std::to_string(s % 60) + " s";
+    return std::to_string(s / 3600) + " h " + std::to_string(s % 3600 / 60) + " min";
+}
+
+ProgressDisplay::ProgressDisplay(ProgressStyle style, bool quiet) : style_(Style::None)
+{
+    if (quiet) return;
+    if (style == ProgressStyle::Auto && isatty(STDERR_FILENO)) style_ = Style::Bar;
+    if (style == ProgressStyle::Plain) style_ = Style::Plain;
+    if (style == ProgressStyle::OpenJd) style_ = Style::OpenJd;
+}
+
+ProgressDisplay::~ProgressDisplay() { end(); }
+
+void ProgressDisplay::draw(const std::string& line)
+{
+    std::fprintf(stderr, "\r\033[K%s", line.c_str());
+    std::fflush(stderr);
+    is_bar_drawn_ = true;
+}
+
+void ProgressDisplay::say(const std::string& status)
+{
+    if (style_ == Style::Bar) draw(status);
+    if (style_ == Style::Plain) std::fprintf(stderr, "%s\n", status.c_str());
+    if (style_ == Style::OpenJd) {
+        std::printf("openjd_status: %s\n", status.c_str());
+        std::fflush(stdout);
+    }
+}
+
+void ProgressDisplay::finish_part(std::size_t done, std::size_t all, const std::string& file)
+{
+    if (style_ == Style::Plain) std::fprintf(stderr, "%s: %s\n", subject_.c_str(), file.c_str());
+    if (style_ == Style::OpenJd) {
+        last_percent_ = static_cast<int>(100 * done / all);
+        std::printf("openjd_progress: %d\nopenjd_status: %s: %s\n", last_percent_, subject_.c_str(), file.c_str());
+        std::fflush(stdout);
+    }
+}
+
+void ProgressDisplay::fail(const std::string& what)
+{
+    end();
+    if (style_ != Style::OpenJd) return;
+    std::printf("openjd_fail: %s\n", what.c_str());
+    std::fflush(stdout);
+}
+
+void ProgressDisplay::show(const Progress& p)
+{
+    const std::string text = (subject_.empty() ? "" : subject_ + ", ") + sentence(p);
+    const int percent = static_cast<int>(p.fraction * 100);
+    if (style_ == Style::Bar) {
+        const int full = static_cast<int>(p.fraction * kBarWidth);
+        const std::string bar = std::string(std::size_t(full), '#') + std::string(std::size_t(kBarWidth - full), '.');
+        draw("[" + bar + "] " + text);
+    }
+    // Lines only at each further 5 %: a log is read by people.
+    if (p.stage != Stage::Rendering || percent < last_percent_ + (last_percent_ < 0 ? 1 : 5)) return;
+    last_percent_ = percent;
+    if (style_ == Style::Plain) std::fprintf(stderr, "%s\n", text.c_str());
+    if (style_ == Style::OpenJd) {
+        std::printf("openjd_progress: %d\nopenjd_status: %s\n", percent, text.c_str());
+        std::fflush(stdout);
+    }
+}
+
+void ProgressDisplay::end()
+{
+    if (is_bar_drawn_) std::fputs("\r\033[K", stderr);
+    is_bar_drawn_ = false;
+}
+
+}  // namespace occam::command

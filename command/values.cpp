@@ -1,0 +1,102 @@
+#include "values.h"
+
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace occam::command {
+namespace {
+
+[[noreturn]] void expected(const std::string& what, std::string_view text)
+{
+    throw std::invalid_argument("expected " + what + ", not '" + std::string(text) + "'");
+}
+
+}  // namespace
+
+double number_of(std::string_view text)
+{
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) expected("a number", text);
+    return value;
+}
+
+std::vector<std::string_view> words_of(std::string_view text)
+{
+    std::vector<std::string_view> words;
+    std::string_view rest = text;
+    while (true) {
+        const std::size_t comma = rest.find(',');
+        words.push_back(rest.substr(0, comma));
+        if (words.back().empty()) expected("words with commas between", text);
+        if (comma == std::string_view::npos) return words;
+        rest.remove_prefix(comma + 1);
+    }
+}
+
+std::vector<double> numbers_of(std::string_view text, std::size_t n)
+{
+    const auto words = words_of(text);
+    if (words.size() != n) expected(std::to_string(n) + " numbers with commas between", text);
+    std::vector<double> numbers;
+    for (std::string_view word : words) numbers.push_back(number_of(word));
+    return numbers;
+}
+
+std::pair<int, int> size_of(std::string_view text)
+{
+    const std::size_t x = text.find('x');
+    if (x == std::string_view::npos) expected("a size like 1280x720", text);
+    const auto side = [&](std::string_view digits) {
+        int value = 0;
+        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+        if (error != std::errc() || end != digits.data() + digits.size() || value < 1)
+            expected("a size like 1280x720", text);
+        return value;
+    };
+    return {side(text.substr(0, x)), side(text.substr(x + 1))};
+}
+
+std::size_t bytes_of(std::string_view text)
+{
+    if (text.empty()) expected("a size like 512M or 2G", text);
+    double scale = 1;
+    std::string_view digits = text;
+    switch (text.back()) {
+        case 'k':
+        case 'K':
+            scale = 1024.0;
+            break;
+        case 'm':
+        case 'M':
+            scale = 1024.0 * 1024;
+            break;
+        case 'g':
+        case 'G':
+            scale = 1024.0 * 1024 * 1024;
+            break;
+        case 't':
+        case 'T':
+            scale = 1024.0 * 1024 * 1024 * 1024;
+            break;
+        default:
+            break;
+    }
+    if (scale > 1) digits.remove_suffix(1);
+    double value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (error != std::errc() || end != digits.data() + digits.size() || !(value * scale >= 1) || !(value * scale < 0x1p62))
+        expected("a size like 512M or 2G", text);
+    return static_cast<std::size_t>(value * scale);
+}
+
+bool is_on(std::string_view text)
+{
+    if (text == "on") return true;
+    if (text != "off") expected("on or off", text);
+    return false;
+}
+
+}  // namespace occam::command

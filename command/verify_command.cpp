@@ -1,0 +1,63 @@
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "arguments.h"
+
+namespace occam::command {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const VerifiedCage& c)
+{
+    Json entry = {{"node", c.node}, {"cage", c.cage}, {"faces", c.faces}};
+    if (!c.not_testable.empty()) {
+        entry["not_testable"] = c.not_testable;
+        return entry;
+    }
+    entry.update({{"starts", c.starts},
+                  {"rays", c.rays},
+                  {"escaped", c.escaped},
+                  {"outside", c.outside},
+                  {"not_finite", c.not_finite},
+                  {"front_side", c.front_side},
+                  {"worst_front", c.worst_front},
+                  {"replay", c.replay}});
+    return entry;
+}
+
+}  // namespace
+
+int run(const VerifyArguments& a)
+{
+    Scene scene = open_scene(a);
+    const std::vector<VerifiedCage> cages = verify(scene, a.settings);
+    std::uint64_t tested = 0, rays = 0, escaped = 0, not_finite = 0;
+    Json list = Json::array();
+    for (const VerifiedCage& c : cages) {
+        tested += c.not_testable.empty();
+        rays += c.rays;
+        escaped += c.escaped;
+        not_finite += c.not_finite;
+        list.push_back(json_of(c));
+    }
+    if (a.json) {
+        const Json all = {
+            {"cages", list}, {"tested", tested}, {"rays", rays}, {"escaped", escaped}, {"not_finite", not_finite}};
+        std::cout << all.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+    } else {
+        for (const VerifiedCage& c : cages) {
+            std::cout << (c.cage.empty() ? "cage" : c.cage) << " (" << c.faces << " faces): ";
+            if (!c.not_testable.empty()) std::cout << "not testable: " << c.not_testable << '\n';
+            else std::cout << c.rays << " rays, " << c.escaped << " escaped, " << c.not_finite << " not finite\n";
+            for (const std::string& line : c.replay) std::cout << "  " << line << '\n';
+        }
+        std::cout << tested << " of " << cages.size() << " cages tested, " << rays << " rays, " << escaped << " escaped, "
+                  << not_finite << " not finite\n";
+    }
+    std::cout.flush();
+    if (!std::cout) throw Error("", "standard output cannot be written", {}, Error::Kind::Output);
+    return escaped + not_finite > 0 ? 1 : 0;
+}
+
+}  // namespace occam::command

@@ -1,0 +1,53 @@
+#include "io/import/files.h"
+
+#include "base/error.h"
+
+namespace occam::import {
+
+namespace fs = std::filesystem;
+
+FileReader::FileReader(const fs::path& file, std::size_t max_bytes) : name_(file.string()), stream_(nullptr, &std::fclose)
+{
+    std::error_code error;
+    const fs::file_status status = fs::status(file, error);
+    if (!fs::exists(status)) throw Error(name_, "no such file");
+    if (!fs::is_regular_file(status)) throw Error(name_, "not a regular file");
+    const std::uintmax_t size = fs::file_size(file, error);
+    if (error) throw Error(name_, "cannot be read", error.message());
+    if (size > max_bytes) throw Error(name_, "larger than " + std::to_string(max_bytes >> 20) + " MiB");
+    size_ = size;
+    stream_.reset(std::fopen(file.c_str(), "rb"));
+    if (!stream_) throw Error(name_, "cannot be opened");
+    std::setvbuf(stream_.get(), nullptr, _IONBF, 0);  // parts are read whole
+}
+
+void FileReader::read(std::size_t at, std::span<char> to) const
+{
+    if (fseeko(stream_.get(), static_cast<off_t>(at), SEEK_SET) != 0 ||
+        std::fread(to.data(), 1, to.size(), stream_.get()) != to.size())
+        throw Error(name_, "could not be read to its end");
+}
+
+std::string read_file(const fs::path& file, std::size_t max_bytes)
+{
+    const FileReader reader(file, max_bytes);
+    std::string bytes(reader.size(), '\0');
+    reader.read(0, bytes);
+    return bytes;
+}
+
+std::optional<fs::path> inside(const fs::path& folder, std::string_view relative)
+{
+    const fs::path path(relative);
+    if (relative.empty() || relative.find('\0') != std::string_view::npos || path.is_absolute()) return std::nullopt;
+    std::error_code error;
+    const fs::path root = fs::weakly_canonical(folder.empty() ? fs::path(".") : folder, error);
+    if (error) return std::nullopt;
+    const fs::path target = fs::weakly_canonical(root / path, error);
+    if (error) return std::nullopt;
+    const fs::path rest = target.lexically_relative(root);
+    if (rest.empty() || *rest.begin() == ".." || rest == ".") return std::nullopt;
+    return target;
+}
+
+}  // namespace occam::import

@@ -1,0 +1,260 @@
+// The node tree of a glTF, and the order in which its parts are read.
+#include "io/import/gltf.h"
+
+#include <map>
+
+#include "io/import/files.h"
+#include "io/import/gltf_animation.h"
+#include "io/import/gltf_file.h"
+#include "io/import/gltf_meshes.h"
+#include "io/import/gltf_uri.h"
+#include "io/import/gltf_value.h"
+#include "io/import/obj.h"
+
+namespace occam::import {
+
+namespace {
+
+constexpr std::size_t kMaxDepth = 4096;
+
+template <class Vec>
+Vec vector_of(const std::vector<double>& values, Vec otherwise)
+{
+    if (values.size() != static_cast<std::size_t>(Vec::length())) return otherwise;
+    for (int i = 0; i < Vec::length(); ++i)
+        otherwise[i] = static_cast<typename Vec::value_type>(values[static_cast<std::size_t>(i)]);
+    return otherwise;
+}
+
+Light punctual(const tinygltf::Light& in)
+{
+    Light light;
+    light.name = in.name;
+    const Vec3f color = vector_of(in.color, Vec3f(1)) * static_cast<float>(in.intensity);
+    if (in.type == "directional") {
+        light.kind = SunLight{color};
+        return light;
+    }
+    PointLight point;
+    point.intensity = color;
+    point.range = static_cast<float>(in.range);
+    if (in.type == "spot") {
+        point.inner_angle = static_cast<float>(in.spot.innerConeAngle);
+        point.outer_angle = static_cast<float>(in.spot.outerConeAngle);
+    }
+    light.kind = point;
+    return light;
+}
+
+class SceneImporter {
+public:
+    SceneImporter(const std::filesystem::path& file, const LoadOptions& options)
+        : report_(file, options.strict),
+          options_(options),
+          model_(open_gltf(report_)),
+          accessors_(model_, report_),
+          materials_(model_, accessors_, scene_, report_),
+          meshes_(model_, accessors_, materials_, scene_, report_, options.subdivide)
+    {
+    }
+
+    Scene run()
+    {
+        nodes_.resize(model_.nodes.size());
+        for (const tinygltf::Light& light : model_.lights) lights_.push_back(scene_.add(punctual(light)));
+        add_tree();
+        const std::vector<SkinId> skins = add_skins(model_, accessors_, nodes_, scene_, report_);
+        for (std::size_t n = 0; n < nodes_.size(); ++n) {
+            const int skin = model_.nodes[n].skin;
+            if (nodes_[n] && skin >= 0 && static_cast<std::size_t>(skin) < skins.size())
+                scene_.set_skin(nodes_[n], skins[static_cast<std::size_t>(skin)]);
+        }
+        add_clips(model_, accessors_, nodes_, scene_, report_);
+        add_environment();
+        accessors_.check_values(report_);
+        finish(scene_, report_);
+        return std::move(scene_);
+    }
+
+private:
+    const tinygltf::Scene* scene_in_file() const
+    {
+        const std::size_t index = model_.defaultScene >= 0 ? static_cast<std::size_t>(model_.defaultScene) : 0;
+        return index < model_.scenes.size() ? &model_.scenes[index] : nullptr;
+    }
+
+    // Without a scene the file is a library: all that has no parent is shown.
+    std::vector<int> roots() const
+    {
+        if (const tinygltf::Scene* scene = scene_in_file()) return scene->nodes;
+        std::vector<bool> has_parent(model_.nodes.size(), false);
+        for (const tinygltf::Node& node : model_.nodes)
+            for (int child : node.children) has_parent[static_cast<std::size_t>(child)] = true;
+        std::vector<int> list;
+        for (std::size_t n = 0; n < has_parent.size(); ++n)
+            if (!has_parent[n]) list.push_back(static_cast<int>(n));
+        return list;
+    }
+
+    void add_tree()
+    {
+        struct Step {
+            int node;
+            NodeId parent;
+            std::size_t depth;
+        };
+        std::vector<Step> todo;
+        const std::vector<int> top = roots();
+        for (auto r = top.rbegin(); r != top.rend(); ++r) todo.push_back({*r, scene_.root(), 1});
+        while (!todo.empty()) {
+            const Step step = todo.back();
+            todo.pop_back();
+            const std::string where = "nodes[" + std::to_string(step.node) + "]";
+            if (step.node < 0 || static_cast<std::size_t>(step.node) >= nodes_.size())
+                throw Error(report_.name(), "there is no such node", where);
+            if (step.depth > kMaxDepth) throw Error(report_.name(), "the tree is deeper than 4096 nodes", where);
+            NodeId& id = nodes_[static_cast<std::size_t>(step.node)];
+            if (id) throw Error(report_.name(), "a node has two parents, or is its own ancestor", where);
+            const tinygltf::Node& node = model_.nodes[static_cast<std::size_t>(step.node)];
+            id = scene_.add_node(step.parent, describe(node, where));
+            for (auto c = node.children.rbegin(); c != node.children.rend(); ++c) todo.push_back({*c, id, step.depth + 1});
+        }
+    }
+
+    NodeDesc describe(const tinygltf::Node& node, const std::string& where)
+    {
+        NodeDesc desc;
+        desc.name = node.name;
+        if (node.matrix.size() == 16) {
+            Mat4d m;
+            for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = node.matrix[static_cast<std::size_t>(i)];
+            desc.matrix = m;
+        }
+        desc.place.translation = vector_of(node.translation, Vec3d(0));
+        desc.place.scale = vector_of(node.scale, Vec3d(1));
+        const Vec4d rotation = vector_of(node.rotation, Vec4d(0, 0, 0, 1));
+        const double length = std::sqrt(glm::dot(rotation, rotation));
+        if (length > 0) desc.place.rotation = rotation / length;
+        for (double weight : node.weights) desc.morph_weights.push_back(static_cast<float>(weight));
+
+        add_camera(node, desc);
+        const tinygltf::Mesh* mesh = node.mesh >= 0 && static_cast<std::size_t>(node.mesh) < model_.meshes.size()
+                                         ? &model_.meshes[static_cast<std::size_t>(node.mesh)]
+                                         : nullptr;
+        static const tinygltf::Value nothing;
+        const NodeExtras extras = node_extras(node.extras, mesh ? mesh->extras : nothing, where, report_);
+        if (!extras.cage.empty()) desc.cages = {cage_of_file(extras, where)};
+        else if (mesh) desc.cages = meshes_.cages(node.mesh, extras.style);
+        if (extras.material >= 0) override_materials(extras.material, desc, where);
+        add_light(node, extras, desc, where);
+        desc.seen_by = static_cast<std::uint8_t>(RayKind::All & ~extras.hidden_from);
+        if (extras.lit_by) {
+            desc.lit_by = 0;
+            for (const std::string& group : *extras.lit_by) desc.lit_by |= light_group(group, where);
+        }
+        return desc;
+    }
+
+    void add_camera(const tinygltf::Node& node, NodeDesc& desc)
+    {
+        if (node.camera < 0 || static_cast<std::size_t>(node.camera) >= model_.cameras.size()) return;
+        const tinygltf::Camera& camera = model_.cameras[static_cast<std::size_t>(node.camera)];
+        CameraLens lens;
+        if (camera.type == "orthographic") {
+            lens.orthographic = true;
+            lens.height = static_cast<float>(2 * std::abs(camera.orthographic.ymag));
+            lens.aspect = static_cast<float>(std::abs(camera.orthographic.xmag / camera.orthographic.ymag));
+        } else {
+            constexpr double kWidest = 3.1;
+            if (camera.perspective.yfov > kWidest)
+                report_.warn("a camera's angle of pi or more is made smaller", camera.name);
+            lens.fov = static_cast<float>(std::min(camera.perspective.yfov, kWidest));
+            lens.aspect = static_cast<float>(camera.perspective.aspectRatio);
+        }
+        desc.camera = scene_.add(lens);
+        if (desc.name.empty()) desc.name = camera.name.empty() ? "camera " + std::to_string(node.camera) : camera.name;
+    }
+
+    void add_light(const tinygltf::Node& node, const NodeExtras& extras, NodeDesc& desc, const std::string& where)
+    {
+        const int light = integer(extension(node.extensions, "KHR_lights_punctual"), "light", -1);
+        if (light >= 0 && static_cast<std::size_t>(light) < lights_.size())
+            desc.light = lights_[static_cast<std::size_t>(light)];
+        if (extras.area_light) {
+            if (desc.light) report_.warn("a node has room for one light: the area light is taken", where);
+            desc.light = scene_.add(Light{node.name, *extras.area_light});
+        }
+        if (!desc.light || extras.light_group.empty()) return;
+        Light grouped = scene_.light(desc.light);  // other nodes may show the file's light in other groups
+        grouped.groups = light_group(extras.light_group, where);
+        desc.light = scene_.add(std::move(grouped));
+    }
+
+    LightGroups light_group(const std::string& name, const std::string& where)
+    {
+        constexpr std::size_t kMost = 32;
+        const auto [known, is_new] = light_groups_.try_emplace(name, LightGroups(1) << light_groups_.size() % kMost);
+        if (light_groups_.size() > kMost) throw Error(report_.name(), "a scene has at most 32 light groups", where);
+        return known->second;
+    }
+
+    void override_materials(int material, NodeDesc& desc, const std::string& where)
+    {
+        const MaterialId id = materials_.material(material);
+        if (!id) throw Error(report_.name(), "there is no material " + std::to_string(material), where);
+        std::size_t slots = 1;
+        for (CageId cage : desc.cages) slots = std::max(slots, scene_.cage(cage).cage.materials.size());
+        desc.materials.assign(slots, id);
+    }
+
+    CageId cage_of_file(const NodeExtras& extras, const std::string& where)
+    {
+        const auto [known, is_new] = cage_files_.try_emplace({extras.cage, extras.style});
+        if (!is_new) return known->second;
+        const auto path = inside(report_.file().parent_path(), decode_uri(extras.cage));
+        if (!path) throw Error(report_.name(), "the cage is not in the scene's folder: " + extras.cage, where);
+        Report report(*path, options_.strict);
+        Polygons polygons = read_obj(*path, scene_, extras.material < 0, report);
+        const bool is_cage = extras.style.scheme.value_or(CageStyle::Scheme::CatmullClark) != CageStyle::Scheme::None;
+        Cage cage = settle(std::move(polygons), is_cage ? Subdivide::On : Subdivide::Off);
+        extras.style.apply(cage);
+        if (extras.style.displacement) cage.displacement = materials_.displacement(*extras.style.displacement, where);
+        for (const std::string& line : report.lines()) scene_.warnings.push_back(extras.cage + ": " + line);
+        return known->second = scene_.add(std::move(cage));
+    }
+
+    void add_environment()
+    {
+        const tinygltf::Scene* scene = scene_in_file();
+        if (!scene) return;
+        const auto extras = environment_extras(scene->extras, "scene", report_);
+        if (!extras) return;
+        scene_.environment.radiance = Vec3f(extras->strength);
+        scene_.environment.rotation = extras->rotation_deg * 0.01745329252f;
+        if (extras->image.empty()) return;
+        const auto path = inside(report_.file().parent_path(), decode_uri(extras->image));
+        if (!path) throw Error(report_.name(), "the environment is not in the scene's folder: " + extras->image, "scene");
+        if (!std::filesystem::is_regular_file(*path)) report_.warn("image file is missing", extras->image);
+        Texture texture;
+        texture.name = extras->image, texture.path = *path;
+        scene_.environment.image = scene_.add(std::move(texture));
+    }
+
+    Report report_;
+    const LoadOptions options_;
+    Scene scene_;
+    const tinygltf::Model model_;
+    AccessorReader accessors_;
+    MaterialImporter materials_;
+    MeshImporter meshes_;
+    std::vector<NodeId> nodes_;  // by index in the file
+    std::vector<LightId> lights_;
+    std::map<std::string, LightGroups> light_groups_;
+    std::map<std::pair<std::string, CageStyle>, CageId> cage_files_;
+};
+
+}  // namespace
+
+Scene load_gltf(const std::filesystem::path& file, const LoadOptions& options) { return SceneImporter(file, options).run(); }
+
+}  // namespace occam::import

@@ -1,0 +1,167 @@
+#include "io/import/gltf_animation.h"
+
+#include <cmath>
+#include <optional>
+
+namespace occam::import {
+
+namespace {
+
+std::string element(const char* kind, std::size_t index, const std::string& name)
+{
+    return std::string(kind) + "[" + std::to_string(index) + "]" + (name.empty() ? "" : " '" + name + "'");
+}
+
+NodeId node_at(const std::vector<NodeId>& nodes, int index)
+{
+    return index >= 0 && static_cast<std::size_t>(index) < nodes.size() ? nodes[static_cast<std::size_t>(index)] : NodeId();
+}
+
+std::optional<Channel::Path> path_of(const std::string& name)
+{
+    if (name == "translation") return Channel::Path::Translation;
+    if (name == "rotation") return Channel::Path::Rotation;
+    if (name == "scale") return Channel::Path::Scale;
+    if (name == "weights") return Channel::Path::Weights;
+    return std::nullopt;
+}
+
+class ClipReader {
+public:
+    ClipReader(const tinygltf::Model& model, AccessorReader& accessors, const std::vector<NodeId>& nodes, Report& report)
+        : model_(model), accessors_(accessors), nodes_(nodes), report_(report)
+    {
+    }
+
+    std::optional<Channel> channel(const tinygltf::Animation& animation, const tinygltf::AnimationChannel& c,
+                                   const std::string& where)
+    {
+        Channel out;
+        out.target = node_at(nodes_, c.target_node);
+        const auto path = path_of(c.target_path);
+        if (!out.target || !path) return std::nullopt;  // of another scene, or of an extension: legal, and not ours
+        out.path = *path;
+        if (c.sampler < 0 || static_cast<std::size_t>(c.sampler) >= animation.samplers.size())
+            return dropped("names no sampler", where);
+        const tinygltf::AnimationSampler& sampler = animation.samplers[static_cast<std::size_t>(c.sampler)];
+        if (sampler.interpolation == "STEP") out.interpolation = Channel::Interpolation::Step;
+        if (sampler.interpolation == "CUBICSPLINE") out.interpolation = Channel::Interpolation::CubicSpline;
+        out.times = accessors_.floats(sampler.input, 1);
+        if (!is_rising(out.times)) return dropped("key times must be finite and rise", where);
+
+        const bool is_cubic = out.interpolation == Channel::Interpolation::CubicSpline;
+        if (out.path == Channel::Path::Weights) {
+            const std::size_t values = accessors_.count(sampler.output) / (is_cubic ? 3 : 1);
+            out.width = static_cast<int>(values / out.times.size());
+            if (out.width == 0 || out.width != morph_targets(c.target_node))
+                return dropped("needs one weight a key and morph target", where);
+            out.values = accessors_.floats(sampler.output, 1);
+        } else {
+            out.width = out.path == Channel::Path::Rotation ? 4 : 3;
+            if (accessors_.components(sampler.output) != out.width) return dropped("its values have the wrong type", where);
+            out.values = accessors_.floats(sampler.output, out.width);
+        }
+        if (out.values.size() != out.times.size() * static_cast<std::size_t>(out.width) * (is_cubic ? 3 : 1))
+            return dropped("needs one value a key", where);
+        for (float v : out.values)
+            if (!std::isfinite(v)) return dropped("a value is not finite", where);
+        return out;
+    }
+
+private:
+    std::optional<Channel> dropped(const std::string& why, const std::string& where)
+    {
+        report_.warn("animation channel dropped: " + why, where);
+        return std::nullopt;
+    }
+    static bool is_rising(const std::vector<float>& times)
+    {
+        for (std::size_t i = 0; i < times.size(); ++i)
+            if (!std::isfinite(times[i]) || (i > 0 && !(times[i] > times[i - 1]))) return false;
+        return !times.empty();
+    }
+    int morph_targets(int node) const
+    {
+        const int mesh = model_.nodes[static_cast<std::size_t>(node)].mesh;
+        if (mesh < 0 || static_cast<std::size_t>(mesh) >= model_.meshes.size()) return 0;
+        const auto& primitives = model_.meshes[static_cast<std::size_t>(mesh)].primitives;
+        return primitives.empty() ? 0 : static_cast<int>(primitives[0].targets.size());
+    }
+
+    const tinygltf::Model& model_;
+    AccessorReader& accessors_;
+    const std::vector<NodeId>& nodes_;
+    Report& report_;
+};
+
+std::vector<Mat4d> matrices(const std::vector<float>& values)
+{
+    std::vector<Mat4d> out(values.size() / 16);
+    for (std::size_t m = 0; m < out.size(); ++m)
+        for (int c = 0; c < 4; ++c)
+            for (int r = 0; r < 4; ++r) out[m][c][r] = double(values[m * 16 + static_cast<std::size_t>(c * 4 + r)]);
+    return out;
+}
+
+bool is_affine(const Mat4d& m)
+{
+    for (int c = 0; c < 4; ++c) {
+        for (int r = 0; r < 3; ++r)
+            if (!std::isfinite(m[c][r])) return false;
+        if (m[c][3] != (c == 3 ? 1.0 : 0.0)) return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+std::vector<SkinId> add_skins(const tinygltf::Model& model, AccessorReader& accessors, const std::vector<NodeId>& nodes,
+                              Scene& scene, Report& report)
+{
+    std::vector<SkinId> ids(model.skins.size());
+    for (std::size_t s = 0; s < model.skins.size(); ++s) {
+        const tinygltf::Skin& in = model.skins[s];
+        const std::string where = element("skins", s, in.name);
+        Skin skin;
+        skin.name = in.name;
+        for (int joint : in.joints)
+            if (const NodeId id = node_at(nodes, joint)) skin.joints.push_back(id);
+        if (skin.joints.empty() || skin.joints.size() != in.joints.size()) {
+            report.warn("skin left out: a joint is not in the scene", where);
+            continue;
+        }
+        if (in.inverseBindMatrices >= 0) {
+            if (accessors.components(in.inverseBindMatrices) != 16)
+                throw Error(report.name(), "inverse bind matrices must be MAT4", where);
+            skin.joint_from_mesh = matrices(accessors.floats(in.inverseBindMatrices, 16));
+            if (skin.joint_from_mesh.size() < skin.joints.size())
+                throw Error(report.name(), "fewer inverse bind matrices than joints", where);
+            skin.joint_from_mesh.resize(skin.joints.size());
+            for (Mat4d& m : skin.joint_from_mesh)
+                if (!is_affine(m)) {
+                    report.warn("an inverse bind matrix is not affine", where);
+                    m = Mat4d(1);
+                }
+        }
+        ids[s] = scene.add(std::move(skin));
+    }
+    return ids;
+}
+
+void add_clips(const tinygltf::Model& model, AccessorReader& accessors, const std::vector<NodeId>& nodes, Scene& scene,
+               Report& report)
+{
+    ClipReader reader(model, accessors, nodes, report);
+    for (std::size_t a = 0; a < model.animations.size(); ++a) {
+        const tinygltf::Animation& animation = model.animations[a];
+        Clip clip{animation.name, {}};
+        for (std::size_t c = 0; c < animation.channels.size(); ++c) {
+            const std::string where = element("animations", a, animation.name) + ".channels[" + std::to_string(c) + "]";
+            if (auto channel = reader.channel(animation, animation.channels[c], where))
+                clip.channels.push_back(*std::move(channel));
+        }
+        scene.add(std::move(clip));
+    }
+}
+
+}  // namespace occam::import

@@ -1,0 +1,15 @@
+// Skins and clips of a glTF, into the data model; they are executed elsewhere.
+#pragma once
+
+#include "io/import/gltf_accessor.h"
+
+namespace occam::import {
+
+/// nodes   by index in the file; none for a node that is not in the scene
+/// Returns skins by index; none for a skin that cannot be used (a warning).
+std::vector<SkinId> add_skins(const tinygltf::Model& model, AccessorReader& accessors, const std::vector<NodeId>& nodes,
+                              Scene& scene, Report& report);
+void add_clips(const tinygltf::Model& model, AccessorReader& accessors, const std::vector<NodeId>& nodes, Scene& scene,
+               Report& report);
+
+}  // namespace occam::import

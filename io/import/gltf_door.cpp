@@ -1,0 +1,126 @@
+#include "io/import/gltf_door.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <nlohmann/json.hpp>
+
+#include "io/import/gltf_json.h"
+#include "io/import/gltf_rules.h"
+#include "io/import/gltf_schema_check.h"
+#include "io/import/gltf_uri.h"
+
+namespace occam::import {
+
+namespace {
+
+using nlohmann::json;
+
+// Far more than a scene needs; tinygltf reads nested values by recursion.
+constexpr int kMaxNesting = 128;
+
+constexpr std::array kExtensions = {
+    "KHR_lights_punctual", "KHR_materials_clearcoat", "KHR_materials_emissive_strength",
+    "KHR_materials_ior",   "KHR_materials_specular",  "KHR_materials_transmission",
+    "KHR_materials_unlit", "KHR_mesh_quantization",   "KHR_texture_transform",
+    "FB_ngon_encoding",    "KHR_materials_volume",
+};
+
+void check_nesting(std::string_view text, const Report& report)
+{
+    int depth = 0;
+    bool in_string = false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (in_string) {
+            if (c == '\\') ++i;
+            else if (c == '"') in_string = false;
+        } else if (c == '"') {
+            in_string = true;
+        } else if (c == '{' || c == '[') {
+            if (++depth > kMaxNesting) throw Error(report.name(), "JSON is nested deeper than 128 levels");
+        } else if (c == '}' || c == ']') {
+            --depth;
+        }
+    }
+}
+
+struct Version {
+    unsigned major = 0, minor = 0;
+};
+Version version(const std::string& text, const Report& report)
+{
+    Version v;
+    const char *begin = text.data(), *end = begin + text.size();
+    const auto [dot, error] = std::from_chars(begin, end, v.major);
+    if (error == std::errc() && dot != end && *dot == '.') {
+        const auto [last, minor_error] = std::from_chars(dot + 1, end, v.minor);
+        if (minor_error == std::errc() && last == end) return v;
+    }
+    throw Error(report.name(), "'" + text.substr(0, 32) + "' is not a version", "asset");
+}
+
+void check_asset(const json& root, Report& report)
+{
+    const json& asset = root["asset"];
+    const Version v = version(text(asset, "version"), report);
+    if (v.major != 2) throw Error(report.name(), "only glTF 2 is read, this is version " + text(asset, "version"), "asset");
+    if (v.minor > 0) report.warn("a later minor version than 2.0: what is new in it is not seen", "asset");
+    if (!asset.contains("minVersion")) return;
+    const Version least = version(text(asset, "minVersion"), report);
+    if (least.major > 2 || (least.major == 2 && least.minor > 0))
+        throw Error(report.name(), "needs a reader of glTF " + text(asset, "minVersion"), "asset");
+    if (least.major > v.major || (least.major == v.major && least.minor > v.minor))
+        report.warn("minVersion is above version", "asset");
+}
+
+void check_extensions(const json& root, Report& report)
+{
+    const json &used = list(root, "extensionsUsed"), &required = list(root, "extensionsRequired");
+    const auto contains = [](const json& names, const json& name) {
+        return std::find(names.begin(), names.end(), name) != names.end();
+    };
+    for (const json& name : required) {
+        if (std::find(kExtensions.begin(), kExtensions.end(), name.get<std::string>()) == kExtensions.end())
+            throw Error(report.name(),
+                        "requires the extension " + name.get<std::string>().substr(0, 64) + ", which is not known");
+        if (!contains(used, name)) report.warn("required extension is not declared as used", name.get<std::string>());
+    }
+    if (contains(used, "KHR_mesh_quantization") && !contains(required, "KHR_mesh_quantization"))
+        report.warn("KHR_mesh_quantization must be required");
+}
+
+}  // namespace
+
+CheckedGltf check_gltf(std::string_view json_text, bool is_glb, Report& report)
+{
+    check_nesting(json_text, report);
+    if (json_text.starts_with("\xef\xbb\xbf")) report.warn("starts with a byte order mark");
+    json root;
+    try {
+        root = json::parse(json_text);
+    } catch (const json::exception& error) {
+        throw Error(report.name(), std::string("not valid JSON: ") + error.what());
+    }
+    check_schema(root, report);
+    check_asset(root, report);
+    check_extensions(root, report);
+    check_data_rules(root, report);
+    check_scene_rules(root, report);
+
+    CheckedGltf checked;
+    for (std::size_t b = 0; b < list(root, "buffers").size(); ++b) {
+        json& buffer = root["buffers"][b];
+        std::string uri = text(buffer, "uri");
+        if (uri.empty()) {
+            if (!is_glb || b > 0) throw Error(report.name(), "has no data", element("buffers", b));
+            buffer["uri"] = uri = kBinaryChunk;
+            checked.json = root.dump();
+        }
+        if (!uri.starts_with("data:"))
+            checked.files[decode_uri(uri)].push_back(static_cast<std::size_t>(integer(buffer, "byteLength", 0)));
+    }
+    return checked;
+}
+
+}  // namespace occam::import

@@ -1,0 +1,101 @@
+#include "io/import/gltf_file.h"
+
+#include <algorithm>
+#include <limits>
+#include <new>
+
+#include "io/import/files.h"
+#include "io/import/gltf_container.h"
+#include "io/import/gltf_door.h"
+
+namespace occam::import {
+
+namespace {
+
+// What tinygltf may open: the buffers of this file. Images stay closed until the texture store wants them.
+struct Folder {
+    std::filesystem::path folder;
+    const GltfContainer& container;
+    std::map<std::string, std::vector<std::size_t>> files;
+    std::map<std::string, std::size_t> reads;  // how many so far
+};
+
+std::string without_dot(const std::string& path) { return path.starts_with("./") ? path.substr(2) : path; }
+
+bool file_exists(const std::string& path, void* user)
+{
+    return static_cast<const Folder*>(user)->files.count(without_dot(path)) > 0;
+}
+
+std::string expand_path(const std::string& path, void*) { return path; }
+
+// The first bytes of a file, as many as the buffer has: tinygltf would refuse a longer file, which the format allows.
+std::vector<unsigned char> read_buffer(const std::filesystem::path& path, std::size_t wanted)
+{
+    const FileReader file(path);
+    std::vector<unsigned char> bytes(std::min(wanted, file.size()));
+    file.read(0, {reinterpret_cast<char*>(bytes.data()), bytes.size()});
+    return bytes;
+}
+
+bool read_whole_file(std::vector<unsigned char>* out, std::string* error, const std::string& path, void* user)
+{
+    Folder& folder = *static_cast<Folder*>(user);
+    const std::string name = without_dot(path);
+    try {
+        const std::size_t wanted = folder.files.at(name).at(folder.reads[name]++);
+        if (name == kBinaryChunk) {
+            *out = folder.container.binary(wanted);
+            return true;
+        }
+        const auto file = inside(folder.folder, name);
+        if (file) *out = read_buffer(*file, wanted);
+        else *error = "not in the scene's folder";
+        return file.has_value();
+    } catch (const std::exception& e) {
+        *error = e.what();
+        return false;
+    }
+}
+
+bool write_whole_file(std::string*, const std::string&, const std::vector<unsigned char>&, void*) { return false; }
+
+// Decoding is the texture store's, which looks at the dimensions first. Bytes of a buffer view are not touched: nobody
+// has checked them yet.
+bool keep_image(tinygltf::Image* image, const int, std::string*, std::string*, int, int, const unsigned char* bytes,
+                int size, void*)
+{
+    if (image->bufferView < 0 && size > 0) image->image.assign(bytes, bytes + size);
+    return true;
+}
+
+std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
+
+}  // namespace
+
+tinygltf::Model open_gltf(Report& report)
+{
+    const GltfContainer container(report);
+    CheckedGltf checked = check_gltf(container.json(), container.is_glb(), report);
+    if (const auto chunk = checked.files.find(kBinaryChunk); chunk != checked.files.end())
+        container.require_binary(chunk->second.front());
+    const std::string& json = checked.json.empty() ? container.json() : checked.json;
+    Folder folder{report.file().parent_path(), container, std::move(checked.files), {}};
+
+    tinygltf::TinyGLTF reader;
+    reader.SetFsCallbacks({file_exists, expand_path, read_whole_file, write_whole_file, &folder});
+    reader.SetImageLoader(keep_image, nullptr);
+    tinygltf::Model model;
+    std::string errors, warnings;
+    try {
+        const bool ok = reader.LoadASCIIFromString(&model, &errors, &warnings, json.data(),
+                                                   static_cast<unsigned>(json.size()), "");
+        // It also complains of what may be left out (a channel's node, inverse bind matrices); the door knows better.
+        if (!ok) throw Error(report.name(), errors.empty() ? "not a readable glTF" : first_line(errors));
+    } catch (const std::bad_alloc&) {
+        throw Error(report.name(), "declares more than there is memory for");
+    }
+    return model;
+}
+
+}  // namespace occam::import

@@ -1,0 +1,224 @@
+#include "io/import/gltf_materials.h"
+
+#include <cmath>
+
+#include "io/import/files.h"
+#include "io/import/gltf_uri.h"
+#include "io/import/gltf_value.h"
+#include "io/texture/decode.h"
+
+namespace occam::import {
+
+namespace {
+
+template <class T>
+const T* find(const std::vector<T>& list, int index)
+{
+    return index >= 0 && static_cast<std::size_t>(index) < list.size() ? &list[static_cast<std::size_t>(index)] : nullptr;
+}
+
+std::string element(const char* kind, int index, const std::string& name)
+{
+    return std::string(kind) + "[" + std::to_string(index) + "]" + (name.empty() ? "" : " '" + name + "'");
+}
+
+TextureUse::Wrap wrap_of(int mode)
+{
+    if (mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return TextureUse::Wrap::Clamp;
+    if (mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT) return TextureUse::Wrap::Mirror;
+    return TextureUse::Wrap::Repeat;
+}
+
+template <class Vec>
+Vec vector_of(const std::vector<double>& values, Vec otherwise)
+{
+    if (values.size() != static_cast<std::size_t>(Vec::length())) return otherwise;
+    for (int i = 0; i < Vec::length(); ++i) otherwise[i] = static_cast<float>(values[static_cast<std::size_t>(i)]);
+    return otherwise;
+}
+
+}  // namespace
+
+MaterialImporter::MaterialImporter(const tinygltf::Model& model, AccessorReader& accessors, Scene& scene, Report& report)
+    : model_(model), accessors_(accessors), scene_(scene), report_(report)
+{
+    for (std::size_t i = 0; i < model.materials.size(); ++i) {
+        const tinygltf::Material& m = model.materials[i];
+        materials_.push_back(scene.add(convert(m, element("materials", static_cast<int>(i), m.name))));
+    }
+    // The store will look at what is used. The rest is only opened here, so that a broken one is told of.
+    for (std::size_t i = 0; i < model.images.size(); ++i) {
+        const int index = static_cast<int>(i);
+        if (images_.count({index, TextureRole::Color}) || images_.count({index, TextureRole::Data})) continue;
+        try {
+            if (const auto unused = describe(index, TextureRole::Data)) const TextureSource opened(*unused);
+        } catch (const Error& error) {
+            report_.warn("unused image cannot be read", element("images", index, model.images[i].name));
+        }
+    }
+}
+
+MaterialId MaterialImporter::material(int index)
+{
+    const MaterialId* id = find(materials_, index);
+    return id ? *id : MaterialId();
+}
+
+Displacement MaterialImporter::displacement(const DisplacementExtras& extras, const std::string& where)
+{
+    require_texture(extras.texture, where);
+    return {use(extras.texture, 0, {}, TextureRole::Data, where + ".displacement"), extras.scale, extras.midlevel,
+            extras.bound, extras.axes};
+}
+
+void MaterialImporter::require_texture(int index, const std::string& where) const
+{
+    if (!find(model_.textures, index)) throw Error(report_.name(), "there is no texture " + std::to_string(index), where);
+}
+
+TextureId MaterialImporter::image(int index, TextureRole role, const std::string& where)
+{
+    if (!find(model_.images, index)) {
+        report_.warn("texture has no image that can be read", where);
+        return {};
+    }
+    const auto [known, is_new] = images_.try_emplace({index, role});
+    if (!is_new) return known->second;
+
+    if (std::optional<Texture> t = describe(index, role)) known->second = scene_.add(*std::move(t));
+    return known->second;
+}
+
+std::optional<Texture> MaterialImporter::describe(int index, TextureRole role)
+{
+    const tinygltf::Image* i = find(model_.images, index);
+    Texture t;
+    t.name = i->name.empty() ? element("images", index, i->uri) : i->name;
+    t.role = role;
+    if (i->bufferView >= 0 || !i->image.empty()) {
+        auto& bytes = encoded_[index];
+        if (!bytes) {
+            const auto source = i->bufferView >= 0 ? accessors_.view(i->bufferView, element("images", index, i->name))
+                                                   : std::span<const unsigned char>(i->image);
+            const auto* first = reinterpret_cast<const std::byte*>(source.data());
+            bytes = std::make_shared<const std::vector<std::byte>>(first, first + source.size());
+        }
+        t.encoded = bytes;
+    } else {
+        const auto path = inside(report_.file().parent_path(), decode_uri(i->uri));
+        if (!path) {
+            report_.warn("image is not in the scene's folder", element("images", index, i->uri.substr(0, 80)));
+            return std::nullopt;
+        }
+        if (!std::filesystem::is_regular_file(*path)) report_.warn("image file is missing", i->uri);
+        t.path = *path;
+    }
+    return t;
+}
+
+void MaterialImporter::transform(const tinygltf::Value& transform, TextureUse& use) const
+{
+    use.offset = vector<Vec2f>(transform, "offset").value_or(Vec2f(0));
+    use.scale = vector<Vec2f>(transform, "scale").value_or(Vec2f(1));
+    use.rotation = number(transform, "rotation", 0);
+    use.uv_set = integer(transform, "texCoord", use.uv_set);
+}
+
+TextureUse MaterialImporter::use(int texture, int uv_set, const tinygltf::ExtensionMap& extensions, TextureRole role,
+                                 const std::string& where)
+{
+    TextureUse result;
+    const tinygltf::Texture* t = find(model_.textures, texture);
+    if (!t) return result;
+    result.texture = image(t->source, role, where);
+    result.uv_set = uv_set;
+    if (const tinygltf::Sampler* sampler = find(model_.samplers, t->sampler)) {
+        result.wrap_s = wrap_of(sampler->wrapS);
+        result.wrap_t = wrap_of(sampler->wrapT);
+        result.nearest = sampler->magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
+    }
+    transform(extension(extensions, "KHR_texture_transform"), result);
+    if (result.uv_set < 0 || result.uv_set > 1) {
+        report_.warn("only TEXCOORD_0 and TEXCOORD_1 are read: the first is taken", where);
+        result.uv_set = 0;
+    }
+    return result;
+}
+
+TextureUse MaterialImporter::use(const tinygltf::Value& info, TextureRole role, const std::string& where)
+{
+    tinygltf::ExtensionMap extensions;
+    const tinygltf::Value& inner = member(info, "extensions");
+    for (const std::string& key : inner.Keys()) extensions[key] = inner.Get(key);
+    return use(integer(info, "index", -1), integer(info, "texCoord", 0), extensions, role, where);
+}
+
+Material MaterialImporter::convert(const tinygltf::Material& m, const std::string& where)
+{
+    const auto named = [&](const char* part) { return where + "." + part; };
+    const tinygltf::PbrMetallicRoughness& pbr = m.pbrMetallicRoughness;
+    Material out;
+    out.name = m.name;
+    out.base_color = vector_of(pbr.baseColorFactor, Vec4f(1));
+    out.base_color_texture = use(pbr.baseColorTexture.index, pbr.baseColorTexture.texCoord, pbr.baseColorTexture.extensions,
+                                 TextureRole::Color, named("baseColorTexture"));
+    out.metallic = static_cast<float>(pbr.metallicFactor);
+    out.roughness = static_cast<float>(pbr.roughnessFactor);
+    out.metallic_roughness_texture = use(pbr.metallicRoughnessTexture.index, pbr.metallicRoughnessTexture.texCoord,
+                                         pbr.metallicRoughnessTexture.extensions, TextureRole::Data,
+                                         named("metallicRoughnessTexture"));
+    out.emission = vector_of(m.emissiveFactor, Vec3f(0)) *
+                   number(extension(m.extensions, "KHR_materials_emissive_strength"), "emissiveStrength", 1);
+    out.emission_texture = use(m.emissiveTexture.index, m.emissiveTexture.texCoord, m.emissiveTexture.extensions,
+                               TextureRole::Color, named("emissiveTexture"));
+    out.normal_texture = use(m.normalTexture.index, m.normalTexture.texCoord, m.normalTexture.extensions, TextureRole::Data,
+                             named("normalTexture"));
+    out.normal_scale = static_cast<float>(m.normalTexture.scale);
+    out.occlusion_texture = use(m.occlusionTexture.index, m.occlusionTexture.texCoord, m.occlusionTexture.extensions,
+                                TextureRole::Data, named("occlusionTexture"));
+    out.occlusion_strength = static_cast<float>(m.occlusionTexture.strength);
+    if (m.alphaMode == "MASK") out.alpha_mode = AlphaMode::Mask;
+    if (m.alphaMode == "BLEND") out.alpha_mode = AlphaMode::Blend;
+    out.alpha_cutoff = static_cast<float>(m.alphaCutoff);
+    out.double_sided = m.doubleSided;
+    add_extensions(m.extensions, out, where);
+    if (const auto bump = bump_extras(m.extras, where, report_)) {
+        require_texture(bump->texture, where);
+        out.bump_texture = use(bump->texture, bump->uv_set, {}, TextureRole::Data, where + ".bump");
+        out.bump_scale = bump->scale;
+    }
+    return out;
+}
+
+void MaterialImporter::add_extensions(const tinygltf::ExtensionMap& extensions, Material& out, const std::string& where)
+{
+    const auto map = [&](const tinygltf::Value& value, const char* key, TextureRole role = TextureRole::Data) {
+        return use(member(value, key), role, where + "." + key);
+    };
+    out.unlit = extensions.count("KHR_materials_unlit") > 0;
+    out.ior = number(extension(extensions, "KHR_materials_ior"), "ior", 1.5f);
+
+    const tinygltf::Value& transmission = extension(extensions, "KHR_materials_transmission");
+    out.transmission = number(transmission, "transmissionFactor", 0);
+    out.transmission_texture = map(transmission, "transmissionTexture");
+
+    const tinygltf::Value& volume = extension(extensions, "KHR_materials_volume");
+    out.thickness = number(volume, "thicknessFactor", 0);
+    out.attenuation_color = vector<Vec3f>(volume, "attenuationColor").value_or(Vec3f(1));
+    out.attenuation_distance = number(volume, "attenuationDistance", 0);
+
+    const tinygltf::Value& clearcoat = extension(extensions, "KHR_materials_clearcoat");
+    out.clearcoat = number(clearcoat, "clearcoatFactor", 0);
+    out.clearcoat_roughness = number(clearcoat, "clearcoatRoughnessFactor", 0);
+    out.clearcoat_texture = map(clearcoat, "clearcoatTexture");
+    out.clearcoat_roughness_texture = map(clearcoat, "clearcoatRoughnessTexture");
+    out.clearcoat_normal_texture = map(clearcoat, "clearcoatNormalTexture");
+
+    const tinygltf::Value& specular = extension(extensions, "KHR_materials_specular");
+    out.specular = number(specular, "specularFactor", 1);
+    out.specular_color = vector<Vec3f>(specular, "specularColorFactor").value_or(Vec3f(1));
+    out.specular_texture = map(specular, "specularTexture");
+    out.specular_color_texture = map(specular, "specularColorTexture", TextureRole::Color);
+}
+
+}  // namespace occam::import

@@ -1,0 +1,42 @@
+// Materials, textures and samplers of a glTF, into the material model.
+#pragma once
+
+#include <map>
+#include <optional>
+
+#include "io/import/gltf_accessor.h"
+#include "io/import/gltf_occam.h"
+
+namespace occam::import {
+
+class MaterialImporter {
+public:
+    MaterialImporter(const tinygltf::Model& model, AccessorReader& accessors, Scene& scene, Report& report);
+
+    /// By index in the file; none for -1.
+    MaterialId material(int index);
+    /// Throws Error if there is no such texture.
+    Displacement displacement(const DisplacementExtras& extras, const std::string& where);
+
+private:
+    Material convert(const tinygltf::Material& m, const std::string& where);
+    void add_extensions(const tinygltf::ExtensionMap& extensions, Material& material, const std::string& where);
+    TextureUse use(int texture, int uv_set, const tinygltf::ExtensionMap& extensions, TextureRole role,
+                   const std::string& where);
+    TextureUse use(const tinygltf::Value& info, TextureRole role, const std::string& where);
+    void transform(const tinygltf::Value& transform, TextureUse& use) const;
+    /// Throws Error if there is no such texture.
+    void require_texture(int index, const std::string& where) const;
+    TextureId image(int index, TextureRole role, const std::string& where);
+    std::optional<Texture> describe(int image, TextureRole role);  ///< none, and a warning, if it is outside of the folder
+
+    const tinygltf::Model& model_;
+    AccessorReader& accessors_;
+    Scene& scene_;
+    Report& report_;
+    std::vector<MaterialId> materials_;
+    std::map<std::pair<int, TextureRole>, TextureId> images_;
+    std::map<int, std::shared_ptr<const std::vector<std::byte>>> encoded_;
+};
+
+}  // namespace occam::import

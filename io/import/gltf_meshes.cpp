@@ -1,0 +1,239 @@
+#include "io/import/gltf_meshes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+
+#include "io/import/polygons.h"
+#include "io/import/vertices.h"
+
+namespace occam::import {
+
+namespace {
+
+int attribute(const tinygltf::Primitive& primitive, const std::string& name)
+{
+    const auto found = primitive.attributes.find(name);
+    return found == primitive.attributes.end() ? -1 : found->second;
+}
+
+// FB_ngon_encoding: triangles that follow each other and share their first vertex are a fan that was one polygon.
+void restore_polygons(Cage& cage, bool has_polygons)
+{
+    const std::vector<std::uint32_t> t = std::move(cage.face_vertices);
+    cage.face_vertices.clear();
+    cage.scheme = Scheme::CatmullClark;
+    for (std::size_t i = 0; i + 2 < t.size(); i += 3) {
+        const bool goes_on = has_polygons && i > 0 && t[i] == t[i - 3] && t[i + 1] == t[i - 1];
+        if (goes_on) {
+            cage.face_vertices.push_back(t[i + 2]);
+            ++cage.face_sizes.back();
+        } else {
+            cage.face_vertices.insert(cage.face_vertices.end(), {t[i], t[i + 1], t[i + 2]});
+            cage.face_sizes.push_back(3);
+        }
+    }
+}
+
+template <class T>
+void append(std::vector<T>& to, std::size_t to_vertices, const std::vector<T>& from, std::size_t from_vertices, T otherwise)
+{
+    if (to.empty() && from.empty()) return;
+    to.resize(to_vertices, otherwise);
+    to.insert(to.end(), from.begin(), from.end());
+    to.resize(to_vertices + from_vertices, otherwise);
+}
+
+// Puts the faces of `part` after those of `cage`, with a material slot of their own.
+void append(Cage& cage, const Cage& part)
+{
+    const std::size_t n = cage.positions.size(), m = part.positions.size();
+    if (cage.uv_sets.size() < part.uv_sets.size()) cage.uv_sets.resize(part.uv_sets.size());
+    for (std::size_t s = 0; s < cage.uv_sets.size(); ++s) {
+        static const std::vector<Vec2f> none;
+        std::vector<Vec2f>& values = cage.uv_sets[s].values;
+        values.resize(n, Vec2f(0));
+        append(values, n, s < part.uv_sets.size() ? part.uv_sets[s].values : none, m, Vec2f(0));
+    }
+    append(cage.colors, n, part.colors, m, Vec4f(1));
+    cage.positions.insert(cage.positions.end(), part.positions.begin(), part.positions.end());
+    for (std::uint32_t v : part.face_vertices)
+        cage.face_vertices.push_back(v < m ? v + static_cast<std::uint32_t>(n) : kNoIndex);
+    cage.face_sizes.insert(cage.face_sizes.end(), part.face_sizes.begin(), part.face_sizes.end());
+    cage.face_slots.insert(cage.face_slots.end(), part.face_sizes.size(), static_cast<std::uint16_t>(cage.materials.size()));
+    cage.materials.push_back(part.materials.empty() ? MaterialId() : part.materials[0]);
+}
+
+}  // namespace
+
+const std::vector<CageId>& MeshImporter::cages(int mesh, const CageStyle& style)
+{
+    const auto [entry, is_new] = cages_.try_emplace({mesh, style});
+    std::vector<CageId>& ids = entry->second;
+    if (!is_new || mesh < 0 || static_cast<std::size_t>(mesh) >= model_.meshes.size()) return ids;
+    const tinygltf::Mesh& m = model_.meshes[static_cast<std::size_t>(mesh)];
+    const std::string where = "meshes[" + std::to_string(mesh) + "]" + (m.name.empty() ? "" : " '" + m.name + "'");
+    const bool is_cage = style.scheme ? *style.scheme != CageStyle::Scheme::None : subdivide_ == Subdivide::On;
+
+    std::vector<Part> parts;
+    for (std::size_t p = 0; p < m.primitives.size(); ++p)
+        if (std::optional<Part> part = read(m.primitives[p], where + ".primitives[" + std::to_string(p) + "]")) {
+            part->cage.name = m.name;
+            for (double weight : m.weights) part->cage.morph_weights.push_back(static_cast<float>(weight));
+            parts.push_back(*std::move(part));
+        }
+    const auto add = [&](Cage cage) {
+        style.apply(cage);
+        if (style.displacement) cage.displacement = materials_.displacement(*style.displacement, where);
+        ids.push_back(scene_.add(std::move(cage)));
+    };
+    if (!is_cage) {
+        for (Part& part : parts) add(std::move(part.cage));
+        return ids;
+    }
+    for (Part& part : parts) restore_polygons(part.cage, part.has_polygons);
+    if (parts.empty()) return ids;
+    // Parts with skins or morph targets stay apart: their arrays need not match.
+    const bool is_deformed = parts[0].cage.skin.sets > 0 || !parts[0].cage.morph_targets.empty();
+    if (parts.size() == 1 || is_deformed || parts.size() > 0xffff) {
+        for (Part& part : parts) weld_by_position(part.cage), add(std::move(part.cage));
+        return ids;
+    }
+    Cage whole;
+    whole.name = m.name;
+    for (const Part& part : parts) append(whole, part.cage);
+    weld_by_position(whole);
+    add(std::move(whole));
+    return ids;
+}
+
+std::optional<MeshImporter::Part> MeshImporter::read(const tinygltf::Primitive& primitive, const std::string& where)
+{
+    const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
+    if (mode != TINYGLTF_MODE_TRIANGLES && mode != TINYGLTF_MODE_TRIANGLE_STRIP && mode != TINYGLTF_MODE_TRIANGLE_FAN) {
+        report_.warn("points and lines are not rendered", where);
+        return std::nullopt;
+    }
+    const int position = attribute(primitive, "POSITION");
+    if (position < 0) {
+        report_.warn("primitive without positions", where);
+        return std::nullopt;
+    }
+    Part part;
+    part.has_polygons = primitive.extensions.count("FB_ngon_encoding") > 0;
+    Cage& cage = part.cage;
+    cage.scheme = Scheme::Triangles;
+    cage.positions = accessors_.vec3(position);
+    cage.face_vertices = triangles(primitive, cage.positions.size(), where);
+    if (cage.face_vertices.empty()) {
+        report_.warn("primitive without a triangle", where);
+        return std::nullopt;
+    }
+    read_attributes(primitive, cage, where);
+    read_skin(primitive, cage, where);
+    read_morph_targets(primitive, cage, where);
+    if (const MaterialId material = materials_.material(primitive.material)) cage.materials = {material};
+    drop_unused_vertices(cage);
+    return part;
+}
+
+std::vector<std::uint32_t> MeshImporter::triangles(const tinygltf::Primitive& primitive, std::size_t vertices,
+                                                   const std::string& where)
+{
+    std::vector<std::uint32_t> list;
+    if (primitive.indices >= 0) {
+        list = accessors_.indices(primitive.indices);
+        const int type = accessors_.at(primitive.indices).componentType;
+        const std::uint32_t restart = type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE    ? 0xff
+                                      : type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ? 0xffff
+                                                                                       : 0xffffffff;
+        if (std::find(list.begin(), list.end(), restart) != list.end())
+            report_.warn("indices hold the value of primitive restart", where);
+    } else {
+        list.resize(vertices);
+        for (std::size_t i = 0; i < vertices; ++i) list[i] = static_cast<std::uint32_t>(i);
+    }
+    if (primitive.mode == TINYGLTF_MODE_TRIANGLE_STRIP || primitive.mode == TINYGLTF_MODE_TRIANGLE_FAN) {
+        // glTF 2.0, sec. 3.7.2.1: every second triangle of a strip is turned round, so that all wind alike.
+        const bool is_strip = primitive.mode == TINYGLTF_MODE_TRIANGLE_STRIP;
+        std::vector<std::uint32_t> out;
+        for (std::size_t i = 0; i + 2 < list.size(); ++i) {
+            if (is_strip) out.insert(out.end(), {list[i], list[i + 1 + i % 2], list[i + 2 - i % 2]});
+            else out.insert(out.end(), {list[i + 1], list[i + 2], list[0]});
+        }
+        return out;
+    }
+    if (list.size() % 3 != 0) {
+        report_.warn("the number of indices is not a multiple of three", where);
+        list.resize(list.size() / 3 * 3);
+    }
+    return list;
+}
+
+template <class T>
+std::vector<T> MeshImporter::per_vertex(std::vector<T> values, std::size_t vertices, const char* name,
+                                        const std::string& where)
+{
+    if (values.size() == vertices) return values;
+    throw Error(report_.name(), std::string(name) + " has another count than POSITION", where);
+}
+
+void MeshImporter::read_attributes(const tinygltf::Primitive& primitive, Cage& cage, const std::string& where)
+{
+    const std::size_t vertices = cage.positions.size();
+    if (const int a = attribute(primitive, "NORMAL"); a >= 0) {
+        cage.normals = per_vertex(accessors_.vec3(a), vertices, "NORMAL", where);
+        const auto is_far_from_unit = [](Vec3f n) { return !(std::abs(glm::dot(n, n) - 1) < 0.02f); };
+        if (std::any_of(cage.normals.begin(), cage.normals.end(), is_far_from_unit))
+            report_.warn("normals are not of unit length", where);
+    }
+    for (const char* name : {"TEXCOORD_1", "TEXCOORD_0"}) {
+        const int a = attribute(primitive, name);
+        if (a < 0 && cage.uv_sets.empty()) continue;
+        // The second set keeps its number also if there is no first one.
+        std::vector<Vec2f> values = a < 0 ? std::vector<Vec2f>(vertices, Vec2f(0))
+                                          : per_vertex(accessors_.vec2(a), vertices, name, where);
+        cage.uv_sets.insert(cage.uv_sets.begin(), UvSet{std::move(values), {}});
+    }
+    if (const int a = attribute(primitive, "COLOR_0"); a >= 0) {
+        cage.colors = per_vertex(accessors_.vec4(a), vertices, "COLOR_0", where);
+        if (accessors_.components(a) == 3)
+            for (Vec4f& color : cage.colors) color.w = 1;
+        const auto is_in_range = [](Vec4f c) { return glm::clamp(c, 0.0f, 1.0f) == c; };
+        if (!std::all_of(cage.colors.begin(), cage.colors.end(), is_in_range)) {
+            report_.warn("vertex colours are not between 0 and 1", where);
+            for (Vec4f& color : cage.colors) color = glm::clamp(color, 0.0f, 1.0f);
+        }
+    }
+}
+
+void MeshImporter::read_skin(const tinygltf::Primitive& primitive, Cage& cage, const std::string& where)
+{
+    for (int set = 0;; ++set) {
+        const std::string number = std::to_string(set);
+        const int joints = attribute(primitive, "JOINTS_" + number), weights = attribute(primitive, "WEIGHTS_" + number);
+        if (joints < 0 || weights < 0) {
+            if (joints >= 0 || weights >= 0) throw Error(report_.name(), "joints and weights come in pairs", where);
+            return;
+        }
+        const auto j = per_vertex(accessors_.joints(joints), cage.positions.size(), "JOINTS", where);
+        const auto w = per_vertex(accessors_.vec4(weights), cage.positions.size(), "WEIGHTS", where);
+        cage.skin.joints.insert(cage.skin.joints.end(), j.begin(), j.end());
+        cage.skin.weights.insert(cage.skin.weights.end(), w.begin(), w.end());
+        cage.skin.sets = set + 1;
+    }
+}
+
+void MeshImporter::read_morph_targets(const tinygltf::Primitive& primitive, Cage& cage, const std::string& where)
+{
+    for (const auto& attributes : primitive.targets) {
+        MorphTarget target;
+        if (const auto a = attributes.find("POSITION"); a != attributes.end())
+            target.positions = per_vertex(accessors_.vec3(a->second), cage.positions.size(), "morph target", where);
+        if (const auto a = attributes.find("NORMAL"); a != attributes.end())
+            target.normals = per_vertex(accessors_.vec3(a->second), cage.positions.size(), "morph target", where);
+        cage.morph_targets.push_back(std::move(target));
+    }
+}
+
+}  // namespace occam::import

@@ -1,0 +1,44 @@
+// Meshes of a glTF, into cages: triangles as they are, or polygons of a subdivision cage.
+#pragma once
+
+#include "io/import/gltf_materials.h"
+#include "io/import/gltf_occam.h"
+#include "io/import/import.h"
+
+namespace occam::import {
+
+class MeshImporter {
+public:
+    MeshImporter(const tinygltf::Model& model, AccessorReader& accessors, MaterialImporter& materials, Scene& scene,
+                 Report& report, Subdivide subdivide)
+        : model_(model), accessors_(accessors), materials_(materials), scene_(scene), report_(report), subdivide_(subdivide)
+    {
+    }
+
+    /// One cage a primitive; or one for the whole mesh, if it is to be subdivided. Made once for each (mesh, style).
+    const std::vector<CageId>& cages(int mesh, const CageStyle& style);
+
+private:
+    struct Part {
+        Cage cage;                  ///< Scheme::Triangles
+        bool has_polygons = false;  ///< FB_ngon_encoding
+    };
+    std::optional<Part> read(const tinygltf::Primitive& primitive, const std::string& where);
+    std::vector<std::uint32_t> triangles(const tinygltf::Primitive& primitive, std::size_t vertices,
+                                         const std::string& where);
+    void read_attributes(const tinygltf::Primitive& primitive, Cage& cage, const std::string& where);
+    void read_skin(const tinygltf::Primitive& primitive, Cage& cage, const std::string& where);
+    void read_morph_targets(const tinygltf::Primitive& primitive, Cage& cage, const std::string& where);
+    template <class T>
+    std::vector<T> per_vertex(std::vector<T> values, std::size_t vertices, const char* name, const std::string& where);
+
+    const tinygltf::Model& model_;
+    AccessorReader& accessors_;
+    MaterialImporter& materials_;
+    Scene& scene_;
+    Report& report_;
+    Subdivide subdivide_;
+    std::map<std::pair<int, CageStyle>, std::vector<CageId>> cages_;
+};
+
+}  // namespace occam::import

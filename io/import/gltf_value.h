@@ -1,0 +1,55 @@
+// Typed looks into the free-form parts of a glTF: extensions and extras.
+#pragma once
+
+#include <tiny_gltf.h>
+
+#include <optional>
+
+#include "base/vec.h"
+
+namespace occam::import {
+
+/// The extension of that name, or an empty value, which has no members.
+inline const tinygltf::Value& extension(const tinygltf::ExtensionMap& extensions, const char* name)
+{
+    static const tinygltf::Value none;
+    const auto found = extensions.find(name);
+    return found == extensions.end() ? none : found->second;
+}
+
+inline const tinygltf::Value& member(const tinygltf::Value& value, const char* key)
+{
+    static const tinygltf::Value none;
+    return value.Has(key) ? value.Get(key) : none;
+}
+
+inline float number(const tinygltf::Value& value, const char* key, float otherwise)
+{
+    const tinygltf::Value& x = member(value, key);
+    return x.IsNumber() ? static_cast<float>(x.GetNumberAsDouble()) : otherwise;
+}
+inline int integer(const tinygltf::Value& value, const char* key, int otherwise)
+{
+    const tinygltf::Value& x = member(value, key);
+    return x.IsInt() ? x.GetNumberAsInt() : otherwise;
+}
+inline std::string text(const tinygltf::Value& value, const char* key)
+{
+    const tinygltf::Value& x = member(value, key);
+    return x.IsString() ? x.Get<std::string>() : std::string();
+}
+/// Numbers of an array with exactly `Vec`'s length.
+template <class Vec>
+std::optional<Vec> vector(const tinygltf::Value& value, const char* key)
+{
+    const tinygltf::Value& x = member(value, key);
+    if (!x.IsArray() || x.ArrayLen() != static_cast<std::size_t>(Vec::length())) return std::nullopt;
+    Vec v;
+    for (int i = 0; i < Vec::length(); ++i) {
+        if (!x.Get(i).IsNumber()) return std::nullopt;
+        v[i] = static_cast<typename Vec::value_type>(x.Get(i).GetNumberAsDouble());
+    }
+    return v;
+}
+
+}  // namespace occam::import

@@ -1,0 +1,177 @@
+#include "io/import/mtl.h"
+
+#include <tiny_obj_loader.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "io/import/files.h"
+#include "io/texture/decode.h"
+
+namespace occam::import {
+
+namespace {
+
+constexpr std::size_t kMaxLibraryBytes = std::size_t(256) << 20;
+
+float unit(float x) { return x >= 0 ? std::min(x, 1.0f) : 0.0f; }
+Vec3f not_negative(const float (&c)[3])
+{
+    const auto part = [](float x) { return x >= 0 && std::isfinite(x) ? x : 0.0f; };
+    return {part(c[0]), part(c[1]), part(c[2])};
+}
+
+// Is it an image of which no texel has a colour? False if it cannot be read: the texture store will say so.
+bool is_grey(const Texture& texture)
+{
+    constexpr float kColor = 4.0f / 255;
+    try {
+        const TextureSource source(texture);
+        int halvings = 0;
+        while (std::max(source.width(), source.height()) >> halvings > 64) ++halvings;
+        const MipImage image = source.decode(halvings);
+        for (int y = 0; y < image.height(); ++y)
+            for (int x = 0; x < image.width(); ++x) {
+                const Vec4f t = image.texel(0, x, y);
+                if (std::abs(t.x - t.z) > kColor || std::abs(t.y - t.z) > kColor) return false;
+            }
+        return true;
+    } catch (const Error&) {
+        return false;
+    }
+}
+
+class LibraryReader {
+public:
+    LibraryReader(const std::filesystem::path& folder, Scene& scene, Report& report)
+        : folder_(folder), scene_(scene), report_(report)
+    {
+    }
+
+    void read(const std::string& names)
+    {
+        if (read_file_named(names)) return;
+        std::istringstream words(names);
+        std::string name;
+        while (words >> name)
+            if (name == names || !read_file_named(name))
+                report_.warn("material library is missing, or not in the scene's folder", name);
+    }
+
+    std::map<std::string, MaterialId> materials;
+
+private:
+    bool read_file_named(const std::string& name)
+    {
+        const auto path = inside(folder_, name);
+        if (!path || !std::filesystem::is_regular_file(*path)) return false;
+        const std::string text = import::read_file(*path, kMaxLibraryBytes);
+        std::map<std::string, int> index;
+        std::vector<tinyobj::material_t> list;
+        std::string warnings, errors;
+        TextStream stream(text);
+        tinyobj::LoadMtl(&index, &list, &stream, &warnings, &errors);
+        // The library always gives one material, even of an empty file: that one has no name.
+        for (const tinyobj::material_t& m : list)
+            if (!m.name.empty() && !materials.count(m.name)) materials.emplace(m.name, scene_.add(convert(m)));
+        return true;
+    }
+
+    TextureUse texture(const std::string& name, const tinyobj::texture_option_t& option, TextureRole role)
+    {
+        TextureUse use;
+        if (name.empty()) return use;
+        const auto path = inside(folder_, name);
+        if (!path) {
+            report_.warn("texture is not in the scene's folder", name);
+            return use;
+        }
+        const auto [known, is_new] = textures_.try_emplace({path->string(), role});
+        if (is_new) {
+            if (!std::filesystem::is_regular_file(*path)) report_.warn("image file is missing", name);
+            Texture t;
+            t.name = name, t.role = role, t.path = *path;
+            known->second = scene_.add(std::move(t));
+        }
+        use.texture = known->second;
+        // st = scale * uv + offset with v upwards; ours runs downwards: 1 - (s (1 - v) + o) = s v + 1 - s - o.
+        const float su = option.scale[0], sv = option.scale[1], ou = option.origin_offset[0], ov = option.origin_offset[1];
+        if (std::isfinite(su) && std::isfinite(sv) && std::isfinite(ou) && std::isfinite(ov))
+            use.scale = {su, sv}, use.offset = {ou, 1 - sv - ov};
+        if (option.clamp) use.wrap_s = use.wrap_t = TextureUse::Wrap::Clamp;
+        return use;
+    }
+
+    // A normal map by `norm`; or by `map_Bump`, where exporters write both kinds: one without any colour holds heights.
+    // These are file units high, times -bm.
+    void add_normals(const tinyobj::material_t& m, Material& material)
+    {
+        if (!m.normal_texname.empty()) {
+            material.normal_texture = texture(m.normal_texname, m.normal_texopt, TextureRole::Data);
+        } else if (!m.bump_texname.empty()) {
+            const TextureUse use = texture(m.bump_texname, m.bump_texopt, TextureRole::Data);
+            const bool has_heights = use && is_grey(scene_.texture(use.texture));
+            (has_heights ? material.bump_texture : material.normal_texture) = use;
+            if (std::isfinite(m.bump_texopt.bump_multiplier))
+                (has_heights ? material.bump_scale : material.normal_scale) = m.bump_texopt.bump_multiplier;
+        }
+    }
+
+    Material convert(const tinyobj::material_t& m)
+    {
+        Material material;
+        material.name = m.name;
+        Vec3f diffuse = not_negative(m.diffuse);
+        if (!m.diffuse_texname.empty()) {
+            // Exporters write black or nothing beside a map (the library makes 0.6 of nothing) and mean the map alone.
+            const bool says_nothing = diffuse == Vec3f(0) || diffuse == Vec3f(0.6f);
+            if (says_nothing) diffuse = Vec3f(1);
+            material.base_color_texture = texture(m.diffuse_texname, m.diffuse_texopt, TextureRole::Color);
+        }
+        material.base_color = Vec4f(diffuse, unit(m.dissolve));
+        if (material.base_color.w < 1 || !m.alpha_texname.empty()) material.alpha_mode = AlphaMode::Blend;
+        // The alpha of the base colour's own image is there already.
+        if (m.alpha_texname != m.diffuse_texname)
+            material.alpha_texture = texture(m.alpha_texname, m.alpha_texopt, TextureRole::Data);
+        material.emission = not_negative(m.emission);
+        if (!m.emissive_texname.empty()) {
+            material.emission_texture = texture(m.emissive_texname, m.emissive_texopt, TextureRole::Color);
+            if (material.emission == Vec3f(0)) material.emission = Vec3f(1);
+        }
+        if (m.roughness > 0 || m.metallic > 0) {
+            material.roughness = unit(m.roughness);
+            material.metallic = unit(m.metallic);
+        } else if (m.shininess > 1) {
+            // Blinn's exponent of a highlight as wide as that of roughness^2 (Walter et al. 2007, sec. 5.2).
+            material.roughness = unit(std::sqrt(std::sqrt(2.0f / (m.shininess + 2.0f))));
+        }
+        // A map without a factor, which the library makes 0, means the map alone.
+        material.roughness_texture = texture(m.roughness_texname, m.roughness_texopt, TextureRole::Data);
+        if (material.roughness_texture) material.roughness = m.roughness > 0 ? unit(m.roughness) : 1;
+        material.metallic_texture = texture(m.metallic_texname, m.metallic_texopt, TextureRole::Data);
+        if (material.metallic_texture) material.metallic = m.metallic > 0 ? unit(m.metallic) : 1;
+        add_normals(m, material);
+        if (m.ior >= 1 && m.ior < 10) material.ior = m.ior;
+        material.clearcoat = unit(m.clearcoat_thickness);
+        material.clearcoat_roughness = unit(m.clearcoat_roughness);
+        return material;
+    }
+
+    const std::filesystem::path& folder_;
+    Scene& scene_;
+    Report& report_;
+    std::map<std::pair<std::string, TextureRole>, TextureId> textures_;
+};
+
+}  // namespace
+
+std::map<std::string, MaterialId> read_mtl(const std::vector<std::string>& libraries, const std::filesystem::path& folder,
+                                           Scene& scene, Report& report)
+{
+    LibraryReader reader(folder, scene, report);
+    for (const std::string& names : libraries) reader.read(names);
+    return std::move(reader.materials);
+}
+
+}  // namespace occam::import

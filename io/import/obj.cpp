@@ -1,0 +1,145 @@
+#include "io/import/obj.h"
+
+#include <tiny_obj_loader.h>
+
+#include <map>
+#include <optional>
+#include <unordered_map>
+
+#include "io/import/files.h"
+#include "io/import/mtl.h"
+#include "io/import/obj_statements.h"
+
+namespace occam::import {
+
+namespace {
+
+// Fills Polygons from tinyobjloader's callbacks. (Its LoadObj() counts a face's corners in a byte and drops degenerate
+// faces, so that the numbers in hole tags no longer fit; the callbacks do neither.)
+class Collector {
+public:
+    Collector(Polygons& polygons, const std::map<std::string, MaterialId>& materials, Report& report)
+        : polygons_(polygons), cage_(polygons.cage), materials_(materials), report_(report)
+    {
+        cage_.uv_sets.resize(1);
+    }
+
+    tinyobj::callback_t callbacks() const
+    {
+        tinyobj::callback_t calls;
+        calls.vertex_cb = [](void* self, float x, float y, float z, float) {
+            static_cast<Collector*>(self)->cage_.positions.emplace_back(x, y, z);
+        };
+        calls.normal_cb = [](void* self, float x, float y, float z) {
+            static_cast<Collector*>(self)->polygons_.normals.emplace_back(x, y, z);
+        };
+        // OBJ's v runs upwards.
+        calls.texcoord_cb = [](void* self, float u, float v, float) {
+            static_cast<Collector*>(self)->uvs().values.emplace_back(u, 1.0f - v);
+        };
+        calls.index_cb = [](void* self, tinyobj::index_t* corners, int count) {
+            static_cast<Collector*>(self)->add_face({corners, static_cast<std::size_t>(count)});
+        };
+        calls.usemtl_cb = [](void* self, const char* name, int) { static_cast<Collector*>(self)->use_material(name); };
+        return calls;
+    }
+
+    void finish()
+    {
+        if (!has_uvs_) cage_.uv_sets.clear();
+        if (!cage_.colors.empty()) cage_.colors.resize(cage_.positions.size(), Vec4f(1));
+        if (!has_normals_) polygons_.normal_indices.clear(), polygons_.normals.clear();
+        if (cage_.materials.size() < 2) cage_.face_slots.clear();
+        if (cage_.materials.size() == 1 && !cage_.materials[0]) cage_.materials.clear();
+        if (cage_.face_sizes.empty()) throw Error(report_.name(), "there is no face in it");
+    }
+
+private:
+    UvSet& uvs() { return cage_.uv_sets[0]; }
+
+    // 1-based, or counted back from the last one so far; 0: left out.
+    static std::uint32_t resolve(int index, std::size_t so_far)
+    {
+        const std::int64_t i = index > 0 ? std::int64_t(index) - 1 : std::int64_t(so_far) + index;
+        return index == 0 || i < 0 ? kNoIndex : static_cast<std::uint32_t>(i);
+    }
+
+    void add_face(std::span<const tinyobj::index_t> corners)
+    {
+        for (const tinyobj::index_t& c : corners) {
+            const std::uint32_t uv = resolve(c.texcoord_index, uvs().values.size());
+            const std::uint32_t normal = resolve(c.normal_index, polygons_.normals.size());
+            has_uvs_ |= uv != kNoIndex;
+            has_normals_ |= normal != kNoIndex;
+            cage_.face_vertices.push_back(resolve(c.vertex_index, cage_.positions.size()));
+            uvs().indices.push_back(uv);
+            polygons_.normal_indices.push_back(normal);
+        }
+        cage_.face_sizes.push_back(static_cast<std::uint32_t>(corners.size()));
+        if (materials_.empty()) return;
+        if (!slot_) use_material("");
+        cage_.face_slots.push_back(*slot_);
+    }
+
+    // A name that no library has gets a slot without a material: the default one is seen.
+    void use_material(std::string name)
+    {
+        if (materials_.empty()) return;
+        name.erase(name.find_last_not_of(" \t\r") + 1);
+        const auto material = materials_.find(name);
+        if (material == materials_.end() && !name.empty()) report_.warn("material is in no library", name);
+        const MaterialId id = material == materials_.end() ? MaterialId() : material->second;
+        const auto [slot, is_new] = slot_of_.try_emplace(id, static_cast<std::uint16_t>(cage_.materials.size()));
+        if (is_new && cage_.materials.size() > kMaxSlot) {
+            report_.warn("more than 65536 materials", name);
+            slot_of_.erase(slot);
+            return;
+        }
+        if (is_new) cage_.materials.push_back(id);
+        slot_ = slot->second;
+    }
+
+    static constexpr std::size_t kMaxSlot = 0xffff;
+    Polygons& polygons_;
+    Cage& cage_;
+    const std::map<std::string, MaterialId>& materials_;
+    Report& report_;
+    std::unordered_map<MaterialId, std::uint16_t> slot_of_;
+    std::optional<std::uint16_t> slot_;
+    bool has_uvs_ = false, has_normals_ = false;
+};
+
+}  // namespace
+
+Polygons read_obj(const std::filesystem::path& file, Scene& scene, bool with_materials, Report& report)
+{
+    const std::string text = read_file(file);
+    Polygons polygons;
+    polygons.cage.name = file.stem().string();
+    const ObjStatements statements = scan_obj_statements(text, polygons.cage, report);
+    polygons.is_tagged = statements.is_tagged;
+    std::map<std::string, MaterialId> materials;
+    if (with_materials) materials = read_mtl(statements.material_libraries, file.parent_path(), scene, report);
+
+    Collector collector(polygons, materials, report);
+    TextStream stream(text);
+    std::string warnings, errors;
+    const bool ok = tinyobj::LoadObjWithCallback(stream, collector.callbacks(), &collector, nullptr, &warnings, &errors);
+    if (!ok || !errors.empty()) throw Error(report.name(), "not a readable OBJ: " + errors);
+    collector.finish();
+    return polygons;
+}
+
+Scene load_obj(const std::filesystem::path& file, const LoadOptions& options)
+{
+    Scene scene;
+    Report report(file, options.strict);
+    Cage cage = settle(read_obj(file, scene, true, report), options.subdivide);
+    const std::string name = cage.name;
+    const CageId id = scene.add(std::move(cage));
+    scene.add_node(scene.root(), {.name = name, .cages = {id}});
+    finish(scene, report);
+    return scene;
+}
+
+}  // namespace occam::import

@@ -1,0 +1,165 @@
+#include "io/import/obj_statements.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+#include <optional>
+
+#include "base/srgb.h"
+
+namespace occam::import {
+
+namespace {
+
+class Words {
+public:
+    explicit Words(std::string_view line) : rest_(line) {}
+
+    std::string_view next()
+    {
+        const std::size_t begin = rest_.find_first_not_of(" \t\r");
+        if (begin == std::string_view::npos) return {};
+        const std::size_t end = std::min(rest_.find_first_of(" \t\r", begin), rest_.size());
+        const std::string_view word = rest_.substr(begin, end - begin);
+        rest_.remove_prefix(end);
+        return word;
+    }
+    template <class T>
+    std::optional<T> number()
+    {
+        const std::string_view word = next();
+        T value{};
+        const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+        if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
+        return value;
+    }
+
+private:
+    std::string_view rest_;
+};
+
+struct Tag {
+    std::string_view name;
+    std::vector<std::uint32_t> ints;
+    std::vector<float> floats;
+};
+
+std::optional<Tag> parse_tag(Words words)
+{
+    Tag tag{words.next(), {}, {}};
+    unsigned counts[3] = {};
+    const std::string_view sizes = words.next();
+    const char *at = sizes.data(), *end = sizes.data() + sizes.size();
+    for (int i = 0; i < 3; ++i) {
+        const auto [after, error] = std::from_chars(at, end, counts[i]);
+        if (error != std::errc() || (i < 2 && (after == end || *after != '/'))) return std::nullopt;
+        at = after + 1;
+    }
+    for (unsigned i = 0; i < counts[0]; ++i) {
+        const auto value = words.number<std::int64_t>();
+        if (!value || *value < 0 || *value > 0x7fffffff) return std::nullopt;
+        tag.ints.push_back(static_cast<std::uint32_t>(*value));
+    }
+    for (unsigned i = 0; i < counts[1]; ++i) {
+        const auto value = words.number<float>();
+        if (!value) return std::nullopt;
+        tag.floats.push_back(*value);
+    }
+    return tag;
+}
+
+// False if the tag says nothing that we understand.
+bool apply_tag(const Tag& tag, Cage& cage)
+{
+    // One sharpness for all elements, or one for each.
+    const auto sharpness = [&](std::size_t i) { return tag.floats[tag.floats.size() == 1 ? 0 : i]; };
+    const auto has_sharpness = [&](std::size_t elements) { return tag.floats.size() == 1 || tag.floats.size() >= elements; };
+    if (tag.name == "crease" && tag.ints.size() >= 2 && has_sharpness(tag.ints.size() / 2)) {
+        for (std::size_t i = 0; i + 1 < tag.ints.size(); i += 2)
+            cage.creases.push_back({tag.ints[i], tag.ints[i + 1], sharpness(i / 2)});
+        return true;
+    }
+    if (tag.name == "corner" && !tag.ints.empty() && has_sharpness(tag.ints.size())) {
+        for (std::size_t i = 0; i < tag.ints.size(); ++i) cage.corners.push_back({tag.ints[i], sharpness(i)});
+        return true;
+    }
+    if (tag.name == "hole" && !tag.ints.empty()) {
+        cage.holes.insert(cage.holes.end(), tag.ints.begin(), tag.ints.end());
+        return true;
+    }
+    if (tag.name == "interpolateboundary" && tag.ints.size() == 1 && tag.ints[0] <= 2) {
+        constexpr BoundaryRule kRules[] = {BoundaryRule::None, BoundaryRule::EdgeAndCorner, BoundaryRule::EdgeOnly};
+        cage.boundary = kRules[tag.ints[0]];
+        return true;
+    }
+    return false;
+}
+
+// The colours that some programs write after a vertex's place: sRGB from 0 to 1. Whether a file has them is decided by its
+// first vertex; a vertex that lacks them is white.
+class VertexColors {
+public:
+    explicit VertexColors(std::vector<Vec4f>& colors) : colors_(colors) {}
+
+    void add(std::string_view line)
+    {
+        if (has_none_) return;
+        Words words(line);
+        for (int place = 0; place < 4; ++place) words.next();  // the keyword too
+        const auto r = words.number<float>(), g = words.number<float>(), b = words.number<float>();
+        const bool is_color = r && g && b;
+        has_none_ = colors_.empty() && !is_color;
+        if (has_none_) return;
+        const auto linear = [&](float s) {
+            are_in_range &= s >= 0 && s <= 1;
+            return linear_from_srgb(std::clamp(s, 0.0f, 1.0f));
+        };
+        colors_.push_back(is_color ? Vec4f(linear(*r), linear(*g), linear(*b), 1) : Vec4f(1));
+    }
+    bool are_in_range = true;
+
+private:
+    std::vector<Vec4f>& colors_;
+    bool has_none_ = false;
+};
+
+}  // namespace
+
+ObjStatements scan_obj_statements(std::string_view text, Cage& cage, Report& report)
+{
+    ObjStatements found;
+    VertexColors colors(cage.colors);
+    std::size_t line_number = 0;
+    while (!text.empty()) {
+        const void* newline = std::memchr(text.data(), '\n', text.size());
+        const std::size_t length = newline ? static_cast<std::size_t>(static_cast<const char*>(newline) - text.data())
+                                           : text.size();
+        std::string_view line = text.substr(0, length);
+        text.remove_prefix(newline ? length + 1 : length);
+        ++line_number;
+        line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+        if (line.size() > 1 && line[0] == 'v' && (line[1] == ' ' || line[1] == '\t')) colors.add(line);
+        // Nearly every line is a vertex or a face.
+        if (line.empty() || line[0] == 'v' || line[0] == 'f' || line[0] == '#') continue;
+        Words words(line);
+        const std::string_view keyword = words.next();
+        const auto where = [&] { return "line " + std::to_string(line_number); };
+        if (keyword == "t") {
+            const std::optional<Tag> tag = parse_tag(words);
+            if (tag && apply_tag(*tag, cage)) found.is_tagged = true;
+            else report.warn("subdivision tag not understood: it is left out", where());
+        } else if (keyword == "mtllib") {
+            line.remove_prefix(std::min(line.size(), line.find_first_not_of(" \t", keyword.size())));
+            line = line.substr(0, line.find_last_not_of(" \t\r") + 1);
+            found.material_libraries.emplace_back(line);
+        } else if (keyword == "l" || keyword == "p") {
+            report.warn("points and lines are not rendered", where());
+        } else if (keyword == "curv" || keyword == "curv2" || keyword == "surf") {
+            report.warn("free-form curves and surfaces are not rendered", where());
+        }
+    }
+    if (!colors.are_in_range) report.warn("vertex colours are not between 0 and 1", "");
+    return found;
+}
+
+}  // namespace occam::import

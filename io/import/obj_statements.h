@@ -1,0 +1,22 @@
+// The statements of an OBJ file that tinyobjloader's callbacks do not report: subdivision tags, material libraries, and
+// elements that are not rendered.
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "io/import/report.h"
+#include "scenegraph/cage.h"
+
+namespace occam::import {
+
+struct ObjStatements {
+    std::vector<std::string> material_libraries;  ///< the rest of each mtllib line
+    bool is_tagged = false;
+};
+
+/// Puts creases, corners, holes and the boundary rule into `cage`: `t name ints/floats/strings values...`, 0-based, as in
+/// OpenSubdiv's shapes. Indices are checked later, by sanitize(): they count all faces of the file.
+ObjStatements scan_obj_statements(std::string_view text, Cage& cage, Report& report);
+
+}  // namespace occam::import

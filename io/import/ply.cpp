@@ -1,0 +1,311 @@
+// PLY (Turk, "The PLY polygon file format", 1994): ascii, and binary in both byte orders.
+#include <array>
+#include <cstring>
+
+#include "base/srgb.h"
+#include "io/import/files.h"
+#include "io/import/polygon_files.h"
+#include "io/import/text_cursor.h"
+
+namespace occam::import {
+
+namespace {
+
+enum class Number : unsigned char { Int8, UInt8, Int16, UInt16, Int32, UInt32, Float32, Float64 };
+
+std::size_t bytes_of(Number type)
+{
+    constexpr std::size_t kBytes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+    return kBytes[static_cast<int>(type)];
+}
+
+std::optional<Number> type_of(std::string_view word)
+{
+    constexpr std::array<std::pair<const char*, Number>, 16> kNames = {{{"char", Number::Int8},
+                                                                        {"int8", Number::Int8},
+                                                                        {"uchar", Number::UInt8},
+                                                                        {"uint8", Number::UInt8},
+                                                                        {"short", Number::Int16},
+                                                                        {"int16", Number::Int16},
+                                                                        {"ushort", Number::UInt16},
+                                                                        {"uint16", Number::UInt16},
+                                                                        {"int", Number::Int32},
+                                                                        {"int32", Number::Int32},
+                                                                        {"uint", Number::UInt32},
+                                                                        {"uint32", Number::UInt32},
+                                                                        {"float", Number::Float32},
+                                                                        {"float32", Number::Float32},
+                                                                        {"double", Number::Float64},
+                                                                        {"float64", Number::Float64}}};
+    for (const auto& [name, type] : kNames)
+        if (word == name) return type;
+    return std::nullopt;
+}
+
+struct Property {
+    std::string name;
+    Number type = Number::Float32, count_type = Number::UInt8;
+    bool is_list = false;
+};
+struct Element {
+    std::string name;
+    std::size_t count = 0;
+    std::vector<Property> properties;
+};
+
+// Where a vertex property goes: an index into `Vertex::values`.
+enum Field { kX, kY, kZ, kNx, kNy, kNz, kU, kV, kRed, kGreen, kBlue, kAlpha, kFields };
+constexpr int kIgnored = -1;
+
+int field_of(const std::string& name)
+{
+    constexpr std::array<std::pair<const char*, Field>, 20> kNames = {
+        {{"x", kX},         {"y", kY},         {"z", kZ},     {"nx", kNx},       {"ny", kNy},
+         {"nz", kNz},       {"u", kU},         {"v", kV},     {"s", kU},         {"t", kV},
+         {"texture_u", kU}, {"texture_v", kV}, {"red", kRed}, {"green", kGreen}, {"blue", kBlue},
+         {"alpha", kAlpha}, {"r", kRed},       {"g", kGreen}, {"b", kBlue},      {"a", kAlpha}}};
+    for (const auto& [known, field] : kNames)
+        if (name == known) return field;
+    return kIgnored;
+}
+
+class PlyReader {
+public:
+    PlyReader(std::string_view text, Report& report) : text_(text), report_(report), cursor_(text) {}
+
+    Polygons read()
+    {
+        read_header();
+        for (const Element& element : elements_) {
+            if (element.properties.empty()) continue;
+            check_count(element);
+            if (element.name == "vertex") read_vertices(element);
+            else if (element.name == "face" || element.name == "tristrips") read_faces(element);
+            else skip(element);
+        }
+        return std::move(polygons_);
+    }
+
+private:
+    [[noreturn]] void refuse(const std::string& what, const std::string& where = {}) const
+    {
+        throw Error(report_.name(), what, where);
+    }
+
+    void read_header()
+    {
+        if (cursor_.word() != "ply") refuse("does not begin with 'ply'");
+        for (;;) {
+            const std::string_view keyword = cursor_.word();
+            const std::string where = "line " + std::to_string(cursor_.line());
+            if (keyword == "end_header") break;
+            if (keyword == "comment" || keyword == "obj_info") {
+                cursor_.skip_line();
+            } else if (keyword == "format") {
+                const std::string_view format = cursor_.word();
+                is_binary_ = format != "ascii";
+                is_big_endian_ = format == "binary_big_endian";
+                if (is_binary_ && !is_big_endian_ && format != "binary_little_endian") refuse("unknown format", where);
+                cursor_.word();
+            } else if (keyword == "element") {
+                Element element;
+                element.name = cursor_.word();
+                const auto count = cursor_.number();
+                if (!count || !(*count >= 0 && *count < 4294967295.0)) refuse("an element needs a count", where);
+                element.count = static_cast<std::size_t>(*count);
+                elements_.push_back(std::move(element));
+            } else if (keyword == "property") {
+                if (elements_.empty()) refuse("property without an element", where);
+                elements_.back().properties.push_back(read_property(where));
+            } else {
+                refuse(keyword.empty() ? "the header has no end" : "unknown keyword in the header", where);
+            }
+            if (elements_.size() > 1000) refuse("more than 1000 elements", where);
+        }
+        cursor_.skip_line();
+        at_ = text_.size() - cursor_.left();
+        if (at_ < text_.size()) ++at_;  // the newline
+    }
+
+    Property read_property(const std::string& where)
+    {
+        Property property;
+        std::string_view word = cursor_.word();
+        property.is_list = word == "list";
+        if (property.is_list) {
+            const auto count = type_of(cursor_.word());
+            if (!count) refuse("unknown type", where);
+            property.count_type = *count;
+            word = cursor_.word();
+        }
+        const auto type = type_of(word);
+        if (!type) refuse("unknown type", where);
+        property.type = *type;
+        property.name = cursor_.word();
+        return property;
+    }
+
+    // Before anything is allocated: is the file long enough for so many?
+    void check_count(const Element& element) const
+    {
+        std::size_t least = 0;
+        for (const Property& p : element.properties) least += !is_binary_ ? 2 : bytes_of(p.is_list ? p.count_type : p.type);
+        const std::size_t left = is_binary_ ? text_.size() - at_ : cursor_.left();
+        // The last number of a text needs no space after it.
+        if (element.count > (left + 1) / least) refuse("declares more than the file holds", "element " + element.name);
+    }
+
+    double number(Number type)
+    {
+        if (!is_binary_) {
+            const auto value = cursor_.number();
+            if (!value) refuse("a number is missing", "line " + std::to_string(cursor_.line()));
+            return *value;
+        }
+        const std::size_t size = bytes_of(type);
+        if (text_.size() - at_ < size) refuse("ends too early");
+        unsigned char bytes[8] = {};
+        for (std::size_t i = 0; i < size; ++i)
+            bytes[i] = static_cast<unsigned char>(text_[at_ + (is_big_endian_ ? size - 1 - i : i)]);
+        at_ += size;
+        const auto as = [&]<class T>(T value) {
+            std::memcpy(&value, bytes, sizeof(T));
+            return static_cast<double>(value);
+        };
+        switch (type) {
+            case Number::Int8:
+                return as(std::int8_t());
+            case Number::UInt8:
+                return as(std::uint8_t());
+            case Number::Int16:
+                return as(std::int16_t());
+            case Number::UInt16:
+                return as(std::uint16_t());
+            case Number::Int32:
+                return as(std::int32_t());
+            case Number::UInt32:
+                return as(std::uint32_t());
+            case Number::Float32:
+                return as(float());
+            case Number::Float64:
+                return as(double());
+        }
+        return 0;
+    }
+
+    std::size_t list_length(const Property& property)
+    {
+        const double count = number(property.count_type);
+        const std::size_t left = is_binary_ ? text_.size() - at_ : cursor_.left();
+        if (!(count >= 0) || count * double(is_binary_ ? bytes_of(property.type) : 1) > double(left))
+            refuse("a list is longer than the file");
+        return static_cast<std::size_t>(count);
+    }
+
+    void skip(const Property& property)
+    {
+        for (std::size_t i = property.is_list ? list_length(property) : 1; i > 0; --i) number(property.type);
+    }
+    void skip(const Element& element)
+    {
+        for (std::size_t i = 0; i < element.count; ++i)
+            for (const Property& property : element.properties) skip(property);
+    }
+
+    void read_vertices(const Element& element)
+    {
+        Cage& cage = polygons_.cage;
+        std::vector<int> fields;
+        bool has[kFields] = {}, is_byte_color = false;
+        for (const Property& property : element.properties) {
+            const int field = property.is_list ? kIgnored : field_of(property.name);
+            fields.push_back(field);
+            if (field == kIgnored) continue;
+            has[field] = true;
+            is_byte_color |= field == kRed && property.type == Number::UInt8;
+        }
+        if (!has[kX] || !has[kY] || !has[kZ]) refuse("vertices without x, y and z");
+        const bool has_normals = has[kNx] && has[kNy] && has[kNz], has_uvs = has[kU] && has[kV],
+                   has_colors = has[kRed] && has[kGreen] && has[kBlue];
+        if (has_uvs) cage.uv_sets.resize(1);
+        double v[kFields] = {};
+        v[kAlpha] = is_byte_color ? 255 : 1;
+        for (std::size_t i = 0; i < element.count; ++i) {
+            for (std::size_t p = 0; p < fields.size(); ++p)
+                if (fields[p] == kIgnored) skip(element.properties[p]);
+                else v[fields[p]] = number(element.properties[p].type);
+            const auto f = [&](Field field) { return static_cast<float>(v[field]); };
+            cage.positions.emplace_back(f(kX), f(kY), f(kZ));
+            if (has_normals) polygons_.normals.emplace_back(f(kNx), f(kNy), f(kNz));
+            if (has_uvs) cage.uv_sets[0].values.emplace_back(f(kU), 1 - f(kV));
+            if (!has_colors) continue;
+            // Bytes are what a scanner or a painter saw: sRGB. Floats are linear.
+            if (is_byte_color)
+                cage.colors.emplace_back(linear_from_srgb(f(kRed) / 255), linear_from_srgb(f(kGreen) / 255),
+                                         linear_from_srgb(f(kBlue) / 255), f(kAlpha) / 255);
+            else cage.colors.emplace_back(f(kRed), f(kGreen), f(kBlue), f(kAlpha));
+        }
+    }
+
+    void read_faces(const Element& element)
+    {
+        Cage& cage = polygons_.cage;
+        const bool is_strip = element.name == "tristrips";
+        std::vector<std::uint32_t> corners;
+        for (std::size_t i = 0; i < element.count; ++i)
+            for (const Property& property : element.properties) {
+                if (!property.is_list || (property.name != "vertex_indices" && property.name != "vertex_index")) {
+                    skip(property);
+                    continue;
+                }
+                corners.clear();
+                for (std::size_t c = list_length(property); c > 0; --c) {
+                    const double index = number(property.type);
+                    corners.push_back(index >= 0 && index < 4294967295.0 ? static_cast<std::uint32_t>(index) : kNoIndex);
+                }
+                if (is_strip) add_strip(corners);
+                else if (corners.size() < 3) report_.warn("points and lines are not rendered");
+                else add_face(corners);
+            }
+        if (!polygons_.normals.empty()) polygons_.normal_indices = cage.face_vertices;
+    }
+    void add_face(std::span<const std::uint32_t> corners)
+    {
+        polygons_.cage.face_vertices.insert(polygons_.cage.face_vertices.end(), corners.begin(), corners.end());
+        polygons_.cage.face_sizes.push_back(static_cast<std::uint32_t>(corners.size()));
+    }
+    // -1 begins a new strip; every second triangle is turned round.
+    void add_strip(const std::vector<std::uint32_t>& strip)
+    {
+        std::size_t begin = 0;
+        for (std::size_t i = 0; i < strip.size(); ++i) {
+            if (strip[i] == kNoIndex) {
+                begin = i + 1;
+                continue;
+            }
+            if (i < begin + 2) continue;
+            const std::size_t odd = (i - begin) % 2;
+            const std::uint32_t corners[] = {strip[i - 2 + odd], strip[i - 1 - odd], strip[i]};
+            add_face(corners);
+        }
+    }
+
+    std::string_view text_;
+    Report& report_;
+    TextCursor cursor_;
+    std::size_t at_ = 0;  // in a binary body
+    bool is_binary_ = false, is_big_endian_ = false;
+    std::vector<Element> elements_;
+    Polygons polygons_;
+};
+
+}  // namespace
+
+Scene load_ply(const std::filesystem::path& file, const LoadOptions& options)
+{
+    Report report(file, options.strict);
+    const std::string bytes = read_file(file);
+    return scene_of(PlyReader(bytes, report).read(), options, report);
+}
+
+}  // namespace occam::import

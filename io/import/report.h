@@ -1,0 +1,59 @@
+// What an importer mended or left out: each kind once, with a count and the first place.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "scenegraph/scene.h"
+
+namespace occam::import {
+
+class Report {
+public:
+    /// strict   every warning is thrown as an Error instead
+    Report(std::filesystem::path file, bool strict) : file_(std::move(file)), strict_(strict) {}
+
+    const std::filesystem::path& file() const noexcept { return file_; }
+    std::string name() const { return file_.string(); }
+    bool is_strict() const noexcept { return strict_; }
+
+    void warn(const std::string& what, const std::string& where = {})
+    {
+        if (strict_) throw Error(name(), what, where);
+        const auto [entry, is_new] = index_.try_emplace(what, kinds_.size());
+        if (is_new) kinds_.push_back({what, where, 0});
+        ++kinds_[entry->second].count;
+    }
+
+    /// One line a kind, in the order in which they came up.
+    std::vector<std::string> lines() const
+    {
+        std::vector<std::string> result;
+        for (const Kind& kind : kinds_) {
+            std::string line = kind.what;
+            if (!kind.where.empty())
+                line += " (" + kind.where + (kind.count > 1 ? ", first of " + std::to_string(kind.count) : "") + ")";
+            else if (kind.count > 1) line += " (" + std::to_string(kind.count) + " times)";
+            result.push_back(std::move(line));
+        }
+        return result;
+    }
+
+private:
+    struct Kind {
+        std::string what, where;
+        std::size_t count;
+    };
+    std::filesystem::path file_;
+    bool strict_;
+    std::vector<Kind> kinds_;
+    std::map<std::string, std::size_t> index_;
+};
+
+/// The last step of an importer: what was mended goes into scene.warnings, or is an Error if the report is strict.
+void finish(Scene& scene, const Report& report);
+
+}  // namespace occam::import

@@ -1,0 +1,88 @@
+// STL (3D Systems, 1988), ascii and binary. Facets share nothing in the file: equal positions are joined.
+#include <bit>
+#include <cstring>
+
+#include "io/import/files.h"
+#include "io/import/polygon_files.h"
+#include "io/import/text_cursor.h"
+#include "io/import/vertices.h"
+
+namespace occam::import {
+
+namespace {
+
+constexpr std::size_t kHeaderBytes = 84, kFacetBytes = 50;
+
+std::uint32_t u32(std::string_view bytes, std::size_t at)
+{
+    std::uint32_t x = 0;
+    for (std::size_t i = 4; i-- > 0;) x = x << 8 | static_cast<unsigned char>(bytes[at + i]);
+    return x;
+}
+
+// Some binary files begin with "solid" too: the length decides.
+bool is_binary(std::string_view bytes)
+{
+    return bytes.size() >= kHeaderBytes && (bytes.size() - kHeaderBytes) / kFacetBytes >= u32(bytes, 80) &&
+           (!bytes.starts_with("solid") || bytes.size() == kHeaderBytes + kFacetBytes * std::size_t(u32(bytes, 80)));
+}
+
+void add_facet(Polygons& polygons, const Vec3f (&corners)[3])
+{
+    const std::uint32_t first = static_cast<std::uint32_t>(polygons.cage.positions.size());
+    polygons.cage.positions.insert(polygons.cage.positions.end(), corners, corners + 3);
+    polygons.cage.face_vertices.insert(polygons.cage.face_vertices.end(), {first, first + 1, first + 2});
+    polygons.cage.face_sizes.push_back(3);
+}
+
+Polygons read_binary(std::string_view bytes)
+{
+    Polygons polygons;
+    const std::size_t facets = u32(bytes, 80);
+    for (std::size_t f = 0; f < facets; ++f) {
+        Vec3f corners[3];
+        for (int c = 0; c < 3; ++c)
+            for (int k = 0; k < 3; ++k)
+                corners[c][k] = std::bit_cast<float>(
+                    u32(bytes, kHeaderBytes + f * kFacetBytes + 12 + static_cast<std::size_t>(c * 12 + k * 4)));
+        add_facet(polygons, corners);
+    }
+    return polygons;
+}
+
+Polygons read_ascii(std::string_view text, const Report& report)
+{
+    Polygons polygons;
+    TextCursor cursor(text);
+    if (cursor.word() != "solid") throw Error(report.name(), "neither an ascii nor a binary STL, or cut off");
+    cursor.skip_line();
+    Vec3f corners[3];
+    int corner = 0;
+    for (std::string_view word = cursor.word(); !word.empty(); word = cursor.word()) {
+        if (word == "facet") corner = 0;
+        if (word == "solid" || word == "endsolid") cursor.skip_line();
+        if (word != "vertex") continue;
+        for (int k = 0; k < 3; ++k) {
+            const auto x = cursor.number();
+            if (!x || corner > 2)
+                throw Error(report.name(), "not a facet of three vertices", "line " + std::to_string(cursor.line()));
+            corners[corner][k] = static_cast<float>(*x);
+        }
+        if (++corner == 3) add_facet(polygons, corners);
+    }
+    return polygons;
+}
+
+}  // namespace
+
+Scene load_stl(const std::filesystem::path& file, const LoadOptions& options)
+{
+    Report report(file, options.strict);
+    const std::string bytes = read_file(file);
+    Polygons polygons = is_binary(bytes) ? read_binary(bytes) : read_ascii(bytes, report);
+    if (polygons.cage.positions.size() > 0x7fffffff) throw Error(report.name(), "more than 2^31 vertices");
+    weld_by_position(polygons.cage);
+    return scene_of(std::move(polygons), options, report);
+}
+
+}  // namespace occam::import

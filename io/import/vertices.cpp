@@ -1,0 +1,124 @@
+#include "io/import/vertices.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <unordered_map>
+
+#include "base/hash.h"
+#include "io/import/polygons.h"
+
+namespace occam::import {
+
+namespace {
+
+// Vertex v goes to new_of[v], or away if that is kNoIndex; of several that go to one place the first stays.
+struct Renumbering {
+    std::vector<std::uint32_t> new_of;
+    std::size_t count = 0;
+
+    template <class T>
+    void apply(std::vector<T>& values) const
+    {
+        if (values.empty()) return;
+        std::vector<T> out(count);
+        for (std::size_t v = new_of.size(); v-- > 0;)
+            if (new_of[v] != kNoIndex) out[new_of[v]] = values[v];
+        values = std::move(out);
+    }
+    template <class T>
+    void apply_sets(std::vector<T>& values, int sets) const
+    {
+        std::vector<T> out;
+        for (std::size_t s = 0; s < static_cast<std::size_t>(sets); ++s) {
+            const auto first = values.begin() + static_cast<std::ptrdiff_t>(s * new_of.size());
+            std::vector<T> one(first, first + static_cast<std::ptrdiff_t>(new_of.size()));
+            apply(one);
+            out.insert(out.end(), one.begin(), one.end());
+        }
+        values = std::move(out);
+    }
+    // Everything that has one entry a vertex, but for texture coordinates.
+    void apply(Cage& cage) const
+    {
+        apply(cage.positions);
+        apply(cage.normals);
+        if (cage.color_indices.empty()) apply(cage.colors);
+        for (MorphTarget& target : cage.morph_targets) apply(target.positions), apply(target.normals);
+        apply_sets(cage.skin.joints, cage.skin.sets);
+        apply_sets(cage.skin.weights, cage.skin.sets);
+        for (std::uint32_t& v : cage.face_vertices) v = v < new_of.size() ? new_of[v] : kNoIndex;
+    }
+};
+
+template <std::size_t N>
+using Bits = std::array<std::uint32_t, N>;
+struct BitsHash {
+    template <std::size_t N>
+    std::size_t operator()(const Bits<N>& bits) const noexcept
+    {
+        std::uint64_t mixed = 0;
+        for (const std::uint32_t b : bits) mixed = mix_bits(mixed ^ b);
+        return static_cast<std::size_t>(mixed);
+    }
+};
+std::uint32_t bits_of(float x) { return std::bit_cast<std::uint32_t>(x + 0.0f); }  // -0 lies where 0 does
+
+// One value a vertex becomes one a corner: vertices that go to one place may have several, each kept once.
+template <class Vec>
+void weld_values(std::vector<Vec>& values, std::vector<std::uint32_t>& indices, const Cage& cage,
+                 const Renumbering& renumbering)
+{
+    constexpr std::size_t kFloats = Vec::length();
+    std::unordered_map<Bits<kFloats + 1>, std::uint32_t, BitsHash> known;
+    std::vector<Vec> kept;
+    for (const std::uint32_t v : cage.face_vertices) {
+        if (v >= values.size()) {
+            indices.push_back(0);
+            continue;
+        }
+        Bits<kFloats + 1> key{renumbering.new_of[v]};
+        for (std::size_t i = 0; i < kFloats; ++i) key[i + 1] = bits_of(values[v][static_cast<int>(i)]);
+        const auto [entry, is_new] = known.try_emplace(key, static_cast<std::uint32_t>(kept.size()));
+        if (is_new) kept.push_back(values[v]);
+        indices.push_back(entry->second);
+    }
+    values = std::move(kept);
+}
+
+}  // namespace
+
+void drop_unused_vertices(Cage& cage)
+{
+    const std::size_t vertices = cage.positions.size();
+    std::vector<unsigned char> is_used(vertices, 0);
+    for (std::uint32_t v : cage.face_vertices)
+        if (v < vertices) is_used[v] = 1;
+    if (std::find(is_used.begin(), is_used.end(), 0) == is_used.end()) return;
+    Renumbering renumbering;
+    renumbering.new_of.assign(vertices, kNoIndex);
+    for (std::size_t v = 0; v < vertices; ++v)
+        if (is_used[v]) renumbering.new_of[v] = static_cast<std::uint32_t>(renumbering.count++);
+    renumbering.apply(cage);
+    for (UvSet& set : cage.uv_sets)
+        if (set.indices.empty()) renumbering.apply(set.values);
+}
+
+void weld_by_position(Cage& cage)
+{
+    Renumbering renumbering;
+    std::unordered_map<Bits<3>, std::uint32_t, BitsHash> at;
+    for (Vec3f p : cage.positions) {
+        const auto [entry, is_new] = at.try_emplace({bits_of(p.x), bits_of(p.y), bits_of(p.z)},
+                                                    static_cast<std::uint32_t>(at.size()));
+        renumbering.new_of.push_back(entry->second);
+    }
+    renumbering.count = at.size();
+    cage.normals.clear();
+    for (UvSet& set : cage.uv_sets)
+        if (set.indices.empty()) weld_values(set.values, set.indices, cage, renumbering);
+    if (!cage.colors.empty() && cage.color_indices.empty()) weld_values(cage.colors, cage.color_indices, cage, renumbering);
+    renumbering.apply(cage);
+}
+
+}  // namespace occam::import

@@ -1,0 +1,209 @@
+#include "io/texture/decode.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include <array>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "base/error.h"
+#include "base/srgb.h"
+#include "io/texture/image_header.h"
+#include "io/texture/image_metadata.h"
+
+namespace occam {
+
+namespace {
+
+const std::array<float, 256>& srgb_table()
+{
+    static const std::array<float, 256> table = [] {
+        std::array<float, 256> t{};
+        for (int i = 0; i < 256; ++i) t[static_cast<std::size_t>(i)] = linear_from_srgb(static_cast<float>(i) / 255.0f);
+        return t;
+    }();
+    return table;
+}
+
+// More texels for each byte of a file than any compression gives: deflate writes 1032 bytes for one, of up to eight texels.
+constexpr std::uintmax_t kMaxTexelsPerByte = 16384;
+constexpr std::uintmax_t kAlwaysAllowedTexels = std::uintmax_t(1) << 24;
+
+}  // namespace
+
+struct TextureSource::State {
+    std::string name;
+    TextureRole role = TextureRole::Color;
+    int width = 0, height = 0;
+    std::vector<Vec4f> pixels;       // linear already; or
+    std::vector<std::byte> encoded;  // kept while the reader looks into it
+    std::unique_ptr<OIIO::Filesystem::IOMemReader> memory;
+    std::unique_ptr<OIIO::ImageInput> input;
+
+    void open(const Texture& texture);
+    void check_header(ImageBytes& bytes);
+    void open_memory(const std::string& format, OIIO::ImageSpec& config);
+    void check_size(std::uintmax_t wide, std::uintmax_t high, std::uintmax_t file_bytes) const;
+    void read_rows(int y_begin, int y_end, std::vector<Vec4f>& texels) const;
+    template <class T>
+    void read_rows_as(OIIO::TypeDesc type, int y_begin, int y_end, std::vector<Vec4f>& texels) const;
+    [[noreturn]] void refuse(const std::string& what) const { throw Error(name, what); }
+};
+
+// Before anything is allocated for it.
+void TextureSource::State::check_size(std::uintmax_t wide, std::uintmax_t high, std::uintmax_t file_bytes) const
+{
+    const std::string size = std::to_string(wide) + " x " + std::to_string(high);
+    if (wide > kMaxTextureSide || high > kMaxTextureSide || wide * high > kMaxTextureTexels)
+        refuse("image is larger than is read: " + size);
+    if (wide * high > kAlwaysAllowedTexels && wide * high / kMaxTexelsPerByte > file_bytes)
+        refuse("image declares far more than the file holds: " + size);
+}
+
+void TextureSource::State::check_header(ImageBytes& bytes)
+{
+    if (is_cut_off_png(bytes)) refuse("the image is cut off");
+    if (const auto canvas = declared_canvas(bytes)) check_size(canvas->width, canvas->height, bytes.size());
+}
+
+void TextureSource::State::open_memory(const std::string& format, OIIO::ImageSpec& config)
+{
+    memory = std::make_unique<OIIO::Filesystem::IOMemReader>(encoded.data(), encoded.size());
+    // The reader takes the bytes from this attribute: ImageInput::open(name, config, proxy) closes the proxy again.
+    OIIO::Filesystem::IOProxy* proxy = memory.get();
+    config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+    input = OIIO::ImageInput::create(format);
+    OIIO::ImageSpec opened;
+    if (!input || input->open("memory." + format, opened, config)) return;
+    const std::string why = input->geterror();
+    input.reset();
+    refuse("image cannot be read: " + why);
+}
+
+void TextureSource::State::open(const Texture& texture)
+{
+    OIIO::ImageSpec config;
+    config["oiio:UnassociatedAlpha"] = 1;
+    std::error_code error;
+    if (!texture.encoded && !std::filesystem::is_regular_file(texture.path, error)) refuse("no such image file");
+    ImageBytes bytes = texture.encoded ? ImageBytes(std::span(*texture.encoded)) : ImageBytes(texture.path);
+    const std::uintmax_t file_bytes = bytes.size();
+    const std::string format = image_format(bytes);
+    check_header(bytes);
+    if (texture.encoded && format.empty()) refuse("not an image format that is known");
+    if (format == "png" || format == "jpeg" || format == "tiff") {
+        std::vector<std::byte> whole(texture.encoded ? 0 : static_cast<std::size_t>(file_bytes));
+        if (!bytes.read(0, {reinterpret_cast<unsigned char*>(whole.data()), whole.size()}))
+            refuse("the image cannot be read");
+        encoded = without_metadata(texture.encoded ? std::span(*texture.encoded) : std::span(std::as_const(whole)), format);
+        open_memory(format, config);
+    } else if (texture.encoded) {
+        encoded = *texture.encoded;
+        open_memory(format, config);
+    } else {
+        input = OIIO::ImageInput::open(texture.path.string(), &config);
+    }
+    if (!input) refuse("image cannot be read: " + OIIO::geterror());
+    const OIIO::ImageSpec& spec = input->spec();
+    if (spec.width <= 0 || spec.height <= 0 || spec.depth > 1 || spec.nchannels < 1) refuse("not a flat image");
+    if (spec.deep) refuse("deep images are not read");
+    width = spec.width, height = spec.height;
+    check_size(static_cast<std::uintmax_t>(width), static_cast<std::uintmax_t>(height), file_bytes);
+}
+
+template <class T>
+void TextureSource::State::read_rows_as(OIIO::TypeDesc type, int y_begin, int y_end, std::vector<Vec4f>& texels) const
+{
+    const OIIO::ImageSpec& spec = input->spec();
+    const int channels = std::min(spec.nchannels, 4);
+    std::vector<T> values(std::size_t(y_end - y_begin) * std::size_t(width) * std::size_t(channels));
+    const int y0 = spec.y + y_begin, y1 = spec.y + y_end;
+    const bool ok = spec.tile_width > 0
+                        ? input->read_tiles(0, 0, spec.x, spec.x + width, y0, y1, 0, 1, 0, channels, type, values.data())
+                        : input->read_scanlines(0, 0, y0, y1, 0, 0, channels, type, values.data());
+    if (!ok) refuse("image cannot be decoded: " + input->geterror());
+
+    const bool is_integer = spec.format.basetype != OIIO::TypeDesc::FLOAT && spec.format.basetype != OIIO::TypeDesc::HALF &&
+                            spec.format.basetype != OIIO::TypeDesc::DOUBLE;
+    const bool is_srgb = role == TextureRole::Color && is_integer;
+    const auto data = [](T x) { return std::is_integral_v<T> ? static_cast<float>(x) / 255.0f : static_cast<float>(x); };
+    const auto color = [&](T x) {
+        if constexpr (std::is_integral_v<T>) return is_srgb ? srgb_table()[x] : data(x);
+        else return is_srgb ? linear_from_srgb(x) : x;
+    };
+    texels.resize(std::size_t(y_end - y_begin) * std::size_t(width));
+    for (std::size_t i = 0; i < texels.size(); ++i) {
+        const T* v = &values[i * static_cast<std::size_t>(channels)];
+        const bool is_grey = channels < 3;
+        const float r = color(v[0]);
+        texels[i] = {r, is_grey ? r : color(v[1]), is_grey ? r : color(v[2]),
+                     channels == 2   ? data(v[1])
+                     : channels == 4 ? data(v[3])
+                                     : 1.0f};
+    }
+}
+
+void TextureSource::State::read_rows(int y_begin, int y_end, std::vector<Vec4f>& texels) const
+{
+    if (!input) {
+        const auto first = pixels.begin() + std::ptrdiff_t(y_begin) * width;
+        texels.assign(first, first + std::ptrdiff_t(y_end - y_begin) * width);
+    } else if (input->spec().format == OIIO::TypeDesc::UINT8) {
+        read_rows_as<std::uint8_t>(OIIO::TypeDesc::UINT8, y_begin, y_end, texels);
+    } else {
+        read_rows_as<float>(OIIO::TypeDesc::FLOAT, y_begin, y_end, texels);
+    }
+}
+
+TextureSource::TextureSource(const Texture& texture) : state_(std::make_unique<State>())
+{
+    state_->name = texture.name.empty() ? texture.path.string() : texture.name;
+    state_->role = texture.role;
+    if (!texture.pixels.empty()) {
+        state_->pixels = texture.pixels;
+        state_->width = texture.width, state_->height = texture.height;
+        state_->check_size(static_cast<std::uintmax_t>(width()), static_cast<std::uintmax_t>(height()),
+                           texture.pixels.size());
+    } else {
+        state_->open(texture);
+    }
+}
+TextureSource::~TextureSource() = default;
+TextureSource::TextureSource(TextureSource&&) noexcept = default;
+
+int TextureSource::width() const noexcept { return state_->width; }
+int TextureSource::height() const noexcept { return state_->height; }
+
+MipImage TextureSource::decode(int halvings) const
+{
+    constexpr int kRowsAtOnce = 64;
+    const int block = 1 << halvings;
+    MipImage image(std::max(1, width() >> halvings), std::max(1, height() >> halvings));
+    // Whole rows of tiles, and whole rows of the result.
+    const int tile = state_->input && state_->input->spec().tile_width > 0 ? state_->input->spec().tile_height : 1;
+    const int rows = std::max({block, tile, kRowsAtOnce}) / std::max(block, tile) * std::max(block, tile);
+    std::vector<Vec4f> texels, row(static_cast<std::size_t>(image.width()));
+    for (int y = 0; y < height(); y += rows) {
+        const int y_end = std::min(height(), y + rows);
+        state_->read_rows(y, y_end, texels);
+        // What is left over at the right and lower edges of a size that the block does not divide is not seen.
+        for (int out = y >> halvings; out < image.height() && (out << halvings) < y_end; ++out) {
+            const int from = (out << halvings) - y, to = std::min(from + block, y_end - y);
+            for (int x = 0; x < image.width(); ++x) {
+                Vec4f sum(0);
+                int count = 0;
+                for (int j = from; j < to; ++j)
+                    for (int i = x << halvings; i < std::min(width(), (x + 1) << halvings); ++i, ++count)
+                        sum += texels[std::size_t(j) * std::size_t(width()) + std::size_t(i)];
+                row[static_cast<std::size_t>(x)] = sum / static_cast<float>(std::max(1, count));
+            }
+            image.write_row(out, row);
+        }
+    }
+    image.build_levels();
+    return image;
+}
+
+}  // namespace occam

@@ -1,0 +1,93 @@
+#include "io/texture/image_header.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <string_view>
+
+namespace occam {
+
+namespace {
+
+bool matches(ImageBytes& bytes, std::string_view magic, std::uintmax_t at = 0)
+{
+    std::array<unsigned char, 16> found{};
+    const auto first = std::span(found).first(magic.size());
+    return bytes.read(at, first) && std::memcmp(first.data(), magic.data(), magic.size()) == 0;
+}
+
+// `count` bytes, the lowest first; 0 beyond the end.
+std::uint32_t little_endian(ImageBytes& bytes, std::uintmax_t at, std::size_t count)
+{
+    std::array<unsigned char, 4> word{};
+    bytes.read(at, std::span(word).first(count));
+    return word[0] | std::uint32_t(word[1]) << 8 | std::uint32_t(word[2]) << 16 | std::uint32_t(word[3]) << 24;
+}
+
+constexpr std::string_view kPngMagic("\x89PNG\r\n\x1a\n", 8);
+
+}  // namespace
+
+ImageBytes::ImageBytes(const std::filesystem::path& file) : stream_(file, std::ios::binary)
+{
+    std::error_code error;
+    const std::uintmax_t size = std::filesystem::file_size(file, error);
+    if (!error) size_ = size;
+}
+
+bool ImageBytes::read(std::uintmax_t at, std::span<unsigned char> to)
+{
+    if (at > size_ || to.size() > size_ - at) return false;
+    if (!stream_.is_open()) {
+        if (bytes_.size() != size_) return false;
+        if (!to.empty()) std::memcpy(to.data(), bytes_.data() + at, to.size());  // neither pointer may be null, even then
+        return true;
+    }
+    return stream_.seekg(static_cast<std::streamoff>(at)) &&
+           stream_.read(reinterpret_cast<char*>(to.data()), static_cast<std::streamsize>(to.size()));
+}
+
+std::string image_format(ImageBytes& bytes)
+{
+    if (matches(bytes, kPngMagic)) return "png";
+    if (matches(bytes, "\xff\xd8\xff")) return "jpeg";
+    if (matches(bytes, "\x76\x2f\x31\x01")) return "openexr";
+    if (matches(bytes, "RIFF") && matches(bytes, "WEBP", 8)) return "webp";
+    if (matches(bytes, std::string_view("II*\0", 4)) || matches(bytes, std::string_view("MM\0*", 4))) return "tiff";
+    if (matches(bytes, "#?RADIANCE")) return "hdr";
+    if (matches(bytes, "GIF8")) return "gif";
+    if (matches(bytes, "BM")) return "bmp";
+    return {};
+}
+
+bool is_cut_off_png(ImageBytes& bytes)
+{
+    if (!matches(bytes, kPngMagic)) return false;
+    std::array<unsigned char, 8> word{};
+    for (std::uintmax_t at = kPngMagic.size(); bytes.read(at, word);) {
+        std::uintmax_t length = 0;
+        for (int i = 0; i < 4; ++i) length = length << 8 | word[static_cast<std::size_t>(i)];
+        constexpr std::uintmax_t kAround = 12;  // length, name, checksum
+        if (bytes.size() - at < kAround || length > bytes.size() - at - kAround) return true;
+        if (std::memcmp(&word[4], "IEND", 4) == 0) return false;
+        at += length + kAround;
+    }
+    return true;
+}
+
+std::optional<ImageSize> declared_canvas(ImageBytes& bytes)
+{
+    if (matches(bytes, "GIF8")) return ImageSize{little_endian(bytes, 6, 2), little_endian(bytes, 8, 2)};
+    if (!matches(bytes, "RIFF") || !matches(bytes, "WEBP", 8)) return std::nullopt;
+    // The WebP container: an extended header, or one of two bit streams (RFC 9649, sec. 2.5 to 2.7).
+    if (matches(bytes, "VP8X", 12)) return ImageSize{little_endian(bytes, 24, 3) + 1, little_endian(bytes, 27, 3) + 1};
+    if (matches(bytes, "VP8L", 12)) {
+        const std::uint32_t bits = little_endian(bytes, 21, 4);
+        return ImageSize{(bits & 0x3fff) + 1, (bits >> 14 & 0x3fff) + 1};
+    }
+    if (matches(bytes, "VP8 ", 12))
+        return ImageSize{little_endian(bytes, 26, 2) & 0x3fff, little_endian(bytes, 28, 2) & 0x3fff};
+    return std::nullopt;
+}
+
+}  // namespace occam

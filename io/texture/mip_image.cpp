@@ -1,0 +1,154 @@
+#include "io/texture/mip_image.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/half.h"
+#include "base/simd.h"
+
+namespace occam {
+
+namespace {
+
+constexpr int kTileBits = 3, kTile = 1 << kTileBits;
+
+int tiles(int texels) noexcept { return (texels + kTile - 1) >> kTileBits; }
+
+// The texels of the finer level under one of the coarser, along one axis, and how much of each: an odd side gives three.
+struct Taps {
+    int first = 0, count = 0;
+    float weight[3] = {};
+};
+Taps taps_of(int i, int from, int to) noexcept
+{
+    // Both ends in units of 1/to texels, exact in integers.
+    const std::int64_t lo = std::int64_t(i) * from, hi = lo + from;
+    Taps taps;
+    taps.first = static_cast<int>(lo / to);
+    for (int x = taps.first; std::int64_t(x) * to < hi; ++x) {
+        const std::int64_t overlap = std::min<std::int64_t>(hi, (std::int64_t(x) + 1) * to) -
+                                     std::max<std::int64_t>(lo, std::int64_t(x) * to);
+        taps.weight[taps.count++] = static_cast<float>(overlap) / static_cast<float>(from);
+    }
+    return taps;
+}
+
+// Into one period of the wrap mode, in which an index fits an int.
+float fold(float s, TextureUse::Wrap wrap) noexcept
+{
+    if (wrap == TextureUse::Wrap::Clamp) return std::clamp(s, 0.0f, 1.0f);
+    const float period = wrap == TextureUse::Wrap::Mirror ? 2.0f : 1.0f;
+    return s - period * std::floor(s / period);
+}
+
+// Of an index at most one texel outside of the period.
+int wrapped(int i, int size, TextureUse::Wrap wrap) noexcept
+{
+    switch (wrap) {
+        case TextureUse::Wrap::Clamp:
+            return std::clamp(i, 0, size - 1);
+        case TextureUse::Wrap::Repeat:
+            return i < 0 ? i + size : i >= size ? i - size : i;
+        case TextureUse::Wrap::Mirror:
+            break;
+    }
+    if (i < 0) i = -1 - i;
+    if (i >= 2 * size) i -= 2 * size;
+    return i >= size ? 2 * size - 1 - i : i;
+}
+
+}  // namespace
+
+MipImage::Level::Level(int width_texels, int height_texels)
+    : width(width_texels),
+      height(height_texels),
+      tiles_x(tiles(width_texels)),
+      halves(std::size_t(tiles_x) * std::size_t(tiles(height_texels)) * kTile * kTile * 4)
+{
+}
+
+std::size_t MipImage::Level::offset(int x, int y) const noexcept
+{
+    const std::size_t tile = std::size_t(y >> kTileBits) * std::size_t(tiles_x) + std::size_t(x >> kTileBits);
+    return (tile * kTile * kTile + std::size_t((y & (kTile - 1)) * kTile + (x & (kTile - 1)))) * 4;
+}
+Vec4f MipImage::Level::texel(int x, int y) const noexcept
+{
+    const std::uint16_t* h = &halves[offset(x, y)];
+    return {float_from_half(h[0]), float_from_half(h[1]), float_from_half(h[2]), float_from_half(h[3])};
+}
+void MipImage::Level::write(int x, int y, Vec4f texel) noexcept
+{
+    std::uint16_t* h = &halves[offset(x, y)];
+    for (int c = 0; c < 4; ++c) h[c] = finite_half_from_float(texel[c]);
+}
+
+MipImage::MipImage(int width, int height) { levels_.emplace_back(width, height); }
+
+std::size_t MipImage::bytes() const noexcept
+{
+    std::size_t sum = 0;
+    for (const Level& level : levels_) sum += level.halves.size() * sizeof(std::uint16_t);
+    return sum;
+}
+
+std::size_t MipImage::bytes_of(int width, int height) noexcept
+{
+    std::size_t sum = 0;
+    for (;; width = std::max(1, width / 2), height = std::max(1, height / 2)) {
+        sum += std::size_t(tiles(width)) * std::size_t(tiles(height)) * kTile * kTile * 4 * sizeof(std::uint16_t);
+        if (width == 1 && height == 1) return sum;
+    }
+}
+
+void MipImage::write_row(int y, std::span<const Vec4f> texels)
+{
+    for (int x = 0; x < width(); ++x) levels_[0].write(x, y, texels[static_cast<std::size_t>(x)]);
+}
+
+void MipImage::build_levels()
+{
+    while (levels_.back().width > 1 || levels_.back().height > 1) levels_.push_back(halved(levels_.back()));
+}
+
+MipImage::Level MipImage::halved(const Level& from)
+{
+    Level to(std::max(1, from.width / 2), std::max(1, from.height / 2));
+    std::vector<Taps> columns;
+    for (int x = 0; x < to.width; ++x) columns.push_back(taps_of(x, from.width, to.width));
+    for (int y = 0; y < to.height; ++y) {
+        const Taps rows = taps_of(y, from.height, to.height);
+        for (int x = 0; x < to.width; ++x) {
+            const Taps& column = columns[static_cast<std::size_t>(x)];
+            Vec4f sum(0);
+            for (int j = 0; j < rows.count; ++j)
+                for (int i = 0; i < column.count; ++i)
+                    sum += from.texel(column.first + i, rows.first + j) * (rows.weight[j] * column.weight[i]);
+            to.write(x, y, sum);
+        }
+    }
+    return to;
+}
+
+Vec4f MipImage::lookup(int level, Vec2f st, TextureUse::Wrap wrap_s, TextureUse::Wrap wrap_t, bool nearest) const noexcept
+{
+    const Level& l = levels_[static_cast<std::size_t>(level)];
+    // Texel centres lie at halves.
+    const float x = fold(st.x, wrap_s) * static_cast<float>(l.width) - 0.5f,
+                y = fold(st.y, wrap_t) * static_cast<float>(l.height) - 0.5f;
+    if (nearest)
+        return l.texel(wrapped(static_cast<int>(std::floor(x + 0.5f)), l.width, wrap_s),
+                       wrapped(static_cast<int>(std::floor(y + 0.5f)), l.height, wrap_t));
+    const float x_floor = std::floor(x), y_floor = std::floor(y), fx = x - x_floor, fy = y - y_floor;
+    const int x0 = static_cast<int>(x_floor), y0 = static_cast<int>(y_floor);
+    const int xs[2] = {wrapped(x0, l.width, wrap_s), wrapped(x0 + 1, l.width, wrap_s)};
+    const int ys[2] = {wrapped(y0, l.height, wrap_t), wrapped(y0 + 1, l.height, wrap_t)};
+    const auto texel_at = [&](int i, int j) { return vfloat4::from_halves(l.at(xs[i], ys[j])); };
+    const vfloat4 top = texel_at(0, 0) * (1 - fx) + texel_at(1, 0) * fx;
+    const vfloat4 bottom = texel_at(0, 1) * (1 - fx) + texel_at(1, 1) * fx;
+    Vec4f mean;
+    (top * (1 - fy) + bottom * fy).store(&mean.x);
+    return mean;
+}
+
+}  // namespace occam

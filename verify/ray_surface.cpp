@@ -1,0 +1,104 @@
+#include "verify/ray_surface.h"
+
+#include <array>
+
+#include "verify/closed.h"
+
+namespace occam {
+namespace {
+
+struct Slab {
+    double near, far;
+};
+
+/// What of a triangle lies in a slab across the ray: a convex polygon of up to five corners, as triangles.
+class SlabClip {
+public:
+    SlabClip(Vec3d from, Vec3d direction, Slab slab, std::vector<Vec3d>& out)
+        : from_(from), direction_(direction), slab_(slab), out_(out)
+    {
+    }
+
+    void operator()(const Vec3d& a, const Vec3d& b, const Vec3d& c)
+    {
+        polygon_ = {a, b, c};
+        cut(slab_.near, 1);
+        cut(slab_.far, -1);
+        for (std::size_t k = 2; k < polygon_.size(); ++k)
+            out_.insert(out_.end(), {polygon_[0], polygon_[k - 1], polygon_[k]});
+    }
+
+private:
+    void cut(double plane, double sign)
+    {
+        next_.clear();
+        for (std::size_t k = 0; k < polygon_.size(); ++k) {
+            const Vec3d p = polygon_[k], q = polygon_[(k + 1) % polygon_.size()];
+            const double at_p = sign * (glm::dot(p - from_, direction_) - plane),
+                         at_q = sign * (glm::dot(q - from_, direction_) - plane);
+            if (at_p >= 0) next_.push_back(p);
+            if ((at_p >= 0) != (at_q >= 0)) next_.push_back(p + (q - p) * (at_p / (at_p - at_q)));
+        }
+        polygon_.swap(next_);
+    }
+
+    Vec3d from_, direction_;
+    Slab slab_;
+    std::vector<Vec3d>& out_;
+    std::vector<Vec3d> polygon_, next_;
+};
+
+std::vector<Vec3d> blended(const lod::LevelGrid& grid, Vec3d from, Vec3d direction, const lod::Blend<float>* blend)
+{
+    std::vector<Vec3d> vertices;
+    for (int v = 0; v < grid.vertex_count; ++v) {
+        const Vec3d fine = grid.at(v), coarse = grid.coarse_at(v);
+        const float w = blend ? blend->weight(static_cast<float>(glm::dot(fine - from, direction))) : 0;
+        vertices.push_back(glm::mix(fine, coarse, double(w)));
+    }
+    for (const lod::Hanging& h : grid.hanging)
+        if (h.is_inside)
+            vertices[std::size_t(grid.index(h.i, h.j))] = h.on(Vec3f(vertices[h.a]), Vec3f(vertices[h.c])).middle;
+    return vertices;
+}
+
+}  // namespace
+
+double winding_number_of_ray(Vec3d from, Vec3d direction, const lod::RayLevels<float>& table, int finest,
+                             const std::function<const std::vector<lod::LevelGrid>&(int level)>& dice)
+{
+    constexpr double kEverywhere = 1e30;
+    double sum = 0;
+    std::vector<Vec3d> corners;
+    for (int pair = table.finest; pair <= table.coarsest; ++pair) {
+        // Segments overlap evenly about their transitions.
+        const auto transition = [&](int finer) {
+            const double far = (double(table.end(finer)) + double(table.begin(finer + 1))) / 2;
+            const double near = (double(table.begin(finer)) + double(table.end(finer + 1))) / 2;
+            return table.begin(table.finest) <= table.begin(table.coarsest) ? far : near;
+        };
+        const bool grows = table.begin(table.finest) <= table.begin(table.coarsest);
+        const double to_finer = pair == table.finest ? (grows ? -kEverywhere : kEverywhere) : transition(pair - 1);
+        const double to_coarser = pair == table.coarsest ? (grows ? kEverywhere : -kEverywhere) : transition(pair);
+        const Slab slab = grows ? Slab{to_finer, to_coarser} : Slab{to_coarser, to_finer};
+        if (!(slab.near < slab.far)) continue;
+
+        const bool is_held = pair < finest;
+        const lod::Blend<float> blend = table.blend(pair);
+        corners.clear();
+        SlabClip clip(from, direction, slab, corners);
+        for (const lod::LevelGrid& grid : dice(std::max(pair, finest))) {
+            const std::vector<Vec3d> v = blended(grid, from, direction, is_held ? nullptr : &blend);
+            for (int y = 0; y < grid.tile.rows; ++y)
+                for (int x = 0; x < grid.tile.columns; ++x) {
+                    const auto at = [&](int dx, int dy) { return v[std::size_t(grid.index(x + dx, y + dy))]; };
+                    clip(at(0, 0), at(1, 0), at(1, 1));
+                    clip(at(0, 0), at(1, 1), at(0, 1));
+                }
+        }
+        sum += winding_number(std::span<const Vec3d>(corners), from);
+    }
+    return sum;
+}
+
+}  // namespace occam
