@@ -39,9 +39,9 @@ run() {
 
     local p f s
     # Tests that are not GoogleTest's count one each.
-    p=$(($(count PASSED "$log") + $(grep -cE '(room_order|install) \.+ +Passed' "$build.ctest.log" || true)))
+    p=$(($(count PASSED "$log") + $(grep -cE '(style|install) \.+ +Passed' "$build.ctest.log" || true)))
     s=$(count SKIPPED "$log")
-    f=$(($(count FAILED "$log") + $(grep -cE "(room_order|install) \.+\*\*\*" "$build.ctest.log" || true)))
+    f=$(($(count FAILED "$log") + $(grep -cE "(style|install) \.+\*\*\*" "$build.ctest.log" || true)))
     # A program that ended without a closing line has failed too.
     [ $status -eq 0 ] || [ "$f" -gt 0 ] || f=1
     grep -E ': Skipped$' -A 1 "$log" | grep -vE ': Skipped$|^--$' | sort | uniq -c | sed -E 's/^ *([0-9]+) /   \1 skipped: /' || true

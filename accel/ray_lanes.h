@@ -145,13 +145,9 @@ struct VertexBlendOf {
     }
 
     /// 0: fine, 1: coarse.
-    OCCAM_ALWAYS_INLINE F weight(const VecOf<F>& fine) const noexcept
-    {
-        const F x = min(max(ramp(fine), F(0.0f)), F(1.0f));
-        return x * x * (F(3.0f) - (x + x));
-    }
+    OCCAM_ALWAYS_INLINE F weight(const VecOf<F>& fine) const noexcept { return lod::coarse_weight(ramp(fine)); }
     /// Exactly `fine` and `coarse` at the ends, and where both are the same: the blend of a shared vertex has the same bits
-    /// in all of its triangles and grids (watertightness rule 7).
+    /// in all of its triangles and grids (watertightness rule 12).
     OCCAM_ALWAYS_INLINE VecOf<F> between(const VecOf<F>& fine, const VecOf<F>& coarse) const noexcept
     {
         return between(fine, coarse, weight(fine));

@@ -37,7 +37,7 @@ struct LevelSettings {
     Vec4d planes[4]{};       ///< inside where dot(xyz, p - eye) >= 0; w is not used
     LevelMode mode = LevelMode::PerRay;
     /// Segments of a ray overlap by the larger of these: in edges of the finer pair, and in ulps of the largest coordinate
-    /// (watertightness rule 9). Tests make them small, since a wide overlap hides faults.
+    /// (watertightness rule 13). Tests make them small, since a wide overlap hides faults.
     float overlap_edges = 0.1f, overlap_ulps = 16;
 
     /// World length: points of displaced cages lie no farther off the surface whose edges levels bound. So an edge of M_l

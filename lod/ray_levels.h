@@ -1,9 +1,9 @@
 // A ray's table of transitions: from where to where it sees which pair of levels, and how far each vertex has gone from the
 // finer to the coarser.
 //
-// Djeu et al. 2011, sec. 5.1.2 and 5.2.6; the constants are those of docs/watertightness.md, rules 7 to 9. Pair l serves a
-// ray where d_l <= wanted edge < d_(l+1). F is vfloat (lanes are rays) or float (one ray): the same operations, so the same
-// bits.
+// Djeu et al. 2011, sec. 5.1.2 and 5.2.6; the constants are those of docs/watertightness.md, rules 11 to 14. Pair l serves
+// a ray where d_l <= target edge length < d_(l+1). F is vfloat (lanes are rays) or float (one ray): the same operations, so
+// the same bits.
 //
 // Transition b lies between pair b - 1 and pair b. Where the footprint grows, transitions are pushed away from the ray's
 // start until each segment between two of them is at least two margins long; where it shrinks, they are pulled towards it
@@ -22,17 +22,22 @@
 
 namespace occam::lod {
 
-/// How a vertex at distance t of the ray goes from fine to coarse: w = smoothstep((t - start) * scale).
+/// The weight of the coarse position where the way from fine to coarse is done up to `ramp` (0 at the fine end, 1 at the
+/// coarse end, also beyond): a smoothstep, exactly 0 and 1 from the ends on. Everything that blends levels takes its weight
+/// from here.
+template <class F>
+OCCAM_ALWAYS_INLINE F coarse_weight(F ramp) noexcept
+{
+    const F x = min(max(ramp, F(0.0f)), F(1.0f));
+    return x * x * (F(3.0f) - (x + x));
+}
+
+/// How a vertex at distance t of the ray goes from fine to coarse: w = coarse_weight((t - start) * scale).
 template <class F>
 struct Blend {
     F start, scale;
 
-    /// Exactly 0 and 1 from the ends on.
-    F weight(F t) const noexcept
-    {
-        const F x = min(max((t - start) * scale, F(0.0f)), F(1.0f));
-        return x * x * (F(3.0f) - (x + x));
-    }
+    F weight(F t) const noexcept { return coarse_weight((t - start) * scale); }
 };
 
 template <class F>

@@ -2,7 +2,7 @@
 //
 // A ray that starts inside a closed cage and meets nothing has *escaped*. Random directions are blind to such faults, so
 // rays are aimed to an ulp at T-vertices, vertices and edges as each ray itself blends them, with transitions between pairs
-// of levels at and near the hit (docs/watertightness.md, rule 10).
+// of levels at and near the hit (docs/watertightness.md).
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // Rays from inside a closed cage, aimed where surfaces leak: at T-vertices, vertices and edges, to an ulp (watertightness
-// rule 10).
+// "With a level for each ray").
 #pragma once
 
 #include <string>

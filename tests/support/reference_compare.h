@@ -1,6 +1,6 @@
 // How far a picture of Occam's is from a reference picture made with other software: shares of pixels that agree.
 //
-// The rules are those of shared/reference/README.md, "How to compare". Pure functions of pictures, no files.
+// The rules are those of the README of the shared reference images, "How to compare". Pure functions of pictures, no files.
 #pragma once
 
 #include <cstdint>

@@ -84,11 +84,13 @@ TEST(ImportGltfGeometry, BuffersAndImagesMayBeDataUris)
     // Three corners of a triangle, base64; a PPM would do as well as any image: only its bytes are kept here.
     const auto file = folder.write("data.gltf", R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "scene": 0,
         "nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
-        "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],
+        "buffers": [{"byteLength": 36, 
+           "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],
         "bufferViews": [{"buffer": 0, "byteLength": 36}], "textures": [{"source": 0}],
         "images": [{"uri": "data:image/png;base64,iVBORw0KGgo="}],
         "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
-        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}]})");
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                       "min": [0, 0, 0], "max": [1, 1, 0]}]})");
     const Scene scene = load(file);
     const Cage& cage = *cages(scene).at(0);
     EXPECT_EQ(cage.positions, (std::vector<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
@@ -157,7 +159,8 @@ TEST(ImportGltfGeometry, BumpMapsAreExtrasOfMaterials)
     const auto with = [&](const std::string& bump) {
         Gltf g = square();
         g.more =
-            R"(, "images": [{"uri": "h.png"}], "textures": [{"source": 0}], "materials": [{"name": "rough", "extras": {"occam": {"bump": )" +
+            R"(, "images": [{"uri": "h.png"}], "textures": [{"source": 0}],
+                "materials": [{"name": "rough", "extras": {"occam": {"bump": )" +
             bump + "}}}]";
         g.meshes.insert(g.meshes.find("\"attributes\""), R"("material": 0, )");
         return g.write(folder);

@@ -1,4 +1,4 @@
-// The table of transitions of a ray, and pairs of levels as meshes (watertightness rules 2, 5, 7, 8 and 9).
+// The table of transitions of a ray, and pairs of levels as meshes (watertightness rules 10 to 15).
 #include <gtest/gtest.h>
 
 #include <bit>

@@ -171,7 +171,8 @@ TEST(Visibility, FilesSayWhoSeesANodeAndWhatLightsIt)
     const TempFolder folder;
     Gltf g;
     g.nodes = R"({"extras": {"occam": {"hidden_from": ["camera", "shadow"], "lit_by": ["key", "rim"]}}},
-                 {"extras": {"occam": {"area_light": {"shape": "disc"}, "light_group": "rim"}}}, {"extras": {"occam": {"area_light": {"shape": "disc"}}}})";
+                 {"extras": {"occam": {"area_light": {"shape": "disc"}, "light_group": "rim"}}},
+                  {"extras": {"occam": {"area_light": {"shape": "disc"}}}})";
     Scene scene = load(g.write(folder));
     std::vector<const Node*> nodes;
     scene.for_each_placement([&](NodeId id, const Node& node, const Mat4d&) {

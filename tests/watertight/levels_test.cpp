@@ -1,5 +1,5 @@
 // No ray leaves a closed cage, whatever its footprint: constant, growing, shrinking, steep; each ray blends the surface for
-// itself between two levels, and changes from pair to pair near the hit (watertightness, rules 4 to 10).
+// itself between two levels, and changes from pair to pair near the hit (watertightness, rules 10 to 17).
 #include <gtest/gtest.h>
 
 #include "io/builtin/pieces.h"

@@ -1,0 +1,147 @@
+"""Checks how the repository is written: the order of the rooms, layout, lengths, and references in comments.
+
+    style_check.py ROOT [--no-layout]
+
+Prints one line for each fault (file, line, what is wrong) and exits with 1 if there is one. Checked are
+
+- room order: a file includes its own room and those below it (README.md, Rooms);
+- layout: `clang-format --dry-run` changes nothing (left out with --no-layout, or, with a note, where clang-format is missing);
+- lengths: no line over 125 columns, no source file over 500 lines;
+- rules: a comment that cites "watertightness rule N" names a rule that docs/watertightness.md has;
+- references: a file that a comment or a README names exists, and so does a symbol in backticks in a comment of the sources.
+"""
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+# Lowest first; a room may include what stands before it, less what FORBIDDEN says.
+ROOMS = ["base", "scenegraph", "io", "lod", "accel", "shade", "render", "verify", "api", "command"]
+FORBIDDEN = {("shade", "accel"), ("verify", "shade"), ("verify", "render")}
+MAY_USE = {
+    room: {below for below in ROOMS[:place] if (room, below) not in FORBIDDEN}
+    for place, room in enumerate(ROOMS)
+}
+MAX_COLUMNS = 125
+MAX_LINES = 500
+
+FILE_NAME = re.compile(r"(?<![\w./<\"*-])((?:[\w-]+/)*[\w-]+\.(?:h|cpp|md|py|cmake|sh))(?![\w])")
+RULE = re.compile(r"watertightness(?:\.md)?,? rules? (\d+)(?:(?:,| and| to|, and) (\d+))*")
+SYMBOL = re.compile(r"`([A-Za-z_][\w:]*(?:\(\))?)`")
+
+
+def sources(root: pathlib.Path) -> list[pathlib.Path]:
+    """Returns all C++ files below the rooms, tests/ and samples/."""
+    folders = ROOMS + ["tests", "samples"]
+    return sorted(p for f in folders for p in (root / f).rglob("*") if p.suffix in {".h", ".cpp"})
+
+
+def comment_of(line: str) -> str:
+    """Returns the comment of a line of C++, or nothing. A "//" within a string counts as a comment; it does no harm here."""
+    at = line.find("//")
+    return line[at:] if at >= 0 else ""
+
+
+class Check:
+    def __init__(self, root: pathlib.Path):
+        self.root = root
+        self.faults: list[str] = []
+        self.files = sources(root)
+        self.lines = {p: p.read_text().splitlines() for p in self.files}
+        self.names = {p.name for p in root.rglob("*") if p.is_file() and not self.is_outside(p)}
+        text = (root / "docs/watertightness.md").read_text()
+        self.rules = {int(n) for n in re.findall(r"^\| (\d+) \|", text, re.M)}
+        code = (line.split("//")[0] for lines in self.lines.values() for line in lines)
+        self.words = set(re.findall(r"\w+", "\n".join(code)))
+
+    def is_outside(self, path: pathlib.Path) -> bool:
+        top = path.relative_to(self.root).parts[0]
+        return top in {"build", ".git"}
+
+    def fault(self, path: pathlib.Path, number: int, what: str) -> None:
+        self.faults.append(f"{path.relative_to(self.root)}:{number}: {what}")
+
+    def room_order(self) -> int:
+        includes = 0
+        for path, lines in self.lines.items():
+            room = path.relative_to(self.root).parts[0]
+            if room not in MAY_USE:
+                continue
+            for number, line in enumerate(lines, 1):
+                found = re.match(r'\s*#\s*include\s*"(\w+)/', line)
+                if not found or found.group(1) not in MAY_USE:
+                    continue
+                includes += 1
+                if found.group(1) != room and found.group(1) not in MAY_USE[room]:
+                    self.fault(path, number, f"{room} may not include {found.group(1)}")
+        if includes == 0:
+            self.faults.append("no include between rooms was found: the check itself is broken")
+        return includes
+
+    def lengths(self) -> None:
+        for path, lines in self.lines.items():
+            if len(lines) > MAX_LINES:
+                self.fault(path, len(lines), f"the file has more than {MAX_LINES} lines")
+            for number, line in enumerate(lines, 1):
+                if len(line) > MAX_COLUMNS:
+                    self.fault(path, number, f"the line has more than {MAX_COLUMNS} columns")
+
+    def exists(self, name: str, beside: pathlib.Path) -> bool:
+        if "/" not in name:
+            return name in self.names
+        starts = [self.root, beside, self.root / "api/include", self.root / "io", self.root / "scenegraph", self.root / "tests"]
+        return any((start / name).exists() for start in starts)
+
+    def check_text(self, path: pathlib.Path, number: int, text: str) -> None:
+        for name in FILE_NAME.findall(text):
+            if not self.exists(name, path.parent):
+                self.fault(path, number, f"names the file {name}, which does not exist")
+        if "watertightness" in text:
+            for rule in RULE.finditer(text):
+                for cited in re.findall(r"\d+", rule.group(0)):
+                    if int(cited) not in self.rules:
+                        self.fault(path, number, f"cites watertightness rule {cited}, which does not exist")
+
+    def references(self) -> None:
+        for path, lines in self.lines.items():
+            for number, line in enumerate(lines, 1):
+                comment = comment_of(line)
+                if not comment:
+                    continue
+                self.check_text(path, number, comment)
+                for symbol in SYMBOL.findall(comment):
+                    last = symbol.removesuffix("()").split("::")[-1]
+                    if last not in self.words:
+                        self.fault(path, number, f"names `{symbol}`, which no source file has")
+        for path in sorted(self.root.rglob("README.md")):
+            if not self.is_outside(path):
+                for number, line in enumerate(path.read_text().splitlines(), 1):
+                    self.check_text(path, number, line)
+
+    def layout(self) -> None:
+        program = shutil.which("clang-format") or shutil.which("clang-format-14")
+        if not program:
+            print("layout is not checked: clang-format is not installed")
+            return
+        ran = subprocess.run([program, "--dry-run", "--ferror-limit=1", *map(str, self.files)],
+                             capture_output=True, text=True, check=False)
+        for line in ran.stderr.splitlines():
+            found = re.match(r"(.+):(\d+):\d+: warning: code should be clang-formatted", line)
+            if found:
+                self.fault(pathlib.Path(found.group(1)), int(found.group(2)), "clang-format would change this line")
+
+
+def main() -> int:
+    check = Check(pathlib.Path(sys.argv[1]).resolve())
+    includes = check.room_order()
+    check.lengths()
+    check.references()
+    if "--no-layout" not in sys.argv[2:]:
+        check.layout()
+    print("\n".join(check.faults))
+    print(f"{len(check.files)} files, {includes} includes between rooms, {len(check.faults)} faults")
+    return 1 if check.faults else 0
+
+
+sys.exit(main())
