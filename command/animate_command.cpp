@@ -50,6 +50,7 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
     Scene scene = open_scene(a);
     double load_seconds = seconds_since(load_start);
     Framing framing(scene, a);
+    framing.fit_clip();
     Renderer renderer(a.resources);
 
     std::size_t done = frames.size() - missing.size();

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "occam/occam.h"
+#include "scenegraph/camera_fit.h"
 #include "sequence.h"
 
 namespace occam::command {
@@ -31,9 +32,10 @@ struct RenderArguments : SceneArguments {
     std::string camera;      ///< name; empty: the first
     std::string lod_camera;  ///< name; empty: the picture's own
     std::optional<LookAt> look_at;
-    Vec3d up{0, 1, 0};
-    float fov_deg = 0;                 ///< 0: the camera's own, or 39.6
-    float lens_radius = 0, focus = 0;  ///< 0: the camera's own
+    std::optional<Vec3d> up;            ///< none: by the file's format
+    std::optional<ViewFrom> view_from;  ///< given: the scene is framed from there, whatever cameras it has
+    float fov_deg = 0;                  ///< 0: the camera's own, or 39.6
+    float lens_radius = 0, focus = 0;   ///< 0: the camera's own
     int blades = 0;
     std::filesystem::path environment;  ///< image instead of the scene's own; empty: none was given
     float environment_strength = 1, environment_rotation_deg = 0;

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -16,6 +17,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr float kRadians = 3.14159265f / 180;
+constexpr int kClipSteps = 48;  // poses at which a clip is measured; the margin of CameraFit covers what lies between them
 
 std::string list_of(const std::vector<std::string>& names)
 {
@@ -59,10 +61,48 @@ void set_environment(Scene& scene, const RenderArguments& a)
 Framing::Framing(Scene& scene, const RenderArguments& arguments)
     : scene_(scene),
       arguments_(arguments),
-      whole_(Camera::framing(scene.bounds(), float(arguments.settings.width) / float(arguments.settings.height))),
-      clip_(choose_clip(scene, arguments))
+      clip_(choose_clip(scene, arguments)),
+      fit_(arguments.view_from.value_or(ViewFrom::ThreeQuarter), up(),
+           arguments.fov_deg > 0 ? arguments.fov_deg * kRadians : CameraLens().fov,
+           float(arguments.settings.width) / float(arguments.settings.height))
 {
     set_environment(scene, arguments);
+}
+
+bool Framing::is_fitted() const
+{
+    const RenderArguments& a = arguments_;
+    if (a.look_at || !a.camera.empty()) return false;
+    return a.view_from || a.up || !scene_.camera();
+}
+
+// STL files come from printing and machining, where z is up. All other formats have y up by habit.
+Vec3d Framing::up() const
+{
+    if (arguments_.up) return *arguments_.up;
+    std::string extension = arguments_.scene.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return extension == ".stl" ? Vec3d(0, 0, 1) : Vec3d(0, 1, 0);
+}
+
+void Framing::fit_pose()
+{
+    scene_.refit();
+    extent_.visit_points(scene_, [&](Vec3d point) { fit_.add(point); });
+}
+
+void Framing::fit_clip()
+{
+    if (!is_fitted()) return;
+    is_clip_fitted_ = true;
+    if (!clip_) return fit_pose();
+    const TimeRange range = time_range(scene_.clip(clip_));
+    const int steps = range.last > range.first ? kClipSteps : 0;
+    for (int i = 0; i <= steps; ++i) {
+        scene_.pose(clip_, range.first + (range.last - range.first) * i / std::max(steps, 1));
+        fit_pose();
+    }
 }
 
 void Framing::pose(std::optional<int> frame)
@@ -79,19 +119,25 @@ Camera Framing::camera_named(const std::string& name) const
     throw Error(arguments_.scene.string(), "has no camera of that name; " + list_of(scene_.camera_names()), name);
 }
 
-Camera Framing::camera() const
+Camera Framing::camera()
 {
     const RenderArguments& a = arguments_;
-    Camera camera = whole_;
+    Camera camera;
     if (a.look_at) {
         if (a.look_at->eye == a.look_at->target) throw Error("", "eye and target are the same point", "--look-at");
-        if (glm::length(glm::cross(a.look_at->target - a.look_at->eye, a.up)) == 0)
+        if (glm::length(glm::cross(a.look_at->target - a.look_at->eye, up())) == 0)
             throw Error("", "up is parallel to the view", "--up");
-        camera = Camera::look_at(a.look_at->eye, a.look_at->target, a.up, CameraLens{}.fov);
+        camera = Camera::look_at(a.look_at->eye, a.look_at->target, up(), CameraLens{}.fov);
     } else if (!a.camera.empty()) {
         camera = camera_named(a.camera);
-    } else if (const auto first = scene_.camera()) {
-        camera = *first;
+    } else if (is_fitted()) {
+        if (!is_clip_fitted_) {
+            fit_.clear();
+            fit_pose();
+        }
+        camera = fit_.camera();
+    } else {
+        camera = *scene_.camera();
     }
     if (a.fov_deg > 0) {
         camera.lens.fov = a.fov_deg * kRadians;

@@ -3,30 +3,41 @@
 #pragma once
 
 #include "arguments.h"
+#include "lod/extent.h"
 #include "progress.h"
+#include "scenegraph/camera_fit.h"
 
 namespace occam::command {
 
-/// Camera and pose of each frame of one scene.
+/// The camera and the pose of each frame of one scene.
 class Framing {
 public:
-    /// Looks at the scene as the file has it: what frames it does so at all times.
     /// Throws Error for a clip that is not there.
     Framing(Scene& scene, const RenderArguments& arguments);
 
+    /// Has camera() see the scene throughout its clip, with one camera for all frames. Changes the pose.
+    void fit_clip();
+
     /// Poses the scene: at `frame` of a sequence, or without one as the arguments say.
     void pose(std::optional<int> frame = std::nullopt);
-    /// Throws Error for a camera that is not there, or a view that has no direction.
-    Camera camera() const;
+    /// The camera that was asked for, else the first one of the file, else one that fits the scene as it is posed, or the
+    /// whole clip after fit_clip(). Throws Error for a camera that is not there, or a view that has no direction.
+    Camera camera();
     Camera camera_named(const std::string& name) const;
     /// The arguments' settings, their height from a camera's aspect where no size was given.
     Settings settings(const Camera& camera) const;
 
 private:
+    bool is_fitted() const;  ///< neither the arguments nor the file name a camera
+    Vec3d up() const;
+    void fit_pose();
+
     Scene& scene_;
     const RenderArguments& arguments_;
-    Camera whole_;
     ClipId clip_;
+    lod::Extent extent_;
+    CameraFit fit_;
+    bool is_clip_fitted_ = false;
 };
 
 /// The frame, watched; true if it was interrupted. The progress shown is that of part `done` of `all` equal ones.

@@ -154,14 +154,24 @@ void add_camera(CLI::App& app, RenderArguments& a)
     app.add_option("--lod-camera", a.lod_camera,
                    "Footprints of this camera of the scene: detail stays while the picture's camera moves [its own]")
         ->type_name("NAME");
-    add_value(app, "--look-at", "Eye and target", "EX,EY,EZ,TX,TY,TZ", [&](const std::string& t) {
+    CLI::Option* look_at = add_value(app, "--look-at", "Eye and target", "EX,EY,EZ,TX,TY,TZ", [&](const std::string& t) {
         const auto n = numbers_of(t, 6);
         a.look_at = LookAt{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
-    })->excludes(name);
-    add_value(app, "--up", "Up for --look-at [0,1,0]", "X,Y,Z", [&](const std::string& t) {
-        const auto n = numbers_of(t, 3);
-        a.up = {n[0], n[1], n[2]};
     });
+    look_at->excludes(name);
+    const std::map<std::string, ViewFrom> sides{{"three-quarter", ViewFrom::ThreeQuarter},
+                                                {"front", ViewFrom::Front},
+                                                {"side", ViewFrom::Side},
+                                                {"back", ViewFrom::Back},
+                                                {"top", ViewFrom::Top},
+                                                {"bottom", ViewFrom::Bottom}};
+    add_choice<std::optional<ViewFrom>>(app, "--view-from", a.view_from, {sides.begin(), sides.end()},
+                                        "Frame the scene from this side of it, whatever cameras it has [three-quarter]")
+        ->excludes(name)
+        ->excludes(look_at);
+    add_value(app, "--up", "Which way is up, for --look-at and for framing [z for STL, else y]", "x|y|z|X,Y,Z",
+              [&](const std::string& t) { a.up = axis_of(t); })
+        ->excludes(name);
     add_number(app, "--fov", "Whole vertical angle, degrees", [&](double v) {
         if (!(v > 0 && v < 180)) throw std::invalid_argument("expected more than 0 and less than 180 degrees");
         a.fov_deg = float(v);

@@ -25,6 +25,7 @@ int run(const RenderArguments& a)
 
     const auto edit_start = Clock::now();
     Framing framing(scene, a);
+    if (a.frame || a.time || !a.clip.empty()) framing.fit_clip();  // as in a sequence of these frames
     framing.pose();
     const Camera camera = framing.camera();
     const double edit_seconds = seconds_since(edit_start);

@@ -45,6 +45,17 @@ std::vector<double> numbers_of(std::string_view text, std::size_t n)
     return numbers;
 }
 
+Vec3d axis_of(std::string_view text)
+{
+    if (text == "x") return {1, 0, 0};
+    if (text == "y") return {0, 1, 0};
+    if (text == "z") return {0, 0, 1};
+    if (text.find(',') == std::string_view::npos) expected("x, y, z or three numbers with commas between", text);
+    const auto n = numbers_of(text, 3);
+    if (n[0] == 0 && n[1] == 0 && n[2] == 0) expected("a direction", text);
+    return {n[0], n[1], n[2]};
+}
+
 std::pair<int, int> size_of(std::string_view text)
 {
     const std::size_t x = text.find('x');

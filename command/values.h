@@ -6,11 +6,14 @@
 #include <utility>
 #include <vector>
 
+#include "base/vec.h"
+
 namespace occam::command {
 
 double number_of(std::string_view text);                               ///< "0.5", "-3", "1e-4"; finite
 std::vector<double> numbers_of(std::string_view text, std::size_t n);  ///< n of them, with commas between
 std::vector<std::string_view> words_of(std::string_view text);         ///< with commas between; none is empty
+Vec3d axis_of(std::string_view text);                                  ///< "x", "y", "z" or "0,1,0.5", not all zero
 std::pair<int, int> size_of(std::string_view text);                    ///< "1280x720"
 std::size_t bytes_of(std::string_view text);                           ///< "512M", "2G", "1.5G", "4096"; powers of 1024
 bool is_on(std::string_view text);                                     ///< "on" or "off"

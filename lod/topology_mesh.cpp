@@ -41,51 +41,6 @@ Sdc::Options sdc_options(const Cage& cage)
     return options;
 }
 
-std::unique_ptr<Far::TopologyRefiner> make_refiner(const Cage& cage)
-{
-    const std::vector<int> sizes(cage.face_sizes.begin(), cage.face_sizes.end());
-    const std::vector<int> vertices(cage.face_vertices.begin(), cage.face_vertices.end());
-    const std::vector<int> holes(cage.holes.begin(), cage.holes.end());
-    std::vector<int> crease_pairs, corner_vertices;
-    std::vector<float> crease_weights, corner_weights;
-    for (const Crease& c : cage.creases) {
-        crease_pairs.insert(crease_pairs.end(), {static_cast<int>(c.v0), static_cast<int>(c.v1)});
-        crease_weights.push_back(c.sharpness);
-    }
-    for (const Corner& c : cage.corners) {
-        corner_vertices.push_back(static_cast<int>(c.vertex));
-        corner_weights.push_back(c.sharpness);
-    }
-    std::vector<std::vector<int>> uv_indices(cage.uv_sets.size());
-    std::vector<Far::TopologyDescriptor::FVarChannel> channels(cage.uv_sets.size());
-    for (std::size_t s = 0; s < channels.size(); ++s) {
-        const UvSet& set = cage.uv_sets[s];
-        const auto& from = set.indices.empty() ? cage.face_vertices : set.indices;
-        uv_indices[s].assign(from.begin(), from.end());
-        channels[s].numValues = static_cast<int>(set.values.size());
-        channels[s].valueIndices = uv_indices[s].data();
-    }
-
-    Far::TopologyDescriptor d;
-    d.numVertices = static_cast<int>(cage.positions.size());
-    d.numFaces = static_cast<int>(sizes.size());
-    d.numVertsPerFace = sizes.data();
-    d.vertIndicesPerFace = vertices.data();
-    d.numCreases = static_cast<int>(crease_weights.size());
-    d.creaseVertexIndexPairs = crease_pairs.data();
-    d.creaseWeights = crease_weights.data();
-    d.numCorners = static_cast<int>(corner_weights.size());
-    d.cornerVertexIndices = corner_vertices.data();
-    d.cornerWeights = corner_weights.data();
-    d.numHoles = static_cast<int>(holes.size());
-    d.holeIndices = holes.data();
-    d.numFVarChannels = static_cast<int>(channels.size());
-    d.fvarChannels = channels.data();
-    const Sdc::SchemeType scheme = cage.scheme == Scheme::Bilinear ? Sdc::SCHEME_BILINEAR : Sdc::SCHEME_CATMARK;
-    using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
-    return std::unique_ptr<Far::TopologyRefiner>(Factory::Create(d, Factory::Options(scheme, sdc_options(cage))));
-}
-
 // Numbers in the order of first meeting. Rings are small; poles of hundreds of edges get a map.
 class Numbering {
 public:
@@ -166,6 +121,51 @@ private:
 };
 
 }  // namespace
+
+std::unique_ptr<Far::TopologyRefiner> make_refiner(const Cage& cage)
+{
+    const std::vector<int> sizes(cage.face_sizes.begin(), cage.face_sizes.end());
+    const std::vector<int> vertices(cage.face_vertices.begin(), cage.face_vertices.end());
+    const std::vector<int> holes(cage.holes.begin(), cage.holes.end());
+    std::vector<int> crease_pairs, corner_vertices;
+    std::vector<float> crease_weights, corner_weights;
+    for (const Crease& c : cage.creases) {
+        crease_pairs.insert(crease_pairs.end(), {static_cast<int>(c.v0), static_cast<int>(c.v1)});
+        crease_weights.push_back(c.sharpness);
+    }
+    for (const Corner& c : cage.corners) {
+        corner_vertices.push_back(static_cast<int>(c.vertex));
+        corner_weights.push_back(c.sharpness);
+    }
+    std::vector<std::vector<int>> uv_indices(cage.uv_sets.size());
+    std::vector<Far::TopologyDescriptor::FVarChannel> channels(cage.uv_sets.size());
+    for (std::size_t s = 0; s < channels.size(); ++s) {
+        const UvSet& set = cage.uv_sets[s];
+        const auto& from = set.indices.empty() ? cage.face_vertices : set.indices;
+        uv_indices[s].assign(from.begin(), from.end());
+        channels[s].numValues = static_cast<int>(set.values.size());
+        channels[s].valueIndices = uv_indices[s].data();
+    }
+
+    Far::TopologyDescriptor d;
+    d.numVertices = static_cast<int>(cage.positions.size());
+    d.numFaces = static_cast<int>(sizes.size());
+    d.numVertsPerFace = sizes.data();
+    d.vertIndicesPerFace = vertices.data();
+    d.numCreases = static_cast<int>(crease_weights.size());
+    d.creaseVertexIndexPairs = crease_pairs.data();
+    d.creaseWeights = crease_weights.data();
+    d.numCorners = static_cast<int>(corner_weights.size());
+    d.cornerVertexIndices = corner_vertices.data();
+    d.cornerWeights = corner_weights.data();
+    d.numHoles = static_cast<int>(holes.size());
+    d.holeIndices = holes.data();
+    d.numFVarChannels = static_cast<int>(channels.size());
+    d.fvarChannels = channels.data();
+    const Sdc::SchemeType scheme = cage.scheme == Scheme::Bilinear ? Sdc::SCHEME_BILINEAR : Sdc::SCHEME_CATMARK;
+    using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
+    return std::unique_ptr<Far::TopologyRefiner>(Factory::Create(d, Factory::Options(scheme, sdc_options(cage))));
+}
 
 Topology::Mesh::Mesh(const Cage& cage) : bilinear(cage.scheme == Scheme::Bilinear), refiner(make_refiner(cage))
 {

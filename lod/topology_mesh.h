@@ -17,6 +17,9 @@ using LockedCache = OpenSubdiv::Bfr::SurfaceFactoryCacheThreaded<std::shared_mut
                                                                  std::unique_lock<std::shared_mutex>>;
 using SurfaceFactory = OpenSubdiv::Bfr::RefinerSurfaceFactory<LockedCache>;
 
+/// The cage's connectivity as OpenSubdiv keeps it, not refined.
+std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> make_refiner(const Cage& cage);
+
 struct Topology::Mesh {
     explicit Mesh(const Cage& cage);
 

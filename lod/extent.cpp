@@ -1,0 +1,135 @@
+#include "lod/extent.h"
+
+#include <opensubdiv/far/primvarRefiner.h>
+
+#include <algorithm>
+#include <unordered_map>
+
+#include "base/arena.h"
+#include "lod/deformed_cage.h"
+#include "lod/topology_mesh.h"
+
+namespace occam::lod {
+namespace {
+
+using namespace OpenSubdiv;
+
+// A cage is refined as often as this number of faces allows, and no more than kMostLevels times: each time a quarter of the
+// distance between the surface and the hull of its control points is left.
+constexpr std::size_t kMostFaces = 60'000;
+constexpr int kMostLevels = 3;
+// Placed cages beyond so many points in all give the corners of their boxes.
+constexpr std::size_t kMostPoints = 50'000'000;
+
+struct Point {
+    Vec3d p{0};
+    void Clear(void* = nullptr) { p = Vec3d(0); }
+    void AddWithWeight(const Point& other, float weight) { p += other.p * double(weight); }
+};
+
+// Visits the corners of a box under an affine map.
+void visit_corners(const Box3d& box, const Mat4d& world_from_box, const std::function<void(Vec3d)>& visit)
+{
+    if (box.is_empty()) return;
+    for (int i = 0; i < 8; ++i)
+        visit(transform_point(world_from_box,
+                              Vec3d(i & 1 ? box.hi.x : box.lo.x, i & 2 ? box.hi.y : box.lo.y, i & 4 ? box.hi.z : box.lo.z)));
+}
+
+}  // namespace
+
+struct Extent::State {
+    // A cage's connectivity at the level that gives the points.
+    struct Shape {
+        std::uint64_t identity = 0, version = 0;
+        std::unique_ptr<Far::TopologyRefiner> refiner;  // null: the vertices themselves
+        std::vector<std::uint32_t> used;                // vertices of faces that are seen
+        std::vector<Vec3d> still;                       // points of a cage that nothing deforms, object axes
+    };
+
+    Shape& shape_of(CageId id, const CageSlot& slot);
+    static std::vector<Vec3d> points_of(const Shape& shape, const std::vector<Vec3d>& controls);
+
+    std::unordered_map<CageId, Shape> shapes;
+    std::size_t points = 0;  // of one visit
+};
+
+Extent::State::Shape& Extent::State::shape_of(CageId id, const CageSlot& slot)
+{
+    Shape& shape = shapes[id];
+    if (shape.identity == slot.identity && shape.version == slot.positions_version && !shape.used.empty()) return shape;
+    shape = {slot.identity, slot.positions_version, nullptr, {}, {}};
+    const Cage& cage = slot.cage;
+    std::vector<bool> is_used(cage.positions.size());
+    int levels = 0;
+    if (cage.scheme == Scheme::CatmullClark)
+        for (std::size_t n = cage.face_vertices.size(); levels < kMostLevels && n <= kMostFaces; n *= 4) ++levels;
+    if (levels > 0) {
+        shape.refiner = make_refiner(cage);
+        shape.refiner->RefineUniform(Far::TopologyRefiner::UniformOptions(levels));
+        const Far::TopologyLevel& finest = shape.refiner->GetLevel(shape.refiner->GetMaxLevel());
+        is_used.assign(std::size_t(finest.GetNumVertices()), false);
+        for (int f = 0; f < finest.GetNumFaces(); ++f)
+            for (int k = 0; k < finest.GetFaceVertices(f).size() && !finest.IsFaceHole(f); ++k)
+                is_used[std::size_t(finest.GetFaceVertices(f)[k])] = true;
+    } else {
+        for (const std::uint32_t v : cage.face_vertices) is_used[v] = true;
+    }
+    for (std::uint32_t v = 0; v < is_used.size(); ++v)
+        if (is_used[v]) shape.used.push_back(v);
+    if (!slot.is_deformed()) shape.still = points_of(shape, {cage.positions.begin(), cage.positions.end()});
+    return shape;
+}
+
+std::vector<Vec3d> Extent::State::points_of(const Shape& shape, const std::vector<Vec3d>& controls)
+{
+    std::vector<Point> points(controls.size());
+    for (std::size_t i = 0; i < controls.size(); ++i) points[i].p = controls[i];
+    if (shape.refiner) {
+        const Far::PrimvarRefiner primvars(*shape.refiner);
+        for (int level = 1; level <= shape.refiner->GetMaxLevel(); ++level) {
+            std::vector<Point> finer(std::size_t(shape.refiner->GetLevel(level).GetNumVertices()));
+            primvars.Interpolate(level, points, finer);
+            points.swap(finer);
+        }
+    }
+    std::vector<Vec3d> out;
+    out.reserve(shape.used.size());
+    for (const std::uint32_t v : shape.used) out.push_back(points[v].p);
+    return out;
+}
+
+Extent::Extent() : state_(std::make_unique<State>()) {}
+Extent::~Extent() = default;
+
+void Extent::visit_points(const Scene& scene, const std::function<void(Vec3d)>& visit)
+{
+    State& s = *state_;
+    s.points = 0;
+    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d& world_from_node) {
+        const SkinSlot* skin = scene.find(node.skin);
+        for (const CageId id : node.cages) {
+            const CageSlot* slot = scene.find(id);
+            if (!slot || !(node.seen_by & RayKind::Camera)) continue;
+            s.points += slot->cage.positions.size();
+            if (slot->is_on_demand() || slot->cage.is_displaced() || s.points > kMostPoints) {
+                visit_corners(cage_bounds(node, *slot, skin), world_from_node, visit);
+                continue;
+            }
+            const State::Shape& shape = s.shape_of(id, *slot);
+            if (!slot->is_deformed()) {
+                for (const Vec3d p : shape.still) visit(transform_point(world_from_node, p));
+                continue;
+            }
+            constexpr double kNode[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
+            Arena arena;
+            DeformCounters counters;
+            DeformedCage deformed(*slot, node, skin, kNode, arena, counters);
+            std::vector<Vec3d> controls(slot->cage.positions.size());
+            for (std::uint32_t v = 0; v < controls.size(); ++v) controls[v] = Vec3d(deformed.position(v));
+            for (const Vec3d p : State::points_of(shape, controls)) visit(transform_point(world_from_node, p));
+        }
+    });
+}
+
+}  // namespace occam::lod

@@ -1,0 +1,30 @@
+// The points that decide how much room a scene takes in a picture.
+//
+// Meshes give their vertices, and cages the control points of a refined cage, whose convex hull holds the limit surface and
+// fits it far more closely than the hull of the control cage.
+//
+// Space    world.   Memory  the refined cages, until this dies.   Threads  one.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "scenegraph/scene.h"
+
+namespace occam::lod {
+
+class Extent {
+public:
+    Extent();
+    ~Extent();
+
+    /// Calls `visit` with points whose convex hull holds all that rays of the camera can meet, as the scene is posed now.
+    /// Needs bounds that are up to date (Scene::refit()). Vertices that no face uses are left out.
+    void visit_points(const Scene& scene, const std::function<void(Vec3d)>& visit);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace occam::lod

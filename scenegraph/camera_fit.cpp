@@ -1,0 +1,99 @@
+#include "scenegraph/camera_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+#include "base/maths.h"
+
+namespace occam {
+namespace {
+
+double length_of(Vec3d v) noexcept { return std::sqrt(glm::dot(v, v)); }
+
+// The direction from the scene to the eye, by right, up and front.
+Vec3d direction_of(ViewFrom side) noexcept
+{
+    switch (side) {
+        case ViewFrom::ThreeQuarter:
+            return {0.4, 0.35, 1.0};
+        case ViewFrom::Front:
+            return {0, 0, 1};
+        case ViewFrom::Side:
+            return {1, 0, 0};
+        case ViewFrom::Back:
+            return {0, 0, -1};
+        case ViewFrom::Top:
+            return {0, 1, 0};
+        case ViewFrom::Bottom:
+            return {0, -1, 0};
+    }
+    return {0, 0, 1};
+}
+
+}  // namespace
+
+CameraFit::CameraFit(ViewFrom side, Vec3d up, float fov, float aspect) : fov_(fov)
+{
+    constexpr double kMargin = 1.06;
+    if (!(fov > 0 && fov < maths::kPi)) throw Error("", "a camera's vertical angle must be in (0, pi)", "fov");
+    const double length = length_of(up);
+    if (!(length > 0 && std::isfinite(length))) throw Error("", "a direction needs a length", "up");
+    up = up / length;
+    Vec3d front = std::abs(up.z) > 0.7 ? Vec3d(0, -1, 0) : Vec3d(0, 0, 1);
+    front -= up * glm::dot(front, up);
+    front = front / length_of(front);
+    const Vec3d right = glm::cross(up, front), d = direction_of(side);
+    back_ = right * d.x + up * d.y + front * d.z;
+    back_ = back_ / length_of(back_);
+    // A picture from the top or the bottom has the front at its lower or its upper border.
+    const Vec3d upwards = side == ViewFrom::Top ? -front : side == ViewFrom::Bottom ? front : up;
+    right_ = glm::cross(upwards, back_);
+    right_ = right_ / length_of(right_);
+    up_ = glm::cross(back_, right_);
+    slope_y_ = double(maths::tan(fov * 0.5f)) / kMargin;
+    slope_x_ = slope_y_ * double(aspect > 0 && std::isfinite(aspect) ? aspect : 1.0f);
+    clear();
+}
+
+void CameraFit::clear() noexcept
+{
+    box_ = Box3d();
+    right_most_ = left_most_ = highest_ = lowest_ = -std::numeric_limits<double>::infinity();
+}
+
+void CameraFit::add(Vec3d point) noexcept
+{
+    const Vec3d c(glm::dot(point, right_), glm::dot(point, up_), glm::dot(point, back_));
+    if (!std::isfinite(c.x + c.y + c.z)) return;
+    box_.add(c);
+    right_most_ = std::max(right_most_, slope_x_ * c.z + c.x);
+    left_most_ = std::max(left_most_, slope_x_ * c.z - c.x);
+    highest_ = std::max(highest_, slope_y_ * c.z + c.y);
+    lowest_ = std::max(lowest_, slope_y_ * c.z - c.y);
+}
+
+Camera CameraFit::camera() const
+{
+    if (is_empty()) {
+        CameraFit unit = *this;
+        for (int i = 0; i < 8; ++i) unit.add(Vec3d(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
+        return unit.camera();
+    }
+    // A point lies left of the right side where c.x <= eye.x + (eye.z - c.z) slope_x, so that eye.x + slope_x eye.z has to
+    // be right_most_ or more. The other three sides likewise: the sum of two opposite ones is free of eye.x.
+    double z = std::max((right_most_ + left_most_) / (2 * slope_x_), (highest_ + lowest_) / (2 * slope_y_));
+    // A needle that points at the eye fits at any distance. The eye keeps off it.
+    const Vec3d extent = box_.extent();
+    const double spread = std::max({extent.x, extent.y, extent.z});
+    z = std::max(z, box_.hi.z + (spread > 0 ? 0.02 * spread : std::max(1.0, 1e-6 * box_.largest_coordinate())));
+    Camera camera;
+    camera.lens.fov = fov_;
+    camera.world_from_camera = {
+        Vec4d(right_, 0), Vec4d(up_, 0), Vec4d(back_, 0),
+        Vec4d(right_ * ((right_most_ - left_most_) / 2) + up_ * ((highest_ - lowest_) / 2) + back_ * z, 1)};
+    return camera;
+}
+
+}  // namespace occam
