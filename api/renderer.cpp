@@ -88,7 +88,7 @@ struct Job::State {
         const auto prepare_start = Clock::now();
         renderer->topologies.prune(scene);
         renderer->textures.prepare(scene);
-        stats.seconds.texture = seconds_since(prepare_start);
+        stats.seconds.texture = seconds_since(prepare_start) - renderer->textures.decode_seconds();
 
         const auto deadline = settings.deadline_s > 0 ? start + std::chrono::duration_cast<Clock::duration>(
                                                                     std::chrono::duration<double>(settings.deadline_s))
@@ -109,6 +109,7 @@ struct Job::State {
         stats.seconds.total = seconds_since(start);
         stats.rays.per_second = double(stats.rays.total()) / stats.seconds.total;
         stats.memory.peak_bytes = render::process_peak_bytes();
+        stats.seconds.texture += renderer->textures.decode_seconds();
         stats.memory.texture_bytes = renderer->textures.bytes();
         stats.image.width = image.width;
         stats.image.height = image.height;

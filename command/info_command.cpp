@@ -16,6 +16,7 @@ std::vector<std::string> all_warnings(const Scene& scene)
 {
     TextureStore store(std::size_t(1) << 30);
     store.prepare(scene);
+    store.decode_all();
     std::vector<std::string> lines = scene.warnings;
     for (std::string& line : store.warnings()) lines.push_back(std::move(line));
     return lines;

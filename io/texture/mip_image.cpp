@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/half.h"
+#include "base/half_lanes.h"
 #include "base/simd.h"
 
 namespace occam {
@@ -77,10 +78,11 @@ Vec4f MipImage::Level::texel(int x, int y) const noexcept
     const std::uint16_t* h = &halves[offset(x, y)];
     return {float_from_half(h[0]), float_from_half(h[1]), float_from_half(h[2]), float_from_half(h[3])};
 }
-void MipImage::Level::write(int x, int y, Vec4f texel) noexcept
+void MipImage::Level::write_row(int y, std::span<const Vec4f> texels)
 {
-    std::uint16_t* h = &halves[offset(x, y)];
-    for (int c = 0; c < 4; ++c) h[c] = finite_half_from_float(texel[c]);
+    std::vector<std::uint16_t> row(texels.size() * 4);
+    finite_halves_from_floats(&texels[0].x, row.size(), row.data());
+    for (int x = 0; x < width; ++x) std::copy_n(&row[static_cast<std::size_t>(x) * 4], 4, &halves[offset(x, y)]);
 }
 
 MipImage::MipImage(int width, int height) { levels_.emplace_back(width, height); }
@@ -103,7 +105,7 @@ std::size_t MipImage::bytes_of(int width, int height) noexcept
 
 void MipImage::write_row(int y, std::span<const Vec4f> texels)
 {
-    for (int x = 0; x < width(); ++x) levels_[0].write(x, y, texels[static_cast<std::size_t>(x)]);
+    levels_[0].write_row(y, texels.first(static_cast<std::size_t>(width())));
 }
 
 void MipImage::build_levels()
@@ -115,17 +117,20 @@ MipImage::Level MipImage::halved(const Level& from)
 {
     Level to(std::max(1, from.width / 2), std::max(1, from.height / 2));
     std::vector<Taps> columns;
+    std::vector<Vec4f> row(static_cast<std::size_t>(to.width));
     for (int x = 0; x < to.width; ++x) columns.push_back(taps_of(x, from.width, to.width));
     for (int y = 0; y < to.height; ++y) {
         const Taps rows = taps_of(y, from.height, to.height);
         for (int x = 0; x < to.width; ++x) {
             const Taps& column = columns[static_cast<std::size_t>(x)];
-            Vec4f sum(0);
+            vfloat4 sum(0.0f);
             for (int j = 0; j < rows.count; ++j)
                 for (int i = 0; i < column.count; ++i)
-                    sum += from.texel(column.first + i, rows.first + j) * (rows.weight[j] * column.weight[i]);
-            to.write(x, y, sum);
+                    sum = sum + vfloat4::from_halves(from.at(column.first + i, rows.first + j)) *
+                                    (rows.weight[j] * column.weight[i]);
+            sum.store(&row[static_cast<std::size_t>(x)].x);
         }
+        to.write_row(y, row);
     }
     return to;
 }

@@ -36,7 +36,7 @@ private:
         Level(int width_texels, int height_texels);
         const std::uint16_t* at(int x, int y) const noexcept { return &halves[offset(x, y)]; }
         Vec4f texel(int x, int y) const noexcept;
-        void write(int x, int y, Vec4f texel) noexcept;
+        void write_row(int y, std::span<const Vec4f> texels);
         std::size_t offset(int x, int y) const noexcept;
 
         int width, height, tiles_x;

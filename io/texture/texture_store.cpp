@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <map>
-#include <optional>
+#include <mutex>
 #include <thread>
 
 #include "base/error.h"
@@ -32,67 +33,124 @@ MipImage stand_in()
     return image;
 }
 
-struct Entry {
-    std::shared_ptr<const MipImage> image;
-    std::string warning;  // why it is the stand-in, or that it was made smaller
-};
-
-// One texture on its way in.
-struct Pending {
-    std::uint64_t identity = 0;
-    std::string name;
-    std::optional<TextureSource> source;
-    int halvings = 0;
-    Entry entry;
-
-    std::size_t bytes() const
+// One texture that the store knows: decoded when it is first asked for.
+class Entry {
+public:
+    /// Opens the image to learn its size. Throws nothing: what cannot be opened has a warning and no size.
+    explicit Entry(const Texture& texture) : description_(texture)
     {
-        return source
-                   ? MipImage::bytes_of(std::max(1, source->width() >> halvings), std::max(1, source->height() >> halvings))
-                   : 0;
+        try {
+            const TextureSource source(texture);
+            width_ = source.width();
+            height_ = source.height();
+        } catch (const std::exception& error) {
+            warnings_.push_back(error.what());
+        }
     }
+
+    /// Bytes of the decoded image with all its levels; 0 if it cannot be opened.
+    std::size_t planned_bytes() const { return width_ > 0 ? MipImage::bytes_of(width(), height()) : 0; }
+    int width() const { return std::max(1, width_ >> halvings_); }
+    int height() const { return std::max(1, height_ >> halvings_); }
+    /// Only before the first image().
+    void halve() { ++halvings_; }
+    void warn_of_halvings()
+    {
+        if (halvings_ > 0)
+            warnings_.push_back(description_.name + ": halved " + std::to_string(halvings_) +
+                                " times to fit the texture memory");
+    }
+
+    /// The image; decodes it if this is the first call. Callers from other threads wait for it.
+    const MipImage& image(const MipImage& unreadable)
+    {
+        if (const MipImage* known = ready_.load(std::memory_order_acquire)) return *known;
+        const std::lock_guard lock(decoding_);
+        if (!ready_.load(std::memory_order_relaxed)) {
+            decode();
+            ready_.store(decoded_ ? decoded_.get() : &unreadable, std::memory_order_release);
+        }
+        return *ready_.load(std::memory_order_relaxed);
+    }
+    std::size_t decoded_bytes() const
+    {
+        const std::lock_guard lock(decoding_);
+        return decoded_ ? decoded_->bytes() : 0;
+    }
+    double decode_seconds() const
+    {
+        const std::lock_guard lock(decoding_);
+        return decode_seconds_;
+    }
+    std::vector<std::string> warnings() const
+    {
+        const std::lock_guard lock(decoding_);
+        return warnings_;
+    }
+
+private:
     void decode()
     {
-        if (!source) return;
+        if (width_ == 0) return;
+        const auto start = std::chrono::steady_clock::now();
         try {
-            entry.image = std::make_shared<const MipImage>(source->decode(halvings));
-            if (halvings > 0)
-                entry.warning = name + ": halved " + std::to_string(halvings) + " times to fit the texture memory";
+            const TextureSource source(description_);
+            if (source.width() != width_ || source.height() != height_)
+                throw Error(description_.name, "the image has changed while the scene was rendered");
+            decoded_ = std::make_unique<const MipImage>(source.decode(halvings_));
+            description_.pixels = {};
         } catch (const std::exception& error) {
-            entry.warning = error.what();
+            warnings_.push_back(error.what());
         }
-        source.reset();
+        decode_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
+
+    std::atomic<const MipImage*> ready_{nullptr};
+    Texture description_;
+    int width_ = 0, height_ = 0, halvings_ = 0;
+    mutable std::mutex decoding_;  // guards what follows
+    std::unique_ptr<const MipImage> decoded_;
+    std::vector<std::string> warnings_;
+    double decode_seconds_ = 0;
 };
 
-// The largest ones are halved until all fit. Sizes alone decide, so the outcome is the same for any number of threads.
-void fit(std::vector<Pending>& pending, std::size_t bytes)
+// The largest ones are halved until all fit together. Sizes alone decide, so the outcome does not depend on which textures
+// are looked up, nor on the number of threads.
+void fit(std::vector<Entry*>& fresh, std::size_t bytes)
 {
     std::size_t sum = 0;
-    for (const Pending& p : pending) sum += p.bytes();
+    for (const Entry* entry : fresh) sum += entry->planned_bytes();
     while (sum > bytes) {
-        const auto largest = std::max_element(pending.begin(), pending.end(),
-                                              [](const Pending& a, const Pending& b) { return a.bytes() < b.bytes(); });
-        const std::size_t before = largest->bytes();
-        ++largest->halvings;
-        if (largest->bytes() == before) return;  // a single tile each: nothing is left to give
-        sum -= before - largest->bytes();
+        Entry& largest = **std::max_element(fresh.begin(), fresh.end(), [](const Entry* a, const Entry* b) {
+            return a->planned_bytes() < b->planned_bytes();
+        });
+        const std::size_t before = largest.planned_bytes();
+        largest.halve();
+        if (largest.planned_bytes() == before) return;  // a single tile each: nothing is left to give
+        sum -= before - largest.planned_bytes();
     }
 }
 
 }  // namespace
 
 struct TextureStore::State {
-    explicit State(std::size_t cap) : cap_bytes(cap), unreadable(std::make_shared<const MipImage>(stand_in())) {}
+    explicit State(std::size_t cap) : cap_bytes(cap), unreadable(stand_in()) {}
 
     struct Slot {
         std::uint32_t generation = 0;
-        const MipImage* image = nullptr;
+        Entry* entry = nullptr;
     };
+    Entry* find(TextureId id) const noexcept
+    {
+        if (id.slot >= slots.size()) return nullptr;
+        const Slot& slot = slots[id.slot];
+        return slot.generation == id.generation ? slot.entry : nullptr;
+    }
+
     std::size_t cap_bytes;
-    std::shared_ptr<const MipImage> unreadable;
-    std::map<std::uint64_t, Entry> entries;  // by identity
-    std::vector<Slot> slots;                 // by TextureId
+    MipImage unreadable;
+    std::map<std::uint64_t, std::unique_ptr<Entry>> entries;  // by identity
+    std::vector<Slot> slots;                                  // by TextureId
 };
 
 TextureStore::TextureStore(std::size_t cap_bytes) : state_(std::make_unique<State>(cap_bytes)) {}
@@ -100,67 +158,59 @@ TextureStore::~TextureStore() = default;
 
 void TextureStore::prepare(const Scene& scene)
 {
-    std::map<std::uint64_t, Entry> entries;
-    std::vector<Pending> pending;
+    std::map<std::uint64_t, std::unique_ptr<Entry>> entries;
+    std::vector<Entry*> fresh;
     std::size_t kept_bytes = 0;
     const std::vector<TextureId> ids = scene.texture_ids();
     for (TextureId id : ids) {
         const Texture& texture = scene.texture(id);
+        std::unique_ptr<Entry>& entry = entries[texture.identity];
         if (const auto known = state_->entries.find(texture.identity); known != state_->entries.end()) {
-            kept_bytes += known->second.image->bytes();
-            entries.insert(*known);
-            continue;
-        }
-        Pending& p = pending.emplace_back();
-        p.identity = texture.identity;
-        p.name = texture.name;
-        try {
-            p.source.emplace(texture);
-        } catch (const std::exception& error) {
-            p.entry.warning = error.what();
+            entry = std::move(known->second);
+            kept_bytes += entry->planned_bytes();
+        } else {
+            entry = std::make_unique<Entry>(texture);
+            fresh.push_back(entry.get());
         }
     }
-    fit(pending, state_->cap_bytes - std::min(state_->cap_bytes, kept_bytes));
+    fit(fresh, state_->cap_bytes - std::min(state_->cap_bytes, kept_bytes));
+    for (Entry* entry : fresh) entry->warn_of_halvings();
 
-    std::atomic<std::size_t> next{0};
-    const auto work = [&] {
-        for (std::size_t i; (i = next.fetch_add(1)) < pending.size();) pending[i].decode();
-    };
-    {
-        std::vector<std::jthread> workers;
-        const std::size_t threads = std::min<std::size_t>(pending.size(), std::thread::hardware_concurrency());
-        for (std::size_t t = 1; t < threads; ++t) workers.emplace_back(work);
-        work();
-    }
-    for (Pending& p : pending) {
-        if (!p.entry.image) p.entry.image = state_->unreadable;
-        entries.emplace(p.identity, std::move(p.entry));
-    }
     state_->entries = std::move(entries);
     state_->slots.clear();
     for (TextureId id : ids) {
         if (id.slot >= state_->slots.size()) state_->slots.resize(id.slot + 1);
-        state_->slots[id.slot] = {id.generation, state_->entries.at(scene.texture(id).identity).image.get()};
+        state_->slots[id.slot] = {id.generation, state_->entries.at(scene.texture(id).identity).get()};
     }
 }
 
-const MipImage* TextureStore::image(TextureId id) const noexcept
+void TextureStore::decode_all()
 {
-    if (id.slot >= state_->slots.size()) return nullptr;
-    const State::Slot& slot = state_->slots[id.slot];
-    return slot.generation == id.generation ? slot.image : nullptr;
+    std::vector<Entry*> all;
+    for (const auto& [identity, entry] : state_->entries) all.push_back(entry.get());
+    std::atomic<std::size_t> next{0};
+    const auto work = [&] {
+        for (std::size_t i; (i = next.fetch_add(1)) < all.size();) all[i]->image(state_->unreadable);
+    };
+    std::vector<std::jthread> workers;
+    const std::size_t threads = std::min<std::size_t>(all.size(), std::thread::hardware_concurrency());
+    for (std::size_t t = 1; t < threads; ++t) workers.emplace_back(work);
+    work();
 }
 
 float TextureStore::texel_width(const TextureUse& use) const noexcept
 {
-    const MipImage* found = image(use.texture);
+    const Entry* found = state_->find(use.texture);
+    if (!found) return 0;
+    const bool is_readable = found->planned_bytes() > 0;
+    const int side = is_readable ? std::max(found->width(), found->height()) : state_->unreadable.width();
     const float repeats = std::max(std::abs(use.scale.x), std::abs(use.scale.y));
-    return found && repeats > 0 ? 1 / (repeats * static_cast<float>(std::max(found->width(), found->height()))) : 0;
+    return repeats > 0 ? 1 / (repeats * static_cast<float>(side)) : 0;
 }
 
 Vec4f TextureStore::sample(const TextureUse& use, Vec2f uv, float width) const noexcept
 {
-    const MipImage* found = image(use.texture);
+    Entry* found = state_->find(use.texture);
     if (!found) return Vec4f(1);
 
     // KHR_texture_transform: scale, then rotate, then move.
@@ -173,7 +223,7 @@ Vec4f TextureStore::sample(const TextureUse& use, Vec2f uv, float width) const n
     if (!std::isfinite(st.x)) st.x = 0;
     if (!std::isfinite(st.y)) st.y = 0;
 
-    const MipImage& image = *found;
+    const MipImage& image = found->image(state_->unreadable);
     const auto at = [&](int level, bool nearest) { return image.lookup(level, st, use.wrap_s, use.wrap_t, nearest); };
     const float texels = width * std::max(std::abs(use.scale.x), std::abs(use.scale.y)) *
                          static_cast<float>(std::max(image.width(), image.height()));
@@ -190,8 +240,14 @@ Vec4f TextureStore::sample(const TextureUse& use, Vec2f uv, float width) const n
 std::size_t TextureStore::bytes() const noexcept
 {
     std::size_t sum = 0;
-    for (const auto& [identity, entry] : state_->entries)
-        if (entry.image != state_->unreadable) sum += entry.image->bytes();
+    for (const auto& [identity, entry] : state_->entries) sum += entry->decoded_bytes();
+    return sum;
+}
+
+double TextureStore::decode_seconds() const noexcept
+{
+    double sum = 0;
+    for (const auto& [identity, entry] : state_->entries) sum += entry->decode_seconds();
     return sum;
 }
 
@@ -199,7 +255,7 @@ std::vector<std::string> TextureStore::warnings() const
 {
     std::vector<std::string> lines;
     for (const auto& [identity, entry] : state_->entries)
-        if (!entry.warning.empty()) lines.push_back(entry.warning);
+        for (std::string& line : entry->warnings()) lines.push_back(std::move(line));
     return lines;
 }
 

@@ -1,8 +1,14 @@
-// Textures ready for lookup: each is decoded once, made linear, and kept as half-float MIP levels.
+// The textures of a scene, ready for lookup: each is decoded when a lookup first asks for it, made linear, and kept as
+// half-float MIP levels.
 //
-// Memory   at most the cap given at construction; a texture that would pass it is halved until it fits. Owned by a renderer.
-// Threads  prepare() by one thread (it decodes on several); sample() from any after that, without locks.
-// Errors   a texture that cannot be read is magenta and black squares, and a warning that counts; nothing throws.
+// Memory   at most the cap given at construction. The sizes of all textures of the scene are known before the first lookup;
+// the largest are
+//          halved until all would fit together. So a picture does not depend on which textures are decoded. Owned by a
+//          renderer.
+// Threads  prepare() by one thread while nobody looks up. sample() from any number of threads after that; the first lookup
+// in a texture
+//          decodes it under a lock of that texture alone, so several are decoded at a time.
+// Errors   a texture that cannot be read is replaced by a stand-in and has a warning; nothing throws.
 #pragma once
 
 #include <memory>
@@ -14,7 +20,6 @@
 
 namespace occam {
 
-class MipImage;
 class Scene;
 
 class TextureStore {
@@ -22,8 +27,10 @@ public:
     explicit TextureStore(std::size_t cap_bytes);
     ~TextureStore();
 
-    /// Makes every texture of the scene known, decoding what is new (before the first tile), and forgets all others.
+    /// Makes every texture of the scene known, and forgets all others. Reads no more than the headers of those that are new.
     void prepare(const Scene& scene);
+    /// Decodes all known textures now, on several threads: warnings() is then complete.
+    void decode_all();
 
     /// Filtered texel of `use` at texture coordinates `uv` (before the use's own transform), linear RGBA.
     /// White for no texture, or one that was not there at prepare(). Coordinates that are not finite count as 0.
@@ -33,12 +40,16 @@ public:
     /// Of a texel of the finest level, in units of uv; 0 where sample() gives white.
     float texel_width(const TextureUse& use) const noexcept;
 
+    /// Bytes of what is decoded.
     std::size_t bytes() const noexcept;
+    /// Seconds that threads have spent decoding what is known, summed.
+    double decode_seconds() const noexcept;
+    /// What could not be read, as far as it has been looked up, and what was halved; in the order of the textures'
+    /// identities.
     std::vector<std::string> warnings() const;
 
 private:
     struct State;
-    const MipImage* image(TextureId id) const noexcept;
     std::unique_ptr<State> state_;
 };
 

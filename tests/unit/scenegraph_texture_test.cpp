@@ -1,12 +1,15 @@
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <bit>
 #include <cmath>
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <thread>
 
-#include "base/half.h"
+#include "base/half_lanes.h"
 #include "io/texture/texture_store.h"
 #include "scenegraph/scene.h"
 #include "tests/support/temp_folder.h"
@@ -167,6 +170,7 @@ TEST(TextureStore, APngThatIsCutOffAnywhereIsToldOfBeforeItIsDecoded)
             scene.add(*texture);
             TextureStore store(1 << 20);
             store.prepare(scene);
+            store.decode_all();
             const std::vector<std::string> warnings = store.warnings();
             ASSERT_EQ(warnings.empty(), size == bytes.size()) << size;
             for (const std::string& line : warnings) EXPECT_NE(line.find("cut off"), std::string::npos) << line;
@@ -187,6 +191,7 @@ TEST(TextureStore, WhatIsNotThereIsWhiteAndWhatCannotBeReadIsMagenta)
     a.texture = scene.add(std::move(missing));
     b.texture = scene.add(std::move(broken));
     store.prepare(scene);
+    store.decode_all();
     EXPECT_EQ(store.warnings().size(), 2u);
     EXPECT_EQ(store.sample(a, {0.05f, 0.05f}, 0), Vec4f(1, 0, 1, 1));
     EXPECT_EQ(store.sample(b, {0.05f, 0.05f}, 0), Vec4f(1, 0, 1, 1));
@@ -259,18 +264,56 @@ TEST(TextureStore, StaysWithinItsCapByHalvingTheLargest)
     small.texture = scene.add(ramp(16, 16));
     TextureStore store(300'000);  // the large one takes about 700 KB with its levels
     store.prepare(scene);
+    store.decode_all();
     EXPECT_LE(store.bytes(), 300'000u);
     EXPECT_EQ(store.warnings().size(), 1u);
     EXPECT_NEAR(store.sample(large, {0.5f, 0.5f}, 0).x, 127.5f, 0.5f);
     EXPECT_EQ(store.sample(small, {0.5f / 16, 0.5f / 16}, 0), Vec4f(0, 0, 0, 1)) << "the small one is whole";
 }
 
+TEST(Half, ManyAtOnceHaveTheSameBitsAsEachAlone)
+{
+    std::vector<float> floats;
+    for (std::uint32_t bits = 0; bits < 0xffff0000u; bits += 0x1237u) floats.push_back(std::bit_cast<float>(bits));
+    std::vector<std::uint16_t> halves(floats.size());
+    finite_halves_from_floats(floats.data(), floats.size(), halves.data());
+    for (std::size_t i = 0; i < floats.size(); ++i) ASSERT_EQ(halves[i], finite_half_from_float(floats[i])) << floats[i];
+}
+
+TEST(TextureStore, DecodesOnlyWhatIsLookedUp)
+{
+    Scene scene;
+    TextureUse first, second;
+    first.texture = scene.add(ramp(64, 64));
+    second.texture = scene.add(ramp(128, 128));
+    TextureStore store(1 << 24);
+    store.prepare(scene);
+    EXPECT_EQ(store.bytes(), 0u);
+    store.sample(first, {0.5f, 0.5f}, 0);
+    const std::size_t one = store.bytes();
+    EXPECT_GT(one, 0u);
+    store.decode_all();
+    EXPECT_GT(store.bytes(), 4 * one);
+}
+
+TEST(TextureStore, ManyThreadsMayAskFirst)
+{
+    Prepared p(ramp(256, 256));
+    std::vector<std::jthread> threads;
+    std::atomic<int> wrong{0};
+    for (int t = 0; t < 4; ++t) threads.emplace_back([&] { wrong += p.at(0.5f / 256, 0.5f / 256) != Vec4f(0, 0, 0, 1); });
+    threads.clear();
+    EXPECT_EQ(wrong, 0);
+}
+
 TEST(TextureStore, ASecondPrepareKeepsWhatItHas)
 {
     Prepared p(ramp(4, 4));
+    p.at(0.5f, 0.5f);
     const std::size_t bytes = p.store.bytes();
     p.store.prepare(p.scene);
     EXPECT_EQ(p.store.bytes(), bytes);
+    EXPECT_GT(bytes, 0u);
     Scene other;
     p.store.prepare(other);
     EXPECT_EQ(p.store.bytes(), 0u) << "and forgets what the scene no longer has";
