@@ -5,6 +5,7 @@
 #include "arguments.h"
 #include "framing.h"
 #include "interrupt.h"
+#include "io/output_file.h"
 #include "progress.h"
 
 namespace occam::command {
@@ -33,7 +34,9 @@ private:
 int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
 {
     const std::vector<int> frames = a.shard.of(a.frames);
-    Image::check_writable(a.pattern.file(0));
+    std::vector<fs::path> files;
+    for (const int frame : frames) files.push_back(a.pattern.file(frame));
+    check_outputs(a, files);
     std::vector<int> missing;
     for (const int frame : frames)
         if (std::error_code ignored; a.overwrite || !fs::is_regular_file(a.pattern.file(frame), ignored))
@@ -41,7 +44,7 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
     SequenceStats all;
     if (missing.empty()) {
         display.say("nothing to do: every frame is there");
-        if (!a.stats.empty()) write_text(a.stats, all.text());
+        if (!a.stats.empty()) write_whole(a.stats, all.text());
         return 0;
     }
 
@@ -55,7 +58,6 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
 
     std::size_t done = frames.size() - missing.size();
     for (const int frame : missing) {
-        if (is_interrupted()) return 130;
         // Another process may have made it since.
         const fs::path file = a.pattern.file(frame);
         if (std::error_code ignored; !a.overwrite && fs::is_regular_file(file, ignored)) {
@@ -68,9 +70,14 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
         framing.pose(frame);
         const Camera camera = framing.camera();
         const double edit_seconds = seconds_since(edit_start);
+        const HeldInterrupts held;
         Job job = renderer.start(scene, camera, framing.settings(camera));
         // Half a frame is none: an interrupted one is not written.
-        if (wait_for(job, display, done, frames.size())) return 130;
+        if (wait_for(job, display, false, done, frames.size()) != Ending::Whole) {
+            display.end();
+            if (!a.stats.empty()) write_whole(a.stats, all.text());
+            end_interrupted();
+        }
         FrameStats stats = job.stats();
         const auto write_start = Clock::now();
         job.image().write(file, a.write);
@@ -83,10 +90,11 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
         ++done;
         display.finish_part(done, frames.size(), file.string());
         if (a.verbose) display.end(), report(stats, a.quiet, a.verbose);
+        if (is_interrupted()) break;
     }
     display.end();
-    if (!a.stats.empty()) write_text(a.stats, all.text());
-    return 0;
+    if (!a.stats.empty()) write_whole(a.stats, all.text());
+    return is_interrupted() ? kInterruptedExit : 0;
 }
 
 }  // namespace

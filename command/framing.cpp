@@ -7,14 +7,15 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 
 #include "interrupt.h"
+#include "io/output_file.h"
 
 namespace occam::command {
 namespace {
 
 using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
 
 constexpr float kRadians = 3.14159265f / 180;
 constexpr int kClipSteps = 48;  // poses at which a clip is measured; the margin of CameraFit covers what lies between them
@@ -161,11 +162,21 @@ Settings Framing::settings(const Camera& camera) const
     return settings;
 }
 
-bool wait_for(Job& job, ProgressDisplay& display, std::size_t done, std::size_t all)
+Ending wait_for(Job& job, ProgressDisplay& display, bool keeps_part, std::size_t done, std::size_t all)
 {
-    bool cancelled = false;
-    while (!job.wait_for(100ms)) {
+    constexpr auto kPatience = 800ms;
+    std::optional<Clock::time_point> cancelled;
+    while (!job.wait_for(50ms)) {
         Progress progress = job.progress();
+        if (is_interrupted()) {
+            if (!cancelled) {
+                job.cancel();
+                cancelled = Clock::now();
+            }
+            // A part of the picture that is done is worth waiting for; without one the process waits no longer than a person
+            // does.
+            if (!keeps_part || (progress.fraction <= 0 && Clock::now() - *cancelled > kPatience)) return Ending::Abandoned;
+        }
         // A sequence's end is as far away as its frames so far took.
         if (progress.seconds_left >= 0 && progress.fraction > 0) {
             const double frame_seconds = progress.seconds_left / std::max(1 - progress.fraction, 1e-6);
@@ -173,25 +184,17 @@ bool wait_for(Job& job, ProgressDisplay& display, std::size_t done, std::size_t 
         }
         progress.fraction = (double(done) + progress.fraction) / double(all);
         display.show(progress);
-        if (is_interrupted() && !cancelled) {
-            job.cancel();
-            cancelled = true;
-        }
     }
-    return is_interrupted();
+    return is_interrupted() ? Ending::Part : Ending::Whole;
 }
 
-void write_text(const std::string& file, const std::string& text)
+void check_outputs(const RenderArguments& a, std::span<const std::filesystem::path> pictures)
 {
-    if (file == "-") {
-        if (std::fputs(text.c_str(), stdout) < 0 || std::fflush(stdout) != 0)
-            throw Error("", "standard output cannot be written", {}, Error::Kind::Output);
-        return;
-    }
-    std::ofstream out(file, std::ios::binary);
-    out << text;
-    out.close();
-    if (!out) throw Error(file, "cannot be written", {}, Error::Kind::Output);
+    std::vector<std::filesystem::path> outputs(pictures.begin(), pictures.end());
+    if (!a.stats.empty()) outputs.push_back(a.stats);
+    remove_unfinished(outputs);
+    if (!pictures.empty()) Image::check_writable(pictures.front());
+    if (!a.stats.empty()) check_whole(a.stats);
 }
 
 void report(const FrameStats& stats, bool quiet, bool verbose)

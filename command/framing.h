@@ -2,6 +2,8 @@
 // cost.
 #pragma once
 
+#include <span>
+
 #include "arguments.h"
 #include "lod/extent.h"
 #include "progress.h"
@@ -40,11 +42,20 @@ private:
     bool is_clip_fitted_ = false;
 };
 
-/// The frame, watched; true if it was interrupted. The progress shown is that of part `done` of `all` equal ones.
-bool wait_for(Job& job, ProgressDisplay& display, std::size_t done = 0, std::size_t all = 1);
+/// How waiting for a frame ended.
+enum class Ending : unsigned char {
+    Whole,     ///< nobody interrupted it
+    Part,      ///< it was interrupted, and the job has ended with what is done
+    Abandoned  ///< it was interrupted with nothing to keep; the job may still run, so the process has to end without it
+};
 
-/// To a file, or to standard output for "-". Throws Error.
-void write_text(const std::string& file, const std::string& text);
+/// Waits for the frame and shows how far it is: part `done` of `all` equal ones. The caller holds interrupts.
+/// keeps_part   a picture that is done in parts is worth waiting for
+Ending wait_for(Job& job, ProgressDisplay& display, bool keeps_part, std::size_t done = 0, std::size_t all = 1);
+
+/// Checks, before minutes of work, that pictures and statistics can be written, and removes what killed runs left of these
+/// pictures. The pictures are in one folder and of one format. Throws Error.
+void check_outputs(const RenderArguments& arguments, std::span<const std::filesystem::path> pictures);
 
 /// Warnings and the figures of a frame, as --verbose asks.
 void report(const FrameStats& stats, bool quiet, bool verbose);

@@ -1,15 +1,20 @@
 #include "interrupt.h"
 
+#include <unistd.h>
+
 #include <atomic>
 #include <csignal>
 
 namespace occam::command {
 namespace {
 
-std::atomic<bool> interrupted = false;
-static_assert(std::atomic<bool>::is_always_lock_free);  // so that a signal handler may write it
+std::atomic<bool> interrupted = false, held = false;
+static_assert(std::atomic<bool>::is_always_lock_free);  // a signal handler may use no other atomics
 
-extern "C" void note_interrupt(int) { interrupted.store(true, std::memory_order_relaxed); }
+extern "C" void note_interrupt(int)
+{
+    if (interrupted.exchange(true) || !held.load()) _exit(kInterruptedExit);
+}
 
 }  // namespace
 
@@ -18,10 +23,16 @@ void catch_interrupts() noexcept
     struct sigaction action = {};
     action.sa_handler = note_interrupt;
     sigemptyset(&action.sa_mask);
-    action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
+    action.sa_flags = SA_RESTART;
     for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
 }
 
-bool is_interrupted() noexcept { return interrupted.load(std::memory_order_relaxed); }
+bool is_interrupted() noexcept { return interrupted.load(); }
+
+void end_interrupted() noexcept { _exit(kInterruptedExit); }
+
+HeldInterrupts::HeldInterrupts() noexcept { held.store(true); }
+
+HeldInterrupts::~HeldInterrupts() { held.store(false); }
 
 }  // namespace occam::command

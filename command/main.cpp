@@ -1,5 +1,10 @@
 // The executable `occam`: exit codes and the one line that an error is.
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <csignal>
 #include <cstdio>
+#include <iostream>
 #include <new>
 
 #include "arguments.h"
@@ -10,6 +15,26 @@ namespace {
 constexpr int kBadInput = 2, kOutput = 3;
 
 int run(const Finished& finished) { return finished.exit_code; }
+
+// Standard streams that were closed lead to a file that cannot be written: else the next file that is opened would take
+// their place, and would be given what is printed.
+void fill_standard_streams()
+{
+    for (int descriptor = open("/dev/null", O_RDONLY); descriptor >= 0; descriptor = dup(descriptor))
+        if (descriptor > STDERR_FILENO) {
+            close(descriptor);
+            return;
+        }
+}
+
+int run_command(int argc, char** argv)
+{
+    const int code = std::visit([](const auto& arguments) { return run(arguments); }, parse(argc, argv));
+    std::cout.flush();
+    if (!std::cout || std::fflush(stdout) != 0 || std::ferror(stdout))
+        throw Error("", "standard output cannot be written", {}, Error::Kind::Output);
+    return code;
+}
 
 }  // namespace
 
@@ -24,8 +49,10 @@ Scene open_scene(const SceneArguments& arguments)
 int main(int argc, char** argv)
 {
     using namespace occam::command;
+    fill_standard_streams();
+    std::signal(SIGXFSZ, SIG_IGN);  // a write beyond `ulimit -f` then fails as on a full disk
     try {
-        return std::visit([](const auto& arguments) { return run(arguments); }, parse(argc, argv));
+        return run_command(argc, argv);
     } catch (const occam::Error& error) {
         std::fprintf(stderr, "occam: %s\n", error.what());
         return error.kind() == occam::Error::Kind::Output ? kOutput : kBadInput;

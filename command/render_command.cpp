@@ -1,6 +1,7 @@
 #include "arguments.h"
 #include "framing.h"
 #include "interrupt.h"
+#include "io/output_file.h"
 #include "progress.h"
 
 namespace occam::command {
@@ -15,7 +16,7 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 int run(const RenderArguments& a)
 {
     catch_interrupts();
-    Image::check_writable(a.output);  // before minutes of work
+    check_outputs(a, {&a.output, 1});
     ProgressDisplay display(a.progress, a.quiet);
 
     display.say("reading " + (a.scene.empty() ? "the built-in scene" : a.scene.string()));
@@ -29,11 +30,15 @@ int run(const RenderArguments& a)
     framing.pose();
     const Camera camera = framing.camera();
     const double edit_seconds = seconds_since(edit_start);
-    if (is_interrupted()) return 130;
 
+    const HeldInterrupts held;
     Renderer renderer(a.resources);
     Job job = renderer.start(scene, camera, framing.settings(camera));
-    const bool interrupted = wait_for(job, display);
+    const Ending ending = wait_for(job, display, true);
+    if (ending == Ending::Abandoned) {
+        display.end();
+        end_interrupted();
+    }
     FrameStats stats = job.stats();
     stats.seconds.load = load_seconds;
     stats.seconds.edit = edit_seconds;
@@ -46,9 +51,9 @@ int run(const RenderArguments& a)
     stats.seconds.total += stats.seconds.write;
     display.end();
 
-    if (!a.stats.empty()) write_text(a.stats, render::to_json(stats));
+    if (!a.stats.empty()) write_whole(a.stats, render::to_json(stats));
     report(stats, a.quiet, a.verbose);
-    return interrupted ? 130 : 0;
+    return ending == Ending::Part ? kInterruptedExit : 0;
 }
 
 }  // namespace occam::command

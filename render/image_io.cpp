@@ -1,6 +1,6 @@
 // Image files, through OpenImageIO.
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "io/output_file.h"
 #include "render/display.h"
 #include "render/image.h"
 
@@ -41,42 +42,38 @@ bool is_known_format(const std::string& extension)
     throw Error(file.string(), why, {}, Error::Kind::Output);
 }
 
-fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
-
-// Unfinished files keep their extension, by which OpenImageIO chooses the format, and are hidden.
-fs::path temporary_beside(const fs::path& file)
-{
-    std::string name(".");
-    name += file.stem().string();
-    name += ".part" + std::to_string(getpid());
-    name += file.extension().string();
-    return folder_of(file) / name;
-}
-
-// Removes the unfinished file unless it was renamed.
-class Temporary {
+// Where encoders put their bytes. Some of their libraries end the process when a write fails, and some do not look: so they
+// are told that every write went well, and OutputFile::finish() says what did not.
+class EncoderStream final : public OIIO::Filesystem::IOProxy {
 public:
-    explicit Temporary(const fs::path& file) : final_(file), path_(temporary_beside(file)) {}
-    ~Temporary()
-    {
-        std::error_code ignored;
-        if (!renamed_) fs::remove(path_, ignored);
-    }
-    Temporary(const Temporary&) = delete;
-    Temporary& operator=(const Temporary&) = delete;
+    explicit EncoderStream(OutputFile& file) : IOProxy(file.temporary().string(), Write), file_(file) {}
 
-    const fs::path& path() const { return path_; }
-    void rename()
+    const char* proxytype() const override { return "occam"; }
+    std::size_t write(const void* bytes, std::size_t size) override
     {
-        std::error_code error;
-        fs::rename(path_, final_, error);
-        if (error) refuse(final_, "cannot be written: " + error.message());
-        renamed_ = true;
+        file_.write_at(bytes, size, static_cast<std::uint64_t>(m_pos));
+        m_pos += static_cast<std::int64_t>(size);
+        return size;
     }
+    std::size_t pwrite(const void* bytes, std::size_t size, std::int64_t offset) override
+    {
+        file_.write_at(bytes, size, static_cast<std::uint64_t>(offset));
+        return size;
+    }
+    std::size_t read(void* bytes, std::size_t size) override
+    {
+        const std::size_t got = pread(bytes, size, m_pos);
+        m_pos += static_cast<std::int64_t>(got);
+        return got;
+    }
+    std::size_t pread(void* bytes, std::size_t size, std::int64_t offset) override
+    {
+        return file_.read_at(bytes, size, static_cast<std::uint64_t>(offset));
+    }
+    std::size_t size() const override { return file_.size(); }
 
 private:
-    fs::path final_, path_;
-    bool renamed_ = false;
+    OutputFile& file_;
 };
 
 OIIO::ImageSpec base_spec(const Image& image, int channels, OIIO::TypeDesc format)
@@ -100,18 +97,31 @@ void add_attributes(OIIO::ImageSpec& spec, const Image& image)
     }
 }
 
+// Encoders that write the wrong head, or none, are not trusted with the final name.
+void check_header(const OutputFile& out, const fs::path& file, const OIIO::ImageSpec& spec)
+{
+    const auto in = OIIO::ImageInput::open(out.temporary().string());
+    if (!in) refuse(file, "cannot be written: its head cannot be read back: " + OIIO::geterror());
+    if (in->spec().width != spec.width || in->spec().height != spec.height || in->spec().nchannels != spec.nchannels)
+        refuse(file, "cannot be written: its head reads back as another picture's");
+}
+
 void write_pixels(const fs::path& file, const OIIO::ImageSpec& spec, const std::vector<float>& pixels)
 {
-    Temporary temporary(file);
-    const auto out = OIIO::ImageOutput::create(temporary.path().string());
-    if (!out) refuse(file, "cannot be written: " + OIIO::geterror());
+    OutputFile target(file);
+    EncoderStream stream(target);
+    const auto encoder = OIIO::ImageOutput::create(target.temporary().string());
+    if (!encoder) refuse(file, "cannot be written: " + OIIO::geterror());
     const auto attempt = [&](bool done) {
-        if (!done) refuse(file, "cannot be written: " + out->geterror());
+        if (!done) refuse(file, "cannot be written: " + encoder->geterror());
     };
-    attempt(out->open(temporary.path().string(), spec));
-    attempt(out->write_image(OIIO::TypeDesc::FLOAT, pixels.data()));
-    attempt(out->close());
-    temporary.rename();
+    attempt(encoder->set_ioproxy(&stream));
+    attempt(encoder->open(target.temporary().string(), spec));
+    attempt(encoder->write_image(OIIO::TypeDesc::FLOAT, pixels.data()));
+    attempt(encoder->close());
+    target.finish();
+    check_header(target, file, spec);
+    target.publish();
 }
 
 // OpenEXR's own order of things: beauty's channels have no prefix, others are layer.channel.
@@ -176,7 +186,10 @@ void write_display(const Image& image, const fs::path& file, const WriteOptions&
     const bool tiff = extension == ".tif" || extension == ".tiff";
     OIIO::ImageSpec spec = base_spec(image, shown.channels, tiff ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8);
     spec.attribute("oiio:UnassociatedAlpha", 1);
-    spec.attribute("oiio:ColorSpace", options.tonemap == Tonemap::None ? "Linear" : "sRGB");
+    // For sRGB OpenImageIO adds a second directory to a TIFF, which needs to read from the stream and comes out broken; a
+    // TIFF of integers is taken for sRGB anyway.
+    if (options.tonemap == Tonemap::None || !tiff)
+        spec.attribute("oiio:ColorSpace", options.tonemap == Tonemap::None ? "Linear" : "sRGB");
     if (jpeg) spec.attribute("compression", "jpeg:95");
     write_pixels(file, spec, shown.pixels);
 }
@@ -198,11 +211,7 @@ void Image::check_writable(const fs::path& file)
 {
     if (!is_known_format(extension_of(file)))
         throw Error(file.string(), "has no extension of a format that can be written: .exr .png .jpg .tif .hdr");
-    std::error_code error;
-    const fs::path folder = folder_of(file);
-    if (!fs::is_directory(folder, error)) refuse(file, "cannot be written: there is no folder " + folder.string());
-    if (access(folder.c_str(), W_OK) != 0) refuse(file, "cannot be written: no permission in folder " + folder.string());
-    if (fs::exists(file, error) && !fs::is_regular_file(file, error)) refuse(file, "is there already and is not a file");
+    check_output(file);
 }
 
 void Image::write(const fs::path& file, const WriteOptions& options) const

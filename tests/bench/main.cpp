@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
-#include <fstream>
 
+#include "io/output_file.h"
 #include "tests/bench/suites.h"
 
 namespace {
@@ -48,10 +48,7 @@ try {
 
     occam::bench::Report report(only);
     for (const occam::bench::Suite* suite : wanted) suite->run(report);
-    if (json && !(std::ofstream(json) << report.json()).flush()) {
-        std::fprintf(stderr, "occam_bench: cannot write '%s'\n", json);
-        return 3;
-    }
+    if (json) occam::write_whole(json, report.json());
     return 0;
 } catch (const std::exception& error) {
     std::fprintf(stderr, "occam_bench: %s\n", error.what());

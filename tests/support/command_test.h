@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -53,6 +54,7 @@ protected:
         argv.push_back(nullptr);
         if (chdir(folder.c_str()) != 0 || !freopen("stdout.txt", "w", stdout) || !freopen("stderr.txt", "w", stderr))
             _exit(99);
+        if (before_exec) before_exec();
         execv(test::occam_executable(), argv.data());
         _exit(98);
     }
@@ -66,6 +68,7 @@ protected:
     Outcome run(const std::vector<std::string>& arguments) const { return finish(start(arguments)); }
 
     fs::path folder;
+    std::function<void()> before_exec;  ///< called in the new process, with its standard streams in place
 };
 
 inline constexpr int kDone = 0, kDoesNotHold = 1, kBadInput = 2, kOutput = 3, kInterrupted = 130;

@@ -1,0 +1,244 @@
+#include "io/output_file.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <map>
+#include <set>
+#include <system_error>
+#include <utility>
+
+#include "base/error.h"
+
+namespace occam {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kMark = ".part";
+
+fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
+
+[[noreturn]] void refuse_output(const fs::path& file, const std::string& why)
+{
+    throw Error(file.string(), why, {}, Error::Kind::Output);
+}
+
+// Temporaries keep the extension, since readers choose the format by it.
+fs::path temporary_name(const fs::path& file, int attempt)
+{
+    std::string name(".");
+    name += file.stem().string();
+    name += kMark;
+    name += std::to_string(getpid());
+    if (attempt > 0) name.append("-").append(std::to_string(attempt));
+    name += file.extension().string();
+    return folder_of(file) / name;
+}
+
+// The name of the output that a temporary belongs to; empty for any other file.
+std::string output_of(const std::string& temporary)
+{
+    const std::size_t mark = temporary.rfind(kMark);
+    if (temporary.empty() || temporary[0] != '.' || mark == std::string::npos || mark < 1) return {};
+    const std::size_t digits = mark + kMark.size();
+    const std::size_t end = std::min(temporary.find_first_not_of("0123456789-", digits), temporary.size());
+    if (end == digits) return {};
+    return temporary.substr(1, mark - 1) + temporary.substr(end);
+}
+
+// True if the name still leads to the file that is open.
+bool is_same_file(int descriptor, const fs::path& name)
+{
+    struct stat open_file = {}, named = {};
+    return fstat(descriptor, &open_file) == 0 && stat(name.c_str(), &named) == 0 && open_file.st_dev == named.st_dev &&
+           open_file.st_ino == named.st_ino;
+}
+
+int sync_again(int descriptor)
+{
+    int result = 0;
+    do result = fsync(descriptor);
+    while (result != 0 && errno == EINTR);
+    return result;
+}
+
+bool write_all(int descriptor, std::string_view bytes)
+{
+    while (!bytes.empty()) {
+        const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
+        if (written < 0 && errno == EINTR) continue;
+        if (written < 0 && errno == EAGAIN) {  // a pipe that its reader has made non-blocking
+            pollfd wait = {descriptor, POLLOUT, 0};
+            poll(&wait, 1, -1);
+            continue;
+        }
+        if (written <= 0) return false;
+        bytes.remove_prefix(static_cast<std::size_t>(written));
+    }
+    return true;
+}
+
+void remove_if_abandoned(const fs::path& temporary) noexcept
+{
+    const int descriptor = open(temporary.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    if (descriptor < 0) return;
+    if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) unlink(temporary.c_str());
+    close(descriptor);
+}
+
+// True for standard output and for what is there but is no regular file.
+bool is_written_directly(const fs::path& file)
+{
+    std::error_code error;
+    return file == "-" || (fs::exists(file, error) && !fs::is_regular_file(file, error));
+}
+
+}  // namespace
+
+OutputFile::OutputFile(const fs::path& file) : final_(file)
+{
+    constexpr int kAttempts = 1000;
+    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+        temporary_ = temporary_name(file, attempt);
+        descriptor_ = open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        // Another process of the same number, on another machine or in another container, may use this name.
+        if (descriptor_ < 0 && errno == EEXIST) continue;
+        if (descriptor_ < 0) refuse(errno);
+        // File systems without locks let nobody remove the temporary either, so a failure is of no matter.
+        (void)flock(descriptor_, LOCK_EX | LOCK_NB);
+        // Between the two calls a tidying process may have taken the file for abandoned.
+        if (is_same_file(descriptor_, temporary_)) return;
+        close(descriptor_);
+    }
+    descriptor_ = -1;
+    refuse(EEXIST);
+}
+
+OutputFile::~OutputFile()
+{
+    if (!is_published_ && descriptor_ >= 0 && is_same_file(descriptor_, temporary_)) unlink(temporary_.c_str());
+    if (descriptor_ >= 0) close(descriptor_);
+}
+
+void OutputFile::refuse(int error) const
+{
+    refuse_output(final_, "cannot be written: " + std::string(std::strerror(error)));
+}
+
+void OutputFile::write_at(const void* bytes, std::size_t size, std::uint64_t offset) noexcept
+{
+    const char* next = static_cast<const char*>(bytes);
+    size_ = std::max(size_, offset + size);
+    is_finished_ = false;
+    while (size > 0 && error_ == 0) {
+        const ssize_t written = pwrite(descriptor_, next, size, static_cast<off_t>(offset));
+        if (written < 0 && errno == EINTR) continue;
+        if (written <= 0) {
+            error_ = written < 0 ? errno : ENOSPC;
+            return;
+        }
+        next += written;
+        size -= static_cast<std::size_t>(written);
+        offset += static_cast<std::uint64_t>(written);
+    }
+}
+
+std::size_t OutputFile::read_at(void* bytes, std::size_t size, std::uint64_t offset) const noexcept
+{
+    ssize_t got = 0;
+    do got = pread(descriptor_, bytes, size, static_cast<off_t>(offset));
+    while (got < 0 && errno == EINTR);
+    return got < 0 ? 0 : static_cast<std::size_t>(got);
+}
+
+void OutputFile::finish()
+{
+    if (error_ != 0) refuse(error_);
+    // EINVAL and EROFS say that this file cannot be synced (a special file system), which is no loss of bytes.
+    if (sync_again(descriptor_) != 0 && errno != EINVAL && errno != EROFS) refuse(errno);
+    struct stat status = {};
+    if (fstat(descriptor_, &status) != 0) refuse(errno);
+    if (static_cast<std::uint64_t>(status.st_size) != size_)
+        refuse_output(final_, "cannot be written: " + std::to_string(status.st_size) + " of " + std::to_string(size_) +
+                                  " bytes are in the file");
+    if (!is_same_file(descriptor_, temporary_)) refuse_output(final_, "cannot be written: its temporary file is gone");
+    is_finished_ = true;
+}
+
+void OutputFile::publish()
+{
+    if (!is_finished_) finish();
+    std::error_code error;
+    fs::rename(temporary_, final_, error);
+    if (error) refuse_output(final_, "cannot be written: " + error.message());
+    is_published_ = true;
+    // The name is an entry of the folder, which is synced by itself where the file system allows it.
+    if (const int folder = open(folder_of(final_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); folder >= 0) {
+        (void)sync_again(folder);
+        close(folder);
+    }
+}
+
+void write_whole(const fs::path& file, std::string_view bytes)
+{
+    if (!is_written_directly(file)) {
+        OutputFile out(file);
+        out.append(bytes);
+        out.publish();
+        return;
+    }
+    const bool is_standard_output = file == "-";
+    const std::string name = is_standard_output ? "standard output" : file.string();
+    if (is_standard_output) std::fflush(stdout);
+    const int descriptor = is_standard_output ? STDOUT_FILENO : open(file.c_str(), O_WRONLY | O_CLOEXEC);
+    bool is_written = descriptor >= 0 && write_all(descriptor, bytes);
+    int failure = is_written ? 0 : errno;
+    if (!is_standard_output && descriptor >= 0 && close(descriptor) != 0 && is_written) failure = errno;
+    if (failure != 0) refuse_output(name, "cannot be written: " + std::string(std::strerror(failure)));
+}
+
+void check_output(const fs::path& file)
+{
+    std::error_code error;
+    const fs::path folder = folder_of(file);
+    if (file.filename().empty()) refuse_output(file, "is the name of a folder, not of a file");
+    if (!fs::is_directory(folder, error)) refuse_output(file, "cannot be written: there is no folder " + folder.string());
+    if (access(folder.c_str(), W_OK) != 0)
+        refuse_output(file, "cannot be written: no permission in folder " + folder.string());
+    if (fs::exists(file, error) && !fs::is_regular_file(file, error))
+        refuse_output(file, "is there already and is not a file");
+    // A read-only file system, a name that is too long or a folder without room shows itself here, before minutes of work.
+    const OutputFile attempt(file);
+}
+
+void check_whole(const fs::path& file)
+{
+    if (!is_written_directly(file)) check_output(file);
+    else if (file != "-" && access(file.c_str(), W_OK) != 0) refuse_output(file, "cannot be written: no permission");
+}
+
+void remove_unfinished(std::span<const fs::path> outputs) noexcept
+try {
+    std::map<fs::path, std::set<std::string>> names_of;
+    for (const fs::path& output : outputs) names_of[folder_of(output)].insert(output.filename().string());
+    for (const auto& [folder, names] : names_of) {
+        std::error_code error;
+        fs::directory_iterator entry(folder, error), end;
+        std::vector<fs::path> abandoned;
+        for (; !error && entry != end; entry.increment(error))
+            if (names.contains(output_of(entry->path().filename().string()))) abandoned.push_back(entry->path());
+        for (const fs::path& temporary : abandoned) remove_if_abandoned(temporary);
+    }
+} catch (const std::exception&) {
+    // Tidying up is a courtesy: what it cannot do harms nobody.
+}
+
+}  // namespace occam

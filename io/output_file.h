@@ -1,0 +1,67 @@
+// A file that appears under its final name only when it is whole and on the disk.
+//
+// The bytes go to a hidden temporary beside the final name (".name.part1234.exr" for "name.exr", with the number of the
+// process). publish() flushes, checks the size and renames; whatever fails before that leaves neither the final name nor the
+// temporary. A process that was killed cannot tidy up: its temporaries are removed by the next run with the same output. The
+// writer holds a lock (flock) on its temporary, so the work of a process that still lives is never removed.
+//
+// Threads   one caller at a time for each object.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace occam {
+
+class OutputFile {
+public:
+    /// Creates the temporary. Throws Error of Kind::Output.
+    explicit OutputFile(const std::filesystem::path& file);
+    /// Removes the temporary unless it was published.
+    ~OutputFile();
+    OutputFile(const OutputFile&) = delete;
+    OutputFile& operator=(const OutputFile&) = delete;
+
+    /// Writes bytes at an offset. A failure is remembered for finish(): encoders call this from places that cannot report
+    /// one.
+    void write_at(const void* bytes, std::size_t size, std::uint64_t offset) noexcept;
+    void append(std::string_view bytes) noexcept { write_at(bytes.data(), bytes.size(), size_); }
+    /// Reads back what was written; returns the number of bytes.
+    std::size_t read_at(void* bytes, std::size_t size, std::uint64_t offset) const noexcept;
+    std::uint64_t size() const noexcept { return size_; }  ///< one past the last byte that was written
+
+    /// Puts the bytes on the disk and checks that all of them are there. Throws Error of Kind::Output.
+    void finish();
+    /// Finishes if that was not done yet, and gives the file its final name. Throws Error of Kind::Output.
+    void publish();
+
+    /// The temporary, for reading it back between finish() and publish().
+    const std::filesystem::path& temporary() const noexcept { return temporary_; }
+
+private:
+    [[noreturn]] void refuse(int error) const;
+
+    std::filesystem::path final_, temporary_;
+    int descriptor_ = -1;
+    int error_ = 0;  ///< the first errno of a write that failed
+    std::uint64_t size_ = 0;
+    bool is_finished_ = false, is_published_ = false;
+};
+
+/// Writes a whole file through OutputFile; "-" and what is there but is no regular file (a pipe, a terminal, /dev/null) are
+/// written directly. Throws Error of Kind::Output.
+void write_whole(const std::filesystem::path& file, std::string_view bytes);
+
+/// Throws Error of Kind::Output if a file of that name cannot be written: its folder, or what is there already.
+void check_output(const std::filesystem::path& file);
+
+/// The same for write_whole(), which also writes to what is no regular file.
+void check_whole(const std::filesystem::path& file);
+
+/// Removes the temporaries that killed processes left beside these outputs. Each folder is listed once.
+void remove_unfinished(std::span<const std::filesystem::path> outputs) noexcept;
+
+}  // namespace occam

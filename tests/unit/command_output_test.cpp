@@ -1,0 +1,241 @@
+// Outputs that cannot be finished: full disks, limits of the file size, closed pipes, killed runs, signals.
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/file.h>
+#include <sys/mount.h>
+#include <sys/resource.h>
+
+#include <chrono>
+#include <thread>
+
+#include "base/error.h"
+#include "io/output_file.h"
+#include "render/image.h"
+#include "tests/support/command_test.h"
+
+namespace occam {
+namespace {
+
+using namespace test;
+
+class Outputs : public CommandTest {
+protected:
+    void TearDown() override
+    {
+        if (is_mounted_) umount(small().c_str());
+        CommandTest::TearDown();
+    }
+    fs::path small() const { return folder / "small"; }
+    // False where this user may not mount a file system.
+    bool mount_small(const char* size)
+    {
+        fs::create_directories(small());
+        is_mounted_ = mount("tmpfs", small().c_str(), "tmpfs", 0, (std::string("size=") + size).c_str()) == 0;
+        return is_mounted_;
+    }
+    void limit_file_size(rlim_t bytes)
+    {
+        before_exec = [bytes] {
+            const rlimit limit{bytes, bytes};
+            setrlimit(RLIMIT_FSIZE, &limit);
+        };
+    }
+    void print_to(const char* file)
+    {
+        before_exec = [file] { dup2(open(file, O_WRONLY), STDOUT_FILENO); };
+    }
+    // The built-in scene fills a picture with detail that no format packs into a kilobyte.
+    std::vector<std::string> detailed(const std::string& output, const std::vector<std::string>& more = {}) const
+    {
+        std::vector<std::string> all{"render", "-o", output, "--size", "64x48", "--spp", "1"};
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    }
+    std::vector<std::string> files_in(const fs::path& where) const
+    {
+        std::vector<std::string> names;
+        for (const auto& entry : fs::directory_iterator(where)) names.push_back(entry.path().filename().string());
+        std::sort(names.begin(), names.end());
+        return names;
+    }
+
+private:
+    bool is_mounted_ = false;
+};
+
+TEST_F(Outputs, ALimitOfTheFileSizeIsExitCode3AndLeavesNothing)
+{
+    limit_file_size(1024);
+    for (const char* name : {"a.png", "a.jpg"}) {
+        const Outcome o = run(detailed(name));
+        EXPECT_EQ(o.exit_code, kOutput) << name << ": " << o.err;
+        EXPECT_NE(o.err.find(std::string(name) + ": cannot be written: File too large"), std::string::npos) << o.err;
+        EXPECT_EQ(files_in(folder), (std::vector<std::string>{"stderr.txt", "stdout.txt", "triangle.obj"})) << name;
+    }
+}
+
+// Noise of 96 x 96 pixels, which no format packs into four kilobytes.
+render::Image noise()
+{
+    render::Image image(96, 96);
+    std::uint32_t state = 1;
+    for (float& value : image.add_layer("beauty", {"R", "G", "B", "A"}).pixels)
+        value = float((state = state * 1664525u + 1013904223u) >> 8) * 0x1p-24f;
+    return image;
+}
+
+TEST_F(Outputs, AFullDiskIsAnErrorInEveryFormatAndLeavesNothing)
+{
+    if (!mount_small("4k")) GTEST_SKIP() << "this user may not mount a file system";
+    for (const char* extension : {"exr", "png", "jpg", "tif", "hdr"}) {
+        try {
+            noise().write(small() / (std::string("a.") + extension));
+            ADD_FAILURE() << extension << " was written";
+        } catch (const Error& error) {
+            EXPECT_EQ(error.kind(), Error::Kind::Output) << extension;
+            EXPECT_NE(std::string(error.what()).find("No space left on device"), std::string::npos) << error.what();
+        }
+        EXPECT_TRUE(files_in(small()).empty()) << extension;
+    }
+}
+
+TEST_F(Outputs, ASequenceOnAFullDiskKeepsItsWholeFramesAlone)
+{
+    if (!mount_small("20k")) GTEST_SKIP() << "this user may not mount a file system";
+    const Outcome o = run({"animate", "-o", "small/a.##.png", "--frames", "0-9", "--size", "48x36", "--spp", "1"});
+    EXPECT_EQ(o.exit_code, kOutput) << o.err;
+    const auto names = files_in(small());
+    EXPECT_FALSE(names.empty());
+    EXPECT_LT(names.size(), 10u);
+    for (const std::string& name : names) {
+        ASSERT_EQ(name[0], 'a') << name;
+        EXPECT_EQ(render::Image::read(small() / name).width, 48) << name;
+    }
+}
+
+TEST_F(Outputs, AnOlderPictureSurvivesARunThatCannotReplaceIt)
+{
+    ASSERT_EQ(run(detailed("a.png")).exit_code, kDone);
+    const std::string before = text_of(folder / "a.png");
+    limit_file_size(1024);
+    EXPECT_EQ(run(detailed("a.png", {"--seed", "1"})).exit_code, kOutput);
+    EXPECT_EQ(text_of(folder / "a.png"), before);
+}
+
+TEST_F(Outputs, StatisticsAreWholeOrNotThere)
+{
+    limit_file_size(1024);
+    const Outcome o = run({"render", "triangle.obj", "-o", "a.png", "--size", "16x12", "--spp", "1", "--stats", "s.json"});
+    EXPECT_EQ(o.exit_code, kOutput);
+    EXPECT_NE(o.err.find("s.json"), std::string::npos) << o.err;
+    EXPECT_TRUE(fs::exists(folder / "a.png"));
+    EXPECT_EQ(files_in(folder), (std::vector<std::string>{"a.png", "stderr.txt", "stdout.txt", "triangle.obj"}));
+    before_exec = nullptr;
+    EXPECT_EQ(run({"render", "triangle.obj", "-o", "b.png", "--stats", "missing/s.json"}).exit_code, kOutput);
+    EXPECT_FALSE(fs::exists(folder / "b.png")) << "found before the picture is made";
+    EXPECT_EQ(run({"render", "triangle.obj", "-o", "b.png", "--size", "8x8", "--stats", "/dev/null"}).exit_code, kDone);
+}
+
+TEST_F(Outputs, AStandardOutputThatIsFullOrClosedIsExitCode3)
+{
+    ASSERT_EQ(run({"render", "triangle.obj", "-o", "a.exr", "--size", "8x8"}).exit_code, kDone);
+    std::ofstream(folder / "tetrahedron.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+    const std::vector<std::vector<std::string>> printing{
+        {"--help"},
+        {"--version"},
+        {"render", "--help"},
+        {"info", "triangle.obj"},
+        {"info", "triangle.obj", "--json"},
+        {"verify", "tetrahedron.obj", "--rays", "10"},
+        {"compare", "a.exr", "a.exr"},
+        {"compare", "a.exr", "a.exr", "--json"},
+        {"render", "triangle.obj", "-o", "b.png", "--size", "8x8", "--stats", "-"},
+        {"render", "triangle.obj", "-o", "b.png", "--size", "8x8", "--progress", "openjd"}};
+    for (const auto& words : printing) {
+        print_to("/dev/full");
+        const Outcome full = run(words);
+        EXPECT_EQ(full.exit_code, kOutput) << words[0] << ' ' << words.back() << full.err;
+        EXPECT_NE(full.err.find("standard output"), std::string::npos) << full.err;
+        before_exec = [] { close(STDOUT_FILENO); };
+        EXPECT_EQ(run(words).exit_code, kOutput) << words[0] << ' ' << words.back();
+    }
+}
+
+TEST_F(Outputs, TemporariesOfKilledRunsAreRemovedByTheNextOne)
+{
+    for (const char* name : {".a.part1.png", ".a.part21983-4.png", ".f.0003.part21983.png", ".b.part1.png", ".a.partial.png",
+                             ".a.part7.exr", ".s.part5.json"})
+        std::ofstream(folder / name) << "half a picture";
+    const int living = open((folder / ".a.part2.png").c_str(), O_RDWR | O_CREAT, 0666);
+    ASSERT_EQ(flock(living, LOCK_EX), 0);
+    ASSERT_EQ(run({"render", "triangle.obj", "-o", "a.png", "--size", "8x8", "--stats", "s.json"}).exit_code, kDone);
+    EXPECT_EQ(files_in(folder), (std::vector<std::string>{".a.part2.png", ".a.part7.exr", ".a.partial.png", ".b.part1.png",
+                                                          ".f.0003.part21983.png", "a.png", "s.json", "stderr.txt",
+                                                          "stdout.txt", "triangle.obj"}));
+    close(living);
+    ASSERT_EQ(run({"animate", "triangle.obj", "-o", "f.####.png", "--frames", "2-3", "--size", "8x8"}).exit_code, kDone);
+    EXPECT_FALSE(fs::exists(folder / ".f.0003.part21983.png"));
+}
+
+TEST_F(Outputs, AFileIsThereWhenItIsPublishedAndNotBefore)
+{
+    const fs::path file = folder / "text.json";
+    {
+        OutputFile out(file);
+        out.append("first ");
+        EXPECT_FALSE(fs::exists(file));
+        remove_unfinished(std::span(&file, 1));
+        EXPECT_TRUE(fs::exists(out.temporary())) << "a writer that lives keeps its temporary";
+        out.append("second");
+        out.publish();
+        EXPECT_FALSE(fs::exists(out.temporary()));
+    }
+    EXPECT_EQ(text_of(file), "first second");
+    {
+        OutputFile out(file);
+        out.append("third");
+        fs::remove(out.temporary());
+        EXPECT_THROW(out.publish(), Error) << "somebody removed it";
+    }
+    {
+        const OutputFile given_up(file);
+    }
+    EXPECT_EQ(text_of(file), "first second");
+    EXPECT_EQ(files_in(folder), (std::vector<std::string>{"text.json", "triangle.obj"}));
+    EXPECT_THROW(check_output(folder / std::string(252, 'x') / "a.png"), Error);
+    EXPECT_THROW(check_output(folder / (std::string(251, 'x') + ".png")), Error) << "its temporary's name is too long";
+}
+
+TEST_F(Outputs, ASignalWhileASceneIsReadEndsTheProcess)
+{
+    {
+        std::ofstream large(folder / "large.obj");
+        for (int i = 0; i < 300'000; ++i) large << "v " << i << " 0 0\nv " << i << " 1 0\nv " << i << " 0 1\nf -3 -2 -1\n";
+    }
+    for (const int signal : {SIGINT, SIGTERM}) {
+        fs::remove(folder / "stderr.txt");
+        const pid_t child = start({"render", "large.obj", "-o", "a.png", "--progress", "plain"});
+        for (int i = 0; i < 1000 && text_of(folder / "stderr.txt").find("reading") == std::string::npos; ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        kill(child, signal);
+        EXPECT_EQ(finish(child).exit_code, kInterrupted);
+        EXPECT_FALSE(fs::exists(folder / "a.png"));
+    }
+}
+
+TEST_F(Outputs, ASecondSignalOfEitherKindEndsTheProcess)
+{
+    for (const auto& [first, second] : {std::pair(SIGINT, SIGTERM), std::pair(SIGTERM, SIGINT), std::pair(SIGINT, SIGINT)}) {
+        fs::remove(folder / "stderr.txt");  // else the words of the round before are waited for
+        const pid_t child = start(
+            {"render", "triangle.obj", "-o", "a.exr", "--size", "640x480", "--spp", "65536", "--progress", "plain"});
+        for (int i = 0; i < 1000 && text_of(folder / "stderr.txt").find("rendering") == std::string::npos; ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        kill(child, first);
+        kill(child, second);
+        EXPECT_EQ(finish(child).exit_code, kInterrupted);
+    }
+}
+
+}  // namespace
+}  // namespace occam
