@@ -1,10 +1,11 @@
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <stdexcept>
 
 #include "accel/frame.h"
 #include "accel/tracer.h"
-#include "occam/occam.h"
+#include "api/renderer_state.h"
 #include "render/camera_rays.h"
 
 namespace occam {
@@ -17,106 +18,178 @@ int checked_height(int height)
     return height;
 }
 
-const TextureStore& prepared(TextureStore& textures, const Scene& scene)
-{
-    if (scene.is_displaced()) textures.prepare(scene);
-    return textures;
-}
+// What is asked about: the scene as it was when the questions began.
+struct Asked {
+    Asked(Scene& scene, const Camera& camera, int height, lod::TopologyCache& topologies, TextureStore& textures)
+        : rays(camera, height, height), lock((scene.refit(), scene)), frame(scene, topologies, rays.levels(1), &textures)
+    {
+    }
+    render::CameraRays rays;
+    Scene::FrameLock lock;
+    accel::Frame frame;
+};
 
-const Scene& refitted(Scene& scene)
+accel::Ray ray_of(const QueryRay& asked, const Asked& about)
 {
-    scene.refit();
-    return scene;
+    accel::Ray ray;
+    ray.t_far = 0;  // a ray that meets nothing, for a direction without a length
+    const double length = glm::length(asked.direction);
+    if (!(length > 0) || !std::isfinite(length) || !std::isfinite(glm::dot(asked.origin, asked.origin))) return ray;
+    if (const auto& f = asked.footprint; f && !(f->width >= 0 && std::isfinite(f->width) && std::isfinite(f->spread)))
+        throw Error("", "a footprint's width must be finite and 0 or more, and its spread finite", "ray");
+    ray.origin = asked.origin;
+    ray.direction = Vec3f(asked.direction / length);
+    ray.t_far = static_cast<float>(asked.far);
+    ray.footprint = asked.footprint ? lod::Footprint{asked.footprint->width, asked.footprint->spread} : about.rays.pixel();
+    return ray;
 }
 
 }  // namespace
 
 struct Query::State {
-    State(Scene& borrowed, const Camera& with_camera, int image_height, std::size_t memory_bytes)
-        : camera(with_camera),
+    State(Scene& borrowed, int image_height, std::size_t bytes, std::shared_ptr<SharedTopologies> tables)
+        : scene(borrowed),
           height(checked_height(image_height)),
-          rays(camera, height, height),
-          lock(refitted(borrowed)),
-          textures(render::Resources().texture_bytes),
-          frame(borrowed, topologies, rays.levels(1), &prepared(textures, borrowed)),
-          tracer(frame, memory_bytes)
+          memory_bytes(bytes),
+          topologies(std::move(tables)),
+          textures(render::Resources().texture_bytes)
     {
+        topologies->add_user();
+    }
+    ~State()
+    {
+        end();
+        topologies->remove_user();
+    }
+    State(const State&) = delete;
+    State& operator=(const State&) = delete;
+
+    void begin(const Camera& with_camera)
+    {
+        end();
+        if (scene.is_displaced()) textures.prepare(scene);
+        camera = with_camera;
+        asked.emplace(scene, camera, height, topologies->cache, textures);
+    }
+    void end() noexcept
+    {
+        idle.clear();
+        asked.reset();
+    }
+    const Asked& asked_about() const
+    {
+        if (!asked) throw Error("", "the query was ended: begin() has to be called before it is asked", "Query");
+        return *asked;
     }
 
-    /// Of nothing, for a direction without length.
-    accel::Ray ray(Vec3d origin, Vec3d direction, double far) const
-    {
-        accel::Ray ray;
-        ray.t_far = 0;
-        const double length = glm::length(direction);
-        if (!(length > 0) || !std::isfinite(length) || !std::isfinite(glm::dot(origin, origin))) return ray;
-        ray.origin = origin;
-        ray.direction = Vec3f(direction / length);
-        ray.t_far = static_cast<float>(far);
-        ray.footprint = rays.pixel();
-        return ray;
-    }
+    // A tracer for one caller. It goes back into the pool afterwards, with what it has built.
+    class Borrowed {
+    public:
+        explicit Borrowed(State& state) : state_(state)
+        {
+            state.asked_about();
+            {
+                const std::lock_guard guard(state.mutex);
+                if (!state.idle.empty()) {
+                    tracer_ = std::move(state.idle.back());
+                    state.idle.pop_back();
+                }
+            }
+            if (!tracer_) tracer_ = std::make_unique<accel::Tracer>(state.asked->frame, state.memory_bytes);
+        }
+        ~Borrowed()
+        {
+            const std::lock_guard guard(state_.mutex);
+            state_.idle.push_back(std::move(tracer_));
+        }
+        Borrowed(const Borrowed&) = delete;
+        Borrowed& operator=(const Borrowed&) = delete;
+        accel::Tracer* operator->() const noexcept { return tracer_.get(); }
+
+    private:
+        State& state_;
+        std::unique_ptr<accel::Tracer> tracer_;
+    };
 
     std::optional<Hit> closest(const accel::Ray& ray)
     {
+        if (!(ray.t_far > 0)) return std::nullopt;
         accel::SurfaceHit hit;
-        tracer.closest({&ray, 1}, {&hit, 1});
+        Borrowed(*this)->closest({&ray, 1}, {&hit, 1});
         if (!hit.is_hit()) return std::nullopt;
         return Hit{double(hit.t), hit.position, hit.normal_geometric, hit.normal_shading, hit.uv[0], hit.node, hit.face};
     }
 
+    bool is_occluded(const accel::Ray& ray)
+    {
+        if (!(ray.t_far > 0)) return false;
+        std::uint8_t occluded = 0;
+        Borrowed(*this)->occluded({&ray, 1}, {&occluded, 1});
+        return occluded != 0;
+    }
+
+    Scene& scene;
     Camera camera;
     int height;
-    render::CameraRays rays;
-    Scene::FrameLock lock;
-    lod::TopologyCache topologies;
-    TextureStore textures;  ///< of displacement
-    accel::Frame frame;
-    accel::Tracer tracer;
+    std::size_t memory_bytes;
+    std::shared_ptr<SharedTopologies> topologies;
+    TextureStore textures;  // of displacement
+    std::optional<Asked> asked;
+    std::mutex mutex;  // of the pool
+    std::vector<std::unique_ptr<accel::Tracer>> idle;
 };
 
 Query::Query(Scene& scene, const Camera& camera, int image_height, std::size_t memory_bytes)
-    : state_(std::make_unique<State>(scene, camera, image_height, memory_bytes))
+    : state_(std::make_unique<State>(scene, image_height, memory_bytes, std::make_shared<SharedTopologies>()))
 {
+    begin(camera);
+}
+Query::Query(const Renderer& renderer, Scene& scene, const Camera& camera, int image_height, std::size_t memory_bytes)
+    : state_(std::make_unique<State>(scene, image_height, memory_bytes, renderer.state_->topologies))
+{
+    begin(camera);
 }
 Query::Query(Query&&) noexcept = default;
 Query::~Query() = default;
 
-std::optional<Hit> Query::closest(Vec3d origin, Vec3d direction, double far)
+void Query::begin(const Camera& camera) { state_->begin(camera); }
+void Query::end() noexcept { state_->end(); }
+
+std::optional<Hit> Query::closest(Vec3d origin, Vec3d direction, double far) const
 {
-    const accel::Ray ray = state_->ray(origin, direction, far);
-    return ray.t_far > 0 ? state_->closest(ray) : std::nullopt;
+    return closest(QueryRay{origin, direction, far});
 }
 
-void Query::first_hits(std::span<const QueryRay> rays, std::span<FirstHit> hits)
+std::optional<Hit> Query::closest(const QueryRay& ray) const { return state_->closest(ray_of(ray, state_->asked_about())); }
+
+void Query::first_hits(std::span<const QueryRay> rays, std::span<FirstHit> hits) const
 {
     if (rays.size() != hits.size()) throw std::invalid_argument("Query::first_hits: as many hits as rays are wanted");
     constexpr std::size_t kBatch = 2048;
+    const State::Borrowed tracer(*state_);
     std::vector<accel::Ray> batch;
     std::vector<accel::FirstHit> found;
     for (std::size_t first = 0; first < rays.size(); first += kBatch) {
         const std::size_t count = std::min(kBatch, rays.size() - first);
         batch.clear();
-        for (const QueryRay& ray : rays.subspan(first, count))
-            batch.push_back(state_->ray(ray.origin, ray.direction, ray.far));
+        for (const QueryRay& ray : rays.subspan(first, count)) batch.push_back(ray_of(ray, *state_->asked));
         found.resize(count);
-        state_->tracer.first_hits(batch, found);
+        tracer->first_hits(batch, found);
         for (std::size_t i = 0; i < count; ++i) hits[first + i] = {double(found[i].t), found[i].node, found[i].face};
     }
 }
 
-bool Query::is_occluded(Vec3d from, Vec3d to)
+bool Query::is_occluded(Vec3d from, Vec3d to) const
 {
-    const accel::Ray ray = state_->ray(from, to - from, glm::distance(from, to));
-    if (!(ray.t_far > 0)) return false;
-    std::uint8_t occluded = 0;
-    state_->tracer.occluded({&ray, 1}, {&occluded, 1});
-    return occluded != 0;
+    return is_occluded(QueryRay{from, to - from, glm::distance(from, to)});
 }
 
-std::optional<Hit> Query::pick(double x, double y, int width)
+bool Query::is_occluded(const QueryRay& ray) const { return state_->is_occluded(ray_of(ray, state_->asked_about())); }
+
+std::optional<Hit> Query::pick(double x, double y, int width) const
 {
     if (width < 1 || width > render::kMaxSide) throw Error("", "from 1 to " + std::to_string(render::kMaxSide), "width");
+    state_->asked_about();
     return state_->closest(render::CameraRays(state_->camera, width, state_->height).ray(x, y));
 }
 

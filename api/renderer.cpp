@@ -1,4 +1,3 @@
-#include <atomic>
 #include <condition_variable>
 #include <exception>
 #include <mutex>
@@ -6,7 +5,7 @@
 #include <unordered_set>
 #include <utility>
 
-#include "occam/occam.h"
+#include "api/renderer_state.h"
 #include "render/cryptomatte.h"
 #include "render/frame.h"
 #include "render/metadata.h"
@@ -39,16 +38,6 @@ FrameStats::Scene describe(const Scene& scene)
 }
 
 }  // namespace
-
-struct Renderer::State {
-    explicit State(const Resources& wished) : resources(wished.resolved()), textures(resources.texture_bytes) {}
-
-    Resources resources;
-    lod::TopologyCache topologies;
-    TextureStore textures;
-    std::atomic<bool> busy = false;
-    FrameStats stats;
-};
 
 struct Job::State {
     State(std::shared_ptr<Renderer::State> borrowed_renderer, Scene& borrowed_scene, const Camera& with_camera,
@@ -86,15 +75,15 @@ struct Job::State {
     {
         control.enter(Stage::Preparing);
         const auto prepare_start = Clock::now();
-        renderer->topologies.prune(scene);
+        renderer->topologies->prune_if_unused(scene);
         renderer->textures.prepare(scene);
         stats.seconds.texture = seconds_since(prepare_start) - renderer->textures.decode_seconds();
 
         const auto deadline = settings.deadline_s > 0 ? start + std::chrono::duration_cast<Clock::duration>(
                                                                     std::chrono::duration<double>(settings.deadline_s))
                                                       : Clock::time_point::max();
-        image = render::render_frame({scene, bounds, camera, settings, renderer->resources, memory, renderer->topologies,
-                                      renderer->textures, deadline},
+        image = render::render_frame({scene, bounds, camera, settings, renderer->resources, memory,
+                                      renderer->topologies->cache, renderer->textures, deadline},
                                      control, stats);
         render::describe(image, camera, settings);
         render::describe_mattes(image, scene, settings);

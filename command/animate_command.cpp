@@ -7,6 +7,7 @@
 #include "interrupt.h"
 #include "io/output_file.h"
 #include "progress.h"
+#include "render/display.h"
 
 namespace occam::command {
 namespace {
@@ -30,6 +31,34 @@ public:
 private:
     std::string text_;
 };
+
+bool is_for_display(const fs::path& file)
+{
+    const std::string extension = file.extension().string();
+    return extension != ".exr" && extension != ".hdr";
+}
+
+// One exposure for the whole sequence, so that it does not flicker: the mean of what the first, the middle and the last
+// frame ask for, measured on small pictures. It depends on the list of frames alone, so that all shards find the same.
+float measured_exposure(const AnimateArguments& a, Framing& framing, Scene& scene, Renderer& renderer)
+{
+    if (a.settings.view != View::Beauty) return 0;
+    constexpr int kWidth = 96, kSamples = 4;
+    float sum = 0;
+    const std::size_t last = a.frames.size() - 1;
+    for (const std::size_t at : {std::size_t(0), last / 2, last}) {
+        framing.pose(a.frames[at]);
+        const Camera camera = framing.camera();
+        Settings settings = framing.settings(camera);
+        settings.height = std::max(1, settings.height * kWidth / settings.width);
+        settings.width = kWidth;
+        settings.spp = std::min(settings.spp, kSamples);
+        settings.aovs = {};
+        settings.deadline_s = settings.error = 0;
+        sum += render::automatic_exposure(renderer.render(scene, camera, settings));
+    }
+    return sum / 3;
+}
 
 int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
 {
@@ -55,6 +84,9 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
     Framing framing(scene, a);
     framing.fit_clip();
     Renderer renderer(a.resources);
+    WriteOptions write = a.write;
+    if (!write.exposure_ev && is_for_display(a.pattern.file(0)))
+        write.exposure_ev = measured_exposure(a, framing, scene, renderer);
 
     std::size_t done = frames.size() - missing.size();
     for (const int frame : missing) {
@@ -80,7 +112,7 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
         }
         FrameStats stats = job.stats();
         const auto write_start = Clock::now();
-        job.image().write(file, a.write);
+        job.image().write(file, write);
         stats.seconds.load = load_seconds;
         stats.seconds.edit = edit_seconds;
         stats.seconds.write = seconds_since(write_start);

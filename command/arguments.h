@@ -7,7 +7,6 @@
 #include <variant>
 
 #include "occam/occam.h"
-#include "scenegraph/camera_fit.h"
 #include "sequence.h"
 
 namespace occam::command {

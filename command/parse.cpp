@@ -58,7 +58,7 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, T& value, const 
 
 void add_scene(CLI::App& app, SceneArguments& a)
 {
-    app.add_option("SCENE", a.scene, "glTF, GLB or OBJ file; without it the built-in scene")->type_name("");
+    app.add_option("SCENE", a.scene, "glTF, GLB, OBJ, PLY, OFF or STL file; without it the built-in scene")->type_name("");
     add_choice<Subdivide>(app, "--subdivide", a.load.subdivide,
                           {{"on", Subdivide::On}, {"off", Subdivide::Off}, {"auto", Subdivide::Auto}},
                           "Treat polygons as Catmull-Clark cages [auto: as the file says]");
@@ -224,10 +224,15 @@ void add_output(CLI::App& app, RenderArguments& a, const std::string& form)
     app.add_option("-o,--output", a.output, "Picture to write, by extension .exr .png .jpg .tif .hdr")
         ->required()
         ->type_name(form);
-    add_number(app, "--exposure", "Stops, display formats only [0]", [&](double v) { a.write.exposure_ev = float(v); });
-    add_choice<Tonemap>(app, "--tonemap", a.write.tonemap,
-                        {{"none", Tonemap::None}, {"srgb", Tonemap::Srgb}, {"aces", Tonemap::Aces}},
-                        "Display formats only [srgb]");
+    add_value(app, "--exposure",
+              "Stops, display formats only; auto: by the log-average of the picture, 0 if that is as usual [auto]",
+              "EV|auto", [&](const std::string& t) {
+                  a.write.exposure_ev.reset();
+                  if (t != "auto") a.write.exposure_ev = float(number_of(t));
+              });
+    std::map<std::string, Tonemap> curves;
+    for (Tonemap curve : render::kAllTonemaps) curves.emplace(render::tonemap_name(curve), curve);
+    add_choice<Tonemap>(app, "--tonemap", a.write.tonemap, curves, "Curve of display formats [filmic]");
     add_choice<bool>(app, "--exr", a.write.half, {{"half", true}, {"float", false}}, "Colours of an EXR [half]");
     app.add_option("--stats", a.stats, "Statistics as JSON; - is standard output")->type_name("FILE");
 }
@@ -309,6 +314,7 @@ Arguments parse(int argc, char** argv)
     app.set_version_flag("--version", std::string("occam ") + render::kVersion + "\nwith " OCCAM_LIBRARIES);
     app.require_subcommand(1);
     app.footer(
+        "Scenes: .gltf .glb .obj .ply .off .stl. Pictures: .exr .hdr .png .jpg .tif.\n"
         "Exit codes: 0 done; 1 a limit of compare or verify does not hold; 2 bad input or usage; 3 output or resources; 130 "
         "interrupted.\n"
         "Example: occam render courtyard.glb -o courtyard.png");

@@ -105,6 +105,7 @@ Image heat_map(const Image& a, const Image& reference, const std::string& name, 
 {
     const Pair p = pair_of(a, reference, name);
     Image heat(a.width, a.height);
+    heat.is_light = false;
     Layer& beauty = heat.add_layer("beauty", {"R", "G", "B"});
     for (std::size_t i = 0; i < p.pixels; ++i) {
         const auto most = largest_difference(p, i);

@@ -1,6 +1,7 @@
 #include "render/display.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/maths.h"
 
@@ -10,19 +11,107 @@ namespace {
 // Narkowicz 2015, "ACES filmic tone mapping curve".
 float aces(float x) noexcept { return x * (2.51f * x + 0.03f) / (x * (2.43f * x + 0.59f) + 0.14f); }
 
-float shown(float x, Tonemap tonemap) noexcept
+// A rational curve with a toe and a shoulder: slope kToe at black, 1 at (kJoin, kJoin) and white at kWhite. Below kJoin it
+// is a quadratic polynomial, above it the hyperbola that meets that with the same slope and reaches 1 at kWhite.
+constexpr float kToe = 0.75f, kJoin = 0.3f, kWhite = 8;
+float filmic(float x) noexcept
 {
-    if (!(x > 0)) return 0;  // NaN too
-    if (tonemap == Tonemap::Aces) x = aces(std::min(x, 1e6f));
-    x = std::min(x, 1.0f);
-    return tonemap == Tonemap::None ? x : srgb_from_linear(x);
+    if (x >= kWhite) return 1;
+    if (x < kJoin) return x * (kToe + (1 - kToe) / kJoin * x);
+    // With d = x - kJoin, the curve is kJoin + s d / (1 + c d), where s is the slope at the join and c makes it end at 1.
+    constexpr float kSlope = 2 - kToe, kRange = kWhite - kJoin, kBend = (kSlope * kRange / (1 - kJoin) - 1) / kRange;
+    const float d = x - kJoin;
+    return kJoin + kSlope * d / (1 + kBend * d);
+}
+
+// The curve is applied to the largest channel, and the others keep their ratio to it, so that the hue stays. What the
+// shoulder takes away from a bright colour goes into white, as film and eyes have it.
+Vec3f filmic_color(Vec3f color) noexcept
+{
+    const float peak = std::max({color.x, color.y, color.z});
+    if (!(peak > 0)) return Vec3f(0);
+    const float shown_peak = filmic(peak);
+    const float whiteness = 1 - 1 / (0.15f * std::max(0.0f, peak - shown_peak) + 1);
+    const Vec3f same_hue = color * (shown_peak / peak);
+    return same_hue + (Vec3f(shown_peak) - same_hue) * whiteness;
+}
+
+Vec3f shown(Vec3f color, Tonemap tonemap) noexcept
+{
+    for (int c = 0; c < 3; ++c) color[c] = color[c] > 0 ? std::min(color[c], 1e6f) : 0;  // NaN is black
+    switch (tonemap) {
+        case Tonemap::None:
+        case Tonemap::Srgb:
+            break;
+        case Tonemap::Aces:
+            color = Vec3f(aces(color.x), aces(color.y), aces(color.z));
+            break;
+        case Tonemap::Filmic:
+            color = filmic_color(color);
+            break;
+    }
+    for (int c = 0; c < 3; ++c) {
+        color[c] = std::min(color[c], 1.0f);
+        if (tonemap != Tonemap::None) color[c] = srgb_from_linear(color[c]);
+    }
+    return color;
+}
+
+constexpr float kKey = 0.25f, kFreeStops = 1, kLitStops = 10, kBrightest = 2;
+
+// The luminances of pixels that something covers, as powers of two.
+std::vector<float> log_luminances(const Layer& beauty)
+{
+    std::vector<float> logs;
+    const std::size_t channels = beauty.channel_count();
+    for (std::size_t i = 0; i + channels <= beauty.pixels.size(); i += channels) {
+        const float* p = &beauty.pixels[i];
+        const float alpha = channels >= 4 ? p[3] : 1.0f;
+        const float luminance = (0.2126f * p[0] + 0.7152f * p[1] + 0.0722f * p[2]) / alpha;
+        if (alpha >= 0.5f && luminance > 0 && std::isfinite(luminance)) logs.push_back(maths::log2(luminance));
+    }
+    return logs;
 }
 
 }  // namespace
 
+std::string_view tonemap_name(Tonemap tonemap) noexcept
+{
+    switch (tonemap) {
+        case Tonemap::None:
+            return "none";
+        case Tonemap::Srgb:
+            return "srgb";
+        case Tonemap::Aces:
+            return "aces";
+        case Tonemap::Filmic:
+            return "filmic";
+    }
+    return "";
+}
+
 float srgb_from_linear(float x) noexcept { return x <= 0.0031308f ? 12.92f * x : 1.055f * maths::pow(x, 1 / 2.4f) - 0.055f; }
 
 float linear_from_srgb(float x) noexcept { return x <= 0.04045f ? x / 12.92f : maths::pow((x + 0.055f) / 1.055f, 2.4f); }
+
+float automatic_exposure(const Image& image) noexcept
+{
+    const Layer* beauty = image.find("beauty");
+    if (!image.is_light || !beauty || beauty->channel_count() < 3) return 0;
+    const std::vector<float> logs = log_luminances(*beauty);
+    if (logs.empty()) return 0;
+    std::vector<float> order = logs;
+    const auto bright = order.begin() + static_cast<std::ptrdiff_t>((order.size() - 1) * 99 / 100);
+    std::nth_element(order.begin(), bright, order.end());
+    double sum = 0;
+    std::size_t count = 0;
+    for (const float l : logs)
+        if (l >= *bright - kLitStops) sum += double(l), ++count;
+    const float off = static_cast<float>(sum / double(count)) - maths::log2(kKey);  // stops too bright
+    if (off > kFreeStops) return -std::min(off - kFreeStops, kMostStops);
+    if (off >= -kFreeStops) return 0;
+    return std::clamp(maths::log2(kBrightest) - *bright, 0.0f, std::min(-off - kFreeStops, kMostStops));
+}
 
 DisplayImage display_image(const Image& image, const WriteOptions& options)
 {
@@ -38,14 +127,16 @@ DisplayImage display_image(const Image& image, const WriteOptions& options)
     for (std::size_t i = 0; has_alpha && i < pixels && out.channels == 3; ++i)
         if (beauty->pixels[i * from + 3] < 1) out.channels = 4;
 
-    const float gain = maths::exp2(options.exposure_ev);
+    const float gain = maths::exp2(options.exposure_ev ? *options.exposure_ev : automatic_exposure(image));
+    const Tonemap tonemap = image.is_light || options.tonemap == Tonemap::None ? options.tonemap : Tonemap::Srgb;
     const auto to = static_cast<std::size_t>(out.channels);
     out.pixels.resize(to * pixels);
     for (std::size_t i = 0; i < pixels; ++i) {
         const float* p = &beauty->pixels[i * from];
         const float alpha = to == 4 ? std::clamp(p[3], 0.0f, 1.0f) : 1.0f;
         const float scale = alpha > 0 ? gain / alpha : 0;
-        for (std::size_t c = 0; c < 3; ++c) out.pixels[i * to + c] = shown(p[c] * scale, options.tonemap);
+        const Vec3f color = shown(Vec3f(p[0], p[1], p[2]) * scale, tonemap);
+        for (int c = 0; c < 3; ++c) out.pixels[i * to + std::size_t(c)] = color[c];
         if (to == 4) out.pixels[i * to + 3] = alpha;
     }
     return out;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -29,15 +30,22 @@ struct Attribute {
 };
 
 enum class Tonemap : unsigned char {
-    None,  ///< clamped linear values
-    Srgb,  ///< the sRGB curve
-    Aces   ///< a filmic curve near ACES' (Narkowicz 2015), then the sRGB curve
+    None,   ///< clamped linear values
+    Srgb,   ///< the sRGB curve
+    Aces,   ///< a filmic curve near ACES' (Narkowicz 2015), then the sRGB curve
+    Filmic  ///< a toe and a long shoulder that keep the hue, white three stops above 1 (see display.cpp), then the sRGB
+            ///< curve
 };
 
+inline constexpr Tonemap kAllTonemaps[] = {Tonemap::None, Tonemap::Srgb, Tonemap::Aces, Tonemap::Filmic};
+std::string_view tonemap_name(Tonemap tonemap) noexcept;
+
 struct WriteOptions {
-    bool half = true;       ///< EXR colours in 16 bits; depth, uv, position and id are always 32
-    float exposure_ev = 0;  ///< display formats (PNG, JPEG, TIFF) only, as is:
-    Tonemap tonemap = Tonemap::Srgb;
+    bool half = true;  ///< EXR colours in 16 bits; depth, uv, position and id are always 32
+    /// Stops by which display formats (PNG, JPEG, TIFF) are brighter than the scene; none: automatic_exposure(). EXR and HDR
+    /// files keep the scene's own values.
+    std::optional<float> exposure_ev{};
+    Tonemap tonemap = Tonemap::Filmic;  ///< of display formats
 };
 
 class Image {
@@ -49,6 +57,8 @@ public:
     int x0 = 0, y0 = 0;                   ///< where the pixels lie in the whole frame
     int full_width = 0, full_height = 0;  ///< the whole frame
     std::vector<Attribute> attributes;
+    /// False for a debug view or a map of differences: its values are shown as they are.
+    bool is_light = true;
 
     /// The layers in the order they were added; beauty first.
     const std::vector<Layer>& layers() const noexcept { return layers_; }

@@ -24,6 +24,14 @@ std::string hexadecimal(std::uint64_t value)
 // JSON has no infinity.
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
+Json json_of(const Camera& camera)
+{
+    Json columns = Json::array();
+    for (int c = 0; c < 4; ++c)
+        for (int r = 0; r < 3; ++r) columns.push_back(camera.world_from_camera[c][r]);
+    return {{"fov", camera.lens.fov}, {"orthographic", camera.lens.orthographic}, {"right_up_back_eye", columns}};
+}
+
 Json json_of(const Settings& s)
 {
     Json aovs = Json::array();
@@ -45,7 +53,17 @@ Json json_of(const Settings& s)
             {"shade", s.shade_at == ShadeAt::Vertex ? "vertex" : "hit"},
             {"aov", aovs},
             {"view", view_name(s.view)},
-            {"background", s.background}};
+            {"background", s.background},
+            {"back_faces", s.back_faces},
+            {"filter_radius", s.filter_radius},
+            {"sky", s.sky == shade::Sky::On    ? "on"
+                    : s.sky == shade::Sky::Off ? "off"
+                                               : "auto"},
+            {"sky_strength", s.sky_strength},
+            {"lod", s.lod == Lod::On    ? "on"
+                    : s.lod == Lod::Off ? "off"
+                                        : "frozen"},
+            {"lod_camera", s.lod_camera ? json_of(*s.lod_camera) : Json(nullptr)}};
 }
 
 std::string text_of(const Json& json)

@@ -51,6 +51,7 @@ std::string date_now()
 
 void describe(Image& image, const Camera& camera, const Settings& settings)
 {
+    image.is_light = settings.view == View::Beauty;
     const Mat4d camera_from_world = glm::inverse(camera.world_from_camera);
     const double aspect = double(settings.width) / settings.height;
     image.attributes.push_back({"worldToCamera", rows_of(camera_from_world)});

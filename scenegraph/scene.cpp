@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "scenegraph/content_rules.h"
 #include "scenegraph/scene_state.h"
 
 namespace occam {
@@ -32,6 +33,13 @@ Mat4d rigid(const Mat4d& m)
 
 }  // namespace
 
+std::uint32_t next_scene_generation() noexcept
+{
+    // An odd number times the scene's, modulo 2^32: all are different, and neighbours lie far apart.
+    static std::atomic<std::uint32_t> scenes{0};
+    return scenes.fetch_add(1, std::memory_order_relaxed) * 0x9E3779B1u;
+}
+
 Scene::Scene() : state_(std::make_unique<State>()) { state_->root = state_->nodes.add({}); }
 Scene::Scene(Scene&&) noexcept = default;
 Scene& Scene::operator=(Scene&&) noexcept = default;
@@ -53,6 +61,7 @@ NodeId Scene::add_node(NodeId parent, NodeDesc desc)
         State::at(s.nodes, desc.instance_of, "node");
         if (s.is_shown_by(parent, desc.instance_of)) throw Error("", "a node cannot show itself as an instance", desc.name);
     }
+    if (!desc.matrix) check(desc.place, desc.name);
     const Mat4d parent_from_node = desc.matrix ? *desc.matrix : desc.place.matrix();
     require_finite(parent_from_node);
 
@@ -108,6 +117,7 @@ const Node& Scene::node(NodeId id) const { return State::at(state_->nodes, id, "
 
 void Scene::set_transform(NodeId id, const Trs& place)
 {
+    check(place, node(id).name);
     set_transform(id, place.matrix());
     Node& node = *state_->nodes.find(id);
     node.place = place;

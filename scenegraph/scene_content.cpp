@@ -1,6 +1,7 @@
 // What the nodes of a scene refer to: cages, materials, textures, lights, cameras, skins, clips.
 #include <atomic>
 
+#include "scenegraph/content_rules.h"
 #include "scenegraph/scene_state.h"
 
 namespace occam {
@@ -80,6 +81,7 @@ CageId Scene::add(Cage cage)
 MaterialId Scene::add(Material material)
 {
     state_->require_editable();
+    check(material);
     return state_->materials.add(std::move(material));
 }
 TextureId Scene::add(Texture texture)
@@ -94,16 +96,19 @@ TextureId Scene::add(Texture texture)
 LightId Scene::add(Light light)
 {
     state_->require_editable();
+    check(light);
     return state_->lights.add(std::move(light));
 }
 CameraId Scene::add(CameraLens lens)
 {
     state_->require_editable();
+    check(lens);
     return state_->cameras.add(lens);
 }
 ClipId Scene::add(Clip clip)
 {
     state_->require_editable();
+    check(clip);
     for (const Channel& channel : clip.channels) State::at(state_->nodes, channel.target, "node");
     state_->clip_order.push_back(state_->clips.add(std::move(clip)));
     return state_->clip_order.back();
@@ -161,12 +166,16 @@ void Scene::replace(CageId id, Cage cage)
 void Scene::replace(MaterialId id, Material material)
 {
     state_->require_editable();
-    State::at(state_->materials, id, "material") = std::move(material);
+    Material& known = State::at(state_->materials, id, "material");
+    check(material);
+    known = std::move(material);
 }
 void Scene::replace(LightId id, Light light)
 {
     state_->require_editable();
-    State::at(state_->lights, id, "light") = std::move(light);
+    Light& known = State::at(state_->lights, id, "light");
+    check(light);
+    known = std::move(light);
 }
 
 const Node* Scene::find(NodeId id) const noexcept { return state_->nodes.find(id); }

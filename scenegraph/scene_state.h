@@ -36,6 +36,37 @@ private:
     std::vector<NodeId> ids_;
 };
 
+/// The generation that the handles of a new scene start at: far from that of every other scene of the process.
+std::uint32_t next_scene_generation() noexcept;
+
+/// A SlotMap whose generations start at a number of the scene's own, so that it does not know another scene's handles: for
+/// one to be taken for its own, a slot would have to be used again as often as the two numbers differ.
+template <class T, class Tag>
+class SceneTable {
+public:
+    using Id = Handle<Tag>;
+
+    explicit SceneTable(std::uint32_t first_generation) noexcept : first_(first_generation) {}
+
+    Id add(T value) { return outer(map_.add(std::move(value))); }
+    void remove(Id id) { map_.remove(inner(id)); }
+    T* find(Id id) noexcept { return map_.find(inner(id)); }
+    const T* find(Id id) const noexcept { return map_.find(inner(id)); }
+    std::size_t size() const noexcept { return map_.size(); }
+    template <class Visit>
+    void for_each(Visit&& visit) const
+    {
+        map_.for_each([&](Id id, const T& value) { visit(outer(id), value); });
+    }
+
+private:
+    Id outer(Id id) const noexcept { return {id.slot, id.generation + first_}; }
+    Id inner(Id id) const noexcept { return {id.slot, id.generation - first_}; }
+
+    SlotMap<T, Tag> map_;
+    std::uint32_t first_;
+};
+
 struct Scene::State {
     /// What a node's place decides beside its parent's bounds.
     struct Dependents {
@@ -78,14 +109,15 @@ struct Scene::State {
     /// A node with more children keeps their boxes in a tree, and leaves gaps where some were removed.
     static constexpr std::size_t kManyChildren = 2 * ChildBoxes::kBlock;
 
-    SlotMap<NodeRecord, NodeTag> nodes;
-    SlotMap<CageRecord, CageTag> cages;
-    SlotMap<Material, MaterialTag> materials;
-    SlotMap<Texture, TextureTag> textures;
-    SlotMap<Light, LightTag> lights;
-    SlotMap<CameraLens, CameraTag> cameras;
-    SlotMap<SkinRecord, SkinTag> skins;
-    SlotMap<Clip, ClipTag> clips;
+    const std::uint32_t generation = next_scene_generation();
+    SceneTable<NodeRecord, NodeTag> nodes{generation};
+    SceneTable<CageRecord, CageTag> cages{generation};
+    SceneTable<Material, MaterialTag> materials{generation};
+    SceneTable<Texture, TextureTag> textures{generation};
+    SceneTable<Light, LightTag> lights{generation};
+    SceneTable<CameraLens, CameraTag> cameras{generation};
+    SceneTable<SkinRecord, SkinTag> skins{generation};
+    SceneTable<Clip, ClipTag> clips{generation};
     std::vector<ClipId> clip_order;
     std::unordered_map<NodeId, Posed> posed;  ///< by copy; none: the scene itself
     NodeId root;
@@ -97,16 +129,16 @@ struct Scene::State {
     }
     /// The value of a live handle; throws Error otherwise.
     template <class T, class Tag>
-    static T& at(SlotMap<T, Tag>& map, Handle<Tag> id, const char* kind)
+    static T& at(SceneTable<T, Tag>& map, Handle<Tag> id, const char* kind)
     {
         if (T* value = map.find(id)) return *value;
         throw Error("", std::string("dead or foreign handle of a ") + kind,
                     id ? "slot " + std::to_string(id.slot) + ", generation " + std::to_string(id.generation) : "no handle");
     }
     template <class T, class Tag>
-    static const T& at(const SlotMap<T, Tag>& map, Handle<Tag> id, const char* kind)
+    static const T& at(const SceneTable<T, Tag>& map, Handle<Tag> id, const char* kind)
     {
-        return at(const_cast<SlotMap<T, Tag>&>(map), id, kind);
+        return at(const_cast<SceneTable<T, Tag>&>(map), id, kind);
     }
 
     /// Marks the node, its ancestors, and all that show one of them as an instance. Stops at what is dirty already: what

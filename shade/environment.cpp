@@ -44,7 +44,7 @@ float accumulate(std::span<float> weights) noexcept
     return float(sum);
 }
 
-constexpr Vec3f kZenith{0.36f, 0.45f, 0.60f}, kHorizon{0.60f, 0.62f, 0.64f}, kGround{0.34f, 0.325f, 0.31f};
+constexpr Vec3f kZenith{0.36f, 0.45f, 0.60f}, kHorizon{0.60f, 0.62f, 0.64f}, kGround{0.36f, 0.37f, 0.385f};
 
 Vec3f sky_radiance(float y) noexcept
 {

@@ -46,7 +46,7 @@ struct Materials {
         tiles = textured(add("marble tiles", Vec3f(1), 0.34f), builtin::tiles(), Vec2f(1 / (kTilesAcross * kTileSide)));
         glaze = textured(add("glaze", Vec3f(1), 0.5f, 0, 1), builtin::glaze(), Vec2f(1));
         wood = textured(add("wood", Vec3f(1), 0.42f), builtin::wood(), Vec2f(1));
-        plaster = scene.add(add("plaster", {0.40f, 0.375f, 0.35f}, 0.9f));
+        plaster = scene.add(add("plaster", {0.34f, 0.44f, 0.52f}, 0.9f));
         celadon = scene.add(add("celadon", {0.165f, 0.33f, 0.255f}, 0.5f, 0, 1));
         brass = scene.add(add("brass", {0.88f, 0.62f, 0.27f}, 0.30f, 1));
         silver = scene.add(add("silver", {0.90f, 0.89f, 0.87f}, 0.28f, 1));

@@ -65,10 +65,22 @@ public:
             return dropped("needs one value a key", where);
         for (float v : out.values)
             if (!std::isfinite(v)) return dropped("a value is not finite", where);
+        if (out.path == Channel::Path::Rotation) mend_rotations(out, where);
         return out;
     }
 
 private:
+    // A quaternion of zeros is no rotation at all, so the identity stands for it.
+    void mend_rotations(Channel& channel, const std::string& where)
+    {
+        const std::size_t step = channel.values.size() / channel.times.size(), value = step == 12 ? 4 : 0;
+        for (std::size_t key = 0; key < channel.times.size(); ++key) {
+            float* q = &channel.values[key * step + value];
+            if (q[0] != 0 || q[1] != 0 || q[2] != 0 || q[3] != 0) continue;
+            report_.warn("a rotation is zero: none is taken", where);
+            q[3] = 1;
+        }
+    }
     std::optional<Channel> dropped(const std::string& why, const std::string& where)
     {
         report_.warn("animation channel dropped: " + why, where);

@@ -6,6 +6,7 @@
 #include "io/import/gltf_uri.h"
 #include "io/import/gltf_value.h"
 #include "io/texture/decode.h"
+#include "scenegraph/content_rules.h"
 
 namespace occam::import {
 
@@ -44,7 +45,16 @@ MaterialImporter::MaterialImporter(const tinygltf::Model& model, AccessorReader&
 {
     for (std::size_t i = 0; i < model.materials.size(); ++i) {
         const tinygltf::Material& m = model.materials[i];
-        materials_.push_back(scene.add(convert(m, element("materials", static_cast<int>(i), m.name))));
+        const std::string where = element("materials", static_cast<int>(i), m.name);
+        Material material = convert(m, where);
+        try {
+            check(material);
+        } catch (const Error& error) {  // numbers that are finite in the file need not be in a product, or as floats
+            report_.warn(std::string("the default material is taken: ") + error.what(), where);
+            material = Material();
+            material.name = m.name;
+        }
+        materials_.push_back(scene.add(std::move(material)));
     }
     // The store will look at what is used. The rest is only opened here, so that a broken one is told of.
     for (std::size_t i = 0; i < model.images.size(); ++i) {

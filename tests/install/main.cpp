@@ -6,7 +6,7 @@
 int main(int, char** argv)
 try {
     occam::Scene scene = occam::load(argv[1]);
-    const occam::Camera camera = scene.camera().value_or(occam::Camera::framing(scene.bounds()));
+    const occam::Camera camera = scene.camera().value_or(occam::framing(scene, 64.0f / 48.0f));
 
     occam::Renderer renderer({.threads = 2});
     const occam::Image image = renderer.render(scene, camera, {.width = 64, .height = 48, .spp = 1});

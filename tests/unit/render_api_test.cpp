@@ -1,6 +1,10 @@
 // The facade: rendering, jobs and queries as an application uses them.
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <cmath>
+#include <thread>
+
 #include <cmath>
 
 #include "occam/occam.h"
@@ -177,6 +181,79 @@ TEST(Query, FindsFirstHitsOfManyRays)
     for (std::size_t i = 1; i < rays.size(); ++i) EXPECT_TRUE(std::isinf(hits[i].distance)) << i;
     std::vector<FirstHit> too_few(1);
     EXPECT_THROW(query.first_hits(rays, too_few), std::invalid_argument);
+}
+
+// Many threads ask one query, each in its own order, while the renderer that shares its tables renders the scene, and
+// another.
+TEST(Query, AnswersManyThreadsAsItAnswersOne)
+{
+    Square square, other;
+    Renderer renderer;
+    const Query query(renderer, square.scene, kFront);
+    const auto ray = [](int i) { return QueryRay{{-1.3 + 0.02 * i, 0.3, 3}, {0.05, 0.01 * (i % 7), -1}}; };
+    constexpr int kRays = 128;
+    std::vector<double> expected(kRays);
+    for (int i = 0; i < kRays; ++i) {
+        const auto hit = query.closest(ray(i));
+        expected[std::size_t(i)] = hit ? hit->distance : -1;
+    }
+    std::atomic<int> wrong = 0;
+    std::vector<std::thread> threads;
+    for (int t = 0; t < 6; ++t)
+        threads.emplace_back([&, t] {
+            for (int i = 0; i < kRays; ++i) {
+                const int k = (i * 37 + t * 11) % kRays;
+                const auto hit = query.closest(ray(k));
+                wrong += (hit ? hit->distance : -1) != expected[std::size_t(k)];
+                wrong += query.is_occluded(ray(k)) != hit.has_value();
+            }
+        });
+    const Settings small{.width = 16, .height = 16, .spp = 1};
+    renderer.render(square.scene, kFront, small);
+    renderer.render(other.scene, kFront, small);
+    for (std::thread& thread : threads) thread.join();
+    EXPECT_EQ(wrong, 0);
+}
+
+TEST(Query, OutlivesEdits)
+{
+    Square square;
+    auto renderer = std::make_unique<Renderer>();
+    Query query(*renderer, square.scene, kFront);
+    renderer.reset();
+    EXPECT_NEAR(query.closest({0, 0, 3}, {0, 0, -1})->distance, 3, 1e-6);
+    query.end();
+    EXPECT_THROW(query.closest({0, 0, 3}, {0, 0, -1}), Error);
+    EXPECT_THROW(query.pick(1, 1, 8), Error);
+    square.scene.set_transform(square.node, Trs{.translation = {0, 0, 1}});
+    query.begin(kFront);
+    EXPECT_NEAR(query.closest({0, 0, 3}, {0, 0, -1})->distance, 2, 1e-6);
+    EXPECT_THROW(square.scene.set_visible(square.node, false), Error);
+}
+
+// The limit surface of a cube's cage is 1/6 of a side inside of its faces' middles. A wide beam meets a coarse mesh.
+TEST(Query, TakesTheFootprintOfEachRay)
+{
+    Scene scene;
+    Cage cube;
+    cube.positions = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1}, {-1, 1, 1}};
+    cube.face_sizes.assign(6, 4);
+    cube.face_vertices = {3, 2, 1, 0, 4, 5, 6, 7, 0, 1, 5, 4, 2, 3, 7, 6, 1, 2, 6, 5, 3, 0, 4, 7};
+    scene.add_node(scene.root(), {.cages = {scene.add(std::move(cube))}});
+    const Query query(scene, kFront);
+    const QueryRay ray{{0.31, 0.23, 3}, {0, 0, -1}};
+    const auto at = [&](float width) {
+        QueryRay asked = ray;
+        asked.footprint = RayFootprint{width, 0};
+        return query.closest(asked)->distance;
+    };
+    EXPECT_NEAR(at(1e-3f), query.closest(ray)->distance, 1e-4);
+    EXPECT_GT(std::abs(at(2.0f) - at(1e-3f)), 1e-2);
+    QueryRay bad = ray;
+    for (const RayFootprint f : {RayFootprint{-1, 0}, RayFootprint{NAN, 0}, RayFootprint{1, INFINITY}}) {
+        bad.footprint = f;
+        EXPECT_THROW(query.closest(bad), Error);
+    }
 }
 
 TEST(Query, PicksWhatAPixelShows)

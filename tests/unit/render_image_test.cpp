@@ -128,7 +128,7 @@ TEST_F(ImageFile, AllFormatsAreWrittenUnderTheirFinalNameAlone)
 TEST_F(ImageFile, PngCarriesTheSrgbCurve)
 {
     const Image image = gradient(8, 8);
-    image.write(folder / "a.png");
+    image.write(folder / "a.png", {.exposure_ev = 0, .tonemap = Tonemap::Srgb});
     const Image back = Image::read(folder / "a.png");
     const Layer& was = *image.find("beauty");
     const Layer& is = *back.find("beauty");
@@ -143,7 +143,7 @@ TEST_F(ImageFile, TransparentPixelsStayTransparentInPng)
     Image image = gradient(2, 1);
     const float half_covered[4] = {0.25f, 0.25f, 0.25f, 0.5f};  // multiplied by coverage
     std::copy_n(half_covered, 4, image.layer(0).pixels.begin());
-    image.write(folder / "a.png");
+    image.write(folder / "a.png", {.exposure_ev = 0, .tonemap = Tonemap::Srgb});
     const Layer beauty = *Image::read(folder / "a.png").find("beauty");
     ASSERT_EQ(beauty.channel_count(), 4u);
     EXPECT_NEAR(beauty.pixels[3], 0.5f, 0.51f / 255);
@@ -201,8 +201,74 @@ TEST(Display, ExposureAndCurvesDoWhatTheyPromise)
     EXPECT_EQ(one_stop.pixels, (std::vector<float>{0.5f, 1.0f, 1.0f}));
     for (float x : {0.0f, 0.002f, 0.2f, 0.9f, 1.0f}) EXPECT_NEAR(linear_from_srgb(srgb_from_linear(x)), x, 1e-6f);
     EXPECT_NEAR(srgb_from_linear(0.2140411f), 0.5f, 1e-5f);
-    const auto filmic = display_image(image, {.tonemap = Tonemap::Aces});
-    EXPECT_TRUE(filmic.pixels[0] < filmic.pixels[1] && filmic.pixels[1] < filmic.pixels[2] && filmic.pixels[2] < 1);
+    for (const Tonemap curve : {Tonemap::Aces, Tonemap::Filmic}) {
+        const auto filmic = display_image(image, {.exposure_ev = 0, .tonemap = curve});
+        EXPECT_TRUE(filmic.pixels[0] < filmic.pixels[1] && filmic.pixels[1] < filmic.pixels[2] && filmic.pixels[2] < 1);
+    }
+}
+
+// Black, grey and white of the filmic curve, and that it rises without a jump.
+TEST(Display, TheFilmicCurveRisesFromBlackToWhite)
+{
+    float last = 0;
+    for (int i = 0; i <= 1000; ++i) {
+        Image image(1, 1);
+        image.add_layer("beauty", {"R", "G", "B"}).pixels.assign(3, 0.01f * float(i));
+        const float shown = display_image(image, {.exposure_ev = 0}).pixels[1];
+        EXPECT_GE(shown, last) << i;  // 0 at 0
+        EXPECT_LT(shown - last, 0.12f) << i;
+        last = shown;
+    }
+    const auto at = [](float x) {
+        Image image(1, 1);
+        image.add_layer("beauty", {"R", "G", "B"}).pixels.assign(3, x);
+        return display_image(image, {.exposure_ev = 0}).pixels[1];
+    };
+    EXPECT_EQ(at(0), 0);
+    EXPECT_NEAR(at(0.3f), srgb_from_linear(0.3f), 1e-5f);
+    for (const float white : {8.0f, 9.0f, 1e9f}) EXPECT_NEAR(at(white), 1, 1e-6f) << white;
+}
+
+Image grey(std::size_t pixels, float value)
+{
+    Image image(int(pixels), 1);
+    image.add_layer("beauty", {"R", "G", "B", "A"}).pixels.assign(4 * pixels, value);
+    for (std::size_t i = 0; i < pixels; ++i) image.layer(0).pixels[4 * i + 3] = 1;
+    return image;
+}
+
+TEST(Display, AutomaticExposureLeavesWhatIsLitAsUsual)
+{
+    for (const float usual : {0.13f, 0.25f, 0.49f}) EXPECT_EQ(automatic_exposure(grey(100, usual)), 0) << usual;
+    EXPECT_NEAR(automatic_exposure(grey(100, 2)), -2, 1e-5f);         // to 0.5
+    EXPECT_NEAR(automatic_exposure(grey(100, 1.0f / 64)), 3, 1e-5f);  // to 0.125
+    EXPECT_NEAR(automatic_exposure(grey(100, 1e30f)), -kMostStops, 1e-5f);
+    EXPECT_NEAR(automatic_exposure(grey(100, 1e-30f)), kMostStops, 1e-5f);
+    EXPECT_EQ(automatic_exposure(grey(100, 0)), 0);
+    EXPECT_EQ(automatic_exposure(grey(100, std::numeric_limits<float>::infinity())), 0);
+    EXPECT_EQ(automatic_exposure(grey(100, std::nanf(""))), 0);
+    EXPECT_EQ(automatic_exposure(Image(3, 3)), 0);
+}
+
+TEST(Display, AutomaticExposureAsksOnlyWhatIsSeenAndLit)
+{
+    Image spot = grey(1000, 1e-6f);  // a stage in the dark
+    for (std::size_t i = 0; i < 4 * 50; ++i) spot.layer(0).pixels[i] = i % 4 == 3 ? 1.0f : 0.3f;
+    EXPECT_EQ(automatic_exposure(spot), 0);
+    Image cut_out = grey(1000, 8);  // nothing covers the bright part
+    for (std::size_t i = 0; i < 1000; ++i) {
+        float* pixel = &cut_out.layer(0).pixels[4 * i];
+        if (i < 900) pixel[3] = 0;
+        else pixel[0] = pixel[1] = pixel[2] = 0.25f;
+    }
+    EXPECT_EQ(automatic_exposure(cut_out), 0);
+    Image lamp = grey(1000, 1.0f / 64);  // a dark room with a lamp in sight, which is not to burn
+    for (std::size_t i = 0; i < 4 * 50; ++i) lamp.layer(0).pixels[i] = 1;
+    EXPECT_NEAR(automatic_exposure(lamp), 1, 1e-4f);
+    Image view = grey(100, 16);
+    view.is_light = false;
+    EXPECT_EQ(automatic_exposure(view), 0);
+    EXPECT_NEAR(display_image(view, {}).pixels[0], 1, 1e-6f);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // Occam, for applications: load or build a scene, render it, ask it what a ray meets.
 //
 //     occam::Scene scene = occam::load("courtyard.glb");
-//     occam::Camera camera = scene.camera().value_or(occam::Camera::framing(scene.bounds()));
+//     occam::Camera camera = scene.camera().value_or(occam::framing(scene));
 //     occam::Renderer renderer;
 //     renderer.render(scene, camera, {.width = 1280, .height = 720, .spp = 16}).write("courtyard.exr");
 //
@@ -22,6 +22,7 @@
 #include "render/settings.h"
 #include "render/stats.h"
 #include "render/version.h"
+#include "scenegraph/camera_fit.h"
 #include "scenegraph/scene.h"
 #include "verify/verify.h"
 
@@ -33,15 +34,23 @@ using render::FrameStats;
 using render::Image;
 using render::IntegratorKind;
 using render::Layer;
+using render::Lod;
 using render::Resources;
 using render::Settings;
+using render::ShadeAt;
 using render::Tonemap;
 using render::View;
 using render::WriteOptions;
+using shade::Sky;
 
 /// How far a job is: its stage, the fraction done, seconds left (below 0: unknown).
 using Progress = render::FrameControl::Progress;
 using Stage = render::FrameControl::Stage;
+
+/// The nearest camera that has all of the scene in its picture, as it is posed now, with a narrow margin: what the command
+/// line uses where a file has no camera.
+/// aspect   width over height of the picture
+Camera framing(Scene& scene, float aspect = 16.0f / 9.0f, ViewFrom from = ViewFrom::ThreeQuarter, Vec3d up = {0, 1, 0});
 
 /// A frame on its way, on a thread of its own. Movable; one owner.
 class Job {
@@ -91,6 +100,7 @@ public:
 
 private:
     friend class Job;
+    friend class Query;
     struct State;
     std::shared_ptr<State> state_;
 };
@@ -106,11 +116,18 @@ struct Hit {
     std::uint32_t face = 0;  ///< of the node's cage
 };
 
+/// The full width of the beam that a ray stands for: `width + spread * t` at the distance t, world length. It decides how
+/// fine the surfaces are that the ray meets.
+struct RayFootprint {
+    float width = 0, spread = 0;
+};
+
 /// A ray to be asked about.
 struct QueryRay {
     Vec3d origin{0};
     Vec3d direction{0, 0, -1};                             ///< need not be unit
     double far = std::numeric_limits<double>::infinity();  ///< world length
+    std::optional<RayFootprint> footprint{};               ///< none: that of a pixel of the query's camera
 };
 
 /// Where a ray ends.
@@ -120,25 +137,42 @@ struct FirstHit {
     std::uint32_t face = 0;  ///< of the node's cage
 };
 
-/// Questions to a scene that holds still: edits throw while a Query lives.
+/// Questions to a scene that holds still: edits throw from construction or begin() until end().
 ///
-/// Surfaces are diced as for the camera's picture: a ray meets what that picture shows. One thread at a time.
+/// Surfaces are diced as for the camera's picture: a ray meets what that picture shows, unless it brings a footprint. A
+/// query outlives frames: end() lets the application edit the scene, begin() asks about the edited one, and what no vertex
+/// position can change is kept between them.
+///
+/// Memory   at most `memory_bytes` for each thread that asks at the same time.
+/// Threads  the const functions from any number of threads at once; begin() and end() while no thread asks.
 class Query {
 public:
     /// image_height   of the picture whose pixels decide how fine surfaces are
+    /// scene          must outlive the query
     Query(Scene& scene, const Camera& camera, int image_height = 720, std::size_t memory_bytes = std::size_t(256) << 20);
+    /// Shares the renderer's topology tables, so that none is made twice. The renderer may render meanwhile, and may die
+    /// first.
+    Query(const Renderer& renderer, Scene& scene, const Camera& camera, int image_height = 720,
+          std::size_t memory_bytes = std::size_t(256) << 20);
     Query(Query&&) noexcept;
     ~Query();
 
+    /// Gives the scene back for edits. Questions throw Error until begin().
+    void end() noexcept;
+    /// Asks about the scene as it is now, seen from that camera. Ends what was begun before.
+    void begin(const Camera& camera);
+
     /// Nearest surface within `far`; `direction` need not be unit. None for a zero or non-finite direction.
-    std::optional<Hit> closest(Vec3d origin, Vec3d direction, double far = std::numeric_limits<double>::infinity());
+    std::optional<Hit> closest(Vec3d origin, Vec3d direction, double far = std::numeric_limits<double>::infinity()) const;
+    std::optional<Hit> closest(const QueryRay& ray) const;
     /// The same for many rays at once, without what shading needs: several times as fast a ray where they lie close together
     /// (sensors, lines of sight, footsteps). hits.size() == rays.size(), else it throws std::invalid_argument.
-    void first_hits(std::span<const QueryRay> rays, std::span<FirstHit> hits);
+    void first_hits(std::span<const QueryRay> rays, std::span<FirstHit> hits) const;
     /// True if anything lies strictly between the two points.
-    bool is_occluded(Vec3d from, Vec3d to);
+    bool is_occluded(Vec3d from, Vec3d to) const;
+    bool is_occluded(const QueryRay& ray) const;
     /// What a pixel of the camera's picture shows; x and y in pixels of a width x image_height frame.
-    std::optional<Hit> pick(double x, double y, int width);
+    std::optional<Hit> pick(double x, double y, int width) const;
 
 private:
     struct State;

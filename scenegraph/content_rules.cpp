@@ -1,0 +1,135 @@
+#include "scenegraph/content_rules.h"
+
+#include <cmath>
+
+#include "base/error.h"
+
+namespace occam {
+namespace {
+
+// One thing's values, each looked at once.
+class Rules {
+public:
+    Rules(const char* kind, const std::string& name) : where_(name.empty() ? kind : std::string(kind) + " '" + name + "'") {}
+
+    void require(bool holds, const char* value, const char* rule) const
+    {
+        if (!holds) throw Error("", std::string(value) + " must be " + rule, where_);
+    }
+    void finite(float v, const char* value) const { require(std::isfinite(v), value, "finite"); }
+    void at_least_0(float v, const char* value) const { require(std::isfinite(v) && v >= 0, value, "finite and 0 or more"); }
+    void from_0_to_1(float v, const char* value) const { require(v >= 0 && v <= 1, value, "from 0 to 1"); }
+    template <class Vec>
+    void color(Vec v, const char* value) const
+    {
+        for (int c = 0; c < int(Vec::length()); ++c) at_least_0(v[c], value);
+    }
+
+private:
+    std::string where_;
+};
+
+void check_use(const Rules& rules, const TextureUse& use)
+{
+    for (const float v : {use.offset.x, use.offset.y, use.scale.x, use.scale.y, use.rotation})
+        rules.finite(v, "the transform of a texture");
+}
+
+}  // namespace
+
+void check(const Material& m)
+{
+    const Rules rules("material", m.name);
+    rules.color(m.base_color, "the base colour");
+    rules.color(m.emission, "the emission");
+    rules.color(m.specular_color, "the specular colour");
+    rules.color(m.attenuation_color, "the attenuation colour");
+    rules.from_0_to_1(m.roughness, "the roughness");
+    rules.from_0_to_1(m.metallic, "the metallic share");
+    rules.from_0_to_1(m.transmission, "the transmission");
+    rules.from_0_to_1(m.clearcoat, "the clearcoat");
+    rules.from_0_to_1(m.clearcoat_roughness, "the clearcoat's roughness");
+    rules.at_least_0(m.specular, "the specular share");
+    rules.at_least_0(m.ior, "the index of refraction");
+    rules.at_least_0(m.thickness, "the thickness");
+    // A distance of infinity is glTF's default, and is a clear body.
+    rules.require(m.attenuation_distance >= 0, "the attenuation distance", "0 or more");
+    rules.finite(m.normal_scale, "the scale of the normal map");
+    rules.finite(m.bump_scale, "the scale of the bump map");
+    rules.finite(m.occlusion_strength, "the strength of the occlusion map");
+    rules.finite(m.alpha_cutoff, "the alpha cutoff");
+    for (const TextureUse* use :
+         {&m.base_color_texture, &m.metallic_roughness_texture, &m.roughness_texture, &m.metallic_texture,
+          &m.emission_texture, &m.normal_texture, &m.bump_texture, &m.occlusion_texture, &m.alpha_texture,
+          &m.transmission_texture, &m.clearcoat_texture, &m.clearcoat_roughness_texture, &m.clearcoat_normal_texture,
+          &m.specular_texture, &m.specular_color_texture})
+        check_use(rules, *use);
+}
+
+void check(const Light& light)
+{
+    const Rules rules("light", light.name);
+    if (const auto* point = std::get_if<PointLight>(&light.kind)) {
+        rules.color(point->intensity, "the intensity");
+        rules.at_least_0(point->range, "the range");
+        rules.at_least_0(point->inner_angle, "the inner angle");
+        rules.at_least_0(point->outer_angle, "the outer angle");
+    } else if (const auto* sun = std::get_if<SunLight>(&light.kind)) {
+        rules.color(sun->irradiance, "the irradiance");
+    } else if (const auto* area = std::get_if<AreaLight>(&light.kind)) {
+        rules.color(area->radiance, "the radiance");
+        rules.at_least_0(area->size.x, "the width");
+        rules.at_least_0(area->size.y, "the height");
+    }
+}
+
+void check(const CameraLens& lens)
+{
+    const Rules rules("camera", {});
+    rules.require(lens.orthographic || (lens.fov > 0 && lens.fov < 3.14159265f), "the angle of view",
+                  "above 0 and below pi");
+    rules.at_least_0(lens.aspect, "the aspect");
+    rules.require(!lens.orthographic || (std::isfinite(lens.height) && lens.height > 0), "the height", "finite and above 0");
+    rules.at_least_0(lens.radius, "the radius of the lens");
+    rules.at_least_0(lens.focus, "the focus");
+}
+
+void check(const Trs& place, const std::string& name)
+{
+    const Rules rules("node", name);
+    for (int c = 0; c < 3; ++c)
+        rules.require(std::isfinite(place.translation[c]) && std::isfinite(place.scale[c]), "a place", "finite");
+    const double length = glm::dot(place.rotation, place.rotation);
+    rules.require(std::isfinite(length) && length > 0, "a rotation", "a finite quaternion that is not zero");
+}
+
+void check(const Environment& environment)
+{
+    const Rules rules("environment", {});
+    rules.color(environment.radiance, "the radiance");
+    rules.finite(environment.rotation, "the rotation");
+}
+
+void check(const Clip& clip)
+{
+    const Rules rules("clip", clip.name);
+    for (const Channel& channel : clip.channels) {
+        const bool is_rotation = channel.path == Channel::Path::Rotation;
+        const int width = is_rotation ? 4 : 3;
+        rules.require(channel.path == Channel::Path::Weights ? channel.width >= 0 : channel.width == width,
+                      "a channel's width", "3, of rotations 4, and of weights their number");
+        const std::size_t values = channel.interpolation == Channel::Interpolation::CubicSpline ? 3 : 1;
+        rules.require(channel.values.size() == channel.times.size() * values * std::size_t(channel.width),
+                      "a channel's number of values", "that of its times, times its width, times 3 for a cubic spline");
+        for (std::size_t i = 0; i < channel.times.size(); ++i)
+            rules.require(std::isfinite(channel.times[i]) && (i == 0 || channel.times[i] > channel.times[i - 1]),
+                          "a channel's times", "finite and strictly rising");
+        for (const float v : channel.values) rules.finite(v, "a channel's values");
+        for (std::size_t key = 0; is_rotation && key < channel.times.size(); ++key) {
+            const float* q = &channel.values[(values * key + values / 2) * 4];
+            rules.require(q[0] != 0 || q[1] != 0 || q[2] != 0 || q[3] != 0, "a rotation", "a quaternion that is not zero");
+        }
+    }
+}
+
+}  // namespace occam

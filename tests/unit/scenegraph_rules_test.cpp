@@ -1,0 +1,118 @@
+// What a scene refuses: other scenes' handles, and values that nothing can have.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/error.h"
+#include "scenegraph/scene.h"
+
+namespace occam {
+namespace {
+
+Material named(const char* name)
+{
+    Material material;
+    material.name = name;
+    return material;
+}
+
+// Two scenes made by the same steps: each handle of one has the slot and the generation of something in the other.
+TEST(SceneHandles, AreTheirOwnScenesAlone)
+{
+    struct Filled {
+        Scene scene;
+        NodeId node = scene.add_node(scene.root(), {});
+        MaterialId material = scene.add(Material{});
+        LightId light = scene.add(Light{});
+        TextureId texture = scene.add(Texture{});
+        CageId cage = scene.add(Cage{});
+        ClipId clip = scene.add(Clip{});
+        SkinId skin = scene.add(Skin{{}, {node}, {}});
+    };
+    Filled a, b;
+    EXPECT_NE(a.node, b.node);
+    EXPECT_THROW(a.scene.node(b.node), Error);
+    EXPECT_THROW(a.scene.add_node(b.scene.root(), {}), Error);
+    EXPECT_THROW(a.scene.set_transform(b.node, Trs{}), Error);
+    EXPECT_THROW(a.scene.remove(b.node), Error);
+    EXPECT_THROW(a.scene.replace(b.material, Material{}), Error);
+    EXPECT_THROW(a.scene.set_materials(a.node, {b.material}), Error);
+    EXPECT_THROW(a.scene.set_skin(a.node, b.skin), Error);
+    EXPECT_THROW(a.scene.pose(b.clip, 0), Error);
+    EXPECT_THROW(a.scene.light(b.light), Error);
+    EXPECT_THROW(a.scene.texture(b.texture), Error);
+    EXPECT_THROW(a.scene.remove(b.cage), Error);
+    EXPECT_EQ(a.scene.find(b.node), nullptr);
+    const Scene moved = std::move(a.scene);
+    EXPECT_NO_THROW(moved.node(a.node));
+    EXPECT_THROW(moved.node(b.node), Error);
+}
+
+TEST(SceneRules, ValuesThatNothingCanHaveAreRefused)
+{
+    Scene scene;
+    const NodeId node = scene.add_node(scene.root(), {});
+    const MaterialId known = scene.add(named("known"));
+    const float nan = std::nanf("");
+    const auto refuses = [&](auto change) {
+        Material m = named("paint");
+        change(m);
+        EXPECT_THROW(scene.add(m), Error);
+        EXPECT_THROW(scene.replace(known, m), Error);
+    };
+    refuses([&](Material& m) { m.base_color.x = nan; });
+    refuses([&](Material& m) { m.base_color.w = -1; });
+    refuses([&](Material& m) { m.emission.y = INFINITY; });
+    refuses([&](Material& m) { m.roughness = -0.1f; });
+    refuses([&](Material& m) { m.roughness = nan; });
+    refuses([&](Material& m) { m.metallic = 1.5f; });
+    refuses([&](Material& m) { m.ior = nan; });
+    refuses([&](Material& m) { m.clearcoat_roughness = -1; });
+    refuses([&](Material& m) { m.normal_texture.scale.x = nan; });
+    EXPECT_EQ(scene.material(known).name, "known");
+    EXPECT_THROW(scene.add(Light{"l", PointLight{Vec3f(nan)}}), Error);
+    EXPECT_THROW(scene.add(Light{"l", SunLight{Vec3f(-1)}}), Error);
+    EXPECT_THROW(scene.add(Light{"l", AreaLight{AreaLight::Shape::Disc, Vec2f(-1)}}), Error);
+    EXPECT_THROW(scene.add(CameraLens{.fov = 0}), Error);
+    EXPECT_THROW(scene.set_transform(node, Trs{.rotation = Vec4d(0)}), Error);
+    EXPECT_THROW(scene.set_transform(node, Trs{.rotation = Vec4d(double(nan))}), Error);
+    EXPECT_THROW(scene.add_node(node, {.place = {.rotation = Vec4d(0)}}), Error);
+    try {
+        Material m = named("paint");
+        m.roughness = -1;
+        scene.add(m);
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_STREQ(error.what(), "the roughness must be from 0 to 1 (material 'paint')");
+    }
+}
+
+TEST(SceneRules, AClipsChannelsAreWhole)
+{
+    Scene scene;
+    const NodeId node = scene.add_node(scene.root(), {});
+    Channel good;
+    good.target = node;
+    good.times = {0, 1};
+    good.values = {0, 0, 0, 1, 1, 1};
+    EXPECT_NO_THROW(scene.add(Clip{"good", {good}}));
+    const auto refuses = [&](auto change) {
+        Channel c = good;
+        change(c);
+        EXPECT_THROW(scene.add(Clip{"bad", {c}}), Error);
+    };
+    refuses([](Channel& c) { c.values.pop_back(); });
+    refuses([](Channel& c) { c.width = 4; });
+    refuses([](Channel& c) { c.width = -3; });
+    refuses([](Channel& c) { c.times = {1, 1}; });
+    refuses([](Channel& c) { c.times = {1, 0}; });
+    refuses([](Channel& c) { c.times[1] = std::nanf(""); });
+    refuses([](Channel& c) { c.values[2] = INFINITY; });
+    refuses([](Channel& c) { c.interpolation = Channel::Interpolation::CubicSpline; });
+    refuses([](Channel& c) { c.path = Channel::Path::Rotation; });
+    refuses([](Channel& c) { c.path = Channel::Path::Rotation, c.width = 4, c.values.assign(8, 0.0f); });
+    EXPECT_EQ(scene.clips().size(), 1u);
+}
+
+}  // namespace
+}  // namespace occam
