@@ -43,13 +43,14 @@ Cage tube(MaterialId material)
     return cage;
 }
 
+// Joints turn from side to side, so that the worm stays on the floor.
 Channel turning(NodeId joint, float phase)
 {
     Channel channel{joint, Channel::Path::Rotation, Channel::Interpolation::Linear, {}, {}, 4};
     for (int key = 0; key <= 8; ++key) {
         const float angle = 0.5f * std::sin(2 * kPi * (float(key) / 8 + phase));
         channel.times.push_back(float(key) / 8);
-        for (float value : {0.0f, 0.0f, std::sin(angle / 2), std::cos(angle / 2)}) channel.values.push_back(value);
+        for (float value : {0.0f, std::sin(angle / 2), 0.0f, std::cos(angle / 2)}) channel.values.push_back(value);
     }
     return channel;
 }
@@ -91,6 +92,10 @@ void add_surroundings(Scene& scene, float half_side)
     floor.positions = {
         {-half_side, 0, half_side}, {half_side, 0, half_side}, {half_side, 0, -half_side}, {-half_side, 0, -half_side}};
     floor.face_vertices = {0, 1, 2, 0, 2, 3};
+    Material grey;
+    grey.base_color = {0.34f, 0.33f, 0.31f, 1};
+    grey.roughness = 0.8f;
+    floor.materials = {scene.add(std::move(grey))};
     scene.add_node(scene.root(), {.name = "floor", .cages = {scene.add(std::move(floor))}});
     NodeDesc sun;
     sun.place.rotation = {-0.4545, 0.2706, 0.1464, 0.8361};  // from behind, high, a little to one side

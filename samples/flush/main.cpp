@@ -3,30 +3,33 @@
 //
 //     occam_flush [WORMS A SIDE] [WIDTH HEIGHT]
 //
-// Exit code 1 if a picture differs.
+// Writes flush.png. Exit code 1 if a picture differs.
 #include <occam/occam.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 
+#include "arguments.h"
 #include "worm.h"
 
 using namespace occam;
 
 int main(int argc, char** argv)
 try {
-    const int side = argc > 1 ? std::atoi(argv[1]) : 24;
-    const Settings settings{
-        .width = argc > 3 ? std::atoi(argv[2]) : 640, .height = argc > 3 ? std::atoi(argv[3]) : 360, .spp = 4};
+    sample::Arguments arguments(argc, argv);
+    if (arguments.wants_help("occam_flush [WORMS A SIDE] [WIDTH HEIGHT]")) return 0;
+    const int side = arguments.number("WORMS A SIDE", 1, 1000, 24);
+    Settings settings{.width = 640, .height = 360, .spp = 4};
+    arguments.size(settings.width, settings.height);
+    arguments.end();
 
     Scene scene;
     const sample::Worm worm = sample::add_worm(scene, {0.8f, 0.7f, 0.3f});
     sample::add_surroundings(scene, float(3 * side));
     for (int i = 0; i < side * side; ++i) {
         Trs place;
-        place.translation = {2.4 * (i % side - (side - 1) * 0.5), 0.5, 1.2 * (i / side - (side - 1) * 0.5)};
+        place.translation = {2.4 * (i % side - (side - 1) * 0.5), 0.34, 1.2 * (i / side - (side - 1) * 0.5)};
         const NodeId copy = scene.copy(worm.node, scene.root());
         scene.set_transform(copy, place);
         const ClipAt now{worm.crawl, std::fmod(0.37 * i, 1.0)};
@@ -37,12 +40,14 @@ try {
 
     const auto render = [&](std::size_t budget, FrameStats& stats) {
         Renderer renderer({.memory_bytes = budget});
-        const std::uint64_t checksum = renderer.render(scene, camera, settings).checksum();
+        Image image = renderer.render(scene, camera, settings);
         stats = renderer.stats();
-        return checksum;
+        return image;
     };
     FrameStats stats;
-    const std::uint64_t wanted = render(std::size_t(1) << 40, stats);
+    const Image unbudgeted = render(std::size_t(1) << 40, stats);
+    unbudgeted.write("flush.png");
+    const std::uint64_t wanted = unbudgeted.checksum();
     const double seconds = stats.seconds.total;
     const std::uint64_t peak = stats.memory.arena_peak_bytes;
     std::printf("%12s %10s %8s\n%12llu %9.2fx %8llu   unbudgeted, %.2f s\n", "bytes", "time", "flushes",
@@ -51,7 +56,7 @@ try {
     // Below the floor a budget is refused.
     const std::uint64_t floor = Renderer().memory_floor(scene);
     for (std::uint64_t budget = peak / 2; budget > std::max(peak / 32, floor); budget /= 2) {
-        const bool equal = render(budget, stats) == wanted;
+        const bool equal = render(budget, stats).checksum() == wanted;
         is_same &= equal;
         std::printf("%12llu %9.2fx %8llu%s\n", static_cast<unsigned long long>(budget), stats.seconds.total / seconds,
                     static_cast<unsigned long long>(stats.memory.flushes), equal ? "" : "   DIFFERS");

@@ -1,15 +1,16 @@
 // A game's loop: the scene is the application's, and every frame is new.
 //
-//     occam_game [FILE.glb] [--headless --frames N] [--size WxH]
+//     occam_game [FILE.glb] [--headless] [--frames N] [--size WxH] [-o PICTURE]
 //
-// FILE: a character whose first clip is played, instead of the worm. Escape ends.
+// FILE: a character whose first clip is played, instead of the worm. Escape ends. Without a window, the last frame is
+// written to PICTURE (game.png).
 #include <occam/occam.h>
 
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
+#include <string>
 
+#include "arguments.h"
 #include "worm.h"
 #ifdef OCCAM_HAS_SDL2
 #include <SDL2/SDL.h>
@@ -90,8 +91,9 @@ private:
     int frame_ = 0, made_ = 0;
 };
 
-int play_headless(Game& game, Settings settings, int frames)
+int play_headless(Game& game, Settings settings, int frames, const std::filesystem::path& picture)
 {
+    Image::check_writable(picture);
     Renderer renderer;
     for (int frame = 0; frame < frames; ++frame) {
         const double clock = frame / 30.0;
@@ -100,6 +102,7 @@ int play_headless(Game& game, Settings settings, int frames)
         std::printf("frame %d: %.3f s, %llu vertices deformed, checksum %016llx\n", frame, renderer.stats().seconds.total,
                     static_cast<unsigned long long>(renderer.stats().built.vertices_deformed),
                     static_cast<unsigned long long>(image.checksum()));
+        if (frame + 1 == frames) image.write(picture);
     }
     return 0;
 }
@@ -143,29 +146,48 @@ int play(Game& game, Settings settings)
 }
 #endif
 
+// What the command line says.
+struct Words {
+    const char* file = nullptr;
+    bool headless = false;
+    int frames = 100, width = 640, height = 360, spp = 4;
+    std::filesystem::path picture = "game.png";
+
+    /// False if help was asked for, and printed. Throws Error for what it does not understand.
+    bool read(int argc, char** argv)
+    {
+        if (sample::Arguments(argc, argv)
+                .wants_help("occam_game [FILE.glb] [--headless] [--frames N] [--size WxH] [-o PICTURE]"))
+            return false;
+        for (int i = 1; i < argc; ++i) {
+            const std::string word = argv[i];
+            const char* value = i + 1 < argc ? argv[i + 1] : "";
+            int end = 0;
+            if (word == "--headless") headless = true;
+            else if (word == "--frames" && std::sscanf(value, "%d%n", &frames, &end) == 1 && !value[end] && frames > 0) ++i;
+            else if (word == "--size" && std::sscanf(value, "%dx%d%n", &width, &height, &end) == 2 && !value[end]) ++i;
+            else if (word == "-o" && *value) picture = argv[++i];
+            else if (word[0] != '-' && !file) file = argv[i];
+            else throw Error("", "is not understood here (--help)", word + (*value ? std::string(" ") + value : ""));
+        }
+        return true;
+    }
+};
+
 }  // namespace
 
 int main(int argc, char** argv)
 try {
-    const char* file = nullptr;
-    bool headless = false;
-    int frames = 100;
-    Settings settings{.width = 640, .height = 360, .spp = 1, .shading_rate = 2};
-    for (int i = 1; i < argc; ++i) {
-        if (!std::strcmp(argv[i], "--headless")) headless = true;
-        else if (!std::strcmp(argv[i], "--frames") && i + 1 < argc) frames = std::atoi(argv[++i]);
-        else if (!std::strcmp(argv[i], "--size") && i + 1 < argc &&
-                 std::sscanf(argv[i + 1], "%dx%d", &settings.width, &settings.height) == 2)
-            ++i;
-        else file = argv[i];
-    }
-    Game game(file);
+    Words words;
+    if (!words.read(argc, argv)) return 0;
+    Game game(words.file);
+    const Settings settings{.width = words.width, .height = words.height, .spp = words.spp, .shading_rate = 2};
 #ifdef OCCAM_HAS_SDL2
-    if (!headless) return play(game, settings);
+    if (!words.headless) return play(game, settings);
 #else
-    if (!headless) std::puts("built without SDL2: no window");
+    if (!words.headless) std::puts("built without SDL2: no window");
 #endif
-    return play_headless(game, settings, frames);
+    return play_headless(game, settings, words.frames, words.picture);
 } catch (const Error& error) {
     std::fprintf(stderr, "occam_game: %s\n", error.what());
     return 2;

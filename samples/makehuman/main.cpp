@@ -5,8 +5,8 @@
 // DATA holds base.obj, default.mhskel, default_weights.mhw, walk1.bvh and targets/. Exit code 77 if it is not there.
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 
+#include "arguments.h"
 #include "walk.h"
 #include "worm.h"
 
@@ -14,14 +14,17 @@ using namespace occam;
 
 int main(int argc, char** argv)
 try {
-    const std::filesystem::path data = argc > 1 ? argv[1] : "makehuman", folder = argc > 2 ? argv[2] : "pictures";
+    sample::Arguments arguments(argc, argv);
+    if (arguments.wants_help("occam_makehuman DATA [FOLDER] [FRAMES] [WIDTH HEIGHT]")) return 0;
+    const std::filesystem::path data = arguments.path("makehuman"), folder = arguments.path("pictures");
+    const int frames = arguments.number("FRAMES", 1, 9999, 48);
+    Settings settings{.width = 640, .height = 360, .spp = 16};
+    arguments.size(settings.width, settings.height);
+    arguments.end();
     if (!std::filesystem::exists(data / "base.obj")) {
         std::fprintf(stderr, "occam_makehuman: skipped, since there is no base.obj in %s\n", data.string().c_str());
         return 77;
     }
-    const int frames = argc > 3 ? std::atoi(argv[3]) : 48;
-    const Settings settings{
-        .width = argc > 5 ? std::atoi(argv[4]) : 640, .height = argc > 5 ? std::atoi(argv[5]) : 360, .spp = 16};
 
     Scene scene;
     const sample::Body body = sample::add_body(scene, data, "male-young-averagemuscle-averageweight-maxheight.target",
@@ -46,7 +49,7 @@ try {
         }
         const Camera camera = Camera::look_at({18, 13, 46}, {0, 10, -4}, {0, 1, 0}, 0.52f);
         const std::string number = std::to_string(10000 + frame).substr(1);
-        renderer.render(scene, camera, settings).write(folder / ("people." + number + ".png"));
+        renderer.render(scene, camera, settings).write(folder / ("people." + number + ".png"), {.exposure_ev = 0});
         std::printf("frame %d: %.2f s, %llu vertices deformed\n", frame, renderer.stats().seconds.total,
                     static_cast<unsigned long long>(renderer.stats().built.vertices_deformed));
     }
