@@ -62,6 +62,27 @@ TEST_F(Framing, AnObjectFillsThePictureAndIsNotCutOff)
         }
 }
 
+// One camera and one exposure for the whole clip: no frame is cut off, and it does not matter who makes which frame.
+TEST_F(Framing, AClipStaysInThePictureAndItsShardsAgree)
+{
+    const std::string fish = (fs::path(OCCAM_SOURCE_DIR) / "samples/scenes/fish.glb").string();
+    const auto animate = [&](const std::string& pattern, const std::string& frames, const std::string& shard) {
+        const Outcome o = run({"animate", fish, "-o", pattern, "--frames", frames, "--clip", "Swim", "--size", "60x40",
+                               "--spp", "1", "--background", "off", "--shard", shard});
+        EXPECT_EQ(o.exit_code, kDone) << o.err;
+    };
+    animate("a.##.exr", "0-18x6", "1/1");
+    for (const char* name : {"a.00.exr", "a.06.exr", "a.12.exr", "a.18.exr"}) {
+        const Covered c = covered(folder / name);
+        EXPECT_TRUE(c.x0 > 0 && c.x1 < 59 && c.y0 > 0 && c.y1 < 39) << name;
+        EXPECT_TRUE(c.height() > 30 || c.width() > 45) << name;
+    }
+    animate("b.##.png", "0-18x6", "1/1");
+    animate("c.##.png", "0-18x6", "2/2");
+    EXPECT_EQ(text_of(folder / "b.06.png"), text_of(folder / "c.06.png"));
+    EXPECT_EQ(text_of(folder / "b.18.png"), text_of(folder / "c.18.png"));
+}
+
 TEST_F(Framing, UpAndTheAngleOfViewAreFollowed)
 {
     // A mast along z, with a foot.
