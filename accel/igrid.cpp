@@ -7,6 +7,7 @@
 namespace occam::accel {
 namespace {
 
+constexpr std::size_t kFewTriangles = 4;  // are one block
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 BoxTree make_boxes(int blocks, Arena& arena)
@@ -247,32 +248,71 @@ IGrid* IGridBuilder::build_tile(const lod::PosedCage& cage, const Part& tile, Ar
     return build_patches(cage, {&tile, 1}, arena);
 }
 
+// Gives faces to leaves [leaf, leaf + leaves) of the box tree, so that its halves are the parts of the split.
+void IGridBuilder::cut_triangles(std::span<lod::BoxedFace> faces, int leaf, int leaves)
+{
+    const bool fits = faces.size() <= IGrid::kBlock;
+    if (leaves > 1 && faces.size() > 1) {
+        const lod::FaceSplit split = lod::split_faces(faces, static_cast<std::size_t>(leaves / 2) * IGrid::kBlock);
+        if (split.pays || !fits) {
+            cut_triangles(faces.first(split.count), leaf, leaves / 2);
+            cut_triangles(faces.subspan(split.count), leaf + leaves / 2, leaves / 2);
+            return;
+        }
+    }
+    triangle_blocks_.push_back({leaf, faces});
+}
+
 IGrid* IGridBuilder::build_triangles(const lod::PosedCage& cage, std::span<const std::uint32_t> faces, Arena& arena)
 {
     IGrid& grid = *arena.make<IGrid>();
     grid.cage = &cage;
     const Cage& source = cage.slot->cage;
     micropolygons += faces.size();
-    const int blocks = static_cast<int>(faces.size() + IGrid::kBlock - 1) / IGrid::kBlock;
-    const std::size_t padded = static_cast<std::size_t>(blocks) * IGrid::kBlock;
+    boxed_.resize(faces.size());
+    corners_.resize(3 * faces.size());
+    for (std::uint32_t f = 0; f < faces.size(); ++f) {
+        boxed_[f] = {{}, f};
+        for (std::size_t p = 0; p < 3; ++p) {
+            const Vec3f at = cage.vertex(source.face_vertices[std::size_t(faces[f]) * 3 + p]);
+            corners_[3 * f + p] = at;
+            boxed_[f].box.add(at);
+        }
+    }
+    // Twice as many leaves as full blocks would take, and eight at least, which are tested at once: so there is room to part
+    // triangles by the space that they take.
+    const auto full = static_cast<unsigned>((faces.size() + IGrid::kBlock - 1) / IGrid::kBlock);
+    const int leaves = faces.size() <= kFewTriangles ? 1
+                                                     : std::max(BoxTree::kGroup, 2 * static_cast<int>(std::bit_ceil(full)));
+    triangle_blocks_.clear();
+    cut_triangles(boxed_, 0, leaves);
+
+    const std::size_t padded = triangle_blocks_.size() * IGrid::kBlock;
     const std::span<float> data = arena.make_array<float>(9 * padded);
     const std::span<std::uint32_t> ids = arena.make_array<std::uint32_t>(padded);
-    grid.boxes = make_boxes(blocks, arena);
-    Box3f box;
-    for (std::size_t k = 0; k < padded; ++k) {
-        if (k % IGrid::kBlock == 0) box = {};
-        // Copies of the last triangle fill its block: they hit where it hits, under the same number.
-        const std::uint32_t face = ids[k] = faces[std::min(k, faces.size() - 1)];
-        for (std::size_t p = 0; p < 3; ++p) {
-            const Vec3f at = cage.vertex(source.face_vertices[std::size_t(face) * 3 + p]);
-            for (int a = 0; a < 3; ++a) data[(p * 3 + static_cast<std::size_t>(a)) * padded + k] = at[a];
-            box.add(at);
+    const std::span<std::uint16_t> block_at = arena.make_array<std::uint16_t>(static_cast<std::size_t>(leaves));
+    std::fill(block_at.begin(), block_at.end(), std::uint16_t(0));
+    grid.boxes = make_boxes(leaves, arena);
+    std::size_t k = 0;
+    for (std::size_t b = 0; b < triangle_blocks_.size(); ++b) {
+        const TriangleBlock& block = triangle_blocks_[b];
+        Box3f box;
+        for (std::size_t i = 0; i < IGrid::kBlock; ++i, ++k) {
+            // Copies of the last triangle fill its block: they hit where it hits, under the same number.
+            const lod::BoxedFace& face = block.faces[std::min(i, block.faces.size() - 1)];
+            ids[k] = faces[face.face];
+            box.add(face.box);
+            for (std::size_t p = 0; p < 3; ++p)
+                for (std::size_t a = 0; a < 3; ++a)
+                    data[(p * 3 + a) * padded + k] = corners_[3 * face.face + p][static_cast<int>(a)];
         }
-        if ((k + 1) % IGrid::kBlock == 0) set_leaf(grid.boxes, static_cast<int>(k / IGrid::kBlock), box);
+        block_at[static_cast<std::size_t>(block.leaf)] = static_cast<std::uint16_t>(b);
+        set_leaf(grid.boxes, block.leaf, box);
     }
     finish_boxes(grid.boxes);
     for (std::size_t c = 0; c < 9; ++c) grid.corners[c] = &data[c * padded];
     grid.ids = ids.data();
+    grid.block_at = block_at.data();
     return &grid;
 }
 

@@ -1,10 +1,11 @@
 // A tile of a patch, small patches of a cluster, or the triangles of a cluster, ready to be met by rays ("igrid", Djeu et
 // al. 2011, sec. 5.2.3).
 //
-// A *lattice* igrid has vertices in rows and is cut into blocks of up to 4 x 2 quads; a *mesh* igrid is a list of triangles,
-// eight a block. Over the blocks lies a complete binary tree of boxes without pointers (Hou et al. 2010, sec. 3: halving the
-// longer parametric side is within 20 % of greedy SAH); children of node n are 2n + 1 and 2n + 2, and the leaves are
-// consecutive, so that a single ray can test eight of them at once.
+// A *lattice* igrid has vertices in rows and is cut into blocks of up to 4 x 2 quads; a *mesh* igrid has triangles, up to
+// eight a block, parted into blocks by the surface area heuristic (lod/face_split.h). Over the blocks lies a complete binary
+// tree of boxes without pointers (Hou et al. 2010, sec. 3: halving the longer parametric side is within 20 % of greedy SAH);
+// children of node n are 2n + 1 and 2n + 2, and the leaves are consecutive, so that a single ray can test eight of them at
+// once.
 //
 // A lattice serves a pair of levels: each vertex has a fine and a coarse position, and each ray blends them for itself
 // (lod/ray_levels.h). T-vertices have neither: they are middles of blended edge vertices.
@@ -19,6 +20,7 @@
 #include <span>
 
 #include "lod/dicer.h"
+#include "lod/face_split.h"
 #include "lod/level_grid.h"
 
 namespace occam::accel {
@@ -159,8 +161,9 @@ struct IGrid {
     float delta = 0;                               ///< largest distance of a vertex from fine to coarse, world length
 
     // Mesh
-    const float* corners[9] = {};        ///< a.x a.y a.z b.x .. c.z, padded with copies to whole blocks
-    const std::uint32_t* ids = nullptr;  ///< face
+    const float* corners[9] = {};             ///< a.x a.y a.z b.x .. c.z, padded with copies to whole blocks
+    const std::uint32_t* ids = nullptr;       ///< face
+    const std::uint16_t* block_at = nullptr;  ///< the block of each leaf of `boxes`; a leaf without one has an empty box
 
     bool blends() const noexcept { return coarse[0] != fine[0]; }
     Vec3f fine_at(std::uint32_t v) const noexcept { return {fine[0][v], fine[1][v], fine[2][v]}; }
@@ -196,6 +199,7 @@ private:
     void finish(IGrid& grid, bool blends, Arena& arena);
     void finish_hanging(IGrid& grid, Arena& arena);
     void finish_slab(IGrid& grid) const;
+    void cut_triangles(std::span<lod::BoxedFace> faces, int leaf, int leaves);
 
     lod::Dicer& dicer_;
     Arena diced_;
@@ -204,6 +208,14 @@ private:
     std::vector<BlockHanging> block_hanging_;
     std::vector<lod::Hanging> hanging_;
     std::vector<std::uint32_t> hanging_quads_;
+    // Of the mesh that is being built.
+    struct TriangleBlock {
+        int leaf;
+        std::span<const lod::BoxedFace> faces;
+    };
+    std::vector<lod::BoxedFace> boxed_;  ///< numbered as in the list of faces
+    std::vector<Vec3f> corners_;         ///< three a face
+    std::vector<TriangleBlock> triangle_blocks_;
 };
 
 /// Part, quad and triangle of a lattice's ids.

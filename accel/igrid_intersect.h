@@ -12,53 +12,12 @@
 #pragma once
 
 #include <bit>
-#include <cfloat>
 
 #include "accel/igrid.h"
+#include "accel/in_box.h"
 #include "accel/triangle.h"
 
 namespace occam::accel {
-
-/// The lanes of rays whose line is in the box between t_near and t_far, a little widened. near, far: of the box's planes on
-/// each axis the one that the ray meets first, and the other.
-OCCAM_ALWAYS_INLINE vmask in_box(const RayLanes& ray, const vfloat (&near)[3], const vfloat (&far)[3], vfloat t_near,
-                                 vfloat t_far) noexcept
-{
-    vfloat in = (near[0] - ray.origin[0]) * ray.inverse[0];
-    vfloat out = (far[0] - ray.origin[0]) * ray.inverse[0];
-    for (int a = 1; a < 3; ++a) {
-        in = max(in, (near[a] - ray.origin[a]) * ray.inverse[a]);
-        out = min(out, (far[a] - ray.origin[a]) * ray.inverse[a]);
-    }
-    // Three ulps of each t, and the rounding of the shift: culling may never decide a hit.
-    const vfloat slack = 4 * FLT_EPSILON;
-    const vfloat pad_in = (abs(in) + abs(ray.shift)) * slack, pad_out = (abs(out) + abs(ray.shift)) * slack;
-    return (in - pad_in <= out + pad_out) & (ray.shift + in - pad_in <= t_far) & (ray.shift + out + pad_out >= t_near);
-}
-
-inline VertexBlend spread(const VertexBlend& rays, int lane) noexcept
-{
-    return {{spread(rays.d[0], lane), spread(rays.d[1], lane), spread(rays.d[2], lane)}, spread(rays.k, lane)};
-}
-
-/// One ray of a packet in all lanes, without its blend.
-OCCAM_ALWAYS_INLINE RayLanes spread(const RayLanes& rays, int lane) noexcept
-{
-    const auto all = [lane](const vfloat(&x)[3], vfloat(&to)[3]) {
-        for (int a = 0; a < 3; ++a) to[a] = spread(x[a], lane);
-    };
-    RayLanes one;
-    one.kx = rays.kx;
-    one.ky = rays.ky;
-    one.kz = rays.kz;
-    one.sx = spread(rays.sx, lane);
-    one.sy = spread(rays.sy, lane);
-    one.sz = spread(rays.sz, lane);
-    all(rays.inverse, one.inverse);
-    all(rays.origin, one.origin);
-    one.shift = spread(rays.shift, lane);
-    return one;
-}
 
 template <class Query>
 class IGridTracer {
@@ -90,7 +49,7 @@ public:
         const auto meet = [&](int block) {
             const vmask alive = active & in_box_at(grid_.boxes, grid_.boxes.first_leaf() + block);
             if (none(alive)) return;
-            if (!grid_.is_lattice) triangles_packet(block, alive);
+            if (!grid_.is_lattice) triangles_packet(grid_.block_at[block], alive);
             else if (blends) quads_packet<true>(grid_.blocks[block], alive);
             else quads_packet<false>(grid_.blocks[block], alive);
         };
@@ -114,12 +73,13 @@ public:
     /// All lanes hold ray `lane` of the query.
     void single(int lane) noexcept
     {
+        if (!grid_.is_lattice) {
+            nearest_first(lane);
+            return;
+        }
         const bool blends = choose_vertices(vmask(true));
         const auto in = [&](const float* boxes) { return in_boxes(boxes); };
-        for_each_block(grid_.boxes, in, [&](int block) {
-            if (!grid_.is_lattice) triangles_single(block, lane);
-            else quads_single(grid_.blocks[block], lane, blends);
-        });
+        for_each_block(grid_.boxes, in, [&](int block) { quads_single(grid_.blocks[block], lane, blends); });
         if (grid_.hanging_blocks > 0)
             for_each_block(grid_.hanging_boxes, in,
                            [&](int block) { hanging_single(block, lane, ray_, origin_, blend_, blends); });
@@ -184,6 +144,69 @@ private:
             if (above != ~0u && (above >> (first >> below) & ((2u << ((kLanes - 1) >> below)) - 1)) == 0) continue;
             unsigned hit = in(tree.at(tree.first_leaf() + first)) & real;
             for (; hit != 0; hit &= hit - 1) visit(first + std::countr_zero(hit));
+        }
+    }
+
+    /// Where one ray enters eight boxes side by side.
+    struct Entered {
+        unsigned which = 0;
+        alignas(32) float t[BoxTree::kGroup];
+    };
+    OCCAM_ALWAYS_INLINE void enter(const float* box, Entered& entered) const noexcept
+    {
+        entered.which = 0;
+        for (int first = 0; first < BoxTree::kGroup; first += kLanes) {
+            const auto load = [&](int plane) { return vfloat::load(box + plane + first); };
+            const vfloat near[3] = {load(near_[0]), load(near_[1]), load(near_[2])};
+            const vfloat far[3] = {load(far_[0]), load(far_[1]), load(far_[2])};
+            vfloat begin;
+            entered.which |= bits(in_box(ray_, near, far, t_near_, limit(), begin)) << first;
+            begin.store(entered.t + first);
+        }
+    }
+
+    /// One ray meets a mesh: the rows of the box tree are met three at a time, eight boxes wide, and what it enters first
+    /// comes first.
+    void nearest_first(int lane) noexcept
+    {
+        struct Todo {
+            float t;
+            std::int16_t row, node;  // the row has 2^row nodes
+        };
+        constexpr int kMostRows = 5;
+        Todo todo[kMostRows * BoxTree::kGroup];
+        int size = 0;
+        const BoxTree& tree = grid_.boxes;
+        const int last = std::countr_zero(static_cast<unsigned>(tree.leaves));
+        Entered entered;
+        // Opens eight nodes of a row, or all of a shorter one.
+        const auto open = [&](int row, int group) {
+            const int nodes = 1 << row;
+            int skip = 0;  // nodes of shorter rows share their eight places
+            if (row == last) {
+                enter(tree.data + group * BoxTree::kFloats, entered);
+            } else {
+                const int place = tree.leaves + nodes + group * BoxTree::kGroup;
+                skip = place % BoxTree::kGroup;
+                enter(tree.data + place / BoxTree::kGroup * BoxTree::kFloats, entered);
+            }
+            const int base = size;
+            unsigned which = entered.which >> skip;
+            if (nodes < BoxTree::kGroup) which &= (1u << nodes) - 1;
+            for (; which != 0; which &= which - 1) {
+                const int i = std::countr_zero(which);
+                const float t = entered.t[skip + i];
+                int at = size++;
+                for (; at > base && todo[at - 1].t < t; --at) todo[at] = todo[at - 1];
+                todo[at] = {t, static_cast<std::int16_t>(row), static_cast<std::int16_t>(group * BoxTree::kGroup + i)};
+            }
+        };
+        open(last == 0 ? 0 : (last - 1) % 3 + 1, 0);
+        while (size > 0) {
+            const Todo next = todo[--size];
+            if (!(next.t <= first_lane(limit()))) continue;
+            if (next.row == last) triangles_single(grid_.block_at[next.node], lane);
+            else open(next.row + 3, next.node);
         }
     }
 

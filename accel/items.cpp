@@ -383,10 +383,7 @@ IGrid* Items::build(const Item& item, int level, int coarser, bool is_shared, co
     const lod::PosedCage& cage = item.cage();
     if (frame_.levels.mode == lod::LevelMode::PerInstance) coarser = level;
     if (item.kind == Item::Faces) {
-        const auto& node = cage.clusters->node(item.index);
-        std::uint32_t faces[lod::ClusterTree::kLeafFaces];
-        for (std::uint32_t k = node.begin; k < node.end; ++k) faces[k - node.begin] = cage.clusters->face(k);
-        return builder_.build_triangles(cage, {faces, node.end - node.begin}, arena_);
+        return builder_.build_triangles(cage, cage.clusters->faces(cage.clusters->node(item.index)), arena_);
     }
     if (!is_shared) return builder_.build_tile(cage, {tile, item.patch->scale.rates(coarser)}, arena_);
     parts_.clear();

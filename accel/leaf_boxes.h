@@ -35,8 +35,8 @@ public:
         }
     }
 
-    /// Bit i: some ray may be in box i of the group before `end`.
-    unsigned in_boxes(const float* group, float end) const noexcept
+    /// Bit i: some ray may be in box i of the group before `end`. begin: where it may enter each, if it is asked for.
+    unsigned in_boxes(const float* group, float end, float* begin = nullptr) const noexcept
     {
         unsigned all = 0;
         for (int first = 0; first < kBoxGroup; first += kLanes) {
@@ -48,6 +48,7 @@ public:
             const vfloat slack = 4 * FLT_EPSILON;
             in = in - (abs(in) + shift_) * slack;
             out = out + (abs(out) + shift_) * slack;
+            if (begin) in.store(begin + first);
             all |= bits((in <= out) & (in <= vfloat(end)) & (out >= begin_)) << first;
         }
         return all;

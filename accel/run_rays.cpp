@@ -50,9 +50,22 @@ OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, Mask
         else if (last > pair) here = alive & (max(t_near, pairs.in(pair, last)) <= min(t_far, pairs.out(pair, last)));
         F far = limit();
         for (std::size_t first = 0; first < leaf->entries.size(); first += kBoxGroup) {
-            unsigned maybe = as_one.in_boxes(leaf->boxes + first / kBoxGroup * kBoxGroupFloats, highest(far));
-            for (; maybe != 0; maybe &= maybe - 1) {
-                const std::size_t number = first + static_cast<std::size_t>(std::countr_zero(maybe));
+            alignas(32) float begin[kBoxGroup];
+            constexpr bool kIsOne = std::is_same_v<F, float>;
+            unsigned maybe = as_one.in_boxes(leaf->boxes + first / kBoxGroup * kBoxGroupFloats, highest(far),
+                                             kIsOne ? begin : nullptr);
+            while (maybe != 0) {
+                int next = std::countr_zero(maybe);
+                maybe &= maybe - 1;
+                if constexpr (kIsOne) {
+                    // What a single ray enters first comes first.
+                    const int lowest_number = next;
+                    for (unsigned others = maybe; others != 0; others &= others - 1)
+                        if (const int other = std::countr_zero(others); begin[other] < begin[next]) next = other;
+                    if (next != lowest_number) maybe ^= 1u << next | 1u << lowest_number;
+                    if (!(begin[next] <= far)) break;
+                }
+                const std::size_t number = first + static_cast<std::size_t>(next);
                 const KdLeaf::Entry& entry = leaf->entries[number];
                 const MaskOf<F> entering = here &
                                            (read_published(entry.grid) ? enter(entry.bounds, far)

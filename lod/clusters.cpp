@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <span>
 
+#include "lod/face_split.h"
+
 namespace occam::lod {
 namespace {
 
@@ -35,8 +37,40 @@ ClusterTree::ClusterTree(const Cage& cage)
         first_corner_.push_back(0);
         for (const std::uint32_t n : cage.face_sizes) first_corner_.push_back(first_corner_.back() + n);
     }
-    const Corners corners{cage, first_corner_};
+    nodes_.push_back({{}, 0, faces, 0});
+    if (cage.scheme == Scheme::Triangles) part_by_area(cage);
+    else halve_along_curve(cage);
+    refit(cage);
+}
 
+void ClusterTree::part_by_area(const Cage& cage)
+{
+    constexpr int kMostDepth = 40;  // of splits by area; below, nodes are halved
+    std::vector<BoxedFace> faces(cage.face_count());
+    for (std::uint32_t f = 0; f < faces.size(); ++f) {
+        faces[f].face = f;
+        for (std::size_t c = 0; c < 3; ++c) faces[f].box.add(cage.positions[cage.face_vertices[std::size_t(f) * 3 + c]]);
+    }
+    std::vector<std::uint8_t> depths{0};
+    for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
+        const auto [begin, end] = std::pair(nodes_[i].begin, nodes_[i].end);
+        if (end - begin <= kMeshFaces) continue;
+        const std::uint32_t most = depths[i] < kMostDepth ? end - begin : (end - begin + 1) / 2;
+        const FaceSplit split = split_faces(std::span(faces).subspan(begin, end - begin), most);
+        const std::uint32_t middle = begin + static_cast<std::uint32_t>(split.count);
+        nodes_[i].left = static_cast<std::uint32_t>(nodes_.size());
+        nodes_.push_back({{}, begin, middle, 0});
+        nodes_.push_back({{}, middle, end, 0});
+        depths.insert(depths.end(), 2, static_cast<std::uint8_t>(std::min<int>(depths[i], kMostDepth) + 1));
+    }
+    order_.resize(faces.size());
+    for (std::size_t k = 0; k < faces.size(); ++k) order_[k] = faces[k].face;
+}
+
+void ClusterTree::halve_along_curve(const Cage& cage)
+{
+    const auto faces = static_cast<std::uint32_t>(cage.face_count());
+    const Corners corners{cage, first_corner_};
     const Box3d bounds = cage.bounds();
     const Vec3d scale = Vec3d(1023.0) / glm::max(bounds.extent(), Vec3d(1e-300));
     std::vector<std::uint64_t> keys(faces);
@@ -52,7 +86,6 @@ ClusterTree::ClusterTree(const Cage& cage)
     order_.resize(faces);
     for (std::uint32_t i = 0; i < faces; ++i) order_[i] = static_cast<std::uint32_t>(keys[i]);
 
-    nodes_.push_back({{}, 0, faces, 0});
     for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
         const auto [begin, end] = std::pair(nodes_[i].begin, nodes_[i].end);
         if (end - begin <= kLeafFaces) continue;
@@ -61,7 +94,6 @@ ClusterTree::ClusterTree(const Cage& cage)
         nodes_.push_back({{}, begin, middle, 0});
         nodes_.push_back({{}, middle, end, 0});
     }
-    refit(cage);
 }
 
 void ClusterTree::refit(const Cage& cage)

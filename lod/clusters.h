@@ -1,6 +1,8 @@
 // A cage's faces in a tree of boxes, so that a cage of any size is opened step by step.
 //
-// Built from topology and rest positions; the boxes follow when positions change. A face's box holds its control points'
+// The tree is built from topology and rest positions; the boxes follow when positions change. A cage is halved along a
+// Morton curve. A triangle mesh is parted by the surface area heuristic (lod/face_split.h), since its faces may differ
+// much in size: a leaf becomes one igrid. A face's box holds its control points'
 // (the surface lies in their hull: the weights of subdivision are not negative; val-2 vertices leave it by 4e-7, hence the
 // pad).
 //
@@ -8,6 +10,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "scenegraph/cage.h"
@@ -16,7 +19,8 @@ namespace occam::lod {
 
 class ClusterTree {
 public:
-    static constexpr std::uint32_t kLeafFaces = 16;
+    static constexpr std::uint32_t kLeafFaces = 16;   ///< of a cage, at most
+    static constexpr std::uint32_t kMeshFaces = 256;  ///< of a leaf of a triangle mesh, at most
 
     struct Node {
         Box3f box;
@@ -32,10 +36,18 @@ public:
     const Node& node(std::uint32_t i) const noexcept { return nodes_[i]; }
     std::uint32_t node_count() const noexcept { return static_cast<std::uint32_t>(nodes_.size()); }
     std::uint32_t face(std::uint32_t i) const noexcept { return order_[i]; }
+    /// Returns the faces of a node.
+    std::span<const std::uint32_t> faces(const Node& of) const noexcept
+    {
+        return std::span(order_).subspan(of.begin, of.end - of.begin);
+    }
 
 private:
+    void halve_along_curve(const Cage& cage);
+    void part_by_area(const Cage& cage);
+
     std::vector<Node> nodes_;           ///< 0 the root; children after their parents
-    std::vector<std::uint32_t> order_;  ///< faces along a Morton curve
+    std::vector<std::uint32_t> order_;  ///< faces of the leaves, leaf after leaf
     std::vector<std::uint32_t> first_corner_;
 };
 

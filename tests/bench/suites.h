@@ -9,6 +9,7 @@ void run_import(Report& report);
 void run_dice(Report& report);
 void run_build(Report& report);
 void run_trace(Report& report);
+void run_scenes(Report& report);
 void run_light(Report& report);
 void run_light_frames(Report& report);  ///< a part of run_light()
 void run_shade(Report& report);
@@ -35,6 +36,7 @@ inline constexpr Suite kSuites[] = {
     {"dice", "points with tangents of one patch, beside OpenSubdiv's Bfr", run_dice},
     {"build", "topology, lazy trees and grids of a large cage, from cold", run_build},
     {"trace", "closest and any hit on one thread, beside Embree on the same triangles", run_trace},
+    {"scenes", "rooms, levels and many objects of triangles: path, ambient occlusion, direct; beside Embree", run_scenes},
     {"light", "secondary rays by kind, with footprints and without; what shading and textures cost", run_light},
     {"shade", "materials looked up at vertices or at hits: counts, time, error; over shading rates and samples", run_shade},
     {"converge", "light with level of detail on and off at many samples, over shading rates", run_converge},

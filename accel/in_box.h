@@ -1,0 +1,59 @@
+// Rays against boxes, in lanes, and one ray of a packet in all lanes.
+#pragma once
+
+#include <cfloat>
+
+#include "accel/ray_lanes.h"
+
+namespace occam::accel {
+
+/// The lanes of rays whose line is in the box between t_near and t_far, a little widened. near, far: of the box's planes on
+/// each axis the one that the ray meets first, and the other.
+/// begin   where they enter it
+OCCAM_ALWAYS_INLINE vmask in_box(const RayLanes& ray, const vfloat (&near)[3], const vfloat (&far)[3], vfloat t_near,
+                                 vfloat t_far, vfloat& begin) noexcept
+{
+    vfloat in = (near[0] - ray.origin[0]) * ray.inverse[0];
+    vfloat out = (far[0] - ray.origin[0]) * ray.inverse[0];
+    for (int a = 1; a < 3; ++a) {
+        in = max(in, (near[a] - ray.origin[a]) * ray.inverse[a]);
+        out = min(out, (far[a] - ray.origin[a]) * ray.inverse[a]);
+    }
+    // Three ulps of each t, and the rounding of the shift: culling may never decide a hit.
+    const vfloat slack = 4 * FLT_EPSILON;
+    const vfloat pad_in = (abs(in) + abs(ray.shift)) * slack, pad_out = (abs(out) + abs(ray.shift)) * slack;
+    begin = ray.shift + in - pad_in;
+    return (in - pad_in <= out + pad_out) & (begin <= t_far) & (ray.shift + out + pad_out >= t_near);
+}
+OCCAM_ALWAYS_INLINE vmask in_box(const RayLanes& ray, const vfloat (&near)[3], const vfloat (&far)[3], vfloat t_near,
+                                 vfloat t_far) noexcept
+{
+    vfloat begin;
+    return in_box(ray, near, far, t_near, t_far, begin);
+}
+
+inline VertexBlend spread(const VertexBlend& rays, int lane) noexcept
+{
+    return {{spread(rays.d[0], lane), spread(rays.d[1], lane), spread(rays.d[2], lane)}, spread(rays.k, lane)};
+}
+
+/// One ray of a packet in all lanes, without its blend.
+OCCAM_ALWAYS_INLINE RayLanes spread(const RayLanes& rays, int lane) noexcept
+{
+    const auto all = [lane](const vfloat(&x)[3], vfloat(&to)[3]) {
+        for (int a = 0; a < 3; ++a) to[a] = spread(x[a], lane);
+    };
+    RayLanes one;
+    one.kx = rays.kx;
+    one.ky = rays.ky;
+    one.kz = rays.kz;
+    one.sx = spread(rays.sx, lane);
+    one.sy = spread(rays.sy, lane);
+    one.sz = spread(rays.sz, lane);
+    all(rays.inverse, one.inverse);
+    all(rays.origin, one.origin);
+    one.shift = spread(rays.shift, lane);
+    return one;
+}
+
+}  // namespace occam::accel

@@ -1,0 +1,229 @@
+// Whole scenes of triangle meshes: path tracing, ambient occlusion and direct light, beside Embree on the same triangles.
+//
+// The traced part: rays of each kind are recorded once, batch by batch as a renderer asks for them, then both trace the same
+// rays in turns, at default levels. Embree's are single rays. Whole frames: Occam's renderer, beside a plain diffuse path
+// tracer on Embree that shoots as many camera samples, with one shadow ray to the last lamp at each hit.
+
+#include <cmath>
+
+#include "api/include/occam/occam.h"
+#include "render/camera_rays.h"
+#include "render/tiles.h"
+#include "tests/bench/embree_mesh.h"
+#include "tests/bench/rooms.h"
+#include "tests/bench/subjects.h"
+#include "tests/bench/suites.h"
+
+namespace occam::bench {
+namespace {
+
+constexpr int kRuns = 5, kWidth = 192, kHeight = 108, kSide = 2, kBounces = 6;
+constexpr std::size_t kBudget = std::size_t(1) << 30;
+
+std::vector<accel::Ray> camera_rays(const render::CameraRays& camera)
+{
+    std::vector<accel::Ray> rays;
+    for (const render::PixelRect& tile : render::make_tiles({0, 0, kWidth, kHeight}))
+        for (const auto [x, y] : render::pixels_of(tile))
+            for (int s = 0; s < kSide * kSide; ++s)
+                rays.push_back(camera.ray(x + (s % kSide + 0.5) / kSide, y + (s / kSide + 0.5) / kSide));
+    return rays;
+}
+
+// Rays of a frame, all of which are traced for their nearest hit, or all for any.
+struct Recorded {
+    std::string what;
+    bool is_any;
+    std::vector<std::vector<accel::Ray>> batches;
+
+    std::size_t count() const
+    {
+        std::size_t n = 0;
+        for (const auto& batch : batches) n += batch.size();
+        return n;
+    }
+};
+
+// Records the rays of paths with kBounces diffuse bounces, of an ambient occlusion ray at each camera hit, and of direct
+// light: camera rays, and shadow rays to a lamp.
+std::vector<Recorded> record(accel::Tracer& tracer, const std::vector<accel::Ray>& camera, Vec3d lamp)
+{
+    Recorded path{"path, 6 bounces", false, {}}, bounces{"bounces alone", false, {}}, ao{"ambient occlusion", true, {}},
+        direct{"camera", false, {}}, shadow{"shadow", true, {}};
+    std::vector<accel::SurfaceHit> hits;
+    for (std::size_t first = 0; first < camera.size(); first += kBatch) {
+        std::vector<accel::Ray> rays(camera.begin() + std::ptrdiff_t(first),
+                                     camera.begin() + std::ptrdiff_t(std::min(first + kBatch, camera.size())));
+        for (int bounce = 0; bounce <= kBounces && !rays.empty(); ++bounce) {
+            hits.resize(rays.size());
+            tracer.closest(rays, hits);
+            path.batches.push_back(rays);
+            (bounce == 0 ? direct : bounces).batches.push_back(rays);
+            std::vector<accel::Ray> next = diffuse_rays(rays, hits), to_lamp;
+            if (bounce == 0) ao.batches.push_back(next);
+            for (std::size_t i = 0; i < rays.size(); ++i) {
+                if (!hits[i].is_hit()) continue;
+                accel::Ray ray;
+                ray.origin = hits[i].position + Vec3d(hits[i].normal_geometric) * double(hits[i].self_distance);
+                const Vec3d way = lamp - ray.origin;
+                if (glm::dot(way, Vec3d(hits[i].normal_geometric)) <= 0) continue;
+                ray.direction = Vec3f(glm::normalize(way));
+                ray.t_far = static_cast<float>(glm::length(way));
+                ray.footprint = {rays[i].footprint.at(hits[i].t), 0};
+                to_lamp.push_back(ray);
+            }
+            if (!to_lamp.empty()) shadow.batches.push_back(std::move(to_lamp));
+            rays = std::move(next);
+        }
+    }
+    return {path, bounces, ao, direct, shadow};
+}
+
+Row traced_row(const std::string& scene, const Recorded& recorded, accel::Tracer& tracer, const EmbreeMesh& mesh)
+{
+    std::vector<accel::Ray> all;
+    for (const auto& batch : recorded.batches) all.insert(all.end(), batch.begin(), batch.end());
+    EmbreeRays theirs(mesh, all, false);
+    std::vector<accel::SurfaceHit> hits(all.size());
+    std::vector<std::uint8_t> occluded(all.size());
+    const auto trace = [&] {
+        std::size_t at = 0;
+        for (const auto& batch : recorded.batches) {
+            if (recorded.is_any) tracer.occluded(batch, std::span(occluded).subspan(at, batch.size()));
+            else tracer.closest(batch, std::span(hits).subspan(at, batch.size()));
+            at += batch.size();
+        }
+    };
+    trace();
+    std::vector<double> ours_s, theirs_s;
+    for (int run = 0; run < kRuns; ++run) {
+        ours_s.push_back(repeat(1, trace).front());
+        theirs.reset();
+        theirs_s.push_back(repeat(1, [&] { recorded.is_any ? theirs.occluded() : theirs.closest(); }).front());
+    }
+    std::size_t disagree = 0;
+    for (std::size_t i = 0; i < all.size(); ++i)
+        disagree += recorded.is_any ? (occluded[i] != 0) != theirs.is_occluded(i)
+                                    : hits[i].is_hit() != std::isfinite(theirs.t(i));
+    const double mega = 1e-6 * double(all.size());
+    Row row{"scenes", scene + ", " + recorded.what};
+    row.add("rays", double(all.size())).add("occam_mrays_per_s", per(mega, ours_s));
+    row.add("embree_mrays_per_s", per(mega, theirs_s)).add("occam_over_embree", ratios(theirs_s, ours_s));
+    return row.add("disagree_hit_or_miss", double(disagree));
+}
+
+// Returns rays traced by a plain diffuse path tracer on Embree: one path a sample, one shadow ray a hit.
+std::size_t plain_paths(const EmbreeMesh& mesh, const std::vector<accel::Ray>& camera, Vec3d lamp,
+                        std::vector<float>& picture)
+{
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    std::size_t traced = 0;
+    std::uint32_t state = 1;
+    const auto random = [&] {
+        state = state * 1664525u + 1013904223u;
+        return static_cast<float>(state >> 8) * 0x1p-24f;
+    };
+    const Vec3f light(lamp - mesh.anchor());
+    picture.assign(camera.size(), 0);
+    for (std::size_t i = 0; i < camera.size(); ++i) {
+        Vec3f origin(camera[i].origin - mesh.anchor()), d = camera[i].direction;
+        float share = 1;
+        for (int bounce = 0; bounce <= kBounces; ++bounce) {
+            RTCRayHit r;
+            r.ray = {origin.x, origin.y, origin.z, 1e-4f, d.x, d.y, d.z, 0, INFINITY, ~0u, 0, 0};
+            r.hit.geomID = r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+            rtcIntersect1(mesh.scene(), &context, &r);
+            ++traced;
+            if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) break;
+            Vec3f n = glm::normalize(Vec3f(r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z));
+            if (glm::dot(n, d) > 0) n = -n;
+            origin = origin + d * r.ray.tfar + n * 1e-4f;
+            share *= 0.7f;
+            const Vec3f way = light - origin;
+            const float distance = glm::length(way), cosine = glm::dot(way, n) / distance;
+            if (cosine > 0) {
+                RTCRay shadow{origin.x, origin.y, origin.z, 1e-4f, way.x / distance, way.y / distance, way.z / distance, 0,
+                              distance, ~0u,      0,        0};
+                rtcOccluded1(mesh.scene(), &context, &shadow);
+                ++traced;
+                if (shadow.tfar >= 0) picture[i] += share * cosine / (distance * distance);
+            }
+            const float r2 = random(), angle = 6.2831853f * random();
+            const Vec3f u = glm::normalize(glm::cross(n, std::abs(n.x) < 0.5f ? Vec3f(1, 0, 0) : Vec3f(0, 1, 0)));
+            d = std::sqrt(r2) * (std::cos(angle) * u + std::sin(angle) * glm::cross(n, u)) + std::sqrt(1 - r2) * n;
+        }
+    }
+    return traced;
+}
+
+Row frame_row(const TriangleScene& of, Scene& scene, const EmbreeMesh& mesh, const std::vector<accel::Ray>& camera,
+              Vec3d lamp, IntegratorKind kind)
+{
+    Renderer renderer(Resources{.threads = 1});
+    Settings settings{.width = kWidth, .height = kHeight, .spp = kSide * kSide};
+    settings.integrator = kind;
+    settings.bounces = kBounces;
+
+    std::vector<double> ours, theirs, rates, their_rates;
+    std::vector<float> picture;
+    for (int run = 0; run < kRuns; ++run) {
+        const double start = process_seconds();
+        renderer.render(scene, of.camera, settings);
+        ours.push_back(process_seconds() - start);
+        rates.push_back(1e-6 * double(renderer.stats().rays.total()) / ours.back());
+        if (kind != IntegratorKind::Path) continue;
+        const double their_start = process_seconds();
+        const std::size_t traced = plain_paths(mesh, camera, lamp, picture);
+        theirs.push_back(process_seconds() - their_start);
+        their_rates.push_back(1e-6 * double(traced) / theirs.back());
+    }
+    const FrameStats::Seconds& s = renderer.stats().seconds;
+    Row row{"scenes", of.name + ", whole frame, " + std::string(render::integrator_name(kind))};
+    row.add("cpu_s", ours).add("occam_mrays_per_s", rates).add("rays", double(renderer.stats().rays.total()));
+    row.add("trace_s", s.trace).add("shade_s", s.shade).add("build_s", s.build + s.tessellate);
+    row.add("arena_peak_mb", 1e-6 * double(renderer.stats().memory.arena_peak_bytes));
+    if (!theirs.empty())
+        row.add("plain_embree_mrays_per_s", their_rates).add("occam_over_embree", ratios(rates, their_rates));
+    return row;
+}
+
+void run_scene(Report& report, TriangleScene& of)
+{
+    of.scene.refit();
+    const render::CameraRays camera(of.camera, kWidth, kHeight);
+    const std::vector<accel::Ray> rays = camera_rays(camera);
+    Vec3d lamp = of.camera.eye() + Vec3d(0, 0.5, 0);
+    of.scene.for_each_placement([&](NodeId, const Node& node, const Mat4d& world) {
+        if (of.scene.find(node.light)) lamp = Vec3d(world[3]);
+    });
+    const std::vector<Vec3f> corners = of.triangles();
+    const EmbreeMesh mesh(corners, Vec3d(0));
+    lod::TopologyCache topologies;
+    const accel::Frame frame(of.scene, topologies, camera.levels(1));
+    accel::Tracer tracer(frame, kBudget);
+    for (const Recorded& recorded : record(tracer, rays, lamp)) report.add(traced_row(of.name, recorded, tracer, mesh));
+    Row row{"scenes", of.name + ", trees"};
+    const accel::TraceCounters counters = tracer.counters();
+    row.add("triangles", double(corners.size()) / 3).add("kd_nodes", double(counters.kd_nodes));
+    row.add("igrids", double(counters.grids)).add("triangles_in_igrids", double(counters.micropolygons));
+    row.add("build_s", counters.build_seconds + counters.dice_seconds).add("embree_build_s", mesh.build_seconds);
+    report.add(row.add("arena_mb", 1e-6 * double(counters.peak_bytes)).add("embree_mb", 1e-6 * double(mesh.bytes)));
+    for (const IntegratorKind kind : {IntegratorKind::Path, IntegratorKind::Ao, IntegratorKind::Direct})
+        report.add(frame_row(of, of.scene, mesh, rays, lamp, kind));
+}
+
+}  // namespace
+
+void run_scenes(Report& report)
+{
+    std::vector<TriangleScene> all;
+    all.push_back(furnished_room());
+    all.push_back(level_of_rooms());
+    all.push_back(many_objects());
+    for (TriangleScene& shared : shared_triangle_scenes()) all.push_back(std::move(shared));
+    for (TriangleScene& scene : all)
+        if (report.wants(scene.name)) run_scene(report, scene);
+}
+
+}  // namespace occam::bench
