@@ -15,6 +15,12 @@ namespace {
 constexpr std::array<double, 4> kSamples{0.125, 0.375, 0.625, 0.875};
 // Where the piece found is tried: no pattern with the samples.
 constexpr std::array<std::array<double, 2>, 5> kTrials{{{0.5, 0.5}, {0.05, 0.07}, {0.96, 0.03}, {0.04, 0.94}, {0.93, 0.97}}};
+// Where it is tried if there are creases: one of sharpness 6 or more touches none of the points inside of the whole patch.
+constexpr std::array<std::array<double, 2>, 8> kBorderTrials{
+    {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {0.5, 0}, {0.5, 1}, {0, 0.5}, {1, 0.5}}};
+// Lines on which a rectangle is tried for being cubic in one direction, and where on each of them.
+constexpr std::array<double, 4> kLines{0, 0.3, 0.5, 1};
+constexpr std::array<double, 5> kTrialsOfLine{0, 0.05, 0.5, 0.93, 1};
 // Stencils are accurate to 1e-14; another piece differs by its jump of third derivatives, above 1e-5 in all that were met.
 constexpr double kAgree = 1e-9;
 // Weights below this are rounding of the fit: a regular patch then gets exact ones and zeros.
@@ -58,11 +64,13 @@ Matrix4 inverse_sampling()
 
 }  // namespace
 
-float PatchClass::Node::size() const noexcept { return power_of_two(-depth); }
+float PatchClass::Node::size_u() const noexcept { return power_of_two(-depth_u); }
+float PatchClass::Node::size_v() const noexcept { return power_of_two(-depth_v); }
 
-PatchClass::PatchClass(int control_count, std::unique_ptr<const LimitSource> source)
-    : control_count_(control_count), source_(std::move(source))
+PatchClass::PatchClass(int control_count, std::unique_ptr<const LimitSource> source, int crease_depth)
+    : control_count_(control_count), crease_depth_(std::min(crease_depth, kDeepestOfCreases)), source_(std::move(source))
 {
+    root_.may_halve_one_way = crease_depth_ > kDeepest;
 }
 
 PatchClass::~PatchClass() = default;
@@ -98,7 +106,11 @@ const PointStencil& PatchClass::corner(int corner) const
 const PatchHull& PatchClass::make_hull() const
 {
     std::call_once(hull_once_, [&] {
-        hull_ = std::make_unique<const PatchHull>(*this);
+        // The hull takes the tree of points, or one of strips of its own where there are creases.
+        Node strips;
+        strips.may_halve_one_way = true;
+        const bool takes_strips = crease_depth_ > 0 && !root_.may_halve_one_way;
+        hull_ = std::make_unique<const PatchHull>(*this, takes_strips ? strips : root_);
         hull_made_.store(hull_.get(), std::memory_order_release);
     });
     return *hull_;
@@ -108,9 +120,8 @@ const PatchClass::Node& PatchClass::locate(float u, float v) const
 {
     const Node* node = &root();
     while (node->kind.load(std::memory_order_relaxed) == Node::Split) {
-        const float half = node->size() * 0.5f;
-        const int x = u >= node->u0 + half, y = v >= node->v0 + half;
-        node = &resolve(node->children[y * 2 + x]);
+        const int x = u >= node->u0 + node->size_u() * 0.5f, y = v >= node->v0 + node->size_v() * 0.5f;
+        node = &resolve(node->child(x, y));
     }
     return *node;
 }
@@ -121,32 +132,74 @@ void PatchClass::classify(Node& node) const
         node.kind.store(Node::Bicubic, std::memory_order_release);
         return;
     }
-    if (node.depth == kDeepest) {
+    // Strips cost little, so they go on to where an extraordinary vertex of what has become smooth is as small as elsewhere.
+    const int below = node.may_halve_one_way ? kBelowCreases : 0;
+    const int deepest = std::max(kDeepest, crease_depth_ + below);
+    const bool may_u = node.depth_u < deepest, may_v = node.depth_v < deepest;
+    if (!may_u && !may_v) {
         fill_direct(node);
         node.kind.store(Node::Direct, std::memory_order_release);
         return;
     }
-    node.children = std::make_unique<Node[]>(4);
-    const float half = node.size() * 0.5f;
-    for (int c = 0; c < 4; ++c) {
-        node.children[c].u0 = node.u0 + (c & 1 ? half : 0);
-        node.children[c].v0 = node.v0 + (c & 2 ? half : 0);
-        node.children[c].depth = node.depth + 1;
+    bool halve_u = may_u, halve_v = may_v;
+    if (may_u && may_v && node.may_halve_one_way) {
+        halve_u = !is_cubic_along(node, false);
+        halve_v = !is_cubic_along(node, true);
+        if (!halve_u && !halve_v) halve_u = halve_v = true;
+    }
+    node.halves_u = halve_u;
+    node.halves_v = halve_v;
+    const int across = halve_u ? 2 : 1, count = node.child_count();
+    node.children = std::make_unique<Node[]>(static_cast<std::size_t>(count));
+    for (int c = 0; c < count; ++c) {
+        Node& child = node.children[c];
+        child.u0 = node.u0 + (c % across ? node.size_u() * 0.5f : 0);
+        child.v0 = node.v0 + (c / across ? node.size_v() * 0.5f : 0);
+        child.depth_u = node.depth_u + halve_u;
+        child.depth_v = node.depth_v + halve_v;
+        child.may_halve_one_way = node.may_halve_one_way;
     }
     node.kind.store(Node::Split, std::memory_order_release);
+}
+
+/// Whether the weights of all control points are cubic along lines of the rectangle in one direction.
+bool PatchClass::is_cubic_along(const Node& node, bool along_v) const
+{
+    static const Matrix4 inverse = inverse_sampling();
+    const std::size_t n = control_count_;
+    const double size_u = power_of_two_double(-node.depth_u), size_v = power_of_two_double(-node.depth_v);
+    std::array<LimitStencil, 4> samples;
+    LimitStencil trial;
+    for (const double line : kLines) {
+        const auto evaluate = [&](double t, LimitStencil& out) {
+            source_->evaluate(node.u0 + size_u * (along_v ? line : t), node.v0 + size_v * (along_v ? t : line), out);
+        };
+        for (std::size_t s = 0; s < 4; ++s) evaluate(kSamples[s], samples[s]);
+        for (const double t : kTrialsOfLine) {
+            evaluate(t, trial);
+            const auto b = basis(t);
+            for (std::size_t k = 0; k < n; ++k) {
+                double w = 0;
+                for (std::size_t i = 0; i < 4; ++i)
+                    for (std::size_t s = 0; s < 4; ++s) w += b[i] * inverse[i][s] * samples[s].p[k];
+                if (std::fabs(w - trial.p[k]) > kAgree) return false;
+            }
+        }
+    }
+    return true;
 }
 
 bool PatchClass::fit_bicubic(Node& node) const
 {
     static const Matrix4 inverse = inverse_sampling();
     const std::size_t n = control_count_;
-    const double size = power_of_two_double(-node.depth);
+    const double size_u = power_of_two_double(-node.depth_u), size_v = power_of_two_double(-node.depth_v);
     LimitStencil stencil;
 
     std::vector<double> samples(16 * n);
     for (int t = 0; t < 4; ++t)
         for (int s = 0; s < 4; ++s) {
-            source_->evaluate(node.u0 + size * kSamples[s], node.v0 + size * kSamples[t], stencil);
+            source_->evaluate(node.u0 + size_u * kSamples[s], node.v0 + size_v * kSamples[t], stencil);
             std::copy(stencil.p.begin(), stencil.p.end(), samples.begin() + (t * 4 + s) * n);
         }
     // Control net = inverse (x) inverse applied to the samples, for each control point's weights.
@@ -158,8 +211,8 @@ bool PatchClass::fit_bicubic(Node& node) const
                     const double f = inverse[j][t] * inverse[i][s];
                     for (std::size_t k = 0; k < n; ++k) net[(j * 4 + i) * n + k] += f * samples[(t * 4 + s) * n + k];
                 }
-    for (const auto& trial : kTrials) {
-        source_->evaluate(node.u0 + size * trial[0], node.v0 + size * trial[1], stencil);
+    const auto agrees = [&](const std::array<double, 2>& trial) {
+        source_->evaluate(node.u0 + size_u * trial[0], node.v0 + size_v * trial[1], stencil);
         const auto bu = basis(trial[0]), bv = basis(trial[1]);
         for (std::size_t k = 0; k < n; ++k) {
             double w = 0;
@@ -167,7 +220,10 @@ bool PatchClass::fit_bicubic(Node& node) const
                 for (int i = 0; i < 4; ++i) w += bu[i] * bv[j] * net[(j * 4 + i) * n + k];
             if (std::fabs(w - stencil.p[k]) > kAgree) return false;
         }
-    }
+        return true;
+    };
+    if (!std::all_of(kTrials.begin(), kTrials.end(), agrees)) return false;
+    if (crease_depth_ > 0 && !std::all_of(kBorderTrials.begin(), kBorderTrials.end(), agrees)) return false;
     node.weights = std::make_unique<float[]>(16 * n);
     std::array<int, 16> ones{}, others{};
     for (std::size_t k = 0; k < n; ++k)
@@ -191,7 +247,7 @@ void PatchClass::fill_direct(Node& node) const
     node.weights = std::make_unique<float[]>(4 * 3 * n);
     LimitStencil stencil;
     for (int c = 0; c < 4; ++c) {
-        source_->evaluate(node.u0 + (c & 1 ? node.size() : 0), node.v0 + (c & 2 ? node.size() : 0), stencil);
+        source_->evaluate(node.u0 + (c & 1 ? node.size_u() : 0), node.v0 + (c & 2 ? node.size_v() : 0), stencil);
         float* rows = &node.weights[c * 3 * n];
         for (std::size_t k = 0; k < n; ++k) {
             rows[k] = static_cast<float>(stencil.p[k]);
@@ -204,8 +260,7 @@ void PatchClass::fill_direct(Node& node) const
 void PatchClass::direct_rows(const Node& leaf, float u, float v, float* rows) const
 {
     const std::size_t n = control_count_;
-    const float size = leaf.size();
-    const bool right = u == leaf.u0 + size, top = v == leaf.v0 + size;
+    const bool right = u == leaf.u0 + leaf.size_u(), top = v == leaf.v0 + leaf.size_v();
     if ((right || u == leaf.u0) && (top || v == leaf.v0)) {
         const float* table = &leaf.weights[(int(right) + 2 * int(top)) * 3 * n];
         std::copy(table, table + 3 * n, rows);

@@ -4,7 +4,13 @@
 // one, at every depth (Stam 1998; Nießner et al. 2012). So a class is a quadtree over the patch's unit square whose leaves
 // are bicubic *pieces*, each with a matrix that makes the 16 control points of the piece from the patch's n. Which squares
 // are bicubic is found by trying: 16 limit stencils of OpenSubdiv's Bfr, in double, determine the piece, others test it.
-// What still is not bicubic at kDeepest touches an extraordinary vertex: there a point has a limit stencil of its own.
+// What still is not bicubic at the deepest level touches an extraordinary vertex: there a point has a limit stencil of its
+// own.
+//
+// A crease of sharpness s rounds the surface off within 2^-s of the edge, so the tree of a patch with semi-sharp creases
+// goes down to that depth, and the borders of squares are tried too, since a crease so narrow touches nothing else. Where
+// the surface is cubic in one direction the tree of sharp creases halves rectangles in the other direction alone: a crease
+// then takes a strip for each power of two and not a square for each step along it.
 //
 // A point's bits depend on class, parameter and control points alone, never on the level that asks: one rule (locate) says
 // to which piece a parameter belongs.
@@ -47,28 +53,43 @@ struct PatchHull;
 
 class PatchClass {
 public:
-    static constexpr int kDeepest =
-        6;  ///< beyond it squares only have stencils of their points; finer pieces would serve rates above 64
+    /// Beyond this depth squares only have stencils of their points, unless a crease needs deeper ones; finer pieces would
+    /// serve rates above 64.
+    static constexpr int kDeepest = 6;
+    /// OpenSubdiv takes creases of this sharpness to be infinitely sharp.
+    static constexpr int kDeepestOfCreases = 10;
+    static constexpr int kBelowCreases = 3;  ///< how much deeper trees of strips go
 
-    /// A square of the quadtree.
+    /// A square or a rectangle of the tree.
     struct Node {
         enum Kind : unsigned char { Unknown, Bicubic, Split, Direct };
         float u0 = 0, v0 = 0;
-        int depth = 0;  ///< side 2^-depth
+        int depth_u = 0, depth_v = 0;  ///< its sides are 2^-depth_u and 2^-depth_v
+        bool may_halve_one_way = false;
+        bool halves_u = false, halves_v = false;  ///< Split: which sides the children halve
         std::atomic<Kind> kind{Unknown};
         bool is_plain = false;  ///< Bicubic: control point i is the patch's own order[i] (a regular patch)
         std::array<std::uint8_t, 16> order{};
         std::unique_ptr<float[]>
             weights;  ///< Bicubic: n * 16, piece point fastest. Direct: corners 0..3, each 3 * n (p, du, dv)
-        std::unique_ptr<Node[]> children;  ///< Split: (u, v) halves at v * 2 + u
+        std::unique_ptr<Node[]> children;  ///< Split: the halves along u, then along v
 
-        float size() const noexcept;
+        float size_u() const noexcept;
+        float size_v() const noexcept;
+        int child_count() const noexcept { return (halves_u ? 2 : 1) * (halves_v ? 2 : 1); }
+        /// Returns the child in the lower or upper half of each side; a side that is not halved has one half only.
+        const Node& child(int upper_u, int upper_v) const noexcept
+        {
+            return children[(halves_v ? upper_v * (halves_u ? 2 : 1) : 0) + (halves_u ? upper_u : 0)];
+        }
     };
 
-    PatchClass(int control_count, std::unique_ptr<const LimitSource> source);
+    /// crease_depth   the largest finite sharpness of the edges and vertices that shape the patch, rounded up; 0: none
+    PatchClass(int control_count, std::unique_ptr<const LimitSource> source, int crease_depth = 0);
     ~PatchClass();
 
     int control_count() const noexcept { return control_count_; }
+    int crease_depth() const noexcept { return crease_depth_; }
 
     /// The square itself, looked into: never Unknown.
     const Node& resolve(const Node& node) const
@@ -98,9 +119,10 @@ private:
     const PatchHull& make_hull() const;
     void classify(Node& node) const;
     bool fit_bicubic(Node& node) const;
+    bool is_cubic_along(const Node& node, bool along_v) const;
     void fill_direct(Node& node) const;
 
-    int control_count_;
+    int control_count_, crease_depth_;
     std::unique_ptr<const LimitSource> source_;
     mutable Node root_;
     mutable std::mutex mutex_;

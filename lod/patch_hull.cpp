@@ -35,10 +35,15 @@ float bezier_weight(const PatchClass::Node& node, std::size_t k, std::size_t i, 
     return static_cast<float>(sum(bezier.row[j], along));
 }
 
-// Offset of row or column i of a lattice over a square.
-float lattice_step(const PatchClass::Node& square, std::size_t i)
+// Offset of row or column i of a lattice over a square whose side along that axis is `size`.
+float lattice_step(float size, std::size_t i) { return float(std::min<std::size_t>(i, 2)) * 0.5f * size; }
+
+// Whether a rectangle that is not bicubic is to be taken apart.
+bool is_opened(const PatchClass& kind, const PatchClass::Node& node)
 {
-    return float(std::min<std::size_t>(i, 2)) * 0.5f * square.size();
+    const int residual = kind.crease_depth() + PatchHull::kResidualDepth;
+    return node.kind.load(std::memory_order_relaxed) == PatchClass::Node::Split &&
+           std::min(node.depth_u, node.depth_v) < residual;
 }
 
 template <class Row>
@@ -46,16 +51,17 @@ void add_rows(const PatchClass& kind, const PatchClass::Node& node, int side, st
 {
     const bool along_v = side & 1, is_far = side == 1 || side == 2;
     const bool is_net = is_bicubic(kind.resolve(node));
-    if (!is_net && node.depth < PatchHull::kResidualDepth) {
-        const int low = is_far ? (along_v ? 1 : 2) : 0, high = low + (along_v ? 2 : 1);
-        add_rows(kind, node.children[low], side, rows);
-        add_rows(kind, node.children[high], side, rows);
+    if (!is_net && is_opened(kind, node)) {
+        const PatchClass::Node& low = along_v ? node.child(is_far, 0) : node.child(0, is_far);
+        const PatchClass::Node& high = along_v ? node.child(is_far, 1) : node.child(1, is_far);
+        add_rows(kind, low, side, rows);
+        if (&low != &high) add_rows(kind, high, side, rows);
         return;
     }
     const auto n = static_cast<std::size_t>(kind.control_count());
     Row& row = rows.emplace_back();
     row.weights.resize(n * 4);
-    row.speed = (is_net ? 3 : 2) / node.size();
+    row.speed = (is_net ? 3 : 2) / (along_v ? node.size_v() : node.size_u());
     for (std::size_t i = 0; i < 4; ++i) {
         if (is_net) {
             const std::size_t across = is_far ? 3 : 0;
@@ -63,7 +69,8 @@ void add_rows(const PatchClass& kind, const PatchClass::Node& node, int side, st
                 row.weights[k * 4 + i] = along_v ? bezier_weight(node, k, across, i) : bezier_weight(node, k, i, across);
             continue;
         }
-        const float t = lattice_step(node, i), across = is_far ? node.size() : 0;
+        const float t = lattice_step(along_v ? node.size_v() : node.size_u(), i);
+        const float across = is_far ? (along_v ? node.size_u() : node.size_v()) : 0;
         const LimitStencil point = along_v ? kind.limit(node.u0 + across, node.v0 + t)
                                            : kind.limit(node.u0 + t, node.v0 + across);
         for (std::size_t k = 0; k < n; ++k) row.weights[k * 4 + i] = static_cast<float>(point.p[k]);
@@ -72,28 +79,31 @@ void add_rows(const PatchClass& kind, const PatchClass::Node& node, int side, st
 
 }  // namespace
 
-PatchHull::PatchHull(const PatchClass& kind)
+void PatchHull::add_lattice(const PatchClass& kind, const PatchClass::Node& square)
 {
     const auto n = static_cast<std::size_t>(kind.control_count());
-    std::vector<const PatchClass::Node*> residual;
-    add_nets(kind, kind.root(), residual);
-    nets = speeds.size();
-    for (const PatchClass::Node* square : residual) {
-        float* group = &*weights.insert(weights.end(), n * 16, 0.0f);
-        for (std::size_t r = 0; r < 16; ++r) {
-            const LimitStencil point = kind.limit(square->u0 + lattice_step(*square, r % 4),
-                                                  square->v0 + lattice_step(*square, r / 4));
-            for (std::size_t k = 0; k < n; ++k) group[k * 16 + r] = static_cast<float>(point.p[k]);
-        }
-        speeds.emplace_back().fill(2 / square->size());
+    float* group = &*weights.insert(weights.end(), n * 16, 0.0f);
+    for (std::size_t r = 0; r < 16; ++r) {
+        const LimitStencil point = kind.limit(square.u0 + lattice_step(square.size_u(), r % 4),
+                                              square.v0 + lattice_step(square.size_v(), r / 4));
+        for (std::size_t k = 0; k < n; ++k) group[k * 16 + r] = static_cast<float>(point.p[k]);
     }
+    speeds.push_back({2 / square.size_u(), 2 / square.size_v()});
+}
+
+PatchHull::PatchHull(const PatchClass& kind, const PatchClass::Node& root)
+{
+    std::vector<const PatchClass::Node*> residual;
+    add_nets(kind, root, residual);
+    nets = speeds.size();
+    for (const PatchClass::Node* square : residual) add_lattice(kind, *square);
     squares = speeds.size();
-    if (is_bicubic(kind.root())) return;
+    if (is_bicubic(root)) return;
 
     std::vector<Row> together;
     for (std::size_t side = 0; side < 4; ++side) {
         std::vector<Row> rows;
-        add_rows(kind, kind.root(), static_cast<int>(side), rows);
+        add_rows(kind, root, static_cast<int>(side), rows);
         if (rows.size() == 1) {
             sides[side].first_row = static_cast<std::uint8_t>(together.size());
             sides[side].row_end = static_cast<std::uint8_t>(together.size() + 1);
@@ -133,9 +143,9 @@ void PatchHull::add_nets(const PatchClass& kind, const PatchClass::Node& node,
         const auto n = static_cast<std::size_t>(kind.control_count());
         for (std::size_t k = 0; k < n; ++k)
             for (std::size_t r = 0; r < 16; ++r) weights.push_back(bezier_weight(node, k, r % 4, r / 4));
-        speeds.emplace_back().fill(3 / node.size());
-    } else if (node.depth < kResidualDepth) {
-        for (int c = 0; c < 4; ++c) add_nets(kind, node.children[c], residual);
+        speeds.push_back({3 / node.size_u(), 3 / node.size_v()});
+    } else if (is_opened(kind, node)) {
+        for (int c = 0; c < node.child_count(); ++c) add_nets(kind, node.children[c], residual);
     } else {
         residual.push_back(&node);
     }

@@ -2,8 +2,9 @@
 // a table instead of a walk through the class's quadtree, which near an extraordinary vertex has dozens of squares.
 //
 // A bicubic square is in the hull of its 16 Bezier points, and its derivatives in that of three times the differences of
-// these: so one net gives both. What is not bicubic at kResidualDepth touches an extraordinary vertex; there a lattice of
-// limit points takes the net's place.
+// these: so one net gives both. What is not bicubic at the residual depth touches an extraordinary vertex; there a lattice
+// of limit points takes the net's place. A lattice knows nothing of what lies between its points, so semi-sharp creases are
+// followed by nets until they are smooth, and the lattices lie below that.
 //
 // Memory   64 n bytes for each net or lattice of a patch of n control points: one for a regular patch, some 10 for one with
 // an
@@ -22,11 +23,13 @@ namespace occam::lod {
 struct PatchHull {
     static constexpr int kResidualDepth = 3;
 
-    explicit PatchHull(const PatchClass& kind);
+    /// root   of a tree of the class
+    PatchHull(const PatchClass& kind, const PatchClass::Node& root);
 
     /// Groups of 16 points, four rows of four: weights of control point k for all points of group g at (g * n + k) * 16.
     std::vector<float> weights;
-    /// What differences along each row of a group, or from row to row, are to be multiplied by: then they bound speeds.
+    /// What differences within a group are to be multiplied by, so that they bound speeds: of a square, along its rows [0]
+    /// and from row to row [1]; of borders, those along each row.
     std::vector<std::array<float, 4>> speeds;
     /// Groups [0, nets) are Bezier nets, rows along u, whose hull holds their square.
     std::size_t nets = 0;
@@ -57,6 +60,7 @@ private:
     struct Row;
     void add_group(const std::vector<Row>& rows, std::size_t first);
     void add_nets(const PatchClass& kind, const PatchClass::Node& node, std::vector<const PatchClass::Node*>& residual);
+    void add_lattice(const PatchClass& kind, const PatchClass::Node& square);
 };
 
 }  // namespace occam::lod

@@ -112,15 +112,16 @@ void PosedPatch::fill_piece(const PatchClass::Node& node, const ParameterGrid& g
     constexpr int kMaxColumns = 32;
     OCCAM_DCHECK_LE(i1 - i0, kMaxColumns);
     const PieceControls& net = piece(node);
-    const float scale = power_of_two(node.depth);  // of derivatives, from the piece's parameter to the patch's
+    // What derivatives grow by from the piece's parameters to the patch's.
+    const float scale_u = power_of_two(node.depth_u), scale_v = power_of_two(node.depth_v);
     alignas(32) float wu[4][kMaxColumns + 8], du[4][kMaxColumns + 8];
     for (int i = i0; i < i1; ++i) {
-        const double t = local(grid.u0 + float(i) * grid.step_u, node.u0, node.depth);
+        const double t = local(grid.u0 + float(i) * grid.step_u, node.u0, node.depth_u);
         const CubicWeights w = cubic_weights(t);
         for (int k = 0; k < 4; ++k) wu[k][i - i0] = w.b[k];
         if constexpr (kTangents) {
             const CubicWeights d = cubic_derivative_weights(t);
-            for (int k = 0; k < 4; ++k) du[k][i - i0] = d.b[k] * scale;
+            for (int k = 0; k < 4; ++k) du[k][i - i0] = d.b[k] * scale_u;
         }
     }
     // Lanes past the last column compute on what is there and are not stored.
@@ -133,12 +134,12 @@ void PosedPatch::fill_piece(const PatchClass::Node& node, const ParameterGrid& g
         std::copy(lanes, lanes + count, to);
     };
     for (int j = j0; j < j1; ++j) {
-        const double t = local(grid.v0 + float(j) * grid.step_v, node.v0, node.depth);
+        const double t = local(grid.v0 + float(j) * grid.step_v, node.v0, node.depth_v);
         const CurveControls row = row_controls(net, cubic_weights(t));
         CurveControls slope{};
         if constexpr (kTangents) {
             CubicWeights d = cubic_derivative_weights(t);
-            for (float& b : d.b) b *= scale;
+            for (float& b : d.b) b *= scale_v;
             slope = row_controls(net, d);
         }
         for (int i = i0; i < i1; i += kLanes) {
@@ -171,13 +172,12 @@ void PosedPatch::fill(const PatchClass::Node& node, const ParameterGrid& grid, i
             fill_piece<kTangents>(node, grid, i0, i1, j0, j1, out, stride);
             break;
         case PatchClass::Node::Split: {
-            const float half = node.size() * 0.5f;
-            const int im = first_at(grid.u0, grid.step_u, node.u0 + half, i0, i1);
-            const int jm = first_at(grid.v0, grid.step_v, node.v0 + half, j0, j1);
-            fill<kTangents>(node.children[0], grid, i0, im, j0, jm, out, stride);
-            fill<kTangents>(node.children[1], grid, im, i1, j0, jm, out, stride);
-            fill<kTangents>(node.children[2], grid, i0, im, jm, j1, out, stride);
-            fill<kTangents>(node.children[3], grid, im, i1, jm, j1, out, stride);
+            const int im = node.halves_u ? first_at(grid.u0, grid.step_u, node.u0 + node.size_u() * 0.5f, i0, i1) : i1;
+            const int jm = node.halves_v ? first_at(grid.v0, grid.step_v, node.v0 + node.size_v() * 0.5f, j0, j1) : j1;
+            fill<kTangents>(node.child(0, 0), grid, i0, im, j0, jm, out, stride);
+            fill<kTangents>(node.child(1, 0), grid, im, i1, j0, jm, out, stride);
+            fill<kTangents>(node.child(0, 1), grid, i0, im, jm, j1, out, stride);
+            fill<kTangents>(node.child(1, 1), grid, im, i1, jm, j1, out, stride);
             break;
         }
         default:
@@ -209,19 +209,22 @@ void PosedPatch::fill_curve(const PatchClass::Node& node, bool along_v, float fi
     kind_->resolve(node);
     const auto kind = node.kind.load(std::memory_order_relaxed);
     const float from = along_v ? node.v0 : node.u0, across = along_v ? node.u0 : node.v0;
+    const int depth_along = along_v ? node.depth_v : node.depth_u, depth_across = along_v ? node.depth_u : node.depth_v;
     if (kind == PatchClass::Node::Split) {
-        const float half = node.size() * 0.5f;
-        const int side = fixed >= across + half;
-        const int low = along_v ? side : side * 2, high = low + (along_v ? 2 : 1);
+        const float half = (along_v ? node.size_v() : node.size_u()) * 0.5f;
+        const int side = fixed >= across + (along_v ? node.size_u() : node.size_v()) * 0.5f;
+        const PatchClass::Node& low = along_v ? node.child(side, 0) : node.child(0, side);
+        const PatchClass::Node& high = along_v ? node.child(side, 1) : node.child(1, side);
+        if (&low == &high) return fill_curve(low, along_v, fixed, t0, step, i0, i1, out);
         int im = first_at(t0, step, from + half, i0, i1);
         if (step < 0) {
             im = i0;
             while (im < i1 && t0 + float(im) * step >= from + half) ++im;
-            fill_curve(node.children[high], along_v, fixed, t0, step, i0, im, out);
-            return fill_curve(node.children[low], along_v, fixed, t0, step, im, i1, out);
+            fill_curve(high, along_v, fixed, t0, step, i0, im, out);
+            return fill_curve(low, along_v, fixed, t0, step, im, i1, out);
         }
-        fill_curve(node.children[low], along_v, fixed, t0, step, i0, im, out);
-        return fill_curve(node.children[high], along_v, fixed, t0, step, im, i1, out);
+        fill_curve(low, along_v, fixed, t0, step, i0, im, out);
+        return fill_curve(high, along_v, fixed, t0, step, im, i1, out);
     }
     if (kind == PatchClass::Node::Direct) {
         for (int i = i0; i < i1; ++i) {
@@ -230,9 +233,10 @@ void PosedPatch::fill_curve(const PatchClass::Node& node, bool along_v, float fi
         }
         return;
     }
-    const CubicWeights w = cubic_weights(local(fixed, across, node.depth));
+    const CubicWeights w = cubic_weights(local(fixed, across, depth_across));
     const CurveControls q = along_v ? column_controls(piece(node), w) : row_controls(piece(node), w);
-    for (int i = i0; i < i1; ++i) out[i] = lod::curve_point(q, cubic_weights(local(t0 + float(i) * step, from, node.depth)));
+    for (int i = i0; i < i1; ++i)
+        out[i] = lod::curve_point(q, cubic_weights(local(t0 + float(i) * step, from, depth_along)));
 }
 
 void PosedPatch::curve(bool along_v, float fixed, float t0, float step, std::span<Vec3f> out)
@@ -275,9 +279,9 @@ void PosedPatch::measure()
     box_ = {};
     for (std::size_t g = 0; g < hull.squares; ++g) {
         const Points p = points(hull, g);
-        const vfloat4x4 scale = hull.speeds[g][0] * hull.speeds[g][0];
-        along = max(along, squared(p.x.next_column() - p.x, p.y.next_column() - p.y, p.z.next_column() - p.z) * scale);
-        down = max(down, squared(p.x.next_row() - p.x, p.y.next_row() - p.y, p.z.next_row() - p.z) * scale);
+        const vfloat4x4 scale_u = hull.speeds[g][0] * hull.speeds[g][0], scale_v = hull.speeds[g][1] * hull.speeds[g][1];
+        along = max(along, squared(p.x.next_column() - p.x, p.y.next_column() - p.y, p.z.next_column() - p.z) * scale_u);
+        down = max(down, squared(p.x.next_row() - p.x, p.y.next_row() - p.y, p.z.next_row() - p.z) * scale_v);
         if (g < hull.nets) {
             const vfloat4x4 all[3] = {p.x, p.y, p.z};
             for (int a = 0; a < 3; ++a) lo[a] = min(lo[a], all[a]), hi[a] = max(hi[a], all[a]);
@@ -343,23 +347,24 @@ float PosedPatch::reach()
 
 void PosedPatch::bounds_below(const PatchClass::Node& node, float u0, float u1, float v0, float v1, Box3f& box)
 {
-    const float size = node.size();
-    if (node.u0 > u1 || node.u0 + size < u0 || node.v0 > v1 || node.v0 + size < v0) return;
+    const float size_u = node.size_u(), size_v = node.size_v();
+    if (node.u0 > u1 || node.u0 + size_u < u0 || node.v0 > v1 || node.v0 + size_v < v0) return;
     kind_->resolve(node);
     const auto kind = node.kind.load(std::memory_order_relaxed);
     if (kind == PatchClass::Node::Split) {
-        for (int c = 0; c < 4; ++c) bounds_below(node.children[c], u0, u1, v0, v1, box);
+        for (int c = 0; c < node.child_count(); ++c) bounds_below(node.children[c], u0, u1, v0, v1, box);
         return;
     }
     if (kind == PatchClass::Node::Direct) {
         Box3f corners;
-        for (int c = 0; c < 4; ++c) corners.add(direct(node, node.u0 + (c & 1 ? size : 0), node.v0 + (c & 2 ? size : 0)).p);
+        for (int c = 0; c < 4; ++c)
+            corners.add(direct(node, node.u0 + (c & 1 ? size_u : 0), node.v0 + (c & 2 ? size_v : 0)).p);
         box.add({corners.lo - corners.extent(), corners.hi + corners.extent()});
         return;
     }
-    const auto clip = [&](float t, float t0) { return std::clamp(local(t, t0, node.depth), 0.0, 1.0); };
-    const BezierWeights along = bezier_weights(clip(u0, node.u0), clip(u1, node.u0));
-    const BezierWeights across = bezier_weights(clip(v0, node.v0), clip(v1, node.v0));
+    const auto clip = [](float t, float t0, int depth) { return std::clamp(local(t, t0, depth), 0.0, 1.0); };
+    const BezierWeights along = bezier_weights(clip(u0, node.u0, node.depth_u), clip(u1, node.u0, node.depth_u));
+    const BezierWeights across = bezier_weights(clip(v0, node.v0, node.depth_v), clip(v1, node.v0, node.depth_v));
     const PieceControls& net = piece(node);
     for (int j = 0; j < 4; ++j) {
         const CurveControls row = row_controls(net, across.row[j]);

@@ -117,7 +117,8 @@ const PatchControls& Topology::make_controls(PatchRef patch, int uv_set) const
     auto& kind = tables_->classes[std::move(around.key)];
     if (!kind) {
         auto source = limit_source(*mesh_->factory, patch, around.controls, uv_set);
-        kind = std::make_unique<const PatchClass>(static_cast<int>(around.controls.size()), std::move(source));
+        kind = std::make_unique<const PatchClass>(static_cast<int>(around.controls.size()), std::move(source),
+                                                  around.crease_depth);
     }
     const auto& indices = tables_->indices.emplace_back(std::move(around.controls));
     const PatchControls& record = tables_->records.emplace_back(PatchControls{kind.get(), indices});

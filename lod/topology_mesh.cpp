@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <unordered_map>
+
+#include <opensubdiv/sdc/crease.h>
 
 #include "base/check.h"
 
@@ -229,15 +232,19 @@ Neighbourhood neighbourhood(const Far::TopologyLevel& level, PatchRef patch, boo
         out.key.push_back(static_cast<std::uint32_t>(faces.size()) << 2 | (level.IsVertexBoundary(v) ? 2u : 0u) |
                           (level.IsVertexNonManifold(v) ? 1u : 0u));
         out.key.push_back(cyclic ? 0u : static_cast<std::uint32_t>(start));
-        out.key.push_back(std::bit_cast<std::uint32_t>(level.GetVertexSharpness(v)));
+        const auto add_sharpness = [&](float sharpness) {
+            out.key.push_back(std::bit_cast<std::uint32_t>(sharpness));
+            if (!Sdc::Crease::IsInfinite(sharpness))
+                out.crease_depth = std::max(out.crease_depth, static_cast<int>(std::ceil(sharpness)));
+        };
+        add_sharpness(level.GetVertexSharpness(v));
         for (int i = 0; i < faces.size(); ++i) {
             const int k = cyclic ? (start + i) % faces.size() : i;
             const int g = faces[k], place = places[k];
             const auto edges = level.GetFaceEdges(g);
             out.key.push_back(static_cast<std::uint32_t>(place));
-            out.key.push_back(std::bit_cast<std::uint32_t>(level.GetEdgeSharpness(edges[place])));
-            out.key.push_back(
-                std::bit_cast<std::uint32_t>(level.GetEdgeSharpness(edges[(place + edges.size() - 1) % edges.size()])));
+            add_sharpness(level.GetEdgeSharpness(edges[place]));
+            add_sharpness(level.GetEdgeSharpness(edges[(place + edges.size() - 1) % edges.size()]));
             add_face(g);
         }
     }

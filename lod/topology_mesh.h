@@ -40,6 +40,7 @@ struct Topology::Mesh {
 struct Neighbourhood {
     std::vector<std::uint32_t> key;
     std::vector<std::uint32_t> controls;  ///< vertex (or UV value) of each number
+    int crease_depth = 0;                 ///< as PatchClass has it
 };
 Neighbourhood neighbourhood(const OpenSubdiv::Far::TopologyLevel& level, PatchRef patch, bool bilinear, int uv_set);
 

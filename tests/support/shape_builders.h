@@ -64,6 +64,19 @@ inline Cage spindle(std::uint32_t valence)
     return cage;
 }
 
+/// A cube whose twelve edges have one sharpness.
+inline Cage creased_cube(float sharpness)
+{
+    Cage cage;
+    for (int i = 0; i < 8; ++i) cage.positions.push_back({i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f});
+    cage.face_vertices = {0, 4, 6, 2, 1, 3, 7, 5, 0, 1, 5, 4, 2, 6, 7, 3, 0, 2, 3, 1, 4, 5, 7, 6};
+    cage.face_sizes.assign(6, 4);
+    for (std::uint32_t v = 0; v < 8; ++v)
+        for (std::uint32_t axis = 1; axis < 8; axis *= 2)
+            if ((v & axis) == 0 && sharpness > 0) cage.creases.push_back({v, v | axis, sharpness});
+    return cage;
+}
+
 inline NodeId place(Scene& scene, CageId cage, Vec3d at, double scale = 1)
 {
     NodeDesc desc;

@@ -127,6 +127,31 @@ TEST(Bounds, HoldVerticesThatNeighboursOwn)
 }
 
 INSTANTIATE_TEST_SUITE_P(Cages, PatchHulls, testing::Values(torus(), prism(3), prism(5), spindle(7)));
+INSTANTIATE_TEST_SUITE_P(CreasedCubes, PatchHulls,
+                         testing::Values(creased_cube(0.75f), creased_cube(2), creased_cube(4.5f), creased_cube(5.25f),
+                                         creased_cube(6), creased_cube(7.75f), creased_cube(9.75f)));
+
+// Points everywhere on a creased patch, and above all within the crease's own width of its edges, are those of its limit
+// stencils: a tree that misses a narrow crease has them at other places than the corners that patches share.
+class CreasedPatches : public testing::TestWithParam<int> {};
+TEST_P(CreasedPatches, AreWhereTheirLimitStencilsAre)
+{
+    const float sharpness = 0.25f * float(GetParam());
+    const DicedCage diced(creased_cube(sharpness), 0);
+    const lod::PatchControls& controls = diced.topology().controls({0, 0});
+    lod::PosedPatch patch;
+    patch.set(diced.posed, {0, 0});
+    const std::array<float, 9> near_edges{0, 0x1p-11f, 0x1p-10f, 0x1p-8f, 0x1p-6f, 3 * 0x1p-7f, 0x1p-4f, 0.5f, 1 - 0x1p-9f};
+    for (const float u : near_edges)
+        for (const float v : near_edges) {
+            const lod::LimitStencil stencil = controls.kind->limit(u, v);
+            Vec3d expected(0);
+            for (std::size_t k = 0; k < stencil.p.size(); ++k)
+                expected += stencil.p[k] * Vec3d(diced.posed.vertex(controls.indices[k]));
+            EXPECT_LT(glm::distance(expected, Vec3d(patch.point(u, v))), 2e-6) << "at " << u << ", " << v;
+        }
+}
+INSTANTIATE_TEST_SUITE_P(QuartersOfSharpness, CreasedPatches, testing::Range(0, 45));
 
 }  // namespace
 }  // namespace occam::test
