@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
-# Builds and passes the tests: release with all of them, the one-lane build on the hash tests, address and undefined-behaviour
-# sanitizers on the unit and hostile tests. --long adds debug, thread sanitizer, clang, the long campaigns and
-# the fuzz targets.
+# Builds and passes the tests: release with all of them, and the one-lane build on the hash tests. --ci adds the address and
+# undefined-behaviour sanitizers on the unit and hostile tests if a quarter of an hour has not passed yet. --long adds them
+# always, and debug, the thread sanitizer, clang, the long campaigns and the fuzz targets.
 set -euo pipefail
 cd "$(dirname "$0")"
-long=0
+long=0 sanitize=0
 case "${1:-}" in
     "") ;;
-    --long) long=1 ;;
-    *) echo "usage: ./test.sh [--long]" >&2; exit 2 ;;
+    --ci) sanitize=1 ;;
+    --long) long=1 sanitize=1 ;;
+    *) echo "usage: ./test.sh [--ci | --long]" >&2; exit 2 ;;
 esac
 if [ $long -eq 1 ]; then ./install-packages.sh --long; else ./install-packages.sh; fi
 
@@ -70,12 +71,21 @@ fuzz() {
 mkdir -p build
 hashes=OCCAM_HASHES=$PWD/build/hashes.txt
 rm -f build/hashes.txt
-run release all "$hashes" OCCAM_HASHES_MODE=write
+run test all "$hashes" OCCAM_HASHES_MODE=write
 run one_lane hash "$hashes" OCCAM_HASHES_MODE=compare
-run asan 'unit|hostile'
+if [ $sanitize -eq 1 ] && [ $long -eq 0 ] && [ $SECONDS -gt 900 ]; then
+    echo "== asan: left out, since $((SECONDS / 60)) minutes have passed"
+elif [ $sanitize -eq 1 ]; then
+    run asan 'unit|hostile'
+fi
 if [ $long -eq 1 ]; then
+    # Benchmarks are no tests, but have to compile.
+    { cmake --preset release && cmake --build --preset release --target occam_bench; } > build/bench.log 2>&1 || {
+        grep -E 'error|FAILED' -A 3 build/bench.log | head -n 60
+        exit 1
+    }
     run debug 'unit|hostile|hash' "$hashes" OCCAM_HASHES_MODE=compare
-    run tsan 'unit|hash' TSAN_OPTIONS="ignore_noninstrumented_modules=1 suppressions=$PWD/tests/tsan.supp"
+    run tsan 'unit|hash|campaign' TSAN_OPTIONS="ignore_noninstrumented_modules=1 suppressions=$PWD/tests/tsan.supp"
     run clang all "$hashes" OCCAM_HASHES_MODE=compare
     fuzz 600
 fi

@@ -1,6 +1,7 @@
 # The executable `occam`, over the shared library.
 file(GLOB occam_command_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/command/*.cpp)
 target_sources(occam_cli PRIVATE ${occam_command_sources})
+occam_batches(occam_cli ${occam_command_sources})
 target_include_directories(occam_cli PRIVATE ${PROJECT_SOURCE_DIR}/api/command)
 target_link_libraries(occam_cli PRIVATE occam occam_flags CLI11::CLI11 nlohmann_json::nlohmann_json)
 set_target_properties(occam_cli PROPERTIES OUTPUT_NAME occam)
@@ -23,4 +24,6 @@ foreach(header_of_library "OpenImageIO;OpenImageIO/oiioversion.h;OIIO_VERSION_" 
   string(APPEND occam_libraries ", ${library} ${version}")
 endforeach()
 set_source_files_properties(${PROJECT_SOURCE_DIR}/command/parse.cpp
-  PROPERTIES COMPILE_DEFINITIONS "OCCAM_LIBRARIES=\"${occam_libraries}\"")
+  PROPERTIES COMPILE_DEFINITIONS "OCCAM_LIBRARIES=\"${occam_libraries}\""
+  # Reading arguments needs no speed, and the library that does it takes half a minute to optimise.
+  COMPILE_OPTIONS "$<$<CONFIG:Release>:-O1>")

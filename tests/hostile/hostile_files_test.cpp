@@ -4,8 +4,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "io/texture/texture_store.h"
 #include "occam/occam.h"
+#include "tests/support/file_outcome.h"
 #include "tests/support/import_errors.h"
 #include "tests/support/scene_files.h"
 #include "tests/support/shared_data.h"
@@ -15,31 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What came of a file: its error, or the warnings of the scene and of its textures. What loads is also rendered: what lies
-// behind the door must be able to rely on it.
-struct Outcome {
-    std::string error;
-    std::vector<std::string> warnings;
-};
-Outcome outcome_of(const fs::path& file)
-{
-    Outcome outcome;
-    try {
-        Scene scene = load(file);
-        scene.refit();
-        TextureStore store(std::size_t(64) << 20);
-        store.prepare(scene);
-        outcome.warnings = scene.warnings;
-        const std::vector<std::string> more = store.warnings();
-        outcome.warnings.insert(outcome.warnings.end(), more.begin(), more.end());
-        Renderer renderer({.threads = 2, .memory_bytes = std::size_t(256) << 20});
-        renderer.render(scene, Camera::framing(scene.bounds()), {.width = 8, .height = 6, .spp = 1});
-    } catch (const Error& error) {
-        outcome.error = error.what();
-    }
-    return outcome;
-}
-
 TEST(HostileFiles, EachIsRefusedInOneLineOrLoads)
 {
     const fs::path folder = test::shared_data() / "data" / "hostile";
@@ -47,7 +22,7 @@ TEST(HostileFiles, EachIsRefusedInOneLineOrLoads)
     const auto files = test::scene_files_below(folder);
     EXPECT_GT(files.size(), 300u);
     for (const fs::path& file : files) {
-        const Outcome outcome = outcome_of(file);
+        const test::FileOutcome outcome = test::outcome_of(file);
         EXPECT_EQ(outcome.error.find('\n'), std::string::npos) << outcome.error;
         const bool names_it = outcome.error.empty() || outcome.error.find(file.filename().string()) != std::string::npos;
         EXPECT_TRUE(names_it) << outcome.error;
@@ -66,7 +41,7 @@ TEST(HostileFiles, WhatTheValidatorCallsAnErrorNeverPassesInSilence)
         text << report.rdbuf();
         if (text.str().find("\"numErrors\": 0") != std::string::npos || !report) continue;
         ++judged;
-        const Outcome outcome = outcome_of(file);
+        const test::FileOutcome outcome = test::outcome_of(file);
         EXPECT_TRUE(!outcome.error.empty() || !outcome.warnings.empty()) << file;
     }
     EXPECT_GT(judged, 100);

@@ -96,11 +96,21 @@ void expect_share(const char* what, std::optional<double> share, std::optional<d
     EXPECT_GE(*share, *least) << "share of the interior pixels that agree in " << what;
 }
 
+/// All cases of the shared data; without it a single one that has no name, so that the report says in one line what is
+/// missing.
+std::vector<ReferenceCase> cases_or_none()
+{
+    std::vector<ReferenceCase> cases = reference_cases();
+    if (cases.empty()) cases.emplace_back();
+    return cases;
+}
+
 class ReferencePictures : public testing::TestWithParam<ReferenceCase> {};
 
 TEST_P(ReferencePictures, AreMatched)
 {
     const ReferenceCase& c = GetParam();
+    if (c.id.empty()) GTEST_SKIP() << "the shared folder is absent: pictures of other software are not compared";
     const ReferenceShares shares = compare(render_case(c), read_reference(c), c.limits);
     EXPECT_GT(shares.interior, 0u);
 
@@ -117,9 +127,9 @@ TEST_P(ReferencePictures, AreMatched)
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Shared, ReferencePictures, testing::ValuesIn(reference_cases()),
-                         [](const auto& test) { return reference_test_name(test.param); });
-GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(ReferencePictures);
+INSTANTIATE_TEST_SUITE_P(Shared, ReferencePictures, testing::ValuesIn(cases_or_none()), [](const auto& test) {
+    return test.param.id.empty() ? std::string("None") : reference_test_name(test.param);
+});
 
 TEST(ReferenceData, HoldsCasesOfEveryKind)
 {

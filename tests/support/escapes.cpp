@@ -119,15 +119,13 @@ EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int 
     return count;
 }
 
-namespace {
 bool is_long()
 {
     const char* value = std::getenv("OCCAM_LONG");
     return value && std::strcmp(value, "1") == 0;
 }
-}  // namespace
 
-std::uint64_t rays_per_cage() { return is_long() ? 10'000'000 : 100'000; }
-std::uint64_t blended_rays_per_place() { return is_long() ? 1'250'000 : 500'000; }
+std::uint64_t rays_per_cage() { return is_long() ? 10'000'000 : 50'000; }
+std::uint64_t blended_rays_per_place() { return is_long() ? 1'250'000 : 40'000; }
 
 }  // namespace occam::test

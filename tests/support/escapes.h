@@ -21,11 +21,14 @@ struct EscapeCount {
 EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int exponent, std::uint64_t rays,
                           std::uint64_t seed, const TextureStore* textures = nullptr);
 
-/// 10^7 rays a cage with OCCAM_LONG=1, else 10^5.
+/// Whether the long campaigns are run (OCCAM_LONG=1).
+bool is_long();
+
+/// Returns 10^7 rays a cage for the long campaigns, else 5 * 10^4: made and shared cages together are a hundred.
 std::uint64_t rays_per_cage();
 
-/// Of tests in which each ray blends the surface for itself: half a million at each of two places, with OCCAM_LONG=1 two and
-/// a half times that.
+/// Returns how many rays are shot at each of two places by tests in which each ray blends the surface for itself: 1.25 *
+/// 10^6 in the long campaigns, else 4 * 10^4.
 std::uint64_t blended_rays_per_place();
 
 }  // namespace occam::test

@@ -4,11 +4,28 @@
 #include <filesystem>
 
 #include "io/import/import.h"
+#include "tests/support/made_cages.h"
 #include "tests/support/shared_data.h"
 #include "verify/verify.h"
 
 namespace occam::test {
 namespace fs = std::filesystem;
+namespace {
+
+constexpr std::string_view kMade = "made:";
+
+/// Returns the names of the made cages, and after them `files` in order.
+std::vector<std::string> made_and(std::vector<std::string> files, bool only_closed)
+{
+    std::vector<std::string> names;
+    for (const MadeCage& made : made_cages())
+        if (made.is_closed || !only_closed) names.push_back(std::string(kMade) + made.name);
+    std::sort(files.begin(), files.end());
+    names.insert(names.end(), files.begin(), files.end());
+    return names;
+}
+
+}  // namespace
 
 std::vector<std::string> subdivision_shapes()
 {
@@ -18,8 +35,7 @@ std::vector<std::string> subdivision_shapes()
         const std::string name = entry.path().filename().string();
         if (name.starts_with("catmark_") || name.starts_with("bilinear_")) paths.push_back(entry.path().string());
     }
-    std::sort(paths.begin(), paths.end());
-    return paths;
+    return made_and(std::move(paths), false);
 }
 
 std::vector<std::string> closed_shapes()
@@ -32,18 +48,18 @@ std::vector<std::string> closed_shapes()
         if (path.filename().string().starts_with("loop_")) continue;
         if (why_not_closed(load_cage(path.string())).empty()) paths.push_back(path.string());
     }
-    std::sort(paths.begin(), paths.end());
-    return paths;
+    return made_and(std::move(paths), true);
 }
 
-Cage load_cage(const std::string& path)
+Cage load_cage(const std::string& name)
 {
-    const Scene scene = load(path, {.subdivide = Subdivide::On});
+    if (name.starts_with(kMade)) return made_cage(name.substr(kMade.size()));
+    const Scene scene = load(name, {.subdivide = Subdivide::On});
     Cage cage;
     scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
         for (const CageId id : node.cages) cage = scene.cage(id).cage;
     });
-    cage.scheme = fs::path(path).filename().string().starts_with("bilinear_") ? Scheme::Bilinear : Scheme::CatmullClark;
+    cage.scheme = fs::path(name).filename().string().starts_with("bilinear_") ? Scheme::Bilinear : Scheme::CatmullClark;
     return cage;
 }
 

@@ -1,4 +1,4 @@
-// The subdivision shapes of the shared data, as parameters of tests.
+// The subdivision cages of tests as parameters: made ones always, those of the shared test data where it exists.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -10,15 +10,15 @@
 
 namespace occam::test {
 
-/// Paths of all Catmull-Clark and bilinear shapes in subdiv/opensubdiv; empty without the shared data.
+/// Names the made cages ("made:cube"), then the files of all Catmull-Clark and bilinear shapes in subdiv/opensubdiv.
 std::vector<std::string> subdivision_shapes();
-/// Those of subdiv/ that are closed, any folder.
+/// Names the closed made cages, then the files of all closed cages below subdiv/.
 std::vector<std::string> closed_shapes();
 
-/// Reads an OBJ as a cage of the scheme that its name begins with.
-Cage load_cage(const std::string& path);
+/// Returns the made cage of that name, or reads an OBJ as a cage of the scheme that its name begins with.
+Cage load_cage(const std::string& name);
 
-/// "catmark_cube" of ".../catmark_cube.obj".
+/// Returns "catmark_cube" for ".../catmark_cube.obj" and "made_cube" for "made:cube".
 std::string shape_test_name(const testing::TestParamInfo<std::string>& info);
 
 }  // namespace occam::test

@@ -222,8 +222,7 @@ TEST_P(Pairs, FullyCoarseAreTheNextLevelFullyFine)
     const Cage cage = load_cage(GetParam());
     expect_nested(cage, cage.face_count() > 2000 ? 1 : 4);
 }
-INSTANTIATE_TEST_SUITE_P(Shared, Pairs, testing::ValuesIn(closed_shapes()), shape_test_name);
-GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Pairs);
+INSTANTIATE_TEST_SUITE_P(Shapes, Pairs, testing::ValuesIn(closed_shapes()), shape_test_name);
 
 TEST(PairsOfTorus, FullyCoarseAreTheNextLevelFullyFine) { expect_nested(torus(), 5); }
 TEST(PairsOfPrism, FullyCoarseAreTheNextLevelFullyFine) { expect_nested(prism(7), 5); }

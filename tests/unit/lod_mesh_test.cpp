@@ -86,8 +86,7 @@ TEST(ClosedDisplacedCages, AreClosedBitForBitAtEveryLevel)
         }
 }
 
-INSTANTIATE_TEST_SUITE_P(Shared, ClosedCages, testing::ValuesIn(closed_shapes()), shape_test_name);
-GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(ClosedCages);
+INSTANTIATE_TEST_SUITE_P(Shapes, ClosedCages, testing::ValuesIn(closed_shapes()), shape_test_name);
 
 TEST(Rates, HalveExactlyAtAndAroundPowersOfTwo)
 {

@@ -282,8 +282,7 @@ TEST(TextureCoordinates, FollowTheSurfaceWhereTheyHaveNoSeam)
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Shared, SurfaceShapes, testing::ValuesIn(subdivision_shapes()), shape_test_name);
-GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(SurfaceShapes);
+INSTANTIATE_TEST_SUITE_P(Shapes, SurfaceShapes, testing::ValuesIn(subdivision_shapes()), shape_test_name);
 
 }  // namespace
 }  // namespace occam::test

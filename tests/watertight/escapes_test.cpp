@@ -30,8 +30,7 @@ TEST_P(Escapes, NoRayLeavesAClosedCage)
     expect_no_escape(cage, cage.face_count() > 2000 ? 1 : cage.face_count() > 100 ? 3 : 5);
 }
 
-INSTANTIATE_TEST_SUITE_P(Shared, Escapes, testing::ValuesIn(closed_shapes()), shape_test_name);
-GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Escapes);
+INSTANTIATE_TEST_SUITE_P(Shapes, Escapes, testing::ValuesIn(closed_shapes()), shape_test_name);
 
 class EscapesOfDisplacedCages : public testing::TestWithParam<int> {};
 TEST_P(EscapesOfDisplacedCages, NoRayLeavesAClosedCage)

@@ -40,8 +40,7 @@ void expect_no_escape(const Cage& cage, const TextureStore* textures = nullptr)
 
 class Levels : public testing::TestWithParam<std::string> {};
 TEST_P(Levels, LetNoRayOut) { expect_no_escape(load_cage(GetParam())); }
-INSTANTIATE_TEST_SUITE_P(Shared, Levels, testing::ValuesIn(closed_shapes()), shape_test_name);
-GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Levels);
+INSTANTIATE_TEST_SUITE_P(Shapes, Levels, testing::ValuesIn(closed_shapes()), shape_test_name);
 
 class LevelsOfPieces : public testing::TestWithParam<Cage> {};
 TEST_P(LevelsOfPieces, LetNoRayOut) { expect_no_escape(GetParam()); }

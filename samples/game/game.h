@@ -1,0 +1,89 @@
+// The game of this folder without its window: the tests play it too.
+#pragma once
+
+#include <occam/occam.h>
+
+#include <cmath>
+
+#include "worm.h"
+
+namespace sample {
+
+using namespace occam;
+
+struct Walker {
+    NodeId node;
+    double radius, phase, speed;
+};
+
+/// The scene of a game: characters walk in circles, some appear and some go.
+class Game {
+public:
+    /// Without a file the character is the worm.
+    explicit Game(const char* file = nullptr)
+    {
+        if (file) {
+            scene_ = load(file);
+            if (scene_.node(scene_.root()).children.empty()) throw Error(file, "has no node to make a character of");
+            character_ = scene_.node(scene_.root()).children.front();
+            clip_ = scene_.clips().empty() ? ClipId() : scene_.clips().front();
+        } else {
+            const sample::Worm worm = sample::add_worm(scene_, {0.9f, 0.35f, 0.25f});
+            character_ = worm.node;
+            clip_ = worm.crawl;
+        }
+        size_ = std::max(1e-3, 2 * scene_.bounds().radius());
+        height_ = -scene_.bounds().lo.y;
+        scene_.set_visible(character_, false);  // the mould: copies of it walk
+        sample::add_surroundings(scene_, float(20 * size_));
+        for (int i = 0; i < 12; ++i) appear();
+    }
+
+    /// What happens in one frame: edits, each as cheap as its path to the root.
+    void step(double clock)
+    {
+        if (++frame_ % 20 == 0) appear();
+        if (walkers_.size() > kMostWalkers) {
+            scene_.remove(walkers_.front().node);  // the handle is dead from here on, and says so if used
+            walkers_.erase(walkers_.begin());
+        }
+        for (const Walker& w : walkers_) {
+            const double angle = w.phase + w.speed * clock;
+            Trs place;
+            place.translation = {w.radius * std::cos(angle), height_, -w.radius * std::sin(angle)};
+            place.rotation = {0, std::sin((angle + 1.5708) / 2), 0, std::cos((angle + 1.5708) / 2)};
+            scene_.set_transform(w.node, place);
+            if (!clip_) continue;
+            // Described, not executed: whoever is not seen is never skinned.
+            const ClipAt now{clip_, looped(time_range(scene_.clip(clip_)), clock + w.phase)};
+            scene_.pose({&now, 1}, w.node);
+        }
+    }
+
+    Camera camera(double clock) const
+    {
+        const Vec3d eye = Vec3d(7 * std::cos(0.2 * clock), 3 + std::sin(0.5 * clock), 7 * std::sin(0.2 * clock)) * size_;
+        return Camera::look_at(eye, {0, 0.5 * size_, 0}, {0, 1, 0}, 0.8f);
+    }
+    Scene& scene() { return scene_; }
+
+private:
+    void appear()
+    {
+        const double n = double(++made_);
+        walkers_.push_back({scene_.copy(character_, scene_.root()), size_ * (1 + std::fmod(n * 0.618, 1.0) * 4), n * 2.4,
+                            0.3 + 0.1 * std::fmod(n, 3)});
+        scene_.set_visible(walkers_.back().node, true);
+    }
+
+    static constexpr std::size_t kMostWalkers = 16;
+
+    Scene scene_;
+    NodeId character_;
+    ClipId clip_;
+    std::vector<Walker> walkers_;
+    double size_ = 1, height_ = 0;
+    int frame_ = 0, made_ = 0;
+};
+
+}  // namespace sample

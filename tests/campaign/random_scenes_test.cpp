@@ -1,0 +1,68 @@
+// Scenes made from seeds: every way to render one gives the same picture, and no ray leaves its closed cages.
+//
+// OCCAM_SEED=n tests that seed alone. With OCCAM_LONG=1 seeds follow one another for OCCAM_CAMPAIGN_SECONDS (ten minutes).
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdlib>
+
+#include "tests/support/escapes.h"
+#include "tests/support/random_case.h"
+
+namespace occam::test {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Tests one seed; what fails is made as small as it can be before it is reported.
+void expect_holds(std::uint64_t seed, const CaseCheck& check)
+{
+    const RandomCase c = random_case(seed);
+    const std::string fault = check(c);
+    if (fault.empty()) return;
+    const RandomCase least = shrunk(c, check);
+    ADD_FAILURE() << check(least) << "\n  smallest case: " << description(least) << "\n  of: " << description(c)
+                  << "\n  replay: OCCAM_SEED=" << seed;
+}
+
+/// Tests `quick` seeds, or with OCCAM_LONG=1 as many as half the campaign's time allows.
+void run_campaign(std::uint64_t quick, const CaseCheck& check)
+{
+    if (const char* seed = std::getenv("OCCAM_SEED")) return expect_holds(std::strtoull(seed, nullptr, 10), check);
+    const char* named = std::getenv("OCCAM_CAMPAIGN_SECONDS");
+    const auto end = Clock::now() + std::chrono::seconds(named ? std::atoi(named) : 600) / 2;
+    std::uint64_t seed = 1;
+    for (; is_long() ? Clock::now() < end : seed <= quick; ++seed) {
+        expect_holds(seed, check);
+        if (testing::Test::HasFailure()) break;
+    }
+    testing::Test::RecordProperty("seeds", std::to_string(seed - 1));
+}
+
+TEST(RandomScenes, GiveOnePictureForAnyThreadsTreesAndMemory) { run_campaign(24, check_pictures); }
+
+TEST(RandomScenes, LetNoRayOutOfClosedCages)
+{
+    run_campaign(16, [](const RandomCase& c) { return check_closedness(c, is_long() ? 100'000 : 4'000); });
+}
+
+TEST(RandomCases, AreTheSameForASeedAndShrinkToWhatFails)
+{
+    EXPECT_EQ(description(random_case(5)), description(random_case(5)));
+    EXPECT_NE(description(random_case(5)), description(random_case(6)));
+    // A fault that needs a mirrored part and path tracing.
+    const CaseCheck check = [](const RandomCase& c) {
+        bool has = false;
+        for (const RandomPart& part : c.parts) has |= part.has(PartFeature::Mirrored);
+        return std::string(has && c.has(SettingFeature::Path) ? "fault" : "");
+    };
+    std::uint64_t seed = 1;
+    while (check(random_case(seed)).empty()) ++seed;
+    const RandomCase least = shrunk(random_case(seed), check);
+    ASSERT_EQ(least.parts.size(), 1u);
+    EXPECT_EQ(least.parts[0].features, 1u << static_cast<unsigned>(PartFeature::Mirrored));
+    EXPECT_EQ(least.settings, 1u << static_cast<unsigned>(SettingFeature::Path));
+}
+
+}  // namespace
+}  // namespace occam::test

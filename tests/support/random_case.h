@@ -1,0 +1,98 @@
+// Scenes with settings made from a seed, for tests that compare one way of rendering them with another.
+//
+// A case is a list of features. What a feature does in detail follows from the seed, so a case can be made smaller by taking
+// features away while the rest stays as it was: shrunk() does that with a case that fails.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "occam/occam.h"
+
+namespace occam::test {
+
+/// What may be special about one object of a case, as bits of RandomPart::features.
+enum class PartFeature : unsigned {
+    Noise,      ///< vertices are moved by up to 8 % of the cage's size
+    Creases,    ///< some edges have a sharpness of 0.25 to 10, in steps of a quarter
+    Corners,    ///< some vertices are sharp
+    Hole,       ///< one face is not seen
+    Fin,        ///< a triangle stands on an edge, which three faces then share
+    Bilinear,   ///< the scheme is bilinear
+    Triangles,  ///< the cage is rendered as it is, as triangles
+    Displaced,  ///< a texture moves the surface along its normal
+    Skinned,    ///< two joints bend it
+    Mirrored,   ///< its matrix mirrors
+    Stretched,  ///< its matrix scales axes differently
+    Large,      ///< a thousand times the size of the others, and as far away
+    Small,      ///< a thousandth of the size of the others
+    Instanced,  ///< three instances stand beside it
+    Textured,   ///< a texture gives its base colour
+    Glass,      ///< light passes through it
+    Metal       ///< it reflects
+};
+inline constexpr unsigned kPartFeatures = 17;
+
+/// What may be special about the picture, as bits of RandomCase::settings.
+enum class SettingFeature : unsigned {
+    Path,          ///< path tracing of three bounces
+    Ao,            ///< ambient occlusion; Path goes before it
+    AtVertices,    ///< materials are looked up at vertices
+    Frozen,        ///< secondary rays keep their level
+    LodOff,        ///< one level a cage; it goes before Frozen
+    Coarse,        ///< a shading rate of 3
+    Fine,          ///< a shading rate of 0.5; Coarse goes before it
+    Lens,          ///< the camera has a thin lens
+    Orthographic,  ///< the camera's rays are parallel
+    Far,           ///< all stands 10^5 units from the origin
+    Still,         ///< no jitter
+    Adaptive,      ///< tiles end early
+    Cropped,       ///< a part of the frame
+    OneSided,      ///< rays pass the backs of single-sided surfaces
+    Layers         ///< all layers beside the picture
+};
+inline constexpr unsigned kSettingFeatures = 15;
+
+struct RandomPart {
+    std::uint32_t key = 0;  ///< its random numbers are those of this number and the case's seed
+    unsigned features = 0;
+    std::string cage;  ///< one of made_cages()
+
+    bool has(PartFeature f) const noexcept { return features >> static_cast<unsigned>(f) & 1; }
+};
+
+struct RandomCase {
+    std::uint64_t seed = 0;
+    unsigned settings = 0;
+    std::vector<RandomPart> parts;
+
+    bool has(SettingFeature f) const noexcept { return settings >> static_cast<unsigned>(f) & 1; }
+};
+
+/// Makes a case of one to four parts.
+RandomCase random_case(std::uint64_t seed);
+
+Scene scene_of(const RandomCase& c);
+Settings settings_of(const RandomCase& c);
+Camera camera_of(const RandomCase& c, Scene& scene);
+
+/// Returns everything that the case is made of as one line.
+std::string description(const RandomCase& c);
+
+/// Says what is wrong with a case; empty: nothing.
+using CaseCheck = std::function<std::string(const RandomCase&)>;
+
+/// Takes parts and features from a case that fails for as long as it still fails. Returns a case that holds whichever
+/// further one is taken away.
+RandomCase shrunk(RandomCase failing, const CaseCheck& check);
+
+/// Renders the case by one thread, by several with a tree each and with a common one, and with as little memory as possible.
+/// The picture must be the same and every sample finite.
+std::string check_pictures(const RandomCase& c);
+
+/// Shoots rays from inside every closed cage of the case, where it is placed and as it is posed: none may escape.
+std::string check_closedness(const RandomCase& c, std::uint64_t rays);
+
+}  // namespace occam::test
