@@ -102,11 +102,21 @@ Corners::Corners(std::span<const Met> met, const Spot* spots) noexcept : met_(me
     }
 }
 
-void Corners::set_positions(const vfloat (&direction)[3], const vfloat (&origin)[3], vfloat shift) noexcept
+Corners::Vertices::Vertices(const IGridPart& part, const Spot& spot) noexcept
 {
-    alignas(32) FloatLanes coarse[3][3], start, scale, blends;
+    const std::uint32_t low = part.vertex(spot.i, spot.j), along_i = part.is_transposed ? part.width : 1,
+                        along_j = part.is_transposed ? 1 : part.width;
+    of[0] = low;
+    of[1] = low + along_i + (spot.triangle != 0 ? along_j : 0);
+    of[2] = low + along_j + (spot.triangle != 0 ? 0 : along_i);
+}
+
+void Corners::set_positions(const vfloat (&direction)[3], const vfloat (&origin)[3], vfloat shift,
+                            unsigned coarse_starts) noexcept
+{
+    alignas(32) FloatLanes coarse[3][3], ramp_start, scale, blends;
     for (auto& corner : coarse) clear(corner);
-    for (FloatLanes* lanes : {&start, &scale, &blends}) vfloat(0.0f).store(*lanes);
+    for (FloatLanes* lanes : {&ramp_start, &scale, &blends}) vfloat(0.0f).store(*lanes);
     unsigned special = 0;  // lanes with a T-vertex
     bool any_blends = false;
     for (std::size_t lane = 0; lane < met_.size(); ++lane) {
@@ -125,7 +135,7 @@ void Corners::set_positions(const vfloat (&direction)[3], const vfloat (&origin)
         const bool is_blended = grid.blends();
         if (is_blended) {
             any_blends = true;
-            start[lane] = m.blend.start;
+            ramp_start[lane] = m.blend.start;
             scale[lane] = m.blend.scale;
             blends[lane] = 1;
         }
@@ -135,10 +145,8 @@ void Corners::set_positions(const vfloat (&direction)[3], const vfloat (&origin)
             continue;
         }
         const IGridPart& part = *spot.part;
-        const std::uint32_t low = part.vertex(spot.i, spot.j), along_i = part.is_transposed ? part.width : 1,
-                            along_j = part.is_transposed ? 1 : part.width;
-        const std::uint32_t vertex[3] = {low, low + along_i + (spot.triangle != 0 ? along_j : 0),
-                                         low + along_j + (spot.triangle != 0 ? 0 : along_i)};
+        const Vertices vertices(part, spot);
+        const std::uint32_t(&vertex)[3] = vertices.of;
         for (int a = 0; a < 3; ++a)
             for (int p = 0; p < 3; ++p) position[p][a][lane] = grid.fine[a][vertex[p]];
         if (!is_blended) continue;
@@ -151,13 +159,21 @@ void Corners::set_positions(const vfloat (&direction)[3], const vfloat (&origin)
     if (!any_blends && special == 0) return;
 
     VertexBlend blend;
-    blend.set({vfloat::load(start), vfloat::load(scale)}, direction, origin, shift);
+    blend.set({vfloat::load(ramp_start), vfloat::load(scale)}, direction, origin, shift);
     if (any_blends) {
         const vmask here = vfloat::load(blends) > vfloat(0.0f);
+        FloatLanes coarse_start{};
+        for (std::size_t lane = 0; lane < met_.size(); ++lane)
+            if (blends[lane] > 0 && (coarse_starts >> lane & 1) != 0) coarse_start[lane] = 1;
+        const vmask starts_coarse = vfloat::load(coarse_start) > vfloat(0.0f);
+        has_start = bits(here);
         for (int p = 0; p < 3; ++p) {
-            const VecLanes fine = load(position[p]);
+            const VecLanes fine = load(position[p]), far = load(coarse[p]);
             const vfloat w = select(here, blend.weight(fine), 0.0f);
-            const VecLanes seen = VertexBlend::between(fine, load(coarse[p]), w);
+            const VecLanes seen = VertexBlend::between(fine, far, w);
+            select(starts_coarse, far.x, fine.x).store(start[p][0]);
+            select(starts_coarse, far.y, fine.y).store(start[p][1]);
+            select(starts_coarse, far.z, fine.z).store(start[p][2]);
             w.store(weight[p]);
             seen.x.store(position[p][0]);
             seen.y.store(position[p][1]);
@@ -170,15 +186,16 @@ void Corners::set_positions(const vfloat (&direction)[3], const vfloat (&origin)
     blend.k.store(k);
     for (; special != 0; special &= special - 1) {
         const auto lane = static_cast<std::size_t>(std::countr_zero(special));
-        set_special(lane, {{d[0][lane], d[1][lane], d[2][lane]}, k[lane]});
+        set_special(lane, {{d[0][lane], d[1][lane], d[2][lane]}, k[lane]}, (coarse_starts >> lane & 1) != 0);
     }
 }
 
-void Corners::set_special(std::size_t lane, const OwnBlend& blend) noexcept
+void Corners::set_special(std::size_t lane, const OwnBlend& blend, bool starts_coarse) noexcept
 {
     const Met& m = met_[lane];
-    const Spot& spot = spots_[lane];
     const IGrid& grid = *m.grid;
+    has_start |= 1u << lane;
+    const OwnBlend of_start{{0, 0, 0}, starts_coarse ? 1.0f : 0.0f};
     if (is_closer(m)) {
         float at_end[2];
         const lod::Hanging::Ends ends = ends_of(grid, blend, grid.hanging[m.id & ~kCloserBit], at_end);
@@ -187,13 +204,25 @@ void Corners::set_special(std::size_t lane, const OwnBlend& blend) noexcept
         put(position[2], lane, ends.high);
         weight[0][lane] = weight[1][lane] = at_end[0];
         weight[2][lane] = at_end[1];
-        return;
+        const Vertices vertices(*spots_[lane].part, spots_[lane]);
+        float unused;
+        for (int p = 0; p < 3; ++p) put(start[p], lane, blended(grid, of_start, vertices.of[p], unused));
+    } else {
+        set_hanging(position, lane, blend);
     }
+    set_hanging(start, lane, of_start);
+}
+
+void Corners::set_hanging(FloatLanes (&to)[3][3], std::size_t lane, const OwnBlend& blend) noexcept
+{
+    const Spot& spot = spots_[lane];
+    const IGrid& grid = *met_[lane].grid;
     for (int p = 0; p < 3; ++p) {
         const int i = spot.i + kQuadCorners[spot.triangle][p][0], j = spot.j + kQuadCorners[spot.triangle][p][1];
-        const lod::Hanging* hanging = hangs(spot.part->tile, i, j) ? find_hanging(grid, part_of(m.id), i, j) : nullptr;
+        const lod::Hanging* hanging = hangs(spot.part->tile, i, j) ? find_hanging(grid, part_of(spot.number), i, j)
+                                                                   : nullptr;
         float unused[2];
-        if (hanging) put(position[p], lane, ends_of(grid, blend, *hanging, unused).middle);
+        if (hanging) put(to[p], lane, ends_of(grid, blend, *hanging, unused).middle);
     }
 }
 

@@ -27,17 +27,23 @@ inline void load(const LaneFours& from, vfloat (&to)[4]) noexcept
 
 struct Corners {
     alignas(32) FloatLanes position[3][3];  ///< corner, axis
-    FloatLanes weight[3];                   ///< how far the corner has gone to its coarse position
-    LaneFours normal[3];                    ///< of each corner: unit, or of a mesh: any length
-    LaneFours uv[2][3];                     ///< set, corner
-    Vec4f color[kLanes][3];                 ///< of lanes in has_color
-    const Material* material[kLanes];       ///< of lanes with a hit
-    unsigned has_uv[2]{}, has_color = 0;    ///< lanes
+    /// The same micropolygon, in lanes of has_start, in the mesh of the level that secondary rays start at. A T-vertex's
+    /// triangle, which has no area, leaves this to a triangle of the quad beside it.
+    alignas(32) FloatLanes start[3][3];
+    FloatLanes weight[3];                 ///< how far the corner has gone to its coarse position
+    LaneFours normal[3];                  ///< of each corner: unit, or of a mesh: any length
+    LaneFours uv[2][3];                   ///< set, corner
+    Vec4f color[kLanes][3];               ///< of lanes in has_color
+    const Material* material[kLanes];     ///< of lanes with a hit
+    unsigned has_uv[2]{}, has_color = 0;  ///< lanes
+    unsigned has_start = 0;               ///< lanes in which `start` may differ from `position`
 
     /// Corners of what up to kLanes rays have met, and where.
     Corners(std::span<const Met> met, const Spot* spots) noexcept;
-    /// The rays, each in its cage's frame.
-    void set_positions(const vfloat (&direction)[3], const vfloat (&origin)[3], vfloat shift) noexcept;
+    /// Takes the rays, each in its cage's frame. Bit i of coarse_starts says that the start level of lane i is the coarser
+    /// one of the pair that it has met.
+    void set_positions(const vfloat (&direction)[3], const vfloat (&origin)[3], vfloat shift,
+                       unsigned coarse_starts) noexcept;
     /// The rest, and materials. Runs phase one on patches if these are the first hits there.
     void set_attributes(const PhaseOneTools& tools);
 
@@ -47,7 +53,14 @@ struct Corners {
     }
 
 private:
-    void set_special(std::size_t lane, const VertexBlendOf<float>& blend) noexcept;
+    /// The numbers of a lattice micropolygon's vertices.
+    struct Vertices {
+        std::uint32_t of[3];
+        Vertices(const IGridPart& part, const Spot& spot) noexcept;
+    };
+    void set_special(std::size_t lane, const VertexBlendOf<float>& blend, bool starts_coarse) noexcept;
+    /// Puts the T-vertices among a lane's corners where the triangles beside them have them.
+    void set_hanging(FloatLanes (&to)[3][3], std::size_t lane, const VertexBlendOf<float>& blend) noexcept;
     void set_attributes_of_mesh(std::size_t lane, const Scene& scene) noexcept;
     void set_colors(std::size_t lane) noexcept;
 

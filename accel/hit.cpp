@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <tuple>
 
 #include "accel/hit_geometry.h"
@@ -85,6 +86,11 @@ int normal_map_set(const Material& m) noexcept
     return use ? std::clamp(use.uv_set, 0, 1) : -1;
 }
 
+// A secondary ray starts this far off its micropolygon, and keeps so far from the edges of it: in ulps of the largest
+// coordinate. The first is more than rounding moves the start by. With the second the start is in front of the next
+// micropolygon, too, if that rises at 15 degrees or more against this one.
+constexpr float kStartUlps = 16, kEdgeUlps = 64;
+
 // Of what is smaller no gradient is asked for: a float would not hold it.
 constexpr float kLeastArea = 1e-30f;
 
@@ -128,6 +134,49 @@ void set_identity(const Met& met, const Spot& spot, SurfaceHit& hit) noexcept
         mix_bits(cage.key ^ (std::uint64_t(spot.number) << 32 ^ spot.face) ^ tile * 0x9e3779b97f4a7c15u));
 }
 
+// The level that secondary rays from a hit start at: of the two that the igrid stands for, the one whose edges are nearer to
+// what the ray asks for there.
+int start_level_of(const Ray& ray, const Met& met, const lod::LevelSettings& levels) noexcept
+{
+    if (levels.mode == lod::LevelMode::PerInstance) return kAnyLevel;
+    const float wanted = wanted_of(ray, levels).at(met.t);
+    const int level = wanted > 0 ? std::ilogb(std::min(wanted, FLT_MAX) * (4.0f / 3)) : lod::kFinestLevel;
+    const PairRange pairs = met.grid->pairs;
+    return std::clamp(level, std::clamp(pairs.finest, lod::kFinestLevel, lod::kCoarsestLevel),
+                      std::clamp(pairs.coarsest + 1, lod::kFinestLevel, lod::kCoarsestLevel));
+}
+
+// Where secondary rays start, in lanes: on the micropolygon as the start level has it, and away from its edges, behind
+// which another surface may begin at once. A triangle too narrow for that has the ray start from its middle.
+struct Starts {
+    VecLanes corner, offset, normal;  ///< the point is corner + offset; the normal is unit, by winding, or zero
+
+    Starts(const Corners& corners, const vfloat (&share)[3], vmask has_start, vmask is_closer, vfloat least_height) noexcept
+    {
+        const auto own = [&](const FloatLanes(&start)[3], const FloatLanes(&position)[3]) {
+            const VecLanes p = load(start), q = load(position);
+            return VecLanes{select(has_start, p.x, q.x), select(has_start, p.y, q.y), select(has_start, p.z, q.z)};
+        };
+        corner = own(corners.start[0], corners.position[0]);
+        const VecLanes b = own(corners.start[1], corners.position[1]) - corner,
+                       c = own(corners.start[2], corners.position[2]) - corner, a = c - b;
+        normal = Triangles::unit_normal(b, c);
+        const vfloat area = abs(dot(cross(b, c), normal)), third = 1.0f / 3, zero = 0.0f;
+        vfloat inside[3], sum = zero;
+        vmask is_near = is_closer;
+        const VecLanes opposite[3] = {a, c, b};
+        for (int p = 0; p < 3; ++p) {
+            const vfloat least = min(select(area > zero, least_height * sqrt(dot(opposite[p], opposite[p])) / area, third),
+                                     third);
+            is_near = is_near | (share[p] < least);
+            inside[p] = select(is_closer, third, max(share[p], least));
+            sum = sum + inside[p];
+        }
+        const vfloat v = select(is_near, inside[1] / sum, share[1]), w = select(is_near, inside[2] / sum, share[2]);
+        offset = b * v + c * w;
+    }
+};
+
 // In quads. A T-vertex's triangle is a line without width: the quad beside it stands in.
 Vec2d place_in_part(const Met& met, const Spot& spot, Vec3f share) noexcept
 {
@@ -150,8 +199,9 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met
     const std::size_t n = rays.size();
     // What is read ray by ray.
     Spot spots[kLanes];
-    alignas(32) FloatLanes t{}, mirrored{}, set_of_map{}, delta{}, radius{};
-    unsigned closers = 0;
+    alignas(32) FloatLanes t{}, mirrored{}, set_of_map{}, radius{};
+    unsigned closers = 0, coarse_starts = 0;
+    int start_level[kLanes];
     bool any_maps = false;
     const IGrid* someone = nullptr;
     for (std::size_t i = 0; i < n; ++i) {
@@ -161,10 +211,11 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met
         someone = &grid;
         spots[i].set(met[i]);
         t[i] = met[i].t;
-        delta[i] = grid.delta;
         radius[i] = cage.radius;
         mirrored[i] = cage.is_mirrored ? -1.0f : 1.0f;
         if (is_closer(met[i])) closers |= 1u << i;
+        start_level[i] = start_level_of(rays[i], met[i], tools.frame.levels);
+        if (grid.blends() && start_level[i] > grid.pairs.finest) coarse_starts |= 1u << i;
     }
     if (!someone) return;
     Corners corners(met, spots);
@@ -175,7 +226,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met
         origin);
     static_assert(offsetof(Ray, footprint) == offsetof(Ray, t_near) + 2 * sizeof(float));
     gather_four(rays.data(), n, offsetof(Ray, t_near), beam);
-    corners.set_positions({way[0], way[1], way[2]}, {origin[0], origin[1], origin[2]}, origin[3]);
+    corners.set_positions({way[0], way[1], way[2]}, {origin[0], origin[1], origin[2]}, origin[3], coarse_starts);
     corners.set_attributes(tools);
     for (std::size_t i = 0; i < n; ++i) {
         if (!met[i].grid) continue;
@@ -232,7 +283,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met
     }
     if (any_maps) tangent = tangents(tri, of_map, select(is_back, -shading, shading));
     const vfloat farthest = max(largest(load(corners.position[0]) + offset), vfloat::load(radius));
-    const vfloat self_distance = vfloat(2.0f) * vfloat::load(delta) + vfloat(16 * FLT_EPSILON) * farthest;
+    const vfloat self_distance = vfloat(kStartUlps * FLT_EPSILON) * farthest;
     const vfloat blend = between(vfloat::load(corners.weight[0]), vfloat::load(corners.weight[1]),
                                  vfloat::load(corners.weight[2]));
 
@@ -255,13 +306,34 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met
     put(tangent.along.x, tangent.along.y, tangent.along.z, blend, offsetof(SurfaceHit, tangent));
     put(uv_at[0][0], uv_at[0][1], uv_at[1][0], uv_at[1][1], offsetof(SurfaceHit, uv));
 
+    // Few rays start anywhere but where they have met a surface.
+    const vfloat least_height = vfloat(kEdgeUlps * FLT_EPSILON) * farthest;
+    const vfloat nearest = min(min(share[0], share[1]), share[2]),
+                 longest_edge = max(largest(tri.edge[0]), largest(tri.edge[1]));
+    const vmask may_differ = nearest * tri.area < vfloat(4.0f) * least_height * longest_edge;
+    const unsigned differing = corners.has_start | bits(may_differ);
+    alignas(32) FloatLanes starts_differ{};
+    for (std::size_t i = 0; i < n; ++i) starts_differ[i] = corners.has_start >> i & 1 ? 1.0f : 0.0f;
+    std::optional<Starts> starts;
+    if (differing != 0)
+        starts.emplace(corners, share, vfloat::load(starts_differ) > zero, vfloat::load(is_flat) > zero, least_height);
+    const VecLanes to_start = starts ? (starts->corner - load(corners.position[0])) + (starts->offset - offset) : offset;
     const Stored from_a(offset), shares({share[0], share[1], share[2]});
+    const Stored ways_to_start(to_start), start_normals(starts ? starts->normal : offset);
     const unsigned back = bits(is_back), with_gradients = bits(has_gradients);
     for (std::size_t i = 0; i < n; ++i) {
         if (!met[i].grid) continue;
         SurfaceHit& hit = *hits[i];
         hit.position = met[i].grid->cage->anchor + (Vec3d(corners.position_of(0, i)) + Vec3d(from_a[i]));
         hit.back_side = (back >> i & 1) != 0;
+        hit.start_level = static_cast<std::int8_t>(start_level[i]);
+        hit.to_start = Vec3f(0);
+        hit.start_normal = hit.normal_geometric;
+        if (differing >> i & 1) hit.to_start = ways_to_start[i];
+        if (corners.has_start >> i & 1) {
+            const Vec3f unturned = start_normals[i] * mirrored[i];
+            if (unturned != Vec3f(0)) hit.start_normal = hit.back_side ? -unturned : unturned;
+        }
         hit.material = corners.material[i];
         hit.color = Vec4f(1);
         if (corners.has_color >> i & 1) hit.color = weighted(corners.color[i], shares[i]);

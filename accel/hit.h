@@ -54,6 +54,16 @@ struct Met {
     lod::Blend<float> blend;  ///< of the ray in the grid's pair, if the grid blends
 };
 
+/// The edge lengths that a ray's levels are chosen by. A ray without a width has the camera's.
+inline lod::Footprint wanted_of(const Ray& ray, const lod::LevelSettings& levels) noexcept
+{
+    lod::Footprint f = ray.footprint;
+    if (f.a <= 0 && f.b == 0)
+        f = {levels.pixel.at(static_cast<float>(glm::distance(ray.origin, levels.eye))), levels.pixel.b};
+    if (levels.mode == lod::LevelMode::Frozen && !(ray.kinds & RayKind::Camera)) f.b = 0;
+    return levels.wanted(f);
+}
+
 /// What phase one is run with.
 struct PhaseOneTools {
     const FrameState& frame;

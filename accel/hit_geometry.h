@@ -18,6 +18,16 @@ struct Triangles {
     VecLanes gradient[2];  ///< of the weights of b and c over the triangle, per world length; a's is what they lack to zero
     VecLanes way[2];       ///< the same, as long as may be: only their directions count
 
+    /// The same of the triangle between the edges b and c; two sides of no length have none.
+    static VecLanes unit_normal(const VecLanes& b, const VecLanes& c) noexcept
+    {
+        const vfloat size = max(largest(b), largest(c));
+        const vfloat scale = select(size > vfloat(0.0f), vfloat(1.0f) / size, 0.0f);
+        const VecLanes across = cross(b * scale, c * scale);
+        const vfloat length = sqrt(dot(across, across));
+        return across * select(length > vfloat(0.0f), vfloat(1.0f) / length, 0.0f);
+    }
+
     explicit Triangles(const Corners& corners) noexcept
     {
         const VecLanes a = load(corners.position[0]);

@@ -167,12 +167,6 @@ void IGridBuilder::finish(IGrid& grid, bool blends, Arena& arena)
     keep(fine_, grid.fine);
     if (blends) {
         keep(coarse_, grid.coarse);
-        float farthest = 0;
-        for (std::uint32_t v = 0; v < count; ++v) {
-            const Vec3f d = grid.fine_at(v) - grid.coarse_at(v);
-            farthest = std::max(farthest, glm::dot(d, d));
-        }
-        grid.delta = std::sqrt(farthest);
     } else {
         for (int a = 0; a < 3; ++a) grid.coarse[a] = grid.fine[a];
     }

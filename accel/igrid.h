@@ -158,7 +158,6 @@ struct IGrid {
     const std::uint32_t* hanging_quads = nullptr;  ///< of each: the micropolygon that it stands for in ids
     std::span<IGridPart> parts;                    ///< empty for a mesh
     int level = 0;                                 ///< of the fine positions
-    float delta = 0;                               ///< largest distance of a vertex from fine to coarse, world length
 
     // Mesh
     const float* corners[9] = {};             ///< a.x a.y a.z b.x .. c.z, padded with copies to whole blocks

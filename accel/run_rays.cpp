@@ -23,7 +23,7 @@ bool Tracer::State::fits_packet(std::span<const Ray> rays, const vmasks<kParts>&
         x.store(lanes);
         return vfloats<kParts>(lanes[one]);
     };
-    return packet_levels<kParts>().set(of[0], of[1], select(enters, t_in, of_one(t_in)),
+    return packet_levels<kParts>().set({of[0], of[1], of[3]}, select(enters, t_in, of_one(t_in)),
                                        select(enters, t_out, of_one(t_out)), of[2], frame.levels);
 }
 
@@ -257,7 +257,8 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& axes, std::size_t 
     if (is_per_ray()) {
         // One ray never has too many pairs.
         const Reach reach = reach_of(ray);
-        single_levels.set(reach.wanted.a, reach.wanted.b, kd.shift + begin, kd.shift + end, reach.coordinate, frame.levels);
+        single_levels.set({reach.wanted.a, reach.wanted.b, reach.start}, kd.shift + begin, kd.shift + end, reach.coordinate,
+                          frame.levels);
         pairs = {&single_levels, kd.shift, single_levels.finest, single_levels.coarsest};
     }
 

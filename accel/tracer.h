@@ -26,6 +26,9 @@ class Frame;
 
 using occam::RayKind;
 
+/// Stands for a ray that may start anywhere.
+inline constexpr std::int8_t kAnyLevel = std::numeric_limits<std::int8_t>::min();
+
 struct Ray {
     Vec3d origin{0};
     Vec3f direction{0, 0, -1};  ///< unit
@@ -33,14 +36,16 @@ struct Ray {
     float t_far = std::numeric_limits<float>::infinity();
     lod::Footprint footprint;           ///< full width of the beam along the ray; none: the camera's at the origin
     std::uint8_t kinds = RayKind::All;  ///< what the ray is for; what none of these may see is not met
+    /// The ray sees cages at this level around its origin, and then goes over to what its footprint asks for. A secondary
+    /// ray has the level of the mesh that its origin lies on: SurfaceHit::start_level.
+    std::int8_t start_level = kAnyLevel;
 };
 
 /// What phase two needs of a surface point, by value. Pointers are into the scene.
 struct SurfaceHit {
     // Down to uv, floats are written four at a time (accel/hit.cpp).
     float t = std::numeric_limits<float>::infinity();  ///< infinity: nothing was met, and nothing else here is set
-    float self_distance =
-        0;  ///< a secondary ray starts this far along normal_geometric (lod's bound of the blend plus rounding)
+    float self_distance = 0;    ///< a secondary ray starts this far along start_normal: more than rounding may do
     float uv_width[2]{};        ///< of the ray's footprint, in units of uv
     Vec3f normal_geometric{0};  ///< unit, of the micropolygon, towards the ray's origin
     /// Mean curvature from the vertices' normals, 1 / world length; positive where the surface bulges towards the ray's
@@ -56,6 +61,10 @@ struct SurfaceHit {
     float blend = 0;    ///< how far the surface has gone from `level` to the coarser one of its pair, 0 to 1
     Vec2f uv[2]{};      ///< the first two sets
     Vec3d position{0};  ///< on the micropolygon
+    /// From `position` to where secondary rays start: the same place of the mesh of start_level, which is what they see
+    /// there. It keeps off the micropolygon's edges by more than rounding may do.
+    Vec3f to_start{0};
+    Vec3f start_normal{0};  ///< unit, of the micropolygon there, on the side of normal_geometric
     /// Gradients of the coordinates that the material's bump map uses, over the micropolygon, per world length; zero: no
     /// bump.
     Vec3f u_gradient{0}, v_gradient{0};
@@ -65,10 +74,11 @@ struct SurfaceHit {
     const Material* material = nullptr;                     ///< never null at a hit
     NodeId node;
     LightGroups lit_by = kAllGroups;
-    std::uint32_t face = 0;          ///< of the cage
-    bool back_side = false;          ///< the ray came from behind the face
-    int level = 0;                   ///< finer one of the pair of levels that the cage is seen at
-    std::uint32_t micropolygon = 0;  ///< a number of the quad, mixed: for pictures of the grid
+    std::uint32_t face = 0;               ///< of the cage
+    bool back_side = false;               ///< the ray came from behind the face
+    int level = 0;                        ///< finer one of the pair of levels that the cage is seen at
+    std::int8_t start_level = kAnyLevel;  ///< of that pair's two levels, for Ray::start_level
+    std::uint32_t micropolygon = 0;       ///< a number of the quad, mixed: for pictures of the grid
 
     bool is_hit() const noexcept { return t < std::numeric_limits<float>::infinity(); }
 };

@@ -70,25 +70,17 @@ struct Tracer::State {
         if constexpr (kParts == 1) return narrow_levels;
         else return wide_levels;
     }
-    /// What a ray's levels are chosen by. A ray without a width has the camera's.
-    lod::Footprint wanted_of(const Ray& ray) const noexcept
-    {
-        lod::Footprint f = ray.footprint;
-        if (f.a <= 0 && f.b == 0)
-            f = {frame.levels.pixel.at(static_cast<float>(glm::distance(ray.origin, frame.levels.eye))),
-                 frame.levels.pixel.b};
-        if (frame.levels.mode == lod::LevelMode::Frozen && !(ray.kinds & RayKind::Camera)) f.b = 0;
-        return frame.levels.wanted(f);
-    }
     /// What a ray's table of transitions is made of, but for where it is in the scene.
     struct Reach {
         lod::Footprint wanted;
         float coordinate;  ///< the largest that the ray's arithmetic meets
-        float unused = 0;  ///< four are loaded at a time
+        float start;       ///< edge length of the ray's start level; 0: it has none
     };
     Reach reach_of(const Ray& ray) const noexcept
     {
-        return {wanted_of(ray), std::max(static_cast<float>(glm::distance(ray.origin, frame.anchor)), frame.radius)};
+        return {wanted_of(ray, frame.levels),
+                std::max(static_cast<float>(glm::distance(ray.origin, frame.anchor)), frame.radius),
+                ray.start_level == kAnyLevel ? 0.0f : lod::edge_length(ray.start_level)};
     }
 
     template <int kParts, class Found, class Take>

@@ -40,6 +40,15 @@ struct Blend {
     F weight(F t) const noexcept { return coarse_weight((t - start) * scale); }
 };
 
+/// What the transitions of a ray are chosen by: it asks for edges of the length a + b t.
+/// start   the edge length of a level: up to there the ray was traced in the mesh of that level, and it goes on from a point
+///         of that mesh. 0: the ray starts anywhere.
+template <class F>
+struct RayWidth {
+    F a, b;
+    F start = 0.0f;
+};
+
 template <class F>
 class RayLevels {
 public:
@@ -49,21 +58,25 @@ public:
     static constexpr float kFinerThanEven = 0x1p-5f, kLeastOfDisplaced = 0x1p-6f;  ///< see floor_exponents
     static constexpr float kFar = 1e30f;
 
-    /// width    a + b t: the wanted edge; t_in, t_end: where the ray enters the scene, and leaves it or ends, finite;
-    /// coordinate: the largest of
-    ///          ray and scene.
+    /// t_in, t_end   where the ray enters the scene, and where it leaves the scene or ends: finite
+    /// coordinate    the largest of ray and scene
     /// Returns false if the lanes have more than kMost pairs: then they cannot travel together.
-    bool set(F a, F b, F t_in, F t_end, F coordinate, const LevelSettings& settings) noexcept
+    ///
+    /// A ray with a start sees nothing but the mesh of its start around its origin. If its width grows, the start counts as
+    /// a transition at t = 0, which keeps its margin. If the width shrinks, the pair of the start stays fine until the
+    /// transition to the next finer pair, and all further transitions are pushed away from the start.
+    bool set(RayWidth<F> width, F t_in, F t_end, F coordinate, const LevelSettings& settings) noexcept
     {
         settings_ = &settings;
-        a_ = max(a, F(0.0f));
-        b_ = b;
+        a_ = max(width.a, F(0.0f));
+        b_ = width.b;
+        start_ = width.start;
         t_end_ = t_end;
         ulps_ = coordinate * F(settings.overlap_ulps * 0x1p-24f);
         const F at_end = max(a_ + b_ * t_end_, F(0.0f));
         // What is finer than the width where the ray enters the scene meets nothing.
         const F at_start = min(max(a_ + b_ * t_in, F(0.0f)), at_end);
-        cap_ = floor_exponents(max(a_, at_end), min(a_, at_end), at_start, abs(b_) * F(8 * settings.displaced));
+        cap_ = floor_exponents({max(a_, at_end), min(a_, at_end), at_start, abs(b_) * F(8 * settings.displaced)});
         is_made_ = false;
         return coarsest - finest < kMost;
     }
@@ -94,6 +107,7 @@ public:
             edge_[at - finest] = edge;
             previous = select(grows_, select(none_before, low, pushed), select(none_after, high, pushed));
         }
+        if (any(start_ > F(0.0f))) make_from_start(per_slope);
         for (int pair = finest; pair <= coarsest; ++pair) {
             first_[pair - finest] = lowest(begin(pair));
             last_[pair - finest] = highest(end(pair));
@@ -136,8 +150,9 @@ public:
         const F m = margin(pair), zero = 0.0f, far_away = kFar;
         const F lower = raw_[pair - finest], upper = raw_[pair + 1 - finest];
         // Margins are kept at transitions: not at the ray's own ends, where the finest or the coarsest segment may be too
-        // short for them.
-        const Mask lower_is_real = abs(edge_[pair - finest]) < far_away;
+        // short for them. The start of a ray that begins on a mesh is a transition.
+        const Mask is_start = are_same(start_, F(edge_length(pair)));
+        const Mask lower_is_real = (abs(edge_[pair - finest]) < far_away) | (is_start & grows_);
         const Mask upper_is_real = abs(edge_[pair + 1 - finest]) < far_away;
         const F fine = select(grows_, lower + select(lower_is_real, m, zero), lower - select(lower_is_real, m, zero));
         const F coarse = select(grows_, upper - m, upper + select(upper_is_real, m, zero));
@@ -145,7 +160,8 @@ public:
         const F steep = F(1.0f + 0x1p-20f) / max(abs(coarse - fine), F(1e-30f));
         const F grown = select(lower_is_real, fine, min(fine, coarse)),
                 shrunk = select(lower_is_real, fine, max(fine, coarse));
-        return {select(grows_, grown, shrunk), select(grows_, steep, zero - steep)};
+        // A width that shrinks leaves the pair of the start fine all along.
+        return {select(grows_, grown, select(is_start, F(-kFar), shrunk)), select(grows_, steep, zero - steep)};
     }
 
     /// What each end of a segment keeps flat.
@@ -163,49 +179,98 @@ private:
         const auto e = static_cast<int>(std::bit_cast<std::uint32_t>(x) >> 23 & 0xff) - 127;
         return std::clamp(e, kFinestLevel, kCoarsestLevel);
     }
-    /// Sets finest and coarsest; returns the finest level of each lane.
-    /// even   where displacement makes margins long, pairs of shorter edges than this have segments as long as margins ask,
-    /// and not
-    ///        as edges do. A beam that begins as a point would see many such pairs, each much finer than it asks for, so it
-    ///        begins with this one. Any other may start on what it was scattered by, and goes on down: to edges of
-    ///        kFinerThanEven of it, or of kLeastOfDisplaced of what displacement does if that is longer.
-    /// start  the width where a growing ray enters the scene; at most that at its end.
-    F floor_exponents(F widest, F thinnest, F start, F even) noexcept
+    static Mask are_same(F x, F y) noexcept { return (x <= y) & (x >= y); }
+
+    /// Sets the transitions of those lanes again that have a start: each is at least a segment away from the one before it,
+    /// seen from the start.
+    void make_from_start(F per_slope) noexcept
     {
-        constexpr int kCount = sizeof(F) / sizeof(float);
-        float wide[kCount], thin[kCount], first[kCount], least[kCount];
-        if constexpr (std::is_same_v<F, float>) {
-            wide[0] = widest;
-            thin[0] = thinnest;
-            first[0] = start;
-            least[0] = even;
-        } else {
-            widest.store(wide);
-            thinnest.store(thin);
-            start.store(first);
-            even.store(least);
+        const F low = -kFar, high = kFar, zero = 0.0f;
+        const Mask has_start = start_ > zero;
+        const auto put = [&](int at, Mask lanes, F pushed, F edge) {
+            raw_[at - finest] = select(lanes, pushed, raw_[at - finest]);
+            edge_[at - finest] = select(lanes, edge, edge_[at - finest]);
+        };
+        const auto ideal = [&](F d) { return min(max((d - a_) * per_slope, low), high); };
+        F previous = zero;
+        for (int at = finest; at <= coarsest + 1; ++at) {
+            const F d = edge_length(at), length = margin(at - 1) + margin(at - 1);
+            const Mask is_before = d <= start_;
+            const F pushed = select(is_before, zero, max(ideal(d), previous + length));
+            const Mask is_last = (pushed >= t_end_) | (d > own_end_);
+            put(at, has_start & grows_, pushed, select(is_before, low, select(is_last, high, pushed)));
+            previous = pushed;
         }
+        previous = zero;
+        for (int at = coarsest + 1; at >= finest; --at) {
+            const F d = edge_length(at), length = margin(at) + margin(at);
+            const Mask is_before = d > start_;
+            const F pushed = select(is_before, zero, max(ideal(d), select(are_same(d, start_), zero, previous + length)));
+            const Mask is_last = (pushed >= t_end_) | (d <= own_end_);
+            put(at, andnot(has_start, grows_), pushed, select(is_before, low, select(is_last, high, pushed)));
+            previous = pushed;
+        }
+    }
+
+    /// Lanes of numbers, one by one.
+    static constexpr int kCount = sizeof(F) / sizeof(float);
+    struct Lanes {
+        float of[kCount];
+        explicit Lanes(F x) noexcept
+        {
+            if constexpr (std::is_same_v<F, float>) of[0] = x;
+            else x.store(of);
+        }
+    };
+    /// Widths of a ray.
+    struct Extremes {
+        F widest, thinnest;
+        /// Where a growing ray enters the scene; at most that at its end.
+        F start;
+        /// Where displacement makes margins long, pairs of shorter edges than this have segments as long as margins ask, and
+        /// not as edges do. A beam that begins as a point would see many such pairs, each much finer than it asks for, so it
+        /// begins with this one. Any other may start on what it was scattered by, and goes on down: to edges of
+        /// kFinerThanEven of it, or of kLeastOfDisplaced of what displacement does if that is longer.
+        F even;
+    };
+    /// Sets finest and coarsest; returns the finest level of each lane.
+    F floor_exponents(const Extremes& widths) noexcept
+    {
+        const Lanes wide(widths.widest), thin(widths.thinnest), first(widths.start), least(widths.even), own(start_), b(b_);
+        float caps[kCount], lasts[kCount];
         finest = kCoarsestLevel;
         coarsest = kFinestLevel;
         for (int i = 0; i < kCount; ++i) {
-            const int high = exponent_of(wide[i]);
-            int cap = high - kMostOfRay + 1;
-            if (settings_->displaced > 0) {
-                const float down = std::max(least[i] * kFinerThanEven, settings_->displaced * kLeastOfDisplaced);
-                cap = std::max(cap, std::min(high, exponent_of(thin[i] > 0 ? std::min(least[i], down) : least[i])));
+            int high = exponent_of(wide.of[i]), low = 0;
+            if (own.of[i] > 0) {
+                const int start = exponent_of(own.of[i]);
+                low = b.of[i] >= 0 ? start : std::clamp(exponent_of(thin.of[i]), start - kMostOfRay + 1, start);
+                high = b.of[i] >= 0 ? std::clamp(high, start, start + kMostOfRay - 1) : start;
+                caps[i] = edge_length(low);
+                lasts[i] = edge_length(b.of[i] >= 0 ? high : low);
+            } else {
+                int cap = high - kMostOfRay + 1;
+                if (settings_->displaced > 0) {
+                    const float down = std::max(least.of[i] * kFinerThanEven, settings_->displaced * kLeastOfDisplaced);
+                    cap = std::max(cap,
+                                   std::min(high, exponent_of(thin.of[i] > 0 ? std::min(least.of[i], down) : least.of[i])));
+                }
+                cap = std::max(cap, exponent_of(first.of[i]));
+                low = std::max(exponent_of(thin.of[i]), cap);
+                caps[i] = lasts[i] = edge_length(cap);
             }
-            cap = std::max(cap, exponent_of(first[i]));
-            const int low = std::max(exponent_of(thin[i]), cap);
             finest = std::min(finest, low);
             coarsest = std::max(coarsest, high);
-            wide[i] = edge_length(cap);
         }
-        if constexpr (std::is_same_v<F, float>) return wide[0];
-        else return F::load(wide);
+        if constexpr (std::is_same_v<F, float>) own_end_ = lasts[0];
+        else own_end_ = F::load(lasts);
+        if constexpr (std::is_same_v<F, float>) return caps[0];
+        else return F::load(caps);
     }
 
     const LevelSettings* settings_ = nullptr;
-    F a_, b_, t_end_, ulps_, cap_;
+    F a_, b_, start_, t_end_, ulps_, cap_;
+    F own_end_;  ///< edge length of the last pair that a ray with a start may come to
     Mask grows_;
     bool is_made_ = false;
     F raw_[kMost + 1], edge_[kMost + 1];

@@ -66,6 +66,7 @@ OCCAM_ALWAYS_INLINE void Integrator::test(const Vertex& v, const shade::ShadowTe
     ray.origin = test.origin;
     ray.direction = test.direction;
     ray.t_far = test.t_far;
+    ray.start_level = v.hit.start_level;
     ray.footprint = shade::light_beam(v.width, test.t_far, test.density, samples * context_.settings.spp);
 }
 
@@ -147,6 +148,7 @@ void Integrator::gather_sky(const Vertex& v)
         accel::Ray& ray = shadows_.add(v.path.sample, v.share * (v.occlusion / static_cast<float>(samples)));
         ray.origin = v.surface.start(direction);
         ray.direction = direction;
+        ray.start_level = v.hit.start_level;
         ray.t_far = reach;
         const float density = glm::dot(direction, v.surface.normal) / shade::kPi;
         ray.footprint = shade::scattered_beam({v.width, 0}, density, samples * context_.settings.spp);
@@ -158,6 +160,7 @@ accel::Ray Integrator::scattered_ray(const Vertex& v, const shade::ScatterSample
     accel::Ray ray;
     ray.origin = v.surface.start(s.direction);
     ray.direction = s.direction;
+    ray.start_level = v.hit.start_level;
     ray.kinds = kind_of(s.lobe);
     const shade::Beam beam{v.width, v.ray.footprint.b};
     const float cosine = std::max(glm::dot(v.surface.normal, v.surface.to_eye), 0.0f);

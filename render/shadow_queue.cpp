@@ -21,6 +21,8 @@ shade::ShadePoint shade_point(const accel::Ray& ray, const accel::SurfaceHit& hi
     p.normal_geometric = hit.normal_geometric;
     p.normal_shading = hit.normal_shading;
     p.back_side = hit.back_side;
+    p.to_start = hit.to_start;
+    p.start_normal = hit.start_normal;
     p.self_distance = hit.self_distance;
     p.tangent = hit.tangent;
     p.tangent_sign = hit.tangent_sign;

@@ -11,7 +11,9 @@ struct ShadePoint {
     Vec3f normal_geometric{0, 0, 1};     ///< unit, on the side of to_eye
     Vec3f normal_shading{0, 0, 1};       ///< unit, on the side of normal_geometric
     bool back_side = false;              ///< the eye is behind the face: its outward normal is -normal_geometric
-    float self_distance = 0;             ///< a secondary ray starts this far along normal_geometric
+    Vec3f to_start{0};                   ///< from `position` to where secondary rays start
+    Vec3f start_normal{0, 0, 1};         ///< of the micropolygon there, unit, on the side of normal_geometric
+    float self_distance = 0;             ///< a secondary ray starts this far along start_normal, to the side it leaves by
     Vec3f tangent{0};                    ///< unit, across the normal, where u of the normal map grows; zero: no normal map
     float tangent_sign = 1;              ///< of cross(outward normal, tangent), where v falls
     Vec3f u_gradient{0}, v_gradient{0};  ///< of the bump map's coordinates over the surface, per world length; zero: no bump

@@ -100,6 +100,8 @@ Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
     const Material& m = *point.material;
     Surface s;
     s.position = point.position;
+    s.start_point = point.position + Vec3d(point.to_start);
+    s.start_normal = point.start_normal;
     s.self_distance = point.self_distance;
     s.to_eye = point.to_eye;
     s.normal_geometric = point.normal_geometric;

@@ -14,6 +14,8 @@ namespace occam::shade {
 /// Colours are linear Rec.709; vectors are unit, world axes.
 struct Surface {
     Vec3d position{0};
+    Vec3d start_point{0};         ///< on the mesh that secondary rays see
+    Vec3f start_normal{0, 0, 1};  ///< of the mesh there, on the side of normal_geometric
     float self_distance = 0;
     Vec3f to_eye{0, 0, 1};
     Vec3f normal_geometric{0, 0, 1};  ///< on the side of to_eye
@@ -42,11 +44,12 @@ struct Surface {
     float eta = 1;               ///< solid: refractive index behind the surface over that on the eye's side
     Vec3f absorption_inside{0};  ///< solid: per world length inside of the body (Beer-Lambert)
 
-    /// Where a ray in that direction starts: off the surface, to the side that it leaves by.
+    /// Returns where a ray in that direction starts: off the mesh that it sees by more than rounding, to the side that it
+    /// leaves by.
     Vec3d start(Vec3f direction) const noexcept
     {
         const float side = glm::dot(normal_geometric, direction) < 0 ? -self_distance : self_distance;
-        return position + Vec3d(normal_geometric) * double(side);
+        return start_point + Vec3d(start_normal) * double(side);
     }
 };
 

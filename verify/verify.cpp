@@ -305,7 +305,7 @@ private:
         const float far = static_cast<float>(4 * subject_.posed().radius);
         for (int step = 0; step < 3; ++step) {
             lod::RayLevels<float> table;
-            if (!table.set(ray.footprint.a, ray.footprint.b, 0, far, far, levels_) || level < table.finest ||
+            if (!table.set({ray.footprint.a, ray.footprint.b}, 0, far, far, levels_) || level < table.finest ||
                 level > table.coarsest)
                 break;
             table.make();
@@ -350,7 +350,7 @@ private:
     {
         const auto far = static_cast<float>(4 * subject_.posed().radius);
         lod::RayLevels<float> table;
-        if (!table.set(ray.footprint.a, ray.footprint.b, 0, far, far, levels_)) return 1;
+        if (!table.set({ray.footprint.a, ray.footprint.b}, 0, far, far, levels_)) return 1;
         table.make();
         return winding_number_of_ray(ray.origin - subject_.posed().anchor, glm::normalize(Vec3d(ray.direction)), table,
                                      finest_, [this](int level) -> const std::vector<lod::LevelGrid>& {

@@ -35,6 +35,8 @@ shade::Surface surface_at(const accel::Ray& ray, const accel::SurfaceHit& hit, c
 {
     shade::Surface s;
     s.position = hit.position;
+    s.start_point = hit.position + Vec3d(hit.to_start);
+    s.start_normal = hit.start_normal;
     s.self_distance = hit.self_distance;
     s.to_eye = -ray.direction;
     s.normal_geometric = hit.normal_geometric;

@@ -147,7 +147,8 @@ std::vector<accel::Ray> diffuse_rays(std::span<const accel::Ray> rays, std::span
                     v = glm::cross(n, u);
         const Vec3d d = std::sqrt(r2) * (std::cos(angle) * u + std::sin(angle) * v) + std::sqrt(1 - r2) * n;
         accel::Ray ray;
-        ray.origin = hit.position + n * double(hit.self_distance);
+        ray.origin = hit.position + Vec3d(hit.to_start) + Vec3d(hit.start_normal) * double(hit.self_distance);
+        ray.start_level = hit.start_level;
         ray.direction = Vec3f(glm::normalize(d));
         ray.footprint = {rays[i].footprint.at(hit.t), 0};
         all.push_back(ray);

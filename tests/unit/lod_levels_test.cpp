@@ -17,12 +17,12 @@ namespace {
 constexpr float kFar = lod::RayLevels<float>::kFar;
 
 struct Beam {
-    float a, b, t_end, t_in = 0;
+    float a, b, t_end, t_in = 0, start = 0;
 };
 lod::RayLevels<float> table_of(const Beam& beam, const lod::LevelSettings& settings)
 {
     lod::RayLevels<float> table;
-    EXPECT_TRUE(table.set(beam.a, beam.b, beam.t_in, beam.t_end, beam.t_end, settings));
+    EXPECT_TRUE(table.set({beam.a, beam.b, beam.start}, beam.t_in, beam.t_end, beam.t_end, settings));
     table.make();
     return table;
 }
@@ -150,13 +150,53 @@ TEST(RayLevels, OfAConstantWidthHaveOneWeightThatGrowsWithIt)
     }
 }
 
+/// The same beams, each from a point of a mesh whose edges are about as long as the beam asks for, or much finer.
+std::vector<Beam> beams_with_starts(int count)
+{
+    std::vector<Beam> all = beams(count);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const float width = std::max(all[i].a, 1e-3f);
+        const int level = std::ilogb(width) + static_cast<int>(i % 5) - 3;
+        all[i].start = lod::edge_length(std::clamp(level, lod::kFinestLevel, lod::kCoarsestLevel));
+    }
+    return all;
+}
+
+// A secondary ray sees the mesh that its origin lies on, and no other, within a margin of the origin and anywhere behind it.
+TEST(RayLevels, StartOnTheMeshOfTheirStart)
+{
+    const lod::LevelSettings settings;
+    for (const Beam& beam : beams_with_starts(2000)) {
+        const lod::RayLevels<float> table = table_of(beam, settings);
+        ASSERT_LE(table.coarsest - table.finest, lod::RayLevels<float>::kMostOfRay - 1);
+        const int start = std::ilogb(beam.start);
+        const bool grows = beam.b >= 0;
+        float reached = -kFar;
+        for (int n = 0; n <= table.coarsest - table.finest; ++n) {
+            const int pair = grows ? table.finest + n : table.coarsest - n;
+            const float begin = table.begin(pair), end = table.end(pair), margin = 2 * lod::edge_length(start - 1);
+            if (begin > end || begin > beam.t_end) continue;
+            EXPECT_LE(begin, reached) << "a gap before pair " << pair << " of " << beam.a << " + " << beam.b << " t";
+            reached = end;
+            for (const float t : {-beam.t_end, -margin, 0.0f, margin}) {
+                if (t < begin || t > end) continue;
+                ASSERT_TRUE(pair == start || (!grows && pair == start - 1)) << "pair " << pair << " instead of " << start;
+                EXPECT_EQ(table.blend(pair).weight(t), pair == start ? 0 : 1) << "pair " << pair << " at " << t;
+            }
+        }
+        EXPECT_GE(reached, beam.t_end);
+    }
+}
+
 TEST(RayLevels, HaveTheSameBitsInLanesAndAlone)
 {
     const lod::LevelSettings settings;
-    const std::vector<Beam> all = beams(400);
+    std::vector<Beam> all = beams(400);
+    const std::vector<Beam> started = beams_with_starts(400);
+    all.insert(all.end(), started.begin(), started.end());
     for (std::size_t i = 0; i < all.size(); ++i) {
         lod::RayLevels<vfloat> lanes;
-        ASSERT_TRUE(lanes.set(all[i].a, all[i].b, 0, all[i].t_end, all[i].t_end, settings));
+        ASSERT_TRUE(lanes.set({all[i].a, all[i].b, all[i].start}, 0, all[i].t_end, all[i].t_end, settings));
         lanes.make();
         const lod::RayLevels<float> alone = table_of(all[i], settings);
         ASSERT_EQ(lanes.finest, alone.finest);

@@ -28,7 +28,7 @@ struct PlaneTracer {
                 if (!(t > ray.t_near && t < ray.t_far && t < hit.t) || std::fabs(p.x) > plane.reach) continue;
                 hit.t = t;
                 hit.position = p;
-                hit.normal_geometric = hit.normal_shading = {0, ray.direction.y > 0 ? -1.0f : 1.0f, 0};
+                hit.normal_geometric = hit.normal_shading = hit.start_normal = {0, ray.direction.y > 0 ? -1.0f : 1.0f, 0};
                 hit.self_distance = 1e-4f;
                 hit.material = plane.material;
                 hit.node = {7, 0};

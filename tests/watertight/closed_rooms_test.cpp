@@ -1,0 +1,206 @@
+// Rooms without an opening stay dark: no secondary ray leaves a closed cage through a wall, and not one pixel is lit.
+#include <gtest/gtest.h>
+#include <occam/occam.h>
+
+#include <cstdlib>
+#include <map>
+#include <random>
+
+#include "tests/support/displaced_cages.h"
+#include "tests/support/shape_builders.h"
+
+namespace occam::test {
+namespace {
+
+/// A box of quads whose lines lie at the given places along each axis; every edge of the box may have a crease.
+Cage box_of(const std::vector<float> (&at)[3], float sharpness)
+{
+    Cage cage;
+    std::map<std::array<std::size_t, 3>, std::uint32_t> known;
+    const auto vertex = [&](std::array<std::size_t, 3> k) {
+        const auto [found, is_new] = known.try_emplace(k, static_cast<std::uint32_t>(cage.positions.size()));
+        if (is_new) cage.positions.push_back({at[0][k[0]], at[1][k[1]], at[2][k[2]]});
+        return found->second;
+    };
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const bool upper : {false, true}) {
+            const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+            for (std::size_t i = 0; i + 1 < at[u].size(); ++i)
+                for (std::size_t j = 0; j + 1 < at[v].size(); ++j) {
+                    const auto corner = [&](std::size_t di, std::size_t dj) {
+                        std::array<std::size_t, 3> k{};
+                        k[axis] = upper ? at[axis].size() - 1 : 0;
+                        k[u] = i + di;
+                        k[v] = j + dj;
+                        return vertex(k);
+                    };
+                    const std::uint32_t a = corner(0, 0), b = corner(1, 0), c = corner(1, 1), d = corner(0, 1);
+                    cage.face_sizes.push_back(4);
+                    if (upper) cage.face_vertices.insert(cage.face_vertices.end(), {a, b, c, d});
+                    else cage.face_vertices.insert(cage.face_vertices.end(), {a, d, c, b});
+                    if (sharpness > 0 && j == 0) cage.creases.push_back({a, b, sharpness});
+                    if (sharpness > 0 && j + 2 == at[v].size()) cage.creases.push_back({d, c, sharpness});
+                }
+        }
+    return cage;
+}
+
+const std::vector<float> kEven{-1, 1}, kUneven{-1, -0.93f, -0.2f, 0.71f, 0.9f, 1}, kFew{-1, 0.85f, 1};
+
+/// A sphere of quads and two poles whose vertices are moved in and out, some edges creased.
+Cage lump(std::uint64_t seed)
+{
+    std::mt19937_64 random(seed);
+    const auto uniform = [&](double low, double high) { return low + (high - low) * double(random() >> 11) * 0x1p-53; };
+    const auto around = static_cast<std::uint32_t>(uniform(3, 13)), down = static_cast<std::uint32_t>(uniform(1, 7));
+    const double rough = uniform(0, 0.45);
+    Cage cage;
+    const auto add = [&](double polar, double turn) {
+        const double r = uniform(1 - rough, 1 + rough);
+        cage.positions.push_back({float(r * std::sin(polar) * std::cos(turn)), float(r * std::cos(polar)),
+                                  float(r * std::sin(polar) * std::sin(turn))});
+    };
+    add(0, 0);
+    add(3.14159265, 0);
+    for (std::uint32_t j = 0; j < down; ++j)
+        for (std::uint32_t i = 0; i < around; ++i)
+            add(3.14159265 * (j + 1) / (down + 1), 6.2831853 * (i + uniform(-0.3, 0.3)) / around);
+    const auto at = [&](std::uint32_t i, std::uint32_t j) { return 2 + j * around + i % around; };
+    for (std::uint32_t i = 0; i < around; ++i) {
+        cage.face_vertices.insert(cage.face_vertices.end(), {0, at(i + 1, 0), at(i, 0)});
+        cage.face_sizes.push_back(3);
+        for (std::uint32_t j = 0; j + 1 < down; ++j) {
+            const std::uint32_t a = at(i, j), b = at(i + 1, j), c = at(i + 1, j + 1), d = at(i, j + 1);
+            if (random() % 4 == 0) {
+                cage.face_vertices.insert(cage.face_vertices.end(), {a, b, c, a, c, d});
+                cage.face_sizes.insert(cage.face_sizes.end(), {3, 3});
+            } else {
+                cage.face_vertices.insert(cage.face_vertices.end(), {a, b, c, d});
+                cage.face_sizes.push_back(4);
+            }
+            if (random() % 5 == 0) cage.creases.push_back({a, b, float(uniform(0, 5))});
+        }
+        cage.face_vertices.insert(cage.face_vertices.end(), {1, at(i, down - 1), at(i + 1, down - 1)});
+        cage.face_sizes.push_back(3);
+    }
+    return cage;
+}
+
+struct Room {
+    const char* name;
+    Cage cage;
+    Vec3d eye{0.13, 0.07, 0.11}, target{-0.4, 0.2, -1};
+};
+
+std::vector<Room> rooms()
+{
+    Cage bilinear = box_of({kUneven, kFew, kUneven}, 0);
+    bilinear.scheme = Scheme::Bilinear;
+    return {{"box of uneven quads", box_of({kUneven, kFew, kUneven}, 0)},
+            {"cube with creases", box_of({kEven, kEven, kEven}, 2)},
+            {"box with sharp edges", box_of({kUneven, kEven, kFew}, 10)},
+            {"bilinear box", bilinear},
+            {"bipyramid", spindle(36)},
+            {"spindle", spindle(9)},
+            {"prism", prism(7)},
+            {"torus", torus(), {1, 0.02, 0.05}, {0.9, 0.1, 1}}};
+}
+
+struct Look {
+    float rate = 1;
+    render::Lod lod = render::Lod::On;
+    IntegratorKind integrator = IntegratorKind::Path;
+    bool displaced = false;
+    double scale = 1;
+    int width = 24, height = 18, spp = 4;
+};
+
+/// Returns how many pixels are not black, of a picture from inside the room with a bright sky outside.
+int lit_pixels(const Room& room, const Look& look)
+{
+    Scene scene;
+    Cage cage = room.cage;
+    Material white;
+    white.base_color = Vec4f(1);
+    white.roughness = 1;
+    cage.materials = {scene.add(white)};
+    if (look.displaced) {
+        std::mt19937_64 random(4);
+        Texture noise;
+        noise.role = TextureRole::Data;
+        noise.width = noise.height = 32;
+        for (int i = 0; i < 32 * 32; ++i) noise.pixels.push_back(Vec4f(float(random() >> 40) * 0x1p-24f));
+        add_charts(cage);
+        Displacement displacement;
+        displacement.texture.texture = scene.add(std::move(noise));
+        displacement.scale = 0.1f;
+        displacement.bound = 0.05f;
+        cage.displacement = displacement;
+    }
+    NodeDesc desc;
+    desc.place.scale = Vec3d(look.scale);
+    desc.place.translation = Vec3d(3, -2, 5) * look.scale;
+    desc.cages = {scene.add(cage)};
+    scene.add_node(scene.root(), desc);
+    scene.environment.radiance = Vec3f(1000);
+    const Camera camera = Camera::look_at(desc.place.translation + room.eye * look.scale,
+                                          desc.place.translation + room.target * look.scale, {0, 1, 0}, 1.5f);
+    Settings settings{.width = look.width, .height = look.height, .spp = look.spp};
+    settings.integrator = look.integrator;
+    settings.bounces = 4;
+    settings.shading_rate = look.rate;
+    settings.lod = look.lod;
+    const Image image = Renderer({.threads = 2}).render(scene, camera, settings);
+    const Layer& beauty = *image.find("beauty");
+    int lit = 0;
+    for (std::size_t i = 0; i < beauty.pixels.size(); i += 4)
+        lit += beauty.pixels[i] != 0 || beauty.pixels[i + 1] != 0 || beauty.pixels[i + 2] != 0;
+    return lit;
+}
+
+void expect_dark(const Room& room, const Look& look)
+{
+    EXPECT_EQ(lit_pixels(room, look), 0) << room.name << ", rate " << look.rate << ", level mode " << int(look.lod)
+                                         << ", integrator " << int(look.integrator) << (look.displaced ? ", displaced" : "")
+                                         << ", scale " << look.scale;
+}
+
+constexpr IntegratorKind kBoth[] = {IntegratorKind::Path, IntegratorKind::Ao};
+
+TEST(ClosedRooms, AreDarkAtEveryShadingRate)
+{
+    for (const Room& room : rooms())
+        for (const float rate : {0.25f, 1.0f, 8.0f, 16.0f})
+            for (const IntegratorKind kind : kBoth) expect_dark(room, {.rate = rate, .integrator = kind});
+}
+
+TEST(ClosedRooms, AreDarkInEveryLevelMode)
+{
+    for (const Room& room : rooms())
+        for (const render::Lod lod : {render::Lod::Off, render::Lod::Frozen})
+            for (const float rate : {2.0f, 8.0f})
+                for (const IntegratorKind kind : kBoth) expect_dark(room, {.rate = rate, .lod = lod, .integrator = kind});
+}
+
+TEST(ClosedRooms, AreDarkDisplacedAndAtEveryScale)
+{
+    for (const Room& room : rooms()) {
+        if (std::string_view(room.name) != "bipyramid") expect_dark(room, {.rate = 4, .displaced = true});
+        for (const double scale : {1e-3, 1e4}) expect_dark(room, {.rate = 6, .scale = scale});
+    }
+}
+
+TEST(ClosedRooms, AreDarkWhateverTheCage)
+{
+    const char* is_long = std::getenv("OCCAM_LONG");
+    const int count = is_long && *is_long == '1' ? 100 : 8;
+    for (int seed = 0; seed < count; ++seed) {
+        const std::string name = "lump " + std::to_string(seed);
+        const Room room{name.c_str(), lump(static_cast<std::uint64_t>(seed)), {0.03, 0.02, 0.01}};
+        expect_dark(room,
+                    {.rate = std::exp2(float(seed % 7) - 2), .lod = render::Lod(seed % 3), .integrator = kBoth[seed % 2]});
+    }
+}
+
+}  // namespace
+}  // namespace occam::test
