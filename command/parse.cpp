@@ -122,10 +122,13 @@ void add_picture(CLI::App& app, RenderArguments& a)
     std::map<std::string, IntegratorKind> integrators;
     for (IntegratorKind kind : {IntegratorKind::Direct, IntegratorKind::Ao, IntegratorKind::Path})
         integrators.emplace(render::integrator_name(kind), kind);
-    add_choice<IntegratorKind>(app, "--integrator", s.integrator, integrators, "Light that is followed [direct]");
+    add_choice<IntegratorKind>(app, "--integrator", s.integrator, integrators, "Light that is followed [path]");
     app.add_option("--bounces", s.bounces, "Most times that light is scattered; direct: mirrors in a row [8]")
         ->check(CLI::Range(0, render::kMaxBounces))
         ->type_name("N");
+    add_number(app, "--clamp",
+               "Limit light scattered twice or more to this radiance a sample: no fireflies, some light lost [0: off]",
+               [&](double v) { s.clamp = float(v); });
     add_number(app, "--ao-distance", "How far ao looks, world length [to infinity]",
                [&](double v) { s.ao_distance = float(v); });
     add_value(app, "--environment",

@@ -37,9 +37,12 @@ void Integrator::begin(std::span<const CameraSample> samples, std::span<SampleRe
     rays_.clear();
     mattes_.clear();
     lit_.assign(samples.size(), Vec3f(0));
+    luck_.assign(samples.size(), 0);
     for (std::size_t i = 0; i < samples.size(); ++i) {
         const CameraSample& s = samples[i];
         results[i] = {};
+        if (shadows_.may_pass())
+            luck_[i] = context_.sampler.interval(s.x, s.y, static_cast<std::uint32_t>(s.index), Dimension::luck());
         const PixelFilter::Place place = context_.filter.place(context_.sampler.in_pixel(s.x, s.y, s.index));
         results[i].offset = place.offset;
         results[i].weight = place.weight;
@@ -93,7 +96,7 @@ void Integrator::shade_miss(std::size_t i, SampleResult& result)
         const shade::Environment& sky = context_.lights.environment();
         const float weight =
             tries_of(path.light_tries, path.scatter_tries, false).of_scatter(path.density, sky.density(ray.direction));
-        result.radiance += path.throughput * sky.radiance(ray.direction) * weight;
+        result.radiance += clamped(path.throughput * sky.radiance(ray.direction) * weight, path.bounces);
         return;
     }
     if (!context_.settings.background || context_.settings.view != View::Beauty) return;
@@ -109,7 +112,7 @@ void Integrator::cross_lights(const Path& path, const accel::Ray& ray, float t_f
                                   [&](const shade::WorldLight& light, const shade::LightCrossing& crossing) {
                                       if (crossing.distance <= ray.t_near || (light.groups & path.lit_by) == 0) return;
                                       const float weight = tries.of_scatter(path.density, crossing.density);
-                                      result.radiance += path.throughput * crossing.radiance * weight;
+                                      result.radiance += clamped(path.throughput * crossing.radiance * weight, path.bounces);
                                   });
 }
 
@@ -148,7 +151,7 @@ void Integrator::add_emission(const Path& path, const accel::SurfaceHit& hit, co
         weight = tries_of(path.light_tries, path.scatter_tries, false)
                      .of_scatter(path.density, per_area * hit.t * hit.t / cosine);
     }
-    result.radiance += share * surface.emission * weight;
+    result.radiance += clamped(share * surface.emission * weight, path.bounces);
 }
 
 void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResult& result)
@@ -158,7 +161,7 @@ void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResu
     Path path = paths_[i];
     const Settings& settings = context_.settings;
     if (!settings.back_faces && is_culled(hit)) {
-        pass_straight(path, ray, hit.t, Vec3f(1), path.coverage, 1);
+        pass_straight(path, ray, hit.t, {Vec3f(1), path.coverage, 1}, sample);
         return;
     }
     if (path.absorption != Vec3f(0))
@@ -189,7 +192,7 @@ void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResu
         gather_sky(v);
         passes = Vec3f(1 - surface.opacity);
     } else if (surface.unlit) {
-        result.radiance += share * surface.base_color;
+        result.radiance += clamped(share * surface.base_color, path.bounces);
     } else if (surface.opacity > 0) {
         add_emission(path, hit, surface, share, result);
         if (!path.is_probe) {
@@ -197,27 +200,38 @@ void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResu
             if (chance.scatter > 0 && needs_scattering(v)) scatter_on(v, chance.scatter);
         }
     }
-    if (chance.pass > 0) pass_straight(path, ray, hit.t, passes, path.coverage - covered, chance.pass);
+    if (!(chance.pass > 0)) return;
+    if (path.is_camera() && chance.pass == 1 && chance.scatter > 0) ++path.splits;
+    pass_straight(path, ray, hit.t, {passes, path.coverage - covered, chance.pass}, sample);
 }
 
 Integrator::Chances Integrator::chances(const Vertex& v) const noexcept
 {
     const bool passes = v.surface.passes != Vec3f(0), scatters = v.surface.opacity > 0 && !v.path.is_probe;
-    if (!passes || !scatters || v.path.is_camera()) return {passes ? 1.0f : 0.0f, scatters ? 1.0f : 0.0f};
-    const float pass = std::clamp(mean(v.surface.passes), 0.05f, 0.95f);
+    const bool may_split = v.path.is_camera() && v.path.splits < kMaxSplits;
+    if (!passes || !scatters || may_split) return {passes ? 1.0f : 0.0f, scatters ? 1.0f : 0.0f};
+    const float pass = std::clamp(mean(v.surface.passes), 0.05f, 1 - kLeastShare);
     const bool is_passing = numbers(v, Dimension::Use::Passing).interval(v.first_of(1)) < pass;
     return is_passing ? Chances{pass, 0} : Chances{0, 1 - pass};
 }
 
-void Integrator::pass_straight(const Path& path, const accel::Ray& ray, float t, Vec3f passes, float coverage, float chance)
+void Integrator::pass_straight(const Path& path, const accel::Ray& ray, float t, const Passing& passing,
+                               const CameraSample& sample)
 {
     Path next = path;
-    next.throughput *= passes / chance;
-    next.coverage = coverage;
+    next.throughput *= passing.light / passing.chance;
+    next.coverage = passing.coverage / passing.chance;
     next.key = child_key(path.key, 0);
-    ++next.passed;
-    if (next.passed >= kMaxBlendLayers || std::max({next.throughput.x, next.throughput.y, next.throughput.z}) < kLeastShare)
-        return;
+    const float share = std::max({next.throughput.x, next.throughput.y, next.throughput.z, next.coverage});
+    const float chance = passing_chance(share);
+    if (!(chance > 0)) return;
+    if (chance < 1) {
+        const Dimension survival = Dimension::at(next.key, Dimension::Use::Survival, 1);
+        const auto index = static_cast<std::uint32_t>(sample.index);
+        if (context_.sampler.interval(sample.x, sample.y, index, survival) >= chance) return;
+        next.throughput /= chance;
+        next.coverage /= chance;
+    }
     push(next, behind(ray, t));
 }
 

@@ -5,12 +5,15 @@
 // ao       how much of a white sky each point sees
 //
 // A surface that blends, masks or is clear glass lets light through, and the ray is shot again from there, in order of t.
-// Camera rays split in two at it; a scattered ray goes on by one of both at random. A sample's sums are made in an order
-// that depends on the sample alone: so neither the size of a batch nor the budget of a tracer can change them.
+// Camera rays split in two at it, up to kMaxSplits times; from then on they go on by one of both at random, as scattered
+// rays always do. There is no limit to the surfaces that a ray passes, and the rays of a sample that are on their way at
+// once are few. A sample's sums are made in an order that depends on the sample alone: so neither the size of a batch nor
+// the budget of a tracer can change them.
 //
 // Threads  one integrator a worker; the context is shared and const.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <span>
 #include <vector>
@@ -63,6 +66,9 @@ inline constexpr float kMirrorAlpha = 0.01f;
 /// Bounces before a path's life is left to chance.
 inline constexpr int kCertainBounces = 3;
 
+/// A camera ray that has been split so many times goes on by one way at random.
+inline constexpr int kMaxSplits = 32;
+
 class Integrator {
 public:
     explicit Integrator(const FrameContext& context);
@@ -78,7 +84,7 @@ public:
             for (std::size_t done = 0; done < paths_.size();) {
                 done = shade_some(done, samples, results);
                 std::uint64_t shot = 0;
-                trace([&] { shot = shadows_.trace(tracer, lit_); });
+                trace([&] { shot = shadows_.trace(tracer, lit_, luck_); });
                 (context_.settings.integrator == IntegratorKind::Ao ? counters_.rays.ao : counters_.rays.shadow) += shot;
             }
             extend();
@@ -121,6 +127,14 @@ private:
     void cross_lights(const Path& path, const accel::Ray& ray, float t_far, SampleResult& result) const;
     void add_emission(const Path& path, const accel::SurfaceHit& hit, const shade::Surface& surface, Vec3f share,
                       SampleResult& result) const;
+    /// Applies Settings::clamp to light that `scatterings` surfaces scattered on its way to the pixel.
+    Vec3f clamped(Vec3f radiance, int scatterings) const noexcept
+    {
+        const float most = context_.settings.clamp;
+        if (!(most > 0) || scatterings < 2) return radiance;
+        const float brightest = std::max({radiance.x, radiance.y, radiance.z});
+        return brightest > most ? radiance * (most / brightest) : radiance;
+    }
     void record_first(const accel::SurfaceHit& hit, const shade::Surface& surface, float occlusion, float covered,
                       SampleResult& result) const;
     void record_matte(const accel::SurfaceHit& hit, std::uint32_t sample, float covered);
@@ -140,7 +154,13 @@ private:
     void gather_light(const Vertex& v, const shade::WorldLight& light, const Sequence& squares, int first, int end,
                       Vec3f each);
     void test(const Vertex& v, const shade::ShadowTest& test, Vec3f share, int samples);
-    void pass_straight(const Path& path, const accel::Ray& ray, float t, Vec3f passes, float coverage, float chance);
+    /// What goes straight on behind a surface.
+    struct Passing {
+        Vec3f light;     ///< share of what comes from there that passes
+        float coverage;  ///< share of the pixel that nothing up to here covers
+        float chance;    ///< with which the ray goes on at all
+    };
+    void pass_straight(const Path& path, const accel::Ray& ray, float t, const Passing& passing, const CameraSample& sample);
     void push(const Path& path, const accel::Ray& ray);
     void extend();
 
@@ -170,7 +190,8 @@ private:
     std::vector<accel::Ray> rays_, next_rays_;
     std::vector<accel::SurfaceHit> hits_;  ///< at least as many as rays
     std::vector<MatteShare> mattes_;
-    std::vector<Vec3f> lit_;  ///< what shadow rays brought, one sum a sample
+    std::vector<Vec3f> lit_;   ///< what shadow rays brought, one sum a sample
+    std::vector<float> luck_;  ///< The number of each sample that ShadowQueue::trace() wants.
     ShadowQueue shadows_;
 };
 

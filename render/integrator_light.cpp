@@ -62,7 +62,7 @@ int Integrator::scatter_samples_at(const Path& path) const noexcept
 OCCAM_ALWAYS_INLINE void Integrator::test(const Vertex& v, const shade::ShadowTest& test, Vec3f share, int samples)
 {
     if (is_black(test.radiance)) return;
-    accel::Ray& ray = shadows_.add(v.path.sample, test.radiance * share);
+    accel::Ray& ray = shadows_.add(v.path.sample, clamped(test.radiance * share, v.path.bounces + 1));
     ray.origin = test.origin;
     ray.direction = test.direction;
     ray.t_far = test.t_far;
@@ -239,7 +239,7 @@ void Integrator::look_for_light(const Path& next, const accel::Ray& ray)
     // Lights without a surface and the sky need no hit: something is in the way or not.
     const shade::Tries placed = tries_of(next.light_tries, next.scatter_tries, true);
     const auto add = [&](float t_far, Vec3f radiance) {
-        const Vec3f reaches = next.throughput * radiance;
+        const Vec3f reaches = clamped(next.throughput * radiance, next.bounces);
         if (is_black(reaches)) return;
         accel::Ray& shadow = shadows_.add(next.sample, reaches);
         shadow = ray;

@@ -17,7 +17,8 @@ constexpr std::size_t kShadowRays = FrameContext::kShadowBatch / kMostRays;  // 
 
 // Of a ray that is followed: it and its successor. Surfaces that split rays in two may need more.
 constexpr std::size_t kBytesOfARay = 2 * (sizeof(Path) + sizeof(accel::Ray)) + sizeof(accel::SurfaceHit) +
-                                     sizeof(SampleResult) + 4 * sizeof(int) + sizeof(Vec3f) + accel::kBytesOfABatchedRay;
+                                     sizeof(SampleResult) + 4 * sizeof(int) + sizeof(Vec3f) + sizeof(float) +
+                                     accel::kBytesOfABatchedRay;
 constexpr std::size_t kBytesOfAShadowRay = sizeof(accel::Ray) + 2 * sizeof(Vec4f) + accel::kBytesOfABatchedRay;
 constexpr std::size_t queue_bytes(int rays) { return std::size_t(rays) * (kBytesOfARay + kShadowRays * kBytesOfAShadowRay); }
 

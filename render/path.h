@@ -20,7 +20,7 @@ struct Path {
     Vec3f absorption{0};                       ///< of the body that it travels in, per world length
     LightGroups lit_by = kAllGroups;           ///< of the surface that scattered it
     std::uint8_t bounces = 0;                  ///< surfaces that scattered it
-    std::uint8_t passed = 0;                   ///< surfaces that let it pass straight on
+    std::uint8_t splits = 0;                   ///< Counts the surfaces that split the camera's ray in two, up to kMaxSplits.
     bool is_probe = false;                     ///< looks for light, and is scattered no more
     bool is_before_focus = false;  ///< of a lens: the ray ends at the focus, and goes on behind it with another footprint
 

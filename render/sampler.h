@@ -20,6 +20,8 @@ struct Dimension {
 
     static constexpr Dimension pixel() noexcept { return {0}; }
     static constexpr Dimension lens() noexcept { return {1}; }
+    /// Decides how long shadow rays go on through surfaces that let them pass (ShadowQueue::trace).
+    static Dimension luck() noexcept { return at(0xffffffffu, Use::Passing, 1); }
     /// At one of a path's surfaces; `slot` counts numbers of one use. Unlike keys and uses share a dimension once in 2^32.
     static Dimension at(std::uint32_t vertex_key, Use use, std::uint32_t slot = 0) noexcept
     {

@@ -127,6 +127,7 @@ void check(const Settings& s)
     require(s.light_samples >= 1 && s.light_samples <= kMaxLightSamples, "light samples",
             "from 1 to " + std::to_string(kMaxLightSamples));
     require(s.bounces >= 0 && s.bounces <= kMaxBounces, "bounces", "from 0 to " + std::to_string(kMaxBounces));
+    require(s.clamp >= 0 && std::isfinite(s.clamp), "clamp", "a radiance, 0 or more");
     require(s.ao_distance >= 0 && std::isfinite(s.ao_distance), "ao distance", "world length, 0 or more");
     require(s.sky_strength >= 0 && std::isfinite(s.sky_strength), "sky strength", "0 or more");
     require(s.filter_radius >= 0 && s.filter_radius <= 16, "filter radius", "from 0 to 16 pixels");

@@ -84,10 +84,13 @@ struct Settings {
     /// Above 0: a tile of pixels is done before its `spp` samples once the estimated standard error of its pixels is below
     /// this share of their brightness (see PixelSums::relative_error).
     float error = 0;
-    IntegratorKind integrator = IntegratorKind::Direct;
-    int bounces = 8;        ///< most times that light is scattered on its way; `direct`: mirrors one behind the other
-    float ao_distance = 0;  ///< how far `ao` looks, world length; 0: to infinity
-    int light_samples = 1;  ///< of each light at each hit that the camera sees; of the sky in `ao`
+    IntegratorKind integrator = IntegratorKind::Path;
+    int bounces = 8;  ///< The most times that light is scattered on its way; for `direct`, mirrors one behind the other.
+    /// Above 0, no single contribution of light that was scattered twice or more is brighter than this in any channel. The
+    /// limit takes away rare bright pixels (fireflies) and with them some light, so references are made without it.
+    float clamp = 0;
+    float ao_distance = 0;              ///< how far `ao` looks, world length; 0: to infinity
+    int light_samples = 1;              ///< of each light at each hit that the camera sees; of the sky in `ao`
     shade::Sky sky = shade::Sky::Auto;  ///< soft daylight, in place of a black environment
     float sky_strength = 1;             ///< its brightness times this
     float shading_rate = 1;             ///< wanted micropolygon edge, pixels

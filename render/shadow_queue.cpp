@@ -1,11 +1,27 @@
 #include "render/shadow_queue.h"
 
 #include <algorithm>
+#include <bit>
 
+#include "base/hash.h"
 #include "render/shade_point.h"
 #include "shade/surface.h"
 
 namespace occam::render {
+namespace {
+
+// Returns a random number in [0, 1) for a ray of a sample at the surface it has come to. It depends on these alone.
+float number_of(const accel::Ray& ray, float luck) noexcept
+{
+    const auto word = [](float a, float b) {
+        return (std::uint64_t(std::bit_cast<std::uint32_t>(a)) << 32) | std::bit_cast<std::uint32_t>(b);
+    };
+    std::uint64_t bits = mix_bits(word(luck, ray.t_near) + 0x9e3779b97f4a7c15ull);
+    bits = mix_bits(bits ^ word(ray.direction.x, ray.direction.y)) ^ std::bit_cast<std::uint32_t>(ray.direction.z);
+    return static_cast<float>(mix_bits(bits) >> 40) * 0x1p-24f;
+}
+
+}  // namespace
 
 accel::Ray behind(accel::Ray ray, float t) noexcept
 {
@@ -54,12 +70,12 @@ void ShadowQueue::collect_blocked()
             shadows_[i].radiance = Vec3f(0);
             continue;
         }
-        blocked_.push_back(static_cast<std::uint32_t>(i));
+        blocked_.push_back({static_cast<std::uint32_t>(i), 1});
         blocked_rays_.push_back(rays_[i]);
     }
 }
 
-void ShadowQueue::pass_blocked()
+void ShadowQueue::pass_blocked(std::span<const float> luck)
 {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < blocked_.size(); ++i) {
@@ -68,14 +84,16 @@ void ShadowQueue::pass_blocked()
         const Vec3f passes = culls_ && is_culled(hit)
                                  ? Vec3f(1)
                                  : shade::passes_straight(shade_point(blocked_rays_[i], hit, texture_width_), textures_);
-        Vec3f& radiance = shadows_[blocked_[i]].radiance;
-        if (std::max({passes.x, passes.y, passes.z}) < kLeastShare) {
-            radiance = Vec3f(0);
+        Shadow& shadow = shadows_[blocked_[i].shadow];
+        const float share = blocked_[i].share * std::max({passes.x, passes.y, passes.z}), chance = passing_chance(share);
+        blocked_rays_[i] = behind(blocked_rays_[i], hit.t);
+        if (!(chance > 0) || (chance < 1 && number_of(blocked_rays_[i], luck[shadow.sample]) >= chance)) {
+            shadow.radiance = Vec3f(0);
             continue;
         }
-        radiance *= passes;
-        blocked_rays_[kept] = behind(blocked_rays_[i], hit.t);
-        blocked_[kept++] = blocked_[i];
+        shadow.radiance *= chance < 1 ? passes / chance : passes;
+        blocked_rays_[kept] = blocked_rays_[i];
+        blocked_[kept++] = {blocked_[i].shadow, share / chance};
     }
     blocked_.resize(kept);
     blocked_rays_.resize(kept);
@@ -83,8 +101,6 @@ void ShadowQueue::pass_blocked()
 
 void ShadowQueue::add_light(std::span<Vec3f> sums)
 {
-    // What is still on its way after the last layer counts as blocked.
-    for (const std::uint32_t i : blocked_) shadows_[i].radiance = Vec3f(0);
     for (const Shadow& s : shadows_) sums[s.sample] += s.radiance;
 }
 

@@ -1,11 +1,13 @@
 // Shadow rays of a batch: collected while hits are shaded, traced together, added in the order they came in.
 //
 // A ray that meets something may pass it where it blends, masks or is clear glass: it is then shot again from there, in
-// order of t. So what a sample gets depends on the sample alone.
+// order of t. So what a sample gets depends on the sample alone. There is no limit to the surfaces that a ray passes: one
+// that has little light left is ended by chance (Russian roulette), and weighs more where it goes on.
 //
 // Threads  one worker's own.
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -15,10 +17,10 @@
 
 namespace occam::render {
 
-/// Surfaces that a ray may pass through before the rest of its light is dropped.
-inline constexpr int kMaxBlendLayers = 32;
-/// Less of a ray's light than this is not followed through surfaces that let it pass.
+/// A ray whose share of light has fallen below this goes on through further surfaces by chance.
 inline constexpr float kLeastShare = 1.0f / 1024;
+/// Returns the chance with which a ray of that share goes on: 1 from kLeastShare on.
+inline float passing_chance(float share) noexcept { return std::min(share / kLeastShare, 1.0f); }
 
 /// The back of a single-sided surface, for Settings::back_faces = false. Bodies of glass have to be left again.
 inline bool is_culled(const accel::SurfaceHit& hit) noexcept
@@ -39,6 +41,8 @@ public:
     }
 
     std::size_t size() const noexcept { return rays_.size(); }
+    /// True if a ray that meets something may go on behind it.
+    bool may_pass() const noexcept { return may_pass_; }
     void clear() noexcept;
     /// `radiance` is added to sums[sample] as far as nothing is in the way of the ray, which is the caller's to write.
     accel::Ray& add(std::uint32_t sample, Vec3f radiance)
@@ -50,18 +54,19 @@ public:
     }
 
     /// Traces all rays and adds what they bring. Returns how many were shot. Tracer: see Integrator::run.
+    /// luck   a random number in [0, 1) for each sample, which decides with the ray's direction how the ray ends
     template <class Tracer>
-    std::uint64_t trace(Tracer& tracer, std::span<Vec3f> sums)
+    std::uint64_t trace(Tracer& tracer, std::span<Vec3f> sums, std::span<const float> luck)
     {
         std::uint64_t shot = rays_.size();
         occluded_.assign(rays_.size(), 0);
         tracer.occluded(rays_, occluded_);
         collect_blocked();
-        for (int layer = 0; layer < kMaxBlendLayers && !blocked_rays_.empty(); ++layer) {
+        while (!blocked_rays_.empty()) {
             shot += blocked_rays_.size();
             if (blocked_hits_.size() < blocked_rays_.size()) blocked_hits_.resize(blocked_rays_.size());
             tracer.closest(blocked_rays_, std::span(blocked_hits_).first(blocked_rays_.size()));
-            pass_blocked();
+            pass_blocked(luck);
         }
         add_light(sums);
         return shot;
@@ -72,10 +77,15 @@ private:
         std::uint32_t sample;
         Vec3f radiance;
     };
+    /// A shadow ray that met something.
+    struct Blocked {
+        std::uint32_t shadow;  ///< index into shadows_
+        float share;           ///< what the surfaces so far let pass, in the brightest channel
+    };
 
     /// Of the rays that met something, those that may pass it: their hits are to be found.
     void collect_blocked();
-    void pass_blocked();
+    void pass_blocked(std::span<const float> luck);
     void add_light(std::span<Vec3f> sums);
 
     const TextureStore& textures_;
@@ -85,7 +95,7 @@ private:
     std::vector<Shadow> shadows_;
     std::vector<accel::Ray> rays_;
     std::vector<std::uint8_t> occluded_;
-    std::vector<std::uint32_t> blocked_;  ///< indices into shadows_
+    std::vector<Blocked> blocked_;
     std::vector<accel::Ray> blocked_rays_;
     std::vector<accel::SurfaceHit> blocked_hits_;
 };

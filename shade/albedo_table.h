@@ -4,7 +4,7 @@
 // roughness (the split of Karis 2013). What is missing to one is light that met several microfacets; it is given back as a
 // lobe (Kulla and Conty 2017), and what the layer does not reflect is what its base gets.
 //
-// Memory   two tables of 48 x 32 floats, made once a process on first use (some 30 ms), then read only.
+// Memory   two tables of 64 x 48 floats, made once a process on first use (some 60 ms), then read only.
 // Threads  any.
 #pragma once
 
@@ -27,8 +27,8 @@ public:
     LayerAlbedo mean(float alpha) const noexcept;
 
 private:
-    static constexpr int kCosines = 48;      ///< nodes, even in the root of the cosine
-    static constexpr int kRoughnesses = 32;  ///< nodes, even in the fourth root of alpha, from that of kMinAlpha
+    static constexpr int kCosines = 64;      ///< nodes, even in the root of the cosine
+    static constexpr int kRoughnesses = 48;  ///< nodes, even in the fourth root of alpha, from that of kMinAlpha
 
     AlbedoTable();
 

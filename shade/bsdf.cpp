@@ -64,6 +64,18 @@ struct Layer {
     {
         return base_mean < 1 ? through(eye) * through(light) / (1 - base_mean) : 0;
     }
+    // What single scattering does not let through a rough pane, of light that is not reflected either.
+    float multiple_through(LayerAlbedo eye, LayerAlbedo light) const noexcept
+    {
+        const float lost = std::max(0.0f, 1 - eye.sum()) * std::max(0.0f, 1 - light.sum());
+        return mean < 1 ? (1 - base_multiple) * lost / ((1 - mean) * kPi) : 0;
+    }
+    // Share of what a pane lets through that single scattering does.
+    float single_share(LayerAlbedo eye) const noexcept
+    {
+        const float single = (1 - f0) * eye.f0 + (1 - f90) * eye.f90, all = through(eye);
+        return all > 0 ? std::clamp(single / all, 0.0f, 1.0f) : 1;
+    }
     Vec3f multiple_lobe(LayerAlbedo eye, LayerAlbedo light) const noexcept
     {
         return mean < 1 ? multiple * std::max(0.0f, (1 - eye.sum()) * (1 - light.sum()) / ((1 - mean) * kPi)) : Vec3f(0);
@@ -71,68 +83,82 @@ struct Layer {
 };
 
 // How often each lobe is sampled: by what it sends to this eye.
-// Of a body, `layer` is both what it mirrors and what it lets through.
 struct LobeShares {
-    float diffuse = 1, layer = 0, coat = 0, transmission = 0;
+    float diffuse = 1, layer = 0, coat = 0, pane = 0, pane_diffuse = 0, body = 0;
 
     explicit LobeShares(const Surface& s) noexcept
     {
         if (s.is_matte) return;
         const float n_v = eye_cosine(s.normal, s.to_eye);
         coat = s.coat > 0 ? s.coat * coat_albedo(eye_cosine(s.coat_normal, s.to_eye), s.coat_alpha) : 0;
-        const float below = 1 - coat;
+        float below = 1 - coat;
+        diffuse = 0;
         if (s.is_solid) {
             const float f = fresnel_dielectric(n_v, s.eta);
-            layer = below * (f + (1 - f) * luminance(s.transmission));
-            diffuse = below * (1 - f) * luminance(s.diffuse);
-        } else {
-            const Layer over(s);
-            const LayerAlbedo e = over.table.at(n_v, s.alpha);
-            const float through = over.through(e);
-            layer = below * (luminance(s.f0) * e.f0 + s.f90 * e.f90);
-            transmission = below * through * luminance(s.transmission);
-            diffuse = below * (through * luminance(s.diffuse) + luminance(over.multiple) * std::max(0.0f, 1 - e.sum()));
+            body = below * s.solid_share * (f + (1 - f) * luminance(s.transmission));
+            below *= 1 - s.solid_share;
         }
-        const float sum = diffuse + layer + coat + transmission;
+        if (below > 0) add_opaque(s, below, n_v);
+        const float sum = diffuse + layer + coat + pane + pane_diffuse + body;
         if (!(sum > 0)) {
             *this = {};
             return;
         }
-        diffuse /= sum;
-        layer /= sum;
-        coat /= sum;
-        transmission /= sum;
+        for (float* share : {&diffuse, &layer, &coat, &pane, &pane_diffuse, &body}) *share /= sum;
     }
 
 private:
     LobeShares() noexcept = default;
+
+    void add_opaque(const Surface& s, float below, float n_v) noexcept
+    {
+        const Layer over(s);
+        const LayerAlbedo e = over.table.at(n_v, s.alpha);
+        const float through = over.through(e);
+        layer = below * (luminance(s.f0) * e.f0 + s.f90 * e.f90);
+        diffuse = below * (through * luminance(s.diffuse) + luminance(over.multiple) * std::max(0.0f, 1 - e.sum()));
+        if (s.is_solid) return;
+        pane_diffuse = below * through * luminance(s.transmission);
+        pane = pane_diffuse * over.single_share(e);
+        pane_diffuse -= pane;
+    }
 };
 
-// Below the coat: f times the cosine, light on the eye's side.
+// How much of a lobe is left towards the facet's horizon: as terminator(), but all of it up to where a reflecting normal
+// (evaluate()) sends the eye's own mirror image at the least.
+float lobe_terminator(Vec3f facet, Vec3f normal, float n_l, Vec3f to_light) noexcept
+{
+    constexpr float kSteep = 0.4f;
+    const float side = glm::dot(facet, to_light), along = std::max(kSteep * n_l * glm::dot(facet, normal), 1e-6f);
+    if (side >= along) return 1;
+    if (!(side > 0)) return 0;
+    const float ratio = side / along;
+    return ratio * (1 + ratio * (1 - ratio));
+}
+
+// Below the coat, of what is opaque or a pane: f times the cosine, light on the eye's side.
 Vec3f reflected(const Surface& s, Vec3f to_light) noexcept
 {
     const Angles a(s.normal, s.to_eye, to_light);
     if (!(a.n_l > 0)) return Vec3f(0);
     const float lobe = ggx_density(a.n_h, a.sin2_h, s.alpha) * ggx_visibility(a.n_l, a.n_v, s.alpha);
-    Vec3f f;
-    if (s.is_solid) {
-        const float through = (1 - fresnel_dielectric(a.n_v, s.eta)) *
-                              (1 - fresnel_dielectric(std::min(a.n_l, 1.0f), s.eta));
-        f = Vec3f(fresnel_dielectric(std::clamp(a.v_h, 0.0f, 1.0f), s.eta) * lobe) + s.diffuse * (through / kPi);
-    } else {
-        const Layer layer(s);
-        const LayerAlbedo eye = layer.table.at(a.n_v, s.alpha), light = layer.table.at(a.n_l, s.alpha);
-        const float g = schlick(a.v_h);
-        f = (s.f0 * (1 - g) + Vec3f(s.f90 * g)) * lobe + layer.multiple_lobe(eye, light) +
-            s.diffuse * (layer.into_base(eye, light) / kPi);
-    }
-    return f * (a.n_l * terminator(s, a.n_l, to_light));
+    const Layer layer(s);
+    const LayerAlbedo eye = layer.table.at(a.n_v, s.alpha), light = layer.table.at(a.n_l, s.alpha);
+    const float g = schlick(a.v_h);
+    const Vec3f mirror = (s.f0 * (1 - g) + Vec3f(s.f90 * g)) * lobe + layer.multiple_lobe(eye, light);
+    const Vec3f base = s.diffuse * (layer.into_base(eye, light) / kPi);
+    return mirror * (a.n_l * lobe_terminator(s.normal_geometric, s.normal, a.n_l, to_light)) +
+           base * (a.n_l * terminator(s, a.n_l, to_light));
 }
 
-// Below the coat: f times the cosine, light on the far side.
-Vec3f transmitted(const Surface& s, Vec3f to_light) noexcept
+// Below the coat: f times the cosine, light that a pane lets through.
+Vec3f through_rough_pane(const Surface& s, Vec3f to_light) noexcept
 {
-    return s.is_solid ? body_transmission(s, to_light) : pane_transmission(s, to_light);
+    const float n_l = -glm::dot(s.normal, to_light);
+    if (!(n_l > 0)) return Vec3f(0);
+    const Layer layer(s);
+    const LayerAlbedo eye = layer.table.at(eye_cosine(s.normal, s.to_eye), s.alpha), light = layer.table.at(n_l, s.alpha);
+    return pane_transmission(s, to_light) + s.transmission * (layer.multiple_through(eye, light) * n_l);
 }
 
 Vec3f mirrored(Vec3f to_eye, Vec3f h) noexcept { return glm::normalize(h * (2 * glm::dot(to_eye, h)) - to_eye); }
@@ -143,45 +169,43 @@ float lobe_density(Vec3f normal, Vec3f to_eye, Vec3f to_light, float alpha) noex
     return visible_density_over_cosine(a.n_v, a.n_h, a.sin2_h, alpha) / 4;
 }
 
-float body_lobes_density(const Surface& s, Vec3f to_light) noexcept
-{
-    const Angles a(s.normal, s.to_eye, to_light);
-    if (a.n_l < 0) return body_density(s, to_light);
-    return mirror_chance(s, a.v_h) * visible_density_over_cosine(a.n_v, a.n_h, a.sin2_h, s.alpha) / 4;
-}
-
 float density_of(const Surface& s, const LobeShares& share, Vec3f to_light) noexcept
 {
-    float density = share.diffuse * std::max(glm::dot(s.normal, to_light), 0.0f) / kPi;
-    if (share.layer > 0)
-        density += share.layer *
-                   (s.is_solid ? body_lobes_density(s, to_light) : lobe_density(s.normal, s.to_eye, to_light, s.alpha));
+    const float n_l = glm::dot(s.normal, to_light);
+    float density = share.diffuse * std::max(n_l, 0.0f) / kPi;
+    if (share.layer > 0) density += share.layer * lobe_density(s.normal, s.to_eye, to_light, s.alpha);
     if (share.coat > 0) density += share.coat * lobe_density(s.coat_normal, s.to_eye, to_light, s.coat_alpha);
-    if (share.transmission > 0) density += share.transmission * pane_density(s, to_light);
+    if (share.pane > 0) density += share.pane * pane_density(s, to_light);
+    density += share.pane_diffuse * std::max(-n_l, 0.0f) / kPi;
+    if (share.body > 0) density += share.body * body_density(s, to_light);
     return density;
 }
 
 Vec3f coated(const Surface& s, Vec3f below, Vec3f to_light) noexcept
 {
     const Angles a(s.coat_normal, s.to_eye, to_light);
-    // What the coat takes, it takes once: the same for both directions, and never less than what it reflects.
-    const float taken = s.coat * std::max(coat_albedo(a.n_v, s.coat_alpha),
-                                          coat_albedo(std::min(std::fabs(a.n_l), 1.0f), s.coat_alpha));
-    below *= 1 - taken;
+    // What is below gets what the coat does not reflect to the eye: all light is accounted for, whatever the base does with
+    // it, and the function is not reciprocal.
+    below *= 1 - s.coat * coat_albedo(a.n_v, s.coat_alpha);
     if (!(a.n_l > 0) || !(glm::dot(s.normal_geometric, to_light) > 0)) return below;
     const float fresnel = kCoatF0 + (1 - kCoatF0) * schlick(a.v_h);
     const float lobe = ggx_density(a.n_h, a.sin2_h, s.coat_alpha) * ggx_visibility(a.n_l, a.n_v, s.coat_alpha);
-    return below + Vec3f(s.coat * fresnel * lobe * a.n_l * terminator(s, a.n_l, to_light));
+    return below +
+           Vec3f(s.coat * fresnel * lobe * a.n_l * lobe_terminator(s.normal_geometric, s.coat_normal, a.n_l, to_light));
 }
 
 }  // namespace
 
 Vec3f scatter_of_lobes(const Surface& s, Vec3f to_light) noexcept
 {
-    const float side = glm::dot(s.normal_geometric, to_light);
+    const float side = glm::dot(s.normal_geometric, to_light), n_l = glm::dot(s.normal, to_light);
     Vec3f f(0);
-    if (side > 0) f = reflected(s, to_light);
-    else if (side < 0 && s.transmission != Vec3f(0)) f = transmitted(s, to_light);
+    if (s.is_solid && side * n_l > 0) {
+        f = body_scattering(s, to_light) * s.solid_share;
+        if (side > 0) f *= lobe_terminator(s.normal_geometric, s.normal, n_l, to_light);
+    }
+    if (side > 0 && (!s.is_solid || s.solid_share < 1)) f += reflected(s, to_light) * (s.is_solid ? 1 - s.solid_share : 1);
+    else if (side < 0 && !s.is_solid && s.transmission != Vec3f(0)) f = through_rough_pane(s, to_light);
     return s.coat > 0 ? coated(s, f, to_light) : f;
 }
 
@@ -205,30 +229,37 @@ ScatterSample sample_scatter(const Surface& s, float choice, Vec2f square) noexc
 {
     const LobeShares share(s);
     const Axes axes(s.normal);
+    // The lobe whose interval of [0, 1) holds the choice; what is left of the choice is a number in [0, 1) again.
+    const auto is_chosen = [&choice](float chance) {
+        if (choice < chance) {
+            choice /= chance;
+            return true;
+        }
+        choice -= chance;
+        return false;
+    };
     ScatterSample out;
-    if (choice < share.diffuse) {
+    if (is_chosen(share.diffuse)) {
         out.direction = axes.to_world(cosine_direction(square));
-    } else if (choice < share.diffuse + share.layer) {
+    } else if (is_chosen(share.layer)) {
         out.lobe = Lobe::Layer;
         out.alpha = s.alpha;
-        const Vec3f h = seen_normal(axes, s.to_eye, s.alpha, square);
-        if (s.is_solid && (choice - share.diffuse) / share.layer >= mirror_chance(s, glm::dot(s.to_eye, h))) {
-            out.lobe = Lobe::Transmission;
-            out.direction = bent(s, h);
-        } else {
-            out.direction = mirrored(s.to_eye, h);
-        }
-        // A body's density tells its two lobes apart by their sides: what strays to the other's is lost.
-        const bool is_far = glm::dot(s.normal, out.direction) < 0;
-        if (s.is_solid && is_far != (out.lobe == Lobe::Transmission)) return {};
-    } else if (choice < share.diffuse + share.layer + share.coat || share.transmission == 0) {
-        out.lobe = Lobe::Coat;
-        out.alpha = s.coat_alpha;
-        out.direction = mirrored(s.to_eye, seen_normal(Axes(s.coat_normal), s.to_eye, s.coat_alpha, square));
-    } else {
+        out.direction = mirrored(s.to_eye, seen_normal(axes, s.to_eye, s.alpha, square));
+    } else if (is_chosen(share.body)) {
+        out.alpha = s.alpha;
+        out.direction = through_body(s, seen_normal(axes, s.to_eye, s.alpha, square), choice);
+        out.lobe = glm::dot(s.normal, out.direction) < 0 ? Lobe::Transmission : Lobe::Layer;
+    } else if (is_chosen(share.pane)) {
         out.lobe = Lobe::Transmission;
         out.alpha = s.alpha;
         out.direction = through_pane(s, seen_normal(axes, s.to_eye, s.alpha, square));
+    } else if (is_chosen(share.pane_diffuse)) {
+        out.lobe = Lobe::Transmission;
+        out.direction = -axes.to_world(cosine_direction(square));
+    } else if (share.coat > 0) {
+        out.lobe = Lobe::Coat;
+        out.alpha = s.coat_alpha;
+        out.direction = mirrored(s.to_eye, seen_normal(Axes(s.coat_normal), s.to_eye, s.coat_alpha, square));
     }
     if (out.direction == Vec3f(0)) return out;
     out.density = density_of(s, share, out.direction);

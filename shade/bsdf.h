@@ -4,13 +4,13 @@
 // Directions are unit, world axes, away from the point. Radiance is counted over the squared index, as if all were vacuum:
 // it does not jump where light enters a body.
 //
-// Energy   what single scattering of the GGX layer loses is given back (Kulla and Conty 2017), and the base gets what the
-//          layer does not reflect: a white surface under uniform light reflects all of it. Rough transmission alone is
-//          single scattering: it loses up to 7 % at alpha = 0.1, 25 % at 0.3 and 65 % at 1 (from inside, or grazing).
+// Energy   what single scattering of the GGX layer, or of a rough pane, loses is given back (Kulla and Conty 2017), the base
+//          gets what the layer does not reflect, and what lies below a coat what the coat does not reflect to the eye.
+//          Bodies of glass lose nothing (transmission.h). So under uniform light a white surface of any kind reflects, or
+//          lets through, all of it. Coats and bodies are not reciprocal for that.
 // Normals  where shading and geometric normal differ, light is shaded off towards the geometric horizon (Chiang et al.
-// 2019),
-//          so that coarse triangles with smooth normals do not end their light in a hard line. That factor looks at the
-//          light's side alone: there, and only there, the function is not reciprocal.
+//          2019), so that coarse triangles with smooth normals do not end their light in a hard line. That factor looks at
+//          the light's side alone: there too the function is not reciprocal.
 #pragma once
 
 #include "shade/surface.h"

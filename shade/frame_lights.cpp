@@ -14,6 +14,20 @@ WorldLight key_light(const Camera& camera)
     return key;
 }
 
+// Whether surfaces that shine are lamps of the scene, and not mere glowing details: their light, spread evenly over the
+// sphere around the scene, is at least this irradiance. A white surface there would have a radiance of about 0.006, which
+// is less than a hundredth of what the default light gives it.
+constexpr double kLeastIrradiance = 0.02;
+
+bool are_lamps(const MeshLights& meshes, const Scene& scene) noexcept
+{
+    if (!(meshes.power() > 0)) return false;
+    const Box3d& box = scene.node(scene.root()).bounds;
+    if (box.is_empty()) return true;
+    const Vec3d half = 0.5 * Vec3d(transform_vector(scene.node(scene.root()).parent_from_node, box.hi - box.lo));
+    return meshes.power() >= kLeastIrradiance * 4 * glm::dot(half, half);
+}
+
 }  // namespace
 
 FrameLights::FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures, Sky sky, float sky_strength)
@@ -22,10 +36,10 @@ FrameLights::FrameLights(const Scene& scene, const Camera& camera, const Texture
     scene.for_each_placement([&](NodeId, const Node& node, const Mat4d& world_from_node) {
         if (const Light* light = scene.find(node.light)) lights_.push_back(WorldLight::place(*light, world_from_node));
     });
-    const bool is_dark = lights_.empty() && environment_.is_black() && !meshes_.any_emitter();
-    if (sky == Sky::Auto && is_dark) lights_.push_back(key_light(camera));
-    if (environment_.is_black() && (sky == Sky::On || (sky == Sky::Auto && is_dark)))
-        environment_ = Environment::sky(sky_strength);
+    const bool is_dark = environment_.is_black();
+    const bool is_bare = is_dark && lights_.empty() && !are_lamps(meshes_, scene);
+    if (is_bare && sky != Sky::Off) lights_.push_back(key_light(camera));
+    if (is_dark && (sky == Sky::On || (sky == Sky::Auto && is_bare))) environment_ = Environment::sky(sky_strength);
     list_areas();
 }
 

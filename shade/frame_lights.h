@@ -1,6 +1,7 @@
 // All light of one frame, gathered from the scene graph: placed lights, surfaces that shine, the environment.
 //
-// A scene without any of them gets a soft key light from over the camera's shoulder and a sky, unless Sky says otherwise.
+// A scene without a placed light, an environment or surfaces that shine brightly enough to light it gets a soft key light
+// from over the camera's shoulder and a sky, unless Sky says otherwise. The scene's bounds must be up to date for that.
 //
 // Space    world; positions double, directions float.
 // Threads  const after construction.

@@ -32,6 +32,55 @@ const Material* material_of(const Scene& scene, const Node& node, const Cage& ca
     return slot < from.size() ? scene.find(from[slot]) : nullptr;
 }
 
+// Returns the area of a polygon in world axes: half the length of the sum of its corners' cross products.
+double polygon_area(const Cage& cage, std::size_t first, std::size_t corners, const Mat4d& world_from_object) noexcept
+{
+    const auto at = [&](std::size_t corner) {
+        return transform_point(world_from_object, Vec3d(cage.positions[cage.face_vertices[first + corner]]));
+    };
+    const Vec3d origin = at(0);
+    Vec3d sum(0), before = at(1) - origin;
+    for (std::size_t corner = 2; corner < corners; ++corner) {
+        const Vec3d next = at(corner) - origin;
+        sum += glm::cross(before, next);
+        before = next;
+    }
+    return 0.5 * glm::length(sum);
+}
+
+// Returns the area of the box that holds the node's cage, in world axes.
+double box_area(const Node& node, const CageSlot& slot, const SkinSlot* skin, const Mat4d& world_from_object) noexcept
+{
+    const Box3d box = cage_bounds(node, slot, skin);
+    if (box.is_empty()) return 0;
+    const Vec3d size = box.hi - box.lo;
+    const auto edge = [&](Vec3d along) { return transform_vector(world_from_object, along); };
+    const Vec3d x = edge({size.x, 0, 0}), y = edge({0, size.y, 0}), z = edge({0, 0, size.z});
+    return 2 * (glm::length(glm::cross(x, y)) + glm::length(glm::cross(y, z)) + glm::length(glm::cross(z, x)));
+}
+
+// Returns the world area of the cage's faces of one material slot. What deforms or is made on demand counts by its box, and
+// by the slot's share of the faces where they are known.
+double area_of(const Scene& scene, const Node& node, const CageSlot& slot, std::size_t material_slot, std::size_t slots,
+               const Mat4d& world_from_object) noexcept
+{
+    const Cage& cage = slot.cage;
+    if (slot.is_on_demand()) return box_area(node, slot, scene.find(node.skin), world_from_object) / double(slots);
+    const bool is_rigid = !node.skin && !slot.is_deformed();
+    double area = 0;
+    std::size_t first = 0, faces = 0;
+    for (std::size_t face = 0; face < cage.face_count(); ++face) {
+        const std::size_t corners = cage.scheme == Scheme::Triangles ? 3 : cage.face_sizes[face];
+        if ((cage.face_slots.empty() ? 0 : cage.face_slots[face]) == material_slot) {
+            ++faces;
+            if (is_rigid) area += polygon_area(cage, first, corners, world_from_object);
+        }
+        first += corners;
+    }
+    if (is_rigid || faces == 0) return area;
+    return box_area(node, slot, scene.find(node.skin), world_from_object) * double(faces) / double(cage.face_count());
+}
+
 // Whether a ray that meets the node's surface of that material can be told what density it is sampled with: all of that
 // node's cages that show it are triangles that stand still.
 bool is_sampled(const Scene& scene, const Node& node, const Material* material) noexcept
@@ -67,6 +116,7 @@ void MeshLights::add(const Node& node, NodeId id, const CageSlot& slot, const Ma
         if (!material || material->unlit || material->emission == Vec3f(0)) continue;
         any_emitter_ = true;
         const float density = mean_luminance(*material, *textures_);
+        if (density > 0) power_ += double(density) * area_of(scene, node, slot, s, slots, world_from_object);
         if (!(density > 0) || !is_sampled(scene, node, material)) continue;
         known_.push_back({id, material, density});
         const Mesh mesh{&cage, material, world_from_object, static_cast<std::uint32_t>(sums_.size()), density};

@@ -28,6 +28,10 @@ public:
     /// True if anything shines at all, sampled here or not.
     bool any_emitter() const noexcept { return any_emitter_; }
 
+    /// Area times mean luminance of everything that shines, one side of it, in squared world length. Of subdivision surfaces
+    /// the cage is measured, and of what deforms or is made on demand the box around it, so the figure is an estimate.
+    double power() const noexcept { return power_; }
+
     LightSample sample(Vec3d point, LightNumbers numbers) const noexcept;
 
     /// Density per area of the points of that node's surfaces of that material; 0: they are not sampled.
@@ -55,6 +59,7 @@ private:
 
     const TextureStore* textures_ = nullptr;
     bool any_emitter_ = false;
+    double power_ = 0;
     std::vector<Mesh> meshes_;
     std::vector<std::uint32_t> faces_;
     std::vector<double> sums_;  ///< running sums of area times luminance

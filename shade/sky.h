@@ -4,9 +4,9 @@
 namespace occam::shade {
 
 enum class Sky : unsigned char {
-    Auto,  ///< if nothing in the scene shines: then with a key light over the camera's shoulder
-    On,    ///< wherever the scene has no environment of its own
-    Off    ///< never: without lights all is black
+    Auto,  ///< Scenes without a light, an environment or emitters that light them get it, with a key light.
+    On,    ///< Every scene without an environment gets it, and the key light comes with it as for Auto.
+    Off    ///< No scene gets it: without lights all is black.
 };
 
 }  // namespace occam::shade

@@ -54,6 +54,28 @@ Vec3f mapped_normal(const TextureUse& use, Vec3f t, float scale, const ShadePoin
     return (p.back_side ? -n : n) / length;
 }
 
+// Of the cosine between the eye and the facet, a reflected direction keeps at least this share above the facet.
+constexpr float kLeastLift = 0.25f;
+
+// Returns the shading normal, bent towards the eye as far as it takes for a mirror to reflect the eye's ray to above the
+// facet: rays that a normal map, or the interpolation over a coarse mesh, sends below it would be lost, and leave black
+// rings on metals (Keller et al. 2017). A normal that turns away from the eye is bent in the same way.
+Vec3f reflecting_normal(Vec3f normal, const ShadePoint& p) noexcept
+{
+    const Vec3f facet = p.normal_geometric;
+    const float lift = kLeastLift * std::max(glm::dot(facet, p.to_eye), 0.0f);
+    const Vec3f reflected = normal * (2 * glm::dot(normal, p.to_eye)) - p.to_eye;
+    const float height = glm::dot(facet, reflected);
+    if (height >= lift) return normal;
+    const Vec3f along = reflected - facet * height;
+    const float length = glm::length(along);
+    if (!(length > 1e-6f)) return facet;
+    const Vec3f lifted = along * (std::sqrt(1 - lift * lift) / length) + facet * lift;
+    const Vec3f half = lifted + p.to_eye;
+    const float half_length = glm::length(half);
+    return half_length > 1e-6f ? half / half_length : facet;
+}
+
 struct Dielectric {
     Vec3f f0;
     float f90;
@@ -66,16 +88,28 @@ Dielectric dielectric_of(const Material& m, const MaterialValues& values) noexce
     return {glm::min(root * root * values.specular_color, Vec3f(1)) * values.specular, values.specular};
 }
 
-void add_transmission(const Material& m, const MaterialValues& values, float metallic, bool back_side, Surface& s) noexcept
+// A surface that is glass in part: what is left is metal and opaque dielectric, in the proportion that they have.
+void mix_opaque_rest(const MaterialValues& values, float metallic, const Dielectric& dielectric, Surface& s) noexcept
 {
-    const float share = values.transmission * (1 - metallic);
+    const float opaque = (1 - metallic) * (1 - std::min(values.transmission, 1.0f)), rest = opaque + metallic;
+    if (!(rest > 0)) return;
+    s.diffuse = s.base_color * (opaque / rest);
+    s.f0 = (dielectric.f0 * opaque + s.base_color * metallic) / rest;
+    s.f90 = (dielectric.f90 * opaque + metallic) / rest;
+}
+
+void add_transmission(const Material& m, const MaterialValues& values, const Dielectric& dielectric, bool back_side,
+                      Surface& s) noexcept
+{
+    const float metallic = std::clamp(values.metallic, 0.0f, 1.0f), share = values.transmission * (1 - metallic);
     if (!(share > 0)) return;
-    s.diffuse *= 1 - std::min(share, 1.0f);
     s.is_solid = m.thickness > 0 && m.ior > 1 + kLeastBend;
     if (s.is_solid) {
+        s.solid_share = std::min(share, 1.0f);
+        mix_opaque_rest(values, metallic, dielectric, s);
         // Light crosses a body's surface twice: straight through it is tinted once.
-        s.transmission = share * Vec3f(std::sqrt(std::max(0.0f, s.base_color.x)), std::sqrt(std::max(0.0f, s.base_color.y)),
-                                       std::sqrt(std::max(0.0f, s.base_color.z)));
+        s.transmission = Vec3f(std::sqrt(std::max(0.0f, s.base_color.x)), std::sqrt(std::max(0.0f, s.base_color.y)),
+                               std::sqrt(std::max(0.0f, s.base_color.z)));
         s.eta = back_side ? 1 / m.ior : m.ior;
         if (m.attenuation_distance > 0 && m.attenuation_distance < std::numeric_limits<float>::infinity())
             for (int c = 0; c < 3; ++c)
@@ -83,6 +117,7 @@ void add_transmission(const Material& m, const MaterialValues& values, float met
                                          m.attenuation_distance;
         return;
     }
+    s.diffuse *= 1 - std::min(share, 1.0f);
     const Vec3f tint = share * s.base_color;
     if (values.roughness >= kClearRoughness) {
         s.transmission = tint;
@@ -131,12 +166,13 @@ Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
     s.dielectric_f90 = dielectric.f90;
     s.f0 = dielectric.f0 * (1 - metallic) + s.base_color * metallic;
     s.f90 = dielectric.f90 * (1 - metallic) + metallic;
-    if (m.transmission > 0) add_transmission(m, values, metallic, point.back_side, s);
+    if (s.f0 != Vec3f(0) || s.f90 != 0) s.normal = reflecting_normal(s.normal, point);
+    if (m.transmission > 0) add_transmission(m, values, dielectric, point.back_side, s);
 
     if (m.clearcoat > 0) {
         s.coat = std::clamp(values.coat, 0.0f, 1.0f);
         s.coat_alpha = lobe_width(values.coat_roughness);
-        s.coat_normal = mapped_normal(m.clearcoat_normal_texture, values.coat_normal, 1, point);
+        s.coat_normal = reflecting_normal(mapped_normal(m.clearcoat_normal_texture, values.coat_normal, 1, point), point);
         const float kept = 1 - s.coat * coat_albedo(std::max(0.0f, glm::dot(s.coat_normal, s.to_eye)), s.coat_alpha);
         s.emission *= kept;
         s.passes = Vec3f(1 - s.opacity) + (s.passes - Vec3f(1 - s.opacity)) * kept;

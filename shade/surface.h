@@ -40,7 +40,8 @@ struct Surface {
     bool is_matte = false;  ///< nothing but `diffuse` scatters light: what follows from that is not worked out again
 
     Vec3f transmission{0};       ///< tint of what a rough thin pane, or a solid body, lets through; zero: nothing
-    bool is_solid = false;       ///< light is bent (KHR_materials_volume); else the surface is a thin pane
+    bool is_solid = false;       ///< Light is refracted (KHR_materials_volume); otherwise the surface is a thin pane.
+    float solid_share = 1;       ///< Solid: the share of the surface that is glass. The rest is as f0 and diffuse say.
     float eta = 1;               ///< solid: refractive index behind the surface over that on the eye's side
     Vec3f absorption_inside{0};  ///< solid: per world length inside of the body (Beer-Lambert)
 

@@ -7,34 +7,62 @@ namespace {
 
 Vec3f turned(Vec3f v, Vec3f normal) noexcept { return v - normal * (2 * glm::dot(v, normal)); }
 
-// Cosines about the half vector of a refracted pair of directions (Walter et al. 2007, eq. 16), with indices in units of the
-// eye's side.
-struct Refraction {
-    float n_l, n_v, n_h, sin2_h, v_h, l_h;
-    bool is_valid;
-
-    Refraction(const Surface& s, Vec3f to_light) noexcept
-    {
-        n_l = glm::dot(s.normal, to_light);
-        n_v = eye_cosine(s.normal, s.to_eye);
-        Vec3f h = s.to_eye + to_light * s.eta;
-        const float length = glm::length(h);
-        h = length > 0 ? h / length : s.normal;
-        if (glm::dot(h, s.normal) < 0) h = -h;
-        const Vec3f across = glm::cross(s.normal, h);
-        n_h = glm::dot(s.normal, h);
-        sin2_h = glm::dot(across, across);
-        v_h = glm::dot(s.to_eye, h);
-        l_h = glm::dot(to_light, h);
-        is_valid = n_l < 0 && v_h > 0 && l_h < 0;
-    }
-    // |dh / dl| (eq. 17).
-    float jacobian(float eta) const noexcept
-    {
-        const float sum = v_h + eta * l_h;
-        return eta * eta * -l_h / std::max(sum * sum, 1e-20f);
-    }
+// A microfacet that sends light from a direction to the eye.
+struct Facet {
+    float density = 0;  ///< of the direction per solid angle, if all visible microfacets did the same as this one
+    float v_h = 0;      ///< cosine between eye and microfacet
 };
+
+// The microfacet that refracts (Walter et al. 2007, eq. 16 and 17), with indices in units of the eye's side.
+Facet refracting_facet(const Surface& s, Vec3f to_light) noexcept
+{
+    Vec3f h = s.to_eye + to_light * s.eta;
+    const float length = glm::length(h);
+    h = length > 0 ? h / length : s.normal;
+    if (glm::dot(h, s.normal) < 0) h = -h;
+    const Vec3f across = glm::cross(s.normal, h);
+    const float v_h = glm::dot(s.to_eye, h), l_h = glm::dot(to_light, h);
+    if (!(v_h > 0 && l_h < 0)) return {};
+    const float sum = v_h + s.eta * l_h, jacobian = s.eta * s.eta * -l_h / std::max(sum * sum, 1e-20f);
+    const float visible = visible_density_over_cosine(eye_cosine(s.normal, s.to_eye), glm::dot(s.normal, h),
+                                                      glm::dot(across, across), s.alpha);
+    return {visible * v_h * jacobian, v_h};
+}
+
+Facet reflecting_facet(const Surface& s, Vec3f to_light) noexcept
+{
+    Vec3f h = s.to_eye + to_light;
+    const float length = glm::length(h);
+    h = length > 0 ? h / length : s.normal;
+    const Vec3f across = glm::cross(s.normal, h);
+    const float v_h = glm::dot(s.to_eye, h);
+    if (!(v_h > 0)) return {};
+    return {visible_density_over_cosine(eye_cosine(s.normal, s.to_eye), glm::dot(s.normal, h), glm::dot(across, across),
+                                        s.alpha) /
+                4,
+            v_h};
+}
+
+// Calls use(density, chance to reflect, Fresnel's reflectance, whether it reflects) for the microfacets that send light from
+// the direction to the eye: one straight, and one by way of the mirror image of the direction at the surface.
+template <class Use>
+void for_facets(const Surface& s, Vec3f to_light, Use&& use) noexcept
+{
+    const bool reflects = glm::dot(s.normal, to_light) > 0;
+    for (const Vec3f direction : {to_light, turned(to_light, s.normal)}) {
+        const Facet facet = reflects ? reflecting_facet(s, direction) : refracting_facet(s, direction);
+        if (!(facet.density > 0)) continue;
+        use(facet.density, mirror_chance(s, facet.v_h), fresnel_dielectric(std::min(facet.v_h, 1.0f), s.eta), reflects);
+    }
+}
+
+Vec3f refracted(const Surface& s, Vec3f h) noexcept
+{
+    const float cosine = glm::dot(s.to_eye, h);
+    const float sin2_behind = (1 - cosine * cosine) / (s.eta * s.eta);
+    if (!(cosine > 0) || sin2_behind >= 1) return Vec3f(0);
+    return glm::normalize(h * (cosine / s.eta - std::sqrt(1 - sin2_behind)) - s.to_eye / s.eta);
+}
 
 }  // namespace
 
@@ -71,29 +99,29 @@ float mirror_chance(const Surface& s, float cosine) noexcept
     return f / std::max(f + through, 1e-20f);
 }
 
-Vec3f bent(const Surface& s, Vec3f h) noexcept
+Vec3f through_body(const Surface& s, Vec3f h, float choice) noexcept
 {
-    const float cosine = glm::dot(s.to_eye, h);
-    const float sin2_behind = (1 - cosine * cosine) / (s.eta * s.eta);
-    if (!(cosine > 0) || sin2_behind >= 1) return Vec3f(0);
-    return glm::normalize(h * (cosine / s.eta - std::sqrt(1 - sin2_behind)) - s.to_eye / s.eta);
+    const bool reflects = choice < mirror_chance(s, glm::dot(s.to_eye, h));
+    const Vec3f d = reflects ? glm::normalize(h * (2 * glm::dot(s.to_eye, h)) - s.to_eye) : refracted(s, h);
+    return (glm::dot(s.normal, d) > 0) == reflects ? d : turned(d, s.normal);
 }
 
-Vec3f body_transmission(const Surface& s, Vec3f to_light) noexcept
+Vec3f body_scattering(const Surface& s, Vec3f to_light) noexcept
 {
-    const Refraction r(s, to_light);
-    if (!r.is_valid) return Vec3f(0);
-    const float masking = ggx_masking_over_cosine(r.n_v, s.alpha) * ggx_masking_over_cosine(-r.n_l, s.alpha) * -r.n_l;
-    const float through = 1 - fresnel_dielectric(std::min(r.v_h, 1.0f), s.eta);
-    return s.transmission * (through * masking * ggx_density(r.n_h, r.sin2_h, s.alpha) * r.v_h * r.jacobian(s.eta));
+    Vec3f f(0);
+    for_facets(s, to_light, [&](float density, float, float fresnel, bool reflects) {
+        f += reflects ? Vec3f(fresnel * density) : s.transmission * ((1 - fresnel) * density);
+    });
+    return f;
 }
 
 float body_density(const Surface& s, Vec3f to_light) noexcept
 {
-    const Refraction r(s, to_light);
-    if (!r.is_valid) return 0;
-    return (1 - mirror_chance(s, r.v_h)) * visible_density_over_cosine(r.n_v, r.n_h, r.sin2_h, s.alpha) * r.v_h *
-           r.jacobian(s.eta);
+    float sum = 0;
+    for_facets(s, to_light, [&](float density, float mirror, float, bool reflects) {
+        sum += (reflects ? mirror : 1 - mirror) * density;
+    });
+    return sum;
 }
 
 }  // namespace occam::shade

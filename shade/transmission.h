@@ -1,6 +1,6 @@
 // Light that comes through a surface and is scattered by it: a rough pane, and the rough boundary of a body.
 //
-// All functions are zero where the light is not on the far side of the shading normal. GGX microfacets, single scattering.
+// The functions of panes are zero where the light is not on the far side of the shading normal. GGX microfacets.
 // Walter et al. 2007 (refraction), KHR_materials_transmission (panes).
 #pragma once
 
@@ -19,16 +19,23 @@ inline Vec3f seen_normal(const Axes& axes, Vec3f to_eye, float alpha, Vec2f squa
     return axes.to_world(visible_normal(glm::normalize(eye), alpha, square));
 }
 
-// A pane: the reflected lobe, turned to the far side.
+// A pane: the reflected lobe of single scattering, turned to the far side. What several bounces let through is added by
+// bsdf.cpp.
 Vec3f pane_transmission(const Surface& surface, Vec3f to_light) noexcept;  ///< f times the cosine
 float pane_density(const Surface& surface, Vec3f to_light) noexcept;
 Vec3f through_pane(const Surface& surface, Vec3f microfacet) noexcept;  ///< direction of a sample
 
 // A body: reflection or refraction at microfacets, which is chosen when the microfacet is known: far from the normal's own
 // angle of total reflection some of them still let light through.
+//
+// No light is lost between microfacets: whatever a visible one reflects or refracts leaves the surface, unshadowed by the
+// others, and a direction that would lie on the wrong side of the surface is mirrored at it. So a body in a white furnace is
+// white for any width, angle and index, without a table. As after Turquin 2019, light then fades by the eye's side alone,
+// and the function is not reciprocal.
 float mirror_chance(const Surface& surface, float cosine_to_microfacet) noexcept;
-Vec3f body_transmission(const Surface& surface, Vec3f to_light) noexcept;
+Vec3f body_scattering(const Surface& surface, Vec3f to_light) noexcept;  ///< f times the cosine, on either side
 float body_density(const Surface& surface, Vec3f to_light) noexcept;
-Vec3f bent(const Surface& surface, Vec3f microfacet) noexcept;  ///< zero: totally reflected
+/// Returns the direction of a sample; `choice` in [0, 1) decides between reflection and refraction.
+Vec3f through_body(const Surface& surface, Vec3f microfacet, float choice) noexcept;
 
 }  // namespace occam::shade

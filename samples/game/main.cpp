@@ -111,7 +111,11 @@ try {
     Words words;
     if (!words.read(argc, argv)) return 0;
     Game game(words.file);
-    const Settings settings{.width = words.width, .height = words.height, .spp = words.spp, .shading_rate = 2};
+    const Settings settings{.width = words.width,
+                            .height = words.height,
+                            .spp = words.spp,
+                            .integrator = IntegratorKind::Direct,
+                            .shading_rate = 2};
 #ifdef OCCAM_HAS_SDL2
     if (!words.headless) return play(game, settings);
 #else

@@ -49,7 +49,8 @@ double OccamCrowd::render(int frame, const Recipe& recipe, int pixels)
         scene_.write_vertices(cages_[static_cast<std::size_t>(i)], positions_);
     }
     edit_seconds_ = wall_seconds() - start;
-    Settings settings{.width = pixels, .height = pixels, .spp = recipe.primary};
+    Settings settings{
+        .width = pixels, .height = pixels, .spp = recipe.primary, .integrator = render::IntegratorKind::Direct};
     settings.light_samples = recipe.shadow;
     settings.shading_rate = recipe.edge_pixels;
     renderer_.render(scene_, camera_, settings);

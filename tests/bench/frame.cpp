@@ -13,7 +13,7 @@ constexpr int kRuns = 3, kSamples = 4, kReferenceSamples = 64;
 void run_scene(Report& report, const std::string& name, Scene& scene, const Camera& camera)
 {
     Renderer renderer;
-    Settings settings{.width = 640, .height = 360, .spp = kSamples};
+    Settings settings{.width = 640, .height = 360, .spp = kSamples, .integrator = IntegratorKind::Direct};
     std::vector<double> wall, cpu;
     Image few;
     for (int i = 0; i < kRuns; ++i) {

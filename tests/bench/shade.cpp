@@ -245,7 +245,11 @@ Row& add_costs(Row& row, const Costs& costs)
 void add_frames(Row& row, Stage& stage, int samples, float rate)
 {
     Renderer renderer({.threads = 1}), many;
-    Settings settings{.width = kWidth, .height = kHeight, .spp = kReferenceSamples, .shading_rate = rate};
+    Settings settings{.width = kWidth,
+                      .height = kHeight,
+                      .spp = kReferenceSamples,
+                      .integrator = IntegratorKind::Direct,
+                      .shading_rate = rate};
     settings.seed = 1;
     const Image reference = many.render(stage.scene, stage.camera, settings);
     settings.seed = 0;

@@ -75,6 +75,7 @@ struct Stage {
     {
         settings.width = settings.height = 8;
         settings.spp = 4;
+        settings.integrator = IntegratorKind::Direct;
     }
     SampleResult one(int x = 4, int y = 4) { return run({{x, y, 0}}).front(); }
     std::vector<SampleResult> run(const std::vector<CameraSample>& samples)
@@ -158,6 +159,96 @@ TEST(Integrator, BlendedSheetsLetLightThrough)
     EXPECT_NEAR(stage.one().radiance.x, 0.5f * 0.75f * 0.75f, 1e-5f);
     stage.tracer.planes.push_back({70, &grey});
     EXPECT_EQ(stage.one().radiance.x, 0);
+}
+
+// Any number of sheets that a mask cuts away hides nothing, neither from the camera nor from the light.
+TEST(Integrator, ThousandsOfMaskedSheetsChangeNothing)
+{
+    const Material grey = matte(0.5f);
+    Material leaf = matte(0.5f, 0.25f);
+    leaf.alpha_mode = AlphaMode::Mask;
+    for (const IntegratorKind integrator : {IntegratorKind::Direct, IntegratorKind::Path})
+        for (const int layers : {31, 32, 33, 4096}) {
+            Stage stage;
+            stage.settings.integrator = integrator;
+            stage.tracer.planes = {{0, &grey}};
+            for (int i = 0; i < layers; ++i) {
+                stage.tracer.planes.push_back({1 + 3.0 * i / layers, &leaf});
+                stage.tracer.planes.push_back({10 + 3.0 * i / layers, &leaf});
+            }
+            const SampleResult r = stage.one();
+            EXPECT_NEAR(r.radiance.x, 0.5f, 1e-5f) << layers;
+            EXPECT_EQ(r.alpha, 1) << layers;
+            EXPECT_EQ(stage.counters.rays.primary, std::uint64_t(layers) + 1);
+            EXPECT_EQ(stage.counters.rays.shadow, 2 * std::uint64_t(layers) + 2) << "one ray finds that something is there";
+        }
+}
+
+// 400 sheets of opacity 1/50, which shine, over a floor that does: what is seen is right in the mean, though no sample
+// follows more than a few ways, and light from above is dimmed by all of them.
+TEST(Integrator, HundredsOfBlendedSheetsAreRightInTheMean)
+{
+    Material sheet = matte(0, 0.02f), floor = matte(0);
+    sheet.emission = Vec3f(1);
+    floor.emission = Vec3f(100);
+    Stage stage;
+    stage.lights.clear();
+    stage.tracer.planes = {{0, &floor}};
+    for (int i = 0; i < 400; ++i) stage.tracer.planes.push_back({1 + 3.0 * i / 400, &sheet});
+    std::vector<CameraSample> samples;
+    for (int i = 0; i < 4096; ++i) samples.push_back({i % 8, i / 8 % 8, i / 64});
+    stage.settings.spp = 64;
+    const auto results = stage.run(samples);
+    double light = 0, alpha = 0;
+    for (const SampleResult& r : results) {
+        light += double(r.radiance.x) / 4096;
+        alpha += double(r.alpha) / 4096;
+    }
+    const double left = std::pow(0.98, 400);
+    EXPECT_NEAR(light, (1 - left) + 100 * left, 0.05);
+    EXPECT_NEAR(alpha, 1, 0.02);
+    EXPECT_LT(stage.counters.rays.primary, 4096u * 401);
+}
+
+TEST(Integrator, BlendedSheetsBeforeALightAreRightInTheMean)
+{
+    const Material grey = matte(0.5f), sheet = matte(0, 0.25f);
+    Stage stage;
+    stage.lights = {sun_from_above(3.14159265f * 1e6f)};
+    stage.tracer.planes = {{0, &grey}};
+    for (int i = 0; i < 40; ++i) stage.tracer.planes.push_back({10.0 + i, &sheet});
+    std::vector<CameraSample> samples;
+    for (int i = 0; i < 65536; ++i) samples.push_back({i % 8, i / 8 % 8, i / 64});
+    stage.settings.spp = 1024;
+    double light = 0;
+    for (const SampleResult& r : stage.run(samples)) light += double(r.radiance.x) / 65536;
+    const double expected = 0.5e6 * std::pow(0.75, 40);
+    EXPECT_NEAR(light, expected, 0.1 * expected) << "one ray in a hundred gets through";
+}
+
+// Light that was scattered twice is limited; what the camera sees of lamps and of lit surfaces is not.
+TEST(Integrator, AClampLimitsIndirectLightAlone)
+{
+    Material mirror = matte(1);
+    mirror.metallic = mirror.specular = 1;
+    mirror.roughness = 0;
+    const Material grey = matte(0.5f);
+    Stage stage;
+    stage.settings.integrator = IntegratorKind::Path;
+    stage.lights = {sun_from_above(3.14159265f * 100)};
+    stage.tracer.planes = {{0, &grey}};
+    stage.settings.clamp = 2;
+    EXPECT_NEAR(stage.one().radiance.x, 50, 1e-3f);
+    stage.tracer.planes = {{0, &mirror}, {50, &grey}};
+    shade::WorldLight from_below = sun_from_above(3.14159265f * 100);
+    from_below.direction = {0, 1, 0};
+    stage.lights = {from_below};
+    stage.tracer.planes = {{0, &mirror, 0.3}, {50, &grey}};
+    stage.settings.bounces = 1;
+    stage.settings.clamp = 0;
+    EXPECT_GT(stage.one().radiance.x, 10);
+    stage.settings.clamp = 2;
+    EXPECT_LE(stage.one().radiance.x, 2.001f);
 }
 
 TEST(Integrator, ManyLightsAreSampledWithoutBias)

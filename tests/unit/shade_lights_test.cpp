@@ -196,6 +196,45 @@ TEST(Lights, ASceneWithoutLightGetsAKeyLightAndASky)
     EXPECT_TRUE(lit.environment().is_black());
 }
 
+// Eyes that glow leave a figure its default light; a ceiling that shines is a lamp. What counts is power against size, at
+// any scale and for meshes and cages alike.
+TEST(Lights, GlowingDetailsDoNotTurnOffTheDefaultLight)
+{
+    const TextureStore textures(1 << 20);
+    const Camera camera = Camera::look_at({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 1);
+    for (const Scheme scheme : {Scheme::Triangles, Scheme::Bilinear})
+        for (const float scale : {1e-3f, 1.0f, 1e4f})
+            for (const bool is_lamp : {false, true}) {
+                Scene scene;
+                const auto add_square = [&](float half, float height, float emission) {
+                    Cage cage;
+                    cage.scheme = scheme;
+                    cage.positions = {
+                        {-half, height, -half}, {half, height, -half}, {half, height, half}, {-half, height, half}};
+                    for (Vec3f& p : cage.positions) p *= scale;
+                    if (scheme == Scheme::Triangles) cage.face_vertices = {0, 1, 2, 0, 2, 3};
+                    else cage.face_vertices = {0, 1, 2, 3}, cage.face_sizes = {4};
+                    Material material;
+                    material.emission = Vec3f(emission);
+                    cage.materials = {scene.add(material)};
+                    NodeDesc node;
+                    node.cages = {scene.add(std::move(cage))};
+                    scene.add_node(scene.root(), node);
+                };
+                add_square(1, 0, 0);
+                add_square(is_lamp ? 0.5f : 0.02f, 1, 2);
+                scene.refit();
+                const FrameLights lights(scene, camera, textures);
+                EXPECT_EQ(lights.lights().empty(), is_lamp) << scale;
+                EXPECT_EQ(lights.environment().is_black(), is_lamp) << scale;
+                const FrameLights sky(scene, camera, textures, Sky::On);
+                EXPECT_EQ(sky.lights().empty(), is_lamp) << scale;
+                EXPECT_FALSE(sky.environment().is_black());
+                const FrameLights none(scene, camera, textures, Sky::Off);
+                EXPECT_TRUE(none.lights().empty() && none.environment().is_black());
+            }
+}
+
 // A sky of one bright patch: the image's own sampling, the surface's lobes and a plain sum over the image's texels agree.
 TEST(Environment, AnImageIsSampledByItsBrightness)
 {
