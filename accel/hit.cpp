@@ -79,11 +79,12 @@ OCCAM_NEVER_INLINE void set_shares_of_closers(unsigned closers, const Corners& c
     for (int p = 0; p < 3; ++p) share[p] = vfloat::load(own[p]);
 }
 
-// The set that decides the axes of normal maps; -1: the material has none.
+// The set that decides the axes of normal maps and of brush strokes; -1: the material has neither.
 int normal_map_set(const Material& m) noexcept
 {
     const TextureUse& use = m.normal_texture ? m.normal_texture : m.clearcoat_normal_texture;
-    return use ? std::clamp(use.uv_set, 0, 1) : -1;
+    if (use) return std::clamp(use.uv_set, 0, 1);
+    return m.anisotropy > 0 ? std::clamp(m.anisotropy_texture.uv_set, 0, 1) : -1;
 }
 
 // A secondary ray starts this far off its micropolygon, and keeps so far from the edges of it: in ulps of the largest

@@ -68,6 +68,7 @@ struct Query::State {
     {
         end();
         if (scene.is_displaced()) textures.prepare(scene);
+        if (const std::vector<std::string> errors = textures.errors(); !errors.empty()) throw Error("", errors.front());
         camera = with_camera;
         asked.emplace(scene, camera, height, topologies->cache, textures);
     }

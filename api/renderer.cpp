@@ -77,6 +77,7 @@ struct Job::State {
         const auto prepare_start = Clock::now();
         renderer->topologies->prune_if_unused(scene);
         renderer->textures.prepare(scene);
+        refuse_bad_textures();
         stats.seconds.texture = seconds_since(prepare_start) - renderer->textures.decode_seconds();
 
         const auto deadline = settings.deadline_s > 0 ? start + std::chrono::duration_cast<Clock::duration>(
@@ -85,9 +86,20 @@ struct Job::State {
         image = render::render_frame({scene, bounds, camera, settings, renderer->resources, memory,
                                       renderer->topologies->cache, renderer->textures, deadline},
                                      control, stats);
+        refuse_bad_textures();  // those whose texels turned out to be unreadable
         render::describe(image, camera, settings);
         render::describe_mattes(image, scene, settings);
         finish_stats();
+    }
+
+    void refuse_bad_textures() const
+    {
+        std::vector<std::string> lines = renderer->textures.errors();
+        if (settings.strict)
+            for (std::string& line : renderer->textures.warnings()) lines.push_back(std::move(line));
+        if (lines.empty()) return;
+        const std::string more = lines.size() > 1 ? "and " + std::to_string(lines.size() - 1) + " more images" : "";
+        throw Error("", lines.front(), more);
     }
 
     void finish_stats()

@@ -2,6 +2,8 @@
 //
 // A frame is whole or not there: pictures appear under their names when they are finished (Image::write). So a run that was
 // killed is started again with the same words, and goes on with the first frame that is missing.
+#include <set>
+
 #include "arguments.h"
 #include "framing.h"
 #include "interrupt.h"
@@ -60,6 +62,15 @@ float measured_exposure(const AnimateArguments& a, Framing& framing, Scene& scen
     return sum / 3;
 }
 
+// Those of `warnings` that are not known yet, and then are.
+std::vector<std::string> new_ones(const std::vector<std::string>& warnings, std::set<std::string>& known)
+{
+    std::vector<std::string> fresh;
+    for (const std::string& line : warnings)
+        if (known.insert(line).second) fresh.push_back(line);
+    return fresh;
+}
+
 int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
 {
     const std::vector<int> frames = a.shard.of(a.frames);
@@ -81,6 +92,8 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
     const auto load_start = Clock::now();
     Scene scene = open_scene(a);
     double load_seconds = seconds_since(load_start);
+    display.end();
+    print_notes(scene);
     Framing framing(scene, a);
     framing.fit_clip();
     Renderer renderer(a.resources);
@@ -89,6 +102,7 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
         write.exposure_ev = measured_exposure(a, framing, scene, renderer);
 
     std::size_t done = frames.size() - missing.size();
+    std::set<std::string> known_warnings;  // of the frames so far: each is said once
     for (const int frame : missing) {
         // Another process may have made it since.
         const fs::path file = a.pattern.file(frame);
@@ -121,7 +135,9 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
         if (!a.stats.empty()) all.add(frame, stats);
         ++done;
         display.finish_part(done, frames.size(), file.string());
-        if (a.verbose) display.end(), report(stats, a.quiet, a.verbose);
+        display.end();
+        print_warnings(new_ones(stats.warnings, known_warnings), a.verbose);
+        if (a.verbose) print_figures(stats);
         if (is_interrupted()) break;
     }
     display.end();

@@ -39,7 +39,7 @@ struct RenderArguments : SceneArguments {
     std::filesystem::path environment;  ///< image instead of the scene's own; empty: none was given
     float environment_strength = 1, environment_rotation_deg = 0;
     bool has_environment = true;  ///< false: the scene's own is left out
-    std::string clip;             ///< name or number; empty: the first, if a frame or a time is asked for
+    std::string clip;             ///< name, number or `all`; empty: Scene::clips_together(), if a time is asked for
     std::optional<double> time;   ///< seconds on the clip's own axis
     std::optional<int> frame;     ///< time is frame / fps
     double fps = 24;

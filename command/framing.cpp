@@ -1,7 +1,5 @@
 #include "framing.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -27,15 +25,16 @@ std::string list_of(const std::vector<std::string>& names)
     return text.empty() ? "it has none" : "it has " + text;
 }
 
-// By name, else by number, else the first if a time was asked for.
-ClipId choose_clip(const Scene& scene, const RenderArguments& a)
+// All of them, one by its name or else its number, or those that the file means to play together.
+std::vector<ClipId> choose_clips(const Scene& scene, const RenderArguments& a)
 {
     const std::vector<ClipId>& clips = scene.clips();
-    if (a.clip.empty()) return clips.empty() ? ClipId() : clips.front();
-    if (const ClipId named = scene.find_clip(a.clip)) return named;
+    if (a.clip.empty()) return scene.clips_together();
+    if (a.clip == "all" && !clips.empty()) return clips;
+    if (const ClipId named = scene.find_clip(a.clip)) return {named};
     std::size_t index = 0;
     const auto [end, error] = std::from_chars(a.clip.data(), a.clip.data() + a.clip.size(), index);
-    if (error == std::errc() && end == a.clip.data() + a.clip.size() && index < clips.size()) return clips[index];
+    if (error == std::errc() && end == a.clip.data() + a.clip.size() && index < clips.size()) return {clips[index]};
     std::vector<std::string> names;
     for (const ClipId id : clips)
         names.push_back(scene.clip(id).name.empty() ? std::to_string(names.size()) : scene.clip(id).name);
@@ -62,7 +61,7 @@ void set_environment(Scene& scene, const RenderArguments& a)
 Framing::Framing(Scene& scene, const RenderArguments& arguments)
     : scene_(scene),
       arguments_(arguments),
-      clip_(choose_clip(scene, arguments)),
+      clips_(choose_clips(scene, arguments)),
       fit_(arguments.view_from.value_or(ViewFrom::ThreeQuarter), up(),
            arguments.fov_deg > 0 ? arguments.fov_deg * kRadians : CameraLens().fov,
            float(arguments.settings.width) / float(arguments.settings.height))
@@ -97,21 +96,32 @@ void Framing::fit_clip()
 {
     if (!is_fitted()) return;
     is_clip_fitted_ = true;
-    if (!clip_) return fit_pose();
-    const TimeRange range = time_range(scene_.clip(clip_));
+    if (clips_.empty()) return fit_pose();
+    TimeRange range = time_range(scene_.clip(clips_.front()));
+    for (const ClipId id : clips_) {
+        const TimeRange of_clip = time_range(scene_.clip(id));
+        range = {std::min(range.first, of_clip.first), std::max(range.last, of_clip.last)};
+    }
     const int steps = range.last > range.first ? kClipSteps : 0;
     for (int i = 0; i <= steps; ++i) {
-        scene_.pose(clip_, range.first + (range.last - range.first) * i / std::max(steps, 1));
+        pose_at(range.first + (range.last - range.first) * i / std::max(steps, 1));
         fit_pose();
     }
+}
+
+void Framing::pose_at(double seconds)
+{
+    std::vector<ClipAt> at;
+    for (const ClipId id : clips_) at.push_back({id, seconds});
+    scene_.pose(at);
 }
 
 void Framing::pose(std::optional<int> frame)
 {
     const RenderArguments& a = arguments_;
     if (!frame) frame = a.frame;
-    if (!clip_ || (!frame && !a.time && a.clip.empty())) return;
-    scene_.pose(clip_, a.time ? *a.time : double(frame.value_or(0)) / a.fps);
+    if (clips_.empty() || (!frame && !a.time && a.clip.empty())) return;
+    pose_at(a.time ? *a.time : double(frame.value_or(0)) / a.fps);
 }
 
 Camera Framing::camera_named(const std::string& name) const
@@ -155,6 +165,7 @@ Camera Framing::camera()
 Settings Framing::settings(const Camera& camera) const
 {
     Settings settings = arguments_.settings;
+    settings.strict = arguments_.load.strict;
     if (const std::string& name = arguments_.lod_camera; !name.empty()) settings.lod_camera = camera_named(name);
     const float aspect = camera.lens.aspect;
     if (!arguments_.size_given && aspect > 0)
@@ -197,12 +208,22 @@ void check_outputs(const RenderArguments& a, std::span<const std::filesystem::pa
     if (!a.stats.empty()) check_whole(a.stats);
 }
 
-void report(const FrameStats& stats, bool quiet, bool verbose)
+void print_notes(const Scene& scene)
 {
-    if (!stats.warnings.empty() && !verbose && !quiet && isatty(STDERR_FILENO))
-        std::fprintf(stderr, "occam: %zu warnings; -v shows them\n", stats.warnings.size());
-    if (!verbose) return;
-    for (const std::string& warning : stats.warnings) std::fprintf(stderr, "occam: warning: %s\n", warning.c_str());
+    for (const std::string& note : scene.notes) std::fprintf(stderr, "occam: %s\n", note.c_str());
+}
+
+void print_warnings(const std::vector<std::string>& warnings, bool all)
+{
+    constexpr std::size_t kShown = 5;
+    const std::size_t shown = all ? warnings.size() : std::min(warnings.size(), kShown);
+    for (std::size_t i = 0; i < shown; ++i) std::fprintf(stderr, "occam: warning: %s\n", warnings[i].c_str());
+    if (shown < warnings.size())
+        std::fprintf(stderr, "occam: %zu more warnings; -v shows all, and so does occam info\n", warnings.size() - shown);
+}
+
+void print_figures(const FrameStats& stats)
+{
     std::fprintf(stderr, "occam: %dx%d, %d samples a pixel, %.2f s, %.2f million rays a second, checksum %016llx\n",
                  stats.image.width, stats.image.height, stats.image.spp, stats.seconds.total, stats.rays.per_second * 1e-6,
                  static_cast<unsigned long long>(stats.image.checksum));

@@ -33,10 +33,11 @@ private:
     bool is_fitted() const;  ///< neither the arguments nor the file name a camera
     Vec3d up() const;
     void fit_pose();
+    void pose_at(double seconds);
 
     Scene& scene_;
     const RenderArguments& arguments_;
-    ClipId clip_;
+    std::vector<ClipId> clips_;  // that play at the same time
     lod::Extent extent_;
     CameraFit fit_;
     bool is_clip_fitted_ = false;
@@ -57,7 +58,11 @@ Ending wait_for(Job& job, ProgressDisplay& display, bool keeps_part, std::size_t
 /// pictures. The pictures are in one folder and of one format. Throws Error.
 void check_outputs(const RenderArguments& arguments, std::span<const std::filesystem::path> pictures);
 
-/// Warnings and the figures of a frame, as --verbose asks.
-void report(const FrameStats& stats, bool quiet, bool verbose);
+/// What the importer chose, on standard error.
+void print_notes(const Scene& scene);
+/// The first five warnings and the number of the rest, or all of them, on standard error.
+void print_warnings(const std::vector<std::string>& warnings, bool all);
+/// Size, time and checksum of a frame, on standard error.
+void print_figures(const FrameStats& stats);
 
 }  // namespace occam::command

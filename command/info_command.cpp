@@ -11,23 +11,30 @@ using Json = nlohmann::ordered_json;
 
 Json json_of(Vec3d v) { return {v.x, v.y, v.z}; }
 
-// What loading mended or left out, and which images cannot be read: they are decoded for that.
-std::vector<std::string> all_warnings(const Scene& scene)
+// What loading mended or left out, and which images cannot be read: they are decoded for that. With `strict` the first one
+// is an Error, as loading has it.
+std::vector<std::string> all_warnings(const Scene& scene, bool strict)
 {
     TextureStore store(std::size_t(1) << 30);
     store.prepare(scene);
     store.decode_all();
+    std::vector<std::string> of_images = store.errors();
+    for (std::string& line : store.warnings()) of_images.push_back(std::move(line));
+    if (strict && !of_images.empty()) throw Error("", of_images.front());
     std::vector<std::string> lines = scene.warnings;
-    for (std::string& line : store.warnings()) lines.push_back(std::move(line));
+    lines.insert(lines.end(), of_images.begin(), of_images.end());
     return lines;
 }
 
-Json describe(Scene& scene, const std::string& file)
+Json describe(Scene& scene, const std::string& file, bool strict)
 {
     const Scene::Counts counts = scene.counts();
     const Box3d bounds = scene.bounds();
-    Json clips = Json::array();
-    for (ClipId id : scene.clips()) clips.push_back(scene.clip(id).name);
+    const auto names = [&](const std::vector<ClipId>& ids) {
+        Json list = Json::array();
+        for (ClipId id : ids) list.push_back(scene.clip(id).name);
+        return list;
+    };
     Json box = nullptr;
     if (!bounds.is_empty()) box = {{"min", json_of(bounds.lo)}, {"max", json_of(bounds.hi)}};
     return {{"file", file},
@@ -41,9 +48,12 @@ Json describe(Scene& scene, const std::string& file)
             {"environment", scene.environment.radiance != Vec3f(0)},
             {"cameras", scene.camera_names()},
             {"skins", counts.skins},
-            {"clips", clips},
+            {"clips", names(scene.clips())},
+            {"clips_together", names(scene.clips_together())},
             {"bounds", box},
-            {"warnings", all_warnings(scene)}};
+            {"variants", scene.variants},
+            {"notes", scene.notes},
+            {"warnings", all_warnings(scene, strict)}};
 }
 
 void print_text(const Json& info)
@@ -65,7 +75,7 @@ void print_text(const Json& info)
 int run(const InfoArguments& a)
 {
     Scene scene = open_scene(a);
-    const Json info = describe(scene, a.scene.empty() ? "built-in" : a.scene.string());
+    const Json info = describe(scene, a.scene.empty() ? "built-in" : a.scene.string(), a.load.strict);
     if (a.json) std::cout << info.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
     else print_text(info);
     std::cout.flush();

@@ -61,8 +61,12 @@ void add_scene(CLI::App& app, SceneArguments& a)
     app.add_option("SCENE", a.scene, "glTF, GLB, OBJ, PLY, OFF or STL file; without it the built-in scene")->type_name("");
     add_choice<Subdivide>(app, "--subdivide", a.load.subdivide,
                           {{"on", Subdivide::On}, {"off", Subdivide::Off}, {"auto", Subdivide::Auto}},
-                          "Treat polygons as Catmull-Clark cages [auto: as the file says]");
-    app.add_flag("--strict", a.load.strict, "A missing texture or a dropped primitive is an error, not a warning");
+                          "Polygons are the cage of a Catmull-Clark surface. auto: only what says so, an OBJ with "
+                          "subdivision tags or glTF's extras.occam; other polygons are rendered as they are, with the "
+                          "file's normals, or flat or smooth by the smoothing groups of an OBJ [auto]");
+    app.add_flag("--strict", a.load.strict, "Every warning is an error, such as a missing texture or a dropped primitive");
+    app.add_option("--variant", a.load.variant, "Materials of this variant (KHR_materials_variants) [the file's own]")
+        ->type_name("NAME");
 }
 
 struct Quality {
@@ -197,8 +201,11 @@ void add_camera(CLI::App& app, RenderArguments& a)
 
 void add_clip(CLI::App& app, RenderArguments& a)
 {
-    app.add_option("--clip", a.clip, "Animation by name or number [the first, if a frame or a time is given]")
-        ->type_name("NAME|INDEX");
+    app.add_option(
+           "--clip", a.clip,
+           "Animation by name or number, or all at once [if a frame or a time is given: the first, and all others that move "
+           "other objects]")
+        ->type_name("NAME|INDEX|all");
     add_number(app, "--fps", "Frames a second [24]", [&](double v) {
         if (!(v > 0)) throw std::invalid_argument("expected more than 0");
         a.fps = v;
@@ -255,8 +262,8 @@ void add_machine(CLI::App& app, RenderArguments& a)
                                {"openjd", ProgressStyle::OpenJd},
                                {"none", ProgressStyle::None}},
                               "A bar on a terminal, lines, Open Job Description lines [auto]");
-    app.add_flag("-q,--quiet", a.quiet, "No progress");
-    app.add_flag("-v,--verbose", a.verbose, "Say more");
+    app.add_flag("-q,--quiet", a.quiet, "No progress; warnings are printed all the same");
+    app.add_flag("-v,--verbose", a.verbose, "All warnings instead of five, and the figures of the frame");
 }
 
 void add_limit(CLI::App& app, const std::string& name, std::optional<double>& limit, const std::string& what)

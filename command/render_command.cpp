@@ -23,6 +23,8 @@ int run(const RenderArguments& a)
     const auto load_start = Clock::now();
     Scene scene = open_scene(a);
     const double load_seconds = seconds_since(load_start);
+    display.end();
+    print_notes(scene);
 
     const auto edit_start = Clock::now();
     Framing framing(scene, a);
@@ -52,7 +54,8 @@ int run(const RenderArguments& a)
     display.end();
 
     if (!a.stats.empty()) write_whole(a.stats, render::to_json(stats));
-    report(stats, a.quiet, a.verbose);
+    print_warnings(stats.warnings, a.verbose);
+    if (a.verbose) print_figures(stats);
     return ending == Ending::Part ? kInterruptedExit : 0;
 }
 

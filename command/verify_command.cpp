@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "arguments.h"
+#include "framing.h"
 
 namespace occam::command {
 namespace {
@@ -31,6 +32,8 @@ Json json_of(const VerifiedCage& c)
 int run(const VerifyArguments& a)
 {
     Scene scene = open_scene(a);
+    print_notes(scene);
+    print_warnings(scene.warnings, false);
     const std::vector<VerifiedCage> cages = verify(scene, a.settings);
     std::uint64_t tested = 0, rays = 0, escaped = 0, not_finite = 0;
     Json list = Json::array();

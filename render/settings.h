@@ -102,7 +102,8 @@ struct Settings {
     unsigned aovs = 0;      ///< bits of Aov
     View view = View::Beauty;
     bool back_faces =
-        true;  ///< false: rays pass the backs of single-sided surfaces (glTF 2.0, sec. 3.9.5), but those of glass
+        true;             ///< false: rays pass the backs of single-sided surfaces (glTF 2.0, sec. 3.9.5), but those of glass
+    bool strict = false;  ///< a texture that is missing, or made smaller to fit the memory, is an Error
     bool background = true;  ///< draw sky or environment behind the scene; false: transparent
 
     bool has(Aov aov) const noexcept { return (aovs & static_cast<unsigned>(aov)) != 0; }

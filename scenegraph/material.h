@@ -30,9 +30,10 @@ struct Material {
     TextureUse base_color_texture;
     float metallic = 0, roughness = 0.6f;
     TextureUse metallic_roughness_texture;  ///< G roughness, B metallic
-    TextureUse roughness_texture;  ///< G; times that of metallic_roughness_texture (maps of their own: MTL's map_Pr)
-    TextureUse metallic_texture;   ///< B; as above (MTL's map_Pm)
-    Vec3f emission{0};             ///< emissiveFactor times KHR_materials_emissive_strength
+    TextureUse roughness_texture;   ///< G; times that of metallic_roughness_texture (maps of their own: MTL's map_Pr)
+    TextureUse metallic_texture;    ///< B; as above (MTL's map_Pm)
+    TextureUse glossiness_texture;  ///< A; multiplies 1 - roughness (KHR_materials_pbrSpecularGlossiness)
+    Vec3f emission{0};              ///< emissiveFactor times KHR_materials_emissive_strength
     TextureUse emission_texture;
     TextureUse normal_texture;
     float normal_scale = 1;
@@ -45,7 +46,7 @@ struct Material {
     float alpha_cutoff = 0.5f;
     bool double_sided = false;
     bool unlit = false;      ///< KHR_materials_unlit
-    float ior = 1.5f;        ///< KHR_materials_ior
+    float ior = 1.5f;        ///< KHR_materials_ior; 0: reflects all that specular_color lets it
     float transmission = 0;  ///< KHR_materials_transmission
     TextureUse transmission_texture;
     float thickness =
@@ -57,6 +58,12 @@ struct Material {
     float specular = 1;  ///< KHR_materials_specular
     Vec3f specular_color{1};
     TextureUse specular_texture, specular_color_texture;
+    Vec3f sheen_color{0};  ///< KHR_materials_sheen; black: there is no sheen
+    float sheen_roughness = 0;
+    TextureUse sheen_color_texture, sheen_roughness_texture;
+    float anisotropy = 0;           ///< KHR_materials_anisotropy: strength, 0 to 1; 0: the lobe is round
+    float anisotropy_rotation = 0;  ///< radians, counter-clockwise from the tangent to the direction of the brush strokes
+    TextureUse anisotropy_texture;  ///< RG the direction, B the strength
 };
 
 }  // namespace occam

@@ -153,7 +153,10 @@ public:
     const Clip* find(ClipId id) const noexcept;
 
     const std::vector<ClipId>& clips() const noexcept;  ///< in file order
-    std::vector<TextureId> texture_ids() const;         ///< by slot
+    /// The clips that are meant to play at the same time: the first one, and each later one that moves no node that an
+    /// earlier one of them moves. Blender, for instance, writes one clip for each object.
+    std::vector<ClipId> clips_together() const;
+    std::vector<TextureId> texture_ids() const;  ///< by slot
     Environment environment;
 
     /// The camera of that name, or the first of the scene for an empty name, placed in the world.
@@ -184,6 +187,10 @@ public:
 
     /// What was repaired or dropped on the way in: one line each, with a count.
     std::vector<std::string> warnings;
+    /// What the importer chose where the file leaves a choice, such as whether polygons are subdivided: one line each.
+    std::vector<std::string> notes;
+    /// Names under which the file offers other materials (KHR_materials_variants).
+    std::vector<std::string> variants;
 
     /// While one of these lives, edits throw.
     class FrameLock {

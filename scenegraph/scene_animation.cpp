@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <unordered_set>
 
 #include "scenegraph/scene_state.h"
 
@@ -194,6 +195,21 @@ NodeId Scene::copy(NodeId subtree, NodeId parent)
     const NodeId made = copy.node_of.at(subtree);
     s.posed.emplace(made, std::move(copy));
     return made;
+}
+
+std::vector<ClipId> Scene::clips_together() const
+{
+    std::unordered_set<NodeId> moved;
+    std::vector<ClipId> together;
+    for (const ClipId id : clips()) {
+        const std::vector<Channel>& channels = clip(id).channels;
+        const auto is_free = [&](const Channel& channel) { return !moved.contains(channel.target); };
+        const bool fits = !channels.empty() && std::all_of(channels.begin(), channels.end(), is_free);
+        if (!fits && !together.empty()) continue;
+        together.push_back(id);
+        for (const Channel& channel : channels) moved.insert(channel.target);
+    }
+    return together;
 }
 
 ClipId Scene::find_clip(std::string_view name) const

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "shade/fresnel.h"
+#include "shade/sheen.h"
 #include "shade/transmission.h"
 
 namespace occam::shade {
@@ -99,6 +100,11 @@ struct LobeShares {
             below *= 1 - s.solid_share;
         }
         if (below > 0) add_opaque(s, below, n_v);
+        if (s.sheen != Vec3f(0)) {
+            const float kept = below_sheen(s, n_v);
+            for (float* share : {&diffuse, &layer, &pane, &pane_diffuse, &body}) *share *= kept;
+            diffuse += (1 - coat) * luminance(s.sheen) * sheen_albedo(n_v, s.sheen_alpha);
+        }
         const float sum = diffuse + layer + coat + pane + pane_diffuse + body;
         if (!(sum > 0)) {
             *this = {};
@@ -124,6 +130,42 @@ private:
     }
 };
 
+// The layer's lobe of a surface with brush strokes, about their direction.
+struct Strokes {
+    Vec3f x, y, z;
+    Widths widths;
+
+    explicit Strokes(const Surface& s) noexcept
+        : x(s.tangent), y(glm::cross(s.normal, s.tangent)), z(s.normal), widths{s.alpha_along, s.alpha_across}
+    {
+    }
+    Vec3f local(Vec3f v) const noexcept { return {glm::dot(v, x), glm::dot(v, y), glm::dot(v, z)}; }
+    Vec3f local_eye(Vec3f v) const noexcept
+    {
+        Vec3f eye = local(v);
+        eye.z = std::max(eye.z, 1e-4f);
+        return glm::normalize(eye);
+    }
+    float lobe(const Surface& s, Vec3f to_light) const noexcept
+    {
+        const Vec3f h = local(glm::normalize(s.to_eye + to_light));
+        return ggx_density(h, widths) * ggx_visibility(local(to_light), local_eye(s.to_eye), widths);
+    }
+    float density(const Surface& s, Vec3f to_light) const noexcept
+    {
+        const Vec3f half = s.to_eye + to_light;
+        const float length = glm::length(half);
+        return length > 0 ? visible_density_over_cosine(local_eye(s.to_eye), local(half / length), widths) / 4 : 0;
+    }
+    Vec3f sample(Vec3f to_eye, Vec2f square) const noexcept
+    {
+        const Vec3f h = visible_normal(local_eye(to_eye), widths, square);
+        return x * h.x + y * h.y + z * h.z;
+    }
+};
+
+bool has_strokes(const Surface& s) noexcept { return s.tangent != Vec3f(0); }
+
 // How much of a lobe is left towards the facet's horizon: as terminator(), but all of it up to where a reflecting normal
 // (evaluate()) sends the eye's own mirror image at the least.
 float lobe_terminator(Vec3f facet, Vec3f normal, float n_l, Vec3f to_light) noexcept
@@ -141,7 +183,8 @@ Vec3f reflected(const Surface& s, Vec3f to_light) noexcept
 {
     const Angles a(s.normal, s.to_eye, to_light);
     if (!(a.n_l > 0)) return Vec3f(0);
-    const float lobe = ggx_density(a.n_h, a.sin2_h, s.alpha) * ggx_visibility(a.n_l, a.n_v, s.alpha);
+    const float lobe = has_strokes(s) ? Strokes(s).lobe(s, to_light)
+                                      : ggx_density(a.n_h, a.sin2_h, s.alpha) * ggx_visibility(a.n_l, a.n_v, s.alpha);
     const Layer layer(s);
     const LayerAlbedo eye = layer.table.at(a.n_v, s.alpha), light = layer.table.at(a.n_l, s.alpha);
     const float g = schlick(a.v_h);
@@ -173,7 +216,9 @@ float density_of(const Surface& s, const LobeShares& share, Vec3f to_light) noex
 {
     const float n_l = glm::dot(s.normal, to_light);
     float density = share.diffuse * std::max(n_l, 0.0f) / kPi;
-    if (share.layer > 0) density += share.layer * lobe_density(s.normal, s.to_eye, to_light, s.alpha);
+    if (share.layer > 0)
+        density += share.layer *
+                   (has_strokes(s) ? Strokes(s).density(s, to_light) : lobe_density(s.normal, s.to_eye, to_light, s.alpha));
     if (share.coat > 0) density += share.coat * lobe_density(s.coat_normal, s.to_eye, to_light, s.coat_alpha);
     if (share.pane > 0) density += share.pane * pane_density(s, to_light);
     density += share.pane_diffuse * std::max(-n_l, 0.0f) / kPi;
@@ -206,6 +251,7 @@ Vec3f scatter_of_lobes(const Surface& s, Vec3f to_light) noexcept
     }
     if (side > 0 && (!s.is_solid || s.solid_share < 1)) f += reflected(s, to_light) * (s.is_solid ? 1 - s.solid_share : 1);
     else if (side < 0 && !s.is_solid && s.transmission != Vec3f(0)) f = through_rough_pane(s, to_light);
+    if (s.sheen != Vec3f(0)) f = sheened(s, f, to_light);
     return s.coat > 0 ? coated(s, f, to_light) : f;
 }
 
@@ -220,7 +266,8 @@ float peak_density(const Surface& s) noexcept
     const auto include = [&](Vec3f normal, float alpha) {
         peak = std::max(peak, visible_density_over_cosine(eye_cosine(normal, s.to_eye), 1, 0, alpha) / 4);
     };
-    include(s.normal, s.alpha);
+    // With two widths it is flatter than a round one of the narrower width.
+    include(s.normal, has_strokes(s) ? s.alpha_across : s.alpha);
     if (s.coat > 0) include(s.coat_normal, s.coat_alpha);
     return peak;
 }
@@ -244,7 +291,8 @@ ScatterSample sample_scatter(const Surface& s, float choice, Vec2f square) noexc
     } else if (is_chosen(share.layer)) {
         out.lobe = Lobe::Layer;
         out.alpha = s.alpha;
-        out.direction = mirrored(s.to_eye, seen_normal(axes, s.to_eye, s.alpha, square));
+        out.direction = mirrored(
+            s.to_eye, has_strokes(s) ? Strokes(s).sample(s.to_eye, square) : seen_normal(axes, s.to_eye, s.alpha, square));
     } else if (is_chosen(share.body)) {
         out.alpha = s.alpha;
         out.direction = through_body(s, seen_normal(axes, s.to_eye, s.alpha, square), choice);

@@ -64,7 +64,8 @@ float peak_density(const Surface& surface) noexcept;
 inline float narrowest_lobe(const Surface& s) noexcept
 {
     if (s.is_matte) return 1;
-    return s.coat > 0 ? std::min(s.alpha, s.coat_alpha) : s.alpha;
+    const float layer = s.tangent != Vec3f(0) ? s.alpha_across : s.alpha;
+    return s.coat > 0 ? std::min(layer, s.coat_alpha) : layer;
 }
 
 }  // namespace occam::shade

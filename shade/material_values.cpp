@@ -22,13 +22,16 @@ void for_each_packed(const Material& m, Values& v, Visit&& visit) noexcept
     if (m.alpha_mode == AlphaMode::Blend && m.alpha_texture) visit(&v.alpha, 1);
     if (m.unlit) return;
     if (m.metallic_roughness_texture || m.metallic_texture) visit(&v.metallic, 1);
-    if (m.metallic_roughness_texture || m.roughness_texture) visit(&v.roughness, 1);
+    if (m.metallic_roughness_texture || m.roughness_texture || m.glossiness_texture) visit(&v.roughness, 1);
     if (m.emission_texture && m.emission != Vec3f(0)) visit(&v.emission.x, 3);
     if (m.normal_texture) visit(&v.normal.x, 3);
     if (m.bump_texture) visit(&v.slope.x, 3);
     if (m.occlusion_texture) visit(&v.occlusion, 1);
     if (m.specular_texture) visit(&v.specular, 1);
     if (m.specular_color_texture) visit(&v.specular_color.x, 3);
+    if (m.sheen_color != Vec3f(0) && m.sheen_color_texture) visit(&v.sheen_color.x, 3);
+    if (m.sheen_color != Vec3f(0) && m.sheen_roughness_texture) visit(&v.sheen_roughness, 1);
+    if (m.anisotropy > 0 && m.anisotropy_texture) visit(&v.anisotropy.x, 3);
     if (m.transmission > 0 && m.transmission_texture) visit(&v.transmission, 1);
     if (!(m.clearcoat > 0)) return;
     if (m.clearcoat_texture) visit(&v.coat, 1);
@@ -45,6 +48,8 @@ MaterialValues::MaterialValues(const Material& m) noexcept
       emission(m.emission),
       specular(m.specular),
       specular_color(m.specular_color),
+      sheen_color(m.sheen_color),
+      sheen_roughness(m.sheen_roughness),
       transmission(m.transmission),
       coat(m.clearcoat),
       coat_roughness(m.clearcoat_roughness)
@@ -63,6 +68,15 @@ void MaterialValues::look_up_rest(const Material& m, const lod::VertexToShade& a
     const Vec4f rough_metal = look_up(m.metallic_roughness_texture);
     metallic = m.metallic * rough_metal.z * look_up(m.metallic_texture).z;
     roughness = m.roughness * rough_metal.y * look_up(m.roughness_texture).y;
+    if (m.glossiness_texture) roughness = 1 - (1 - roughness) * look_up(m.glossiness_texture).w;
+    if (m.sheen_color != Vec3f(0)) {
+        sheen_color = m.sheen_color * Vec3f(look_up(m.sheen_color_texture));
+        sheen_roughness = m.sheen_roughness * look_up(m.sheen_roughness_texture).w;
+    }
+    if (m.anisotropy > 0 && m.anisotropy_texture) {
+        const Vec3f texel = Vec3f(look_up(m.anisotropy_texture));
+        anisotropy = {texel.x * 2 - 1, texel.y * 2 - 1, texel.z};
+    }
     if (m.emission != Vec3f(0)) emission = m.emission * Vec3f(look_up(m.emission_texture));
     if (m.normal_texture) normal = Vec3f(look_up(m.normal_texture)) * 2.0f - 1.0f;
     specular = m.specular * look_up(m.specular_texture).w;

@@ -22,6 +22,9 @@ struct MaterialValues {
     float occlusion = 1;    ///< share of ambient light that arrives
     float specular;
     Vec3f specular_color;
+    Vec3f sheen_color;
+    float sheen_roughness;
+    Vec3f anisotropy{1, 0, 1};  ///< direction in the axes of the normal map, not turned, not unit; strength over the factor
     float transmission;
     float coat, coat_roughness;
     Vec3f coat_normal{0, 0, 1};

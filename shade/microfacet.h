@@ -64,4 +64,32 @@ inline float visible_density_over_cosine(float n_v, float n_h, float sin2_h, flo
     return n_h > 0 ? ggx_masking_over_cosine(n_v, alpha) * ggx_density(n_h, sin2_h, alpha) : 0;
 }
 
+// The same with two widths, along x and y (Heitz 2014, eq. 85 and 86; Heitz 2018). Vectors are in the axes of the lobe,
+// their z along the normal and above zero.
+
+struct Widths {
+    float x, y;
+    Vec3f stretched(Vec3f v) const noexcept { return {x * v.x, y * v.y, v.z}; }
+};
+
+inline float ggx_density(Vec3f h, Widths a) noexcept
+{
+    const float d = h.x * h.x / (a.x * a.x) + h.y * h.y / (a.y * a.y) + h.z * h.z;
+    return 1 / (kPi * a.x * a.y * d * d);
+}
+inline float ggx_visibility(Vec3f light, Vec3f eye, Widths a) noexcept
+{
+    const float l = eye.z * glm::length(a.stretched(light)), v = light.z * glm::length(a.stretched(eye));
+    return 0.5f / std::max(l + v, 1e-12f);
+}
+inline Vec3f visible_normal(Vec3f eye, Widths a, Vec2f square) noexcept
+{
+    const Vec3f h = visible_normal(glm::normalize(a.stretched(eye)), 1, square);
+    return glm::normalize(Vec3f(a.x * h.x, a.y * h.y, std::max(1e-6f, h.z)));
+}
+inline float visible_density_over_cosine(Vec3f eye, Vec3f h, Widths a) noexcept
+{
+    return h.z > 0 ? 2 / (eye.z + glm::length(a.stretched(eye))) * ggx_density(h, a) : 0;
+}
+
 }  // namespace occam::shade

@@ -1,8 +1,8 @@
 // Phase two of shading begins: a material's parameters at one point, seen from one side: all that the BSDF reads.
 //
-// glTF 2.0 metallic-roughness with KHR_materials_ior, _specular, _clearcoat, _transmission, _volume, _emissive_strength and
-// _unlit. Where it leaves them: both sides of every face are seen (as path tracers do; double_sided decides nothing), and
-// occlusion maps dim no light whose way is traced (ambient_share).
+// glTF 2.0 metallic-roughness with KHR_materials_ior, _specular, _clearcoat, _sheen, _anisotropy, _transmission, _volume,
+// _emissive_strength and _unlit. Where it leaves them: both sides of every face are seen (as path tracers do; double_sided
+// decides nothing), and occlusion maps dim no light whose way is traced (ambient_share).
 #pragma once
 
 #include "io/texture/texture_store.h"
@@ -34,7 +34,12 @@ struct Surface {
     float dielectric_f0 = 0.04f,
           dielectric_f90 = 1;  ///< of the dielectric alone: what it reflects does not reach the base below it
     float alpha = 0.36f;       ///< GGX width, roughness squared
-    float coat = 0;            ///< share of the clear coat
+    Vec3f tangent{0};          ///< across the normal: the direction of brush strokes; zero: the layer's lobe is round
+    float alpha_along = 0,
+          alpha_across = 0;  ///< GGX widths of such a layer, along the strokes and across; alpha is their mean
+    Vec3f sheen{0};          ///< colour of the sheen (shade/sheen.h); zero: there is none
+    float sheen_alpha = 1;   ///< its width
+    float coat = 0;          ///< share of the clear coat
     float coat_alpha = kMinAlpha;
 
     bool is_matte = false;  ///< nothing but `diffuse` scatters light: what follows from that is not worked out again

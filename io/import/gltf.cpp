@@ -2,10 +2,12 @@
 #include "io/import/gltf.h"
 
 #include <map>
+#include <unordered_set>
 
 #include "io/import/files.h"
 #include "io/import/gltf_animation.h"
 #include "io/import/gltf_file.h"
+#include "io/import/gltf_instancing.h"
 #include "io/import/gltf_meshes.h"
 #include "io/import/gltf_uri.h"
 #include "io/import/gltf_value.h"
@@ -54,13 +56,14 @@ public:
           model_(open_gltf(report_)),
           accessors_(model_, report_),
           materials_(model_, accessors_, scene_, report_),
-          meshes_(model_, accessors_, materials_, scene_, report_, options.subdivide)
+          meshes_(model_, accessors_, materials_, scene_, report_, options_)
     {
     }
 
     Scene run()
     {
         nodes_.resize(model_.nodes.size());
+        choose_variant();
         for (const tinygltf::Light& light : model_.lights) lights_.push_back(scene_.add(punctual(light)));
         add_tree();
         const std::vector<SkinId> skins = add_skins(model_, accessors_, nodes_, scene_, report_);
@@ -72,11 +75,38 @@ public:
         add_clips(model_, accessors_, nodes_, scene_, report_);
         add_environment();
         accessors_.check_values(report_);
+        note_cages();
         finish(scene_, report_);
         return std::move(scene_);
     }
 
 private:
+    void choose_variant()
+    {
+        const tinygltf::Value& variants = member(extension(model_.extensions, "KHR_materials_variants"), "variants");
+        for (std::size_t v = 0; variants.IsArray() && v < variants.ArrayLen(); ++v) {
+            scene_.variants.push_back(text(variants.Get(static_cast<int>(v)), "name"));
+            if (!options_.variant.empty() && scene_.variants.back() == options_.variant)
+                meshes_.set_variant(static_cast<int>(v));
+        }
+    }
+
+    // Meshes of triangles are the rule, of which nothing is said.
+    void note_cages()
+    {
+        std::unordered_set<CageId> cages, all;
+        scene_.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
+            for (const CageId id : node.cages) {
+                all.insert(id);
+                if (scene_.cage(id).cage.scheme != Scheme::Triangles) cages.insert(id);
+            }
+        });
+        if (cages.empty()) return;
+        const char* why = options_.subdivide == Subdivide::On ? " (--subdivide on)" : ", as extras.occam says";
+        scene_.notes.push_back(std::to_string(cages.size()) + " of " + std::to_string(all.size()) +
+                               " meshes are cages of subdivision surfaces" + why);
+    }
+
     const tinygltf::Scene* scene_in_file() const
     {
         const std::size_t index = model_.defaultScene >= 0 ? static_cast<std::size_t>(model_.defaultScene) : 0;
@@ -116,9 +146,27 @@ private:
             NodeId& id = nodes_[static_cast<std::size_t>(step.node)];
             if (id) throw Error(report_.name(), "a node has two parents, or is its own ancestor", where);
             const tinygltf::Node& node = model_.nodes[static_cast<std::size_t>(step.node)];
-            id = scene_.add_node(step.parent, describe(node, where));
+            id = add_node(step.parent, node, where);
             for (auto c = node.children.rbegin(); c != node.children.rend(); ++c) todo.push_back({*c, id, step.depth + 1});
         }
+    }
+
+    // With EXT_mesh_gpu_instancing the node itself shows nothing, and each of the instances below it the mesh.
+    NodeId add_node(NodeId parent, const tinygltf::Node& node, const std::string& where)
+    {
+        const std::vector<Trs> places = instance_places(node, accessors_, kMaxInstances - instances_, report_, where);
+        NodeDesc desc = describe(node, where);
+        if (places.empty()) return scene_.add_node(parent, std::move(desc));
+        instances_ += places.size();
+        NodeDesc instance = desc;
+        instance.matrix.reset(), instance.camera = {}, instance.light = {};
+        desc.cages.clear(), desc.materials.clear(), desc.morph_weights.clear();
+        const NodeId id = scene_.add_node(parent, std::move(desc));
+        for (const Trs& place : places) {
+            instance.place = place;
+            scene_.add_node(id, instance);
+        }
+        return id;
     }
 
     NodeDesc describe(const tinygltf::Node& node, const std::string& where)
@@ -216,7 +264,8 @@ private:
         Report report(*path, options_.strict);
         Polygons polygons = read_obj(*path, scene_, extras.material < 0, report);
         const bool is_cage = extras.style.scheme.value_or(CageStyle::Scheme::CatmullClark) != CageStyle::Scheme::None;
-        Cage cage = settle(std::move(polygons), is_cage ? Subdivide::On : Subdivide::Off);
+        if (extras.style.scheme) polygons.cage.name.insert(0, "cage ");  // what the node says goes before the file's name
+        Cage cage = settle(std::move(polygons), is_cage ? Subdivide::On : Subdivide::Off, report).cage;
         extras.style.apply(cage);
         if (extras.style.displacement) cage.displacement = materials_.displacement(*extras.style.displacement, where);
         for (const std::string& line : report.lines()) scene_.warnings.push_back(extras.cage + ": " + line);
@@ -234,9 +283,10 @@ private:
         if (extras->image.empty()) return;
         const auto path = inside(report_.file().parent_path(), decode_uri(extras->image));
         if (!path) throw Error(report_.name(), "the environment is not in the scene's folder: " + extras->image, "scene");
-        if (!std::filesystem::is_regular_file(*path)) report_.warn("image file is missing", extras->image);
+        if (!std::filesystem::is_regular_file(*path))
+            throw Error(report_.name(), "the environment is missing: " + extras->image, "scene");
         Texture texture;
-        texture.name = extras->image, texture.path = *path;
+        texture.name = report_.file().filename().string() + ": " + extras->image, texture.path = *path;
         scene_.environment.image = scene_.add(std::move(texture));
     }
 
@@ -249,6 +299,7 @@ private:
     MeshImporter meshes_;
     std::vector<NodeId> nodes_;  // by index in the file
     std::vector<LightId> lights_;
+    std::size_t instances_ = 0;  // of EXT_mesh_gpu_instancing, so far
     std::map<std::string, LightGroups> light_groups_;
     std::map<std::pair<std::string, CageStyle>, CageId> cage_files_;
 };

@@ -1,10 +1,10 @@
 #include "io/import/gltf_door.h"
 
-#include <algorithm>
-#include <array>
 #include <charconv>
 #include <nlohmann/json.hpp>
+#include <set>
 
+#include "io/import/gltf_extensions.h"
 #include "io/import/gltf_json.h"
 #include "io/import/gltf_rules.h"
 #include "io/import/gltf_schema_check.h"
@@ -18,13 +18,7 @@ using nlohmann::json;
 
 // Far more than a scene needs; tinygltf reads nested values by recursion.
 constexpr int kMaxNesting = 128;
-
-constexpr std::array kExtensions = {
-    "KHR_lights_punctual", "KHR_materials_clearcoat", "KHR_materials_emissive_strength",
-    "KHR_materials_ior",   "KHR_materials_specular",  "KHR_materials_transmission",
-    "KHR_materials_unlit", "KHR_mesh_quantization",   "KHR_texture_transform",
-    "FB_ngon_encoding",    "KHR_materials_volume",
-};
+constexpr std::size_t kMaxShownName = 64;
 
 void check_nesting(std::string_view text, const Report& report)
 {
@@ -76,17 +70,22 @@ void check_asset(const json& root, Report& report)
 
 void check_extensions(const json& root, Report& report)
 {
-    const json &used = list(root, "extensionsUsed"), &required = list(root, "extensionsRequired");
-    const auto contains = [](const json& names, const json& name) {
-        return std::find(names.begin(), names.end(), name) != names.end();
+    const auto names_in = [&](const char* key) {
+        std::set<std::string> names;
+        for (const json& name : list(root, key)) names.insert(name.get<std::string>());
+        return names;
     };
-    for (const json& name : required) {
-        if (std::find(kExtensions.begin(), kExtensions.end(), name.get<std::string>()) == kExtensions.end())
+    const std::set<std::string> used = names_in("extensionsUsed"), required = names_in("extensionsRequired");
+    for (const std::string& name : required) {
+        if (!is_understood(name))
             throw Error(report.name(),
-                        "requires the extension " + name.get<std::string>().substr(0, 64) + ", which is not known");
-        if (!contains(used, name)) report.warn("required extension is not declared as used", name.get<std::string>());
+                        "requires the extension " + name.substr(0, kMaxShownName) + ", which is not understood");
+        if (!used.contains(name)) report.warn("required extension is not declared as used", name);
     }
-    if (contains(used, "KHR_mesh_quantization") && !contains(required, "KHR_mesh_quantization"))
+    for (const std::string& name : used)
+        if (!is_understood(name))
+            report.warn("extension " + name.substr(0, kMaxShownName) + " is not understood: what it says is left out");
+    if (used.contains("KHR_mesh_quantization") && !required.contains("KHR_mesh_quantization"))
         report.warn("KHR_mesh_quantization must be required");
 }
 

@@ -12,6 +12,8 @@ namespace occam::import {
 
 namespace {
 
+constexpr std::size_t kMaxShownUri = 80;  // data URIs are long
+
 template <class T>
 const T* find(const std::vector<T>& list, int index)
 {
@@ -77,8 +79,9 @@ MaterialId MaterialImporter::material(int index)
 Displacement MaterialImporter::displacement(const DisplacementExtras& extras, const std::string& where)
 {
     require_texture(extras.texture, where);
-    return {use(extras.texture, 0, {}, TextureRole::Data, where + ".displacement"), extras.scale, extras.midlevel,
-            extras.bound, extras.axes};
+    const TextureUse map = use(extras.texture, 0, {}, TextureRole::Data, where + ".displacement");
+    // Without its image the surface stays where it is.
+    return {map, map ? extras.scale : 0, extras.midlevel, extras.bound, extras.axes};
 }
 
 void MaterialImporter::require_texture(int index, const std::string& where) const
@@ -103,7 +106,8 @@ std::optional<Texture> MaterialImporter::describe(int index, TextureRole role)
 {
     const tinygltf::Image* i = find(model_.images, index);
     Texture t;
-    t.name = i->name.empty() ? element("images", index, i->uri) : i->name;
+    const std::string name = i->name.empty() ? i->uri.substr(0, kMaxShownUri) : i->name;
+    t.name = report_.file().filename().string() + ": " + element("images", index, name);
     t.role = role;
     if (i->bufferView >= 0 || !i->image.empty()) {
         auto& bytes = encoded_[index];
@@ -114,15 +118,19 @@ std::optional<Texture> MaterialImporter::describe(int index, TextureRole role)
             bytes = std::make_shared<const std::vector<std::byte>>(first, first + source.size());
         }
         t.encoded = bytes;
-    } else {
-        const auto path = inside(report_.file().parent_path(), decode_uri(i->uri));
-        if (!path) {
-            report_.warn("image is not in the scene's folder", element("images", index, i->uri.substr(0, 80)));
-            return std::nullopt;
-        }
-        if (!std::filesystem::is_regular_file(*path)) report_.warn("image file is missing", i->uri);
-        t.path = *path;
+        return t;
     }
+    const std::string shown = i->uri.substr(0, kMaxShownUri);
+    const auto path = inside(report_.file().parent_path(), decode_uri(i->uri));
+    if (!path) {
+        report_.warn("image is not in the scene's folder", element("images", index, shown));
+        return std::nullopt;
+    }
+    if (!std::filesystem::is_regular_file(*path)) {
+        report_.warn("image file is missing", shown);
+        return std::nullopt;
+    }
+    t.path = *path;
     return t;
 }
 
@@ -140,7 +148,8 @@ TextureUse MaterialImporter::use(int texture, int uv_set, const tinygltf::Extens
     TextureUse result;
     const tinygltf::Texture* t = find(model_.textures, texture);
     if (!t) return result;
-    result.texture = image(t->source, role, where);
+    const int webp = integer(extension(t->extensions, "EXT_texture_webp"), "source", -1);
+    result.texture = image(webp >= 0 ? webp : t->source, role, where);
     result.uv_set = uv_set;
     if (const tinygltf::Sampler* sampler = find(model_.samplers, t->sampler)) {
         result.wrap_s = wrap_of(sampler->wrapS);
@@ -172,6 +181,7 @@ Material MaterialImporter::convert(const tinygltf::Material& m, const std::strin
     out.base_color = vector_of(pbr.baseColorFactor, Vec4f(1));
     out.base_color_texture = use(pbr.baseColorTexture.index, pbr.baseColorTexture.texCoord, pbr.baseColorTexture.extensions,
                                  TextureRole::Color, named("baseColorTexture"));
+    if (pbr.baseColorTexture.index >= 0 && !out.base_color_texture) out.base_color *= kMissingColor;
     out.metallic = static_cast<float>(pbr.metallicFactor);
     out.roughness = static_cast<float>(pbr.roughnessFactor);
     out.metallic_roughness_texture = use(pbr.metallicRoughnessTexture.index, pbr.metallicRoughnessTexture.texCoord,
@@ -181,6 +191,7 @@ Material MaterialImporter::convert(const tinygltf::Material& m, const std::strin
                    number(extension(m.extensions, "KHR_materials_emissive_strength"), "emissiveStrength", 1);
     out.emission_texture = use(m.emissiveTexture.index, m.emissiveTexture.texCoord, m.emissiveTexture.extensions,
                                TextureRole::Color, named("emissiveTexture"));
+    if (m.emissiveTexture.index >= 0 && !out.emission_texture) out.emission = Vec3f(0);
     out.normal_texture = use(m.normalTexture.index, m.normalTexture.texCoord, m.normalTexture.extensions, TextureRole::Data,
                              named("normalTexture"));
     out.normal_scale = static_cast<float>(m.normalTexture.scale);
@@ -229,6 +240,39 @@ void MaterialImporter::add_extensions(const tinygltf::ExtensionMap& extensions, 
     out.specular_color = vector<Vec3f>(specular, "specularColorFactor").value_or(Vec3f(1));
     out.specular_texture = map(specular, "specularTexture");
     out.specular_color_texture = map(specular, "specularColorTexture", TextureRole::Color);
+
+    const tinygltf::Value& sheen = extension(extensions, "KHR_materials_sheen");
+    out.sheen_color = vector<Vec3f>(sheen, "sheenColorFactor").value_or(Vec3f(0));
+    out.sheen_roughness = number(sheen, "sheenRoughnessFactor", 0);
+    out.sheen_color_texture = map(sheen, "sheenColorTexture", TextureRole::Color);
+    out.sheen_roughness_texture = map(sheen, "sheenRoughnessTexture");
+
+    const tinygltf::Value& anisotropy = extension(extensions, "KHR_materials_anisotropy");
+    out.anisotropy = number(anisotropy, "anisotropyStrength", 0);
+    out.anisotropy_rotation = number(anisotropy, "anisotropyRotation", 0);
+    out.anisotropy_texture = map(anisotropy, "anisotropyTexture");
+
+    const tinygltf::Value& glossiness = extension(extensions, "KHR_materials_pbrSpecularGlossiness");
+    if (glossiness.IsObject()) set_specular_glossiness(glossiness, out, where);
+}
+
+// A dielectric that reflects the specular colour at normal incidence, over a base of the diffuse colour: what an index of 0
+// stands for in KHR_materials_ior.
+void MaterialImporter::set_specular_glossiness(const tinygltf::Value& value, Material& out, const std::string& where)
+{
+    out.base_color = vector<Vec4f>(value, "diffuseFactor").value_or(Vec4f(1));
+    out.base_color_texture = use(member(value, "diffuseTexture"), TextureRole::Color, where + ".diffuseTexture");
+    if (value.Has("diffuseTexture") && !out.base_color_texture) out.base_color *= kMissingColor;
+    out.metallic = 0;
+    out.metallic_roughness_texture = {};
+    out.ior = 0;
+    out.specular = 1;
+    out.specular_texture = {};
+    out.specular_color = vector<Vec3f>(value, "specularFactor").value_or(Vec3f(1));
+    out.roughness = 1 - number(value, "glossinessFactor", 1);
+    out.specular_color_texture = use(member(value, "specularGlossinessTexture"), TextureRole::Color,
+                                     where + ".specularGlossinessTexture");
+    out.glossiness_texture = out.specular_color_texture;  // its alpha, which is no colour
 }
 
 }  // namespace occam::import

@@ -9,6 +9,10 @@
 
 namespace occam::import {
 
+/// Makes a colour grey whose image is missing. Other values are then those of their factors alone, but for emission: what
+/// would shine evenly without its image does not shine.
+inline constexpr Vec4f kMissingColor{0.5f, 0.5f, 0.5f, 1.0f};
+
 class MaterialImporter {
 public:
     MaterialImporter(const tinygltf::Model& model, AccessorReader& accessors, Scene& scene, Report& report);
@@ -21,6 +25,7 @@ public:
 private:
     Material convert(const tinygltf::Material& m, const std::string& where);
     void add_extensions(const tinygltf::ExtensionMap& extensions, Material& material, const std::string& where);
+    void set_specular_glossiness(const tinygltf::Value& value, Material& material, const std::string& where);
     TextureUse use(int texture, int uv_set, const tinygltf::ExtensionMap& extensions, TextureRole role,
                    const std::string& where);
     TextureUse use(const tinygltf::Value& info, TextureRole role, const std::string& where);
@@ -28,7 +33,8 @@ private:
     /// Throws Error if there is no such texture.
     void require_texture(int index, const std::string& where) const;
     TextureId image(int index, TextureRole role, const std::string& where);
-    std::optional<Texture> describe(int image, TextureRole role);  ///< none, and a warning, if it is outside of the folder
+    std::optional<Texture> describe(int image,
+                                    TextureRole role);  ///< none, and a warning, if it is missing or outside of the folder
 
     const tinygltf::Model& model_;
     AccessorReader& accessors_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 
+#include "io/import/gltf_value.h"
 #include "io/import/polygons.h"
 #include "io/import/vertices.h"
 
@@ -73,7 +74,7 @@ const std::vector<CageId>& MeshImporter::cages(int mesh, const CageStyle& style)
     if (!is_new || mesh < 0 || static_cast<std::size_t>(mesh) >= model_.meshes.size()) return ids;
     const tinygltf::Mesh& m = model_.meshes[static_cast<std::size_t>(mesh)];
     const std::string where = "meshes[" + std::to_string(mesh) + "]" + (m.name.empty() ? "" : " '" + m.name + "'");
-    const bool is_cage = style.scheme ? *style.scheme != CageStyle::Scheme::None : subdivide_ == Subdivide::On;
+    const bool is_cage = style.scheme ? *style.scheme != CageStyle::Scheme::None : options_.subdivide == Subdivide::On;
 
     std::vector<Part> parts;
     for (std::size_t p = 0; p < m.primitives.size(); ++p)
@@ -132,9 +133,23 @@ std::optional<MeshImporter::Part> MeshImporter::read(const tinygltf::Primitive& 
     read_attributes(primitive, cage, where);
     read_skin(primitive, cage, where);
     read_morph_targets(primitive, cage, where);
-    if (const MaterialId material = materials_.material(primitive.material)) cage.materials = {material};
+    if (const MaterialId material = materials_.material(material_index(primitive))) cage.materials = {material};
     drop_unused_vertices(cage);
     return part;
+}
+
+int MeshImporter::material_index(const tinygltf::Primitive& primitive) const
+{
+    const tinygltf::Value& mappings = member(extension(primitive.extensions, "KHR_materials_variants"), "mappings");
+    if (variant_ < 0 || !mappings.IsArray()) return primitive.material;
+    for (std::size_t m = 0; m < mappings.ArrayLen(); ++m) {
+        const tinygltf::Value& mapping = mappings.Get(m);
+        const tinygltf::Value& variants = member(mapping, "variants");
+        for (std::size_t v = 0; variants.IsArray() && v < variants.ArrayLen(); ++v)
+            if (variants.Get(v).IsNumber() && variants.Get(v).GetNumberAsInt() == variant_)
+                return integer(mapping, "material", primitive.material);
+    }
+    return primitive.material;
 }
 
 std::vector<std::uint32_t> MeshImporter::triangles(const tinygltf::Primitive& primitive, std::size_t vertices,

@@ -10,10 +10,13 @@ namespace occam::import {
 class MeshImporter {
 public:
     MeshImporter(const tinygltf::Model& model, AccessorReader& accessors, MaterialImporter& materials, Scene& scene,
-                 Report& report, Subdivide subdivide)
-        : model_(model), accessors_(accessors), materials_(materials), scene_(scene), report_(report), subdivide_(subdivide)
+                 Report& report, const LoadOptions& options)
+        : model_(model), accessors_(accessors), materials_(materials), scene_(scene), report_(report), options_(options)
     {
     }
+
+    /// The number of the variant whose materials primitives get; -1: their own.
+    void set_variant(int variant) noexcept { variant_ = variant; }
 
     /// One cage a primitive; or one for the whole mesh, if it is to be subdivided. Made once for each (mesh, style).
     const std::vector<CageId>& cages(int mesh, const CageStyle& style);
@@ -26,6 +29,8 @@ private:
     std::optional<Part> read(const tinygltf::Primitive& primitive, const std::string& where);
     std::vector<std::uint32_t> triangles(const tinygltf::Primitive& primitive, std::size_t vertices,
                                          const std::string& where);
+    /// Index of the primitive's material, of the chosen variant if that maps it (KHR_materials_variants).
+    int material_index(const tinygltf::Primitive& primitive) const;
     void read_attributes(const tinygltf::Primitive& primitive, Cage& cage, const std::string& where);
     void read_skin(const tinygltf::Primitive& primitive, Cage& cage, const std::string& where);
     void read_morph_targets(const tinygltf::Primitive& primitive, Cage& cage, const std::string& where);
@@ -37,7 +42,8 @@ private:
     MaterialImporter& materials_;
     Scene& scene_;
     Report& report_;
-    Subdivide subdivide_;
+    const LoadOptions& options_;
+    int variant_ = -1;
     std::map<std::pair<int, CageStyle>, std::vector<CageId>> cages_;
 };
 

@@ -36,6 +36,14 @@ Loader loader_of(const std::filesystem::path& file)
     throw Error(file.string(), "not a scene file that is known: .gltf, .glb, .obj, .ply, .off or .stl", extension);
 }
 
+void require_variant(const Scene& scene, const std::filesystem::path& file, const std::string& name)
+{
+    if (name.empty() || std::find(scene.variants.begin(), scene.variants.end(), name) != scene.variants.end()) return;
+    std::string known;
+    for (const std::string& variant : scene.variants) known += (known.empty() ? "it has " : ", ") + variant;
+    throw Error(file.string(), "has no variant of that name; " + (known.empty() ? "it has none" : known), name);
+}
+
 }  // namespace
 
 }  // namespace import
@@ -44,7 +52,9 @@ Scene load(const std::filesystem::path& file, const LoadOptions& options)
 {
     const import::Loader loader = import::loader_of(file);
     try {
-        return loader(file, options);
+        Scene scene = loader(file, options);
+        import::require_variant(scene, file, options.variant);
+        return scene;
     } catch (const Error& error) {
         if (!error.file().empty()) throw;
         throw Error(file.string(), error.what());  // a rule of the scene graph, broken by what the file holds

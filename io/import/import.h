@@ -1,23 +1,27 @@
-// Scene files in: glTF 2.0 and GLB, OBJ with MTL and subdivision tags.
+// Scene files in: glTF 2.0 and GLB, OBJ with MTL and subdivision tags, PLY, OFF and STL.
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "scenegraph/scene.h"
 
 namespace occam {
 
-/// Polygons as Catmull-Clark cages: always, never (polygons are triangulated), or as the file says. Auto: an OBJ with a
-/// subdivision tag or any face of four corners or more that is the only content of its file is a cage; plain triangles are
-/// not.
+/// Whether polygons are the cage of a Catmull-Clark surface: always, never, or as the file says. Auto: only what says so is
+/// subdivided, which is an OBJ file with subdivision tags and what glTF's extras.occam names; all other polygons are
+/// rendered as they are, with the file's normals, or without those flat or smooth as the smoothing groups (`s`) of an OBJ
+/// say.
 enum class Subdivide : unsigned char { Auto, On, Off };
 
 struct LoadOptions {
     Subdivide subdivide = Subdivide::Auto;
-    bool strict = false;  ///< what would be a counted warning is an Error
+    bool strict = false;    ///< what would be a counted warning is an Error
+    std::string variant{};  ///< materials of this variant (KHR_materials_variants); empty: those of the file itself
 };
 
-/// Reads a scene by its extension. Throws Error: file, element, reason. What could be mended is in Scene::warnings.
+/// Reads a scene by its extension. Throws Error: file, element, reason. What was mended is in Scene::warnings,
+/// what was chosen in Scene::notes.
 Scene load(const std::filesystem::path& file, const LoadOptions& options = {});
 
 }  // namespace occam

@@ -13,6 +13,7 @@ namespace occam::import {
 
 namespace {
 
+constexpr float kMissingColor = 0.5f;  // a colour whose image is missing is grey
 constexpr std::size_t kMaxLibraryBytes = std::size_t(256) << 20;
 
 float unit(float x) { return x >= 0 ? std::min(x, 1.0f) : 0.0f; }
@@ -82,16 +83,24 @@ private:
     {
         TextureUse use;
         if (name.empty()) return use;
-        const auto path = inside(folder_, name);
+        auto path = inside(folder_, name);
+        if (!path || !std::filesystem::is_regular_file(*path)) {
+            std::string with_slashes = name;  // as programs for Windows write it
+            std::replace(with_slashes.begin(), with_slashes.end(), '\\', '/');
+            if (const auto other = inside(folder_, with_slashes)) path = other;
+        }
         if (!path) {
             report_.warn("texture is not in the scene's folder", name);
             return use;
         }
+        if (!std::filesystem::is_regular_file(*path)) {
+            report_.warn("image file is missing", name);
+            return use;
+        }
         const auto [known, is_new] = textures_.try_emplace({path->string(), role});
         if (is_new) {
-            if (!std::filesystem::is_regular_file(*path)) report_.warn("image file is missing", name);
             Texture t;
-            t.name = name, t.role = role, t.path = *path;
+            t.name = report_.file().filename().string() + ": " + name, t.role = role, t.path = *path;
             known->second = scene_.add(std::move(t));
         }
         use.texture = known->second;
@@ -128,6 +137,7 @@ private:
             const bool says_nothing = diffuse == Vec3f(0) || diffuse == Vec3f(0.6f);
             if (says_nothing) diffuse = Vec3f(1);
             material.base_color_texture = texture(m.diffuse_texname, m.diffuse_texopt, TextureRole::Color);
+            if (!material.base_color_texture) diffuse *= kMissingColor;
         }
         material.base_color = Vec4f(diffuse, unit(m.dissolve));
         if (material.base_color.w < 1 || !m.alpha_texname.empty()) material.alpha_mode = AlphaMode::Blend;
@@ -138,6 +148,7 @@ private:
         if (!m.emissive_texname.empty()) {
             material.emission_texture = texture(m.emissive_texname, m.emissive_texopt, TextureRole::Color);
             if (material.emission == Vec3f(0)) material.emission = Vec3f(1);
+            if (!material.emission_texture) material.emission = Vec3f(0);
         }
         if (m.roughness > 0 || m.metallic > 0) {
             material.roughness = unit(m.roughness);

@@ -118,6 +118,7 @@ Polygons read_obj(const std::filesystem::path& file, Scene& scene, bool with_mat
     polygons.cage.name = file.stem().string();
     const ObjStatements statements = scan_obj_statements(text, polygons.cage, report);
     polygons.is_tagged = statements.is_tagged;
+    polygons.smoothing = statements.smoothing;
     std::map<std::string, MaterialId> materials;
     if (with_materials) materials = read_mtl(statements.material_libraries, file.parent_path(), scene, report);
 
@@ -127,6 +128,7 @@ Polygons read_obj(const std::filesystem::path& file, Scene& scene, bool with_mat
     const bool ok = tinyobj::LoadObjWithCallback(stream, collector.callbacks(), &collector, nullptr, &warnings, &errors);
     if (!ok || !errors.empty()) throw Error(report.name(), "not a readable OBJ: " + errors);
     collector.finish();
+    if (!polygons.smoothing.empty()) polygons.smoothing.resize(polygons.cage.face_sizes.size(), polygons.smoothing.back());
     return polygons;
 }
 
@@ -134,9 +136,10 @@ Scene load_obj(const std::filesystem::path& file, const LoadOptions& options)
 {
     Scene scene;
     Report report(file, options.strict);
-    Cage cage = settle(read_obj(file, scene, true, report), options.subdivide);
-    const std::string name = cage.name;
-    const CageId id = scene.add(std::move(cage));
+    Settled settled = settle(read_obj(file, scene, true, report), options.subdivide, report);
+    const std::string name = settled.cage.name;
+    if (!settled.note.empty()) scene.notes.push_back(name + ": " + settled.note);
+    const CageId id = scene.add(std::move(settled.cage));
     scene.add_node(scene.root(), {.name = name, .cages = {id}});
     finish(scene, report);
     return scene;

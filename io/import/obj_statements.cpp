@@ -123,12 +123,44 @@ private:
     bool has_none_ = false;
 };
 
+// The smoothing groups of faces, which stand in lines of their own before them. A group is a number; 0 and `off` are flat.
+class SmoothingGroups {
+public:
+    void set(std::string_view word)
+    {
+        std::uint32_t group = 0;
+        const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), group);
+        if (error != std::errc() || end != word.data() + word.size()) group = word == "on" ? 1 : 0;
+        group_ = group;
+        is_used_ |= group != 0;
+    }
+    // Counts faces as the library does: a line without a corner is none.
+    void add_face(std::string_view line)
+    {
+        const bool is_face = line.size() > 1 && (line[1] == ' ' || line[1] == '\t') &&
+                             line.find_first_not_of(" \t\r", 1) != std::string_view::npos;
+        if (!is_face) return;
+        ++faces_;
+        if (!is_used_) return;
+        groups_.resize(faces_ - 1, 0);  // those before the first group are flat
+        groups_.push_back(group_);
+    }
+    std::vector<std::uint32_t> take() { return std::move(groups_); }
+
+private:
+    std::vector<std::uint32_t> groups_;
+    std::size_t faces_ = 0;
+    std::uint32_t group_ = 0;
+    bool is_used_ = false;
+};
+
 }  // namespace
 
 ObjStatements scan_obj_statements(std::string_view text, Cage& cage, Report& report)
 {
     ObjStatements found;
     VertexColors colors(cage.colors);
+    SmoothingGroups smoothing;
     std::size_t line_number = 0;
     while (!text.empty()) {
         const void* newline = std::memchr(text.data(), '\n', text.size());
@@ -139,12 +171,15 @@ ObjStatements scan_obj_statements(std::string_view text, Cage& cage, Report& rep
         ++line_number;
         line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
         if (line.size() > 1 && line[0] == 'v' && (line[1] == ' ' || line[1] == '\t')) colors.add(line);
+        if (!line.empty() && line[0] == 'f') smoothing.add_face(line);
         // Nearly every line is a vertex or a face.
         if (line.empty() || line[0] == 'v' || line[0] == 'f' || line[0] == '#') continue;
         Words words(line);
         const std::string_view keyword = words.next();
         const auto where = [&] { return "line " + std::to_string(line_number); };
-        if (keyword == "t") {
+        if (keyword == "s") {
+            smoothing.set(words.next());
+        } else if (keyword == "t") {
             const std::optional<Tag> tag = parse_tag(words);
             if (tag && apply_tag(*tag, cage)) found.is_tagged = true;
             else report.warn("subdivision tag not understood: it is left out", where());
@@ -159,6 +194,7 @@ ObjStatements scan_obj_statements(std::string_view text, Cage& cage, Report& rep
         }
     }
     if (!colors.are_in_range) report.warn("vertex colours are not between 0 and 1", "");
+    found.smoothing = smoothing.take();
     return found;
 }
 

@@ -1,5 +1,5 @@
-// The statements of an OBJ file that tinyobjloader's callbacks do not report: subdivision tags, material libraries, and
-// elements that are not rendered.
+// The statements of an OBJ file that tinyobjloader's callbacks do not report: subdivision tags, smoothing groups, material
+// libraries, and elements that are not rendered.
 #pragma once
 
 #include <string_view>
@@ -12,6 +12,7 @@ namespace occam::import {
 
 struct ObjStatements {
     std::vector<std::string> material_libraries;  ///< the rest of each mtllib line
+    std::vector<std::uint32_t> smoothing;         ///< the group (`s`) of each face, 0 for flat; empty: no face has one
     bool is_tagged = false;
 };
 

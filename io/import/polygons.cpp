@@ -1,71 +1,35 @@
 #include "io/import/polygons.h"
 
 #include <algorithm>
+#include <optional>
+#include <unordered_map>
 
+#include "base/hash.h"
 #include "io/import/polygon_files.h"
 
 namespace occam::import {
 
 namespace {
 
-// Clipping ears costs up to the cube of the number of corners: larger polygons are cut as fans.
-constexpr std::size_t kMaxEarCorners = 64;
-
-Vec3d newell_normal(std::span<const Vec3f> p)
-{
-    Vec3d n(0);
-    for (std::size_t i = 0; i < p.size(); ++i)
-        n += glm::cross(Vec3d(p[i]) - Vec3d(p[0]), Vec3d(p[(i + 1) % p.size()]) - Vec3d(p[0]));
-    return n;
-}
-
-// Twice the area of the triangle, seen along n; positive: counter-clockwise.
-double turn(Vec3d n, Vec3f a, Vec3f b, Vec3f c) { return glm::dot(n, glm::cross(Vec3d(b) - Vec3d(a), Vec3d(c) - Vec3d(a))); }
-
-bool is_convex(Vec3d n, std::span<const Vec3f> p)
-{
-    const std::size_t size = p.size();
-    for (std::size_t i = 0; i < size; ++i)
-        if (turn(n, p[i], p[(i + 1) % size], p[(i + 2) % size]) < 0) return false;
-    return true;
-}
-
-bool is_ear(Vec3d n, std::span<const Vec3f> p, const std::vector<std::uint32_t>& ring, std::size_t i)
-{
-    const std::size_t size = ring.size();
-    const std::uint32_t a = ring[(i + size - 1) % size], b = ring[i], c = ring[(i + 1) % size];
-    if (turn(n, p[a], p[b], p[c]) <= 0) return false;
-    return std::none_of(ring.begin(), ring.end(), [&](std::uint32_t q) {
-        return q != a && q != b && q != c && turn(n, p[a], p[b], p[q]) >= 0 && turn(n, p[b], p[c], p[q]) >= 0 &&
-               turn(n, p[c], p[a], p[q]) >= 0;
-    });
-}
-
-// Vertices by (position, normal): the copies of a position form a list that starts at the position's own index.
+// Makes one vertex of each pair of position and normal. The first pair of a position keeps the position's own index.
 class VertexSplitter {
 public:
-    VertexSplitter(std::size_t vertices) : normal_of_(vertices, kUnset), next_(vertices, kNoIndex), source_(vertices)
+    explicit VertexSplitter(std::size_t vertices) : normal_of_(vertices, kUnset), source_(vertices)
     {
         for (std::size_t v = 0; v < vertices; ++v) source_[v] = static_cast<std::uint32_t>(v);
     }
     std::uint32_t vertex(std::uint32_t position, std::uint32_t normal)
     {
-        if (position >= normal_of_.size()) return kNoIndex;
-        std::uint32_t v = position;
-        while (normal_of_[v] != normal) {
-            if (normal_of_[v] == kUnset) {
-                normal_of_[v] = normal;
-                break;
-            }
-            if (next_[v] == kNoIndex) {
-                next_[v] = static_cast<std::uint32_t>(normal_of_.size());
-                normal_of_.push_back(normal);
-                next_.push_back(kNoIndex);
-                source_.push_back(position);
-            }
-            v = next_[v];
+        if (position >= positions()) return kNoIndex;
+        if (normal_of_[position] == kUnset) normal_of_[position] = normal;
+        if (normal_of_[position] == normal) return position;
+        const std::uint64_t pair = std::uint64_t(position) << 32 | normal;
+        const auto [copy, is_new] = copies_.try_emplace(pair, static_cast<std::uint32_t>(source_.size()));
+        if (is_new) {
+            normal_of_.push_back(normal);
+            source_.push_back(position);
         }
-        return v;
+        return copy->second;
     }
     template <class T>
     void spread(std::vector<T>& values) const
@@ -78,8 +42,14 @@ public:
     const std::vector<std::uint32_t>& normal_of() const { return normal_of_; }
 
 private:
+    struct Hash {
+        std::size_t operator()(std::uint64_t pair) const noexcept { return mix_bits(pair); }
+    };
+    std::size_t positions() const { return source_.size() - copies_.size(); }
+
     static constexpr std::uint32_t kUnset = 0xfffffffe;
-    std::vector<std::uint32_t> normal_of_, next_, source_;
+    std::vector<std::uint32_t> normal_of_, source_;
+    std::unordered_map<std::uint64_t, std::uint32_t, Hash> copies_;
 };
 
 void split_by_normal(Polygons& polygons)
@@ -111,31 +81,40 @@ void fill_missing_uvs(Cage& cage)
     }
 }
 
-}  // namespace
-
-void cut_polygon(std::span<const Vec3f> corners, std::vector<std::uint32_t>& out)
+// The scheme that a file's name asks for; none: Loop's, which is not there.
+std::optional<Scheme> scheme_of_name(const std::string& name)
 {
-    const std::uint32_t size = static_cast<std::uint32_t>(corners.size());
-    const Vec3d n = newell_normal(corners);
-    if (size > 3 && size <= kMaxEarCorners && !is_convex(n, corners)) {
-        std::vector<std::uint32_t> ring(size);
-        for (std::uint32_t i = 0; i < size; ++i) ring[i] = i;
-        while (ring.size() > 3) {
-            std::size_t ear = 0;
-            while (ear < ring.size() && !is_ear(n, corners, ring, ear)) ++ear;
-            if (ear == ring.size()) ear = 0;  // it crosses itself: no cut is right
-            const std::size_t before = (ear + ring.size() - 1) % ring.size(), after = (ear + 1) % ring.size();
-            out.insert(out.end(), {ring[before], ring[ear], ring[after]});
-            ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(ear));
-        }
-        out.insert(out.end(), ring.begin(), ring.end());
-        return;
-    }
-    for (std::uint32_t i = 1; i + 1 < size; ++i) out.insert(out.end(), {0u, i, i + 1});
+    if (name.starts_with("loop_")) return std::nullopt;
+    return name.starts_with("bilinear_") ? Scheme::Bilinear : Scheme::CatmullClark;
 }
 
-Cage triangulate(Polygons polygons)
+std::string note_of_cage(const Polygons& polygons, Subdivide subdivide)
 {
+    const char* surface = polygons.cage.scheme == Scheme::Bilinear ? "a bilinear surface" : "a Catmull-Clark surface";
+    return std::to_string(polygons.cage.face_sizes.size()) + " faces are the cage of " + surface +
+           (subdivide == Subdivide::On ? " (--subdivide on)"
+                                       : " (the file has subdivision tags; --subdivide off renders the faces themselves)");
+}
+
+// Empty for triangles without tags: they leave nothing to choose.
+std::string note_of_faces(const Polygons& polygons, Subdivide subdivide)
+{
+    const std::vector<std::uint32_t>& sizes = polygons.cage.face_sizes;
+    if (!polygons.is_tagged && std::all_of(sizes.begin(), sizes.end(), [](std::uint32_t n) { return n <= 3; })) return {};
+    const bool is_smooth = std::any_of(polygons.smoothing.begin(), polygons.smoothing.end(),
+                                       [](std::uint32_t group) { return group != 0; });
+    const char* normals = !polygons.normal_indices.empty() ? "with the file's normals"
+                          : is_smooth                      ? "smooth in the file's smoothing groups"
+                                                           : "flat, since the file has no normals";
+    return std::to_string(polygons.cage.face_sizes.size()) + " faces are rendered as they are, " + normals +
+           (subdivide == Subdivide::Off ? " (--subdivide off)" : " (--subdivide on makes a Catmull-Clark surface of them)");
+}
+
+}  // namespace
+
+Cage triangulate(Polygons polygons, Report& report)
+{
+    complete_normals(polygons);
     if (!polygons.normal_indices.empty()) split_by_normal(polygons);
     Cage& in = polygons.cage;
     Cage out = std::move(in);
@@ -162,7 +141,8 @@ Cage triangulate(Polygons polygons)
             const std::uint32_t v = vertices[begin + c];
             corners.push_back(v < out.positions.size() ? out.positions[v] : Vec3f(0));
         }
-        cut_polygon(corners, cut);
+        if (!cut_polygon(corners, cut))
+            report.warn("a concave face of more than 512 corners is cut as if it were convex", "face " + std::to_string(f));
         for (std::uint32_t c : cut) {
             out.face_vertices.push_back(vertices[begin + c]);
             for (std::size_t s = 0; s < uv_indices.size(); ++s)
@@ -174,26 +154,35 @@ Cage triangulate(Polygons polygons)
     return out;
 }
 
-Cage settle(Polygons polygons, Subdivide subdivide)
+Settled settle(Polygons polygons, Subdivide subdivide, Report& report)
 {
-    const auto has_polygon = [&] {
-        return std::any_of(polygons.cage.face_sizes.begin(), polygons.cage.face_sizes.end(),
-                           [](std::uint32_t n) { return n > 3; });
-    };
-    if (subdivide == Subdivide::Off || (subdivide == Subdivide::Auto && !polygons.is_tagged && !has_polygon()))
-        return triangulate(std::move(polygons));
+    constexpr const char* kLoop = "its name says that it is a cage of the Loop scheme, which is not supported";
+    bool is_cage = subdivide == Subdivide::On || (subdivide == Subdivide::Auto && polygons.is_tagged);
+    const std::optional<Scheme> scheme = scheme_of_name(polygons.cage.name);
+    if (is_cage && !scheme) {
+        if (subdivide == Subdivide::On) throw Error(report.name(), kLoop, "--subdivide off renders its triangles");
+        report.warn(std::string(kLoop) + ": its triangles are rendered as they are", polygons.cage.name);
+        is_cage = false;
+    }
+    if (!is_cage) {
+        std::string note = note_of_faces(polygons, subdivide);
+        return {triangulate(std::move(polygons), report), std::move(note)};
+    }
+    polygons.cage.scheme = *scheme;
     fill_missing_uvs(polygons.cage);
-    return std::move(polygons.cage);
+    std::string note = note_of_cage(polygons, subdivide);
+    return {std::move(polygons.cage), std::move(note)};
 }
 
 Scene scene_of(Polygons polygons, const LoadOptions& options, Report& report)
 {
     if (polygons.cage.face_sizes.empty()) throw Error(report.name(), "there is no face in it");
     Scene scene;
-    Cage cage = settle(std::move(polygons), options.subdivide);
-    cage.name = report.file().stem().string();
-    const std::string name = cage.name;
-    const CageId id = scene.add(std::move(cage));
+    polygons.cage.name = report.file().stem().string();
+    Settled settled = settle(std::move(polygons), options.subdivide, report);
+    const std::string name = settled.cage.name;
+    if (!settled.note.empty()) scene.notes.push_back(name + ": " + settled.note);
+    const CageId id = scene.add(std::move(settled.cage));
     scene.add_node(scene.root(), {.name = name, .cages = {id}});
     finish(scene, report);
     return scene;

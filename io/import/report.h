@@ -23,6 +23,10 @@ public:
     void warn(const std::string& what, const std::string& where = {})
     {
         if (strict_) throw Error(name(), what, where);
+        if (kinds_.size() >= kMaxKinds && !index_.contains(what)) {
+            ++left_out_;
+            return;
+        }
         const auto [entry, is_new] = index_.try_emplace(what, kinds_.size());
         if (is_new) kinds_.push_back({what, where, 0});
         ++kinds_[entry->second].count;
@@ -39,6 +43,7 @@ public:
             else if (kind.count > 1) line += " (" + std::to_string(kind.count) + " times)";
             result.push_back(std::move(line));
         }
+        if (left_out_ > 0) result.push_back(std::to_string(left_out_) + " warnings of other kinds");
         return result;
     }
 
@@ -47,8 +52,10 @@ private:
         std::string what, where;
         std::size_t count;
     };
+    static constexpr std::size_t kMaxKinds = 1000;  // more of them tell nobody anything
     std::filesystem::path file_;
     bool strict_;
+    std::size_t left_out_ = 0;
     std::vector<Kind> kinds_;
     std::map<std::string, std::size_t> index_;
 };

@@ -18,17 +18,12 @@ namespace occam {
 
 namespace {
 
-// What stands for a texture that cannot be read: magenta and black squares.
+// What stands for a texture that is missing or cannot be read: grey, which as a normal map changes nothing.
 MipImage stand_in()
 {
-    constexpr int kSide = 32, kSquare = 4;
-    MipImage image(kSide, kSide);
-    std::vector<Vec4f> row(kSide);
-    for (int y = 0; y < kSide; ++y) {
-        for (int x = 0; x < kSide; ++x)
-            row[static_cast<std::size_t>(x)] = (x / kSquare + y / kSquare) % 2 ? Vec4f(0, 0, 0, 1) : Vec4f(1, 0, 1, 1);
-        image.write_row(y, row);
-    }
+    MipImage image(1, 1);
+    const Vec4f grey(0.5f, 0.5f, 0.5f, 1.0f);
+    image.write_row(0, {&grey, 1});
     image.build_levels();
     return image;
 }
@@ -36,15 +31,22 @@ MipImage stand_in()
 // One texture that the store knows: decoded when it is first asked for.
 class Entry {
 public:
-    /// Opens the image to learn its size. Throws nothing: what cannot be opened has a warning and no size.
+    /// Opens the image to learn its size. Throws nothing: what is missing has a warning and no size, what cannot be opened
+    /// an error and no size.
     explicit Entry(const Texture& texture) : description_(texture)
     {
+        std::error_code ignored;
+        if (!texture.encoded && texture.pixels.empty() && !std::filesystem::is_regular_file(texture.path, ignored)) {
+            warnings_.push_back((texture.name.empty() ? texture.path.string() : texture.name) +
+                                ": there is no such image file: it is grey");
+            return;
+        }
         try {
             const TextureSource source(texture);
             width_ = source.width();
             height_ = source.height();
         } catch (const std::exception& error) {
-            warnings_.push_back(error.what());
+            errors_.push_back(error.what());
         }
     }
 
@@ -87,6 +89,11 @@ public:
         const std::lock_guard lock(decoding_);
         return warnings_;
     }
+    std::vector<std::string> errors() const
+    {
+        const std::lock_guard lock(decoding_);
+        return errors_;
+    }
 
 private:
     void decode()
@@ -100,7 +107,7 @@ private:
             decoded_ = std::make_unique<const MipImage>(source.decode(halvings_));
             description_.pixels = {};
         } catch (const std::exception& error) {
-            warnings_.push_back(error.what());
+            errors_.push_back(error.what());
         }
         decode_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
@@ -110,7 +117,7 @@ private:
     int width_ = 0, height_ = 0, halvings_ = 0;
     mutable std::mutex decoding_;  // guards what follows
     std::unique_ptr<const MipImage> decoded_;
-    std::vector<std::string> warnings_;
+    std::vector<std::string> warnings_, errors_;
     double decode_seconds_ = 0;
 };
 
@@ -256,6 +263,14 @@ std::vector<std::string> TextureStore::warnings() const
     std::vector<std::string> lines;
     for (const auto& [identity, entry] : state_->entries)
         for (std::string& line : entry->warnings()) lines.push_back(std::move(line));
+    return lines;
+}
+
+std::vector<std::string> TextureStore::errors() const
+{
+    std::vector<std::string> lines;
+    for (const auto& [identity, entry] : state_->entries)
+        for (std::string& line : entry->errors()) lines.push_back(std::move(line));
     return lines;
 }
 

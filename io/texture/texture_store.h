@@ -8,7 +8,8 @@
 // Threads  prepare() by one thread while nobody looks up. sample() from any number of threads after that; the first lookup
 // in a texture
 //          decodes it under a lock of that texture alone, so several are decoded at a time.
-// Errors   a texture that cannot be read is replaced by a stand-in and has a warning; nothing throws.
+// Errors   a texture without a file is grey, with a warning. One whose file or bytes are no image that can be read is grey
+//          too and stands in errors(), for the caller to refuse; nothing throws.
 #pragma once
 
 #include <memory>
@@ -29,7 +30,7 @@ public:
 
     /// Makes every texture of the scene known, and forgets all others. Reads no more than the headers of those that are new.
     void prepare(const Scene& scene);
-    /// Decodes all known textures now, on several threads: warnings() is then complete.
+    /// Decodes all known textures now, on several threads: errors() is then complete.
     void decode_all();
 
     /// Filtered texel of `use` at texture coordinates `uv` (before the use's own transform), linear RGBA.
@@ -44,9 +45,10 @@ public:
     std::size_t bytes() const noexcept;
     /// Seconds that threads have spent decoding what is known, summed.
     double decode_seconds() const noexcept;
-    /// What could not be read, as far as it has been looked up, and what was halved; in the order of the textures'
-    /// identities.
+    /// Textures without a file, and those that were halved; in the order of the textures' identities.
     std::vector<std::string> warnings() const;
+    /// Textures that are no images, or images that are not read, as far as they have been looked up; in the same order.
+    std::vector<std::string> errors() const;
 
 private:
     struct State;

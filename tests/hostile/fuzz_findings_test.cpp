@@ -45,7 +45,7 @@ TEST(FuzzFindings, ObjCoordinatesThatCollapseAroundAVertexOfTwoFaces)
                            "f 2/1 7/1 4/1 1/1\nf 2/1 8/1 4/1 7/1\nf 2/1 3/1 6/1 5/1\n"));
 }
 
-std::vector<std::string> warnings_of_image(std::string_view file)
+std::vector<std::string> errors_of_image(std::string_view file)
 {
     Scene scene;
     Texture texture;
@@ -54,7 +54,7 @@ std::vector<std::string> warnings_of_image(std::string_view file)
     scene.add(std::move(texture));
     TextureStore store(std::size_t(16) << 20);
     store.prepare(scene);
-    return store.warnings();
+    return store.errors();
 }
 
 // The readers of these two allocate the canvas that the header declares, when they are opened.
@@ -67,11 +67,11 @@ TEST(FuzzFindings, ImagesOfThirtyBytesDoNotDeclareGibibytes)
         {"RIFF\x16\0\0\0WEBPVP8L\x0a\0\0\0\x2f\xff\xff\xff\x0f\0\0\0\0\0", 30},
     };
     for (const std::string_view image : images) {
-        const std::vector<std::string> warnings = warnings_of_image(image);
-        ASSERT_EQ(warnings.size(), 1u);
-        EXPECT_TRUE(warnings[0].find("larger than is read") != std::string::npos ||
-                    warnings[0].find("far more than the file holds") != std::string::npos)
-            << warnings[0];
+        const std::vector<std::string> errors = errors_of_image(image);
+        ASSERT_EQ(errors.size(), 1u);
+        EXPECT_TRUE(errors[0].find("larger than is read") != std::string::npos ||
+                    errors[0].find("far more than the file holds") != std::string::npos)
+            << errors[0];
     }
 }
 
@@ -105,7 +105,7 @@ TEST(FuzzFindings, ColourProfilesThatReachPastTheirEndAreNotRead)
     std::ifstream stream(path, std::ios::binary);
     const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
     ASSERT_NE(bytes.find("ICC_PROFILE"), std::string::npos);
-    EXPECT_TRUE(warnings_of_image(bytes).empty());
+    EXPECT_TRUE(errors_of_image(bytes).empty());
 }
 
 }  // namespace

@@ -25,6 +25,7 @@ inline FileOutcome outcome_of(const std::filesystem::path& file)
         TextureStore store(std::size_t(64) << 20);
         store.prepare(scene);
         outcome.warnings = scene.warnings;
+        for (std::string& line : store.errors()) outcome.warnings.push_back(std::move(line));
         const std::vector<std::string> more = store.warnings();
         outcome.warnings.insert(outcome.warnings.end(), more.begin(), more.end());
         Renderer renderer({.threads = 1, .memory_bytes = std::size_t(256) << 20});

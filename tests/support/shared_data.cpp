@@ -13,4 +13,6 @@ std::filesystem::path shared_data()
     return fs::exists(beside / "data") ? beside : fs::path();
 }
 
+std::filesystem::path source_folder() { return OCCAM_SOURCE_DIR; }
+
 }  // namespace occam::test

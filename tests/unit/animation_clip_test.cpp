@@ -182,5 +182,27 @@ TEST(Pose, RefusesWhatIsNoMoment)
     EXPECT_THROW(w.scene.pose(w.walk, 0), Error);
 }
 
+// Blender writes a clip for each object; a character has several clips for the same joints.
+TEST(Clips, ThoseThatMoveOtherNodesPlayTogether)
+{
+    Scene scene;
+    const NodeId left = scene.add_node(scene.root(), {}), right = scene.add_node(scene.root(), {});
+    const auto clip = [&](const std::string& name, const std::vector<NodeId>& targets) {
+        Clip c{name, {}};
+        for (const NodeId target : targets) {
+            c.channels.push_back(channel(Path::Translation, Interpolation::Linear, {0, 1}, {0, 0, 0, 1, 0, 0}, 3));
+            c.channels.back().target = target;
+        }
+        return scene.add(std::move(c));
+    };
+    EXPECT_TRUE(scene.clips_together().empty());
+    const ClipId walk = clip("walk", {left});
+    clip("run", {left});
+    const ClipId door = clip("door", {right});
+    clip("both", {left, right});
+    clip("nothing", {});
+    EXPECT_EQ(scene.clips_together(), (std::vector<ClipId>{walk, door}));
+}
+
 }  // namespace
 }  // namespace occam

@@ -11,6 +11,7 @@
 
 #include "render/compare.h"
 #include "tests/support/command_test.h"
+#include "tests/support/gltf_scene.h"
 
 namespace occam {
 namespace {
@@ -96,6 +97,62 @@ TEST_F(Command, AnEnvironmentIsAnImageDaylightOrNone)
     EXPECT_FLOAT_EQ(seen, 1.5f);
     EXPECT_GT(lit, 0.5f);
     EXPECT_EQ(run({"render", "triangle.obj", "-o", "b.png", "--environment", "missing.exr"}).exit_code, kBadInput);
+}
+
+// Standard error is a file here, no terminal.
+TEST_F(Command, WarningsAreAlwaysPrintedTheFirstFiveAndACount)
+{
+    std::string text = "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nmtllib a.mtl\nf 1 2 3\n";
+    for (int i = 0; i < 8; ++i) text += "usemtl m" + std::to_string(i) + "\nt nonsense" + std::to_string(i) + "\nf 1 2 3\n";
+    std::ofstream(folder / "many.obj") << text + "v 0 0 1\nf 1 2 3 4\nf 1 2 9\nf 1 1 2\np 1\ncurv 1\n";
+    std::ofstream(folder / "a.mtl") << "newmtl m0\nmap_Kd none.png\nmap_Ks ../none.png\nmap_Ke ../none.png\n";
+    const std::vector<std::string> words{"render", "many.obj", "-o", "a.png", "--size", "4x4", "--spp", "1"};
+    const auto with = [&](const std::string& word) {
+        std::vector<std::string> more = words;
+        more.push_back(word);
+        return run(more);
+    };
+    const auto count = [](const std::string& in, const std::string& what) {
+        int found = 0;
+        for (std::size_t at = 0; (at = in.find(what, at)) != std::string::npos; ++at) ++found;
+        return found;
+    };
+    for (const Outcome& o : {run(words), with("-q")}) {
+        EXPECT_EQ(o.exit_code, kDone) << o.err;
+        EXPECT_EQ(count(o.err, "occam: warning: "), 5) << o.err;
+        EXPECT_EQ(count(o.err, "more warnings"), 1) << o.err;
+        EXPECT_EQ(count(o.err, "faces are rendered as they are"), 1) << o.err;
+    }
+    const Outcome all = with("-v");
+    EXPECT_GT(count(all.err, "occam: warning: "), 5) << all.err;
+    EXPECT_EQ(count(all.err, "more warnings"), 0) << all.err;
+    const Outcome strict = with("--strict");
+    EXPECT_EQ(strict.exit_code, kBadInput);
+    EXPECT_EQ(lines_of(strict.err), 1) << strict.err;
+}
+
+TEST_F(Command, WhatIsNoImageIsAnErrorAndWhatIsMissingIsAWarning)
+{
+    std::ofstream(folder / "broken.png") << "\x89PNG nonsense";
+    std::ofstream(folder / "a.mtl") << "newmtl a\nmap_Kd broken.png\nnewmtl b\nmap_Kd none.png\n";
+    const std::string corners = "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nmtllib a.mtl\n";
+    std::ofstream(folder / "broken.obj") << corners + "usemtl a\nf 1 2 3\n";
+    const auto render = [&](const std::string& scene, const std::vector<std::string>& more = {}) {
+        std::vector<std::string> words{"render", scene, "-o", "a.png", "--size", "4x4", "--spp", "1"};
+        words.insert(words.end(), more.begin(), more.end());
+        return run(words);
+    };
+    const Outcome broken = render("broken.obj");
+    EXPECT_EQ(broken.exit_code, kBadInput);
+    EXPECT_NE(broken.err.find("broken.obj: broken.png"), std::string::npos) << broken.err;
+    EXPECT_FALSE(fs::exists(folder / "a.png"));
+    EXPECT_EQ(render("triangle.obj", {"--environment", "broken.png"}).exit_code, kBadInput);
+
+    std::ofstream(folder / "a.mtl") << "newmtl a\nmap_Kd none.png\n";
+    const Outcome missing = render("broken.obj");
+    EXPECT_EQ(missing.exit_code, kDone) << missing.err;
+    EXPECT_NE(missing.err.find("warning: image file is missing (none.png)"), std::string::npos) << missing.err;
+    EXPECT_EQ(render("broken.obj", {"--strict"}).exit_code, kBadInput);
 }
 
 TEST_F(Command, AnOutputThatCannotBeWrittenIsExitCode3)
@@ -226,6 +283,46 @@ TEST_F(Command, InfoSaysWhatIsInAScene)
     for (const char* key :
          {"\"nodes\"", "\"cages\"", "\"faces\": 1", "\"clips\"", "\"cameras\"", "\"lights\"", "\"bounds\"", "\"warnings\""})
         EXPECT_NE(o.out.find(key), std::string::npos) << key << o.out;
+}
+
+// Two squares, each moved out of the picture by a clip of its own.
+TEST_F(Command, ClipsOfDifferentObjectsPlayTogetherAndOneCanBeChosen)
+{
+    test::Gltf g = test::square();
+    g.nodes = R"({"mesh": 0}, {"mesh": 0, "translation": [2, 0, 0]})";
+    g.put<float>({0, 1});
+    g.put<float>({0, 0, 0, 0, 900, 0});
+    g.accessor(R"({"bufferView": 2, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [1]})");
+    g.accessor(R"({"bufferView": 3, "componentType": 5126, "count": 2, "type": "VEC3"})");
+    const auto clip = [](const char* name, int node) {
+        return std::string(R"({"name": ")") + name + R"(", "samplers": [{"input": 2, "output": 3}],
+            "channels": [{"sampler": 0, "target": {"path": "translation", "node": )" +
+               std::to_string(node) + "}}]}";
+    };
+    g.more = R"(, "animations": [)" + clip("left", 0) + ", " + clip("right", 1) + "]";
+    std::ofstream(folder / "two.gltf") << g.json();
+    std::ofstream(folder / "data file.bin", std::ios::binary) << g.bin;
+    const auto coverage = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> words{
+            "render", "two.gltf",     "-o",  "a.exr",    "--size", "12x6",      "--spp",
+            "1",      "--background", "off", "--jitter", "off",    "--look-at", "1.5,0.5,5,1.5,0.5,0"};
+        words.insert(words.end(), more.begin(), more.end());
+        const Outcome o = run(words);
+        EXPECT_EQ(o.exit_code, kDone) << o.err;
+        const render::Image made = render::Image::read(folder / "a.exr");
+        int left = 0, right = 0;
+        for (int y = 0; y < 6; ++y)
+            for (int x = 0; x < 12; ++x)
+                (x < 6 ? left : right) += made.find("beauty")->pixels[std::size_t(4 * (12 * y + x) + 3)] > 0;
+        return std::pair(left > 0, right > 0);
+    };
+    EXPECT_EQ(coverage({}), std::pair(true, true));
+    EXPECT_EQ(coverage({"--time", "1"}), std::pair(false, false));
+    EXPECT_EQ(coverage({"--time", "1", "--clip", "all"}), std::pair(false, false));
+    EXPECT_EQ(coverage({"--time", "1", "--clip", "left"}), std::pair(false, true));
+    EXPECT_EQ(coverage({"--time", "1", "--clip", "1"}), std::pair(true, false));
+    const Outcome info = run({"info", "two.gltf", "--json"});
+    EXPECT_NE(info.out.find("\"clips_together\""), std::string::npos);
 }
 
 TEST_F(Command, AnInterruptWritesWhatIsDone)

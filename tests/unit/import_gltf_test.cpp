@@ -255,6 +255,7 @@ TEST(ImportGltf, ImagesStayInTheFolderAndMissingOnesAreCounted)
     const Scene scene = load(file);
     EXPECT_TRUE(warns(scene, "image is not in the scene's folder"));
     EXPECT_TRUE(warns(scene, "image file is missing (missing%20one.png)"));
+    EXPECT_EQ(scene.counts().textures, 0u);
     EXPECT_NE(error_of(file, {.strict = true}), "");
 }
 

@@ -86,7 +86,18 @@ TEST(ImportMtl, ABumpMapWithoutColourHoldsHeights)
 
 TEST(ImportMtl, AMissingMapIsCounted)
 {
-    EXPECT_TRUE(warns(Loaded("map_Kd none.png\nmap_Ke none2.png\n").scene, "image file is missing (none.png, first of 2)"));
+    const Loaded loaded("Kd 1 1 1\nmap_Kd none.png\nmap_Ke none2.png\nnorm none3.png\n");
+    EXPECT_TRUE(warns(loaded.scene, "image file is missing (none.png, first of 3)"));
+    EXPECT_EQ(loaded.material.base_color, Vec4f(0.5f, 0.5f, 0.5f, 1)) << "grey";
+    EXPECT_EQ(loaded.material.emission, Vec3f(0)) << "what would shine evenly without its image does not";
+    EXPECT_FALSE(loaded.material.normal_texture);
+}
+
+TEST(ImportMtl, PathsMayHaveBackslashes)
+{
+    const Loaded loaded("map_Kd .\\blue.ppm\n");
+    EXPECT_EQ(loaded.file(loaded.material.base_color_texture), "blue.ppm");
+    EXPECT_TRUE(loaded.scene.warnings.empty());
 }
 
 }  // namespace

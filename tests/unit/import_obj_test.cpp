@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <sstream>
+
 #include "scenegraph/scene.h"
 #include "tests/support/import_errors.h"
 #include "tests/support/temp_folder.h"
@@ -23,16 +26,134 @@ const Cage& only_cage(const Scene& scene)
 
 constexpr const char* kQuad = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
-TEST(ImportObj, AQuadIsACageAndATriangleIsNot)
+const LoadOptions kSubdivided{.subdivide = Subdivide::On};
+
+// A file that says nothing of subdivision is what a modelling program wrote for polygons.
+TEST(ImportObj, OnlyWhatSaysSoIsSubdivided)
 {
     const TempFolder folder;
-    const Scene quad = load(folder.write("quad.obj", std::string(kQuad) + "f 1 2 3 4\n"));
-    EXPECT_EQ(only_cage(quad).scheme, Scheme::CatmullClark);
-    EXPECT_EQ(only_cage(quad).boundary, BoundaryRule::EdgeAndCorner);
-    const auto triangle = folder.write("triangle.obj", std::string(kQuad) + "f 1 2 3\n");
-    EXPECT_EQ(only_cage(load(triangle)).scheme, Scheme::Triangles);
-    EXPECT_EQ(only_cage(load(triangle, {.subdivide = Subdivide::On})).scheme, Scheme::CatmullClark);
+    const auto file = folder.write("quad.obj", std::string(kQuad) + "f 1 2 3 4\n");
+    const Scene quad = load(file);
+    EXPECT_EQ(only_cage(quad).scheme, Scheme::Triangles);
+    EXPECT_TRUE(only_cage(quad).normals.empty());
     EXPECT_TRUE(quad.warnings.empty());
+    ASSERT_EQ(quad.notes.size(), 1u);
+    EXPECT_NE(quad.notes[0].find("quad: 1 faces are rendered as they are, flat"), std::string::npos) << quad.notes[0];
+
+    const Scene asked = load(file, kSubdivided);
+    EXPECT_EQ(only_cage(asked).scheme, Scheme::CatmullClark);
+    EXPECT_EQ(only_cage(asked).boundary, BoundaryRule::EdgeAndCorner);
+    EXPECT_NE(asked.notes.at(0).find("Catmull-Clark surface (--subdivide on)"), std::string::npos) << asked.notes[0];
+
+    const auto tagged = folder.write("tagged.obj", std::string(kQuad) + "f 1 2 3 4\nt crease 2/1/0 0 1 2.5\n");
+    EXPECT_EQ(only_cage(load(tagged)).scheme, Scheme::CatmullClark);
+    EXPECT_EQ(only_cage(load(tagged, {.subdivide = Subdivide::Off})).scheme, Scheme::Triangles);
+    EXPECT_NE(load(tagged).notes.at(0).find("subdivision tags"), std::string::npos);
+}
+
+TEST(ImportObj, TheNameOfAFileSaysItsSchemeAsOpenSubdivsShapesDo)
+{
+    const TempFolder folder;
+    const std::string tagged = std::string(kQuad) + "f 1 2 3\nf 1 3 4\nt crease 2/1/0 0 1 2.5\n";
+    const auto loop = folder.write("loop_cube.obj", tagged);
+    EXPECT_NE(error_of(loop, kSubdivided).find("Loop"), std::string::npos);
+    EXPECT_EQ(only_cage(load(loop)).scheme, Scheme::Triangles);
+    EXPECT_TRUE(warns(load(loop), "Loop scheme"));
+    EXPECT_EQ(error_of(loop, {.subdivide = Subdivide::Off}), "");
+    EXPECT_EQ(only_cage(load(folder.write("bilinear_cube.obj", tagged))).scheme, Scheme::Bilinear);
+}
+
+// The two faces of a roof, folded along the edge from vertex 2 to vertex 3.
+constexpr const char* kRoof = "v -1 0 0\nv 0 1 0\nv 0 1 1\nv -1 0 1\nv 1 0 0\nv 1 0 1\n";
+
+TEST(ImportObj, FacesWithoutNormalsAreFlatOrSmoothByTheirSmoothingGroups)
+{
+    const TempFolder folder;
+    const auto roof = [&](const std::string& first, const std::string& second) {
+        return load(folder.write("roof.obj", kRoof + first + "f 1 4 3 2\n" + second + "f 2 3 6 5\n"));
+    };
+    EXPECT_TRUE(only_cage(roof("", "")).normals.empty());
+    EXPECT_TRUE(only_cage(roof("s 0\n", "s off\n")).normals.empty());
+
+    const Scene smooth = roof("s 1\n", "");
+    const Cage& cage = only_cage(smooth);
+    ASSERT_EQ(cage.positions.size(), 6u);
+    EXPECT_NEAR(cage.normals[1].y, 1, 1e-6);
+    EXPECT_NEAR(cage.normals[0].x, -std::sqrt(0.5), 1e-6);
+    EXPECT_NE(smooth.notes.at(0).find("smooth"), std::string::npos);
+
+    for (const Scene& folded : {roof("s 1\n", "s 2\n"), roof("s 1\n", "s off\n"), roof("", "s 1\n")}) {
+        const Cage& split = only_cage(folded);
+        ASSERT_EQ(split.positions.size(), 8u) << "the two vertices of the ridge are split";
+        for (const Vec3f n : split.normals) EXPECT_NEAR(n.y, std::sqrt(0.5), 1e-6);
+    }
+}
+
+TEST(ImportObj, TheFilesNormalsGoBeforeSmoothingGroups)
+{
+    const TempFolder folder;
+    const Scene scene = load(folder.write("n.obj", kRoof + std::string("vn 1 0 0\ns 1\nf 1//1 4//1 3//1 2//1\n"
+                                                                       "f 2//9 3 6 5\n")));
+    const Cage& cage = only_cage(scene);
+    ASSERT_EQ(cage.positions.size(), 8u);
+    EXPECT_EQ(cage.normals[0], Vec3f(1, 0, 0));
+    EXPECT_GT(cage.normals[4].y, 0.7f) << "made, where the file has none or one that is not there";
+    EXPECT_TRUE(scene.warnings.empty());
+}
+
+// Each face has a normal of its own at the vertex that all share.
+TEST(ImportObj, AVertexOfVeryManyNormalsIsSplitInGoodTime)
+{
+    constexpr int kFaces = 60'000;
+    std::string text = "v 0 0 0\n";
+    for (int i = 0; i <= kFaces; ++i) {
+        const double angle = 6.28 * i / kFaces;
+        text += "v " + std::to_string(std::cos(angle)) + " " + std::to_string(std::sin(angle)) + " 0.5\n";
+    }
+    for (int i = 0; i < kFaces; ++i) text += "vn 0 0 1\n";
+    for (int i = 0; i < kFaces; ++i) {
+        const std::string n = "//" + std::to_string(i + 1) + " ";
+        text += "f 1" + n + std::to_string(i + 2) + n + std::to_string(i + 3) + n + "\n";
+    }
+    const TempFolder folder;
+    const Scene scene = load(folder.write("fan.obj", text));
+    EXPECT_EQ(only_cage(scene).face_count(), std::size_t(kFaces));
+}
+
+double area_of(const Cage& cage)
+{
+    double area = 0;
+    for (std::size_t f = 0; f < cage.face_count(); ++f) {
+        const auto p = [&](std::size_t c) { return Vec3d(cage.positions[cage.face_vertices[3 * f + c]]); };
+        area += glm::cross(p(1) - p(0), p(2) - p(0)).z / 2;
+    }
+    return area;
+}
+
+// A comb: half of its corners are reflex.
+std::string comb(int teeth)
+{
+    std::ostringstream text;
+    for (int i = 0; i < teeth; ++i) text << "v " << 2 * i << " 0 0\nv " << 2 * i + 1 << " 5 0\n";
+    text << "v " << 2 * teeth << " 0 0\nv " << 2 * teeth << " 9 0\nv 0 9 0\nf";
+    for (int i = 1; i <= 2 * teeth + 3; ++i) text << ' ' << i;
+    return text.str() + '\n';
+}
+
+TEST(ImportObj, ConcaveFacesOfManyCornersAreCutInside)
+{
+    const TempFolder folder;
+    const Scene small = load(folder.write("comb.obj", comb(200)));
+    double absolute = 0;
+    const Cage& cage = only_cage(small);
+    for (std::size_t f = 0; f < cage.face_count(); ++f) {
+        const auto p = [&](std::size_t c) { return Vec3d(cage.positions[cage.face_vertices[3 * f + c]]); };
+        absolute += std::abs(glm::cross(p(1) - p(0), p(2) - p(0)).z / 2);
+    }
+    EXPECT_DOUBLE_EQ(area_of(cage), 400 * 9 - 200 * 5);
+    EXPECT_DOUBLE_EQ(absolute, area_of(cage)) << "no triangle is turned over";
+    EXPECT_TRUE(small.warnings.empty());
+    EXPECT_TRUE(warns(load(folder.write("large.obj", comb(300))), "cut as if it were convex"));
 }
 
 TEST(ImportObj, PolygonsAreCutWhenTheyMayNotBeSubdivided)
@@ -95,7 +216,7 @@ TEST(ImportObj, APolygonOfThreeHundredCornersKeepsThemAll)
         text.append("v ").append(std::to_string(i)).append(" ").append(std::to_string(i * i)).append(" 0\n");
         face.append(" ").append(std::to_string(i + 1));
     }
-    const Scene scene = load(folder.write("large.obj", text + face + "\nf 1 2 3\n"));
+    const Scene scene = load(folder.write("large.obj", text + face + "\nf 1 2 3\n"), kSubdivided);
     EXPECT_EQ(only_cage(scene).face_sizes, (std::vector<std::uint32_t>{300, 3}));
 }
 
@@ -103,7 +224,7 @@ TEST(ImportObj, TextureCoordinatesRunDownwardsAndBelongToCorners)
 {
     const TempFolder folder;
     const Scene scene = load(
-        folder.write("uv.obj", std::string(kQuad) + "vt 0 0\nvt 1 0.25\nf 1/1 2/2 3/2 4/-2\nf 1 2 3/1\n"));
+        folder.write("uv.obj", std::string(kQuad) + "vt 0 0\nvt 1 0.25\nf 1/1 2/2 3/2 4/-2\nf 1 2 3/1\n"), kSubdivided);
     const Cage& cage = only_cage(scene);
     ASSERT_EQ(cage.uv_sets.size(), 1u);
     const UvSet& uv = cage.uv_sets[0];
@@ -117,7 +238,8 @@ TEST(ImportObj, NegativeIndicesCountBackFromTheFace)
 {
     const TempFolder folder;
     const Scene scene = load(
-        folder.write("negative.obj", std::string(kQuad) + "f -4 -3 -2 -1\nv 9 9 9\nf -5 -4 -3\nf -99 1 2\nf 0 1 2\n"));
+        folder.write("negative.obj", std::string(kQuad) + "f -4 -3 -2 -1\nv 9 9 9\nf -5 -4 -3\nf -99 1 2\nf 0 1 2\n"),
+        kSubdivided);
     const Cage& cage = only_cage(scene);
     EXPECT_EQ(cage.face_vertices, (std::vector<std::uint32_t>{0, 1, 2, 3, 0, 1, 2}));
     EXPECT_TRUE(warns(scene, "2 faces dropped: a vertex index is out of range"));
@@ -142,7 +264,8 @@ TEST(ImportObj, MaterialsBecomeSlots)
     folder.write("tex.png", "");
     const Scene scene = load(
         folder.write("mtl.obj", "mtllib a b.mtl\n" + std::string(kQuad) +
-                                    "f 1 2 3 4\nusemtl glass \nf 1 2 3 4\nusemtl red\nf 1 2 3 4\nusemtl nope\nf 1 2 3 4\n"));
+                                    "f 1 2 3 4\nusemtl glass \nf 1 2 3 4\nusemtl red\nf 1 2 3 4\nusemtl nope\nf 1 2 3 4\n"),
+        kSubdivided);
     const Cage& cage = only_cage(scene);
     EXPECT_EQ(cage.face_slots, (std::vector<std::uint16_t>{0, 1, 2, 0}));
     ASSERT_EQ(cage.materials.size(), 3u);
@@ -189,7 +312,7 @@ TEST(ImportObj, CoordinatesThatAreNotFiniteAreDropped)
 {
     const TempFolder folder;
     const Scene scene = load(
-        folder.write("inf.obj", std::string(kQuad) + "v 1e300 0 0\nv 1e13 0 0\nf 1 2 3 4\nf 1 2 5\nf 1 2 6\n"));
+        folder.write("inf.obj", std::string(kQuad) + "v 1e300 0 0\nv 1e13 0 0\nf 1 2 3 4\nf 1 2 5\nf 1 2 6\n"), kSubdivided);
     EXPECT_EQ(only_cage(scene).face_count(), 1u);
     EXPECT_TRUE(warns(scene, "not finite"));
 }

@@ -65,7 +65,8 @@ TEST(ImportPly, ReadsTheSameFromAllThreeEncodings)
     const auto little = folder.write("l.ply", ply_header("binary_little_endian", kSquare) + binary(false));
     const auto big = folder.write("b.ply", ply_header("binary_big_endian", kSquare) + binary(true));
     for (const auto& file : {ascii, little, big}) {
-        const Scene scene = load(file);
+        EXPECT_EQ(only_cage(load(file)).scheme, Scheme::Triangles) << "nothing in it speaks of subdivision";
+        const Scene scene = load(file, {.subdivide = Subdivide::On});
         const Cage& cage = only_cage(scene);
         ASSERT_EQ(cage.positions.size(), 4u) << file;
         EXPECT_EQ(cage.positions[3], Vec3f(0, 1, -7)) << file;
@@ -126,7 +127,8 @@ TEST(ImportOff, ReadsPlainAndPrefixedFiles)
 {
     const TempFolder folder;
     const Scene plain = load(
-        folder.write("a.off", "OFF # comment\n4 1 0\n0 0 0\n1 0 0\n1 1 0 # here too\n0 1 0\n4 0 1 2 3 0.5 0.5 0.5\n"));
+        folder.write("a.off", "OFF # comment\n4 1 0\n0 0 0\n1 0 0\n1 1 0 # here too\n0 1 0\n4 0 1 2 3 0.5 0.5 0.5\n"),
+        {.subdivide = Subdivide::On});
     EXPECT_EQ(only_cage(plain).face_vertices, (std::vector<std::uint32_t>{0, 1, 2, 3}));
     const Scene colored = load(
         folder.write("b.off", "CNOFF\n3 1 0\n0 0 0 0 0 1 1 0 0 1\n1 0 0 0 0 1 1 0 0 1\n0 1 0 0 0 1 1 0 0 1\n3 0 1 2"));

@@ -1,0 +1,130 @@
+// Normals for polygons that a file brings without them.
+#include <cmath>
+#include <unordered_map>
+
+#include "base/hash.h"
+#include "base/maths.h"
+#include "io/import/polygons.h"
+
+namespace occam::import {
+
+namespace {
+
+struct Hash {
+    std::size_t operator()(std::uint64_t key) const noexcept { return mix_bits(key); }
+};
+
+// The direction of `v`; where it has none, anything that is unit: what such a normal belongs to has no area.
+Vec3d direction(Vec3d v)
+{
+    const double length = glm::length(v);
+    return length > 0 && std::isfinite(length) ? v / length : Vec3d(0, 1, 0);
+}
+
+class Completion {
+public:
+    explicit Completion(Polygons& polygons) : polygons_(polygons), cage_(polygons.cage) {}
+
+    void run()
+    {
+        polygons_.normal_indices.resize(cage_.face_vertices.size(), kNoIndex);
+        for (std::uint32_t& index : polygons_.normal_indices)
+            if (index >= polygons_.normals.size()) index = kNoIndex;  // before normals are added
+        for_each_face([&](std::size_t f, std::size_t begin) { add_to_sums(f, begin); });
+        for_each_face([&](std::size_t f, std::size_t begin) { complete(f, begin); });
+    }
+
+private:
+    // The normals around a vertex in one smoothing group, weighted with the faces' angles.
+    struct Sum {
+        Vec3d normals{0};
+        double angles = 0;
+        std::uint32_t index = kNoIndex;
+    };
+
+    template <class Visit>
+    void for_each_face(Visit&& visit)
+    {
+        std::size_t begin = 0;
+        for (std::size_t f = 0; f < cage_.face_sizes.size(); begin += cage_.face_sizes[f++]) visit(f, begin);
+    }
+    std::uint32_t group(std::size_t face) const { return polygons_.smoothing.empty() ? 0 : polygons_.smoothing[face]; }
+    Vec3d place(std::size_t corner) const
+    {
+        const std::uint32_t v = cage_.face_vertices[corner];
+        return v < cage_.positions.size() ? Vec3d(cage_.positions[v]) : Vec3d(0);
+    }
+    Vec3d face_normal(std::size_t f, std::size_t begin) const
+    {
+        Vec3d sum(0);
+        const Vec3d first = place(begin);
+        for (std::size_t c = 1; c + 1 < cage_.face_sizes[f]; ++c)
+            sum += glm::cross(place(begin + c) - first, place(begin + c + 1) - first);
+        return direction(sum);
+    }
+    std::uint64_t key(std::size_t f, std::size_t corner) const
+    {
+        return std::uint64_t(group(f)) << 32 | cage_.face_vertices[corner];
+    }
+    void add_to_sums(std::size_t f, std::size_t begin)
+    {
+        if (group(f) == 0) return;
+        const Vec3d normal = face_normal(f, begin);
+        const std::size_t size = cage_.face_sizes[f];
+        for (std::size_t c = 0; c < size; ++c) {
+            const Vec3d here = place(begin + c);
+            const Vec3d next = direction(place(begin + (c + 1) % size) - here);
+            const Vec3d last = direction(place(begin + (c + size - 1) % size) - here);
+            const double angle = double(maths::acos(static_cast<float>(glm::dot(next, last))));
+            Sum& sum = sums_[key(f, begin + c)];
+            sum.normals += normal * angle;
+            sum.angles += angle;
+        }
+    }
+    void complete(std::size_t f, std::size_t begin)
+    {
+        std::uint32_t of_face = kNoIndex;
+        for (std::size_t corner = begin; corner < begin + cage_.face_sizes[f]; ++corner) {
+            std::uint32_t& index = polygons_.normal_indices[corner];
+            if (index != kNoIndex) continue;
+            index = group(f) != 0 ? smooth(sums_[key(f, corner)]) : kNoIndex;
+            if (index != kNoIndex) continue;
+            if (of_face == kNoIndex) of_face = add(face_normal(f, begin));
+            index = of_face;
+        }
+    }
+    // None where the faces about the vertex cancel out, as the two sides of a sheet do.
+    std::uint32_t smooth(Sum& sum)
+    {
+        if (sum.index == kNoIndex && glm::length(sum.normals) > 1e-3 * sum.angles) sum.index = add(direction(sum.normals));
+        return sum.index;
+    }
+    std::uint32_t add(Vec3d normal)
+    {
+        polygons_.normals.push_back(Vec3f(normal));
+        return static_cast<std::uint32_t>(polygons_.normals.size() - 1);
+    }
+
+    Polygons& polygons_;
+    const Cage& cage_;
+    std::unordered_map<std::uint64_t, Sum, Hash> sums_;
+};
+
+}  // namespace
+
+void complete_normals(Polygons& polygons)
+{
+    const auto is_smooth = [&] {
+        for (const std::uint32_t group : polygons.smoothing)
+            if (group != 0) return true;
+        return false;
+    };
+    const auto lacks_one = [&] {
+        for (const std::uint32_t index : polygons.normal_indices)
+            if (index >= polygons.normals.size()) return true;
+        return false;
+    };
+    if (polygons.normal_indices.empty() ? is_smooth() : lacks_one()) Completion(polygons).run();
+}
+
+}  // namespace occam::import

@@ -1,0 +1,143 @@
+// What extensions of glTF do, and that those that are not understood are named.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "io/import/gltf_extensions.h"
+#include "tests/support/gltf_scene.h"
+#include "tests/support/import_errors.h"
+#include "tests/support/shared_data.h"
+
+namespace occam {
+namespace {
+
+using test::cages;
+using test::error_of;
+using test::Gltf;
+using test::square;
+using test::TempFolder;
+using test::warns;
+
+std::string used(const std::string& names) { return R"(, "extensionsUsed": [)" + names + "]"; }
+
+TEST(GltfExtensions, WhatIsNotUnderstoodIsAWarningByNameAndAnErrorIfStrict)
+{
+    const TempFolder folder;
+    Gltf g = square();
+    g.more = used(R"("KHR_materials_sheen", "KHR_materials_iridescence", "KHR_materials_dispersion")");
+    const auto file = g.write(folder);
+    const Scene scene = load(file);
+    EXPECT_EQ(scene.warnings.size(), 2u);
+    EXPECT_TRUE(warns(scene, "extension KHR_materials_iridescence is not understood"));
+    EXPECT_TRUE(warns(scene, "extension KHR_materials_dispersion is not understood"));
+    EXPECT_NE(error_of(file, {.strict = true}).find("KHR_materials_dispersion is not understood"), std::string::npos);
+    g.more = used(R"("KHR_materials_sheen", "KHR_materials_anisotropy", "KHR_xmp_json_ld")");
+    EXPECT_EQ(error_of(g.write(folder), {.strict = true}), "");
+}
+
+TEST(GltfExtensions, TheDocumentedTableIsThatOfTheCode)
+{
+    std::ostringstream text;
+    text << std::ifstream(test::source_folder() / "docs" / "gltf-extensions.md").rdbuf();
+    EXPECT_NE(text.str().find(import::gltf_extension_table()), std::string::npos) << "docs/gltf-extensions.md has to hold:\n"
+                                                                                  << import::gltf_extension_table();
+}
+
+const Material& material_of(const Scene& scene, const Cage& cage) { return scene.material(cage.materials.at(0)); }
+
+TEST(GltfExtensions, SpecularGlossinessGoesBeforeMetallicRoughness)
+{
+    const TempFolder folder;
+    folder.write("a.ppm", std::string_view("P6\n1 1\n255\n\xff\x80\0", 14));
+    Gltf g = square(R"(, "material": 0)");
+    g.more = used(R"("KHR_materials_pbrSpecularGlossiness")") +
+             R"(, "images": [{"uri": "a.ppm"}], "textures": [{"source": 0}],
+        "materials": [{"pbrMetallicRoughness": {"metallicFactor": 1, "baseColorFactor": [0, 0, 1, 1]}, "extensions":
+        {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [1, 0.5, 0.25, 0.75], "specularFactor": [0.5, 0.25, 0.125],
+        "glossinessFactor": 0.75, "specularGlossinessTexture": {"index": 0}}}}])";
+    const Scene scene = load(g.write(folder));
+    const Material& m = material_of(scene, *cages(scene).at(0));
+    EXPECT_EQ(m.base_color, Vec4f(1, 0.5f, 0.25f, 0.75f));
+    EXPECT_EQ(m.metallic, 0);
+    EXPECT_EQ(m.ior, 0);
+    EXPECT_EQ(m.specular_color, Vec3f(0.5f, 0.25f, 0.125f));
+    EXPECT_EQ(m.roughness, 0.25f);
+    EXPECT_TRUE(m.specular_color_texture);
+    EXPECT_TRUE(m.glossiness_texture);
+    EXPECT_EQ(scene.texture(m.specular_color_texture.texture).role, TextureRole::Color);
+    EXPECT_TRUE(scene.warnings.empty());
+}
+
+TEST(GltfExtensions, SheenAndAnisotropyAreRead)
+{
+    const TempFolder folder;
+    Gltf g = square(R"(, "material": 0)");
+    g.more = used(R"("KHR_materials_sheen", "KHR_materials_anisotropy")") + R"(, "materials": [{"extensions": {
+        "KHR_materials_sheen": {"sheenColorFactor": [0.5, 0.25, 1], "sheenRoughnessFactor": 0.5},
+        "KHR_materials_anisotropy": {"anisotropyStrength": 0.75, "anisotropyRotation": 1.5}}}])";
+    const Scene scene = load(g.write(folder));
+    const Material& m = material_of(scene, *cages(scene).at(0));
+    EXPECT_EQ(m.sheen_color, Vec3f(0.5f, 0.25f, 1));
+    EXPECT_EQ(m.sheen_roughness, 0.5f);
+    EXPECT_EQ(m.anisotropy, 0.75f);
+    EXPECT_EQ(m.anisotropy_rotation, 1.5f);
+}
+
+TEST(GltfExtensions, AVariantIsChosenByItsName)
+{
+    const TempFolder folder;
+    Gltf g = square(
+        R"(, "material": 0, "extensions": {"KHR_materials_variants": {"mappings": [{"material": 1, "variants": [1, 2]}]}})");
+    g.more = used(R"("KHR_materials_variants")") +
+             R"(, "materials": [{"name": "own"}, {"name": "other"}],
+        "extensions": {"KHR_materials_variants": {"variants": [{"name": "A"}, {"name": "B"}, {"name": "C"}]}})";
+    const auto file = g.write(folder);
+    const auto name = [&](const std::string& variant) {
+        const Scene scene = load(file, {.variant = variant});
+        return material_of(scene, *cages(scene).at(0)).name;
+    };
+    EXPECT_EQ(load(file).variants, (std::vector<std::string>{"A", "B", "C"}));
+    EXPECT_EQ(name(""), "own");
+    EXPECT_EQ(name("A"), "own") << "nothing is mapped for it";
+    EXPECT_EQ(name("B"), "other");
+    EXPECT_EQ(name("C"), "other");
+    EXPECT_NE(error_of(file, {.variant = "D"}).find("it has A, B, C"), std::string::npos);
+}
+
+Gltf instanced(const std::string& more_attributes = "")
+{
+    Gltf g = square();
+    g.put<float>({0, 0, 0, 5, 0, 0, 0, 7, 0});
+    g.accessor(R"({"bufferView": 2, "componentType": 5126, "count": 3, "type": "VEC3"})");
+    g.accessor(R"({"componentType": 5126, "count": 2, "type": "VEC3"})");
+    g.accessor(R"({"componentType": 5126, "count": 4000000, "type": "VEC3"})");
+    g.nodes = R"({"mesh": 0, "translation": [0, 0, 1], "extensions": {"EXT_mesh_gpu_instancing": {"attributes":
+        {"TRANSLATION": 2)" +
+              more_attributes + "}}}}";
+    g.more = used(R"("EXT_mesh_gpu_instancing")");
+    return g;
+}
+
+TEST(GltfExtensions, InstancesLieBelowTheirNode)
+{
+    const TempFolder folder;
+    const Scene scene = load(instanced().write(folder));
+    std::vector<Vec3d> places;
+    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d& m) {
+        if (!node.cages.empty()) places.push_back(Vec3d(m[3]));
+    });
+    EXPECT_EQ(places, (std::vector<Vec3d>{{0, 0, 1}, {5, 0, 1}, {0, 7, 1}}));
+    EXPECT_EQ(scene.counts().cages, 1u);
+}
+
+TEST(GltfExtensions, InstancesThatDoNotFitTogetherOrAreTooManyAreRefused)
+{
+    const TempFolder folder;
+    EXPECT_NE(error_of(instanced(R"(, "SCALE": 3)").write(folder)).find("differ in their number"), std::string::npos);
+    EXPECT_NE(error_of(instanced(R"(, "SCALE": 4)").write(folder)).find("at most 1048576 instances"), std::string::npos);
+    EXPECT_NE(error_of(instanced(R"(, "ROTATION": 2)").write(folder)).find("wrong type"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace occam
