@@ -9,6 +9,7 @@
 #include "render/cryptomatte.h"
 #include "render/frame.h"
 #include "render/metadata.h"
+#include "shade/input_limits.h"
 
 namespace occam {
 namespace {
@@ -117,6 +118,8 @@ struct Job::State {
         stats.image.spp = settings.spp;
         stats.image.checksum = image.checksum();
         stats.warnings = scene.warnings;
+        for (std::string& warning : shade::input_warnings(scene, settings.sky_strength))
+            stats.warnings.push_back(std::move(warning));
         for (std::string& warning : renderer->textures.warnings()) stats.warnings.push_back(std::move(warning));
         if (!stats.complete && !control.is_cancelled())
             stats.warnings.push_back("out of time: " + std::to_string(static_cast<int>(100 * control.fraction_done())) +

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "shade/frame_of.h"
+#include "shade/input_limits.h"
 
 namespace occam::shade {
 namespace {
@@ -59,7 +60,7 @@ Vec3f sky_radiance(float y) noexcept
 }  // namespace
 
 Environment::Environment(const occam::Environment& description, const TextureStore& textures)
-    : scale_(description.radiance), textures_(&textures)
+    : scale_(limited(description.radiance)), textures_(&textures)
 {
     if (scale_ == Vec3f(0)) return;
     kind_ = Kind::Constant;
@@ -76,7 +77,7 @@ Environment Environment::sky(float strength)
 {
     Environment e;
     e.kind_ = strength > 0 ? Kind::Sky : Kind::None;
-    e.scale_ = Vec3f(strength);
+    e.scale_ = limited(Vec3f(strength));
     return e;
 }
 

@@ -1,4 +1,5 @@
 #include "shade/lights.h"
+#include "shade/input_limits.h"
 
 #include <algorithm>
 #include <limits>
@@ -161,6 +162,7 @@ WorldLight WorldLight::place(const Light& light, const Mat4d& world_from_node)
     } else if (const auto* area_light = std::get_if<AreaLight>(&light.kind)) {
         place_area(out, *area_light, world_from_node);
     }
+    out.strength = limited(out.strength);
     return out;
 }
 

@@ -6,6 +6,7 @@
 #include "shade/albedo_table.h"
 #include "shade/bump.h"
 #include "shade/fresnel.h"
+#include "shade/input_limits.h"
 #include "shade/material_values.h"
 #include "shade/sheen.h"
 
@@ -180,6 +181,7 @@ Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
     s.opacity = opacity_of(m, base.w * values.alpha);
     s.passes = Vec3f(1 - s.opacity);
     s.unlit = m.unlit;
+    s.base_color = s.unlit ? limited(s.base_color) : glm::min(limited(s.base_color), Vec3f(1));
     if (s.unlit || s.opacity == 0) return s;
     if (!point.phase_one) {
         values.look_up_rest(m, point.texture, textures);
@@ -187,7 +189,7 @@ Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
     }
     s.normal = mapped_normal(m.normal_texture, values.normal, m.normal_scale, point);
     if (values.slope != Vec3f(0)) s.normal = bumped_normal(s.normal, values.slope, point);
-    s.emission = values.emission;
+    s.emission = limited(values.emission);
 
     const float metallic = std::clamp(values.metallic, 0.0f, 1.0f);
     s.alpha = lobe_width(values.roughness);

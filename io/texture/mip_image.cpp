@@ -105,7 +105,14 @@ std::size_t MipImage::bytes_of(int width, int height) noexcept
 
 void MipImage::write_row(int y, std::span<const Vec4f> texels)
 {
-    levels_[0].write_row(y, texels.first(static_cast<std::size_t>(width())));
+    texels = texels.first(static_cast<std::size_t>(width()));
+    constexpr float kLargestHalf = 65504;
+    for (const Vec4f& t : texels) {
+        const Vec4f size = glm::abs(t);
+        clamped_texels_ += !(size.x <= kLargestHalf && size.y <= kLargestHalf && size.z <= kLargestHalf &&
+                             size.w <= kLargestHalf);
+    }
+    levels_[0].write_row(y, texels);
 }
 
 void MipImage::build_levels()

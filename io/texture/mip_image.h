@@ -4,6 +4,7 @@
 // Threads  read only once it is made.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -24,8 +25,11 @@ public:
     /// What an image of this size will take with all its levels.
     static std::size_t bytes_of(int width, int height) noexcept;
 
+    /// A channel that is not a number becomes 0, one beyond the largest half float that value; clamped_texels() counts both.
     void write_row(int y, std::span<const Vec4f> texels);
     void build_levels();
+    /// Texels given to write_row() that had to be clamped.
+    std::size_t clamped_texels() const noexcept { return clamped_texels_; }
 
     Vec4f texel(int level, int x, int y) const noexcept { return levels_[static_cast<std::size_t>(level)].texel(x, y); }
     /// Bilinear about `st` of a level, or the nearest texel. `st` is finite; (0, 0) is the top left corner.
@@ -45,6 +49,7 @@ private:
     static Level halved(const Level& from);
 
     std::vector<Level> levels_;
+    std::size_t clamped_texels_ = 0;
 };
 
 }  // namespace occam

@@ -106,6 +106,10 @@ private:
                 throw Error(description_.name, "the image has changed while the scene was rendered");
             decoded_ = std::make_unique<const MipImage>(source.decode(halvings_));
             description_.pixels = {};
+            if (const std::size_t texels = decoded_->clamped_texels())
+                warnings_.push_back(
+                    description_.name +
+                    ": texels that are not finite numbers, or above 65504, were clamped: " + std::to_string(texels));
         } catch (const std::exception& error) {
             errors_.push_back(error.what());
         }

@@ -1,0 +1,62 @@
+#include "shade/input_limits.h"
+
+#include <algorithm>
+#include <set>
+#include <variant>
+
+#include "scenegraph/scene.h"
+
+namespace occam::shade {
+namespace {
+
+bool is_beyond(Vec3f c) noexcept { return limited(c) != c; }
+
+bool is_beyond(const Light& light) noexcept
+{
+    if (const auto* point = std::get_if<PointLight>(&light.kind)) return is_beyond(point->intensity);
+    if (const auto* sun = std::get_if<SunLight>(&light.kind)) return is_beyond(sun->irradiance);
+    if (const auto* area = std::get_if<AreaLight>(&light.kind)) return is_beyond(area->radiance);
+    return false;
+}
+
+// No surface reflects more light than it gets. A colour that is shown as it is may be any.
+bool is_too_white(const Material& m) noexcept
+{
+    const Vec3f c(m.base_color);
+    return !m.unlit && !(c.x <= 1 && c.y <= 1 && c.z <= 1);
+}
+
+}  // namespace
+
+std::vector<std::string> input_warnings(const Scene& scene, float sky_strength)
+{
+    std::set<const Material*> materials;
+    std::set<const Light*> lights;
+    const auto look = [&](const std::vector<MaterialId>& ids) {
+        for (const MaterialId id : ids)
+            if (const Material* m = scene.find(id)) materials.insert(m);
+    };
+    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
+        look(node.materials);
+        for (const CageId id : node.cages)
+            if (const CageSlot* slot = scene.find(id)) look(slot->cage.materials);
+        if (const Light* light = scene.find(node.light)) lights.insert(light);
+    });
+    const auto too_white = std::count_if(materials.begin(), materials.end(),
+                                         [](const Material* m) { return is_too_white(*m); });
+    const auto too_bright = std::count_if(materials.begin(), materials.end(),
+                                          [](const Material* m) { return is_beyond(m->emission); }) +
+                            std::count_if(lights.begin(), lights.end(), [](const Light* l) { return is_beyond(*l); }) +
+                            is_beyond(scene.environment.radiance) + is_beyond(Vec3f(sky_strength));
+    std::vector<std::string> lines;
+    if (too_white > 0)
+        lines.push_back("materials whose base colour is above 1, which reflect as if it were 1: " +
+                        std::to_string(too_white));
+    if (too_bright > 0)
+        lines.push_back(
+            "lights, environments and emissions that are not a number or brighter than 1e12, which were clamped: " +
+            std::to_string(too_bright));
+    return lines;
+}
+
+}  // namespace occam::shade

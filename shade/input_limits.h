@@ -1,0 +1,33 @@
+// Limits of what a scene may ask for, so that no sum of a picture overflows. What lies beyond is clamped where it is read,
+// and counted in a warning.
+//
+// Space    world; colours linear.
+// Threads  any.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/vec.h"
+
+namespace occam {
+class Scene;
+}
+
+namespace occam::shade {
+
+/// The brightest radiance, irradiance or intensity of a light, an environment or a material.
+inline constexpr float kMaxRadiance = 1e12f;
+
+/// Returns the colour with no channel above kMaxRadiance; a channel that is not a number becomes 0.
+inline Vec3f limited(Vec3f c) noexcept
+{
+    for (int i = 0; i < 3; ++i) c[i] = c[i] <= kMaxRadiance ? c[i] : c[i] > kMaxRadiance ? kMaxRadiance : 0.0f;
+    return c;
+}
+
+/// Returns a line for each kind of value that is clamped, with a count: lights, environments and emissions beyond
+/// kMaxRadiance, and base colours above 1 of materials that reflect.
+std::vector<std::string> input_warnings(const Scene& scene, float sky_strength);
+
+}  // namespace occam::shade

@@ -1,0 +1,110 @@
+// What a file may ask for beyond all measure: it is clamped, and counted in a warning.
+#include <gtest/gtest.h>
+#include <occam/occam.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/support/shape_builders.h"
+
+namespace occam::test {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity(), kNaN = std::numeric_limits<float>::quiet_NaN();
+
+struct Picture {
+    float brightest = 0;
+    bool is_finite = true;
+    std::vector<std::string> warnings;
+
+    bool warns_of(const std::string& text) const
+    {
+        for (const std::string& line : warnings)
+            if (line.find(text) != std::string::npos) return true;
+        return false;
+    }
+};
+
+Picture picture_of(Scene& scene)
+{
+    Renderer renderer({.threads = 1});
+    const Image image = renderer.render(scene, Camera::framing(scene.bounds()), {.width = 24, .height = 16, .spp = 4});
+    Picture out;
+    for (const float value : image.find("beauty")->pixels) {
+        out.is_finite &= std::isfinite(value);
+        out.brightest = std::max(out.brightest, value);
+    }
+    EXPECT_EQ(renderer.stats().image.samples_not_finite, 0u);
+    out.warnings = renderer.stats().warnings;
+    return out;
+}
+
+Scene scene_of(const Material& material)
+{
+    Scene scene;
+    Cage cage = torus();
+    cage.materials = {scene.add(material)};
+    place(scene, scene.add(std::move(cage)), Vec3d(0));
+    return scene;
+}
+
+TEST(InputLimits, TexelsThatAreNotFiniteAreClampedAndCounted)
+{
+    Scene scene = scene_of({});
+    Texture sky;
+    sky.name = "sky";
+    sky.width = 8;
+    sky.height = 4;
+    sky.pixels.assign(32, Vec4f(1));
+    sky.pixels[3] = Vec4f(kInfinity, 1, 1, 1);
+    sky.pixels[9] = Vec4f(kNaN);
+    sky.pixels[20] = Vec4f(1, 1e30f, -kInfinity, 1);
+    scene.environment = {Vec3f(1), scene.add(std::move(sky)), 0};
+    const Picture p = picture_of(scene);
+    EXPECT_TRUE(p.is_finite);
+    EXPECT_TRUE(p.warns_of("sky: texels that are not finite numbers, or above 65504, were clamped: 3"));
+}
+
+TEST(InputLimits, StrengthsBeyondMeasureAreClampedAndCounted)
+{
+    for (const float strength : {1e13f, 1e38f}) {
+        Material glow;
+        glow.emission = Vec3f(strength);
+        Scene scene = scene_of(glow);
+        NodeDesc lamp;
+        lamp.place.translation = {0, 4, 0};
+        lamp.light = scene.add(Light{"lamp", PointLight{Vec3f(strength)}});
+        scene.add_node(scene.root(), lamp);
+        scene.environment.radiance = Vec3f(strength);
+        const Picture p = picture_of(scene);
+        EXPECT_TRUE(p.is_finite) << strength;
+        EXPECT_TRUE(p.warns_of("brighter than 1e12, which were clamped: 3")) << strength;
+    }
+    for (const float radiance : {kInfinity, kNaN}) {
+        Scene scene = scene_of({});
+        scene.environment.radiance = Vec3f(radiance);
+        const Picture p = picture_of(scene);
+        EXPECT_TRUE(p.is_finite) << radiance;
+        EXPECT_TRUE(p.warns_of("brighter than 1e12, which were clamped: 1")) << radiance;
+    }
+    Scene scene = scene_of({});
+    EXPECT_FALSE(picture_of(scene).warns_of("clamped"));
+}
+
+TEST(InputLimits, NoSurfaceReflectsMoreLightThanItGets)
+{
+    for (const float metallic : {0.0f, 1.0f}) {
+        Material bright;
+        bright.base_color = Vec4f(50, 2, 1e30f, 1);
+        bright.metallic = metallic;
+        Scene scene = scene_of(bright);
+        scene.environment.radiance = Vec3f(1);
+        const Picture p = picture_of(scene);
+        EXPECT_TRUE(p.is_finite);
+        EXPECT_LT(p.brightest, 2) << "a sample may vary, the mean is 1";
+        EXPECT_TRUE(p.warns_of("base colour is above 1, which reflect as if it were 1: 1"));
+    }
+}
+
+}  // namespace
+}  // namespace occam::test
