@@ -62,7 +62,7 @@ Extent::State::Shape& Extent::State::shape_of(CageId id, const CageSlot& slot)
     const Cage& cage = slot.cage;
     std::vector<bool> is_used(cage.positions.size());
     int levels = 0;
-    if (cage.scheme == Scheme::CatmullClark)
+    if (cage.scheme == Scheme::CatmullClark && cage.face_count() > 0)
         for (std::size_t n = cage.face_vertices.size(); levels < kMostLevels && n <= kMostFaces; n *= 4) ++levels;
     if (levels > 0) {
         shape.refiner = make_refiner(cage);

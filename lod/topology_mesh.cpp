@@ -197,6 +197,9 @@ Topology::Mesh::Mesh(const Cage& cage) : bilinear(cage.scheme == Scheme::Bilinea
     }
 }
 
+// Faces of up to this many corners list their control points from their first corner on.
+static constexpr int kMostCornersAsTheyAre = 64;
+
 Neighbourhood neighbourhood(const Far::TopologyLevel& level, PatchRef patch, bool bilinear, int uv_set)
 {
     Neighbourhood out;
@@ -207,22 +210,35 @@ Neighbourhood neighbourhood(const Far::TopologyLevel& level, PatchRef patch, boo
     const auto corners = level.GetFaceVertices(face);
     out.key.reserve(160);
     out.key.push_back(static_cast<std::uint32_t>(corners.size()) << 8 | static_cast<std::uint32_t>(uv_set + 1));
-    out.key.push_back(patch.sub);
+    // The parts of a face of many corners are looked at from their own corner on, and the faces beside it from the corner
+    // that they share with it. What is alike all around then shares a class. The face itself is listed once and not at each
+    // corner, so that its cost does not grow with the cube of its size.
+    const int size = corners.size();
+    const bool turns = size > kMostCornersAsTheyAre;
+    const int first = turns ? static_cast<int>(patch.sub) : 0;
+    out.key.push_back(turns ? 0u : patch.sub);
 
-    const auto add_face = [&](int g) {
+    const auto first_of = [&](int g, int place) {
+        return g == face ? first : level.GetFaceVertices(g).size() > kMostCornersAsTheyAre ? place : 0;
+    };
+    const auto add_face = [&](int g, int from) {
         const auto vertices = level.GetFaceVertices(g);
-        out.key.push_back(static_cast<std::uint32_t>(vertices.size()));
-        for (const int w : vertices) out.key.push_back(vertex.of(static_cast<std::uint32_t>(w)));
+        const int count = vertices.size();
+        out.key.push_back(static_cast<std::uint32_t>(count));
+        for (int i = 0; i < count; ++i)
+            out.key.push_back(vertex.of(static_cast<std::uint32_t>(vertices[(from + i) % count])));
         if (uv_set < 0) return;
-        for (const int w : level.GetFaceFVarValues(g, uv_set)) out.key.push_back(value.of(static_cast<std::uint32_t>(w)));
+        const auto values = level.GetFaceFVarValues(g, uv_set);
+        for (int i = 0; i < count; ++i) out.key.push_back(value.of(static_cast<std::uint32_t>(values[(from + i) % count])));
     };
 
     if (bilinear) {
-        add_face(face);
+        add_face(face, first);
         return out;
     }
-    for (int c = 0; c < corners.size(); ++c) {
-        const int v = corners[c];
+    if (turns) add_face(face, first);
+    for (int i = 0; i < size; ++i) {
+        const int c = (first + i) % size, v = corners[c];
         const auto faces = level.GetVertexFaces(v);
         const auto places = level.GetVertexFaceLocalIndices(v);
         int start = 0;
@@ -238,14 +254,15 @@ Neighbourhood neighbourhood(const Far::TopologyLevel& level, PatchRef patch, boo
                 out.crease_depth = std::max(out.crease_depth, static_cast<int>(std::ceil(sharpness)));
         };
         add_sharpness(level.GetVertexSharpness(v));
-        for (int i = 0; i < faces.size(); ++i) {
-            const int k = cyclic ? (start + i) % faces.size() : i;
+        for (int f = 0; f < faces.size(); ++f) {
+            const int k = cyclic ? (start + f) % faces.size() : f;
             const int g = faces[k], place = places[k];
             const auto edges = level.GetFaceEdges(g);
-            out.key.push_back(static_cast<std::uint32_t>(place));
+            const int from = first_of(g, place);
+            out.key.push_back(static_cast<std::uint32_t>(place < from ? place - from + size : place - from));
             add_sharpness(level.GetEdgeSharpness(edges[place]));
             add_sharpness(level.GetEdgeSharpness(edges[(place + edges.size() - 1) % edges.size()]));
-            add_face(g);
+            if (g != face || !turns) add_face(g, from);
         }
     }
     return out;

@@ -92,11 +92,17 @@ private:
         report(count, "vertices are not finite or beyond 1e12");
     }
 
-    enum class Verdict { Keep, Collapse, OutOfRange, Unusable, Degenerate, TooLarge };
+    // The limits of what is subdivided: corners of a face, and faces around a vertex. The limit surface at such a place
+    // depends on all of them, and OpenSubdiv's tables for it grow with their square: 4096 would take more than 10 GB.
+    static constexpr std::uint32_t kMaxSubdividedCorners = 512, kMaxSubdividedValence = 512;
+
+    enum class Verdict { Keep, Collapse, OutOfRange, Unusable, Degenerate, TooLarge, TooManyCorners, AtPole };
+    static constexpr std::size_t kVerdicts = static_cast<std::size_t>(Verdict::AtPole) + 1;
 
     Verdict judge(std::span<const std::uint32_t> face, std::uint32_t stamp)
     {
         if (face.size() > kMaxFaceCorners) return Verdict::TooLarge;
+        if (cage_.scheme == Scheme::CatmullClark && face.size() > kMaxSubdividedCorners) return Verdict::TooManyCorners;
         for (std::uint32_t v : face)
             if (v >= cage_.positions.size()) return Verdict::OutOfRange;
         if (!unusable_.empty())
@@ -136,16 +142,17 @@ private:
         const bool triangles = cage_.scheme == Scheme::Triangles;
         const std::size_t faces = cage_.face_count();
         stamp_of_.assign(cage_.positions.size(), 0);
-        std::size_t counts[6] = {};
+        std::size_t counts[kVerdicts] = {};
         std::vector<Verdict> verdicts(faces);
         for (std::size_t f = 0, at = 0; f < faces; ++f) {
             const std::size_t size = triangles ? 3 : cage_.face_sizes[f];
             const auto face = std::span(cage_.face_vertices).subspan(at, size);
             verdicts[f] = judge(face, static_cast<std::uint32_t>(f + 1));
             if (triangles && verdicts[f] == Verdict::Collapse) verdicts[f] = Verdict::Degenerate;
-            ++counts[static_cast<int>(verdicts[f])];
             at += size;
         }
+        drop_poles(verdicts);
+        for (const Verdict verdict : verdicts) ++counts[static_cast<int>(verdict)];
         if (counts[0] != faces) keep_faces(verdicts);
         report(counts[static_cast<int>(Verdict::Collapse)], "faces lost corners that repeat their neighbour");
         report(counts[static_cast<int>(Verdict::OutOfRange)], "faces dropped: a vertex index is out of range");
@@ -153,6 +160,31 @@ private:
         report(counts[static_cast<int>(Verdict::Degenerate)],
                "faces dropped: degenerate (fewer than three vertices, or one twice)");
         report(counts[static_cast<int>(Verdict::TooLarge)], "faces dropped: more than 4096 corners");
+        report(counts[static_cast<int>(Verdict::TooManyCorners)],
+               "faces dropped: more than 512 corners cannot be subdivided");
+        report(counts[static_cast<int>(Verdict::AtPole)],
+               "faces dropped: more than 512 of them meet at a vertex, which cannot be subdivided");
+    }
+
+    // Drops the faces around vertices that too many faces of a subdivided cage share.
+    void drop_poles(std::vector<Verdict>& verdicts) const
+    {
+        if (cage_.scheme != Scheme::CatmullClark) return;
+        const auto for_kept = [&](auto&& visit) {
+            std::size_t at = 0;
+            for (std::size_t f = 0; f < verdicts.size(); at += cage_.face_sizes[f], ++f)
+                if (verdicts[f] == Verdict::Keep || verdicts[f] == Verdict::Collapse)
+                    visit(verdicts[f], std::span(cage_.face_vertices).subspan(at, cage_.face_sizes[f]));
+        };
+        std::vector<std::uint32_t> valence(cage_.positions.size());
+        for_kept([&](Verdict, std::span<const std::uint32_t> face) {
+            for (const std::uint32_t v : face) ++valence[v];
+        });
+        if (std::none_of(valence.begin(), valence.end(), [](std::uint32_t n) { return n > kMaxSubdividedValence; })) return;
+        for_kept([&](Verdict& verdict, std::span<const std::uint32_t> face) {
+            for (const std::uint32_t v : face)
+                if (valence[v] > kMaxSubdividedValence) verdict = Verdict::AtPole;
+        });
     }
 
     // Moves what is kept to the front; holes follow their faces.
