@@ -20,6 +20,7 @@ Json json_of(const VerifiedCage& c)
                   {"rays", c.rays},
                   {"escaped", c.escaped},
                   {"outside", c.outside},
+                  {"grazing", c.grazing},
                   {"not_finite", c.not_finite},
                   {"front_side", c.front_side},
                   {"worst_front", c.worst_front},

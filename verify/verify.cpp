@@ -12,6 +12,7 @@
 #include "lod/ray_levels.h"
 #include "lod/topology_cache.h"
 #include "verify/closed.h"
+#include "verify/grazing.h"
 #include "verify/ray_surface.h"
 
 namespace occam {
@@ -211,11 +212,12 @@ public:
         levels.eye = subject_.posed().anchor;
         levels.pixel = {lod::edge_length(finest_), 0};
         levels.shading_rate = 1 / lod::LevelSettings::kLongestEdge;  // footprints are edges
+        levels.displaced = subject_.posed().displacement.reach;
+        engine_levels_ = levels;
         if (settings_.overlap_ulps > 0) {
             levels.overlap_edges = 0;
             levels.overlap_ulps = settings_.overlap_ulps;
         }
-        levels.displaced = subject_.posed().displacement.reach;
         levels_ = levels;
         const accel::Frame frame(subject_.scene(), subject_.topologies(), levels, textures_);
         accel::Tracer tracer(frame, std::size_t(1) << 30);
@@ -335,6 +337,10 @@ private:
             ++report_.outside;
             return;
         }
+        if (is_grazing(ray)) {
+            ++report_.grazing;
+            return;
+        }
         ++report_.escaped;
         if (report_.replay.size() >= 5) return;
         std::ostringstream out;
@@ -343,6 +349,20 @@ private:
             << ' ' << ray.direction.y << ' ' << ray.direction.z << " footprint " << ray.footprint.a << ' '
             << ray.footprint.b;
         report_.replay.push_back(out.str());
+    }
+
+    /// Whether the ray passed between two levels only because they overlap less here than in the engine.
+    bool is_grazing(const accel::Ray& ray)
+    {
+        if (!(settings_.overlap_ulps > 0)) return false;
+        const auto far = static_cast<float>(4 * subject_.posed().radius);
+        lod::RayLevels<float> table;
+        if (!table.set(ray.footprint.a, ray.footprint.b, 0, far, far, levels_)) return false;
+        table.make();
+        if (!grazing_)
+            grazing_ = std::make_unique<GrazingRays>(subject_.scene(), subject_.topologies(), engine_levels_, textures_,
+                                                     subject_.posed().radius);
+        return grazing_->explain(ray, table);
     }
 
     /// About the start of the ray, of the surface that it sees.
@@ -369,7 +389,8 @@ private:
     int finest_ = 0;
     std::vector<Subject::Pair> pairs_;
     std::vector<Start> starts_;
-    lod::LevelSettings levels_;
+    lod::LevelSettings levels_, engine_levels_;
+    std::unique_ptr<GrazingRays> grazing_;  ///< made when a ray first meets nothing
 };
 
 VerifiedCage verify_posed(const Cage& cage, const Mat4d& world_from_object, const VerifySettings& settings,

@@ -20,7 +20,7 @@ struct VerifySettings {
     std::uint64_t seed = 0;
     int largest_rate = 32;  ///< of a patch, at the finest level that rays see
     /// By how much segments of a ray overlap, in ulps of the largest coordinate alone: the engine's overlap is wider, and
-    /// hides faults near the origin. 0: as the engine does.
+    /// hides faults near the origin. What passes because of that alone is counted as grazing. 0: as the engine does.
     float overlap_ulps = 4;
 };
 
@@ -33,6 +33,9 @@ struct VerifiedCage {
     /// Rays that met nothing and started outside: coarse meshes of thin parts leave some fine point outside of the surface
     /// that one ray sees. Found by that surface's winding number, for rays that met nothing alone.
     std::uint64_t outside = 0;
+    /// Rays so flat to the surface that they passed between two levels through a gap of rounding, where these overlap by
+    /// overlap_ulps alone. The engine's overlap closes it: each of them has met the surface when it was traced so.
+    std::uint64_t grazing = 0;
     std::uint64_t not_finite = 0;  ///< hits with a NaN or an infinity
     std::uint64_t front_side = 0;  ///< hits on the outside, which a ray from inside meets only where coarse triangles fold
     double worst_front = 0;        ///< of those: largest cosine between the outward normal and the way back
