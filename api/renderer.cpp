@@ -9,6 +9,7 @@
 #include "render/cryptomatte.h"
 #include "render/frame.h"
 #include "render/metadata.h"
+#include "scenegraph/content_rules.h"
 #include "shade/input_limits.h"
 
 namespace occam {
@@ -199,6 +200,7 @@ Renderer::~Renderer() = default;
 Job Renderer::start(Scene& scene, const Camera& camera, const Settings& settings)
 {
     render::check(settings);
+    check(scene.environment);
     if (state_->busy.exchange(true)) throw Error("", "this renderer is busy with another frame");
     try {
         auto job = std::make_unique<Job::State>(state_, scene, camera, settings);

@@ -51,7 +51,9 @@ TEST(Load, FramesOfTheGameTakeNoMoreMemoryAndDoNotDrift)
         Renderer fresh({.threads = 1, .memory_bytes = std::size_t(64) << 20});
         ASSERT_EQ(fresh.render(game.scene(), game.camera(clock), kTiny).checksum(), image.checksum()) << "frame " << frame;
     }
-    if (!kIsSanitized) EXPECT_LE(peaks[1], peaks[0] + peaks[0] / 100 + (std::size_t(1) << 20)) << "bytes in the second half";
+    if (!kIsSanitized) {
+        EXPECT_LE(peaks[1], peaks[0] + peaks[0] / 100 + (std::size_t(1) << 20)) << "bytes in the second half";
+    }
 }
 
 Scene rings(int n)

@@ -39,7 +39,10 @@ Gltf everything()
     };
     std::string sparse = plain(2, 4, "VEC3");
     sparse.pop_back();
-    g.accessor(sparse + R"(, "sparse": {"count": 1, "indices": {"bufferView": 10, "componentType": 5123},
+    g.accessor(
+        sparse +
+        R"(, "min": [0, 0, 0], "max": [1.5, 0, 0.5],
+        "sparse": {"count": 1, "indices": {"bufferView": 10, "componentType": 5123},
         "values": {"bufferView": 11}}})");
     g.accessor(plain(3, 4, "VEC2"));
     g.accessor(R"({"bufferView": 4, "componentType": 5121, "count": 4, "type": "VEC4"})");
@@ -57,14 +60,15 @@ Gltf everything()
     g.more = R"(, "scene": 0, "scenes": [{"nodes": [0, 1, 3, 4]}],
         "skins": [{"joints": [1, 2], "inverseBindMatrices": 9, "skeleton": 1}],
         "cameras": [{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1, "zfar": 100, "aspectRatio": 1.5}}],
-        "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.4, 0.2, 1], "metallicFactor": 0.5, "roughnessFactor": 0.3},
+        "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.4, 0.2, 1], "metallicFactor": 0.5,
+            "roughnessFactor": 0.3},
             "emissiveFactor": [0.1, 0, 0], "alphaMode": "MASK", "alphaCutoff": 0.25, "doubleSided": true}],
         "animations": [{"channels": [{"sampler": 0, "target": {"node": 2, "path": "rotation"}},
             {"sampler": 1, "target": {"node": 0, "path": "weights"}}],
             "samplers": [{"input": 6, "output": 7, "interpolation": "LINEAR"}, {"input": 6, "output": 8}]}],
         "extensionsUsed": ["KHR_lights_punctual"],
-        "extensions": {"KHR_lights_punctual": {"lights": [{"type": "spot", "intensity": 20, "color": [1, 0.9, 0.8], "range": 30,
-            "spot": {"innerConeAngle": 0.2, "outerConeAngle": 0.6}}]}})";
+        "extensions": {"KHR_lights_punctual": {"lights": [{"type": "spot", "intensity": 20, "color": [1, 0.9, 0.8],
+            "range": 30, "spot": {"innerConeAngle": 0.2, "outerConeAngle": 0.6}}]}})";
     return g;
 }
 

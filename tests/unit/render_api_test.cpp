@@ -146,6 +146,9 @@ TEST(Api, BadSettingsAreRefusedBeforeTheFirstTile)
     Square square;
     Renderer renderer;
     EXPECT_THROW(renderer.render(square.scene, kFront, {.width = 0}), Error);
+    square.scene.environment.radiance.x = NAN;
+    EXPECT_THROW(renderer.render(square.scene, kFront, {.width = 4, .height = 4, .spp = 1}), Error);
+    square.scene.environment = {};
     renderer.render(square.scene, kFront, {.width = 4, .height = 4, .spp = 1});
 }
 
