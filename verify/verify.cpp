@@ -357,7 +357,7 @@ private:
         if (!(settings_.overlap_ulps > 0)) return false;
         const auto far = static_cast<float>(4 * subject_.posed().radius);
         lod::RayLevels<float> table;
-        if (!table.set(ray.footprint.a, ray.footprint.b, 0, far, far, levels_)) return false;
+        if (!table.set({ray.footprint.a, ray.footprint.b}, 0, far, far, levels_)) return false;
         table.make();
         if (!grazing_)
             grazing_ = std::make_unique<GrazingRays>(subject_.scene(), subject_.topologies(), engine_levels_, textures_,
