@@ -51,7 +51,7 @@ protected:
         const lod::LevelSettings narrow = levels_of(4);
         lod::RayLevels<float> table;
         constexpr float kFar = 4 * kRadius;
-        EXPECT_TRUE(table.set(ray_.footprint.a, ray_.footprint.b, 0, kFar, kFar, narrow));
+        EXPECT_TRUE(table.set({ray_.footprint.a, ray_.footprint.b}, 0, kFar, kFar, narrow));
         table.make();
         return GrazingRays(scene_, topologies_, levels_of(0), nullptr, kRadius).explain(ray_, table);
     }
