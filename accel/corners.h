@@ -1,9 +1,10 @@
-// What the corners of the micropolygons that rays have met carry, a lane for each ray's; and their materials.
+// Gathers the corners of the micropolygons that rays have hit, one lane per ray, together with their materials.
 //
-// Positions are blended as the ray sees them. Normals and coordinates are phase one's, which runs on a patch at the first
-// hit there.
+// Positions are blended as the ray sees them. Normals and texture coordinates come from phase one of shading, which
+// runs on a patch at the first hit there.
 //
-// Space    positions: the dicing frame of the lane's cage. Normals: world.   Lanes without a hit: zero.
+// Space    Positions are in the dicing frame of the lane's cage; normals are in world space. Lanes without a hit hold
+//          zeros.
 #pragma once
 
 #include "accel/hit.h"
@@ -16,7 +17,7 @@ inline VecLanes load(const FloatLanes (&v)[3]) noexcept
     return {vfloat::load(v[0]), vfloat::load(v[1]), vfloat::load(v[2])};
 }
 
-/// Up to four floats a lane, side by side.
+/// Holds up to four floats per lane, side by side.
 using LaneFours = float[kLanes][4];
 inline void load(const LaneFours& from, vfloat (&to)[4]) noexcept
 {
@@ -27,24 +28,24 @@ inline void load(const LaneFours& from, vfloat (&to)[4]) noexcept
 
 struct Corners {
     alignas(32) FloatLanes position[3][3];  ///< corner, axis
-    /// The same micropolygon, in lanes of has_start, in the mesh of the level that secondary rays start at. A T-vertex's
-    /// triangle, which has no area, leaves this to a triangle of the quad beside it.
+    /// Holds the same micropolygon, in the lanes of has_start, in the mesh of the level at which secondary rays start.
+    /// A gap triangle, which has no area, is replaced here by a triangle of the quad beside it.
     alignas(32) FloatLanes start[3][3];
-    FloatLanes weight[3];                 ///< how far the corner has gone to its coarse position
-    LaneFours normal[3];                  ///< of each corner: unit, or of a mesh: any length
+    FloatLanes weight[3];                 ///< the share of the coarse position at the corner
+    LaneFours normal[3];                  ///< normal of each corner: unit length, or any length for a mesh
     LaneFours uv[2][3];                   ///< set, corner
-    Vec4f color[kLanes][3];               ///< of lanes in has_color
-    const Material* material[kLanes];     ///< of lanes with a hit
-    unsigned has_uv[2]{}, has_color = 0;  ///< lanes
+    Vec4f color[kLanes][3];               ///< valid in the lanes of has_color
+    const Material* material[kLanes];     ///< valid in lanes with a hit
+    unsigned has_uv[2]{}, has_color = 0;  ///< bit masks of lanes
     unsigned has_start = 0;               ///< lanes in which `start` may differ from `position`
 
-    /// Corners of what up to kLanes rays have met, and where.
+    /// Holds the corners of what up to kLanes rays have hit, and where they are.
     Corners(std::span<const Met> met, const Spot* spots) noexcept;
-    /// Takes the rays, each in its cage's frame. Bit i of coarse_starts says that the start level of lane i is the coarser
-    /// one of the pair that it has met.
+    /// Takes the rays, each in the frame of its cage. Bit i of coarse_starts says that the start level of lane i is the
+    /// coarser level of the pair that the ray has hit.
     void set_positions(const vfloat (&direction)[3], const vfloat (&origin)[3], vfloat shift,
                        unsigned coarse_starts) noexcept;
-    /// The rest, and materials. Runs phase one on patches if these are the first hits there.
+    /// Fills in the remaining attributes and the materials. Runs phase one on patches that have their first hits here.
     void set_attributes(const PhaseOneTools& tools);
 
     Vec3f position_of(int corner, std::size_t lane) const noexcept
@@ -53,13 +54,13 @@ struct Corners {
     }
 
 private:
-    /// The numbers of a lattice micropolygon's vertices.
+    /// Returns the indices of the vertices of a lattice micropolygon.
     struct Vertices {
         std::uint32_t of[3];
         Vertices(const IGridPart& part, const Spot& spot) noexcept;
     };
     void set_special(std::size_t lane, const VertexBlendOf<float>& blend, bool starts_coarse) noexcept;
-    /// Puts the T-vertices among a lane's corners where the triangles beside them have them.
+    /// Moves the T-vertices among a lane's corners to where the neighbouring triangles have them.
     void set_hanging(FloatLanes (&to)[3][3], std::size_t lane, const VertexBlendOf<float>& blend) noexcept;
     void set_attributes_of_mesh(std::size_t lane, const Scene& scene) noexcept;
     void set_colors(std::size_t lane) noexcept;
@@ -68,7 +69,7 @@ private:
     const Spot* spots_;
 };
 
-/// Where the corners of a quad's two triangles are, in quads.
+/// Returns the positions of the corners of a quad's two triangles, in units of quads.
 inline constexpr int kQuadCorners[2][3][2] = {{{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}};
 
 }  // namespace occam::accel

@@ -1,7 +1,7 @@
-// Lets one of several workers drop what all of them use. Each is inside while it works; at its safe points it steps out if
-// asked to.
+// Lets one of several workers drop the data that all of them use. Each worker is inside the gate while it works, and
+// steps out at its safe points when it is asked to.
 //
-// Threads  any.
+// Threads  Any thread may call it.
 #pragma once
 
 #include <atomic>
@@ -13,7 +13,7 @@ namespace occam::accel {
 
 class FlushGate {
 public:
-    /// Inside for a scope. Of no gate: nobody else is there.
+    /// Keeps a worker inside the gate for a scope. A null gate means that no other worker uses the data.
     class Inside {
     public:
         explicit Inside(FlushGate* gate) : gate_(gate)
@@ -31,16 +31,18 @@ public:
         FlushGate* gate_;
     };
 
-    /// A safe point of somebody inside: what is behind the gate may be another's work afterwards, and empty.
+    /// Marks a safe point of a worker that is inside. Afterwards the data behind the gate may be another worker's, or
+    /// may be empty.
     void pass()
     {
         if (!is_wanted_.load(std::memory_order_relaxed)) return;
         leave();
         enter();
     }
-    /// Flushes so far; of use inside, and until the next safe point.
+    /// Returns the number of flushes so far. The value holds inside the gate, until the next safe point.
     std::uint64_t flushes() const noexcept { return flushes_; }
-    /// For somebody inside, as a safe point: calls drop() with nobody inside, unless another has flushed since `seen`.
+    /// Calls drop() while no worker is inside, unless another worker has flushed since `seen`. The caller is inside;
+    /// the call is a safe point.
     template <class Drop>
     void flush(std::uint64_t seen, Drop&& drop)
     {
@@ -59,7 +61,7 @@ public:
     }
 
 private:
-    // Through the turn: whoever wants to flush keeps others from coming in before it.
+    // The turn is taken first: a worker that wants to flush keeps others from entering before it does.
     void enter()
     {
         const std::lock_guard turn(turn_);
@@ -67,10 +69,10 @@ private:
     }
     void leave() { inside_.unlock_shared(); }
 
-    std::mutex turn_;  ///< of those who come in or flush
+    std::mutex turn_;  ///< held by a worker that enters or flushes
     std::shared_mutex inside_;
     std::atomic<bool> is_wanted_ = false;
-    std::uint64_t flushes_ = 0;  ///< written with nobody inside
+    std::uint64_t flushes_ = 0;  ///< written while no worker is inside
 };
 
 }  // namespace occam::accel

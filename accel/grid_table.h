@@ -1,7 +1,8 @@
-// Which igrids a worker has: a table by what they are of, which pair of levels, and which tile (architecture: all leaves
-// point at one igrid per key).
+// Maps a subject, a pair of levels and a tile to the igrid that a worker has built for them. All leaves point at one
+// igrid per key (see docs/architecture.md).
 //
-// Memory   one worker's arena; growing leaves the smaller table behind.   Threads  one worker's own.
+// Memory   One worker's arena; when the table grows, the smaller one stays behind.
+// Threads  Each worker has its own.
 #pragma once
 
 #include "accel/igrid.h"
@@ -11,7 +12,7 @@
 namespace occam::accel {
 
 struct GridKey {
-    const void* subject = nullptr;  ///< PatchInfo, ClusterInfo
+    const void* subject = nullptr;  ///< a PatchInfo or a ClusterInfo
     int pair = 0;
     std::uint32_t i = 0, j = 0;  ///< first quad of the tile
     friend bool operator==(const GridKey&, const GridKey&) = default;
@@ -21,13 +22,14 @@ class GridTable {
 public:
     explicit GridTable(Arena& arena) : arena_(arena) { clear(); }
 
-    /// Forgets its content and its memory: call after the arena was reset.
+    /// Forgets its contents and its memory. It is called after the arena was reset.
     void clear() noexcept
     {
         slots_ = {};
         used_ = 0;
     }
-    /// The place of a key's igrid: null when the key is new. Good until the next call.
+    /// Returns the slot of a key's igrid, which is null when the key is new. The reference is valid until the next
+    /// call.
     IGrid*& operator[](const GridKey& key)
     {
         if (2 * (used_ + 1) > slots_.size()) grow();

@@ -1,4 +1,4 @@
-// What a ray has met, while it travels; and what of that phase two needs, by value.
+// Holds what a ray has hit while it is being traced, and what phase two of shading needs of the hit, by value.
 #pragma once
 
 #include <cfloat>
@@ -11,18 +11,18 @@
 
 namespace occam::accel {
 
-/// The order of micropolygons that a ray meets at the same distance: any order will do, if it is always the same.
+/// Orders micropolygons that a ray hits at the same distance. Any order will do, as long as it is always the same.
 bool comes_before(const IGrid& a, std::uint32_t a_id, const IGrid& b, std::uint32_t b_id) noexcept;
 
-/// t of a lane that has no ray, or that is done: finite, so that arithmetic on it gives no NaN.
+/// The t of a lane that has no ray or whose ray is finished. It is finite, so that arithmetic on it gives no NaN.
 inline constexpr float kDead = -FLT_MAX;
 
-/// Rays of the largest packet.
+/// The number of rays in the largest packet.
 inline constexpr int kPacket = 2 * kLanes;
 
-/// Nearest hits so far of up to kPacket rays.
+/// Holds the nearest hits so far of up to kPacket rays.
 struct Nearest {
-    alignas(32) float t[kPacket];  ///< t_far of the ray, until something is met
+    alignas(32) float t[kPacket];  ///< t_far of the ray until a hit is found
     IGrid* grid[kPacket];
     std::uint32_t id[kPacket];
 
@@ -36,7 +36,7 @@ struct Nearest {
     }
 };
 
-/// Whether anything was met: such a ray's t becomes kDead.
+/// Records only whether anything was hit: the t of such a ray becomes kDead.
 struct AnyHit {
     alignas(32) float t[kPacket];
 
@@ -46,15 +46,15 @@ struct AnyHit {
     }
 };
 
-/// What a ray has met in the end.
+/// Holds the final hit of a ray.
 struct Met {
     float t;
-    IGrid* grid;  ///< null: nothing
+    IGrid* grid;  ///< null if nothing was hit
     std::uint32_t id;
-    lod::Blend<float> blend;  ///< of the ray in the grid's pair, if the grid blends
+    lod::Blend<float> blend;  ///< the ray's blend in the grid's pair, if the grid blends
 };
 
-/// The edge lengths that a ray's levels are chosen by. A ray without a width has the camera's.
+/// Returns the target edge lengths by which a ray's levels are chosen. A ray without a width takes the camera's.
 inline lod::Footprint wanted_of(const Ray& ray, const lod::LevelSettings& levels) noexcept
 {
     lod::Footprint f = ray.footprint;
@@ -64,30 +64,30 @@ inline lod::Footprint wanted_of(const Ray& ray, const lod::LevelSettings& levels
     return levels.wanted(f);
 }
 
-/// What phase one is run with.
+/// Holds the inputs of phase one.
 struct PhaseOneTools {
     const FrameState& frame;
     lod::Dicer& dicer;
     Arena& arena;
     TraceCounters& counters;
-    std::mutex* building;  ///< held meanwhile; null: nobody else meets these igrids
+    std::mutex* building;  ///< locked while phase one runs; null if no other thread uses these igrids
 };
 
-/// Whether it is a T-vertex's triangle, which has no area.
+/// Returns whether the micropolygon is a gap triangle, which has no area.
 inline bool is_closer(std::uint32_t id) noexcept { return (id & kCloserBit) != 0; }
 inline bool is_closer(const Met& met) noexcept { return is_closer(met.id); }
-/// The micropolygon, or the one that a T-vertex's triangle stands for.
+/// Returns the micropolygon itself, or the one that a gap triangle stands for.
 inline std::uint32_t number_of(const IGrid& grid, std::uint32_t id) noexcept
 {
     return is_closer(id) ? grid.hanging_quads[id & ~kCloserBit] : id;
 }
 
-/// Where the micropolygon is that a ray has met, or the one that a T-vertex's triangle stands for.
+/// Locates the micropolygon that a ray has hit, or the one that a gap triangle stands for.
 struct Spot {
     std::uint32_t number;
-    std::uint32_t face;  ///< of the cage
-    IGridPart* part;     ///< null: a mesh's triangle
-    int i, j, triangle;  ///< as QuadRef, in the part
+    std::uint32_t face;  ///< face index in the cage
+    IGridPart* part;     ///< null for a triangle of a mesh
+    int i, j, triangle;  ///< as in QuadRef, within the part
 
     void set(const Met& met) noexcept
     {
@@ -103,8 +103,8 @@ struct Spot {
     }
 };
 
-/// Fills hits from the micropolygons that up to kLanes rays of a group have met. Runs phase one on their patches if they are
-/// the first hits there. hits: of rays that have met something; the others' are left alone.
+/// Fills `hits` from the micropolygons that up to kLanes rays of a group have hit. Runs phase one on patches that have
+/// their first hits here. Hits of rays that missed are not written.
 void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met> met, const PhaseOneTools& tools,
              SurfaceHit* const* hits);
 

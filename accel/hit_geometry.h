@@ -1,7 +1,8 @@
-// The shape of the triangles that rays have met, in lanes: normals, curvature, and the axes of texture coordinates.
+// Computes the shape of the triangles that rays have hit, in lanes: normals, curvature, and the axes of texture
+// coordinates.
 //
-// Edges are differences of neighbouring vertices, so floats hold all of it to a few ulps; products are never too small for a
-// float.
+// Edges are differences of neighbouring vertices, so floats hold them to a few ulps. Products are scaled so that they
+// never underflow.
 #pragma once
 
 #include <cfloat>
@@ -10,15 +11,17 @@
 
 namespace occam::accel {
 
-/// Triangles in lanes. Edges are b - a and c - a.
+/// Holds triangles in lanes. Their edges are b - a and c - a.
 struct Triangles {
     VecLanes edge[2];
-    VecLanes normal;       ///< unit, by winding; 0: there is no area
-    vfloat area;           ///< of the parallelogram
-    VecLanes gradient[2];  ///< of the weights of b and c over the triangle, per world length; a's is what they lack to zero
-    VecLanes way[2];       ///< the same, as long as may be: only their directions count
+    VecLanes normal;  ///< unit length, by winding; 0 if the triangle has no area
+    vfloat area;      ///< area of the parallelogram
+    /// Gradients of the weights of b and c over the triangle, per world length; all three weights' gradients add up to
+    /// zero.
+    VecLanes gradient[2];
+    VecLanes way[2];  ///< the same, scaled for precision: only the directions count
 
-    /// The same of the triangle between the edges b and c; two sides of no length have none.
+    /// Computes the shape of the triangle between the edges b and c. Two edges of length zero give no shape.
     static VecLanes unit_normal(const VecLanes& b, const VecLanes& c) noexcept
     {
         const vfloat size = max(largest(b), largest(c));
@@ -33,7 +36,7 @@ struct Triangles {
         const VecLanes a = load(corners.position[0]);
         edge[0] = load(corners.position[1]) - a;
         edge[1] = load(corners.position[2]) - a;
-        // As long as one at most, so that no product is too small for a float.
+        // The edges are scaled to a length of at most one, so that no product underflows.
         const vfloat size = max(largest(edge[0]), largest(edge[1]));
         const vfloat scale = select(size > vfloat(0.0f), vfloat(1.0f) / size, 0.0f);
         const VecLanes e = edge[0] * scale, f = edge[1] * scale;
@@ -50,7 +53,8 @@ struct Triangles {
     }
 };
 
-/// Half the divergence of the interpolated unit normal: the mean curvature, positive where the outside is convex.
+/// Returns half the divergence of the interpolated unit normal: the mean curvature, positive where the outside is
+/// convex.
 inline vfloat outward_curvature(const Triangles& tri, const VecLanes (&normal)[3]) noexcept
 {
     VecLanes n[3];
@@ -63,7 +67,7 @@ inline vfloat outward_curvature(const Triangles& tri, const VecLanes (&normal)[3
     return select(known, vfloat(0.5f) * (dot(n[1] - n[0], tri.gradient[0]) + dot(n[2] - n[0], tri.gradient[1])), 0.0f);
 }
 
-/// Texture coordinates in lanes: of a, and how they change to b and c.
+/// Holds texture coordinates in lanes: those of corner a, and their differences to b and c.
 struct UvLanes {
     vfloat at[2], edge[2][2];  ///< axis; corner b or c, axis
     UvLanes() noexcept
@@ -89,12 +93,13 @@ struct UvLanes {
 };
 
 struct Tangents {
-    VecLanes along;  ///< unit, or 0
+    VecLanes along;  ///< unit length, or 0
     vfloat sign;
 };
 
-/// dP/du and dP/dv are the columns of the inverse of (du/dP, dv/dP): in the plane, turned by a right angle from the
-/// other's gradient. Their lengths do not matter here, but the sign of the gradients' area does.
+/// The vectors dP/du and dP/dv are the columns of the inverse of (du/dP, dv/dP): each lies in the plane, at a right
+/// angle to the other coordinate's gradient. Their lengths do not matter here, but the sign of the gradients' area
+/// does.
 inline Tangents tangents(const Triangles& tri, const UvLanes& uv, const VecLanes& outward) noexcept
 {
     VecLanes d[2];

@@ -1,18 +1,18 @@
-// A tile of a patch, small patches of a cluster, or the triangles of a cluster, ready to be met by rays ("igrid", Djeu et
-// al. 2011, sec. 5.2.3).
+// Holds a tile of a patch, small patches of a cluster, or the triangles of a cluster, ready for intersection by rays
+// (an "igrid", Djeu et al. 2011, sec. 5.2.3).
 //
-// A *lattice* igrid has vertices in rows and is cut into blocks of up to 4 x 2 quads; a *mesh* igrid has triangles, up to
-// eight a block, parted into blocks by the surface area heuristic (lod/face_split.h). Over the blocks lies a complete binary
-// tree of boxes without pointers (Hou et al. 2010, sec. 3: halving the longer parametric side is within 20 % of greedy SAH);
-// children of node n are 2n + 1 and 2n + 2, and the leaves are consecutive, so that a single ray can test eight of them at
-// once.
+// A *lattice* igrid has vertices in rows and is cut into blocks of up to 4 x 2 quads. A *mesh* igrid has triangles, up
+// to eight per block, which the surface area heuristic distributes over the blocks (lod/face_split.h). Over the blocks
+// lies a complete binary tree of boxes without pointers (Hou et al. 2010, sec. 3: halving the longer parametric side is
+// within 20 % of greedy SAH). The children of node n are 2n + 1 and 2n + 2. The leaves are consecutive, so that a
+// single ray can test eight of them at once.
 //
 // A lattice serves a pair of levels: each vertex has a fine and a coarse position, and each ray blends them for itself
-// (lod/ray_levels.h). T-vertices have neither: they are middles of blended edge vertices.
+// (lod/ray_levels.h). T-vertices have neither: each is the midpoint of two blended edge vertices.
 //
-// Space    the cage's dicing frame.   Memory  in an arena; its tree borrows it.   Threads  read only but for `visit` and
-// what phase
-//          one fills in.
+// Space    The cage's dicing frame.
+// Memory   An arena; the tree borrows the igrid.
+// Threads  Read only, except for `visit` and what phase one fills in.
 #pragma once
 
 #include <cfloat>
@@ -25,73 +25,74 @@
 
 namespace occam::accel {
 
-/// Pairs of levels, both ends included.
+/// A range of pairs of levels, both ends included.
 struct PairRange {
     int finest = 0, coarsest = 0;
     bool has(int pair) const noexcept { return finest <= pair && pair <= coarsest; }
     bool is_empty() const noexcept { return finest > coarsest; }
 };
 
-/// A quad of a tile: its lower left vertex; and which triangle: 0 (v00, v10, v11), 1 (v00, v11, v01).
+/// Names a triangle by its quad in a tile (the lower left vertex) and its number: 0 is (v00, v10, v11), 1 is (v00, v11,
+/// v01).
 struct QuadRef {
     std::uint16_t i, j;
     std::uint8_t triangle;
 };
 
-/// Boxes of a complete binary tree without pointers, in groups of eight: eight lo.x, eight lo.y, ..., eight hi.z, so that
-/// what is read together is together. The leaves come first, then a place to spare and the nodes above them from the root
-/// on: so the eight nodes of the fourth row are a group, too.
+/// Holds the boxes of a complete binary tree without pointers, in groups of eight: eight lo.x, eight lo.y, ..., eight
+/// hi.z, so that values that are read together lie together. The leaves come first, then a spare slot, then the nodes
+/// above them, starting with the root. So the eight nodes of the fourth row form a group, too.
 struct BoxTree {
     static constexpr int kGroup = 8, kFloats = 6 * kGroup;
 
     int leaves = 0;  ///< a power of two
     float* data = nullptr;
 
-    static constexpr int kFourthRow = 7;  ///< its first node
+    static constexpr int kFourthRow = 7;  ///< index of the first node of that row
 
     int first_leaf() const noexcept { return leaves - 1; }
     int node_count() const noexcept { return 2 * leaves - 1; }
     int group_count() const noexcept { return (2 * leaves + kGroup - 1) / kGroup; }
-    /// lo.x of a node; the next coordinate is kGroup further. Of consecutive leaves from a multiple of eight on: side by
-    /// side.
+    /// Points at lo.x of a node; the next coordinate is kGroup floats further. Consecutive leaves lie side by side,
+    /// starting at a multiple of eight.
     float* at(int node) const noexcept
     {
         const int place = node < first_leaf() ? leaves + 1 + node : node - first_leaf();
         return data + offset(static_cast<std::size_t>(place));
     }
-    /// Of a box's lo.x in groups.
+    /// Returns the index of a box's lo.x among the groups.
     static constexpr std::size_t offset(std::size_t place) noexcept { return place / kGroup * kFloats + place % kGroup; }
     Box3f bounds() const noexcept { return {{lo(0, 0), lo(0, 1), lo(0, 2)}, {hi(0, 0), hi(0, 1), hi(0, 2)}}; }
     float& lo(int node, int axis) const noexcept { return at(node)[axis * kGroup]; }
     float& hi(int node, int axis) const noexcept { return at(node)[(axis + 3) * kGroup]; }
 };
 
-/// What lies between two parallel planes: lo <= dot(normal, p) <= hi. By default everything.
+/// The space between two parallel planes, lo <= dot(normal, p) <= hi. By default it is all of space.
 struct Slab {
-    Vec3f normal{0};  ///< unit, or 0
+    Vec3f normal{0};  ///< unit length, or 0
     float lo = -FLT_MAX, hi = FLT_MAX;
 };
 
-/// Where an igrid lies: in both.
+/// Bounds an igrid by the intersection of a box and a slab.
 struct GridBounds {
     Box3f box;
     Slab slab;
 };
 
-/// One patch of a lattice: a tile of it, or all of a small one.
+/// Describes one patch of a lattice: a tile of it, or all of a small patch.
 struct IGridPart {
     lod::TileRef tile;
-    lod::GridAttributes attributes;  ///< made when a hit first asks, as is:
+    lod::GridAttributes attributes;  ///< filled in by phase one at the first hit, as is is_shaded:
     const Material* material = nullptr;
-    bool is_shaded = false;  ///< published, as are:
+    bool is_shaded = false;  ///< published, as are the two below:
     const float* values[2] =
         {};  ///< VertexShader's, of the fine and of the coarse level; null: not made (accel/vertex_values.h)
-    std::int8_t channels = -1;      ///< floats of these a vertex; below 0: nobody has asked yet
+    std::int8_t channels = -1;      ///< floats per vertex in these values; negative until it is first asked for
     bool is_transposed = false;     ///< rows run along v
-    bool is_halved = false;         ///< in the pair's coarser level the patch has half as many rows and columns
-    std::int8_t coarse_filter = 0;  ///< PatchRates::filter of that level
-    std::uint32_t first = 0;        ///< vertex
-    std::uint32_t width = 0;        ///< vertices of a row
+    bool is_halved = false;         ///< the patch has half as many rows and columns in the pair's coarser level
+    std::int8_t coarse_filter = 0;  ///< PatchRates::filter of the coarser level
+    std::uint32_t first = 0;        ///< index of the first vertex
+    std::uint32_t width = 0;        ///< vertices per row
 
     /// Of the pair's coarser level, sides aside.
     lod::PatchRates coarser() const noexcept
@@ -109,70 +110,73 @@ struct IGridPart {
     }
 };
 
-/// Quads side by side in two rows, or one.
+/// A block of quads side by side in one row or two.
 struct LatticeBlock {
-    std::uint32_t first = 0;             ///< vertex: lower left
-    std::uint16_t stride = 0;            ///< vertices of a row
+    std::uint32_t first = 0;             ///< index of the lower left vertex
+    std::uint16_t stride = 0;            ///< vertices per row
     std::uint8_t columns = 0, rows = 0;  ///< quads: 1 to 4, 1 or 2
-    std::uint8_t fast = 0, slow = 0;     ///< its first quad in the part, along a row and across
+    std::uint8_t fast = 0, slow = 0;     ///< the block's first quad in the part, along a row and across rows
     bool is_transposed = false;
     std::uint16_t part = 0;
     std::uint16_t hanging_count = 0;
-    std::uint32_t hanging = 0;  ///< of its T-vertices: in IGrid::block_hanging
+    std::uint32_t hanging = 0;  ///< index of its first T-vertex in IGrid::block_hanging
 
-    static constexpr int kColumns = 5, kRows = 3;  ///< vertices, at most
+    static constexpr int kColumns = 5, kRows = 3;  ///< the largest number of vertices
 };
 
 /// A T-vertex of a block.
 struct BlockHanging {
-    std::uint32_t hanging = 0;  ///< in IGrid::hanging
+    std::uint32_t hanging = 0;  ///< index in IGrid::hanging
     std::uint8_t column = 0, row = 0;
 };
 
-/// A mailbox: the packet that met an igrid last, and which of its rays.
+/// The mailbox of an igrid: the packet that met it last, and which of its rays did.
 struct GridVisit {
     std::uint64_t packet = 0;
     std::uint32_t lanes = 0;
 };
 
 struct IGrid {
-    static constexpr int kBlock = 8;  ///< quads or triangles a block
+    static constexpr int kBlock = 8;  ///< quads or triangles per block
 
-    // What every visit reads comes first, in few cache lines.
-    GridVisit visit;  ///< of the one worker whose tree it is; workers that share a tree have theirs
+    // The fields that every visit reads come first, in few cache lines.
+    GridVisit visit;  ///< used by the one worker that owns the tree; workers that share a tree have tables instead
     bool is_lattice = false;
     std::uint8_t seen_by = RayKind::All;
     int hanging_blocks = 0;
-    PairRange pairs;  ///< that meet it
+    PairRange pairs;  ///< the pairs of levels that meet this igrid
     const lod::PosedCage* cage = nullptr;
-    BoxTree boxes;  ///< one leaf a block; empty boxes pad to a power of two
-    Slab slab;      ///< around all vertices, fine and coarse
+    BoxTree boxes;  ///< one leaf per block; empty boxes pad the leaves to a power of two
+    Slab slab;      ///< bounds all vertices, fine and coarse
 
     // Lattice
     const float* fine[3] = {};
-    const float* coarse[3] = {};  ///< the same arrays, if nothing blends
+    const float* coarse[3] = {};  ///< the same arrays as the fine ones if nothing blends
     const LatticeBlock* blocks = nullptr;
     BoxTree hanging_boxes;
     const BlockHanging* block_hanging = nullptr;
-    std::span<const lod::Hanging> hanging;  ///< all that have a triangle here; padded with copies to whole blocks of eight
-    const std::uint32_t* hanging_quads = nullptr;  ///< of each: the micropolygon that it stands for in ids
-    std::span<IGridPart> parts;                    ///< empty for a mesh
-    int level = 0;                                 ///< of the fine positions
+    /// All T-vertices with a gap triangle here, padded with copies to blocks of eight.
+    std::span<const lod::Hanging> hanging;
+    /// For each T-vertex: the micropolygon whose id its gap triangle reports.
+    const std::uint32_t* hanging_quads = nullptr;
+    std::span<IGridPart> parts;  ///< empty for a mesh
+    int level = 0;               ///< level of the fine positions
 
     // Mesh
-    const float* corners[9] = {};             ///< a.x a.y a.z b.x .. c.z, padded with copies to whole blocks
-    const std::uint32_t* ids = nullptr;       ///< face
-    const std::uint16_t* block_at = nullptr;  ///< the block of each leaf of `boxes`; a leaf without one has an empty box
+    const float* corners[9] = {};        ///< a.x a.y a.z b.x .. c.z, padded with copies to whole blocks
+    const std::uint32_t* ids = nullptr;  ///< face index of each triangle
+    /// The block of each leaf of `boxes`; a leaf without a block has an empty box.
+    const std::uint16_t* block_at = nullptr;
 
     bool blends() const noexcept { return coarse[0] != fine[0]; }
     Vec3f fine_at(std::uint32_t v) const noexcept { return {fine[0][v], fine[1][v], fine[2][v]}; }
     Vec3f coarse_at(std::uint32_t v) const noexcept { return {coarse[0][v], coarse[1][v], coarse[2][v]}; }
 };
 
-/// A micropolygon by number: the triangles of T-vertices have the top bit.
+/// Numbers a micropolygon. Gap triangles have the top bit set.
 inline constexpr std::uint32_t kCloserBit = 0x80000000u;
 
-/// Builds igrids. Scratch is reused; results are in the arena.
+/// Builds igrids. The scratch memory is reused; the results lie in the arena.
 class IGridBuilder {
 public:
     explicit IGridBuilder(lod::Dicer& dicer) : dicer_(dicer) {}
@@ -183,12 +187,12 @@ public:
     };
 
     IGrid* build_tile(const lod::PosedCage& cage, const Part& tile, Arena& arena);
-    /// Small patches of a cluster: each a whole patch of at most 2^kSmallExponent quads.
+    /// Builds an igrid of small patches of a cluster: each is a whole patch of at most 2^kSmallExponent quads.
     IGrid* build_patches(const lod::PosedCage& cage, std::span<const Part> patches, Arena& arena);
-    /// Faces of a triangle mesh.
+    /// Builds an igrid of faces of a triangle mesh.
     IGrid* build_triangles(const lod::PosedCage& cage, std::span<const std::uint32_t> faces, Arena& arena);
 
-    /// log2 of the quads up to which a patch shares an igrid.
+    /// The log2 of the largest number of quads with which a patch shares an igrid.
     static constexpr int kSmallExponent = 2;
 
     std::uint64_t micropolygons = 0;
@@ -207,17 +211,17 @@ private:
     std::vector<BlockHanging> block_hanging_;
     std::vector<lod::Hanging> hanging_;
     std::vector<std::uint32_t> hanging_quads_;
-    // Of the mesh that is being built.
+    // Scratch for the mesh igrid that is being built.
     struct TriangleBlock {
         int leaf;
         std::span<const lod::BoxedFace> faces;
     };
     std::vector<lod::BoxedFace> boxed_;  ///< numbered as in the list of faces
-    std::vector<Vec3f> corners_;         ///< three a face
+    std::vector<Vec3f> corners_;         ///< three per face
     std::vector<TriangleBlock> triangle_blocks_;
 };
 
-/// Part, quad and triangle of a lattice's ids.
+/// Decodes the ids of a lattice into part, quad and triangle.
 inline QuadRef quad_of(std::uint32_t id) noexcept
 {
     return {static_cast<std::uint16_t>(id >> 1 & 0xff), static_cast<std::uint16_t>(id >> 9 & 0x7f),

@@ -1,14 +1,17 @@
-// Rays meet an igrid: a packet goes down the box tree together; a single ray tests eight boxes, then eight quads, at once.
+// Intersects rays with an igrid. A packet descends the box tree together; a single ray tests eight boxes, then eight
+// quads, at once.
 //
-// Both ways run the same operations on the same numbers for each pair of ray and triangle, so they find the same bits; which
-// one runs is a matter of speed (break-even at two to three live rays, docs/performance.md).
+// Both ways run the same operations on the same numbers for each pair of a ray and a triangle, so they find the same
+// bits. The choice between them is a matter of speed (the break-even is at two to three live rays,
+// docs/performance.md).
 //
-// Each vertex of a lattice is blended, then sheared, once a ray and shared by the triangles around it. Where all rays are
-// before or behind the blend, the fine or the coarse positions serve as they are: the same bits, since the blend's ends are
-// exact.
+// Each vertex of a lattice is blended and then sheared once per ray, and is shared by the triangles around it. Where
+// all rays are before or behind the blend, the stored fine or coarse positions serve unchanged and give the same bits,
+// since the ends of the blend are exact.
 //
-// Query    vfloat limit() const            lanes' present t_far (a single ray: in all lanes)
-//          void offer(lane, t, grid, id)   a hit with t in (t_near, limit]; decides ties and filters
+// The Query type provides:
+// limit()                     returns the current t_far of the lanes (for a single ray, in all lanes);
+// offer(lane, t, grid, id)    takes a hit with t in (t_near, limit], decides ties and filters.
 #pragma once
 
 #include <bit>
@@ -22,7 +25,7 @@ namespace occam::accel {
 template <class Query>
 class IGridTracer {
 public:
-    /// t_near, t_end: what of the rays meets the grid, in lanes (a single ray: in all).
+    /// t_near and t_end bound the part of each ray that meets the grid, in lanes (for a single ray, in all lanes).
     IGridTracer(IGrid& grid, const RayLanes& ray, const bool (&negative)[3], vfloat t_near, vfloat t_end, Query& query)
         : grid_(grid),
           ray_(ray),
@@ -41,7 +44,7 @@ public:
         }
     }
 
-    /// Lanes are rays; as_one(): all of them, in the cage's frame.
+    /// Each lane holds one ray. as_one() returns them all as one ray, in the cage's frame.
     template <class AsOne>
     void packet(vmask active, AsOne&& as_one) noexcept
     {
@@ -70,7 +73,7 @@ public:
         }
     }
 
-    /// All lanes hold ray `lane` of the query.
+    /// Copies ray `lane` of the query to all lanes.
     void single(int lane) noexcept
     {
         if (!grid_.is_lattice) {
@@ -87,9 +90,9 @@ public:
 
 private:
     static constexpr int kColumns = LatticeBlock::kColumns, kRows = LatticeBlock::kRows;
-    static constexpr int kWorthAGroup = 4;  ///< blocks from which a packet looks at eight of them as one ray
+    static constexpr int kWorthAGroup = 4;  ///< number of blocks from which on a packet tests eight of them as one ray
 
-    /// Whether rays blend here. If not, one of the two positions of each vertex serves them all.
+    /// Returns whether rays blend here. If not, one of the two positions of each vertex serves all rays.
     bool choose_vertices(vmask active) noexcept
     {
         vertices_ = fine_;
@@ -119,7 +122,7 @@ private:
                       t_near_, limit());
     }
 
-    /// Which of eight boxes side by side the ray is in; all lanes hold it.
+    /// Returns which of eight neighbouring boxes the ray enters. All lanes hold the ray.
     unsigned in_boxes(const float* box) const noexcept
     {
         const vfloat near[3] = {vfloat::load(box + near_[0]), vfloat::load(box + near_[1]), vfloat::load(box + near_[2])};
@@ -127,15 +130,15 @@ private:
         return bits(in_box(ray_, near, far, t_near_, limit()));
     }
 
-    /// in(boxes): which of eight side by side are entered.
+    /// Calls in(boxes), which returns the mask of the boxes that are entered among eight neighbours.
     template <class In, class Visit>
     void for_each_block(const BoxTree& tree, In&& in, Visit&& visit) noexcept
     {
         const unsigned real = tree.leaves < kLanes ? (1u << tree.leaves) - 1
                                                    : (1u << kLanes) - 1;  // nodes above the leaves may follow
-        // Of many, only those below the nodes of the fourth row that the ray is in.
+        // If there are many leaves, only those below the entered nodes of the fourth row are tested.
         unsigned above = ~0u;
-        int below = 0;  // log2 of the leaves of such a node
+        int below = 0;  // log2 of the number of leaves below such a node
         if (kLanes == BoxTree::kGroup && tree.leaves > 2 * kLanes) {
             above = in(tree.at(BoxTree::kFourthRow));
             below = std::countr_zero(static_cast<unsigned>(tree.leaves)) - 3;
@@ -147,7 +150,7 @@ private:
         }
     }
 
-    /// Where one ray enters eight boxes side by side.
+    /// Computes where one ray enters eight neighbouring boxes.
     struct Entered {
         unsigned which = 0;
         alignas(32) float t[BoxTree::kGroup];
@@ -165,8 +168,8 @@ private:
         }
     }
 
-    /// One ray meets a mesh: the rows of the box tree are met three at a time, eight boxes wide, and what it enters first
-    /// comes first.
+    /// Intersects one ray with a mesh: the rows of the box tree are tested three at a time, eight boxes wide, and the
+    /// boxes are visited in the order in which the ray enters them.
     void nearest_first(int lane) noexcept
     {
         struct Todo {
@@ -179,10 +182,10 @@ private:
         const BoxTree& tree = grid_.boxes;
         const int last = std::countr_zero(static_cast<unsigned>(tree.leaves));
         Entered entered;
-        // Opens eight nodes of a row, or all of a shorter one.
+        // Opens eight nodes of a row, or all nodes of a shorter row.
         const auto open = [&](int row, int group) {
             const int nodes = 1 << row;
-            int skip = 0;  // nodes of shorter rows share their eight places
+            int skip = 0;  // the nodes of shorter rows share their eight slots
             if (row == last) {
                 enter(tree.data + group * BoxTree::kFloats, entered);
             } else {
@@ -238,7 +241,7 @@ private:
                                    : make_id(block.part, fast, slow, triangle);
     }
 
-    /// A vertex as this ray, or each ray of the packet, sees it; along kx, ky, kz.
+    /// Returns a vertex as this ray, or each ray of the packet, sees it, with its coordinates along kx, ky, kz.
     OCCAM_ALWAYS_INLINE VecLanes still_vertex(std::uint32_t at) const noexcept
     {
         return {vertices_[0][at], vertices_[1][at], vertices_[2][at]};
@@ -264,7 +267,7 @@ private:
         for (std::uint32_t r = 0; r <= block.rows; ++r)
             for (std::uint32_t c = 0; c <= block.columns; ++c) {
                 const std::uint32_t at = block.first + r * block.stride + c;
-                // What lies still needs no weight.
+                // A vertex that does not move needs no weight.
                 if (kBlends &&
                     (fine_[0][at] != coarse_[0][at] || fine_[1][at] != coarse_[1][at] || fine_[2][at] != coarse_[2][at]))
                     v[r][c] = shear(ray_, origin_, blended_vertex(at));
@@ -290,7 +293,7 @@ private:
         }
     }
 
-    /// A block's vertices in rows, as one ray blends them; along kx, ky, kz.
+    /// Returns the vertices of a block in rows, blended for one ray, with their coordinates along kx, ky, kz.
     struct OwnRows {
         float v[3][kRows][8];
     };
@@ -327,7 +330,7 @@ private:
             stride = 8;
         }
         const std::ptrdiff_t upper = block.rows == 2 ? stride : 0;
-        // Lanes: four quads of the lower row, four of the upper.
+        // The lanes hold four quads of the lower row, then four of the upper row.
         unsigned real = (1u << block.columns) - 1;
         if (block.rows == 2) real |= real << 4;
         for (int first = 0; first < IGrid::kBlock; first += kLanes) {
@@ -364,7 +367,7 @@ private:
     void triangles_packet(int block, vmask alive) noexcept
     {
         for (int k = block * IGrid::kBlock; k < (block + 1) * IGrid::kBlock; ++k) {
-            if (k % IGrid::kBlock != 0 && grid_.ids[k] == grid_.ids[k - 1]) break;  // only copies follow
+            if (k % IGrid::kBlock != 0 && grid_.ids[k] == grid_.ids[k - 1]) break;  // only padding copies follow
             ShearedVertex v[3];
             triangle_vertices([&](int c) { return vfloat(grid_.corners[c][k]); }, v);
             offer_lanes(intersect(ray_, v[0], v[1], v[2]), alive, grid_.ids[k]);
@@ -380,8 +383,9 @@ private:
         }
     }
 
-    /// Whether the ray may meet a triangle whose corners lie on the line from a to c, but for the rounding of the middles of
-    /// some ten halvings and of shearing: of coordinates of up to five radii (place()).
+    /// Returns whether the ray may hit a triangle whose corners lie on the line from a to c. The test allows for the
+    /// rounding of the midpoints of some ten halvings and of the shear, for coordinates of up to five radii (see
+    /// place()).
     vmask may_be_on(const ShearedVertex& a, const ShearedVertex& c) const noexcept
     {
         const vfloat off = grid_.cage->radius * 0x1p-16f;
@@ -391,9 +395,9 @@ private:
                (abs(left - right) <= slack);
     }
 
-    /// The triangles of T-vertices, which have no area. The float test decides nothing here: its signs are right, but t is
-    /// noise along the edge. What it lets through is done again in double, where the products of floats are exact
-    /// (watertightness rule 6).
+    /// Intersects the gap triangles of T-vertices, which have no area. The float test decides no hit here: its signs
+    /// are right, but its t is noise along the edge. What it lets through is tested again in double, where products of
+    /// floats are exact (watertightness rule 6).
     OCCAM_NEVER_INLINE void hanging_single(int block, int lane, const RayLanes& ray, const VecLanes& origin,
                                            const VertexBlend& blend, bool blends) noexcept
     {
@@ -459,13 +463,13 @@ private:
     const RayLanes& ray_;
     VecLanes origin_;       ///< along kx, ky, kz
     int axes_[3];           ///< kx, ky, kz
-    const float* fine_[3];  ///< along these
+    const float* fine_[3];  ///< coordinates along these axes
     const float* coarse_[3];
-    VertexBlend blend_;     ///< likewise; of a grid that blends
-    int near_[3], far_[3];  ///< where in a box the plane lies that the ray meets first, and the other
+    VertexBlend blend_;     ///< along the same axes; valid if the grid blends
+    int near_[3], far_[3];  ///< rows of a box's planes that the ray meets first, and last
     vfloat t_near_, t_end_;
     Query& query_;
-    const float* const* vertices_ = nullptr;  ///< of rays that do not blend
+    const float* const* vertices_ = nullptr;  ///< the positions for rays that do not blend
 };
 
 }  // namespace occam::accel

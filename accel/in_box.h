@@ -1,4 +1,4 @@
-// Rays against boxes, in lanes, and one ray of a packet in all lanes.
+// Tests rays against boxes, in lanes, and copies one ray of a packet to all lanes.
 #pragma once
 
 #include <cfloat>
@@ -7,9 +7,9 @@
 
 namespace occam::accel {
 
-/// The lanes of rays whose line is in the box between t_near and t_far, a little widened. near, far: of the box's planes on
-/// each axis the one that the ray meets first, and the other.
-/// begin   where they enter it
+/// Returns the lanes of rays whose line is in the slightly widened box between t_near and t_far.
+/// near, far  select on each axis the plane of the box that the ray meets first, and the other one.
+/// begin      receives where the rays enter the box.
 OCCAM_ALWAYS_INLINE vmask in_box(const RayLanes& ray, const vfloat (&near)[3], const vfloat (&far)[3], vfloat t_near,
                                  vfloat t_far, vfloat& begin) noexcept
 {
@@ -19,7 +19,8 @@ OCCAM_ALWAYS_INLINE vmask in_box(const RayLanes& ray, const vfloat (&near)[3], c
         in = max(in, (near[a] - ray.origin[a]) * ray.inverse[a]);
         out = min(out, (far[a] - ray.origin[a]) * ray.inverse[a]);
     }
-    // Three ulps of each t, and the rounding of the shift: culling may never decide a hit.
+    // The interval is widened by three ulps of each t and by the rounding of the shift: culling must never decide a
+    // hit.
     const vfloat slack = 4 * FLT_EPSILON;
     const vfloat pad_in = (abs(in) + abs(ray.shift)) * slack, pad_out = (abs(out) + abs(ray.shift)) * slack;
     begin = ray.shift + in - pad_in;
@@ -37,7 +38,7 @@ inline VertexBlend spread(const VertexBlend& rays, int lane) noexcept
     return {{spread(rays.d[0], lane), spread(rays.d[1], lane), spread(rays.d[2], lane)}, spread(rays.k, lane)};
 }
 
-/// One ray of a packet in all lanes, without its blend.
+/// Copies one ray of a packet to all lanes, without its blend.
 OCCAM_ALWAYS_INLINE RayLanes spread(const RayLanes& rays, int lane) noexcept
 {
     const auto all = [lane](const vfloat(&x)[3], vfloat(&to)[3]) {

@@ -1,9 +1,10 @@
-// A kd-tree with all that it is made of: one worker's own, or shared by a group of workers.
+// Holds a kd-tree with everything that it is made of. It belongs to one worker or is shared by a group of workers.
 //
-// Shared, it is read without a lock; what grows it (expanding a node, dicing an igrid, shading one) does so under one lock.
-// It is dropped with all workers at a safe point between two groups of rays.
+// A shared tree is read without a lock; what makes it grow (expanding a node, dicing an igrid, shading one) happens
+// under one lock. It is dropped when all workers are at a safe point between two groups of rays.
 //
-// Memory   its arena.   Threads  one, or those who come through its gate.
+// Memory   Its own arena.
+// Threads  One thread, or those that enter through its gate.
 #pragma once
 
 #include <memory>
@@ -18,13 +19,13 @@ namespace occam::accel {
 struct LazyTree {
     LazyTree(const FrameState& frame, std::size_t budget_bytes, BuildTechniques techniques, bool is_shared);
 
-    /// Drops everything. Nobody else is inside.
+    /// Drops everything. No other thread may be inside the gate.
     void flush();
-    /// The igrid of an entry of a leaf, built now if this is the first ray that enters its box.
-    /// diced   what is diced now is added to it, as TraceCounters::diced counts
+    /// Returns the igrid of a leaf's entry. It is built now if this is the first ray that enters its box.
+    /// diced   is increased by what is diced now, counted as in TraceCounters::diced.
     IGrid& grid(const KdLeaf& leaf, std::size_t place, int pair, std::uint64_t& diced);
     PhaseOneTools phase_one() noexcept { return {frame, dicer, arena, counters, building()}; }
-    /// What building has cost so far.
+    /// Returns what building has cost so far.
     TraceCounters totals();
 
     struct Sharing {
@@ -37,7 +38,7 @@ struct LazyTree {
     const FrameState& frame;
     const std::size_t budget;
     const BuildTechniques techniques;
-    const std::unique_ptr<Sharing> sharing;  ///< null: one worker's own
+    const std::unique_ptr<Sharing> sharing;  ///< null if the tree belongs to one worker
     Arena arena;
     lod::Dicer dicer;
     TraceCounters counters;

@@ -1,22 +1,22 @@
-// The boxes of a leaf's entries, eight at a time, against a ray or against all rays of a packet as if they were one.
+// Tests the boxes of a leaf's entries, eight at a time, against a ray, or against all rays of a packet as one.
 //
-// A packet's origins and inverse directions are taken as intervals (Reshetov et al. 2005, sec. 2): what they find to be
-// missed is missed by all of its rays; what is left is tested ray by ray. So a leaf costs a packet a few tests, and not one
-// an entry. The blocks of an igrid are met in the same way.
+// A packet's origins and inverse directions are taken as intervals (Reshetov et al. 2005, sec. 2). A box that they miss
+// is missed by all of the packet's rays; the remaining boxes are tested ray by ray. So a leaf costs a packet a few
+// tests instead of one per entry. The blocks of an igrid are tested in the same way.
 //
-// Boxes    KdLeaf::boxes, BoxTree: alike. Places to spare are empty.
+// Boxes    KdLeaf::boxes and BoxTree share one layout. Spare slots hold empty boxes.
 #pragma once
 
 #include "accel/traverse.h"
 
 namespace occam::accel {
 
-/// F as in KdRay: vfloat for a packet, float for one ray.
+/// F is the same type as in KdRay: vfloat for a packet, float for one ray.
 template <class F>
 class RaysAsOne {
 public:
     RaysAsOne() = default;
-    /// begin   where the first of the rays starts
+    /// begin   is where the first of the rays starts.
     RaysAsOne(const KdRay<F>& rays, float begin) noexcept
         : RaysAsOne(rays.origin, rays.inverse, rays.negative, rays.shift, begin)
     {
@@ -35,7 +35,8 @@ public:
         }
     }
 
-    /// Bit i: some ray may be in box i of the group before `end`. begin: where it may enter each, if it is asked for.
+    /// Sets bit i if some ray may be in box i of the group before `end`. If `begin` is given, it receives where each
+    /// box may be entered.
     unsigned in_boxes(const float* group, float end, float* begin = nullptr) const noexcept
     {
         unsigned all = 0;
@@ -65,7 +66,7 @@ private:
 
     vfloat begin_, shift_;
     vfloat from_in_[3], from_out_[3];  ///< the origins that give the earliest entry and the latest exit
-    vfloat least_[3], most_[3];        ///< inverse directions, of one sign
+    vfloat least_[3], most_[3];        ///< bounds of the inverse directions, all of one sign
     int near_[3], far_[3];             ///< rows of the planes that rays meet first, and last
 };
 

@@ -1,6 +1,6 @@
-// Which igrids the packet that is under way has met: a grid that lies in several cells is met once.
+// Records which igrids the current packet has met, so that a grid that lies in several cells is met once.
 //
-// Threads  one worker's own.
+// Threads  Each worker has its own.
 #pragma once
 
 #include <vector>
@@ -10,8 +10,8 @@
 
 namespace occam::accel {
 
-/// A worker with a tree of its own writes into the igrids. One that shares its tree has a table by the igrid's address: of
-/// two igrids with one place in it either may be met twice, which does no harm.
+/// A worker that owns its tree writes into the igrids. A worker that shares its tree uses a table hashed by the igrid's
+/// address. Of two igrids that share a slot, either may be met twice, which does no harm.
 class Mailboxes {
 public:
     explicit Mailboxes(bool is_shared) : slots_(is_shared ? kSlots : 0) {}

@@ -1,4 +1,4 @@
-// How little memory a tracer can do with.
+// Computes the least memory that a tracer can work with.
 #pragma once
 
 #include "accel/ray_lanes.h"
@@ -6,11 +6,11 @@
 
 namespace occam::accel {
 
-/// What one ray may need of a tracer's arena: a way down through the scene's widest node and largest cage, and some igrids.
-/// A ray that passes through more is granted it all the same.
+/// Returns the bytes that one ray may need in a tracer's arena: a path down through the scene's widest node and largest
+/// cage, and some igrids. A ray that needs more is granted it all the same.
 std::size_t memory_floor(const Scene& scene);
 
-/// What a tracer keeps for each ray of a batch, beside its arena.
+/// Returns the bytes that a tracer keeps for each ray of a batch, beside its arena.
 inline constexpr std::size_t kBytesOfABatchedRay = sizeof(Ray) + sizeof(std::uint16_t) + sizeof(std::uint32_t);
 
 }  // namespace occam::accel

@@ -1,4 +1,4 @@
-// Rays of a group in lanes: what they ask, and how their numbers get there.
+// Holds the rays of a group in lanes: their queries, and how their values get there.
 #pragma once
 
 #include <algorithm>
@@ -11,23 +11,23 @@
 
 namespace occam::accel {
 
-/// Live rays, of as many as there are lanes, below which single rays are faster (docs/performance.md).
+/// The number of live rays, among as many as there are lanes, below which single rays are faster (docs/performance.md).
 inline constexpr int kWorthAPacket = 5;
 
-/// One ray and what it has met so far. limit(): in all lanes.
+/// Holds one ray and its nearest hit so far. limit() returns its t_far in all lanes.
 template <class Found>
 struct SingleQuery : Found {
     int only = 0;
     vfloat limit() const noexcept { return vfloat(this->t[only]); }
 };
 
-/// A packet's rays.
+/// Holds the rays of a packet.
 template <class Found, int kParts>
 struct PacketQuery : Found {
     vfloats<kParts> limit() const noexcept { return vfloats<kParts>::load(this->t); }
 };
 
-/// As many of them as there are lanes, as a query of their own: what meets an igrid.
+/// Holds as many rays of the packet as there are lanes, as a query of their own that an igrid can be intersected with.
 template <class Found>
 struct PartOf {
     Found& all;
@@ -36,7 +36,7 @@ struct PartOf {
     void offer(int lane, float t, IGrid& grid, std::uint32_t id) noexcept { all.offer(first + lane, t, grid, id); }
 };
 
-/// One of these.
+/// Returns one of these queries.
 template <class Found>
 struct LaneOf {
     PartOf<Found> part;
@@ -45,7 +45,7 @@ struct LaneOf {
     void offer(int at, float t, IGrid& grid, std::uint32_t id) noexcept { part.offer(at, t, grid, id); }
 };
 
-/// Nothing met yet; lanes past the last ray are dead.
+/// Clears all hits. Lanes past the last ray are dead.
 template <class Found>
 void start(Found& found, std::span<const Ray> rays)
 {
@@ -55,8 +55,8 @@ void start(Found& found, std::span<const Ray> rays)
     }
 }
 
-/// Four floats of each ray that lie one behind the other in `things`, `offset` bytes into each. Lanes past the last ray
-/// repeat it, and are never alive.
+/// Gathers four consecutive floats for each ray from `things`, `offset` bytes into each element. Lanes past the last
+/// ray repeat it and are never alive.
 template <class Thing>
 void gather_four(const Thing* things, std::size_t count, std::size_t offset, vfloat (&to)[4]) noexcept
 {
