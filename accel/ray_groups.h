@@ -1,7 +1,7 @@
-// A batch of rays sorted by direction, so that those which lie side by side may travel together.
+// Sorts a batch of rays by direction, so that rays which lie side by side may travel together.
 //
-// Memory   as long as the longest batch so far.
-// Threads  one worker's own.
+// Memory   As long as the longest batch so far.
+// Threads  Each worker has its own.
 #pragma once
 
 #include <algorithm>
@@ -18,10 +18,10 @@ namespace occam::accel {
 
 class RayGroups {
 public:
-    /// By bins of direction; within a bin rays keep their order.
+    /// Sorts rays by bins of direction; within a bin, rays keep their order.
     void sort(std::span<const Ray> rays)
     {
-        // Batches come in several sizes: what has been made stays, to be written over.
+        // Batches come in several sizes: existing entries are kept and overwritten.
         if (sorted.size() < rays.size()) {
             sorted.resize(rays.size());
             place_of.resize(rays.size());
@@ -46,8 +46,8 @@ public:
         for (std::size_t g = 0; g < RayAxes::kGroups; ++g) ends_[g] = next[g * kBinsOfAGroup + kBinsOfAGroup - 1];
     }
 
-    /// Calls travel(axes, first, count) for rays sorted[first, first + count) that share their axes. With one lane, rays
-    /// travel alone.
+    /// Calls travel(axes, first, count) for the rays sorted[first, first + count) that share their axes. With one lane,
+    /// rays travel alone.
     template <class Travel>
     void for_each_packet(Travel&& travel) const
     {
@@ -68,7 +68,7 @@ public:
 private:
     static constexpr std::size_t kBinsOfAGroup = 4, kBins = RayAxes::kGroups * kBinsOfAGroup;
 
-    /// Group, and whether a ray goes more than half as far along the lesser axes: in lanes.
+    /// Returns, in lanes, the group of a ray and whether it goes more than half as far along its lesser axes.
     static vfloat bins_of(const Ray* rays, std::size_t count) noexcept
     {
         vfloat d[4];
@@ -84,7 +84,7 @@ private:
     }
 
     std::vector<std::uint16_t> bins_;       ///< in the caller's order
-    std::size_t ends_[RayAxes::kGroups]{};  ///< of groups, in `sorted`
+    std::size_t ends_[RayAxes::kGroups]{};  ///< end of each group in `sorted`
 };
 
 }  // namespace occam::accel

@@ -1,9 +1,10 @@
-// Rays as the kernels see them: lanes that share their dominant axis and the signs of their direction.
+// Holds rays as the kernels see them: lanes that share their dominant axis and the signs of their directions.
 //
-// The watertight test (Woop et al. 2013) shears a ray onto its dominant axis. All per-ray constants are made by one function
-// a kind, so that a ray has the same bits alone, in a packet, and in the one-lane build.
+// The watertight test (Woop et al. 2013) shears a ray onto its dominant axis. One function computes all per-ray
+// constants of a kind, so that a ray has the same bits alone, in a packet, and in the one-lane build.
 //
-// Space    directions: world. Origins: the dicing frame of one cage at a time (world axes, translated), see place().
+// Space    Directions are in world space. Origins are in the dicing frame of one cage at a time (world axes,
+//          translated), see place().
 #pragma once
 
 #include <algorithm>
@@ -17,14 +18,14 @@
 
 namespace occam::accel {
 
-/// What rays must have in common to share a packet: the dominant axis, and the octant.
+/// Holds what rays must have in common to share a packet: the dominant axis and the octant.
 struct RayAxes {
-    int kx, ky, kz;  ///< kz: the dominant axis; kx, ky: the next two, cyclic
+    int kx, ky, kz;  ///< kz is the dominant axis; kx and ky are the next two in cyclic order
     bool negative[3];
 
     static constexpr int kGroups = 3 * 8;
 
-    /// group   kz * 8 + the signs of x, y and z: 1, 2 and 4
+    /// group   is kz * 8 plus the signs of x, y and z, as the bits 1, 2 and 4.
     explicit RayAxes(int group) noexcept : kz(group / 8)
     {
         kx = kz == 2 ? 0 : kz + 1;
@@ -33,8 +34,8 @@ struct RayAxes {
     }
 };
 
-/// The shear of rays along their dominant axis: sx, sy, and the scale sz. F is vfloat, several of them, or float: the same
-/// bits.
+/// Holds the shear of rays along their dominant axis: sx, sy, and the scale sz. F is vfloat, several of them, or float;
+/// the bits are the same.
 template <class F>
 OCCAM_ALWAYS_INLINE void set_shear(const RayAxes& axes, const F* direction, F (&shear)[3]) noexcept
 {
@@ -42,7 +43,7 @@ OCCAM_ALWAYS_INLINE void set_shear(const RayAxes& axes, const F* direction, F (&
     shear[0] = direction[axes.kx] * shear[2];
     shear[1] = direction[axes.ky] * shear[2];
 }
-/// 1 / direction; of components that are smaller, as if they were of this size, with their sign.
+/// Returns 1 / direction. Components that are too small are replaced by the limit, with their sign.
 template <class F>
 OCCAM_ALWAYS_INLINE void set_inverse(const RayAxes& axes, const F* direction, F (&inverse)[3]) noexcept
 {
@@ -53,19 +54,19 @@ OCCAM_ALWAYS_INLINE void set_inverse(const RayAxes& axes, const F* direction, F 
     }
 }
 
-/// A ray's origin in a frame, moved along the ray to near the frame's own origin when it is far away: what is left is small,
-/// so that floats hold it well. t of the ray = shift + t from that origin.
+/// Holds a ray's origin in a frame. An origin that is far away is moved along the ray to near the frame's own origin:
+/// the coordinates are then small and precise in floats. The ray's t is shift + t from that origin.
 struct PlacedOrigin {
     float origin[3];
     float shift;
 };
-/// How far along the ray the frame's own origin is, from an origin in that frame.
+/// Returns how far along the ray the frame's own origin is, measured from an origin in that frame.
 template <class F>
 F shift_of(const F (&near)[3], const F* direction) noexcept
 {
     return F(0.0f) - ((near[0] * direction[0] + near[1] * direction[1]) + near[2] * direction[2]);
 }
-inline constexpr float kNearRadii = 4;  ///< of the frame: nearer than that an origin stays where it is
+inline constexpr float kNearRadii = 4;  ///< in radii of the frame: an origin nearer than that is not moved
 
 inline PlacedOrigin place(const Ray& ray, Vec3d anchor, float radius) noexcept
 {
@@ -78,7 +79,8 @@ inline PlacedOrigin place(const Ray& ray, Vec3d anchor, float radius) noexcept
     return {{moved.x, moved.y, moved.z}, shift};
 }
 
-/// The same of a packet's rays: to[0] to to[2] are origins, to[3] shifts. frame_of(i).anchor, .radius: the frame of ray i.
+/// Does the same for a packet's rays: to[0] to to[2] receive origins, to[3] receives shifts. frame_of(i) gives the
+/// anchor and the radius of the frame of ray i.
 template <class F, class FrameOf>
 OCCAM_ALWAYS_INLINE void place_all(std::span<const Ray> rays, const F* direction, FrameOf&& frame_of, F (&to)[4]) noexcept
 {
@@ -119,16 +121,16 @@ inline float first_lane(vfloat x) noexcept
     return lanes[0];
 }
 
-/// How rays blend the vertices of a frame: lod::Blend over the vertex's own distance along the ray, d . v + k before it is
-/// cut off at 0 and 1 (Djeu et al. 2011, sec. 5.2.6, with fine at the near end of a growing footprint). F as above: the same
-/// bits.
+/// Describes how rays blend the vertices of a frame: lod::Blend over the vertex's own distance along the ray, which is
+/// d . v + k before it is clamped to [0, 1] (Djeu et al. 2011, sec. 5.2.6, with fine at the near end of a growing
+/// footprint). F is as above, and the bits are the same.
 template <class F>
 struct VertexBlendOf {
     F d[3], k;
 
-    /// The same of points given along three axes in this order.
+    /// Does the same for points that are given along three axes in this order.
     VertexBlendOf along(int kx, int ky, int kz) const noexcept { return {{d[kx], d[ky], d[kz]}, k}; }
-    /// origin, shift: of the rays in that frame.
+    /// The origin and the shift are those of the rays in that frame.
     void set(const lod::Blend<F>& blend, const F (&direction)[3], const F (&origin)[3], F shift) noexcept
     {
         F along = shift - blend.start;
@@ -138,16 +140,17 @@ struct VertexBlendOf {
         }
         k = along * blend.scale;
     }
-    /// Rises or falls along each axis without a step back, rounding included: so the corners of a box bound what is in it.
+    /// The weight is monotonic along each axis, rounding included: so the weights at the corners of a box bound those
+    /// inside it.
     OCCAM_ALWAYS_INLINE F ramp(const VecOf<F>& v) const noexcept
     {
         return fma(v.x, d[0], fma(v.y, d[1], fma(v.z, d[2], k)));
     }
 
-    /// 0: fine, 1: coarse.
+    /// The weight is 0 for fine and 1 for coarse.
     OCCAM_ALWAYS_INLINE F weight(const VecOf<F>& fine) const noexcept { return lod::coarse_weight(ramp(fine)); }
-    /// Exactly `fine` and `coarse` at the ends, and where both are the same: the blend of a shared vertex has the same bits
-    /// in all of its triangles and grids (watertightness rule 12).
+    /// Returns exactly `fine` and `coarse` at the ends, and where both are equal: the blend of a shared vertex has the
+    /// same bits in all of its triangles and grids (watertightness rule 12).
     OCCAM_ALWAYS_INLINE VecOf<F> between(const VecOf<F>& fine, const VecOf<F>& coarse) const noexcept
     {
         return between(fine, coarse, weight(fine));
@@ -161,7 +164,7 @@ struct VertexBlendOf {
 };
 using VertexBlend = VertexBlendOf<vfloat>;
 
-/// The constants of kLanes rays (or one ray in all lanes), and their origins and blend in one cage's frame.
+/// Holds the constants of kLanes rays (or of one ray in all lanes), and their origins and blend in one cage's frame.
 struct RayLanes {
     int kx, ky, kz;
     vfloat sx, sy, sz;

@@ -1,4 +1,4 @@
-// Adds the time of a scope to a sum of seconds: for building, which is cold; 50 ns a use.
+// Adds the time of a scope to a sum of seconds. It is meant for building, which is cold; one use costs 50 ns.
 #pragma once
 
 #include <chrono>

@@ -1,13 +1,15 @@
-// Which surface does this ray meet first? One worker's lazy trees, and the two questions they answer.
+// Answers which surface a ray hits first, and whether a ray is occluded.
 //
-// A Tracer holds an arena with a kd-tree whose root is one lazy node, and builds what its rays touch. Answers are by
-// value, so that between two batches everything it built can be dropped: the safe point of the memory budget.
+// A Tracer holds an arena with a kd-tree whose root is one lazy node, and builds what its rays touch. It answers by
+// value, so that between two batches everything that it has built can be dropped: this is the safe point of the memory
+// budget.
 //
-// Space    ray origins and hit positions in world axes, double; directions unit. t is world length along the ray.
-// Memory   what is built lies in the tracer's arena, at most `budget_bytes`; past it the tracer drops all of it and
-//          goes on with the same rays. The floor is what one ray needs: it is always granted.
-// Threads  one tracer a worker; Frame is shared and const. The answers do not depend on budget or thread, nor on whether a
-//          tree is shared.
+// Space    Ray origins and hit positions are in world space, in double; directions are unit vectors. t is world length
+//          along the ray.
+// Memory   What is built lies in the tracer's arena and takes at most `budget_bytes`. When that is exceeded, the tracer
+//          drops all of it and goes on with the same rays. The minimum is what one ray needs, which is always granted.
+// Threads  Each worker has one tracer; Frame is shared and const. The answers depend neither on the budget, nor on the
+//          thread, nor on whether the tree is shared.
 #pragma once
 
 #include <array>
@@ -26,68 +28,72 @@ class Frame;
 
 using occam::RayKind;
 
-/// Stands for a ray that may start anywhere.
+/// The start level of a ray that may start anywhere.
 inline constexpr std::int8_t kAnyLevel = std::numeric_limits<std::int8_t>::min();
 
 struct Ray {
     Vec3d origin{0};
-    Vec3f direction{0, 0, -1};  ///< unit
+    Vec3f direction{0, 0, -1};  ///< unit length
     float t_near = 0;
     float t_far = std::numeric_limits<float>::infinity();
-    lod::Footprint footprint;           ///< full width of the beam along the ray; none: the camera's at the origin
-    std::uint8_t kinds = RayKind::All;  ///< what the ray is for; what none of these may see is not met
-    /// The ray sees cages at this level around its origin, and then goes over to what its footprint asks for. A secondary
-    /// ray has the level of the mesh that its origin lies on: SurfaceHit::start_level.
+    /// Full width of the beam along the ray; none: the camera's footprint at the origin.
+    lod::Footprint footprint;
+    /// The purposes of the ray; surfaces that none of these kinds may see are not hit.
+    std::uint8_t kinds = RayKind::All;
+    /// The ray sees cages at this level around its origin, and then goes over to the level that its footprint asks for.
+    /// A secondary ray has the level of the mesh on which its origin lies: SurfaceHit::start_level.
     std::int8_t start_level = kAnyLevel;
 };
 
-/// What phase two needs of a surface point, by value. Pointers are into the scene.
+/// Holds what phase two needs of a surface point, by value. Pointers point into the scene.
 struct SurfaceHit {
-    // Down to uv, floats are written four at a time (accel/hit.cpp).
-    float t = std::numeric_limits<float>::infinity();  ///< infinity: nothing was met, and nothing else here is set
-    float self_distance = 0;    ///< a secondary ray starts this far along start_normal: more than rounding may do
-    float uv_width[2]{};        ///< of the ray's footprint, in units of uv
-    Vec3f normal_geometric{0};  ///< unit, of the micropolygon, towards the ray's origin
-    /// Mean curvature from the vertices' normals, 1 / world length; positive where the surface bulges towards the ray's
-    /// origin.
+    // The fields from here to uv are written four floats at a time (accel/hit.cpp).
+    float t = std::numeric_limits<float>::infinity();  ///< infinity if nothing was hit; then nothing else here is set
+    /// The offset of a secondary ray's origin along start_normal, larger than rounding errors.
+    float self_distance = 0;
+    float uv_width[2]{};        ///< the width of the ray's footprint, in units of uv
+    Vec3f normal_geometric{0};  ///< unit normal of the micropolygon, towards the ray's origin
+    /// The mean curvature from the vertices' normals, in 1 / world length. It is positive where the surface bulges
+    /// towards the ray's origin.
     float curvature = 0;
-    Vec3f normal_shading{0};  ///< unit, interpolated, on the side of normal_geometric
-    /// With n the outward normal (-normal_shading on the back side), tangent_sign * cross(n, tangent) is where v falls: a
-    /// normal map's +Y (glTF 2.0, sec. 3.9.3).
+    Vec3f normal_shading{0};  ///< unit length, interpolated, on the side of normal_geometric
+    /// With the outward normal n (-normal_shading on the back side), tangent_sign * cross(n, tangent) is the direction
+    /// in which v decreases: a normal map's +Y (glTF 2.0, sec. 3.9.3).
     float tangent_sign = 1;
-    /// Unit, world, across the outward shading normal: where u of the material's normal map grows. Zero without a map or
-    /// coordinates.
+    /// A unit vector in world space, perpendicular to the outward shading normal, along which u of the material's
+    /// normal map grows. It is zero without a map or texture coordinates.
     Vec3f tangent{0};
-    float blend = 0;    ///< how far the surface has gone from `level` to the coarser one of its pair, 0 to 1
-    Vec2f uv[2]{};      ///< the first two sets
+    float blend = 0;    ///< the share of the coarser level of the pair, 0 at `level` to 1
+    Vec2f uv[2]{};      ///< the first two sets of texture coordinates
     Vec3d position{0};  ///< on the micropolygon
-    /// From `position` to where secondary rays start: the same place of the mesh of start_level, which is what they see
-    /// there. It keeps off the micropolygon's edges by more than rounding may do.
+    /// The offset from `position` to where secondary rays start: the same place of the mesh of start_level, which is
+    /// the mesh that they see there. It keeps off the micropolygon's edges by more than rounding errors.
     Vec3f to_start{0};
-    Vec3f start_normal{0};  ///< unit, of the micropolygon there, on the side of normal_geometric
-    /// Gradients of the coordinates that the material's bump map uses, over the micropolygon, per world length; zero: no
-    /// bump.
+    Vec3f start_normal{0};  ///< unit normal of the micropolygon there, on the side of normal_geometric
+    /// The gradients of the texture coordinates that the material's bump map uses, over the micropolygon, per world
+    /// length. They are zero without a bump map.
     Vec3f u_gradient{0}, v_gradient{0};
-    Vec4f color{1};              ///< vertex colour
-    int phase_one_channels = 0;  ///< VertexShader's values at the hit; 0: none were made, look them up
-    float phase_one[lod::VertexShader::kMaxChannels] = {};  ///< so many of them
+    Vec4f color{1};  ///< vertex colour
+    /// Number of VertexShader's values at the hit; 0: none were made, textures must be looked up.
+    int phase_one_channels = 0;
+    float phase_one[lod::VertexShader::kMaxChannels] = {};  ///< the first phase_one_channels are valid
     const Material* material = nullptr;                     ///< never null at a hit
     NodeId node;
     LightGroups lit_by = kAllGroups;
-    std::uint32_t face = 0;               ///< of the cage
+    std::uint32_t face = 0;               ///< face index in the cage
     bool back_side = false;               ///< the ray came from behind the face
-    int level = 0;                        ///< finer one of the pair of levels that the cage is seen at
-    std::int8_t start_level = kAnyLevel;  ///< of that pair's two levels, for Ray::start_level
-    std::uint32_t micropolygon = 0;       ///< a number of the quad, mixed: for pictures of the grid
+    int level = 0;                        ///< the finer level of the pair at which the cage is seen
+    std::int8_t start_level = kAnyLevel;  ///< one of that pair's two levels, for Ray::start_level
+    std::uint32_t micropolygon = 0;       ///< a hashed number of the quad, for pictures of the grid
 
     bool is_hit() const noexcept { return t < std::numeric_limits<float>::infinity(); }
 };
 
-/// Where a ray ends, without what shading needs.
+/// Holds where a ray ends, without what shading needs.
 struct FirstHit {
-    float t = std::numeric_limits<float>::infinity();  ///< infinity: nothing was met
+    float t = std::numeric_limits<float>::infinity();  ///< infinity if nothing was hit
     NodeId node;
-    std::uint32_t face = 0;  ///< of the cage
+    std::uint32_t face = 0;  ///< face index in the cage
 
     bool is_hit() const noexcept { return t < std::numeric_limits<float>::infinity(); }
 };
@@ -96,38 +102,44 @@ struct TraceCounters {
     std::uint64_t rays = 0, packets = 0, kd_nodes = 0, kd_visited = 0, kd_expanded = 0, grids = 0, micropolygons = 0,
                   faces_touched = 0, flushes = 0;
     std::uint64_t vertices_diced = 0, vertices_shaded = 0;
-    std::uint64_t vertices_looked_up = 0;  ///< at which VertexShader made values
+    std::uint64_t vertices_looked_up = 0;  ///< vertices at which VertexShader made values
     std::size_t peak_bytes = 0;
-    double build_seconds = 0;  ///< of the tree, without dicing
+    double build_seconds = 0;  ///< time to build the tree, without dicing
     double dice_seconds = 0;
-    double shade_seconds = 0;    ///< of phase one: normals, coordinates, VertexShader's values
-    lod::DeformCounters deform;  ///< its seconds are among those of build and dice
+    double shade_seconds = 0;    ///< time of phase one: normals, texture coordinates, VertexShader's values
+    lod::DeformCounters deform;  ///< its seconds are included in those of building and dicing
     static constexpr int kFinestLevel = -60, kLevels = 121;
-    std::uint64_t diced = 0;                                      ///< micropolygons of surfaces: of triangle meshes none
-    std::uint64_t diced_for_camera = 0, diced_for_occlusion = 0;  ///< by which rays they were first asked for
-    std::array<std::uint64_t, kLevels> micropolygons_of_level{};  ///< of kFinestLevel and up
+    /// Micropolygons of surfaces; triangle meshes count none.
+    std::uint64_t diced = 0;
+    /// Micropolygons by the kind of ray that first asked for them.
+    std::uint64_t diced_for_camera = 0, diced_for_occlusion = 0;
+    std::array<std::uint64_t, kLevels> micropolygons_of_level{};  ///< from kFinestLevel upwards
     TraceCounters& operator+=(const TraceCounters& other) noexcept;
 };
 
-/// What makes building cheap, each switchable for a benchmark (Djeu et al. 2011, fig. 11). What rays meet does not depend on
-/// it.
+/// Switches what makes building cheap, each part by itself, for benchmarks (Djeu et al. 2011, fig. 11). The hits of
+/// rays do not depend on it.
 struct BuildTechniques {
     bool lazy =
-        true;  ///< nodes are split when a ray enters them; else all, down to clusters of base patches, before the first ray
-    bool hierarchy = true;  ///< scene nodes and clusters stand for what is below them; else the root lists every base patch
-    bool scan = true;       ///< of many boxes, planes at fixed steps are tried; else one at every box's ends
+        /// Nodes are split when a ray enters them; otherwise all are split before the first ray, down to clusters of
+        /// base patches.
+        true;
+    /// Scene nodes and clusters stand for what is below them; otherwise the root lists every base patch.
+    bool hierarchy = true;
+    /// For many boxes, planes at fixed steps are tried; otherwise one plane at each end of every box.
+    bool scan = true;
 };
 
 struct LazyTree;
 
-/// A tree for several tracers: built once, in the memory of one, where each worker by itself would build much of it again.
-/// Tracers wait for each other while it grows.
+/// A tree for several tracers. It is built once, in the memory of one tree, where each worker by itself would build
+/// much of it again. Tracers wait for each other while it grows.
 class SharedTree {
 public:
     /// Borrows the frame.
     SharedTree(const Frame& frame, std::size_t budget_bytes);
     ~SharedTree();
-    /// What building has cost; of its tracers', these counters are in none. Any thread.
+    /// Returns what building has cost. The counters of its tracers do not include these. Any thread may call it.
     TraceCounters counters() const;
 
 private:
@@ -138,18 +150,19 @@ private:
 class Tracer {
 public:
     Tracer(const Frame& frame, std::size_t budget_bytes, BuildTechniques techniques = {});
-    /// One of those who use the tree; borrows it.
+    /// Creates one of the tracers that use the tree, which is borrowed.
     explicit Tracer(SharedTree& tree);
     ~Tracer();
 
-    /// Nearest hit of each ray in (t_near, t_far). hits.size() == rays.size(); of a ray that misses, t alone is written.
+    /// Finds the nearest hit of each ray in (t_near, t_far). Requires hits.size() == rays.size(). For a ray that
+    /// misses, only t is written.
     void closest(std::span<const Ray> rays, std::span<SurfaceHit> hits);
-    /// The same, and no more of it than a sensor or a collision asks for: with t as closest() finds it.
+    /// Finds the same hits, but only what a sensor or a collision test asks for, with the same t as closest().
     void first_hits(std::span<const Ray> rays, std::span<FirstHit> hits);
-    /// occluded[i] becomes 1 if anything lies in (t_near, t_far) of ray i, else 0.
+    /// Sets occluded[i] to 1 if anything lies in (t_near, t_far) of ray i, else to 0.
     void occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded);
 
-    /// Its own, and those of building unless the tree is shared.
+    /// Returns its own counters, including those of building unless the tree is shared.
     TraceCounters counters() const;
 
 private:

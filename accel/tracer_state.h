@@ -1,4 +1,4 @@
-// What a Tracer holds, and how its rays, in packets or one by one, go through the tree.
+// Holds the state of a Tracer, and traces its rays through the tree in packets or one by one.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +27,7 @@ struct Tracer::State {
     {
     }
 
-    /// `seen`: the gate's flushes before it was found that there is too little room.
+    /// `seen` is the number of the gate's flushes before the lack of memory was noticed.
     void flush(std::uint64_t seen)
     {
         if (gate) gate->flush(seen, [&] { lazy.flush(); });
@@ -36,14 +36,14 @@ struct Tracer::State {
 
     enum class PacketResult : unsigned char {
         Done,
-        Abandoned,  ///< the budget was passed on the way
+        Abandoned,  ///< the budget was exceeded during the trace
         TooWide     ///< the rays see too many pairs of levels to travel together
     };
-    /// One group of rays with equal axes and octant.
+    /// Traces one group of rays with equal axes and octant.
     template <int kParts, class Found>
     PacketResult run_packet(std::span<const Ray> rays, const RayAxes& axes, std::size_t limit_bytes,
                             PacketQuery<Found, kParts>& query);
-    /// False if the budget was passed on the way.
+    /// Returns false if the budget was exceeded during the trace.
     template <class Found>
     bool run_single(const Ray& ray, const RayAxes& axes, std::size_t limit_bytes, SingleQuery<Found>& query);
 
@@ -51,7 +51,7 @@ struct Tracer::State {
     LeafResult meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest,
                          int coarsest, std::size_t limit_bytes, const RaysAsOne<F>& as_one, Limit&& limit, Enter&& enter,
                          Meet&& meet);
-    /// The igrid of an entry, made if need be; null: the budget is passed.
+    /// Returns the igrid of an entry, which is built if needed, or null if the budget is exceeded.
     IGrid* grid_of(const KdLeaf& leaf, std::size_t number, int pair, std::size_t limit_bytes)
     {
         if (IGrid* known = read_published(leaf.entries[number].grid)) return known;
@@ -59,8 +59,8 @@ struct Tracer::State {
         return arena.bytes() <= limit_bytes ? made : nullptr;
     }
     bool is_per_ray() const noexcept { return frame.levels.mode != lod::LevelMode::PerInstance; }
-    /// Makes the table of transitions of a packet of which `enters` are in the scene from t_in to t_out; false if its rays
-    /// see too many pairs to travel together.
+    /// Makes the table of transitions of a packet whose rays `enters` are in the scene from t_in to t_out. Returns
+    /// false if its rays see too many pairs to travel together.
     template <int kParts>
     bool fits_packet(std::span<const Ray> rays, const vmasks<kParts>& enters, const vfloats<kParts>& t_in,
                      const vfloats<kParts>& t_out) noexcept;
@@ -70,11 +70,11 @@ struct Tracer::State {
         if constexpr (kParts == 1) return narrow_levels;
         else return wide_levels;
     }
-    /// What a ray's table of transitions is made of, but for where it is in the scene.
+    /// Holds the inputs of a ray's table of transitions, except for the interval in which it is in the scene.
     struct Reach {
         lod::Footprint wanted;
-        float coordinate;  ///< the largest that the ray's arithmetic meets
-        float start;       ///< edge length of the ray's start level; 0: it has none
+        float coordinate;  ///< the largest coordinate that the ray's arithmetic meets
+        float start;       ///< edge length of the ray's start level; 0 if it has none
     };
     Reach reach_of(const Ray& ray) const noexcept
     {
@@ -86,16 +86,16 @@ struct Tracer::State {
     template <int kParts, class Found, class Take>
     PacketResult run_packet_of(std::span<const Ray> rays, const RayAxes& axes, std::size_t first, std::size_t limit_bytes,
                                Take&& take);
-    /// Traces one group, and gives take(i, lane, found, blends) what its ray i has met: lane of found; blends(pair, lane):
-    /// how it blends.
+    /// Traces one group and calls take(i, lane, found, blends) for each ray i, whose hit is in `lane` of found.
+    /// blends(pair, lane) returns the ray's blend in that pair.
     template <class Found, class Take>
     bool run(const RayAxes& axes, std::size_t first, std::size_t count, std::size_t limit_bytes, Take&& take);
-    /// fill(axes, first, met) for each group: what groups.sorted[first + i] has met, and, if kWithBlend, how it blends
-    /// there.
+    /// Calls fill(axes, first, met) for each group: met holds what groups.sorted[first + i] has hit and, if kWithBlend,
+    /// how it blends there.
     template <bool kWithBlend, class Fill>
     void find_nearest(std::span<const Ray> rays, Fill&& fill);
 
-    /// Traces rays[first, first + count) by `run(first, count, limit)`, flushing and halving as the budget asks.
+    /// Traces rays[first, first + count) by `run(first, count, limit)`, flushing and halving as the budget requires.
     template <class Run>
     void within_budget(std::size_t first, std::size_t count, Run&& run)
     {
@@ -106,7 +106,8 @@ struct Tracer::State {
             flush(seen);
             return false;
         };
-        // Abandoned: what was built is dropped, and the same rays start again in an empty arena, at last one by one.
+        // The trace was abandoned: what was built is dropped, and the same rays start again in an empty arena, in the
+        // end one by one.
         if (fits() || fits()) return;
         if (count == 1) {
             run(first, 1, ~std::size_t(0));
@@ -130,7 +131,7 @@ struct Tracer::State {
         counters.rays += rays.size();
     }
 
-    std::unique_ptr<LazyTree> own;  ///< null: the tree is shared
+    std::unique_ptr<LazyTree> own;  ///< null if the tree is shared
     LazyTree& lazy;
     const FrameState& frame;
     const std::size_t budget;
@@ -139,10 +140,10 @@ struct Tracer::State {
     FlushGate* const gate;   ///< null unless the tree is shared
     TraceCounters counters;  ///< without those of building
     Mailboxes mailboxes;
-    lod::RayLevels<vfloats<1>> narrow_levels;  ///< of the packet traced last
+    lod::RayLevels<vfloats<1>> narrow_levels;  ///< for the packet traced last
     lod::RayLevels<vfloats<2>> wide_levels;
-    lod::RayLevels<float> single_levels;  ///< of the ray traced last
-    RayGroups groups;                     ///< of the batch traced last
+    lod::RayLevels<float> single_levels;  ///< for the ray traced last
+    RayGroups groups;                     ///< for the batch traced last
     std::uint64_t visit = 0;
 };
 

@@ -1,11 +1,11 @@
-// One traversal of the kd-tree for everything: packets and single rays, nearest and any hit.
+// Traverses the kd-tree; one traversal serves packets and single rays, nearest and any hit.
 //
-// F is vfloat (a packet whose rays share the signs of their directions) or float (one ray). One descent serves all pairs of
-// levels of a ray: where a node is interior for fine pairs only, the part of the ray that sees coarser ones meets it as a
-// leaf.
+// F is vfloat (a packet whose rays share the signs of their directions) or float (one ray). One descent serves all
+// pairs of levels of a ray: where a node is interior for fine pairs only, the part of the ray that sees coarser pairs
+// meets it as a leaf.
 //
-// Invariant: a lane is alive in a node while its t_near <= t_far there. t is in the tree's frame, where origins are near the
-// scene; intervals overlap at planes by a few ulps, since culling may never decide a hit.
+// Invariant: a lane is alive in a node while its t_near <= t_far there. t is in the tree's frame, where origins are
+// near the scene. Intervals overlap at planes by a few ulps, since culling must never decide a hit.
 #pragma once
 
 #include <cfloat>
@@ -26,7 +26,7 @@ struct KdRay {
 template <class F>
 using MaskOf = decltype(F() < F());
 
-/// Clips [t_near, t_far] to a box, a little widened.
+/// Clips [t_near, t_far] to a slightly widened box.
 template <class F>
 OCCAM_ALWAYS_INLINE void clip(const KdRay<F>& ray, const Box3f& box, F& t_near, F& t_far) noexcept
 {
@@ -41,7 +41,7 @@ OCCAM_ALWAYS_INLINE void clip(const KdRay<F>& ray, const Box3f& box, F& t_near, 
     t_far = min(t_far, out + (abs(out) + abs(ray.shift)) * slack);
 }
 
-/// Whether the ray is between the planes somewhere in [in, out].
+/// Returns whether the ray is between the planes somewhere in [in, out].
 template <class F>
 OCCAM_ALWAYS_INLINE MaskOf<F> crosses(const KdRay<F>& ray, const Slab& slab, F in, F out) noexcept
 {
@@ -54,10 +54,10 @@ OCCAM_ALWAYS_INLINE MaskOf<F> crosses(const KdRay<F>& ray, const Slab& slab, F i
     return (low <= F(slab.hi)) & (high >= F(slab.lo));
 }
 
-/// Where rays see which pairs, as t of the tree's frame.
+/// Tells where rays see which pairs, as t of the tree's frame.
 template <class F>
 struct PairSpans {
-    lod::RayLevels<F>* levels = nullptr;  ///< null: all pairs are the same to these rays
+    lod::RayLevels<F>* levels = nullptr;  ///< null if all pairs are the same to these rays
     F shift;
     int finest = 0, coarsest = 0;
 
@@ -71,7 +71,7 @@ struct PairSpans {
         levels->make();
         return widen(levels->end(low, high), 1) - shift;
     }
-    /// Leaves out pairs that no ray sees in [near, far], from both ends of [low, high].
+    /// Removes pairs that no ray sees in [near, far] from both ends of [low, high].
     void narrow(MaskOf<F> alive, F near, F far, int& low, int& high) const noexcept
     {
         levels->make();
@@ -86,13 +86,13 @@ private:
 
 enum class LeafResult : unsigned char {
     Done,
-    Expanded,  ///< the node has become interior for some of the pairs: look again
+    Expanded,  ///< the node has become interior for some of the pairs and must be looked at again
     Abandoned  ///< the memory budget is used up
 };
 
-/// Walks front to back. t_near, t_far: each ray's interval, clipped to the tree. limit(): its end as hits shorten it.
-/// leaf(node, alive, t_near, t_far, finest, coarsest): meets what a node holds for those pairs; may shorten limit().
-/// Returns false if it was abandoned.
+/// Walks the tree front to back. t_near and t_far hold each ray's interval, clipped to the tree; limit() returns its
+/// end as hits shorten it. leaf(node, alive, t_near, t_far, finest, coarsest) meets what a node holds for those pairs
+/// and may shorten limit(). Returns false if the walk was abandoned.
 template <class F, class LimitFn, class LeafFn>
 bool traverse(KdTree& tree, const KdRay<F>& ray, F t_near, F t_far, const PairSpans<F>& pairs, TraceCounters& counters,
               LimitFn&& limit, LeafFn&& leaf)

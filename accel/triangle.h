@@ -1,21 +1,22 @@
-// The watertight ray/triangle test, on lanes: rays against one triangle, or one ray against many.
+// Implements the watertight ray/triangle test in lanes: rays against one triangle, or one ray against many.
 //
-// After Woop et al. 2013. Edge functions are not fused, and zero is inside: a - b of two rounded products has the right sign
-// or is zero, and swapping the ends of an edge flips it exactly, so no ray passes between two triangles with the same vertex
-// bits (measured against fused forms: docs/watertightness.md). det = 0 misses. t is clamped to the triangle's own extent
-// along the ray, so that a sliver seen edge-on cannot report a hit outside of its box.
+// It follows Woop et al. 2013. Edge functions are not fused, and zero counts as inside: a - b of two rounded products
+// has the right sign or is zero, and swapping the ends of an edge negates it exactly, so no ray passes between two
+// triangles with the same vertex bits (measured against fused forms: docs/watertightness.md). det = 0 is a miss. t is
+// clamped to the triangle's own extent along the ray, so that a sliver seen edge-on cannot report a hit outside of its
+// box.
 #pragma once
 
 #include "accel/ray_lanes.h"
 
 namespace occam::accel {
 
-/// A vertex in a ray's sheared frame: the ray is the line x = y = 0, t the distance along it.
+/// Holds a vertex in a ray's sheared frame: the ray is the line x = y = 0, and t is the distance along it.
 struct ShearedVertex {
     vfloat x, y, t;
 };
 
-/// p, origin: along the ray's kx, ky, kz.
+/// p and the origin have their coordinates along the ray's kx, ky, kz.
 OCCAM_ALWAYS_INLINE ShearedVertex shear(const RayLanes& ray, const VecLanes& origin, const VecLanes& p) noexcept
 {
     const vfloat z = p.z - origin.z;
@@ -27,7 +28,7 @@ struct TriangleHit {
     vfloat t;
 };
 
-/// Edge functions: U belongs to the vertex a (is zero on b c), and so on.
+/// Computes the edge functions: U belongs to the vertex a (and is zero on b c), and so on.
 struct EdgeFunctions {
     vfloat u, v, w;
 };
@@ -42,7 +43,7 @@ OCCAM_ALWAYS_INLINE vmask is_inside(const EdgeFunctions& e) noexcept
     return ((e.u >= zero) & (e.v >= zero) & (e.w >= zero)) | ((e.u <= zero) & (e.v <= zero) & (e.w <= zero));
 }
 
-/// Of lanes inside.
+/// The values are valid in the lanes inside.
 OCCAM_ALWAYS_INLINE TriangleHit hit_inside(const RayLanes& ray, const EdgeFunctions& e, vmask inside, const ShearedVertex& a,
                                            const ShearedVertex& b, const ShearedVertex& c) noexcept
 {
@@ -61,11 +62,11 @@ OCCAM_ALWAYS_INLINE TriangleHit intersect(const RayLanes& ray, const ShearedVert
     return hit_inside(ray, e, inside, a, b, c);
 }
 
-/// The side of an edge from p to q on which the ray passes: 0 on it. As in edge_functions(); of q to p it is exactly the
-/// opposite.
+/// Computes the side of the edge from p to q on which the ray passes; on the edge the value is 0. It is computed as in
+/// edge_functions(), and the value for q to p is exactly the opposite.
 struct Edge {
     vfloat side;
-    vmask is_left, is_right;  ///< on it is both
+    vmask is_left, is_right;  ///< both are set on the edge
 
     Edge() = default;
     OCCAM_ALWAYS_INLINE Edge(const ShearedVertex& p, const ShearedVertex& q) noexcept
@@ -74,9 +75,10 @@ struct Edge {
     }
 };
 
-/// The two triangles of a quad (v00, v10, v11) and (v00, v11, v01), whose edges are made once, as are those that quads
-/// share: the same bits as of intersect(). Left, right: from the lower vertex to the upper; low, high: from the right vertex
-/// to the left. take(hit, triangle): for triangles that have been met by some lane.
+/// Intersects the two triangles of a quad, (v00, v10, v11) and (v00, v11, v01). Their edges are computed once, as are
+/// those that quads share; the bits are those of intersect(). left and right run from the lower vertex to the upper
+/// one; low and high run from the right vertex to the left one. take(hit, triangle) is called for triangles that some
+/// lane has hit.
 template <class Take>
 OCCAM_ALWAYS_INLINE void intersect_quad(const RayLanes& ray, const ShearedVertex& v00, const ShearedVertex& v10,
                                         const ShearedVertex& v01, const ShearedVertex& v11, const Edge& left,

@@ -1,4 +1,4 @@
-// Vectors of three: of lanes, or of floats for one ray.
+// Vectors of three components: lanes, or floats for one ray.
 #pragma once
 
 #include "base/simd.h"
@@ -23,10 +23,10 @@ using VecLanes = VecOf<vfloat>;
 
 OCCAM_ALWAYS_INLINE VecLanes middle(const VecLanes& a, const VecLanes& b) noexcept { return (a + b) * 0.5f; }
 inline vfloat dot(const VecLanes& a, const VecLanes& b) noexcept { return fma(a.x, b.x, fma(a.y, b.y, a.z * b.z)); }
-/// Of the absolute components.
+/// Returns the largest of the absolute components.
 inline vfloat largest(const VecLanes& a) noexcept { return max(max(abs(a.x), abs(a.y)), abs(a.z)); }
 
-/// a * b - c * d, to 1.5 ulps (Kahan's; Jeannerod et al. 2013).
+/// Returns a * b - c * d with an error of at most 1.5 ulps (Kahan's algorithm; Jeannerod et al. 2013).
 inline vfloat difference_of_products(vfloat a, vfloat b, vfloat c, vfloat d) noexcept
 {
     const vfloat cd = c * d, error = fnma(c, d, cd);

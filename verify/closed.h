@@ -1,4 +1,4 @@
-// Meshes as solids, in double: for tests of closedness.
+// Treats meshes as solids, in double precision, for tests of closedness.
 #pragma once
 
 #include <span>
@@ -7,8 +7,9 @@
 
 namespace occam {
 
-/// Winding number of a closed mesh about a point (solid angles, Van Oosterom and Strackee 1983): 1 inside.
-/// corners  three a triangle
+/// Returns the winding number of a closed mesh about a point (by solid angles, Van Oosterom and Strackee 1983); it is 1
+/// inside.
+/// corners  three per triangle
 double winding_number(std::span<const Vec3f> corners, Vec3d at);
 double winding_number(std::span<const Vec3d> corners, Vec3d at);
 

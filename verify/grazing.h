@@ -1,9 +1,9 @@
-// Gaps between two levels that come from rounding alone, seen by rays that graze the surface.
+// Recognizes gaps between two levels that come from rounding alone and are seen by rays that graze the surface.
 //
-// On either side of a transition a ray sees the same surface, but for the rounding of the vertices that only one of the two
-// levels has. Rounding of r parts the hits of a ray that meets the surface at an angle a by r / sin(a) along the ray. So a
-// ray that is flat enough passes between two segments that overlap by a few ulps, which is how closed cages are tested; the
-// engine's own overlap, a tenth of an edge, closes such a gap.
+// On either side of a transition a ray sees the same surface, except for the rounding of the vertices that only one of
+// the two levels has. A rounding error r separates the hits of a ray that meets the surface at an angle a by r / sin(a)
+// along the ray. So a ray at a small enough angle passes between two segments that overlap by a few ulps, which is how
+// closed cages are tested. The engine's own overlap, a tenth of an edge, closes such a gap.
 #pragma once
 
 #include <memory>
@@ -14,16 +14,16 @@
 
 namespace occam {
 
-/// Traces rays again as the engine does. Borrows the scene and its tables.
+/// Traces rays again as the engine does. It borrows the scene and its tables.
 class GrazingRays {
 public:
-    /// levels   as the engine has them, its overlap included
+    /// levels   are set as in the engine, with its overlap.
     GrazingRays(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels,
                 const TextureStore* textures, float radius);
 
-    /// Whether a ray that met nothing meets the surface with the engine's overlap, no farther from a transition of `table`
-    /// than the rounding of vertices explains at the angle at which it meets the surface.
-    /// table   of the ray, made, with the overlap that it was traced with
+    /// Returns whether a ray that hit nothing hits the surface with the engine's overlap, no farther from a transition
+    /// of `table` than the rounding of vertices explains at the angle at which the ray meets the surface.
+    /// table   is the ray's table, already made, with the overlap with which it was traced.
     bool explain(const accel::Ray& ray, const lod::RayLevels<float>& table);
 
 private:

@@ -1,5 +1,5 @@
-// The surface that one ray sees, as a mesh: between two transitions the mesh of that pair of levels, each vertex blended for
-// the ray.
+// Builds the surface that one ray sees, as a mesh: between two transitions it is the mesh of that pair of levels, with
+// each vertex blended for the ray.
 #pragma once
 
 #include <functional>
@@ -10,13 +10,14 @@
 
 namespace occam {
 
-/// Winding number of the surface that a ray sees about the ray's own origin, in double and without any tree.
+/// Returns the winding number of the surface that a ray sees about the ray's own origin, in double and without any
+/// tree.
 ///
-/// The ray's pairs are cut at its transitions, the planes at distance t along it, and the solid angles of the pieces are
-/// summed. What lies on pairs finer than `finest` is taken from `finest`: pieces that small change nothing.
+/// The ray's pairs are cut at its transitions, the planes at distance t along it, and the solid angles of the pieces
+/// are summed. Pairs finer than `finest` are replaced by `finest`: pieces that small change nothing.
 ///
-/// table   of the ray, made
-/// dice    gives all grids of a cage for the pair of a level and the next
+/// table   is the ray's table, already made.
+/// dice    returns all grids of a cage for the pair of a level and the next one.
 double winding_number_of_ray(Vec3d from, Vec3d direction, const lod::RayLevels<float>& table, int finest,
                              const std::function<const std::vector<lod::LevelGrid>&(int level)>& dice);
 

@@ -1,8 +1,8 @@
-// Is the surface closed for every ray? Rays from inside closed cages, aimed where surfaces leak.
+// Tests whether the surface is closed for every ray: rays start inside closed cages and are aimed where surfaces leak.
 //
-// A ray that starts inside a closed cage and meets nothing has *escaped*. Random directions are blind to such faults, so
-// rays are aimed to an ulp at T-vertices, vertices and edges as each ray itself blends them, with transitions between pairs
-// of levels at and near the hit (docs/watertightness.md).
+// A ray that starts inside a closed cage and hits nothing has *escaped*. Random directions rarely find such faults, so
+// rays are aimed to an ulp at T-vertices, vertices and edges as each ray itself blends them, with transitions between
+// pairs of levels at and near the hit (docs/watertightness.md).
 #pragma once
 
 #include <cstdint>
@@ -16,44 +16,50 @@ namespace occam {
 class TextureStore;
 
 struct VerifySettings {
-    std::uint64_t rays = 1'000'000;  ///< for each placed cage
+    std::uint64_t rays = 1'000'000;  ///< number of rays per placed cage
     std::uint64_t seed = 0;
-    int largest_rate = 32;  ///< of a patch, at the finest level that rays see
-    /// By how much segments of a ray overlap, in ulps of the largest coordinate alone: the engine's overlap is wider, and
-    /// hides faults near the origin. What passes because of that alone is counted as grazing. 0: as the engine does.
+    int largest_rate = 32;  ///< largest rate of a patch at the finest level that rays see
+    /// The overlap of a ray's segments, in ulps of the largest coordinate alone. The engine's overlap is wider and
+    /// hides faults near the origin. Rays that escape only because of the shorter overlap are counted as grazing. 0
+    /// selects the engine's overlap.
     float overlap_ulps = 4;
 };
 
 struct VerifiedCage {
     std::string node, cage;  ///< names
     std::uint64_t faces = 0;
-    std::string not_testable;  ///< why; empty: it was tested
-    std::uint64_t starts = 0;  ///< points inside that rays start from
+    std::string not_testable;  ///< the reason; empty if the cage was tested
+    std::uint64_t starts = 0;  ///< points inside from which rays start
     std::uint64_t rays = 0, escaped = 0;
-    /// Rays that met nothing and started outside: coarse meshes of thin parts leave some fine point outside of the surface
-    /// that one ray sees. Found by that surface's winding number, for rays that met nothing alone.
+    /// Counts rays that hit nothing and started outside: coarse meshes of thin parts leave some points of the fine
+    /// inside outside of the surface that one ray sees. The winding number of that surface tells; it is computed only
+    /// for rays that hit nothing.
     std::uint64_t outside = 0;
-    /// Rays so flat to the surface that they passed between two levels through a gap of rounding, where these overlap by
-    /// overlap_ulps alone. The engine's overlap closes it: each of them has met the surface when it was traced so.
+    /// Counts rays at so small an angle to the surface that they passed between two levels through a gap of rounding,
+    /// where these overlap by overlap_ulps alone. The engine's overlap closes the gap: each of them hit the surface
+    /// when it was traced with it.
     std::uint64_t grazing = 0;
     std::uint64_t not_finite = 0;  ///< hits with a NaN or an infinity
-    std::uint64_t front_side = 0;  ///< hits on the outside, which a ray from inside meets only where coarse triangles fold
-    double worst_front = 0;        ///< of those: largest cosine between the outward normal and the way back
-    std::vector<std::string> replay;  ///< the first escapes: origin, direction, footprint
+    /// Hits on the outside, which a ray from inside finds only where coarse triangles fold over.
+    std::uint64_t front_side = 0;
+    /// The largest cosine among them between the outward normal and the direction back to the origin.
+    double worst_front = 0;
+    std::vector<std::string> replay;  ///< the first escapes: origin, direction and footprint
 
     bool holds() const noexcept { return escaped == 0 && not_finite == 0; }
 };
 
-/// Every edge in exactly two faces that run along it in opposite senses, one fan of faces at every vertex, holes removed.
-/// Empty if the cage is closed, else why it is not.
+/// Checks that every edge is in exactly two faces that run along it in opposite directions, and that the faces around
+/// every vertex form one fan; holes are removed. Returns an empty string if the cage is closed, else the reason why it
+/// is not.
 std::string why_not_closed(const Cage& cage);
 
 /// Tests one cage where `world_from_object` places it, without a skin.
-/// textures   with the texture of its displacement, prepared; null: it is tested without
+/// textures   hold the prepared texture of its displacement; if null, the cage is tested without it.
 VerifiedCage verify(const Cage& cage, const Mat4d& world_from_object, const VerifySettings& settings,
                     const TextureStore* textures = nullptr);
 
-/// Tests every cage of a scene, at each of its places and as it is posed there. Refits the scene.
+/// Tests every cage of a scene, in each of its placements and poses. Refits the bounds of the scene.
 std::vector<VerifiedCage> verify(Scene& scene, const VerifySettings& settings);
 
 }  // namespace occam
