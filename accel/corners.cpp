@@ -12,7 +12,7 @@ namespace {
 
 using OwnBlend = VertexBlendOf<float>;
 
-// A vertex of a lattice as a ray sees it, and how coarse it is.
+// Holds a vertex of a lattice as a ray sees it, and its share of the coarse position.
 Vec3f blended(const IGrid& grid, const OwnBlend& blend, std::uint32_t vertex, float& weight) noexcept
 {
     const Vec3f f = grid.fine_at(vertex);
@@ -42,7 +42,7 @@ lod::Hanging::Ends ends_of(const IGrid& grid, const OwnBlend& blend, const lod::
     return hanging.on(blended(grid, blend, hanging.a, weight[0]), blended(grid, blend, hanging.c, weight[1]));
 }
 
-// The T-vertex inside of a quad's side; null: it has no triangle in this igrid.
+// Returns the T-vertex inside a quad's side, or null if it has no gap triangle in this igrid.
 const lod::Hanging* find_hanging(const IGrid& grid, std::uint32_t part, int i, int j) noexcept
 {
     for (std::size_t k = 0; k < grid.hanging.size(); ++k) {
@@ -62,11 +62,11 @@ const Material* material_of(const Scene& scene, const lod::PosedCage& cage, std:
     return found ? found : &plain;
 }
 
-// Out of line: it is rare.
+// This is kept out of line because it is rare.
 OCCAM_NEVER_INLINE void shade(const IGrid& grid, IGridPart& part, const PhaseOneTools& tools)
 {
     const MaybeLock lock(tools.building);
-    if (part.is_shaded) return;  // another was here meanwhile
+    if (part.is_shaded) return;  // another thread has shaded it meanwhile
     const Stopwatch watch(tools.counters.shade_seconds);
     part.attributes = tools.dicer.shade(*grid.cage, part.tile, grid.blends() ? part.coarser() : part.tile.rates,
                                         tools.arena);
@@ -242,7 +242,7 @@ void Corners::set_attributes(const PhaseOneTools& tools)
         material[lane] = part.material;
         const lod::GridAttributes& made = part.attributes;
         const std::ptrdiff_t width = part.tile.columns + 1, halved = part.is_halved && grid.blends() ? 1 : 0;
-        // A T-vertex's triangle has the attributes of one corner.
+        // A gap triangle has the attributes of one corner.
         const std::ptrdiff_t one = is_closer(m) ? 0 : 1, up = spot.triangle != 0 ? one : 0;
         const std::ptrdiff_t i[3] = {spot.i, spot.i + one, spot.i + one - up}, j[3] = {spot.j, spot.j + up, spot.j + one};
         const auto set = [&](LaneFours* corners, const auto* values) {

@@ -15,7 +15,7 @@
 namespace occam::accel {
 namespace {
 
-// The micropolygon's place in the scene, whatever igrid holds it.
+// Identifies the micropolygon's place in the scene, whichever igrid holds it.
 auto order_of(const IGrid& grid, std::uint32_t id) noexcept
 {
     if (!grid.is_lattice) return std::tuple(grid.cage->key, id, 0u, 0, 0u, 0u, 0u);
@@ -27,8 +27,8 @@ auto order_of(const IGrid& grid, std::uint32_t id) noexcept
                       kind);
 }
 
-// Barycentrics of the point where the ray meets the plane of a T-vertex's triangle, kept inside of it; in double, since it
-// has no area.
+// Computes the barycentrics of the point where the ray meets the plane of a gap triangle, clamped to the triangle; in
+// double, since the triangle has no area.
 Vec3d barycentrics(const Corners& corners, std::size_t lane, Vec3d origin, Vec3d direction) noexcept
 {
     const auto from_origin = [&](int corner) { return Vec3d(corners.position_of(corner, lane)) - origin; };
@@ -43,7 +43,7 @@ Vec3d barycentrics(const Corners& corners, std::size_t lane, Vec3d origin, Vec3d
     return w / (w.x + w.y + w.z);
 }
 
-// Shares of the corners at the hit: the triangle's edge functions, as when it was met.
+// Returns the barycentric weights of the corners at the hit, from the same edge functions that found the hit.
 void shares_of(const Corners& corners, const RayAxes& axes, const vfloat (&way)[4], const vfloat (&origin)[4],
                vfloat (&share)[3]) noexcept
 {
@@ -65,7 +65,7 @@ void shares_of(const Corners& corners, const RayAxes& axes, const vfloat (&way)[
     for (int p = 0; p < 3; ++p) share[p] = select(has_area, max(of[p] / det, zero), 1.0f / 3);
 }
 
-// The same of T-vertices' triangles, which have no edge functions.
+// Does the same for gap triangles, which have no edge functions.
 OCCAM_NEVER_INLINE void set_shares_of_closers(unsigned closers, const Corners& corners, std::span<const Ray> rays,
                                               std::span<const Met> met, vfloat (&share)[3]) noexcept
 {
@@ -79,7 +79,8 @@ OCCAM_NEVER_INLINE void set_shares_of_closers(unsigned closers, const Corners& c
     for (int p = 0; p < 3; ++p) share[p] = vfloat::load(own[p]);
 }
 
-// The set that decides the axes of normal maps and of brush strokes; -1: the material has neither.
+// Returns the set of texture coordinates that decides the axes of normal maps and brush strokes, or -1 if the material
+// has neither.
 int normal_map_set(const Material& m) noexcept
 {
     const TextureUse& use = m.normal_texture ? m.normal_texture : m.clearcoat_normal_texture;
@@ -87,12 +88,12 @@ int normal_map_set(const Material& m) noexcept
     return m.anisotropy > 0 ? std::clamp(m.anisotropy_texture.uv_set, 0, 1) : -1;
 }
 
-// A secondary ray starts this far off its micropolygon, and keeps so far from the edges of it: in ulps of the largest
-// coordinate. The first is more than rounding moves the start by. With the second the start is in front of the next
-// micropolygon, too, if that rises at 15 degrees or more against this one.
+// A secondary ray starts at this distance from its micropolygon, and keeps that far from its edges; both are in ulps of
+// the largest coordinate. The first is more than rounding moves the start by. With the second the start is also in
+// front of the next micropolygon, if that rises at 15 degrees or more against this one.
 constexpr float kStartUlps = 16, kEdgeUlps = 64;
 
-// Of what is smaller no gradient is asked for: a float would not hold it.
+// For smaller values no gradient is computed: a float would not hold it.
 constexpr float kLeastArea = 1e-30f;
 
 // A vector's lanes, to be read one by one.
@@ -135,8 +136,8 @@ void set_identity(const Met& met, const Spot& spot, SurfaceHit& hit) noexcept
         mix_bits(cage.key ^ (std::uint64_t(spot.number) << 32 ^ spot.face) ^ tile * 0x9e3779b97f4a7c15u));
 }
 
-// The level that secondary rays from a hit start at: of the two that the igrid stands for, the one whose edges are nearer to
-// what the ray asks for there.
+// Returns the level at which secondary rays from a hit start: of the igrid's two levels, the one whose edges are nearer
+// to the target edge length of the ray there.
 int start_level_of(const Ray& ray, const Met& met, const lod::LevelSettings& levels) noexcept
 {
     if (levels.mode == lod::LevelMode::PerInstance) return kAnyLevel;
@@ -147,8 +148,9 @@ int start_level_of(const Ray& ray, const Met& met, const lod::LevelSettings& lev
                       std::clamp(pairs.coarsest + 1, lod::kFinestLevel, lod::kCoarsestLevel));
 }
 
-// Where secondary rays start, in lanes: on the micropolygon as the start level has it, and away from its edges, behind
-// which another surface may begin at once. A triangle too narrow for that has the ray start from its middle.
+// Computes where secondary rays start, in lanes: on the micropolygon as the start level has it, and away from its
+// edges, behind which another surface may begin at once. In a triangle too narrow for that, the ray starts from the
+// middle.
 struct Starts {
     VecLanes corner, offset, normal;  ///< the point is corner + offset; the normal is unit, by winding, or zero
 
@@ -178,7 +180,7 @@ struct Starts {
     }
 };
 
-// In quads. A T-vertex's triangle is a line without width: the quad beside it stands in.
+// The place is in quads. A gap triangle is a line without width: the quad beside it stands in for it.
 Vec2d place_in_part(const Met& met, const Spot& spot, Vec3f share) noexcept
 {
     Vec2d at(spot.i, spot.j);
@@ -256,7 +258,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met
     const vmask is_smooth = longest > vfloat(1e-20f);
     const VecLanes scaled = mixed * select(is_smooth, one / longest, zero);
     VecLanes shading = scaled * select(is_smooth, one / sqrt(dot(scaled, scaled)), zero);
-    // A closer has no area, and a degenerate patch corner no normal: one stands in for the other.
+    // A gap triangle has no area, and a degenerate patch corner has no normal: one stands in for the other.
     alignas(32) FloatLanes is_flat{};
     for (unsigned left = closers; left != 0; left &= left - 1) is_flat[std::countr_zero(left)] = 1;
     const vmask has_normal = andnot(tri.area > zero, vfloat::load(is_flat) > zero);
@@ -273,7 +275,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met
     const vfloat width = max(beam[2] + beam[3] * vfloat::load(t), zero);
     vfloat uv_at[2][2] = {{zero, zero}, {zero, zero}}, uv_width[2] = {zero, zero};
     Tangents tangent{VecLanes{zero, zero, zero}, one};
-    UvLanes of_map;  // of lanes without a map, or coordinates: all 0, and so is the tangent
+    UvLanes of_map;  // lanes without a map or coordinates are all 0, and so is the tangent
     for (int s = 0; s < 2; ++s) {
         if (corners.has_uv[s] == 0) continue;
         const UvLanes uv(corners.uv[s]);
@@ -307,7 +309,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met
     put(tangent.along.x, tangent.along.y, tangent.along.z, blend, offsetof(SurfaceHit, tangent));
     put(uv_at[0][0], uv_at[0][1], uv_at[1][0], uv_at[1][1], offsetof(SurfaceHit, uv));
 
-    // Few rays start anywhere but where they have met a surface.
+    // Few rays start anywhere but where they have hit a surface.
     const vfloat least_height = vfloat(kEdgeUlps * FLT_EPSILON) * farthest;
     const vfloat nearest = min(min(share[0], share[1]), share[2]),
                  longest_edge = max(largest(tri.edge[0]), largest(tri.edge[1]));

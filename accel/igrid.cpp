@@ -7,7 +7,7 @@
 namespace occam::accel {
 namespace {
 
-constexpr std::size_t kFewTriangles = 4;  // are one block
+constexpr std::size_t kFewTriangles = 4;  // so few triangles form one block
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 BoxTree make_boxes(int blocks, Arena& arena)
@@ -24,7 +24,7 @@ BoxTree make_boxes(int blocks, Arena& arena)
     return tree;
 }
 
-// A leaf's box, grown by 2 ulps of its largest coordinate.
+// Grows a leaf's box by 2 ulps of its largest coordinate.
 void set_leaf(BoxTree& tree, int leaf, const Box3f& box)
 {
     if (box.is_empty()) return;
@@ -54,7 +54,7 @@ void add_vertex(const IGrid& grid, Box3f& box, std::uint32_t vertex)
 
 }  // namespace
 
-// Takes a patch's vertices, its blocks and its T-vertices over. Rows run along the longer side.
+// Copies a patch's vertices, blocks and T-vertices into the igrid. Rows run along the longer side.
 void IGridBuilder::add_part(IGrid& grid, std::uint32_t number, const lod::LevelGrid& vertices)
 {
     IGridPart& part = grid.parts[number];

@@ -82,9 +82,9 @@ struct GridBounds {
 /// Describes one patch of a lattice: a tile of it, or all of a small patch.
 struct IGridPart {
     lod::TileRef tile;
-    lod::GridAttributes attributes;  ///< filled in by phase one at the first hit, as is is_shaded:
+    lod::GridAttributes attributes;  ///< made at the first hit, as is the material:
     const Material* material = nullptr;
-    bool is_shaded = false;  ///< published, as are the two below:
+    bool is_shaded = false;  ///< published, as are values and channels:
     const float* values[2] =
         {};  ///< VertexShader's, of the fine and of the coarse level; null: not made (accel/vertex_values.h)
     std::int8_t channels = -1;      ///< floats per vertex in these values; negative until it is first asked for

@@ -1,12 +1,14 @@
-// What a kd-tree's lazy nodes hold: parts of the scene, each with a box, opened step by step as rays come near.
+// Holds what a kd-tree's lazy nodes list: parts of the scene, each with a box, opened step by step as rays come near.
 //
 // An item stands for everything below it (Hunt et al. 2007): a node of the scene graph, a cluster of a cage's faces, a
-// patch, a dyadic region of a patch. Items know nothing of levels but two bounds: from which pair of levels on a ray meets
-// them as one igrid, and up to which pair their box holds what such a ray meets. So one tree serves all pairs (Djeu et al.
-// 2011, sec. 5.2.1).
+// patch, or a dyadic region of a patch. Items know only two bounds on levels: the pair from which on a ray meets them
+// as one igrid, and the pair up to which their box holds what such a ray meets. So one tree serves all pairs (Djeu et
+// al. 2011, sec. 5.2.1).
 //
-// Space    boxes: the tree's frame (world axes, translated by the frame's anchor), grown to hold what they stand for for
-// sure. Memory   one worker's arena.   Threads  one worker's own.
+// Space    Boxes are in the tree's frame (world axes, translated by the frame's anchor), grown to hold their contents
+//          conservatively.
+// Memory   One worker's arena.
+// Threads  Each worker has its own.
 #pragma once
 
 #include "accel/frame_state.h"
@@ -19,7 +21,7 @@ namespace occam::accel {
 
 using ItemIndex = std::uint32_t;
 
-/// A node of the scene graph at one of its places.
+/// A node of the scene graph in one of its placements.
 struct PlacedNode {
     NodeId id;
     Mat4d world_from_node;
@@ -30,18 +32,18 @@ struct PlacedNode {
     LightGroups lit_by;
 };
 
-/// A patch of a cage, its rates known.
+/// A patch of a cage whose rates are known.
 struct PatchInfo {
     lod::PatchRef ref;
     lod::PatchScale scale;
     Box3f box;  ///< of the whole patch, dicing frame
 };
 
-/// The patches of a leaf of a cage's cluster tree.
+/// Holds the patches of a leaf of a cage's cluster tree.
 struct ClusterInfo {
     std::span<PatchInfo> patches;
     int small_from = lod::kFinestLevel;  ///< from this level on all patches are small: they share an igrid
-    int same_from = lod::kFinestLevel;   ///< from this level on none changes any more
+    int same_from = lod::kFinestLevel;   ///< from this level on no patch changes any more
 };
 
 struct Item {
@@ -76,15 +78,15 @@ class Items {
 public:
     Items(const FrameState& frame, Arena& arena, lod::Dicer& dicer, TraceCounters& counters);
 
-    /// Forgets everything and makes the root item again; call after the arena was reset.
+    /// Forgets everything and makes the root item again. It is called after the arena was reset.
     ItemIndex restart();
-    /// After restart(): opens all nodes and clusters. What is left: every base patch, and triangles by clusters.
+    /// Opens all nodes and clusters after restart(). Every base patch is left, and triangles in clusters.
     std::vector<ItemIndex> base_patches();
 
     Item& operator[](ItemIndex i) noexcept { return items_[i]; }
 
     bool is_final(ItemIndex i, int pair) const noexcept { return pair_of(items_[i], pair) >= items_[i].final_from; }
-    /// What opening it costs: 0 looks at no vertex, 1 makes or poses vertices, 2 takes a region apart.
+    /// Returns what opening the item costs: 0 looks at no vertex, 1 makes or poses vertices, 2 divides a region.
     int effort(ItemIndex i) const noexcept
     {
         switch (items_[i].kind) {
@@ -98,14 +100,16 @@ public:
         }
     }
 
-    /// Makes the parts of an item that is not final: [first_part, first_part + part_count) afterwards; or, of a Leaf not
-    /// looked into yet, finds out from when on it is final. Items may move in memory. Returns whether there are parts.
+    /// Makes the parts of an item that is not final: [first_part, first_part + part_count) afterwards. For a Leaf that
+    /// was not examined yet, it finds the pair from which on it is final. Items may move in memory. Returns whether
+    /// there are parts.
     bool open(ItemIndex i, int pair);
-    /// The igrid that rays of a pair meet in the item, which is final for it; built now if this is the first.
+    /// Returns the igrid that rays of a pair meet in the item, which is final for that pair. It is built now if this is
+    /// the first request.
     IGrid& grid(ItemIndex i, int pair);
-    /// Where such an igrid lies, in the tree's frame: closer around it than the item's box.
+    /// Returns the bounds of such an igrid in the tree's frame; they are tighter than the item's box.
     GridBounds bounds_of(const IGrid& grid) const;
-    /// The pairs for which that igrid is the same.
+    /// Returns the pairs for which that igrid is the same.
     PairRange range(ItemIndex i, int pair) const noexcept;
 
 private:

@@ -1,25 +1,24 @@
-// A lazily grown multiscale kd-tree over a scene's items: one worker's own (Djeu et al. 2011, sec. 5.2.1-5.2.2).
+// A lazily grown multiscale kd-tree over a scene's items (Djeu et al. 2011, sec. 5.2.1-5.2.2).
 //
 // A node starts lazy: a box and a list of items. Rays that enter it ask for pairs of levels (lod/ray_levels.h). For the
-// pairs that it was asked for it is a leaf, or interior for them and all finer ones: then it has a plane, and a bound up to
-// which pair the boxes below it are right; rays of coarser pairs meet it as a leaf. So it may be a leaf for many pairs, each
-// with its list of igrids.
+// pairs that it was asked for it is a leaf, or it is interior for them and all finer ones: then it has a plane, and a
+// bound on the pairs for which the boxes below it are right; rays of coarser pairs meet it as a leaf. So it may be a
+// leaf for many pairs, with a list of igrids for each.
 //
-// The plane comes from the surface area heuristic, scanned at fixed steps where there are many boxes (Hunt et al. 2006) and
-// tried at all their ends where there are few, after opening large items until there are enough to choose from (Hunt et al.
-// 2007). The tree's shape depends on which pairs come first; what a ray meets does not.
+// The plane comes from the surface area heuristic, scanned at fixed steps where there are many boxes (Hunt et al. 2006)
+// and tried at all their ends where there are few, after opening large items until there are enough to choose from
+// (Hunt et al. 2007). The tree's shape depends on which pairs come first; what a ray meets does not.
 //
-// Memory   an arena; a lazy node's list stays behind when it is expanded.
-// Threads  one worker's own, or several workers': they read what is there without a lock, and expand under one (`building`).
-// A node
-//          is written before the link that leads to it.
+// Memory   An arena; a lazy node's list stays behind when the node is expanded.
+// Threads  One worker's own, or several workers', which read what exists without a lock and expand it under one
+//          (`building`). A node is written before the link that leads to it.
 #pragma once
 
 #include "accel/items.h"
 
 namespace occam::accel {
 
-/// What a node is at one moment.
+/// Holds the state of a node at one moment.
 struct KdLink {
     std::uint32_t bits;  ///< 0-1: axis of an interior node, 3: none. Interior: 2-8: level, 9-31: pair of children
 
@@ -28,7 +27,7 @@ struct KdLink {
 
     bool is_interior() const noexcept { return (bits & 3) != 3; }
     int axis() const noexcept { return static_cast<int>(bits & 3); }
-    /// Of pairs up to this one (kAllLevels: of all) the node is interior.
+    /// The node is interior for pairs up to this one (kAllLevels: for all pairs).
     int level() const noexcept { return static_cast<int>(bits >> 2 & 127) + lod::kFinestLevel - 1; }
     std::uint32_t first_child() const noexcept { return bits >> 9 << 1 | 1; }
     std::uint32_t leaf() const noexcept { return bits >> 2; }
@@ -51,7 +50,7 @@ static_assert(sizeof(KdNode) == 8);  // eight a cache line
 
 inline constexpr int kBoxGroup = BoxTree::kGroup, kBoxGroupFloats = BoxTree::kFloats;
 
-/// Boxes side by side in groups of eight: eight lo.x, eight lo.y, ..., eight hi.z (as BoxTree has them).
+/// Holds boxes side by side in groups of eight: eight lo.x, eight lo.y, ..., eight hi.z (the layout of BoxTree).
 inline void set_box(float* groups, std::size_t place, const Box3f& box) noexcept
 {
     float* to = groups + BoxTree::offset(place);
@@ -66,7 +65,7 @@ inline Box3f get_box(const float* groups, std::size_t place) noexcept
     return {{at[0], at[kBoxGroup], at[2 * kBoxGroup]}, {at[3 * kBoxGroup], at[4 * kBoxGroup], at[5 * kBoxGroup]}};
 }
 
-/// What a leaf meets for a range of pairs.
+/// Lists what a leaf meets for a range of pairs.
 struct KdLeaf {
     /// Less than a cache line, with all that keeps a ray from an igrid in vain.
     struct Entry {
@@ -85,20 +84,20 @@ class KdTree {
 public:
     static constexpr int kMaxDepth = 60;
 
-    /// may_scan   planes at fixed steps are tried where there are many boxes
-    /// building   held while the tree grows; null: nobody else reads it
+    /// may_scan   allows planes at fixed steps where there are many boxes.
+    /// building   is locked while the tree grows; null if no other thread reads the tree.
     KdTree(Items& items, Arena& arena, TraceCounters& counters, bool may_scan, std::mutex* building);
 
-    /// One lazy node with these items; call after the arena was reset.
+    /// Makes one lazy node with these items. It is called after the arena was reset.
     void restart(const Box3f& bounds, std::span<const ItemIndex> roots);
     /// Expands every node as if rays of the pair entered it.
     void expand_all(int pair);
 
     const KdNode& node(std::uint32_t n) const noexcept { return nodes_[n]; }
-    /// Of a node's leaves the one made last; one that holds for no pair, if there is none yet.
+    /// Returns the newest leaf of a node, or a leaf that holds for no pair if there is none yet.
     KdLeaf& latest_leaf(std::uint32_t n) noexcept { return leaves_[head_of(n)]; }
-    /// What rays of a pair meet at a node that is not interior for it; makes it if need be. Null: the node has become
-    /// interior.
+    /// Returns what rays of a pair meet at a node that is not interior for it; it is made if needed. Returns null if
+    /// the node has become interior.
     KdLeaf* leaf(std::uint32_t n, int pair)
     {
         KdLeaf* known = find_leaf(n, pair);
@@ -125,7 +124,7 @@ private:
         float position = 0, cost = 0;
     };
 
-    /// The first of a node's leaves: where the link says, or, of an interior node, beside its children.
+    /// Returns the first of a node's leaves: it is where the link says or, for an interior node, beside its children.
     std::uint32_t head_of(std::uint32_t n) const noexcept
     {
         const KdLink at = nodes_[n].link();
@@ -142,7 +141,7 @@ private:
     void clip_into(const Box3f& box, ItemIndex item, int pair);
     bool open_largest(const Box3f& box, int pair, int most_effort);
     Split best_split(const Box3f& box);
-    // Planes at the faces of boxes: each tried against all boxes, or, of many, in order.
+    // Planes at the faces of boxes are each tried against all boxes or, if there are many boxes, in sorted order.
     Split counted_split(const Box3f& box);
     Split swept_split(const Box3f& box);
     // Planes at fixed steps.

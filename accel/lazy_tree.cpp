@@ -30,12 +30,12 @@ IGrid& LazyTree::grid(const KdLeaf& leaf, std::size_t place, int pair, std::uint
 {
     const MaybeLock lock(building());
     KdLeaf::Entry& entry = leaf.entries[place];
-    if (entry.grid) return *entry.grid;  // another was here meanwhile
+    if (entry.grid) return *entry.grid;  // another thread has built it meanwhile
     const std::uint64_t before = counters.diced;
     IGrid& made = items.grid(entry.item, pair);
     diced += counters.diced - before;
     entry.bounds = items.bounds_of(made);
-    // Others may be reading the boxes of a shared tree.
+    // Other threads may be reading the boxes of a shared tree.
     if (!sharing) set_box(leaf.boxes, place, entry.bounds.box);
     publish(entry.grid, &made);
     return made;

@@ -43,7 +43,7 @@ OCCAM_ALWAYS_INLINE vmask is_inside(const EdgeFunctions& e) noexcept
     return ((e.u >= zero) & (e.v >= zero) & (e.w >= zero)) | ((e.u <= zero) & (e.v <= zero) & (e.w <= zero));
 }
 
-/// The values are valid in the lanes inside.
+/// Returns hits that are valid in the lanes `inside`.
 OCCAM_ALWAYS_INLINE TriangleHit hit_inside(const RayLanes& ray, const EdgeFunctions& e, vmask inside, const ShearedVertex& a,
                                            const ShearedVertex& b, const ShearedVertex& c) noexcept
 {

@@ -271,7 +271,7 @@ private:
     accel::Ray next_ray()
     {
         const Start& start = pick(starts_, random_);
-        // Edges that rays from here may want at their hit.
+        // These are target edge lengths that rays from here may have at their hit.
         const int coarsest = std::clamp(std::ilogb(start.reach), finest_ + 1, finest_ + kLevels);
         const int level = finest_ + static_cast<int>(random_() % static_cast<unsigned>(coarsest - finest_));
         const Subject::Pair& pair = pairs_[static_cast<std::size_t>(level - finest_)];
@@ -280,8 +280,8 @@ private:
         const double distance = std::max(glm::distance(rough, start.at), 1e-6 * start.reach);
         const double widest = lod::edge_length(coarsest), d = lod::edge_length(level);
 
-        // The wanted edge along the ray: constant; growing or shrinking anyhow; with a transition near the hit, or within
-        // ulps of it.
+        // The target edge length along the ray is constant, or grows or shrinks at random, or has a transition near the
+        // hit or within ulps of it.
         double a, b;
         const double kind = uniform(random_);
         if (kind < 0.2) {
@@ -365,7 +365,7 @@ private:
         return grazing_->explain(ray, table);
     }
 
-    /// About the start of the ray, of the surface that it sees.
+    /// Returns the winding number, about the start of the ray, of the surface that the ray sees.
     double winding_of(const accel::Ray& ray)
     {
         const auto far = static_cast<float>(4 * subject_.posed().radius);
