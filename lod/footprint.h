@@ -40,8 +40,9 @@ struct LevelSettings {
     /// (watertightness rule 13). Tests make them small, since a wide overlap hides faults.
     float overlap_edges = 0.1f, overlap_ulps = 16;
 
-    /// World length: points of displaced cages lie no farther off the surface whose edges levels bound. So an edge of M_l
-    /// may be longer than d_l by twice that, and a vertex move as much more from level to level: margins grow by both.
+    /// World length: points of displaced cages lie no farther from the surface whose edges levels bound. So an edge of M_l
+    /// may be longer than d_l by twice this, and a vertex may move by the same amount more between levels: margins grow by
+    /// both.
     float displaced = 0;
 
     /// Edges of the finer level of a pair are at most 1.41 times the target edge length, and at least half of that where
