@@ -13,8 +13,7 @@
 
 namespace occam::lod {
 
-inline constexpr int kMaxExponent =
-    20;  ///< exponent of the largest rate; a cage's finest level keeps all of its patches below (PosedCage)
+inline constexpr int kMaxExponent = 20;  ///< of a rate; every patch of a cage stays below it at its finest level
 inline constexpr int kMinLength = -200;  ///< exponent of a speed of 0
 inline constexpr int kMaxAspect = 4;     ///< a patch thinner than 1 : 16 is diced as if it were as wide
 

@@ -1,4 +1,4 @@
-// The connectivity of a cage, kept by OpenSubdiv. It is private to lod/, whose only header that includes the library it is.
+// The connectivity of a cage, kept by OpenSubdiv. This header is private to lod/, and only it includes the library there.
 #pragma once
 
 #include <opensubdiv/bfr/refinerSurfaceFactory.h>
