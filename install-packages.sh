@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs what packages.txt names and this machine lacks, and nothing if all is there; says what. Debian 12; by sudo unless run by
-# root. With --long also what its lines "long:" name.
+# Installs what packages.txt names and this machine lacks, and nothing if all is present; prints what it does. It is for
+# Debian 12 and uses sudo unless run by root. With --long it also installs what the lines "long:" name.
 set -euo pipefail
 cd "$(dirname "$0")"
 lines=$(grep -v '^long:' packages.txt)

@@ -14,7 +14,7 @@ esac
 if [ $long -eq 1 ]; then ./install-packages.sh --long; else ./install-packages.sh; fi
 
 passed=0 failed=0 skipped=0
-# The sum of the closing lines that GoogleTest prints for PASSED, FAILED or SKIPPED.
+# Prints the sum of the summary lines that GoogleTest prints for PASSED, FAILED or SKIPPED.
 count() { sed -nE "s/^\[  $1 *\] ([0-9]+) tests?.*/\1/p" "$2" | awk '{n += $1} END {print n + 0}'; }
 
 # run PRESET SUITES [VARIABLE=VALUE ...]: builds a preset and passes its suites (folders of tests/, with | between), or "all".
@@ -39,11 +39,11 @@ run() {
     cp "$build/Testing/Temporary/LastTest.log" "$log"
 
     local p f s
-    # Tests that are not GoogleTest's count one each.
+    # Tests that do not use GoogleTest count one each.
     p=$(($(count PASSED "$log") + $(grep -cE '(style|install) \.+ +Passed' "$build.ctest.log" || true)))
     s=$(count SKIPPED "$log")
     f=$(($(count FAILED "$log") + $(grep -cE "(style|install) \.+\*\*\*" "$build.ctest.log" || true)))
-    # A program that ended without a closing line has failed too.
+    # A program that ended without a summary line has failed too.
     [ $status -eq 0 ] || [ "$f" -gt 0 ] || f=1
     grep -E ': Skipped$' -A 1 "$log" | grep -vE ': Skipped$|^--$' | sort | uniq -c | sed -E 's/^ *([0-9]+) /   \1 skipped: /' || true
     if [ $status -ne 0 ]; then
@@ -55,7 +55,7 @@ run() {
     passed=$((passed + p)) failed=$((failed + f)) skipped=$((skipped + s))
 }
 
-# Ten minutes for each door (tests/fuzz): the targets of the preset fuzz print lines like GoogleTest's.
+# Each importer is fuzzed for ten minutes (tests/fuzz): the targets of the preset fuzz print lines like GoogleTest's.
 fuzz() {
     local log=build/fuzz.log
     echo "== fuzz: $1 s a door"
@@ -79,7 +79,7 @@ elif [ $sanitize -eq 1 ]; then
     run asan 'unit|hostile'
 fi
 if [ $long -eq 1 ]; then
-    # Benchmarks are no tests, but have to compile.
+    # Benchmarks are not tests, but they have to compile.
     { cmake --preset release && cmake --build --preset release --target occam_bench; } > build/bench.log 2>&1 || {
         grep -E 'error|FAILED' -A 3 build/bench.log | head -n 60
         exit 1

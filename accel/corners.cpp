@@ -24,8 +24,7 @@ Vec3f blended(const IGrid& grid, const OwnBlend& blend, std::uint32_t vertex, fl
     return {p.x, p.y, p.z};
 }
 
-// Returns whether a vertex of the tile is a T-vertex: it lies on a side that has fewer vertices than the lattice, and
-// is not one of the side's own.
+// Whether a vertex of the tile is a T-vertex: on a side that has fewer than the lattice, and not one of those.
 bool hangs(const lod::TileRef& tile, int i, int j) noexcept
 {
     const lod::PatchRates& rates = tile.rates;
@@ -95,7 +94,7 @@ Corners::Corners(std::span<const Met> met, const Spot* spots) noexcept : met_(me
     std::size_t hits = 0;
     for (const Met& m : met) hits += m.grid != nullptr;
     if (hits == kLanes) return;
-    // Lanes without a hit are cleared.
+    // Lanes without a hit.
     for (int p = 0; p < 3; ++p) {
         clear(position[p]);
         for (LaneFours* fours : {&normal[p], &uv[0][p], &uv[1][p]})
@@ -126,7 +125,7 @@ void Corners::set_positions(const vfloat (&direction)[3], const vfloat (&origin)
         const IGrid& grid = *m.grid;
         const Spot& spot = spots_[lane];
         if (!spot.part) {
-            // The ids of meshes are faces, and are looked up by position.
+            // Ids of meshes are faces, and are looked up by position.
             std::uint32_t k = 0;
             while (grid.ids[k] != m.id) ++k;
             for (int p = 0; p < 3; ++p)
@@ -250,8 +249,7 @@ void Corners::set_attributes(const PhaseOneTools& tools)
             for (int p = 0; p < 3; ++p) {
                 const float w = weight[p][lane];
                 const auto of = [&](std::ptrdiff_t vertex) { return vfloat4::load(&values[vertex].x); };
-                // In the coarser level an odd vertex lies on an edge or a diagonal; its values blend as its position
-                // does.
+                // What is odd lies, in the coarser level, on an edge or a diagonal; and blends as its position does.
                 const std::ptrdiff_t at = j[p] * width + i[p], step = (j[p] & halved) * width + (i[p] & halved);
                 (of(at) * (1 - w) + (of(at - step) + of(at + step)) * (0.5f * w)).store(corners[p][lane]);
             }

@@ -1,5 +1,4 @@
-// The engine's one exception, for bad input. Importers and api/ validate before rendering; after the first tile nothing
-// throws.
+// The one exception of the engine: bad input, met at the door (importers and api/). After the first tile nothing throws.
 #pragma once
 
 #include <stdexcept>
@@ -7,7 +6,7 @@
 
 namespace occam {
 
-/// Describes what went wrong, so that a person can repair it: "FILE: WHAT (WHERE)".
+/// What went wrong, so that a person can mend it: "FILE: WHAT (WHERE)".
 class Error : public std::runtime_error {
 public:
     enum class Kind {

@@ -1,4 +1,4 @@
-// Converts many floats to half floats at once.
+// Many floats into half floats at once.
 #pragma once
 
 #include <cstddef>

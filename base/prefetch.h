@@ -1,4 +1,4 @@
-// Asks the caches to load what will be read soon. This is a hint, and any address is allowed.
+// Asking the caches for what will be read soon. A hint: any address will do.
 #pragma once
 
 namespace occam {

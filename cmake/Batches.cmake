@@ -54,7 +54,7 @@ function(occam_batches target)
     set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${batch})
   endforeach()
   if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
-    # A batch is no header: what a type takes from an unnamed namespace of its own file stays in one translation unit.
+    # A batch is not a header: what a type takes from an unnamed namespace of its own file stays in one translation unit.
     target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
   endif()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)

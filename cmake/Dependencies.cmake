@@ -1,4 +1,5 @@
-# Debian 12's packages; their names are in packages.txt. What each needs beyond find_package is said here, once.
+# These are the packages of Debian 12; their names are in packages.txt. What each needs beyond find_package is said here,
+# once.
 find_package(Threads REQUIRED)
 find_package(glm REQUIRED)
 find_package(hwy REQUIRED)
@@ -8,7 +9,8 @@ find_package(tinyobjloader REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
 
-# OpenImageIO 2.4's own config asks for its command line tools and names an include folder of OpenCV that no package brings.
+# OpenImageIO 2.4's own config asks for its command line tools and names an include folder of OpenCV that no package
+# provides.
 find_package(OpenEXR REQUIRED)
 find_path(OCCAM_OIIO_INCLUDE OpenImageIO/imageio.h REQUIRED)
 find_library(OCCAM_OIIO_LIBRARY OpenImageIO REQUIRED)

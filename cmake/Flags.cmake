@@ -7,7 +7,7 @@ if(NOT CMAKE_BUILD_TYPE)
 endif()
 set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
 
-# Objects are kept from build to build where ccache is at hand; it has to be told to trust precompiled headers.
+# Objects are kept from build to build where ccache is installed; it has to be told to trust precompiled headers.
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE_PROGRAM})
@@ -17,8 +17,8 @@ if(CCACHE_PROGRAM)
 endif()
 
 add_library(occam_flags INTERFACE)
-# The same bits from every code path, compiler and lane count: nothing is contracted, nothing assumed about NaN.
-# Within the shared library calls are direct: nobody replaces its functions at load time.
+# Every code path, compiler and lane count must give the same bits: nothing is contracted, and nothing is assumed about NaN.
+# Calls within the shared library are direct: its functions are not replaced at load time.
 target_compile_options(occam_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Werror -ffp-contract=off -fno-math-errno
   -fno-semantic-interposition -fvisibility-inlines-hidden)
@@ -36,7 +36,7 @@ if(OCCAM_SANITIZE)
   target_compile_options(occam_flags INTERFACE -fsanitize=${OCCAM_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all -g1)
   target_link_options(occam_flags INTERFACE -fsanitize=${OCCAM_SANITIZE})
   if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
-    # Instrumented code misleads this warning of g++ 12; the other builds keep it.
+    # Instrumented code triggers this warning of g++ 12 wrongly; the other builds keep it.
     target_compile_options(occam_flags INTERFACE -Wno-maybe-uninitialized)
   endif()
 endif()

@@ -2,7 +2,8 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-# Everything that `header` (relative to the root) includes by a quoted path from the root or from api/include, and what that includes in turn.
+# Collects everything that `header` (relative to the root) includes by a quoted path from the root or from api/include, and
+# what that includes in turn.
 function(occam_headers_reached header reached)
   set(todo ${header})
   set(done "")
@@ -31,7 +32,8 @@ function(occam_install)
   install(TARGETS occam EXPORT occam_targets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
   install(TARGETS occam_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 
-  # include/occam/occam.h itself, and below include/occam/ the rooms' headers under the names that it includes them by.
+  # This installs include/occam/occam.h itself and, below include/occam/, the rooms' headers under the names by which it
+  # includes them.
   occam_headers_reached(api/include/occam/occam.h headers)
   foreach(header ${headers})
     cmake_path(GET header PARENT_PATH folder)

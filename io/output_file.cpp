@@ -31,7 +31,7 @@ fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.
     throw Error(file.string(), why, {}, Error::Kind::Output);
 }
 
-// Temporaries keep the extension, since readers choose the format by it.
+// Temporary files keep the extension, since readers choose the format by it.
 fs::path temporary_name(const fs::path& file, int attempt)
 {
     std::string name(".");
@@ -43,7 +43,7 @@ fs::path temporary_name(const fs::path& file, int attempt)
     return folder_of(file) / name;
 }
 
-// The name of the output that a temporary belongs to; empty for any other file.
+// Returns the name of the output that a temporary file belongs to; empty for any other file.
 std::string output_of(const std::string& temporary)
 {
     const std::size_t mark = temporary.rfind(kMark);
@@ -54,7 +54,7 @@ std::string output_of(const std::string& temporary)
     return temporary.substr(1, mark - 1) + temporary.substr(end);
 }
 
-// True if the name still leads to the file that is open.
+// Returns true if the name still leads to the file that is open.
 bool is_same_file(int descriptor, const fs::path& name)
 {
     struct stat open_file = {}, named = {};
@@ -75,7 +75,7 @@ bool write_all(int descriptor, std::string_view bytes)
     while (!bytes.empty()) {
         const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
         if (written < 0 && errno == EINTR) continue;
-        if (written < 0 && errno == EAGAIN) {  // a pipe that its reader has made non-blocking
+        if (written < 0 && errno == EAGAIN) {  // the pipe's reader has made it non-blocking
             pollfd wait = {descriptor, POLLOUT, 0};
             poll(&wait, 1, -1);
             continue;
@@ -94,7 +94,7 @@ void remove_if_abandoned(const fs::path& temporary) noexcept
     close(descriptor);
 }
 
-// True for standard output and for what is there but is no regular file.
+// Returns true for standard output, and for anything that exists but is not a regular file.
 bool is_written_directly(const fs::path& file)
 {
     std::error_code error;
@@ -109,12 +109,12 @@ OutputFile::OutputFile(const fs::path& file) : final_(file)
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
         temporary_ = temporary_name(file, attempt);
         descriptor_ = open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        // Another process of the same number, on another machine or in another container, may use this name.
+        // A process of the same number, on another machine or in another container, may use this name.
         if (descriptor_ < 0 && errno == EEXIST) continue;
         if (descriptor_ < 0) refuse(errno);
-        // File systems without locks let nobody remove the temporary either, so a failure is of no matter.
+        // On file systems without locks no other process can remove the temporary file either, so a failure does not matter.
         (void)flock(descriptor_, LOCK_EX | LOCK_NB);
-        // Between the two calls a tidying process may have taken the file for abandoned.
+        // Between the two calls another process that tidies up may have taken the file for abandoned.
         if (is_same_file(descriptor_, temporary_)) return;
         close(descriptor_);
     }
@@ -162,7 +162,7 @@ std::size_t OutputFile::read_at(void* bytes, std::size_t size, std::uint64_t off
 void OutputFile::finish()
 {
     if (error_ != 0) refuse(error_);
-    // EINVAL and EROFS say that this file cannot be synced (a special file system), which is no loss of bytes.
+    // EINVAL and EROFS say that this file cannot be synced (on a special file system), which does not lose any bytes.
     if (sync_again(descriptor_) != 0 && errno != EINVAL && errno != EROFS) refuse(errno);
     struct stat status = {};
     if (fstat(descriptor_, &status) != 0) refuse(errno);
@@ -180,7 +180,7 @@ void OutputFile::publish()
     fs::rename(temporary_, final_, error);
     if (error) refuse_output(final_, "cannot be written: " + error.message());
     is_published_ = true;
-    // The name is an entry of the folder, which is synced by itself where the file system allows it.
+    // The name is an entry of the folder, which is synced separately where the file system allows it.
     if (const int folder = open(folder_of(final_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); folder >= 0) {
         (void)sync_again(folder);
         close(folder);
@@ -215,7 +215,7 @@ void check_output(const fs::path& file)
         refuse_output(file, "cannot be written: no permission in folder " + folder.string());
     if (fs::exists(file, error) && !fs::is_regular_file(file, error))
         refuse_output(file, "is there already and is not a file");
-    // A read-only file system, a name that is too long or a folder without room shows itself here, before minutes of work.
+    // A read-only file system, a name that is too long or a folder without space is detected here, before minutes of work.
     const OutputFile attempt(file);
 }
 
@@ -238,7 +238,7 @@ try {
         for (const fs::path& temporary : abandoned) remove_if_abandoned(temporary);
     }
 } catch (const std::exception&) {
-    // Tidying up is a courtesy: what it cannot do harms nobody.
+    // Tidying up is optional, so its failures are ignored.
 }
 
 }  // namespace occam

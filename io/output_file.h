@@ -25,20 +25,20 @@ public:
     OutputFile(const OutputFile&) = delete;
     OutputFile& operator=(const OutputFile&) = delete;
 
-    /// Writes bytes at an offset. A failure is remembered for finish(): encoders call this from places that cannot report
-    /// one.
+    /// Writes bytes at an offset. A failure is remembered for finish(), since encoders call this function from places that
+    /// cannot report one.
     void write_at(const void* bytes, std::size_t size, std::uint64_t offset) noexcept;
     void append(std::string_view bytes) noexcept { write_at(bytes.data(), bytes.size(), size_); }
     /// Reads back what was written; returns the number of bytes.
     std::size_t read_at(void* bytes, std::size_t size, std::uint64_t offset) const noexcept;
     std::uint64_t size() const noexcept { return size_; }  ///< one past the last byte that was written
 
-    /// Puts the bytes on the disk and checks that all of them are there. Throws Error of Kind::Output.
+    /// Writes the bytes to the disk and checks that all of them are there. Throws Error of Kind::Output.
     void finish();
-    /// Finishes if that was not done yet, and gives the file its final name. Throws Error of Kind::Output.
+    /// Finishes the file if that was not done yet, and gives it its final name. Throws Error of Kind::Output.
     void publish();
 
-    /// The temporary, for reading it back between finish() and publish().
+    /// Returns the path of the temporary file, for reading it back between finish() and publish().
     const std::filesystem::path& temporary() const noexcept { return temporary_; }
 
 private:
@@ -51,17 +51,18 @@ private:
     bool is_finished_ = false, is_published_ = false;
 };
 
-/// Writes a whole file through OutputFile; "-" and what is there but is no regular file (a pipe, a terminal, /dev/null) are
-/// written directly. Throws Error of Kind::Output.
+/// Writes a whole file through OutputFile; "-" and anything that exists but is not a regular file (a pipe, a terminal,
+/// /dev/null) are written directly. Throws Error of Kind::Output.
 void write_whole(const std::filesystem::path& file, std::string_view bytes);
 
-/// Throws Error of Kind::Output if a file of that name cannot be written: its folder, or what is there already.
+/// Throws Error of Kind::Output if a file of that name cannot be written, because of its folder or of what exists there
+/// already.
 void check_output(const std::filesystem::path& file);
 
-/// The same for write_whole(), which also writes to what is no regular file.
+/// Does the same check for write_whole(), which also writes to what is not a regular file.
 void check_whole(const std::filesystem::path& file);
 
-/// Removes the temporaries that killed processes left beside these outputs. Each folder is listed once.
+/// Removes the temporary files that killed processes left beside these outputs. Each folder is listed once.
 void remove_unfinished(std::span<const std::filesystem::path> outputs) noexcept;
 
 }  // namespace occam

@@ -1,8 +1,6 @@
-// Bounds of a cage's clusters under any deformation by skins and morph targets.
+// Bounds of a cage's clusters however skins and morph targets deform it.
 //
-// Space    boxes as in DeformBounds.
-// Memory   28 bytes for each joint of a cluster, and 24 for each morph target.
-// Threads  const once it is made.
+// Space    boxes as DeformBounds.   Memory  28 bytes for each joint of a cluster, 24 for each morph target.   Threads const.
 #pragma once
 
 #include "lod/clusters.h"
@@ -14,11 +12,11 @@ class DeformedClusters {
 public:
     DeformedClusters(const Cage& cage, const ClusterTree& clusters);
 
-    /// Returns the bounds of all control points of the cluster's faces.
+    /// Of all control points of the cluster's faces.
     DeformBounds operator[](std::uint32_t cluster) const noexcept { return table_[table_.size() - 1 - cluster]; }
 
 private:
-    DeformBoundsTable table_;  ///< from the last cluster to the first, because children come before their parents
+    DeformBoundsTable table_;  ///< from the last cluster to the first: children come before their parents
 };
 
 }  // namespace occam::lod

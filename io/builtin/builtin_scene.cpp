@@ -11,11 +11,11 @@ namespace {
 
 using namespace builtin;
 
-/// Turned about `axis` (unit), radians.
+/// Returns the rotation about `axis` (a unit vector) by an angle in radians.
 Vec4d turn(Vec3d axis, float angle) { return {axis * double(maths::sin(angle / 2)), double(maths::cos(angle / 2))}; }
 Vec4d turn_upright(float angle) { return turn({0, 1, 0}, angle); }
 
-/// First b, then a.
+/// Returns the rotation that applies b first, then a.
 Vec4d after(Vec4d a, Vec4d b)
 {
     const Vec3d u(a), v(b);
@@ -108,7 +108,8 @@ private:
 
     void add_room()
     {
-        // Two cages, since the wall needs less detail. It rises from the floor before that ends.
+        // The room is made of two cages, since the wall needs less detail. The wall rises from the floor before the floor
+        // ends.
         const CageId floor = add(floor_sheet("floor", {16, 4, -5.7f, 16, 10}), {materials_.tiles});
         const CageId wall = add(wall_sheet("wall", {24, -5.4f, 3, 10, 16, 12}), {materials_.plaster});
         put("room", {floor}, {0, 0, 0}, turn_upright(0));
@@ -142,10 +143,10 @@ private:
         put("ball", {ball}, {2.25, 0.622, 0.65}, turn(glm::normalize(Vec3d(1, 0.5, 0.3)), 0.9f));
         put("knot", {add(knot(), {materials_.rubber})}, {-0.55, 0.396, 1.75}, turn_upright(0.35f));
 
-        // On three of its arms: the cube's diagonal upright.
+        // The shape stands on three of its arms, so the diagonal of the cube is upright.
         const Vec4d tilt = turn(glm::normalize(Vec3d(-1, 0, 1)), maths::acos(0.57735027f));
         const CageId jack_cage = add(jack("jack", 0.36f, 0.13f), {materials_.silver});
-        const double lift = 0.261;  // of its lowest points
+        const double lift = 0.261;  // the height of its lowest points
         const NodeId first = put("jack", {jack_cage}, {0.85, lift, 1.75}, tilt);
         put_again("jack again", first, {1.5, lift, 2.35}, after(turn_upright(0.7f), tilt));
         put_again("jack once more", first, {3.25, lift, 1.25}, after(turn_upright(1.6f), tilt));

@@ -10,7 +10,7 @@ namespace {
 
 using Panel = std::vector<std::uint32_t>;
 
-// Counter-clockwise from outside.
+// The corners run counter-clockwise as seen from outside.
 struct Polyhedron {
     std::vector<Vec3f> vertices;
     std::vector<Panel> faces;
@@ -27,7 +27,7 @@ Polyhedron icosahedron()
             v[(axis + 1) % 3] = k & 2 ? kGolden : -kGolden;
             p.vertices.push_back(v);
         }
-    // Faces are the triples of vertices at the distance of an edge, 2, from each other.
+    // The faces are the triples of vertices whose mutual distance is 2, the length of an edge.
     const auto is_edge = [&](std::uint32_t a, std::uint32_t b) {
         const Vec3f d = p.vertices[a] - p.vertices[b];
         return glm::dot(d, d) < 5;
@@ -42,7 +42,8 @@ Polyhedron icosahedron()
     return p;
 }
 
-// Cuts every corner off at a third of its edges: a face of n corners becomes one of 2n, and a vertex a face.
+// Cuts off every corner at a third of its edges: a face of n corners becomes one of 2n corners, and each vertex becomes a
+// face.
 Polyhedron truncated(const Polyhedron& p)
 {
     Polyhedron out;

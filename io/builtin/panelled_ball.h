@@ -1,4 +1,4 @@
-// A ball of panels with five and six corners, as footballs are sewn.
+// A ball of panels with five and six corners, sewn as footballs are.
 #pragma once
 
 #include <string>
@@ -7,9 +7,9 @@
 
 namespace occam::builtin {
 
-/// Twelve pentagons and twenty hexagons (the truncated icosahedron) about the origin, each a puffed panel: an n-gon inside a
-/// ring of quads. Seams lie at `radius`, are creased with `sharpness`, and panels rise above them by `puff` of it. Material
-/// slot 0: hexagons, 1: pentagons.
+/// Returns twelve pentagons and twenty hexagons (the truncated icosahedron) about the origin. Each is a puffed panel: an
+/// n-gon inside a ring of quads. The seams lie at `radius` and are creased with `sharpness`; the panels rise above them by
+/// the fraction `puff` of the radius. Material slot 0 holds the hexagons, slot 1 the pentagons.
 Cage panelled_ball(std::string name, float radius, float puff, float sharpness);
 
 }  // namespace occam::builtin

@@ -11,13 +11,13 @@ using maths::kPi;
 
 constexpr float kSharp = kInfiniteSharpness;
 
-/// A circle on a path in the plane z = 0.
+/// Describes a circle on a path in the plane z = 0.
 struct Bead {
     Vec2f at;
     float radius;
 };
 
-// Rings square to the path through the beads.
+// Returns rings perpendicular to the path through the beads.
 std::vector<Ring> strung(const std::vector<Bead>& beads)
 {
     std::vector<Ring> rings;
@@ -38,7 +38,7 @@ Cage spout()
                                       {{1.38f, 0.88f}, 0.125f},
                                       {{1.52f, 1.12f}, 0.11f},
                                       {{1.72f, 1.25f}, 0.12f}});
-    // Over the rim and back inside.
+    // The profile goes over the rim and back inside.
     const auto inner = [&](std::size_t of, float share) {
         return Ring{rings[of].centre, rings[of].x * share, rings[of].y * share, 0};
     };
@@ -145,7 +145,7 @@ Cage knot()
     std::vector<Ring> rings;
     for (std::uint32_t i = 0; i < kRings; ++i) {
         const float angle = 2 * kPi * float(i) / kRings;
-        // Frames follow the torus that the knot winds around, so that the last meets the first.
+        // The frames follow the torus that the knot winds around, so that the last frame meets the first.
         const Vec3f core(kAbout * maths::cos(2 * angle), 0, kAbout * maths::sin(2 * angle)), at = point(angle);
         const Vec3f along = glm::normalize(point(angle + 1e-2f) - point(angle - 1e-2f));
         const Vec3f away = at - core;

@@ -1,4 +1,4 @@
-// The things of the built-in still life. Each stands on y = 0 about the y axis; lengths are in decimetres or so.
+// The objects of the built-in still life. Each stands on y = 0 about the y axis; lengths are roughly in decimetres.
 #pragma once
 
 #include <vector>
@@ -10,13 +10,13 @@ namespace occam::builtin {
 Cage vase();  ///< hollow, 3.1 high
 Cage pawn();  ///< 1.5 high
 
-/// Body, lid, spout (towards +x) and handle of a pot: cages that reach into each other. 1.7 high.
+/// Returns the body, lid, spout (towards +x) and handle of a pot, as cages that reach into each other. The pot is 1.7 high.
 std::vector<Cage> teapot();
 
-/// A trefoil knot about the y axis; its middle lies at the origin.
+/// Returns a trefoil knot about the y axis, with its middle at the origin.
 Cage knot();
 
-/// One closed cage of each kind that the scene shows, for tests.
+/// Returns one closed cage of each kind that the scene shows, for tests.
 std::vector<Cage> closed_pieces();
 
 }  // namespace occam::builtin

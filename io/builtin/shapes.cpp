@@ -10,7 +10,7 @@ namespace {
 
 using maths::kPi;
 
-// Adds faces to a cage together with one UV value a corner.
+// Adds faces to a cage, together with one UV value for each corner.
 class Builder {
 public:
     explicit Builder(std::string name)
@@ -56,7 +56,7 @@ Vec2f unit_circle(std::uint32_t j, std::uint32_t count)
     return {maths::cos(angle), maths::sin(angle)};
 }
 
-// v of each ring: the length along the tube up to it, measured on the first column, 0 to 1.
+// Returns v for each ring: the length along the tube up to it, measured on the first column and scaled to [0, 1].
 std::vector<float> lengths_along(const std::vector<Ring>& rings, bool is_closed)
 {
     std::vector<float> v{0};
@@ -82,7 +82,7 @@ void add_rings(Builder& builder, const std::vector<Ring>& rings, std::uint32_t c
             builder.crease(i * columns + j, i * columns + (j + 1) % columns, rings[i].sharpness);
 }
 
-// The quads between rings; v has one value for each row of UVs, one more than the rings if the tube is closed.
+// Adds the quads between rings; v has one value for each row of UVs, which is one more than the rings if the tube is closed.
 void add_walls(Builder& builder, std::uint32_t rings, std::uint32_t columns, const std::vector<float>& v)
 {
     for (const float row : v)
@@ -95,7 +95,7 @@ void add_walls(Builder& builder, std::uint32_t rings, std::uint32_t columns, con
             builder.face({corner(i, j), corner(i, j + 1), corner(i + 1, j + 1), corner(i + 1, j)});
 }
 
-// A ring whose x cross y looks into the tube is closed clockwise.
+// A ring whose x cross y points into the tube is closed clockwise.
 void add_cap(Builder& builder, Cap cap, const Ring& ring, std::uint32_t first, std::uint32_t columns, bool is_start)
 {
     std::vector<Builder::Corner> around;
@@ -111,7 +111,7 @@ void add_cap(Builder& builder, Cap cap, const Ring& ring, std::uint32_t first, s
     for (std::uint32_t k = 0; k < columns; ++k) builder.face({around[k], around[(k + 1) % columns], middle});
 }
 
-// Swept along x: profile(s) is (y, z) at a length s, which runs away from the eye or upwards.
+// Sweeps a profile along x: profile(s) is (y, z) at a length s, which runs away from the eye or upwards.
 template <class Profile>
 Cage sheet(std::string name, float width, float length, std::uint32_t columns, std::uint32_t rows, Profile&& profile)
 {
@@ -164,7 +164,7 @@ Cage lathe(std::string name, const std::vector<Turn>& profile, std::uint32_t col
 Cage box(std::string name, Vec3f size, float margin, float sharpness)
 {
     Builder builder(std::move(name));
-    // Vertices lie on the surface of a 4 x 4 x 4 lattice.
+    // The vertices lie on the surface of a 4 x 4 x 4 lattice.
     const auto coordinate = [&](int axis, int k) {
         const float half = size[axis] / 2;
         const std::array<float, 4> at{-half, margin - half, half - margin, half};
@@ -178,7 +178,7 @@ Cage box(std::string name, Vec3f size, float margin, float sharpness)
     };
     for (int axis = 0; axis < 3; ++axis)
         for (const int side : {0, 3}) {
-            // s and t with s cross t = outwards.
+            // The axes s and t are chosen so that s cross t points outwards.
             const int s = (axis + (side == 3 ? 1 : 2)) % 3, t = (axis + (side == 3 ? 2 : 1)) % 3;
             const auto corner = [&](int i, int j) {
                 std::array<int, 3> k{};

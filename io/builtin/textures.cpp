@@ -17,7 +17,7 @@ float smooth(float t) noexcept
     t = std::clamp(t, 0.0f, 1.0f);
     return t * t * (3 - 2 * t);
 }
-/// 0 below a, 1 above b, smooth between.
+/// Returns 0 below a, 1 above b, and a smooth transition in between.
 float step(float a, float b, float x) noexcept { return smooth((x - a) / (b - a)); }
 
 float hashed(int x, int y, std::uint64_t seed) noexcept
@@ -26,7 +26,7 @@ float hashed(int x, int y, std::uint64_t seed) noexcept
     return float(mix_bits(mix_bits(key) + seed) >> 40) * 0x1p-24f;
 }
 
-// Value noise in [0, 1] over a lattice that repeats after `period` cells.
+// Returns value noise in [0, 1] over a lattice that repeats after `period` cells.
 float noise(Vec2f p, int period, std::uint64_t seed) noexcept
 {
     const float fx = std::floor(p.x), fy = std::floor(p.y);
@@ -38,7 +38,7 @@ float noise(Vec2f p, int period, std::uint64_t seed) noexcept
     return (at(0, 0) * (1 - u) + at(1, 0) * u) * (1 - v) + (at(0, 1) * (1 - u) + at(1, 1) * u) * v;
 }
 
-// Sum of octaves in [0, 1]; `p` in cells of the first.
+// Returns a sum of octaves in [0, 1]; `p` is measured in cells of the first octave.
 float octaves(Vec2f p, int period, int count, std::uint64_t seed) noexcept
 {
     float sum = 0, weight = 0.5f, total = 0;
@@ -52,7 +52,7 @@ float octaves(Vec2f p, int period, int count, std::uint64_t seed) noexcept
     return sum / total;
 }
 
-/// A texture of width x height whose pixel is color(u, v), u and v in (0, 1) from the top left.
+/// Returns a texture of width x height whose pixel is color(u, v), with u and v in (0, 1) from the top left.
 template <class Color>
 Texture painted(std::string name, int width, int height, Color&& color)
 {
@@ -75,7 +75,7 @@ Texture tiles()
         const Vec2f p = Vec2f(u, v) * float(kTilesAcross);
         const int i = int(p.x), j = int(p.y);
         const Vec2f in_tile = p - Vec2f(float(i), float(j));
-        // Each tile is cut from another place of the stone.
+        // Each tile is cut from another part of the stone.
         const Vec2f stone = p * 1.0f + Vec2f(hashed(i, j, 11), hashed(i, j, 12)) * 4.0f;
         const float cloud = octaves(stone * 2.0f, 64, 5, 1);
         const float warped = octaves(stone + Vec2f(cloud * 1.5f), 64, 4, 2);
@@ -91,7 +91,7 @@ Texture tiles()
 Texture wood()
 {
     return painted("wood", 512, 512, [](float u, float v) {
-        // Rings about an axis that runs nearly along u, a little beside the board.
+        // The rings lie about an axis that runs nearly along u, a little beside the board.
         const float bend = octaves({u * 2, v * 2}, 2, 4, 21) - 0.5f;
         const float across = v - 0.42f + 0.10f * bend + 0.05f * u, depth = 0.22f + 0.08f * u;
         const float radius = std::sqrt(across * across + depth * depth) * 26;
@@ -117,7 +117,7 @@ Texture glaze()
         band(0.222f, 0.006f, cream);
         band(0.378f, 0.006f, cream);
         band(0.47f, 0.008f, rust);
-        // A row of drops on the wide band: sixteen around.
+        // A row of sixteen drops runs around the wide band.
         const float cell = u * 16, x = (cell - std::floor(cell) - 0.5f) * 2, y = (v - 0.30f) / 0.055f;
         const float drop = x * x * (1.6f + 0.9f * y) + y * y * 1.25f;
         return glm::mix(rust, color, step(0.52f, 0.64f, drop));
@@ -127,7 +127,7 @@ Texture glaze()
 Texture studio()
 {
     Texture t = painted("studio", 256, 128, [](float u, float v) {
-        // Angles: around from -z, up from the horizon.
+        // The angles are measured around from -z and up from the horizon.
         const float around = (u - 0.5f) * 2 * kPi, up = (0.5f - v) * kPi;
         const Vec3f ground(0.10f, 0.09f, 0.08f), wall(0.30f, 0.31f, 0.33f), ceiling(0.50f, 0.53f, 0.58f);
         Vec3f c = glm::mix(glm::mix(ground, wall, step(-0.15f, 0.05f, up)), ceiling, step(0.2f, 1.4f, up));

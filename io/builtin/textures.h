@@ -1,21 +1,23 @@
-// Textures by rule: pixels from integer hashes and base/maths.h alone, so the same everywhere. Linear colours.
+// Textures made by rule. The pixels come from integer hashes and base/maths.h alone, so they are the same on every machine.
+// The colours are linear.
 #pragma once
 
 #include "scenegraph/texture.h"
 
 namespace occam::builtin {
 
-/// Marble tiles of two colours in turn, with joints; repeats. Covers `kTilesAcross` by as many tiles.
+/// Returns marble tiles of two alternating colours, with joints. The texture repeats and covers `kTilesAcross` by as many
+/// tiles.
 Texture tiles();
 inline constexpr int kTilesAcross = 4;
 
-/// Grain along u, for boxes whose sides run from 0 to 1.
+/// Returns wood grain along u, for boxes whose sides run from 0 to 1.
 Texture wood();
 
-/// A glazed pattern that goes around a vessel (u) and up it (v, 0 the foot): bands and a row of drops.
+/// Returns a glazed pattern of bands and a row of drops that goes around a vessel (u) and up it (v, 0 at the foot).
 Texture glaze();
 
-/// A dim room with two soft windows and a bright strip, equirectangular: what polished things mirror.
+/// Returns an equirectangular picture of a dim room with two soft windows and a bright strip, which polished objects mirror.
 Texture studio();
 
 }  // namespace occam::builtin

@@ -18,7 +18,7 @@ FileReader::FileReader(const fs::path& file, std::size_t max_bytes) : name_(file
     size_ = size;
     stream_.reset(std::fopen(file.c_str(), "rb"));
     if (!stream_) throw Error(name_, "cannot be opened");
-    std::setvbuf(stream_.get(), nullptr, _IONBF, 0);  // parts are read whole
+    std::setvbuf(stream_.get(), nullptr, _IONBF, 0);  // the parts are read whole, so a buffer would only copy
 }
 
 void FileReader::read(std::size_t at, std::span<char> to) const

@@ -1,4 +1,4 @@
-// How an importer reaches the disk: only whole regular files, and only in the scene's folder.
+// File access of the importers: they read only whole regular files, and only in the scene's folder.
 #pragma once
 
 #include <cstdio>
@@ -13,17 +13,17 @@
 
 namespace occam::import {
 
-/// More than any scene of ours needs in one file, and less than memory.
+/// The limit is more than any scene of ours needs in one file, and less than the memory of a machine.
 inline constexpr std::size_t kMaxFileBytes = std::size_t(8) << 30;
 
-/// One file, open.
+/// Holds one open file.
 class FileReader {
 public:
-    /// Throws Error if it is not a regular file, cannot be read, or is larger than `max_bytes`.
+    /// Throws Error if the file is not a regular file, cannot be read, or is larger than `max_bytes`.
     explicit FileReader(const std::filesystem::path& file, std::size_t max_bytes = kMaxFileBytes);
 
     std::size_t size() const noexcept { return size_; }
-    /// Fills `to` from position `at`. Throws Error if the file does not reach that far.
+    /// Fills `to` from the position `at`. Throws Error if the file does not reach that far.
     void read(std::size_t at, std::span<char> to) const;
 
 private:
@@ -32,11 +32,11 @@ private:
     std::size_t size_ = 0;
 };
 
-/// The whole file. Throws as FileReader.
+/// Returns the whole file. Throws the same errors as FileReader.
 std::string read_file(const std::filesystem::path& file, std::size_t max_bytes = kMaxFileBytes);
 
-/// The path of `relative` (generic separators) under `folder`; none if it is absolute, or leads out of the folder, also by
-/// way of a symbolic link. The file need not exist.
+/// Returns the path of `relative` (with generic separators) under `folder`, or none if it is absolute or leads out of the
+/// folder, be it by a symbolic link. The file need not exist.
 std::optional<std::filesystem::path> inside(const std::filesystem::path& folder, std::string_view relative);
 
 /// A std::istream over memory that is owned elsewhere.
@@ -44,7 +44,7 @@ class TextStream : private std::streambuf, public std::istream {
 public:
     explicit TextStream(std::string_view text) : std::istream(static_cast<std::streambuf*>(this))
     {
-        char* begin = const_cast<char*>(text.data());  // only ever read
+        char* begin = const_cast<char*>(text.data());  // the text is only read
         setg(begin, begin, begin + text.size());
     }
 };

@@ -1,4 +1,4 @@
-// The node tree of a glTF, and the order in which its parts are read.
+// The importer of glTF: it reads the node tree, and decides the order in which the file's parts are read.
 #include "io/import/gltf.h"
 
 #include <map>
@@ -91,7 +91,7 @@ private:
         }
     }
 
-    // Meshes of triangles are the rule, of which nothing is said.
+    // Meshes of triangles are the usual case, so no note is made of them.
     void note_cages()
     {
         std::unordered_set<CageId> cages, all;
@@ -113,7 +113,7 @@ private:
         return index < model_.scenes.size() ? &model_.scenes[index] : nullptr;
     }
 
-    // Without a scene the file is a library: all that has no parent is shown.
+    // A file without a scene is a library: every node without a parent is shown.
     std::vector<int> roots() const
     {
         if (const tinygltf::Scene* scene = scene_in_file()) return scene->nodes;
@@ -151,7 +151,7 @@ private:
         }
     }
 
-    // With EXT_mesh_gpu_instancing the node itself shows nothing, and each of the instances below it the mesh.
+    // With EXT_mesh_gpu_instancing the node itself shows nothing, and each of the instances below it shows the mesh.
     NodeId add_node(NodeId parent, const tinygltf::Node& node, const std::string& where)
     {
         const std::vector<Trs> places = instance_places(node, accessors_, kMaxInstances - instances_, report_, where);
@@ -264,7 +264,7 @@ private:
         Report report(*path, options_.strict);
         Polygons polygons = read_obj(*path, scene_, extras.material < 0, report);
         const bool is_cage = extras.style.scheme.value_or(CageStyle::Scheme::CatmullClark) != CageStyle::Scheme::None;
-        if (extras.style.scheme) polygons.cage.name.insert(0, "cage ");  // what the node says goes before the file's name
+        if (extras.style.scheme) polygons.cage.name.insert(0, "cage ");  // the node's scheme goes before the file's name
         Cage cage = settle(std::move(polygons), is_cage ? Subdivide::On : Subdivide::Off, report).cage;
         extras.style.apply(cage);
         if (extras.style.displacement) cage.displacement = materials_.displacement(*extras.style.displacement, where);

@@ -1,4 +1,5 @@
-// glTF 2.0 and GLB, with the extensions of the material model, punctual lights and the cages of extras.occam.
+// The importer of glTF 2.0 and GLB, with the extensions of the material model, punctual lights and the cages of
+// extras.occam.
 #pragma once
 
 #include "io/import/import.h"

@@ -32,7 +32,7 @@ int component_bytes(int type)
     }
 }
 
-// glTF 2.0, sec. 3.11: normalised integers.
+// Normalised integers are converted as in glTF 2.0, sec. 3.11.
 template <class Out, class In>
 Out convert(In x, bool normalized)
 {
@@ -48,7 +48,7 @@ void copy(const unsigned char* data, std::size_t stride, std::size_t count, int 
           Out* out)
 {
     if (std::is_same_v<In, Out> && components == width && stride == static_cast<std::size_t>(width) * sizeof(In)) {
-        if (count > 0) std::memcpy(out, data, count * stride);  // as it lies there
+        if (count > 0) std::memcpy(out, data, count * stride);  // the data has this layout already
         return;
     }
     for (std::size_t i = 0; i < count; ++i, data += stride, out += width)
@@ -80,7 +80,8 @@ void copy_any(int component_type, const unsigned char* data, std::size_t stride,
     }
 }
 
-// Least and greatest of each component. Eight elements at a time, so that the inner loop runs over whole registers.
+// Finds the least and greatest value of each component. It takes eight elements at a time, so that the inner loop runs over
+// whole registers.
 struct Extremes {
     static constexpr std::size_t kAtOnce = 8, kMaxComponents = 16;
 
@@ -98,7 +99,7 @@ struct Extremes {
                     const float x = values[v + k];
                     least[k] = x < least[k] ? x : least[k];
                     most[k] = x > most[k] ? x : most[k];
-                    sum[k] += x * 0.0f;  // NaN from then on, if x is not finite
+                    sum[k] += x * 0.0f;  // the sum is NaN from then on if x is not finite
                 }
             for (std::size_t k = 0; k < block; ++k) {
                 low[k % n] = std::min(low[k % n], least[k]);
@@ -120,7 +121,7 @@ struct Extremes {
 
 }  // namespace
 
-/// Where the elements of an accessor lie; data is null for zeros.
+/// Describes where the elements of an accessor lie; data is null if all of them are zero.
 struct AccessorReader::Layout {
     const unsigned char* data = nullptr;
     std::size_t stride = 0, count = 0;
@@ -188,7 +189,7 @@ AccessorReader::Layout AccessorReader::locate(int accessor, int width)
     if (declared != 0) layout.stride = declared;
     if (layout.stride < static_cast<std::size_t>(element_bytes))
         refuse(accessor, "elements overlap: the stride is too small");
-    // No overflow: count is below 2^32, and a stride above 252 was refused at the door.
+    // The product cannot overflow: count is below 2^32, and validation has refused a stride above 252.
     const std::size_t needed = a.count == 0 ? 0 : (a.count - 1) * layout.stride + static_cast<std::size_t>(element_bytes);
     if (a.byteOffset > bytes.size() || needed > bytes.size() - a.byteOffset)
         refuse(accessor, "does not fit its buffer view");
@@ -228,7 +229,7 @@ void AccessorReader::fill(const Layout& layout, int accessor, int width, bool no
     }
 }
 
-// The raw numbers of an accessor, some thousand at a time; those of a sparse one at once.
+// Reads the raw numbers of an accessor, some thousand at a time; those of a sparse accessor are read at once.
 template <class Visit>
 void AccessorReader::for_each_part(const Layout& layout, int accessor, Visit&& visit) const
 {

@@ -1,4 +1,4 @@
-// Numbers out of glTF accessors: every layout the format knows, every bound checked before anything is allocated.
+// Reading of glTF accessors: every layout that the format allows, with every bound checked before anything is allocated.
 #pragma once
 
 #include <tiny_gltf.h>
@@ -10,8 +10,8 @@
 
 namespace occam::import {
 
-/// Reads accessors of one file. Sparse, interleaved, normalised and quantised ones alike (glTF 2.0, sec. 3.6.2).
-/// Throws Error naming the accessor if it does not fit its buffer, or has another type than wanted.
+/// Reads the accessors of one file, be they sparse, interleaved, normalised or quantised (glTF 2.0, sec. 3.6.2). Throws
+/// Error naming the accessor if it does not fit its buffer, or has another type than the caller asks for.
 class AccessorReader {
 public:
     AccessorReader(const tinygltf::Model& model, const Report& report);
@@ -20,18 +20,18 @@ public:
     int components(int accessor) const;
     const tinygltf::Accessor& at(int accessor) const;
 
-    /// `width` floats an element; integers are scaled to [0, 1] or [-1, 1] if the accessor is normalised.
+    /// Returns `width` floats for each element; integers are scaled to [0, 1] or [-1, 1] if the accessor is normalised.
     std::vector<float> floats(int accessor, int width);
     std::vector<Vec2f> vec2(int accessor);
     std::vector<Vec3f> vec3(int accessor);
     std::vector<Vec4f> vec4(int accessor);
-    /// Unsigned integers, one an element.
+    /// Returns unsigned integers, one for each element.
     std::vector<std::uint32_t> indices(int accessor);
-    /// Unsigned integers, four an element; of 8 or 16 bits.
+    /// Returns unsigned integers of 8 or 16 bits, four for each element.
     std::vector<glm::u16vec4> joints(int accessor);
-    /// Numbers of all accessors that are not finite, or not within the declared bounds, are warnings.
+    /// Checks the numbers of all accessors; those that are not finite, or not within the declared bounds, become warnings.
     void check_values(Report& report);
-    /// The bytes of a buffer view; throws if they are not in its buffer.
+    /// Returns the bytes of a buffer view; throws Error if they are not in its buffer.
     std::span<const unsigned char> view(int buffer_view, const std::string& where) const;
 
 private:
@@ -46,7 +46,7 @@ private:
 
     const tinygltf::Model& model_;
     const Report& report_;
-    std::size_t budget_bytes_;  ///< many accessors may show the same bytes: what they expand to is bounded
+    std::size_t budget_bytes_;  ///< bounds what accessors expand to, since many of them may show the same bytes
 };
 
 }  // namespace occam::import

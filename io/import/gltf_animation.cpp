@@ -39,7 +39,7 @@ public:
         Channel out;
         out.target = node_at(nodes_, c.target_node);
         const auto path = path_of(c.target_path);
-        if (!out.target || !path) return std::nullopt;  // of another scene, or of an extension: legal, and not ours
+        if (!out.target || !path) return std::nullopt;  // the target is outside the scene or an extension's: ignored
         out.path = *path;
         if (c.sampler < 0 || static_cast<std::size_t>(c.sampler) >= animation.samplers.size())
             return dropped("names no sampler", where);
@@ -70,7 +70,7 @@ public:
     }
 
 private:
-    // A quaternion of zeros is no rotation at all, so the identity stands for it.
+    // A quaternion of zeros is no rotation at all, so the identity replaces it.
     void mend_rotations(Channel& channel, const std::string& where)
     {
         const std::size_t step = channel.values.size() / channel.times.size(), value = step == 12 ? 4 : 0;

@@ -1,4 +1,4 @@
-// Skins and clips of a glTF, into the data model; they are executed elsewhere.
+// Reading of the skins and clips of a glTF into the data model; they are evaluated elsewhere.
 #pragma once
 
 #include "io/import/gltf_accessor.h"

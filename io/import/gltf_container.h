@@ -1,4 +1,4 @@
-// The JSON of a glTF file, and the binary chunk of a GLB, which stays on disk until a buffer wants it.
+// The container of a glTF file: its JSON, and the binary chunk of a GLB, which stays on disk until a buffer needs it.
 #pragma once
 
 #include <optional>
@@ -12,15 +12,15 @@ namespace occam::import {
 
 class GltfContainer {
 public:
-    /// Reads the JSON. Of a GLB header, chunk order and lengths are checked (glTF 2.0, sec. 4).
-    /// Throws Error: not readable, larger than 4 GiB, or a rule of the container is broken.
+    /// Reads the JSON, and checks the header, chunk order and lengths of a GLB (glTF 2.0, sec. 4). Throws Error if the file
+    /// cannot be read, is larger than 4 GiB, or breaks a rule of the container.
     explicit GltfContainer(const Report& report);
 
     bool is_glb() const noexcept { return is_glb_; }
     const std::string& json() const noexcept { return json_; }
     /// Throws Error if the binary chunk is shorter than `bytes`, or missing.
     void require_binary(std::size_t bytes) const;
-    /// Its first `bytes`. Throws as require_binary().
+    /// Returns the first `bytes` of the binary chunk. Throws the same errors as require_binary().
     std::vector<unsigned char> binary(std::size_t bytes) const;
 
 private:

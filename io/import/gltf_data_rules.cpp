@@ -11,8 +11,8 @@ using nlohmann::json;
 
 int component_bytes(std::int64_t type) { return type <= 5121 ? 1 : type <= 5123 ? 2 : 4; }
 
-// An element's own bytes, and those to the next one: columns of matrices start at multiples of four bytes (glTF 2.0, sec.
-// 3.6.2.4), and what pads the last column need not be there.
+// Holds the size of an element's own bytes and the stride to the next one. Columns of matrices start at multiples of four
+// bytes (glTF 2.0, sec. 3.6.2.4), and the padding after the last column may be missing.
 struct ElementSize {
     std::int64_t bytes, stride;
 };
@@ -38,7 +38,7 @@ void check_view(const json& view, const json& root, const std::string& where, Re
         report.warn("byteStride is longer than the view", where);
 }
 
-// Offset and length of elements in a view.
+// Checks that elements fit their view, by their offset and length.
 void check_fit(const json& part, std::int64_t count, ElementSize size, const json& root, const std::string& where,
                Report& report)
 {

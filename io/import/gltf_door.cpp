@@ -16,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-// Far more than a scene needs; tinygltf reads nested values by recursion.
+// The limit is far more than a scene needs; it exists because tinygltf reads nested values by recursion.
 constexpr int kMaxNesting = 128;
 constexpr std::size_t kMaxShownName = 64;
 

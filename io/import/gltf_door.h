@@ -1,6 +1,6 @@
-// The door of glTF: what a file must hold before anything reads it.
+// Validation of glTF: the rules that a file must keep before anything reads it.
 //
-// glTF 2.0 specification (Khronos, 2021) and the schemas of the extensions that we know.
+// The rules are those of the glTF 2.0 specification (Khronos, 2021) and the schemas of the extensions that we know.
 #pragma once
 
 #include <map>
@@ -12,17 +12,17 @@
 
 namespace occam::import {
 
-/// What stands for the URI of the buffer that lies in the binary chunk.
+/// Replaces the URI of the buffer that lies in the binary chunk.
 inline constexpr const char* kBinaryChunk = "<binary chunk>";
 
-/// A document that has passed.
+/// Holds a document that has passed validation.
 struct CheckedGltf {
     std::string json;                                       ///< with kBinaryChunk where it applies; empty: as it was
     std::map<std::string, std::vector<std::size_t>> files;  ///< by decoded URI: bytes that each buffer wants of it, in order
 };
 
-/// Checks JSON against the schema: types, required properties, ranges, and that every index names something.
-/// What a renderer can do without (an unknown property, a wrong hint) is a warning; the rest throws Error.
+/// Checks the JSON against the schema: types, required properties, ranges, and that every index names something. What a
+/// renderer can do without (an unknown property, a wrong hint) becomes a warning; everything else throws Error.
 CheckedGltf check_gltf(std::string_view json_text, bool is_glb, Report& report);
 
 }  // namespace occam::import

@@ -1,4 +1,4 @@
-// The extensions of glTF that are read, with what is read of each: the one list of them.
+// The one list of the glTF extensions that are read, with what is read of each.
 #pragma once
 
 #include <span>
@@ -12,11 +12,11 @@ struct Extension {
     std::string_view what;  ///< what it does here, for docs/gltf-extensions.md
 };
 
-/// Every extension that is understood, in alphabetical order.
+/// Returns every extension that is understood, in alphabetical order.
 std::span<const Extension> gltf_extensions();
 bool is_understood(std::string_view extension);
 
-/// The extensions as the rows of a Markdown table; docs/gltf-extensions.md holds it.
+/// Returns the extensions as the rows of a Markdown table, which docs/gltf-extensions.md holds.
 std::string gltf_extension_table();
 
 }  // namespace occam::import

@@ -12,12 +12,12 @@ namespace occam::import {
 
 namespace {
 
-// What tinygltf may open: the buffers of this file. Images stay closed until the texture store wants them.
+// Holds what tinygltf may open: the buffers of this file. Images stay closed until the texture store needs them.
 struct Folder {
     std::filesystem::path folder;
     const GltfContainer& container;
     std::map<std::string, std::vector<std::size_t>> files;
-    std::map<std::string, std::size_t> reads;  // how many so far
+    std::map<std::string, std::size_t> reads;  // the number of reads so far
 };
 
 std::string without_dot(const std::string& path) { return path.starts_with("./") ? path.substr(2) : path; }
@@ -29,7 +29,8 @@ bool file_exists(const std::string& path, void* user)
 
 std::string expand_path(const std::string& path, void*) { return path; }
 
-// The first bytes of a file, as many as the buffer has: tinygltf would refuse a longer file, which the format allows.
+// Returns the first bytes of a file, as many as the buffer has: tinygltf would refuse a longer file, which the format
+// allows.
 std::vector<unsigned char> read_buffer(const std::filesystem::path& path, std::size_t wanted)
 {
     const FileReader file(path);
@@ -60,8 +61,8 @@ bool read_whole_file(std::vector<unsigned char>* out, std::string* error, const 
 
 bool write_whole_file(std::string*, const std::string&, const std::vector<unsigned char>&, void*) { return false; }
 
-// Decoding is the texture store's, which looks at the dimensions first. Bytes of a buffer view are not touched: nobody
-// has checked them yet.
+// Images are decoded by the texture store, which checks the dimensions first. The bytes of a buffer view are not touched
+// here, since nothing has checked them yet.
 bool keep_image(tinygltf::Image* image, const int, std::string*, std::string*, int, int, const unsigned char* bytes,
                 int size, void*)
 {
@@ -90,7 +91,8 @@ tinygltf::Model open_gltf(Report& report)
     try {
         const bool ok = reader.LoadASCIIFromString(&model, &errors, &warnings, json.data(),
                                                    static_cast<unsigned>(json.size()), "");
-        // It also complains of what may be left out (a channel's node, inverse bind matrices); the door knows better.
+        // tinygltf also reports what may be left out (a channel's node, inverse bind matrices); our validation is more
+        // exact.
         if (!ok) throw Error(report.name(), errors.empty() ? "not a readable glTF" : first_line(errors));
     } catch (const std::bad_alloc&) {
         throw Error(report.name(), "declares more than there is memory for");

@@ -1,4 +1,4 @@
-// Many copies of one mesh under a node (EXT_mesh_gpu_instancing).
+// Reading of many copies of one mesh under a node (EXT_mesh_gpu_instancing).
 #pragma once
 
 #include "io/import/gltf_accessor.h"
@@ -6,11 +6,11 @@
 
 namespace occam::import {
 
-/// More instances than any file of ours has, and less than memory for their nodes.
+/// The limit is more instances than any file of ours has, and fewer than would fill the memory with their nodes.
 inline constexpr std::size_t kMaxInstances = std::size_t(1) << 20;
 
-/// Where the instances of a node lie in its axes; empty if the node has none. Throws Error if the attributes do not fit
-/// together, or if there are more than `left` instances.
+/// Returns the places of a node's instances in the node's axes, empty if it has none. Throws Error if the attributes do not
+/// fit together, or if there are more than `left` instances.
 std::vector<Trs> instance_places(const tinygltf::Node& node, AccessorReader& accessors, std::size_t left,
                                  const Report& report, const std::string& where);
 

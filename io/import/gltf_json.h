@@ -1,4 +1,4 @@
-// Short looks into a JSON document that has passed check_schema().
+// Short lookups in a JSON document that has passed check_schema().
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -6,7 +6,7 @@
 
 namespace occam::import {
 
-/// The array of that name at the top level; an empty one if there is none.
+/// Returns the array of that name at the top level, or an empty one if there is none.
 inline const nlohmann::json& list(const nlohmann::json& object, const char* key)
 {
     static const nlohmann::json none = nlohmann::json::array();

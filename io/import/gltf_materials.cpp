@@ -51,14 +51,14 @@ MaterialImporter::MaterialImporter(const tinygltf::Model& model, AccessorReader&
         Material material = convert(m, where);
         try {
             check(material);
-        } catch (const Error& error) {  // numbers that are finite in the file need not be in a product, or as floats
+        } catch (const Error& error) {  // finite numbers may overflow in a product or as floats
             report_.warn(std::string("the default material is taken: ") + error.what(), where);
             material = Material();
             material.name = m.name;
         }
         materials_.push_back(scene.add(std::move(material)));
     }
-    // The store will look at what is used. The rest is only opened here, so that a broken one is told of.
+    // The store will read what is used. The rest is only opened here, so that a broken image is reported.
     for (std::size_t i = 0; i < model.images.size(); ++i) {
         const int index = static_cast<int>(i);
         if (images_.count({index, TextureRole::Color}) || images_.count({index, TextureRole::Data})) continue;
@@ -80,7 +80,7 @@ Displacement MaterialImporter::displacement(const DisplacementExtras& extras, co
 {
     require_texture(extras.texture, where);
     const TextureUse map = use(extras.texture, 0, {}, TextureRole::Data, where + ".displacement");
-    // Without its image the surface stays where it is.
+    // A displacement without its image leaves the surface where it is.
     return {map, map ? extras.scale : 0, extras.midlevel, extras.bound, extras.axes};
 }
 
@@ -256,8 +256,8 @@ void MaterialImporter::add_extensions(const tinygltf::ExtensionMap& extensions, 
     if (glossiness.IsObject()) set_specular_glossiness(glossiness, out, where);
 }
 
-// A dielectric that reflects the specular colour at normal incidence, over a base of the diffuse colour: what an index of 0
-// stands for in KHR_materials_ior.
+// Makes a dielectric that reflects the specular colour at normal incidence, over a base of the diffuse colour. This is what
+// an index of 0 stands for in KHR_materials_ior.
 void MaterialImporter::set_specular_glossiness(const tinygltf::Value& value, Material& out, const std::string& where)
 {
     out.base_color = vector<Vec4f>(value, "diffuseFactor").value_or(Vec4f(1));
@@ -272,7 +272,7 @@ void MaterialImporter::set_specular_glossiness(const tinygltf::Value& value, Mat
     out.roughness = 1 - number(value, "glossinessFactor", 1);
     out.specular_color_texture = use(member(value, "specularGlossinessTexture"), TextureRole::Color,
                                      where + ".specularGlossinessTexture");
-    out.glossiness_texture = out.specular_color_texture;  // its alpha, which is no colour
+    out.glossiness_texture = out.specular_color_texture;  // its alpha channel holds the glossiness
 }
 
 }  // namespace occam::import

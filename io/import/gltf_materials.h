@@ -1,4 +1,4 @@
-// Materials, textures and samplers of a glTF, into the material model.
+// Conversion of the materials, textures and samplers of a glTF into the material model.
 #pragma once
 
 #include <map>
@@ -9,15 +9,15 @@
 
 namespace occam::import {
 
-/// Makes a colour grey whose image is missing. Other values are then those of their factors alone, but for emission: what
-/// would shine evenly without its image does not shine.
+/// Makes a colour grey whose image is missing. Other values are then those of their factors alone, except for emission: an
+/// emitter whose image is missing does not emit.
 inline constexpr Vec4f kMissingColor{0.5f, 0.5f, 0.5f, 1.0f};
 
 class MaterialImporter {
 public:
     MaterialImporter(const tinygltf::Model& model, AccessorReader& accessors, Scene& scene, Report& report);
 
-    /// By index in the file; none for -1.
+    /// Returns the material by its index in the file; none for -1.
     MaterialId material(int index);
     /// Throws Error if there is no such texture.
     Displacement displacement(const DisplacementExtras& extras, const std::string& where);

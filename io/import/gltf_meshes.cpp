@@ -18,7 +18,7 @@ int attribute(const tinygltf::Primitive& primitive, const std::string& name)
     return found == primitive.attributes.end() ? -1 : found->second;
 }
 
-// FB_ngon_encoding: triangles that follow each other and share their first vertex are a fan that was one polygon.
+// FB_ngon_encoding: successive triangles that share their first vertex are a fan that was one polygon.
 void restore_polygons(Cage& cage, bool has_polygons)
 {
     const std::vector<std::uint32_t> t = std::move(cage.face_vertices);
@@ -45,7 +45,7 @@ void append(std::vector<T>& to, std::size_t to_vertices, const std::vector<T>& f
     to.resize(to_vertices + from_vertices, otherwise);
 }
 
-// Puts the faces of `part` after those of `cage`, with a material slot of their own.
+// Appends the faces of `part` to those of `cage`, with a material slot of their own.
 void append(Cage& cage, const Cage& part)
 {
     const std::size_t n = cage.positions.size(), m = part.positions.size();
@@ -94,7 +94,7 @@ const std::vector<CageId>& MeshImporter::cages(int mesh, const CageStyle& style)
     }
     for (Part& part : parts) restore_polygons(part.cage, part.has_polygons);
     if (parts.empty()) return ids;
-    // Parts with skins or morph targets stay apart: their arrays need not match.
+    // Parts with skins or morph targets stay separate, since their arrays need not match.
     const bool is_deformed = parts[0].cage.skin.sets > 0 || !parts[0].cage.morph_targets.empty();
     if (parts.size() == 1 || is_deformed || parts.size() > 0xffff) {
         for (Part& part : parts) weld_by_position(part.cage), add(std::move(part.cage));
@@ -169,7 +169,7 @@ std::vector<std::uint32_t> MeshImporter::triangles(const tinygltf::Primitive& pr
         for (std::size_t i = 0; i < vertices; ++i) list[i] = static_cast<std::uint32_t>(i);
     }
     if (primitive.mode == TINYGLTF_MODE_TRIANGLE_STRIP || primitive.mode == TINYGLTF_MODE_TRIANGLE_FAN) {
-        // glTF 2.0, sec. 3.7.2.1: every second triangle of a strip is turned round, so that all wind alike.
+        // Every second triangle of a strip is reversed, so that all wind alike (glTF 2.0, sec. 3.7.2.1).
         const bool is_strip = primitive.mode == TINYGLTF_MODE_TRIANGLE_STRIP;
         std::vector<std::uint32_t> out;
         for (std::size_t i = 0; i + 2 < list.size(); ++i) {
@@ -205,7 +205,7 @@ void MeshImporter::read_attributes(const tinygltf::Primitive& primitive, Cage& c
     for (const char* name : {"TEXCOORD_1", "TEXCOORD_0"}) {
         const int a = attribute(primitive, name);
         if (a < 0 && cage.uv_sets.empty()) continue;
-        // The second set keeps its number also if there is no first one.
+        // The second set keeps its number even if there is no first one.
         std::vector<Vec2f> values = a < 0 ? std::vector<Vec2f>(vertices, Vec2f(0))
                                           : per_vertex(accessors_.vec2(a), vertices, name, where);
         cage.uv_sets.insert(cage.uv_sets.begin(), UvSet{std::move(values), {}});

@@ -1,4 +1,4 @@
-// Meshes of a glTF, into cages: triangles as they are, or polygons of a subdivision cage.
+// Conversion of the meshes of a glTF into cages: triangles as they are, or polygons of a subdivision cage.
 #pragma once
 
 #include "io/import/gltf_materials.h"
@@ -15,10 +15,11 @@ public:
     {
     }
 
-    /// The number of the variant whose materials primitives get; -1: their own.
+    /// Sets the number of the variant whose materials primitives get; -1 means their own.
     void set_variant(int variant) noexcept { variant_ = variant; }
 
-    /// One cage a primitive; or one for the whole mesh, if it is to be subdivided. Made once for each (mesh, style).
+    /// Returns one cage for each primitive, or one for the whole mesh if it is to be subdivided. They are made once for each
+    /// (mesh, style).
     const std::vector<CageId>& cages(int mesh, const CageStyle& style);
 
 private:
@@ -29,7 +30,7 @@ private:
     std::optional<Part> read(const tinygltf::Primitive& primitive, const std::string& where);
     std::vector<std::uint32_t> triangles(const tinygltf::Primitive& primitive, std::size_t vertices,
                                          const std::string& where);
-    /// Index of the primitive's material, of the chosen variant if that maps it (KHR_materials_variants).
+    /// Returns the index of the primitive's material, or of the chosen variant's if that maps it (KHR_materials_variants).
     int material_index(const tinygltf::Primitive& primitive) const;
     void read_attributes(const tinygltf::Primitive& primitive, Cage& cage, const std::string& where);
     void read_skin(const tinygltf::Primitive& primitive, Cage& cage, const std::string& where);

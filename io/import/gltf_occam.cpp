@@ -12,7 +12,7 @@ namespace {
 
 using tinygltf::Value;
 
-// One object under extras.occam: every key is asked for by its type, and what was never asked for is unknown.
+// Reads one object under extras.occam: every key is asked for by its type, and a key that was never asked for is unknown.
 class Reader {
 public:
     Reader(const Value& value, std::string where, Report& report) : value_(value), where_(std::move(where)), report_(report)
@@ -157,7 +157,7 @@ DisplacementExtras displacement(const Value& value, const std::string& where, Re
     out.scale = reader.number("scale").value_or(1.0f);
     out.midlevel = reader.number("midlevel").value_or(0.5f);
     out.axes = reader.choice("axes", kAxes).value_or(out.axes);
-    // What texels between 0 and 1 can do: a vector has three of them.
+    // The bound is what texels between 0 and 1 can reach; a vector has three of them.
     const float longest = out.axes == Displacement::Axes::Normal ? 1.0f : 1.7320509f;
     out.bound = reader.number("bound").value_or(longest * std::abs(out.scale) *
                                                 std::max(std::abs(out.midlevel), std::abs(1 - out.midlevel)));

@@ -1,5 +1,5 @@
 // What Occam adds to glTF under extras.occam: cages by file, how polygons are subdivided, area lights, the environment,
-// which rays see a node and which lights light it, bump maps.
+// which rays see a node and which lights illuminate it, and bump maps.
 #pragma once
 
 #include <tiny_gltf.h>
@@ -18,14 +18,14 @@ struct DisplacementExtras {
     auto operator<=>(const DisplacementExtras&) const = default;
 };
 
-/// Of a material.
+/// Holds the additions of a material.
 struct BumpExtras {
     int texture = -1;
     int uv_set = 0;
-    float scale = 1;  ///< world length that a texel of 1 is high
+    float scale = 1;  ///< the world height of a texel of 1
 };
 
-/// How polygons become a cage; what is not said is left as the file has it.
+/// Says how polygons become a cage; what is not set stays as the file has it.
 struct CageStyle {
     enum class Scheme : unsigned char { CatmullClark, Bilinear, None };
     std::optional<Scheme> scheme;
@@ -34,7 +34,7 @@ struct CageStyle {
     std::optional<DisplacementExtras> displacement;
     auto operator<=>(const CageStyle&) const = default;
 
-    /// All but the displacement, whose texture is the importer's.
+    /// Applies everything but the displacement, whose texture the importer handles.
     void apply(Cage& cage) const;
 };
 
@@ -52,7 +52,8 @@ struct EnvironmentExtras {
     float rotation_deg = 0, strength = 1;
 };
 
-/// Of a node, over those of its mesh: what the node says goes first. Unknown keys are warnings, wrong types throw Error.
+/// Reads the additions of a node over those of its mesh; the node's have priority. Unknown keys are warnings, wrong types
+/// throw Error.
 NodeExtras node_extras(const tinygltf::Value& node, const tinygltf::Value& mesh, const std::string& where, Report& report);
 std::optional<BumpExtras> bump_extras(const tinygltf::Value& material, const std::string& where, Report& report);
 std::optional<EnvironmentExtras> environment_extras(const tinygltf::Value& scene, const std::string& where, Report& report);

@@ -1,4 +1,4 @@
-// Rules of glTF that take more than one property to judge. The document has passed check_schema().
+// Rules of glTF that involve more than one property. The document has passed check_schema().
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -7,10 +7,11 @@
 
 namespace occam::import {
 
-/// Buffers, views and accessors: what does not fit throws Error, what is only badly aligned or hinted is a warning.
+/// Checks buffers, views and accessors: what does not fit throws Error; wrong alignment or a wrong hint is a warning.
 void check_data_rules(const nlohmann::json& root, Report& report);
 
-/// Nodes, scenes, skins, cameras, meshes, animations: a tree that is none throws Error, the rest is a warning.
+/// Checks nodes, scenes, skins, cameras, meshes and animations: a node graph that is not a tree throws Error, the rest is a
+/// warning.
 void check_scene_rules(const nlohmann::json& root, Report& report);
 
 }  // namespace occam::import

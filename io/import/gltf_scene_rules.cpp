@@ -52,7 +52,7 @@ private:
                     throw Error(report_.name(), "a node has two parents", element("nodes", child.get<std::size_t>()));
                 parent = static_cast<std::int64_t>(n);
             }
-        // Every node has one parent at most, so whoever climbs more steps than there are nodes goes round in a circle.
+        // Every node has at most one parent, so a climb of more steps than there are nodes is in a cycle.
         std::vector<bool> is_in_tree(nodes.size(), false);
         for (std::size_t n = 0; n < nodes.size(); ++n) {
             std::vector<std::size_t> path;
@@ -100,7 +100,8 @@ private:
         }
     }
 
-    // When a walk over the forest enters and leaves a node: ancestors enclose their descendants.
+    // Holds when a walk over the forest enters and leaves a node: the intervals of ancestors enclose those of their
+    // descendants.
     struct Interval {
         std::size_t root = 0, enter = 0, leave = 0;
     };

@@ -9,8 +9,8 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kMaxBytes = 9007199254740992.0;  // 2^53: what a JSON number holds exactly
 constexpr bool kRequired = true;
 
-// Every object may have `extensions` and `extras` besides, and every element of a root array a `name`. An object named
-// "X/E" is the extension E where it is allowed: in objects of type X.
+// Every object may also have `extensions` and `extras`, and every element of a root array a `name`. An object named "X/E" is
+// the extension E where it is allowed: in objects of type X.
 constexpr Rule kRules[] = {
     {"root", "asset", Kind::Object, "asset", 0, 0, kRequired},
     {"root", "extensionsUsed", Kind::Strings},

@@ -1,4 +1,4 @@
-// Walks a JSON document by the table of gltf_schema.h.
+// The check of a JSON document against the table of gltf_schema.h.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -7,8 +7,8 @@
 
 namespace occam::import {
 
-/// Types, required properties, ranges and indices of everything in `root`. Throws Error where nothing can be made of it;
-/// unknown properties, empty arrays and misplaced extensions are warnings.
+/// Checks the types, required properties, ranges and indices of everything in `root`. Throws Error where the document cannot
+/// be used; unknown properties, empty arrays and misplaced extensions are warnings.
 void check_schema(const nlohmann::json& root, Report& report);
 
 }  // namespace occam::import

@@ -1,4 +1,4 @@
-// Typed looks into the free-form parts of a glTF: extensions and extras.
+// Typed lookups in the free-form parts of a glTF: extensions and extras.
 #pragma once
 
 #include <tiny_gltf.h>
@@ -9,7 +9,7 @@
 
 namespace occam::import {
 
-/// The extension of that name, or an empty value, which has no members.
+/// Returns the extension of that name, or an empty value, which has no members.
 inline const tinygltf::Value& extension(const tinygltf::ExtensionMap& extensions, const char* name)
 {
     static const tinygltf::Value none;
@@ -38,7 +38,7 @@ inline std::string text(const tinygltf::Value& value, const char* key)
     const tinygltf::Value& x = member(value, key);
     return x.IsString() ? x.Get<std::string>() : std::string();
 }
-/// Numbers of an array with exactly `Vec`'s length.
+/// Returns the numbers of an array of exactly `Vec`'s length.
 template <class Vec>
 std::optional<Vec> vector(const tinygltf::Value& value, const char* key)
 {

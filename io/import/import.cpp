@@ -57,7 +57,7 @@ Scene load(const std::filesystem::path& file, const LoadOptions& options)
         return scene;
     } catch (const Error& error) {
         if (!error.file().empty()) throw;
-        throw Error(file.string(), error.what());  // a rule of the scene graph, broken by what the file holds
+        throw Error(file.string(), error.what());  // the file's content breaks a rule of the scene graph
     } catch (const std::bad_alloc&) {
         throw Error(file.string(), "there is not enough memory for what it declares", {}, Error::Kind::Output);
     } catch (const std::exception& error) {

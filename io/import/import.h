@@ -1,4 +1,4 @@
-// Scene files in: glTF 2.0 and GLB, OBJ with MTL and subdivision tags, PLY, OFF and STL.
+// The importers of scene files: glTF 2.0 and GLB, OBJ with MTL and subdivision tags, PLY, OFF and STL.
 #pragma once
 
 #include <filesystem>
@@ -8,8 +8,8 @@
 
 namespace occam {
 
-/// Whether polygons are the cage of a Catmull-Clark surface: always, never, or as the file says. Auto: only what says so is
-/// subdivided, which is an OBJ file with subdivision tags and what glTF's extras.occam names; all other polygons are
+/// Says whether polygons are the cage of a Catmull-Clark surface: always, never, or as the file says. With Auto only two
+/// kinds are subdivided: an OBJ file with subdivision tags, and what glTF's extras.occam names. All other polygons are
 /// rendered as they are, with the file's normals, or without those flat or smooth as the smoothing groups (`s`) of an OBJ
 /// say.
 enum class Subdivide : unsigned char { Auto, On, Off };
@@ -20,8 +20,8 @@ struct LoadOptions {
     std::string variant{};  ///< materials of this variant (KHR_materials_variants); empty: those of the file itself
 };
 
-/// Reads a scene by its extension. Throws Error: file, element, reason. What was mended is in Scene::warnings,
-/// what was chosen in Scene::notes.
+/// Reads a scene; the file's extension selects the format. Throws Error with file, element and reason. What was repaired is
+/// in Scene::warnings, what was chosen in Scene::notes.
 Scene load(const std::filesystem::path& file, const LoadOptions& options = {});
 
 }  // namespace occam

@@ -23,7 +23,8 @@ Vec3f not_negative(const float (&c)[3])
     return {part(c[0]), part(c[1]), part(c[2])};
 }
 
-// Is it an image of which no texel has a colour? False if it cannot be read: the texture store will say so.
+// Returns true if no texel of the image has a colour. Returns false if it cannot be read; the texture store will report
+// that.
 bool is_grey(const Texture& texture)
 {
     constexpr float kColor = 4.0f / 255;
@@ -73,7 +74,7 @@ private:
         std::string warnings, errors;
         TextStream stream(text);
         tinyobj::LoadMtl(&index, &list, &stream, &warnings, &errors);
-        // The library always gives one material, even of an empty file: that one has no name.
+        // The library always gives one material, even for an empty file: that one has no name.
         for (const tinyobj::material_t& m : list)
             if (!m.name.empty() && !materials.count(m.name)) materials.emplace(m.name, scene_.add(convert(m)));
         return true;
@@ -85,7 +86,7 @@ private:
         if (name.empty()) return use;
         auto path = inside(folder_, name);
         if (!path || !std::filesystem::is_regular_file(*path)) {
-            std::string with_slashes = name;  // as programs for Windows write it
+            std::string with_slashes = name;  // programs for Windows write backslashes
             std::replace(with_slashes.begin(), with_slashes.end(), '\\', '/');
             if (const auto other = inside(folder_, with_slashes)) path = other;
         }
@@ -104,7 +105,8 @@ private:
             known->second = scene_.add(std::move(t));
         }
         use.texture = known->second;
-        // st = scale * uv + offset with v upwards; ours runs downwards: 1 - (s (1 - v) + o) = s v + 1 - s - o.
+        // The file has st = scale * uv + offset with v upwards; here v runs downwards: 1 - (s (1 - v) + o) = s v + 1 - s -
+        // o.
         const float su = option.scale[0], sv = option.scale[1], ou = option.origin_offset[0], ov = option.origin_offset[1];
         if (std::isfinite(su) && std::isfinite(sv) && std::isfinite(ou) && std::isfinite(ov))
             use.scale = {su, sv}, use.offset = {ou, 1 - sv - ov};
@@ -112,8 +114,9 @@ private:
         return use;
     }
 
-    // A normal map by `norm`; or by `map_Bump`, where exporters write both kinds: one without any colour holds heights.
-    // These are file units high, times -bm.
+    // A normal map comes from `norm`, or from `map_Bump`, to which exporters write both kinds: one without any colour holds
+    // heights.
+    // These heights are in file units, times -bm.
     void add_normals(const tinyobj::material_t& m, Material& material)
     {
         if (!m.normal_texname.empty()) {
@@ -133,7 +136,7 @@ private:
         material.name = m.name;
         Vec3f diffuse = not_negative(m.diffuse);
         if (!m.diffuse_texname.empty()) {
-            // Exporters write black or nothing beside a map (the library makes 0.6 of nothing) and mean the map alone.
+            // Exporters write black or nothing beside a map (the library turns nothing into 0.6) and mean the map alone.
             const bool says_nothing = diffuse == Vec3f(0) || diffuse == Vec3f(0.6f);
             if (says_nothing) diffuse = Vec3f(1);
             material.base_color_texture = texture(m.diffuse_texname, m.diffuse_texopt, TextureRole::Color);
@@ -141,7 +144,7 @@ private:
         }
         material.base_color = Vec4f(diffuse, unit(m.dissolve));
         if (material.base_color.w < 1 || !m.alpha_texname.empty()) material.alpha_mode = AlphaMode::Blend;
-        // The alpha of the base colour's own image is there already.
+        // The alpha of the base colour's own image is already in use.
         if (m.alpha_texname != m.diffuse_texname)
             material.alpha_texture = texture(m.alpha_texname, m.alpha_texopt, TextureRole::Data);
         material.emission = not_negative(m.emission);
@@ -154,10 +157,10 @@ private:
             material.roughness = unit(m.roughness);
             material.metallic = unit(m.metallic);
         } else if (m.shininess > 1) {
-            // Blinn's exponent of a highlight as wide as that of roughness^2 (Walter et al. 2007, sec. 5.2).
+            // Blinn's exponent gives a highlight as wide as that of roughness^2 (Walter et al. 2007, sec. 5.2).
             material.roughness = unit(std::sqrt(std::sqrt(2.0f / (m.shininess + 2.0f))));
         }
-        // A map without a factor, which the library makes 0, means the map alone.
+        // A map without a factor, for which the library gives 0, means the map alone.
         material.roughness_texture = texture(m.roughness_texname, m.roughness_texopt, TextureRole::Data);
         if (material.roughness_texture) material.roughness = m.roughness > 0 ? unit(m.roughness) : 1;
         material.metallic_texture = texture(m.metallic_texname, m.metallic_texopt, TextureRole::Data);

@@ -1,4 +1,4 @@
-// Wavefront MTL with the PBR extension, into the material model.
+// The importer of Wavefront MTL with the PBR extension into the material model.
 #pragma once
 
 #include <map>
@@ -8,7 +8,7 @@
 namespace occam::import {
 
 /// libraries   the rest of each mtllib line: one name with spaces in it, or several names
-/// Returns materials by name; a library that is missing, or outside `folder`, is a warning.
+/// Returns the materials by name; a library that is missing or outside `folder` is a warning.
 std::map<std::string, MaterialId> read_mtl(const std::vector<std::string>& libraries, const std::filesystem::path& folder,
                                            Scene& scene, Report& report);
 

@@ -33,7 +33,7 @@ public:
         calls.normal_cb = [](void* self, float x, float y, float z) {
             static_cast<Collector*>(self)->polygons_.normals.emplace_back(x, y, z);
         };
-        // OBJ's v runs upwards.
+        // In OBJ, v runs upwards.
         calls.texcoord_cb = [](void* self, float u, float v, float) {
             static_cast<Collector*>(self)->uvs().values.emplace_back(u, 1.0f - v);
         };
@@ -57,7 +57,7 @@ public:
 private:
     UvSet& uvs() { return cage_.uv_sets[0]; }
 
-    // 1-based, or counted back from the last one so far; 0: left out.
+    // Indices are 1-based, or counted back from the last element so far; 0 means that the index is left out.
     static std::uint32_t resolve(int index, std::size_t so_far)
     {
         const std::int64_t i = index > 0 ? std::int64_t(index) - 1 : std::int64_t(so_far) + index;
@@ -81,7 +81,7 @@ private:
         cage_.face_slots.push_back(*slot_);
     }
 
-    // A name that no library has gets a slot without a material: the default one is seen.
+    // A name that no library has gets a slot without a material, so the default material is seen.
     void use_material(std::string name)
     {
         if (materials_.empty()) return;

@@ -68,10 +68,10 @@ std::optional<Tag> parse_tag(Words words)
     return tag;
 }
 
-// False if the tag says nothing that we understand.
+// Returns false if the tag says nothing that the importer understands.
 bool apply_tag(const Tag& tag, Cage& cage)
 {
-    // One sharpness for all elements, or one for each.
+    // A tag gives one sharpness for all elements, or one for each.
     const auto sharpness = [&](std::size_t i) { return tag.floats[tag.floats.size() == 1 ? 0 : i]; };
     const auto has_sharpness = [&](std::size_t elements) { return tag.floats.size() == 1 || tag.floats.size() >= elements; };
     if (tag.name == "crease" && tag.ints.size() >= 2 && has_sharpness(tag.ints.size() / 2)) {
@@ -95,8 +95,8 @@ bool apply_tag(const Tag& tag, Cage& cage)
     return false;
 }
 
-// The colours that some programs write after a vertex's place: sRGB from 0 to 1. Whether a file has them is decided by its
-// first vertex; a vertex that lacks them is white.
+// Holds the colours that some programs write after a vertex's position: sRGB from 0 to 1. The first vertex decides whether a
+// file has them; a vertex that lacks them is white.
 class VertexColors {
 public:
     explicit VertexColors(std::vector<Vec4f>& colors) : colors_(colors) {}
@@ -123,7 +123,7 @@ private:
     bool has_none_ = false;
 };
 
-// The smoothing groups of faces, which stand in lines of their own before them. A group is a number; 0 and `off` are flat.
+// Holds the smoothing groups of faces, which stand on separate lines before them. A group is a number; 0 and `off` are flat.
 class SmoothingGroups {
 public:
     void set(std::string_view word)
@@ -134,7 +134,7 @@ public:
         group_ = group;
         is_used_ |= group != 0;
     }
-    // Counts faces as the library does: a line without a corner is none.
+    // Counts faces as the library does: a line without a corner is not a face.
     void add_face(std::string_view line)
     {
         const bool is_face = line.size() > 1 && (line[1] == ' ' || line[1] == '\t') &&
@@ -142,7 +142,7 @@ public:
         if (!is_face) return;
         ++faces_;
         if (!is_used_) return;
-        groups_.resize(faces_ - 1, 0);  // those before the first group are flat
+        groups_.resize(faces_ - 1, 0);  // faces before the first group are flat
         groups_.push_back(group_);
     }
     std::vector<std::uint32_t> take() { return std::move(groups_); }

@@ -16,8 +16,9 @@ struct ObjStatements {
     bool is_tagged = false;
 };
 
-/// Puts creases, corners, holes and the boundary rule into `cage`: `t name ints/floats/strings values...`, 0-based, as in
-/// OpenSubdiv's shapes. Indices are checked later, by sanitize(): they count all faces of the file.
+/// Puts creases, corners, holes and the boundary rule into `cage`. They have the form `t name ints/floats/strings
+/// values...`, 0-based, as in OpenSubdiv's shapes. Indices are checked later, by sanitize(): they count all faces of the
+/// file.
 ObjStatements scan_obj_statements(std::string_view text, Cage& cage, Report& report);
 
 }  // namespace occam::import

@@ -1,4 +1,5 @@
-// OFF (Geomview's object file format), ascii, with its prefixes for texture coordinates, colours and normals.
+// The importer of OFF (Geomview's object file format), ASCII, with its prefixes for texture coordinates, colours and
+// normals.
 #include "io/import/files.h"
 #include "io/import/polygon_files.h"
 #include "io/import/text_cursor.h"
@@ -15,8 +16,9 @@ public:
     {
         read_header();
         const std::size_t vertices = count("vertices"), faces = count("faces");
-        cursor_.number();  // edges: no one writes them right, and no one needs them
-        // Six bytes for three numbers, four for a face of one corner: before anything is allocated.
+        cursor_.number();  // the number of edges is often wrong, and is not needed
+        // Three numbers take at least six bytes, and a face of one corner four: this is checked before anything is
+        // allocated.
         if (vertices > cursor_.left() / 6 || faces > cursor_.left() / 4) refuse("declares more than the file holds");
         for (std::size_t v = 0; v < vertices; ++v) read_vertex();
         for (std::size_t f = 0; f < faces; ++f) read_face();

@@ -1,4 +1,4 @@
-// PLY (Turk, "The PLY polygon file format", 1994): ascii, and binary in both byte orders.
+// The importer of PLY (Turk, "The PLY polygon file format", 1994): ASCII, and binary in both byte orders.
 #include <array>
 #include <cstring>
 
@@ -53,7 +53,7 @@ struct Element {
     std::vector<Property> properties;
 };
 
-// Where a vertex property goes: an index into `Vertex::values`.
+// Says where a vertex property goes: an index into `Vertex::values`.
 enum Field { kX, kY, kZ, kNx, kNy, kNz, kU, kV, kRed, kGreen, kBlue, kAlpha, kFields };
 constexpr int kIgnored = -1;
 
@@ -145,7 +145,7 @@ private:
         return property;
     }
 
-    // Before anything is allocated: is the file long enough for so many?
+    // Before anything is allocated, this checks that the file is long enough for so many elements.
     void check_count(const Element& element) const
     {
         std::size_t least = 0;
@@ -239,7 +239,7 @@ private:
             if (has_normals) polygons_.normals.emplace_back(f(kNx), f(kNy), f(kNz));
             if (has_uvs) cage.uv_sets[0].values.emplace_back(f(kU), 1 - f(kV));
             if (!has_colors) continue;
-            // Bytes are what a scanner or a painter saw: sRGB. Floats are linear.
+            // Bytes come from scanners and painting programs and are sRGB; floats are linear.
             if (is_byte_color)
                 cage.colors.emplace_back(linear_from_srgb(f(kRed) / 255), linear_from_srgb(f(kGreen) / 255),
                                          linear_from_srgb(f(kBlue) / 255), f(kAlpha) / 255);
@@ -274,7 +274,7 @@ private:
         polygons_.cage.face_vertices.insert(polygons_.cage.face_vertices.end(), corners.begin(), corners.end());
         polygons_.cage.face_sizes.push_back(static_cast<std::uint32_t>(corners.size()));
     }
-    // -1 begins a new strip; every second triangle is turned round.
+    // An index of -1 begins a new strip; every second triangle is reversed.
     void add_strip(const std::vector<std::uint32_t>& strip)
     {
         std::size_t begin = 0;

@@ -1,4 +1,4 @@
-// Polygons into triangles: convex ones as a fan or by halves, others by cutting off ears (Meisters 1975).
+// Triangulation of polygons: convex ones become a fan or are halved, others are cut by ear clipping (Meisters 1975).
 #include "io/import/polygons.h"
 
 #include <algorithm>
@@ -7,7 +7,7 @@ namespace occam::import {
 
 namespace {
 
-// Cutting ears costs the square of the number of corners: larger polygons are cut as if they were convex.
+// Ear clipping costs the square of the number of corners, so larger polygons are cut as if they were convex.
 constexpr std::size_t kMaxEarCorners = 512;
 constexpr std::size_t kMaxFanCorners = 64;
 
@@ -19,7 +19,7 @@ Vec3d newell_normal(std::span<const Vec3f> p)
     return n;
 }
 
-// Twice the area of the triangle, seen along n; positive: counter-clockwise.
+// Returns twice the area of the triangle seen along n; it is positive if the triangle is counter-clockwise.
 double turn(Vec3d n, Vec3f a, Vec3f b, Vec3f c) { return glm::dot(n, glm::cross(Vec3d(b) - Vec3d(a), Vec3d(c) - Vec3d(a))); }
 
 bool is_convex(Vec3d n, std::span<const Vec3f> p)
@@ -30,7 +30,7 @@ bool is_convex(Vec3d n, std::span<const Vec3f> p)
     return true;
 }
 
-// The corners that are left, in order, and which of them can be cut off.
+// Holds the corners that are left, in order, and which of them can be cut off.
 class Ring {
 public:
     Ring(Vec3d normal, std::span<const Vec3f> corners) : normal_(normal), p_(corners)
@@ -41,8 +41,8 @@ public:
     std::size_t size() const { return ring_.size(); }
     const std::vector<std::uint32_t>& corners() const { return ring_; }
 
-    // The first ear. Cutting one off changes its two neighbours only, unless the polygon touches itself: then all are judged
-    // again, a few times. A polygon that crosses itself may have none: then the first corner is as good as any.
+    // Finds the first ear. Cutting one off changes only its two neighbours, unless the polygon touches itself: then all
+    // corners are judged again, a few times. A polygon that crosses itself may have no ear; then the first corner is taken.
     std::size_t find_ear()
     {
         for (;;) {

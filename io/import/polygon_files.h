@@ -1,4 +1,5 @@
-// PLY (ascii and binary), OFF and STL: small readers of our own, which never allocate more than the file has bytes for.
+// The importers of PLY (ASCII and binary), OFF and STL: small readers of our own, which never allocate more than the file
+// has bytes for.
 #pragma once
 
 #include "io/import/import.h"
@@ -11,7 +12,7 @@ Scene load_ply(const std::filesystem::path& file, const LoadOptions& options);
 Scene load_off(const std::filesystem::path& file, const LoadOptions& options);
 Scene load_stl(const std::filesystem::path& file, const LoadOptions& options);
 
-/// A scene of one node that shows `polygons`.
+/// Makes a scene of one node that shows `polygons`.
 Scene scene_of(Polygons polygons, const LoadOptions& options, Report& report);
 
 }  // namespace occam::import

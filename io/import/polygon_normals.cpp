@@ -1,4 +1,4 @@
-// Normals for polygons that a file brings without them.
+// Normals for polygons that come from a file without them.
 #include <cmath>
 #include <unordered_map>
 
@@ -14,7 +14,7 @@ struct Hash {
     std::size_t operator()(std::uint64_t key) const noexcept { return mix_bits(key); }
 };
 
-// The direction of `v`; where it has none, anything that is unit: what such a normal belongs to has no area.
+// Returns the direction of `v`; if it has none, any unit vector will do, since what such a normal belongs to has no area.
 Vec3d direction(Vec3d v)
 {
     const double length = glm::length(v);
@@ -35,7 +35,7 @@ public:
     }
 
 private:
-    // The normals around a vertex in one smoothing group, weighted with the faces' angles.
+    // Holds the normals around a vertex in one smoothing group, weighted with the faces' angles.
     struct Sum {
         Vec3d normals{0};
         double angles = 0;
@@ -93,7 +93,7 @@ private:
             index = of_face;
         }
     }
-    // None where the faces about the vertex cancel out, as the two sides of a sheet do.
+    // There is none where the faces about the vertex cancel out, as the two sides of a sheet do.
     std::uint32_t smooth(Sum& sum)
     {
         if (sum.index == kNoIndex && glm::length(sum.normals) > 1e-3 * sum.angles) sum.index = add(direction(sum.normals));

@@ -81,7 +81,7 @@ void fill_missing_uvs(Cage& cage)
     }
 }
 
-// The scheme that a file's name asks for; none: Loop's, which is not there.
+// Returns the scheme that the cage's name asks for; none means Loop's scheme, which is not supported.
 std::optional<Scheme> scheme_of_name(const std::string& name)
 {
     if (name.starts_with("loop_")) return std::nullopt;
@@ -96,7 +96,7 @@ std::string note_of_cage(const Polygons& polygons, Subdivide subdivide)
                                        : " (the file has subdivision tags; --subdivide off renders the faces themselves)");
 }
 
-// Empty for triangles without tags: they leave nothing to choose.
+// Returns an empty line for triangles without tags, since they leave no choice.
 std::string note_of_faces(const Polygons& polygons, Subdivide subdivide)
 {
     const std::vector<std::uint32_t>& sizes = polygons.cage.face_sizes;

@@ -1,4 +1,4 @@
-// Polygons as a file brings them, before it is settled whether they are a cage or triangles.
+// Polygons as a file gives them, before it is decided whether they are a cage or triangles.
 #pragma once
 
 #include "io/import/import.h"
@@ -7,11 +7,11 @@
 
 namespace occam::import {
 
-/// An index that a file left out, or that points nowhere: sanitize() drops what uses it.
+/// An index that a file left out or that is out of range; sanitize() drops what uses it.
 inline constexpr std::uint32_t kNoIndex = 0xffffffff;
 
-/// `cage` has face_sizes and scheme CatmullClark, its colours, if any, one a vertex; its uv_sets may have kNoIndex where a
-/// corner has no coordinates.
+/// Holds the polygons of a file. `cage` has face_sizes and the scheme CatmullClark; its colours, if any, are one for each
+/// vertex; its uv_sets may have kNoIndex where a corner has no coordinates.
 struct Polygons {
     Cage cage;
     std::vector<Vec3f> normals;
@@ -20,27 +20,30 @@ struct Polygons {
     bool is_tagged = false;                     ///< the file says something about subdivision
 };
 
-/// What settle() made of polygons, and the line that tells a person so; no line where there was no choice.
+/// Holds what settle() made of polygons, and the line that reports the choice; the line is empty where there was no choice.
 struct Settled {
     Cage cage;
     std::string note;
 };
 
-/// A cage or triangles, as `subdivide` says; Auto: a cage if there is a subdivision tag. The scheme is that which the name
-/// of the cage begins with, as those of OpenSubdiv's shapes do: `bilinear_` gives Scheme::Bilinear, `loop_` throws Error
-/// since there is no such scheme here (Auto: a warning, and its faces as they are); every other name gives Catmull-Clark.
+/// Makes a cage or triangles, as `subdivide` says; Auto makes a cage if there is a subdivision tag. The scheme comes from
+/// the prefix of the cage's name, as for the shapes of OpenSubdiv: `bilinear_` gives Scheme::Bilinear; `loop_` throws Error,
+/// since there is no such scheme here (with Auto it is a warning, and the faces are rendered as they are); every other name
+/// gives Catmull-Clark.
 Settled settle(Polygons polygons, Subdivide subdivide, Report& report);
 
-/// Gives a normal to every corner that the file has none for: that of its face if the face is flat, else the mean over the
-/// faces of its smoothing group around the vertex, weighted with their angles. Adds nothing where all faces are flat.
+/// Gives a normal to every corner for which the file has none: the normal of its face if the face is flat, else the mean
+/// over the faces of its smoothing group around the vertex, weighted with their angles. Adds nothing where all faces are
+/// flat.
 void complete_normals(Polygons& polygons);
 
-/// Scheme::Triangles: faces are cut into triangles (convex ones as a fan or by halves, others by ears), holes left out,
-/// vertices with several normals split. A concave face of too many corners is cut as if it were convex, with a warning.
+/// Makes a mesh of Scheme::Triangles. Faces are cut into triangles (convex ones as a fan or by halves, others by ear
+/// clipping), holes are left out, and vertices with several normals are split. A concave face of too many corners is cut as
+/// if it were convex, with a warning.
 Cage triangulate(Polygons polygons, Report& report);
 
 /// Appends size() - 2 triangles to `out`, as triples of indices into `corners`. Returns false if the polygon is concave and
-/// has more corners than are cut by ears, so that what it became may leave it.
+/// has more corners than ear clipping is used for, so that its triangles may leave it.
 bool cut_polygon(std::span<const Vec3f> corners, std::vector<std::uint32_t>& out);
 
 }  // namespace occam::import

@@ -1,4 +1,4 @@
-// What an importer mended or left out: each kind once, with a count and the first place.
+// The report of an importer on what it repaired or left out: it keeps each kind once, with a count and the first place.
 #pragma once
 
 #include <filesystem>
@@ -32,7 +32,7 @@ public:
         ++kinds_[entry->second].count;
     }
 
-    /// One line a kind, in the order in which they came up.
+    /// Returns one line for each kind, in the order in which they came up.
     std::vector<std::string> lines() const
     {
         std::vector<std::string> result;
@@ -52,7 +52,7 @@ private:
         std::string what, where;
         std::size_t count;
     };
-    static constexpr std::size_t kMaxKinds = 1000;  // more of them tell nobody anything
+    static constexpr std::size_t kMaxKinds = 1000;  // more kinds than this would not be read
     std::filesystem::path file_;
     bool strict_;
     std::size_t left_out_ = 0;
@@ -60,7 +60,7 @@ private:
     std::map<std::string, std::size_t> index_;
 };
 
-/// The last step of an importer: what was mended goes into scene.warnings, or is an Error if the report is strict.
+/// Ends an import: what was repaired goes into scene.warnings, or is thrown as an Error if the report is strict.
 void finish(Scene& scene, const Report& report);
 
 }  // namespace occam::import

@@ -1,4 +1,4 @@
-// STL (3D Systems, 1988), ascii and binary. Facets share nothing in the file: equal positions are joined.
+// The importer of STL (3D Systems, 1988), ASCII and binary. Facets share nothing in the file, so equal positions are joined.
 #include <bit>
 #include <cstring>
 
@@ -20,7 +20,7 @@ std::uint32_t u32(std::string_view bytes, std::size_t at)
     return x;
 }
 
-// Some binary files begin with "solid" too: the length decides.
+// Some binary files begin with "solid" too, so the length decides.
 bool is_binary(std::string_view bytes)
 {
     return bytes.size() >= kHeaderBytes && (bytes.size() - kHeaderBytes) / kFacetBytes >= u32(bytes, 80) &&

@@ -1,4 +1,4 @@
-// A place in a text of numbers and words, which never leaves it.
+// A position in a text of numbers and words, which never leaves the text.
 #pragma once
 
 #include <charconv>
@@ -15,7 +15,7 @@ public:
     std::size_t line() const noexcept { return line_; }
     bool is_at_end() { return skip_space(), at_ == text_.size(); }
 
-    /// The next word, also on a later line; empty at the end.
+    /// Returns the next word, also from a later line; empty at the end.
     std::string_view word()
     {
         skip_space();
@@ -23,7 +23,7 @@ public:
         while (at_ < text_.size() && !is_space(text_[at_])) ++at_;
         return text_.substr(begin, at_ - begin);
     }
-    /// The next word as a number; none if it is something else.
+    /// Returns the next word as a number; none if it is something else.
     std::optional<double> number()
     {
         skip_space();

@@ -12,7 +12,7 @@ namespace occam::import {
 
 namespace {
 
-// Vertex v goes to new_of[v], or away if that is kNoIndex; of several that go to one place the first stays.
+// Moves vertex v to new_of[v], or drops it if that is kNoIndex; of several vertices that go to one place the first stays.
 struct Renumbering {
     std::vector<std::uint32_t> new_of;
     std::size_t count = 0;
@@ -38,7 +38,7 @@ struct Renumbering {
         }
         values = std::move(out);
     }
-    // Everything that has one entry a vertex, but for texture coordinates.
+    // This moves everything that has one entry for each vertex, except texture coordinates.
     void apply(Cage& cage) const
     {
         apply(cage.positions);
@@ -62,9 +62,9 @@ struct BitsHash {
         return static_cast<std::size_t>(mixed);
     }
 };
-std::uint32_t bits_of(float x) { return std::bit_cast<std::uint32_t>(x + 0.0f); }  // -0 lies where 0 does
+std::uint32_t bits_of(float x) { return std::bit_cast<std::uint32_t>(x + 0.0f); }  // -0 and 0 are the same position
 
-// One value a vertex becomes one a corner: vertices that go to one place may have several, each kept once.
+// Turns one value for each vertex into one for each corner: vertices that are joined may have several, each kept once.
 template <class Vec>
 void weld_values(std::vector<Vec>& values, std::vector<std::uint32_t>& indices, const Cage& cage,
                  const Renumbering& renumbering)

@@ -1,15 +1,15 @@
-// Renumbering the vertices of a cage: leaving out what no face uses, and joining what lies at one place.
+// Renumbering of the vertices of a cage: it leaves out what no face uses, and joins vertices of equal position.
 #pragma once
 
 #include "scenegraph/cage.h"
 
 namespace occam::import {
 
-/// Takes out vertices that no face refers to.
+/// Removes vertices that no face refers to.
 void drop_unused_vertices(Cage& cage);
 
-/// Joins vertices of equal position. Texture coordinates become face-varying: one value for each different (vertex, uv).
-/// Normals are dropped.
+/// Joins vertices of equal position. Texture coordinates become face-varying, with one value for each different (vertex,
+/// uv). Normals are dropped.
 void weld_by_position(Cage& cage);
 
 }  // namespace occam::import

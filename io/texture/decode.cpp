@@ -27,7 +27,8 @@ const std::array<float, 256>& srgb_table()
     return table;
 }
 
-// More texels for each byte of a file than any compression gives: deflate writes 1032 bytes for one, of up to eight texels.
+// The ratio is more texels for each byte of a file than any compression gives: deflate writes 1032 bytes for one, of up to
+// eight texels each.
 constexpr std::uintmax_t kMaxTexelsPerByte = 16384;
 constexpr std::uintmax_t kAlwaysAllowedTexels = std::uintmax_t(1) << 24;
 
@@ -38,7 +39,7 @@ struct TextureSource::State {
     TextureRole role = TextureRole::Color;
     int width = 0, height = 0;
     std::vector<Vec4f> pixels;       // linear already; or
-    std::vector<std::byte> encoded;  // kept while the reader looks into it
+    std::vector<std::byte> encoded;  // kept while the reader refers to it
     std::unique_ptr<OIIO::Filesystem::IOMemReader> memory;
     std::unique_ptr<OIIO::ImageInput> input;
 
@@ -52,7 +53,7 @@ struct TextureSource::State {
     [[noreturn]] void refuse(const std::string& what) const { throw Error(name, what); }
 };
 
-// Before anything is allocated for it.
+// The size is checked before anything is allocated for the image.
 void TextureSource::State::check_size(std::uintmax_t wide, std::uintmax_t high, std::uintmax_t file_bytes) const
 {
     const std::string size = std::to_string(wide) + " x " + std::to_string(high);
@@ -181,14 +182,14 @@ MipImage TextureSource::decode(int halvings) const
     constexpr int kRowsAtOnce = 64;
     const int block = 1 << halvings;
     MipImage image(std::max(1, width() >> halvings), std::max(1, height() >> halvings));
-    // Whole rows of tiles, and whole rows of the result.
+    // The loop reads whole rows of tiles, and whole rows of the result.
     const int tile = state_->input && state_->input->spec().tile_width > 0 ? state_->input->spec().tile_height : 1;
     const int rows = std::max({block, tile, kRowsAtOnce}) / std::max(block, tile) * std::max(block, tile);
     std::vector<Vec4f> texels, row(static_cast<std::size_t>(image.width()));
     for (int y = 0; y < height(); y += rows) {
         const int y_end = std::min(height(), y + rows);
         state_->read_rows(y, y_end, texels);
-        // What is left over at the right and lower edges of a size that the block does not divide is not seen.
+        // Texels that are left over at the right and lower edges, where the block does not divide the size, are ignored.
         for (int out = y >> halvings; out < image.height() && (out << halvings) < y_end; ++out) {
             const int from = (out << halvings) - y, to = std::min(from + block, y_end - y);
             for (int x = 0; x < image.width(); ++x) {

@@ -1,4 +1,4 @@
-// Image files into linear texels, by OpenImageIO: the only place that knows it here.
+// Decoding of image files into linear texels. This is the only place here that uses OpenImageIO.
 #pragma once
 
 #include <memory>
@@ -13,18 +13,18 @@ namespace occam {
 inline constexpr int kMaxTextureSide = 16384;
 inline constexpr std::size_t kMaxTextureTexels = std::size_t(1) << 27;
 
-/// One image, opened: its size is known, its texels are not read yet.
+/// Holds one opened image: its size is known, its texels are not read yet.
 class TextureSource {
 public:
-    /// Throws Error: the file cannot be read, or is too large.
+    /// Throws Error if the file cannot be read or is too large.
     explicit TextureSource(const Texture& texture);
     ~TextureSource();
     TextureSource(TextureSource&&) noexcept;
 
     int width() const noexcept;
     int height() const noexcept;
-    /// All texels, linear, with all levels; sides divided by 2^halvings (at least 1) by a box filter while it reads.
-    /// Throws Error.
+    /// Returns all texels, linear, with all levels; a box filter divides the sides by 2^halvings (to at least 1) while the
+    /// file is read. Throws Error.
     MipImage decode(int halvings) const;
 
 private:

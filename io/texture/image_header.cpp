@@ -16,7 +16,7 @@ bool matches(ImageBytes& bytes, std::string_view magic, std::uintmax_t at = 0)
     return bytes.read(at, first) && std::memcmp(first.data(), magic.data(), magic.size()) == 0;
 }
 
-// `count` bytes, the lowest first; 0 beyond the end.
+// Returns an integer of `count` bytes, the lowest first; bytes beyond the end count as 0.
 std::uint32_t little_endian(ImageBytes& bytes, std::uintmax_t at, std::size_t count)
 {
     std::array<unsigned char, 4> word{};
@@ -67,7 +67,7 @@ bool is_cut_off_png(ImageBytes& bytes)
     for (std::uintmax_t at = kPngMagic.size(); bytes.read(at, word);) {
         std::uintmax_t length = 0;
         for (int i = 0; i < 4; ++i) length = length << 8 | word[static_cast<std::size_t>(i)];
-        constexpr std::uintmax_t kAround = 12;  // length, name, checksum
+        constexpr std::uintmax_t kAround = 12;  // the bytes of length, name and checksum
         if (bytes.size() - at < kAround || length > bytes.size() - at - kAround) return true;
         if (std::memcmp(&word[4], "IEND", 4) == 0) return false;
         at += length + kAround;
@@ -79,7 +79,7 @@ std::optional<ImageSize> declared_canvas(ImageBytes& bytes)
 {
     if (matches(bytes, "GIF8")) return ImageSize{little_endian(bytes, 6, 2), little_endian(bytes, 8, 2)};
     if (!matches(bytes, "RIFF") || !matches(bytes, "WEBP", 8)) return std::nullopt;
-    // The WebP container: an extended header, or one of two bit streams (RFC 9649, sec. 2.5 to 2.7).
+    // This reads the WebP container: an extended header, or one of two bit streams (RFC 9649, sec. 2.5 to 2.7).
     if (matches(bytes, "VP8X", 12)) return ImageSize{little_endian(bytes, 24, 3) + 1, little_endian(bytes, 27, 3) + 1};
     if (matches(bytes, "VP8L", 12)) {
         const std::uint32_t bits = little_endian(bytes, 21, 4);

@@ -14,7 +14,7 @@ public:
     explicit Copier(std::span<const std::byte> file) : file_(file) { out_.reserve(file.size()); }
 
     std::size_t left() const noexcept { return file_.size() - at_; }
-    /// A byte `ahead` of the current place; 0 beyond the end.
+    /// Returns the byte `ahead` of the current position; 0 beyond the end.
     std::uint32_t byte(std::size_t ahead) const noexcept
     {
         return ahead < left() ? std::to_integer<std::uint32_t>(file_[at_ + ahead]) : 0;
@@ -40,7 +40,7 @@ private:
     std::size_t at_ = 0;
 };
 
-// PNG, sec. 5.4: an upper-case first letter is a critical chunk. Of the others only tRNS changes texels.
+// An upper-case first letter marks a critical chunk (PNG, sec. 5.4). Of the other chunks only tRNS changes texels.
 std::vector<std::byte> without_png_metadata(std::span<const std::byte> file)
 {
     constexpr std::uint32_t kLowerCase = 0x20, kTransparency = 0x74524e53;
@@ -55,8 +55,8 @@ std::vector<std::byte> without_png_metadata(std::span<const std::byte> file)
     return copier.take();
 }
 
-// JPEG (ITU T.81, annex B): application segments and comments before the first scan, but for those of JFIF and Adobe, which
-// say what the components are.
+// Application segments and comments before the first scan are left out (JPEG: ITU T.81, annex B), except those of JFIF and
+// Adobe, which say what the components are.
 std::vector<std::byte> without_jpeg_metadata(std::span<const std::byte> file)
 {
     constexpr std::uint32_t kApp0 = 0xe0, kApp14 = 0xee, kApp15 = 0xef, kComment = 0xfe, kScan = 0xda;
@@ -74,7 +74,7 @@ std::vector<std::byte> without_jpeg_metadata(std::span<const std::byte> file)
     return copier.take();
 }
 
-// TIFF 6.0, sec. 2: in the first directory those entries get a number that nobody knows.
+// In the first directory those entries get a tag number that no reader knows (TIFF 6.0, sec. 2).
 std::vector<std::byte> without_tiff_metadata(std::span<const std::byte> file)
 {
     constexpr std::array<std::uint32_t, 6> kDescribing = {700, 33723, 34377, 34665, 34675, 37724};

@@ -1,4 +1,4 @@
-// Image files without what only describes them.
+// Removal of descriptive metadata from image files.
 #pragma once
 
 #include <cstddef>
@@ -8,9 +8,9 @@
 
 namespace occam {
 
-/// A copy of a PNG, JPEG or TIFF (`format` as of image_format()) without colour profiles, EXIF and texts: OpenImageIO 2.4
-/// reads profiles past their end, and nothing here wants them. Parts that break the format's rules are copied as they are.
-/// Other formats: a copy. A PNG must not be cut off.
+/// Returns a copy of a PNG, JPEG or TIFF (`format` as given by image_format()) without colour profiles, EXIF and texts:
+/// OpenImageIO 2.4 reads profiles past their end, and nothing here uses them. Parts that break the format's rules are copied
+/// as they are. Other formats are copied unchanged. A PNG must not be cut off.
 std::vector<std::byte> without_metadata(std::span<const std::byte> file, std::string_view format);
 
 }  // namespace occam

@@ -15,14 +15,15 @@ constexpr int kTileBits = 3, kTile = 1 << kTileBits;
 
 int tiles(int texels) noexcept { return (texels + kTile - 1) >> kTileBits; }
 
-// The texels of the finer level under one of the coarser, along one axis, and how much of each: an odd side gives three.
+// Holds the texels of the finer level under one texel of the coarser level, along one axis, with their weights: an odd side
+// gives three.
 struct Taps {
     int first = 0, count = 0;
     float weight[3] = {};
 };
 Taps taps_of(int i, int from, int to) noexcept
 {
-    // Both ends in units of 1/to texels, exact in integers.
+    // Both ends are in units of 1/to texels, which is exact in integers.
     const std::int64_t lo = std::int64_t(i) * from, hi = lo + from;
     Taps taps;
     taps.first = static_cast<int>(lo / to);
@@ -34,7 +35,7 @@ Taps taps_of(int i, int from, int to) noexcept
     return taps;
 }
 
-// Into one period of the wrap mode, in which an index fits an int.
+// Maps a coordinate into one period of the wrap mode, in which an index fits an int.
 float fold(float s, TextureUse::Wrap wrap) noexcept
 {
     if (wrap == TextureUse::Wrap::Clamp) return std::clamp(s, 0.0f, 1.0f);
@@ -42,7 +43,7 @@ float fold(float s, TextureUse::Wrap wrap) noexcept
     return s - period * std::floor(s / period);
 }
 
-// Of an index at most one texel outside of the period.
+// Wraps an index that is at most one texel outside of the period.
 int wrapped(int i, int size, TextureUse::Wrap wrap) noexcept
 {
     switch (wrap) {

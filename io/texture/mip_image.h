@@ -1,4 +1,5 @@
-// One texture as it is looked up: linear RGBA in half floats, box-filtered levels, each in small square tiles.
+// A texture in the form in which it is looked up: linear RGBA in half floats, with box-filtered levels, each in small square
+// tiles.
 //
 // Memory   8 bytes a texel; a tile of 8 x 8 is eight cache lines, so that a bilinear lookup touches one or two.
 // Threads  read only once it is made.
@@ -15,24 +16,25 @@ namespace occam {
 
 class MipImage {
 public:
-    /// Empty; fill row by row, then build_levels().
+    /// Makes an empty image; fill it row by row, then call build_levels().
     MipImage(int width, int height);
 
     int width() const noexcept { return levels_[0].width; }
     int height() const noexcept { return levels_[0].height; }
     int level_count() const noexcept { return static_cast<int>(levels_.size()); }
     std::size_t bytes() const noexcept;
-    /// What an image of this size will take with all its levels.
+    /// Returns the bytes that an image of this size will take with all its levels.
     static std::size_t bytes_of(int width, int height) noexcept;
 
-    /// A channel that is not a number becomes 0, one beyond the largest half float that value; clamped_texels() counts both.
+    /// Writes a row. A channel that is not a number becomes 0; one beyond the largest half float becomes that value.
+    /// clamped_texels() counts both.
     void write_row(int y, std::span<const Vec4f> texels);
     void build_levels();
-    /// Texels given to write_row() that had to be clamped.
+    /// Returns the number of texels given to write_row() that had to be clamped.
     std::size_t clamped_texels() const noexcept { return clamped_texels_; }
 
     Vec4f texel(int level, int x, int y) const noexcept { return levels_[static_cast<std::size_t>(level)].texel(x, y); }
-    /// Bilinear about `st` of a level, or the nearest texel. `st` is finite; (0, 0) is the top left corner.
+    /// Returns the bilinear or the nearest texel about `st` of a level. `st` is finite; (0, 0) is the top left corner.
     Vec4f lookup(int level, Vec2f st, TextureUse::Wrap wrap_s, TextureUse::Wrap wrap_t, bool nearest) const noexcept;
 
 private:

@@ -18,7 +18,7 @@ namespace occam {
 
 namespace {
 
-// What stands for a texture that is missing or cannot be read: grey, which as a normal map changes nothing.
+// Returns the replacement of a texture that is missing or cannot be read: grey, which as a normal map changes nothing.
 MipImage stand_in()
 {
     MipImage image(1, 1);
@@ -28,11 +28,11 @@ MipImage stand_in()
     return image;
 }
 
-// One texture that the store knows: decoded when it is first asked for.
+// Holds one texture that the store knows; it is decoded when it is first asked for.
 class Entry {
 public:
-    /// Opens the image to learn its size. Throws nothing: what is missing has a warning and no size, what cannot be opened
-    /// an error and no size.
+    /// Opens the image to learn its size. Throws nothing: a missing texture has a warning and no size, and one that cannot
+    /// be opened has an error and no size.
     explicit Entry(const Texture& texture) : description_(texture)
     {
         std::error_code ignored;
@@ -50,11 +50,11 @@ public:
         }
     }
 
-    /// Bytes of the decoded image with all its levels; 0 if it cannot be opened.
+    /// Returns the bytes of the decoded image with all its levels; 0 if it cannot be opened.
     std::size_t planned_bytes() const { return width_ > 0 ? MipImage::bytes_of(width(), height()) : 0; }
     int width() const { return std::max(1, width_ >> halvings_); }
     int height() const { return std::max(1, height_ >> halvings_); }
-    /// Only before the first image().
+    /// May be called only before the first image().
     void halve() { ++halvings_; }
     void warn_of_halvings()
     {
@@ -63,7 +63,7 @@ public:
                                 " times to fit the texture memory");
     }
 
-    /// The image; decodes it if this is the first call. Callers from other threads wait for it.
+    /// Returns the image, and decodes it if this is the first call. Callers from other threads wait for it.
     const MipImage& image(const MipImage& unreadable)
     {
         if (const MipImage* known = ready_.load(std::memory_order_acquire)) return *known;
@@ -119,14 +119,14 @@ private:
     std::atomic<const MipImage*> ready_{nullptr};
     Texture description_;
     int width_ = 0, height_ = 0, halvings_ = 0;
-    mutable std::mutex decoding_;  // guards what follows
+    mutable std::mutex decoding_;  // guards the members below
     std::unique_ptr<const MipImage> decoded_;
     std::vector<std::string> warnings_, errors_;
     double decode_seconds_ = 0;
 };
 
-// The largest ones are halved until all fit together. Sizes alone decide, so the outcome does not depend on which textures
-// are looked up, nor on the number of threads.
+// Halves the largest textures until all fit together. Sizes alone decide, so the outcome depends neither on which textures
+// are looked up nor on the number of threads.
 void fit(std::vector<Entry*>& fresh, std::size_t bytes)
 {
     std::size_t sum = 0;
@@ -137,7 +137,7 @@ void fit(std::vector<Entry*>& fresh, std::size_t bytes)
         });
         const std::size_t before = largest.planned_bytes();
         largest.halve();
-        if (largest.planned_bytes() == before) return;  // a single tile each: nothing is left to give
+        if (largest.planned_bytes() == before) return;  // each texture is a single tile, so nothing more can be saved
         sum -= before - largest.planned_bytes();
     }
 }
@@ -224,7 +224,7 @@ Vec4f TextureStore::sample(const TextureUse& use, Vec2f uv, float width) const n
     Entry* found = state_->find(use.texture);
     if (!found) return Vec4f(1);
 
-    // KHR_texture_transform: scale, then rotate, then move.
+    // KHR_texture_transform scales first, then rotates, then translates.
     Vec2f st = uv * use.scale;
     if (use.rotation != 0) {
         const float s = maths::sin(use.rotation), c = maths::cos(use.rotation);
@@ -240,7 +240,8 @@ Vec4f TextureStore::sample(const TextureUse& use, Vec2f uv, float width) const n
                          static_cast<float>(std::max(image.width(), image.height()));
     if (!(texels > 1)) return at(0, use.nearest);
     const int last = image.level_count() - 1;
-    // Between two levels by width, not by its logarithm: the same at both ends, and no slower than the lookups.
+    // The lookup blends two levels by width, not by its logarithm: both agree at the ends, and this is no slower than the
+    // lookups.
     const auto bits = std::bit_cast<std::uint32_t>(texels);
     const int finer = static_cast<int>(bits >> 23) - 127;
     if (finer >= last) return at(last, false);

@@ -1,13 +1,12 @@
 // The textures of a scene, ready for lookup: each is decoded when a lookup first asks for it, made linear, and kept as
 // half-float MIP levels.
 //
-// Memory   at most the cap given at construction. The sizes of all textures of the scene are known before the first lookup;
-// the largest are
-//          halved until all would fit together. So a picture does not depend on which textures are decoded. Owned by a
-//          renderer.
-// Threads  prepare() by one thread while nobody looks up. sample() from any number of threads after that; the first lookup
-// in a texture
-//          decodes it under a lock of that texture alone, so several are decoded at a time.
+// Memory   at most the cap given at construction. The sizes of all textures of the scene are known before the first lookup,
+//          and the largest are halved until all would fit together. So a picture does not depend on which textures are
+//          decoded. A renderer owns the store.
+// Threads  prepare() is called by one thread while no other looks up. After that any number of threads may call sample();
+// the
+//          first lookup in a texture decodes it under a lock of that texture alone, so several are decoded at a time.
 // Errors   a texture without a file is grey, with a warning. One whose file or bytes are no image that can be read is grey
 //          too and stands in errors(), for the caller to refuse; nothing throws.
 #pragma once
@@ -30,24 +29,25 @@ public:
 
     /// Makes every texture of the scene known, and forgets all others. Reads no more than the headers of those that are new.
     void prepare(const Scene& scene);
-    /// Decodes all known textures now, on several threads: errors() is then complete.
+    /// Decodes all known textures now, on several threads, so that errors() is then complete.
     void decode_all();
 
-    /// Filtered texel of `use` at texture coordinates `uv` (before the use's own transform), linear RGBA.
-    /// White for no texture, or one that was not there at prepare(). Coordinates that are not finite count as 0.
+    /// Returns the filtered texel of `use` at texture coordinates `uv` (before the use's own transform), linear RGBA.
+    /// Returns white for no texture, or for one that was absent at prepare(). Coordinates that are not finite count as 0.
     /// width    of the filter in units of uv; 0: bilinear texels of the finest level (how the references are made)
     Vec4f sample(const TextureUse& use, Vec2f uv, float width) const noexcept;
 
-    /// Of a texel of the finest level, in units of uv; 0 where sample() gives white.
+    /// Returns the width of a texel of the finest level, in units of uv; 0 where sample() gives white.
     float texel_width(const TextureUse& use) const noexcept;
 
-    /// Bytes of what is decoded.
+    /// Returns the bytes of all decoded textures.
     std::size_t bytes() const noexcept;
-    /// Seconds that threads have spent decoding what is known, summed.
+    /// Returns the seconds that threads have spent on decoding known textures, summed.
     double decode_seconds() const noexcept;
-    /// Textures without a file, and those that were halved; in the order of the textures' identities.
+    /// Returns warnings: textures without a file, and those that were halved, in the order of the textures' identities.
     std::vector<std::string> warnings() const;
-    /// Textures that are no images, or images that are not read, as far as they have been looked up; in the same order.
+    /// Returns errors: textures that are not images or cannot be read, as far as they have been looked up, in the same
+    /// order.
     std::vector<std::string> errors() const;
 
 private:

@@ -11,12 +11,13 @@
 
 namespace sample {
 
-/// Positional words in their order. Throws occam::Error for one that looks like an option, is no number, or is too many.
+/// Reads positional words in their order. Throws occam::Error for a word that looks like an option, is not a number, or is
+/// one too many.
 class Arguments {
 public:
     Arguments(int argc, char** argv) : words_(argv + 1, argv + argc) {}
 
-    /// True if help was asked for: prints the usage.
+    /// Returns true if help was asked for, after printing the usage.
     bool wants_help(const char* usage) const
     {
         for (const std::string_view word : words_)
@@ -27,7 +28,7 @@ public:
         return false;
     }
     bool has_more() const noexcept { return next_ < words_.size(); }
-    /// The next word, or `otherwise` if there is none.
+    /// Returns the next word, or `otherwise` if there is none.
     std::filesystem::path path(const char* otherwise)
     {
         if (!has_more()) return otherwise;
@@ -35,7 +36,7 @@ public:
         if (word.empty() || word[0] == '-') throw occam::Error("", "there is no such option (--help)", std::string(word));
         return word;
     }
-    /// The next word as a number from `least` to `most`, or `otherwise`.
+    /// Returns the next word as a number from `least` to `most`, or `otherwise`.
     int number(const char* name, int least, int most, int otherwise)
     {
         if (!has_more()) return otherwise;
@@ -49,7 +50,7 @@ public:
                                std::string(word));
         return value;
     }
-    /// WIDTH HEIGHT: both or neither.
+    /// Reads WIDTH HEIGHT: both or neither.
     void size(int& width, int& height)
     {
         if (!has_more()) return;

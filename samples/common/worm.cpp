@@ -22,7 +22,7 @@ Cage tube(MaterialId material)
         for (int k = 0; k < kAround; ++k) {
             const float angle = 2 * kPi * float(k) / kAround;
             cage.positions.push_back({2 * along - 1, radius * std::cos(angle), radius * std::sin(angle)});
-            // Between the two nearest joints.
+            // Each vertex is weighted between the two nearest joints.
             const float at = along * (kJoints - 1);
             const int joint = std::min(int(at), kJoints - 2);
             cage.skin.joints.push_back({joint, joint + 1, 0, 0});
@@ -43,7 +43,7 @@ Cage tube(MaterialId material)
     return cage;
 }
 
-// Joints turn from side to side, so that the worm stays on the floor.
+// The joints turn from side to side, so that the worm stays on the floor.
 Channel turning(NodeId joint, float phase)
 {
     Channel channel{joint, Channel::Path::Rotation, Channel::Interpolation::Linear, {}, {}, 4};

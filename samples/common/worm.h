@@ -1,4 +1,4 @@
-// A worm: a smooth tube with a skin of four joints and a clip that makes it crawl. Two units long, along x.
+// A worm: a smooth tube with a skin of four joints and a clip that makes it crawl. It is two units long, along x.
 #pragma once
 
 #include <occam/occam.h>
@@ -10,10 +10,10 @@ struct Worm {
     occam::ClipId crawl;  ///< one second, repeats
 };
 
-/// Adds the worm below the root. For more of them: scene.copy(worm.node, ...), and pose() each copy by itself.
+/// Adds the worm below the root. For more worms call scene.copy(worm.node, ...), and pose() each copy separately.
 Worm add_worm(occam::Scene& scene, occam::Vec3f color);
 
-/// A square floor about the origin, and a sun.
+/// Adds a square floor about the origin, and a sun.
 void add_surroundings(occam::Scene& scene, float half_side);
 
 }  // namespace sample

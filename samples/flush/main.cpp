@@ -1,5 +1,5 @@
-// Memory flush: the same heavy scene under smaller and smaller budgets. Every picture has to be the unbudgeted one, bit for
-// bit.
+// Memory flush: the same heavy scene is rendered under smaller and smaller budgets. Every picture has to equal the one
+// without a budget, bit for bit.
 //
 //     occam_flush [WORMS A SIDE] [WIDTH HEIGHT]
 //
@@ -53,7 +53,7 @@ try {
     std::printf("%12s %10s %8s\n%12llu %9.2fx %8llu   unbudgeted, %.2f s\n", "bytes", "time", "flushes",
                 static_cast<unsigned long long>(peak), 1.0, static_cast<unsigned long long>(stats.memory.flushes), seconds);
     bool is_same = true;
-    // Below the floor a budget is refused.
+    // A budget below the minimum is refused.
     const std::uint64_t floor = Renderer().memory_floor(scene);
     for (std::uint64_t budget = peak / 2; budget > std::max(peak / 32, floor); budget /= 2) {
         const bool equal = render(budget, stats).checksum() == wanted;

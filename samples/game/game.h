@@ -1,4 +1,4 @@
-// The game of this folder without its window: the tests play it too.
+// The game of this folder without its window; the tests play it too.
 #pragma once
 
 #include <occam/occam.h>
@@ -16,10 +16,10 @@ struct Walker {
     double radius, phase, speed;
 };
 
-/// The scene of a game: characters walk in circles, some appear and some go.
+/// The scene of a game: characters walk in circles, some appear and some vanish.
 class Game {
 public:
-    /// Without a file the character is the worm.
+    /// Makes a game; without a file the character is the worm.
     explicit Game(const char* file = nullptr)
     {
         if (file) {
@@ -34,12 +34,12 @@ public:
         }
         size_ = std::max(1e-3, 2 * scene_.bounds().radius());
         height_ = -scene_.bounds().lo.y;
-        scene_.set_visible(character_, false);  // the mould: copies of it walk
+        scene_.set_visible(character_, false);  // the original is hidden; copies of it walk
         sample::add_surroundings(scene_, float(20 * size_));
         for (int i = 0; i < 12; ++i) appear();
     }
 
-    /// What happens in one frame: edits, each as cheap as its path to the root.
+    /// Does what happens in one frame: edits, each as cheap as its path to the root.
     void step(double clock)
     {
         if (++frame_ % 20 == 0) appear();
@@ -54,7 +54,7 @@ public:
             place.rotation = {0, std::sin((angle + 1.5708) / 2), 0, std::cos((angle + 1.5708) / 2)};
             scene_.set_transform(w.node, place);
             if (!clip_) continue;
-            // Described, not executed: whoever is not seen is never skinned.
+            // The pose is described, not evaluated: a character that is not seen is never skinned.
             const ClipAt now{clip_, looped(time_range(scene_.clip(clip_)), clock + w.phase)};
             scene_.pose({&now, 1}, w.node);
         }

@@ -1,4 +1,4 @@
-// A game's loop: the scene is the application's, and every frame is new.
+// A game's loop: the application owns the scene, and every frame is new.
 //
 //     occam_game [FILE.glb] [--headless] [--frames N] [--size WxH] [-o PICTURE]
 //
@@ -76,14 +76,14 @@ int play(Game& game, Settings settings)
 }
 #endif
 
-// What the command line says.
+// Holds the options of the command line.
 struct Words {
     const char* file = nullptr;
     bool headless = false;
     int frames = 100, width = 640, height = 360, spp = 4;
     std::filesystem::path picture = "game.png";
 
-    /// False if help was asked for, and printed. Throws Error for what it does not understand.
+    /// Returns false if help was asked for, and printed. Throws Error for what it does not understand.
     bool read(int argc, char** argv)
     {
         if (sample::Arguments(argc, argv)

@@ -20,7 +20,7 @@ std::ifstream open(const std::filesystem::path& file)
     return in;
 }
 
-// Its groups are the body, what clothes are fitted to, and small cubes about the joints.
+// Reads base.obj. Its groups are the body, helper geometry that clothes are fitted to, and small cubes about the joints.
 struct Mesh {
     std::vector<Vec3f> positions;
     std::map<std::string, std::vector<std::array<std::uint32_t, 4>>> faces;  ///< by group
@@ -60,7 +60,7 @@ Mesh read_mesh(const std::filesystem::path& folder, const std::string& shape)
     return mesh;
 }
 
-// A bone's head is the middle of some vertices: so bones follow the shape.
+// A bone's head is the mean of some vertices, so bones follow the shape.
 std::vector<Bone> read_bones(const Json& file, const std::vector<Vec3f>& positions)
 {
     std::vector<Bone> bones;
@@ -82,7 +82,7 @@ std::vector<Bone> read_bones(const Json& file, const std::vector<Vec3f>& positio
     return bones;
 }
 
-// Of each vertex its bones, the heaviest first.
+// Holds the bones of each vertex, the heaviest first.
 using Share = std::pair<float, int>;
 std::vector<std::vector<Share>> read_weights(const Json& weights, const std::map<std::string, int>& bone_of,
                                              std::size_t vertices)
@@ -95,7 +95,7 @@ std::vector<std::vector<Share>> read_weights(const Json& weights, const std::map
     return shares;
 }
 
-// The four heaviest bones, their shares scaled to a sum of 1.
+// Keeps the four heaviest bones, with their shares scaled to a sum of 1.
 void add_vertex(Cage& cage, Vec3f position, std::vector<Share> shares)
 {
     shares.resize(4, {0, 0});
@@ -106,7 +106,7 @@ void add_vertex(Cage& cage, Vec3f position, std::vector<Share> shares)
                                         : Vec4f(1, 0, 0, 0));
 }
 
-// Clothes bend a little otherwise than the body below: so its legs, which nobody sees, are left out.
+// Clothes bend a little differently from the body below, so the body's legs, which are not seen, are left out.
 bool is_leg(const std::vector<Bone>& bones, const std::vector<Share>& shares)
 {
     const std::string name = shares.empty() ? "" : bones[shares[0].second].name;

@@ -1,5 +1,5 @@
-// MakeHuman's body and what it comes dressed in: meshes as Catmull-Clark cages, its 163 bones as nodes, its weights as a
-// skin.
+// MakeHuman's body and the clothes that come with it: meshes as Catmull-Clark cages, its 163 bones as nodes, its weights as
+// a skin.
 //
 // Space    decimetres, y up, facing +z; bones at rest have the mesh's axes.
 #pragma once
@@ -27,7 +27,7 @@ struct Body {
     double sole = 0;                     ///< y of the lowest vertex at rest
 };
 
-/// Adds the body below the scene's root. shape: a morph target's file, put on in full. Throws occam::Error.
+/// Adds the body below the scene's root. shape: the file of a morph target, applied in full. Throws occam::Error.
 Body add_body(occam::Scene& scene, const std::filesystem::path& folder, const std::string& shape, occam::Vec3f clothes);
 
 }  // namespace sample

@@ -10,7 +10,8 @@ using Quaternion = glm::dquat;
 
 namespace {
 
-// BVH: joints in the order of their channels; per frame a position of the first and Euler angles of all.
+// Holds a BVH file: joints in the order of their channels, and for each frame a position of the first joint and Euler angles
+// of all.
 struct Motion {
     struct Joint {
         std::string name;
@@ -19,7 +20,7 @@ struct Motion {
     };
     std::vector<Joint> joints;
     std::map<std::string, int> joint_of;
-    /// Of each frame and joint, from the whole's axes: a joint's parents included.
+    /// Holds the rotation of each frame and joint relative to the whole figure's axes, with the joint's parents included.
     std::vector<std::vector<Quaternion>> turns;
     double frame_seconds = 0;
 };
@@ -77,7 +78,7 @@ Motion read_motion(const std::filesystem::path& file)
     return motion;
 }
 
-// Which bone follows which joint; and towards which, at rest, both point: arms and legs rest in other poses there.
+// Says which bone follows which joint, and the joint to which both point at rest: arms and legs rest in other poses there.
 struct Pair {
     const char *bone, *joint;
     const char *next_bone = nullptr, *next_joint = nullptr;
@@ -157,7 +158,7 @@ Walk add_walk(Scene& scene, const Body& body, const std::filesystem::path& file)
             channels[b].times.push_back(float(double(key) * motion.frame_seconds));
             for (const double value : {own.x, own.y, own.z, own.w}) channels[b].values.push_back(float(value));
         }
-        // The lower foot stands: the body goes forward by what that foot goes back.
+        // The lower foot stands still, so the body moves forward by as much as that foot moves back.
         const std::size_t lower = head[feet[0]].y < head[feet[1]].y ? feet[0] : feet[1];
         if (!before.empty()) walk.way += before[lower].z - head[lower].z;
         walk.floor = std::min(walk.floor, head[lower].y - (body.bones[lower].head.y - body.sole));

@@ -1,4 +1,4 @@
-// A motion file (BVH) of an older rig of MakeHuman's, put on the bones of today's.
+// The import of a motion file (BVH) of an older MakeHuman rig onto the bones of today's rig.
 #pragma once
 
 #include "body.h"
@@ -12,7 +12,7 @@ struct Walk {
     double floor = 0;   ///< y of the floor below the lower foot
 };
 
-/// Throws occam::Error.
+/// Adds the clip. Throws occam::Error.
 Walk add_walk(occam::Scene& scene, const Body& body, const std::filesystem::path& file);
 
 }  // namespace sample

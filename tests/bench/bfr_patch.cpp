@@ -44,7 +44,8 @@ BfrPatch::BfrPatch(const Cage& cage, std::span<const Vec3f> positions, int face)
     state_->refiner.reset(Factory::Create(d, Factory::Options(Sdc::SCHEME_CATMARK, options)));
     if (!state_->refiner) throw std::runtime_error("OpenSubdiv refuses a cage of the benchmark");
 
-    // The library's defaults (2, 6) are not the limit surface; 10 is its largest, and what Occam's own stencils come from.
+    // The library's defaults (2, 6) do not give the limit surface; 10 is its largest value, from which Occam's own stencils
+    // come.
     constexpr int kApproxLevel = 10;
     Bfr::SurfaceFactory::Options surface_options;
     surface_options.SetApproxLevelSmooth(kApproxLevel).SetApproxLevelSharp(kApproxLevel);

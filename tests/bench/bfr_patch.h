@@ -15,11 +15,11 @@ struct LimitPoint {
 
 class BfrPatch {
 public:
-    /// positions    of the cage's vertices, in the frame that points are wanted in
+    /// positions    vertices of the cage, in the frame in which points are computed
     BfrPatch(const Cage& cage, std::span<const Vec3f> positions, int face);
     ~BfrPatch();
 
-    /// Points with tangents; coordinates u and v alternate.
+    /// Returns points with tangents; coordinates u and v alternate.
     void evaluate_float(std::span<const float> uv, std::span<std::array<float, 9>> out) const;
     void evaluate_double(std::span<const double> uv, std::span<LimitPoint> out) const;
 

@@ -1,8 +1,8 @@
-// What a memory budget costs (in the manner of Djeu et al. 2011, fig. 16): the same frame under parts of what it takes
-// unbudgeted.
+// The suite measures what a memory budget costs (in the manner of Djeu et al. 2011, fig. 16): the same frame is rendered
+// under fractions of the memory that it takes without a budget.
 //
-// 36 rays a pixel. All budgets take turns within a round, so that each frame has an unbudgeted one beside it; of six pairs
-// the smallest and the largest ratio hold the median with 97 % confidence.
+// Frames have 36 rays per pixel. All budgets take turns within a round, so that each frame has one without a budget beside
+// it; the smallest and the largest ratio of six pairs enclose the median with 97 % confidence.
 #include "tests/bench/crowd_occam.h"
 #include "tests/bench/subjects.h"
 #include "tests/bench/suites.h"
@@ -34,7 +34,7 @@ void run_crowd(Report& report, const Crowd& crowd, const Recipe& recipe, int pix
         budgets.push_back({part, OccamCrowd(crowd, {.threads = 1, .memory_bytes = static_cast<std::size_t>(used * part)})});
     std::vector<double> seconds;
     for (int round = 0; round <= kRounds; ++round) {
-        // The first one makes what is kept from frame to frame. All rounds render the same frame.
+        // The first frame makes what is kept from frame to frame. All rounds render the same frame.
         const double start = process_seconds();
         unbudgeted.render(0, recipe, pixels);
         if (round > 0) seconds.push_back(process_seconds() - start);

@@ -1,4 +1,4 @@
-// What a frame costs that is not seen, and what an edit costs in a large scene.
+// The suite measures what a frame's unseen objects cost, and what an edit costs in a large scene.
 #include <cmath>
 
 #include "api/include/occam/occam.h"
@@ -18,8 +18,8 @@ NodeId add_node(Scene& scene, NodeId parent, Vec3d at, CageId cage = {})
     return scene.add_node(parent, std::move(desc));
 }
 
-// A torus in front of a wall; behind the wall and beside the picture, half each, as many tori of 5,000 faces as asked for.
-// All of them swell by a morph target, anew in every frame.
+// Holds a torus in front of a wall. As many tori of 5,000 faces as asked for stand behind the wall and beside the picture,
+// half of them each. A morph target makes all of them swell, anew in every frame.
 class HiddenCrowd {
 public:
     explicit HiddenCrowd(int copies) : renderer_({.threads = 1})
@@ -136,7 +136,7 @@ void run_deep_edits(Report& report)
     }
 }
 
-// One node with all others below it.
+// Measures edits where one node has all others below it.
 void run_flat_edits(Report& report)
 {
     Scene scene;

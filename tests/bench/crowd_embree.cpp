@@ -106,7 +106,7 @@ EmbreeCrowd::~EmbreeCrowd()
 
 void EmbreeCrowd::write_vertices(int frame)
 {
-    // An application's loop: one thread, as on the other side.
+    // This is the loop of an application: one thread, as in Occam's benchmark.
     std::vector<Vec3f> positions;
     for (int i = 0; i < crowd_.copies; ++i) {
         crowd_.twist(i, frame, positions);
@@ -115,7 +115,8 @@ void EmbreeCrowd::write_vertices(int frame)
     }
 }
 
-// As many pieces as pixels over the wanted edge, at the edge's middle: the same from both of its faces.
+// An edge gets as many pieces as its pixels over the target edge length, at the edge's middle: the same from both of its
+// faces.
 void EmbreeCrowd::write_levels(int copy, double edge_pixels)
 {
     const Vec3f* p = vertices_[static_cast<std::size_t>(copy)];
@@ -163,7 +164,7 @@ EmbreeCrowd::Frame EmbreeCrowd::trace(int frame, const Recipe& recipe) const
         std::uint64_t rays = 0;
         double sum = 0;
         const int x0 = tile % kTiles * kTile, y0 = tile / kTiles * kTile;
-        // Packets of 4 x 2 pixels.
+        // The packets cover 4 x 2 pixels.
         for (int block = 0; block < kTile * kTile / 8; ++block)
             for (int sample = 0; sample < recipe.primary; ++sample) {
                 alignas(32) RTCRayHit8 p;

@@ -11,7 +11,8 @@ namespace occam::bench {
 
 class EmbreeCrowd {
 public:
-    /// Device with its fastest dynamic settings (RTC_BUILD_QUALITY_LOW, RTC_SCENE_FLAG_DYNAMIC), robust.
+    /// Makes a robust device and scene with Embree's fastest dynamic settings (RTC_BUILD_QUALITY_LOW,
+    /// RTC_SCENE_FLAG_DYNAMIC).
     explicit EmbreeCrowd(const Crowd& crowd);
     ~EmbreeCrowd();
     EmbreeCrowd(const EmbreeCrowd&) = delete;
@@ -22,7 +23,7 @@ public:
         std::uint64_t rays = 0;
         double mean_luminance = 0;
     };
-    /// Vertices and edge levels anew, commit, every ray of the recipe; on all processors.
+    /// Sets new vertices and edge levels, commits, and traces every ray of the recipe, on all processors.
     Frame render(int frame, const Recipe& recipe);
 
     std::size_t bytes() const noexcept { return bytes_; }

@@ -1,4 +1,4 @@
-// The crowd as an application of Occam has it: edits between frames, one renderer for all of them.
+// The crowd as an application of Occam renders it: edits between frames, and one renderer for all of them.
 #pragma once
 
 #include "api/include/occam/occam.h"
@@ -11,11 +11,11 @@ public:
     /// crowd   borrowed
     explicit OccamCrowd(const Crowd& crowd, const Resources& resources = {});
 
-    /// Edits for a frame and renders it; wall seconds of both.
+    /// Edits the scene for a frame and renders it; returns the wall seconds of both.
     double render(int frame, const Recipe& recipe, int pixels = kCrowdPixels);
     double edit_seconds() const { return edit_seconds_; }
     const FrameStats& stats() const { return renderer_.stats(); }
-    /// From now on with these; what is kept from frame to frame is made anew.
+    /// Uses these settings from now on; what is kept from frame to frame is made anew.
     void use(const Resources& resources) { renderer_ = Renderer(resources); }
 
 private:

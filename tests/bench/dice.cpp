@@ -1,8 +1,11 @@
-// A point with both tangents: of one patch's grid through PosedPatch and through Dicer, and of the same points through Bfr.
+// The suite measures the cost of a point with both tangents: of one patch's grid through PosedPatch and through Dicer, and
+// of the same points through Bfr.
 //
 // PosedPatch  evaluate: control points are posed and pieces made; pose_and_evaluate: they are not, as at a patch's first
-// tile. Dicer       dice() and shade() of a tile of a patch that it has not posed: owned borders, closers and unit normals
-// too. Bfr         one call of Evaluate a point; its patch points are prepared beforehand.
+//             tile.
+// Dicer       dice() and shade() of a tile of a patch that it has not posed: owned borders, gap triangles and unit
+//             normals too.
+// Bfr         one call of Evaluate a point; its patch points are prepared beforehand.
 
 #include <cmath>
 
@@ -56,7 +59,7 @@ void run_grid(Report& report, const std::string& name, const Subject& subject, c
     const std::vector<double> evaluated = many(evaluate);
     const std::vector<double> posed = many([&] { patch.set(subject.posed, kPatch), evaluate(); });
 
-    // As many cages as patches are wanted: a dicer keeps those that it has posed.
+    // There are as many cages as patches to dice, since a dicer keeps those that it has posed.
     const std::vector<lod::PosedCage> copies(static_cast<std::size_t>(repeats), subject.posed);
     lod::Dicer dicer;
     Arena arena;

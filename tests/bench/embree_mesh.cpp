@@ -94,7 +94,7 @@ void EmbreeRays::closest()
     for (RTCRayHit& r : single_) rtcIntersect1(mesh_.scene(), &context, &r);
 }
 
-// By hand: rtcInterpolate() is for surfaces of all kinds, and slower.
+// This interpolates by hand, since rtcInterpolate() is for surfaces of all kinds, and slower.
 void EmbreeRays::fill(unsigned primitive, float u, float v, float distance, Vec3f direction, ShadedHit& hit) const noexcept
 {
     const EmbreeMesh::Corner* of = &mesh_.corners[std::size_t(primitive) * 3];
@@ -107,7 +107,7 @@ void EmbreeRays::fill(unsigned primitive, float u, float v, float distance, Vec3
     hit.position = mesh_.anchor() + Vec3d(of[0].position + e * u + f * v);
     hit.normal_geometric = across / std::sqrt(squared);
     hit.normal_shading = glm::normalize(of[0].normal * w + of[1].normal * u + of[2].normal * v);
-    // Half the divergence of the normal over the triangle.
+    // The curvature is half the divergence of the normal over the triangle.
     const Vec3f along_e = glm::cross(f, across) / squared, along_f = glm::cross(across, e) / squared;
     hit.curvature = 0.5f * (glm::dot(of[1].normal - of[0].normal, along_e) + glm::dot(of[2].normal - of[0].normal, along_f));
     hit.back_side = glm::dot(hit.normal_geometric, direction) > 0;

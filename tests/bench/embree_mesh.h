@@ -1,6 +1,6 @@
-// The same triangles in Embree 3, to compare times and answers with.
+// The same triangles in Embree 3, whose times and answers are compared with ours.
 //
-// Rays are made ready outside the timed part: reset() before, closest() or occluded() timed, answers after.
+// Rays are prepared outside the timed part: call reset() first, then time closest() or occluded(), then read the answers.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -15,7 +15,7 @@ namespace occam::bench {
 
 class EmbreeMesh {
 public:
-    /// corners  three a triangle, in a frame translated by `anchor`
+    /// corners  three for each triangle, in a frame translated by `anchor`
     EmbreeMesh(std::span<const Vec3f> corners, Vec3d anchor);
     ~EmbreeMesh();
     EmbreeMesh(const EmbreeMesh&) = delete;
@@ -24,7 +24,7 @@ public:
     std::size_t bytes = 0;     ///< of all that Embree has allocated
     double build_seconds = 0;  ///< CPU, one thread
 
-    /// What a renderer keeps of a vertex to shade with: here the normal is the triangle's own.
+    /// Holds what a renderer keeps of a vertex for shading: here the normal is the triangle's own.
     struct Corner {
         Vec3f position, normal;
     };
@@ -39,7 +39,7 @@ private:
     Vec3d anchor_;
 };
 
-/// What is shaded with, made from a hit of Embree's; of what accel::SurfaceHit holds the part that these scenes need.
+/// Holds what is needed for shading, made from a hit of Embree's: the part of accel::SurfaceHit that these scenes need.
 struct ShadedHit {
     float t = 0;
     Vec3d position;
@@ -49,17 +49,17 @@ struct ShadedHit {
     bool back_side = false;
 };
 
-/// A set of rays as Embree wants them.
+/// Holds a set of rays in Embree's form.
 class EmbreeRays {
 public:
-    /// as_packets   of eight neighbours, with the flag for coherent rays; otherwise one by one
+    /// as_packets   packets of eight neighbours with the flag for coherent rays; otherwise one by one
     EmbreeRays(const EmbreeMesh& mesh, std::span<const accel::Ray> rays, bool as_packets);
 
     void reset();
     void closest();
     void occluded();
-    /// closest(), and each batch of as many rays as there is room is filled before the next is traced; hits of the last
-    /// batch are left.
+    /// Calls closest(), and fills each batch of as many rays as fit before the next is traced; the hits of the last batch
+    /// remain.
     void closest_filled(std::span<ShadedHit> batch);
 
     float t(std::size_t i) const noexcept;  ///< after closest(): infinity if nothing was met

@@ -40,7 +40,8 @@ void run_view(Report& report, const Scene& scene, lod::TopologyCache& topologies
         accel::Tracer tracer(frame, kBudget, techniques);
         trace_closest(tracer, rays, hits);
         const double cold = thread_seconds() - start;
-        // Once more through what is built now: tracing alone. The rest was building, with posing and dicing.
+        // The rays go once more through what is built now, which times tracing alone. The rest was building, with posing and
+        // dicing.
         std::vector<double> trace = repeat(5, [&] { trace_closest(tracer, rays, hits); });
         std::sort(trace.begin(), trace.end());
         const double build = cold - trace[trace.size() / 2];
@@ -81,12 +82,12 @@ void run_figure11(Report& report)
         scene.add_node(scene.root(), std::move(desc));
     }
     scene.refit();
-    // Topology survives frames: it is made beforehand.
+    // Topology survives frames, so it is made beforehand.
     lod::TopologyCache topologies;
     scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
         for (const CageId id : node.cages) topologies.get(*scene.find(id));
     });
-    // Before one face, which hides all others, and above all of them.
+    // One camera stands before one face, which hides all others, and one above all of them.
     const Vec3d one = crowd.place(crowd.copies / 2);
     const View views[] = {{"occluded", Camera::look_at(one + Vec3d(0, 0, 0.7), one, {0, 1, 0}, 0.5f)},
                           {"all visible", Camera::look_at(crowd.eye(), {0, 0, 0}, {0, 1, 0}, 0.78539816f)}};

@@ -1,4 +1,4 @@
-// How soon a large cage starts to appear: from opening its file to the first finished tile, on a warm disk.
+// The suite measures how soon a large cage appears: from opening its file to the first finished tile, on a warm disk.
 
 #include "api/include/occam/occam.h"
 #include "tests/bench/subjects.h"
@@ -15,7 +15,7 @@ void run_first(Report& report)
     const std::filesystem::path file = folder.path() / "waves.obj";
     write_wave_obj(file, kWaveColumns, kWaveRows);
 
-    // The cage is in the middle of the picture; a tile of sky says nothing.
+    // The cage is in the middle of the picture, so a tile of sky does not count.
     const Settings middle{
         .crop_x0 = 0.4f, .crop_x1 = 0.6f, .crop_y0 = 0.4f, .crop_y1 = 0.6f, .integrator = IntegratorKind::Direct};
     std::vector<double> load_s, first_s;

@@ -1,4 +1,4 @@
-// Whole frames through the public interface, with the error of few samples against many beside the time.
+// The suite renders whole frames through the public interface, with the error of few samples against many beside the time.
 
 #include "api/include/occam/occam.h"
 #include "render/compare.h"

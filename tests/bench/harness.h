@@ -1,7 +1,7 @@
-// How the benchmarks measure, and what they say: rows of named figures, each a median with its least and its most.
+// How the benchmarks measure and report: rows of named figures, each a median with its minimum and maximum.
 //
-// Time is CPU time of the calling thread where the work is one thread's, so that a busy machine disturbs it least; it still
-// shares caches and memory with whatever else runs, so that figures to compare are taken in turns within one run.
+// Time is CPU time of the calling thread where one thread does the work, so that a busy machine disturbs it least. The work
+// still shares caches and memory with whatever else runs, so figures to be compared are taken in turns within one run.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ double thread_seconds();   ///< CPU time of this thread
 double process_seconds();  ///< CPU time of all threads of this process
 double wall_seconds();     ///< from some fixed moment
 
-/// CPU seconds of this thread that each of `runs` calls takes.
+/// Returns the CPU seconds of this thread for each of `runs` calls.
 template <class Work>
 std::vector<double> repeat(int runs, Work&& work)
 {
@@ -26,11 +26,11 @@ std::vector<double> repeat(int runs, Work&& work)
     return seconds;
 }
 
-/// `amount` divided by each of the samples: seconds to rates.
+/// Divides `amount` by each of the samples, which turns seconds into rates.
 std::vector<double> per(double amount, std::vector<double> samples);
-/// Each of the samples times `factor`.
+/// Multiplies each of the samples by `factor`.
 std::vector<double> times(std::vector<double> samples, double factor);
-/// a[i] / b[i]: of samples taken in turns.
+/// Returns a[i] / b[i] for samples taken in turns.
 std::vector<double> ratios(const std::vector<double>& a, const std::vector<double>& b);
 
 struct Figure {
@@ -39,7 +39,7 @@ struct Figure {
     int runs = 0;  ///< 0: a count or an error, the same each time
 };
 
-/// One case of a suite.
+/// Holds one case of a suite.
 struct Row {
     std::string suite, name;
     std::vector<Figure> figures{};
@@ -58,7 +58,7 @@ public:
     bool wants(const std::string& name) const { return name.find(only_) != std::string::npos; }
     /// Prints the row and keeps it.
     void add(Row row);
-    /// All rows, and what machine they are of.
+    /// Writes all rows, and the machine that they were measured on.
     std::string json() const;
 
 private:

@@ -1,7 +1,7 @@
 // An OBJ and a GLB of 100 MB into scenes, beside the parser libraries alone: tinyobjloader's usual reader, and its callbacks
 // that keep nothing; tinygltf's model, which holds the buffers as they lie in the file.
 
-// A copy of the library of our own, so that this file needs nothing to be linked.
+// This is our own copy of the library, so that this file needs nothing to be linked.
 #define tinyobj occam_bench_tinyobj
 #define TINYOBJLOADER_IMPLEMENTATION
 #include <tiny_gltf.h>

@@ -15,7 +15,7 @@ namespace {
 
 using render::Lod;
 
-/// A sheet of columns x rows quads in the plane y = 0, with bumps.
+/// Makes a sheet of columns x rows quads in the plane y = 0, with bumps.
 Cage sheet(int columns, int rows, float width, float depth, float bump)
 {
     Cage cage;
@@ -98,7 +98,7 @@ struct Made {
     FrameStats stats;
 };
 
-/// The three ways in turns.
+/// Measures the three ways in turns.
 void run_stage(Report& report, const std::string& name, Stage stage, Settings settings)
 {
     constexpr int kRuns = 3;

@@ -1,10 +1,10 @@
-// Secondary rays a second by kind, with their footprints and without, and what shading costs.
+// The suite measures secondary rays per second by kind, with their footprints and without, and what shading costs.
 //
 // "Without": each ray keeps the width that its parent had at the hit, so that its surfaces are as fine far away as near.
 //
-// A lobe's share that one sample stands for is longer in the plane of incidence than across, by one over the cosine at the
-// half vector (where reflection doubles angles in one direction alone). Footprints have one width, the mean of both: what a
-// second could save or mend lies between the figures of the smaller and the larger one.
+// A lobe's share that one sample stands for is longer in the plane of incidence than across it, by one over the cosine at
+// the half vector (where reflection doubles angles in one direction alone). Footprints have one width, the mean of both:
+// what a second width could save or improve lies between the figures of the smaller and the larger one.
 
 #include <cmath>
 
@@ -48,7 +48,7 @@ shade::Surface surface_at(const accel::Ray& ray, const accel::SurfaceHit& hit, c
     return s;
 }
 
-// One ray of that kind from each hit.
+// Returns one ray of that kind from each hit.
 std::vector<accel::Ray> secondary_rays(const Kind& kind, std::span<const accel::Ray> rays,
                                        std::span<const accel::SurfaceHit> hits, const shade::WorldLight& lamp,
                                        bool with_footprint)
@@ -84,7 +84,7 @@ std::vector<accel::Ray> secondary_rays(const Kind& kind, std::span<const accel::
     return out;
 }
 
-// A square as large as the subject, over its shoulder.
+// Returns a square light as large as the subject, over its shoulder.
 shade::WorldLight lamp_over(const Box3d& bounds)
 {
     const double size = glm::length(bounds.extent());
@@ -103,7 +103,7 @@ accel::Frame levels_of_each_ray(Subject& subject)
     return accel::Frame(subject.scene, subject.topologies, levels);
 }
 
-// Glossy rays from grazing hits with the share's smaller width, its mean, and its larger one.
+// Measures glossy rays from grazing hits with the share's smaller width, its mean, and its larger one.
 void run_widths(Report& report, Subject& subject)
 {
     const accel::Frame frame = levels_of_each_ray(subject);

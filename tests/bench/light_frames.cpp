@@ -1,4 +1,5 @@
-// What light costs in whole frames, and whether it converges to the same picture with level of detail on and off.
+// The suite measures what light costs in whole frames, and whether it converges to the same picture with and without level
+// of detail.
 
 #include <cmath>
 
@@ -23,7 +24,7 @@ std::vector<MaterialId> materials_of(const Scene& scene)
     return all;
 }
 
-// Factors stay, so that nearly the same rays are shot.
+// The factors stay, so that nearly the same rays are shot.
 void strip_textures(Scene& scene)
 {
     for (const MaterialId id : materials_of(scene)) {
@@ -38,7 +39,7 @@ void strip_textures(Scene& scene)
     }
 }
 
-// CPU seconds of the stages, in turns with textures and without.
+// Reports the CPU seconds of the stages, measured in turns with textures and without.
 void run_shares(Report& report, const std::string& name, Scene with, Scene without)
 {
     strip_textures(without);
@@ -111,7 +112,7 @@ Scene stage_of(const Effect& effect, Cage thing)
     return scene;
 }
 
-// Means over blocks of pixels: what is left of noise is the second figure, of another seed.
+// The means are over blocks of pixels; the second figure, of another seed, shows how much noise is left.
 Image blocks(const Image& image)
 {
     constexpr int kBlock = 4;

@@ -1,4 +1,5 @@
-// Bytes a resident micro-triangle: all that a tracer holds once rays have touched whatever they can reach.
+// The suite measures the bytes of a resident micro-triangle: all that a tracer holds once rays have touched whatever they
+// can reach.
 
 #include "tests/bench/embree_mesh.h"
 #include "tests/bench/subjects.h"

@@ -11,7 +11,7 @@
 
 namespace occam::bench {
 
-/// A scene, a camera inside it, and the scene's triangles in world axes for a peer.
+/// Holds a scene, a camera inside it, and the scene's triangles in world axes for the peer that it is compared with.
 struct TriangleScene {
     std::string name;
     Scene scene;

@@ -127,8 +127,8 @@ std::vector<std::unique_ptr<Subject>> usual_subjects(int width, int height)
 {
     std::vector<std::unique_ptr<Subject>> all;
     all.push_back(std::make_unique<Subject>("torus", torus(24, 12), width, height));
-    // One level serves all of a cage, and some of it is next to this eye: with micropolygons of a pixel there they would be
-    // millions.
+    // One level serves all of a cage, and some of it is close to this eye: with micropolygons of a pixel there, there would
+    // be millions of them.
     const Camera in_tube = Camera::look_at({1, 0, 0}, {1, 0.1, 1}, {0, 1, 0}, 1.2f);
     all.push_back(std::make_unique<Subject>("tube", torus(24, 12), width, height, in_tube, 32.0f));
     if (auto cage = suzanne()) all.push_back(std::make_unique<Subject>("suzanne", std::move(*cage), width, height));

@@ -1,9 +1,9 @@
 // Closest and any hit on one thread with a hot tree, beside Embree on the same micropolygons, taken in turns.
 //
 // Occam's closest() also fills SurfaceHit (position in double, normals, curvature, texture coordinates, material), which
-// Embree's does not, but where both are filled; its first_hits() fills distance, node and face, where Embree fills distance,
-// ids, normal and barycentrics. Embree sees all micropolygons of the cage, but no closers (they have no area). Embree's rays
-// are laid out beforehand.
+// Embree's does not, except where both are filled; its first_hits() fills distance, node and face, where Embree fills
+// distance, ids, normal and barycentrics. Embree sees all micropolygons of the cage, but no gap triangles (they have no
+// area). Embree's rays are laid out beforehand.
 
 #include <cmath>
 
@@ -57,11 +57,11 @@ void run_rays(Report& report, const std::string& name, accel::Tracer& tracer, co
     std::vector<std::uint8_t> occluded(rays.size());
     EmbreeRays theirs(mesh, rays, coherent);
 
-    // A renderer looks at one batch of hits before it asks for the next, so they stay in its caches.
+    // A renderer shades one batch of hits before it asks for the next, so they stay in its caches.
     const auto batch_by_batch = [&] {
         in_batches(rays.size(), [&](std::size_t i, std::size_t n) { tracer.closest(rays.subspan(i, n), {hits.data(), n}); });
     };
-    // The same work: what is shaded with is filled from Embree's hits, too.
+    // The work is the same: what is needed for shading is filled from Embree's hits, too.
     std::vector<ShadedHit> shaded(kBatch);
     report.add(row_of(name + " closest, both filled",
                       in_turns(theirs, batch_by_batch, [&] { theirs.closest_filled(shaded); }), rays.size()));

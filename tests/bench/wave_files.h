@@ -5,11 +5,11 @@
 
 namespace occam::bench {
 
-/// Quads; no normals. Throws Error.
+/// Writes quads without normals. Throws Error.
 void write_wave_obj(const std::filesystem::path& file, int columns, int rows);
 inline constexpr int kWaveColumns = 1000, kWaveRows = 500;  ///< 500,000 faces
 
-/// Two triangles a quad, with normals and 32-bit indices. Throws Error.
+/// Writes two triangles for each quad, with normals and 32-bit indices. Throws Error.
 void write_wave_glb(const std::filesystem::path& file, int columns, int rows);
 
 }  // namespace occam::bench

@@ -14,7 +14,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Tests one seed; what fails is made as small as it can be before it is reported.
+/// Tests one seed; a failing case is made as small as possible before it is reported.
 void expect_holds(std::uint64_t seed, const CaseCheck& check)
 {
     const RandomCase c = random_case(seed);
@@ -50,7 +50,7 @@ TEST(RandomCases, AreTheSameForASeedAndShrinkToWhatFails)
 {
     EXPECT_EQ(description(random_case(5)), description(random_case(5)));
     EXPECT_NE(description(random_case(5)), description(random_case(6)));
-    // A fault that needs a mirrored part and path tracing.
+    // The fault needs a mirrored part and path tracing.
     const CaseCheck check = [](const RandomCase& c) {
         bool has = false;
         for (const RandomPart& part : c.parts) has |= part.has(PartFeature::Mirrored);

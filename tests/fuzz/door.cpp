@@ -17,7 +17,7 @@ constexpr std::size_t kTextureBytes = std::size_t(64) << 20;
 constexpr std::uint64_t kScenesAPicture = 16;
 constexpr std::size_t kMostFaces = 32;  // of a scene that becomes a picture
 
-// Gone when the process ends in order; a finding leaves it.
+// The folder is removed when the process ends normally; a finding leaves it behind.
 class Folder {
 public:
     Folder()
@@ -43,7 +43,7 @@ const Folder& folder()
     return only;
 }
 
-// FNV-1a.
+// This is the FNV-1a hash.
 std::uint64_t sum_of(std::string_view bytes)
 {
     std::uint64_t sum = 0xcbf29ce484222325;

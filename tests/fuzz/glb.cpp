@@ -1,5 +1,5 @@
-// A GLB as it is; or JSON, a zero byte and the binary chunk, to which the container is added: mutations that would break its
-// lengths then reach what is inside.
+// The input is a GLB, or JSON, a zero byte and the binary chunk, to which the container is added: mutations that would break
+// its lengths then reach what is inside.
 #include "tests/fuzz/door.h"
 
 namespace {

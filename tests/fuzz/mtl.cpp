@@ -1,4 +1,4 @@
-// A material library, beside an OBJ that names it.
+// The input is a material library, beside an OBJ that names it.
 #include "tests/fuzz/door.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)

@@ -1,4 +1,4 @@
-// A scene of one file: its format is that of OCCAM_FUZZ_FILE.
+// The input is a scene of one file in the format of OCCAM_FUZZ_FILE.
 #include "tests/fuzz/door.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)

@@ -1,4 +1,4 @@
-// An image in memory, as it lies in a GLB.
+// The input is an image in memory, as it lies in a GLB.
 #include "io/texture/texture_store.h"
 #include "scenegraph/scene.h"
 #include "tests/fuzz/door.h"

@@ -1,5 +1,5 @@
-// Every scene file of the shared data through the executable: pictures of what is valid; for the rest one line or a picture,
-// within 20 s and one GiB.
+// Runs every scene file of the shared data through the executable: valid files give pictures; the others give one line or a
+// picture, within 20 s and one GiB.
 #include <gtest/gtest.h>
 #include <signal.h>
 

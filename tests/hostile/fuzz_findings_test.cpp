@@ -1,4 +1,4 @@
-// What the fuzz targets found, mended since: each as small as it came to be.
+// The findings of the fuzz targets, all repaired since, each reduced to a small case.
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 namespace occam::test {
 namespace {
 
-// Loads and renders, or is refused: either is right.
+// Loads and renders the file, or refuses it: either is correct.
 void pass_door(const std::filesystem::path& file)
 {
     try {
@@ -25,7 +25,7 @@ void pass_door(const std::filesystem::path& file)
     }
 }
 
-// Read past the end of an array: creases beside vertices of two faces, at a border.
+// This file once led to a read past the end of an array: it has creases beside vertices of two faces, at a border.
 TEST(FuzzFindings, ObjCreasesBesideAVertexOfTwoFaces)
 {
     TempFolder folder;
@@ -35,7 +35,7 @@ TEST(FuzzFindings, ObjCreasesBesideAVertexOfTwoFaces)
                            "t crease 2/1/0 2 6 5.0\nt crease 2/1/0 6 5 5.0\nt interpolateboundary 1/0/0 1\n"));
 }
 
-// A control point without an index: coordinates that collapse to one, around a vertex of two faces.
+// This file once led to a control point without an index: coordinates that collapse to one, around a vertex of two faces.
 TEST(FuzzFindings, ObjCoordinatesThatCollapseAroundAVertexOfTwoFaces)
 {
     TempFolder folder;
@@ -75,7 +75,7 @@ TEST(FuzzFindings, ImagesOfThirtyBytesDoNotDeclareGibibytes)
     }
 }
 
-// A colour profile of one tag, a text that is said to be far longer than the profile.
+// The file has a colour profile of one tag, a text that is declared far longer than the profile.
 std::string profile_past_its_end()
 {
     std::string profile(128, '\0');

@@ -1,4 +1,4 @@
-// Every hostile file of the shared data is refused with one line, or loads with what was mended counted.
+// Every hostile file of the shared data is refused with one line, or loads with its repairs counted.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -54,7 +54,7 @@ TEST(SharedData, EveryModelThatIsNotHostileLoads)
     for (const char* part : {"gltf", "subdiv", "scenes"})
         for (const fs::path& file : test::scene_files_below(folder / part)) {
             const std::string error = test::error_of(file);
-            // These two ask for a later version of glTF and an extension that does not exist: to be refused is right.
+            // These two ask for a later version of glTF and an extension that does not exist, so refusing them is correct.
             const std::string name = file.stem().string();
             const std::string expected = name == "Compatibility_04"   ? "2.1"
                                          : name == "Compatibility_05" ? "FAKE_materials_quantumRendering"

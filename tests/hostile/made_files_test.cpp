@@ -1,5 +1,5 @@
-// Files of every format, broken in every place: each number replaced, each file cut off, bytes changed. Each is refused in
-// one line that names the file, or loads and can be rendered.
+// Files of every format are broken in every place: each number is replaced, each file is cut off, bytes are changed. Each is
+// refused in one line that names the file, or loads and can be rendered.
 #include <gtest/gtest.h>
 
 #include <cctype>
@@ -13,8 +13,8 @@
 namespace occam::test {
 namespace {
 
-/// A glTF with a bit of everything: coordinates, colours, a skin, a morph target, clips, a camera, lights, a material, and a
-/// sparse accessor.
+/// Makes a glTF with a bit of everything: coordinates, colours, a skin, a morph target, clips, a camera, lights, a material,
+/// and a sparse accessor.
 Gltf everything()
 {
     Gltf g = square(R"(, "material": 0, "targets": [{"POSITION": 2}])");
@@ -39,9 +39,8 @@ Gltf everything()
     };
     std::string sparse = plain(2, 4, "VEC3");
     sparse.pop_back();
-    g.accessor(
-        sparse +
-        R"(, "min": [0, 0, 0], "max": [1.5, 0, 0.5],
+    g.accessor(sparse +
+               R"(, "min": [0, 0, 0], "max": [1.5, 0, 0.5],
         "sparse": {"count": 1, "indices": {"bufferView": 10, "componentType": 5123},
         "values": {"bufferView": 11}}})");
     g.accessor(plain(3, 4, "VEC2"));
@@ -85,7 +84,8 @@ const char* const kStl =
     "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
     "endsolid s\n";
 
-/// Returns where the numbers of a text stand: first character and one past the last. In JSON those in strings do not count.
+/// Returns where the numbers of a text stand, as first character and one past the last. Numbers in strings of JSON do not
+/// count.
 std::vector<std::pair<std::size_t, std::size_t>> numbers_of(const std::string& text, bool is_json)
 {
     std::vector<std::pair<std::size_t, std::size_t>> places;
@@ -113,7 +113,7 @@ protected:
         refused_ += !outcome.error.empty();
         ++tried_;
     }
-    /// Replaces each number of a text; of the replacements all in the long campaigns, else some.
+    /// Replaces each number of a text by all replacements in the long campaigns, else by some.
     void replace_numbers(const std::string& name, const std::string& text, bool is_json, std::size_t one_in)
     {
         std::vector<const char*> values = {"-1", "0", "7", "4294967295", "-2147483649", "1e38", "1e39", "0.5", "1e-45", ""};

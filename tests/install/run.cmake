@@ -1,5 +1,5 @@
 # cmake -D BUILD=build-folder -P run.cmake
-# Installs a build into a fresh prefix, builds the stranger's project beside this file against it, and runs both programs.
+# Installs a build into a fresh prefix, builds the external project beside this file against it, and runs both programs.
 function(run)
   execute_process(COMMAND ${ARGN} COMMAND_ECHO STDOUT OUTPUT_VARIABLE out ERROR_VARIABLE out RESULT_VARIABLE result)
   if(NOT result EQUAL 0)

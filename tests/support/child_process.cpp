@@ -16,7 +16,7 @@ namespace occam::test {
 
 namespace {
 
-// After fork(): only calls that are safe there. An alarm outlives exec.
+// This runs after fork(), where only async-signal-safe calls are allowed. An alarm outlives exec.
 [[noreturn]] void become(char* const* argv, const char* err_file, unsigned limit_s)
 {
     const int err = open(err_file, O_CREAT | O_WRONLY | O_TRUNC, 0600), null = open("/dev/null", O_RDWR);

@@ -1,4 +1,4 @@
-// The executable `occam` as a child process, with what it took.
+// The executable `occam` as a child process, and what it used.
 #pragma once
 
 #include <string>
@@ -17,7 +17,7 @@ struct ChildOutcome {
 /// The path of the executable `occam` that belongs to these tests.
 const char* occam_executable();
 
-/// Runs it to its end, or to `limit_s` seconds. Throws std::runtime_error if it cannot be started.
+/// Runs the executable to its end, or for `limit_s` seconds. Throws std::runtime_error if it cannot be started.
 ChildOutcome run_occam(const std::vector<std::string>& arguments, unsigned limit_s);
 
 }  // namespace occam::test

@@ -1,4 +1,4 @@
-// The executable in a folder of its own: what tests of the command line start from.
+// The executable in a folder of its own: the base of the tests of the command line.
 #pragma once
 
 #include <gtest/gtest.h>

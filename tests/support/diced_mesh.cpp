@@ -58,7 +58,7 @@ std::vector<MeshTriangle> DicedCage::triangles()
 {
     std::vector<MeshTriangle> mesh;
     std::vector<lod::Hanging::Ends>
-        known;  // of the present patch: its tiles keep copies of a closer that reaches into several
+        known;  // of the present patch: its tiles keep copies of a gap triangle that reaches into several
     lod::PatchRef patch{~0u, 0};
     for (const lod::TileRef& tile : tiles()) {
         if (!(tile.patch == patch)) known.clear();

@@ -1,4 +1,4 @@
-// A whole cage diced at one level: every micropolygon and closer of every patch, for tests that look at M_l as a mesh.
+// A whole cage diced at one level: every micropolygon and gap triangle of every patch, for tests that look at M_l as a mesh.
 #pragma once
 
 #include <array>
@@ -29,7 +29,7 @@ public:
     Arena arena;
 
     const lod::Topology& topology() const { return *posed.topology; }
-    /// Every patch that is seen, as tiles of at most 16 x 16 quads.
+    /// Returns every visible patch, as tiles of at most 16 x 16 quads.
     std::vector<lod::TileRef> tiles();
     std::vector<MeshTriangle> triangles();
     /// Sets and returns the coarsest level at which some patch has 2^exponent pieces along a side.
@@ -42,10 +42,10 @@ private:
     Arena pose_;
 };
 
-/// A point by its bits; the two zeros are one.
+/// Identifies a point by its bits; the two zeros are equal.
 using Bits = std::array<std::uint32_t, 3>;
 Bits bits_of(Vec3f p);
-/// Edges that an odd number of triangles share, vertices told apart by their bits: 0 for a closed mesh.
+/// Counts the edges that an odd number of triangles share, with vertices compared by their bits: 0 for a closed mesh.
 std::size_t open_edges(const std::vector<MeshTriangle>& mesh);
 
 }  // namespace occam::test

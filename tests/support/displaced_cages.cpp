@@ -8,7 +8,7 @@
 namespace occam::test {
 namespace {
 
-/// The torus of shape_builders with one chart, cut open once each way.
+/// Returns the torus of shape_builders with one chart, cut open once in each direction.
 Cage torus_with_seams(bool creased)
 {
     constexpr std::uint32_t kAround = 9, kAcross = 5;

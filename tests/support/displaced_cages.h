@@ -9,7 +9,7 @@
 
 namespace occam::test {
 
-/// A cage and the store that its displacement's texture lies in.
+/// Holds a cage and the store of its displacement's texture.
 struct DisplacedCage {
     DisplacedCage(std::string called, Cage of, float bound, std::uint64_t seed,
                   Displacement::Axes axes = Displacement::Axes::Normal);
@@ -20,15 +20,16 @@ struct DisplacedCage {
     TextureStore textures;
 };
 
-/// A chart of its own for every face: each edge is a seam.
+/// Gives every face a chart of its own, so that each edge is a seam.
 void add_charts(Cage& cage);
 
-/// Gives a cage a skin of two joints, the second one's weight growing with x; and a pose of them that bends and twists.
+/// Gives a cage a skin of two joints, of which the second one's weight grows with x. bent_joints() returns a pose of them
+/// that bends and twists.
 void add_skin(Cage& cage);
 std::vector<Mat4d> bent_joints();
 
-/// Over creases, poles, n-gons and seams; noise of 64 x 64 texels that goes to the bound, the last four by vectors: two in
-/// the object's axes, two in those of the surface. Named by index.
+/// Returns cages with creases, poles, n-gons and seams, by index. Noise of 64 x 64 texels that reaches the bound displaces
+/// them; the last four are displaced by vectors, two in the object's axes and two in those of the surface.
 DisplacedCage displaced_case(int index);
 inline constexpr int kDisplacedCases = 10;
 

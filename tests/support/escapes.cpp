@@ -23,7 +23,8 @@ Vec3d any_direction(Random& random)
     }
 }
 
-/// Inside: the winding number is above 0.9, here and a thousandth of the cage's radius to all sides.
+/// Returns true if the point is inside: the winding number is above 0.9, here and a thousandth of the cage's radius to all
+/// sides.
 std::vector<Vec3d> inside_points(const std::vector<MeshTriangle>& mesh, std::size_t wanted, Random& random)
 {
     Box3d box;
@@ -36,7 +37,7 @@ std::vector<Vec3d> inside_points(const std::vector<MeshTriangle>& mesh, std::siz
     std::vector<Vec3d> points;
     for (int attempt = 0; attempt < 400 && points.size() < wanted; ++attempt) {
         const Vec3d p = box.lo + box.extent() * Vec3d(uniform(random), uniform(random), uniform(random));
-        // Also a little to all sides: so the point is not on a sheet that is folded onto itself.
+        // The points a little to all sides are tested too, so the point is not on a sheet that is folded onto itself.
         bool is_inside = true;
         for (int k = 0; k < 7 && is_inside; ++k) {
             Vec3d step(0);
@@ -65,7 +66,7 @@ EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int 
     for (const MeshTriangle& t : mesh)
         if (t.is_closer) closers.push_back(&t);
 
-    // A frame whose cage is seen at that very level: the wanted edge is constant.
+    // The frame sees the cage at exactly that level, since the target edge length is constant.
     Scene scene;
     scene.add_node(scene.root(), {.matrix = world_from_object, .cages = {scene.add(cage)}});
     scene.refit();
@@ -92,7 +93,7 @@ EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int 
             ray = {};
             ray.origin = diced.posed.anchor + from;
             Vec3f d = Vec3f(glm::normalize(target - from));
-            // To an ulp: one component a step up or down, or not.
+            // Aims are varied by an ulp: one component goes a step up or down, or stays.
             const auto axis = static_cast<int>(random() % 3);
             if (random() & 1) d[axis] = std::nextafterf(d[axis], random() & 1 ? 2.0f : -2.0f);
             ray.direction = d;

@@ -16,12 +16,12 @@ struct EscapeCount {
 };
 
 /// Places the cage by `world_from_object` and shoots `rays` rays from inside, of which 45 % are aimed at T-vertices (if
-/// there are any) and vertices, 15 % at edges, the rest anywhere. exponent: log2 of the largest rate of a patch. textures:
-/// of its displacement.
+/// there are any) and vertices, 15 % at edges, and the rest anywhere. exponent: log2 of the largest rate of a patch.
+/// textures: those of the cage's displacement.
 EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int exponent, std::uint64_t rays,
                           std::uint64_t seed, const TextureStore* textures = nullptr);
 
-/// Whether the long campaigns are run (OCCAM_LONG=1).
+/// Returns whether the long campaigns are run (OCCAM_LONG=1).
 bool is_long();
 
 /// Returns 10^7 rays a cage for the long campaigns, else 5 * 10^4: made and shared cages together are a hundred.

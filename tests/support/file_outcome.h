@@ -1,4 +1,4 @@
-// What becomes of a file that may break any rule: an error, or warnings and a small picture.
+// The outcome of a file that may break any rule: an error, or warnings and a small picture.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,7 @@ struct FileOutcome {
     std::vector<std::string> warnings;  ///< of the scene and of its textures
 };
 
-/// Loads a file and renders it, since what comes after loading must be able to rely on what was checked there.
+/// Loads a file and renders it, since the code after loading relies on what was checked there.
 inline FileOutcome outcome_of(const std::filesystem::path& file)
 {
     FileOutcome outcome;

@@ -1,4 +1,4 @@
-// Small glTF files, put together by a test.
+// Small glTF files that a test puts together.
 #pragma once
 
 #include <cstring>
@@ -12,7 +12,7 @@
 
 namespace occam::test {
 
-/// A glTF in parts: what a test does not set is left out.
+/// Holds a glTF in parts; what a test does not set is left out.
 struct Gltf {
     std::string bin;  ///< written beside it
     std::string buffer_views, accessors, meshes, nodes = "{}", more;
@@ -46,7 +46,7 @@ struct Gltf {
         if (!meshes.empty()) text += R"(, "meshes": [)" + meshes + "]";
         return text + more + "}";
     }
-    /// As one file, the buffer in the binary chunk.
+    /// Returns the scene as one file, with the buffer in the binary chunk.
     std::string glb() const
     {
         const auto u32 = [](std::size_t x) {
@@ -70,7 +70,7 @@ struct Gltf {
     }
 };
 
-/// Four corners of a unit square, and the triangles 0 1 2, 0 2 3.
+/// Holds the four corners of a unit square, and the triangles 0 1 2 and 0 2 3.
 inline Gltf square(const std::string& primitive_more = "")
 {
     Gltf g;
@@ -84,7 +84,7 @@ inline Gltf square(const std::string& primitive_more = "")
     return g;
 }
 
-/// All that is placed.
+/// Returns everything that is placed.
 inline std::vector<const Cage*> cages(const Scene& scene)
 {
     std::vector<const Cage*> list;

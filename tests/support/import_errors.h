@@ -1,4 +1,4 @@
-// What a refused file says.
+// The messages of refused files.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 namespace occam::test {
 
-/// The message of the Error that load() throws; empty if it throws none.
+/// Returns the message of the Error that load() throws; empty if it throws none.
 inline std::string error_of(const std::filesystem::path& file, const LoadOptions& options = {})
 {
     try {
@@ -20,7 +20,7 @@ inline std::string error_of(const std::filesystem::path& file, const LoadOptions
     }
 }
 
-/// True if a warning of the scene contains `text`.
+/// Returns true if a warning of the scene contains `text`.
 inline bool warns(const Scene& scene, const std::string& text)
 {
     for (const std::string& line : scene.warnings)

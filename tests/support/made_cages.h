@@ -10,7 +10,7 @@
 
 namespace occam::test {
 
-/// A cage, its name, and the kind of its surface.
+/// Holds a cage, its name, and the kind of its surface.
 struct MadeCage {
     std::string name;  ///< letters, digits and underscores
     Cage cage;

@@ -17,7 +17,7 @@ constexpr const char* kSettingNames[kSettingFeatures] = {"path",   "ao",       "
                                                          "coarse", "fine",     "lens",     "orthographic", "far",
                                                          "still",  "adaptive", "cropped",  "one-sided",    "layers"};
 
-/// Numbers of one feature of one part: the same whatever else the case has.
+/// Gives the random numbers of one feature of one part: they are the same whatever else the case has.
 class Random {
 public:
     Random(std::uint64_t seed, std::uint64_t key, std::uint64_t feature)
@@ -28,7 +28,7 @@ public:
         : Random(c.seed, part.key, static_cast<std::uint64_t>(f) + 100)
     {
     }
-    /// Uniform in [0, 1).
+    /// Returns a number that is uniform in [0, 1).
     double number() { return double(mix_bits(state_ += 0x9e3779b97f4a7c15ull) >> 11) * 0x1p-53; }
     double between(double lo, double hi) { return lo + (hi - lo) * number(); }
     std::size_t index(std::size_t count) { return std::min(count - 1, static_cast<std::size_t>(number() * double(count))); }
@@ -193,7 +193,7 @@ std::string names_of(unsigned bits, const char* const (&names)[N])
     return text;
 }
 
-/// Each bit with a chance of one in `one_in`.
+/// Returns bits of which each is set with a chance of one in `one_in`.
 unsigned random_bits(Random& random, unsigned count, std::size_t one_in)
 {
     unsigned bits = 0;

@@ -13,7 +13,7 @@
 
 namespace occam::test {
 
-/// What may be special about one object of a case, as bits of RandomPart::features.
+/// Lists what may be special about one object of a case, as bits of RandomPart::features.
 enum class PartFeature : unsigned {
     Noise,      ///< vertices are moved by up to 8 % of the cage's size
     Creases,    ///< some edges have a sharpness of 0.25 to 10, in steps of a quarter
@@ -35,7 +35,7 @@ enum class PartFeature : unsigned {
 };
 inline constexpr unsigned kPartFeatures = 17;
 
-/// What may be special about the picture, as bits of RandomCase::settings.
+/// Lists what may be special about the picture, as bits of RandomCase::settings.
 enum class SettingFeature : unsigned {
     Path,          ///< path tracing of three bounces
     Ao,            ///< ambient occlusion; Path goes before it
@@ -81,11 +81,11 @@ Camera camera_of(const RandomCase& c, Scene& scene);
 /// Returns everything that the case is made of as one line.
 std::string description(const RandomCase& c);
 
-/// Says what is wrong with a case; empty: nothing.
+/// A check returns what is wrong with a case; empty if nothing is.
 using CaseCheck = std::function<std::string(const RandomCase&)>;
 
-/// Takes parts and features from a case that fails for as long as it still fails. Returns a case that holds whichever
-/// further one is taken away.
+/// Removes parts and features from a failing case for as long as it still fails. Returns a case that passes whichever
+/// further part or feature is removed.
 RandomCase shrunk(RandomCase failing, const CaseCheck& check);
 
 /// Renders the case by one thread, by several with a tree each and with a common one, and with as little memory as possible.

@@ -19,7 +19,7 @@ Vec3d vector_of(const json& numbers)
     return {numbers.at(0).get<double>(), numbers.at(1).get<double>(), numbers.at(2).get<double>()};
 }
 
-// A tolerance of the form {"<unit>": limit, "share": least}.
+// Reads a tolerance of the form {"<unit>": limit, "share": least}.
 void read_tolerance(const json& tolerance, const char* layer, const char* unit, double& limit, std::optional<double>& least)
 {
     if (!tolerance.contains(layer)) return;

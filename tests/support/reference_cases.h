@@ -1,4 +1,4 @@
-// The cases of shared/reference: which model, seen from where, and how near a right picture must come.
+// The cases of shared/reference: which model, from which camera, and how close a correct picture must come.
 #pragma once
 
 #include <filesystem>
@@ -31,14 +31,14 @@ struct ReferenceCase {
     friend std::ostream& operator<<(std::ostream& out, const ReferenceCase& c) { return out << c.id; }
 };
 
-/// All cases in the order of cases.json; none if the shared data is absent. Throws Error naming case and entry if the file
-/// is not as expected.
+/// Returns all cases in the order of cases.json; none if the shared data is absent. Throws Error naming case and entry if
+/// the file is not as expected.
 std::vector<ReferenceCase> reference_cases();
 
-/// The reference's pictures. Throws Error.
+/// Returns the reference's pictures. Throws Error.
 ReferencePicture read_reference(const ReferenceCase& c);
 
-/// The id in letters that a test's name may have.
+/// Returns the id in letters that a test's name may have.
 std::string reference_test_name(const ReferenceCase& c);
 
 }  // namespace occam::test

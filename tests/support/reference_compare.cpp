@@ -23,7 +23,8 @@ Vec3d vector_at(const std::vector<float>& from, std::size_t pixel)
     return {double(from[3 * pixel]), double(from[3 * pixel + 1]), double(from[3 * pixel + 2])};
 }
 
-// By the tangent: the arc cosine of a float near 1 knows 0.03 degrees at best. No number for a zero vector of ours.
+// The angle is taken by its tangent, since the arc cosine of a float near 1 is precise to 0.03 degrees at best. It is NaN
+// for a zero vector of ours.
 double degrees_between(Vec3d a, Vec3d b)
 {
     if (glm::dot(a, a) == 0) return NAN;
@@ -41,7 +42,7 @@ double largest_difference(const std::vector<float>& a, const std::vector<float>&
     return largest;
 }
 
-// Counts what is at most the limit; NaN is not.
+// Counts the values that are at most the limit; NaN is not.
 class Share {
 public:
     explicit Share(double limit) : limit_(limit) {}
@@ -119,7 +120,7 @@ ReferenceShares compare(const ReferencePicture& ours, const ReferencePicture& re
         is_hit ? depth.add(std::abs(double(ours.depth[i]) - z) / z) : depth.add_miss();
         if (!reference.uv.empty()) is_hit ? uv.add(largest_difference(ours.uv, reference.uv, 2 * i, 2)) : uv.add_miss();
         if (reference.albedo.empty()) continue;
-        // A mean over the pixel: whether the ray through its middle hits says nothing here.
+        // Coverage is a mean over the pixel, so whether the ray through its middle hits does not matter here.
         albedo.add(largest_difference(ours.albedo, reference.albedo, 4 * i, 3));
         for (std::size_t c = 4 * i; c < 4 * i + 3; ++c)
             albedo_sum += std::abs(double(ours.albedo[c]) - double(reference.albedo[c]));

@@ -1,6 +1,8 @@
-// How far a picture of Occam's is from a reference picture made with other software: shares of pixels that agree.
+// The difference between a picture of Occam's and a reference picture made with other software, as shares of pixels that
+// agree.
 //
-// The rules are those of the README of the shared reference images, "How to compare". Pure functions of pictures, no files.
+// The rules are those of the README of the shared reference images, "How to compare". The functions are pure functions of
+// pictures and read no files.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +12,7 @@
 
 namespace occam::test {
 
-/// Row-major from the top left. What a picture does not have is empty.
+/// Holds a picture, row-major from the top left. Layers that it does not have are empty.
 struct ReferencePicture {
     int width = 0, height = 0;
     std::vector<float> depth;                             ///< 1 a pixel; 0 or infinity: nothing hit
@@ -26,13 +28,13 @@ struct ReferencePicture {
     }
 };
 
-/// What counts as the same, in the units of cases.json.
+/// Holds the tolerances within which values agree, in the units of cases.json.
 struct ReferenceLimits {
     double depth_relative = 1e-3, normal_geometric_degrees = 1, normal_shading_degrees = 2, uv_absolute = 2e-3;
     double albedo_absolute = 0.05;  ///< of each channel
 };
 
-/// Shares of the interior pixels that agree; none for what the reference does not have.
+/// Holds the shares of the interior pixels that agree; none for a layer that the reference does not have.
 struct ReferenceShares {
     std::size_t hits = 0, interior = 0;  ///< of the reference, without what is left out
     double coverage_mismatch = 0;        ///< pixels that one picture hits and the other does not, over the reference's hits
@@ -40,11 +42,12 @@ struct ReferenceShares {
     std::optional<double> albedo_mean_absolute;  ///< over interior pixels and R, G, B
 };
 
-/// Pixels whose 3 x 3 neighbours are all in the picture, hit, and at most a factor of 1.05 apart in depth; and not left out.
+/// Marks the pixels whose 3 x 3 neighbours are all in the picture, hit, and at most a factor of 1.05 apart in depth, and
+/// which are not left out.
 std::vector<std::uint8_t> interior_pixels(const ReferencePicture& reference);
 
-/// A pixel that `ours` misses, or that holds what is no number, disagrees in everything. Pictures are of one size, and
-/// `ours` has all that the reference has (but exclude).
+/// Compares two pictures. A pixel that `ours` misses, or that holds NaN, disagrees in every layer. Both pictures have one
+/// size, and `ours` has all layers that the reference has (except exclude).
 ReferenceShares compare(const ReferencePicture& ours, const ReferencePicture& reference, const ReferenceLimits& limits);
 
 }  // namespace occam::test

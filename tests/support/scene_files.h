@@ -7,7 +7,7 @@
 
 namespace occam::test {
 
-/// Sorted by path; by the extensions that load() knows.
+/// Returns the files with the extensions that load() knows, sorted by path.
 inline std::vector<std::filesystem::path> scene_files_below(const std::filesystem::path& folder)
 {
     std::vector<std::filesystem::path> files;

@@ -7,7 +7,7 @@
 
 namespace occam::test {
 
-/// A torus of quads about y. Unequal steps around, so that neighbours have different rates.
+/// Returns a torus of quads about y. The steps around it are unequal, so that neighbours have different rates.
 inline Cage torus(std::uint32_t around = 9, std::uint32_t across = 5, bool uneven = true)
 {
     Cage cage;
@@ -26,7 +26,7 @@ inline Cage torus(std::uint32_t around = 9, std::uint32_t across = 5, bool uneve
     return cage;
 }
 
-/// A prism over a polygon of n corners: two n-gons and n quads, some edges creased.
+/// Returns a prism over a polygon of n corners: two n-gons and n quads, with some creased edges.
 inline Cage prism(std::uint32_t n)
 {
     Cage cage;
@@ -47,7 +47,7 @@ inline Cage prism(std::uint32_t n)
     return cage;
 }
 
-/// A pole of `valence` edges at both ends of a spindle: triangles all.
+/// Returns a spindle of triangles with a pole of `valence` edges at both ends.
 inline Cage spindle(std::uint32_t valence)
 {
     Cage cage;
@@ -64,7 +64,7 @@ inline Cage spindle(std::uint32_t valence)
     return cage;
 }
 
-/// A cube whose twelve edges have one sharpness.
+/// Returns a cube whose twelve edges have one sharpness.
 inline Cage creased_cube(float sharpness)
 {
     Cage cage;

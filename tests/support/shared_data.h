@@ -1,14 +1,14 @@
-// Where the shared test data lies: OCCAM_SHARED, or the folder "shared" beside the repository.
+// The place of the shared test data: OCCAM_SHARED, or the folder "shared" beside the repository.
 #pragma once
 
 #include <filesystem>
 
 namespace occam::test {
 
-/// Empty path if there is none; a test that needs it then skips and says so.
+/// Returns the folder, or an empty path if there is none; a test that needs it then skips and says so.
 std::filesystem::path shared_data();
 
-/// The folder of the repository that the tests were built from.
+/// Returns the folder of the repository from which the tests were built.
 std::filesystem::path source_folder();
 
 }  // namespace occam::test

@@ -1,4 +1,4 @@
-// Random numbers without strata, and the tests of statistics that sampling routines stand.
+// Random numbers without strata, and the statistical tests of sampling routines.
 #pragma once
 
 #include <cmath>
@@ -10,7 +10,7 @@
 
 namespace occam::test {
 
-/// Independent uniform numbers, the same in every run. (Strata would make statistics too small.)
+/// Gives independent uniform numbers, the same in every run. (Strata would make statistics too small.)
 class Numbers {
 public:
     explicit Numbers(std::uint64_t seed) : state_(mix_bits(seed)) {}
@@ -29,7 +29,7 @@ private:
     std::uint64_t state_;
 };
 
-/// Mean of independent samples and its standard error.
+/// Holds the mean of independent samples and its standard error.
 class Mean {
 public:
     void add(double value)
@@ -46,8 +46,8 @@ private:
     int count_ = 0;
 };
 
-/// How many standard deviations Pearson's statistic lies above its mean. `found` counts in cells, `wanted` their
-/// expectations; cells that expect fewer than 5 are pooled. Above 4.5 once in 300,000 if both agree.
+/// Returns how many standard deviations Pearson's statistic lies above its mean. `found` holds counts in cells, `wanted`
+/// their expectations; cells that expect fewer than 5 are pooled. The result exceeds 4.5 once in 300,000 runs if both agree.
 inline double chi_square_excess(std::span<const double> found, std::span<const double> wanted)
 {
     double chi2 = 0, pooled_found = 0, pooled_wanted = 0;
@@ -68,8 +68,9 @@ inline double chi_square_excess(std::span<const double> found, std::span<const d
     return (chi2 - freedom) / std::sqrt(2.0 * freedom);
 }
 
-/// The same for directions on the sphere: `draw(numbers)` gives one (or the zero vector: lost), `density(d)` its density per
-/// solid angle. 16 x 32 cells of equal area; the density is summed over `fine` x `fine` points a cell.
+/// Does the same for directions on the sphere: `draw(numbers)` gives one (or the zero vector for a lost sample),
+/// `density(d)` its density per solid angle. There are 16 x 32 cells of equal area; the density is summed over `fine` x
+/// `fine` points of each cell.
 template <class Draw, class Density>
 double direction_excess(int samples, int fine, Draw&& draw, Density&& density, std::uint64_t seed = 11)
 {

@@ -1,4 +1,4 @@
-// A folder of a test's own, gone when the test is over.
+// A folder that belongs to one test and is removed when the test is over.
 #pragma once
 
 #include <unistd.h>

@@ -11,7 +11,7 @@ namespace occam::test {
 
 inline constexpr int kTexels = 64;  ///< along a side
 
-/// `of(x, y)` is a texel's value, data.
+/// Makes a texture of data; `of(x, y)` is the value of a texel.
 template <class Of>
 Texture texture_of(Of&& of)
 {
@@ -22,19 +22,19 @@ Texture texture_of(Of&& of)
         for (int x = 0; x < kTexels; ++x) texture.pixels.push_back(of(float(x), float(y)));
     return texture;
 }
-/// Smooth, and repeats without a seam.
+/// Returns a smooth pattern that repeats without a seam.
 Texture waves(float phase);
 
-/// A floor of 4 x 4 faces over [-2, 2] in x and z, with coordinates from 0 to 1, seen from the outside from above.
+/// Returns a floor of 4 x 4 faces over [-2, 2] in x and z, with coordinates from 0 to 1; its outside faces up.
 Cage floor_of(MaterialId material, Scheme scheme);
 
-/// Such a floor, a lamp over it and a camera that looks down at it; the background is left out.
+/// Holds such a floor, a lamp over it and a camera that looks down at it; the background is left out.
 struct TexturedFloor {
     TexturedFloor(Scheme scheme, const std::function<Material(Scene&)>& make);
 
     Image picture(Settings settings);
     Image picture(render::ShadeAt at, float rate = 1);
-    /// Between what vertices and what hits look up: root mean square.
+    /// Returns the root mean square of the difference between lookups at vertices and at hits.
     double difference(float rate);
 
     Scene scene;

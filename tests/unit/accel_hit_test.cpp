@@ -1,4 +1,4 @@
-// What a hit knows of the surface's shape: curvature and the axes of normal maps.
+// Tests of what a hit knows of the surface's shape: curvature and the axes of normal maps.
 #include <gtest/gtest.h>
 
 #include "accel/frame.h"
@@ -64,8 +64,8 @@ TEST(Hit, CurvatureOfABallIsOneOverItsRadius)
     }
 }
 
-// Off the ray by what its distance rounds to; off the surface, whose triangles' planes hold the position, by a chord's
-// sagitta.
+// The position is off the ray by the rounding of its distance, and off the surface by a chord's sagitta, since it lies in
+// the planes of the surface's triangles.
 TEST(Hit, PositionsLieOnTheRayAndOnTheSurface)
 {
     const Vec3d centre{3e5, -2e5, 1e5};
@@ -76,8 +76,8 @@ TEST(Hit, PositionsLieOnTheRayAndOnTheSurface)
         const accel::SurfaceHit hit = hit_from(scene, origin, towards);
         const Vec3d on_ray = origin + Vec3d(Vec3f(glm::normalize(towards))) * double(hit.t);
         EXPECT_LT(glm::distance(hit.position, on_ray), 4e-7 * away);
-        // Radii 1 and 0.4 about y, but for what a cubic spline through 48 and 32 points draws in, and for a chord as long as
-        // was asked for.
+        // The radii are 1 and 0.4 about y, except for what a cubic spline through 48 and 32 points draws in, and for the
+        // sagitta of a chord of the requested length.
         const Vec3d p = hit.position - centre;
         const auto drawn_in = [](double radius, int points) { return radius * (1 - std::cos(kTau / points)) / 3; };
         const double chord = 0.05 * 0.05 / (8 * 0.4);

@@ -1,4 +1,5 @@
-// What a tracer promises: the same hits alone and in company, exact distances on closing triangles, laziness, any budget.
+// Tests of what a tracer promises: the same hits alone and in company, exact distances on gap triangles, laziness, any
+// budget.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -41,7 +42,7 @@ bool same(const accel::SurfaceHit& a, const accel::SurfaceHit& b)
     return !a.is_hit() || all(a) == all(b);
 }
 
-// Prisms side by side, with two sets of coordinates: their materials have maps on one of the sets, or none.
+// Adds prisms side by side with two sets of coordinates: their materials have maps on one of the sets, or none.
 void add_wall_of_maps(Scene& scene)
 {
     std::vector<MaterialId> materials;
@@ -125,7 +126,7 @@ TEST(Tracer, FindsTheSameFirstHitsWithoutWhatShadingNeeds)
     }
 }
 
-// Eager or lazy, flat or by hierarchy, swept or scanned: other trees, the same hits.
+// Trees may be eager or lazy, flat or by hierarchy, swept or scanned: the trees differ, the hits are the same.
 TEST(Tracer, FindsTheSameHitsHoweverItBuilds)
 {
     Stage stage;
@@ -187,7 +188,7 @@ TEST(Tracer, GivesTheSameHitsForAnyBudget)
     }
 }
 
-// Rays aimed at T-vertices meet closing triangles: in float their t is noise along the edge (watertightness, rule 6).
+// Rays aimed at T-vertices meet gap triangles, where in float their t is noise along the edge (watertightness, rule 6).
 TEST(Tracer, ReportsTheExactDistanceOnClosingTriangles)
 {
     const Cage cage = torus();
@@ -224,12 +225,12 @@ TEST(Tracer, BuildsLittleMoreThanItsRaysSee)
     for (int i = 0; i < 20; ++i)
         for (int j = 0; j < 20; ++j) place(stage.scene, cage, {4.0 * i, 0, 4.0 * j});
     const accel::Frame frame = stage.frame(-4);
-    // All of it, from above.
+    // This ray sees all of it, from above.
     accel::Tracer all(frame, kPlenty);
     const auto everywhere = rays_towards({40, 200, 40}, stage.scene.bounds(), 200'000, 3);
     std::vector<accel::SurfaceHit> hits(everywhere.size());
     all.closest(everywhere, hits);
-    // Four of the four hundred: one per cent.
+    // Four of the four hundred are one per cent.
     accel::Tracer some(frame, kPlenty);
     const Box3d corner{{-1.5, -0.5, -1.5}, {5.5, 0.5, 5.5}};
     const auto few = rays_towards({2, 20, 2}, corner, 20'000, 4);

@@ -1,4 +1,4 @@
-// The kernels of rays and micropolygons, number by number.
+// Tests of the kernels of rays and micropolygons, number by number.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -81,7 +81,7 @@ TEST(Triangle, AQuadHasTheBitsOfItsTwoTriangles)
     EXPECT_GT(misses, 1000);
 }
 
-// Several vfloats as one do what each would do alone, NaN included, and know what the least and the largest of all is.
+// Several vfloats used as one do what each would do alone, NaN included, and know the least and the greatest of all.
 TEST(SimdGroups, AreTheirParts)
 {
     constexpr int kParts = 2, kAll = kParts * kLanes;
@@ -135,7 +135,7 @@ TEST(SimdGroups, AreTheirParts)
     }
 }
 
-// Turned there and back: lane i of the f-th is the f-th of thing i, wherever these lie.
+// Values are transposed there and back: lane i of vector f holds field f of element i, wherever the elements lie.
 TEST(SimdTurned, LanesAreThingsThereAndBack)
 {
     constexpr std::size_t kStride = 7, kOffset = 3;

@@ -1,4 +1,4 @@
-// Deformed cages: vertices beside the formulas of glTF 2.0 in their plainest form, and bounds that hold them.
+// Tests of deformed cages: vertices beside the formulas of glTF 2.0 in their plainest form, and bounds that hold them.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -12,7 +12,7 @@
 namespace occam {
 namespace {
 
-// Of one vertex, in world axes, as sec. 3.7.3.3 of the specification has it: by global transforms of joints.
+// Returns one vertex in world axes, as sec. 3.7.3.3 of the specification defines it: by global transforms of joints.
 Vec3d skinned_vertex(const Scene& scene, const Node& node, NodeId id, const Cage& cage, std::uint32_t v)
 {
     Vec3d p(cage.positions[v]);
@@ -40,7 +40,7 @@ bool holds(const Box3d& box, Vec3d p, double slack)
     return glm::all(glm::greaterThanEqual(p, box.lo - slack)) && glm::all(glm::lessThanEqual(p, box.hi + slack));
 }
 
-// What the engine has of every deformed cage of a scene at this moment: true to the formulas, and inside its bounds.
+// Checks all deformed cages of a scene at this moment: they follow the formulas and lie inside their bounds.
 void expect_true_to_formulas(Scene& scene, const char* what)
 {
     scene.refit();
@@ -112,7 +112,7 @@ INSTANTIATE_TEST_SUITE_P(Shared, Characters,
                                          std::tuple("skinned/CesiumMan/CesiumMan.glb", 1u),
                                          std::tuple("morph/MorphStressTest/MorphStressTest.gltf", 3u)));
 
-// A torus of three joints that turn about each other, with a bump that grows.
+// Holds a torus of three joints that turn about each other, with a bump that grows.
 struct Eel {
     Scene scene;
     NodeId whole, body, joints[3];
@@ -173,7 +173,8 @@ TEST(Deformation, FollowsJointsThatTheApplicationMoves)
     EXPECT_THROW(eel.scene.set_morph_weights(eel.body, {NAN}), Error);
 }
 
-// Rates, tiles and all: the surface of a bent cage is that of a cage whose vertices the application wrote bent.
+// With rates, tiles and everything else, the surface of a bent cage is that of a cage whose vertices the application wrote
+// bent.
 TEST(Deformation, ShowsWhatWrittenVerticesWouldShow)
 {
     const Camera camera = Camera::look_at({0.5, 2, 4}, {0.5, 0, 0}, {0, 1, 0}, 0.8f);

@@ -1,4 +1,5 @@
-// occam animate as a farm meets it: stopped at any moment and started again, in parts, with nowhere to write.
+// Tests of occam animate as a render farm uses it: stopped at any moment and started again, in parts, without space to
+// write.
 #include <signal.h>
 #include <sys/stat.h>
 
@@ -14,7 +15,7 @@ namespace {
 
 using namespace test;
 
-// A triangle that slides and turns: translation LINEAR, rotation LINEAR, one second long.
+// Holds a triangle that slides and turns: translation LINEAR, rotation LINEAR, one second long.
 constexpr const char* kMovingTriangle = R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
 "nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
 "animations": [{"name": "slide", "samplers": [{"input": 1, "output": 2}],
@@ -99,7 +100,7 @@ TEST_F(Animate, KilledTwentyTimesEveryFrameIsWholeAndNoneIsMissing)
     ASSERT_EQ(run(words("good.####.exr", "0-39", {}, "64")).exit_code, kDone);
     for (int round = 0; round < 20; ++round) {
         const pid_t child = start(words("a.####.exr", "0-39", {}, "64"));
-        // Later and later, so that kills meet every stage: starting, reading, rendering, writing.
+        // The kills come later and later, so that they hit every stage: starting, reading, rendering, writing.
         std::this_thread::sleep_for(std::chrono::microseconds(2000 + 7919 * round));
         kill(child, SIGKILL);
         finish(child);
@@ -128,7 +129,7 @@ TEST_F(Animate, AnInterruptLeavesNoPartOfAFrame)
 
 TEST_F(Animate, AFrameThatCannotBeWrittenIsExitCode3AndTheRestIsKept)
 {
-    // A folder in the way of the third frame: also for a user who may write everywhere.
+    // A folder stands in the place of the third frame, which fails also for a user who may write everywhere.
     fs::create_directories(folder / "a.0002.exr" / "in the way");
     const Outcome o = run(words("a.####.exr", "0-4", {"--overwrite", "--progress", "openjd"}));
     EXPECT_EQ(o.exit_code, kOutput);

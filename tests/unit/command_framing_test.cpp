@@ -1,4 +1,4 @@
-// Where the executable puts its camera if nothing says so.
+// Tests of where the executable puts its camera if it is not given one.
 #include <algorithm>
 
 #include "render/image.h"
@@ -9,7 +9,7 @@ namespace {
 
 using namespace test;
 
-// The part of a picture that something covers, in pixels.
+// Returns the part of a picture that something covers, in pixels.
 struct Covered {
     int x0 = 1000, x1 = -1, y0 = 1000, y1 = -1;
     int width() const { return x1 - x0 + 1; }

@@ -1,4 +1,4 @@
-// Outputs that cannot be finished: full disks, limits of the file size, closed pipes, killed runs, signals.
+// Tests of outputs that cannot be finished: full disks, limits of the file size, closed pipes, killed runs, signals.
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/file.h>
@@ -26,7 +26,7 @@ protected:
         CommandTest::TearDown();
     }
     fs::path small() const { return folder / "small"; }
-    // False where this user may not mount a file system.
+    // This is false where the user may not mount a file system.
     bool mount_small(const char* size)
     {
         fs::create_directories(small());
@@ -74,7 +74,7 @@ TEST_F(Outputs, ALimitOfTheFileSizeIsExitCode3AndLeavesNothing)
     }
 }
 
-// Noise of 96 x 96 pixels, which no format packs into four kilobytes.
+// Makes noise of 96 x 96 pixels, which no format packs into four kilobytes.
 render::Image noise()
 {
     render::Image image(96, 96);

@@ -1,4 +1,4 @@
-// What the README tells a reader to paste.
+// Tests of what the README tells a reader to paste.
 #include <algorithm>
 #include <sstream>
 
@@ -9,7 +9,7 @@ namespace {
 
 using namespace test;
 
-// The words of each line of the README that calls the program, in their order, without comments.
+// Returns the words of each line of the README that calls the program, in their order, without comments.
 std::vector<std::vector<std::string>> lines_of_readme()
 {
     std::ifstream in(fs::path(OCCAM_SOURCE_DIR) / "README.md");
@@ -24,7 +24,7 @@ std::vector<std::vector<std::string>> lines_of_readme()
     return lines;
 }
 
-// The same line with fewer pixels, samples, frames and rays.
+// Returns the same line with fewer pixels, samples, frames and rays.
 std::vector<std::string> made_small(const std::vector<std::string>& line)
 {
     std::vector<std::string> words;

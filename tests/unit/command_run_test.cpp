@@ -1,4 +1,4 @@
-// The executable as a person or a script meets it: exit codes, lines, files.
+// Tests of the executable as a person or a script uses it: exit codes, lines, files.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -99,7 +99,7 @@ TEST_F(Command, AnEnvironmentIsAnImageDaylightOrNone)
     EXPECT_EQ(run({"render", "triangle.obj", "-o", "b.png", "--environment", "missing.exr"}).exit_code, kBadInput);
 }
 
-// Standard error is a file here, no terminal.
+// Standard error is a file here, not a terminal.
 TEST_F(Command, WarningsAreAlwaysPrintedTheFirstFiveAndACount)
 {
     std::string text = "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nmtllib a.mtl\nf 1 2 3\n";
@@ -234,7 +234,8 @@ TEST_F(Command, AMemoryBudgetBelowTheFloorIsRefusedAndTheFloorIsNamed)
         << "what it asks for is enough: " << o.err;
 }
 
-// So short that nothing is finished, and so long that it never comes: neither depends on how fast the machine is.
+// One time limit is so short that nothing is finished, the other so long that it is never reached: neither depends on the
+// machine's speed.
 TEST_F(Command, ADeadlineEndsTheFrameWithWhatThereIs)
 {
     const auto with = [&](const std::string& spp, const std::vector<std::string>& more) {
@@ -285,7 +286,7 @@ TEST_F(Command, InfoSaysWhatIsInAScene)
         EXPECT_NE(o.out.find(key), std::string::npos) << key << o.out;
 }
 
-// Two squares, each moved out of the picture by a clip of its own.
+// The file has two squares, each moved out of the picture by a clip of its own.
 TEST_F(Command, ClipsOfDifferentObjectsPlayTogetherAndOneCanBeChosen)
 {
     test::Gltf g = test::square();
@@ -329,7 +330,7 @@ TEST_F(Command, AnInterruptWritesWhatIsDone)
 {
     const pid_t child = start({"render", "triangle.obj", "-o", "a.png", "--size", "1024x1024", "--spp", "4096", "--progress",
                                "plain", "--threads", "1"});
-    // Until the first line about tiles appears.
+    // This waits until the first line about tiles appears.
     for (int i = 0; i < 1000 && text_of(folder / "stderr.txt").find("rendering") == std::string::npos; ++i)
         std::this_thread::sleep_for(std::chrono::milliseconds(20));
     kill(child, SIGINT);

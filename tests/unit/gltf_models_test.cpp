@@ -34,7 +34,7 @@ public:
     }
     bool is_there() const { return image_.width > 0; }
 
-    /// Base colour at a place of the model.
+    /// Returns the base colour at a place of the model.
     Vec3f at(double x, double y) const
     {
         const float* p = &image_.find("albedo")->pixels[4 * pixel(x, y)];
@@ -48,7 +48,7 @@ public:
             for (double x = lo.x; x < hi.x; x += kPixel, ++count) sum += at(x, y);
         return sum / float(count);
     }
-    /// Share of the pixel that shows a node.
+    /// Returns the share of the pixel that shows a node.
     float coverage(const char* node, double x, double y) const
     {
         for (const char* layer : {"CryptoObject00", "CryptoObject01", "CryptoObject02"}) {

@@ -105,7 +105,7 @@ TEST(DisplacementInTangentSpace, WithoutATangentKeepsTheNormalsPart)
     });
 }
 
-// A skin of one joint moves all as a node does: vectors and all.
+// A skin of one joint moves everything as a node does, the vectors included.
 TEST(DisplacementByVectors, TurnsWithAJointAsWithANode)
 {
     for (const Mat4d& joint : {bent_joints()[1], bent_joints()[1] * Mat4d(Vec4d(-1, 0, 0, 0), Vec4d(0, 1, 0, 0),
@@ -160,7 +160,7 @@ TEST(DisplacementByVectors, GoesAsFarWhenPosedAndTurnsSmoothlyOverTheSurface)
                 turned = std::max(turned, glm::distance(move(i, j), glm::normalize(Vec3f(0.8f, -0.4f, 0.2f)) * far) / far);
             }
     }
-    // Borders are their owners', so a step that ends on one tells of what neighbours disagree by.
+    // Border points belong to the curves' owners, so a step that ends on a border shows how far neighbours disagree.
     EXPECT_LT(sharpest, 0.2f);
     EXPECT_GT(turned, 0.6f);
 }

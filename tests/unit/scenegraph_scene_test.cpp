@@ -61,7 +61,7 @@ TEST(Scene, AnEditMarksThePathToTheRootAndNothingElse)
     expect_box(scene.bounds(), {0, 0, 0}, {4, 1, 0});
 }
 
-// Of a tree of any size: each path from an edited node to the root, and the nodes beside it.
+// The bound holds for a tree of any size: each path from an edited node to the root, and the nodes beside it.
 TEST(Scene, AnEditLooksAtItsPathsToTheRootAlone)
 {
     constexpr std::size_t kFanOut = 8;

@@ -1,4 +1,4 @@
-// What is taken out of image files before a library sees them.
+// Tests of what is removed from image files before a library reads them.
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Vertex colours of cages: bilinear over faces and quadrants at any level, and brought there from files.
+// Tests of the vertex colours of cages: bilinear over faces and quadrants at any level, and read from files.
 #include <gtest/gtest.h>
 
 #include "accel/frame.h"
@@ -11,7 +11,7 @@
 namespace occam::test {
 namespace {
 
-/// What rays straight down from above see of a cage, with beams of a width.
+/// Returns what rays straight down from above see of a cage, with beams of a given width.
 class Above {
 public:
     explicit Above(Cage cage)

@@ -1,4 +1,4 @@
-// Which rays see a node, which lights light it: in the tracer, in pictures, in files.
+// Tests of which rays see a node and which lights illuminate it: in the tracer, in pictures, in files.
 #include <gtest/gtest.h>
 #include <occam/occam.h>
 
