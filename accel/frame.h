@@ -1,4 +1,4 @@
-// One frame's view of a scene, shared by all workers: what is constant from the first tile to the last.
+// Holds one frame's view of a scene, shared by all workers: the data that is constant from the first tile to the last.
 #pragma once
 
 #include <memory>
@@ -11,13 +11,13 @@
 
 namespace occam::accel {
 
-/// Read only while tracers live. Borrows scene and topologies.
+/// It is only read while tracers live. It borrows the scene and the topologies.
 class Frame {
 public:
-    /// scene    refitted; not edited while this lives
-    /// eye      of the camera whose footprints choose the level of each cage instance
-    /// textures prepared; null: nothing is displaced
-    /// shading  phase one at the vertices of grids, for SurfaceHit::phase_one; its shader is borrowed
+    /// scene     is refitted, and must not be edited while this object lives.
+    /// eye       belongs to the camera whose footprints choose the level of each cage instance.
+    /// textures  are prepared; if null, nothing is displaced.
+    /// shading   runs phase one at the vertices of grids, for SurfaceHit::phase_one; its shader is borrowed.
     Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels,
           const TextureStore* textures = nullptr, const lod::VertexShading& shading = {});
     ~Frame();

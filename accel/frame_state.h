@@ -1,25 +1,25 @@
-// What accel::Frame holds: the inside of that type, for the files of this room.
+// Holds the private state of accel::Frame, for the files of this room.
 #pragma once
 
 #include "accel/frame.h"
 
 namespace occam::accel {
 
-/// Of a cage's radius: the hull of control points holds the surface but for the rounding of vertices, sums of up to hundreds
-/// of them.
+/// A margin as a fraction of a cage's radius: the hull of control points holds the surface except for the rounding of
+/// vertices, which are sums of up to hundreds of control points.
 inline constexpr double kVertexRounding = 0x1p-14;
-/// The same of whatever cages a box holds: a cage's ball has less than twice the radius of a box around the cage.
+/// The same margin for any cages inside a box: a cage's ball has less than twice the radius of a box around the cage.
 inline double vertex_rounding(const Box3d& box) noexcept { return 2 * box.radius() * kVertexRounding; }
 
 struct FrameState {
     const Scene* scene = nullptr;
     lod::TopologyCache* topologies = nullptr;
     lod::LevelSettings levels;
-    const TextureStore* textures = nullptr;  ///< of displacement
+    const TextureStore* textures = nullptr;  ///< textures of displacements
     lod::VertexShading shading;
-    Vec3d anchor{0};   ///< of the tree's frame: a lattice point near the scene's middle
-    Box3f bounds;      ///< of the scene, tree's frame
-    float radius = 0;  ///< of a ball about the anchor that holds the scene
+    Vec3d anchor{0};   ///< origin of the tree's frame: a lattice point near the scene's middle
+    Box3f bounds;      ///< bounds of the scene, in the tree's frame
+    float radius = 0;  ///< radius of a ball about the anchor that holds the scene
 };
 
 struct Frame::State : FrameState {};

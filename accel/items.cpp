@@ -36,7 +36,7 @@ int small_from(const lod::PatchScale& scale)
 
 std::int8_t level_bound(int level) { return static_cast<std::int8_t>(std::clamp<int>(level, Item::kAlways, Item::kNever)); }
 
-/// Of faces that do not change from level to level.
+/// Holds for faces that do not change from level to level.
 constexpr PairRange kAllPairs{lod::kFinestLevel, lod::kCoarsestLevel};
 
 }  // namespace
@@ -373,7 +373,7 @@ GridBounds Items::bounds_of(const IGrid& grid) const
     const float off = frame_.radius * 256 * 0x1p-24f;
     const auto shift = static_cast<float>(glm::dot(Vec3d(grid.slab.normal), grid.cage->anchor - frame_.anchor));
     Box3f box = grid.boxes.bounds();
-    // The triangles that close gaps may reach beyond the tile whose side they lie on.
+    // Gap triangles may reach beyond the tile on whose side they lie.
     if (grid.hanging_blocks > 0) box.add(grid.hanging_boxes.bounds());
     return {to_tree(*grid.cage, box), {grid.slab.normal, grid.slab.lo + shift - off, grid.slab.hi + shift + off}};
 }

@@ -60,7 +60,7 @@ void KdTree::clip_into(const Box3f& box, ItemIndex item, int pair)
 
 bool KdTree::open_largest(const Box3f& box, int pair, int most_effort)
 {
-    // Regions last: taking them apart binds the node to fine levels.
+    // Regions come last: dividing them binds the node to fine levels.
     std::size_t largest = candidates_.size();
     float area = -1;
     int least = most_effort;
@@ -94,7 +94,7 @@ KdTree::Split KdTree::scanned_split(const Box3f& box) const
     const float area = box.half_area();
     float all = 0;
     for (const Candidate& c : candidates_) all += c.cost;
-    best.cost = all;  // of no split
+    best.cost = all;  // the cost without a split
     for (int axis = 0; axis < 3; ++axis) {
         // Of boxes that begin, and that end, between two planes.
         float begins[kSteps + 1] = {}, ends[kSteps + 1] = {};
@@ -128,7 +128,7 @@ KdTree::Split KdTree::counted_split(const Box3f& box)
     Split best;
     const Vec3f extent = box.extent();
     const float area = box.half_area();
-    for (const Candidate& c : candidates_) best.cost += c.cost;  // of no split
+    for (const Candidate& c : candidates_) best.cost += c.cost;  // the cost without a split
     // No plane is cheaper than to pass it.
     if (!(area > 0) || best.cost <= kTraversalCost * kEmptyBonus) return best;
     for (int axis = 0; axis < 3; ++axis) {
@@ -175,7 +175,7 @@ KdTree::Split KdTree::swept_split(const Box3f& box)
     float all = 0;
     for (const Candidate& c : candidates_) all += c.cost;
     Split best;
-    best.cost = all;  // of no split
+    best.cost = all;  // the cost without a split
     const Vec3f extent = box.extent();
     const float area = box.half_area();
     if (!(area > 0)) return best;
@@ -271,7 +271,7 @@ KdLeaf* KdTree::expand(std::uint32_t n, int pair)
     const KdLink link = nodes_[n].link();
     const bool was_interior = link.is_interior();
     if (building_) {
-        // Another may have been here meanwhile.
+        // Another thread may have expanded it meanwhile.
         if (was_interior && pair <= link.level()) return nullptr;
         if (KdLeaf* known = find_leaf(n, pair)) return known;
     }
