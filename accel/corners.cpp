@@ -24,7 +24,8 @@ Vec3f blended(const IGrid& grid, const OwnBlend& blend, std::uint32_t vertex, fl
     return {p.x, p.y, p.z};
 }
 
-// Whether a vertex of the tile is a T-vertex: on a side that has fewer than the lattice, and not one of those.
+// Returns whether a vertex of the tile is a T-vertex: it lies on a side that has fewer vertices than the lattice, and
+// is not one of the side's own.
 bool hangs(const lod::TileRef& tile, int i, int j) noexcept
 {
     const lod::PatchRates& rates = tile.rates;
@@ -94,7 +95,7 @@ Corners::Corners(std::span<const Met> met, const Spot* spots) noexcept : met_(me
     std::size_t hits = 0;
     for (const Met& m : met) hits += m.grid != nullptr;
     if (hits == kLanes) return;
-    // Lanes without a hit.
+    // Lanes without a hit are cleared.
     for (int p = 0; p < 3; ++p) {
         clear(position[p]);
         for (LaneFours* fours : {&normal[p], &uv[0][p], &uv[1][p]})
@@ -125,7 +126,7 @@ void Corners::set_positions(const vfloat (&direction)[3], const vfloat (&origin)
         const IGrid& grid = *m.grid;
         const Spot& spot = spots_[lane];
         if (!spot.part) {
-            // Ids of meshes are faces, and are looked up by position.
+            // The ids of meshes are faces, and are looked up by position.
             std::uint32_t k = 0;
             while (grid.ids[k] != m.id) ++k;
             for (int p = 0; p < 3; ++p)
@@ -249,7 +250,8 @@ void Corners::set_attributes(const PhaseOneTools& tools)
             for (int p = 0; p < 3; ++p) {
                 const float w = weight[p][lane];
                 const auto of = [&](std::ptrdiff_t vertex) { return vfloat4::load(&values[vertex].x); };
-                // What is odd lies, in the coarser level, on an edge or a diagonal; and blends as its position does.
+                // In the coarser level an odd vertex lies on an edge or a diagonal; its values blend as its position
+                // does.
                 const std::ptrdiff_t at = j[p] * width + i[p], step = (j[p] & halved) * width + (i[p] & halved);
                 (of(at) * (1 - w) + (of(at - step) + of(at + step)) * (0.5f * w)).store(corners[p][lane]);
             }

@@ -96,7 +96,7 @@ constexpr float kStartUlps = 16, kEdgeUlps = 64;
 // For smaller values no gradient is computed: a float would not hold it.
 constexpr float kLeastArea = 1e-30f;
 
-// A vector's lanes, to be read one by one.
+// Stores a vector's lanes, to be read one by one.
 struct Stored {
     alignas(32) FloatLanes axis[3];
     explicit Stored(const VecLanes& v) noexcept
@@ -123,7 +123,7 @@ OCCAM_NEVER_INLINE void set_bump_gradients(const Corners& corners, const Triangl
     hit.v_gradient = b[lane] * change(1, 1) + c[lane] * change(2, 1);
 }
 
-// What was met, by number.
+// Identifies the micropolygon that was hit, by number.
 void set_identity(const Met& met, const Spot& spot, SurfaceHit& hit) noexcept
 {
     const lod::PosedCage& cage = *met.grid->cage;
@@ -200,7 +200,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met
              SurfaceHit* const* hits)
 {
     const std::size_t n = rays.size();
-    // What is read ray by ray.
+    // These values are read ray by ray.
     Spot spots[kLanes];
     alignas(32) FloatLanes t{}, mirrored{}, set_of_map{}, radius{};
     unsigned closers = 0, coarse_starts = 0;
@@ -245,7 +245,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met
     const vfloat zero = 0.0f, one = 1.0f;
     const Triangles tri(corners);
     const auto between = [&](vfloat a, vfloat b, vfloat c) { return fma(a, share[0], fma(b, share[1], c * share[2])); };
-    const VecLanes offset = tri.edge[0] * share[1] + tri.edge[1] * share[2];  // from a
+    const VecLanes offset = tri.edge[0] * share[1] + tri.edge[1] * share[2];  // relative to corner a
     const VecLanes direction{way[0], way[1], way[2]};
     VecLanes normal[3];
     for (int p = 0; p < 3; ++p) {
@@ -268,7 +268,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met
     geometric = select(is_back, -geometric, geometric);
     shading = select(dot(shading, geometric) < zero, -shading, shading);
 
-    // How coordinates change over the triangle.
+    // These are the changes of the texture coordinates over the triangle.
     const vmask has_gradients = andnot(tri.area > vfloat(kLeastArea), vfloat::load(is_flat) > zero);
     const vfloat outward = outward_curvature(tri, normal);
     const vfloat curvature = select(has_gradients, select(is_back, -outward, outward), zero);

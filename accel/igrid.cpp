@@ -36,7 +36,7 @@ void set_leaf(BoxTree& tree, int leaf, const Box3f& box)
     }
 }
 
-// Makes the nodes above the leaves.
+// Makes the nodes above the leaves of the box tree.
 void finish_boxes(BoxTree& tree)
 {
     for (int n = tree.first_leaf() - 1; n >= 0; --n)
@@ -79,7 +79,7 @@ void IGridBuilder::add_part(IGrid& grid, std::uint32_t number, const lod::LevelG
     copy(vertices.fine, fine_);
     copy(vertices.coarse, coarse_);
 
-    // Vertices of the grid that this makes: the lattice may be turned, what follows it is not.
+    // These are vertices of the new igrid: the lattice may be transposed, and what follows is not.
     const auto moved = [&](std::uint32_t at) {
         const auto lattice = static_cast<std::uint32_t>(vertices.width() * vertices.height()),
                    width = static_cast<std::uint32_t>(vertices.width());
@@ -93,7 +93,7 @@ void IGridBuilder::add_part(IGrid& grid, std::uint32_t number, const lod::LevelG
         hanging_quads_.push_back(make_id(number, h.i, h.j, 0));
     }
 
-    // Blocks in the order of halving the longer side, so that the binary tree over them is that halving.
+    // The blocks are ordered by halving the longer side, so that the binary tree over them reproduces the halving.
     const auto add_block = [&](int f0, int f1, int s0, int s1) {
         LatticeBlock block;
         block.first = part.first + static_cast<std::uint32_t>(s0) * part.width + static_cast<std::uint32_t>(f0);
@@ -158,7 +158,7 @@ void IGridBuilder::finish(IGrid& grid, bool blends, Arena& arena)
 {
     grid.is_lattice = true;
     const std::size_t count = fine_[0].size();
-    // Eight floats more: lanes are loaded eight at a time.
+    // Eight more floats are allocated, since lanes are loaded eight at a time.
     const auto keep = [&](const std::vector<float>(&from)[3], const float*(&to)[3]) {
         float* data = arena.make_array<float>(3 * count + 8).data();
         for (std::size_t a = 0; a < 3; ++a) to[a] = std::copy(from[a].begin(), from[a].end(), data + a * count) - count;
@@ -184,7 +184,7 @@ void IGridBuilder::finish(IGrid& grid, bool blends, Arena& arena)
         for (std::uint32_t row = 0; row <= blocks[b].rows; ++row)
             for (std::uint32_t column = 0; column <= blocks[b].columns; ++column)
                 add_vertex(grid, box, blocks[b].first + row * blocks[b].stride + column);
-        // A T-vertex is anywhere between its ends as each ray blends them.
+        // A T-vertex is anywhere between its ends, as each ray blends them.
         for (std::uint32_t h = 0; blends && h < blocks[b].hanging_count; ++h) {
             const lod::Hanging& hanging = hanging_[block_hanging_[blocks[b].hanging + h].hanging];
             add_vertex(grid, box, hanging.a);
@@ -196,7 +196,8 @@ void IGridBuilder::finish(IGrid& grid, bool blends, Arena& arena)
     finish_slab(grid);
 }
 
-// Across the sum of the parts' diagonals' cross products: the normal of the whole, as it were.
+// Bounds the vertices by a slab. Its normal is the sum of the cross products of the parts' diagonals, an average normal
+// of the whole.
 void IGridBuilder::finish_slab(IGrid& grid) const
 {
     Vec3f normal(0);
@@ -242,7 +243,7 @@ IGrid* IGridBuilder::build_tile(const lod::PosedCage& cage, const Part& tile, Ar
     return build_patches(cage, {&tile, 1}, arena);
 }
 
-// Gives faces to leaves [leaf, leaf + leaves) of the box tree, so that its halves are the parts of the split.
+// Assigns faces to the leaves [leaf, leaf + leaves) of the box tree, so that its halves are the parts of the split.
 void IGridBuilder::cut_triangles(std::span<lod::BoxedFace> faces, int leaf, int leaves)
 {
     const bool fits = faces.size() <= IGrid::kBlock;
@@ -273,8 +274,8 @@ IGrid* IGridBuilder::build_triangles(const lod::PosedCage& cage, std::span<const
             boxed_[f].box.add(at);
         }
     }
-    // Twice as many leaves as full blocks would take, and eight at least, which are tested at once: so there is room to part
-    // triangles by the space that they take.
+    // There are twice as many leaves as full blocks would take, and at least eight, which are tested at once: this
+    // leaves room to distribute triangles by the space that they take.
     const auto full = static_cast<unsigned>((faces.size() + IGrid::kBlock - 1) / IGrid::kBlock);
     const int leaves = faces.size() <= kFewTriangles ? 1
                                                      : std::max(BoxTree::kGroup, 2 * static_cast<int>(std::bit_ceil(full)));
@@ -292,7 +293,7 @@ IGrid* IGridBuilder::build_triangles(const lod::PosedCage& cage, std::span<const
         const TriangleBlock& block = triangle_blocks_[b];
         Box3f box;
         for (std::size_t i = 0; i < IGrid::kBlock; ++i, ++k) {
-            // Copies of the last triangle fill its block: they hit where it hits, under the same number.
+            // Copies of the last triangle fill its block: they are hit where it is hit, under the same number.
             const lod::BoxedFace& face = block.faces[std::min(i, block.faces.size() - 1)];
             ids[k] = faces[face.face];
             box.add(face.box);

@@ -1,4 +1,4 @@
-// Packets of rays through the tree, and single rays.
+// Sends packets of rays and single rays through the tree.
 #include <bit>
 #include <cstddef>
 
@@ -12,7 +12,7 @@ bool Tracer::State::fits_packet(std::span<const Ray> rays, const vmasks<kParts>&
                                 const vfloats<kParts>& t_out) noexcept
 {
     const std::size_t n = rays.size();
-    // A ray that misses the scene has the table of one that does not, so as to ask for no more pairs.
+    // A ray that misses the scene takes the table of one that does not, so that it asks for no additional pairs.
     const auto one = static_cast<std::size_t>(std::countr_zero(bits(enters)));
     Reach reach[kParts * kLanes]{};
     for (std::size_t i = 0; i < n; ++i) reach[i] = reach_of(rays[bits(enters) >> i & 1 ? i : one]);
@@ -27,8 +27,9 @@ bool Tracer::State::fits_packet(std::span<const Ray> rays, const vmasks<kParts>&
                                        select(enters, t_out, of_one(t_out)), of[2], frame.levels);
 }
 
-/// Meets what a node holds for pairs [finest, coarsest]. enter(bounds, far) says which rays are inside somewhere before
-/// far, which is limit(); meet(leaf, number, pair, rays) meets the igrid of an entry with them.
+/// Meets what a node holds for pairs [finest, coarsest]. enter(bounds, far) returns which rays are inside the bounds
+/// somewhere before far, which is limit(). meet(leaf, number, pair, rays) intersects these rays with the igrid of an
+/// entry.
 template <class F, class Limit, class Enter, class Meet>
 OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far,
                                                         const PairSpans<F>& pairs, int finest, int coarsest,
@@ -44,7 +45,7 @@ OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, Mask
         if (none(here)) continue;
         KdLeaf* leaf = latest.pairs.has(pair) ? &latest : tree.leaf(node, pair);
         if (!leaf) return LeafResult::Expanded;
-        // What is the same for several pairs is met once for all of them.
+        // A leaf that is the same for several pairs is met once for all of them.
         const int last = std::min(leaf->pairs.coarsest, coarsest);
         if (pair == finest && last == coarsest) here = alive;
         else if (last > pair) here = alive & (max(t_near, pairs.in(pair, last)) <= min(t_far, pairs.out(pair, last)));
@@ -58,7 +59,7 @@ OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, Mask
                 int next = std::countr_zero(maybe);
                 maybe &= maybe - 1;
                 if constexpr (kIsOne) {
-                    // What a single ray enters first comes first.
+                    // A single ray meets the igrids in the order in which it enters them.
                     const int lowest_number = next;
                     for (unsigned others = maybe; others != 0; others &= others - 1)
                         if (const int other = std::countr_zero(others); begin[other] < begin[next]) next = other;
@@ -94,7 +95,7 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
         rays, way, [&](std::size_t) -> const FrameState& { return frame; }, start);
     set_shear(axes, way, shear);
     set_inverse(axes, way, inverse);
-    /// As many rays as there are lanes, in the frame of the cage that the packet is at.
+    /// Holds as many rays as there are lanes, in the frame of the cage that the packet currently meets.
     struct Part {
         RayLanes lanes;
         RaysAsOne<vfloat> as_one;
@@ -153,7 +154,7 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
         IGrid& grid = *known;
         GridVisit& visited = mailboxes.of(grid);
         if (visited.packet != visit) visited = {visit, 0};
-        // A grid that a ray enters in several cells is met once.
+        // An igrid that a ray enters in several cells is met once.
         if (grid.seen_by != RayKind::All) entering = entering & lanes_of_kinds<kParts>(rays, grid.seen_by);
         const unsigned fresh = bits(entering) & ~visited.lanes;
         if (fresh == 0) return true;
@@ -200,7 +201,7 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
                     });
                 continue;
             }
-            // Few are left: each alone, across micropolygons.
+            // Few rays are left: each is traced alone, with micropolygons in the lanes.
             for (unsigned left = of_part; left != 0; left &= left - 1) {
                 const int lane = std::countr_zero(left);
                 LaneOf<Found> one{some, lane};
@@ -255,7 +256,7 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& axes, std::size_t 
     if (!(begin <= end)) return true;
     PairSpans<float> pairs{nullptr, kd.shift, 0, 0};
     if (is_per_ray()) {
-        // One ray never has too many pairs.
+        // A single ray never sees too many pairs.
         const Reach reach = reach_of(ray);
         single_levels.set({reach.wanted.a, reach.wanted.b, reach.start}, kd.shift + begin, kd.shift + end, reach.coordinate,
                           frame.levels);

@@ -11,7 +11,7 @@
 namespace occam::accel {
 namespace {
 
-/// Vertices of a tile at which a level's values are made: every step-th.
+/// Selects the vertices of a tile at which a level's values are made: every step-th one.
 struct ValueLattice {
     int shift_u, shift_v, step_u, step_v, columns, rows;
 
@@ -29,9 +29,9 @@ struct ValueLattice {
     int index(int i, int j) const noexcept { return j * (columns + 1) + i; }
 };
 
-// Filters are half as wide as the lattice's quads, since a bilinear lookup in a MIP level reaches two texels far and the
-// values are interpolated once more (docs/performance.md has what wider ones cost in error); and no narrower than those of
-// hits that see the level fully fine.
+// Filters are half as wide as the lattice's quads, since a bilinear lookup in a MIP level reaches two texels far and
+// the values are interpolated once more (docs/performance.md gives the error of wider filters). They are no narrower
+// than those of hits that see the level fully fine.
 const float* make_values(const IGrid& grid, IGridPart& part, bool is_coarse, const Material& material, int channels,
                          const PhaseOneTools& tools)
 {
@@ -48,7 +48,7 @@ const float* make_values(const IGrid& grid, IGridPart& part, bool is_coarse, con
     std::array<Vec3f, kMost> places;
     for (int j = 0; j <= lattice.rows; ++j)
         for (int i = 0; i <= lattice.columns; ++i) {
-            // Differences to both sides, or to one at the tile's border.
+            // The differences reach to both sides, or to one side at the tile's border.
             const int i0 = std::max(i - 1, 0) * lattice.step_u, i1 = std::min(i + 1, lattice.columns) * lattice.step_u;
             const int j0 = std::max(j - 1, 0) * lattice.step_v, j1 = std::min(j + 1, lattice.rows) * lattice.step_v;
             const int at_i = i * lattice.step_u, at_j = j * lattice.step_v;
@@ -78,7 +78,7 @@ const float* make_values(const IGrid& grid, IGridPart& part, bool is_coarse, con
     return values;
 }
 
-/// Adds a level's values, bilinear, times `share`.
+/// Adds a level's values, bilinearly interpolated and multiplied by `share`.
 void interpolate(const ValueLattice& lattice, const float* values, Vec2d at, float share, int channels, float* out) noexcept
 {
     const double x = at.x * double(lod::edge_length(-lattice.shift_u)),
@@ -104,7 +104,7 @@ void add_vertex_values(IGrid& grid, std::uint32_t number, Vec2d at, const PhaseO
     int channels = read_published(part.channels);
     if (channels < 0) {
         channels = tools.frame.shading.shader->channels(*hit.material);
-        publish(part.channels, static_cast<std::int8_t>(channels));  // the same, whoever asks
+        publish(part.channels, static_cast<std::int8_t>(channels));  // every thread publishes the same value
     }
     if (channels == 0) return;
     const float share[2] = {1 - hit.blend, hit.blend};

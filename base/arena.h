@@ -1,7 +1,7 @@
-// Memory that is only ever given up all at once: what a worker builds for a frame.
+// Memory that is released only all at once: what a worker builds for a frame.
 //
-// Memory   chunks of 256 KiB and more, kept over a reset() so that the next frame asks the system for nothing.
-// Threads  one owner at a time; bytes(), and what an ArenaVector holds, from any thread meanwhile.
+// Memory   chunks of 256 KiB and more, kept across a reset() so that the next frame needs no memory from the system.
+// Threads  one owner at a time; other threads may call bytes() and read an ArenaVector's elements at the same time.
 #pragma once
 
 #include <algorithm>
@@ -20,9 +20,10 @@ namespace occam {
 class Arena {
 public:
     static constexpr std::size_t kChunkBytes = 256 << 10;
-    static constexpr std::size_t kAlign = 32;  ///< an eight-lane vector
+    static constexpr std::size_t kAlign = 32;  ///< the size of an eight-lane vector
 
-    /// Uninitialised room for `count` of T, aligned to kAlign. T is trivially destructible: nothing is ever destroyed.
+    /// Returns uninitialised room for `count` elements of T, aligned to kAlign. T must be trivially destructible, because
+    /// nothing is destroyed.
     template <class T>
     std::span<T> make_array(std::size_t count)
     {
@@ -36,10 +37,10 @@ public:
         return new (allocate(sizeof(T))) T{static_cast<Args&&>(args)...};
     }
 
-    /// Bytes given out since the last reset.
+    /// Returns the number of bytes allocated since the last reset.
     std::size_t bytes() const noexcept { return read_published(bytes_); }
 
-    /// Gives up everything. Chunks stay, but for those past `keep_bytes`.
+    /// Releases everything. Chunks are kept, except those beyond `keep_bytes`.
     void reset(std::size_t keep_bytes = ~std::size_t(0))
     {
         std::size_t kept = 0, chunks = 0;
@@ -82,14 +83,14 @@ private:
     std::size_t current_ = 0, used_ = 0, bytes_ = 0;
 };
 
-/// A growing list in an arena, in pieces: elements stay where they are. One thread adds; others may meanwhile read elements
-/// whose index was published to them.
+/// A growing list in an arena, in pieces, so that elements never move. One thread adds elements; others may read elements
+/// whose index was published to them at the same time.
 template <class T>
 class ArenaVector {
 public:
     static_assert(std::is_trivially_copyable_v<T>);
 
-    static constexpr std::size_t kPiece = 512;  ///< elements; memory is taken for as many at a time
+    static constexpr std::size_t kPiece = 512;  ///< elements; memory is allocated for this many at a time
 
     explicit ArenaVector(Arena& arena) : arena_(&arena) {}
 
@@ -104,7 +105,7 @@ public:
     T& operator[](std::size_t i) noexcept { return read_published(pieces_)[i >> kShift][i & kMask]; }
     const T& operator[](std::size_t i) const noexcept { return read_published(pieces_)[i >> kShift][i & kMask]; }
     std::size_t size() const noexcept { return size_; }
-    /// Forgets its content and its memory: call after the arena was reset.
+    /// Forgets its elements and its memory; call it after the arena was reset.
     void clear() noexcept
     {
         pieces_ = nullptr;
@@ -114,7 +115,7 @@ public:
 private:
     static constexpr std::size_t kShift = 9, kMask = kPiece - 1;
 
-    // A larger table of pieces leaves the smaller one behind: somebody may be reading it.
+    // A larger table of pieces leaves the smaller one in place, because another thread may be reading it.
     void grow()
     {
         room_ = room_ == 0 ? 16 : 2 * room_;

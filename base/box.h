@@ -1,4 +1,4 @@
-// Axis-aligned boxes, closed; empty until something is added.
+// Axis-aligned boxes. They are closed, and empty until something is added.
 #pragma once
 
 #include <cmath>
@@ -28,9 +28,9 @@ struct Box {
     bool is_empty() const noexcept { return !(lo.x <= hi.x && lo.y <= hi.y && lo.z <= hi.z); }
     Vec centre() const noexcept { return (lo + hi) * Real(0.5); }
     Vec extent() const noexcept { return hi - lo; }
-    /// Half the diagonal: the radius of the sphere about the box.
+    /// Returns half the diagonal: the radius of the bounding sphere.
     Real radius() const noexcept { return is_empty() ? Real(0) : glm::length(extent()) * Real(0.5); }
-    /// Half of the surface area (the surface area heuristic needs ratios only).
+    /// Returns half of the surface area (the surface area heuristic needs only ratios).
     Real half_area() const noexcept
     {
         const Vec e = extent();
@@ -46,7 +46,7 @@ struct Box {
 using Box3f = Box<Vec3f>;
 using Box3d = Box<Vec3d>;
 
-/// The box of a box's image under an affine map.
+/// Returns the bounds of a box's image under an affine map.
 inline Box3d transform_box(const Mat4d& m, const Box3d& b) noexcept
 {
     if (b.is_empty()) return b;
@@ -56,7 +56,7 @@ inline Box3d transform_box(const Mat4d& m, const Box3d& b) noexcept
     return {c - r, c + r};
 }
 
-/// Rounds outward to float, after moving the origin to `anchor`; grown by `ulps` of the largest coordinate.
+/// Moves the origin to `anchor` and rounds outward to float; the result grows by `ulps` of the largest coordinate.
 inline Box3f outward_float(const Box3d& b, Vec3d anchor, float ulps) noexcept
 {
     if (b.is_empty()) return {};

@@ -1,4 +1,4 @@
-// Checks of our own invariants: a failure is a bug of the engine, printed with both operands, and ends the process.
+// Checks of the engine's own invariants. A failure is a bug of the engine: it prints both operands and ends the process.
 //
 // OCCAM_CHECK_* are always on (cold code); OCCAM_DCHECK_* only in debug builds (hot code).
 #pragma once

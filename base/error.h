@@ -1,4 +1,5 @@
-// The one exception of the engine: bad input, met at the door (importers and api/). After the first tile nothing throws.
+// The engine's one exception, for bad input. Importers and api/ validate before rendering; after the first tile nothing
+// throws.
 #pragma once
 
 #include <stdexcept>
@@ -6,7 +7,7 @@
 
 namespace occam {
 
-/// What went wrong, so that a person can mend it: "FILE: WHAT (WHERE)".
+/// Describes what went wrong, so that a person can repair it: "FILE: WHAT (WHERE)".
 class Error : public std::runtime_error {
 public:
     enum class Kind {

@@ -1,4 +1,4 @@
-// Half floats (IEEE 754 binary16) as stored in memory: converted in integers, so with the same bits everywhere.
+// Half floats (IEEE 754 binary16) as stored in memory. The conversion uses integers, so it gives the same bits everywhere.
 #pragma once
 
 #include <bit>
@@ -6,17 +6,18 @@
 
 namespace occam {
 
-/// Exact.
+/// Converts exactly.
 inline float float_from_half(std::uint16_t h) noexcept
 {
-    // The exponent is rebased by a multiplication with 2^112, which makes subnormals normal by the way.
+    // A multiplication by 2^112 rebases the exponent, which also makes subnormals normal.
     const float magnitude = std::bit_cast<float>(std::uint32_t(h & 0x7fffu) << 13) * std::bit_cast<float>(0x77800000u);
     std::uint32_t bits = std::bit_cast<std::uint32_t>(magnitude);
     if ((h & 0x7c00u) == 0x7c00u) bits |= 0x7f800000u;
     return std::bit_cast<float>(bits | std::uint32_t(h & 0x8000u) << 16);
 }
 
-/// To nearest, ties to even. What is too large becomes the largest finite half, 65504; NaN becomes 0: texels stay numbers.
+/// Rounds to nearest, ties to even. A value that is too large becomes the largest finite half, 65504, and NaN becomes 0, so
+/// that texels are always numbers.
 inline std::uint16_t finite_half_from_float(float f) noexcept
 {
     const std::uint32_t bits = std::bit_cast<std::uint32_t>(f), magnitude = bits & 0x7fffffffu;

@@ -1,4 +1,4 @@
-// Many floats into half floats at once.
+// Converts many floats to half floats at once.
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,7 @@
-// Typed generational handles, and the table that gives them out.
+// Typed generational handles, and the table that issues them.
 //
-// A handle names a slot and the generation of what lies in it: after a removal the slot's generation moves on, so an
-// old handle is known to be dead. Handles of two kinds cannot be mixed up: the tag is part of the type.
+// A handle names a slot and the generation of the value in it. A removal advances the slot's generation, so that an old
+// handle is known to be dead. The tag is part of the type, so handles of two kinds cannot be confused.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct Handle {
     friend bool operator==(Handle, Handle) = default;
 };
 
-/// Values by handle. Slots are reused; values stay where they are only until the next add().
+/// Stores values by handle. Slots are reused, and values stay in place only until the next add().
 template <class T, class Tag>
 class SlotMap {
 public:
@@ -40,7 +40,7 @@ public:
         slots_.push_back({std::move(value), 0});
         return {static_cast<std::uint32_t>(slots_.size() - 1), 0};
     }
-    /// No effect on a dead handle.
+    /// Removes the value. A dead handle has no effect.
     void remove(Id id)
     {
         if (!find(id)) return;
@@ -48,7 +48,7 @@ public:
         ++slots_[id.slot].generation;
         free_.push_back(id.slot);
     }
-    /// Null if the handle is dead.
+    /// Returns the value, or null if the handle is dead.
     T* find(Id id) noexcept
     {
         return id.slot < slots_.size() && slots_[id.slot].generation == id.generation && slots_[id.slot].value
@@ -59,7 +59,7 @@ public:
 
     std::size_t size() const noexcept { return slots_.size() - free_.size(); }
 
-    /// Calls visit(Id, T&) for everything alive, by slot.
+    /// Calls visit(Id, T&) for all live values, in the order of their slots.
     template <class Visit>
     void for_each(Visit&& visit) const
     {

@@ -1,4 +1,4 @@
-// FNV-1a, 64 bits: of bytes, in order. For checksums and keys, not against an adversary.
+// The FNV-1a hash with 64 bits, over bytes in order. It is meant for checksums and keys and does not withstand an adversary.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ inline std::uint64_t fnv1a(const void* data, std::size_t bytes, std::uint64_t h 
     return h;
 }
 
-/// Spreads all bits of x over all bits of the result (a bijection; the finaliser of splitmix64, Steele et al. 2014).
+/// Spreads all bits of x over all bits of the result (a bijection: the finaliser of splitmix64, Steele et al. 2014).
 inline std::uint64_t mix_bits(std::uint64_t x) noexcept
 {
     x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;

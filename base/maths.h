@@ -1,21 +1,21 @@
-// Elementary functions with the same bits on every machine: the C library's differ by version and processor.
+// Elementary functions that give the same bits on every machine. Those of the C library differ by version and processor.
 //
-// Plain double arithmetic (series after range reduction, relative error below 1e-12), rounded to float once at the end, so
-// nearly always correctly rounded. No contraction is allowed where this is compiled (cmake/Flags.cmake).
+// They use plain double arithmetic (series after range reduction, with a relative error below 1e-12) and round to float once
+// at the end, so they are nearly always correctly rounded. No contraction is allowed here (cmake/Flags.cmake).
 #pragma once
 
 namespace occam::maths {
 
 inline constexpr float kPi = 3.14159265358979f;
 
-float sin(float x) noexcept;  ///< radians; |x| up to 1e6, beyond that accuracy falls; NaN for infinities
+float sin(float x) noexcept;  ///< radians; for |x| up to 1e6, beyond which accuracy falls; NaN for infinities
 float cos(float x) noexcept;
 float tan(float x) noexcept;
 float exp2(float x) noexcept;  ///< 0 below -150, infinity above 128
 float exp(float x) noexcept;
-float log2(float x) noexcept;  ///< -infinity at 0, NaN below
+float log2(float x) noexcept;  ///< -infinity at 0, NaN below 0
 float log(float x) noexcept;
-float pow(float x, float y) noexcept;  ///< of x >= 0; pow(0, y > 0) = 0, pow(x, 0) = 1; NaN for x < 0
+float pow(float x, float y) noexcept;  ///< for x >= 0; pow(0, y > 0) = 0, pow(x, 0) = 1; NaN for x < 0
 float atan2(float y, float x) noexcept;
 float acos(float x) noexcept;  ///< x is clamped to [-1, 1]
 float asin(float x) noexcept;

@@ -1,4 +1,4 @@
-// Asking the caches for what will be read soon. A hint: any address will do.
+// Asks the caches to load what will be read soon. This is a hint, and any address is allowed.
 #pragma once
 
 namespace occam {

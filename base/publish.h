@@ -1,5 +1,5 @@
-// What one thread makes and others read meanwhile: published by one store, read by one load. On x86 both are plain moves, so
-// that who has it alone pays nothing.
+// Data that one thread makes while others read it: one store publishes it and one load reads it. On x86 both are plain
+// moves, so a thread that has the data to itself pays nothing.
 #pragma once
 
 #include <atomic>
@@ -7,7 +7,7 @@
 
 namespace occam {
 
-/// Whoever reads the value by read_published() sees all that was written before.
+/// Publishes the value: a thread that reads it by read_published() sees all that was written before.
 template <class T>
 void publish(T& place, T value) noexcept
 {
@@ -19,7 +19,7 @@ T read_published(const T& place) noexcept
     return std::atomic_ref<T>(const_cast<T&>(place)).load(std::memory_order_acquire);
 }
 
-/// Holds a mutex for a scope; or nothing, if there is none since nobody else is there.
+/// Locks the mutex for a scope if one is given. There is none if no other thread uses the data.
 class MaybeLock {
 public:
     explicit MaybeLock(std::mutex* mutex) : mutex_(mutex)

@@ -1,11 +1,12 @@
-// Eight floats at a time, behind operators: the only file that knows the SIMD library and the lane count.
+// Eight floats at a time, behind operators. This is the only file that knows the SIMD library and the lane count.
 //
-// Built over Highway, statically for the target of the build; OCCAM_ONE_LANE gives the same interface with one lane, and the
-// same bits: Highway's own one-lane target fuses nothing and orders NaN otherwise, so what differs is written out here.
+// It is built on Highway, statically for the target of the build. OCCAM_ONE_LANE gives the same interface with one lane, and
+// the same bits. Highway's own one-lane target fuses nothing and orders NaN differently, so these operations are written
+// out.
 //
 // NaN      min(a, b) = a < b ? a : b and max(a, b) = a > b ? a : b: the second operand if either is NaN (x86's minps).
 //          Comparisons with NaN are false.
-// Fusing   nothing is contracted (a flag forbids it); fma() rounds once, in every build.
+// Fusing   Nothing is contracted (a compiler flag forbids it); fma() rounds once, in every build.
 #pragma once
 
 #include <cmath>
@@ -26,9 +27,9 @@ namespace occam {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Of kernels that are too long for the compiler's taste, and yet called where every cycle counts.
+/// Forces the inlining of kernels that the compiler considers too long, but that are called where every cycle counts.
 #define OCCAM_ALWAYS_INLINE [[gnu::always_inline]] inline
-/// Of what is rare, and would keep the common out of registers.
+/// Keeps rare code out of line, where it would otherwise take registers from the common path.
 #define OCCAM_NEVER_INLINE [[gnu::noinline]]
 
 #ifdef OCCAM_ONE_LANE
@@ -51,7 +52,7 @@ public:
     friend vmask operator&(vmask a, vmask b) noexcept { return hn::And(a.raw_, b.raw_); }
     friend vmask operator|(vmask a, vmask b) noexcept { return hn::Or(a.raw_, b.raw_); }
     friend vmask operator!(vmask a) noexcept { return hn::Not(a.raw_); }
-    /// a and not b.
+    /// Returns a and not b.
     friend vmask andnot(vmask a, vmask b) noexcept { return hn::AndNot(b.raw_, a.raw_); }
     friend bool any(vmask a) noexcept { return bits(a) != 0; }
     friend bool none(vmask a) noexcept { return bits(a) == 0; }
@@ -81,7 +82,7 @@ public:
 
     static vfloat load(const float* p) noexcept { return hn::LoadU(FloatTag(), p); }
     void store(float* p) const noexcept { hn::StoreU(raw_, FloatTag(), p); }
-    /// Lanes 0 to 3 from a, 4 to 7 from b. With one lane: lane `first` of those eight.
+    /// Loads lanes 0 to 3 from a and 4 to 7 from b. With one lane, it loads lane `first` of those eight.
     static vfloat load_halves(const float* a, const float* b, [[maybe_unused]] int first) noexcept
     {
 #ifdef OCCAM_ONE_LANE
@@ -107,7 +108,7 @@ private:
     Raw raw_;
 };
 
-/// Four floats of one thing, a colour or a normal, in every build.
+/// Four floats of one colour, normal or the like, in every build.
 class vfloat4 {
 public:
 #ifdef OCCAM_ONE_LANE
@@ -146,7 +147,7 @@ private:
     using Raw = hn::Vec<Tag>;
     vfloat4(Raw raw) noexcept : raw_(raw) {}
     explicit vfloat4(float x) noexcept : raw_(hn::Set(Tag(), x)) {}
-    /// Of four finite half floats, exact.
+    /// Converts four finite half floats exactly.
     static vfloat4 from_halves(const std::uint16_t* p) noexcept
     {
         return hn::PromoteTo(Tag(),
@@ -183,7 +184,7 @@ public:
     {
         for (int i = 0; i < kParts; ++i) parts_[i].store(p + i * kLanes);
     }
-    /// Each row moved on by one: column c has what column c + 1 had, the last what the first had.
+    /// Rotates each row by one: column c takes the values of column c + 1, and the last column those of the first.
     vfloat4x4 next_column() const noexcept
     {
         vfloat4x4 m;
@@ -194,7 +195,7 @@ public:
 #endif
         return m;
     }
-    /// The same of columns.
+    /// Rotates each column by one in the same way.
     vfloat4x4 next_row() const noexcept
     {
         vfloat4x4 m;
@@ -226,7 +227,7 @@ private:
     vfloat parts_[kParts];
 };
 
-/// One lane in all.
+/// Broadcasts one lane to all lanes.
 inline vfloat spread(vfloat x, [[maybe_unused]] int lane) noexcept
 {
 #ifdef OCCAM_ONE_LANE
@@ -236,7 +237,7 @@ inline vfloat spread(vfloat x, [[maybe_unused]] int lane) noexcept
 #endif
 }
 
-/// a * b + c with one rounding.
+/// Returns a * b + c with one rounding.
 inline vfloat fma(vfloat a, vfloat b, vfloat c) noexcept
 {
 #ifdef OCCAM_ONE_LANE
@@ -245,7 +246,7 @@ inline vfloat fma(vfloat a, vfloat b, vfloat c) noexcept
     return hn::MulAdd(a.raw(), b.raw(), c.raw());
 #endif
 }
-/// c - a * b with one rounding.
+/// Returns c - a * b with one rounding.
 inline vfloat fnma(vfloat a, vfloat b, vfloat c) noexcept
 {
 #ifdef OCCAM_ONE_LANE
@@ -273,11 +274,11 @@ inline vfloat max(vfloat a, vfloat b) noexcept
 }
 inline vfloat abs(vfloat a) noexcept { return hn::Abs(a.raw()); }
 inline vfloat sqrt(vfloat a) noexcept { return hn::Sqrt(a.raw()); }
-/// Of all lanes.
+/// Returns the minimum of all lanes.
 inline float lowest(vfloat a) noexcept { return hn::GetLane(hn::MinOfLanes(FloatTag(), a.raw())); }
 inline float highest(vfloat a) noexcept { return hn::GetLane(hn::MaxOfLanes(FloatTag(), a.raw())); }
 
-/// Four floats each of as many things as there are lanes, turned: lane i of to[f] is from[i][f].
+/// Loads four floats of each of as many objects as there are lanes and transposes them: lane i of to[f] is from[i][f].
 inline void load_turned(const float* const* from, vfloat (&to)[4]) noexcept
 {
 #ifdef OCCAM_ONE_LANE
@@ -298,7 +299,7 @@ inline void load_turned(const float* const* from, vfloat (&to)[4]) noexcept
 #endif
 }
 
-/// The other way round: lane i of from[f] goes to to[i][offset + f].
+/// Transposes and stores, the inverse of load_turned(): lane i of from[f] goes to to[i][offset + f].
 inline void store_turned(const vfloat (&from)[4], float* const* to, std::size_t offset) noexcept
 {
 #ifdef OCCAM_ONE_LANE
@@ -339,7 +340,7 @@ inline vfloat4x4 fma(vfloat4x4 a, vfloat4x4 b, vfloat4x4 c) noexcept
     for (int i = 0; i < vfloat4x4::kParts; ++i) c.parts_[i] = fma(a.parts_[i], b.parts_[i], c.parts_[i]);
     return c;
 }
-/// Of all sixteen; of numbers.
+/// Returns the minimum of all sixteen values, none of which may be NaN.
 inline float smallest(vfloat4x4 a) noexcept
 {
     vfloat least = a.parts_[0];
@@ -353,7 +354,7 @@ inline float largest(vfloat4x4 a) noexcept
     return hn::GetLane(hn::MaxOfLanes(FloatTag(), most.raw()));
 }
 
-// The same names for one float, so that a traversal written once serves a packet and a single ray.
+// These overloads for one float let a traversal that is written once serve a packet and a single ray.
 inline float abs(float a) noexcept { return std::fabs(a); }
 inline float fma(float a, float b, float c) noexcept { return __builtin_fmaf(a, b, c); }
 inline float fnma(float a, float b, float c) noexcept { return __builtin_fmaf(-a, b, c); }

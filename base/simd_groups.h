@@ -1,8 +1,7 @@
-// Several vfloats as one: what a packet of more rays than there are lanes is made of.
+// Several vfloats as one, for packets of more rays than there are lanes.
 //
-// Each operation is that of its parts, one after the other: lanes know nothing of each other, so a ray has the same bits in
-// a packet of any size. The parts do not wait for each other, which hides the latency of a traversal's few operations a
-// node.
+// Each operation runs on its parts, one after the other. Lanes are independent, so a ray has the same bits in a packet of
+// any size. The parts do not wait for each other, which hides the latency of the few operations of a traversal step.
 #pragma once
 
 #include "base/simd.h"
@@ -129,7 +128,7 @@ struct vfloats {
         for (int i = 0; i < kParts; ++i) yes.part[i] = select(m.part[i], yes.part[i], no.part[i]);
         return yes;
     }
-    /// Of all lanes.
+    /// Returns the minimum of all lanes.
     OCCAM_ALWAYS_INLINE friend float lowest(const vfloats& a) noexcept
     {
         vfloat least = a.part[0];

@@ -1,8 +1,8 @@
-// Uniform cubic B-splines: weights, and one patch's points from its 4 x 4 control points.
+// Uniform cubic B-splines: their weights, and the points of one patch from its 4 x 4 control points.
 //
-// Space    the parameter of a piece is [0, 1]; derivatives are with respect to it.
-// Bits     a pure function of the parameter and the control points: every grid, level and tile that asks for a point gets
-//          the same one. The order is fixed: along v first, then along u, coefficients in ascending order.
+// Space    the parameter of a piece is in [0, 1]; derivatives are with respect to it.
+// Bits     Points are a pure function of the parameter and the control points, so every grid, level and tile that asks for a
+//          point gets the same bits. The order is fixed: first along v, then along u, coefficients in ascending order.
 #pragma once
 
 #include "base/simd.h"
@@ -14,7 +14,7 @@ struct CubicWeights {
     float b[4];
 };
 
-/// The four basis functions at t.
+/// Returns the four basis functions at t.
 inline CubicWeights cubic_weights(double t) noexcept
 {
     const double s = 1 - t;
@@ -22,7 +22,7 @@ inline CubicWeights cubic_weights(double t) noexcept
              float(t * t * t / 6)}};
 }
 
-/// Their derivatives at t.
+/// Returns the derivatives of the basis functions at t.
 inline CubicWeights cubic_derivative_weights(double t) noexcept
 {
     const double s = 1 - t;
@@ -34,7 +34,7 @@ struct BezierWeights {
     CubicWeights row[4];
 };
 
-/// By the polar form (Ramshaw 1989): f(a,a,a), f(a,a,b), f(a,b,b), f(b,b,b) over the knots -2 .. 3.
+/// Computes them by the polar form (Ramshaw 1989): f(a,a,a), f(a,a,b), f(a,b,b), f(b,b,b) over the knots -2 .. 3.
 inline BezierWeights bezier_weights(double a, double b) noexcept
 {
     const auto polar = [](double r, double s, double t) -> CubicWeights {
@@ -46,12 +46,12 @@ inline BezierWeights bezier_weights(double a, double b) noexcept
     return {{polar(a, a, a), polar(a, a, b), polar(a, b, b), polar(b, b, b)}};
 }
 
-/// Control points of one bicubic piece, component-major; point (i, j) of the 4 x 4 net at j * 4 + i, i along u.
+/// The control points of one bicubic piece, component-major; point (i, j) of the 4 x 4 net is at j * 4 + i, with i along u.
 struct alignas(32) PieceControls {
     float c[3][16];
 };
 
-/// sum_k w[k] q[k * stride], ascending.
+/// Returns sum_k w[k] q[k * stride], added in ascending order.
 inline float cubic_sum(const CubicWeights& w, const float* q, int stride) noexcept
 {
     return fma(w.b[3], q[3 * stride], fma(w.b[2], q[2 * stride], fma(w.b[1], q[stride], w.b[0] * q[0])));
@@ -82,7 +82,7 @@ inline Vec3f curve_point(const CurveControls& q, const CubicWeights& w) noexcept
     return {cubic_sum(w, q.c[0], 1), cubic_sum(w, q.c[1], 1), cubic_sum(w, q.c[2], 1)};
 }
 
-/// Largest |dS/dt| of a cubic curve can be: derivatives are means of the control differences.
+/// Returns a bound of |dS/dt| of a cubic curve: its derivatives are means of the control differences.
 inline float speed_bound(const CurveControls& q) noexcept
 {
     float largest = 0;

@@ -1,11 +1,11 @@
-// A skinned or morphed cage where a node shows it, for one frame. Its vertices are posed when they are first asked for.
+// A skinned or morphed cage as one node shows it, for one frame. Vertices are posed when they are first needed.
 //
-// Morph targets first, then linear blend skinning (glTF 2.0, sec. 3.7.3: the node's own place does not count). A vertex's
-// place is a pure function of vertex and pose, in double, rounded once: whoever asks gets the same bits.
+// Morph targets come first, then linear blend skinning (glTF 2.0, sec. 3.7.3: the node's own transform does not count). A
+// position is a pure function of vertex and pose, in double and rounded once, so every caller gets the same bits.
 //
-// Space    mesh axes to the dicing frame of a PosedCage.
-// Memory   one worker's arena: a matrix a joint, and 12 bytes a vertex in blocks of kBlock as they are touched.
-// Threads  one worker's own.
+// Space    from mesh axes to the dicing frame of a PosedCage.
+// Memory   one worker's arena: a matrix a joint, and 12 bytes a vertex, in blocks of kBlock when first touched.
+// Threads  owned by one worker.
 #pragma once
 
 #include "base/arena.h"
@@ -15,7 +15,7 @@
 namespace occam::lod {
 
 struct DeformCounters {
-    std::uint64_t vertices = 0;  ///< posed, whole blocks
+    std::uint64_t vertices = 0;  ///< vertices posed, in whole blocks
     double seconds = 0;
 };
 
@@ -33,9 +33,10 @@ public:
             block = pose_block(v / kBlock);  // as (block ? block : ...)[v % kBlock], g++ 12 loses the index under ubsan
         return block[v % kBlock];
     }
-    /// Not normalised; of a cage that has normals. Morphed, then by the inverse transpose of the vertex's blended matrix.
+    /// Returns the normal, not normalised, of a cage that has normals: morphed, then by the inverse transpose of the
+    /// vertex's blended matrix.
     Vec3f normal(std::uint32_t v) const noexcept;
-    /// Of the vertices that `of` is about, in the dicing frame.
+    /// Returns the bounds of the vertices that `of` describes, in the dicing frame.
     Box3d box(const DeformBounds& of) const noexcept;
     bool is_mirrored() const noexcept { return is_mirrored_; }
 
@@ -47,9 +48,9 @@ private:
     const Mat4d& joint(std::size_t j) const noexcept { return j < joint_count_ ? joints_[j] : frame_from_mesh_; }
 
     const Cage& cage_;
-    std::span<const float> weights_;  ///< of morph targets
-    Mat4d frame_from_mesh_;           ///< without joints
-    const Mat4d* joints_ = nullptr;   ///< frame_from_mesh of each; null: not skinned
+    std::span<const float> weights_;  ///< one for each morph target
+    Mat4d frame_from_mesh_;           ///< used without joints
+    const Mat4d* joints_ = nullptr;   ///< frame_from_mesh of each joint; null: not skinned
     std::size_t joint_count_ = 0;
     bool is_mirrored_ = false;
     Vec3f** blocks_;

@@ -1,6 +1,8 @@
-// Bounds of a cage's clusters however skins and morph targets deform it.
+// Bounds of a cage's clusters under any deformation by skins and morph targets.
 //
-// Space    boxes as DeformBounds.   Memory  28 bytes for each joint of a cluster, 24 for each morph target.   Threads const.
+// Space    boxes as in DeformBounds.
+// Memory   28 bytes for each joint of a cluster, and 24 for each morph target.
+// Threads  const once it is made.
 #pragma once
 
 #include "lod/clusters.h"
@@ -12,11 +14,11 @@ class DeformedClusters {
 public:
     DeformedClusters(const Cage& cage, const ClusterTree& clusters);
 
-    /// Of all control points of the cluster's faces.
+    /// Returns the bounds of all control points of the cluster's faces.
     DeformBounds operator[](std::uint32_t cluster) const noexcept { return table_[table_.size() - 1 - cluster]; }
 
 private:
-    DeformBoundsTable table_;  ///< from the last cluster to the first: children come before their parents
+    DeformBoundsTable table_;  ///< from the last cluster to the first, because children come before their parents
 };
 
 }  // namespace occam::lod

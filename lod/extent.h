@@ -1,9 +1,11 @@
-// The points that decide how much room a scene takes in a picture.
+// The points that determine how much room a scene takes in a picture.
 //
-// Meshes give their vertices, and cages the control points of a refined cage, whose convex hull holds the limit surface and
-// fits it far more closely than the hull of the control cage.
+// Meshes give their vertices. Cages give the control points of a refined cage, whose convex hull holds the limit surface and
+// fits it far more closely than the hull of the original cage.
 //
-// Space    world.   Memory  the refined cages, until this dies.   Threads  one.
+// Space    world.
+// Memory   the refined cages, until this object is destroyed.
+// Threads  one.
 #pragma once
 
 #include <functional>
@@ -18,8 +20,8 @@ public:
     Extent();
     ~Extent();
 
-    /// Calls `visit` with points whose convex hull holds all that rays of the camera can meet, as the scene is posed now.
-    /// Needs bounds that are up to date (Scene::refit()). Vertices that no face uses are left out.
+    /// Calls `visit` with points whose convex hull holds all that rays of the camera can hit, in the scene's current pose.
+    /// Bounds must be up to date (Scene::refit()). Vertices that no face uses are left out.
     void visit_points(const Scene& scene, const std::function<void(Vec3d)>& visit);
 
 private:

@@ -1,4 +1,4 @@
-// How wide a ray is, and from it the level of detail that it asks for.
+// The width of a ray's beam, and the level of detail that it asks for.
 //
 // Djeu et al. 2011, sec. 5.2.6. Level l stands for micropolygon edges of d_l = 2^l world units, l any integer, the same
 // everywhere (levels do not shift with the scene's size or the camera).
@@ -12,43 +12,44 @@
 
 namespace occam::lod {
 
-/// Full width of a beam at distance t: A + B t, world length.
+/// The full width of a beam at distance t: A + B t, world length.
 struct Footprint {
     float a = 0, b = 0;
     float at(float t) const noexcept { return std::max(0.0f, a + b * t); }
 };
 
-/// d_l.
+/// Returns d_l.
 inline float edge_length(int level) noexcept { return power_of_two(level); }
 
-/// Whose wanted edge decides.
+/// Whose target edge length decides.
 enum class LevelMode {
     PerRay,      ///< each ray's own footprint, along the ray
-    Frozen,      ///< the same for rays from the camera; others are all along as wide as at their origin
-    PerInstance  ///< a cage instance has one level for all rays: of the camera's footprint where it comes nearest
+    Frozen,      ///< as PerRay for rays from the camera; others keep their width at the origin
+    PerInstance  ///< a placement has one level for all rays, by the camera's smallest footprint on it
 };
 
-/// What a frame chooses levels by.
+/// How a frame chooses levels.
 struct LevelSettings {
     Vec3d eye{0};
-    Footprint pixel;         ///< of one pixel of the camera
-    float shading_rate = 1;  ///< wanted micropolygon edge, in widths of the footprint
-    int plane_count = 0;     ///< of the view: what lies outside a plane does not choose (PerInstance)
+    Footprint pixel;         ///< footprint of one pixel of the camera
+    float shading_rate = 1;  ///< target edge length, in widths of the footprint
+    int plane_count = 0;     ///< planes of the view; what lies outside of one does not choose (PerInstance)
     Vec4d planes[4]{};       ///< inside where dot(xyz, p - eye) >= 0; w is not used
     LevelMode mode = LevelMode::PerRay;
     /// Segments of a ray overlap by the larger of these: in edges of the finer pair, and in ulps of the largest coordinate
     /// (watertightness rule 13). Tests make them small, since a wide overlap hides faults.
     float overlap_edges = 0.1f, overlap_ulps = 16;
 
-    /// World length: points of displaced cages lie no farther off the surface whose edges levels bound. So an edge of M_l
-    /// may be longer than d_l by twice that, and a vertex move as much more from level to level: margins grow by both.
+    /// World length: points of displaced cages lie no farther from the surface whose edges levels bound. So an edge of M_l
+    /// may be longer than d_l by twice this, and a vertex may move by the same amount more between levels: margins grow by
+    /// both.
     float displaced = 0;
 
-    /// Edges of the finer level of a pair are at most 1.41 times as long as wanted, and half of that at least where faces
-    /// ask for it: so what a ray blends has, on the average of all distances, edges of the wanted length. Sure to be no
-    /// longer would take twice as many micropolygons (tests/unit/accel_levels_test.cpp).
+    /// Edges of the finer level of a pair are at most 1.41 times the target edge length, and at least half of that where
+    /// faces need them. So what a ray blends has edges of the target length, averaged over all distances. To guarantee that
+    /// they are never longer would take twice as many micropolygons (tests/unit/accel_levels_test.cpp).
     static constexpr float kLongestEdge = 1.41421356f;
-    /// The length that level d_l <= wanted < d_(l+1) is chosen by.
+    /// Returns the length by which a level is chosen: d_l <= length < d_(l+1).
     Footprint wanted(Footprint width) const noexcept
     {
         const float scale = shading_rate * kLongestEdge;

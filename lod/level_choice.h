@@ -1,4 +1,4 @@
-// Which level a cage instance is seen at, when all rays of a frame share one.
+// The level at which a placement is seen, if all rays of a frame share one.
 #pragma once
 
 #include "lod/footprint.h"
@@ -6,9 +6,9 @@
 
 namespace occam::lod {
 
-/// Largest level with d_l <= wanted edge where the camera's footprint on the cage is smallest: at the nearest cluster in
-/// view (or the nearest of all, if none is). Next to the eye a cluster counts as an eighth of its radius away: nothing is
-/// infinitely fine. Cost: the clusters nearer than the nearest, O(log n) as a rule.
+/// Returns the largest level with d_l <= target edge length where the camera's footprint on the cage is smallest: at the
+/// nearest cluster in view (or the nearest of all, if none is in view). Next to the eye a cluster counts as an eighth of its
+/// radius away, so that nothing is infinitely fine. It visits the clusters nearer than the nearest, usually O(log n).
 int choose_level(const LevelSettings& settings, const PosedCage& cage);
 
 }  // namespace occam::lod

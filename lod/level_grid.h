@@ -1,6 +1,7 @@
-// A tile of a patch, diced at one level or for a pair of levels: vertices ready to be met by rays.
+// A tile of a patch, diced at one level or for a pair of levels: vertices that are ready to be intersected.
 //
-// Space    the cage's dicing frame.   Memory   in the arena of whoever dices.
+// Space    the cage's dicing frame.
+// Memory   in the caller's arena.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +13,7 @@
 
 namespace occam::lod {
 
-/// Which part of which patch: `columns` x `rows` quads from (i0, j0) of the patch's lattice of 2^rates.u x 2^rates.v.
+/// Part of a patch: `columns` x `rows` quads from (i0, j0) of the patch's lattice of 2^rates.u x 2^rates.v.
 struct TileRef {
     static constexpr int kSideExponent = 4;
     static constexpr int kMaxSide = 1 << kSideExponent;  ///< quads along a side
@@ -26,21 +27,21 @@ struct TileRef {
     float step_v() const noexcept { return power_of_two(-rates.v); }
 };
 
-/// A T-vertex: not a vertex of its own, but a point on the straight piece of a side between two edge vertices a and c, which
-/// may lie outside of the tile. It is found by halving the piece `depth` times, going to the upper half where a bit of
-/// `path` is set (the first halving's is the highest), and taking the middle once more. The triangle (lower end, middle,
-/// upper end) of the last half has no area and closes the gap to the neighbour (watertightness rules 4 and 6).
+/// A T-vertex: it is not a vertex of its own, but a point on the straight piece of a side between two edge vertices a and c,
+/// which may lie outside the tile. It is found by halving the piece `depth` times, taking the upper half where a bit of
+/// `path` is set (the highest bit belongs to the first halving), and taking the middle once more. The gap triangle (lower
+/// end, middle, upper end) of the last half has no area and closes the gap to the neighbour (watertightness rules 4 and 6).
 struct Hanging {
-    std::uint32_t a = 0, c = 0;  ///< vertices of the grid
+    std::uint32_t a = 0, c = 0;  ///< indices of vertices of the grid
     std::uint32_t path = 0;
     std::uint8_t depth = 0;
-    bool is_inside = true;      ///< lies on the tile; else only its triangle reaches into it
+    bool is_inside = true;      ///< lies on the tile; otherwise only its gap triangle reaches into it
     std::uint8_t i = 0, j = 0;  ///< in the tile's lattice; the nearest vertex, if it is not inside
 
     struct Ends {
         Vec3f low, middle, high;
     };
-    /// Of the straight piece from a to c.
+    /// Returns the ends of the last half, for the straight piece from a to c.
     Ends on(Vec3f low, Vec3f high) const noexcept
     {
         for (int d = depth; d > 0; --d) {
@@ -51,14 +52,13 @@ struct Hanging {
     }
 };
 
-/// Vertices (i, j) at j * (columns + 1) + i, then those edge vertices outside of the tile that T-vertices lie between.
+/// Vertex (i, j) is at j * (columns + 1) + i; then come the edge vertices outside the tile between which T-vertices lie.
 struct LevelGrid {
     static constexpr int kMaxExtra = 8;
 
     TileRef tile;
-    float* fine[3] = {};  ///< x, y, z
-    float* coarse[3] =
-        {};  ///< where each of them lies in the mesh of the next coarser level; the same arrays, if nowhere else
+    float* fine[3] = {};    ///< x, y, z
+    float* coarse[3] = {};  ///< positions in the mesh of the next coarser level; the same arrays if they do not differ
     int vertex_count = 0;
     bool is_halved = false;  ///< the next coarser level has half as many rows and columns
     std::span<const Hanging> hanging;
@@ -72,12 +72,12 @@ struct LevelGrid {
     bool blends() const noexcept { return coarse[0] != fine[0]; }
 };
 
-/// What phase one gives each vertex of a tile, laid out as the vertices.
+/// The results of phase one at each vertex of a tile, in the order of the vertices.
 struct GridAttributes {
-    // Behind the last of each there is room for one more: four floats may be read from any.
+    // Each array has room for one more element at its end, because four floats may be read from any element.
     Vec3f* normal = nullptr;  ///< unit, of the limit surface or of the displaced one, outward
     Vec3f* coarse_normal =
-        nullptr;        ///< displaced: of the next coarser level; null: the mean of neighbours, as positions are
+        nullptr;  ///< for displaced cages: normals of the next coarser level; null: the mean of neighbours, as for positions
     Vec2f* uv[2] = {};  ///< null: the cage has no such set
 };
 

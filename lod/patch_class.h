@@ -1,22 +1,22 @@
-// All patches that are connected alike: how their limit surface follows from their control points.
+// All patches that are connected alike, and how their limit surface follows from their control points.
 //
 // A Catmull-Clark patch away from extraordinary vertices is bicubic, and so is a quarter of any patch that does not touch
 // one, at every depth (Stam 1998; Nießner et al. 2012). So a class is a quadtree over the patch's unit square whose leaves
-// are bicubic *pieces*, each with a matrix that makes the 16 control points of the piece from the patch's n. Which squares
-// are bicubic is found by trying: 16 limit stencils of OpenSubdiv's Bfr, in double, determine the piece, others test it.
-// What still is not bicubic at the deepest level touches an extraordinary vertex: there a point has a limit stencil of its
+// are bicubic *pieces*, each with a matrix that makes the 16 control points of the piece from the patch's n. Trials find
+// which squares are bicubic: 16 limit stencils of OpenSubdiv's Bfr, in double, determine the piece, and others test it. What
+// still is not bicubic at the deepest level touches an extraordinary vertex: there each point has a limit stencil of its
 // own.
 //
 // A crease of sharpness s rounds the surface off within 2^-s of the edge, so the tree of a patch with semi-sharp creases
-// goes down to that depth, and the borders of squares are tried too, since a crease so narrow touches nothing else. Where
-// the surface is cubic in one direction the tree of sharp creases halves rectangles in the other direction alone: a crease
-// then takes a strip for each power of two and not a square for each step along it.
+// goes down to that depth, and the borders of squares are tested too, since a crease so narrow touches nothing else. Where
+// the surface is cubic in one direction, the tree of sharp creases halves rectangles in the other direction alone: a crease
+// then needs one strip for each power of two and not one square for each step along it.
 //
-// A point's bits depend on class, parameter and control points alone, never on the level that asks: one rule (locate) says
-// to which piece a parameter belongs.
+// A point's bits depend on class, parameter and control points alone, never on the level: one rule (locate) says to which
+// piece a parameter belongs.
 //
-// Memory   grown on demand, freed with the Topology; a piece takes 64 n bytes.
-// Threads  reading is free of locks; growing takes the class's mutex.
+// Memory   grows on demand and is freed with the Topology; a piece takes 64 n bytes.
+// Threads  reading needs no lock; growing locks the class's mutex.
 #pragma once
 
 #include <array>
@@ -30,16 +30,16 @@
 
 namespace occam::lod {
 
-/// Weights of a point and of both tangents for each control point: made by OpenSubdiv in double.
+/// The weights of each control point for a limit point and both tangents; OpenSubdiv makes them in double.
 struct LimitStencil {
     std::vector<double> p, du, dv;
 };
 
-/// Where stencils come from: the limit surface of one patch that stands for its class.
+/// The source of stencils: the limit surface of one patch that represents its class.
 class LimitSource {
 public:
     virtual ~LimitSource() = default;
-    /// u, v in [0, 1] of the patch. Sizes `out` to the class's control points. Thread-safe.
+    /// Evaluates at u, v in [0, 1] of the patch. It sizes `out` to the class's control points and is thread-safe.
     virtual void evaluate(double u, double v, LimitStencil& out) const = 0;
 };
 
@@ -53,10 +53,10 @@ struct PatchHull;
 
 class PatchClass {
 public:
-    /// Beyond this depth squares only have stencils of their points, unless a crease needs deeper ones; finer pieces would
-    /// serve rates above 64.
+    /// Beyond this depth squares have only stencils of their points, unless a crease needs deeper squares; finer pieces
+    /// would serve rates above 64.
     static constexpr int kDeepest = 6;
-    /// OpenSubdiv takes creases of this sharpness to be infinitely sharp.
+    /// OpenSubdiv treats creases of this sharpness as infinitely sharp.
     static constexpr int kDeepestOfCreases = 10;
     static constexpr int kBelowCreases = 3;  ///< how much deeper trees of strips go
 
@@ -91,23 +91,23 @@ public:
     int control_count() const noexcept { return control_count_; }
     int crease_depth() const noexcept { return crease_depth_; }
 
-    /// The square itself, looked into: never Unknown.
+    /// Determines the kind of the square if needed and returns the square itself, which is then never Unknown.
     const Node& resolve(const Node& node) const
     {
         return node.kind.load(std::memory_order_acquire) == Node::Unknown ? look_into(node) : node;
     }
     const Node& root() const { return resolve(root_); }
-    /// The leaf that (u, v) belongs to: a parameter on a border belongs to the upper side, 1 to the last.
+    /// Returns the leaf of (u, v): a parameter on a border belongs to the upper side, and the parameter 1 to the last leaf.
     const Node& locate(float u, float v) const;
 
-    /// Limit stencil of a point in a Direct leaf: from the leaf's table at its corners, else evaluated now.
+    /// Computes the limit stencil of a point in a Direct leaf: at corners from the leaf's table, elsewhere by evaluation.
     /// rows     3 * n floats: p, du, dv, with respect to the patch's [0, 1]
     void direct_rows(const Node& leaf, float u, float v, float* rows) const;
     LimitStencil limit(double u, double v) const;
-    /// The limit point at u = corner & 1, v = corner >> 1; made when it is first asked for.
+    /// Returns the limit point at u = corner & 1, v = corner >> 1; it is made when it is first needed.
     const PointStencil& corner(int corner) const;
 
-    /// What bounds the whole patch; made when it is first asked for.
+    /// Returns what bounds the whole patch; it is made when it is first needed.
     const PatchHull& hull() const
     {
         const PatchHull* made = hull_made_.load(std::memory_order_acquire);

@@ -1,8 +1,8 @@
 // Vertex colours over a patch: bilinear between the cage's corners.
 //
-// As colours of a face are where coordinates would be with FaceVaryingRule::All: a quad's four corners, or the quadrant of
-// an n-gon between a corner, the middles of its two edges and the mean of all corners. Continuous over edges whose corners
-// agree, and no smoother.
+// Colours lie on a face where coordinates would with FaceVaryingRule::All: on a quad's four corners, or on the quadrant of
+// an n-gon between a corner, the middles of its two edges and the mean of all corners. They are continuous over edges whose
+// corners agree, and no smoother.
 #pragma once
 
 #include "lod/posed_cage.h"
@@ -11,7 +11,7 @@ namespace occam::lod {
 
 class PatchColors {
 public:
-    /// The cage has colours, and a topology.
+    /// The cage must have colours and a topology.
     PatchColors(const PosedCage& cage, PatchRef patch) noexcept;
 
     Vec4f at(float u, float v) const noexcept

@@ -1,15 +1,15 @@
-// Fixed weights that bound a patch of one class, whatever its control points are: its box and its speeds cost one pass over
-// a table instead of a walk through the class's quadtree, which near an extraordinary vertex has dozens of squares.
+// Fixed weights that bound any patch of one class, whatever its control points. The box and the speeds of a patch cost one
+// pass over a table instead of a walk through the class's quadtree, which has dozens of squares near an extraordinary
+// vertex.
 //
-// A bicubic square is in the hull of its 16 Bezier points, and its derivatives in that of three times the differences of
-// these: so one net gives both. What is not bicubic at the residual depth touches an extraordinary vertex; there a lattice
-// of limit points takes the net's place. A lattice knows nothing of what lies between its points, so semi-sharp creases are
-// followed by nets until they are smooth, and the lattices lie below that.
+// A bicubic square lies in the hull of its 16 Bezier points, and its derivatives lie in the hull of three times their
+// differences, so one net gives both. What is not bicubic at the residual depth touches an extraordinary vertex; there a
+// lattice of limit points replaces the net. A lattice knows nothing of what lies between its points, so nets follow
+// semi-sharp creases until these are smooth, and the lattices lie below that depth.
 //
-// Memory   64 n bytes for each net or lattice of a patch of n control points: one for a regular patch, some 10 for one with
-// an
-//          extraordinary corner, and one for each of its sides.
-// Threads  const once made.
+// Memory   64 n bytes for each net or lattice of a patch of n control points. A regular patch has one; a patch with one
+//          extraordinary corner has some 10, and one for each of its sides.
+// Threads  const once it is made.
 #pragma once
 
 #include <array>
@@ -23,28 +23,29 @@ namespace occam::lod {
 struct PatchHull {
     static constexpr int kResidualDepth = 3;
 
-    /// root   of a tree of the class
+    /// root   the root of a tree of the class
     PatchHull(const PatchClass& kind, const PatchClass::Node& root);
 
-    /// Groups of 16 points, four rows of four: weights of control point k for all points of group g at (g * n + k) * 16.
+    /// Groups of 16 points in four rows of four: the weights of control point k for all points of group g are at (g * n + k)
+    /// * 16.
     std::vector<float> weights;
-    /// What differences within a group are to be multiplied by, so that they bound speeds: of a square, along its rows [0]
-    /// and from row to row [1]; of borders, those along each row.
+    /// The factors by which differences within a group are multiplied so that they bound speeds. A square has one along its
+    /// rows [0] and one from row to row [1]; a group of borders has one for each row.
     std::vector<std::array<float, 4>> speeds;
     /// Groups [0, nets) are Bezier nets, rows along u, whose hull holds their square.
     std::size_t nets = 0;
-    /// Groups [nets, squares) are 3 x 3 limit points of a square, the last row and column twice: their box holds it once
-    /// grown by kLatticeGrowth of its extent.
+    /// Groups [nets, squares) are 3 x 3 limit points of a square, with the last row and column repeated: their box holds the
+    /// square once it is grown by kLatticeGrowth of its extent.
     std::size_t squares = 0;
-    /// From there on: borders of squares, a row each, Bezier points or three limit points. Sides of one row share a group.
-    /// None for a patch that is one square: its net has them.
+    /// The groups from there on are borders of squares, one a row, as Bezier points or three limit points. Sides of one row
+    /// share a group. A patch that is one square has none, because its net holds its borders.
     struct Side {
         std::uint16_t first = 0, count = 0;       ///< groups
-        std::uint8_t first_row = 0, row_end = 4;  ///< in each of these
+        std::uint8_t first_row = 0, row_end = 4;  ///< rows in each of these groups
     };
     std::array<Side, 4> sides;  ///< 0: v = 0, 1: u = 1, 2: v = 1, 3: u = 0
 
-    /// Floats of `weights` that are asked for ahead: tables of all classes are more than the caches close by hold.
+    /// The number of `weights` that are prefetched: the tables of all classes do not fit into the near caches.
     static constexpr std::size_t kAhead = 16 * 16;
     void ask_for_first() const noexcept
     {
@@ -53,7 +54,7 @@ struct PatchHull {
 
     bool is_one_square() const noexcept { return squares == speeds.size(); }
 
-    /// A quadratic leaves the range of three equidistant values of its own by an eighth at most.
+    /// A quadratic leaves the range of three of its equidistant values by at most an eighth.
     static constexpr float kLatticeGrowth = 0.25f;
 
 private:

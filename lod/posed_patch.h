@@ -1,8 +1,8 @@
-// A patch with its control points posed: evaluates limit points and tangents of it.
+// A patch with posed control points, which evaluates limit points and tangents.
 //
 // Space    the cage's dicing frame; parameters of the patch, [0, 1].
 // Memory   its vectors are reused from patch to patch (see PatchPool); nothing here is in an arena.
-// Threads  one worker's own.
+// Threads  owned by one worker.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ struct SurfacePoint {
     Vec3f p, du, dv;
 };
 
-/// A grid of parameters: (u0 + i * step_u, v0 + j * step_v), i < columns, j < rows. All dyadic, so exact.
+/// A grid of parameters: (u0 + i * step_u, v0 + j * step_v), i < columns, j < rows. All are dyadic and so exact.
 struct ParameterGrid {
     float u0 = 0, v0 = 0, step_u = 1, step_v = 1;
     int columns = 2, rows = 2;
@@ -29,26 +29,28 @@ class PosedPatch {
 public:
     /// Poses the control points of a patch of the cage.
     void set(const PosedCage& cage, PatchRef patch);
-    /// Takes the values of a UV set instead; they are the x and y of points.
+    /// Takes the values of a UV set instead, as the x and y of points.
     void set_uv(const PosedCage& cage, PatchRef patch, int uv_set);
 
-    /// Points at `grid`, to rows of `stride` floats at x, y, z.
+    /// Writes the points at `grid` to rows of `stride` floats at x, y, z.
     void points(const ParameterGrid& grid, float* x, float* y, float* z, int stride);
-    /// The same with both tangents (with respect to the patch's parameter): 9 arrays of rows, p.x .. dv.z.
+    /// Writes points and both tangents (with respect to the patch's parameter) to 9 arrays of rows, p.x .. dv.z.
     void points_and_tangents(const ParameterGrid& grid, float* const out[9], int stride);
 
-    /// Points of a curve at v (or u, if along_v) fixed and the other parameter t0 + i * step, i < out.size(); step is not 0.
+    /// Computes points of a curve with v (or u, if along_v) fixed and the other parameter t0 + i * step, i < out.size();
+    /// step is not 0.
     void curve(bool along_v, float fixed, float t0, float step, std::span<Vec3f> out);
     Vec3f point(float u, float v);
 
-    /// Largest speed along a side (numbered as Topology::side) that its curve may have. Exact bound for bicubic pieces;
-    /// where the patch meets an extraordinary vertex, chords of sixteenths.
+    /// Returns the largest speed that the curve along a side may have (sides as in Topology::side). It is an exact bound for
+    /// bicubic pieces; where the patch meets an extraordinary vertex, it comes from chords of sixteenths.
     float side_speed(int side);
-    /// The same for the whole patch along u and along v.
+    /// Computes the same for the whole patch along u and along v.
     void speeds(float& along_u, float& along_v);
 
-    /// A box of all points with u0 <= u <= u1, v0 <= v <= v1: of the Bezier points of the pieces there; next to an
-    /// extraordinary vertex, of the smallest squares' corners, grown by their extent. Of the whole patch: as PatchHull says.
+    /// Returns a box of all points with u0 <= u <= u1, v0 <= v <= v1. It holds the Bezier points of the pieces there; next
+    /// to an extraordinary vertex, the corners of the smallest squares, grown by their extent. For the whole patch it comes
+    /// from PatchHull.
     Box3f bounds(float u0, float u1, float v0, float v1);
 
 private:
@@ -57,7 +59,7 @@ private:
         PieceControls controls;
     };
 
-    /// All that was made of the last patch.
+    /// Forgets everything that was made for the last patch.
     void forget();
     void make_room(std::size_t count);
     const PieceControls& piece(const PatchClass::Node& node);
@@ -74,15 +76,15 @@ private:
         vfloat4x4 x, y, z;
     };
     Points points(const PatchHull& hull, std::size_t group) const;
-    /// Makes box and speeds, once.
+    /// Computes the box and the speeds, once.
     void measure();
-    /// The largest coordinate of a control point.
+    /// Returns the largest coordinate of a control point.
     float reach();
     void bounds_below(const PatchClass::Node& node, float u0, float u1, float v0, float v1, Box3f& box);
 
     const PatchClass* kind_ = nullptr;
-    std::size_t count_ = 0;         ///< of control points
-    std::vector<float> x_, y_, z_;  ///< these, and room for more
+    std::size_t count_ = 0;         ///< number of control points
+    std::vector<float> x_, y_, z_;  ///< control points, with room for more
     std::vector<Piece> pieces_;     ///< made so far
     std::vector<float> rows_;
     bool is_measured_ = false;

@@ -1,9 +1,10 @@
-// Dicing rates: how many pieces an edge and a face have at a level. Always powers of two, halving exactly from level to
-// level.
+// Dicing rates: the number of pieces of an edge and of a face at a level. Rates are powers of two that halve exactly from
+// level to level.
 //
 // Djeu et al. 2011, sec. 5.1.3. A curve of largest speed s (world length per unit of its parameter) has 2^max(m, k - l)
-// pieces at level l, k = ceil(log2 s) taken once as an integer: a logarithm per level would fail to halve for round lengths.
-// Speed, not length: length bounds no piece. So no piece is longer than d_l = 2^l.
+// pieces at level l. Here k = ceil(log2 s) is computed once, as an integer: a logarithm for each level would not halve
+// exactly for round lengths. The rate follows from speed and not from length, because length bounds no piece. So no piece is
+// longer than d_l = 2^l.
 #pragma once
 
 #include <algorithm>
@@ -12,16 +13,16 @@
 
 namespace occam::lod {
 
-inline constexpr int kMaxExponent = 20;  ///< of a rate; a cage's finest level keeps all of its patches below (PosedCage)
+inline constexpr int kMaxExponent = 20;  ///< of a rate; every patch of a cage stays below it at its finest level
 inline constexpr int kMinLength = -200;  ///< exponent of a speed of 0
 inline constexpr int kMaxAspect = 4;     ///< a patch thinner than 1 : 16 is diced as if it were as wide
 
-/// Levels that are looked at, and pairs of them. Scales beyond are no scene's.
+/// The levels, and pairs of levels, that are considered. No scene has scales beyond them.
 inline constexpr int kFinestLevel = -60, kCoarsestLevel = 60;
-/// A pair coarser than all.
+/// A pair coarser than all others.
 inline constexpr int kNoPair = kCoarsestLevel + 1;
 
-/// ceil(log2(s)) by frexp; kMinLength for s <= 0 and NaN.
+/// Returns ceil(log2(s)) by frexp; kMinLength for s <= 0 and NaN.
 inline int ceil_log2(float s) noexcept
 {
     if (!(s > 0) || std::isinf(s)) return s > 0 ? kMaxExponent + 128 : kMinLength;
@@ -29,32 +30,33 @@ inline int ceil_log2(float s) noexcept
     return std::frexp(s, &e) == 0.5f ? e - 1 : e;
 }
 
-/// Exponent of a curve's rate at a level.
+/// Returns the exponent of a curve's rate at a level.
 inline int curve_exponent(int k, int least, int level) noexcept { return std::clamp(k - level, least, kMaxExponent); }
 
-/// Exponents of a patch's rates at a level.
+/// The exponents of a patch's rates at a level.
 struct PatchRates {
-    int u = 0, v = 0;               ///< of the inside
-    std::array<int, 4> side{};      ///< of each side's own vertices; at most u (sides 0, 2) or v (1, 3)
-    int filter = kFinestLevel - 1;  ///< displacement: the level whose edge length its texture is filtered by; else constant
+    int u = 0, v = 0;           ///< exponents of the inside
+    std::array<int, 4> side{};  ///< exponents of each side's own vertices; at most u (sides 0, 2) or v (1, 3)
+    int filter = kFinestLevel -
+                 1;  ///< displacement: the level whose edge length is the filter width of the texture; else constant
     friend bool operator==(const PatchRates&, const PatchRates&) = default;
 };
 
-/// How large a patch is, from which its rates at all levels follow.
+/// The size of a patch, from which its rates at all levels follow.
 struct PatchScale {
     std::array<int, 2> k{kMinLength,
                          kMinLength};  ///< along u and v: ceil(log2) of the largest speed of the inside and of the sides
-    std::array<int, 2> least{};        ///< exponents that the sides ask for along u and v
-    std::array<int, 4> side_k{}, side_least{};  ///< of each side, per unit of the patch's parameter
+    std::array<int, 2> least{};        ///< least exponents along u and v, because of the sides
+    std::array<int, 4> side_k{}, side_least{};  ///< for each side, per unit of the patch's parameter
     int filter_stops = kFinestLevel - 1;        ///< displacement is the same from this level on
 
-    /// Completes k: no patch is thinner than kMaxAspect.
+    /// Completes k, so that no patch counts as thinner than kMaxAspect.
     void limit_aspect() noexcept
     {
         for (int a : {0, 1}) k[a] = std::max({k[a], k[1 - a] - kMaxAspect, kMinLength});
     }
-    /// The level from which on the inside is the same. Both axes halve together and stop together: else a coarse diagonal
-    /// would cross a row that the finer level has.
+    /// Returns the level from which on the inside is the same. Both axes halve together and stop together; otherwise a
+    /// coarse diagonal would cross a row that the finer level has.
     int inside_stops() const noexcept { return std::min(k[0] - least[0], k[1] - least[1]); }
     int inside(int axis, int level) const noexcept
     {
@@ -66,7 +68,7 @@ struct PatchScale {
         for (int s = 0; s < 4; ++s) r.side[s] = curve_exponent(side_k[s], side_least[s], level);
         return r;
     }
-    /// The level from which on nothing changes any more.
+    /// Returns the level from which on nothing changes any more.
     int coarsest() const noexcept
     {
         int level = std::max(inside_stops(), filter_stops);

@@ -1,14 +1,14 @@
-// A ray's table of transitions: from where to where it sees which pair of levels, and how far each vertex has gone from the
-// finer to the coarser.
+// A ray's table of transitions: in which range of distances it sees which pair of levels, and how far each vertex has moved
+// from its fine to its coarse position.
 //
-// Djeu et al. 2011, sec. 5.1.2 and 5.2.6; the constants are those of docs/watertightness.md, rules 11 to 14. Pair l serves
-// a ray where d_l <= target edge length < d_(l+1). F is vfloat (lanes are rays) or float (one ray): the same operations, so
-// the same bits.
+// Djeu et al. 2011, sec. 5.1.2 and 5.2.6; the constants are those of docs/watertightness.md, rules 11 to 14. A ray sees pair
+// l where d_l <= target edge length < d_(l+1). F is vfloat (lanes are rays) or float (one ray): both use the same operations
+// and so give the same bits.
 //
 // Transition b lies between pair b - 1 and pair b. Where the footprint grows, transitions are pushed away from the ray's
-// start until each segment between two of them is at least two margins long; where it shrinks, they are pulled towards it
-// from the ray's end. So nothing is coarser than asked. Constant, zero and infinite widths are ordinary: a width that does
-// not change grows by next to nothing, and its transitions are far away.
+// start until each segment between two of them is at least two margins long; where it shrinks, they are pulled towards the
+// start from the ray's end. So nothing is coarser than the target. Constant, zero and infinite widths need no special case:
+// a constant width is treated as growing by next to nothing, and its transitions are far away.
 #pragma once
 
 #include <bit>
@@ -22,9 +22,9 @@
 
 namespace occam::lod {
 
-/// The weight of the coarse position where the way from fine to coarse is done up to `ramp` (0 at the fine end, 1 at the
-/// coarse end, also beyond): a smoothstep, exactly 0 and 1 from the ends on. Everything that blends levels takes its weight
-/// from here.
+/// Returns the weight of the coarse position where the fraction `ramp` of the way from fine to coarse is done (0 at the fine
+/// end, 1 at the coarse end, and values beyond). It is a smoothstep, exactly 0 and 1 from the ends on. All blending of
+/// levels takes its weight from here.
 template <class F>
 OCCAM_ALWAYS_INLINE F coarse_weight(F ramp) noexcept
 {
@@ -32,7 +32,7 @@ OCCAM_ALWAYS_INLINE F coarse_weight(F ramp) noexcept
     return x * x * (F(3.0f) - (x + x));
 }
 
-/// How a vertex at distance t of the ray goes from fine to coarse: w = coarse_weight((t - start) * scale).
+/// How a vertex at distance t of the ray moves from fine to coarse: w = coarse_weight((t - start) * scale).
 template <class F>
 struct Blend {
     F start, scale;
@@ -40,9 +40,10 @@ struct Blend {
     F weight(F t) const noexcept { return coarse_weight((t - start) * scale); }
 };
 
-/// What the transitions of a ray are chosen by: it asks for edges of the length a + b t.
-/// start   the edge length of a level: up to there the ray was traced in the mesh of that level, and it goes on from a point
-///         of that mesh. 0: the ray starts anywhere.
+/// The width by which the transitions of a ray are chosen: it asks for edges of the length a + b t.
+/// start   the edge length of a level, if the ray continues from a point of the mesh of that level, in which it was traced
+/// up
+///         to there. 0: the ray starts anywhere.
 template <class F>
 struct RayWidth {
     F a, b;
@@ -53,17 +54,17 @@ template <class F>
 class RayLevels {
 public:
     using Mask = decltype(F() < F());
-    static constexpr int kMostOfRay = 16;  ///< pairs of one ray: the finest serves all that is nearer
+    static constexpr int kMostOfRay = 16;  ///< pairs of one ray: the finest one serves everything nearer
     static constexpr int kMost = 32;       ///< of all lanes together
     static constexpr float kFinerThanEven = 0x1p-5f, kLeastOfDisplaced = 0x1p-6f;  ///< see floor_exponents
     static constexpr float kFar = 1e30f;
 
-    /// t_in, t_end   where the ray enters the scene, and where it leaves the scene or ends: finite
-    /// coordinate    the largest of ray and scene
-    /// Returns false if the lanes have more than kMost pairs: then they cannot travel together.
+    /// t_in, t_end   where the ray enters the scene, and where it leaves the scene or ends; both finite
+    /// coordinate    the largest coordinate of ray and scene
+    /// Returns false if the lanes have more than kMost pairs, because they cannot travel together then.
     ///
-    /// A ray with a start sees nothing but the mesh of its start around its origin. If its width grows, the start counts as
-    /// a transition at t = 0, which keeps its margin. If the width shrinks, the pair of the start stays fine until the
+    /// A ray with a start sees only the mesh of its start around its origin. If its width grows, the start counts as a
+    /// transition at t = 0, which keeps its margin. If the width shrinks, the pair of the start stays fine until the
     /// transition to the next finer pair, and all further transitions are pushed away from the start.
     bool set(RayWidth<F> width, F t_in, F t_end, F coordinate, const LevelSettings& settings) noexcept
     {
@@ -74,20 +75,20 @@ public:
         t_end_ = t_end;
         ulps_ = coordinate * F(settings.overlap_ulps * 0x1p-24f);
         const F at_end = max(a_ + b_ * t_end_, F(0.0f));
-        // What is finer than the width where the ray enters the scene meets nothing.
+        // Anything finer than the width where the ray enters the scene meets nothing.
         const F at_start = min(max(a_ + b_ * t_in, F(0.0f)), at_end);
         cap_ = floor_exponents({max(a_, at_end), min(a_, at_end), at_start, abs(b_) * F(8 * settings.displaced)});
         is_made_ = false;
         return coarsest - finest < kMost;
     }
 
-    /// Makes the table, which nothing but the following asks for: rays that see one mesh all along do without.
+    /// Makes the table, which only the following functions need: rays that see one mesh all along do without it.
     void make() noexcept
     {
         if (is_made_) return;
         is_made_ = true;
         grows_ = b_ >= F(0.0f);
-        // Never divide by 0: what hardly changes changes by 10^-24 of itself.
+        // Never divide by 0: a width that hardly changes is treated as changing by 10^-24 of itself.
         const F least = a_ * F(1e-24f) + F(1e-37f);
         const F per_slope = F(1.0f) / select(grows_, max(b_, least), min(b_, F(0.0f) - least));
         const F low = -kFar, high = kFar;
@@ -97,7 +98,7 @@ public:
             const F ideal = min(max((d - a_) * per_slope, low), high);
             const F length = margin(at - 1) + margin(at - 1);
             const F pushed = select(grows_, max(ideal, previous + length), min(ideal, previous - length));
-            // Before the ray's start, past its end, and below the finest pair of a lane, there is none.
+            // There is no transition before the ray's start, past its end, or below the finest pair of a lane.
             const Mask none_before = (pushed <= F(0.0f)) | (grows_ & (d <= cap_));
             const Mask none_after = andnot((pushed >= t_end_) | (d <= cap_), grows_);
             raw_[at - finest] = pushed;
@@ -114,7 +115,7 @@ public:
         }
     }
 
-    /// Leaves out pairs that no ray sees in [near, far], from both ends of [low, high], which are pairs that some lane has.
+    /// Removes pairs that no ray sees in [near, far] from both ends of [low, high], whose pairs some lane has.
     void narrow(float near, float far, int& low, int& high) const noexcept
     {
         const auto is_away = [&](int pair) { return last_[pair - finest] < near || first_[pair - finest] > far; };
@@ -122,9 +123,10 @@ public:
         while (low < high && is_away(high)) --high;
     }
 
-    int finest = 0, coarsest = 0;  ///< pairs that some lane has
+    int finest = 0, coarsest = 0;  ///< the range of pairs that some lane has
 
-    /// Pair p's part of each ray, overlaps included; empty (begin > end of anything) for lanes without it.
+    /// Returns where pair p's part of each ray begins, overlaps included. Lanes without the pair get an empty range (begin >
+    /// end).
     F begin(int pair) const noexcept
     {
         const F near = select(grows_, edge_[pair - finest], edge_[pair + 1 - finest]);
@@ -135,7 +137,7 @@ public:
         const F far = select(grows_, edge_[pair + 1 - finest], edge_[pair - finest]);
         return far + select(grows_, overlap(pair + 1), overlap(pair));
     }
-    /// Of the pairs [low, high] together, as far as there are such.
+    /// Returns the same for the pairs [low, high] together, as far as they exist.
     F begin(int low, int high) const noexcept
     {
         return select(grows_, begin(std::clamp(low, finest, coarsest)), begin(std::clamp(high, finest, coarsest)));
@@ -149,28 +151,28 @@ public:
     {
         const F m = margin(pair), zero = 0.0f, far_away = kFar;
         const F lower = raw_[pair - finest], upper = raw_[pair + 1 - finest];
-        // Margins are kept at transitions: not at the ray's own ends, where the finest or the coarsest segment may be too
-        // short for them. The start of a ray that begins on a mesh is a transition.
+        // Margins are kept at transitions, but not at the ray's own ends, where the finest or the coarsest segment may be
+        // too short for them. The start of a ray that begins on a mesh is a transition.
         const Mask is_start = are_same(start_, F(edge_length(pair)));
         const Mask lower_is_real = (abs(edge_[pair - finest]) < far_away) | (is_start & grows_);
         const Mask upper_is_real = abs(edge_[pair + 1 - finest]) < far_away;
         const F fine = select(grows_, lower + select(lower_is_real, m, zero), lower - select(lower_is_real, m, zero));
         const F coarse = select(grows_, upper - m, upper + select(upper_is_real, m, zero));
-        // A little steeper than from one to the other, so that rounding never keeps a weight off its end.
+        // The ramp is a little steeper than from one end to the other, so that rounding never keeps a weight off its end.
         const F steep = F(1.0f + 0x1p-20f) / max(abs(coarse - fine), F(1e-30f));
         const F grown = select(lower_is_real, fine, min(fine, coarse)),
                 shrunk = select(lower_is_real, fine, max(fine, coarse));
-        // A width that shrinks leaves the pair of the start fine all along.
+        // If the width shrinks, the pair of the start stays fine all along.
         return {select(grows_, grown, select(is_start, F(-kFar), shrunk)), select(grows_, steep, zero - steep)};
     }
 
-    /// What each end of a segment keeps flat.
+    /// Returns the length of the margin at each end of a segment.
     F margin(int pair) const noexcept
     {
         const float d = edge_length(pair);
         return F(2 * d + 4 * settings_->displaced) + max(F(settings_->overlap_edges * d), ulps_) + ulps_;
     }
-    /// By which the segments at transition b overlap, on either side.
+    /// Returns the length by which the segments at transition b overlap, on either side.
     F overlap(int b) const noexcept { return max(F(settings_->overlap_edges * edge_length(b - 1)), ulps_); }
 
 private:
@@ -181,7 +183,7 @@ private:
     }
     static Mask are_same(F x, F y) noexcept { return (x <= y) & (x >= y); }
 
-    /// Sets the transitions of those lanes again that have a start: each is at least a segment away from the one before it,
+    /// Resets the transitions of the lanes that have a start: each is at least a segment away from the one before it, as
     /// seen from the start.
     void make_from_start(F per_slope) noexcept
     {
@@ -212,7 +214,7 @@ private:
         }
     }
 
-    /// Lanes of numbers, one by one.
+    /// The number of lanes, for code that visits them one by one.
     static constexpr int kCount = sizeof(F) / sizeof(float);
     struct Lanes {
         float of[kCount];
@@ -222,18 +224,19 @@ private:
             else x.store(of);
         }
     };
-    /// Widths of a ray.
+    /// Extreme widths of a ray.
     struct Extremes {
         F widest, thinnest;
-        /// Where a growing ray enters the scene; at most that at its end.
+        /// The width where a growing ray enters the scene; at most the width at its end.
         F start;
-        /// Where displacement makes margins long, pairs of shorter edges than this have segments as long as margins ask, and
-        /// not as edges do. A beam that begins as a point would see many such pairs, each much finer than it asks for, so it
-        /// begins with this one. Any other may start on what it was scattered by, and goes on down: to edges of
-        /// kFinerThanEven of it, or of kLeastOfDisplaced of what displacement does if that is longer.
+        /// Where displacement makes margins long, pairs of edges shorter than this have segments whose length follows from
+        /// the margins and not from the edges. A beam that begins as a point would see many such pairs, each much finer than
+        /// its target, so it begins with this pair. Any other beam may start on the surface that scattered it and goes down
+        /// further: to edges of kFinerThanEven of this length, or of kLeastOfDisplaced of the displacement if that is
+        /// longer.
         F even;
     };
-    /// Sets finest and coarsest; returns the finest level of each lane.
+    /// Sets finest and coarsest, and returns the finest level of each lane.
     F floor_exponents(const Extremes& widths) noexcept
     {
         const Lanes wide(widths.widest), thin(widths.thinnest), first(widths.start), least(widths.even), own(start_), b(b_);
@@ -270,11 +273,12 @@ private:
 
     const LevelSettings* settings_ = nullptr;
     F a_, b_, start_, t_end_, ulps_, cap_;
-    F own_end_;  ///< edge length of the last pair that a ray with a start may come to
+    F own_end_;  ///< edge length of the last pair that a ray with a start may reach
     Mask grows_;
     bool is_made_ = false;
     F raw_[kMost + 1], edge_[kMost + 1];
-    float first_[kMost], last_[kMost];  ///< of each pair: where it begins for the first of the rays, and ends for the last
+    float first_[kMost],
+        last_[kMost];  ///< for each pair: the first distance at which it begins for any ray, and the last at which it ends
 };
 
 }  // namespace occam::lod

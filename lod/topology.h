@@ -1,15 +1,17 @@
-// What no vertex position can change about a cage: its patches, who owns each curve and corner, and their classes.
+// Everything about a cage that does not depend on vertex positions: its patches, the owners of its curves and corners, and
+// the classes of its patches.
 //
-// A face of four corners is one patch; any other face is one patch a corner (OpenSubdiv's quad sub-faces), whose corner (0,
-// 0) is that vertex, u along the edge to the next, (1, 1) the face's middle.
+// A face of four corners is one patch. Any other face has one patch a corner (OpenSubdiv's quad sub-faces): its (0, 0) is
+// that vertex, u runs along the edge to the next vertex, and (1, 1) is the face's middle.
 //
 // Curves   the borders of patches: base edges first, then the inner curves of n-gons (from the middle of base edge j to the
-//          face's middle). Each has one owner, and all patches along it take the owner's points (Djeu 2011, sec. 5.1.3, asks
-//          for the same bits; evaluated from two sides they differ). The owner is the lowest face with a limit surface.
+//          face's middle). Each has one owner, and all patches along it take the owner's points (Djeu et al. 2011,
+//          sec. 5.1.3, requires the same bits; evaluated from two sides they differ). The owner is the lowest face with a
+//          limit surface.
 // Corners  likewise: a vertex is evaluated at its lowest face.
 //
-// Memory   tables grow on demand: classes, and 8 + 4 n bytes for each patch touched. Freed with the object.
-// Threads  const calls from any thread; what grows does so under a lock of this object.
+// Memory   tables grow on demand: classes, and 8 + 4 n bytes for each patch used. They are freed with the object.
+// Threads  const calls from any thread; tables grow under a lock of this object.
 #pragma once
 
 #include <array>
@@ -28,7 +30,7 @@ struct PatchRef {
     friend bool operator==(PatchRef, PatchRef) = default;
 };
 
-/// A patch's class and its control points, as vertices of the cage (or values of a UV set).
+/// A patch's class and its control points, as indices of the cage's vertices (or of the values of a UV set).
 struct PatchControls {
     const PatchClass* kind = nullptr;
     std::span<const std::uint32_t> indices;
@@ -40,7 +42,7 @@ struct SideCurve {
     float c0 = 0, c1 = 1;
 };
 
-/// A point of a patch: where an owner evaluates, unless it is a vertex of the cage.
+/// A point of a patch where an owner evaluates, unless the point is a vertex of the cage.
 struct PatchPoint {
     PatchRef patch;
     float u = 0, v = 0;
@@ -49,20 +51,20 @@ struct PatchPoint {
 
 class Topology {
 public:
-    /// cage     sanitized; Scheme::CatmullClark or Bilinear. Borrowed for the call only.
+    /// cage     sanitized, Scheme::CatmullClark or Bilinear; borrowed for the call only
     explicit Topology(const Cage& cage);
     ~Topology();
 
     std::uint32_t face_count() const noexcept { return face_count_; }
     std::uint32_t patch_count() const noexcept { return patch_count_; }
     std::uint32_t face_size(std::uint32_t face) const noexcept;
-    /// Index of the face's first corner in the cage's face_vertices.
+    /// Returns the index of the face's first corner in the cage's face_vertices.
     std::uint32_t first_corner(std::uint32_t face) const noexcept
     {
         return first_corner_.empty() ? 4 * face : first_corner_[face];
     }
     std::uint32_t patches_of(std::uint32_t face) const noexcept { return face_size(face) == 4 ? 1 : face_size(face); }
-    /// Has a limit surface and is not a hole.
+    /// Returns whether the face has a limit surface and is not a hole.
     bool is_seen(std::uint32_t face) const noexcept { return seen_[face] != 0; }
     std::uint32_t curve_count() const noexcept { return edge_count_ + inner_count_; }
 
@@ -70,24 +72,26 @@ public:
     const PatchControls& uv_controls(PatchRef patch, int set) const;
     int uv_set_count() const noexcept { return uv_set_count_; }
 
-    /// Side 0: v = 0, 1: u = 1, 2: v = 1, 3: u = 0; its lattice runs with rising u or v.
+    /// Returns side 0: v = 0, 1: u = 1, 2: v = 1, or 3: u = 0; its lattice runs with rising u or v.
     SideCurve side(PatchRef patch, int side) const noexcept;
 
-    /// Where the owner of the curve evaluates its parameter c, 0 < c < 1. A base edge's ends are vertices; an inner curve's
-    /// are the middle of base_edge(curve) and, at (1, 1) of any of the face's patches, the middle of the face.
+    /// Returns where the owner of the curve evaluates its parameter c, 0 < c < 1. The ends of a base edge are vertices.
+    /// Those of an inner curve are the middle of base_edge(curve) and the middle of the face, at (1, 1) of any of the face's
+    /// patches.
     PatchPoint curve_point(std::uint32_t curve, float c) const noexcept;
-    /// The vertex at end 0 or 1 of a base edge.
+    /// Returns the vertex at end 0 or 1 of a base edge.
     std::uint32_t end_vertex(std::uint32_t edge, int end) const noexcept;
-    /// The vertices of a face of four, in its sense.
+    /// Returns the vertices of a face of four corners, in its orientation.
     std::array<std::uint32_t, 4> quad_vertices(std::uint32_t face) const noexcept;
-    /// Where the owner of a vertex evaluates it: at a corner of a patch.
+    /// Returns where the owner of a vertex evaluates it: at a corner of a patch.
     PatchPoint vertex_point(std::uint32_t vertex) const noexcept;
     bool is_inner(std::uint32_t curve) const noexcept { return curve >= edge_count_; }
-    /// The base edge in whose middle an inner curve begins.
+    /// Returns the base edge in whose middle an inner curve begins.
     std::uint32_t base_edge(std::uint32_t inner_curve) const noexcept;
-    /// Smallest exponent of the curve's rate: 1 where an n-gon splits a base edge into halves, else 0.
+    /// Returns the smallest exponent of the curve's rate: 1 where an n-gon splits a base edge into halves, else 0.
     int least_exponent(std::uint32_t curve) const noexcept;
-    /// A curve belongs to two patches of one owner (a base edge of an n-gon), so its parameter 1/2 is a knot.
+    /// Returns whether a curve belongs to two patches of one owner (a base edge of an n-gon), so that its parameter 1/2 is a
+    /// knot.
     bool has_middle_knot(std::uint32_t curve) const noexcept;
 
 private:

@@ -1,10 +1,10 @@
-// What lives from frame to frame for each cage of a scene: its topology and its cluster tree.
+// What is kept from frame to frame for each cage of a scene: its topology and its cluster tree.
 //
-// Cages that are connected alike share a topology, wherever their vertices are: a crowd's matrices stay in the processor's
-// caches.
+// Cages that are connected alike share a topology, wherever their vertices are, so that the matrices of a crowd stay in the
+// processor's caches.
 //
-// Threads  get() from any worker: the first to ask builds, others wait for that cage only. prune() and refit() between
-// frames.
+// Threads  any worker may call get(): the first caller for a cage builds, and others wait for that cage only. Call prune()
+//          and refit() between frames.
 #pragma once
 
 #include <memory>
@@ -17,7 +17,7 @@
 namespace occam::lod {
 
 struct CageTables {
-    std::unique_ptr<const CageSlot> made;      ///< of a cage on demand: its polygons; null for others
+    std::unique_ptr<const CageSlot> made;      ///< the polygons of a cage on demand; null for others
     std::shared_ptr<const Topology> topology;  ///< null for Scheme::Triangles
     std::unique_ptr<ClusterTree> clusters;
     std::unique_ptr<DeformedClusters> deformed_clusters;  ///< null if no skin and no morph target deforms the cage
@@ -28,9 +28,10 @@ public:
     TopologyCache();
     ~TopologyCache();
 
-    /// Tables of the cage, made now if they are new or its positions changed since. Throws what CageSlot::made() throws.
+    /// Returns the cage's tables, and makes them if they are new or its positions have changed. Throws what CageSlot::made()
+    /// throws.
     const CageTables& get(const CageSlot& slot);
-    /// Forgets cages that the scene no longer has. Between frames.
+    /// Forgets cages that the scene no longer has. Call it between frames.
     void prune(const Scene& scene);
 
 private:

@@ -1,4 +1,4 @@
-// The connectivity of a cage, kept by OpenSubdiv: private to lod, and the only header of it that includes the library.
+// The connectivity of a cage, kept by OpenSubdiv. This header is private to lod/, and only it includes the library there.
 #pragma once
 
 #include <opensubdiv/bfr/refinerSurfaceFactory.h>
@@ -17,7 +17,7 @@ using LockedCache = OpenSubdiv::Bfr::SurfaceFactoryCacheThreaded<std::shared_mut
                                                                  std::unique_lock<std::shared_mutex>>;
 using SurfaceFactory = OpenSubdiv::Bfr::RefinerSurfaceFactory<LockedCache>;
 
-/// The cage's connectivity as OpenSubdiv keeps it, not refined.
+/// Returns the cage's connectivity as OpenSubdiv keeps it, not refined.
 std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> make_refiner(const Cage& cage);
 
 struct Topology::Mesh {
@@ -28,14 +28,16 @@ struct Topology::Mesh {
     bool bilinear;
     std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> refiner;
     std::unique_ptr<const SurfaceFactory> factory;
-    std::vector<std::uint32_t> vertex_owner;  ///< face of each vertex: the lowest with a limit surface
-    std::vector<std::uint8_t> vertex_corner;  ///< and its corner there (0xff: of a face with more, search)
+    std::vector<std::uint32_t> vertex_owner;  ///< owning face of each vertex: the lowest with a limit surface
+    std::vector<std::uint8_t>
+        vertex_corner;  ///< the vertex's corner there (0xff: in a face with more corners, to be searched)
     std::vector<std::uint32_t> edge_owner;
 };
 
 /// What Bfr sees around a patch, as words: equal keys have equal limit stencils, control point by control point.
 ///
-/// For each corner of the face: sharpness, border, and the faces around it in order, each with its size, its vertices as
+/// For each corner of the face the key holds sharpness, border, and the faces around it in order. Each of these has its
+/// size, its vertices, numbered in the order in which they are first met, and the sharpness of its edges at the corner.
 /// numbers in the order of first meeting, and the sharpness of its edges at the corner.
 struct Neighbourhood {
     std::vector<std::uint32_t> key;
@@ -44,7 +46,7 @@ struct Neighbourhood {
 };
 Neighbourhood neighbourhood(const OpenSubdiv::Far::TopologyLevel& level, PatchRef patch, bool bilinear, int uv_set);
 
-/// The stencils of one patch by Bfr, its control points renumbered as in `controls`.
+/// Returns the Bfr stencils of one patch, with its control points renumbered as in `controls`.
 std::unique_ptr<const LimitSource> limit_source(const SurfaceFactory& factory, PatchRef patch,
                                                 std::span<const std::uint32_t> controls, int uv_set);
 

@@ -1,7 +1,7 @@
-// Phase one of shading as those see it who keep its results: floats at grid vertices, interpolated to hits (Djeu et al.
-// 2011, sec. 5.3). What they mean is known to who makes them and to who reads them at a hit, both in shade/.
+// The interface of phase one of shading for code that stores its results: floats at grid vertices, interpolated to hits
+// (Djeu et al. 2011, sec. 5.3). Only the code in shade/ that writes and reads these floats knows their meaning.
 //
-// Threads  const: called by all workers at once.
+// Threads  const: all workers call it at once.
 #pragma once
 
 #include <span>
@@ -16,11 +16,11 @@ struct VertexToShade {
     float uv_width[2]{};  ///< of the texture filter, in units of uv
 };
 
-/// Vertices in rows and columns, so that differences between neighbours can be taken.
+/// Vertices in rows and columns, so that differences between neighbours can be computed.
 struct LatticeToShade {
     std::span<const VertexToShade> vertices;  ///< row after row
-    std::span<const Vec3f> places;            ///< of each, from any origin: world axes and lengths
-    int columns = 2;                          ///< vertices of a row, at least two; as many rows
+    std::span<const Vec3f> places;            ///< positions of the vertices, relative to any origin: world axes and lengths
+    int columns = 2;                          ///< vertices a row, at least two; there are at least two rows
 };
 
 class VertexShader {
@@ -29,16 +29,17 @@ public:
 
     virtual ~VertexShader() = default;
 
-    /// Floats that a vertex of the material has, at most kMaxChannels; 0: nothing varies over the surface.
+    /// Returns the number of floats a vertex of the material has, at most kMaxChannels; 0: nothing varies over the surface.
     virtual int channels(const Material& material) const noexcept = 0;
-    /// A pure function of each vertex and its neighbours. out: channels() floats a vertex, vertex after vertex.
+    /// Shades the vertices: a pure function of each vertex and its neighbours. out: channels() floats a vertex, in their
+    /// order.
     virtual void shade(const Material& material, const LatticeToShade& lattice, float* out) const noexcept = 0;
 };
 
 /// How a frame shades at vertices.
 struct VertexShading {
-    const VertexShader* shader = nullptr;  ///< null: hits look their materials up themselves
-    float texture_width = 1;               ///< of a hit's filter, in footprints: vertices that are closer filter no less
+    const VertexShader* shader = nullptr;  ///< null: materials are looked up at hits
+    float texture_width = 1;  ///< width of a hit's texture filter, in footprints; denser vertices filter no less
 };
 
 }  // namespace occam::lod

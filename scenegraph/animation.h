@@ -1,10 +1,10 @@
 // Clips, skins and how a node is posed by them.
 //
-// A clip says what its nodes' places and morph weights are at a moment; Scene::pose() writes that into the nodes. What
-// follows from a node's place for the vertices that hang on it (skins, morph targets) is described only: lod/deformed_cage.h
-// has the rest.
+// A clip says which transforms and morph weights its nodes have at a given moment; Scene::pose() writes them into the nodes.
+// This file only describes skins and morph targets; lod/deformed_cage.h applies them to vertices.
 //
-// Space    each value in its node's parent's axes, as Trs.   Time  seconds on the clip's own axis.
+// Space    each value is in the axes of its node's parent, as in Trs.
+// Time     seconds on the clip's own axis.
 #pragma once
 
 #include <span>
@@ -16,7 +16,8 @@
 
 namespace occam {
 
-/// A node's place in its parent by parts, which clips move; quaternion as (x, y, z, w), unit.
+/// The transform from a node to its parent, split into the parts that clips animate. The quaternion is (x, y, z, w) and
+/// unit.
 struct Trs {
     Vec3d translation{0};
     Vec4d rotation{0, 0, 0, 1};
@@ -31,8 +32,8 @@ struct Channel {
     NodeId target;
     Path path = Path::Translation;
     Interpolation interpolation = Interpolation::Linear;
-    std::vector<float> times;   ///< seconds, strictly rising
-    std::vector<float> values;  ///< width floats a key; CubicSpline: in-tangent, value, out-tangent a key
+    std::vector<float> times;   ///< seconds, strictly increasing
+    std::vector<float> values;  ///< `width` floats a key; CubicSpline: in-tangent, value and out-tangent a key
     int width = 3;
 };
 struct Clip {
@@ -40,28 +41,28 @@ struct Clip {
     std::vector<Channel> channels;
 };
 
-/// First and last key of all channels; both 0 for a clip without a key.
+/// The first and the last key of all channels; both are 0 for a clip without a key.
 struct TimeRange {
     double first = 0, last = 0;
 };
 TimeRange time_range(const Clip& clip) noexcept;
 
-/// `seconds` brought into the range as a clip that repeats has it: last is first again. A range of one moment is that
-/// moment.
+/// Wraps `seconds` into the range, as a repeating clip does: its last moment is its first one again. A range of a single
+/// moment gives that moment.
 double looped(TimeRange range, double seconds) noexcept;
 
-/// The channel's value (glTF 2.0, appendix C): clamped at its ends, rotations by slerp and of unit length.
-/// values   as many as the channel's width
+/// Evaluates the channel (glTF 2.0, appendix C): it is clamped at its ends, and rotations are slerped and have unit length.
+/// values   has as many elements as the channel is wide
 void evaluate(const Channel& channel, double seconds, std::span<double> values) noexcept;
 
-/// A clip at a moment, and its share where several move the same property.
+/// A clip at a moment, and its share where several clips animate the same property.
 struct ClipAt {
     ClipId clip;
     double seconds = 0;
     double weight = 1;  ///< 0 or more, relative to those of the other clips
 };
 
-/// The shorter way round from a to b, both unit (Shoemake 1985); t from 0 to 1.
+/// Interpolates along the shorter arc from a to b, both of unit length (Shoemake 1985); t is from 0 to 1.
 Vec4d slerp(Vec4d a, Vec4d b, double t) noexcept;
 
 struct Skin {

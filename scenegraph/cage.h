@@ -1,7 +1,7 @@
-// A polygon mesh as the application owns it: a control cage of a subdivision surface, or plain triangles.
+// A polygon mesh as the application owns it: the cage of a subdivision surface, or a triangle mesh.
 //
-// Space    object axes; float.
-// Memory   the scene owns it. Nothing here is derived data: what the engine makes of it lives in lod/.
+// Space    object axes, in float.
+// Memory   The scene owns it. It holds no derived data: what the engine makes of it lives in lod/.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ namespace occam {
 
 enum class Scheme : std::uint8_t {
     CatmullClark,  ///< limit surface of the cage (Catmull and Clark 1978; creases: DeRose et al. 1998)
-    Bilinear,      ///< each quad a bilinear patch, an n-gon n of them about its centroid
-    Triangles      ///< every face a triangle, seen as it is, with the file's vertex normals
+    Bilinear,      ///< each quad is a bilinear patch; an n-gon is n of them around its centroid
+    Triangles      ///< every face is a triangle, rendered as it is, with the file's vertex normals
 };
 
 /// What happens at the border of an open Catmull-Clark cage (OpenSubdiv's VtxBoundaryInterpolation).
@@ -28,7 +28,7 @@ enum class BoundaryRule : std::uint8_t { EdgeAndCorner, EdgeOnly, None };
 /// Where texture coordinates are interpolated linearly (OpenSubdiv's FVarLinearInterpolation).
 enum class FaceVaryingRule : std::uint8_t { CornersPlus1, CornersPlus2, CornersOnly, Boundaries, All, None };
 
-/// Sharpness of an edge between two vertices; 0 smooth, kInfiniteSharpness and more never smoothed.
+/// The sharpness of an edge between two vertices: 0 is smooth, and kInfiniteSharpness or more is never smoothed.
 struct Crease {
     std::uint32_t v0, v1;
     float sharpness;
@@ -39,29 +39,30 @@ struct Corner {
 };
 inline constexpr float kInfiniteSharpness = 10.0f;
 
-/// Texture coordinates. `indices` has one entry a face corner (as Cage::face_vertices); empty: one value a vertex.
+/// Texture coordinates. `indices` has one entry a face corner (as Cage::face_vertices); if it is empty, each vertex has a
+/// value.
 struct UvSet {
-    std::vector<Vec2f> values;  ///< glTF's axes: v runs downwards, (0, 0) the image's top left
+    std::vector<Vec2f> values;  ///< in glTF's axes: v runs downwards, and (0, 0) is the image's top left
     std::vector<std::uint32_t> indices;
 };
 
-/// Offsets of one morph target; each array is empty or has one entry a vertex.
+/// The offsets of one morph target; each array is empty or has one entry a vertex.
 struct MorphTarget {
     std::string name;
     std::vector<Vec3f> positions, normals;
 };
 
-/// Four joints and weights a vertex (glTF JOINTS_n, WEIGHTS_n; `sets` of them one after the other).
+/// Four joints and four weights a vertex (glTF JOINTS_n and WEIGHTS_n; there are `sets` of them, one after the other).
 struct SkinBinding {
     int sets = 0;
     std::vector<glm::u16vec4> joints;  ///< sets * vertices, set-major
-    std::vector<Vec4f> weights;        ///< as joints; a vertex's weights sum to 1
+    std::vector<Vec4f> weights;        ///< laid out as joints; the weights of a vertex sum to 1
 };
 
-/// Moves the limit surface, in object units.
+/// Moves the points of the limit surface, in object units.
 struct Displacement {
     enum class Axes : std::uint8_t {
-        Normal,  ///< along its normal, by scale * (R of the texture - midlevel)
+        Normal,  ///< along the surface normal, by scale * (R of the texture - midlevel)
         Object,  ///< by the vector scale * (RGB of the texture - midlevel) in the axes of the object at rest, turned as
                  ///< poses turn the surface
         Tangent  ///< by such a vector in the surface's own axes: where u grows, where v falls, outward (those of normal
@@ -69,7 +70,7 @@ struct Displacement {
     };
     TextureUse texture;
     float scale = 0, midlevel = 0.5f;
-    float bound = 0;  ///< no point moves farther: what bounds of the surface have to add
+    float bound = 0;  ///< no point moves farther; bounds of the surface are grown by it
     Axes axes = Axes::Normal;
 };
 
@@ -84,9 +85,9 @@ struct Cage {
     std::vector<std::uint32_t> face_vertices;  ///< counter-clockwise seen from outside, face after face
     std::vector<Crease> creases;
     std::vector<Corner> corners;
-    std::vector<std::uint32_t> holes;  ///< faces that shape their neighbours but are not seen
+    std::vector<std::uint32_t> holes;  ///< faces that shape their neighbours but are not rendered
 
-    std::vector<Vec3f> normals;  ///< one a vertex, unit; Scheme::Triangles only; empty: faceted
+    std::vector<Vec3f> normals;  ///< one unit vector a vertex, for Scheme::Triangles only; empty: faceted
     std::vector<UvSet> uv_sets;
     std::vector<Vec4f> colors;                 ///< linear RGBA; empty: white
     std::vector<std::uint32_t> color_indices;  ///< one entry a face corner; empty: one colour a vertex
@@ -99,7 +100,8 @@ struct Cage {
     std::vector<float> morph_weights;  ///< at rest
     SkinBinding skin;
 
-    /// Whether its surface moves: it is a smooth or bilinear one, and has the coordinates that the displacement asks for.
+    /// Returns whether its points move: it must be a smooth or bilinear surface with the coordinates that the displacement
+    /// needs.
     bool is_displaced() const noexcept
     {
         return displacement && scheme != Scheme::Triangles && displacement->bound > 0 && displacement->scale != 0 &&
@@ -117,29 +119,29 @@ struct Cage {
     }
 };
 
-/// A cage that is described by its bounds, and made when a ray first enters them.
+/// A cage that is described by its bounds and is made when a ray first enters them.
 struct OnDemandCage {
     std::string name;
-    Box3d bounds;  ///< object axes: holds every vertex of what `make` gives
-    /// Pure, and called from any thread, perhaps more than once: each time the same cage. What it gives has no skin, no
-    /// morph targets and no displacement; its materials are those below. If it throws or leaves the bounds, the frame ends
-    /// with that error.
+    Box3d bounds;  ///< object axes; holds every vertex of the cage that `make` returns
+    /// Makes the cage. It must be a pure function: any thread calls it, perhaps more than once, and it must return the same
+    /// cage each time. That cage has no skin, no morph targets and no displacement, and its materials are those below. If
+    /// the function throws, or the cage leaves the bounds, the frame ends with that error.
     std::function<Cage()> make;
     std::vector<MaterialId> materials;  ///< slots; empty: the default material
 };
 
-/// A coordinate that may be used: three of them multiplied stay below the largest float.
+/// The largest coordinate that may be used: the product of three of them stays below the largest float.
 inline constexpr float kMaxCoordinate = 1e12f;
 inline bool is_usable(Vec3f p) noexcept
 {
     return std::abs(p.x) <= kMaxCoordinate && std::abs(p.y) <= kMaxCoordinate && std::abs(p.z) <= kMaxCoordinate;
 }
 
-/// Mends what a stranger's cage may hold, so that everything after it may rely on: sizes of arrays that fit together,
-/// indices in range, finite numbers, faces of at least three vertices and at most kMaxFaceCorners corners, none of them
-/// twice. A corner that repeats its neighbour is taken out of its face. Faces, creases, corners and holes that break a rule
-/// are dropped (a dropped face takes its hole tag with it). Returns one line for each kind of mending, with its count; empty
-/// when there was nothing to mend. Throws Error if arrays do not fit together.
+/// Repairs an untrusted cage so that all later code may rely on these rules: the sizes of its arrays fit together, indices
+/// are in range, numbers are finite, and faces have at least three vertices, none of them twice, and at most kMaxFaceCorners
+/// corners. A corner that repeats its neighbour is removed from its face. Faces, creases, corners and holes that break a
+/// rule are dropped (a dropped face takes its hole tag with it). Returns one line for each kind of repair, with its count,
+/// and nothing if there was nothing to repair. Throws Error if the arrays do not fit together.
 std::vector<std::string> sanitize(Cage& cage);
 inline constexpr std::uint32_t kMaxFaceCorners = 4096;
 

@@ -1,14 +1,14 @@
-// Creases that OpenSubdiv cannot take.
+// Removes creases that OpenSubdiv cannot handle.
 #pragma once
 
 #include "scenegraph/cage.h"
 
 namespace occam {
 
-/// Where a face has a vertex that only it and one other face meet, and also touches a border (of the surface, or a seam of
-/// texture coordinates), OpenSubdiv 3.5 writes its sharp edges over each other and reads what it never wrote
-/// (Bfr::IrregularPatchBuilder). Creases at the vertices of such a face are dropped. Expects indices in range.
-/// Returns how many; those on a border edge do not count: it is sharp anyway.
+/// Drops the creases at the vertices of some faces, which make OpenSubdiv 3.5 overwrite its own sharp edges and read memory
+/// that it never wrote (Bfr::IrregularPatchBuilder). Such a face has a vertex that it shares with only one other face, and
+/// it also touches a border (of the surface, or a seam of texture coordinates). Expects indices in range. Returns the number
+/// of dropped creases; those on a border edge do not count, because a border is sharp anyway.
 std::size_t drop_crowded_creases(Cage& cage);
 
 }  // namespace occam

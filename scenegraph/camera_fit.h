@@ -1,12 +1,12 @@
-// A camera that has a cloud of points in its picture, as large as it can be.
+// Fits a camera to a set of points, so that they fill its picture.
 #pragma once
 
 #include "scenegraph/camera.h"
 
 namespace occam {
 
-/// The side from which a scene without a camera is looked at. With y or x up the front faces +z (glTF 2.0, sec. 3.4); with z
-/// up it faces -y, as in modelling programs.
+/// The side from which a scene without a camera is viewed. If y or x points up, the front faces +z (glTF 2.0, sec. 3.4); if
+/// z points up, it faces -y, as in modelling programs.
 enum class ViewFrom : unsigned char {
     ThreeQuarter,  ///< from the front, a little from above and from the right
     Front,
@@ -16,30 +16,30 @@ enum class ViewFrom : unsigned char {
     Bottom
 };
 
-/// Finds the nearest place of a camera of fixed direction that has all points in its picture, with a narrow margin.
+/// Finds the nearest position of a camera of fixed direction that has all points in its picture, with a narrow margin.
 ///
-/// Each of the four sides of the view frustum is a plane of fixed slope, so that only the largest distance of any point
-/// beyond it matters: a few numbers, whatever the number of points and their order.
+/// Each of the four sides of the view frustum is a plane of fixed slope, so only the largest offset of any point beyond that
+/// plane matters. These are a few numbers, whatever the number of points and their order.
 class CameraFit {
 public:
-    /// fov      whole vertical angle, radians
+    /// fov      full vertical angle in radians
     /// aspect   width over height of the picture
-    /// Throws Error for an `up` without length, or an angle that is not between 0 and pi.
+    /// Throws Error if `up` has no length, or if the angle is not between 0 and pi.
     CameraFit(ViewFrom side, Vec3d up, float fov, float aspect);
 
-    /// World axes. Ignores a point that is not finite.
+    /// Adds a point in world axes. A point that is not finite is ignored.
     void add(Vec3d point) noexcept;
     bool is_empty() const noexcept { return box_.is_empty(); }
-    /// Looks at the unit box about the origin if no point was added.
+    /// Returns the camera. It looks at the unit box around the origin if no point was added.
     Camera camera() const;
-    /// Forgets the points.
+    /// Removes all points.
     void clear() noexcept;
 
 private:
     Vec3d right_, up_, back_;  ///< the camera's axes
     double slope_x_, slope_y_;
     float fov_;
-    Box3d box_;                                         ///< of the points, camera axes
+    Box3d box_;                                         ///< bounds of the points, camera axes
     double right_most_, left_most_, highest_, lowest_;  ///< offsets of the frustum's sides
 };
 

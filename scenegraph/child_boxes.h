@@ -1,9 +1,11 @@
-// The boxes of a node's many children under a tree of boxes, so that an edit of one looks at few of the others.
+// The boxes of a node's many children in a tree, so that an edit of one child visits few of the others.
 //
-// A complete binary tree over blocks of kBlock children in their order: an edit costs its block and one box a level above
-// it. Where children lie in space does not matter, since only the union of all is asked for.
+// This is a complete binary tree over blocks of kBlock children, in their order: an edit costs its block and one box for
+// each level above it. It does not matter where the children lie in space, since only the union of all boxes is queried.
 //
-// Space    the axes of whoever gives the boxes: the parent's own.   Memory  6 to 12 bytes a child.   Threads  as Scene.
+// Space    the axes of the boxes that are given: the parent's own.
+// Memory   6 to 12 bytes a child.
+// Threads  as Scene.
 #pragma once
 
 #include <algorithm>
@@ -18,22 +20,23 @@ class ChildBoxes {
 public:
     static constexpr std::size_t kBlock = 16;
 
-    /// The child's box is out of date.
+    /// Marks the child's box as out of date.
     void touch(std::size_t child)
     {
         if (child / kBlock < leaves_) touch_block(static_cast<std::uint32_t>(child / kBlock));
     }
-    /// Makes room for so many children, first of all. With more room than before, all are out of date.
+    /// Makes room for this many children; call it first. If the capacity grows, all boxes are out of date.
     void resize(std::size_t children);
 
-    /// Calls visit(i) for every child that refit() will look at.
+    /// Calls visit(i) for every child that refit() will visit.
     template <class Visit>
     void for_each_stale(Visit&& visit) const
     {
         for (const std::uint32_t block : stale_)
             for (std::size_t i = block * kBlock; i < std::min(children_, (block + 1) * kBlock); ++i) visit(i);
     }
-    /// box_of(i): of a child, empty if it shows nothing. Returns how many boxes were looked at.
+    /// Updates the tree and returns the number of boxes it visited. box_of(i) returns a child's box, empty if it shows
+    /// nothing.
     template <class BoxOf>
     std::size_t refit(BoxOf&& box_of)
     {
@@ -57,9 +60,9 @@ private:
     std::size_t refit_above();
 
     std::size_t children_ = 0;
-    std::size_t leaves_ = 0;            ///< blocks that there is room for: a power of two
-    std::vector<Box3d> boxes_;          ///< 1 the root, 2n and 2n + 1 below n; the blocks from leaves_ on
-    std::vector<std::uint32_t> stale_;  ///< blocks
+    std::size_t leaves_ = 0;    ///< capacity in blocks: a power of two
+    std::vector<Box3d> boxes_;  ///< the root is 1, the children of n are 2n and 2n + 1, and the blocks start at leaves_
+    std::vector<std::uint32_t> stale_;  ///< blocks whose boxes are out of date
     std::vector<bool> is_stale_;
 };
 

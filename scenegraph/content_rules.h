@@ -1,5 +1,5 @@
-// What the scene graph asks of what an application or an importer gives it: so that everything behind it may rely on numbers
-// being finite and in range.
+// The validation of what an application or an importer adds to the scene graph. All later code may rely on numbers that are
+// finite and in range.
 #pragma once
 
 #include "scenegraph/animation.h"
@@ -9,11 +9,11 @@
 
 namespace occam {
 
-// Each throws Error that names the value and the rule it breaks.
+// Each function throws an Error that names the value and the rule it breaks.
 void check(const Material& material);
 void check(const Light& light);
 void check(const CameraLens& lens);
-/// Sizes, widths, rising times, finite values, rotations with a length. Targets are not looked at.
+/// Checks sizes, widths, increasing times, finite values, and that rotations have a length. The targets are not checked.
 void check(const Clip& clip);
 void check(const Trs& place, const std::string& name);
 void check(const Environment& environment);

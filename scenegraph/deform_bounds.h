@@ -1,10 +1,11 @@
-// Where a deformed cage can be, from what deforms it: no vertex is posed to know it.
+// Bounds of a deformed cage, computed from what deforms it without posing a vertex.
 //
-// A skinned vertex is a mean of its joints' images of it, with weights that are not negative; so it lies in the union of the
-// images of each joint's box: of the rest vertices that the joint moves. A morph target adds at most its weight times the
-// box of its offsets.
+// A skinned vertex is a weighted mean of its images under its joints, and no weight is negative. So it lies in the union of
+// the images of each joint's box, which bounds the rest vertices that the joint moves. A morph target adds at most its
+// weight times the box of its offsets.
 //
-// Space    boxes: mesh axes (those of the cage's rest positions).   Threads  plain data, const after it is made.
+// Space    boxes are in mesh axes, those of the cage's rest positions.
+// Threads  plain data, const once it is made.
 #pragma once
 
 #include <cstdint>
@@ -15,24 +16,24 @@
 
 namespace occam {
 
-/// The rest vertices that a joint moves.
+/// Bounds the rest vertices that a joint moves.
 struct JointBox {
     std::uint16_t joint = 0;
     Box3f box;
 };
 
-/// Bounds of some of a cage's vertices, in its arrays.
+/// Bounds some of a cage's vertices; the spans point into the table's arrays.
 struct DeformBounds {
     Box3f rest;
-    std::span<const JointBox> joints;  ///< none: not skinned
-    std::span<const Box3f> offsets;    ///< of each morph target; empty boxes where it moves none of them
+    std::span<const JointBox> joints;  ///< empty: not skinned
+    std::span<const Box3f> offsets;    ///< one for each morph target; empty boxes where it moves none of the vertices
 };
 
-/// How far morph targets move a vertex at these weights; a point at 0 where nothing is said.
+/// Returns the box of all offsets by which morph targets move a vertex at these weights; the point 0 if there are none.
 Box3d morph_extent(std::span<const Box3f> offsets, std::span<const float> weights) noexcept;
 
-/// A box that holds every vertex of `of`, morphed and then posed by its joints, or without a skin by `otherwise`.
-/// joint_pose(j)   space_from_mesh of joint j
+/// Returns a box that holds every vertex of `of`, morphed and then posed by its joints, or by `otherwise` without a skin.
+/// joint_pose(j)   returns space_from_mesh of joint j
 template <class JointPose>
 Box3d deformed_box(const DeformBounds& of, std::span<const float> weights, const Mat4d& otherwise,
                    JointPose&& joint_pose) noexcept
@@ -45,14 +46,14 @@ Box3d deformed_box(const DeformBounds& of, std::span<const float> weights, const
     return box;
 }
 
-/// Collects the bounds of a cage's parts, one after the other, in common arrays.
+/// Collects the bounds of a cage's parts, one after the other, in shared arrays.
 class DeformBoundsTable {
 public:
-    /// Bounds of the vertices given; its number is the count of parts before it.
+    /// Adds the bounds of the given vertices. The number of the new part is the count of parts before it.
     void add(const Cage& cage, std::span<const std::uint32_t> vertices);
-    /// Bounds of all the cage's vertices.
+    /// Adds the bounds of all the cage's vertices.
     void add_all(const Cage& cage);
-    /// Bounds of two parts together.
+    /// Adds the union of the bounds of two parts.
     void add_union(std::size_t a, std::size_t b);
 
     DeformBounds operator[](std::size_t part) const noexcept;
@@ -71,7 +72,7 @@ private:
     std::vector<JointBox> joints_;
     std::vector<Box3f> offsets_;
     std::size_t targets_ = 0;
-    std::vector<Box3f> scratch_;  ///< by joint
+    std::vector<Box3f> scratch_;  ///< indexed by joint
 };
 
 }  // namespace occam

@@ -1,4 +1,4 @@
-// The handles of a scene. Never pointers: a handle outlives what it names, and says so when it is used.
+// The handles of a scene. They are never pointers: a handle may outlive its object, and its use then reports this.
 #pragma once
 
 #include "base/handle.h"

@@ -1,4 +1,4 @@
-// Lights. A light sits on a node and is transformed with it; the environment belongs to the scene.
+// Lights. A light belongs to a node and is transformed with it; the environment belongs to the scene.
 #pragma once
 
 #include <string>
@@ -10,18 +10,19 @@
 
 namespace occam {
 
-/// Point or spot (KHR_lights_punctual): intensity in candela (W/sr per channel here), falling with the square of distance.
+/// A point or spot light (KHR_lights_punctual). Its intensity is in candela (here W/sr a channel) and falls with the square
+/// of distance.
 struct PointLight {
     Vec3f intensity{1};
     float range = 0;  ///< beyond it the light fades out as KHR_lights_punctual says; 0: no limit
-    /// Spot: half angles in radians about the node's -z; outer of pi: a point light.
+    /// The half angles of a spot, in radians around the node's -z axis; an outer angle of pi makes a point light.
     float inner_angle = 0, outer_angle = 3.14159265f;
 };
-/// Parallel light along the node's -z; irradiance (lux) at normal incidence.
+/// A distant light along the node's -z axis; its irradiance (lux) is at normal incidence.
 struct SunLight {
     Vec3f irradiance{1};
 };
-/// Emits to the front side, the node's -z, with constant radiance; size in the node's own units.
+/// Emits constant radiance to its front side, the node's -z axis. Its size is in the node's own units.
 struct AreaLight {
     enum class Shape : unsigned char { Rectangle, Disc, Sphere };
     Shape shape = Shape::Rectangle;
@@ -33,7 +34,7 @@ struct AreaLight {
 struct Light {
     std::string name;
     std::variant<PointLight, SunLight, AreaLight> kind;
-    LightGroups groups = kAllGroups;  ///< it lights what is lit by one of them
+    LightGroups groups = kAllGroups;  ///< it lights the surfaces that belong to one of these groups
 };
 
 /// Radiance from infinitely far: a constant, times an equirectangular image if there is one (y up, centre of the

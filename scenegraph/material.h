@@ -8,11 +8,11 @@
 
 namespace occam {
 
-/// One use of a texture: which coordinates, how they are moved (KHR_texture_transform), how it repeats.
+/// One use of a texture: its coordinates, their transform (KHR_texture_transform), and how it repeats.
 struct TextureUse {
     enum class Wrap : unsigned char { Repeat, Clamp, Mirror };
 
-    TextureId texture;  ///< none: the factor beside it alone
+    TextureId texture;  ///< none: only the factor beside it counts
     int uv_set = 0;
     Vec2f offset{0}, scale{1};
     float rotation = 0;  ///< radians, counter-clockwise about the origin of st (KHR_texture_transform)
@@ -30,28 +30,27 @@ struct Material {
     TextureUse base_color_texture;
     float metallic = 0, roughness = 0.6f;
     TextureUse metallic_roughness_texture;  ///< G roughness, B metallic
-    TextureUse roughness_texture;   ///< G; times that of metallic_roughness_texture (maps of their own: MTL's map_Pr)
+    TextureUse roughness_texture;   ///< G; multiplies that of metallic_roughness_texture (separate maps: MTL's map_Pr)
     TextureUse metallic_texture;    ///< B; as above (MTL's map_Pm)
     TextureUse glossiness_texture;  ///< A; multiplies 1 - roughness (KHR_materials_pbrSpecularGlossiness)
     Vec3f emission{0};              ///< emissiveFactor times KHR_materials_emissive_strength
     TextureUse emission_texture;
     TextureUse normal_texture;
     float normal_scale = 1;
-    TextureUse bump_texture;       ///< R: heights that normals show and places do not (Blinn 1978)
-    float bump_scale = 1;          ///< world length that a texel of 1 is high
+    TextureUse bump_texture;       ///< R: heights that change normals but not positions (Blinn 1978)
+    float bump_scale = 1;          ///< height of a texel of 1, world length
     TextureUse occlusion_texture;  ///< R: share of ambient light that arrives
-    float occlusion_strength = 1;  ///< 0: all of it, whatever the texture says
+    float occlusion_strength = 1;  ///< 0: all ambient light arrives, whatever the texture says
     TextureUse alpha_texture;      ///< R; times the alpha of the base colour (MTL's map_d)
     AlphaMode alpha_mode = AlphaMode::Opaque;
     float alpha_cutoff = 0.5f;
     bool double_sided = false;
     bool unlit = false;      ///< KHR_materials_unlit
-    float ior = 1.5f;        ///< KHR_materials_ior; 0: reflects all that specular_color lets it
+    float ior = 1.5f;        ///< KHR_materials_ior; 0: reflects as much as specular_color allows
     float transmission = 0;  ///< KHR_materials_transmission
     TextureUse transmission_texture;
-    float thickness =
-        0;  ///< KHR_materials_volume: above 0 the surface bounds a body that bends light; its value is not read
-    Vec3f attenuation_color{1};                    ///< of light that has gone attenuation_distance inside of that body
+    float thickness = 0;  ///< KHR_materials_volume: above 0 the surface bounds a refracting body; its value is not read
+    Vec3f attenuation_color{1};                    ///< colour of light after attenuation_distance inside that body
     float attenuation_distance = 0;                ///< world length; 0: the body is clear
     float clearcoat = 0, clearcoat_roughness = 0;  ///< KHR_materials_clearcoat
     TextureUse clearcoat_texture, clearcoat_roughness_texture, clearcoat_normal_texture;

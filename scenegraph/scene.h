@@ -1,11 +1,12 @@
-// The scene graph: nodes, and what hangs on them. The application owns it and may change it between any two frames.
+// The scene graph: nodes and what they hold. The application owns it and may change it between any two frames.
 //
 // An edit costs its path to the root: it marks bounds dirty up to there and does nothing else. A renderer borrows the
-// scene for a frame, refits what is dirty before the first tile, and writes nothing else in it.
+// scene for a frame, refits what is dirty before the first tile, and writes nothing else to it.
 //
-// Space    a node's place is given in its parent's axes; the root's are world axes. Right-handed, y up by habit only.
-// Threads  one thread edits at a time; edits while a frame renders are refused with an Error (FrameLock).
-// Errors   every call with a dead or foreign handle throws Error and changes nothing.
+// Space    a node's transform is relative to its parent; the root's axes are world axes. They are right-handed, with y up by
+//          convention only.
+// Threads  one thread edits at a time; an edit while a frame renders is refused with an Error (FrameLock).
+// Errors   every call with a dead or foreign handle throws an Error and changes nothing.
 #pragma once
 
 #include <atomic>
@@ -27,60 +28,60 @@
 
 namespace occam {
 
-/// What a node is made with, and what it holds. Everything is optional.
+/// Describes a node to be made, and what it holds. Everything is optional.
 struct NodeDesc {
     std::string name{};
     Trs place{};                          ///< in the parent's axes
     std::optional<Mat4d> matrix{};        ///< instead of `place`; affine
     std::vector<CageId> cages{};          ///< usually one; a glTF mesh brings one for each primitive
     std::vector<MaterialId> materials{};  ///< override of the cages' own slots, in order; empty: none
-    NodeId instance_of{};                 ///< shows that node's subtree here too: its own place and visibility do not count
+    NodeId instance_of{};  ///< shows that node's subtree here too, without that node's own transform and visibility
     LightId light{};
     CameraId camera{};
-    SkinId skin{};                       ///< the joints place what is skinned: this node's own place does not count for it
+    SkinId skin{};  ///< its joints place the skinned cages, and this node's own transform does not count for them
     std::vector<float> morph_weights{};  ///< empty: the cage's own
-    bool visible = true;                 ///< false hides the subtree below the parent; instances of it are seen
+    bool visible = true;                 ///< false hides the subtree below its parent; its instances stay visible
     std::uint8_t seen_by =
-        RayKind::All;  ///< rays of no such kind pass through the surfaces of the subtree, and of its instances
+        RayKind::All;  ///< rays of other kinds pass through the surfaces of the subtree and of its instances
     LightGroups lit_by =
-        kAllGroups;  ///< placed lights of no such group do not light the surfaces of the subtree, and of its instances
+        kAllGroups;  ///< placed lights of other groups do not light the surfaces of the subtree and of its instances
 };
 
 /// A node as the engine reads it.
 struct Node : NodeDesc {
     NodeId parent;
-    std::vector<NodeId> children;  ///< in the order they were added; none where one of many was removed
+    std::vector<NodeId> children;  ///< in the order of addition; a node with many has null handles where some were removed
     Mat4d parent_from_node{1};
     Box3d bounds;             ///< of the subtree and of instance_of, in the node's own axes; valid after Scene::refit()
-    Mat4d node_from_skin{1};  ///< of a skinned node: from the axes of SkinSlot::mesh_poses; valid after Scene::refit()
-    bool dirty = true;        ///< bounds of this node and of all above it are out of date
+    Mat4d node_from_skin{1};  ///< for a skinned node, from the axes of SkinSlot::mesh_poses; valid after Scene::refit()
+    bool dirty = true;        ///< the bounds of this node and of all its ancestors are out of date
 };
 
-/// A cage and the counters that tell the engine's caches when it changed.
+/// A cage and the counters that tell the engine's caches when it has changed.
 struct CageSlot {
     Cage cage;
-    Box3d bounds;                ///< of the control points, displacement added, object axes
+    Box3d bounds;                ///< bounds of the control points plus displacement, object axes
     std::uint64_t identity = 0;  ///< unique in the process; a new one when topology is replaced
     std::uint64_t positions_version = 0;
-    std::uint32_t largest_face = 4;  ///< corners; 4 at least, and of an OnDemandCage
-    DeformBoundsTable deform;        ///< one part, the whole cage; none for a cage that no skin and no target deforms
-    std::function<Cage()> make;      ///< of an OnDemandCage: `cage` has its name and materials only
+    std::uint32_t largest_face = 4;  ///< corners; at least 4, and 4 for an OnDemandCage
+    DeformBoundsTable deform;        ///< one part, the whole cage; none if no skin and no morph target deforms the cage
+    std::function<Cage()> make;      ///< for an OnDemandCage, whose `cage` has a name and materials only
 
     bool is_deformed() const noexcept { return deform.size() > 0; }
     bool is_on_demand() const noexcept { return bool(make); }
-    /// An OnDemandCage's polygons in a slot of the same identity. Throws Error; see OnDemandCage::make.
+    /// Returns an OnDemandCage's polygons in a slot of the same identity. Throws Error; see OnDemandCage::make.
     CageSlot made() const;
 };
 
-/// A skin and where its joints are.
+/// A skin and the poses of its joints.
 struct SkinSlot {
     Skin skin;
-    NodeId base;                    ///< lowest node above all joints; none: above the root
+    NodeId base;                    ///< lowest common ancestor of all joints; none: above the root
     std::vector<Mat4d> mesh_poses;  ///< base_from_mesh of each joint; valid after Scene::refit(). A removed joint: identity
 };
 
-/// Where a node shows a cage, in the node's axes: without looking at a vertex.
-/// skin   the node's, or null if it has none; poses of nodes and skins up to date (Scene::refit())
+/// Returns the bounds of a cage that a node shows, in the node's axes, without visiting a vertex.
+/// skin   the node's skin, or null; the poses of nodes and skins must be up to date (Scene::refit())
 Box3d cage_bounds(const Node& node, const CageSlot& slot, const SkinSlot* skin) noexcept;
 
 class Scene {
@@ -90,9 +91,9 @@ public:
     Scene& operator=(Scene&&) noexcept;
     ~Scene();
 
-    // Nodes. The root always lives; removing a node removes its subtree.
+    // Nodes. The root always exists; removing a node removes its subtree.
     NodeId root() const noexcept;
-    NodeId add_node(NodeId parent, NodeDesc desc);  ///< throws also if the node would show itself through instance_of
+    NodeId add_node(NodeId parent, NodeDesc desc);  ///< also throws if the node would show itself through instance_of
     void remove(NodeId id);
     const Node& node(NodeId id) const;
     void set_transform(NodeId id, const Trs& place);
@@ -101,25 +102,26 @@ public:
     void set_seen_by(NodeId id, std::uint8_t ray_kinds);
     void set_lit_by(NodeId id, LightGroups groups);
     void set_materials(NodeId id, std::vector<MaterialId> materials);
-    void set_skin(NodeId id, SkinId skin);                          ///< a skin names nodes, so it comes after them
+    void set_skin(NodeId id, SkinId skin);  ///< call it after the skin's nodes exist, because a skin names them
     void set_morph_weights(NodeId id, std::vector<float> weights);  ///< empty: the cage's own
-    NodeId find_node(std::string_view name) const;                  ///< first by slot; none if there is none
+    NodeId find_node(std::string_view name) const;                  ///< the first one by slot, or a null handle
     Mat4d world_from_node(NodeId id) const;
 
-    // Animation. Poses are written into the nodes, as set_transform() and set_morph_weights() would.
+    // Animation. Poses are written into the nodes, as if by set_transform() and set_morph_weights().
 
-    /// Poses the clips' nodes; nodes that an earlier pose() moved and these clips do not go back to where they were. What an
-    /// application sets by itself is where they go back to from then on. Several clips that move the same property are
-    /// mixed: the weighted mean, of rotations along the shorter way. Needs finite seconds and weights of 0 or more. of none:
-    /// the nodes that the clips name; a node that copy() made: their counterparts in that copy
+    /// Poses the clips' nodes. Nodes that an earlier pose() moved and that these clips do not move return to their rest
+    /// values. A value that the application sets itself becomes the new rest value. Several clips that move the same
+    /// property are blended by their weighted mean (rotations along the shorter arc). Seconds must be finite, and weights
+    /// finite and at least 0. of   if null, the clips move the nodes they name; if a node that copy() made, they move the
+    /// counterparts in that copy
     void pose(std::span<const ClipAt> clips, NodeId of = {});
     void pose(ClipId clip, double seconds);
-    /// A second one of the subtree, below `parent`: nodes and the skins whose joints lie in it are new, the rest is shared.
-    /// So each copy has a pose of its own. Throws if parent lies in the subtree.
+    /// Copies the subtree below `parent`. The nodes and the skins whose joints lie in the subtree are new, and the rest is
+    /// shared, so each copy has a pose of its own. Throws if `parent` lies in the subtree.
     NodeId copy(NodeId subtree, NodeId parent);
-    ClipId find_clip(std::string_view name) const;  ///< first in file order; none if there is none
+    ClipId find_clip(std::string_view name) const;  ///< the first one in file order, or a null handle
 
-    // What nodes refer to. Removing something that is referred to is allowed: it is then simply not there.
+    // What nodes refer to. It is allowed to remove something that nodes still refer to: they then no longer show it.
     CageId add(Cage cage);  ///< sanitizes; see sanitize()
     CageId add(OnDemandCage cage);
     MaterialId add(Material material);
@@ -138,12 +140,12 @@ public:
     const CameraLens& camera_lens(CameraId id) const;
     const Skin& skin(SkinId id) const;
     const Clip& clip(ClipId id) const;
-    void write_vertices(CageId id, std::span<const Vec3f> positions);  ///< as many as before
+    void write_vertices(CageId id, std::span<const Vec3f> positions);  ///< as many positions as before
     void replace(CageId id, Cage cage);                                ///< new topology
     void replace(MaterialId id, Material material);
     void replace(LightId id, Light light);
 
-    // Lookups that do not throw: null if dead. The engine's way.
+    // Lookups for the engine, which return null for a dead handle and do not throw.
     const Node* find(NodeId id) const noexcept;
     const CageSlot* find(CageId id) const noexcept;
     const Material* find(MaterialId id) const noexcept;
@@ -153,28 +155,28 @@ public:
     const Clip* find(ClipId id) const noexcept;
 
     const std::vector<ClipId>& clips() const noexcept;  ///< in file order
-    /// The clips that are meant to play at the same time: the first one, and each later one that moves no node that an
+    /// Returns the clips that are meant to play together: the first one, and each later one that moves no node that an
     /// earlier one of them moves. Blender, for instance, writes one clip for each object.
     std::vector<ClipId> clips_together() const;
-    std::vector<TextureId> texture_ids() const;  ///< by slot
+    std::vector<TextureId> texture_ids() const;  ///< in the order of their slots
     Environment environment;
 
-    /// The camera of that name, or the first of the scene for an empty name, placed in the world.
+    /// Returns the camera of that name, or the scene's first camera if the name is empty, in world axes.
     std::optional<Camera> camera(std::string_view name = {}) const;
     std::vector<std::string> camera_names() const;
 
-    /// Bounds of all that is visible, world axes. Refits.
+    /// Returns the bounds of all that is visible, in world axes. It refits first.
     Box3d bounds();
-    /// Brings dirty bounds up to date. Cost: a node on a dirty path looks at its children, or, if it has many, at 16 about
-    /// each that changed and twice the logarithm of their number. Returns how many nodes and boxes it looked at.
+    /// Brings dirty bounds up to date and returns the number of nodes and boxes it visited. A node on a dirty path visits
+    /// its children; a node with many visits about 16 for each that changed, and twice the logarithm of their number.
     std::size_t refit();
 
-    /// Calls visit(NodeId, const Node&, const Mat4d& world_from_node) for every visible placement in the graph, parents
-    /// first, through instances too (there are no cycles: add_node refuses them).
+    /// Calls visit(NodeId, const Node&, const Mat4d& world_from_node) for every visible placement in the graph. It visits
+    /// parents first and follows instances too (there are no cycles, because add_node refuses them).
     template <class Visit>
     void for_each_placement(Visit&& visit) const;
 
-    /// CageSlot::identity of every cage.
+    /// Returns CageSlot::identity of every cage.
     std::vector<std::uint64_t> cage_identities() const;
 
     struct Counts {
@@ -183,16 +185,16 @@ public:
     };
     Counts counts() const;  ///< `faces` counts each cage once; see placed_faces()
     std::size_t placed_faces() const;
-    bool is_displaced() const;  ///< some cage is
+    bool is_displaced() const;  ///< whether any cage is displaced
 
-    /// What was repaired or dropped on the way in: one line each, with a count.
+    /// Lists what was repaired or dropped when content was added: one line each, with a count.
     std::vector<std::string> warnings;
-    /// What the importer chose where the file leaves a choice, such as whether polygons are subdivided: one line each.
+    /// Lists what the importer chose where the file leaves a choice, such as whether polygons are subdivided: one line each.
     std::vector<std::string> notes;
-    /// Names under which the file offers other materials (KHR_materials_variants).
+    /// The names under which the file offers alternative materials (KHR_materials_variants).
     std::vector<std::string> variants;
 
-    /// While one of these lives, edits throw.
+    /// While a FrameLock exists, edits throw.
     class FrameLock {
     public:
         explicit FrameLock(const Scene& scene);

@@ -1,4 +1,5 @@
-// What a Scene keeps: the tables behind its handles, and who uses what, so that an edit knows which bounds it touches.
+// The state of a Scene: the tables behind its handles, and which object uses which, so that an edit knows which bounds it
+// changes.
 #pragma once
 
 #include <algorithm>
@@ -11,11 +12,11 @@
 
 namespace occam {
 
-/// A box of a cage's undisplaced surface, for the displaced one.
+/// Grows a box of a cage's undisplaced surface to hold the displaced one.
 Box3d grown_by_displacement(const Cage& cage, const Box3d& box) noexcept;
 
-/// Nodes to be told about an edit. Removed nodes are forgotten when the list would grow, so that it stays in
-/// proportion to the nodes alive at one time.
+/// The nodes that an edit must notify. Removed nodes are dropped when the list would grow, so that its size stays in
+/// proportion to the number of nodes alive at one time.
 class Watchers {
 public:
     template <class IsAlive>
@@ -24,7 +25,7 @@ public:
         if (ids_.size() == ids_.capacity()) std::erase_if(ids_, [&](NodeId known) { return !is_alive(known); });
         ids_.push_back(id);
     }
-    /// The same, unless it is in the list. Cost: the list.
+    /// Adds the node unless it is already in the list. The cost is linear in the list's length.
     template <class IsAlive>
     void add_once(NodeId id, IsAlive&& is_alive)
     {
@@ -36,11 +37,11 @@ private:
     std::vector<NodeId> ids_;
 };
 
-/// The generation that the handles of a new scene start at: far from that of every other scene of the process.
+/// Returns the first generation for the handles of a new scene: far from that of every other scene of the process.
 std::uint32_t next_scene_generation() noexcept;
 
-/// A SlotMap whose generations start at a number of the scene's own, so that it does not know another scene's handles: for
-/// one to be taken for its own, a slot would have to be used again as often as the two numbers differ.
+/// A SlotMap whose generations start at a number of the scene's own, so that it does not accept another scene's handles. For
+/// a foreign handle to be accepted, a slot would have to be reused as often as the difference of the two numbers.
 template <class T, class Tag>
 class SceneTable {
 public:
@@ -68,34 +69,34 @@ private:
 };
 
 struct Scene::State {
-    /// What a node's place decides beside its parent's bounds.
+    /// What depends on a node's transform besides its parent's bounds.
     struct Dependents {
-        std::vector<SkinId> skins;  ///< it lies between a joint of theirs and their base
-        Watchers users;             ///< it lies between such a node and the base of its skin
+        std::vector<SkinId> skins;  ///< skins for which the node lies between a joint and the base
+        Watchers users;             ///< skinned nodes for which the node lies between them and the base of their skin
     };
-    /// What pose() found before it moved a node.
+    /// The values that pose() found before it moved a node.
     struct Rest {
         std::optional<Trs> place;
         std::optional<Mat4d> matrix;
         std::optional<std::vector<float>> weights;
     };
     struct NodeRecord : Node {
-        std::uint32_t place_among_siblings = 0;   ///< in the parent's list
-        std::uint32_t removed_children = 0;       ///< none-handles in the list of a node with many
-        std::unique_ptr<ChildBoxes> child_boxes;  ///< of a node with many children; made by its first refit
-        Watchers instances;                       ///< nodes whose instance_of is this one
+        std::uint32_t place_among_siblings = 0;   ///< index in the parent's list
+        std::uint32_t removed_children = 0;       ///< null handles in the list of a node with many children
+        std::unique_ptr<ChildBoxes> child_boxes;  ///< for a node with many children; made by its first refit
+        Watchers instances;                       ///< nodes whose instance_of is this node
         std::unique_ptr<Dependents> dependents;
         std::unique_ptr<Rest> rest;
     };
     struct SkinRecord : SkinSlot {
-        std::vector<int> parent_joint;  ///< the nearest joint above each, by index; below 0: none
+        std::vector<int> parent_joint;  ///< the nearest joint above each joint, by index; below 0: none
         bool dirty = true;              ///< mesh_poses are out of date
         Watchers users;
     };
-    /// What pose() keeps for the scene itself, and for each subtree that copy() made.
+    /// The state of pose() for the scene itself, and for each subtree that copy() made.
     struct Posed {
-        std::unordered_map<NodeId, NodeId> node_of;  ///< copies: from the originals
-        std::vector<SkinId> skins;                   ///< copies: made for it
+        std::unordered_map<NodeId, NodeId> node_of;  ///< for copies: maps originals to copies
+        std::vector<SkinId> skins;                   ///< for copies: the skins made for the copy
         std::vector<NodeId> nodes;                   ///< moved by the last pose()
     };
     struct RefitStep {
@@ -106,7 +107,7 @@ struct Scene::State {
         Watchers users;
     };
 
-    /// A node with more children keeps their boxes in a tree, and leaves gaps where some were removed.
+    /// A node with more children keeps their boxes in a tree, and leaves gaps in its list where some were removed.
     static constexpr std::size_t kManyChildren = 2 * ChildBoxes::kBlock;
 
     const std::uint32_t generation = next_scene_generation();
@@ -119,15 +120,15 @@ struct Scene::State {
     SceneTable<SkinRecord, SkinTag> skins{generation};
     SceneTable<Clip, ClipTag> clips{generation};
     std::vector<ClipId> clip_order;
-    std::unordered_map<NodeId, Posed> posed;  ///< by copy; none: the scene itself
+    std::unordered_map<NodeId, Posed> posed;  ///< by copy; a null handle stands for the scene itself
     NodeId root;
-    mutable std::atomic<int> frames{0};  ///< FrameLocks alive
+    mutable std::atomic<int> frames{0};  ///< number of FrameLocks alive
 
     void require_editable() const
     {
         if (frames.load(std::memory_order_acquire) > 0) throw Error("", "the scene is being rendered: edits have to wait");
     }
-    /// The value of a live handle; throws Error otherwise.
+    /// Returns the value of a live handle and throws Error for any other.
     template <class T, class Tag>
     static T& at(SceneTable<T, Tag>& map, Handle<Tag> id, const char* kind)
     {
@@ -141,31 +142,32 @@ struct Scene::State {
         return at(const_cast<SceneTable<T, Tag>&>(map), id, kind);
     }
 
-    /// Marks the node, its ancestors, and all that show one of them as an instance. Stops at what is dirty already: what
-    /// lies above that is dirty too.
+    /// Marks the node, its ancestors, and all nodes that show one of them as an instance. It stops at nodes that are already
+    /// dirty, because everything above them is dirty too.
     void mark_dirty(NodeId id);
-    /// What the parent of a node knows of its box, place and visibility is out of date. Does not mark it.
+    /// Records in the parent that its data about this child's box, transform and visibility are out of date, without marking
+    /// it.
     void touch_in_parent(const NodeRecord& node);
-    /// Takes a node out of its parent's list: at a cost that does not grow with the list.
+    /// Removes a node from its parent's list, at a cost that does not grow with the list.
     void leave_parent(const NodeRecord& node);
     void mark_users_dirty(const CageRecord& cage);
-    /// True if `below` lies in what `above` shows, or is `above`.
+    /// Returns whether `below` lies in what `above` shows, or is `above`.
     bool is_shown_by(NodeId below, NodeId above) const;
-    /// Returns how many boxes of children it looked at beyond those that Scene::refit() has visited.
+    /// Refits one node and returns the number of children's boxes it visited beyond those that Scene::refit() has visited.
     std::size_t refit_node(NodeId id, NodeRecord& node);
-    /// The nodes that have to be up to date before this one is.
+    /// Pushes the nodes that must be up to date before this one.
     void push_below(NodeRecord& node, std::vector<RefitStep>& todo) const;
 
-    /// A node's place was changed: tells the nodes above, and skins.
+    /// Notifies the nodes above and the skins that a node's transform has changed.
     void place_changed(NodeId id, const NodeRecord& node);
     void place(NodeId id, NodeRecord& node, const Mat4d& parent_from_node);
-    /// Finds base and parents of a new skin's joints, and has the nodes between them know it.
+    /// Finds the base and the parents of a new skin's joints, and registers the skin with the nodes between them.
     void link_skin(SkinId id);
-    /// Has the nodes between a skinned node and the skin's base know it.
+    /// Registers a skinned node with the nodes between it and the skin's base.
     void link_user(NodeId id);
     void pose_skin(SkinRecord& skin) const;
     Mat4d node_from_skin(NodeId node, const SkinRecord& skin) const;
-    NodeId lowest_common(NodeId a, NodeId b) const;  ///< of the two and their ancestors
+    NodeId lowest_common(NodeId a, NodeId b) const;  ///< lowest common ancestor; a node counts as its own
     Mat4d path(NodeId above, NodeId node) const;     ///< above_from_node
     void restore(NodeRecord& node, NodeId id);
 };

@@ -1,4 +1,4 @@
-// An image as the application or a file gives it: encoded bytes or a path, and what it is for. Decoding is the store's.
+// An image as the application or a file gives it: encoded bytes or a path, and its role. The texture store decodes it.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace occam {
 
-/// Base colour and emission are sRGB in 8-bit files; everything else is data. Floating-point files are always linear.
+/// Base colour and emission are sRGB in 8-bit files; all else is data. Floating-point files are always linear.
 enum class TextureRole : std::uint8_t { Color, Data };
 
 struct Texture {
@@ -20,7 +20,7 @@ struct Texture {
     std::filesystem::path path;                             ///< a file, if `encoded` and `pixels` are empty
     std::shared_ptr<const std::vector<std::byte>> encoded;  ///< a whole image file in memory (GLB, data URI)
     std::vector<Vec4f> pixels;                              ///< or linear RGBA, row-major from the top left
-    int width = 0, height = 0;                              ///< of `pixels`
+    int width = 0, height = 0;                              ///< size of `pixels`
     std::uint64_t identity = 0;                             ///< unique in the process; given by Scene::add
 };
 

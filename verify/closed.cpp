@@ -30,10 +30,10 @@ std::string why_not_closed(const Cage& cage)
     std::vector<bool> is_hole(cage.face_count());
     for (const std::uint32_t h : cage.holes) is_hole[h] = true;
     struct Use {
-        std::uint32_t count = 0, before = 0;  // the vertex that its face has before it
+        std::uint32_t count = 0, before = 0;  // `before` is the vertex that precedes it in its face
     };
     std::map<std::pair<std::uint32_t, std::uint32_t>, Use> uses;
-    std::map<std::uint32_t, std::uint32_t> corners;  // faces around a vertex
+    std::map<std::uint32_t, std::uint32_t> corners;  // number of faces around each vertex
     std::size_t first = 0;
     for (std::size_t f = 0; f < cage.face_count(); ++f) {
         const std::size_t n = cage.scheme == Scheme::Triangles ? 3 : cage.face_sizes[f];
@@ -53,7 +53,7 @@ std::string why_not_closed(const Cage& cage)
         if (other == uses.end()) return name + " has a face on one side only";
         if (use.count != 1 || other->second.count != 1) return name + " has more than two faces";
     }
-    // Round a vertex from face to face: once around has to meet all of them.
+    // The walk goes around a vertex from face to face; one turn must reach all of its faces.
     std::map<std::uint32_t, std::uint32_t> any_edge;
     for (const auto& [edge, use] : uses) any_edge[edge.first] = edge.second;
     for (const auto& [vertex, count] : corners) {

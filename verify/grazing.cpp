@@ -21,7 +21,7 @@ bool GrazingRays::explain(const accel::Ray& ray, const lod::RayLevels<float>& ta
     if (!(sine > 0)) return false;
     const double reach = rounding / sine;
     for (int pair = table.finest; pair < table.coarsest; ++pair) {
-        // The two segments end a little beyond each other on either side of their transition.
+        // Each of the two segments reaches a little beyond their transition.
         const double ends[4] = {table.begin(pair), table.end(pair), table.begin(pair + 1), table.end(pair + 1)};
         for (const double end : ends)
             if (std::abs(double(hit.t) - end) <= reach) return true;

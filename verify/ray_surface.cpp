@@ -11,7 +11,7 @@ struct Slab {
     double near, far;
 };
 
-/// What of a triangle lies in a slab across the ray: a convex polygon of up to five corners, as triangles.
+/// Clips a triangle to a slab across the ray: the result is a convex polygon of up to five corners, as triangles.
 class SlabClip {
 public:
     SlabClip(Vec3d from, Vec3d direction, Slab slab, std::vector<Vec3d>& out)
@@ -71,7 +71,7 @@ double winding_number_of_ray(Vec3d from, Vec3d direction, const lod::RayLevels<f
     double sum = 0;
     std::vector<Vec3d> corners;
     for (int pair = table.finest; pair <= table.coarsest; ++pair) {
-        // Segments overlap evenly about their transitions.
+        // Segments overlap by equal lengths on either side of their transitions.
         const auto transition = [&](int finer) {
             const double far = (double(table.end(finer)) + double(table.begin(finer + 1))) / 2;
             const double near = (double(table.begin(finer)) + double(table.end(finer + 1))) / 2;

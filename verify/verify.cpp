@@ -35,13 +35,13 @@ Vec3d any_direction(Random& random)
     }
 }
 
-/// How a node of another scene deforms its cages.
+/// Describes how a node of another scene deforms its cages.
 struct Pose {
     const Node& node;
     const SkinSlot* skin;
 };
 
-/// A cage diced at some pairs of levels: what to aim at, and where inside is.
+/// Holds a cage diced at some pairs of levels, to find targets for rays and points inside.
 class Subject {
 public:
     Subject(const Cage& cage, const Mat4d& place, const TextureStore* textures, const Pose* pose)
@@ -50,7 +50,7 @@ public:
         NodeDesc desc{.matrix = place, .cages = {id}};
         if (pose) desc.morph_weights = pose->node.morph_weights;
         if (pose && pose->skin && cage.skin.sets > 0) {
-            // Joints stand where the node has them here, whatever is above them there.
+            // Joints are placed where the node has them here, whatever their parents are there.
             Skin skin;
             for (const Mat4d& mesh_pose : pose->skin->mesh_poses)
                 skin.joints.push_back(
@@ -79,7 +79,7 @@ public:
     const lod::PosedCage& posed() const noexcept { return posed_; }
     bool is_empty() const noexcept { return patches_.empty(); }
 
-    /// The coarsest level at which some patch has a rate of at least `rate`.
+    /// Returns the coarsest level at which some patch has a rate of at least `rate`.
     int level_of_rate(int rate) const
     {
         int level = lod::kFinestLevel;
@@ -92,8 +92,8 @@ public:
 
     struct Pair {
         int level = 0;
-        std::vector<lod::LevelGrid> grids, hanging;  ///< all; and those with T-vertices
-        std::vector<Vec3f> corners;                  ///< of the fine mesh's triangles
+        std::vector<lod::LevelGrid> grids, hanging;  ///< all grids, and those with T-vertices
+        std::vector<Vec3f> corners;                  ///< corners of the fine mesh's triangles
     };
     Pair dice(int level)
     {
@@ -130,12 +130,12 @@ private:
     std::vector<Patch> patches_;
 };
 
-/// A point of the mesh, as a function of a ray's blend.
+/// Describes a point of the mesh as a function of a ray's blend.
 struct Target {
     const lod::LevelGrid* grid = nullptr;
     int a = 0, c = 0;  ///< vertices; a point between them, or the T-vertex
     const lod::Hanging* hanging = nullptr;
-    double share = 0;  ///< of c, without hanging
+    double share = 0;  ///< the share of c, if the point is no T-vertex
 
     Vec3d at(Vec3d from, Vec3d direction, const lod::Blend<float>& blend) const
     {
@@ -149,7 +149,7 @@ struct Target {
     }
 };
 
-/// 45 % T-vertices and vertices, 15 % edges and diagonals, the rest anywhere in between.
+/// Picks a target: 45 % are T-vertices and vertices, 15 % are edges and diagonals, the others lie anywhere in between.
 Target any_target(const Subject::Pair& pair, Random& random)
 {
     Target target;
@@ -195,7 +195,7 @@ public:
             report_.not_testable = "it has no limit surface";
             return;
         }
-        // Finer, if what is inside is thinner than the edges.
+        // The level is finer if the inside is thinner than the edges.
         finest_ = subject_.level_of_rate(settings_.largest_rate);
         for (int finer = 0; finer < kFiner && starts_.empty(); ++finer, --finest_) {
             pairs_.clear();
@@ -211,7 +211,7 @@ public:
         lod::LevelSettings levels;
         levels.eye = subject_.posed().anchor;
         levels.pixel = {lod::edge_length(finest_), 0};
-        levels.shading_rate = 1 / lod::LevelSettings::kLongestEdge;  // footprints are edges
+        levels.shading_rate = 1 / lod::LevelSettings::kLongestEdge;  // footprints equal edge lengths
         levels.displaced = subject_.posed().displacement.reach;
         engine_levels_ = levels;
         if (settings_.overlap_ulps > 0) {
@@ -247,14 +247,15 @@ private:
             return nearest;
         };
         for (std::size_t attempt = 0; attempt < 4 * most && starts_.size() < most / 4; ++attempt) {
-            // Half anywhere, half near the surface.
+            // Half of the points lie anywhere, half near the surface.
             Vec3d p = box.lo + box.extent() * Vec3d(uniform(random_), uniform(random_), uniform(random_));
             if (attempt & 1)
                 p = Vec3d(pick(pairs_.front().corners, random_)) +
                     any_direction(random_) * (lod::edge_length(finest_) * uniform(random_, 2, 6));
             const double reach = distance_to_mesh(p) * 0.5;
             if (reach < lod::edge_length(finest_)) continue;
-            // In the fine mesh and all coarser ones that rays from here may see, and a little to all sides of it.
+            // The point must be inside the fine mesh and all coarser ones that rays from here may see, with a little
+            // room on all sides.
             bool is_inside = true;
             for (const Subject::Pair& pair : pairs_) {
                 if (pair.level > finest_ + 1 && lod::edge_length(pair.level) > 2 * reach) break;
@@ -302,7 +303,7 @@ private:
         ray.origin = subject_.posed().anchor + start.at;
         ray.footprint = {static_cast<float>(a), static_cast<float>(b)};
 
-        // The target moves with the direction's own blend: a few steps bring both together.
+        // The target moves with the blend, which depends on the direction: a few steps make both agree.
         Vec3d direction = uniform(random_) < 0.6 ? glm::normalize(rough - start.at) : any_direction(random_);
         const float far = static_cast<float>(4 * subject_.posed().radius);
         for (int step = 0; step < 3; ++step) {
@@ -333,7 +334,7 @@ private:
             }
             return;
         }
-        if (std::abs(winding_of(ray)) < 0.5) {  // the surface that this ray sees does not hold its start
+        if (std::abs(winding_of(ray)) < 0.5) {  // the start is outside of the surface that this ray sees
             ++report_.outside;
             return;
         }
@@ -351,7 +352,7 @@ private:
         report_.replay.push_back(out.str());
     }
 
-    /// Whether the ray passed between two levels only because they overlap less here than in the engine.
+    /// Returns whether the ray passed between two levels only because they overlap less here than in the engine.
     bool is_grazing(const accel::Ray& ray)
     {
         if (!(settings_.overlap_ulps > 0)) return false;
@@ -383,14 +384,14 @@ private:
     const VerifySettings& settings_;
     const TextureStore* textures_;
     VerifiedCage& report_;
-    std::map<int, std::vector<lod::LevelGrid>> diced_;  ///< for escapes
+    std::map<int, std::vector<lod::LevelGrid>> diced_;  ///< diced when rays escape
     Random random_;
     Subject subject_;
     int finest_ = 0;
     std::vector<Subject::Pair> pairs_;
     std::vector<Start> starts_;
     lod::LevelSettings levels_, engine_levels_;
-    std::unique_ptr<GrazingRays> grazing_;  ///< made when a ray first meets nothing
+    std::unique_ptr<GrazingRays> grazing_;  ///< made when the first ray hits nothing
 };
 
 VerifiedCage verify_posed(const Cage& cage, const Mat4d& world_from_object, const VerifySettings& settings,
