@@ -69,7 +69,7 @@ private:
     const Spot* spots_;
 };
 
-/// Returns the positions of the corners of a quad's two triangles, in units of quads.
+/// Holds the positions of the corners of a quad's two triangles, in units of quads.
 inline constexpr int kQuadCorners[2][3][2] = {{{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}};
 
 }  // namespace occam::accel

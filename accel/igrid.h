@@ -173,7 +173,7 @@ struct IGrid {
     Vec3f coarse_at(std::uint32_t v) const noexcept { return {coarse[0][v], coarse[1][v], coarse[2][v]}; }
 };
 
-/// Numbers a micropolygon. Gap triangles have the top bit set.
+/// Marks the numbers of gap triangles among those of micropolygons: it is their top bit.
 inline constexpr std::uint32_t kCloserBit = 0x80000000u;
 
 /// Builds igrids. The scratch memory is reused; the results lie in the arena.

@@ -36,7 +36,7 @@ int small_from(const lod::PatchScale& scale)
 
 std::int8_t level_bound(int level) { return static_cast<std::int8_t>(std::clamp<int>(level, Item::kAlways, Item::kNever)); }
 
-/// Holds for faces that do not change from level to level.
+/// The range of pairs for faces that do not change from level to level.
 constexpr PairRange kAllPairs{lod::kFinestLevel, lod::kCoarsestLevel};
 
 }  // namespace

@@ -62,7 +62,7 @@ OCCAM_ALWAYS_INLINE TriangleHit intersect(const RayLanes& ray, const ShearedVert
     return hit_inside(ray, e, inside, a, b, c);
 }
 
-/// Computes the side of the edge from p to q on which the ray passes; on the edge the value is 0. It is computed as in
+/// Holds the side of the edge from p to q on which the ray passes; on the edge the value is 0. It is computed as in
 /// edge_functions(), and the value for q to p is exactly the opposite.
 struct Edge {
     vfloat side;
