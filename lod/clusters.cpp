@@ -8,7 +8,7 @@
 namespace occam::lod {
 namespace {
 
-// Bits of x, 10 of them, two zeros between each.
+// Spreads the 10 bits of x, with two zeros between each.
 std::uint32_t spread_bits(std::uint32_t x)
 {
     x = (x | x << 16) & 0x030000ff;

@@ -26,7 +26,7 @@ DeformedCage::DeformedCage(const CageSlot& slot, const Node& node, const SkinSlo
         frame_from_mesh_ = frame_from_mesh_ * node.node_from_skin;
         joint_count_ = skin->mesh_poses.size();
         const std::span<Mat4d> joints = arena.make_array<Mat4d>(joint_count_);
-        // Joints that move no vertex are never asked for.
+        // Joints that move no vertex are never needed.
         int mirrored = 0;
         for (const JointBox& used : slot.deform[0].joints) {
             if (used.joint < joint_count_) joints[used.joint] = frame_from_mesh_ * skin->mesh_poses[used.joint];

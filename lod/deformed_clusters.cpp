@@ -3,7 +3,7 @@
 namespace occam::lod {
 namespace {
 
-// Faces around each vertex, one list after the other.
+// Holds the faces around each vertex, one list after the other.
 struct FacesOfVertices {
     std::vector<std::uint32_t> first, faces;
 

@@ -167,7 +167,7 @@ Vec3f Dicer::curve_end(const PosedCage& cage, std::uint32_t curve, int filter, i
 
 void Dicer::owned_points(const PosedCage& cage, std::uint32_t curve, int filter, float c0, float dc, std::span<Vec3f> out)
 {
-    // Few points are asked for again and again: by the patch on the other side, and by coarser pairs.
+    // A few points are needed repeatedly: by the patch on the other side, and by coarser pairs.
     const bool is_middle = c0 == 0.5f && out.size() == 1,
                is_kept = !cage.is_displaced() && (is_middle || (std::fabs(dc) == 0.25f && out.size() == 3));
     if (is_kept) {
@@ -208,7 +208,7 @@ void Dicer::curve_points(const PosedCage& cage, std::uint32_t curve, int filter,
             out[i++] = patch_point(cage, topology.curve_point(curve, c), filter);
             continue;
         }
-        // The longest run on one owner's patch.
+        // Finds the longest run on one owner's patch.
         std::size_t end = i + 1;
         while (end < out.size() && c_at(end) != 0 && c_at(end) != 1 &&
                !(knot && ((c_at(end) < 0.5f) != (c < 0.5f) || c_at(end) == 0.5f)))
@@ -242,7 +242,7 @@ void Dicer::dice_side(const PosedCage& cage, int side, LevelGrid& grid)
         for (int a = 0; a < 3; ++a) grid.fine[a][at] = p[a];
     };
     const auto lattice = [&](int n) { return along_v ? grid.index(fixed, n) : grid.index(n, fixed); };
-    // The vertex at lattice step `index` of the side, which ends a piece.
+    // Returns the vertex at lattice step `index` of the side, which ends a piece.
     const auto place_end = [&](int index, Vec3f p) {
         const int n = index - first;
         const bool is_inside = n >= 0 && n <= count;
@@ -289,7 +289,7 @@ LevelGrid Dicer::dice_vertices(const PosedCage& cage, const TileRef& tile, Arena
     extras_.clear();
     bool hangs = false;
     for (int side = 0; side < 4; ++side) hangs |= tile.rates.side[side] != (side & 1 ? tile.rates.v : tile.rates.u);
-    // One array for all three: and eight floats more, since lanes are loaded eight at a time.
+    // One array holds all three, and eight floats more, since lanes are loaded eight at a time.
     const std::size_t room = static_cast<std::size_t>(grid.vertex_count + (hangs ? LevelGrid::kMaxExtra : 0));
     float* data = arena.make_array<float>(3 * room + 8).data();
     for (std::size_t a = 0; a < 3; ++a) grid.fine[a] = grid.coarse[a] = data + a * room;

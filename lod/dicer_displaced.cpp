@@ -145,8 +145,8 @@ void Dicer::displaced_coarse_normals(const PosedCage& cage, const TileRef& tile,
 }
 
 namespace {
-constexpr int kPieces = 16;  // of a side, by which displaced speeds are measured
-/// The level that such pieces stand for.
+constexpr int kPieces = 16;  // the number of pieces of a side with which displaced speeds are measured
+/// Returns the level for which such pieces stand.
 int level_of_pieces(float speed) noexcept { return std::clamp(ceil_log2(speed) - 4, kFinestLevel, kCoarsestLevel); }
 }  // namespace
 

@@ -54,7 +54,7 @@ PosedDisplacement::PosedDisplacement(const Cage& cage, const TextureStore& store
     map = frame_from_object;
     sense = mirrored ? -1.0f : 1.0f;
     turns = deformed && of->axes == Displacement::Axes::Object;
-    // A little more than the bound: offsets are rounded.
+    // This is a little more than the bound, because offsets are rounded.
     reach = static_cast<float>(largest_stretch(frame_from_object) * double(of->bound)) * (1 + 0x1p-18f);
     stops = std::min(ceil_log2(4 * radius), kCoarsestLevel);
 }
@@ -65,7 +65,7 @@ Vec3d PosedDisplacement::from_object(Vec3d v) const noexcept
     return {row(0), row(1), row(2)};
 }
 
-// By the map's cofactors: up to its determinant's size.
+// The map's cofactors give the normal, up to the size of the determinant.
 Vec3d PosedDisplacement::to_object(Vec3d v) const noexcept
 {
     const auto column = [&](int c) { return Vec3d(map[0][c], map[1][c], map[2][c]); };
@@ -97,7 +97,7 @@ Vec3d PosedDisplacement::turned(const PointToDisplace& at, Vec3d v) const noexce
     const double far = glm::length(placed), length = glm::length(v);
     const SurfaceAxes rest(at.rest_du, at.rest_dv), pose(at.du, at.dv);
     if (!rest.is_good || !pose.is_good || !(length > 0)) return placed;
-    // What the pose did to the surface is [a b; 0 d] in these axes, and (a + d, -b) the direction of its nearest rotation.
+    // The pose maps the surface by [a b; 0 d] in these axes, and (a + d, -b) the direction of its nearest rotation.
     const double a = pose.du / rest.du, d = pose.dv_across / rest.dv_across;
     const double b = (pose.dv_along - a * rest.dv_along) / rest.dv_across;
     const double size = std::sqrt((a + d) * (a + d) + b * b);

@@ -18,7 +18,7 @@ using namespace OpenSubdiv;
 // distance between the surface and the hull of its control points is left.
 constexpr std::size_t kMostFaces = 60'000;
 constexpr int kMostLevels = 3;
-// Placed cages beyond so many points in all give the corners of their boxes.
+// Beyond this many points in all, placed cages give the corners of their boxes.
 constexpr std::size_t kMostPoints = 50'000'000;
 
 struct Point {

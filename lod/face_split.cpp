@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kBins = 16;
 constexpr std::size_t kSamples = 8192;     // faces that a plane is chosen by; of more, every second, third, ...
-constexpr std::size_t kWorthParting = 32;  // faces from which on large ones are parted from the others
+constexpr std::size_t kWorthParting = 32;  // number of faces from which on large ones are separated
 constexpr float kLarge = 1.0f / 16;        // of the whole box's area
 constexpr float kWorthIt = 0.9f;           // of the cost without a split
 

@@ -33,7 +33,7 @@ double nearest_distance(const LevelSettings& settings, const PosedCage& cage, bo
             nearest = std::min(nearest, std::max(distance_to(box), box.radius() / 8));
             continue;
         }
-        // The nearer child on top.
+        // The nearer child comes on top.
         const bool left_is_nearer = distance_to(cage.world_box(node.left)) <= distance_to(cage.world_box(node.left + 1));
         todo.push_back(node.left + (left_is_nearer ? 1 : 0));
         todo.push_back(node.left + (left_is_nearer ? 0 : 1));

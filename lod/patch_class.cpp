@@ -11,9 +11,9 @@
 namespace occam::lod {
 namespace {
 
-// Where a piece is sampled, well inside so that no neighbour's piece is met.
+// The parameters where a piece is sampled, well inside so that no neighbouring piece is touched.
 constexpr std::array<double, 4> kSamples{0.125, 0.375, 0.625, 0.875};
-// Where the piece found is tried: no pattern with the samples.
+// The parameters where the resulting piece is tested; they form no pattern with the samples.
 constexpr std::array<std::array<double, 2>, 5> kTrials{{{0.5, 0.5}, {0.05, 0.07}, {0.96, 0.03}, {0.04, 0.94}, {0.93, 0.97}}};
 // Where it is tried if there are creases: one of sharpness 6 or more touches none of the points inside of the whole patch.
 constexpr std::array<std::array<double, 2>, 8> kBorderTrials{
@@ -162,7 +162,7 @@ void PatchClass::classify(Node& node) const
     node.kind.store(Node::Split, std::memory_order_release);
 }
 
-/// Whether the weights of all control points are cubic along lines of the rectangle in one direction.
+/// Returns whether the weights of all control points are cubic along lines of the rectangle in one direction.
 bool PatchClass::is_cubic_along(const Node& node, bool along_v) const
 {
     static const Matrix4 inverse = inverse_sampling();

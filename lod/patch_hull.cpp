@@ -4,7 +4,7 @@
 
 namespace occam::lod {
 
-/// Four points: of control point k at k * 4.
+/// The weights of four points: those of control point k start at k * 4.
 struct PatchHull::Row {
     std::vector<float> weights;
     float speed;
@@ -22,7 +22,7 @@ double sum(const CubicWeights& w, const double* q)
     return double(w.b[0]) * q[0] + double(w.b[1]) * q[1] + double(w.b[2]) * q[2] + double(w.b[3]) * q[3];
 }
 
-// Weight of control point k for Bezier point (i, j) of a bicubic square.
+// Returns the weight of control point k for Bezier point (i, j) of a bicubic square.
 float bezier_weight(const PatchClass::Node& node, std::size_t k, std::size_t i, std::size_t j)
 {
     static const BezierWeights bezier = bezier_weights(0, 1);
@@ -35,10 +35,10 @@ float bezier_weight(const PatchClass::Node& node, std::size_t k, std::size_t i, 
     return static_cast<float>(sum(bezier.row[j], along));
 }
 
-// Offset of row or column i of a lattice over a square whose side along that axis is `size`.
+// Returns the offset of row or column i of a lattice over a square whose side along that axis is `size`.
 float lattice_step(float size, std::size_t i) { return float(std::min<std::size_t>(i, 2)) * 0.5f * size; }
 
-// Whether a rectangle that is not bicubic is to be taken apart.
+// Returns whether a rectangle that is not bicubic must be split.
 bool is_opened(const PatchClass& kind, const PatchClass::Node& node)
 {
     const int residual = kind.crease_depth() + PatchHull::kResidualDepth;
@@ -123,7 +123,7 @@ PatchHull::PatchHull(const PatchClass& kind, const PatchClass::Node& root)
     add_group(together, 0);
 }
 
-// Rows [first, first + 4); those that there are not have no weight.
+// Rows [first, first + 4); rows that do not exist have no weight.
 void PatchHull::add_group(const std::vector<Row>& rows, std::size_t first)
 {
     const std::size_t n = rows[first].weights.size() / 4;

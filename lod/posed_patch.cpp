@@ -9,10 +9,10 @@
 namespace occam::lod {
 namespace {
 
-// Local parameter of a piece, exact: all are dyadic.
+// Returns the local parameter of a piece, which is exact because all are dyadic.
 double local(float t, float t0, int depth) noexcept { return (double(t) - double(t0)) * power_of_two_double(depth); }
 
-// First index of a lattice t0 + i * step (step > 0) with a value of at least `border`.
+// Returns the first index of a lattice t0 + i * step (step > 0) with a value of at least `border`.
 int first_at(float t0, float step, float border, int begin, int end) noexcept
 {
     const int i = static_cast<int>(std::ceil((double(border) - double(t0)) / double(step)));
@@ -29,7 +29,7 @@ void PosedPatch::forget()
     side_speed_.fill(-1);
 }
 
-// What is there is written over: vectors only grow.
+// Old content is overwritten: vectors only grow.
 void PosedPatch::make_room(std::size_t count)
 {
     count_ = count;
@@ -112,7 +112,7 @@ void PosedPatch::fill_piece(const PatchClass::Node& node, const ParameterGrid& g
     constexpr int kMaxColumns = 32;
     OCCAM_DCHECK_LE(i1 - i0, kMaxColumns);
     const PieceControls& net = piece(node);
-    // What derivatives grow by from the piece's parameters to the patch's.
+    // The factor by which derivatives grow from the piece's parameters to the patch's.
     const float scale_u = power_of_two(node.depth_u), scale_v = power_of_two(node.depth_v);
     alignas(32) float wu[4][kMaxColumns + 8], du[4][kMaxColumns + 8];
     for (int i = i0; i < i1; ++i) {

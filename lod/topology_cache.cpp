@@ -10,7 +10,7 @@
 namespace occam::lod {
 namespace {
 
-// All that a Topology is made from, as numbers: equal words, equal topology.
+// Returns all that a Topology is made from, as words: equal words give an equal topology.
 std::vector<std::uint32_t> connectivity_of(const Cage& cage)
 {
     std::vector<std::uint32_t> words{std::uint32_t(cage.scheme), std::uint32_t(cage.boundary),
@@ -49,7 +49,7 @@ struct TopologyCache::State {
         std::once_flag once;
         std::shared_ptr<const Topology> topology;
     };
-    /// The topology of cages that are connected like this one; others who ask for it wait.
+    /// Returns the topology of cages that are connected like this one; other callers wait for it.
     std::shared_ptr<const Topology> topology_of(const Cage& cage)
     {
         std::shared_ptr<Shared> shared;

@@ -17,7 +17,7 @@ class Crowding {
 public:
     explicit Crowding(const Cage& cage) : cage_(cage), is_crowded_(cage.positions.size()) {}
 
-    /// By vertex; empty: none is.
+    /// Indexed by vertex; empty if there are none.
     const std::vector<bool>& run()
     {
         if (!find_pairs()) return none_;
@@ -84,7 +84,7 @@ private:
     }
 
     const Cage& cage_;
-    std::vector<std::uint32_t> corners_;  // by vertex: of how many faces
+    std::vector<std::uint32_t> corners_;  // by vertex: its number of faces
     std::unordered_map<std::uint64_t, int> edges_;
     std::vector<bool> is_border_, is_crowded_, none_;
     bool any_ = false;

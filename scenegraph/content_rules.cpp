@@ -7,7 +7,7 @@
 namespace occam {
 namespace {
 
-// One thing's values, each looked at once.
+// Checks the values of one object, each once.
 class Rules {
 public:
     Rules(const char* kind, const std::string& name) : where_(name.empty() ? kind : std::string(kind) + " '" + name + "'") {}

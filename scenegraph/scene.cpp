@@ -18,7 +18,7 @@ void require_finite(const Mat4d& m)
             if (!std::isfinite(m[c][r])) throw Error("", "a transform must be finite");
 }
 
-// The rigid part of a placement: a camera does not scale.
+// Returns the rigid part of a matrix, because a camera does not scale.
 Mat4d rigid(const Mat4d& m)
 {
     const auto length_of = [](Vec3d v) { return std::sqrt(glm::dot(v, v)); };

@@ -158,7 +158,7 @@ NodeId Scene::copy(NodeId subtree, NodeId parent)
         std::erase_if(desc.cages, [&](CageId id) { return !s.cages.find(id); });
         if (!s.lights.find(desc.light)) desc.light = {};
         if (!s.cameras.find(desc.camera)) desc.camera = {};
-        // The pose of the moment is no part of a copy's rest.
+        // The current pose is not part of a copy's rest values.
         if (const auto& rest = s.nodes.find(originals[i])->rest) {
             if (rest->place) desc.place = *rest->place, desc.matrix = rest->matrix;
             if (rest->weights) desc.morph_weights = *rest->weights;

@@ -117,7 +117,7 @@ void Scene::State::push_below(NodeRecord& node, std::vector<RefitStep>& todo) co
     if (node.instance_of) todo.push_back({node.instance_of, false});
 }
 
-// Depth first without recursion, since a stranger's tree may be deep. add_node() keeps the graph free of cycles; a node
+// Depth first without recursion, since an untrusted tree may be deep. add_node() keeps the graph free of cycles; a node
 // that is reached twice is clean the second time.
 std::size_t Scene::refit()
 {

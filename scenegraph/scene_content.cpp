@@ -8,7 +8,7 @@ namespace occam {
 
 namespace {
 
-// Renderers key what they keep by this across frames and scenes, so it counts for the whole process.
+// Renderers use this as a key for cached data across frames and scenes, so it counts for the whole process.
 std::uint64_t next_identity() noexcept
 {
     static std::atomic<std::uint64_t> last{0};

@@ -81,7 +81,7 @@ Mat4d Scene::State::node_from_skin(NodeId id, const SkinRecord& skin) const
 {
     const NodeId top = skin.base ? lowest_common(id, skin.base) : NodeId();
     const Mat4d top_from_node = path(top, id);
-    // A node squeezed to nothing shows nothing.
+    // A node that is scaled to zero shows nothing.
     const double size = glm::determinant(Mat3d(top_from_node));
     if (size == 0 || !std::isfinite(size)) return {Vec4d(0), Vec4d(0), Vec4d(0), Vec4d(0, 0, 0, 1)};
     return glm::inverse(top_from_node) * path(top, skin.base);
@@ -123,7 +123,7 @@ void Scene::State::pose_skin(SkinRecord& skin) const
 
 void Scene::State::place_changed(NodeId id, const NodeRecord& node)
 {
-    // The node's own box is in its own axes and stays; only a root has nobody above to tell.
+    // The node's own box is in its own axes and stays; only a root has no node above it to notify.
     touch_in_parent(node);
     mark_dirty(node.parent ? node.parent : id);
     if (!node.dependents) return;
