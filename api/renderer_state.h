@@ -1,4 +1,4 @@
-// What a renderer keeps from frame to frame: private to api/.
+// The state that a renderer keeps from frame to frame; it is private to api/.
 #pragma once
 
 #include <atomic>
@@ -10,8 +10,8 @@
 
 namespace occam {
 
-/// Topology tables that several may use. They are pruned only while no query uses them: a query may ask about a scene that
-/// is not the one to be rendered.
+/// Holds topology tables that several callers may use. They are pruned only while no query uses them, because a query may
+/// ask about a scene other than the one to be rendered.
 class SharedTopologies {
 public:
     lod::TopologyCache cache;

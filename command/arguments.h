@@ -1,4 +1,4 @@
-// What was asked for on the command line, checked as far as that can be done without opening a file.
+// The arguments of the command line, checked as far as that is possible without opening a file.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@ namespace occam::command {
 
 enum class ProgressStyle : unsigned char { Auto, Plain, OpenJd, None };
 
-/// How the scene's file is read.
+/// Says how the scene's file is read.
 struct SceneArguments {
     std::filesystem::path scene;  ///< empty: the built-in scene
     LoadOptions load;
@@ -26,19 +26,19 @@ struct LookAt {
 struct RenderArguments : SceneArguments {
     std::filesystem::path output;
     Settings settings;
-    bool size_given = false;  ///< else the camera's aspect decides the height
+    bool size_given = false;  ///< if false, the camera's aspect decides the height
     Resources resources;
-    std::string camera;      ///< name; empty: the first
-    std::string lod_camera;  ///< name; empty: the picture's own
+    std::string camera;      ///< name; empty: the first camera
+    std::string lod_camera;  ///< name; empty: the picture's own camera
     std::optional<LookAt> look_at;
-    std::optional<Vec3d> up;            ///< none: by the file's format
-    std::optional<ViewFrom> view_from;  ///< given: the scene is framed from there, whatever cameras it has
+    std::optional<Vec3d> up;            ///< none: decided by the file's format
+    std::optional<ViewFrom> view_from;  ///< if given, the scene is framed from there, whatever cameras it has
     float fov_deg = 0;                  ///< 0: the camera's own, or 39.6
     float lens_radius = 0, focus = 0;   ///< 0: the camera's own
     int blades = 0;
-    std::filesystem::path environment;  ///< image instead of the scene's own; empty: none was given
+    std::filesystem::path environment;  ///< image that replaces the scene's own; empty: none was given
     float environment_strength = 1, environment_rotation_deg = 0;
-    bool has_environment = true;  ///< false: the scene's own is left out
+    bool has_environment = true;  ///< if false, the scene's own environment is left out
     std::string clip;             ///< name, number or `all`; empty: Scene::clips_together(), if a time is asked for
     std::optional<double> time;   ///< seconds on the clip's own axis
     std::optional<int> frame;     ///< time is frame / fps
@@ -62,7 +62,7 @@ struct InfoArguments : SceneArguments {
 
 struct CompareArguments {
     std::filesystem::path a, b;
-    std::string layer = "beauty";  ///< that the limits and the heat map are for
+    std::string layer = "beauty";  ///< the layer to which the limits and the heat map apply
     bool json = false;
     std::filesystem::path heat;
     double heat_scale = 0;  ///< 0: the largest difference
@@ -75,10 +75,10 @@ struct VerifyArguments : SceneArguments {
 };
 
 struct BenchArguments {
-    std::vector<std::string> words;  ///< for the program of benchmarks
+    std::vector<std::string> words;  ///< arguments for the benchmark program
 };
 
-/// Nothing to do but to end with that exit code: what there was to say has been said.
+/// Says that nothing is left to do but to end with that exit code: all messages have been printed.
 struct Finished {
     int exit_code;
 };
@@ -86,7 +86,7 @@ struct Finished {
 using Arguments = std::variant<Finished, RenderArguments, AnimateArguments, InfoArguments, VerifyArguments, CompareArguments,
                                BenchArguments>;
 
-/// Usage errors go to standard error, --help and --version to standard output.
+/// Parses the command line. Usage errors go to standard error, --help and --version to standard output.
 Arguments parse(int argc, char** argv);
 
 int run(const RenderArguments& arguments);
@@ -96,7 +96,7 @@ int run(const VerifyArguments& arguments);
 int run(const CompareArguments& arguments);
 int run(const BenchArguments& arguments);
 
-/// The scene of a file, or the built-in one.
+/// Returns the scene of a file, or the built-in one.
 Scene open_scene(const SceneArguments& arguments);
 
 }  // namespace occam::command

@@ -1,4 +1,4 @@
-// What commands that make pictures share: the pose and the camera that were asked for, waiting for a frame, saying what it
+// What the commands that make pictures share: they set the requested pose and camera, wait for a frame and print its
 // cost.
 #pragma once
 
@@ -11,19 +11,19 @@
 
 namespace occam::command {
 
-/// The camera and the pose of each frame of one scene.
+/// Chooses the camera and the pose of each frame of one scene.
 class Framing {
 public:
-    /// Throws Error for a clip that is not there.
+    /// Throws Error if the clip does not exist.
     Framing(Scene& scene, const RenderArguments& arguments);
 
-    /// Has camera() see the scene throughout its clip, with one camera for all frames. Changes the pose.
+    /// Makes camera() see the scene throughout its clip, with one camera for all frames. Changes the pose.
     void fit_clip();
 
-    /// Poses the scene: at `frame` of a sequence, or without one as the arguments say.
+    /// Poses the scene at `frame` of a sequence, or as the arguments say if no frame is given.
     void pose(std::optional<int> frame = std::nullopt);
-    /// The camera that was asked for, else the first one of the file, else one that fits the scene as it is posed, or the
-    /// whole clip after fit_clip(). Throws Error for a camera that is not there, or a view that has no direction.
+    /// Returns the requested camera, else the first one of the file, else one that fits the scene as it is posed, or the
+    /// whole clip after fit_clip(). Throws Error if the camera does not exist, or for a view that has no direction.
     Camera camera();
     Camera camera_named(const std::string& name) const;
     /// The arguments' settings, their height from a camera's aspect where no size was given.
@@ -37,32 +37,32 @@ private:
 
     Scene& scene_;
     const RenderArguments& arguments_;
-    std::vector<ClipId> clips_;  // that play at the same time
+    std::vector<ClipId> clips_;  // the clips that play at the same time
     lod::Extent extent_;
     CameraFit fit_;
     bool is_clip_fitted_ = false;
 };
 
-/// How waiting for a frame ended.
+/// Says how waiting for a frame ended.
 enum class Ending : unsigned char {
     Whole,     ///< nobody interrupted it
     Part,      ///< it was interrupted, and the job has ended with what is done
     Abandoned  ///< it was interrupted with nothing to keep; the job may still run, so the process has to end without it
 };
 
-/// Waits for the frame and shows how far it is: part `done` of `all` equal ones. The caller holds interrupts.
-/// keeps_part   a picture that is done in parts is worth waiting for
+/// Waits for the frame and shows its progress, as part `done` of `all` equal ones. The caller holds interrupts.
+/// keeps_part   true if a picture that is done in parts is worth waiting for
 Ending wait_for(Job& job, ProgressDisplay& display, bool keeps_part, std::size_t done = 0, std::size_t all = 1);
 
-/// Checks, before minutes of work, that pictures and statistics can be written, and removes what killed runs left of these
-/// pictures. The pictures are in one folder and of one format. Throws Error.
+/// Checks, before minutes of work, that pictures and statistics can be written, and removes what killed runs left of
+/// these pictures. The pictures are in one folder and of one format. Throws Error.
 void check_outputs(const RenderArguments& arguments, std::span<const std::filesystem::path> pictures);
 
-/// What the importer chose, on standard error.
+/// Prints what the importer chose on standard error.
 void print_notes(const Scene& scene);
-/// The first five warnings and the number of the rest, or all of them, on standard error.
+/// Prints the first five warnings and the number of the rest, or all of them, on standard error.
 void print_warnings(const std::vector<std::string>& warnings, bool all);
-/// Size, time and checksum of a frame, on standard error.
+/// Prints size, time and checksum of a frame on standard error.
 void print_figures(const FrameStats& stats);
 
 }  // namespace occam::command

@@ -1,4 +1,4 @@
-// Ctrl-C and a polite kill.
+// Handling of Ctrl-C and SIGTERM.
 //
 // A signal ends the process at once with exit code 130, unless something is being made that is worth keeping: while a
 // HeldInterrupts lives, the first signal is noted and the second one ends the process.
@@ -10,7 +10,7 @@ inline constexpr int kInterruptedExit = 130;
 
 /// Installs the handlers of SIGINT and SIGTERM.
 void catch_interrupts() noexcept;
-/// True if a signal was noted.
+/// Returns true if a signal was noted.
 bool is_interrupted() noexcept;
 /// Ends the process now, without waiting for threads.
 [[noreturn]] void end_interrupted() noexcept;

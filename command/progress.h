@@ -1,4 +1,4 @@
-// How far a frame is, said in the way that was asked for.
+// Display of a frame's progress, in the requested style.
 #pragma once
 
 #include <chrono>
@@ -10,19 +10,19 @@ namespace occam::command {
 
 class ProgressDisplay {
 public:
-    /// Auto is a bar if standard error is a terminal, else nothing.
+    /// The style Auto is a bar if standard error is a terminal, and nothing otherwise.
     ProgressDisplay(ProgressStyle style, bool quiet);
     ~ProgressDisplay();
     ProgressDisplay(const ProgressDisplay&) = delete;
     ProgressDisplay& operator=(const ProgressDisplay&) = delete;
 
-    void say(const std::string& status);  ///< what begins now: reading, writing
+    void say(const std::string& status);  ///< prints what begins now: reading, writing
     void show(const Progress& progress);
-    /// What the progress is of, where there are several frames; stands before it.
+    /// Sets the subject that stands before the progress where there are several frames.
     void set_subject(std::string subject) { subject_ = std::move(subject); }
-    /// One of several equal parts is done, and its file is there.
+    /// Reports that one of several equal parts is done and its file exists.
     void finish_part(std::size_t done, std::size_t all, const std::string& file);
-    /// The line by which a farm learns what went wrong; nothing in the other styles.
+    /// Prints the line from which a render farm learns what went wrong; does nothing in the other styles.
     void fail(const std::string& what);
     /// Clears the bar, so that other lines can follow.
     void end();
@@ -37,7 +37,7 @@ private:
     int last_percent_ = -1;
 };
 
-/// "4 s", "3 min 20 s", "2 h 5 min".
+/// Returns a duration as text: "4 s", "3 min 20 s", "2 h 5 min".
 std::string duration_text(double seconds);
 
 }  // namespace occam::command

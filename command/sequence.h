@@ -1,4 +1,4 @@
-// Which frames of a sequence are made, by whom, and what their files are called.
+// The frames of a sequence, their division among processes and the names of their files.
 #pragma once
 
 #include <filesystem>
@@ -22,20 +22,20 @@ private:
     int digits_ = 1;
 };
 
-/// "1-240", "1-240x10", "1-10,20,31-40x2": frames in that order, each once. Numbers from 0 to a million; at most a million
-/// of them. Throws std::invalid_argument.
+/// Parses "1-240", "1-240x10" or "1-10,20,31-40x2" into frames in that order, each once. Numbers go from 0 to a million,
+/// and there are at most a million of them. Throws std::invalid_argument.
 std::vector<int> frames_of(std::string_view text);
 
-/// One of `count` equal parts of a sequence; index from 1.
+/// Describes one of `count` equal parts of a sequence; the index counts from 1.
 struct Shard {
     int index = 1, count = 1;
-    /// Frames that fall to it: every count-th.
+    /// Returns the frames of this part: every count-th one.
     std::vector<int> of(const std::vector<int>& frames) const;
 };
-/// "2/8": the second of eight. Throws std::invalid_argument.
+/// Parses "2/8", which is the second part of eight. Throws std::invalid_argument.
 Shard shard_of(std::string_view text);
-/// What an array job of Slurm says about itself (SLURM_ARRAY_TASK_ID, _MIN, _STEP, _COUNT); none outside of one.
-/// variable   its value by name, or null; as std::getenv
+/// Returns the part that an array job of Slurm states (SLURM_ARRAY_TASK_ID, _MIN, _STEP, _COUNT), or none outside of one.
+/// variable   returns a variable's value by its name, or null, like std::getenv
 std::optional<Shard> slurm_shard(const char* (*variable)(const char*));
 
 }  // namespace occam::command

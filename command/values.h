@@ -1,4 +1,4 @@
-// Values of options from their text. Each throws std::invalid_argument that says what was expected.
+// Values of options, parsed from their text. Each function throws std::invalid_argument that says what was expected.
 #pragma once
 
 #include <cstddef>

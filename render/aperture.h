@@ -7,12 +7,12 @@
 
 namespace occam::render {
 
-/// Uniform in the opening, whose corners (or rim) lie at distance 1. `square` uniform in [0, 1); fewer than 3 blades: a
-/// disc.
+/// Returns a uniform point in the opening, whose corners (or rim) lie at distance 1. `square` is uniform in [0, 1). With
+/// fewer than 3 blades the opening is a disc.
 inline Vec2f aperture_point(Vec2f square, int blades) noexcept
 {
     if (blades < 3) return shade::disc_point(square);
-    // One of the triangles about the middle, and a point of it: its base is the edge between two corners.
+    // This picks one of the triangles about the middle, and a point in it. Its base is the edge between two corners.
     const float at = square.x * static_cast<float>(blades);
     const float blade = std::min(std::floor(at), static_cast<float>(blades - 1));
     const float along = at - blade, out = std::sqrt(square.y);

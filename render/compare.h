@@ -1,7 +1,7 @@
-// How far two pictures are apart.
+// Differences between two pictures.
 //
 // Figures are means over all channels of all pixels that can be compared, in double. A pixel that is NaN in either
-// picture, or infinite in one alone, cannot be compared and is counted; infinite in both alike is equal.
+// picture, or infinite in only one, cannot be compared and is counted. A pixel that is infinite in both alike is equal.
 #pragma once
 
 #include <cstdint>
@@ -15,25 +15,25 @@ namespace occam::render {
 struct Difference {
     std::string layer;
     std::uint64_t pixels = 0;
-    std::uint64_t incomparable = 0;  ///< pixels left out of the figures below
+    std::uint64_t incomparable = 0;  ///< pixels that are left out of the figures below
     double mse = 0, rmse = 0;
-    double rel_mse = 0;  ///< mean of (a - b)^2 / (b^2 + 0.01), b the reference (Rousselle et al. 2011, sec. 5)
-    double psnr = 0;     ///< dB, of a peak of 1; infinity if the pictures are equal
+    double rel_mse = 0;  ///< mean of (a - b)^2 / (b^2 + 0.01), where b is the reference (Rousselle et al. 2011, sec. 5)
+    double psnr = 0;     ///< in dB, for a peak of 1; infinity if the pictures are equal
     double max = 0;      ///< largest absolute difference
     double p999 = 0;     ///< 99.9th percentile of a pixel's largest absolute difference (nearest rank)
 };
 
-/// Compares two layers with the same channels (beauty: R, G and B alone). Throws Error if sizes or channels differ.
+/// Compares two layers with the same channels (only R, G and B of beauty). Throws Error if sizes or channels differ.
 Difference compare(const Image& a, const Image& reference, const std::string& layer);
 
-/// Compares every layer that both have, beauty first. Throws Error if sizes differ or no layer is common.
+/// Compares every layer that both pictures have, beauty first. Throws Error if sizes differ or no layer is common.
 std::vector<Difference> compare(const Image& a, const Image& reference);
 
-/// The layer's largest absolute difference at each pixel as a colour: black none, through red and yellow to white at
-/// `scale` and more; incomparable pixels magenta.
+/// Returns the layer's largest absolute difference at each pixel as a colour, from black for none through red and yellow
+/// to white at `scale` and above. Pixels that cannot be compared are magenta.
 Image heat_map(const Image& a, const Image& reference, const std::string& layer, double scale);
 
-/// A JSON array, one object a layer.
+/// Returns a JSON array with one object per layer.
 std::string to_json(const std::vector<Difference>& differences);
 
 }  // namespace occam::render

@@ -1,8 +1,9 @@
-// Cryptomatte: which objects and materials a pixel shows, and how much of it each covers, by Psyop's specification 1.2.0.
+// Cryptomatte: which objects and materials a pixel shows, and the coverage of each, by Psyop's specification 1.2.0.
 //
-// A name's id is its MurmurHash3 as a float's bits. A pixel's ids are ranked by coverage; two of them with their coverages
-// make one RGBA layer: CryptoObject00 holds ranks 0 and 1, CryptoObject01 ranks 2 and 3, and so on. A manifest in the file's
-// head says the names. An object is a node by its name, so instances of one name are one matte.
+// The id of a name is its MurmurHash3, read as the bits of a float. The ids of a pixel are ranked by coverage, and two of
+// them with their coverages make one RGBA layer: CryptoObject00 holds ranks 0 and 1, CryptoObject01 ranks 2 and 3, and so
+// on. A manifest in the header of the file lists the names. An object is a node, identified by its name, so instances of
+// one name are one matte.
 #pragma once
 
 #include <cstdint>
@@ -18,28 +19,29 @@ namespace occam::render {
 
 inline constexpr int kMatteRanks = 6, kMatteLayers = kMatteRanks / 2;
 
-/// MurmurHash3_x86_32 (Appleby, public domain) of UTF-8, seed 0.
+/// Returns the MurmurHash3_x86_32 (Appleby, public domain) of UTF-8 text with seed 0.
 std::uint32_t murmur3(std::string_view text) noexcept;
-/// The same as a finite, normal number: an exponent of all zeros or ones has its lowest bit turned.
+/// Returns the same hash as a finite, normal number: an exponent of all zeros or all ones has its lowest bit flipped.
 float matte_id(std::string_view name) noexcept;
 
 std::string_view matte_name(const Scene& scene, NodeId node) noexcept;
 std::string_view matte_name(const Material& material) noexcept;
 
-/// What one surface covers of one sample.
+/// Holds the share of one sample that one surface covers.
 struct MatteShare {
-    std::uint32_t sample = 0;  ///< of the batch
+    std::uint32_t sample = 0;  ///< index in the batch
     float object = 0, material = 0;
     float coverage = 0;
 };
 
-/// The ids of one pixel. Sums depend on the order of the samples alone.
+/// Sums the ids of one pixel. The sums depend only on the order of the samples.
 class MatteSums {
 public:
     void clear() noexcept { shares_.clear(); }
     void add(float id, double coverage);
-    /// Id and coverage of each rank, the largest coverage first (then the smaller bits of the id); zeros where there are
-    /// fewer. weight   of all samples of the pixel; overwrites the order of what was added
+    /// Writes id and coverage of each rank, the largest coverage first (then the id with the smaller bits), and zeros
+    /// where there are fewer. Overwrites the order in which shares were added.
+    /// weight   of all samples of the pixel
     void rank(double weight, float (&out)[2 * kMatteRanks]);
 
 private:
@@ -50,10 +52,10 @@ private:
     std::vector<Share> shares_;
 };
 
-/// CryptoObject or CryptoMaterial; empty for other layers.
+/// Returns CryptoObject or CryptoMaterial, or an empty name for other layers.
 std::string_view matte_layer(Aov aov) noexcept;
 
-/// Adds what readers of the layers want to know: names, hash, conversion, manifest.
+/// Adds the attributes that readers of the layers need: names, hash, conversion and manifest.
 void describe_mattes(Image& image, const Scene& scene, const Settings& settings);
 
 }  // namespace occam::render

@@ -1,8 +1,9 @@
-// Where samples become pixels.
+// The film, where samples become pixels.
 //
-// A pixel's samples are added by one worker, in their order, in double: so the sums have the same bits in every run.
-// Colour layers, normal_mean and occlusion are means with the reconstruction filter's weights. Depth, normals, uv, position
-// and id are those of the one sample nearest the middle of the pixel: the mean of two depths lies on no surface.
+// The samples of a pixel are added by one worker, in their order and in double, so the sums have the same bits in every
+// run. Colour layers, normal_mean and occlusion are means with the weights of the reconstruction filter. Depth, normals,
+// uv, position and id are those of the one sample nearest to the middle of the pixel, because the mean of two depths lies
+// on no surface.
 #pragma once
 
 #include <limits>
@@ -14,7 +15,7 @@
 
 namespace occam::render {
 
-/// The first surface that a sample met.
+/// Describes the first surface that a sample met.
 struct FirstHit {
     float depth = std::numeric_limits<float>::infinity();  ///< camera z
     Vec3f normal{0}, normal_geometric{0};
@@ -23,7 +24,7 @@ struct FirstHit {
     float id = 0;
 };
 
-/// What one sample of a pixel brought back; colours multiplied by alpha.
+/// Holds what one sample of a pixel contributes; colours are multiplied by alpha.
 struct SampleResult {
     Vec3f radiance{0};
     float alpha = 0;
@@ -32,12 +33,12 @@ struct SampleResult {
     float occlusion = 0;
     FirstHit first;
     Vec2f offset{0};   ///< from the middle of the pixel, in pixels
-    float weight = 1;  ///< by the reconstruction filter: 1 or -1
+    float weight = 1;  ///< weight of the reconstruction filter: 1 or -1
 };
 
 class PixelSums {
 public:
-    /// A radiance that is not finite counts as black, and is counted.
+    /// Adds a sample. A radiance that is not finite counts as black, and is counted.
     void add(const SampleResult& sample) noexcept;
 
     Vec4f beauty() const noexcept;
@@ -45,13 +46,13 @@ public:
     const FirstHit& first() const noexcept { return first_; }
     Vec3f normal() const noexcept;
     float occlusion() const noexcept;
-    float variance() const noexcept;  ///< of the mean of the luminance
-    /// Estimated standard error of the mean of the luminance over that mean; of dark pixels over kDarkest, so that noise
-    /// which nobody sees asks for no samples. From the sample variance: it knows nothing of light that no sample has found
-    /// yet.
+    float variance() const noexcept;  ///< variance of the mean of the luminance
+    /// Returns the estimated standard error of the mean luminance, divided by that mean. For dark pixels the divisor is
+    /// kDarkest, so that invisible noise asks for no samples. The estimate comes from the sample variance, so it knows
+    /// nothing of light that no sample has found yet.
     float relative_error() const noexcept;
     int not_finite() const noexcept { return not_finite_; }
-    double weight() const noexcept { return weight_; }  ///< of all samples
+    double weight() const noexcept { return weight_; }  ///< sum over all samples
     static constexpr float kDarkest = 0.02f;
 
 private:
@@ -64,14 +65,14 @@ private:
     FirstHit first_;
 };
 
-/// Pixels are stored once each, by any thread.
+/// Stores the pixels, each of them once, from any thread.
 class Film {
 public:
     explicit Film(const Settings& settings);
 
-    /// x, y     of the whole frame, inside the crop
+    /// x, y     in the whole frame, inside the crop
     void store(int x, int y, const PixelSums& sums) noexcept;
-    /// aov      of the two of Cryptomatte
+    /// aov      one of the two Cryptomatte layers
     void store(int x, int y, Aov aov, MatteSums& mattes, double weight) noexcept;
     std::size_t bytes() const noexcept;
     Image take() && { return std::move(image_); }
@@ -83,7 +84,7 @@ private:
     Settings settings_;
     PixelRect rect_;
     Image image_;
-    std::size_t layer_of_[std::size(kAllAovs)] = {};  ///< index of each wanted layer
+    std::size_t layer_of_[std::size(kAllAovs)] = {};  ///< index of each requested layer
 };
 
 }  // namespace occam::render

@@ -1,9 +1,9 @@
-// Reconstruction filters, by where samples are taken: a sample's place follows the filter, and its weight is the filter's
-// sign.
+// Reconstruction filters by importance sampling: the position of a sample follows the filter, and its weight is the sign
+// of the filter.
 //
 // Every sample then belongs to one pixel alone (Ernst et al. 2006), so that no sum crosses a border of tiles. Filters are
-// separable. Box and tent are drawn exactly; the others from a table of their absolute value, whose steps the weights do not
-// need to know of: it is the filter.
+// separable. Box and tent are sampled exactly. The others are sampled from a table of their absolute value; its steps
+// need no correction of the weights, because the tabulated filter is the one in use.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ inline constexpr FilterKind kAllFilters[] = {FilterKind::Box, FilterKind::Tent, 
                                              FilterKind::BlackmanHarris, FilterKind::Mitchell};
 std::string_view filter_name(FilterKind kind) noexcept;
 
-/// Half the width that suits a filter, in pixels: 0.5, 1, 1.5, 1.65, 2.
+/// Returns half the usual width of a filter, in pixels: 0.5, 1, 1.5, 1.65, 2.
 float usual_radius(FilterKind kind) noexcept;
 
 class PixelFilter {
@@ -31,10 +31,10 @@ public:
         Vec2f offset;  ///< from the middle of the pixel, in pixels
         float weight;  ///< 1 or -1
     };
-    /// `square` uniform in [0, 1).
+    /// Returns the place of a sample; `square` is uniform in [0, 1).
     Place place(Vec2f square) const noexcept;
 
-    /// The filter along one axis, not normalised; x in pixels from its middle.
+    /// Returns the filter along one axis, not normalised; x is in pixels from the middle of the filter.
     float value(float x) const noexcept;
     float radius() const noexcept { return radius_; }
 
@@ -43,7 +43,7 @@ private:
 
     FilterKind kind_;
     float radius_;
-    std::array<float, kSteps + 1> sums_{};  ///< of the absolute value, from 0 to 1
+    std::array<float, kSteps + 1> sums_{};  ///< running sums of the absolute value, from 0 to 1
 };
 
 }  // namespace occam::render

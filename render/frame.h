@@ -1,8 +1,8 @@
-// One frame: tiles handed to workers, each with a tracer and an integrator of its own.
+// One frame: tiles are handed to workers, each with a tracer and an integrator of its own.
 //
 // Borrows   everything in FrameInputs until render_frame() returns. The caller has refitted and locked the scene.
-// Memory    memory_plan.h; the film is a few floats a pixel beside it.
-// Threads   one call makes `threads` workers; the picture does not depend on how many.
+// Memory    see memory_plan.h; beside that, the film takes a few floats per pixel.
+// Threads   one call starts `threads` workers; the picture does not depend on their number.
 #pragma once
 
 #include <chrono>
@@ -30,7 +30,7 @@ struct FrameInputs {
     std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
 };
 
-/// Adds what it counts to `stats`.
+/// Renders the frame, and adds its counters to `stats`.
 Image render_frame(const FrameInputs& inputs, FrameControl& control, FrameStats& stats);
 
 }  // namespace occam::render

@@ -1,6 +1,6 @@
-// How far a frame is, and the word to stop: between the frame and whoever watches it.
+// The progress of a frame and the request to cancel it, shared by the frame and its observers.
 //
-// Threads  everything from any thread; cancel() from a signal handler too.
+// Threads  any thread may call everything; a signal handler may call cancel().
 #pragma once
 
 #include <atomic>
@@ -15,16 +15,16 @@ public:
 
     struct Progress {
         Stage stage = Stage::Waiting;
-        double fraction = 0;       ///< of the tiles
+        double fraction = 0;       ///< share of the tiles that are done
         double seconds_left = -1;  ///< an estimate from the tiles so far; below 0: unknown
     };
     Progress progress() const noexcept;
 
-    /// Workers stop after the batch of rays that they are at. Finished tiles stay.
+    /// Asks the workers to stop after the batch of rays that they are working on. Finished tiles stay.
     void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
     bool is_cancelled() const noexcept { return cancelled_.load(std::memory_order_relaxed); }
 
-    // What follows is for the frame itself.
+    // The following functions are for the frame itself.
     void enter(Stage stage) noexcept { stage_.store(stage); }
     void start_tiles(std::size_t count) noexcept;
     void finish_tile() noexcept { ++tiles_done_; }

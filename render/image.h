@@ -17,13 +17,14 @@ namespace occam::render {
 struct Layer {
     std::string name;                   ///< "beauty", "depth", ...
     std::vector<std::string> channels;  ///< "R", "G", "B", "A"; "Z"; ...
-    bool full_float = false;            ///< in files: 32 bits whatever the others have
+    bool full_float = false;            ///< the layer is written with 32 bits whatever the others have
     std::vector<float> pixels;          ///< channels interleaved, row-major from the top left: channels * width * height
 
     std::size_t channel_count() const noexcept { return channels.size(); }
 };
 
-/// A note in the file's head. Matrices as OpenEXR has them: 16 floats, points are rows, translation last.
+/// Holds an attribute of the file's header. Matrices follow OpenEXR: 16 floats, points are rows, and the translation
+/// comes last.
 struct Attribute {
     std::string name;
     std::variant<std::string, float, int, std::array<float, 16>, std::array<float, 8>> value;
@@ -32,7 +33,7 @@ struct Attribute {
 enum class Tonemap : unsigned char {
     None,   ///< clamped linear values
     Srgb,   ///< the sRGB curve
-    Aces,   ///< a filmic curve near ACES' (Narkowicz 2015), then the sRGB curve
+    Aces,   ///< a filmic curve close to that of ACES (Narkowicz 2015), then the sRGB curve
     Filmic  ///< a toe and a long shoulder that keep the hue, white three stops above 1 (see display.cpp), then the sRGB
             ///< curve
 };
@@ -42,10 +43,10 @@ std::string_view tonemap_name(Tonemap tonemap) noexcept;
 
 struct WriteOptions {
     bool half = true;  ///< EXR colours in 16 bits; depth, uv, position and id are always 32
-    /// Stops by which display formats (PNG, JPEG, TIFF) are brighter than the scene; none: automatic_exposure(). EXR and HDR
-    /// files keep the scene's own values.
+    /// The stops by which display formats (PNG, JPEG, TIFF) are brighter than the scene; if none are given,
+    /// automatic_exposure() decides. EXR and HDR files keep the scene's own values.
     std::optional<float> exposure_ev{};
-    Tonemap tonemap = Tonemap::Filmic;  ///< of display formats
+    Tonemap tonemap = Tonemap::Filmic;  ///< for display formats
 };
 
 class Image {
@@ -57,26 +58,27 @@ public:
     int x0 = 0, y0 = 0;                   ///< where the pixels lie in the whole frame
     int full_width = 0, full_height = 0;  ///< the whole frame
     std::vector<Attribute> attributes;
-    /// False for a debug view or a map of differences: its values are shown as they are.
+    /// It is false for a debug view or a heat map of differences, whose values are shown as they are.
     bool is_light = true;
 
-    /// The layers in the order they were added; beauty first.
+    /// Returns the layers in the order in which they were added; beauty is the first.
     const std::vector<Layer>& layers() const noexcept { return layers_; }
     const Layer* find(std::string_view name) const noexcept;  ///< null if there is none
-    /// Black (zeros). Invalidates references to layers.
+    /// Adds a black layer (zeros). Invalidates references to layers.
     Layer& add_layer(std::string name, std::vector<std::string> channels, bool full_float = false);
     Layer& layer(std::size_t index) { return layers_[index]; }
 
-    /// FNV-1a 64 over the beauty layer's R, G, B as little-endian float32, row by row from the top.
+    /// Returns the FNV-1a 64 hash of the beauty layer's R, G and B as little-endian float32, row by row from the top.
     std::uint64_t checksum() const noexcept;
 
-    /// The format follows the extension: .exr .png .jpg .jpeg .tif .tiff .hdr; all but EXR keep beauty alone. Written beside
-    /// the final name and then renamed, so that no reader ever sees half a file. Throws Error of Kind::Output.
+    /// Writes the picture. The format follows the extension: .exr .png .jpg .jpeg .tif .tiff .hdr; all but EXR keep
+    /// beauty alone. The file is written beside its final name and then renamed, so that no reader ever sees half a file.
+    /// Throws Error of Kind::Output.
     void write(const std::filesystem::path& file, const WriteOptions& options = {}) const;
-    /// Throws Error if write() would refuse that name: its extension, its folder, or what is there already.
+    /// Throws Error if write() would refuse that name: its extension, its folder, or what exists there already.
     static void check_writable(const std::filesystem::path& file);
 
-    /// Reads any format that OpenImageIO knows; 8-bit colours are made linear. Throws Error.
+    /// Reads any format that OpenImageIO supports; 8-bit colours are made linear. Throws Error.
     static Image read(const std::filesystem::path& file);
 
 private:

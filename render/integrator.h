@@ -1,16 +1,17 @@
-// From camera samples to what they bring back: a wavefront over the samples of a tile. Shoot all, shade all, extend all.
+// The integrator turns camera samples into radiance, as a wavefront over the samples of a tile: all rays of a batch are
+// traced, then all hits are shaded, then all paths are extended.
 //
 // direct   light that comes straight from lights, seen also in mirrors and through clear glass
-// path     light of any number of bounces up to a limit; after a few, a path lives on by its worth (Russian roulette)
-// ao       how much of a white sky each point sees
+// path     light of any number of bounces up to a limit; after a few bounces Russian roulette decides by throughput
+// ao       the share of a white sky that each point sees
 //
-// A surface that blends, masks or is clear glass lets light through, and the ray is shot again from there, in order of t.
-// Camera rays split in two at it, up to kMaxSplits times; from then on they go on by one of both at random, as scattered
-// rays always do. There is no limit to the surfaces that a ray passes, and the rays of a sample that are on their way at
-// once are few. A sample's sums are made in an order that depends on the sample alone: so neither the size of a batch nor
-// the budget of a tracer can change them.
+// A surface that blends, masks or is clear glass transmits light, and the ray is shot again from there, in order of t.
+// Camera rays split in two at it, up to kMaxSplits times; from then on they continue along one of the two at random, as
+// scattered rays always do. The number of surfaces that a ray passes is not limited, and few rays of a sample are on
+// their way at once. The sums of a sample are made in an order that depends on the sample alone, so neither the size of a
+// batch nor the memory budget of a tracer can change them.
 //
-// Threads  one integrator a worker; the context is shared and const.
+// Threads  one integrator per worker; the context is shared and const.
 #pragma once
 
 #include <algorithm>
@@ -31,7 +32,7 @@
 
 namespace occam::render {
 
-/// What all workers read.
+/// Holds what all workers read.
 struct FrameContext {
     const Settings& settings;
     const CameraRays& camera;
@@ -39,41 +40,43 @@ struct FrameContext {
     const PixelFilter& filter;
     const shade::FrameLights& lights;
     const TextureStore& textures;
-    bool may_pass = false;                ///< some material of the scene lets light pass straight on
+    bool may_pass = false;                ///< some material of the scene transmits light straight on
     float depth_near = 0, depth_far = 1;  ///< camera z of the scene, for View::Depth
-    const Scene* scene = nullptr;         ///< for the names that Cryptomatte wants
+    const Scene* scene = nullptr;         ///< for the names that Cryptomatte needs
     static constexpr std::size_t kShadowBatch = 16384;
     std::size_t shadow_batch = kShadowBatch;  ///< shadow rays that may wait before they are traced
 };
 
 struct CameraSample {
     int x = 0, y = 0;  ///< pixel of the whole frame
-    int index = 0;     ///< of the pixel's samples
+    int index = 0;     ///< index among the samples of the pixel
 };
 
 struct IntegratorCounters {
     RayCounters rays;
     double trace_seconds = 0, shade_seconds = 0;
-    /// Of camera rays that hit: the surface that a pixel covers there, in squares of the shading rate. Summed over samples.
+    /// The area of the surface that a pixel covers where a camera ray hits, in squares of the shading rate, summed over
+    /// samples.
     double visible_cells = 0;
-    std::uint64_t hits_looked_up = 0;  ///< shaded without values of phase one
+    std::uint64_t hits_looked_up = 0;  ///< hits that were shaded without values of phase one
 };
 
-/// Lights tried at a hit. A scene with more has them sampled, one from each sixteenth of the list.
+/// The number of lights that are sampled at a hit. A scene with more has one light chosen from each sixteenth of the
+/// list.
 inline constexpr int kMaxLightsPerHit = 16;
-/// GGX width of a lobe that `direct` follows as a mirror; wider ones show lights alone.
+/// The GGX width up to which `direct` follows a lobe as a mirror; wider lobes show lights alone.
 inline constexpr float kMirrorAlpha = 0.01f;
-/// Bounces before a path's life is left to chance.
+/// The number of bounces before Russian roulette starts.
 inline constexpr int kCertainBounces = 3;
 
-/// A camera ray that has been split so many times goes on by one way at random.
+/// A camera ray that has been split this many times continues along one way at random.
 inline constexpr int kMaxSplits = 32;
 
 class Integrator {
 public:
     explicit Integrator(const FrameContext& context);
 
-    /// results.size() == samples.size(). Tracer is accel::Tracer, or what a test puts in its place.
+    /// Runs a batch, where results.size() == samples.size(). Tracer is accel::Tracer, or what a test puts in its place.
     template <class Tracer>
     void run(Tracer& tracer, std::span<const CameraSample> samples, std::span<SampleResult> results)
     {
@@ -92,7 +95,8 @@ public:
         for (std::size_t i = 0; i < results.size(); ++i) results[i].radiance += lit_[i];
     }
 
-    /// Of the batch that was run last, if the settings have a layer of Cryptomatte: a sample's surfaces from front to back.
+    /// Returns the matte shares of the batch that was run last, if the settings have a layer of Cryptomatte: the surfaces
+    /// of each sample from front to back.
     std::span<const MatteShare> mattes() const noexcept { return mattes_; }
 
     const IntegratorCounters& counters() const noexcept { return counters_; }
@@ -100,25 +104,25 @@ public:
 private:
     using Clock = std::chrono::steady_clock;
 
-    /// A hit that is being shaded.
+    /// Describes a hit that is being shaded.
     struct Vertex {
         const Path& path;
         const accel::Ray& ray;
         const accel::SurfaceHit& hit;
         const CameraSample& sample;
         const shade::Surface& surface;
-        Vec3f share;      ///< of what leaves the surface, this reaches the pixel
-        float occlusion;  ///< of ambient light that reaches the surface, its occlusion map leaves this
-        /// What decides which lights are left to their own samples here (shade/direct.h).
+        Vec3f share;      ///< share of the light leaving the surface that reaches the pixel
+        float occlusion;  ///< share of the ambient light at the surface that its occlusion map leaves
+        /// The peak density decides which lights are left to their own samples here (shade/direct.h).
         float peak = shade::peak_density(surface);
         Vec3d start = surface.start(surface.normal_geometric);
-        float width = ray.footprint.at(hit.t);  ///< of the beam
-        /// Index of the first of its numbers in a dimension that has `of` for each sample.
+        float width = ray.footprint.at(hit.t);  ///< width of the beam
+        /// Returns the index of the sample's first number in a dimension that has `of` numbers for each sample.
         std::uint32_t first_of(int of) const noexcept { return static_cast<std::uint32_t>(sample.index * of); }
     };
 
     void begin(std::span<const CameraSample> samples, std::span<SampleResult> results);
-    /// Shades hits from `first` on until enough shadow rays wait; returns the first that is not shaded yet.
+    /// Shades hits from `first` on until enough shadow rays wait, and returns the first hit that is not shaded yet.
     std::size_t shade_some(std::size_t first, std::span<const CameraSample> samples, std::span<SampleResult> results);
     void shade_hit(std::size_t i, const CameraSample& sample, SampleResult& result);
     void count_cells(const accel::Ray& ray, const accel::SurfaceHit& hit);
@@ -139,26 +143,26 @@ private:
                       SampleResult& result) const;
     void record_matte(const accel::SurfaceHit& hit, std::uint32_t sample, float covered);
 
-    /// With which a ray goes on straight and scattered; one of them 0, and the ray of the other not shot.
+    /// Holds the chances with which a ray continues straight on and scattered. If one of them is 0, that ray is not shot.
     struct Chances {
         float pass, scatter;
     };
     Chances chances(const Vertex& v) const noexcept;
     void gather_light(const Vertex& v);
     void gather_sky(const Vertex& v);
-    /// False if a scattered direction can bring nothing that gather_light() has not brought.
+    /// Returns false if a scattered direction can contribute nothing that gather_light() has not contributed.
     bool needs_scattering(const Vertex& v) const noexcept;
     void scatter_on(const Vertex& v, float chance);
-    /// A scattered direction that is followed no further: what lights lie along it?
+    /// Adds the lights along a scattered direction that is followed no further.
     void look_for_light(const Path& next, const accel::Ray& ray);
     void gather_light(const Vertex& v, const shade::WorldLight& light, const Sequence& squares, int first, int end,
                       Vec3f each);
     void test(const Vertex& v, const shade::ShadowTest& test, Vec3f share, int samples);
-    /// What goes straight on behind a surface.
+    /// Describes what continues straight on behind a surface.
     struct Passing {
-        Vec3f light;     ///< share of what comes from there that passes
-        float coverage;  ///< share of the pixel that nothing up to here covers
-        float chance;    ///< with which the ray goes on at all
+        Vec3f light;     ///< transmittance for light that comes from there
+        float coverage;  ///< share of the pixel that no surface up to here covers
+        float chance;    ///< the chance that the ray continues at all
     };
     void pass_straight(const Path& path, const accel::Ray& ray, float t, const Passing& passing, const CameraSample& sample);
     void push(const Path& path, const accel::Ray& ray);
@@ -179,19 +183,19 @@ private:
     }
 
     const FrameContext& context_;
-    float texture_width_;  ///< of a sample, in pixels
+    float texture_width_;  ///< of one sample, in pixels
     bool has_mattes_;
-    bool wants_occlusion_;  ///< maps of it are looked up: for `ao` or the layer
+    bool wants_occlusion_;  ///< occlusion maps are looked up, for `ao` or for the layer
     float placed_tries_;    ///< expected samples of one placed light for each round over the lights
     IntegratorCounters counters_;
 
-    // Parallel arrays, kept from batch to batch for their memory.
+    // These are parallel arrays, kept from batch to batch for their memory.
     std::vector<Path> paths_, next_paths_;
     std::vector<accel::Ray> rays_, next_rays_;
     std::vector<accel::SurfaceHit> hits_;  ///< at least as many as rays
     std::vector<MatteShare> mattes_;
-    std::vector<Vec3f> lit_;   ///< what shadow rays brought, one sum a sample
-    std::vector<float> luck_;  ///< The number of each sample that ShadowQueue::trace() wants.
+    std::vector<Vec3f> lit_;   ///< radiance from shadow rays, one sum per sample
+    std::vector<float> luck_;  ///< the number for each sample that ShadowQueue::trace() needs
     ShadowQueue shadows_;
 };
 

@@ -1,4 +1,4 @@
-// What a picture's file says about how it was made, under the names of OpenEXR's standard attributes.
+// Attributes that say how a picture was made, under the names of OpenEXR's standard attributes.
 #pragma once
 
 #include "render/image.h"
@@ -7,8 +7,8 @@
 
 namespace occam::render {
 
-/// Image::is_light, worldToCamera (camera axes: right, up, back), worldToNDC (the frame is -1 to 1, y up), chromaticities
-/// (Rec.709 and D65), comments and capDate.
+/// Sets Image::is_light, worldToCamera (camera axes: right, up, back), worldToNDC (the frame is -1 to 1, y up),
+/// chromaticities (Rec.709 and D65), comments and capDate.
 void describe(Image& image, const Camera& camera, const Settings& settings);
 
 }  // namespace occam::render

@@ -1,9 +1,9 @@
-// The numbers that samples are made of: Owen-scrambled Sobol points in pairs of dimensions.
+// Sample values: Owen-scrambled Sobol points in pairs of dimensions.
 //
-// A number depends on (seed, pixel, sample, dimension) alone, so a sample can be drawn again at any time by anyone, and a
-// picture may go on from where it stopped. Each dimension is the (0, 2)-sequence of Sobol in an order and with a
-// scrambling of its own (Burley 2020): every aligned power of two of consecutive samples has one in each elementary
-// interval of that size, and no two dimensions are correlated.
+// A number depends on (seed, pixel, sample, dimension) alone, so a sample can be drawn again at any time by any thread,
+// and a picture may continue from where it stopped. Each dimension is the (0, 2)-sequence of Sobol with its own order and
+// scrambling (Burley 2020): every aligned power of two of consecutive samples has one in each elementary interval of that
+// size, and no two dimensions are correlated.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,8 @@ struct Dimension {
 
     static constexpr Dimension pixel() noexcept { return {0}; }
     static constexpr Dimension lens() noexcept { return {1}; }
-    /// Decides how long shadow rays go on through surfaces that let them pass (ShadowQueue::trace).
+    /// Returns the dimension of a use at one of a path's surfaces; `slot` counts the numbers of one use. Different keys
+    /// and uses share a dimension once in 2^32.
     static Dimension luck() noexcept { return at(0xffffffffu, Use::Passing, 1); }
     /// At one of a path's surfaces; `slot` counts numbers of one use. Unlike keys and uses share a dimension once in 2^32.
     static Dimension at(std::uint32_t vertex_key, Use use, std::uint32_t slot = 0) noexcept
@@ -30,17 +31,17 @@ struct Dimension {
     }
 };
 
-/// Number `index` of the sequence of Sobol's first two dimensions, 32 bits each; any two of the first 2^32 differ.
+/// Holds number `index` of the sequence of Sobol's first two dimensions, 32 bits each; any two of the first 2^32 differ.
 struct SobolPair {
     std::uint32_t x, y;
 };
 SobolPair sobol_pair(std::uint32_t index) noexcept;
 
-/// Owen's nested scrambling of a number's bits: each is flipped as the ones above it and the seed say, by the hash of Laine
-/// and Karras 2011 with the constants of Vegdahl 2021.
+/// Applies Owen's nested scrambling to the bits of a number: each bit is flipped depending on the bits above it and on
+/// the seed, by the hash of Laine and Karras 2011 with the constants of Vegdahl 2021.
 std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t seed) noexcept;
 
-/// The numbers of one pixel and dimension: what does not depend on their index is worked out once.
+/// Holds the numbers of one pixel and dimension: what does not depend on their index is computed once.
 class Sequence {
 public:
     explicit Sequence(std::uint64_t key) noexcept
@@ -49,11 +50,11 @@ public:
           flips_y_(static_cast<std::uint32_t>(mix_bits(key)))
     {
     }
-    /// Number `index`, in [0, 1).
+    /// Returns number `index`, in [0, 1).
     float interval(std::uint32_t index) const noexcept;
-    /// As a point; x is what interval() gives.
+    /// Returns the point at `index`; its x is what interval() returns.
     Vec2f square(std::uint32_t index) const noexcept;
-    /// Points first, first + 1, ...
+    /// Returns the points first, first + 1 and so on.
     static constexpr int kBlock = 8;
     void squares(std::uint32_t first, float (&x)[kBlock], float (&y)[kBlock]) const noexcept;
 
@@ -63,13 +64,13 @@ private:
 
 class Sampler {
 public:
-    /// jitter   false: every sample through the middle of its pixel
+    /// jitter   false: every sample goes through the middle of its pixel
     Sampler(std::uint64_t seed, int samples, bool jitter) noexcept
         : seed_(mix_bits(seed + 0x9e3779b97f4a7c15ull)), samples_(samples), jitter_(jitter)
     {
     }
 
-    /// Place in the pixel, [0, 1) from its top left corner.
+    /// Returns the place in the pixel, in [0, 1) from its top left corner.
     Vec2f in_pixel(int x, int y, int sample) const noexcept
     {
         return jitter_ ? square(x, y, static_cast<std::uint32_t>(sample), Dimension::pixel()) : Vec2f(0.5f);
@@ -107,14 +108,14 @@ inline std::uint32_t reversed(std::uint32_t x) noexcept
     return ((x & 0xaaaaaaaau) >> 1) | ((x & 0x55555555u) << 1);
 }
 
-// The top 24 bits, all of which a float can hold.
+// Converts the top 24 bits, all of which a float can hold.
 inline float unit_float(std::uint32_t bits) noexcept
 {
     return static_cast<float>(static_cast<std::int32_t>(bits >> 8)) * 0x1p-24f;
 }
 
-// Pascal's triangle modulo 2 as a matrix of bits: entry (k, i) is 1 where k's bits are among i's (Lucas), so each bit of the
-// index adds itself to the one that lacks it, one power of two after the other.
+// Multiplies by Pascal's triangle modulo 2 as a matrix of bits. Entry (k, i) is 1 where the bits of k are among those of
+// i (Lucas), so each bit of the index adds itself to the one that lacks it, one power of two after the other.
 inline std::uint32_t pascal(std::uint32_t x) noexcept
 {
     x ^= x >> 16;
@@ -124,7 +125,7 @@ inline std::uint32_t pascal(std::uint32_t x) noexcept
     return x ^ ((x >> 1) & 0x55555555u);
 }
 
-// owen_scramble() of a number whose bits are given, and wanted, in reversed order.
+// Does what owen_scramble() does, for a number whose bits are passed and returned in reversed order.
 inline std::uint32_t scramble_reversed(std::uint32_t x, std::uint32_t seed) noexcept
 {
     x ^= x * 0x3d20adeau;
@@ -146,7 +147,7 @@ inline std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t seed) noexcept
     return sobol::reversed(sobol::scramble_reversed(sobol::reversed(x), seed));
 }
 
-// Both coordinates are reversed once: what sobol_pair() and owen_scramble() do twice cancels.
+// Both coordinates are reversed only once here, because the reversals in sobol_pair() and owen_scramble() cancel.
 inline Vec2f Sequence::square(std::uint32_t index) const noexcept
 {
     using namespace sobol;

@@ -1,4 +1,4 @@
-// What a picture is made with. The picture depends on the scene, the camera and these alone.
+// The settings of a picture. The picture depends on the scene, the camera and these settings alone.
 #pragma once
 
 #include <cstddef>
@@ -12,20 +12,20 @@
 
 namespace occam::render {
 
-/// Layers beside beauty, as bits of Settings::aovs. Names: aov_name().
+/// Layers beside beauty, as bits of Settings::aovs. aov_name() gives their names.
 enum class Aov : std::uint16_t {
-    Depth = 1,                ///< camera z; infinity where nothing is hit
-    Normal = 2,               ///< shading normal, world axes, towards the eye
-    NormalGeometric = 4,      ///< of the micropolygon
-    Albedo = 8,               ///< base colour times coverage, and coverage: the mean over the pixel
-    Uv = 16,                  ///< first set, as in the file of glTF's axes: v runs downwards
-    Position = 32,            ///< world
-    Id = 64,                  ///< a number for each node, from 1; 0 where nothing is hit
-    Variance = 128,           ///< of the pixel's mean luminance, estimated from its samples
-    NormalMean = 256,         ///< mean over the pixel of the normal with its normal map: with albedo, what a denoiser wants
-    CryptomatteObject = 512,  ///< which nodes are seen and how much of each, by name: render/cryptomatte.h
-    CryptomatteMaterial = 1024,  ///< the same of materials
-    Occlusion = 2048             ///< what occlusion maps leave of ambient light, times coverage: the mean over the pixel
+    Depth = 1,                   ///< camera z; infinity where nothing is hit
+    Normal = 2,                  ///< shading normal, world axes, towards the eye
+    NormalGeometric = 4,         ///< normal of the micropolygon
+    Albedo = 8,                  ///< base colour times coverage, and coverage: the mean over the pixel
+    Uv = 16,                     ///< first set, along the axes of glTF: v runs downwards
+    Position = 32,               ///< world
+    Id = 64,                     ///< a number for each node, from 1; 0 where nothing is hit
+    Variance = 128,              ///< variance of the pixel's mean luminance, estimated from its samples
+    NormalMean = 256,            ///< mean over the pixel of the normal with its normal map: denoisers use it with albedo
+    CryptomatteObject = 512,     ///< which nodes are seen and how much of each, by name: render/cryptomatte.h
+    CryptomatteMaterial = 1024,  ///< the same for materials
+    Occlusion = 2048  ///< the share of ambient light that occlusion maps leave, times coverage: the mean over the pixel
 };
 inline constexpr Aov kAllAovs[] = {Aov::Depth,
                                    Aov::Normal,
@@ -41,7 +41,7 @@ inline constexpr Aov kAllAovs[] = {Aov::Depth,
                                    Aov::Occlusion};
 std::string_view aov_name(Aov aov) noexcept;
 
-/// Debug pictures instead of light.
+/// Names the debug pictures that are shown instead of light.
 enum class View : std::uint8_t {
     Beauty,
     Depth,   ///< near white, far black
@@ -55,74 +55,75 @@ enum class View : std::uint8_t {
 std::string_view view_name(View view) noexcept;
 inline constexpr View kAllViews[] = {View::Depth, View::Normal, View::Uv, View::Face, View::Level, View::Blend, View::Grid};
 
-/// Whose wanted edge length decides how finely a surface is seen.
+/// Decides whose target edge length sets how finely a surface is seen.
 enum class Lod : unsigned char {
-    On,     ///< each ray's own, all along it
-    Off,    ///< one level a cage instance, by the camera's footprint where it comes nearest
-    Frozen  ///< of secondary rays: as wide all along as at their origin
+    On,     ///< that of each ray, all along it
+    Off,    ///< one level per cage instance, by the camera's footprint where the instance is nearest
+    Frozen  ///< for secondary rays: the width at their origin, all along
 };
 
-/// Where materials are looked up.
+/// Decides where materials are looked up.
 enum class ShadeAt : std::uint8_t {
     Vertex,  ///< phase one at the vertices of grids, once, interpolated to hits; triangle meshes and alpha masks: at hits
     Hit
 };
 
-/// Which light is followed; see render/integrator.h.
+/// Names the light transport that is computed; see render/integrator.h.
 enum class IntegratorKind : std::uint8_t { Direct, Ao, Path };
 std::string_view integrator_name(IntegratorKind kind) noexcept;
 
 struct Settings {
     int width = 1280, height = 720;  ///< of the whole frame, pixels
-    /// Part of the frame that is made, each 0 to 1 from the top left.
+    /// The part of the frame that is rendered, each value from 0 to 1 from the top left.
     float crop_x0 = 0, crop_x1 = 1, crop_y0 = 0, crop_y1 = 1;
 
-    int spp = 16;        ///< samples a pixel
+    int spp = 16;        ///< samples per pixel
     bool jitter = true;  ///< false: every sample goes through the middle of its pixel
     FilterKind filter = FilterKind::Box;
-    float filter_radius = 0;  ///< half the filter's width, pixels; 0: what suits it
-    /// Above 0: a tile of pixels is done before its `spp` samples once the estimated standard error of its pixels is below
-    /// this share of their brightness (see PixelSums::relative_error).
+    float filter_radius = 0;  ///< half the width of the filter in pixels; 0: the usual one
+    /// If this is above 0, a tile of pixels ends before its `spp` samples once the estimated standard error of its pixels
+    /// is below this share of their brightness (see PixelSums::relative_error).
     float error = 0;
     IntegratorKind integrator = IntegratorKind::Path;
-    int bounces = 8;  ///< The most times that light is scattered on its way; for `direct`, mirrors one behind the other.
+    int bounces = 8;  ///< the largest number of scattering events of light; for `direct`, of mirrors one behind the other
     /// Above 0, no single contribution of light that was scattered twice or more is brighter than this in any channel. The
     /// limit takes away rare bright pixels (fireflies) and with them some light, so references are made without it.
     float clamp = 0;
-    float ao_distance = 0;              ///< how far `ao` looks, world length; 0: to infinity
-    int light_samples = 1;              ///< of each light at each hit that the camera sees; of the sky in `ao`
+    float ao_distance = 0;              ///< the distance up to which `ao` looks, in world length; 0: to infinity
+    int light_samples = 1;              ///< per light at each hit that the camera sees; for `ao`, samples of the sky
     shade::Sky sky = shade::Sky::Auto;  ///< soft daylight, in place of a black environment
-    float sky_strength = 1;             ///< its brightness times this
-    float shading_rate = 1;             ///< wanted micropolygon edge, pixels
+    float sky_strength = 1;             ///< factor of its brightness
+    float shading_rate = 1;             ///< target edge length of micropolygons, in pixels
     Lod lod = Lod::On;
     ShadeAt shade_at = ShadeAt::Hit;
-    std::optional<Camera> lod_camera{};  ///< whose pixels the footprints are; none: the picture's own
+    std::optional<Camera> lod_camera{};  ///< the camera whose pixels the footprints are; none: the picture's own
     std::uint64_t seed = 0;
-    double deadline_s = 0;  ///< stop after so long with what is done; 0: none. The one setting that makes pictures differ
-    unsigned aovs = 0;      ///< bits of Aov
+    double deadline_s =
+        0;  ///< rendering stops after this time with what is done; 0: never. No other setting makes pictures differ
+    unsigned aovs = 0;  ///< bits of Aov
     View view = View::Beauty;
     bool back_faces =
-        true;             ///< false: rays pass the backs of single-sided surfaces (glTF 2.0, sec. 3.9.5), but those of glass
-    bool strict = false;  ///< a texture that is missing, or made smaller to fit the memory, is an Error
+        true;  ///< false: rays pass the backs of single-sided surfaces (glTF 2.0, sec. 3.9.5), but not those of glass
+    bool strict = false;     ///< a texture that is missing, or made smaller to fit the memory, is an Error
     bool background = true;  ///< draw sky or environment behind the scene; false: transparent
 
     bool has(Aov aov) const noexcept { return (aovs & static_cast<unsigned>(aov)) != 0; }
 };
 
-/// What is at hand to make it with. Has no influence on the picture.
+/// The resources for rendering. They have no influence on the picture.
 struct Resources {
     int threads = 0;  ///< 0: one for each processor
-    /// For what is rebuilt each frame, all workers together; 0: a quarter of the machine. What a scene needs at least:
-    /// Renderer::memory_floor().
+    /// The memory for what is rebuilt in each frame, all workers together; 0 means a quarter of the machine's.
+    /// Renderer::memory_floor() returns the least that a scene needs.
     std::size_t memory_bytes = 0;
-    int workers_a_tree = 1;  ///< 1: each worker builds its own; more: that many share one; 0: all do
+    int workers_a_tree = 1;  ///< 1: each worker builds its own tree; more: that many share one; 0: all share one
     std::size_t texture_bytes = std::size_t(1) << 30;
 
-    /// The zeros above replaced by what the machine has.
+    /// Returns a copy in which the zeros above are replaced by what the machine has.
     Resources resolved() const;
 };
 
-/// The pixels of the frame that the crop names: first and one past the last; never empty.
+/// Holds the pixels of the frame inside the crop: the first and one past the last; it is never empty.
 struct PixelRect {
     int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
     int width() const noexcept { return x1 - x0; }

@@ -1,4 +1,4 @@
-// From what a ray met to what shading reads.
+// Conversion of a hit into the point that shading reads.
 #pragma once
 
 #include <cmath>
@@ -8,11 +8,11 @@
 
 namespace occam::render {
 
-/// Of the textures' filter at a hit, in pixels: a pixel is the mean of its samples, and each filters over its own share of
-/// it alone.
+/// Returns the width of the texture filter at a hit, in pixels. A pixel is the mean of its samples, so each sample
+/// filters only over its own share of the pixel.
 inline float sample_width(int samples) noexcept { return 1 / std::sqrt(static_cast<float>(samples)); }
 
-/// Good as long as the hit.
+/// Returns the point to be shaded. It is valid as long as the hit.
 /// texture_width   see sample_width()
 shade::ShadePoint shade_point(const accel::Ray& ray, const accel::SurfaceHit& hit, float texture_width) noexcept;
 

@@ -1,10 +1,12 @@
-// Shadow rays of a batch: collected while hits are shaded, traced together, added in the order they came in.
+// The shadow rays of a batch: they are collected while hits are shaded, traced together, and added in the order in which
+// they came.
 //
-// A ray that meets something may pass it where it blends, masks or is clear glass: it is then shot again from there, in
-// order of t. So what a sample gets depends on the sample alone. There is no limit to the surfaces that a ray passes: one
-// that has little light left is ended by chance (Russian roulette), and weighs more where it goes on.
+// A ray that meets something may pass it where it blends, masks or is clear glass. It is then shot again from there, in
+// order of t, so the result of a sample depends on the sample alone. The number of surfaces that a ray passes is not
+// limited: a ray with little transmittance left is ended by chance (Russian roulette), and weighs more where it
+// continues.
 //
-// Threads  one worker's own.
+// Threads  each worker owns one.
 #pragma once
 
 #include <algorithm>
@@ -17,34 +19,37 @@
 
 namespace occam::render {
 
-/// A ray whose share of light has fallen below this goes on through further surfaces by chance.
+/// A ray whose transmittance has fallen below this share continues through further surfaces by chance.
 inline constexpr float kLeastShare = 1.0f / 1024;
-/// Returns the chance with which a ray of that share goes on: 1 from kLeastShare on.
+/// Returns the chance with which a ray of that share continues: 1 from kLeastShare on.
 inline float passing_chance(float share) noexcept { return std::min(share / kLeastShare, 1.0f); }
 
-/// The back of a single-sided surface, for Settings::back_faces = false. Bodies of glass have to be left again.
+/// Returns true for the back of a single-sided surface, for Settings::back_faces = false. Bodies of glass are excepted,
+/// because rays have to leave them again.
 inline bool is_culled(const accel::SurfaceHit& hit) noexcept
 {
     return hit.back_side && !hit.material->double_sided && !(hit.material->transmission > 0);
 }
 
-/// The rest of a ray behind a hit: the interval is open at its near end, and rounding of t must not find the hit again.
+/// Returns the rest of a ray behind a hit. The interval is open at its near end, so rounding of t cannot find the hit
+/// again.
 accel::Ray behind(accel::Ray ray, float t) noexcept;
 
 class ShadowQueue {
 public:
-    /// may_pass   some material of the scene lets light pass straight on
-    /// culls      and so do the backs of single-sided surfaces
+    /// may_pass   some material of the scene transmits light straight on
+    /// culls      the backs of single-sided surfaces let rays pass, too
     ShadowQueue(const TextureStore& textures, bool may_pass, bool culls, float texture_width) noexcept
         : textures_(textures), texture_width_(texture_width), may_pass_(may_pass || culls), culls_(culls)
     {
     }
 
     std::size_t size() const noexcept { return rays_.size(); }
-    /// True if a ray that meets something may go on behind it.
+    /// Returns true if a ray that meets something may continue behind it.
     bool may_pass() const noexcept { return may_pass_; }
     void clear() noexcept;
-    /// `radiance` is added to sums[sample] as far as nothing is in the way of the ray, which is the caller's to write.
+    /// Adds a ray, which the caller fills in. trace() adds `radiance` to sums[sample], times the transmittance along the
+    /// ray.
     accel::Ray& add(std::uint32_t sample, Vec3f radiance)
     {
         shadows_.push_back({sample, radiance});
@@ -53,7 +58,7 @@ public:
         return ray;
     }
 
-    /// Traces all rays and adds what they bring. Returns how many were shot. Tracer: see Integrator::run.
+    /// Traces all rays and adds their radiance. Returns how many were shot. See Integrator::run for Tracer.
     /// luck   a random number in [0, 1) for each sample, which decides with the ray's direction how the ray ends
     template <class Tracer>
     std::uint64_t trace(Tracer& tracer, std::span<Vec3f> sums, std::span<const float> luck)
@@ -77,13 +82,13 @@ private:
         std::uint32_t sample;
         Vec3f radiance;
     };
-    /// A shadow ray that met something.
+    /// Describes a shadow ray that met something.
     struct Blocked {
         std::uint32_t shadow;  ///< index into shadows_
-        float share;           ///< what the surfaces so far let pass, in the brightest channel
+        float share;           ///< transmittance of the surfaces so far, in the brightest channel
     };
 
-    /// Of the rays that met something, those that may pass it: their hits are to be found.
+    /// Collects those rays that met something and may pass it, so that their hits can be found.
     void collect_blocked();
     void pass_blocked(std::span<const float> luck);
     void add_light(std::span<Vec3f> sums);
@@ -91,7 +96,7 @@ private:
     const TextureStore& textures_;
     float texture_width_;
     bool may_pass_, culls_;
-    // Parallel arrays, kept from batch to batch for their memory.
+    // These are parallel arrays, kept from batch to batch for their memory.
     std::vector<Shadow> shadows_;
     std::vector<accel::Ray> rays_;
     std::vector<std::uint8_t> occluded_;

@@ -1,8 +1,8 @@
-// What a frame cost: the numbers that --stats writes, under the same names.
+// The cost of a frame: the numbers that --stats writes, under the same names.
 //
-// Seconds of build, tessellate, deform (which is a part of those two), trace, shade, phase_one (a part of shade) and film
-// are the workers' summed; total, load, edit, refit, texture and write are wall time. Adding keys is welcome; renaming is
-// not.
+// The seconds of build, tessellate, deform (which is a part of those two), trace, shade, phase_one (a part of shade) and
+// film are summed over the workers; total, load, edit, refit, texture and write are wall time. Keys may be added, but not
+// renamed.
 #pragma once
 
 #include <cstdint>
@@ -24,41 +24,44 @@ struct FrameStats {
     } seconds;
     struct Rays {
         std::uint64_t primary = 0, shadow = 0, ao = 0, glossy = 0, diffuse = 0;
-        double per_second = 0;  ///< of wall time of the frame
+        double per_second = 0;  ///< per second of the frame's wall time
         std::uint64_t total() const noexcept { return primary + shadow + ao + glossy + diffuse; }
     } rays;
     struct Built {
         std::uint64_t kd_nodes = 0, grids = 0, micropolygons = 0, faces_touched = 0, vertices_deformed = 0,
-                      vertices_shaded = 0;     ///< normals and coordinates
-        std::uint64_t vertices_looked_up = 0;  ///< materials at vertices (ShadeAt::Vertex)
-        std::uint64_t hits_looked_up = 0;      ///< materials at hits
-        /// Cells of the shading rate's size that the visible surfaces have, and the micropolygons of surfaces (two a cell's
-        /// quad) that camera rays and shadow or occlusion rays were the first to ask for; each worker's counts.
+                      vertices_shaded = 0;     ///< vertices whose normals and coordinates were computed
+        std::uint64_t vertices_looked_up = 0;  ///< vertices at which materials were looked up (ShadeAt::Vertex)
+        std::uint64_t hits_looked_up = 0;      ///< hits at which materials were looked up
+        /// The number of cells of the shading rate's size on the visible surfaces, and the number of micropolygons of
+        /// surfaces (two for the quad of each cell) that camera rays and shadow or occlusion rays were the first to ask
+        /// for. Each worker counts its own.
         double visible_cells = 0;
         std::uint64_t by_camera_rays = 0, by_shadow_rays = 0;
         double quads_per_cell(std::uint64_t count) const noexcept
         {
             return visible_cells > 0 ? 0.5 * double(count) / visible_cells : 0;
         }
-        std::map<int, std::uint64_t> by_level;  ///< micropolygons of each level that was built
+        std::map<int, std::uint64_t> by_level;  ///< micropolygons built at each level
     } built;
     struct Memory {
         std::uint64_t peak_bytes = 0, arena_peak_bytes = 0, texture_bytes = 0, flushes = 0;
-        std::uint64_t floor_bytes = 0;  ///< the least budget that the frame could do with
-        std::uint64_t queue_bytes = 0;  ///< of the budget, for rays on their way; the arenas have the rest
-        std::uint64_t film_bytes = 0;   ///< of the picture, beside the budget
+        std::uint64_t floor_bytes = 0;  ///< the smallest budget with which the frame could be rendered
+        std::uint64_t queue_bytes = 0;  ///< part of the budget for rays on their way; the arenas have the rest
+        std::uint64_t film_bytes = 0;   ///< bytes of the picture, beside the budget
     } memory;
-    /// What each worker did. Builders of a shared tree are not told apart: it is counted for its first worker.
+    /// Counts the work of each worker. The builders of a shared tree are not told apart: its cost counts for its first
+    /// worker.
     struct Worker {
-        double cpu_seconds = 0, build_seconds = 0;  ///< all its work; of that, building and dicing
+        double cpu_seconds = 0,
+               build_seconds = 0;  ///< all work of the worker, and the part of it that is building and dicing
         std::uint64_t tiles = 0, kd_nodes = 0, grids = 0, micropolygons = 0, arena_peak_bytes = 0;
     };
     std::vector<Worker> workers;
     struct Image {
         int width = 0, height = 0, spp = 0;
         std::uint64_t checksum = 0;
-        std::uint64_t samples = 0;             ///< in all; fewer than spp a pixel where Settings::error ended a tile
-        std::uint64_t samples_not_finite = 0;  ///< left out of the picture
+        std::uint64_t samples = 0;             ///< total number; fewer than spp per pixel where Settings::error ended a tile
+        std::uint64_t samples_not_finite = 0;  ///< samples that were left out of the picture
     } image;
     Settings settings;
     int threads = 0;
@@ -66,7 +69,7 @@ struct FrameStats {
     std::vector<std::string> warnings;
 };
 
-/// Largest resident size of this process so far.
+/// Returns the largest resident size of this process so far.
 std::uint64_t process_peak_bytes() noexcept;
 
 std::string to_json(const FrameStats& stats);

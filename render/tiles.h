@@ -1,9 +1,9 @@
-// The tiles of a picture, and who makes which.
+// The tiles of a picture, and their distribution to workers.
 //
-// Tiles follow a Hilbert curve, and each worker starts with a stretch of its own: neighbouring tiles need the same trees,
-// and trees are not shared. A worker that has finished takes the later half of the longest stretch that is left.
+// Tiles follow a Hilbert curve, and each worker starts with its own part of it: neighbouring tiles need the same trees,
+// and trees are not shared. A worker that has finished takes the later half of the longest part that is left.
 //
-// Threads  TileQueue: any thread; one short lock a tile.
+// Threads  TileQueue: any thread; it takes one short lock per tile.
 #pragma once
 
 #include <mutex>
@@ -20,18 +20,18 @@ struct Pixel {
     int x, y;
 };
 
-/// Tiles that cover `area`, along a Hilbert curve.
+/// Returns the tiles that cover `area`, along a Hilbert curve.
 std::vector<PixelRect> make_tiles(PixelRect area);
 
-/// The pixels of a tile along a Morton curve: eight in a row, from a multiple of eight on, are a block of 4 x 2, whose rays
-/// travel together.
+/// Returns the pixels of a tile along a Morton curve. Eight in a row, starting from a multiple of eight, are a block of 4
+/// x 2, whose rays travel together.
 std::vector<Pixel> pixels_of(const PixelRect& tile);
 
 class TileQueue {
 public:
     TileQueue(std::vector<PixelRect> tiles, int workers);
 
-    /// The next tile of this worker; none when all are given out.
+    /// Returns the next tile of this worker, or none when all are handed out.
     std::optional<PixelRect> next(int worker);
     std::size_t size() const noexcept { return tiles_.size(); }
 

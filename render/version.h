@@ -1,4 +1,4 @@
-// The engine's version, in one place: CMakeLists.txt says the same (a test compares).
+// The version of the engine. CMakeLists.txt says the same (a test compares the two).
 #pragma once
 
 namespace occam::render {

@@ -1,4 +1,4 @@
-// Debug pictures: a colour for a hit that shows one fact about it.
+// Debug views: the colour of a hit shows one fact about it.
 #pragma once
 
 #include "accel/tracer.h"
@@ -6,6 +6,7 @@
 
 namespace occam::render {
 
+/// Returns the colour of a hit.
 /// z        camera z of the hit; shown from white at z_near to black at z_far
 Vec3f view_color(View view, const accel::SurfaceHit& hit, float z, float z_near, float z_far) noexcept;
 

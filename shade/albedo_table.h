@@ -1,10 +1,11 @@
-// How much a rough layer reflects in all: the directional albedo of single-scattering GGX, tabulated.
+// The directional albedo of the single-scattering GGX layer, tabulated: the share of light that a rough layer reflects in
+// all.
 //
-// With Schlick's Fresnel curve f0 (1 - g) + f90 g the albedo is f0 A + f90 B: two tables over the eye's cosine and the
-// roughness (the split of Karis 2013). What is missing to one is light that met several microfacets; it is given back as a
-// lobe (Kulla and Conty 2017), and what the layer does not reflect is what its base gets.
+// With Schlick's Fresnel curve f0 (1 - g) + f90 g, the albedo is f0 A + f90 B. A and B are two tables over the cosine of
+// the eye and the roughness (the split of Karris 2013). What is missing to one is light that met several microfacets. It
+// is given back as a lobe (Kulla and Conty 2017), and the base receives what the layer does not reflect.
 //
-// Memory   two tables of 64 x 48 floats, made once a process on first use (some 60 ms), then read only.
+// Memory   two tables of 64 x 48 floats, made once per process on first use (some 60 ms), and read only from then on.
 // Threads  any.
 #pragma once
 
@@ -12,9 +13,9 @@
 
 namespace occam::shade {
 
-/// Of one direction, or the mean over all weighted with the cosine.
+/// Holds the albedo for one direction, or the cosine-weighted mean over all directions.
 struct LayerAlbedo {
-    float f0 = 1, f90 = 0;  ///< factors of f0 and f90; their sum is the albedo of a layer that reflects all
+    float f0 = 1, f90 = 0;  ///< the factors of f0 and f90; their sum is the albedo of a layer that reflects all light
     float sum() const noexcept { return f0 + f90; }
 };
 
@@ -22,13 +23,13 @@ class AlbedoTable {
 public:
     static const AlbedoTable& instance();
 
-    /// cosine in [0, 1], alpha the GGX width.
+    /// Returns the albedo for a cosine in [0, 1]; `alpha` is the GGX width.
     LayerAlbedo at(float cosine, float alpha) const noexcept;
     LayerAlbedo mean(float alpha) const noexcept;
 
 private:
-    static constexpr int kCosines = 64;      ///< nodes, even in the root of the cosine
-    static constexpr int kRoughnesses = 48;  ///< nodes, even in the fourth root of alpha, from that of kMinAlpha
+    static constexpr int kCosines = 64;      ///< nodes, evenly spaced in the square root of the cosine
+    static constexpr int kRoughnesses = 48;  ///< nodes, evenly spaced in the fourth root of alpha, from that of kMinAlpha on
 
     AlbedoTable();
 

@@ -1,8 +1,8 @@
-// Bump maps: heights that a surface's normals show and its places do not (Blinn 1978).
+// Bump maps: heights that change the normals of a surface but not its positions (Blinn 1978).
 //
-// A normal n becomes n minus the height's gradient over the surface (Mikkelsen 2010, eq. 4, in world lengths), which needs
-// no frame of tangents: at vertices of grids from differences between neighbours, at hits from differences over the
-// footprint.
+// A normal n becomes n minus the gradient of the height over the surface (Mikkelsen 2010, eq. 4, in world lengths). This
+// needs no tangent frame: at the vertices of grids the gradient comes from differences between neighbours, and at hits
+// from differences over the footprint.
 #pragma once
 
 #include <array>
@@ -13,13 +13,14 @@
 
 namespace occam::shade {
 
-/// Slopes at the vertices of a lattice.
+/// Holds the slopes at the vertices of a lattice.
 class BumpLattice {
 public:
-    /// Looks up the heights at vertices and one step beyond the border. Borrows the lattice.
+    /// Looks up the heights at the vertices and one step beyond the border. Borrows the lattice.
     BumpLattice(const Material& material, const lod::LatticeToShade& lattice, const TextureStore& textures) noexcept;
 
-    /// Gradient of the height over the surface, from differences to both sides; zero without a bump map.
+    /// Returns the gradient of the height over the surface, from differences to both sides; it is zero without a bump
+    /// map.
     Vec3f slope(int i, int j) const noexcept;
 
 private:
@@ -33,10 +34,12 @@ private:
     std::array<float, kWidth * kWidth> heights_;  // not set without a map
 };
 
-/// Gradient of the height at a hit, from differences over the filter's width, or a texel's if that is more.
+/// Returns the gradient of the height at a hit, from differences over the width of the filter, or of a texel if that is
+/// larger.
 Vec3f bump_slope(const ShadePoint& point, const TextureStore& textures) noexcept;
 
-/// `normal`, on the side of the point's facet, with a slope of the outside. Stays on the side of eye and facet.
+/// Returns `normal`, which is on the side of the point's facet, tilted by a slope of the outside. The result stays on the
+/// side of the eye and of the facet.
 Vec3f bumped_normal(Vec3f normal, Vec3f slope, const ShadePoint& point) noexcept;
 
 }  // namespace occam::shade

@@ -1,12 +1,15 @@
-// Direct light at a point: what would arrive from a light or along a scattered direction, and the ray that decides.
+// Direct light at a point: what would arrive from a light or along a scattered direction, and the ray that decides
+// whether it does.
 //
-// Light is looked for in two ways, by drawing points of lights and by drawing directions from the surface's lobes; what both
-// can find is weighted by the expected numbers of samples of either (balance heuristic, Veach and Guibas 1995, eq. 9).
+// Light is sampled in two ways: by drawing points on lights and by drawing directions from the lobes of the surface. What
+// both can find is weighted by the expected numbers of samples of either (balance heuristic, Veach and Guibas 1995, eq.
+// 9).
 //
-// A light that scattered directions would hardly ever find is left to its own samples: it counts as if no direction were
-// scattered, so that its samples weigh 1 and what a scattered ray finds of it weighs 0, and where all lights are of that
-// kind nothing is scattered to find them. Weights have to be no more than the same on either side (Veach and Guibas 1995,
-// sec. 3.2): the rule looks at surface, eye and light, never at a sample. It costs no noise: FrameLights::kLeastChance.
+// A light that scattered directions would hardly ever find is left to its own samples. It counts as if no direction were
+// scattered: its samples weigh 1, and what a scattered ray finds of it weighs 0. Where all lights are of that kind, no
+// ray is scattered to find them. The estimate stays unbiased as long as both techniques use the same weights (Veach and
+// Guibas 1995, sec. 3.2): the rule depends on the surface, the eye and the light, never on a sample. It adds no noise;
+// see FrameLights::kLeastChance.
 #pragma once
 
 #include "shade/bsdf.h"
@@ -14,21 +17,22 @@
 
 namespace occam::shade {
 
-/// The caller traces from `origin` along `direction` to `t_far`; if nothing is met, `radiance` leaves towards the eye.
+/// Describes a shadow ray. The caller traces from `origin` along `direction` to `t_far`; if nothing is met, `radiance`
+/// leaves towards the eye.
 struct ShadowTest {
     Vec3d origin{0};
     Vec3f direction{0};
     float t_far = 0;
-    Vec3f radiance{0};  ///< zero: nothing to trace
-    float density = 0;  ///< that the light is drawn with, per solid angle; 0: it has no extent
+    Vec3f radiance{0};  ///< zero: there is nothing to trace
+    float density = 0;  ///< with which the light is sampled, per solid angle; 0: the light has no extent
 };
 
-/// How often either way is tried at a point, in expectation.
+/// Holds the expected number of samples of each technique of multiple importance sampling at a point.
 struct Tries {
     float lights = 1;   ///< samples of the light in question
     float scatter = 1;  ///< directions drawn from the lobes; 0 for a light that is left to its own samples
 
-    /// Weight of a sample that was drawn with `own` density and could have been drawn with `other`.
+    /// Returns the weight of a sample that was drawn with density `own` and could have been drawn with density `other`.
     static float weight(float own_tries, float own, float other_tries, float other) noexcept
     {
         return own > 0 ? own_tries * own / (own_tries * own + other_tries * other) : 0;
@@ -43,7 +47,7 @@ struct Tries {
     }
 };
 
-/// What a sample of a light brings. Lights that scattered directions cannot meet get all of the weight.
+/// Returns what a sample of a light contributes. Lights that scattered directions cannot meet get the full weight.
 inline ShadowTest test_of(const Surface& surface, const LightSample& sample, Tries tries) noexcept
 {
     if (sample.radiance == Vec3f(0)) return {};
@@ -55,9 +59,10 @@ inline ShadowTest test_of(const Surface& surface, const LightSample& sample, Tri
             sample.density};
 }
 
-/// One sample each.
+/// Draws one sample of the emissive triangles.
 ShadowTest test_meshes(const Surface& surface, const MeshLights& lights, LightNumbers numbers, Tries tries) noexcept;
-/// Nothing for an environment without a density of its own: then scattered directions find all of it.
+/// Draws one sample of the environment; returns nothing for an environment without a density of its own, since scattered
+/// directions then find all of its light.
 ShadowTest test_environment(const Surface& surface, const Environment& environment, LightNumbers numbers,
                             Tries tries) noexcept;
 

@@ -1,4 +1,5 @@
-// Light from infinitely far, in every direction: a constant, an equirectangular image, or the sky of a bare model.
+// Light from infinitely far, in every direction: a constant, an equirectangular image, or the default sky of a scene
+// without light.
 //
 // Memory   a table of 512 x 256 luminances for an image. Borrows the texture store.
 // Threads  const after construction.
@@ -13,19 +14,20 @@ namespace occam::shade {
 
 class Environment {
 public:
-    Environment() = default;  ///< none: black
-    /// Textures must be prepared.
+    Environment() = default;  ///< no environment: black
+    /// Needs textures that are prepared.
     Environment(const occam::Environment& description, const TextureStore& textures);
-    /// Daylight for a model that brings none of its own: a soft gradient about +y.
+    /// Returns daylight for a scene that brings no light of its own: a soft gradient about +y.
     static Environment sky(float strength = 1);
 
     bool is_black() const noexcept { return kind_ == Kind::None; }
     Vec3f radiance(Vec3f direction) const noexcept;
 
-    /// An image is sampled by its own brightness too; for the others the surface's lobes say enough.
+    /// Returns true for an image, which is also sampled by its brightness. For the others the lobes of the surface
+    /// suffice.
     bool has_density() const noexcept { return kind_ == Kind::Image; }
     Vec3f sample(Vec2f square) const noexcept;
-    float density(Vec3f direction) const noexcept;  ///< of sample(), per solid angle; 0 without a density
+    float density(Vec3f direction) const noexcept;  ///< of sample(), per solid angle; 0 if the environment has no density
 
 private:
     enum class Kind : unsigned char { None, Constant, Image, Sky };
@@ -39,8 +41,8 @@ private:
     TextureUse image_;
     float rotation_sin_ = 0, rotation_cos_ = 1;
     const TextureStore* textures_ = nullptr;
-    std::vector<float> row_sums_;   ///< running sums over rows, the last is 1
-    std::vector<float> cell_sums_;  ///< running sums within each row, the last of a row is 1
+    std::vector<float> row_sums_;   ///< running sums over rows; the last one is 1
+    std::vector<float> cell_sums_;  ///< running sums within each row; the last one of a row is 1
 };
 
 }  // namespace occam::shade

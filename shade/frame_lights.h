@@ -1,9 +1,10 @@
-// All light of one frame, gathered from the scene graph: placed lights, surfaces that shine, the environment.
+// All light of one frame, gathered from the scene graph: placed lights, emissive surfaces and the environment.
 //
-// A scene without a placed light, an environment or surfaces that shine brightly enough to light it gets a soft key light
-// from over the camera's shoulder and a sky, unless Sky says otherwise. The scene's bounds must be up to date for that.
+// A scene gets a soft key light from over the camera's shoulder and a sky if it has no placed light, no environment and
+// no emissive surfaces that are bright enough to light it, unless Sky says otherwise. The scene's bounds must be up to
+// date for that.
 //
-// Space    world; positions double, directions float.
+// Space    world; positions are double, directions are float.
 // Threads  const after construction.
 #pragma once
 
@@ -20,16 +21,18 @@ namespace occam::shade {
 class FrameLights {
 public:
     /// A placed light is left to its own samples (direct.h) if no lobe of the surface finds it with more than about this
-    /// chance. A sample of the light then varies less alone than weighed with a scattered direction
+    /// chance. A sample of the light alone then varies less than one that is weighted against a scattered direction
     /// (DirectLight.ALightLeftToItsSamplesIsNoNoisier).
     static constexpr float kLeastChance = 1.0f / 16;
 
-    /// start   where rays leave the surface; peak: its peak_density()
+    /// Returns true if the light is left to its own samples.
+    /// start   where rays leave the surface
+    /// peak    peak_density() of the surface
     static bool is_left_to_samples(const WorldLight& light, Vec3d start, float peak) noexcept
     {
         return light.cover(start) * (peak * maths::kPi) < kLeastChance;
     }
-    /// Textures must be prepared. `camera` places the key light of a scene that has none.
+    /// Needs textures that are prepared. `camera` places the key light of a scene that has none.
     FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures, Sky sky = Sky::Auto,
                 float sky_strength = 1);
     FrameLights(std::vector<WorldLight> lights, Environment environment);
@@ -38,11 +41,11 @@ public:
     const Environment& environment() const noexcept { return environment_; }
     const MeshLights& meshes() const noexcept { return meshes_; }
 
-    /// True if scattered rays from `start` can bring nothing that samples of lights do not.
+    /// Returns true if scattered rays from `start` can contribute nothing that samples of lights do not.
     bool leaves_all_to_samples(Vec3d start, float peak, LightGroups groups) const noexcept;
 
-    /// Calls use(const WorldLight&, const LightCrossing&) for every area light that the ray meets within t_far, but those
-    /// that are left to their samples where it starts.
+    /// Calls use(const WorldLight&, const LightCrossing&) for every area light that the ray meets within t_far, except
+    /// for those that are left to their own samples where the ray starts.
     template <class Use>
     void for_crossings(Vec3d origin, Vec3f direction, float t_far, float peak, Use&& use) const
     {

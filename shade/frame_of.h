@@ -10,7 +10,8 @@ namespace occam::shade {
 
 using maths::kPi;
 
-/// x, y and z = the given direction; right-handed. Continuous but at z = -1 (Duff et al. 2017).
+/// Holds the axes x, y and z of a right-handed frame, where z is the given direction. The frame is continuous except at z
+/// = -1 (Duff et al. 2017).
 struct Axes {
     Vec3f x, y, z;
 
@@ -26,7 +27,7 @@ struct Axes {
     Vec3f to_local(Vec3f v) const noexcept { return {glm::dot(v, x), glm::dot(v, y), glm::dot(v, z)}; }
 };
 
-/// Uniform in the unit disc; keeps strata of the square compact (Shirley and Chiu 1997).
+/// Returns a uniform point in the unit disc; the map keeps strata of the square compact (Shirley and Chiu 1997).
 inline Vec2f disc_point(Vec2f square) noexcept
 {
     const Vec2f p = square * 2.0f - 1.0f;
@@ -37,7 +38,7 @@ inline Vec2f disc_point(Vec2f square) noexcept
     return {radius * maths::cos(angle), radius * maths::sin(angle)};
 }
 
-/// Direction about +z with density cos / pi.
+/// Returns a direction about +z with density cos / pi.
 inline Vec3f cosine_direction(Vec2f square) noexcept
 {
     const Vec2f d = disc_point(square);

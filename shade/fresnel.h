@@ -1,4 +1,4 @@
-// What a smooth boundary reflects.
+// Fresnel reflectance of smooth boundaries.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace occam::shade {
 
-/// (1 - cosine)^5: the weight of f90 in f0 (1 - w) + f90 w (Schlick 1994).
+/// Returns (1 - cosine)^5: the weight w of f90 in f0 (1 - w) + f90 w (Schlick 1994).
 inline float schlick(float cosine) noexcept
 {
     const float x = std::clamp(1 - cosine, 0.0f, 1.0f);
@@ -16,8 +16,8 @@ inline float schlick(float cosine) noexcept
     return x2 * x2 * x;
 }
 
-/// Unpolarised reflectance of a dielectric (Fresnel's equations). cosine in [0, 1] on the incident side; eta: index behind
-/// over index in front. 1 where light is totally reflected.
+/// Returns the unpolarised reflectance of a dielectric (Fresnel's equations). `cosine` is in [0, 1] on the incident side,
+/// and `eta` is the index behind over the index in front. The result is 1 where light is totally reflected.
 inline float fresnel_dielectric(float cosine, float eta) noexcept
 {
     const float sin2_behind = (1 - cosine * cosine) / (eta * eta);
@@ -28,10 +28,10 @@ inline float fresnel_dielectric(float cosine, float eta) noexcept
     return 0.5f * (parallel * parallel + across * across);
 }
 
-/// Reflectance of a coat at normal incidence (KHR_materials_clearcoat: an index of 1.5).
+/// The reflectance of a coat at normal incidence (KHR_materials_clearcoat: an index of 1.5).
 inline constexpr float kCoatF0 = 0.04f;
 
-/// All that a coat reflects of light from one direction.
+/// Returns the share of light from one direction that a coat reflects in all.
 inline float coat_albedo(float cosine, float alpha) noexcept
 {
     const LayerAlbedo e = AlbedoTable::instance().at(cosine, alpha);

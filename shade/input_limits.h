@@ -1,5 +1,5 @@
-// Limits of what a scene may ask for, so that no sum of a picture overflows. What lies beyond is clamped where it is read,
-// and counted in a warning.
+// Limits of what a scene may ask for, so that no sum of a picture overflows. Values beyond them are clamped where they
+// are read, and counted in a warning.
 //
 // Space    world; colours linear.
 // Threads  any.

@@ -1,7 +1,8 @@
-// Phase one of shading: what a material is at a point, from wherever it is seen. Textures looked up, factors applied.
+// Phase one of shading: the values of a material at a point, which do not depend on the view. Textures are looked up and
+// factors applied.
 //
-// Djeu et al. 2011, sec. 5.3. Every value is linear in its texels, so that values made at grid vertices and interpolated to
-// a hit are what the texels, interpolated, would give. Colours are linear Rec.709.
+// Djeu et al. 2011, sec. 5.3. Every value is linear in its texels, so values that are made at grid vertices and
+// interpolated to a hit equal what the interpolated texels would give. Colours are linear Rec.709.
 #pragma once
 
 #include "io/texture/texture_store.h"
@@ -10,40 +11,43 @@
 namespace occam::shade {
 
 struct MaterialValues {
-    /// Of the factors alone.
+    /// Takes the factors of the material alone, without textures.
     explicit MaterialValues(const Material& material) noexcept;
 
     Vec4f base_color;  ///< without the vertex colour
-    float alpha = 1;   ///< of the map of its own; base_color.w apart
+    float alpha = 1;   ///< from the material's alpha map; base_color.w is not part of it
     float metallic, roughness;
     Vec3f emission;
-    Vec3f normal{0, 0, 1};  ///< in the axes of the normal map, not scaled, not unit
-    Vec3f slope{0};         ///< gradient of the bump map's height over the surface, world axes
+    Vec3f normal{0, 0, 1};  ///< in the axes of the normal map, neither scaled nor normalised
+    Vec3f slope{0};         ///< gradient of the height of the bump map over the surface, world axes
     float occlusion = 1;    ///< share of ambient light that arrives
     float specular;
     Vec3f specular_color;
     Vec3f sheen_color;
     float sheen_roughness;
-    Vec3f anisotropy{1, 0, 1};  ///< direction in the axes of the normal map, not turned, not unit; strength over the factor
+    Vec3f anisotropy{
+        1, 0, 1};  ///< direction in the axes of the normal map, neither rotated nor normalised; strength over the factor
     float transmission;
     float coat, coat_roughness;
     Vec3f coat_normal{0, 0, 1};
 
-    /// Base colour and alpha: all that tells whether there is anything to shade.
+    /// Looks up base colour and alpha, which decide whether there is anything to shade.
     void look_up_color(const Material& material, const lod::VertexToShade& at, const TextureStore& textures) noexcept;
-    /// All but the occlusion, which few ask for, and the slope, which takes more than one place (shade/bump.h).
+    /// Looks up everything except the occlusion, which is rarely needed, and the slope, which takes more than one
+    /// position (shade/bump.h).
     void look_up_rest(const Material& material, const lod::VertexToShade& at, const TextureStore& textures) noexcept;
     void look_up_occlusion(const Material& material, const lod::VertexToShade& at, const TextureStore& textures) noexcept;
 };
 
-/// Values that have a map and are made at vertices, one after the other: how many floats. Alpha that masks is a hit's own,
-/// for its edge would be as wide as vertices are apart; so is the base colour, which comes with it.
+/// Returns the number of floats of the values that have a map and are made at vertices, stored one after the other. An
+/// alpha mask is looked up at hits, because its edge would otherwise be as wide as the distance between vertices; so is
+/// the base colour, which comes with it.
 int packed_floats(const Material& material) noexcept;
 void pack(const Material& material, const MaterialValues& values, float* to) noexcept;
-/// Values of the material at a hit: those packed, and the factors of the rest.
+/// Returns the values of the material at a hit: the packed ones, and the factors of the rest.
 MaterialValues unpack(const Material& material, const float* from) noexcept;
 
-/// Phase one at grid vertices.
+/// Computes phase one at grid vertices.
 class PhaseOne final : public lod::VertexShader {
 public:
     explicit PhaseOne(const TextureStore& textures) noexcept : textures_(textures) {}

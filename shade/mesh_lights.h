@@ -1,11 +1,11 @@
-// Surfaces that shine: all triangles with an emissive material, as one light.
+// Emissive surfaces: all triangles with an emissive material, as one light.
 //
-// A point is drawn by area times the luminance of the material's mean emission, so its density per area depends on the
-// material alone, and a ray that happens to meet a shining surface can ask for it. Triangles that stand still are
-// sampled; emissive subdivision surfaces and deformed meshes are found by scattered rays alone.
+// A point is drawn in proportion to area times the luminance of the material's mean emission. So its density per area
+// depends on the material alone, and a ray that happens to meet an emissive surface can ask for it. Only triangles that
+// stand still are sampled; emissive subdivision surfaces and deformed meshes are found by scattered rays alone.
 //
 // Space    world.
-// Memory   a float and an index a triangle; vertices stay the scene's. Borrows scene and textures.
+// Memory   a float and an index per triangle; the vertices stay in the scene. Borrows scene and textures.
 // Threads  const after construction.
 #pragma once
 
@@ -21,20 +21,21 @@ namespace occam::shade {
 class MeshLights {
 public:
     MeshLights() = default;
-    /// Textures must be prepared.
+    /// Needs textures that are prepared.
     MeshLights(const Scene& scene, const TextureStore& textures);
 
     bool is_empty() const noexcept { return meshes_.empty(); }
-    /// True if anything shines at all, sampled here or not.
+    /// Returns true if any surface is emissive, whether it is sampled here or not.
     bool any_emitter() const noexcept { return any_emitter_; }
 
-    /// Area times mean luminance of everything that shines, one side of it, in squared world length. Of subdivision surfaces
-    /// the cage is measured, and of what deforms or is made on demand the box around it, so the figure is an estimate.
+    /// Returns area times mean luminance of everything that is emissive, counting one side, in squared world length.
+    /// Subdivision surfaces are measured by their cage, and what deforms or is made on demand by its bounding box, so the
+    /// figure is an estimate.
     double power() const noexcept { return power_; }
 
     LightSample sample(Vec3d point, LightNumbers numbers) const noexcept;
 
-    /// Density per area of the points of that node's surfaces of that material; 0: they are not sampled.
+    /// Returns the density per area of the points on the node's surfaces of that material, or 0 if they are not sampled.
     float area_density(NodeId node, const Material* material) const noexcept;
 
 private:
@@ -42,8 +43,8 @@ private:
         const Cage* cage;
         const Material* material;
         Mat4d world_from_object;
-        std::uint32_t first;  ///< in sums_
-        float area_density;   ///< not yet divided by the whole
+        std::uint32_t first;  ///< index into sums_
+        float area_density;   ///< not yet divided by the total
     };
     struct Known {
         NodeId node;

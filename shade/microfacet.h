@@ -1,8 +1,8 @@
-// The GGX distribution of microfacet normals: density, masking, and normals as the eye sees them. Isotropic.
+// The GGX distribution of microfacet normals: density, masking and visible normals.
 //
-// In double-safe terms: cosines are of unit vectors against the macroscopic normal; `sin2_h` is the squared length of the
-// cross product of normal and microfacet normal, since 1 - cos^2 loses all digits of a narrow lobe.
-// Walter et al. 2007 (distribution), Heitz 2014 (masking), Heitz 2018 (visible normals).
+// Cosines are those of unit vectors against the macroscopic normal. `sin2_h` is the squared length of the cross product
+// of normal and microfacet normal, since 1 - cos^2 would lose all digits of a narrow lobe. The first functions are
+// isotropic. The sources are Walter et al. 2007 (distribution), Heitz 2014 (masking) and Heitz 2018 (visible normals).
 #pragma once
 
 #include <algorithm>
@@ -12,18 +12,19 @@
 
 namespace occam::shade {
 
-/// Narrowest GGX width: a mirror is drawn as a lobe of this width, so that no density is infinite. The lobe of reflected
-/// directions is twice as wide: half a pixel of a frame of 1600 with a field of view of 60 degrees.
+/// The narrowest GGX width. A mirror is sampled as a lobe of this width, so that no density is infinite. The lobe of
+/// reflected directions is twice as wide: half a pixel of a frame that is 1600 pixels wide, with a field of view of 60
+/// degrees.
 inline constexpr float kMinAlpha = 3e-4f;
 
-/// Density of normals per solid angle (Walter et al. 2007, eq. 33).
+/// Returns the density of normals per solid angle (Walter et al. 2007, eq. 33).
 inline float ggx_density(float n_h, float sin2_h, float alpha) noexcept
 {
     const float d = sin2_h + n_h * n_h * alpha * alpha;
     return alpha * alpha / (kPi * d * d);
 }
 
-/// Height-correlated masking and shadowing over 4 n_l n_v (Heitz 2014, eq. 99); both cosines above zero.
+/// Returns the height-correlated masking and shadowing over 4 n_l n_v (Heitz 2014, eq. 99); both cosines are above zero.
 inline float ggx_visibility(float n_l, float n_v, float alpha) noexcept
 {
     const float a2 = alpha * alpha;
@@ -32,15 +33,15 @@ inline float ggx_visibility(float n_l, float n_v, float alpha) noexcept
     return 0.5f / std::max(l + v, 1e-12f);
 }
 
-/// Masking of one direction over its cosine: G1(v) / n_v (Heitz 2014, eq. 43 and 72).
+/// Returns the masking of one direction over its cosine: G1(v) / n_v (Heitz 2014, eq. 43 and 72).
 inline float ggx_masking_over_cosine(float n_v, float alpha) noexcept
 {
     const float a2 = alpha * alpha;
     return 2 / (n_v + std::sqrt(a2 + (1 - a2) * n_v * n_v));
 }
 
-/// A normal among those that the eye sees, about +z (Heitz 2018, sec. 4: the unit hemisphere, stretched by alpha), from a
-/// point of the unit disc.
+/// Returns a visible normal about +z (Heitz 2018, sec. 4: the unit hemisphere, stretched by alpha) from a point of the
+/// unit disc.
 inline Vec3f visible_normal_of(Vec3f eye, float alpha, Vec2f p) noexcept
 {
     const Vec3f stretched = glm::normalize(Vec3f(alpha * eye.x, alpha * eye.y, eye.z));
@@ -58,14 +59,15 @@ inline Vec3f visible_normal(Vec3f eye, float alpha, Vec2f square) noexcept
     return visible_normal_of(eye, alpha, disc_point(square));
 }
 
-/// Density of visible_normal() over v_h: G1 D / n_v (Heitz 2018, eq. 1). A mirrored direction has a fourth of it.
+/// Returns the density of visible_normal() over v_h: G1 D / n_v (Heitz 2018, eq. 1). A reflected direction has a fourth
+/// of it.
 inline float visible_density_over_cosine(float n_v, float n_h, float sin2_h, float alpha) noexcept
 {
     return n_h > 0 ? ggx_masking_over_cosine(n_v, alpha) * ggx_density(n_h, sin2_h, alpha) : 0;
 }
 
-// The same with two widths, along x and y (Heitz 2014, eq. 85 and 86; Heitz 2018). Vectors are in the axes of the lobe,
-// their z along the normal and above zero.
+// The following functions do the same with two widths, along x and y (Heitz 2014, eq. 85 and 86; Heitz 2018). Vectors are
+// in the axes of the lobe; their z is along the normal and above zero.
 
 struct Widths {
     float x, y;

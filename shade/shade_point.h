@@ -1,4 +1,4 @@
-// A point to be shaded, as the integrator hands it down: what phase two knows of a hit, without knowing who found it.
+// A point to be shaded, as the integrator passes it on: what phase two knows of a hit, independent of who found it.
 #pragma once
 
 #include "lod/vertex_shader.h"
@@ -12,12 +12,12 @@ struct ShadePoint {
     Vec3f normal_shading{0, 0, 1};       ///< unit, on the side of normal_geometric
     bool back_side = false;              ///< the eye is behind the face: its outward normal is -normal_geometric
     Vec3f to_start{0};                   ///< from `position` to where secondary rays start
-    Vec3f start_normal{0, 0, 1};         ///< of the micropolygon there, unit, on the side of normal_geometric
+    Vec3f start_normal{0, 0, 1};         ///< normal of the micropolygon there, unit, on the side of normal_geometric
     float self_distance = 0;             ///< a secondary ray starts this far along start_normal, to the side it leaves by
     Vec3f tangent{0};                    ///< unit, across the normal, where u of the normal map grows; zero: no normal map
-    float tangent_sign = 1;              ///< of cross(outward normal, tangent), where v falls
+    float tangent_sign = 1;              ///< sign of cross(outward normal, tangent), along which v decreases
     Vec3f u_gradient{0}, v_gradient{0};  ///< of the bump map's coordinates over the surface, per world length; zero: no bump
-    lod::VertexToShade texture;          ///< where textures are looked up: over the ray's footprint
+    lod::VertexToShade texture;          ///< where textures are looked up, over the footprint of the ray
     const float* phase_one = nullptr;    ///< what PhaseOne made at the vertices about the hit, interpolated; null: nothing
     Vec4f color{1};                      ///< vertex colour, linear
     const Material* material = nullptr;  ///< never null

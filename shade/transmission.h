@@ -1,17 +1,17 @@
 // Light that comes through a surface and is scattered by it: a rough pane, and the rough boundary of a body.
 //
-// The functions of panes are zero where the light is not on the far side of the shading normal. GGX microfacets.
-// Walter et al. 2007 (refraction), KHR_materials_transmission (panes).
+// The functions of panes are zero where the light is not on the far side of the shading normal. Microfacets follow GGX.
+// The sources are Walter et al. 2007 (refraction) and KHR_materials_transmission (panes).
 #pragma once
 
 #include "shade/surface.h"
 
 namespace occam::shade {
 
-/// A shading normal may lean away from the eye; the cosine is then held just above zero.
+/// Returns the cosine of the eye. A shading normal may lean away from the eye; the cosine is then held just above zero.
 inline float eye_cosine(Vec3f normal, Vec3f to_eye) noexcept { return std::clamp(glm::dot(normal, to_eye), 1e-4f, 1.0f); }
 
-/// A microfacet normal that the eye sees, world axes.
+/// Draws a microfacet normal that is visible to the eye, in world axes.
 inline Vec3f seen_normal(const Axes& axes, Vec3f to_eye, float alpha, Vec2f square) noexcept
 {
     Vec3f eye = axes.to_local(to_eye);
@@ -19,19 +19,19 @@ inline Vec3f seen_normal(const Axes& axes, Vec3f to_eye, float alpha, Vec2f squa
     return axes.to_world(visible_normal(glm::normalize(eye), alpha, square));
 }
 
-// A pane: the reflected lobe of single scattering, turned to the far side. What several bounces let through is added by
-// bsdf.cpp.
+// A pane has the reflected lobe of single scattering, turned to the far side. The transmittance of several bounces is
+// added by bsdf.cpp.
 Vec3f pane_transmission(const Surface& surface, Vec3f to_light) noexcept;  ///< f times the cosine
 float pane_density(const Surface& surface, Vec3f to_light) noexcept;
 Vec3f through_pane(const Surface& surface, Vec3f microfacet) noexcept;  ///< direction of a sample
 
-// A body: reflection or refraction at microfacets, which is chosen when the microfacet is known: far from the normal's own
-// angle of total reflection some of them still let light through.
+// A body reflects or refracts at microfacets. The choice is made when the microfacet is known: beyond the angle of total
+// reflection of the macroscopic normal, some microfacets still transmit light.
 //
-// No light is lost between microfacets: whatever a visible one reflects or refracts leaves the surface, unshadowed by the
-// others, and a direction that would lie on the wrong side of the surface is mirrored at it. So a body in a white furnace is
-// white for any width, angle and index, without a table. As after Turquin 2019, light then fades by the eye's side alone,
-// and the function is not reciprocal.
+// No light is lost between microfacets: whatever a visible one reflects or refracts leaves the surface without shadowing
+// by the others, and a direction that would lie on the wrong side of the surface is reflected at it. So a body in a white
+// furnace is white for any width, angle and index, without a table. As in Turquin 2019, the masking then depends on the
+// eye's side alone, and the function is not reciprocal.
 float mirror_chance(const Surface& surface, float cosine_to_microfacet) noexcept;
 Vec3f body_scattering(const Surface& surface, Vec3f to_light) noexcept;  ///< f times the cosine, on either side
 float body_density(const Surface& surface, Vec3f to_light) noexcept;
