@@ -18,7 +18,7 @@ int checked_height(int height)
     return height;
 }
 
-// What is asked about: the scene as it was when the questions began.
+// Holds the scene that queries ask about, as it was when they began.
 struct Asked {
     Asked(Scene& scene, const Camera& camera, int height, lod::TopologyCache& topologies, TextureStore& textures)
         : rays(camera, height, height), lock((scene.refit(), scene)), frame(scene, topologies, rays.levels(1), &textures)
@@ -83,7 +83,7 @@ struct Query::State {
         return *asked;
     }
 
-    // A tracer for one caller. It goes back into the pool afterwards, with what it has built.
+    // Borrows a tracer for one caller. It goes back into the pool afterwards, with what it has built.
     class Borrowed {
     public:
         explicit Borrowed(State& state) : state_(state)
@@ -134,9 +134,9 @@ struct Query::State {
     int height;
     std::size_t memory_bytes;
     std::shared_ptr<SharedTopologies> topologies;
-    TextureStore textures;  // of displacement
+    TextureStore textures;  // textures of displacement
     std::optional<Asked> asked;
-    std::mutex mutex;  // of the pool
+    std::mutex mutex;  // guards the pool
     std::vector<std::unique_ptr<accel::Tracer>> idle;
 };
 

@@ -1,7 +1,7 @@
-// A sequence: one frame after the other in one process, so that textures and topology are made once.
+// Renders a sequence, one frame after the other in one process, so that textures and topology are made once.
 //
-// A frame is whole or not there: pictures appear under their names when they are finished (Image::write). So a run that was
-// killed is started again with the same words, and goes on with the first frame that is missing.
+// A frame is either complete or absent: pictures appear under their names when they are finished (Image::write). So a run
+// that was killed is started again with the same arguments, and continues with the first frame that is missing.
 #include <set>
 
 #include "arguments.h"
@@ -62,7 +62,7 @@ float measured_exposure(const AnimateArguments& a, Framing& framing, Scene& scen
     return sum / 3;
 }
 
-// Those of `warnings` that are not known yet, and then are.
+// Returns those of `warnings` that are not known yet, and adds them to the known ones.
 std::vector<std::string> new_ones(const std::vector<std::string>& warnings, std::set<std::string>& known)
 {
     std::vector<std::string> fresh;
@@ -104,7 +104,7 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
     std::size_t done = frames.size() - missing.size();
     std::set<std::string> known_warnings;  // of the frames so far: each is said once
     for (const int frame : missing) {
-        // Another process may have made it since.
+        // Another process may have made the frame since.
         const fs::path file = a.pattern.file(frame);
         if (std::error_code ignored; !a.overwrite && fs::is_regular_file(file, ignored)) {
             ++done;
@@ -118,7 +118,7 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
         const double edit_seconds = seconds_since(edit_start);
         const HeldInterrupts held;
         Job job = renderer.start(scene, camera, framing.settings(camera));
-        // Half a frame is none: an interrupted one is not written.
+        // An interrupted frame is not written.
         if (wait_for(job, display, false, done, frames.size()) != Ending::Whole) {
             display.end();
             if (!a.stats.empty()) write_whole(a.stats, all.text());

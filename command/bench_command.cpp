@@ -1,4 +1,5 @@
-// Benchmarks are a program of their own, since they need what the library does without (Embree): this finds and starts it.
+// Benchmarks are a program of their own, since they need Embree, which the library does without: this command finds and
+// starts it.
 #include <unistd.h>
 
 #include <cerrno>
@@ -11,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Beside the command, as it is installed and built; or where its build puts tests.
+// Returns the program beside the command, where it is installed and built, or where the build puts tests.
 fs::path find_benchmarks()
 {
     std::error_code error;

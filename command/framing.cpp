@@ -25,7 +25,7 @@ std::string list_of(const std::vector<std::string>& names)
     return text.empty() ? "it has none" : "it has " + text;
 }
 
-// All of them, one by its name or else its number, or those that the file means to play together.
+// Returns all clips, one by its name or else its number, or those that the file means to play together.
 std::vector<ClipId> choose_clips(const Scene& scene, const RenderArguments& a)
 {
     const std::vector<ClipId>& clips = scene.clips();
@@ -184,11 +184,11 @@ Ending wait_for(Job& job, ProgressDisplay& display, bool keeps_part, std::size_t
                 job.cancel();
                 cancelled = Clock::now();
             }
-            // A part of the picture that is done is worth waiting for; without one the process waits no longer than a person
-            // does.
+            // If a part of the picture is done, it is worth waiting for; otherwise the process waits no longer than a
+            // person does.
             if (!keeps_part || (progress.fraction <= 0 && Clock::now() - *cancelled > kPatience)) return Ending::Abandoned;
         }
-        // A sequence's end is as far away as its frames so far took.
+        // The remaining time of a sequence is estimated from its frames so far.
         if (progress.seconds_left >= 0 && progress.fraction > 0) {
             const double frame_seconds = progress.seconds_left / std::max(1 - progress.fraction, 1e-6);
             progress.seconds_left += frame_seconds * double(all - done - 1);

@@ -26,7 +26,7 @@ public:
     /// whole clip after fit_clip(). Throws Error if the camera does not exist, or for a view that has no direction.
     Camera camera();
     Camera camera_named(const std::string& name) const;
-    /// The arguments' settings, their height from a camera's aspect where no size was given.
+    /// Returns the settings of the arguments. Their height follows from the aspect of a camera where no size was given.
     Settings settings(const Camera& camera) const;
 
 private:

@@ -11,8 +11,8 @@ using Json = nlohmann::ordered_json;
 
 Json json_of(Vec3d v) { return {v.x, v.y, v.z}; }
 
-// What loading mended or left out, and which images cannot be read: they are decoded for that. With `strict` the first one
-// is an Error, as loading has it.
+// Returns what loading repaired or left out, and which images cannot be read; the images are decoded to find out. With
+// `strict` the first one is an Error, as in loading.
 std::vector<std::string> all_warnings(const Scene& scene, bool strict)
 {
     TextureStore store(std::size_t(1) << 30);

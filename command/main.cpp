@@ -1,4 +1,4 @@
-// The executable `occam`: exit codes and the one line that an error is.
+// The executable `occam`: exit codes, and errors as one line each.
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -16,8 +16,8 @@ constexpr int kBadInput = 2, kOutput = 3;
 
 int run(const Finished& finished) { return finished.exit_code; }
 
-// Standard streams that were closed lead to a file that cannot be written: else the next file that is opened would take
-// their place, and would be given what is printed.
+// Opens standard streams that were closed on a file that cannot be written. Otherwise the next file that is opened would
+// take their place, and would receive what is printed.
 void fill_standard_streams()
 {
     for (int descriptor = open("/dev/null", O_RDONLY); descriptor >= 0; descriptor = dup(descriptor))

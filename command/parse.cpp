@@ -1,4 +1,4 @@
-// The command line's grammar; the one file that sees CLI11.
+// The command line's grammar; this is the only file that includes CLI11.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <functional>
@@ -11,7 +11,7 @@
 namespace occam::command {
 namespace {
 
-// An option whose text `read` understands; what it throws becomes a line about that option.
+// Adds an option whose text `read` parses; an exception from it becomes a line about that option.
 CLI::Option* add_value(CLI::App& app, const std::string& names, const std::string& what, const std::string& form,
                        std::function<void(const std::string&)> read)
 {
@@ -295,7 +295,7 @@ void apply_quality(const CLI::App& app, Settings& s)
     if (!app.count("--shading-rate")) s.shading_rate = quality.shading_rate;
 }
 
-// What only the whole of the words decides.
+// Checks what depends on all the arguments together.
 Arguments finished(AnimateArguments a, bool has_shard)
 {
     try {

@@ -91,7 +91,7 @@ void ProgressDisplay::show(const Progress& p)
         const std::string bar = std::string(std::size_t(full), '#') + std::string(std::size_t(kBarWidth - full), '.');
         draw("[" + bar + "] " + text);
     }
-    // Lines only at each further 5 %: a log is read by people.
+    // A line is printed only at each further 5 %, because a log is read by people.
     if (p.stage != Stage::Rendering || percent < last_percent_ + (last_percent_ < 0 ? 1 : 5)) return;
     last_percent_ = percent;
     if (style_ == Style::Plain) std::fprintf(stderr, "%s\n", text.c_str());

@@ -13,7 +13,7 @@ namespace {
 constexpr int kLastFrame = 1'000'000;
 constexpr std::size_t kMostFrames = 1'000'000;
 
-// The whole number that the text is.
+// Returns the whole number in the text.
 std::optional<int> whole(std::string_view text, int least, int most)
 {
     int value = 0;
@@ -108,7 +108,7 @@ std::optional<Shard> slurm_shard(const char* (*variable)(const char*))
     if (!id || !count || *count < 1) return std::nullopt;
     const int least = number("SLURM_ARRAY_TASK_MIN").value_or(0),
               step = std::max(1, number("SLURM_ARRAY_TASK_STEP").value_or(1));
-    // A list of tasks with gaps ("1,5,7") says neither their places nor a step: then no part of the sequence is certain.
+    // A list of tasks with gaps ("1,5,7") gives neither their places nor a step, so no part of the sequence is certain.
     if (*id < least || (*id - least) % step != 0 || (*id - least) / step >= *count) return std::nullopt;
     return Shard{(*id - least) / step + 1, *count};
 }

@@ -54,7 +54,7 @@ accel::Ray CameraRays::ray(double x, double y, Vec2f lens) const noexcept
     ray.origin = orthographic_ ? eye_ + across : eye_;
     Vec3d d = orthographic_ ? forward_ : forward_ + across;  // to where camera z is 1
     if (has_lens()) {
-        // All rays of a place in the image meet where it is sharp.
+        // All rays through one place in the image meet at the plane of focus.
         const Vec2d at(aperture_point(lens, blades_) * lens_radius_);
         const Vec3d shift = glm::normalize(right_) * at.x + glm::normalize(up_) * at.y;
         ray.origin += shift;
@@ -81,7 +81,7 @@ shade::LensBeams CameraRays::lens_beams_of(const accel::Ray& ray) const noexcept
 accel::Ray CameraRays::behind_focus(accel::Ray ray) const noexcept
 {
     if (footprints_are_own_) ray.footprint = lens_beams_of(ray).far_side;
-    // Both pieces reach a little over the focus, so that nothing there is lost by rounding.
+    // Both pieces reach slightly beyond the focus, so that rounding loses nothing there.
     ray.t_near = std::max(ray.t_near, ray.t_far * (1 - 4 * std::numeric_limits<float>::epsilon()));
     ray.t_far = std::numeric_limits<float>::infinity();
     return ray;

@@ -32,7 +32,7 @@ Pair pair_of(const Image& a, const Image& b, const std::string& name)
     return {*la, *lb, la->channel_count(), lb->channel_count(), channels, std::size_t(a.width) * std::size_t(a.height)};
 }
 
-// Nothing if the two cannot be compared.
+// Returns nothing if the two values cannot be compared.
 std::optional<double> difference(float a, float b)
 {
     if (std::isnan(a) || std::isnan(b)) return std::nullopt;
@@ -40,7 +40,7 @@ std::optional<double> difference(float a, float b)
     return double(a) - double(b);
 }
 
-// Largest absolute difference of a pixel's channels.
+// Returns the largest absolute difference of a pixel's channels.
 std::optional<double> largest_difference(const Pair& p, std::size_t pixel)
 {
     double largest = 0;

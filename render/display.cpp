@@ -8,11 +8,12 @@
 namespace occam::render {
 namespace {
 
-// Narkowicz 2015, "ACES filmic tone mapping curve".
+// Returns the curve of Narkowicz 2015, "ACES filmic tone mapping curve".
 float aces(float x) noexcept { return x * (2.51f * x + 0.03f) / (x * (2.43f * x + 0.59f) + 0.14f); }
 
-// A rational curve with a toe and a shoulder: slope kToe at black, 1 at (kJoin, kJoin) and white at kWhite. Below kJoin it
-// is a quadratic polynomial, above it the hyperbola that meets that with the same slope and reaches 1 at kWhite.
+// The curve is rational with a toe and a shoulder: its slope is kToe at black, and it passes through (kJoin, kJoin) and
+// reaches white at kWhite. Below kJoin it is a quadratic polynomial; above, it is the hyperbola that meets the polynomial
+// with the same slope and reaches 1 at kWhite.
 constexpr float kToe = 0.75f, kJoin = 0.3f, kWhite = 8;
 float filmic(float x) noexcept
 {
@@ -25,7 +26,7 @@ float filmic(float x) noexcept
 }
 
 // The curve is applied to the largest channel, and the others keep their ratio to it, so that the hue stays. What the
-// shoulder takes away from a bright colour goes into white, as film and eyes have it.
+// shoulder takes away from a bright colour turns into white, as on film and in the eye.
 Vec3f filmic_color(Vec3f color) noexcept
 {
     const float peak = std::max({color.x, color.y, color.z});
@@ -59,7 +60,7 @@ Vec3f shown(Vec3f color, Tonemap tonemap) noexcept
 
 constexpr float kKey = 0.25f, kFreeStops = 1, kLitStops = 10, kBrightest = 2;
 
-// The luminances of pixels that something covers, as powers of two.
+// Returns the logarithms to base 2 of the luminances of pixels that something covers.
 std::vector<float> log_luminances(const Layer& beauty)
 {
     std::vector<float> logs;

@@ -69,7 +69,7 @@ void PixelSums::add(const SampleResult& sample) noexcept
     }
 }
 
-// A few samples of a filter with negative lobes may weigh nothing or less: such a pixel stays black.
+// A few samples of a filter with negative lobes may have a total weight of zero or less: such a pixel stays black.
 Vec4f PixelSums::beauty() const noexcept { return weight_ > 0 ? Vec4f(beauty_ / weight_) : Vec4f(0); }
 Vec4f PixelSums::albedo() const noexcept { return weight_ > 0 ? Vec4f(albedo_ / weight_) : Vec4f(0); }
 Vec3f PixelSums::normal() const noexcept { return weight_ > 0 ? Vec3f(normal_ / weight_) : Vec3f(0); }
@@ -107,7 +107,7 @@ Film::Film(const Settings& settings)
             continue;
         }
         Layer& layer = image_.add_layer(std::string(aov_name(aov)), std::move(form.channels), form.full_float);
-        // What was never reached is a miss.
+        // A pixel that was never reached is a miss.
         if (aov == Aov::Depth) std::fill(layer.pixels.begin(), layer.pixels.end(), std::numeric_limits<float>::infinity());
     }
 }

@@ -8,7 +8,7 @@
 namespace occam::render {
 namespace {
 
-// Mitchell and Netravali 1988 with B = C = 1/3; x in half widths of the four pixels it covers.
+// Returns the filter of Mitchell and Netravali 1988 with B = C = 1/3; x is in half widths of its four pixels.
 float mitchell(float x) noexcept
 {
     x = std::fabs(2 * x);
@@ -18,14 +18,14 @@ float mitchell(float x) noexcept
     return 0;
 }
 
-// Four terms (Harris 1978).
+// Returns the window of four terms (Harris 1978).
 float blackman_harris(float x) noexcept
 {
     const float a = maths::kPi * (x + 1);
     return 0.35875f - 0.48829f * maths::cos(a) + 0.14128f * maths::cos(2 * a) - 0.01168f * maths::cos(3 * a);
 }
 
-// Sigma is a third of the radius; lowered so that it ends at zero.
+// Returns a Gaussian whose sigma is a third of the radius, lowered so that it ends at zero.
 float gaussian(float x) noexcept { return std::max(0.0f, maths::exp(-4.5f * x * x) - maths::exp(-4.5f)); }
 
 }  // namespace

@@ -17,7 +17,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Error estimates of fewer samples say little.
+// Error estimates of fewer samples are unreliable.
 constexpr int kLeastSamples = 16;
 
 constexpr Aov kMattes[] = {Aov::CryptomatteObject, Aov::CryptomatteMaterial};
@@ -44,7 +44,7 @@ double thread_seconds()
     return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-// Nearest and farthest camera z of the scene's box.
+// Sets the nearest and farthest camera z of the scene's box.
 void set_depth_range(FrameContext& context, const Box3d& bounds)
 {
     if (bounds.is_empty()) return;
@@ -60,7 +60,7 @@ void set_depth_range(FrameContext& context, const Box3d& bounds)
     context.depth_far = static_cast<float>(z_far);
 }
 
-// Makes tiles, one after the other, with what it owns.
+// Renders tiles, one after the other, with its own tracer and integrator.
 class Worker {
 public:
     /// shared   null: the worker grows a tree of its own
@@ -169,7 +169,8 @@ private:
         return !is_late;
     }
 
-    // Samples a pixel at which its tile may end: powers of two. The points of so many are evenly laid out.
+    // Returns the next number of samples per pixel at which the tile may end. These are powers of two, because their
+    // points are evenly distributed.
     int next_check(int after) const noexcept
     {
         if (!(context_.settings.error > 0)) return context_.settings.spp;
@@ -178,7 +179,7 @@ private:
         return count;
     }
 
-    // The root of the mean square over the tile: of a pixel alone, luck would decide.
+    // Tests the root mean square over the tile: for a single pixel, chance would decide.
     bool is_good_enough() const noexcept
     {
         if (!(context_.settings.error > 0)) return false;
@@ -224,7 +225,7 @@ private:
     std::vector<MatteSums> mattes_[2];
 };
 
-// The workers of a frame, and the trees that groups of them share.
+// Holds the workers of a frame, and the trees that groups of them share.
 class Crew {
 public:
     Crew(const FrameContext& context, const accel::Frame& frame, const FrameInputs& in)

@@ -42,8 +42,8 @@ bool is_known_format(const std::string& extension)
     throw Error(file.string(), why, {}, Error::Kind::Output);
 }
 
-// Where encoders put their bytes. Some of their libraries end the process when a write fails, and some do not look: so they
-// are told that every write went well, and OutputFile::finish() says what did not.
+// Receives the bytes of encoders. Some of their libraries end the process when a write fails, and some ignore it. So they
+// are told that every write succeeded, and OutputFile::finish() reports what failed.
 class EncoderStream final : public OIIO::Filesystem::IOProxy {
 public:
     explicit EncoderStream(OutputFile& file) : IOProxy(file.temporary().string(), Write), file_(file) {}
@@ -97,7 +97,7 @@ void add_attributes(OIIO::ImageSpec& spec, const Image& image)
     }
 }
 
-// Encoders that write the wrong head, or none, are not trusted with the final name.
+// Checks the header: encoders that write a wrong one, or none, are not trusted with the final name.
 void check_header(const OutputFile& out, const fs::path& file, const OIIO::ImageSpec& spec)
 {
     const auto in = OIIO::ImageInput::open(out.temporary().string());
@@ -124,7 +124,7 @@ void write_pixels(const fs::path& file, const OIIO::ImageSpec& spec, const std::
     target.publish();
 }
 
-// OpenEXR's own order of things: beauty's channels have no prefix, others are layer.channel.
+// Writes the channels in OpenEXR's order: those of beauty have no prefix, others are named layer.channel.
 void write_exr(const Image& image, const fs::path& file, const WriteOptions& options)
 {
     std::size_t channels = 0;
@@ -152,7 +152,7 @@ void write_exr(const Image& image, const fs::path& file, const WriteOptions& opt
         for (std::size_t i = 0; i < count; ++i)
             for (std::size_t c = 0; c < n; ++c) {
                 const float v = layer.pixels[i * n + c];
-                // A bright light is not infinite in half; infinity stays what it is.
+                // A bright light must not become infinite in half; infinity stays what it is.
                 pixels[i * channels + first + c] = half && std::isfinite(v) ? std::clamp(v, -kHalfMax, kHalfMax) : v;
             }
         first += n;
@@ -186,8 +186,8 @@ void write_display(const Image& image, const fs::path& file, const WriteOptions&
     const bool tiff = extension == ".tif" || extension == ".tiff";
     OIIO::ImageSpec spec = base_spec(image, shown.channels, tiff ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8);
     spec.attribute("oiio:UnassociatedAlpha", 1);
-    // For sRGB OpenImageIO adds a second directory to a TIFF, which needs to read from the stream and comes out broken; a
-    // TIFF of integers is taken for sRGB anyway.
+    // For sRGB, OpenImageIO adds a second directory to a TIFF, which needs to read from the stream and is written broken.
+    // A TIFF of integers is taken for sRGB anyway.
     if (options.tonemap == Tonemap::None || !tiff)
         spec.attribute("oiio:ColorSpace", options.tonemap == Tonemap::None ? "Linear" : "sRGB");
     if (jpeg) spec.attribute("compression", "jpeg:95");

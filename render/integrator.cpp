@@ -9,7 +9,7 @@
 namespace occam::render {
 namespace {
 
-// A path's name for its random numbers, new at each of its surfaces and for each branch there.
+// Returns the key of a path's random numbers, which is new at each of its surfaces and for each branch there.
 std::uint32_t child_key(std::uint32_t key, std::uint32_t branch) noexcept
 {
     return static_cast<std::uint32_t>(mix_bits((std::uint64_t(key) << 8) + branch + 1) >> 32);
@@ -75,7 +75,7 @@ std::size_t Integrator::shade_some(std::size_t first, std::span<const CameraSamp
 
 void Integrator::count_cells(const accel::Ray& ray, const accel::SurfaceHit& hit)
 {
-    constexpr double kSteepest = 0.1;  // cosine: a silhouette has no end of surface
+    constexpr double kSteepest = 0.1;  // a cosine: at a silhouette the area of the surface has no bound
     const double facing = std::abs(double(glm::dot(hit.normal_geometric, ray.direction))),
                  rate = double(context_.settings.shading_rate);
     counters_.visible_cells += 1 / (std::max(facing, kSteepest) * rate * rate);
@@ -166,7 +166,8 @@ void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResu
     }
     if (path.absorption != Vec3f(0))
         for (int c = 0; c < 3; ++c) path.throughput[c] *= maths::exp(-path.absorption[c] * (hit.t - ray.t_near));
-    // Only the last piece of a ray knows which lights lie before its end: those behind a surface that it passes come later.
+    // Only the last piece of a ray knows which lights lie before its end: those behind a surface that it passes come
+    // later.
     if (!path.is_camera()) cross_lights(path, ray, hit.t, result);
 
     counters_.hits_looked_up += hit.phase_one_channels == 0;

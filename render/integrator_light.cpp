@@ -1,4 +1,4 @@
-// What an integrator does at a hit: shadow rays to lights, and rays that follow the surface's lobes.
+// The work of an integrator at a hit: shadow rays to lights, and rays that follow the lobes of the surface.
 #include <algorithm>
 #include <cmath>
 
@@ -35,7 +35,7 @@ bool is_black(Vec3f c) noexcept { return !(c.x > 0 || c.y > 0 || c.z > 0); }
 
 }  // namespace
 
-// Later surfaces of a path are lit by one sample of each light, whatever was asked for.
+// Later surfaces of a path are lit by one sample of each light, whatever the settings ask for.
 int Integrator::light_samples_at(const Path& path) const noexcept
 {
     return path.is_camera() ? context_.settings.light_samples : 1;
@@ -52,7 +52,7 @@ Sequence Integrator::numbers(const Vertex& v, Use use, int slot) const noexcept
                                      Dimension::at(v.path.key, use, static_cast<std::uint32_t>(slot)));
 }
 
-// Only what is scattered no further has as many directions as a light has samples.
+// Only paths that are scattered no further draw as many directions as a light has samples.
 int Integrator::scatter_samples_at(const Path& path) const noexcept
 {
     const bool goes_on = context_.settings.integrator != IntegratorKind::Direct && path.bounces < context_.settings.bounces;
@@ -109,7 +109,7 @@ void Integrator::gather_light(const Vertex& v)
     }
 }
 
-// Samples [first, end) of a placed light.
+// Adds samples [first, end) of a placed light.
 void Integrator::gather_light(const Vertex& v, const shade::WorldLight& light, const Sequence& squares, int first, int end,
                               Vec3f each)
 {
@@ -236,7 +236,7 @@ void Integrator::look_for_light(const Path& next, const accel::Ray& ray)
         push(probe, ray);
         return;
     }
-    // Lights without a surface and the sky need no hit: something is in the way or not.
+    // Lights without a surface and the sky need no hit: the ray is occluded or not.
     const shade::Tries placed = tries_of(next.light_tries, next.scatter_tries, true);
     const auto add = [&](float t_far, Vec3f radiance) {
         const Vec3f reaches = clamped(next.throughput * radiance, next.bounces);

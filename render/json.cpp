@@ -1,4 +1,4 @@
-// Everything of this room that is written as JSON; the one file that sees the JSON library.
+// All JSON output of render/; this is the only file that includes the JSON library.
 #include <sys/resource.h>
 
 #include <cmath>
@@ -68,7 +68,7 @@ Json json_of(const Settings& s)
 
 std::string text_of(const Json& json)
 {
-    // Names of a stranger's file may hold bytes that are not UTF-8.
+    // Names in an untrusted file may hold bytes that are not UTF-8.
     return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

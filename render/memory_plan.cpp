@@ -10,12 +10,13 @@
 namespace occam::render {
 namespace {
 
-// Enough for a tracer's packets and streams, few enough that a cancelled frame stops soon.
+// This is enough for a tracer's packets and streams, and few enough that a cancelled frame stops soon.
 constexpr int kMostRays = 4096;
-constexpr int kLeastRays = kTileSide * kTileSide;                            // one sample of each pixel of a tile
-constexpr std::size_t kShadowRays = FrameContext::kShadowBatch / kMostRays;  // that may wait, for each ray of a batch
+constexpr int kLeastRays = kTileSide * kTileSide;  // one sample of each pixel of a tile
+constexpr std::size_t kShadowRays = FrameContext::kShadowBatch /
+                                    kMostRays;  // shadow rays that may wait, for each ray of a batch
 
-// Of a ray that is followed: it and its successor. Surfaces that split rays in two may need more.
+// A ray that is followed takes memory for itself and its successor. Surfaces that split rays in two may need more.
 constexpr std::size_t kBytesOfARay = 2 * (sizeof(Path) + sizeof(accel::Ray)) + sizeof(accel::SurfaceHit) +
                                      sizeof(SampleResult) + 4 * sizeof(int) + sizeof(Vec3f) + sizeof(float) +
                                      accel::kBytesOfABatchedRay;

@@ -2,7 +2,8 @@
 
 namespace occam::render {
 
-// One coordinate a loop, and none of it inlined into what uses the points one by one: so compilers make vectors of it.
+// Each loop computes one coordinate and is not inlined into code that uses the points one by one, so that compilers
+// vectorize it.
 void Sequence::squares(std::uint32_t first, float (&x)[kBlock], float (&y)[kBlock]) const noexcept
 {
     using namespace sobol;

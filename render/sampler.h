@@ -13,7 +13,7 @@
 
 namespace occam::render {
 
-/// What a number, or a pair of them, is for.
+/// Names the purpose of a number, or of a pair of them.
 struct Dimension {
     enum class Use : std::uint32_t { Light, LightChoice, Scatter, Lobe, Survival, Passing };
     std::uint32_t value;

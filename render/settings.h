@@ -98,9 +98,8 @@ struct Settings {
     ShadeAt shade_at = ShadeAt::Hit;
     std::optional<Camera> lod_camera{};  ///< the camera whose pixels the footprints are; none: the picture's own
     std::uint64_t seed = 0;
-    double deadline_s =
-        0;  ///< rendering stops after this time with what is done; 0: never. No other setting makes pictures differ
-    unsigned aovs = 0;  ///< bits of Aov
+    double deadline_s = 0;  ///< rendering stops then with what is done; 0: never. Only this setting makes pictures differ
+    unsigned aovs = 0;      ///< bits of Aov
     View view = View::Beauty;
     bool back_faces =
         true;  ///< false: rays pass the backs of single-sided surfaces (glTF 2.0, sec. 3.9.5), but not those of glass

@@ -10,8 +10,9 @@ struct Cell {
     unsigned x, y;
 };
 
-// The cell at distance d along a Hilbert curve over a square of `side` cells, a power of two: quadrant by quadrant from the
-// smallest up, each turned so that its ends meet its neighbours' (Skilling 2004 gives the general form).
+// Returns the cell at distance d along a Hilbert curve over a square of `side` cells, a power of two. It goes quadrant by
+// quadrant from the smallest up, each turned so that its ends meet its neighbours' (Skilling 2004 gives the general
+// form).
 Cell hilbert_cell(unsigned side, std::uint64_t d)
 {
     Cell c{0, 0};

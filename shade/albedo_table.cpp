@@ -7,8 +7,8 @@ namespace {
 
 constexpr int kRings = 24, kAngles = 12;
 
-// Visible normals leave of the integrand masking alone. They come from the unit disc: rings that get finer towards its rim,
-// where GGX's long tail is, and half a turn of angles (the other half is its mirror image).
+// With visible normals, only the masking of the integrand is left. The normals come from the unit disc: rings that get
+// finer towards its rim, where the long tail of GGX is, and half a turn of angles (the other half is its mirror image).
 LayerAlbedo integrate(float cosine, float alpha) noexcept
 {
     const Vec3f eye(std::sqrt(std::max(0.0f, 1 - cosine * cosine)), 0, cosine);
@@ -19,7 +19,8 @@ LayerAlbedo integrate(float cosine, float alpha) noexcept
         const double area = double(x) * double(x);  // of 1 - radius^2 = x^3
         whole += area * kAngles;
         for (int i = 0; i < kAngles; ++i) {
-            // The disc's second axis lies in the plane of the eye: the mirror images differ in the first one's sign.
+            // The disc's second axis lies in the plane of the eye, so the mirror images differ in the sign of the first
+            // one.
             const float angle = (static_cast<float>(i) + 0.5f) / kAngles * kPi - kPi / 2;
             const Vec3f h = visible_normal_of(eye, alpha, radius * Vec2f(maths::cos(angle), maths::sin(angle)));
             const float v_h = glm::dot(eye, h);
@@ -84,7 +85,7 @@ AlbedoTable::AlbedoTable()
             const float root_of_cosine = std::max(static_cast<float>(c), 0.05f) / (kCosines - 1);
             row[static_cast<std::size_t>(c)] = integrate(root_of_cosine * root_of_cosine, alpha);
         }
-        // The mean is that of the interpolated row: then lobes made of both lose and gain nothing.
+        // The mean is that of the interpolated row, so that lobes made of both neither lose nor gain light.
         double f0 = 0, f90 = 0;
         constexpr int kSteps = 16 * (kCosines - 1);
         for (int i = 0; i < kSteps; ++i) {

@@ -28,18 +28,19 @@ struct Angles {
     }
 };
 
-// The mean of Schlick's curve, weighted with the cosine.
+// Returns the cosine-weighted mean of Schlick's curve.
 Vec3f mean_fresnel(Vec3f f0, float f90) noexcept { return f0 + (Vec3f(f90) - f0) / 21.0f; }
 
-// What light of several bounces between microfacets is worth, where 1 is what single scattering lost (Kulla and Conty 2017;
-// the sum of the series F^2 E (1 + F (1 - E) + ...)).
+// Returns the factor of light that bounces several times between microfacets, where 1 is what single scattering lost
+// (Kulla and Conty 2017; the sum of the series F^2 E (1 + F (1 - E) + ...)).
 Vec3f multiple_share(Vec3f f0, float f90, float mean_albedo) noexcept
 {
     const Vec3f f = mean_fresnel(f0, f90);
     return f * f * mean_albedo / (Vec3f(1) - f * (1 - mean_albedo));
 }
 
-// The layer over the base: a lobe for its multiple scattering, and how much of light it lets through to the base and back.
+// Describes the layer over the base: a lobe for its multiple scattering, and the share of light that it transmits to the
+// base and back.
 struct Layer {
     float alpha, mean;  // GGX width; albedo of a layer that reflects all, over all directions
     Vec3f multiple;     // of the layer as it is
@@ -55,23 +56,24 @@ struct Layer {
         base_multiple = multiple_share(Vec3f(f0), f90, mean).x;
         base_mean = f0 * all.f0 + f90 * all.f90 + base_multiple * (1 - mean);
     }
-    // Share of a direction's light that gets below the dielectric.
+    // Returns the share of a direction's light that gets below the dielectric.
     float through(LayerAlbedo e) const noexcept
     {
         return std::max(0.0f, 1 - (f0 * e.f0 + f90 * e.f90 + base_multiple * (1 - e.sum())));
     }
-    // The base's factor: reciprocal, and exact for a white base (Kelemen and Szirmay-Kalos 2001, sec. 3).
+    // Returns the factor of the base: reciprocal, and exact for a white base (Kelemen and Szirmay-Kalos 2001, sec. 3).
     float into_base(LayerAlbedo eye, LayerAlbedo light) const noexcept
     {
         return base_mean < 1 ? through(eye) * through(light) / (1 - base_mean) : 0;
     }
-    // What single scattering does not let through a rough pane, of light that is not reflected either.
+    // Returns the multiple scattering through a rough pane: what is neither reflected nor transmitted by single
+    // scattering.
     float multiple_through(LayerAlbedo eye, LayerAlbedo light) const noexcept
     {
         const float lost = std::max(0.0f, 1 - eye.sum()) * std::max(0.0f, 1 - light.sum());
         return mean < 1 ? (1 - base_multiple) * lost / ((1 - mean) * kPi) : 0;
     }
-    // Share of what a pane lets through that single scattering does.
+    // Returns the share of the light transmitted by a pane that single scattering transmits.
     float single_share(LayerAlbedo eye) const noexcept
     {
         const float single = (1 - f0) * eye.f0 + (1 - f90) * eye.f90, all = through(eye);
@@ -83,7 +85,7 @@ struct Layer {
     }
 };
 
-// How often each lobe is sampled: by what it sends to this eye.
+// Holds the probability of sampling each lobe, in proportion to what it sends to this eye.
 struct LobeShares {
     float diffuse = 1, layer = 0, coat = 0, pane = 0, pane_diffuse = 0, body = 0;
 
@@ -130,7 +132,7 @@ private:
     }
 };
 
-// The layer's lobe of a surface with brush strokes, about their direction.
+// Describes the layer's lobe of a surface with brush strokes, in axes along their direction.
 struct Strokes {
     Vec3f x, y, z;
     Widths widths;
@@ -166,8 +168,8 @@ struct Strokes {
 
 bool has_strokes(const Surface& s) noexcept { return s.tangent != Vec3f(0); }
 
-// How much of a lobe is left towards the facet's horizon: as terminator(), but all of it up to where a reflecting normal
-// (evaluate()) sends the eye's own mirror image at the least.
+// Returns the share of a lobe that is left towards the facet's horizon. It is like terminator(), but reaches 1 already at
+// the lowest direction to which a reflecting normal (evaluate()) reflects the eye.
 float lobe_terminator(Vec3f facet, Vec3f normal, float n_l, Vec3f to_light) noexcept
 {
     constexpr float kSteep = 0.4f;
@@ -178,7 +180,8 @@ float lobe_terminator(Vec3f facet, Vec3f normal, float n_l, Vec3f to_light) noex
     return ratio * (1 + ratio * (1 - ratio));
 }
 
-// Below the coat, of what is opaque or a pane: f times the cosine, light on the eye's side.
+// Returns the reflection below the coat of what is opaque or a pane: f times the cosine, with the light on the eye's
+// side.
 Vec3f reflected(const Surface& s, Vec3f to_light) noexcept
 {
     const Angles a(s.normal, s.to_eye, to_light);
@@ -194,7 +197,7 @@ Vec3f reflected(const Surface& s, Vec3f to_light) noexcept
            base * (a.n_l * terminator(s, a.n_l, to_light));
 }
 
-// Below the coat: f times the cosine, light that a pane lets through.
+// Returns the transmission of a pane below the coat: f times the cosine.
 Vec3f through_rough_pane(const Surface& s, Vec3f to_light) noexcept
 {
     const float n_l = -glm::dot(s.normal, to_light);
@@ -229,8 +232,8 @@ float density_of(const Surface& s, const LobeShares& share, Vec3f to_light) noex
 Vec3f coated(const Surface& s, Vec3f below, Vec3f to_light) noexcept
 {
     const Angles a(s.coat_normal, s.to_eye, to_light);
-    // What is below gets what the coat does not reflect to the eye: all light is accounted for, whatever the base does with
-    // it, and the function is not reciprocal.
+    // What is below gets what the coat does not reflect to the eye. All light is accounted for, whatever the base does
+    // with it, and the function is not reciprocal.
     below *= 1 - s.coat * coat_albedo(a.n_v, s.coat_alpha);
     if (!(a.n_l > 0) || !(glm::dot(s.normal_geometric, to_light) > 0)) return below;
     const float fresnel = kCoatF0 + (1 - kCoatF0) * schlick(a.v_h);
@@ -262,11 +265,11 @@ float peak_density(const Surface& s) noexcept
     if (s.transmission != Vec3f(0)) return std::numeric_limits<float>::infinity();
     float peak = 1 / kPi;
     if (s.is_matte) return peak;
-    // A GGX lobe is densest about the mirrored direction, where the microfacet is the surface.
+    // A GGX lobe is densest about the reflected direction, where the microfacet normal is the surface normal.
     const auto include = [&](Vec3f normal, float alpha) {
         peak = std::max(peak, visible_density_over_cosine(eye_cosine(normal, s.to_eye), 1, 0, alpha) / 4);
     };
-    // With two widths it is flatter than a round one of the narrower width.
+    // A lobe with two widths is flatter than a round one of the narrower width.
     include(s.normal, has_strokes(s) ? s.alpha_across : s.alpha);
     if (s.coat > 0) include(s.coat_normal, s.coat_alpha);
     return peak;
@@ -276,7 +279,8 @@ ScatterSample sample_scatter(const Surface& s, float choice, Vec2f square) noexc
 {
     const LobeShares share(s);
     const Axes axes(s.normal);
-    // The lobe whose interval of [0, 1) holds the choice; what is left of the choice is a number in [0, 1) again.
+    // Chooses the lobe whose interval of [0, 1) holds the choice; what is left of the choice is rescaled to a number in
+    // [0, 1).
     const auto is_chosen = [&choice](float chance) {
         if (choice < chance) {
             choice /= chance;

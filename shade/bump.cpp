@@ -8,9 +8,9 @@ namespace {
 
 int set_of(const TextureUse& use) noexcept { return std::clamp(use.uv_set, 0, 1); }
 
-// What lies beyond a lattice's border goes on as it went inside. So a slope on the border is that of the neighbour's lattice
-// but for the second order of a step, and does not depend on where tiles end, which differs between the pairs that show a
-// level.
+// Values beyond a lattice's border are extrapolated from inside. So a slope on the border equals that of the neighbour's
+// lattice up to the second order of a step, and does not depend on where tiles end, which differs between the pairs that
+// show a level.
 template <class Of>
 auto beyond(int i, int j, int columns, int rows, Of&& of) noexcept
 {
@@ -68,8 +68,8 @@ Vec3f bump_slope(const ShadePoint& point, const TextureStore& textures) noexcept
     return (point.u_gradient * rise_u + point.v_gradient * rise_v) * (point.material->bump_scale / (2 * step));
 }
 
-// A slope that would turn the normal away is shortened so that a tenth of its cosine is left: what is seen has a normal that
-// is seen.
+// A slope that would turn the normal away is shortened so that a tenth of its cosine is left: a visible point has a
+// normal that faces the eye.
 Vec3f bumped_normal(Vec3f normal, Vec3f slope, const ShadePoint& point) noexcept
 {
     constexpr float kLeast = 0.1f;

@@ -6,13 +6,13 @@
 
 namespace occam::shade {
 
-// Coddington's equation for a mirror, across the plane of incidence: 1/s' = 1/s + 2 k cos, and w'/w = 1/s.
+// Uses Coddington's equation for a mirror, across the plane of incidence: 1/s' = 1/s + 2 k cos, and w'/w = 1/s.
 lod::Footprint mirrored_beam(Beam beam, float curvature, float cosine) noexcept
 {
     return from_width(beam.width, beam.spread + 2 * curvature * cosine * beam.width);
 }
 
-// The same for refraction: eta / s' = 1 / s + k (cos - eta cos').
+// Uses the same equation for refraction: eta / s' = 1 / s + k (cos - eta cos').
 lod::Footprint bent_beam(Beam beam, float curvature, float cosine, float cosine_out, float eta) noexcept
 {
     return from_width(beam.width, (beam.spread + curvature * beam.width * (cosine - eta * cosine_out)) / eta);
@@ -24,8 +24,8 @@ lod::Footprint scattered_beam(lod::Footprint smooth, float density, int samples)
     return from_width(smooth.a, std::sqrt(smooth.b * smooth.b + share * share));
 }
 
-// A segment between two transitions is two margins long, each of 2 d and an overlap (lod/ray_levels.h), and in it the wanted
-// edge grows by d.
+// A segment between two transitions is two margins long, each of 2 d and an overlap (lod/ray_levels.h), and in it the
+// target edge length grows by d.
 lod::Footprint followable(lod::Footprint beam, float shading_rate, const lod::LevelSettings& levels) noexcept
 {
     const float wanted = shading_rate * lod::LevelSettings::kLongestEdge;

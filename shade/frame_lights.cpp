@@ -3,7 +3,7 @@
 namespace occam::shade {
 namespace {
 
-// From over the camera's left shoulder; wide enough for soft shadows.
+// Returns a light from over the camera's left shoulder that is wide enough for soft shadows.
 WorldLight key_light(const Camera& camera)
 {
     WorldLight key;
@@ -14,9 +14,9 @@ WorldLight key_light(const Camera& camera)
     return key;
 }
 
-// Whether surfaces that shine are lamps of the scene, and not mere glowing details: their light, spread evenly over the
-// sphere around the scene, is at least this irradiance. A white surface there would have a radiance of about 0.006, which
-// is less than a hundredth of what the default light gives it.
+// This irradiance decides whether emissive surfaces are lamps of the scene or merely glowing details: their light, spread
+// evenly over the sphere around the scene, has to reach it. A white surface there would have a radiance of about 0.006,
+// which is less than a hundredth of what the default light gives it.
 constexpr double kLeastIrradiance = 0.02;
 
 bool are_lamps(const MeshLights& meshes, const Scene& scene) noexcept

@@ -19,7 +19,7 @@ bool is_beyond(const Light& light) noexcept
     return false;
 }
 
-// No surface reflects more light than it gets. A colour that is shown as it is may be any.
+// Returns true if a surface would reflect more light than it receives. The colour of an unlit material is not limited.
 bool is_too_white(const Material& m) noexcept
 {
     const Vec3f c(m.base_color);

@@ -19,7 +19,7 @@ Vec3f unit_or(Vec3d v, Vec3f fallback) noexcept
     return length > 0 && length < std::numeric_limits<double>::infinity() ? Vec3f(v / length) : fallback;
 }
 
-// The node's -z as a normal: across its x and y also when they are sheared.
+// Returns the node's -z as a normal: it is perpendicular to the node's x and y also when they are sheared.
 Vec3f shining_normal(const Mat4d& m) noexcept
 {
     const Vec3d n = glm::cross(Vec3d(m[0]), Vec3d(m[1]));
@@ -95,7 +95,7 @@ LightCrossing cross_flat(const WorldLight& light, Vec3d origin, Vec3f direction)
     const float distance = glm::dot(to_middle, light.direction) / -cosine;
     if (!(distance > 0)) return {};
     const Vec3f at = direction * distance - to_middle;
-    // Coordinates along the half sides, which may be sheared.
+    // These are coordinates along the half sides, which may be sheared.
     const float xx = glm::dot(light.half_x, light.half_x), yy = glm::dot(light.half_y, light.half_y),
                 xy = glm::dot(light.half_x, light.half_y), ax = glm::dot(at, light.half_x), ay = glm::dot(at, light.half_y);
     const float determinant = xx * yy - xy * xy;
@@ -107,7 +107,8 @@ LightCrossing cross_flat(const WorldLight& light, Vec3d origin, Vec3f direction)
     return {distance, light.strength, distance * distance / (light.area * std::fabs(cosine))};
 }
 
-// 1 - cos of the cone that a sphere fills, without the cancellation that a small one would meet; 0 inside of it.
+// Returns 1 - cos of the cone that a sphere subtends, without the cancellation that a small one would cause; 0 inside of
+// the sphere.
 float cone_height(float radius, float distance2) noexcept
 {
     const float sin2 = radius * radius / distance2;
@@ -126,7 +127,7 @@ LightCrossing cross_sphere(const WorldLight& light, Vec3d origin, Vec3f directio
     return {along - std::sqrt(inside2), light.strength, 1 / (2 * kPi * height)};
 }
 
-// Uniform in the cone that the sphere fills.
+// Draws a direction uniformly in the cone that the sphere subtends.
 LightSample sample_sphere(const WorldLight& light, Vec3f to_centre, LightNumbers numbers) noexcept
 {
     const float distance2 = glm::dot(to_centre, to_centre);
@@ -135,7 +136,7 @@ LightSample sample_sphere(const WorldLight& light, Vec3f to_centre, LightNumbers
     const Vec2f d = disc_point(numbers.square);
     const float one_minus_cos = (d.x * d.x + d.y * d.y) * one_minus_cos_most;
     const float cosine = 1 - one_minus_cos;
-    // A disc point's squared radius is uniform, and so is 1 - cos in a cone: scale it to that ring.
+    // The squared radius of a disc point is uniform, and so is 1 - cos in a cone: the point is scaled to that ring.
     const float stretch = std::sqrt(one_minus_cos_most * (2 - one_minus_cos));
     const float distance = std::sqrt(distance2);
     const Axes axes(to_centre / distance);

@@ -14,7 +14,7 @@ Vec4f texel(const TextureUse& use, const lod::VertexToShade& at, const TextureSt
     return textures.sample(use, at.uv[set], at.uv_width[set]);
 }
 
-// Calls visit(first float, floats) for every value that is made at vertices.
+// Calls visit(first float, number of floats) for every value that is made at vertices.
 template <class Values, class Visit>
 void for_each_packed(const Material& m, Values& v, Visit&& visit) noexcept
 {

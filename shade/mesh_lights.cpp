@@ -9,12 +9,12 @@
 namespace occam::shade {
 namespace {
 
-// Below this share of the distance a shadow ray stops: what lies there is the shining surface itself.
+// A shadow ray stops at this share of the distance before its end: what lies beyond is the emissive surface itself.
 constexpr float kShort = 1e-4f;
 
 float luminance(Vec3f c) noexcept { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
 
-// Of the whole texture: the filter is as wide as the image.
+// Returns the mean over the whole texture: the filter is as wide as the image.
 float mean_luminance(const Material& m, const TextureStore& textures) noexcept
 {
     if (m.unlit || m.emission == Vec3f(0)) return 0;
@@ -60,8 +60,8 @@ double box_area(const Node& node, const CageSlot& slot, const SkinSlot* skin, co
     return 2 * (glm::length(glm::cross(x, y)) + glm::length(glm::cross(y, z)) + glm::length(glm::cross(z, x)));
 }
 
-// Returns the world area of the cage's faces of one material slot. What deforms or is made on demand counts by its box, and
-// by the slot's share of the faces where they are known.
+// Returns the world area of the cage's faces of one material slot. What deforms or is made on demand counts by its
+// bounding box, and by the slot's share of the faces where they are known.
 double area_of(const Scene& scene, const Node& node, const CageSlot& slot, std::size_t material_slot, std::size_t slots,
                const Mat4d& world_from_object) noexcept
 {
@@ -82,8 +82,8 @@ double area_of(const Scene& scene, const Node& node, const CageSlot& slot, std::
     return box_area(node, slot, scene.find(node.skin), world_from_object) * double(faces) / double(cage.face_count());
 }
 
-// Whether a ray that meets the node's surface of that material can be told what density it is sampled with: all of that
-// node's cages that show it are triangles that stand still.
+// Returns true if a ray that meets the node's surface of that material can be told the density with which it is sampled:
+// all cages of that node that show the material are triangles that stand still.
 bool is_sampled(const Scene& scene, const Node& node, const Material* material) noexcept
 {
     if (node.skin) return false;
@@ -169,7 +169,7 @@ LightSample MeshLights::sample(Vec3d point, LightNumbers numbers) const noexcept
     const std::uint32_t face = faces_[index];
     const Corners c = corners(mesh, face);
 
-    // Uniform in the triangle (Turk 1990).
+    // The point is uniform in the triangle (Turk 1990).
     const float root = std::sqrt(numbers.square.x);
     const double wa = 1 - double(root), wb = double(root) * (1 - double(numbers.square.y)), wc = 1 - wa - wb;
     ShadePoint p;

@@ -10,14 +10,14 @@
 namespace occam::shade {
 namespace {
 
-// Estevez and Kulla 2017, eq. 2: a power of the sine between normal and half vector.
+// Returns a power of the sine between normal and half vector (Estevez and Kulla 2017, eq. 2).
 float density(float n_h, float alpha) noexcept
 {
     const float sine = std::sqrt(std::max(0.0f, 1 - n_h * n_h)), power = 1 / alpha;
     return (2 + power) * maths::pow(sine, power) / (2 * kPi);
 }
 
-// The fit of eq. 3 and table 1, whose columns are for widths of 0 and 1.
+// Returns the fit of eq. 3 and table 1, whose columns are for widths of 0 and 1.
 float shadowing_fit(float x, float alpha) noexcept
 {
     constexpr float kOfZero[] = {25.3245f, 3.32435f, 0.16801f, -1.27393f, -4.85967f};
@@ -34,13 +34,13 @@ float lambda(float cosine, float alpha) noexcept
                          : maths::exp(2 * shadowing_fit(0.5f, alpha) - shadowing_fit(1 - cosine, alpha));
 }
 
-// f of a white sheen; both cosines above zero.
+// Returns f of a white sheen; both cosines are above zero.
 float lobe(float n_l, float n_v, float n_h, float alpha) noexcept
 {
     return density(n_h, alpha) / ((1 + lambda(n_l, alpha) + lambda(n_v, alpha)) * 4 * n_l * n_v);
 }
 
-// The albedo, by the middle of each cell of the light's square of cosine and half turn.
+// Integrates the albedo, by the middle of each cell of the light's squared cosine and half turn.
 float integrate(float cosine, float alpha) noexcept
 {
     constexpr int kCosines = 32, kAngles = 24;

@@ -13,9 +13,10 @@
 namespace occam::shade {
 namespace {
 
-// Thin glass that is smoother than this does not scatter what it lets through: light and shadow rays go straight on.
+// Thin glass that is smoother than this does not scatter the light that it transmits: light and shadow rays go straight
+// on.
 constexpr float kClearRoughness = 0.05f;
-// A body whose index is nearer to that of the outside does not bend light at all.
+// A body whose index is nearer than this to that of the outside does not refract light at all.
 constexpr float kLeastBend = 1e-3f;
 
 float lobe_width(float roughness) noexcept
@@ -37,8 +38,8 @@ float opacity_of(const Material& material, float alpha) noexcept
     return 1;
 }
 
-// Normal from a map (glTF 2.0, sec. 3.9.3), about the interpolated one, on its side. Axes are those of the coordinates after
-// KHR_texture_transform.
+// Returns the normal from a map (glTF 2.0, sec. 3.9.3), about the interpolated normal and on its side. The axes are those
+// of the coordinates after KHR_texture_transform.
 Vec3f mapped_normal(const TextureUse& use, Vec3f t, float scale, const ShadePoint& p) noexcept
 {
     if (!use || p.tangent == Vec3f(0)) return p.normal_shading;
@@ -57,12 +58,12 @@ Vec3f mapped_normal(const TextureUse& use, Vec3f t, float scale, const ShadePoin
     return (p.back_side ? -n : n) / length;
 }
 
-// Of the cosine between the eye and the facet, a reflected direction keeps at least this share above the facet.
+// A reflected direction keeps at least this share of the cosine between the eye and the facet above the facet.
 constexpr float kLeastLift = 0.25f;
 
-// Returns the shading normal, bent towards the eye as far as it takes for a mirror to reflect the eye's ray to above the
-// facet: rays that a normal map, or the interpolation over a coarse mesh, sends below it would be lost, and leave black
-// rings on metals (Keller et al. 2017). A normal that turns away from the eye is bent in the same way.
+// Returns the shading normal, tilted towards the eye as far as it takes for a mirror to reflect the eye's ray to above
+// the facet. Rays that a normal map, or the interpolation over a coarse mesh, sends below it would be lost, and leave
+// black rings on metals (Keller et al. 2017). A normal that turns away from the eye is tilted in the same way.
 Vec3f reflecting_normal(Vec3f normal, const ShadePoint& p) noexcept
 {
     const Vec3f facet = p.normal_geometric;
@@ -84,14 +85,14 @@ struct Dielectric {
     float f90;
 };
 
-// KHR_materials_ior and KHR_materials_specular: reflectance at both ends of the angle.
+// Returns the reflectance at both ends of the angle, by KHR_materials_ior and KHR_materials_specular.
 Dielectric dielectric_of(const Material& m, const MaterialValues& values) noexcept
 {
     const float root = (m.ior - 1) / (m.ior + 1);
     return {glm::min(root * root * values.specular_color, Vec3f(1)) * values.specular, values.specular};
 }
 
-// A surface that is glass in part: what is left is metal and opaque dielectric, in the proportion that they have.
+// Handles a surface that is glass in part: the rest is metal and opaque dielectric, in their given proportion.
 void mix_opaque_rest(const MaterialValues& values, float metallic, const Dielectric& dielectric, Surface& s) noexcept
 {
     const float opaque = (1 - metallic) * (1 - std::min(values.transmission, 1.0f)), rest = opaque + metallic;
@@ -110,7 +111,7 @@ void add_transmission(const Material& m, const MaterialValues& values, const Die
     if (s.is_solid) {
         s.solid_share = std::min(share, 1.0f);
         mix_opaque_rest(values, metallic, dielectric, s);
-        // Light crosses a body's surface twice: straight through it is tinted once.
+        // Light crosses the surface of a body twice, so one straight path through it is tinted once.
         s.transmission = Vec3f(std::sqrt(std::max(0.0f, s.base_color.x)), std::sqrt(std::max(0.0f, s.base_color.y)),
                                std::sqrt(std::max(0.0f, s.base_color.z)));
         s.eta = back_side ? 1 / m.ior : m.ior;
@@ -131,8 +132,8 @@ void add_transmission(const Material& m, const MaterialValues& values, const Die
     s.passes += s.opacity * tint * (1 - reflected);
 }
 
-// KHR_materials_anisotropy: the width along the strokes grows to 1 with the square of the strength. Tables are asked with
-// the geometric mean of the widths. Glass stays round: its two lobes share one distribution.
+// Applies KHR_materials_anisotropy: the width along the strokes grows to 1 with the square of the strength. Tables are
+// looked up with the geometric mean of the widths. Glass stays isotropic: its two lobes share one distribution.
 void add_anisotropy(const Material& m, const MaterialValues& values, const ShadePoint& p, Surface& s) noexcept
 {
     const float strength = std::clamp(m.anisotropy * values.anisotropy.z, 0.0f, 1.0f);

@@ -7,13 +7,13 @@ namespace {
 
 Vec3f turned(Vec3f v, Vec3f normal) noexcept { return v - normal * (2 * glm::dot(v, normal)); }
 
-// A microfacet that sends light from a direction to the eye.
+// Describes a microfacet that sends light from a direction to the eye.
 struct Facet {
-    float density = 0;  ///< of the direction per solid angle, if all visible microfacets did the same as this one
-    float v_h = 0;      ///< cosine between eye and microfacet
+    float density = 0;  ///< of the direction per solid angle, if all visible microfacets acted like this one
+    float v_h = 0;      ///< cosine between the eye and the microfacet normal
 };
 
-// The microfacet that refracts (Walter et al. 2007, eq. 16 and 17), with indices in units of the eye's side.
+// Returns the microfacet that refracts (Walter et al. 2007, eq. 16 and 17), with indices in units of the eye's side.
 Facet refracting_facet(const Surface& s, Vec3f to_light) noexcept
 {
     Vec3f h = s.to_eye + to_light * s.eta;
@@ -43,8 +43,8 @@ Facet reflecting_facet(const Surface& s, Vec3f to_light) noexcept
             v_h};
 }
 
-// Calls use(density, chance to reflect, Fresnel's reflectance, whether it reflects) for the microfacets that send light from
-// the direction to the eye: one straight, and one by way of the mirror image of the direction at the surface.
+// Calls use(density, chance to reflect, Fresnel reflectance, whether it reflects) for the microfacets that send light
+// from the direction to the eye: one directly, and one by way of the direction's mirror image at the surface.
 template <class Use>
 void for_facets(const Surface& s, Vec3f to_light, Use&& use) noexcept
 {
