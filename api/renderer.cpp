@@ -85,9 +85,12 @@ struct Job::State {
         const auto deadline = settings.deadline_s > 0 ? start + std::chrono::duration_cast<Clock::duration>(
                                                                     std::chrono::duration<double>(settings.deadline_s))
                                                       : Clock::time_point::max();
-        image = render::render_frame({scene, bounds, camera, settings, renderer->resources, memory,
-                                      renderer->topologies->cache, renderer->textures, deadline},
-                                     control, stats);
+        auto result = render::render_frame({scene, bounds, camera, settings, renderer->resources, memory,
+                                            renderer->topologies->cache, renderer->textures, deadline, resumed},
+                                           control, stats);
+        image = std::move(result.image);
+        checkpoint = std::move(result.checkpoint);
+        resumed = {};
         refuse_bad_textures();  // those whose texels turned out to be unreadable
         render::describe(image, camera, settings);
         render::describe_mattes(image, scene, settings);
@@ -123,8 +126,10 @@ struct Job::State {
             stats.warnings.push_back(std::move(warning));
         for (std::string& warning : renderer->textures.warnings()) stats.warnings.push_back(std::move(warning));
         if (!stats.complete && !control.is_cancelled())
-            stats.warnings.push_back("out of time: " + std::to_string(static_cast<int>(100 * control.fraction_done())) +
-                                     " % of the picture has all its samples, the rest fewer, or none and is black");
+            stats.warnings.push_back(stats.image.least_samples > 0
+                                         ? "out of time: the picture has " + std::to_string(stats.image.least_samples) +
+                                               " of " + std::to_string(settings.spp) + " samples a pixel"
+                                         : std::string("out of time: some pixels have no sample and are black"));
         stats.scene.warnings = stats.warnings.size();
     }
 
@@ -149,7 +154,9 @@ struct Job::State {
     std::unique_ptr<Scene::FrameLock> lock;
     render::FrameControl control;
 
+    std::string resumed;  ///< the checkpoint that the frame goes on from; empty while there is none
     Image image;
+    std::string checkpoint;  ///< of an unfinished frame
     FrameStats stats;
     std::exception_ptr error;
 
@@ -186,6 +193,12 @@ Image Job::take_image()
     return std::move(state_->image);
 }
 
+const std::string& Job::checkpoint() const
+{
+    state_->wait_and_throw();
+    return state_->checkpoint;
+}
+
 const FrameStats& Job::stats() const
 {
     state_->wait_and_throw();
@@ -197,13 +210,14 @@ Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 Renderer::~Renderer() = default;
 
-Job Renderer::start(Scene& scene, const Camera& camera, const Settings& settings)
+Job Renderer::start(Scene& scene, const Camera& camera, const Settings& settings, std::string checkpoint)
 {
     render::check(settings);
     check(scene.environment);
     if (state_->busy.exchange(true)) throw Error("", "this renderer is busy with another frame");
     try {
         auto job = std::make_unique<Job::State>(state_, scene, camera, settings);
+        job->resumed = std::move(checkpoint);
         scene.refit();
         job->bounds = scene.bounds();
         job->memory = render::plan_memory(scene, state_->resources);

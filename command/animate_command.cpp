@@ -9,6 +9,7 @@
 #include "interrupt.h"
 #include "io/output_file.h"
 #include "progress.h"
+#include "recipe.h"
 #include "render/display.h"
 
 namespace occam::command {
@@ -33,12 +34,6 @@ public:
 private:
     std::string text_;
 };
-
-bool is_for_display(const fs::path& file)
-{
-    const std::string extension = file.extension().string();
-    return extension != ".exr" && extension != ".hdr";
-}
 
 // One exposure for the whole sequence, so that it does not flicker: the mean of what the first, the middle and the last
 // frame ask for, measured on small pictures. It depends on the list of frames alone, so that all shards find the same.
@@ -71,22 +66,65 @@ std::vector<std::string> new_ones(const std::vector<std::string>& warnings, std:
     return fresh;
 }
 
+// What a sequence is made from, and which of its frames are there already.
+class Sequence {
+public:
+    Sequence(const AnimateArguments& arguments, Scene& scene, Renderer& renderer)
+        : arguments_(arguments), write_(arguments.write), stamp_(scene_stamp(scene, arguments)), framing_(scene, arguments)
+    {
+        framing_.fit_clip();
+        if (!write_.exposure_ev && Image::is_for_display(arguments.output))
+            write_.exposure_ev = measured_exposure(arguments, framing_, scene, renderer);
+    }
+    Framing& framing() { return framing_; }
+    /// The options of all frames: with the exposure of the sequence.
+    const WriteOptions& write_options() const { return write_; }
+
+    std::string note(int frame, const Settings& settings, const Camera& camera) const
+    {
+        return recipe_note(stamp_, {arguments_, write_, settings, camera, framing_.moment(frame)});
+    }
+
+    /// The frames that are to be made. A frame that is no whole picture is among them, with a warning; throws Error for a
+    /// whole picture that would not be made like that now.
+    std::vector<int> missing(const std::vector<int>& frames)
+    {
+        std::vector<int> todo;
+        for (const int frame : frames) {
+            const fs::path file = arguments_.pattern.file(frame);
+            if (std::error_code ignored; arguments_.overwrite || !fs::exists(file, ignored)) {
+                todo.push_back(frame);
+                continue;
+            }
+            framing_.pose(frame);
+            const Camera camera = framing_.camera();
+            const Settings settings = framing_.settings(camera);
+            const FoundPicture found = look_for(file, settings, note(frame, settings, camera));
+            if (found.state == FoundPicture::State::Other)
+                throw Error(file.string(), "is there already, and " + found.why + "; --overwrite makes it again");
+            if (found.state == FoundPicture::State::Broken) {
+                std::fprintf(stderr, "occam: warning: %s; it is made again\n", found.why.c_str());
+                std::error_code ignored;
+                if (fs::is_regular_file(file, ignored)) fs::remove(file, ignored);
+            }
+            if (found.state != FoundPicture::State::Same) todo.push_back(frame);
+        }
+        return todo;
+    }
+
+private:
+    const AnimateArguments& arguments_;
+    WriteOptions write_;
+    std::uint64_t stamp_;
+    Framing framing_;
+};
+
 int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
 {
     const std::vector<int> frames = a.shard.of(a.frames);
     std::vector<fs::path> files;
     for (const int frame : frames) files.push_back(a.pattern.file(frame));
     check_outputs(a, files);
-    std::vector<int> missing;
-    for (const int frame : frames)
-        if (std::error_code ignored; a.overwrite || !fs::is_regular_file(a.pattern.file(frame), ignored))
-            missing.push_back(frame);
-    SequenceStats all;
-    if (missing.empty()) {
-        display.say("nothing to do: every frame is there");
-        if (!a.stats.empty()) write_whole(a.stats, all.text());
-        return 0;
-    }
 
     display.say("reading " + (a.scene.empty() ? "the built-in scene" : a.scene.string()));
     const auto load_start = Clock::now();
@@ -94,14 +132,16 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
     double load_seconds = seconds_since(load_start);
     display.end();
     print_notes(scene);
-    Framing framing(scene, a);
-    framing.fit_clip();
     Renderer renderer(a.resources);
-    WriteOptions write = a.write;
-    if (!write.exposure_ev && is_for_display(a.pattern.file(0)))
-        write.exposure_ev = measured_exposure(a, framing, scene, renderer);
-
+    Sequence sequence(a, scene, renderer);
+    Framing& framing = sequence.framing();
+    const std::vector<int> missing = sequence.missing(frames);
     std::size_t done = frames.size() - missing.size();
+    if (done > 0)
+        display.say(std::to_string(done) + " of " + std::to_string(frames.size()) +
+                    " frames are there, whole and of these settings" + (missing.empty() ? ": nothing to do" : ""));
+
+    SequenceStats all;
     std::set<std::string> known_warnings;  // of the frames so far: each is said once
     for (const int frame : missing) {
         // Another process may have made the frame since.
@@ -117,8 +157,9 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
         const Camera camera = framing.camera();
         const double edit_seconds = seconds_since(edit_start);
         const HeldInterrupts held;
-        Job job = renderer.start(scene, camera, framing.settings(camera));
-        // An interrupted frame is not written.
+        const Settings settings = framing.settings(camera);
+        Job job = renderer.start(scene, camera, settings);
+        // Half a frame is none: an interrupted one is not written.
         if (wait_for(job, display, false, done, frames.size()) != Ending::Whole) {
             display.end();
             if (!a.stats.empty()) write_whole(a.stats, all.text());
@@ -126,6 +167,8 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
         }
         FrameStats stats = job.stats();
         const auto write_start = Clock::now();
+        WriteOptions write = sequence.write_options();
+        write.note = sequence.note(frame, settings, camera);
         job.image().write(file, write);
         stats.seconds.load = load_seconds;
         stats.seconds.edit = edit_seconds;

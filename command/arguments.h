@@ -46,7 +46,12 @@ struct RenderArguments : SceneArguments {
     WriteOptions write;
     ProgressStyle progress = ProgressStyle::Auto;
     bool quiet = false, verbose = false;
-    std::string stats;  ///< file, "-" or empty
+    bool resume = false;               ///< the picture goes on from the file that a stopped one left
+    std::optional<bool> checkpoint{};  ///< a picture that is stopped leaves such a file; none: as keeps_checkpoint() says
+    std::string stats;                 ///< file, "-" or empty
+
+    /// Rounds over the whole picture cost time, so they are made only where the picture is likely to be stopped.
+    bool keeps_checkpoint() const { return checkpoint.value_or(resume || settings.deadline_s > 0); }
 };
 
 struct AnimateArguments : RenderArguments {

@@ -47,7 +47,7 @@ int run(const CompareArguments& a)
     else std::for_each(differences.begin(), differences.end(), print);
 
     const bool has_limit = a.max_mse || a.max_rmse || a.max_rel_mse || a.max_error || a.max_p999 || a.min_psnr;
-    if (judged == differences.end() && (has_limit || !a.heat.empty()))
+    if (judged == differences.end() && (has_limit || !a.heat.empty() || a.layer != CompareArguments().layer))
         throw Error(a.a.string(), "has no such layer in common with " + a.b.string(), a.layer);
     if (!a.heat.empty()) {
         const double scale = a.heat_scale > 0 ? a.heat_scale : judged->max;

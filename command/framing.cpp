@@ -116,12 +116,17 @@ void Framing::pose_at(double seconds)
     scene_.pose(at);
 }
 
-void Framing::pose(std::optional<int> frame)
+std::optional<double> Framing::moment(std::optional<int> frame) const
 {
     const RenderArguments& a = arguments_;
     if (!frame) frame = a.frame;
-    if (clips_.empty() || (!frame && !a.time && a.clip.empty())) return;
-    pose_at(a.time ? *a.time : double(frame.value_or(0)) / a.fps);
+    if (clips_.empty() || (!frame && !a.time && a.clip.empty())) return std::nullopt;
+    return a.time ? *a.time : double(frame.value_or(0)) / a.fps;
+}
+
+void Framing::pose(std::optional<int> frame)
+{
+    if (const auto time = moment(frame)) pose_at(*time);
 }
 
 Camera Framing::camera_named(const std::string& name) const

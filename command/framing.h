@@ -20,7 +20,9 @@ public:
     /// Makes camera() see the scene throughout its clip, with one camera for all frames. Changes the pose.
     void fit_clip();
 
-    /// Poses the scene at `frame` of a sequence, or as the arguments say if no frame is given.
+    /// When that pose is, in seconds on the clip's axis; none if the file's own pose is kept.
+    std::optional<double> moment(std::optional<int> frame = std::nullopt) const;
+    /// Poses the scene: at `frame` of a sequence, or without one as the arguments say.
     void pose(std::optional<int> frame = std::nullopt);
     /// Returns the requested camera, else the first one of the file, else one that fits the scene as it is posed, or the
     /// whole clip after fit_clip(). Throws Error if the camera does not exist, or for a view that has no direction.

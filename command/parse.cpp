@@ -4,8 +4,10 @@
 #include <functional>
 #include <iostream>
 #include <map>
+#include <set>
 
 #include "arguments.h"
+#include "idle_options.h"
 #include "values.h"
 
 namespace occam::command {
@@ -33,9 +35,22 @@ CLI::Option* add_number(CLI::App& app, const std::string& name, const std::strin
     return add_value(app, name, what, "NUMBER", [set = std::move(set)](const std::string& t) { set(number_of(t)); });
 }
 
-CLI::Option* add_count(CLI::App& app, const std::string& name, int& value, int most, const std::string& what)
+// A whole number, which may be written as 1e5.
+template <class T>
+CLI::Option* add_whole(CLI::App& app, const std::string& name, T& value, std::uint64_t least, std::uint64_t most,
+                       const std::string& what)
 {
-    return app.add_option(name, value, what)->check(CLI::Range(1, most))->type_name("N");
+    return add_value(app, name, what, "N",
+                     [&value, least, most](const std::string& t) { value = static_cast<T>(whole_of(t, least, most)); });
+}
+
+// A number that is not below 0.
+CLI::Option* add_amount(CLI::App& app, const std::string& name, const std::string& what, std::function<void(double)> set)
+{
+    return add_number(app, name, what, [set = std::move(set)](double v) {
+        if (!(v >= 0)) throw std::invalid_argument("expected 0 or more");
+        set(v);
+    });
 }
 
 CLI::Option* add_switch(CLI::App& app, const std::string& name, bool& value, const std::string& what)
@@ -69,6 +84,8 @@ void add_scene(CLI::App& app, SceneArguments& a)
         ->type_name("NAME");
 }
 
+constexpr std::uint64_t kMostVerifyRays = 1'000'000'000'000;
+
 struct Quality {
     int spp;
     float shading_rate;
@@ -91,22 +108,23 @@ void add_picture(CLI::App& app, RenderArguments& a)
               [](const std::string& t) {
                   if (!kQualities.count(t)) throw std::invalid_argument("expected fast, balanced or high, not '" + t + "'");
               });
-    add_count(app, "--spp", s.spp, render::kMaxSamples, "Samples a pixel [16]");
+    add_whole(app, "--spp", s.spp, 1, render::kMaxSamples, "Samples a pixel [16]");
     add_switch(app, "--jitter", s.jitter, "off: every sample through the middle of its pixel [on]");
-    add_count(app, "--light-samples", s.light_samples, render::kMaxLightSamples, "Of each light at each hit [1]");
+    add_whole(app, "--light-samples", s.light_samples, 1, render::kMaxLightSamples, "Of each light at each hit [1]");
     std::map<std::string, FilterKind> filters;
     for (FilterKind kind : render::kAllFilters) filters.emplace(render::filter_name(kind), kind);
     add_choice<FilterKind>(app, "--filter", s.filter, filters, "Reconstruction filter [box]");
-    add_number(app, "--filter-radius", "Half its width, pixels [what suits it]",
+    add_amount(app, "--filter-radius", "Half its width, pixels [what suits it]",
                [&](double v) { s.filter_radius = float(v); });
-    add_number(app, "--error", "End a tile of pixels below this estimated relative error; --spp is then the most",
+    add_amount(app, "--error", "End a tile of pixels below this estimated relative error; --spp is then the most",
                [&](double v) { s.error = float(v); });
     add_number(app, "--shading-rate", "Wanted micropolygon edge, pixels [1]", [&](double v) { s.shading_rate = float(v); });
     add_choice<render::Lod>(app, "--lod", s.lod,
                             {{"on", render::Lod::On}, {"off", render::Lod::Off}, {"frozen", render::Lod::Frozen}},
                             "Level of detail: each ray's own; one a cage; secondary rays as at their origin [on]");
-    app.add_option("--seed", s.seed, "Of the random numbers [0]")->type_name("N");
-    add_number(app, "--deadline", "Stop after so many seconds with what is done", [&](double v) { s.deadline_s = v; });
+    add_whole(app, "--seed", s.seed, 0, ~std::uint64_t(0), "The random numbers' seed [0]");
+    add_amount(app, "--deadline", "Stop after so many seconds; all pixels have about as many samples by then",
+               [&](double v) { s.deadline_s = v; });
     add_switch(app, "--background", s.background, "Sky or environment behind the scene; off: transparent [on]");
     add_switch(app, "--back-faces", s.back_faces, "off: rays pass the backs of single-sided surfaces [on]");
     add_value(app, "--aov",
@@ -127,13 +145,12 @@ void add_picture(CLI::App& app, RenderArguments& a)
     for (IntegratorKind kind : {IntegratorKind::Direct, IntegratorKind::Ao, IntegratorKind::Path})
         integrators.emplace(render::integrator_name(kind), kind);
     add_choice<IntegratorKind>(app, "--integrator", s.integrator, integrators, "Light that is followed [path]");
-    app.add_option("--bounces", s.bounces, "Most times that light is scattered; direct: mirrors in a row [8]")
-        ->check(CLI::Range(0, render::kMaxBounces))
-        ->type_name("N");
-    add_number(app, "--clamp",
+    add_whole(app, "--bounces", s.bounces, 0, render::kMaxBounces,
+              "Most times that light is scattered; direct: mirrors in a row [8]");
+    add_amount(app, "--clamp",
                "Limit light scattered twice or more to this radiance a sample: no fireflies, some light lost [0: off]",
                [&](double v) { s.clamp = float(v); });
-    add_number(app, "--ao-distance", "How far ao looks, world length [to infinity]",
+    add_amount(app, "--ao-distance", "How far ao looks, world length [to infinity]",
                [&](double v) { s.ao_distance = float(v); });
     add_value(app, "--environment",
               "Light from all around: an image, daylight, or none [the scene's own; daylight and a lamp if nothing shines]",
@@ -142,10 +159,8 @@ void add_picture(CLI::App& app, RenderArguments& a)
                   s.sky = t == "sky" ? shade::Sky::On : t == "none" ? shade::Sky::Off : shade::Sky::Auto;
                   if (a.has_environment) a.environment = t;
               });
-    add_number(app, "--environment-strength", "Its brightness times this [1]", [&](double v) {
-        if (!(v >= 0)) throw std::invalid_argument("expected 0 or more");
-        a.environment_strength = s.sky_strength = float(v);
-    });
+    add_amount(app, "--environment-strength", "Its brightness times this [1]",
+               [&](double v) { a.environment_strength = s.sky_strength = float(v); });
     add_number(app, "--environment-rotation", "Degrees about +y [0]",
                [&](double v) { a.environment_rotation_deg = float(v); });
     add_choice<render::ShadeAt>(app, "--shade", s.shade_at,
@@ -194,9 +209,7 @@ void add_camera(CLI::App& app, RenderArguments& a)
                                     });
     lens->needs(focus);
     focus->needs(lens);
-    app.add_option("--blades", a.blades, "Corners of the lens's opening [0: round]")
-        ->check(CLI::Range(0, 64))
-        ->type_name("N");
+    add_whole(app, "--blades", a.blades, 0, 64, "Corners of the lens's opening [0: round]")->needs(lens);
 }
 
 void add_clip(CLI::App& app, RenderArguments& a)
@@ -216,7 +229,18 @@ void add_moment(CLI::App& app, RenderArguments& a)
 {
     CLI::Option* time = add_number(app, "--time", "Seconds on the clip's own axis [the file's pose]",
                                    [&](double v) { a.time = v; });
-    app.add_option("--frame", a.frame, "The same as a frame's number: time * fps")->type_name("N")->excludes(time);
+    CLI::Option* frame = app.add_option("--frame", a.frame, "The same as a frame's number: time * fps");
+    frame->type_name("N")->excludes(time);
+    app.get_option("--fps")->needs(frame);
+}
+
+void add_checkpoint(CLI::App& app, RenderArguments& a)
+{
+    add_value(app, "--checkpoint",
+              "on: the picture is made in rounds, and one that is stopped leaves IMAGE.checkpoint beside it [on with "
+              "--deadline or --resume, else off]",
+              "on|off", [&](const std::string& t) { a.checkpoint = is_on(t); });
+    app.add_flag("--resume", a.resume, "Go on from IMAGE.checkpoint, if it is there");
 }
 
 void add_sequence(CLI::App& app, AnimateArguments& a)
@@ -249,10 +273,10 @@ void add_output(CLI::App& app, RenderArguments& a, const std::string& form)
 
 void add_machine(CLI::App& app, RenderArguments& a)
 {
-    add_count(app, "--threads", a.resources.threads, 1024, "Workers [all processors]");
+    add_whole(app, "--threads", a.resources.threads, 1, 1024, "Workers [all processors]");
     add_value(app, "--memory", "Budget for what is rebuilt each frame [a quarter of the machine]", "SIZE",
               [&](const std::string& t) { a.resources.memory_bytes = bytes_of(t); });
-    add_count(app, "--share-tree", a.resources.workers_a_tree, 1024,
+    add_whole(app, "--share-tree", a.resources.workers_a_tree, 1, 1024,
               "Workers that share one tree, in the memory of one [1: each its own]");
     add_value(app, "--texture-memory", "Cap of the texture cache [1G]", "SIZE",
               [&](const std::string& t) { a.resources.texture_bytes = bytes_of(t); });
@@ -268,7 +292,7 @@ void add_machine(CLI::App& app, RenderArguments& a)
 
 void add_limit(CLI::App& app, const std::string& name, std::optional<double>& limit, const std::string& what)
 {
-    add_number(app, name, what, [&limit](double v) { limit = v; });
+    add_amount(app, name, what, [&limit](double v) { limit = v; });
 }
 
 void add_compare(CLI::App& app, CompareArguments& a)
@@ -277,8 +301,10 @@ void add_compare(CLI::App& app, CompareArguments& a)
     app.add_option("B", a.b, "Reference")->required()->type_name("");
     app.add_flag("--json", a.json, "All common layers as JSON");
     app.add_option("--layer", a.layer, "Layer that limits and heat map are for [beauty]")->type_name("NAME");
-    app.add_option("--heat", a.heat, "Write a map of the differences")->type_name("FILE");
-    add_number(app, "--heat-scale", "Difference that is shown white [the largest]", [&](double v) { a.heat_scale = v; });
+    CLI::Option* heat = app.add_option("--heat", a.heat, "Write a map of the differences")->type_name("FILE");
+    add_amount(app, "--heat-scale", "Difference that is shown white [the largest]", [&](double v) {
+        a.heat_scale = v;
+    })->needs(heat);
     add_limit(app, "--max-mse", a.max_mse, "Exit code 1 if the mean squared error is larger");
     add_limit(app, "--max-rmse", a.max_rmse, "The same for its root");
     add_limit(app, "--max-rel-mse", a.max_rel_mse, "The same for the relative mean squared error");
@@ -295,7 +321,22 @@ void apply_quality(const CLI::App& app, Settings& s)
     if (!app.count("--shading-rate")) s.shading_rate = quality.shading_rate;
 }
 
-// Checks what depends on all the arguments together.
+// Says on standard error which option would do nothing, if there is one.
+bool all_have_effect(const CLI::App& app, const RenderArguments& a)
+{
+    std::set<std::string> given;
+    for (const CLI::Option* option : app.get_options())
+        if (option->count() > 0) given.insert(option->get_name());
+    try {
+        refuse_idle(a, given);
+    } catch (const std::invalid_argument& error) {
+        std::cerr << "occam: " << error.what() << " (occam " << app.get_name() << " --help)\n";
+        return false;
+    }
+    return true;
+}
+
+// What only the whole of the words decides.
 Arguments finished(AnimateArguments a, bool has_shard)
 {
     try {
@@ -335,9 +376,13 @@ Arguments parse(int argc, char** argv)
     add_camera(render_app, render);
     add_clip(render_app, render);
     add_moment(render_app, render);
+    add_checkpoint(render_app, render);
     add_picture(render_app, render);
     add_machine(render_app, render);
     render_app.footer(
+        "A picture that --deadline stops leaves a checkpoint, from which --resume goes on; with --checkpoint on, Ctrl-C "
+        "does "
+        "so too.\n"
         "Example: occam render courtyard.glb -o courtyard.exr --size 1920x1080 --spp 64 --aov depth,normal --stats -");
 
     CLI::App& animate_app = *app.add_subcommand("animate", "A sequence of frames; goes on where it was stopped");
@@ -349,7 +394,9 @@ Arguments parse(int argc, char** argv)
     add_picture(animate_app, animate);
     add_machine(animate_app, animate);
     animate_app.footer(
-        "Frames whose pictures are there are left alone: a run that was stopped is started again with the same words.\n"
+        "Frames that are there are left alone, so a run that was stopped is started again with the same words. Frames that "
+        "are cut\n"
+        "off are made again; frames of another size or of other settings are refused without --overwrite.\n"
         "Example: occam animate fox.glb -o fox.####.exr --frames 0-95 --clip Run --shard 1/4");
 
     CLI::App& info_app = *app.add_subcommand("info", "What is in a scene");
@@ -359,8 +406,8 @@ Arguments parse(int argc, char** argv)
 
     CLI::App& verify_app = *app.add_subcommand("verify", "Whether closed cages let rays out");
     add_scene(verify_app, verify);
-    verify_app.add_option("--rays", verify.settings.rays, "For each placed cage [1000000]")->type_name("N");
-    verify_app.add_option("--seed", verify.settings.seed, "Of the random numbers [0]")->type_name("N");
+    add_whole(verify_app, "--rays", verify.settings.rays, 1, kMostVerifyRays, "For each placed cage [1000000]");
+    add_whole(verify_app, "--seed", verify.settings.seed, 0, ~std::uint64_t(0), "The random numbers' seed [0]");
     verify_app.add_flag("--json", verify.json, "As JSON");
     verify_app.footer(
         "Exit code 1 if a ray escapes. Example: occam verify suzanne.obj --subdivide on --rays 10000000 --json");
@@ -401,10 +448,11 @@ Arguments parse(int argc, char** argv)
     }
     if (render_app.parsed()) {
         apply_quality(render_app, render.settings);
-        return render;
+        return all_have_effect(render_app, render) ? Arguments(render) : Finished{2};
     }
     if (animate_app.parsed()) {
         apply_quality(animate_app, animate.settings);
+        if (!all_have_effect(animate_app, animate)) return Finished{2};
         return finished(std::move(animate), animate_app.count("--shard") > 0);
     }
     if (bench_app.parsed()) {

@@ -1,8 +1,12 @@
+#include <fstream>
+#include <iterator>
+
 #include "arguments.h"
 #include "framing.h"
 #include "interrupt.h"
 #include "io/output_file.h"
 #include "progress.h"
+#include "recipe.h"
 
 namespace occam::command {
 namespace {
@@ -11,12 +15,55 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
+// The file beside a picture from which it can go on: the note of what it is of, a line, then the engine's checkpoint.
+class CheckpointFile {
+public:
+    explicit CheckpointFile(const RenderArguments& a) : arguments_(a), file_(a.output)
+    {
+        file_ += ".checkpoint";
+        if (a.keeps_checkpoint()) remove_unfinished(std::span(&file_, 1));
+    }
+
+    /// What the picture goes on from; empty if it starts anew. Throws Error for the checkpoint of another picture.
+    std::string read(const std::string& note) const
+    {
+        std::error_code ignored;
+        if (!arguments_.resume || !std::filesystem::exists(file_, ignored)) return {};
+        std::ifstream in(file_, std::ios::binary);
+        std::string first;
+        std::getline(in, first);
+        if (first != note)
+            throw Error(file_.string(),
+                        "belongs to other settings or another scene; without --resume the picture is made anew");
+        return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+    }
+
+    /// Writes the checkpoint of an unfinished picture, and removes that of a finished one. Returns true if it was written.
+    bool write(const std::string& note, const Job& job) const
+    {
+        std::error_code ignored;
+        const std::string& checkpoint = job.checkpoint();
+        if (job.stats().complete) std::filesystem::remove(file_, ignored);
+        if (checkpoint.empty() || !arguments_.keeps_checkpoint()) return false;
+        OutputFile out(file_);
+        out.append(note + "\n");
+        out.append(checkpoint);
+        out.publish();
+        return true;
+    }
+
+private:
+    const RenderArguments& arguments_;
+    std::filesystem::path file_;
+};
+
 }  // namespace
 
 int run(const RenderArguments& a)
 {
     catch_interrupts();
     check_outputs(a, {&a.output, 1});
+    const CheckpointFile checkpoint_file(a);
     ProgressDisplay display(a.progress, a.quiet);
 
     display.say("reading " + (a.scene.empty() ? "the built-in scene" : a.scene.string()));
@@ -27,15 +74,22 @@ int run(const RenderArguments& a)
     print_notes(scene);
 
     const auto edit_start = Clock::now();
+    const std::uint64_t stamp = scene_stamp(scene, a);
     Framing framing(scene, a);
     if (a.frame || a.time || !a.clip.empty()) framing.fit_clip();  // as in a sequence of these frames
     framing.pose();
     const Camera camera = framing.camera();
+    Settings settings = framing.settings(camera);
+    settings.progressive = a.keeps_checkpoint() || a.resume;
+    WriteOptions write = a.write;
+    write.note = recipe_note(stamp, {a, a.write, settings, camera, framing.moment()});
+    std::string checkpoint = checkpoint_file.read(write.note);
+    if (a.resume) display.say(checkpoint.empty() ? "there is no checkpoint: starting anew" : "going on from the checkpoint");
     const double edit_seconds = seconds_since(edit_start);
 
     const HeldInterrupts held;
     Renderer renderer(a.resources);
-    Job job = renderer.start(scene, camera, framing.settings(camera));
+    Job job = renderer.start(scene, camera, settings, std::move(checkpoint));
     const Ending ending = wait_for(job, display, true);
     if (ending == Ending::Abandoned) {
         display.end();
@@ -48,9 +102,13 @@ int run(const RenderArguments& a)
 
     display.say("writing " + a.output.string());
     const auto write_start = Clock::now();
-    job.image().write(a.output, a.write);
+    job.image().write(a.output, write);
+    const bool can_go_on = checkpoint_file.write(write.note, job);
     stats.seconds.write = seconds_since(write_start);
     stats.seconds.total += stats.seconds.write;
+    if (can_go_on)
+        display.say("stopped at " + std::to_string(stats.image.least_samples) + " of " + std::to_string(settings.spp) +
+                    " samples a pixel; --resume goes on");
     display.end();
 
     if (!a.stats.empty()) write_whole(a.stats, render::to_json(stats));

@@ -23,6 +23,23 @@ double number_of(std::string_view text)
     return value;
 }
 
+std::uint64_t whole_of(std::string_view text, std::uint64_t least, std::uint64_t most)
+{
+    std::uint64_t value = 0;
+    auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    bool is_whole = error == std::errc() && end == text.data() + text.size();
+    if (!is_whole) {  // with an exponent or a point; doubles below 2^53 hold whole numbers exactly
+        double real = 0;
+        const auto parsed = std::from_chars(text.data(), text.data() + text.size(), real);
+        is_whole = parsed.ec == std::errc() && parsed.ptr == text.data() + text.size() && real >= 0 && real <= 0x1p53 &&
+                   real == std::floor(real);
+        if (is_whole) value = static_cast<std::uint64_t>(real);
+    }
+    if (!is_whole || value < least || value > most)
+        expected("a whole number from " + std::to_string(least) + " to " + std::to_string(most), text);
+    return value;
+}
+
 std::vector<std::string_view> words_of(std::string_view text)
 {
     std::vector<std::string_view> words;

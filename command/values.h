@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -10,7 +11,9 @@
 
 namespace occam::command {
 
-double number_of(std::string_view text);                               ///< "0.5", "-3", "1e-4"; finite
+double number_of(std::string_view text);  ///< "0.5", "-3", "1e-4"; finite
+/// "16", "1e5", "2.0": a whole number from `least` to `most`, which is at most 2^64 - 1.
+std::uint64_t whole_of(std::string_view text, std::uint64_t least, std::uint64_t most);
 std::vector<double> numbers_of(std::string_view text, std::size_t n);  ///< n of them, with commas between
 std::vector<std::string_view> words_of(std::string_view text);         ///< with commas between; none is empty
 Vec3d axis_of(std::string_view text);                                  ///< "x", "y", "z" or "0,1,0.5", not all zero

@@ -59,6 +59,10 @@ int run(const VerifyArguments& a)
         std::cout << tested << " of " << cages.size() << " cages tested, " << rays << " rays, " << escaped << " escaped, "
                   << not_finite << " not finite\n";
     }
+    if (tested == 0)
+        throw Error(a.scene.string(), cages.empty() ? "has no cage to test"
+                                                    : "none of its " + std::to_string(cages.size()) +
+                                                          " cages can be tested, so nothing was shown");
     return escaped + not_finite > 0 ? 1 : 0;
 }
 

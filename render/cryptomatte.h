@@ -44,11 +44,13 @@ public:
     /// weight   of all samples of the pixel
     void rank(double weight, float (&out)[2 * kMatteRanks]);
 
-private:
     struct Share {
         float id;
         double coverage;
     };
+    const std::vector<Share>& shares() const noexcept { return shares_; }
+
+private:
     std::vector<Share> shares_;
 };
 

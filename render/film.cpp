@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
+#include <initializer_list>
+#include <type_traits>
 
 namespace occam::render {
 namespace {
@@ -69,7 +72,47 @@ void PixelSums::add(const SampleResult& sample) noexcept
     }
 }
 
-// A few samples of a filter with negative lobes may have a total weight of zero or less: such a pixel stays black.
+template <class Sums, class Visit>
+void PixelSums::visit_packed(Sums& sums, unsigned aovs, Visit&& visit)
+{
+    const auto has_any = [&](std::initializer_list<Aov> wanted) {
+        return std::any_of(wanted.begin(), wanted.end(), [&](Aov aov) { return (aovs & static_cast<unsigned>(aov)) != 0; });
+    };
+    visit(sums.beauty_), visit(sums.luminance_), visit(sums.luminance2_), visit(sums.weight_);
+    visit(sums.count_), visit(sums.not_finite_);
+    if (has_any({Aov::Albedo})) visit(sums.albedo_);
+    if (has_any({Aov::NormalMean})) visit(sums.normal_);
+    if (has_any({Aov::Occlusion})) visit(sums.occlusion_);
+    if (has_any({Aov::Depth, Aov::Normal, Aov::NormalGeometric, Aov::Uv, Aov::Position, Aov::Id}))
+        visit(sums.nearest_), visit(sums.first_);
+}
+
+std::size_t PixelSums::packed_bytes(unsigned aovs) noexcept
+{
+    std::size_t bytes = 0;
+    const PixelSums sums;
+    visit_packed(sums, aovs, [&](const auto& value) { bytes += sizeof value; });
+    return bytes;
+}
+
+void PixelSums::pack(unsigned aovs, std::byte* to) const noexcept
+{
+    visit_packed(*this, aovs, [&](const auto& value) {
+        std::memcpy(to, &value, sizeof value);
+        to += sizeof value;
+    });
+}
+
+void PixelSums::unpack(unsigned aovs, const std::byte* from) noexcept
+{
+    visit_packed(*this, aovs, [&](auto& value) {
+        static_assert(std::is_trivially_copyable_v<std::remove_reference_t<decltype(value)>>);
+        std::memcpy(&value, from, sizeof value);
+        from += sizeof value;
+    });
+}
+
+// A few samples of a filter with negative lobes may weigh nothing or less: such a pixel stays black.
 Vec4f PixelSums::beauty() const noexcept { return weight_ > 0 ? Vec4f(beauty_ / weight_) : Vec4f(0); }
 Vec4f PixelSums::albedo() const noexcept { return weight_ > 0 ? Vec4f(albedo_ / weight_) : Vec4f(0); }
 Vec3f PixelSums::normal() const noexcept { return weight_ > 0 ? Vec3f(normal_ / weight_) : Vec3f(0); }

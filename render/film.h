@@ -55,7 +55,15 @@ public:
     double weight() const noexcept { return weight_; }  ///< sum over all samples
     static constexpr float kDarkest = 0.02f;
 
+    /// The sums that the beauty and these layers need, as bytes without gaps: what is left out reads back as zeros.
+    static std::size_t packed_bytes(unsigned aovs) noexcept;
+    void pack(unsigned aovs, std::byte* to) const noexcept;
+    void unpack(unsigned aovs, const std::byte* from) noexcept;
+
 private:
+    template <class Sums, class Visit>
+    static void visit_packed(Sums& sums, unsigned aovs, Visit&& visit);
+
     Vec4d beauty_{0}, albedo_{0};
     Vec3d normal_{0};
     double occlusion_ = 0;

@@ -5,8 +5,11 @@
 #include <tbb/task_arena.h>
 #include <time.h>
 
+#include <span>
+
 #include "accel/frame.h"
 #include "render/film.h"
+#include "render/frame_sums.h"
 #include "render/integrator.h"
 #include "render/shade_point.h"
 #include "render/tiles.h"
@@ -16,9 +19,6 @@ namespace occam::render {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-// Error estimates of fewer samples are unreliable.
-constexpr int kLeastSamples = 16;
 
 constexpr Aov kMattes[] = {Aov::CryptomatteObject, Aov::CryptomatteMaterial};
 
@@ -74,15 +74,22 @@ public:
     {
     }
 
-    /// spp   samples a pixel; fewer than the picture's: what the tile shows until it is made in full
-    /// False if it was stopped on the way: by the deadline, then the samples so far are kept; or cancelled, then nothing.
-    bool make(const PixelRect& tile, int spp, Film& film, const FrameControl& control)
+    /// Brings tiles to `target` samples a pixel: from the `before` that `sums` holds of each, or from none if `sums` is
+    /// null. Samples of tiles that are cut short are kept in `sums`; without it they are dropped if the frame was cancelled.
+    /// Returns false if it stopped before the target, cancelled or out of time.
+    bool make(std::span<const PixelRect> tiles, int before, int target, Film& film, FrameControl& control, FrameSums* sums)
     {
         const double start_seconds = thread_seconds();
-        const bool is_whole = make_samples(tile, spp, film, control);
+        const bool is_whole = make_samples(tiles, before, target, film, control, sums);
         cpu_seconds_ += thread_seconds() - start_seconds;
-        tiles_ += is_whole && spp == context_.settings.spp;
         return is_whole;
+    }
+
+    /// How many tiles fill a batch of rays with `samples` of each pixel. Errors are judged tile by tile.
+    std::size_t tiles_at_once(int samples) const noexcept
+    {
+        if (context_.settings.error > 0) return 1;
+        return static_cast<std::size_t>(std::max(1, batch_rays_ / (samples * kTileSide * kTileSide)));
     }
 
     void count_into(FrameStats& stats) const
@@ -135,38 +142,78 @@ public:
     }
 
 private:
-    bool make_samples(const PixelRect& tile, int spp, Film& film, const FrameControl& control)
+    bool make_samples(std::span<const PixelRect> tiles, int before, int target, Film& film, FrameControl& control,
+                      FrameSums* kept)
     {
-        pixels_ = pixels_of(tile);
-        const auto pixels = static_cast<int>(pixels_.size());
-        const int step = std::clamp(batch_rays_ / pixels, 1, spp);
-        bool is_late = false;
-        sums_.assign(static_cast<std::size_t>(pixels), {});
-        for (int k : {0, 1})
-            if (context_.settings.has(kMattes[k])) mattes_[k].assign(static_cast<std::size_t>(pixels), {});
+        const int spp = context_.settings.spp;
+        load(tiles, kept);
+        const int step = std::clamp(batch_rays_ / static_cast<int>(pixels_.size()), 1, spp);
+        const std::uint64_t not_finite = count_not_finite();
         const double cells = integrator_.counters().visible_cells;
-        int first = 0;
-        while (first < spp) {
-            if (control.is_cancelled()) return false;
-            is_late = Clock::now() >= deadline_;
-            if (is_late && first == 0) return false;
-            if (is_late) break;
-            const int last = std::min({first + step, next_check(first), spp});
-            trace(first, last);
-            first = last;
-            if (last == next_check(last - 1) && is_good_enough()) break;
+        int made = before;
+        bool is_done = false, is_stopped = false;
+        while (made < target && !is_done) {
+            is_stopped = control.is_cancelled() || Clock::now() >= deadline_;
+            if (is_stopped) break;
+            const int last = std::min({made + step, next_check(made), target});
+            trace(made, last);
+            made = last;
+            is_done = made == spp || (made == next_check(made - 1) && is_good_enough());
         }
-        if (spp == context_.settings.spp) visible_cells_ += (integrator_.counters().visible_cells - cells) / first;
+        if (made == before || (!kept && control.is_cancelled())) return false;
+        visible_cells_ += (integrator_.counters().visible_cells - cells) / (kept ? spp : made);
+        not_finite_ += count_not_finite() - not_finite;
+        tiles_ += is_done ? tiles.size() : 0;
+        if (kept) keep(tiles, {made, is_done}, *kept);
+        develop(film);
+        if (kept || is_done)
+            control.finish_samples(tiles.size() * static_cast<std::size_t>((is_done ? spp : made) - before));
+        return !is_stopped;
+    }
+
+    void load(std::span<const PixelRect> tiles, const FrameSums* kept)
+    {
+        pixels_.clear();
+        sums_.clear();
+        for (std::vector<MatteSums>& mattes : mattes_) mattes.clear();
+        for (const PixelRect& tile : tiles) {
+            const std::vector<Pixel> pixels = pixels_of(tile);
+            pixels_.insert(pixels_.end(), pixels.begin(), pixels.end());
+            if (kept) kept->load(tile, sums_, mattes_);
+        }
+        if (kept) return;
+        sums_.assign(pixels_.size(), {});
+        for (int k : {0, 1})
+            if (context_.settings.has(kMattes[k])) mattes_[k].assign(pixels_.size(), {});
+    }
+
+    void keep(std::span<const PixelRect> tiles, FrameSums::Tile state, FrameSums& kept) const
+    {
+        std::size_t first = 0;
+        for (const PixelRect& tile : tiles) {
+            kept.store(tile, state, sums_, mattes_, first);
+            first += static_cast<std::size_t>(tile.width() * tile.height());
+        }
+    }
+
+    std::uint64_t count_not_finite() const noexcept
+    {
+        std::uint64_t count = 0;
+        for (const PixelSums& pixel : sums_) count += static_cast<std::uint64_t>(pixel.not_finite());
+        return count;
+    }
+
+    // Turns the sums of the tile into pixels.
+    void develop(Film& film)
+    {
         const auto start = Clock::now();
         for (std::size_t i = 0; i < pixels_.size(); ++i) {
             const auto [x, y] = pixels_[i];
-            not_finite_ += static_cast<std::uint64_t>(sums_[i].not_finite());
             film.store(x, y, sums_[i]);
             for (int k : {0, 1})
                 if (context_.settings.has(kMattes[k])) film.store(x, y, kMattes[k], mattes_[k][i], sums_[i].weight());
         }
         film_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
-        return !is_late;
     }
 
     // Returns the next number of samples per pixel at which the tile may end. These are powers of two, because their
@@ -174,7 +221,7 @@ private:
     int next_check(int after) const noexcept
     {
         if (!(context_.settings.error > 0)) return context_.settings.spp;
-        int count = kLeastSamples;
+        int count = kLeastErrorSamples;
         while (count <= after) count *= 2;
         return count;
     }
@@ -237,8 +284,8 @@ public:
                 frame, in.memory.tracer_bytes * std::min(group, workers_.size() - first)));
     }
 
-    template <class Finished>
-    void make(const std::vector<PixelRect>& all, int spp, Film& film, const FrameControl& control, Finished&& finished)
+    /// Brings all tiles to `target` samples a pixel, as far as time allows.
+    void make(const std::vector<PixelRect>& all, int target, Film& film, FrameControl& control, FrameSums* sums)
     {
         const int threads = in_.resources.threads;
         TileQueue tiles(all, threads);
@@ -247,7 +294,23 @@ public:
             if (!tile) return;  // another took all of it already
             std::unique_ptr<Worker>& worker = workers_[static_cast<std::size_t>(index)];
             if (!worker) worker = std::make_unique<Worker>(context_, frame_, in_.memory, tree_of(index), in_.deadline);
-            for (; tile && worker->make(*tile, spp, film, control); tile = tiles.next(index)) finished();
+            // Tiles that are equally far are made together, so that a round of few samples still fills the batches.
+            std::vector<PixelRect> group;
+            int before = 0;
+            const auto flush = [&] {
+                const bool goes_on = group.empty() || worker->make(group, before, target, film, control, sums);
+                group.clear();
+                return goes_on;
+            };
+            for (; tile; tile = tiles.next(index)) {
+                const FrameSums::Tile state = sums ? sums->tile(*tile) : FrameSums::Tile{};
+                if (state.is_done || state.samples >= target) continue;
+                if (state.samples != before && !flush()) return;
+                before = state.samples;
+                group.push_back(*tile);
+                if (group.size() >= worker->tiles_at_once(target - before) && !flush()) return;
+            }
+            flush();
         };
         const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
         tbb::task_arena arena(threads);
@@ -281,9 +344,42 @@ private:
     std::vector<std::unique_ptr<Worker>> workers_;  ///< made when they first find a tile
 };
 
+// The sums of a frame that is made in rounds: because it was asked to be, or has to stop in time, or goes on. Null for one
+// that is made tile by tile, which a frame that may be made either way is if its sums are larger than the budget of memory.
+std::unique_ptr<FrameSums> sums_of(const FrameInputs& in)
+{
+    const bool has_to = in.deadline != Clock::time_point::max() || !in.checkpoint.empty();
+    const bool is_wanted = in.settings.progressive && FrameSums::bytes_for(in.settings) <= in.resources.memory_bytes;
+    if (!has_to && !is_wanted) return nullptr;
+    return std::make_unique<FrameSums>(in.settings, in.camera);
+}
+
+// Shows what an earlier run has made; returns its samples, one pixel of each tile counted.
+std::size_t develop_all(const FrameSums& sums, const std::vector<PixelRect>& tiles, const Settings& settings, Film& film)
+{
+    std::size_t done = 0;
+    std::vector<PixelSums> pixels;
+    std::vector<MatteSums> mattes[2];
+    for (const PixelRect& tile : tiles) {
+        const FrameSums::Tile state = sums.tile(tile);
+        done += static_cast<std::size_t>(state.is_done ? settings.spp : state.samples);
+        if (state.samples == 0) continue;
+        pixels.clear(), mattes[0].clear(), mattes[1].clear();
+        sums.load(tile, pixels, mattes);
+        const std::vector<Pixel> places = pixels_of(tile);
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            film.store(places[i].x, places[i].y, pixels[i]);
+            for (int k : {0, 1})
+                if (settings.has(kMattes[k]))
+                    film.store(places[i].x, places[i].y, kMattes[k], mattes[k][i], pixels[i].weight());
+        }
+    }
+    return done;
+}
+
 }  // namespace
 
-Image render_frame(const FrameInputs& in, FrameControl& control, FrameStats& stats)
+FrameResult render_frame(const FrameInputs& in, FrameControl& control, FrameStats& stats)
 {
     CameraRays camera(in.camera, in.settings.width, in.settings.height, in.settings.spp);
     lod::LevelSettings levels = camera.levels(in.settings.shading_rate);
@@ -313,13 +409,27 @@ Image render_frame(const FrameInputs& in, FrameControl& control, FrameStats& sta
     stats.memory.queue_bytes = in.memory.queue_bytes * static_cast<std::size_t>(in.resources.threads);
     Crew crew(context, frame, in);
     const std::vector<PixelRect> tiles = make_tiles(crop_pixels(in.settings));
-    control.start_tiles(tiles.size());
-    // What runs out of time shows a sample of each pixel first of all.
-    if (in.deadline != Clock::time_point::max() && in.settings.spp > 1) crew.make(tiles, 1, film, control, [] {});
-    crew.make(tiles, in.settings.spp, film, control, [&] { control.finish_tile(); });
+    const std::unique_ptr<FrameSums> sums = sums_of(in);
+    std::size_t done_before = 0;
+    if (sums) {
+        stats.memory.film_bytes += FrameSums::bytes_for(in.settings);
+        if (!in.checkpoint.empty()) {
+            sums->restore(in.checkpoint);
+            done_before = develop_all(*sums, tiles, in.settings, film);
+        }
+    }
+    control.start_samples(tiles.size() * static_cast<std::size_t>(in.settings.spp), done_before);
+    // Rounds of 1, 1, 2, 4, 8, ... samples: each doubles what all pixels have.
+    for (int target = sums ? 1 : in.settings.spp; !control.is_cancelled() && Clock::now() < in.deadline; target *= 2) {
+        crew.make(tiles, std::min(target, in.settings.spp), film, control, sums.get());
+        if (target >= in.settings.spp) break;
+    }
     crew.count_into(stats);
-    stats.complete = control.tiles_done() == tiles.size();
-    return std::move(film).take();
+    stats.complete = control.is_whole();
+    stats.image.least_samples = stats.complete ? in.settings.spp : sums ? sums->least_samples() : 0;
+    FrameResult result{std::move(film).take(), {}};
+    if (sums && !stats.complete) result.checkpoint = sums->checkpoint();
+    return result;
 }
 
 }  // namespace occam::render

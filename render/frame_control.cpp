@@ -6,18 +6,20 @@ FrameControl::Progress FrameControl::progress() const noexcept
 {
     Progress p;
     p.stage = stage_.load();
-    const std::size_t all = tiles_, done = tiles_done_;
+    const std::size_t all = samples_, done = done_, before = done_before_;
     if (p.stage == Stage::Done) return {p.stage, 1, 0};
     if (p.stage != Stage::Rendering || all == 0) return p;
     p.fraction = double(done) / double(all);
     const double spent = std::chrono::duration<double>(Clock::now() - start_.load()).count();
-    if (done > 0) p.seconds_left = spent * (1 - p.fraction) / p.fraction;
+    if (done > before) p.seconds_left = spent * double(all - done) / double(done - before);
     return p;
 }
 
-void FrameControl::start_tiles(std::size_t count) noexcept
+void FrameControl::start_samples(std::size_t samples, std::size_t done) noexcept
 {
-    tiles_ = count;
+    samples_ = samples;
+    done_ = done;
+    done_before_ = done;
     start_ = Clock::now();
     enter(Stage::Rendering);
 }

@@ -15,8 +15,8 @@ public:
 
     struct Progress {
         Stage stage = Stage::Waiting;
-        double fraction = 0;       ///< share of the tiles that are done
-        double seconds_left = -1;  ///< an estimate from the tiles so far; below 0: unknown
+        double fraction = 0;       ///< of the samples
+        double seconds_left = -1;  ///< an estimate from the samples so far; below 0: unknown
     };
     Progress progress() const noexcept;
 
@@ -26,16 +26,17 @@ public:
 
     // The following functions are for the frame itself.
     void enter(Stage stage) noexcept { stage_.store(stage); }
-    void start_tiles(std::size_t count) noexcept;
-    void finish_tile() noexcept { ++tiles_done_; }
-    std::size_t tiles_done() const noexcept { return tiles_done_; }
-    double fraction_done() const noexcept { return tiles_ == 0 ? 0 : double(tiles_done_) / double(tiles_); }
+    /// samples   of all tiles, one pixel of each counted
+    /// done      of these, by an earlier run
+    void start_samples(std::size_t samples, std::size_t done) noexcept;
+    void finish_samples(std::size_t count) noexcept { done_ += count; }
+    bool is_whole() const noexcept { return done_ == samples_; }
 
 private:
     using Clock = std::chrono::steady_clock;
     std::atomic<bool> cancelled_ = false;
     std::atomic<Stage> stage_ = Stage::Waiting;
-    std::atomic<std::size_t> tiles_ = 0, tiles_done_ = 0;
+    std::atomic<std::size_t> samples_ = 0, done_ = 0, done_before_ = 0;
     std::atomic<Clock::time_point> start_ = Clock::time_point{};
 };
 

@@ -46,7 +46,14 @@ struct WriteOptions {
     /// The stops by which display formats (PNG, JPEG, TIFF) are brighter than the scene; if none are given,
     /// automatic_exposure() decides. EXR and HDR files keep the scene's own values.
     std::optional<float> exposure_ev{};
-    Tonemap tonemap = Tonemap::Filmic;  ///< for display formats
+    Tonemap tonemap = Tonemap::Filmic;  ///< of display formats
+    std::string note{};                 ///< kept in the file's head, by all formats but HDR
+};
+
+/// What a picture's file says of itself before its pixels.
+struct PictureHead {
+    int width = 0, height = 0;
+    std::string note;  ///< WriteOptions::note; empty if there is none
 };
 
 class Image {
@@ -78,7 +85,13 @@ public:
     /// Throws Error if write() would refuse that name: its extension, its folder, or what exists there already.
     static void check_writable(const std::filesystem::path& file);
 
-    /// Reads any format that OpenImageIO supports; 8-bit colours are made linear. Throws Error.
+    /// True if files of that extension hold layers beside beauty (EXR); true if they hold colours as a screen shows them.
+    static bool has_layers(const std::filesystem::path& file);
+    static bool is_for_display(const std::filesystem::path& file);
+
+    /// Reads the head, and as much as shows that the end of the picture is there. Throws Error if it is not.
+    static PictureHead read_head(const std::filesystem::path& file);
+    /// Reads any format that OpenImageIO knows; 8-bit colours are made linear. Throws Error.
     static Image read(const std::filesystem::path& file);
 
 private:

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <system_error>
 
@@ -19,6 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr float kHalfMax = 65504.0f;
+// Where the note of a picture stands, by OpenImageIO's names.
+constexpr const char *kExrNote = "occam:note", *kNote = "ImageDescription";
 
 std::string extension_of(const fs::path& file)
 {
@@ -137,6 +140,7 @@ void write_exr(const Image& image, const fs::path& file, const WriteOptions& opt
     spec.full_height = image.full_height;
     spec.channelnames.clear();
     spec.attribute("compression", "zip");
+    if (!options.note.empty()) spec.attribute(kExrNote, options.note);
     add_attributes(spec, image);
 
     const std::size_t count = std::size_t(image.width) * std::size_t(image.height);
@@ -191,6 +195,7 @@ void write_display(const Image& image, const fs::path& file, const WriteOptions&
     if (options.tonemap == Tonemap::None || !tiff)
         spec.attribute("oiio:ColorSpace", options.tonemap == Tonemap::None ? "Linear" : "sRGB");
     if (jpeg) spec.attribute("compression", "jpeg:95");
+    if (!options.note.empty()) spec.attribute(kNote, options.note);
     write_pixels(file, spec, shown.pixels);
 }
 
@@ -200,6 +205,15 @@ std::pair<std::string, std::string> split_channel(const std::string& name)
     const std::size_t dot = name.rfind('.');
     if (dot == std::string::npos) return {"beauty", name};
     return {name.substr(0, dot), name.substr(dot + 1)};
+}
+
+// PNG and JPEG files end with a mark of their own; libraries read a JPEG that is cut off as if it were whole.
+bool has_end_mark(const fs::path& file, std::string_view mark)
+{
+    std::ifstream in(file, std::ios::binary);
+    std::string end(mark.size(), '\0');
+    in.seekg(-static_cast<std::streamoff>(mark.size()), std::ios::end);
+    return in.read(end.data(), static_cast<std::streamsize>(end.size())) && end == mark;
 }
 
 constexpr std::int64_t kMaxReadValues = std::int64_t(1) << 29;  // 2 GiB of floats
@@ -222,6 +236,33 @@ void Image::write(const fs::path& file, const WriteOptions& options) const
     if (extension == ".exr") write_exr(*this, file, options);
     else if (extension == ".hdr") write_hdr(*this, file);
     else write_display(*this, file, options, extension);
+}
+
+bool Image::has_layers(const fs::path& file) { return extension_of(file) == ".exr"; }
+
+bool Image::is_for_display(const fs::path& file) { return is_display_format(extension_of(file)); }
+
+PictureHead Image::read_head(const fs::path& file)
+{
+    using namespace std::string_view_literals;
+    std::error_code error;
+    if (!fs::is_regular_file(file, error)) throw Error(file.string(), "is not there or is not a file");
+    if (fs::file_size(file, error) == 0) throw Error(file.string(), "is empty");
+    const auto in = OIIO::ImageInput::open(file.string());
+    if (!in) throw Error(file.string(), "cannot be read: " + OIIO::geterror());
+    const OIIO::ImageSpec spec = in->spec();
+    const std::string_view format = in->format_name();
+    bool is_whole = true;
+    if (format == "png") is_whole = has_end_mark(file, "\0\0\0\0IEND\xae\x42\x60\x82"sv);
+    else if (format == "jpeg") is_whole = has_end_mark(file, "\xff\xd9"sv);
+    else if (spec.tile_width == 0 && spec.nchannels <= kMaxReadChannels) {
+        std::vector<float> row(std::size_t(std::max(spec.width, 1)) * std::size_t(spec.nchannels));
+        is_whole = in->read_scanline(spec.y + spec.height - 1, 0, OIIO::TypeDesc::FLOAT, row.data());
+    }
+    if (!is_whole) throw Error(file.string(), "is cut off");
+    std::string note(spec.get_string_attribute(kExrNote));
+    if (note.empty()) note = spec.get_string_attribute(kNote);
+    return {spec.width, spec.height, std::move(note)};
 }
 
 Image Image::read(const fs::path& file)

@@ -45,10 +45,12 @@ Json json_of(const Settings& s)
             {"shading_rate", s.shading_rate},
             {"seed", s.seed},
             {"deadline", s.deadline_s},
+            {"progressive", s.progressive},
             {"filter", filter_name(s.filter)},
             {"error", s.error},
             {"integrator", integrator_name(s.integrator)},
             {"bounces", s.bounces},
+            {"clamp", s.clamp},
             {"ao_distance", s.ao_distance},
             {"shade", s.shade_at == ShadeAt::Vertex ? "vertex" : "hit"},
             {"aov", aovs},
@@ -80,6 +82,8 @@ std::uint64_t process_peak_bytes() noexcept
     getrusage(RUSAGE_SELF, &usage);
     return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
+
+std::string to_json(const Settings& settings) { return text_of(json_of(settings)); }
 
 std::string to_json(const FrameStats& s)
 {
@@ -152,6 +156,7 @@ std::string to_json(const FrameStats& s)
           {"height", s.image.height},
           {"spp", s.image.spp},
           {"samples", s.image.samples},
+          {"least_samples", s.image.least_samples},
           {"samples_not_finite", s.image.samples_not_finite},
           {"checksum", hexadecimal(s.image.checksum)}}},
         {"settings", json_of(s.settings)},

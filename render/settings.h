@@ -98,8 +98,11 @@ struct Settings {
     ShadeAt shade_at = ShadeAt::Hit;
     std::optional<Camera> lod_camera{};  ///< the camera whose pixels the footprints are; none: the picture's own
     std::uint64_t seed = 0;
-    double deadline_s = 0;  ///< rendering stops then with what is done; 0: never. Only this setting makes pictures differ
-    unsigned aovs = 0;      ///< bits of Aov
+    double deadline_s = 0;  ///< stop after so long with what is done; 0: none. The one setting that makes pictures differ
+    /// The frame is made in rounds of 1, 1, 2, 4, 8, ... samples a pixel, so that a frame that stops early is a picture of
+    /// few samples, and can go on later. Costs 64 to 200 bytes a pixel. A deadline implies it.
+    bool progressive = false;
+    unsigned aovs = 0;  ///< bits of Aov
     View view = View::Beauty;
     bool back_faces =
         true;  ///< false: rays pass the backs of single-sided surfaces (glTF 2.0, sec. 3.9.5), but not those of glass
@@ -135,6 +138,8 @@ PixelRect crop_pixels(const Settings& settings) noexcept;
 void check(const Settings& settings);
 inline constexpr int kMaxSide = 65536;
 inline constexpr int kMaxSamples = 65536;
+/// Settings::error ends no tile before it: estimates of fewer samples say little.
+inline constexpr int kLeastErrorSamples = 16;
 inline constexpr int kMaxLightSamples = 1024;
 inline constexpr int kMaxBounces = 128;
 inline constexpr std::int64_t kMaxPixels = std::int64_t(1) << 28;

@@ -60,8 +60,9 @@ struct FrameStats {
     struct Image {
         int width = 0, height = 0, spp = 0;
         std::uint64_t checksum = 0;
-        std::uint64_t samples = 0;             ///< total number; fewer than spp per pixel where Settings::error ended a tile
-        std::uint64_t samples_not_finite = 0;  ///< samples that were left out of the picture
+        std::uint64_t samples = 0;             ///< in all; fewer than spp a pixel where Settings::error ended a tile
+        int least_samples = 0;                 ///< of the pixels that are not done; spp if all are
+        std::uint64_t samples_not_finite = 0;  ///< left out of the picture
     } image;
     Settings settings;
     int threads = 0;
@@ -73,5 +74,7 @@ struct FrameStats {
 std::uint64_t process_peak_bytes() noexcept;
 
 std::string to_json(const FrameStats& stats);
+/// All settings, as the statistics have them.
+std::string to_json(const Settings& settings);
 
 }  // namespace occam::render

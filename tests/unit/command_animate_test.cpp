@@ -85,14 +85,63 @@ TEST_F(Animate, ShardsTogetherAreTheWholeBitForBit)
 
 TEST_F(Animate, LeavesFramesThatAreThereUnlessToldOtherwise)
 {
-    std::ofstream(folder / "a.0001.png") << "mine";
-    const Outcome o = run(words("a.%04d.png", "0-2", {"--stats", "-"}));
+    ASSERT_EQ(run(words("a.%04d.png", "1")).exit_code, kDone);
+    const std::string first = bytes("a.0001.png");
+    const Outcome o = run(words("a.%04d.png", "0-2", {"--stats", "-", "--threads", "1"}));
     ASSERT_EQ(o.exit_code, kDone) << o.err;
-    EXPECT_EQ(bytes("a.0001.png"), "mine");
+    EXPECT_EQ(o.err, "");
+    EXPECT_EQ(bytes("a.0001.png"), first);
     EXPECT_EQ(o.out.find("\"frame\": 1,"), std::string::npos);
     EXPECT_NE(o.out.find("\"frame\": 2,"), std::string::npos);
-    ASSERT_EQ(run(words("a.%04d.png", "0-2", {"--overwrite"})).exit_code, kDone);
-    EXPECT_NE(bytes("a.0001.png"), "mine");
+    const Outcome again = run(words("a.%04d.png", "0-2", {"--stats", "-", "--overwrite"}));
+    ASSERT_EQ(again.exit_code, kDone);
+    EXPECT_NE(again.out.find("\"frame\": 1,"), std::string::npos);
+    const Outcome idle = run(words("a.%04d.png", "0-2", {"--progress", "plain"}));
+    ASSERT_EQ(idle.exit_code, kDone);
+    EXPECT_NE(idle.err.find("3 of 3 frames are there, whole and of these settings: nothing to do"), std::string::npos)
+        << idle.err;
+}
+
+TEST_F(Animate, FramesThatAreNoWholePicturesAreMadeAgain)
+{
+    for (const char* extension : {"exr", "png", "jpg", "tif", "hdr"}) {
+        const std::string pattern = std::string("a.#.") + extension;
+        const auto name = [&](int frame) { return "a." + std::to_string(frame) + "." + extension; };
+        ASSERT_EQ(run(words(pattern, "0-3")).exit_code, kDone);
+        const auto good = pixels(name(1));
+        fs::resize_file(folder / name(0), 0);
+        fs::resize_file(folder / name(1), fs::file_size(folder / name(1)) - 3);
+        std::ofstream(folder / name(2)) << "no picture at all";
+        const Outcome o = run(words(pattern, "0-3", {"--stats", "-"}));
+        EXPECT_EQ(o.exit_code, kDone) << o.err;
+        for (int frame = 0; frame < 3; ++frame) {
+            EXPECT_NE(o.err.find(name(frame)), std::string::npos) << o.err;
+            EXPECT_NE(o.out.find("\"frame\": " + std::to_string(frame) + ","), std::string::npos);
+        }
+        EXPECT_EQ(o.out.find("\"frame\": 3,"), std::string::npos);
+        EXPECT_EQ(pixels(name(1)), good) << extension;
+    }
+}
+
+TEST_F(Animate, FramesOfOtherSettingsAreRefused)
+{
+    for (const char* extension : {"exr", "png", "jpg", "tif"}) {
+        const std::string pattern = std::string("a.#.") + extension;
+        ASSERT_EQ(run(words(pattern, "0-2")).exit_code, kDone);
+        const std::string before = bytes(std::string("a.0.") + extension);
+        for (const auto& other : {words(pattern, "0-2", {"--clip", "rise"}), words(pattern, "0-2", {"--seed", "7"}),
+                                  words(pattern, "0-2", {}, "8"), words(pattern, "0-2", {}, "4", "12"),
+                                  words(pattern, "2-3", {"--lod", "off"}), words(pattern, "0-2", {"--crop", "0,0.5,0,1"})}) {
+            const Outcome o = run(other);
+            EXPECT_EQ(o.exit_code, kBadInput) << extension << ' ' << other.back();
+            EXPECT_NE(o.err.find("--overwrite"), std::string::npos) << o.err;
+        }
+        EXPECT_FALSE(fs::exists(folder / (std::string("a.3.") + extension))) << "found before anything is made";
+        EXPECT_EQ(run(words(pattern, "0-2", {"--clip", "fly"})).exit_code, kBadInput);
+        EXPECT_EQ(bytes(std::string("a.0.") + extension), before);
+    }
+    ASSERT_EQ(run(words("b.#.hdr", "0")).exit_code, kDone);
+    EXPECT_EQ(run(words("b.#.hdr", "0", {"--crop", "0,0.5,0,1"})).exit_code, kBadInput) << "of another size";
 }
 
 TEST_F(Animate, KilledTwentyTimesEveryFrameIsWholeAndNoneIsMissing)

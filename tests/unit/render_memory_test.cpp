@@ -146,7 +146,7 @@ TEST(Workers, AreCountedEachByItself)
     EXPECT_EQ(micropolygons, field.stats.built.micropolygons);
 }
 
-// Once a tile is finished in full, all others show a sample a pixel.
+// Once a 256th of all samples is made, every pixel shows one.
 TEST(Deadline, WhatIsNotFinishedShowsASampleOfEachPixel)
 {
     Field field;
@@ -154,7 +154,7 @@ TEST(Deadline, WhatIsNotFinishedShowsASampleOfEachPixel)
     field.settings.deadline_s = 1e9;
     Renderer renderer({.threads = 2});
     Job job = renderer.start(field.scene, field.camera, field.settings);
-    while (!(job.progress().fraction > 0)) job.wait_for(std::chrono::milliseconds(1));
+    while (!(job.progress().fraction > 1.0 / 256)) job.wait_for(std::chrono::milliseconds(1));
     job.cancel();
     const Image& image = job.image();
     EXPECT_FALSE(job.stats().complete);

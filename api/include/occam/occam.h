@@ -65,13 +65,16 @@ public:
     void wait() const;
 
     Progress progress() const noexcept;
-    /// Stops soon, within a row of tiles; finished tiles stay.
+    /// Stops soon, within a batch of rays. Finished tiles stay; with Settings::progressive, all samples so far.
     void cancel() noexcept;
 
     // These wait for the end, and throw what went wrong if something did.
     const Image& image() const;
     Image take_image();
     const FrameStats& stats() const;
+    /// What Renderer::start() can go on from, if the frame was made in rounds (Settings::progressive) and stopped before its
+    /// end; else empty. Bytes for this version on machines of this byte order.
+    const std::string& checkpoint() const;
 
 private:
     friend class Renderer;
@@ -92,7 +95,10 @@ public:
     /// another frame.
     Image render(Scene& scene, const Camera& camera, const Settings& settings = {});
     /// The same, without waiting for it.
-    Job start(Scene& scene, const Camera& camera, const Settings& settings = {});
+    /// checkpoint   what Job::checkpoint() of the same scene, camera and settings gave: the frame goes on from there, and
+    /// its
+    ///              picture has the bits of one that was never stopped. The job fails if it is another picture's.
+    Job start(Scene& scene, const Camera& camera, const Settings& settings = {}, std::string checkpoint = {});
     /// The least Resources::memory_bytes that this scene can be rendered with by this renderer's number of threads.
     std::size_t memory_floor(const Scene& scene) const;
     /// Of the last frame that render() made.

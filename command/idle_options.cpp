@@ -1,0 +1,57 @@
+#include "idle_options.h"
+
+#include <stdexcept>
+
+namespace occam::command {
+namespace {
+
+using Given = std::set<std::string>;
+
+bool is_sky_or_none(const RenderArguments& a, const Given& given)
+{
+    return given.contains("--environment") && a.environment.empty();
+}
+
+struct Rule {
+    const char* option;
+    bool (*is_idle)(const RenderArguments&, const Given&);
+    const char* why;
+};
+
+constexpr Rule kRules[] = {
+    {"--aov", [](const RenderArguments& a, const Given&) { return !Image::has_layers(a.output); },
+     "only EXR files hold layers"},
+    {"--exr", [](const RenderArguments& a, const Given&) { return !Image::has_layers(a.output); },
+     "the picture is no EXR file"},
+    {"--exposure", [](const RenderArguments& a, const Given&) { return !Image::is_for_display(a.output); },
+     "EXR and HDR files hold the light as it is; it is for PNG, JPEG and TIFF"},
+    {"--tonemap", [](const RenderArguments& a, const Given&) { return !Image::is_for_display(a.output); },
+     "EXR and HDR files hold the light as it is; it is for PNG, JPEG and TIFF"},
+    {"--ao-distance", [](const RenderArguments& a, const Given&) { return a.settings.integrator != IntegratorKind::Ao; },
+     "only --integrator ao looks for it"},
+    {"--bounces", [](const RenderArguments& a, const Given&) { return a.settings.integrator == IntegratorKind::Ao; },
+     "--integrator ao does not follow light"},
+    {"--clamp", [](const RenderArguments& a, const Given&) { return a.settings.integrator == IntegratorKind::Ao; },
+     "--integrator ao does not follow light"},
+    {"--error", [](const RenderArguments& a, const Given&) { return a.settings.spp <= render::kLeastErrorSamples; },
+     "errors are estimated from 16 samples on, so --spp has to be above 16"},
+    {"--environment-strength",
+     [](const RenderArguments& a, const Given& given) {
+         return is_sky_or_none(a, given) && a.settings.sky == shade::Sky::Off;
+     },
+     "--environment none has no light"},
+    {"--environment-rotation", is_sky_or_none, "only an image can be turned"},
+    {"--subdivide", [](const RenderArguments& a, const Given&) { return a.scene.empty(); }, "the built-in scene is no file"},
+    {"--variant", [](const RenderArguments& a, const Given&) { return a.scene.empty(); }, "the built-in scene is no file"},
+};
+
+}  // namespace
+
+void refuse_idle(const RenderArguments& a, const Given& given)
+{
+    for (const Rule& rule : kRules)
+        if (given.contains(rule.option) && rule.is_idle(a, given))
+            throw std::invalid_argument(std::string(rule.option) + " would do nothing: " + rule.why);
+}
+
+}  // namespace occam::command

@@ -1,0 +1,15 @@
+// Options that would do nothing beside the others that were given.
+#pragma once
+
+#include <set>
+#include <string>
+
+#include "arguments.h"
+
+namespace occam::command {
+
+/// Throws std::invalid_argument that names the first option without an effect, and why it has none.
+/// given   names of the options that were on the command line: "--aov"
+void refuse_idle(const RenderArguments& arguments, const std::set<std::string>& given);
+
+}  // namespace occam::command

@@ -1,0 +1,110 @@
+#include "recipe.h"
+
+#include <cstdio>
+#include <fstream>
+#include <type_traits>
+
+#include "base/hash.h"
+
+namespace occam::command {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Fingerprint {
+public:
+    void add(const std::string& text)
+    {
+        add(text.size());
+        hash_ = fnv1a(text.data(), text.size(), hash_);
+    }
+    template <class T>
+    requires std::is_arithmetic_v<T>
+    void add(T value)
+    {
+        const auto number = static_cast<double>(value);
+        hash_ = fnv1a(&number, sizeof number, hash_);
+    }
+    template <class... Ts>
+    void add(const Ts&... values) requires(sizeof...(Ts) > 1)
+    {
+        (add(values), ...);
+    }
+    void add_bytes_of(const fs::path& file)
+    {
+        std::ifstream in(file, std::ios::binary);
+        std::string block(std::size_t(1) << 16, '\0');
+        while (in.read(block.data(), static_cast<std::streamsize>(block.size())) || in.gcount() > 0)
+            hash_ = fnv1a(block.data(), static_cast<std::size_t>(in.gcount()), hash_);
+    }
+    void add_size_of(const fs::path& file)
+    {
+        std::error_code error;
+        const auto bytes = fs::file_size(file, error);
+        add(error ? 0.0 : static_cast<double>(bytes));
+    }
+    std::uint64_t value() const { return mix_bits(hash_); }
+
+private:
+    std::uint64_t hash_ = kFnvStart;
+};
+
+}  // namespace
+
+std::uint64_t scene_stamp(Scene& scene, const RenderArguments& a)
+{
+    Fingerprint print;
+    if (!a.scene.empty()) print.add_bytes_of(a.scene);
+    if (!a.environment.empty()) print.add_size_of(a.environment);
+    const Scene::Counts counts = scene.counts();
+    print.add(counts.nodes, counts.cages, counts.faces, counts.materials, counts.textures, counts.lights, counts.skins);
+    const Box3d bounds = scene.bounds();
+    print.add(bounds.lo.x, bounds.lo.y, bounds.lo.z, bounds.hi.x, bounds.hi.y, bounds.hi.z);
+    print.add(static_cast<int>(a.load.subdivide), a.load.variant, a.has_environment, a.environment_strength,
+              a.environment_rotation_deg);
+    return print.value();
+}
+
+std::string recipe_note(std::uint64_t scene_stamp, const Recipe& recipe)
+{
+    const auto& [a, write, settings, camera, moment] = recipe;
+    // The deadline decides when a picture stops, not what it shows.
+    Settings lasting = settings;
+    lasting.deadline_s = 0;
+    lasting.progressive = false;
+    Fingerprint print;
+    print.add(std::to_string(scene_stamp), std::string(render::kVersion), render::to_json(lasting), a.clip,
+              moment.has_value(), moment.value_or(0));
+    for (int c = 0; c < 4; ++c)
+        for (int r = 0; r < 4; ++r) print.add(camera.world_from_camera[c][r]);
+    const CameraLens& lens = camera.lens;
+    print.add(lens.fov, lens.aspect, lens.orthographic, lens.height, lens.radius, lens.focus, lens.blades);
+    if (Image::is_for_display(a.output))
+        print.add(write.exposure_ev.has_value(), write.exposure_ev.value_or(0), static_cast<int>(write.tonemap));
+    else print.add(write.half);
+    char text[64];
+    std::snprintf(text, sizeof text, "Occam %s, recipe %016llx", std::string(render::kVersion).c_str(),
+                  static_cast<unsigned long long>(print.value()));
+    return text;
+}
+
+FoundPicture look_for(const fs::path& file, const Settings& settings, const std::string& note)
+{
+    using State = FoundPicture::State;
+    std::error_code error;
+    if (!fs::exists(file, error)) return {};
+    render::PictureHead head;
+    try {
+        head = Image::read_head(file);
+    } catch (const Error& broken) {
+        return {State::Broken, broken.what()};
+    }
+    const render::PixelRect rect = render::crop_pixels(settings);
+    if (head.width != rect.width() || head.height != rect.height())
+        return {State::Other, "has " + std::to_string(head.width) + "x" + std::to_string(head.height) + " pixels, not " +
+                                  std::to_string(rect.width()) + "x" + std::to_string(rect.height())};
+    if (!head.note.empty() && head.note != note) return {State::Other, "was made with other settings or from another scene"};
+    return {State::Same, {}};
+}
+
+}  // namespace occam::command

@@ -1,0 +1,40 @@
+// What a picture was made with, as a number: so that a picture that is there can be told from one that would be made now.
+//
+// The number follows from the version, the settings, the camera, the moment, the scene's file and what came out of it. It
+// does not follow from threads, budgets or folders. Pictures carry it in their heads (WriteOptions::note).
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "arguments.h"
+
+namespace occam::command {
+
+/// The part of it that all pictures of one scene share. Reads the scene's file once more.
+std::uint64_t scene_stamp(Scene& scene, const RenderArguments& arguments);
+
+/// What a picture is made with, beside the scene.
+struct Recipe {
+    const RenderArguments& arguments;
+    const WriteOptions& write;
+    const Settings& settings;
+    const Camera& camera;
+    std::optional<double> moment;  ///< seconds on the clip's axis; none for the file's own pose
+};
+/// Returns the note of a picture: "Occam 0.1.0, recipe 0123456789abcdef".
+std::string recipe_note(std::uint64_t scene_stamp, const Recipe& recipe);
+
+/// A file that stands where a picture is to be made.
+struct FoundPicture {
+    enum class State : unsigned char {
+        Missing,
+        Same,    ///< whole, of the right size, and with this note or without one
+        Broken,  ///< no whole picture
+        Other    ///< a whole picture of another size or recipe
+    } state = State::Missing;
+    std::string why;  ///< says what is broken or other
+};
+FoundPicture look_for(const std::filesystem::path& file, const Settings& settings, const std::string& note);
+
+}  // namespace occam::command

@@ -1,0 +1,58 @@
+// The sums of all pixels of a frame that is made in rounds: what it needs to go on where it stopped.
+//
+// A tile's pixels lie together, in the order of pixels_of(), and each pixel holds the sums alone that the wanted layers
+// need. A checkpoint is all of it as bytes: sums in double and whole samples, so a frame that goes on from it has the bits
+// of one that was never stopped.
+//
+// Memory   64 to 200 bytes a pixel, beside the budget.
+// Threads  each tile is read and written by one worker at a time.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "render/cryptomatte.h"
+#include "render/film.h"
+#include "render/tiles.h"
+
+namespace occam::render {
+
+class FrameSums {
+public:
+    FrameSums(const Settings& settings, const Camera& camera);
+    static std::size_t bytes_for(const Settings& settings) noexcept;
+
+    /// How far a tile is. It may be done before all samples by Settings::error.
+    struct Tile {
+        std::int32_t samples = 0, is_done = 0;
+    };
+    Tile tile(const PixelRect& rect) const noexcept { return tiles_[index_of(rect)]; }
+    /// Appends one entry a pixel to the arrays. Those of layers of Cryptomatte that are not wanted stay empty.
+    void load(const PixelRect& rect, std::vector<PixelSums>& sums, std::vector<MatteSums> (&mattes)[2]) const;
+    /// first   entry of the arrays that is the tile's first pixel
+    void store(const PixelRect& rect, Tile tile, std::span<const PixelSums> sums, const std::vector<MatteSums> (&mattes)[2],
+               std::size_t first);
+
+    int least_samples() const noexcept;  ///< of all tiles
+    std::string checkpoint() const;
+    /// Throws Error for what is no checkpoint of this frame.
+    void restore(std::string_view checkpoint);
+
+private:
+    std::size_t index_of(const PixelRect& rect) const noexcept;
+    std::size_t first_pixel(std::size_t tile) const noexcept { return tile * std::size_t(kTileSide * kTileSide); }
+
+    unsigned aovs_;
+    PixelRect area_;
+    std::size_t columns_;
+    int spp_;
+    std::uint64_t identity_;  ///< of the settings and the camera
+    std::size_t stride_;      ///< bytes of a pixel's sums
+    std::vector<Tile> tiles_;
+    std::vector<std::byte> sums_;
+    std::vector<MatteSums> mattes_[2];
+};
+
+}  // namespace occam::render

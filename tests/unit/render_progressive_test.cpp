@@ -1,0 +1,155 @@
+// Frames that are made in rounds over the whole picture, stopped, and gone on with.
+#include <gtest/gtest.h>
+
+#include <signal.h>
+
+#include <chrono>
+#include <cstring>
+#include <thread>
+
+#include "occam/occam.h"
+#include "tests/support/command_test.h"
+
+namespace occam {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr unsigned kAllLayers = 0xfff;
+
+struct Subject {
+    Scene scene = builtin_scene();
+    Camera camera = scene.camera().value_or(Camera::framing(scene.bounds()));
+    Settings settings{.width = 50, .height = 34, .spp = 24, .aovs = kAllLayers};
+};
+
+void expect_same(const Image& a, const Image& b)
+{
+    ASSERT_EQ(a.layers().size(), b.layers().size());
+    for (std::size_t i = 0; i < a.layers().size(); ++i) {
+        const auto &p = a.layers()[i].pixels, &q = b.layers()[i].pixels;
+        ASSERT_EQ(p.size(), q.size());
+        EXPECT_EQ(std::memcmp(p.data(), q.data(), p.size() * sizeof(float)), 0) << a.layers()[i].name;
+    }
+}
+
+TEST(Progressive, RoundsHaveTheBitsOfTiles)
+{
+    Subject subject;
+    for (const float error : {0.0f, 0.2f}) {
+        subject.settings.error = error;
+        subject.settings.progressive = false;
+        const Image tiles = Renderer({.threads = 2}).render(subject.scene, subject.camera, subject.settings);
+        subject.settings.progressive = true;
+        Renderer renderer({.threads = 1});
+        expect_same(renderer.render(subject.scene, subject.camera, subject.settings), tiles);
+        EXPECT_TRUE(renderer.stats().complete);
+        EXPECT_EQ(renderer.stats().image.least_samples, subject.settings.spp);
+    }
+}
+
+// The first runs are too short for a single sample, the later ones stop anywhere.
+TEST(Progressive, APictureOfManyShortRunsHasTheBitsOfOne)
+{
+    Subject subject;
+    subject.settings.error = 0.1f;
+    const Image whole = Renderer().render(subject.scene, subject.camera, subject.settings);
+    std::string checkpoint;
+    int runs = 0;
+    for (double seconds = 0.002;; seconds *= 1.3) {
+        subject.settings.deadline_s = seconds;
+        Renderer renderer({.threads = 1 + runs % 2});
+        Job job = renderer.start(subject.scene, subject.camera, subject.settings, std::move(checkpoint));
+        job.wait();
+        checkpoint = job.checkpoint();
+        ++runs;
+        EXPECT_EQ(checkpoint.empty(), job.stats().complete);
+        if (!checkpoint.empty()) continue;
+        expect_same(job.image(), whole);
+        break;
+    }
+    EXPECT_GT(runs, 2);
+}
+
+TEST(Progressive, WhatIsStoppedHasNearlyAsManySamplesEverywhere)
+{
+    Subject subject;
+    subject.settings.spp = 4096;
+    subject.settings.progressive = true;
+    Renderer renderer({.threads = 2});
+    Job job = renderer.start(subject.scene, subject.camera, subject.settings);
+    while (!(job.progress().fraction > 5.0 / 4096)) job.wait_for(1ms);
+    job.cancel();
+    EXPECT_FALSE(job.stats().complete);
+    EXPECT_GE(job.stats().image.least_samples, 4) << "the round of five samples a pixel begins with four everywhere";
+}
+
+TEST(Progressive, ACheckpointOfAnotherPictureOrADamagedOneIsRefused)
+{
+    Subject subject;
+    subject.settings.deadline_s = 1e-9;
+    Renderer renderer;
+    const std::string good = renderer.start(subject.scene, subject.camera, subject.settings).checkpoint();
+    ASSERT_FALSE(good.empty());
+    subject.settings.deadline_s = 0;
+    const auto is_refused = [&](const std::string& checkpoint) {
+        const Job job = renderer.start(subject.scene, subject.camera, subject.settings, checkpoint);
+        EXPECT_THROW(job.image(), Error) << checkpoint.size() << " bytes";
+    };
+    is_refused("x");
+    is_refused(good.substr(0, 20));
+    is_refused(good.substr(0, good.size() - 1));
+    is_refused(good + "x");
+    for (const std::size_t place : {std::size_t(3), std::size_t(25), good.size() / 2, good.size() - 1}) {
+        std::string damaged = good;
+        damaged[place] = static_cast<char>(damaged[place] ^ 4);
+        is_refused(damaged);
+    }
+    for (const auto change : {+[](Subject& s) { s.settings.seed = 1; }, +[](Subject& s) { s.settings.width = 49; },
+                              +[](Subject& s) { s.settings.aovs = 1; }, +[](Subject& s) { s.settings.bounces = 3; },
+                              +[](Subject& s) { s.camera.lens.fov *= 1.01f; }}) {
+        Subject other;
+        change(other);
+        const Job job = renderer.start(other.scene, other.camera, other.settings, good);
+        EXPECT_THROW(job.image(), Error);
+    }
+}
+
+using Resume = test::CommandTest;
+
+TEST_F(Resume, AnInterruptedPictureGoesOnAndIsTheSame)
+{
+    const auto words = [](const std::string& name, const std::vector<std::string>& more = {}) {
+        std::vector<std::string> all{"render", "triangle.obj", "-o",    name,   "--size",     "64x48",
+                                     "--exr",  "float",        "--spp", "1000", "--progress", "plain"};
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    };
+    const auto pixels = [&](const char* name) { return render::Image::read(folder / name).layer(0).pixels; };
+    const pid_t child = start(words("a.exr", {"--threads", "1", "--checkpoint", "on"}));
+    for (int i = 0; i < 1000 && test::text_of(folder / "stderr.txt").find("rendering") == std::string::npos; ++i)
+        std::this_thread::sleep_for(5ms);
+    kill(child, SIGTERM);
+    const test::Outcome stopped = finish(child);
+    ASSERT_EQ(stopped.exit_code, test::kInterrupted) << stopped.err;
+    ASSERT_TRUE(std::filesystem::exists(folder / "a.exr.checkpoint")) << stopped.err;
+    EXPECT_NE(stopped.err.find("--resume"), std::string::npos) << stopped.err;
+    const auto partly = pixels("a.exr");
+
+    const test::Outcome other = run(words("a.exr", {"--resume", "--seed", "1"}));
+    EXPECT_EQ(other.exit_code, test::kBadInput);
+    EXPECT_NE(other.err.find("a.exr.checkpoint"), std::string::npos) << other.err;
+    const test::Outcome resumed = run(words("a.exr", {"--resume", "--threads", "1"}));
+    ASSERT_EQ(resumed.exit_code, test::kDone) << resumed.err;
+    EXPECT_NE(resumed.err.find("going on"), std::string::npos) << resumed.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "a.exr.checkpoint"));
+    ASSERT_EQ(run(words("b.exr", {"--resume"})).exit_code, test::kDone);
+    EXPECT_EQ(pixels("a.exr"), pixels("b.exr"));
+    EXPECT_NE(pixels("a.exr"), partly);
+
+    ASSERT_EQ(run(words("c.exr", {"--deadline", "1e-9", "--checkpoint", "off"})).exit_code, test::kDone);
+    EXPECT_FALSE(std::filesystem::exists(folder / "c.exr.checkpoint"));
+}
+
+}  // namespace
+}  // namespace occam
