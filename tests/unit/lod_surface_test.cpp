@@ -254,8 +254,8 @@ TEST_P(SurfaceShapes, AgreeWithRefinementAndLimitMasks)
         }
     }
     EXPECT_GT(compared, 0);
-    // Where a crease ends at a vertex of valence 9, Bfr of OpenSubdiv 3.5 converges more slowly than elsewhere, and its largest
-    // approximation level, 10, which is used, leaves 1.6e-5 (docs/watertightness.md, "What was found on the way").
+    // Where a crease ends at a vertex of valence 9, Bfr of OpenSubdiv 3.5 converges more slowly than elsewhere, and its
+    // largest approximation level, 10, which is used, leaves 1.6e-5 (docs/watertightness.md, "What was found on the way").
     const double bound = GetParam() == "made:pole_9_creases" ? 2e-5 : 1e-5;
     EXPECT_LE(worst_position, bound) << "of the cage's extent";
     EXPECT_LE(worst_degrees, 0.5);
