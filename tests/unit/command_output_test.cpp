@@ -146,7 +146,7 @@ TEST_F(Outputs, AStandardOutputThatIsFullOrClosedIsExitCode3)
         {"render", "--help"},
         {"info", "triangle.obj"},
         {"info", "triangle.obj", "--json"},
-        {"verify", "tetrahedron.obj", "--rays", "10"},
+        {"verify", "tetrahedron.obj", "--subdivide", "on", "--rays", "10"},
         {"compare", "a.exr", "a.exr"},
         {"compare", "a.exr", "a.exr", "--json"},
         {"render", "triangle.obj", "-o", "b.png", "--size", "8x8", "--stats", "-"},

@@ -29,7 +29,10 @@ std::vector<std::string> made_small(const std::vector<std::string>& line)
 {
     std::vector<std::string> words;
     for (std::size_t i = 0; i < line.size(); ++i) {
-        if (line[i] == "--size" || line[i] == "--spp" || line[i] == "--rays" || line[i] == "--frames") ++i;
+        // An error can be estimated from many samples only.
+        if (line[i] == "--error" || line[i] == "--size" || line[i] == "--spp" || line[i] == "--rays" ||
+            line[i] == "--frames")
+            ++i;
         else words.push_back(line[i]);
     }
     const bool is_help = std::find(line.begin(), line.end(), "--help") != line.end();
