@@ -204,7 +204,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met
     Spot spots[kLanes];
     alignas(32) FloatLanes t{}, mirrored{}, set_of_map{}, radius{};
     unsigned closers = 0, coarse_starts = 0;
-    int start_level[kLanes];
+    int start_level[kLanes]{};
     bool any_maps = false;
     const IGrid* someone = nullptr;
     for (std::size_t i = 0; i < n; ++i) {
