@@ -89,11 +89,11 @@ void put(FloatLanes (&to)[N], std::size_t lane, const Vector& v) noexcept
 
 }  // namespace
 
-Corners::Corners(std::span<const Met> met, const Spot* spots) noexcept : met_(met), spots_(spots)
+HitCorners::HitCorners(std::span<const GridHit> met, const MicropolygonPlace* spots) noexcept : met_(met), spots_(spots)
 {
     clear(weight);
     std::size_t hits = 0;
-    for (const Met& m : met) hits += m.grid != nullptr;
+    for (const GridHit& m : met) hits += m.grid != nullptr;
     if (hits == kLanes) return;
     // Lanes without a hit are cleared.
     for (int p = 0; p < 3; ++p) {
@@ -103,7 +103,7 @@ Corners::Corners(std::span<const Met> met, const Spot* spots) noexcept : met_(me
     }
 }
 
-Corners::Vertices::Vertices(const IGridPart& part, const Spot& spot) noexcept
+HitCorners::Vertices::Vertices(const IGridPart& part, const MicropolygonPlace& spot) noexcept
 {
     const std::uint32_t low = part.vertex(spot.i, spot.j), along_i = part.is_transposed ? part.width : 1,
                         along_j = part.is_transposed ? 1 : part.width;
@@ -112,8 +112,8 @@ Corners::Vertices::Vertices(const IGridPart& part, const Spot& spot) noexcept
     of[2] = low + along_j + (spot.triangle != 0 ? 0 : along_i);
 }
 
-void Corners::set_positions(const vfloat (&direction)[3], const vfloat (&origin)[3], vfloat shift,
-                            unsigned coarse_starts) noexcept
+void HitCorners::set_positions(const vfloat (&direction)[3], const vfloat (&origin)[3], vfloat shift,
+                               unsigned coarse_starts) noexcept
 {
     alignas(32) FloatLanes coarse[3][3], ramp_start, scale, blends;
     for (auto& corner : coarse) clear(corner);
@@ -121,10 +121,10 @@ void Corners::set_positions(const vfloat (&direction)[3], const vfloat (&origin)
     unsigned special = 0;  // lanes with a T-vertex
     bool any_blends = false;
     for (std::size_t lane = 0; lane < met_.size(); ++lane) {
-        const Met& m = met_[lane];
+        const GridHit& m = met_[lane];
         if (!m.grid) continue;
         const IGrid& grid = *m.grid;
-        const Spot& spot = spots_[lane];
+        const MicropolygonPlace& spot = spots_[lane];
         if (!spot.part) {
             // The ids of meshes are faces, and are looked up by position.
             std::uint32_t k = 0;
@@ -140,7 +140,7 @@ void Corners::set_positions(const vfloat (&direction)[3], const vfloat (&origin)
             scale[lane] = m.blend.scale;
             blends[lane] = 1;
         }
-        if (is_closer(m)) {
+        if (is_gap(m)) {
             for (int p = 0; p < 3; ++p) put(position[p], lane, Vec3f(0));
             special |= 1u << lane;
             continue;
@@ -191,15 +191,15 @@ void Corners::set_positions(const vfloat (&direction)[3], const vfloat (&origin)
     }
 }
 
-void Corners::set_special(std::size_t lane, const OwnBlend& blend, bool starts_coarse) noexcept
+void HitCorners::set_special(std::size_t lane, const OwnBlend& blend, bool starts_coarse) noexcept
 {
-    const Met& m = met_[lane];
+    const GridHit& m = met_[lane];
     const IGrid& grid = *m.grid;
     has_start |= 1u << lane;
     const OwnBlend of_start{{0, 0, 0}, starts_coarse ? 1.0f : 0.0f};
-    if (is_closer(m)) {
+    if (is_gap(m)) {
         float at_end[2];
-        const lod::Hanging::Ends ends = ends_of(grid, blend, grid.hanging[m.id & ~kCloserBit], at_end);
+        const lod::Hanging::Ends ends = ends_of(grid, blend, grid.hanging[m.id & ~kGapBit], at_end);
         put(position[0], lane, ends.low);
         put(position[1], lane, ends.middle);
         put(position[2], lane, ends.high);
@@ -214,9 +214,9 @@ void Corners::set_special(std::size_t lane, const OwnBlend& blend, bool starts_c
     set_hanging(start, lane, of_start);
 }
 
-void Corners::set_hanging(FloatLanes (&to)[3][3], std::size_t lane, const OwnBlend& blend) noexcept
+void HitCorners::set_hanging(FloatLanes (&to)[3][3], std::size_t lane, const OwnBlend& blend) noexcept
 {
-    const Spot& spot = spots_[lane];
+    const MicropolygonPlace& spot = spots_[lane];
     const IGrid& grid = *met_[lane].grid;
     for (int p = 0; p < 3; ++p) {
         const int i = spot.i + kQuadCorners[spot.triangle][p][0], j = spot.j + kQuadCorners[spot.triangle][p][1];
@@ -227,13 +227,13 @@ void Corners::set_hanging(FloatLanes (&to)[3][3], std::size_t lane, const OwnBle
     }
 }
 
-void Corners::set_attributes(const PhaseOneTools& tools)
+void HitCorners::set_attributes(const PhaseOneTools& tools)
 {
     for (std::size_t lane = 0; lane < met_.size(); ++lane) {
-        const Met& m = met_[lane];
+        const GridHit& m = met_[lane];
         if (!m.grid) continue;
         const IGrid& grid = *m.grid;
-        const Spot& spot = spots_[lane];
+        const MicropolygonPlace& spot = spots_[lane];
         if (!spot.part) {
             set_attributes_of_mesh(lane, *tools.frame.scene);
             continue;
@@ -244,7 +244,7 @@ void Corners::set_attributes(const PhaseOneTools& tools)
         const lod::GridAttributes& made = part.attributes;
         const std::ptrdiff_t width = part.tile.columns + 1, halved = part.is_halved && grid.blends() ? 1 : 0;
         // A gap triangle has the attributes of one corner.
-        const std::ptrdiff_t one = is_closer(m) ? 0 : 1, up = spot.triangle != 0 ? one : 0;
+        const std::ptrdiff_t one = is_gap(m) ? 0 : 1, up = spot.triangle != 0 ? one : 0;
         const std::ptrdiff_t i[3] = {spot.i, spot.i + one, spot.i + one - up}, j[3] = {spot.j, spot.j + up, spot.j + one};
         const auto set = [&](LaneFours* corners, const auto* values) {
             for (int p = 0; p < 3; ++p) {
@@ -275,9 +275,9 @@ void Corners::set_attributes(const PhaseOneTools& tools)
     }
 }
 
-void Corners::set_colors(std::size_t lane) noexcept
+void HitCorners::set_colors(std::size_t lane) noexcept
 {
-    const Spot& spot = spots_[lane];
+    const MicropolygonPlace& spot = spots_[lane];
     const IGridPart& part = *spot.part;
     const lod::PatchColors colors(*met_[lane].grid->cage, part.tile.patch);
     const auto color_at = [&](int i, int j) {
@@ -286,7 +286,7 @@ void Corners::set_colors(std::size_t lane) noexcept
     };
     has_color |= 1u << lane;
     for (int p = 0; p < 3; ++p) {
-        const int* of_quad = kQuadCorners[spot.triangle][is_closer(met_[lane]) ? 0 : p];
+        const int* of_quad = kQuadCorners[spot.triangle][is_gap(met_[lane]) ? 0 : p];
         const int i = spot.i + of_quad[0], j = spot.j + of_quad[1], odd_i = part.is_halved ? i & 1 : 0,
                   odd_j = part.is_halved ? j & 1 : 0;
         const float w = weight[p][lane];
@@ -295,11 +295,11 @@ void Corners::set_colors(std::size_t lane) noexcept
     }
 }
 
-void Corners::set_attributes_of_mesh(std::size_t lane, const Scene& scene) noexcept
+void HitCorners::set_attributes_of_mesh(std::size_t lane, const Scene& scene) noexcept
 {
     const lod::PosedCage& posed = *met_[lane].grid->cage;
     const Cage& cage = posed.slot->cage;
-    const Spot& spot = spots_[lane];
+    const MicropolygonPlace& spot = spots_[lane];
     const std::size_t sets = std::min<std::size_t>(2, cage.uv_sets.size());
     const auto put_four = [lane](LaneFours& to, auto v) {
         vfloat4(0.0f).store(to[lane]);

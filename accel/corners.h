@@ -26,7 +26,7 @@ inline void load(const LaneFours& from, vfloat (&to)[4]) noexcept
     load_turned(lanes, to);
 }
 
-struct Corners {
+struct HitCorners {
     alignas(32) FloatLanes position[3][3];  ///< corner, axis
     /// Holds the same micropolygon, in the lanes of has_start, in the mesh of the level at which secondary rays start.
     /// A gap triangle, which has no area, is replaced here by a triangle of the quad beside it.
@@ -40,7 +40,7 @@ struct Corners {
     unsigned has_start = 0;               ///< lanes in which `start` may differ from `position`
 
     /// Holds the corners of what up to kLanes rays have hit, and where they are.
-    Corners(std::span<const Met> met, const Spot* spots) noexcept;
+    HitCorners(std::span<const GridHit> met, const MicropolygonPlace* spots) noexcept;
     /// Takes the rays, each in the frame of its cage. Bit i of coarse_starts says that the start level of lane i is the
     /// coarser level of the pair that the ray has hit.
     void set_positions(const vfloat (&direction)[3], const vfloat (&origin)[3], vfloat shift,
@@ -57,7 +57,7 @@ private:
     /// Returns the indices of the vertices of a lattice micropolygon.
     struct Vertices {
         std::uint32_t of[3];
-        Vertices(const IGridPart& part, const Spot& spot) noexcept;
+        Vertices(const IGridPart& part, const MicropolygonPlace& spot) noexcept;
     };
     void set_special(std::size_t lane, const VertexBlendOf<float>& blend, bool starts_coarse) noexcept;
     /// Moves the T-vertices among a lane's corners to where the neighbouring triangles have them.
@@ -65,8 +65,8 @@ private:
     void set_attributes_of_mesh(std::size_t lane, const Scene& scene) noexcept;
     void set_colors(std::size_t lane) noexcept;
 
-    std::span<const Met> met_;
-    const Spot* spots_;
+    std::span<const GridHit> met_;
+    const MicropolygonPlace* spots_;
 };
 
 /// Holds the positions of the corners of a quad's two triangles, in units of quads.

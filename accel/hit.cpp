@@ -22,14 +22,14 @@ auto order_of(const IGrid& grid, std::uint32_t id) noexcept
     const std::uint32_t number = number_of(grid, id);
     const lod::TileRef& tile = grid.parts[part_of(number)].tile;
     const QuadRef quad = quad_of(number);
-    const std::uint32_t patch_face = tile.patch.face, kind = is_closer(id) ? 2u : quad.triangle;
+    const std::uint32_t patch_face = tile.patch.face, kind = is_gap(id) ? 2u : quad.triangle;
     return std::tuple(grid.cage->key, patch_face, tile.patch.sub, grid.pairs.finest, tile.j0 + quad.j, tile.i0 + quad.i,
                       kind);
 }
 
 // Computes the barycentrics of the point where the ray meets the plane of a gap triangle, clamped to the triangle; in
 // double, since the triangle has no area.
-Vec3d barycentrics(const Corners& corners, std::size_t lane, Vec3d origin, Vec3d direction) noexcept
+Vec3d barycentrics(const HitCorners& corners, std::size_t lane, Vec3d origin, Vec3d direction) noexcept
 {
     const auto from_origin = [&](int corner) { return Vec3d(corners.position_of(corner, lane)) - origin; };
     const Vec3d a = from_origin(0), b = from_origin(1), c = from_origin(2);
@@ -44,7 +44,7 @@ Vec3d barycentrics(const Corners& corners, std::size_t lane, Vec3d origin, Vec3d
 }
 
 // Returns the barycentric weights of the corners at the hit, from the same edge functions that found the hit.
-void shares_of(const Corners& corners, const RayAxes& axes, const vfloat (&way)[4], const vfloat (&origin)[4],
+void shares_of(const HitCorners& corners, const RayAxes& axes, const vfloat (&way)[4], const vfloat (&origin)[4],
                vfloat (&share)[3]) noexcept
 {
     vfloat shears[3];
@@ -66,12 +66,12 @@ void shares_of(const Corners& corners, const RayAxes& axes, const vfloat (&way)[
 }
 
 // Does the same for gap triangles, which have no edge functions.
-OCCAM_NEVER_INLINE void set_shares_of_closers(unsigned closers, const Corners& corners, std::span<const Ray> rays,
-                                              std::span<const Met> met, vfloat (&share)[3]) noexcept
+OCCAM_NEVER_INLINE void set_shares_of_gaps(unsigned gaps, const HitCorners& corners, std::span<const Ray> rays,
+                                           std::span<const GridHit> met, vfloat (&share)[3]) noexcept
 {
     alignas(32) FloatLanes own[3];
     for (int p = 0; p < 3; ++p) share[p].store(own[p]);
-    for (unsigned left = closers; left != 0; left &= left - 1) {
+    for (unsigned left = gaps; left != 0; left &= left - 1) {
         const auto i = static_cast<std::size_t>(std::countr_zero(left));
         const Vec3d w = barycentrics(corners, i, rays[i].origin - met[i].grid->cage->anchor, Vec3d(rays[i].direction));
         for (int p = 0; p < 3; ++p) own[p][i] = static_cast<float>(w[p]);
@@ -110,7 +110,7 @@ struct Stored {
 
 Vec4f weighted(const Vec4f (&of)[3], Vec3f w) noexcept { return of[0] * w.x + of[1] * w.y + of[2] * w.z; }
 
-OCCAM_NEVER_INLINE void set_bump_gradients(const Corners& corners, const Triangles& tri, std::size_t lane,
+OCCAM_NEVER_INLINE void set_bump_gradients(const HitCorners& corners, const Triangles& tri, std::size_t lane,
                                            SurfaceHit& hit) noexcept
 {
     const int set = std::clamp(hit.material->bump_texture.uv_set, 0, 1);
@@ -124,7 +124,7 @@ OCCAM_NEVER_INLINE void set_bump_gradients(const Corners& corners, const Triangl
 }
 
 // Identifies the micropolygon that was hit, by number.
-void set_identity(const Met& met, const Spot& spot, SurfaceHit& hit) noexcept
+void set_identity(const GridHit& met, const MicropolygonPlace& spot, SurfaceHit& hit) noexcept
 {
     const lod::PosedCage& cage = *met.grid->cage;
     hit.node = cage.node_id;
@@ -138,11 +138,11 @@ void set_identity(const Met& met, const Spot& spot, SurfaceHit& hit) noexcept
 
 // Returns the level at which secondary rays from a hit start: of the igrid's two levels, the one whose edges are nearer
 // to the target edge length of the ray there.
-int start_level_of(const Ray& ray, const Met& met, const lod::LevelSettings& levels) noexcept
+int start_level_of(const Ray& ray, const GridHit& met, const lod::LevelSettings& levels) noexcept
 {
     if (levels.mode == lod::LevelMode::PerInstance) return kAnyLevel;
-    const float wanted = wanted_of(ray, levels).at(met.t);
-    const int level = wanted > 0 ? std::ilogb(std::min(wanted, FLT_MAX) * (4.0f / 3)) : lod::kFinestLevel;
+    const float target_edge = target_edge_of(ray, levels).at(met.t);
+    const int level = target_edge > 0 ? std::ilogb(std::min(target_edge, FLT_MAX) * (4.0f / 3)) : lod::kFinestLevel;
     const PairRange pairs = met.grid->pairs;
     return std::clamp(level, std::clamp(pairs.finest, lod::kFinestLevel, lod::kCoarsestLevel),
                       std::clamp(pairs.coarsest + 1, lod::kFinestLevel, lod::kCoarsestLevel));
@@ -154,7 +154,7 @@ int start_level_of(const Ray& ray, const Met& met, const lod::LevelSettings& lev
 struct Starts {
     VecLanes corner, offset, normal;  ///< the point is corner + offset; the normal is unit, by winding, or zero
 
-    Starts(const Corners& corners, const vfloat (&share)[3], vmask has_start, vmask is_closer, vfloat least_height) noexcept
+    Starts(const HitCorners& corners, const vfloat (&share)[3], vmask has_start, vmask is_gap, vfloat least_height) noexcept
     {
         const auto own = [&](const FloatLanes(&start)[3], const FloatLanes(&position)[3]) {
             const VecLanes p = load(start), q = load(position);
@@ -166,13 +166,13 @@ struct Starts {
         normal = Triangles::unit_normal(b, c);
         const vfloat area = abs(dot(cross(b, c), normal)), third = 1.0f / 3, zero = 0.0f;
         vfloat inside[3], sum = zero;
-        vmask is_near = is_closer;
+        vmask is_near = is_gap;
         const VecLanes opposite[3] = {a, c, b};
         for (int p = 0; p < 3; ++p) {
             const vfloat least = min(select(area > zero, least_height * sqrt(dot(opposite[p], opposite[p])) / area, third),
                                      third);
             is_near = is_near | (share[p] < least);
-            inside[p] = select(is_closer, third, max(share[p], least));
+            inside[p] = select(is_gap, third, max(share[p], least));
             sum = sum + inside[p];
         }
         const vfloat v = select(is_near, inside[1] / sum, share[1]), w = select(is_near, inside[2] / sum, share[2]);
@@ -181,10 +181,10 @@ struct Starts {
 };
 
 // The place is in quads. A gap triangle is a line without width: the quad beside it stands in for it.
-Vec2d place_in_part(const Met& met, const Spot& spot, Vec3f share) noexcept
+Vec2d place_in_part(const GridHit& met, const MicropolygonPlace& spot, Vec3f share) noexcept
 {
     Vec2d at(spot.i, spot.j);
-    for (int p = 0; p < 3 && !is_closer(met); ++p)
+    for (int p = 0; p < 3 && !is_gap(met); ++p)
         at += Vec2d(kQuadCorners[spot.triangle][p][0], kQuadCorners[spot.triangle][p][1]) * double(share[p]);
     return at;
 }
@@ -196,14 +196,14 @@ bool comes_before(const IGrid& a, std::uint32_t a_id, const IGrid& b, std::uint3
     return order_of(a, a_id) < order_of(b, b_id);
 }
 
-void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met> met, const PhaseOneTools& tools,
+void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const GridHit> met, const PhaseOneTools& tools,
              SurfaceHit* const* hits)
 {
     const std::size_t n = rays.size();
     // These values are read ray by ray.
-    Spot spots[kLanes];
+    MicropolygonPlace spots[kLanes];
     alignas(32) FloatLanes t{}, mirrored{}, set_of_map{}, radius{};
-    unsigned closers = 0, coarse_starts = 0;
+    unsigned gaps = 0, coarse_starts = 0;
     int start_level[kLanes]{};
     bool any_maps = false;
     const IGrid* someone = nullptr;
@@ -216,12 +216,12 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met
         t[i] = met[i].t;
         radius[i] = cage.radius;
         mirrored[i] = cage.is_mirrored ? -1.0f : 1.0f;
-        if (is_closer(met[i])) closers |= 1u << i;
+        if (is_gap(met[i])) gaps |= 1u << i;
         start_level[i] = start_level_of(rays[i], met[i], tools.frame.levels);
         if (grid.blends() && start_level[i] > grid.pairs.finest) coarse_starts |= 1u << i;
     }
     if (!someone) return;
-    Corners corners(met, spots);
+    HitCorners corners(met, spots);
     vfloat origin[4], way[4], beam[4];
     gather_four(rays.data(), n, offsetof(Ray, direction), way);
     place_all(
@@ -240,7 +240,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met
 
     vfloat share[3];
     shares_of(corners, axes, way, origin, share);
-    if (closers != 0) set_shares_of_closers(closers, corners, rays, met, share);
+    if (gaps != 0) set_shares_of_gaps(gaps, corners, rays, met, share);
 
     const vfloat zero = 0.0f, one = 1.0f;
     const Triangles tri(corners);
@@ -260,7 +260,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met
     VecLanes shading = scaled * select(is_smooth, one / sqrt(dot(scaled, scaled)), zero);
     // A gap triangle has no area, and a degenerate patch corner has no normal: one stands in for the other.
     alignas(32) FloatLanes is_flat{};
-    for (unsigned left = closers; left != 0; left &= left - 1) is_flat[std::countr_zero(left)] = 1;
+    for (unsigned left = gaps; left != 0; left &= left - 1) is_flat[std::countr_zero(left)] = 1;
     const vmask has_normal = andnot(tri.area > zero, vfloat::load(is_flat) > zero);
     VecLanes geometric = select(has_normal, tri.normal * vfloat::load(mirrored), select(is_smooth, shading, -direction));
     shading = select(is_smooth, shading, geometric);

@@ -47,7 +47,7 @@ struct AnyHit {
 };
 
 /// Holds the final hit of a ray.
-struct Met {
+struct GridHit {
     float t;
     IGrid* grid;  ///< null if nothing was hit
     std::uint32_t id;
@@ -55,13 +55,13 @@ struct Met {
 };
 
 /// Returns the target edge lengths by which a ray's levels are chosen. A ray without a width takes the camera's.
-inline lod::Footprint wanted_of(const Ray& ray, const lod::LevelSettings& levels) noexcept
+inline lod::Footprint target_edge_of(const Ray& ray, const lod::LevelSettings& levels) noexcept
 {
     lod::Footprint f = ray.footprint;
     if (f.a <= 0 && f.b == 0)
         f = {levels.pixel.at(static_cast<float>(glm::distance(ray.origin, levels.eye))), levels.pixel.b};
     if (levels.mode == lod::LevelMode::Frozen && !(ray.kinds & RayKind::Camera)) f.b = 0;
-    return levels.wanted(f);
+    return levels.target_edge(f);
 }
 
 /// Holds the inputs of phase one.
@@ -74,22 +74,22 @@ struct PhaseOneTools {
 };
 
 /// Returns whether the micropolygon is a gap triangle, which has no area.
-inline bool is_closer(std::uint32_t id) noexcept { return (id & kCloserBit) != 0; }
-inline bool is_closer(const Met& met) noexcept { return is_closer(met.id); }
+inline bool is_gap(std::uint32_t id) noexcept { return (id & kGapBit) != 0; }
+inline bool is_gap(const GridHit& met) noexcept { return is_gap(met.id); }
 /// Returns the micropolygon itself, or the one that a gap triangle stands for.
 inline std::uint32_t number_of(const IGrid& grid, std::uint32_t id) noexcept
 {
-    return is_closer(id) ? grid.hanging_quads[id & ~kCloserBit] : id;
+    return is_gap(id) ? grid.hanging_quads[id & ~kGapBit] : id;
 }
 
 /// Locates the micropolygon that a ray has hit, or the one that a gap triangle stands for.
-struct Spot {
+struct MicropolygonPlace {
     std::uint32_t number;
     std::uint32_t face;  ///< face index in the cage
     IGridPart* part;     ///< null for a triangle of a mesh
     int i, j, triangle;  ///< as in QuadRef, within the part
 
-    void set(const Met& met) noexcept
+    void set(const GridHit& met) noexcept
     {
         number = face = number_of(*met.grid, met.id);
         part = nullptr;
@@ -105,7 +105,7 @@ struct Spot {
 
 /// Fills `hits` from the micropolygons that up to kLanes rays of a group have hit. Runs phase one on patches that have
 /// their first hits here. Hits of rays that missed are not written.
-void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Met> met, const PhaseOneTools& tools,
+void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const GridHit> met, const PhaseOneTools& tools,
              SurfaceHit* const* hits);
 
 }  // namespace occam::accel

@@ -31,7 +31,7 @@ struct Triangles {
         return across * select(length > vfloat(0.0f), vfloat(1.0f) / length, 0.0f);
     }
 
-    explicit Triangles(const Corners& corners) noexcept
+    explicit Triangles(const HitCorners& corners) noexcept
     {
         const VecLanes a = load(corners.position[0]);
         edge[0] = load(corners.position[1]) - a;

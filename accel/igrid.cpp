@@ -216,7 +216,7 @@ void IGridBuilder::finish_slab(IGrid& grid) const
         }
 }
 
-IGrid* IGridBuilder::build_patches(const lod::PosedCage& cage, std::span<const Part> patches, Arena& arena)
+IGrid* IGridBuilder::build_patches(const lod::PosedCage& cage, std::span<const PatchTile> patches, Arena& arena)
 {
     IGrid& grid = *arena.make<IGrid>();
     grid.cage = &cage;
@@ -238,7 +238,7 @@ IGrid* IGridBuilder::build_patches(const lod::PosedCage& cage, std::span<const P
     return &grid;
 }
 
-IGrid* IGridBuilder::build_tile(const lod::PosedCage& cage, const Part& tile, Arena& arena)
+IGrid* IGridBuilder::build_tile(const lod::PosedCage& cage, const PatchTile& tile, Arena& arena)
 {
     return build_patches(cage, {&tile, 1}, arena);
 }

@@ -174,21 +174,21 @@ struct IGrid {
 };
 
 /// Marks the numbers of gap triangles among those of micropolygons: it is their top bit.
-inline constexpr std::uint32_t kCloserBit = 0x80000000u;
+inline constexpr std::uint32_t kGapBit = 0x80000000u;
 
 /// Builds igrids. The scratch memory is reused; the results lie in the arena.
 class IGridBuilder {
 public:
     explicit IGridBuilder(lod::Dicer& dicer) : dicer_(dicer) {}
 
-    struct Part {
+    struct PatchTile {
         lod::TileRef tile;
         lod::PatchRates coarser;  ///< the patch's rates at the pair's coarser level
     };
 
-    IGrid* build_tile(const lod::PosedCage& cage, const Part& tile, Arena& arena);
+    IGrid* build_tile(const lod::PosedCage& cage, const PatchTile& tile, Arena& arena);
     /// Builds an igrid of small patches of a cluster: each is a whole patch of at most 2^kSmallExponent quads.
-    IGrid* build_patches(const lod::PosedCage& cage, std::span<const Part> patches, Arena& arena);
+    IGrid* build_patches(const lod::PosedCage& cage, std::span<const PatchTile> patches, Arena& arena);
     /// Builds an igrid of faces of a triangle mesh.
     IGrid* build_triangles(const lod::PosedCage& cage, std::span<const std::uint32_t> faces, Arena& arena);
 

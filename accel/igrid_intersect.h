@@ -454,7 +454,7 @@ private:
                 const float found = shift[0] + static_cast<float>(exact);
                 limit().store(t_far);
                 if (found > t_near[lane] && found <= t_far[lane])
-                    query_.offer(lane, found, grid_, kCloserBit | static_cast<std::uint32_t>(first + k));
+                    query_.offer(lane, found, grid_, kGapBit | static_cast<std::uint32_t>(first + k));
             }
         }
     }

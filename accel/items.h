@@ -140,7 +140,7 @@ private:
     IGridBuilder builder_;
     ArenaVector<Item> items_;
     GridTable grids_;
-    std::vector<IGridBuilder::Part> parts_;
+    std::vector<IGridBuilder::PatchTile> parts_;
 };
 
 }  // namespace occam::accel

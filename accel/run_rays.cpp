@@ -96,12 +96,12 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
     set_shear(axes, way, shear);
     set_inverse(axes, way, inverse);
     /// Holds as many rays as there are lanes, in the frame of the cage that the packet currently meets.
-    struct Part {
+    struct HalfPacket {
         RayLanes lanes;
         RaysAsOne<vfloat> as_one;
         bool is_as_one_placed = false;
     };
-    Part parts[kParts];
+    HalfPacket parts[kParts];
     for (int p = 0; p < kParts; ++p) {
         RayLanes& lanes = parts[p].lanes;
         lanes.kx = axes.kx;
@@ -189,7 +189,7 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
         for (int p = 0; p < kParts; ++p) {
             const unsigned of_part = fresh >> (p * kLanes) & ((1u << kLanes) - 1);
             if (of_part == 0) continue;
-            Part& part = parts[p];
+            HalfPacket& part = parts[p];
             PartOf<Found> some{query, p * kLanes};
             if (std::popcount(of_part) >= kWorthAPacket) {
                 IGridTracer(grid, part.lanes, kd.negative, from.part[p], to.part[p], some)
@@ -258,8 +258,8 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& axes, std::size_t 
     if (is_per_ray()) {
         // A single ray never sees too many pairs.
         const Reach reach = reach_of(ray);
-        single_levels.set({reach.wanted.a, reach.wanted.b, reach.start}, kd.shift + begin, kd.shift + end, reach.coordinate,
-                          frame.levels);
+        single_levels.set({reach.target_edge.a, reach.target_edge.b, reach.start}, kd.shift + begin, kd.shift + end,
+                          reach.coordinate, frame.levels);
         pairs = {&single_levels, kd.shift, single_levels.finest, single_levels.coarsest};
     }
 

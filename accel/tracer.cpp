@@ -94,13 +94,13 @@ void Tracer::State::find_nearest(std::span<const Ray> rays, Fill&& fill)
 {
     const std::uint64_t diced = counters.diced;
     for_groups(rays, [&](const RayAxes& axes, std::size_t first, std::size_t count, std::size_t limit) {
-        Met met[kPacket];
+        GridHit met[kPacket];
         const auto take = [&](std::size_t i, std::size_t lane, const Nearest& found, auto& blends) {
-            Met& m = met[i] = {found.t[lane], found.grid[lane], found.id[lane], {}};
+            GridHit& m = met[i] = {found.t[lane], found.grid[lane], found.id[lane], {}};
             if (kWithBlend && m.grid && m.grid->blends()) m.blend = blends(m.grid->pairs.finest, lane);
         };
         if (!run<Nearest>(axes, first, count, limit, take)) return false;
-        fill(axes, first, std::span<const Met>(met, count));
+        fill(axes, first, std::span<const GridHit>(met, count));
         return arena.bytes() <= limit;
     });
     if (!rays.empty() && rays.front().kinds & RayKind::Camera) counters.diced_for_camera += counters.diced - diced;
@@ -109,7 +109,7 @@ void Tracer::State::find_nearest(std::span<const Ray> rays, Fill&& fill)
 void Tracer::closest(std::span<const Ray> rays, std::span<SurfaceHit> hits)
 {
     State& s = *state_;
-    s.find_nearest<true>(rays, [&](const RayAxes& axes, std::size_t first, std::span<const Met> met) {
+    s.find_nearest<true>(rays, [&](const RayAxes& axes, std::size_t first, std::span<const GridHit> met) {
         for (std::size_t at = 0; at < met.size(); at += kLanes) {
             const std::size_t n = std::min<std::size_t>(kLanes, met.size() - at);
             SurfaceHit* to[kLanes];
@@ -125,11 +125,11 @@ void Tracer::closest(std::span<const Ray> rays, std::span<SurfaceHit> hits)
 void Tracer::first_hits(std::span<const Ray> rays, std::span<FirstHit> hits)
 {
     State& s = *state_;
-    s.find_nearest<false>(rays, [&](const RayAxes&, std::size_t first, std::span<const Met> met) {
+    s.find_nearest<false>(rays, [&](const RayAxes&, std::size_t first, std::span<const GridHit> met) {
         for (std::size_t i = 0; i < met.size(); ++i) {
             FirstHit& hit = hits[s.groups.place_of[first + i]] = {};
             if (!met[i].grid) continue;
-            Spot spot;
+            MicropolygonPlace spot;
             spot.set(met[i]);
             hit = {met[i].t, met[i].grid->cage->node_id, spot.face};
         }

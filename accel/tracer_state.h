@@ -72,13 +72,13 @@ struct Tracer::State {
     }
     /// Holds the inputs of a ray's table of transitions, except for the interval in which it is in the scene.
     struct Reach {
-        lod::Footprint wanted;
+        lod::Footprint target_edge;
         float coordinate;  ///< the largest coordinate that the ray's arithmetic meets
         float start;       ///< edge length of the ray's start level; 0 if it has none
     };
     Reach reach_of(const Ray& ray) const noexcept
     {
-        return {wanted_of(ray, frame.levels),
+        return {target_edge_of(ray, frame.levels),
                 std::max(static_cast<float>(glm::distance(ray.origin, frame.anchor)), frame.radius),
                 ray.start_level == kAnyLevel ? 0.0f : lod::edge_length(ray.start_level)};
     }

@@ -201,7 +201,7 @@ Ending wait_for(Job& job, ProgressDisplay& display, bool keeps_part, std::size_t
         progress.fraction = (double(done) + progress.fraction) / double(all);
         display.show(progress);
     }
-    return is_interrupted() ? Ending::Part : Ending::Whole;
+    return is_interrupted() ? Ending::Interrupted : Ending::Whole;
 }
 
 void check_outputs(const RenderArguments& a, std::span<const std::filesystem::path> pictures)

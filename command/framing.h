@@ -47,9 +47,9 @@ private:
 
 /// Says how waiting for a frame ended.
 enum class Ending : unsigned char {
-    Whole,     ///< nobody interrupted it
-    Part,      ///< it was interrupted, and the job has ended with what is done
-    Abandoned  ///< it was interrupted with nothing to keep; the job may still run, so the process has to end without it
+    Whole,        ///< nobody interrupted it
+    Interrupted,  ///< it was interrupted, and the job has ended with what is done
+    Abandoned     ///< it was interrupted with nothing to keep; the job may still run, so the process has to end without it
 };
 
 /// Waits for the frame and shows its progress, as part `done` of `all` equal ones. The caller holds interrupts.

@@ -114,7 +114,7 @@ int run(const RenderArguments& a)
     if (!a.stats.empty()) write_whole(a.stats, render::to_json(stats));
     print_warnings(stats.warnings, a.verbose);
     if (a.verbose) print_figures(stats);
-    return ending == Ending::Part ? kInterruptedExit : 0;
+    return ending == Ending::Interrupted ? kInterruptedExit : 0;
 }
 
 }  // namespace occam::command

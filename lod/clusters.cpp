@@ -17,7 +17,7 @@ std::uint32_t spread_bits(std::uint32_t x)
     return (x | x << 2) & 0x09249249;
 }
 
-struct Corners {
+struct FaceVertices {
     const Cage& cage;
     const std::vector<std::uint32_t>& first;
     std::span<const std::uint32_t> of(std::uint32_t face) const
@@ -70,7 +70,7 @@ void ClusterTree::part_by_area(const Cage& cage)
 void ClusterTree::halve_along_curve(const Cage& cage)
 {
     const auto faces = static_cast<std::uint32_t>(cage.face_count());
-    const Corners corners{cage, first_corner_};
+    const FaceVertices corners{cage, first_corner_};
     const Box3d bounds = cage.bounds();
     const Vec3d scale = Vec3d(1023.0) / glm::max(bounds.extent(), Vec3d(1e-300));
     std::vector<std::uint64_t> keys(faces);
@@ -98,7 +98,7 @@ void ClusterTree::halve_along_curve(const Cage& cage)
 
 void ClusterTree::refit(const Cage& cage)
 {
-    const Corners corners{cage, first_corner_};
+    const FaceVertices corners{cage, first_corner_};
     const bool is_smooth = cage.scheme == Scheme::CatmullClark;
     const auto faces = static_cast<std::uint32_t>(order_.size());
 

@@ -53,7 +53,7 @@ PosedDisplacement::PosedDisplacement(const Cage& cage, const TextureStore& store
     textures = &store;
     map = frame_from_object;
     sense = mirrored ? -1.0f : 1.0f;
-    turns = deformed && of->axes == Displacement::Axes::Object;
+    turns = deformed && of->space == Displacement::Space::Object;
     // This is a little more than the bound, because offsets are rounded.
     reach = static_cast<float>(largest_stretch(frame_from_object) * double(of->bound)) * (1 + 0x1p-18f);
     stops = std::min(ceil_log2(4 * radius), kCoarsestLevel);
@@ -129,14 +129,14 @@ Vec3f PosedDisplacement::offset(const PointToDisplace& at, int level) const noex
     const double uv_size = std::abs(double(at.uv_du.x) * at.uv_dv.y - double(at.uv_du.y) * at.uv_dv.x);
     const auto width = size > 0 ? static_cast<float>(double(edge_length(level)) * std::sqrt(uv_size / size)) : 0;
     const Vec4f texel = textures->sample(of->texture, at.uv, width);
-    switch (of->axes) {
-        case Displacement::Axes::Normal: {
+    switch (of->space) {
+        case Displacement::Space::Normal: {
             const float height = std::clamp(of->scale * (texel.x - of->midlevel), -of->bound, of->bound);
             return Vec3f(size > 0 ? along_normal(at, double(height)) : Vec3d(0));
         }
-        case Displacement::Axes::Object:
+        case Displacement::Space::Object:
             return Vec3f(turns ? turned(at, texel_vector(texel)) : from_object(texel_vector(texel)));
-        case Displacement::Axes::Tangent:
+        case Displacement::Space::Tangent:
             return Vec3f(size > 0 ? in_tangents(at, texel_vector(texel)) : Vec3d(0));
     }
     return Vec3f(0);

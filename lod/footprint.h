@@ -50,7 +50,7 @@ struct LevelSettings {
     /// they are never longer would take twice as many micropolygons (tests/unit/accel_levels_test.cpp).
     static constexpr float kLongestEdge = 1.41421356f;
     /// Returns the length by which a level is chosen: d_l <= length < d_(l+1).
-    Footprint wanted(Footprint width) const noexcept
+    Footprint target_edge(Footprint width) const noexcept
     {
         const float scale = shading_rate * kLongestEdge;
         return {width.a * scale, width.b * scale};

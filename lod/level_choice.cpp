@@ -48,9 +48,9 @@ int choose_level(const LevelSettings& settings, const PosedCage& cage)
     constexpr int kFinest = -60, kCoarsest = 60;
     double distance = nearest_distance(settings, cage, true);
     if (distance == std::numeric_limits<double>::infinity()) distance = nearest_distance(settings, cage, false);
-    const float wanted = settings.wanted(settings.pixel).at(static_cast<float>(distance));
-    if (!(wanted > 0)) return kFinest;
-    return std::isinf(wanted) ? kCoarsest : std::clamp(std::ilogb(wanted), kFinest, kCoarsest);
+    const float target_edge = settings.target_edge(settings.pixel).at(static_cast<float>(distance));
+    if (!(target_edge > 0)) return kFinest;
+    return std::isinf(target_edge) ? kCoarsest : std::clamp(std::ilogb(target_edge), kFinest, kCoarsest);
 }
 
 }  // namespace occam::lod

@@ -180,7 +180,7 @@ void Film::store(int x, int y, const PixelSums& sums) noexcept
     const std::size_t pixel = pixel_of(x, y);
     const Vec4f beauty = sums.beauty();
     std::copy_n(&beauty.x, 4, image_.layer(0).pixels.begin() + std::ptrdiff_t(pixel * 4));
-    const FirstHit& first = sums.first();
+    const FirstSurface& first = sums.first();
     const Vec4f albedo = sums.albedo();
     const float variance = sums.variance();
     put(Aov::Depth, pixel, &first.depth, 1);

@@ -16,7 +16,7 @@
 namespace occam::render {
 
 /// Describes the first surface that a sample met.
-struct FirstHit {
+struct FirstSurface {
     float depth = std::numeric_limits<float>::infinity();  ///< camera z
     Vec3f normal{0}, normal_geometric{0};
     Vec2f uv{0};
@@ -31,7 +31,7 @@ struct SampleResult {
     Vec4f albedo{0};
     Vec3f normal{0};
     float occlusion = 0;
-    FirstHit first;
+    FirstSurface first;
     Vec2f offset{0};   ///< from the middle of the pixel, in pixels
     float weight = 1;  ///< weight of the reconstruction filter: 1 or -1
 };
@@ -43,7 +43,7 @@ public:
 
     Vec4f beauty() const noexcept;
     Vec4f albedo() const noexcept;
-    const FirstHit& first() const noexcept { return first_; }
+    const FirstSurface& first() const noexcept { return first_; }
     Vec3f normal() const noexcept;
     float occlusion() const noexcept;
     float variance() const noexcept;  ///< variance of the mean of the luminance
@@ -70,7 +70,7 @@ private:
     double luminance_ = 0, luminance2_ = 0, weight_ = 0;
     int count_ = 0, not_finite_ = 0;
     float nearest_ = std::numeric_limits<float>::infinity();
-    FirstHit first_;
+    FirstSurface first_;
 };
 
 /// Stores the pixels, each of them once, from any thread.

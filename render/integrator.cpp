@@ -24,11 +24,11 @@ Integrator::Integrator(const FrameContext& context)
       texture_width_(sample_width(context.settings.spp)),
       has_mattes_(context.settings.has(Aov::CryptomatteObject) || context.settings.has(Aov::CryptomatteMaterial)),
       wants_occlusion_(context.settings.integrator == IntegratorKind::Ao || context.settings.has(Aov::Occlusion)),
-      placed_tries_(1),
+      placed_samples_(1),
       shadows_(context.textures, context.may_pass, !context.settings.back_faces, texture_width_)
 {
     const std::size_t lights = context.lights.lights().size();
-    if (lights > kMaxLightsPerHit) placed_tries_ = kMaxLightsPerHit / static_cast<float>(lights);
+    if (lights > kMaxLightsPerHit) placed_samples_ = kMaxLightsPerHit / static_cast<float>(lights);
 }
 
 void Integrator::begin(std::span<const CameraSample> samples, std::span<SampleResult> results)
@@ -94,8 +94,8 @@ void Integrator::shade_miss(std::size_t i, SampleResult& result)
     if (!path.is_camera()) {
         cross_lights(path, ray, std::numeric_limits<float>::infinity(), result);
         const shade::Environment& sky = context_.lights.environment();
-        const float weight =
-            tries_of(path.light_tries, path.scatter_tries, false).of_scatter(path.density, sky.density(ray.direction));
+        const float weight = sample_counts(path.light_samples, path.scatter_samples, false)
+                                 .of_scatter(path.density, sky.density(ray.direction));
         result.radiance += clamped(path.throughput * sky.radiance(ray.direction) * weight, path.bounces);
         return;
     }
@@ -107,11 +107,11 @@ void Integrator::shade_miss(std::size_t i, SampleResult& result)
 
 void Integrator::cross_lights(const Path& path, const accel::Ray& ray, float t_far, SampleResult& result) const
 {
-    const shade::Tries tries = tries_of(path.light_tries, path.scatter_tries, true);
+    const shade::SampleCounts counts = sample_counts(path.light_samples, path.scatter_samples, true);
     context_.lights.for_crossings(ray.origin, ray.direction, t_far, path.peak,
                                   [&](const shade::WorldLight& light, const shade::LightCrossing& crossing) {
                                       if (crossing.distance <= ray.t_near || (light.groups & path.lit_by) == 0) return;
-                                      const float weight = tries.of_scatter(path.density, crossing.density);
+                                      const float weight = counts.of_scatter(path.density, crossing.density);
                                       result.radiance += clamped(path.throughput * crossing.radiance * weight, path.bounces);
                                   });
 }
@@ -148,7 +148,7 @@ void Integrator::add_emission(const Path& path, const accel::SurfaceHit& hit, co
     if (!path.is_camera()) {
         const float per_area = context_.lights.meshes().area_density(hit.node, hit.material);
         const float cosine = std::max(glm::dot(surface.normal_geometric, surface.to_eye), 1e-6f);
-        weight = tries_of(path.light_tries, path.scatter_tries, false)
+        weight = sample_counts(path.light_samples, path.scatter_samples, false)
                      .of_scatter(path.density, per_area * hit.t * hit.t / cosine);
     }
     result.radiance += clamped(share * surface.emission * weight, path.bounces);
@@ -180,7 +180,7 @@ void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResu
         record_matte(hit, path.sample, covered);
     }
     const Vec3f share = path.throughput * surface.opacity;
-    Vec3f passes = surface.passes;
+    Vec3f transmittance = surface.transmittance;
     const Vertex v{path, ray, hit, sample, surface, share, occlusion};
 
     const Chances chance = chances(v);
@@ -188,10 +188,10 @@ void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResu
     if (settings.view != View::Beauty) {
         const float z = static_cast<float>(context_.camera.depth(hit.position));
         result.radiance += share * view_color(settings.view, hit, z, context_.depth_near, context_.depth_far);
-        passes = Vec3f(1 - surface.opacity);
+        transmittance = Vec3f(1 - surface.opacity);
     } else if (surface.opacity > 0 && settings.integrator == IntegratorKind::Ao) {
         gather_sky(v);
-        passes = Vec3f(1 - surface.opacity);
+        transmittance = Vec3f(1 - surface.opacity);
     } else if (surface.unlit) {
         result.radiance += clamped(share * surface.base_color, path.bounces);
     } else if (surface.opacity > 0) {
@@ -203,15 +203,15 @@ void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResu
     }
     if (!(chance.pass > 0)) return;
     if (path.is_camera() && chance.pass == 1 && chance.scatter > 0) ++path.splits;
-    pass_straight(path, ray, hit.t, {passes, path.coverage - covered, chance.pass}, sample);
+    pass_straight(path, ray, hit.t, {transmittance, path.coverage - covered, chance.pass}, sample);
 }
 
 Integrator::Chances Integrator::chances(const Vertex& v) const noexcept
 {
-    const bool passes = v.surface.passes != Vec3f(0), scatters = v.surface.opacity > 0 && !v.path.is_probe;
+    const bool passes = v.surface.transmittance != Vec3f(0), scatters = v.surface.opacity > 0 && !v.path.is_probe;
     const bool may_split = v.path.is_camera() && v.path.splits < kMaxSplits;
     if (!passes || !scatters || may_split) return {passes ? 1.0f : 0.0f, scatters ? 1.0f : 0.0f};
-    const float pass = std::clamp(mean(v.surface.passes), 0.05f, 1 - kLeastShare);
+    const float pass = std::clamp(mean(v.surface.transmittance), 0.05f, 1 - kLeastShare);
     const bool is_passing = numbers(v, Dimension::Use::Passing).interval(v.first_of(1)) < pass;
     return is_passing ? Chances{pass, 0} : Chances{0, 1 - pass};
 }

@@ -170,7 +170,7 @@ private:
 
     int light_samples_at(const Path& path) const noexcept;
     int scatter_samples_at(const Path& path) const noexcept;
-    shade::Tries tries_of(float light_tries, float scatter_tries, bool is_placed) const noexcept;
+    shade::SampleCounts sample_counts(float light_samples, float scatter_samples, bool is_placed) const noexcept;
     Sequence numbers(const Vertex& v, Dimension::Use use, int slot = 0) const noexcept;
     accel::Ray scattered_ray(const Vertex& v, const shade::ScatterSample& s, int samples) const noexcept;
 
@@ -186,7 +186,7 @@ private:
     float texture_width_;  ///< of one sample, in pixels
     bool has_mattes_;
     bool wants_occlusion_;  ///< occlusion maps are looked up, for `ao` or for the layer
-    float placed_tries_;    ///< expected samples of one placed light for each round over the lights
+    float placed_samples_;  ///< expected samples of one placed light for each round over the lights
     IntegratorCounters counters_;
 
     // These are parallel arrays, kept from batch to batch for their memory.

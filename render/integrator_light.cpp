@@ -41,9 +41,9 @@ int Integrator::light_samples_at(const Path& path) const noexcept
     return path.is_camera() ? context_.settings.light_samples : 1;
 }
 
-shade::Tries Integrator::tries_of(float light_tries, float scatter_tries, bool is_placed) const noexcept
+shade::SampleCounts Integrator::sample_counts(float light_samples, float scatter_samples, bool is_placed) const noexcept
 {
-    return {light_tries * (is_placed ? placed_tries_ : 1.0f), scatter_tries};
+    return {light_samples * (is_placed ? placed_samples_ : 1.0f), scatter_samples};
 }
 
 Sequence Integrator::numbers(const Vertex& v, Use use, int slot) const noexcept
@@ -91,20 +91,20 @@ void Integrator::gather_light(const Vertex& v)
             gather_light(v, lights[std::size_t(light)], squares, n, n + 1, each);
         }
     }
-    const shade::Tries tries = tries_of(float(per_hit), float(scatter_samples_at(v.path)), false);
+    const shade::SampleCounts counts = sample_counts(float(per_hit), float(scatter_samples_at(v.path)), false);
     if (!context_.lights.meshes().is_empty()) {
         const Sequence squares = numbers(v, Use::Light, slots), choices = numbers(v, Use::LightChoice, slots);
         for (int n = 0; n < per_hit; ++n) {
             const std::uint32_t index = v.first_of(per_hit) + static_cast<std::uint32_t>(n);
             const shade::LightNumbers u{squares.square(index), choices.interval(index)};
-            test(v, shade::test_meshes(v.surface, context_.lights.meshes(), u, tries), each, per_hit);
+            test(v, shade::test_meshes(v.surface, context_.lights.meshes(), u, counts), each, per_hit);
         }
     }
     if (context_.lights.environment().has_density()) {
         const Sequence squares = numbers(v, Use::Light, slots + 1);
         for (int n = 0; n < per_hit; ++n) {
             const shade::LightNumbers u{squares.square(v.first_of(per_hit) + static_cast<std::uint32_t>(n))};
-            test(v, shade::test_environment(v.surface, context_.lights.environment(), u, tries), each, per_hit);
+            test(v, shade::test_environment(v.surface, context_.lights.environment(), u, counts), each, per_hit);
         }
     }
 }
@@ -116,10 +116,11 @@ void Integrator::gather_light(const Vertex& v, const shade::WorldLight& light, c
     if ((light.groups & v.hit.lit_by) == 0) return;
     const int per_hit = light_samples_at(v.path);
     const bool is_left_to_samples = shade::FrameLights::is_left_to_samples(light, v.start, v.peak);
-    const shade::Tries tries = tries_of(float(per_hit), is_left_to_samples ? 0.0f : float(scatter_samples_at(v.path)), true);
-    const Vec3f to_middle(light.position - v.surface.position), share = each / placed_tries_;
+    const shade::SampleCounts counts = sample_counts(float(per_hit),
+                                                     is_left_to_samples ? 0.0f : float(scatter_samples_at(v.path)), true);
+    const Vec3f to_middle(light.position - v.surface.position), share = each / placed_samples_;
     const auto sample = [&](Vec2f square) {
-        test(v, shade::test_of(v.surface, light.sample_from(to_middle, {square}), tries), share, per_hit);
+        test(v, shade::test_of(v.surface, light.sample_from(to_middle, {square}), counts), share, per_hit);
     };
     const std::uint32_t index = v.first_of(per_hit) + static_cast<std::uint32_t>(first);
     if (end - first == 1) {
@@ -137,7 +138,7 @@ void Integrator::gather_sky(const Vertex& v)
 {
     if (!(v.occlusion > 0)) return;
     const int samples = light_samples_at(v.path);
-    const shade::Axes axes(v.surface.normal);
+    const shade::ShadingFrame axes(v.surface.normal);
     const Sequence squares = numbers(v, Use::Scatter);
     const float reach = context_.settings.ao_distance > 0 ? context_.settings.ao_distance
                                                           : std::numeric_limits<float>::infinity();
@@ -168,8 +169,8 @@ accel::Ray Integrator::scattered_ray(const Vertex& v, const shade::ScatterSample
     if (s.lobe == shade::Lobe::Transmission) {
         smooth.b = std::max(beam.spread, 0.0f);
         if (v.surface.is_solid)
-            smooth = shade::bent_beam(beam, v.hit.curvature, cosine, std::fabs(glm::dot(v.surface.normal, s.direction)),
-                                      v.surface.eta);
+            smooth = shade::refracted_footprint(beam, v.hit.curvature, cosine,
+                                                std::fabs(glm::dot(v.surface.normal, s.direction)), v.surface.eta);
     } else if (s.lobe != shade::Lobe::Diffuse) {
         smooth = shade::mirrored_beam(beam, v.hit.curvature, cosine);
     }
@@ -191,7 +192,7 @@ void Integrator::scatter_on(const Vertex& v, float chance)
     const Settings& settings = context_.settings;
     const bool is_last = v.path.bounces >= settings.bounces;
     const bool is_direct = settings.integrator == IntegratorKind::Direct;
-    const int light_tries = light_samples_at(v.path);
+    const int light_samples = light_samples_at(v.path);
     const int samples = scatter_samples_at(v.path);
     const Sequence lobes = numbers(v, Use::Lobe), squares = numbers(v, Use::Scatter);
     for (int n = 0; n < samples; ++n) {
@@ -206,8 +207,8 @@ void Integrator::scatter_on(const Vertex& v, float chance)
         next.density = s.density;
         next.peak = v.peak;
         next.lit_by = v.hit.lit_by;
-        next.light_tries = static_cast<float>(light_tries);
-        next.scatter_tries = static_cast<float>(samples);
+        next.light_samples = static_cast<float>(light_samples);
+        next.scatter_samples = static_cast<float>(samples);
         next.is_before_focus = false;
         ++next.bounces;
         if (s.lobe == shade::Lobe::Transmission && v.surface.is_solid)
@@ -237,7 +238,7 @@ void Integrator::look_for_light(const Path& next, const accel::Ray& ray)
         return;
     }
     // Lights without a surface and the sky need no hit: the ray is occluded or not.
-    const shade::Tries placed = tries_of(next.light_tries, next.scatter_tries, true);
+    const shade::SampleCounts placed = sample_counts(next.light_samples, next.scatter_samples, true);
     const auto add = [&](float t_far, Vec3f radiance) {
         const Vec3f reaches = clamped(next.throughput * radiance, next.bounces);
         if (is_black(reaches)) return;
@@ -254,8 +255,8 @@ void Integrator::look_for_light(const Path& next, const accel::Ray& ray)
                                   });
     const shade::Environment& sky = context_.lights.environment();
     if (sky.is_black()) return;
-    const shade::Tries tries = tries_of(next.light_tries, next.scatter_tries, false);
-    add(infinity, sky.radiance(ray.direction) * tries.of_scatter(next.density, sky.density(ray.direction)));
+    const shade::SampleCounts counts = sample_counts(next.light_samples, next.scatter_samples, false);
+    add(infinity, sky.radiance(ray.direction) * counts.of_scatter(next.density, sky.density(ray.direction)));
 }
 
 }  // namespace occam::render

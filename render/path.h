@@ -16,12 +16,12 @@ struct Path {
     float coverage = 1;        ///< share of the pixel that nothing before it covers; 0 once the path was scattered
     float density = 0;         ///< of the scattered direction per solid angle; 0: a camera ray
     float peak = 0;            ///< shade::peak_density() of the surface that scattered it
-    float light_tries = 1, scatter_tries = 1;  ///< samples of each technique at the surface it comes from
-    Vec3f absorption{0};                       ///< absorption coefficient of the body that it travels in, per world length
-    LightGroups lit_by = kAllGroups;           ///< light groups of the surface that scattered it
-    std::uint8_t bounces = 0;                  ///< number of surfaces that scattered it
-    std::uint8_t splits = 0;                   ///< number of surfaces that split the camera ray in two, up to kMaxSplits
-    bool is_probe = false;                     ///< the path looks for light, and is not scattered again
+    float light_samples = 1, scatter_samples = 1;  ///< samples of each technique at the surface it comes from
+    Vec3f absorption{0};              ///< absorption coefficient of the body that it travels in, per world length
+    LightGroups lit_by = kAllGroups;  ///< light groups of the surface that scattered it
+    std::uint8_t bounces = 0;         ///< number of surfaces that scattered it
+    std::uint8_t splits = 0;          ///< number of surfaces that split the camera ray in two, up to kMaxSplits
+    bool is_probe = false;            ///< the path looks for light, and is not scattered again
     bool is_before_focus = false;  ///< the ray ends at the focus of a lens, and continues behind it with another footprint
 
     bool is_camera() const noexcept { return bounces == 0; }

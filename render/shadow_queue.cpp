@@ -81,17 +81,19 @@ void ShadowQueue::pass_blocked(std::span<const float> luck)
     for (std::size_t i = 0; i < blocked_.size(); ++i) {
         const accel::SurfaceHit& hit = blocked_hits_[i];
         if (!hit.is_hit()) continue;
-        const Vec3f passes = culls_ && is_culled(hit)
-                                 ? Vec3f(1)
-                                 : shade::passes_straight(shade_point(blocked_rays_[i], hit, texture_width_), textures_);
+        const Vec3f transmittance = culls_ && is_culled(hit)
+                                        ? Vec3f(1)
+                                        : shade::passes_straight(shade_point(blocked_rays_[i], hit, texture_width_),
+                                                                 textures_);
         Shadow& shadow = shadows_[blocked_[i].shadow];
-        const float share = blocked_[i].share * std::max({passes.x, passes.y, passes.z}), chance = passing_chance(share);
+        const float share = blocked_[i].share * std::max({transmittance.x, transmittance.y, transmittance.z}),
+                    chance = passing_chance(share);
         blocked_rays_[i] = behind(blocked_rays_[i], hit.t);
         if (!(chance > 0) || (chance < 1 && number_of(blocked_rays_[i], luck[shadow.sample]) >= chance)) {
             shadow.radiance = Vec3f(0);
             continue;
         }
-        shadow.radiance *= chance < 1 ? passes / chance : passes;
+        shadow.radiance *= chance < 1 ? transmittance / chance : transmittance;
         blocked_rays_[kept] = blocked_rays_[i];
         blocked_[kept++] = {blocked_[i].shadow, share / chance};
     }

@@ -16,7 +16,7 @@ Vec4d normalised(Vec4d q) noexcept
 }
 
 // Parts of a CUBICSPLINE key: in-tangent, value, out-tangent.
-enum Part : std::size_t { InTangent, Value, OutTangent };
+enum KeyElement : std::size_t { InTangent, Value, OutTangent };
 
 class Keys {
 public:
@@ -24,7 +24,7 @@ public:
         : channel_(channel), parts_(channel.interpolation == Channel::Interpolation::CubicSpline ? 3 : 1)
     {
     }
-    double at(std::size_t key, std::size_t component, Part part = Value) const noexcept
+    double at(std::size_t key, std::size_t component, KeyElement part = Value) const noexcept
     {
         const std::size_t offset = parts_ == 3 ? std::size_t(part) : 0;
         return double(channel_.values[(key * parts_ + offset) * static_cast<std::size_t>(channel_.width) + component]);

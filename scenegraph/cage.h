@@ -61,7 +61,7 @@ struct SkinBinding {
 
 /// Moves the points of the limit surface, in object units.
 struct Displacement {
-    enum class Axes : std::uint8_t {
+    enum class Space : std::uint8_t {
         Normal,  ///< along the surface normal, by scale * (R of the texture - midlevel)
         Object,  ///< by the vector scale * (RGB of the texture - midlevel) in the axes of the object at rest, turned as
                  ///< poses turn the surface
@@ -71,7 +71,7 @@ struct Displacement {
     TextureUse texture;
     float scale = 0, midlevel = 0.5f;
     float bound = 0;  ///< no point moves farther; bounds of the surface are grown by it
-    Axes axes = Axes::Normal;
+    Space space = Space::Normal;
 };
 
 struct Cage {

@@ -23,7 +23,7 @@ void DeformBoundsTable::begin(const Cage& cage)
 
 void DeformBoundsTable::add_vertex(const Cage& cage, std::uint32_t v)
 {
-    Part& part = parts_.back();
+    PartRecord& part = parts_.back();
     const Vec3f p = cage.positions[v];
     part.rest.add(p);
     for (int set = 0; set < cage.skin.sets; ++set) {
@@ -66,7 +66,8 @@ void DeformBoundsTable::add_all(const Cage& cage)
 
 void DeformBoundsTable::add_union(std::size_t a, std::size_t b)
 {
-    Part whole{parts_[a].rest, static_cast<std::uint32_t>(joints_.size()), 0, static_cast<std::uint32_t>(offsets_.size())};
+    PartRecord whole{parts_[a].rest, static_cast<std::uint32_t>(joints_.size()), 0,
+                     static_cast<std::uint32_t>(offsets_.size())};
     whole.rest.add(parts_[b].rest);
     for (const std::size_t part : {a, b})
         for (std::uint32_t j = 0; j < parts_[part].joint_count; ++j) {
@@ -85,7 +86,7 @@ void DeformBoundsTable::add_union(std::size_t a, std::size_t b)
 
 DeformBounds DeformBoundsTable::operator[](std::size_t part) const noexcept
 {
-    const Part& p = parts_[part];
+    const PartRecord& p = parts_[part];
     return {p.rest, {joints_.data() + p.first_joint, p.joint_count}, {offsets_.data() + p.first_offset, targets_}};
 }
 

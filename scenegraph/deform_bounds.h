@@ -60,7 +60,7 @@ public:
     std::size_t size() const noexcept { return parts_.size(); }
 
 private:
-    struct Part {
+    struct PartRecord {
         Box3f rest;
         std::uint32_t first_joint = 0, joint_count = 0, first_offset = 0;
     };
@@ -68,7 +68,7 @@ private:
     void begin(const Cage& cage);
     void finish();
 
-    std::vector<Part> parts_;
+    std::vector<PartRecord> parts_;
     std::vector<JointBox> joints_;
     std::vector<Box3f> offsets_;
     std::size_t targets_ = 0;

@@ -207,7 +207,7 @@ Vec3f through_rough_pane(const Surface& s, Vec3f to_light) noexcept
     return pane_transmission(s, to_light) + s.transmission * (layer.multiple_through(eye, light) * n_l);
 }
 
-Vec3f mirrored(Vec3f to_eye, Vec3f h) noexcept { return glm::normalize(h * (2 * glm::dot(to_eye, h)) - to_eye); }
+Vec3f reflected(Vec3f to_eye, Vec3f h) noexcept { return glm::normalize(h * (2 * glm::dot(to_eye, h)) - to_eye); }
 
 float lobe_density(Vec3f normal, Vec3f to_eye, Vec3f to_light, float alpha) noexcept
 {
@@ -278,7 +278,7 @@ float peak_density(const Surface& s) noexcept
 ScatterSample sample_scatter(const Surface& s, float choice, Vec2f square) noexcept
 {
     const LobeShares share(s);
-    const Axes axes(s.normal);
+    const ShadingFrame axes(s.normal);
     // Chooses the lobe whose interval of [0, 1) holds the choice; what is left of the choice is rescaled to a number in
     // [0, 1).
     const auto is_chosen = [&choice](float chance) {
@@ -295,7 +295,7 @@ ScatterSample sample_scatter(const Surface& s, float choice, Vec2f square) noexc
     } else if (is_chosen(share.layer)) {
         out.lobe = Lobe::Layer;
         out.alpha = s.alpha;
-        out.direction = mirrored(
+        out.direction = reflected(
             s.to_eye, has_strokes(s) ? Strokes(s).sample(s.to_eye, square) : seen_normal(axes, s.to_eye, s.alpha, square));
     } else if (is_chosen(share.body)) {
         out.alpha = s.alpha;
@@ -311,7 +311,7 @@ ScatterSample sample_scatter(const Surface& s, float choice, Vec2f square) noexc
     } else if (share.coat > 0) {
         out.lobe = Lobe::Coat;
         out.alpha = s.coat_alpha;
-        out.direction = mirrored(s.to_eye, seen_normal(Axes(s.coat_normal), s.to_eye, s.coat_alpha, square));
+        out.direction = reflected(s.to_eye, seen_normal(ShadingFrame(s.coat_normal), s.to_eye, s.coat_alpha, square));
     }
     if (out.direction == Vec3f(0)) return out;
     out.density = density_of(s, share, out.direction);

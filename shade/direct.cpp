@@ -4,13 +4,13 @@
 
 namespace occam::shade {
 
-ShadowTest test_meshes(const Surface& surface, const MeshLights& lights, LightNumbers numbers, Tries tries) noexcept
+ShadowTest test_meshes(const Surface& surface, const MeshLights& lights, LightNumbers numbers, SampleCounts counts) noexcept
 {
-    return test_of(surface, lights.sample(surface.position, numbers), tries);
+    return test_of(surface, lights.sample(surface.position, numbers), counts);
 }
 
 ShadowTest test_environment(const Surface& surface, const Environment& environment, LightNumbers numbers,
-                            Tries tries) noexcept
+                            SampleCounts counts) noexcept
 {
     if (!environment.has_density()) return {};
     LightSample sample;
@@ -19,7 +19,7 @@ ShadowTest test_environment(const Surface& surface, const Environment& environme
     sample.density = environment.density(sample.direction);
     if (!(sample.density > 0)) return {};
     sample.radiance = environment.radiance(sample.direction) / sample.density;
-    return test_of(surface, sample, tries);
+    return test_of(surface, sample, counts);
 }
 
 }  // namespace occam::shade

@@ -28,14 +28,14 @@ struct ShadowTest {
 };
 
 /// Holds the expected number of samples of each technique of multiple importance sampling at a point.
-struct Tries {
+struct SampleCounts {
     float lights = 1;   ///< samples of the light in question
     float scatter = 1;  ///< directions drawn from the lobes; 0 for a light that is left to its own samples
 
     /// Returns the weight of a sample that was drawn with density `own` and could have been drawn with density `other`.
-    static float weight(float own_tries, float own, float other_tries, float other) noexcept
+    static float weight(float own_count, float own, float other_count, float other) noexcept
     {
-        return own > 0 ? own_tries * own / (own_tries * own + other_tries * other) : 0;
+        return own > 0 ? own_count * own / (own_count * own + other_count * other) : 0;
     }
     float of_light(float light_density, float scatter_density) const noexcept
     {
@@ -48,22 +48,22 @@ struct Tries {
 };
 
 /// Returns what a sample of a light contributes. Lights that scattered directions cannot meet get the full weight.
-inline ShadowTest test_of(const Surface& surface, const LightSample& sample, Tries tries) noexcept
+inline ShadowTest test_of(const Surface& surface, const LightSample& sample, SampleCounts counts) noexcept
 {
     if (sample.radiance == Vec3f(0)) return {};
     const Vec3f f = scatter(surface, sample.direction);
     if (f == Vec3f(0)) return {};
-    const bool is_weighed = sample.density > 0 && tries.scatter > 0;
-    const float weight = is_weighed ? tries.of_light(sample.density, scatter_density(surface, sample.direction)) : 1;
+    const bool is_weighed = sample.density > 0 && counts.scatter > 0;
+    const float weight = is_weighed ? counts.of_light(sample.density, scatter_density(surface, sample.direction)) : 1;
     return {surface.start(sample.direction), sample.direction, sample.distance, f * sample.radiance * weight,
             sample.density};
 }
 
 /// Draws one sample of the emissive triangles.
-ShadowTest test_meshes(const Surface& surface, const MeshLights& lights, LightNumbers numbers, Tries tries) noexcept;
+ShadowTest test_meshes(const Surface& surface, const MeshLights& lights, LightNumbers numbers, SampleCounts counts) noexcept;
 /// Draws one sample of the environment; returns nothing for an environment without a density of its own, since scattered
 /// directions then find all of its light.
 ShadowTest test_environment(const Surface& surface, const Environment& environment, LightNumbers numbers,
-                            Tries tries) noexcept;
+                            SampleCounts counts) noexcept;
 
 }  // namespace occam::shade

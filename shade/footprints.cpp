@@ -13,7 +13,7 @@ lod::Footprint mirrored_beam(Beam beam, float curvature, float cosine) noexcept
 }
 
 // Uses the same equation for refraction: eta / s' = 1 / s + k (cos - eta cos').
-lod::Footprint bent_beam(Beam beam, float curvature, float cosine, float cosine_out, float eta) noexcept
+lod::Footprint refracted_footprint(Beam beam, float curvature, float cosine, float cosine_out, float eta) noexcept
 {
     return from_width(beam.width, (beam.spread + curvature * beam.width * (cosine - eta * cosine_out)) / eta);
 }
@@ -28,8 +28,8 @@ lod::Footprint scattered_beam(lod::Footprint smooth, float density, int samples)
 // target edge length grows by d.
 lod::Footprint followable(lod::Footprint beam, float shading_rate, const lod::LevelSettings& levels) noexcept
 {
-    const float wanted = shading_rate * lod::LevelSettings::kLongestEdge;
-    return {beam.a, std::min(beam.b, 1 / ((4 + 2 * levels.overlap_edges) * wanted))};
+    const float target_edge = shading_rate * lod::LevelSettings::kLongestEdge;
+    return {beam.a, std::min(beam.b, 1 / ((4 + 2 * levels.overlap_edges) * target_edge))};
 }
 
 LensBeams lens_beams(lod::Footprint pixel, float diameter, float focus, int samples) noexcept

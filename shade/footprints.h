@@ -33,7 +33,7 @@ lod::Footprint mirrored_beam(Beam beam, float curvature, float cosine) noexcept;
 /// Returns the footprint of the refracted beam.
 /// eta          refractive index behind the surface over that in front
 /// cosine_out   between the refracted beam and the normal; both cosines are above 0
-lod::Footprint bent_beam(Beam beam, float curvature, float cosine, float cosine_out, float eta) noexcept;
+lod::Footprint refracted_footprint(Beam beam, float curvature, float cosine, float cosine_out, float eta) noexcept;
 
 /// Returns the footprint of a sampled direction. `smooth` is what a smooth mirror or lens would make of the beam; a
 /// direction drawn with `density` per solid angle stands for 1 / (density * samples) of it. The two widths are

@@ -30,7 +30,7 @@ public:
     /// peak    peak_density() of the surface
     static bool is_left_to_samples(const WorldLight& light, Vec3d start, float peak) noexcept
     {
-        return light.cover(start) * (peak * maths::kPi) < kLeastChance;
+        return light.sine2_subtended(start) * (peak * maths::kPi) < kLeastChance;
     }
     /// Needs textures that are prepared. `camera` places the key light of a scene that has none.
     FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures, Sky sky = Sky::Auto,

@@ -12,10 +12,10 @@ using maths::kPi;
 
 /// Holds the axes x, y and z of a right-handed frame, where z is the given direction. The frame is continuous except at z
 /// = -1 (Duff et al. 2017).
-struct Axes {
+struct ShadingFrame {
     Vec3f x, y, z;
 
-    explicit Axes(Vec3f unit) noexcept : z(unit)
+    explicit ShadingFrame(Vec3f unit) noexcept : z(unit)
     {
         const float sign = std::copysign(1.0f, unit.z);
         const float a = -1.0f / (sign + unit.z);

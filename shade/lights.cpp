@@ -80,7 +80,7 @@ LightSample sample_sun(const WorldLight& light, LightNumbers numbers) noexcept
 {
     Vec3f direction = -light.direction;
     if (light.sun_spread > 0) {
-        const Axes axes(direction);
+        const ShadingFrame axes(direction);
         const Vec2f d = disc_point(numbers.square) * light.sun_spread;
         direction = glm::normalize(axes.to_world({d.x, d.y, 1}));
     }
@@ -139,7 +139,7 @@ LightSample sample_sphere(const WorldLight& light, Vec3f to_centre, LightNumbers
     // The squared radius of a disc point is uniform, and so is 1 - cos in a cone: the point is scaled to that ring.
     const float stretch = std::sqrt(one_minus_cos_most * (2 - one_minus_cos));
     const float distance = std::sqrt(distance2);
-    const Axes axes(to_centre / distance);
+    const ShadingFrame axes(to_centre / distance);
     const Vec3f direction = glm::normalize(axes.to_world({d.x * stretch, d.y * stretch, cosine}));
     const float sin2_ray = one_minus_cos * (2 - one_minus_cos);
     const float inside = std::sqrt(std::max(0.0f, light.radius * light.radius - distance2 * sin2_ray));
@@ -184,7 +184,7 @@ LightSample WorldLight::sample_other(Vec3f to_middle, LightNumbers numbers) cons
     return {};
 }
 
-float WorldLight::cover(Vec3d point) const noexcept
+float WorldLight::sine2_subtended(Vec3d point) const noexcept
 {
     // No point of a parallelogram, sheared or not, is farther from its middle than its corners are.
     const float flat2 = glm::dot(half_x, half_x) + glm::dot(half_y, half_y) + 2 * std::fabs(glm::dot(half_x, half_y));

@@ -63,7 +63,7 @@ struct WorldLight {
     LightCrossing crossing(Vec3d origin, Vec3f direction) const noexcept;
     /// Returns the squared sine of the half angle that a sphere around the light subtends at the point; the result is
     /// above 1 within that sphere.
-    float cover(Vec3d point) const noexcept;
+    float sine2_subtended(Vec3d point) const noexcept;
     /// Returns true if rays can meet the light, which means that it has an area.
     bool has_area() const noexcept { return kind == Kind::Rectangle || kind == Kind::Disc || kind == Kind::Sphere; }
 

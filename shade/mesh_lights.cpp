@@ -99,7 +99,7 @@ bool is_sampled(const Scene& scene, const Node& node, const Material* material) 
 
 }  // namespace
 
-MeshLights::Corners MeshLights::corners(const Mesh& mesh, std::uint32_t face) noexcept
+MeshLights::TrianglePoints MeshLights::corners(const Mesh& mesh, std::uint32_t face) noexcept
 {
     const auto at = [&](std::uint32_t corner) {
         return transform_point(mesh.world_from_object,
@@ -123,7 +123,7 @@ void MeshLights::add(const Node& node, NodeId id, const CageSlot& slot, const Ma
         const Mesh mesh{&cage, material, world_from_object, static_cast<std::uint32_t>(sums_.size()), density};
         for (std::uint32_t face = 0; face < cage.face_count(); ++face) {
             if ((cage.face_slots.empty() ? 0 : cage.face_slots[face]) != s) continue;
-            const Corners c = corners(mesh, face);
+            const TrianglePoints c = corners(mesh, face);
             const double area = 0.5 * glm::length(glm::cross(c.b - c.a, c.c - c.a));
             if (!(area > 0)) continue;
             sums_.push_back((sums_.empty() ? 0 : sums_.back()) + area * double(density));
@@ -167,7 +167,7 @@ LightSample MeshLights::sample(Vec3d point, LightNumbers numbers) const noexcept
                                        [](std::uint32_t i, const Mesh& m) { return i < m.first; });
     const Mesh& mesh = *(next - 1);
     const std::uint32_t face = faces_[index];
-    const Corners c = corners(mesh, face);
+    const TrianglePoints c = corners(mesh, face);
 
     // The point is uniform in the triangle (Turk 1990).
     const float root = std::sqrt(numbers.square.x);

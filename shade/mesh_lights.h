@@ -51,12 +51,12 @@ private:
         const Material* material;
         float area_density;
     };
-    struct Corners {
+    struct TrianglePoints {
         Vec3d a, b, c;
     };
 
     void add(const Node& node, NodeId id, const CageSlot& slot, const Mat4d& world_from_object, const Scene& scene);
-    static Corners corners(const Mesh& mesh, std::uint32_t face) noexcept;
+    static TrianglePoints corners(const Mesh& mesh, std::uint32_t face) noexcept;
 
     const TextureStore* textures_ = nullptr;
     bool any_emitter_ = false;

@@ -129,7 +129,7 @@ void add_transmission(const Material& m, const MaterialValues& values, const Die
     }
     const float cosine = std::max(0.0f, glm::dot(s.normal, s.to_eye));
     const float reflected = s.dielectric_f0 + (s.dielectric_f90 - s.dielectric_f0) * schlick(cosine);
-    s.passes += s.opacity * tint * (1 - reflected);
+    s.transmittance += s.opacity * tint * (1 - reflected);
 }
 
 // Applies KHR_materials_anisotropy: the width along the strokes grows to 1 with the square of the strength. Tables are
@@ -158,7 +158,7 @@ void add_sheen(const MaterialValues& values, Surface& s) noexcept
     if (s.sheen == Vec3f(0)) return;
     s.sheen_alpha = sheen_width(values.sheen_roughness);
     const float kept = below_sheen(s, std::max(0.0f, glm::dot(s.normal, s.to_eye)));
-    s.passes = Vec3f(1 - s.opacity) + (s.passes - Vec3f(1 - s.opacity)) * kept;
+    s.transmittance = Vec3f(1 - s.opacity) + (s.transmittance - Vec3f(1 - s.opacity)) * kept;
 }
 
 }  // namespace
@@ -180,7 +180,7 @@ Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
     const Vec4f base = values.base_color * point.color;
     s.base_color = Vec3f(base);
     s.opacity = opacity_of(m, base.w * values.alpha);
-    s.passes = Vec3f(1 - s.opacity);
+    s.transmittance = Vec3f(1 - s.opacity);
     s.unlit = m.unlit;
     s.base_color = s.unlit ? limited(s.base_color) : glm::min(limited(s.base_color), Vec3f(1));
     if (s.unlit || s.opacity == 0) return s;
@@ -212,7 +212,7 @@ Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
         s.coat_normal = reflecting_normal(mapped_normal(m.clearcoat_normal_texture, values.coat_normal, 1, point), point);
         const float kept = 1 - s.coat * coat_albedo(std::max(0.0f, glm::dot(s.coat_normal, s.to_eye)), s.coat_alpha);
         s.emission *= kept;
-        s.passes = Vec3f(1 - s.opacity) + (s.passes - Vec3f(1 - s.opacity)) * kept;
+        s.transmittance = Vec3f(1 - s.opacity) + (s.transmittance - Vec3f(1 - s.opacity)) * kept;
     }
     const bool reflects = s.f0 != Vec3f(0) || s.f90 != 0 || s.dielectric_f0 != 0 || s.dielectric_f90 != 0 || s.coat > 0 ||
                           s.sheen != Vec3f(0);
@@ -222,7 +222,7 @@ Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
 
 Vec3f passes_straight(const ShadePoint& point, const TextureStore& textures) noexcept
 {
-    return may_pass(*point.material) ? evaluate(point, textures).passes : Vec3f(0);
+    return may_pass(*point.material) ? evaluate(point, textures).transmittance : Vec3f(0);
 }
 
 float ambient_share(const ShadePoint& point, const TextureStore& textures) noexcept

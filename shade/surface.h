@@ -25,9 +25,10 @@ struct Surface {
 
     Vec3f base_color{0};  ///< factor, texture and vertex colour
     float opacity = 1;    ///< share that is there at all; below 1 where the material blends, 0 or 1 where it masks
-    Vec3f passes{0};      ///< transmittance straight on: through the share that is not there, and through smooth thin glass
-    Vec3f emission{0};    ///< towards the eye, without the share of the coat
-    bool unlit = false;   ///< base_color is the radiance; nothing else counts
+    Vec3f transmittance{
+        0};              ///< transmittance straight on: through the share that is not there, and through smooth thin glass
+    Vec3f emission{0};   ///< towards the eye, without the share of the coat
+    bool unlit = false;  ///< base_color is the radiance; nothing else counts
 
     Vec3f diffuse{0};  ///< base_color times what is neither metal nor glass
     Vec3f f0{0.04f};   ///< reflectance at normal incidence, dielectric and metal mixed
@@ -63,7 +64,7 @@ struct Surface {
 /// Evaluates the material at a point. `point.material` is never null; textures must be prepared.
 Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept;
 
-/// Returns the transmittance straight on at the point, which is evaluate().passes, without computing the rest.
+/// Returns the transmittance straight on at the point, which is evaluate().transmittance, without computing the rest.
 Vec3f passes_straight(const ShadePoint& point, const TextureStore& textures) noexcept;
 
 /// Returns the share of ambient light, 0 to 1, that the occlusion map of the material leaves. It applies to light that is

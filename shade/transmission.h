@@ -12,7 +12,7 @@ namespace occam::shade {
 inline float eye_cosine(Vec3f normal, Vec3f to_eye) noexcept { return std::clamp(glm::dot(normal, to_eye), 1e-4f, 1.0f); }
 
 /// Draws a microfacet normal that is visible to the eye, in world axes.
-inline Vec3f seen_normal(const Axes& axes, Vec3f to_eye, float alpha, Vec2f square) noexcept
+inline Vec3f seen_normal(const ShadingFrame& axes, Vec3f to_eye, float alpha, Vec2f square) noexcept
 {
     Vec3f eye = axes.to_local(to_eye);
     eye.z = std::max(eye.z, 1e-4f);

@@ -7,23 +7,23 @@
 namespace occam {
 namespace {
 
-struct Slab {
+struct DepthRange {
     double near, far;
 };
 
-/// Clips a triangle to a slab across the ray: the result is a convex polygon of up to five corners, as triangles.
-class SlabClip {
+/// Clips a triangle to a range across the ray: the result is a convex polygon of up to five corners, as triangles.
+class DepthRangeClip {
 public:
-    SlabClip(Vec3d from, Vec3d direction, Slab slab, std::vector<Vec3d>& out)
-        : from_(from), direction_(direction), slab_(slab), out_(out)
+    DepthRangeClip(Vec3d from, Vec3d direction, DepthRange range, std::vector<Vec3d>& out)
+        : from_(from), direction_(direction), range_(range), out_(out)
     {
     }
 
     void operator()(const Vec3d& a, const Vec3d& b, const Vec3d& c)
     {
         polygon_ = {a, b, c};
-        cut(slab_.near, 1);
-        cut(slab_.far, -1);
+        cut(range_.near, 1);
+        cut(range_.far, -1);
         for (std::size_t k = 2; k < polygon_.size(); ++k)
             out_.insert(out_.end(), {polygon_[0], polygon_[k - 1], polygon_[k]});
     }
@@ -43,7 +43,7 @@ private:
     }
 
     Vec3d from_, direction_;
-    Slab slab_;
+    DepthRange range_;
     std::vector<Vec3d>& out_;
     std::vector<Vec3d> polygon_, next_;
 };
@@ -80,13 +80,13 @@ double winding_number_of_ray(Vec3d from, Vec3d direction, const lod::RayLevels<f
         const bool grows = table.begin(table.finest) <= table.begin(table.coarsest);
         const double to_finer = pair == table.finest ? (grows ? -kEverywhere : kEverywhere) : transition(pair - 1);
         const double to_coarser = pair == table.coarsest ? (grows ? kEverywhere : -kEverywhere) : transition(pair);
-        const Slab slab = grows ? Slab{to_finer, to_coarser} : Slab{to_coarser, to_finer};
-        if (!(slab.near < slab.far)) continue;
+        const DepthRange range = grows ? DepthRange{to_finer, to_coarser} : DepthRange{to_coarser, to_finer};
+        if (!(range.near < range.far)) continue;
 
         const bool is_held = pair < finest;
         const lod::Blend<float> blend = table.blend(pair);
         corners.clear();
-        SlabClip clip(from, direction, slab, corners);
+        DepthRangeClip clip(from, direction, range, corners);
         for (const lod::LevelGrid& grid : dice(std::max(pair, finest))) {
             const std::vector<Vec3d> v = blended(grid, from, direction, is_held ? nullptr : &blend);
             for (int y = 0; y < grid.tile.rows; ++y)

@@ -81,7 +81,7 @@ Displacement MaterialImporter::displacement(const DisplacementExtras& extras, co
     require_texture(extras.texture, where);
     const TextureUse map = use(extras.texture, 0, {}, TextureRole::Data, where + ".displacement");
     // A displacement without its image leaves the surface where it is.
-    return {map, map ? extras.scale : 0, extras.midlevel, extras.bound, extras.axes};
+    return {map, map ? extras.scale : 0, extras.midlevel, extras.bound, extras.space};
 }
 
 void MaterialImporter::require_texture(int index, const std::string& where) const

@@ -76,9 +76,9 @@ const std::vector<CageId>& MeshImporter::cages(int mesh, const CageStyle& style)
     const std::string where = "meshes[" + std::to_string(mesh) + "]" + (m.name.empty() ? "" : " '" + m.name + "'");
     const bool is_cage = style.scheme ? *style.scheme != CageStyle::Scheme::None : options_.subdivide == Subdivide::On;
 
-    std::vector<Part> parts;
+    std::vector<PrimitiveCage> parts;
     for (std::size_t p = 0; p < m.primitives.size(); ++p)
-        if (std::optional<Part> part = read(m.primitives[p], where + ".primitives[" + std::to_string(p) + "]")) {
+        if (std::optional<PrimitiveCage> part = read(m.primitives[p], where + ".primitives[" + std::to_string(p) + "]")) {
             part->cage.name = m.name;
             for (double weight : m.weights) part->cage.morph_weights.push_back(static_cast<float>(weight));
             parts.push_back(*std::move(part));
@@ -89,26 +89,26 @@ const std::vector<CageId>& MeshImporter::cages(int mesh, const CageStyle& style)
         ids.push_back(scene_.add(std::move(cage)));
     };
     if (!is_cage) {
-        for (Part& part : parts) add(std::move(part.cage));
+        for (PrimitiveCage& part : parts) add(std::move(part.cage));
         return ids;
     }
-    for (Part& part : parts) restore_polygons(part.cage, part.has_polygons);
+    for (PrimitiveCage& part : parts) restore_polygons(part.cage, part.has_polygons);
     if (parts.empty()) return ids;
     // Parts with skins or morph targets stay separate, since their arrays need not match.
     const bool is_deformed = parts[0].cage.skin.sets > 0 || !parts[0].cage.morph_targets.empty();
     if (parts.size() == 1 || is_deformed || parts.size() > 0xffff) {
-        for (Part& part : parts) weld_by_position(part.cage), add(std::move(part.cage));
+        for (PrimitiveCage& part : parts) weld_by_position(part.cage), add(std::move(part.cage));
         return ids;
     }
     Cage whole;
     whole.name = m.name;
-    for (const Part& part : parts) append(whole, part.cage);
+    for (const PrimitiveCage& part : parts) append(whole, part.cage);
     weld_by_position(whole);
     add(std::move(whole));
     return ids;
 }
 
-std::optional<MeshImporter::Part> MeshImporter::read(const tinygltf::Primitive& primitive, const std::string& where)
+std::optional<MeshImporter::PrimitiveCage> MeshImporter::read(const tinygltf::Primitive& primitive, const std::string& where)
 {
     const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
     if (mode != TINYGLTF_MODE_TRIANGLES && mode != TINYGLTF_MODE_TRIANGLE_STRIP && mode != TINYGLTF_MODE_TRIANGLE_FAN) {
@@ -120,7 +120,7 @@ std::optional<MeshImporter::Part> MeshImporter::read(const tinygltf::Primitive& 
         report_.warn("primitive without positions", where);
         return std::nullopt;
     }
-    Part part;
+    PrimitiveCage part;
     part.has_polygons = primitive.extensions.count("FB_ngon_encoding") > 0;
     Cage& cage = part.cage;
     cage.scheme = Scheme::Triangles;

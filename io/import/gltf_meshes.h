@@ -23,11 +23,11 @@ public:
     const std::vector<CageId>& cages(int mesh, const CageStyle& style);
 
 private:
-    struct Part {
+    struct PrimitiveCage {
         Cage cage;                  ///< Scheme::Triangles
         bool has_polygons = false;  ///< FB_ngon_encoding
     };
-    std::optional<Part> read(const tinygltf::Primitive& primitive, const std::string& where);
+    std::optional<PrimitiveCage> read(const tinygltf::Primitive& primitive, const std::string& where);
     std::vector<std::uint32_t> triangles(const tinygltf::Primitive& primitive, std::size_t vertices,
                                          const std::string& where);
     /// Returns the index of the primitive's material, or of the chosen variant's if that maps it (KHR_materials_variants).

@@ -104,9 +104,9 @@ constexpr std::array<std::pair<const char*, FaceVaryingRule>, 6> kFaceVarying = 
      {"boundaries", FaceVaryingRule::Boundaries},
      {"all", FaceVaryingRule::All},
      {"none", FaceVaryingRule::None}}};
-constexpr std::array<std::pair<const char*, Displacement::Axes>, 3> kAxes = {{{"normal", Displacement::Axes::Normal},
-                                                                              {"object", Displacement::Axes::Object},
-                                                                              {"tangent", Displacement::Axes::Tangent}}};
+constexpr std::array<std::pair<const char*, Displacement::Space>, 3> kAxes = {{{"normal", Displacement::Space::Normal},
+                                                                               {"object", Displacement::Space::Object},
+                                                                               {"tangent", Displacement::Space::Tangent}}};
 constexpr std::array<std::pair<const char*, AreaLight::Shape>, 3> kShapes = {
     {{"rect", AreaLight::Shape::Rectangle}, {"disc", AreaLight::Shape::Disc}, {"sphere", AreaLight::Shape::Sphere}}};
 
@@ -156,9 +156,9 @@ DisplacementExtras displacement(const Value& value, const std::string& where, Re
     out.texture = *texture;
     out.scale = reader.number("scale").value_or(1.0f);
     out.midlevel = reader.number("midlevel").value_or(0.5f);
-    out.axes = reader.choice("axes", kAxes).value_or(out.axes);
+    out.space = reader.choice("axes", kAxes).value_or(out.space);
     // The bound is what texels between 0 and 1 can reach; a vector has three of them.
-    const float longest = out.axes == Displacement::Axes::Normal ? 1.0f : 1.7320509f;
+    const float longest = out.space == Displacement::Space::Normal ? 1.0f : 1.7320509f;
     out.bound = reader.number("bound").value_or(longest * std::abs(out.scale) *
                                                 std::max(std::abs(out.midlevel), std::abs(1 - out.midlevel)));
     if (out.bound < 0) reader.refuse("bound must not be negative");

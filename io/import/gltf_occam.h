@@ -14,7 +14,7 @@ namespace occam::import {
 struct DisplacementExtras {
     int texture = -1;
     float scale = 1, midlevel = 0.5f, bound = 0;
-    Displacement::Axes axes = Displacement::Axes::Normal;
+    Displacement::Space space = Displacement::Space::Normal;
     auto operator<=>(const DisplacementExtras&) const = default;
 };
 

@@ -13,7 +13,7 @@ namespace occam::test {
 
 struct MeshTriangle {
     Vec3f v[3];  ///< dicing frame
-    bool is_closer = false;
+    bool is_gap = false;
 };
 
 /// Owns what a PosedCage borrows.

@@ -73,7 +73,7 @@ std::vector<Mat4d> bent_joints()
     return {Mat4d(1), second};
 }
 
-DisplacedCage::DisplacedCage(std::string called, Cage of, float bound, std::uint64_t seed, Displacement::Axes axes)
+DisplacedCage::DisplacedCage(std::string called, Cage of, float bound, std::uint64_t seed, Displacement::Space space)
     : name(std::move(called)), cage(std::move(of)), textures(std::size_t(1) << 24)
 {
     std::mt19937_64 random(seed);
@@ -82,7 +82,7 @@ DisplacedCage::DisplacedCage(std::string called, Cage of, float bound, std::uint
     noise.width = noise.height = 64;
     const auto number = [&] { return float(random() >> 40) * 0x1p-24f; };
     for (int k = 0; k < 64 * 64; ++k) {
-        const bool is_vector = axes != Displacement::Axes::Normal;
+        const bool is_vector = space != Displacement::Space::Normal;
         const float x = number(), y = is_vector ? number() : x, z = is_vector ? number() : x;
         noise.pixels.push_back({x, y, z, 1});
     }
@@ -90,7 +90,7 @@ DisplacedCage::DisplacedCage(std::string called, Cage of, float bound, std::uint
     displacement.texture.texture = scene.add(std::move(noise));
     displacement.scale = 2 * bound;
     displacement.bound = bound;
-    displacement.axes = axes;
+    displacement.space = space;
     cage.name = name;
     cage.displacement = displacement;
     textures.prepare(scene);
@@ -115,13 +115,13 @@ DisplacedCage displaced_case(int index)
             return {"bilinear_prism", std::move(bilinear), 0.02f, 6};
         }
         case 6:
-            return {"creased_torus_by_vectors", torus_with_seams(true), 0.06f, 7, Displacement::Axes::Object};
+            return {"creased_torus_by_vectors", torus_with_seams(true), 0.06f, 7, Displacement::Space::Object};
         case 7:
-            return {"creased_spindle_by_vectors", creased_spindle(), 0.03f, 8, Displacement::Axes::Object};
+            return {"creased_spindle_by_vectors", creased_spindle(), 0.03f, 8, Displacement::Space::Object};
         case 8:
-            return {"creased_torus_by_tangents", torus_with_seams(true), 0.06f, 9, Displacement::Axes::Tangent};
+            return {"creased_torus_by_tangents", torus_with_seams(true), 0.06f, 9, Displacement::Space::Tangent};
         default:
-            return {"creased_spindle_by_tangents", creased_spindle(), 0.03f, 10, Displacement::Axes::Tangent};
+            return {"creased_spindle_by_tangents", creased_spindle(), 0.03f, 10, Displacement::Space::Tangent};
     }
 }
 

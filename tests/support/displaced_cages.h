@@ -12,7 +12,7 @@ namespace occam::test {
 /// Holds a cage and the store of its displacement's texture.
 struct DisplacedCage {
     DisplacedCage(std::string called, Cage of, float bound, std::uint64_t seed,
-                  Displacement::Axes axes = Displacement::Axes::Normal);
+                  Displacement::Space space = Displacement::Space::Normal);
 
     std::string name;
     Cage cage;

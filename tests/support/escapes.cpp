@@ -32,7 +32,7 @@ std::vector<Vec3d> inside_points(const std::vector<MeshTriangle>& mesh, std::siz
     for (const MeshTriangle& t : mesh)
         for (const Vec3f v : t.v) {
             box.add(Vec3d(v));
-            if (!t.is_closer) corners.push_back(v);
+            if (!t.is_gap) corners.push_back(v);
         }
     std::vector<Vec3d> points;
     for (int attempt = 0; attempt < 400 && points.size() < wanted; ++attempt) {
@@ -62,9 +62,9 @@ EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int 
     const std::vector<Vec3d> starts = inside_points(mesh, mesh.size() > 100'000 ? 4 : 16, random);
     count.starts = starts.size();
     if (starts.empty()) return count;
-    std::vector<const MeshTriangle*> closers;
+    std::vector<const MeshTriangle*> gaps;
     for (const MeshTriangle& t : mesh)
-        if (t.is_closer) closers.push_back(&t);
+        if (t.is_gap) gaps.push_back(&t);
 
     // The frame sees the cage at exactly that level, since the target edge length is constant.
     Scene scene;
@@ -83,8 +83,8 @@ EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int 
             const Vec3d from = starts[random() % starts.size()];
             const double choice = uniform(random);
             Vec3d target = from + any_direction(random);
-            if (choice < 0.3 && !closers.empty()) {
-                target = Vec3d(closers[random() % closers.size()]->v[1]);
+            if (choice < 0.3 && !gaps.empty()) {
+                target = Vec3d(gaps[random() % gaps.size()]->v[1]);
             } else if (choice < 0.6) {
                 const MeshTriangle& t = mesh[random() % mesh.size()];
                 const Vec3d a(t.v[random() % 3]), b(t.v[random() % 3]);

@@ -196,7 +196,7 @@ TEST(Tracer, ReportsTheExactDistanceOnClosingTriangles)
     diced.level_of_largest_exponent(5);  // at 4 there are 80 T-vertices, and more than 100 are wanted below
     std::vector<Vec3d> middles;
     for (const MeshTriangle& t : diced.triangles())
-        if (t.is_closer) middles.push_back(Vec3d(t.v[1]) + diced.posed.anchor);
+        if (t.is_gap) middles.push_back(Vec3d(t.v[1]) + diced.posed.anchor);
     ASSERT_GT(middles.size(), 100u);
 
     Stage stage;

@@ -134,13 +134,13 @@ TEST(ImportGltfGeometry, DisplacementReachesTheCageWithABound)
     EXPECT_EQ(d.midlevel, 0.25f);
     EXPECT_EQ(d.bound, 1.5f) << "a texel of 1 moves by 0.75 times the scale";
     EXPECT_EQ(cages(load(with(R"({"texture": 0, "bound": 0.125})"))).at(0)->displacement->bound, 0.125f);
-    EXPECT_EQ(d.axes, Displacement::Axes::Normal);
+    EXPECT_EQ(d.space, Displacement::Space::Normal);
     const Scene by_vectors = load(with(R"({"texture": 0, "scale": 2, "axes": "object"})"));
-    EXPECT_EQ(cages(by_vectors).at(0)->displacement->axes, Displacement::Axes::Object);
+    EXPECT_EQ(cages(by_vectors).at(0)->displacement->space, Displacement::Space::Object);
     EXPECT_NEAR(cages(by_vectors).at(0)->displacement->bound, std::sqrt(3.0f), 1e-6f)
         << "three channels of a half times the scale";
     const Scene by_tangents = load(with(R"({"texture": 0, "scale": 2, "axes": "tangent"})"));
-    EXPECT_EQ(cages(by_tangents).at(0)->displacement->axes, Displacement::Axes::Tangent);
+    EXPECT_EQ(cages(by_tangents).at(0)->displacement->space, Displacement::Space::Tangent);
     EXPECT_NEAR(cages(by_tangents).at(0)->displacement->bound, std::sqrt(3.0f), 1e-6f);
     EXPECT_NE(error_of(with(R"({"texture": 0, "axes": "world"})")).find("normal, object, tangent"), std::string::npos);
     EXPECT_NE(error_of(with(R"({"texture": 1})")).find("no texture 1"), std::string::npos);

@@ -49,7 +49,7 @@ TEST(DisplacementInTangentSpace, OfTheThirdChannelIsThatAlongNormals)
 {
     for (const Mat4d& place : {Mat4d(1), mirrored_and_turned()}) {
         DisplacedCage by_tangents = displaced_case(8), by_normals = displaced_case(8);
-        by_normals.cage.displacement->axes = Displacement::Axes::Normal;
+        by_normals.cage.displacement->space = Displacement::Space::Normal;
         set_texel(by_tangents, {0.5f, 0.5f, 0.9f});
         set_texel(by_normals, {0.9f, 0, 0});
         DicedCage a(by_tangents.cage, 0, place, &by_tangents.textures), b(by_normals.cage, 0, place, &by_normals.textures);

@@ -97,7 +97,7 @@ TEST(Displacement, ByOneVectorMovesEveryPointAsThePlacementMovesVectors)
 {
     Cage cage = prism(7);
     add_charts(cage);
-    DisplacedCage displaced("prism", cage, 1, 1, Displacement::Axes::Object);
+    DisplacedCage displaced("prism", cage, 1, 1, Displacement::Space::Object);
     Texture full;
     full.width = full.height = 1;
     full.pixels = {Vec4f(0.75f, 0.25f, 0.5f, 1)};

@@ -71,15 +71,15 @@ test::Mean radiance(const Surface& s, const WorldLight& light, bool by_rule, int
 {
     const FrameLights lights({light}, {});
     const float peak = by_rule ? peak_density(s) : std::numeric_limits<float>::infinity();
-    const Tries tries{1, by_rule && is_left(s, light) ? 0.0f : 1.0f};
+    const SampleCounts counts{1, by_rule && is_left(s, light) ? 0.0f : 1.0f};
     test::Numbers numbers(7);
     test::Mean mean;
     for (int i = 0; i < count; ++i) {
-        double sum = double(test_of(s, light.sample(s.position, {numbers.square(), 0}), tries).radiance.x);
+        double sum = double(test_of(s, light.sample(s.position, {numbers.square(), 0}), counts).radiance.x);
         const float choice = numbers.one();
         const ScatterSample d = sample_scatter(s, choice, numbers.square());
         lights.for_crossings(s.start(d.direction), d.direction, 1e30f, peak, [&](const WorldLight&, const LightCrossing& c) {
-            sum += double(d.weight.x * c.radiance.x * Tries{1, 1}.of_scatter(d.density, c.density));
+            sum += double(d.weight.x * c.radiance.x * SampleCounts{1, 1}.of_scatter(d.density, c.density));
         });
         mean.add(sum);
     }

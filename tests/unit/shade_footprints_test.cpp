@@ -1,4 +1,4 @@
-// Footprints of secondary rays beside finite differences: two neighbouring rays, reflected or bent exactly.
+// Footprints of secondary rays beside finite differences: two neighbouring rays, reflected or refracted exactly.
 #include "shade/footprints.h"
 
 #include <gtest/gtest.h>
@@ -67,8 +67,8 @@ TEST(Footprints, ALensSpreadsABeamAsItsNeighboursSay)
                     const Vec3d out = bend(r.dp, n0, eta);
                     const double measured = (bend(r.dq, n1, eta).z - out.z) / (r.q.z - r.p.z);
                     const float w = 0.01f;
-                    const auto f = bent_beam({w, float(spread) * w}, (hollow ? -1.0f : 1.0f) / kRadius,
-                                             float(std::cos(angle)), float(-glm::dot(out, n0)), float(eta));
+                    const auto f = refracted_footprint({w, float(spread) * w}, (hollow ? -1.0f : 1.0f) / kRadius,
+                                                       float(std::cos(angle)), float(-glm::dot(out, n0)), float(eta));
                     EXPECT_NEAR(double(f.b / w), std::max(0.0, measured), 2e-4) << angle << ' ' << eta << ' ' << hollow;
                 }
 }

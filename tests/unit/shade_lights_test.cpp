@@ -275,7 +275,7 @@ TEST(Environment, AnImageIsSampledByItsBrightness)
         const double drawn = double(test_environment(s, sky, u, {1, 1}).radiance.x);
         const float choice = numbers.one();
         const ScatterSample d = sample_scatter(s, choice, numbers.square());
-        const float weight = Tries{1, 1}.of_scatter(d.density, sky.density(d.direction));
+        const float weight = SampleCounts{1, 1}.of_scatter(d.density, sky.density(d.direction));
         both.add(drawn + double(d.weight.x * sky.radiance(d.direction).x * weight));
         image_alone.add(double(test_environment(s, sky, u, {1, 0}).radiance.x));
     }
