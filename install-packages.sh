@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs what packages.txt names and this machine lacks, and nothing if all is present; prints what it does. It is for
-# Debian 12 and uses sudo unless run by root. With --long it also installs what the lines "long:" name.
+# Installs the packages in packages.txt that this machine lacks, and prints their names. It is for Debian 12 and uses sudo unless it
+# is run by root. With --long it also installs the packages on the lines that begin with "long:".
 set -euo pipefail
 cd "$(dirname "$0")"
 lines=$(grep -v '^long:' packages.txt)
@@ -8,7 +8,7 @@ lines=$(grep -v '^long:' packages.txt)
 read -r -d '' -a wanted <<< "$lines" || true
 
 if ! command -v apt-get > /dev/null; then
-    echo "This is not Debian: what packages.txt names has to be there already." >&2
+    echo "This is not Debian: the packages that packages.txt names have to be installed already." >&2
     exit 0
 fi
 missing=()

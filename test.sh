@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Builds and passes the tests: release with all of them, and the one-lane build on the hash tests. --sanitize adds the address and
-# undefined-behaviour sanitizers on the unit and hostile tests. --long adds these, and debug, the thread sanitizer, clang, the long
-# campaigns and the fuzz targets.
+# Builds and runs the tests: all of them in the preset test, and the hash tests in the one-lane build. --sanitize adds the address and
+# undefined-behaviour sanitizers on the unit and hostile tests. --long adds these, the debug build, the thread sanitizer, clang, the
+# long campaigns and the fuzz targets.
 set -euo pipefail
 cd "$(dirname "$0")"
 long=0 sanitize=0
@@ -17,7 +17,7 @@ passed=0 failed=0 skipped=0
 # Prints the sum of the summary lines that GoogleTest prints for PASSED, FAILED or SKIPPED.
 count() { sed -nE "s/^\[  $1 *\] ([0-9]+) tests?.*/\1/p" "$2" | awk '{n += $1} END {print n + 0}'; }
 
-# run PRESET SUITES [VARIABLE=VALUE ...]: builds a preset and passes its suites (folders of tests/, with | between), or "all".
+# run PRESET SUITES [VARIABLE=VALUE ...]: builds a preset and runs its suites (folders of tests/, separated by |), or "all".
 run() {
     local preset=$1 suites=$2 status=0 pattern='.*' targets=(all)
     shift 2
@@ -39,7 +39,7 @@ run() {
     cp "$build/Testing/Temporary/LastTest.log" "$log"
 
     local p f s
-    # Tests that do not use GoogleTest count one each.
+    # Each test that does not use GoogleTest counts as one.
     p=$(($(count PASSED "$log") + $(grep -cE '(style|install) \.+ +Passed' "$build.ctest.log" || true)))
     s=$(count SKIPPED "$log")
     f=$(($(count FAILED "$log") + $(grep -cE "(style|install) \.+\*\*\*" "$build.ctest.log" || true)))
@@ -58,7 +58,7 @@ run() {
 # Each importer is fuzzed for ten minutes (tests/fuzz): the targets of the preset fuzz print lines like GoogleTest's.
 fuzz() {
     local log=build/fuzz.log
-    echo "== fuzz: $1 s a door"
+    echo "== fuzz: $1 s for each target"
     { cmake --preset fuzz && cmake --build --preset fuzz; } > build/fuzz.build.log 2>&1 || {
         grep -E 'error|FAILED' -A 3 build/fuzz.build.log | head -n 60
         exit 1

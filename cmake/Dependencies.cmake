@@ -1,5 +1,5 @@
-# These are the packages of Debian 12; their names are in packages.txt. What each needs beyond find_package is said here,
-# once.
+# Finds the libraries, which are packages of Debian 12 (packages.txt has their names). Where find_package alone is not enough, a
+# comment says why.
 find_package(Threads REQUIRED)
 find_package(glm REQUIRED)
 find_package(hwy REQUIRED)

@@ -1,4 +1,5 @@
-# cmake --install: the library, the command, the headers that occam/occam.h reaches, and a package for find_package(occam).
+# `cmake --install` installs the library, the command, the headers that occam/occam.h includes, and a package for
+# find_package(occam).
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 

@@ -1,5 +1,5 @@
-# A room is a folder and an object library: occam_room(name ROOMS those-it-sees LIBRARIES private-ones).
-# Its include path is the repository's root, so that an #include names its room.
+# A room is a folder and an object library: occam_room(name ROOMS rooms-it-may-include LIBRARIES private-libraries).
+# Its include path is the repository's root, so that an #include names the room.
 set(OCCAM_ROOMS "")
 
 function(occam_room name)

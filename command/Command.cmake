@@ -1,4 +1,4 @@
-# The executable `occam`, over the shared library.
+# Builds the executable `occam`, which is linked to the shared library.
 file(GLOB occam_command_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/command/*.cpp)
 target_sources(occam_cli PRIVATE ${occam_command_sources})
 occam_batches(occam_cli ${occam_command_sources})
@@ -6,7 +6,7 @@ target_include_directories(occam_cli PRIVATE ${PROJECT_SOURCE_DIR}/api/command)
 target_link_libraries(occam_cli PRIVATE occam occam_flags CLI11::CLI11 nlohmann_json::nlohmann_json)
 set_target_properties(occam_cli PROPERTIES OUTPUT_NAME occam)
 
-# What --version names, as it was found when this was configured.
+# Collects the names and versions of the libraries that --version prints.
 set(occam_libraries "oneTBB ${TBB_VERSION}, nlohmann json ${nlohmann_json_VERSION}, CLI11 ${CLI11_VERSION}, GLM ${glm_VERSION}")
 string(APPEND occam_libraries ", Highway ${hwy_VERSION}, tinygltf ${TinyGLTF_VERSION}, tinyobjloader ${tinyobjloader_VERSION}")
 foreach(header_of_library "OpenImageIO;OpenImageIO/oiioversion.h;OIIO_VERSION_" "OpenSubdiv;opensubdiv/version.h;OPENSUBDIV_VERSION_")
@@ -25,5 +25,5 @@ foreach(header_of_library "OpenImageIO;OpenImageIO/oiioversion.h;OIIO_VERSION_" 
 endforeach()
 set_source_files_properties(${PROJECT_SOURCE_DIR}/command/parse.cpp
   PROPERTIES COMPILE_DEFINITIONS "OCCAM_LIBRARIES=\"${occam_libraries}\""
-  # Reading arguments needs no speed, and the library that does it takes half a minute to optimise.
+  # Parsing arguments needs no speed, and CLI11 takes half a minute to optimise.
   COMPILE_OPTIONS "$<$<CONFIG:Release>:-O1>")

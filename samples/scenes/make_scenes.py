@@ -20,12 +20,12 @@ LENGTH = 2.4  # from the tip of the tail at z = -1.4 to the mouth at z = 1
 
 
 def rounded(x):
-    """Four decimals: what every C library agrees on."""
+    """Rounds to four decimals, in which every C library gives the same result."""
     return round(x, 4) + 0.0
 
 
 def profile(t):
-    """Half the width and half the height of the fish at t, from the tail (0) to the mouth (1)."""
+    """Returns half the width and half the height of the fish at t, from the tail (0) to the mouth (1)."""
     body = max(0.0, math.sin(math.pi * min(1.0, max(0.0, (t - 0.16) / 0.84)) ** 0.8)) ** 0.75
     fin = max(0.0, 1 - t / 0.24) ** 0.7
     return 0.015 + 0.2 * body, 0.05 + 0.4 * body + 0.36 * fin
@@ -134,7 +134,7 @@ def fish():
 
 def vase():
     around = 8
-    # Radius and height of each ring, from the foot up the outside and down the inside.
+    # The rings have a radius and a height, from the foot up the outside and down the inside.
     rings = [(0.62, 0), (0.55, 0.12), (0.98, 0.62), (0.9, 1.25), (0.42, 1.62), (0.66, 2.0),
              (0.58, 2.0), (0.34, 1.62), (0.8, 1.2), (0.86, 0.64), (0.45, 0.2)]
     lines = ["# Made by make_scenes.py.", "mtllib vase.mtl", "o vase"]
@@ -149,7 +149,7 @@ def vase():
             lines.append(f"f {a} {b} {b + around} {a + around}")
     lines.append("f " + " ".join(str(around - k) for k in range(around)))
     lines.append("f " + " ".join(str((len(rings) - 1) * around + k + 1) for k in range(around)))
-    # Tags count vertices from 0: two of them and a sharpness for each edge, where 10 is infinitely sharp.
+    # A tag holds two vertices, counted from 0, and the sharpness of the edge between them, where 10 is infinitely sharp.
     for ring, sharpness in ((0, 10), (5, 2), (6, 2)):
         for k in range(around):
             lines.append(f"t crease 2/1/0 {ring * around + k} {ring * around + (k + 1) % around} {sharpness:g}")

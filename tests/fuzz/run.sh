@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Gives each fuzz target its time: tests/fuzz/run.sh SECONDS [TARGET ...], after cmake --build --preset fuzz. As many at once as
-# there are processors. What was found lies in build/fuzz/findings; a target replays a file that is its only argument.
+# Runs each fuzz target for a given time: tests/fuzz/run.sh SECONDS [TARGET ...], after cmake --build --preset fuzz. As many run at
+# once as there are processors. Findings are in build/fuzz/findings; a target replays a file that is its only argument.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 seconds=${1:?usage: tests/fuzz/run.sh SECONDS [TARGET ...]}
@@ -13,7 +13,7 @@ shared=${OCCAM_SHARED:-../shared}
 rm -rf $build/seeds
 if [ -d "$shared/data" ]; then python3 tests/fuzz/seeds.py $build/seeds "$shared"; else python3 tests/fuzz/seeds.py $build/seeds; fi
 
-# A gibibyte is what a hostile file may take; freed blocks that the sanitizer holds back count as well, so it holds few.
+# A hostile file may take up to a gibibyte. Freed blocks that the sanitizer keeps in quarantine count as well, so it keeps few.
 fuzz() {
     local target=$1 build=build/fuzz status=0
     mkdir -p "$build/corpus/$target"

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Seeds for the fuzz targets: seeds.py FOLDER [SHARED]. One folder a target: a few tiny files of our own, and, if the shared test
-data is there, what of it is small enough to be mutated well."""
+"""Writes seeds for the fuzz targets: seeds.py FOLDER [SHARED]. Each target gets a folder with a few tiny files of our own and, if the
+shared test data is present, those of its files that are small enough to be mutated well."""
 import base64
 import json
 import pathlib
@@ -24,7 +24,7 @@ def png():
 
 
 def gltf(buffer):
-    """A scene with a bit of everything the importer reads."""
+    """Returns a scene with a bit of everything that the importer reads."""
     data_uri = "data:image/png;base64," + base64.b64encode(png()).decode()
     views = [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 6}]
     position = {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}
@@ -56,7 +56,7 @@ def gltf(buffer):
 
 
 def glb(text, binary):
-    """The form that the glb target puts into a container."""
+    """Returns the form that the target glb puts into a container."""
     return text + b"\0" + binary
 
 
@@ -87,7 +87,7 @@ def own_seeds():
 
 
 def parts(path):
-    """A glTF whose one buffer is a file beside it, as JSON and binary chunk; None if it is of another kind."""
+    """Returns a glTF whose only buffer is a file beside it, as JSON and binary chunk, or None for any other glTF."""
     try:
         scene = json.loads(path.read_bytes())
         uri = scene["buffers"][0].pop("uri")
