@@ -32,7 +32,7 @@ struct Asked {
 accel::Ray ray_of(const QueryRay& asked, const Asked& about)
 {
     accel::Ray ray;
-    ray.t_far = 0;  // a ray that meets nothing, for a direction without a length
+    ray.t_far = 0;  // if the direction has no length, the ray stays one that hits nothing
     const double length = glm::length(asked.direction);
     if (!(length > 0) || !std::isfinite(length) || !std::isfinite(glm::dot(asked.origin, asked.origin))) return ray;
     if (const auto& f = asked.footprint; f && !(f->width >= 0 && std::isfinite(f->width) && std::isfinite(f->spread)))
@@ -134,7 +134,7 @@ struct Query::State {
     int height;
     std::size_t memory_bytes;
     std::shared_ptr<SharedTopologies> topologies;
-    TextureStore textures;  // textures of displacement
+    TextureStore textures;  // holds the textures of displacement
     std::optional<Asked> asked;
     std::mutex mutex;  // guards the pool
     std::vector<std::unique_ptr<accel::Tracer>> idle;

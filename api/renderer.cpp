@@ -156,7 +156,7 @@ struct Job::State {
 
     std::string resumed;  ///< the checkpoint that the frame goes on from; empty while there is none
     Image image;
-    std::string checkpoint;  ///< of an unfinished frame
+    std::string checkpoint;  ///< empty unless the frame is unfinished
     FrameStats stats;
     std::exception_ptr error;
 

@@ -1,4 +1,4 @@
-// Memory that is released only all at once: what a worker builds for a frame.
+// Allocates memory that is released all at once: it holds what a worker builds for a frame.
 //
 // Memory   chunks of 256 KiB and more, kept across a reset() so that the next frame needs no memory from the system.
 // Threads  one owner at a time; other threads may call bytes() and read an ArenaVector's elements at the same time.

@@ -76,7 +76,7 @@ double atan_double(double x) noexcept  // x >= 0
         x = 1 / x;
         complement = true;
     }
-    if (x > 0.26794919243112270) {  // tan(pi/12): turn back by pi/6
+    if (x > 0.26794919243112270) {  // tan(pi/12): the angle is reduced by pi/6
         constexpr double kTan = 0.57735026918962576;
         x = (x - kTan) / (1 + x * kTan);
         base = kPiD / 6;

@@ -1,7 +1,7 @@
 // Renders a sequence, one frame after the other in one process, so that textures and topology are made once.
 //
 // A frame is either complete or absent: pictures appear under their names when they are finished (Image::write). So a run
-// that was killed is started again with the same arguments, and continues with the first frame that is missing.
+// that was killed can be started again with the same arguments, and continues with the first frame that is missing.
 #include <set>
 
 #include "arguments.h"
@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-// A list of statistics, each with its frame's number.
+// Collects the statistics of frames in a JSON list, each with the number of its frame.
 class SequenceStats {
 public:
     void add(int frame, const FrameStats& stats)
@@ -35,8 +35,9 @@ private:
     std::string text_;
 };
 
-// One exposure for the whole sequence, so that it does not flicker: the mean of what the first, the middle and the last
-// frame ask for, measured on small pictures. It depends on the list of frames alone, so that all shards find the same.
+// Returns one exposure for the whole sequence, so that it does not flicker: the mean of the exposures of the first, the
+// middle and the last frame, measured on small pictures. It depends on the list of frames alone, so all shards find the same
+// one.
 float measured_exposure(const AnimateArguments& a, Framing& framing, Scene& scene, Renderer& renderer)
 {
     if (a.settings.view != View::Beauty) return 0;
@@ -66,7 +67,7 @@ std::vector<std::string> new_ones(const std::vector<std::string>& warnings, std:
     return fresh;
 }
 
-// What a sequence is made from, and which of its frames are there already.
+// Knows what a sequence is made from, and which of its frames exist already.
 class Sequence {
 public:
     Sequence(const AnimateArguments& arguments, Scene& scene, Renderer& renderer)
@@ -77,7 +78,7 @@ public:
             write_.exposure_ev = measured_exposure(arguments, framing_, scene, renderer);
     }
     Framing& framing() { return framing_; }
-    /// The options of all frames: with the exposure of the sequence.
+    /// Returns the options of all frames, with the exposure of the sequence.
     const WriteOptions& write_options() const { return write_; }
 
     std::string note(int frame, const Settings& settings, const Camera& camera) const
@@ -85,8 +86,8 @@ public:
         return recipe_note(stamp_, {arguments_, write_, settings, camera, framing_.moment(frame)});
     }
 
-    /// The frames that are to be made. A frame that is no whole picture is among them, with a warning; throws Error for a
-    /// whole picture that would not be made like that now.
+    /// Returns the frames that have to be made. A file that is not a whole picture is made again, with a warning. Throws
+    /// Error for a whole picture that was made with other settings or from another scene.
     std::vector<int> missing(const std::vector<int>& frames)
     {
         std::vector<int> todo;
@@ -142,9 +143,9 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
                     " frames are there, whole and of these settings" + (missing.empty() ? ": nothing to do" : ""));
 
     SequenceStats all;
-    std::set<std::string> known_warnings;  // of the frames so far: each is said once
+    std::set<std::string> known_warnings;  // warnings of the frames so far; each is printed once
     for (const int frame : missing) {
-        // Another process may have made the frame since.
+        // Another process may have made the frame in the meantime.
         const fs::path file = a.pattern.file(frame);
         if (std::error_code ignored; !a.overwrite && fs::is_regular_file(file, ignored)) {
             ++done;
@@ -159,7 +160,7 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
         const HeldInterrupts held;
         const Settings settings = framing.settings(camera);
         Job job = renderer.start(scene, camera, settings);
-        // Half a frame is none: an interrupted one is not written.
+        // An interrupted frame is not written, since a frame is either complete or absent.
         if (wait_for(job, display, false, done, frames.size()) != Ending::Whole) {
             display.end();
             if (!a.stats.empty()) write_whole(a.stats, all.text());

@@ -15,7 +15,7 @@ void print(const render::Difference& d)
     std::printf("\n");
 }
 
-// Reports the limits that do not hold; a picture with pixels that cannot be compared meets none.
+// Reports the limits that are exceeded; a picture with pixels that cannot be compared exceeds all of them.
 bool meets_limits(const CompareArguments& a, const render::Difference& d)
 {
     bool all = true;

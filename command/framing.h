@@ -47,7 +47,7 @@ private:
 
 /// Says how waiting for a frame ended.
 enum class Ending : unsigned char {
-    Whole,        ///< nobody interrupted it
+    Whole,        ///< it was not interrupted
     Interrupted,  ///< it was interrupted, and the job has ended with what is done
     Abandoned     ///< it was interrupted with nothing to keep; the job may still run, so the process has to end without it
 };

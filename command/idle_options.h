@@ -1,4 +1,4 @@
-// Options that would do nothing beside the others that were given.
+// Finds options that have no effect together with the others that were given.
 #pragma once
 
 #include <set>

@@ -1,4 +1,4 @@
-// The command line's grammar; this is the only file that includes CLI11.
+// Defines the grammar of the command line. This is the only file that includes CLI11.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <functional>
@@ -13,7 +13,7 @@
 namespace occam::command {
 namespace {
 
-// Adds an option whose text `read` parses; an exception from it becomes a line about that option.
+// Adds an option whose text `read` parses. An exception that `read` throws becomes a line about that option.
 CLI::Option* add_value(CLI::App& app, const std::string& names, const std::string& what, const std::string& form,
                        std::function<void(const std::string&)> read)
 {
@@ -35,7 +35,7 @@ CLI::Option* add_number(CLI::App& app, const std::string& name, const std::strin
     return add_value(app, name, what, "NUMBER", [set = std::move(set)](const std::string& t) { set(number_of(t)); });
 }
 
-// A whole number, which may be written as 1e5.
+// Adds an option whose value is a whole number, which may be written as 1e5.
 template <class T>
 CLI::Option* add_whole(CLI::App& app, const std::string& name, T& value, std::uint64_t least, std::uint64_t most,
                        const std::string& what)
@@ -44,7 +44,7 @@ CLI::Option* add_whole(CLI::App& app, const std::string& name, T& value, std::ui
                      [&value, least, most](const std::string& t) { value = static_cast<T>(whole_of(t, least, most)); });
 }
 
-// A number that is not below 0.
+// Adds an option whose value is a number that is not below 0.
 CLI::Option* add_amount(CLI::App& app, const std::string& name, const std::string& what, std::function<void(double)> set)
 {
     return add_number(app, name, what, [set = std::move(set)](double v) {
@@ -110,18 +110,19 @@ void add_picture(CLI::App& app, RenderArguments& a)
               });
     add_whole(app, "--spp", s.spp, 1, render::kMaxSamples, "Samples a pixel [16]");
     add_switch(app, "--jitter", s.jitter, "off: every sample through the middle of its pixel [on]");
-    add_whole(app, "--light-samples", s.light_samples, 1, render::kMaxLightSamples, "Of each light at each hit [1]");
+    add_whole(app, "--light-samples", s.light_samples, 1, render::kMaxLightSamples, "Samples of each light at each hit [1]");
     std::map<std::string, FilterKind> filters;
     for (FilterKind kind : render::kAllFilters) filters.emplace(render::filter_name(kind), kind);
     add_choice<FilterKind>(app, "--filter", s.filter, filters, "Reconstruction filter [box]");
-    add_amount(app, "--filter-radius", "Half its width, pixels [what suits it]",
+    add_amount(app, "--filter-radius", "Half the filter's width, pixels [depends on the filter]",
                [&](double v) { s.filter_radius = float(v); });
     add_amount(app, "--error", "End a tile of pixels below this estimated relative error; --spp is then the most",
                [&](double v) { s.error = float(v); });
-    add_number(app, "--shading-rate", "Wanted micropolygon edge, pixels [1]", [&](double v) { s.shading_rate = float(v); });
-    add_choice<render::Lod>(app, "--lod", s.lod,
-                            {{"on", render::Lod::On}, {"off", render::Lod::Off}, {"frozen", render::Lod::Frozen}},
-                            "Level of detail: each ray's own; one a cage; secondary rays as at their origin [on]");
+    add_number(app, "--shading-rate", "Target edge length of micropolygons, pixels [1]",
+               [&](double v) { s.shading_rate = float(v); });
+    add_choice<render::Lod>(
+        app, "--lod", s.lod, {{"on", render::Lod::On}, {"off", render::Lod::Off}, {"frozen", render::Lod::Frozen}},
+        "Level of detail. on: for each ray; off: one for each cage; frozen: secondary rays keep that of their origin [on]");
     add_whole(app, "--seed", s.seed, 0, ~std::uint64_t(0), "The random numbers' seed [0]");
     add_amount(app, "--deadline", "Stop after so many seconds; all pixels have about as many samples by then",
                [&](double v) { s.deadline_s = v; });
@@ -144,13 +145,13 @@ void add_picture(CLI::App& app, RenderArguments& a)
     std::map<std::string, IntegratorKind> integrators;
     for (IntegratorKind kind : {IntegratorKind::Direct, IntegratorKind::Ao, IntegratorKind::Path})
         integrators.emplace(render::integrator_name(kind), kind);
-    add_choice<IntegratorKind>(app, "--integrator", s.integrator, integrators, "Light that is followed [path]");
+    add_choice<IntegratorKind>(app, "--integrator", s.integrator, integrators, "How light is computed [path]");
     add_whole(app, "--bounces", s.bounces, 0, render::kMaxBounces,
               "Most times that light is scattered; direct: mirrors in a row [8]");
     add_amount(app, "--clamp",
                "Limit light scattered twice or more to this radiance a sample: no fireflies, some light lost [0: off]",
                [&](double v) { s.clamp = float(v); });
-    add_amount(app, "--ao-distance", "How far ao looks, world length [to infinity]",
+    add_amount(app, "--ao-distance", "Length of the rays of ao, world length [infinite]",
                [&](double v) { s.ao_distance = float(v); });
     add_value(app, "--environment",
               "Light from all around: an image, daylight, or none [the scene's own; daylight and a lamp if nothing shines]",
@@ -159,9 +160,9 @@ void add_picture(CLI::App& app, RenderArguments& a)
                   s.sky = t == "sky" ? shade::Sky::On : t == "none" ? shade::Sky::Off : shade::Sky::Auto;
                   if (a.has_environment) a.environment = t;
               });
-    add_amount(app, "--environment-strength", "Its brightness times this [1]",
+    add_amount(app, "--environment-strength", "Factor of the environment's brightness [1]",
                [&](double v) { a.environment_strength = s.sky_strength = float(v); });
-    add_number(app, "--environment-rotation", "Degrees about +y [0]",
+    add_number(app, "--environment-rotation", "Rotation of the environment about +y, degrees [0]",
                [&](double v) { a.environment_rotation_deg = float(v); });
     add_choice<render::ShadeAt>(app, "--shade", s.shade_at,
                                 {{"vertex", render::ShadeAt::Vertex}, {"hit", render::ShadeAt::Hit}},
@@ -321,7 +322,7 @@ void apply_quality(const CLI::App& app, Settings& s)
     if (!app.count("--shading-rate")) s.shading_rate = quality.shading_rate;
 }
 
-// Says on standard error which option would do nothing, if there is one.
+// Prints on standard error the first option that has no effect, and returns false if there is one.
 bool all_have_effect(const CLI::App& app, const RenderArguments& a)
 {
     std::set<std::string> given;
@@ -336,7 +337,7 @@ bool all_have_effect(const CLI::App& app, const RenderArguments& a)
     return true;
 }
 
-// What only the whole of the words decides.
+// Sets what depends on several arguments at once.
 Arguments finished(AnimateArguments a, bool has_shard)
 {
     try {

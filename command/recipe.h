@@ -1,7 +1,8 @@
-// What a picture was made with, as a number: so that a picture that is there can be told from one that would be made now.
+// Computes a number from everything that a picture was made with, so that a picture that exists already can be told from one
+// that would be made now.
 //
-// The number follows from the version, the settings, the camera, the moment, the scene's file and what came out of it. It
-// does not follow from threads, budgets or folders. Pictures carry it in their heads (WriteOptions::note).
+// The number depends on the version, the settings, the camera, the moment, the scene's file and what was read from it. It
+// does not depend on threads, budgets or folders. Pictures have it in their heads (WriteOptions::note).
 #pragma once
 
 #include <cstdint>
@@ -11,10 +12,10 @@
 
 namespace occam::command {
 
-/// The part of it that all pictures of one scene share. Reads the scene's file once more.
+/// Returns the part of the number that all pictures of one scene share. Reads the scene's file once more.
 std::uint64_t scene_stamp(Scene& scene, const RenderArguments& arguments);
 
-/// What a picture is made with, beside the scene.
+/// Holds what a picture is made with, besides the scene.
 struct Recipe {
     const RenderArguments& arguments;
     const WriteOptions& write;
@@ -25,12 +26,12 @@ struct Recipe {
 /// Returns the note of a picture: "Occam 0.1.0, recipe 0123456789abcdef".
 std::string recipe_note(std::uint64_t scene_stamp, const Recipe& recipe);
 
-/// A file that stands where a picture is to be made.
+/// Describes the file that exists where a picture is to be made.
 struct FoundPicture {
     enum class State : unsigned char {
         Missing,
         Same,    ///< whole, of the right size, and with this note or without one
-        Broken,  ///< no whole picture
+        Broken,  ///< not a whole picture
         Other    ///< a whole picture of another size or recipe
     } state = State::Missing;
     std::string why;  ///< says what is broken or other

@@ -15,7 +15,8 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-// The file beside a picture from which it can go on: the note of what it is of, a line, then the engine's checkpoint.
+// The file beside a picture from which the picture can be continued. Its first line is the note of the picture, and the
+// engine's checkpoint follows.
 class CheckpointFile {
 public:
     explicit CheckpointFile(const RenderArguments& a) : arguments_(a), file_(a.output)
@@ -24,7 +25,8 @@ public:
         if (a.keeps_checkpoint()) remove_unfinished(std::span(&file_, 1));
     }
 
-    /// What the picture goes on from; empty if it starts anew. Throws Error for the checkpoint of another picture.
+    /// Returns the checkpoint from which the picture continues; empty if it starts anew. Throws Error for the checkpoint of
+    /// another picture.
     std::string read(const std::string& note) const
     {
         std::error_code ignored;
@@ -76,7 +78,7 @@ int run(const RenderArguments& a)
     const auto edit_start = Clock::now();
     const std::uint64_t stamp = scene_stamp(scene, a);
     Framing framing(scene, a);
-    if (a.frame || a.time || !a.clip.empty()) framing.fit_clip();  // as in a sequence of these frames
+    if (a.frame || a.time || !a.clip.empty()) framing.fit_clip();  // the camera is that of a sequence
     framing.pose();
     const Camera camera = framing.camera();
     Settings settings = framing.settings(camera);

@@ -15,7 +15,7 @@ Vec4d normalised(Vec4d q) noexcept
     return length > 0 ? q / length : Vec4d(0, 0, 0, 1);
 }
 
-// Parts of a CUBICSPLINE key: in-tangent, value, out-tangent.
+// Names the parts of a CUBICSPLINE key.
 enum KeyElement : std::size_t { InTangent, Value, OutTangent };
 
 class Keys {
@@ -38,7 +38,7 @@ private:
 
 }  // namespace
 
-// glTF 2.0, sec. 3.5.3: scale, then rotation, then translation.
+// The transform scales first, then rotates, then translates (glTF 2.0, sec. 3.5.3).
 Mat4d Trs::matrix() const noexcept
 {
     const double x = rotation.x, y = rotation.y, z = rotation.z, w = rotation.w;
@@ -52,7 +52,7 @@ Vec4d slerp(Vec4d a, Vec4d b, double t) noexcept
 {
     if (glm::dot(a, b) < 0) b = -b;
     const Vec4d across = a - b, along = a + b;
-    // Half the angle from its tangent: exact for small angles too, where its cosine is not.
+    // Half the angle comes from its tangent, which is exact for small angles too; its cosine is not.
     const float half = maths::atan2(static_cast<float>(std::sqrt(glm::dot(across, across))),
                                     static_cast<float>(std::sqrt(glm::dot(along, along))));
     const double sine = double(maths::sin(2 * half));
@@ -105,7 +105,7 @@ void evaluate(const Channel& channel, double seconds, std::span<double> values) 
         for (std::size_t c = 0; c < values.size(); ++c) values[c] = keys.at(k, c) * (1 - t) + keys.at(k + 1, c) * t;
         return;
     }
-    // Hermite's cubic; tangents are a second's (glTF 2.0, appendix C, "cubic spline interpolation").
+    // This is Hermite's cubic; tangents are changes per second (glTF 2.0, appendix C, "cubic spline interpolation").
     const double t2 = t * t, t3 = t2 * t;
     for (std::size_t c = 0; c < values.size(); ++c)
         values[c] = (2 * t3 - 3 * t2 + 1) * keys.at(k, c) + duration * (t3 - 2 * t2 + t) * keys.at(k, c, OutTangent) +

@@ -75,7 +75,7 @@ private:
                 "a skin binding must have one entry a vertex and set");
     }
 
-    // A vertex that cannot be used takes its faces with it, and then lies on a usable one so that bounds stay true.
+    // Moves each vertex that cannot be used onto a usable one, so that bounds stay right. Its faces are dropped later.
     void mend_positions()
     {
         std::vector<Vec3f>& positions = cage_.positions;
@@ -92,7 +92,7 @@ private:
         report(count, "vertices are not finite or beyond 1e12");
     }
 
-    // The limits of what is subdivided: corners of a face, and faces around a vertex. The limit surface at such a place
+    // A subdivided cage may have this many corners of a face and faces around a vertex. The limit surface at such a place
     // depends on all of them, and OpenSubdiv's tables for it grow with their square: 4096 would take more than 10 GB.
     static constexpr std::uint32_t kMaxSubdividedCorners = 512, kMaxSubdividedValence = 512;
 
@@ -114,7 +114,7 @@ private:
             const std::uint32_t before = face[c == 0 ? face.size() - 1 : c - 1];
             if (face[c] == before && face.size() > 1) continue;
             ++different;
-            // The first corner of a run is met again as the last one if the run goes over the end: that is `before` above.
+            // A run of equal corners that goes over the end of the face is skipped at its beginning, by `before` above.
             is_twice_apart |= stamp_of_[face[c]] == stamp;
             stamp_of_[face[c]] = stamp;
         }
@@ -122,7 +122,7 @@ private:
         return different == face.size() ? Verdict::Keep : Verdict::Collapse;
     }
 
-    // The common case, in one pass without a table.
+    // Checks the common case in one pass without a table.
     bool are_good_triangles() const
     {
         if (cage_.scheme != Scheme::Triangles || !unusable_.empty()) return false;
@@ -166,7 +166,7 @@ private:
                "faces dropped: more than 512 of them meet at a vertex, which cannot be subdivided");
     }
 
-    // Drops the faces around vertices that too many faces of a subdivided cage share.
+    // Drops the faces around each vertex that too many faces of a subdivided cage share.
     void drop_poles(std::vector<Verdict>& verdicts) const
     {
         if (cage_.scheme != Scheme::CatmullClark) return;
@@ -187,7 +187,7 @@ private:
         });
     }
 
-    // Moves what is kept to the front; holes follow their faces.
+    // Moves the faces that are kept to the front, and renumbers the holes.
     void keep_faces(const std::vector<Verdict>& verdicts)
     {
         constexpr std::uint32_t kDropped = 0xffffffff;
@@ -223,7 +223,7 @@ private:
         if (!cage_.face_slots.empty()) cage_.face_slots.resize(face_to);
         std::vector<std::uint32_t> holes;
         for (std::uint32_t hole : cage_.holes) {
-            if (hole >= new_face.size()) holes.push_back(kDropped);  // out of range: counted with the other tags
+            if (hole >= new_face.size()) holes.push_back(kDropped);  // a hole out of range is counted with the other tags
             else if (new_face[hole] != kDropped) holes.push_back(new_face[hole]);
         }
         cage_.holes = std::move(holes);
@@ -232,7 +232,7 @@ private:
     void mend_tags()
     {
         const std::size_t vertices = cage_.positions.size();
-        const auto is_sharpness = [](float s) { return s >= 0; };  // false for NaN
+        const auto is_sharpness = [](float s) { return s >= 0; };  // this is false for NaN
         std::size_t dropped = std::erase_if(cage_.creases, [&](const Crease& crease) {
             return crease.v0 >= vertices || crease.v1 >= vertices || crease.v0 == crease.v1 ||
                    !is_sharpness(crease.sharpness);
@@ -250,7 +250,7 @@ private:
         cage_.holes.erase(std::unique(cage_.holes.begin(), cage_.holes.end()), cage_.holes.end());
     }
 
-    // A normal without a direction becomes the mean of the triangles around its vertex, weighted by area.
+    // Replaces a normal without a direction by the mean of the triangles around its vertex, weighted by area.
     void mend_normals()
     {
         if (cage_.scheme != Scheme::Triangles) cage_.normals.clear();
@@ -351,8 +351,8 @@ private:
 
     Cage& cage_;
     std::vector<std::string> lines_;
-    std::vector<bool> unusable_;           // by vertex; empty: none
-    std::vector<std::uint32_t> stamp_of_;  // by vertex: 1 + the last face that came by
+    std::vector<bool> unusable_;           // one for each vertex; empty if all are usable
+    std::vector<std::uint32_t> stamp_of_;  // for each vertex, 1 + the last face that visited it
 };
 
 }  // namespace

@@ -17,7 +17,7 @@ class Crowding {
 public:
     explicit Crowding(const Cage& cage) : cage_(cage), is_crowded_(cage.positions.size()) {}
 
-    /// Indexed by vertex; empty if there are none.
+    /// Returns a flag for each vertex; the result is empty if no flag is set.
     const std::vector<bool>& run()
     {
         if (!find_pairs()) return none_;
@@ -67,7 +67,8 @@ private:
             for (std::size_t c = 0; c < face.size(); ++c) ++edges_[edge_key(face[c], face[(c + 1) % face.size()])];
         });
     }
-    // Ends of edges that have not two faces, and vertices whose corners have different texture coordinates.
+    // Finds the ends of edges whose number of faces is not two, and vertices whose corners have different texture
+    // coordinates.
     void find_borders()
     {
         is_border_.assign(cage_.positions.size(), false);
@@ -84,7 +85,7 @@ private:
     }
 
     const Cage& cage_;
-    std::vector<std::uint32_t> corners_;  // by vertex: its number of faces
+    std::vector<std::uint32_t> corners_;  // the number of faces of each vertex
     std::unordered_map<std::uint64_t, int> edges_;
     std::vector<bool> is_border_, is_crowded_, none_;
     bool any_ = false;

@@ -23,7 +23,7 @@ Camera Camera::look_at(Vec3d eye, Vec3d target, Vec3d up, float fov)
     if (!(fov > 0 && fov < maths::kPi)) throw Error("", "a camera's vertical angle must be in (0, pi)", "look_at");
     const Vec3d back = to_eye / distance;
     Vec3d right = glm::cross(up, back);
-    // Looking along `up`: any right angle will do, as long as it is always the same.
+    // If the camera looks along `up`, any direction to the right will do, as long as it is always the same.
     if (!(length_of(right) > 1e-9 * length_of(up)))
         right = glm::cross(std::abs(back.z) < 0.9 ? Vec3d(0, 0, 1) : Vec3d(1, 0, 0), back);
     right = right / length_of(right);
@@ -41,8 +41,8 @@ Camera Camera::framing(const Box3d& bounds, float aspect)
     const Vec3d half = bounds.is_empty() ? Vec3d(1) : bounds.extent() * 0.5;
     Camera camera = look_at(centre + direction, centre, {0, 1, 0}, CameraLens().fov);
 
-    // A corner c (relative to the centre, camera axes) is in sight when |c.x| <= (d - c.z) k aspect and
-    // |c.y| <= (d - c.z) k.
+    // A corner c (relative to the centre, in camera axes) is visible if |c.x| <= (d - c.z) k aspect and |c.y| <= (d - c.z)
+    // k.
     const double k = double(maths::tan(camera.lens.fov * 0.5f));
     const double k_x = k * double(aspect > 0 && std::isfinite(aspect) ? aspect : 1.0f);
     double distance = 0;

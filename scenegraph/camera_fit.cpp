@@ -12,7 +12,7 @@ namespace {
 
 double length_of(Vec3d v) noexcept { return std::sqrt(glm::dot(v, v)); }
 
-// The direction from the scene to the eye, by right, up and front.
+// Returns the direction from the scene to the eye, in components along right, up and front.
 Vec3d direction_of(ViewFrom side) noexcept
 {
     switch (side) {
@@ -47,7 +47,7 @@ CameraFit::CameraFit(ViewFrom side, Vec3d up, float fov, float aspect) : fov_(fo
     const Vec3d right = glm::cross(up, front), d = direction_of(side);
     back_ = right * d.x + up * d.y + front * d.z;
     back_ = back_ / length_of(back_);
-    // A picture from the top or the bottom has the front at its lower or its upper border.
+    // A picture from the top has the front at its lower border, and one from the bottom at its upper border.
     const Vec3d upwards = side == ViewFrom::Top ? -front : side == ViewFrom::Bottom ? front : up;
     right_ = glm::cross(upwards, back_);
     right_ = right_ / length_of(right_);
@@ -81,10 +81,11 @@ Camera CameraFit::camera() const
         for (int i = 0; i < 8; ++i) unit.add(Vec3d(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
         return unit.camera();
     }
-    // A point lies left of the right side where c.x <= eye.x + (eye.z - c.z) slope_x, so that eye.x + slope_x eye.z has to
-    // be right_most_ or more. The other three sides likewise: the sum of two opposite ones is free of eye.x.
+    // A point lies left of the right side of the view if c.x <= eye.x + (eye.z - c.z) slope_x, so eye.x + slope_x eye.z has
+    // to be at least right_most_. The other three sides give similar bounds, and eye.x drops out of the sum of two opposite
+    // ones.
     double z = std::max((right_most_ + left_most_) / (2 * slope_x_), (highest_ + lowest_) / (2 * slope_y_));
-    // A needle that points at the eye fits at any distance. The eye keeps off it.
+    // A needle that points at the eye fits at any distance, so the eye keeps a distance from it.
     const Vec3d extent = box_.extent();
     const double spread = std::max({extent.x, extent.y, extent.z});
     z = std::max(z, box_.hi.z + (spread > 0 ? 0.02 * spread : std::max(1.0, 1e-6 * box_.largest_coordinate())));

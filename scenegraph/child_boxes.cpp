@@ -16,7 +16,7 @@ void ChildBoxes::resize(std::size_t children)
     for (std::uint32_t block = 0; block < blocks; ++block) touch_block(block);
 }
 
-// A level at a time, so that what lies above many of them is made once.
+// Goes up level by level, so that a box above several changed ones is made only once.
 std::size_t ChildBoxes::refit_above()
 {
     for (const std::uint32_t block : stale_) is_stale_[block] = false;

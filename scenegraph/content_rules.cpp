@@ -7,7 +7,7 @@
 namespace occam {
 namespace {
 
-// Checks the values of one object, each once.
+// Checks the values of one object.
 class Rules {
 public:
     Rules(const char* kind, const std::string& name) : where_(name.empty() ? kind : std::string(kind) + " '" + name + "'") {}
@@ -52,7 +52,7 @@ void check(const Material& m)
     rules.at_least_0(m.specular, "the specular share");
     rules.at_least_0(m.ior, "the index of refraction");
     rules.at_least_0(m.thickness, "the thickness");
-    // A distance of infinity is glTF's default, and is a clear body.
+    // An infinite distance is glTF's default, and makes the body clear.
     rules.require(m.attenuation_distance >= 0, "the attenuation distance", "0 or more");
     rules.finite(m.normal_scale, "the scale of the normal map");
     rules.finite(m.bump_scale, "the scale of the bump map");

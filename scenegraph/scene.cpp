@@ -1,5 +1,5 @@
-// Nodes of a scene: adding, removing, placing, finding. What nodes refer to is in scene_content.cpp, bounds in
-// scene_bounds.cpp.
+// Adds, removes, places and finds the nodes of a scene. The objects that nodes refer to are in scene_content.cpp, and bounds
+// in scene_bounds.cpp.
 #include "scenegraph/scene.h"
 
 #include <cmath>
@@ -35,7 +35,7 @@ Mat4d rigid(const Mat4d& m)
 
 std::uint32_t next_scene_generation() noexcept
 {
-    // An odd number times the scene's, modulo 2^32: all are different, and neighbours lie far apart.
+    // The scene's number is multiplied by an odd number modulo 2^32, so all results differ, and neighbours lie far apart.
     static std::atomic<std::uint32_t> scenes{0};
     return scenes.fetch_add(1, std::memory_order_relaxed) * 0x9E3779B1u;
 }
@@ -69,7 +69,7 @@ NodeId Scene::add_node(NodeId parent, NodeDesc desc)
     static_cast<NodeDesc&>(record) = std::move(desc);
     record.parent = parent;
     record.parent_from_node = parent_from_node;
-    record.dirty = false;  // mark_dirty() has to climb from here
+    record.dirty = false;  // mark_dirty() stops at dirty nodes, so this one must be clean
     const NodeId id = s.nodes.add(std::move(record));
 
     const auto is_alive = [&](NodeId known) { return s.nodes.find(known) != nullptr; };
@@ -102,9 +102,9 @@ void Scene::remove(NodeId id)
         const State::NodeRecord& node = *s.nodes.find(next);
         for (const NodeId child : node.children)
             if (child) todo.push_back(child);
-        // Elsewhere a part of the subtree may be on show: those placements lose it.
+        // Instances elsewhere that show a part of the subtree lose it.
         for (NodeId instance : node.instances.ids()) s.mark_dirty(instance);
-        s.place_changed(next, node);  // it may be a joint of what stays
+        s.place_changed(next, node);  // the node may be a joint of a skin that stays
         if (const auto copy = s.posed.find(next); copy != s.posed.end()) {
             for (const SkinId skin : copy->second.skins) s.skins.remove(skin);
             s.posed.erase(copy);

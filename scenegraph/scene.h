@@ -50,9 +50,9 @@ struct NodeDesc {
 /// A node as the engine reads it.
 struct Node : NodeDesc {
     NodeId parent;
-    std::vector<NodeId> children;  ///< in the order of addition; a node with many has null handles where some were removed
+    std::vector<NodeId> children;  ///< in order of addition; a node with many has null handles where some were removed
     Mat4d parent_from_node{1};
-    Box3d bounds;             ///< of the subtree and of instance_of, in the node's own axes; valid after Scene::refit()
+    Box3d bounds;             ///< holds the subtree and instance_of, in the node's own axes; valid after Scene::refit()
     Mat4d node_from_skin{1};  ///< for a skinned node, from the axes of SkinSlot::mesh_poses; valid after Scene::refit()
     bool dirty = true;        ///< the bounds of this node and of all its ancestors are out of date
 };
@@ -76,7 +76,7 @@ struct CageSlot {
 /// A skin and the poses of its joints.
 struct SkinSlot {
     Skin skin;
-    NodeId base;                    ///< lowest common ancestor of all joints; none: above the root
+    NodeId base;                    ///< lowest common ancestor of all joints; null if it lies above the root
     std::vector<Mat4d> mesh_poses;  ///< base_from_mesh of each joint; valid after Scene::refit(). A removed joint: identity
 };
 
@@ -112,8 +112,8 @@ public:
     /// Poses the clips' nodes. Nodes that an earlier pose() moved and that these clips do not move return to their rest
     /// values. A value that the application sets itself becomes the new rest value. Several clips that move the same
     /// property are blended by their weighted mean (rotations along the shorter arc). Seconds must be finite, and weights
-    /// finite and at least 0. of   if null, the clips move the nodes they name; if a node that copy() made, they move the
-    /// counterparts in that copy
+    /// finite and at least 0. If `of` is null, the clips move the nodes that they name; if it is a node that copy() made,
+    /// they move the counterparts in that copy.
     void pose(std::span<const ClipAt> clips, NodeId of = {});
     void pose(ClipId clip, double seconds);
     /// Copies the subtree below `parent`. The nodes and the skins whose joints lie in the subtree are new, and the rest is

@@ -1,4 +1,4 @@
-// Clips written into nodes, and copies of subtrees that are posed by themselves.
+// Writes the values of clips into nodes, and copies subtrees so that each copy has a pose of its own.
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -9,7 +9,7 @@
 namespace occam {
 namespace {
 
-// What the clips say of one node: weighted sums.
+// Holds the weighted sums of the values that clips give to one node.
 struct Sum {
     Vec3d translation{0}, scale{0};
     Vec4d rotation{0};

@@ -1,4 +1,4 @@
-// Which bounds an edit puts out of date, and how they are brought up to date.
+// Marks the bounds that an edit puts out of date, and brings them up to date.
 #include <unordered_set>
 
 #include "scenegraph/scene_state.h"
@@ -30,7 +30,7 @@ void Scene::State::leave_parent(const NodeRecord& node)
     NodeRecord& parent = *nodes.find(node.parent);
     touch_in_parent(node);
     parent.children[node.place_among_siblings] = NodeId();
-    // Gaps are closed where there are few children, or as many gaps as children: a constant cost for each removal.
+    // Gaps are closed if there are few children, or as many gaps as children, so the mean cost of a removal is constant.
     if (++parent.removed_children * 2 < parent.children.size() && parent.children.size() > kManyChildren) return;
     std::erase(parent.children, NodeId());
     parent.removed_children = 0;
@@ -63,7 +63,7 @@ bool Scene::State::is_shown_by(NodeId below, NodeId above) const
 Box3d grown_by_displacement(const Cage& cage, const Box3d& box) noexcept
 {
     if (box.is_empty() || !cage.is_displaced()) return box;
-    const double bound = double(cage.displacement->bound) * (1 + 0x1p-18);  // what is displaced is rounded
+    const double bound = double(cage.displacement->bound) * (1 + 0x1p-18);  // displaced points are rounded
     return {box.lo - bound, box.hi + bound};
 }
 
@@ -117,8 +117,8 @@ void Scene::State::push_below(NodeRecord& node, std::vector<RefitStep>& todo) co
     if (node.instance_of) todo.push_back({node.instance_of, false});
 }
 
-// Depth first without recursion, since an untrusted tree may be deep. add_node() keeps the graph free of cycles; a node
-// that is reached twice is clean the second time.
+// Visits nodes depth first without recursion, since an untrusted tree may be deep. add_node() keeps the graph free of
+// cycles, and a node that is reached twice is clean the second time.
 std::size_t Scene::refit()
 {
     State& s = *state_;

@@ -1,4 +1,5 @@
-// What the nodes of a scene refer to: cages, materials, textures, lights, cameras, skins, clips.
+// Adds, replaces and removes the objects that the nodes of a scene refer to: cages, materials, textures, lights, cameras,
+// clips.
 #include <atomic>
 
 #include "scenegraph/content_rules.h"
@@ -8,7 +9,8 @@ namespace occam {
 
 namespace {
 
-// Renderers use this as a key for cached data across frames and scenes, so it counts for the whole process.
+// Returns a number that is unique in the process, since renderers use it as a key for data that they keep across frames and
+// scenes.
 std::uint64_t next_identity() noexcept
 {
     static std::atomic<std::uint64_t> last{0};

@@ -1,7 +1,8 @@
-// Where a skin's joints are, and which nodes' places that depends on.
+// Finds where the joints of skins are, and which nodes an edit of a joint affects.
 //
-// A skin's base is the lowest node above all its joints: moving the base, or what is above, moves a character as a whole and
-// leaves its poses. Nodes below it know the skin, so that moving a joint finds the nodes that wear it: O(depth) an edit.
+// The base of a skin is the lowest node above all its joints. Moving the base, or a node above it, moves a character as a
+// whole and leaves its pose as it is. The nodes between the joints and the base know the skin, so an edit that moves a joint
+// finds the nodes that use the skin in O(depth).
 #include "scenegraph/scene_state.h"
 
 namespace occam {
@@ -59,7 +60,8 @@ void Scene::State::link_skin(SkinId id)
         for (NodeId at = joint; at && at != skin.base; at = nodes.find(at)->parent) {
             NodeRecord& node = *nodes.find(at);
             if (!node.dependents) node.dependents = std::make_unique<Dependents>();
-            if (!node.dependents->skins.empty() && node.dependents->skins.back() == id) break;  // from here on known
+            // An earlier joint has registered this node and all nodes above it.
+            if (!node.dependents->skins.empty() && node.dependents->skins.back() == id) break;
             node.dependents->skins.push_back(id);
         }
 }
@@ -81,7 +83,7 @@ Mat4d Scene::State::node_from_skin(NodeId id, const SkinRecord& skin) const
 {
     const NodeId top = skin.base ? lowest_common(id, skin.base) : NodeId();
     const Mat4d top_from_node = path(top, id);
-    // A node that is scaled to zero shows nothing.
+    // A node that is scaled to zero shows nothing, so all of its points may collapse.
     const double size = glm::determinant(Mat3d(top_from_node));
     if (size == 0 || !std::isfinite(size)) return {Vec4d(0), Vec4d(0), Vec4d(0), Vec4d(0, 0, 0, 1)};
     return glm::inverse(top_from_node) * path(top, skin.base);
@@ -94,7 +96,7 @@ void Scene::State::pose_skin(SkinRecord& skin) const
     std::vector<bool> is_known(count, false);
     std::vector<std::size_t> todo;
     for (std::size_t j = 0; j < count; ++j) {
-        // Joints above first: most files have them in that order, and then nothing waits.
+        // Parents are posed before their children. Most files list them in that order, so `todo` rarely holds more than one.
         for (std::size_t at = j; !is_known[at];) {
             todo.push_back(at);
             if (skin.parent_joint[at] < 0) break;
@@ -123,7 +125,7 @@ void Scene::State::pose_skin(SkinRecord& skin) const
 
 void Scene::State::place_changed(NodeId id, const NodeRecord& node)
 {
-    // The node's own box is in its own axes and stays; only a root has no node above it to notify.
+    // The box of the node is in its own axes and stays valid, so the parent is marked. Only the root has no parent.
     touch_in_parent(node);
     mark_dirty(node.parent ? node.parent : id);
     if (!node.dependents) return;

@@ -120,7 +120,7 @@ struct Scene::State {
     SceneTable<SkinRecord, SkinTag> skins{generation};
     SceneTable<Clip, ClipTag> clips{generation};
     std::vector<ClipId> clip_order;
-    std::unordered_map<NodeId, Posed> posed;  ///< by copy; a null handle stands for the scene itself
+    std::unordered_map<NodeId, Posed> posed;  ///< for each copy; the key of the scene itself is a null handle
     NodeId root;
     mutable std::atomic<int> frames{0};  ///< number of FrameLocks alive
 
