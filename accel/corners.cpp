@@ -12,7 +12,7 @@ namespace {
 
 using OwnBlend = VertexBlendOf<float>;
 
-// Holds a vertex of a lattice as a ray sees it, and its share of the coarse position.
+// Returns a vertex of a lattice as a ray sees it, and sets `weight` to its share of the coarse position.
 Vec3f blended(const IGrid& grid, const OwnBlend& blend, std::uint32_t vertex, float& weight) noexcept
 {
     const Vec3f f = grid.fine_at(vertex);
@@ -67,7 +67,7 @@ const Material* material_of(const Scene& scene, const lod::PosedCage& cage, std:
 OCCAM_NEVER_INLINE void shade(const IGrid& grid, IGridPart& part, const PhaseOneTools& tools)
 {
     const MaybeLock lock(tools.building);
-    if (part.is_shaded) return;  // another thread has shaded it meanwhile
+    if (part.is_shaded) return;  // another thread has shaded it in the meantime
     const Stopwatch watch(tools.counters.shade_seconds);
     part.attributes = tools.dicer.shade(*grid.cage, part.tile, grid.blends() ? part.coarser() : part.tile.rates,
                                         tools.arena);

@@ -31,18 +31,18 @@ public:
         FlushGate* gate_;
     };
 
-    /// Marks a safe point of a worker that is inside. Afterwards the data behind the gate may be another worker's, or
-    /// may be empty.
+    /// Marks a safe point of a worker that is inside. During the call another worker may drop the data, so afterwards
+    /// nothing that was found in them before is valid.
     void pass()
     {
         if (!is_wanted_.load(std::memory_order_relaxed)) return;
         leave();
         enter();
     }
-    /// Returns the number of flushes so far. The value holds inside the gate, until the next safe point.
+    /// Returns the number of flushes so far. A worker that is inside sees the same value until its next safe point.
     std::uint64_t flushes() const noexcept { return flushes_; }
-    /// Calls drop() while no worker is inside, unless another worker has flushed since `seen`. The caller is inside;
-    /// the call is a safe point.
+    /// Waits until no worker is inside and calls drop(), unless another worker has done so since flushes() was `seen`.
+    /// The caller is inside before and after; the call is a safe point.
     template <class Drop>
     void flush(std::uint64_t seen, Drop&& drop)
     {
@@ -61,7 +61,7 @@ public:
     }
 
 private:
-    // The turn is taken first: a worker that wants to flush keeps others from entering before it does.
+    // Takes the turn first, so that a worker that waits to flush keeps others from entering.
     void enter()
     {
         const std::lock_guard turn(turn_);

@@ -8,7 +8,7 @@
 namespace occam::accel {
 namespace {
 
-/// The farthest that any placed cage is displaced, world length.
+/// Returns the largest distance by which any placed cage is displaced, in world length.
 float farthest_displaced(const Scene& scene)
 {
     double farthest = 0;

@@ -180,7 +180,8 @@ struct Starts {
     }
 };
 
-// The place is in quads. A gap triangle is a line without width: the quad beside it stands in for it.
+// Returns the place of a hit within its part, in quads. For a gap triangle, which has no width, it is the corner of the quad
+// beside it.
 Vec2d place_in_part(const GridHit& met, const MicropolygonPlace& spot, Vec3f share) noexcept
 {
     Vec2d at(spot.i, spot.j);
@@ -200,7 +201,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
              SurfaceHit* const* hits)
 {
     const std::size_t n = rays.size();
-    // These values are read ray by ray.
+    // The following values are read ray by ray.
     MicropolygonPlace spots[kLanes];
     alignas(32) FloatLanes t{}, mirrored{}, set_of_map{}, radius{};
     unsigned gaps = 0, coarse_starts = 0;
@@ -309,7 +310,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
     put(tangent.along.x, tangent.along.y, tangent.along.z, blend, offsetof(SurfaceHit, tangent));
     put(uv_at[0][0], uv_at[0][1], uv_at[1][0], uv_at[1][1], offsetof(SurfaceHit, uv));
 
-    // Few rays start anywhere but where they have hit a surface.
+    // For most hits secondary rays start on the micropolygon that was hit.
     const vfloat least_height = vfloat(kEdgeUlps * FLT_EPSILON) * farthest;
     const vfloat nearest = min(min(share[0], share[1]), share[2]),
                  longest_edge = max(largest(tri.edge[0]), largest(tri.edge[1]));

@@ -76,13 +76,13 @@ struct PhaseOneTools {
 /// Returns whether the micropolygon is a gap triangle, which has no area.
 inline bool is_gap(std::uint32_t id) noexcept { return (id & kGapBit) != 0; }
 inline bool is_gap(const GridHit& met) noexcept { return is_gap(met.id); }
-/// Returns the micropolygon itself, or the one that a gap triangle stands for.
+/// Returns the number of the micropolygon; for a gap triangle, that of the micropolygon beside it.
 inline std::uint32_t number_of(const IGrid& grid, std::uint32_t id) noexcept
 {
     return is_gap(id) ? grid.hanging_quads[id & ~kGapBit] : id;
 }
 
-/// Locates the micropolygon that a ray has hit, or the one that a gap triangle stands for.
+/// Locates the micropolygon that a ray has hit, or the one beside the gap triangle that it has hit.
 struct MicropolygonPlace {
     std::uint32_t number;
     std::uint32_t face;  ///< face index in the cage

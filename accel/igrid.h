@@ -82,11 +82,11 @@ struct GridBounds {
 /// Describes one patch of a lattice: a tile of it, or all of a small patch.
 struct IGridPart {
     lod::TileRef tile;
-    lod::GridAttributes attributes;  ///< made at the first hit, as is the material:
+    lod::GridAttributes attributes;  ///< made at the first hit, like the material
     const Material* material = nullptr;
-    bool is_shaded = false;  ///< published, as are values and channels:
-    const float* values[2] =
-        {};  ///< VertexShader's, of the fine and of the coarse level; null: not made (accel/vertex_values.h)
+    bool is_shaded = false;  ///< published, like values and channels
+    /// The values of VertexShader for the fine and the coarse level (accel/vertex_values.h); null until they are made.
+    const float* values[2] = {};
     std::int8_t channels = -1;      ///< floats per vertex in these values; negative until it is first asked for
     bool is_transposed = false;     ///< rows run along v
     bool is_halved = false;         ///< the patch has half as many rows and columns in the pair's coarser level
@@ -94,7 +94,7 @@ struct IGridPart {
     std::uint32_t first = 0;        ///< index of the first vertex
     std::uint32_t width = 0;        ///< vertices per row
 
-    /// Of the pair's coarser level, sides aside.
+    /// Returns the rates at the pair's coarser level, except those of the sides.
     lod::PatchRates coarser() const noexcept
     {
         lod::PatchRates rates = tile.rates;
@@ -130,7 +130,7 @@ struct BlockHanging {
     std::uint8_t column = 0, row = 0;
 };
 
-/// The mailbox of an igrid: the packet that met it last, and which of its rays did.
+/// The mailbox of an igrid: the packet that was tested against it last, and which of the packet's rays were.
 struct GridVisit {
     std::uint64_t packet = 0;
     std::uint32_t lanes = 0;
@@ -144,7 +144,7 @@ struct IGrid {
     bool is_lattice = false;
     std::uint8_t seen_by = RayKind::All;
     int hanging_blocks = 0;
-    PairRange pairs;  ///< the pairs of levels that meet this igrid
+    PairRange pairs;  ///< the pairs of levels whose rays see this igrid
     const lod::PosedCage* cage = nullptr;
     BoxTree boxes;  ///< one leaf per block; empty boxes pad the leaves to a power of two
     Slab slab;      ///< bounds all vertices, fine and coarse

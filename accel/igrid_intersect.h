@@ -25,7 +25,7 @@ namespace occam::accel {
 template <class Query>
 class IGridTracer {
 public:
-    /// t_near and t_end bound the part of each ray that meets the grid, in lanes (for a single ray, in all lanes).
+    /// t_near and t_end bound the part of each ray that sees the grid, in lanes (for a single ray, in all lanes).
     IGridTracer(IGrid& grid, const RayLanes& ray, const bool (&negative)[3], vfloat t_near, vfloat t_end, Query& query)
         : grid_(grid),
           ray_(ray),
@@ -466,7 +466,7 @@ private:
     const float* fine_[3];  ///< coordinates along these axes
     const float* coarse_[3];
     VertexBlend blend_;     ///< along the same axes; valid if the grid blends
-    int near_[3], far_[3];  ///< rows of a box's planes that the ray meets first, and last
+    int near_[3], far_[3];  ///< rows of the planes of a box that the ray crosses first, and last
     vfloat t_near_, t_end_;
     Query& query_;
     const float* const* vertices_ = nullptr;  ///< the positions for rays that do not blend

@@ -8,7 +8,7 @@
 namespace occam::accel {
 
 /// Returns the lanes of rays whose line is in the slightly widened box between t_near and t_far.
-/// near, far  select on each axis the plane of the box that the ray meets first, and the other one.
+/// near, far  select on each axis the plane of the box that the ray crosses first, and the other one.
 /// begin      receives where the rays enter the box.
 OCCAM_ALWAYS_INLINE vmask in_box(const RayLanes& ray, const vfloat (&near)[3], const vfloat (&far)[3], vfloat t_near,
                                  vfloat t_far, vfloat& begin) noexcept

@@ -10,24 +10,24 @@
 namespace occam::accel {
 namespace {
 
-constexpr float kBoxUlps = 4;  // what boxes of items are grown by: two for rounding them, two for the culling rule
+constexpr float kBoxUlps = 4;  // boxes of items grow by two ulps for their rounding and two for the culling rule
 constexpr int kMaxSceneDepth = 256;
-constexpr float kCostOfUnmade = 1000;       // of a cage that nobody has seen yet, in steps of the tree
-constexpr std::uint32_t kMostAskedFor = 4;  // of a face's patches, ahead
-constexpr std::size_t kMaxParts = 1024;     // of an igrid: n-gons of thousands of corners never share one
+constexpr float kCostOfUnmade = 1000;       // cost of a cage that is not made yet, in steps of the tree
+constexpr std::uint32_t kMostAskedFor = 4;  // patches of a face whose classes are requested ahead
+constexpr std::size_t kMaxParts = 1024;     // most parts of an igrid; n-gons of thousands of corners never share one
 
-// Rough costs of meeting an item, in steps of the tree: for the surface area heuristic alone.
+// These are rough costs of intersecting an item, in steps of the tree. Only the surface area heuristic uses them.
 float cost_of_blocks(int blocks) { return 3.0f + 0.25f * float(blocks); }
-// Faces that nobody has looked into cost more than what they become: so planes part them from what is seen.
+// Faces that are not opened yet cost more than the items that they become, so that planes separate them from visible ones.
 float cost_of_faces(std::uint32_t faces) { return 3.0f + float(faces) * 4.0f; }
 constexpr float kCostOfRegion = 10;
 
-/// The level from which on a patch has few enough quads to share an igrid with its neighbours.
+/// Returns the level from which on a patch has few enough quads to share an igrid with its neighbours.
 int small_from(const lod::PatchScale& scale)
 {
     const auto exponent = [&](int level) { return scale.inside(0, level) + scale.inside(1, level); };
     if (exponent(lod::kCoarsestLevel) > IGridBuilder::kSmallExponent) return Item::kNever;
-    // Both halve together: two a level.
+    // Both sides are halved from level to level, so the sum of the exponents falls by two.
     int level = std::clamp((scale.k[0] + scale.k[1] - IGridBuilder::kSmallExponent) / 2 - 1, lod::kFinestLevel,
                            lod::kCoarsestLevel);
     while (exponent(level) > IGridBuilder::kSmallExponent) ++level;
@@ -36,7 +36,7 @@ int small_from(const lod::PatchScale& scale)
 
 std::int8_t level_bound(int level) { return static_cast<std::int8_t>(std::clamp<int>(level, Item::kAlways, Item::kNever)); }
 
-/// The range of pairs for faces that do not change from level to level.
+/// This range holds for faces that do not change from level to level.
 constexpr PairRange kAllPairs{lod::kFinestLevel, lod::kCoarsestLevel};
 
 }  // namespace
@@ -270,14 +270,14 @@ void Items::add_region(const lod::PosedCage& cage, ClusterInfo* cluster, const P
     item.patch = &patch;
     item.region = region;
     item.cost = kCostOfRegion;
-    // It is one tile once neither side has more quads than a tile.
+    // The region is one tile from the level on at which neither of its sides has more quads than a tile.
     int from = lod::kFinestLevel - 1;
     const int depth[2] = {region.du, region.dv};
     for (int axis : {0, 1})
         if (scale.inside(axis, lod::kCoarsestLevel) - depth[axis] > lod::TileRef::kSideExponent) from = Item::kNever;
         else from = std::max(from, scale.k[axis] - depth[axis] - lod::TileRef::kSideExponent);
     item.final_from = level_bound(from <= cage.finest_level() ? Item::kAlways : from);
-    // Its box is right while it is whole quads of the pair's coarser level.
+    // The box is right as long as the region consists of whole quads of the pair's coarser level.
     const bool is_always = frame_.levels.mode == lod::LevelMode::PerInstance ||
                            (region.du <= scale.inside(0, lod::kCoarsestLevel) &&
                             region.dv <= scale.inside(1, lod::kCoarsestLevel));
@@ -291,7 +291,7 @@ void Items::add_region(const lod::PosedCage& cage, ClusterInfo* cluster, const P
 
 void Items::open_region(const Item& item)
 {
-    // The longer side is halved, or both: then regions are about as wide as high.
+    // The longer side is halved, or both are, so that regions are about as wide as high.
     const lod::PatchRegion& r = item.region;
     const int u = item.patch->scale.k[0] - r.du, v = item.patch->scale.k[1] - r.dv;
     const int across = u >= v ? 2 : 1, down = v >= u ? 2 : 1;
@@ -301,7 +301,7 @@ void Items::open_region(const Item& item)
                        {r.patch, r.iu * across + i, r.iv * down + j, r.du + across - 1, r.dv + down - 1});
 }
 
-/// Whether the item's patch, or all patches of its cluster, are met in the cluster's one igrid.
+/// Returns whether the item's patch, or all patches of its cluster, are in the one igrid of the cluster.
 bool Items::shares(const Item& item, int pair) const noexcept
 {
     return item.kind == Item::Leaf || (may_share(item) && pair >= item.cluster->small_from);
@@ -321,7 +321,7 @@ PairRange Items::range(ItemIndex i, int pair) const noexcept
         const int same = item.cluster->same_from;
         return pair >= same ? PairRange{std::max(same, finest), lod::kCoarsestLevel} : PairRange{pair, pair};
     }
-    // Up to where it is met in the cluster's igrid instead.
+    // At coarser pairs than `last` the patch is in the cluster's igrid instead.
     const int same = item.patch->scale.coarsest(),
               last = may_share(item) ? item.cluster->small_from - 1 : lod::kCoarsestLevel;
     return pair >= same ? PairRange{std::max(same, finest), last} : PairRange{pair, pair};
@@ -338,7 +338,7 @@ IGrid& Items::grid(ItemIndex i, int pair)
     if (is_shared) {
         key.subject = item.cluster;
     } else if (item.kind == Item::Region) {
-        // The tile that the region lies in, or is.
+        // Finds the tile that holds the region.
         const lod::PatchRates rates = item.patch->scale.rates(level);
         const auto first = [](std::uint32_t n, int rate, int depth) {
             return rate >= depth ? n << (rate - depth) : n >> (depth - rate);
@@ -368,8 +368,8 @@ IGrid& Items::grid(ItemIndex i, int pair)
 
 GridBounds Items::bounds_of(const IGrid& grid) const
 {
-    // What a ray's distance from a plane may be off: products and sums of coordinates of several radii (place()), and of the
-    // test of triangles as much again.
+    // The computed distance of a ray from a plane may be off by this much: by the rounding of products and sums of
+    // coordinates of several radii (place()), and by as much again in the test of triangles.
     const float off = frame_.radius * 256 * 0x1p-24f;
     const auto shift = static_cast<float>(glm::dot(Vec3d(grid.slab.normal), grid.cage->anchor - frame_.anchor));
     Box3f box = grid.boxes.bounds();

@@ -1,9 +1,8 @@
 // Holds what a kd-tree's lazy nodes list: parts of the scene, each with a box, opened step by step as rays come near.
 //
-// An item stands for everything below it (Hunt et al. 2007): a node of the scene graph, a cluster of a cage's faces, a
-// patch, or a dyadic region of a patch. Items know only two bounds on levels: the pair from which on a ray meets them
-// as one igrid, and the pair up to which their box holds what such a ray meets. So one tree serves all pairs (Djeu et
-// al. 2011, sec. 5.2.1).
+// An item represents everything below it (Hunt et al. 2007): a node of the scene graph, a cluster of a cage's faces, a
+// patch, or a dyadic region of a patch. An item knows only two bounds on levels: the pair from which on rays see it as one
+// igrid, and the pair up to which its box holds that igrid. So one tree serves all pairs (Djeu et al. 2011, sec. 5.2.1).
 //
 // Space    Boxes are in the tree's frame (world axes, translated by the frame's anchor), grown to hold their contents
 //          conservatively.
@@ -25,18 +24,18 @@ using ItemIndex = std::uint32_t;
 struct PlacedNode {
     NodeId id;
     Mat4d world_from_node;
-    std::uint64_t key;  ///< of the path
+    std::uint64_t key;  ///< hash of the path from the root
     const PlacedNode* parent;
     int depth;
-    std::uint8_t seen_by;  ///< by the flags of the path, as is:
-    LightGroups lit_by;
+    std::uint8_t seen_by;  ///< follows from all nodes on the path
+    LightGroups lit_by;    ///< follows from all nodes on the path
 };
 
 /// A patch of a cage whose rates are known.
 struct PatchInfo {
     lod::PatchRef ref;
     lod::PatchScale scale;
-    Box3f box;  ///< of the whole patch, dicing frame
+    Box3f box;  ///< holds the whole patch, in the dicing frame
 };
 
 /// Holds the patches of a leaf of a cage's cluster tree.
@@ -49,7 +48,7 @@ struct ClusterInfo {
 struct Item {
     enum Kind : std::uint8_t {
         SceneNode,  ///< subject: PlacedNode
-        Unmade,     ///< subject: PlacedNode, index: of its cages, one that is made on demand
+        Unmade,     ///< subject: PlacedNode, index: which of its cages; the cage is made on demand
         Cluster,    ///< subject: PosedCage, index: node of its ClusterTree
         Leaf,       ///< the same, without nodes below
         Region,     ///< a patch or part of one
@@ -60,9 +59,9 @@ struct Item {
 
     Box3f box;
     Kind kind = SceneNode;
-    std::int8_t final_from = kNever;  ///< coarsest pairs, from this one on, meet the item as one igrid
+    std::int8_t final_from = kNever;  ///< rays of this pair and of coarser ones see the item as one igrid
     std::int8_t holds_to = kNever;    ///< the box is right for pairs up to this one
-    float cost = 1;                   ///< of meeting it, in traversal steps
+    float cost = 1;                   ///< cost of intersecting it, in traversal steps
     std::uint32_t first_part = kClosed;
     std::uint32_t part_count = 0;
     const void* subject = nullptr;     ///< PlacedNode or PosedCage
@@ -104,7 +103,7 @@ public:
     /// was not examined yet, it finds the pair from which on it is final. Items may move in memory. Returns whether
     /// there are parts.
     bool open(ItemIndex i, int pair);
-    /// Returns the igrid that rays of a pair meet in the item, which is final for that pair. It is built now if this is
+    /// Returns the igrid that rays of a pair see in the item, which is final for that pair. It is built now if this is
     /// the first request.
     IGrid& grid(ItemIndex i, int pair);
     /// Returns the bounds of such an igrid in the tree's frame; they are tighter than the item's box.

@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kEnough = 16;  // candidates to choose a plane from; tests/bench has the curve
 constexpr std::size_t kMany = 64;  // candidates above which planes are tried at fixed steps, and items not opened one by one
 constexpr float kTraversalCost = 64;  // in the units of Item::cost; tests/bench has the curve
-constexpr float kEmptyBonus = 0.8f;   // of a split that cuts off empty space
+constexpr float kEmptyBonus = 0.8f;   // factor of the cost of a split that cuts off empty space
 constexpr int kAnyEffort = 2;
 constexpr int kSteps = 32;
 
@@ -60,7 +60,7 @@ void KdTree::clip_into(const Box3f& box, ItemIndex item, int pair)
 
 bool KdTree::open_largest(const Box3f& box, int pair, int most_effort)
 {
-    // Regions come last: dividing them binds the node to fine levels.
+    // Regions are opened last, because dividing them restricts the node to fine levels.
     std::size_t largest = candidates_.size();
     float area = -1;
     int least = most_effort;
@@ -96,7 +96,7 @@ KdTree::Split KdTree::scanned_split(const Box3f& box) const
     for (const Candidate& c : candidates_) all += c.cost;
     best.cost = all;  // the cost without a split
     for (int axis = 0; axis < 3; ++axis) {
-        // Of boxes that begin, and that end, between two planes.
+        // These are the costs of the boxes that begin, and that end, between two planes.
         float begins[kSteps + 1] = {}, ends[kSteps + 1] = {};
         const float per_length = float(kSteps) / extent[axis];
         if (!(per_length < std::numeric_limits<float>::max())) continue;
@@ -129,7 +129,7 @@ KdTree::Split KdTree::counted_split(const Box3f& box)
     const Vec3f extent = box.extent();
     const float area = box.half_area();
     for (const Candidate& c : candidates_) best.cost += c.cost;  // the cost without a split
-    // No plane is cheaper than to pass it.
+    // No split costs less than passing its plane.
     if (!(area > 0) || best.cost <= kTraversalCost * kEmptyBonus) return best;
     for (int axis = 0; axis < 3; ++axis) {
         planes_.clear();
@@ -194,7 +194,7 @@ KdTree::Split KdTree::swept_split(const Box3f& box)
         std::sort(high.begin(), high.end(), before);
         const int a1 = (axis + 1) % 3, a2 = (axis + 2) % 3;
         const float cap = extent[a1] * extent[a2], girth = extent[a1] + extent[a2];
-        // Costs below a plane: of boxes that begin before it; above: of boxes that do not end before it.
+        // The cost below a plane is that of all boxes that begin before it; above, of all that do not end before it.
         float below = 0, ended = 0;
         std::size_t l = 0, h = 0;
         const auto consider = [&](float position) {
@@ -208,7 +208,7 @@ KdTree::Split KdTree::swept_split(const Box3f& box)
             if (below == 0 || h == high.size()) cost *= kEmptyBonus;
             if (cost < best.cost) best = {axis, position, cost};
         };
-        // Planes at the faces of boxes, in rising order.
+        // Considers the planes at the faces of boxes in rising order.
         for (std::size_t i = 0, j = 0; i < low.size() || j < high.size();) {
             if (j == high.size() || (i < low.size() && low[i].position <= high[j].position)) consider(low[i++].position);
             else consider(high[j++].position);
@@ -256,7 +256,7 @@ KdLeaf* KdTree::make_leaf(std::uint32_t n, int pair, std::uint32_t head, std::ui
         leaf.pairs = {std::max(leaf.pairs.finest, range.finest), std::min(leaf.pairs.coarsest, range.coarsest)};
     }
     const auto at = static_cast<std::uint32_t>(leaves_.size());
-    // The first of a node holds nothing yet but its record.
+    // The first leaf of a node, which holds only its record, need not stay in the list.
     if (leaf.next != 0 && leaves_[leaf.next].entries.empty() && leaves_[leaf.next].pairs.is_empty()) leaf.next = 0;
     KdLeaf& made = leaves_.push_back(leaf);
     const KdLink link = nodes_[n].link();
@@ -271,7 +271,7 @@ KdLeaf* KdTree::expand(std::uint32_t n, int pair)
     const KdLink link = nodes_[n].link();
     const bool was_interior = link.is_interior();
     if (building_) {
-        // Another thread may have expanded it meanwhile.
+        // Another thread may have expanded the node in the meantime.
         if (was_interior && pair <= link.level()) return nullptr;
         if (KdLeaf* known = find_leaf(n, pair)) return known;
     }
@@ -290,12 +290,12 @@ KdLeaf* KdTree::expand(std::uint32_t n, int pair)
             split.axis = -1;
             break;
         }
-        // A plane is chosen before a vertex is looked at: what lies beyond it may be hidden.
+        // A plane is chosen before any vertex is posed, since whatever lies beyond it may be hidden.
         while (candidates_.size() < kEnough && open_largest(record.box, pair, 0)) {
         }
         split = best_split(record.box);
         if (split.axis >= 0) break;
-        // Where boxes overlap so that no plane pays, as those of displaced surfaces may: not one by one.
+        // Boxes may overlap so that no plane pays, for instance on displaced surfaces. Many items are then opened at once.
         const std::size_t wanted = candidates_.size() > kMany ? candidates_.size() * 3 / 2 : 0;
         if (!open_largest(record.box, pair, kAnyEffort)) break;
         while (candidates_.size() < wanted && open_largest(record.box, pair, kAnyEffort)) {

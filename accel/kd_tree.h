@@ -1,13 +1,13 @@
 // A lazily grown multiscale kd-tree over a scene's items (Djeu et al. 2011, sec. 5.2.1-5.2.2).
 //
-// A node starts lazy: a box and a list of items. Rays that enter it ask for pairs of levels (lod/ray_levels.h). For the
-// pairs that it was asked for it is a leaf, or it is interior for them and all finer ones: then it has a plane, and a
-// bound on the pairs for which the boxes below it are right; rays of coarser pairs meet it as a leaf. So it may be a
-// leaf for many pairs, with a list of igrids for each.
+// A node starts lazy: a box and a list of items. Rays that enter it ask for pairs of levels (lod/ray_levels.h). For these
+// pairs it becomes a leaf, or it becomes interior for them and all finer ones. Then it has a plane, and a bound on the pairs
+// for which the boxes below it are right; for rays of coarser pairs it is a leaf. So a node may be a leaf for many pairs,
+// with a list of igrids for each.
 //
 // The plane comes from the surface area heuristic, scanned at fixed steps where there are many boxes (Hunt et al. 2006)
 // and tried at all their ends where there are few, after opening large items until there are enough to choose from
-// (Hunt et al. 2007). The tree's shape depends on which pairs come first; what a ray meets does not.
+// (Hunt et al. 2007). The tree's shape depends on which pairs come first; the hits of rays do not.
 //
 // Memory   An arena; a lazy node's list stays behind when the node is expanded.
 // Threads  One worker's own, or several workers', which read what exists without a lock and expand it under one
@@ -65,17 +65,19 @@ inline Box3f get_box(const float* groups, std::size_t place) noexcept
     return {{at[0], at[kBoxGroup], at[2 * kBoxGroup]}, {at[3 * kBoxGroup], at[4 * kBoxGroup], at[5 * kBoxGroup]}};
 }
 
-/// Lists what a leaf meets for a range of pairs.
+/// Lists the igrids of a leaf for a range of pairs.
 struct KdLeaf {
-    /// Less than a cache line, with all that keeps a ray from an igrid in vain.
+    /// An entry is smaller than a cache line and holds all bounds that are tested before the igrid is read.
     struct Entry {
-        IGrid* grid = nullptr;  ///< null until a ray enters the item's box; published, as are:
-        GridBounds bounds;      ///< of the igrid
+        IGrid* grid = nullptr;  ///< null until a ray enters the item's box; published
+        GridBounds bounds;      ///< bounds of the igrid, written before it is published
         ItemIndex item = 0;
     };
-    PairRange pairs{1, 0};  ///< for which it holds; empty: nothing known yet
+    PairRange pairs{1, 0};  ///< the pairs for which it holds; empty while nothing is known
     std::span<Entry> entries;
-    float* boxes = nullptr;  ///< of the entries' items, in groups ; of igrids, where these are made, in a tree of one worker
+    /// Boxes of the entries' items, in groups of eight. In a tree of one worker the box of an igrid replaces that of its
+    /// item.
+    float* boxes = nullptr;
     std::uint32_t next = 0;  ///< the node's next leaf, for other pairs; 0: none
     std::uint32_t record = 0;
 };
@@ -96,8 +98,8 @@ public:
     const KdNode& node(std::uint32_t n) const noexcept { return nodes_[n]; }
     /// Returns the newest leaf of a node, or a leaf that holds for no pair if there is none yet.
     KdLeaf& latest_leaf(std::uint32_t n) noexcept { return leaves_[head_of(n)]; }
-    /// Returns what rays of a pair meet at a node that is not interior for it; it is made if needed. Returns null if
-    /// the node has become interior.
+    /// Returns the leaf of a node for a pair for which the node is not interior; it is made if needed. Returns null if the
+    /// node has become interior.
     KdLeaf* leaf(std::uint32_t n, int pair)
     {
         KdLeaf* known = find_leaf(n, pair);
@@ -141,10 +143,11 @@ private:
     void clip_into(const Box3f& box, ItemIndex item, int pair);
     bool open_largest(const Box3f& box, int pair, int most_effort);
     Split best_split(const Box3f& box);
-    // Planes at the faces of boxes are each tried against all boxes or, if there are many boxes, in sorted order.
+    // Tries the planes at the faces of boxes: counted_split() tests each against all boxes, and swept_split() goes through
+    // them in sorted order, which is faster for many boxes.
     Split counted_split(const Box3f& box);
     Split swept_split(const Box3f& box);
-    // Planes at fixed steps.
+    // Tries planes at fixed steps.
     Split scanned_split(const Box3f& box) const;
     void make_lazy(const Box3f& box, int depth, int axis, float position, bool upper);
 
@@ -153,10 +156,10 @@ private:
     TraceCounters& counters_;
     bool may_scan_;
     std::mutex* building_;
-    ArenaVector<KdNode> nodes_;         ///< 0 the root; the two children of a node side by side, the first at an odd number
-    ArenaVector<std::uint32_t> heads_;  ///< of each pair of children: the parent's first leaf
+    ArenaVector<KdNode> nodes_;  ///< the root is 0; the children of a node lie side by side, the first at an odd number
+    ArenaVector<std::uint32_t> heads_;  ///< for each pair of children, the first leaf of the parent
     ArenaVector<Record> records_;
-    ArenaVector<KdLeaf> leaves_;  ///< 0 is none's
+    ArenaVector<KdLeaf> leaves_;  ///< entry 0 is not used, since KdLeaf::next is 0 at the end of a list
     std::vector<Candidate> candidates_;
     std::vector<Event> low_events_, high_events_;
     std::vector<float> planes_;

@@ -30,7 +30,7 @@ IGrid& LazyTree::grid(const KdLeaf& leaf, std::size_t place, int pair, std::uint
 {
     const MaybeLock lock(building());
     KdLeaf::Entry& entry = leaf.entries[place];
-    if (entry.grid) return *entry.grid;  // another thread has built it meanwhile
+    if (entry.grid) return *entry.grid;  // another thread has built it in the meantime
     const std::uint64_t before = counters.diced;
     IGrid& made = items.grid(entry.item, pair);
     diced += counters.diced - before;

@@ -67,7 +67,7 @@ private:
     vfloat begin_, shift_;
     vfloat from_in_[3], from_out_[3];  ///< the origins that give the earliest entry and the latest exit
     vfloat least_[3], most_[3];        ///< bounds of the inverse directions, all of one sign
-    int near_[3], far_[3];             ///< rows of the planes that rays meet first, and last
+    int near_[3], far_[3];             ///< rows of the planes that rays cross first, and last
 };
 
 }  // namespace occam::accel

@@ -1,4 +1,4 @@
-// Records which igrids the current packet has met, so that a grid that lies in several cells is met once.
+// Records which igrids the current packet was tested against, so that an igrid that lies in several cells is tested once.
 //
 // Threads  Each worker has its own.
 #pragma once
@@ -10,8 +10,8 @@
 
 namespace occam::accel {
 
-/// A worker that owns its tree writes into the igrids. A worker that shares its tree uses a table hashed by the igrid's
-/// address. Of two igrids that share a slot, either may be met twice, which does no harm.
+/// Keeps the records of a worker that owns its tree in the igrids themselves, and those of a worker that shares its tree in
+/// a table hashed by the igrid's address. Two igrids that share a slot may be tested more than once, which does no harm.
 class Mailboxes {
 public:
     explicit Mailboxes(bool is_shared) : slots_(is_shared ? kSlots : 0) {}

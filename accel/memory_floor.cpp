@@ -7,10 +7,10 @@
 namespace occam::accel {
 namespace {
 
-constexpr std::size_t kGrids = 8;  // of a ray
+constexpr std::size_t kGrids = 8;  // igrids that one ray may need at once
 
-// The largest igrid: a whole tile, both levels of its vertices, their normals and coordinates, its boxes; and the most
-// floats that phase one keeps of both levels, on every kCoarser-th of these vertices.
+// The largest igrid holds a whole tile: both levels of its vertices, their normals and texture coordinates, its boxes, and
+// the most floats that phase one keeps for both levels, at every 2^kCoarser-th of these vertices.
 constexpr std::size_t kValueSide = (lod::TileRef::kMaxSide >> kCoarser) + 1;
 constexpr std::size_t kBytesOfAGrid = sizeof(IGrid) +
                                       (lod::TileRef::kMaxSide + 1) * (lod::TileRef::kMaxSide + 1) *
@@ -18,7 +18,7 @@ constexpr std::size_t kBytesOfAGrid = sizeof(IGrid) +
                                       128 * (BoxTree::kFloats / BoxTree::kGroup) * sizeof(float) +
                                       2 * kValueSide * kValueSide * lod::VertexShader::kMaxChannels * sizeof(float);
 
-// A part of the scene that is opened: itself, and its places in the lists of nodes above and below a plane.
+// An opened item takes its own memory, and entries in the lists of the nodes above and below a plane.
 constexpr std::size_t kBytesOfAnItem = sizeof(Item) + sizeof(PlacedNode) + 4 * sizeof(ItemIndex);
 
 std::size_t bytes_of(const CageSlot& slot, const SkinSlot* skin)
@@ -27,7 +27,7 @@ std::size_t bytes_of(const CageSlot& slot, const SkinSlot* skin)
     std::size_t bytes = sizeof(lod::PosedCage) +
                         lod::ClusterTree::kLeafFaces * slot.largest_face * (sizeof(PatchInfo) + kBytesOfAnItem);
     if (slot.is_deformed())
-        bytes += sizeof(lod::DeformedCage) + cage.positions.size() / 4;  // a pointer a block of 32 vertices
+        bytes += sizeof(lod::DeformedCage) + cage.positions.size() / 4;  // one pointer for each block of 32 vertices
     if (skin) bytes += skin->skin.joints.size() * sizeof(Mat4d);
     return bytes;
 }
@@ -42,7 +42,7 @@ std::size_t memory_floor(const Scene& scene)
         for (const CageId id : node.cages)
             if (const CageSlot* slot = scene.find(id)) largest = std::max(largest, bytes_of(*slot, scene.find(node.skin)));
     });
-    // The tables of a tree grow in pieces: the first of each.
+    // The tables of a tree grow in pieces, and each needs at least one.
     constexpr std::size_t kPiece = ArenaVector<Item>::kPiece;
     constexpr std::size_t kTables = kPiece * (sizeof(Item) + sizeof(KdNode) + 2 * sizeof(KdLeaf));
     const std::size_t bytes = kTables + widest * kBytesOfAnItem + largest + kGrids * kBytesOfAGrid;

@@ -1,4 +1,5 @@
-// Holds the rays of a group in lanes: their queries, and how their values get there.
+// Holds the hits of rays while they are traced, for packets, for parts of packets and for single rays, and gathers the
+// values of rays into lanes.
 #pragma once
 
 #include <algorithm>
@@ -14,20 +15,20 @@ namespace occam::accel {
 /// The number of live rays, among as many as there are lanes, below which single rays are faster (docs/performance.md).
 inline constexpr int kWorthAPacket = 5;
 
-/// Holds one ray and its nearest hit so far. limit() returns its t_far in all lanes.
+/// Holds the hit so far of one ray, which is in the lane `only`. limit() returns its t_far in all lanes.
 template <class Found>
 struct SingleQuery : Found {
     int only = 0;
     vfloat limit() const noexcept { return vfloat(this->t[only]); }
 };
 
-/// Holds the rays of a packet.
+/// Holds the hits so far of a packet's rays. limit() returns the t_far of each.
 template <class Found, int kParts>
 struct PacketQuery : Found {
     vfloats<kParts> limit() const noexcept { return vfloats<kParts>::load(this->t); }
 };
 
-/// Holds as many rays of the packet as there are lanes, as a query of their own that an igrid can be intersected with.
+/// Refers to as many rays of a packet as there are lanes, beginning with `first`, as a query for IGridTracer.
 template <class Found>
 struct PartOf {
     Found& all;
@@ -36,7 +37,7 @@ struct PartOf {
     void offer(int lane, float t, IGrid& grid, std::uint32_t id) noexcept { all.offer(first + lane, t, grid, id); }
 };
 
-/// Returns one of these queries.
+/// Refers to one ray of such a part, as a query for IGridTracer. limit() returns its t_far in all lanes.
 template <class Found>
 struct LaneOf {
     PartOf<Found> part;
@@ -45,7 +46,7 @@ struct LaneOf {
     void offer(int at, float t, IGrid& grid, std::uint32_t id) noexcept { part.offer(at, t, grid, id); }
 };
 
-/// Clears all hits. Lanes past the last ray are dead.
+/// Clears all hits and sets each t to the t_far of its ray. Lanes past the last ray are dead.
 template <class Found>
 void start(Found& found, std::span<const Ray> rays)
 {

@@ -63,7 +63,7 @@ public:
     }
 
     std::vector<Ray> sorted;
-    std::vector<std::uint32_t> place_of;  ///< in the caller's order
+    std::vector<std::uint32_t> place_of;  ///< index of each sorted ray in the caller's batch
 
 private:
     static constexpr std::size_t kBinsOfAGroup = 4, kBins = RayAxes::kGroups * kBinsOfAGroup;

@@ -66,7 +66,7 @@ F shift_of(const F (&near)[3], const F* direction) noexcept
 {
     return F(0.0f) - ((near[0] * direction[0] + near[1] * direction[1]) + near[2] * direction[2]);
 }
-inline constexpr float kNearRadii = 4;  ///< in radii of the frame: an origin nearer than that is not moved
+inline constexpr float kNearRadii = 4;  ///< an origin nearer than this many radii of the frame is not moved
 
 inline PlacedOrigin place(const Ray& ray, Vec3d anchor, float radius) noexcept
 {

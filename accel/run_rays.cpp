@@ -12,7 +12,7 @@ bool Tracer::State::fits_packet(std::span<const Ray> rays, const vmasks<kParts>&
                                 const vfloats<kParts>& t_out) noexcept
 {
     const std::size_t n = rays.size();
-    // A ray that misses the scene takes the table of one that does not, so that it asks for no additional pairs.
+    // A ray that misses the scene gets the table of one that does not, so that it asks for no additional pairs.
     const auto one = static_cast<std::size_t>(std::countr_zero(bits(enters)));
     Reach reach[kParts * kLanes]{};
     for (std::size_t i = 0; i < n; ++i) reach[i] = reach_of(rays[bits(enters) >> i & 1 ? i : one]);
@@ -27,9 +27,9 @@ bool Tracer::State::fits_packet(std::span<const Ray> rays, const vmasks<kParts>&
                                        select(enters, t_out, of_one(t_out)), of[2], frame.levels);
 }
 
-/// Meets what a node holds for pairs [finest, coarsest]. enter(bounds, far) returns which rays are inside the bounds
-/// somewhere before far, which is limit(). meet(leaf, number, pair, rays) intersects these rays with the igrid of an
-/// entry.
+/// Intersects rays with the igrids that a node holds for the pairs [finest, coarsest]. enter(bounds, far) returns which rays
+/// are inside the bounds somewhere before far, which is limit(). meet(leaf, number, pair, rays) intersects these rays with
+/// the igrid of an entry, and returns false if the budget is exceeded.
 template <class F, class Limit, class Enter, class Meet>
 OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far,
                                                         const PairSpans<F>& pairs, int finest, int coarsest,
@@ -45,7 +45,7 @@ OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, Mask
         if (none(here)) continue;
         KdLeaf* leaf = latest.pairs.has(pair) ? &latest : tree.leaf(node, pair);
         if (!leaf) return LeafResult::Expanded;
-        // A leaf that is the same for several pairs is met once for all of them.
+        // A leaf that is the same for several pairs is tested once for all of them.
         const int last = std::min(leaf->pairs.coarsest, coarsest);
         if (pair == finest && last == coarsest) here = alive;
         else if (last > pair) here = alive & (max(t_near, pairs.in(pair, last)) <= min(t_far, pairs.out(pair, last)));
@@ -59,7 +59,7 @@ OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, Mask
                 int next = std::countr_zero(maybe);
                 maybe &= maybe - 1;
                 if constexpr (kIsOne) {
-                    // A single ray meets the igrids in the order in which it enters them.
+                    // A single ray is tested against the igrids in the order in which it enters them.
                     const int lowest_number = next;
                     for (unsigned others = maybe; others != 0; others &= others - 1)
                         if (const int other = std::countr_zero(others); begin[other] < begin[next]) next = other;
@@ -95,7 +95,7 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
         rays, way, [&](std::size_t) -> const FrameState& { return frame; }, start);
     set_shear(axes, way, shear);
     set_inverse(axes, way, inverse);
-    /// Holds as many rays as there are lanes, in the frame of the cage that the packet currently meets.
+    /// Holds as many rays as there are lanes, in the frame of the cage whose igrid is being tested.
     struct HalfPacket {
         RayLanes lanes;
         RaysAsOne<vfloat> as_one;
@@ -153,8 +153,8 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
         if (!known) return false;
         IGrid& grid = *known;
         GridVisit& visited = mailboxes.of(grid);
+        // An igrid that a ray enters in several cells is tested once.
         if (visited.packet != visit) visited = {visit, 0};
-        // An igrid that a ray enters in several cells is met once.
         if (grid.seen_by != RayKind::All) entering = entering & lanes_of_kinds<kParts>(rays, grid.seen_by);
         const unsigned fresh = bits(entering) & ~visited.lanes;
         if (fresh == 0) return true;
@@ -256,7 +256,7 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& axes, std::size_t 
     if (!(begin <= end)) return true;
     PairSpans<float> pairs{nullptr, kd.shift, 0, 0};
     if (is_per_ray()) {
-        // A single ray never sees too many pairs.
+        // A single ray has at most RayLevels::kMostOfRay pairs, for which the table always has room.
         const Reach reach = reach_of(ray);
         single_levels.set({reach.target_edge.a, reach.target_edge.b, reach.start}, kd.shift + begin, kd.shift + end,
                           reach.coordinate, frame.levels);

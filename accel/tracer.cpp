@@ -7,7 +7,8 @@
 namespace occam::accel {
 namespace {
 
-/// How the rays of a packet, or a single one, blend in a pair: made once for all of its rays that have met that pair.
+/// Returns how the rays of a packet, or a single ray, blend in a pair. For a packet the blend of a pair is computed once for
+/// all rays.
 template <class F>
 class Blends {
 public:
@@ -44,7 +45,7 @@ Tracer::~Tracer() = default;
 TraceCounters Tracer::counters() const
 {
     TraceCounters all = state_->counters;
-    all.diced = 0;  // counted with building
+    all.diced = 0;  // the tree's own counters have it
     if (state_->own) all += state_->own->totals();
     return all;
 }

@@ -113,7 +113,7 @@ struct TraceCounters {
     std::uint64_t diced = 0;
     /// Micropolygons by the kind of ray that first asked for them.
     std::uint64_t diced_for_camera = 0, diced_for_occlusion = 0;
-    std::array<std::uint64_t, kLevels> micropolygons_of_level{};  ///< from kFinestLevel upwards
+    std::array<std::uint64_t, kLevels> micropolygons_of_level{};  ///< begins with kFinestLevel
     TraceCounters& operator+=(const TraceCounters& other) noexcept;
 };
 
@@ -124,7 +124,7 @@ struct BuildTechniques {
         /// Nodes are split when a ray enters them; otherwise all are split before the first ray, down to clusters of
         /// base patches.
         true;
-    /// Scene nodes and clusters stand for what is below them; otherwise the root lists every base patch.
+    /// Scene nodes and clusters represent everything below them; otherwise the root lists every base patch.
     bool hierarchy = true;
     /// For many boxes, planes at fixed steps are tried; otherwise one plane at each end of every box.
     bool scan = true;

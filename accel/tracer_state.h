@@ -27,7 +27,8 @@ struct Tracer::State {
     {
     }
 
-    /// `seen` is the number of the gate's flushes before the lack of memory was noticed.
+    /// Drops everything that was built, unless another worker of the tree has done so since the gate's number of flushes
+    /// was `seen`.
     void flush(std::uint64_t seen)
     {
         if (gate) gate->flush(seen, [&] { lazy.flush(); });
@@ -39,11 +40,11 @@ struct Tracer::State {
         Abandoned,  ///< the budget was exceeded during the trace
         TooWide     ///< the rays see too many pairs of levels to travel together
     };
-    /// Traces one group of rays with equal axes and octant.
+    /// Traces one packet of rays with equal axes and octant.
     template <int kParts, class Found>
     PacketResult run_packet(std::span<const Ray> rays, const RayAxes& axes, std::size_t limit_bytes,
                             PacketQuery<Found, kParts>& query);
-    /// Returns false if the budget was exceeded during the trace.
+    /// Traces one ray. Returns false if the budget was exceeded during the trace.
     template <class Found>
     bool run_single(const Ray& ray, const RayAxes& axes, std::size_t limit_bytes, SingleQuery<Found>& query);
 
@@ -73,7 +74,7 @@ struct Tracer::State {
     /// Holds the inputs of a ray's table of transitions, except for the interval in which it is in the scene.
     struct Reach {
         lod::Footprint target_edge;
-        float coordinate;  ///< the largest coordinate that the ray's arithmetic meets
+        float coordinate;  ///< the largest coordinate in the ray's arithmetic; it bounds rounding errors
         float start;       ///< edge length of the ray's start level; 0 if it has none
     };
     Reach reach_of(const Ray& ray) const noexcept
@@ -86,12 +87,13 @@ struct Tracer::State {
     template <int kParts, class Found, class Take>
     PacketResult run_packet_of(std::span<const Ray> rays, const RayAxes& axes, std::size_t first, std::size_t limit_bytes,
                                Take&& take);
-    /// Traces one group and calls take(i, lane, found, blends) for each ray i, whose hit is in `lane` of found.
-    /// blends(pair, lane) returns the ray's blend in that pair.
+    /// Traces the rays groups.sorted[first, first + count), which share their axes, in packets or one by one. Calls
+    /// take(i, lane, found, blends) for each ray first + i, whose hit is in `lane` of found. blends(pair, lane) returns the
+    /// ray's blend in that pair. Returns false if the budget was exceeded.
     template <class Found, class Take>
     bool run(const RayAxes& axes, std::size_t first, std::size_t count, std::size_t limit_bytes, Take&& take);
-    /// Calls fill(axes, first, met) for each group: met holds what groups.sorted[first + i] has hit and, if kWithBlend,
-    /// how it blends there.
+    /// Finds the nearest hits and calls fill(axes, first, met) for each group: met[i] holds what groups.sorted[first + i]
+    /// has hit and, if kWithBlend is set, how it blends there.
     template <bool kWithBlend, class Fill>
     void find_nearest(std::span<const Ray> rays, Fill&& fill);
 
@@ -106,8 +108,8 @@ struct Tracer::State {
             flush(seen);
             return false;
         };
-        // The trace was abandoned: what was built is dropped, and the same rays start again in an empty arena, in the
-        // end one by one.
+        // Each time the budget is exceeded everything is dropped and the same rays start again in an empty arena: first
+        // all of them once more, then each half, in the end each ray by itself with as much memory as it needs.
         if (fits() || fits()) return;
         if (count == 1) {
             run(first, 1, ~std::size_t(0));
@@ -138,7 +140,7 @@ struct Tracer::State {
     Arena& arena;
     KdTree& tree;
     FlushGate* const gate;   ///< null unless the tree is shared
-    TraceCounters counters;  ///< without those of building
+    TraceCounters counters;  ///< building is counted in the tree's own counters
     Mailboxes mailboxes;
     lod::RayLevels<vfloats<1>> narrow_levels;  ///< for the packet traced last
     lod::RayLevels<vfloats<2>> wide_levels;

@@ -1,8 +1,8 @@
 // Traverses the kd-tree; one traversal serves packets and single rays, nearest and any hit.
 //
 // F is vfloat (a packet whose rays share the signs of their directions) or float (one ray). One descent serves all
-// pairs of levels of a ray: where a node is interior for fine pairs only, the part of the ray that sees coarser pairs
-// meets it as a leaf.
+// pairs of levels of a ray: where a node is interior for fine pairs only, it is a leaf for the part of the ray that sees
+// coarser pairs.
 //
 // Invariant: a lane is alive in a node while its t_near <= t_far there. t is in the tree's frame, where origins are
 // near the scene. Intervals overlap at planes by a few ulps, since culling must never decide a hit.
@@ -91,8 +91,8 @@ enum class LeafResult : unsigned char {
 };
 
 /// Walks the tree front to back. t_near and t_far hold each ray's interval, clipped to the tree; limit() returns its
-/// end as hits shorten it. leaf(node, alive, t_near, t_far, finest, coarsest) meets what a node holds for those pairs
-/// and may shorten limit(). Returns false if the walk was abandoned.
+/// end as hits shorten it. leaf(node, alive, t_near, t_far, finest, coarsest) intersects the rays with the igrids that a
+/// node holds for those pairs and may shorten limit(). Returns false if the walk was abandoned.
 template <class F, class LimitFn, class LeafFn>
 bool traverse(KdTree& tree, const KdRay<F>& ray, F t_near, F t_far, const PairSpans<F>& pairs, TraceCounters& counters,
               LimitFn&& limit, LeafFn&& leaf)

@@ -36,7 +36,7 @@ const float* make_values(const IGrid& grid, IGridPart& part, bool is_coarse, con
                          const PhaseOneTools& tools)
 {
     const MaybeLock lock(tools.building);
-    if (part.values[is_coarse]) return part.values[is_coarse];  // another thread has made it meanwhile
+    if (part.values[is_coarse]) return part.values[is_coarse];  // another thread has made them in the meantime
     const Stopwatch watch(tools.counters.shade_seconds);
     const ValueLattice lattice(part, is_coarse);
     const int width = part.tile.columns + 1;

@@ -32,7 +32,7 @@ OCCAM_ALWAYS_INLINE F coarse_weight(F ramp) noexcept
     return x * x * (F(3.0f) - (x + x));
 }
 
-/// How a vertex at distance t of the ray moves from fine to coarse: w = coarse_weight((t - start) * scale).
+/// Says how a vertex at distance t of the ray moves from fine to coarse: w = coarse_weight((t - start) * scale).
 template <class F>
 struct Blend {
     F start, scale;
@@ -41,9 +41,7 @@ struct Blend {
 };
 
 /// The width by which the transitions of a ray are chosen: it asks for edges of the length a + b t.
-/// start   the edge length of a level, if the ray continues from a point of the mesh of that level, in which it was traced
-/// up
-///         to there. 0: the ray starts anywhere.
+/// start   the edge length of the level on whose mesh the ray starts; 0 if it may start anywhere
 template <class F>
 struct RayWidth {
     F a, b;
@@ -54,8 +52,8 @@ template <class F>
 class RayLevels {
 public:
     using Mask = decltype(F() < F());
-    static constexpr int kMostOfRay = 16;  ///< pairs of one ray: the finest one serves everything nearer
-    static constexpr int kMost = 32;       ///< of all lanes together
+    static constexpr int kMostOfRay = 16;  ///< most pairs of one ray; the finest of them serves everything nearer
+    static constexpr int kMost = 32;       ///< most pairs of all lanes together
     static constexpr float kFinerThanEven = 0x1p-5f, kLeastOfDisplaced = 0x1p-6f;  ///< see floor_exponents
     static constexpr float kFar = 1e30f;
 
@@ -75,7 +73,7 @@ public:
         t_end_ = t_end;
         ulps_ = coordinate * F(settings.overlap_ulps * 0x1p-24f);
         const F at_end = max(a_ + b_ * t_end_, F(0.0f));
-        // Anything finer than the width where the ray enters the scene meets nothing.
+        // There is no surface before the ray enters the scene, so the width there decides the finest pair.
         const F at_start = min(max(a_ + b_ * t_in, F(0.0f)), at_end);
         cap_ = floor_exponents({max(a_, at_end), min(a_, at_end), at_start, abs(b_) * F(8 * settings.displaced)});
         is_made_ = false;
@@ -88,7 +86,7 @@ public:
         if (is_made_) return;
         is_made_ = true;
         grows_ = b_ >= F(0.0f);
-        // Never divide by 0: a width that hardly changes is treated as changing by 10^-24 of itself.
+        // A width that hardly changes is treated as changing by 10^-24 of itself, so that nothing is divided by 0.
         const F least = a_ * F(1e-24f) + F(1e-37f);
         const F per_slope = F(1.0f) / select(grows_, max(b_, least), min(b_, F(0.0f) - least));
         const F low = -kFar, high = kFar;
