@@ -34,11 +34,11 @@ struct BezierWeights {
     CubicWeights row[4];
 };
 
-/// Computes them by the polar form (Ramshaw 1989): f(a,a,a), f(a,a,b), f(a,b,b), f(b,b,b) over the knots -2 .. 3.
+/// Computes these weights by the polar form (Ramshaw 1989): f(a,a,a), f(a,a,b), f(a,b,b), f(b,b,b) over the knots -2 .. 3.
 inline BezierWeights bezier_weights(double a, double b) noexcept
 {
     const auto polar = [](double r, double s, double t) -> CubicWeights {
-        // Weight of each control point: 1 at its own three consecutive knots, multi-affine and symmetric in r, s, t.
+        // The weight of a control point is 1 at its own three consecutive knots, and multi-affine and symmetric in r, s, t.
         const double w0 = (1 - r) * (1 - s) * (1 - t) / 6, w3 = r * s * t / 6;
         const double sum = r + s + t, pairs = r * s + s * t + t * r, all = r * s * t;
         return {{float(w0), float((4 - 2 * pairs + 3 * all) / 6), float((1 + sum + pairs - 3 * all) / 6), float(w3)}};

@@ -45,7 +45,7 @@ ClusterTree::ClusterTree(const Cage& cage)
 
 void ClusterTree::part_by_area(const Cage& cage)
 {
-    constexpr int kMostDepth = 40;  // of splits by area; below, nodes are halved
+    constexpr int kMostDepth = 40;  // deeper nodes are halved instead of split by area
     std::vector<BoxedFace> faces(cage.face_count());
     for (std::uint32_t f = 0; f < faces.size(); ++f) {
         faces[f].face = f;

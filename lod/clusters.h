@@ -1,4 +1,4 @@
-// A tree of boxes over the faces of a cage or a mesh, so that one of any size is opened step by step.
+// A tree of boxes over the faces of a cage or a mesh, so that even a large one is opened step by step.
 //
 // The tree is built from topology and rest positions; its boxes follow when positions change. A cage is halved along a
 // Morton curve. A mesh is split by the surface area heuristic (lod/face_split.h), since the sizes of its faces may differ
@@ -21,8 +21,8 @@ namespace occam::lod {
 
 class ClusterTree {
 public:
-    static constexpr std::uint32_t kLeafFaces = 16;   ///< at most, in a leaf of a cage
-    static constexpr std::uint32_t kMeshFaces = 256;  ///< at most, in a leaf of a mesh
+    static constexpr std::uint32_t kLeafFaces = 16;   ///< most faces in a leaf of a cage
+    static constexpr std::uint32_t kMeshFaces = 256;  ///< most faces in a leaf of a mesh
 
     struct Node {
         Box3f box;

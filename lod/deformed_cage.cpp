@@ -5,7 +5,7 @@
 namespace occam::lod {
 namespace {
 
-// Cofactors: the inverse transpose times the determinant.
+// Multiplies by the cofactors of m, which are its inverse transpose times its determinant.
 Vec3d turned_normal(const Mat3d& m, Vec3d n) noexcept
 {
     const Vec3d v = glm::cross(m[1], m[2]) * n.x + glm::cross(m[2], m[0]) * n.y + glm::cross(m[0], m[1]) * n.z;
@@ -26,7 +26,7 @@ DeformedCage::DeformedCage(const CageSlot& slot, const Node& node, const SkinSlo
         frame_from_mesh_ = frame_from_mesh_ * node.node_from_skin;
         joint_count_ = skin->mesh_poses.size();
         const std::span<Mat4d> joints = arena.make_array<Mat4d>(joint_count_);
-        // Joints that move no vertex are never needed.
+        // Joints that move no vertex have no part in this.
         int mirrored = 0;
         for (const JointBox& used : slot.deform[0].joints) {
             if (used.joint < joint_count_) joints[used.joint] = frame_from_mesh_ * skin->mesh_poses[used.joint];
@@ -75,7 +75,7 @@ const Vec3f* DeformedCage::pose_block(std::uint32_t block)
                 total += w;
             }
         }
-        // Divided by their sum, the weights are those of a mean: what deformed_box() relies on.
+        // The weights are divided by their sum, so that they are those of a mean, as deformed_box() requires.
         out[v - first] = Vec3f(sum / total);
     }
     blocks_[block] = out;

@@ -8,7 +8,8 @@
 namespace occam::lod {
 namespace {
 
-// What lies together in a cage lies together in the table: neighbours neither push each other out nor are far in memory.
+// Returns the slot of a patch, curve or vertex. Consecutive ones get consecutive slots, so that neighbours do not replace
+// each other and are close in memory.
 std::size_t slot_of(const PosedCage& cage, std::uint64_t index, std::size_t size)
 {
     return static_cast<std::size_t>(mix_bits(reinterpret_cast<std::uintptr_t>(&cage)) + index) & (size - 1);
@@ -57,7 +58,7 @@ int Dicer::curve_k(const PosedCage& cage, std::uint32_t curve)
 {
     if (const int known = curve_entry(cage, curve).k; known != CurveEntry::kUnknown) return known;
     const Topology& topology = *cage.topology;
-    const bool is_halves = topology.has_middle_knot(curve);  // each of which is a side of its own patch
+    const bool is_halves = topology.has_middle_knot(curve);  // each half is then a side of its own patch
     const auto speed = [&](float c) {
         const PatchPoint at = topology.curve_point(curve, c);
         const int side = at.v == 0 ? 0 : at.u == 1 ? 1 : at.v == 1 ? 2 : 3;
@@ -84,7 +85,7 @@ PatchScale Dicer::scale(const PosedCage& cage, PatchRef patch)
     scale.k = {ceil_log2(speed_u), ceil_log2(speed_v)};
     for (int side = 0; side < 4; ++side) {
         const SideCurve on = topology.side(patch, side);
-        // A side that is half of a curve has one piece in two, and half of its speed.
+        // A side that is half of a curve has half of its pieces, and half of its speed.
         const int half = std::fabs(on.c1 - on.c0) == 0.5f ? 1 : 0;
         scale.side_k[side] = curve_k(cage, on.curve) - half;
         scale.side_least[side] = topology.least_exponent(on.curve) - half;
@@ -101,7 +102,8 @@ Box3f Dicer::bounds(const PosedCage& cage, const PatchScale& scale, const PatchR
     const float size_u = power_of_two(-region.du), size_v = power_of_two(-region.dv);
     const float u0 = float(region.iu) * size_u, v0 = float(region.iv) * size_v, u1 = u0 + size_u, v1 = v0 + size_v;
     Box3f box = patch.bounds(u0, u1, v0, v1);
-    // T-vertices lie on chords of the side's own pieces, which may reach beyond the region: their curve's hull holds them.
+    // T-vertices lie on chords of the side's own pieces, which may reach beyond the region; the hull of their curve holds
+    // them.
     for (int side = 0; side < 4; ++side) {
         const bool along_v = side & 1;
         const float fixed = side == 1 || side == 2 ? 1 : 0;
@@ -167,7 +169,7 @@ Vec3f Dicer::curve_end(const PosedCage& cage, std::uint32_t curve, int filter, i
 
 void Dicer::owned_points(const PosedCage& cage, std::uint32_t curve, int filter, float c0, float dc, std::span<Vec3f> out)
 {
-    // A few points are needed repeatedly: by the patch on the other side, and by coarser pairs.
+    // A few points are kept, since the patch on the other side and coarser pairs need them again.
     const bool is_middle = c0 == 0.5f && out.size() == 1,
                is_kept = !cage.is_displaced() && (is_middle || (std::fabs(dc) == 0.25f && out.size() == 3));
     if (is_kept) {
@@ -251,8 +253,8 @@ void Dicer::dice_side(const PosedCage& cage, int side, LevelGrid& grid)
         write(at, p);
         return static_cast<std::uint32_t>(at);
     };
-    // Halves a piece down to single steps. A tile closes every gap along its part of the side: so it keeps the triangles of
-    // all halvings that reach into it, also of T-vertices outside.
+    // Halves a piece down to single steps. A tile closes every gap along its part of the side, so it keeps the gap triangles
+    // of all halvings that reach into it, even if the T-vertex itself lies outside.
     Hanging next;
     const auto halve = [&](const auto& self, int low, int high, Vec3f a, Vec3f c, std::uint32_t path, int depth) -> void {
         if (high - low < 2 || low >= first + count || high <= first) return;
@@ -289,14 +291,14 @@ LevelGrid Dicer::dice_vertices(const PosedCage& cage, const TileRef& tile, Arena
     extras_.clear();
     bool hangs = false;
     for (int side = 0; side < 4; ++side) hangs |= tile.rates.side[side] != (side & 1 ? tile.rates.v : tile.rates.u);
-    // One array holds all three, and eight floats more, since lanes are loaded eight at a time.
+    // One array holds all three coordinates, and eight more floats, since lanes are loaded eight at a time.
     const std::size_t room = static_cast<std::size_t>(grid.vertex_count + (hangs ? LevelGrid::kMaxExtra : 0));
     float* data = arena.make_array<float>(3 * room + 8).data();
     for (std::size_t a = 0; a < 3; ++a) grid.fine[a] = grid.coarse[a] = data + a * room;
 
     const bool left = tile.i0 == 0, bottom = tile.j0 == 0;
     const bool right = tile.i0 + tile.columns == 1u << tile.rates.u, top = tile.j0 + tile.rows == 1u << tile.rates.v;
-    // Borders of the patch come from their owners below; the rest is the patch's own.
+    // The patch itself gives the inner points; those on its borders come from their owners below.
     const int i0 = left, i1 = grid.width() - right, j0 = bottom, j1 = grid.height() - top;
     if (i0 < i1 && j0 < j1) {
         const ParameterGrid inside{float(tile.i0 + i0) * tile.step_u(),
@@ -310,7 +312,7 @@ LevelGrid Dicer::dice_vertices(const PosedCage& cage, const TileRef& tile, Arena
         if (cage.is_displaced()) displaced_points(cage, tile.patch, tile.rates.filter, inside, out, grid.width());
         else posed(cage, tile.patch).points(inside, out[0], out[1], out[2], grid.width());
     }
-    // Sides of one step have the corners that the others have, too.
+    // A side of one step consists of corners that the other sides have as well.
     const bool is_low = tile.rates.v == 0, is_narrow = tile.rates.u == 0;
     if (is_low && is_narrow && cage.topology->face_size(tile.patch.face) == 4) {
         const std::array<std::uint32_t, 4> quad = cage.topology->quad_vertices(tile.patch.face);
@@ -373,7 +375,7 @@ LevelGrid Dicer::dice_pair(const PosedCage& cage, const TileRef& tile, const Pat
                 write(at, below.vertex(i, j));
                 continue;
             }
-            // Odd ones lie on an edge of the coarse mesh, or on its diagonal.
+            // Odd vertices lie on an edge of the coarse mesh, or on its diagonal.
             const Vec3f low = below.vertex(i / 2, j / 2);
             write(at, (i | j) & 1 ? (low + below.vertex((i + 1) / 2, (j + 1) / 2)) * 0.5f : low);
         }
@@ -419,8 +421,8 @@ GridAttributes Dicer::shade(const PosedCage& cage, const TileRef& tile, const Pa
         for (std::size_t k = 0; k < count; ++k) {
             const Vec3f n = glm::cross(Vec3f{out[3][k], out[4][k], out[5][k]}, Vec3f{out[6][k], out[7][k], out[8][k]});
             const float length = glm::length(n);
-            // Degenerate tangents (a corner where both sides run alike) leave the choice to the geometric normal: see
-            // Tracer.
+            // Where the tangents are parallel, as in a corner whose sides have one direction, there is no normal, and hits
+            // take the geometric one (accel/hit.cpp).
             made.normal[k] = length > 0 ? n * ((cage.is_mirrored ? -1.0f : 1.0f) / length) : Vec3f(0);
         }
     }

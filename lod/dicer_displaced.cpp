@@ -1,4 +1,4 @@
-// What dicing does for displaced cages: points, their normals, and speeds that count what displacement adds.
+// Dices displaced cages: computes points, their normals, and speeds that include the displacement.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -92,9 +92,9 @@ void Dicer::offsets_beside(const PosedCage& cage, PatchRef patch, int filter, co
     part(lines - stay_high, stay_high, 0);
 }
 
-// The derivative of P + h N: tangents of the limit surface, and differences of what displacement adds over a quarter step to
-// each side (to one side on the patch's border). Over smooth edges both patches come to the same normal but for a difference
-// of the second order in the step; at creases and seams each has its own.
+// Computes normals from the derivative of P + h N: the tangents of the limit surface, plus differences of the offset over a
+// quarter step to each side (to one side on the patch's border). Over smooth edges the normals of both patches agree except
+// for a difference of the second order in the step; at creases and seams each patch has its own.
 void Dicer::displaced_normals(const PosedCage& cage, PatchRef patch, int filter, const ParameterGrid& grid, Vec3f* out)
 {
     const auto count = static_cast<std::size_t>(grid.columns * grid.rows);
@@ -146,7 +146,7 @@ void Dicer::displaced_coarse_normals(const PosedCage& cage, const TileRef& tile,
 
 namespace {
 constexpr int kPieces = 16;  // the number of pieces of a side with which displaced speeds are measured
-/// Returns the level for which such pieces stand.
+/// Returns the level whose edges are as long as such pieces.
 int level_of_pieces(float speed) noexcept { return std::clamp(ceil_log2(speed) - 4, kFinestLevel, kCoarsestLevel); }
 }  // namespace
 

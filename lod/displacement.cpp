@@ -10,7 +10,7 @@ namespace occam::lod {
 
 namespace {
 
-/// Unit axes of a surface: along its du, across it, and where the sense of its parameter sees the outside.
+/// Unit axes of a surface: along its du, across it, and outward by the orientation of its parametrization.
 struct SurfaceAxes {
     Vec3d along{0}, across{0}, normal{0};
     double du, dv_along = 0, dv_across = 0;  ///< du = du * along, dv = dv_along * along + dv_across * across
@@ -83,7 +83,8 @@ Vec3d PosedDisplacement::texel_vector(const Vec4f& texel) const noexcept
 
 Vec3d PosedDisplacement::along_normal(const PointToDisplace& at, double height) const noexcept
 {
-    // The object's normal: posed areas are cofactors of the map times the object's, and its transpose takes them back.
+    // Posed areas are the cofactors of the map times the object's areas, so the transpose of the map gives the object's
+    // normal.
     const Vec3d area = glm::cross(Vec3d(at.du), Vec3d(at.dv));
     Vec3d normal;
     for (int c = 0; c < 3; ++c) normal[c] = map[0][c] * area.x + map[1][c] * area.y + map[2][c] * area.z;
@@ -116,7 +117,8 @@ Vec3d PosedDisplacement::in_tangents(const PointToDisplace& at, Vec3d v) const n
     const double size = glm::length(along_u);
     if (turn == 0 || !(size > 0)) return along_normal(at, v.z);
     const Vec3d area = glm::cross(du, dv), tangent = along_u / size;
-    // Where v falls, across the tangent: on one side of it or the other, as the coordinates are mirrored.
+    // The direction in which v falls is perpendicular to the tangent. On which side depends on whether the coordinates are
+    // mirrored.
     const Vec3d across = glm::cross(area, tangent);
     const double length = glm::length(across);
     if (!(length > 0)) return Vec3d(0);

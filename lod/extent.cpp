@@ -14,8 +14,8 @@ namespace {
 
 using namespace OpenSubdiv;
 
-// A cage is refined as often as this number of faces allows, and no more than kMostLevels times: each time a quarter of the
-// distance between the surface and the hull of its control points is left.
+// A cage is refined as often as this number of faces allows, but at most kMostLevels times. Each time the distance between
+// the surface and the hull of its control points falls to a quarter.
 constexpr std::size_t kMostFaces = 60'000;
 constexpr int kMostLevels = 3;
 // Beyond this many points in all, placed cages give the corners of their boxes.
@@ -39,19 +39,19 @@ void visit_corners(const Box3d& box, const Mat4d& world_from_box, const std::fun
 }  // namespace
 
 struct Extent::State {
-    // A cage's connectivity at the level that gives the points.
+    // Holds the connectivity of a cage at the level that gives the points.
     struct Shape {
         std::uint64_t identity = 0, version = 0;
-        std::unique_ptr<Far::TopologyRefiner> refiner;  // null: the vertices themselves
-        std::vector<std::uint32_t> used;                // vertices of faces that are seen
-        std::vector<Vec3d> still;                       // points of a cage that nothing deforms, object axes
+        std::unique_ptr<Far::TopologyRefiner> refiner;  // null if the vertices themselves are the points
+        std::vector<std::uint32_t> used;                // vertices of faces that are visible
+        std::vector<Vec3d> still;                       // points of a cage that nothing deforms, in object axes
     };
 
     Shape& shape_of(CageId id, const CageSlot& slot);
     static std::vector<Vec3d> points_of(const Shape& shape, const std::vector<Vec3d>& controls);
 
     std::unordered_map<CageId, Shape> shapes;
-    std::size_t points = 0;  // of one visit
+    std::size_t points = 0;  // number of points in one visit
 };
 
 Extent::State::Shape& Extent::State::shape_of(CageId id, const CageSlot& slot)

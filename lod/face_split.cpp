@@ -7,10 +7,10 @@ namespace occam::lod {
 namespace {
 
 constexpr int kBins = 16;
-constexpr std::size_t kSamples = 8192;     // faces that a plane is chosen by; of more, every second, third, ...
+constexpr std::size_t kSamples = 8192;     // most faces by which a plane is chosen: of more faces every n-th is taken
 constexpr std::size_t kWorthParting = 32;  // number of faces from which on large ones are separated
-constexpr float kLarge = 1.0f / 16;        // of the whole box's area
-constexpr float kWorthIt = 0.9f;           // of the cost without a split
+constexpr float kLarge = 1.0f / 16;        // share of the whole box's area from which on a face is large
+constexpr float kWorthIt = 0.9f;           // a split pays below this share of the cost without it
 
 struct Bin {
     Box3f box;
@@ -28,7 +28,7 @@ struct Bin {
 
 Vec3f twice_centre(const BoxedFace& f) noexcept { return f.box.lo + f.box.hi; }
 
-// Returns the bin of a position; the first for NaN.
+// Returns the bin of a position; NaN belongs to the first bin.
 int bin_of(float position, float from, float scale) noexcept
 {
     const float x = (position - from) * scale;
@@ -37,12 +37,12 @@ int bin_of(float position, float from, float scale) noexcept
 
 struct Plane {
     int axis = -1;
-    int bin = 0;  // the first of the second part
+    int bin = 0;  // first bin of the second part
     float from = 0, scale = 0;
     float cost = std::numeric_limits<float>::infinity();
 };
 
-// Tries all planes between the bins of an axis. most: of the sampled faces.
+// Tries all planes between the bins of an axis. No part may have more than `most` of the sampled faces.
 void try_axis(std::span<const BoxedFace> faces, std::size_t step, std::size_t most, int axis, float from, float to,
               Plane& best)
 {
@@ -54,7 +54,7 @@ void try_axis(std::span<const BoxedFace> faces, std::size_t step, std::size_t mo
         bin.box.add(faces[i].box);
         ++bin.count;
     }
-    Bin above[kBins];  // all from a bin on
+    Bin above[kBins];  // the sum of each bin and all that follow
     above[kBins - 1] = bins[kBins - 1];
     for (int b = kBins - 2; b > 0; --b) {
         above[b] = above[b + 1];
@@ -105,7 +105,7 @@ FaceSplit split_faces(std::span<BoxedFace> faces, std::size_t most) noexcept
         const auto first = static_cast<std::size_t>(std::partition(faces.begin(), faces.end(), is_below) - faces.begin());
         if (are_parted(first)) return {first, best.cost < kWorthIt * all.cost()};
     }
-    // All centres are in one place, or so many on one side of each plane that a part would have too many.
+    // All centres are in one place, or each plane would leave too many faces in one part.
     return {count / 2, false};
 }
 

@@ -20,7 +20,7 @@ struct BoxedFace {
     std::uint32_t face = 0;
 };
 
-/// The number of triangles that are tested at once: the cost of a part is counted in blocks of this size.
+/// The number of triangles that are tested at once. The cost of a part is counted in blocks of this size.
 inline constexpr std::size_t kFacesOfABlock = 8;
 
 struct FaceSplit {

@@ -1,7 +1,7 @@
 // The width of a ray's beam, and the level of detail that it asks for.
 //
-// Djeu et al. 2011, sec. 5.2.6. Level l stands for micropolygon edges of d_l = 2^l world units, l any integer, the same
-// everywhere (levels do not shift with the scene's size or the camera).
+// Djeu et al. 2011, sec. 5.2.6. At level l, which is any integer, micropolygon edges are at most d_l = 2^l world units long.
+// Levels are the same everywhere: they do not depend on the scene's size or the camera.
 #pragma once
 
 #include <algorithm>
@@ -21,14 +21,14 @@ struct Footprint {
 /// Returns d_l.
 inline float edge_length(int level) noexcept { return power_of_two(level); }
 
-/// Whose target edge length decides.
+/// Says which target edge length decides the level.
 enum class LevelMode {
     PerRay,      ///< each ray's own footprint, along the ray
     Frozen,      ///< as PerRay for rays from the camera; others keep their width at the origin
     PerInstance  ///< a placement has one level for all rays, by the camera's smallest footprint on it
 };
 
-/// How a frame chooses levels.
+/// Says how a frame chooses levels.
 struct LevelSettings {
     Vec3d eye{0};
     Footprint pixel;         ///< footprint of one pixel of the camera
@@ -40,14 +40,14 @@ struct LevelSettings {
     /// (watertightness rule 13). Tests make them small, since a wide overlap hides faults.
     float overlap_edges = 0.1f, overlap_ulps = 16;
 
-    /// World length: points of displaced cages lie no farther from the surface whose edges levels bound. So an edge of M_l
-    /// may be longer than d_l by twice this, and a vertex may move by the same amount more between levels: margins grow by
-    /// both.
+    /// The largest distance, in world length, of points of displaced cages from the surface whose edges levels bound. An
+    /// edge of M_l may be longer than d_l by twice this, and a vertex may move by the same amount more between levels, so
+    /// margins grow by both.
     float displaced = 0;
 
-    /// Edges of the finer level of a pair are at most 1.41 times the target edge length, and at least half of that where
-    /// faces need them. So what a ray blends has edges of the target length, averaged over all distances. To guarantee that
-    /// they are never longer would take twice as many micropolygons (tests/unit/accel_levels_test.cpp).
+    /// Edges of the finer level of a pair are at most 1.41 times the target edge length, and at least half of that wherever
+    /// the cage's own faces are not smaller. So the blended edges have the target length on the average over all distances.
+    /// If they were never to be longer, twice as many micropolygons would be needed (tests/unit/accel_levels_test.cpp).
     static constexpr float kLongestEdge = 1.41421356f;
     /// Returns the length by which a level is chosen: d_l <= length < d_(l+1).
     Footprint target_edge(Footprint width) const noexcept

@@ -15,7 +15,7 @@ bool is_outside(const LevelSettings& settings, const Box3d& box) noexcept
     return false;
 }
 
-/// Distance from the eye to the nearest cluster; infinity if none is in view.
+/// Returns the distance from the eye to the nearest cluster; infinity if none is in view.
 double nearest_distance(const LevelSettings& settings, const PosedCage& cage, bool only_in_view)
 {
     const auto distance_to = [&](const Box3d& box) {

@@ -1,4 +1,4 @@
-// The level at which a placement is seen, if all rays of a frame share one.
+// Chooses the level at which a placement is seen, if all rays of a frame share one.
 #pragma once
 
 #include "lod/footprint.h"

@@ -36,7 +36,7 @@ struct Hanging {
     std::uint32_t path = 0;
     std::uint8_t depth = 0;
     bool is_inside = true;      ///< lies on the tile; otherwise only its gap triangle reaches into it
-    std::uint8_t i = 0, j = 0;  ///< in the tile's lattice; the nearest vertex, if it is not inside
+    std::uint8_t i = 0, j = 0;  ///< place in the tile's lattice; if it is not inside, the nearest vertex
 
     struct Ends {
         Vec3f low, middle, high;
@@ -76,8 +76,8 @@ struct LevelGrid {
 struct GridAttributes {
     // Each array has room for one more element at its end, because four floats may be read from any element.
     Vec3f* normal = nullptr;  ///< unit, of the limit surface or of the displaced one, outward
-    Vec3f* coarse_normal =
-        nullptr;  ///< for displaced cages: normals of the next coarser level; null: the mean of neighbours, as for positions
+    /// Normals of the next coarser level, for displaced cages. If null, they are means of neighbours, as positions are.
+    Vec3f* coarse_normal = nullptr;
     Vec2f* uv[2] = {};  ///< null: the cage has no such set
 };
 

@@ -15,15 +15,15 @@ namespace {
 constexpr std::array<double, 4> kSamples{0.125, 0.375, 0.625, 0.875};
 // The parameters where the resulting piece is tested; they form no pattern with the samples.
 constexpr std::array<std::array<double, 2>, 5> kTrials{{{0.5, 0.5}, {0.05, 0.07}, {0.96, 0.03}, {0.04, 0.94}, {0.93, 0.97}}};
-// Where it is tried if there are creases: one of sharpness 6 or more touches none of the points inside of the whole patch.
+// A piece is tested at these points, too, if there are creases: one of sharpness 6 or more touches none of the inner points.
 constexpr std::array<std::array<double, 2>, 8> kBorderTrials{
     {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {0.5, 0}, {0.5, 1}, {0, 0.5}, {1, 0.5}}};
-// Lines on which a rectangle is tried for being cubic in one direction, and where on each of them.
+// These are the lines on which a rectangle is tested for being cubic in one direction, and the places on each of them.
 constexpr std::array<double, 4> kLines{0, 0.3, 0.5, 1};
 constexpr std::array<double, 5> kTrialsOfLine{0, 0.05, 0.5, 0.93, 1};
-// Stencils are accurate to 1e-14; another piece differs by its jump of third derivatives, above 1e-5 in all that were met.
+// Stencils are accurate to 1e-14. Another piece differs by the jump of third derivatives, more than 1e-5 in all known cases.
 constexpr double kAgree = 1e-9;
-// Weights below this are rounding of the fit: a regular patch then gets exact ones and zeros.
+// Weights below this are rounding errors of the fit and become 0, so that a regular patch gets exact ones and zeros.
 constexpr double kNoise = 1e-11;
 
 std::array<double, 4> basis(double t)
@@ -34,7 +34,7 @@ std::array<double, 4> basis(double t)
 
 using Matrix4 = std::array<std::array<double, 4>, 4>;
 
-// Inverse of B with B[s][i] = basis_i(kSamples[s]), by Gauss and Jordan with row exchange.
+// Returns the inverse of B with B[s][i] = basis_i(kSamples[s]), by Gauss-Jordan elimination with row exchange.
 Matrix4 inverse_sampling()
 {
     std::array<std::array<double, 8>, 4> a{};
@@ -106,7 +106,7 @@ const PointStencil& PatchClass::corner(int corner) const
 const PatchHull& PatchClass::make_hull() const
 {
     std::call_once(hull_once_, [&] {
-        // The hull takes the tree of points, or one of strips of its own where there are creases.
+        // The hull uses the tree of the points. If there are creases, it uses a tree of strips of its own instead.
         Node strips;
         strips.may_halve_one_way = true;
         const bool takes_strips = crease_depth_ > 0 && !root_.may_halve_one_way;
@@ -132,7 +132,8 @@ void PatchClass::classify(Node& node) const
         node.kind.store(Node::Bicubic, std::memory_order_release);
         return;
     }
-    // Strips cost little, so they go on to where an extraordinary vertex of what has become smooth is as small as elsewhere.
+    // Strips cost little, so trees of strips go deeper: the squares at an extraordinary vertex, where the creases have
+    // become smooth, are then as small as elsewhere.
     const int below = node.may_halve_one_way ? kBelowCreases : 0;
     const int deepest = std::max(kDeepest, crease_depth_ + below);
     const bool may_u = node.depth_u < deepest, may_v = node.depth_v < deepest;
@@ -202,7 +203,8 @@ bool PatchClass::fit_bicubic(Node& node) const
             source_->evaluate(node.u0 + size_u * kSamples[s], node.v0 + size_v * kSamples[t], stencil);
             std::copy(stencil.p.begin(), stencil.p.end(), samples.begin() + (t * 4 + s) * n);
         }
-    // Control net = inverse (x) inverse applied to the samples, for each control point's weights.
+    // The control net is the tensor product of the inverse with itself, applied to the samples of each control point's
+    // weights.
     std::vector<double> net(16 * n, 0.0);
     for (int j = 0; j < 4; ++j)
         for (int i = 0; i < 4; ++i)

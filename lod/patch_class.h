@@ -70,8 +70,9 @@ public:
         std::atomic<Kind> kind{Unknown};
         bool is_plain = false;  ///< Bicubic: control point i is the patch's own order[i] (a regular patch)
         std::array<std::uint8_t, 16> order{};
-        std::unique_ptr<float[]>
-            weights;  ///< Bicubic: n * 16, piece point fastest. Direct: corners 0..3, each 3 * n (p, du, dv)
+        /// Bicubic: n * 16 weights, where the piece's point varies fastest. Direct: for each of corners 0 to 3, 3 * n
+        /// weights for p, du and dv.
+        std::unique_ptr<float[]> weights;
         std::unique_ptr<Node[]> children;  ///< Split: the halves along u, then along v
 
         float size_u() const noexcept;

@@ -1,8 +1,8 @@
 // Vertex colours over a patch: bilinear between the cage's corners.
 //
-// Colours lie on a face where coordinates would with FaceVaryingRule::All: on a quad's four corners, or on the quadrant of
+// Colours lie on a face as texture coordinates do with FaceVaryingRule::All: on a quad's four corners, or on the quadrant of
 // an n-gon between a corner, the middles of its two edges and the mean of all corners. They are continuous over edges whose
-// corners agree, and no smoother.
+// corners agree, but not smoother.
 #pragma once
 
 #include "lod/posed_cage.h"

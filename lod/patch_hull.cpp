@@ -123,7 +123,7 @@ PatchHull::PatchHull(const PatchClass& kind, const PatchClass::Node& root)
     add_group(together, 0);
 }
 
-// Rows [first, first + 4); rows that do not exist have no weight.
+// Adds the group of rows [first, first + 4); rows that do not exist get weights of 0.
 void PatchHull::add_group(const std::vector<Row>& rows, std::size_t first)
 {
     const std::size_t n = rows[first].weights.size() / 4;

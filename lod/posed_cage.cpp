@@ -58,7 +58,7 @@ Box3d PosedCage::world_box(std::uint32_t cluster) const noexcept
 
 Vec3f PosedCage::pose_normal(Vec3f n) const noexcept
 {
-    // Cofactors: the inverse transpose times the determinant.
+    // The cofactors of the map are its inverse transpose times its determinant.
     const auto& m = frame_from_object;
     const Vec3d a{m[0][0], m[1][0], m[2][0]}, b{m[0][1], m[1][1], m[2][1]}, c{m[0][2], m[1][2], m[2][2]};
     const Vec3d turned = glm::cross(b, c) * double(n.x) + glm::cross(c, a) * double(n.y) + glm::cross(a, b) * double(n.z);

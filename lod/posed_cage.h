@@ -34,7 +34,7 @@ struct PosedCage {
     float radius = 0;                ///< radius of a ball around the anchor that holds the cage, world length
     int level = 0;                   ///< LevelMode::PerInstance: the level for all rays
     bool is_mirrored = false;        ///< the placement reverses the orientation of faces
-    PosedDisplacement displacement;  ///< of the limit surface; none: not displaced
+    PosedDisplacement displacement;  ///< displacement of the limit surface, if there is one
 
     /// Keeps positions as they are, so that the dicing frame is object space.
     void keep() noexcept

@@ -29,7 +29,7 @@ void PosedPatch::forget()
     side_speed_.fill(-1);
 }
 
-// Old content is overwritten: vectors only grow.
+// Grows the vectors if needed. They never shrink, and old content is overwritten.
 void PosedPatch::make_room(std::size_t count)
 {
     count_ = count;
@@ -112,7 +112,7 @@ void PosedPatch::fill_piece(const PatchClass::Node& node, const ParameterGrid& g
     constexpr int kMaxColumns = 32;
     OCCAM_DCHECK_LE(i1 - i0, kMaxColumns);
     const PieceControls& net = piece(node);
-    // The factor by which derivatives grow from the piece's parameters to the patch's.
+    // Derivatives grow by these factors from the piece's parameters to the patch's.
     const float scale_u = power_of_two(node.depth_u), scale_v = power_of_two(node.depth_v);
     alignas(32) float wu[4][kMaxColumns + 8], du[4][kMaxColumns + 8];
     for (int i = i0; i < i1; ++i) {
@@ -124,7 +124,7 @@ void PosedPatch::fill_piece(const PatchClass::Node& node, const ParameterGrid& g
             for (int k = 0; k < 4; ++k) du[k][i - i0] = d.b[k] * scale_u;
         }
     }
-    // Lanes past the last column compute on what is there and are not stored.
+    // Lanes past the last column compute on zeros, and their results are not stored.
     for (int k = 0; k < 4; ++k)
         for (int i = i1 - i0; i < ((i1 - i0 + 7) & ~7); ++i) wu[k][i] = du[k][i] = 0;
     const auto store = [&](vfloat value, float* to, int count) {
@@ -273,7 +273,7 @@ void PosedPatch::measure()
     const PatchHull& hull = kind_->hull();
     constexpr float kInfinity = std::numeric_limits<float>::infinity();
     vfloat4x4 lo[3] = {kInfinity, kInfinity, kInfinity}, hi[3] = {-kInfinity, -kInfinity, -kInfinity};
-    // Squares of the largest differences from column to column and from row to row.
+    // These are the squares of the largest differences from column to column and from row to row.
     vfloat4x4 along = 0.0f, down = 0.0f;
     const auto squared = [](vfloat4x4 x, vfloat4x4 y, vfloat4x4 z) { return fma(x, x, fma(y, y, z * z)); };
     box_ = {};
@@ -292,7 +292,7 @@ void PosedPatch::measure()
         box_.add({lattice.lo - growth, lattice.hi + growth});
     }
     box_.add({{smallest(lo[0]), smallest(lo[1]), smallest(lo[2])}, {largest(hi[0]), largest(hi[1]), largest(hi[2])}});
-    // The last column's and the last row's differences are from the first.
+    // The differences of the last column and the last row wrap around to the first and do not count.
     alignas(32) static constexpr float kNotLastColumn[16] = {1, 1, 1, 0, 1, 1, 1, 0, 1, 1, 1, 0, 1, 1, 1, 0};
     alignas(32) static constexpr float kNotLastRow[16] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0};
     speed_u_ = std::sqrt(largest(along * vfloat4x4::load(kNotLastColumn)));
@@ -381,8 +381,9 @@ Box3f PosedPatch::bounds(float u0, float u1, float v0, float v1)
     } else {
         bounds_below(kind_->root(), u0, u1, v0, v1, box);
     }
-    // Vertices and hulls are sums of all control points, n of them: each is off by up to n / 2 ulps of the largest. Around a
-    // pole, where many weights are equal, roundings add up so indeed. Owners' points differ from the patch's own by as much.
+    // Vertices and hulls are sums of all n control points, so each may be off by n / 2 ulps of the largest one. Around a
+    // pole, where many weights are equal, rounding errors do add up to this. Points of owners differ from the patch's own by
+    // as much.
     const Vec3f pad(reach() * (48 + float(count_)) * std::numeric_limits<float>::epsilon());
     return {box.lo - pad, box.hi + pad};
 }

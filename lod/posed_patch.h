@@ -42,8 +42,8 @@ public:
     void curve(bool along_v, float fixed, float t0, float step, std::span<Vec3f> out);
     Vec3f point(float u, float v);
 
-    /// Returns the largest speed that the curve along a side may have (sides as in Topology::side). It is an exact bound for
-    /// bicubic pieces; where the patch meets an extraordinary vertex, it comes from chords of sixteenths.
+    /// Returns the largest speed that the curve along a side may have (sides as in Topology::side). It is a strict bound for
+    /// bicubic pieces; next to an extraordinary vertex it comes from chords of sixteenths.
     float side_speed(int side);
     /// Computes the same for the whole patch along u and along v.
     void speeds(float& along_u, float& along_v);

@@ -13,7 +13,7 @@
 
 namespace occam::lod {
 
-inline constexpr int kMaxExponent = 20;  ///< of a rate; every patch of a cage stays below it at its finest level
+inline constexpr int kMaxExponent = 20;  ///< largest exponent of a rate; every patch keeps to it at its cage's finest level
 inline constexpr int kMinLength = -200;  ///< exponent of a speed of 0
 inline constexpr int kMaxAspect = 4;     ///< a patch thinner than 1 : 16 is diced as if it were as wide
 
@@ -37,16 +37,16 @@ inline int curve_exponent(int k, int least, int level) noexcept { return std::cl
 struct PatchRates {
     int u = 0, v = 0;           ///< exponents of the inside
     std::array<int, 4> side{};  ///< exponents of each side's own vertices; at most u (sides 0, 2) or v (1, 3)
-    int filter = kFinestLevel -
-                 1;  ///< displacement: the level whose edge length is the filter width of the texture; else constant
+    /// For displaced cages, the level whose edge length is the filter width of the texture; else a constant.
+    int filter = kFinestLevel - 1;
     friend bool operator==(const PatchRates&, const PatchRates&) = default;
 };
 
 /// The size of a patch, from which its rates at all levels follow.
 struct PatchScale {
-    std::array<int, 2> k{kMinLength,
-                         kMinLength};  ///< along u and v: ceil(log2) of the largest speed of the inside and of the sides
-    std::array<int, 2> least{};        ///< least exponents along u and v, because of the sides
+    /// The ceil(log2) of the largest speed along u and along v, inside and on the sides.
+    std::array<int, 2> k{kMinLength, kMinLength};
+    std::array<int, 2> least{};                 ///< least exponents along u and v, because of the sides
     std::array<int, 4> side_k{}, side_least{};  ///< for each side, per unit of the patch's parameter
     int filter_stops = kFinestLevel - 1;        ///< displacement is the same from this level on
 

@@ -17,14 +17,14 @@ struct KeyHash {
     }
 };
 
-/// Corner i of a quad patch.
+/// Returns a corner of a quad patch.
 PatchPoint quad_corner(std::uint32_t face, std::uint32_t corner) noexcept
 {
     constexpr float kU[4] = {0, 1, 1, 0}, kV[4] = {0, 0, 1, 1};
     return {{face, 0}, kU[corner], kV[corner]};
 }
 
-/// Parameter s along edge j of a quad, from its corner j.
+/// Returns the point at parameter s along edge j of a quad, counted from its corner j.
 PatchPoint quad_edge(std::uint32_t face, int j, float s) noexcept
 {
     switch (j) {
@@ -45,11 +45,11 @@ struct Topology::Tables {
     using Slots = std::vector<std::atomic<const PatchControls*>>;
 
     std::mutex mutex;
-    std::vector<Slots> slots;  ///< 0: vertices, 1 + s: UV set s; one a patch
+    std::vector<Slots> slots;  ///< one entry for each patch; index 0 is for vertices, 1 + s for UV set s
     std::unordered_map<std::vector<std::uint32_t>, std::unique_ptr<const PatchClass>, KeyHash> classes;
     std::deque<PatchControls> records;
     std::deque<std::vector<std::uint32_t>> indices;
-    std::vector<std::uint32_t> first_inner;  ///< of each face; empty when all faces are quads
+    std::vector<std::uint32_t> first_inner;  ///< first inner curve of each face; empty when all faces are quads
     std::vector<std::uint32_t> inner_face;
 };
 
@@ -134,7 +134,8 @@ SideCurve Topology::side(PatchRef patch, int side) const noexcept
     const auto vertices = level.GetFaceVertices(face);
     const int n = vertices.size();
     const bool is_quad = n == 4;
-    // Base edge j of this face, e from its corner j: the curve runs the other way when it starts at the next corner.
+    // Describes a part of base edge j of this face, from e0 to e1 as counted from corner j. The curve runs the other way if
+    // it starts at the next corner.
     const auto on_edge = [&](int j, float e0, float e1) -> SideCurve {
         const bool forward = level.GetEdgeVertices(edges[j])[0] == vertices[j];
         return {static_cast<std::uint32_t>(edges[j]), forward ? e0 : 1 - e0, forward ? e1 : 1 - e1};

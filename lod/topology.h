@@ -36,7 +36,7 @@ struct PatchControls {
     std::span<const std::uint32_t> indices;
 };
 
-/// One side of a patch: the curve it lies on, and the curve's parameter where the side's own lattice has 0 and 1.
+/// One side of a patch: the curve on which it lies, and the curve's parameters at 0 and 1 of the side's own lattice.
 struct SideCurve {
     std::uint32_t curve = 0;
     float c0 = 0, c1 = 1;

@@ -1,4 +1,4 @@
-// What is kept from frame to frame for each cage of a scene: its topology and its cluster tree.
+// Keeps the topology and the cluster tree of each cage of a scene from frame to frame.
 //
 // Cages that are connected alike share a topology, wherever their vertices are, so that the matrices of a crowd stay in the
 // processor's caches.

@@ -44,7 +44,7 @@ Sdc::Options sdc_options(const Cage& cage)
     return options;
 }
 
-// Numbers in the order of first meeting. Rings are small; poles of hundreds of edges get a map.
+// Numbers values in the order in which they first occur. Rings are small; poles of hundreds of edges get a map.
 class Numbering {
 public:
     explicit Numbering(std::vector<std::uint32_t>& values) : values_(values) {}
@@ -85,7 +85,8 @@ public:
         surface_.GetControlPointIndices(own.data());
         std::unordered_map<std::uint32_t, std::uint32_t> number;
         for (std::uint32_t i = 0; i < controls.size(); ++i) number.emplace(controls[i], i);
-        // Texture coordinates that collapse around a vertex of two faces leave points without an index (-1): any will do.
+        // Texture coordinates that collapse around a vertex of two faces leave points without an index (-1). Any index will
+        // do for them.
         for (int index : own) {
             const auto known = number.find(static_cast<std::uint32_t>(index));
             number_.push_back(known == number.end() ? 0 : known->second);
@@ -172,9 +173,10 @@ std::unique_ptr<Far::TopologyRefiner> make_refiner(const Cage& cage)
 
 Topology::Mesh::Mesh(const Cage& cage) : bilinear(cage.scheme == Scheme::Bilinear), refiner(make_refiner(cage))
 {
-    // Bfr's defaults (2, 6) are not the limit surface: positions off by 1.5e-3 of the cage, normals by 10 degrees. The end
-    // of an inner crease converges by 3.2 a level: 1.7e-5 of the cage off at 8.
-    constexpr int kApproxLevel = 10;  // the library's largest
+    // Bfr's defaults (2, 6) do not give the limit surface: positions are off by 1.5e-3 of the cage, and normals by 10
+    // degrees. At the end of an inner crease the error falls by a factor of 3.2 a level, and is 1.7e-5 of the cage at
+    // level 8.
+    constexpr int kApproxLevel = 10;  // the largest value that the library allows
     SurfaceFactory::Options options;
     options.SetApproxLevelSmooth(kApproxLevel).SetApproxLevelSharp(kApproxLevel);
     factory = std::make_unique<SurfaceFactory>(*refiner, options);
@@ -210,9 +212,9 @@ Neighbourhood neighbourhood(const Far::TopologyLevel& level, PatchRef patch, boo
     const auto corners = level.GetFaceVertices(face);
     out.key.reserve(160);
     out.key.push_back(static_cast<std::uint32_t>(corners.size()) << 8 | static_cast<std::uint32_t>(uv_set + 1));
-    // The parts of a face of many corners are looked at from their own corner on, and the faces beside it from the corner
-    // that they share with it. What is alike all around then shares a class. The face itself is listed once and not at each
-    // corner, so that its cost does not grow with the cube of its size.
+    // The patches of a face of many corners list its corners from their own one on, and list the faces beside it from the
+    // shared corner on. So patches whose surroundings are alike share a class. The face itself is listed once and not at
+    // each corner, so that the cost does not grow with the cube of its size.
     const int size = corners.size();
     const bool turns = size > kMostCornersAsTheyAre;
     const int first = turns ? static_cast<int>(patch.sub) : 0;

@@ -29,16 +29,15 @@ struct Topology::Mesh {
     std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> refiner;
     std::unique_ptr<const SurfaceFactory> factory;
     std::vector<std::uint32_t> vertex_owner;  ///< owning face of each vertex: the lowest with a limit surface
-    std::vector<std::uint8_t>
-        vertex_corner;  ///< the vertex's corner there (0xff: in a face with more corners, to be searched)
+    /// The vertex's corner in that face; 0xff means that it has to be searched, in a face of more corners.
+    std::vector<std::uint8_t> vertex_corner;
     std::vector<std::uint32_t> edge_owner;
 };
 
-/// What Bfr sees around a patch, as words: equal keys have equal limit stencils, control point by control point.
+/// Describes what Bfr sees around a patch, as words: equal keys have equal limit stencils, control point by control point.
 ///
 /// For each corner of the face the key holds sharpness, border, and the faces around it in order. Each of these has its
-/// size, its vertices, numbered in the order in which they are first met, and the sharpness of its edges at the corner.
-/// numbers in the order of first meeting, and the sharpness of its edges at the corner.
+/// size, its vertices, numbered in the order in which they first occur, and the sharpness of its edges at the corner.
 struct Neighbourhood {
     std::vector<std::uint32_t> key;
     std::vector<std::uint32_t> controls;  ///< vertex (or UV value) of each number

@@ -13,14 +13,14 @@ namespace occam::lod {
 
 struct VertexToShade {
     Vec2f uv[2]{};
-    float uv_width[2]{};  ///< of the texture filter, in units of uv
+    float uv_width[2]{};  ///< width of the texture filter, in units of uv
 };
 
 /// Vertices in rows and columns, so that differences between neighbours can be computed.
 struct LatticeToShade {
     std::span<const VertexToShade> vertices;  ///< row after row
     std::span<const Vec3f> places;            ///< positions of the vertices, relative to any origin: world axes and lengths
-    int columns = 2;                          ///< vertices a row, at least two; there are at least two rows
+    int columns = 2;                          ///< vertices in a row, at least two; there are at least two rows
 };
 
 class VertexShader {
@@ -29,14 +29,15 @@ public:
 
     virtual ~VertexShader() = default;
 
-    /// Returns the number of floats a vertex of the material has, at most kMaxChannels; 0: nothing varies over the surface.
+    /// Returns the number of floats at each vertex of the material, at most kMaxChannels; 0 if nothing varies over the
+    /// surface.
     virtual int channels(const Material& material) const noexcept = 0;
-    /// Shades the vertices: a pure function of each vertex and its neighbours. out: channels() floats a vertex, in their
-    /// order.
+    /// Shades the vertices: a pure function of each vertex and its neighbours.
+    /// out   receives channels() floats for each vertex, in the order of the vertices
     virtual void shade(const Material& material, const LatticeToShade& lattice, float* out) const noexcept = 0;
 };
 
-/// How a frame shades at vertices.
+/// Says how a frame shades at vertices.
 struct VertexShading {
     const VertexShader* shader = nullptr;  ///< null: materials are looked up at hits
     float texture_width = 1;  ///< width of a hit's texture filter, in footprints; denser vertices filter no less
