@@ -38,7 +38,7 @@ Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::Leve
     state_->shading = shading;
     if (textures && scene.is_displaced()) state_->levels.displaced = farthest_displaced(scene);
     const Node& root = scene.node(scene.root());
-    const Box3d world = root.visible ? transform_box(root.parent_from_node, root.bounds) : Box3d();
+    const Box3d world = box_in_parent(root);
     if (world.is_empty()) return;
     const double step = std::ldexp(1.0, std::ilogb(std::max(world.radius(), 1e-30)));
     state_->anchor = glm::round(world.centre() / step) * step;

@@ -1,6 +1,8 @@
 // A camera: its transform to the world, its full vertical field of view, and its lens unless it is a pinhole.
 #pragma once
 
+#include <vector>
+
 #include "base/box.h"
 
 namespace occam {
@@ -18,8 +20,11 @@ struct CameraLens {
 
 /// A camera as a frame needs it, in world axes and world lengths.
 struct Camera {
-    Mat4d world_from_camera{1};  ///< rigid; its columns are right, up, back and eye
+    Mat4d world_from_camera{1};  ///< rigid; its columns are right, up, back and eye; of mid-shutter if the camera moves
     CameraLens lens;
+    /// world_from_camera at evenly spaced moments, from when the shutter opens to when it closes: at least two, or none if
+    /// the camera stands still. Between two of them the elements are interpolated, and the axes brought back to unit length.
+    std::vector<Mat4d> keys{};
 
     Vec3d eye() const noexcept { return Vec3d(world_from_camera[3]); }
 

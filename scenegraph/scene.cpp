@@ -50,7 +50,7 @@ NodeId Scene::root() const noexcept { return state_->root; }
 NodeId Scene::add_node(NodeId parent, NodeDesc desc)
 {
     State& s = *state_;
-    s.require_editable();
+    s.require_unrecorded();
     State::at(s.nodes, parent, "node");
     for (CageId id : desc.cages) State::at(s.cages, id, "cage");
     for (MaterialId id : desc.materials) State::at(s.materials, id, "material");
@@ -90,7 +90,7 @@ NodeId Scene::add_node(NodeId parent, NodeDesc desc)
 void Scene::remove(NodeId id)
 {
     State& s = *state_;
-    s.require_editable();
+    s.require_unrecorded();
     State::at(s.nodes, id, "node");
     if (id == s.root) throw Error("", "the root cannot be removed");
     s.mark_dirty(id);
@@ -99,14 +99,18 @@ void Scene::remove(NodeId id)
     while (!todo.empty()) {
         const NodeId next = todo.back();
         todo.pop_back();
-        const State::NodeRecord& node = *s.nodes.find(next);
+        State::NodeRecord& node = *s.nodes.find(next);
+        s.about_to_move(next, node);
         for (const NodeId child : node.children)
             if (child) todo.push_back(child);
         // Instances elsewhere that show a part of the subtree lose it.
         for (NodeId instance : node.instances.ids()) s.mark_dirty(instance);
         s.place_changed(next, node);  // the node may be a joint of a skin that stays
         if (const auto copy = s.posed.find(next); copy != s.posed.end()) {
-            for (const SkinId skin : copy->second.skins) s.skins.remove(skin);
+            for (const SkinId id_of_skin : copy->second.skins) {
+                if (State::SkinRecord* skin = s.skins.find(id_of_skin)) s.drop_keys(*skin);
+                s.skins.remove(id_of_skin);
+            }
             s.posed.erase(copy);
         }
         s.nodes.remove(next);
@@ -136,6 +140,7 @@ void Scene::set_transform(NodeId id, const Mat4d& parent_from_node)
 
 void Scene::State::place(NodeId id, NodeRecord& node, const Mat4d& parent_from_node)
 {
+    about_to_move(id, node);
     node.parent_from_node = parent_from_node;
     place_changed(id, node);
 }
@@ -144,6 +149,7 @@ void Scene::set_visible(NodeId id, bool visible)
 {
     state_->require_editable();
     State::NodeRecord& node = State::at(state_->nodes, id, "node");
+    state_->about_to_change(id, node);
     if (node.visible == visible) return;
     node.visible = visible;
     state_->touch_in_parent(node);
@@ -194,7 +200,9 @@ std::optional<Camera> Scene::camera(std::string_view name) const
         if (!found && state_->cameras.find(node.camera) && (name.empty() || node.name == name)) found = id;
     });
     if (!found) return std::nullopt;
-    return Camera{rigid(world_from_node(found)), *state_->cameras.find(node(found).camera)};
+    Camera camera{rigid(world_from_node(found)), *state_->cameras.find(node(found).camera), {}};
+    for (const Mat4d& key : world_from_node_keys(found)) camera.keys.push_back(rigid(key));
+    return camera;
 }
 
 std::vector<std::string> Scene::camera_names() const

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -47,20 +48,44 @@ struct NodeDesc {
         kAllGroups;  ///< placed lights of other groups do not light the surfaces of the subtree and of its instances
 };
 
+/// What of a node may change while the shutter is open, at one of the shutter's keys.
+struct NodeKey {
+    Mat4d parent_from_node{1};
+    Mat4d node_from_skin{1};  ///< as Node::node_from_skin
+    std::vector<float> morph_weights;
+    bool visible = true;  ///< from this key to the next
+    friend bool operator==(const NodeKey&, const NodeKey&) = default;
+};
+
 /// A node as the engine reads it.
 struct Node : NodeDesc {
     NodeId parent;
     std::vector<NodeId> children;  ///< in order of addition; a node with many has null handles where some were removed
     Mat4d parent_from_node{1};
-    Box3d bounds;             ///< holds the subtree and instance_of, in the node's own axes; valid after Scene::refit()
+    /// Holds the subtree and instance_of at all keys of the shutter, in the node\'s own axes; valid after Scene::refit().
+    Box3d bounds;
     Mat4d node_from_skin{1};  ///< for a skinned node, from the axes of SkinSlot::mesh_poses; valid after Scene::refit()
-    bool dirty = true;        ///< the bounds of this node and of all its ancestors are out of date
+    /// One entry for each key of the shutter if the node changes while it is open, else empty. Between two keys, matrices
+    /// are interpolated as elements, after they are multiplied along the path to the world, and vertices as positions.
+    std::vector<NodeKey> keys;
+    bool dirty = true;  ///< the bounds of this node and of all its ancestors are out of date
+
+    /// Returns whether the node is visible at any time while the shutter is open, if what is above it is.
+    bool is_visible_in_shutter() const noexcept;
 };
+
+/// Returns the bounds of what the node shows at all keys of the shutter, in its parent's axes; empty if it is never
+/// visible.
+Box3d box_in_parent(const Node& node) noexcept;
 
 /// A cage and the counters that tell the engine's caches when it has changed.
 struct CageSlot {
     Cage cage;
-    Box3d bounds;                ///< bounds of the control points plus displacement, object axes
+    Box3d bounds;  ///< bounds of the control points plus displacement, object axes, at all keys of the shutter
+    /// The positions at each key of the shutter, and their bounds, if Scene::write_vertices() changed them while it was
+    /// recorded; else empty.
+    std::vector<std::vector<Vec3f>> key_positions;
+    std::vector<Box3d> key_bounds;
     std::uint64_t identity = 0;  ///< unique in the process; a new one when topology is replaced
     std::uint64_t positions_version = 0;
     std::uint32_t largest_face = 4;  ///< corners; at least 4, and 4 for an OnDemandCage
@@ -78,11 +103,17 @@ struct SkinSlot {
     Skin skin;
     NodeId base;                    ///< lowest common ancestor of all joints; null if it lies above the root
     std::vector<Mat4d> mesh_poses;  ///< base_from_mesh of each joint; valid after Scene::refit(). A removed joint: identity
+    std::vector<std::vector<Mat4d>> key_poses;  ///< mesh_poses at each key of the shutter; empty: no joint moves
 };
 
-/// Returns the bounds of a cage that a node shows, in the node's axes, without visiting a vertex.
+/// Returns the bounds of a cage that a node shows, at all keys of the shutter, in the node's axes. It visits no vertex.
 /// skin   the node's skin, or null; the poses of nodes and skins must be up to date (Scene::refit())
 Box3d cage_bounds(const Node& node, const CageSlot& slot, const SkinSlot* skin) noexcept;
+/// Returns the bounds at one key of the shutter. What has no keys counts as it is posed.
+Box3d cage_bounds(const Node& node, const CageSlot& slot, const SkinSlot* skin, std::size_t key) noexcept;
+
+/// The largest number of segments of a shutter.
+inline constexpr int kMaxShutterSegments = 32;
 
 class Scene {
 public:
@@ -120,6 +151,21 @@ public:
     /// shared, so each copy has a pose of its own. Throws if `parent` lies in the subtree.
     NodeId copy(NodeId subtree, NodeId parent);
     ClipId find_clip(std::string_view name) const;  ///< the first one in file order, or a null handle
+
+    // Motion blur. What moves while the shutter of the next frame is open is recorded as poses at evenly spaced keys.
+
+    /// Calls pose(tau) for tau = 0 (the shutter opens), 1 / segments, ..., 1 (it closes), which poses the scene by
+    /// set_transform(), set_visible(), set_morph_weights(), write_vertices() and pose(); records what changes; and calls
+    /// pose(0.5), so that everything without keys, lights and the edited nodes' own values are those of mid-shutter. An
+    /// earlier recording is dropped. While it is recorded, nodes, cages and skins can be neither added nor removed. If
+    /// `pose` throws, no keys are left. A later edit of a node, of a joint or of a cage's vertices drops its keys.
+    /// segments   1, 2, 4, 8, 16 or 32
+    void record_shutter(int segments, const std::function<void(double tau)>& pose);
+    void clear_shutter();
+    /// Returns the number of segments; 0 if nothing moves while the shutter is open.
+    int shutter_segments() const noexcept;
+    /// Returns world_from_node() at each key of the shutter; empty if neither the node nor anything above it moves.
+    std::vector<Mat4d> world_from_node_keys(NodeId id) const;
 
     // What nodes refer to. It is allowed to remove something that nodes still refer to: they then no longer show it.
     CageId add(Cage cage);  ///< sanitizes; see sanitize()
@@ -161,7 +207,8 @@ public:
     std::vector<TextureId> texture_ids() const;  ///< in the order of their slots
     Environment environment;
 
-    /// Returns the camera of that name, or the scene's first camera if the name is empty, in world axes.
+    /// Returns the camera of that name, or the scene's first camera if the name is empty, in world axes. It has keys if its
+    /// node moves while the shutter is open.
     std::optional<Camera> camera(std::string_view name = {}) const;
     std::vector<std::string> camera_names() const;
 
@@ -171,8 +218,9 @@ public:
     /// its children; a node with many visits about 16 for each that changed, and twice the logarithm of their number.
     std::size_t refit();
 
-    /// Calls visit(NodeId, const Node&, const Mat4d& world_from_node) for every visible placement in the graph. It visits
-    /// parents first and follows instances too (there are no cycles, because add_node refuses them).
+    /// Calls visit(NodeId, const Node&, const Mat4d& world_from_node) for every placement in the graph that is visible at
+    /// any time while the shutter is open. It visits parents first and follows instances too (there are no cycles, because
+    /// add_node refuses them).
     template <class Visit>
     void for_each_placement(Visit&& visit) const;
 
@@ -219,14 +267,14 @@ void Scene::for_each_placement(Visit&& visit) const
         Mat4d world_from_node;
     };
     std::vector<Place> todo;
-    if (node(root()).visible) todo.push_back({root(), node(root()).parent_from_node});
+    if (node(root()).is_visible_in_shutter()) todo.push_back({root(), node(root()).parent_from_node});
     while (!todo.empty()) {
         const Place place = todo.back();
         todo.pop_back();
         const Node& n = node(place.id);
         visit(place.id, n, place.world_from_node);
         for (auto child = n.children.rbegin(); child != n.children.rend(); ++child)
-            if (const Node* c = find(*child); c && c->visible)
+            if (const Node* c = find(*child); c && c->is_visible_in_shutter())
                 todo.push_back({*child, place.world_from_node * c->parent_from_node});
         if (find(n.instance_of)) todo.push_back({n.instance_of, place.world_from_node});
     }

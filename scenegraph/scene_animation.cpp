@@ -69,6 +69,7 @@ void Scene::State::restore(NodeRecord& node, NodeId id)
         place(id, node, rest.matrix ? *rest.matrix : rest.place->matrix());
     }
     if (rest.weights && node.morph_weights != *rest.weights) {
+        about_to_change(id, node);
         node.morph_weights = *rest.weights;
         mark_dirty(id);
     }
@@ -102,9 +103,13 @@ void Scene::pose(std::span<const ClipAt> clips, NodeId of)
         }
 
     for (const NodeId id : posed.nodes)
-        if (State::NodeRecord* node = s.nodes.find(id); node && !sums.contains(id)) s.restore(*node, id);
+        if (State::NodeRecord* node = s.nodes.find(id); node && !sums.contains(id)) {
+            s.about_to_pose(id, *node);
+            s.restore(*node, id);
+        }
     for (const NodeId id : order) {
         State::NodeRecord& node = *s.nodes.find(id);
+        s.about_to_pose(id, node);
         const Sum& sum = sums.at(id);
         if (!node.rest) node.rest = std::make_unique<State::Rest>();
         if (sum.of_translation + sum.of_rotation + sum.of_scale > 0) {
@@ -125,6 +130,7 @@ void Scene::pose(std::span<const ClipAt> clips, NodeId of)
             std::vector<float> weights;
             for (const double w : sum.weights) weights.push_back(static_cast<float>(w / sum.of_weights));
             if (weights != node.morph_weights) {
+                s.about_to_change(id, node);
                 node.morph_weights = std::move(weights);
                 s.mark_dirty(id);
             }
@@ -142,7 +148,7 @@ void Scene::pose(ClipId id, double seconds)
 NodeId Scene::copy(NodeId subtree, NodeId parent)
 {
     State& s = *state_;
-    s.require_editable();
+    s.require_unrecorded();
     State::at(s.nodes, subtree, "node");
     State::at(s.nodes, parent, "node");
     if (s.lowest_common(subtree, parent) == subtree)

@@ -67,19 +67,6 @@ Box3d grown_by_displacement(const Cage& cage, const Box3d& box) noexcept
     return {box.lo - bound, box.hi + bound};
 }
 
-Box3d cage_bounds(const Node& node, const CageSlot& slot, const SkinSlot* skin) noexcept
-{
-    if (!slot.is_deformed()) return slot.bounds;
-    const bool is_skinned = skin && slot.cage.skin.sets > 0;
-    DeformBounds of = slot.deform[0];
-    if (!is_skinned) of.joints = {};
-    const auto& weights = node.morph_weights.empty() ? slot.cage.morph_weights : node.morph_weights;
-    const Box3d box = deformed_box(of, weights, Mat4d(1), [&](std::size_t joint) {
-        return joint < skin->mesh_poses.size() ? node.node_from_skin * skin->mesh_poses[joint] : node.node_from_skin;
-    });
-    return grown_by_displacement(slot.cage, box);
-}
-
 std::size_t Scene::State::refit_node(NodeId id, NodeRecord& node)
 {
     SkinRecord* skin = skins.find(node.skin);
@@ -90,7 +77,7 @@ std::size_t Scene::State::refit_node(NodeId id, NodeRecord& node)
         if (const CageRecord* cage = cages.find(c)) bounds.add(cage_bounds(node, *cage, skin));
     const auto box_of = [&](std::size_t i) {
         const Node* child = nodes.find(node.children[i]);
-        return child && child->visible ? transform_box(child->parent_from_node, child->bounds) : Box3d();
+        return child ? box_in_parent(*child) : Box3d();
     };
     std::size_t looked_at = 0;
     if (node.child_boxes) {
@@ -143,8 +130,7 @@ std::size_t Scene::refit()
 Box3d Scene::bounds()
 {
     refit();
-    const Node& top = node(root());
-    return top.visible ? transform_box(top.parent_from_node, top.bounds) : Box3d();
+    return box_in_parent(node(root()));
 }
 
 }  // namespace occam

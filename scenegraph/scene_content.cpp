@@ -24,14 +24,21 @@ std::uint32_t largest_face(const Cage& cage)
     return corners;
 }
 
+}  // namespace
+
 void find_bounds(CageSlot& slot)
 {
     slot.bounds = grown_by_displacement(slot.cage, slot.cage.bounds());
+    slot.key_bounds.clear();
+    for (const std::vector<Vec3f>& positions : slot.key_positions) {
+        Box3d box;
+        for (const Vec3f p : positions) box.add(Vec3d(p));
+        slot.key_bounds.push_back(grown_by_displacement(slot.cage, box));
+        slot.bounds.add(slot.key_bounds.back());
+    }
     slot.deform = {};
     if (slot.cage.skin.sets > 0 || !slot.cage.morph_targets.empty()) slot.deform.add_all(slot.cage);
 }
-
-}  // namespace
 
 CageSlot CageSlot::made() const
 {
@@ -118,8 +125,10 @@ ClipId Scene::add(Clip clip)
 
 void Scene::remove(CageId id)
 {
-    state_->require_editable();
-    state_->mark_users_dirty(State::at(state_->cages, id, "cage"));
+    state_->require_unrecorded();
+    State::CageRecord& record = State::at(state_->cages, id, "cage");
+    state_->drop_keys(record);
+    state_->mark_users_dirty(record);
     state_->cages.remove(id);
 }
 void Scene::remove(LightId id)
@@ -145,6 +154,7 @@ void Scene::write_vertices(CageId id, std::span<const Vec3f> positions)
                     std::to_string(positions.size()) + " for " + std::to_string(record.cage.positions.size()));
     for (Vec3f p : positions)
         if (!is_usable(p)) throw Error("", "a position is not finite, or beyond 1e12", record.cage.name);
+    state_->about_to_write(id, record);
     record.cage.positions.assign(positions.begin(), positions.end());
     find_bounds(record);
     ++record.positions_version;
@@ -153,10 +163,11 @@ void Scene::write_vertices(CageId id, std::span<const Vec3f> positions)
 
 void Scene::replace(CageId id, Cage cage)
 {
-    state_->require_editable();
+    state_->require_unrecorded();
     State::CageRecord& record = State::at(state_->cages, id, "cage");
     const std::string name = cage.name.empty() ? "cage" : cage.name;
     for (const std::string& line : sanitize(cage)) warnings.push_back(name + ": " + line);
+    state_->drop_keys(record);
     record.cage = std::move(cage);
     record.largest_face = largest_face(record.cage);
     record.make = nullptr;

@@ -152,17 +152,20 @@ SkinId Scene::add(Skin skin)
 
 void Scene::remove(SkinId id)
 {
-    state_->require_editable();
-    for (const NodeId user : State::at(state_->skins, id, "skin").users.ids()) state_->mark_dirty(user);
+    state_->require_unrecorded();
+    State::SkinRecord& skin = State::at(state_->skins, id, "skin");
+    state_->drop_keys(skin);
+    for (const NodeId user : skin.users.ids()) state_->mark_dirty(user);
     state_->skins.remove(id);
 }
 
 void Scene::set_skin(NodeId id, SkinId skin)
 {
-    state_->require_editable();
+    state_->require_unrecorded();
     State::NodeRecord& node = State::at(state_->nodes, id, "node");
     if (skin) State::at(state_->skins, skin, "skin");
     if (node.skin == skin) return;
+    state_->about_to_change(id, node);
     node.skin = skin;
     state_->mark_dirty(id);
     if (!skin) return;
@@ -178,6 +181,7 @@ void Scene::set_morph_weights(NodeId id, std::vector<float> weights)
     for (const float weight : weights)
         if (!std::isfinite(weight)) throw Error("", "a morph weight must be finite", node.name);
     if (node.rest) node.rest->weights.reset();
+    state_->about_to_change(id, node);
     if (node.morph_weights == weights) return;
     node.morph_weights = std::move(weights);
     state_->mark_dirty(id);

@@ -15,6 +15,9 @@ namespace occam {
 /// Grows a box of a cage's undisplaced surface to hold the displaced one.
 Box3d grown_by_displacement(const Cage& cage, const Box3d& box) noexcept;
 
+/// Computes the bounds of a slot's cage and of what deforms it.
+void find_bounds(CageSlot& slot);
+
 /// The nodes that an edit must notify. Removed nodes are dropped when the list would grow, so that its size stays in
 /// proportion to the number of nodes alive at one time.
 class Watchers {
@@ -120,6 +123,14 @@ struct Scene::State {
     SceneTable<SkinRecord, SkinTag> skins{generation};
     SceneTable<Clip, ClipTag> clips{generation};
     std::vector<ClipId> clip_order;
+    struct Recorder;
+    Recorder* recorder = nullptr;  ///< not null while record_shutter() runs
+    int shutter_segments = 0;
+    std::size_t things_with_keys = 0;  ///< nodes, skins and cages
+    // What record_shutter() gave keys to; some may have lost theirs.
+    std::vector<NodeId> nodes_with_keys;
+    std::vector<SkinId> skins_with_keys;
+    std::vector<CageId> cages_with_keys;
     std::unordered_map<NodeId, Posed> posed;  ///< for each copy; the key of the scene itself is a null handle
     NodeId root;
     mutable std::atomic<int> frames{0};  ///< number of FrameLocks alive
@@ -127,6 +138,14 @@ struct Scene::State {
     void require_editable() const
     {
         if (frames.load(std::memory_order_acquire) > 0) throw Error("", "the scene is being rendered: edits have to wait");
+    }
+    /// Also throws while a shutter is recorded.
+    void require_unrecorded() const
+    {
+        require_editable();
+        if (recorder)
+            throw Error("",
+                        "while a shutter is recorded, only transforms, visibility, morph weights and vertices may change");
     }
     /// Returns the value of a live handle and throws Error for any other.
     template <class T, class Tag>
@@ -157,6 +176,23 @@ struct Scene::State {
     std::size_t refit_node(NodeId id, NodeRecord& node);
     /// Pushes the nodes that must be up to date before this one.
     void push_below(NodeRecord& node, std::vector<RefitStep>& todo) const;
+
+    // Each of these is called before an edit writes: of a node's own values; of its transform, on which skins and other
+    // nodes may depend; of a cage's vertices. A recorder then takes what was there, and otherwise keys are dropped.
+    void about_to_change(NodeId id, NodeRecord& node);
+    void about_to_move(NodeId id, NodeRecord& node);
+    void about_to_write(CageId id, CageRecord& cage);
+    /// Drops the keys of a node that pose() is about to pose, whether it will change or not; a recorder takes only changes.
+    void about_to_pose(NodeId id, NodeRecord& node)
+    {
+        if (!recorder) about_to_move(id, node);
+    }
+    void drop_keys(NodeId id, NodeRecord& node);
+    void drop_keys(SkinRecord& skin);
+    void drop_keys(CageRecord& cage);
+    NodeKey key_of(const NodeRecord& node, NodeId id) const;
+    void take_key(Recorder& record);
+    void store_keys(Recorder& record);
 
     /// Notifies the nodes above and the skins that a node's transform has changed.
     void place_changed(NodeId id, const NodeRecord& node);

@@ -1,0 +1,241 @@
+// The shutter: what moves while a frame's shutter is open, as poses at evenly spaced keys.
+//
+// record_shutter() lets the application pose the scene at every key. An edit announces itself before it writes
+// (about_to_change() and its kin), so the recorder knows the value that held at all earlier keys, and only what is
+// edited costs anything. Outside of a recording the same announcements drop the keys of what is edited.
+#include <bit>
+
+#include "scenegraph/scene_state.h"
+
+namespace occam {
+
+/// What the poses of a recording have changed so far: one entry for each key that is done.
+struct Scene::State::Recorder {
+    std::size_t keys_done = 0;
+    std::unordered_map<NodeId, std::vector<NodeKey>> nodes;
+    std::unordered_map<SkinId, std::vector<std::vector<Mat4d>>> skins;
+    std::unordered_map<CageId, std::vector<std::vector<Vec3f>>> cages;
+};
+
+namespace {
+
+template <class T>
+bool are_all_equal(const std::vector<T>& values)
+{
+    return std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end();
+}
+
+}  // namespace
+
+bool Node::is_visible_in_shutter() const noexcept
+{
+    if (keys.empty()) return visible;
+    // The last key is the end of the last segment, and shows nothing by itself.
+    return std::any_of(keys.begin(), keys.end() - 1, [](const NodeKey& key) { return key.visible; });
+}
+
+Box3d box_in_parent(const Node& node) noexcept
+{
+    if (node.keys.empty()) return node.visible ? transform_box(node.parent_from_node, node.bounds) : Box3d();
+    Box3d box;
+    for (std::size_t k = 0; k < node.keys.size(); ++k)
+        if (node.keys[k].visible || (k > 0 && node.keys[k - 1].visible))
+            box.add(transform_box(node.keys[k].parent_from_node, node.bounds));
+    return box;
+}
+
+Box3d cage_bounds(const Node& node, const CageSlot& slot, const SkinSlot* skin, std::size_t key) noexcept
+{
+    if (!slot.is_deformed()) return slot.key_bounds.empty() ? slot.bounds : slot.key_bounds[key];
+    const bool is_skinned = skin && slot.cage.skin.sets > 0;
+    DeformBounds deform = slot.deform[0];
+    if (!is_skinned) deform.joints = {};
+    const std::vector<float>& own = node.keys.empty() ? node.morph_weights : node.keys[key].morph_weights;
+    const std::vector<float>& weights = own.empty() ? slot.cage.morph_weights : own;
+    const Mat4d& node_from_skin = node.keys.empty() ? node.node_from_skin : node.keys[key].node_from_skin;
+    const Box3d box = deformed_box(deform, weights, Mat4d(1), [&](std::size_t joint) {
+        const std::vector<Mat4d>& poses = skin->key_poses.empty() ? skin->mesh_poses : skin->key_poses[key];
+        return joint < poses.size() ? node_from_skin * poses[joint] : node_from_skin;
+    });
+    return grown_by_displacement(slot.cage, box);
+}
+
+Box3d cage_bounds(const Node& node, const CageSlot& slot, const SkinSlot* skin) noexcept
+{
+    const std::size_t of_skin = skin ? skin->key_poses.size() : 0;
+    const std::size_t keys = std::max({node.keys.size(), of_skin, slot.key_bounds.size(), std::size_t(1)});
+    Box3d box;
+    for (std::size_t k = 0; k < keys; ++k) box.add(cage_bounds(node, slot, skin, k));
+    return box;
+}
+
+NodeKey Scene::State::key_of(const NodeRecord& node, NodeId id) const
+{
+    const SkinRecord* skin = skins.find(node.skin);
+    return {node.parent_from_node, skin ? node_from_skin(id, *skin) : Mat4d(1), node.morph_weights, node.visible};
+}
+
+void Scene::State::about_to_change(NodeId id, NodeRecord& node)
+{
+    if (!recorder) return drop_keys(id, node);
+    if (!recorder->nodes.contains(id))
+        recorder->nodes.emplace(id, std::vector<NodeKey>(recorder->keys_done, key_of(node, id)));
+}
+
+void Scene::State::about_to_move(NodeId id, NodeRecord& node)
+{
+    if (!recorder && things_with_keys == 0) return;
+    about_to_change(id, node);
+    if (!node.dependents) return;
+    for (const SkinId skin_id : node.dependents->skins) {
+        SkinRecord* skin = skins.find(skin_id);
+        if (!skin) continue;
+        if (!recorder) {
+            drop_keys(*skin);
+        } else if (!recorder->skins.contains(skin_id)) {
+            if (skin->dirty) pose_skin(*skin);
+            recorder->skins.emplace(skin_id, std::vector<std::vector<Mat4d>>(recorder->keys_done, skin->mesh_poses));
+        }
+    }
+    for (const NodeId user_id : node.dependents->users.ids())
+        if (NodeRecord* user = nodes.find(user_id)) about_to_change(user_id, *user);
+}
+
+void Scene::State::about_to_write(CageId id, CageRecord& cage)
+{
+    if (!recorder) return drop_keys(cage);
+    if (cage.is_deformed())
+        throw Error("", "a cage with a skin or morph targets keeps its vertices while a shutter is recorded",
+                    cage.cage.name);
+    if (!recorder->cages.contains(id))
+        recorder->cages.emplace(id, std::vector<std::vector<Vec3f>>(recorder->keys_done, cage.cage.positions));
+}
+
+void Scene::State::drop_keys(NodeId id, NodeRecord& node)
+{
+    if (node.keys.empty()) return;
+    node.keys.clear();
+    --things_with_keys;
+    touch_in_parent(node);
+    mark_dirty(id);
+}
+
+void Scene::State::drop_keys(SkinRecord& skin)
+{
+    if (skin.key_poses.empty()) return;
+    skin.key_poses.clear();
+    --things_with_keys;
+    for (const NodeId user : skin.users.ids()) mark_dirty(user);
+}
+
+void Scene::State::drop_keys(CageRecord& cage)
+{
+    if (cage.key_positions.empty()) return;
+    cage.key_positions.clear();
+    --things_with_keys;
+    find_bounds(cage);
+    mark_users_dirty(cage);
+}
+
+void Scene::State::take_key(Recorder& record)
+{
+    for (auto& [id, keys] : record.nodes) keys.push_back(key_of(*nodes.find(id), id));
+    for (auto& [id, keys] : record.skins) {
+        SkinRecord& skin = *skins.find(id);
+        if (skin.dirty) pose_skin(skin);
+        keys.push_back(skin.mesh_poses);
+    }
+    for (auto& [id, keys] : record.cages) keys.push_back(cages.find(id)->cage.positions);
+    ++record.keys_done;
+}
+
+void Scene::State::store_keys(Recorder& record)
+{
+    for (auto& [id, keys] : record.nodes) {
+        if (are_all_equal(keys)) continue;
+        NodeRecord& node = *nodes.find(id);
+        node.keys = std::move(keys);
+        nodes_with_keys.push_back(id);
+        touch_in_parent(node);
+        mark_dirty(id);
+    }
+    for (auto& [id, keys] : record.skins) {
+        if (are_all_equal(keys)) continue;
+        SkinRecord& skin = *skins.find(id);
+        skin.key_poses = std::move(keys);
+        skins_with_keys.push_back(id);
+        for (const NodeId user : skin.users.ids()) mark_dirty(user);
+    }
+    for (auto& [id, keys] : record.cages) {
+        if (are_all_equal(keys)) continue;
+        CageRecord& cage = *cages.find(id);
+        cage.key_positions = std::move(keys);
+        cages_with_keys.push_back(id);
+        find_bounds(cage);
+        mark_users_dirty(cage);
+    }
+    things_with_keys = nodes_with_keys.size() + skins_with_keys.size() + cages_with_keys.size();
+}
+
+void Scene::record_shutter(int segments, const std::function<void(double tau)>& pose)
+{
+    State& s = *state_;
+    s.require_unrecorded();
+    if (segments < 1 || segments > kMaxShutterSegments || !std::has_single_bit(static_cast<unsigned>(segments)))
+        throw Error("", "a shutter has 1, 2, 4, 8, 16 or 32 segments", std::to_string(segments));
+    if (!pose) throw Error("", "a shutter needs something that poses the scene");
+    clear_shutter();
+
+    State::Recorder record;
+    struct Recording {
+        explicit Recording(State& state, State::Recorder& into) : state_(state) { state_.recorder = &into; }
+        ~Recording() { state_.recorder = nullptr; }
+        State& state_;
+    };
+    {
+        const Recording recording(s, record);
+        for (int key = 0; key <= segments; ++key) {
+            pose(double(key) / segments);
+            s.take_key(record);
+        }
+        pose(0.5);
+    }
+    s.store_keys(record);
+    s.shutter_segments = segments;
+}
+
+void Scene::clear_shutter()
+{
+    State& s = *state_;
+    s.require_unrecorded();
+    for (const NodeId id : s.nodes_with_keys)
+        if (State::NodeRecord* node = s.nodes.find(id)) s.drop_keys(id, *node);
+    for (const SkinId id : s.skins_with_keys)
+        if (State::SkinRecord* skin = s.skins.find(id)) s.drop_keys(*skin);
+    for (const CageId id : s.cages_with_keys)
+        if (State::CageRecord* cage = s.cages.find(id)) s.drop_keys(*cage);
+    s.nodes_with_keys.clear();
+    s.skins_with_keys.clear();
+    s.cages_with_keys.clear();
+    s.things_with_keys = 0;
+    s.shutter_segments = 0;
+}
+
+int Scene::shutter_segments() const noexcept { return state_->things_with_keys > 0 ? state_->shutter_segments : 0; }
+
+std::vector<Mat4d> Scene::world_from_node_keys(NodeId id) const
+{
+    std::vector<Mat4d> keys;
+    bool moves = false;
+    for (const Node* n = &node(id); n; n = find(n->parent)) moves |= !n->keys.empty();
+    if (!moves) return keys;
+    for (int k = 0; k <= shutter_segments(); ++k) {
+        Mat4d m(1);
+        for (const Node* n = &node(id); n; n = find(n->parent))
+            m = (n->keys.empty() ? n->parent_from_node : n->keys[std::size_t(k)].parent_from_node) * m;
+        keys.push_back(m);
+    }
+    return are_all_equal(keys) ? std::vector<Mat4d>() : keys;
+}
+
+}  // namespace occam
