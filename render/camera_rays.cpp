@@ -27,8 +27,8 @@ lod::LevelSettings CameraRays::levels(float shading_rate) const noexcept
 {
     lod::LevelSettings levels{eye_, pixel_, shading_rate, 0, {}};
     if (orthographic_) return levels;
-    // A point in view has |across| <= forward * (width / height), |up| <= forward, across and up in units of half the
-    // height.
+    // A point is in view if |across| <= forward * (width / height) and |up| <= forward, where across and up are in units of
+    // half the height.
     const auto inverse = [](Vec3d v) { return v / glm::dot(v, v); };
     const Vec3d sides = forward_ * (width_ / height_);
     levels.plane_count = 4;
@@ -52,7 +52,7 @@ accel::Ray CameraRays::ray(double x, double y, Vec2f lens) const noexcept
     ray.kinds = accel::RayKind::Camera;
     ray.footprint = pixel_;
     ray.origin = orthographic_ ? eye_ + across : eye_;
-    Vec3d d = orthographic_ ? forward_ : forward_ + across;  // to where camera z is 1
+    Vec3d d = orthographic_ ? forward_ : forward_ + across;  // leads to the point where camera z is 1
     if (has_lens()) {
         // All rays through one place in the image meet at the plane of focus.
         const Vec2d at(aperture_point(lens, blades_) * lens_radius_);

@@ -12,7 +12,7 @@ namespace occam::render {
 
 class CameraRays {
 public:
-    /// samples   per pixel: a beam through a lens is as wide as one sample's part of it
+    /// samples   number per pixel: a beam through a lens is as wide as one sample's part of the lens
     CameraRays(const Camera& camera, int width, int height, int samples = 1) noexcept;
 
     /// Returns the ray through a point of the image. Through a lens the ray ends at the focus, up to which its beam
@@ -23,9 +23,9 @@ public:
     accel::Ray behind_focus(accel::Ray ray) const noexcept;
     bool has_lens() const noexcept { return lens_radius_ > 0; }
 
-    /// Makes all further footprints those of another camera's pixels. The footprint at t of a ray is that of the other
-    /// camera's pixel at the distance of the ray's start from that camera, plus t. It is never too narrow, and too wide
-    /// by at most 2 |start - eye| / distance.
+    /// Makes all further footprints those of another camera's pixels. The footprint of a ray at t is that of the other
+    /// camera's pixel at the distance t plus the distance of the ray's start from that camera. It is never too narrow, and
+    /// too wide by at most 2 |start - eye| / distance.
     void take_footprints_of(const CameraRays& other) noexcept;
 
     /// Returns camera z of a point: its distance along the view direction, not along the ray.

@@ -112,7 +112,7 @@ void PixelSums::unpack(unsigned aovs, const std::byte* from) noexcept
     });
 }
 
-// A few samples of a filter with negative lobes may weigh nothing or less: such a pixel stays black.
+// The weights of a few samples of a filter with negative lobes may add up to 0 or less. Such a pixel stays black.
 Vec4f PixelSums::beauty() const noexcept { return weight_ > 0 ? Vec4f(beauty_ / weight_) : Vec4f(0); }
 Vec4f PixelSums::albedo() const noexcept { return weight_ > 0 ? Vec4f(albedo_ / weight_) : Vec4f(0); }
 Vec3f PixelSums::normal() const noexcept { return weight_ > 0 ? Vec3f(normal_ / weight_) : Vec3f(0); }

@@ -15,7 +15,7 @@
 
 namespace occam::render {
 
-/// Describes the first surface that a sample met.
+/// Describes the first surface that a sample hits.
 struct FirstSurface {
     float depth = std::numeric_limits<float>::infinity();  ///< camera z
     Vec3f normal{0}, normal_geometric{0};
@@ -32,7 +32,7 @@ struct SampleResult {
     Vec3f normal{0};
     float occlusion = 0;
     FirstSurface first;
-    Vec2f offset{0};   ///< from the middle of the pixel, in pixels
+    Vec2f offset{0};   ///< offset from the middle of the pixel, in pixels
     float weight = 1;  ///< weight of the reconstruction filter: 1 or -1
 };
 
@@ -55,7 +55,8 @@ public:
     double weight() const noexcept { return weight_; }  ///< sum over all samples
     static constexpr float kDarkest = 0.02f;
 
-    /// The sums that the beauty and these layers need, as bytes without gaps: what is left out reads back as zeros.
+    /// Returns the size of the sums that the beauty picture and these layers need, as bytes without gaps. Sums that are left
+    /// out read back as zeros.
     static std::size_t packed_bytes(unsigned aovs) noexcept;
     void pack(unsigned aovs, std::byte* to) const noexcept;
     void unpack(unsigned aovs, const std::byte* from) noexcept;
@@ -78,7 +79,7 @@ class Film {
 public:
     explicit Film(const Settings& settings);
 
-    /// x, y     in the whole frame, inside the crop
+    /// x, y     pixel of the whole frame, inside the crop
     void store(int x, int y, const PixelSums& sums) noexcept;
     /// aov      one of the two Cryptomatte layers
     void store(int x, int y, Aov aov, MatteSums& mattes, double weight) noexcept;

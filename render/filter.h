@@ -28,7 +28,7 @@ public:
     explicit PixelFilter(FilterKind kind, float radius = 0);
 
     struct Place {
-        Vec2f offset;  ///< from the middle of the pixel, in pixels
+        Vec2f offset;  ///< offset from the middle of the pixel, in pixels
         float weight;  ///< 1 or -1
     };
     /// Returns the place of a sample; `square` is uniform in [0, 1).

@@ -63,7 +63,7 @@ void set_depth_range(FrameContext& context, const Box3d& bounds)
 // Renders tiles, one after the other, with its own tracer and integrator.
 class Worker {
 public:
-    /// shared   null: the worker grows a tree of its own
+    /// shared   if null, the worker grows a tree of its own
     Worker(const FrameContext& context, const accel::Frame& frame, const MemoryPlan& memory, accel::SharedTree* shared,
            Clock::time_point deadline)
         : context_(context),
@@ -74,9 +74,9 @@ public:
     {
     }
 
-    /// Brings tiles to `target` samples a pixel: from the `before` that `sums` holds of each, or from none if `sums` is
-    /// null. Samples of tiles that are cut short are kept in `sums`; without it they are dropped if the frame was cancelled.
-    /// Returns false if it stopped before the target, cancelled or out of time.
+    /// Renders tiles until they have `target` samples a pixel. They begin with the `before` samples that `sums` holds, or
+    /// with none if `sums` is null. Samples of unfinished tiles are kept in `sums`; without it they are dropped if the frame
+    /// was cancelled. Returns false if it stopped before the target, because the frame was cancelled or is out of time.
     bool make(std::span<const PixelRect> tiles, int before, int target, Film& film, FrameControl& control, FrameSums* sums)
     {
         const double start_seconds = thread_seconds();
@@ -85,7 +85,7 @@ public:
         return is_whole;
     }
 
-    /// How many tiles fill a batch of rays with `samples` of each pixel. Errors are judged tile by tile.
+    /// Returns how many tiles fill a batch of rays with `samples` samples a pixel. If tiles end by their error, it is one.
     std::size_t tiles_at_once(int samples) const noexcept
     {
         if (context_.settings.error > 0) return 1;
@@ -114,7 +114,7 @@ public:
         count_building(t, stats, stats.workers.back());
     }
 
-    /// What a tree has cost.
+    /// Adds what a tree has cost.
     static void count_building(const accel::TraceCounters& t, FrameStats& stats, FrameStats::Worker& worker)
     {
         for (int l = 0; l < accel::TraceCounters::kLevels; ++l)
@@ -226,7 +226,7 @@ private:
         return count;
     }
 
-    // Tests the root mean square over the tile: for a single pixel, chance would decide.
+    // Tests the root mean square over the tile, since chance would decide for a single pixel.
     bool is_good_enough() const noexcept
     {
         if (!(context_.settings.error > 0)) return false;
@@ -236,7 +236,7 @@ private:
         return sum <= most * most * double(sums_.size());
     }
 
-    // Pixel by pixel, a pixel's samples in order: neighbouring rays stay neighbours in the batch.
+    // Traces the samples pixel by pixel and in their order, so that neighbouring rays stay neighbours in the batch.
     void trace(int first, int last)
     {
         samples_.clear();
@@ -267,7 +267,7 @@ private:
     std::uint64_t samples_made_ = 0, not_finite_ = 0, tiles_ = 0;
     std::vector<CameraSample> samples_;
     std::vector<SampleResult> results_;
-    std::vector<Pixel> pixels_;  ///< of the tile
+    std::vector<Pixel> pixels_;  ///< pixels of the tile
     std::vector<PixelSums> sums_;
     std::vector<MatteSums> mattes_[2];
 };
@@ -284,17 +284,17 @@ public:
                 frame, in.memory.tracer_bytes * std::min(group, workers_.size() - first)));
     }
 
-    /// Brings all tiles to `target` samples a pixel, as far as time allows.
+    /// Renders all tiles until they have `target` samples a pixel, as far as time allows.
     void make(const std::vector<PixelRect>& all, int target, Film& film, FrameControl& control, FrameSums* sums)
     {
         const int threads = in_.resources.threads;
         TileQueue tiles(all, threads);
         const auto work = [&](int index) {
             auto tile = tiles.next(index);
-            if (!tile) return;  // another took all of it already
+            if (!tile) return;  // other workers have taken all tiles
             std::unique_ptr<Worker>& worker = workers_[static_cast<std::size_t>(index)];
             if (!worker) worker = std::make_unique<Worker>(context_, frame_, in_.memory, tree_of(index), in_.deadline);
-            // Tiles that are equally far are made together, so that a round of few samples still fills the batches.
+            // Tiles with equally many samples are made together, so that a round of few samples still fills the batches.
             std::vector<PixelRect> group;
             int before = 0;
             const auto flush = [&] {
@@ -344,8 +344,9 @@ private:
     std::vector<std::unique_ptr<Worker>> workers_;  ///< made when they first find a tile
 };
 
-// The sums of a frame that is made in rounds: because it was asked to be, or has to stop in time, or goes on. Null for one
-// that is made tile by tile, which a frame that may be made either way is if its sums are larger than the budget of memory.
+// Returns the sums of a frame that is made in rounds, or null for a frame that is made tile by tile. A frame with a deadline
+// or a checkpoint is always made in rounds. Any other one is if the settings ask for it and its sums fit in the memory
+// budget.
 std::unique_ptr<FrameSums> sums_of(const FrameInputs& in)
 {
     const bool has_to = in.deadline != Clock::time_point::max() || !in.checkpoint.empty();
@@ -354,7 +355,7 @@ std::unique_ptr<FrameSums> sums_of(const FrameInputs& in)
     return std::make_unique<FrameSums>(in.settings, in.camera);
 }
 
-// Shows what an earlier run has made; returns its samples, one pixel of each tile counted.
+// Develops what an earlier run has made. Returns the number of its samples, counting one pixel of each tile.
 std::size_t develop_all(const FrameSums& sums, const std::vector<PixelRect>& tiles, const Settings& settings, Film& film)
 {
     std::size_t done = 0;
@@ -419,7 +420,7 @@ FrameResult render_frame(const FrameInputs& in, FrameControl& control, FrameStat
         }
     }
     control.start_samples(tiles.size() * static_cast<std::size_t>(in.settings.spp), done_before);
-    // Rounds of 1, 1, 2, 4, 8, ... samples: each doubles what all pixels have.
+    // The rounds take 1, 1, 2, 4, 8, ... samples, so that each doubles the number of samples of all pixels.
     for (int target = sums ? 1 : in.settings.spp; !control.is_cancelled() && Clock::now() < in.deadline; target *= 2) {
         crew.make(tiles, std::min(target, in.settings.spp), film, control, sums.get());
         if (target >= in.settings.spp) break;

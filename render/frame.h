@@ -28,15 +28,15 @@ struct FrameInputs {
     lod::TopologyCache& topologies;
     const TextureStore& textures;
     std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
-    std::string_view checkpoint{};  ///< of the same picture; empty: the frame starts at its first sample
+    std::string_view checkpoint{};  ///< belongs to the same picture; if empty, the frame starts at its first sample
 };
 
 struct FrameResult {
     Image image;
-    std::string checkpoint;  ///< what an unfinished frame that was made in rounds can go on from; else empty
+    std::string checkpoint;  ///< lets an unfinished frame that was made in rounds continue; else empty
 };
 
-/// Adds what it counts to `stats`. Throws Error for a checkpoint of another picture.
+/// Renders the frame and adds its cost to `stats`. Throws Error for a checkpoint of another picture.
 FrameResult render_frame(const FrameInputs& inputs, FrameControl& control, FrameStats& stats);
 
 }  // namespace occam::render

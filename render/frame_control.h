@@ -15,7 +15,7 @@ public:
 
     struct Progress {
         Stage stage = Stage::Waiting;
-        double fraction = 0;       ///< of the samples
+        double fraction = 0;       ///< share of the samples that are done
         double seconds_left = -1;  ///< an estimate from the samples so far; below 0: unknown
     };
     Progress progress() const noexcept;
@@ -26,8 +26,8 @@ public:
 
     // The following functions are for the frame itself.
     void enter(Stage stage) noexcept { stage_.store(stage); }
-    /// samples   of all tiles, one pixel of each counted
-    /// done      of these, by an earlier run
+    /// samples   number in all tiles, counting one pixel of each
+    /// done      how many of these an earlier run has made
     void start_samples(std::size_t samples, std::size_t done) noexcept;
     void finish_samples(std::size_t count) noexcept { done_ += count; }
     bool is_whole() const noexcept { return done_ == samples_; }

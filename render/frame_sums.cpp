@@ -20,7 +20,8 @@ std::size_t tile_count(const PixelRect& area)
     return tiles(area.width()) * tiles(area.height());
 }
 
-// When the frame stops, and whether it is made in rounds, do not change what it comes to.
+// Returns a hash of the settings and the camera, without those settings that do not change the finished picture: the
+// deadline, and whether the frame is made in rounds.
 std::uint64_t identity_of(Settings settings, const Camera& camera)
 {
     settings.deadline_s = 0;
@@ -114,7 +115,7 @@ void FrameSums::load(const PixelRect& rect, std::vector<PixelSums>& sums, std::v
 {
     const std::size_t count = static_cast<std::size_t>(rect.width() * rect.height()), index = index_of(rect);
     const std::size_t first = first_pixel(index);
-    const bool is_empty = tiles_[index].samples == 0;  // sums without a sample are not all zero bits
+    const bool is_empty = tiles_[index].samples == 0;  // the bits of sums without a sample are not all zero
     for (std::size_t i = 0; i < count; ++i)
         if (PixelSums& pixel = sums.emplace_back(); !is_empty) pixel.unpack(aovs_, sums_.data() + (first + i) * stride_);
     for (int k : {0, 1})

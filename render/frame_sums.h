@@ -1,8 +1,8 @@
-// The sums of all pixels of a frame that is made in rounds: what it needs to go on where it stopped.
+// The sums of all pixels of a frame that is made in rounds, from which a stopped frame can continue.
 //
-// A tile's pixels lie together, in the order of pixels_of(), and each pixel holds the sums alone that the wanted layers
-// need. A checkpoint is all of it as bytes: sums in double and whole samples, so a frame that goes on from it has the bits
-// of one that was never stopped.
+// A tile's pixels lie together, in the order of pixels_of(), and each pixel holds only the sums that the requested layers
+// need. A checkpoint is all of this as bytes. It holds sums in double and whole samples, so a frame that continues from it
+// has the same bits as one that was never stopped.
 //
 // Memory   64 to 200 bytes a pixel, beside the budget.
 // Threads  each tile is read and written by one worker at a time.
@@ -24,20 +24,21 @@ public:
     FrameSums(const Settings& settings, const Camera& camera);
     static std::size_t bytes_for(const Settings& settings) noexcept;
 
-    /// How far a tile is. It may be done before all samples by Settings::error.
+    /// Says how far a tile is. Settings::error may end it before all its samples are made.
     struct Tile {
         std::int32_t samples = 0, is_done = 0;
     };
     Tile tile(const PixelRect& rect) const noexcept { return tiles_[index_of(rect)]; }
-    /// Appends one entry a pixel to the arrays. Those of layers of Cryptomatte that are not wanted stay empty.
+    /// Appends one entry for each pixel to the arrays. Those of Cryptomatte layers that were not requested stay empty.
     void load(const PixelRect& rect, std::vector<PixelSums>& sums, std::vector<MatteSums> (&mattes)[2]) const;
-    /// first   entry of the arrays that is the tile's first pixel
+    /// Stores the sums of a tile.
+    /// first   index of the tile's first pixel in the arrays
     void store(const PixelRect& rect, Tile tile, std::span<const PixelSums> sums, const std::vector<MatteSums> (&mattes)[2],
                std::size_t first);
 
-    int least_samples() const noexcept;  ///< of all tiles
+    int least_samples() const noexcept;  ///< the smallest number of samples of any tile
     std::string checkpoint() const;
-    /// Throws Error for what is no checkpoint of this frame.
+    /// Continues from a checkpoint. Throws Error if it is not a checkpoint of this frame.
     void restore(std::string_view checkpoint);
 
 private:
@@ -48,7 +49,7 @@ private:
     PixelRect area_;
     std::size_t columns_;
     int spp_;
-    std::uint64_t identity_;  ///< of the settings and the camera
+    std::uint64_t identity_;  ///< hash of the settings and the camera
     std::size_t stride_;      ///< bytes of a pixel's sums
     std::vector<Tile> tiles_;
     std::vector<std::byte> sums_;

@@ -46,11 +46,11 @@ struct WriteOptions {
     /// The stops by which display formats (PNG, JPEG, TIFF) are brighter than the scene; if none are given,
     /// automatic_exposure() decides. EXR and HDR files keep the scene's own values.
     std::optional<float> exposure_ev{};
-    Tonemap tonemap = Tonemap::Filmic;  ///< of display formats
-    std::string note{};                 ///< kept in the file's head, by all formats but HDR
+    Tonemap tonemap = Tonemap::Filmic;  ///< curve of display formats
+    std::string note{};                 ///< kept in the file's head by all formats but HDR
 };
 
-/// What a picture's file says of itself before its pixels.
+/// Holds what the file of a picture says before its pixels.
 struct PictureHead {
     int width = 0, height = 0;
     std::string note;  ///< WriteOptions::note; empty if there is none
@@ -65,7 +65,7 @@ public:
     int x0 = 0, y0 = 0;                   ///< where the pixels lie in the whole frame
     int full_width = 0, full_height = 0;  ///< the whole frame
     std::vector<Attribute> attributes;
-    /// It is false for a debug view or a heat map of differences, whose values are shown as they are.
+    /// False for a debug view or a heat map of differences, whose values are shown as they are.
     bool is_light = true;
 
     /// Returns the layers in the order in which they were added; beauty is the first.
@@ -85,7 +85,8 @@ public:
     /// Throws Error if write() would refuse that name: its extension, its folder, or what exists there already.
     static void check_writable(const std::filesystem::path& file);
 
-    /// True if files of that extension hold layers beside beauty (EXR); true if they hold colours as a screen shows them.
+    /// has_layers() returns true if files of that extension hold layers beside beauty (EXR), and is_for_display() returns
+    /// true if they hold colours as a screen shows them.
     static bool has_layers(const std::filesystem::path& file);
     static bool is_for_display(const std::filesystem::path& file);
 

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr float kHalfMax = 65504.0f;
-// Where the note of a picture stands, by OpenImageIO's names.
+// These are OpenImageIO's names of the attributes that hold the note of a picture.
 constexpr const char *kExrNote = "occam:note", *kNote = "ImageDescription";
 
 std::string extension_of(const fs::path& file)
@@ -181,7 +181,7 @@ void write_display(const Image& image, const fs::path& file, const WriteOptions&
 {
     DisplayImage shown = display_image(image, options);
     const bool jpeg = extension == ".jpg" || extension == ".jpeg";
-    if (jpeg && shown.channels == 4) {  // JPEG has no alpha: over black
+    if (jpeg && shown.channels == 4) {  // JPEG has no alpha, so the picture is laid over black
         std::vector<float> opaque;
         for (std::size_t i = 0; i < shown.pixels.size(); i += 4)
             for (std::size_t c = 0; c < 3; ++c) opaque.push_back(shown.pixels[i + c] * shown.pixels[i + 3]);

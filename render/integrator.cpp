@@ -75,7 +75,7 @@ std::size_t Integrator::shade_some(std::size_t first, std::span<const CameraSamp
 
 void Integrator::count_cells(const accel::Ray& ray, const accel::SurfaceHit& hit)
 {
-    constexpr double kSteepest = 0.1;  // a cosine: at a silhouette the area of the surface has no bound
+    constexpr double kSteepest = 0.1;  // least cosine, since at a silhouette the area of the surface has no bound
     const double facing = std::abs(double(glm::dot(hit.normal_geometric, ray.direction))),
                  rate = double(context_.settings.shading_rate);
     counters_.visible_cells += 1 / (std::max(facing, kSteepest) * rate * rate);

@@ -42,7 +42,7 @@ struct FrameContext {
     const TextureStore& textures;
     bool may_pass = false;                ///< some material of the scene transmits light straight on
     float depth_near = 0, depth_far = 1;  ///< camera z of the scene, for View::Depth
-    const Scene* scene = nullptr;         ///< for the names that Cryptomatte needs
+    const Scene* scene = nullptr;         ///< has the names that Cryptomatte needs
     static constexpr std::size_t kShadowBatch = 16384;
     std::size_t shadow_batch = kShadowBatch;  ///< shadow rays that may wait before they are traced
 };
@@ -183,7 +183,7 @@ private:
     }
 
     const FrameContext& context_;
-    float texture_width_;  ///< of one sample, in pixels
+    float texture_width_;  ///< width of the texture filter of one sample, in pixels
     bool has_mattes_;
     bool wants_occlusion_;  ///< occlusion maps are looked up, for `ao` or for the layer
     float placed_samples_;  ///< expected samples of one placed light for each round over the lights

@@ -52,7 +52,7 @@ Sequence Integrator::numbers(const Vertex& v, Use use, int slot) const noexcept
                                      Dimension::at(v.path.key, use, static_cast<std::uint32_t>(slot)));
 }
 
-// Only paths that are scattered no further draw as many directions as a light has samples.
+// A path that is scattered no further draws as many directions as a light has samples; any other path draws one.
 int Integrator::scatter_samples_at(const Path& path) const noexcept
 {
     const bool goes_on = context_.settings.integrator != IntegratorKind::Direct && path.bounces < context_.settings.bounces;

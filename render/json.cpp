@@ -21,7 +21,7 @@ std::string hexadecimal(std::uint64_t value)
     return text;
 }
 
-// JSON has no infinity.
+// Converts a number; JSON has no infinity, so null replaces it.
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json json_of(const Camera& camera)

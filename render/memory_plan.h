@@ -13,8 +13,8 @@ struct MemoryPlan {
     std::size_t floor_bytes = 0;   ///< the smallest budget that suffices for this scene and number of threads
     int batch_rays = 0;            ///< camera rays that a worker starts together
     std::size_t shadow_batch = 0;  ///< shadow rays that may wait before they are traced
-    std::size_t queue_bytes = 0;   ///< per worker: for this many rays on their way
-    std::size_t tracer_bytes = 0;  ///< per worker: the rest
+    std::size_t queue_bytes = 0;   ///< part of each worker that holds queues of rays
+    std::size_t tracer_bytes = 0;  ///< part of each worker that its tracer gets, which is the rest
 };
 
 /// Divides the budget. Throws Error naming the floor if the budget is below it. The picture does not depend on the plan.

@@ -1,4 +1,4 @@
-// Attributes that say how a picture was made, under the names of OpenEXR's standard attributes.
+// Sets attributes that say how a picture was made, under the names of OpenEXR's standard attributes.
 #pragma once
 
 #include "render/image.h"

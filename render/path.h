@@ -1,4 +1,4 @@
-// The state of a path: what the integrator keeps of a ray on its way, beside the ray itself.
+// The state of a path: what the integrator keeps for a ray that is being followed, beside the ray itself.
 #pragma once
 
 #include <cstdint>
@@ -8,13 +8,13 @@
 
 namespace occam::render {
 
-/// A piece of a sample's light that is still being looked for.
+/// A path of a sample that still collects light.
 struct Path {
     std::uint32_t sample = 0;  ///< index in the batch
     std::uint32_t key = 0;     ///< seeds the random numbers of the next surface; every branch of a sample has its own
     Vec3f throughput{1};       ///< share of the radiance it finds that reaches the pixel
     float coverage = 1;        ///< share of the pixel that nothing before it covers; 0 once the path was scattered
-    float density = 0;         ///< of the scattered direction per solid angle; 0: a camera ray
+    float density = 0;         ///< density of the scattered direction per solid angle; 0 for a camera ray
     float peak = 0;            ///< shade::peak_density() of the surface that scattered it
     float light_samples = 1, scatter_samples = 1;  ///< samples of each technique at the surface it comes from
     Vec3f absorption{0};              ///< absorption coefficient of the body that it travels in, per world length

@@ -59,12 +59,12 @@ inline constexpr View kAllViews[] = {View::Depth, View::Normal, View::Uv, View::
 enum class Lod : unsigned char {
     On,     ///< that of each ray, all along it
     Off,    ///< one level per cage instance, by the camera's footprint where the instance is nearest
-    Frozen  ///< for secondary rays: the width at their origin, all along
+    Frozen  ///< that of each ray, but secondary rays keep the width that they have at their origin
 };
 
 /// Decides where materials are looked up.
 enum class ShadeAt : std::uint8_t {
-    Vertex,  ///< phase one at the vertices of grids, once, interpolated to hits; triangle meshes and alpha masks: at hits
+    Vertex,  ///< once at the vertices of grids, and interpolated to hits; for triangle meshes and alpha masks at hits
     Hit
 };
 
@@ -73,7 +73,7 @@ enum class IntegratorKind : std::uint8_t { Direct, Ao, Path };
 std::string_view integrator_name(IntegratorKind kind) noexcept;
 
 struct Settings {
-    int width = 1280, height = 720;  ///< of the whole frame, pixels
+    int width = 1280, height = 720;  ///< size of the whole frame in pixels
     /// The part of the frame that is rendered, each value from 0 to 1 from the top left.
     float crop_x0 = 0, crop_x1 = 1, crop_y0 = 0, crop_y1 = 1;
 

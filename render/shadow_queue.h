@@ -1,7 +1,7 @@
 // The shadow rays of a batch: they are collected while hits are shaded, traced together, and added in the order in which
 // they came.
 //
-// A ray that meets something may pass it where it blends, masks or is clear glass. It is then shot again from there, in
+// A ray may pass the surface that it hits where this blends, masks or is clear glass. It is then shot again from there, in
 // order of t, so the result of a sample depends on the sample alone. The number of surfaces that a ray passes is not
 // limited: a ray with little transmittance left is ended by chance (Russian roulette), and weighs more where it
 // continues.
@@ -45,7 +45,7 @@ public:
     }
 
     std::size_t size() const noexcept { return rays_.size(); }
-    /// Returns true if a ray that meets something may continue behind it.
+    /// Returns true if a ray that hits a surface may continue behind it.
     bool may_pass() const noexcept { return may_pass_; }
     void clear() noexcept;
     /// Adds a ray, which the caller fills in. trace() adds `radiance` to sums[sample], times the transmittance along the
@@ -82,13 +82,13 @@ private:
         std::uint32_t sample;
         Vec3f radiance;
     };
-    /// Describes a shadow ray that met something.
+    /// Describes a shadow ray that has hit a surface.
     struct Blocked {
         std::uint32_t shadow;  ///< index into shadows_
         float share;           ///< transmittance of the surfaces so far, in the brightest channel
     };
 
-    /// Collects those rays that met something and may pass it, so that their hits can be found.
+    /// Collects those rays that have hit a surface and may pass it, so that their hits can be found.
     void collect_blocked();
     void pass_blocked(std::span<const float> luck);
     void add_light(std::span<Vec3f> sums);

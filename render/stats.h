@@ -49,8 +49,7 @@ struct FrameStats {
         std::uint64_t queue_bytes = 0;  ///< part of the budget for rays on their way; the arenas have the rest
         std::uint64_t film_bytes = 0;   ///< bytes of the picture, beside the budget
     } memory;
-    /// Counts the work of each worker. The builders of a shared tree are not told apart: its cost counts for its first
-    /// worker.
+    /// Counts the work of each worker. The cost of a shared tree counts for its first worker, whoever has built it.
     struct Worker {
         double cpu_seconds = 0,
                build_seconds = 0;  ///< all work of the worker, and the part of it that is building and dicing
@@ -60,8 +59,8 @@ struct FrameStats {
     struct Image {
         int width = 0, height = 0, spp = 0;
         std::uint64_t checksum = 0;
-        std::uint64_t samples = 0;             ///< in all; fewer than spp a pixel where Settings::error ended a tile
-        int least_samples = 0;                 ///< of the pixels that are not done; spp if all are
+        std::uint64_t samples = 0;             ///< all samples; fewer than spp a pixel where Settings::error ended a tile
+        int least_samples = 0;                 ///< least number of a pixel that is not done; spp if all are done
         std::uint64_t samples_not_finite = 0;  ///< left out of the picture
     } image;
     Settings settings;
@@ -74,7 +73,7 @@ struct FrameStats {
 std::uint64_t process_peak_bytes() noexcept;
 
 std::string to_json(const FrameStats& stats);
-/// All settings, as the statistics have them.
+/// Returns all settings as the statistics have them.
 std::string to_json(const Settings& settings);
 
 }  // namespace occam::render

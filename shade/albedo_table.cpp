@@ -16,7 +16,7 @@ LayerAlbedo integrate(float cosine, float alpha) noexcept
     for (int ring = 0; ring < kRings; ++ring) {
         const float x = (static_cast<float>(ring) + 0.5f) / kRings;
         const float radius = std::sqrt(1 - x * x * x);
-        const double area = double(x) * double(x);  // of 1 - radius^2 = x^3
+        const double area = double(x) * double(x);  // weight of the ring, because 1 - radius^2 = x^3
         whole += area * kAngles;
         for (int i = 0; i < kAngles; ++i) {
             // The disc's second axis lies in the plane of the eye, so the mirror images differ in the sign of the first
@@ -39,7 +39,7 @@ LayerAlbedo integrate(float cosine, float alpha) noexcept
 
 struct Place {
     int below;
-    float share;  // of the node above
+    float share;  // weight of the node above
 };
 
 Place place_of(float x, int nodes) noexcept

@@ -2,8 +2,8 @@
 // all.
 //
 // With Schlick's Fresnel curve f0 (1 - g) + f90 g, the albedo is f0 A + f90 B. A and B are two tables over the cosine of
-// the eye and the roughness (the split of Karris 2013). What is missing to one is light that met several microfacets. It
-// is given back as a lobe (Kulla and Conty 2017), and the base receives what the layer does not reflect.
+// the eye and the roughness (the split of Karis 2013). The rest to one is light that several microfacets scatter. It is
+// given back as a lobe (Kulla and Conty 2017), and the base receives what the layer does not reflect.
 //
 // Memory   two tables of 64 x 48 floats, made once per process on first use (some 60 ms), and read only from then on.
 // Threads  any.

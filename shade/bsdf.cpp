@@ -42,9 +42,9 @@ Vec3f multiple_share(Vec3f f0, float f90, float mean_albedo) noexcept
 // Describes the layer over the base: a lobe for its multiple scattering, and the share of light that it transmits to the
 // base and back.
 struct Layer {
-    float alpha, mean;  // GGX width; albedo of a layer that reflects all, over all directions
-    Vec3f multiple;     // of the layer as it is
-    float f0, f90;      // of the dielectric over the base
+    float alpha, mean;  // GGX width; mean albedo, over all directions, of a layer that reflects all light
+    Vec3f multiple;     // multiple_share() of the layer
+    float f0, f90;      // reflectance of the dielectric over the base
     float base_multiple, base_mean;
     const AlbedoTable& table = AlbedoTable::instance();
 
@@ -132,7 +132,7 @@ private:
     }
 };
 
-// Describes the layer's lobe of a surface with brush strokes, in axes along their direction.
+// Describes the layer's lobe of a surface with brush strokes, in axes along the direction of the strokes.
 struct Strokes {
     Vec3f x, y, z;
     Widths widths;
@@ -232,8 +232,8 @@ float density_of(const Surface& s, const LobeShares& share, Vec3f to_light) noex
 Vec3f coated(const Surface& s, Vec3f below, Vec3f to_light) noexcept
 {
     const Angles a(s.coat_normal, s.to_eye, to_light);
-    // What is below gets what the coat does not reflect to the eye. All light is accounted for, whatever the base does
-    // with it, and the function is not reciprocal.
+    // Everything below the coat receives what the coat does not reflect to the eye. All light is accounted for, whatever the
+    // base does with it, and the function is not reciprocal.
     below *= 1 - s.coat * coat_albedo(a.n_v, s.coat_alpha);
     if (!(a.n_l > 0) || !(glm::dot(s.normal_geometric, to_light) > 0)) return below;
     const float fresnel = kCoatF0 + (1 - kCoatF0) * schlick(a.v_h);

@@ -17,14 +17,14 @@
 
 namespace occam::shade {
 
-/// Describes a shadow ray. The caller traces from `origin` along `direction` to `t_far`; if nothing is met, `radiance`
+/// Describes a shadow ray. The caller traces from `origin` along `direction` to `t_far`; if nothing is hit, `radiance`
 /// leaves towards the eye.
 struct ShadowTest {
     Vec3d origin{0};
     Vec3f direction{0};
     float t_far = 0;
     Vec3f radiance{0};  ///< zero: there is nothing to trace
-    float density = 0;  ///< with which the light is sampled, per solid angle; 0: the light has no extent
+    float density = 0;  ///< density of the light's sample per solid angle; 0: the light has no extent
 };
 
 /// Holds the expected number of samples of each technique of multiple importance sampling at a point.
@@ -47,7 +47,7 @@ struct SampleCounts {
     }
 };
 
-/// Returns what a sample of a light contributes. Lights that scattered directions cannot meet get the full weight.
+/// Returns what a sample of a light contributes. Lights that scattered directions cannot find get the full weight.
 inline ShadowTest test_of(const Surface& surface, const LightSample& sample, SampleCounts counts) noexcept
 {
     if (sample.radiance == Vec3f(0)) return {};

@@ -98,7 +98,7 @@ Vec3f Environment::radiance(Vec3f direction) const noexcept
 
 Vec2f Environment::uv_of(Vec3f direction) const noexcept
 {
-    // Rotates into the image's axes: back by the rotation about +y.
+    // Rotates the direction back about +y, into the image's axes.
     const float x = rotation_cos_ * direction.x - rotation_sin_ * direction.z;
     const float z = rotation_sin_ * direction.x + rotation_cos_ * direction.z;
     return {0.5f + maths::atan2(x, -z) / (2 * kPi), maths::acos(std::clamp(direction.y, -1.0f, 1.0f)) / kPi};

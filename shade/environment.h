@@ -27,7 +27,7 @@ public:
     /// suffice.
     bool has_density() const noexcept { return kind_ == Kind::Image; }
     Vec3f sample(Vec2f square) const noexcept;
-    float density(Vec3f direction) const noexcept;  ///< of sample(), per solid angle; 0 if the environment has no density
+    float density(Vec3f direction) const noexcept;  ///< density of sample() per solid angle; 0 if it has no density
 
 private:
     enum class Kind : unsigned char { None, Constant, Image, Sky };

@@ -8,7 +8,7 @@
 // (reflection and refraction) and Suykens and Willems 2001 (sampled directions: the width of one sample's share of the
 // domain).
 //
-// `samples` is the number of rays of one pixel that share the domain in all: each one stands for one such part of it.
+// `samples` is the number of rays of one pixel that share the domain in all, so each of them covers one such part of it.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@
 
 namespace occam::shade {
 
-/// Describes a beam where it meets a surface.
+/// Describes a beam where it hits a surface.
 struct Beam {
     float width = 0;   ///< across the beam, in world length
     float spread = 0;  ///< growth of the width per world length
@@ -35,27 +35,27 @@ lod::Footprint mirrored_beam(Beam beam, float curvature, float cosine) noexcept;
 /// cosine_out   between the refracted beam and the normal; both cosines are above 0
 lod::Footprint refracted_footprint(Beam beam, float curvature, float cosine, float cosine_out, float eta) noexcept;
 
-/// Returns the footprint of a sampled direction. `smooth` is what a smooth mirror or lens would make of the beam; a
-/// direction drawn with `density` per solid angle stands for 1 / (density * samples) of it. The two widths are
+/// Returns the footprint of a sampled direction. `smooth` is what a smooth mirror or lens would make of the beam. A
+/// direction drawn with `density` per solid angle covers a solid angle of 1 / (density * samples). The two widths are
 /// independent, so their squares are added.
 lod::Footprint scattered_beam(lod::Footprint smooth, float density, int samples) noexcept;
 
 /// Returns the same beam, growing no faster than levels of detail can follow. A steeper beam would be wider at its hit
-/// than the levels that were seen there. A ray that goes on from the hit with that width would meet a coarser surface,
-/// and could be on the wrong side of it.
+/// than the levels that were seen there. A ray that goes on from the hit with that width would see a coarser surface, and
+/// could be on the wrong side of it.
 /// shading_rate   target edge length over the width of the beam
 lod::Footprint followable(lod::Footprint beam, float shading_rate, const lod::LevelSettings& levels = {}) noexcept;
 
 /// Returns the footprint towards a light that is `distance` away and drawn with `density` per solid angle. It goes from
 /// the width of the beam at the point to that of the sample's share of the light, and is no narrower than an eighth of
-/// the width at the start: a light without extent would be met by beams of no width, whose levels have no end. At
-/// infinity (parallel light) the share is an angle, which is added to the width.
+/// the width at the start, since a beam without width at its end would ask for infinitely fine levels. At infinity (parallel
+/// light) the share is an angle, which is added to the width.
 /// density      0: the light has no extent
 lod::Footprint light_beam(float width, float distance, float density, int samples) noexcept;
 
 /// Holds the footprints of a camera ray through a lens. They are made of the growth of the pixel itself and of the part
-/// of the lens's diameter that one sample stands for. The circle of confusion shrinks up to the focus and grows behind
-/// it, hence two footprints that meet there.
+/// of the lens's diameter that one sample covers. The circle of confusion shrinks up to the focus and grows behind it, so
+/// there are two footprints that join there.
 struct LensBeams {
     lod::Footprint near_side, far_side;
 };

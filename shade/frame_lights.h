@@ -44,7 +44,7 @@ public:
     /// Returns true if scattered rays from `start` can contribute nothing that samples of lights do not.
     bool leaves_all_to_samples(Vec3d start, float peak, LightGroups groups) const noexcept;
 
-    /// Calls use(const WorldLight&, const LightCrossing&) for every area light that the ray meets within t_far, except
+    /// Calls use(const WorldLight&, const LightCrossing&) for every area light that the ray crosses within t_far, except
     /// for those that are left to their own samples where the ray starts.
     template <class Use>
     void for_crossings(Vec3d origin, Vec3f direction, float t_far, float peak, Use&& use) const

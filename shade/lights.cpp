@@ -136,7 +136,7 @@ LightSample sample_sphere(const WorldLight& light, Vec3f to_centre, LightNumbers
     const Vec2f d = disc_point(numbers.square);
     const float one_minus_cos = (d.x * d.x + d.y * d.y) * one_minus_cos_most;
     const float cosine = 1 - one_minus_cos;
-    // The squared radius of a disc point is uniform, and so is 1 - cos in a cone: the point is scaled to that ring.
+    // The squared radius of a disc point is uniform, and so is 1 - cos in a cone, so the point is scaled to that ring.
     const float stretch = std::sqrt(one_minus_cos_most * (2 - one_minus_cos));
     const float distance = std::sqrt(distance2);
     const ShadingFrame axes(to_centre / distance);
@@ -179,7 +179,7 @@ LightSample WorldLight::sample_other(Vec3f to_middle, LightNumbers numbers) cons
         case Kind::Sphere:
             return sample_sphere(*this, to_middle, numbers);
         case Kind::Rectangle:
-            break;  // sample_from() has it
+            break;  // sample_from() samples rectangles
     }
     return {};
 }

@@ -25,14 +25,14 @@ struct LightSample {
     Vec3f direction{0};  ///< unit, towards the light
     float distance = 0;  ///< infinity for parallel light
     Vec3f radiance{0};   ///< incoming, divided by the density of the sample per solid angle; zero: nothing arrives
-    float density = 0;   ///< per solid angle; 0: the light has no extent, and no scattered ray can meet it
+    float density = 0;   ///< per solid angle; 0: the light has no extent, and no scattered ray can find it
 };
 
-/// Describes where a ray meets a light that has no surface in the scene.
+/// Describes where a ray crosses a light that has no surface in the scene.
 struct LightCrossing {
     float distance = 0;
-    Vec3f radiance{0};  ///< zero: the ray does not meet the light, or meets it from behind
-    float density = 0;  ///< with which WorldLight::sample() draws this direction
+    Vec3f radiance{0};  ///< zero: the ray does not cross the light, or crosses it from behind
+    float density = 0;  ///< density with which WorldLight::sample() draws this direction
 };
 
 /// A light in world axes. `kind` decides which fields are read.
@@ -42,12 +42,12 @@ struct WorldLight {
     Vec3d position{0};
     Vec3f direction{0, 0, -1};   ///< the node's -z: where spot lights, suns and flat lights shine to; unit
     Vec3f half_x{0}, half_y{0};  ///< flat lights: from the middle to the edges
-    float area = 0;              ///< of flat lights
-    float radius = 0;            ///< of a sphere
+    float area = 0;              ///< flat lights only
+    float radius = 0;            ///< spheres only
     bool two_sided = false;
     LightGroups groups = kAllGroups;
     Vec3f strength{0};                      ///< intensity, irradiance or radiance, depending on the kind
-    float range = 0;                        ///< of a point light; 0: no limit
+    float range = 0;                        ///< point lights only; 0: no limit
     float spot_scale = 0, spot_offset = 1;  ///< applied to the cosine to `direction` (KHR_lights_punctual)
     float sun_spread = 0;                   ///< tangent of the half angle that the sun's disc subtends
 
@@ -64,7 +64,7 @@ struct WorldLight {
     /// Returns the squared sine of the half angle that a sphere around the light subtends at the point; the result is
     /// above 1 within that sphere.
     float sine2_subtended(Vec3d point) const noexcept;
-    /// Returns true if rays can meet the light, which means that it has an area.
+    /// Returns true if rays can cross the light, which means that it has an area.
     bool has_area() const noexcept { return kind == Kind::Rectangle || kind == Kind::Disc || kind == Kind::Sphere; }
 
 private:

@@ -9,7 +9,7 @@
 namespace occam::shade {
 namespace {
 
-// A shadow ray stops at this share of the distance before its end: what lies beyond is the emissive surface itself.
+// A shadow ray stops at this share of the distance before its end, beyond which lies the emissive surface itself.
 constexpr float kShort = 1e-4f;
 
 float luminance(Vec3f c) noexcept { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
@@ -82,8 +82,8 @@ double area_of(const Scene& scene, const Node& node, const CageSlot& slot, std::
     return box_area(node, slot, scene.find(node.skin), world_from_object) * double(faces) / double(cage.face_count());
 }
 
-// Returns true if a ray that meets the node's surface of that material can be told the density with which it is sampled:
-// all cages of that node that show the material are triangles that stand still.
+// Returns true if the density with which the node's surfaces of that material are sampled is known for a ray that hits one:
+// all cages of the node that show the material are triangles that stand still.
 bool is_sampled(const Scene& scene, const Node& node, const Material* material) noexcept
 {
     if (node.skin) return false;

@@ -1,7 +1,7 @@
 // Emissive surfaces: all triangles with an emissive material, as one light.
 //
 // A point is drawn in proportion to area times the luminance of the material's mean emission. So its density per area
-// depends on the material alone, and a ray that happens to meet an emissive surface can ask for it. Only triangles that
+// depends on the material alone, and a ray that happens to hit an emissive surface can ask for it. Only triangles that
 // stand still are sampled; emissive subdivision surfaces and deformed meshes are found by scattered rays alone.
 //
 // Space    world.

@@ -40,8 +40,8 @@ inline float ggx_masking_over_cosine(float n_v, float alpha) noexcept
     return 2 / (n_v + std::sqrt(a2 + (1 - a2) * n_v * n_v));
 }
 
-/// Returns a visible normal about +z (Heitz 2018, sec. 4: the unit hemisphere, stretched by alpha) from a point of the
-/// unit disc.
+/// Returns the visible normal, in axes whose z is the macroscopic normal, that belongs to a point of the unit disc (Heitz
+/// 2018, sec. 4). The eye is a unit direction in the same axes.
 inline Vec3f visible_normal_of(Vec3f eye, float alpha, Vec2f p) noexcept
 {
     const Vec3f stretched = glm::normalize(Vec3f(alpha * eye.x, alpha * eye.y, eye.z));
@@ -59,15 +59,15 @@ inline Vec3f visible_normal(Vec3f eye, float alpha, Vec2f square) noexcept
     return visible_normal_of(eye, alpha, disc_point(square));
 }
 
-/// Returns the density of visible_normal() over v_h: G1 D / n_v (Heitz 2018, eq. 1). A reflected direction has a fourth
-/// of it.
+/// Returns the density of visible_normal() divided by v_h, the cosine between eye and microfacet normal: G1 D / n_v (Heitz
+/// 2018, eq. 1). The density of the reflected direction is a fourth of this value.
 inline float visible_density_over_cosine(float n_v, float n_h, float sin2_h, float alpha) noexcept
 {
     return n_h > 0 ? ggx_masking_over_cosine(n_v, alpha) * ggx_density(n_h, sin2_h, alpha) : 0;
 }
 
 // The following functions do the same with two widths, along x and y (Heitz 2014, eq. 85 and 86; Heitz 2018). Vectors are
-// in the axes of the lobe; their z is along the normal and above zero.
+// unit vectors in the axes of the lobe; their z is along the macroscopic normal and above zero.
 
 struct Widths {
     float x, y;

@@ -1,4 +1,4 @@
-// A point to be shaded, as the integrator passes it on: what phase two knows of a hit, independent of who found it.
+// A point to be shaded: what phase two knows of a hit, whoever has found it.
 #pragma once
 
 #include "lod/vertex_shader.h"
@@ -11,12 +11,12 @@ struct ShadePoint {
     Vec3f normal_geometric{0, 0, 1};     ///< unit, on the side of to_eye
     Vec3f normal_shading{0, 0, 1};       ///< unit, on the side of normal_geometric
     bool back_side = false;              ///< the eye is behind the face: its outward normal is -normal_geometric
-    Vec3f to_start{0};                   ///< from `position` to where secondary rays start
+    Vec3f to_start{0};                   ///< offset from `position` to the point where secondary rays start
     Vec3f start_normal{0, 0, 1};         ///< normal of the micropolygon there, unit, on the side of normal_geometric
     float self_distance = 0;             ///< a secondary ray starts this far along start_normal, to the side it leaves by
     Vec3f tangent{0};                    ///< unit, across the normal, where u of the normal map grows; zero: no normal map
     float tangent_sign = 1;              ///< sign of cross(outward normal, tangent), along which v decreases
-    Vec3f u_gradient{0}, v_gradient{0};  ///< of the bump map's coordinates over the surface, per world length; zero: no bump
+    Vec3f u_gradient{0}, v_gradient{0};  ///< gradients of the bump map's coordinates, per world length; zero: no bump map
     lod::VertexToShade texture;          ///< where textures are looked up, over the footprint of the ray
     const float* phase_one = nullptr;    ///< what PhaseOne made at the vertices about the hit, interpolated; null: nothing
     Vec4f color{1};                      ///< vertex colour, linear

@@ -93,7 +93,7 @@ float strongest(Vec3f c) noexcept { return std::max({c.x, c.y, c.z}); }
 
 float sheen_width(float roughness) noexcept
 {
-    constexpr float kLeast = 0.07f;  // narrower ones are all alike but for their noise
+    constexpr float kLeast = 0.07f;  // narrower distributions differ only in their noise
     const float r = std::clamp(roughness, kLeast, 1.0f);
     return r * r;
 }

@@ -1,4 +1,4 @@
-// Whether a scene without an environment gets a sky.
+// Says whether a scene without an environment gets a sky.
 #pragma once
 
 namespace occam::shade {

@@ -25,23 +25,23 @@ struct Surface {
 
     Vec3f base_color{0};  ///< factor, texture and vertex colour
     float opacity = 1;    ///< share that is there at all; below 1 where the material blends, 0 or 1 where it masks
-    Vec3f transmittance{
-        0};              ///< transmittance straight on: through the share that is not there, and through smooth thin glass
+    /// Transmittance straight on: through the share that is not there, and through smooth thin glass.
+    Vec3f transmittance{0};
     Vec3f emission{0};   ///< towards the eye, without the share of the coat
     bool unlit = false;  ///< base_color is the radiance; nothing else counts
 
     Vec3f diffuse{0};  ///< base_color times what is neither metal nor glass
     Vec3f f0{0.04f};   ///< reflectance at normal incidence, dielectric and metal mixed
-    float f90 = 1;     ///< at grazing incidence
-    float dielectric_f0 = 0.04f,
-          dielectric_f90 = 1;  ///< of the dielectric alone: what it reflects does not reach the base below it
-    float alpha = 0.36f;       ///< GGX width, roughness squared
-    Vec3f tangent{0};  ///< across the normal: the direction of brush strokes; zero: the lobe of the layer is isotropic
-    float alpha_along = 0,
-          alpha_across = 0;  ///< GGX widths of an anisotropic layer, along the strokes and across; alpha is their mean
-    Vec3f sheen{0};          ///< colour of the sheen (shade/sheen.h); zero: there is none
-    float sheen_alpha = 1;   ///< width of the distribution of the sheen
-    float coat = 0;          ///< share of the clear coat
+    float f90 = 1;     ///< reflectance at grazing incidence
+    /// Reflectance of the dielectric alone; light that it reflects does not reach the base below it.
+    float dielectric_f0 = 0.04f, dielectric_f90 = 1;
+    float alpha = 0.36f;  ///< GGX width, roughness squared
+    Vec3f tangent{0};     ///< across the normal: the direction of brush strokes; zero: the lobe of the layer is isotropic
+    /// GGX widths of an anisotropic layer, along the strokes and across them; alpha is their geometric mean.
+    float alpha_along = 0, alpha_across = 0;
+    Vec3f sheen{0};         ///< colour of the sheen (shade/sheen.h); zero: there is none
+    float sheen_alpha = 1;  ///< width of the distribution of the sheen
+    float coat = 0;         ///< share of the clear coat
     float coat_alpha = kMinAlpha;
 
     bool is_matte = false;  ///< only `diffuse` scatters light, so what follows from the other lobes need not be computed
@@ -68,7 +68,7 @@ Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
 Vec3f passes_straight(const ShadePoint& point, const TextureStore& textures) noexcept;
 
 /// Returns the share of ambient light, 0 to 1, that the occlusion map of the material leaves. It applies to light that is
-/// not traced to its origin. Nothing else reads the map: rays find the occlusion that it stands for.
+/// not traced to its origin. Nothing else reads the map, because traced rays find the same occlusion.
 float ambient_share(const ShadePoint& point, const TextureStore& textures) noexcept;
 
 /// Returns true if some point of the material may transmit light straight on.

@@ -9,7 +9,7 @@ Vec3f turned(Vec3f v, Vec3f normal) noexcept { return v - normal * (2 * glm::dot
 
 // Describes a microfacet that sends light from a direction to the eye.
 struct Facet {
-    float density = 0;  ///< of the direction per solid angle, if all visible microfacets acted like this one
+    float density = 0;  ///< density of the direction per solid angle, if all visible microfacets acted like this one
     float v_h = 0;      ///< cosine between the eye and the microfacet normal
 };
 
