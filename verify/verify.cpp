@@ -135,7 +135,7 @@ struct Target {
     const lod::LevelGrid* grid = nullptr;
     int a = 0, c = 0;  ///< vertices; a point between them, or the T-vertex
     const lod::Hanging* hanging = nullptr;
-    double share = 0;  ///< the share of c, if the point is no T-vertex
+    double share = 0;  ///< the share of c, unless the point is a T-vertex
 
     Vec3d at(Vec3d from, Vec3d direction, const lod::Blend<float>& blend) const
     {

@@ -16,7 +16,7 @@ namespace occam::builtin {
 struct Ring {
     Vec3f centre;
     Vec3f x, y;
-    float sharpness = 0;  ///< of the edges along the ring
+    float sharpness = 0;  ///< sharpness of the edges along the ring
 };
 
 /// Says how the end of a tube is closed: with one face of as many corners as the ring has, or with triangles about a point.

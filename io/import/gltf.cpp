@@ -264,7 +264,8 @@ private:
         Report report(*path, options_.strict);
         Polygons polygons = read_obj(*path, scene_, extras.material < 0, report);
         const bool is_cage = extras.style.scheme.value_or(CageStyle::Scheme::CatmullClark) != CageStyle::Scheme::None;
-        if (extras.style.scheme) polygons.cage.name.insert(0, "cage ");  // the node's scheme goes before the file's name
+        // The prefix hides a scheme in the name of the cage, since the node's scheme has priority.
+        if (extras.style.scheme) polygons.cage.name.insert(0, "cage ");
         Cage cage = settle(std::move(polygons), is_cage ? Subdivide::On : Subdivide::Off, report).cage;
         extras.style.apply(cage);
         if (extras.style.displacement) cage.displacement = materials_.displacement(*extras.style.displacement, where);
@@ -297,9 +298,9 @@ private:
     AccessorReader accessors_;
     MaterialImporter materials_;
     MeshImporter meshes_;
-    std::vector<NodeId> nodes_;  // by index in the file
+    std::vector<NodeId> nodes_;  // one for each node of the file
     std::vector<LightId> lights_;
-    std::size_t instances_ = 0;  // of EXT_mesh_gpu_instancing, so far
+    std::size_t instances_ = 0;  // instances of EXT_mesh_gpu_instancing so far
     std::map<std::string, LightGroups> light_groups_;
     std::map<std::pair<std::string, CageStyle>, CageId> cage_files_;
 };

@@ -17,8 +17,9 @@ inline constexpr const char* kBinaryChunk = "<binary chunk>";
 
 /// Holds a document that has passed validation.
 struct CheckedGltf {
-    std::string json;                                       ///< with kBinaryChunk where it applies; empty: as it was
-    std::map<std::string, std::vector<std::size_t>> files;  ///< by decoded URI: bytes that each buffer wants of it, in order
+    std::string json;  ///< the document with kBinaryChunk in place of the binary chunk's URI; empty if nothing was replaced
+    /// For each decoded URI, the bytes that each buffer reads from it, in the order of the buffers.
+    std::map<std::string, std::vector<std::size_t>> files;
 };
 
 /// Checks the JSON against the schema: types, required properties, ranges, and that every index names something. What a

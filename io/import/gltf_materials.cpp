@@ -256,8 +256,8 @@ void MaterialImporter::add_extensions(const tinygltf::ExtensionMap& extensions, 
     if (glossiness.IsObject()) set_specular_glossiness(glossiness, out, where);
 }
 
-// Makes a dielectric that reflects the specular colour at normal incidence, over a base of the diffuse colour. This is what
-// an index of 0 stands for in KHR_materials_ior.
+// Makes a dielectric that reflects the specular colour at normal incidence, over a base of the diffuse colour. This is the
+// meaning of an index of 0 in KHR_materials_ior.
 void MaterialImporter::set_specular_glossiness(const tinygltf::Value& value, Material& out, const std::string& where)
 {
     out.base_color = vector<Vec4f>(value, "diffuseFactor").value_or(Vec4f(1));

@@ -44,7 +44,7 @@ struct NodeExtras {
     int material = -1;
     std::optional<AreaLight> area_light;
     std::uint8_t hidden_from = 0;                    ///< bits of RayKind
-    std::string light_group;                         ///< of the node's light; empty: it lights everything
+    std::string light_group;                         ///< group of the node's light; empty: it lights everything
     std::optional<std::vector<std::string>> lit_by;  ///< groups; none: by all lights
 };
 struct EnvironmentExtras {

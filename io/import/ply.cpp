@@ -293,7 +293,7 @@ private:
     std::string_view text_;
     Report& report_;
     TextCursor cursor_;
-    std::size_t at_ = 0;  // in a binary body
+    std::size_t at_ = 0;  // position in a binary body
     bool is_binary_ = false, is_big_endian_ = false;
     std::vector<Element> elements_;
     Polygons polygons_;

@@ -89,8 +89,8 @@ private:
     int retries_ = 8;
 };
 
-// A convex polygon of many corners is halved again and again: a fan's triangles would all overlap at one corner, and rays
-// would meet all of their boxes there.
+// Halves a convex polygon of many corners again and again. The boxes of a fan's triangles would all overlap at one corner,
+// and rays would have to test all of them there.
 void halve(std::uint32_t corners, std::vector<std::uint32_t>& out)
 {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> todo{{0u, corners - 1}};

@@ -93,7 +93,8 @@ private:
             index = of_face;
         }
     }
-    // There is none where the faces about the vertex cancel out, as the two sides of a sheet do.
+    // Adds the mean normal and returns its index. There is none if the faces around the vertex cancel out, as the two sides
+    // of a sheet do.
     std::uint32_t smooth(Sum& sum)
     {
         if (sum.index == kNoIndex && glm::length(sum.normals) > 1e-3 * sum.angles) sum.index = add(direction(sum.normals));

@@ -38,7 +38,7 @@ struct TextureSource::State {
     std::string name;
     TextureRole role = TextureRole::Color;
     int width = 0, height = 0;
-    std::vector<Vec4f> pixels;       // linear already; or
+    std::vector<Vec4f> pixels;       // linear texels; if empty, the image is encoded
     std::vector<std::byte> encoded;  // kept while the reader refers to it
     std::unique_ptr<OIIO::Filesystem::IOMemReader> memory;
     std::unique_ptr<OIIO::ImageInput> input;

@@ -1,4 +1,4 @@
-// The words of a sample's command line, checked: a folder, then numbers.
+// The checked arguments of a sample's command line: a folder, then numbers.
 #pragma once
 
 #include <occam/occam.h>
@@ -11,8 +11,8 @@
 
 namespace sample {
 
-/// Reads positional words in their order. Throws occam::Error for a word that looks like an option, is not a number, or is
-/// one too many.
+/// Reads positional arguments in their order. Throws occam::Error for an argument that looks like an option, is not a
+/// number, or is one too many.
 class Arguments {
 public:
     Arguments(int argc, char** argv) : words_(argv + 1, argv + argc) {}
@@ -28,7 +28,7 @@ public:
         return false;
     }
     bool has_more() const noexcept { return next_ < words_.size(); }
-    /// Returns the next word, or `otherwise` if there is none.
+    /// Returns the next argument, or `otherwise` if there is none.
     std::filesystem::path path(const char* otherwise)
     {
         if (!has_more()) return otherwise;
@@ -36,7 +36,7 @@ public:
         if (word.empty() || word[0] == '-') throw occam::Error("", "there is no such option (--help)", std::string(word));
         return word;
     }
-    /// Returns the next word as a number from `least` to `most`, or `otherwise`.
+    /// Returns the next argument as a number from `least` to `most`, or `otherwise` if there is none.
     int number(const char* name, int least, int most, int otherwise)
     {
         if (!has_more()) return otherwise;

@@ -98,7 +98,7 @@ void add_surroundings(Scene& scene, float half_side)
     floor.materials = {scene.add(std::move(grey))};
     scene.add_node(scene.root(), {.name = "floor", .cages = {scene.add(std::move(floor))}});
     NodeDesc sun;
-    sun.place.rotation = {-0.4545, 0.2706, 0.1464, 0.8361};  // from behind, high, a little to one side
+    sun.place.rotation = {-0.4545, 0.2706, 0.1464, 0.8361};  // it shines from behind, high, and a little from one side
     sun.light = scene.add(Light{"sun", SunLight{Vec3f(3)}});
     scene.add_node(scene.root(), sun);
     scene.environment.radiance = Vec3f(0.35f, 0.45f, 0.6f);

@@ -39,12 +39,12 @@ public:
         for (int i = 0; i < 12; ++i) appear();
     }
 
-    /// Does what happens in one frame: edits, each as cheap as its path to the root.
+    /// Makes the edits of one frame, each of which costs no more than its path to the root.
     void step(double clock)
     {
         if (++frame_ % 20 == 0) appear();
         if (walkers_.size() > kMostWalkers) {
-            scene_.remove(walkers_.front().node);  // the handle is dead from here on, and says so if used
+            scene_.remove(walkers_.front().node);  // the handle is dead from now on, and using it throws
             walkers_.erase(walkers_.begin());
         }
         for (const Walker& w : walkers_) {

@@ -2,8 +2,8 @@
 //
 //     occam_game [FILE.glb] [--headless] [--frames N] [--size WxH] [-o PICTURE]
 //
-// FILE: a character whose first clip is played, instead of the worm. Escape ends. Without a window, the last frame is
-// written to PICTURE (game.png).
+// FILE holds a character whose first clip is played, in place of the worm. The key Escape ends the game. Without a window,
+// the last frame is written to PICTURE (game.png).
 #include <occam/occam.h>
 
 #include <cmath>
@@ -83,7 +83,8 @@ struct Words {
     int frames = 100, width = 640, height = 360, spp = 4;
     std::filesystem::path picture = "game.png";
 
-    /// Returns false if help was asked for, and printed. Throws Error for what it does not understand.
+    /// Reads the command line. Returns false if help was asked for, which is then printed. Throws Error for an unknown
+    /// option.
     bool read(int argc, char** argv)
     {
         if (sample::Arguments(argc, argv)

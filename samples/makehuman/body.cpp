@@ -23,7 +23,7 @@ std::ifstream open(const std::filesystem::path& file)
 // Reads base.obj. Its groups are the body, helper geometry that clothes are fitted to, and small cubes about the joints.
 struct Mesh {
     std::vector<Vec3f> positions;
-    std::map<std::string, std::vector<std::array<std::uint32_t, 4>>> faces;  ///< by group
+    std::map<std::string, std::vector<std::array<std::uint32_t, 4>>> faces;  ///< the faces of each group
 };
 
 Mesh read_mesh(const std::filesystem::path& folder, const std::string& shape)
@@ -60,7 +60,7 @@ Mesh read_mesh(const std::filesystem::path& folder, const std::string& shape)
     return mesh;
 }
 
-// A bone's head is the mean of some vertices, so bones follow the shape.
+// Reads the bones. A bone's head is the mean of some vertices, so bones follow the shape.
 std::vector<Bone> read_bones(const Json& file, const std::vector<Vec3f>& positions)
 {
     std::vector<Bone> bones;
@@ -106,7 +106,8 @@ void add_vertex(Cage& cage, Vec3f position, std::vector<Share> shares)
                                         : Vec4f(1, 0, 0, 0));
 }
 
-// Clothes bend a little differently from the body below, so the body's legs, which are not seen, are left out.
+// Returns true for vertices of the legs. Clothes deform a little differently from the body below, so the body's legs, which
+// are not visible, are left out.
 bool is_leg(const std::vector<Bone>& bones, const std::vector<Share>& shares)
 {
     const std::string name = shares.empty() ? "" : bones[shares[0].second].name;

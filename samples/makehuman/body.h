@@ -21,13 +21,14 @@ struct Bone {
 };
 
 struct Body {
-    occam::NodeId node;  ///< of the whole
+    occam::NodeId node;  ///< holds the whole body
     std::vector<Bone> bones;
     std::map<std::string, int> bone_of;  ///< by name
     double sole = 0;                     ///< y of the lowest vertex at rest
 };
 
-/// Adds the body below the scene's root. shape: the file of a morph target, applied in full. Throws occam::Error.
+/// Adds the body below the scene's root. `shape` is the file of a morph target, which is applied in full. Throws
+/// occam::Error.
 Body add_body(occam::Scene& scene, const std::filesystem::path& folder, const std::string& shape, occam::Vec3f clothes);
 
 }  // namespace sample

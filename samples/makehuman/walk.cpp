@@ -10,8 +10,8 @@ using Quaternion = glm::dquat;
 
 namespace {
 
-// Holds a BVH file: joints in the order of their channels, and for each frame a position of the first joint and Euler angles
-// of all.
+// Holds a BVH file: the joints in the order of their channels, and for each frame the position of the first joint and the
+// Euler angles of all joints.
 struct Motion {
     struct Joint {
         std::string name;
@@ -25,7 +25,7 @@ struct Motion {
     double frame_seconds = 0;
 };
 
-// The file is z up, facing -y.
+// Converts a point of the file, whose z axis is up and whose figure faces -y.
 Vec3d upright(Vec3d p) { return {p.x, p.z, -p.y}; }
 Quaternion upright(Quaternion q) { return {q.w, q.x, q.z, -q.y}; }
 
@@ -99,8 +99,8 @@ constexpr Pair kPairs[] = {{"root", "Root"},
                            {"lowerleg01.*", "LoLeg_*", "foot.*", "Foot_*"}};
 
 struct Follower {
-    int joint = -1;                  ///< none: as the bone above
-    Quaternion to_rest{1, 0, 0, 0};  ///< from the body's rest to the motion's
+    int joint = -1;                  ///< below 0: the bone follows the joint of the bone above
+    Quaternion to_rest{1, 0, 0, 0};  ///< rotates from the body's rest pose to that of the motion
 };
 
 std::vector<Follower> followers(const Body& body, const Motion& motion)

@@ -8,7 +8,7 @@ namespace sample {
 struct Walk {
     occam::ClipId clip;
     double period = 0;  ///< seconds; the clip is a cycle of two steps
-    double way = 0;     ///< how far a cycle goes, decimetres along +z
+    double way = 0;     ///< length of a cycle, in decimetres along +z
     double floor = 0;   ///< y of the floor below the lower foot
 };
 

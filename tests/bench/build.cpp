@@ -1,4 +1,4 @@
-// The suite starts cold: it traces a coarse set of rays over a large cage, and measures what the lazy tree builds for them.
+// The suite starts cold. It traces a coarse set of rays over a large cage, and measures what the lazy tree builds for them.
 
 #include "tests/bench/subjects.h"
 #include "tests/bench/suites.h"

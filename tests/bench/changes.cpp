@@ -87,7 +87,7 @@ namespace {
 
 constexpr std::size_t kEdits = 10;
 
-// `edit(frame, e)` makes the e-th of kEdits edits.
+// Measures kEdits edits in each frame; `edit(frame, e)` makes the e-th of them.
 template <class Edit>
 void measure_edits(Report& report, Scene& scene, const std::string& name, int depth, Edit&& edit)
 {

@@ -115,8 +115,8 @@ void EmbreeCrowd::write_vertices(int frame)
     }
 }
 
-// An edge gets as many pieces as its pixels over the target edge length, at the edge's middle: the same from both of its
-// faces.
+// An edge gets as many pieces as its length in pixels at its middle has target edge lengths. So both of its faces give it
+// the same number.
 void EmbreeCrowd::write_levels(int copy, double edge_pixels)
 {
     const Vec3f* p = vertices_[static_cast<std::size_t>(copy)];

@@ -40,7 +40,7 @@ private:
     std::vector<RTCGeometry> copies_;
     std::vector<Vec3f*> vertices_;
     std::vector<float*> levels_;
-    std::vector<std::uint32_t> edges_;  ///< of each corner: the vertex after it
+    std::vector<std::uint32_t> edges_;  ///< for each corner, the vertex after it
     std::atomic<std::size_t> bytes_ = 0, peak_bytes_ = 0;
 };
 

@@ -1,7 +1,7 @@
-// A crowd that deforms every frame, beside Embree on the same cages and rays (crowd.h has the rules).
+// The suite renders a crowd that deforms every frame, beside Embree on the same cages and rays (crowd.h has the rules).
 //
-// A frame's time is everything from the application's edit to the last pixel, wall clock; the two take turns, frame by
-// frame.
+// The time of a frame is the wall time of everything from the application's edit to the last pixel. The two renderers take
+// turns, frame by frame.
 #include "tests/bench/crowd_embree.h"
 #include "tests/bench/crowd_occam.h"
 #include "tests/bench/subjects.h"
@@ -26,7 +26,7 @@ void run_case(Report& report, const Crowd& crowd, const Recipe& recipe)
         const double between = process_seconds();
         const EmbreeCrowd::Frame other = theirs.render(f, recipe);
         const double end = process_seconds();
-        if (f == 0) continue;  // makes what is kept from frame to frame
+        if (f == 0) continue;  // the first frame makes what is kept from frame to frame
         cpu.push_back(between - start);
         peer_cpu.push_back(end - between);
         frame.push_back(seconds);

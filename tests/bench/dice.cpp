@@ -1,11 +1,13 @@
-// The suite measures the cost of a point with both tangents: of one patch's grid through PosedPatch and through Dicer, and
-// of the same points through Bfr.
+// The suite measures the cost of a point with both tangents: for one patch's grid through PosedPatch and through Dicer, and
+// for the same points through Bfr.
 //
-// PosedPatch  evaluate: control points are posed and pieces made; pose_and_evaluate: they are not, as at a patch's first
-//             tile.
-// Dicer       dice() and shade() of a tile of a patch that it has not posed: owned borders, gap triangles and unit
-//             normals too.
-// Bfr         one call of Evaluate a point; its patch points are prepared beforehand.
+// PosedPatch  For "evaluate", control points are already posed and pieces are made. "pose_and_evaluate" includes this work,
+// as
+//             a patch's first tile does.
+// Dicer       The suite calls dice() and shade() for a tile of a patch that is not posed yet. This includes borders from
+// their
+//             owners, gap triangles and unit normals.
+// Bfr         Evaluate is called once for each point; its patch points are prepared beforehand.
 
 #include <cmath>
 
@@ -21,8 +23,8 @@ constexpr int kRuns = 7;
 constexpr lod::PatchRef kPatch{0, 0};
 
 struct Worst {
-    double position = 0;    ///< of the cage's extent
-    double normal_deg = 0;  ///< where there is a normal
+    double position = 0;    ///< largest difference, as a share of the cage's extent
+    double normal_deg = 0;  ///< largest difference where there is a normal
 
     void add(const LimitPoint& ours, const LimitPoint& theirs, double extent)
     {
@@ -55,7 +57,7 @@ void run_grid(Report& report, const std::string& name, const Subject& subject, c
                      to_ns);
     };
     patch.set(subject.posed, kPatch);
-    evaluate();  // classes grow on demand, once a topology
+    evaluate();  // classes grow on demand, once for each topology
     const std::vector<double> evaluated = many(evaluate);
     const std::vector<double> posed = many([&] { patch.set(subject.posed, kPatch), evaluate(); });
 

@@ -94,7 +94,7 @@ void EmbreeRays::closest()
     for (RTCRayHit& r : single_) rtcIntersect1(mesh_.scene(), &context, &r);
 }
 
-// This interpolates by hand, since rtcInterpolate() is for surfaces of all kinds, and slower.
+// Interpolates by hand, since rtcInterpolate() serves surfaces of all kinds and is slower.
 void EmbreeRays::fill(unsigned primitive, float u, float v, float distance, Vec3f direction, ShadedHit& hit) const noexcept
 {
     const EmbreeMesh::Corner* of = &mesh_.corners[std::size_t(primitive) * 3];

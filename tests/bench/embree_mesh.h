@@ -1,4 +1,4 @@
-// The same triangles in Embree 3, whose times and answers are compared with ours.
+// Embree 3 on the same triangles; its times and answers are compared with ours.
 //
 // Rays are prepared outside the timed part: call reset() first, then time closest() or occluded(), then read the answers.
 #pragma once
@@ -52,7 +52,7 @@ struct ShadedHit {
 /// Holds a set of rays in Embree's form.
 class EmbreeRays {
 public:
-    /// as_packets   packets of eight neighbours with the flag for coherent rays; otherwise one by one
+    /// as_packets   traces packets of eight neighbours with the flag for coherent rays; otherwise single rays
     EmbreeRays(const EmbreeMesh& mesh, std::span<const accel::Ray> rays, bool as_packets);
 
     void reset();
@@ -62,7 +62,7 @@ public:
     /// remain.
     void closest_filled(std::span<ShadedHit> batch);
 
-    float t(std::size_t i) const noexcept;  ///< after closest(): infinity if nothing was met
+    float t(std::size_t i) const noexcept;  ///< valid after closest(); infinity if nothing was hit
     bool is_occluded(std::size_t i) const noexcept;
 
 private:

@@ -1,5 +1,5 @@
-// How the three techniques of building multiply (Djeu et al. 2011, fig. 11): each switched on and off, one thread, camera
-// rays.
+// The suite measures how the three techniques of building multiply (Djeu et al. 2011, fig. 11). Each is switched on and off,
+// with one thread and camera rays.
 #include <algorithm>
 
 #include "accel/frame.h"
@@ -13,7 +13,7 @@ namespace occam::bench {
 namespace {
 
 constexpr int kPixels = 512;
-constexpr std::size_t kBudget = std::size_t(6) << 30;  // for all base patches at once
+constexpr std::size_t kBudget = std::size_t(6) << 30;  // enough for all base patches at once
 
 struct View {
     const char* name;

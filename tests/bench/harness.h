@@ -1,4 +1,4 @@
-// How the benchmarks measure and report: rows of named figures, each a median with its minimum and maximum.
+// The benchmarks measure and report with these functions: rows of named figures, each a median with its minimum and maximum.
 //
 // Time is CPU time of the calling thread where one thread does the work, so that a busy machine disturbs it least. The work
 // still shares caches and memory with whatever else runs, so figures to be compared are taken in turns within one run.
@@ -11,7 +11,7 @@ namespace occam::bench {
 
 double thread_seconds();   ///< CPU time of this thread
 double process_seconds();  ///< CPU time of all threads of this process
-double wall_seconds();     ///< from some fixed moment
+double wall_seconds();     ///< wall time since a fixed moment
 
 /// Returns the CPU seconds of this thread for each of `runs` calls.
 template <class Work>
@@ -36,7 +36,7 @@ std::vector<double> ratios(const std::vector<double>& a, const std::vector<doubl
 struct Figure {
     std::string name;  ///< with its unit
     double median = 0, least = 0, most = 0;
-    int runs = 0;  ///< 0: a count or an error, the same each time
+    int runs = 0;  ///< 0 for a count or an error, which is the same each time
 };
 
 /// Holds one case of a suite.

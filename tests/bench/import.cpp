@@ -1,5 +1,5 @@
-// An OBJ and a GLB of 100 MB into scenes, beside the parser libraries alone: tinyobjloader's usual reader, and its callbacks
-// that keep nothing; tinygltf's model, which holds the buffers as they lie in the file.
+// The suite reads an OBJ and a GLB file of 100 MB into scenes, beside the parser libraries alone: tinyobjloader's usual
+// reader, and its callbacks that keep nothing; and tinygltf's model, which holds the buffers as they are in the file.
 
 // This is our own copy of the library, so that this file needs nothing to be linked.
 #define tinyobj occam_bench_tinyobj

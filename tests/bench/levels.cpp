@@ -1,6 +1,6 @@
-// What each ray's own level of detail costs and saves: against one level a cage, and against secondary rays that keep the
-// level of their origin. The scenes are in the manner of Djeu et al. 2011, fig. 12 (soft shadow of a large, finely
-// tessellated wall off screen) and fig. 15 (glossy throughout).
+// The suite measures what a level of detail for each ray costs and saves, compared with one level for each cage, and with
+// secondary rays that keep the level of their origin. The scenes are like those of Djeu et al. 2011, fig. 12 (soft shadow of
+// a large, finely tessellated wall off screen) and fig. 15 (glossy throughout).
 
 #include <array>
 #include <cmath>
@@ -60,7 +60,8 @@ void put_things(Scene& scene, MaterialId material)
     for (int i = 0; i < 5; ++i) put(scene, id, {2.2 * (i - 2), 0.8, 0.7 * (i % 2)}, 0.8, 0.5 * i);
 }
 
-/// A square light high up; between it and the things a wall that leans over them, out of the camera's sight.
+/// Makes a scene with a square light high up. A wall that leans over the objects, out of the camera's sight, stands between
+/// the light and them.
 Stage behind_a_wall()
 {
     Stage stage;
@@ -71,7 +72,7 @@ Stage behind_a_wall()
     light.radiance = {6, 5.6f, 5.2f};
     NodeDesc desc;
     desc.place.translation = {2, 24, 4};
-    desc.place.rotation = about_x(-1.5707963267948966);  // its -z is down
+    desc.place.rotation = about_x(-1.5707963267948966);  // its -z axis points down
     desc.light = stage.scene.add(Light{"lamp", light});
     stage.scene.add_node(stage.scene.root(), std::move(desc));
     return stage;
@@ -134,8 +135,8 @@ void run_stage(Report& report, const std::string& name, Stage stage, Settings se
     }
 }
 
-/// Rays of one width, half way between two levels, against rays that all see the finer one: what blending costs. And with a
-/// width at which nothing changes any more: what being ready to blend costs.
+/// Compares rays of one width, half way between two levels, with rays that all see the finer level, which shows what
+/// blending costs. With a width at which nothing changes any more it shows what it costs to be ready to blend.
 void run_kernel(Report& report, const std::string& name, float width, std::string note)
 {
     Scene scene;

@@ -1,10 +1,11 @@
 // The suite measures secondary rays per second by kind, with their footprints and without, and what shading costs.
 //
-// "Without": each ray keeps the width that its parent had at the hit, so that its surfaces are as fine far away as near.
+// "Without" means that each ray keeps the width that its parent had at the hit, so that its surfaces are as fine far away as
+// they are near.
 //
-// A lobe's share that one sample stands for is longer in the plane of incidence than across it, by one over the cosine at
-// the half vector (where reflection doubles angles in one direction alone). Footprints have one width, the mean of both:
-// what a second width could save or improve lies between the figures of the smaller and the larger one.
+// The share of a lobe that belongs to one sample is longer in the plane of incidence than across it, by one over the cosine
+// at the half vector (reflection doubles angles in one direction only). Footprints have one width, the mean of both. What a
+// second width could save or improve lies between the figures of the smaller and the larger one.
 
 #include <cmath>
 
@@ -23,7 +24,7 @@ constexpr std::size_t kBudget = std::size_t(1) << 30;
 
 struct Kind {
     const char* name;
-    float alpha;  // of the lobe that rays follow; 0: see below
+    float alpha;  // GGX width of the lobe that rays follow
     bool is_diffuse, is_shadow;
 };
 constexpr Kind kKinds[] = {{"mirror", shade::kMinAlpha, false, false},
@@ -166,7 +167,7 @@ void run_kinds(Report& report, Subject& subject)
                 if (kind.is_shadow) trace_occluded(tracer, rays, occluded);
                 else trace_closest(tracer, rays, found);
             };
-            trace();  // what is lazy is built now
+            trace();  // this builds everything that is lazy
             const std::string name = with_footprint ? "with_footprints" : "without";
             row.add("mrays_per_s_" + name, per(1e-6 * double(rays.size()), repeat(kRuns, trace)));
             row.add("micropolygons_" + name, double(tracer.counters().micropolygons));

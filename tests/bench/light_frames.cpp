@@ -24,7 +24,7 @@ std::vector<MaterialId> materials_of(const Scene& scene)
     return all;
 }
 
-// The factors stay, so that nearly the same rays are shot.
+// Removes textures but keeps factors, so that nearly the same rays are shot.
 void strip_textures(Scene& scene)
 {
     for (const MaterialId id : materials_of(scene)) {
@@ -58,7 +58,7 @@ void run_shares(Report& report, const std::string& name, Scene with, Scene witho
             if (k == 0) all = s.build + s.tessellate + s.trace + s.shade + s.film;
             if (k == 0 && run > 0) rays.push_back(1e-6 * double(stats.rays.total()) / all);
         }
-        if (run == 0) continue;  // what is kept from frame to frame is made in it
+        if (run == 0) continue;  // the first run makes what is kept from frame to frame
         shading.push_back(shade[0] / all);
         textures.push_back(std::max(0.0, shade[0] - shade[1]) / all);
     }
@@ -112,7 +112,7 @@ Scene stage_of(const Effect& effect, Cage thing)
     return scene;
 }
 
-// The means are over blocks of pixels; the second figure, of another seed, shows how much noise is left.
+// Returns the means over blocks of pixels. Comparing two seeds shows how much noise is left in them.
 Image blocks(const Image& image)
 {
     constexpr int kBlock = 4;

@@ -20,7 +20,7 @@ float number(std::uint32_t i, std::uint32_t which)
     return static_cast<float>(h ^ h >> 16) / 4294967296.0f;
 }
 
-// A triangle mesh while it is made.
+// Builds a triangle mesh.
 struct Builder {
     Cage mesh;
 
@@ -32,7 +32,7 @@ struct Builder {
         mesh.positions.insert(mesh.positions.end(), {a, b, c, d});
         for (const std::uint32_t corner : {0u, 1u, 2u, 0u, 2u, 3u}) mesh.face_vertices.push_back(first + corner);
     }
-    // Adds the six sides of a box; `inward`: as a room shows them.
+    // Adds the six sides of a box; with `inward` they face inwards, as those of a room.
     void box(Vec3f lo, Vec3f hi, bool inward = false)
     {
         const auto corner = [&](int i) { return Vec3f(i & 1 ? hi.x : lo.x, i & 2 ? hi.y : lo.y, i & 4 ? hi.z : lo.z); };

@@ -1,8 +1,9 @@
-// Whole scenes of triangle meshes: path tracing, ambient occlusion and direct light, beside Embree on the same triangles.
+// The suite renders whole scenes of triangle meshes (path tracing, ambient occlusion and direct light), beside Embree on the
+// same triangles.
 //
-// The traced part: rays of each kind are recorded once, batch by batch as a renderer asks for them, then both trace the same
-// rays in turns, at default levels. Embree's are single rays. Whole frames: Occam's renderer, beside a plain diffuse path
-// tracer on Embree that shoots as many camera samples, with one shadow ray to the last lamp at each hit.
+// For the traced part, rays of each kind are recorded once, batch by batch as a renderer asks for them. Then both trace the
+// same rays in turns, at default levels; Embree traces single rays. Whole frames compare Occam's renderer with a plain
+// diffuse path tracer on Embree that shoots as many camera samples, with one shadow ray to the last lamp at each hit.
 
 #include <cmath>
 
@@ -30,7 +31,7 @@ std::vector<accel::Ray> camera_rays(const render::CameraRays& camera)
     return rays;
 }
 
-// Rays of a frame, all of which are traced for their nearest hit, or all for any.
+// Holds rays of a frame that are all traced for their nearest hit, or all for any hit.
 struct Recorded {
     std::string what;
     bool is_any;
@@ -44,8 +45,8 @@ struct Recorded {
     }
 };
 
-// Records the rays of paths with kBounces diffuse bounces, of an ambient occlusion ray at each camera hit, and of direct
-// light: camera rays, and shadow rays to a lamp.
+// Records the rays of paths with kBounces diffuse bounces, an ambient occlusion ray at each camera hit, and the rays of
+// direct light: camera rays, and shadow rays to a lamp.
 std::vector<Recorded> record(accel::Tracer& tracer, const std::vector<accel::Ray>& camera, Vec3d lamp)
 {
     Recorded path{"path, 6 bounces", false, {}}, bounces{"bounces alone", false, {}}, ao{"ambient occlusion", true, {}},
@@ -112,7 +113,8 @@ Row traced_row(const std::string& scene, const Recorded& recorded, accel::Tracer
     return row.add("disagree_hit_or_miss", double(disagree));
 }
 
-// Returns rays traced by a plain diffuse path tracer on Embree: one path a sample, one shadow ray a hit.
+// Returns the number of rays that a plain diffuse path tracer on Embree traces: one path for each sample, and one shadow ray
+// at each hit.
 std::size_t plain_paths(const EmbreeMesh& mesh, const std::vector<accel::Ray>& camera, Vec3d lamp,
                         std::vector<float>& picture)
 {

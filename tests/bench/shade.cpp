@@ -1,11 +1,13 @@
-// Materials looked up at vertices of grids, once, or at every hit (Djeu et al. 2011, sec. 5.3 and 6.5): how many, in which
-// time, and with which error, over shading rates and samples a pixel.
+// The suite compares materials that are looked up once at the vertices of grids with materials that are looked up at every
+// hit (Djeu et al. 2011, sec. 5.3 and 6.5): the number of lookups, their time and their error, for several shading rates and
+// numbers of samples a pixel.
 //
-// Error: RMSE of the picture against one of many samples at hits, at the same shading rate, so that geometry has no part in
-// it. One light without size: what differs are textures and the edges of things.
+// The error is the RMSE of the picture against one with many samples at hits, at the same shading rate, so that geometry has
+// no part in it. There is one light without size, so pictures differ only in textures and at the edges of objects.
 //
-// Seconds of the two ways, one thread: at vertices, what phase one takes more than without values, what their interpolation
-// adds to hits on hot trees, and reading them there; at hits, looking up and reading. Whole frames are beside them.
+// Seconds are those of one thread. At vertices they are the additional time of phase one, the time by which interpolation
+// makes hits on built trees slower, and the time to read the values at hits; at hits they are the time to look values up and
+// to read them. Whole frames are beside them.
 
 #include <cmath>
 
@@ -32,7 +34,7 @@ float hashed(std::uint32_t x, std::uint32_t y, std::uint32_t seed)
     return float(mix_bits(std::uint64_t(seed) << 40 ^ std::uint64_t(x) << 20 ^ y) >> 40) * 0x1p-24f;
 }
 
-/// Octaves of noise about one half that repeat, each with half the strength of the next coarser one.
+/// Returns repeating octaves of noise about one half, each with half the strength of the next coarser one.
 Texture noise(std::uint32_t seed)
 {
     constexpr int kSide = 1024, kOctaves = 7;
@@ -60,7 +62,7 @@ Texture noise(std::uint32_t seed)
     return texture;
 }
 
-/// A normal map: noise of little slope.
+/// Returns a normal map of noise with little slope.
 Texture bumps(std::uint32_t seed)
 {
     Texture texture = noise(seed);
@@ -69,7 +71,8 @@ Texture bumps(std::uint32_t seed)
     return texture;
 }
 
-/// Base colour, roughness and metallic, normals, emission, specular, heights: the first `maps` of them.
+/// Returns a material with the first `maps` of these maps: base colour, roughness and metallic, normals, emission, specular,
+/// heights.
 Material mapped(Scene& scene, int maps)
 {
     Material m;
@@ -83,8 +86,8 @@ Material mapped(Scene& scene, int maps)
     return m;
 }
 
-/// Faces of columns x rows quads with coordinates from 0 to `repeats`; place(i, j) of a corner. Sides that close share
-/// vertices.
+/// Returns columns x rows quads with coordinates from 0 to `repeats`; place(i, j) gives the position of a corner. Sides that
+/// are closed share vertices.
 template <class Place>
 Cage sheet_of(std::uint32_t columns, std::uint32_t rows, bool closes, Vec2f repeats, Place&& place)
 {
@@ -113,7 +116,7 @@ struct Stage {
     Camera camera = Camera::look_at({0, 2.2, 4.2}, {0, 0.2, 0}, {0, 1, 0}, 0.75f);
 };
 
-/// A floor and three rings, all of one material.
+/// Makes a floor and three rings, all of one material.
 Stage stage_of(int maps)
 {
     Stage stage;
@@ -144,7 +147,7 @@ Stage stage_of(int maps)
     return stage;
 }
 
-/// Camera rays as a frame shoots them: tile by tile, a pixel's samples together.
+/// Returns camera rays as a frame shoots them: tile by tile, with the samples of a pixel together.
 std::vector<accel::Ray> camera_rays(const Stage& stage, int samples)
 {
     constexpr int kTile = 16;
@@ -191,14 +194,14 @@ Seconds look_at(accel::Tracer& tracer, std::span<const accel::Ray> rays, float t
     return seconds;
 }
 
-/// Seconds are the least of the runs: phase one is timed by the wall.
+/// Holds the costs of both ways. Seconds are the least of all runs, since phase one is timed by the wall clock.
 struct Costs {
     double vertices = 0, hits = 0;
     double phase_one = kNever, interpolation = 0, reading = kNever, looking_up = kNever;
     double at_vertices() const { return phase_one + interpolation + reading; }
 };
 
-/// What looking materials up costs for a frame's camera rays, either way.
+/// Returns what it costs to look materials up for a frame's camera rays, in both ways.
 Costs costs_of(Stage& stage, const TextureStore& textures, int samples, float rate)
 {
     lod::TopologyCache topologies;
@@ -215,7 +218,7 @@ Costs costs_of(Stage& stage, const TextureStore& textures, int samples, float ra
         accel::Tracer* const tracers[] = {&plain, &shading};
         std::uint64_t hits;
         for (accel::Tracer* tracer : tracers)
-            look_at(*tracer, rays, texture_width, textures, hits);  // what is lazy is built now
+            look_at(*tracer, rays, texture_width, textures, hits);  // this builds everything that is lazy
         for (const int way : {0, 1}) {
             const Seconds hot = look_at(*tracers[way], rays, texture_width, textures, hits);
             made[way] = std::min(made[way], tracers[way]->counters().shade_seconds);
@@ -282,8 +285,8 @@ void run_rates(Report& report)
     }
 }
 
-/// From how many samples a pixel on vertices are cheaper: where phase one costs what it saves at hits. A vertex costs the
-/// same for any number of samples, and so does a hit: of each the least is taken.
+/// Finds the number of samples a pixel from which on vertices are cheaper, which is where phase one costs what it saves at
+/// hits. A vertex costs the same for any number of samples, and so does a hit, so the least figure of each is taken.
 void run_crossover(Report& report)
 {
     Stage stage = stage_of(3);
@@ -318,7 +321,7 @@ void run_maps(Report& report)
         TextureStore textures(std::size_t(1) << 30);
         textures.prepare(scene);
         const shade::PhaseOne phase_one(textures);
-        // Tiles beside each other in the texture, vertices two texels apart.
+        // The tiles lie beside each other in the texture, with vertices two texels apart.
         std::vector<lod::VertexToShade> vertices;
         std::vector<Vec3f> places;
         constexpr float kStep = 2.0f / 1024;

@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-// Numbers in [0, 1) from an index, the same in every run (a finaliser of 32 bits).
+// Returns a number in [0, 1) for an index, the same in every run (by a finaliser of 32 bits).
 double number(std::uint32_t i, std::uint32_t which)
 {
     std::uint32_t h = i * 0x9e3779b9u + which * 0x85ebca6bu + 1;
@@ -81,7 +81,7 @@ std::optional<Cage> shared_cage(const char* name)
     scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
         if (!cage && !node.cages.empty()) cage = scene.cage(node.cages.front()).cage;
     });
-    if (cage) cage->materials.clear();  // they are another scene's
+    if (cage) cage->materials.clear();  // they belong to another scene
     if (cage) cage->face_slots.clear();
     return cage;
 }
@@ -94,7 +94,7 @@ Subject::Subject(std::string what, Cage cage, int width, int height, std::option
     desc.cages = {id};
     const NodeId node = scene.add_node(scene.root(), std::move(desc));
     camera_ = camera.value_or(Camera::framing(scene.bounds(), static_cast<float>(width) / static_cast<float>(height)));
-    if (!camera) camera_.lens.fov *= 0.75f;  // framing has the box in sight; its middle is enough
+    if (!camera) camera_.lens.fov *= 0.75f;  // framing() shows the whole box, but its middle is enough
     const CageSlot& slot = scene.cage(id);
     const double start = thread_seconds();
     const lod::CageTables& tables = topologies.get(slot);
@@ -106,7 +106,7 @@ Subject::Subject(std::string what, Cage cage, int width, int height, std::option
     posed.node_id = node;
     posed.place(Mat4d(1), slot.bounds);
     lod::LevelSettings levels = render::CameraRays(camera_, width, height).levels(shading_rate);
-    levels.mode = lod::LevelMode::PerInstance;  // one mesh for all rays, as the peer has
+    levels.mode = lod::LevelMode::PerInstance;  // all rays see one mesh, as in Embree
     posed.level = lod::choose_level(levels, posed);
     frame = std::make_unique<accel::Frame>(scene, topologies, levels);
 }
@@ -127,8 +127,8 @@ std::vector<std::unique_ptr<Subject>> usual_subjects(int width, int height)
 {
     std::vector<std::unique_ptr<Subject>> all;
     all.push_back(std::make_unique<Subject>("torus", torus(24, 12), width, height));
-    // One level serves all of a cage, and some of it is close to this eye: with micropolygons of a pixel there, there would
-    // be millions of them.
+    // One level serves the whole cage, and some of it is close to this eye. If its micropolygons there were as small as a
+    // pixel, there would be millions of them.
     const Camera in_tube = Camera::look_at({1, 0, 0}, {1, 0.1, 1}, {0, 1, 0}, 1.2f);
     all.push_back(std::make_unique<Subject>("tube", torus(24, 12), width, height, in_tube, 32.0f));
     if (auto cage = suzanne()) all.push_back(std::make_unique<Subject>("suzanne", std::move(*cage), width, height));

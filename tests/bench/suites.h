@@ -11,11 +11,11 @@ void run_build(Report& report);
 void run_trace(Report& report);
 void run_scenes(Report& report);
 void run_light(Report& report);
-void run_light_frames(Report& report);  ///< a part of run_light()
+void run_light_frames(Report& report);  ///< belongs to run_light()
 void run_shade(Report& report);
 void run_converge(Report& report);
 void run_memory(Report& report);
-void run_budgets(Report& report);  ///< a part of run_memory()
+void run_budgets(Report& report);  ///< belongs to run_memory()
 void run_frame(Report& report);
 void run_first(Report& report);
 void run_levels(Report& report);

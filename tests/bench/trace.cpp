@@ -1,4 +1,5 @@
-// Closest and any hit on one thread with a hot tree, beside Embree on the same micropolygons, taken in turns.
+// The suite measures closest and any hits on one thread with a tree that is already built, in turns with Embree on the same
+// micropolygons.
 //
 // Occam's closest() also fills SurfaceHit (position in double, normals, curvature, texture coordinates, material), which
 // Embree's does not, except where both are filled; its first_hits() fills distance, node and face, where Embree fills
@@ -31,7 +32,7 @@ template <class Ours, class Theirs>
 Turns in_turns(EmbreeRays& theirs, Ours&& trace_ours, Theirs&& trace_theirs)
 {
     Turns turns;
-    trace_ours();  // what is lazy is built now
+    trace_ours();  // this builds everything that is lazy
     for (int i = 0; i < kRuns; ++i) {
         turns.occam.push_back(repeat(1, trace_ours).front());
         theirs.reset();
@@ -61,7 +62,7 @@ void run_rays(Report& report, const std::string& name, accel::Tracer& tracer, co
     const auto batch_by_batch = [&] {
         in_batches(rays.size(), [&](std::size_t i, std::size_t n) { tracer.closest(rays.subspan(i, n), {hits.data(), n}); });
     };
-    // The work is the same: what is needed for shading is filled from Embree's hits, too.
+    // For the same amount of work, everything that shading needs is filled from Embree's hits, too.
     std::vector<ShadedHit> shaded(kBatch);
     report.add(row_of(name + " closest, both filled",
                       in_turns(theirs, batch_by_batch, [&] { theirs.closest_filled(shaded); }), rays.size()));

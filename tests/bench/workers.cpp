@@ -1,9 +1,10 @@
-// Workers with trees of their own and workers that share one: time, memory, and how much of the work each does again.
+// The suite compares workers that have trees of their own with workers that share one: their time, their memory, and how
+// much work is done more than once.
 //
-// Two workers beside one, frame by frame: wall clock, and CPU seconds that do not know what else the machine does. For more
-// workers than the machine has processors the frame is made all the same, and what each worker did is counted: on so many
-// processors it would take as long as its busiest worker at most, and as long as the mean at least, since workers take tiles
-// from one another.
+// Two workers and one render frames in turns, measured by the wall clock, and by CPU seconds, which do not depend on what
+// else the machine does. With more workers than processors the frame is rendered all the same, and the work of each worker
+// is counted. On as many processors the frame would take at most as long as its busiest worker, and at least as long as the
+// mean worker, since workers take tiles from one another.
 #include <algorithm>
 
 #include "tests/bench/crowd_occam.h"

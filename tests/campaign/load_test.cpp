@@ -1,5 +1,5 @@
-// What a long-running application does: thousands of frames, many jobs at once, edits from other threads, a query that
-// stays.
+// Tests of what a long-running application does: thousands of frames, many jobs at once, edits from other threads, and a
+// query that lives for many frames.
 #include <gtest/gtest.h>
 #include <occam/occam.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-// Scenes made from seeds: every way to render one gives the same picture, and no ray leaves its closed cages.
+// Tests of scenes made from seeds: every way to render one gives the same picture, and no ray leaves its closed cages.
 //
 // OCCAM_SEED=n tests that seed alone. With OCCAM_LONG=1 seeds follow one another for OCCAM_CAMPAIGN_SECONDS (ten minutes).
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ void expect_holds(std::uint64_t seed, const CaseCheck& check)
                   << "\n  replay: OCCAM_SEED=" << seed;
 }
 
-/// Tests `quick` seeds, or with OCCAM_LONG=1 as many as half the campaign's time allows.
+/// Tests `quick` seeds, or with OCCAM_LONG=1 as many seeds as half of the campaign's time allows.
 void run_campaign(std::uint64_t quick, const CaseCheck& check)
 {
     if (const char* seed = std::getenv("OCCAM_SEED")) return expect_holds(std::strtoull(seed, nullptr, 10), check);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kTextureBytes = std::size_t(64) << 20;
 constexpr std::uint64_t kScenesAPicture = 16;
-constexpr std::size_t kMostFaces = 32;  // of a scene that becomes a picture
+constexpr std::size_t kMostFaces = 32;  // a scene with more faces does not become a picture
 
 // The folder is removed when the process ends normally; a finding leaves it behind.
 class Folder {

@@ -1,7 +1,8 @@
-// The same bits: pictures for any number of threads and any budget, and, with OCCAM_HASHES, for another build of the same
-// sources.
+// Tests that pictures have the same bits for any number of threads and any budget, and, with OCCAM_HASHES, for another build
+// of the same sources.
 //
-// OCCAM_HASHES names a file. OCCAM_HASHES_MODE=write: this build leaves its checksums there; compare: it must have the same.
+// OCCAM_HASHES names a file. With OCCAM_HASHES_MODE=write this build writes its checksums there; with `compare` its
+// checksums have to equal those in the file.
 #include <gtest/gtest.h>
 #include <occam/occam.h>
 
@@ -65,7 +66,7 @@ Outcome render(Scene& scene, const Settings& settings, int threads, std::size_t 
     return {image.checksum(), stats.memory.arena_peak_bytes, stats.memory.flushes};
 }
 
-/// Writes or compares, as the environment says.
+/// Writes the checksum or compares it, as the environment says.
 void expect_same_in_other_builds(const std::string& name, std::uint64_t checksum)
 {
     const char* file = std::getenv("OCCAM_HASHES");
@@ -90,7 +91,7 @@ void expect_same_in_other_builds(const std::string& name, std::uint64_t checksum
 
 void expect_the_same(Scene scene, const std::string& name, Settings settings = {})
 {
-    // So large that a quarter of what a frame takes is above the budget's floor.
+    // The picture is so large that a quarter of the memory that a frame takes is above the least budget.
     settings.width = 320;
     settings.height = 192;
     settings.spp = 4;

@@ -52,7 +52,7 @@ private:
 
 bool is_one_line(const std::string& text) { return !text.empty() && text.find('\n') == text.size() - 1; }
 
-// Notes and warnings, of which there are five at most and the number of the rest.
+// Returns true if there are only notes and warnings: five warnings at most, and the number of the rest.
 bool has_few_lines(const std::string& text)
 {
     std::istringstream lines(text);

@@ -1,4 +1,4 @@
-// Twenty lines to a picture, by somebody who only knows the installed headers.
+// Renders a picture in twenty lines that use nothing but the installed headers.
 #include <occam/occam.h>
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-// First hits beside closed forms: rays and boxes in double, each box in its own axes. This needs no data.
+// Tests of first hits beside closed forms: rays and boxes in double, each box in its own axes. They need no data.
 #include <gtest/gtest.h>
 #include <occam/occam.h>
 
@@ -10,8 +10,8 @@ namespace {
 constexpr int kWidth = 160, kHeight = 120;
 
 struct Box {
-    Mat4d world_from_box{1};  ///< of the cube from -1 to 1
-    bool is_cage = false;     ///< a bilinear cage instead of triangles
+    Mat4d world_from_box{1};  ///< places the cube from -1 to 1
+    bool is_cage = false;     ///< whether it is a bilinear cage instead of triangles
 };
 
 Cage box_cage(bool is_cage)
@@ -29,7 +29,7 @@ Cage box_cage(bool is_cage)
     return cage;
 }
 
-/// Writes into a pixel what a ray meets first; the direction has a camera z of -1, so that distances are depths.
+/// Writes the first hit of a ray into a pixel; the direction has a camera z of -1, so that distances are depths.
 void trace(const std::vector<Box>& boxes, Vec3d origin, Vec3d direction, float* depth, float* normal)
 {
     double nearest = std::numeric_limits<double>::infinity();
@@ -95,7 +95,7 @@ ReferencePicture rendered(const std::vector<Box>& boxes, const Camera& camera)
     return picture;
 }
 
-// A turned box, a stretched and mirrored one, a small one near the eye and a large one behind, by meshes and cages.
+// Returns a rotated box, a stretched and mirrored one, a small one near the eye and a large one behind, as meshes and cages.
 std::vector<Box> boxes_about(Vec3d middle)
 {
     const auto box = [&](Vec3d at, Vec4d turn, Vec3d scale, bool is_cage) {

@@ -1,4 +1,5 @@
-// Occam's pictures beside those of other software: first hits, normals, base colour, texture coordinates (shared/reference).
+// Tests that compare Occam's pictures with those of other software: first hits, normals, base colour, texture coordinates
+// (shared/reference).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,8 +20,8 @@ bool says_boundary_rule(const std::filesystem::path& file)
     return false;
 }
 
-// The reference's texture coordinates have seams that no file asks for: Blender never joins those of faces that wind
-// oppositely in the plane of the coordinates. The same cut here, so that both programs interpolate over one topology.
+// Cuts texture coordinates as the reference does. They have seams there that no file asks for, because Blender never joins
+// the coordinates of faces that wind oppositely in their plane. So both programs interpolate over the same topology.
 void cut_uvs_by_winding(Cage& cage)
 {
     for (UvSet& set : cage.uv_sets) {
@@ -30,7 +31,7 @@ void cut_uvs_by_winding(Cage& cage)
         std::size_t first = 0;
         for (const std::uint32_t size : cage.face_sizes) {
             const std::span corners(set.indices.data() + first, size);
-            double area = 0;  // twice, v upwards
+            double area = 0;  // twice the area, with v upwards
             for (std::size_t i = 0; i < size; ++i) {
                 const Vec2d a(values[corners[i]]), b(values[corners[(i + 1) % size]]);
                 area -= a.x * b.y - a.y * b.x;
@@ -96,8 +97,8 @@ void expect_share(const char* what, std::optional<double> share, std::optional<d
     EXPECT_GE(*share, *least) << "share of the interior pixels that agree in " << what;
 }
 
-/// All cases of the shared data; without it a single one that has no name, so that the report says in one line what is
-/// missing.
+/// Returns all cases of the shared data. Without it there is a single case without a name, so that the report says in one
+/// line what is missing.
 std::vector<ReferenceCase> cases_or_none()
 {
     std::vector<ReferenceCase> cases = reference_cases();

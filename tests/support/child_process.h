@@ -1,4 +1,4 @@
-// The executable `occam` as a child process, and what it used.
+// Runs the executable `occam` as a child process, and measures what it used.
 #pragma once
 
 #include <string>
@@ -11,10 +11,10 @@ struct ChildOutcome {
     int signal = 0;              ///< SIGALRM: it ran into the time limit
     std::size_t peak_bytes = 0;  ///< largest resident size
     double seconds = 0;
-    std::string err;  ///< what it wrote to standard error
+    std::string err;  ///< its standard error output
 };
 
-/// The path of the executable `occam` that belongs to these tests.
+/// Returns the path of the executable `occam` that belongs to these tests.
 const char* occam_executable();
 
 /// Runs the executable to its end, or for `limit_s` seconds. Throws std::runtime_error if it cannot be started.

@@ -1,4 +1,4 @@
-// The executable in a folder of its own: the base of the tests of the command line.
+// The base of the tests of the command line, which run the executable in a folder of its own.
 #pragma once
 
 #include <gtest/gtest.h>

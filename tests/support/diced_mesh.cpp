@@ -58,7 +58,7 @@ std::vector<MeshTriangle> DicedCage::triangles()
 {
     std::vector<MeshTriangle> mesh;
     std::vector<lod::Hanging::Ends>
-        known;  // of the present patch: its tiles keep copies of a gap triangle that reaches into several
+        known;  // gap triangles of the current patch, since each tile that one reaches into keeps a copy of it
     lod::PatchRef patch{~0u, 0};
     for (const lod::TileRef& tile : tiles()) {
         if (!(tile.patch == patch)) known.clear();
@@ -85,7 +85,7 @@ std::vector<MeshTriangle> DicedCage::triangles()
 int DicedCage::level_of_largest_exponent(int exponent)
 {
     dicer.forget();
-    // Exponents rise by one a level on the way from coarse to fine, once they are off their least value.
+    // From coarse to fine, exponents rise by one at each level, once they have left their least value.
     for (posed.level = std::ilogb(posed.radius) + 4;; --posed.level) {
         int largest = 0;
         for (const lod::TileRef& tile : tiles()) largest = std::max({largest, tile.rates.u, tile.rates.v});

@@ -1,4 +1,5 @@
-// A whole cage diced at one level: every micropolygon and gap triangle of every patch, for tests that look at M_l as a mesh.
+// Dices a whole cage at one level, with every micropolygon and gap triangle of every patch, for tests that treat M_l as a
+// mesh.
 #pragma once
 
 #include <array>
@@ -19,7 +20,7 @@ struct MeshTriangle {
 /// Owns what a PosedCage borrows.
 class DicedCage {
 public:
-    /// textures   of the cage's displacement; null: undisplaced
+    /// textures   hold the texture of the cage's displacement; null: the cage is not displaced
     /// joints     world_from_mesh of each joint of the cage's skin; empty: the cage is at rest
     DicedCage(const Cage& cage, int level, const Mat4d& world_from_object = Mat4d(1), const TextureStore* textures = nullptr,
               std::span<const Mat4d> joints = {});

@@ -16,15 +16,15 @@ struct DisplacedCage {
 
     std::string name;
     Cage cage;
-    Scene scene;  ///< of the texture alone
+    Scene scene;  ///< holds nothing but the texture
     TextureStore textures;
 };
 
 /// Gives every face a chart of its own, so that each edge is a seam.
 void add_charts(Cage& cage);
 
-/// Gives a cage a skin of two joints, of which the second one's weight grows with x. bent_joints() returns a pose of them
-/// that bends and twists.
+/// Gives a cage a skin of two joints, where the weight of the second joint grows with x. bent_joints() returns a pose of
+/// them that bends and twists the cage.
 void add_skin(Cage& cage);
 std::vector<Mat4d> bent_joints();
 

@@ -23,8 +23,7 @@ Vec3d any_direction(Random& random)
     }
 }
 
-/// Returns true if the point is inside: the winding number is above 0.9, here and a thousandth of the cage's radius to all
-/// sides.
+/// Returns points inside: the winding number is above 0.9 there, and also at a thousandth of the cage's radius to all sides.
 std::vector<Vec3d> inside_points(const std::vector<MeshTriangle>& mesh, std::size_t wanted, Random& random)
 {
     Box3d box;

@@ -11,20 +11,21 @@ namespace occam::test {
 
 struct EscapeCount {
     std::uint64_t rays = 0, escaped = 0, not_finite = 0;
-    std::size_t starts = 0;  ///< points inside that rays start from; 0: nothing could be tested
+    std::size_t starts = 0;  ///< points inside from which rays start; 0: nothing could be tested
     std::string replay;      ///< the first escapes, as origin and direction
 };
 
 /// Places the cage by `world_from_object` and shoots `rays` rays from inside, of which 45 % are aimed at T-vertices (if
-/// there are any) and vertices, 15 % at edges, and the rest anywhere. exponent: log2 of the largest rate of a patch.
-/// textures: those of the cage's displacement.
+/// there are any) and vertices, 15 % at edges, and the rest anywhere. `exponent` is the log2 of the largest rate of a patch,
+/// and `textures` hold the texture of the cage's displacement.
 EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int exponent, std::uint64_t rays,
                           std::uint64_t seed, const TextureStore* textures = nullptr);
 
 /// Returns whether the long campaigns are run (OCCAM_LONG=1).
 bool is_long();
 
-/// Returns 10^7 rays a cage for the long campaigns, else 5 * 10^4: made and shared cages together are a hundred.
+/// Returns the number of rays for each cage: 10^7 in the long campaigns, else 5 * 10^4, since there are a hundred made and
+/// shared cages.
 std::uint64_t rays_per_cage();
 
 /// Returns how many rays are shot at each of two places by tests in which each ray blends the surface for itself: 1.25 *

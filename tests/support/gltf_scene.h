@@ -12,9 +12,9 @@
 
 namespace occam::test {
 
-/// Holds a glTF in parts; what a test does not set is left out.
+/// Holds a glTF in parts. Parts that a test does not set are left out.
 struct Gltf {
-    std::string bin;  ///< written beside it
+    std::string bin;  ///< the buffer, which is written to a file beside the glTF
     std::string buffer_views, accessors, meshes, nodes = "{}", more;
     std::string asset = R"({"version": "2.0"})";
 

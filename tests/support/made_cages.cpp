@@ -74,14 +74,14 @@ Cage octahedron()
                    {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}});
 }
 
-/// A square below, four triangles above: triangles beside a quad.
+/// Returns a pyramid of a square and four triangles, so that triangles lie beside a quad.
 Cage pyramid()
 {
     return cage_of({{-1, 0, -1}, {1, 0, -1}, {1, 0, 1}, {-1, 0, 1}, {0, 1.6f, 0}},
                    {{0, 1, 2, 3}, {1, 0, 4}, {2, 1, 4}, {3, 2, 4}, {0, 3, 4}});
 }
 
-/// A house: two pentagons, four walls and roofs, and a floor.
+/// Returns a house: two pentagons, four walls and roofs, and a floor.
 Cage house()
 {
     std::vector<Vec3f> p;
@@ -93,7 +93,8 @@ Cage house()
     return cage_of(p, faces);
 }
 
-/// A block of three by three by three cells of which those that `is_filled` names stand: concave corners of valence 5 and 6.
+/// Returns the surface of those of three by three by three cells for which `is_filled` is true. It has concave corners of
+/// valence 5 and 6.
 template <class Filled>
 Cage cells(Filled&& is_filled)
 {
@@ -134,7 +135,7 @@ Cage cells(Filled&& is_filled)
     return cage_of(positions, faces);
 }
 
-/// A closed box of n x n quads a side whose vertices lie on a ball, each moved a little at random.
+/// Returns a closed box of n x n quads on each side, whose vertices lie on a ball and are moved a little at random.
 Cage rough_ball(int n, float noise, std::uint64_t seed)
 {
     std::map<std::array<int, 3>, std::uint32_t> numbers;
@@ -183,7 +184,7 @@ Cage half_split(const Cage& quads)
     return cage_of(quads.positions, faces);
 }
 
-/// An open sheet of n x m quads, wavy.
+/// Returns an open, wavy sheet of n x m quads.
 Cage sheet(std::uint32_t n, std::uint32_t m)
 {
     std::vector<Vec3f> p;
@@ -211,7 +212,7 @@ Cage with_holes(Cage cage, std::vector<std::uint32_t> holes)
     return cage;
 }
 
-/// An open fan of n triangles about one vertex.
+/// Returns an open fan of n triangles about one vertex.
 Cage fan(std::uint32_t n)
 {
     std::vector<Vec3f> p = {{0, 0, 0.5f}};
@@ -224,7 +225,7 @@ Cage fan(std::uint32_t n)
     return cage_of(p, faces);
 }
 
-/// Quads about a pole: the faces of a spindle joined two and two.
+/// Returns quads about a pole: the faces of a spindle, joined in pairs.
 Cage quad_pole(std::uint32_t valence)
 {
     const Cage triangles = spindle(2 * valence);

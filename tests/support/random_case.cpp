@@ -17,7 +17,7 @@ constexpr const char* kSettingNames[kSettingFeatures] = {"path",   "ao",       "
                                                          "coarse", "fine",     "lens",     "orthographic", "far",
                                                          "still",  "adaptive", "cropped",  "one-sided",    "layers"};
 
-/// Gives the random numbers of one feature of one part: they are the same whatever else the case has.
+/// Generates the random numbers of one feature of one part, which are the same whatever else the case has.
 class Random {
 public:
     Random(std::uint64_t seed, std::uint64_t key, std::uint64_t feature)
@@ -42,7 +42,7 @@ private:
     std::uint64_t state_;
 };
 
-/// Triangulates every face as a fan; the result is shown as it is.
+/// Triangulates every face as a fan; the result is a mesh, which is rendered as it is.
 void make_triangles(Cage& cage)
 {
     std::vector<std::uint32_t> corners;

@@ -18,7 +18,7 @@ enum class PartFeature : unsigned {
     Noise,      ///< vertices are moved by up to 8 % of the cage's size
     Creases,    ///< some edges have a sharpness of 0.25 to 10, in steps of a quarter
     Corners,    ///< some vertices are sharp
-    Hole,       ///< one face is not seen
+    Hole,       ///< one face is invisible
     Fin,        ///< a triangle stands on an edge, which three faces then share
     Bilinear,   ///< the scheme is bilinear
     Triangles,  ///< the cage is rendered as it is, as triangles
@@ -38,15 +38,15 @@ inline constexpr unsigned kPartFeatures = 17;
 /// Lists what may be special about the picture, as bits of RandomCase::settings.
 enum class SettingFeature : unsigned {
     Path,          ///< path tracing of three bounces
-    Ao,            ///< ambient occlusion; Path goes before it
+    Ao,            ///< ambient occlusion; ignored if Path is set
     AtVertices,    ///< materials are looked up at vertices
     Frozen,        ///< secondary rays keep their level
-    LodOff,        ///< one level a cage; it goes before Frozen
+    LodOff,        ///< one level for each cage; Frozen is then ignored
     Coarse,        ///< a shading rate of 3
-    Fine,          ///< a shading rate of 0.5; Coarse goes before it
+    Fine,          ///< a shading rate of 0.5; ignored if Coarse is set
     Lens,          ///< the camera has a thin lens
     Orthographic,  ///< the camera's rays are parallel
-    Far,           ///< all stands 10^5 units from the origin
+    Far,           ///< everything is 10^5 units from the origin
     Still,         ///< no jitter
     Adaptive,      ///< tiles end early
     Cropped,       ///< a part of the frame
@@ -81,7 +81,7 @@ Camera camera_of(const RandomCase& c, Scene& scene);
 /// Returns everything that the case is made of as one line.
 std::string description(const RandomCase& c);
 
-/// A check returns what is wrong with a case; empty if nothing is.
+/// A check returns what is wrong with a case, or an empty string.
 using CaseCheck = std::function<std::string(const RandomCase&)>;
 
 /// Removes parts and features from a failing case for as long as it still fails. Returns a case that passes whichever

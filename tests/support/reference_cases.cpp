@@ -49,7 +49,7 @@ ReferenceCase case_of(const json& from, const fs::path& shared)
     }
     c.width = from.at("size").at(0);
     c.height = from.at("size").at(1);
-    constexpr double kRadians = 0.017453292519943295;  // in a degree
+    constexpr double kRadians = 0.017453292519943295;  // radians in a degree
     c.camera = Camera::look_at(vector_of(from.at("eye")), vector_of(from.at("target")), vector_of(from.at("up")),
                                static_cast<float>(from.at("vfov_degrees").get<double>() * kRadians));
     for (const auto& [layer, file] : from.at("files").items())

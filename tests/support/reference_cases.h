@@ -17,16 +17,17 @@ struct ReferenceCase {
     std::string id;
     std::filesystem::path model;
     bool is_subdivision = false;
-    int clip = -1;                                        ///< of the file, by index; below 0: none
+    int clip = -1;                                        ///< index of a clip of the file; below 0: none
     double seconds = 0;                                   ///< on the clip's own axis
-    BoundaryRule boundary = BoundaryRule::EdgeAndCorner;  ///< of subdivision cases, for files that do not say
+    BoundaryRule boundary = BoundaryRule::EdgeAndCorner;  ///< rule for subdivided files that do not state one
     int width = 0, height = 0;
     Camera camera;
-    std::map<std::string, std::filesystem::path> files;  ///< by layer: "depth", "normal_geometric", ...
+    std::map<std::string, std::filesystem::path> files;  ///< one for each layer: "depth", "normal_geometric", ...
 
     ReferenceLimits limits;
-    ReferenceShares least;  ///< shares that must be reached; none where nothing is asked for.
-                            ///< coverage_mismatch and albedo_mean_absolute are upper bounds
+    /// The shares that must be reached; a layer without a requirement has none. coverage_mismatch and albedo_mean_absolute
+    /// are upper bounds.
+    ReferenceShares least;
 
     friend std::ostream& operator<<(std::ostream& out, const ReferenceCase& c) { return out << c.id; }
 };
@@ -38,7 +39,7 @@ std::vector<ReferenceCase> reference_cases();
 /// Returns the reference's pictures. Throws Error.
 ReferencePicture read_reference(const ReferenceCase& c);
 
-/// Returns the id in letters that a test's name may have.
+/// Returns the id of a case in letters that the name of a test may have.
 std::string reference_test_name(const ReferenceCase& c);
 
 }  // namespace occam::test

@@ -11,7 +11,7 @@ namespace occam::test {
 namespace {
 
 constexpr float kSilhouetteFactor = 1.05f;
-constexpr double kDegrees = 57.29577951308232;  ///< of a radian
+constexpr double kDegrees = 57.29577951308232;  ///< degrees in a radian
 
 bool is_left_out(const ReferencePicture& reference, std::size_t pixel)
 {
@@ -23,8 +23,8 @@ Vec3d vector_at(const std::vector<float>& from, std::size_t pixel)
     return {double(from[3 * pixel]), double(from[3 * pixel + 1]), double(from[3 * pixel + 2])};
 }
 
-// The angle is taken by its tangent, since the arc cosine of a float near 1 is precise to 0.03 degrees at best. It is NaN
-// for a zero vector of ours.
+// Returns the angle between two vectors, computed from its tangent, since the arc cosine of a float near 1 is precise to
+// 0.03 degrees at best. It is NaN if our vector is zero.
 double degrees_between(Vec3d a, Vec3d b)
 {
     if (glm::dot(a, a) == 0) return NAN;
@@ -42,7 +42,7 @@ double largest_difference(const std::vector<float>& a, const std::vector<float>&
     return largest;
 }
 
-// Counts the values that are at most the limit; NaN is not.
+// Counts the values that are at most the limit; NaN does not count.
 class Share {
 public:
     explicit Share(double limit) : limit_(limit) {}

@@ -19,7 +19,7 @@ struct ReferencePicture {
     std::vector<float> normal_geometric, normal_shading;  ///< 3 a pixel, of any length; 0: not known
     std::vector<float> albedo;                            ///< 4 a pixel: times coverage, and coverage
     std::vector<float> uv;                                ///< 2 a pixel, v upwards
-    std::vector<std::uint8_t> exclude;                    ///< 1 a pixel; not 0: leave it out
+    std::vector<std::uint8_t> exclude;                    ///< 1 a pixel; a pixel that is not 0 is left out
 
     std::size_t pixel_count() const noexcept { return std::size_t(width) * std::size_t(height); }
     bool is_hit(std::size_t pixel) const noexcept
@@ -31,12 +31,12 @@ struct ReferencePicture {
 /// Holds the tolerances within which values agree, in the units of cases.json.
 struct ReferenceLimits {
     double depth_relative = 1e-3, normal_geometric_degrees = 1, normal_shading_degrees = 2, uv_absolute = 2e-3;
-    double albedo_absolute = 0.05;  ///< of each channel
+    double albedo_absolute = 0.05;  ///< limit for each channel
 };
 
 /// Holds the shares of the interior pixels that agree; none for a layer that the reference does not have.
 struct ReferenceShares {
-    std::size_t hits = 0, interior = 0;  ///< of the reference, without what is left out
+    std::size_t hits = 0, interior = 0;  ///< pixels of the reference, without those that are left out
     double coverage_mismatch = 0;        ///< pixels that one picture hits and the other does not, over the reference's hits
     std::optional<double> depth, normal_geometric, normal_shading, uv, albedo;
     std::optional<double> albedo_mean_absolute;  ///< over interior pixels and R, G, B

@@ -39,7 +39,7 @@ Cage refined(const Cage& cage, bool is_smooth)
             edge.ends = ends;
             edge.faces += middles[f];
             face_sums[a] += middles[f];
-            edge_sums[a] += ends * 0.5;  // a closed cage has as many edges out of a vertex as faces
+            edge_sums[a] += ends * 0.5;  // in a closed cage a vertex has as many edges as faces
             valence[a] += 1;
         }
     });

@@ -6,7 +6,7 @@
 namespace occam::test {
 
 /// Returns the cage after one step of refinement, which gives quads only.
-/// is_smooth   vertices move as Catmull and Clark have it; else new ones lie in the middle of edges and faces
+/// is_smooth   vertices move by the rules of Catmull and Clark; otherwise new ones lie in the middle of edges and faces
 Cage refined(const Cage& cage, bool is_smooth);
 
 /// Returns a closed cage in which every second quad or so is cut in two along one of its diagonals.

@@ -1,4 +1,4 @@
-// All scene files below a folder.
+// Finds all scene files below a folder.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Small cages made by code, for tests that need no data.
+// Builds small cages, for tests that need no data.
 #pragma once
 
 #include <cmath>

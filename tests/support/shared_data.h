@@ -1,4 +1,4 @@
-// The place of the shared test data: OCCAM_SHARED, or the folder "shared" beside the repository.
+// Finds the shared test data: in the folder OCCAM_SHARED, or in the folder "shared" beside the repository.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// Random numbers without strata, and the statistical tests of sampling routines.
+// Unstratified random numbers, and the statistical tests of sampling routines.
 #pragma once
 
 #include <cmath>
@@ -10,7 +10,8 @@
 
 namespace occam::test {
 
-/// Gives independent uniform numbers, the same in every run. (Strata would make statistics too small.)
+/// Generates independent uniform numbers, the same in every run. (With stratified numbers the statistics would be too
+/// small.)
 class Numbers {
 public:
     explicit Numbers(std::uint64_t seed) : state_(mix_bits(seed)) {}
@@ -46,8 +47,9 @@ private:
     int count_ = 0;
 };
 
-/// Returns how many standard deviations Pearson's statistic lies above its mean. `found` holds counts in cells, `wanted`
-/// their expectations; cells that expect fewer than 5 are pooled. The result exceeds 4.5 once in 300,000 runs if both agree.
+/// Returns how many standard deviations Pearson's statistic lies above its mean. `found` holds the counts in cells, and
+/// `wanted` their expectations; cells whose expectation is below 5 are pooled. If both agree, the result exceeds 4.5 once in
+/// 300,000 runs.
 inline double chi_square_excess(std::span<const double> found, std::span<const double> wanted)
 {
     double chi2 = 0, pooled_found = 0, pooled_wanted = 0;
@@ -68,7 +70,7 @@ inline double chi_square_excess(std::span<const double> found, std::span<const d
     return (chi2 - freedom) / std::sqrt(2.0 * freedom);
 }
 
-/// Does the same for directions on the sphere: `draw(numbers)` gives one (or the zero vector for a lost sample),
+/// Does the same for directions on the sphere: `draw(numbers)` returns one (or the zero vector for a lost sample),
 /// `density(d)` its density per solid angle. There are 16 x 32 cells of equal area; the density is summed over `fine` x
 /// `fine` points of each cell.
 template <class Draw, class Density>

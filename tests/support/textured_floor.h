@@ -9,7 +9,7 @@
 
 namespace occam::test {
 
-inline constexpr int kTexels = 64;  ///< along a side
+inline constexpr int kTexels = 64;  ///< texels along a side
 
 /// Makes a texture of data; `of(x, y)` is the value of a texel.
 template <class Of>

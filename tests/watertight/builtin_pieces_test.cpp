@@ -1,5 +1,5 @@
-// The built-in scene's closed cages let no ray out: creases, poles, n-gons and vertices of high valence that need no shared
-// data.
+// Tests that no ray leaves the closed cages of the built-in scene. They have creases, poles, n-gons and vertices of high
+// valence, and need no shared data.
 #include <gtest/gtest.h>
 
 #include "io/builtin/pieces.h"
@@ -12,7 +12,7 @@ class BuiltinPieces : public testing::TestWithParam<Cage> {};
 
 TEST_P(BuiltinPieces, LetNoRayOut)
 {
-    // Far out and turned: floats of the world are 1/128 apart there, a two-hundredth of a chess piece.
+    // The placement is far out and rotated. Floats of the world are 1/128 apart there, a two-hundredth of a chess piece.
     const Camera turned = Camera::look_at({98'000, 1'200, -71'000}, {98'001, 1'203, -71'002}, {0, 1, 0}, 1);
     for (const Mat4d& place : {Mat4d(1), turned.world_from_camera}) {
         const EscapeCount count = count_escapes(GetParam(), place, 3, rays_per_cage(), 1);

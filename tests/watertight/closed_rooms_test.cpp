@@ -1,4 +1,4 @@
-// Rooms without an opening stay dark: no secondary ray leaves a closed cage through a wall, and not one pixel is lit.
+// Tests that rooms without an opening stay dark: no secondary ray leaves a closed cage through a wall, and no pixel is lit.
 #include <gtest/gtest.h>
 #include <occam/occam.h>
 
@@ -12,7 +12,8 @@
 namespace occam::test {
 namespace {
 
-/// A box of quads whose lines lie at the given places along each axis; every edge of the box may have a crease.
+/// Returns a box of quads whose lines lie at the given places along each axis. The edges of the box are creases if
+/// `sharpness` is above 0.
 Cage box_of(const std::vector<float> (&at)[3], float sharpness)
 {
     Cage cage;
@@ -47,7 +48,7 @@ Cage box_of(const std::vector<float> (&at)[3], float sharpness)
 
 const std::vector<float> kEven{-1, 1}, kUneven{-1, -0.93f, -0.2f, 0.71f, 0.9f, 1}, kFew{-1, 0.85f, 1};
 
-/// A sphere of quads and two poles whose vertices are moved in and out, some edges creased.
+/// Returns a sphere of quads with two poles. Its vertices are moved in and out, and some of its edges are creased.
 Cage lump(std::uint64_t seed)
 {
     std::mt19937_64 random(seed);
@@ -115,7 +116,7 @@ struct Look {
     int width = 24, height = 18, spp = 4;
 };
 
-/// Returns how many pixels are not black, of a picture from inside the room with a bright sky outside.
+/// Returns the number of pixels that are not black in a picture from inside the room, with a bright sky outside.
 int lit_pixels(const Room& room, const Look& look)
 {
     Scene scene;

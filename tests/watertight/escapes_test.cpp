@@ -1,4 +1,4 @@
-// No ray leaves a closed cage: at the origin, and at 10^5 sizes from it.
+// Tests that no ray leaves a closed cage, at the origin and 10^5 sizes away from it.
 #include <gtest/gtest.h>
 
 #include "tests/support/displaced_cages.h"

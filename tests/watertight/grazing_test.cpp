@@ -1,4 +1,4 @@
-// Rays that graze dense cages where one level ends and the next begins.
+// Tests of rays that graze dense cages where one level ends and the next begins.
 #include <gtest/gtest.h>
 
 #include "lod/topology_cache.h"
@@ -32,7 +32,7 @@ protected:
         for (int step = 0; step < 5; ++step) cage = refined(cage, false);
         place(scene_, scene_.add(cage), {0, 0, 0});
         scene_.refit();
-        // It meets a flat face at 1.1 degrees, 2.3e-6 behind a change from one pair of levels to the next.
+        // This ray hits a flat face at 1.1 degrees, 2.3e-6 behind a transition from one pair of levels to the next.
         ray_.origin = {0.98571792337282949, 0.81875034396728574, -0.2024929599120085};
         ray_.direction = {0.019855868071317673f, -0.29924282431602478f, -0.95397037267684937f};
         ray_.footprint = {0, 0.010861475951969624f};

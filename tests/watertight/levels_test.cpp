@@ -1,5 +1,5 @@
-// No ray leaves a closed cage, whatever its footprint: constant, growing, shrinking, steep; each ray blends the surface for
-// itself between two levels, and changes from pair to pair near the hit (watertightness, rules 10 to 17).
+// Tests that no ray leaves a closed cage, whatever its footprint: constant, growing, shrinking or steep. Each ray blends the
+// surface for itself between two levels, and goes from pair to pair near the hit (watertightness, rules 10 to 17).
 #include <gtest/gtest.h>
 
 #include "io/builtin/pieces.h"
@@ -12,7 +12,8 @@
 namespace occam::test {
 namespace {
 
-/// At the origin segments overlap by 4 ulps only, so that nothing is hidden; far away as the engine has them.
+/// Tests a cage at the origin, where segments overlap by 4 ulps only, so that no fault is hidden, and far away, where they
+/// overlap as in the engine.
 void expect_no_escape(const Cage& cage, const TextureStore* textures = nullptr)
 {
     const double size = 2 * cage.bounds().radius();
@@ -21,7 +22,8 @@ void expect_no_escape(const Cage& cage, const TextureStore* textures = nullptr)
     VerifySettings settings;
     settings.rays = blended_rays_per_place();
     settings.largest_rate = cage.face_count() > 2000 ? 2 : cage.face_count() > 100 ? 8 : 32;
-    // Boxes of what is displaced hold its bound: where edges are much finer than that many overlap, and rays are slow.
+    // The boxes of displaced surfaces include the bound of the displacement. Where edges are much finer than that, many
+    // boxes overlap, and rays are slow.
     if (textures) {
         settings.largest_rate = 8;
         settings.rays /= 5;
@@ -34,7 +36,7 @@ void expect_no_escape(const Cage& cage, const TextureStore* textures = nullptr)
         for (const std::string& line : found.replay) replay += line + '\n';
         EXPECT_EQ(found.escaped, 0u) << "of " << found.rays << " at " << place[3].x << '\n' << replay;
         EXPECT_EQ(found.not_finite, 0u);
-        EXPECT_LE(found.outside, found.rays / 10'000);  // or it tests too little
+        EXPECT_LE(found.outside, found.rays / 10'000);  // otherwise the test covers too little
     }
 }
 
