@@ -4,9 +4,8 @@
 // Memory   at most the cap given at construction. The sizes of all textures of the scene are known before the first lookup,
 //          and the largest are halved until all would fit together. So a picture does not depend on which textures are
 //          decoded. A renderer owns the store.
-// Threads  prepare() is called by one thread while no other looks up. After that any number of threads may call sample();
-// the
-//          first lookup in a texture decodes it under a lock of that texture alone, so several are decoded at a time.
+// Threads  prepare() is called by one thread while no other looks up. After that any number of threads may call sample().
+//          The first lookup in a texture decodes it under a lock of that texture alone, so several are decoded at a time.
 // Errors   a texture without a file is grey, with a warning. One whose file or bytes are no image that can be read is grey
 //          too and stands in errors(), for the caller to refuse; nothing throws.
 #pragma once

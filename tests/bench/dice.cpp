@@ -1,12 +1,10 @@
 // The suite measures the cost of a point with both tangents: for one patch's grid through PosedPatch and through Dicer, and
 // for the same points through Bfr.
 //
-// PosedPatch  For "evaluate", control points are already posed and pieces are made. "pose_and_evaluate" includes this work,
-// as
-//             a patch's first tile does.
+// PosedPatch  For "evaluate", control points are already posed and pieces are made. "pose_and_evaluate" includes this
+//             work, as a patch's first tile does.
 // Dicer       The suite calls dice() and shade() for a tile of a patch that is not posed yet. This includes borders from
-// their
-//             owners, gap triangles and unit normals.
+//             their owners, gap triangles and unit normals.
 // Bfr         Evaluate is called once for each point; its patch points are prepared beforehand.
 
 #include <cmath>

@@ -11,7 +11,8 @@ namespace {
 
 constexpr double kTau = 6.283185307179586;
 
-// A unit ball about y as triangles: u runs around from +x towards -z, v from the north pole down, as glTF's v does.
+// Returns a unit ball about y as triangles: u runs around from +x towards -z, and v from the north pole down, as glTF's v
+// does.
 Cage ball(std::uint32_t around, std::uint32_t down)
 {
     Cage cage;
@@ -87,7 +88,7 @@ TEST(Hit, PositionsLieOnTheRayAndOnTheSurface)
 
 TEST(Hit, CurvatureOfASubdivisionSurfaceIsThatOfItsLimit)
 {
-    // A round torus of many faces: (1 / r + cos b / (R + r cos b)) / 2 at the angle b of the tube.
+    // The mean curvature of a round torus is (1 / r + cos b / (R + r cos b)) / 2 at the angle b of the tube.
     Scene scene;
     place(scene, scene.add(torus(48, 32, false)), {0, 0, 0});
     EXPECT_NEAR(hit_from(scene, {3, 0, 0}, {-1, 0.003, 0.002}).curvature, 0.5 * (1 / 0.4 + 1 / 1.4), 0.05);

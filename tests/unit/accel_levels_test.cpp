@@ -24,7 +24,7 @@ struct World {
     lod::TopologyCache topologies;
 };
 
-/// Returns lines that meet the torus, most of them not at grazing angles.
+/// Returns lines that hit the torus, most of them not at grazing angles.
 std::vector<accel::Ray> lines(int count)
 {
     std::mt19937_64 random(5);
@@ -49,7 +49,7 @@ TEST(Levels, ConvergeWithTheSquareOfTheWantedEdge)
     for (accel::Ray& ray : rays) ray.footprint = {0x1p-11f, 0};
     tracer.closest(rays, exact);
 
-    // Least squares of log2(error) over log2(edge), in steps of a third of a level.
+    // The exponent comes from least squares of log2(error) over log2(edge), in steps of a third of a level.
     double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
     for (double x = -7; x <= -2.9; x += 1.0 / 3) {
         for (accel::Ray& ray : rays) ray.footprint = {float(std::exp2(x)), 0};
@@ -91,11 +91,11 @@ std::map<int, double> largest_moves(const Cage& cage)
     return moves;
 }
 
-// A ray's eye steps towards its hit by a thousandth of the distance. The line stays the same, so the hit moves by the level
-// of detail alone. The target edge length e at the hit falls by a thousandth; w = smoothstep(x), x = (e - d) / d with e < 2
-// d, so x moves by at most 0.002 and w by 1.5 times that; margins make x steeper by (1 - 2 margin / length)^-1 = 1.02 for
-// this beam. A vertex moves by at most delta, the grid's largest distance from fine to coarse; the hit moves along the ray
-// by that over the cosine.
+// A ray's origin moves towards its hit by a thousandth of the distance. The line stays the same, so the hit moves because of
+// the level of detail alone. The target edge length e at the hit falls by a thousandth. With w = smoothstep(x), x = (e - d)
+// / d and e < 2 d, x changes by at most 0.002 and w by 1.5 times that; margins make x steeper by (1 - 2 margin / length)^-1
+// = 1.02 for this beam. A vertex moves by at most that share of delta, the grid's largest distance from fine to coarse, and
+// the hit moves along the ray by as much over the cosine.
 TEST(Levels, DoNotPop)
 {
     World world(torus(12, 8));
@@ -119,7 +119,7 @@ TEST(Levels, DoNotPop)
             changes += i == 0 && hits[i].level != before[i].level;
             const double cosine = std::fabs(glm::dot(hits[i].normal_geometric, rays[i].direction));
             if (cosine < 0.3) continue;
-            // Levels finer than those measured move by less.
+            // The vertices of levels finer than those measured move by less.
             const double delta = deltas.lower_bound(std::max(hits[i].level, before[i].level))->second;
             const double bound = 1.5 * 0.002 * 1.02 * delta / cosine + 1e-5;
             const double moved = glm::distance(hits[i].position, before[i].position);
@@ -133,7 +133,7 @@ TEST(Levels, DoNotPop)
     RecordProperty("worst_over_bound", std::to_string(worst));
 }
 
-// This counts the quads built for each cell of a shading rate's size on the visible surface, over a range of distances.
+// The test counts the quads built for each cell of a shading rate's size on the visible surface, over a range of distances.
 // Powers of two in both directions and pairs of levels give 4.7 for a surface that is seen as a whole; tiles half out of
 // sight add to it.
 TEST(Levels, BuildFewMicropolygonsForWhatIsVisible)

@@ -1,5 +1,5 @@
-// Tests of what a tracer promises: the same hits alone and in company, exact distances on gap triangles, laziness, any
-// budget.
+// Tests of what a tracer promises: the same hits for single rays and packets, exact distances on gap triangles, laziness,
+// any budget.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -126,7 +126,7 @@ TEST(Tracer, FindsTheSameFirstHitsWithoutWhatShadingNeeds)
     }
 }
 
-// Trees may be eager or lazy, flat or by hierarchy, swept or scanned: the trees differ, the hits are the same.
+// Trees may be eager or lazy, flat or by hierarchy, swept or scanned. The trees differ, but the hits are the same.
 TEST(Tracer, FindsTheSameHitsHoweverItBuilds)
 {
     Stage stage;
@@ -182,18 +182,18 @@ TEST(Tracer, GivesTheSameHitsForAnyBudget)
         EXPECT_GT(tracer.counters().flushes, 0u);
         for (std::size_t i = 0; i < rays.size(); ++i)
             ASSERT_TRUE(same(expected[i], hits[i])) << "ray " << i << " budget " << budget;
-        if (budget < used / 8) continue;  // below what one packet needs
+        if (budget < used / 8) continue;  // this is less than one packet needs
         EXPECT_LE(tracer.counters().peak_bytes, budget + Arena::kChunkBytes)
             << "the budget is kept to within what one step builds";
     }
 }
 
-// Rays aimed at T-vertices meet gap triangles, where in float their t is noise along the edge (watertightness, rule 6).
+// Rays aimed at T-vertices hit gap triangles, where in float their t is noise along the edge (watertightness, rule 6).
 TEST(Tracer, ReportsTheExactDistanceOnClosingTriangles)
 {
     const Cage cage = torus();
     DicedCage diced(cage, 0);
-    diced.level_of_largest_exponent(5);  // at 4 there are 80 T-vertices, and more than 100 are wanted below
+    diced.level_of_largest_exponent(5);  // at 4 there are 80 T-vertices, and the test needs more than 100
     std::vector<Vec3d> middles;
     for (const MeshTriangle& t : diced.triangles())
         if (t.is_gap) middles.push_back(Vec3d(t.v[1]) + diced.posed.anchor);

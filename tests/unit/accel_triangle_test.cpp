@@ -20,8 +20,8 @@ struct Lanes {
     explicit Lanes(vfloat x) { x.store(at); }
 };
 
-// A quad whose triangles share edge functions has the bits of two triangles with their own: also where vertices coincide,
-// lie on the ray, or are so far away that products overflow.
+// A quad whose triangles share edge functions gives the same bits as two triangles with edge functions of their own, even
+// where vertices coincide, lie on the ray, or are so far away that products overflow.
 TEST(Triangle, AQuadHasTheBitsOfItsTwoTriangles)
 {
     std::mt19937 random(3);
@@ -81,7 +81,7 @@ TEST(Triangle, AQuadHasTheBitsOfItsTwoTriangles)
     EXPECT_GT(misses, 1000);
 }
 
-// Several vfloats used as one do what each would do alone, NaN included, and know the least and the greatest of all.
+// Several vfloats used as one do what each would do by itself, for NaN too, and return the least and the greatest of all.
 TEST(SimdGroups, AreTheirParts)
 {
     constexpr int kParts = 2, kAll = kParts * kLanes;
@@ -135,7 +135,8 @@ TEST(SimdGroups, AreTheirParts)
     }
 }
 
-// Values are transposed there and back: lane i of vector f holds field f of element i, wherever the elements lie.
+// Values are transposed and transposed back. In between, lane i of vector f holds field f of element i, wherever elements
+// lie.
 TEST(SimdTurned, LanesAreThingsThereAndBack)
 {
     constexpr std::size_t kStride = 7, kOffset = 3;

@@ -1,4 +1,4 @@
-// Values of clips, and what pose() and copy() do to nodes.
+// Tests of the values of clips, and of what pose() and copy() do to nodes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -39,8 +39,8 @@ TEST(Clips, StepHoldsAndLinearMixesAndBothAreClampedAtTheirEnds)
     EXPECT_EQ(at(linear, 4), (std::vector<double>{4, 40, 400}));
 }
 
-// A cubic is its own Hermite interpolant: keys with the cubic's values and slopes give the cubic back. Products of floats of
-// few bits are exact in double, sums round: 1e-14 is a few hundred roundings.
+// A cubic is its own Hermite interpolant, so keys with the cubic's values and slopes give the cubic back. Products of floats
+// of few bits are exact in double, but sums are rounded; 1e-14 allows for a few hundred roundings.
 TEST(Clips, CubicSplinesOfACubicAreThatCubic)
 {
     const auto f = [](double t) { return 2 * t * t * t - 3 * t * t + 0.5 * t + 1; };
@@ -52,7 +52,7 @@ TEST(Clips, CubicSplinesOfACubicAreThatCubic)
     EXPECT_EQ(at(c, -5)[0], f(-1));
 }
 
-// Sines are rounded to float (6e-8 relative), and slerp is a ratio of two.
+// Sines are rounded to float (6e-8 relative), and slerp is a ratio of two sines.
 TEST(Clips, RotationsTurnAtConstantSpeedTheShorterWay)
 {
     for (const double angle : {1e-5, 1e-3, 0.5, 1.0, 2.0, 3.0, 3.14}) {

@@ -60,7 +60,7 @@ void expect_true_to_formulas(Scene& scene, const char* what)
             const Box3d box = transform_box(world, cage_bounds(node, slot, skin));
             posed.place(world, cage_bounds(node, slot, skin));
             if (tables.deformed_clusters) posed.deform(*tables.deformed_clusters, skin, arena, counters);
-            // Vertices are rounded to float in a frame of the cage's size; the formulas' own order of sums is another.
+            // Vertices are rounded to float in a frame of the cage's size, and the formulas add in another order.
             const double slack = 1e-6 * double(posed.radius) + 1e-12 * whole.largest_coordinate();
             std::vector<Vec3d> vertices;
             for (std::uint32_t v = 0; v < slot.cage.positions.size(); ++v) {
@@ -145,7 +145,8 @@ struct Eel {
             skin.joint_from_mesh.push_back(bind);
         }
         NodeDesc desc;
-        desc.place = {.translation = {3, 2, 1}, .rotation = {0, 0.6, 0, 0.8}, .scale = {1, 2, 3}};  // does not count
+        // This transform has no effect, because the node is skinned.
+        desc.place = {.translation = {3, 2, 1}, .rotation = {0, 0.6, 0, 0.8}, .scale = {1, 2, 3}};
         desc.cages = {scene.add(std::move(cage))};
         desc.skin = scene.add(std::move(skin));
         body = scene.add_node(whole, desc);
@@ -173,8 +174,8 @@ TEST(Deformation, FollowsJointsThatTheApplicationMoves)
     EXPECT_THROW(eel.scene.set_morph_weights(eel.body, {NAN}), Error);
 }
 
-// With rates, tiles and everything else, the surface of a bent cage is that of a cage whose vertices the application wrote
-// bent.
+// The surface of a deformed cage, with its rates and tiles, equals that of a cage into which the application wrote the
+// deformed vertices.
 TEST(Deformation, ShowsWhatWrittenVerticesWouldShow)
 {
     const Camera camera = Camera::look_at({0.5, 2, 4}, {0.5, 0, 0}, {0, 1, 0}, 0.8f);

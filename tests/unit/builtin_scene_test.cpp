@@ -1,4 +1,4 @@
-// The built-in scene: its cages are sound, it is the same each time, and it shows what it is meant to show.
+// Tests that the cages of the built-in scene are sound, that it is the same each time, and that it shows what it should.
 #include "io/builtin/builtin_scene.h"
 #include "verify/verify.h"
 
@@ -14,8 +14,8 @@
 namespace occam {
 namespace {
 
-// Volume enclosed, by the divergence theorem over each face's fan: above zero if faces run counter-clockwise seen from
-// outside.
+// Returns the enclosed volume, by the divergence theorem over each face's fan. It is above zero if faces run
+// counter-clockwise as seen from outside.
 double volume(const Cage& cage)
 {
     double sum = 0;
@@ -39,7 +39,7 @@ TEST(BuiltinScene, ClosedPiecesAreClosedAndFaceOutwards)
 TEST(BuiltinScene, EveryVertexOfAPieceHasOneFan)
 {
     for (const Cage& cage : builtin::closed_pieces()) {
-        // next[v][a] = b: face (.., b, v, a, ..). A fan is a cycle through all neighbours.
+        // For a face (.., b, v, a, ..), next[v][a] is b. A fan is a cycle through all neighbours.
         std::map<std::uint32_t, std::map<std::uint32_t, std::uint32_t>> next;
         std::size_t first = 0;
         for (const std::uint32_t n : cage.face_sizes) {

@@ -1,4 +1,4 @@
-// Tests of occam animate as a render farm uses it: stopped at any moment and started again, in parts, without space to
+// Tests of `occam animate` as a render farm uses it: stopped at any moment and started again, in parts, and without space to
 // write.
 #include <signal.h>
 #include <sys/stat.h>
@@ -15,7 +15,7 @@ namespace {
 
 using namespace test;
 
-// Holds a triangle that slides and turns: translation LINEAR, rotation LINEAR, one second long.
+// Describes a triangle that slides and turns for one second. Translation and rotation are interpolated linearly.
 constexpr const char* kMovingTriangle = R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
 "nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
 "animations": [{"name": "slide", "samplers": [{"input": 1, "output": 2}],

@@ -43,7 +43,7 @@ protected:
     }
     void write_cube() const
     {
-        std::ofstream(folder / "cube.obj") << "v 90 90 90\n"  // no face uses it
+        std::ofstream(folder / "cube.obj") << "v 90 90 90\n"  // no face uses this vertex
                                               "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\n"
                                               "v -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
                                               "f 5 4 3 2\nf 6 7 8 9\nf 2 3 7 6\nf 4 5 9 8\nf 3 4 8 7\nf 5 2 6 9\n";
@@ -62,7 +62,8 @@ TEST_F(Framing, AnObjectFillsThePictureAndIsNotCutOff)
         }
 }
 
-// One camera and one exposure for the whole clip: no frame is cut off, and it does not matter who makes which frame.
+// The whole clip has one camera and one exposure: no frame is cut off, and it does not matter which process makes which
+// frame.
 TEST_F(Framing, AClipStaysInThePictureAndItsShardsAgree)
 {
     const std::string fish = (fs::path(OCCAM_SOURCE_DIR) / "samples/scenes/fish.glb").string();
@@ -85,7 +86,7 @@ TEST_F(Framing, AClipStaysInThePictureAndItsShardsAgree)
 
 TEST_F(Framing, UpAndTheAngleOfViewAreFollowed)
 {
-    // A mast along z, with a foot.
+    // The file holds a mast along z, with a foot.
     std::ofstream(folder / "mast.obj") << "v 0 0 0\nv 0 0 9\nv 1 0 0\nv 0 1 0\nf 1 3 2\nf 1 4 2\n";
     const Covered lying = seen("mast.obj", {"--view-from", "side"});
     EXPECT_GT(lying.width(), 3 * lying.height());

@@ -226,7 +226,7 @@ TEST_F(Outputs, ASignalWhileASceneIsReadEndsTheProcess)
 TEST_F(Outputs, ASecondSignalOfEitherKindEndsTheProcess)
 {
     for (const auto& [first, second] : {std::pair(SIGINT, SIGTERM), std::pair(SIGTERM, SIGINT), std::pair(SIGINT, SIGINT)}) {
-        fs::remove(folder / "stderr.txt");  // else the words of the round before are waited for
+        fs::remove(folder / "stderr.txt");  // otherwise the output of the last round would end the waiting
         const pid_t child = start(
             {"render", "triangle.obj", "-o", "a.exr", "--size", "640x480", "--spp", "65536", "--progress", "plain"});
         for (int i = 0; i < 1000 && text_of(folder / "stderr.txt").find("rendering") == std::string::npos; ++i)

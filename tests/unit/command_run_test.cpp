@@ -66,7 +66,7 @@ TEST_F(Command, BadUsageIsOneLineAndExitCode2)
     }
 }
 
-// What is seen beside a triangle, and that it is lit.
+// The test checks what is visible beside a triangle, and that the triangle is lit.
 TEST_F(Command, AnEnvironmentIsAnImageDaylightOrNone)
 {
     const auto corner = [&](const std::vector<std::string>& more) {
@@ -274,8 +274,8 @@ TEST_F(Command, AMemoryBudgetBelowTheFloorIsRefusedAndTheFloorIsNamed)
         << "what it asks for is enough: " << o.err;
 }
 
-// One time limit is so short that nothing is finished, the other so long that it is never reached: neither depends on the
-// machine's speed.
+// One time limit is so short that nothing is finished, and the other so long that it is never reached, so neither depends on
+// the speed of the machine.
 TEST_F(Command, ADeadlineEndsTheFrameWithWhatThereIs)
 {
     const auto with = [&](const std::string& spp, const std::vector<std::string>& more) {

@@ -28,7 +28,7 @@ TEST(Compare, EqualPicturesAreZeroApart)
     EXPECT_EQ(d.pixels, 16u);
 }
 
-// One of 1000 pixels differs by 0.5 in one channel of a reference of 0.5.
+// One of 1000 pixels differs by 0.5 in one channel from a reference of 0.5.
 TEST(Compare, FiguresFollowTheirDefinitions)
 {
     const Image b = flat(100, 10, 0.5f);

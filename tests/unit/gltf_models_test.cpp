@@ -1,5 +1,5 @@
-// Models that their authors made to show at a glance whether a renderer follows glTF, judged as their labels say. Their
-// pictures were looked at once; what is held here is what makes them right: equal swatches, arrows at their marks, colours
+// Tests with models whose authors made them to show at a glance whether a renderer follows glTF, judged as their labels say.
+// Their pictures were looked at once. The tests check what makes them right: equal swatches, arrows at their marks, colours
 // by position.
 #include <gtest/gtest.h>
 #include <occam/occam.h>
@@ -12,7 +12,7 @@
 namespace occam::test {
 namespace {
 
-// A model seen straight on, along -z or from behind along +z, a pixel every kPixel; its base colour without light.
+// Holds the unlit base colour of a model seen straight on, along -z or from behind along +z, with pixels of the size kPixel.
 class Plate {
 public:
     static constexpr double kPixel = 0.02;
@@ -79,9 +79,9 @@ float brightness(Vec3f c) { return (c.x + c.y + c.z) / 3; }
     const Plate name(__VA_ARGS__); \
     if (!name.is_there()) GTEST_SKIP() << "no shared data"
 
-// How much the square to test of a row of TextureSettingsTest differs from the one beside it that shows what it should be.
-// The file's coordinates of the two differ by up to a twelfth of a side, in size too: the best of some shifts, and edges
-// remain.
+// Returns how much the tested square in a row of TextureSettingsTest differs from the one beside it that shows what it
+// should be. The file's coordinates of the two differ by up to a twelfth of a side, in size too. So the best of some shifts
+// is taken, and differences at edges remain.
 double row_difference(const Plate& plate, double top)
 {
     double least = 1;
@@ -112,7 +112,7 @@ TEST(GltfModels, BothSidesOfASingleSidedSquareAreSeenUnlessItIsAskedFor)
     EXPECT_GT(row_difference(plate, 2.995), 0.16) << "a red cross before the green check mark";
 }
 
-// Shifted textures show the check mark of the swatch's own colour; turned and scaled arrows have their tips at the check
+// Shifted textures show the check mark in the swatch's own colour; rotated and scaled arrows have their tips at the check
 // marks.
 TEST(GltfModels, TransformedTexturesPointWhereTheyShould)
 {
@@ -147,7 +147,7 @@ TEST(GltfModels, TransformedTexturesPointWhereTheyShould)
     }
 }
 
-// Seen from behind, as the model wants it; checkers lead into the outer corners.
+// The model is seen from behind, as its author intends. Checkers lead into the outer corners.
 TEST(GltfModels, TextureCoordinatesPutEachColourIntoItsCorner)
 {
     PLATE(plate, "features/TextureCoordinateTest/TextureCoordinateTest.gltf", true);
@@ -166,7 +166,7 @@ TEST(GltfModels, TextureCoordinatesPutEachColourIntoItsCorner)
     }
 }
 
-// From corner to corner of the box's front, colours are linear in linear light.
+// Colours change linearly, in linear light, from corner to corner of the box's front.
 TEST(GltfModels, VertexColoursAreLinearBetweenCorners)
 {
     PLATE(plate, "features/BoxVertexColors/BoxVertexColors.glb");

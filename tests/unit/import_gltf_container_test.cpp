@@ -1,4 +1,4 @@
-// GLB containers, and buffers beside a glTF.
+// Tests of GLB containers, and of buffers beside a glTF.
 #include <gtest/gtest.h>
 
 #include "tests/support/gltf_scene.h"

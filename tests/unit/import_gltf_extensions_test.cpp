@@ -1,4 +1,4 @@
-// What extensions of glTF do, and that those that are not understood are named.
+// Tests of what extensions of glTF do, and that those that are not supported are named.
 #include <gtest/gtest.h>
 
 #include <fstream>

@@ -1,4 +1,4 @@
-// Vertex data of glTF in all its forms, and what extras.occam adds to a cage.
+// Tests of vertex data of glTF in all its forms, and of what extras.occam adds to a cage.
 #include <gtest/gtest.h>
 
 #include <glm/matrix.hpp>
@@ -16,7 +16,8 @@ using test::square;
 using test::TempFolder;
 using test::warns;
 
-// KHR_mesh_quantization: positions of 16 bits as they are, normals of 8 bits normalised; the node scales them back.
+// By KHR_mesh_quantization, positions of 16 bits are taken as they are, and normals of 8 bits are normalised. The node
+// scales them back.
 TEST(ImportGltfGeometry, QuantizedPositionsAreNumbersAndQuantizedNormalsAreNormalized)
 {
     const TempFolder folder;
@@ -81,7 +82,8 @@ TEST(ImportGltfGeometry, TheSecondUvSetKeepsItsNumberWithoutAFirst)
 TEST(ImportGltfGeometry, BuffersAndImagesMayBeDataUris)
 {
     const TempFolder folder;
-    // Three corners of a triangle, base64; a PPM would do as well as any image: only its bytes are kept here.
+    // The buffer holds three corners of a triangle in base64. Any image will do, for example a PPM: only its bytes are kept
+    // here.
     const auto file = folder.write("data.gltf", R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "scene": 0,
         "nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
         "buffers": [{"byteLength": 36, 

@@ -53,7 +53,7 @@ TEST(ImportGltf, ReadsInterleavedNormalizedAndSparseAccessors)
 {
     const TempFolder folder;
     Gltf g;
-    // Three vertices of a position and a coordinate in normalised bytes, 16 bytes each.
+    // The buffer holds three vertices of 16 bytes, each with a position and a texture coordinate in normalised bytes.
     g.put<std::uint8_t>({0, 0, 0, 0, 0, 0,   0, 0, 0, 0, 0, 0, 255, 51, 0,   0,  0, 0, 128, 63, 0, 0, 0, 0,
                          0, 0, 0, 0, 0, 255, 0, 0, 0, 0, 0, 0, 0,   0,  128, 63, 0, 0, 0,   0,  0, 0, 0, 0});
     g.buffer_views.insert(g.buffer_views.size() - 1, R"(, "byteStride": 16)");
@@ -307,7 +307,7 @@ TEST(ImportGltf, SkinsMorphTargetsAndClipsReachTheDataModel)
     EXPECT_TRUE(has_skin);
 }
 
-// Two quads that share an edge, split along it as glTF splits seams, each a fan of two triangles.
+// Two quads share an edge, are split along it as glTF splits seams, and are each a fan of two triangles.
 TEST(ImportGltf, PolygonsComeBackWhenACageIsWanted)
 {
     const TempFolder folder;

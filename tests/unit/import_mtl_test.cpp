@@ -1,4 +1,4 @@
-// Materials of an OBJ: maps of their own for opacity, roughness, metalness and normals.
+// Tests of the materials of an OBJ, with separate maps for opacity, roughness, metalness and normals.
 #include <gtest/gtest.h>
 
 #include "scenegraph/scene.h"
@@ -11,7 +11,7 @@ namespace {
 using test::TempFolder;
 using test::warns;
 
-// A PPM of one texel.
+// Returns a PPM of one texel.
 std::string texel(const char* rgb) { return "P6\n1 1\n255\n" + std::string(rgb, 3); }
 
 struct Loaded {

@@ -28,7 +28,7 @@ constexpr const char* kQuad = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 const LoadOptions kSubdivided{.subdivide = Subdivide::On};
 
-// A file that says nothing of subdivision is what a modelling program wrote for polygons.
+// A file that says nothing about subdivision holds the polygons of a modelling program.
 TEST(ImportObj, OnlyWhatSaysSoIsSubdivided)
 {
     const TempFolder folder;
@@ -63,7 +63,7 @@ TEST(ImportObj, TheNameOfAFileSaysItsSchemeAsOpenSubdivsShapesDo)
     EXPECT_EQ(only_cage(load(folder.write("bilinear_cube.obj", tagged))).scheme, Scheme::Bilinear);
 }
 
-// The two faces of a roof, folded along the edge from vertex 2 to vertex 3.
+// Holds the two faces of a roof, folded along the edge from vertex 2 to vertex 3.
 constexpr const char* kRoof = "v -1 0 0\nv 0 1 0\nv 0 1 1\nv -1 0 1\nv 1 0 0\nv 1 0 1\n";
 
 TEST(ImportObj, FacesWithoutNormalsAreFlatOrSmoothByTheirSmoothingGroups)
@@ -130,7 +130,7 @@ double area_of(const Cage& cage)
     return area;
 }
 
-// A comb: half of its corners are reflex.
+// Returns a comb, half of whose corners are reflex.
 std::string comb(int teeth)
 {
     std::ostringstream text;
@@ -159,7 +159,7 @@ TEST(ImportObj, ConcaveFacesOfManyCornersAreCutInside)
 TEST(ImportObj, PolygonsAreCutWhenTheyMayNotBeSubdivided)
 {
     const TempFolder folder;
-    // An arrow head: the corner at (1, 1) is reflex, so a fan from the first corner would leave the polygon.
+    // The corner of this arrow head at (1, 1) is reflex, so a fan from the first corner would leave the polygon.
     const auto file = folder.write("concave.obj", "v 0 0 0\nv 2 0 0\nv 1 1 0\nv 2 2 0\nv 0 2 0\nf 1 2 3 4 5\n");
     const Scene scene = load(file, {.subdivide = Subdivide::Off});
     const Cage& cage = only_cage(scene);
@@ -195,7 +195,7 @@ TEST(ImportObj, ReadsTagsWithTheirZeroBasedIndices)
     EXPECT_TRUE(warns(scene, "line 12"));
 }
 
-// tinyobjloader's own mesh drops such faces, and the hole would lie on another one.
+// tinyobjloader's own mesh drops such faces, so the hole would lie on another face.
 TEST(ImportObj, ADegenerateFaceDoesNotMoveTheHoles)
 {
     const TempFolder folder;
@@ -207,7 +207,7 @@ TEST(ImportObj, ADegenerateFaceDoesNotMoveTheHoles)
     EXPECT_TRUE(warns(scene, "1 faces dropped"));
 }
 
-// Its mesh also counts corners in a byte: 300 would become 44.
+// tinyobjloader's own mesh also counts corners in a byte, so 300 would become 44.
 TEST(ImportObj, APolygonOfThreeHundredCornersKeepsThemAll)
 {
     const TempFolder folder;

@@ -1,4 +1,4 @@
-// What a file may ask for beyond all measure: it is clamped, and counted in a warning.
+// Tests that excessive values in a file are clamped, and counted in a warning.
 #include <gtest/gtest.h>
 #include <occam/occam.h>
 

@@ -1,4 +1,4 @@
-// Trees over triangle meshes: walls beside small props, and meshes on which no plane parts anything.
+// Tests of trees over triangle meshes: walls beside small props, and meshes that no plane divides.
 
 #include <cmath>
 #include <limits>
@@ -21,7 +21,7 @@ void add_quad(Cage& mesh, Vec3f a, Vec3f b, Vec3f c, Vec3f d)
     for (const std::uint32_t corner : {0u, 1u, 2u, 0u, 2u, 3u}) mesh.face_vertices.push_back(first + corner);
 }
 
-// Two large walls behind many small upright quads at random places.
+// Returns two large walls behind many small upright quads at random places.
 Cage walls_and_props(std::uint32_t props)
 {
     Cage mesh;
@@ -83,7 +83,7 @@ TEST(MeshClusters, FacesInOnePlaceAndFacesWithoutNumbersAreHalved)
 
 TEST(MeshClusters, EachStepGrowingTenfoldStillGivesAShallowTree)
 {
-    // Only the farthest few can be cut off by a bin, again and again.
+    // In this mesh, each split can separate only the few farthest faces.
     Cage mesh;
     mesh.scheme = Scheme::Triangles;
     for (int i = 0; i < 4000; ++i) {
@@ -123,7 +123,7 @@ TEST(MeshClusters, RaysAloneAndInPacketsMeetTheSameTriangles)
     for (std::size_t i = 0; i < rays.size(); ++i) {
         alone.closest({&rays[i], 1}, one);
         ASSERT_EQ(hits[i].is_hit(), one[0].is_hit());
-        // Moeller and Trumbore's test in double, of every triangle.
+        // Tests every triangle in double, by the method of Moeller and Trumbore.
         double nearest = std::numeric_limits<double>::infinity();
         for (std::size_t f = 0; f < mesh.face_count(); ++f) {
             const auto at = [&](std::size_t c) { return Vec3d(mesh.positions[mesh.face_vertices[3 * f + c]]); };

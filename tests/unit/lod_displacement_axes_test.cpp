@@ -1,4 +1,5 @@
-// Which way vectors of displacement point: in the object's axes turned as poses turn the surface, or in the surface's own.
+// Tests of the direction of displacement vectors: in the object's axes, rotated as poses rotate the surface, or in the
+// surface's own axes.
 #include <gtest/gtest.h>
 #include "verify/verify.h"
 
@@ -10,7 +11,7 @@
 namespace occam::test {
 namespace {
 
-/// A case with one texel for a texture.
+/// Replaces the texture of a case by a single texel.
 void set_texel(DisplacedCage& displaced, Vec3f texel)
 {
     Texture full;
@@ -31,7 +32,8 @@ Mat4d mirrored_and_turned()
     return place;
 }
 
-// compare(moved minus still, the undisplaced grid, its attributes, i, j) at vertices off the borders of tiles.
+// Calls compare(moved minus still, the undisplaced grid, its attributes, i, j) for vertices that are not on borders of
+// tiles.
 template <class Compare>
 void for_moves(DicedCage& still, DicedCage& moved, Compare&& compare)
 {
@@ -83,7 +85,7 @@ TEST(DisplacementInTangentSpace, OfTheFirstTwoFollowsTheCoordinatesOverTheSurfac
                           const Vec3f up = -glm::normalize(along_v - along_u * glm::dot(along_v, along_u));
                           ASSERT_NEAR(glm::length(move), far, 1e-3f * far);
                           ASSERT_NEAR(glm::dot(move, normal), 0, 0.02f * far);
-                          // Differences over two steps of an eighth of the tube's quadrant.
+                          // The difference spans two steps of an eighth of the tube's quadrant.
                           ASSERT_GT(glm::dot(move, is_up ? up : along_u), 0.98f * far);
                           ++compared;
                       });
@@ -99,13 +101,13 @@ TEST(DisplacementInTangentSpace, WithoutATangentKeepsTheNormalsPart)
     DicedCage still(displaced.cage, 0), moved(displaced.cage, 0, Mat4d(1), &displaced.textures);
     const float height = displaced.cage.displacement->scale * 0.25f;
     for_moves(still, moved, [&](Vec3f move, const lod::LevelGrid& grid, const lod::GridAttributes& made, int i, int j) {
-        // The bound shortens the whole vector first.
+        // The bound first shortens the whole vector.
         ASSERT_GT(glm::dot(move, made.normal[grid.index(i, j)]), 0.8f * height);
         ASSERT_NEAR(glm::length(glm::cross(move, made.normal[grid.index(i, j)])), 0, 1e-4f);
     });
 }
 
-// A skin of one joint moves everything as a node does, the vectors included.
+// A skin of one joint moves everything as a node does, including the vectors.
 TEST(DisplacementByVectors, TurnsWithAJointAsWithANode)
 {
     for (const Mat4d& joint : {bent_joints()[1], bent_joints()[1] * Mat4d(Vec4d(-1, 0, 0, 0), Vec4d(0, 1, 0, 0),
@@ -134,8 +136,8 @@ TEST(DisplacementByVectors, TurnsWithAJointAsWithANode)
         }
 }
 
-// Where joints disagree the surface is sheared and bent between them, and vectors of one texel stay one length and turn
-// smoothly.
+// Where joints move differently, the surface between them is sheared and bent. The vectors of one texel then keep their
+// length and turn smoothly.
 TEST(DisplacementByVectors, GoesAsFarWhenPosedAndTurnsSmoothlyOverTheSurface)
 {
     DisplacedCage displaced = displaced_case(6);

@@ -1,4 +1,4 @@
-// What displacement does to a surface: how far it moves, that bounds hold it, and which normals it has.
+// Tests of what displacement does to a surface: how far it moves, that bounds hold it, and which normals it has.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,7 +26,7 @@ TEST(Displacement, StaysWithinItsBoundAndItsBoxes)
 {
     for (int c = 0; c < kDisplacedCases; ++c) {
         DisplacedCage displaced = displaced_case(c);
-        // More than the bound: what goes beyond is cut off.
+        // The displacement is now larger than the bound, and is cut off there.
         displaced.cage.displacement->scale *= 3;
         for (const Mat4d& place : {Mat4d(1), turned_and_stretched()}) {
             DicedCage smooth(displaced.cage, 0, place), moved(displaced.cage, 0, place, &displaced.textures);
@@ -53,7 +53,7 @@ TEST(Displacement, StaysWithinItsBoundAndItsBoxes)
                         << displaced.name;
                 }
             }
-            // Vertices of both are one parameter's, T-vertices the same mean of two.
+            // Vertices of both meshes belong to the same parameters, and T-vertices are the same means of two.
             EXPECT_LE(farthest, reach) << displaced.name;
             EXPECT_GT(farthest, reach * 0.25f) << displaced.name;
         }
@@ -86,8 +86,8 @@ TEST(Displacement, OfOneValueMovesEveryPointAlongItsNormal)
             if (inside) {
                 ASSERT_NEAR(glm::distance(grid.at(k), still.at(k) + before.normal[k] * 0.075f), 0, 1e-6f);
             }
-            // A surface beside a smooth one has its normals. Normals turn by 0.08 a step here, and differences are taken
-            // over a quarter of one, on borders to one side.
+            // A uniformly moved smooth surface keeps its normals. Normals turn by 0.08 a step here, and differences are
+            // taken over a quarter of a step, on borders to one side.
             ASSERT_NEAR(glm::distance(before.normal[k], after.normal[k]), 0, 0.01f);
         }
     }
@@ -120,7 +120,7 @@ TEST(Displacement, ByOneVectorMovesEveryPointAsThePlacementMovesVectors)
                 << "rounding of differences over a quarter step";
         }
     }
-    // What is longer than the bound is shortened, not cut off by axis.
+    // A vector longer than the bound is shortened, not clamped on each axis.
     displaced.cage.displacement->bound = 0.01f;
     DicedCage held(displaced.cage, 0, place, &displaced.textures);
     held.posed.level = moved.posed.level;
@@ -134,7 +134,7 @@ TEST(Displacement, ByOneVectorMovesEveryPointAsThePlacementMovesVectors)
 TEST(Displacement, HasTheNormalsOfItsMeshWhereThatIsFine)
 {
     DisplacedCage displaced = displaced_case(0);
-    // Rolling hills instead of noise: an edge is short beside them.
+    // The texture has rolling hills instead of noise, so that an edge is short beside them.
     Texture hills;
     hills.width = hills.height = 256;
     hills.role = TextureRole::Data;
@@ -154,7 +154,7 @@ TEST(Displacement, HasTheNormalsOfItsMeshWhereThatIsFine)
         diced.posed.displacement.of = nullptr;
         const lod::GridAttributes smooth = diced.dicer.shade(diced.posed, tile, tile.rates, diced.arena);
         diced.posed.displacement.of = &*diced.posed.slot->cage.displacement;
-        // Off the borders: on seams these have their owners' coordinates.
+        // Borders are left out, since on seams they have their owners' coordinates.
         for (int j = 2; j < tile.rows - 1; ++j)
             for (int i = 2; i < tile.columns - 1; ++i) {
                 const Vec3f n = glm::normalize(glm::cross(grid.vertex(i + 1, j) - grid.vertex(i - 1, j),

@@ -1,4 +1,4 @@
-// What bounds a whole patch, against the points that it bounds.
+// Tests of the bounds of a whole patch against the points that they bound.
 #include <gtest/gtest.h>
 
 #include "lod/posed_patch.h"
@@ -8,7 +8,7 @@
 namespace occam::test {
 namespace {
 
-constexpr int kSide = 16;  // rates up to this many are bounded by the speeds
+constexpr int kSide = 16;  // speeds bound the pieces of rates up to this one
 constexpr int kFineSide = 64;
 
 template <int kQuads>
@@ -21,7 +21,7 @@ struct GridOf {
         const std::size_t room = p.size() / 3;
         const float step = 1.0f / kQuads;
         for (std::size_t j = 0; j <= kQuads; ++j)
-            // Parts of rows: no grid is wider than 32.
+            // Rows are evaluated in parts, since no grid is wider than 32.
             for (std::size_t first = 0; first <= kQuads; first += kQuads / 4) {
                 const int count = first == kQuads ? 1 : kQuads / 4;
                 patch.points({float(first) * step, float(j) * step, step, 1, count, 1}, &p[0], &p[room], &p[2 * room],
@@ -86,7 +86,7 @@ TEST_P(PatchHulls, BoundSpeedsInsideAndAlongEachSide)
         patch.speeds(bound_u, bound_v);
         EXPECT_LE(u, bound_u * 1.0001f);
         EXPECT_LE(v, bound_v * 1.0001f);
-        // Control points are no farther from the curve than to give a loose bound.
+        // Control points are so close to the curve that the bound is not too loose.
         EXPECT_LE(bound_u, 3 * u + 1e-4f);
         EXPECT_LE(bound_v, 3 * v + 1e-4f);
         for (int s = 0; s < 4; ++s) {
@@ -96,7 +96,7 @@ TEST_P(PatchHulls, BoundSpeedsInsideAndAlongEachSide)
     });
 }
 
-// There the lattice beside the pole sticks out of its control points, but holds what it has to.
+// At poles the lattice reaches beyond its control points, but it still bounds the surface.
 class HullsAtPoles : public PatchHulls {};
 TEST_P(HullsAtPoles, HoldThePatch)
 {
@@ -104,8 +104,8 @@ TEST_P(HullsAtPoles, HoldThePatch)
 }
 INSTANTIATE_TEST_SUITE_P(Cages, HullsAtPoles, testing::Values(spindle(30), spindle(360)));
 
-// The vertices at corners and on sides are their owners', each a sum of hundreds of control points: what that rounds to lies
-// in the boxes of all patches around.
+// The vertices at corners and on sides come from their owners, and each is a sum of hundreds of control points. With its
+// rounding error it still lies in the boxes of all patches around it.
 TEST(Bounds, HoldVerticesThatNeighboursOwn)
 {
     const Cage cage = spindle(360);
@@ -131,8 +131,8 @@ INSTANTIATE_TEST_SUITE_P(CreasedCubes, PatchHulls,
                          testing::Values(creased_cube(0.75f), creased_cube(2), creased_cube(4.5f), creased_cube(5.25f),
                                          creased_cube(6), creased_cube(7.75f), creased_cube(9.75f)));
 
-// Points everywhere on a creased patch, and above all within the crease's own width of its edges, are those of its limit
-// stencils: a tree that misses a narrow crease has them at other places than the corners that patches share.
+// Points everywhere on a creased patch, and above all within the width of the crease from its edges, equal those of the
+// patch's limit stencils. A tree that misses a narrow crease would not agree with the corners that patches share.
 class CreasedPatches : public testing::TestWithParam<int> {};
 TEST_P(CreasedPatches, AreWhereTheirLimitStencilsAre)
 {

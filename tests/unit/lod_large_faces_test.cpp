@@ -1,4 +1,4 @@
-// Faces of very many corners.
+// Tests of faces with very many corners.
 #include <gtest/gtest.h>
 
 #include "lod/extent.h"
@@ -39,7 +39,7 @@ TEST(LargeFaces, AreAsRoundAsTheirCage)
     }
 }
 
-// All faces of such a cage meet at one of its poles, so that none is left.
+// All faces of such a cage share one of its two poles, so no face is left.
 TEST(LargePoles, LeaveACageThatHasNoExtent)
 {
     Scene scene;

@@ -1,4 +1,4 @@
-// The table of transitions of a ray, and pairs of levels as meshes (watertightness rules 10 to 15).
+// Tests of a ray's table of transitions, and of pairs of levels as meshes (watertightness rules 10 to 15).
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -47,7 +47,7 @@ TEST(RayLevels, CoverARayWithoutAGapAndOverlapAsAsked)
     for (const Beam& beam : beams(2000)) {
         const lod::RayLevels<float> table = table_of(beam, settings);
         ASSERT_LE(table.coarsest - table.finest, lod::RayLevels<float>::kMostOfRay - 1);
-        // Walking from the ray's start to its end, along pairs in the order in which it meets them.
+        // The loop goes from the ray's start to its end, along the pairs in the order in which the ray sees them.
         const bool grows = beam.b >= 0;
         float reached = -kFar;
         for (int n = 0; n <= table.coarsest - table.finest; ++n) {
@@ -56,7 +56,7 @@ TEST(RayLevels, CoverARayWithoutAGapAndOverlapAsAsked)
             if (begin > end || end < 0 || begin > beam.t_end) continue;
             EXPECT_LE(begin, reached) << "a gap before pair " << pair << " of " << beam.a << " + " << beam.b << " t";
             if (reached > -kFar / 2 && reached < beam.t_end) {
-                // To within the rounding of both ends.
+                // The comparison allows for the rounding of both ends.
                 EXPECT_GE(reached - begin, 2 * std::min(table.overlap(pair), table.overlap(pair + 1)) - reached * 3e-7f);
             }
             reached = end;
@@ -65,7 +65,7 @@ TEST(RayLevels, CoverARayWithoutAGapAndOverlapAsAsked)
     }
 }
 
-// Where it enters the scene a ray begins with the pair that it asks for there: what is finer would only cost.
+// Where it enters the scene, a ray begins with the pair that it asks for there. Finer pairs would only cost time.
 TEST(RayLevels, BeginWhereTheRayEntersTheScene)
 {
     const lod::LevelSettings settings;
@@ -150,7 +150,7 @@ TEST(RayLevels, OfAConstantWidthHaveOneWeightThatGrowsWithIt)
     }
 }
 
-/// The same beams, each from a point of a mesh whose edges are about as long as the beam asks for, or much finer.
+/// Returns the same beams, each from a point of a mesh whose edges are about as long as the beam asks for, or much finer.
 std::vector<Beam> beams_with_starts(int count)
 {
     std::vector<Beam> all = beams(count);
@@ -162,7 +162,7 @@ std::vector<Beam> beams_with_starts(int count)
     return all;
 }
 
-// A secondary ray sees the mesh that its origin lies on, and no other, within a margin of the origin and anywhere behind it.
+// A secondary ray sees only the mesh on which its origin lies within a margin of the origin, and anywhere behind it.
 TEST(RayLevels, StartOnTheMeshOfTheirStart)
 {
     const lod::LevelSettings settings;
@@ -215,8 +215,8 @@ TEST(RayLevels, HaveTheSameBitsInLanesAndAlone)
     }
 }
 
-/// Every vertex of pair l fully coarse is where that parameter lies in the mesh of level l + 1: compared with the mesh
-/// itself.
+/// Checks that every fully coarse vertex of pair l is where its parameter lies in the mesh of level l + 1, by comparing it
+/// with that mesh.
 void expect_nested(const Cage& cage, int largest_exponent, const TextureStore* textures = nullptr,
                    std::span<const Mat4d> joints = {})
 {
@@ -228,7 +228,7 @@ void expect_nested(const Cage& cage, int largest_exponent, const TextureStore* t
         for (const lod::TileRef& tile : diced.tiles()) {
             const lod::PatchScale scale = diced.dicer.scale(diced.posed, tile.patch);
             const lod::LevelGrid pair = diced.dicer.dice_pair(diced.posed, tile, scale.rates(level + 1), diced.arena);
-            // The tile of level l + 1 over the same part of the patch.
+            // This is the tile of level l + 1 over the same part of the patch.
             const int half = pair.is_halved ? 2 : 1;
             const lod::TileRef over = lod::Dicer::tile(tile.patch, scale, level + 1, tile.i0 / std::uint32_t(half),
                                                        tile.j0 / std::uint32_t(half));
@@ -243,7 +243,7 @@ void expect_nested(const Cage& cage, int largest_exponent, const TextureStore* t
                         << "face " << tile.patch.face << " level " << level << " vertex " << i << ", " << j;
                     ++compared;
                 }
-            // T-vertices as a ray that sees only the coarser level blends them.
+            // T-vertices are compared as a ray that sees only the coarser level blends them.
             for (const lod::Hanging& h : pair.hanging) {
                 if (!h.is_inside) continue;
                 const Vec3f middle =

@@ -1,5 +1,5 @@
-// M_l as a mesh: closed bit for bit, no edge longer than d_l, halving exactly from level to level (watertightness rules 1 to
-// 4).
+// Tests of M_l as a mesh: it is closed bit for bit, no edge is longer than d_l, and rates halve exactly from level to level
+// (watertightness rules 1 to 4).
 #include <gtest/gtest.h>
 
 #include <bit>

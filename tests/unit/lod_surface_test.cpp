@@ -1,4 +1,4 @@
-// The limit surface against uniform refinement, whose vertices are pushed to the limit by the rules of subdivision
+// Tests of the limit surface against uniform refinement, whose vertices are pushed to the limit by the rules of subdivision
 // themselves.
 #include <gtest/gtest.h>
 #include <opensubdiv/far/primvarRefiner.h>
@@ -25,13 +25,13 @@ struct Point {
 
 struct LimitVertex {
     Vec3d p{0}, normal{0};
-    bool has_position = false;  ///< the masks are exact here: no semi-sharp edge or vertex, no dart
-    bool has_normal = false;    ///< and all faces share one
+    bool has_position = false;  ///< whether the masks are exact: there is no semi-sharp edge or vertex, and no dart
+    bool has_normal = false;    ///< whether, besides, all faces share one normal
 };
 
-// The limit of one vertex of a refined mesh: the rules of subdivision, applied to its ring of quads until it stands still.
-// Unlike masks this holds at valence 2 and at ends of creases too. (OpenSubdiv 3.5's PrimvarRefiner::Limit is inexact at the
-// latter, and writes past its buffers at non-manifold vertices.)
+// Returns the limit of one vertex of a refined mesh, by applying the rules of subdivision to its ring of quads until it no
+// longer moves. Unlike masks this works at valence 2 and at ends of creases, too. (OpenSubdiv 3.5's PrimvarRefiner::Limit is
+// inexact at the latter, and writes past its buffers at non-manifold vertices.)
 LimitVertex limit_vertex(const Far::TopologyLevel& level, int v, const std::vector<Point>& points, bool bilinear)
 {
     LimitVertex out;
@@ -72,7 +72,7 @@ LimitVertex limit_vertex(const Far::TopologyLevel& level, int v, const std::vect
             t1 += e[i] * (a * std::cos(turn * i)) + f[i] * (std::cos(turn * i) + std::cos(turn * (i + 1)));
             t2 += e[i] * (a * std::sin(turn * i)) + f[i] * (std::sin(turn * i) + std::sin(turn * (i + 1)));
         }
-        // A fold has but one tangent: no normal.
+        // A fold has only one tangent and therefore no normal.
         if (step == 0) out.normal = glm::cross(t1, t2);
         if (step == 0)
             out.has_normal = n > 2 && sharp < 0 &&
@@ -198,8 +198,8 @@ private:
     OwnMesh mesh_;
 };
 
-// Two faces that share several semi-sharp edges in a row, so at a vertex of valence 2: Bfr 3.5 warns that it loses these
-// creases.
+// Returns true for two faces that share several semi-sharp edges in a row, and so have a vertex of valence 2. Bfr 3.5 warns
+// that it loses these creases.
 bool is_lost_by_bfr(const Far::TopologyLevel& level, int face)
 {
     for (const int v : level.GetFaceVertices(face)) {
@@ -242,7 +242,8 @@ TEST_P(SurfaceShapes, AgreeWithRefinementAndLimitMasks)
             ++compared;
             const int k = kPlace[c];
             worst_position = std::max(worst_position, glm::distance(vec(0, k) + diced.posed.anchor, limit.p) / extent);
-            // A bilinear patch's tangents are its own sides; elsewhere the masks have them where all faces share one plane.
+            // The tangents of a bilinear patch are its own sides. Elsewhere the masks give tangents where all faces share a
+            // plane.
             const bool flat = cage.scheme == Scheme::Bilinear;
             if (!flat && !limit.has_normal) continue;
             const Vec3d expected = flat ? glm::cross(corner(c + 1).p - limit.p, corner(c + 3).p - limit.p) : limit.normal;
@@ -261,7 +262,7 @@ TEST_P(SurfaceShapes, AgreeWithRefinementAndLimitMasks)
     EXPECT_LE(worst_degrees, 0.5);
 }
 
-// Where texture coordinates have no seam their limit is the position's: so st = (x, y) of each vertex stays (x, y)
+// Where texture coordinates have no seam, they have the same limit as positions, so st = (x, y) at each vertex stays (x, y)
 // everywhere.
 TEST(TextureCoordinates, FollowTheSurfaceWhereTheyHaveNoSeam)
 {

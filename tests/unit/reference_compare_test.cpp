@@ -9,7 +9,7 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// A wall at depth 2 that fills the picture, facing +z.
+// Returns a picture that a wall at depth 2 fills, facing +z.
 ReferencePicture wall(int width, int height)
 {
     ReferencePicture p;
@@ -53,7 +53,7 @@ TEST(ReferenceCompare, InteriorEndsAtMissesStepsAndLeftOutPixels)
     p.depth[2] = 0;                    // x = 1, 2, 3
     p.depth[2 * 12 + 7] = 2.11f;       // x = 6, 7, 8: a factor of 1.055
     p.exclude.assign(p.pixel_count(), 0);
-    p.exclude[12 + 10] = 1;  // itself alone
+    p.exclude[12 + 10] = 1;  // only this pixel
     const auto interior = interior_pixels(p);
     for (std::size_t x = 0; x < 12; ++x) EXPECT_EQ(interior[12 + x], x == 4 || x == 5 || x == 9) << x;
     p.depth[2 * 12 + 7] = 2.09f;
@@ -82,7 +82,7 @@ TEST(ReferenceCompare, SharesFollowTheLimits)
         ReferencePicture p = reference;
         for (std::size_t i = 7; i < 11; ++i) {
             const auto tilted = [&](double degrees, std::vector<float>& normals) {
-                normals[3 * i] = float(3 * std::sin(degrees * 0.017453292519943295));  // lengths do not count
+                normals[3 * i] = float(3 * std::sin(degrees * 0.017453292519943295));  // lengths do not matter
                 normals[3 * i + 2] = float(3 * std::cos(degrees * 0.017453292519943295));
             };
             p.depth[i] = float(2 * (1 - part * 1e-3));
