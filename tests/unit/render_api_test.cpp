@@ -1,4 +1,4 @@
-// The facade: rendering, jobs and queries as an application uses them.
+// Tests of the facade: rendering, jobs and queries as an application uses them.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -14,7 +14,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// A square of side 2 at z = 0, facing +z, made of two triangles.
+// Holds a scene with a square of side 2 at z = 0, facing +z, made of two triangles.
 struct Square {
     Scene scene;
     NodeId node;
@@ -49,9 +49,9 @@ TEST(Api, APictureOfASquareHasItsDepthAndCoverage)
     EXPECT_EQ(renderer.stats().image.checksum, image.checksum());
 }
 
-// Seen from straight above by an orthographic camera a flat sheet has a cell a pixel, whatever the samples; powers of two
-// and their pairs of levels build 1 to 4.5 quads for each (4.7 is the mean over scales of what both directions need), tiles
-// out of sight some more.
+// Seen from straight above by an orthographic camera, a flat sheet has one cell for each pixel, for any number of samples.
+// Rates that are powers of two, and pairs of levels, build 1 to 4.5 quads for each cell (4.7 is the mean over scales of what
+// both directions need). Tiles that are partly out of sight add some more.
 TEST(Api, StatisticsTellQuadsPerVisibleCell)
 {
     Scene scene;
@@ -74,7 +74,8 @@ TEST(Api, StatisticsTellQuadsPerVisibleCell)
     const double quads = stats.built.quads_per_cell(stats.built.by_camera_rays);
     EXPECT_GT(quads, 0.9);
     EXPECT_LT(quads, 6);
-    // Beams to a lamp leave the surface as wide as they came and grow: they find what is there already, or what is coarser.
+    // Beams to a lamp leave the surface as wide as they arrived and then grow, so they see grids that exist already, or
+    // coarser ones.
     EXPECT_LT(stats.built.quads_per_cell(stats.built.by_shadow_rays), quads);
 }
 
@@ -186,7 +187,7 @@ TEST(Query, FindsFirstHitsOfManyRays)
     EXPECT_THROW(query.first_hits(rays, too_few), std::invalid_argument);
 }
 
-// Many threads ask one query, each in its own order, while the renderer that shares its tables renders the scene, and
+// Many threads ask one query, each in its own order, while the renderer that shares its tables renders this scene and
 // another.
 TEST(Query, AnswersManyThreadsAsItAnswersOne)
 {
@@ -234,7 +235,7 @@ TEST(Query, OutlivesEdits)
     EXPECT_THROW(square.scene.set_visible(square.node, false), Error);
 }
 
-// The limit surface of a cube's cage is 1/6 of a side inside of its faces' middles. A wide beam meets a coarse mesh.
+// The limit surface of a cube's cage lies 1/6 of a side inside the middles of its faces. A wide beam sees a coarse mesh.
 TEST(Query, TakesTheFootprintOfEachRay)
 {
     Scene scene;

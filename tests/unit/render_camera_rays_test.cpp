@@ -7,7 +7,7 @@
 namespace occam::render {
 namespace {
 
-// The convention of the reference pictures: d = f + (2 x / w - 1) k aspect r + (1 - 2 y / h) k u.
+// The convention of the reference pictures is d = f + (2 x / w - 1) k aspect r + (1 - 2 y / h) k u.
 TEST(CameraRays, FollowTheConventionOfTheReferencePictures)
 {
     const Vec3d eye(1, 2, 3), target(-2, 1, 0.5);
@@ -19,7 +19,7 @@ TEST(CameraRays, FollowTheConventionOfTheReferencePictures)
         const Vec3d d = f + r * ((2 * at.x / 320 - 1) * k * 4 / 3) + u * ((1 - 2 * at.y / 240) * k);
         const accel::Ray ray = rays.ray(at.x, at.y);
         EXPECT_EQ(ray.origin, eye);
-        // Rounded once to float: half an ulp a component, and as much again of the tangent.
+        // The direction is rounded once to float, by half an ulp in each component, and the tangent adds as much again.
         EXPECT_LT(glm::length(Vec3d(ray.direction) - glm::normalize(d)), 2e-7);
         EXPECT_NEAR(rays.depth(eye + d * 5.0), 5, 1e-12);
     }
@@ -31,7 +31,7 @@ TEST(CameraRays, ABeamIsOnePixelWideWhereItsPixelLies)
     const CameraRays rays(Camera::look_at({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, fov), 64, 32);
     const double pixel = 2 * std::tan(0.5) / 32;
     const accel::Ray corner = rays.ray(0, 0);
-    const double t = -1 / double(corner.direction.z);  // where z is 1
+    const double t = -1 / double(corner.direction.z);  // the distance at which camera z is 1
     EXPECT_NEAR(double(corner.footprint.at(float(t))), pixel, 1e-6 * pixel);
     EXPECT_EQ(corner.footprint.a, 0);
     EXPECT_NEAR(double(rays.pixel().b), pixel, 1e-6 * pixel);

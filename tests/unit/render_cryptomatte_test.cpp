@@ -1,4 +1,4 @@
-// Cryptomatte: ids by the specification's own examples, coverages of a whole picture, what files keep.
+// Tests of Cryptomatte: ids by the specification's own examples, coverages in a whole picture, and what files keep.
 #include "render/cryptomatte.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 namespace occam::test {
 namespace {
 
-// From the unit tests of Psyop's own implementation (Cryptomatte 1.2.0).
+// The values are those in the unit tests of Psyop's own implementation (Cryptomatte 1.2.0).
 TEST(Cryptomatte, IdsAreThoseOfTheSpecification)
 {
     EXPECT_EQ(render::murmur3("hello"), 0x248bfa47u);
@@ -44,7 +44,7 @@ TEST(Cryptomatte, RanksGoByCoverage)
     EXPECT_EQ(ranks[6], 15.0f);
 }
 
-// A floor all over the picture, and before it a pane that is there to a quarter and covers the left half.
+// Holds a floor that fills the picture, and in front of its left half a pane with an opacity of a quarter.
 struct Panes {
     Scene scene;
     Camera camera = Camera::look_at({0, 4, 0}, {0, 0, 0}, {0, 0, -1}, 0.5f);

@@ -19,7 +19,7 @@ SampleResult grey(float value, float depth)
     return s;
 }
 
-// `place` from the pixel's top left corner.
+// Returns the sample moved to `place`, which is measured from the pixel's top left corner.
 SampleResult at(SampleResult sample, Vec2f place)
 {
     sample.offset = place - Vec2f(0.5f);
@@ -45,7 +45,7 @@ TEST(Film, DepthIsThatOfTheSampleNearestTheMiddle)
     EXPECT_EQ(sums.first().depth, 5);
 }
 
-// Of the mean of 1, 2, 3, 6: sum of squared deviations 14, over n - 1 = 3, over n = 4.
+// For the mean of 1, 2, 3 and 6 it is the sum of squared deviations, 14, over n - 1 = 3, over n = 4.
 TEST(Film, VarianceIsThatOfTheMean)
 {
     PixelSums sums;
@@ -80,7 +80,7 @@ TEST(Film, WeightsOfAFilterMayBeNegative)
     EXPECT_EQ(nothing.beauty(), Vec4f(0));
 }
 
-// Four samples 1, 2, 3, 6 have a mean of 3 and a standard error of sqrt(14 / 12).
+// The four samples 1, 2, 3 and 6 have a mean of 3 and a standard error of sqrt(14 / 12).
 TEST(Film, TheRelativeErrorIsTheStandardErrorOverTheMean)
 {
     PixelSums sums;

@@ -51,7 +51,7 @@ Image gradient(int width, int height)
     return image;
 }
 
-// The definition, byte by byte, on its own.
+// Computes the checksum independently, byte by byte from its definition.
 std::uint64_t fnv_of_rgb(const Layer& beauty)
 {
     std::uint64_t h = 14695981039346656037ull;
@@ -69,7 +69,7 @@ TEST(Image, ChecksumIsFnv1aOfTheColours)
     Image image = gradient(5, 3);
     EXPECT_EQ(image.checksum(), fnv_of_rgb(image.layers()[0]));
     const std::uint64_t before = image.checksum();
-    image.layer(0).pixels[3] = 0.5f;  // alpha does not count
+    image.layer(0).pixels[3] = 0.5f;  // alpha is not part of the checksum
     EXPECT_EQ(image.checksum(), before);
     image.layer(0).pixels[4] += 1e-7f;
     EXPECT_NE(image.checksum(), before);
@@ -207,7 +207,7 @@ TEST(Display, ExposureAndCurvesDoWhatTheyPromise)
     }
 }
 
-// Black, grey and white of the filmic curve, and that it rises without a jump.
+// The test checks black, grey and white of the filmic curve, and that it rises without a jump.
 TEST(Display, TheFilmicCurveRisesFromBlackToWhite)
 {
     float last = 0;
@@ -215,7 +215,7 @@ TEST(Display, TheFilmicCurveRisesFromBlackToWhite)
         Image image(1, 1);
         image.add_layer("beauty", {"R", "G", "B"}).pixels.assign(3, 0.01f * float(i));
         const float shown = display_image(image, {.exposure_ev = 0}).pixels[1];
-        EXPECT_GE(shown, last) << i;  // 0 at 0
+        EXPECT_GE(shown, last) << i;  // the first value is 0
         EXPECT_LT(shown - last, 0.12f) << i;
         last = shown;
     }
@@ -240,8 +240,8 @@ Image grey(std::size_t pixels, float value)
 TEST(Display, AutomaticExposureLeavesWhatIsLitAsUsual)
 {
     for (const float usual : {0.13f, 0.25f, 0.49f}) EXPECT_EQ(automatic_exposure(grey(100, usual)), 0) << usual;
-    EXPECT_NEAR(automatic_exposure(grey(100, 2)), -2, 1e-5f);         // to 0.5
-    EXPECT_NEAR(automatic_exposure(grey(100, 1.0f / 64)), 3, 1e-5f);  // to 0.125
+    EXPECT_NEAR(automatic_exposure(grey(100, 2)), -2, 1e-5f);         // darkens it to 0.5
+    EXPECT_NEAR(automatic_exposure(grey(100, 1.0f / 64)), 3, 1e-5f);  // brightens it to 0.125
     EXPECT_NEAR(automatic_exposure(grey(100, 1e30f)), -kMostStops, 1e-5f);
     EXPECT_NEAR(automatic_exposure(grey(100, 1e-30f)), kMostStops, 1e-5f);
     EXPECT_EQ(automatic_exposure(grey(100, 0)), 0);
@@ -262,7 +262,7 @@ TEST(Display, AutomaticExposureAsksOnlyWhatIsSeenAndLit)
         else pixel[0] = pixel[1] = pixel[2] = 0.25f;
     }
     EXPECT_EQ(automatic_exposure(cut_out), 0);
-    Image lamp = grey(1000, 1.0f / 64);  // a dark room with a lamp in sight, which is not to burn
+    Image lamp = grey(1000, 1.0f / 64);  // a dark room with a visible lamp, which must not be overexposed
     for (std::size_t i = 0; i < 4 * 50; ++i) lamp.layer(0).pixels[i] = 1;
     EXPECT_NEAR(automatic_exposure(lamp), 1, 1e-4f);
     Image view = grey(100, 16);

@@ -8,12 +8,12 @@
 namespace occam::render {
 namespace {
 
-// Horizontal planes y = height, seen from both sides, in place of a scene.
+// A tracer whose scene consists of horizontal planes y = height, which are visible from both sides.
 struct PlaneTracer {
     struct Plane {
         double height;
         const Material* material;
-        double reach = 1e9;  ///< |x| up to this
+        double reach = 1e9;  ///< the plane ends at this |x|
     };
     std::vector<Plane> planes;
 
@@ -43,7 +43,7 @@ struct PlaneTracer {
     }
 };
 
-// Lambertian, so that expectations have a closed form.
+// Returns a Lambertian material, so that expectations have a closed form.
 Material matte(float color, float alpha = 1)
 {
     Material m;
@@ -99,7 +99,7 @@ TEST(Integrator, ALitPlaneReflectsItsAlbedo)
     Stage stage;
     stage.tracer.planes = {{0, &grey}};
     const SampleResult r = stage.one();
-    EXPECT_NEAR(r.radiance.x, 0.5f, 1e-5f);  // albedo / pi times an irradiance of pi
+    EXPECT_NEAR(r.radiance.x, 0.5f, 1e-5f);  // it is albedo / pi times an irradiance of pi
     EXPECT_EQ(r.alpha, 1);
     EXPECT_EQ(r.albedo, Vec4f(0.5f, 0.5f, 0.5f, 1));
     EXPECT_NEAR(r.first.depth, 5, 1e-5);
@@ -113,7 +113,7 @@ TEST(Integrator, WhatStandsInTheLightCastsAShadow)
 {
     const Material grey = matte(0.5f);
     Stage stage;
-    stage.tracer.planes = {{0, &grey}, {100, &grey}};  // above the camera
+    stage.tracer.planes = {{0, &grey}, {100, &grey}};  // the second plane is above the camera
     EXPECT_EQ(stage.one().radiance, Vec3f(0));
 }
 
@@ -134,7 +134,7 @@ TEST(Integrator, AMissIsTransparentOrTheEnvironment)
     EXPECT_EQ(r.alpha, 0);
 }
 
-// Two sheets of opacity 1/4 over a floor, none of them in each other's light: unlit.
+// Two sheets of opacity 1/4 lie over a floor. They are unlit, so that none shadows another.
 TEST(Integrator, BlendedSheetsAreLaidOverEachOtherInOrder)
 {
     Material red = matte(0, 0.25f), green = matte(0, 0.25f), white = matte(1);
@@ -155,13 +155,13 @@ TEST(Integrator, BlendedSheetsLetLightThrough)
 {
     const Material grey = matte(0.5f), sheet = matte(0.5f, 0.25f);
     Stage stage;
-    stage.tracer.planes = {{0, &grey}, {50, &sheet}, {60, &sheet}};  // above the camera
+    stage.tracer.planes = {{0, &grey}, {50, &sheet}, {60, &sheet}};  // the sheets are above the camera
     EXPECT_NEAR(stage.one().radiance.x, 0.5f * 0.75f * 0.75f, 1e-5f);
     stage.tracer.planes.push_back({70, &grey});
     EXPECT_EQ(stage.one().radiance.x, 0);
 }
 
-// Any number of sheets that a mask cuts away hides nothing, neither from the camera nor from the light.
+// Sheets that a mask cuts away hide nothing, in any number, neither from the camera nor from the light.
 TEST(Integrator, ThousandsOfMaskedSheetsChangeNothing)
 {
     const Material grey = matte(0.5f);
@@ -184,8 +184,8 @@ TEST(Integrator, ThousandsOfMaskedSheetsChangeNothing)
         }
 }
 
-// 400 sheets of opacity 1/50, which shine, over a floor that does: what is seen is right in the mean, though no sample
-// follows more than a few ways, and light from above is dimmed by all of them.
+// 400 emissive sheets of opacity 1/50 lie over an emissive floor. What the camera sees is right in the mean, though no
+// sample follows more than a few branches, and light from above is dimmed by all sheets.
 TEST(Integrator, HundredsOfBlendedSheetsAreRightInTheMean)
 {
     Material sheet = matte(0, 0.02f), floor = matte(0);
@@ -226,7 +226,8 @@ TEST(Integrator, BlendedSheetsBeforeALightAreRightInTheMean)
     EXPECT_NEAR(light, expected, 0.1 * expected) << "one ray in a hundred gets through";
 }
 
-// Light that was scattered twice is limited; what the camera sees of lamps and of lit surfaces is not.
+// Light that was scattered twice is limited, but neither the light of lamps nor that of lit surfaces that the camera sees
+// is.
 TEST(Integrator, AClampLimitsIndirectLightAlone)
 {
     Material mirror = matte(1);
@@ -261,7 +262,7 @@ TEST(Integrator, ManyLightsAreSampledWithoutBias)
     EXPECT_EQ(stage.counters.rays.shadow, std::uint64_t(kMaxLightsPerHit));
 }
 
-// A ray towards a lamp for each of its samples, and none that is scattered to find it, unless it is near.
+// One ray is shot towards a lamp for each of its samples, and none is scattered to find the lamp unless it is near.
 TEST(Integrator, ALampFarOffIsLeftToItsSamples)
 {
     const Material grey = matte(0.5f);
@@ -275,7 +276,8 @@ TEST(Integrator, ALampFarOffIsLeftToItsSamples)
     for (const double height : {2.0, 20.0}) {
         lamp.position = {0, height, 0};
         stage.lights = {lamp};
-        // Form factor of a sphere straight above: (r / h)^2. The camera's ray meets the plane up to 0.2 beside that.
+        // The form factor of a sphere straight above is (r / h)^2. The camera's ray hits the plane up to 0.2 beside that
+        // point.
         const float expected = 0.5f / static_cast<float>(height * height);
         EXPECT_NEAR(stage.one().radiance.x, expected, 0.03f * expected) << height;
         if (height > 4) EXPECT_EQ(stage.counters.rays.shadow, 64u);

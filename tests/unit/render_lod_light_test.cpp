@@ -1,4 +1,5 @@
-// Light converges to the same picture with level of detail on and off: the difference falls with the shading rate.
+// Tests that light converges to the same picture with level of detail on and off: the difference falls with the shading
+// rate.
 #include <gtest/gtest.h>
 #include <occam/occam.h>
 
@@ -39,7 +40,7 @@ Scene stage_of(const Effect& effect)
     return scene;
 }
 
-// The same numbers are drawn in both pictures, so that most noise cancels out.
+// Both pictures use the same random numbers, so that most noise cancels out.
 TEST(LodLight, ConvergesToThePictureOfOneFineLevel)
 {
     for (const Effect& effect :

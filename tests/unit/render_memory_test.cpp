@@ -1,4 +1,5 @@
-// Memory budgets down to the floor, and trees that workers share: what they may use, and that the picture stays what it is.
+// Tests of memory budgets down to the least one, and of trees that workers share: what they may use, and that the picture is
+// always the same.
 #include <gtest/gtest.h>
 
 #include "base/arena.h"
@@ -16,7 +17,7 @@ using test::TexturedFloor;
 using test::torus;
 using test::waves;
 
-// A few hundred bumpy things with a lamp: several megabytes of trees and igrids.
+// Holds a few hundred bumpy objects with a lamp, which take several megabytes of trees and igrids.
 struct Field {
     Scene scene;
     Camera camera = Camera::look_at({0, 7, 13}, {0, 0, 0}, {0, 1, 0}, 0.9f);
@@ -120,7 +121,7 @@ TEST(SharedTree, MakesTheSamePictureForAnyGroupsAndBudget)
         }
 }
 
-// Skins and morph targets are posed as rays come, in the memory of the tree.
+// Skins and morph targets are posed when rays need them, in the memory of the tree.
 TEST(SharedTree, HoldsNoMoreThanOneWorkerNeedsByItself)
 {
     Field field;
@@ -146,7 +147,7 @@ TEST(Workers, AreCountedEachByItself)
     EXPECT_EQ(micropolygons, field.stats.built.micropolygons);
 }
 
-// Once a 256th of all samples is made, every pixel shows one.
+// Once a 256th of all samples is made, every pixel shows a sample.
 TEST(Deadline, WhatIsNotFinishedShowsASampleOfEachPixel)
 {
     Field field;

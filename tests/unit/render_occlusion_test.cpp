@@ -1,4 +1,4 @@
-// Occlusion maps: what ambient light they leave, and that traced light does not know of them.
+// Tests of occlusion maps: how much ambient light they leave, and that they do not change traced light.
 #include <gtest/gtest.h>
 
 #include "tests/support/textured_floor.h"
@@ -6,7 +6,8 @@
 namespace occam::test {
 namespace {
 
-/// A quarter of the light in one half of the floor, all of it in the other; of this four fifths.
+/// Returns a material whose map leaves a quarter of the light in one half of the floor and all of it in the other, with a
+/// strength of four fifths.
 Material half_occluded(Scene& scene)
 {
     Material m;
@@ -16,7 +17,7 @@ Material half_occluded(Scene& scene)
     return m;
 }
 
-/// Of a layer's first channel, in a pixel that shows the floor's left or right half.
+/// Returns the first channel of a layer in a pixel that shows the floor's left or right half.
 float value(const Image& image, const char* layer, bool is_right)
 {
     const Layer* found = image.find(layer);

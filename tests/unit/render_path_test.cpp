@@ -1,4 +1,4 @@
-// Whole paths against closed forms: rooms whose radiance is known, both ways of finding a light, glass.
+// Tests of whole paths against closed forms: rooms whose radiance is known, both ways of finding a light, and glass.
 #include <gtest/gtest.h>
 #include <occam/occam.h>
 
@@ -8,7 +8,7 @@
 namespace occam::test {
 namespace {
 
-// A closed box of triangles, seen from inside or outside.
+// Returns a closed box of triangles, which is visible from inside and outside.
 Cage box()
 {
     Cage cage;
@@ -43,7 +43,7 @@ NodeId put(Scene& scene, Cage cage, const Material& material, Vec3d at = Vec3d(0
     return place(scene, scene.add(std::move(cage)), at);
 }
 
-/// Mean of all pixels, and the error of that.
+/// Returns the mean of all pixels, and its standard error.
 Mean mean_of(Scene& scene, const Camera& camera, Settings settings)
 {
     Renderer renderer({.threads = 2});
@@ -58,8 +58,8 @@ Mean mean_of(Scene& scene, const Camera& camera, Settings settings)
 const Settings kSmall{.width = 32, .height = 32, .spp = 64, .integrator = IntegratorKind::Path};
 const Camera kInside = Camera::look_at({0.3, 0.2, 0.1}, {1, 0.3, -0.4}, {0, 1, 0}, 1);
 
-// Walls that shine with e and reflect rho are everywhere e / (1 - rho) bright, found by lights' samples and by bounces
-// alike.
+// Walls that emit e and reflect rho have a radiance of e / (1 - rho) everywhere, whether samples of lights or bounces find
+// it.
 TEST(Path, AShiningRoomIsAsBrightAsTheSeriesOfItsBounces)
 {
     Scene scene;
@@ -79,8 +79,8 @@ TEST(Path, AShiningRoomIsAsBrightAsTheSeriesOfItsBounces)
     EXPECT_NEAR(one.value(), 0.4 * (1 + 0.6), 4 * one.error() + 1e-3);
 }
 
-// The same lamp as an area light of the scene graph and as a mesh that shines: near by, and so far that the area light is
-// left to its samples, while the mesh is found by scattered rays too.
+// The same lamp is an area light of the scene graph and an emissive mesh. It is near, or so far away that the area light is
+// left to its samples, while scattered rays still find the mesh.
 TEST(Path, AShiningMeshLightsAsAnAreaLightDoes)
 {
     const Camera camera = Camera::look_at({0, 0.8, 0}, {0, 0, 0}, {0, 0, -1}, 1.2f);
@@ -112,12 +112,12 @@ TEST(Path, AShiningMeshLightsAsAnAreaLightDoes)
             for (const float roughness : {0.15f, 1.0f}) {
                 const double area = light(false, roughness, height, integrator),
                              mesh = light(true, roughness, height, integrator);
-                // Of 65,536 samples that are each right to a factor.
+                // The mean is that of 65,536 samples, each of which is right to within a factor.
                 EXPECT_NEAR(area, mesh, 4 * 3e-3 * area) << height << ' ' << roughness;
             }
 }
 
-// A pane is looked through straight on; a body bends, and both lose to reflection alone what Fresnel says.
+// Light passes a pane straight on and is refracted by a body. Both lose light only by Fresnel reflection.
 TEST(Path, GlassInAWhiteSkyIsWhite)
 {
     for (const float thickness : {0.0f, 1.0f})
@@ -136,7 +136,7 @@ TEST(Path, GlassInAWhiteSkyIsWhite)
         }
 }
 
-// With no setting but the size: metals, rough panes and rough glass reflect and let through all of a white sky.
+// With no setting but the size, metals, rough panes and rough glass reflect or transmit all light of a white sky.
 TEST(Path, ByDefaultMetalsAndRoughGlassAreAsBrightAsTheirSky)
 {
     struct Kind {
@@ -162,7 +162,8 @@ TEST(Path, ByDefaultMetalsAndRoughGlassAreAsBrightAsTheirSky)
         }
 }
 
-// Straight through a slab of thickness 2: exp(-2 a), with a = -ln 0.25 / 4, is 1/2. What is reflected comes back through it.
+// The transmittance straight through a slab of thickness 2 is exp(-2 a) = 1/2 with a = -ln 0.25 / 4. Reflected light passes
+// the slab again.
 TEST(Path, ABodyTakesLightByTheLengthOfTheWay)
 {
     Scene scene;
@@ -177,8 +178,8 @@ TEST(Path, ABodyTakesLightByTheLengthOfTheWay)
     scene.environment.radiance = Vec3f(1);
     Settings settings = kSmall;
     settings.bounces = 40;
-    // A narrow view along the axis. r = 0.04, T = 1/2: r + (1 - r)^2 T / (1 - r T) summed over all echoes, the sky on both
-    // sides.
+    // In a narrow view along the axis, with the sky on both sides, the sum over all internal reflections is r + (1 - r)^2 T
+    // / (1 - r T), where r = 0.04 and T = 1/2.
     const Mean m = mean_of(scene, Camera::look_at({0, 0, 60}, {0, 0, 0}, {0, 1, 0}, 0.01f), settings);
     const double r = 0.04, t = 0.5;
     const double expected = r + (1 - r) * (1 - r) * (t + r * t * t) / (1 - r * r * t * t);
@@ -207,7 +208,7 @@ TEST(Path, OneThreadAndManyAndAnyBudgetMakeTheSamePicture)
         }
 }
 
-// Ends where the estimated error is small, and the mean stays what it is.
+// Adaptive sampling ends where the estimated error is small, and does not change the mean.
 TEST(Path, AdaptiveSamplingEndsEarlyWhereLittleIsLeftToFind)
 {
     Scene scene;

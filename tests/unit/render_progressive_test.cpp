@@ -1,4 +1,4 @@
-// Frames that are made in rounds over the whole picture, stopped, and gone on with.
+// Tests of frames that are made in rounds over the whole picture, stopped, and continued.
 #include <gtest/gtest.h>
 
 #include <signal.h>
@@ -48,7 +48,7 @@ TEST(Progressive, RoundsHaveTheBitsOfTiles)
     }
 }
 
-// The first runs are too short for a single sample, the later ones stop anywhere.
+// The first runs are too short for a single sample; the later ones stop anywhere.
 TEST(Progressive, APictureOfManyShortRunsHasTheBitsOfOne)
 {
     Subject subject;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr Dimension kLight = {77};
 
-// Elementary intervals of area 2^-m: every shape of 2^a x 2^(m - a) cells holds one of each aligned 2^m points.
+// Every elementary interval of area 2^-m (of each shape, in 2^a x 2^(m - a) cells) holds one of each aligned 2^m points.
 TEST(Sampler, EveryElementaryIntervalHoldsOnePointOfEachAlignedBlock)
 {
     const Sampler sampler(7, 1, true);
@@ -32,7 +32,7 @@ TEST(Sampler, EveryElementaryIntervalHoldsOnePointOfEachAlignedBlock)
                 }
 }
 
-// Direction numbers of the second dimension: the polynomials (1 + x)^i modulo 2.
+// The direction numbers of the second dimension are the polynomials (1 + x)^i modulo 2.
 TEST(Sampler, TheSecondDimensionIsThatOfSobolsDirectionNumbers)
 {
     for (std::uint32_t n = 0; n < 5000; ++n) {
@@ -85,7 +85,8 @@ TEST(Sampler, NumbersDependOnSeedPixelDimensionAndIndex)
     EXPECT_NE(u(1, 2, 3, 0, 4), u(1, 2, 3, 0, 5));
 }
 
-// Pairs (one dimension, another) over 8 x 8 cells, of one sample in many pixels and of many samples in one pixel.
+// Pairs of numbers from two dimensions are counted in 8 x 8 cells, for one sample in many pixels and for many samples in one
+// pixel.
 TEST(Sampler, TwoDimensionsAreNotCorrelated)
 {
     const Sampler sampler(1, 16, true);
@@ -102,7 +103,8 @@ TEST(Sampler, TwoDimensionsAreNotCorrelated)
     }
 }
 
-// Samples times weights make the filter: moments against the filter's own, by sums over a fine grid.
+// Weighted samples have the distribution of the filter: their moments are compared with the filter's own, from sums over a
+// fine grid.
 TEST(Filter, SamplesFollowTheFilter)
 {
     for (const FilterKind kind : kAllFilters) {
@@ -124,7 +126,7 @@ TEST(Filter, SamplesFollowTheFilter)
             weights += double(p.weight);
             drawn += double(p.weight * p.offset.x * p.offset.x);
         }
-        // Of a product of two equal filters: the weights' mean is the square of one axis's share.
+        // The filter is a product of two equal ones, so the mean of the weights is the square of that along one axis.
         EXPECT_NEAR(weights / kCount, (sum / absolute) * (sum / absolute), 5e-3) << filter_name(kind);
         EXPECT_NEAR(drawn / weights, square / sum, 5e-3 * std::max(1.0, square / sum)) << filter_name(kind);
     }
@@ -139,7 +141,8 @@ TEST(Filter, TheMiddleOfTheSquareIsTheMiddleOfThePixel)
     }
 }
 
-// Of a regular polygon, and of a disc: shares of a grid's cells that lie in it, by points of a finer grid.
+// For a regular polygon and a disc, expectations are the shares of a grid's cells that lie in it, from the points of a finer
+// grid.
 TEST(Aperture, PointsAreUniformInTheOpening)
 {
     constexpr int kCells = 10, kFine = 40;

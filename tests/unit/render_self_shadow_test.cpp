@@ -1,4 +1,5 @@
-// Secondary rays and the surface that they leave: no point of a convex body is in its own way, at any scale.
+// Tests of secondary rays and the surface that they leave: no point of a convex body is shadowed by the body itself, at any
+// scale.
 #include <gtest/gtest.h>
 #include <occam/occam.h>
 
@@ -8,7 +9,7 @@
 namespace occam::test {
 namespace {
 
-// A cube's Catmull-Clark limit surface is convex: from each of its points a hemisphere of sky is seen.
+// Returns a cube, whose Catmull-Clark limit surface is convex: each of its points sees a hemisphere of sky.
 Cage rounded_cube()
 {
     Cage cage;
@@ -20,7 +21,7 @@ Cage rounded_cube()
 
 struct Darkness {
     int pixels = 0;
-    double darkest = 1;  ///< of wholly covered pixels: what of their sky is seen
+    double darkest = 1;  ///< least share of the sky that a wholly covered pixel sees
 };
 
 Darkness look_at(Scene& scene, const Settings& settings)
@@ -38,9 +39,9 @@ Darkness look_at(Scene& scene, const Settings& settings)
     return result;
 }
 
-// 64 rays a pixel, four from each camera sample. Those few that leave below their micropolygon's own horizon, though above
-// the smooth normal's, are not shot: a hundredth where facets are a pixel wide, more at the rim. One sample of sixteen that
-// starts below the surface would take a sixteenth.
+// Each pixel has 64 rays, four from each camera sample. The few that leave below the horizon of their micropolygon, though
+// above that of the smooth normal, are not shot: a hundredth where facets are a pixel wide, and more at the rim. One sample
+// of sixteen that starts below the surface would cost a sixteenth.
 TEST(SelfShadow, AConvexBodySeesAllOfItsSkyAtAnyScale)
 {
     for (const double scale : {1e-4, 1e-2, 1.0, 1e3, 1e6})
@@ -67,12 +68,13 @@ TEST(SelfShadow, NorDoesItAtAnyShadingRate)
         settings.integrator = IntegratorKind::Ao;
         settings.light_samples = 4;
         settings.shading_rate = rate;
-        // Facets of sixteen pixels turn by some degrees from one to the next: so much of the sky is below them.
+        // The normals of facets of sixteen pixels differ by some degrees from one to the next, so as much of the sky is
+        // below them.
         EXPECT_GT(look_at(scene, settings).darkest, rate > 8 ? 0.85 : 0.9375) << rate;
     }
 }
 
-// A white body under a white sky shows nothing but white, whatever its light does before.
+// A white body under a white sky is white everywhere, however often its light was scattered.
 TEST(SelfShadow, AWhiteBodyInAWhiteSkyIsWhite)
 {
     for (const double scale : {1e-4, 1.0, 1e6}) {
@@ -92,8 +94,8 @@ TEST(SelfShadow, AWhiteBodyInAWhiteSkyIsWhite)
     }
 }
 
-// A room between shells of a rounded cube, seen from inside, in bright light from outside: how many of its pixels are not
-// black.
+// Returns the number of pixels that are not black in a room between shells of a rounded cube, seen from inside, with bright
+// light outside.
 int lit_pixels(const std::vector<double>& shells, double scale, float rate, int bounces)
 {
     Scene scene;
@@ -124,14 +126,14 @@ int lit_pixels(const std::vector<double>& shells, double scale, float rate, int 
     return lit;
 }
 
-// Rays start from where coarse levels were met by wide beams, and stay inside.
+// Rays that start where wide beams have hit coarse levels stay inside.
 TEST(SelfShadow, AClosedRoomLetsNoLightInHoweverWideItsBeams)
 {
     for (const float rate : {0.5f, 1.0f, 4.0f}) EXPECT_EQ(lit_pixels({1.0}, 1, rate, 6), 0) << rate;
 }
 
-// While the edge that is wanted where rays start is at most a quarter of the wall: here that of camera rays at the far wall,
-// up to 1.1 away. The inner shell's limit surface is 0.55 to 0.8 from the middle.
+// This holds while the target edge length where rays start is at most a quarter of the wall's thickness. Here it is that of
+// camera rays at the far wall, up to 1.1 away. The inner shell's limit surface is 0.55 to 0.8 from the middle.
 TEST(SelfShadow, AWallLeaksNoLightAtAQuarterOfItsThickness)
 {
     for (const double scale : {1e-3, 1.0, 1e4})

@@ -57,7 +57,7 @@ TEST(Tiles, AreGivenOutOnceWhoeverAsks)
         TileQueue queue(make_tiles({0, 0, 160, 96}), workers);
         std::map<std::pair<int, int>, int> times;
         std::size_t given = 0;
-        // The first worker asks most often, the last one never.
+        // The first worker asks most often, and the last one never asks.
         for (int turn = 0; given < queue.size(); ++turn) {
             const int worker = turn % 3 == 0 && workers > 2 ? 1 : 0;
             const auto tile = queue.next(worker);

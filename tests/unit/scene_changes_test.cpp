@@ -1,4 +1,4 @@
-// A scene that changes between frames: each picture is that of a scene built anew, whatever the renderer has kept.
+// Tests of a scene that changes between frames: each picture is that of a scene built anew, whatever the renderer has kept.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -17,7 +17,7 @@ using test::torus;
 const Camera kCamera = Camera::look_at({0.5, 3, 6}, {0, 0, 0}, {0, 1, 0}, 0.8f);
 const Settings kSmall{.width = 64, .height = 48, .spp = 2};
 
-// What an application may have at one moment.
+// Holds what an application may have at one moment.
 struct State {
     bool is_tall = false, is_prism = false, is_aside = false, is_red = false, is_dark = false, is_hidden = false;
 };
@@ -126,8 +126,8 @@ OnDemandCage demanded(std::atomic<int>& calls, Cage cage)
     return on_demand;
 }
 
-// Hidden behind a wall, or beside the picture: however much it is, and however it changes, a frame does the same work. One
-// worker, since two divide it as they come.
+// Geometry is hidden behind a wall, or lies beside the picture. However much it is, and however it changes, a frame does the
+// same work. The test uses one worker, because two divide the work differently each time.
 TEST(HiddenGeometry, CostsNoWorkOfAnyKind)
 {
     const auto work_with = [](int copies) {
@@ -163,7 +163,7 @@ TEST(HiddenGeometry, CostsNoWorkOfAnyKind)
     const FrameStats few = work_with(1), many = work_with(64);
     EXPECT_GT(few.built.faces_touched, 0u);
     EXPECT_EQ(few.built.faces_touched, many.built.faces_touched);
-    // Planes fall elsewhere, so that a packet may look into other boxes beside its way.
+    // The planes of the tree differ, so a packet may visit other boxes beside its path.
     EXPECT_NEAR(double(few.built.grids), double(many.built.grids), 0.05 * double(few.built.grids));
     EXPECT_NEAR(double(few.built.micropolygons), double(many.built.micropolygons), 0.05 * double(few.built.micropolygons));
     EXPECT_LE(many.built.kd_nodes, few.built.kd_nodes + 24) << "planes between what is seen and what is not";

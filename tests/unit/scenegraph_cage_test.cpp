@@ -6,7 +6,7 @@
 namespace occam {
 namespace {
 
-// Three quads in a row, the second a hole.
+// Returns three quads in a row, the second of which is a hole.
 Cage strip()
 {
     Cage cage;
@@ -179,8 +179,8 @@ TEST(Sanitize, RefusesArraysThatDoNotFitTogether)
     EXPECT_THROW(sanitize(cage), Error);
 }
 
-// Two hexagons with three edges in common, as in OpenSubdiv's own shape catmark_val2_interior: its library writes past its
-// arrays for creases there. Creases of the border change nothing and are not told of.
+// Two hexagons share three edges, as in OpenSubdiv's own shape catmark_val2_interior. OpenSubdiv writes past its arrays for
+// creases there. Creases of the border change nothing, and no warning mentions them.
 TEST(Sanitize, CreasesBesideAVertexOfTwoFacesAtABorderAreDropped)
 {
     Cage cage;
@@ -194,7 +194,7 @@ TEST(Sanitize, CreasesBesideAVertexOfTwoFacesAtABorderAreDropped)
     EXPECT_TRUE(cage.creases.empty());
 }
 
-// Closed back to back: without a border there is nothing to mistake.
+// The hexagons are closed back to back, and OpenSubdiv has no fault where there is no border.
 TEST(Sanitize, CreasesBesideAVertexOfTwoFacesStayWithoutABorder)
 {
     Cage cage;

@@ -11,7 +11,7 @@
 namespace occam {
 namespace {
 
-// Where a point lies in the picture, each from -1 to 1 inside of it.
+// Returns where a point lies in the picture; both coordinates are from -1 to 1 inside the picture.
 Vec2d in_picture(const Camera& camera, double aspect, Vec3d p)
 {
     const double k = std::tan(double(camera.lens.fov) / 2);
@@ -51,8 +51,8 @@ TEST(Camera, AFitLooksFromTheSideThatFilesFace)
         fit.add(Vec3d(0));
         return fit.camera();
     };
-    EXPECT_EQ(eye(ViewFrom::Front, {0, 1, 0}).eye(), Vec3d(0, 0, 1));   // glTF
-    EXPECT_EQ(eye(ViewFrom::Front, {0, 0, 2}).eye(), Vec3d(0, -1, 0));  // z up
+    EXPECT_EQ(eye(ViewFrom::Front, {0, 1, 0}).eye(), Vec3d(0, 0, 1));   // the convention of glTF
+    EXPECT_EQ(eye(ViewFrom::Front, {0, 0, 2}).eye(), Vec3d(0, -1, 0));  // z is up
     EXPECT_EQ(eye(ViewFrom::Side, {0, 1, 0}).eye(), Vec3d(1, 0, 0));
     EXPECT_EQ(eye(ViewFrom::Side, {0, 0, 1}).eye(), Vec3d(1, 0, 0));
     EXPECT_EQ(eye(ViewFrom::Back, {0, 0, 1}).eye(), Vec3d(0, 1, 0));
@@ -62,7 +62,7 @@ TEST(Camera, AFitLooksFromTheSideThatFilesFace)
     EXPECT_THROW(CameraFit(ViewFrom::Front, Vec3d(0), 0.6f, 1), Error);
 }
 
-// A fit of one point, of none, of a needle that points at the eye.
+// The test fits one point, no point, and a needle that points at the eye.
 TEST(Camera, AFitOfAlmostNothingIsACamera)
 {
     CameraFit fit(ViewFrom::Front, {0, 1, 0}, 0.6f, 1);

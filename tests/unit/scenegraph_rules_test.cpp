@@ -1,4 +1,4 @@
-// What a scene refuses: other scenes' handles, and values that nothing can have.
+// Tests of what a scene refuses: handles of other scenes, and impossible values.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +16,7 @@ Material named(const char* name)
     return material;
 }
 
-// Two scenes made by the same steps: each handle of one has the slot and the generation of something in the other.
+// Two scenes are made by the same steps, so handles with the same numbers would name objects in both of them.
 TEST(SceneHandles, AreTheirOwnScenesAlone)
 {
     struct Filled {

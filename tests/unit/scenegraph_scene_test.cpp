@@ -61,7 +61,7 @@ TEST(Scene, AnEditMarksThePathToTheRootAndNothingElse)
     expect_box(scene.bounds(), {0, 0, 0}, {4, 1, 0});
 }
 
-// The bound holds for a tree of any size: each path from an edited node to the root, and the nodes beside it.
+// The bound holds for a tree of any size: an edit visits the path from the edited node to the root, and the nodes beside it.
 TEST(Scene, AnEditLooksAtItsPathsToTheRootAlone)
 {
     constexpr std::size_t kFanOut = 8;
@@ -84,7 +84,7 @@ TEST(Scene, AnEditLooksAtItsPathsToTheRootAlone)
     }
 }
 
-// However many siblings there are: 16 beside each, and two boxes a level of the tree above them.
+// However many siblings there are, an edit visits 16 beside each, and two boxes for each level of the tree above them.
 TEST(Scene, AnEditOfOneOfManySiblingsLooksAtFewOfThem)
 {
     for (const std::size_t siblings : {std::size_t(100), std::size_t(10'000), std::size_t(100'000)}) {
@@ -141,7 +141,7 @@ TEST(Scene, AnInstanceFollowsEditsBelowItsTarget)
     const NodeId leaf = scene.add_node(original, {.cages = {square}});
     const NodeId group = scene.add_node(scene.root(), {});
     const NodeId instance = scene.add_node(group, {.matrix = moved(0, 0, 7), .instance_of = original});
-    expect_box(scene.bounds(), {0, 0, 7}, {1, 1, 7});  // neither place nor visibility of the original counts
+    expect_box(scene.bounds(), {0, 0, 7}, {1, 1, 7});  // neither the place nor the visibility of the original matters
     scene.set_transform(leaf, moved(2, 0, 0));
     EXPECT_TRUE(scene.node(instance).dirty);
     EXPECT_TRUE(scene.node(group).dirty);
@@ -246,7 +246,7 @@ TEST(Scene, ADeepTreeNeedsNoStack)
     EXPECT_EQ(placements, 200'002u);
 }
 
-// Any sequence of edits with refits between them ends in the boxes that a scene built anew would have.
+// Any sequence of edits with refits between them leads to the boxes that a scene built anew would have.
 TEST(Scene, RefitAfterRandomEditsAgreesWithARefitOfEverything)
 {
     std::mt19937 random(7);
@@ -292,7 +292,7 @@ TEST(Scene, RefitAfterRandomEditsAgreesWithARefitOfEverything)
     }
 }
 
-// The same where one node has a hundred children or so: they come and go until all of them are new, several times over.
+// One node has about a hundred children, which are removed and added until all of them are new, several times over.
 TEST(Scene, RefitOfManySiblingsAgreesWithARefitOfEverything)
 {
     std::mt19937 random(11);
@@ -303,7 +303,7 @@ TEST(Scene, RefitOfManySiblingsAgreesWithARefitOfEverything)
     std::vector<NodeId> nodes;
     for (int step = 0; step < 6000; ++step) {
         const Mat4d place = moved(double(pick(1000)), double(pick(1000)), double(pick(1000)));
-        // Grows to about 200, shrinks to about 20, and again.
+        // The number of children grows to about 200, shrinks to about 20, and so on.
         const bool grows = step / 1000 % 2 == 0;
         const std::size_t i = nodes.empty() ? 0 : pick(nodes.size());
         const std::size_t choice = pick(4);

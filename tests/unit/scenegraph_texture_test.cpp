@@ -25,7 +25,7 @@ Texture image(int width, int height, std::vector<Vec4f> pixels)
     texture.pixels = std::move(pixels);
     return texture;
 }
-// Row y, column x is (x, y, 0, 1).
+// Returns a texture whose texel in row y and column x is (x, y, 0, 1).
 Texture ramp(int width, int height)
 {
     std::vector<Vec4f> pixels;
@@ -102,7 +102,7 @@ TEST(TextureStore, NearestTakesOneTexel)
     EXPECT_EQ(p.at(1.0f, 0.5f).x, 0);
 }
 
-// Sample viewer of the glTF working group: scale, then rotation, then offset.
+// The sample viewer of the glTF working group applies the scale, then the rotation, then the offset.
 TEST(TextureStore, MovesCoordinatesAsKhrTextureTransformSays)
 {
     Prepared p(ramp(8, 8));
@@ -111,18 +111,18 @@ TEST(TextureStore, MovesCoordinatesAsKhrTextureTransformSays)
     EXPECT_EQ(p.at(0.0625f, 0.0625f), Vec4f(2, 4, 0, 1));
     p.use = {.texture = p.use.texture, .scale = {2, 3}, .nearest = true};
     EXPECT_EQ(p.at(0.15f, 0.1f), Vec4f(2, 2, 0, 1));
-    // A quarter turn: (u, v) looks at (v, -u).
+    // After a quarter turn (u, v) looks up (v, -u).
     p.use = {.texture = p.use.texture, .rotation = 1.57079633f, .nearest = true};
     EXPECT_EQ(p.at(0.0625f, 0.3125f), Vec4f(2, 7, 0, 1));
 }
 
 TEST(TextureStore, AWideFilterGivesTheMean)
 {
-    // An odd size: the box filter has to weigh three texels.
+    // With an odd size the box filter has to weigh three texels.
     const Prepared p(ramp(13, 6));
     for (float width : {1.0f, 5.0f, INFINITY}) {
         const Vec4f mean = p.at(0.3f, 0.9f, width);
-        EXPECT_NEAR(mean.x, 6.0f, 6.0f / 512);  // three levels of half floats
+        EXPECT_NEAR(mean.x, 6.0f, 6.0f / 512);  // half floats were rounded at three levels
         EXPECT_NEAR(mean.y, 2.5f, 2.5f / 512);
     }
 }
@@ -148,7 +148,7 @@ TEST(TextureStore, CoordinatesThatAreNoNumbersGiveNumbers)
         }
 }
 
-// libpng leaves OpenImageIO's reader by a jump where the bytes end; what that one holds would leak.
+// libpng leaves OpenImageIO's reader by a jump where the bytes end, and the reader's memory would leak.
 TEST(TextureStore, APngThatIsCutOffAnywhereIsToldOfBeforeItIsDecoded)
 {
     test::TempFolder folder;
@@ -200,7 +200,7 @@ TEST(TextureStore, WhatIsNotThereIsGreyWithAWarningAndWhatCannotBeReadIsAnError)
     EXPECT_EQ(store.bytes(), 0u);
 }
 
-// As in a GLB: the format is told by the bytes, since a declared type may be wrong.
+// As in a GLB, the bytes decide the format, since a declared type may be wrong.
 TEST(TextureStore, AnImageInMemoryIsTheSameAsTheFile)
 {
     test::TempFolder folder;
@@ -237,7 +237,7 @@ TEST(TextureStore, AnImageInMemoryIsTheSameAsTheFile)
     }
 }
 
-// A PPM of 8 bits: colours are sRGB, data is not.
+// In a PPM of 8 bits, colours are sRGB and data is linear.
 TEST(TextureStore, MakesColoursLinearAndLeavesDataAlone)
 {
     test::TempFolder folder;

@@ -1,4 +1,4 @@
-// Furnaces, reciprocity and chi-square of what surfaces scatter.
+// Tests of BSDFs: white furnaces, reciprocity and chi-square tests.
 #include "shade/bsdf.h"
 
 #include <gtest/gtest.h>
@@ -51,9 +51,9 @@ Surface pane_of(float alpha, float cos_eye)
     return s;
 }
 
-// What leaves towards the eye under a uniform sky of radiance 1: the mean over evenly laid out samples (a lattice with the
-// generators of Roberts' R3 sequence). Of `grazing` in 8 directions lie about either horizon, where light of several bounces
-// between microfacets goes and few of the surface's own samples do.
+// Returns the radiance towards the eye under a uniform sky of radiance 1: the mean over evenly distributed samples (a
+// lattice with the generators of Roberts' R3 sequence). A share of `grazing` / 8 of the directions lies near the two
+// horizons, where light of several bounces between microfacets goes, but few of the surface's own samples.
 double furnace(const Surface& s, int samples, int grazing)
 {
     double sum = 0;
@@ -73,10 +73,10 @@ double furnace(const Surface& s, int samples, int grazing)
     return sum / samples;
 }
 
-// Every white surface gives back all light within this, for every lobe, angle, width and index.
+// Every white surface reflects or transmits all light to within this error, for every lobe, angle, width and index.
 constexpr double kWhite = 3e-3;
 
-// A furnace with as many samples as its answer needs.
+// Returns the result of a furnace test with as many samples as it needs.
 double furnace(const Surface& s)
 {
     for (const int samples : {2'000, 16'000, 64'000}) {
@@ -143,7 +143,7 @@ TEST(Bsdf, ARoughPaneLosesNothing)
             }
 }
 
-// A normal map on a metal: seen from every side of every slope, none of the eye's rays is lost below the facet.
+// A normal map lies on a metal. Seen from every side of every slope, none of the eye's rays is lost below the facet.
 TEST(Bsdf, AMappedNormalLeavesNoBlackRings)
 {
     Material metal;
@@ -166,7 +166,8 @@ TEST(Bsdf, AMappedNormalLeavesNoBlackRings)
                 }
 }
 
-// Seen from above with alpha = 1: D = 1 / pi and the masking leaves the integral of c / (1 + c) over the cosine, 1 - ln 2.
+// Seen from above with alpha = 1, D is 1 / pi, and the masking leaves the integral of c / (1 + c) over the cosine c, which
+// is 1 - ln 2.
 TEST(Bsdf, TheTableKnowsTheRoughestMetalFromAbove)
 {
     EXPECT_NEAR(AlbedoTable::instance().at(1, 1).sum(), 1 - std::log(2.0), 1e-3);
@@ -200,7 +201,7 @@ TEST(Bsdf, AMatteSurfaceIsWorkedOutShortlyToTheSameBits)
     }
 }
 
-// f(a, b) = f(b, a) where the normals agree, but of coats and bodies, which keep all light instead.
+// f(a, b) = f(b, a) holds where the normals agree, except for coats and bodies, which keep all light instead.
 TEST(Bsdf, IsReciprocal)
 {
     Numbers numbers(5);
@@ -214,7 +215,7 @@ TEST(Bsdf, IsReciprocal)
         EXPECT_NEAR(scatter(layered, a).x / a.z, ab, 1e-4f * ab);
 
         Surface metal = surface_of(0.9f, Vec3f(0), Vec3f(0.9f, 0.6f, 0.3f),
-                                   0.9f);  // with what is given back of multiple scattering
+                                   0.9f);  // includes the lobe of multiple scattering
         metal.to_eye = a;
         const Vec3f from_a = scatter(metal, b) / b.z;
         metal.to_eye = b;
@@ -238,7 +239,8 @@ TEST(Bsdf, IsBlackBelowEitherHorizon)
     EXPECT_EQ(scatter(s, glm::normalize(Vec3f(1, 0, -0.1f))), Vec3f(0)) << "above the shading normal's horizon only";
 }
 
-// Where a smooth normal says day and the facet is at its horizon, light fades out instead of ending in a line.
+// Where the smooth normal faces the light but the light is at the facet's horizon, light fades out instead of ending in a
+// line.
 TEST(Bsdf, LightFadesTowardsTheFacetsHorizon)
 {
     Surface s = surface_of(0.5f, Vec3f(0.8f), Vec3f(0), 1);
@@ -296,7 +298,7 @@ const Case kCases[] = {
     {"out of glass", [](float c) { return glass_of(0.3f, 1 / 1.5f, c); }},
 };
 
-// Eyes and lights down to the horizon, and normals that turn away from either.
+// The test covers eyes and lights down to the horizon, and normals that turn away from either.
 TEST(Bsdf, IsFiniteAndNeverNegative)
 {
     Numbers numbers(21);

@@ -1,4 +1,4 @@
-// Bump maps: slopes are derivatives of the height, wherever they are made, and no normal faces away.
+// Tests of bump maps: slopes are derivatives of the height, wherever they are computed, and no normal faces away.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr float kAround = 6.2831853f;
 
-/// A hill and a hollow across the texture; texels stand for their middles.
+/// Returns a material with a hill and a hollow across the texture. A texel has the height at its middle.
 Material hilly(Scene& scene)
 {
     Material m;
@@ -30,7 +30,7 @@ Material hilly(Scene& scene)
     return m;
 }
 
-/// Derivatives of 0.8 times that height with respect to the coordinates.
+/// Returns the derivatives of 0.8 times that height with respect to the coordinates.
 Vec2f derivatives(Vec2f uv) { return Vec2f(std::cos(kAround * uv.x), -std::sin(kAround * uv.y)) * (0.8f * 0.25f * kAround); }
 
 TEST(Bump, SlopesOfALatticeAreTheHeightsDerivativesAlsoOnItsBorder)
@@ -39,7 +39,7 @@ TEST(Bump, SlopesOfALatticeAreTheHeightsDerivativesAlsoOnItsBorder)
     const Material m = hilly(scene);
     TextureStore textures(std::size_t(1) << 24);
     textures.prepare(scene);
-    // A skewed plane, on which 3 * 0.02 is as long as coordinates grow by 0.02 one way, and 2 * 0.02 the other.
+    // The plane is skewed: positions change by along_u for each unit of u, and by along_v for each unit of v.
     const Vec3f along_u(3, 0, 0), along_v(1, 2, 0.5f);
     constexpr int kColumns = 7, kRows = 5;
     std::vector<lod::VertexToShade> vertices;
@@ -56,14 +56,15 @@ TEST(Bump, SlopesOfALatticeAreTheHeightsDerivativesAlsoOnItsBorder)
         for (int i = 0; i < kColumns; ++i) {
             const Vec3f slope = bump.slope(i, j);
             const Vec2f expected = derivatives(vertices[std::size_t(j * kColumns + i)].uv[0]);
-            // Differences over 0.04 of a wave, and texels between which heights are straight.
+            // The slope comes from differences over 0.04 of a wave, and heights are linear between texels.
             EXPECT_NEAR(glm::dot(slope, along_u), expected.x, 0.03f) << i << ' ' << j;
             EXPECT_NEAR(glm::dot(slope, along_v), expected.y, 0.03f) << i << ' ' << j;
             EXPECT_NEAR(glm::dot(slope, glm::cross(along_u, along_v)), 0, 1e-4f) << "slopes lie in the surface";
         }
 }
 
-// The floor's coordinates grow by a quarter a unit. Straight down, from below, and on a floor seen in a mirroring placement.
+// The floor's coordinates grow by a quarter for each unit. It is seen from straight above, from below, and in a mirrored
+// placement.
 TEST(Bump, HitsHaveTheNormalOfTheHillsOnCagesAndTrianglesFromBothSides)
 {
     for (const Scheme scheme : {Scheme::Bilinear, Scheme::Triangles})

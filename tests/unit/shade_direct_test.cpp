@@ -34,8 +34,8 @@ Surface glossy(float alpha, float coat = 0)
     return s;
 }
 
-// A square whose corners are a unit from its middle, `distance` away at `angle` to the normal, turned by `tilt` from facing
-// the point.
+// Returns a square light whose corners are a unit from its middle. It is `distance` away at `angle` to the normal, and
+// tilted by `tilt` from facing the point.
 WorldLight square_light(float distance, float angle, float tilt)
 {
     WorldLight light;
@@ -65,8 +65,8 @@ bool is_left(const Surface& s, const WorldLight& light)
     return FrameLights::is_left_to_samples(light, s.start(s.normal_geometric), peak_density(s));
 }
 
-// Light that leaves the surface: one sample of the light and one scattered direction, weighed with each other or as the rule
-// says.
+// Returns the light that leaves the surface, from one sample of the light and one scattered direction. They are weighed
+// against each other, or as the rule says.
 test::Mean radiance(const Surface& s, const WorldLight& light, bool by_rule, int count = 10'000)
 {
     const FrameLights lights({light}, {});
@@ -116,7 +116,7 @@ TEST(DirectLight, LightsCloseByAndNarrowLobesAreWeighedBothWays)
     EXPECT_FALSE(is_left(glass, square_light(1e6f, 0, 0)));
 }
 
-// No direction is drawn more densely than the rule believes.
+// No direction is drawn with a higher density than the rule assumes.
 TEST(DirectLight, NoLobeIsDenserThanItsPeak)
 {
     for (const Surface& s : {matte(), glossy(0.5f), glossy(0.1f), glossy(0.5f, 1), glossy(0.01f)}) {
@@ -130,7 +130,7 @@ TEST(DirectLight, NoLobeIsDenserThanItsPeak)
     }
 }
 
-// As near as the rule lets it be, where one is nearly as good as the other.
+// The light is as near as the rule allows, where both ways are nearly equally good.
 TEST(DirectLight, ALightLeftToItsSamplesIsNoNoisier)
 {
     for (const Surface& s : {matte(), glossy(0.5f), glossy(0.2f), glossy(0.05f)}) {

@@ -1,4 +1,5 @@
-// Footprints of secondary rays beside finite differences: two neighbouring rays, reflected or refracted exactly.
+// Tests of the footprints of secondary rays beside finite differences of two neighbouring rays that are reflected or
+// refracted exactly.
 #include "shade/footprints.h"
 
 #include <gtest/gtest.h>
@@ -13,11 +14,11 @@ namespace {
 constexpr float kRadius = 2;
 
 struct Pair {
-    Vec3d p, q, dp, dq;  // where two rays of one beam leave the ball, and their directions
+    Vec3d p, q, dp, dq;  // the points at which two rays of one beam leave the ball, and their directions
 };
 
-// The ball is about the origin. Rays in the plane z = 0 meet it at an angle of incidence; the second ray of the beam is
-// offset and turned along z, across the plane of incidence.
+// Returns two rays at a ball about the origin. A ray in the plane z = 0 hits it at the angle of incidence; the second ray of
+// the beam is offset and turned along z, across the plane of incidence.
 Pair rays_at_ball(double angle, double offset, double spread, bool hollow)
 {
     const double side = hollow ? -1 : 1;
@@ -73,7 +74,7 @@ TEST(Footprints, ALensSpreadsABeamAsItsNeighboursSay)
                 }
 }
 
-// 64 samples of a uniform hemisphere share 2 pi.
+// 64 samples of a uniform hemisphere share a solid angle of 2 pi.
 TEST(Footprints, AStratumIsTheRootOfItsSolidAngle)
 {
     const float density = 1 / 6.2831853f;
@@ -84,7 +85,7 @@ TEST(Footprints, AStratumIsTheRootOfItsSolidAngle)
 
 TEST(Footprints, ABeamToALightEndsAsWideAsTheLightsShare)
 {
-    // A light of area 4 seen from above at distance 8: 1 / density = 4 / 64.
+    // For a light of area 4 that is seen from above at distance 8, 1 / density is 4 / 64.
     const auto f = light_beam(0.01f, 8, 16, 4);
     EXPECT_EQ(f.at(0), 0.01f);
     EXPECT_NEAR(f.at(8), std::sqrt(4.0f / 4), 1e-4f) << "the side of a fourth of the light";

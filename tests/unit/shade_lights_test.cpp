@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kPiD = 3.14159265358979;
 
-// Irradiance on a plane with this normal, by n x n stratified samples. Strata of a smooth function leave an error of about
-// its change over a cell divided by n: below 1e-3 here for n = 128.
+// Returns the irradiance on a plane with this normal, from n x n stratified samples. For a smooth function the error is
+// about its change over a cell divided by n, which is below 1e-3 here for n = 128.
 double irradiance(const WorldLight& light, Vec3d point, Vec3f normal, int n = 128)
 {
     const render::Sampler sampler(5, 1, true);
@@ -34,10 +34,10 @@ Light area(AreaLight::Shape shape, Vec2f size, float radiance, bool two_sided = 
     return {"", AreaLight{shape, size, Vec3f(radiance), two_sided}};
 }
 
-// A node at (0, 0, z) that shines down the world's -z.
+// Returns the matrix of a node at (0, 0, z) that shines along the world's -z.
 Mat4d above(double z) { return glm::translate(Mat4d(1), Vec3d(0, 0, z)); }
 
-// A parallel rectangle with one corner above the point: form factor of Howell's catalogue, configuration B-4.
+// Returns the form factor of a parallel rectangle with one corner above the point (Howell's catalogue, configuration B-4).
 double corner_form_factor(double a, double b, double c)
 {
     const double x = a / c, y = b / c;
@@ -63,7 +63,7 @@ TEST(Lights, ScaleOfTheNodeScalesTheArea)
     EXPECT_NEAR(irradiance(light, Vec3d(0), {0, 0, 1}), expected, 2e-3 * expected);
 }
 
-// On the axis of a disc of radius r: E = pi L r^2 / (r^2 + h^2).
+// On the axis of a disc of radius r, E = pi L r^2 / (r^2 + h^2).
 TEST(Lights, ADiscOverAPlaneGivesItsFormFactor)
 {
     const WorldLight light = WorldLight::place(area(AreaLight::Shape::Disc, {2, 2}, 3), above(1.5));
@@ -71,7 +71,7 @@ TEST(Lights, ADiscOverAPlaneGivesItsFormFactor)
     EXPECT_NEAR(irradiance(light, Vec3d(0), {0, 0, 1}), expected, 2e-3 * expected);
 }
 
-// A sphere wholly above the horizon: E = pi L (r / d)^2 cos.
+// For a sphere wholly above the horizon, E = pi L (r / d)^2 cos.
 TEST(Lights, ASphereGivesItsFormFactorNearAndFar)
 {
     for (double distance : {1.01, 2.0, 1e4}) {
@@ -114,7 +114,7 @@ TEST(Lights, APointLightFallsWithTheSquareOfDistance)
     EXPECT_TRUE(std::isfinite(light.sample({0, 0, 2}, {}).radiance.x)) << "in the light itself";
 }
 
-// KHR_lights_punctual: clamp(1 - (d / range)^4, 0, 1) / d^2.
+// By KHR_lights_punctual the light falls off as clamp(1 - (d / range)^4, 0, 1) / d^2.
 TEST(Lights, APointLightEndsAtItsRange)
 {
     PointLight point{Vec3f(1)};
@@ -150,7 +150,8 @@ TEST(Lights, ASunIsParallelAndInfinitelyFar)
     EXPECT_EQ(s.radiance, Vec3f(5));
 }
 
-// Chi-square of sampled directions, and a ray that follows one finds the same light at the same place, as often.
+// Sampled directions pass a chi-square test, and a ray along one of them finds the same light, at the same place, with the
+// same density.
 TEST(Lights, SampledDirectionsFollowTheDensityThatCrossingRaysAreTold)
 {
     const WorldLight lights[] = {WorldLight::place(area(AreaLight::Shape::Rectangle, {2, 3}, 1), above(1.5)),
@@ -196,8 +197,8 @@ TEST(Lights, ASceneWithoutLightGetsAKeyLightAndASky)
     EXPECT_TRUE(lit.environment().is_black());
 }
 
-// Eyes that glow leave a figure its default light; a ceiling that shines is a lamp. What counts is power against size, at
-// any scale and for meshes and cages alike.
+// A figure with glowing eyes keeps the default light, but a bright ceiling is a lamp. Power compared with size decides, at
+// any scale, and for meshes and cages alike.
 TEST(Lights, GlowingDetailsDoNotTurnOffTheDefaultLight)
 {
     const TextureStore textures(1 << 20);
@@ -235,7 +236,8 @@ TEST(Lights, GlowingDetailsDoNotTurnOffTheDefaultLight)
             }
 }
 
-// A sky of one bright patch: the image's own sampling, the surface's lobes and a plain sum over the image's texels agree.
+// For a sky with one bright patch, the image's own sampling, the surface's lobes and a plain sum over the image's texels
+// agree.
 TEST(Environment, AnImageIsSampledByItsBrightness)
 {
     Scene scene;
@@ -267,7 +269,7 @@ TEST(Environment, AnImageIsSampledByItsBrightness)
                           float(std::sin(theta) * std::sin(phi)));
             exact += double(sky.radiance(d).x * scatter(s, d).x) * std::sin(theta) * (kPiD / kFine) * (kPiD / kFine);
         }
-    // Both ways together, one sample each: drawn from the image, and drawn from the surface.
+    // Both ways are used together, with one sample from the image and one from the surface.
     test::Numbers numbers(5);
     test::Mean both, image_alone;
     for (int i = 0; i < 20000; ++i) {
@@ -312,14 +314,14 @@ TEST(Environment, DirectionsAndTexelsMatch)
     texture.width = 4;
     texture.height = 2;
     texture.pixels.assign(8, Vec4f(0, 0, 0, 1));
-    texture.pixels[2] = Vec4f(1, 0, 0, 1);  // right of the middle, upper half
+    texture.pixels[2] = Vec4f(1, 0, 0, 1);  // this texel is right of the middle, in the upper half
     scene.environment.radiance = Vec3f(1);
     scene.environment.image = scene.add(texture);
     TextureStore textures(1 << 20);
     textures.prepare(scene);
     const Vec3f to_texel = glm::normalize(Vec3f(1, std::sqrt(2.0f), -1));  // u = 5/8, v = 1/4
     EXPECT_NEAR(Environment(scene.environment, textures).radiance(to_texel).x, 1, 1e-3);
-    scene.environment.rotation = kPi / 2;  // -z turns to -x about +y
+    scene.environment.rotation = kPi / 2;  // this turns -z to -x about +y
     const Vec3f turned = glm::normalize(Vec3f(-1, std::sqrt(2.0f), -1));
     EXPECT_NEAR(Environment(scene.environment, textures).radiance(turned).x, 1, 1e-3);
 }

@@ -1,5 +1,5 @@
-// Materials looked up at vertices of grids: the same surface as at hits where textures are smooth, never popping, and
-// nothing but what may be interpolated.
+// Tests of materials that are looked up at the vertices of grids: the surface is the same as with lookups at hits where
+// textures are smooth, it never pops, and only values that may be interpolated are made at vertices.
 #include <gtest/gtest.h>
 #include <occam/occam.h>
 
@@ -20,7 +20,7 @@ Texture checks()
         [](float x, float y) { return int(x / 8 + std::floor(y / 8)) % 2 ? Vec4f(1) : Vec4f(0.2f, 0.2f, 0.2f, 0); });
 }
 
-/// With a map for all that may have one.
+/// Returns a material with a map for every value that may have one.
 Material all_maps(Scene& scene)
 {
     Material m;
@@ -47,7 +47,7 @@ TEST(PhaseOne, PacksWhatHasAMapAndGivesItBack)
     TextureStore textures(std::size_t(1) << 24);
     textures.prepare(scene);
     const shade::PhaseOne phase_one(textures);
-    // Two by two vertices; the first is looked at.
+    // There are two by two vertices, and the test checks the first.
     const lod::VertexToShade at{{Vec2f(0.3f, 0.6f), Vec2f(0)}, {0.01f, 0}};
     std::vector<lod::VertexToShade> vertices(4, at);
     vertices[1].uv[0].x = vertices[3].uv[0].x = 0.31f;
@@ -126,10 +126,10 @@ TEST(PhaseOne, LeavesTheEdgesOfMasksToHits)
     EXPECT_GT(world.stats.built.hits_looked_up, 0u);
 }
 
-// A ray's origin draws back by a hundredth of its distance at a time, from where vertices are closer than texels to where a
-// face is one quad: values go over from level to level and from the last of them to hits. From one doubling of the distance
-// to the next a value may go through all of its range, by a smoothstep, whose steepest slope is 1.5: 0.8 * 1.5 * log2(1.01)
-// = 0.017.
+// A ray's origin moves back by a hundredth of its distance at a time, from where vertices are closer than texels to where a
+// face is one quad. Values go over from level to level, and from the last of them to lookups at hits. Each time the distance
+// doubles, a value may go through its whole range by a smoothstep, whose steepest slope is 1.5, so the bound is 0.8 * 1.5 *
+// log2(1.01) = 0.017.
 TEST(PhaseOne, DoesNotPopFromLevelToLevel)
 {
     TexturedFloor world(Scheme::Bilinear, [](Scene& scene) {

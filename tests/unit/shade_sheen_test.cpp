@@ -1,4 +1,4 @@
-// Sheen and brushed layers: furnaces, reciprocity and chi-square.
+// Tests of sheen and brushed layers: white furnaces, reciprocity and chi-square tests.
 #include "shade/sheen.h"
 
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ Surface brushed(float along, float across, float cos_eye, float angle = 0.5f)
     return s;
 }
 
-// What leaves towards the eye under a uniform sky of radiance 1.
+// Returns the radiance towards the eye under a uniform sky of radiance 1.
 Mean furnace(const Surface& s)
 {
     Numbers numbers(3);
@@ -60,7 +60,8 @@ Mean furnace(const Surface& s)
     return mean;
 }
 
-// The table's nodes are sums over cells, and values between them are interpolated: up to this at grazing angles.
+// The table's nodes are sums over cells, and values between them are interpolated. The error is up to this at grazing
+// angles.
 constexpr double kTable = 0.02;
 
 TEST(Sheen, ReflectsAloneWhatItsTableSays)
@@ -104,7 +105,7 @@ TEST(Anisotropy, EqualWidthsAreTheRoundLobe)
         }
 }
 
-// Widths that differ share the tables of their mean: docs/shading.md states how much that gains and loses.
+// Two different widths use the tables of their mean; docs/shading.md states how much light that gains and loses.
 TEST(Anisotropy, AWhiteMetalReflectsFromHalfToAllOfAUniformSky)
 {
     for (const float along : {0.1f, 0.4f, 1.0f})

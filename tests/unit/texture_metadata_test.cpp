@@ -24,7 +24,7 @@ bool contains(const std::vector<std::byte>& bytes, std::string_view word)
     return text.find(word) != std::string_view::npos;
 }
 
-// A ramp with a profile, a description and an author.
+// Writes a ramp with a profile, a description and an author, and returns its path.
 std::filesystem::path described(const test::TempFolder& folder, const char* name, int channels)
 {
     constexpr int kSide = 8;
@@ -33,7 +33,7 @@ std::filesystem::path described(const test::TempFolder& folder, const char* name
     const std::filesystem::path path = folder.path() / name;
     OIIO::ImageSpec spec(kSide, kSide, channels, OIIO::TypeDesc::UINT8);
     const std::string profile = "a colour profile that is none" + std::string(200, '\x7f');
-    // libpng would not write this one.
+    // libpng would not write this profile.
     if (path.extension() != ".png")
         spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, static_cast<int>(profile.size())),
                        profile.data());
@@ -71,7 +71,7 @@ TEST(ImageMetadata, TexelsStayAndProfilesGo)
 
 TEST(ImageMetadata, TransparencyOfAPaletteStays)
 {
-    // One texel of a palette whose first colour is half transparent.
+    // The image has one texel, of a palette whose first colour is half transparent.
     const std::string_view png(
         "\x89PNG\r\n\x1a\n"
         "\0\0\0\x0dIHDR\0\0\0\1\0\0\0\1\x08\x03\0\0\0\x28\xcb\x34\xbb"

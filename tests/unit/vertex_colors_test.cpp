@@ -46,7 +46,7 @@ void expect_near(Vec4f found, Vec4f expected, float tolerance, const std::string
     EXPECT_LT(glm::distance(found, expected), tolerance) << where;
 }
 
-/// Two unit quads side by side in x, with an edge in common.
+/// Returns two unit quads side by side in x that share an edge.
 Cage two_quads()
 {
     Cage cage;
@@ -71,8 +71,9 @@ TEST(VertexColors, AreBilinearOverAQuadAtEveryLevel)
     for (int k = 0; k < 40; ++k) {
         const double x = 0.013 + 0.0491 * k, z = 0.987 - 0.0237 * k;
         const std::string where = std::to_string(x) + ' ' + std::to_string(z);
-        // Straight over micropolygons. Nothing pops: two triangles differ from the bilinear quad by a quarter of its twist,
-        // 0.52, and go over within a doubling by a smoothstep, whose steepest slope is 1.5: 0.52 * 1.5 * log2(1.03) = 0.033.
+        // The rays hit the inside of micropolygons. Nothing pops: two triangles differ from the bilinear quad by a quarter
+        // of its twist, 0.52. The surface goes from one to the other while the width doubles, by a smoothstep, whose
+        // steepest slope is 1.5. So the bound is 0.52 * 1.5 * log2(1.03) = 0.033.
         for (const float width : {0.005f, 0.01f, 0.02f, 0.04f})
             expect_near(above.color(x, z, width), expected(x, z), 2 * width, where);
         Vec4f before = above.color(x, z, 0.01f);
@@ -133,7 +134,7 @@ TEST(VertexColors, WithoutAColourForEveryCornerAreRefusedOrMended)
     cage.colors.clear();
     sanitize(cage);
     EXPECT_EQ(cage.colors, std::vector<Vec4f>{Vec4f(1)});
-    // A dropped face takes its colours with it.
+    // A face that is dropped takes its colours with it.
     cage.colors = {{1, 0, 0, 1}, {0, 0, 1, 1}};
     cage.color_indices = {0, 0, 0, 0, 1, 1, 1, 1};
     cage.face_vertices[0] = 99;
@@ -141,7 +142,7 @@ TEST(VertexColors, WithoutAColourForEveryCornerAreRefusedOrMended)
     EXPECT_EQ(cage.color_indices, std::vector<std::uint32_t>(4, 1));
 }
 
-// Vertices that lie in one place become one; each face keeps the colours that it had there.
+// Vertices in one place are joined, and each face keeps the colours that it had there.
 TEST(VertexColors, OfGltfSurviveWelding)
 {
     const TempFolder folder;

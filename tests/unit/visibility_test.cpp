@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint8_t kKinds[] = {RayKind::Camera, RayKind::Shadow, RayKind::Reflection, RayKind::Transmission,
                                    RayKind::Diffuse};
 
-// Between two prisms that span the scene's bounds stands a torus, and in it another; the first may be left out.
+// Holds a torus between two prisms that span the scene's bounds, and another torus inside it; the first one may be left out.
 struct Toruses {
     Scene scene;
     lod::TopologyCache topologies;
@@ -109,7 +109,7 @@ NodeId add_light(Scene& scene, Vec3d at, Light light)
 {
     NodeDesc node;
     node.place.translation = at;
-    node.place.rotation = {-0.7071067811865476, 0, 0, 0.7071067811865476};  // it looks down
+    node.place.rotation = {-0.7071067811865476, 0, 0, 0.7071067811865476};  // the light shines downwards
     node.light = scene.add(std::move(light));
     return scene.add_node(scene.root(), node);
 }
@@ -123,7 +123,7 @@ Vec3f middle(Scene& scene, IntegratorKind integrator = IntegratorKind::Direct, i
     return {p[0], p[1], p[2]};
 }
 
-// A lid between camera and floor, and under a lamp: seen, casting a shadow, both or neither.
+// A lid lies between camera and floor, and under a lamp. It is visible, or casts a shadow, or both, or neither.
 TEST(Visibility, ALidHiddenFromTheCameraStillCastsItsShadow)
 {
     Scene scene;
@@ -141,7 +141,7 @@ TEST(Visibility, ALidHiddenFromTheCameraStillCastsItsShadow)
     EXPECT_NEAR(seen, lit * 16 / 9, 1e-4f * seen);
 }
 
-// Both ways of finding an area light keep to the groups: rough surfaces draw it, mirrors meet it.
+// Both ways of finding an area light respect the groups: rough surfaces sample it, and mirrors hit it.
 TEST(Visibility, ALightLightsWhatIsLitByItsGroup)
 {
     for (const float roughness : {0.02f, 1.0f})
