@@ -165,7 +165,7 @@ std::optional<Hit> Query::closest(const QueryRay& ray) const { return state_->cl
 
 void Query::first_hits(std::span<const QueryRay> rays, std::span<FirstHit> hits) const
 {
-    if (rays.size() != hits.size()) throw std::invalid_argument("Query::first_hits: as many hits as rays are wanted");
+    if (rays.size() != hits.size()) throw std::invalid_argument("Query::first_hits needs as many hits as rays");
     constexpr std::size_t kBatch = 2048;
     const State::Borrowed tracer(*state_);
     std::vector<accel::Ray> batch;

@@ -76,8 +76,8 @@ void add_scene(CLI::App& app, SceneArguments& a)
     app.add_option("SCENE", a.scene, "glTF, GLB, OBJ, PLY, OFF or STL file; without it the built-in scene")->type_name("");
     add_choice<Subdivide>(app, "--subdivide", a.load.subdivide,
                           {{"on", Subdivide::On}, {"off", Subdivide::Off}, {"auto", Subdivide::Auto}},
-                          "Polygons are the cage of a Catmull-Clark surface. auto: only what says so, an OBJ with "
-                          "subdivision tags or glTF's extras.occam; other polygons are rendered as they are, with the "
+                          "Polygons are the cage of a Catmull-Clark surface. auto: only those of an OBJ with subdivision "
+                          "tags, and those that glTF's extras.occam names; others are rendered as they are, with the "
                           "file's normals, or flat or smooth by the smoothing groups of an OBJ [auto]");
     app.add_flag("--strict", a.load.strict, "Every warning is an error, such as a missing texture or a dropped primitive");
     app.add_option("--variant", a.load.variant, "Materials of this variant (KHR_materials_variants) [the file's own]")
@@ -203,7 +203,7 @@ void add_camera(CLI::App& app, RenderArguments& a)
         if (!(v > 0)) throw std::invalid_argument("expected a length above 0");
         a.lens_radius = float(v);
     });
-    CLI::Option* focus = add_number(app, "--focus", "How far what is sharp lies along the view, world length",
+    CLI::Option* focus = add_number(app, "--focus", "Distance of the plane in focus along the view, world length",
                                     [&](double v) {
                                         if (!(v > 0)) throw std::invalid_argument("expected a length above 0");
                                         a.focus = float(v);
@@ -249,7 +249,7 @@ void add_sequence(CLI::App& app, AnimateArguments& a)
     add_value(app, "--frames", "Which frames", "A-BxSTEP,C,...", [&](const std::string& t) {
         a.frames = frames_of(t);
     })->required();
-    app.add_flag("--overwrite", a.overwrite, "Make frames again whose pictures are there");
+    app.add_flag("--overwrite", a.overwrite, "Make frames again whose pictures exist already");
     add_value(app, "--shard", "Every N-th frame, from the K-th [what Slurm's array variables say, else all]", "K/N",
               [&](const std::string& t) { a.shard = shard_of(t); });
 }

@@ -165,7 +165,7 @@ std::string FrameSums::checkpoint() const
 
 void FrameSums::restore(std::string_view checkpoint)
 {
-    if (!checkpoint.starts_with(kMagic)) refuse("is no checkpoint of this version");
+    if (!checkpoint.starts_with(kMagic)) refuse("is not a checkpoint of this version");
     std::uint64_t sum = 0;
     if (checkpoint.size() < kMagic.size() + sizeof sum) refuse("is cut off");
     std::memcpy(&sum, checkpoint.data() + checkpoint.size() - sizeof sum, sizeof sum);
@@ -173,7 +173,7 @@ void FrameSums::restore(std::string_view checkpoint)
     if (fnv1a(checkpoint.data(), checkpoint.size()) != sum) refuse("is cut off or damaged");
 
     Reader in(checkpoint.substr(kMagic.size()));
-    if (in.next<std::uint64_t>() != identity_) refuse("is of a picture with other settings or another camera");
+    if (in.next<std::uint64_t>() != identity_) refuse("belongs to a picture with other settings or another camera");
     in.read_bytes(tiles_.data(), tiles_.size() * sizeof(Tile));
     for (const Tile& tile : tiles_)
         if (tile.samples < 0 || tile.samples > spp_ || (tile.is_done && tile.samples == 0))
