@@ -16,8 +16,8 @@ struct Triangles {
     VecLanes edge[2];
     VecLanes normal;  ///< unit length, by winding; 0 if the triangle has no area
     vfloat area;      ///< area of the parallelogram
-    /// Gradients of the weights of b and c over the triangle, per world length; all three weights' gradients add up to
-    /// zero.
+    /// The gradients of the weights of b and c over the triangle, per world length. The gradients of all three weights add
+    /// up to zero.
     VecLanes gradient[2];
     VecLanes way[2];  ///< the same, scaled for precision: only the directions count
 

@@ -36,7 +36,7 @@ struct Ray {
     Vec3f direction{0, 0, -1};  ///< unit length
     float t_near = 0;
     float t_far = std::numeric_limits<float>::infinity();
-    /// Full width of the beam along the ray; none: the camera's footprint at the origin.
+    /// The full width of the beam along the ray. If it is not set, the camera's footprint at the origin is used.
     lod::Footprint footprint;
     /// The purposes of the ray; surfaces that none of these kinds may see are not hit.
     std::uint8_t kinds = RayKind::All;
@@ -74,7 +74,7 @@ struct SurfaceHit {
     /// length. They are zero without a bump map.
     Vec3f u_gradient{0}, v_gradient{0};
     Vec4f color{1};  ///< vertex colour
-    /// Number of VertexShader's values at the hit; 0: none were made, textures must be looked up.
+    /// The number of VertexShader's values at the hit; if it is 0, none were made, and textures must be looked up.
     int phase_one_channels = 0;
     float phase_one[lod::VertexShader::kMaxChannels] = {};  ///< the first phase_one_channels are valid
     const Material* material = nullptr;                     ///< never null at a hit
@@ -109,9 +109,9 @@ struct TraceCounters {
     double shade_seconds = 0;    ///< time of phase one: normals, texture coordinates, VertexShader's values
     lod::DeformCounters deform;  ///< its seconds are included in those of building and dicing
     static constexpr int kFinestLevel = -60, kLevels = 121;
-    /// Micropolygons of surfaces; triangle meshes count none.
+    /// The number of diced micropolygons; the triangles of meshes do not count.
     std::uint64_t diced = 0;
-    /// Micropolygons by the kind of ray that first asked for them.
+    /// The number of micropolygons that each kind of ray was the first to ask for.
     std::uint64_t diced_for_camera = 0, diced_for_occlusion = 0;
     std::array<std::uint64_t, kLevels> micropolygons_of_level{};  ///< begins with kFinestLevel
     TraceCounters& operator+=(const TraceCounters& other) noexcept;

@@ -16,7 +16,7 @@ struct ShearedVertex {
     vfloat x, y, t;
 };
 
-/// p and the origin have their coordinates along the ray's kx, ky, kz.
+/// Shears a point into the ray's frame. The coordinates of p and of the origin are along the ray's kx, ky, kz.
 OCCAM_ALWAYS_INLINE ShearedVertex shear(const RayLanes& ray, const VecLanes& origin, const VecLanes& p) noexcept
 {
     const vfloat z = p.z - origin.z;

@@ -5,7 +5,7 @@
 
 namespace occam::accel {
 
-/// F is vfloat (points or directions in lanes, or one as each ray sees it) or float.
+/// F is vfloat (points or directions in lanes, or one point as each ray of a packet sees it) or float.
 template <class F>
 struct VecOf {
     F x, y, z;

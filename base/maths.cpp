@@ -17,7 +17,7 @@ struct Reduced {
 
 Reduced reduce(float x) noexcept
 {
-    // pi/2 in two parts, so that k * high is exact for k below 2^22.
+    // These are the two parts of pi/2, so that k * high is exact for k below 2^22.
     constexpr double kHigh = 1.57079632673412561417, kLow = 6.07710050650619224932e-11;
     const double k = std::floor(double(x) * (2 / kPiD) + 0.5);
     return {(double(x) - k * kHigh) - k * kLow, static_cast<int>(static_cast<long long>(std::fmod(k, 4.0)) & 3)};

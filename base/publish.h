@@ -1,4 +1,4 @@
-// Data that one thread makes while others read it: one store publishes it and one load reads it. On x86 both are plain
+// Publishes data that one thread makes while others read it, by one store and one load. On x86 both are plain
 // moves, so a thread that has the data to itself pays nothing.
 #pragma once
 
@@ -19,7 +19,7 @@ T read_published(const T& place) noexcept
     return std::atomic_ref<T>(const_cast<T&>(place)).load(std::memory_order_acquire);
 }
 
-/// Locks the mutex for a scope if one is given. There is none if no other thread uses the data.
+/// Locks the mutex for a scope if one is given. No mutex is given if no other thread uses the data.
 class MaybeLock {
 public:
     explicit MaybeLock(std::mutex* mutex) : mutex_(mutex)

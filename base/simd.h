@@ -56,7 +56,7 @@ public:
     friend vmask andnot(vmask a, vmask b) noexcept { return hn::AndNot(b.raw_, a.raw_); }
     friend bool any(vmask a) noexcept { return bits(a) != 0; }
     friend bool none(vmask a) noexcept { return bits(a) == 0; }
-    /// Bit i is lane i.
+    /// Returns the lanes as bits, where bit i is lane i.
     friend unsigned bits(vmask a) noexcept
     {
 #ifdef OCCAM_ONE_LANE

@@ -39,7 +39,7 @@ struct vmasks {
         return any(all);
     }
     OCCAM_ALWAYS_INLINE friend bool none(const vmasks& a) noexcept { return !any(a); }
-    /// Bit i is lane i.
+    /// Returns the lanes as bits, where bit i is lane i.
     OCCAM_ALWAYS_INLINE friend unsigned bits(const vmasks& a) noexcept
     {
         unsigned all = 0;

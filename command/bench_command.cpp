@@ -1,5 +1,4 @@
-// Benchmarks are a program of their own, since they need Embree, which the library does without: this command finds and
-// starts it.
+// Finds and starts the benchmarks. They are a program of their own, since they need Embree, and the library does not.
 #include <unistd.h>
 
 #include <cerrno>

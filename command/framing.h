@@ -1,5 +1,5 @@
-// What the commands that make pictures share: they set the requested pose and camera, wait for a frame and print its
-// cost.
+// Functions that all commands that make pictures share: they set the requested pose and camera, wait for a frame and print
+// its cost.
 #pragma once
 
 #include <span>
@@ -20,7 +20,7 @@ public:
     /// Makes camera() see the scene throughout its clip, with one camera for all frames. Changes the pose.
     void fit_clip();
 
-    /// When that pose is, in seconds on the clip's axis; none if the file's own pose is kept.
+    /// Returns the time of that pose, in seconds on the clip's axis; none if the file's own pose is kept.
     std::optional<double> moment(std::optional<int> frame = std::nullopt) const;
     /// Poses the scene: at `frame` of a sequence, or without one as the arguments say.
     void pose(std::optional<int> frame = std::nullopt);

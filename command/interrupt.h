@@ -1,4 +1,4 @@
-// Handling of Ctrl-C and SIGTERM.
+// Handles Ctrl-C and SIGTERM.
 //
 // A signal ends the process at once with exit code 130, unless something is being made that is worth keeping: while a
 // HeldInterrupts lives, the first signal is noted and the second one ends the process.

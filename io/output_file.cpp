@@ -31,7 +31,7 @@ fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.
     throw Error(file.string(), why, {}, Error::Kind::Output);
 }
 
-// Temporary files keep the extension, since readers choose the format by it.
+// Returns the name of a temporary file. It keeps the extension, since readers choose the format by it.
 fs::path temporary_name(const fs::path& file, int attempt)
 {
     std::string name(".");

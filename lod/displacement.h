@@ -1,4 +1,4 @@
-// How far a texture moves a cage's limit surface, where one node shows the cage.
+// Computes how far a texture moves a cage's limit surface, where one node shows the cage.
 //
 // A point of M_l is P + h_l N. P and N belong to the limit surface, and h_l is the texture's value over a square of d_l
 // around the point, clamped to the cage's bound. On curves and corners between patches all three are the owner's

@@ -1,4 +1,4 @@
-// All patches that are connected alike, and how their limit surface follows from their control points.
+// Describes all patches that are connected alike, and how their limit surface follows from their control points.
 //
 // A Catmull-Clark patch away from extraordinary vertices is bicubic, and so is a quarter of any patch that does not touch
 // one, at every depth (Stam 1998; Nießner et al. 2012). So a class is a quadtree over the patch's unit square whose leaves

@@ -222,7 +222,7 @@ private:
             else x.store(of);
         }
     };
-    /// Extreme widths of a ray.
+    /// Holds the extreme widths of a ray.
     struct Extremes {
         F widest, thinnest;
         /// The width where a growing ray enters the scene; at most the width at its end.

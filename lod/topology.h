@@ -1,5 +1,5 @@
-// Everything about a cage that does not depend on vertex positions: its patches, the owners of its curves and corners, and
-// the classes of its patches.
+// Holds everything about a cage that does not depend on vertex positions: its patches, the owners of its curves and corners,
+// and the classes of its patches.
 //
 // A face of four corners is one patch. Any other face has one patch a corner (OpenSubdiv's quad sub-faces): its (0, 0) is
 // that vertex, u runs along the edge to the next vertex, and (1, 1) is the face's middle.

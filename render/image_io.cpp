@@ -1,4 +1,4 @@
-// Image files, through OpenImageIO.
+// Reads and writes image files, through OpenImageIO.
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
@@ -207,7 +207,7 @@ std::pair<std::string, std::string> split_channel(const std::string& name)
     return {name.substr(0, dot), name.substr(dot + 1)};
 }
 
-// PNG and JPEG files end with a mark of their own; libraries read a JPEG that is cut off as if it were whole.
+// Returns true if the file ends with its format's mark. Libraries read a JPEG that is cut off as if it were whole.
 bool has_end_mark(const fs::path& file, std::string_view mark)
 {
     std::ifstream in(file, std::ios::binary);

@@ -35,7 +35,7 @@ bool is_black(Vec3f c) noexcept { return !(c.x > 0 || c.y > 0 || c.z > 0); }
 
 }  // namespace
 
-// Later surfaces of a path are lit by one sample of each light, whatever the settings ask for.
+// Returns the number of samples of each light. Later surfaces of a path take one, whatever the settings ask for.
 int Integrator::light_samples_at(const Path& path) const noexcept
 {
     return path.is_camera() ? context_.settings.light_samples : 1;

@@ -10,7 +10,7 @@
 namespace occam::render {
 namespace {
 
-// GLM's columns lie in memory as OpenEXR's rows do.
+// Returns a matrix as OpenEXR has it: GLM's columns lie in memory as OpenEXR's rows do.
 std::array<float, 16> rows_of(const Mat4d& m)
 {
     std::array<float, 16> out{};

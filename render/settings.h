@@ -86,7 +86,7 @@ struct Settings {
     float error = 0;
     IntegratorKind integrator = IntegratorKind::Path;
     int bounces = 8;  ///< the largest number of scattering events of light; for `direct`, of mirrors one behind the other
-    /// Above 0, no single contribution of light that was scattered twice or more is brighter than this in any channel. The
+    /// If this is above 0, no single contribution of light that was scattered twice or more exceeds it in any channel. The
     /// limit takes away rare bright pixels (fireflies) and with them some light, so references are made without it.
     float clamp = 0;
     float ao_distance = 0;              ///< the distance up to which `ao` looks, in world length; 0: to infinity
@@ -138,7 +138,7 @@ PixelRect crop_pixels(const Settings& settings) noexcept;
 void check(const Settings& settings);
 inline constexpr int kMaxSide = 65536;
 inline constexpr int kMaxSamples = 65536;
-/// Settings::error ends no tile before it: estimates of fewer samples say little.
+/// Settings::error ends no tile before this number of samples, since estimates from fewer samples say little.
 inline constexpr int kLeastErrorSamples = 16;
 inline constexpr int kMaxLightSamples = 1024;
 inline constexpr int kMaxBounces = 128;

@@ -1,4 +1,4 @@
-// Conversion of a hit into the point that shading reads.
+// Converts a hit into the point that shading reads.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Clips, skins and how a node is posed by them.
+// Clips, skins, and how they pose nodes.
 //
 // A clip says which transforms and morph weights its nodes have at a given moment; Scene::pose() writes them into the nodes.
 // This file only describes skins and morph targets; lod/deformed_cage.h applies them to vertices.

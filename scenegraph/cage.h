@@ -22,7 +22,7 @@ enum class Scheme : std::uint8_t {
     Triangles      ///< every face is a triangle, rendered as it is, with the file's vertex normals
 };
 
-/// What happens at the border of an open Catmull-Clark cage (OpenSubdiv's VtxBoundaryInterpolation).
+/// Says what happens at the border of an open Catmull-Clark cage (OpenSubdiv's VtxBoundaryInterpolation).
 enum class BoundaryRule : std::uint8_t { EdgeAndCorner, EdgeOnly, None };
 
 /// Where texture coordinates are interpolated linearly (OpenSubdiv's FVarLinearInterpolation).

@@ -7,7 +7,7 @@
 
 namespace occam {
 
-/// What a camera node of the scene holds. The camera looks along its node's -z axis, and y points up.
+/// Holds the properties of a camera node. The camera looks along its node's -z axis, and y points up.
 struct CameraLens {
     float fov = 0.69f;  ///< full vertical angle in radians, perspective only
     float aspect = 0;   ///< width over height; 0: the image's own ratio

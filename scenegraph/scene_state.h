@@ -72,7 +72,7 @@ private:
 };
 
 struct Scene::State {
-    /// What depends on a node's transform besides its parent's bounds.
+    /// Lists what depends on a node's transform besides its parent's bounds.
     struct Dependents {
         std::vector<SkinId> skins;  ///< skins for which the node lies between a joint and the base
         Watchers users;             ///< skinned nodes for which the node lies between them and the base of their skin

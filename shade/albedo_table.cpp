@@ -26,7 +26,7 @@ LayerAlbedo integrate(float cosine, float alpha) noexcept
             const float v_h = glm::dot(eye, h);
             const float n_l = 2 * v_h * h.z - eye.z;
             if (!(n_l > 0) || !(v_h > 0)) continue;
-            // f cos / density = 4 n_l visibility / (G1 / n_v).
+            // The weight is f cos / density = 4 n_l visibility / (G1 / n_v).
             const double w = double(4 * n_l * ggx_visibility(n_l, cosine, alpha) / ggx_masking_over_cosine(cosine, alpha));
             const double out = std::max(0.0, 1 - double(v_h));
             const double g = out * out * out * out * out;

@@ -15,7 +15,7 @@ namespace occam::shade {
 class Environment {
 public:
     Environment() = default;  ///< no environment: black
-    /// Needs textures that are prepared.
+    /// The textures must be prepared.
     Environment(const occam::Environment& description, const TextureStore& textures);
     /// Returns daylight for a scene that brings no light of its own: a soft gradient about +y.
     static Environment sky(float strength = 1);

@@ -32,7 +32,7 @@ public:
     {
         return light.sine2_subtended(start) * (peak * maths::kPi) < kLeastChance;
     }
-    /// Needs textures that are prepared. `camera` places the key light of a scene that has none.
+    /// The textures must be prepared. `camera` places the key light of a scene that has none.
     FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures, Sky sky = Sky::Auto,
                 float sky_strength = 1);
     FrameLights(std::vector<WorldLight> lights, Environment environment);

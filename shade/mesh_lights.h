@@ -21,7 +21,7 @@ namespace occam::shade {
 class MeshLights {
 public:
     MeshLights() = default;
-    /// Needs textures that are prepared.
+    /// The textures must be prepared.
     MeshLights(const Scene& scene, const TextureStore& textures);
 
     bool is_empty() const noexcept { return meshes_.empty(); }

@@ -1,5 +1,5 @@
-// What Occam adds to glTF under extras.occam: cages by file, how polygons are subdivided, area lights, the environment,
-// which rays see a node and which lights illuminate it, and bump maps.
+// Reads what Occam adds to glTF under extras.occam: cages by file, how polygons are subdivided, area lights, the
+// environment, which rays see a node and which lights illuminate it, and bump maps.
 #pragma once
 
 #include <tiny_gltf.h>

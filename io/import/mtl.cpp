@@ -114,9 +114,8 @@ private:
         return use;
     }
 
-    // A normal map comes from `norm`, or from `map_Bump`, to which exporters write both kinds: one without any colour holds
-    // heights.
-    // These heights are in file units, times -bm.
+    // Adds the normal map or the bump map. A normal map comes from `norm`, or from `map_Bump`, to which exporters write both
+    // kinds: an image without any colour holds heights, in file units times -bm.
     void add_normals(const tinyobj::material_t& m, Material& material)
     {
         if (!m.normal_texname.empty()) {

@@ -1,5 +1,5 @@
-// What an image file declares in its first bytes. It is read before any library runs, since a library may allocate what is
-// declared.
+// Reads what an image file declares in its first bytes. This is done before any library runs, since a library may allocate
+// as much as is declared.
 #pragma once
 
 #include <cstddef>

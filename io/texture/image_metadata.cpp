@@ -40,7 +40,8 @@ private:
     std::size_t at_ = 0;
 };
 
-// An upper-case first letter marks a critical chunk (PNG, sec. 5.4). Of the other chunks only tRNS changes texels.
+// Keeps the critical chunks, which an upper-case first letter marks (PNG, sec. 5.4), and tRNS, the only other one that
+// changes texels.
 std::vector<std::byte> without_png_metadata(std::span<const std::byte> file)
 {
     constexpr std::uint32_t kLowerCase = 0x20, kTransparency = 0x74524e53;
@@ -55,7 +56,7 @@ std::vector<std::byte> without_png_metadata(std::span<const std::byte> file)
     return copier.take();
 }
 
-// Application segments and comments before the first scan are left out (JPEG: ITU T.81, annex B), except those of JFIF and
+// Leaves out application segments and comments before the first scan (JPEG: ITU T.81, annex B), except those of JFIF and
 // Adobe, which say what the components are.
 std::vector<std::byte> without_jpeg_metadata(std::span<const std::byte> file)
 {
@@ -74,7 +75,7 @@ std::vector<std::byte> without_jpeg_metadata(std::span<const std::byte> file)
     return copier.take();
 }
 
-// In the first directory those entries get a tag number that no reader knows (TIFF 6.0, sec. 2).
+// Gives descriptive entries of the first directory a tag number that no reader knows (TIFF 6.0, sec. 2).
 std::vector<std::byte> without_tiff_metadata(std::span<const std::byte> file)
 {
     constexpr std::array<std::uint32_t, 6> kDescribing = {700, 33723, 34377, 34665, 34675, 37724};

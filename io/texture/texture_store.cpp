@@ -54,7 +54,7 @@ public:
     std::size_t planned_bytes() const { return width_ > 0 ? MipImage::bytes_of(width(), height()) : 0; }
     int width() const { return std::max(1, width_ >> halvings_); }
     int height() const { return std::max(1, height_ >> halvings_); }
-    /// May be called only before the first image().
+    /// Halves the size at which the image will be decoded. It may be called only before the first image().
     void halve() { ++halvings_; }
     void warn_of_halvings()
     {

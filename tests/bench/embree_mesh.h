@@ -1,4 +1,4 @@
-// Embree 3 on the same triangles; its times and answers are compared with ours.
+// Runs Embree 3 on the same triangles, to compare its times and answers with ours.
 //
 // Rays are prepared outside the timed part: call reset() first, then time closest() or occluded(), then read the answers.
 #pragma once

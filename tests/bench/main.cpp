@@ -1,4 +1,4 @@
-// occam_bench [SUITE...] [--only TEXT] [--json FILE] [--list]
+// The benchmark program: occam_bench [SUITE...] [--only TEXT] [--json FILE] [--list]
 
 #include <cstdio>
 #include <cstring>

@@ -31,7 +31,7 @@ inline std::string text_of(const fs::path& file)
     return text.str();
 }
 
-/// The folder holds triangle.obj.
+/// Gives each test a folder that holds triangle.obj.
 class CommandTest : public testing::Test {
 protected:
     void SetUp() override
