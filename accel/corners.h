@@ -39,7 +39,7 @@ struct HitCorners {
     unsigned has_uv[2]{}, has_color = 0;  ///< bit masks of lanes
     unsigned has_start = 0;               ///< lanes in which `start` may differ from `position`
 
-    /// Holds the corners of what up to kLanes rays have hit, and where they are.
+    /// Finds the corners of the micropolygons that up to kLanes rays have hit; `spots` says where these are.
     HitCorners(std::span<const GridHit> met, const MicropolygonPlace* spots) noexcept;
     /// Takes the rays, each in the frame of its cage. Bit i of coarse_starts says that the start level of lane i is the
     /// coarser level of the pair that the ray has hit.
@@ -54,7 +54,7 @@ struct HitCorners {
     }
 
 private:
-    /// Returns the indices of the vertices of a lattice micropolygon.
+    /// Holds the indices of the vertices of a lattice micropolygon.
     struct Vertices {
         std::uint32_t of[3];
         Vertices(const IGridPart& part, const MicropolygonPlace& spot) noexcept;

@@ -43,7 +43,7 @@ Vec3d barycentrics(const HitCorners& corners, std::size_t lane, Vec3d origin, Ve
     return w / (w.x + w.y + w.z);
 }
 
-// Returns the barycentric weights of the corners at the hit, from the same edge functions that found the hit.
+// Computes the barycentric weights of the corners at the hit, from the same edge functions that found the hit.
 void shares_of(const HitCorners& corners, const RayAxes& axes, const vfloat (&way)[4], const vfloat (&origin)[4],
                vfloat (&share)[3]) noexcept
 {
@@ -148,8 +148,8 @@ int start_level_of(const Ray& ray, const GridHit& met, const lod::LevelSettings&
                       std::clamp(pairs.coarsest + 1, lod::kFinestLevel, lod::kCoarsestLevel));
 }
 
-// Computes where secondary rays start, in lanes: on the micropolygon as the start level has it, and away from its
-// edges, behind which another surface may begin at once. In a triangle too narrow for that, the ray starts from the
+// Holds the points where secondary rays start, in lanes: on the micropolygon as the start level has it, and away from its
+// edges, behind which another surface may begin at once. In a triangle that is too narrow for that, rays start from the
 // middle.
 struct Starts {
     VecLanes corner, offset, normal;  ///< the point is corner + offset; the normal is unit, by winding, or zero

@@ -150,7 +150,7 @@ private:
         }
     }
 
-    /// Computes where one ray enters eight neighbouring boxes.
+    /// Says which of eight neighbouring boxes a ray enters, and where.
     struct Entered {
         unsigned which = 0;
         alignas(32) float t[BoxTree::kGroup];
@@ -293,7 +293,7 @@ private:
         }
     }
 
-    /// Returns the vertices of a block in rows, blended for one ray, with their coordinates along kx, ky, kz.
+    /// Holds the vertices of a block in rows, blended for one ray, with their coordinates along kx, ky, kz.
     struct OwnRows {
         float v[3][kRows][8];
     };

@@ -50,7 +50,7 @@ static_assert(sizeof(KdNode) == 8);  // eight a cache line
 
 inline constexpr int kBoxGroup = BoxTree::kGroup, kBoxGroupFloats = BoxTree::kFloats;
 
-/// Holds boxes side by side in groups of eight: eight lo.x, eight lo.y, ..., eight hi.z (the layout of BoxTree).
+/// Writes a box into groups of eight boxes: eight lo.x, eight lo.y, ..., eight hi.z (the layout of BoxTree).
 inline void set_box(float* groups, std::size_t place, const Box3f& box) noexcept
 {
     float* to = groups + BoxTree::offset(place);

@@ -43,7 +43,7 @@ OCCAM_ALWAYS_INLINE void set_shear(const RayAxes& axes, const F* direction, F (&
     shear[0] = direction[axes.kx] * shear[2];
     shear[1] = direction[axes.ky] * shear[2];
 }
-/// Returns 1 / direction. Components that are too small are replaced by the limit, with their sign.
+/// Computes 1 / direction. Components that are too small are replaced by the limit, with their sign.
 template <class F>
 OCCAM_ALWAYS_INLINE void set_inverse(const RayAxes& axes, const F* direction, F (&inverse)[3]) noexcept
 {

@@ -28,7 +28,7 @@ struct TriangleHit {
     vfloat t;
 };
 
-/// Computes the edge functions: U belongs to the vertex a (and is zero on b c), and so on.
+/// Holds the edge functions of a triangle: u belongs to the vertex a (and is zero on b c), and so on.
 struct EdgeFunctions {
     vfloat u, v, w;
 };
@@ -43,7 +43,7 @@ OCCAM_ALWAYS_INLINE vmask is_inside(const EdgeFunctions& e) noexcept
     return ((e.u >= zero) & (e.v >= zero) & (e.w >= zero)) | ((e.u <= zero) & (e.v <= zero) & (e.w <= zero));
 }
 
-/// Returns hits that are valid in the lanes `inside`.
+/// Returns hits, whose t is valid in the lanes `inside`.
 OCCAM_ALWAYS_INLINE TriangleHit hit_inside(const RayLanes& ray, const EdgeFunctions& e, vmask inside, const ShearedVertex& a,
                                            const ShearedVertex& b, const ShearedVertex& c) noexcept
 {

@@ -31,7 +31,7 @@ float share_of(std::span<const float> sums, int index) noexcept
     return sums[std::size_t(index)] - (index ? sums[std::size_t(index) - 1] : 0);
 }
 
-// Makes running sums of weights, ending with exactly 1.
+// Replaces weights by their running sums, divided so that the last one is exactly 1. Returns the sum of the weights.
 float accumulate(std::span<float> weights) noexcept
 {
     double sum = 0;

@@ -47,7 +47,7 @@ void pack(const Material& material, const MaterialValues& values, float* to) noe
 /// Returns the values of the material at a hit: the packed ones, and the factors of the rest.
 MaterialValues unpack(const Material& material, const float* from) noexcept;
 
-/// Computes phase one at grid vertices.
+/// The shader that computes phase one at grid vertices.
 class PhaseOne final : public lod::VertexShader {
 public:
     explicit PhaseOne(const TextureStore& textures) noexcept : textures_(textures) {}

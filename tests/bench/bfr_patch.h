@@ -19,7 +19,7 @@ public:
     BfrPatch(const Cage& cage, std::span<const Vec3f> positions, int face);
     ~BfrPatch();
 
-    /// Returns points with tangents; coordinates u and v alternate.
+    /// Computes points with tangents; u and v alternate in `uv`.
     void evaluate_float(std::span<const float> uv, std::span<std::array<float, 9>> out) const;
     void evaluate_double(std::span<const double> uv, std::span<LimitPoint> out) const;
 

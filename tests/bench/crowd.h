@@ -47,7 +47,7 @@ struct Crowd {
     Vec3d eye() const noexcept;
     std::array<SquareLight, 2> lights() const noexcept;
     std::array<Vec3f, 4> floor() const noexcept;
-    /// Returns the vertices of a copy in its own axes.
+    /// Computes the vertices of a copy in its own axes.
     void twist(int copy, int frame, std::vector<Vec3f>& positions) const;
     std::size_t faces() const noexcept { return cage.face_count() * static_cast<std::size_t>(copies); }
 };

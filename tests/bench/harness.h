@@ -58,7 +58,7 @@ public:
     bool wants(const std::string& name) const { return name.find(only_) != std::string::npos; }
     /// Prints the row and keeps it.
     void add(Row row);
-    /// Writes all rows, and the machine that they were measured on.
+    /// Returns all rows as JSON, with the machine on which they were measured.
     std::string json() const;
 
 private:

@@ -70,7 +70,7 @@ struct Gltf {
     }
 };
 
-/// Holds the four corners of a unit square, and the triangles 0 1 2 and 0 2 3.
+/// Returns a unit square: its four corners, and the triangles 0 1 2 and 0 2 3.
 inline Gltf square(const std::string& primitive_more = "")
 {
     Gltf g;

@@ -9,7 +9,7 @@ namespace {
 
 using namespace test;
 
-// Returns the part of a picture that something covers, in pixels.
+// The part of a picture that a surface covers, in pixels.
 struct Covered {
     int x0 = 1000, x1 = -1, y0 = 1000, y1 = -1;
     int width() const { return x1 - x0 + 1; }

@@ -11,7 +11,7 @@
 namespace occam::test {
 namespace {
 
-/// Returns what rays straight down from above see of a cage, with beams of a given width.
+/// Looks at a cage from straight above, by rays with beams of a given width.
 class Above {
 public:
     explicit Above(Cage cage)
