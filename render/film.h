@@ -74,7 +74,8 @@ private:
     FirstSurface first_;
 };
 
-/// Stores the pixels, each of them once, from any thread.
+/// The picture while it is rendered. Any thread may store pixels, but no two threads may store the same pixel at once. A
+/// pixel that is stored again replaces the earlier one.
 class Film {
 public:
     explicit Film(const Settings& settings);

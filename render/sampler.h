@@ -54,8 +54,8 @@ public:
     float interval(std::uint32_t index) const noexcept;
     /// Returns the point at `index`; its x is what interval() returns.
     Vec2f square(std::uint32_t index) const noexcept;
-    /// Returns the points first, first + 1 and so on.
     static constexpr int kBlock = 8;
+    /// Computes the points first, first + 1, ... of a block.
     void squares(std::uint32_t first, float (&x)[kBlock], float (&y)[kBlock]) const noexcept;
 
 private:

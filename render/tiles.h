@@ -1,7 +1,8 @@
 // The tiles of a picture, and their distribution to workers.
 //
-// Tiles follow a Hilbert curve, and each worker starts with its own part of it: neighbouring tiles need the same trees,
-// and trees are not shared. A worker that has finished takes the later half of the longest part that is left.
+// Tiles follow a Hilbert curve, and each worker starts with its own part of the curve, because neighbouring tiles need the
+// same parts of a tree, and usually each worker has its own tree. A worker that has finished takes the later half of the
+// longest part that is left.
 //
 // Threads  TileQueue: any thread; it takes one short lock per tile.
 #pragma once

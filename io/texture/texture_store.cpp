@@ -240,8 +240,8 @@ Vec4f TextureStore::sample(const TextureUse& use, Vec2f uv, float width) const n
                          static_cast<float>(std::max(image.width(), image.height()));
     if (!(texels > 1)) return at(0, use.nearest);
     const int last = image.level_count() - 1;
-    // The lookup blends two levels by width, not by its logarithm: both agree at the ends, and this is no slower than the
-    // lookups.
+    // Two levels are blended by the width and not by its logarithm. Both agree at the ends, and a logarithm would make the
+    // lookup slower.
     const auto bits = std::bit_cast<std::uint32_t>(texels);
     const int finer = static_cast<int>(bits >> 23) - 127;
     if (finer >= last) return at(last, false);
