@@ -32,7 +32,7 @@ struct HitCorners {
     /// A gap triangle, which has no area, is replaced here by a triangle of the quad beside it.
     alignas(32) FloatLanes start[3][3];
     FloatLanes weight[3];                 ///< the share of the coarse position at the corner
-    LaneFours normal[3];                  ///< normal of each corner: unit length, or any length for a mesh
+    LaneFours normal[3];                  ///< normal of each corner: unit length, or 0 where there is none
     LaneFours uv[2][3];                   ///< set, corner
     Vec4f color[kLanes][3];               ///< valid in the lanes of has_color
     const Material* material[kLanes];     ///< valid in lanes with a hit

@@ -1,8 +1,8 @@
-// Maps a subject, a pair of levels and a tile to the igrid that a worker has built for them. All leaves point at one
+// Maps a subject, a pair of levels and a tile to the igrid that was built for them. All leaves point at one
 // igrid per key (see docs/architecture.md).
 //
-// Memory   One worker's arena; when the table grows, the smaller one stays behind.
-// Threads  Each worker has its own.
+// Memory   The arena of the tree; when the table grows, the smaller one stays behind.
+// Threads  One thread at a time: the owner of the tree, or the worker that holds the lock of a shared tree.
 #pragma once
 
 #include "accel/igrid.h"

@@ -6,8 +6,8 @@
 //
 // Space    Boxes are in the tree's frame (world axes, translated by the frame's anchor), grown to hold their contents
 //          conservatively.
-// Memory   One worker's arena.
-// Threads  Each worker has its own.
+// Memory   The arena of the tree.
+// Threads  One thread at a time: the owner of the tree, or the worker that holds the lock of a shared tree.
 #pragma once
 
 #include "accel/frame_state.h"

@@ -7,7 +7,7 @@
 // hit, the values of both levels, bilinear in the patch's parameter, are mixed by the hit's own blend, which is the
 // interpolated blend of its vertices.
 //
-// Memory   The worker's arena, for each level of a tile when a hit first asks; flushed with its igrid.
+// Memory   The arena of the tree, for each level of a tile when a hit first asks; flushed with its igrid.
 #pragma once
 
 #include "accel/hit.h"

@@ -7,7 +7,7 @@
 // padded.
 //
 // Space    object axes.
-// Memory   28 bytes a node and 4 a face.
+// Memory   36 bytes for each node, and 4 (for a mesh) or 8 for each face.
 // Threads  const after refit().
 #pragma once
 

@@ -5,7 +5,8 @@
 namespace occam::lod {
 namespace {
 
-// Multiplies by the cofactors of m, which are its inverse transpose times its determinant.
+// Maps a normal by the cofactors of m, which are its inverse transpose times its determinant. The sign of the determinant is
+// removed, so that the normal points outside if m mirrors, too.
 Vec3d turned_normal(const Mat3d& m, Vec3d n) noexcept
 {
     const Vec3d v = glm::cross(m[1], m[2]) * n.x + glm::cross(m[2], m[0]) * n.y + glm::cross(m[0], m[1]) * n.z;

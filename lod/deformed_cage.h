@@ -4,8 +4,10 @@
 // position is a pure function of vertex and pose, in double and rounded once, so every caller gets the same bits.
 //
 // Space    from mesh axes to the dicing frame of a PosedCage.
-// Memory   one worker's arena: a matrix a joint, and 12 bytes a vertex, in blocks of kBlock when first touched.
-// Threads  owned by one worker.
+// Memory   the arena of a tree: a matrix for each joint, and 12 bytes for each vertex, in blocks of kBlock when first
+// needed. Threads  position() poses vertices, so one thread at a time may call it: the owner of the tree, or the worker that
+// holds the
+//          lock of a shared tree.
 #pragma once
 
 #include "base/arena.h"
@@ -33,8 +35,8 @@ public:
             block = pose_block(v / kBlock);  // as (block ? block : ...)[v % kBlock], g++ 12 loses the index under ubsan
         return block[v % kBlock];
     }
-    /// Returns the normal, not normalised, of a cage that has normals: morphed, then by the inverse transpose of the
-    /// vertex's blended matrix.
+    /// Returns the unit normal of a vertex of a cage that has normals: morphed, then mapped by the inverse transpose of the
+    /// vertex's blended matrix. It is 0 if that leaves no direction.
     Vec3f normal(std::uint32_t v) const noexcept;
     /// Returns the bounds of the vertices that `of` describes, in the dicing frame.
     Box3d box(const DeformBounds& of) const noexcept;

@@ -1,4 +1,4 @@
-// Dices patches into rates, tiles of vertices and attributes. Each worker has one dicer.
+// Dices patches into rates, tiles of vertices and attributes. Each tree has one dicer.
 //
 // M_l, the mesh of level l, is a function of (patch, level) alone; tiles only store it in parts. Points between patches come
 // from their owners (topology.h), and T-vertices are the middles of their neighbours on the owner's polyline (watertightness
@@ -6,7 +6,7 @@
 //
 // Space    the cage's dicing frame.
 // Memory   results lie in the given arena; the dicer owns its scratch, which is bounded by the largest ring of a cage.
-// Threads  owned by one worker.
+// Threads  one at a time: the owner of the tree, or the worker that holds the lock of a shared tree.
 #pragma once
 
 #include <vector>

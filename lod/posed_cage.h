@@ -3,7 +3,7 @@
 // Space    *dicing frame*: world axes and lengths, translated by `anchor`, a point of a power-of-two lattice near the cage.
 //          So an edge length there is a world length, coordinates stay small far from the world's origin, and a ray gets
 //          there by one subtraction in double.
-// Memory   plain data in a worker's arena; it borrows scene and topology for the frame.
+// Memory   plain data in the arena of a tree; it borrows scene and topology for the frame.
 #pragma once
 
 #include <span>
@@ -56,7 +56,8 @@ struct PosedCage {
     Box3d world_box(std::uint32_t cluster) const noexcept;
     /// Returns a vertex of the cage in the dicing frame.
     Vec3f vertex(std::uint32_t v) const { return deformed ? deformed->position(v) : pose(slot->cage.positions[v]); }
-    /// Returns a vertex's normal in world axes, not normalised; the cage must have normals.
+    /// Returns the unit normal of a vertex in world axes; it is 0 if the pose leaves no direction. The cage must have
+    /// normals.
     Vec3f vertex_normal(std::uint32_t v) const noexcept
     {
         return deformed ? deformed->normal(v) : pose_normal(slot->cage.normals[v]);
@@ -75,8 +76,8 @@ struct PosedCage {
             sum[r] = columns[0][r] * double(p.x) + columns[1][r] * double(p.y) + columns[2][r] * double(p.z) + columns[3][r];
         return {static_cast<float>(sum[0]), static_cast<float>(sum[1]), static_cast<float>(sum[2])};
     }
-    /// Maps a normal from object axes, not normalised (inverse transpose; under mirrored placements it still points
-    /// outside).
+    /// Maps a unit normal from object axes by the inverse transpose, and normalises it. It points outside in mirrored
+    /// placements, too, and stays as it is if the map leaves no direction.
     Vec3f pose_normal(Vec3f n) const noexcept;
 };
 

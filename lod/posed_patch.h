@@ -1,8 +1,8 @@
 // A patch with posed control points, which evaluates limit points and tangents.
 //
 // Space    the cage's dicing frame; parameters of the patch, [0, 1].
-// Memory   its vectors are reused from patch to patch (see PatchPool); nothing here is in an arena.
-// Threads  owned by one worker.
+// Memory   its vectors are reused from patch to patch, since a dicer keeps its posed patches; nothing here is in an arena.
+// Threads  one at a time, as for the dicer that owns it.
 #pragma once
 
 #include <array>

@@ -5,7 +5,7 @@
 // stand still are sampled; emissive subdivision surfaces and deformed meshes are found by scattered rays alone.
 //
 // Space    world.
-// Memory   a float and an index per triangle; the vertices stay in the scene. Borrows scene and textures.
+// Memory   a double and an index per triangle; the vertices stay in the scene. Borrows scene and textures.
 // Threads  const after construction.
 #pragma once
 

@@ -149,7 +149,8 @@ struct Target {
     }
 };
 
-/// Picks a target: 45 % are T-vertices and vertices, 15 % are edges and diagonals, the others lie anywhere in between.
+/// Picks a target: 30 % are T-vertices (if there are any), 15 % are vertices, and the others are points of edges and
+/// diagonals.
 Target any_target(const Subject::Pair& pair, Random& random)
 {
     Target target;
