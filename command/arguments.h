@@ -33,7 +33,7 @@ struct RenderArguments : SceneArguments {
     std::optional<LookAt> look_at;
     std::optional<Vec3d> up;            ///< none: decided by the file's format
     std::optional<ViewFrom> view_from;  ///< if given, the scene is framed from there, whatever cameras it has
-    float fov_deg = 0;                  ///< 0: the camera's own, or 39.6
+    float fov_deg = 0;                  ///< 0: the camera's own, or 39.5
     float lens_radius = 0, focus = 0;   ///< 0: the camera's own
     int blades = 0;
     std::filesystem::path environment;  ///< image that replaces the scene's own; empty: none was given

@@ -13,8 +13,8 @@
 namespace occam::shade {
 
 /// The narrowest GGX width. A mirror is sampled as a lobe of this width, so that no density is infinite. The lobe of
-/// reflected directions is twice as wide: half a pixel of a frame that is 1600 pixels wide, with a field of view of 60
-/// degrees.
+/// reflected directions is twice as wide, 6e-4 radians, which is less than a pixel of a frame that is 1600 pixels wide, with
+/// a field of view of 60 degrees.
 inline constexpr float kMinAlpha = 3e-4f;
 
 /// Returns the density of normals per solid angle (Walter et al. 2007, eq. 33).
