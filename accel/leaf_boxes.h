@@ -35,8 +35,8 @@ public:
         }
     }
 
-    /// Sets bit i if some ray may be in box i of the group before `end`. If `begin` is given, it receives where each
-    /// box may be entered.
+    /// Returns a mask in which bit i is set if some ray may be in box i of the group before `end`. If `begin` is given, it
+    /// receives where each box may be entered.
     unsigned in_boxes(const float* group, float end, float* begin = nullptr) const noexcept
     {
         unsigned all = 0;

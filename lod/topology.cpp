@@ -45,7 +45,7 @@ struct Topology::Tables {
     using Slots = std::vector<std::atomic<const PatchControls*>>;
 
     std::mutex mutex;
-    std::vector<Slots> slots;  ///< one entry for each patch; index 0 is for vertices, 1 + s for UV set s
+    std::vector<Slots> slots;  ///< slots[0] is for vertices and slots[1 + s] for UV set s; each has an entry for each patch
     std::unordered_map<std::vector<std::uint32_t>, std::unique_ptr<const PatchClass>, KeyHash> classes;
     std::deque<PatchControls> records;
     std::deque<std::vector<std::uint32_t>> indices;
