@@ -128,19 +128,18 @@ void add_picture(CLI::App& app, RenderArguments& a)
                [&](double v) { s.deadline_s = v; });
     add_switch(app, "--background", s.background, "Sky or environment behind the scene; off: transparent [on]");
     add_switch(app, "--back-faces", s.back_faces, "off: rays pass the backs of single-sided surfaces [on]");
-    add_value(app, "--aov",
-              "EXR layers: depth, normal, normal_geometric, albedo, uv, position, id, variance, normal_mean, "
-              "cryptomatte_object, cryptomatte_material, occlusion",
-              "A,B,...", [&](const std::string& t) {
-                  for (std::string_view word : words_of(t)) {
-                      const unsigned before = s.aovs;
-                      for (Aov aov : render::kAllAovs)
-                          if (render::aov_name(aov) == word) s.aovs |= unsigned(aov);
-                      if (s.aovs == before) throw std::invalid_argument("there is no layer '" + std::string(word) + "'");
-                  }
-              });
+    std::string layers = "EXR layers: ";
+    for (const render::AovRow& row : render::kAovs) layers.append(row.aov == Aov{} ? "" : ", ").append(row.name);
+    add_value(app, "--aov", layers, "A,B,...", [&](const std::string& t) {
+        for (std::string_view word : words_of(t)) {
+            const auto* row = std::find_if(std::begin(render::kAovs), std::end(render::kAovs),
+                                           [&](const auto& r) { return r.name == word; });
+            if (row == std::end(render::kAovs)) throw std::invalid_argument("there is no layer '" + std::string(word) + "'");
+            s.aovs |= row->aov;
+        }
+    });
     std::map<std::string, View> views;
-    for (View view : render::kAllViews) views.emplace(render::view_name(view), view);
+    for (const render::ViewRow& row : render::kViews) views.emplace(row.name, row.view);
     add_choice<View>(app, "--view", s.view, views, "A debug picture instead of light");
     std::map<std::string, IntegratorKind> integrators;
     for (IntegratorKind kind : {IntegratorKind::Direct, IntegratorKind::Ao, IntegratorKind::Path})

@@ -1,50 +1,14 @@
 #include "render/film.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
-#include <initializer_list>
 #include <type_traits>
 
 namespace occam::render {
 namespace {
 
-struct LayerForm {
-    std::vector<std::string> channels;
-    bool full_float;
-};
-
-LayerForm form_of(Aov aov)
-{
-    switch (aov) {
-        case Aov::Depth:
-            return {{"Z"}, true};
-        case Aov::Normal:
-        case Aov::NormalGeometric:
-            return {{"X", "Y", "Z"}, false};
-        case Aov::Albedo:
-            return {{"R", "G", "B", "A"}, false};
-        case Aov::Uv:
-            return {{"U", "V"}, true};
-        case Aov::Position:
-            return {{"X", "Y", "Z"}, true};
-        case Aov::Id:
-            return {{"I"}, true};
-        case Aov::Variance:
-            return {{"Y"}, true};
-        case Aov::Occlusion:
-            return {{"Y"}, false};
-        case Aov::NormalMean:
-            return {{"X", "Y", "Z"}, false};
-        case Aov::CryptomatteObject:
-        case Aov::CryptomatteMaterial:
-            return {{"R", "G", "B", "A"}, true};
-    }
-    return {};
-}
-
-std::size_t index_of(Aov aov) noexcept { return static_cast<std::size_t>(std::countr_zero(static_cast<unsigned>(aov))); }
+std::size_t index_of(Aov aov) noexcept { return static_cast<std::size_t>(aov); }
 
 bool is_finite(Vec3f v) noexcept { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
@@ -73,21 +37,17 @@ void PixelSums::add(const SampleResult& sample) noexcept
 }
 
 template <class Sums, class Visit>
-void PixelSums::visit_packed(Sums& sums, unsigned aovs, Visit&& visit)
+void PixelSums::visit_packed(Sums& sums, AovSet aovs, Visit&& visit)
 {
-    const auto has_any = [&](std::initializer_list<Aov> wanted) {
-        return std::any_of(wanted.begin(), wanted.end(), [&](Aov aov) { return (aovs & static_cast<unsigned>(aov)) != 0; });
-    };
     visit(sums.beauty_), visit(sums.luminance_), visit(sums.luminance2_), visit(sums.weight_);
     visit(sums.count_), visit(sums.not_finite_);
-    if (has_any({Aov::Albedo})) visit(sums.albedo_);
-    if (has_any({Aov::NormalMean})) visit(sums.normal_);
-    if (has_any({Aov::Occlusion})) visit(sums.occlusion_);
-    if (has_any({Aov::Depth, Aov::Normal, Aov::NormalGeometric, Aov::Uv, Aov::Position, Aov::Id}))
-        visit(sums.nearest_), visit(sums.first_);
+    if (aovs.has(Aov::Albedo)) visit(sums.albedo_);
+    if (aovs.has(Aov::NormalMean)) visit(sums.normal_);
+    if (aovs.has(Aov::Occlusion)) visit(sums.occlusion_);
+    if (aovs.has_any(kFirstSurfaceAovs)) visit(sums.nearest_), visit(sums.first_);
 }
 
-std::size_t PixelSums::packed_bytes(unsigned aovs) noexcept
+std::size_t PixelSums::packed_bytes(AovSet aovs) noexcept
 {
     std::size_t bytes = 0;
     const PixelSums sums;
@@ -95,7 +55,7 @@ std::size_t PixelSums::packed_bytes(unsigned aovs) noexcept
     return bytes;
 }
 
-void PixelSums::pack(unsigned aovs, std::byte* to) const noexcept
+void PixelSums::pack(AovSet aovs, std::byte* to) const noexcept
 {
     visit_packed(*this, aovs, [&](const auto& value) {
         std::memcpy(to, &value, sizeof value);
@@ -103,7 +63,7 @@ void PixelSums::pack(unsigned aovs, std::byte* to) const noexcept
     });
 }
 
-void PixelSums::unpack(unsigned aovs, const std::byte* from) noexcept
+void PixelSums::unpack(AovSet aovs, const std::byte* from) noexcept
 {
     visit_packed(*this, aovs, [&](auto& value) {
         static_assert(std::is_trivially_copyable_v<std::remove_reference_t<decltype(value)>>);
@@ -117,6 +77,46 @@ Vec4f PixelSums::beauty() const noexcept { return weight_ > 0 ? Vec4f(beauty_ / 
 Vec4f PixelSums::albedo() const noexcept { return weight_ > 0 ? Vec4f(albedo_ / weight_) : Vec4f(0); }
 Vec3f PixelSums::normal() const noexcept { return weight_ > 0 ? Vec3f(normal_ / weight_) : Vec3f(0); }
 float PixelSums::occlusion() const noexcept { return weight_ > 0 ? static_cast<float>(occlusion_ / weight_) : 0; }
+
+void PixelSums::write(Aov aov, float* to) const noexcept
+{
+    const auto put = [&](const auto& vector) { std::copy_n(&vector.x, vector.length(), to); };
+    switch (aov) {
+        case Aov::Depth:
+            *to = first_.depth;
+            break;
+        case Aov::Normal:
+            put(first_.normal);
+            break;
+        case Aov::NormalGeometric:
+            put(first_.normal_geometric);
+            break;
+        case Aov::Albedo:
+            put(albedo());
+            break;
+        case Aov::Uv:
+            put(first_.uv);
+            break;
+        case Aov::Position:
+            put(first_.position);
+            break;
+        case Aov::Id:
+            *to = first_.id;
+            break;
+        case Aov::Variance:
+            *to = variance();
+            break;
+        case Aov::NormalMean:
+            put(normal());
+            break;
+        case Aov::CryptomatteObject:
+        case Aov::CryptomatteMaterial:
+            break;
+        case Aov::Occlusion:
+            *to = occlusion();
+            break;
+    }
+}
 
 float PixelSums::variance() const noexcept
 {
@@ -140,25 +140,19 @@ Film::Film(const Settings& settings)
     image_.full_width = settings.width;
     image_.full_height = settings.height;
     image_.add_layer("beauty", {"R", "G", "B", "A"});
-    for (Aov aov : kAllAovs) {
-        if (!settings.has(aov)) continue;
-        LayerForm form = form_of(aov);
-        layer_of_[index_of(aov)] = image_.layers().size();
-        if (const std::string_view matte = matte_layer(aov); !matte.empty()) {
+    for (const AovRow& row : kAovs) {
+        if (!settings.has(row.aov)) continue;
+        std::vector<std::string> channels;
+        for (const char letter : row.channels) channels.emplace_back(1, letter);
+        layer_of_[index_of(row.aov)] = image_.layers().size();
+        if (kCryptomattes.has(row.aov)) {
             for (int n = 0; n < kMatteLayers; ++n)
-                image_.add_layer(std::string(matte) + "0" + std::to_string(n), form.channels, form.full_float);
+                image_.add_layer(std::string(matte_layer(row.aov)) + "0" + std::to_string(n), channels, row.full_float);
             continue;
         }
-        Layer& layer = image_.add_layer(std::string(aov_name(aov)), std::move(form.channels), form.full_float);
-        // A pixel that was never reached is a miss.
-        if (aov == Aov::Depth) std::fill(layer.pixels.begin(), layer.pixels.end(), std::numeric_limits<float>::infinity());
+        Layer& layer = image_.add_layer(std::string(row.name), std::move(channels), row.full_float);
+        std::fill(layer.pixels.begin(), layer.pixels.end(), row.miss);  // a pixel that was never reached is a miss
     }
-}
-
-void Film::put(Aov aov, std::size_t pixel, const float* values, std::size_t count) noexcept
-{
-    if (!settings_.has(aov)) return;
-    std::copy_n(values, count, image_.layer(layer_of_[index_of(aov)]).pixels.begin() + std::ptrdiff_t(pixel * count));
 }
 
 std::size_t Film::pixel_of(int x, int y) const noexcept
@@ -180,21 +174,14 @@ void Film::store(int x, int y, const PixelSums& sums) noexcept
     const std::size_t pixel = pixel_of(x, y);
     const Vec4f beauty = sums.beauty();
     std::copy_n(&beauty.x, 4, image_.layer(0).pixels.begin() + std::ptrdiff_t(pixel * 4));
-    const FirstSurface& first = sums.first();
-    const Vec4f albedo = sums.albedo();
-    const float variance = sums.variance();
-    put(Aov::Depth, pixel, &first.depth, 1);
-    put(Aov::Normal, pixel, &first.normal.x, 3);
-    put(Aov::NormalGeometric, pixel, &first.normal_geometric.x, 3);
-    put(Aov::Albedo, pixel, &albedo.x, 4);
-    put(Aov::Uv, pixel, &first.uv.x, 2);
-    put(Aov::Position, pixel, &first.position.x, 3);
-    put(Aov::Id, pixel, &first.id, 1);
-    put(Aov::Variance, pixel, &variance, 1);
-    const Vec3f normal = sums.normal();
-    put(Aov::NormalMean, pixel, &normal.x, 3);
-    const float occlusion = sums.occlusion();
-    put(Aov::Occlusion, pixel, &occlusion, 1);
+    for (const AovRow& row : kAovs) {
+        if (!settings_.has(row.aov) || kCryptomattes.has(row.aov)) continue;
+        float values[kMostChannels];
+        sums.write(row.aov, values);
+        const std::size_t count = row.channels.size();
+        std::copy_n(values, count,
+                    image_.layer(layer_of_[index_of(row.aov)]).pixels.begin() + std::ptrdiff_t(pixel * count));
+    }
 }
 
 std::size_t Film::bytes() const noexcept

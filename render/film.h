@@ -43,7 +43,6 @@ public:
 
     Vec4f beauty() const noexcept;
     Vec4f albedo() const noexcept;
-    const FirstSurface& first() const noexcept { return first_; }
     Vec3f normal() const noexcept;
     float occlusion() const noexcept;
     float variance() const noexcept;  ///< variance of the mean of the luminance
@@ -51,19 +50,21 @@ public:
     /// kDarkest, so that invisible noise asks for no samples. The estimate comes from the sample variance, so it knows
     /// nothing of light that no sample has found yet.
     float relative_error() const noexcept;
+    /// Writes the channels of a layer that is no Cryptomatte.
+    void write(Aov aov, float* to) const noexcept;
     int not_finite() const noexcept { return not_finite_; }
     double weight() const noexcept { return weight_; }  ///< sum over all samples
     static constexpr float kDarkest = 0.02f;
 
     /// Returns the size of the sums that the beauty picture and these layers need, as bytes without gaps. Sums that are left
     /// out read back as zeros.
-    static std::size_t packed_bytes(unsigned aovs) noexcept;
-    void pack(unsigned aovs, std::byte* to) const noexcept;
-    void unpack(unsigned aovs, const std::byte* from) noexcept;
+    static std::size_t packed_bytes(AovSet aovs) noexcept;
+    void pack(AovSet aovs, std::byte* to) const noexcept;
+    void unpack(AovSet aovs, const std::byte* from) noexcept;
 
 private:
     template <class Sums, class Visit>
-    static void visit_packed(Sums& sums, unsigned aovs, Visit&& visit);
+    static void visit_packed(Sums& sums, AovSet aovs, Visit&& visit);
 
     Vec4d beauty_{0}, albedo_{0};
     Vec3d normal_{0};
@@ -89,12 +90,11 @@ public:
 
 private:
     std::size_t pixel_of(int x, int y) const noexcept;
-    void put(Aov aov, std::size_t pixel, const float* values, std::size_t count) noexcept;
 
     Settings settings_;
     PixelRect rect_;
     Image image_;
-    std::size_t layer_of_[std::size(kAllAovs)] = {};  ///< index of each requested layer
+    std::size_t layer_of_[std::size(kAovs)] = {};  ///< index of each requested layer
 };
 
 }  // namespace occam::render

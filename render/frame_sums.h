@@ -45,7 +45,7 @@ private:
     std::size_t index_of(const PixelRect& rect) const noexcept;
     std::size_t first_pixel(std::size_t tile) const noexcept { return tile * std::size_t(kTileSide * kTileSide); }
 
-    unsigned aovs_;
+    AovSet aovs_;
     PixelRect area_;
     std::size_t columns_;
     int spp_;

@@ -35,8 +35,8 @@ Json json_of(const Camera& camera)
 Json json_of(const Settings& s)
 {
     Json aovs = Json::array();
-    for (Aov aov : kAllAovs)
-        if (s.has(aov)) aovs.push_back(aov_name(aov));
+    for (const AovRow& row : kAovs)
+        if (s.has(row.aov)) aovs.push_back(row.name);
     return {{"size", {s.width, s.height}},
             {"crop", {s.crop_x0, s.crop_x1, s.crop_y0, s.crop_y1}},
             {"spp", s.spp},

@@ -19,58 +19,11 @@ void require(bool holds, const char* setting, const std::string& rule)
 
 }  // namespace
 
-std::string_view aov_name(Aov aov) noexcept
-{
-    switch (aov) {
-        case Aov::Depth:
-            return "depth";
-        case Aov::Normal:
-            return "normal";
-        case Aov::NormalGeometric:
-            return "normal_geometric";
-        case Aov::Albedo:
-            return "albedo";
-        case Aov::Uv:
-            return "uv";
-        case Aov::Position:
-            return "position";
-        case Aov::Id:
-            return "id";
-        case Aov::Variance:
-            return "variance";
-        case Aov::NormalMean:
-            return "normal_mean";
-        case Aov::CryptomatteObject:
-            return "cryptomatte_object";
-        case Aov::CryptomatteMaterial:
-            return "cryptomatte_material";
-        case Aov::Occlusion:
-            return "occlusion";
-    }
-    return "";
-}
-
 std::string_view view_name(View view) noexcept
 {
-    switch (view) {
-        case View::Beauty:
-            return "beauty";
-        case View::Depth:
-            return "depth";
-        case View::Normal:
-            return "normal";
-        case View::Uv:
-            return "uv";
-        case View::Face:
-            return "face";
-        case View::Level:
-            return "level";
-        case View::Blend:
-            return "blend";
-        case View::Grid:
-            return "grid";
-    }
-    return "";
+    for (const ViewRow& row : kViews)
+        if (row.view == view) return row.name;
+    return "beauty";
 }
 
 std::string_view integrator_name(IntegratorKind kind) noexcept

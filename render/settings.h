@@ -6,54 +6,30 @@
 #include <optional>
 #include <string_view>
 
+#include "render/aovs.h"
 #include "render/filter.h"
 #include "scenegraph/camera.h"
 #include "shade/sky.h"
 
 namespace occam::render {
 
-/// Layers beside beauty, as bits of Settings::aovs. aov_name() gives their names.
-enum class Aov : std::uint16_t {
-    Depth = 1,                   ///< camera z; infinity where nothing is hit
-    Normal = 2,                  ///< shading normal, world axes, towards the eye
-    NormalGeometric = 4,         ///< normal of the micropolygon
-    Albedo = 8,                  ///< base colour times coverage, and coverage: the mean over the pixel
-    Uv = 16,                     ///< first set, along the axes of glTF: v runs downwards
-    Position = 32,               ///< world
-    Id = 64,                     ///< a number for each node, from 1; 0 where nothing is hit
-    Variance = 128,              ///< variance of the pixel's mean luminance, estimated from its samples
-    NormalMean = 256,            ///< mean over the pixel of the normal with its normal map: denoisers use it with albedo
-    CryptomatteObject = 512,     ///< which nodes are seen and how much of each, by name: render/cryptomatte.h
-    CryptomatteMaterial = 1024,  ///< the same for materials
-    Occlusion = 2048  ///< the share of ambient light that occlusion maps leave, times coverage: the mean over the pixel
+/// Names the debug pictures that are shown instead of light; kViews says what each shows.
+enum class View : std::uint8_t { Beauty, Depth, Normal, Uv, Face, Level, Blend, Grid };
+struct ViewRow {
+    View view;
+    std::string_view name;
+    std::string_view help;
 };
-inline constexpr Aov kAllAovs[] = {Aov::Depth,
-                                   Aov::Normal,
-                                   Aov::NormalGeometric,
-                                   Aov::Albedo,
-                                   Aov::Uv,
-                                   Aov::Position,
-                                   Aov::Id,
-                                   Aov::Variance,
-                                   Aov::NormalMean,
-                                   Aov::CryptomatteObject,
-                                   Aov::CryptomatteMaterial,
-                                   Aov::Occlusion};
-std::string_view aov_name(Aov aov) noexcept;
-
-/// Names the debug pictures that are shown instead of light.
-enum class View : std::uint8_t {
-    Beauty,
-    Depth,   ///< near white, far black
-    Normal,  ///< shading normal, -1 to 1 as 0 to 1
-    Uv,      ///< fractional parts as red and green
-    Face,    ///< a colour for each face of each node's cage
-    Level,   ///< a colour for each pair of levels, darker towards the coarser one
-    Blend,   ///< black where the finer level of the pair is seen, white where the coarser one is
-    Grid     ///< a colour for each micropolygon
+inline constexpr ViewRow kViews[] = {
+    {View::Depth, "depth", "near white, far black"},
+    {View::Normal, "normal", "the shading normal, -1 to 1 as 0 to 1"},
+    {View::Uv, "uv", "fractional parts of the texture coordinates as red and green"},
+    {View::Face, "face", "a colour for each face of each node's cage"},
+    {View::Level, "level", "a colour for each pair of levels, darker towards the coarser one"},
+    {View::Blend, "blend", "black where the finer level of the pair is seen, white where the coarser one is"},
+    {View::Grid, "grid", "a colour for each micropolygon"},
 };
 std::string_view view_name(View view) noexcept;
-inline constexpr View kAllViews[] = {View::Depth, View::Normal, View::Uv, View::Face, View::Level, View::Blend, View::Grid};
 
 /// Decides whose target edge length sets how finely a surface is seen.
 enum class Lod : unsigned char {
@@ -102,14 +78,14 @@ struct Settings {
     /// The frame is made in rounds of 1, 1, 2, 4, 8, ... samples a pixel, so that a frame that stops early is a picture of
     /// few samples, and can go on later. Costs 64 to 200 bytes a pixel. A deadline implies it.
     bool progressive = false;
-    unsigned aovs = 0;  ///< bits of Aov
+    AovSet aovs{};
     View view = View::Beauty;
     bool back_faces =
         true;  ///< false: rays pass the backs of single-sided surfaces (glTF 2.0, sec. 3.9.5), but not those of glass
     bool strict = false;     ///< a texture that is missing, or made smaller to fit the memory, is an Error
     bool background = true;  ///< draw sky or environment behind the scene; false: transparent
 
-    bool has(Aov aov) const noexcept { return (aovs & static_cast<unsigned>(aov)) != 0; }
+    bool has(Aov aov) const noexcept { return aovs.has(aov); }
 };
 
 /// The resources for rendering. They have no influence on the picture.

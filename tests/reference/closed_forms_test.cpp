@@ -85,7 +85,7 @@ ReferencePicture rendered(const std::vector<Box>& boxes, const Camera& camera)
         scene.add_node(scene.root(), desc);
     }
     Settings settings{.width = kWidth, .height = kHeight, .spp = 1, .jitter = false, .view = View::Normal};
-    settings.aovs = unsigned(Aov::Depth) | unsigned(Aov::NormalGeometric);
+    settings.aovs = Aov::Depth | Aov::NormalGeometric;
     const Image image = Renderer({.threads = 2}).render(scene, camera, settings);
     ReferencePicture picture;
     picture.width = kWidth;

@@ -68,7 +68,7 @@ ReferencePicture render_case(const ReferenceCase& c)
     // A debug view needs no light. Texels are filtered for one ray as wide as the pixel, so base colour has its own, finer
     // frame.
     Settings settings{.width = c.width, .height = c.height, .spp = 1, .jitter = false, .view = View::Normal};
-    for (Aov aov : {Aov::Depth, Aov::Normal, Aov::NormalGeometric, Aov::Uv}) settings.aovs |= static_cast<unsigned>(aov);
+    for (Aov aov : {Aov::Depth, Aov::Normal, Aov::NormalGeometric, Aov::Uv}) settings.aovs |= aov;
     const Image first = renderer.render(scene, c.camera, settings);
 
     ReferencePicture picture;
@@ -83,7 +83,7 @@ ReferencePicture render_case(const ReferenceCase& c)
     if (c.files.contains("albedo")) {
         settings.spp = 64;
         settings.jitter = true;
-        settings.aovs = static_cast<unsigned>(Aov::Albedo);
+        settings.aovs = Aov::Albedo;
         picture.albedo = renderer.render(scene, c.camera, settings).find("albedo")->pixels;
     }
     return picture;

@@ -179,8 +179,7 @@ TEST(Deformation, FollowsJointsThatTheApplicationMoves)
 TEST(Deformation, ShowsWhatWrittenVerticesWouldShow)
 {
     const Camera camera = Camera::look_at({0.5, 2, 4}, {0.5, 0, 0}, {0, 1, 0}, 0.8f);
-    const Settings settings{
-        .width = 96, .height = 72, .spp = 1, .jitter = false, .aovs = unsigned(Aov::Depth) | unsigned(Aov::Normal)};
+    const Settings settings{.width = 96, .height = 72, .spp = 1, .jitter = false, .aovs = Aov::Depth | Aov::Normal};
     for (const Scheme scheme : {Scheme::CatmullClark, Scheme::Bilinear}) {
         Eel eel(scheme);
         eel.bend(0.7);

@@ -26,7 +26,7 @@ public:
         Settings settings{.spp = 4, .integrator = IntegratorKind::Ao, .ao_distance = 1e-3f, .back_faces = back_faces};
         settings.width = int(bounds.extent().x / kPixel) + 2;
         settings.height = int(bounds.extent().y / kPixel) + 2;
-        settings.aovs = unsigned(Aov::Albedo) | unsigned(Aov::CryptomatteObject);
+        settings.aovs = Aov::Albedo | Aov::CryptomatteObject;
         Camera camera = Camera::look_at(middle_ + Vec3d(0, 0, sign_ * 20), middle_, {0, 1, 0}, 1);
         camera.lens.orthographic = true;
         camera.lens.height = float(settings.height * kPixel);

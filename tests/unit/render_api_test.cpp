@@ -37,8 +37,8 @@ TEST(Api, APictureOfASquareHasItsDepthAndCoverage)
 {
     Square square;
     Renderer renderer({.threads = 2});
-    const Image image = renderer.render(
-        square.scene, kFront, {.width = 40, .height = 40, .spp = 4, .aovs = unsigned(Aov::Depth) | unsigned(Aov::Albedo)});
+    const Image image = renderer.render(square.scene, kFront,
+                                        {.width = 40, .height = 40, .spp = 4, .aovs = Aov::Depth | Aov::Albedo});
     const std::size_t middle = 20 * 40 + 20;
     EXPECT_NEAR(image.find("depth")->pixels[middle], 5, 1e-4);
     EXPECT_TRUE(std::isinf(image.find("depth")->pixels[0]));
@@ -109,8 +109,7 @@ TEST(Api, ACancelledJobKeepsItsFinishedTilesAndLetsGoOfTheScene)
     EXPECT_EQ(job.progress().stage, Stage::Done);
     EXPECT_EQ(job.image().width, 1000);
     square.scene.set_visible(square.node, false);
-    const Image empty = renderer.render(square.scene, kFront,
-                                        {.width = 8, .height = 8, .spp = 1, .aovs = unsigned(Aov::Depth)});
+    const Image empty = renderer.render(square.scene, kFront, {.width = 8, .height = 8, .spp = 1, .aovs = Aov::Depth});
     for (float z : empty.find("depth")->pixels) EXPECT_TRUE(std::isinf(z));
 }
 

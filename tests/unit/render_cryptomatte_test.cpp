@@ -74,7 +74,7 @@ struct Panes {
     Image render(const Resources& resources)
     {
         Settings settings{.width = 33, .height = 8, .spp = 16, .filter = FilterKind::Gaussian};
-        settings.aovs = unsigned(Aov::CryptomatteObject) | unsigned(Aov::CryptomatteMaterial);
+        settings.aovs = Aov::CryptomatteObject | Aov::CryptomatteMaterial;
         return Renderer(resources).render(scene, camera, settings);
     }
 };

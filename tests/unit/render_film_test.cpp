@@ -42,7 +42,9 @@ TEST(Film, DepthIsThatOfTheSampleNearestTheMiddle)
     sums.add(at(grey(1, 4), {0.9f, 0.9f}));
     sums.add(at(grey(2, 5), {0.6f, 0.5f}));
     sums.add(at(SampleResult{}, {0.1f, 0.1f}));
-    EXPECT_EQ(sums.first().depth, 5);
+    float depth = 0;
+    sums.write(Aov::Depth, &depth);
+    EXPECT_EQ(depth, 5);
 }
 
 // For the mean of 1, 2, 3 and 6 it is the sum of squared deviations, 14, over n - 1 = 3, over n = 4.
@@ -95,7 +97,7 @@ TEST(Film, StoresInsideTheCropAndKeepsLayersInOrder)
     settings.width = 8;
     settings.height = 4;
     settings.crop_x0 = 0.5f;
-    settings.aovs = unsigned(Aov::Albedo) | unsigned(Aov::Depth);
+    settings.aovs = Aov::Albedo | Aov::Depth;
     Film film(settings);
     PixelSums sums;
     sums.add(at(grey(1, 7), {0.5f, 0.5f}));

@@ -31,8 +31,7 @@ TEST(Occlusion, DimsAmbientLightByItsStrength)
     for (const Scheme scheme : {Scheme::Bilinear, Scheme::Triangles})
         for (const render::ShadeAt at : {render::ShadeAt::Hit, render::ShadeAt::Vertex}) {
             TexturedFloor world(scheme, half_occluded);
-            const Image image = world.picture(
-                {.integrator = IntegratorKind::Ao, .shade_at = at, .aovs = unsigned(Aov::Occlusion)});
+            const Image image = world.picture({.integrator = IntegratorKind::Ao, .shade_at = at, .aovs = Aov::Occlusion});
             for (const char* layer : {"beauty", "occlusion"}) {
                 EXPECT_NEAR(value(image, layer, false), 1 + 0.8f * (0.25f - 1), 2e-3f) << layer;
                 EXPECT_NEAR(value(image, layer, true), 1, 2e-3f) << layer;
@@ -47,7 +46,7 @@ TEST(Occlusion, LeavesTracedLightAsItIs)
         const Settings settings{.integrator = kind};
         EXPECT_EQ(with.picture(settings).checksum(), without.picture(settings).checksum());
     }
-    const Image layers = with.picture({.aovs = unsigned(Aov::Occlusion)});
+    const Image layers = with.picture({.aovs = Aov::Occlusion});
     EXPECT_NEAR(value(layers, "occlusion", false), 0.4f, 2e-3f) << "but tells the compositor";
 }
 
@@ -58,7 +57,7 @@ TEST(Occlusion, OfUnlitMaterialsIsNone)
         m.unlit = true;
         return m;
     });
-    EXPECT_EQ(value(world.picture({.aovs = unsigned(Aov::Occlusion)}), "occlusion", false), 1);
+    EXPECT_EQ(value(world.picture({.aovs = Aov::Occlusion}), "occlusion", false), 1);
 }
 
 }  // namespace

@@ -15,12 +15,17 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr unsigned kAllLayers = 0xfff;
+render::AovSet all_layers()
+{
+    render::AovSet all;
+    for (const render::AovRow& row : render::kAovs) all |= row.aov;
+    return all;
+}
 
 struct Subject {
     Scene scene = builtin_scene();
     Camera camera = scene.camera().value_or(Camera::framing(scene.bounds()));
-    Settings settings{.width = 50, .height = 34, .spp = 24, .aovs = kAllLayers};
+    Settings settings{.width = 50, .height = 34, .spp = 24, .aovs = all_layers()};
 };
 
 void expect_same(const Image& a, const Image& b)
@@ -106,7 +111,7 @@ TEST(Progressive, ACheckpointOfAnotherPictureOrADamagedOneIsRefused)
         is_refused(damaged);
     }
     for (const auto change : {+[](Subject& s) { s.settings.seed = 1; }, +[](Subject& s) { s.settings.width = 49; },
-                              +[](Subject& s) { s.settings.aovs = 1; }, +[](Subject& s) { s.settings.bounces = 3; },
+                              +[](Subject& s) { s.settings.aovs = Aov::Depth; }, +[](Subject& s) { s.settings.bounces = 3; },
                               +[](Subject& s) { s.camera.lens.fov *= 1.01f; }}) {
         Subject other;
         change(other);
