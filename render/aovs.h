@@ -85,8 +85,7 @@ inline constexpr AovRow kAovs[] = {
 
 inline constexpr AovSet kCryptomattes = Aov::CryptomatteObject | Aov::CryptomatteMaterial;
 /// The layers that show the first surface of the sample nearest to the middle of the pixel.
-inline constexpr AovSet kFirstSurfaceAovs = {Aov::Depth, Aov::Normal,   Aov::NormalGeometric,
-                                             Aov::Uv,    Aov::Position, Aov::Id};
+inline constexpr AovSet kFirstSurfaceAovs = {Aov::Depth, Aov::Normal, Aov::NormalGeometric, Aov::Uv, Aov::Position, Aov::Id};
 
 /// Returns the row of a layer. The rows stand in the order of the layers.
 constexpr const AovRow& row_of(Aov aov) noexcept { return kAovs[static_cast<std::size_t>(aov)]; }
