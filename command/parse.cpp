@@ -116,15 +116,15 @@ void add_picture(CLI::App& app, RenderArguments& a)
     add_choice<FilterKind>(app, "--filter", s.filter, filters, "Reconstruction filter [box]");
     add_amount(app, "--filter-radius", "Half the filter's width, pixels [depends on the filter]",
                [&](double v) { s.filter_radius = float(v); });
-    add_amount(app, "--error", "End a tile of pixels below this estimated relative error; --spp is then the most",
+    add_amount(app, "--error", "End a tile of pixels below this estimated relative error, at the latest after --spp samples",
                [&](double v) { s.error = float(v); });
     add_number(app, "--shading-rate", "Target edge length of micropolygons, pixels [1]",
                [&](double v) { s.shading_rate = float(v); });
     add_choice<render::Lod>(
         app, "--lod", s.lod, {{"on", render::Lod::On}, {"off", render::Lod::Off}, {"frozen", render::Lod::Frozen}},
         "Level of detail. on: for each ray; off: one for each cage; frozen: secondary rays keep that of their origin [on]");
-    add_whole(app, "--seed", s.seed, 0, ~std::uint64_t(0), "The random numbers' seed [0]");
-    add_amount(app, "--deadline", "Stop after so many seconds; all pixels have about as many samples by then",
+    add_whole(app, "--seed", s.seed, 0, ~std::uint64_t(0), "Seed of the random numbers [0]");
+    add_amount(app, "--deadline", "Stop after this many seconds; all pixels then have about equally many samples",
                [&](double v) { s.deadline_s = v; });
     add_switch(app, "--background", s.background, "Sky or environment behind the scene; off: transparent [on]");
     add_switch(app, "--back-faces", s.back_faces, "off: rays pass the backs of single-sided surfaces [on]");
@@ -146,7 +146,7 @@ void add_picture(CLI::App& app, RenderArguments& a)
         integrators.emplace(render::integrator_name(kind), kind);
     add_choice<IntegratorKind>(app, "--integrator", s.integrator, integrators, "How light is computed [path]");
     add_whole(app, "--bounces", s.bounces, 0, render::kMaxBounces,
-              "Most times that light is scattered; direct: mirrors in a row [8]");
+              "Largest number of times that light is scattered; direct: of mirrors in a row [8]");
     add_amount(app, "--clamp",
                "Limit light scattered twice or more to this radiance a sample: no fireflies, some light lost [0: off]",
                [&](double v) { s.clamp = float(v); });
@@ -165,7 +165,7 @@ void add_picture(CLI::App& app, RenderArguments& a)
                [&](double v) { a.environment_rotation_deg = float(v); });
     add_choice<render::ShadeAt>(app, "--shade", s.shade_at,
                                 {{"vertex", render::ShadeAt::Vertex}, {"hit", render::ShadeAt::Hit}},
-                                "Where materials are looked up: at vertices of grids, once, or at every hit [hit]");
+                                "Where materials are looked up: once at the vertices of grids, or at every hit [hit]");
 }
 
 void add_camera(CLI::App& app, RenderArguments& a)
@@ -174,7 +174,7 @@ void add_camera(CLI::App& app, RenderArguments& a)
                                        "A camera of the scene by its name [the first, else one that frames it]")
                             ->type_name("NAME");
     app.add_option("--lod-camera", a.lod_camera,
-                   "Footprints of this camera of the scene: detail stays while the picture's camera moves [its own]")
+                   "Camera of the scene whose footprints decide the level of detail [the picture's own]")
         ->type_name("NAME");
     CLI::Option* look_at = add_value(app, "--look-at", "Eye and target", "EX,EY,EZ,TX,TY,TZ", [&](const std::string& t) {
         const auto n = numbers_of(t, 6);
@@ -240,12 +240,12 @@ void add_checkpoint(CLI::App& app, RenderArguments& a)
               "on: the picture is made in rounds, and one that is stopped leaves IMAGE.checkpoint beside it [on with "
               "--deadline or --resume, else off]",
               "on|off", [&](const std::string& t) { a.checkpoint = is_on(t); });
-    app.add_flag("--resume", a.resume, "Go on from IMAGE.checkpoint, if it is there");
+    app.add_flag("--resume", a.resume, "Continue from IMAGE.checkpoint, if it exists");
 }
 
 void add_sequence(CLI::App& app, AnimateArguments& a)
 {
-    add_value(app, "--frames", "Which frames", "A-BxSTEP,C,...", [&](const std::string& t) {
+    add_value(app, "--frames", "Frames of the sequence", "A-BxSTEP,C,...", [&](const std::string& t) {
         a.frames = frames_of(t);
     })->required();
     app.add_flag("--overwrite", a.overwrite, "Make frames again whose pictures exist already");
@@ -300,13 +300,13 @@ void add_compare(CLI::App& app, CompareArguments& a)
     app.add_option("A", a.a, "Picture to judge")->required()->type_name("");
     app.add_option("B", a.b, "Reference")->required()->type_name("");
     app.add_flag("--json", a.json, "All common layers as JSON");
-    app.add_option("--layer", a.layer, "Layer that limits and heat map are for [beauty]")->type_name("NAME");
+    app.add_option("--layer", a.layer, "Layer of the limits and the heat map [beauty]")->type_name("NAME");
     CLI::Option* heat = app.add_option("--heat", a.heat, "Write a map of the differences")->type_name("FILE");
-    add_amount(app, "--heat-scale", "Difference that is shown white [the largest]", [&](double v) {
+    add_amount(app, "--heat-scale", "Difference that is shown as white [the largest]", [&](double v) {
         a.heat_scale = v;
     })->needs(heat);
     add_limit(app, "--max-mse", a.max_mse, "Exit code 1 if the mean squared error is larger");
-    add_limit(app, "--max-rmse", a.max_rmse, "The same for its root");
+    add_limit(app, "--max-rmse", a.max_rmse, "The same for the root mean squared error");
     add_limit(app, "--max-rel-mse", a.max_rel_mse, "The same for the relative mean squared error");
     add_limit(app, "--max-error", a.max_error, "The same for the largest difference");
     add_limit(app, "--max-p999", a.max_p999, "The same for the 99.9th percentile");
@@ -370,7 +370,7 @@ Arguments parse(int argc, char** argv)
         "interrupted.\n"
         "Example: occam render courtyard.glb -o courtyard.png");
 
-    CLI::App& render_app = *app.add_subcommand("render", "One frame to a picture");
+    CLI::App& render_app = *app.add_subcommand("render", "Render one frame to a picture");
     add_scene(render_app, render);
     add_output(render_app, render, "IMAGE");
     add_camera(render_app, render);
@@ -380,12 +380,12 @@ Arguments parse(int argc, char** argv)
     add_picture(render_app, render);
     add_machine(render_app, render);
     render_app.footer(
-        "A picture that --deadline stops leaves a checkpoint, from which --resume goes on; with --checkpoint on, Ctrl-C "
-        "does "
-        "so too.\n"
+        "A picture that --deadline stops leaves a checkpoint, from which --resume continues. With --checkpoint on, a "
+        "picture\n"
+        "that Ctrl-C stops leaves one, too.\n"
         "Example: occam render courtyard.glb -o courtyard.exr --size 1920x1080 --spp 64 --aov depth,normal --stats -");
 
-    CLI::App& animate_app = *app.add_subcommand("animate", "A sequence of frames; goes on where it was stopped");
+    CLI::App& animate_app = *app.add_subcommand("animate", "Render a sequence of frames, or continue one that was stopped");
     add_scene(animate_app, animate);
     add_output(animate_app, animate, "IMAGE.####.EXT");
     add_sequence(animate_app, animate);
@@ -394,36 +394,36 @@ Arguments parse(int argc, char** argv)
     add_picture(animate_app, animate);
     add_machine(animate_app, animate);
     animate_app.footer(
-        "Frames that are there are left alone, so a run that was stopped is started again with the same words. Frames that "
-        "are cut\n"
-        "off are made again; frames of another size or of other settings are refused without --overwrite.\n"
+        "Frames that exist already are left alone, so a run that was stopped can be started again with the same arguments.\n"
+        "Frames that are cut off are made again; frames of another size or with other settings are refused without "
+        "--overwrite.\n"
         "Example: occam animate fox.glb -o fox.####.exr --frames 0-95 --clip Run --shard 1/4");
 
-    CLI::App& info_app = *app.add_subcommand("info", "What is in a scene");
+    CLI::App& info_app = *app.add_subcommand("info", "Print what is in a scene");
     add_scene(info_app, info);
-    info_app.add_flag("--json", info.json, "As JSON");
+    info_app.add_flag("--json", info.json, "Print JSON");
     info_app.footer("Example: occam info courtyard.glb --json");
 
-    CLI::App& verify_app = *app.add_subcommand("verify", "Whether closed cages let rays out");
+    CLI::App& verify_app = *app.add_subcommand("verify", "Check that no ray leaves a closed cage");
     add_scene(verify_app, verify);
-    add_whole(verify_app, "--rays", verify.settings.rays, 1, kMostVerifyRays, "For each placed cage [1000000]");
-    add_whole(verify_app, "--seed", verify.settings.seed, 0, ~std::uint64_t(0), "The random numbers' seed [0]");
-    verify_app.add_flag("--json", verify.json, "As JSON");
+    add_whole(verify_app, "--rays", verify.settings.rays, 1, kMostVerifyRays, "Rays for each placed cage [1000000]");
+    add_whole(verify_app, "--seed", verify.settings.seed, 0, ~std::uint64_t(0), "Seed of the random numbers [0]");
+    verify_app.add_flag("--json", verify.json, "Print JSON");
     verify_app.footer(
         "Exit code 1 if a ray escapes. Example: occam verify suzanne.obj --subdivide on --rays 10000000 --json");
 
-    CLI::App& compare_app = *app.add_subcommand("compare", "How far two pictures are apart");
+    CLI::App& compare_app = *app.add_subcommand("compare", "Measure how far two pictures are apart");
     add_compare(compare_app, compare);
     compare_app.footer("Example: occam compare out.exr reference.exr --heat heat.png --max-rmse 0.01");
 
-    CLI::App& bench_app = *app.add_subcommand("bench", "Speed, beside other software");
+    CLI::App& bench_app = *app.add_subcommand("bench", "Measure speed, beside other software");
     std::vector<std::string> suites;
     std::string only, json;
     bool list = false;
-    bench_app.add_option("SUITE", suites, "Which; without it all")->type_name("");
+    bench_app.add_option("SUITE", suites, "Suites to run [all]")->type_name("");
     bench_app.add_option("--only", only, "Cases whose name or recipe has this text")->type_name("TEXT");
-    bench_app.add_option("--json", json, "Write the rows")->type_name("FILE");
-    bench_app.add_flag("--list", list, "What suites there are");
+    bench_app.add_option("--json", json, "Write the rows as JSON")->type_name("FILE");
+    bench_app.add_flag("--list", list, "List the suites");
     bench_app.footer("Example: occam bench crowd --only fast --json crowd.json");
 
     const auto is_command = [&](const char* word) {
