@@ -19,8 +19,8 @@ OCCAM_ALWAYS_INLINE vmask in_box(const RayLanes& ray, const vfloat (&near)[3], c
         in = max(in, (near[a] - ray.origin[a]) * ray.inverse[a]);
         out = min(out, (far[a] - ray.origin[a]) * ray.inverse[a]);
     }
-    // The interval is widened by three ulps of each t and by the rounding of the shift: culling must never decide a
-    // hit.
+    // The interval is widened by four ulps of each t and of the shift, which is more than their rounding: culling must
+    // never decide a hit.
     const vfloat slack = 4 * FLT_EPSILON;
     const vfloat pad_in = (abs(in) + abs(ray.shift)) * slack, pad_out = (abs(out) + abs(ray.shift)) * slack;
     begin = ray.shift + in - pad_in;

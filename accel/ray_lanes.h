@@ -128,7 +128,7 @@ template <class F>
 struct VertexBlendOf {
     F d[3], k;
 
-    /// Does the same for points that are given along three axes in this order.
+    /// Returns the blend for points that are given along three axes in this order.
     VertexBlendOf along(int kx, int ky, int kz) const noexcept { return {{d[kx], d[ky], d[kz]}, k}; }
     /// The origin and the shift are those of the rays in that frame.
     void set(const lod::Blend<F>& blend, const F (&direction)[3], const F (&origin)[3], F shift) noexcept

@@ -10,7 +10,7 @@
 namespace occam::shade {
 namespace {
 
-// Returns a power of the sine between normal and half vector (Estevez and Kulla 2017, eq. 2).
+// Returns the density of half vectors, a power of the sine of their angle to the normal (Estevez and Kulla 2017, eq. 2).
 float density(float n_h, float alpha) noexcept
 {
     const float sine = std::sqrt(std::max(0.0f, 1 - n_h * n_h)), power = 1 / alpha;
@@ -40,7 +40,8 @@ float lobe(float n_l, float n_v, float n_h, float alpha) noexcept
     return density(n_h, alpha) / ((1 + lambda(n_l, alpha) + lambda(n_v, alpha)) * 4 * n_l * n_v);
 }
 
-// Integrates the albedo, by the middle of each cell of the light's squared cosine and half turn.
+// Integrates the albedo over cells of the light's cosine and of its angle around the normal, each by its middle. Half a turn
+// suffices, because the other half is its mirror image.
 float integrate(float cosine, float alpha) noexcept
 {
     constexpr int kCosines = 32, kAngles = 24;

@@ -215,7 +215,7 @@ private:
         } else {
             constexpr double kWidest = 3.1;
             if (camera.perspective.yfov > kWidest)
-                report_.warn("a camera's angle of pi or more is made smaller", camera.name);
+                report_.warn("a camera's angle above 3.1 radians is made smaller", camera.name);
             lens.fov = static_cast<float>(std::min(camera.perspective.yfov, kWidest));
             lens.aspect = static_cast<float>(camera.perspective.aspectRatio);
         }

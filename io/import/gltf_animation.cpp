@@ -77,7 +77,7 @@ private:
         for (std::size_t key = 0; key < channel.times.size(); ++key) {
             float* q = &channel.values[key * step + value];
             if (q[0] != 0 || q[1] != 0 || q[2] != 0 || q[3] != 0) continue;
-            report_.warn("a rotation is zero: none is taken", where);
+            report_.warn("a rotation is zero: the identity replaces it", where);
             q[3] = 1;
         }
     }

@@ -9,8 +9,8 @@
 
 namespace occam::import {
 
-/// Makes a colour grey whose image is missing. Other values are then those of their factors alone, except for emission: an
-/// emitter whose image is missing does not emit.
+/// Replaces the image of a colour when that image is missing. Other values are then those of their factors alone, except for
+/// emission: an emitter whose image is missing does not emit.
 inline constexpr Vec4f kMissingColor{0.5f, 0.5f, 0.5f, 1.0f};
 
 class MaterialImporter {

@@ -157,7 +157,7 @@ DisplacementExtras displacement(const Value& value, const std::string& where, Re
     out.scale = reader.number("scale").value_or(1.0f);
     out.midlevel = reader.number("midlevel").value_or(0.5f);
     out.space = reader.choice("axes", kAxes).value_or(out.space);
-    // The bound is what texels between 0 and 1 can reach; a vector has three of them.
+    // The bound is what texels between 0 and 1 can reach; a vector has three such components.
     const float longest = out.space == Displacement::Space::Normal ? 1.0f : 1.7320509f;
     out.bound = reader.number("bound").value_or(longest * std::abs(out.scale) *
                                                 std::max(std::abs(out.midlevel), std::abs(1 - out.midlevel)));

@@ -23,8 +23,8 @@ Vec3f not_negative(const float (&c)[3])
     return {part(c[0]), part(c[1]), part(c[2])};
 }
 
-// Returns true if no texel of the image has a colour. Returns false if it cannot be read; the texture store will report
-// that.
+// Returns true if the image, reduced to at most 64 texels a side, has no colour. Returns false if it cannot be read; the
+// texture store will report that.
 bool is_grey(const Texture& texture)
 {
     constexpr float kColor = 4.0f / 255;
@@ -105,8 +105,8 @@ private:
             known->second = scene_.add(std::move(t));
         }
         use.texture = known->second;
-        // The file has st = scale * uv + offset with v upwards; here v runs downwards: 1 - (s (1 - v) + o) = s v + 1 - s -
-        // o.
+        // The file has st = scale * uv + offset with v upwards. Here v runs downwards, so that
+        // 1 - (s (1 - v) + o) = s v + 1 - s - o.
         const float su = option.scale[0], sv = option.scale[1], ou = option.origin_offset[0], ov = option.origin_offset[1];
         if (std::isfinite(su) && std::isfinite(sv) && std::isfinite(ou) && std::isfinite(ov))
             use.scale = {su, sv}, use.offset = {ou, 1 - sv - ov};

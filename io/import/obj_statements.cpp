@@ -123,7 +123,8 @@ private:
     bool has_none_ = false;
 };
 
-// Holds the smoothing groups of faces, which stand on separate lines before them. A group is a number; 0 and `off` are flat.
+// Holds the smoothing groups of faces, which stand on separate lines before them. A group is a number; 0 and `off` are flat,
+// and `on` is group 1.
 class SmoothingGroups {
 public:
     void set(std::string_view word)

@@ -33,8 +33,8 @@ struct Settled {
 Settled settle(Polygons polygons, Subdivide subdivide, Report& report);
 
 /// Gives a normal to every corner for which the file has none: the normal of its face if the face is flat, else the mean
-/// over the faces of its smoothing group around the vertex, weighted with their angles. Adds nothing where all faces are
-/// flat.
+/// over the faces of its smoothing group around the vertex, weighted with their angles. Adds nothing if the file
+/// has no normals and all faces are flat.
 void complete_normals(Polygons& polygons);
 
 /// Makes a mesh of Scheme::Triangles. Faces are cut into triangles (convex ones as a fan or by halves, others by ear

@@ -8,8 +8,8 @@ namespace occam::import {
 /// Removes vertices that no face refers to.
 void drop_unused_vertices(Cage& cage);
 
-/// Joins vertices of equal position. Texture coordinates become face-varying, with one value for each different (vertex,
-/// uv). Normals are dropped.
+/// Joins vertices of equal position. Texture coordinates and colours become face-varying, and each different value at
+/// a vertex is kept once. Normals are dropped.
 void weld_by_position(Cage& cage);
 
 }  // namespace occam::import
