@@ -4,10 +4,10 @@
 // position is a pure function of vertex and pose, in double and rounded once, so every caller gets the same bits.
 //
 // Space    from mesh axes to the dicing frame of a PosedCage.
-// Memory   the arena of a tree: a matrix for each joint, and 12 bytes for each vertex, in blocks of kBlock when first
-// needed. Threads  position() poses vertices, so one thread at a time may call it: the owner of the tree, or the worker that
-// holds the
-//          lock of a shared tree.
+// Memory   the arena of a tree: a matrix for each joint, and 12 bytes for each vertex, in blocks of kBlock, each when it is
+//          first needed.
+// Threads  position() poses vertices, so one thread at a time may call it: the owner of the tree, or the worker that holds
+//          the lock of a shared tree.
 #pragma once
 
 #include "base/arena.h"

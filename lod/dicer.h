@@ -49,8 +49,8 @@ public:
     LevelGrid dice_pair(const PosedCage& cage, const TileRef& tile, const PatchRates& coarser, Arena& arena);
 
     /// Computes normals and texture coordinates of a tile's vertices from the patch itself; neighbouring patches do not
-    /// share them (creases, seams). coarser   the rates of the next coarser level, or the tile's own; a displaced cage has
-    /// normals there too
+    /// share them (creases, seams).
+    /// coarser   the rates of the next coarser level, or the tile's own; a displaced cage has normals there too
     GridAttributes shade(const PosedCage& cage, const TileRef& tile, const PatchRates& coarser, Arena& arena);
 
     std::uint64_t vertices_diced = 0, vertices_shaded = 0;

@@ -1,7 +1,7 @@
 // The schema of glTF 2.0 and of the extensions that we know, as a table: which object has which properties.
 //
-// After the JSON schemas of the specification (Khronos, 2021). Rules that involve more than one
-// property are in gltf_rules.h.
+// After the JSON schemas of the specification (Khronos, 2021). Rules that involve more than one property
+// are in gltf_rules.h.
 #pragma once
 
 #include <cstdint>

@@ -48,7 +48,8 @@ using Progress = render::FrameControl::Progress;
 using Stage = render::FrameControl::Stage;
 
 /// Returns the nearest camera that has all of the scene, as it is posed now, in its picture, with a narrow margin. The
-/// command line uses it where a file has no camera. aspect   width over height of the picture
+/// command line uses it where a file has no camera.
+/// aspect   width over height of the picture
 Camera framing(Scene& scene, float aspect = 16.0f / 9.0f, ViewFrom from = ViewFrom::ThreeQuarter, Vec3d up = {0, 1, 0});
 
 /// A frame that is being rendered on a thread of its own. A job has one owner and can be moved.
