@@ -1,4 +1,5 @@
-// Half floats (IEEE 754 binary16) as stored in memory. The conversion uses integers, so it gives the same bits everywhere.
+// Half floats (IEEE 754 binary16) as stored in memory. The conversions use integers and single operations on
+// floats, so they give the same bits everywhere.
 #pragma once
 
 #include <bit>

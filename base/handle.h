@@ -59,7 +59,7 @@ public:
 
     std::size_t size() const noexcept { return slots_.size() - free_.size(); }
 
-    /// Calls visit(Id, T&) for all live values, in the order of their slots.
+    /// Calls visit(Id, const T&) for all live values, in the order of their slots.
     template <class Visit>
     void for_each(Visit&& visit) const
     {

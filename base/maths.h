@@ -11,7 +11,7 @@ inline constexpr float kPi = 3.14159265358979f;
 float sin(float x) noexcept;  ///< radians; for |x| up to 1e6, beyond which accuracy falls; NaN for infinities
 float cos(float x) noexcept;
 float tan(float x) noexcept;
-float exp2(float x) noexcept;  ///< 0 below -150, infinity above 128
+float exp2(float x) noexcept;  ///< 0 for x <= -150, infinity for x >= 128
 float exp(float x) noexcept;
 float log2(float x) noexcept;  ///< -infinity at 0, NaN below 0
 float log(float x) noexcept;

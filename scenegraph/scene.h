@@ -157,8 +157,9 @@ public:
     /// Calls pose(tau) for tau = 0 (the shutter opens), 1 / segments, ..., 1 (it closes), which poses the scene by
     /// set_transform(), set_visible(), set_morph_weights(), write_vertices() and pose(); records what changes; and calls
     /// pose(0.5), so that everything without keys, lights and the edited nodes' own values are those of mid-shutter. An
-    /// earlier recording is dropped. While it is recorded, nodes, cages and skins can be neither added nor removed. If
-    /// `pose` throws, no keys are left. A later edit of a node, of a joint or of a cage's vertices drops its keys.
+    /// earlier recording is dropped. While it is recorded, nodes can be neither added nor removed, and cages and skins
+    /// can be neither removed nor replaced. If `pose` throws, no keys are left. A later edit of a node, of a joint or of a
+    /// cage's vertices drops its keys.
     /// segments   1, 2, 4, 8, 16 or 32
     void record_shutter(int segments, const std::function<void(double tau)>& pose);
     void clear_shutter();

@@ -11,7 +11,7 @@
 
 namespace occam {
 
-/// Base colour and emission are sRGB in 8-bit files; all else is data. Floating-point files are always linear.
+/// Says what the texels mean. Colours are sRGB in files of integers and linear in files of floats; data are linear in both.
 enum class TextureRole : std::uint8_t { Color, Data };
 
 struct Texture {

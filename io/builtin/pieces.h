@@ -1,4 +1,5 @@
-// The objects of the built-in still life. Each stands on y = 0 about the y axis; lengths are roughly in decimetres.
+// The objects of the built-in still life. Each but the knot stands on y = 0 about the y axis; lengths are roughly in
+// decimetres.
 #pragma once
 
 #include <vector>

@@ -1,7 +1,7 @@
 // A texture in the form in which it is looked up: linear RGBA in half floats, with box-filtered levels, each in small square
 // tiles.
 //
-// Memory   8 bytes a texel; a tile of 8 x 8 is eight cache lines, so that a bilinear lookup touches one or two.
+// Memory   8 bytes a texel; each row of a tile of 8 x 8 has the size of a cache line, so that a bilinear lookup reads few.
 // Threads  read only once it is made.
 #pragma once
 

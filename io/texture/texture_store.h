@@ -1,9 +1,9 @@
 // The textures of a scene, ready for lookup: each is decoded when a lookup first asks for it, made linear, and kept as
 // half-float MIP levels.
 //
-// Memory   at most the cap given at construction. The sizes of all textures of the scene are known before the first lookup,
-//          and the largest are halved until all would fit together. So a picture does not depend on which textures are
-//          decoded. A renderer owns the store.
+// Memory   at most the cap given at construction, if textures of a single tile each fit into it. The sizes of all textures
+//          of the scene are known before the first lookup, and the largest of the new ones are halved until all would fit
+//          together. So a picture does not depend on which textures are decoded. A renderer owns the store.
 // Threads  prepare() is called by one thread while no other looks up. After that any number of threads may call sample().
 //          The first lookup in a texture decodes it under a lock of that texture alone, so several are decoded at a time.
 // Errors   a texture without a file is grey, with a warning. One whose file or bytes are no image that can be read is grey
@@ -43,7 +43,8 @@ public:
     std::size_t bytes() const noexcept;
     /// Returns the seconds that threads have spent on decoding known textures, summed.
     double decode_seconds() const noexcept;
-    /// Returns warnings: textures without a file, and those that were halved, in the order of the textures' identities.
+    /// Returns warnings: textures without a file, those that were halved, and those with clamped texels, in the order of
+    /// the textures' identities.
     std::vector<std::string> warnings() const;
     /// Returns errors: textures that are not images or cannot be read, as far as they have been looked up, in the same
     /// order.
