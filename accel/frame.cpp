@@ -3,23 +3,26 @@
 #include <cmath>
 
 #include "accel/frame_state.h"
+#include "accel/placement.h"
 #include "lod/posed_cage.h"
 
 namespace occam::accel {
 namespace {
 
-/// Returns the largest distance by which any placed cage is displaced, in world length.
+/// Returns the largest distance by which any placed cage is ever displaced, in world length.
 float farthest_displaced(const Scene& scene)
 {
     double farthest = 0;
-    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d& world_from_node) {
+    for_each_placement(scene, [&](const Node& node, std::span<const Mat4d> world_from_node) {
         for (const CageId id : node.cages) {
             const CageSlot* slot = scene.find(id);
             if (!slot || !slot->cage.is_displaced()) continue;
-            lod::PosedCage posed;
-            posed.place(world_from_node, slot->bounds);
-            farthest = std::max(farthest,
-                                lod::largest_stretch(posed.frame_from_object) * double(slot->cage.displacement->bound));
+            for (const Mat4d& world : world_from_node) {
+                lod::PosedCage posed;
+                posed.place(world, slot->bounds);
+                farthest = std::max(farthest,
+                                    lod::largest_stretch(posed.frame_from_object) * double(slot->cage.displacement->bound));
+            }
         }
     });
     return static_cast<float>(farthest) * (1 + 0x1p-18f);
@@ -37,6 +40,7 @@ Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::Leve
     state_->textures = textures;
     state_->shading = shading;
     if (textures && scene.is_displaced()) state_->levels.displaced = farthest_displaced(scene);
+    state_->segments = scene.shutter_segments();
     const Node& root = scene.node(scene.root());
     const Box3d world = box_in_parent(root);
     if (world.is_empty()) return;

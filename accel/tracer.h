@@ -43,6 +43,8 @@ struct Ray {
     /// The ray sees cages at this level around its origin, and then goes over to the level that its footprint asks for.
     /// A secondary ray has the level of the mesh on which its origin lies: SurfaceHit::start_level.
     std::int8_t start_level = kAnyLevel;
+    /// The moment at which the ray sees the scene: 0 where the shutter opens, 1 where it closes.
+    float time = 0;
 };
 
 /// Holds what phase two needs of a surface point, by value. Pointers point into the scene.
@@ -85,6 +87,8 @@ struct SurfaceHit {
     int level = 0;                        ///< the finer level of the pair at which the cage is seen
     std::int8_t start_level = kAnyLevel;  ///< one of that pair's two levels, for Ray::start_level
     std::uint32_t micropolygon = 0;       ///< a hashed number of the quad, for pictures of the grid
+    /// The velocity of the place on the micropolygon, at the ray's time: world length per shutter.
+    Vec3f velocity{0};
 
     bool is_hit() const noexcept { return t < std::numeric_limits<float>::infinity(); }
 };
