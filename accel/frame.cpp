@@ -31,14 +31,16 @@ float farthest_displaced(const Scene& scene)
 }  // namespace
 
 Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels,
-             const TextureStore* textures, const lod::VertexShading& shading)
+             const TextureStore* textures, const lod::VertexShading& shading, TreeKind tree)
     : state_(std::make_unique<State>())
 {
     state_->scene = &scene;
     state_->topologies = &topologies;
     state_->levels = levels;
+    state_->has_levels = levels.mode != lod::LevelMode::PerInstance && scene.is_subdivided();
     state_->textures = textures;
     state_->shading = shading;
+    state_->tree = tree == TreeKind::Auto ? TreeKind::Kd : tree;
     if (textures && scene.is_displaced()) state_->levels.displaced = farthest_displaced(scene);
     state_->segments = scene.shutter_segments();
     const Node& root = scene.node(scene.root());
@@ -52,5 +54,7 @@ Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::Leve
 }
 
 Frame::~Frame() = default;
+
+TreeKind Frame::tree() const noexcept { return state_->tree; }
 
 }  // namespace occam::accel

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "accel/tree_kind.h"
 #include "io/texture/texture_store.h"
 #include "lod/footprint.h"
 #include "lod/topology_cache.h"
@@ -18,9 +19,13 @@ public:
     /// eye       belongs to the camera whose footprints choose the level of each cage instance.
     /// textures  are prepared; if null, nothing is displaced.
     /// shading   runs phase one at the vertices of grids, for SurfaceHit::phase_one; its shader is borrowed.
+    /// tree      holds the items; it has no influence on what a ray meets.
     Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels,
-          const TextureStore* textures = nullptr, const lod::VertexShading& shading = {});
+          const TextureStore* textures = nullptr, const lod::VertexShading& shading = {}, TreeKind tree = TreeKind::Auto);
     ~Frame();
+
+    /// Returns the tree that holds the items of this frame, which is never Auto.
+    TreeKind tree() const noexcept;
 
     struct State;
     const State& state() const noexcept { return *state_; }

@@ -123,14 +123,27 @@ OCCAM_NEVER_INLINE void set_bump_gradients(const HitCorners& corners, const Tria
     hit.v_gradient = b[lane] * change(1, 1) + c[lane] * change(2, 1);
 }
 
+// Returns the level in this range whose edges are at most `factor` times the target edge length of the ray at its hit.
+int level_at(const Ray& ray, const GridHit& met, const lod::LevelSettings& levels, float factor, PairRange range) noexcept
+{
+    const float target_edge = target_edge_of(ray, levels).at(met.t);
+    const int level = target_edge > 0 ? std::ilogb(std::min(target_edge, FLT_MAX) * factor) : lod::kFinestLevel;
+    return std::clamp(level, std::clamp(range.finest, lod::kFinestLevel, lod::kCoarsestLevel),
+                      std::clamp(range.coarsest, lod::kFinestLevel, lod::kCoarsestLevel));
+}
+
 // Identifies the micropolygon that was hit, by number.
-void set_identity(const GridHit& met, const MicropolygonPlace& spot, SurfaceHit& hit) noexcept
+void set_identity(const Ray& ray, const GridHit& met, const MicropolygonPlace& spot, const lod::LevelSettings& levels,
+                  SurfaceHit& hit) noexcept
 {
     const lod::PosedCage& cage = *met.grid->cage;
     hit.node = cage.node_id;
     hit.lit_by = cage.lit_by;
     hit.face = spot.face;
-    hit.level = met.grid->level;
+    // Where neighbouring pairs share an igrid, the ray's width tells which one it sees.
+    const PairRange pairs = met.grid->pairs;
+    const bool is_one = pairs.finest == pairs.coarsest || levels.mode == lod::LevelMode::PerInstance || !spot.part;
+    hit.level = is_one ? met.grid->level : level_at(ray, met, levels, 1, pairs);
     const std::uint64_t tile = spot.part ? std::uint64_t(spot.part->tile.j0) << 32 | spot.part->tile.i0 : 0;
     hit.micropolygon = static_cast<std::uint32_t>(
         mix_bits(cage.key ^ (std::uint64_t(spot.number) << 32 ^ spot.face) ^ tile * 0x9e3779b97f4a7c15u));
@@ -141,11 +154,8 @@ void set_identity(const GridHit& met, const MicropolygonPlace& spot, SurfaceHit&
 int start_level_of(const Ray& ray, const GridHit& met, const lod::LevelSettings& levels) noexcept
 {
     if (levels.mode == lod::LevelMode::PerInstance) return kAnyLevel;
-    const float target_edge = target_edge_of(ray, levels).at(met.t);
-    const int level = target_edge > 0 ? std::ilogb(std::min(target_edge, FLT_MAX) * (4.0f / 3)) : lod::kFinestLevel;
     const PairRange pairs = met.grid->pairs;
-    return std::clamp(level, std::clamp(pairs.finest, lod::kFinestLevel, lod::kCoarsestLevel),
-                      std::clamp(pairs.coarsest + 1, lod::kFinestLevel, lod::kCoarsestLevel));
+    return level_at(ray, met, levels, 4.0f / 3, {pairs.finest, pairs.coarsest + 1});
 }
 
 // Holds the points where secondary rays start, in lanes: on the micropolygon as the start level has it, and away from its
@@ -345,7 +355,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
         hit.u_gradient = hit.v_gradient = Vec3f(0);
         if (hit.material->bump_texture && (with_gradients >> i & 1) != 0) set_bump_gradients(corners, tri, i, hit);
         hit.velocity = met[i].grid->segments > 0 ? corners.velocity_of(i, shares[i]) : Vec3f(0);
-        set_identity(met[i], spots[i], hit);
+        set_identity(rays[i], met[i], spots[i], tools.frame.levels, hit);
         hit.phase_one_channels = 0;
         if (spots[i].part && tools.frame.shading.shader)
             add_vertex_values(*met[i].grid, part_of(spots[i].number), place_in_part(met[i], spots[i], shares[i]), tools,

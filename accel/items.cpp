@@ -277,8 +277,12 @@ PairRange Items::range(ItemIndex i, int pair) const noexcept
 IGrid& Items::grid(ItemIndex i, int pair)
 {
     const Item& item = items_[i];
-    const int level = std::max(pair_of(item, pair), item.kind == Item::Faces ? pair : item.cage().finest_level());
     const PairRange pairs = range(i, pair);
+    // An igrid that serves many pairs must not depend on which of them asks first, so it is built for the finest one.
+    const bool is_per_ray = frame_.levels.mode != lod::LevelMode::PerInstance;
+    const int level = item.kind == Item::Faces
+                          ? pair
+                          : std::max(is_per_ray ? pairs.finest : item.cage().level, item.cage().finest_level());
     const bool is_shared = shares(item, pair_of(item, pair));
     GridKey key{&item, pairs.finest, 0, 0};
     lod::TileRef tile;

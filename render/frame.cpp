@@ -400,7 +400,8 @@ FrameResult render_frame(const FrameInputs& in, FrameControl& control, FrameStat
     const shade::PhaseOne phase_one(in.textures);
     lod::VertexShading shading{nullptr, sample_width(in.settings.spp)};
     if (in.settings.shade_at == ShadeAt::Vertex) shading.shader = &phase_one;
-    const accel::Frame frame(in.scene, in.topologies, levels, &in.textures, shading);
+    const accel::Frame frame(in.scene, in.topologies, levels, &in.textures, shading, in.resources.tree);
+    stats.tree = frame.tree();
 
     context.shadow_batch = in.memory.shadow_batch;
 

@@ -234,7 +234,8 @@ public:
     };
     Counts counts() const;  ///< `faces` counts each cage once; see placed_faces()
     std::size_t placed_faces() const;
-    bool is_displaced() const;  ///< whether any cage is displaced
+    bool is_displaced() const;   ///< whether any cage is displaced
+    bool is_subdivided() const;  ///< whether any cage is not a mesh of triangles, or is made on demand
 
     /// Lists what was repaired or dropped when content was added: one line each, with a count.
     std::vector<std::string> warnings;

@@ -220,6 +220,14 @@ bool Scene::is_displaced() const
     return any;
 }
 
+bool Scene::is_subdivided() const
+{
+    bool any = false;
+    state_->cages.for_each(
+        [&](CageId, const CageSlot& slot) { any |= slot.is_on_demand() || slot.cage.scheme != Scheme::Triangles; });
+    return any;
+}
+
 Scene::Counts Scene::counts() const
 {
     const State& s = *state_;

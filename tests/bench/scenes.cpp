@@ -80,14 +80,14 @@ std::vector<Recorded> record(accel::Tracer& tracer, const std::vector<accel::Ray
     return {path, bounces, ao, direct, shadow};
 }
 
-Row traced_row(const std::string& scene, const Recorded& recorded, accel::Tracer& tracer, const EmbreeMesh& mesh)
+Row traced_row(const std::string& scene, const Recorded& recorded, TreePair& trees, const EmbreeMesh& mesh)
 {
     std::vector<accel::Ray> all;
     for (const auto& batch : recorded.batches) all.insert(all.end(), batch.begin(), batch.end());
     EmbreeRays theirs(mesh, all, false);
     std::vector<accel::SurfaceHit> hits(all.size());
     std::vector<std::uint8_t> occluded(all.size());
-    const auto trace = [&] {
+    const auto trace = [&](accel::Tracer& tracer) {
         std::size_t at = 0;
         for (const auto& batch : recorded.batches) {
             if (recorded.is_any) tracer.occluded(batch, std::span(occluded).subspan(at, batch.size()));
@@ -95,10 +95,12 @@ Row traced_row(const std::string& scene, const Recorded& recorded, accel::Tracer
             at += batch.size();
         }
     };
-    trace();
-    std::vector<double> ours_s, theirs_s;
+    trace(trees.kd);
+    trace(trees.bvh);
+    std::vector<double> kd_s, bvh_s, theirs_s;
     for (int run = 0; run < kRuns; ++run) {
-        ours_s.push_back(repeat(1, trace).front());
+        kd_s.push_back(repeat(1, [&] { trace(trees.kd); }).front());
+        bvh_s.push_back(repeat(1, [&] { trace(trees.bvh); }).front());
         theirs.reset();
         theirs_s.push_back(repeat(1, [&] { recorded.is_any ? theirs.occluded() : theirs.closest(); }).front());
     }
@@ -107,8 +109,12 @@ Row traced_row(const std::string& scene, const Recorded& recorded, accel::Tracer
         disagree += recorded.is_any ? (occluded[i] != 0) != theirs.is_occluded(i)
                                     : hits[i].is_hit() != std::isfinite(theirs.t(i));
     const double mega = 1e-6 * double(all.size());
+    const std::vector<double>& ours_s = trees.usual == accel::TreeKind::Bvh ? bvh_s : kd_s;
     Row row{"scenes", scene + ", " + recorded.what};
     row.add("rays", double(all.size())).add("occam_mrays_per_s", per(mega, ours_s));
+    row.add("kd_mrays_per_s", per(mega, kd_s))
+        .add("bvh_mrays_per_s", per(mega, bvh_s))
+        .add("bvh_over_kd", ratios(kd_s, bvh_s));
     row.add("embree_mrays_per_s", per(mega, theirs_s)).add("occam_over_embree", ratios(theirs_s, ours_s));
     return row.add("disagree_hit_or_miss", double(disagree));
 }
@@ -162,17 +168,23 @@ std::size_t plain_paths(const EmbreeMesh& mesh, const std::vector<accel::Ray>& c
 Row frame_row(const TriangleScene& of, Scene& scene, const EmbreeMesh& mesh, const std::vector<accel::Ray>& camera,
               Vec3d lamp, IntegratorKind kind)
 {
-    Renderer renderer(Resources{.threads = 1});
+    Renderer renderer(Resources{.threads = 1}), kd(Resources{.threads = 1, .tree = TreeKind::Kd}),
+        bvh(Resources{.threads = 1, .tree = TreeKind::Bvh});
     Settings settings{.width = kWidth, .height = kHeight, .spp = kSide * kSide};
     settings.integrator = kind;
     settings.bounces = kBounces;
 
-    std::vector<double> ours, theirs, rates, their_rates;
+    const auto seconds_of = [&](Renderer& with) {
+        const double start = process_seconds();
+        with.render(scene, of.camera, settings);
+        return process_seconds() - start;
+    };
+    std::vector<double> ours, theirs, rates, their_rates, in_kd, in_bvh;
     std::vector<float> picture;
     for (int run = 0; run < kRuns; ++run) {
-        const double start = process_seconds();
-        renderer.render(scene, of.camera, settings);
-        ours.push_back(process_seconds() - start);
+        ours.push_back(seconds_of(renderer));
+        in_kd.push_back(seconds_of(kd));
+        in_bvh.push_back(seconds_of(bvh));
         rates.push_back(1e-6 * double(renderer.stats().rays.total()) / ours.back());
         if (kind != IntegratorKind::Path) continue;
         const double their_start = process_seconds();
@@ -184,6 +196,7 @@ Row frame_row(const TriangleScene& of, Scene& scene, const EmbreeMesh& mesh, con
     Row row{"scenes", of.name + ", whole frame, " + std::string(render::integrator_name(kind))};
     row.add("cpu_s", ours).add("occam_mrays_per_s", rates).add("rays", double(renderer.stats().rays.total()));
     row.add("trace_s", s.trace).add("shade_s", s.shade).add("build_s", s.build + s.tessellate);
+    row.add("kd_cpu_s", in_kd).add("bvh_cpu_s", in_bvh).add("bvh_over_kd", ratios(in_kd, in_bvh));
     row.add("arena_peak_mb", 1e-6 * double(renderer.stats().memory.arena_peak_bytes));
     if (!theirs.empty())
         row.add("plain_embree_mrays_per_s", their_rates).add("occam_over_embree", ratios(rates, their_rates));
@@ -202,9 +215,9 @@ void run_scene(Report& report, TriangleScene& of)
     const std::vector<Vec3f> corners = of.triangles();
     const EmbreeMesh mesh(corners, Vec3d(0));
     lod::TopologyCache topologies;
-    const accel::Frame frame(of.scene, topologies, camera.levels(1));
-    accel::Tracer tracer(frame, kBudget);
-    for (const Recorded& recorded : record(tracer, rays, lamp)) report.add(traced_row(of.name, recorded, tracer, mesh));
+    TreePair trees(of.scene, topologies, camera.levels(1), kBudget);
+    accel::Tracer& tracer = trees.usual == accel::TreeKind::Bvh ? trees.bvh : trees.kd;
+    for (const Recorded& recorded : record(tracer, rays, lamp)) report.add(traced_row(of.name, recorded, trees, mesh));
     Row row{"scenes", of.name + ", trees"};
     const accel::TraceCounters counters = tracer.counters();
     row.add("triangles", double(corners.size()) / 3).add("kd_nodes", double(counters.kd_nodes));

@@ -28,6 +28,7 @@
 
 namespace occam {
 
+using accel::TreeKind;
 using render::Aov;
 using render::FilterKind;
 using render::FrameStats;
