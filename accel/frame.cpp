@@ -40,9 +40,11 @@ Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::Leve
     state_->has_levels = levels.mode != lod::LevelMode::PerInstance && scene.is_subdivided();
     state_->textures = textures;
     state_->shading = shading;
-    state_->tree = tree == TreeKind::Auto ? TreeKind::Kd : tree;
     if (textures && scene.is_displaced()) state_->levels.displaced = farthest_displaced(scene);
     state_->segments = scene.shutter_segments();
+    // A box around all that something passes through is hardly hit less often than everything.
+    const TreeKind best = state_->segments > 0 ? TreeKind::Bvh : TreeKind::Kd;
+    state_->tree = tree == TreeKind::Auto ? best : tree;
     const Node& root = scene.node(scene.root());
     const Box3d world = box_in_parent(root);
     if (world.is_empty()) return;

@@ -8,7 +8,7 @@
 #pragma once
 
 #include "accel/kd_tree.h"
-#include "accel/leaf_boxes.h"
+#include "accel/keyed_boxes.h"
 
 namespace occam::accel {
 
@@ -16,8 +16,8 @@ namespace occam::accel {
 /// end as hits shorten it. leaf(node, alive, t_near, t_far, finest, coarsest) intersects the rays with the igrids that a
 /// node holds for those pairs and may shorten limit(). Returns false if the walk was abandoned.
 template <class F, class LimitFn, class LeafFn>
-bool traverse(KdTree& tree, const TreeRay<F>& ray, const RaysAsOne<F>&, F t_near, F t_far, const PairSpans<F>& pairs,
-              TraceCounters& counters, LimitFn&& limit, LeafFn&& leaf)
+bool traverse(KdTree& tree, const TreeRay<F>& ray, const RaysAsOne<F>&, NoTimes, F t_near, F t_far,
+              const PairSpans<F>& pairs, TraceCounters& counters, LimitFn&& limit, LeafFn&& leaf)
 {
     struct Span {
         std::uint32_t node;

@@ -11,6 +11,7 @@ void run_build(Report& report);
 void run_trace(Report& report);
 void run_scenes(Report& report);
 void run_trees(Report& report);
+void run_motion(Report& report);
 void run_light(Report& report);
 void run_light_frames(Report& report);  ///< belongs to run_light()
 void run_shade(Report& report);
@@ -39,6 +40,7 @@ inline constexpr Suite kSuites[] = {
     {"trace", "closest and any hit on one thread, beside Embree on the same triangles", run_trace},
     {"scenes", "rooms, levels and many objects of triangles: path, ambient occlusion, direct; beside Embree", run_scenes},
     {"trees", "whole frames in the kd-tree and in the tree of boxes, in turns", run_trees},
+    {"motion", "rays in scenes that move, in both trees, in turns", run_motion},
     {"light", "secondary rays by kind, with footprints and without; what shading and textures cost", run_light},
     {"shade", "materials looked up at vertices or at hits: counts, time, error; over shading rates and samples", run_shade},
     {"converge", "light with level of detail on and off at many samples, over shading rates", run_converge},
