@@ -12,7 +12,7 @@ namespace {
 float farthest_displaced(const Scene& scene)
 {
     double farthest = 0;
-    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d& world_from_node) {
+    scene.for_placements_of(Contents::Displaced, [&](NodeId, const Node& node, const Mat4d& world_from_node) {
         for (const CageId id : node.cages) {
             const CageSlot* slot = scene.find(id);
             if (!slot || !slot->cage.is_displaced()) continue;
@@ -36,7 +36,7 @@ Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::Leve
     state_->levels = levels;
     state_->textures = textures;
     state_->shading = shading;
-    if (textures && scene.is_displaced()) state_->levels.displaced = farthest_displaced(scene);
+    if (textures) state_->levels.displaced = farthest_displaced(scene);
     const Node& root = scene.node(scene.root());
     const Box3d world = box_in_parent(root);
     if (world.is_empty()) return;

@@ -6,6 +6,7 @@
 #include "accel/stopwatch.h"
 #include "base/hash.h"
 #include "lod/level_choice.h"
+#include "scenegraph/child_boxes.h"
 
 namespace occam::accel {
 namespace {
@@ -20,7 +21,7 @@ constexpr std::size_t kMaxParts = 1024;     // most parts of an igrid; n-gons of
 float cost_of_blocks(int blocks) { return 3.0f + 0.25f * float(blocks); }
 // Faces that are not opened yet cost more than the items that they become, so that planes separate them from visible ones.
 float cost_of_faces(std::uint32_t faces) { return 3.0f + float(faces) * 4.0f; }
-constexpr float kCostOfRegion = 10;
+constexpr float kCostOfRegion = 10, kCostOfNode = 8;
 
 /// Returns the level from which on a patch has few enough quads to share an igrid with its neighbours.
 int small_from(const lod::PatchScale& scale)
@@ -107,6 +108,9 @@ bool Items::open(ItemIndex i, int pair)
         case Item::SceneNode:
             open_node(*static_cast<const PlacedNode*>(item.subject));
             break;
+        case Item::Children:
+            open_children(*static_cast<const PlacedNode*>(item.subject), item.index);
+            break;
         case Item::Unmade: {
             const PlacedNode& at = *static_cast<const PlacedNode*>(item.subject);
             const Node& node = *frame_.scene->find(at.id);
@@ -173,28 +177,63 @@ void Items::open_node(const PlacedNode& at)
         if (!item.box.is_empty()) items_.push_back(item);
     }
     if (at.depth == kMaxSceneDepth) return;
-    const auto add = [&](NodeId id, const Mat4d& world, std::uint64_t place) {
-        const Node* below = frame_.scene->find(id);
-        if (!below || below->bounds.is_empty()) return;
-        PlacedNode* placed = arena_.make<PlacedNode>();
-        *placed = {id,
-                   world,
-                   mix_bits(at.key ^ mix_bits(place)),
-                   &at,
-                   at.depth + 1,
-                   static_cast<std::uint8_t>(at.seen_by & below->seen_by),
-                   at.lit_by & below->lit_by};
-        Item item;
-        item.subject = placed;
-        item.box = box_of_node(world, below->bounds);
-        item.cost = 8;
-        items_.push_back(item);
-    };
-    for (const NodeId child : node->children) {
-        const Node* below = frame_.scene->find(child);
-        if (below && below->visible) add(child, at.world_from_node * below->parent_from_node, child.slot);
+    // The tree over many children is opened where rays go, so that a frame costs nothing for the other children.
+    const ChildBoxes* boxes = frame_.scene->child_boxes(at.id);
+    if (boxes && node->children.size() > ChildBoxes::kMostAtOnce) {
+        add_children(at, *boxes, ChildBoxes::kRoot);
+    } else {
+        for (const NodeId child : node->children) add_child(at, child);
     }
-    if (node->instance_of) add(node->instance_of, at.world_from_node, ~std::uint64_t(0) - node->instance_of.slot);
+    if (node->instance_of) add_placed(at, node->instance_of, at.world_from_node, ~std::uint64_t(0) - node->instance_of.slot);
+}
+
+void Items::add_placed(const PlacedNode& parent, NodeId id, const Mat4d& world, std::uint64_t place)
+{
+    const Node* below = frame_.scene->find(id);
+    if (!below || below->bounds.is_empty()) return;
+    PlacedNode* placed = arena_.make<PlacedNode>();
+    *placed = {id,
+               world,
+               mix_bits(parent.key ^ mix_bits(place)),
+               &parent,
+               parent.depth + 1,
+               static_cast<std::uint8_t>(parent.seen_by & below->seen_by),
+               parent.lit_by & below->lit_by};
+    Item item;
+    item.subject = placed;
+    item.box = box_of_node(world, below->bounds);
+    item.cost = kCostOfNode;
+    items_.push_back(item);
+}
+
+void Items::add_child(const PlacedNode& parent, NodeId id)
+{
+    const Node* child = frame_.scene->find(id);
+    if (child && child->visible) add_placed(parent, id, parent.world_from_node * child->parent_from_node, id.slot);
+}
+
+void Items::add_children(const PlacedNode& parent, const ChildBoxes& boxes, std::uint32_t at)
+{
+    if (boxes.box(at).is_empty()) return;
+    Item item;
+    item.kind = Item::Children;
+    item.subject = &parent;
+    item.index = at;
+    item.box = box_of_node(parent.world_from_node, boxes.box(at));
+    item.cost = kCostOfNode * static_cast<float>(boxes.blocks_below(at) * ChildBoxes::kBlock);
+    items_.push_back(item);
+}
+
+void Items::open_children(const PlacedNode& parent, std::uint32_t at)
+{
+    const ChildBoxes& boxes = *frame_.scene->child_boxes(parent.id);
+    if (!boxes.is_block(at)) {
+        add_children(parent, boxes, 2 * at);
+        add_children(parent, boxes, 2 * at + 1);
+        return;
+    }
+    const Node& node = *frame_.scene->find(parent.id);
+    for (const std::uint32_t child : boxes.children(at)) add_child(parent, node.children[child]);
 }
 
 void Items::add_cluster(const lod::PosedCage& cage, std::uint32_t cluster)

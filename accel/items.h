@@ -48,6 +48,7 @@ struct ClusterInfo {
 struct Item {
     enum Kind : std::uint8_t {
         SceneNode,  ///< subject: PlacedNode
+        Children,   ///< subject: PlacedNode, index: node of its ChildBoxes
         Unmade,     ///< subject: PlacedNode, index: which of its cages; the cage is made on demand
         Cluster,    ///< subject: PosedCage, index: node of its ClusterTree
         Leaf,       ///< the same, without nodes below
@@ -117,6 +118,11 @@ private:
         return frame_.levels.mode != lod::LevelMode::PerInstance || item.kind < Item::Leaf ? pair : item.cage().level;
     }
     void open_node(const PlacedNode& node);
+    /// Adds a child of a placed node, or what is placed there by instance_of.
+    void add_placed(const PlacedNode& parent, NodeId id, const Mat4d& world, std::uint64_t place);
+    void add_child(const PlacedNode& parent, NodeId id);
+    void add_children(const PlacedNode& parent, const ChildBoxes& boxes, std::uint32_t at);
+    void open_children(const PlacedNode& parent, std::uint32_t at);
     void open_cluster(const lod::PosedCage& cage, std::uint32_t cluster);
     void add_cluster(const lod::PosedCage& cage, std::uint32_t cluster);
     void measure(ItemIndex leaf);

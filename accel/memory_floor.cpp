@@ -21,31 +21,20 @@ constexpr std::size_t kBytesOfAGrid = sizeof(IGrid) +
 // An opened item takes its own memory, and entries in the lists of the nodes above and below a plane.
 constexpr std::size_t kBytesOfAnItem = sizeof(Item) + sizeof(PlacedNode) + 4 * sizeof(ItemIndex);
 
-std::size_t bytes_of(const CageSlot& slot, const SkinSlot* skin)
-{
-    const Cage& cage = slot.cage;
-    std::size_t bytes = sizeof(lod::PosedCage) +
-                        lod::ClusterTree::kLeafFaces * slot.largest_face * (sizeof(PatchInfo) + kBytesOfAnItem);
-    if (slot.is_deformed())
-        bytes += sizeof(lod::DeformedCage) + cage.positions.size() / 4;  // one pointer for each block of 32 vertices
-    if (skin) bytes += skin->skin.joints.size() * sizeof(Mat4d);
-    return bytes;
-}
-
 }  // namespace
 
 std::size_t memory_floor(const Scene& scene)
 {
-    std::size_t widest = 0, largest = 0;
-    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
-        widest = std::max(widest, node.children.size() + node.cages.size() + 1);
-        for (const CageId id : node.cages)
-            if (const CageSlot* slot = scene.find(id)) largest = std::max(largest, bytes_of(*slot, scene.find(node.skin)));
-    });
+    const Contents contents = scene.contents();
+    std::size_t largest = sizeof(lod::PosedCage) +
+                          lod::ClusterTree::kLeafFaces * contents.largest_face * (sizeof(PatchInfo) + kBytesOfAnItem);
+    if (contents.deformed_vertices > 0)
+        largest += sizeof(lod::DeformedCage) + contents.deformed_vertices / 4;  // one pointer for each block of 32 vertices
+    largest += contents.joints * sizeof(Mat4d);
     // The tables of a tree grow in pieces, and each needs at least one.
     constexpr std::size_t kPiece = ArenaVector<Item>::kPiece;
     constexpr std::size_t kTables = kPiece * (sizeof(Item) + sizeof(KdNode) + 2 * sizeof(KdLeaf));
-    const std::size_t bytes = kTables + widest * kBytesOfAnItem + largest + kGrids * kBytesOfAGrid;
+    const std::size_t bytes = kTables + contents.widest * kBytesOfAnItem + largest + kGrids * kBytesOfAGrid;
     return (bytes + Arena::kChunkBytes - 1) / Arena::kChunkBytes * Arena::kChunkBytes;
 }
 

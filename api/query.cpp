@@ -67,7 +67,8 @@ struct Query::State {
     void begin(const Camera& with_camera)
     {
         end();
-        if (scene.is_displaced()) textures.prepare(scene);
+        scene.refit();
+        if (scene.contents().has(Contents::Displaced)) textures.prepare(scene);
         if (const std::vector<std::string> errors = textures.errors(); !errors.empty()) throw Error("", errors.front());
         camera = with_camera;
         asked.emplace(scene, camera, height, topologies->cache, textures);

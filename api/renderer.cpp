@@ -2,7 +2,6 @@
 #include <exception>
 #include <mutex>
 #include <thread>
-#include <unordered_set>
 #include <utility>
 
 #include "api/renderer_state.h"
@@ -28,14 +27,7 @@ FrameStats::Scene describe(const Scene& scene)
     out.faces = counts.faces;
     out.lights = counts.lights;
     out.warnings = scene.warnings.size();
-    std::unordered_set<CageId> seen;
-    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
-        for (CageId id : node.cages) {
-            const CageSlot* slot = scene.find(id);
-            if (slot && seen.insert(id).second && slot->cage.scheme == Scheme::Triangles)
-                out.triangles_in += slot->cage.face_count();
-        }
-    });
+    out.triangles_in = counts.mesh_triangles;
     return out;
 }
 

@@ -22,21 +22,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr Aov kMattes[] = {Aov::CryptomatteObject, Aov::CryptomatteMaterial};
 
-bool may_pass(const Scene& scene)
-{
-    bool found = false;
-    const auto look = [&](const std::vector<MaterialId>& ids) {
-        for (MaterialId id : ids)
-            if (const Material* m = scene.find(id)) found |= shade::may_pass(*m);
-    };
-    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
-        look(node.materials);
-        for (CageId id : node.cages)
-            if (const CageSlot* slot = scene.find(id)) look(slot->cage.materials);
-    });
-    return found;
-}
-
 double thread_seconds()
 {
     timespec t{};
@@ -392,7 +377,8 @@ FrameResult render_frame(const FrameInputs& in, FrameControl& control, FrameStat
     const PixelFilter filter(in.settings.filter, in.settings.filter_radius);
     const Sampler sampler(in.settings.seed, in.settings.spp, in.settings.jitter);
     const shade::FrameLights lights(in.scene, in.camera, in.textures, in.settings.sky, in.settings.sky_strength);
-    FrameContext context{in.settings, camera, sampler, filter, lights, in.textures, may_pass(in.scene)};
+    FrameContext context{
+        in.settings, camera, sampler, filter, lights, in.textures, in.scene.contents().has(Contents::Passing)};
     context.scene = &in.scene;
     set_depth_range(context, in.scene_bounds);
     constexpr lod::LevelMode kModes[] = {lod::LevelMode::PerRay, lod::LevelMode::PerInstance, lod::LevelMode::Frozen};

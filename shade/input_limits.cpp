@@ -36,7 +36,8 @@ std::vector<std::string> input_warnings(const Scene& scene, float sky_strength)
         for (const MaterialId id : ids)
             if (const Material* m = scene.find(id)) materials.insert(m);
     };
-    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
+    constexpr std::uint8_t kKinds = Contents::OverWhite | Contents::Emitters | Contents::Lights;
+    scene.for_placements_of(kKinds, [&](NodeId, const Node& node, const Mat4d&) {
         look(node.materials);
         for (const CageId id : node.cages)
             if (const CageSlot* slot = scene.find(id)) look(slot->cage.materials);

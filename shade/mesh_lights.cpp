@@ -135,7 +135,7 @@ void MeshLights::add(const Node& node, NodeId id, const CageSlot& slot, const Ma
 
 MeshLights::MeshLights(const Scene& scene, const TextureStore& textures) : textures_(&textures)
 {
-    scene.for_each_placement([&](NodeId id, const Node& node, const Mat4d& world_from_node) {
+    scene.for_placements_of(Contents::Emitters, [&](NodeId id, const Node& node, const Mat4d& world_from_node) {
         for (CageId cage : node.cages)
             if (const CageSlot* slot = scene.find(cage)) add(node, id, *slot, world_from_node, scene);
     });

@@ -423,7 +423,7 @@ std::vector<VerifiedCage> verify(Scene& scene, const VerifySettings& settings)
     std::vector<VerifiedCage> reports;
     scene.refit();
     TextureStore textures(std::size_t(1) << 30);
-    if (scene.is_displaced()) textures.prepare(scene);
+    if (scene.contents().has(Contents::Displaced)) textures.prepare(scene);
     scene.for_each_placement([&](NodeId, const Node& node, const Mat4d& world_from_node) {
         for (const CageId id : node.cages) {
             const Pose pose{node, scene.find(node.skin)};
