@@ -24,11 +24,8 @@ Integrator::Integrator(const FrameContext& context)
       texture_width_(sample_width(context.settings.spp)),
       has_mattes_(context.settings.has(Aov::CryptomatteObject) || context.settings.has(Aov::CryptomatteMaterial)),
       wants_occlusion_(context.settings.integrator == IntegratorKind::Ao || context.settings.has(Aov::Occlusion)),
-      placed_samples_(1),
       shadows_(context.textures, context.may_pass, !context.settings.back_faces, texture_width_)
 {
-    const std::size_t lights = context.lights.lights().size();
-    if (lights > kMaxLightsPerHit) placed_samples_ = kMaxLightsPerHit / static_cast<float>(lights);
 }
 
 void Integrator::begin(std::span<const CameraSample> samples, std::span<SampleResult> results)
@@ -93,10 +90,10 @@ void Integrator::shade_miss(std::size_t i, SampleResult& result)
     }
     if (!path.is_camera()) {
         cross_lights(path, ray, std::numeric_limits<float>::infinity(), result);
-        const shade::Environment& sky = context_.lights.environment();
-        const float weight = sample_counts(path.light_samples, path.scatter_samples, false)
-                                 .of_scatter(path.density, sky.density(ray.direction));
-        result.radiance += clamped(path.throughput * sky.radiance(ray.direction) * weight, path.bounces);
+        const shade::Environment::Light sky = context_.lights.environment().look_up(ray.direction);
+        const float weight = shade::SampleCounts{path.light_samples, path.scatter_samples}.of_scatter(path.density,
+                                                                                                      sky.density);
+        result.radiance += clamped(path.throughput * sky.radiance * weight, path.bounces);
         return;
     }
     if (!context_.settings.background || context_.settings.view != View::Beauty) return;
@@ -107,13 +104,13 @@ void Integrator::shade_miss(std::size_t i, SampleResult& result)
 
 void Integrator::cross_lights(const Path& path, const accel::Ray& ray, float t_far, SampleResult& result) const
 {
-    const shade::SampleCounts counts = sample_counts(path.light_samples, path.scatter_samples, true);
-    context_.lights.for_crossings(ray.origin, ray.direction, t_far, path.peak,
-                                  [&](const shade::WorldLight& light, const shade::LightCrossing& crossing) {
-                                      if (crossing.distance <= ray.t_near || (light.groups & path.lit_by) == 0) return;
-                                      const float weight = counts.of_scatter(path.density, crossing.density);
-                                      result.radiance += clamped(path.throughput * crossing.radiance * weight, path.bounces);
-                                  });
+    const auto add = [&](const shade::WorldLight& light, const shade::LightCrossing& crossing, float probability) {
+        if (crossing.distance <= ray.t_near || (light.groups & path.receiver.groups) == 0) return;
+        const shade::SampleCounts counts{placed_samples(path, probability), path.scatter_samples};
+        const float weight = counts.of_scatter(path.density, crossing.density);
+        result.radiance += clamped(path.throughput * crossing.radiance * weight, path.bounces);
+    };
+    context_.lights.for_crossings(ray.origin, ray.direction, t_far, path.peak, path.receiver, add);
 }
 
 void Integrator::record_first(const accel::SurfaceHit& hit, const shade::Surface& surface, float occlusion, float covered,
@@ -148,8 +145,8 @@ void Integrator::add_emission(const Path& path, const accel::SurfaceHit& hit, co
     if (!path.is_camera()) {
         const float per_area = context_.lights.meshes().area_density(hit.node, hit.material);
         const float cosine = std::max(glm::dot(surface.normal_geometric, surface.to_eye), 1e-6f);
-        weight = sample_counts(path.light_samples, path.scatter_samples, false)
-                     .of_scatter(path.density, per_area * hit.t * hit.t / cosine);
+        weight = shade::SampleCounts{path.light_samples, path.scatter_samples}.of_scatter(path.density,
+                                                                                          per_area * hit.t * hit.t / cosine);
     }
     result.radiance += clamped(share * surface.emission * weight, path.bounces);
 }
@@ -181,7 +178,13 @@ void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResu
     }
     const Vec3f share = path.throughput * surface.opacity;
     Vec3f transmittance = surface.transmittance;
-    const Vertex v{path, ray, hit, sample, surface, share, occlusion};
+    Vertex v{path, ray, hit, sample, surface, share, occlusion};
+    v.receiver.groups = hit.lit_by;
+    if (const shade::LightTree& tree = context_.lights.tree(); !tree.is_empty()) {
+        v.receiver.point = tree.relative(surface.position);
+        v.receiver.normal = surface.normal_geometric;
+        v.receiver.is_two_sided = surface.is_solid || surface.transmission != Vec3f(0);
+    }
 
     const Chances chance = chances(v);
 

@@ -61,9 +61,11 @@ struct IntegratorCounters {
     std::uint64_t hits_looked_up = 0;  ///< hits that were shaded without values of phase one
 };
 
-/// The number of lights that are sampled at a hit. A scene with more has one light chosen from each sixteenth of the
-/// list.
-inline constexpr int kMaxLightsPerHit = 16;
+/// The number of lights outside the tree that are sampled at a hit. Of more, all of which are suns, one is chosen from each
+/// sixteenth of the list.
+inline constexpr int kMaxLightsPerHit = static_cast<int>(shade::FrameLights::kMostWithoutTree);
+/// The number of lights that are drawn from the tree for each light sample of a hit: where the camera sees it, and later.
+inline constexpr int kTreeDraws = 16, kLaterTreeDraws = 4;
 /// The GGX width up to which `direct` follows a lobe as a mirror; wider lobes show lights alone.
 inline constexpr float kMirrorAlpha = 0.01f;
 /// The number of bounces before Russian roulette starts.
@@ -116,6 +118,7 @@ private:
         /// The peak density decides which lights are left to their own samples here (shade/direct.h).
         float peak = shade::peak_density(surface);
         Vec3d start = surface.start(surface.normal_geometric);
+        shade::Receiver receiver{};             ///< filled if there is a tree of lights
         float width = ray.footprint.at(hit.t);  ///< width of the beam
         /// Returns the index of the sample's first number in a dimension that has `of` numbers for each sample.
         std::uint32_t first_of(int of) const noexcept { return static_cast<std::uint32_t>(sample.index * of); }
@@ -155,8 +158,15 @@ private:
     void scatter_on(const Vertex& v, float chance);
     /// Adds the lights along a scattered direction that is followed no further.
     void look_for_light(const Path& next, const accel::Ray& ray);
+    void gather_placed(const Vertex& v, int slots);
+    void gather_from_tree(const Vertex& v, int first_slot);
+    /// What is to be known of the samples that are drawn of one light.
+    struct PlacedSamples {
+        Vec3f share;     ///< what each counts for
+        float expected;  ///< samples of the light that were to be expected at the hit
+    };
     void gather_light(const Vertex& v, const shade::WorldLight& light, const Sequence& squares, int first, int end,
-                      Vec3f each);
+                      const PlacedSamples& samples);
     void test(const Vertex& v, const shade::ShadowTest& test, Vec3f share, int samples);
     /// Describes what continues straight on behind a surface.
     struct Passing {
@@ -170,7 +180,12 @@ private:
 
     int light_samples_at(const Path& path) const noexcept;
     int scatter_samples_at(const Path& path) const noexcept;
-    shade::SampleCounts sample_counts(float light_samples, float scatter_samples, bool is_placed) const noexcept;
+    int tree_draws_at(const Path& path) const noexcept { return path.is_camera() ? kTreeDraws : kLaterTreeDraws; }
+    /// Returns the expected samples of a placed light at the surface that scattered a path.
+    float placed_samples(const Path& path, float probability) const noexcept
+    {
+        return context_.lights.tree().is_empty() ? path.light_samples : path.tree_samples * probability;
+    }
     Sequence numbers(const Vertex& v, Dimension::Use use, int slot = 0) const noexcept;
     accel::Ray scattered_ray(const Vertex& v, const shade::ScatterSample& s, int samples) const noexcept;
 
@@ -186,7 +201,6 @@ private:
     float texture_width_;  ///< width of the texture filter of one sample, in pixels
     bool has_mattes_;
     bool wants_occlusion_;  ///< occlusion maps are looked up, for `ao` or for the layer
-    float placed_samples_;  ///< expected samples of one placed light for each round over the lights
     IntegratorCounters counters_;
 
     // These are parallel arrays, kept from batch to batch for their memory.

@@ -12,6 +12,7 @@
 
 #include "base/maths.h"
 #include "shade/environment.h"
+#include "shade/light_tree.h"
 #include "shade/lights.h"
 #include "shade/mesh_lights.h"
 #include "shade/sky.h"
@@ -37,30 +38,42 @@ public:
                 float sky_strength = 1);
     FrameLights(std::vector<WorldLight> lights, Environment environment);
 
+    /// A scene with more placed lights than this draws them by a tree, except for suns.
+    static constexpr std::size_t kMostWithoutTree = 16;
+
+    /// Returns the placed lights: first those outside the tree.
     const std::vector<WorldLight>& lights() const noexcept { return lights_; }
+    std::size_t lights_outside_tree() const noexcept { return outside_tree_; }
+    const LightTree& tree() const noexcept { return tree_; }
     const Environment& environment() const noexcept { return environment_; }
     const MeshLights& meshes() const noexcept { return meshes_; }
 
     /// Returns true if scattered rays from `start` can contribute nothing that samples of lights do not.
     bool leaves_all_to_samples(Vec3d start, float peak, LightGroups groups) const noexcept;
 
-    /// Calls use(const WorldLight&, const LightCrossing&) for every area light that the ray crosses within t_far, except
-    /// for those that are left to their own samples where the ray starts.
+    /// Calls use(const WorldLight&, const LightCrossing&, float probability) for every area light that the ray meets within
+    /// t_far, except for those that are left to their own samples where the ray starts. The probability is that with which
+    /// one draw from the tree picks the light for the receiver, or 1 for a light outside the tree.
     template <class Use>
-    void for_crossings(Vec3d origin, Vec3f direction, float t_far, float peak, Use&& use) const
+    void for_crossings(Vec3d origin, Vec3f direction, float t_far, float peak, const Receiver& receiver, Use&& use) const
     {
-        for (const std::uint32_t i : with_area_) {
-            if (is_left_to_samples(lights_[i], origin, peak)) continue;
+        const auto cross = [&](std::uint32_t i, auto&& probability) {
+            if (is_left_to_samples(lights_[i], origin, peak)) return;
             const LightCrossing c = lights_[i].crossing(origin, direction);
-            if (c.density > 0 && c.distance < t_far) use(lights_[i], c);
-        }
+            if (c.density > 0 && c.distance < t_far) use(lights_[i], c, probability());
+        };
+        for (const std::uint32_t i : with_area_) cross(i, [] { return 1.0f; });
+        tree_.for_crossed(origin, direction,
+                          [&](std::uint32_t i) { cross(i, [&] { return tree_.probability(i, receiver); }); });
     }
 
 private:
-    void list_areas();
+    void arrange();
 
     std::vector<WorldLight> lights_;
-    std::vector<std::uint32_t> with_area_;
+    std::size_t outside_tree_ = 0;
+    std::vector<std::uint32_t> with_area_;  ///< of those outside the tree
+    LightTree tree_;
     MeshLights meshes_;
     Environment environment_;
 };

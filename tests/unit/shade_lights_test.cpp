@@ -277,7 +277,7 @@ TEST(Environment, AnImageIsSampledByItsBrightness)
         const double drawn = double(test_environment(s, sky, u, {1, 1}).radiance.x);
         const float choice = numbers.one();
         const ScatterSample d = sample_scatter(s, choice, numbers.square());
-        const float weight = SampleCounts{1, 1}.of_scatter(d.density, sky.density(d.direction));
+        const float weight = SampleCounts{1, 1}.of_scatter(d.density, sky.look_up(d.direction).density);
         both.add(drawn + double(d.weight.x * sky.radiance(d.direction).x * weight));
         image_alone.add(double(test_environment(s, sky, u, {1, 0}).radiance.x));
     }
@@ -301,10 +301,10 @@ TEST(Environment, SampledDirectionsFollowTheirDensity)
     TextureStore textures(1 << 24);
     textures.prepare(scene);
     const Environment sky(scene.environment, textures);
-    EXPECT_LT(
-        test::direction_excess(
-            60'000, 24, [&](test::Numbers& n) { return sky.sample(n.square()); }, [&](Vec3f d) { return sky.density(d); }),
-        4.5);
+    EXPECT_LT(test::direction_excess(
+                  60'000, 24, [&](test::Numbers& n) { return sky.draw(n.square()).direction; },
+                  [&](Vec3f d) { return sky.look_up(d).density; }),
+              4.5);
 }
 
 TEST(Environment, DirectionsAndTexelsMatch)
