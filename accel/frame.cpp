@@ -1,5 +1,6 @@
 #include "accel/frame.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "accel/frame_state.h"
@@ -8,8 +9,8 @@
 namespace occam::accel {
 namespace {
 
-/// Returns the largest distance by which any placed cage is displaced, in world length.
-float farthest_displaced(const Scene& scene)
+/// Returns the largest distance by which any placed cage is displaced, in frame lengths.
+float farthest_displaced(const Scene& scene, const FrameScale& scale)
 {
     double farthest = 0;
     scene.for_placements_of(Contents::Displaced, [&](NodeId, const Node& node, const Mat4d& world_from_node) {
@@ -17,7 +18,7 @@ float farthest_displaced(const Scene& scene)
             const CageSlot* slot = scene.find(id);
             if (!slot || !slot->cage.is_displaced()) continue;
             lod::PosedCage posed;
-            posed.place(world_from_node, slot->bounds);
+            posed.place(scale.placed(world_from_node), slot->bounds);
             farthest = std::max(farthest,
                                 lod::largest_stretch(posed.frame_from_object) * double(slot->cage.displacement->bound));
         }
@@ -28,7 +29,7 @@ float farthest_displaced(const Scene& scene)
 }  // namespace
 
 Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels,
-             const TextureStore* textures, const lod::VertexShading& shading)
+             const TextureStore* textures, const lod::VertexShading& shading, FrameScale scale)
     : state_(std::make_unique<State>())
 {
     state_->scene = &scene;
@@ -36,9 +37,10 @@ Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::Leve
     state_->levels = levels;
     state_->textures = textures;
     state_->shading = shading;
-    if (textures) state_->levels.displaced = farthest_displaced(scene);
+    state_->scale = scale;
+    if (textures) state_->levels.displaced = farthest_displaced(scene, scale);
     const Node& root = scene.node(scene.root());
-    const Box3d world = box_in_parent(root);
+    const Box3d world = scale.placed(box_in_parent(root));
     if (world.is_empty()) return;
     const double step = std::ldexp(1.0, std::ilogb(std::max(world.radius(), 1e-30)));
     state_->anchor = glm::round(world.centre() / step) * step;

@@ -15,6 +15,7 @@ struct FrameState {
     const Scene* scene = nullptr;
     lod::TopologyCache* topologies = nullptr;
     lod::LevelSettings levels;
+    FrameScale scale;
     const TextureStore* textures = nullptr;  ///< textures of displacements
     lod::VertexShading shading;
     Vec3d anchor{0};   ///< origin of the tree's frame: a lattice point near the scene's middle

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "accel/stopwatch.h"
+#include "base/cancellation.h"
 #include "base/hash.h"
 #include "lod/level_choice.h"
 #include "scenegraph/child_boxes.h"
@@ -54,7 +55,7 @@ ItemIndex Items::restart()
     const Scene& scene = *frame_.scene;
     PlacedNode* root = arena_.make<PlacedNode>();
     const Node& top = scene.node(scene.root());
-    *root = {scene.root(), top.parent_from_node, kFnvStart, nullptr, 0, top.seen_by, top.lit_by};
+    *root = {scene.root(), frame_.scale.placed(top.parent_from_node), kFnvStart, nullptr, 0, top.seen_by, top.lit_by};
     Item item;
     item.box = frame_.bounds;
     item.subject = root;
@@ -98,6 +99,7 @@ Box3f Items::box_of(const lod::PosedCage& cage, std::uint32_t cluster) const
 bool Items::open(ItemIndex i, int pair)
 {
     if (items_[i].first_part != Item::kClosed) return true;
+    throw_if_cancelled();
     if (items_[i].kind == Item::Leaf && !items_[i].cluster) {
         measure(i);
         if (is_final(i, pair)) return false;
@@ -366,11 +368,19 @@ PairRange Items::range(ItemIndex i, int pair) const noexcept
     return pair >= same ? PairRange{std::max(same, finest), last} : PairRange{pair, pair};
 }
 
+// An igrid that serves several pairs has one level, whichever of them asked for it first.
+int Items::level_of(const Item& item, PairRange pairs) const noexcept
+{
+    if (item.kind == Item::Faces) return 0;
+    if (frame_.levels.mode == lod::LevelMode::PerInstance) return std::max(item.cage().level, item.cage().finest_level());
+    return std::max(pairs.finest, item.cage().finest_level());
+}
+
 IGrid& Items::grid(ItemIndex i, int pair)
 {
     const Item& item = items_[i];
-    const int level = std::max(pair_of(item, pair), item.kind == Item::Faces ? pair : item.cage().finest_level());
     const PairRange pairs = range(i, pair);
+    const int level = level_of(item, pairs);
     const bool is_shared = shares(item, pair_of(item, pair));
     GridKey key{&item, pairs.finest, 0, 0};
     lod::TileRef tile;
@@ -390,7 +400,7 @@ IGrid& Items::grid(ItemIndex i, int pair)
     if (!grid) {
         const Stopwatch watch(counters_.dice_seconds);
         const std::uint64_t before = builder_.micropolygons;
-        grid = build(item, level, pair_of(item, pair) < level ? level : level + 1, is_shared, tile);
+        grid = build(item, level, pairs.coarsest < level ? level : level + 1, is_shared, tile);
         grid->pairs = pairs;
         grid->seen_by = item.cage().seen_by;
         if (item.kind != Item::Faces) grid->level = level;

@@ -131,6 +131,8 @@ private:
     void open_region(const Item& item);
     void add_cage(const PlacedNode& at, const Node& node, CageId id, std::size_t place);
     IGrid* build(const Item& item, int level, int coarser, bool is_shared, const lod::TileRef& tile);
+    /// Returns the level of the fine positions of the igrid that an item has for these pairs.
+    int level_of(const Item& item, PairRange pairs) const noexcept;
     bool shares(const Item& item, int pair) const noexcept;
     bool may_share(const Item& item) const noexcept;
     Box3f box_of(const lod::PosedCage& cage, std::uint32_t cluster) const;

@@ -4,8 +4,15 @@
 
 #include "accel/igrid_intersect.h"
 #include "accel/tracer_state.h"
+#include "base/cancellation.h"
 
 namespace occam::accel {
+namespace {
+
+/// The number of a leaf's entries that are met between two looks at the request to stop.
+constexpr std::size_t kEntriesBetweenChecks = 1024;
+
+}  // namespace
 
 template <int kParts>
 bool Tracer::State::fits_packet(std::span<const Ray> rays, const vmasks<kParts>& enters, const vfloats<kParts>& t_in,
@@ -51,6 +58,7 @@ OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, Mask
         else if (last > pair) here = alive & (max(t_near, pairs.in(pair, last)) <= min(t_far, pairs.out(pair, last)));
         F far = limit();
         for (std::size_t first = 0; first < leaf->entries.size(); first += kBoxGroup) {
+            if (first % kEntriesBetweenChecks == kEntriesBetweenChecks - kBoxGroup) throw_if_cancelled();
             alignas(32) float begin[kBoxGroup];
             constexpr bool kIsOne = std::is_same_v<F, float>;
             unsigned maybe = as_one.in_boxes(leaf->boxes + first / kBoxGroup * kBoxGroupFloats, highest(far),

@@ -4,8 +4,8 @@
 // value, so that between two batches everything that it has built can be dropped: this is the safe point of the memory
 // budget.
 //
-// Space    Ray origins and hit positions are in world space, in double; directions are unit vectors. t is world length
-//          along the ray.
+// Space    Ray origins and hit positions are in world axes and frame lengths (scenegraph/frame_scale.h), in double;
+//          directions are unit vectors. t is the length along the ray.
 // Memory   What is built lies in the tracer's arena and takes at most `budget_bytes`. When that is exceeded, the tracer
 //          drops all of it and goes on with the same rays. The minimum is what one ray needs, which is always granted.
 // Threads  Each worker has one tracer; Frame is shared and const. The answers depend neither on the budget, nor on the
@@ -53,7 +53,7 @@ struct SurfaceHit {
     float self_distance = 0;
     float uv_width[2]{};        ///< the width of the ray's footprint, in units of uv
     Vec3f normal_geometric{0};  ///< unit normal of the micropolygon, towards the ray's origin
-    /// The mean curvature from the vertices' normals, in 1 / world length. It is positive where the surface bulges
+    /// The mean curvature from the vertices' normals, in 1 / frame length. It is positive where the surface bulges
     /// towards the ray's origin.
     float curvature = 0;
     Vec3f normal_shading{0};  ///< unit length, interpolated, on the side of normal_geometric
@@ -82,7 +82,7 @@ struct SurfaceHit {
     LightGroups lit_by = kAllGroups;
     std::uint32_t face = 0;               ///< face index in the cage
     bool back_side = false;               ///< the ray came from behind the face
-    int level = 0;                        ///< the finer level of the pair at which the cage is seen
+    int level = 0;                        ///< the finer level of the pair at which the ray sees the cage, world lengths
     std::int8_t start_level = kAnyLevel;  ///< one of that pair's two levels, for Ray::start_level
     std::uint32_t micropolygon = 0;       ///< a hashed number of the quad, for pictures of the grid
 

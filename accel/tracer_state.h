@@ -11,6 +11,7 @@
 #include "accel/packet.h"
 #include "accel/ray_groups.h"
 #include "accel/traverse.h"
+#include "base/cancellation.h"
 
 namespace occam::accel {
 
@@ -119,13 +120,15 @@ struct Tracer::State {
         within_budget(first + count / 2, count - count / 2, run);
     }
 
-    /// Calls run(axes, first, count, limit) for runs of groups.sorted that may travel together.
+    /// Calls run(axes, first, count, limit) for runs of groups.sorted that may travel together. Throws Cancelled if the
+    /// thread is asked to stop.
     template <class Run>
     void for_groups(std::span<const Ray> rays, Run&& run)
     {
         groups.sort(rays);
         const FlushGate::Inside inside(gate);
         groups.for_each_packet([&](const RayAxes& axes, std::size_t first, std::size_t count) {
+            throw_if_cancelled();
             within_budget(first, count, [&](std::size_t from, std::size_t of_these, std::size_t limit) {
                 return run(axes, from, of_these, limit);
             });

@@ -114,7 +114,7 @@ struct Job::State {
         stats.image.spp = settings.spp;
         stats.image.checksum = image.checksum();
         stats.warnings = scene.warnings;
-        for (std::string& warning : shade::input_warnings(scene, settings.sky_strength))
+        for (std::string& warning : shade::input_warnings(scene, settings.sky_strength, FrameScale(bounds)))
             stats.warnings.push_back(std::move(warning));
         for (std::string& warning : renderer->textures.warnings()) stats.warnings.push_back(std::move(warning));
         if (!stats.complete && !control.is_cancelled())

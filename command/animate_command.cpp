@@ -157,9 +157,9 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
         framing.pose(frame);
         const Camera camera = framing.camera();
         const double edit_seconds = seconds_since(edit_start);
-        const HeldInterrupts held;
         const Settings settings = framing.settings(camera);
         Job job = renderer.start(scene, camera, settings);
+        const HeldInterrupts held;
         // An interrupted frame is not written, since a frame is either complete or absent.
         if (wait_for(job, display, false, done, frames.size()) != Ending::Whole) {
             display.end();

@@ -89,9 +89,9 @@ int run(const RenderArguments& a)
     if (a.resume) display.say(checkpoint.empty() ? "there is no checkpoint: starting anew" : "going on from the checkpoint");
     const double edit_seconds = seconds_since(edit_start);
 
-    const HeldInterrupts held;
     Renderer renderer(a.resources);
     Job job = renderer.start(scene, camera, settings, std::move(checkpoint));
+    const HeldInterrupts held;
     const Ending ending = wait_for(job, display, true);
     if (ending == Ending::Abandoned) {
         display.end();

@@ -117,11 +117,12 @@ void Integrator::record_first(const accel::SurfaceHit& hit, const shade::Surface
                               SampleResult& result) const
 {
     if (covered > 0 && result.alpha == 0) {
-        result.first = {static_cast<float>(context_.camera.depth(hit.position)),
+        const double to_world = context_.scale.to_world();
+        result.first = {static_cast<float>(context_.camera.depth(hit.position) * to_world),
                         hit.normal_shading,
                         hit.normal_geometric,
                         hit.uv[0],
-                        Vec3f(hit.position),
+                        Vec3f(hit.position * to_world),
                         static_cast<float>(hit.node.slot + 1)};
     }
     result.alpha += covered;
@@ -161,8 +162,10 @@ void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResu
         pass_straight(path, ray, hit.t, {Vec3f(1), path.coverage, 1}, sample);
         return;
     }
-    if (path.absorption != Vec3f(0))
-        for (int c = 0; c < 3; ++c) path.throughput[c] *= maths::exp(-path.absorption[c] * (hit.t - ray.t_near));
+    if (path.absorption != Vec3f(0)) {
+        const float length = std::min(context_.scale.to_world(hit.t - ray.t_near), std::numeric_limits<float>::max());
+        for (int c = 0; c < 3; ++c) path.throughput[c] *= maths::exp(-path.absorption[c] * length);
+    }
     // Only the last piece of a ray knows which lights lie before its end: those behind a surface that it passes come
     // later.
     if (!path.is_camera()) cross_lights(path, ray, hit.t, result);

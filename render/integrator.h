@@ -43,6 +43,7 @@ struct FrameContext {
     bool may_pass = false;                ///< some material of the scene transmits light straight on
     float depth_near = 0, depth_far = 1;  ///< camera z of the scene, for View::Depth
     const Scene* scene = nullptr;         ///< has the names that Cryptomatte needs
+    FrameScale scale{};                   ///< all other lengths of the frame are in its unit
     static constexpr std::size_t kShadowBatch = 16384;
     std::size_t shadow_batch = kShadowBatch;  ///< shadow rays that may wait before they are traced
 };

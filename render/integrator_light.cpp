@@ -165,7 +165,7 @@ void Integrator::gather_sky(const Vertex& v)
     const int samples = light_samples_at(v.path);
     const shade::ShadingFrame axes(v.surface.normal);
     const Sequence squares = numbers(v, Use::Scatter);
-    const float reach = context_.settings.ao_distance > 0 ? context_.settings.ao_distance
+    const float reach = context_.settings.ao_distance > 0 ? context_.scale.to_frame(context_.settings.ao_distance)
                                                           : std::numeric_limits<float>::infinity();
     for (int n = 0; n < samples; ++n) {
         const Vec3f direction = axes.to_world(

@@ -64,7 +64,7 @@ CageId Scene::add(OnDemandCage cage)
     state_->require_editable();
     if (!cage.make) throw Error("", "a cage on demand needs something that makes it", cage.name);
     if (!cage.bounds.is_empty() && !(cage.bounds.largest_coordinate() <= double(kMaxCoordinate)))
-        throw Error("", "a bound is not finite, or beyond 1e12", cage.name);
+        throw Error("", "a bound is not finite, or beyond 1e16", cage.name);
     for (const MaterialId material : cage.materials) State::at(state_->materials, material, "material");
     State::CageRecord record;
     record.cage.name = std::move(cage.name);
@@ -163,7 +163,7 @@ void Scene::write_vertices(CageId id, std::span<const Vec3f> positions)
         throw Error("", "write_vertices needs as many positions as the cage has",
                     std::to_string(positions.size()) + " for " + std::to_string(record.cage.positions.size()));
     for (Vec3f p : positions)
-        if (!is_usable(p)) throw Error("", "a position is not finite, or beyond 1e12", record.cage.name);
+        if (!is_usable(p)) throw Error("", "a position is not finite, or beyond 1e16", record.cage.name);
     state_->about_to_write(id, record);
     record.cage.positions.assign(positions.begin(), positions.end());
     find_bounds(record);

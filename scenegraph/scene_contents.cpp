@@ -1,4 +1,5 @@
 // What subtrees hold: how it is summed up, and how what is looked for is found by it.
+#include "base/cancellation.h"
 #include "scenegraph/child_boxes.h"
 #include "scenegraph/scene_state.h"
 
@@ -110,6 +111,7 @@ void Scene::for_placements_of(std::uint8_t kinds, const VisitPlacement& visit) c
     };
     push(s.root, Mat4d(1), false);
     while (!todo.empty()) {
+        throw_if_cancelled();
         const Place place = todo.back();
         todo.pop_back();
         const State::NodeRecord& node = *s.nodes.find(place.id);

@@ -21,25 +21,28 @@ WorldLight key_light(const Camera& camera)
 // which is less than a hundredth of what the default light gives it.
 constexpr double kLeastIrradiance = 0.02;
 
-bool are_lamps(const MeshLights& meshes, const Scene& scene) noexcept
+bool are_lamps(const MeshLights& meshes, const Scene& scene, const FrameScale& scale) noexcept
 {
     if (!(meshes.power() > 0)) return false;
     const Box3d& box = scene.node(scene.root()).bounds;
     if (box.is_empty()) return true;
-    const Vec3d half = 0.5 * Vec3d(transform_vector(scene.node(scene.root()).parent_from_node, box.hi - box.lo));
+    const Mat4d placed = scale.placed(scene.node(scene.root()).parent_from_node);
+    const Vec3d half = 0.5 * Vec3d(transform_vector(placed, box.hi - box.lo));
     return meshes.power() >= kLeastIrradiance * 4 * glm::dot(half, half);
 }
 
 }  // namespace
 
-FrameLights::FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures, Sky sky, float sky_strength)
-    : meshes_(scene, textures), environment_(scene.environment, textures)
+FrameLights::FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures, Sky sky, float sky_strength,
+                         const FrameScale& scale)
+    : meshes_(scene, textures, scale), environment_(scene.environment, textures)
 {
     scene.for_placements_of(Contents::Lights, [&](NodeId, const Node& node, const Mat4d& world_from_node) {
-        if (const Light* light = scene.find(node.light)) lights_.push_back(WorldLight::place(*light, world_from_node));
+        if (const Light* light = scene.find(node.light))
+            lights_.push_back(WorldLight::place(*light, world_from_node, scale));
     });
     const bool is_dark = environment_.is_black();
-    const bool is_bare = is_dark && lights_.empty() && !are_lamps(meshes_, scene);
+    const bool is_bare = is_dark && lights_.empty() && !are_lamps(meshes_, scene, scale);
     if (is_bare && sky != Sky::Off) lights_.push_back(key_light(camera));
     if (is_dark && (sky == Sky::On || (sky == Sky::Auto && is_bare))) environment_ = Environment::sky(sky_strength);
     arrange();

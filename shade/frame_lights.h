@@ -4,7 +4,7 @@
 // no emissive surfaces that are bright enough to light it, unless Sky says otherwise. The scene's bounds must be up to
 // date for that.
 //
-// Space    world; positions are double, directions are float.
+// Space    world axes, frame lengths (scenegraph/frame_scale.h); positions are double, directions are float.
 // Threads  const after construction.
 #pragma once
 
@@ -35,7 +35,7 @@ public:
     }
     /// The textures must be prepared. `camera` places the key light of a scene that has none.
     FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures, Sky sky = Sky::Auto,
-                float sky_strength = 1);
+                float sky_strength = 1, const FrameScale& scale = {});
     FrameLights(std::vector<WorldLight> lights, Environment environment);
 
     /// A scene with more placed lights than this draws them by a tree, except for suns.

@@ -11,6 +11,7 @@
 #include "lod/dicer.h"
 #include "lod/ray_levels.h"
 #include "lod/topology_cache.h"
+#include "scenegraph/frame_scale.h"
 #include "verify/closed.h"
 #include "verify/grazing.h"
 #include "verify/ray_surface.h"
@@ -186,7 +187,8 @@ public:
           textures_(textures),
           report_(report),
           random_(settings.seed * 0x9E3779B97F4A7C15u + 1),
-          subject_(cage, place, textures, pose)
+          scale_(transform_box(place, cage.bounds())),
+          subject_(cage, scale_.placed(place), textures, pose)
     {
     }
 
@@ -347,9 +349,10 @@ private:
         if (report_.replay.size() >= 5) return;
         std::ostringstream out;
         out.precision(17);
-        out << "origin " << ray.origin.x << ' ' << ray.origin.y << ' ' << ray.origin.z << " direction " << ray.direction.x
-            << ' ' << ray.direction.y << ' ' << ray.direction.z << " footprint " << ray.footprint.a << ' '
-            << ray.footprint.b;
+        const Vec3d origin = ray.origin * scale_.to_world();
+        out << "origin " << origin.x << ' ' << origin.y << ' ' << origin.z << " direction " << ray.direction.x << ' '
+            << ray.direction.y << ' ' << ray.direction.z << " footprint " << double(ray.footprint.a) * scale_.to_world()
+            << ' ' << ray.footprint.b;
         report_.replay.push_back(out.str());
     }
 
@@ -387,6 +390,7 @@ private:
     VerifiedCage& report_;
     std::map<int, std::vector<lod::LevelGrid>> diced_;  ///< diced when rays escape
     Random random_;
+    FrameScale scale_;  ///< all lengths are in its unit
     Subject subject_;
     int finest_ = 0;
     std::vector<Subject::Pair> pairs_;

@@ -10,6 +10,8 @@
 #include <fstream>
 #include <map>
 
+#include "tests/support/escapes.h"
+#include "tests/support/random_case.h"
 #include "tests/support/shape_builders.h"
 
 namespace occam::test {
@@ -119,6 +121,21 @@ TEST(Picture, OfDisplacedCagesWithFrozenLevelsIsTheSameForAnyThreadsAndBudgetAnd
 {
     expect_the_same(stage(true), "displaced_frozen",
                     {.integrator = IntegratorKind::Path, .bounces = 2, .lod = render::Lod::Frozen});
+}
+
+/// The campaign compares threads, trees and memory over such scenes; here one build is compared with another.
+TEST(Picture, OfRandomScenesIsTheSameInEveryBuild)
+{
+    if (!std::getenv("OCCAM_HASHES")) return;
+    for (std::uint64_t seed = 1; seed <= (is_long() ? 100u : 16u); ++seed) {
+        const RandomCase c = random_case(seed);
+        SCOPED_TRACE(description(c));
+        Scene scene = scene_of(c);
+        const Camera camera = camera_of(c, scene);
+        Renderer renderer({.threads = 1, .memory_bytes = 256u << 20});
+        expect_same_in_other_builds("random_" + std::to_string(seed),
+                                    renderer.render(scene, camera, settings_of(c)).checksum());
+    }
 }
 
 TEST(Picture, OfTheBuiltInSceneIsTheSameInEveryBuild)
