@@ -43,6 +43,8 @@ struct Ray {
     /// The ray sees cages at this level around its origin, and then goes over to the level that its footprint asks for.
     /// A secondary ray has the level of the mesh on which its origin lies: SurfaceHit::start_level.
     std::int8_t start_level = kAnyLevel;
+    /// The moment at which the ray sees the scene: 0 when the shutter opens, 1 when it closes.
+    float time = 0;
 };
 
 /// Holds what phase two needs of a surface point, by value. Pointers point into the scene.

@@ -41,6 +41,8 @@ accel::Ray ray_of(const QueryRay& asked, const Asked& about)
     if (!(length > 0) || !std::isfinite(length) || !std::isfinite(glm::dot(asked.origin, asked.origin))) return ray;
     if (const auto& f = asked.footprint; f && !(f->width >= 0 && std::isfinite(f->width) && std::isfinite(f->spread)))
         throw Error("", "a footprint's width must be finite and 0 or more, and its spread finite", "ray");
+    if (!(asked.time >= 0 && asked.time <= 1)) throw Error("", "a ray's time must be from 0 to 1", "ray");
+    ray.time = asked.time;
     ray.origin = asked.origin * about.scale.to_frame();
     ray.direction = Vec3f(asked.direction / length);
     ray.t_far = static_cast<float>(asked.far * about.scale.to_frame());
@@ -205,7 +207,7 @@ std::optional<Hit> Query::pick(double x, double y, int width) const
 {
     if (width < 1 || width > render::kMaxSide) throw Error("", "from 1 to " + std::to_string(render::kMaxSide), "width");
     const Camera placed = state_->asked_about().scale.placed(state_->camera);
-    return state_->closest(render::CameraRays(placed, width, state_->height).ray(x, y));
+    return state_->closest(render::CameraRays(placed, width, state_->height).ray(x, y, Vec2f(0.5f), 0.5f));
 }
 
 }  // namespace occam

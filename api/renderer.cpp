@@ -102,6 +102,7 @@ struct Job::State {
     void finish_stats()
     {
         stats.scene = describe(scene);
+        stats.motion = {scene.shutter_segments(), camera.keys.empty() ? 0 : int(camera.keys.size()) - 1};
         stats.settings = settings;
         stats.threads = renderer->resources.threads;
         stats.seconds.total = seconds_since(start);
@@ -206,6 +207,7 @@ Job Renderer::start(Scene& scene, const Camera& camera, const Settings& settings
 {
     render::check(settings);
     check(scene.environment);
+    check(camera);
     if (state_->busy.exchange(true)) throw Error("", "this renderer is busy with another frame");
     try {
         auto job = std::make_unique<Job::State>(state_, scene, camera, settings);

@@ -155,7 +155,7 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
                             std::to_string(frames.size()) + ")");
         const auto edit_start = Clock::now();
         framing.pose(frame);
-        const Camera camera = framing.camera();
+        const Camera camera = framing.open_shutter(framing.camera(), frame);
         const double edit_seconds = seconds_since(edit_start);
         const Settings settings = framing.settings(camera);
         Job job = renderer.start(scene, camera, settings);

@@ -43,6 +43,7 @@ struct RenderArguments : SceneArguments {
     std::optional<double> time;   ///< seconds on the clip's own axis
     std::optional<int> frame;     ///< time is frame / fps
     double fps = 24;
+    int shutter_segments = 0;  ///< 0: as many as the paths need within a quarter of a pixel
     WriteOptions write;
     ProgressStyle progress = ProgressStyle::Auto;
     bool quiet = false, verbose = false;
@@ -74,8 +75,9 @@ struct CompareArguments {
     std::optional<double> max_mse, max_rmse, max_rel_mse, max_error, max_p999, min_psnr;
 };
 
-struct VerifyArguments : SceneArguments {
-    VerifySettings settings;
+/// Of what pictures need, only the scene's pose and shutter count.
+struct VerifyArguments : RenderArguments {
+    VerifySettings test;
     bool json = false;
 };
 

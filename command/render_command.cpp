@@ -80,7 +80,7 @@ int run(const RenderArguments& a)
     Framing framing(scene, a);
     if (a.frame || a.time || !a.clip.empty()) framing.fit_clip();  // the camera is that of a sequence
     framing.pose();
-    const Camera camera = framing.camera();
+    const Camera camera = framing.open_shutter(framing.camera());
     Settings settings = framing.settings(camera);
     settings.progressive = a.keeps_checkpoint() || a.resume;
     WriteOptions write = a.write;

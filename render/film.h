@@ -22,6 +22,7 @@ struct FirstSurface {
     Vec2f uv{0};
     Vec3f position{0};
     float id = 0;
+    Vec2f motion{0};  ///< pixels per frame, to the right and down
 };
 
 /// Holds what one sample of a pixel contributes; colours are multiplied by alpha.

@@ -391,6 +391,7 @@ FrameResult make_frame(const FrameInputs& in, FrameControl& control, FrameStats&
         in.settings, camera, sampler, filter, lights, in.textures, in.scene.contents().has(Contents::Passing)};
     context.scene = &in.scene;
     context.scale = scale;
+    context.moves = camera.moves() || in.scene.shutter_segments() > 0;
     set_depth_range(context, scale.placed(in.scene_bounds));
     constexpr lod::LevelMode kModes[] = {lod::LevelMode::PerRay, lod::LevelMode::PerInstance, lod::LevelMode::Frozen};
     levels.mode = kModes[static_cast<int>(in.settings.lod)];

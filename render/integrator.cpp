@@ -46,11 +46,15 @@ void Integrator::begin(std::span<const CameraSample> samples, std::span<SampleRe
         const Vec2f lens = context_.camera.has_lens()
                                ? context_.sampler.square(s.x, s.y, static_cast<std::uint32_t>(s.index), Dimension::lens())
                                : Vec2f(0.5f);
+        const float time = context_.moves
+                               ? context_.sampler.interval(s.x, s.y, static_cast<std::uint32_t>(s.index), Dimension::time())
+                               : 0.0f;
         Path path;
         path.sample = static_cast<std::uint32_t>(i);
         path.is_before_focus = context_.camera.has_lens();
         paths_.push_back(path);
-        rays_.push_back(context_.camera.ray(s.x + 0.5 + double(place.offset.x), s.y + 0.5 + double(place.offset.y), lens));
+        rays_.push_back(
+            context_.camera.ray(s.x + 0.5 + double(place.offset.x), s.y + 0.5 + double(place.offset.y), lens, time));
     }
     counters_.rays.primary += samples.size();
 }
@@ -113,17 +117,25 @@ void Integrator::cross_lights(const Path& path, const accel::Ray& ray, float t_f
     context_.lights.for_crossings(ray.origin, ray.direction, t_far, path.peak, path.receiver, add);
 }
 
-void Integrator::record_first(const accel::SurfaceHit& hit, const shade::Surface& surface, float occlusion, float covered,
-                              SampleResult& result) const
+Vec2f Integrator::motion_of(const accel::Ray& ray, const accel::SurfaceHit& hit) const
+{
+    if (!context_.settings.has(Aov::Motion) || !context_.moves) return Vec2f(0);
+    const Vec2d per_shutter = context_.camera.pixel_velocity(hit.position, Vec3d(0), ray.time);
+    return Vec2f(per_shutter / context_.settings.shutter.length());
+}
+
+void Integrator::record_first(const accel::Ray& ray, const accel::SurfaceHit& hit, const shade::Surface& surface,
+                              float occlusion, float covered, SampleResult& result) const
 {
     if (covered > 0 && result.alpha == 0) {
         const double to_world = context_.scale.to_world();
-        result.first = {static_cast<float>(context_.camera.depth(hit.position) * to_world),
+        result.first = {static_cast<float>(context_.camera.depth(hit.position, ray.time) * to_world),
                         hit.normal_shading,
                         hit.normal_geometric,
                         hit.uv[0],
                         Vec3f(hit.position * to_world),
-                        static_cast<float>(hit.node.slot + 1)};
+                        static_cast<float>(hit.node.slot + 1),
+                        motion_of(ray, hit)};
     }
     result.alpha += covered;
     result.albedo += Vec4f(surface.base_color, 1) * covered;
@@ -176,7 +188,7 @@ void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResu
     const float occlusion = wants_occlusion_ ? shade::ambient_share(point, context_.textures) : 1;
     const float covered = path.coverage * surface.opacity;
     if (path.is_camera()) {
-        record_first(hit, surface, occlusion, covered, result);
+        record_first(ray, hit, surface, occlusion, covered, result);
         record_matte(hit, path.sample, covered);
     }
     const Vec3f share = path.throughput * surface.opacity;
@@ -192,7 +204,7 @@ void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResu
     const Chances chance = chances(v);
 
     if (settings.view != View::Beauty) {
-        const float z = static_cast<float>(context_.camera.depth(hit.position));
+        const float z = static_cast<float>(context_.camera.depth(hit.position, ray.time));
         result.radiance += share * view_color(settings.view, hit, z, context_.depth_near, context_.depth_far);
         transmittance = Vec3f(1 - surface.opacity);
     } else if (surface.opacity > 0 && settings.integrator == IntegratorKind::Ao) {

@@ -40,6 +40,7 @@ struct FrameContext {
     const PixelFilter& filter;
     const shade::FrameLights& lights;
     const TextureStore& textures;
+    bool moves = false;                   ///< something moves while the shutter is open: samples have moments
     bool may_pass = false;                ///< some material of the scene transmits light straight on
     float depth_near = 0, depth_far = 1;  ///< camera z of the scene, for View::Depth
     const Scene* scene = nullptr;         ///< has the names that Cryptomatte needs
@@ -143,8 +144,9 @@ private:
         const float brightest = std::max({radiance.x, radiance.y, radiance.z});
         return brightest > most ? radiance * (most / brightest) : radiance;
     }
-    void record_first(const accel::SurfaceHit& hit, const shade::Surface& surface, float occlusion, float covered,
-                      SampleResult& result) const;
+    void record_first(const accel::Ray& ray, const accel::SurfaceHit& hit, const shade::Surface& surface, float occlusion,
+                      float covered, SampleResult& result) const;
+    Vec2f motion_of(const accel::Ray& ray, const accel::SurfaceHit& hit) const;
     void record_matte(const accel::SurfaceHit& hit, std::uint32_t sample, float covered);
 
     /// Holds the chances with which a ray continues straight on and scattered. If one of them is 0, that ray is not shot.

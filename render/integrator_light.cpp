@@ -62,6 +62,7 @@ OCCAM_ALWAYS_INLINE void Integrator::test(const Vertex& v, const shade::ShadowTe
     ray.direction = test.direction;
     ray.t_far = test.t_far;
     ray.start_level = v.hit.start_level;
+    ray.time = v.ray.time;
     ray.footprint = shade::light_beam(v.width, test.t_far, test.density, samples * context_.settings.spp);
 }
 
@@ -175,6 +176,7 @@ void Integrator::gather_sky(const Vertex& v)
         ray.origin = v.surface.start(direction);
         ray.direction = direction;
         ray.start_level = v.hit.start_level;
+        ray.time = v.ray.time;
         ray.t_far = reach;
         const float density = glm::dot(direction, v.surface.normal) / shade::kPi;
         ray.footprint = shade::scattered_beam({v.width, 0}, density, samples * context_.settings.spp);
@@ -187,6 +189,7 @@ accel::Ray Integrator::scattered_ray(const Vertex& v, const shade::ScatterSample
     ray.origin = v.surface.start(s.direction);
     ray.direction = s.direction;
     ray.start_level = v.hit.start_level;
+    ray.time = v.ray.time;
     ray.kinds = kind_of(s.lobe);
     const shade::Beam beam{v.width, v.ray.footprint.b};
     const float cosine = std::max(glm::dot(v.surface.normal, v.surface.to_eye), 0.0f);

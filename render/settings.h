@@ -72,6 +72,9 @@ struct Settings {
     float shading_rate = 1;             ///< target edge length of micropolygons, in pixels
     Lod lod = Lod::On;
     ShadeAt shade_at = ShadeAt::Hit;
+    /// When the shutter is open. The scene's motion is what Scene::record_shutter() recorded, whatever is said here; this
+    /// tells how many frames that takes, for Aov::Motion.
+    Shutter shutter{};
     std::optional<Camera> lod_camera{};  ///< the camera whose pixels the footprints are; none: the picture's own
     std::uint64_t seed = 0;
     double deadline_s = 0;  ///< stop after so long with what is done; 0: none. The one setting that makes pictures differ

@@ -25,7 +25,11 @@ Mat4d FrameScale::placed(const Mat4d& world_from_node) const noexcept
 Camera FrameScale::placed(const Camera& camera) const noexcept
 {
     Camera out = camera;
-    for (int row = 0; row < 3; ++row) out.world_from_camera[3][row] *= to_frame();
+    const auto place = [&](Mat4d& world_from_camera) {
+        for (int row = 0; row < 3; ++row) world_from_camera[3][row] *= to_frame();
+    };
+    place(out.world_from_camera);
+    for (Mat4d& key : out.keys) place(key);
     for (float* length : {&out.lens.height, &out.lens.radius, &out.lens.focus}) *length = to_frame(*length);
     return out;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "scenegraph/shutter.h"
 #include "shade/input_limits.h"
 #include "shade/surface.h"
 
@@ -116,7 +117,8 @@ MeshLights::TrianglePoints MeshLights::corners(const Mesh& mesh, std::uint32_t f
     return {at(0), at(1), at(2)};
 }
 
-void MeshLights::add(const Node& node, NodeId id, const CageSlot& slot, const Mat4d& world_from_object, const Scene& scene)
+void MeshLights::add(const Node& node, NodeId id, const CageSlot& slot, const Mat4d& world_from_object, const Scene& scene,
+                     bool moves)
 {
     const Cage& cage = slot.cage;
     const std::size_t slots = slots_of(node, cage);
@@ -126,7 +128,7 @@ void MeshLights::add(const Node& node, NodeId id, const CageSlot& slot, const Ma
         any_emitter_ = true;
         const float density = mean_luminance(*material, *textures_);
         if (density > 0) power_ += double(density) * area_of(scene, node, slot, s, slots, world_from_object);
-        if (!(density > 0) || !is_sampled(scene, node, material)) continue;
+        if (!(density > 0) || moves || !is_sampled(scene, node, material)) continue;
         known_.push_back({id, material, density});
         const Mesh mesh{&cage, material, world_from_object, static_cast<std::uint32_t>(sums_.size()), density};
         for (std::uint32_t face = 0; face < cage.face_count(); ++face) {
@@ -143,9 +145,11 @@ void MeshLights::add(const Node& node, NodeId id, const CageSlot& slot, const Ma
 
 MeshLights::MeshLights(const Scene& scene, const TextureStore& textures, const FrameScale& scale) : textures_(&textures)
 {
+    const std::unordered_set<NodeId> moving = moving_nodes(scene);
     scene.for_placements_of(Contents::Emitters, [&](NodeId id, const Node& node, const Mat4d& world_from_node) {
         for (CageId cage : node.cages)
-            if (const CageSlot* slot = scene.find(cage)) add(node, id, *slot, scale.placed(world_from_node), scene);
+            if (const CageSlot* slot = scene.find(cage))
+                add(node, id, *slot, scale.placed(world_from_node), scene, moving.contains(id));
     });
     std::sort(known_.begin(), known_.end(),
               [](const Known& a, const Known& b) { return key_of(a.node, a.material) < key_of(b.node, b.material); });

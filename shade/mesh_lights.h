@@ -55,7 +55,9 @@ private:
         Vec3d a, b, c;
     };
 
-    void add(const Node& node, NodeId id, const CageSlot& slot, const Mat4d& world_from_object, const Scene& scene);
+    /// moves   the surface moves while the shutter is open: points on it are not sampled
+    void add(const Node& node, NodeId id, const CageSlot& slot, const Mat4d& world_from_object, const Scene& scene,
+             bool moves);
     static TrianglePoints corners(const Mesh& mesh, std::uint32_t face) noexcept;
 
     const TextureStore* textures_ = nullptr;
