@@ -13,12 +13,12 @@ namespace {
 using OwnBlend = VertexBlendOf<float>;
 
 // Returns a vertex of a lattice as a ray sees it, and sets `weight` to its share of the coarse position.
-Vec3f blended(const IGrid& grid, const OwnBlend& blend, std::uint32_t vertex, float& weight) noexcept
+Vec3f blended(const GridHit& met, const OwnBlend& blend, std::uint32_t vertex, float& weight) noexcept
 {
-    const Vec3f f = grid.fine_at(vertex);
+    const Vec3f f = met.fine_at(vertex);
     weight = 0;
-    if (!grid.blends()) return f;
-    const Vec3f c = grid.coarse_at(vertex);
+    if (!met.grid->blends()) return f;
+    const Vec3f c = met.coarse_at(vertex);
     weight = blend.weight({f.x, f.y, f.z});
     const VecOf<float> p = OwnBlend::between({f.x, f.y, f.z}, {c.x, c.y, c.z}, weight);
     return {p.x, p.y, p.z};
@@ -37,10 +37,24 @@ bool hangs(const lod::TileRef& tile, int i, int j) noexcept
            (v == 1u << rates.v && is_between(2, u, rates.u)) || (u == 0 && is_between(3, v, rates.v));
 }
 
-lod::Hanging::Ends ends_of(const IGrid& grid, const OwnBlend& blend, const lod::Hanging& hanging,
+lod::Hanging::Ends ends_of(const GridHit& met, const OwnBlend& blend, const lod::Hanging& hanging,
                            float (&weight)[2]) noexcept
 {
-    return hanging.on(blended(grid, blend, hanging.a, weight[0]), blended(grid, blend, hanging.c, weight[1]));
+    return hanging.on(blended(met, blend, hanging.a, weight[0]), blended(met, blend, hanging.c, weight[1]));
+}
+
+// The place of a face's corners in the arrays of a mesh.
+std::size_t place_of(const IGrid& mesh, std::uint32_t id) noexcept
+{
+    std::size_t k = 0;
+    while (mesh.ids[k] != id) ++k;
+    return k;
+}
+
+Vec3f corner_of_mesh(const IGrid& mesh, std::size_t corner, std::size_t place, int key) noexcept
+{
+    const auto at = static_cast<std::ptrdiff_t>(place) + key * mesh.floats_of_a_key;
+    return {mesh.corners[corner * 3][at], mesh.corners[corner * 3 + 1][at], mesh.corners[corner * 3 + 2][at]};
 }
 
 // Returns the T-vertex inside a quad's side, or null if it has no gap triangle in this igrid.
@@ -127,8 +141,16 @@ void HitCorners::set_positions(const vfloat (&direction)[3], const vfloat (&orig
         const MicropolygonPlace& spot = spots_[lane];
         if (!spot.part) {
             // The ids of meshes are faces, and are looked up by position.
-            std::uint32_t k = 0;
-            while (grid.ids[k] != m.id) ++k;
+            const std::size_t k = place_of(grid, m.id);
+            if (grid.segments > 0) {
+                for (std::size_t p = 0; p < 3; ++p) {
+                    const Vec3f at = m.between(corner_of_mesh(grid, p, k, m.time.key),
+                                               corner_of_mesh(grid, p, k, m.time.key + 1));
+                    put(position[p], lane, at);
+                    put(coarse[p], lane, at);
+                }
+                continue;
+            }
             for (int p = 0; p < 3; ++p)
                 for (int a = 0; a < 3; ++a) position[p][a][lane] = coarse[p][a][lane] = grid.corners[p * 3 + a][k];
             continue;
@@ -148,11 +170,15 @@ void HitCorners::set_positions(const vfloat (&direction)[3], const vfloat (&orig
         const IGridPart& part = *spot.part;
         const Vertices vertices(part, spot);
         const std::uint32_t(&vertex)[3] = vertices.of;
-        for (int a = 0; a < 3; ++a)
-            for (int p = 0; p < 3; ++p) position[p][a][lane] = grid.fine[a][vertex[p]];
-        if (!is_blended) continue;
-        for (int a = 0; a < 3; ++a)
-            for (int p = 0; p < 3; ++p) coarse[p][a][lane] = grid.coarse[a][vertex[p]];
+        const bool moves = grid.segments > 0;
+        if (moves) set_moving(lane, vertices, coarse);
+        else {
+            for (int a = 0; a < 3; ++a)
+                for (int p = 0; p < 3; ++p) position[p][a][lane] = grid.fine[a][vertex[p]];
+            if (!is_blended) continue;
+            for (int a = 0; a < 3; ++a)
+                for (int p = 0; p < 3; ++p) coarse[p][a][lane] = grid.coarse[a][vertex[p]];
+        }
         if (grid.hanging.empty()) continue;
         for (const auto& corner : kQuadCorners[spot.triangle])
             if (hangs(part.tile, spot.i + corner[0], spot.j + corner[1])) special |= 1u << lane;
@@ -191,15 +217,27 @@ void HitCorners::set_positions(const vfloat (&direction)[3], const vfloat (&orig
     }
 }
 
+void HitCorners::set_moving(std::size_t lane, const Vertices& vertices, FloatLanes (&coarse)[3][3]) noexcept
+{
+    for (std::size_t p = 0; p < 3; ++p) {
+        put(position[p], lane, met_[lane].fine_at(vertices.of[p]));
+        if (met_[lane].grid->blends()) put(coarse[p], lane, met_[lane].coarse_at(vertices.of[p]));
+    }
+}
+
 void HitCorners::set_special(std::size_t lane, const OwnBlend& blend, bool starts_coarse) noexcept
 {
     const GridHit& m = met_[lane];
     const IGrid& grid = *m.grid;
+    if (!grid.blends() && !is_gap(m)) {
+        set_hanging(position, lane, blend);
+        return;
+    }
     has_start |= 1u << lane;
     const OwnBlend of_start{{0, 0, 0}, starts_coarse ? 1.0f : 0.0f};
     if (is_gap(m)) {
         float at_end[2];
-        const lod::Hanging::Ends ends = ends_of(grid, blend, grid.hanging[m.id & ~kGapBit], at_end);
+        const lod::Hanging::Ends ends = ends_of(m, blend, grid.hanging[m.id & ~kGapBit], at_end);
         put(position[0], lane, ends.low);
         put(position[1], lane, ends.middle);
         put(position[2], lane, ends.high);
@@ -207,7 +245,7 @@ void HitCorners::set_special(std::size_t lane, const OwnBlend& blend, bool start
         weight[2][lane] = at_end[1];
         const Vertices vertices(*spots_[lane].part, spots_[lane]);
         float unused;
-        for (int p = 0; p < 3; ++p) put(start[p], lane, blended(grid, of_start, vertices.of[p], unused));
+        for (int p = 0; p < 3; ++p) put(start[p], lane, blended(m, of_start, vertices.of[p], unused));
     } else {
         set_hanging(position, lane, blend);
     }
@@ -217,13 +255,13 @@ void HitCorners::set_special(std::size_t lane, const OwnBlend& blend, bool start
 void HitCorners::set_hanging(FloatLanes (&to)[3][3], std::size_t lane, const OwnBlend& blend) noexcept
 {
     const MicropolygonPlace& spot = spots_[lane];
-    const IGrid& grid = *met_[lane].grid;
+    const GridHit& m = met_[lane];
     for (int p = 0; p < 3; ++p) {
         const int i = spot.i + kQuadCorners[spot.triangle][p][0], j = spot.j + kQuadCorners[spot.triangle][p][1];
-        const lod::Hanging* hanging = hangs(spot.part->tile, i, j) ? find_hanging(grid, part_of(spot.number), i, j)
+        const lod::Hanging* hanging = hangs(spot.part->tile, i, j) ? find_hanging(*m.grid, part_of(spot.number), i, j)
                                                                    : nullptr;
         float unused[2];
-        if (hanging) put(to[p], lane, ends_of(grid, blend, *hanging, unused).middle);
+        if (hanging) put(to[p], lane, ends_of(m, blend, *hanging, unused).middle);
     }
 }
 
@@ -256,7 +294,8 @@ void HitCorners::set_attributes(const PhaseOneTools& tools)
                 (of(at) * (1 - w) + (of(at - step) + of(at + step)) * (0.5f * w)).store(corners[p][lane]);
             }
         };
-        if (!made.coarse_normal) set(normal, made.normal);
+        if (grid.segments > 0) set_moving_normals(lane, i, j, halved);
+        else if (!made.coarse_normal) set(normal, made.normal);
         else {
             for (int p = 0; p < 3; ++p) {
                 const float w = weight[p][lane];
@@ -273,6 +312,50 @@ void HitCorners::set_attributes(const PhaseOneTools& tools)
         for (std::size_t s = 0; s < 2; ++s) has_uv[s] |= made.uv[s] ? 1u << lane : 0;
         if (!grid.cage->slot->cage.colors.empty()) set_colors(lane);
     }
+}
+
+void HitCorners::set_moving_normals(std::size_t lane, const std::ptrdiff_t (&i)[3], const std::ptrdiff_t (&j)[3],
+                                    std::ptrdiff_t halved) noexcept
+{
+    const GridHit& m = met_[lane];
+    const IGridPart& part = *spots_[lane].part;
+    const lod::GridAttributes& made = part.attributes;
+    const std::ptrdiff_t width = part.tile.columns + 1;
+    const Vec3f* first = made.normal + static_cast<std::size_t>(m.time.key) * made.normals_of_a_key;
+    const auto at_time = [&](const Vec3f* n) { return m.between(n[0], n[made.normals_of_a_key]); };
+    for (int p = 0; p < 3; ++p) {
+        const float w = weight[p][lane];
+        const std::ptrdiff_t at = j[p] * width + i[p], step = (j[p] & halved) * width + (i[p] & halved);
+        const Vec3f fine = at_time(first + at);
+        const Vec3f coarse = made.coarse_normal ? at_time(first + (made.coarse_normal - made.normal) + at)
+                                                : (at_time(first + at - step) + at_time(first + at + step)) * 0.5f;
+        const Vec3f mixed = fine * (1 - w) + coarse * w;
+        vfloat4(0.0f).store(normal[p][lane]);
+        for (int a = 0; a < 3; ++a) normal[p][lane][a] = mixed[a];
+    }
+}
+
+Vec3f HitCorners::velocity_of(std::size_t lane, Vec3f share) const noexcept
+{
+    const GridHit& m = met_[lane];
+    const IGrid& grid = *m.grid;
+    const MicropolygonPlace& spot = spots_[lane];
+    const int key = m.time.key;
+    Vec3f moved(0);
+    if (!spot.part) {
+        const std::size_t k = place_of(grid, m.id);
+        for (std::size_t p = 0; p < 3; ++p)
+            moved += (corner_of_mesh(grid, p, k, key + 1) - corner_of_mesh(grid, p, k, key)) * share[static_cast<int>(p)];
+    } else {
+        const Vertices vertices(*spot.part, spot);
+        for (int p = 0; p < 3; ++p) {
+            const std::uint32_t v = vertices.of[p];
+            const Vec3f fine = grid.fine_at(v, key + 1) - grid.fine_at(v, key);
+            const Vec3f coarse = grid.coarse_at(v, key + 1) - grid.coarse_at(v, key);
+            moved += (fine + (coarse - fine) * weight[p][lane]) * share[p];
+        }
+    }
+    return moved * static_cast<float>(grid.segments);
 }
 
 void HitCorners::set_colors(std::size_t lane) noexcept
@@ -307,7 +390,11 @@ void HitCorners::set_attributes_of_mesh(std::size_t lane, const Scene& scene) no
     };
     for (std::uint32_t p = 0; p < 3; ++p) {
         const std::size_t at = std::size_t(spot.number) * 3 + p, v = cage.face_vertices[at];
-        put_four(normal[p], cage.normals.empty() ? Vec3f(0) : posed.vertex_normal(static_cast<std::uint32_t>(v)));
+        const auto normal_at = [&](const lod::PosedCage& of) { return of.vertex_normal(static_cast<std::uint32_t>(v)); };
+        const GridHit& m = met_[lane];
+        if (cage.normals.empty()) put_four(normal[p], Vec3f(0));
+        else if (posed.segments == 0) put_four(normal[p], normal_at(posed));
+        else put_four(normal[p], m.between(normal_at(posed.keys[m.time.key]), normal_at(posed.keys[m.time.key + 1])));
         if (!cage.colors.empty()) color[lane][p] = cage.colors[cage.color_indices.empty() ? v : cage.color_indices[at]];
         for (std::size_t s = 0; s < 2; ++s) {
             const auto value = [&] {

@@ -48,6 +48,10 @@ struct HitCorners {
     /// Fills in the remaining attributes and the materials. Runs phase one on patches that have their first hits here.
     void set_attributes(const PhaseOneTools& tools);
 
+    /// Returns the velocity of a place in a lane whose igrid moves, by the shares of the micropolygon's corners: world
+    /// length per shutter.
+    Vec3f velocity_of(std::size_t lane, Vec3f share) const noexcept;
+
     Vec3f position_of(int corner, std::size_t lane) const noexcept
     {
         return {position[corner][0][lane], position[corner][1][lane], position[corner][2][lane]};
@@ -62,6 +66,10 @@ private:
     void set_special(std::size_t lane, const VertexBlendOf<float>& blend, bool starts_coarse) noexcept;
     /// Moves the T-vertices among a lane's corners to where the neighbouring triangles have them.
     void set_hanging(FloatLanes (&to)[3][3], std::size_t lane, const VertexBlendOf<float>& blend) noexcept;
+    // Functions for lanes whose igrids move.
+    void set_moving(std::size_t lane, const Vertices& vertices, FloatLanes (&coarse)[3][3]) noexcept;
+    void set_moving_normals(std::size_t lane, const std::ptrdiff_t (&i)[3], const std::ptrdiff_t (&j)[3],
+                            std::ptrdiff_t halved) noexcept;
     void set_attributes_of_mesh(std::size_t lane, const Scene& scene) noexcept;
     void set_colors(std::size_t lane) noexcept;
 

@@ -4,16 +4,17 @@
 #include <cmath>
 
 #include "accel/frame_state.h"
+#include "accel/placement.h"
 #include "lod/posed_cage.h"
 
 namespace occam::accel {
 namespace {
 
-/// Returns the largest distance by which any placed cage is displaced, in frame lengths.
+/// Returns the largest distance by which any placed cage is ever displaced, in frame lengths.
 float farthest_displaced(const Scene& scene, const FrameScale& scale)
 {
     double farthest = 0;
-    scene.for_placements_of(Contents::Displaced, [&](NodeId, const Node& node, const Mat4d& world_from_node) {
+    const auto add = [&](const Node& node, const Mat4d& world_from_node) {
         for (const CageId id : node.cages) {
             const CageSlot* slot = scene.find(id);
             if (!slot || !slot->cage.is_displaced()) continue;
@@ -22,7 +23,15 @@ float farthest_displaced(const Scene& scene, const FrameScale& scale)
             farthest = std::max(farthest,
                                 lod::largest_stretch(posed.frame_from_object) * double(slot->cage.displacement->bound));
         }
-    });
+    };
+    if (!scene.contents().has(Contents::Displaced)) return 0;
+    if (scene.shutter_segments() == 0)
+        scene.for_placements_of(Contents::Displaced,
+                                [&](NodeId, const Node& node, const Mat4d& world_from_node) { add(node, world_from_node); });
+    else
+        for_each_placement(scene, [&](const Node& node, std::span<const Mat4d> world_from_node) {
+            for (const Mat4d& world : world_from_node) add(node, world);
+        });
     return static_cast<float>(farthest) * (1 + 0x1p-18f);
 }
 
@@ -39,6 +48,7 @@ Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::Leve
     state_->shading = shading;
     state_->scale = scale;
     if (textures) state_->levels.displaced = farthest_displaced(scene, scale);
+    state_->segments = scene.shutter_segments();
     const Node& root = scene.node(scene.root());
     const Box3d world = scale.placed(box_in_parent(root));
     if (world.is_empty()) return;

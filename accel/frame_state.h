@@ -21,6 +21,7 @@ struct FrameState {
     Vec3d anchor{0};   ///< origin of the tree's frame: a lattice point near the scene's middle
     Box3f bounds;      ///< bounds of the scene, in the tree's frame
     float radius = 0;  ///< radius of a ball about the anchor that holds the scene
+    int segments = 0;  ///< of the scene's shutter; 0: nothing moves
 };
 
 struct Frame::State : FrameState {};

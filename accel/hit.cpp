@@ -227,7 +227,8 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
         spots[i].set(met[i]);
         t[i] = met[i].t;
         radius[i] = cage.radius;
-        mirrored[i] = cage.is_mirrored ? -1.0f : 1.0f;
+        const bool is_mirrored = cage.segments > 0 ? cage.is_mirrored_at(met[i].time) : cage.is_mirrored;
+        mirrored[i] = is_mirrored ? -1.0f : 1.0f;
         if (is_gap(met[i])) gaps |= 1u << i;
         start_level[i] = start_level_of(rays[i], met[i], tools.frame.levels);
         if (grid.blends() && start_level[i] > grid.pairs.finest) coarse_starts |= 1u << i;
@@ -355,6 +356,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
         if (corners.has_color >> i & 1) hit.color = weighted(corners.color[i], shares[i]);
         hit.u_gradient = hit.v_gradient = Vec3f(0);
         if (hit.material->bump_texture && (with_gradients >> i & 1) != 0) set_bump_gradients(corners, tri, i, to_frame, hit);
+        hit.velocity = met[i].grid->segments > 0 ? corners.velocity_of(i, shares[i]) : Vec3f(0);
         set_identity(met[i], spots[i], hit);
         const int level = seen_level_of(rays[i], met[i], tools.frame.levels);
         hit.level = met[i].grid->is_lattice ? level + tools.frame.scale.exponent() : level;

@@ -52,6 +52,25 @@ struct GridHit {
     IGrid* grid;  ///< null if nothing was hit
     std::uint32_t id;
     lod::Blend<float> blend;  ///< the ray's blend in the grid's pair, if the grid blends
+    lod::KeyTime time;        ///< the ray's time among the grid's keys, if the grid moves
+
+    /// Return where the ray sees a vertex of the grid, before levels are blended.
+    Vec3f fine_at(std::uint32_t vertex) const noexcept
+    {
+        if (grid->segments == 0) return grid->fine_at(vertex);
+        return between(grid->fine_at(vertex, time.key), grid->fine_at(vertex, time.key + 1));
+    }
+    Vec3f coarse_at(std::uint32_t vertex) const noexcept
+    {
+        if (grid->segments == 0) return grid->coarse_at(vertex);
+        return between(grid->coarse_at(vertex, time.key), grid->coarse_at(vertex, time.key + 1));
+    }
+    /// Returns what lies between these values at the grid's two keys around the ray's time.
+    Vec3f between(Vec3f a, Vec3f b) const noexcept
+    {
+        return {lod::between_keys(time.share, a.x, b.x), lod::between_keys(time.share, a.y, b.y),
+                lod::between_keys(time.share, a.z, b.z)};
+    }
 };
 
 /// Returns the target edge lengths by which a ray's levels are chosen. A ray without a width takes the camera's.

@@ -10,11 +10,11 @@ namespace {
 constexpr std::size_t kFewTriangles = 4;  // so few triangles form one block
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-BoxTree make_boxes(int blocks, Arena& arena)
+BoxTree make_boxes(int blocks, int keys, Arena& arena)
 {
     BoxTree tree;
     tree.leaves = static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(1, blocks))));
-    const int groups = tree.group_count();
+    const int groups = tree.group_count() * keys;
     tree.data = arena.make_array<float>(std::size_t(groups) * BoxTree::kFloats).data();
     for (int g = 0; g < groups; ++g) {
         float* group = tree.data + g * BoxTree::kFloats;
@@ -24,11 +24,8 @@ BoxTree make_boxes(int blocks, Arena& arena)
     return tree;
 }
 
-// Grows a leaf's box by 2 ulps of its largest coordinate.
-void set_leaf(BoxTree& tree, int leaf, const Box3f& box)
+void set_leaf(const BoxTree& tree, int leaf, const Box3f& box, float pad)
 {
-    if (box.is_empty()) return;
-    const float pad = box.largest_coordinate() * 2 * std::numeric_limits<float>::epsilon();
     const int node = tree.first_leaf() + leaf;
     for (int a = 0; a < 3; ++a) {
         tree.lo(node, a) = box.lo[a] - pad;
@@ -36,23 +33,73 @@ void set_leaf(BoxTree& tree, int leaf, const Box3f& box)
     }
 }
 
-// Makes the nodes above the leaves of the box tree.
-void finish_boxes(BoxTree& tree)
+// Sets a leaf's box at each key to box_at(key). It is grown by 2 ulps of its largest coordinate or, because positions
+// between keys are rounded too, by 4 ulps of the largest one of all keys.
+template <class BoxAt>
+void set_leaf_at_keys(const BoxTree& tree, int leaf, int keys, BoxAt&& box_at)
 {
-    for (int n = tree.first_leaf() - 1; n >= 0; --n)
-        for (int a = 0; a < 3; ++a) {
-            tree.lo(n, a) = std::min(tree.lo(2 * n + 1, a), tree.lo(2 * n + 2, a));
-            tree.hi(n, a) = std::max(tree.hi(2 * n + 1, a), tree.hi(2 * n + 2, a));
-        }
+    if (keys == 1) {
+        const Box3f box = box_at(0);
+        if (!box.is_empty()) set_leaf(tree, leaf, box, box.largest_coordinate() * 2 * std::numeric_limits<float>::epsilon());
+        return;
+    }
+    float largest = 0;
+    for (int key = 0; key < keys; ++key) largest = std::max(largest, box_at(key).largest_coordinate());
+    for (int key = 0; key < keys; ++key)
+        set_leaf(tree.at_key(key), leaf, box_at(key), largest * 4 * std::numeric_limits<float>::epsilon());
 }
 
-void add_vertex(const IGrid& grid, Box3f& box, std::uint32_t vertex)
+// Makes the nodes above the leaves of the box tree.
+void finish_boxes(const BoxTree& of_all, int keys)
 {
-    box.add(grid.fine_at(vertex));
-    if (grid.blends()) box.add(grid.coarse_at(vertex));
+    for (int key = 0; key < keys; ++key) {
+        const BoxTree tree = of_all.at_key(key);
+        for (int n = tree.first_leaf() - 1; n >= 0; --n)
+            for (int a = 0; a < 3; ++a) {
+                tree.lo(n, a) = std::min(tree.lo(2 * n + 1, a), tree.lo(2 * n + 2, a));
+                tree.hi(n, a) = std::max(tree.hi(2 * n + 1, a), tree.hi(2 * n + 2, a));
+            }
+    }
 }
+
+void add_vertex(const IGrid& grid, Box3f& box, std::uint32_t vertex, int key)
+{
+    box.add(grid.fine_at(vertex, key));
+    if (grid.blends()) box.add(grid.coarse_at(vertex, key));
+}
+
+// The number of keys at which an igrid holds positions.
+int keys_of(const IGrid& grid) { return grid.segments + 1; }
 
 }  // namespace
+
+Box3f IGrid::bounds() const noexcept
+{
+    Box3f box;
+    for (int key = 0; key <= segments; ++key) {
+        box.add(boxes.at_key(key).bounds());
+        // Gap triangles may reach beyond the tile on whose side they lie.
+        if (hanging_blocks > 0) box.add(hanging_boxes.at_key(key).bounds());
+    }
+    return box;
+}
+
+// Copies a patch's vertices at one key.
+void IGridBuilder::add_vertices(const IGridPart& part, const lod::LevelGrid& vertices)
+{
+    const int fast = part.is_transposed ? part.tile.rows : part.tile.columns,
+              slow = part.is_transposed ? part.tile.columns : part.tile.rows;
+    const auto copy = [&](float* const(&from)[3], std::vector<float>(&to)[3]) {
+        const int lattice = part.is_transposed ? vertices.width() * vertices.height() : 0;
+        for (int a = 0; a < 3; ++a) {
+            for (int s = 0; s <= slow && part.is_transposed; ++s)
+                for (int f = 0; f <= fast; ++f) to[a].push_back(from[a][vertices.index(s, f)]);
+            to[a].insert(to[a].end(), from[a] + lattice, from[a] + vertices.vertex_count);
+        }
+    };
+    copy(vertices.fine, fine_);
+    copy(vertices.coarse, coarse_);
+}
 
 // Copies a patch's vertices, blocks and T-vertices into the igrid. Rows run along the longer side.
 void IGridBuilder::add_part(IGrid& grid, std::uint32_t number, const lod::LevelGrid& vertices)
@@ -68,16 +115,7 @@ void IGridBuilder::add_part(IGrid& grid, std::uint32_t number, const lod::LevelG
     part.width = static_cast<std::uint32_t>(fast + 1);
     micropolygons += std::uint64_t(2) * part.tile.columns * part.tile.rows;
 
-    const auto copy = [&](float* const(&from)[3], std::vector<float>(&to)[3]) {
-        const int lattice = part.is_transposed ? vertices.width() * vertices.height() : 0;
-        for (int a = 0; a < 3; ++a) {
-            for (int s = 0; s <= slow && part.is_transposed; ++s)
-                for (int f = 0; f <= fast; ++f) to[a].push_back(from[a][vertices.index(s, f)]);
-            to[a].insert(to[a].end(), from[a] + lattice, from[a] + vertices.vertex_count);
-        }
-    };
-    copy(vertices.fine, fine_);
-    copy(vertices.coarse, coarse_);
+    add_vertices(part, vertices);
 
     // These are vertices of the new igrid: the lattice may be transposed, and what follows is not.
     const auto moved = [&](std::uint32_t at) {
@@ -139,17 +177,21 @@ void IGridBuilder::finish_hanging(IGrid& grid, Arena& arena)
     const std::size_t padded = static_cast<std::size_t>(grid.hanging_blocks) * IGrid::kBlock;
     const std::span<lod::Hanging> kept = arena.make_array<lod::Hanging>(padded);
     const std::span<std::uint32_t> quads = arena.make_array<std::uint32_t>(padded);
-    grid.hanging_boxes = make_boxes(grid.hanging_blocks, arena);
-    Box3f box;
+    grid.hanging_boxes = make_boxes(grid.hanging_blocks, keys_of(grid), arena);
     for (std::size_t h = 0; h < padded; ++h) {
         kept[h] = hanging_[std::min(h, count - 1)];
         quads[h] = hanging_quads_[std::min(h, count - 1)];
-        if (h % IGrid::kBlock == 0) box = {};
-        add_vertex(grid, box, kept[h].a);
-        add_vertex(grid, box, kept[h].c);
-        if ((h + 1) % IGrid::kBlock == 0) set_leaf(grid.hanging_boxes, static_cast<int>(h / IGrid::kBlock), box);
     }
-    finish_boxes(grid.hanging_boxes);
+    for (int block = 0; block < grid.hanging_blocks; ++block)
+        set_leaf_at_keys(grid.hanging_boxes, block, keys_of(grid), [&](int key) {
+            Box3f box;
+            for (const lod::Hanging& hanging : kept.subspan(std::size_t(block) * IGrid::kBlock, IGrid::kBlock)) {
+                add_vertex(grid, box, hanging.a, key);
+                add_vertex(grid, box, hanging.c, key);
+            }
+            return box;
+        });
+    finish_boxes(grid.hanging_boxes, keys_of(grid));
     grid.hanging = kept;
     grid.hanging_quads = quads.data();
 }
@@ -157,7 +199,9 @@ void IGridBuilder::finish_hanging(IGrid& grid, Arena& arena)
 void IGridBuilder::finish(IGrid& grid, bool blends, Arena& arena)
 {
     grid.is_lattice = true;
+    // At all keys together; the coordinates along one axis lie together, key after key.
     const std::size_t count = fine_[0].size();
+    grid.floats_of_a_key = static_cast<std::ptrdiff_t>(count) / keys_of(grid);
     // Eight more floats are allocated, since lanes are loaded eight at a time.
     const auto keep = [&](const std::vector<float>(&from)[3], const float*(&to)[3]) {
         float* data = arena.make_array<float>(3 * count + 8).data();
@@ -178,22 +222,27 @@ void IGridBuilder::finish(IGrid& grid, bool blends, Arena& arena)
     grid.block_hanging = block_hanging.data();
     finish_hanging(grid, arena);
 
-    grid.boxes = make_boxes(static_cast<int>(blocks.size()), arena);
-    for (std::size_t b = 0; b < blocks.size(); ++b) {
-        Box3f box;
-        for (std::uint32_t row = 0; row <= blocks[b].rows; ++row)
-            for (std::uint32_t column = 0; column <= blocks[b].columns; ++column)
-                add_vertex(grid, box, blocks[b].first + row * blocks[b].stride + column);
-        // A T-vertex is anywhere between its ends, as each ray blends them.
-        for (std::uint32_t h = 0; blends && h < blocks[b].hanging_count; ++h) {
-            const lod::Hanging& hanging = hanging_[block_hanging_[blocks[b].hanging + h].hanging];
-            add_vertex(grid, box, hanging.a);
-            add_vertex(grid, box, hanging.c);
-        }
-        set_leaf(grid.boxes, static_cast<int>(b), box);
-    }
-    finish_boxes(grid.boxes);
+    grid.boxes = make_boxes(static_cast<int>(blocks.size()), keys_of(grid), arena);
+    for (std::size_t b = 0; b < blocks.size(); ++b)
+        set_leaf_at_keys(grid.boxes, static_cast<int>(b), keys_of(grid),
+                         [&](int key) { return box_of_block(grid, blocks[b], key); });
+    finish_boxes(grid.boxes, keys_of(grid));
     finish_slab(grid);
+}
+
+Box3f IGridBuilder::box_of_block(const IGrid& grid, const LatticeBlock& block, int key) const noexcept
+{
+    Box3f box;
+    for (std::uint32_t row = 0; row <= block.rows; ++row)
+        for (std::uint32_t column = 0; column <= block.columns; ++column)
+            add_vertex(grid, box, block.first + row * block.stride + column, key);
+    // A T-vertex is anywhere between its ends, as each ray blends them; and one that moves is not where it was diced.
+    for (std::uint32_t h = 0; (grid.blends() || grid.segments > 0) && h < block.hanging_count; ++h) {
+        const lod::Hanging& hanging = hanging_[block_hanging_[block.hanging + h].hanging];
+        add_vertex(grid, box, hanging.a, key);
+        add_vertex(grid, box, hanging.c, key);
+    }
+    return box;
 }
 
 // Bounds the vertices by a slab. Its normal is the sum of the cross products of the parts' diagonals, an average normal
@@ -209,7 +258,7 @@ void IGridBuilder::finish_slab(IGrid& grid) const
     const float length = glm::length(normal);
     if (!(length > 0)) return;
     grid.slab = {normal / length, FLT_MAX, -FLT_MAX};
-    for (std::uint32_t v = 0; v < fine_[0].size(); ++v)
+    for (std::uint32_t v = 0; v < fine_[0].size(); ++v)  // at all keys
         for (const float d : {glm::dot(grid.slab.normal, grid.fine_at(v)), glm::dot(grid.slab.normal, grid.coarse_at(v))}) {
             grid.slab.lo = std::min(grid.slab.lo, d);
             grid.slab.hi = std::max(grid.slab.hi, d);
@@ -220,6 +269,7 @@ IGrid* IGridBuilder::build_patches(const lod::PosedCage& cage, std::span<const P
 {
     IGrid& grid = *arena.make<IGrid>();
     grid.cage = &cage;
+    grid.segments = cage.segments;
     grid.parts = arena.make_array<IGridPart>(patches.size());
     for (auto* list : {&fine_[0], &fine_[1], &fine_[2], &coarse_[0], &coarse_[1], &coarse_[2]}) list->clear();
     blocks_.clear();
@@ -234,6 +284,11 @@ IGrid* IGridBuilder::build_patches(const lod::PosedCage& cage, std::span<const P
         add_part(grid, p, vertices);
         grid.parts[p].coarse_filter = static_cast<std::int8_t>(patches[p].coarser.filter);
     }
+    for (int key = 1; key <= cage.segments; ++key)
+        for (std::uint32_t p = 0; p < patches.size(); ++p) {
+            diced_.reset();
+            add_vertices(grid.parts[p], dicer_.dice_pair(cage.keys[key], patches[p].tile, patches[p].coarser, diced_));
+        }
     finish(grid, blends, arena);
     return &grid;
 }
@@ -262,18 +317,22 @@ IGrid* IGridBuilder::build_triangles(const lod::PosedCage& cage, std::span<const
 {
     IGrid& grid = *arena.make<IGrid>();
     grid.cage = &cage;
+    grid.segments = cage.segments;
     const Cage& source = cage.slot->cage;
     micropolygons += faces.size();
     boxed_.resize(faces.size());
-    corners_.resize(3 * faces.size());
-    for (std::uint32_t f = 0; f < faces.size(); ++f) {
-        boxed_[f] = {{}, f};
-        for (std::size_t p = 0; p < 3; ++p) {
-            const Vec3f at = cage.vertex(source.face_vertices[std::size_t(faces[f]) * 3 + p]);
-            corners_[3 * f + p] = at;
-            boxed_[f].box.add(at);
+    corners_.resize(3 * faces.size() * static_cast<std::size_t>(keys_of(grid)));
+    // Triangles that move are distributed by where they are at the middle of the shutter.
+    const int middle = cage.segments / 2;
+    for (int key = 0; key <= cage.segments; ++key)
+        for (std::uint32_t f = 0; f < faces.size(); ++f) {
+            if (key == 0) boxed_[f] = {{}, f};
+            for (std::size_t p = 0; p < 3; ++p) {
+                const Vec3f at = cage.at_key(key).vertex(source.face_vertices[std::size_t(faces[f]) * 3 + p]);
+                corners_[3 * (std::size_t(key) * faces.size() + f) + p] = at;
+                if (key == middle) boxed_[f].box.add(at);
+            }
         }
-    }
     // There are twice as many leaves as full blocks would take, and at least eight, which are tested at once: this
     // leaves room to distribute triangles by the space that they take.
     const auto full = static_cast<unsigned>((faces.size() + IGrid::kBlock - 1) / IGrid::kBlock);
@@ -281,34 +340,45 @@ IGrid* IGridBuilder::build_triangles(const lod::PosedCage& cage, std::span<const
                                                      : std::max(BoxTree::kGroup, 2 * static_cast<int>(std::bit_ceil(full)));
     triangle_blocks_.clear();
     cut_triangles(boxed_, 0, leaves);
+    finish_triangles(grid, faces, leaves, arena);
+    return &grid;
+}
 
+void IGridBuilder::finish_triangles(IGrid& grid, std::span<const std::uint32_t> faces, int leaves, Arena& arena)
+{
+    const auto keys = static_cast<std::size_t>(keys_of(grid));
     const std::size_t padded = triangle_blocks_.size() * IGrid::kBlock;
-    const std::span<float> data = arena.make_array<float>(9 * padded);
+    const std::span<float> data = arena.make_array<float>(9 * padded * keys);
     const std::span<std::uint32_t> ids = arena.make_array<std::uint32_t>(padded);
     const std::span<std::uint16_t> block_at = arena.make_array<std::uint16_t>(static_cast<std::size_t>(leaves));
     std::fill(block_at.begin(), block_at.end(), std::uint16_t(0));
-    grid.boxes = make_boxes(leaves, arena);
-    std::size_t k = 0;
+    grid.boxes = make_boxes(leaves, keys_of(grid), arena);
+    grid.floats_of_a_key = static_cast<std::ptrdiff_t>(9 * padded);
     for (std::size_t b = 0; b < triangle_blocks_.size(); ++b) {
         const TriangleBlock& block = triangle_blocks_[b];
-        Box3f box;
-        for (std::size_t i = 0; i < IGrid::kBlock; ++i, ++k) {
-            // Copies of the last triangle fill its block: they are hit where it is hit, under the same number.
-            const lod::BoxedFace& face = block.faces[std::min(i, block.faces.size() - 1)];
-            ids[k] = faces[face.face];
-            box.add(face.box);
-            for (std::size_t p = 0; p < 3; ++p)
-                for (std::size_t a = 0; a < 3; ++a)
-                    data[(p * 3 + a) * padded + k] = corners_[3 * face.face + p][static_cast<int>(a)];
+        // Copies of the last triangle fill its block: they are hit where it is hit, under the same number.
+        const auto face_at = [&](std::size_t i) { return block.faces[std::min(i, block.faces.size() - 1)].face; };
+        for (std::size_t i = 0; i < IGrid::kBlock; ++i) {
+            const std::size_t k = b * IGrid::kBlock + i;
+            ids[k] = faces[face_at(i)];
+            for (std::size_t key = 0; key < keys; ++key)
+                for (std::size_t p = 0; p < 3; ++p)
+                    for (std::size_t a = 0; a < 3; ++a)
+                        data[(key * 9 + p * 3 + a) * padded + k] =
+                            corners_[3 * (key * faces.size() + face_at(i)) + p][static_cast<int>(a)];
         }
         block_at[static_cast<std::size_t>(block.leaf)] = static_cast<std::uint16_t>(b);
-        set_leaf(grid.boxes, block.leaf, box);
+        set_leaf_at_keys(grid.boxes, block.leaf, keys_of(grid), [&](int key) {
+            Box3f box;
+            for (const lod::BoxedFace& face : block.faces)
+                for (std::size_t p = 0; p < 3; ++p) box.add(corners_[3 * (std::size_t(key) * faces.size() + face.face) + p]);
+            return box;
+        });
     }
-    finish_boxes(grid.boxes);
+    finish_boxes(grid.boxes, keys_of(grid));
     for (std::size_t c = 0; c < 9; ++c) grid.corners[c] = &data[c * padded];
     grid.ids = ids.data();
     grid.block_at = block_at.data();
-    return &grid;
 }
 
 }  // namespace occam::accel

@@ -10,6 +10,9 @@
 // A lattice serves a pair of levels: each vertex has a fine and a coarse position, and each ray blends them for itself
 // (lod/ray_levels.h). T-vertices have neither: each is the midpoint of two blended edge vertices.
 //
+// An igrid of a cage that moves holds positions and boxes at each key of the cage's motion, one key after the other. A ray
+// interpolates them at its own time first, and then blends levels (Hou et al. 2010: the boxes are hyper-trapezoids).
+//
 // Space    The cage's dicing frame.
 // Memory   An arena; the tree borrows the igrid.
 // Threads  Read only, except for `visit` and what phase one fills in.
@@ -50,6 +53,9 @@ struct BoxTree {
 
     static constexpr int kFourthRow = 7;  ///< index of the first node of that row
 
+    /// Returns the number of floats from a box at one key to the same box at the next key.
+    std::ptrdiff_t floats_of_a_key() const noexcept { return std::ptrdiff_t(group_count()) * kFloats; }
+    BoxTree at_key(int key) const noexcept { return {leaves, data + key * floats_of_a_key()}; }
     int first_leaf() const noexcept { return leaves - 1; }
     int node_count() const noexcept { return 2 * leaves - 1; }
     int group_count() const noexcept { return (2 * leaves + kGroup - 1) / kGroup; }
@@ -142,12 +148,15 @@ struct IGrid {
     // The fields that every visit reads come first, in few cache lines.
     GridVisit visit;  ///< used by the one worker that owns the tree; workers that share a tree have tables instead
     bool is_lattice = false;
-    std::uint8_t seen_by = RayKind::All;
+    bool is_hidden = false;  ///< from some rays, by their kind or by their time: see the cage's seen_by and visible_in
     int hanging_blocks = 0;
     PairRange pairs;  ///< the pairs of levels whose rays see this igrid
     const lod::PosedCage* cage = nullptr;
-    BoxTree boxes;  ///< one leaf per block; empty boxes pad the leaves to a power of two
-    Slab slab;      ///< bounds all vertices, fine and coarse
+    BoxTree boxes;     ///< one leaf per block; empty boxes pad the leaves to a power of two
+    Slab slab;         ///< bounds all vertices, fine and coarse, at all keys
+    int segments = 0;  ///< of the cage's motion; 0: the igrid stands still
+    /// If it moves: the number of floats from a coordinate in `fine`, `coarse` or `corners` to the same one at the next key.
+    std::ptrdiff_t floats_of_a_key = 0;
 
     // Lattice
     const float* fine[3] = {};
@@ -171,6 +180,14 @@ struct IGrid {
     bool blends() const noexcept { return coarse[0] != fine[0]; }
     Vec3f fine_at(std::uint32_t v) const noexcept { return {fine[0][v], fine[1][v], fine[2][v]}; }
     Vec3f coarse_at(std::uint32_t v) const noexcept { return {coarse[0][v], coarse[1][v], coarse[2][v]}; }
+    /// Return where a vertex is at a key.
+    Vec3f fine_at(std::uint32_t v, int key) const noexcept { return at(fine, v + key * floats_of_a_key); }
+    Vec3f coarse_at(std::uint32_t v, int key) const noexcept { return at(coarse, v + key * floats_of_a_key); }
+    /// Returns a box that holds everything at all keys.
+    Box3f bounds() const noexcept;
+
+private:
+    static Vec3f at(const float* const (&p)[3], std::ptrdiff_t i) noexcept { return {p[0][i], p[1][i], p[2][i]}; }
 };
 
 /// Marks the numbers of gap triangles among those of micropolygons: it is their top bit.
@@ -199,14 +216,17 @@ public:
 
 private:
     void add_part(IGrid& grid, std::uint32_t number, const lod::LevelGrid& vertices);
+    void add_vertices(const IGridPart& part, const lod::LevelGrid& vertices);
     void finish(IGrid& grid, bool blends, Arena& arena);
     void finish_hanging(IGrid& grid, Arena& arena);
     void finish_slab(IGrid& grid) const;
+    Box3f box_of_block(const IGrid& grid, const LatticeBlock& block, int key) const noexcept;
+    void finish_triangles(IGrid& grid, std::span<const std::uint32_t> faces, int leaves, Arena& arena);
     void cut_triangles(std::span<lod::BoxedFace> faces, int leaf, int leaves);
 
     lod::Dicer& dicer_;
     Arena diced_;
-    std::vector<float> fine_[3], coarse_[3];
+    std::vector<float> fine_[3], coarse_[3];  ///< at each key, one after the other
     std::vector<LatticeBlock> blocks_;
     std::vector<BlockHanging> block_hanging_;
     std::vector<lod::Hanging> hanging_;
@@ -217,7 +237,7 @@ private:
         std::span<const lod::BoxedFace> faces;
     };
     std::vector<lod::BoxedFace> boxed_;  ///< numbered as in the list of faces
-    std::vector<Vec3f> corners_;         ///< three per face
+    std::vector<Vec3f> corners_;         ///< three per face, at each key, one after the other
     std::vector<TriangleBlock> triangle_blocks_;
 };
 

@@ -9,36 +9,43 @@
 // all rays are before or behind the blend, the stored fine or coarse positions serve unchanged and give the same bits,
 // since the ends of the blend are exact.
 //
+// An igrid that moves is read by other Coordinates, which interpolate between two keys at each ray's own time; all else is
+// the same. The rays of a packet are then in one segment of the igrid's motion.
+//
 // The Query type provides:
 // limit()                     returns the current t_far of the lanes (for a single ray, in all lanes);
 // offer(lane, t, grid, id)    takes a hit with t in (t_near, limit], decides ties and filters.
 #pragma once
 
 #include <bit>
+#include <type_traits>
 
-#include "accel/igrid.h"
+#include "accel/gap_triangles.h"
 #include "accel/in_box.h"
 #include "accel/triangle.h"
 
 namespace occam::accel {
 
-template <class Query>
+template <class Query, class Coordinates = StillCoordinates>
 class IGridTracer {
 public:
-    /// t_near and t_end bound the part of each ray that sees the grid, in lanes (for a single ray, in all lanes).
-    IGridTracer(IGrid& grid, const RayLanes& ray, const bool (&negative)[3], vfloat t_near, vfloat t_end, Query& query)
+    IGridTracer(IGrid& grid, const RayLanes& ray, const bool (&negative)[3], const RaySpan& span, Query& query,
+                const Coordinates& read = {})
         : grid_(grid),
           ray_(ray),
           origin_{ray.origin[ray.kx], ray.origin[ray.ky], ray.origin[ray.kz]},
-          t_near_(t_near),
-          t_end_(t_end),
+          read_(read),
+          boxes_(at_key(grid.boxes)),
+          hanging_boxes_(at_key(grid.hanging_boxes)),
+          span_(span),
           query_(query)
     {
+        const std::ptrdiff_t first = Coordinates::kMove && grid.is_lattice ? read_.key() * next_key() : 0;
         const int axes[3] = {ray.kx, ray.ky, ray.kz};
         for (int a = 0; a < 3; ++a) {
             axes_[a] = axes[a];
-            fine_[a] = grid.fine[axes[a]];
-            coarse_[a] = grid.coarse[axes[a]];
+            fine_[a] = grid.fine[axes[a]] + first;
+            coarse_[a] = grid.coarse[axes[a]] + first;
             near_[a] = (negative[a] ? a + 3 : a) * BoxTree::kGroup;
             far_[a] = (negative[a] ? a : a + 3) * BoxTree::kGroup;
         }
@@ -48,27 +55,41 @@ public:
     template <class AsOne>
     void packet(vmask active, AsOne&& as_one) noexcept
     {
+        if constexpr (Coordinates::kMove) {
+            // The tree's boxes hold the whole motion. Gap triangles may lie outside of the igrid's own box.
+            if (grid_.hanging_blocks == 0) active = active & in_box_at(boxes_, 0);
+            if (none(active)) return;
+        }
         const bool blends = choose_vertices(active);
         const auto meet = [&](int block) {
-            const vmask alive = active & in_box_at(grid_.boxes, grid_.boxes.first_leaf() + block);
+            const vmask alive = active & in_box_at(boxes_, boxes_.first_leaf() + block);
             if (none(alive)) return;
             if (!grid_.is_lattice) triangles_packet(grid_.block_at[block], alive);
             else if (blends) quads_packet<true>(grid_.blocks[block], alive);
             else quads_packet<false>(grid_.blocks[block], alive);
         };
-        if (grid_.boxes.leaves < kWorthAGroup)
-            for (int block = 0; block < grid_.boxes.leaves; ++block) meet(block);
+        if (boxes_.leaves < kWorthAGroup)
+            for (int block = 0; block < boxes_.leaves; ++block) meet(block);
         else {
             const auto& rays = as_one();
-            for_each_block(
-                grid_.boxes, [&](const float* boxes) { return rays.in_boxes(boxes, FLT_MAX); }, meet);
+            const auto in = [&](const float* boxes) {
+                if constexpr (!Coordinates::kMove) return rays.in_boxes(boxes, FLT_MAX);
+                else {
+                    alignas(32) float swept[BoxTree::kFloats];
+                    sweep(boxes, active, swept);
+                    return rays.in_boxes(swept, FLT_MAX);
+                }
+            };
+            for_each_block(boxes_, in, meet);
         }
         for (int block = 0; block < grid_.hanging_blocks; ++block) {
-            unsigned lanes = bits(active & in_box_at(grid_.hanging_boxes, grid_.hanging_boxes.first_leaf() + block));
+            unsigned lanes = bits(active & in_box_at(hanging_boxes_, hanging_boxes_.first_leaf() + block));
             for (; lanes != 0; lanes &= lanes - 1) {
                 const int lane = std::countr_zero(lanes);
                 const VecLanes origin{spread(origin_.x, lane), spread(origin_.y, lane), spread(origin_.z, lane)};
-                hanging_single(block, lane, spread(ray_, lane), origin, blends ? spread(blend_, lane) : blend_, blends);
+                const OneRay<Coordinates> one{lane, spread(ray_, lane), origin, blends ? spread(blend_, lane) : blend_,
+                                              of_lane(read_, lane)};
+                gaps().intersect(block, one, blends);
             }
         }
     }
@@ -80,17 +101,33 @@ public:
             nearest_first(lane);
             return;
         }
+        if constexpr (Coordinates::kMove)
+            if (grid_.hanging_blocks == 0 && none(in_box_at(boxes_, 0))) return;
         const bool blends = choose_vertices(vmask(true));
-        const auto in = [&](const float* boxes) { return in_boxes(boxes); };
-        for_each_block(grid_.boxes, in, [&](int block) { quads_single(grid_.blocks[block], lane, blends); });
+        for_each_block(
+            boxes_, [&](const float* boxes) { return in_boxes(boxes, boxes_.floats_of_a_key()); },
+            [&](int block) { quads_single(grid_.blocks[block], lane, blends); });
         if (grid_.hanging_blocks > 0)
-            for_each_block(grid_.hanging_boxes, in,
-                           [&](int block) { hanging_single(block, lane, ray_, origin_, blend_, blends); });
+            for_each_block(
+                hanging_boxes_, [&](const float* boxes) { return in_boxes(boxes, hanging_boxes_.floats_of_a_key()); },
+                [&](int block) {
+                    gaps().intersect(block, {lane, ray_, origin_, blend_, read_}, blends);
+                });
     }
 
 private:
+    using Boxes = std::conditional_t<Coordinates::kMove, BoxTree, const BoxTree&>;
     static constexpr int kColumns = LatticeBlock::kColumns, kRows = LatticeBlock::kRows;
     static constexpr int kWorthAGroup = 4;  ///< number of blocks from which on a packet tests eight of them as one ray
+
+    /// Returns the boxes of the rays' key.
+    Boxes at_key(const BoxTree& all) const noexcept
+    {
+        if constexpr (Coordinates::kMove) return all.at_key(read_.key());
+        else return all;
+    }
+    /// Returns the number of floats from a coordinate to the same one at the next key.
+    std::ptrdiff_t next_key() const noexcept { return grid_.floats_of_a_key; }
 
     /// Returns whether rays blend here. If not, one of the two positions of each vertex serves all rays.
     bool choose_vertices(vmask active) noexcept
@@ -101,7 +138,8 @@ private:
         vfloat lowest[3], highest[3];
         for (int a = 0; a < 3; ++a) {
             const vmask falls = blend_.d[a] < vfloat(0.0f);
-            const vfloat lo = grid_.boxes.lo(0, axes_[a]), hi = grid_.boxes.hi(0, axes_[a]);
+            const std::ptrdiff_t next = boxes_.floats_of_a_key();
+            const vfloat lo = read_.one(&boxes_.lo(0, axes_[a]), next), hi = read_.one(&boxes_.hi(0, axes_[a]), next);
             lowest[a] = select(falls, hi, lo);
             highest[a] = select(falls, lo, hi);
         }
@@ -113,21 +151,41 @@ private:
         return true;
     }
 
-    vfloat limit() const noexcept { return min(query_.limit(), t_end_); }
+    static StillCoordinates of_lane(const StillCoordinates& all, int) noexcept { return all; }
+    static MovingCoordinates of_lane(const MovingCoordinates& all, int lane) noexcept
+    {
+        return {all.key(), spread(all.share(), lane)};
+    }
+    GapTriangles<Query, Coordinates> gaps() noexcept { return {grid_, fine_, coarse_, vertices_, span_, query_}; }
+
+    vfloat limit() const noexcept { return min(query_.limit(), span_.t_end); }
 
     vmask in_box_at(const BoxTree& tree, int node) const noexcept
     {
         const float* box = tree.at(node);
-        return in_box(ray_, {box[near_[0]], box[near_[1]], box[near_[2]]}, {box[far_[0]], box[far_[1]], box[far_[2]]},
-                      t_near_, limit());
+        const auto plane = [&](int row) { return read_.one(box + row, tree.floats_of_a_key()); };
+        return in_box(ray_, {plane(near_[0]), plane(near_[1]), plane(near_[2])},
+                      {plane(far_[0]), plane(far_[1]), plane(far_[2])}, span_.t_near, limit());
     }
 
     /// Returns which of eight neighbouring boxes the ray enters. All lanes hold the ray.
-    unsigned in_boxes(const float* box) const noexcept
+    unsigned in_boxes(const float* box, std::ptrdiff_t next_key) const noexcept
     {
-        const vfloat near[3] = {vfloat::load(box + near_[0]), vfloat::load(box + near_[1]), vfloat::load(box + near_[2])};
-        const vfloat far[3] = {vfloat::load(box + far_[0]), vfloat::load(box + far_[1]), vfloat::load(box + far_[2])};
-        return bits(in_box(ray_, near, far, t_near_, limit()));
+        const auto planes = [&](int row) { return read_.many(box + row, next_key); };
+        return bits(in_box(ray_, {planes(near_[0]), planes(near_[1]), planes(near_[2])},
+                           {planes(far_[0]), planes(far_[1]), planes(far_[2])}, span_.t_near, limit()));
+    }
+
+    /// Makes eight boxes that hold these at the times of all active rays.
+    void sweep(const float* boxes, vmask active, float* swept) const noexcept
+    {
+        const vfloat first = lowest(select(active, read_.share(), 1.0f)),
+                     last = highest(select(active, read_.share(), 0.0f));
+        for (int at = 0; at < BoxTree::kFloats; at += kLanes) {
+            const vfloat here = vfloat::load(boxes + at), next = vfloat::load(boxes + at + boxes_.floats_of_a_key());
+            const vfloat from = lod::between_keys(first, here, next), to = lod::between_keys(last, here, next);
+            (at < BoxTree::kFloats / 2 ? min(from, to) : max(from, to)).store(swept + at);
+        }
     }
 
     /// Calls in(boxes), which returns the mask of the boxes that are entered among eight neighbours.
@@ -159,11 +217,11 @@ private:
     {
         entered.which = 0;
         for (int first = 0; first < BoxTree::kGroup; first += kLanes) {
-            const auto load = [&](int plane) { return vfloat::load(box + plane + first); };
+            const auto load = [&](int row) { return read_.many(box + row + first, boxes_.floats_of_a_key()); };
             const vfloat near[3] = {load(near_[0]), load(near_[1]), load(near_[2])};
             const vfloat far[3] = {load(far_[0]), load(far_[1]), load(far_[2])};
             vfloat begin;
-            entered.which |= bits(in_box(ray_, near, far, t_near_, limit(), begin)) << first;
+            entered.which |= bits(in_box(ray_, near, far, span_.t_near, limit(), begin)) << first;
             begin.store(entered.t + first);
         }
     }
@@ -179,7 +237,7 @@ private:
         constexpr int kMostRows = 5;
         Todo todo[kMostRows * BoxTree::kGroup];
         int size = 0;
-        const BoxTree& tree = grid_.boxes;
+        const BoxTree& tree = boxes_;
         const int last = std::countr_zero(static_cast<unsigned>(tree.leaves));
         Entered entered;
         // Opens eight nodes of a row, or all nodes of a shorter row.
@@ -216,7 +274,7 @@ private:
     /// Offers the hits of a packet with one micropolygon.
     void offer_lanes(const TriangleHit& hit, vmask alive, std::uint32_t id) noexcept
     {
-        unsigned lanes = bits(hit.is_hit & alive & (hit.t > t_near_) & (hit.t <= limit()));
+        unsigned lanes = bits(hit.is_hit & alive & (hit.t > span_.t_near) & (hit.t <= limit()));
         if (lanes == 0) return;
         float t[kLanes];
         hit.t.store(t);
@@ -226,7 +284,7 @@ private:
     template <class Id>
     void offer_one(const TriangleHit& hit, int ray, Id&& id) noexcept
     {
-        unsigned lanes = bits(hit.is_hit & (hit.t > t_near_) & (hit.t <= limit()));
+        unsigned lanes = bits(hit.is_hit & (hit.t > span_.t_near) & (hit.t <= limit()));
         if (lanes == 0) return;
         float t[kLanes];
         hit.t.store(t);
@@ -244,15 +302,24 @@ private:
     /// Returns a vertex as this ray, or each ray of the packet, sees it, with its coordinates along kx, ky, kz.
     OCCAM_ALWAYS_INLINE VecLanes still_vertex(std::uint32_t at) const noexcept
     {
-        return {vertices_[0][at], vertices_[1][at], vertices_[2][at]};
+        return {read(vertices_[0] + at), read(vertices_[1] + at), read(vertices_[2] + at)};
     }
     OCCAM_ALWAYS_INLINE VecLanes blended_vertex(std::uint32_t at) const noexcept
     {
-        return blend_.between({fine_[0][at], fine_[1][at], fine_[2][at]}, {coarse_[0][at], coarse_[1][at], coarse_[2][at]});
+        return blend_.between({read(fine_[0] + at), read(fine_[1] + at), read(fine_[2] + at)},
+                              {read(coarse_[0] + at), read(coarse_[1] + at), read(coarse_[2] + at)});
     }
-    VecLanes hanging_vertex(const lod::Hanging& hanging) const noexcept
+    OCCAM_ALWAYS_INLINE vfloat read(const float* p) const noexcept { return read_.one(p, next_key()); }
+    /// Returns whether a vertex moves from the fine to the coarse level.
+    OCCAM_ALWAYS_INLINE bool blends_at(std::uint32_t at) const noexcept
     {
-        VecLanes low = blended_vertex(hanging.a), high = blended_vertex(hanging.c);
+        const auto is_same = [&](int a) { return read_.are_same(fine_[a] + at, coarse_[a] + at, next_key()); };
+        return !is_same(0) || !is_same(1) || !is_same(2);
+    }
+    VecLanes hanging_vertex(const lod::Hanging& hanging, bool blends) const noexcept
+    {
+        VecLanes low = blends ? blended_vertex(hanging.a) : still_vertex(hanging.a),
+                 high = blends ? blended_vertex(hanging.c) : still_vertex(hanging.c);
         for (int d = hanging.depth; d > 0; --d) {
             const VecLanes m = middle(low, high);
             (hanging.path >> (d - 1) & 1 ? low : high) = m;
@@ -267,16 +334,15 @@ private:
         for (std::uint32_t r = 0; r <= block.rows; ++r)
             for (std::uint32_t c = 0; c <= block.columns; ++c) {
                 const std::uint32_t at = block.first + r * block.stride + c;
-                // A vertex that does not move needs no weight.
-                if (kBlends &&
-                    (fine_[0][at] != coarse_[0][at] || fine_[1][at] != coarse_[1][at] || fine_[2][at] != coarse_[2][at]))
-                    v[r][c] = shear(ray_, origin_, blended_vertex(at));
+                // A vertex that is the same in both levels needs no weight.
+                if (kBlends && blends_at(at)) v[r][c] = shear(ray_, origin_, blended_vertex(at));
                 else v[r][c] = shear(ray_, origin_, still_vertex(at));
             }
-        if constexpr (kBlends)
+        // A T-vertex is where it was diced only if neither levels nor time are blended.
+        if constexpr (kBlends || Coordinates::kMove)
             for (std::uint32_t h = block.hanging; h < block.hanging + block.hanging_count; ++h) {
                 const BlockHanging& at = grid_.block_hanging[h];
-                v[at.row][at.column] = shear(ray_, origin_, hanging_vertex(grid_.hanging[at.hanging]));
+                v[at.row][at.column] = shear(ray_, origin_, hanging_vertex(grid_.hanging[at.hanging], kBlends));
             }
         Edge across[kColumns - 1];  // the upper edges of the last row
         for (int c = 0; c < block.columns; ++c) across[c] = {v[0][c + 1], v[0][c]};
@@ -293,26 +359,28 @@ private:
         }
     }
 
-    /// Holds the vertices of a block in rows, blended for one ray, with their coordinates along kx, ky, kz.
+    /// Holds the vertices of a block in rows, as one ray sees them, with their coordinates along kx, ky, kz.
     struct OwnRows {
         float v[3][kRows][8];
     };
+    template <bool kBlends>
     OCCAM_NEVER_INLINE void blend_rows(const LatticeBlock& block, OwnRows& own) const noexcept
     {
         for (std::uint32_t r = 0; r <= block.rows; ++r)
             for (std::uint32_t c = 0; c <= block.columns; c += kLanes) {
                 const std::uint32_t at = block.first + r * block.stride + c;
                 const auto load = [&](const float* const* p) {
-                    return VecLanes{vfloat::load(p[0] + at), vfloat::load(p[1] + at), vfloat::load(p[2] + at)};
+                    return VecLanes{read_.many(p[0] + at, next_key()), read_.many(p[1] + at, next_key()),
+                                    read_.many(p[2] + at, next_key())};
                 };
-                const VecLanes p = blend_.between(load(fine_), load(coarse_));
+                const VecLanes p = kBlends ? blend_.between(load(fine_), load(coarse_)) : load(vertices_);
                 p.x.store(&own.v[0][r][c]);
                 p.y.store(&own.v[1][r][c]);
                 p.z.store(&own.v[2][r][c]);
             }
         for (std::uint32_t h = block.hanging; h < block.hanging + block.hanging_count; ++h) {
             const BlockHanging& at = grid_.block_hanging[h];
-            const VecLanes p = hanging_vertex(grid_.hanging[at.hanging]);
+            const VecLanes p = hanging_vertex(grid_.hanging[at.hanging], kBlends);
             own.v[0][at.row][at.column] = first_lane(p.x);
             own.v[1][at.row][at.column] = first_lane(p.y);
             own.v[2][at.row][at.column] = first_lane(p.z);
@@ -324,8 +392,9 @@ private:
         OwnRows own;
         const float* from[3] = {vertices_[0] + block.first, vertices_[1] + block.first, vertices_[2] + block.first};
         std::ptrdiff_t stride = block.stride;
-        if (blends) {
-            blend_rows(block, own);
+        if (Coordinates::kMove || blends) {
+            if (!Coordinates::kMove || blends) blend_rows<true>(block, own);
+            else blend_rows<false>(block, own);
             for (int a = 0; a < 3; ++a) from[a] = own.v[a][0];
             stride = 8;
         }
@@ -345,7 +414,8 @@ private:
             const ShearedVertex v00 = corner(0, 0), v10 = corner(1, 0), v01 = corner(0, 1), v11 = corner(1, 1);
             intersect_quad(ray_, v00, v10, v01, v11, {v00, v01}, {v10, v11}, {v10, v00}, {v11, v01},
                            [&](const TriangleHit& hit, int triangle) {
-                               unsigned lanes = bits(hit.is_hit & (hit.t > t_near_) & (hit.t <= limit())) & (real >> first);
+                               unsigned lanes = bits(hit.is_hit & (hit.t > span_.t_near) & (hit.t <= limit())) &
+                                                (real >> first);
                                if (lanes == 0) return;
                                float t[kLanes];
                                hit.t.store(t);
@@ -364,12 +434,14 @@ private:
             v[p] = shear(ray_, origin_, {load(p * 3 + axes_[0]), load(p * 3 + axes_[1]), load(p * 3 + axes_[2])});
     }
 
+    const float* corners(int c) const noexcept { return grid_.corners[c] + read_.key() * next_key(); }
+
     void triangles_packet(int block, vmask alive) noexcept
     {
         for (int k = block * IGrid::kBlock; k < (block + 1) * IGrid::kBlock; ++k) {
             if (k % IGrid::kBlock != 0 && grid_.ids[k] == grid_.ids[k - 1]) break;  // only padding copies follow
             ShearedVertex v[3];
-            triangle_vertices([&](int c) { return vfloat(grid_.corners[c][k]); }, v);
+            triangle_vertices([&](int c) { return read(corners(c) + k); }, v);
             offer_lanes(intersect(ray_, v[0], v[1], v[2]), alive, grid_.ids[k]);
         }
     }
@@ -378,96 +450,22 @@ private:
     {
         for (int first = block * IGrid::kBlock; first < (block + 1) * IGrid::kBlock; first += kLanes) {
             ShearedVertex v[3];
-            triangle_vertices([&](int c) { return vfloat::load(grid_.corners[c] + first); }, v);
+            triangle_vertices([&](int c) { return read_.many(corners(c) + first, next_key()); }, v);
             offer_one(intersect(ray_, v[0], v[1], v[2]), lane, [&](int k) { return grid_.ids[first + k]; });
-        }
-    }
-
-    /// Returns whether the ray may hit a triangle whose corners lie on the line from a to c. The test allows for the
-    /// rounding of the midpoints of some ten halvings and of the shear, for coordinates of up to five radii (see
-    /// place()).
-    vmask may_be_on(const ShearedVertex& a, const ShearedVertex& c) const noexcept
-    {
-        const vfloat off = grid_.cage->radius * 0x1p-16f;
-        const vfloat left = a.x * c.y, right = a.y * c.x;
-        const vfloat slack = off * (abs(c.x - a.x) + abs(c.y - a.y)) + (abs(left) + abs(right)) * vfloat(0x1p-21f);
-        return (min(a.x, c.x) <= off) & (max(a.x, c.x) >= -off) & (min(a.y, c.y) <= off) & (max(a.y, c.y) >= -off) &
-               (abs(left - right) <= slack);
-    }
-
-    /// Intersects the gap triangles of T-vertices, which have no area. The float test decides no hit here: its signs
-    /// are right, but its t is noise along the edge. What it lets through is tested again in double, where products of
-    /// floats are exact (watertightness rule 6).
-    OCCAM_NEVER_INLINE void hanging_single(int block, int lane, const RayLanes& ray, const VecLanes& origin,
-                                           const VertexBlend& blend, bool blends) noexcept
-    {
-        for (int first = block * IGrid::kBlock; first < (block + 1) * IGrid::kBlock; first += kLanes) {
-            float end[2][3][kLanes], corner[3][3][kLanes];
-            ShearedVertex sheared[2];
-            for (int e = 0; e < 2; ++e) {
-                const auto gather = [&](const float* const* p) {
-                    float lanes[3][kLanes];
-                    for (int k = 0; k < kLanes; ++k) {
-                        const lod::Hanging& hanging = grid_.hanging[static_cast<std::size_t>(first + k)];
-                        for (int a = 0; a < 3; ++a) lanes[a][k] = p[a][e == 0 ? hanging.a : hanging.c];
-                    }
-                    return VecLanes{vfloat::load(lanes[0]), vfloat::load(lanes[1]), vfloat::load(lanes[2])};
-                };
-                const VecLanes p = blends ? blend.between(gather(fine_), gather(coarse_)) : gather(vertices_);
-                p.x.store(end[e][0]);
-                p.y.store(end[e][1]);
-                p.z.store(end[e][2]);
-                sheared[e] = shear(ray, origin, p);
-            }
-            if (none(may_be_on(sheared[0], sheared[1]))) continue;
-            for (int k = 0; k < kLanes; ++k) {
-                const lod::Hanging::Ends ends = grid_.hanging[static_cast<std::size_t>(first + k)].on(
-                    {end[0][0][k], end[0][1][k], end[0][2][k]}, {end[1][0][k], end[1][1][k], end[1][2][k]});
-                for (int a = 0; a < 3; ++a) {
-                    corner[0][a][k] = ends.low[a];
-                    corner[1][a][k] = ends.middle[a];
-                    corner[2][a][k] = ends.high[a];
-                }
-            }
-            ShearedVertex v[3];
-            for (int p = 0; p < 3; ++p)
-                v[p] = shear(ray, origin,
-                             {vfloat::load(corner[p][0]), vfloat::load(corner[p][1]), vfloat::load(corner[p][2])});
-            unsigned lanes = bits(is_inside(edge_functions(v[0], v[1], v[2])));
-            if (lanes == 0) continue;
-            float x[3][kLanes], y[3][kLanes], t[3][kLanes], shift[kLanes], t_near[kLanes], t_far[kLanes];
-            for (int p = 0; p < 3; ++p) {
-                v[p].x.store(x[p]);
-                v[p].y.store(y[p]);
-                v[p].t.store(t[p]);
-            }
-            ray.shift.store(shift);
-            t_near_.store(t_near);
-            for (; lanes != 0; lanes &= lanes - 1) {
-                const int k = std::countr_zero(lanes);
-                const auto area = [&](int p, int q) { return double(x[q][k]) * y[p][k] - double(y[q][k]) * x[p][k]; };
-                const double u = area(1, 2), w_v = area(2, 0), w = area(0, 1);
-                const bool inside = (u >= 0 && w_v >= 0 && w >= 0) || (u <= 0 && w_v <= 0 && w <= 0);
-                const double det = u + w_v + w;
-                if (!inside || det == 0) continue;
-                const double exact = (u * t[0][k] + w_v * t[1][k] + w * t[2][k]) / det;
-                const float found = shift[0] + static_cast<float>(exact);
-                limit().store(t_far);
-                if (found > t_near[lane] && found <= t_far[lane])
-                    query_.offer(lane, found, grid_, kGapBit | static_cast<std::uint32_t>(first + k));
-            }
         }
     }
 
     IGrid& grid_;
     const RayLanes& ray_;
-    VecLanes origin_;       ///< along kx, ky, kz
-    int axes_[3];           ///< kx, ky, kz
-    const float* fine_[3];  ///< coordinates along these axes
+    VecLanes origin_;  ///< along kx, ky, kz
+    Coordinates read_;
+    Boxes boxes_, hanging_boxes_;  ///< at the rays' key
+    int axes_[3];                  ///< kx, ky, kz
+    const float* fine_[3];         ///< coordinates along these axes
     const float* coarse_[3];
     VertexBlend blend_;     ///< along the same axes; valid if the grid blends
     int near_[3], far_[3];  ///< rows of the planes of a box that the ray crosses first, and last
-    vfloat t_near_, t_end_;
+    RaySpan span_;
     Query& query_;
     const float* const* vertices_ = nullptr;  ///< the positions for rays that do not blend
 };

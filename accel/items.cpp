@@ -1,20 +1,15 @@
 #include "accel/items.h"
 
 #include <algorithm>
-#include <bit>
+#include <limits>
 
 #include "accel/stopwatch.h"
 #include "base/cancellation.h"
-#include "base/hash.h"
-#include "lod/level_choice.h"
-#include "scenegraph/child_boxes.h"
 
 namespace occam::accel {
 namespace {
 
 constexpr float kBoxUlps = 4;  // boxes of items grow by two ulps for their rounding and two for the culling rule
-constexpr int kMaxSceneDepth = 256;
-constexpr float kCostOfUnmade = 1000;       // cost of a cage that is not made yet, in steps of the tree
 constexpr std::uint32_t kMostAskedFor = 4;  // patches of a face whose classes are requested ahead
 constexpr std::size_t kMaxParts = 1024;     // most parts of an igrid; n-gons of thousands of corners never share one
 
@@ -22,7 +17,7 @@ constexpr std::size_t kMaxParts = 1024;     // most parts of an igrid; n-gons of
 float cost_of_blocks(int blocks) { return 3.0f + 0.25f * float(blocks); }
 // Faces that are not opened yet cost more than the items that they become, so that planes separate them from visible ones.
 float cost_of_faces(std::uint32_t faces) { return 3.0f + float(faces) * 4.0f; }
-constexpr float kCostOfRegion = 10, kCostOfNode = 8;
+constexpr float kCostOfRegion = 10;
 
 /// Returns the level from which on a patch has few enough quads to share an igrid with its neighbours.
 int small_from(const lod::PatchScale& scale)
@@ -48,21 +43,6 @@ Items::Items(const FrameState& frame, Arena& arena, lod::Dicer& dicer, TraceCoun
 {
 }
 
-ItemIndex Items::restart()
-{
-    items_.clear();
-    grids_.clear();
-    const Scene& scene = *frame_.scene;
-    PlacedNode* root = arena_.make<PlacedNode>();
-    const Node& top = scene.node(scene.root());
-    *root = {scene.root(), frame_.scale.placed(top.parent_from_node), kFnvStart, nullptr, 0, top.seen_by, top.lit_by};
-    Item item;
-    item.box = frame_.bounds;
-    item.subject = root;
-    items_.push_back(item);
-    return 0;
-}
-
 std::vector<ItemIndex> Items::base_patches()
 {
     std::vector<ItemIndex> list;
@@ -85,15 +65,33 @@ Box3f Items::to_tree(const Box3d& world, double pad) const
     return outward_float({world.lo - pad, world.hi + pad}, frame_.anchor, kBoxUlps);
 }
 
-Box3f Items::box_of_node(const Mat4d& world_from_node, const Box3d& bounds) const
-{
-    const Box3d world = transform_box(world_from_node, bounds);
-    return to_tree(world, vertex_rounding(world));
-}
-
 Box3f Items::box_of(const lod::PosedCage& cage, std::uint32_t cluster) const
 {
     return to_tree(cage.world_box(cluster), cage.radius * kVertexRounding);
+}
+
+void Items::set_boxes(Item& item, std::span<const Box3f> own)
+{
+    item.at_keys = nullptr;
+    item.box = own.front();
+    if (own.size() == 1) return;
+    float largest = 0;
+    for (const Box3f& box : own) {
+        if (box.is_empty()) continue;
+        item.box.add(box);
+        largest = std::max(largest, box.largest_coordinate());
+    }
+    if (item.box.is_empty()) return;
+    // Between keys boxes are rounded by as much as those at the keys, wherever they are.
+    const Vec3f pad(largest * kBoxUlps * std::numeric_limits<float>::epsilon());
+    const std::span<Box3f> boxes = arena_.make_array<Box3f>(static_cast<std::size_t>(frame_.segments) + 1);
+    for (std::size_t k = 0; k < boxes.size(); ++k) {
+        const lod::KeyTime at = lod::key_time(float(k) / float(frame_.segments), static_cast<int>(own.size()) - 1);
+        const Box3f &a = own[static_cast<std::size_t>(at.key)], &b = own[static_cast<std::size_t>(at.key) + 1];
+        boxes[k] = {glm::mix(a.lo, b.lo, at.share) - pad, glm::mix(a.hi, b.hi, at.share) + pad};
+    }
+    item.box = {item.box.lo - pad, item.box.hi + pad};
+    item.at_keys = boxes.data();
 }
 
 bool Items::open(ItemIndex i, int pair)
@@ -135,109 +133,6 @@ bool Items::open(ItemIndex i, int pair)
     return true;
 }
 
-void Items::add_cage(const PlacedNode& at, const Node& node, CageId id, std::size_t place)
-{
-    const CageSlot* slot = frame_.scene->find(id);
-    if (!slot || slot->bounds.is_empty() || (slot->cage.face_count() == 0 && !slot->is_on_demand())) return;
-    const lod::CageTables& tables = frame_.topologies->get(*slot);
-    if (tables.made) slot = tables.made.get();
-    if (slot->cage.face_count() == 0) return;
-    lod::PosedCage& cage = *arena_.make<lod::PosedCage>();
-    cage.slot = slot;
-    cage.topology = tables.topology.get();
-    cage.clusters = tables.clusters.get();
-    cage.node = &node;
-    cage.node_id = at.id;
-    cage.seen_by = at.seen_by;
-    cage.lit_by = at.lit_by;
-    cage.key = mix_bits(at.key + place + 1);
-    const SkinSlot* skin = frame_.scene->find(node.skin);
-    cage.place(at.world_from_node, cage_bounds(node, *slot, skin));
-    if (tables.deformed_clusters) cage.deform(*tables.deformed_clusters, skin, arena_, counters_.deform);
-    if (frame_.textures) cage.displace(*frame_.textures);
-    if (cage.topology && frame_.levels.mode == lod::LevelMode::PerInstance)
-        cage.level = lod::choose_level(frame_.levels, cage);
-    add_cluster(cage, 0);
-}
-
-void Items::open_node(const PlacedNode& at)
-{
-    const Node* node = frame_.scene->find(at.id);
-    if (!node) return;
-    for (std::size_t c = 0; c < node->cages.size(); ++c) {
-        const CageSlot* slot = frame_.scene->find(node->cages[c]);
-        if (!slot || !slot->is_on_demand()) {
-            add_cage(at, *node, node->cages[c], c);
-            continue;
-        }
-        Item item;
-        item.kind = Item::Unmade;
-        item.subject = &at;
-        item.index = static_cast<std::uint32_t>(c);
-        item.box = box_of_node(at.world_from_node, slot->bounds);
-        item.cost = kCostOfUnmade;
-        if (!item.box.is_empty()) items_.push_back(item);
-    }
-    if (at.depth == kMaxSceneDepth) return;
-    // The tree over many children is opened where rays go, so that a frame costs nothing for the other children.
-    const ChildBoxes* boxes = frame_.scene->child_boxes(at.id);
-    if (boxes && node->children.size() > ChildBoxes::kMostAtOnce) {
-        add_children(at, *boxes, ChildBoxes::kRoot);
-    } else {
-        for (const NodeId child : node->children) add_child(at, child);
-    }
-    if (node->instance_of) add_placed(at, node->instance_of, at.world_from_node, ~std::uint64_t(0) - node->instance_of.slot);
-}
-
-void Items::add_placed(const PlacedNode& parent, NodeId id, const Mat4d& world, std::uint64_t place)
-{
-    const Node* below = frame_.scene->find(id);
-    if (!below || below->bounds.is_empty()) return;
-    PlacedNode* placed = arena_.make<PlacedNode>();
-    *placed = {id,
-               world,
-               mix_bits(parent.key ^ mix_bits(place)),
-               &parent,
-               parent.depth + 1,
-               static_cast<std::uint8_t>(parent.seen_by & below->seen_by),
-               parent.lit_by & below->lit_by};
-    Item item;
-    item.subject = placed;
-    item.box = box_of_node(world, below->bounds);
-    item.cost = kCostOfNode;
-    items_.push_back(item);
-}
-
-void Items::add_child(const PlacedNode& parent, NodeId id)
-{
-    const Node* child = frame_.scene->find(id);
-    if (child && child->visible) add_placed(parent, id, parent.world_from_node * child->parent_from_node, id.slot);
-}
-
-void Items::add_children(const PlacedNode& parent, const ChildBoxes& boxes, std::uint32_t at)
-{
-    if (boxes.box(at).is_empty()) return;
-    Item item;
-    item.kind = Item::Children;
-    item.subject = &parent;
-    item.index = at;
-    item.box = box_of_node(parent.world_from_node, boxes.box(at));
-    item.cost = kCostOfNode * static_cast<float>(boxes.blocks_below(at) * ChildBoxes::kBlock);
-    items_.push_back(item);
-}
-
-void Items::open_children(const PlacedNode& parent, std::uint32_t at)
-{
-    const ChildBoxes& boxes = *frame_.scene->child_boxes(parent.id);
-    if (!boxes.is_block(at)) {
-        add_children(parent, boxes, 2 * at);
-        add_children(parent, boxes, 2 * at + 1);
-        return;
-    }
-    const Node& node = *frame_.scene->find(parent.id);
-    for (const std::uint32_t child : boxes.children(at)) add_child(parent, node.children[child]);
-}
-
 void Items::add_cluster(const lod::PosedCage& cage, std::uint32_t cluster)
 {
     const lod::ClusterTree::Node& node = cage.clusters->node(cluster);
@@ -245,7 +140,7 @@ void Items::add_cluster(const lod::PosedCage& cage, std::uint32_t cluster)
     item.kind = node.left != 0 ? Item::Cluster : cage.topology ? Item::Leaf : Item::Faces;
     item.subject = &cage;
     item.index = cluster;
-    item.box = box_of(cage, cluster);
+    set_boxes_at_keys(item, cage, [&](int key) { return box_of(cage.at_key(key), cluster); });
     item.cost = cost_of_faces(node.end - node.begin);
     if (item.kind == Item::Faces) {
         item.cost = cost_of_blocks(static_cast<int>(node.end - node.begin + 7) / 8);
@@ -279,15 +174,15 @@ void Items::measure(ItemIndex leaf)
     info.patches = arena_.make_array<PatchInfo>(count);
     std::size_t n = 0;
     int quads = 0;
-    Box3f box;
+    Box3f boxes[lod::kMostSegments + 1];
     for (std::uint32_t k = node.begin; k < node.end; ++k) {
         const std::uint32_t face = cage.clusters->face(k);
         for (std::uint32_t sub = 0; cage.topology->is_seen(face) && sub < cage.topology->patches_of(face); ++sub) {
             PatchInfo& patch = info.patches[n++];
             patch.ref = {face, sub};
             patch.scale = dicer_.scale(cage, patch.ref);
-            patch.box = dicer_.bounds(cage, patch.scale, {patch.ref, 0, 0, 0, 0}, lod::kCoarsestLevel);
-            box.add(patch.box);
+            set_bounds(patch, cage);
+            for (int key = 0; key <= cage.segments; ++key) boxes[key].add(patch.at_keys ? patch.at_keys[key] : patch.box);
             info.same_from = std::max(info.same_from, patch.scale.coarsest());
             info.small_from = std::max(info.small_from, small_from(patch.scale));
             quads += 1 << IGridBuilder::kSmallExponent;
@@ -297,7 +192,21 @@ void Items::measure(ItemIndex leaf)
     item.cluster = &info;
     item.final_from = count > kMaxParts ? Item::kNever : level_bound(info.small_from);
     item.cost = cost_of_blocks(quads / 4 + 1);
-    if (count > 0) item.box = to_tree(cage, box);
+    if (count > 0) set_boxes_at_keys(item, cage, [&](int key) { return to_tree(cage, boxes[key]); });
+}
+
+void Items::set_bounds(PatchInfo& patch, const lod::PosedCage& cage)
+{
+    const auto bounds = [&](int key) {
+        return dicer_.bounds(cage.at_key(key), patch.scale, {patch.ref, 0, 0, 0, 0}, lod::kCoarsestLevel);
+    };
+    patch.box = bounds(0);
+    patch.at_keys = nullptr;
+    if (cage.segments == 0) return;
+    const std::span<Box3f> boxes = arena_.make_array<Box3f>(static_cast<std::size_t>(cage.segments) + 1);
+    boxes[0] = patch.box;
+    for (int key = 1; key <= cage.segments; ++key) patch.box.add(boxes[static_cast<std::size_t>(key)] = bounds(key));
+    patch.at_keys = boxes.data();
 }
 
 void Items::add_region(const lod::PosedCage& cage, ClusterInfo* cluster, const PatchInfo& patch,
@@ -325,8 +234,10 @@ void Items::add_region(const lod::PosedCage& cage, ClusterInfo* cluster, const P
     const int holds_to = is_always ? Item::kNever : std::min(scale.k[0] - region.du, scale.k[1] - region.dv) - 1;
     item.holds_to = level_bound(holds_to);
     const bool is_whole = region.du == 0 && region.dv == 0;
-    item.box = to_tree(
-        cage, is_whole ? patch.box : dicer_.bounds(cage, scale, region, std::min(holds_to + 1, lod::kCoarsestLevel)));
+    set_boxes_at_keys(item, cage, [&](int key) {
+        if (is_whole) return to_tree(cage, patch.at_keys ? patch.at_keys[key] : patch.box);
+        return to_tree(cage, dicer_.bounds(cage.at_key(key), scale, region, std::min(holds_to + 1, lod::kCoarsestLevel)));
+    });
     items_.push_back(item);
 }
 
@@ -402,7 +313,8 @@ IGrid& Items::grid(ItemIndex i, int pair)
         const std::uint64_t before = builder_.micropolygons;
         grid = build(item, level, pairs.coarsest < level ? level : level + 1, is_shared, tile);
         grid->pairs = pairs;
-        grid->seen_by = item.cage().seen_by;
+        const lod::PosedCage& cage = item.cage();
+        grid->is_hidden = cage.seen_by != RayKind::All || cage.visible_in != lod::PosedCage::kAllSegments;
         if (item.kind != Item::Faces) grid->level = level;
         ++counters_.grids;
         const std::uint64_t made = builder_.micropolygons - before;
@@ -421,10 +333,7 @@ GridBounds Items::bounds_of(const IGrid& grid) const
     // coordinates of several radii (place()), and by as much again in the test of triangles.
     const float off = frame_.radius * 256 * 0x1p-24f;
     const auto shift = static_cast<float>(glm::dot(Vec3d(grid.slab.normal), grid.cage->anchor - frame_.anchor));
-    Box3f box = grid.boxes.bounds();
-    // Gap triangles may reach beyond the tile on whose side they lie.
-    if (grid.hanging_blocks > 0) box.add(grid.hanging_boxes.bounds());
-    return {to_tree(*grid.cage, box), {grid.slab.normal, grid.slab.lo + shift - off, grid.slab.hi + shift + off}};
+    return {to_tree(*grid.cage, grid.bounds()), {grid.slab.normal, grid.slab.lo + shift - off, grid.slab.hi + shift + off}};
 }
 
 IGrid* Items::build(const Item& item, int level, int coarser, bool is_shared, const lod::TileRef& tile)

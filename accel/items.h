@@ -27,15 +27,24 @@ struct PlacedNode {
     std::uint64_t key;  ///< hash of the path from the root
     const PlacedNode* parent;
     int depth;
-    std::uint8_t seen_by;  ///< follows from all nodes on the path
-    LightGroups lit_by;    ///< follows from all nodes on the path
+    std::uint8_t seen_by;              ///< follows from all nodes on the path
+    LightGroups lit_by;                ///< follows from all nodes on the path
+    std::span<const Mat4d> at_keys{};  ///< world_from_node at each key of the scene's shutter; empty: it stands still
+    std::uint32_t visible_in = lod::PosedCage::kAllSegments;  ///< by the path, as in PosedCage
+
+    /// Returns world_from_node at each key, or once.
+    std::span<const Mat4d> matrices() const noexcept
+    {
+        return at_keys.empty() ? std::span<const Mat4d>(&world_from_node, 1) : at_keys;
+    }
 };
 
 /// A patch of a cage whose rates are known.
 struct PatchInfo {
     lod::PatchRef ref;
     lod::PatchScale scale;
-    Box3f box;  ///< holds the whole patch, in the dicing frame
+    Box3f box;                       ///< holds the whole patch at all keys, in the dicing frame
+    const Box3f* at_keys = nullptr;  ///< the same at each key of the cage's motion; null: the cage stands still
 };
 
 /// Holds the patches of a leaf of a cage's cluster tree.
@@ -58,7 +67,8 @@ struct Item {
     static constexpr std::uint32_t kClosed = ~0u;
     static constexpr std::int8_t kNever = 127, kAlways = -128;
 
-    Box3f box;
+    Box3f box;                       ///< at all times
+    const Box3f* at_keys = nullptr;  ///< the same at each key of the scene's shutter; null: `box` stands for all
     Kind kind = SceneNode;
     std::int8_t final_from = kNever;  ///< rays of this pair and of coarser ones see the item as one igrid
     std::int8_t holds_to = kNever;    ///< the box is right for pairs up to this one
@@ -109,6 +119,13 @@ public:
     IGrid& grid(ItemIndex i, int pair);
     /// Returns the bounds of such an igrid in the tree's frame; they are tighter than the item's box.
     GridBounds bounds_of(const IGrid& grid) const;
+    /// Returns boxes that hold an item at the keys of the scene's shutter; between keys it is in the box that lies between
+    /// them. They are empty if the item's one box stands for all times.
+    std::span<const Box3f> key_boxes(ItemIndex i) const noexcept
+    {
+        const Item& item = items_[i];
+        return item.at_keys ? std::span(item.at_keys, std::size_t(frame_.segments) + 1) : std::span<const Box3f>();
+    }
     /// Returns the pairs for which that igrid is the same.
     PairRange range(ItemIndex i, int pair) const noexcept;
 
@@ -118,14 +135,21 @@ private:
         return frame_.levels.mode != lod::LevelMode::PerInstance || item.kind < Item::Leaf ? pair : item.cage().level;
     }
     void open_node(const PlacedNode& node);
+    /// Where and when a node is seen; the fields are as in PlacedNode.
+    struct Placement {
+        Mat4d world_from_node;
+        std::span<const Mat4d> at_keys;
+        std::uint32_t visible_in;
+    };
     /// Adds a child of a placed node, or what is placed there by instance_of.
-    void add_placed(const PlacedNode& parent, NodeId id, const Mat4d& world, std::uint64_t place);
+    void add_placed(const PlacedNode& parent, NodeId id, const Placement& placement, std::uint64_t place);
     void add_child(const PlacedNode& parent, NodeId id);
     void add_children(const PlacedNode& parent, const ChildBoxes& boxes, std::uint32_t at);
     void open_children(const PlacedNode& parent, std::uint32_t at);
     void open_cluster(const lod::PosedCage& cage, std::uint32_t cluster);
     void add_cluster(const lod::PosedCage& cage, std::uint32_t cluster);
     void measure(ItemIndex leaf);
+    void set_bounds(PatchInfo& patch, const lod::PosedCage& cage);
     void add_region(const lod::PosedCage& cage, ClusterInfo* cluster, const PatchInfo& patch,
                     const lod::PatchRegion& region);
     void open_region(const Item& item);
@@ -135,8 +159,21 @@ private:
     int level_of(const Item& item, PairRange pairs) const noexcept;
     bool shares(const Item& item, int pair) const noexcept;
     bool may_share(const Item& item) const noexcept;
+    const lod::PosedCage& pose_cage(const PlacedNode& at, lod::PosedCage& cage, const lod::CageTables& tables);
+    /// Returns how a child is placed: at each key, if the placement of either moves; else empty.
+    std::span<const Mat4d> child_at_keys(const PlacedNode& parent, const Node& child);
+    /// Sets an item's boxes to those at moments that divide the shutter evenly, or to one that stands for all times.
+    void set_boxes(Item& item, std::span<const Box3f> own);
+    /// Sets the boxes of an item of a cage to box_at(key) for each of the cage's keys.
+    template <class BoxAt>
+    void set_boxes_at_keys(Item& item, const lod::PosedCage& cage, BoxAt&& box_at)
+    {
+        Box3f own[lod::kMostSegments + 1];
+        for (int key = 0; key <= cage.segments; ++key) own[key] = box_at(key);
+        set_boxes(item, {own, static_cast<std::size_t>(cage.segments) + 1});
+    }
     Box3f box_of(const lod::PosedCage& cage, std::uint32_t cluster) const;
-    Box3f box_of_node(const Mat4d& world_from_node, const Box3d& bounds) const;
+    void set_box_of_node(Item& item, const PlacedNode& at, const Box3d& bounds);
     Box3f to_tree(const lod::PosedCage& cage, const Box3f& box) const;
     Box3f to_tree(const Box3d& world, double pad) const;
 

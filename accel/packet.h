@@ -78,11 +78,18 @@ void gather_four(const Thing* things, std::size_t count, std::size_t offset, vfl
     }
 }
 
+/// Returns whether a ray may see a placed cage at all, by its kind and at its time.
+/// segments   of the scene's shutter
+inline bool may_see(const Ray& ray, const lod::PosedCage& cage, int segments) noexcept
+{
+    return (ray.kinds & cage.seen_by) != 0 &&
+           (cage.visible_in >> lod::key_time(ray.time, std::max(segments, 1)).key & 1) != 0;
+}
 template <int kParts>
-vmasks<kParts> lanes_of_kinds(std::span<const Ray> rays, std::uint8_t kinds) noexcept
+vmasks<kParts> lanes_that_may_see(std::span<const Ray> rays, const lod::PosedCage& cage, int segments) noexcept
 {
     float lanes[kParts * kLanes]{};
-    for (std::size_t i = 0; i < rays.size(); ++i) lanes[i] = (rays[i].kinds & kinds) != 0 ? 1.0f : 0.0f;
+    for (std::size_t i = 0; i < rays.size(); ++i) lanes[i] = may_see(rays[i], cage, segments) ? 1.0f : 0.0f;
     return vfloats<kParts>::load(lanes) > vfloats<kParts>(0.0f);
 }
 

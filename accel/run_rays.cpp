@@ -2,7 +2,7 @@
 #include <bit>
 #include <cstddef>
 
-#include "accel/igrid_intersect.h"
+#include "accel/moving_igrid.h"
 #include "accel/tracer_state.h"
 #include "base/cancellation.h"
 
@@ -163,7 +163,7 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
         GridVisit& visited = mailboxes.of(grid);
         // An igrid that a ray enters in several cells is tested once.
         if (visited.packet != visit) visited = {visit, 0};
-        if (grid.seen_by != RayKind::All) entering = entering & lanes_of_kinds<kParts>(rays, grid.seen_by);
+        if (grid.is_hidden) entering = entering & lanes_that_may_see<kParts>(rays, *grid.cage, frame.segments);
         const unsigned fresh = bits(entering) & ~visited.lanes;
         if (fresh == 0) return true;
         visited.lanes |= fresh;
@@ -199,8 +199,13 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
             if (of_part == 0) continue;
             HalfPacket& part = parts[p];
             PartOf<Found> some{query, p * kLanes};
+            if (grid.segments > 0) {
+                const std::size_t first = static_cast<std::size_t>(p) * kLanes;
+                meet_moving(grid, {rays.subspan(first), part.lanes, kd.negative, {from.part[p], to.part[p]}}, of_part, some);
+                continue;
+            }
             if (std::popcount(of_part) >= kWorthAPacket) {
-                IGridTracer(grid, part.lanes, kd.negative, from.part[p], to.part[p], some)
+                IGridTracer(grid, part.lanes, kd.negative, {from.part[p], to.part[p]}, some)
                     .packet(entering.part[p], [&]() -> const RaysAsOne<vfloat>& {
                         if (!part.is_as_one_placed)
                             part.as_one = {part.lanes.origin, part.lanes.inverse, kd.negative, part.lanes.shift, -FLT_MAX};
@@ -215,7 +220,8 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
                 LaneOf<Found> one{some, lane};
                 RayLanes ray = spread(part.lanes, lane);
                 if (grid.blends()) ray.blend = spread(part.lanes.blend, lane);
-                IGridTracer(grid, ray, kd.negative, spread(from.part[p], lane), spread(to.part[p], lane), one).single(lane);
+                IGridTracer(grid, ray, kd.negative, {spread(from.part[p], lane), spread(to.part[p], lane)}, one)
+                    .single(lane);
             }
         }
         return true;
@@ -285,7 +291,7 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& axes, std::size_t 
         if (!known) return false;
         IGrid& grid = *known;
         GridVisit& visited = mailboxes.of(grid);
-        if (visited.packet == visit || (ray.kinds & grid.seen_by) == 0) return true;
+        if (visited.packet == visit || (grid.is_hidden && !may_see(ray, *grid.cage, frame.segments))) return true;
         visited.packet = visit;
         if (grid.cage != here) {
             here = grid.cage;
@@ -305,7 +311,8 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& axes, std::size_t 
                 lanes.blend.set({blend.start, blend.scale}, direction, lanes.origin, lanes.shift);
             }
         }
-        IGridTracer(grid, lanes, kd.negative, from, to, query).single(lane);
+        if (grid.segments > 0) meet_moving(grid, {{&ray, 1}, lanes, kd.negative, {from, to}}, query);
+        else IGridTracer(grid, lanes, kd.negative, {from, to}, query).single(lane);
         return true;
     };
     return traverse(tree, kd, begin, end, pairs, counters, limit,

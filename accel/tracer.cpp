@@ -97,8 +97,10 @@ void Tracer::State::find_nearest(std::span<const Ray> rays, Fill&& fill)
     for_groups(rays, [&](const RayAxes& axes, std::size_t first, std::size_t count, std::size_t limit) {
         GridHit met[kPacket];
         const auto take = [&](std::size_t i, std::size_t lane, const Nearest& found, auto& blends) {
-            GridHit& m = met[i] = {found.t[lane], found.grid[lane], found.id[lane], {}};
-            if (kWithBlend && m.grid && m.grid->blends()) m.blend = blends(m.grid->pairs.finest, lane);
+            GridHit& m = met[i] = {found.t[lane], found.grid[lane], found.id[lane], {}, {}};
+            if (!kWithBlend || !m.grid) return;
+            if (m.grid->blends()) m.blend = blends(m.grid->pairs.finest, lane);
+            if (m.grid->segments > 0) m.time = lod::key_time(groups.sorted[first + i].time, m.grid->segments);
         };
         if (!run<Nearest>(axes, first, count, limit, take)) return false;
         fill(axes, first, std::span<const GridHit>(met, count));

@@ -87,6 +87,8 @@ struct SurfaceHit {
     int level = 0;                        ///< the finer level of the pair at which the ray sees the cage, world lengths
     std::int8_t start_level = kAnyLevel;  ///< one of that pair's two levels, for Ray::start_level
     std::uint32_t micropolygon = 0;       ///< a hashed number of the quad, for pictures of the grid
+    /// The velocity of the place on the micropolygon, at the ray's time, per shutter.
+    Vec3f velocity{0};
 
     bool is_hit() const noexcept { return t < std::numeric_limits<float>::infinity(); }
 };

@@ -125,7 +125,7 @@ struct Tracer::State {
     template <class Run>
     void for_groups(std::span<const Ray> rays, Run&& run)
     {
-        groups.sort(rays);
+        groups.sort(rays, frame.segments > 0);
         const FlushGate::Inside inside(gate);
         groups.for_each_packet([&](const RayAxes& axes, std::size_t first, std::size_t count) {
             throw_if_cancelled();

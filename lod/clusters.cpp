@@ -98,33 +98,40 @@ void ClusterTree::halve_along_curve(const Cage& cage)
 
 void ClusterTree::refit(const Cage& cage)
 {
+    std::vector<Box3f> boxes(nodes_.size());
+    boxes_at(cage, cage.positions, boxes);
+    for (std::size_t i = 0; i < nodes_.size(); ++i) nodes_[i].box = boxes[i];
+}
+
+void ClusterTree::boxes_at(const Cage& cage, std::span<const Vec3f> positions, std::span<Box3f> boxes) const
+{
     const FaceVertices corners{cage, first_corner_};
     const bool is_smooth = cage.scheme == Scheme::CatmullClark;
     const auto faces = static_cast<std::uint32_t>(order_.size());
 
     // The control points of a smooth face are those of the faces around its corners.
-    std::vector<Box3f> around(is_smooth ? cage.positions.size() : 0);
+    std::vector<Box3f> around(is_smooth ? positions.size() : 0);
     if (is_smooth)
         for (std::uint32_t f = 0; f < faces; ++f) {
             Box3f box;
-            for (const std::uint32_t v : corners.of(f)) box.add(cage.positions[v]);
+            for (const std::uint32_t v : corners.of(f)) box.add(positions[v]);
             for (const std::uint32_t v : corners.of(f)) around[v].add(box);
         }
     for (std::uint32_t i = static_cast<std::uint32_t>(nodes_.size()); i-- > 0;) {
-        Node& node = nodes_[i];
-        node.box = {};
+        const Node& node = nodes_[i];
+        Box3f& box = boxes[i] = {};
         if (node.left != 0) {
-            node.box.add(nodes_[node.left].box);
-            node.box.add(nodes_[node.left + 1].box);
+            box.add(boxes[node.left]);
+            box.add(boxes[node.left + 1]);
             continue;
         }
         for (std::uint32_t k = node.begin; k < node.end; ++k)
             for (const std::uint32_t v : corners.of(order_[k])) {
-                if (is_smooth) node.box.add(around[v]);
-                else node.box.add(cage.positions[v]);
+                if (is_smooth) box.add(around[v]);
+                else box.add(positions[v]);
             }
-        const Vec3f pad(1e-6f * node.box.largest_coordinate());
-        node.box = {node.box.lo - pad, node.box.hi + pad};
+        const Vec3f pad(1e-6f * box.largest_coordinate());
+        box = {box.lo - pad, box.hi + pad};
     }
 }
 

@@ -34,6 +34,9 @@ public:
 
     /// Updates the boxes for new positions.
     void refit(const Cage& cage);
+    /// Computes the box of each node where the cage's vertices are elsewhere.
+    /// boxes   as many as there are nodes
+    void boxes_at(const Cage& cage, std::span<const Vec3f> positions, std::span<Box3f> boxes) const;
 
     const Node& node(std::uint32_t i) const noexcept { return nodes_[i]; }
     std::uint32_t node_count() const noexcept { return static_cast<std::uint32_t>(nodes_.size()); }

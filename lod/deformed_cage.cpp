@@ -15,22 +15,38 @@ Vec3d turned_normal(const Mat3d& m, Vec3d n) noexcept
 
 }  // namespace
 
-DeformedCage::DeformedCage(const CageSlot& slot, const Node& node, const SkinSlot* skin, const double (&rows)[3][4],
-                           Arena& arena, DeformCounters& counters)
-    : cage_(slot.cage),
-      weights_(node.morph_weights.empty() ? slot.cage.morph_weights : node.morph_weights),
-      arena_(&arena),
-      counters_(&counters)
+CagePose::CagePose(const CageSlot& slot, const Node& node, const SkinSlot* skin, int key) noexcept
+    : positions(slot.cage.positions),
+      morph_weights(node.morph_weights),
+      is_skinned(skin && slot.cage.skin.sets > 0),
+      node_from_skin(node.node_from_skin)
+{
+    if (is_skinned) joints = skin->mesh_poses;
+    if (key >= 0) {
+        const auto k = static_cast<std::size_t>(key);
+        if (!slot.key_positions.empty()) positions = slot.key_positions[k];
+        if (!node.keys.empty()) {
+            morph_weights = node.keys[k].morph_weights;
+            node_from_skin = node.keys[k].node_from_skin;
+        }
+        if (is_skinned && !skin->key_poses.empty()) joints = skin->key_poses[k];
+    }
+    if (morph_weights.empty()) morph_weights = slot.cage.morph_weights;
+}
+
+DeformedCage::DeformedCage(const CageSlot& slot, const CagePose& pose, const double (&rows)[3][4], Arena& arena,
+                           DeformCounters& counters)
+    : cage_(slot.cage), positions_(pose.positions), weights_(pose.morph_weights), arena_(&arena), counters_(&counters)
 {
     for (int c = 0; c < 4; ++c) frame_from_mesh_[c] = Vec4d(rows[0][c], rows[1][c], rows[2][c], c == 3 ? 1 : 0);
-    if (skin && cage_.skin.sets > 0) {
-        frame_from_mesh_ = frame_from_mesh_ * node.node_from_skin;
-        joint_count_ = skin->mesh_poses.size();
+    if (pose.is_skinned) {
+        frame_from_mesh_ = frame_from_mesh_ * pose.node_from_skin;
+        joint_count_ = pose.joints.size();
         const std::span<Mat4d> joints = arena.make_array<Mat4d>(joint_count_);
         // Joints that move no vertex have no part in this.
         int mirrored = 0;
         for (const JointBox& used : slot.deform[0].joints) {
-            if (used.joint < joint_count_) joints[used.joint] = frame_from_mesh_ * skin->mesh_poses[used.joint];
+            if (used.joint < joint_count_) joints[used.joint] = frame_from_mesh_ * pose.joints[used.joint];
             mirrored += glm::determinant(Mat3d(used.joint < joint_count_ ? joints[used.joint] : frame_from_mesh_)) < 0 ? 1
                                                                                                                        : -1;
         }
@@ -46,7 +62,7 @@ DeformedCage::DeformedCage(const CageSlot& slot, const Node& node, const SkinSlo
 
 Vec3d DeformedCage::morphed(std::uint32_t v) const noexcept
 {
-    Vec3d p(cage_.positions[v]);
+    Vec3d p(positions_[v]);
     for (std::size_t k = 0; k < std::min(weights_.size(), cage_.morph_targets.size()); ++k)
         if (weights_[k] != 0 && !cage_.morph_targets[k].positions.empty())
             p += Vec3d(cage_.morph_targets[k].positions[v]) * double(weights_[k]);

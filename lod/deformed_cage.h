@@ -21,12 +21,24 @@ struct DeformCounters {
     double seconds = 0;
 };
 
+/// What decides where the vertices of a cage are, at one moment of the shutter.
+struct CagePose {
+    std::span<const Vec3f> positions;      ///< at rest, one for each vertex
+    std::span<const float> morph_weights;  ///< one for each morph target
+    bool is_skinned = false;
+    std::span<const Mat4d> joints;  ///< base_from_mesh of each joint
+    Mat4d node_from_skin{1};
+
+    /// skin   null: morph targets alone
+    /// key    of the scene's shutter; negative: the pose that the scene is in
+    CagePose(const CageSlot& slot, const Node& node, const SkinSlot* skin, int key = -1) noexcept;
+};
+
 class DeformedCage {
 public:
     /// frame_from_node   rows, as PosedCage has them
-    /// skin              null: morph targets alone
-    DeformedCage(const CageSlot& slot, const Node& node, const SkinSlot* skin, const double (&frame_from_node)[3][4],
-                 Arena& arena, DeformCounters& counters);
+    DeformedCage(const CageSlot& slot, const CagePose& pose, const double (&frame_from_node)[3][4], Arena& arena,
+                 DeformCounters& counters);
 
     Vec3f position(std::uint32_t v)
     {
@@ -50,9 +62,10 @@ private:
     const Mat4d& joint(std::size_t j) const noexcept { return j < joint_count_ ? joints_[j] : frame_from_mesh_; }
 
     const Cage& cage_;
-    std::span<const float> weights_;  ///< one for each morph target
-    Mat4d frame_from_mesh_;           ///< used without joints
-    const Mat4d* joints_ = nullptr;   ///< frame_from_mesh of each joint; null: not skinned
+    std::span<const Vec3f> positions_;  ///< at rest
+    std::span<const float> weights_;    ///< one for each morph target
+    Mat4d frame_from_mesh_;             ///< used without joints
+    const Mat4d* joints_ = nullptr;     ///< frame_from_mesh of each joint; null: not skinned
     std::size_t joint_count_ = 0;
     bool is_mirrored_ = false;
     Vec3f** blocks_;

@@ -19,6 +19,17 @@ std::size_t slot_of(const PosedCage& cage, std::uint64_t index, std::size_t size
     return static_cast<std::size_t>(mix_bits(reinterpret_cast<std::uintptr_t>(&cage)) + index) & (size - 1);
 }
 
+// The parameters of a tile's vertices.
+ParameterGrid parameters_of(const TileRef& tile)
+{
+    return {float(tile.i0) * tile.step_u(),
+            float(tile.j0) * tile.step_v(),
+            tile.step_u(),
+            tile.step_v(),
+            tile.columns + 1,
+            tile.rows + 1};
+}
+
 }  // namespace
 
 Dicer::Dicer() : pool_(kPoolSize), curves_(kCurveSize), corners_(kCornerSize) {}
@@ -78,6 +89,18 @@ int Dicer::curve_k(const PosedCage& cage, std::uint32_t curve)
 void Dicer::ask_for(const PosedCage& cage, PatchRef patch) { cage.topology->controls(patch).kind->hull().ask_for_first(); }
 
 PatchScale Dicer::scale(const PosedCage& cage, PatchRef patch)
+{
+    PatchScale scale = scale_at_key(cage, patch);
+    for (int key = 1; key <= cage.segments; ++key) {
+        const PatchScale other = scale_at_key(cage.keys[key], patch);
+        for (std::size_t axis : {0, 1}) scale.k[axis] = std::max(scale.k[axis], other.k[axis]);
+        for (std::size_t side = 0; side < 4; ++side) scale.side_k[side] = std::max(scale.side_k[side], other.side_k[side]);
+    }
+    if (cage.segments > 0) scale.limit_aspect();
+    return scale;
+}
+
+PatchScale Dicer::scale_at_key(const PosedCage& cage, PatchRef patch)
 {
     const Topology& topology = *cage.topology;
     float speed_u, speed_v;
@@ -400,40 +423,51 @@ LevelGrid Dicer::dice_pair(const PosedCage& cage, const TileRef& tile, const Pat
     return grid;
 }
 
+void Dicer::shade_normals(const PosedCage& cage, const TileRef& tile, const PatchRates& coarser, Vec3f* normal,
+                          Vec3f* coarse_normal)
+{
+    const int width = tile.columns + 1, height = tile.rows + 1;
+    const std::size_t count = std::size_t(width) * height;
+    const ParameterGrid grid = parameters_of(tile);
+    if (cage.is_displaced()) {
+        displaced_normals(cage, tile.patch, tile.rates.filter, grid, normal);
+        if (coarse_normal) displaced_coarse_normals(cage, tile, coarser, coarse_normal);
+        return;
+    }
+    tangents_.resize(9 * count);
+    float* out[9];
+    for (int a = 0; a < 9; ++a) out[a] = &tangents_[a * count];
+    posed(cage, tile.patch).points_and_tangents(grid, out, width);
+    for (std::size_t k = 0; k < count; ++k) {
+        const Vec3f n = glm::cross(Vec3f{out[3][k], out[4][k], out[5][k]}, Vec3f{out[6][k], out[7][k], out[8][k]});
+        const float length = glm::length(n);
+        // Where the tangents are parallel, as in a corner whose sides have one direction, there is no normal, and hits take
+        // the geometric one (accel/hit.cpp).
+        normal[k] = length > 0 ? n * ((cage.is_mirrored ? -1.0f : 1.0f) / length) : Vec3f(0);
+    }
+}
+
 GridAttributes Dicer::shade(const PosedCage& cage, const TileRef& tile, const PatchRates& coarser, Arena& arena)
 {
     const int width = tile.columns + 1, height = tile.rows + 1;
     const std::size_t count = std::size_t(width) * height;
-    vertices_shaded += count;
-    const ParameterGrid grid{
-        float(tile.i0) * tile.step_u(), float(tile.j0) * tile.step_v(), tile.step_u(), tile.step_v(), width, height};
-    tangents_.resize(9 * count);
-    float* out[9];
-    for (int a = 0; a < 9; ++a) out[a] = &tangents_[a * count];
+    const auto keys = static_cast<std::size_t>(cage.segments) + 1;
+    vertices_shaded += count * keys;
 
     GridAttributes made;
-    if (cage.is_displaced()) {
-        const bool blends = coarser != tile.rates;
-        made.normal = arena.make_array<Vec3f>((blends ? 2 * count : count) + 1).data();
-        displaced_normals(cage, tile.patch, tile.rates.filter, grid, made.normal);
-        if (blends) {
-            made.coarse_normal = made.normal + count;
-            displaced_coarse_normals(cage, tile, coarser, made.coarse_normal);
-        }
-    } else {
-        posed(cage, tile.patch).points_and_tangents(grid, out, width);
-        made.normal = arena.make_array<Vec3f>(count + 1).data();
-        for (std::size_t k = 0; k < count; ++k) {
-            const Vec3f n = glm::cross(Vec3f{out[3][k], out[4][k], out[5][k]}, Vec3f{out[6][k], out[7][k], out[8][k]});
-            const float length = glm::length(n);
-            // Where the tangents are parallel, as in a corner whose sides have one direction, there is no normal, and hits
-            // take the geometric one (accel/hit.cpp).
-            made.normal[k] = length > 0 ? n * ((cage.is_mirrored ? -1.0f : 1.0f) / length) : Vec3f(0);
-        }
-    }
+    const bool has_coarse = cage.is_displaced() && coarser != tile.rates;
+    const std::size_t of_a_key = has_coarse ? 2 * count : count;
+    made.normal = arena.make_array<Vec3f>(keys * of_a_key + 1).data();
+    if (has_coarse) made.coarse_normal = made.normal + count;
+    made.normals_of_a_key = of_a_key;
+    for (std::size_t k = 0; k < keys; ++k)
+        shade_normals(cage.at_key(static_cast<int>(k)), tile, coarser, made.normal + k * of_a_key,
+                      has_coarse ? made.coarse_normal + k * of_a_key : nullptr);
+    tangents_.resize(9 * count);
+    float* const out[3] = {&tangents_[0], &tangents_[count], &tangents_[2 * count]};
     for (int set = 0; set < std::min(2, cage.topology->uv_set_count()); ++set) {
         made.uv[set] = arena.make_array<Vec2f>(count + 1).data();
-        uv_patch(cage, tile.patch, set).points(grid, out[0], out[1], out[2], width);
+        uv_patch(cage, tile.patch, set).points(parameters_of(tile), out[0], out[1], out[2], width);
         for (std::size_t k = 0; k < count; ++k) made.uv[set][k] = {out[0][k], out[1][k]};
     }
     return made;

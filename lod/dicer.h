@@ -34,10 +34,11 @@ public:
     /// Hints that scale() and bounds() of a patch are called next, so that the tables of many patches are prefetched
     /// together.
     static void ask_for(const PosedCage& cage, PatchRef patch);
+    /// Returns the patch's size; the largest over all keys, if the cage moves, so that one rate serves them all.
     PatchScale scale(const PosedCage& cage, PatchRef patch);
 
     /// Returns a box that holds the region's surface and its mesh at all levels up to `coarsest` at which the region
-    /// consists of whole quads.
+    /// consists of whole quads. It is that of one key, if the cage moves.
     Box3f bounds(const PosedCage& cage, const PatchScale& scale, const PatchRegion& region, int coarsest);
 
     /// Returns the tile of level `level` that holds quad (i, j) of the patch's lattice at that level.
@@ -49,7 +50,7 @@ public:
     LevelGrid dice_pair(const PosedCage& cage, const TileRef& tile, const PatchRates& coarser, Arena& arena);
 
     /// Computes normals and texture coordinates of a tile's vertices from the patch itself; neighbouring patches do not
-    /// share them (creases, seams).
+    /// share them (creases, seams). A cage that moves has normals at each of its keys.
     /// coarser   the rates of the next coarser level, or the tile's own; a displaced cage has normals there too
     GridAttributes shade(const PosedCage& cage, const TileRef& tile, const PatchRates& coarser, Arena& arena);
 
@@ -86,6 +87,10 @@ private:
     };
 
     PosedPatch& posed(const PosedCage& cage, PatchRef patch);
+    PatchScale scale_at_key(const PosedCage& cage, PatchRef patch);
+    /// Computes normals of a tile's vertices, and coarse normals where coarse_normal is not null.
+    void shade_normals(const PosedCage& cage, const TileRef& tile, const PatchRates& coarser, Vec3f* normal,
+                       Vec3f* coarse_normal);
     CurveEntry& curve_entry(const PosedCage& cage, std::uint32_t curve);
     OwnerSpan owner_span(const Topology& topology, std::uint32_t curve, float ca, float cb) const;
     /// Returns ceil(log2) of the curve's largest speed.

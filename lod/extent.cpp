@@ -124,7 +124,7 @@ void Extent::visit_points(const Scene& scene, const std::function<void(Vec3d)>& 
             constexpr double kNode[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
             Arena arena;
             DeformCounters counters;
-            DeformedCage deformed(*slot, node, skin, kNode, arena, counters);
+            DeformedCage deformed(*slot, CagePose(*slot, node, skin), kNode, arena, counters);
             std::vector<Vec3d> controls(slot->cage.positions.size());
             for (std::uint32_t v = 0; v < controls.size(); ++v) controls[v] = Vec3d(deformed.position(v));
             for (const Vec3d p : State::points_of(shape, controls)) visit(transform_point(world_from_node, p));

@@ -39,6 +39,9 @@ struct LevelSettings {
     /// Segments of a ray overlap by the larger of these: in edges of the finer pair, and in ulps of the largest coordinate
     /// (watertightness rule 13). Tests make them small, since a wide overlap hides faults.
     float overlap_edges = 0.1f, overlap_ulps = 16;
+    /// The farthest that a control point may be, between the keys of a cage's motion, from where the scene's keys have it:
+    /// in target edge lengths where the cage is nearest to the camera.
+    float motion_edges = 0.25f;
 
     /// The largest distance, in world length, of points of displaced cages from the surface whose edges levels bound. An
     /// edge of M_l may be longer than d_l by twice this, and a vertex may move by the same amount more between levels, so

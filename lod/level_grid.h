@@ -78,7 +78,8 @@ struct GridAttributes {
     Vec3f* normal = nullptr;  ///< unit, of the limit surface or of the displaced one, outward
     /// Normals of the next coarser level, for displaced cages. If null, they are means of neighbours, as positions are.
     Vec3f* coarse_normal = nullptr;
-    Vec2f* uv[2] = {};  ///< null: the cage has no such set
+    Vec2f* uv[2] = {};                 ///< null: the cage has no such set
+    std::size_t normals_of_a_key = 0;  ///< if the cage moves: from a normal to the same one at the next key
 };
 
 }  // namespace occam::lod

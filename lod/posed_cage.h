@@ -4,6 +4,9 @@
 //          So an edge length there is a world length, coordinates stay small far from the world's origin, and a ray gets
 //          there by one subtraction in double.
 // Memory   plain data in the arena of a tree; it borrows scene and topology for the frame.
+//
+// A placed cage that moves in the shutter is an array of these, one at each key of its motion (cage_motion.h). They share
+// all that is not a position: the dicing frame, the radius and what displacement adds at most. So they are diced alike.
 #pragma once
 
 #include <span>
@@ -11,6 +14,7 @@
 #include "lod/clusters.h"
 #include "lod/deformed_cage.h"
 #include "lod/displacement.h"
+#include "lod/key_time.h"
 #include "lod/rates.h"
 #include "lod/topology.h"
 #include "scenegraph/scene.h"
@@ -18,17 +22,24 @@
 namespace occam::lod {
 
 struct PosedCage {
+    static constexpr std::uint32_t kAllSegments = ~0u;
+
     const CageSlot* slot = nullptr;
     const Topology* topology = nullptr;  ///< null for Scheme::Triangles
     const ClusterTree* clusters = nullptr;
     DeformedCage* deformed = nullptr;                     ///< null: rigid
     const DeformedClusters* deformed_clusters = nullptr;  ///< set if `deformed` is
+    const Vec3f* positions = nullptr;                     ///< of the vertices at rest; place() takes the slot's
+    const Box3f* cluster_boxes = nullptr;  ///< dicing frame, one for each cluster; null: they follow from the cage's tables
+    const PosedCage* keys = nullptr;       ///< this placed cage at all keys of its motion; null: it stands still
+    int segments = 0;                      ///< of its motion, one less than there are keys
     const Node* node = nullptr;
     NodeId node_id;
     std::uint8_t seen_by = RayKind::All;  ///< combined over all nodes that lead here, as is lit_by
     LightGroups lit_by = kAllGroups;
-    std::uint64_t key = 0;                ///< key of the path of nodes that leads here; it orders hits at equal distance
-    double frame_from_object[3][4] = {};  ///< rows: rotation and scale, then translation
+    std::uint32_t visible_in = kAllSegments;  ///< bit k: whether it is visible in segment k of the scene's shutter
+    std::uint64_t key = 0;                    ///< key of the path of nodes that leads here; it orders hits at equal distance
+    double frame_from_object[3][4] = {};      ///< rows: rotation and scale, then translation
     double columns[4][4] = {};       ///< the same map by columns, the last row 0, so that four sums are computed at a time
     Vec3d anchor{0};                 ///< world
     float radius = 0;                ///< radius of a ball around the anchor that holds the cage, world length
@@ -40,12 +51,16 @@ struct PosedCage {
     void keep() noexcept
     {
         for (int a = 0; a < 3; ++a) frame_from_object[a][a] = columns[a][a] = 1;
+        positions = slot->cage.positions.data();
     }
     /// Sets frame, anchor, radius and mirroring from the matrix of a placement.
     void place(const Mat4d& world_from_object, const Box3d& object_bounds) noexcept;
+    /// Does the first half of this: sets anchor and radius for a cage that stays in the box.
+    void set_frame(const Box3d& world) noexcept;
+    /// Does the second half.
+    void set_map(const Mat4d& world_from_object) noexcept;
     /// Deforms the cage by its skin and morph targets; call it after place().
-    /// skin   null: morph targets only
-    void deform(const DeformedClusters& bounds, const SkinSlot* skin, Arena& arena, DeformCounters& counters);
+    void deform(const DeformedClusters& bounds, const CagePose& pose, Arena& arena, DeformCounters& counters);
 
     /// Displaces the surface, if the cage has a displacement and the coordinates that it needs; call it after place() and
     /// deform().
@@ -55,7 +70,7 @@ struct PosedCage {
     /// Returns a box that holds the surface of a cluster's faces.
     Box3d world_box(std::uint32_t cluster) const noexcept;
     /// Returns a vertex of the cage in the dicing frame.
-    Vec3f vertex(std::uint32_t v) const { return deformed ? deformed->position(v) : pose(slot->cage.positions[v]); }
+    Vec3f vertex(std::uint32_t v) const { return deformed ? deformed->position(v) : pose(positions[v]); }
     /// Returns the unit normal of a vertex in world axes; it is 0 if the pose leaves no direction. The cage must have
     /// normals.
     Vec3f vertex_normal(std::uint32_t v) const noexcept
@@ -64,6 +79,10 @@ struct PosedCage {
     }
 
     Mat4d world_from_object() const noexcept;
+    /// Returns the cage at a key of its motion; itself if it stands still.
+    const PosedCage& at_key(int k) const noexcept { return keys ? keys[k] : *this; }
+    /// Returns whether faces are reversed at a moment of the cage's motion.
+    bool is_mirrored_at(KeyTime time) const noexcept;
 
     /// Returns the finest level that keeps all rates within kMaxExponent.
     int finest_level() const noexcept { return ceil_log2(16 * radius) - kMaxExponent; }

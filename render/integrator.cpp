@@ -120,7 +120,7 @@ void Integrator::cross_lights(const Path& path, const accel::Ray& ray, float t_f
 Vec2f Integrator::motion_of(const accel::Ray& ray, const accel::SurfaceHit& hit) const
 {
     if (!context_.settings.has(Aov::Motion) || !context_.moves) return Vec2f(0);
-    const Vec2d per_shutter = context_.camera.pixel_velocity(hit.position, Vec3d(0), ray.time);
+    const Vec2d per_shutter = context_.camera.pixel_velocity(hit.position, Vec3d(hit.velocity), ray.time);
     return Vec2f(per_shutter / context_.settings.shutter.length());
 }
 

@@ -7,14 +7,14 @@
 #include <sstream>
 
 #include "accel/frame.h"
+#include "accel/placement.h"
 #include "accel/tracer.h"
-#include "lod/dicer.h"
 #include "lod/ray_levels.h"
-#include "lod/topology_cache.h"
 #include "scenegraph/frame_scale.h"
 #include "verify/closed.h"
 #include "verify/grazing.h"
 #include "verify/ray_surface.h"
+#include "verify/subject.h"
 
 namespace occam {
 namespace {
@@ -35,101 +35,6 @@ Vec3d any_direction(Random& random)
         if (const double l = glm::length(d); l > 0.1 && l <= 1) return d / l;
     }
 }
-
-/// Describes how a node of another scene deforms its cages.
-struct Pose {
-    const Node& node;
-    const SkinSlot* skin;
-};
-
-/// Holds a cage diced at some pairs of levels, to find targets for rays and points inside.
-class Subject {
-public:
-    Subject(const Cage& cage, const Mat4d& place, const TextureStore* textures, const Pose* pose)
-    {
-        const CageId id = scene_.add(cage);
-        NodeDesc desc{.matrix = place, .cages = {id}};
-        if (pose) desc.morph_weights = pose->node.morph_weights;
-        if (pose && pose->skin && cage.skin.sets > 0) {
-            // Joints are placed where the node has them here, whatever their parents are there.
-            Skin skin;
-            for (const Mat4d& mesh_pose : pose->skin->mesh_poses)
-                skin.joints.push_back(
-                    scene_.add_node(scene_.root(), {.matrix = place * pose->node.node_from_skin * mesh_pose}));
-            desc.skin = scene_.add(std::move(skin));
-        }
-        const NodeId node = scene_.add_node(scene_.root(), desc);
-        scene_.refit();
-        const CageSlot& slot = scene_.cage(id);
-        const lod::CageTables& tables = topologies_.get(slot);
-        posed_.slot = &slot;
-        posed_.topology = tables.topology.get();
-        posed_.clusters = tables.clusters.get();
-        posed_.node = &scene_.node(node);
-        const SkinSlot* skin = scene_.find(posed_.node->skin);
-        posed_.place(place, cage_bounds(*posed_.node, slot, skin));
-        if (tables.deformed_clusters) posed_.deform(*tables.deformed_clusters, skin, pose_, deform_);
-        if (textures) posed_.displace(*textures);
-        for (std::uint32_t face = 0; face < posed_.topology->face_count(); ++face)
-            for (std::uint32_t sub = 0; posed_.topology->is_seen(face) && sub < posed_.topology->patches_of(face); ++sub)
-                patches_.push_back({{face, sub}, dicer_.scale(posed_, {face, sub})});
-    }
-
-    const Scene& scene() const noexcept { return scene_; }
-    lod::TopologyCache& topologies() noexcept { return topologies_; }
-    const lod::PosedCage& posed() const noexcept { return posed_; }
-    bool is_empty() const noexcept { return patches_.empty(); }
-
-    /// Returns the coarsest level at which some patch has a rate of at least `rate`.
-    int level_of_rate(int rate) const
-    {
-        int level = lod::kFinestLevel;
-        for (const Patch& p : patches_) {
-            const int exponent = static_cast<int>(std::log2(rate));
-            level = std::max({level, p.scale.k[0] - exponent, p.scale.k[1] - exponent});
-        }
-        return std::max(level, posed_.finest_level());
-    }
-
-    struct Pair {
-        int level = 0;
-        std::vector<lod::LevelGrid> grids, hanging;  ///< all grids, and those with T-vertices
-        std::vector<Vec3f> corners;                  ///< corners of the fine mesh's triangles
-    };
-    Pair dice(int level)
-    {
-        Pair pair;
-        pair.level = level;
-        for (const Patch& p : patches_) {
-            const lod::PatchRates rates = p.scale.rates(level);
-            for (std::uint32_t j = 0; j < 1u << rates.v; j += lod::TileRef::kMaxSide)
-                for (std::uint32_t i = 0; i < 1u << rates.u; i += lod::TileRef::kMaxSide) {
-                    const lod::TileRef tile = lod::Dicer::tile(p.ref, p.scale, level, i, j);
-                    const lod::LevelGrid grid = dicer_.dice_pair(posed_, tile, p.scale.rates(level + 1), arena_);
-                    pair.grids.push_back(grid);
-                    if (!grid.hanging.empty()) pair.hanging.push_back(grid);
-                    for (int y = 0; y < tile.rows; ++y)
-                        for (int x = 0; x < tile.columns; ++x)
-                            for (const auto& [dx, dy] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}})
-                                pair.corners.push_back(grid.vertex(x + dx, y + dy));
-                }
-        }
-        return pair;
-    }
-
-private:
-    struct Patch {
-        lod::PatchRef ref;
-        lod::PatchScale scale;
-    };
-    Scene scene_;
-    lod::TopologyCache topologies_;
-    lod::PosedCage posed_;
-    lod::Dicer dicer_;
-    Arena arena_, pose_;
-    lod::DeformCounters deform_;
-    std::vector<Patch> patches_;
-};
 
 /// Describes a point of the mesh as a function of a ray's blend.
 struct Target {
@@ -174,6 +79,21 @@ Target any_target(const Subject::Pair& pair, Random& random)
     return target;
 }
 
+/// Returns the unit in which all lengths of the test are: that of a frame that shows the cage alone.
+FrameScale scale_of(const ShownCage& shown)
+{
+    Box3d world;
+    for (const Mat4d& matrix : shown.world_from_object) world.add(transform_box(matrix, shown.slot.cage.bounds()));
+    return FrameScale(world);
+}
+
+std::vector<Mat4d> placed_by(const FrameScale& scale, std::span<const Mat4d> world_from_object)
+{
+    std::vector<Mat4d> placed;
+    for (const Mat4d& matrix : world_from_object) placed.push_back(scale.placed(matrix));
+    return placed;
+}
+
 struct Start {
     Vec3d at;
     double reach;  ///< edges longer than this may put the point outside
@@ -181,14 +101,14 @@ struct Start {
 
 class EscapeTest {
 public:
-    EscapeTest(const Cage& cage, const Mat4d& place, const VerifySettings& settings, const TextureStore* textures,
-               const Pose* pose, VerifiedCage& report)
+    EscapeTest(const ShownCage& shown, const VerifySettings& settings, const TextureStore* textures, VerifiedCage& report)
         : settings_(settings),
           textures_(textures),
           report_(report),
           random_(settings.seed * 0x9E3779B97F4A7C15u + 1),
-          scale_(transform_box(place, cage.bounds())),
-          subject_(cage, scale_.placed(place), textures, pose)
+          scale_(scale_of(shown)),
+          frame_from_object_(placed_by(scale_, shown.world_from_object)),
+          subject_({shown.slot, shown.node, shown.skin, frame_from_object_, shown.segments}, textures)
     {
     }
 
@@ -198,16 +118,23 @@ public:
             report_.not_testable = "it has no limit surface";
             return;
         }
+        choose_instants();
         // The level is finer if the inside is thinner than the edges.
         finest_ = subject_.level_of_rate(settings_.largest_rate);
-        for (int finer = 0; finer < kFiner && starts_.empty(); ++finer, --finest_) {
-            pairs_.clear();
-            for (int level = finest_; level < finest_ + kLevels; ++level) pairs_.push_back(subject_.dice(level));
-            find_starts();
-            if (!starts_.empty() || pairs_.front().corners.size() > kMostCorners) break;
+        for (int finer = 0; finer < kFiner && report_.starts == 0; ++finer, --finest_) {
+            std::size_t corners = 0;
+            for (Instant& instant : instants_) {
+                instant.pairs.clear();
+                for (int level = finest_; level < finest_ + kLevels; ++level)
+                    instant.pairs.push_back(subject_.dice(level, instant.time));
+                corners += instant.pairs.front().corners.size();
+                find_starts(instant);
+                report_.starts += instant.starts.size();
+            }
+            if (report_.starts > 0 || corners > kMostCorners) break;
         }
-        report_.starts = starts_.size();
-        if (starts_.empty()) {
+        std::erase_if(instants_, [](const Instant& instant) { return instant.starts.empty(); });
+        if (instants_.empty()) {
             report_.not_testable = "no point inside was found: no winding number is 1";
             return;
         }
@@ -216,6 +143,7 @@ public:
         levels.pixel = {lod::edge_length(finest_), 0};
         levels.shading_rate = 1 / lod::LevelSettings::kLongestEdge;  // footprints equal edge lengths
         levels.displaced = subject_.posed().displacement.reach;
+        levels.motion_edges = 0;
         engine_levels_ = levels;
         if (settings_.overlap_ulps > 0) {
             levels.overlap_edges = 0;
@@ -235,32 +163,53 @@ public:
     }
 
 private:
-    static constexpr int kLevels = 4, kFiner = 5;
+    static constexpr int kLevels = 4, kFiner = 5, kInstants = 8;
     static constexpr std::size_t kMostCorners = 2'000'000;
 
-    void find_starts()
+    /// A moment of the shutter, and points that are inside the cage then.
+    struct Instant {
+        float time = 0;
+        std::vector<Subject::Pair> pairs;
+        std::vector<Start> starts;
+    };
+
+    /// Chooses the moments at which rays see the cage: one if it stands still, else one of its keys, and others anywhere.
+    void choose_instants()
     {
+        instants_.resize(1);
+        const int segments = subject_.posed().segments;
+        if (segments == 0) return;
+        instants_.resize(kInstants);
+        for (Instant& instant : instants_) instant.time = static_cast<float>(uniform(random_));
+        const auto key = static_cast<int>(random_() % static_cast<unsigned>(segments + 1));
+        instants_[0].time = static_cast<float>(key) / static_cast<float>(segments);
+    }
+
+    void find_starts(Instant& instant)
+    {
+        const std::vector<Subject::Pair>& pairs = instant.pairs;
+        std::vector<Start>& starts = instant.starts;
         Box3d box;
-        for (const Vec3f v : pairs_.front().corners) box.add(Vec3d(v));
-        const std::size_t triangles = pairs_.front().corners.size() / 3;
-        const auto most = static_cast<std::size_t>(std::clamp<double>(4e6 / double(triangles), 8, 256));
+        for (const Vec3f v : pairs.front().corners) box.add(Vec3d(v));
+        const std::size_t triangles = pairs.front().corners.size() / 3;
+        const auto most = static_cast<std::size_t>(std::clamp<double>(4e6 / double(triangles), 8, 256)) / instants_.size();
         const auto distance_to_mesh = [&](Vec3d p) {
             double nearest = box.radius();
-            for (const Vec3f v : pairs_.front().corners) nearest = std::min(nearest, glm::distance(Vec3d(v), p));
+            for (const Vec3f v : pairs.front().corners) nearest = std::min(nearest, glm::distance(Vec3d(v), p));
             return nearest;
         };
-        for (std::size_t attempt = 0; attempt < 4 * most && starts_.size() < most / 4; ++attempt) {
+        for (std::size_t attempt = 0; attempt < 4 * most && starts.size() < most / 4; ++attempt) {
             // Half of the points lie anywhere, half near the surface.
             Vec3d p = box.lo + box.extent() * Vec3d(uniform(random_), uniform(random_), uniform(random_));
             if (attempt & 1)
-                p = Vec3d(pick(pairs_.front().corners, random_)) +
+                p = Vec3d(pick(pairs.front().corners, random_)) +
                     any_direction(random_) * (lod::edge_length(finest_) * uniform(random_, 2, 6));
             const double reach = distance_to_mesh(p) * 0.5;
             if (reach < lod::edge_length(finest_)) continue;
             // The point must be inside the fine mesh and all coarser ones that rays from here may see, with a little
             // room on all sides.
             bool is_inside = true;
-            for (const Subject::Pair& pair : pairs_) {
+            for (const Subject::Pair& pair : pairs) {
                 if (pair.level > finest_ + 1 && lod::edge_length(pair.level) > 2 * reach) break;
                 for (int k = 0; k < 7 && is_inside; ++k) {
                     Vec3d step(0);
@@ -268,17 +217,18 @@ private:
                     is_inside = winding_number(pair.corners, p + step) > 0.9;
                 }
             }
-            if (is_inside) starts_.push_back({p, reach});
+            if (is_inside) starts.push_back({p, reach});
         }
     }
 
     accel::Ray next_ray()
     {
-        const Start& start = pick(starts_, random_);
+        const Instant& instant = instants_.size() > 1 ? pick(instants_, random_) : instants_.front();
+        const Start& start = pick(instant.starts, random_);
         // These are target edge lengths that rays from here may have at their hit.
         const int coarsest = std::clamp(std::ilogb(start.reach), finest_ + 1, finest_ + kLevels);
         const int level = finest_ + static_cast<int>(random_() % static_cast<unsigned>(coarsest - finest_));
-        const Subject::Pair& pair = pairs_[static_cast<std::size_t>(level - finest_)];
+        const Subject::Pair& pair = instant.pairs[static_cast<std::size_t>(level - finest_)];
         const Target target = any_target(pair, random_);
         const Vec3d rough = Vec3d(target.grid->at(target.a));
         const double distance = std::max(glm::distance(rough, start.at), 1e-6 * start.reach);
@@ -303,6 +253,7 @@ private:
             a = at_hit - b * where;
         }
         accel::Ray ray;
+        ray.time = instant.time;
         ray.origin = subject_.posed().anchor + start.at;
         ray.footprint = {static_cast<float>(a), static_cast<float>(b)};
 
@@ -352,7 +303,7 @@ private:
         const Vec3d origin = ray.origin * scale_.to_world();
         out << "origin " << origin.x << ' ' << origin.y << ' ' << origin.z << " direction " << ray.direction.x << ' '
             << ray.direction.y << ' ' << ray.direction.z << " footprint " << double(ray.footprint.a) * scale_.to_world()
-            << ' ' << ray.footprint.b;
+            << ' ' << ray.footprint.b << " time " << ray.time;
         report_.replay.push_back(out.str());
     }
 
@@ -378,9 +329,9 @@ private:
         if (!table.set({ray.footprint.a, ray.footprint.b}, 0, far, far, levels_)) return 1;
         table.make();
         return winding_number_of_ray(ray.origin - subject_.posed().anchor, glm::normalize(Vec3d(ray.direction)), table,
-                                     finest_, [this](int level) -> const std::vector<lod::LevelGrid>& {
-                                         auto [at, is_new] = diced_.try_emplace(level);
-                                         if (is_new) at->second = subject_.dice(level).grids;
+                                     finest_, [&](int level) -> const std::vector<lod::LevelGrid>& {
+                                         auto [at, is_new] = diced_.try_emplace({ray.time, level});
+                                         if (is_new) at->second = subject_.dice(level, ray.time).grids;
                                          return at->second;
                                      });
     }
@@ -388,20 +339,20 @@ private:
     const VerifySettings& settings_;
     const TextureStore* textures_;
     VerifiedCage& report_;
-    std::map<int, std::vector<lod::LevelGrid>> diced_;  ///< diced when rays escape
+    std::map<std::pair<float, int>, std::vector<lod::LevelGrid>> diced_;  ///< by time and level; diced when rays escape
     Random random_;
     FrameScale scale_;  ///< all lengths are in its unit
+    std::vector<Mat4d> frame_from_object_;
     Subject subject_;
     int finest_ = 0;
-    std::vector<Subject::Pair> pairs_;
-    std::vector<Start> starts_;
+    std::vector<Instant> instants_;
     lod::LevelSettings levels_, engine_levels_;
     std::unique_ptr<GrazingRays> grazing_;  ///< made when the first ray hits nothing
 };
 
-VerifiedCage verify_posed(const Cage& cage, const Mat4d& world_from_object, const VerifySettings& settings,
-                          const TextureStore* textures, const Pose* pose)
+VerifiedCage verify_shown(const ShownCage& shown, const VerifySettings& settings, const TextureStore* textures)
 {
+    const Cage& cage = shown.slot.cage;
     VerifiedCage report;
     report.cage = cage.name;
     report.faces = cage.face_count();
@@ -410,7 +361,7 @@ VerifiedCage verify_posed(const Cage& cage, const Mat4d& world_from_object, cons
         return report;
     }
     if (report.not_testable = why_not_closed(cage); !report.not_testable.empty()) return report;
-    EscapeTest(cage, world_from_object, settings, textures, pose, report).run();
+    EscapeTest(shown, settings, textures, report).run();
     return report;
 }
 
@@ -419,7 +370,9 @@ VerifiedCage verify_posed(const Cage& cage, const Mat4d& world_from_object, cons
 VerifiedCage verify(const Cage& cage, const Mat4d& world_from_object, const VerifySettings& settings,
                     const TextureStore* textures)
 {
-    return verify_posed(cage, world_from_object, settings, textures, nullptr);
+    CageSlot slot;
+    slot.cage = cage;
+    return verify_shown({slot, nullptr, nullptr, {&world_from_object, 1}, 0}, settings, textures);
 }
 
 std::vector<VerifiedCage> verify(Scene& scene, const VerifySettings& settings)
@@ -428,10 +381,10 @@ std::vector<VerifiedCage> verify(Scene& scene, const VerifySettings& settings)
     scene.refit();
     TextureStore textures(std::size_t(1) << 30);
     if (scene.contents().has(Contents::Displaced)) textures.prepare(scene);
-    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d& world_from_node) {
+    accel::for_each_placement(scene, [&](const Node& node, std::span<const Mat4d> world_from_node) {
         for (const CageId id : node.cages) {
-            const Pose pose{node, scene.find(node.skin)};
-            reports.push_back(verify_posed(scene.cage(id).cage, world_from_node, settings, &textures, &pose));
+            const ShownCage shown{scene.cage(id), &node, scene.find(node.skin), world_from_node, scene.shutter_segments()};
+            reports.push_back(verify_shown(shown, settings, &textures));
             reports.back().node = node.name;
         }
     });

@@ -59,7 +59,8 @@ std::string why_not_closed(const Cage& cage);
 VerifiedCage verify(const Cage& cage, const Mat4d& world_from_object, const VerifySettings& settings,
                     const TextureStore* textures = nullptr);
 
-/// Tests every cage of a scene, in each of its placements and poses. Refits the bounds of the scene.
+/// Tests every cage of a scene, in each of its placements and poses. If the scene has a shutter, rays see the cages at
+/// several moments of it. Refits the bounds of the scene.
 std::vector<VerifiedCage> verify(Scene& scene, const VerifySettings& settings);
 
 }  // namespace occam

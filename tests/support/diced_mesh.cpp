@@ -27,7 +27,7 @@ DicedCage::DicedCage(const Cage& cage, int level, const Mat4d& world_from_object
     posed.level = level;
     const SkinSlot* pose = scene_.find(posed.node->skin);
     posed.place(world_from_object, cage_bounds(*posed.node, slot, pose));
-    if (tables.deformed_clusters) posed.deform(*tables.deformed_clusters, pose, pose_, deform_);
+    if (tables.deformed_clusters) posed.deform(*tables.deformed_clusters, {slot, *posed.node, pose}, pose_, deform_);
     if (textures) posed.displace(*textures);
 }
 

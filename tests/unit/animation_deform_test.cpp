@@ -59,7 +59,7 @@ void expect_true_to_formulas(Scene& scene, const char* what)
             posed.clusters = tables.clusters.get();
             const Box3d box = transform_box(world, cage_bounds(node, slot, skin));
             posed.place(world, cage_bounds(node, slot, skin));
-            if (tables.deformed_clusters) posed.deform(*tables.deformed_clusters, skin, arena, counters);
+            if (tables.deformed_clusters) posed.deform(*tables.deformed_clusters, {slot, node, skin}, arena, counters);
             // Vertices are rounded to float in a frame of the cage's size, and the formulas add in another order.
             const double slack = 1e-6 * double(posed.radius) + 1e-12 * whole.largest_coordinate();
             std::vector<Vec3d> vertices;

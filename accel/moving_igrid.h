@@ -1,0 +1,74 @@
+// Sends rays of a packet, and single rays, through an igrid that moves.
+//
+// A kernel reads positions between two keys, so the rays of a packet are split by the segments of the igrid's motion in
+// which their times lie: one pass for each segment, since gathering each ray's own keys costs more. Where few rays share a
+// segment, each is traced alone.
+#pragma once
+
+#include <bit>
+
+#include "accel/igrid_intersect.h"
+#include "accel/leaf_boxes.h"
+#include "accel/packet.h"
+
+namespace occam::accel {
+
+/// Describes as many rays as there are lanes, in the frame of the igrid's cage.
+struct LanesAtGrid {
+    std::span<const Ray> rays;
+    const RayLanes& lanes;
+    const bool (&negative)[3];
+    RaySpan span;
+};
+
+/// Meets the igrid with the rays `which`, one bit each.
+template <class Found>
+OCCAM_NEVER_INLINE void meet_moving(IGrid& grid, const LanesAtGrid& at, unsigned which, PartOf<Found>& query)
+{
+    lod::KeyTime times[kLanes];
+    alignas(32) float shares[kLanes]{};
+    for (unsigned left = which; left != 0; left &= left - 1) {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+        times[lane] = lod::key_time(at.rays[lane].time, grid.segments);
+        shares[lane] = times[lane].share;
+    }
+    const vfloat share = vfloat::load(shares);
+    while (which != 0) {
+        const int key = times[std::countr_zero(which)].key;
+        unsigned here = 0;
+        alignas(32) float is_here[kLanes]{};
+        for (unsigned left = which; left != 0; left &= left - 1) {
+            const int lane = std::countr_zero(left);
+            if (times[lane].key != key) continue;
+            here |= 1u << lane;
+            is_here[lane] = 1;
+        }
+        which &= ~here;
+        if (std::popcount(here) >= kWorthAPacket) {
+            IGridTracer(grid, at.lanes, at.negative, at.span, query, MovingCoordinates(key, share))
+                .packet(vfloat::load(is_here) > vfloat(0.0f), [&] {
+                    return RaysAsOne<vfloat>(at.lanes.origin, at.lanes.inverse, at.negative, at.lanes.shift, -FLT_MAX);
+                });
+            continue;
+        }
+        for (; here != 0; here &= here - 1) {
+            const int lane = std::countr_zero(here);
+            LaneOf<Found> one{query, lane};
+            RayLanes ray = spread(at.lanes, lane);
+            if (grid.blends()) ray.blend = spread(at.lanes.blend, lane);
+            IGridTracer(grid, ray, at.negative, {spread(at.span.t_near, lane), spread(at.span.t_end, lane)}, one,
+                        MovingCoordinates(key, spread(share, lane)))
+                .single(lane);
+        }
+    }
+}
+
+/// Meets the igrid with one ray, which is in all lanes.
+template <class Found>
+OCCAM_NEVER_INLINE void meet_moving(IGrid& grid, const LanesAtGrid& at, SingleQuery<Found>& query)
+{
+    const lod::KeyTime time = lod::key_time(at.rays.front().time, grid.segments);
+    IGridTracer(grid, at.lanes, at.negative, at.span, query, MovingCoordinates(time.key, time.share)).single(query.only);
+}
+
+}  // namespace occam::accel

@@ -1,0 +1,60 @@
+#include "accel/placement.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "lod/posed_cage.h"
+
+namespace occam::accel {
+
+std::uint32_t visible_in(const Node& node, int segments) noexcept
+{
+    if (segments == 0 || node.keys.empty()) return node.visible ? lod::PosedCage::kAllSegments : 0;
+    std::uint32_t seen = 0;
+    for (int k = 0; k < segments; ++k)
+        if (node.keys[static_cast<std::size_t>(k)].visible) seen |= 1u << k;
+    const std::uint32_t all = segments == lod::kMostSegments ? ~0u : (1u << segments) - 1;
+    return seen == all ? lod::PosedCage::kAllSegments : seen;
+}
+
+bool moves_in_parent(const Node& node) noexcept
+{
+    return std::any_of(node.keys.begin(), node.keys.end(),
+                       [&](const NodeKey& key) { return key.parent_from_node != node.parent_from_node; });
+}
+
+void for_each_placement(const Scene& scene, const std::function<void(const Node&, std::span<const Mat4d>)>& visit)
+{
+    struct Place {
+        NodeId id;
+        std::vector<Mat4d> world_from_node;
+        std::uint32_t seen;
+    };
+    const int segments = scene.shutter_segments();
+    const auto below = [&](const Place& parent, NodeId id, const Node& child) {
+        Place place{id, parent.world_from_node, parent.seen & visible_in(child, segments)};
+        if (segments > 0 && moves_in_parent(child)) {
+            place.world_from_node.resize(static_cast<std::size_t>(segments) + 1, parent.world_from_node.front());
+            for (std::size_t k = 0; k < place.world_from_node.size(); ++k)
+                place.world_from_node[k] = place.world_from_node[k] * child.keys[k].parent_from_node;
+        } else {
+            for (Mat4d& world : place.world_from_node) world = world * child.parent_from_node;
+        }
+        return place;
+    };
+    std::vector<Place> todo;
+    const Place world{{}, {Mat4d(1)}, lod::PosedCage::kAllSegments};
+    todo.push_back(below(world, scene.root(), scene.node(scene.root())));
+    while (!todo.empty()) {
+        const Place place = std::move(todo.back());
+        todo.pop_back();
+        if (place.seen == 0) continue;
+        const Node& node = scene.node(place.id);
+        visit(node, place.world_from_node);
+        for (const NodeId child : node.children)
+            if (const Node* there = scene.find(child)) todo.push_back(below(place, child, *there));
+        if (scene.find(node.instance_of)) todo.push_back({node.instance_of, place.world_from_node, place.seen});
+    }
+}
+
+}  // namespace occam::accel

@@ -1,0 +1,178 @@
+#include "lod/cage_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace occam::lod {
+namespace {
+
+/// The largest length of the image of a box's point under a linear map of positions.
+double farthest_image(const Mat4d& map, const Box3d& box) noexcept
+{
+    if (box.is_empty()) return 0;
+    double farthest = 0;
+    for (int i = 0; i < 8; ++i) {
+        const Vec4d corner(i & 1 ? box.hi.x : box.lo.x, i & 2 ? box.hi.y : box.lo.y, i & 4 ? box.hi.z : box.lo.z, 1);
+        farthest = std::max(farthest, glm::length(Vec3d(map * corner)));
+    }
+    return farthest;
+}
+
+/// Returns a bound on the factor by which a map lengthens a vector.
+double stretch_bound(const Mat4d& map) noexcept
+{
+    double squares = 0;
+    for (int c = 0; c < 3; ++c) squares += glm::dot(Vec3d(map[c]), Vec3d(map[c]));
+    return std::sqrt(squares);
+}
+
+Mat4d between(const Mat4d& a, const Mat4d& b, double share) noexcept { return a * (1 - share) + b * share; }
+double share_of(int key, int before, int after) noexcept { return double(key - before) / double(after - before); }
+
+}  // namespace
+
+CageMotion::CageMotion(const CageSlot& slot, const Node& node, const SkinSlot* skin, std::span<const Mat4d> world_from_node,
+                       int segments) noexcept
+    : slot_(slot), node_(node), skin_(skin), world_(world_from_node), segments_(segments)
+{
+    is_skinned_ = skin && slot.cage.skin.sets > 0;
+    if (segments == 0) return;
+    moves_positions_ = !slot.key_positions.empty();
+    moves_maps_ = world_.size() > 1 || (is_skinned_ && !skin->key_poses.empty());
+    for (const NodeKey& key : node.keys) {
+        moves_maps_ = moves_maps_ || (is_skinned_ && key.node_from_skin != node.keys.front().node_from_skin);
+        moves_weights_ = moves_weights_ ||
+                         (!slot.cage.morph_targets.empty() && key.morph_weights != node.keys.front().morph_weights);
+    }
+    changes_ = int(moves_maps_) + int(moves_weights_) + int(moves_positions_);
+}
+
+Box3d CageMotion::world_box() const noexcept
+{
+    const Box3d bounds = cage_bounds(node_, slot_, skin_);
+    Box3d box;
+    for (const Mat4d& world : world_) box.add(transform_box(world, bounds));
+    return box;
+}
+
+double CageMotion::deviation_of_maps(int key, int before, int after) const
+{
+    const double share = share_of(key, before, after);
+    const CagePose at = pose(key), a = pose(before), b = pose(after);
+    if (!is_skinned_) {
+        const Mat4d off = world(key) - between(world(before), world(after), share);
+        return farthest_image(off, slot_.is_deformed() ? cage_bounds(node_, slot_, skin_) : slot_.bounds);
+    }
+    const Box3d moved = morph_extent(slot_.deform[0].offsets, at.morph_weights);
+    double farthest = 0;
+    for (const JointBox& joint : slot_.deform[0].joints) {
+        const auto map = [&](int k, const CagePose& pose) {
+            const Mat4d mesh = joint.joint < pose.joints.size() ? pose.joints[joint.joint] : Mat4d(1);
+            return world(k) * pose.node_from_skin * mesh;
+        };
+        const Mat4d off = map(key, at) - between(map(before, a), map(after, b), share);
+        farthest = std::max(farthest, farthest_image(off, {Vec3d(joint.box.lo) + moved.lo, Vec3d(joint.box.hi) + moved.hi}));
+    }
+    return farthest;
+}
+
+double CageMotion::deviation_of_weights(int key, int before, int after) const
+{
+    const double share = share_of(key, before, after);
+    const std::span<const float> at = pose(key).morph_weights, a = pose(before).morph_weights, b = pose(after).morph_weights;
+    const std::span<const Box3f> offsets = slot_.deform[0].offsets;
+    double stretch = stretch_bound(world(0));
+    if (is_skinned_) {
+        const CagePose first = pose(0);
+        double largest = stretch_bound(first.node_from_skin);
+        for (const Mat4d& joint : first.joints) largest = std::max(largest, stretch_bound(first.node_from_skin * joint));
+        stretch *= largest;
+    }
+    double sum = 0;
+    for (std::size_t t = 0; t < std::min({at.size(), a.size(), b.size(), offsets.size()}); ++t) {
+        if (offsets[t].is_empty()) continue;
+        const double off = std::abs(double(at[t]) - (double(a[t]) * (1 - share) + double(b[t]) * share));
+        sum += off * glm::length(Vec3d(glm::max(glm::abs(offsets[t].lo), glm::abs(offsets[t].hi))));
+    }
+    return sum * stretch;
+}
+
+double CageMotion::deviation_of_positions(int key, int before, int after) const
+{
+    const double share = share_of(key, before, after);
+    const auto &at = slot_.key_positions[std::size_t(key)], &a = slot_.key_positions[std::size_t(before)],
+               &b = slot_.key_positions[std::size_t(after)];
+    double squared = 0;
+    for (std::size_t v = 0; v < at.size(); ++v) {
+        const Vec3d off = Vec3d(at[v]) - glm::mix(Vec3d(a[v]), Vec3d(b[v]), share);
+        squared = std::max(squared, glm::dot(off, off));
+    }
+    return std::sqrt(squared) * stretch_bound(world(0));
+}
+
+double CageMotion::deviation(int key, int before, int after) const
+{
+    // Several changes multiply, which no sum of their own deviations bounds.
+    if (changes_ > 1 || (moves_positions_ && slot_.is_deformed())) return std::numeric_limits<double>::infinity();
+    return moves_maps_      ? deviation_of_maps(key, before, after)
+           : moves_weights_ ? deviation_of_weights(key, before, after)
+                            : deviation_of_positions(key, before, after);
+}
+
+int CageMotion::segments(double tolerance) const
+{
+    for (int segments = 1; segments < segments_; segments *= 2) {
+        const int step = segments_ / segments;
+        bool is_near = true;
+        for (int key = 0; key < segments_ && is_near; ++key) {
+            const int before = key / step * step;
+            if (key != before) is_near = deviation(key, before, before + step) <= tolerance;
+        }
+        if (is_near) return segments;
+    }
+    return segments_;
+}
+
+PosedCage& CageMotion::make_keys(const PosedCage& still, int segments, const PosingTools& tools) const
+{
+    const auto count = static_cast<std::size_t>(segments) + 1;
+    const std::span<PosedCage> keys = tools.arena.make_array<PosedCage>(count);
+    const int step = segments_ / segments;
+    const Box3d box = world_box();
+    float reach = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+        PosedCage& cage = *new (&keys[k]) PosedCage(still);
+        const int key = static_cast<int>(k) * step;
+        cage.set_frame(box);
+        cage.set_map(world(key));
+        const CagePose at = pose(key);
+        cage.positions = at.positions.data();
+        if (tools.tables.deformed_clusters) cage.deform(*tools.tables.deformed_clusters, at, tools.arena, tools.counters);
+        if (moves_positions_) {
+            std::vector<Vec3f> posed(at.positions.size());
+            for (std::uint32_t v = 0; v < posed.size(); ++v) posed[v] = cage.vertex(v);
+            const std::span<Box3f> boxes = tools.arena.make_array<Box3f>(cage.clusters->node_count());
+            cage.clusters->boxes_at(slot_.cage, posed, boxes);
+            cage.cluster_boxes = boxes.data();
+        }
+        if (tools.textures) cage.displace(*tools.textures);
+        reach = std::max(reach, cage.displacement.reach);
+    }
+    for (PosedCage& key : keys) key.displacement.reach = reach;
+    keys[0].keys = keys.data();
+    keys[0].segments = segments;
+    return keys[0];
+}
+
+double motion_tolerance(const LevelSettings& settings, const Box3d& world) noexcept
+{
+    constexpr double kNearest = 1.0 / 64, kRounding = 0x1p-22;  // in radii of the box
+    const double radius = world.radius();
+    const double distance = glm::distance(settings.eye, glm::clamp(settings.eye, world.lo, world.hi));
+    const float edge = settings.target_edge(settings.pixel).at(static_cast<float>(std::max(distance, radius * kNearest)));
+    const double allowed = std::isfinite(edge) ? double(settings.motion_edges) * double(edge) : 0;
+    return std::max(allowed, radius * kRounding);
+}
+
+}  // namespace occam::lod

@@ -1,0 +1,68 @@
+// How a placed cage moves in the shutter of a frame, and the keys by which it is diced.
+//
+// The scene records placements, joints, morph weights and vertices at the keys of its shutter. A placed cage takes every
+// n-th of these keys, such that none that it leaves out lies far from the straight line between its neighbours.
+//
+// Space    world, and the dicing frame of PosedCage, which is one for all keys.
+// Memory   the keys lie in a worker's arena.
+// Threads  const after construction.
+#pragma once
+
+#include <span>
+
+#include "lod/footprint.h"
+#include "lod/posed_cage.h"
+#include "lod/topology_cache.h"
+
+namespace occam::lod {
+
+/// What posing a cage needs.
+struct PosingTools {
+    const CageTables& tables;
+    const TextureStore* textures;  ///< null: nothing is displaced
+    Arena& arena;
+    DeformCounters& counters;
+};
+
+class CageMotion {
+public:
+    /// Borrows its arguments.
+    /// skin              the node's, or null
+    /// world_from_node   at each key of the shutter, or once if the placement stands still
+    /// segments          of the scene's shutter; 0: it has none
+    CageMotion(const CageSlot& slot, const Node& node, const SkinSlot* skin, std::span<const Mat4d> world_from_node,
+               int segments) noexcept;
+
+    /// Returns whether any vertex moves.
+    bool moves() const noexcept { return changes_ > 0; }
+    /// Returns a box, in world axes, that the cage never leaves.
+    Box3d world_box() const noexcept;
+    /// Returns the least power of two of segments with which no control point is farther than `tolerance` from where the
+    /// scene's keys have it.
+    int segments(double tolerance) const;
+    /// Makes the cage at the keys of a motion of so many segments. All keys are copies of `still`, in the same dicing frame.
+    PosedCage& make_keys(const PosedCage& still, int segments, const PosingTools& tools) const;
+
+private:
+    const Mat4d& world(int key) const noexcept { return world_[world_.size() > 1 ? std::size_t(key) : 0]; }
+    CagePose pose(int key) const noexcept { return {slot_, node_, skin_, key}; }
+    double deviation(int key, int before, int after) const;
+    double deviation_of_maps(int key, int before, int after) const;
+    double deviation_of_weights(int key, int before, int after) const;
+    double deviation_of_positions(int key, int before, int after) const;
+
+    const CageSlot& slot_;
+    const Node& node_;
+    const SkinSlot* skin_;
+    std::span<const Mat4d> world_;
+    int segments_;
+    bool is_skinned_;
+    bool moves_maps_ = false, moves_weights_ = false, moves_positions_ = false;
+    int changes_ = 0;  ///< how many of these are true
+};
+
+/// Returns how far control points in the box may be from where the scene's keys have them, unseen:
+/// LevelSettings::motion_edges of the target edge length where the box is nearest to the camera, and no less than rounding.
+double motion_tolerance(const LevelSettings& settings, const Box3d& world) noexcept;
+
+}  // namespace occam::lod

@@ -1,0 +1,126 @@
+#include "verify/subject.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace occam {
+
+Subject::Subject(const ShownCage& shown, const TextureStore* textures)
+{
+    add(shown);
+    scene_.refit();
+    const CageSlot& slot = scene_.cage(cage_);
+    const lod::CageTables& tables = topologies_.get(slot);
+    still_.slot = &slot;
+    still_.topology = tables.topology.get();
+    still_.clusters = tables.clusters.get();
+    still_.node = &scene_.node(node_);
+    const SkinSlot* skin = scene_.find(still_.node->skin);
+    posed_ = &still_;
+    const std::vector<Mat4d> own = scene_.world_from_node_keys(node_);
+    const Mat4d place = scene_.world_from_node(node_);
+    const lod::CageMotion motion(slot, *still_.node, skin, own.empty() ? std::span(&place, 1) : std::span(own),
+                                 scene_.shutter_segments());
+    if (motion.moves()) {
+        // The frame's tolerance is that of exact paths, too.
+        lod::LevelSettings exact;
+        exact.motion_edges = 0;
+        const int segments = motion.segments(lod::motion_tolerance(exact, motion.world_box()));
+        posed_ = &motion.make_keys(still_, segments, {tables, textures, pose_, deform_});
+    } else {
+        still_.place(place, cage_bounds(*still_.node, slot, skin));
+        if (tables.deformed_clusters) still_.deform(*tables.deformed_clusters, {slot, *still_.node, skin}, pose_, deform_);
+        if (textures) still_.displace(*textures);
+    }
+    const lod::Topology& topology = *posed_->topology;
+    for (std::uint32_t face = 0; face < topology.face_count(); ++face)
+        for (std::uint32_t sub = 0; topology.is_seen(face) && sub < topology.patches_of(face); ++sub)
+            patches_.push_back({{face, sub}, dicer_.scale(*posed_, {face, sub})});
+}
+
+// Adds the cage and its node, with joints below the root wherever they are in the other scene, and records their motion.
+void Subject::add(const ShownCage& shown)
+{
+    cage_ = scene_.add(shown.slot.cage);
+    const auto matrix_at = [&](std::size_t key) {
+        return shown.world_from_object.size() > 1 ? shown.world_from_object[key] : shown.world_from_object[0];
+    };
+    NodeDesc desc{.matrix = matrix_at(0), .cages = {cage_}};
+    if (shown.node) desc.morph_weights = shown.node->morph_weights;
+    std::vector<NodeId> joints;
+    const bool is_skinned = shown.skin && shown.slot.cage.skin.sets > 0;
+    const bool moves = shown.segments > 0;
+    const auto pose_at = [&](std::size_t key) {
+        return lod::CagePose(shown.slot, *shown.node, shown.skin, moves ? static_cast<int>(key) : -1);
+    };
+    const auto joint_at = [&](const lod::CagePose& pose, std::size_t j, std::size_t key) {
+        return matrix_at(key) * pose.node_from_skin * pose.joints[j];
+    };
+    if (is_skinned) {
+        Skin skin;
+        const lod::CagePose pose = pose_at(0);
+        for (std::size_t j = 0; j < pose.joints.size(); ++j)
+            skin.joints.push_back(scene_.add_node(scene_.root(), {.matrix = joint_at(pose, j, 0)}));
+        joints = skin.joints;
+        desc.skin = scene_.add(std::move(skin));
+    }
+    node_ = scene_.add_node(scene_.root(), desc);
+    if (!moves) return;
+    scene_.record_shutter(shown.segments, [&](double tau) {
+        const auto key = static_cast<std::size_t>(tau * shown.segments);
+        scene_.set_transform(node_, matrix_at(key));
+        if (!shown.slot.key_positions.empty()) scene_.write_vertices(cage_, shown.slot.key_positions[key]);
+        if (!shown.node) return;
+        const lod::CagePose pose = pose_at(key);
+        for (std::size_t j = 0; j < joints.size(); ++j) scene_.set_transform(joints[j], joint_at(pose, j, key));
+        if (!shown.node->keys.empty()) scene_.set_morph_weights(node_, shown.node->keys[key].morph_weights);
+    });
+}
+
+int Subject::level_of_rate(int rate) const
+{
+    int level = lod::kFinestLevel;
+    for (const Patch& p : patches_) {
+        const int exponent = static_cast<int>(std::log2(rate));
+        level = std::max({level, p.scale.k[0] - exponent, p.scale.k[1] - exponent});
+    }
+    return std::max(level, posed_->finest_level());
+}
+
+lod::LevelGrid Subject::grid_at(const lod::TileRef& tile, const lod::PatchRates& coarser, float time)
+{
+    if (posed_->segments == 0) return dicer_.dice_pair(*posed_, tile, coarser, arena_);
+    const lod::KeyTime at = lod::key_time(time, posed_->segments);
+    lod::LevelGrid grid = dicer_.dice_pair(posed_->keys[at.key], tile, coarser, arena_);
+    const lod::LevelGrid next = dicer_.dice_pair(posed_->keys[at.key + 1], tile, coarser, arena_);
+    const bool blends = grid.blends();
+    for (int a = 0; a < 3; ++a)
+        for (int v = 0; v < grid.vertex_count; ++v) {
+            grid.fine[a][v] = lod::between_keys(at.share, grid.fine[a][v], next.fine[a][v]);
+            if (blends) grid.coarse[a][v] = lod::between_keys(at.share, grid.coarse[a][v], next.coarse[a][v]);
+        }
+    return grid;
+}
+
+Subject::Pair Subject::dice(int level, float time)
+{
+    Pair pair;
+    pair.level = level;
+    for (const Patch& p : patches_) {
+        const lod::PatchRates rates = p.scale.rates(level);
+        for (std::uint32_t j = 0; j < 1u << rates.v; j += lod::TileRef::kMaxSide)
+            for (std::uint32_t i = 0; i < 1u << rates.u; i += lod::TileRef::kMaxSide) {
+                const lod::TileRef tile = lod::Dicer::tile(p.ref, p.scale, level, i, j);
+                const lod::LevelGrid grid = grid_at(tile, p.scale.rates(level + 1), time);
+                pair.grids.push_back(grid);
+                if (!grid.hanging.empty()) pair.hanging.push_back(grid);
+                for (int y = 0; y < tile.rows; ++y)
+                    for (int x = 0; x < tile.columns; ++x)
+                        for (const auto& [dx, dy] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}})
+                            pair.corners.push_back(grid.vertex(x + dx, y + dy));
+            }
+    }
+    return pair;
+}
+
+}  // namespace occam

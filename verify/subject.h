@@ -1,0 +1,62 @@
+// Holds a cage in a scene of its own, placed, deformed and moving as another scene shows it, and dices it at any level and
+// moment.
+#pragma once
+
+#include <vector>
+
+#include "lod/cage_motion.h"
+#include "lod/dicer.h"
+#include "lod/topology_cache.h"
+
+namespace occam {
+
+/// Describes how another scene shows a cage.
+struct ShownCage {
+    const CageSlot& slot;
+    const Node* node = nullptr;  ///< null: it is not deformed
+    const SkinSlot* skin = nullptr;
+    std::span<const Mat4d> world_from_object;  ///< at each key of the scene's shutter, or once
+    int segments = 0;                          ///< of the scene's shutter
+};
+
+class Subject {
+public:
+    Subject(const ShownCage& shown, const TextureStore* textures);
+
+    const Scene& scene() const noexcept { return scene_; }
+    lod::TopologyCache& topologies() noexcept { return topologies_; }
+    const lod::PosedCage& posed() const noexcept { return *posed_; }
+    bool is_empty() const noexcept { return patches_.empty(); }
+
+    /// Returns the coarsest level at which some patch has a rate of at least `rate`.
+    int level_of_rate(int rate) const;
+
+    struct Pair {
+        int level = 0;
+        std::vector<lod::LevelGrid> grids, hanging;  ///< all grids, and those with T-vertices
+        std::vector<Vec3f> corners;                  ///< corners of the fine mesh's triangles
+    };
+    /// Returns the whole cage at a pair of levels, as rays of this moment see it.
+    Pair dice(int level, float time);
+
+private:
+    struct Patch {
+        lod::PatchRef ref;
+        lod::PatchScale scale;
+    };
+    void add(const ShownCage& shown);
+    lod::LevelGrid grid_at(const lod::TileRef& tile, const lod::PatchRates& coarser, float time);
+
+    Scene scene_;
+    lod::TopologyCache topologies_;
+    CageId cage_;
+    NodeId node_;
+    lod::PosedCage still_;
+    const lod::PosedCage* posed_ = nullptr;
+    lod::Dicer dicer_;
+    Arena arena_, pose_;
+    lod::DeformCounters deform_;
+    std::vector<Patch> patches_;
+};
+
+}  // namespace occam
