@@ -330,7 +330,12 @@ template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const R
                                                                PacketQuery<AnyHit, 1>&);
 template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes&, std::size_t,
                                                                PacketQuery<AnyHit, 2>&);
+template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                               PacketQuery<NearestSome, 1>&);
+template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                               PacketQuery<NearestSome, 2>&);
 template bool Tracer::State::run_single(const Ray&, const RayAxes&, std::size_t, SingleQuery<Nearest>&);
+template bool Tracer::State::run_single(const Ray&, const RayAxes&, std::size_t, SingleQuery<NearestSome>&);
 template bool Tracer::State::run_single(const Ray&, const RayAxes&, std::size_t, SingleQuery<AnyHit>&);
 
 }  // namespace occam::accel

@@ -55,7 +55,7 @@ Tracer::State::PacketResult Tracer::State::run_packet_of(std::span<const Ray> ra
                                                          std::size_t limit_bytes, Take&& take)
 {
     PacketQuery<Found, kParts> query;
-    start(query, rays);
+    prepare(query, rays);
     const PacketResult result = run_packet<kParts>(rays, axes, limit_bytes, query);
     if (result != PacketResult::Done) return result;
     Blends blends(packet_levels<kParts>());
@@ -80,7 +80,7 @@ bool Tracer::State::run(const RayAxes& axes, std::size_t first, std::size_t coun
         }
         for (std::size_t i = 0; i < rays.size(); ++i) {
             SingleQuery<Found> query;
-            start(query, rays);
+            prepare(query, rays);
             query.only = static_cast<int>(i);
             if (!run_single(rays[i], axes, limit_bytes, query)) return false;
             Blends blends(single_levels);
@@ -122,6 +122,41 @@ void Tracer::closest(std::span<const Ray> rays, std::span<SurfaceHit> hits)
             }
             resolve({&s.groups.sorted[first + at], n}, axes, met.subspan(at, n), s.lazy.phase_one(), to);
         }
+    });
+}
+
+void Tracer::nearest(std::span<const Ray> rays, int most, std::span<SurfaceHit> hits, std::span<HitCount> counts)
+{
+    State& s = *state_;
+    s.wanted_hits = most;
+    std::vector<GridHit> met(
+        static_cast<std::size_t>(kPacket * most));  // first all rays' nearest hits, then their second ones
+    const auto at = [](std::size_t ray, int k) { return static_cast<std::size_t>(k) * kPacket + ray; };
+    s.for_groups(rays, [&](const RayAxes& axes, std::size_t first, std::size_t count, std::size_t limit) {
+        int deepest = 0;
+        const auto take = [&](std::size_t i, std::size_t lane, const NearestSome& found, auto& blends) {
+            HitCount& known = counts[s.groups.place_of[first + i]] = {0, found.count[lane] < most};
+            float begin = s.groups.sorted[first + i].t_near;
+            for (int k = 0; k < found.count[lane]; ++k) {
+                const NearestSome::Hit& hit = found.hits[lane][k];
+                if (!(hit.t > begin)) continue;
+                GridHit& m = met[at(i, known.count++)] = {hit.t, hit.grid, hit.id, {}};
+                if (m.grid->blends()) m.blend = blends(m.grid->pairs.finest, lane);
+                begin = behind(hit.t);
+            }
+            for (int k = known.count; k < most; ++k) met[at(i, k)].grid = nullptr;
+            deepest = std::max<int>(deepest, known.count);
+        };
+        if (!s.run<NearestSome>(axes, first, count, limit, take)) return false;
+        for (int k = 0; k < deepest; ++k)
+            for (std::size_t from = 0; from < count; from += kLanes) {
+                const std::size_t n = std::min<std::size_t>(kLanes, count - from);
+                SurfaceHit* to[kLanes];
+                for (std::size_t i = 0; i < n; ++i)
+                    to[i] = &hits[s.groups.place_of[first + from + i] * std::size_t(most) + std::size_t(k)];
+                resolve({&s.groups.sorted[first + from], n}, axes, {&met[at(from, k)], n}, s.lazy.phase_one(), to);
+            }
+        return s.arena.bytes() <= limit;
     });
 }
 

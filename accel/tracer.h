@@ -93,6 +93,18 @@ struct SurfaceHit {
     bool is_hit() const noexcept { return t < std::numeric_limits<float>::infinity(); }
 };
 
+/// The largest number of hits of one ray that Tracer::nearest() finds at once.
+inline constexpr int kMostNearest = 64;
+
+/// Returns the t_near of the rest of a ray behind a hit. The interval of a ray is open at its near end, so rounding of t
+/// cannot find the hit again.
+inline float behind(float t) noexcept { return t * (1 + 4 * std::numeric_limits<float>::epsilon()); }
+
+struct HitCount {
+    std::int16_t count = 0;
+    bool is_all = true;  ///< false: there may be more hits behind these
+};
+
 /// Holds where a ray ends, without what shading needs.
 struct FirstHit {
     float t = std::numeric_limits<float>::infinity();  ///< infinity if nothing was hit
@@ -161,7 +173,11 @@ public:
     /// Finds the nearest hit of each ray in (t_near, t_far). Requires hits.size() == rays.size(). For a ray that
     /// misses, only t is written.
     void closest(std::span<const Ray> rays, std::span<SurfaceHit> hits);
-    /// Finds the same hits, but only what a sensor or a collision test asks for, with the same t as closest().
+    /// Finds up to `most` hits of each ray at once, the nearest first: those that repeated calls of closest() would find,
+    /// each from where the one before ended (behind()). Those of ray i are written from hits[i * most] on. Requires 1 <=
+    /// most <= kMostNearest, hits.size() == rays.size() * most and counts.size() == rays.size().
+    void nearest(std::span<const Ray> rays, int most, std::span<SurfaceHit> hits, std::span<HitCount> counts);
+    /// Finds the same hits as closest(), but only what a sensor or a collision test asks for, with the same t as closest().
     void first_hits(std::span<const Ray> rays, std::span<FirstHit> hits);
     /// Sets occluded[i] to 1 if anything lies in (t_near, t_far) of ray i, else to 0.
     void occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded);

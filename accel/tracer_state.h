@@ -60,6 +60,13 @@ struct Tracer::State {
         IGrid* made = &lazy.grid(leaf, number, pair, counters.diced);
         return arena.bytes() <= limit_bytes ? made : nullptr;
     }
+    /// Clears a query before its rays are traced.
+    template <class Query>
+    void prepare(Query& query, std::span<const Ray> rays) const noexcept
+    {
+        start(query, rays);
+        if constexpr (std::is_base_of_v<NearestSome, Query>) query.wanted = wanted_hits;
+    }
     bool is_per_ray() const noexcept { return frame.levels.mode != lod::LevelMode::PerInstance; }
     /// Makes the table of transitions of a packet whose rays `enters` are in the scene from t_in to t_out. Returns
     /// false if its rays see too many pairs to travel together.
@@ -150,6 +157,7 @@ struct Tracer::State {
     lod::RayLevels<float> single_levels;  ///< for the ray traced last
     RayGroups groups;                     ///< for the batch traced last
     std::uint64_t visit = 0;
+    int wanted_hits = 1;  ///< of each ray, for Tracer::nearest()
 };
 
 }  // namespace occam::accel

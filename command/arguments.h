@@ -26,7 +26,8 @@ struct LookAt {
 struct RenderArguments : SceneArguments {
     std::filesystem::path output;
     Settings settings;
-    bool size_given = false;  ///< if false, the camera's aspect decides the height
+    bool size_given = false;   ///< if false, the camera's aspect decides the height
+    bool clamp_given = false;  ///< if false, the limit of scattered light follows from the output's format
     Resources resources;
     std::string camera;      ///< name; empty: the first camera
     std::string lod_camera;  ///< name; empty: the picture's own camera

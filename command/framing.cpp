@@ -241,6 +241,14 @@ void print_warnings(const std::vector<std::string>& warnings, bool all)
         std::fprintf(stderr, "occam: %zu more warnings; -v shows all, and so does occam info\n", warnings.size() - shown);
 }
 
+void print_light(const FrameStats& stats)
+{
+    if (!stats.lights.has_default || !stats.lights.has_emitters) return;
+    std::fprintf(stderr,
+                 "occam: the glowing surfaces do not light what is seen, so daylight and a lamp are added "
+                 "(--environment none leaves them out)\n");
+}
+
 void print_figures(const FrameStats& stats)
 {
     std::fprintf(stderr, "occam: %dx%d, %d samples a pixel, %.2f s, %.2f million rays a second, checksum %016llx\n",

@@ -67,6 +67,8 @@ void check_outputs(const RenderArguments& arguments, std::span<const std::filesy
 void print_notes(const Scene& scene);
 /// Prints the first five warnings and the number of the rest, or all of them, on standard error.
 void print_warnings(const std::vector<std::string>& warnings, bool all);
+/// Says on standard error that the default light was added although the scene has emissive surfaces.
+void print_light(const FrameStats& stats);
 /// Prints size, time and checksum of a frame on standard error.
 void print_figures(const FrameStats& stats);
 

@@ -5,6 +5,7 @@
 
 #include "idle_options.h"
 #include "option_kinds.h"
+#include "usage_message.h"
 
 namespace occam::command {
 namespace {
@@ -85,9 +86,14 @@ void add_picture(CLI::App& app, RenderArguments& a)
     add_choice<IntegratorKind>(app, "--integrator", s.integrator, integrators, "How light is computed [path]");
     add_whole(app, "--bounces", s.bounces, 0, render::kMaxBounces,
               "Largest number of times that light is scattered; direct: of mirrors in a row [8]");
-    add_amount(app, "--clamp",
-               "Limit light scattered twice or more to this radiance a sample: no fireflies, some light lost [0: off]",
-               [&](double v) { s.clamp = float(v); });
+    add_value(app, "--clamp",
+              "Limit light scattered twice or more to this radiance a sample: fewer fireflies, some light lost; 0: off; "
+              "auto: 2 at the exposure that is shown, and off for EXR and HDR [auto]",
+              "X|auto", [&](const std::string& t) {
+                  a.clamp_given = t != "auto";
+                  s.clamp = a.clamp_given ? float(number_of(t)) : 0;
+                  if (!(s.clamp >= 0)) throw std::invalid_argument("expected 0 or more, or auto");
+              });
     add_amount(app, "--ao-distance", "Length of the rays of ao, world length [infinite]",
                [&](double v) { s.ao_distance = float(v); });
     add_value(app, "--environment",
@@ -342,7 +348,11 @@ Arguments parse(int argc, char** argv)
         const auto all = app.get_subcommands([](const CLI::App*) { return true; });
         return std::any_of(all.begin(), all.end(), [&](const CLI::App* command) { return command->get_name() == word; });
     };
-    if (argc > 1 && argv[1][0] != '-' && !is_command(argv[1])) {
+    if (argc < 2) {
+        std::cerr << "occam: a command is needed: render, animate, info, verify, compare or bench (occam --help)\n";
+        return Finished{2};
+    }
+    if (argv[1][0] != '-' && !is_command(argv[1])) {
         std::cerr << "occam: there is no command '" << argv[1] << "' (occam --help)\n";
         return Finished{2};
     }
@@ -354,8 +364,8 @@ Arguments parse(int argc, char** argv)
         return Finished{app.exit(version)};
     } catch (const CLI::ParseError& error) {
         const CLI::App* used = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
-        std::cerr << "occam: " << error.what() << " (" << (used == &app ? "occam" : "occam " + used->get_name())
-                  << " --help)\n";
+        std::cerr << "occam: " << message_of(error, *used, {argv, static_cast<std::size_t>(argc)}) << " ("
+                  << (used == &app ? "occam" : "occam " + used->get_name()) << " --help)\n";
         return Finished{2};
     }
     if (render_app.parsed()) {

@@ -12,6 +12,7 @@
 #include "render/film.h"
 #include "render/frame_sums.h"
 #include "render/integrator.h"
+#include "render/light_probe.h"
 #include "render/shade_point.h"
 #include "render/tiles.h"
 #include "shade/material_values.h"
@@ -386,7 +387,8 @@ FrameResult make_frame(const FrameInputs& in, FrameControl& control, FrameStats&
     }
     const PixelFilter filter(in.settings.filter, in.settings.filter_radius);
     const Sampler sampler(in.settings.seed, in.settings.spp, in.settings.jitter);
-    const shade::FrameLights lights(in.scene, placed_camera, in.textures, in.settings.sky, in.settings.sky_strength, scale);
+    const shade::FrameLights lights = lights_of(in, scale);
+    stats.lights = {lights.has_default(), lights.meshes().any_emitter()};
     FrameContext context{
         in.settings, camera, sampler, filter, lights, in.textures, in.scene.contents().has(Contents::Passing)};
     context.scene = &in.scene;

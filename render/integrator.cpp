@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "render/shade_point.h"
 #include "render/views.h"
@@ -16,6 +17,7 @@ std::uint32_t child_key(std::uint32_t key, std::uint32_t branch) noexcept
 }
 
 float mean(Vec3f c) noexcept { return (c.x + c.y + c.z) / 3; }
+float luminance(Vec3f c) noexcept { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
 
 }  // namespace
 
@@ -59,16 +61,34 @@ void Integrator::begin(std::span<const CameraSample> samples, std::span<SampleRe
     counters_.rays.primary += samples.size();
 }
 
-std::size_t Integrator::shade_some(std::size_t first, std::span<const CameraSample> samples, std::span<SampleResult> results)
+std::size_t Integrator::end_of_chunk(std::size_t first) const noexcept
+{
+    constexpr std::size_t kHitsAtOnce = 4096;
+    const std::size_t most = hits_of_each_ == 1 ? paths_.size() : kHitsAtOnce / static_cast<std::size_t>(hits_of_each_);
+    std::size_t end = first;
+    while (end < paths_.size() && end - first < most && hits_at_once(paths_[end]) == hits_of_each_) ++end;
+    return end;
+}
+
+std::size_t Integrator::shade_some(std::size_t first, std::size_t end, std::span<const CameraSample> samples,
+                                   std::span<SampleResult> results)
 {
     const auto start = Clock::now();
     shadows_.clear();
     std::size_t i = first;
-    for (; i < paths_.size() && shadows_.size() < context_.shadow_batch; ++i) {
+    for (; i < end && shadows_.size() < context_.shadow_batch; ++i) {
         const std::uint32_t sample = paths_[i].sample;
-        if (hits_[i].is_hit() && paths_[i].is_camera()) count_cells(rays_[i], hits_[i]);
-        if (hits_[i].is_hit()) shade_hit(i, samples[sample], results[sample]);
-        else shade_miss(i, results[sample]);
+        const accel::HitCount known = hit_counts_[i - first_of_chunk_];
+        const accel::SurfaceHit* hit = &hits_[(i - first_of_chunk_) * static_cast<std::size_t>(hits_of_each_)];
+        const accel::SurfaceHit* const last = hit + known.count;
+        bool goes_on = true;
+        for (; goes_on && hit != last; ++hit) {
+            if (paths_[i].is_camera()) count_cells(rays_[i], *hit);
+            goes_on = shade_hit(i, *hit, samples[sample], results[sample]);
+        }
+        if (!goes_on) continue;
+        if (known.is_all) shade_miss(i, results[sample]);
+        else push(paths_[i], rays_[i]);
     }
     counters_.shade_seconds += std::chrono::duration<double>(Clock::now() - start).count();
     return i;
@@ -162,17 +182,16 @@ void Integrator::add_emission(const Path& path, const accel::SurfaceHit& hit, co
                                                                                           per_area * hit.t * hit.t / cosine);
     }
     result.radiance += clamped(share * surface.emission * weight, path.bounces);
+    if (path.is_camera()) result.emitted += luminance(share * surface.emission);
 }
 
-void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResult& result)
+bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const CameraSample& sample, SampleResult& result)
 {
     const accel::Ray& ray = rays_[i];
-    const accel::SurfaceHit& hit = hits_[i];
     Path path = paths_[i];
     const Settings& settings = context_.settings;
     if (!settings.back_faces && is_culled(hit)) {
-        pass_straight(path, ray, hit.t, {Vec3f(1), path.coverage, 1}, sample);
-        return;
+        return pass_straight(i, path, hit.t, {Vec3f(1), path.coverage, 1}, sample);
     }
     if (path.absorption != Vec3f(0)) {
         const float length = std::min(context_.scale.to_world(hit.t - ray.t_near), std::numeric_limits<float>::max());
@@ -212,6 +231,7 @@ void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResu
         transmittance = Vec3f(1 - surface.opacity);
     } else if (surface.unlit) {
         result.radiance += clamped(share * surface.base_color, path.bounces);
+        if (path.is_camera()) result.emitted += luminance(share * surface.base_color);
     } else if (surface.opacity > 0) {
         add_emission(path, hit, surface, share, result);
         if (!path.is_probe) {
@@ -219,9 +239,9 @@ void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResu
             if (chance.scatter > 0 && needs_scattering(v)) scatter_on(v, chance.scatter);
         }
     }
-    if (!(chance.pass > 0)) return;
+    if (!(chance.pass > 0)) return false;
     if (path.is_camera() && chance.pass == 1 && chance.scatter > 0) ++path.splits;
-    pass_straight(path, ray, hit.t, {transmittance, path.coverage - covered, chance.pass}, sample);
+    return pass_straight(i, path, hit.t, {transmittance, path.coverage - covered, chance.pass}, sample);
 }
 
 Integrator::Chances Integrator::chances(const Vertex& v) const noexcept
@@ -234,24 +254,26 @@ Integrator::Chances Integrator::chances(const Vertex& v) const noexcept
     return is_passing ? Chances{pass, 0} : Chances{0, 1 - pass};
 }
 
-void Integrator::pass_straight(const Path& path, const accel::Ray& ray, float t, const Passing& passing,
-                               const CameraSample& sample)
+bool Integrator::pass_straight(std::size_t i, const Path& path, float t, const Passing& passing, const CameraSample& sample)
 {
     Path next = path;
     next.throughput *= passing.light / passing.chance;
     next.coverage = passing.coverage / passing.chance;
     next.key = child_key(path.key, 0);
+    next.passed = static_cast<std::uint16_t>(std::min(path.passed + 1, 0xffff));
     const float share = std::max({next.throughput.x, next.throughput.y, next.throughput.z, next.coverage});
     const float chance = passing_chance(share);
-    if (!(chance > 0)) return;
+    if (!(chance > 0)) return false;
     if (chance < 1) {
         const Dimension survival = Dimension::at(next.key, Dimension::Use::Survival, 1);
         const auto index = static_cast<std::uint32_t>(sample.index);
-        if (context_.sampler.interval(sample.x, sample.y, index, survival) >= chance) return;
+        if (context_.sampler.interval(sample.x, sample.y, index, survival) >= chance) return false;
         next.throughput /= chance;
         next.coverage /= chance;
     }
-    push(next, behind(ray, t));
+    paths_[i] = next;
+    rays_[i] = behind(rays_[i], t);
+    return true;
 }
 
 void Integrator::push(const Path& path, const accel::Ray& ray)
@@ -260,12 +282,27 @@ void Integrator::push(const Path& path, const accel::Ray& ray)
     next_rays_.push_back(ray);
 }
 
+void Integrator::group_by_hits()
+{
+    const auto count = [](const Path& path) { return hits_at_once(path); };
+    if (std::ranges::is_sorted(paths_, {}, count)) return;
+    std::vector<std::uint32_t> order(paths_.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return count(paths_[i]); });
+    for (const std::uint32_t i : order) push(paths_[i], rays_[i]);
+    paths_.swap(next_paths_);
+    rays_.swap(next_rays_);
+    next_paths_.clear();
+    next_rays_.clear();
+}
+
 void Integrator::extend()
 {
     paths_.swap(next_paths_);
     rays_.swap(next_rays_);
     next_paths_.clear();
     next_rays_.clear();
+    group_by_hits();
     for (std::size_t i = 0; i < paths_.size(); ++i) {
         const std::uint8_t kinds = rays_[i].kinds;
         std::uint64_t& count = (kinds & accel::RayKind::Camera) != 0    ? counters_.rays.primary

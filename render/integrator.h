@@ -85,16 +85,19 @@ public:
     void run(Tracer& tracer, std::span<const CameraSample> samples, std::span<SampleResult> results)
     {
         begin(samples, results);
-        while (!paths_.empty()) {
-            if (hits_.size() < rays_.size()) hits_.resize(rays_.size());
-            trace([&] { tracer.closest(rays_, std::span(hits_).first(rays_.size())); });
-            for (std::size_t done = 0; done < paths_.size();) {
-                done = shade_some(done, samples, results);
-                std::uint64_t shot = 0;
-                trace([&] { shot = shadows_.trace(tracer, lit_, luck_); });
-                (context_.settings.integrator == IntegratorKind::Ao ? counters_.rays.ao : counters_.rays.shadow) += shot;
+        for (; !paths_.empty(); extend()) {
+            for (std::size_t first = 0, end = 0; first < paths_.size(); first = end) {
+                hits_of_each_ = hits_at_once(paths_[first]);
+                end = end_of_chunk(first);
+                first_of_chunk_ = first;
+                trace([&] { find_hits(tracer, std::span(rays_).subspan(first, end - first)); });
+                for (std::size_t done = first; done < end;) {
+                    done = shade_some(done, end, samples, results);
+                    std::uint64_t shot = 0;
+                    trace([&] { shot = shadows_.trace(tracer, lit_, luck_); });
+                    (context_.settings.integrator == IntegratorKind::Ao ? counters_.rays.ao : counters_.rays.shadow) += shot;
+                }
             }
-            extend();
         }
         for (std::size_t i = 0; i < results.size(); ++i) results[i].radiance += lit_[i];
     }
@@ -127,9 +130,31 @@ private:
     };
 
     void begin(std::span<const CameraSample> samples, std::span<SampleResult> results);
-    /// Shades hits from `first` on until enough shadow rays wait, and returns the first hit that is not shaded yet.
-    std::size_t shade_some(std::size_t first, std::span<const CameraSample> samples, std::span<SampleResult> results);
-    void shade_hit(std::size_t i, const CameraSample& sample, SampleResult& result);
+    /// Returns how many hits of the path's ray are found at once: more for one that has passed many surfaces, so that the
+    /// work grows with the number of the surfaces and not with its square.
+    static int hits_at_once(const Path& path) noexcept
+    {
+        return path.passed < 4 ? 1 : path.passed < 24 ? 16 : accel::kMostNearest;
+    }
+    /// Returns one past the last path from `first` on whose hits are found together; all of them find hits_of_each_ hits.
+    std::size_t end_of_chunk(std::size_t first) const noexcept;
+    template <class Tracer>
+    void find_hits(Tracer& tracer, std::span<const accel::Ray> rays)
+    {
+        const std::size_t count = rays.size() * static_cast<std::size_t>(hits_of_each_);
+        if (hits_.size() < count) hits_.resize(count);
+        const std::span<accel::SurfaceHit> hits = std::span(hits_).first(count);
+        hit_counts_.resize(rays.size());
+        if (hits_of_each_ > 1) return tracer.nearest(rays, hits_of_each_, hits, hit_counts_);
+        tracer.closest(rays, hits);
+        for (std::size_t i = 0; i < rays.size(); ++i) hit_counts_[i] = {hits[i].is_hit(), !hits[i].is_hit()};
+    }
+    /// Shades the hits of paths [first, end) until enough shadow rays wait, and returns the first path that is not shaded
+    /// yet.
+    std::size_t shade_some(std::size_t first, std::size_t end, std::span<const CameraSample> samples,
+                           std::span<SampleResult> results);
+    /// Returns true if the path goes straight on. Then paths_[i] and rays_[i] are what continues.
+    bool shade_hit(std::size_t i, const accel::SurfaceHit& hit, const CameraSample& sample, SampleResult& result);
     void count_cells(const accel::Ray& ray, const accel::SurfaceHit& hit);
     void shade_miss(std::size_t i, SampleResult& result);
     /// Adds the lights without a surface that a scattered ray crosses before `t_far`.
@@ -177,9 +202,12 @@ private:
         float coverage;  ///< share of the pixel that no surface up to here covers
         float chance;    ///< the chance that the ray continues at all
     };
-    void pass_straight(const Path& path, const accel::Ray& ray, float t, const Passing& passing, const CameraSample& sample);
+    /// Replaces path i, which has come to t, by what continues behind. Returns false if it ends by chance.
+    bool pass_straight(std::size_t i, const Path& path, float t, const Passing& passing, const CameraSample& sample);
     void push(const Path& path, const accel::Ray& ray);
     void extend();
+    /// Sorts the paths by the number of hits that are found at once, so that those of one number stand together.
+    void group_by_hits();
 
     int light_samples_at(const Path& path) const noexcept;
     int scatter_samples_at(const Path& path) const noexcept;
@@ -209,7 +237,10 @@ private:
     // These are parallel arrays, kept from batch to batch for their memory.
     std::vector<Path> paths_, next_paths_;
     std::vector<accel::Ray> rays_, next_rays_;
-    std::vector<accel::SurfaceHit> hits_;  ///< at least as many as rays
+    std::vector<accel::SurfaceHit> hits_;      ///< hits_of_each_ of each path of the chunk that is being shaded
+    std::vector<accel::HitCount> hit_counts_;  ///< one for each path of the chunk
+    std::size_t first_of_chunk_ = 0;
+    int hits_of_each_ = 1;
     std::vector<MatteShare> mattes_;
     std::vector<Vec3f> lit_;   ///< radiance from shadow rays, one sum per sample
     std::vector<float> luck_;  ///< the number for each sample that ShadowQueue::trace() needs

@@ -239,6 +239,7 @@ void Integrator::scatter_on(const Vertex& v, float chance)
         next.light_samples = static_cast<float>(light_samples);
         next.scatter_samples = static_cast<float>(samples);
         next.is_before_focus = false;
+        next.passed = 0;
         ++next.bounces;
         if (s.lobe == shade::Lobe::Transmission && v.surface.is_solid)
             next.absorption = v.hit.back_side ? Vec3f(0) : v.surface.absorption_inside;

@@ -63,6 +63,7 @@ Json json_of(const Settings& s)
                     : s.sky == shade::Sky::Off ? "off"
                                                : "auto"},
             {"sky_strength", s.sky_strength},
+            {"default_light", s.default_light ? Json(*s.default_light) : Json(nullptr)},
             {"lod", s.lod == Lod::On    ? "on"
                     : s.lod == Lod::Off ? "off"
                                         : "frozen"},
@@ -123,6 +124,7 @@ std::string to_json(const FrameStats& s)
           {"texture", t.texture},
           {"film", t.film},
           {"write", t.write}}},
+        {"lights", {{"has_default", s.lights.has_default}, {"has_emitters", s.lights.has_emitters}}},
         {"rays",
          {{"primary", s.rays.primary},
           {"shadow", s.rays.shadow},

@@ -69,7 +69,10 @@ struct Settings {
     int light_samples = 1;              ///< per light at each hit that the camera sees; for `ao`, samples of the sky
     shade::Sky sky = shade::Sky::Auto;  ///< soft daylight, in place of a black environment
     float sky_strength = 1;             ///< factor of its brightness
-    float shading_rate = 1;             ///< target edge length of micropolygons, in pixels
+    /// Whether a scene without placed lights and environment gets the default light, unless `sky` is off. None: it does if
+    /// its emissive surfaces do not light what the camera sees. A sequence decides once.
+    std::optional<bool> default_light{};
+    float shading_rate = 1;  ///< target edge length of micropolygons, in pixels
     Lod lod = Lod::On;
     ShadeAt shade_at = ShadeAt::Hit;
     /// When the shutter is open. The scene's motion is what Scene::record_shutter() recorded, whatever is said here; this

@@ -8,6 +8,7 @@
 // Threads  const after construction.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "base/maths.h"
@@ -34,8 +35,10 @@ public:
         return light.sine2_subtended(start) * (peak * maths::kPi) < kLeastChance;
     }
     /// The textures must be prepared. `camera` places the key light of a scene that has none.
+    /// gets_default   whether a scene without placed lights and environment gets the default light, unless `sky` is off;
+    ///                none: if its emissive surfaces have too little power
     FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures, Sky sky = Sky::Auto,
-                float sky_strength = 1, const FrameScale& scale = {});
+                float sky_strength = 1, const FrameScale& scale = {}, std::optional<bool> gets_default = {});
     FrameLights(std::vector<WorldLight> lights, Environment environment);
 
     /// A scene with more placed lights than this draws them by a tree, except for suns.
@@ -47,6 +50,11 @@ public:
     const LightTree& tree() const noexcept { return tree_; }
     const Environment& environment() const noexcept { return environment_; }
     const MeshLights& meshes() const noexcept { return meshes_; }
+    /// Returns true if the key light was added, because the scene has no light of its own that would do.
+    bool has_default() const noexcept { return has_default_; }
+    /// Returns true if the scene has neither placed lights nor an environment, but emissive surfaces whose power is enough
+    /// for it.
+    bool relies_on_emitters() const noexcept { return relies_on_emitters_; }
 
     /// Returns true if scattered rays from `start` can contribute nothing that samples of lights do not.
     bool leaves_all_to_samples(Vec3d start, float peak, LightGroups groups) const noexcept;
@@ -76,6 +84,7 @@ private:
     LightTree tree_;
     MeshLights meshes_;
     Environment environment_;
+    bool has_default_ = false, relies_on_emitters_ = false;
 };
 
 }  // namespace occam::shade

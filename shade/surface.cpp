@@ -129,8 +129,8 @@ void add_transmission(const Material& m, const MaterialValues& values, const Die
     s.transmittance += s.opacity * tint * (1 - reflected);
 }
 
-// Applies KHR_materials_anisotropy: the width along the strokes grows to 1 with the square of the strength. Tables are
-// looked up with the geometric mean of the widths. Glass stays isotropic: its two lobes share one distribution.
+// Applies KHR_materials_anisotropy: the width along the strokes grows to 1 with the square of the strength. Glass stays
+// isotropic: its two lobes share one distribution.
 void add_anisotropy(const Material& m, const MaterialValues& values, const ShadePoint& p, Surface& s) noexcept
 {
     const float strength = std::clamp(m.anisotropy * values.anisotropy.z, 0.0f, 1.0f);

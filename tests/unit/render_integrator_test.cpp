@@ -37,6 +37,20 @@ struct PlaneTracer {
             }
         }
     }
+    void nearest(std::span<const accel::Ray> rays, int most, std::span<accel::SurfaceHit> hits,
+                 std::span<accel::HitCount> counts) const
+    {
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            accel::Ray ray = rays[i];
+            counts[i] = {};
+            for (accel::SurfaceHit hit; counts[i].count < most; ray.t_near = accel::behind(hit.t)) {
+                closest({&ray, 1}, {&hit, 1});
+                if (!hit.is_hit()) break;
+                hits[i * std::size_t(most) + std::size_t(counts[i].count++)] = hit;
+            }
+            counts[i].is_all = counts[i].count < most;
+        }
+    }
     void occluded(std::span<const accel::Ray> rays, std::span<std::uint8_t> occluded) const
     {
         std::vector<accel::SurfaceHit> hits(rays.size());
@@ -181,8 +195,9 @@ TEST(Integrator, ThousandsOfMaskedSheetsChangeNothing)
             const SampleResult r = stage.one();
             EXPECT_NEAR(r.radiance.x, 0.5f, 1e-5f) << layers;
             EXPECT_EQ(r.alpha, 1) << layers;
-            EXPECT_EQ(stage.counters.rays.primary, std::uint64_t(layers) + 1);
-            EXPECT_EQ(stage.counters.rays.shadow, 2 * std::uint64_t(layers) + 2) << "one ray finds that something is there";
+            // Rays that pass many sheets find many hits at once.
+            EXPECT_LT(stage.counters.rays.primary, 10 + std::uint64_t(layers) / 32);
+            EXPECT_LT(stage.counters.rays.shadow, 10 + 2 * std::uint64_t(layers) / 32);
         }
 }
 
