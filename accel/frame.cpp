@@ -38,14 +38,16 @@ float farthest_displaced(const Scene& scene, const FrameScale& scale)
 }  // namespace
 
 Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels,
-             const TextureStore* textures, const lod::VertexShading& shading, FrameScale scale)
+             const TextureStore* textures, const lod::VertexShading& shading, FrameScale scale, TreeKind tree)
     : state_(std::make_unique<State>())
 {
     state_->scene = &scene;
     state_->topologies = &topologies;
     state_->levels = levels;
+    state_->has_levels = levels.mode != lod::LevelMode::PerInstance && scene.contents().has(Contents::Subdivided);
     state_->textures = textures;
     state_->shading = shading;
+    state_->tree = tree == TreeKind::Auto ? TreeKind::Kd : tree;
     state_->scale = scale;
     if (textures) state_->levels.displaced = farthest_displaced(scene, scale);
     state_->segments = scene.shutter_segments();
@@ -60,5 +62,7 @@ Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::Leve
 }
 
 Frame::~Frame() = default;
+
+TreeKind Frame::tree() const noexcept { return state_->tree; }
 
 }  // namespace occam::accel

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "accel/tree_kind.h"
 #include "io/texture/texture_store.h"
 #include "lod/footprint.h"
 #include "lod/topology_cache.h"
@@ -21,9 +22,14 @@ public:
     /// textures  are prepared; if null, nothing is displaced.
     /// shading   runs phase one at the vertices of grids, for SurfaceHit::phase_one; its shader is borrowed.
     /// scale     is the unit of the frame; `levels` are in it.
+    /// tree      holds the items; it has no influence on what a ray hits.
     Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels,
-          const TextureStore* textures = nullptr, const lod::VertexShading& shading = {}, FrameScale scale = {});
+          const TextureStore* textures = nullptr, const lod::VertexShading& shading = {}, FrameScale scale = {},
+          TreeKind tree = TreeKind::Auto);
     ~Frame();
+
+    /// Returns the tree that holds the items of this frame, which is never Auto.
+    TreeKind tree() const noexcept;
 
     struct State;
     const State& state() const noexcept { return *state_; }

@@ -124,15 +124,22 @@ OCCAM_NEVER_INLINE void set_bump_gradients(const HitCorners& corners, const Tria
     hit.v_gradient = b[lane] * change(1, 1) + c[lane] * change(2, 1);
 }
 
+// Returns the level in this range whose edges are at most `factor` times the target edge length of the ray at its hit.
+int level_at(const Ray& ray, const GridHit& met, const lod::LevelSettings& levels, float factor, PairRange range) noexcept
+{
+    const float target_edge = target_edge_of(ray, levels).at(met.t);
+    const int level = target_edge > 0 ? std::ilogb(std::min(target_edge, FLT_MAX) * factor) : lod::kFinestLevel;
+    return std::clamp(level, std::clamp(range.finest, lod::kFinestLevel, lod::kCoarsestLevel),
+                      std::clamp(range.coarsest, lod::kFinestLevel, lod::kCoarsestLevel));
+}
+
 // Returns the finer level of the pair that the ray sees at the hit, of those that the igrid serves.
 int seen_level_of(const Ray& ray, const GridHit& met, const lod::LevelSettings& levels) noexcept
 {
     const PairRange pairs = met.grid->pairs;
     if (!met.grid->is_lattice || levels.mode == lod::LevelMode::PerInstance || pairs.coarsest <= met.grid->level)
         return met.grid->level;
-    const float wanted = target_edge_of(ray, levels).at(met.t);
-    const int level = wanted > 0 ? std::ilogb(std::min(wanted, FLT_MAX)) : lod::kFinestLevel;
-    return std::clamp(level, met.grid->level, pairs.coarsest);
+    return level_at(ray, met, levels, 1, {met.grid->level, pairs.coarsest});
 }
 
 // Identifies the micropolygon that was hit, by number.
@@ -152,11 +159,8 @@ void set_identity(const GridHit& met, const MicropolygonPlace& spot, SurfaceHit&
 int start_level_of(const Ray& ray, const GridHit& met, const lod::LevelSettings& levels) noexcept
 {
     if (levels.mode == lod::LevelMode::PerInstance) return kAnyLevel;
-    const float target_edge = target_edge_of(ray, levels).at(met.t);
-    const int level = target_edge > 0 ? std::ilogb(std::min(target_edge, FLT_MAX) * (4.0f / 3)) : lod::kFinestLevel;
     const PairRange pairs = met.grid->pairs;
-    return std::clamp(level, std::clamp(pairs.finest, lod::kFinestLevel, lod::kCoarsestLevel),
-                      std::clamp(pairs.coarsest + 1, lod::kFinestLevel, lod::kCoarsestLevel));
+    return level_at(ray, met, levels, 4.0f / 3, {pairs.finest, pairs.coarsest + 1});
 }
 
 // Holds the points where secondary rays start, in lanes: on the micropolygon as the start level has it, and away from its

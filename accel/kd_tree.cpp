@@ -14,7 +14,6 @@ constexpr std::size_t kEnough = 16;  // candidates to choose a plane from; tests
 constexpr std::size_t kMany = 64;  // candidates above which planes are tried at fixed steps, and items not opened one by one
 constexpr float kTraversalCost = 64;  // in the units of Item::cost; tests/bench has the curve
 constexpr float kEmptyBonus = 0.8f;   // factor of the cost of a split that cuts off empty space
-constexpr int kAnyEffort = 2;
 constexpr int kSteps = 32;
 
 /// Measures a box by a unit near its longest side, a power of two. Areas then neither overflow nor underflow, and a plane
@@ -51,15 +50,15 @@ private:
 }  // namespace
 
 KdTree::KdTree(Items& items, Arena& arena, TraceCounters& counters, bool may_scan, std::mutex* building)
-    : items_(items),
-      arena_(arena),
+    : arena_(arena),
       counters_(counters),
       may_scan_(may_scan),
       building_(building),
       nodes_(arena),
       heads_(arena),
       records_(arena),
-      leaves_(arena)
+      leaves_(arena),
+      candidates_(items)
 {
 }
 
@@ -82,42 +81,6 @@ void KdTree::expand_all(int pair)
     for (std::uint32_t n = 0; n < nodes_.size(); ++n)
         while (!nodes_[n].link().is_interior() && !leaf(n, pair)) {
         }
-}
-
-void KdTree::clip_into(const Box3f& box, ItemIndex item, int pair)
-{
-    const Item& it = items_[item];
-    const Box3f clipped{glm::max(it.box.lo, box.lo), glm::min(it.box.hi, box.hi)};
-    if (!clipped.is_empty()) candidates_.push_back({clipped, item, it.cost, items_.is_final(item, pair)});
-}
-
-bool KdTree::open_largest(const Box3f& box, int pair, int most_effort)
-{
-    // Regions are opened last, because dividing them restricts the node to fine levels.
-    std::size_t largest = candidates_.size();
-    float area = -1;
-    int least = most_effort;
-    for (std::size_t c = 0; c < candidates_.size(); ++c) {
-        if (candidates_[c].is_final) continue;
-        const int effort = items_.effort(candidates_[c].item);
-        if (effort > least) continue;
-        if (effort < least || candidates_[c].box.half_area() > area) {
-            area = candidates_[c].box.half_area();
-            largest = c;
-            least = effort;
-        }
-    }
-    if (largest == candidates_.size()) return false;
-    const ItemIndex opened = candidates_[largest].item;
-    candidates_[largest] = candidates_.back();
-    candidates_.pop_back();
-    if (!items_.open(opened, pair)) {
-        clip_into(box, opened, pair);
-        return true;
-    }
-    const std::uint32_t first = items_[opened].first_part, count = items_[opened].part_count;
-    for (std::uint32_t p = 0; p < count; ++p) clip_into(box, first + p, pair);
-    return true;
 }
 
 KdTree::Split KdTree::scanned_split(const Box3f& box) const
@@ -267,23 +230,9 @@ void KdTree::make_lazy(const Box3f& box, int depth, int axis, float position, bo
     nodes_.push_back({0, KdLink::to_leaf(leaf).bits});
 }
 
-KdLeaf* KdTree::make_leaf(std::uint32_t n, int pair, std::uint32_t head, std::uint32_t record)
+KdLeaf* KdTree::make_leaf(std::uint32_t n, std::uint32_t head, std::uint32_t record)
 {
-    const std::size_t groups = (candidates_.size() + kBoxGroup - 1) / kBoxGroup;
-    const std::span<float> boxes = arena_.make_array<float>(groups * kBoxGroupFloats);
-    for (std::size_t c = candidates_.size(); c < groups * kBoxGroup; ++c) set_box(boxes.data(), c, Box3f());
-    KdLeaf leaf{{lod::kFinestLevel, lod::kCoarsestLevel},
-                arena_.make_array<KdLeaf::Entry>(candidates_.size()),
-                boxes.data(),
-                head,
-                record};
-    for (std::size_t c = 0; c < candidates_.size(); ++c) {
-        const ItemIndex item = candidates_[c].item;
-        set_box(boxes.data(), c, items_[item].box);
-        leaf.entries[c] = {nullptr, {}, item};
-        const PairRange range = items_.range(item, pair);
-        leaf.pairs = {std::max(leaf.pairs.finest, range.finest), std::min(leaf.pairs.coarsest, range.coarsest)};
-    }
+    KdLeaf leaf{candidates_.leaf(arena_), head, record};
     const auto at = static_cast<std::uint32_t>(leaves_.size());
     // The first leaf of a node, which holds only its record, need not stay in the list.
     if (leaf.next != 0 && leaves_[leaf.next].entries.empty() && leaves_[leaf.next].pairs.is_empty()) leaf.next = 0;
@@ -308,31 +257,29 @@ KdLeaf* KdTree::expand(std::uint32_t n, int pair)
     ++counters_.kd_expanded;
     const std::uint32_t head = head_of(n), at = leaves_[head].record;
     const Record record = records_[at];
-    candidates_.clear();
-    for (const ItemIndex item : record.items) clip_into(record.box, item, pair);
+    candidates_.start(record.box, record.items, pair);
 
     Split split;
     while (true) {
         if (was_interior || record.depth >= kMaxDepth || heads_.size() == KdLink::kMaxPairs) {
-            while (open_largest(record.box, pair, kAnyEffort)) {
+            while (candidates_.open_largest(Candidates::kAnyEffort)) {
             }
             split.axis = -1;
             break;
         }
         // A plane is chosen before any vertex is posed, since whatever lies beyond it may be hidden.
-        while (candidates_.size() < kEnough && open_largest(record.box, pair, 0)) {
+        while (candidates_.size() < kEnough && candidates_.open_largest(0)) {
         }
         split = best_split(record.box);
         if (split.axis >= 0) break;
         // Boxes may overlap so that no plane pays, for instance on displaced surfaces. Many items are then opened at once.
         const std::size_t wanted = candidates_.size() > kMany ? candidates_.size() * 3 / 2 : 0;
-        if (!open_largest(record.box, pair, kAnyEffort)) break;
-        while (candidates_.size() < wanted && open_largest(record.box, pair, kAnyEffort)) {
+        if (!candidates_.open_largest(Candidates::kAnyEffort)) break;
+        while (candidates_.size() < wanted && candidates_.open_largest(Candidates::kAnyEffort)) {
         }
     }
-    if (split.axis < 0) return make_leaf(n, pair, head, at);
-    int level = KdLink::kAllLevels;
-    for (const Candidate& c : candidates_) level = std::min<int>(level, items_[c.item].holds_to);
+    if (split.axis < 0) return make_leaf(n, head, at);
+    const int level = std::min(candidates_.holds_to(), KdLink::kAllLevels);
     const auto children = static_cast<std::uint32_t>(heads_.size());
     make_lazy(record.box, record.depth + 1, split.axis, split.position, false);
     make_lazy(record.box, record.depth + 1, split.axis, split.position, true);

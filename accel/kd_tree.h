@@ -14,7 +14,7 @@
 //          (`building`). A node is written before the link that leads to it.
 #pragma once
 
-#include "accel/items.h"
+#include "accel/candidates.h"
 
 namespace occam::accel {
 
@@ -48,36 +48,8 @@ struct KdNode {
 };
 static_assert(sizeof(KdNode) == 8);  // eight a cache line
 
-inline constexpr int kBoxGroup = BoxTree::kGroup, kBoxGroupFloats = BoxTree::kFloats;
-
-/// Writes a box into groups of eight boxes: eight lo.x, eight lo.y, ..., eight hi.z (the layout of BoxTree).
-inline void set_box(float* groups, std::size_t place, const Box3f& box) noexcept
-{
-    float* to = groups + BoxTree::offset(place);
-    for (int a = 0; a < 3; ++a) {
-        to[a * kBoxGroup] = box.lo[a];
-        to[(a + 3) * kBoxGroup] = box.hi[a];
-    }
-}
-inline Box3f get_box(const float* groups, std::size_t place) noexcept
-{
-    const float* at = groups + BoxTree::offset(place);
-    return {{at[0], at[kBoxGroup], at[2 * kBoxGroup]}, {at[3 * kBoxGroup], at[4 * kBoxGroup], at[5 * kBoxGroup]}};
-}
-
-/// Lists the igrids of a leaf for a range of pairs.
-struct KdLeaf {
-    /// An entry is smaller than a cache line and holds all bounds that are tested before the igrid is read.
-    struct Entry {
-        IGrid* grid = nullptr;  ///< null until a ray enters the item's box; published
-        GridBounds bounds;      ///< bounds of the igrid, written before it is published
-        ItemIndex item = 0;
-    };
-    PairRange pairs{1, 0};  ///< the pairs for which it holds; empty while nothing is known
-    std::span<Entry> entries;
-    /// Boxes of the entries' items, in groups of eight. In a tree of one worker the box of an igrid replaces that of its
-    /// item.
-    float* boxes = nullptr;
+/// A leaf of the kd-tree.
+struct KdLeaf : TreeLeaf {
     std::uint32_t next = 0;  ///< the node's next leaf, for other pairs; 0: none
     std::uint32_t record = 0;
 };
@@ -112,12 +84,6 @@ private:
         std::span<const ItemIndex> items;
         int depth;
     };
-    struct Candidate {
-        Box3f box;  ///< clipped to the node
-        ItemIndex item;
-        float cost;
-        bool is_final;
-    };
     struct Event {
         float position, cost;
     };
@@ -139,9 +105,7 @@ private:
         return nullptr;
     }
     KdLeaf* expand(std::uint32_t n, int pair);
-    KdLeaf* make_leaf(std::uint32_t n, int pair, std::uint32_t head, std::uint32_t record);
-    void clip_into(const Box3f& box, ItemIndex item, int pair);
-    bool open_largest(const Box3f& box, int pair, int most_effort);
+    KdLeaf* make_leaf(std::uint32_t n, std::uint32_t head, std::uint32_t record);
     Split best_split(const Box3f& box);
     // Tries the planes at the faces of boxes: counted_split() tests each against all boxes, and swept_split() goes through
     // them in sorted order, which is faster for many boxes.
@@ -151,7 +115,6 @@ private:
     Split scanned_split(const Box3f& box) const;
     void make_lazy(const Box3f& box, int depth, int axis, float position, bool upper);
 
-    Items& items_;
     Arena& arena_;
     TraceCounters& counters_;
     bool may_scan_;
@@ -160,7 +123,7 @@ private:
     ArenaVector<std::uint32_t> heads_;  ///< for each pair of children, the first leaf of the parent
     ArenaVector<Record> records_;
     ArenaVector<KdLeaf> leaves_;  ///< entry 0 is not used, since KdLeaf::next is 0 at the end of a list
-    std::vector<Candidate> candidates_;
+    Candidates candidates_;
     std::vector<Event> low_events_, high_events_;
     std::vector<float> planes_;
 };

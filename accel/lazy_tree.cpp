@@ -8,7 +8,8 @@ LazyTree::LazyTree(const FrameState& f, std::size_t budget_bytes, BuildTechnique
       techniques(with),
       sharing(is_shared ? std::make_unique<Sharing>() : nullptr),
       items(f, arena, dicer, counters),
-      tree(items, arena, counters, with.scan, building())
+      kd(items, arena, counters, with.scan, building()),
+      bvh(items, arena, counters, building())
 {
     flush();
     counters.flushes = 0;
@@ -21,15 +22,21 @@ void LazyTree::flush()
     arena.reset(budget);
     dicer.forget();
     const ItemIndex root = items.restart();
-    if (techniques.hierarchy) tree.restart(frame.bounds, {&root, 1});
-    else tree.restart(frame.bounds, items.base_patches());
-    if (!techniques.lazy) tree.expand_all(lod::kCoarsestLevel);
+    std::vector<ItemIndex> roots{root};
+    if (!techniques.hierarchy) roots = items.base_patches();
+    if (frame.tree == TreeKind::Bvh) {
+        bvh.restart(roots);
+        if (!techniques.lazy) bvh.expand_all(lod::kCoarsestLevel);
+    } else {
+        kd.restart(frame.bounds, roots);
+        if (!techniques.lazy) kd.expand_all(lod::kCoarsestLevel);
+    }
 }
 
-IGrid& LazyTree::grid(const KdLeaf& leaf, std::size_t place, int pair, std::uint64_t& diced)
+IGrid& LazyTree::grid(const TreeLeaf& leaf, std::size_t place, int pair, std::uint64_t& diced)
 {
     const MaybeLock lock(building());
-    KdLeaf::Entry& entry = leaf.entries[place];
+    TreeLeaf::Entry& entry = leaf.entries[place];
     if (entry.grid) return *entry.grid;  // another thread has built it in the meantime
     const std::uint64_t before = counters.diced;
     IGrid& made = items.grid(entry.item, pair);

@@ -1,4 +1,4 @@
-// Holds a kd-tree with everything that it is made of. It belongs to one worker or is shared by a group of workers.
+// Holds a tree with everything that it is made of. It belongs to one worker or is shared by a group of workers.
 //
 // A shared tree is read without a lock; what makes it grow (expanding a node, dicing an igrid, shading one) happens
 // under one lock. It is dropped when all workers are at a safe point between two groups of rays.
@@ -10,6 +10,7 @@
 #include <memory>
 #include <mutex>
 
+#include "accel/bvh.h"
 #include "accel/flush_gate.h"
 #include "accel/hit.h"
 #include "accel/kd_tree.h"
@@ -23,7 +24,7 @@ struct LazyTree {
     void flush();
     /// Returns the igrid of a leaf's entry. It is built now if this is the first ray that enters its box.
     /// diced   is increased by what is diced now, counted as in TraceCounters::diced.
-    IGrid& grid(const KdLeaf& leaf, std::size_t place, int pair, std::uint64_t& diced);
+    IGrid& grid(const TreeLeaf& leaf, std::size_t place, int pair, std::uint64_t& diced);
     PhaseOneTools phase_one() noexcept { return {frame, dicer, arena, counters, building()}; }
     /// Returns what building has cost so far.
     TraceCounters totals();
@@ -32,6 +33,12 @@ struct LazyTree {
         std::mutex building;
         FlushGate gate;
     };
+    template <class Tree>
+    Tree& tree() noexcept
+    {
+        if constexpr (std::is_same_v<Tree, Bvh>) return bvh;
+        else return kd;
+    }
     std::mutex* building() const noexcept { return sharing ? &sharing->building : nullptr; }
     FlushGate* gate() const noexcept { return sharing ? &sharing->gate : nullptr; }
 
@@ -43,7 +50,9 @@ struct LazyTree {
     lod::Dicer dicer;
     TraceCounters counters;
     Items items;
-    KdTree tree;
+    /// Only the tree that the frame names is in use.
+    KdTree kd;
+    Bvh bvh;
 };
 
 }  // namespace occam::accel

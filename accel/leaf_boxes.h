@@ -4,20 +4,20 @@
 // is missed by all of the packet's rays; the remaining boxes are tested ray by ray. So a leaf costs a packet a few
 // tests instead of one per entry. The blocks of an igrid are tested in the same way.
 //
-// Boxes    KdLeaf::boxes and BoxTree share one layout. Spare slots hold empty boxes.
+// Boxes    TreeLeaf::boxes and BoxTree share one layout. Spare slots hold empty boxes.
 #pragma once
 
-#include "accel/traverse.h"
+#include "accel/tree_ray.h"
 
 namespace occam::accel {
 
-/// F is the same type as in KdRay: vfloat for a packet, float for one ray.
+/// F is the same type as in TreeRay: vfloat for a packet, float for one ray.
 template <class F>
 class RaysAsOne {
 public:
     RaysAsOne() = default;
     /// begin   is where the first of the rays starts.
-    RaysAsOne(const KdRay<F>& rays, float begin) noexcept
+    RaysAsOne(const TreeRay<F>& rays, float begin) noexcept
         : RaysAsOne(rays.origin, rays.inverse, rays.negative, rays.shift, begin)
     {
     }

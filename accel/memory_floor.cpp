@@ -1,5 +1,6 @@
 #include "accel/memory_floor.h"
 
+#include "accel/bvh.h"
 #include "accel/kd_tree.h"
 #include "accel/vertex_values.h"
 #include "lod/deformed_cage.h"

@@ -37,20 +37,20 @@ bool Tracer::State::fits_packet(std::span<const Ray> rays, const vmasks<kParts>&
 /// Intersects rays with the igrids that a node holds for the pairs [finest, coarsest]. enter(bounds, far) returns which rays
 /// are inside the bounds somewhere before far, which is limit(). meet(leaf, number, pair, rays) intersects these rays with
 /// the igrid of an entry, and returns false if the budget is exceeded.
-template <class F, class Limit, class Enter, class Meet>
-OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far,
+template <class Tree, class NodeOf, class F, class Limit, class Enter, class Meet>
+OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(Tree& tree, NodeOf node, MaskOf<F> alive, F t_near, F t_far,
                                                         const PairSpans<F>& pairs, int finest, int coarsest,
                                                         std::size_t limit_bytes, const RaysAsOne<F>& as_one, Limit&& limit,
                                                         Enter&& enter, Meet&& meet)
 {
-    KdLeaf& latest = tree.latest_leaf(node);
+    TreeLeaf& latest = tree.latest_leaf(node);
     const auto is_one = [&] { return finest == coarsest || (latest.pairs.has(finest) && latest.pairs.has(coarsest)); };
     if (!is_one()) pairs.narrow(alive, t_near, t_far, finest, coarsest);
     for (int pair = finest; pair <= coarsest; ++pair) {
         MaskOf<F> here = alive;
         if (!is_one()) here = alive & (max(t_near, pairs.in(pair, pair)) <= min(t_far, pairs.out(pair, pair)));
         if (none(here)) continue;
-        KdLeaf* leaf = latest.pairs.has(pair) ? &latest : tree.leaf(node, pair);
+        TreeLeaf* leaf = latest.pairs.has(pair) ? &latest : tree.leaf(node, pair);
         if (!leaf) return LeafResult::Expanded;
         // A leaf that is the same for several pairs is tested once for all of them.
         const int last = std::min(leaf->pairs.coarsest, coarsest);
@@ -75,7 +75,7 @@ OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, Mask
                     if (!(begin[next] <= far)) break;
                 }
                 const std::size_t number = first + static_cast<std::size_t>(next);
-                const KdLeaf::Entry& entry = leaf->entries[number];
+                const TreeLeaf::Entry& entry = leaf->entries[number];
                 const MaskOf<F> entering = here &
                                            (read_published(entry.grid) ? enter(entry.bounds, far)
                                                                        : enter({get_box(leaf->boxes, number), {}}, far));
@@ -89,13 +89,13 @@ OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(std::uint32_t node, Mask
     return arena.bytes() <= limit_bytes ? LeafResult::Done : LeafResult::Abandoned;
 }
 
-template <int kParts, class Found>
+template <class Tree, int kParts, class Found>
 Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays, const RayAxes& axes,
                                                       std::size_t limit_bytes, PacketQuery<Found, kParts>& query)
 {
     using F = vfloats<kParts>;
     const std::size_t n = rays.size();
-    KdRay<F> kd;
+    TreeRay<F> kd;
     F start[4], shear[3], inverse[3], way[4];
     static_assert(offsetof(Ray, t_near) == offsetof(Ray, direction) + 3 * sizeof(float));
     gather_four(rays.data(), n, offsetof(Ray, direction), way);
@@ -136,7 +136,7 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
     const vmasks<kParts> enters = begin <= end;
     if (none(enters)) return PacketResult::Done;
     PairSpans<F> pairs{nullptr, kd.shift, 0, 0};
-    if (is_per_ray()) {
+    if (frame.has_levels) {
         if (!fits_packet(rays, enters, kd.shift + begin, kd.shift + end)) return PacketResult::TooWide;
         lod::RayLevels<F>& levels = packet_levels<kParts>();
         pairs = {&levels, kd.shift, levels.finest, levels.coarsest};
@@ -154,7 +154,7 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
         const vmasks<kParts> inside = in <= out;
         return none(inside) ? inside : inside & crosses(kd, bounds.slab, in, out);
     };
-    const auto meet = [&](const KdLeaf& leaf, std::size_t number, int pair, vmasks<kParts> entering)
+    const auto meet = [&](const TreeLeaf& leaf, std::size_t number, int pair, vmasks<kParts> entering)
         __attribute__((always_inline))
     {
         IGrid* known = grid_of(leaf, number, pair, limit_bytes);
@@ -226,19 +226,20 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
         }
         return true;
     };
+    Tree& tree = lazy.tree<Tree>();
     const bool is_done = traverse(
-        tree, kd, begin, end, pairs, counters, limit,
-        [&](std::uint32_t node, const vmasks<kParts>& alive, const F& near, const F& far, int finest, int coarsest) {
-            return meet_leaf(node, alive, near, far, pairs, finest, coarsest, limit_bytes, as_one, limit, enter, meet);
+        tree, kd, as_one, begin, end, pairs, counters, limit,
+        [&](auto node, const vmasks<kParts>& alive, const F& near, const F& far, int finest, int coarsest) {
+            return meet_leaf(tree, node, alive, near, far, pairs, finest, coarsest, limit_bytes, as_one, limit, enter, meet);
         });
     return is_done ? PacketResult::Done : PacketResult::Abandoned;
 }
 
-template <class Found>
+template <class Tree, class Found>
 bool Tracer::State::run_single(const Ray& ray, const RayAxes& axes, std::size_t limit_bytes, SingleQuery<Found>& query)
 {
     const PlacedOrigin start = place(ray, frame.anchor, frame.radius);
-    KdRay<float> kd;
+    TreeRay<float> kd;
     RayLanes lanes;
     vfloat direction[3];
     const float way[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
@@ -269,7 +270,7 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& axes, std::size_t 
 
     if (!(begin <= end)) return true;
     PairSpans<float> pairs{nullptr, kd.shift, 0, 0};
-    if (is_per_ray()) {
+    if (frame.has_levels) {
         // A single ray has at most RayLevels::kMostOfRay pairs, for which the table always has room.
         const Reach reach = reach_of(ray);
         single_levels.set({reach.target_edge.a, reach.target_edge.b, reach.start}, kd.shift + begin, kd.shift + end,
@@ -286,7 +287,7 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& axes, std::size_t 
         clip(kd, bounds.box, in, out);
         return in <= out && crosses(kd, bounds.slab, in, out);
     };
-    const auto meet = [&](const KdLeaf& leaf, std::size_t number, int pair, bool) {
+    const auto meet = [&](const TreeLeaf& leaf, std::size_t number, int pair, bool) {
         IGrid* known = grid_of(leaf, number, pair, limit_bytes);
         if (!known) return false;
         IGrid& grid = *known;
@@ -315,27 +316,43 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& axes, std::size_t 
         else IGridTracer(grid, lanes, kd.negative, {from, to}, query).single(lane);
         return true;
     };
-    return traverse(tree, kd, begin, end, pairs, counters, limit,
-                    [&](std::uint32_t node, bool alive, float near, float far, int finest, int coarsest) {
-                        return meet_leaf(node, alive, near, far, pairs, finest, coarsest, limit_bytes, as_one, limit, enter,
-                                         meet);
+    Tree& tree = lazy.tree<Tree>();
+    return traverse(tree, kd, as_one, begin, end, pairs, counters, limit,
+                    [&](auto node, bool alive, float near, float far, int finest, int coarsest) {
+                        return meet_leaf(tree, node, alive, near, far, pairs, finest, coarsest, limit_bytes, as_one, limit,
+                                         enter, meet);
                     });
 }
 
-template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes&, std::size_t,
-                                                               PacketQuery<Nearest, 1>&);
-template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes&, std::size_t,
-                                                               PacketQuery<Nearest, 2>&);
-template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes&, std::size_t,
-                                                               PacketQuery<AnyHit, 1>&);
-template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes&, std::size_t,
-                                                               PacketQuery<AnyHit, 2>&);
-template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes&, std::size_t,
-                                                               PacketQuery<NearestSome, 1>&);
-template Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray>, const RayAxes&, std::size_t,
-                                                               PacketQuery<NearestSome, 2>&);
-template bool Tracer::State::run_single(const Ray&, const RayAxes&, std::size_t, SingleQuery<Nearest>&);
-template bool Tracer::State::run_single(const Ray&, const RayAxes&, std::size_t, SingleQuery<NearestSome>&);
-template bool Tracer::State::run_single(const Ray&, const RayAxes&, std::size_t, SingleQuery<AnyHit>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<KdTree, 1>(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                                          PacketQuery<Nearest, 1>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<KdTree, 2>(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                                          PacketQuery<Nearest, 2>&);
+template bool Tracer::State::run_single<KdTree>(const Ray&, const RayAxes&, std::size_t, SingleQuery<Nearest>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<KdTree, 1>(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                                          PacketQuery<NearestSome, 1>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<KdTree, 2>(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                                          PacketQuery<NearestSome, 2>&);
+template bool Tracer::State::run_single<KdTree>(const Ray&, const RayAxes&, std::size_t, SingleQuery<NearestSome>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<KdTree, 1>(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                                          PacketQuery<AnyHit, 1>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<KdTree, 2>(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                                          PacketQuery<AnyHit, 2>&);
+template bool Tracer::State::run_single<KdTree>(const Ray&, const RayAxes&, std::size_t, SingleQuery<AnyHit>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<Bvh, 1>(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                                       PacketQuery<Nearest, 1>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<Bvh, 2>(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                                       PacketQuery<Nearest, 2>&);
+template bool Tracer::State::run_single<Bvh>(const Ray&, const RayAxes&, std::size_t, SingleQuery<Nearest>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<Bvh, 1>(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                                       PacketQuery<NearestSome, 1>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<Bvh, 2>(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                                       PacketQuery<NearestSome, 2>&);
+template bool Tracer::State::run_single<Bvh>(const Ray&, const RayAxes&, std::size_t, SingleQuery<NearestSome>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<Bvh, 1>(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                                       PacketQuery<AnyHit, 1>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<Bvh, 2>(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                                       PacketQuery<AnyHit, 2>&);
+template bool Tracer::State::run_single<Bvh>(const Ray&, const RayAxes&, std::size_t, SingleQuery<AnyHit>&);
 
 }  // namespace occam::accel

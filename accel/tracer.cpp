@@ -56,7 +56,8 @@ Tracer::State::PacketResult Tracer::State::run_packet_of(std::span<const Ray> ra
 {
     PacketQuery<Found, kParts> query;
     prepare(query, rays);
-    const PacketResult result = run_packet<kParts>(rays, axes, limit_bytes, query);
+    const PacketResult result = frame.tree == TreeKind::Bvh ? run_packet<Bvh, kParts>(rays, axes, limit_bytes, query)
+                                                            : run_packet<KdTree, kParts>(rays, axes, limit_bytes, query);
     if (result != PacketResult::Done) return result;
     Blends blends(packet_levels<kParts>());
     for (std::size_t i = 0; i < rays.size(); ++i) take(first + i, i, query, blends);
@@ -82,7 +83,9 @@ bool Tracer::State::run(const RayAxes& axes, std::size_t first, std::size_t coun
             SingleQuery<Found> query;
             prepare(query, rays);
             query.only = static_cast<int>(i);
-            if (!run_single(rays[i], axes, limit_bytes, query)) return false;
+            if (!(frame.tree == TreeKind::Bvh ? run_single<Bvh>(rays[i], axes, limit_bytes, query)
+                                              : run_single<KdTree>(rays[i], axes, limit_bytes, query)))
+                return false;
             Blends blends(single_levels);
             take(at + i, i, query, blends);
         }
@@ -140,8 +143,9 @@ void Tracer::nearest(std::span<const Ray> rays, int most, std::span<SurfaceHit> 
             for (int k = 0; k < found.count[lane]; ++k) {
                 const NearestSome::Hit& hit = found.hits[lane][k];
                 if (!(hit.t > begin)) continue;
-                GridHit& m = met[at(i, known.count++)] = {hit.t, hit.grid, hit.id, {}};
+                GridHit& m = met[at(i, known.count++)] = {hit.t, hit.grid, hit.id, {}, {}};
                 if (m.grid->blends()) m.blend = blends(m.grid->pairs.finest, lane);
+                if (m.grid->segments > 0) m.time = lod::key_time(s.groups.sorted[first + i].time, m.grid->segments);
                 begin = behind(hit.t);
             }
             for (int k = known.count; k < most; ++k) met[at(i, k)].grid = nullptr;

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <memory>
 
+#include "accel/bvh_traverse.h"
 #include "accel/frame_state.h"
 #include "accel/lazy_tree.h"
-#include "accel/leaf_boxes.h"
 #include "accel/mailboxes.h"
 #include "accel/packet.h"
 #include "accel/ray_groups.h"
@@ -18,13 +18,7 @@ namespace occam::accel {
 struct Tracer::State {
     explicit State(std::unique_ptr<LazyTree> tree_of_its_own) : State(*tree_of_its_own) { own = std::move(tree_of_its_own); }
     explicit State(LazyTree& all)
-        : lazy(all),
-          frame(all.frame),
-          budget(all.budget),
-          arena(all.arena),
-          tree(all.tree),
-          gate(all.gate()),
-          mailboxes(gate != nullptr)
+        : lazy(all), frame(all.frame), budget(all.budget), arena(all.arena), gate(all.gate()), mailboxes(gate != nullptr)
     {
     }
 
@@ -41,20 +35,20 @@ struct Tracer::State {
         Abandoned,  ///< the budget was exceeded during the trace
         TooWide     ///< the rays see too many pairs of levels to travel together
     };
-    /// Traces one packet of rays with equal axes and octant.
-    template <int kParts, class Found>
+    /// Traces one packet of rays with equal axes and octant through the frame's tree, which is a Tree.
+    template <class Tree, int kParts, class Found>
     PacketResult run_packet(std::span<const Ray> rays, const RayAxes& axes, std::size_t limit_bytes,
                             PacketQuery<Found, kParts>& query);
     /// Traces one ray. Returns false if the budget was exceeded during the trace.
-    template <class Found>
+    template <class Tree, class Found>
     bool run_single(const Ray& ray, const RayAxes& axes, std::size_t limit_bytes, SingleQuery<Found>& query);
 
-    template <class F, class Limit, class Enter, class Meet>
-    LeafResult meet_leaf(std::uint32_t node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest,
+    template <class Tree, class NodeOf, class F, class Limit, class Enter, class Meet>
+    LeafResult meet_leaf(Tree& tree, NodeOf node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest,
                          int coarsest, std::size_t limit_bytes, const RaysAsOne<F>& as_one, Limit&& limit, Enter&& enter,
                          Meet&& meet);
     /// Returns the igrid of an entry, which is built if needed, or null if the budget is exceeded.
-    IGrid* grid_of(const KdLeaf& leaf, std::size_t number, int pair, std::size_t limit_bytes)
+    IGrid* grid_of(const TreeLeaf& leaf, std::size_t number, int pair, std::size_t limit_bytes)
     {
         if (IGrid* known = read_published(leaf.entries[number].grid)) return known;
         IGrid* made = &lazy.grid(leaf, number, pair, counters.diced);
@@ -67,7 +61,6 @@ struct Tracer::State {
         start(query, rays);
         if constexpr (std::is_base_of_v<NearestSome, Query>) query.wanted = wanted_hits;
     }
-    bool is_per_ray() const noexcept { return frame.levels.mode != lod::LevelMode::PerInstance; }
     /// Makes the table of transitions of a packet whose rays `enters` are in the scene from t_in to t_out. Returns
     /// false if its rays see too many pairs to travel together.
     template <int kParts>
@@ -148,7 +141,6 @@ struct Tracer::State {
     const FrameState& frame;
     const std::size_t budget;
     Arena& arena;
-    KdTree& tree;
     FlushGate* const gate;   ///< null unless the tree is shared
     TraceCounters counters;  ///< building is counted in the tree's own counters
     Mailboxes mailboxes;

@@ -188,6 +188,10 @@ void add_machine(CLI::App& app, RenderArguments& a)
     add_whole(app, "--threads", a.resources.threads, 1, 1024, "Workers [all processors]");
     add_value(app, "--memory", "Budget for what is rebuilt each frame [a quarter of the machine]", "SIZE",
               [&](const std::string& t) { a.resources.memory_bytes = bytes_of(t); });
+    add_choice<accel::TreeKind>(
+        app, "--accel", a.resources.tree,
+        {{"auto", accel::TreeKind::Auto}, {"kd", accel::TreeKind::Kd}, {"bvh", accel::TreeKind::Bvh}},
+        "Tree over the scene: a kd-tree, or boxes eight wide; the picture is the same [auto]");
     add_whole(app, "--share-tree", a.resources.workers_a_tree, 1, 1024,
               "Workers that share one tree, in the memory of one [1: each its own]");
     add_value(app, "--texture-memory", "Cap of the texture cache [1G]", "SIZE",

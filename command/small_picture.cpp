@@ -16,7 +16,7 @@ Measured measure_small(const Settings& settings, const Camera& camera, Scene& sc
     small.crop_x0 = small.crop_y0 = 0;
     small.crop_x1 = small.crop_y1 = 1;
     small.spp = std::min(small.spp, kSamples);
-    small.aovs = 0;
+    small.aovs = {};
     small.clamp = 0;
     small.deadline_s = small.error = 0;
     small.progressive = false;

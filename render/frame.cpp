@@ -400,7 +400,8 @@ FrameResult make_frame(const FrameInputs& in, FrameControl& control, FrameStats&
     const shade::PhaseOne phase_one(in.textures);
     lod::VertexShading shading{nullptr, sample_width(in.settings.spp)};
     if (in.settings.shade_at == ShadeAt::Vertex) shading.shader = &phase_one;
-    const accel::Frame frame(in.scene, in.topologies, levels, &in.textures, shading, scale);
+    const accel::Frame frame(in.scene, in.topologies, levels, &in.textures, shading, scale, in.resources.tree);
+    stats.tree = frame.tree();
 
     context.shadow_batch = in.memory.shadow_batch;
 

@@ -168,6 +168,7 @@ std::string to_json(const FrameStats& s)
         {"warnings", s.warnings},
         {"version", kVersion},
         {"threads", s.threads},
+        {"accel", s.tree == accel::TreeKind::Bvh ? "bvh" : "kd"},
     });
 }
 

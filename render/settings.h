@@ -6,6 +6,7 @@
 #include <optional>
 #include <string_view>
 
+#include "accel/tree_kind.h"
 #include "render/aovs.h"
 #include "render/filter.h"
 #include "scenegraph/camera.h"
@@ -102,6 +103,7 @@ struct Resources {
     std::size_t memory_bytes = 0;
     int workers_a_tree = 1;  ///< 1: each worker builds its own tree; more: that many share one; 0: all share one
     std::size_t texture_bytes = std::size_t(1) << 30;
+    accel::TreeKind tree = accel::TreeKind::Auto;  ///< the tree over the parts of the scene that rays touch
 
     /// Returns a copy in which the zeros above are replaced by what the machine has.
     Resources resolved() const;

@@ -73,7 +73,8 @@ struct FrameStats {
     } image;
     Settings settings;
     int threads = 0;
-    bool complete = true;  ///< false: cancelled or out of time; some tiles are black
+    accel::TreeKind tree = accel::TreeKind::Kd;  ///< the tree of this frame, which is never Auto
+    bool complete = true;                        ///< false: cancelled or out of time; some tiles are black
     std::vector<std::string> warnings;
 };
 

@@ -83,7 +83,7 @@ std::vector<Recorded> record(accel::Tracer& tracer, const std::vector<accel::Ray
     return {path, bounces, ao, direct, shadow};
 }
 
-Row traced_row(const std::string& scene, const Recorded& recorded, accel::Tracer& tracer, const EmbreeMesh& mesh)
+Row traced_row(const std::string& scene, const Recorded& recorded, TreePair& trees, const EmbreeMesh& mesh)
 {
     std::vector<accel::Ray> all;
     for (const auto& batch : recorded.batches) all.insert(all.end(), batch.begin(), batch.end());
@@ -91,7 +91,7 @@ Row traced_row(const std::string& scene, const Recorded& recorded, accel::Tracer
     packets.is_coherent = recorded.is_coherent;
     std::vector<accel::SurfaceHit> hits(all.size());
     std::vector<std::uint8_t> occluded(all.size());
-    const auto trace = [&] {
+    const auto trace = [&](accel::Tracer& tracer) {
         std::size_t at = 0;
         for (const auto& batch : recorded.batches) {
             if (recorded.is_any) tracer.occluded(batch, std::span(occluded).subspan(at, batch.size()));
@@ -99,14 +99,16 @@ Row traced_row(const std::string& scene, const Recorded& recorded, accel::Tracer
             at += batch.size();
         }
     };
-    trace();
-    std::vector<double> ours_s, theirs_s, packets_s;
+    trace(trees.kd);
+    trace(trees.bvh);
+    std::vector<double> kd_s, bvh_s, theirs_s, packets_s;
     const auto timed = [&](EmbreeRays& rays) {
         rays.reset();
         return repeat(1, [&] { recorded.is_any ? rays.occluded() : rays.closest(); }).front();
     };
     for (int run = 0; run < kRuns; ++run) {
-        ours_s.push_back(repeat(1, trace).front());
+        kd_s.push_back(repeat(1, [&] { trace(trees.kd); }).front());
+        bvh_s.push_back(repeat(1, [&] { trace(trees.bvh); }).front());
         theirs_s.push_back(timed(theirs));
         packets_s.push_back(timed(packets));
     }
@@ -115,8 +117,12 @@ Row traced_row(const std::string& scene, const Recorded& recorded, accel::Tracer
         disagree += recorded.is_any ? (occluded[i] != 0) != theirs.is_occluded(i)
                                     : hits[i].is_hit() != std::isfinite(theirs.t(i));
     const double mega = 1e-6 * double(all.size());
+    const std::vector<double>& ours_s = trees.usual == accel::TreeKind::Bvh ? bvh_s : kd_s;
     Row row{"scenes", scene + ", " + recorded.what};
     row.add("rays", double(all.size())).add("occam_mrays_per_s", per(mega, ours_s));
+    row.add("kd_mrays_per_s", per(mega, kd_s))
+        .add("bvh_mrays_per_s", per(mega, bvh_s))
+        .add("bvh_over_kd", ratios(kd_s, bvh_s));
     row.add("embree_mrays_per_s", per(mega, theirs_s)).add("occam_over_embree", ratios(theirs_s, ours_s));
     row.add("embree_packets_mrays_per_s", per(mega, packets_s)).add("occam_over_packets", ratios(packets_s, ours_s));
     return row.add("disagree_hit_or_miss", double(disagree));
@@ -171,17 +177,23 @@ std::size_t plain_paths(const EmbreeMesh& mesh, const std::vector<accel::Ray>& c
 Row frame_row(const WholeScene& of, Scene& scene, const EmbreeMesh& mesh, const std::vector<accel::Ray>& camera, Vec3d lamp,
               IntegratorKind kind)
 {
-    Renderer renderer(Resources{.threads = 1});
+    Renderer renderer(Resources{.threads = 1}), kd(Resources{.threads = 1, .tree = TreeKind::Kd}),
+        bvh(Resources{.threads = 1, .tree = TreeKind::Bvh});
     Settings settings{.width = kWidth, .height = kHeight, .spp = kSide * kSide};
     settings.integrator = kind;
     settings.bounces = kBounces;
 
-    std::vector<double> ours, theirs, rates, their_rates;
+    const auto seconds_of = [&](Renderer& with) {
+        const double start = process_seconds();
+        with.render(scene, of.camera, settings);
+        return process_seconds() - start;
+    };
+    std::vector<double> ours, theirs, rates, their_rates, in_kd, in_bvh;
     std::vector<float> picture;
     for (int run = 0; run < kRuns; ++run) {
-        const double start = process_seconds();
-        renderer.render(scene, of.camera, settings);
-        ours.push_back(process_seconds() - start);
+        ours.push_back(seconds_of(renderer));
+        in_kd.push_back(seconds_of(kd));
+        in_bvh.push_back(seconds_of(bvh));
         rates.push_back(1e-6 * double(renderer.stats().rays.total()) / ours.back());
         if (kind != IntegratorKind::Path) continue;
         const double their_start = process_seconds();
@@ -194,6 +206,7 @@ Row frame_row(const WholeScene& of, Scene& scene, const EmbreeMesh& mesh, const 
     Row row{"scenes", of.name + ", whole frame, " + std::string(render::integrator_name(kind))};
     row.add("cpu_s", ours).add("occam_mrays_per_s", rates).add("rays", double(renderer.stats().rays.total()));
     row.add("trace_s", s.trace).add("shade_s", s.shade).add("build_s", s.build + s.tessellate);
+    row.add("kd_cpu_s", in_kd).add("bvh_cpu_s", in_bvh).add("bvh_over_kd", ratios(in_kd, in_bvh));
     row.add("arena_peak_mb", arena_mb);
     if (!theirs.empty())
         row.add("plain_embree_mrays_per_s", their_rates).add("occam_over_embree", ratios(rates, their_rates));
@@ -258,9 +271,9 @@ void run_scene(Report& report, WholeScene& of)
     lod::TopologyCache topologies;
     const std::vector<Vec3f> corners = of.triangles(topologies, camera.levels(1));
     const EmbreeMesh mesh(corners, Vec3d(0));
-    const accel::Frame frame(of.scene, topologies, camera.levels(1));
-    accel::Tracer tracer(frame, kBudget);
-    for (const Recorded& recorded : record(tracer, rays, lamp)) report.add(traced_row(of.name, recorded, tracer, mesh));
+    TreePair trees(of.scene, topologies, camera.levels(1), kBudget);
+    accel::Tracer& tracer = trees.usual == accel::TreeKind::Bvh ? trees.bvh : trees.kd;
+    for (const Recorded& recorded : record(tracer, rays, lamp)) report.add(traced_row(of.name, recorded, trees, mesh));
     Row row{"scenes", of.name + ", trees"};
     const accel::TraceCounters counters = tracer.counters();
     row.add("triangles", double(corners.size()) / 3).add("kd_nodes", double(counters.kd_nodes));

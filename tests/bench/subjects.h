@@ -57,6 +57,15 @@ inline constexpr std::size_t kBatch = 4096;  ///< rays that a renderer hands ove
 void trace_closest(accel::Tracer& tracer, std::span<const accel::Ray> rays, std::span<accel::SurfaceHit> hits);
 void trace_occluded(accel::Tracer& tracer, std::span<const accel::Ray> rays, std::span<std::uint8_t> occluded);
 
+/// Holds tracers of one scene in both trees, to be timed in turns.
+struct TreePair {
+    TreePair(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels, std::size_t budget);
+
+    accel::Frame kd_frame, bvh_frame;
+    accel::Tracer kd, bvh;
+    accel::TreeKind usual;  ///< the tree that a frame of this scene has by default
+};
+
 /// Returns all micropolygons of a cage at its level, three corners each, in its dicing frame; gap triangles, which have no
 /// area, are left out.
 std::vector<Vec3f> micropolygons(const lod::PosedCage& cage);

@@ -8,6 +8,7 @@
 
 #include <cmath>
 
+#include "accel/frame_state.h"
 #include "tests/bench/embree_mesh.h"
 #include "tests/bench/subjects.h"
 #include "tests/bench/suites.h"
@@ -20,6 +21,7 @@ constexpr std::size_t kBudget = std::size_t(1) << 30;
 
 struct Turns {
     std::vector<double> occam, embree;
+    std::vector<double> kd, bvh;  ///< one of them is occam
 };
 
 template <class Trace>
@@ -29,15 +31,18 @@ void in_batches(std::size_t rays, Trace&& trace)
 }
 
 template <class Ours, class Theirs>
-Turns in_turns(EmbreeRays& theirs, Ours&& trace_ours, Theirs&& trace_theirs)
+Turns in_turns(TreePair& trees, EmbreeRays& theirs, Ours&& trace_ours, Theirs&& trace_theirs)
 {
     Turns turns;
-    trace_ours();  // this builds everything that is lazy
+    trace_ours(trees.kd);  // this builds everything that is lazy
+    trace_ours(trees.bvh);
     for (int i = 0; i < kRuns; ++i) {
-        turns.occam.push_back(repeat(1, trace_ours).front());
+        turns.kd.push_back(repeat(1, [&] { trace_ours(trees.kd); }).front());
+        turns.bvh.push_back(repeat(1, [&] { trace_ours(trees.bvh); }).front());
         theirs.reset();
         turns.embree.push_back(repeat(1, trace_theirs).front());
     }
+    turns.occam = trees.usual == accel::TreeKind::Bvh ? turns.bvh : turns.kd;
     return turns;
 }
 
@@ -48,10 +53,12 @@ Row row_of(const std::string& name, const Turns& turns, std::size_t rays)
     row.add("rays", double(rays));
     row.add("occam_mrays_per_s", per(mega, turns.occam)).add("embree_mrays_per_s", per(mega, turns.embree));
     row.add("occam_over_embree", ratios(turns.embree, turns.occam));
+    row.add("kd_mrays_per_s", per(mega, turns.kd)).add("bvh_mrays_per_s", per(mega, turns.bvh));
+    row.add("bvh_over_kd", ratios(turns.kd, turns.bvh));
     return row;
 }
 
-void run_rays(Report& report, const std::string& name, accel::Tracer& tracer, const EmbreeMesh& mesh,
+void run_rays(Report& report, const std::string& name, TreePair& trees, const EmbreeMesh& mesh,
               std::span<const accel::Ray> rays, bool coherent)
 {
     std::vector<accel::SurfaceHit> hits(rays.size());
@@ -59,15 +66,15 @@ void run_rays(Report& report, const std::string& name, accel::Tracer& tracer, co
     EmbreeRays theirs(mesh, rays, coherent);
 
     // A renderer shades one batch of hits before it asks for the next, so they stay in its caches.
-    const auto batch_by_batch = [&] {
+    const auto batch_by_batch = [&](accel::Tracer& tracer) {
         in_batches(rays.size(), [&](std::size_t i, std::size_t n) { tracer.closest(rays.subspan(i, n), {hits.data(), n}); });
     };
     // For the same amount of work, everything that shading needs is filled from Embree's hits, too.
     std::vector<ShadedHit> shaded(kBatch);
     report.add(row_of(name + " closest, both filled",
-                      in_turns(theirs, batch_by_batch, [&] { theirs.closest_filled(shaded); }), rays.size()));
-    const Turns closest = in_turns(theirs, batch_by_batch, [&] { theirs.closest(); });
-    trace_closest(tracer, rays, hits);
+                      in_turns(trees, theirs, batch_by_batch, [&] { theirs.closest_filled(shaded); }), rays.size()));
+    const Turns closest = in_turns(trees, theirs, batch_by_batch, [&] { theirs.closest(); });
+    trace_closest(trees.usual == accel::TreeKind::Bvh ? trees.bvh : trees.kd, rays, hits);
     std::size_t met = 0, other_answer = 0, other_distance = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const float t = theirs.t(i);
@@ -82,8 +89,8 @@ void run_rays(Report& report, const std::string& name, accel::Tracer& tracer, co
 
     std::vector<accel::FirstHit> first(rays.size());
     const Turns found = in_turns(
-        theirs,
-        [&] {
+        trees, theirs,
+        [&](accel::Tracer& tracer) {
             in_batches(rays.size(), [&](std::size_t i, std::size_t n) {
                 tracer.first_hits(rays.subspan(i, n), {&first[i], n});
             });
@@ -95,7 +102,7 @@ void run_rays(Report& report, const std::string& name, accel::Tracer& tracer, co
     report.add(row_of(name + " first", found, rays.size()).add("disagree_with_closest", double(other_hit)));
 
     const Turns any = in_turns(
-        theirs, [&] { trace_occluded(tracer, rays, occluded); }, [&] { theirs.occluded(); });
+        trees, theirs, [&](accel::Tracer& tracer) { trace_occluded(tracer, rays, occluded); }, [&] { theirs.occluded(); });
     std::size_t disagree = 0, met_any = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
         met_any += occluded[i];
@@ -112,15 +119,16 @@ void run_trace(Report& report)
     for (const auto& subject : usual_subjects(kWidth, kHeight)) {
         if (!report.wants(subject->name)) continue;
         const std::vector<accel::Ray> rays = subject->camera_rays();
-        accel::Tracer tracer(*subject->frame, kBudget);
+        TreePair trees(subject->scene, subject->topologies, subject->frame->state().levels, kBudget);
+        accel::Tracer& tracer = trees.usual == accel::TreeKind::Bvh ? trees.bvh : trees.kd;
         std::vector<accel::SurfaceHit> hits(rays.size());
         trace_closest(tracer, rays, hits);
         const std::vector<accel::Ray> diffuse = diffuse_rays(rays, hits);
 
         const std::vector<Vec3f> corners = micropolygons(subject->posed);
         const EmbreeMesh mesh(corners, subject->posed.anchor);
-        run_rays(report, subject->name + " camera", tracer, mesh, rays, true);
-        run_rays(report, subject->name + " diffuse", tracer, mesh, diffuse, false);
+        run_rays(report, subject->name + " camera", trees, mesh, rays, true);
+        run_rays(report, subject->name + " diffuse", trees, mesh, diffuse, false);
         Row row{"trace", subject->name + " scene"};
         row.add("embree_triangles", double(corners.size()) / 3).add("embree_build_s", mesh.build_seconds);
         row.add("occam_micropolygons", double(tracer.counters().micropolygons))

@@ -58,9 +58,10 @@ struct Outcome {
     std::uint64_t flushes;
 };
 
-Outcome render(Scene& scene, const Camera& camera, const Settings& settings, int threads, std::size_t memory)
+Outcome render(Scene& scene, const Camera& camera, const Settings& settings, int threads, std::size_t memory,
+               TreeKind tree = TreeKind::Auto)
 {
-    Renderer renderer({.threads = threads, .memory_bytes = memory});
+    Renderer renderer({.threads = threads, .memory_bytes = memory, .tree = tree});
     Job job = renderer.start(scene, camera, settings);
     const Image& image = job.image();
     const FrameStats& stats = job.stats();
@@ -101,6 +102,11 @@ void expect_the_same(Scene scene, const std::string& name, Settings settings = {
     EXPECT_EQ(one.flushes, 0u);
     EXPECT_EQ(render(scene, camera, settings, 2, std::size_t(1) << 30).checksum, one.checksum);
     EXPECT_EQ(render(scene, camera, settings, 7, std::size_t(1) << 30).checksum, one.checksum);
+    const Outcome kd = render(scene, camera, settings, 2, std::size_t(1) << 30, TreeKind::Kd),
+                  bvh = render(scene, camera, settings, 2, one.arena_bytes / 4, TreeKind::Bvh);
+    EXPECT_EQ(kd.checksum, one.checksum);
+    EXPECT_EQ(bvh.checksum, one.checksum);
+    EXPECT_GT(bvh.flushes, 0u);
     for (const std::size_t part : {2, 4}) {
         const Outcome tight = render(scene, camera, settings, 1, one.arena_bytes / part);
         EXPECT_EQ(tight.checksum, one.checksum);

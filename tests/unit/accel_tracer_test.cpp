@@ -2,45 +2,15 @@
 // any budget.
 #include <gtest/gtest.h>
 
-#include <bit>
-#include <random>
 #include <set>
-#include <tuple>
 
-#include "accel/frame.h"
-#include "accel/tracer.h"
 #include "tests/support/diced_mesh.h"
 #include "tests/support/shape_builders.h"
 #include "tests/support/textured_floor.h"
+#include "tests/support/tracer_stage.h"
 
 namespace occam::test {
 namespace {
-
-constexpr std::size_t kPlenty = std::size_t(1) << 30;
-
-std::vector<accel::Ray> rays_towards(Vec3d eye, const Box3d& bounds, int count, std::uint64_t seed)
-{
-    std::mt19937_64 random(seed);
-    const auto uniform = [&] { return double(random() >> 11) * 0x1p-53; };
-    std::vector<accel::Ray> rays(count);
-    for (accel::Ray& ray : rays) {
-        ray.origin = eye;
-        ray.direction = Vec3f(glm::normalize(bounds.lo + bounds.extent() * Vec3d(uniform(), uniform(), uniform()) - eye));
-    }
-    return rays;
-}
-
-bool same(const accel::SurfaceHit& a, const accel::SurfaceHit& b)
-{
-    if (std::bit_cast<std::uint32_t>(a.t) != std::bit_cast<std::uint32_t>(b.t)) return false;
-    const auto all = [](const accel::SurfaceHit& h) {
-        return std::tuple(h.self_distance, h.uv_width[0], h.uv_width[1], h.normal_geometric, h.curvature, h.normal_shading,
-                          h.tangent_sign, h.tangent, h.blend, h.uv[0], h.uv[1], h.position, h.u_gradient, h.v_gradient,
-                          h.color, h.material, h.node, h.face, h.back_side, h.level, h.micropolygon, h.to_start,
-                          h.start_normal, h.start_level);
-    };
-    return !a.is_hit() || all(a) == all(b);
-}
 
 // Adds prisms side by side with two sets of coordinates: their materials have maps on one of the sets, or none.
 void add_wall_of_maps(Scene& scene)
@@ -64,16 +34,6 @@ void add_wall_of_maps(Scene& scene)
     const CageId id = scene.add(std::move(cage));
     for (int k = 0; k < 9; ++k) place(scene, id, {-1.5 + 0.7 * (k % 3), -1, 0.7 * (k / 3)}, 0.4);
 }
-
-struct Stage {
-    Scene scene;
-    lod::TopologyCache topologies;
-    accel::Frame frame(int level, lod::LevelMode mode = lod::LevelMode::PerRay)
-    {
-        scene.refit();
-        return accel::Frame(scene, topologies, {.eye = Vec3d(0), .pixel = {std::ldexp(1.0f, level), 0}, .mode = mode});
-    }
-};
 
 TEST(Tracer, FindsTheSameBitsForARayAloneAndInAPacket)
 {

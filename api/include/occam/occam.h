@@ -29,6 +29,7 @@
 
 namespace occam {
 
+using accel::TreeKind;
 using render::Aov;
 using render::FilterKind;
 using render::FrameStats;

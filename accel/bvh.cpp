@@ -1,0 +1,219 @@
+#include "accel/bvh.h"
+
+#include <algorithm>
+#include <cfloat>
+
+#include "accel/stopwatch.h"
+
+namespace occam::accel {
+namespace {
+
+constexpr std::size_t kEnough = 32;  // candidates to divide; docs/performance.md has the curve
+constexpr int kBins = 16;            // per axis
+constexpr Box3f kEverywhere{Vec3f(-FLT_MAX), Vec3f(FLT_MAX)};
+
+// The bins of candidates' middles along one axis of a part.
+struct Bins {
+    struct Bin {
+        Box3f box;
+        float cost = 0;
+    };
+    int axis = 0;
+    float lo = 0, per_length = 0;
+    Bin bins[kBins];
+
+    int of(const Box3f& box) const noexcept
+    {
+        return std::clamp(static_cast<int>(((box.lo[axis] + box.hi[axis]) * 0.5f - lo) * per_length), 0, kBins - 1);
+    }
+};
+
+}  // namespace
+
+Bvh::Bvh(Items& items, Arena& arena, TraceCounters& counters, std::mutex* building)
+    : items_(items), arena_(arena), counters_(counters), building_(building), candidates_(items)
+{
+}
+
+void Bvh::restart(std::span<const ItemIndex> roots)
+{
+    const std::span<ItemIndex> list = arena_.make_array<ItemIndex>(roots.size());
+    std::copy(roots.begin(), roots.end(), list.begin());
+    root_.bits = BvhState::of(*make_lazy(list, 0));
+}
+
+void Bvh::expand_all(int pair)
+{
+    std::vector<BvhLink*> todo{&root_};
+    while (!todo.empty()) {
+        BvhLink* at = todo.back();
+        todo.pop_back();
+        if (!at->state().is_interior() && leaf(at, pair)) continue;
+        BvhNode& node = at->state().node();
+        for (int i = 0; i < node.count; ++i) todo.push_back(&node.children[i]);
+    }
+}
+
+BvhLeaf* Bvh::expand(BvhLink* at, int pair)
+{
+    const MaybeLock lock(building_);
+    const BvhState state = at->state();
+    const bool was_interior = state.is_interior();
+    if (building_) {
+        // Another thread may have expanded it meanwhile.
+        if (was_interior && pair <= state.node().level) return nullptr;
+        if (BvhLeaf* known = find_leaf(state, pair)) return known;
+    }
+    const Stopwatch watch(counters_.build_seconds);
+    ++counters_.kd_expanded;
+    BvhLeaf* first = first_leaf(state);
+    const BvhRecord* record = first->record;
+    candidates_.start(kEverywhere, record->items, pair);
+    if (was_interior || record->depth >= kMaxDepth) {
+        while (candidates_.open_largest(Candidates::kAnyEffort)) {
+        }
+        return make_leaf(at, state, record);
+    }
+    open_enough();
+    if (is_leaf()) return make_leaf(at, state, record);
+    divide();
+    make_node(at, first, record->depth + 1);
+    return nullptr;
+}
+
+void Bvh::open_enough()
+{
+    const auto open_free = [&] {
+        while (candidates_.size() < kEnough && candidates_.open_largest(0)) {
+        }
+    };
+    // The candidates are divided before a vertex is looked at, because what lies in another part may be hidden.
+    open_free();
+    while (candidates_.size() == 1 && candidates_.open_largest(Candidates::kAnyEffort)) open_free();
+    const bool are_regions = std::all_of(candidates_.begin(), candidates_.end(), [&](const Candidate& c) {
+        return c.is_final || items_.effort(c.item) == Candidates::kAnyEffort;
+    });
+    while (are_regions && candidates_.size() < BvhNode::kWidth && candidates_.open_largest(Candidates::kAnyEffort)) {
+    }
+}
+
+bool Bvh::is_leaf() const noexcept
+{
+    return candidates_.size() <= kBoxGroup &&
+           std::all_of(candidates_.begin(), candidates_.end(), [](const Candidate& c) { return c.is_final; });
+}
+
+BvhLeaf* Bvh::make_leaf(BvhLink* at, BvhState state, const BvhRecord* record)
+{
+    BvhLeaf* first = first_leaf(state);
+    // A leaf that holds for no pair has nothing but its record.
+    BvhLeaf* made = arena_.make<BvhLeaf>(candidates_.leaf(arena_), first->pairs.is_empty() ? first->next : first, record);
+    if (state.is_interior()) publish(state.node().leaf, made);
+    else publish(at->bits, BvhState::of(*made));
+    return made;
+}
+
+BvhLeaf* Bvh::make_lazy(std::span<const ItemIndex> items, int depth)
+{
+    const BvhRecord* record = arena_.make<BvhRecord>(items, depth);
+    return arena_.make<BvhLeaf>(TreeLeaf(), nullptr, record);
+}
+
+void Bvh::make_node(BvhLink* at, BvhLeaf* leaf, int depth)
+{
+    std::byte* memory = arena_.make_array<std::byte>(sizeof(BvhNode) + kBoxGroupFloats * sizeof(float)).data();
+    BvhNode& node = *new (memory) BvhNode;
+    float* boxes = reinterpret_cast<float*>(memory + sizeof(BvhNode));
+    node.leaf = leaf;
+    node.level = candidates_.holds_to();
+    node.count = part_count_;
+    for (int i = 0; i < BvhNode::kWidth; ++i) {
+        set_box(boxes, std::size_t(i), i < part_count_ ? parts_[std::size_t(i)].box : Box3f());
+        if (i >= part_count_) continue;
+        const Part& part = parts_[std::size_t(i)];
+        const std::span<ItemIndex> list = arena_.make_array<ItemIndex>(part.end - part.begin);
+        for (std::size_t c = part.begin; c < part.end; ++c) list[c - part.begin] = candidates_[c].item;
+        node.children[i].bits = BvhState::of(*make_lazy(list, depth));
+    }
+    publish(at->bits, BvhState::of(node));
+    counters_.kd_nodes += static_cast<std::uint64_t>(part_count_);
+}
+
+void Bvh::add_part(std::size_t begin, std::size_t end)
+{
+    Part part{begin, end, {}, 0};
+    for (std::size_t c = begin; c < end; ++c) part.box.add(candidates_[c].box);
+    part.area = part.box.half_area();
+    parts_[static_cast<std::size_t>(part_count_++)] = part;
+}
+
+void Bvh::divide()
+{
+    part_count_ = 0;
+    if (candidates_.size() <= BvhNode::kWidth) {
+        for (std::size_t c = 0; c < candidates_.size(); ++c) add_part(c, c + 1);
+        return;
+    }
+    add_part(0, candidates_.size());
+    while (part_count_ < BvhNode::kWidth) {
+        // There are more candidates than parts, so some part has two.
+        Part* largest = nullptr;
+        for (int i = 0; i < part_count_; ++i) {
+            Part& part = parts_[static_cast<std::size_t>(i)];
+            if (part.end - part.begin > 1 && (!largest || part.area > largest->area)) largest = &part;
+        }
+        const Part whole = *largest;
+        *largest = parts_[static_cast<std::size_t>(--part_count_)];
+        const std::size_t middle = halve(whole);
+        add_part(whole.begin, middle);
+        add_part(middle, whole.end);
+    }
+}
+
+std::size_t Bvh::halve(const Part& part)
+{
+    const auto first = candidates_.begin() + static_cast<std::ptrdiff_t>(part.begin),
+               last = candidates_.begin() + static_cast<std::ptrdiff_t>(part.end);
+    Box3f middles;
+    for (auto c = first; c != last; ++c) middles.add((c->box.lo + c->box.hi) * 0.5f);
+    Bins best;
+    int best_plane = 0;
+    float best_cost = FLT_MAX;
+    for (int axis = 0; axis < 3; ++axis) {
+        Bins bins;
+        bins.axis = axis;
+        bins.lo = middles.lo[axis];
+        bins.per_length = float(kBins) / (middles.hi[axis] - middles.lo[axis]);
+        if (!(bins.per_length > 0 && bins.per_length < FLT_MAX)) continue;
+        for (auto c = first; c != last; ++c) {
+            Bins::Bin& bin = bins.bins[bins.of(c->box)];
+            bin.box.add(c->box);
+            bin.cost += c->cost;
+        }
+        float above[kBins];
+        Bins::Bin sum;
+        for (int plane = kBins - 1; plane > 0; --plane) {
+            sum.box.add(bins.bins[plane].box);
+            sum.cost += bins.bins[plane].cost;
+            above[plane] = sum.cost > 0 ? sum.box.half_area() * sum.cost : 0;
+        }
+        sum = {};
+        for (int plane = 1; plane < kBins; ++plane) {
+            sum.box.add(bins.bins[plane - 1].box);
+            sum.cost += bins.bins[plane - 1].cost;
+            const float cost = (sum.cost > 0 ? sum.box.half_area() * sum.cost : 0) + above[plane];
+            if (!(cost < best_cost)) continue;
+            best_cost = cost;
+            best_plane = plane;
+            best.axis = bins.axis;
+            best.lo = bins.lo;
+            best.per_length = bins.per_length;
+        }
+    }
+    const auto middle = std::partition(first, last, [&](const Candidate& c) { return best.of(c.box) < best_plane; });
+    // Boxes with one middle, or of infinite size, are halved by number.
+    if (best_plane == 0 || middle == first || middle == last) return part.begin + (part.end - part.begin) / 2;
+    return static_cast<std::size_t>(middle - candidates_.begin());
+}
+
+}  // namespace occam::accel

@@ -1,0 +1,75 @@
+#include "accel/candidates.h"
+
+#include <algorithm>
+
+namespace occam::accel {
+
+void Candidates::start(const Box3f& box, std::span<const ItemIndex> items, int pair)
+{
+    clear();
+    within_ = box;
+    pair_ = pair;
+    for (const ItemIndex item : items) add(item);
+}
+
+void Candidates::add(ItemIndex item)
+{
+    const Item& it = items_[item];
+    const Box3f clipped{glm::max(it.box.lo, within_.lo), glm::min(it.box.hi, within_.hi)};
+    if (!clipped.is_empty()) push_back({clipped, item, it.cost, items_.is_final(item, pair_)});
+}
+
+bool Candidates::open_largest(int most_effort)
+{
+    // Regions are opened last, because dividing them restricts the node to fine levels.
+    std::size_t largest = size();
+    float area = -1;
+    int least = most_effort;
+    for (std::size_t c = 0; c < size(); ++c) {
+        const Candidate& candidate = (*this)[c];
+        if (candidate.is_final) continue;
+        const int effort = items_.effort(candidate.item);
+        if (effort > least) continue;
+        if (effort < least || candidate.box.half_area() > area) {
+            area = candidate.box.half_area();
+            largest = c;
+            least = effort;
+        }
+    }
+    if (largest == size()) return false;
+    const ItemIndex opened = (*this)[largest].item;
+    (*this)[largest] = back();
+    pop_back();
+    if (!items_.open(opened, pair_)) {
+        add(opened);
+        return true;
+    }
+    const std::uint32_t first = items_[opened].first_part, count = items_[opened].part_count;
+    for (std::uint32_t p = 0; p < count; ++p) add(first + p);
+    return true;
+}
+
+TreeLeaf Candidates::leaf(Arena& arena) const
+{
+    const std::size_t groups = (size() + kBoxGroup - 1) / kBoxGroup;
+    const std::span<float> boxes = arena.make_array<float>(groups * kBoxGroupFloats);
+    for (std::size_t c = size(); c < groups * kBoxGroup; ++c) set_box(boxes.data(), c, Box3f());
+    TreeLeaf leaf{{lod::kFinestLevel, lod::kCoarsestLevel}, arena.make_array<TreeLeaf::Entry>(size()), boxes.data()};
+    for (std::size_t c = 0; c < size(); ++c) {
+        const ItemIndex item = (*this)[c].item;
+        set_box(boxes.data(), c, items_[item].box);
+        leaf.entries[c] = {nullptr, {}, item};
+        const PairRange range = items_.range(item, pair_);
+        leaf.pairs = {std::max(leaf.pairs.finest, range.finest), std::min(leaf.pairs.coarsest, range.coarsest)};
+    }
+    return leaf;
+}
+
+int Candidates::holds_to() const noexcept
+{
+    int level = Item::kNever;
+    for (const Candidate& c : *this) level = std::min<int>(level, items_[c.item].holds_to);
+    return level;
+}
+
+}  // namespace occam::accel

@@ -1,0 +1,42 @@
+// Holds what the leaves of both trees list (accel/kd_tree.h, accel/bvh.h): items, their boxes, and their igrids once a ray
+// has entered these boxes.
+#pragma once
+
+#include "accel/items.h"
+
+namespace occam::accel {
+
+inline constexpr int kBoxGroup = BoxTree::kGroup, kBoxGroupFloats = BoxTree::kFloats;
+
+/// Writes a box among boxes that lie side by side in groups of eight: eight lo.x, eight lo.y, ..., eight hi.z (the layout of
+/// BoxTree).
+inline void set_box(float* groups, std::size_t place, const Box3f& box) noexcept
+{
+    float* to = groups + BoxTree::offset(place);
+    for (int a = 0; a < 3; ++a) {
+        to[a * kBoxGroup] = box.lo[a];
+        to[(a + 3) * kBoxGroup] = box.hi[a];
+    }
+}
+inline Box3f get_box(const float* groups, std::size_t place) noexcept
+{
+    const float* at = groups + BoxTree::offset(place);
+    return {{at[0], at[kBoxGroup], at[2 * kBoxGroup]}, {at[3 * kBoxGroup], at[4 * kBoxGroup], at[5 * kBoxGroup]}};
+}
+
+/// Lists the igrids of a leaf for a range of pairs.
+struct TreeLeaf {
+    /// An entry is smaller than a cache line and holds all bounds that are tested before the igrid is read.
+    struct Entry {
+        IGrid* grid = nullptr;  ///< null until a ray enters the item's box; published
+        GridBounds bounds;      ///< bounds of the igrid, written before it is published
+        ItemIndex item = 0;
+    };
+    PairRange pairs{1, 0};  ///< the pairs for which it holds; empty while nothing is known
+    std::span<Entry> entries;
+    /// Boxes of the entries' items, in groups of eight. In a tree of one worker the box of an igrid replaces that of its
+    /// item.
+    float* boxes = nullptr;
+};
+
+}  // namespace occam::accel

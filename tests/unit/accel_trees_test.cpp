@@ -1,0 +1,170 @@
+// Tests that a ray meets the same bits in the tree of boxes as in the kd-tree: at all levels, in packets and alone, for any
+// budget, however the tree is built, and in a tree that several tracers share.
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "tests/support/textured_floor.h"
+#include "tests/support/tracer_stage.h"
+
+namespace occam::test {
+namespace {
+
+using accel::TreeKind;
+
+/// What all three kinds of query answer.
+struct Answers {
+    explicit Answers(std::size_t count) : hits(count), first(count), occluded(count) {}
+    Answers(accel::Tracer& tracer, std::span<const accel::Ray> rays) : Answers(rays.size())
+    {
+        ask(tracer, rays, 0, rays.size());
+    }
+    void ask(accel::Tracer& tracer, std::span<const accel::Ray> rays, std::size_t from, std::size_t count)
+    {
+        tracer.closest(rays.subspan(from, count), {&hits[from], count});
+        tracer.first_hits(rays.subspan(from, count), {&first[from], count});
+        tracer.occluded(rays.subspan(from, count), {&occluded[from], count});
+    }
+    std::vector<accel::SurfaceHit> hits;
+    std::vector<accel::FirstHit> first;
+    std::vector<std::uint8_t> occluded;
+};
+
+void expect_same(const Answers& a, const Answers& b, const std::string& what)
+{
+    for (std::size_t i = 0; i < a.hits.size(); ++i) {
+        ASSERT_TRUE(same(a.hits[i], b.hits[i])) << what << ", ray " << i << ": " << a.hits[i].t << ", " << b.hits[i].t;
+        ASSERT_EQ(a.first[i].t, b.first[i].t) << what << ", ray " << i;
+        ASSERT_EQ(a.first[i].face, b.first[i].face) << what << ", ray " << i;
+        ASSERT_EQ(a.occluded[i], b.occluded[i]) << what << ", ray " << i;
+    }
+}
+
+// Adds cages of many sizes, an instanced group, a cage in one place several times, and triangle meshes.
+void add_all_kinds(Scene& scene)
+{
+    const CageId ring = scene.add(torus()), many = scene.add(torus(40, 20)), drum = scene.add(prism(7));
+    place(scene, ring, {0, 0, 0});
+    place(scene, many, {1.5, 0.6, -1}, 0.6);
+    for (int k = 0; k < 9; ++k) place(scene, drum, {-1.5 + 0.7 * (k % 3), -1, 0.7 * (k / 3)}, std::ldexp(0.4, -k));
+    for (int k = 0; k < 3; ++k) place(scene, drum, {-1, 1, 0}, 0.3);
+    const CageId floor = scene.add(floor_of(scene.add(Material()), Scheme::Triangles));
+    place(scene, floor, {0, -1.2, 0}, 2);
+    NodeDesc turned;
+    turned.place.translation = {2, 1, 1};
+    turned.place.rotation = {0.2, 0.4, 0.1, 0.88};
+    turned.place.scale = {0.4, 0.7, 0.3};
+    NodeDesc group;
+    group.cages = {ring, floor};
+    group.visible = false;
+    turned.instance_of = scene.add_node(scene.root(), group);
+    scene.add_node(scene.root(), turned);
+}
+
+// Rays from the eye, and rays of many widths and starts from all around, some of which begin on the mesh of a level.
+std::vector<accel::Ray> all_rays(const Box3d& bounds)
+{
+    std::vector<accel::Ray> rays = rays_towards({0.3, 3, 4}, bounds, 1200, 7),
+                            other = rays_towards({0, 0, 0}, bounds, 1200, 8);
+    std::mt19937 random(3);
+    for (accel::Ray& ray : other) {
+        for (int a = 0; a < 3; ++a) ray.origin[a] = bounds.lo[a] + bounds.extent()[a] * double(random() % 97) / 90.0;
+        ray.footprint = {std::ldexp(1.0f, -int(random() % 7)), float(int(random() % 5) - 2) * 0.02f};
+        if (random() % 2) ray.start_level = static_cast<std::int8_t>(-int(random() % 6));
+        if (random() % 4 == 0) ray.t_far = 1.5f;
+        if (random() % 8 == 0) ray.direction = {0, random() % 2 ? 1.0f : -1.0f, 0};
+    }
+    rays.insert(rays.end(), other.begin(), other.end());
+    return rays;
+}
+
+TEST(Trees, FindTheSameBitsAtAllLevelsAndForAnyBudget)
+{
+    for (const lod::LevelMode mode : {lod::LevelMode::PerRay, lod::LevelMode::Frozen, lod::LevelMode::PerInstance})
+        for (const int level : {-1, -4}) {
+            Stage stage;
+            add_all_kinds(stage.scene);
+            const accel::Frame kd = stage.frame(level, mode, TreeKind::Kd), bvh = stage.frame(level, mode, TreeKind::Bvh);
+            ASSERT_EQ(kd.tree(), TreeKind::Kd);
+            ASSERT_EQ(bvh.tree(), TreeKind::Bvh);
+            const auto rays = all_rays(stage.scene.bounds());
+            accel::Tracer in_kd(kd, kPlenty), in_bvh(bvh, kPlenty);
+            const Answers expected(in_kd, rays);
+            const std::string where = "mode " + std::to_string(int(mode)) + ", level " + std::to_string(level);
+            expect_same(expected, Answers(in_bvh, rays), where);
+            std::size_t hits = 0;
+            for (const accel::SurfaceHit& hit : expected.hits) hits += hit.is_hit();
+            EXPECT_GT(hits, rays.size() / 4);
+            EXPECT_EQ(in_bvh.counters().flushes, 0u);
+            for (const std::size_t part : {2, 8, 1'000'000}) {
+                accel::Tracer tight(bvh, in_bvh.counters().peak_bytes / part);
+                const std::span<const accel::Ray> some = std::span(rays).first(part > 8 ? 100 : rays.size());
+                Answers answers = expected;
+                answers.ask(tight, some, 0, some.size());
+                expect_same(expected, answers, where + ", 1/" + std::to_string(part) + " of the memory");
+                EXPECT_GT(tight.counters().flushes, 0u);
+            }
+        }
+}
+
+TEST(Trees, FindTheSameBitsForRaysAloneAndHoweverTheyAreBuilt)
+{
+    Stage stage;
+    add_all_kinds(stage.scene);
+    const accel::Frame kd = stage.frame(-4, lod::LevelMode::PerRay, TreeKind::Kd),
+                       bvh = stage.frame(-4, lod::LevelMode::PerRay, TreeKind::Bvh);
+    const auto rays = all_rays(stage.scene.bounds());
+    accel::Tracer in_kd(kd, kPlenty), alone(bvh, kPlenty);
+    const Answers expected(in_kd, rays);
+    Answers answers(rays.size());
+    for (std::size_t i = 0; i < rays.size(); ++i) answers.ask(alone, rays, i, 1);
+    expect_same(expected, answers, "alone");
+    for (int on = 0; on < 4; ++on) {
+        accel::Tracer tracer(bvh, kPlenty, {(on & 1) != 0, (on & 2) != 0, true});
+        EXPECT_EQ(tracer.counters().kd_nodes > 0, (on & 1) == 0) << "built before the first ray, unless lazily";
+        expect_same(expected, Answers(tracer, rays), "techniques " + std::to_string(on));
+    }
+}
+
+TEST(Trees, FindTheSameBitsInATreeThatTracersShare)
+{
+    Stage stage;
+    add_all_kinds(stage.scene);
+    const accel::Frame kd = stage.frame(-4, lod::LevelMode::PerRay, TreeKind::Kd),
+                       bvh = stage.frame(-4, lod::LevelMode::PerRay, TreeKind::Bvh);
+    const auto rays = all_rays(stage.scene.bounds());
+    accel::Tracer in_kd(kd, kPlenty);
+    const Answers expected(in_kd, rays);
+    for (const std::size_t budget : {kPlenty, in_kd.counters().peak_bytes / 4}) {
+        accel::SharedTree tree(bvh, budget);
+        Answers answers(rays.size());
+        constexpr std::size_t kThreads = 3, kBatch = 250;
+        std::vector<std::thread> threads;
+        for (std::size_t t = 0; t < kThreads; ++t)
+            threads.emplace_back([&, t] {
+                accel::Tracer tracer(tree);
+                for (std::size_t at = t * kBatch; at < rays.size(); at += kThreads * kBatch)
+                    answers.ask(tracer, rays, at, std::min(kBatch, rays.size() - at));
+            });
+        for (std::thread& thread : threads) thread.join();
+        expect_same(expected, answers, "shared");
+        EXPECT_EQ(tree.counters().flushes > 0, budget != kPlenty);
+    }
+}
+
+// Boxes whose sizes and places double from one to the next, and thousands in one place, make the worst trees.
+TEST(Trees, GrowWhereBoxesLieInOnePlaceOrAreSpreadOverAllScales)
+{
+    Stage stage;
+    const CageId drum = stage.scene.add(prism(5));
+    for (int k = 0; k < 60; ++k) place(stage.scene, drum, {std::ldexp(3.0, k / 2 - 10), 0, 0}, std::ldexp(1.0, k / 2 - 10));
+    for (int k = 0; k < 1000; ++k) place(stage.scene, drum, {0, 0, 0}, 1e-3);
+    const accel::Frame kd = stage.frame(-2, lod::LevelMode::PerInstance, TreeKind::Kd),
+                       bvh = stage.frame(-2, lod::LevelMode::PerInstance, TreeKind::Bvh);
+    std::vector<accel::Ray> rays = rays_towards({0, 9, 1}, {Vec3d(-1), Vec3d(60, 1, 1)}, 300, 2);
+    accel::Tracer in_kd(kd, kPlenty), in_bvh(bvh, kPlenty);
+    expect_same(Answers(in_kd, rays), Answers(in_bvh, rays), "all scales");
+}
+
+}  // namespace
+}  // namespace occam::test
