@@ -8,9 +8,13 @@
 namespace occam::accel {
 namespace {
 
-constexpr std::size_t kEnough = 32;  // candidates to divide; docs/performance.md has the curve
-constexpr int kBins = 16;            // per axis
+constexpr std::size_t kEnough = 32;     // candidates to divide; docs/performance.md has the curve
+constexpr int kBins = 16;               // per axis
+constexpr float kMostGrowth = 3;        // of the parts' boxes over an interval, before it is halved
+constexpr float kShortest = 1.0f / 64;  // of the shutter: no interval is shorter than half of this
+constexpr float kBoxUlps = 4;           // what boxes that move are grown by
 constexpr Box3f kEverywhere{Vec3f(-FLT_MAX), Vec3f(FLT_MAX)};
+constexpr Box3f kNothing{Vec3f(FLT_MAX), Vec3f(-FLT_MAX)};  // finite, so that it is linear between keys
 
 // The bins of candidates' middles along one axis of a part.
 struct Bins {
@@ -30,8 +34,8 @@ struct Bins {
 
 }  // namespace
 
-Bvh::Bvh(Items& items, Arena& arena, TraceCounters& counters, std::mutex* building)
-    : items_(items), arena_(arena), counters_(counters), building_(building), candidates_(items)
+Bvh::Bvh(Items& items, Arena& arena, TraceCounters& counters, int segments, std::mutex* building)
+    : items_(items), arena_(arena), counters_(counters), segments_(segments), building_(building), candidates_(items)
 {
 }
 
@@ -39,7 +43,7 @@ void Bvh::restart(std::span<const ItemIndex> roots)
 {
     const std::span<ItemIndex> list = arena_.make_array<ItemIndex>(roots.size());
     std::copy(roots.begin(), roots.end(), list.begin());
-    root_.bits = BvhState::of(*make_lazy(list, 0));
+    root_.bits = BvhState::of(*make_lazy({list, 0}));
 }
 
 void Bvh::expand_all(int pair)
@@ -68,7 +72,8 @@ BvhLeaf* Bvh::expand(BvhLink* at, int pair)
     ++counters_.kd_expanded;
     BvhLeaf* first = first_leaf(state);
     const BvhRecord* record = first->record;
-    candidates_.start(kEverywhere, record->items, pair);
+    const float middle = 0.5f * (record->begin + record->end);
+    candidates_.start(kEverywhere, record->items, pair, segments_ > 0 ? middle : Candidates::kAllTimes);
     if (was_interior || record->depth >= kMaxDepth) {
         while (candidates_.open_largest(Candidates::kAnyEffort)) {
         }
@@ -77,7 +82,8 @@ BvhLeaf* Bvh::expand(BvhLink* at, int pair)
     open_enough();
     if (is_leaf()) return make_leaf(at, state, record);
     divide();
-    make_node(at, first, record->depth + 1);
+    if (segments_ > 0 && grows(*record)) make_halved_node(at, first, *record);
+    else make_node(at, first, *record);
     return nullptr;
 }
 
@@ -103,40 +109,119 @@ bool Bvh::is_leaf() const noexcept
            std::all_of(candidates_.begin(), candidates_.end(), [](const Candidate& c) { return c.is_final; });
 }
 
+KeySpan Bvh::keys_of(const BvhRecord& record) const noexcept
+{
+    if (segments_ == 0 || !candidates_.move()) return {};
+    const float length = record.end - record.begin;
+    const int segments = std::max(1, static_cast<int>(length * static_cast<float>(segments_)));
+    return {segments, record.begin, static_cast<float>(segments) / length};
+}
+
+void Bvh::set_boxes(float* boxes, std::size_t stride, std::size_t place, const KeySpan& keys, std::size_t begin,
+                    std::size_t end) const
+{
+    const auto at = [&](int key) {
+        Box3f box;
+        for (std::size_t c = begin; c < end; ++c)
+            box.add(candidates_.box_at(candidates_[c].item, keys.begin + static_cast<float>(key) / keys.per_time));
+        return box;
+    };
+    Box3f all;
+    for (int key = 0; key <= keys.segments; ++key) all.add(at(key));
+    // The boxes are rounded twice, at keys that are not the items' own and at the time of a ray.
+    const Vec3f pad(all.largest_coordinate() * kBoxUlps * FLT_EPSILON);
+    for (int key = 0; key <= keys.segments; ++key) {
+        const Box3f box = at(key);
+        set_box(boxes + static_cast<std::size_t>(key) * stride, place, {box.lo - pad, box.hi + pad});
+    }
+}
+
 BvhLeaf* Bvh::make_leaf(BvhLink* at, BvhState state, const BvhRecord* record)
 {
+    const KeySpan keys = keys_of(*record);
+    TreeLeaf leaf = candidates_.leaf(arena_, keys.segments + 1);
+    leaf.keys = keys;
+    if (keys.segments > 0) {
+        for (std::size_t c = 0; c < candidates_.size(); ++c) set_boxes(leaf.boxes, leaf.stride(), c, keys, c, c + 1);
+        for (int key = 0; key <= keys.segments; ++key)
+            for (std::size_t c = candidates_.size(); c % kBoxGroup != 0; ++c)
+                set_box(leaf.boxes + static_cast<std::size_t>(key) * leaf.stride(), c, kNothing);
+    }
     BvhLeaf* first = first_leaf(state);
     // A leaf that holds for no pair has nothing but its record.
-    BvhLeaf* made = arena_.make<BvhLeaf>(candidates_.leaf(arena_), first->pairs.is_empty() ? first->next : first, record);
+    BvhLeaf* made = arena_.make<BvhLeaf>(leaf, first->pairs.is_empty() ? first->next : first, record);
     if (state.is_interior()) publish(state.node().leaf, made);
     else publish(at->bits, BvhState::of(*made));
     return made;
 }
 
-BvhLeaf* Bvh::make_lazy(std::span<const ItemIndex> items, int depth)
+BvhLeaf* Bvh::make_lazy(const BvhRecord& record)
 {
-    const BvhRecord* record = arena_.make<BvhRecord>(items, depth);
-    return arena_.make<BvhLeaf>(TreeLeaf(), nullptr, record);
+    return arena_.make<BvhLeaf>(TreeLeaf(), nullptr, arena_.make<BvhRecord>(record));
 }
 
-void Bvh::make_node(BvhLink* at, BvhLeaf* leaf, int depth)
+BvhNode& Bvh::new_node(BvhLeaf* leaf, int keys)
 {
-    std::byte* memory = arena_.make_array<std::byte>(sizeof(BvhNode) + kBoxGroupFloats * sizeof(float)).data();
-    BvhNode& node = *new (memory) BvhNode;
-    float* boxes = reinterpret_cast<float*>(memory + sizeof(BvhNode));
+    const std::size_t floats = static_cast<std::size_t>(keys) * kBoxGroupFloats;
+    BvhNode& node = *new (arena_.make_array<std::byte>(sizeof(BvhNode) + floats * sizeof(float)).data()) BvhNode;
     node.leaf = leaf;
+    return node;
+}
+
+void Bvh::make_node(BvhLink* at, BvhLeaf* leaf, const BvhRecord& record)
+{
+    const KeySpan keys = keys_of(record);
+    BvhNode& node = new_node(leaf, keys.segments + 1);
     node.level = candidates_.holds_to();
     node.count = part_count_;
+    node.keys = keys;
+    float* boxes = const_cast<float*>(node.boxes());
     for (int i = 0; i < BvhNode::kWidth; ++i) {
-        set_box(boxes, std::size_t(i), i < part_count_ ? parts_[std::size_t(i)].box : Box3f());
-        if (i >= part_count_) continue;
-        const Part& part = parts_[std::size_t(i)];
+        const auto place = static_cast<std::size_t>(i);
+        if (i >= part_count_) {
+            for (int key = 0; key <= keys.segments; ++key) set_box(boxes + key * kBoxGroupFloats, place, kNothing);
+            continue;
+        }
+        const Part& part = parts_[place];
+        if (keys.segments == 0) set_box(boxes, place, part.box);
+        else set_boxes(boxes, kBoxGroupFloats, place, keys, part.begin, part.end);
         const std::span<ItemIndex> list = arena_.make_array<ItemIndex>(part.end - part.begin);
         for (std::size_t c = part.begin; c < part.end; ++c) list[c - part.begin] = candidates_[c].item;
-        node.children[i].bits = BvhState::of(*make_lazy(list, depth));
+        node.children[i].bits = BvhState::of(*make_lazy({list, record.depth + 1, record.begin, record.end}));
     }
     publish(at->bits, BvhState::of(node));
     counters_.kd_nodes += static_cast<std::uint64_t>(part_count_);
+}
+
+void Bvh::make_halved_node(BvhLink* at, BvhLeaf* leaf, const BvhRecord& record)
+{
+    BvhNode& node = new_node(leaf, 0);
+    node.level = Item::kNever;
+    node.count = 2;
+    node.halved_at = 0.5f * (record.begin + record.end);
+    node.children[0].bits = BvhState::of(*make_lazy({record.items, record.depth + 1, record.begin, node.halved_at}));
+    node.children[1].bits = BvhState::of(*make_lazy({record.items, record.depth + 1, node.halved_at, record.end}));
+    publish(at->bits, BvhState::of(node));
+    counters_.kd_nodes += 2;
+}
+
+bool Bvh::grows(const BvhRecord& record) const
+{
+    if (candidates_.size() <= BvhNode::kWidth || record.end - record.begin <= kShortest || !candidates_.move()) return false;
+    float at_middle = 0, at_ends = 0;
+    for (int i = 0; i < part_count_; ++i) {
+        const Part& part = parts_[static_cast<std::size_t>(i)];
+        Box3f first, last;
+        float cost = 0;
+        for (std::size_t c = part.begin; c < part.end; ++c) {
+            first.add(candidates_.box_at(candidates_[c].item, record.begin));
+            last.add(candidates_.box_at(candidates_[c].item, record.end));
+            cost += candidates_[c].cost;
+        }
+        at_middle += cost * part.area;
+        at_ends += cost * 0.5f * (first.half_area() + last.half_area());
+    }
+    return at_ends > kMostGrowth * at_middle;
 }
 
 void Bvh::add_part(std::size_t begin, std::size_t end)

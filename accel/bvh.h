@@ -8,6 +8,10 @@
 // A node opens its items until there are enough to choose from (Hunt et al. 2007), and divides them at the cheapest of fixed
 // planes between their middles (Wald 2007), the largest part first, until there are eight parts.
 //
+// Where things move, a node has the boxes of its children at several keys of an interval of the shutter, linear between
+// them. Where they would grow much more than the items themselves, because neighbours part, a node divides its interval
+// instead: it has a child for either half (docs/architecture.md).
+//
 // Memory   An arena; nodes never move. A lazy node's list stays behind when the node is expanded.
 // Threads  One worker's own, or several workers', which read what exists without a lock and expand it under one
 //          (`building`). A node is written before the link that leads to it.
@@ -26,6 +30,7 @@ struct BvhNode;
 struct BvhRecord {
     std::span<const ItemIndex> items;
     int depth;
+    float begin = 0, end = 1;  ///< the part of the shutter for which the node stands
 };
 
 struct BvhLeaf : TreeLeaf {
@@ -56,7 +61,7 @@ struct BvhLink {
     BvhState state() const noexcept { return BvhState(read_published(bits)); }
 };
 
-/// An interior node. The boxes of its children follow it in memory, one group in the layout of BoxTree.
+/// An interior node. The boxes of its children follow it in memory, one group in the layout of BoxTree for each key.
 struct alignas(Arena::kAlign) BvhNode {
     static constexpr int kWidth = BoxTree::kGroup;
 
@@ -64,7 +69,11 @@ struct alignas(Arena::kAlign) BvhNode {
     BvhLeaf* leaf = nullptr;  ///< the first leaf, for coarser pairs than `level`; published
     int level = 0;            ///< the node is interior for pairs up to this one
     int count = 0;            ///< of children; the other boxes are empty
+    KeySpan keys{};
+    /// At least 0: the node has two children without boxes, for times up to this one and from this one on.
+    float halved_at = -1;
 
+    bool is_halved() const noexcept { return halved_at >= 0; }
     const float* boxes() const noexcept { return reinterpret_cast<const float*>(this + 1); }
 };
 
@@ -73,7 +82,8 @@ public:
     static constexpr int kMaxDepth = 48;
 
     /// building   is locked while the tree grows; null if no other thread reads the tree.
-    Bvh(Items& items, Arena& arena, TraceCounters& counters, std::mutex* building);
+    /// segments   of the shutter; 0: nothing moves
+    Bvh(Items& items, Arena& arena, TraceCounters& counters, int segments, std::mutex* building);
 
     /// Makes one lazy node with these items. It is called after the arena was reset.
     void restart(std::span<const ItemIndex> roots);
@@ -113,8 +123,17 @@ private:
     void open_enough();
     bool is_leaf() const noexcept;
     BvhLeaf* make_leaf(BvhLink* at, BvhState state, const BvhRecord* record);
-    void make_node(BvhLink* at, BvhLeaf* leaf, int depth);
-    BvhLeaf* make_lazy(std::span<const ItemIndex> items, int depth);
+    BvhNode& new_node(BvhLeaf* leaf, int keys);
+    void make_node(BvhLink* at, BvhLeaf* leaf, const BvhRecord& record);
+    void make_halved_node(BvhLink* at, BvhLeaf* leaf, const BvhRecord& record);
+    BvhLeaf* make_lazy(const BvhRecord& record);
+    /// Returns the keys of boxes for candidates in a node.
+    KeySpan keys_of(const BvhRecord& record) const noexcept;
+    /// Writes the boxes at all keys of the candidates [begin, end) as one, at a place among groups of boxes.
+    void set_boxes(float* boxes, std::size_t stride, std::size_t place, const KeySpan& keys, std::size_t begin,
+                   std::size_t end) const;
+    /// Returns whether the parts' boxes grow so much over the interval that it is better to halve it.
+    bool grows(const BvhRecord& record) const;
     /// Fills parts_ with all candidates, divided.
     void divide();
     void add_part(std::size_t begin, std::size_t end);
@@ -124,6 +143,7 @@ private:
     Items& items_;
     Arena& arena_;
     TraceCounters& counters_;
+    int segments_;
     std::mutex* building_;
     BvhLink root_;
     Candidates candidates_;

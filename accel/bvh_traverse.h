@@ -8,28 +8,55 @@
 #include <utility>
 
 #include "accel/bvh.h"
-#include "accel/leaf_boxes.h"
+#include "accel/keyed_boxes.h"
 
 namespace occam::accel {
 
-/// Does what traverse() of a KdTree does. as_one   holds all the rays as one.
-template <class F, class LimitFn, class LeafFn>
-bool traverse(Bvh& tree, const TreeRay<F>& ray, const RaysAsOne<F>& as_one, F t_near, F t_far, const PairSpans<F>& pairs,
-              TraceCounters& counters, LimitFn&& limit, LeafFn&& leaf)
+/// Returns the children whose boxes any of the rays may enter before `end`, and where.
+template <class F, class Times>
+OCCAM_ALWAYS_INLINE unsigned children_entered(const RaysAsOne<F>& as_one, const Times& times, const BvhNode& node, float end,
+                                              float* begin) noexcept
+{
+    if constexpr (Times::kMoves)
+        if (node.keys.segments > 0)
+            return KeyedBoxes<F>(node.boxes(), kBoxGroupFloats, node.keys, times).in_boxes(as_one, end, begin);
+    return as_one.in_boxes(node.boxes(), end, begin);
+}
+
+/// Clips [t_near, t_far] to the box of a child.
+template <class F, class Times>
+OCCAM_ALWAYS_INLINE void clip_to_child(const TreeRay<F>& ray, const Times& times, const BvhNode& node, int child, F& t_near,
+                                       F& t_far) noexcept
+{
+    if constexpr (Times::kMoves)
+        if (node.keys.segments > 0) {
+            KeyedBoxes<F>(node.boxes(), kBoxGroupFloats, node.keys, times).clip_to(ray, child, t_near, t_far);
+            return;
+        }
+    clip(ray, get_box(node.boxes() + child, 0), t_near, t_far);
+}
+
+/// Does what traverse() of a KdTree does.
+/// as_one   holds all the rays as one
+/// times    NoTimes if nothing moves, else RayTimes<F>
+template <class F, class Times, class LimitFn, class LeafFn>
+bool traverse(Bvh& tree, const TreeRay<F>& ray, const RaysAsOne<F>& as_one, const Times& times, F t_near, F t_far,
+              const PairSpans<F>& pairs, TraceCounters& counters, LimitFn&& limit, LeafFn&& leaf)
 {
     constexpr bool kIsOne = std::is_same_v<F, float>;
     struct Todo {
         BvhLink* node;
-        const float* box;  ///< null for the root: the intervals are clipped to it
-        float begin;       ///< where the first ray enters the box
+        const BvhNode* parent;  ///< null if there is no box: for the root, to which the intervals are clipped, and for times
+        int child;              ///< of the parent
+        float begin;            ///< where the first ray enters the box
     };
-    Todo todo[Bvh::kMaxDepth * (BvhNode::kWidth - 1) + BvhNode::kWidth];
+    Todo todo[(Bvh::kMaxDepth + 1) * BvhNode::kWidth];
     int size = 0;
-    Todo next{tree.root(), nullptr, -FLT_MAX};
+    Todo next{tree.root(), nullptr, 0, -FLT_MAX};
     while (true) {
         F in = t_near, out = min(t_far, limit());
         // A single ray knows that it enters the box; the levels alone need to know where.
-        if (next.box && (!kIsOne || pairs.levels)) clip(ray, get_box(next.box, 0), in, out);
+        if (next.parent && (!kIsOne || pairs.levels)) clip_to_child(ray, times, *next.parent, next.child, in, out);
         MaskOf<F> alive = in <= out;
         while (any(alive)) {
             const BvhState at = next.node->state();
@@ -39,7 +66,7 @@ bool traverse(Bvh& tree, const TreeRay<F>& ray, const RaysAsOne<F>& as_one, F t_
                 if (result == LeafResult::Expanded) continue;
                 break;
             }
-            const BvhNode& node = at.node();
+            BvhNode& node = at.node();
             if (node.level < pairs.coarsest) {
                 const F from = max(in, pairs.in(node.level + 1, pairs.coarsest)),
                         to = min(out, pairs.out(node.level + 1, pairs.coarsest));
@@ -55,12 +82,20 @@ bool traverse(Bvh& tree, const TreeRay<F>& ray, const RaysAsOne<F>& as_one, F t_
                 if (none(alive)) break;
             }
             ++counters.kd_visited;
+            if constexpr (Times::kMoves)
+                if (node.is_halved()) {
+                    // Rays of either half go into its child; those that need not are not kept from it.
+                    if (times.last >= node.halved_at) todo[size++] = {&node.children[1], nullptr, 0, next.begin};
+                    if (times.first <= node.halved_at) todo[size++] = {&node.children[0], nullptr, 0, next.begin};
+                    break;
+                }
             alignas(32) float begin[BvhNode::kWidth];
             const int base = size;
-            for (unsigned entered = as_one.in_boxes(node.boxes(), highest(select(alive, out, F(-FLT_MAX))), begin);
-                 entered != 0; entered &= entered - 1) {
+            const float end = highest(select(alive, out, F(-FLT_MAX)));
+            for (unsigned entered = children_entered(as_one, times, node, end, begin); entered != 0;
+                 entered &= entered - 1) {
                 const int child = std::countr_zero(entered);
-                todo[size++] = {const_cast<BvhLink*>(&node.children[child]), node.boxes() + child, begin[child]};
+                todo[size++] = {&node.children[child], &node, child, begin[child]};
                 // The nearest one comes last and is taken first.
                 for (int k = size - 1; k > base && todo[k].begin > todo[k - 1].begin; --k) std::swap(todo[k], todo[k - 1]);
             }

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 
+#include "lod/key_time.h"
+
 namespace occam::accel {
 
-void Candidates::start(const Box3f& box, std::span<const ItemIndex> items, int pair)
+void Candidates::start(const Box3f& box, std::span<const ItemIndex> items, int pair, float time)
 {
     clear();
+    time_ = time;
     within_ = box;
     pair_ = pair;
     for (const ItemIndex item : items) add(item);
@@ -15,7 +18,8 @@ void Candidates::start(const Box3f& box, std::span<const ItemIndex> items, int p
 void Candidates::add(ItemIndex item)
 {
     const Item& it = items_[item];
-    const Box3f clipped{glm::max(it.box.lo, within_.lo), glm::min(it.box.hi, within_.hi)};
+    const Box3f box = time_ == kAllTimes ? it.box : box_at(item, time_);
+    const Box3f clipped{glm::max(box.lo, within_.lo), glm::min(box.hi, within_.hi)};
     if (!clipped.is_empty()) push_back({clipped, item, it.cost, items_.is_final(item, pair_)});
 }
 
@@ -49,12 +53,31 @@ bool Candidates::open_largest(int most_effort)
     return true;
 }
 
-TreeLeaf Candidates::leaf(Arena& arena) const
+Box3f Candidates::box_at(ItemIndex item, float time) const noexcept
+{
+    const std::span<const Box3f> keys = items_.key_boxes(item);
+    if (keys.empty()) return items_[item].box;
+    const lod::KeyTime at = lod::key_time(time, static_cast<int>(keys.size()) - 1);
+    const Box3f &a = keys[static_cast<std::size_t>(at.key)], &b = keys[static_cast<std::size_t>(at.key) + 1];
+    Box3f box;
+    for (int axis = 0; axis < 3; ++axis) {
+        box.lo[axis] = lod::between_keys(at.share, a.lo[axis], b.lo[axis]);
+        box.hi[axis] = lod::between_keys(at.share, a.hi[axis], b.hi[axis]);
+    }
+    return box.is_empty() ? items_[item].box : box;
+}
+
+bool Candidates::move() const noexcept
+{
+    return std::any_of(begin(), end(), [&](const Candidate& c) { return !items_.key_boxes(c.item).empty(); });
+}
+
+TreeLeaf Candidates::leaf(Arena& arena, int keys) const
 {
     const std::size_t groups = (size() + kBoxGroup - 1) / kBoxGroup;
-    const std::span<float> boxes = arena.make_array<float>(groups * kBoxGroupFloats);
+    const std::span<float> boxes = arena.make_array<float>(groups * kBoxGroupFloats * static_cast<std::size_t>(keys));
     for (std::size_t c = size(); c < groups * kBoxGroup; ++c) set_box(boxes.data(), c, Box3f());
-    TreeLeaf leaf{{lod::kFinestLevel, lod::kCoarsestLevel}, arena.make_array<TreeLeaf::Entry>(size()), boxes.data()};
+    TreeLeaf leaf{{lod::kFinestLevel, lod::kCoarsestLevel}, arena.make_array<TreeLeaf::Entry>(size()), boxes.data(), {}};
     for (std::size_t c = 0; c < size(); ++c) {
         const ItemIndex item = (*this)[c].item;
         set_box(boxes.data(), c, items_[item].box);

@@ -23,13 +23,23 @@ public:
 
     explicit Candidates(Items& items) : items_(items) {}
 
+    /// The time of boxes that hold items at all times.
+    static constexpr float kAllTimes = -1;
+
     /// Starts with the parts of these items that lie in a node's box. Final is what rays of the pair meet as one igrid.
-    void start(const Box3f& box, std::span<const ItemIndex> items, int pair);
+    /// time   moment of the shutter at which the boxes of items that move are taken
+    void start(const Box3f& box, std::span<const ItemIndex> items, int pair, float time = kAllTimes);
     /// Opens the largest of those items that cost the least effort to open. Returns false if there is none of at most
     /// `most_effort`.
     bool open_largest(int most_effort);
-    /// Makes the list of a leaf, for the pairs to which it applies. All candidates are final.
-    TreeLeaf leaf(Arena& arena) const;
+    /// Makes the list of a leaf, for the pairs to which it applies, with boxes that hold the items at all times. All
+    /// candidates are final.
+    /// keys   the number of boxes of each item for which there is room; the first one is written
+    TreeLeaf leaf(Arena& arena, int keys = 1) const;
+    /// Returns a box that holds an item at a moment of the shutter.
+    Box3f box_at(ItemIndex item, float time) const noexcept;
+    /// Returns whether any item moves.
+    bool move() const noexcept;
     /// Returns the pair up to which all boxes are right.
     int holds_to() const noexcept;
 
@@ -39,6 +49,7 @@ private:
     Items& items_;
     Box3f within_;
     int pair_ = 0;
+    float time_ = kAllTimes;
 };
 
 }  // namespace occam::accel

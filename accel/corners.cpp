@@ -43,7 +43,7 @@ lod::Hanging::Ends ends_of(const GridHit& met, const OwnBlend& blend, const lod:
     return hanging.on(blended(met, blend, hanging.a, weight[0]), blended(met, blend, hanging.c, weight[1]));
 }
 
-// The place of a face's corners in the arrays of a mesh.
+// Returns the place of a face's corners in the arrays of a mesh.
 std::size_t place_of(const IGrid& mesh, std::uint32_t id) noexcept
 {
     std::size_t k = 0;

@@ -47,10 +47,12 @@ Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::Leve
     state_->has_levels = levels.mode != lod::LevelMode::PerInstance && scene.contents().has(Contents::Subdivided);
     state_->textures = textures;
     state_->shading = shading;
-    state_->tree = tree == TreeKind::Auto ? TreeKind::Kd : tree;
     state_->scale = scale;
     if (textures) state_->levels.displaced = farthest_displaced(scene, scale);
     state_->segments = scene.shutter_segments();
+    // A box around all that something passes through is hardly hit less often than everything.
+    const TreeKind best = state_->segments > 0 ? TreeKind::Bvh : TreeKind::Kd;
+    state_->tree = tree == TreeKind::Auto ? best : tree;
     const Node& root = scene.node(scene.root());
     const Box3d world = scale.placed(box_in_parent(root));
     if (world.is_empty()) return;

@@ -9,7 +9,7 @@
 
 namespace occam::accel {
 
-/// The part of each ray that meets an igrid, in lanes (for a single ray, in all lanes).
+/// Holds the part of each ray that can hit an igrid, in lanes (for a single ray, in all lanes).
 struct RaySpan {
     vfloat t_near, t_end;
 };
@@ -24,13 +24,13 @@ struct OneRay {
     Coordinates read;
 };
 
-/// The gap triangles of an igrid. Query is as in igrid_intersect.h.
+/// Holds the gap triangles of an igrid. Query is as in igrid_intersect.h.
 template <class Query, class Coordinates>
 struct GapTriangles {
     IGrid& grid;
     const float* const* fine;  ///< coordinates along kx, ky, kz, at the rays' key
     const float* const* coarse;
-    const float* const* still;  ///< those of the two that serve where nothing is blended
+    const float* const* still;  ///< `fine` or `coarse`: the positions where nothing is blended
     const RaySpan& span;
     Query& query;
 

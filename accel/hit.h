@@ -92,7 +92,7 @@ struct GridHit {
     lod::Blend<float> blend;  ///< the ray's blend in the grid's pair, if the grid blends
     lod::KeyTime time;        ///< the ray's time among the grid's keys, if the grid moves
 
-    /// Return where the ray sees a vertex of the grid, before levels are blended.
+    /// Returns where the ray sees a vertex of the grid at one of its two levels, before they are blended.
     Vec3f fine_at(std::uint32_t vertex) const noexcept
     {
         if (grid->segments == 0) return grid->fine_at(vertex);

@@ -9,7 +9,7 @@ LazyTree::LazyTree(const FrameState& f, std::size_t budget_bytes, BuildTechnique
       sharing(is_shared ? std::make_unique<Sharing>() : nullptr),
       items(f, arena, dicer, counters),
       kd(items, arena, counters, with.scan, building()),
-      bvh(items, arena, counters, building())
+      bvh(items, arena, counters, f.segments, building())
 {
     flush();
     counters.flushes = 0;
@@ -43,7 +43,7 @@ IGrid& LazyTree::grid(const TreeLeaf& leaf, std::size_t place, int pair, std::ui
     diced += counters.diced - before;
     entry.bounds = items.bounds_of(made);
     // Other threads may be reading the boxes of a shared tree.
-    if (!sharing) set_box(leaf.boxes, place, entry.bounds.box);
+    if (!sharing && leaf.keys.segments == 0) set_box(leaf.boxes, place, entry.bounds.box);
     publish(entry.grid, &made);
     return made;
 }

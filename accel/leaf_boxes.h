@@ -39,12 +39,18 @@ public:
     /// receives where each box may be entered.
     unsigned in_boxes(const float* group, float end, float* begin = nullptr) const noexcept
     {
+        return in_boxes_by([group](int place) { return vfloat::load(group + place); }, end, begin);
+    }
+    /// Does the same for boxes whose coordinates are load(place), as many as there are lanes.
+    template <class Load>
+    OCCAM_ALWAYS_INLINE unsigned in_boxes_by(Load&& load, float end, float* begin) const noexcept
+    {
         unsigned all = 0;
         for (int first = 0; first < kBoxGroup; first += kLanes) {
             vfloat in = -FLT_MAX, out = FLT_MAX;
             for (int a = 0; a < 3; ++a) {
-                in = max(in, times(vfloat::load(group + near_[a] + first) - from_in_[a], least_[a], most_[a]));
-                out = min(out, times(vfloat::load(group + far_[a] + first) - from_out_[a], most_[a], least_[a]));
+                in = max(in, times(load(near_[a] + first) - from_in_[a], least_[a], most_[a]));
+                out = min(out, times(load(far_[a] + first) - from_out_[a], most_[a], least_[a]));
             }
             const vfloat slack = 4 * FLT_EPSILON;
             in = in - (abs(in) + shift_) * slack;

@@ -21,7 +21,7 @@ struct LanesAtGrid {
     RaySpan span;
 };
 
-/// Meets the igrid with the rays `which`, one bit each.
+/// Intersects the igrid with the rays whose bits are set in `which`.
 template <class Found>
 OCCAM_NEVER_INLINE void meet_moving(IGrid& grid, const LanesAtGrid& at, unsigned which, PartOf<Found>& query)
 {
@@ -63,7 +63,7 @@ OCCAM_NEVER_INLINE void meet_moving(IGrid& grid, const LanesAtGrid& at, unsigned
     }
 }
 
-/// Meets the igrid with one ray, which is in all lanes.
+/// Intersects the igrid with one ray, which is in all lanes.
 template <class Found>
 OCCAM_NEVER_INLINE void meet_moving(IGrid& grid, const LanesAtGrid& at, SingleQuery<Found>& query)
 {

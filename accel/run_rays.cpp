@@ -34,14 +34,71 @@ bool Tracer::State::fits_packet(std::span<const Ray> rays, const vmasks<kParts>&
                                        select(enters, t_out, of_one(t_out)), of[2], frame.levels);
 }
 
+/// Returns the times of rays, in the lanes of `Times`.
+template <class Times>
+Times times_of(std::span<const Ray> rays) noexcept
+{
+    if constexpr (!Times::kMoves) return {};
+    else {
+        using F = typename Times::Lanes;
+        if constexpr (std::is_same_v<F, float>) return Times(rays.front().time);
+        else {
+            alignas(32) float time[sizeof(F) / sizeof(float)];
+            for (std::size_t i = 0; i < std::size(time); ++i) time[i] = rays[std::min(i, rays.size() - 1)].time;
+            return Times(F::load(time));
+        }
+    }
+}
+
+/// Eight boxes of a leaf that start with an entry, which stand still or move.
+template <class F, class Times>
+class LeafGroup {
+public:
+    LeafGroup(const TreeLeaf& leaf, std::size_t first, const Times& times) noexcept
+        : leaf_(leaf), boxes_(leaf.boxes + first / kBoxGroup * kBoxGroupFloats), times_(times)
+    {
+    }
+
+    OCCAM_ALWAYS_INLINE unsigned in_boxes(const RaysAsOne<F>& as_one, float end, float* begin) const noexcept
+    {
+        if constexpr (Times::kMoves)
+            if (leaf_.keys.segments > 0) return keyed().in_boxes(as_one, end, begin);
+        return as_one.in_boxes(boxes_, end, begin);
+    }
+    /// Returns which rays enter a box of the group, and the bounds of its igrid, which is null if it is not made.
+    template <class Enter>
+    OCCAM_ALWAYS_INLINE MaskOf<F> enter(Enter&& enter, int box, const F& far, const TreeLeaf::Entry* made) const noexcept
+    {
+        if constexpr (Times::kMoves)
+            if (leaf_.keys.segments > 0) {
+                const MaskOf<F> inside = enter(Moving{keyed(), box}, far);
+                return made ? inside & enter(made->bounds, far) : inside;
+            }
+        return made ? enter(made->bounds, far) : enter(GridBounds{get_box(boxes_ + box, 0), {}}, far);
+    }
+
+private:
+    /// A box as it is at each ray's own time.
+    struct Moving {
+        KeyedBoxes<F> group;
+        int box;
+        void clip_to(const TreeRay<F>& ray, F& t_near, F& t_far) const noexcept { group.clip_to(ray, box, t_near, t_far); }
+    };
+    auto keyed() const noexcept { return KeyedBoxes<F>(boxes_, leaf_.stride(), leaf_.keys, times_); }
+
+    const TreeLeaf& leaf_;
+    const float* boxes_;
+    const Times& times_;
+};
+
 /// Intersects rays with the igrids that a node holds for the pairs [finest, coarsest]. enter(bounds, far) returns which rays
 /// are inside the bounds somewhere before far, which is limit(). meet(leaf, number, pair, rays) intersects these rays with
 /// the igrid of an entry, and returns false if the budget is exceeded.
-template <class Tree, class NodeOf, class F, class Limit, class Enter, class Meet>
+template <class Tree, class NodeOf, class F, class Times, class Limit, class Enter, class Meet>
 OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(Tree& tree, NodeOf node, MaskOf<F> alive, F t_near, F t_far,
                                                         const PairSpans<F>& pairs, int finest, int coarsest,
-                                                        std::size_t limit_bytes, const RaysAsOne<F>& as_one, Limit&& limit,
-                                                        Enter&& enter, Meet&& meet)
+                                                        std::size_t limit_bytes, const RaysAsOne<F>& as_one,
+                                                        const Times& times, Limit&& limit, Enter&& enter, Meet&& meet)
 {
     TreeLeaf& latest = tree.latest_leaf(node);
     const auto is_one = [&] { return finest == coarsest || (latest.pairs.has(finest) && latest.pairs.has(coarsest)); };
@@ -61,8 +118,8 @@ OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(Tree& tree, NodeOf node,
             if (first % kEntriesBetweenChecks == kEntriesBetweenChecks - kBoxGroup) throw_if_cancelled();
             alignas(32) float begin[kBoxGroup];
             constexpr bool kIsOne = std::is_same_v<F, float>;
-            unsigned maybe = as_one.in_boxes(leaf->boxes + first / kBoxGroup * kBoxGroupFloats, highest(far),
-                                             kIsOne ? begin : nullptr);
+            const LeafGroup<F, Times> group(*leaf, first, times);
+            unsigned maybe = group.in_boxes(as_one, highest(far), kIsOne ? begin : nullptr);
             while (maybe != 0) {
                 int next = std::countr_zero(maybe);
                 maybe &= maybe - 1;
@@ -77,8 +134,7 @@ OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(Tree& tree, NodeOf node,
                 const std::size_t number = first + static_cast<std::size_t>(next);
                 const TreeLeaf::Entry& entry = leaf->entries[number];
                 const MaskOf<F> entering = here &
-                                           (read_published(entry.grid) ? enter(entry.bounds, far)
-                                                                       : enter({get_box(leaf->boxes, number), {}}, far));
+                                           group.enter(enter, next, far, read_published(entry.grid) ? &entry : nullptr);
                 if (none(entering)) continue;
                 if (!meet(*leaf, number, pair, entering)) return LeafResult::Abandoned;
                 far = limit();
@@ -89,7 +145,7 @@ OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(Tree& tree, NodeOf node,
     return arena.bytes() <= limit_bytes ? LeafResult::Done : LeafResult::Abandoned;
 }
 
-template <class Tree, int kParts, class Found>
+template <class Way, int kParts, class Found>
 Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays, const RayAxes& axes,
                                                       std::size_t limit_bytes, PacketQuery<Found, kParts>& query)
 {
@@ -147,12 +203,17 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
     ++visit;
     ++counters.packets;
     const RaysAsOne<F> as_one(kd, lowest(begin));
-    const auto enter = [&](const GridBounds& bounds, const F& far) __attribute__((always_inline))
+    const auto enter = [&](const auto& bounds, const F& far) __attribute__((always_inline))
     {
         F in = begin, out = far;
-        clip(kd, bounds.box, in, out);
-        const vmasks<kParts> inside = in <= out;
-        return none(inside) ? inside : inside & crosses(kd, bounds.slab, in, out);
+        if constexpr (!std::is_same_v<std::decay_t<decltype(bounds)>, GridBounds>) {
+            bounds.clip_to(kd, in, out);
+            return in <= out;
+        } else {
+            clip(kd, bounds.box, in, out);
+            const vmasks<kParts> inside = in <= out;
+            return none(inside) ? inside : inside & crosses(kd, bounds.slab, in, out);
+        }
     };
     const auto meet = [&](const TreeLeaf& leaf, std::size_t number, int pair, vmasks<kParts> entering)
         __attribute__((always_inline))
@@ -226,16 +287,18 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
         }
         return true;
     };
-    Tree& tree = lazy.tree<Tree>();
+    auto& tree = lazy.tree<typename Way::Tree>();
+    const auto times = times_of<typename Way::template Times<F>>(rays);
     const bool is_done = traverse(
-        tree, kd, as_one, begin, end, pairs, counters, limit,
+        tree, kd, as_one, times, begin, end, pairs, counters, limit,
         [&](auto node, const vmasks<kParts>& alive, const F& near, const F& far, int finest, int coarsest) {
-            return meet_leaf(tree, node, alive, near, far, pairs, finest, coarsest, limit_bytes, as_one, limit, enter, meet);
+            return meet_leaf(tree, node, alive, near, far, pairs, finest, coarsest, limit_bytes, as_one, times, limit, enter,
+                             meet);
         });
     return is_done ? PacketResult::Done : PacketResult::Abandoned;
 }
 
-template <class Tree, class Found>
+template <class Way, class Found>
 bool Tracer::State::run_single(const Ray& ray, const RayAxes& axes, std::size_t limit_bytes, SingleQuery<Found>& query)
 {
     const PlacedOrigin start = place(ray, frame.anchor, frame.radius);
@@ -282,10 +345,15 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& axes, std::size_t 
     int blended = lod::kNoPair;
     ++visit;
     const RaysAsOne<float> as_one(kd, begin);
-    const auto enter = [&](const GridBounds& bounds, float far) {
+    const auto enter = [&](const auto& bounds, float far) {
         float in = begin, out = far;
-        clip(kd, bounds.box, in, out);
-        return in <= out && crosses(kd, bounds.slab, in, out);
+        if constexpr (!std::is_same_v<std::decay_t<decltype(bounds)>, GridBounds>) {
+            bounds.clip_to(kd, in, out);
+            return in <= out;
+        } else {
+            clip(kd, bounds.box, in, out);
+            return in <= out && crosses(kd, bounds.slab, in, out);
+        }
     };
     const auto meet = [&](const TreeLeaf& leaf, std::size_t number, int pair, bool) {
         IGrid* known = grid_of(leaf, number, pair, limit_bytes);
@@ -316,43 +384,59 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& axes, std::size_t 
         else IGridTracer(grid, lanes, kd.negative, {from, to}, query).single(lane);
         return true;
     };
-    Tree& tree = lazy.tree<Tree>();
-    return traverse(tree, kd, as_one, begin, end, pairs, counters, limit,
+    auto& tree = lazy.tree<typename Way::Tree>();
+    const auto times = times_of<typename Way::template Times<float>>({&ray, 1});
+    return traverse(tree, kd, as_one, times, begin, end, pairs, counters, limit,
                     [&](auto node, bool alive, float near, float far, int finest, int coarsest) {
-                        return meet_leaf(tree, node, alive, near, far, pairs, finest, coarsest, limit_bytes, as_one, limit,
-                                         enter, meet);
+                        return meet_leaf(tree, node, alive, near, far, pairs, finest, coarsest, limit_bytes, as_one, times,
+                                         limit, enter, meet);
                     });
 }
 
-template Tracer::State::PacketResult Tracer::State::run_packet<KdTree, 1>(std::span<const Ray>, const RayAxes&, std::size_t,
-                                                                          PacketQuery<Nearest, 1>&);
-template Tracer::State::PacketResult Tracer::State::run_packet<KdTree, 2>(std::span<const Ray>, const RayAxes&, std::size_t,
-                                                                          PacketQuery<Nearest, 2>&);
-template bool Tracer::State::run_single<KdTree>(const Ray&, const RayAxes&, std::size_t, SingleQuery<Nearest>&);
-template Tracer::State::PacketResult Tracer::State::run_packet<KdTree, 1>(std::span<const Ray>, const RayAxes&, std::size_t,
-                                                                          PacketQuery<NearestSome, 1>&);
-template Tracer::State::PacketResult Tracer::State::run_packet<KdTree, 2>(std::span<const Ray>, const RayAxes&, std::size_t,
-                                                                          PacketQuery<NearestSome, 2>&);
-template bool Tracer::State::run_single<KdTree>(const Ray&, const RayAxes&, std::size_t, SingleQuery<NearestSome>&);
-template Tracer::State::PacketResult Tracer::State::run_packet<KdTree, 1>(std::span<const Ray>, const RayAxes&, std::size_t,
-                                                                          PacketQuery<AnyHit, 1>&);
-template Tracer::State::PacketResult Tracer::State::run_packet<KdTree, 2>(std::span<const Ray>, const RayAxes&, std::size_t,
-                                                                          PacketQuery<AnyHit, 2>&);
-template bool Tracer::State::run_single<KdTree>(const Ray&, const RayAxes&, std::size_t, SingleQuery<AnyHit>&);
-template Tracer::State::PacketResult Tracer::State::run_packet<Bvh, 1>(std::span<const Ray>, const RayAxes&, std::size_t,
-                                                                       PacketQuery<Nearest, 1>&);
-template Tracer::State::PacketResult Tracer::State::run_packet<Bvh, 2>(std::span<const Ray>, const RayAxes&, std::size_t,
-                                                                       PacketQuery<Nearest, 2>&);
-template bool Tracer::State::run_single<Bvh>(const Ray&, const RayAxes&, std::size_t, SingleQuery<Nearest>&);
-template Tracer::State::PacketResult Tracer::State::run_packet<Bvh, 1>(std::span<const Ray>, const RayAxes&, std::size_t,
-                                                                       PacketQuery<NearestSome, 1>&);
-template Tracer::State::PacketResult Tracer::State::run_packet<Bvh, 2>(std::span<const Ray>, const RayAxes&, std::size_t,
-                                                                       PacketQuery<NearestSome, 2>&);
-template bool Tracer::State::run_single<Bvh>(const Ray&, const RayAxes&, std::size_t, SingleQuery<NearestSome>&);
-template Tracer::State::PacketResult Tracer::State::run_packet<Bvh, 1>(std::span<const Ray>, const RayAxes&, std::size_t,
-                                                                       PacketQuery<AnyHit, 1>&);
-template Tracer::State::PacketResult Tracer::State::run_packet<Bvh, 2>(std::span<const Ray>, const RayAxes&, std::size_t,
-                                                                       PacketQuery<AnyHit, 2>&);
-template bool Tracer::State::run_single<Bvh>(const Ray&, const RayAxes&, std::size_t, SingleQuery<AnyHit>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<InKdTree, 1>(std::span<const Ray>, const RayAxes&,
+                                                                            std::size_t, PacketQuery<Nearest, 1>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<InKdTree, 2>(std::span<const Ray>, const RayAxes&,
+                                                                            std::size_t, PacketQuery<Nearest, 2>&);
+template bool Tracer::State::run_single<InKdTree>(const Ray&, const RayAxes&, std::size_t, SingleQuery<Nearest>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<InKdTree, 1>(std::span<const Ray>, const RayAxes&,
+                                                                            std::size_t, PacketQuery<NearestSome, 1>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<InKdTree, 2>(std::span<const Ray>, const RayAxes&,
+                                                                            std::size_t, PacketQuery<NearestSome, 2>&);
+template bool Tracer::State::run_single<InKdTree>(const Ray&, const RayAxes&, std::size_t, SingleQuery<NearestSome>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<InKdTree, 1>(std::span<const Ray>, const RayAxes&,
+                                                                            std::size_t, PacketQuery<AnyHit, 1>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<InKdTree, 2>(std::span<const Ray>, const RayAxes&,
+                                                                            std::size_t, PacketQuery<AnyHit, 2>&);
+template bool Tracer::State::run_single<InKdTree>(const Ray&, const RayAxes&, std::size_t, SingleQuery<AnyHit>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<InBvh, 1>(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                                         PacketQuery<Nearest, 1>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<InBvh, 2>(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                                         PacketQuery<Nearest, 2>&);
+template bool Tracer::State::run_single<InBvh>(const Ray&, const RayAxes&, std::size_t, SingleQuery<Nearest>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<InBvh, 1>(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                                         PacketQuery<NearestSome, 1>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<InBvh, 2>(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                                         PacketQuery<NearestSome, 2>&);
+template bool Tracer::State::run_single<InBvh>(const Ray&, const RayAxes&, std::size_t, SingleQuery<NearestSome>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<InBvh, 1>(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                                         PacketQuery<AnyHit, 1>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<InBvh, 2>(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                                         PacketQuery<AnyHit, 2>&);
+template bool Tracer::State::run_single<InBvh>(const Ray&, const RayAxes&, std::size_t, SingleQuery<AnyHit>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<InMovingBvh, 1>(std::span<const Ray>, const RayAxes&,
+                                                                               std::size_t, PacketQuery<Nearest, 1>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<InMovingBvh, 2>(std::span<const Ray>, const RayAxes&,
+                                                                               std::size_t, PacketQuery<Nearest, 2>&);
+template bool Tracer::State::run_single<InMovingBvh>(const Ray&, const RayAxes&, std::size_t, SingleQuery<Nearest>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<InMovingBvh, 1>(std::span<const Ray>, const RayAxes&,
+                                                                               std::size_t, PacketQuery<NearestSome, 1>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<InMovingBvh, 2>(std::span<const Ray>, const RayAxes&,
+                                                                               std::size_t, PacketQuery<NearestSome, 2>&);
+template bool Tracer::State::run_single<InMovingBvh>(const Ray&, const RayAxes&, std::size_t, SingleQuery<NearestSome>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<InMovingBvh, 1>(std::span<const Ray>, const RayAxes&,
+                                                                               std::size_t, PacketQuery<AnyHit, 1>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<InMovingBvh, 2>(std::span<const Ray>, const RayAxes&,
+                                                                               std::size_t, PacketQuery<AnyHit, 2>&);
+template bool Tracer::State::run_single<InMovingBvh>(const Ray&, const RayAxes&, std::size_t, SingleQuery<AnyHit>&);
 
 }  // namespace occam::accel

@@ -56,8 +56,8 @@ Tracer::State::PacketResult Tracer::State::run_packet_of(std::span<const Ray> ra
 {
     PacketQuery<Found, kParts> query;
     prepare(query, rays);
-    const PacketResult result = frame.tree == TreeKind::Bvh ? run_packet<Bvh, kParts>(rays, axes, limit_bytes, query)
-                                                            : run_packet<KdTree, kParts>(rays, axes, limit_bytes, query);
+    const PacketResult result = in_tree(
+        [&](auto way) { return run_packet<decltype(way), kParts>(rays, axes, limit_bytes, query); });
     if (result != PacketResult::Done) return result;
     Blends blends(packet_levels<kParts>());
     for (std::size_t i = 0; i < rays.size(); ++i) take(first + i, i, query, blends);
@@ -83,8 +83,7 @@ bool Tracer::State::run(const RayAxes& axes, std::size_t first, std::size_t coun
             SingleQuery<Found> query;
             prepare(query, rays);
             query.only = static_cast<int>(i);
-            if (!(frame.tree == TreeKind::Bvh ? run_single<Bvh>(rays[i], axes, limit_bytes, query)
-                                              : run_single<KdTree>(rays[i], axes, limit_bytes, query)))
+            if (!in_tree([&](auto way) { return run_single<decltype(way)>(rays[i], axes, limit_bytes, query); }))
                 return false;
             Blends blends(single_levels);
             take(at + i, i, query, blends);

@@ -15,6 +15,23 @@
 
 namespace occam::accel {
 
+/// Names the tree that rays walk through, and what it knows of their times. Items in the kd-tree have boxes for all times.
+struct InKdTree {
+    using Tree = KdTree;
+    template <class F>
+    using Times = NoTimes;
+};
+struct InBvh {
+    using Tree = Bvh;
+    template <class F>
+    using Times = NoTimes;
+};
+struct InMovingBvh {
+    using Tree = Bvh;
+    template <class F>
+    using Times = RayTimes<F>;
+};
+
 struct Tracer::State {
     explicit State(std::unique_ptr<LazyTree> tree_of_its_own) : State(*tree_of_its_own) { own = std::move(tree_of_its_own); }
     explicit State(LazyTree& all)
@@ -35,18 +52,26 @@ struct Tracer::State {
         Abandoned,  ///< the budget was exceeded during the trace
         TooWide     ///< the rays see too many pairs of levels to travel together
     };
-    /// Traces one packet of rays with equal axes and octant through the frame's tree, which is a Tree.
-    template <class Tree, int kParts, class Found>
+    /// Traces one packet of rays with equal axes and octant through the frame's tree, as Way names it.
+    template <class Way, int kParts, class Found>
     PacketResult run_packet(std::span<const Ray> rays, const RayAxes& axes, std::size_t limit_bytes,
                             PacketQuery<Found, kParts>& query);
     /// Traces one ray. Returns false if the budget was exceeded during the trace.
-    template <class Tree, class Found>
+    template <class Way, class Found>
     bool run_single(const Ray& ray, const RayAxes& axes, std::size_t limit_bytes, SingleQuery<Found>& query);
 
-    template <class Tree, class NodeOf, class F, class Limit, class Enter, class Meet>
+    /// Calls call(way) with what names the tree of the frame.
+    template <class Call>
+    auto in_tree(Call&& call)
+    {
+        if (frame.tree == TreeKind::Kd) return call(InKdTree());
+        return frame.segments > 0 ? call(InMovingBvh()) : call(InBvh());
+    }
+
+    template <class Tree, class NodeOf, class F, class Times, class Limit, class Enter, class Meet>
     LeafResult meet_leaf(Tree& tree, NodeOf node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest,
-                         int coarsest, std::size_t limit_bytes, const RaysAsOne<F>& as_one, Limit&& limit, Enter&& enter,
-                         Meet&& meet);
+                         int coarsest, std::size_t limit_bytes, const RaysAsOne<F>& as_one, const Times& times,
+                         Limit&& limit, Enter&& enter, Meet&& meet);
     /// Returns the igrid of an entry, which is built if needed, or null if the budget is exceeded.
     IGrid* grid_of(const TreeLeaf& leaf, std::size_t number, int pair, std::size_t limit_bytes)
     {

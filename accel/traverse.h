@@ -1,14 +1,14 @@
 // Traverses the kd-tree; one traversal serves packets and single rays, nearest and any hit.
 //
-// One descent serves all pairs of levels of a ray: where a node is interior for fine pairs only, it is a leaf for the part of
-// the ray that sees coarser pairs.
+// One descent serves all pairs of levels of a ray: where a node is interior for fine pairs only, it is a leaf for the part
+// of the ray that sees coarser pairs.
 //
 // Invariant: a lane is alive in a node while its t_near <= t_far there. t is in the tree's frame, where origins are
 // near the scene. Intervals overlap at planes by a few ulps, since culling must never decide a hit.
 #pragma once
 
 #include "accel/kd_tree.h"
-#include "accel/leaf_boxes.h"
+#include "accel/keyed_boxes.h"
 
 namespace occam::accel {
 
@@ -16,8 +16,8 @@ namespace occam::accel {
 /// end as hits shorten it. leaf(node, alive, t_near, t_far, finest, coarsest) intersects the rays with the igrids that a
 /// node holds for those pairs and may shorten limit(). Returns false if the walk was abandoned.
 template <class F, class LimitFn, class LeafFn>
-bool traverse(KdTree& tree, const TreeRay<F>& ray, const RaysAsOne<F>&, F t_near, F t_far, const PairSpans<F>& pairs,
-              TraceCounters& counters, LimitFn&& limit, LeafFn&& leaf)
+bool traverse(KdTree& tree, const TreeRay<F>& ray, const RaysAsOne<F>&, NoTimes, F t_near, F t_far,
+              const PairSpans<F>& pairs, TraceCounters& counters, LimitFn&& limit, LeafFn&& leaf)
 {
     struct Span {
         std::uint32_t node;

@@ -24,6 +24,12 @@ inline Box3f get_box(const float* groups, std::size_t place) noexcept
     return {{at[0], at[kBoxGroup], at[2 * kBoxGroup]}, {at[3 * kBoxGroup], at[4 * kBoxGroup], at[5 * kBoxGroup]}};
 }
 
+/// The keys of boxes that move: they divide an interval of the shutter evenly, and the boxes are linear between them.
+struct KeySpan {
+    int segments = 0;               ///< 0: nothing moves, and one box stands for all times
+    float begin = 0, per_time = 0;  ///< key k is at begin + k / per_time
+};
+
 /// Lists the igrids of a leaf for a range of pairs.
 struct TreeLeaf {
     /// An entry is smaller than a cache line and holds all bounds that are tested before the igrid is read.
@@ -37,6 +43,10 @@ struct TreeLeaf {
     /// Boxes of the entries' items, in groups of eight. In a tree of one worker the box of an igrid replaces that of its
     /// item.
     float* boxes = nullptr;
+    KeySpan keys{};  ///< if the boxes move, all groups of the first key come first, then those of the next one
+
+    /// Returns the number of floats from one key to the next.
+    std::size_t stride() const noexcept { return (entries.size() + kBoxGroup - 1) / kBoxGroup * kBoxGroupFloats; }
 };
 
 }  // namespace occam::accel

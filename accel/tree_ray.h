@@ -37,6 +37,20 @@ OCCAM_ALWAYS_INLINE void clip(const TreeRay<F>& ray, const Box3f& box, F& t_near
     t_far = min(t_far, out + (abs(out) + abs(ray.shift)) * slack);
 }
 
+/// Clips [t_near, t_far] to slightly widened boxes, one of each ray: the planes are lo.x, lo.y, lo.z, hi.x, hi.y, hi.z.
+template <class F>
+OCCAM_ALWAYS_INLINE void clip_to_planes(const TreeRay<F>& ray, const F (&planes)[6], F& t_near, F& t_far) noexcept
+{
+    const F slack = 4 * FLT_EPSILON;
+    F in = F(-FLT_MAX), out = F(FLT_MAX);
+    for (int a = 0; a < 3; ++a) {
+        in = max(in, (planes[ray.negative[a] ? a + 3 : a] - ray.origin[a]) * ray.inverse[a]);
+        out = min(out, (planes[ray.negative[a] ? a : a + 3] - ray.origin[a]) * ray.inverse[a]);
+    }
+    t_near = max(t_near, in - (abs(in) + abs(ray.shift)) * slack);
+    t_far = min(t_far, out + (abs(out) + abs(ray.shift)) * slack);
+}
+
 /// Returns whether the ray is between the planes somewhere in [in, out].
 template <class F>
 OCCAM_ALWAYS_INLINE MaskOf<F> crosses(const TreeRay<F>& ray, const Slab& slab, F in, F out) noexcept

@@ -7,7 +7,7 @@
 namespace occam::lod {
 namespace {
 
-/// The largest length of the image of a box's point under a linear map of positions.
+/// Returns the largest distance from the origin of the image of a box under an affine map.
 double farthest_image(const Mat4d& map, const Box3d& box) noexcept
 {
     if (box.is_empty()) return 0;

@@ -1,4 +1,4 @@
-// How a placed cage moves in the shutter of a frame, and the keys by which it is diced.
+// Measures how a placed cage moves in the shutter of a frame, and makes the keys at which it is diced.
 //
 // The scene records placements, joints, morph weights and vertices at the keys of its shutter. A placed cage takes every
 // n-th of these keys, such that none that it leaves out lies far from the straight line between its neighbours.
@@ -16,7 +16,7 @@
 
 namespace occam::lod {
 
-/// What posing a cage needs.
+/// Holds what posing a cage needs.
 struct PosingTools {
     const CageTables& tables;
     const TextureStore* textures;  ///< null: nothing is displaced

@@ -21,7 +21,7 @@ struct DeformCounters {
     double seconds = 0;
 };
 
-/// What decides where the vertices of a cage are, at one moment of the shutter.
+/// Holds what decides where the vertices of a cage are at one moment of the shutter.
 struct CagePose {
     std::span<const Vec3f> positions;      ///< at rest, one for each vertex
     std::span<const float> morph_weights;  ///< one for each morph target

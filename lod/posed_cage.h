@@ -55,9 +55,9 @@ struct PosedCage {
     }
     /// Sets frame, anchor, radius and mirroring from the matrix of a placement.
     void place(const Mat4d& world_from_object, const Box3d& object_bounds) noexcept;
-    /// Does the first half of this: sets anchor and radius for a cage that stays in the box.
+    /// Does the first half of place(): sets anchor and radius for a cage that stays in the box.
     void set_frame(const Box3d& world) noexcept;
-    /// Does the second half.
+    /// Does the second half of place(): sets the map and the mirroring.
     void set_map(const Mat4d& world_from_object) noexcept;
     /// Deforms the cage by its skin and morph targets; call it after place().
     void deform(const DeformedClusters& bounds, const CagePose& pose, Arena& arena, DeformCounters& counters);

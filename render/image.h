@@ -42,7 +42,7 @@ inline constexpr Tonemap kAllTonemaps[] = {Tonemap::None, Tonemap::Srgb, Tonemap
 std::string_view tonemap_name(Tonemap tonemap) noexcept;
 
 struct WriteOptions {
-    bool half = true;  ///< EXR colours in 16 bits; depth, uv, position and id are always 32
+    bool half = true;  ///< EXR layers in 16 bits, except those of Layer::full_float
     /// The stops by which display formats (PNG, JPEG, TIFF) are brighter than the scene; if none are given,
     /// automatic_exposure() decides. EXR and HDR files keep the scene's own values.
     std::optional<float> exposure_ev{};

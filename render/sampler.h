@@ -25,7 +25,7 @@ struct Dimension {
     /// Returns the dimension of the number by which ShadowQueue::trace() ends rays.
     static Dimension luck() noexcept { return at(0xffffffffu, Use::Passing, 1); }
     /// Returns the dimension of a use at one of a path's surfaces; `slot` counts the numbers of one use. Different keys
-    /// and uses share a dimension once in 2^32.
+    /// and uses share a dimension once in 2^31.
     static Dimension at(std::uint32_t vertex_key, Use use, std::uint32_t slot = 0) noexcept
     {
         const std::uint64_t word = (std::uint64_t(vertex_key) << 32) | (slot << 4) | static_cast<std::uint32_t>(use);

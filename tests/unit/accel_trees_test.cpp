@@ -166,5 +166,54 @@ TEST(Trees, GrowWhereBoxesLieInOnePlaceOrAreSpreadOverAllScales)
     expect_same(Answers(in_kd, rays), Answers(in_bvh, rays), "all scales");
 }
 
+// Cages that fly apart, each its own way, one that turns, and one that stands, while the shutter is open.
+void record_flights(Scene& scene, int segments, double distance)
+{
+    const CageId ring = scene.add(torus()), drum = scene.add(prism(5));
+    std::vector<NodeId> nodes;
+    for (int k = 0; k < 90; ++k)
+        nodes.push_back(place(scene, k % 2 ? ring : drum, {k % 9 * 0.7 - 2.8, k / 9 * 0.6 - 2.7, -(k % 7) * 0.5}, 0.2));
+    place(scene, scene.add(floor_of(scene.add(Material()), Scheme::Triangles)), {0, -3, 0}, 2);
+    place(scene, ring, {0, 0, 1});
+    scene.record_shutter(segments, [&](double tau) {
+        for (std::size_t k = 0; k < nodes.size(); ++k) {
+            const double angle = double(k * k), at = double(k);
+            Trs trs;
+            trs.translation = {k % 9 * 0.7 - 2.8 + distance * tau * std::cos(angle), double(k / 9) * 0.6 - 2.7,
+                               -double(k % 7) * 0.5 + distance * tau * std::sin(angle)};
+            trs.rotation = {0, std::sin(0.5 * at * tau), 0, std::cos(0.5 * at * tau)};
+            trs.scale = Vec3d(0.2);
+            scene.set_transform(nodes[k], trs);
+        }
+    });
+}
+
+TEST(Trees, FindTheSameBitsWhereThingsMove)
+{
+    for (const int segments : {1, 4})
+        for (const double distance : {0.05, 3.0, 40.0}) {
+            Stage stage;
+            record_flights(stage.scene, segments, distance);
+            const accel::Frame kd = stage.frame(-3, lod::LevelMode::PerRay, TreeKind::Kd), bvh = stage.frame(-3);
+            ASSERT_EQ(bvh.tree(), TreeKind::Bvh) << "the usual tree where something moves";
+            std::vector<accel::Ray> rays = rays_towards({0.3, 3, 9}, {Vec3d(-3), Vec3d(3)}, 1500, 5);
+            std::mt19937 random(4);
+            for (accel::Ray& ray : rays) ray.time = float(random() % 5 ? random() % 1000 : random() % 5 * 250) * 0.001f;
+            accel::Tracer in_kd(kd, kPlenty), in_bvh(bvh, kPlenty);
+            const Answers expected(in_kd, rays);
+            const std::string where = std::to_string(segments) + " segments, " + std::to_string(distance) + " far";
+            expect_same(expected, Answers(in_bvh, rays), where);
+            std::size_t hits = 0;
+            for (const accel::SurfaceHit& hit : expected.hits) hits += hit.is_hit();
+            EXPECT_GT(hits, rays.size() / 8) << where;
+            accel::Tracer alone(bvh, kPlenty), tight(bvh, in_bvh.counters().peak_bytes / 4);
+            Answers answers(rays.size());
+            for (std::size_t i = 0; i < rays.size(); ++i) answers.ask(alone, rays, i, 1);
+            expect_same(expected, answers, where + ", alone");
+            expect_same(expected, Answers(tight, rays), where + ", a quarter of the memory");
+            EXPECT_GT(tight.counters().flushes, 0u);
+        }
+}
+
 }  // namespace
 }  // namespace occam::test

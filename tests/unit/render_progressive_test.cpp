@@ -132,8 +132,13 @@ TEST_F(Resume, AnInterruptedPictureGoesOnAndIsTheSame)
     };
     const auto pixels = [&](const char* name) { return render::Image::read(folder / name).layer(0).pixels; };
     const pid_t child = start(words("a.exr", {"--threads", "1", "--checkpoint", "on"}));
-    for (int i = 0; i < 1000 && test::text_of(folder / "stderr.txt").find("rendering") == std::string::npos; ++i)
-        std::this_thread::sleep_for(5ms);
+    // Before the first sample of all pixels there is nothing to keep, so the test waits for the first per cent.
+    const auto has_begun = [&] {
+        const std::string said = test::text_of(folder / "stderr.txt");
+        const std::size_t at = said.rfind("rendering, ");
+        return at != std::string::npos && said[at + 11] != '0';
+    };
+    for (int i = 0; i < 12000 && !has_begun(); ++i) std::this_thread::sleep_for(5ms);
     kill(child, SIGTERM);
     const test::Outcome stopped = finish(child);
     ASSERT_EQ(stopped.exit_code, test::kInterrupted) << stopped.err;

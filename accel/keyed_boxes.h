@@ -1,0 +1,97 @@
+// Boxes that move: one at each key of an interval of the shutter, linear between keys.
+//
+// Packets take the boxes at all times of their rays as one; then each ray takes those at its own time.
+#pragma once
+
+#include "accel/leaf_boxes.h"
+#include "lod/key_time.h"
+
+namespace occam::accel {
+
+/// Where rays have no times, because nothing in the frame moves.
+struct NoTimes {
+    static constexpr bool kMoves = false;
+};
+
+/// The times of rays: F is the same type as in TreeRay.
+template <class F>
+struct RayTimes {
+    static constexpr bool kMoves = true;
+    using Lanes = F;
+
+    explicit RayTimes(F all) noexcept : time(min(max(all, F(0.0f)), F(1.0f))), first(lowest(time)), last(highest(time)) {}
+
+    F time;             ///< in [0, 1]
+    float first, last;  ///< the earliest and the latest of them
+};
+
+/// A group of eight boxes at each key of an interval, as rays of certain times see them. A ray of another time sees them as
+/// they are at the nearer end of the interval.
+template <class F>
+class KeyedBoxes {
+public:
+    /// stride   the number of floats from one key to the next
+    KeyedBoxes(const float* boxes, std::size_t stride, const KeySpan& keys, const RayTimes<F>& times) noexcept
+        : boxes_(boxes), stride_(stride), keys_(keys), from_(at(keys, times.first)), to_(at(keys, times.last)), times_(times)
+    {
+    }
+
+    /// Does what RaysAsOne::in_boxes does.
+    unsigned in_boxes(const RaysAsOne<F>& rays, float end, float* begin) const noexcept
+    {
+        return rays.in_boxes_by([&](int place) { return load(place); }, end, begin);
+    }
+    /// Clips [t_near, t_far] to a box of the group at each ray's own time.
+    void clip_to(const TreeRay<F>& ray, int box, F& t_near, F& t_far) const noexcept
+    {
+        const float* here = key(from_.key) + box;
+        if (from_.key != to_.key) {
+            // The rays see different segments, so they take the box of all of them.
+            Box3f all;
+            for (int k = from_.key; k <= to_.key + 1; ++k) all.add(get_box(key(k) + box, 0));
+            clip(ray, all, t_near, t_far);
+            return;
+        }
+        const float* next = here + stride_;
+        const F share = min(max((times_.time - F(keys_.begin)) * F(keys_.per_time), F(0.0f)), F(float(keys_.segments))) -
+                        F(float(from_.key));
+        F planes[6];
+        for (int p = 0; p < 6; ++p) planes[p] = lod::between_keys(share, F(here[p * kBoxGroup]), F(next[p * kBoxGroup]));
+        clip_to_planes(ray, planes, t_near, t_far);
+    }
+
+private:
+    static lod::KeyTime at(const KeySpan& keys, float time) noexcept
+    {
+        const float x = std::clamp((time - keys.begin) * keys.per_time, 0.0f, float(keys.segments));
+        const int key = std::min(static_cast<int>(x), keys.segments - 1);
+        return {key, x - static_cast<float>(key)};
+    }
+    const float* key(int k) const noexcept { return boxes_ + static_cast<std::size_t>(k) * stride_; }
+    vfloat at_moment(const lod::KeyTime& moment, int place) const noexcept
+    {
+        const float* here = key(moment.key) + place;
+        return lod::between_keys(vfloat(moment.share), vfloat::load(here), vfloat::load(here + stride_));
+    }
+    // Loads one coordinate of the boxes that hold the group at all times of the rays.
+    vfloat load(int place) const noexcept
+    {
+        vfloat all = at_moment(from_, place);
+        if constexpr (std::is_same_v<F, float>) return all;
+        else {
+            const bool is_high = place >= 3 * kBoxGroup;
+            const auto add = [&](vfloat x) { all = is_high ? max(all, x) : min(all, x); };
+            add(at_moment(to_, place));
+            for (int k = from_.key + 1; k <= to_.key; ++k) add(vfloat::load(key(k) + place));
+            return all;
+        }
+    }
+
+    const float* boxes_;
+    std::size_t stride_;
+    const KeySpan& keys_;
+    lod::KeyTime from_, to_;
+    const RayTimes<F>& times_;
+};
+
+}  // namespace occam::accel

@@ -1,0 +1,108 @@
+// Rays in scenes that move, in the kd-tree over boxes for all times and in the tree of boxes at keys, in turns.
+//
+// 16 x 16 tori stand side by side. *small*: each moves by a tenth of its size while the shutter is open, its own way.
+// *wheels*: each turns by a quarter, in four segments. *together*: all move by twenty sizes the same way. *apart*: each
+// flies four sizes, its own way; *chaos*: twenty sizes. Camera rays have random times; diffuse rays start at their hits and
+// inherit them.
+
+#include <cmath>
+
+#include "render/camera_rays.h"
+#include "tests/bench/subjects.h"
+#include "tests/bench/suites.h"
+
+namespace occam::bench {
+namespace {
+
+constexpr int kRuns = 3, kWidth = 160, kHeight = 160, kSide = 16;
+constexpr std::size_t kBudget = std::size_t(2) << 30;
+
+struct Motion {
+    const char* name;
+    int segments;
+    double distance, turn;  ///< in sizes; in radians
+    bool is_common;
+};
+constexpr Motion kMotions[] = {{"still", 0, 0, 0, false},    {"small", 1, 0.1, 0, false}, {"wheels", 4, 0, 1.5708, false},
+                               {"together", 1, 20, 0, true}, {"apart", 1, 4, 0, false},   {"chaos", 1, 20, 0, false}};
+
+void record(Scene& scene, const Motion& motion)
+{
+    const CageId cage = scene.add(torus(12, 8));
+    std::vector<NodeId> nodes;
+    const auto at = [&](int k, double tau) {
+        const double way = motion.is_common ? 0.7 : 2.4 * k, far = motion.distance * 2.8 * tau;
+        Trs trs;
+        trs.translation = {3.0 * (k % kSide - kSide / 2) + far * std::cos(way), far * std::sin(way),
+                           3.0 * (k / kSide - kSide / 2)};
+        trs.rotation = {std::sin(0.5 * motion.turn * tau), 0, 0, std::cos(0.5 * motion.turn * tau)};
+        return trs;
+    };
+    for (int k = 0; k < kSide * kSide; ++k) {
+        NodeDesc desc;
+        desc.place = at(k, 0);
+        desc.cages = {cage};
+        nodes.push_back(scene.add_node(scene.root(), std::move(desc)));
+    }
+    if (motion.segments == 0) return;
+    scene.record_shutter(motion.segments, [&](double tau) {
+        for (int k = 0; k < kSide * kSide; ++k) scene.set_transform(nodes[std::size_t(k)], at(k, tau));
+    });
+}
+
+void add_rows(Report& report, const Motion& motion)
+{
+    Scene scene;
+    record(scene, motion);
+    scene.refit();
+    const Camera eye = Camera::look_at({0, 26, 40}, {0, 0, 0}, {0, 1, 0}, 0.9f);
+    const render::CameraRays camera(eye, kWidth, kHeight);
+    std::vector<accel::Ray> rays;
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) {
+            rays.push_back(camera.ray(x + 0.5, y + 0.5));
+            rays.back().time = static_cast<float>((x * 7 + y * 13) % 64) / 64 + 1.0f / 128;
+        }
+    lod::TopologyCache topologies;
+    TreePair trees(scene, topologies, camera.levels(1), kBudget);
+    std::vector<accel::SurfaceHit> hits(rays.size());
+    const double start = thread_seconds();
+    trace_closest(trees.kd, rays, hits);
+    const double kd_cold = thread_seconds() - start;
+    trace_closest(trees.bvh, rays, hits);
+    const double bvh_cold = thread_seconds() - start - kd_cold;
+    std::vector<accel::Ray> diffuse = diffuse_rays(rays, hits);
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < rays.size() && n < diffuse.size(); ++i)
+        if (hits[i].is_hit()) diffuse[n++].time = rays[i].time;
+    for (const bool is_camera : {true, false}) {
+        const std::vector<accel::Ray>& all = is_camera ? rays : diffuse;
+        hits.resize(all.size());
+        std::vector<double> kd, bvh;
+        trace_closest(trees.kd, all, hits);
+        trace_closest(trees.bvh, all, hits);
+        for (int run = 0; run < kRuns; ++run) {
+            kd.push_back(repeat(1, [&] { trace_closest(trees.kd, all, hits); }).front());
+            bvh.push_back(repeat(1, [&] { trace_closest(trees.bvh, all, hits); }).front());
+        }
+        const double nano = 1e-9 * double(all.size());
+        Row row{"motion", std::string(motion.name) + (is_camera ? ", camera" : ", diffuse")};
+        row.add("rays", double(all.size()))
+            .add("kd_ns_a_ray", times(kd, 1 / nano))
+            .add("bvh_ns_a_ray", times(bvh, 1 / nano));
+        row.add("bvh_over_kd", ratios(kd, bvh));
+        if (is_camera) row.add("kd_cold_s", kd_cold).add("bvh_cold_s", bvh_cold);
+        row.add("kd_mb", 1e-6 * double(trees.kd.counters().peak_bytes));
+        report.add(row.add("bvh_mb", 1e-6 * double(trees.bvh.counters().peak_bytes)));
+    }
+}
+
+}  // namespace
+
+void run_motion(Report& report)
+{
+    for (const Motion& motion : kMotions)
+        if (report.wants(motion.name)) add_rows(report, motion);
+}
+
+}  // namespace occam::bench
