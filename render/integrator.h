@@ -40,8 +40,8 @@ struct FrameContext {
     const PixelFilter& filter;
     const shade::FrameLights& lights;
     const TextureStore& textures;
-    bool moves = false;                   ///< something moves while the shutter is open: samples have moments
     bool may_pass = false;                ///< some material of the scene transmits light straight on
+    bool moves = false;                   ///< something moves while the shutter is open: samples have moments
     float depth_near = 0, depth_far = 1;  ///< camera z of the scene, for View::Depth
     const Scene* scene = nullptr;         ///< has the names that Cryptomatte needs
     FrameScale scale{};                   ///< all other lengths of the frame are in its unit

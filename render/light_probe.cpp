@@ -59,6 +59,7 @@ std::vector<Glimpse> small_picture(const FrameInputs& in, const FrameScale& scal
     const Sampler sampler(settings.seed, settings.spp, settings.jitter);
     const PixelFilter filter(settings.filter, settings.filter_radius);
     FrameContext context{settings, camera, sampler, filter, lights, in.textures, true};
+    context.moves = camera.moves() || in.scene.shutter_segments() > 0;
     context.scale = scale;
     context.shadow_batch = in.memory.shadow_batch;
     const accel::Frame frame(in.scene, in.topologies, camera.levels(settings.shading_rate), &in.textures, {}, scale);
