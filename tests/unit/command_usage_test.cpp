@@ -21,7 +21,7 @@ TEST_F(CommandUsage, AMistakeIsOneLineThatSaysWhatToDo)
     expect({"triangle.obj"}, "there is no command 'triangle.obj' (occam --help)");
     expect({"render", "triangle.obj", "-o", "a.png", "--sp", "4"},
            "there is no option '--sp'; there is --spp (occam render --help)");
-    expect({"render", "triangle.obj", "-o", "a.png", "--samples=4"}, "there is no option '--samples' (occam render --help)");
+    expect({"render", "triangle.obj", "-o", "a.png", "--colour=4"}, "there is no option '--colour' (occam render --help)");
     expect({"render", "triangle.obj", "-o", "a.png", "--rate", "4"},
            "there is no option '--rate'; there is --shading-rate (occam render --help)");
     expect({"render", "triangle.obj", "-o", "a.png", "--frame"}, "--frame needs a value (occam render --help)");
