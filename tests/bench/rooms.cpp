@@ -147,7 +147,7 @@ std::vector<Vec3f> WholeScene::triangles(lod::TopologyCache& topologies, lod::Le
             posed.place(world_from_node, cage_bounds(node, slot, skin));
             Arena arena;
             lod::DeformCounters counters;
-            if (tables.deformed_clusters) posed.deform(*tables.deformed_clusters, skin, arena, counters);
+            if (tables.deformed_clusters) posed.deform(*tables.deformed_clusters, {slot, node, skin}, arena, counters);
             std::vector<Vec3f> own;
             if (posed.topology) {
                 posed.level = lod::choose_level(levels, posed);
