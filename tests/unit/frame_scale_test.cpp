@@ -151,7 +151,7 @@ void expect_same(const Image& original, const Image& scaled, double size)
 TEST(ScaledScenes, HaveTheSamePictureForEveryPowerOfTwo)
 {
     Settings settings{.width = 48, .height = 32, .spp = 4, .integrator = IntegratorKind::Path, .bounces = 3};
-    settings.aovs = unsigned(Aov::Depth) | unsigned(Aov::Normal) | unsigned(Aov::Position) | unsigned(Aov::Albedo);
+    settings.aovs = Aov::Depth | Aov::Normal | Aov::Position | Aov::Albedo;
     for (const ShadeAt at : {ShadeAt::Hit, ShadeAt::Vertex}) {
         settings.shade_at = at;
         const Image original = picture(1, settings);
