@@ -133,7 +133,8 @@ struct Query::State {
                    hit.normal_shading,
                    hit.uv[0],
                    hit.node,
-                   hit.face};
+                   hit.face,
+                   hit.velocity * static_cast<float>(to_world)};
     }
 
     bool is_occluded(const accel::Ray& ray)

@@ -126,7 +126,7 @@ void check(const Shutter& shutter)
     const auto is_good = [](double t) { return std::abs(t) <= kMaxShutterFrames; };
     if (!is_good(shutter.open) || !is_good(shutter.close))
         throw Error("", "the moments must be finite, and within a million frames", "shutter");
-    if (shutter.open > shutter.close) throw Error("", "it must open before it closes", "shutter");
+    if (shutter.open > shutter.close) throw Error("", "it cannot close before it opens", "shutter");
 }
 
 void check(const Clip& clip)

@@ -1,6 +1,7 @@
 #include "scenegraph/shutter.h"
 
 #include <cmath>
+#include <unordered_map>
 
 namespace occam {
 namespace {
@@ -138,11 +139,13 @@ int needed_segments(const Scene& scene, const PathTolerance& tolerance)
         return place;
     };
     const Node& root = scene.node(scene.root());
+    std::unordered_map<NodeId, int> placements;
     std::vector<Place> todo;
     if (root.is_visible_in_shutter()) todo.push_back(place_below({{}, {}, Mat4d(1)}, scene.root(), root));
     while (!todo.empty() && !count.is_decided()) {
         const Place place = std::move(todo.back());
         todo.pop_back();
+        if (++placements[place.id] > kMostPlacements) continue;
         const Node& node = scene.node(place.id);
         for (const CageId id : node.cages)
             if (const CageSlot* slot = scene.find(id)) add_cage(count, place, node, *slot, scene.find(node.skin));

@@ -23,8 +23,10 @@ struct PathTolerance {
 
 /// Returns the least number of segments, a power of two, whose chords pass within the tolerance of every recorded key of
 /// the scene; 0 if nothing moves. The scene's own number of segments is the most that it returns. The corners of cages'
-/// boxes, and of those that joints move, stand for what is in them.
+/// boxes, and of those that joints move, stand for what is in them. Of a node that has many placements, kMostPlacements are
+/// looked at.
 int needed_segments(const Scene& scene, const PathTolerance& tolerance);
+inline constexpr int kMostPlacements = 64;
 
 /// Returns the nodes whose surfaces move, or are hidden for a part of the time, while the shutter is open, in any of their
 /// placements.

@@ -197,6 +197,34 @@ TEST(Sampler, MomentsAreCorrelatedWithNothing)
     EXPECT_LT(chi_square_excess(neighbours, wanted), 4.5);
 }
 
+// A square that slides past, and a ray at each of three moments.
+TEST(Query, SeesTheSceneAtARaysTimeAndTellsTheVelocityOfWhatItHits)
+{
+    Scene scene;
+    Cage square;
+    square.scheme = Scheme::Triangles;
+    square.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+    square.face_vertices = {0, 1, 2, 0, 2, 3};
+    const NodeId node = place(scene, scene.add(square), {0, 0, 0});
+    const auto slide = [&](double tau) { scene.set_transform(node, Trs{.translation = {4 * tau, 0, 2 * tau}}); };
+    scene.record_shutter(2, slide);
+    const Query query(scene, Camera::look_at({0, 0, 9}, {0, 0, 0}, {0, 1, 0}, kFov));
+    for (const float time : {0.0f, 0.375f, 1.0f}) {
+        const double x = 4 * double(time) + 0.5;
+        const auto hit = query.closest(QueryRay{.origin = {x, 0.2, 9}, .direction = {0, 0, -1}, .time = time});
+        ASSERT_TRUE(hit) << time;
+        EXPECT_NEAR(hit->distance, 9 - 2 * double(time), 1e-5);
+        EXPECT_NEAR(hit->velocity.x, 4, 1e-4);
+        EXPECT_NEAR(hit->velocity.y, 0, 1e-4);
+        EXPECT_NEAR(hit->velocity.z, 2, 1e-4);
+        EXPECT_FALSE(query.closest(QueryRay{.origin = {x, 0.2, 9}, .direction = {0, 0, -1}, .time = 1 - time}) &&
+                     std::abs(1 - 2 * double(time)) > 0.9)
+            << "the square is elsewhere at that time";
+    }
+    for (const float time : {-0.1f, 1.1f, std::nanf("")})
+        EXPECT_THROW(static_cast<void>(query.closest(QueryRay{.time = time})), Error);
+}
+
 // A picture in which nothing moves is the picture without a shutter, bit for bit.
 TEST(Motion, AShutterInWhichNothingMovesLeavesThePictureAsItIs)
 {

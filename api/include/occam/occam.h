@@ -133,6 +133,7 @@ struct Hit {
     Vec2f uv{0};
     NodeId node;
     std::uint32_t face = 0;  ///< index in the node's cage
+    Vec3f velocity{0};       ///< of the surface there at the ray's time, by its own motion: world length per shutter
 };
 
 /// The full width of a ray's beam, which is `width + spread * t` at the distance t, in world length. It decides how fine the
