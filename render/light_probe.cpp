@@ -120,7 +120,8 @@ shade::FrameLights lights_of(const FrameInputs& in, const FrameScale& scale)
     shade::FrameLights lights = make(s.sky, s.default_light);
     const bool is_known = s.default_light || s.sky == shade::Sky::Off || !lights.relies_on_emitters();
     if (is_known || s.integrator == IntegratorKind::Ao || s.view != View::Beauty) return lights;
-    if (s.sky == shade::Sky::Auto ? is_lit(in, scale, lights) : is_lit(in, scale, make(shade::Sky::Off, false))) return lights;
+    if (s.sky == shade::Sky::Auto ? is_lit(in, scale, lights) : is_lit(in, scale, make(shade::Sky::Off, false)))
+        return lights;
     return make(s.sky, true);
 }
 
