@@ -50,6 +50,18 @@ TraceCounters Tracer::counters() const
     return all;
 }
 
+bool Tracer::State::travel_alone(std::span<const Ray> rays) const noexcept
+{
+    if (frame.tree != TreeKind::Bvh) return false;
+    if (frame.segments > 0) return true;
+    // An igrid of a mesh holds hundreds of triangles, in whose box tree packets pay for any rays.
+    if (!frame.has_levels) return false;
+    constexpr float kLeastCosine = 0.97f;
+    const Vec3f way = rays.front().direction;
+    return std::any_of(rays.begin(), rays.end(),
+                       [&](const Ray& ray) { return glm::dot(ray.direction, way) < kLeastCosine; });
+}
+
 template <int kParts, class Found, class Take>
 Tracer::State::PacketResult Tracer::State::run_packet_of(std::span<const Ray> rays, const RayAxes& axes, std::size_t first,
                                                          std::size_t limit_bytes, Take&& take)
@@ -67,14 +79,15 @@ Tracer::State::PacketResult Tracer::State::run_packet_of(std::span<const Ray> ra
 template <class Found, class Take>
 bool Tracer::State::run(const RayAxes& axes, std::size_t first, std::size_t count, std::size_t limit_bytes, Take&& take)
 {
-    if (count > kLanes) {
+    const bool is_alone = travel_alone({&groups.sorted[first], count});
+    if (!is_alone && count > kLanes) {
         const PacketResult result = run_packet_of<2, Found>({&groups.sorted[first], count}, axes, 0, limit_bytes, take);
         if (result == PacketResult::Abandoned) return false;
         if (result == PacketResult::Done) return true;
     }
     for (std::size_t at = 0; at < count; at += kLanes) {
         const std::span<const Ray> rays{&groups.sorted[first + at], std::min<std::size_t>(kLanes, count - at)};
-        if (rays.size() >= kWorthAPacket) {
+        if (!is_alone && rays.size() >= kWorthAPacket) {
             const PacketResult result = run_packet_of<1, Found>(rays, axes, at, limit_bytes, take);
             if (result == PacketResult::Abandoned) return false;
             if (result == PacketResult::Done) continue;

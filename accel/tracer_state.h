@@ -60,6 +60,9 @@ struct Tracer::State {
     template <class Way, class Found>
     bool run_single(const Ray& ray, const RayAxes& axes, std::size_t limit_bytes, SingleQuery<Found>& query);
 
+    /// Returns whether each ray of a group is traced alone. In the tree of boxes this is faster where rays go different
+    /// ways, since they do not share the boxes of its nodes, and where these boxes move (docs/performance.md).
+    bool travel_alone(std::span<const Ray> rays) const noexcept;
     /// Calls call(way) with what names the tree of the frame.
     template <class Call>
     auto in_tree(Call&& call)
