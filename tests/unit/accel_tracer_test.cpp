@@ -114,7 +114,9 @@ TEST(Tracer, FindsSeveralHitsAtOnceAsOneAfterTheOther)
                 ASSERT_FALSE(hit.is_hit()) << i;
             }
             EXPECT_GT(parts, 50) << most;
-            if (most == accel::kMostNearest) EXPECT_GT(whole, 10);
+            if (most == accel::kMostNearest) {
+                EXPECT_GT(whole, 10);
+            }
         }
 }
 
