@@ -73,7 +73,7 @@ void Cart::pose(Scene& scene, double x, double z, double seconds) const
         scene.set_transform(wheels_[k],
                             Trs{.translation = at, .rotation = {0, 0, std::sin(phase / 2), std::cos(phase / 2)}});
     }
-    scene.set_transform(passenger_, Trs{.translation = {x, 1.12, z}, .scale = Vec3d(0.8)});
+    scene.set_transform(passenger_, Trs{.translation = {x, 1.22, z}, .scale = Vec3d(0.9)});
     const ClipAt now{crawl_, looped({0, 1}, 2.5 * seconds)};
     scene.pose({&now, 1});
 }

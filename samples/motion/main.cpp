@@ -16,7 +16,7 @@ using namespace occam;
 
 namespace {
 
-constexpr double kSpeed = 7, kFramesPerSecond = 24;
+constexpr double kSpeed = 9, kFramesPerSecond = 24;
 constexpr Shutter kShutter{-0.25, 0.25};
 
 // A fence, and stripes on the road: they stand still, and it is the camera that blurs them.
@@ -53,6 +53,7 @@ try {
     const int frames = arguments.number("FRAMES", 1, 9999, 48);
     Settings settings{.width = 960, .height = 540, .spp = 64};
     settings.shutter = kShutter;
+    settings.clamp = 4;  // no fireflies from the polished rims
     arguments.size(settings.width, settings.height);
     arguments.end();
 
@@ -71,9 +72,9 @@ try {
             const double seconds = (frame + kShutter.open + tau * kShutter.length()) / kFramesPerSecond;
             const double x = kSpeed * seconds;
             cart.pose(scene, x, 0, seconds);
-            runner.pose(scene, x + 0.4, 1.5, 1.6 * seconds + 0.1);
+            runner.pose(scene, x - 2.1, 0.5, 1.6 * seconds + 0.1);
             const double angle = 0.35 - 0.12 * seconds;
-            const Vec3d target(x + 0.15, 0.85, 0.4);
+            const Vec3d target(x - 0.5, 0.9, 0.3);
             scene.set_transform(
                 camera, Camera::look_at(target + Vec3d(7 * std::sin(angle), 0.9 + 0.2 * seconds, 7 * std::cos(angle)),
                                         target, {0, 1, 0}, 0.55f)
