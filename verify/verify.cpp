@@ -192,7 +192,9 @@ private:
         Box3d box;
         for (const Vec3f v : pairs.front().corners) box.add(Vec3d(v));
         const std::size_t triangles = pairs.front().corners.size() / 3;
-        const auto most = static_cast<std::size_t>(std::clamp<double>(4e6 / double(triangles), 8, 256)) / instants_.size();
+        // A large mesh and several moments leave few points for each moment, but at least two are looked for.
+        const auto share = static_cast<std::size_t>(std::clamp<double>(4e6 / double(triangles), 8, 256)) / instants_.size();
+        const std::size_t most = std::max<std::size_t>(share, 8);
         const auto distance_to_mesh = [&](Vec3d p) {
             double nearest = box.radius();
             for (const Vec3f v : pairs.front().corners) nearest = std::min(nearest, glm::distance(Vec3d(v), p));
