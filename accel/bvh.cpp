@@ -9,14 +9,14 @@ namespace occam::accel {
 namespace {
 
 constexpr std::size_t kEnough = 32;     // candidates to divide; docs/performance.md has the curve
-constexpr int kBins = 16;               // per axis
-constexpr float kMostGrowth = 3;        // of the parts' boxes over an interval, before it is halved
-constexpr float kShortest = 1.0f / 64;  // of the shutter: no interval is shorter than half of this
-constexpr float kBoxUlps = 4;           // what boxes that move are grown by
+constexpr int kBins = 16;               // bins along each axis
+constexpr float kMostGrowth = 3;        // an interval in which the parts' boxes grow by more than this factor is halved
+constexpr float kShortest = 1.0f / 64;  // the share of the shutter from which on intervals are not halved
+constexpr float kBoxUlps = 4;           // growth of boxes that move, in ulps of their largest coordinate
 constexpr Box3f kEverywhere{Vec3f(-FLT_MAX), Vec3f(FLT_MAX)};
 constexpr Box3f kNothing{Vec3f(FLT_MAX), Vec3f(-FLT_MAX)};  // finite, so that it is linear between keys
 
-// The bins of candidates' middles along one axis of a part.
+// Holds the bins of candidates' middles along one axis of a part.
 struct Bins {
     struct Bin {
         Box3f box;

@@ -26,11 +26,11 @@ namespace occam::accel {
 
 struct BvhNode;
 
-/// What a lazy node was made from.
+/// Holds what a lazy node was made from.
 struct BvhRecord {
     std::span<const ItemIndex> items;
     int depth;
-    float begin = 0, end = 1;  ///< the part of the shutter for which the node stands
+    float begin = 0, end = 1;  ///< the part of the shutter whose rays use the node
 };
 
 struct BvhLeaf : TreeLeaf {
@@ -38,7 +38,7 @@ struct BvhLeaf : TreeLeaf {
     const BvhRecord* record = nullptr;
 };
 
-/// What a node is at one moment: a BvhNode, or a list of leaves.
+/// Holds the state of a node at one moment: a BvhNode, or a list of leaves.
 class BvhState {
 public:
     explicit BvhState(std::uintptr_t bits) : bits_(bits) {}
@@ -54,7 +54,7 @@ private:
     std::uintptr_t bits_;
 };
 
-/// Stands for a node: its place in its parent, where its state is published.
+/// Holds a node's place in its parent, where its state is published.
 struct BvhLink {
     std::uintptr_t bits = 0;
 
@@ -68,7 +68,7 @@ struct alignas(Arena::kAlign) BvhNode {
     BvhLink children[kWidth];
     BvhLeaf* leaf = nullptr;  ///< the first leaf, for coarser pairs than `level`; published
     int level = 0;            ///< the node is interior for pairs up to this one
-    int count = 0;            ///< of children; the other boxes are empty
+    int count = 0;            ///< number of children; the other boxes are empty
     KeySpan keys{};
     /// At least 0: the node has two children without boxes, for times up to this one and from this one on.
     float halved_at = -1;
@@ -102,7 +102,7 @@ public:
     }
 
 private:
-    /// Candidates [begin, end).
+    /// Holds the candidates [begin, end) as one part.
     struct Part {
         std::size_t begin, end;
         Box3f box;

@@ -46,8 +46,8 @@ bool traverse(Bvh& tree, const TreeRay<F>& ray, const RaysAsOne<F>& as_one, cons
     constexpr bool kIsOne = std::is_same_v<F, float>;
     struct Todo {
         BvhLink* node;
-        const BvhNode* parent;  ///< null if there is no box: for the root, to which the intervals are clipped, and for times
-        int child;              ///< of the parent
+        const BvhNode* parent;  ///< null for nodes without a box: the root (intervals are clipped to it) and halves in time
+        int child;              ///< index of the node in its parent
         float begin;            ///< where the first ray enters the box
     };
     Todo todo[(Bvh::kMaxDepth + 1) * BvhNode::kWidth];

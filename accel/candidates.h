@@ -18,15 +18,16 @@ struct Candidate {
 
 class Candidates : public std::vector<Candidate> {
 public:
-    /// The effort of opening any item; see Items::effort.
+    /// The largest effort of opening an item; see Items::effort.
     static constexpr int kAnyEffort = 2;
 
     explicit Candidates(Items& items) : items_(items) {}
 
-    /// The time of boxes that hold items at all times.
+    /// In place of a time, this value asks for boxes that hold items at all times.
     static constexpr float kAllTimes = -1;
 
-    /// Starts with the parts of these items that lie in a node's box. Final is what rays of the pair meet as one igrid.
+    /// Starts with the parts of these items that lie in a node's box. Items that rays of the pair meet as one igrid are
+    /// final.
     /// time   moment of the shutter at which the boxes of items that move are taken
     void start(const Box3f& box, std::span<const ItemIndex> items, int pair, float time = kAllTimes);
     /// Opens the largest of those items that cost the least effort to open. Returns false if there is none of at most

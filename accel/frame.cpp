@@ -1,5 +1,6 @@
 #include "accel/frame.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "accel/frame_state.h"
@@ -9,44 +10,51 @@
 namespace occam::accel {
 namespace {
 
-/// Returns the largest distance by which any placed cage is ever displaced, in world length.
-float farthest_displaced(const Scene& scene)
+/// Returns the largest distance by which any placed cage is ever displaced, in frame lengths.
+float farthest_displaced(const Scene& scene, const FrameScale& scale)
 {
     double farthest = 0;
-    for_each_placement(scene, [&](const Node& node, std::span<const Mat4d> world_from_node) {
+    const auto add = [&](const Node& node, const Mat4d& world_from_node) {
         for (const CageId id : node.cages) {
             const CageSlot* slot = scene.find(id);
             if (!slot || !slot->cage.is_displaced()) continue;
-            for (const Mat4d& world : world_from_node) {
-                lod::PosedCage posed;
-                posed.place(world, slot->bounds);
-                farthest = std::max(farthest,
-                                    lod::largest_stretch(posed.frame_from_object) * double(slot->cage.displacement->bound));
-            }
+            lod::PosedCage posed;
+            posed.place(scale.placed(world_from_node), slot->bounds);
+            farthest = std::max(farthest,
+                                lod::largest_stretch(posed.frame_from_object) * double(slot->cage.displacement->bound));
         }
-    });
+    };
+    if (!scene.contents().has(Contents::Displaced)) return 0;
+    if (scene.shutter_segments() == 0)
+        scene.for_placements_of(Contents::Displaced,
+                                [&](NodeId, const Node& node, const Mat4d& world_from_node) { add(node, world_from_node); });
+    else
+        for_each_placement(scene, [&](const Node& node, std::span<const Mat4d> world_from_node) {
+            for (const Mat4d& world : world_from_node) add(node, world);
+        });
     return static_cast<float>(farthest) * (1 + 0x1p-18f);
 }
 
 }  // namespace
 
 Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels,
-             const TextureStore* textures, const lod::VertexShading& shading, TreeKind tree)
+             const TextureStore* textures, const lod::VertexShading& shading, FrameScale scale, TreeKind tree)
     : state_(std::make_unique<State>())
 {
     state_->scene = &scene;
     state_->topologies = &topologies;
     state_->levels = levels;
-    state_->has_levels = levels.mode != lod::LevelMode::PerInstance && scene.is_subdivided();
+    state_->has_levels = levels.mode != lod::LevelMode::PerInstance && scene.contents().has(Contents::Subdivided);
     state_->textures = textures;
     state_->shading = shading;
-    if (textures && scene.is_displaced()) state_->levels.displaced = farthest_displaced(scene);
+    state_->scale = scale;
+    if (textures) state_->levels.displaced = farthest_displaced(scene, scale);
     state_->segments = scene.shutter_segments();
     // A box around all that something passes through is hardly hit less often than everything.
     const TreeKind best = state_->segments > 0 ? TreeKind::Bvh : TreeKind::Kd;
     state_->tree = tree == TreeKind::Auto ? best : tree;
     const Node& root = scene.node(scene.root());
-    const Box3d world = box_in_parent(root);
+    const Box3d world = scale.placed(box_in_parent(root));
     if (world.is_empty()) return;
     const double step = std::ldexp(1.0, std::ilogb(std::max(world.radius(), 1e-30)));
     state_->anchor = glm::round(world.centre() / step) * step;

@@ -8,20 +8,24 @@
 #include "lod/footprint.h"
 #include "lod/topology_cache.h"
 #include "lod/vertex_shader.h"
+#include "scenegraph/frame_scale.h"
 #include "scenegraph/scene.h"
 
 namespace occam::accel {
 
-/// It is only read while tracers live. It borrows the scene and the topologies.
+/// It is only read while tracers live. It borrows the scene and the topologies. Rays, hits and levels of its tracers are in
+/// frame lengths.
 class Frame {
 public:
     /// scene     is refitted, and must not be edited while this object lives.
     /// eye       belongs to the camera whose footprints choose the level of each cage instance.
     /// textures  are prepared; if null, nothing is displaced.
     /// shading   runs phase one at the vertices of grids, for SurfaceHit::phase_one; its shader is borrowed.
-    /// tree      holds the items; it has no influence on what a ray meets.
+    /// scale     is the unit of the frame; `levels` are in it.
+    /// tree      holds the items; it has no influence on what a ray hits.
     Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels,
-          const TextureStore* textures = nullptr, const lod::VertexShading& shading = {}, TreeKind tree = TreeKind::Auto);
+          const TextureStore* textures = nullptr, const lod::VertexShading& shading = {}, FrameScale scale = {},
+          TreeKind tree = TreeKind::Auto);
     ~Frame();
 
     /// Returns the tree that holds the items of this frame, which is never Auto.

@@ -15,6 +15,7 @@ struct FrameState {
     const Scene* scene = nullptr;
     lod::TopologyCache* topologies = nullptr;
     lod::LevelSettings levels;
+    FrameScale scale;
     const TextureStore* textures = nullptr;  ///< textures of displacements
     lod::VertexShading shading;
     TreeKind tree = TreeKind::Kd;  ///< never Auto

@@ -110,14 +110,15 @@ struct Stored {
 
 Vec4f weighted(const Vec4f (&of)[3], Vec3f w) noexcept { return of[0] * w.x + of[1] * w.y + of[2] * w.z; }
 
-OCCAM_NEVER_INLINE void set_bump_gradients(const HitCorners& corners, const Triangles& tri, std::size_t lane,
+/// to_frame   frame lengths of a world length
+OCCAM_NEVER_INLINE void set_bump_gradients(const HitCorners& corners, const Triangles& tri, std::size_t lane, float to_frame,
                                            SurfaceHit& hit) noexcept
 {
     const int set = std::clamp(hit.material->bump_texture.uv_set, 0, 1);
     if ((corners.has_uv[set] >> lane & 1) == 0) return;
     const Stored b(tri.gradient[0]), c(tri.gradient[1]);
     const auto change = [&](int corner, int axis) {
-        return corners.uv[set][corner][lane][axis] - corners.uv[set][0][lane][axis];
+        return (corners.uv[set][corner][lane][axis] - corners.uv[set][0][lane][axis]) * to_frame;
     };
     hit.u_gradient = b[lane] * change(1, 0) + c[lane] * change(2, 0);
     hit.v_gradient = b[lane] * change(1, 1) + c[lane] * change(2, 1);
@@ -132,18 +133,22 @@ int level_at(const Ray& ray, const GridHit& met, const lod::LevelSettings& level
                       std::clamp(range.coarsest, lod::kFinestLevel, lod::kCoarsestLevel));
 }
 
+// Returns the finer level of the pair that the ray sees at the hit, of those that the igrid serves.
+int seen_level_of(const Ray& ray, const GridHit& met, const lod::LevelSettings& levels) noexcept
+{
+    const PairRange pairs = met.grid->pairs;
+    if (!met.grid->is_lattice || levels.mode == lod::LevelMode::PerInstance || pairs.coarsest <= met.grid->level)
+        return met.grid->level;
+    return level_at(ray, met, levels, 1, {met.grid->level, pairs.coarsest});
+}
+
 // Identifies the micropolygon that was hit, by number.
-void set_identity(const Ray& ray, const GridHit& met, const MicropolygonPlace& spot, const lod::LevelSettings& levels,
-                  SurfaceHit& hit) noexcept
+void set_identity(const GridHit& met, const MicropolygonPlace& spot, SurfaceHit& hit) noexcept
 {
     const lod::PosedCage& cage = *met.grid->cage;
     hit.node = cage.node_id;
     hit.lit_by = cage.lit_by;
     hit.face = spot.face;
-    // Where neighbouring pairs share an igrid, the ray's width tells which one it sees.
-    const PairRange pairs = met.grid->pairs;
-    const bool is_one = pairs.finest == pairs.coarsest || levels.mode == lod::LevelMode::PerInstance || !spot.part;
-    hit.level = is_one ? met.grid->level : level_at(ray, met, levels, 1, pairs);
     const std::uint64_t tile = spot.part ? std::uint64_t(spot.part->tile.j0) << 32 | spot.part->tile.i0 : 0;
     hit.micropolygon = static_cast<std::uint32_t>(
         mix_bits(cage.key ^ (std::uint64_t(spot.number) << 32 ^ spot.face) ^ tile * 0x9e3779b97f4a7c15u));
@@ -336,6 +341,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
     const Stored from_a(offset), shares({share[0], share[1], share[2]});
     const Stored ways_to_start(to_start), start_normals(starts ? starts->normal : offset);
     const unsigned back = bits(is_back), with_gradients = bits(has_gradients);
+    const auto to_frame = static_cast<float>(tools.frame.scale.to_frame());
     for (std::size_t i = 0; i < n; ++i) {
         if (!met[i].grid) continue;
         SurfaceHit& hit = *hits[i];
@@ -353,11 +359,14 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
         hit.color = Vec4f(1);
         if (corners.has_color >> i & 1) hit.color = weighted(corners.color[i], shares[i]);
         hit.u_gradient = hit.v_gradient = Vec3f(0);
-        if (hit.material->bump_texture && (with_gradients >> i & 1) != 0) set_bump_gradients(corners, tri, i, hit);
+        if (hit.material->bump_texture && (with_gradients >> i & 1) != 0) set_bump_gradients(corners, tri, i, to_frame, hit);
         hit.velocity = met[i].grid->segments > 0 ? corners.velocity_of(i, shares[i]) : Vec3f(0);
-        set_identity(rays[i], met[i], spots[i], tools.frame.levels, hit);
+        set_identity(met[i], spots[i], hit);
+        const int level = seen_level_of(rays[i], met[i], tools.frame.levels);
+        hit.level = met[i].grid->is_lattice ? level + tools.frame.scale.exponent() : level;
         hit.phase_one_channels = 0;
-        if (spots[i].part && tools.frame.shading.shader)
+        // Values at vertices are made for one level. A ray that sees the same mesh from farther away filters more.
+        if (spots[i].part && tools.frame.shading.shader && level == met[i].grid->level)
             add_vertex_values(*met[i].grid, part_of(spots[i].number), place_in_part(met[i], spots[i], shares[i]), tools,
                               hit);
     }

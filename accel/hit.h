@@ -1,6 +1,7 @@
 // Holds what a ray has hit while it is being traced, and what phase two of shading needs of the hit, by value.
 #pragma once
 
+#include <algorithm>
 #include <cfloat>
 #include <mutex>
 
@@ -43,6 +44,43 @@ struct AnyHit {
     void offer(int lane, float found, IGrid&, std::uint32_t) noexcept
     {
         if (found < t[lane]) t[lane] = kDead;
+    }
+};
+
+/// Holds the nearest hits so far of up to kPacket rays, several of each, in order of t.
+struct NearestSome {
+    static constexpr int kMost = kMostNearest;
+    struct Hit {
+        float t;
+        std::uint32_t id;
+        IGrid* grid;
+    };
+    alignas(32) float t[kPacket];  ///< t_far of the ray until `wanted` hits are found, and then the t of the last of them
+    int wanted = kMost;            ///< at most kMost
+    int count[kPacket];
+    Hit hits[kPacket][kMost];
+
+    void offer(int lane, float found, IGrid& on, std::uint32_t number) noexcept
+    {
+        if (!(found <= t[lane])) return;
+        Hit* list = hits[lane];
+        int& n = count[lane];
+        int at = n;
+        while (at > 0 && goes_before(found, on, number, list[at - 1])) --at;
+        // An igrid may be met twice by a ray (accel/mailboxes.h).
+        if (at > 0 && list[at - 1].grid == &on && list[at - 1].id == number) return;
+        if (at == wanted) return;
+        n = std::min(n + 1, wanted);
+        for (int i = n - 1; i > at; --i) list[i] = list[i - 1];
+        list[at] = {found, number, &on};
+        if (n == wanted) t[lane] = list[n - 1].t;
+    }
+
+private:
+    static bool goes_before(float found, const IGrid& on, std::uint32_t number, const Hit& other) noexcept
+    {
+        if (found != other.t) return found < other.t;
+        return comes_before(on, number, *other.grid, other.id);
     }
 };
 

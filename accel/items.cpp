@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "accel/stopwatch.h"
+#include "base/cancellation.h"
 
 namespace occam::accel {
 namespace {
@@ -96,6 +97,7 @@ void Items::set_boxes(Item& item, std::span<const Box3f> own)
 bool Items::open(ItemIndex i, int pair)
 {
     if (items_[i].first_part != Item::kClosed) return true;
+    throw_if_cancelled();
     if (items_[i].kind == Item::Leaf && !items_[i].cluster) {
         measure(i);
         if (is_final(i, pair)) return false;
@@ -105,6 +107,9 @@ bool Items::open(ItemIndex i, int pair)
     switch (item.kind) {
         case Item::SceneNode:
             open_node(*static_cast<const PlacedNode*>(item.subject));
+            break;
+        case Item::Children:
+            open_children(*static_cast<const PlacedNode*>(item.subject), item.index);
             break;
         case Item::Unmade: {
             const PlacedNode& at = *static_cast<const PlacedNode*>(item.subject);
@@ -274,15 +279,19 @@ PairRange Items::range(ItemIndex i, int pair) const noexcept
     return pair >= same ? PairRange{std::max(same, finest), last} : PairRange{pair, pair};
 }
 
+// An igrid that serves several pairs has one level, whichever of them asked for it first.
+int Items::level_of(const Item& item, PairRange pairs) const noexcept
+{
+    if (item.kind == Item::Faces) return 0;
+    if (frame_.levels.mode == lod::LevelMode::PerInstance) return std::max(item.cage().level, item.cage().finest_level());
+    return std::max(pairs.finest, item.cage().finest_level());
+}
+
 IGrid& Items::grid(ItemIndex i, int pair)
 {
     const Item& item = items_[i];
     const PairRange pairs = range(i, pair);
-    // An igrid that serves many pairs must not depend on which of them asks first, so it is built for the finest one.
-    const bool is_per_ray = frame_.levels.mode != lod::LevelMode::PerInstance;
-    const int level = item.kind == Item::Faces
-                          ? pair
-                          : std::max(is_per_ray ? pairs.finest : item.cage().level, item.cage().finest_level());
+    const int level = level_of(item, pairs);
     const bool is_shared = shares(item, pair_of(item, pair));
     GridKey key{&item, pairs.finest, 0, 0};
     lod::TileRef tile;
@@ -302,7 +311,7 @@ IGrid& Items::grid(ItemIndex i, int pair)
     if (!grid) {
         const Stopwatch watch(counters_.dice_seconds);
         const std::uint64_t before = builder_.micropolygons;
-        grid = build(item, level, pair_of(item, pair) < level ? level : level + 1, is_shared, tile);
+        grid = build(item, level, pairs.coarsest < level ? level : level + 1, is_shared, tile);
         grid->pairs = pairs;
         const lod::PosedCage& cage = item.cage();
         grid->is_hidden = cage.seen_by != RayKind::All || cage.visible_in != lod::PosedCage::kAllSegments;

@@ -57,6 +57,7 @@ struct ClusterInfo {
 struct Item {
     enum Kind : std::uint8_t {
         SceneNode,  ///< subject: PlacedNode
+        Children,   ///< subject: PlacedNode, index: node of its ChildBoxes
         Unmade,     ///< subject: PlacedNode, index: which of its cages; the cage is made on demand
         Cluster,    ///< subject: PosedCage, index: node of its ClusterTree
         Leaf,       ///< the same, without nodes below
@@ -134,6 +135,17 @@ private:
         return frame_.levels.mode != lod::LevelMode::PerInstance || item.kind < Item::Leaf ? pair : item.cage().level;
     }
     void open_node(const PlacedNode& node);
+    /// Where and when a node is seen; the fields are as in PlacedNode.
+    struct Placement {
+        Mat4d world_from_node;
+        std::span<const Mat4d> at_keys;
+        std::uint32_t visible_in;
+    };
+    /// Adds a child of a placed node, or what is placed there by instance_of.
+    void add_placed(const PlacedNode& parent, NodeId id, const Placement& placement, std::uint64_t place);
+    void add_child(const PlacedNode& parent, NodeId id);
+    void add_children(const PlacedNode& parent, const ChildBoxes& boxes, std::uint32_t at);
+    void open_children(const PlacedNode& parent, std::uint32_t at);
     void open_cluster(const lod::PosedCage& cage, std::uint32_t cluster);
     void add_cluster(const lod::PosedCage& cage, std::uint32_t cluster);
     void measure(ItemIndex leaf);
@@ -143,6 +155,8 @@ private:
     void open_region(const Item& item);
     void add_cage(const PlacedNode& at, const Node& node, CageId id, std::size_t place);
     IGrid* build(const Item& item, int level, int coarser, bool is_shared, const lod::TileRef& tile);
+    /// Returns the level of the fine positions of the igrid that an item has for these pairs.
+    int level_of(const Item& item, PairRange pairs) const noexcept;
     bool shares(const Item& item, int pair) const noexcept;
     bool may_share(const Item& item) const noexcept;
     const lod::PosedCage& pose_cage(const PlacedNode& at, lod::PosedCage& cage, const lod::CageTables& tables);

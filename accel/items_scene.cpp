@@ -4,11 +4,13 @@
 #include "base/hash.h"
 #include "lod/cage_motion.h"
 #include "lod/level_choice.h"
+#include "scenegraph/child_boxes.h"
 
 namespace occam::accel {
 namespace {
 
 constexpr int kMaxSceneDepth = 256;
+constexpr float kCostOfNode = 8;
 constexpr float kCostOfUnmade = 1000;  // cost of a cage that is not made yet, in steps of the tree
 
 }  // namespace
@@ -20,8 +22,8 @@ ItemIndex Items::restart()
     const Scene& scene = *frame_.scene;
     PlacedNode* root = arena_.make<PlacedNode>();
     const Node& top = scene.node(scene.root());
-    *root = {scene.root(), top.parent_from_node, kFnvStart, nullptr, 0, top.seen_by, top.lit_by};
-    const PlacedNode world{{}, Mat4d(1), 0, nullptr, 0, 0, 0};
+    *root = {scene.root(), frame_.scale.placed(top.parent_from_node), kFnvStart, nullptr, 0, top.seen_by, top.lit_by};
+    const PlacedNode world{{}, frame_.scale.placed(Mat4d(1)), 0, nullptr, 0, 0, 0};
     root->at_keys = child_at_keys(world, top);
     root->visible_in = visible_in(top, frame_.segments);
     Item item;
@@ -117,34 +119,70 @@ void Items::open_node(const PlacedNode& at)
         if (!item.box.is_empty()) items_.push_back(item);
     }
     if (at.depth == kMaxSceneDepth) return;
-    const auto add = [&](NodeId id, const Mat4d& world, std::span<const Mat4d> at_keys, std::uint32_t seen_in,
-                         std::uint64_t place) {
-        const Node* below = frame_.scene->find(id);
-        if (!below || below->bounds.is_empty()) return;
-        PlacedNode* placed = arena_.make<PlacedNode>();
-        *placed = {id,
-                   world,
-                   mix_bits(at.key ^ mix_bits(place)),
-                   &at,
-                   at.depth + 1,
-                   static_cast<std::uint8_t>(at.seen_by & below->seen_by),
-                   at.lit_by & below->lit_by,
-                   at_keys,
-                   seen_in};
-        Item item;
-        item.subject = placed;
-        set_box_of_node(item, *placed, below->bounds);
-        item.cost = 8;
-        items_.push_back(item);
-    };
-    for (const NodeId child : node->children) {
-        const Node* below = frame_.scene->find(child);
-        const std::uint32_t seen_in = below ? at.visible_in & visible_in(*below, frame_.segments) : 0;
-        if (seen_in != 0)
-            add(child, at.world_from_node * below->parent_from_node, child_at_keys(at, *below), seen_in, child.slot);
+    // The tree over many children is opened where rays go, so that a frame costs nothing for the other children.
+    const ChildBoxes* boxes = frame_.scene->child_boxes(at.id);
+    if (boxes && node->children.size() > ChildBoxes::kMostAtOnce) {
+        add_children(at, *boxes, ChildBoxes::kRoot);
+    } else {
+        for (const NodeId child : node->children) add_child(at, child);
     }
     if (node->instance_of)
-        add(node->instance_of, at.world_from_node, at.at_keys, at.visible_in, ~std::uint64_t(0) - node->instance_of.slot);
+        add_placed(at, node->instance_of, {at.world_from_node, at.at_keys, at.visible_in},
+                   ~std::uint64_t(0) - node->instance_of.slot);
+}
+
+void Items::add_placed(const PlacedNode& parent, NodeId id, const Placement& placement, std::uint64_t place)
+{
+    const Node* below = frame_.scene->find(id);
+    if (!below || below->bounds.is_empty()) return;
+    PlacedNode* placed = arena_.make<PlacedNode>();
+    *placed = {id,
+               placement.world_from_node,
+               mix_bits(parent.key ^ mix_bits(place)),
+               &parent,
+               parent.depth + 1,
+               static_cast<std::uint8_t>(parent.seen_by & below->seen_by),
+               parent.lit_by & below->lit_by,
+               placement.at_keys,
+               placement.visible_in};
+    Item item;
+    item.subject = placed;
+    set_box_of_node(item, *placed, below->bounds);
+    item.cost = kCostOfNode;
+    items_.push_back(item);
+}
+
+void Items::add_child(const PlacedNode& parent, NodeId id)
+{
+    const Node* child = frame_.scene->find(id);
+    const std::uint32_t seen_in = child ? parent.visible_in & visible_in(*child, frame_.segments) : 0;
+    if (seen_in == 0) return;
+    add_placed(parent, id, {parent.world_from_node * child->parent_from_node, child_at_keys(parent, *child), seen_in},
+               id.slot);
+}
+
+void Items::add_children(const PlacedNode& parent, const ChildBoxes& boxes, std::uint32_t at)
+{
+    if (boxes.box(at).is_empty()) return;
+    Item item;
+    item.kind = Item::Children;
+    item.subject = &parent;
+    item.index = at;
+    set_box_of_node(item, parent, boxes.box(at));
+    item.cost = kCostOfNode * static_cast<float>(boxes.blocks_below(at) * ChildBoxes::kBlock);
+    items_.push_back(item);
+}
+
+void Items::open_children(const PlacedNode& parent, std::uint32_t at)
+{
+    const ChildBoxes& boxes = *frame_.scene->child_boxes(parent.id);
+    if (!boxes.is_block(at)) {
+        add_children(parent, boxes, 2 * at);
+        add_children(parent, boxes, 2 * at + 1);
+        return;
+    }
+    const Node& node = *frame_.scene->find(parent.id);
+    for (const std::uint32_t child : boxes.children(at)) add_child(parent, node.children[child]);
 }
 
 }  // namespace occam::accel

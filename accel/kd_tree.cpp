@@ -1,9 +1,11 @@
 #include "accel/kd_tree.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "accel/stopwatch.h"
+#include "base/power_of_two.h"
 
 namespace occam::accel {
 namespace {
@@ -13,6 +15,37 @@ constexpr std::size_t kMany = 64;  // candidates above which planes are tried at
 constexpr float kTraversalCost = 64;  // in the units of Item::cost; tests/bench has the curve
 constexpr float kEmptyBonus = 0.8f;   // factor of the cost of a split that cuts off empty space
 constexpr int kSteps = 32;
+
+/// Measures a box by a unit near its longest side, a power of two. Areas then neither overflow nor underflow, and a plane
+/// can be found in every box whose sides are finite.
+class BoxMeasure {
+public:
+    explicit BoxMeasure(const Box3f& box) noexcept : extent(box.extent())
+    {
+        const float longest = std::max({extent.x, extent.y, extent.z});
+        if (!(longest >= 0x1p-120f && longest <= 0x1p120f)) return;
+        unit_ = static_cast<float>(power_of_two_double(-std::ilogb(longest)));
+        const Vec3f e = extent * unit_;
+        area = e.x * e.y + e.y * e.z + e.z * e.x;
+        for (int axis = 0; axis < 3; ++axis) {
+            const float e1 = e[(axis + 1) % 3], e2 = e[(axis + 2) % 3];
+            cap_[axis] = e1 * e2;
+            girth_[axis] = (e1 + e2) * unit_;
+        }
+    }
+
+    Vec3f extent;
+    float area = 0;  ///< half the surface; 0 if the box cannot be measured
+    /// Returns half the surface of a part of the box that is `length` long along the axis.
+    template <class F>
+    F area_of(int axis, F length) const noexcept
+    {
+        return F(cap_[axis]) + F(girth_[axis]) * length;
+    }
+
+private:
+    float unit_ = 0, cap_[3]{}, girth_[3]{};
+};
 
 }  // namespace
 
@@ -53,11 +86,13 @@ void KdTree::expand_all(int pair)
 KdTree::Split KdTree::scanned_split(const Box3f& box) const
 {
     Split best;
-    const Vec3f extent = box.extent();
-    const float area = box.half_area();
+    const BoxMeasure measure(box);
+    const Vec3f extent = measure.extent;
+    const float area = measure.area;
     float all = 0;
     for (const Candidate& c : candidates_) all += c.cost;
     best.cost = all;  // the cost without a split
+    if (!(area > 0)) return best;
     for (int axis = 0; axis < 3; ++axis) {
         // These are the costs of the boxes that begin, and that end, between two planes.
         float begins[kSteps + 1] = {}, ends[kSteps + 1] = {};
@@ -68,8 +103,6 @@ KdTree::Split KdTree::scanned_split(const Box3f& box) const
             begins[step(c.box.lo[axis])] += c.cost;
             ends[step(c.box.hi[axis])] += c.cost;
         }
-        const int a1 = (axis + 1) % 3, a2 = (axis + 2) % 3;
-        const float cap = extent[a1] * extent[a2], girth = extent[a1] + extent[a2];
         float below = 0, ended = 0;
         for (int plane = 1; plane < kSteps; ++plane) {
             below += begins[plane - 1];
@@ -78,7 +111,7 @@ KdTree::Split KdTree::scanned_split(const Box3f& box) const
             const float position = box.lo[axis] + share;
             if (!(position > box.lo[axis] && position < box.hi[axis])) continue;
             float cost = kTraversalCost +
-                         ((cap + girth * share) * below + (cap + girth * (extent[axis] - share)) * above) / area;
+                         (measure.area_of(axis, share) * below + measure.area_of(axis, extent[axis] - share) * above) / area;
             if (below == 0 || !(above > 0)) cost *= kEmptyBonus;
             if (cost < best.cost) best = {axis, position, cost};
         }
@@ -89,8 +122,8 @@ KdTree::Split KdTree::scanned_split(const Box3f& box) const
 KdTree::Split KdTree::counted_split(const Box3f& box)
 {
     Split best;
-    const Vec3f extent = box.extent();
-    const float area = box.half_area();
+    const BoxMeasure measure(box);
+    const float area = measure.area;
     for (const Candidate& c : candidates_) best.cost += c.cost;  // the cost without a split
     // No split costs less than passing its plane.
     if (!(area > 0) || best.cost <= kTraversalCost * kEmptyBonus) return best;
@@ -102,8 +135,6 @@ KdTree::Split KdTree::counted_split(const Box3f& box)
         const std::size_t count = planes_.size();
         if (count == 0) continue;
         planes_.resize((count + kLanes - 1) / kLanes * kLanes, planes_.back());
-        const int a1 = (axis + 1) % 3, a2 = (axis + 2) % 3;
-        const float cap = extent[a1] * extent[a2], girth = extent[a1] + extent[a2];
         for (std::size_t p = 0; p < count; p += kLanes) {
             const vfloat position = vfloat::load(&planes_[p]);
             vfloat below = 0.0f, above = 0.0f;
@@ -111,8 +142,8 @@ KdTree::Split KdTree::counted_split(const Box3f& box)
                 below = below + select(vfloat(c.box.lo[axis]) < position, vfloat(c.cost), vfloat(0.0f));
                 above = above + select(vfloat(c.box.hi[axis]) > position, vfloat(c.cost), vfloat(0.0f));
             }
-            const vfloat area_below = cap + girth * (position - box.lo[axis]),
-                         area_above = cap + girth * (box.hi[axis] - position);
+            const vfloat area_below = measure.area_of(axis, position - vfloat(box.lo[axis])),
+                         area_above = measure.area_of(axis, vfloat(box.hi[axis]) - position);
             vfloat cost = kTraversalCost + (area_below * below + area_above * above) / area;
             cost = select((below == 0.0f) | (above == 0.0f), cost * kEmptyBonus, cost);
             if (none(cost < best.cost)) continue;
@@ -128,7 +159,7 @@ KdTree::Split KdTree::counted_split(const Box3f& box)
 KdTree::Split KdTree::best_split(const Box3f& box)
 {
     if (candidates_.size() <= kMany) return counted_split(box);
-    if (may_scan_ && box.half_area() > 0)
+    if (may_scan_)
         if (const Split scanned = scanned_split(box); scanned.axis >= 0) return scanned;
     return swept_split(box);
 }
@@ -139,8 +170,8 @@ KdTree::Split KdTree::swept_split(const Box3f& box)
     for (const Candidate& c : candidates_) all += c.cost;
     Split best;
     best.cost = all;  // the cost without a split
-    const Vec3f extent = box.extent();
-    const float area = box.half_area();
+    const BoxMeasure measure(box);
+    const float area = measure.area;
     if (!(area > 0)) return best;
 
     std::vector<Event>& low = low_events_;
@@ -155,8 +186,6 @@ KdTree::Split KdTree::swept_split(const Box3f& box)
         const auto before = [](const Event& a, const Event& b) { return a.position < b.position; };
         std::sort(low.begin(), low.end(), before);
         std::sort(high.begin(), high.end(), before);
-        const int a1 = (axis + 1) % 3, a2 = (axis + 2) % 3;
-        const float cap = extent[a1] * extent[a2], girth = extent[a1] + extent[a2];
         // The cost below a plane is that of all boxes that begin before it; above, of all that do not end before it.
         float below = 0, ended = 0;
         std::size_t l = 0, h = 0;
@@ -165,8 +194,8 @@ KdTree::Split KdTree::swept_split(const Box3f& box)
             while (l < low.size() && low[l].position < position) below += low[l++].cost;
             while (h < high.size() && high[h].position <= position) ended += high[h++].cost;
             const float above = all - ended;
-            const float area_below = cap + girth * (position - box.lo[axis]),
-                        area_above = cap + girth * (box.hi[axis] - position);
+            const float area_below = measure.area_of(axis, position - box.lo[axis]),
+                        area_above = measure.area_of(axis, box.hi[axis] - position);
             float cost = kTraversalCost + (area_below * below + area_above * above) / area;
             if (below == 0 || h == high.size()) cost *= kEmptyBonus;
             if (cost < best.cost) best = {axis, position, cost};

@@ -8,12 +8,12 @@
 
 namespace occam::accel {
 
-/// Where rays have no times, because nothing in the frame moves.
+/// Replaces the times of rays if nothing in the frame moves.
 struct NoTimes {
     static constexpr bool kMoves = false;
 };
 
-/// The times of rays: F is the same type as in TreeRay.
+/// Holds the times of rays. F is the same type as in TreeRay.
 template <class F>
 struct RayTimes {
     static constexpr bool kMoves = true;
@@ -25,8 +25,8 @@ struct RayTimes {
     float first, last;  ///< the earliest and the latest of them
 };
 
-/// A group of eight boxes at each key of an interval, as rays of certain times see them. A ray of another time sees them as
-/// they are at the nearer end of the interval.
+/// Holds a group of eight boxes at each key of an interval, as rays of certain times see them. A ray whose time is outside
+/// the interval sees them as they are at its nearer end.
 template <class F>
 class KeyedBoxes {
 public:

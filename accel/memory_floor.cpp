@@ -2,9 +2,9 @@
 
 #include "accel/bvh.h"
 #include "accel/kd_tree.h"
-#include "accel/placement.h"
 #include "accel/vertex_values.h"
 #include "lod/deformed_cage.h"
+#include "scenegraph/shown_nodes.h"
 
 namespace occam::accel {
 namespace {
@@ -26,39 +26,49 @@ constexpr std::size_t kBytesOfAnItem = sizeof(Item) + sizeof(PlacedNode) + 4 * s
 /// What such a part has at each key: a box of its own, one of its patch, and a matrix.
 constexpr std::size_t kBytesOfAKey = 2 * sizeof(Box3f) + sizeof(Mat4d);
 
-/// keys   at which the cage is posed
-std::size_t bytes_of(const CageSlot& slot, const SkinSlot* skin, std::size_t keys)
+std::size_t largest_still_cage(const Contents& contents)
 {
-    const Cage& cage = slot.cage;
-    const std::size_t items = lod::ClusterTree::kLeafFaces * slot.largest_face;
-    std::size_t posed = sizeof(lod::PosedCage) + items * kBytesOfAKey;
-    if (slot.is_deformed())
-        posed += sizeof(lod::DeformedCage) + cage.positions.size() / 4;  // one pointer for each block of 32 vertices
-    if (skin) posed += skin->skin.joints.size() * sizeof(Mat4d);
-    // A cluster has at least one face.
-    if (!slot.key_positions.empty()) posed += 2 * cage.face_count() * sizeof(Box3f);
-    const std::size_t still = items * (sizeof(PatchInfo) + kBytesOfAnItem);
-    return keys == 1 ? still + posed - items * kBytesOfAKey : still + keys * posed;
+    std::size_t bytes = sizeof(lod::PosedCage) +
+                        lod::ClusterTree::kLeafFaces * contents.largest_face * (sizeof(PatchInfo) + kBytesOfAnItem);
+    if (contents.deformed_vertices > 0)
+        bytes += sizeof(lod::DeformedCage) + contents.deformed_vertices / 4;  // one pointer for each block of 32 vertices
+    return bytes + contents.joints * sizeof(Mat4d);
+}
+
+/// keys   the number of keys of the scene's shutter, at each of which any cage may be posed
+std::size_t largest_moving_cage(const Scene& scene, std::size_t keys)
+{
+    std::size_t largest = 0;
+    for_each_shown_node(scene, 0, [&](NodeId, const Node& node) {
+        const SkinSlot* skin = scene.find(node.skin);
+        for (const CageId id : node.cages) {
+            const CageSlot* slot = scene.find(id);
+            if (!slot) continue;
+            const std::size_t items = lod::ClusterTree::kLeafFaces * slot->largest_face;
+            std::size_t posed = sizeof(lod::PosedCage) + items * kBytesOfAKey;
+            if (slot->is_deformed()) posed += sizeof(lod::DeformedCage) + slot->cage.positions.size() / 4;
+            if (skin) posed += skin->skin.joints.size() * sizeof(Mat4d);
+            // A cluster has at least one face.
+            if (!slot->key_positions.empty()) posed += 2 * slot->cage.face_count() * sizeof(Box3f);
+            largest = std::max(largest, items * (sizeof(PatchInfo) + kBytesOfAnItem) + keys * posed);
+        }
+    });
+    return largest;
 }
 
 }  // namespace
 
 std::size_t memory_floor(const Scene& scene)
 {
-    const auto keys = static_cast<std::size_t>(scene.shutter_segments()) + 1;
-    std::size_t widest = 0, largest = 0;
-    for_each_placement(scene, [&](const Node& node, std::span<const Mat4d>) {
-        widest = std::max(widest, node.children.size() + node.cages.size() + 1);
-        for (const CageId id : node.cages)
-            if (const CageSlot* slot = scene.find(id))
-                largest = std::max(largest, bytes_of(*slot, scene.find(node.skin), keys));
-    });
     // The tables of a tree grow in pieces, and each needs at least one.
     constexpr std::size_t kPiece = ArenaVector<Item>::kPiece;
     constexpr std::size_t kTables = kPiece * (sizeof(Item) + sizeof(KdNode) + 2 * sizeof(KdLeaf));
+    const auto keys = static_cast<std::size_t>(scene.shutter_segments()) + 1;
+    const Contents contents = scene.contents();
     const std::size_t of_a_node = kBytesOfAnItem + (keys > 1 ? keys * kBytesOfAKey : 0);
+    const std::size_t largest = keys > 1 ? largest_moving_cage(scene, keys) : largest_still_cage(contents);
     const std::size_t grids = kGrids * (kStillBytesOfAGrid + keys * kMovingBytesOfAGrid);
-    const std::size_t bytes = kTables + widest * of_a_node + largest + grids;
+    const std::size_t bytes = kTables + contents.widest * of_a_node + largest + grids;
     return (bytes + Arena::kChunkBytes - 1) / Arena::kChunkBytes * Arena::kChunkBytes;
 }
 

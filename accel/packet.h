@@ -53,6 +53,7 @@ void start(Found& found, std::span<const Ray> rays)
     for (int i = 0; i < kPacket; ++i) {
         found.t[i] = std::size_t(i) < rays.size() ? rays[i].t_far : kDead;
         if constexpr (std::is_base_of_v<Nearest, Found>) found.grid[i] = nullptr;
+        if constexpr (std::is_base_of_v<NearestSome, Found>) found.count[i] = 0;
     }
 }
 

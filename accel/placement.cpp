@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "base/cancellation.h"
 #include "lod/posed_cage.h"
 
 namespace occam::accel {
@@ -46,6 +47,7 @@ void for_each_placement(const Scene& scene, const std::function<void(const Node&
     const Place world{{}, {Mat4d(1)}, lod::PosedCage::kAllSegments};
     todo.push_back(below(world, scene.root(), scene.node(scene.root())));
     while (!todo.empty()) {
+        throw_if_cancelled();
         const Place place = std::move(todo.back());
         todo.pop_back();
         if (place.seen == 0) continue;

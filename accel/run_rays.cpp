@@ -4,8 +4,15 @@
 
 #include "accel/moving_igrid.h"
 #include "accel/tracer_state.h"
+#include "base/cancellation.h"
 
 namespace occam::accel {
+namespace {
+
+/// The number of a leaf's entries that are met between two looks at the request to stop.
+constexpr std::size_t kEntriesBetweenChecks = 1024;
+
+}  // namespace
 
 template <int kParts>
 bool Tracer::State::fits_packet(std::span<const Ray> rays, const vmasks<kParts>& enters, const vfloats<kParts>& t_in,
@@ -47,13 +54,21 @@ Times times_of(std::span<const Ray> rays) noexcept
 template <class F, class Times>
 class LeafGroup {
 public:
-    LeafGroup(const TreeLeaf& leaf, std::size_t first, const Times& times) noexcept
-        : leaf_(leaf), boxes_(leaf.boxes + first / kBoxGroup * kBoxGroupFloats), times_(times)
+    /// has_boxes_of_nodes   whether the rays were tested against the box around the leaf
+    LeafGroup(const TreeLeaf& leaf, std::size_t first, const Times& times, bool has_boxes_of_nodes) noexcept
+        : leaf_(leaf),
+          boxes_(leaf.boxes + first / kBoxGroup * kBoxGroupFloats),
+          times_(times),
+          is_tested_(has_boxes_of_nodes && leaf.entries.size() == 1)
     {
     }
 
     OCCAM_ALWAYS_INLINE unsigned in_boxes(const RaysAsOne<F>& as_one, float end, float* begin) const noexcept
     {
+        if (is_tested_) {
+            if (begin) begin[0] = -FLT_MAX;
+            return 1;
+        }
         if constexpr (Times::kMoves)
             if (leaf_.keys.segments > 0) return keyed().in_boxes(as_one, end, begin);
         return as_one.in_boxes(boxes_, end, begin);
@@ -64,7 +79,7 @@ public:
     {
         if constexpr (Times::kMoves)
             if (leaf_.keys.segments > 0) {
-                const MaskOf<F> inside = enter(Moving{keyed(), box}, far);
+                const MaskOf<F> inside = is_tested_ ? MaskOf<F>(true) : enter(Moving{keyed(), box}, far);
                 return made ? inside & enter(made->bounds, far) : inside;
             }
         return made ? enter(made->bounds, far) : enter(GridBounds{get_box(boxes_ + box, 0), {}}, far);
@@ -82,6 +97,7 @@ private:
     const TreeLeaf& leaf_;
     const float* boxes_;
     const Times& times_;
+    const bool is_tested_;
 };
 
 /// Intersects rays with the igrids that a node holds for the pairs [finest, coarsest]. enter(bounds, far) returns which rays
@@ -108,9 +124,10 @@ OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(Tree& tree, NodeOf node,
         else if (last > pair) here = alive & (max(t_near, pairs.in(pair, last)) <= min(t_far, pairs.out(pair, last)));
         F far = limit();
         for (std::size_t first = 0; first < leaf->entries.size(); first += kBoxGroup) {
+            if (first % kEntriesBetweenChecks == kEntriesBetweenChecks - kBoxGroup) throw_if_cancelled();
             alignas(32) float begin[kBoxGroup];
             constexpr bool kIsOne = std::is_same_v<F, float>;
-            const LeafGroup<F, Times> group(*leaf, first, times);
+            const LeafGroup<F, Times> group(*leaf, first, times, std::is_same_v<Tree, Bvh>);
             unsigned maybe = group.in_boxes(as_one, highest(far), kIsOne ? begin : nullptr);
             while (maybe != 0) {
                 int next = std::countr_zero(maybe);
@@ -391,6 +408,11 @@ template Tracer::State::PacketResult Tracer::State::run_packet<InKdTree, 2>(std:
                                                                             std::size_t, PacketQuery<Nearest, 2>&);
 template bool Tracer::State::run_single<InKdTree>(const Ray&, const RayAxes&, std::size_t, SingleQuery<Nearest>&);
 template Tracer::State::PacketResult Tracer::State::run_packet<InKdTree, 1>(std::span<const Ray>, const RayAxes&,
+                                                                            std::size_t, PacketQuery<NearestSome, 1>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<InKdTree, 2>(std::span<const Ray>, const RayAxes&,
+                                                                            std::size_t, PacketQuery<NearestSome, 2>&);
+template bool Tracer::State::run_single<InKdTree>(const Ray&, const RayAxes&, std::size_t, SingleQuery<NearestSome>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<InKdTree, 1>(std::span<const Ray>, const RayAxes&,
                                                                             std::size_t, PacketQuery<AnyHit, 1>&);
 template Tracer::State::PacketResult Tracer::State::run_packet<InKdTree, 2>(std::span<const Ray>, const RayAxes&,
                                                                             std::size_t, PacketQuery<AnyHit, 2>&);
@@ -401,6 +423,11 @@ template Tracer::State::PacketResult Tracer::State::run_packet<InBvh, 2>(std::sp
                                                                          PacketQuery<Nearest, 2>&);
 template bool Tracer::State::run_single<InBvh>(const Ray&, const RayAxes&, std::size_t, SingleQuery<Nearest>&);
 template Tracer::State::PacketResult Tracer::State::run_packet<InBvh, 1>(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                                         PacketQuery<NearestSome, 1>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<InBvh, 2>(std::span<const Ray>, const RayAxes&, std::size_t,
+                                                                         PacketQuery<NearestSome, 2>&);
+template bool Tracer::State::run_single<InBvh>(const Ray&, const RayAxes&, std::size_t, SingleQuery<NearestSome>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<InBvh, 1>(std::span<const Ray>, const RayAxes&, std::size_t,
                                                                          PacketQuery<AnyHit, 1>&);
 template Tracer::State::PacketResult Tracer::State::run_packet<InBvh, 2>(std::span<const Ray>, const RayAxes&, std::size_t,
                                                                          PacketQuery<AnyHit, 2>&);
@@ -410,6 +437,11 @@ template Tracer::State::PacketResult Tracer::State::run_packet<InMovingBvh, 1>(s
 template Tracer::State::PacketResult Tracer::State::run_packet<InMovingBvh, 2>(std::span<const Ray>, const RayAxes&,
                                                                                std::size_t, PacketQuery<Nearest, 2>&);
 template bool Tracer::State::run_single<InMovingBvh>(const Ray&, const RayAxes&, std::size_t, SingleQuery<Nearest>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<InMovingBvh, 1>(std::span<const Ray>, const RayAxes&,
+                                                                               std::size_t, PacketQuery<NearestSome, 1>&);
+template Tracer::State::PacketResult Tracer::State::run_packet<InMovingBvh, 2>(std::span<const Ray>, const RayAxes&,
+                                                                               std::size_t, PacketQuery<NearestSome, 2>&);
+template bool Tracer::State::run_single<InMovingBvh>(const Ray&, const RayAxes&, std::size_t, SingleQuery<NearestSome>&);
 template Tracer::State::PacketResult Tracer::State::run_packet<InMovingBvh, 1>(std::span<const Ray>, const RayAxes&,
                                                                                std::size_t, PacketQuery<AnyHit, 1>&);
 template Tracer::State::PacketResult Tracer::State::run_packet<InMovingBvh, 2>(std::span<const Ray>, const RayAxes&,

@@ -50,12 +50,24 @@ TraceCounters Tracer::counters() const
     return all;
 }
 
+bool Tracer::State::travel_alone(std::span<const Ray> rays) const noexcept
+{
+    if (frame.tree != TreeKind::Bvh) return false;
+    if (frame.segments > 0) return true;
+    // An igrid of a mesh holds hundreds of triangles, in whose box tree packets pay for any rays.
+    if (!frame.has_levels) return false;
+    constexpr float kLeastCosine = 0.97f;
+    const Vec3f way = rays.front().direction;
+    return std::any_of(rays.begin(), rays.end(),
+                       [&](const Ray& ray) { return glm::dot(ray.direction, way) < kLeastCosine; });
+}
+
 template <int kParts, class Found, class Take>
 Tracer::State::PacketResult Tracer::State::run_packet_of(std::span<const Ray> rays, const RayAxes& axes, std::size_t first,
                                                          std::size_t limit_bytes, Take&& take)
 {
     PacketQuery<Found, kParts> query;
-    start(query, rays);
+    prepare(query, rays);
     const PacketResult result = in_tree(
         [&](auto way) { return run_packet<decltype(way), kParts>(rays, axes, limit_bytes, query); });
     if (result != PacketResult::Done) return result;
@@ -67,21 +79,22 @@ Tracer::State::PacketResult Tracer::State::run_packet_of(std::span<const Ray> ra
 template <class Found, class Take>
 bool Tracer::State::run(const RayAxes& axes, std::size_t first, std::size_t count, std::size_t limit_bytes, Take&& take)
 {
-    if (count > kLanes) {
+    const bool is_alone = travel_alone({&groups.sorted[first], count});
+    if (!is_alone && count > kLanes) {
         const PacketResult result = run_packet_of<2, Found>({&groups.sorted[first], count}, axes, 0, limit_bytes, take);
         if (result == PacketResult::Abandoned) return false;
         if (result == PacketResult::Done) return true;
     }
     for (std::size_t at = 0; at < count; at += kLanes) {
         const std::span<const Ray> rays{&groups.sorted[first + at], std::min<std::size_t>(kLanes, count - at)};
-        if (rays.size() >= kWorthAPacket) {
+        if (!is_alone && rays.size() >= kWorthAPacket) {
             const PacketResult result = run_packet_of<1, Found>(rays, axes, at, limit_bytes, take);
             if (result == PacketResult::Abandoned) return false;
             if (result == PacketResult::Done) continue;
         }
         for (std::size_t i = 0; i < rays.size(); ++i) {
             SingleQuery<Found> query;
-            start(query, rays);
+            prepare(query, rays);
             query.only = static_cast<int>(i);
             if (!in_tree([&](auto way) { return run_single<decltype(way)>(rays[i], axes, limit_bytes, query); }))
                 return false;
@@ -124,6 +137,42 @@ void Tracer::closest(std::span<const Ray> rays, std::span<SurfaceHit> hits)
             }
             resolve({&s.groups.sorted[first + at], n}, axes, met.subspan(at, n), s.lazy.phase_one(), to);
         }
+    });
+}
+
+void Tracer::nearest(std::span<const Ray> rays, int most, std::span<SurfaceHit> hits, std::span<HitCount> counts)
+{
+    State& s = *state_;
+    s.wanted_hits = most;
+    std::vector<GridHit> met(
+        static_cast<std::size_t>(kPacket * most));  // first all rays' nearest hits, then their second ones
+    const auto at = [](std::size_t ray, int k) { return static_cast<std::size_t>(k) * kPacket + ray; };
+    s.for_groups(rays, [&](const RayAxes& axes, std::size_t first, std::size_t count, std::size_t limit) {
+        int deepest = 0;
+        const auto take = [&](std::size_t i, std::size_t lane, const NearestSome& found, auto& blends) {
+            HitCount& known = counts[s.groups.place_of[first + i]] = {0, found.count[lane] < most};
+            float begin = s.groups.sorted[first + i].t_near;
+            for (int k = 0; k < found.count[lane]; ++k) {
+                const NearestSome::Hit& hit = found.hits[lane][k];
+                if (!(hit.t > begin)) continue;
+                GridHit& m = met[at(i, known.count++)] = {hit.t, hit.grid, hit.id, {}, {}};
+                if (m.grid->blends()) m.blend = blends(m.grid->pairs.finest, lane);
+                if (m.grid->segments > 0) m.time = lod::key_time(s.groups.sorted[first + i].time, m.grid->segments);
+                begin = behind(hit.t);
+            }
+            for (int k = known.count; k < most; ++k) met[at(i, k)].grid = nullptr;
+            deepest = std::max<int>(deepest, known.count);
+        };
+        if (!s.run<NearestSome>(axes, first, count, limit, take)) return false;
+        for (int k = 0; k < deepest; ++k)
+            for (std::size_t from = 0; from < count; from += kLanes) {
+                const std::size_t n = std::min<std::size_t>(kLanes, count - from);
+                SurfaceHit* to[kLanes];
+                for (std::size_t i = 0; i < n; ++i)
+                    to[i] = &hits[s.groups.place_of[first + from + i] * std::size_t(most) + std::size_t(k)];
+                resolve({&s.groups.sorted[first + from], n}, axes, {&met[at(from, k)], n}, s.lazy.phase_one(), to);
+            }
+        return s.arena.bytes() <= limit;
     });
 }
 

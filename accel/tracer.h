@@ -4,8 +4,8 @@
 // value, so that between two batches everything that it has built can be dropped: this is the safe point of the memory
 // budget.
 //
-// Space    Ray origins and hit positions are in world space, in double; directions are unit vectors. t is world length
-//          along the ray.
+// Space    Ray origins and hit positions are in world axes and frame lengths (scenegraph/frame_scale.h), in double;
+//          directions are unit vectors. t is the length along the ray.
 // Memory   What is built lies in the tracer's arena and takes at most `budget_bytes`. When that is exceeded, the tracer
 //          drops all of it and goes on with the same rays. The minimum is what one ray needs, which is always granted.
 // Threads  Each worker has one tracer; Frame is shared and const. The answers depend neither on the budget, nor on the
@@ -43,7 +43,7 @@ struct Ray {
     /// The ray sees cages at this level around its origin, and then goes over to the level that its footprint asks for.
     /// A secondary ray has the level of the mesh on which its origin lies: SurfaceHit::start_level.
     std::int8_t start_level = kAnyLevel;
-    /// The moment at which the ray sees the scene: 0 where the shutter opens, 1 where it closes.
+    /// The moment at which the ray sees the scene: 0 when the shutter opens, 1 when it closes.
     float time = 0;
 };
 
@@ -55,7 +55,7 @@ struct SurfaceHit {
     float self_distance = 0;
     float uv_width[2]{};        ///< the width of the ray's footprint, in units of uv
     Vec3f normal_geometric{0};  ///< unit normal of the micropolygon, towards the ray's origin
-    /// The mean curvature from the vertices' normals, in 1 / world length. It is positive where the surface bulges
+    /// The mean curvature from the vertices' normals, in 1 / frame length. It is positive where the surface bulges
     /// towards the ray's origin.
     float curvature = 0;
     Vec3f normal_shading{0};  ///< unit length, interpolated, on the side of normal_geometric
@@ -84,13 +84,25 @@ struct SurfaceHit {
     LightGroups lit_by = kAllGroups;
     std::uint32_t face = 0;               ///< face index in the cage
     bool back_side = false;               ///< the ray came from behind the face
-    int level = 0;                        ///< the finer level of the pair at which the cage is seen
+    int level = 0;                        ///< the finer level of the pair at which the ray sees the cage, world lengths
     std::int8_t start_level = kAnyLevel;  ///< one of that pair's two levels, for Ray::start_level
     std::uint32_t micropolygon = 0;       ///< a hashed number of the quad, for pictures of the grid
-    /// The velocity of the place on the micropolygon, at the ray's time: world length per shutter.
+    /// The velocity of the place on the micropolygon, at the ray's time, per shutter.
     Vec3f velocity{0};
 
     bool is_hit() const noexcept { return t < std::numeric_limits<float>::infinity(); }
+};
+
+/// The largest number of hits of one ray that Tracer::nearest() finds at once.
+inline constexpr int kMostNearest = 64;
+
+/// Returns the t_near of the rest of a ray behind a hit. The interval of a ray is open at its near end, so rounding of t
+/// cannot find the hit again.
+inline float behind(float t) noexcept { return t * (1 + 4 * std::numeric_limits<float>::epsilon()); }
+
+struct HitCount {
+    std::int16_t count = 0;
+    bool is_all = true;  ///< false: there may be more hits behind these
 };
 
 /// Holds where a ray ends, without what shading needs.
@@ -161,7 +173,11 @@ public:
     /// Finds the nearest hit of each ray in (t_near, t_far). Requires hits.size() == rays.size(). For a ray that
     /// misses, only t is written.
     void closest(std::span<const Ray> rays, std::span<SurfaceHit> hits);
-    /// Finds the same hits, but only what a sensor or a collision test asks for, with the same t as closest().
+    /// Finds up to `most` hits of each ray at once, the nearest first: those that repeated calls of closest() would find,
+    /// each from where the one before ended (behind()). Those of ray i are written from hits[i * most] on. Requires 1 <=
+    /// most <= kMostNearest, hits.size() == rays.size() * most and counts.size() == rays.size().
+    void nearest(std::span<const Ray> rays, int most, std::span<SurfaceHit> hits, std::span<HitCount> counts);
+    /// Finds the same hits as closest(), but only what a sensor or a collision test asks for, with the same t as closest().
     void first_hits(std::span<const Ray> rays, std::span<FirstHit> hits);
     /// Sets occluded[i] to 1 if anything lies in (t_near, t_far) of ray i, else to 0.
     void occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded);

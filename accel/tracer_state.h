@@ -11,6 +11,7 @@
 #include "accel/packet.h"
 #include "accel/ray_groups.h"
 #include "accel/traverse.h"
+#include "base/cancellation.h"
 
 namespace occam::accel {
 
@@ -59,6 +60,9 @@ struct Tracer::State {
     template <class Way, class Found>
     bool run_single(const Ray& ray, const RayAxes& axes, std::size_t limit_bytes, SingleQuery<Found>& query);
 
+    /// Returns whether each ray of a group is traced alone. In the tree of boxes this is faster where rays go different
+    /// ways, since they do not share the boxes of its nodes, and where these boxes move (docs/performance.md).
+    bool travel_alone(std::span<const Ray> rays) const noexcept;
     /// Calls call(way) with what names the tree of the frame.
     template <class Call>
     auto in_tree(Call&& call)
@@ -77,6 +81,13 @@ struct Tracer::State {
         if (IGrid* known = read_published(leaf.entries[number].grid)) return known;
         IGrid* made = &lazy.grid(leaf, number, pair, counters.diced);
         return arena.bytes() <= limit_bytes ? made : nullptr;
+    }
+    /// Clears a query before its rays are traced.
+    template <class Query>
+    void prepare(Query& query, std::span<const Ray> rays) const noexcept
+    {
+        start(query, rays);
+        if constexpr (std::is_base_of_v<NearestSome, Query>) query.wanted = wanted_hits;
     }
     /// Makes the table of transitions of a packet whose rays `enters` are in the scene from t_in to t_out. Returns
     /// false if its rays see too many pairs to travel together.
@@ -137,13 +148,15 @@ struct Tracer::State {
         within_budget(first + count / 2, count - count / 2, run);
     }
 
-    /// Calls run(axes, first, count, limit) for runs of groups.sorted that may travel together.
+    /// Calls run(axes, first, count, limit) for runs of groups.sorted that may travel together. Throws Cancelled if the
+    /// thread is asked to stop.
     template <class Run>
     void for_groups(std::span<const Ray> rays, Run&& run)
     {
         groups.sort(rays, frame.segments > 0);
         const FlushGate::Inside inside(gate);
         groups.for_each_packet([&](const RayAxes& axes, std::size_t first, std::size_t count) {
+            throw_if_cancelled();
             within_budget(first, count, [&](std::size_t from, std::size_t of_these, std::size_t limit) {
                 return run(axes, from, of_these, limit);
             });
@@ -164,6 +177,7 @@ struct Tracer::State {
     lod::RayLevels<float> single_levels;  ///< for the ray traced last
     RayGroups groups;                     ///< for the batch traced last
     std::uint64_t visit = 0;
+    int wanted_hits = 1;  ///< of each ray, for Tracer::nearest()
 };
 
 }  // namespace occam::accel

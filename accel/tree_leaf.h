@@ -24,9 +24,9 @@ inline Box3f get_box(const float* groups, std::size_t place) noexcept
     return {{at[0], at[kBoxGroup], at[2 * kBoxGroup]}, {at[3 * kBoxGroup], at[4 * kBoxGroup], at[5 * kBoxGroup]}};
 }
 
-/// The keys of boxes that move: they divide an interval of the shutter evenly, and the boxes are linear between them.
+/// Holds the keys of boxes that move: they divide an interval of the shutter evenly, and the boxes are linear between them.
 struct KeySpan {
-    int segments = 0;               ///< 0: nothing moves, and one box stands for all times
+    int segments = 0;               ///< 0: nothing moves, and one box holds for all times
     float begin = 0, per_time = 0;  ///< key k is at begin + k / per_time
 };
 

@@ -40,6 +40,7 @@ const float* make_values(const IGrid& grid, IGridPart& part, bool is_coarse, con
     const Stopwatch watch(tools.counters.shade_seconds);
     const ValueLattice lattice(part, is_coarse);
     const int width = part.tile.columns + 1;
+    const auto to_world = static_cast<float>(tools.frame.scale.to_world());
     const lod::LevelSettings& levels = tools.frame.levels;
     const float least = tools.frame.shading.texture_width * lod::edge_length(grid.level + is_coarse) /
                         (levels.shading_rate * lod::LevelSettings::kLongestEdge);
@@ -59,7 +60,7 @@ const float* make_values(const IGrid& grid, IGridPart& part, bool is_coarse, con
             const float area = glm::length(glm::cross(along_u, along_v));
             const auto index = static_cast<std::size_t>(lattice.index(i, j));
             lod::VertexToShade& vertex = vertices[index] = {};
-            places[index] = place(at_i, at_j);
+            places[index] = place(at_i, at_j) * to_world;
             for (int s = 0; s < 2; ++s) {
                 const Vec2f* uv = part.attributes.uv[s];
                 if (!uv) continue;

@@ -1,5 +1,7 @@
 #include "lod/extent.h"
 #include "occam/occam.h"
+#include "render/camera_rays.h"
+#include "scenegraph/shutter.h"
 
 namespace occam {
 
@@ -9,6 +11,23 @@ Camera framing(Scene& scene, float aspect, ViewFrom from, Vec3d up)
     CameraFit fit(from, up, CameraLens().fov, aspect);
     lod::Extent().visit_points(scene, [&](Vec3d point) { fit.add(point); });
     return fit.camera();
+}
+
+Camera record_shutter(Scene& scene, const std::function<void(double tau)>& pose, const std::function<Camera()>& camera,
+                      int height, int segments)
+{
+    if (height < 1 || height > render::kMaxSide)
+        throw Error("", "from 1 to " + std::to_string(render::kMaxSide), "image height");
+    constexpr double kPixels = 0.25;
+    // The camera takes part in the finest recording: its keys cost nothing in the scene.
+    scene.record_shutter(segments != 0 ? segments : kMaxShutterSegments, pose);
+    Camera moving = camera();
+    if (segments != 0) return moving;
+    scene.refit();
+    const lod::Footprint pixel = render::CameraRays(moving, height, height).pixel();
+    const int needed = needed_segments(scene, {moving.eye(), kPixels * double(pixel.a), kPixels * double(pixel.b)});
+    if (needed > 0 && needed < kMaxShutterSegments) scene.record_shutter(needed, pose);
+    return moving;
 }
 
 }  // namespace occam

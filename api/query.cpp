@@ -21,9 +21,13 @@ int checked_height(int height)
 // Holds the scene that queries ask about, as it was when they began.
 struct Asked {
     Asked(Scene& scene, const Camera& camera, int height, lod::TopologyCache& topologies, TextureStore& textures)
-        : rays(camera, height, height), lock((scene.refit(), scene)), frame(scene, topologies, rays.levels(1), &textures)
+        : scale(scene.bounds()),
+          rays(scale.placed(camera), height, height),
+          lock(scene),
+          frame(scene, topologies, rays.levels(1), &textures, {}, scale)
     {
     }
+    FrameScale scale;
     render::CameraRays rays;
     Scene::FrameLock lock;
     accel::Frame frame;
@@ -37,10 +41,13 @@ accel::Ray ray_of(const QueryRay& asked, const Asked& about)
     if (!(length > 0) || !std::isfinite(length) || !std::isfinite(glm::dot(asked.origin, asked.origin))) return ray;
     if (const auto& f = asked.footprint; f && !(f->width >= 0 && std::isfinite(f->width) && std::isfinite(f->spread)))
         throw Error("", "a footprint's width must be finite and 0 or more, and its spread finite", "ray");
-    ray.origin = asked.origin;
+    if (!(asked.time >= 0 && asked.time <= 1)) throw Error("", "a ray's time must be from 0 to 1", "ray");
+    ray.time = asked.time;
+    ray.origin = asked.origin * about.scale.to_frame();
     ray.direction = Vec3f(asked.direction / length);
-    ray.t_far = static_cast<float>(asked.far);
-    ray.footprint = asked.footprint ? lod::Footprint{asked.footprint->width, asked.footprint->spread} : about.rays.pixel();
+    ray.t_far = static_cast<float>(asked.far * about.scale.to_frame());
+    ray.footprint = asked.footprint ? lod::Footprint{about.scale.to_frame(asked.footprint->width), asked.footprint->spread}
+                                    : about.rays.pixel();
     return ray;
 }
 
@@ -67,7 +74,8 @@ struct Query::State {
     void begin(const Camera& with_camera)
     {
         end();
-        if (scene.is_displaced()) textures.prepare(scene);
+        scene.refit();
+        if (scene.contents().has(Contents::Displaced)) textures.prepare(scene);
         if (const std::vector<std::string> errors = textures.errors(); !errors.empty()) throw Error("", errors.front());
         camera = with_camera;
         asked.emplace(scene, camera, height, topologies->cache, textures);
@@ -118,7 +126,15 @@ struct Query::State {
         accel::SurfaceHit hit;
         Borrowed(*this)->closest({&ray, 1}, {&hit, 1});
         if (!hit.is_hit()) return std::nullopt;
-        return Hit{double(hit.t), hit.position, hit.normal_geometric, hit.normal_shading, hit.uv[0], hit.node, hit.face};
+        const double to_world = asked->scale.to_world();
+        return Hit{double(hit.t) * to_world,
+                   hit.position * to_world,
+                   hit.normal_geometric,
+                   hit.normal_shading,
+                   hit.uv[0],
+                   hit.node,
+                   hit.face,
+                   hit.velocity * static_cast<float>(to_world)};
     }
 
     bool is_occluded(const accel::Ray& ray)
@@ -176,7 +192,8 @@ void Query::first_hits(std::span<const QueryRay> rays, std::span<FirstHit> hits)
         for (const QueryRay& ray : rays.subspan(first, count)) batch.push_back(ray_of(ray, *state_->asked));
         found.resize(count);
         tracer->first_hits(batch, found);
-        for (std::size_t i = 0; i < count; ++i) hits[first + i] = {double(found[i].t), found[i].node, found[i].face};
+        for (std::size_t i = 0; i < count; ++i)
+            hits[first + i] = {double(found[i].t) * state_->asked->scale.to_world(), found[i].node, found[i].face};
     }
 }
 
@@ -190,8 +207,8 @@ bool Query::is_occluded(const QueryRay& ray) const { return state_->is_occluded(
 std::optional<Hit> Query::pick(double x, double y, int width) const
 {
     if (width < 1 || width > render::kMaxSide) throw Error("", "from 1 to " + std::to_string(render::kMaxSide), "width");
-    state_->asked_about();
-    return state_->closest(render::CameraRays(state_->camera, width, state_->height).ray(x, y));
+    const Camera placed = state_->asked_about().scale.placed(state_->camera);
+    return state_->closest(render::CameraRays(placed, width, state_->height).ray(x, y, Vec2f(0.5f), 0.5f));
 }
 
 }  // namespace occam

@@ -2,7 +2,6 @@
 #include <exception>
 #include <mutex>
 #include <thread>
-#include <unordered_set>
 #include <utility>
 
 #include "api/renderer_state.h"
@@ -28,14 +27,7 @@ FrameStats::Scene describe(const Scene& scene)
     out.faces = counts.faces;
     out.lights = counts.lights;
     out.warnings = scene.warnings.size();
-    std::unordered_set<CageId> seen;
-    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
-        for (CageId id : node.cages) {
-            const CageSlot* slot = scene.find(id);
-            if (slot && seen.insert(id).second && slot->cage.scheme == Scheme::Triangles)
-                out.triangles_in += slot->cage.face_count();
-        }
-    });
+    out.triangles_in = counts.mesh_triangles;
     return out;
 }
 
@@ -110,6 +102,7 @@ struct Job::State {
     void finish_stats()
     {
         stats.scene = describe(scene);
+        stats.motion = {scene.shutter_segments(), camera.keys.empty() ? 0 : int(camera.keys.size()) - 1};
         stats.settings = settings;
         stats.threads = renderer->resources.threads;
         stats.seconds.total = seconds_since(start);
@@ -122,7 +115,7 @@ struct Job::State {
         stats.image.spp = settings.spp;
         stats.image.checksum = image.checksum();
         stats.warnings = scene.warnings;
-        for (std::string& warning : shade::input_warnings(scene, settings.sky_strength))
+        for (std::string& warning : shade::input_warnings(scene, settings.sky_strength, FrameScale(bounds)))
             stats.warnings.push_back(std::move(warning));
         for (std::string& warning : renderer->textures.warnings()) stats.warnings.push_back(std::move(warning));
         if (!stats.complete && !control.is_cancelled())
@@ -214,6 +207,7 @@ Job Renderer::start(Scene& scene, const Camera& camera, const Settings& settings
 {
     render::check(settings);
     check(scene.environment);
+    check(camera);
     if (state_->busy.exchange(true)) throw Error("", "this renderer is busy with another frame");
     try {
         auto job = std::make_unique<Job::State>(state_, scene, camera, settings);

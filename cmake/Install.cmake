@@ -1,4 +1,4 @@
-# `cmake --install` installs the library, the command, the headers that occam/occam.h includes, and a package for
+# `cmake --install` installs the library and its picture module, the command, the headers that occam/occam.h includes, and a package for
 # find_package(occam).
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -31,6 +31,8 @@ endfunction()
 function(occam_install)
   set_target_properties(occam_cli PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
   install(TARGETS occam EXPORT occam_targets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  # Nobody links the module, so the names that links use are not installed.
+  install(TARGETS occam_images LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} NAMELINK_SKIP)
   install(TARGETS occam_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 
   # This installs include/occam/occam.h itself and, below include/occam/, the rooms' headers under the names by which it

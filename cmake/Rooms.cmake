@@ -5,6 +5,7 @@ set(OCCAM_ROOMS "")
 function(occam_room name)
   cmake_parse_arguments(ROOM "" "" "ROOMS;LIBRARIES" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${name}/*.cpp)
+  list(FILTER sources EXCLUDE REGEX "/picture_module/")
   if(NOT sources)
     return()
   endif()
@@ -18,8 +19,22 @@ function(occam_room name)
     target_precompile_headers(occam_${name} PRIVATE
       <algorithm> <cmath> <cstdint> <memory> <span> <string> <vector> ${PROJECT_SOURCE_DIR}/base/box.h)
   endif()
+  if(name STREQUAL io)
+    set_source_files_properties(${PROJECT_SOURCE_DIR}/io/picture_codec.cpp
+      PROPERTIES COMPILE_DEFINITIONS OCCAM_PICTURE_MODULE="liboccam_images.so.${PROJECT_VERSION_MAJOR}")
+  endif()
   set(OCCAM_ROOMS ${OCCAM_ROOMS} occam_${name} PARENT_SCOPE)
   set(OCCAM_ROOM_LIBRARIES ${OCCAM_ROOM_LIBRARIES} ${ROOM_LIBRARIES} PARENT_SCOPE)
+endfunction()
+
+# The module with all that needs OpenImageIO. It stands beside the library, which loads it when it first meets a picture file.
+function(occam_picture_module)
+  add_library(occam_images SHARED ${PROJECT_SOURCE_DIR}/io/picture_module/picture_module.cpp)
+  target_include_directories(occam_images PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(occam_images PRIVATE occam_flags occam_oiio)
+  set_target_properties(occam_images PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}
+    CXX_VISIBILITY_PRESET hidden)
+  add_dependencies(occam occam_images)
 endfunction()
 
 function(occam_library)
@@ -28,7 +43,8 @@ function(occam_library)
   foreach(room ${OCCAM_ROOMS})
     target_sources(occam PRIVATE $<TARGET_OBJECTS:${room}>)
   endforeach()
-  target_link_libraries(occam PUBLIC glm::glm PRIVATE occam_flags hwy::hwy Threads::Threads ${OCCAM_ROOM_LIBRARIES})
+  target_link_libraries(occam PUBLIC glm::glm
+    PRIVATE occam_flags hwy::hwy Threads::Threads ${OCCAM_ROOM_LIBRARIES} ${CMAKE_DL_LIBS})
   target_include_directories(occam PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/api/include>

@@ -24,6 +24,8 @@ foreach(header_of_library "OpenImageIO;OpenImageIO/oiioversion.h;OIIO_VERSION_" 
   string(APPEND occam_libraries ", ${library} ${version}")
 endforeach()
 set_source_files_properties(${PROJECT_SOURCE_DIR}/command/parse.cpp
-  PROPERTIES COMPILE_DEFINITIONS "OCCAM_LIBRARIES=\"${occam_libraries}\""
-  # Parsing arguments needs no speed, and CLI11 takes half a minute to optimise.
-  COMPILE_OPTIONS "$<$<CONFIG:Release>:-O1>")
+  PROPERTIES COMPILE_DEFINITIONS "OCCAM_LIBRARIES=\"${occam_libraries}\"")
+# Parsing arguments needs no speed, and CLI11 takes half a minute to optimise.
+set_source_files_properties(${PROJECT_SOURCE_DIR}/command/parse.cpp ${PROJECT_SOURCE_DIR}/command/parse_motion.cpp
+  ${PROJECT_SOURCE_DIR}/command/usage_message.cpp
+  PROPERTIES COMPILE_OPTIONS "$<$<CONFIG:Release>:-O1>")

@@ -10,7 +10,7 @@
 #include "io/output_file.h"
 #include "progress.h"
 #include "recipe.h"
-#include "render/display.h"
+#include "small_picture.h"
 
 namespace occam::command {
 namespace {
@@ -35,27 +35,38 @@ private:
     std::string text_;
 };
 
-// Returns one exposure for the whole sequence, so that it does not flicker: the mean of the exposures of the first, the
-// middle and the last frame, measured on small pictures. It depends on the list of frames alone, so all shards find the same
-// one.
-float measured_exposure(const AnimateArguments& a, Framing& framing, Scene& scene, Renderer& renderer)
+// Holds what is chosen once for a whole sequence, so that it does not flicker.
+struct Chosen {
+    float exposure = 0;                 ///< the mean of what the measured frames ask for
+    std::optional<bool> default_light;  ///< what most of them ask for; none: the scene has no emissive surfaces
+};
+
+// Measures small pictures of the first, the middle and the last frame. The choice depends on the list of frames alone, so
+// all shards find the same one.
+Chosen measure(const AnimateArguments& a, Framing& framing, Scene& scene, Renderer& renderer)
 {
-    if (a.settings.view != View::Beauty) return 0;
-    constexpr int kWidth = 96, kSamples = 4;
-    float sum = 0;
+    Chosen chosen;
+    if (a.settings.view != View::Beauty) return chosen;
+    constexpr int kFrames = 3;
     const std::size_t last = a.frames.size() - 1;
-    for (const std::size_t at : {std::size_t(0), last / 2, last}) {
-        framing.pose(a.frames[at]);
-        const Camera camera = framing.camera();
-        Settings settings = framing.settings(camera);
-        settings.height = std::max(1, settings.height * kWidth / settings.width);
-        settings.width = kWidth;
-        settings.spp = std::min(settings.spp, kSamples);
-        settings.aovs = {};
-        settings.deadline_s = settings.error = 0;
-        sum += render::automatic_exposure(renderer.render(scene, camera, settings));
+    while (true) {
+        int with_default = 0;
+        bool has_emitters = false;
+        chosen.exposure = 0;
+        for (const std::size_t at : {std::size_t(0), last / 2, last}) {
+            framing.pose(a.frames[at]);
+            const Camera camera = framing.camera();
+            Settings settings = framing.settings(camera);
+            settings.default_light = chosen.default_light;
+            const Measured found = measure_small(settings, camera, scene, renderer);
+            chosen.exposure += found.exposure / kFrames;
+            with_default += found.has_default;
+            has_emitters |= found.has_emitters;
+        }
+        if (!has_emitters || chosen.default_light) return chosen;
+        chosen.default_light = 2 * with_default > kFrames;
+        if (with_default % kFrames == 0) return chosen;  // All agree, so the exposure is that of the choice.
     }
-    return sum / 3;
 }
 
 // Returns those of `warnings` that are not known yet, and adds them to the known ones.
@@ -74,10 +85,23 @@ public:
         : arguments_(arguments), write_(arguments.write), stamp_(scene_stamp(scene, arguments)), framing_(scene, arguments)
     {
         framing_.fit_clip();
-        if (!write_.exposure_ev && Image::is_for_display(arguments.output))
-            write_.exposure_ev = measured_exposure(arguments, framing_, scene, renderer);
+        const bool needs_exposure = !write_.exposure_ev && Image::is_for_display(arguments.output);
+        if (needs_exposure || scene.contents().has(Contents::Emitters)) {
+            const Chosen chosen = measure(arguments, framing_, scene, renderer);
+            default_light_ = chosen.default_light;
+            if (needs_exposure) write_.exposure_ev = chosen.exposure;
+        }
+        if (wants_display_clamp(arguments)) clamp_ = display_clamp(write_.exposure_ev.value_or(0));
     }
     Framing& framing() { return framing_; }
+    /// Returns the settings of all frames, with the default light and the limit of scattered light of the sequence.
+    Settings settings(const Camera& camera) const
+    {
+        Settings settings = framing_.settings(camera);
+        settings.default_light = default_light_;
+        if (clamp_) settings.clamp = *clamp_;
+        return settings;
+    }
     /// Returns the options of all frames, with the exposure of the sequence.
     const WriteOptions& write_options() const { return write_; }
 
@@ -99,7 +123,7 @@ public:
             }
             framing_.pose(frame);
             const Camera camera = framing_.camera();
-            const Settings settings = framing_.settings(camera);
+            const Settings settings = this->settings(camera);
             const FoundPicture found = look_for(file, settings, note(frame, settings, camera));
             if (found.state == FoundPicture::State::Other)
                 throw Error(file.string(), "is there already, and " + found.why + "; --overwrite makes it again");
@@ -118,6 +142,8 @@ private:
     WriteOptions write_;
     std::uint64_t stamp_;
     Framing framing_;
+    std::optional<bool> default_light_;
+    std::optional<float> clamp_;
 };
 
 int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
@@ -155,11 +181,11 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
                             std::to_string(frames.size()) + ")");
         const auto edit_start = Clock::now();
         framing.pose(frame);
-        const Camera camera = framing.camera();
+        const Camera camera = framing.open_shutter(framing.camera(), frame);
         const double edit_seconds = seconds_since(edit_start);
-        const HeldInterrupts held;
-        const Settings settings = framing.settings(camera);
+        const Settings settings = sequence.settings(camera);
         Job job = renderer.start(scene, camera, settings);
+        const HeldInterrupts held;
         // An interrupted frame is not written, since a frame is either complete or absent.
         if (wait_for(job, display, false, done, frames.size()) != Ending::Whole) {
             display.end();
@@ -180,6 +206,7 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
         ++done;
         display.finish_part(done, frames.size(), file.string());
         display.end();
+        if (frame == missing.front()) print_light(stats);
         print_warnings(new_ones(stats.warnings, known_warnings), a.verbose);
         if (a.verbose) print_figures(stats);
         if (is_interrupted()) break;

@@ -26,7 +26,8 @@ struct LookAt {
 struct RenderArguments : SceneArguments {
     std::filesystem::path output;
     Settings settings;
-    bool size_given = false;  ///< if false, the camera's aspect decides the height
+    bool size_given = false;   ///< if false, the camera's aspect decides the height
+    bool clamp_given = false;  ///< if false, the limit of scattered light follows from the output's format
     Resources resources;
     std::string camera;      ///< name; empty: the first camera
     std::string lod_camera;  ///< name; empty: the picture's own camera
@@ -43,6 +44,7 @@ struct RenderArguments : SceneArguments {
     std::optional<double> time;   ///< seconds on the clip's own axis
     std::optional<int> frame;     ///< time is frame / fps
     double fps = 24;
+    int shutter_segments = 0;  ///< 0: as many as the paths need within a quarter of a pixel
     WriteOptions write;
     ProgressStyle progress = ProgressStyle::Auto;
     bool quiet = false, verbose = false;
@@ -74,8 +76,9 @@ struct CompareArguments {
     std::optional<double> max_mse, max_rmse, max_rel_mse, max_error, max_p999, min_psnr;
 };
 
-struct VerifyArguments : SceneArguments {
-    VerifySettings settings;
+/// Of what pictures need, only the scene's pose and shutter count.
+struct VerifyArguments : RenderArguments {
+    VerifySettings test;
     bool json = false;
 };
 

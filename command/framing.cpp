@@ -126,7 +126,21 @@ std::optional<double> Framing::moment(std::optional<int> frame) const
 
 void Framing::pose(std::optional<int> frame)
 {
-    if (const auto time = moment(frame)) pose_at(*time);
+    const Shutter& shutter = arguments_.settings.shutter;
+    if (const auto time = moment(frame)) pose_at(*time + 0.5 * (shutter.open + shutter.close) / arguments_.fps);
+}
+
+Camera Framing::open_shutter(const Camera& camera, std::optional<int> frame)
+{
+    const Shutter& shutter = arguments_.settings.shutter;
+    if (shutter == Shutter{}) return camera;
+    const auto time = moment(frame);
+    if (!time) throw Error(arguments_.scene.string(), "has no animation that a shutter could blur", "--shutter");
+    if (!shutter.is_open()) return camera;
+    const int height = settings(camera).height;
+    const auto pose = [&](double tau) { pose_at(*time + (shutter.open + tau * shutter.length()) / arguments_.fps); };
+    return record_shutter(
+        scene_, pose, [&] { return this->camera(); }, height, arguments_.shutter_segments);
 }
 
 Camera Framing::camera_named(const std::string& name) const
@@ -225,6 +239,14 @@ void print_warnings(const std::vector<std::string>& warnings, bool all)
     for (std::size_t i = 0; i < shown; ++i) std::fprintf(stderr, "occam: warning: %s\n", warnings[i].c_str());
     if (shown < warnings.size())
         std::fprintf(stderr, "occam: %zu more warnings; -v shows all, and so does occam info\n", warnings.size() - shown);
+}
+
+void print_light(const FrameStats& stats)
+{
+    if (!stats.lights.has_default || !stats.lights.has_emitters) return;
+    std::fprintf(stderr,
+                 "occam: the glowing surfaces do not light what is seen, so daylight and a lamp are added "
+                 "(--environment none leaves them out)\n");
 }
 
 void print_figures(const FrameStats& stats)

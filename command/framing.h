@@ -22,8 +22,11 @@ public:
 
     /// Returns the time of that pose, in seconds on the clip's axis; none if the file's own pose is kept.
     std::optional<double> moment(std::optional<int> frame = std::nullopt) const;
-    /// Poses the scene: at `frame` of a sequence, or without one as the arguments say.
+    /// Poses the scene at the middle of the shutter: at `frame` of a sequence, or without one as the arguments say.
     void pose(std::optional<int> frame = std::nullopt);
+    /// After pose() of the same frame: records what moves while the shutter is open, unless it is closed, and returns the
+    /// camera with its own motion. Throws Error if the scene has no animation.
+    Camera open_shutter(const Camera& camera, std::optional<int> frame = std::nullopt);
     /// Returns the requested camera, else the first one of the file, else one that fits the scene as it is posed, or the
     /// whole clip after fit_clip(). Throws Error if the camera does not exist, or for a view that has no direction.
     Camera camera();
@@ -64,6 +67,8 @@ void check_outputs(const RenderArguments& arguments, std::span<const std::filesy
 void print_notes(const Scene& scene);
 /// Prints the first five warnings and the number of the rest, or all of them, on standard error.
 void print_warnings(const std::vector<std::string>& warnings, bool all);
+/// Says on standard error that the default light was added although the scene has emissive surfaces.
+void print_light(const FrameStats& stats);
 /// Prints size, time and checksum of a frame on standard error.
 void print_figures(const FrameStats& stats);
 

@@ -29,6 +29,16 @@ constexpr Rule kRules[] = {
      "EXR and HDR files hold the light as it is; it is for PNG, JPEG and TIFF"},
     {"--ao-distance", [](const RenderArguments& a, const Given&) { return a.settings.integrator != IntegratorKind::Ao; },
      "only --integrator ao looks for it"},
+    {"--fps",
+     [](const RenderArguments&, const Given& given) {
+         return !given.contains("--frame") && !given.contains("--frames") && !given.contains("--shutter");
+     },
+     "it is the length of a frame, for --frame and --shutter"},
+    {"--shutter",
+     [](const RenderArguments& a, const Given& given) {
+         return a.clip.empty() && !a.time && !a.frame && !given.contains("--frames");
+     },
+     "nothing moves without --frame, --time or --clip"},
     {"--bounces", [](const RenderArguments& a, const Given&) { return a.settings.integrator == IntegratorKind::Ao; },
      "--integrator ao does not follow light"},
     {"--clamp", [](const RenderArguments& a, const Given&) { return a.settings.integrator == IntegratorKind::Ao; },

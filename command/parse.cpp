@@ -1,75 +1,14 @@
-// Defines the grammar of the command line. This is the only file that includes CLI11.
-#include <CLI/CLI.hpp>
+// Defines the grammar of the command line. The options of time are in parse_motion.cpp; no other file uses CLI11.
 #include <algorithm>
-#include <functional>
 #include <iostream>
-#include <map>
 #include <set>
 
-#include "arguments.h"
 #include "idle_options.h"
-#include "values.h"
+#include "option_kinds.h"
+#include "usage_message.h"
 
 namespace occam::command {
 namespace {
-
-// Adds an option whose text `read` parses. An exception that `read` throws becomes a line about that option.
-CLI::Option* add_value(CLI::App& app, const std::string& names, const std::string& what, const std::string& form,
-                       std::function<void(const std::string&)> read)
-{
-    CLI::Option* option = app.add_option_function<std::string>(
-        names,
-        [names, read = std::move(read)](const std::string& text) {
-            try {
-                read(text);
-            } catch (const std::invalid_argument& error) {
-                throw CLI::ValidationError(names.substr(0, names.find(',')), error.what());
-            }
-        },
-        what);
-    return option->type_name(form);
-}
-
-CLI::Option* add_number(CLI::App& app, const std::string& name, const std::string& what, std::function<void(double)> set)
-{
-    return add_value(app, name, what, "NUMBER", [set = std::move(set)](const std::string& t) { set(number_of(t)); });
-}
-
-// Adds an option whose value is a whole number, which may be written as 1e5.
-template <class T>
-CLI::Option* add_whole(CLI::App& app, const std::string& name, T& value, std::uint64_t least, std::uint64_t most,
-                       const std::string& what)
-{
-    return add_value(app, name, what, "N",
-                     [&value, least, most](const std::string& t) { value = static_cast<T>(whole_of(t, least, most)); });
-}
-
-// Adds an option whose value is a number that is not below 0.
-CLI::Option* add_amount(CLI::App& app, const std::string& name, const std::string& what, std::function<void(double)> set)
-{
-    return add_number(app, name, what, [set = std::move(set)](double v) {
-        if (!(v >= 0)) throw std::invalid_argument("expected 0 or more");
-        set(v);
-    });
-}
-
-CLI::Option* add_switch(CLI::App& app, const std::string& name, bool& value, const std::string& what)
-{
-    return add_value(app, name, what, "on|off", [&value](const std::string& t) { value = is_on(t); });
-}
-
-template <class T>
-CLI::Option* add_choice(CLI::App& app, const std::string& name, T& value, const std::map<std::string, T>& choices,
-                        const std::string& what)
-{
-    std::string form;
-    for (const auto& choice : choices) form += (form.empty() ? "" : "|") + choice.first;
-    return add_value(app, name, what, form, [&value, choices, form](const std::string& text) {
-        const auto found = choices.find(text);
-        if (found == choices.end()) throw std::invalid_argument("expected one of " + form + ", not '" + text + "'");
-        value = found->second;
-    });
-}
 
 void add_scene(CLI::App& app, SceneArguments& a)
 {
@@ -147,9 +86,14 @@ void add_picture(CLI::App& app, RenderArguments& a)
     add_choice<IntegratorKind>(app, "--integrator", s.integrator, integrators, "How light is computed [path]");
     add_whole(app, "--bounces", s.bounces, 0, render::kMaxBounces,
               "Largest number of times that light is scattered; direct: of mirrors in a row [8]");
-    add_amount(app, "--clamp",
-               "Limit light scattered twice or more to this radiance a sample: no fireflies, some light lost [0: off]",
-               [&](double v) { s.clamp = float(v); });
+    add_value(app, "--clamp",
+              "Limit light scattered twice or more to this radiance a sample: fewer fireflies, some light lost; 0: off; "
+              "auto: 2 at the exposure that is shown, and off for EXR and HDR [auto]",
+              "X|auto", [&](const std::string& t) {
+                  a.clamp_given = t != "auto";
+                  s.clamp = a.clamp_given ? float(number_of(t)) : 0;
+                  if (!(s.clamp >= 0)) throw std::invalid_argument("expected 0 or more, or auto");
+              });
     add_amount(app, "--ao-distance", "Length of the rays of ao, world length [infinite]",
                [&](double v) { s.ao_distance = float(v); });
     add_value(app, "--environment",
@@ -212,28 +156,6 @@ void add_camera(CLI::App& app, RenderArguments& a)
     add_whole(app, "--blades", a.blades, 0, 64, "Corners of the lens's opening [0: round]")->needs(lens);
 }
 
-void add_clip(CLI::App& app, RenderArguments& a)
-{
-    app.add_option(
-           "--clip", a.clip,
-           "Animation by name or number, or all at once [if a frame or a time is given: the first, and all others that move "
-           "other objects]")
-        ->type_name("NAME|INDEX|all");
-    add_number(app, "--fps", "Frames a second [24]", [&](double v) {
-        if (!(v > 0)) throw std::invalid_argument("expected more than 0");
-        a.fps = v;
-    });
-}
-
-void add_moment(CLI::App& app, RenderArguments& a)
-{
-    CLI::Option* time = add_number(app, "--time", "Seconds on the clip's own axis [the file's pose]",
-                                   [&](double v) { a.time = v; });
-    CLI::Option* frame = app.add_option("--frame", a.frame, "The same as a frame's number: time * fps");
-    frame->type_name("N")->excludes(time);
-    app.get_option("--fps")->needs(frame);
-}
-
 void add_checkpoint(CLI::App& app, RenderArguments& a)
 {
     add_value(app, "--checkpoint",
@@ -241,16 +163,6 @@ void add_checkpoint(CLI::App& app, RenderArguments& a)
               "--deadline or --resume, else off]",
               "on|off", [&](const std::string& t) { a.checkpoint = is_on(t); });
     app.add_flag("--resume", a.resume, "Continue from IMAGE.checkpoint, if it exists");
-}
-
-void add_sequence(CLI::App& app, AnimateArguments& a)
-{
-    add_value(app, "--frames", "Frames of the sequence", "A-BxSTEP,C,...", [&](const std::string& t) {
-        a.frames = frames_of(t);
-    })->required();
-    app.add_flag("--overwrite", a.overwrite, "Make frames again whose pictures exist already");
-    add_value(app, "--shard", "Every N-th frame, from the K-th [what Slurm's array variables say, else all]", "K/N",
-              [&](const std::string& t) { a.shard = shard_of(t); });
 }
 
 void add_output(CLI::App& app, RenderArguments& a, const std::string& form)
@@ -380,6 +292,7 @@ Arguments parse(int argc, char** argv)
     add_camera(render_app, render);
     add_clip(render_app, render);
     add_moment(render_app, render);
+    add_shutter(render_app, render);
     add_checkpoint(render_app, render);
     add_picture(render_app, render);
     add_machine(render_app, render);
@@ -393,6 +306,7 @@ Arguments parse(int argc, char** argv)
     add_scene(animate_app, animate);
     add_output(animate_app, animate, "IMAGE.####.EXT");
     add_sequence(animate_app, animate);
+    add_shutter(animate_app, animate);
     add_clip(animate_app, animate);
     add_camera(animate_app, animate);
     add_picture(animate_app, animate);
@@ -410,10 +324,14 @@ Arguments parse(int argc, char** argv)
 
     CLI::App& verify_app = *app.add_subcommand("verify", "Check that no ray leaves a closed cage");
     add_scene(verify_app, verify);
-    add_whole(verify_app, "--rays", verify.settings.rays, 1, kMostVerifyRays, "Rays for each placed cage [1000000]");
-    add_whole(verify_app, "--seed", verify.settings.seed, 0, ~std::uint64_t(0), "Seed of the random numbers [0]");
+    add_clip(verify_app, verify);
+    add_moment(verify_app, verify);
+    add_shutter(verify_app, verify);
+    add_whole(verify_app, "--rays", verify.test.rays, 1, kMostVerifyRays, "Rays for each placed cage [1000000]");
+    add_whole(verify_app, "--seed", verify.test.seed, 0, ~std::uint64_t(0), "Seed of the random numbers [0]");
     verify_app.add_flag("--json", verify.json, "Print JSON");
     verify_app.footer(
+        "With --shutter, each ray sees the scene at a moment of its own.\n"
         "Exit code 1 if a ray escapes. Example: occam verify suzanne.obj --subdivide on --rays 10000000 --json");
 
     CLI::App& compare_app = *app.add_subcommand("compare", "Measure how far two pictures are apart");
@@ -434,7 +352,11 @@ Arguments parse(int argc, char** argv)
         const auto all = app.get_subcommands([](const CLI::App*) { return true; });
         return std::any_of(all.begin(), all.end(), [&](const CLI::App* command) { return command->get_name() == word; });
     };
-    if (argc > 1 && argv[1][0] != '-' && !is_command(argv[1])) {
+    if (argc < 2) {
+        std::cerr << "occam: a command is needed: render, animate, info, verify, compare or bench (occam --help)\n";
+        return Finished{2};
+    }
+    if (argv[1][0] != '-' && !is_command(argv[1])) {
         std::cerr << "occam: there is no command '" << argv[1] << "' (occam --help)\n";
         return Finished{2};
     }
@@ -446,8 +368,8 @@ Arguments parse(int argc, char** argv)
         return Finished{app.exit(version)};
     } catch (const CLI::ParseError& error) {
         const CLI::App* used = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
-        std::cerr << "occam: " << error.what() << " (" << (used == &app ? "occam" : "occam " + used->get_name())
-                  << " --help)\n";
+        std::cerr << "occam: " << message_of(error, *used, {argv, static_cast<std::size_t>(argc)}) << " ("
+                  << (used == &app ? "occam" : "occam " + used->get_name()) << " --help)\n";
         return Finished{2};
     }
     if (render_app.parsed()) {
@@ -466,7 +388,7 @@ Arguments parse(int argc, char** argv)
         return BenchArguments{suites};
     }
     if (info_app.parsed()) return info;
-    if (verify_app.parsed()) return verify;
+    if (verify_app.parsed()) return all_have_effect(verify_app, verify) ? Arguments(verify) : Finished{2};
     return compare;
 }
 

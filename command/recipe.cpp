@@ -73,8 +73,8 @@ std::string recipe_note(std::uint64_t scene_stamp, const Recipe& recipe)
     lasting.deadline_s = 0;
     lasting.progressive = false;
     Fingerprint print;
-    print.add(std::to_string(scene_stamp), std::string(render::kVersion), render::to_json(lasting), a.clip,
-              moment.has_value(), moment.value_or(0));
+    print.add(std::to_string(scene_stamp), std::string(render::kVersion), render::to_json(lasting), a.clip, a.fps,
+              a.shutter_segments, moment.has_value(), moment.value_or(0));
     for (int c = 0; c < 4; ++c)
         for (int r = 0; r < 4; ++r) print.add(camera.world_from_camera[c][r]);
     const CameraLens& lens = camera.lens;

@@ -7,6 +7,7 @@
 #include "io/output_file.h"
 #include "progress.h"
 #include "recipe.h"
+#include "small_picture.h"
 
 namespace occam::command {
 namespace {
@@ -80,8 +81,12 @@ int run(const RenderArguments& a)
     Framing framing(scene, a);
     if (a.frame || a.time || !a.clip.empty()) framing.fit_clip();  // the camera is that of a sequence
     framing.pose();
-    const Camera camera = framing.camera();
+    const Camera camera = framing.open_shutter(framing.camera());
     Settings settings = framing.settings(camera);
+    Renderer renderer(a.resources);
+    if (wants_display_clamp(a))
+        settings.clamp = display_clamp(a.write.exposure_ev ? *a.write.exposure_ev
+                                                           : measure_small(settings, camera, scene, renderer).exposure);
     settings.progressive = a.keeps_checkpoint() || a.resume;
     WriteOptions write = a.write;
     write.note = recipe_note(stamp, {a, a.write, settings, camera, framing.moment()});
@@ -89,9 +94,8 @@ int run(const RenderArguments& a)
     if (a.resume) display.say(checkpoint.empty() ? "there is no checkpoint: starting anew" : "going on from the checkpoint");
     const double edit_seconds = seconds_since(edit_start);
 
-    const HeldInterrupts held;
-    Renderer renderer(a.resources);
     Job job = renderer.start(scene, camera, settings, std::move(checkpoint));
+    const HeldInterrupts held;
     const Ending ending = wait_for(job, display, true);
     if (ending == Ending::Abandoned) {
         display.end();
@@ -114,6 +118,7 @@ int run(const RenderArguments& a)
     display.end();
 
     if (!a.stats.empty()) write_whole(a.stats, render::to_json(stats));
+    print_light(stats);
     print_warnings(stats.warnings, a.verbose);
     if (a.verbose) print_figures(stats);
     return ending == Ending::Interrupted ? kInterruptedExit : 0;

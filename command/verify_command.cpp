@@ -35,7 +35,10 @@ int run(const VerifyArguments& a)
     Scene scene = open_scene(a);
     print_notes(scene);
     print_warnings(scene.warnings, false);
-    const std::vector<VerifiedCage> cages = verify(scene, a.settings);
+    Framing framing(scene, a);
+    framing.pose();
+    if (a.settings.shutter != Shutter{}) framing.open_shutter(framing.camera());
+    const std::vector<VerifiedCage> cages = verify(scene, a.test);
     std::uint64_t tested = 0, rays = 0, escaped = 0, not_finite = 0;
     Json list = Json::array();
     for (const VerifiedCage& c : cages) {

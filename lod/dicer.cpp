@@ -8,6 +8,10 @@
 namespace occam::lod {
 namespace {
 
+// The largest PatchScale::k. With it a patch is one tile at the coarsest level, whatever its size: so the division of its
+// regions ends there. A curve is clamped as a whole, so the patches on both sides of it agree.
+constexpr int kLargestK = kCoarsestLevel + TileRef::kSideExponent;
+
 // Returns the slot of a patch, curve or vertex. Consecutive ones get consecutive slots, so that neighbours do not replace
 // each other and are close in memory.
 std::size_t slot_of(const PosedCage& cage, std::uint64_t index, std::size_t size)
@@ -42,9 +46,10 @@ PosedPatch& Dicer::posed(const PosedCage& cage, PatchRef patch)
 {
     PoolEntry& entry = pool_[slot_of(cage, patch.face + 61 * patch.sub, kPoolSize)];
     if (entry.cage != &cage || entry.patch != patch) {
+        entry.cage = nullptr;  // set() may be cancelled
+        entry.posed.set(cage, patch);
         entry.cage = &cage;
         entry.patch = patch;
-        entry.posed.set(cage, patch);
     }
     return entry.posed;
 }
@@ -78,7 +83,7 @@ int Dicer::curve_k(const PosedCage& cage, std::uint32_t curve)
     float s = speed(0.25f);
     if (is_halves) s = std::max(s, speed(0.75f));
     if (cage.is_displaced()) s = displaced_speed(cage, curve, s);
-    return curve_entry(cage, curve).k = ceil_log2(s);
+    return curve_entry(cage, curve).k = std::min(ceil_log2(s), kLargestK);
 }
 
 void Dicer::ask_for(const PosedCage& cage, PatchRef patch) { cage.topology->controls(patch).kind->hull().ask_for_first(); }
@@ -105,7 +110,7 @@ PatchScale Dicer::scale_at_key(const PosedCage& cage, PatchRef patch)
         scale.filter_stops = cage.displacement.stops;
         displaced_speeds(cage, patch, speed_u, speed_v);
     }
-    scale.k = {ceil_log2(speed_u), ceil_log2(speed_v)};
+    scale.k = {std::min(ceil_log2(speed_u), kLargestK), std::min(ceil_log2(speed_v), kLargestK)};
     for (int side = 0; side < 4; ++side) {
         const SideCurve on = topology.side(patch, side);
         // A side that is half of a curve has half of its pieces, and half of its speed.
@@ -471,10 +476,11 @@ GridAttributes Dicer::shade(const PosedCage& cage, const TileRef& tile, const Pa
 PosedPatch& Dicer::uv_patch(const PosedCage& cage, PatchRef patch, int set)
 {
     if (uv_.cage != &cage || uv_.patch != patch || uv_set_ != set) {
+        uv_.cage = nullptr;  // set_uv() may be cancelled
+        uv_.posed.set_uv(cage, patch, set);
         uv_.cage = &cage;
         uv_.patch = patch;
         uv_set_ = set;
-        uv_.posed.set_uv(cage, patch, set);
     }
     return uv_.posed;
 }

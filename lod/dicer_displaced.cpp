@@ -38,9 +38,10 @@ PosedPatch& Dicer::rest_patch(const PosedCage& cage, PatchRef patch)
         rest.slot = cage.slot;
         rest.topology = cage.topology;
         rest.keep();
+        rest_.cage = nullptr;  // set() may be cancelled
+        rest_.posed.set(rest, patch);
         rest_.cage = &cage;
         rest_.patch = patch;
-        rest_.posed.set(rest, patch);
     }
     return rest_.posed;
 }

@@ -54,7 +54,7 @@ public:
     using Mask = decltype(F() < F());
     static constexpr int kMostOfRay = 16;  ///< most pairs of one ray; the finest of them serves everything nearer
     static constexpr int kMost = 32;       ///< most pairs of all lanes together
-    static constexpr float kFinerThanEven = 0x1p-5f, kLeastOfDisplaced = 0x1p-6f;  ///< see floor_exponents
+    static constexpr float kFinerThanEven = 0x1p-5f, kLeastOfDisplaced = 0x1p-6f;  ///< see find_ends()
     static constexpr float kFar = 1e30f;
 
     /// t_in, t_end   where the ray enters the scene, and where it leaves the scene or ends; both finite
@@ -75,7 +75,7 @@ public:
         const F at_end = max(a_ + b_ * t_end_, F(0.0f));
         // There is no surface before the ray enters the scene, so the width there decides the finest pair.
         const F at_start = min(max(a_ + b_ * t_in, F(0.0f)), at_end);
-        cap_ = floor_exponents({max(a_, at_end), min(a_, at_end), at_start, abs(b_) * F(8 * settings.displaced)});
+        find_ends({max(a_, at_end), min(a_, at_end), at_start, abs(b_) * F(8 * settings.displaced)});
         is_made_ = false;
         return coarsest - finest < kMost;
     }
@@ -96,14 +96,14 @@ public:
             const F ideal = min(max((d - a_) * per_slope, low), high);
             const F length = margin(at - 1) + margin(at - 1);
             const F pushed = select(grows_, max(ideal, previous + length), min(ideal, previous - length));
-            // There is no transition before the ray's start, past its end, or below the finest pair of a lane.
-            const Mask none_before = (pushed <= F(0.0f)) | (grows_ & (d <= cap_));
-            const Mask none_after = andnot((pushed >= t_end_) | (d <= cap_), grows_);
+            // There is no transition before the ray's start, past its end, below the finest pair of a lane, or above its
+            // coarsest one: a lane has the same table whatever pairs the others have.
+            const Mask is_finest = d <= finest_edge_, is_beyond = d > coarsest_edge_;
+            const Mask none_before = (pushed <= F(0.0f)) | (grows_ & is_finest);
+            const Mask none_after = andnot((pushed >= t_end_) | is_finest, grows_);
             raw_[at - finest] = pushed;
-            F edge = select(none_after, high, select(none_before, low, pushed));
-            if (at == finest) edge = select(grows_, low, high);
-            if (at == coarsest + 1) edge = select(grows_, high, low);
-            edge_[at - finest] = edge;
+            const F edge = select(none_after, high, select(none_before, low, pushed));
+            edge_[at - finest] = select(is_beyond, select(grows_, high, low), edge);
             previous = select(grows_, select(none_before, low, pushed), select(none_after, high, pushed));
         }
         if (any(start_ > F(0.0f))) make_from_start(per_slope);
@@ -197,7 +197,7 @@ private:
             const F d = edge_length(at), length = margin(at - 1) + margin(at - 1);
             const Mask is_before = d <= start_;
             const F pushed = select(is_before, zero, max(ideal(d), previous + length));
-            const Mask is_last = (pushed >= t_end_) | (d > own_end_);
+            const Mask is_last = (pushed >= t_end_) | (d > coarsest_edge_);
             put(at, has_start & grows_, pushed, select(is_before, low, select(is_last, high, pushed)));
             previous = pushed;
         }
@@ -206,7 +206,7 @@ private:
             const F d = edge_length(at), length = margin(at) + margin(at);
             const Mask is_before = d > start_;
             const F pushed = select(is_before, zero, max(ideal(d), select(are_same(d, start_), zero, previous + length)));
-            const Mask is_last = (pushed >= t_end_) | (d <= own_end_);
+            const Mask is_last = (pushed >= t_end_) | (d <= finest_edge_);
             put(at, andnot(has_start, grows_), pushed, select(is_before, low, select(is_last, high, pushed)));
             previous = pushed;
         }
@@ -234,11 +234,11 @@ private:
         /// longer.
         F even;
     };
-    /// Sets finest and coarsest, and returns the finest level of each lane.
-    F floor_exponents(const Extremes& widths) noexcept
+    /// Sets the finest and the coarsest pair, of each lane and of all lanes.
+    void find_ends(const Extremes& widths) noexcept
     {
         const Lanes wide(widths.widest), thin(widths.thinnest), first(widths.start), least(widths.even), own(start_), b(b_);
-        float caps[kCount], lasts[kCount];
+        float lows[kCount], highs[kCount];
         finest = kCoarsestLevel;
         coarsest = kFinestLevel;
         for (int i = 0; i < kCount; ++i) {
@@ -247,8 +247,6 @@ private:
                 const int start = exponent_of(own.of[i]);
                 low = b.of[i] >= 0 ? start : std::clamp(exponent_of(thin.of[i]), start - kMostOfRay + 1, start);
                 high = b.of[i] >= 0 ? std::clamp(high, start, start + kMostOfRay - 1) : start;
-                caps[i] = edge_length(low);
-                lasts[i] = edge_length(b.of[i] >= 0 ? high : low);
             } else {
                 int cap = high - kMostOfRay + 1;
                 if (settings_->displaced > 0) {
@@ -258,20 +256,24 @@ private:
                 }
                 cap = std::max(cap, exponent_of(first.of[i]));
                 low = std::max(exponent_of(thin.of[i]), cap);
-                caps[i] = lasts[i] = edge_length(cap);
             }
+            lows[i] = edge_length(low);
+            highs[i] = edge_length(high);
             finest = std::min(finest, low);
             coarsest = std::max(coarsest, high);
         }
-        if constexpr (std::is_same_v<F, float>) own_end_ = lasts[0];
-        else own_end_ = F::load(lasts);
-        if constexpr (std::is_same_v<F, float>) return caps[0];
-        else return F::load(caps);
+        if constexpr (std::is_same_v<F, float>) {
+            finest_edge_ = lows[0];
+            coarsest_edge_ = highs[0];
+        } else {
+            finest_edge_ = F::load(lows);
+            coarsest_edge_ = F::load(highs);
+        }
     }
 
     const LevelSettings* settings_ = nullptr;
-    F a_, b_, start_, t_end_, ulps_, cap_;
-    F own_end_;  ///< edge length of the last pair that a ray with a start may reach
+    F a_, b_, start_, t_end_, ulps_;
+    F finest_edge_, coarsest_edge_;  ///< edge lengths of the first and the last pair of each lane
     Mask grows_;
     bool is_made_ = false;
     F raw_[kMost + 1], edge_[kMost + 1];

@@ -4,6 +4,7 @@
 #include <mutex>
 #include <unordered_map>
 
+#include "base/cancellation.h"
 #include "base/hash.h"
 #include "lod/topology_mesh.h"
 
@@ -16,6 +17,9 @@ struct KeyHash {
         return static_cast<std::size_t>(fnv1a(key.data(), key.size() * sizeof(key[0])));
     }
 };
+
+/// The number of faces that are visited between two looks at the request to stop.
+constexpr std::uint32_t kFacesBetweenChecks = 4096;
 
 /// Returns a corner of a quad patch.
 PatchPoint quad_corner(std::uint32_t face, std::uint32_t corner) noexcept
@@ -62,6 +66,7 @@ Topology::Topology(const Cage& cage) : mesh_(std::make_unique<Mesh>(cage)), tabl
     seen_.resize(face_count_);
     bool all_quads = true;
     for (std::uint32_t f = 0; f < face_count_; ++f) {
+        if (f % kFacesBetweenChecks == 0) throw_if_cancelled();
         const int face = static_cast<int>(f);
         seen_[f] = mesh_->factory->FaceHasLimitSurface(face) && !level.IsFaceHole(face);
         all_quads &= face_size(f) == 4;
@@ -110,6 +115,7 @@ const PatchControls& Topology::uv_controls(PatchRef patch, int set) const
 
 const PatchControls& Topology::make_controls(PatchRef patch, int uv_set) const
 {
+    throw_if_cancelled();
     Neighbourhood around = neighbourhood(mesh_->level(), patch, mesh_->bilinear, uv_set);
     const std::lock_guard lock(tables_->mutex);
     auto& slot = tables_->slots[uv_set + 1][patch_index(patch)];

@@ -25,7 +25,7 @@ struct LatticeToShade {
 
 class VertexShader {
 public:
-    static constexpr int kMaxChannels = 26;
+    static constexpr int kMaxChannels = 34;
 
     virtual ~VertexShader() = default;
 

@@ -25,7 +25,8 @@ enum class Aov : std::uint8_t {
     NormalMean,
     CryptomatteObject,
     CryptomatteMaterial,
-    Occlusion
+    Occlusion,
+    Motion
 };
 
 /// A set of layers.
@@ -81,11 +82,13 @@ inline constexpr AovRow kAovs[] = {
     {Aov::CryptomatteMaterial, "cryptomatte_material", "RGBA", true, 0, "the same for materials"},
     {Aov::Occlusion, "occlusion", "Y", false, 0,
      "share of ambient light that occlusion maps leave, times coverage: the mean over the pixel"},
+    {Aov::Motion, "motion", "XY", true, 0, "pixels by which the surface moves to the right and down in a frame"},
 };
 
 inline constexpr AovSet kCryptomattes = Aov::CryptomatteObject | Aov::CryptomatteMaterial;
 /// The layers that show the first surface of the sample nearest to the middle of the pixel.
-inline constexpr AovSet kFirstSurfaceAovs = {Aov::Depth, Aov::Normal, Aov::NormalGeometric, Aov::Uv, Aov::Position, Aov::Id};
+inline constexpr AovSet kFirstSurfaceAovs = {Aov::Depth,    Aov::Normal, Aov::NormalGeometric, Aov::Uv,
+                                             Aov::Position, Aov::Id,     Aov::Motion};
 
 /// Returns the row of a layer. The rows stand in the order of the layers.
 constexpr const AovRow& row_of(Aov aov) noexcept { return kAovs[static_cast<std::size_t>(aov)]; }

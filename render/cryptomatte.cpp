@@ -6,6 +6,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "scenegraph/shown_nodes.h"
+
 namespace occam::render {
 namespace {
 
@@ -27,7 +29,7 @@ std::string manifest_of(Aov aov, const Scene& scene)
             if (const Material* material = scene.find(id)) add(matte_name(*material));
     };
     if (aov == Aov::CryptomatteMaterial) add(matte_name(Material()));
-    scene.for_each_placement([&](NodeId id, const Node& node, const Mat4d&) {
+    for_each_shown_node(scene, 0, [&](NodeId id, const Node& node) {
         if (node.cages.empty()) return;
         if (aov == Aov::CryptomatteObject) {
             add(matte_name(scene, id));

@@ -115,6 +115,9 @@ void PixelSums::write(Aov aov, float* to) const noexcept
         case Aov::Occlusion:
             *to = occlusion();
             break;
+        case Aov::Motion:
+            put(first_.motion);
+            break;
     }
 }
 

@@ -22,6 +22,7 @@ struct FirstSurface {
     Vec2f uv{0};
     Vec3f position{0};
     float id = 0;
+    Vec2f motion{0};  ///< pixels per frame, to the right and down
 };
 
 /// Holds what one sample of a pixel contributes; colours are multiplied by alpha.
@@ -31,6 +32,7 @@ struct SampleResult {
     Vec4f albedo{0};
     Vec3f normal{0};
     float occlusion = 0;
+    float emitted = 0;  ///< the part of the luminance that surfaces emit towards the camera, or that unlit ones show
     FirstSurface first;
     Vec2f offset{0};   ///< offset from the middle of the pixel, in pixels
     float weight = 1;  ///< weight of the reconstruction filter: 1 or -1

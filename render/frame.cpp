@@ -8,9 +8,11 @@
 #include <span>
 
 #include "accel/frame.h"
+#include "base/cancellation.h"
 #include "render/film.h"
 #include "render/frame_sums.h"
 #include "render/integrator.h"
+#include "render/light_probe.h"
 #include "render/shade_point.h"
 #include "render/tiles.h"
 #include "shade/material_values.h"
@@ -22,21 +24,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr Aov kMattes[] = {Aov::CryptomatteObject, Aov::CryptomatteMaterial};
 
-bool may_pass(const Scene& scene)
-{
-    bool found = false;
-    const auto look = [&](const std::vector<MaterialId>& ids) {
-        for (MaterialId id : ids)
-            if (const Material* m = scene.find(id)) found |= shade::may_pass(*m);
-    };
-    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
-        look(node.materials);
-        for (CageId id : node.cages)
-            if (const CageSlot* slot = scene.find(id)) look(slot->cage.materials);
-    });
-    return found;
-}
-
 double thread_seconds()
 {
     timespec t{};
@@ -44,7 +31,7 @@ double thread_seconds()
     return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-// Sets the nearest and farthest camera z of the scene's box.
+// Sets the nearest and farthest camera z of the scene's box, which is in frame lengths.
 void set_depth_range(FrameContext& context, const Box3d& bounds)
 {
     if (bounds.is_empty()) return;
@@ -79,6 +66,7 @@ public:
     /// was cancelled. Returns false if it stopped before the target, because the frame was cancelled or is out of time.
     bool make(std::span<const PixelRect> tiles, int before, int target, Film& film, FrameControl& control, FrameSums* sums)
     {
+        const CancelScope scope(control);
         const double start_seconds = thread_seconds();
         const bool is_whole = make_samples(tiles, before, target, film, control, sums);
         cpu_seconds_ += thread_seconds() - start_seconds;
@@ -111,15 +99,16 @@ public:
         stats.built.visible_cells += visible_cells_;
         stats.built.hits_looked_up += c.hits_looked_up;
         stats.workers.push_back({.cpu_seconds = cpu_seconds_, .tiles = tiles_});
-        count_building(t, stats, stats.workers.back());
+        count_building(t, context_.scale.exponent(), stats, stats.workers.back());
     }
 
     /// Adds what a tree has cost.
-    static void count_building(const accel::TraceCounters& t, FrameStats& stats, FrameStats::Worker& worker)
+    /// exponent   that of the frame's scale: levels are counted as those of the world
+    static void count_building(const accel::TraceCounters& t, int exponent, FrameStats& stats, FrameStats::Worker& worker)
     {
         for (int l = 0; l < accel::TraceCounters::kLevels; ++l)
             if (t.micropolygons_of_level[l] > 0)
-                stats.built.by_level[accel::TraceCounters::kFinestLevel + l] += t.micropolygons_of_level[l];
+                stats.built.by_level[accel::TraceCounters::kFinestLevel + l + exponent] += t.micropolygons_of_level[l];
         stats.seconds.build += t.build_seconds;
         stats.seconds.tessellate += t.dice_seconds;
         stats.seconds.shade += t.shade_seconds;
@@ -156,7 +145,8 @@ private:
             is_stopped = control.is_cancelled() || Clock::now() >= deadline_;
             if (is_stopped) break;
             const int last = std::min({made + step, next_check(made), target});
-            trace(made, last);
+            is_stopped = !trace(made, last);
+            if (is_stopped) break;
             made = last;
             is_done = made == spp || (made == next_check(made - 1) && is_good_enough());
         }
@@ -236,15 +226,19 @@ private:
         return sum <= most * most * double(sums_.size());
     }
 
-    // Traces the samples pixel by pixel and in their order, so that neighbouring rays stay neighbours in the batch.
-    void trace(int first, int last)
+    // Traces samples [first, last) of each pixel, pixel by pixel and in their order, so that neighbouring rays stay
+    // neighbours in the batch. Returns false if the frame was cancelled meanwhile; the batch is then dropped.
+    bool trace(int first, int last)
     {
         samples_.clear();
         for (const auto [x, y] : pixels_)
             for (int s = first; s < last; ++s) samples_.push_back({x, y, s});
         results_.resize(samples_.size());
-        integrator_.run(tracer_, samples_, results_);
-
+        try {
+            integrator_.run(tracer_, samples_, results_);
+        } catch (const Cancelled&) {
+            return false;
+        }
         const auto start = Clock::now();
         const auto per_pixel = static_cast<std::size_t>(last - first);
         for (std::size_t i = 0; i < samples_.size(); ++i) sums_[i / per_pixel].add(results_[i]);
@@ -256,6 +250,7 @@ private:
         }
         samples_made_ += samples_.size();
         film_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
+        return true;
     }
 
     const FrameContext& context_;
@@ -325,7 +320,8 @@ public:
             for (std::size_t i = first; i < std::min(first + group, workers_.size()); ++i)
                 if (workers_[i]) workers_[i]->count_into(stats);
             if (!trees_.empty() && stats.workers.size() > known)
-                Worker::count_building(trees_[first / group]->counters(), stats, stats.workers[known]);
+                Worker::count_building(trees_[first / group]->counters(), context_.scale.exponent(), stats,
+                                       stats.workers[known]);
         }
         stats.seconds.trace = std::max(
             0.0, stats.seconds.trace - stats.seconds.build - stats.seconds.tessellate - stats.seconds.phase_one);
@@ -378,29 +374,33 @@ std::size_t develop_all(const FrameSums& sums, const std::vector<PixelRect>& til
     return done;
 }
 
-}  // namespace
-
-FrameResult render_frame(const FrameInputs& in, FrameControl& control, FrameStats& stats)
+FrameResult make_frame(const FrameInputs& in, FrameControl& control, FrameStats& stats)
 {
-    CameraRays camera(in.camera, in.settings.width, in.settings.height, in.settings.spp);
+    const FrameScale scale(in.scene_bounds);
+    const Camera placed_camera = scale.placed(in.camera);
+    CameraRays camera(placed_camera, in.settings.width, in.settings.height, in.settings.spp);
     lod::LevelSettings levels = camera.levels(in.settings.shading_rate);
     if (in.settings.lod_camera) {
-        const CameraRays other(*in.settings.lod_camera, in.settings.width, in.settings.height);
+        const CameraRays other(scale.placed(*in.settings.lod_camera), in.settings.width, in.settings.height);
         camera.take_footprints_of(other);
         levels = other.levels(in.settings.shading_rate);
     }
     const PixelFilter filter(in.settings.filter, in.settings.filter_radius);
     const Sampler sampler(in.settings.seed, in.settings.spp, in.settings.jitter);
-    const shade::FrameLights lights(in.scene, in.camera, in.textures, in.settings.sky, in.settings.sky_strength);
-    FrameContext context{in.settings, camera, sampler, filter, lights, in.textures, may_pass(in.scene)};
+    const shade::FrameLights lights = lights_of(in, scale);
+    stats.lights = {lights.has_default(), lights.meshes().any_emitter()};
+    FrameContext context{
+        in.settings, camera, sampler, filter, lights, in.textures, in.scene.contents().has(Contents::Passing)};
     context.scene = &in.scene;
-    set_depth_range(context, in.scene_bounds);
+    context.scale = scale;
+    context.moves = camera.moves() || in.scene.shutter_segments() > 0;
+    set_depth_range(context, scale.placed(in.scene_bounds));
     constexpr lod::LevelMode kModes[] = {lod::LevelMode::PerRay, lod::LevelMode::PerInstance, lod::LevelMode::Frozen};
     levels.mode = kModes[static_cast<int>(in.settings.lod)];
     const shade::PhaseOne phase_one(in.textures);
     lod::VertexShading shading{nullptr, sample_width(in.settings.spp)};
     if (in.settings.shade_at == ShadeAt::Vertex) shading.shader = &phase_one;
-    const accel::Frame frame(in.scene, in.topologies, levels, &in.textures, shading, in.resources.tree);
+    const accel::Frame frame(in.scene, in.topologies, levels, &in.textures, shading, scale, in.resources.tree);
     stats.tree = frame.tree();
 
     context.shadow_batch = in.memory.shadow_batch;
@@ -432,6 +432,20 @@ FrameResult render_frame(const FrameInputs& in, FrameControl& control, FrameStat
     FrameResult result{std::move(film).take(), {}};
     if (sums && !stats.complete) result.checkpoint = sums->checkpoint();
     return result;
+}
+
+}  // namespace
+
+FrameResult render_frame(const FrameInputs& in, FrameControl& control, FrameStats& stats)
+{
+    const CancelScope scope(control);
+    try {
+        return make_frame(in, control, stats);
+    } catch (const Cancelled&) {
+        // Workers end by themselves: it was cancelled before the first of them began.
+        stats.complete = false;
+        return {Film(in.settings).take(), std::string(in.checkpoint)};
+    }
 }
 
 }  // namespace occam::render

@@ -31,6 +31,7 @@ std::uint64_t identity_of(Settings settings, const Camera& camera)
     std::uint64_t h = fnv1a(text.data(), text.size());
     for (const Camera* c : {&camera, settings.lod_camera ? &*settings.lod_camera : &camera}) {
         h = add(c->world_from_camera, h);
+        for (const Mat4d& key : c->keys) h = add(key, h);
         const CameraLens& lens = c->lens;
         for (const float value :
              {lens.fov, lens.aspect, lens.height, lens.radius, lens.focus, float(lens.blades), float(lens.orthographic)})

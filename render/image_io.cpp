@@ -1,7 +1,4 @@
-// Reads and writes image files, through OpenImageIO.
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
-
+// Reads and writes image files, through the codec of io/picture_codec.h.
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -11,6 +8,7 @@
 
 #include "base/error.h"
 #include "io/output_file.h"
+#include "io/picture_codec.h"
 #include "render/display.h"
 #include "render/image.h"
 
@@ -20,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr float kHalfMax = 65504.0f;
-// These are OpenImageIO's names of the attributes that hold the note of a picture.
+// These attributes hold the note of a picture.
 constexpr const char *kExrNote = "occam:note", *kNote = "ImageDescription";
 
 std::string extension_of(const fs::path& file)
@@ -47,81 +45,58 @@ bool is_known_format(const std::string& extension)
 
 // Receives the bytes of encoders. Some of their libraries end the process when a write fails, and some ignore it. So they
 // are told that every write succeeded, and OutputFile::finish() reports what failed.
-class EncoderStream final : public OIIO::Filesystem::IOProxy {
+class EncodedBytes final : public PictureBytes {
 public:
-    explicit EncoderStream(OutputFile& file) : IOProxy(file.temporary().string(), Write), file_(file) {}
+    explicit EncodedBytes(OutputFile& file) : file_(file) {}
 
-    const char* proxytype() const override { return "occam"; }
-    std::size_t write(const void* bytes, std::size_t size) override
+    void write_at(const void* bytes, std::size_t size, std::uint64_t offset) noexcept override
     {
-        file_.write_at(bytes, size, static_cast<std::uint64_t>(m_pos));
-        m_pos += static_cast<std::int64_t>(size);
-        return size;
+        file_.write_at(bytes, size, offset);
     }
-    std::size_t pwrite(const void* bytes, std::size_t size, std::int64_t offset) override
+    std::size_t read_at(void* bytes, std::size_t size, std::uint64_t offset) const noexcept override
     {
-        file_.write_at(bytes, size, static_cast<std::uint64_t>(offset));
-        return size;
+        return file_.read_at(bytes, size, offset);
     }
-    std::size_t read(void* bytes, std::size_t size) override
-    {
-        const std::size_t got = pread(bytes, size, m_pos);
-        m_pos += static_cast<std::int64_t>(got);
-        return got;
-    }
-    std::size_t pread(void* bytes, std::size_t size, std::int64_t offset) override
-    {
-        return file_.read_at(bytes, size, static_cast<std::uint64_t>(offset));
-    }
-    std::size_t size() const override { return file_.size(); }
+    std::uint64_t size() const noexcept override { return file_.size(); }
 
 private:
     OutputFile& file_;
 };
 
-OIIO::ImageSpec base_spec(const Image& image, int channels, OIIO::TypeDesc format)
+void add(std::vector<PictureAttribute>& attributes, std::string name, PictureAttribute::Value value)
 {
-    OIIO::ImageSpec spec(image.width, image.height, channels, format);
-    spec.full_width = image.width;
-    spec.full_height = image.height;
+    attributes.push_back({std::move(name), std::move(value)});
+}
+
+// Returns the spec of a picture with channels of one type, whose names the format gives.
+PictureSpec base_spec(const Image& image, std::size_t channels, SampleType type)
+{
+    PictureSpec spec;
+    spec.width = spec.full_width = image.width;
+    spec.height = spec.full_height = image.height;
+    spec.channels.resize(channels);
+    spec.type = type;
     return spec;
 }
 
-void add_attributes(OIIO::ImageSpec& spec, const Image& image)
-{
-    for (const Attribute& a : image.attributes) {
-        if (const auto* text = std::get_if<std::string>(&a.value)) spec.attribute(a.name, *text);
-        if (const auto* number = std::get_if<float>(&a.value)) spec.attribute(a.name, *number);
-        if (const auto* integer = std::get_if<int>(&a.value)) spec.attribute(a.name, *integer);
-        if (const auto* matrix = std::get_if<std::array<float, 16>>(&a.value))
-            spec.attribute(a.name, OIIO::TypeMatrix, matrix->data());
-        if (const auto* eight = std::get_if<std::array<float, 8>>(&a.value))
-            spec.attribute(a.name, OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), eight->data());
-    }
-}
-
 // Checks the header: encoders that write a wrong one, or none, are not trusted with the final name.
-void check_header(const OutputFile& out, const fs::path& file, const OIIO::ImageSpec& spec)
+void check_header(const OutputFile& out, const fs::path& file, const PictureSpec& spec)
 {
-    const auto in = OIIO::ImageInput::open(out.temporary().string());
-    if (!in) refuse(file, "cannot be written: its head cannot be read back: " + OIIO::geterror());
-    if (in->spec().width != spec.width || in->spec().height != spec.height || in->spec().nchannels != spec.nchannels)
+    std::string why;
+    const auto in = picture_codec().open(out.temporary(), why);
+    if (!in) refuse(file, "cannot be written: its head cannot be read back: " + why);
+    const PictureSpec& found = in->spec();
+    if (found.width != spec.width || found.height != spec.height || found.channel_count() != spec.channel_count())
         refuse(file, "cannot be written: its head reads back as another picture's");
 }
 
-void write_pixels(const fs::path& file, const OIIO::ImageSpec& spec, const std::vector<float>& pixels)
+void write_pixels(const fs::path& file, const PictureSpec& spec, std::span<const PictureAttribute> attributes,
+                  const std::vector<float>& pixels)
 {
     OutputFile target(file);
-    EncoderStream stream(target);
-    const auto encoder = OIIO::ImageOutput::create(target.temporary().string());
-    if (!encoder) refuse(file, "cannot be written: " + OIIO::geterror());
-    const auto attempt = [&](bool done) {
-        if (!done) refuse(file, "cannot be written: " + encoder->geterror());
-    };
-    attempt(encoder->set_ioproxy(&stream));
-    attempt(encoder->open(target.temporary().string(), spec));
-    attempt(encoder->write_image(OIIO::TypeDesc::FLOAT, pixels.data()));
-    attempt(encoder->close());
+    EncodedBytes bytes(target);
+    const std::string why = picture_codec().write(target.temporary(), spec, attributes, pixels.data(), bytes);
+    if (!why.empty()) refuse(file, "cannot be written: " + why);
     target.finish();
     check_header(target, file, spec);
     target.publish();
@@ -133,15 +108,15 @@ void write_exr(const Image& image, const fs::path& file, const WriteOptions& opt
     std::size_t channels = 0;
     for (const Layer& layer : image.layers()) channels += layer.channel_count();
     if (channels == 0) refuse(file, "there is no layer to write");
-    OIIO::ImageSpec spec = base_spec(image, static_cast<int>(channels), OIIO::TypeDesc::FLOAT);
+    PictureSpec spec = base_spec(image, 0, SampleType::Float);
     spec.x = image.x0;
     spec.y = image.y0;
     spec.full_width = image.full_width;
     spec.full_height = image.full_height;
-    spec.channelnames.clear();
-    spec.attribute("compression", "zip");
-    if (!options.note.empty()) spec.attribute(kExrNote, options.note);
-    add_attributes(spec, image);
+    std::vector<PictureAttribute> attributes;
+    add(attributes, "compression", std::string("zip"));
+    if (!options.note.empty()) add(attributes, kExrNote, options.note);
+    for (const Attribute& a : image.attributes) add(attributes, a.name, a.value);
 
     const std::size_t count = std::size_t(image.width) * std::size_t(image.height);
     std::vector<float> pixels(count * channels);
@@ -150,8 +125,8 @@ void write_exr(const Image& image, const fs::path& file, const WriteOptions& opt
         const bool half = options.half && !layer.full_float;
         const std::size_t n = layer.channel_count();
         for (const std::string& channel : layer.channels) {
-            spec.channelnames.push_back(layer.name == "beauty" ? channel : layer.name + "." + channel);
-            spec.channelformats.push_back(half ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT);
+            spec.channels.push_back(layer.name == "beauty" ? channel : layer.name + "." + channel);
+            spec.channel_types.push_back(half ? SampleType::Half : SampleType::Float);
         }
         for (std::size_t i = 0; i < count; ++i)
             for (std::size_t c = 0; c < n; ++c) {
@@ -161,9 +136,9 @@ void write_exr(const Image& image, const fs::path& file, const WriteOptions& opt
             }
         first += n;
     }
-    const auto alpha = std::find(spec.channelnames.begin(), spec.channelnames.end(), "A");
-    spec.alpha_channel = alpha == spec.channelnames.end() ? -1 : static_cast<int>(alpha - spec.channelnames.begin());
-    write_pixels(file, spec, pixels);
+    const auto alpha = std::find(spec.channels.begin(), spec.channels.end(), "A");
+    spec.alpha_channel = alpha == spec.channels.end() ? -1 : static_cast<int>(alpha - spec.channels.begin());
+    write_pixels(file, spec, attributes, pixels);
 }
 
 void write_hdr(const Image& image, const fs::path& file)
@@ -174,7 +149,7 @@ void write_hdr(const Image& image, const fs::path& file)
     std::vector<float> pixels;
     for (std::size_t i = 0; i < beauty->pixels.size(); i += n)
         for (std::size_t c = 0; c < 3; ++c) pixels.push_back(std::max(0.0f, beauty->pixels[i + c]));
-    write_pixels(file, base_spec(image, 3, OIIO::TypeDesc::FLOAT), pixels);
+    write_pixels(file, base_spec(image, 3, SampleType::Float), {}, pixels);
 }
 
 void write_display(const Image& image, const fs::path& file, const WriteOptions& options, const std::string& extension)
@@ -188,15 +163,17 @@ void write_display(const Image& image, const fs::path& file, const WriteOptions&
         shown = {3, std::move(opaque)};
     }
     const bool tiff = extension == ".tif" || extension == ".tiff";
-    OIIO::ImageSpec spec = base_spec(image, shown.channels, tiff ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8);
-    spec.attribute("oiio:UnassociatedAlpha", 1);
+    std::vector<PictureAttribute> attributes;
+    add(attributes, "oiio:UnassociatedAlpha", 1);
     // For sRGB, OpenImageIO adds a second directory to a TIFF, which needs to read from the stream and is written broken.
     // A TIFF of integers is taken for sRGB anyway.
     if (options.tonemap == Tonemap::None || !tiff)
-        spec.attribute("oiio:ColorSpace", options.tonemap == Tonemap::None ? "Linear" : "sRGB");
-    if (jpeg) spec.attribute("compression", "jpeg:95");
-    if (!options.note.empty()) spec.attribute(kNote, options.note);
-    write_pixels(file, spec, shown.pixels);
+        add(attributes, "oiio:ColorSpace", std::string(options.tonemap == Tonemap::None ? "Linear" : "sRGB"));
+    if (jpeg) add(attributes, "compression", std::string("jpeg:95"));
+    if (!options.note.empty()) add(attributes, kNote, options.note);
+    const PictureSpec spec = base_spec(image, static_cast<std::size_t>(shown.channels),
+                                       tiff ? SampleType::Word : SampleType::Byte);
+    write_pixels(file, spec, attributes, shown.pixels);
 }
 
 // Splits "normal_geometric.X" into layer and channel; a channel without a prefix is beauty's.
@@ -226,6 +203,7 @@ void Image::check_writable(const fs::path& file)
     if (!is_known_format(extension_of(file)))
         throw Error(file.string(), "has no extension of a format that can be written: .exr .png .jpg .tif .hdr");
     check_output(file);
+    check_picture_codec();
 }
 
 void Image::write(const fs::path& file, const WriteOptions& options) const
@@ -248,20 +226,21 @@ PictureHead Image::read_head(const fs::path& file)
     std::error_code error;
     if (!fs::is_regular_file(file, error)) throw Error(file.string(), "is not there or is not a file");
     if (fs::file_size(file, error) == 0) throw Error(file.string(), "is empty");
-    const auto in = OIIO::ImageInput::open(file.string());
-    if (!in) throw Error(file.string(), "cannot be read: " + OIIO::geterror());
-    const OIIO::ImageSpec spec = in->spec();
-    const std::string_view format = in->format_name();
+    std::string why;
+    const auto in = picture_codec().open(file, why);
+    if (!in) throw Error(file.string(), "cannot be read: " + why);
+    const PictureSpec& spec = in->spec();
+    const std::string format = in->format();
     bool is_whole = true;
     if (format == "png") is_whole = has_end_mark(file, "\0\0\0\0IEND\xae\x42\x60\x82"sv);
     else if (format == "jpeg") is_whole = has_end_mark(file, "\xff\xd9"sv);
-    else if (spec.tile_width == 0 && spec.nchannels <= kMaxReadChannels) {
-        std::vector<float> row(std::size_t(std::max(spec.width, 1)) * std::size_t(spec.nchannels));
-        is_whole = in->read_scanline(spec.y + spec.height - 1, 0, OIIO::TypeDesc::FLOAT, row.data());
+    else if (spec.tile_height == 0 && spec.channel_count() <= kMaxReadChannels) {
+        std::vector<float> row(std::size_t(std::max(spec.width, 1)) * spec.channels.size());
+        is_whole = in->read_rows(spec.height - 1, spec.height, spec.channel_count(), row.data());
     }
     if (!is_whole) throw Error(file.string(), "is cut off");
-    std::string note(spec.get_string_attribute(kExrNote));
-    if (note.empty()) note = spec.get_string_attribute(kNote);
+    std::string note = in->text_attribute(kExrNote);
+    if (note.empty()) note = in->text_attribute(kNote);
     return {spec.width, spec.height, std::move(note)};
 }
 
@@ -269,35 +248,33 @@ Image Image::read(const fs::path& file)
 {
     std::error_code error;
     if (!fs::is_regular_file(file, error)) throw Error(file.string(), "is not there or is not a file");
-    OIIO::ImageSpec wish;
-    wish.attribute("oiio:UnassociatedAlpha", 1);
-    const auto in = OIIO::ImageInput::open(file.string(), &wish);
-    if (!in) throw Error(file.string(), "cannot be read: " + OIIO::geterror());
-    const OIIO::ImageSpec spec = in->spec();
-    if (spec.nchannels > kMaxReadChannels || spec.depth > 1 ||
-        std::int64_t(spec.width) * spec.height > kMaxReadValues / std::max(spec.nchannels, 1))
+    std::string why;
+    const auto in = picture_codec().open(file, why);
+    if (!in) throw Error(file.string(), "cannot be read: " + why);
+    const PictureSpec& spec = in->spec();
+    if (spec.channel_count() > kMaxReadChannels || spec.depth > 1 ||
+        std::int64_t(spec.width) * spec.height > kMaxReadValues / std::max(spec.channel_count(), 1))
         throw Error(file.string(), "is too large a picture to read");
 
-    const auto channels = static_cast<std::size_t>(spec.nchannels);
+    const std::size_t channels = spec.channels.size();
     const std::size_t count = std::size_t(spec.width) * std::size_t(spec.height);
     std::vector<float> pixels(count * channels);
-    if (!in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels.data()))
-        throw Error(file.string(), "cannot be read: " + in->geterror());
+    if (!in->read_rows(0, spec.height, spec.channel_count(), pixels.data()))
+        throw Error(file.string(), "cannot be read: " + in->error());
 
     Image image(spec.width, spec.height);
     image.x0 = spec.x - spec.full_x;
     image.y0 = spec.y - spec.full_y;
     image.full_width = spec.full_width;
     image.full_height = spec.full_height;
-    const bool encoded = spec.format.is_floating_point() == false;
+    const bool encoded = !is_real(spec.type);
     for (std::size_t first = 0; first < channels;) {
-        const std::string name = split_channel(spec.channelnames[first]).first;
+        const std::string name = split_channel(spec.channels[first]).first;
         std::size_t end = first;
         std::vector<std::string> names;
-        for (; end < channels && split_channel(spec.channelnames[end]).first == name; ++end)
-            names.push_back(split_channel(spec.channelnames[end]).second);
-        Layer& layer = image.add_layer(name, std::move(names),
-                                       spec.channelformat(static_cast<int>(first)) == OIIO::TypeDesc::FLOAT);
+        for (; end < channels && split_channel(spec.channels[end]).first == name; ++end)
+            names.push_back(split_channel(spec.channels[end]).second);
+        Layer& layer = image.add_layer(name, std::move(names), spec.channel_type(first) == SampleType::Float);
         const std::size_t n = end - first;
         for (std::size_t i = 0; i < count; ++i)
             for (std::size_t c = 0; c < n; ++c) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "render/shade_point.h"
 #include "render/views.h"
@@ -16,6 +17,7 @@ std::uint32_t child_key(std::uint32_t key, std::uint32_t branch) noexcept
 }
 
 float mean(Vec3f c) noexcept { return (c.x + c.y + c.z) / 3; }
+float luminance(Vec3f c) noexcept { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
 
 }  // namespace
 
@@ -24,11 +26,8 @@ Integrator::Integrator(const FrameContext& context)
       texture_width_(sample_width(context.settings.spp)),
       has_mattes_(context.settings.has(Aov::CryptomatteObject) || context.settings.has(Aov::CryptomatteMaterial)),
       wants_occlusion_(context.settings.integrator == IntegratorKind::Ao || context.settings.has(Aov::Occlusion)),
-      placed_samples_(1),
       shadows_(context.textures, context.may_pass, !context.settings.back_faces, texture_width_)
 {
-    const std::size_t lights = context.lights.lights().size();
-    if (lights > kMaxLightsPerHit) placed_samples_ = kMaxLightsPerHit / static_cast<float>(lights);
 }
 
 void Integrator::begin(std::span<const CameraSample> samples, std::span<SampleResult> results)
@@ -49,25 +48,47 @@ void Integrator::begin(std::span<const CameraSample> samples, std::span<SampleRe
         const Vec2f lens = context_.camera.has_lens()
                                ? context_.sampler.square(s.x, s.y, static_cast<std::uint32_t>(s.index), Dimension::lens())
                                : Vec2f(0.5f);
+        const float time = context_.moves
+                               ? context_.sampler.interval(s.x, s.y, static_cast<std::uint32_t>(s.index), Dimension::time())
+                               : 0.0f;
         Path path;
         path.sample = static_cast<std::uint32_t>(i);
         path.is_before_focus = context_.camera.has_lens();
         paths_.push_back(path);
-        rays_.push_back(context_.camera.ray(s.x + 0.5 + double(place.offset.x), s.y + 0.5 + double(place.offset.y), lens));
+        rays_.push_back(
+            context_.camera.ray(s.x + 0.5 + double(place.offset.x), s.y + 0.5 + double(place.offset.y), lens, time));
     }
     counters_.rays.primary += samples.size();
 }
 
-std::size_t Integrator::shade_some(std::size_t first, std::span<const CameraSample> samples, std::span<SampleResult> results)
+std::size_t Integrator::end_of_chunk(std::size_t first) const noexcept
+{
+    constexpr std::size_t kHitsAtOnce = 4096;
+    const std::size_t most = hits_of_each_ == 1 ? paths_.size() : kHitsAtOnce / static_cast<std::size_t>(hits_of_each_);
+    std::size_t end = first;
+    while (end < paths_.size() && end - first < most && hits_at_once(paths_[end]) == hits_of_each_) ++end;
+    return end;
+}
+
+std::size_t Integrator::shade_some(std::size_t first, std::size_t end, std::span<const CameraSample> samples,
+                                   std::span<SampleResult> results)
 {
     const auto start = Clock::now();
     shadows_.clear();
     std::size_t i = first;
-    for (; i < paths_.size() && shadows_.size() < context_.shadow_batch; ++i) {
+    for (; i < end && shadows_.size() < context_.shadow_batch; ++i) {
         const std::uint32_t sample = paths_[i].sample;
-        if (hits_[i].is_hit() && paths_[i].is_camera()) count_cells(rays_[i], hits_[i]);
-        if (hits_[i].is_hit()) shade_hit(i, samples[sample], results[sample]);
-        else shade_miss(i, results[sample]);
+        const accel::HitCount known = hit_counts_[i - first_of_chunk_];
+        const accel::SurfaceHit* hit = &hits_[(i - first_of_chunk_) * static_cast<std::size_t>(hits_of_each_)];
+        const accel::SurfaceHit* const last = hit + known.count;
+        bool goes_on = true;
+        for (; goes_on && hit != last; ++hit) {
+            if (paths_[i].is_camera()) count_cells(rays_[i], *hit);
+            goes_on = shade_hit(i, *hit, samples[sample], results[sample]);
+        }
+        if (!goes_on) continue;
+        if (known.is_all) shade_miss(i, results[sample]);
+        else push(paths_[i], rays_[i]);
     }
     counters_.shade_seconds += std::chrono::duration<double>(Clock::now() - start).count();
     return i;
@@ -93,10 +114,10 @@ void Integrator::shade_miss(std::size_t i, SampleResult& result)
     }
     if (!path.is_camera()) {
         cross_lights(path, ray, std::numeric_limits<float>::infinity(), result);
-        const shade::Environment& sky = context_.lights.environment();
-        const float weight = sample_counts(path.light_samples, path.scatter_samples, false)
-                                 .of_scatter(path.density, sky.density(ray.direction));
-        result.radiance += clamped(path.throughput * sky.radiance(ray.direction) * weight, path.bounces);
+        const shade::Environment::Light sky = context_.lights.environment().look_up(ray.direction);
+        const float weight = shade::SampleCounts{path.light_samples, path.scatter_samples}.of_scatter(path.density,
+                                                                                                      sky.density);
+        result.radiance += clamped(path.throughput * sky.radiance * weight, path.bounces);
         return;
     }
     if (!context_.settings.background || context_.settings.view != View::Beauty) return;
@@ -107,25 +128,34 @@ void Integrator::shade_miss(std::size_t i, SampleResult& result)
 
 void Integrator::cross_lights(const Path& path, const accel::Ray& ray, float t_far, SampleResult& result) const
 {
-    const shade::SampleCounts counts = sample_counts(path.light_samples, path.scatter_samples, true);
-    context_.lights.for_crossings(ray.origin, ray.direction, t_far, path.peak,
-                                  [&](const shade::WorldLight& light, const shade::LightCrossing& crossing) {
-                                      if (crossing.distance <= ray.t_near || (light.groups & path.lit_by) == 0) return;
-                                      const float weight = counts.of_scatter(path.density, crossing.density);
-                                      result.radiance += clamped(path.throughput * crossing.radiance * weight, path.bounces);
-                                  });
+    const auto add = [&](const shade::WorldLight& light, const shade::LightCrossing& crossing, float probability) {
+        if (crossing.distance <= ray.t_near || (light.groups & path.receiver.groups) == 0) return;
+        const shade::SampleCounts counts{placed_samples(path, probability), path.scatter_samples};
+        const float weight = counts.of_scatter(path.density, crossing.density);
+        result.radiance += clamped(path.throughput * crossing.radiance * weight, path.bounces);
+    };
+    context_.lights.for_crossings(ray.origin, ray.direction, t_far, path.peak, path.receiver, add);
 }
 
-void Integrator::record_first(const accel::SurfaceHit& hit, const shade::Surface& surface, float occlusion, float covered,
-                              SampleResult& result) const
+Vec2f Integrator::motion_of(const accel::Ray& ray, const accel::SurfaceHit& hit) const
+{
+    if (!context_.settings.has(Aov::Motion) || !context_.moves) return Vec2f(0);
+    const Vec2d per_shutter = context_.camera.pixel_velocity(hit.position, Vec3d(hit.velocity), ray.time);
+    return Vec2f(per_shutter / context_.settings.shutter.length());
+}
+
+void Integrator::record_first(const accel::Ray& ray, const accel::SurfaceHit& hit, const shade::Surface& surface,
+                              float occlusion, float covered, SampleResult& result) const
 {
     if (covered > 0 && result.alpha == 0) {
-        result.first = {static_cast<float>(context_.camera.depth(hit.position)),
+        const double to_world = context_.scale.to_world();
+        result.first = {static_cast<float>(context_.camera.depth(hit.position, ray.time) * to_world),
                         hit.normal_shading,
                         hit.normal_geometric,
                         hit.uv[0],
-                        Vec3f(hit.position),
-                        static_cast<float>(hit.node.slot + 1)};
+                        Vec3f(hit.position * to_world),
+                        static_cast<float>(hit.node.slot + 1),
+                        motion_of(ray, hit)};
     }
     result.alpha += covered;
     result.albedo += Vec4f(surface.base_color, 1) * covered;
@@ -148,24 +178,25 @@ void Integrator::add_emission(const Path& path, const accel::SurfaceHit& hit, co
     if (!path.is_camera()) {
         const float per_area = context_.lights.meshes().area_density(hit.node, hit.material);
         const float cosine = std::max(glm::dot(surface.normal_geometric, surface.to_eye), 1e-6f);
-        weight = sample_counts(path.light_samples, path.scatter_samples, false)
-                     .of_scatter(path.density, per_area * hit.t * hit.t / cosine);
+        weight = shade::SampleCounts{path.light_samples, path.scatter_samples}.of_scatter(path.density,
+                                                                                          per_area * hit.t * hit.t / cosine);
     }
     result.radiance += clamped(share * surface.emission * weight, path.bounces);
+    if (path.is_camera()) result.emitted += luminance(share * surface.emission);
 }
 
-void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResult& result)
+bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const CameraSample& sample, SampleResult& result)
 {
     const accel::Ray& ray = rays_[i];
-    const accel::SurfaceHit& hit = hits_[i];
     Path path = paths_[i];
     const Settings& settings = context_.settings;
     if (!settings.back_faces && is_culled(hit)) {
-        pass_straight(path, ray, hit.t, {Vec3f(1), path.coverage, 1}, sample);
-        return;
+        return pass_straight(i, path, hit.t, {Vec3f(1), path.coverage, 1}, sample);
     }
-    if (path.absorption != Vec3f(0))
-        for (int c = 0; c < 3; ++c) path.throughput[c] *= maths::exp(-path.absorption[c] * (hit.t - ray.t_near));
+    if (path.absorption != Vec3f(0)) {
+        const float length = std::min(context_.scale.to_world(hit.t - ray.t_near), std::numeric_limits<float>::max());
+        for (int c = 0; c < 3; ++c) path.throughput[c] *= maths::exp(-path.absorption[c] * length);
+    }
     // Only the last piece of a ray knows which lights lie before its end: those behind a surface that it passes come
     // later.
     if (!path.is_camera()) cross_lights(path, ray, hit.t, result);
@@ -176,17 +207,23 @@ void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResu
     const float occlusion = wants_occlusion_ ? shade::ambient_share(point, context_.textures) : 1;
     const float covered = path.coverage * surface.opacity;
     if (path.is_camera()) {
-        record_first(hit, surface, occlusion, covered, result);
+        record_first(ray, hit, surface, occlusion, covered, result);
         record_matte(hit, path.sample, covered);
     }
     const Vec3f share = path.throughput * surface.opacity;
     Vec3f transmittance = surface.transmittance;
-    const Vertex v{path, ray, hit, sample, surface, share, occlusion};
+    Vertex v{path, ray, hit, sample, surface, share, occlusion};
+    v.receiver.groups = hit.lit_by;
+    if (const shade::LightTree& tree = context_.lights.tree(); !tree.is_empty()) {
+        v.receiver.point = tree.relative(surface.position);
+        v.receiver.normal = surface.normal_geometric;
+        v.receiver.is_two_sided = surface.is_solid || surface.transmission != Vec3f(0);
+    }
 
     const Chances chance = chances(v);
 
     if (settings.view != View::Beauty) {
-        const float z = static_cast<float>(context_.camera.depth(hit.position));
+        const float z = static_cast<float>(context_.camera.depth(hit.position, ray.time));
         result.radiance += share * view_color(settings.view, hit, z, context_.depth_near, context_.depth_far);
         transmittance = Vec3f(1 - surface.opacity);
     } else if (surface.opacity > 0 && settings.integrator == IntegratorKind::Ao) {
@@ -194,6 +231,7 @@ void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResu
         transmittance = Vec3f(1 - surface.opacity);
     } else if (surface.unlit) {
         result.radiance += clamped(share * surface.base_color, path.bounces);
+        if (path.is_camera()) result.emitted += luminance(share * surface.base_color);
     } else if (surface.opacity > 0) {
         add_emission(path, hit, surface, share, result);
         if (!path.is_probe) {
@@ -201,9 +239,9 @@ void Integrator::shade_hit(std::size_t i, const CameraSample& sample, SampleResu
             if (chance.scatter > 0 && needs_scattering(v)) scatter_on(v, chance.scatter);
         }
     }
-    if (!(chance.pass > 0)) return;
+    if (!(chance.pass > 0)) return false;
     if (path.is_camera() && chance.pass == 1 && chance.scatter > 0) ++path.splits;
-    pass_straight(path, ray, hit.t, {transmittance, path.coverage - covered, chance.pass}, sample);
+    return pass_straight(i, path, hit.t, {transmittance, path.coverage - covered, chance.pass}, sample);
 }
 
 Integrator::Chances Integrator::chances(const Vertex& v) const noexcept
@@ -216,24 +254,26 @@ Integrator::Chances Integrator::chances(const Vertex& v) const noexcept
     return is_passing ? Chances{pass, 0} : Chances{0, 1 - pass};
 }
 
-void Integrator::pass_straight(const Path& path, const accel::Ray& ray, float t, const Passing& passing,
-                               const CameraSample& sample)
+bool Integrator::pass_straight(std::size_t i, const Path& path, float t, const Passing& passing, const CameraSample& sample)
 {
     Path next = path;
     next.throughput *= passing.light / passing.chance;
     next.coverage = passing.coverage / passing.chance;
     next.key = child_key(path.key, 0);
+    next.passed = static_cast<std::uint16_t>(std::min(path.passed + 1, 0xffff));
     const float share = std::max({next.throughput.x, next.throughput.y, next.throughput.z, next.coverage});
     const float chance = passing_chance(share);
-    if (!(chance > 0)) return;
+    if (!(chance > 0)) return false;
     if (chance < 1) {
         const Dimension survival = Dimension::at(next.key, Dimension::Use::Survival, 1);
         const auto index = static_cast<std::uint32_t>(sample.index);
-        if (context_.sampler.interval(sample.x, sample.y, index, survival) >= chance) return;
+        if (context_.sampler.interval(sample.x, sample.y, index, survival) >= chance) return false;
         next.throughput /= chance;
         next.coverage /= chance;
     }
-    push(next, behind(ray, t));
+    paths_[i] = next;
+    rays_[i] = behind(rays_[i], t);
+    return true;
 }
 
 void Integrator::push(const Path& path, const accel::Ray& ray)
@@ -242,12 +282,27 @@ void Integrator::push(const Path& path, const accel::Ray& ray)
     next_rays_.push_back(ray);
 }
 
+void Integrator::group_by_hits()
+{
+    const auto count = [](const Path& path) { return hits_at_once(path); };
+    if (std::ranges::is_sorted(paths_, {}, count)) return;
+    std::vector<std::uint32_t> order(paths_.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return count(paths_[i]); });
+    for (const std::uint32_t i : order) push(paths_[i], rays_[i]);
+    paths_.swap(next_paths_);
+    rays_.swap(next_rays_);
+    next_paths_.clear();
+    next_rays_.clear();
+}
+
 void Integrator::extend()
 {
     paths_.swap(next_paths_);
     rays_.swap(next_rays_);
     next_paths_.clear();
     next_rays_.clear();
+    group_by_hits();
     for (std::size_t i = 0; i < paths_.size(); ++i) {
         const std::uint8_t kinds = rays_[i].kinds;
         std::uint64_t& count = (kinds & accel::RayKind::Camera) != 0    ? counters_.rays.primary

@@ -41,8 +41,10 @@ struct FrameContext {
     const shade::FrameLights& lights;
     const TextureStore& textures;
     bool may_pass = false;                ///< some material of the scene transmits light straight on
+    bool moves = false;                   ///< something moves while the shutter is open: samples have moments
     float depth_near = 0, depth_far = 1;  ///< camera z of the scene, for View::Depth
     const Scene* scene = nullptr;         ///< has the names that Cryptomatte needs
+    FrameScale scale{};                   ///< all other lengths of the frame are in its unit
     static constexpr std::size_t kShadowBatch = 16384;
     std::size_t shadow_batch = kShadowBatch;  ///< shadow rays that may wait before they are traced
 };
@@ -61,9 +63,11 @@ struct IntegratorCounters {
     std::uint64_t hits_looked_up = 0;  ///< hits that were shaded without values of phase one
 };
 
-/// The number of lights that are sampled at a hit. A scene with more has one light chosen from each sixteenth of the
-/// list.
-inline constexpr int kMaxLightsPerHit = 16;
+/// The number of lights outside the tree that are sampled at a hit. Of more, all of which are suns, one is chosen from each
+/// sixteenth of the list.
+inline constexpr int kMaxLightsPerHit = static_cast<int>(shade::FrameLights::kMostWithoutTree);
+/// The number of lights that are drawn from the tree for each light sample of a hit: where the camera sees it, and later.
+inline constexpr int kTreeDraws = 16, kLaterTreeDraws = 4;
 /// The GGX width up to which `direct` follows a lobe as a mirror; wider lobes show lights alone.
 inline constexpr float kMirrorAlpha = 0.01f;
 /// The number of bounces before Russian roulette starts.
@@ -81,16 +85,19 @@ public:
     void run(Tracer& tracer, std::span<const CameraSample> samples, std::span<SampleResult> results)
     {
         begin(samples, results);
-        while (!paths_.empty()) {
-            if (hits_.size() < rays_.size()) hits_.resize(rays_.size());
-            trace([&] { tracer.closest(rays_, std::span(hits_).first(rays_.size())); });
-            for (std::size_t done = 0; done < paths_.size();) {
-                done = shade_some(done, samples, results);
-                std::uint64_t shot = 0;
-                trace([&] { shot = shadows_.trace(tracer, lit_, luck_); });
-                (context_.settings.integrator == IntegratorKind::Ao ? counters_.rays.ao : counters_.rays.shadow) += shot;
+        for (; !paths_.empty(); extend()) {
+            for (std::size_t first = 0, end = 0; first < paths_.size(); first = end) {
+                hits_of_each_ = hits_at_once(paths_[first]);
+                end = end_of_chunk(first);
+                first_of_chunk_ = first;
+                trace([&] { find_hits(tracer, std::span(rays_).subspan(first, end - first)); });
+                for (std::size_t done = first; done < end;) {
+                    done = shade_some(done, end, samples, results);
+                    std::uint64_t shot = 0;
+                    trace([&] { shot = shadows_.trace(tracer, lit_, luck_); });
+                    (context_.settings.integrator == IntegratorKind::Ao ? counters_.rays.ao : counters_.rays.shadow) += shot;
+                }
             }
-            extend();
         }
         for (std::size_t i = 0; i < results.size(); ++i) results[i].radiance += lit_[i];
     }
@@ -116,15 +123,38 @@ private:
         /// The peak density decides which lights are left to their own samples here (shade/direct.h).
         float peak = shade::peak_density(surface);
         Vec3d start = surface.start(surface.normal_geometric);
+        shade::Receiver receiver{};             ///< filled if there is a tree of lights
         float width = ray.footprint.at(hit.t);  ///< width of the beam
         /// Returns the index of the sample's first number in a dimension that has `of` numbers for each sample.
         std::uint32_t first_of(int of) const noexcept { return static_cast<std::uint32_t>(sample.index * of); }
     };
 
     void begin(std::span<const CameraSample> samples, std::span<SampleResult> results);
-    /// Shades hits from `first` on until enough shadow rays wait, and returns the first hit that is not shaded yet.
-    std::size_t shade_some(std::size_t first, std::span<const CameraSample> samples, std::span<SampleResult> results);
-    void shade_hit(std::size_t i, const CameraSample& sample, SampleResult& result);
+    /// Returns how many hits of the path's ray are found at once: more for one that has passed many surfaces, so that the
+    /// work grows with the number of the surfaces and not with its square.
+    static int hits_at_once(const Path& path) noexcept
+    {
+        return path.passed < 4 ? 1 : path.passed < 24 ? 16 : accel::kMostNearest;
+    }
+    /// Returns one past the last path from `first` on whose hits are found together; all of them find hits_of_each_ hits.
+    std::size_t end_of_chunk(std::size_t first) const noexcept;
+    template <class Tracer>
+    void find_hits(Tracer& tracer, std::span<const accel::Ray> rays)
+    {
+        const std::size_t count = rays.size() * static_cast<std::size_t>(hits_of_each_);
+        if (hits_.size() < count) hits_.resize(count);
+        const std::span<accel::SurfaceHit> hits = std::span(hits_).first(count);
+        hit_counts_.resize(rays.size());
+        if (hits_of_each_ > 1) return tracer.nearest(rays, hits_of_each_, hits, hit_counts_);
+        tracer.closest(rays, hits);
+        for (std::size_t i = 0; i < rays.size(); ++i) hit_counts_[i] = {hits[i].is_hit(), !hits[i].is_hit()};
+    }
+    /// Shades the hits of paths [first, end) until enough shadow rays wait, and returns the first path that is not shaded
+    /// yet.
+    std::size_t shade_some(std::size_t first, std::size_t end, std::span<const CameraSample> samples,
+                           std::span<SampleResult> results);
+    /// Returns true if the path goes straight on. Then paths_[i] and rays_[i] are what continues.
+    bool shade_hit(std::size_t i, const accel::SurfaceHit& hit, const CameraSample& sample, SampleResult& result);
     void count_cells(const accel::Ray& ray, const accel::SurfaceHit& hit);
     void shade_miss(std::size_t i, SampleResult& result);
     /// Adds the lights without a surface that a scattered ray crosses before `t_far`.
@@ -139,8 +169,9 @@ private:
         const float brightest = std::max({radiance.x, radiance.y, radiance.z});
         return brightest > most ? radiance * (most / brightest) : radiance;
     }
-    void record_first(const accel::SurfaceHit& hit, const shade::Surface& surface, float occlusion, float covered,
-                      SampleResult& result) const;
+    void record_first(const accel::Ray& ray, const accel::SurfaceHit& hit, const shade::Surface& surface, float occlusion,
+                      float covered, SampleResult& result) const;
+    Vec2f motion_of(const accel::Ray& ray, const accel::SurfaceHit& hit) const;
     void record_matte(const accel::SurfaceHit& hit, std::uint32_t sample, float covered);
 
     /// Holds the chances with which a ray continues straight on and scattered. If one of them is 0, that ray is not shot.
@@ -155,8 +186,15 @@ private:
     void scatter_on(const Vertex& v, float chance);
     /// Adds the lights along a scattered direction that is followed no further.
     void look_for_light(const Path& next, const accel::Ray& ray);
+    void gather_placed(const Vertex& v, int slots);
+    void gather_from_tree(const Vertex& v, int first_slot);
+    /// What is to be known of the samples that are drawn of one light.
+    struct PlacedSamples {
+        Vec3f share;     ///< what each counts for
+        float expected;  ///< samples of the light that were to be expected at the hit
+    };
     void gather_light(const Vertex& v, const shade::WorldLight& light, const Sequence& squares, int first, int end,
-                      Vec3f each);
+                      const PlacedSamples& samples);
     void test(const Vertex& v, const shade::ShadowTest& test, Vec3f share, int samples);
     /// Describes what continues straight on behind a surface.
     struct Passing {
@@ -164,13 +202,21 @@ private:
         float coverage;  ///< share of the pixel that no surface up to here covers
         float chance;    ///< the chance that the ray continues at all
     };
-    void pass_straight(const Path& path, const accel::Ray& ray, float t, const Passing& passing, const CameraSample& sample);
+    /// Replaces path i, which has come to t, by what continues behind. Returns false if it ends by chance.
+    bool pass_straight(std::size_t i, const Path& path, float t, const Passing& passing, const CameraSample& sample);
     void push(const Path& path, const accel::Ray& ray);
     void extend();
+    /// Sorts the paths by the number of hits that are found at once, so that those of one number stand together.
+    void group_by_hits();
 
     int light_samples_at(const Path& path) const noexcept;
     int scatter_samples_at(const Path& path) const noexcept;
-    shade::SampleCounts sample_counts(float light_samples, float scatter_samples, bool is_placed) const noexcept;
+    int tree_draws_at(const Path& path) const noexcept { return path.is_camera() ? kTreeDraws : kLaterTreeDraws; }
+    /// Returns the expected samples of a placed light at the surface that scattered a path.
+    float placed_samples(const Path& path, float probability) const noexcept
+    {
+        return context_.lights.tree().is_empty() ? path.light_samples : path.tree_samples * probability;
+    }
     Sequence numbers(const Vertex& v, Dimension::Use use, int slot = 0) const noexcept;
     accel::Ray scattered_ray(const Vertex& v, const shade::ScatterSample& s, int samples) const noexcept;
 
@@ -186,13 +232,15 @@ private:
     float texture_width_;  ///< width of the texture filter of one sample, in pixels
     bool has_mattes_;
     bool wants_occlusion_;  ///< occlusion maps are looked up, for `ao` or for the layer
-    float placed_samples_;  ///< expected samples of one placed light for each round over the lights
     IntegratorCounters counters_;
 
     // These are parallel arrays, kept from batch to batch for their memory.
     std::vector<Path> paths_, next_paths_;
     std::vector<accel::Ray> rays_, next_rays_;
-    std::vector<accel::SurfaceHit> hits_;  ///< at least as many as rays
+    std::vector<accel::SurfaceHit> hits_;      ///< hits_of_each_ of each path of the chunk that is being shaded
+    std::vector<accel::HitCount> hit_counts_;  ///< one for each path of the chunk
+    std::size_t first_of_chunk_ = 0;
+    int hits_of_each_ = 1;
     std::vector<MatteShare> mattes_;
     std::vector<Vec3f> lit_;   ///< radiance from shadow rays, one sum per sample
     std::vector<float> luck_;  ///< the number for each sample that ShadowQueue::trace() needs

@@ -41,11 +41,6 @@ int Integrator::light_samples_at(const Path& path) const noexcept
     return path.is_camera() ? context_.settings.light_samples : 1;
 }
 
-shade::SampleCounts Integrator::sample_counts(float light_samples, float scatter_samples, bool is_placed) const noexcept
-{
-    return {light_samples * (is_placed ? placed_samples_ : 1.0f), scatter_samples};
-}
-
 Sequence Integrator::numbers(const Vertex& v, Use use, int slot) const noexcept
 {
     return context_.sampler.sequence(v.sample.x, v.sample.y,
@@ -67,31 +62,21 @@ OCCAM_ALWAYS_INLINE void Integrator::test(const Vertex& v, const shade::ShadowTe
     ray.direction = test.direction;
     ray.t_far = test.t_far;
     ray.start_level = v.hit.start_level;
+    ray.time = v.ray.time;
     ray.footprint = shade::light_beam(v.width, test.t_far, test.density, samples * context_.settings.spp);
 }
 
 void Integrator::gather_light(const Vertex& v)
 {
-    const auto& lights = context_.lights.lights();
-    const int light_count = static_cast<int>(lights.size());
-    const int slots = std::min(light_count, kMaxLightsPerHit);
+    int slots = std::min(static_cast<int>(context_.lights.lights_outside_tree()), kMaxLightsPerHit);
+    gather_placed(v, slots);
+    if (!context_.lights.tree().is_empty()) {
+        gather_from_tree(v, slots);
+        slots += kTreeDraws;
+    }
     const int per_hit = light_samples_at(v.path);
     const Vec3f each = v.share / static_cast<float>(per_hit);
-    for (int slot = 0; slot < slots; ++slot) {
-        const Sequence squares = numbers(v, Use::Light, slot);
-        if (light_count == slots) {
-            gather_light(v, lights[std::size_t(slot)], squares, 0, per_hit, each);
-            continue;
-        }
-        const Sequence choices = numbers(v, Use::LightChoice, slot);
-        for (int n = 0; n < per_hit; ++n) {
-            const float choice = choices.interval(v.first_of(per_hit) + static_cast<std::uint32_t>(n));
-            const float at = (static_cast<float>(slot) + choice) / static_cast<float>(slots);
-            const int light = std::min(static_cast<int>(at * static_cast<float>(light_count)), light_count - 1);
-            gather_light(v, lights[std::size_t(light)], squares, n, n + 1, each);
-        }
-    }
-    const shade::SampleCounts counts = sample_counts(float(per_hit), float(scatter_samples_at(v.path)), false);
+    const shade::SampleCounts counts{float(per_hit), float(scatter_samples_at(v.path))};
     if (!context_.lights.meshes().is_empty()) {
         const Sequence squares = numbers(v, Use::Light, slots), choices = numbers(v, Use::LightChoice, slots);
         for (int n = 0; n < per_hit; ++n) {
@@ -109,18 +94,59 @@ void Integrator::gather_light(const Vertex& v)
     }
 }
 
+// Adds samples of the placed lights outside the tree: of all, or of one in each of as many parts of the list as there are
+// slots.
+void Integrator::gather_placed(const Vertex& v, int slots)
+{
+    const auto& lights = context_.lights.lights();
+    const int light_count = static_cast<int>(context_.lights.lights_outside_tree());
+    const int per_hit = light_samples_at(v.path);
+    const float chance = light_count > slots ? static_cast<float>(slots) / static_cast<float>(light_count) : 1;
+    const PlacedSamples samples{v.share / (static_cast<float>(per_hit) * chance), static_cast<float>(per_hit) * chance};
+    for (int slot = 0; slot < slots; ++slot) {
+        const Sequence squares = numbers(v, Use::Light, slot);
+        if (light_count == slots) {
+            gather_light(v, lights[std::size_t(slot)], squares, 0, per_hit, samples);
+            continue;
+        }
+        const Sequence choices = numbers(v, Use::LightChoice, slot);
+        for (int n = 0; n < per_hit; ++n) {
+            const float choice = choices.interval(v.first_of(per_hit) + static_cast<std::uint32_t>(n));
+            const float at = (static_cast<float>(slot) + choice) / static_cast<float>(slots);
+            const int light = std::min(static_cast<int>(at * static_cast<float>(light_count)), light_count - 1);
+            gather_light(v, lights[std::size_t(light)], squares, n, n + 1, samples);
+        }
+    }
+}
+
+void Integrator::gather_from_tree(const Vertex& v, int first_slot)
+{
+    const shade::LightTree& tree = context_.lights.tree();
+    const int per_hit = light_samples_at(v.path), draws = tree_draws_at(v.path);
+    const Sequence choices = numbers(v, Use::LightChoice, first_slot);
+    for (int n = 0; n < per_hit; ++n) {
+        shade::LightTree::Pick picks[kTreeDraws];
+        const float number = choices.interval(v.first_of(per_hit) + static_cast<std::uint32_t>(n));
+        const int count = tree.draw(v.receiver, number, std::span(picks, std::size_t(draws)));
+        for (int k = 0; k < count; ++k) {
+            const float expected = static_cast<float>(per_hit * draws) * picks[k].probability;
+            gather_light(v, context_.lights.lights()[picks[k].light], numbers(v, Use::Light, first_slot + k), n, n + 1,
+                         {v.share / expected, expected});
+        }
+    }
+}
+
 // Adds samples [first, end) of a placed light.
 void Integrator::gather_light(const Vertex& v, const shade::WorldLight& light, const Sequence& squares, int first, int end,
-                              Vec3f each)
+                              const PlacedSamples& samples)
 {
     if ((light.groups & v.hit.lit_by) == 0) return;
     const int per_hit = light_samples_at(v.path);
     const bool is_left_to_samples = shade::FrameLights::is_left_to_samples(light, v.start, v.peak);
-    const shade::SampleCounts counts = sample_counts(float(per_hit),
-                                                     is_left_to_samples ? 0.0f : float(scatter_samples_at(v.path)), true);
-    const Vec3f to_middle(light.position - v.surface.position), share = each / placed_samples_;
+    const shade::SampleCounts counts{samples.expected, is_left_to_samples ? 0.0f : float(scatter_samples_at(v.path))};
+    const Vec3f to_middle(light.position - v.surface.position);
     const auto sample = [&](Vec2f square) {
-        test(v, shade::test_of(v.surface, light.sample_from(to_middle, {square}), counts), share, per_hit);
+        test(v, shade::test_of(v.surface, light.sample_from(to_middle, {square}), counts), samples.share, per_hit);
     };
     const std::uint32_t index = v.first_of(per_hit) + static_cast<std::uint32_t>(first);
     if (end - first == 1) {
@@ -140,7 +166,7 @@ void Integrator::gather_sky(const Vertex& v)
     const int samples = light_samples_at(v.path);
     const shade::ShadingFrame axes(v.surface.normal);
     const Sequence squares = numbers(v, Use::Scatter);
-    const float reach = context_.settings.ao_distance > 0 ? context_.settings.ao_distance
+    const float reach = context_.settings.ao_distance > 0 ? context_.scale.to_frame(context_.settings.ao_distance)
                                                           : std::numeric_limits<float>::infinity();
     for (int n = 0; n < samples; ++n) {
         const Vec3f direction = axes.to_world(
@@ -150,6 +176,7 @@ void Integrator::gather_sky(const Vertex& v)
         ray.origin = v.surface.start(direction);
         ray.direction = direction;
         ray.start_level = v.hit.start_level;
+        ray.time = v.ray.time;
         ray.t_far = reach;
         const float density = glm::dot(direction, v.surface.normal) / shade::kPi;
         ray.footprint = shade::scattered_beam({v.width, 0}, density, samples * context_.settings.spp);
@@ -162,6 +189,7 @@ accel::Ray Integrator::scattered_ray(const Vertex& v, const shade::ScatterSample
     ray.origin = v.surface.start(s.direction);
     ray.direction = s.direction;
     ray.start_level = v.hit.start_level;
+    ray.time = v.ray.time;
     ray.kinds = kind_of(s.lobe);
     const shade::Beam beam{v.width, v.ray.footprint.b};
     const float cosine = std::max(glm::dot(v.surface.normal, v.surface.to_eye), 0.0f);
@@ -206,10 +234,12 @@ void Integrator::scatter_on(const Vertex& v, float chance)
         next.key = scattered_key(v.path.key, static_cast<std::uint32_t>(n));
         next.density = s.density;
         next.peak = v.peak;
-        next.lit_by = v.hit.lit_by;
+        next.receiver = v.receiver;
+        next.tree_samples = static_cast<float>(light_samples_at(v.path) * tree_draws_at(v.path));
         next.light_samples = static_cast<float>(light_samples);
         next.scatter_samples = static_cast<float>(samples);
         next.is_before_focus = false;
+        next.passed = 0;
         ++next.bounces;
         if (s.lobe == shade::Lobe::Transmission && v.surface.is_solid)
             next.absorption = v.hit.back_side ? Vec3f(0) : v.surface.absorption_inside;
@@ -238,7 +268,6 @@ void Integrator::look_for_light(const Path& next, const accel::Ray& ray)
         return;
     }
     // Lights without a surface and the sky need no hit: the ray is occluded or not.
-    const shade::SampleCounts placed = sample_counts(next.light_samples, next.scatter_samples, true);
     const auto add = [&](float t_far, Vec3f radiance) {
         const Vec3f reaches = clamped(next.throughput * radiance, next.bounces);
         if (is_black(reaches)) return;
@@ -248,15 +277,16 @@ void Integrator::look_for_light(const Path& next, const accel::Ray& ray)
         shadow.t_far = t_far;
     };
     const float infinity = std::numeric_limits<float>::infinity();
-    context_.lights.for_crossings(ray.origin, ray.direction, infinity, next.peak,
-                                  [&](const shade::WorldLight& light, const shade::LightCrossing& c) {
-                                      if ((light.groups & next.lit_by) == 0) return;
-                                      add(c.distance, c.radiance * placed.of_scatter(next.density, c.density));
-                                  });
-    const shade::Environment& sky = context_.lights.environment();
-    if (sky.is_black()) return;
-    const shade::SampleCounts counts = sample_counts(next.light_samples, next.scatter_samples, false);
-    add(infinity, sky.radiance(ray.direction) * counts.of_scatter(next.density, sky.density(ray.direction)));
+    const auto cross = [&](const shade::WorldLight& light, const shade::LightCrossing& c, float probability) {
+        if ((light.groups & next.receiver.groups) == 0) return;
+        const shade::SampleCounts counts{placed_samples(next, probability), next.scatter_samples};
+        add(c.distance, c.radiance * counts.of_scatter(next.density, c.density));
+    };
+    context_.lights.for_crossings(ray.origin, ray.direction, infinity, next.peak, next.receiver, cross);
+    if (context_.lights.environment().is_black()) return;
+    const shade::Environment::Light sky = context_.lights.environment().look_up(ray.direction);
+    const shade::SampleCounts counts{next.light_samples, next.scatter_samples};
+    add(infinity, sky.radiance * counts.of_scatter(next.density, sky.density));
 }
 
 }  // namespace occam::render

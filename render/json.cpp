@@ -44,6 +44,7 @@ Json json_of(const Settings& s)
             {"light_samples", s.light_samples},
             {"shading_rate", s.shading_rate},
             {"seed", s.seed},
+            {"shutter", {s.shutter.open, s.shutter.close}},
             {"deadline", s.deadline_s},
             {"progressive", s.progressive},
             {"filter", filter_name(s.filter)},
@@ -62,6 +63,7 @@ Json json_of(const Settings& s)
                     : s.sky == shade::Sky::Off ? "off"
                                                : "auto"},
             {"sky_strength", s.sky_strength},
+            {"default_light", s.default_light ? Json(*s.default_light) : Json(nullptr)},
             {"lod", s.lod == Lod::On    ? "on"
                     : s.lod == Lod::Off ? "off"
                                         : "frozen"},
@@ -107,6 +109,7 @@ std::string to_json(const FrameStats& s)
           {"triangles_in", s.scene.triangles_in},
           {"lights", s.scene.lights},
           {"warnings", s.scene.warnings}}},
+        {"motion", {{"segments", s.motion.segments}, {"camera_segments", s.motion.camera_segments}}},
         {"seconds",
          {{"total", t.total},
           {"load", t.load},
@@ -121,6 +124,7 @@ std::string to_json(const FrameStats& s)
           {"texture", t.texture},
           {"film", t.film},
           {"write", t.write}}},
+        {"lights", {{"has_default", s.lights.has_default}, {"has_emitters", s.lights.has_emitters}}},
         {"rays",
          {{"primary", s.rays.primary},
           {"shadow", s.rays.shadow},

@@ -5,6 +5,7 @@
 
 #include "base/vec.h"
 #include "scenegraph/ray_kind.h"
+#include "shade/light_tree.h"
 
 namespace occam::render {
 
@@ -17,11 +18,13 @@ struct Path {
     float density = 0;         ///< density of the scattered direction per solid angle; 0 for a camera ray
     float peak = 0;            ///< shade::peak_density() of the surface that scattered it
     float light_samples = 1, scatter_samples = 1;  ///< samples of each technique at the surface it comes from
-    Vec3f absorption{0};              ///< absorption coefficient of the body that it travels in, per world length
-    LightGroups lit_by = kAllGroups;  ///< light groups of the surface that scattered it
-    std::uint8_t bounces = 0;         ///< number of surfaces that scattered it
-    std::uint8_t splits = 0;          ///< number of surfaces that split the camera ray in two, up to kMaxSplits
-    bool is_probe = false;            ///< the path looks for light, and is not scattered again
+    Vec3f absorption{0};           ///< absorption coefficient of the body that it travels in, per world length
+    shade::Receiver receiver;      ///< the surface that scattered it, as lights were chosen for it
+    float tree_samples = 0;        ///< draws from the tree of lights at that surface
+    std::uint16_t passed = 0;      ///< number of surfaces that the ray has passed straight on
+    std::uint8_t bounces = 0;      ///< number of surfaces that scattered it
+    std::uint8_t splits = 0;       ///< number of surfaces that split the camera ray in two, up to kMaxSplits
+    bool is_probe = false;         ///< the path looks for light, and is not scattered again
     bool is_before_focus = false;  ///< the ray ends at the focus of a lens, and continues behind it with another footprint
 
     bool is_camera() const noexcept { return bounces == 0; }

@@ -20,6 +20,8 @@ struct Dimension {
 
     static constexpr Dimension pixel() noexcept { return {0}; }
     static constexpr Dimension lens() noexcept { return {1}; }
+    /// Returns the dimension of the moment at which a sample sees the scene.
+    static constexpr Dimension time() noexcept { return {4}; }
     /// Returns the dimension of the number by which ShadowQueue::trace() ends rays.
     static Dimension luck() noexcept { return at(0xffffffffu, Use::Passing, 1); }
     /// Returns the dimension of a use at one of a path's surfaces; `slot` counts the numbers of one use. Different keys

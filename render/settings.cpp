@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "base/error.h"
+#include "scenegraph/content_rules.h"
 
 namespace occam::render {
 namespace {
@@ -86,6 +87,8 @@ void check(const Settings& s)
     require(s.filter_radius >= 0 && s.filter_radius <= 16, "filter radius", "from 0 to 16 pixels");
     require(s.error >= 0 && s.error < 1, "error", "from 0 to less than 1");
     require(s.shading_rate >= 1.0f / 64 && s.shading_rate <= 1024, "shading rate", "from 1/64 to 1024 pixels");
+    check(s.shutter);
+    require(!s.has(Aov::Motion) || s.shutter.is_open(), "aov", "motion needs a shutter that is open for some time");
     require(s.deadline_s >= 0 && std::isfinite(s.deadline_s), "deadline", "seconds, 0 or more");
 }
 

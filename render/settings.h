@@ -70,9 +70,15 @@ struct Settings {
     int light_samples = 1;              ///< per light at each hit that the camera sees; for `ao`, samples of the sky
     shade::Sky sky = shade::Sky::Auto;  ///< soft daylight, in place of a black environment
     float sky_strength = 1;             ///< factor of its brightness
-    float shading_rate = 1;             ///< target edge length of micropolygons, in pixels
+    /// Whether a scene without placed lights and environment gets the default light, unless `sky` is off. None: it does if
+    /// its emissive surfaces do not light what the camera sees. A sequence decides once.
+    std::optional<bool> default_light{};
+    float shading_rate = 1;  ///< target edge length of micropolygons, in pixels
     Lod lod = Lod::On;
     ShadeAt shade_at = ShadeAt::Hit;
+    /// When the shutter is open. The scene's motion is what Scene::record_shutter() recorded, whatever is said here; this
+    /// tells how many frames that takes, for Aov::Motion.
+    Shutter shutter{};
     std::optional<Camera> lod_camera{};  ///< the camera whose pixels the footprints are; none: the picture's own
     std::uint64_t seed = 0;
     double deadline_s = 0;  ///< stop after so long with what is done; 0: none. The one setting that makes pictures differ

@@ -25,7 +25,7 @@ float number_of(const accel::Ray& ray, float luck) noexcept
 
 accel::Ray behind(accel::Ray ray, float t) noexcept
 {
-    ray.t_near = t * (1 + 4 * std::numeric_limits<float>::epsilon());
+    ray.t_near = accel::behind(t);
     return ray;
 }
 
@@ -75,30 +75,36 @@ void ShadowQueue::collect_blocked()
     }
 }
 
-void ShadowQueue::pass_blocked(std::span<const float> luck)
+bool ShadowQueue::passes(std::size_t blocked, const accel::SurfaceHit& hit, std::span<const float> luck)
 {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < blocked_.size(); ++i) {
-        const accel::SurfaceHit& hit = blocked_hits_[i];
-        if (!hit.is_hit()) continue;
-        const Vec3f transmittance = culls_ && is_culled(hit)
-                                        ? Vec3f(1)
-                                        : shade::passes_straight(shade_point(blocked_rays_[i], hit, texture_width_),
-                                                                 textures_);
-        Shadow& shadow = shadows_[blocked_[i].shadow];
-        const float share = blocked_[i].share * std::max({transmittance.x, transmittance.y, transmittance.z}),
-                    chance = passing_chance(share);
-        blocked_rays_[i] = behind(blocked_rays_[i], hit.t);
-        if (!(chance > 0) || (chance < 1 && number_of(blocked_rays_[i], luck[shadow.sample]) >= chance)) {
-            shadow.radiance = Vec3f(0);
-            continue;
-        }
-        shadow.radiance *= chance < 1 ? transmittance / chance : transmittance;
-        blocked_rays_[kept] = blocked_rays_[i];
-        blocked_[kept++] = {blocked_[i].shadow, share / chance};
+    accel::Ray& ray = blocked_rays_[blocked];
+    const Vec3f transmittance = culls_ && is_culled(hit)
+                                    ? Vec3f(1)
+                                    : shade::passes_straight(shade_point(ray, hit, texture_width_), textures_);
+    Shadow& shadow = shadows_[blocked_[blocked].shadow];
+    const float share = blocked_[blocked].share * std::max({transmittance.x, transmittance.y, transmittance.z});
+    const float chance = passing_chance(share);
+    ray = behind(ray, hit.t);
+    if (!(chance > 0) || (chance < 1 && number_of(ray, luck[shadow.sample]) >= chance)) {
+        shadow.radiance = Vec3f(0);
+        return false;
     }
-    blocked_.resize(kept);
-    blocked_rays_.resize(kept);
+    shadow.radiance *= chance < 1 ? transmittance / chance : transmittance;
+    blocked_[blocked].share = share / chance;
+    return true;
+}
+
+void ShadowQueue::pass_blocked(std::size_t first, int most, std::span<const float> luck)
+{
+    for (std::size_t i = 0; i < hit_counts_.size(); ++i) {
+        const accel::SurfaceHit* hits = &blocked_hits_[i * static_cast<std::size_t>(most)];
+        const accel::HitCount known = hit_counts_[i];
+        int passed = 0;
+        while (passed < known.count && passes(first + i, hits[passed], luck)) ++passed;
+        if (passed < known.count || known.is_all) continue;
+        blocked_rays_[kept_] = blocked_rays_[first + i];
+        blocked_[kept_++] = blocked_[first + i];
+    }
 }
 
 void ShadowQueue::add_light(std::span<Vec3f> sums)

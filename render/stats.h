@@ -18,10 +18,18 @@ struct FrameStats {
     struct Scene {
         std::uint64_t nodes = 0, cages = 0, faces = 0, triangles_in = 0, lights = 0, warnings = 0;
     } scene;
+    struct Motion {
+        int segments = 0;         ///< of the scene's shutter; 0: nothing moves in it
+        int camera_segments = 0;  ///< of the camera's own path
+    } motion;
     struct Seconds {
         double total = 0, load = 0, edit = 0, refit = 0, build = 0, tessellate = 0, deform = 0, trace = 0, shade = 0,
                phase_one = 0, texture = 0, film = 0, write = 0;
     } seconds;
+    struct Lights {
+        bool has_default = false;  ///< daylight and a lamp were added, since the scene has no light of its own that would do
+        bool has_emitters = false;  ///< some surface of the scene is emissive
+    } lights;
     struct Rays {
         std::uint64_t primary = 0, shadow = 0, ao = 0, glossy = 0, diffuse = 0;
         double per_second = 0;  ///< per second of the frame's wall time

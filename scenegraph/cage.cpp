@@ -89,7 +89,7 @@ private:
             positions[i] = stand_in;
             ++count;
         }
-        report(count, "vertices are not finite or beyond 1e12");
+        report(count, "vertices are not finite or beyond 1e16");
     }
 
     // A subdivided cage may have this many corners of a face and faces around a vertex. The limit surface at such a place

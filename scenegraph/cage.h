@@ -130,8 +130,9 @@ struct OnDemandCage {
     std::vector<MaterialId> materials;  ///< slots; empty: the default material
 };
 
-/// The largest coordinate that may be used: the product of three of them stays below the largest float.
-inline constexpr float kMaxCoordinate = 1e12f;
+/// The largest coordinate that may be used: areas of boxes, times their number, stay below the largest float. What is
+/// computed in a frame is in its own unit of length (scenegraph/frame_scale.h).
+inline constexpr float kMaxCoordinate = 1e16f;
 inline bool is_usable(Vec3f p) noexcept
 {
     return std::abs(p.x) <= kMaxCoordinate && std::abs(p.y) <= kMaxCoordinate && std::abs(p.z) <= kMaxCoordinate;

@@ -18,6 +18,9 @@ struct CameraLens {
     int blades = 0;    ///< number of aperture blades; fewer than 3: a round aperture
 };
 
+/// The largest number of a camera's keys.
+inline constexpr std::size_t kMaxCameraKeys = 1025;
+
 /// A camera as a frame needs it, in world axes and world lengths.
 struct Camera {
     Mat4d world_from_camera{1};  ///< rigid; its columns are right, up, back and eye; of mid-shutter if the camera moves
@@ -33,5 +36,17 @@ struct Camera {
     /// tenth.
     static Camera framing(const Box3d& bounds, float aspect = 16.0f / 9.0f);
 };
+
+/// When the shutter opens and closes, in frames from the frame's own time: -0.25 and 0.25 are half a frame around it.
+struct Shutter {
+    double open = 0, close = 0;
+
+    double length() const noexcept { return close - open; }
+    /// Returns false for a shutter that opens and closes at the same moment: the picture is that of the moment.
+    bool is_open() const noexcept { return close > open; }
+    friend bool operator==(const Shutter&, const Shutter&) = default;
+};
+/// The farthest moment from a frame's own time, in frames.
+inline constexpr double kMaxShutterFrames = 1e6;
 
 }  // namespace occam

@@ -1,24 +1,90 @@
 #include "scenegraph/child_boxes.h"
 
 #include <bit>
+#include <numeric>
 
 namespace occam {
+namespace {
+
+double area_of(const Box3d& box) noexcept { return box.is_empty() ? 0 : box.half_area(); }
+
+// Spreads the lowest 21 bits so that two zeros follow each of them.
+std::uint64_t spread(std::uint64_t x) noexcept
+{
+    x = (x | x << 32) & 0x001f00000000ffffull;
+    x = (x | x << 16) & 0x001f0000ff0000ffull;
+    x = (x | x << 8) & 0x100f00f00f00f00full;
+    x = (x | x << 4) & 0x10c30c30c30c30c3ull;
+    return (x | x << 2) & 0x1249249249249249ull;
+}
+
+// Returns the place of a point along a Morton curve through the box.
+std::uint64_t morton_code(Vec3d p, const Box3d& within) noexcept
+{
+    constexpr double kSteps = 2097151;  // 21 bits
+    std::uint64_t code = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double share = (p[axis] - within.lo[axis]) / (within.hi[axis] - within.lo[axis]);
+        const double step = share > 0 ? std::min(share, 1.0) * kSteps : 0;  // 0 where the box is flat, too
+        code |= spread(static_cast<std::uint64_t>(step)) << axis;
+    }
+    return code;
+}
+
+}  // namespace
 
 void ChildBoxes::resize(std::size_t children)
 {
-    children_ = children;
     const std::size_t blocks = (children + kBlock - 1) / kBlock;
-    if (blocks <= leaves_) return;
+    const bool has_spread = edits_ >= children && area_ > 2 * area_when_sorted_;
+    for (auto child = static_cast<std::uint32_t>(order_.size()); child < children; ++child) {
+        block_of_.push_back(static_cast<std::uint32_t>(child / kBlock));
+        order_.push_back(child);
+        if (blocks <= leaves_) touch_block(block_of_.back());
+    }
+    if (blocks <= leaves_ && !has_spread) return;
     leaves_ = std::bit_ceil(blocks);
-    boxes_.assign(2 * leaves_, {});
+    sums_.assign(2 * leaves_, {});
     is_stale_.assign(leaves_, false);
     stale_.clear();
     for (std::uint32_t block = 0; block < blocks; ++block) touch_block(block);
+    is_unsorted_ = true;
+}
+
+void ChildBoxes::sort(const std::vector<Box3d>& boxes)
+{
+    Box3d middles;
+    for (const Box3d& box : boxes)
+        if (!box.is_empty()) middles.add(box.centre());
+    struct Place {
+        std::uint64_t code;
+        std::uint32_t child;
+    };
+    std::vector<Place> places(boxes.size());
+    for (std::uint32_t child = 0; child < boxes.size(); ++child)
+        places[child] = {boxes[child].is_empty() ? ~std::uint64_t(0) : morton_code(boxes[child].centre(), middles), child};
+    std::sort(places.begin(), places.end(),
+              [](const Place& a, const Place& b) { return a.code != b.code ? a.code < b.code : a.child < b.child; });
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        order_[i] = places[i].child;
+        block_of_[places[i].child] = static_cast<std::uint32_t>(i / kBlock);
+    }
+    is_unsorted_ = false;
+    edits_ = 0;
+    area_ = area_when_sorted_ = 0;
+}
+
+void ChildBoxes::store_block(std::uint32_t block, const Sum& sum) noexcept
+{
+    Sum& known = sums_[leaves_ + block];
+    area_ += area_of(sum.box) - area_of(known.box);
+    known = sum;
 }
 
 // Goes up level by level, so that a box above several changed ones is made only once.
 std::size_t ChildBoxes::refit_above()
 {
+    if (edits_ == 0) area_when_sorted_ = area_;
     for (const std::uint32_t block : stale_) is_stale_[block] = false;
     std::vector<std::uint32_t> level = std::move(stale_);
     stale_.clear();
@@ -30,14 +96,39 @@ std::size_t ChildBoxes::refit_above()
             const std::uint32_t parent = at / 2;
             if (parents > 0 && level[parents - 1] == parent) continue;
             const std::size_t node = first / 2 + parent;
-            boxes_[node] = boxes_[2 * node];
-            boxes_[node].add(boxes_[2 * node + 1]);
+            sums_[node] = sums_[2 * node];
+            sums_[node].add(sums_[2 * node + 1]);
             level[parents++] = parent;
         }
         level.resize(parents);
         looked_at += 2 * parents;
     }
     return looked_at;
+}
+
+std::size_t ChildBoxes::most_at_once(std::size_t children) noexcept
+{
+    // Two nodes a level, down to one block.
+    return children <= kMostAtOnce ? children : kBlock + 2 * std::size_t(std::bit_width(children / kBlock) + 1);
+}
+
+void ChildBoxes::find(std::uint8_t kinds, std::vector<std::uint32_t>& out) const
+{
+    const std::size_t before = out.size();
+    std::vector<std::uint32_t> todo{kRoot};
+    while (!todo.empty()) {
+        const std::uint32_t node = todo.back();
+        todo.pop_back();
+        if (!contents(node).has(kinds)) continue;
+        if (is_block(node)) {
+            const auto children_there = children(node);
+            out.insert(out.end(), children_there.begin(), children_there.end());
+        } else {
+            todo.push_back(2 * node);
+            todo.push_back(2 * node + 1);
+        }
+    }
+    std::sort(out.begin() + std::ptrdiff_t(before), out.end());
 }
 
 }  // namespace occam

@@ -110,6 +110,25 @@ void check(const Environment& environment)
     rules.finite(environment.rotation, "the rotation");
 }
 
+void check(const Camera& camera)
+{
+    if (camera.keys.empty()) return;
+    if (camera.keys.size() < 2 || camera.keys.size() > kMaxCameraKeys)
+        throw Error("", "a camera that moves has from 2 to " + std::to_string(kMaxCameraKeys) + " keys", "camera");
+    for (const Mat4d& key : camera.keys)
+        for (int c = 0; c < 4; ++c)
+            for (int r = 0; r < 3; ++r)
+                if (!std::isfinite(key[c][r])) throw Error("", "a key must be finite", "camera");
+}
+
+void check(const Shutter& shutter)
+{
+    const auto is_good = [](double t) { return std::abs(t) <= kMaxShutterFrames; };
+    if (!is_good(shutter.open) || !is_good(shutter.close))
+        throw Error("", "the moments must be finite, and within a million frames", "shutter");
+    if (shutter.open > shutter.close) throw Error("", "it cannot close before it opens", "shutter");
+}
+
 void check(const Clip& clip)
 {
     const Rules rules("clip", clip.name);

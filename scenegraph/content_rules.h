@@ -13,6 +13,10 @@ namespace occam {
 void check(const Material& material);
 void check(const Light& light);
 void check(const CameraLens& lens);
+/// Checks that the keys of a camera are finite, and that there are none, or from 2 to kMaxCameraKeys.
+void check(const Camera& camera);
+/// Checks that the moments are finite, not too far away, and in order.
+void check(const Shutter& shutter);
 /// Checks sizes, widths, increasing times, finite values, and that rotations have a length. The targets are not checked.
 void check(const Clip& clip);
 void check(const Trs& place, const std::string& name);

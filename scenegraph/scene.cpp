@@ -78,6 +78,7 @@ NodeId Scene::add_node(NodeId parent, NodeDesc desc)
     s.nodes.find(id)->place_among_siblings = static_cast<std::uint32_t>(siblings.size());
     siblings.push_back(id);
     for (CageId cage : node.cages) s.cages.find(cage)->users.add(id, is_alive);
+    s.watch_contents(id, *s.nodes.find(id));
     if (node.instance_of) s.nodes.find(node.instance_of)->instances.add(id, is_alive);
     if (node.skin) {
         s.skins.find(node.skin)->users.add(id, is_alive);
@@ -174,6 +175,8 @@ void Scene::set_materials(NodeId id, std::vector<MaterialId> materials)
     State::NodeRecord& node = State::at(state_->nodes, id, "node");
     for (MaterialId material : materials) State::at(state_->materials, material, "material");
     node.materials = std::move(materials);
+    state_->watch_contents(id, node);
+    state_->mark_dirty(id);
 }
 
 NodeId Scene::find_node(std::string_view name) const

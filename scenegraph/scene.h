@@ -21,6 +21,7 @@
 #include "scenegraph/animation.h"
 #include "scenegraph/cage.h"
 #include "scenegraph/camera.h"
+#include "scenegraph/contents.h"
 #include "scenegraph/deform_bounds.h"
 #include "scenegraph/light.h"
 #include "scenegraph/material.h"
@@ -62,13 +63,14 @@ struct Node : NodeDesc {
     NodeId parent;
     std::vector<NodeId> children;  ///< in order of addition; a node with many has null handles where some were removed
     Mat4d parent_from_node{1};
-    /// Holds the subtree and instance_of at all keys of the shutter, in the node\'s own axes; valid after Scene::refit().
+    /// Holds the subtree and instance_of at all keys of the shutter, in the node's own axes; valid after Scene::refit().
     Box3d bounds;
+    Contents contents;        ///< of the subtree and of instance_of; valid after Scene::refit()
     Mat4d node_from_skin{1};  ///< for a skinned node, from the axes of SkinSlot::mesh_poses; valid after Scene::refit()
     /// One entry for each key of the shutter if the node changes while it is open, else empty. Between two keys, matrices
     /// are interpolated as elements, after they are multiplied along the path to the world, and vertices as positions.
     std::vector<NodeKey> keys;
-    bool dirty = true;  ///< the bounds of this node and of all its ancestors are out of date
+    bool dirty = true;  ///< bounds and contents of this node and of all its ancestors are out of date
 
     /// Returns whether the node is visible at any time while the shutter is open, if what is above it is.
     bool is_visible_in_shutter() const noexcept;
@@ -105,6 +107,8 @@ struct SkinSlot {
     std::vector<Mat4d> mesh_poses;  ///< base_from_mesh of each joint; valid after Scene::refit(). A removed joint: identity
     std::vector<std::vector<Mat4d>> key_poses;  ///< mesh_poses at each key of the shutter; empty: no joint moves
 };
+
+class ChildBoxes;
 
 /// Returns the bounds of a cage that a node shows, at all keys of the shutter, in the node's axes. It visits no vertex.
 /// skin   the node's skin, or null; the poses of nodes and skins must be up to date (Scene::refit())
@@ -224,6 +228,14 @@ public:
     /// add_node refuses them).
     template <class Visit>
     void for_each_placement(Visit&& visit) const;
+    /// Returns what is visible in the whole scene. After refit() the cost is constant, otherwise it is a visit to all nodes.
+    Contents contents() const;
+    /// Calls visit for the placements that themselves hold one of these kinds of Contents, in the order of
+    /// for_each_placement(). After refit() it visits only subtrees that hold one.
+    using VisitPlacement = std::function<void(NodeId, const Node&, const Mat4d& world_from_node)>;
+    void for_placements_of(std::uint8_t kinds, const VisitPlacement& visit) const;
+    /// Returns the tree over the node's children, or null for a node with few of them. It is valid after refit().
+    const ChildBoxes* child_boxes(NodeId id) const noexcept;
 
     /// Returns CageSlot::identity of every cage.
     std::vector<std::uint64_t> cage_identities() const;
@@ -231,11 +243,10 @@ public:
     struct Counts {
         std::size_t nodes = 0, cages = 0, faces = 0, lights = 0, cameras = 0;
         std::size_t materials = 0, textures = 0, clips = 0, skins = 0;
+        std::size_t mesh_triangles = 0;  ///< those of `faces` that belong to triangle meshes
     };
     Counts counts() const;  ///< `faces` counts each cage once; see placed_faces()
     std::size_t placed_faces() const;
-    bool is_displaced() const;   ///< whether any cage is displaced
-    bool is_subdivided() const;  ///< whether any cage is not a mesh of triangles, or is made on demand
 
     /// Lists what was repaired or dropped when content was added: one line each, with a count.
     std::vector<std::string> warnings;

@@ -79,15 +79,22 @@ std::size_t Scene::State::refit_node(NodeId id, NodeRecord& node)
         const Node* child = nodes.find(node.children[i]);
         return child ? box_in_parent(*child) : Box3d();
     };
+    Contents contents = own_contents(node);
+    const auto contents_of = [&](std::size_t i) {
+        const Node* child = nodes.find(node.children[i]);
+        return child && child->is_visible_in_shutter() ? child->contents : Contents();
+    };
     std::size_t looked_at = 0;
     if (node.child_boxes) {
-        looked_at = node.child_boxes->refit(box_of);
+        looked_at = node.child_boxes->refit(box_of, contents_of);
         bounds.add(node.child_boxes->bounds());
+        contents.add(node.child_boxes->contents());
     } else {
-        for (std::size_t i = 0; i < node.children.size(); ++i) bounds.add(box_of(i));
+        for (std::size_t i = 0; i < node.children.size(); ++i) bounds.add(box_of(i)), contents.add(contents_of(i));
     }
-    if (const Node* target = nodes.find(node.instance_of)) bounds.add(target->bounds);
+    if (const Node* target = nodes.find(node.instance_of)) bounds.add(target->bounds), contents.add(target->contents);
     node.bounds = bounds;
+    node.contents = contents;
     node.dirty = false;
     return looked_at;
 }

@@ -64,7 +64,7 @@ CageId Scene::add(OnDemandCage cage)
     state_->require_editable();
     if (!cage.make) throw Error("", "a cage on demand needs something that makes it", cage.name);
     if (!cage.bounds.is_empty() && !(cage.bounds.largest_coordinate() <= double(kMaxCoordinate)))
-        throw Error("", "a bound is not finite, or beyond 1e12", cage.name);
+        throw Error("", "a bound is not finite, or beyond 1e16", cage.name);
     for (const MaterialId material : cage.materials) State::at(state_->materials, material, "material");
     State::CageRecord record;
     record.cage.name = std::move(cage.name);
@@ -72,7 +72,9 @@ CageId Scene::add(OnDemandCage cage)
     record.bounds = cage.bounds;
     record.make = std::move(cage.make);
     record.identity = next_identity();
-    return state_->cages.add(std::move(record));
+    const CageId id = state_->cages.add(std::move(record));
+    state_->take_contents(id, *state_->cages.find(id));
+    return id;
 }
 
 CageId Scene::add(Cage cage)
@@ -85,13 +87,18 @@ CageId Scene::add(Cage cage)
     record.largest_face = largest_face(record.cage);
     record.identity = next_identity();
     find_bounds(record);
-    return state_->cages.add(std::move(record));
+    const CageId id = state_->cages.add(std::move(record));
+    state_->count_faces(*state_->cages.find(id), 1);
+    state_->take_contents(id, *state_->cages.find(id));
+    return id;
 }
 MaterialId Scene::add(Material material)
 {
     state_->require_editable();
     check(material);
-    return state_->materials.add(std::move(material));
+    State::MaterialRecord record;
+    static_cast<Material&>(record) = std::move(material);
+    return state_->materials.add(std::move(record));
 }
 TextureId Scene::add(Texture texture)
 {
@@ -106,7 +113,9 @@ LightId Scene::add(Light light)
 {
     state_->require_editable();
     check(light);
-    return state_->lights.add(std::move(light));
+    State::LightRecord record;
+    static_cast<Light&>(record) = std::move(light);
+    return state_->lights.add(std::move(record));
 }
 CameraId Scene::add(CameraLens lens)
 {
@@ -129,12 +138,13 @@ void Scene::remove(CageId id)
     State::CageRecord& record = State::at(state_->cages, id, "cage");
     state_->drop_keys(record);
     state_->mark_users_dirty(record);
+    state_->count_faces(record, -1);
     state_->cages.remove(id);
 }
 void Scene::remove(LightId id)
 {
     state_->require_editable();
-    State::at(state_->lights, id, "light");
+    for (const NodeId user : State::at(state_->lights, id, "light").users.ids()) state_->mark_dirty(user);
     state_->lights.remove(id);
 }
 
@@ -153,7 +163,7 @@ void Scene::write_vertices(CageId id, std::span<const Vec3f> positions)
         throw Error("", "write_vertices needs as many positions as the cage has",
                     std::to_string(positions.size()) + " for " + std::to_string(record.cage.positions.size()));
     for (Vec3f p : positions)
-        if (!is_usable(p)) throw Error("", "a position is not finite, or beyond 1e12", record.cage.name);
+        if (!is_usable(p)) throw Error("", "a position is not finite, or beyond 1e16", record.cage.name);
     state_->about_to_write(id, record);
     record.cage.positions.assign(positions.begin(), positions.end());
     find_bounds(record);
@@ -168,27 +178,32 @@ void Scene::replace(CageId id, Cage cage)
     const std::string name = cage.name.empty() ? "cage" : cage.name;
     for (const std::string& line : sanitize(cage)) warnings.push_back(name + ": " + line);
     state_->drop_keys(record);
+    state_->count_faces(record, -1);
     record.cage = std::move(cage);
     record.largest_face = largest_face(record.cage);
     record.make = nullptr;
     record.identity = next_identity();
     record.positions_version = 0;
     find_bounds(record);
+    state_->count_faces(record, 1);
+    state_->take_contents(id, record);
     state_->mark_users_dirty(record);
 }
 void Scene::replace(MaterialId id, Material material)
 {
     state_->require_editable();
-    Material& known = State::at(state_->materials, id, "material");
+    State::MaterialRecord& known = State::at(state_->materials, id, "material");
     check(material);
-    known = std::move(material);
+    const std::uint8_t kinds = kinds_of(known);
+    static_cast<Material&>(known) = std::move(material);
+    if (kinds_of(known) != kinds) state_->mark_users_dirty(known);
 }
 void Scene::replace(LightId id, Light light)
 {
     state_->require_editable();
-    Light& known = State::at(state_->lights, id, "light");
+    State::LightRecord& known = State::at(state_->lights, id, "light");
     check(light);
-    known = std::move(light);
+    static_cast<Light&>(known) = std::move(light);
 }
 
 const Node* Scene::find(NodeId id) const noexcept { return state_->nodes.find(id); }
@@ -213,34 +228,19 @@ std::vector<TextureId> Scene::texture_ids() const
     return ids;
 }
 
-bool Scene::is_displaced() const
-{
-    bool any = false;
-    state_->cages.for_each([&](CageId, const CageSlot& slot) { any |= slot.cage.is_displaced(); });
-    return any;
-}
-
-bool Scene::is_subdivided() const
-{
-    bool any = false;
-    state_->cages.for_each(
-        [&](CageId, const CageSlot& slot) { any |= slot.is_on_demand() || slot.cage.scheme != Scheme::Triangles; });
-    return any;
-}
-
 Scene::Counts Scene::counts() const
 {
     const State& s = *state_;
-    Counts counts{.nodes = s.nodes.size(),
-                  .cages = s.cages.size(),
-                  .lights = s.lights.size(),
-                  .cameras = s.cameras.size(),
-                  .materials = s.materials.size(),
-                  .textures = s.textures.size(),
-                  .clips = s.clips.size(),
-                  .skins = s.skins.size()};
-    s.cages.for_each([&](CageId, const CageSlot& slot) { counts.faces += slot.cage.face_count(); });
-    return counts;
+    return {.nodes = s.nodes.size(),
+            .cages = s.cages.size(),
+            .faces = s.faces,
+            .lights = s.lights.size(),
+            .cameras = s.cameras.size(),
+            .materials = s.materials.size(),
+            .textures = s.textures.size(),
+            .clips = s.clips.size(),
+            .skins = s.skins.size(),
+            .mesh_triangles = s.mesh_triangles};
 }
 
 std::size_t Scene::placed_faces() const

@@ -18,27 +18,35 @@ Box3d grown_by_displacement(const Cage& cage, const Box3d& box) noexcept;
 /// Computes the bounds of a slot's cage and of what deforms it.
 void find_bounds(CageSlot& slot);
 
-/// The nodes that an edit must notify. Removed nodes are dropped when the list would grow, so that its size stays in
-/// proportion to the number of nodes alive at one time.
-class Watchers {
+/// The nodes or cages that an edit must notify. Removed ones and duplicates are dropped when the list would grow, so that
+/// its size stays in proportion to the number alive at one time.
+template <class Id>
+class WatcherList {
 public:
     template <class IsAlive>
-    void add(NodeId id, IsAlive&& is_alive)
+    void add(Id id, IsAlive&& is_alive)
     {
-        if (ids_.size() == ids_.capacity()) std::erase_if(ids_, [&](NodeId known) { return !is_alive(known); });
+        if (!ids_.empty() && ids_.back() == id) return;
+        if (ids_.size() == ids_.capacity()) {
+            std::erase_if(ids_, [&](Id known) { return !is_alive(known); });
+            std::sort(ids_.begin(), ids_.end(), [](Id a, Id b) { return a.slot < b.slot; });  // live ids differ by slot
+            ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
+            if (ids_.size() > ids_.capacity() / 2) ids_.reserve(2 * ids_.capacity());
+        }
         ids_.push_back(id);
     }
-    /// Adds the node unless it is already in the list. The cost is linear in the list's length.
+    /// Adds the id unless it is already in the list. The cost is linear in the list's length.
     template <class IsAlive>
-    void add_once(NodeId id, IsAlive&& is_alive)
+    void add_once(Id id, IsAlive&& is_alive)
     {
         if (std::find(ids_.begin(), ids_.end(), id) == ids_.end()) add(id, is_alive);
     }
-    const std::vector<NodeId>& ids() const noexcept { return ids_; }
+    const std::vector<Id>& ids() const noexcept { return ids_; }
 
 private:
-    std::vector<NodeId> ids_;
+    std::vector<Id> ids_;
 };
+using Watchers = WatcherList<NodeId>;
 
 /// Returns the first generation for the handles of a new scene: far from that of every other scene of the process.
 std::uint32_t next_scene_generation() noexcept;
@@ -108,6 +116,14 @@ struct Scene::State {
     };
     struct CageRecord : CageSlot {
         Watchers users;
+        Contents contents;  ///< as the cage's own materials have it
+    };
+    struct LightRecord : Light {
+        Watchers users;
+    };
+    struct MaterialRecord : Material {
+        Watchers users;             ///< nodes whose override names the material
+        WatcherList<CageId> cages;  ///< cages that name it
     };
 
     /// A node with more children keeps their boxes in a tree, and leaves gaps in its list where some were removed.
@@ -116,9 +132,9 @@ struct Scene::State {
     const std::uint32_t generation = next_scene_generation();
     SceneTable<NodeRecord, NodeTag> nodes{generation};
     SceneTable<CageRecord, CageTag> cages{generation};
-    SceneTable<Material, MaterialTag> materials{generation};
+    SceneTable<MaterialRecord, MaterialTag> materials{generation};
     SceneTable<Texture, TextureTag> textures{generation};
-    SceneTable<Light, LightTag> lights{generation};
+    SceneTable<LightRecord, LightTag> lights{generation};
     SceneTable<CameraLens, CameraTag> cameras{generation};
     SceneTable<SkinRecord, SkinTag> skins{generation};
     SceneTable<Clip, ClipTag> clips{generation};
@@ -133,7 +149,8 @@ struct Scene::State {
     std::vector<CageId> cages_with_keys;
     std::unordered_map<NodeId, Posed> posed;  ///< for each copy; the key of the scene itself is a null handle
     NodeId root;
-    mutable std::atomic<int> frames{0};  ///< number of FrameLocks alive
+    std::size_t faces = 0, mesh_triangles = 0;  ///< of all cages
+    mutable std::atomic<int> frames{0};         ///< number of FrameLocks alive
 
     void require_editable() const
     {
@@ -174,6 +191,18 @@ struct Scene::State {
     bool is_shown_by(NodeId below, NodeId above) const;
     /// Refits one node and returns the number of children's boxes it visited beyond those that Scene::refit() has visited.
     std::size_t refit_node(NodeId id, NodeRecord& node);
+    /// Returns what a node holds itself, without what lies below it.
+    Contents own_contents(const NodeRecord& node) const noexcept;
+    /// Sums up what a cage holds and registers it with its materials; it is called where the cage's polygons or materials
+    /// are new.
+    void take_contents(CageId id, CageRecord& cage);
+    /// Registers a node with its light and with the materials of its override.
+    void watch_contents(NodeId id, const NodeRecord& node);
+    /// Marks the nodes that show the material.
+    void mark_users_dirty(const MaterialRecord& material);
+    /// Counts a cage's faces into the scene's, or with `sign` -1 out of them.
+    void count_faces(const CageRecord& cage, int sign) noexcept;
+
     /// Pushes the nodes that must be up to date before this one.
     void push_below(NodeRecord& node, std::vector<RefitStep>& todo) const;
 

@@ -1,8 +1,7 @@
 #include "scenegraph/shutter.h"
 
 #include <cmath>
-
-#include "base/error.h"
+#include <unordered_map>
 
 namespace occam {
 namespace {
@@ -126,14 +125,6 @@ void add_cage(SegmentCount& count, const Place& place, const Node& node, const C
 
 }  // namespace
 
-void check(const Shutter& shutter)
-{
-    const auto is_good = [](double t) { return std::abs(t) <= kMaxShutterFrames; };
-    if (!is_good(shutter.open) || !is_good(shutter.close))
-        throw Error("", "the moments must be finite, and within a million frames", "shutter");
-    if (shutter.open > shutter.close) throw Error("", "it must open before it closes", "shutter");
-}
-
 int needed_segments(const Scene& scene, const PathTolerance& tolerance)
 {
     const int most = scene.shutter_segments();
@@ -148,11 +139,13 @@ int needed_segments(const Scene& scene, const PathTolerance& tolerance)
         return place;
     };
     const Node& root = scene.node(scene.root());
+    std::unordered_map<NodeId, int> placements;
     std::vector<Place> todo;
     if (root.is_visible_in_shutter()) todo.push_back(place_below({{}, {}, Mat4d(1)}, scene.root(), root));
     while (!todo.empty() && !count.is_decided()) {
         const Place place = std::move(todo.back());
         todo.pop_back();
+        if (++placements[place.id] > kMostPlacements) continue;
         const Node& node = scene.node(place.id);
         for (const CageId id : node.cages)
             if (const CageSlot* slot = scene.find(id)) add_cage(count, place, node, *slot, scene.find(node.skin));
@@ -162,6 +155,38 @@ int needed_segments(const Scene& scene, const PathTolerance& tolerance)
         if (scene.find(node.instance_of)) todo.push_back({node.instance_of, place.world_keys, place.world_from_node});
     }
     return count.needed();
+}
+
+std::unordered_set<NodeId> moving_nodes(const Scene& scene)
+{
+    std::unordered_set<NodeId> moving;
+    if (scene.shutter_segments() == 0) return moving;
+    struct Step {
+        NodeId id;
+        bool moves;
+    };
+    std::vector<Step> todo{{scene.root(), !scene.node(scene.root()).keys.empty()}};
+    std::unordered_set<NodeId> still;
+    while (!todo.empty()) {
+        const Step step = todo.back();
+        todo.pop_back();
+        // A node that was found to move has been followed already, and a still one only once for placements that are still.
+        if (moving.contains(step.id) || (!step.moves && still.contains(step.id))) continue;
+        (step.moves ? moving : still).insert(step.id);
+        const Node& node = scene.node(step.id);
+        for (const NodeId child : node.children)
+            if (const Node* c = scene.find(child)) todo.push_back({child, step.moves || !c->keys.empty()});
+        if (scene.find(node.instance_of)) todo.push_back({node.instance_of, step.moves});
+    }
+    for (const NodeId id : still) {
+        const Node& node = scene.node(id);
+        const SkinSlot* skin = scene.find(node.skin);
+        bool moves = skin && !skin->key_poses.empty();
+        for (const CageId cage : node.cages)
+            if (const CageSlot* slot = scene.find(cage)) moves |= !slot->key_positions.empty();
+        if (moves) moving.insert(id);
+    }
+    return moving;
 }
 
 }  // namespace occam

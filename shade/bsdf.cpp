@@ -4,6 +4,7 @@
 
 #include "shade/fresnel.h"
 #include "shade/sheen.h"
+#include "shade/stroke_albedo.h"
 #include "shade/transmission.h"
 
 namespace occam::shade {
@@ -39,6 +40,42 @@ Vec3f multiple_share(Vec3f f0, float f90, float mean_albedo) noexcept
     return f * f * mean_albedo / (Vec3f(1) - f * (1 - mean_albedo));
 }
 
+// Describes the layer's lobe of a surface with brush strokes, in axes along the direction of the strokes.
+struct Strokes {
+    Vec3f x, y, z;
+    Widths widths;
+
+    explicit Strokes(const Surface& s) noexcept
+        : x(s.tangent), y(glm::cross(s.normal, s.tangent)), z(s.normal), widths{s.alpha_along, s.alpha_across}
+    {
+    }
+    Vec3f local(Vec3f v) const noexcept { return {glm::dot(v, x), glm::dot(v, y), glm::dot(v, z)}; }
+    Vec3f local_eye(Vec3f v) const noexcept
+    {
+        Vec3f eye = local(v);
+        eye.z = std::max(eye.z, 1e-4f);
+        return glm::normalize(eye);
+    }
+    float lobe(const Surface& s, Vec3f to_light) const noexcept
+    {
+        const Vec3f h = local(glm::normalize(s.to_eye + to_light));
+        return ggx_density(h, widths) * ggx_visibility(local(to_light), local_eye(s.to_eye), widths);
+    }
+    float density(const Surface& s, Vec3f to_light) const noexcept
+    {
+        const Vec3f half = s.to_eye + to_light;
+        const float length = glm::length(half);
+        return length > 0 ? visible_density_over_cosine(local_eye(s.to_eye), local(half / length), widths) / 4 : 0;
+    }
+    Vec3f sample(Vec3f to_eye, Vec2f square) const noexcept
+    {
+        const Vec3f h = visible_normal(local_eye(to_eye), widths, square);
+        return x * h.x + y * h.y + z * h.z;
+    }
+};
+
+bool has_strokes(const Surface& s) noexcept { return s.tangent != Vec3f(0); }
+
 // Describes the layer over the base: a lobe for its multiple scattering, and the share of light that it transmits to the
 // base and back.
 struct Layer {
@@ -46,15 +83,24 @@ struct Layer {
     Vec3f multiple;     // multiple_share() of the layer
     float f0, f90;      // reflectance of the dielectric over the base
     float base_multiple, base_mean;
-    const AlbedoTable& table = AlbedoTable::instance();
 
     explicit Layer(const Surface& s) noexcept : alpha(s.alpha), f0(s.dielectric_f0), f90(s.dielectric_f90)
     {
-        const LayerAlbedo all = table.mean(alpha);
+        const LayerAlbedo all = has_strokes(s) ? StrokeAlbedo::instance().mean({s.alpha_along, s.alpha_across}, alpha)
+                                               : AlbedoTable::instance().mean(alpha);
         mean = all.sum();
         multiple = multiple_share(s.f0, s.f90, mean);
         base_multiple = multiple_share(Vec3f(f0), f90, mean).x;
         base_mean = f0 * all.f0 + f90 * all.f90 + base_multiple * (1 - mean);
+    }
+    // Returns the albedo of a layer that reflects all light, for a direction and its cosine to the normal.
+    static LayerAlbedo albedo(const Surface& s, Vec3f direction, float cosine) noexcept
+    {
+        if (!has_strokes(s)) return AlbedoTable::instance().at(cosine, s.alpha);
+        const Strokes strokes(s);
+        Vec3f local = strokes.local(direction);
+        local.z = cosine;
+        return StrokeAlbedo::instance().at(local, strokes.widths, s.alpha);
     }
     // Returns the share of a direction's light that gets below the dielectric.
     float through(LayerAlbedo e) const noexcept
@@ -121,7 +167,7 @@ private:
     void add_opaque(const Surface& s, float below, float n_v) noexcept
     {
         const Layer over(s);
-        const LayerAlbedo e = over.table.at(n_v, s.alpha);
+        const LayerAlbedo e = Layer::albedo(s, s.to_eye, n_v);
         const float through = over.through(e);
         layer = below * (luminance(s.f0) * e.f0 + s.f90 * e.f90);
         diffuse = below * (through * luminance(s.diffuse) + luminance(over.multiple) * std::max(0.0f, 1 - e.sum()));
@@ -131,42 +177,6 @@ private:
         pane_diffuse -= pane;
     }
 };
-
-// Describes the layer's lobe of a surface with brush strokes, in axes along the direction of the strokes.
-struct Strokes {
-    Vec3f x, y, z;
-    Widths widths;
-
-    explicit Strokes(const Surface& s) noexcept
-        : x(s.tangent), y(glm::cross(s.normal, s.tangent)), z(s.normal), widths{s.alpha_along, s.alpha_across}
-    {
-    }
-    Vec3f local(Vec3f v) const noexcept { return {glm::dot(v, x), glm::dot(v, y), glm::dot(v, z)}; }
-    Vec3f local_eye(Vec3f v) const noexcept
-    {
-        Vec3f eye = local(v);
-        eye.z = std::max(eye.z, 1e-4f);
-        return glm::normalize(eye);
-    }
-    float lobe(const Surface& s, Vec3f to_light) const noexcept
-    {
-        const Vec3f h = local(glm::normalize(s.to_eye + to_light));
-        return ggx_density(h, widths) * ggx_visibility(local(to_light), local_eye(s.to_eye), widths);
-    }
-    float density(const Surface& s, Vec3f to_light) const noexcept
-    {
-        const Vec3f half = s.to_eye + to_light;
-        const float length = glm::length(half);
-        return length > 0 ? visible_density_over_cosine(local_eye(s.to_eye), local(half / length), widths) / 4 : 0;
-    }
-    Vec3f sample(Vec3f to_eye, Vec2f square) const noexcept
-    {
-        const Vec3f h = visible_normal(local_eye(to_eye), widths, square);
-        return x * h.x + y * h.y + z * h.z;
-    }
-};
-
-bool has_strokes(const Surface& s) noexcept { return s.tangent != Vec3f(0); }
 
 // Returns the share of a lobe that is left towards the facet's horizon. It is like terminator(), but reaches 1 already at
 // the lowest direction to which a reflecting normal (evaluate()) reflects the eye.
@@ -189,7 +199,7 @@ Vec3f reflected(const Surface& s, Vec3f to_light) noexcept
     const float lobe = has_strokes(s) ? Strokes(s).lobe(s, to_light)
                                       : ggx_density(a.n_h, a.sin2_h, s.alpha) * ggx_visibility(a.n_l, a.n_v, s.alpha);
     const Layer layer(s);
-    const LayerAlbedo eye = layer.table.at(a.n_v, s.alpha), light = layer.table.at(a.n_l, s.alpha);
+    const LayerAlbedo eye = Layer::albedo(s, s.to_eye, a.n_v), light = Layer::albedo(s, to_light, a.n_l);
     const float g = schlick(a.v_h);
     const Vec3f mirror = (s.f0 * (1 - g) + Vec3f(s.f90 * g)) * lobe + layer.multiple_lobe(eye, light);
     const Vec3f base = s.diffuse * (layer.into_base(eye, light) / kPi);
@@ -203,7 +213,8 @@ Vec3f through_rough_pane(const Surface& s, Vec3f to_light) noexcept
     const float n_l = -glm::dot(s.normal, to_light);
     if (!(n_l > 0)) return Vec3f(0);
     const Layer layer(s);
-    const LayerAlbedo eye = layer.table.at(eye_cosine(s.normal, s.to_eye), s.alpha), light = layer.table.at(n_l, s.alpha);
+    const LayerAlbedo eye = Layer::albedo(s, s.to_eye, eye_cosine(s.normal, s.to_eye)),
+                      light = Layer::albedo(s, to_light, n_l);
     return pane_transmission(s, to_light) + s.transmission * (layer.multiple_through(eye, light) * n_l);
 }
 

@@ -13,12 +13,10 @@ ShadowTest test_environment(const Surface& surface, const Environment& environme
                             SampleCounts counts) noexcept
 {
     if (!environment.has_density()) return {};
-    LightSample sample;
-    sample.direction = environment.sample(numbers.square);
-    sample.distance = std::numeric_limits<float>::infinity();
-    sample.density = environment.density(sample.direction);
-    if (!(sample.density > 0)) return {};
-    sample.radiance = environment.radiance(sample.direction) / sample.density;
+    const Environment::Light light = environment.draw(numbers.square);
+    if (!(light.density > 0)) return {};
+    const LightSample sample{light.direction, std::numeric_limits<float>::infinity(), light.radiance / light.density,
+                             light.density};
     return test_of(surface, sample, counts);
 }
 

@@ -15,15 +15,24 @@ constexpr int kColumns = 512, kRows = 256;
 struct Interval {
     int index;
     float within;
-    float share;
 };
-Interval find_interval(std::span<const float> sums, float u) noexcept
+// There are as many guides as sums, and the number of both is a power of two, so that no product is rounded.
+Interval find_interval(std::span<const float> sums, std::span<const std::uint16_t> guides, float u) noexcept
 {
-    const auto above = std::upper_bound(sums.begin(), sums.end() - 1, u);
-    const int index = static_cast<int>(above - sums.begin());
-    const float below = index ? sums[std::size_t(index) - 1] : 0;
-    const float share = *above - below;
-    return {index, share > 0 ? std::clamp((u - below) / share, 0.0f, 0.9999999f) : 0.5f, share};
+    const std::size_t last = sums.size() - 1;
+    std::size_t index = guides[std::min(static_cast<std::size_t>(u * float(sums.size())), last)];
+    while (index < last && !(u < sums[index])) ++index;
+    const float below = index ? sums[index - 1] : 0, share = sums[index] - below;
+    return {static_cast<int>(index), share > 0 ? std::clamp((u - below) / share, 0.0f, 0.9999999f) : 0.5f};
+}
+
+void fill_guides(std::span<const float> sums, std::span<std::uint16_t> guides) noexcept
+{
+    std::size_t index = 0;
+    for (std::size_t i = 0; i < guides.size(); ++i) {
+        while (index + 1 < sums.size() && !(float(i) / float(guides.size()) < sums[index])) ++index;
+        guides[i] = static_cast<std::uint16_t>(index);
+    }
 }
 
 float share_of(std::span<const float> sums, int index) noexcept
@@ -93,7 +102,12 @@ Vec3f Environment::radiance(Vec3f direction) const noexcept
         case Kind::Image:
             break;
     }
-    return scale_ * glm::max(Vec3f(textures_->sample(image_, uv_of(direction), 0)), Vec3f(0));
+    return texel(uv_of(direction));
+}
+
+Vec3f Environment::texel(Vec2f uv) const noexcept
+{
+    return scale_ * glm::max(Vec3f(textures_->sample(image_, uv, 0)), Vec3f(0));
 }
 
 Vec2f Environment::uv_of(Vec3f direction) const noexcept
@@ -133,25 +147,40 @@ void Environment::tabulate()
         row_sums_[std::size_t(row)] = accumulate(cells) * maths::sin((float(row) + 0.5f) * kPi / kRows);
     }
     accumulate(row_sums_);
+    row_guide_.resize(row_sums_.size());
+    fill_guides(row_sums_, row_guide_);
+    cell_guide_.resize(cell_sums_.size());
+    for (std::size_t first = 0; first < cell_sums_.size(); first += kColumns)
+        fill_guides(std::span(cell_sums_).subspan(first, kColumns), std::span(cell_guide_).subspan(first, kColumns));
 }
 
-Vec3f Environment::sample(Vec2f square) const noexcept
+float Environment::density_at(int row, int column, float ring) const noexcept
 {
-    const Interval row = find_interval(row_sums_, square.y);
-    const std::span cells(cell_sums_.data() + row.index * kColumns, std::size_t(kColumns));
-    const Interval column = find_interval(cells, square.x);
-    return direction_of({(float(column.index) + column.within) / kColumns, (float(row.index) + row.within) / kRows});
+    const std::span cells(cell_sums_.data() + row * kColumns, std::size_t(kColumns));
+    return share_of(row_sums_, row) * share_of(cells, column) * float(kColumns * kRows) /
+           (2 * kPi * kPi * std::max(1e-6f, ring));
 }
 
-float Environment::density(Vec3f direction) const noexcept
+Environment::Light Environment::draw(Vec2f square) const noexcept
 {
-    if (!has_density()) return 0;
+    const Interval row = find_interval(row_sums_, row_guide_, square.y);
+    const auto first = std::size_t(row.index) * kColumns;
+    const Interval column = find_interval(std::span(cell_sums_).subspan(first, kColumns),
+                                          std::span(cell_guide_).subspan(first, kColumns), square.x);
+    const Vec2f uv((float(column.index) + column.within) / kColumns, (float(row.index) + row.within) / kRows);
+    const Vec3f direction = direction_of(uv);
+    const float ring = std::sqrt(std::max(0.0f, 1 - direction.y * direction.y));
+    return {direction, texel(uv), density_at(row.index, column.index, ring)};
+}
+
+Environment::Light Environment::look_up(Vec3f direction) const noexcept
+{
+    if (!has_density()) return {direction, radiance(direction), 0};
     const Vec2f uv = uv_of(direction);
     const int row = std::clamp(int(uv.y * kRows), 0, kRows - 1);
     const int column = std::clamp(int(uv.x * kColumns), 0, kColumns - 1);
-    const std::span cells(cell_sums_.data() + row * kColumns, std::size_t(kColumns));
-    const float ring = std::max(1e-6f, std::sqrt(std::max(0.0f, 1 - direction.y * direction.y)));
-    return share_of(row_sums_, row) * share_of(cells, column) * float(kColumns * kRows) / (2 * kPi * kPi * ring);
+    const float ring = std::sqrt(std::max(0.0f, 1 - direction.y * direction.y));
+    return {direction, texel(uv), density_at(row, column, ring)};
 }
 
 }  // namespace occam::shade

@@ -1,10 +1,11 @@
 // Light from infinitely far, in every direction: a constant, an equirectangular image, or the default sky of a scene
 // without light.
 //
-// Memory   a table of 512 x 256 luminances for an image. Borrows the texture store.
+// Memory   tables of 512 x 256 luminances and indices for an image, 0.8 MB. Borrows the texture store.
 // Threads  const after construction.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "io/texture/texture_store.h"
@@ -26,14 +27,24 @@ public:
     /// Returns true for an image, which is also sampled by its brightness. For the others the lobes of the surface
     /// suffice.
     bool has_density() const noexcept { return kind_ == Kind::Image; }
-    Vec3f sample(Vec2f square) const noexcept;
-    float density(Vec3f direction) const noexcept;  ///< density of sample() per solid angle; 0 if it has no density
+    /// Light from one direction, and the density per solid angle with which draw() finds it; 0 if the environment has no
+    /// density.
+    struct Light {
+        Vec3f direction{0};
+        Vec3f radiance{0};
+        float density = 0;
+    };
+    /// Draws a direction by the brightness of the image, which there has to be.
+    Light draw(Vec2f square) const noexcept;
+    Light look_up(Vec3f direction) const noexcept;
 
 private:
     enum class Kind : unsigned char { None, Constant, Image, Sky };
 
     Vec2f uv_of(Vec3f direction) const noexcept;
     Vec3f direction_of(Vec2f uv) const noexcept;
+    Vec3f texel(Vec2f uv) const noexcept;
+    float density_at(int row, int column, float ring) const noexcept;
     void tabulate();
 
     Kind kind_ = Kind::None;
@@ -43,6 +54,8 @@ private:
     const TextureStore* textures_ = nullptr;
     std::vector<float> row_sums_;   ///< running sums over rows; the last one is 1
     std::vector<float> cell_sums_;  ///< running sums within each row; the last one of a row is 1
+    // Where to begin looking for a number in the sums (Chen and Asau 1974): entry i of n is the first sum above i / n.
+    std::vector<std::uint16_t> row_guide_, cell_guide_;
 };
 
 }  // namespace occam::shade

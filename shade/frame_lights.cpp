@@ -1,5 +1,7 @@
 #include "shade/frame_lights.h"
 
+#include <algorithm>
+
 namespace occam::shade {
 namespace {
 
@@ -19,47 +21,61 @@ WorldLight key_light(const Camera& camera)
 // which is less than a hundredth of what the default light gives it.
 constexpr double kLeastIrradiance = 0.02;
 
-bool are_lamps(const MeshLights& meshes, const Scene& scene) noexcept
+bool are_lamps(const MeshLights& meshes, const Scene& scene, const FrameScale& scale) noexcept
 {
     if (!(meshes.power() > 0)) return false;
     const Box3d& box = scene.node(scene.root()).bounds;
     if (box.is_empty()) return true;
-    const Vec3d half = 0.5 * Vec3d(transform_vector(scene.node(scene.root()).parent_from_node, box.hi - box.lo));
+    const Mat4d placed = scale.placed(scene.node(scene.root()).parent_from_node);
+    const Vec3d half = 0.5 * Vec3d(transform_vector(placed, box.hi - box.lo));
     return meshes.power() >= kLeastIrradiance * 4 * glm::dot(half, half);
 }
 
 }  // namespace
 
-FrameLights::FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures, Sky sky, float sky_strength)
-    : meshes_(scene, textures), environment_(scene.environment, textures)
+FrameLights::FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures, Sky sky, float sky_strength,
+                         const FrameScale& scale, std::optional<bool> gets_default)
+    : meshes_(scene, textures, scale), environment_(scene.environment, textures)
 {
-    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d& world_from_node) {
-        if (const Light* light = scene.find(node.light)) lights_.push_back(WorldLight::place(*light, world_from_node));
+    scene.for_placements_of(Contents::Lights, [&](NodeId, const Node& node, const Mat4d& world_from_node) {
+        if (const Light* light = scene.find(node.light))
+            lights_.push_back(WorldLight::place(*light, world_from_node, scale));
     });
     const bool is_dark = environment_.is_black();
-    const bool is_bare = is_dark && lights_.empty() && !are_lamps(meshes_, scene);
-    if (is_bare && sky != Sky::Off) lights_.push_back(key_light(camera));
-    if (is_dark && (sky == Sky::On || (sky == Sky::Auto && is_bare))) environment_ = Environment::sky(sky_strength);
-    list_areas();
+    const bool has_none = is_dark && lights_.empty();
+    relies_on_emitters_ = has_none && are_lamps(meshes_, scene, scale);
+    has_default_ = has_none && sky != Sky::Off && gets_default.value_or(!relies_on_emitters_);
+    if (has_default_) lights_.push_back(key_light(camera));
+    if (is_dark && (sky == Sky::On || has_default_)) environment_ = Environment::sky(sky_strength);
+    arrange();
 }
 
 FrameLights::FrameLights(std::vector<WorldLight> lights, Environment environment)
     : lights_(std::move(lights)), environment_(std::move(environment))
 {
-    list_areas();
+    arrange();
 }
 
 bool FrameLights::leaves_all_to_samples(Vec3d start, float peak, LightGroups groups) const noexcept
 {
     if (meshes_.any_emitter() || !environment_.is_black()) return false;
-    for (const std::uint32_t i : with_area_)
-        if ((lights_[i].groups & groups) != 0 && !is_left_to_samples(lights_[i], start, peak)) return false;
-    return true;
+    const auto is_found = [&](std::uint32_t i) {
+        return (lights_[i].groups & groups) != 0 && !is_left_to_samples(lights_[i], start, peak);
+    };
+    return std::none_of(with_area_.begin(), with_area_.end(), is_found) &&
+           !tree_.any_covering(start, kLeastChance / (peak * maths::kPi), is_found);
 }
 
-void FrameLights::list_areas()
+void FrameLights::arrange()
 {
-    for (std::uint32_t i = 0; i < lights_.size(); ++i)
+    outside_tree_ = lights_.size();
+    if (lights_.size() > kMostWithoutTree) {
+        const auto in_tree = std::stable_partition(
+            lights_.begin(), lights_.end(), [](const WorldLight& light) { return light.kind == WorldLight::Kind::Sun; });
+        outside_tree_ = static_cast<std::size_t>(in_tree - lights_.begin());
+        tree_ = LightTree(lights_, outside_tree_);
+    }
+    for (std::uint32_t i = 0; i < outside_tree_; ++i)
         if (lights_[i].has_area()) with_area_.push_back(i);
 }
 

@@ -4,14 +4,16 @@
 // no emissive surfaces that are bright enough to light it, unless Sky says otherwise. The scene's bounds must be up to
 // date for that.
 //
-// Space    world; positions are double, directions are float.
+// Space    world axes, frame lengths (scenegraph/frame_scale.h); positions are double, directions are float.
 // Threads  const after construction.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "base/maths.h"
 #include "shade/environment.h"
+#include "shade/light_tree.h"
 #include "shade/lights.h"
 #include "shade/mesh_lights.h"
 #include "shade/sky.h"
@@ -33,36 +35,56 @@ public:
         return light.sine2_subtended(start) * (peak * maths::kPi) < kLeastChance;
     }
     /// The textures must be prepared. `camera` places the key light of a scene that has none.
+    /// gets_default   whether a scene without placed lights and environment gets the default light, unless `sky` is off;
+    ///                none: if its emissive surfaces have too little power
     FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures, Sky sky = Sky::Auto,
-                float sky_strength = 1);
+                float sky_strength = 1, const FrameScale& scale = {}, std::optional<bool> gets_default = {});
     FrameLights(std::vector<WorldLight> lights, Environment environment);
 
+    /// A scene with more placed lights than this draws them by a tree, except for suns.
+    static constexpr std::size_t kMostWithoutTree = 16;
+
+    /// Returns the placed lights: first those outside the tree.
     const std::vector<WorldLight>& lights() const noexcept { return lights_; }
+    std::size_t lights_outside_tree() const noexcept { return outside_tree_; }
+    const LightTree& tree() const noexcept { return tree_; }
     const Environment& environment() const noexcept { return environment_; }
     const MeshLights& meshes() const noexcept { return meshes_; }
+    /// Returns true if the key light was added, because the scene has no light of its own that would do.
+    bool has_default() const noexcept { return has_default_; }
+    /// Returns true if the scene has neither placed lights nor an environment, but emissive surfaces whose power is enough
+    /// for it.
+    bool relies_on_emitters() const noexcept { return relies_on_emitters_; }
 
     /// Returns true if scattered rays from `start` can contribute nothing that samples of lights do not.
     bool leaves_all_to_samples(Vec3d start, float peak, LightGroups groups) const noexcept;
 
-    /// Calls use(const WorldLight&, const LightCrossing&) for every area light that the ray crosses within t_far, except
-    /// for those that are left to their own samples where the ray starts.
+    /// Calls use(const WorldLight&, const LightCrossing&, float probability) for every area light that the ray meets within
+    /// t_far, except for those that are left to their own samples where the ray starts. The probability is that with which
+    /// one draw from the tree picks the light for the receiver, or 1 for a light outside the tree.
     template <class Use>
-    void for_crossings(Vec3d origin, Vec3f direction, float t_far, float peak, Use&& use) const
+    void for_crossings(Vec3d origin, Vec3f direction, float t_far, float peak, const Receiver& receiver, Use&& use) const
     {
-        for (const std::uint32_t i : with_area_) {
-            if (is_left_to_samples(lights_[i], origin, peak)) continue;
+        const auto cross = [&](std::uint32_t i, auto&& probability) {
+            if (is_left_to_samples(lights_[i], origin, peak)) return;
             const LightCrossing c = lights_[i].crossing(origin, direction);
-            if (c.density > 0 && c.distance < t_far) use(lights_[i], c);
-        }
+            if (c.density > 0 && c.distance < t_far) use(lights_[i], c, probability());
+        };
+        for (const std::uint32_t i : with_area_) cross(i, [] { return 1.0f; });
+        tree_.for_crossed(origin, direction,
+                          [&](std::uint32_t i) { cross(i, [&] { return tree_.probability(i, receiver); }); });
     }
 
 private:
-    void list_areas();
+    void arrange();
 
     std::vector<WorldLight> lights_;
-    std::vector<std::uint32_t> with_area_;
+    std::size_t outside_tree_ = 0;
+    std::vector<std::uint32_t> with_area_;  ///< of those outside the tree
+    LightTree tree_;
     MeshLights meshes_;
     Environment environment_;
+    bool has_default_ = false, relies_on_emitters_ = false;
 };
 
 }  // namespace occam::shade

@@ -4,16 +4,17 @@
 #include <set>
 #include <variant>
 
-#include "scenegraph/scene.h"
+#include "scenegraph/shown_nodes.h"
 
 namespace occam::shade {
 namespace {
 
 bool is_beyond(Vec3f c) noexcept { return limited(c) != c; }
 
-bool is_beyond(const Light& light) noexcept
+bool is_beyond(const Light& light, const FrameScale& scale) noexcept
 {
-    if (const auto* point = std::get_if<PointLight>(&light.kind)) return is_beyond(point->intensity);
+    if (const auto* point = std::get_if<PointLight>(&light.kind))
+        return is_beyond(Vec3f(Vec3d(point->intensity) * (scale.to_frame() * scale.to_frame())));
     if (const auto* sun = std::get_if<SunLight>(&light.kind)) return is_beyond(sun->irradiance);
     if (const auto* area = std::get_if<AreaLight>(&light.kind)) return is_beyond(area->radiance);
     return false;
@@ -28,7 +29,7 @@ bool is_too_white(const Material& m) noexcept
 
 }  // namespace
 
-std::vector<std::string> input_warnings(const Scene& scene, float sky_strength)
+std::vector<std::string> input_warnings(const Scene& scene, float sky_strength, const FrameScale& scale)
 {
     std::set<const Material*> materials;
     std::set<const Light*> lights;
@@ -36,7 +37,8 @@ std::vector<std::string> input_warnings(const Scene& scene, float sky_strength)
         for (const MaterialId id : ids)
             if (const Material* m = scene.find(id)) materials.insert(m);
     };
-    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
+    constexpr std::uint8_t kKinds = Contents::OverWhite | Contents::Emitters | Contents::Lights;
+    for_each_shown_node(scene, kKinds, [&](NodeId, const Node& node) {
         look(node.materials);
         for (const CageId id : node.cages)
             if (const CageSlot* slot = scene.find(id)) look(slot->cage.materials);
@@ -46,7 +48,8 @@ std::vector<std::string> input_warnings(const Scene& scene, float sky_strength)
                                          [](const Material* m) { return is_too_white(*m); });
     const auto too_bright = std::count_if(materials.begin(), materials.end(),
                                           [](const Material* m) { return is_beyond(m->emission); }) +
-                            std::count_if(lights.begin(), lights.end(), [](const Light* l) { return is_beyond(*l); }) +
+                            std::count_if(lights.begin(), lights.end(),
+                                          [&](const Light* l) { return is_beyond(*l, scale); }) +
                             is_beyond(scene.environment.radiance) + is_beyond(Vec3f(sky_strength));
     std::vector<std::string> lines;
     if (too_white > 0)

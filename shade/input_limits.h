@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/vec.h"
+#include "scenegraph/frame_scale.h"
 
 namespace occam {
 class Scene;
@@ -16,7 +17,8 @@ class Scene;
 
 namespace occam::shade {
 
-/// The brightest radiance, irradiance or intensity of a light, an environment or a material.
+/// The brightest radiance, irradiance or intensity of a light, an environment or a material. Intensities are those in the
+/// frame's unit of length.
 inline constexpr float kMaxRadiance = 1e12f;
 
 /// Returns the colour with no channel above kMaxRadiance; a channel that is not a number becomes 0.
@@ -28,6 +30,7 @@ inline Vec3f limited(Vec3f c) noexcept
 
 /// Returns a line for each kind of value that is clamped, with a count: lights, environments and emissions beyond
 /// kMaxRadiance, and base colours above 1 of materials that reflect.
-std::vector<std::string> input_warnings(const Scene& scene, float sky_strength);
+/// scale   that of the frame, in whose unit the intensities of point lights are limited
+std::vector<std::string> input_warnings(const Scene& scene, float sky_strength, const FrameScale& scale = {});
 
 }  // namespace occam::shade

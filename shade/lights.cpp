@@ -13,6 +13,35 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 Vec3f axis(const Mat4d& m, int column) { return Vec3f(Vec3d(m[column])); }
 
+// A side as long as this, in frame lengths, is as good as endless: the scene is at most two long.
+constexpr double kLongestSide = 1e15;
+
+// A light counts as long if its sides differ by more than this factor.
+constexpr double kLong = 64;
+
+// Returns the vector from the middle of a flat light to the middle of an edge.
+Vec3f half_side(const Mat4d& m, int column, float size) noexcept
+{
+    const Vec3d exact = Vec3d(m[column]) * (double(size) * 0.5);
+    const double length = glm::length(exact);
+    return length > kLongestSide ? Vec3f(exact * (kLongestSide / length)) : axis(m, column) * (size * 0.5f);
+}
+
+int exponent_of(Vec3f v) noexcept
+{
+    const float largest = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
+    return largest > 0 ? std::ilogb(largest) : 0;
+}
+
+// Returns the area of the parallelogram between two vectors. Powers of two keep its square within the range of floats.
+float area_between(Vec3f a, Vec3f b) noexcept
+{
+    const int of_a = exponent_of(a), of_b = exponent_of(b);
+    const Vec3f across = glm::cross(Vec3f(Vec3d(a) * power_of_two_double(-of_a)),
+                                    Vec3f(Vec3d(b) * power_of_two_double(-of_b)));
+    return static_cast<float>(double(glm::length(across)) * power_of_two_double(of_a + of_b));
+}
+
 Vec3f unit_or(Vec3d v, Vec3f fallback) noexcept
 {
     const double length = glm::length(v);
@@ -26,11 +55,11 @@ Vec3f shining_normal(const Mat4d& m) noexcept
     return unit_or(glm::dot(n, Vec3d(m[2])) < 0 ? n : -n, {0, 0, -1});
 }
 
-void place_point(WorldLight& out, const PointLight& light)
+void place_point(WorldLight& out, const PointLight& light, const FrameScale& scale)
 {
     out.kind = WorldLight::Kind::Point;
-    out.strength = light.intensity;
-    out.range = light.range;
+    out.strength = Vec3f(Vec3d(light.intensity) * (scale.to_frame() * scale.to_frame()));
+    out.range = scale.to_frame(light.range);
     if (light.outer_angle < 3.1415f) {
         const float cos_outer = maths::cos(light.outer_angle);
         out.spot_scale = 1 / std::max(0.001f, maths::cos(light.inner_angle) - cos_outer);
@@ -43,9 +72,14 @@ void place_area(WorldLight& out, const AreaLight& light, const Mat4d& world_from
     out.strength = light.radiance;
     out.two_sided = light.two_sided;
     out.direction = shining_normal(world_from_node);
-    out.half_x = axis(world_from_node, 0) * (light.size.x * 0.5f);
-    out.half_y = axis(world_from_node, 1) * (light.size.y * 0.5f);
-    out.area = glm::length(glm::cross(out.half_x, out.half_y));
+    out.half_x = half_side(world_from_node, 0, light.size.x);
+    out.half_y = half_side(world_from_node, 1, light.size.y);
+    out.area = area_between(out.half_x, out.half_y);
+    if (light.shape != AreaLight::Shape::Sphere) {
+        const double x = glm::length(Vec3d(out.half_x)), y = glm::length(Vec3d(out.half_y));
+        out.is_long = std::max(x, y) > kLong * std::min(x, y);
+        if (out.is_long && y > x) std::swap(out.half_x, out.half_y);
+    }
     switch (light.shape) {
         case AreaLight::Shape::Rectangle:
             out.kind = WorldLight::Kind::Rectangle;
@@ -87,6 +121,70 @@ LightSample sample_sun(const WorldLight& light, LightNumbers numbers) noexcept
     return {direction, kInfinity, light.strength, 0};
 }
 
+// Spreads samples along a long light by equal angles, as a point sees the light's axis (Kulla and Fajardo 2012, sec. 4.1):
+// evenly spread ones would nearly all be far away. A point farther away than the light is long gets even ones. Places on the
+// axis are measured from the one nearest to the point, so that they are precise there.
+class LongSide {
+public:
+    LongSide(const WorldLight& light, Vec3f to_middle) noexcept
+        : is_disc_(light.kind == WorldLight::Kind::Disc), across_(light.half_y), half_(glm::length(Vec3d(light.half_x)))
+    {
+        axis_ = Vec3d(light.half_x) / half_;
+        middle_ = glm::dot(Vec3d(to_middle), axis_);
+        to_axis_ = Vec3d(to_middle) - axis_ * middle_;
+        away_ = std::max(glm::length(to_axis_), glm::length(across_));
+        const double beyond = std::max(std::abs(middle_) - half_, 0.0);
+        is_near_ = away_ * away_ + beyond * beyond < half_ * half_;
+        if (!is_near_) return;
+        first_ = angle(middle_ - half_);
+        range_ = angle(middle_ + half_) - first_;
+    }
+    bool is_near() const noexcept { return is_near_; }
+
+    struct Place {
+        Vec3f to_light;  ///< from the point
+        float share;
+    };
+    /// Returns the place on the light for a point of the unit square.
+    Place at(Vec2f square) const noexcept
+    {
+        const auto turned = static_cast<float>(first_ + double(square.x) * range_);
+        const double along = std::clamp(away_ * double(maths::tan(turned)), middle_ - half_, middle_ + half_);
+        const double rim = is_disc_ ? rim_at(along) : 1;
+        return {Vec3f(to_axis_ + axis_ * along + across_ * ((2 * double(square.y) - 1) * rim)), share(along)};
+    }
+    /// Returns the density of the places that at() returns, relative to that of evenly spread ones.
+    /// along   how far along the axis the place is
+    float share(double along) const noexcept
+    {
+        if (!is_near_) return 1;
+        const double density = 2 * half_ * away_ / (range_ * (away_ * away_ + along * along));
+        return static_cast<float>(is_disc_ ? density * double(kPi) / (4 * std::max(rim_at(along), 1e-6)) : density);
+    }
+    double along(Vec3f direction, float distance) const noexcept
+    {
+        return glm::dot(Vec3d(direction), axis_) * double(distance);
+    }
+
+private:
+    static double angle(double along, double away) noexcept
+    {
+        return double(maths::atan2(static_cast<float>(along), static_cast<float>(away)));
+    }
+    double angle(double along) const noexcept { return angle(along, away_); }
+    /// Returns half the width of a disc at a place, as a share of half the light's width.
+    double rim_at(double along) const noexcept
+    {
+        const double u = (along - middle_) / half_;
+        return std::sqrt(std::max(1 - u * u, 0.0));
+    }
+
+    bool is_disc_, is_near_ = false;
+    Vec3d axis_{0}, across_, to_axis_{0};
+    double half_, middle_ = 0, away_ = 0;  ///< half the length, the middle's place on the axis, the distance from the axis
+    double first_ = 0, range_ = 0;         ///< angles about the point
+};
+
 LightCrossing cross_flat(const WorldLight& light, Vec3d origin, Vec3f direction) noexcept
 {
     const float cosine = -glm::dot(direction, light.direction);
@@ -96,15 +194,21 @@ LightCrossing cross_flat(const WorldLight& light, Vec3d origin, Vec3f direction)
     if (!(distance > 0)) return {};
     const Vec3f at = direction * distance - to_middle;
     // These are coordinates along the half sides, which may be sheared.
-    const float xx = glm::dot(light.half_x, light.half_x), yy = glm::dot(light.half_y, light.half_y),
-                xy = glm::dot(light.half_x, light.half_y), ax = glm::dot(at, light.half_x), ay = glm::dot(at, light.half_y);
-    const float determinant = xx * yy - xy * xy;
+    // The fourth power of a long side, or of a short one, leaves the range of floats.
+    const Vec3d x(light.half_x), y(light.half_y), p(at);
+    const double xx = glm::dot(x, x), yy = glm::dot(y, y), xy = glm::dot(x, y), determinant = xx * yy - xy * xy;
     if (!(determinant > 0)) return {};
-    const float u = (ax * yy - ay * xy) / determinant, v = (ay * xx - ax * xy) / determinant;
+    const double px = glm::dot(p, x), py = glm::dot(p, y);
+    const double u = (px * yy - py * xy) / determinant, v = (py * xx - px * xy) / determinant;
     const bool is_inside = light.kind == WorldLight::Kind::Disc ? u * u + v * v <= 1
                                                                 : std::fabs(u) <= 1 && std::fabs(v) <= 1;
     if (!is_inside) return {};
-    return {distance, light.strength, distance * distance / (light.area * std::fabs(cosine))};
+    float share = 1;
+    if (light.is_long) {
+        const LongSide side(light, to_middle);
+        share = side.share(side.along(direction, distance));
+    }
+    return {distance, light.strength, share * distance * distance / (light.area * std::fabs(cosine))};
 }
 
 // Returns 1 - cos of the cone that a sphere subtends, without the cancellation that a small one would cause; 0 inside of
@@ -149,14 +253,15 @@ LightSample sample_sphere(const WorldLight& light, Vec3f to_centre, LightNumbers
 
 }  // namespace
 
-WorldLight WorldLight::place(const Light& light, const Mat4d& world_from_node)
+WorldLight WorldLight::place(const Light& light, const Mat4d& placement, const FrameScale& scale)
 {
+    const Mat4d world_from_node = scale.placed(placement);
     WorldLight out;
     out.position = Vec3d(world_from_node[3]);
     out.groups = light.groups;
     out.direction = unit_or(-Vec3d(world_from_node[2]), {0, 0, -1});
     if (const auto* point = std::get_if<PointLight>(&light.kind)) {
-        place_point(out, *point);
+        place_point(out, *point, scale);
     } else if (const auto* sun = std::get_if<SunLight>(&light.kind)) {
         out.kind = Kind::Sun;
         out.strength = sun->irradiance;
@@ -169,6 +274,11 @@ WorldLight WorldLight::place(const Light& light, const Mat4d& world_from_node)
 
 LightSample WorldLight::sample_other(Vec3f to_middle, LightNumbers numbers) const noexcept
 {
+    if (is_long)
+        if (const LongSide side(*this, to_middle); side.is_near()) {
+            const LongSide::Place place = side.at(numbers.square);
+            return sample_towards(place.to_light, place.share);
+        }
     switch (kind) {
         case Kind::Point:
             return sample_point(*this, to_middle);
@@ -179,7 +289,7 @@ LightSample WorldLight::sample_other(Vec3f to_middle, LightNumbers numbers) cons
         case Kind::Sphere:
             return sample_sphere(*this, to_middle, numbers);
         case Kind::Rectangle:
-            break;  // sample_from() samples rectangles
+            return sample_flat(to_middle, numbers.square * 2.0f - 1.0f);
     }
     return {};
 }

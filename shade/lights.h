@@ -2,7 +2,7 @@
 //
 // Area lights have no surface in the scene: camera rays do not see them, but mirrors show them.
 //
-// Space    world; positions are double, directions are float.
+// Space    world axes, frame lengths (scenegraph/frame_scale.h); positions are double, directions are float.
 // Threads  const after construction.
 #pragma once
 
@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "base/vec.h"
+#include "scenegraph/frame_scale.h"
 #include "scenegraph/light.h"
 
 namespace occam::shade {
@@ -45,14 +46,16 @@ struct WorldLight {
     float area = 0;              ///< flat lights only
     float radius = 0;            ///< spheres only
     bool two_sided = false;
+    bool is_long = false;  ///< flat lights: half_x is many times as long as half_y
     LightGroups groups = kAllGroups;
     Vec3f strength{0};                      ///< intensity, irradiance or radiance, depending on the kind
     float range = 0;                        ///< point lights only; 0: no limit
     float spot_scale = 0, spot_offset = 1;  ///< applied to the cosine to `direction` (KHR_lights_punctual)
     float sun_spread = 0;                   ///< tangent of the half angle that the sun's disc subtends
 
-    /// Places a light by its node; `light` is as the scene describes it.
-    static WorldLight place(const Light& light, const Mat4d& world_from_node);
+    /// Places a light by its node; `light` is as the scene describes it. The intensity of a point light is converted with
+    /// the square of the unit of length, so that the irradiance at a distance stays the same.
+    static WorldLight place(const Light& light, const Mat4d& world_from_node, const FrameScale& scale = {});
     LightSample sample(Vec3d point, LightNumbers numbers) const noexcept
     {
         return sample_from(Vec3f(position - point), numbers);
@@ -69,30 +72,36 @@ struct WorldLight {
 
 private:
     /// Samples a flat light; `at` is in [-1, 1] from side to side.
-    LightSample sample_flat(Vec3f to_middle, Vec2f at) const noexcept;
+    LightSample sample_flat(Vec3f to_middle, Vec2f at) const noexcept
+    {
+        return sample_towards(to_middle + half_x * at.x + half_y * at.y, 1);
+    }
+    /// Samples the point of a flat light that `to_light` leads to.
+    /// share   the density of samples there, relative to evenly spread ones
+    LightSample sample_towards(Vec3f to_light, float share) const noexcept;
     LightSample sample_other(Vec3f to_middle, LightNumbers numbers) const noexcept;
 };
 
-/// The smallest squared distance to a light: a point light's 1 / d^2 must not overflow.
-inline constexpr float kMinDistance2 = 1e-12f;
+/// The smallest squared distance to a light, frame lengths: a point light's 1 / d^2 must not overflow.
+inline constexpr float kMinDistance2 = 1e-24f;
 
-inline LightSample WorldLight::sample_flat(Vec3f to_middle, Vec2f at) const noexcept
+inline LightSample WorldLight::sample_towards(Vec3f to_light, float share) const noexcept
 {
-    const Vec3f to_light = to_middle + half_x * at.x + half_y * at.y;
     const float distance2 = std::max(glm::dot(to_light, to_light), kMinDistance2);
     const float distance = std::sqrt(distance2);
     const Vec3f towards = to_light * (1 / distance);
     float cosine = -glm::dot(towards, direction);
     if (two_sided) cosine = std::fabs(cosine);
     if (!(cosine > 0)) return {};
-    const float solid_angle = area * cosine / distance2;
+    const float solid_angle = area * cosine / (distance2 * share);
     return {towards, distance, strength * solid_angle, 1 / solid_angle};
 }
 
 // Most lights are rectangles, so they are inlined into the caller's loop.
 inline LightSample WorldLight::sample_from(Vec3f to_middle, LightNumbers numbers) const noexcept
 {
-    return kind == Kind::Rectangle ? sample_flat(to_middle, numbers.square * 2.0f - 1.0f) : sample_other(to_middle, numbers);
+    return kind == Kind::Rectangle && !is_long ? sample_flat(to_middle, numbers.square * 2.0f - 1.0f)
+                                               : sample_other(to_middle, numbers);
 }
 
 }  // namespace occam::shade

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "scenegraph/shutter.h"
 #include "shade/input_limits.h"
 #include "shade/surface.h"
 
@@ -32,6 +33,14 @@ const Material* material_of(const Scene& scene, const Node& node, const Cage& ca
     const auto& from = node.materials.empty() ? cage.materials : node.materials;
     return slot < from.size() ? scene.find(from[slot]) : nullptr;
 }
+
+// Returns the number of material slots of a cage as the node shows it.
+std::size_t slots_of(const Node& node, const Cage& cage) noexcept
+{
+    return std::max<std::size_t>(1, (node.materials.empty() ? cage.materials : node.materials).size());
+}
+
+bool emits(const Material* material) noexcept { return material && !material->unlit && material->emission != Vec3f(0); }
 
 // Returns the area of a polygon in world axes: half the length of the sum of its corners' cross products.
 double polygon_area(const Cage& cage, std::size_t first, std::size_t corners, const Mat4d& world_from_object) noexcept
@@ -108,17 +117,18 @@ MeshLights::TrianglePoints MeshLights::corners(const Mesh& mesh, std::uint32_t f
     return {at(0), at(1), at(2)};
 }
 
-void MeshLights::add(const Node& node, NodeId id, const CageSlot& slot, const Mat4d& world_from_object, const Scene& scene)
+void MeshLights::add(const Node& node, NodeId id, const CageSlot& slot, const Mat4d& world_from_object, const Scene& scene,
+                     bool moves)
 {
     const Cage& cage = slot.cage;
-    const std::size_t slots = std::max<std::size_t>(1, (node.materials.empty() ? cage.materials : node.materials).size());
+    const std::size_t slots = slots_of(node, cage);
     for (std::size_t s = 0; s < slots; ++s) {
         const Material* material = material_of(scene, node, cage, s);
-        if (!material || material->unlit || material->emission == Vec3f(0)) continue;
+        if (!emits(material)) continue;
         any_emitter_ = true;
         const float density = mean_luminance(*material, *textures_);
         if (density > 0) power_ += double(density) * area_of(scene, node, slot, s, slots, world_from_object);
-        if (!(density > 0) || !is_sampled(scene, node, material)) continue;
+        if (!(density > 0) || moves || !is_sampled(scene, node, material)) continue;
         known_.push_back({id, material, density});
         const Mesh mesh{&cage, material, world_from_object, static_cast<std::uint32_t>(sums_.size()), density};
         for (std::uint32_t face = 0; face < cage.face_count(); ++face) {
@@ -133,11 +143,13 @@ void MeshLights::add(const Node& node, NodeId id, const CageSlot& slot, const Ma
     }
 }
 
-MeshLights::MeshLights(const Scene& scene, const TextureStore& textures) : textures_(&textures)
+MeshLights::MeshLights(const Scene& scene, const TextureStore& textures, const FrameScale& scale) : textures_(&textures)
 {
-    scene.for_each_placement([&](NodeId id, const Node& node, const Mat4d& world_from_node) {
+    const std::unordered_set<NodeId> moving = moving_nodes(scene);
+    scene.for_placements_of(Contents::Emitters, [&](NodeId id, const Node& node, const Mat4d& world_from_node) {
         for (CageId cage : node.cages)
-            if (const CageSlot* slot = scene.find(cage)) add(node, id, *slot, world_from_node, scene);
+            if (const CageSlot* slot = scene.find(cage))
+                add(node, id, *slot, scale.placed(world_from_node), scene, moving.contains(id));
     });
     std::sort(known_.begin(), known_.end(),
               [](const Known& a, const Known& b) { return key_of(a.node, a.material) < key_of(b.node, b.material); });

@@ -4,7 +4,7 @@
 // depends on the material alone, and a ray that happens to hit an emissive surface can ask for it. Only triangles that
 // stand still are sampled; emissive subdivision surfaces and deformed meshes are found by scattered rays alone.
 //
-// Space    world.
+// Space    world axes, frame lengths (scenegraph/frame_scale.h).
 // Memory   a double and an index per triangle; the vertices stay in the scene. Borrows scene and textures.
 // Threads  const after construction.
 #pragma once
@@ -22,7 +22,7 @@ class MeshLights {
 public:
     MeshLights() = default;
     /// The textures must be prepared.
-    MeshLights(const Scene& scene, const TextureStore& textures);
+    MeshLights(const Scene& scene, const TextureStore& textures, const FrameScale& scale = {});
 
     bool is_empty() const noexcept { return meshes_.empty(); }
     /// Returns true if any surface is emissive, whether it is sampled here or not.
@@ -55,7 +55,9 @@ private:
         Vec3d a, b, c;
     };
 
-    void add(const Node& node, NodeId id, const CageSlot& slot, const Mat4d& world_from_object, const Scene& scene);
+    /// moves   the surface moves while the shutter is open: points on it are not sampled
+    void add(const Node& node, NodeId id, const CageSlot& slot, const Mat4d& world_from_object, const Scene& scene,
+             bool moves);
     static TrianglePoints corners(const Mesh& mesh, std::uint32_t face) noexcept;
 
     const TextureStore* textures_ = nullptr;

@@ -13,9 +13,6 @@
 namespace occam::shade {
 namespace {
 
-// Thin glass that is smoother than this does not scatter the light that it transmits: light and shadow rays go straight
-// on.
-constexpr float kClearRoughness = 0.05f;
 // A body whose index is nearer than this to that of the outside does not refract light at all.
 constexpr float kLeastBend = 1e-3f;
 
@@ -132,8 +129,8 @@ void add_transmission(const Material& m, const MaterialValues& values, const Die
     s.transmittance += s.opacity * tint * (1 - reflected);
 }
 
-// Applies KHR_materials_anisotropy: the width along the strokes grows to 1 with the square of the strength. Tables are
-// looked up with the geometric mean of the widths. Glass stays isotropic: its two lobes share one distribution.
+// Applies KHR_materials_anisotropy: the width along the strokes grows to 1 with the square of the strength. Glass stays
+// isotropic: its two lobes share one distribution.
 void add_anisotropy(const Material& m, const MaterialValues& values, const ShadePoint& p, Surface& s) noexcept
 {
     const float strength = std::clamp(m.anisotropy * values.anisotropy.z, 0.0f, 1.0f);
@@ -232,13 +229,6 @@ float ambient_share(const ShadePoint& point, const TextureStore& textures) noexc
     MaterialValues values = point.phase_one ? unpack(m, point.phase_one) : MaterialValues(m);
     if (!point.phase_one) values.look_up_occlusion(m, point.texture, textures);
     return values.occlusion;
-}
-
-bool may_pass(const Material& m) noexcept
-{
-    const bool may_be_clear = m.roughness < kClearRoughness || m.metallic_roughness_texture || m.roughness_texture ||
-                              m.glossiness_texture;
-    return m.alpha_mode != AlphaMode::Opaque || (m.transmission > 0 && may_be_clear);
 }
 
 }  // namespace occam::shade

@@ -71,7 +71,4 @@ Vec3f passes_straight(const ShadePoint& point, const TextureStore& textures) noe
 /// not traced to its origin. Nothing else reads the map, because traced rays find the same occlusion.
 float ambient_share(const ShadePoint& point, const TextureStore& textures) noexcept;
 
-/// Returns true if some point of the material may transmit light straight on.
-bool may_pass(const Material& material) noexcept;
-
 }  // namespace occam::shade

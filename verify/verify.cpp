@@ -10,6 +10,7 @@
 #include "accel/placement.h"
 #include "accel/tracer.h"
 #include "lod/ray_levels.h"
+#include "scenegraph/frame_scale.h"
 #include "verify/closed.h"
 #include "verify/grazing.h"
 #include "verify/ray_surface.h"
@@ -78,6 +79,21 @@ Target any_target(const Subject::Pair& pair, Random& random)
     return target;
 }
 
+/// Returns the unit in which all lengths of the test are: that of a frame that shows the cage alone.
+FrameScale scale_of(const ShownCage& shown)
+{
+    Box3d world;
+    for (const Mat4d& matrix : shown.world_from_object) world.add(transform_box(matrix, shown.slot.cage.bounds()));
+    return FrameScale(world);
+}
+
+std::vector<Mat4d> placed_by(const FrameScale& scale, std::span<const Mat4d> world_from_object)
+{
+    std::vector<Mat4d> placed;
+    for (const Mat4d& matrix : world_from_object) placed.push_back(scale.placed(matrix));
+    return placed;
+}
+
 struct Start {
     Vec3d at;
     double reach;  ///< edges longer than this may put the point outside
@@ -90,7 +106,9 @@ public:
           textures_(textures),
           report_(report),
           random_(settings.seed * 0x9E3779B97F4A7C15u + 1),
-          subject_(shown, textures)
+          scale_(scale_of(shown)),
+          frame_from_object_(placed_by(scale_, shown.world_from_object)),
+          subject_({shown.slot, shown.node, shown.skin, frame_from_object_, shown.segments}, textures)
     {
     }
 
@@ -174,7 +192,9 @@ private:
         Box3d box;
         for (const Vec3f v : pairs.front().corners) box.add(Vec3d(v));
         const std::size_t triangles = pairs.front().corners.size() / 3;
-        const auto most = static_cast<std::size_t>(std::clamp<double>(4e6 / double(triangles), 8, 256)) / instants_.size();
+        // A large mesh and several moments leave few points for each moment, but at least two are looked for.
+        const auto share = static_cast<std::size_t>(std::clamp<double>(4e6 / double(triangles), 8, 256)) / instants_.size();
+        const std::size_t most = std::max<std::size_t>(share, 8);
         const auto distance_to_mesh = [&](Vec3d p) {
             double nearest = box.radius();
             for (const Vec3f v : pairs.front().corners) nearest = std::min(nearest, glm::distance(Vec3d(v), p));
@@ -282,9 +302,10 @@ private:
         if (report_.replay.size() >= 5) return;
         std::ostringstream out;
         out.precision(17);
-        out << "origin " << ray.origin.x << ' ' << ray.origin.y << ' ' << ray.origin.z << " direction " << ray.direction.x
-            << ' ' << ray.direction.y << ' ' << ray.direction.z << " footprint " << ray.footprint.a << ' ' << ray.footprint.b
-            << " time " << ray.time;
+        const Vec3d origin = ray.origin * scale_.to_world();
+        out << "origin " << origin.x << ' ' << origin.y << ' ' << origin.z << " direction " << ray.direction.x << ' '
+            << ray.direction.y << ' ' << ray.direction.z << " footprint " << double(ray.footprint.a) * scale_.to_world()
+            << ' ' << ray.footprint.b << " time " << ray.time;
         report_.replay.push_back(out.str());
     }
 
@@ -322,6 +343,8 @@ private:
     VerifiedCage& report_;
     std::map<std::pair<float, int>, std::vector<lod::LevelGrid>> diced_;  ///< by time and level; diced when rays escape
     Random random_;
+    FrameScale scale_;  ///< all lengths are in its unit
+    std::vector<Mat4d> frame_from_object_;
     Subject subject_;
     int finest_ = 0;
     std::vector<Instant> instants_;
@@ -359,7 +382,7 @@ std::vector<VerifiedCage> verify(Scene& scene, const VerifySettings& settings)
     std::vector<VerifiedCage> reports;
     scene.refit();
     TextureStore textures(std::size_t(1) << 30);
-    if (scene.is_displaced()) textures.prepare(scene);
+    if (scene.contents().has(Contents::Displaced)) textures.prepare(scene);
     accel::for_each_placement(scene, [&](const Node& node, std::span<const Mat4d> world_from_node) {
         for (const CageId id : node.cages) {
             const ShownCage shown{scene.cage(id), &node, scene.find(node.skin), world_from_node, scene.shutter_segments()};

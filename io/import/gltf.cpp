@@ -154,10 +154,11 @@ private:
     // With EXT_mesh_gpu_instancing the node itself shows nothing, and each of the instances below it shows the mesh.
     NodeId add_node(NodeId parent, const tinygltf::Node& node, const std::string& where)
     {
-        const std::vector<Trs> places = instance_places(node, accessors_, kMaxInstances - instances_, report_, where);
+        std::vector<Trs> places = instance_places(node, accessors_, kMaxInstances - instances_, report_, where);
         NodeDesc desc = describe(node, where);
         if (places.empty()) return scene_.add_node(parent, std::move(desc));
         instances_ += places.size();
+        tidy_instances(places, desc, where);
         NodeDesc instance = desc;
         instance.matrix.reset(), instance.camera = {}, instance.light = {};
         desc.cages.clear(), desc.materials.clear(), desc.morph_weights.clear();
@@ -167,6 +168,23 @@ private:
             scene_.add_node(id, instance);
         }
         return id;
+    }
+
+    // Instances in one place would all be met by the same rays: equal ones are left out, and too many others are refused.
+    void tidy_instances(std::vector<Trs>& places, const NodeDesc& desc, const std::string& where)
+    {
+        if (const std::size_t equal = remove_equal(places); equal > 0)
+            report_.warn(std::to_string(equal) + " instances are left out, since others of their node have the same place",
+                         where);
+        Box3d shape;
+        for (const CageId cage : desc.cages) shape.add(scene_.cage(cage).bounds);
+        const double overlap = overlap_of(places, shape);
+        if (overlap > kMostOverlap)
+            throw Error(report_.name(),
+                        "a ray would meet " + std::to_string(std::lround(overlap)) + " of " + std::to_string(places.size()) +
+                            " overlapping instances; at most " + std::to_string(std::lround(kMostOverlap)) +
+                            " can be rendered",
+                        where + ".EXT_mesh_gpu_instancing");
     }
 
     NodeDesc describe(const tinygltf::Node& node, const std::string& where)

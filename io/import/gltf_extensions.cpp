@@ -8,7 +8,9 @@ namespace occam::import {
 namespace {
 
 constexpr auto kExtensions = std::to_array<Extension>({
-    {"EXT_mesh_gpu_instancing", "one instance for each `TRANSLATION`, `ROTATION` and `SCALE`; at most 1,048,576 in a file"},
+    {"EXT_mesh_gpu_instancing",
+     "one instance for each `TRANSLATION`, `ROTATION` and `SCALE`; at most 1,048,576 in a file; equal ones of a node are "
+     "one, and more than 16,384 that a ray would meet on average are refused"},
     {"EXT_texture_webp", "the WebP image is taken before the other one"},
     {"FB_ngon_encoding", "triangles that were one polygon are one face again where the mesh is subdivided"},
     {"KHR_lights_punctual", "directional, point and spot lights"},

@@ -1,7 +1,10 @@
 #include "io/import/gltf_instancing.h"
 
+#include <array>
 #include <cmath>
+#include <unordered_set>
 
+#include "base/hash.h"
 #include "io/import/gltf_value.h"
 
 namespace occam::import {
@@ -37,6 +40,39 @@ std::vector<Trs> instance_places(const tinygltf::Node& node, AccessorReader& acc
         if (length > 0 && std::isfinite(length)) places[i].rotation = turn / length;
     }
     return places;
+}
+
+std::size_t remove_equal(std::vector<Trs>& places)
+{
+    using Key = std::array<double, 10>;
+    const auto key_of = [](const Trs& p) {
+        const Vec3d &t = p.translation, &s = p.scale;
+        const Vec4d& r = p.rotation;
+        return Key{t.x, t.y, t.z, r.x, r.y, r.z, r.w, s.x, s.y, s.z};
+    };
+    const auto hash = [](const Key& key) { return static_cast<std::size_t>(fnv1a(key.data(), sizeof key)); };
+    std::unordered_set<Key, decltype(hash)> known(places.size(), hash);
+    return std::erase_if(places, [&](const Trs& place) { return !known.insert(key_of(place)).second; });
+}
+
+double overlap_of(const std::vector<Trs>& places, const Box3d& shape)
+{
+    if (shape.is_empty()) return 0;
+    const auto half_area = [](const Box3d& box) {
+        const Vec3d e = box.hi - box.lo;
+        return e.x * e.y + e.y * e.z + e.z * e.x;
+    };
+    Box3d all;
+    double sum = 0;
+    for (const Trs& place : places) {
+        const Box3d box = transform_box(place.matrix(), shape);
+        if (box.is_empty()) continue;
+        all.add(box.lo);
+        all.add(box.hi);
+        sum += half_area(box);
+    }
+    const double whole = all.is_empty() ? 0 : half_area(all);
+    return whole > 0 ? sum / whole : 0;
 }
 
 }  // namespace occam::import

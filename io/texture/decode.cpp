@@ -1,8 +1,5 @@
 #include "io/texture/decode.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
-
 #include <array>
 #include <cmath>
 #include <span>
@@ -10,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/srgb.h"
+#include "io/picture_codec.h"
 #include "io/texture/image_header.h"
 #include "io/texture/image_metadata.h"
 
@@ -40,16 +38,15 @@ struct TextureSource::State {
     int width = 0, height = 0;
     std::vector<Vec4f> pixels;       // linear texels; if empty, the image is encoded
     std::vector<std::byte> encoded;  // kept while the reader refers to it
-    std::unique_ptr<OIIO::Filesystem::IOMemReader> memory;
-    std::unique_ptr<OIIO::ImageInput> input;
+    std::unique_ptr<PictureReader> input;
 
     void open(const Texture& texture);
     void check_header(ImageBytes& bytes);
-    void open_memory(const std::string& format, OIIO::ImageSpec& config);
+    void open_memory(const std::string& format);
     void check_size(std::uintmax_t wide, std::uintmax_t high, std::uintmax_t file_bytes) const;
     void read_rows(int y_begin, int y_end, std::vector<Vec4f>& texels) const;
     template <class T>
-    void read_rows_as(OIIO::TypeDesc type, int y_begin, int y_end, std::vector<Vec4f>& texels) const;
+    void read_rows_as(int y_begin, int y_end, std::vector<Vec4f>& texels) const;
     [[noreturn]] void refuse(const std::string& what) const { throw Error(name, what); }
 };
 
@@ -69,24 +66,15 @@ void TextureSource::State::check_header(ImageBytes& bytes)
     if (const auto canvas = declared_canvas(bytes)) check_size(canvas->width, canvas->height, bytes.size());
 }
 
-void TextureSource::State::open_memory(const std::string& format, OIIO::ImageSpec& config)
+void TextureSource::State::open_memory(const std::string& format)
 {
-    memory = std::make_unique<OIIO::Filesystem::IOMemReader>(encoded.data(), encoded.size());
-    // The reader takes the bytes from this attribute: ImageInput::open(name, config, proxy) closes the proxy again.
-    OIIO::Filesystem::IOProxy* proxy = memory.get();
-    config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
-    input = OIIO::ImageInput::create(format);
-    OIIO::ImageSpec opened;
-    if (!input || input->open("memory." + format, opened, config)) return;
-    const std::string why = input->geterror();
-    input.reset();
-    refuse("image cannot be read: " + why);
+    std::string why;
+    input = picture_codec().open(encoded, format, why);
+    if (!input) refuse("image cannot be read: " + why);
 }
 
 void TextureSource::State::open(const Texture& texture)
 {
-    OIIO::ImageSpec config;
-    config["oiio:UnassociatedAlpha"] = 1;
     std::error_code error;
     if (!texture.encoded && !std::filesystem::is_regular_file(texture.path, error)) refuse("no such image file");
     ImageBytes bytes = texture.encoded ? ImageBytes(std::span(*texture.encoded)) : ImageBytes(texture.path);
@@ -99,36 +87,31 @@ void TextureSource::State::open(const Texture& texture)
         if (!bytes.read(0, {reinterpret_cast<unsigned char*>(whole.data()), whole.size()}))
             refuse("the image cannot be read");
         encoded = without_metadata(texture.encoded ? std::span(*texture.encoded) : std::span(std::as_const(whole)), format);
-        open_memory(format, config);
+        open_memory(format);
     } else if (texture.encoded) {
         encoded = *texture.encoded;
-        open_memory(format, config);
+        open_memory(format);
     } else {
-        input = OIIO::ImageInput::open(texture.path.string(), &config);
+        std::string why;
+        input = picture_codec().open(texture.path, why);
+        if (!input) refuse("image cannot be read: " + why);
     }
-    if (!input) refuse("image cannot be read: " + OIIO::geterror());
-    const OIIO::ImageSpec& spec = input->spec();
-    if (spec.width <= 0 || spec.height <= 0 || spec.depth > 1 || spec.nchannels < 1) refuse("not a flat image");
-    if (spec.deep) refuse("deep images are not read");
+    const PictureSpec& spec = input->spec();
+    if (spec.width <= 0 || spec.height <= 0 || spec.depth > 1 || spec.channel_count() < 1) refuse("not a flat image");
+    if (spec.is_deep) refuse("deep images are not read");
     width = spec.width, height = spec.height;
     check_size(static_cast<std::uintmax_t>(width), static_cast<std::uintmax_t>(height), file_bytes);
 }
 
 template <class T>
-void TextureSource::State::read_rows_as(OIIO::TypeDesc type, int y_begin, int y_end, std::vector<Vec4f>& texels) const
+void TextureSource::State::read_rows_as(int y_begin, int y_end, std::vector<Vec4f>& texels) const
 {
-    const OIIO::ImageSpec& spec = input->spec();
-    const int channels = std::min(spec.nchannels, 4);
+    const PictureSpec& spec = input->spec();
+    const int channels = std::min(spec.channel_count(), 4);
     std::vector<T> values(std::size_t(y_end - y_begin) * std::size_t(width) * std::size_t(channels));
-    const int y0 = spec.y + y_begin, y1 = spec.y + y_end;
-    const bool ok = spec.tile_width > 0
-                        ? input->read_tiles(0, 0, spec.x, spec.x + width, y0, y1, 0, 1, 0, channels, type, values.data())
-                        : input->read_scanlines(0, 0, y0, y1, 0, 0, channels, type, values.data());
-    if (!ok) refuse("image cannot be decoded: " + input->geterror());
+    if (!input->read_rows(y_begin, y_end, channels, values.data())) refuse("image cannot be decoded: " + input->error());
 
-    const bool is_integer = spec.format.basetype != OIIO::TypeDesc::FLOAT && spec.format.basetype != OIIO::TypeDesc::HALF &&
-                            spec.format.basetype != OIIO::TypeDesc::DOUBLE;
-    const bool is_srgb = role == TextureRole::Color && is_integer;
+    const bool is_srgb = role == TextureRole::Color && !is_real(spec.type);
     const auto data = [](T x) { return std::is_integral_v<T> ? static_cast<float>(x) / 255.0f : static_cast<float>(x); };
     const auto color = [&](T x) {
         if constexpr (std::is_integral_v<T>) return is_srgb ? srgb_table()[x] : data(x);
@@ -151,10 +134,10 @@ void TextureSource::State::read_rows(int y_begin, int y_end, std::vector<Vec4f>&
     if (!input) {
         const auto first = pixels.begin() + std::ptrdiff_t(y_begin) * width;
         texels.assign(first, first + std::ptrdiff_t(y_end - y_begin) * width);
-    } else if (input->spec().format == OIIO::TypeDesc::UINT8) {
-        read_rows_as<std::uint8_t>(OIIO::TypeDesc::UINT8, y_begin, y_end, texels);
+    } else if (input->spec().type == SampleType::Byte) {
+        read_rows_as<std::uint8_t>(y_begin, y_end, texels);
     } else {
-        read_rows_as<float>(OIIO::TypeDesc::FLOAT, y_begin, y_end, texels);
+        read_rows_as<float>(y_begin, y_end, texels);
     }
 }
 
@@ -183,7 +166,7 @@ MipImage TextureSource::decode(int halvings) const
     const int block = 1 << halvings;
     MipImage image(std::max(1, width() >> halvings), std::max(1, height() >> halvings));
     // The loop reads whole rows of tiles, and whole rows of the result.
-    const int tile = state_->input && state_->input->spec().tile_width > 0 ? state_->input->spec().tile_height : 1;
+    const int tile = state_->input ? std::max(1, state_->input->spec().tile_height) : 1;
     const int rows = std::max({block, tile, kRowsAtOnce}) / std::max(block, tile) * std::max(block, tile);
     std::vector<Vec4f> texels, row(static_cast<std::size_t>(image.width()));
     for (int y = 0; y < height(); y += rows) {

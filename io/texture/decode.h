@@ -1,4 +1,4 @@
-// Decoding of image files into linear texels. This is the only place here that uses OpenImageIO.
+// Decoding of image files into linear texels.
 #pragma once
 
 #include <memory>

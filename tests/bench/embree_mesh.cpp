@@ -89,7 +89,7 @@ void EmbreeRays::closest()
 {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    if (!packet_.empty()) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    if (!packet_.empty() && is_coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     for (RTCRayHit8& p : packet_) rtcIntersect8(kAll, mesh_.scene(), &context, &p);
     for (RTCRayHit& r : single_) rtcIntersect1(mesh_.scene(), &context, &r);
 }
@@ -119,7 +119,7 @@ void EmbreeRays::closest_filled(std::span<ShadedHit> batch)
 {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    if (!packet_.empty()) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    if (!packet_.empty() && is_coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     for (std::size_t first = 0; first < count_; first += batch.size()) {
         const std::size_t end = std::min(first + batch.size(), count_);
         if (!packet_.empty())
@@ -148,7 +148,7 @@ void EmbreeRays::occluded()
 {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    if (!packet_.empty()) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    if (!packet_.empty() && is_coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     for (RTCRayHit8& p : packet_) rtcOccluded8(kAll, mesh_.scene(), &context, &p.ray);
     for (RTCRayHit& r : single_) rtcOccluded1(mesh_.scene(), &context, &r.ray);
 }

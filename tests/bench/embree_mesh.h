@@ -52,8 +52,10 @@ struct ShadedHit {
 /// Holds a set of rays in Embree's form.
 class EmbreeRays {
 public:
-    /// as_packets   traces packets of eight neighbours with the flag for coherent rays; otherwise single rays
+    /// as_packets   traces packets of eight neighbours (see is_coherent); otherwise single rays
     EmbreeRays(const EmbreeMesh& mesh, std::span<const accel::Ray> rays, bool as_packets);
+
+    bool is_coherent = true;  ///< what packets tell Embree of their rays
 
     void reset();
     void closest();

@@ -2,8 +2,12 @@
 
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "io/import/import.h"
+#include "lod/deformed_cage.h"
+#include "lod/level_choice.h"
+#include "tests/bench/crowd.h"
 #include "tests/bench/subjects.h"
 
 namespace occam::bench {
@@ -95,14 +99,19 @@ void furnish(Builder& to, Vec3f at, std::uint32_t seed, int shelves, int finenes
                   2 * fineness, fineness);
 }
 
-Scene scene_of(Cage mesh)
+Material grey_material()
 {
-    Scene scene;
     Material grey;
     grey.base_color = {0.7f, 0.7f, 0.7f, 1};
     grey.roughness = 1;
     grey.specular = 0;
-    mesh.materials = {scene.add(grey)};
+    return grey;
+}
+
+Scene scene_of(Cage mesh)
+{
+    Scene scene;
+    mesh.materials = {scene.add(grey_material())};
     NodeDesc desc;
     desc.cages = {scene.add(std::move(mesh))};
     scene.add_node(scene.root(), std::move(desc));
@@ -119,31 +128,50 @@ void add_lamp(Scene& scene, Vec3d at, float candela)
 
 }  // namespace
 
-std::vector<Vec3f> TriangleScene::triangles() const
+std::vector<Vec3f> WholeScene::triangles(lod::TopologyCache& topologies, lod::LevelSettings levels) const
 {
+    levels.mode = lod::LevelMode::PerInstance;  // one mesh for all rays, as the peer has
     std::vector<Vec3f> corners;
-    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d& world_from_node) {
-        for (const CageId id : node.cages) {
-            const Cage& cage = scene.cage(id).cage;
-            for (const std::uint32_t v : cage.face_vertices)
-                corners.push_back(Vec3f(Vec3d(world_from_node * Vec4d(Vec3d(cage.positions[v]), 1))));
+    scene.for_each_placement([&](NodeId id, const Node& node, const Mat4d& world_from_node) {
+        const SkinSlot* skin = scene.find(node.skin);
+        for (const CageId cage : node.cages) {
+            const CageSlot& slot = scene.cage(cage);
+            if (slot.cage.face_count() == 0) continue;
+            const lod::CageTables& tables = topologies.get(slot);
+            lod::PosedCage posed;
+            posed.slot = &slot;
+            posed.topology = tables.topology.get();
+            posed.clusters = tables.clusters.get();
+            posed.node = &node;
+            posed.node_id = id;
+            posed.place(world_from_node, cage_bounds(node, slot, skin));
+            Arena arena;
+            lod::DeformCounters counters;
+            if (tables.deformed_clusters) posed.deform(*tables.deformed_clusters, {slot, node, skin}, arena, counters);
+            std::vector<Vec3f> own;
+            if (posed.topology) {
+                posed.level = lod::choose_level(levels, posed);
+                own = micropolygons(posed);
+            } else {
+                for (const std::uint32_t v : slot.cage.face_vertices) own.push_back(posed.vertex(v));
+            }
+            for (const Vec3f p : own) corners.push_back(Vec3f(posed.anchor + Vec3d(p)));
         }
     });
     return corners;
 }
 
-TriangleScene furnished_room()
+WholeScene furnished_room()
 {
     Builder room;
     room.box(Vec3f(0), kRoom, true);
     furnish(room, Vec3f(0), 1, 5, 22);
-    TriangleScene made{"room", scene_of(std::move(room.mesh)),
-                       Camera::look_at({0.6, 1.7, 0.6}, {5, 0.8, 4}, {0, 1, 0}, 1.0f)};
+    WholeScene made{"room", scene_of(std::move(room.mesh)), Camera::look_at({0.6, 1.7, 0.6}, {5, 0.8, 4}, {0, 1, 0}, 1.0f)};
     add_lamp(made.scene, {4, 2.7, 3}, 8);
     return made;
 }
 
-TriangleScene level_of_rooms()
+WholeScene level_of_rooms()
 {
     constexpr int kSide = 8;
     constexpr float kDoor = 1.2f, kDoorHeight = 2.1f, kWall = 0.1f;
@@ -173,14 +201,14 @@ TriangleScene level_of_rooms()
             if (z > 0) wall(0, at, kRoom.x);
             furnish(level, at + Vec3f(kWall, 0, kWall), static_cast<std::uint32_t>(z * kSide + x), (x + z) % 2 ? 2 : 0, 8);
         }
-    TriangleScene made{"level", scene_of(std::move(level.mesh)),
-                       Camera::look_at({24.6, 1.7, 18.6}, {30, 0.9, 24}, {0, 1, 0}, 1.0f)};
+    WholeScene made{"level", scene_of(std::move(level.mesh)),
+                    Camera::look_at({24.6, 1.7, 18.6}, {30, 0.9, 24}, {0, 1, 0}, 1.0f)};
     for (const Vec3d at : {Vec3d(28, 2.7, 21), Vec3d(36, 2.7, 21), Vec3d(28, 2.7, 27), Vec3d(20, 2.7, 15)})
         add_lamp(made.scene, at, 8);
     return made;
 }
 
-TriangleScene many_objects()
+WholeScene many_objects()
 {
     Builder hall;
     hall.box({-20, 0, -20}, {20, 8, 20}, true);
@@ -203,17 +231,125 @@ TriangleScene many_objects()
     return {"many objects", std::move(scene), Camera::look_at({-17, 2, -17}, {0, 1, 0}, {0, 1, 0}, 1.0f)};
 }
 
-std::vector<TriangleScene> shared_triangle_scenes()
+namespace {
+
+// Returns a ball of quads, as a cube whose sides are pushed outward.
+Cage ball_cage(Vec3f radii, std::uint32_t quads)
 {
-    using Known = std::pair<const char*, const char*>;
-    std::vector<TriangleScene> all;
-    for (const auto& [name, file] :
-         {Known{"pandora", "scenes/pandora/pandora.obj"}, Known{"garage", "gltf/scenes/garage/garage.gltf"}}) {
-        if (!std::filesystem::exists(shared_folder() / file)) continue;
-        TriangleScene made{name, load(shared_folder() / file, {.subdivide = Subdivide::Off}), {}};
+    Cage cage;
+    const std::uint32_t row = quads + 1;
+    std::map<std::array<std::uint32_t, 3>, std::uint32_t> known;
+    const auto vertex = [&](const std::array<std::uint32_t, 3>& at) {
+        const auto [entry, is_new] = known.try_emplace(at, std::uint32_t(cage.positions.size()));
+        if (is_new) {
+            const Vec3f p = Vec3f(at[0], at[1], at[2]) * (2 / float(quads)) - Vec3f(1);
+            cage.positions.push_back(radii * glm::normalize(p));
+        }
+        return entry->second;
+    };
+    for (std::uint32_t side = 0; side < 6; ++side)
+        for (std::uint32_t i = 0; i + 1 < row; ++i)
+            for (std::uint32_t j = 0; j + 1 < row; ++j) {
+                const std::uint32_t axis = side / 2, fixed = side % 2 ? quads : 0;
+                const auto at = [&](std::uint32_t u, std::uint32_t v) {
+                    std::array<std::uint32_t, 3> p{};
+                    p[axis] = fixed;
+                    p[(axis + 1) % 3] = side % 2 ? u : v;
+                    p[(axis + 2) % 3] = side % 2 ? v : u;
+                    return vertex(p);
+                };
+                for (const std::uint32_t v : {at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)})
+                    cage.face_vertices.push_back(v);
+                cage.face_sizes.push_back(4);
+            }
+    return cage;
+}
+
+void add_floor(Scene& scene, MaterialId material, float half, float y)
+{
+    Builder floor;
+    floor.quad({-half, y, half}, {half, y, half}, {half, y, -half}, {-half, y, -half});
+    floor.mesh.materials = {material};
+    NodeDesc desc;
+    desc.cages = {scene.add(std::move(floor.mesh))};
+    scene.add_node(scene.root(), std::move(desc));
+}
+
+}  // namespace
+
+WholeScene crowd_of_cages()
+{
+    const Crowd crowd("crowd", torus(24, 12), 64, 1);
+    Scene scene;
+    const MaterialId grey = scene.add(grey_material());
+    Cage cage = crowd.cage;
+    cage.materials = {grey};
+    const CageId shape = scene.add(std::move(cage));
+    for (int i = 0; i < crowd.copies; ++i) {
+        NodeDesc desc;
+        desc.place.translation = crowd.place(i);
+        desc.cages = {shape};
+        scene.add_node(scene.root(), std::move(desc));
+    }
+    add_floor(scene, grey, static_cast<float>(crowd.extent()), -0.6f);
+    add_lamp(scene, crowd.lights()[0].centre, 60);
+    return {"crowd of 64 cages", std::move(scene), Camera::look_at(crowd.eye(), {0, 0, 0}, {0, 1, 0}, 0.785f)};
+}
+
+WholeScene figure_with_hair()
+{
+    Scene scene;
+    const MaterialId grey = scene.add(grey_material());
+    const auto add = [&](Cage cage, Vec3d at) {
+        cage.materials = {grey};
+        NodeDesc desc;
+        desc.place.translation = at;
+        desc.cages = {scene.add(std::move(cage))};
+        scene.add_node(scene.root(), std::move(desc));
+    };
+    const Vec3d head(0, 1.62, 0), trunk(0, 1.1, 0);
+    add(ball_cage({0.11f, 0.14f, 0.12f}, 16), head);
+    add(ball_cage({0.2f, 0.36f, 0.13f}, 16), trunk);
+    add(ball_cage({0.215f, 0.33f, 0.145f}, 24), trunk);  // a shirt
+    for (const double side : {-1.0, 1.0}) {
+        add(ball_cage({0.06f, 0.34f, 0.06f}, 12), {side * 0.27, 1.1, 0});
+        add(ball_cage({0.068f, 0.18f, 0.068f}, 16), {side * 0.27, 1.25, 0});  // a sleeve
+        add(ball_cage({0.08f, 0.46f, 0.09f}, 12), {side * 0.11, 0.45, 0});
+        add(ball_cage({0.09f, 0.3f, 0.1f}, 16), {side * 0.11, 0.62, 0});  // a trouser leg
+    }
+    Builder hair;
+    for (std::uint32_t card = 0; card < 4000; ++card) {
+        const float around = 2 * kPi * number(card, 1), up = number(card, 2);
+        const Vec3f out(std::cos(around) * (1 - 0.7f * up), 0.3f + 0.7f * up, std::sin(around) * (1 - 0.7f * up));
+        const Vec3f root = Vec3f(head) + Vec3f(0.11f, 0.14f, 0.12f) * glm::normalize(out);
+        const Vec3f along = 0.05f * glm::normalize(out) - Vec3f(0, 0.08f + 0.1f * number(card, 3), 0);
+        const Vec3f wide = 0.002f * glm::normalize(glm::cross(out, Vec3f(number(card, 4), 1, number(card, 5))));
+        hair.quad(root - wide, root + wide, root + along + wide, root + along - wide);
+    }
+    add(std::move(hair.mesh), Vec3d(0));
+    add_floor(scene, grey, 4, 0);
+    add_lamp(scene, {1.5, 2.6, 2}, 12);
+    return {"figure with hair", std::move(scene), Camera::look_at({0.5, 1.6, 1.9}, {0, 1.15, 0}, {0, 1, 0}, 0.7f)};
+}
+
+std::vector<WholeScene> shared_scenes()
+{
+    struct Known {
+        const char *name, *file;
+        Subdivide subdivide;
+        bool is_inside;
+    };
+    std::vector<WholeScene> all;
+    for (const Known& known : {Known{"pandora", "scenes/pandora/pandora.obj", Subdivide::Off, true},
+                               Known{"garage", "gltf/scenes/garage/garage.gltf", Subdivide::Off, true},
+                               Known{"chess set", "subdiv/chess/chess_set.gltf", Subdivide::Auto, false},
+                               Known{"knight", "gltf/skinned/Knight/Knight.glb", Subdivide::Off, false}}) {
+        if (!std::filesystem::exists(shared_folder() / known.file)) continue;
+        WholeScene made{known.name, load(shared_folder() / known.file, {.subdivide = known.subdivide}), {}};
         const Box3d box = made.scene.bounds();
         const Vec3d middle = box.centre();
-        made.camera = Camera::look_at(middle, middle + Vec3d(1, -0.1, 0.6), {0, 1, 0}, 1.1f);
+        if (known.is_inside) made.camera = Camera::look_at(middle, middle + Vec3d(1, -0.1, 0.6), {0, 1, 0}, 1.1f);
+        else made.camera = made.scene.camera().value_or(Camera::framing(box, 16.0f / 9));
         all.push_back(std::move(made));
     }
     return all;

@@ -1,4 +1,5 @@
-// Scenes of triangle meshes as level designers make them: walls of two large triangles beside small props.
+// Whole scenes: rooms and levels of triangle meshes as level designers make them, with walls of two large triangles beside
+// small props, a crowd of cages, a figure with clothes and hair, and scenes of the shared data.
 //
 // The rules use no random source but a fixed hash, so every run has the same triangles.
 #pragma once
@@ -7,27 +8,35 @@
 #include <string>
 #include <vector>
 
+#include "lod/footprint.h"
+#include "lod/topology_cache.h"
 #include "scenegraph/scene.h"
 
 namespace occam::bench {
 
-/// Holds a scene, a camera inside it, and the scene's triangles in world axes for the peer that it is compared with.
-struct TriangleScene {
+/// Holds a scene and a camera that looks at it.
+struct WholeScene {
     std::string name;
     Scene scene;
     Camera camera;
 
-    /// Returns three corners for each triangle of each visible placement. The scene must hold meshes alone.
-    std::vector<Vec3f> triangles() const;
+    /// Returns three corners in world axes for each triangle of each visible placement, for the peer that the scene is
+    /// compared with: meshes and cages as they are posed. Cages are diced at the level that `levels` chooses for each.
+    std::vector<Vec3f> triangles(lod::TopologyCache& topologies, lod::LevelSettings levels) const;
 };
 
 /// Returns a closed room of about 8,000 triangles in one mesh: a table, chairs, shelves with small things, and spheres.
-TriangleScene furnished_room();
+WholeScene furnished_room();
 /// Returns a level of eight by eight such rooms with doors, in one mesh of about 60,000 triangles.
-TriangleScene level_of_rooms();
+WholeScene level_of_rooms();
 /// Returns a hall with 3,000 instances of three small meshes.
-TriangleScene many_objects();
-/// Returns the game map and the garage of the shared data, as far as they are there, seen from their middles.
-std::vector<TriangleScene> shared_triangle_scenes();
+WholeScene many_objects();
+/// Returns 64 tori of quads, which are subdivided, over a floor under two square lights (tests/bench/crowd.h).
+WholeScene crowd_of_cages();
+/// Returns a figure of subdivision cages in clothes, which are thin shells over it, with 4,000 cards of hair.
+WholeScene figure_with_hair();
+/// Returns scenes of the shared data, as far as they are there: a game map and a garage, seen from their middles, a chess
+/// set and a skinned knight.
+std::vector<WholeScene> shared_scenes();
 
 }  // namespace occam::bench

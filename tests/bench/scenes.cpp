@@ -1,14 +1,16 @@
-// The suite renders whole scenes of triangle meshes (path tracing, ambient occlusion and direct light), beside Embree on the
-// same triangles.
+// The suite renders whole scenes (path tracing, ambient occlusion and direct light), beside Embree on the same triangles.
+// Cages are diced for Embree at the one level that `--lod off` chooses for each; Occam's rays each have levels of their own.
 //
 // For the traced part, rays of each kind are recorded once, batch by batch as a renderer asks for them. Then both trace the
-// same rays in turns, at default levels; Embree traces single rays. Whole frames compare Occam's renderer with a plain
-// diffuse path tracer on Embree that shoots as many camera samples, with one shadow ray to the last lamp at each hit.
+// same rays in turns, at default levels; Embree traces single rays and packets of eight. Whole frames compare Occam's
+// renderer with a plain diffuse path tracer on Embree that shoots as many camera samples, with one shadow ray to the last
+// lamp at each hit.
 
 #include <cmath>
 
 #include "api/include/occam/occam.h"
 #include "render/camera_rays.h"
+#include "render/compare.h"
 #include "render/tiles.h"
 #include "tests/bench/embree_mesh.h"
 #include "tests/bench/rooms.h"
@@ -35,7 +37,8 @@ std::vector<accel::Ray> camera_rays(const render::CameraRays& camera)
 struct Recorded {
     std::string what;
     bool is_any;
-    std::vector<std::vector<accel::Ray>> batches;
+    std::vector<std::vector<accel::Ray>> batches{};
+    bool is_coherent = false;  ///< what Embree's packets are told
 
     std::size_t count() const
     {
@@ -49,8 +52,8 @@ struct Recorded {
 // direct light: camera rays, and shadow rays to a lamp.
 std::vector<Recorded> record(accel::Tracer& tracer, const std::vector<accel::Ray>& camera, Vec3d lamp)
 {
-    Recorded path{"path, 6 bounces", false, {}}, bounces{"bounces alone", false, {}}, ao{"ambient occlusion", true, {}},
-        direct{"camera", false, {}}, shadow{"shadow", true, {}};
+    Recorded path{"path, 6 bounces", false}, bounces{"bounces alone", false}, ao{"ambient occlusion", true},
+        direct{"camera", false, {}, true}, shadow{"shadow", true, {}, true};
     std::vector<accel::SurfaceHit> hits;
     for (std::size_t first = 0; first < camera.size(); first += kBatch) {
         std::vector<accel::Ray> rays(camera.begin() + std::ptrdiff_t(first),
@@ -84,7 +87,8 @@ Row traced_row(const std::string& scene, const Recorded& recorded, TreePair& tre
 {
     std::vector<accel::Ray> all;
     for (const auto& batch : recorded.batches) all.insert(all.end(), batch.begin(), batch.end());
-    EmbreeRays theirs(mesh, all, false);
+    EmbreeRays theirs(mesh, all, false), packets(mesh, all, true);
+    packets.is_coherent = recorded.is_coherent;
     std::vector<accel::SurfaceHit> hits(all.size());
     std::vector<std::uint8_t> occluded(all.size());
     const auto trace = [&](accel::Tracer& tracer) {
@@ -97,12 +101,16 @@ Row traced_row(const std::string& scene, const Recorded& recorded, TreePair& tre
     };
     trace(trees.kd);
     trace(trees.bvh);
-    std::vector<double> kd_s, bvh_s, theirs_s;
+    std::vector<double> kd_s, bvh_s, theirs_s, packets_s;
+    const auto timed = [&](EmbreeRays& rays) {
+        rays.reset();
+        return repeat(1, [&] { recorded.is_any ? rays.occluded() : rays.closest(); }).front();
+    };
     for (int run = 0; run < kRuns; ++run) {
         kd_s.push_back(repeat(1, [&] { trace(trees.kd); }).front());
         bvh_s.push_back(repeat(1, [&] { trace(trees.bvh); }).front());
-        theirs.reset();
-        theirs_s.push_back(repeat(1, [&] { recorded.is_any ? theirs.occluded() : theirs.closest(); }).front());
+        theirs_s.push_back(timed(theirs));
+        packets_s.push_back(timed(packets));
     }
     std::size_t disagree = 0;
     for (std::size_t i = 0; i < all.size(); ++i)
@@ -116,6 +124,7 @@ Row traced_row(const std::string& scene, const Recorded& recorded, TreePair& tre
         .add("bvh_mrays_per_s", per(mega, bvh_s))
         .add("bvh_over_kd", ratios(kd_s, bvh_s));
     row.add("embree_mrays_per_s", per(mega, theirs_s)).add("occam_over_embree", ratios(theirs_s, ours_s));
+    row.add("embree_packets_mrays_per_s", per(mega, packets_s)).add("occam_over_packets", ratios(packets_s, ours_s));
     return row.add("disagree_hit_or_miss", double(disagree));
 }
 
@@ -165,8 +174,8 @@ std::size_t plain_paths(const EmbreeMesh& mesh, const std::vector<accel::Ray>& c
     return traced;
 }
 
-Row frame_row(const TriangleScene& of, Scene& scene, const EmbreeMesh& mesh, const std::vector<accel::Ray>& camera,
-              Vec3d lamp, IntegratorKind kind)
+Row frame_row(const WholeScene& of, Scene& scene, const EmbreeMesh& mesh, const std::vector<accel::Ray>& camera, Vec3d lamp,
+              IntegratorKind kind)
 {
     Renderer renderer(Resources{.threads = 1}), kd(Resources{.threads = 1, .tree = TreeKind::Kd}),
         bvh(Resources{.threads = 1, .tree = TreeKind::Bvh});
@@ -193,17 +202,64 @@ Row frame_row(const TriangleScene& of, Scene& scene, const EmbreeMesh& mesh, con
         their_rates.push_back(1e-6 * double(traced) / theirs.back());
     }
     const FrameStats::Seconds& s = renderer.stats().seconds;
+    const double arena_mb = 1e-6 * double(renderer.stats().memory.arena_peak_bytes);
     Row row{"scenes", of.name + ", whole frame, " + std::string(render::integrator_name(kind))};
     row.add("cpu_s", ours).add("occam_mrays_per_s", rates).add("rays", double(renderer.stats().rays.total()));
     row.add("trace_s", s.trace).add("shade_s", s.shade).add("build_s", s.build + s.tessellate);
     row.add("kd_cpu_s", in_kd).add("bvh_cpu_s", in_bvh).add("bvh_over_kd", ratios(in_kd, in_bvh));
-    row.add("arena_peak_mb", 1e-6 * double(renderer.stats().memory.arena_peak_bytes));
+    row.add("arena_peak_mb", arena_mb);
     if (!theirs.empty())
         row.add("plain_embree_mrays_per_s", their_rates).add("occam_over_embree", ratios(rates, their_rates));
     return row;
 }
 
-void run_scene(Report& report, TriangleScene& of)
+// Frames with levels of detail and without, in turns; how far their pictures differ, beside that of two seeds.
+Row levels_row(WholeScene& of, IntegratorKind kind)
+{
+    Renderer renderer(Resources{.threads = 1});
+    Settings settings{.width = kWidth, .height = kHeight, .spp = kSide * kSide};
+    settings.integrator = kind;
+    settings.bounces = kBounces;
+    std::vector<double> seconds[2];
+    Image pictures[2];
+    double arena_mb[2] = {};
+    for (int run = 0; run < kRuns; ++run)
+        for (const bool is_off : {false, true}) {
+            settings.lod = is_off ? render::Lod::Off : render::Lod::On;
+            const double start = process_seconds();
+            pictures[is_off] = renderer.render(of.scene, of.camera, settings);
+            seconds[is_off].push_back(process_seconds() - start);
+            arena_mb[is_off] = 1e-6 * double(renderer.stats().memory.arena_peak_bytes);
+        }
+    ++settings.seed;
+    const Image other_seed = renderer.render(of.scene, of.camera, settings);
+    Row row{"scenes", of.name + ", levels, " + std::string(render::integrator_name(kind))};
+    row.add("on_cpu_s", seconds[0]).add("off_cpu_s", seconds[1]).add("on_over_off", ratios(seconds[0], seconds[1]));
+    row.add("rmse_on_from_off", render::compare(pictures[0], pictures[1], "beauty").rmse);
+    row.add("rmse_of_another_seed", render::compare(other_seed, pictures[1], "beauty").rmse);
+    return row.add("on_arena_mb", arena_mb[0]).add("off_arena_mb", arena_mb[1]);
+}
+
+// The time from the first call of a new renderer, with nothing built, to the first finished tile of the middle.
+Row first_pixel_row(WholeScene& of)
+{
+    std::vector<double> seconds;
+    for (int run = 0; run < 3; ++run) {
+        Renderer renderer;
+        const double start = wall_seconds();
+        Job job = renderer.start(of.scene, of.camera, {.crop_x0 = 0.4f, .crop_x1 = 0.6f, .crop_y0 = 0.4f, .crop_y1 = 0.6f});
+        while (job.progress().fraction <= 0 && !job.wait_for(std::chrono::milliseconds(1))) {
+        }
+        seconds.push_back(wall_seconds() - start);
+        job.cancel();
+        job.wait();
+    }
+    Row row{"scenes", of.name + ", first pixel"};
+    row.note = "wall time; the file is read before";
+    return row.add("first_tile_s", seconds).add("peak_memory_mb", 1e-6 * double(render::process_peak_bytes()));
+}
+
+void run_scene(Report& report, WholeScene& of)
 {
     of.scene.refit();
     const render::CameraRays camera(of.camera, kWidth, kHeight);
@@ -212,9 +268,9 @@ void run_scene(Report& report, TriangleScene& of)
     of.scene.for_each_placement([&](NodeId, const Node& node, const Mat4d& world) {
         if (of.scene.find(node.light)) lamp = Vec3d(world[3]);
     });
-    const std::vector<Vec3f> corners = of.triangles();
-    const EmbreeMesh mesh(corners, Vec3d(0));
     lod::TopologyCache topologies;
+    const std::vector<Vec3f> corners = of.triangles(topologies, camera.levels(1));
+    const EmbreeMesh mesh(corners, Vec3d(0));
     TreePair trees(of.scene, topologies, camera.levels(1), kBudget);
     accel::Tracer& tracer = trees.usual == accel::TreeKind::Bvh ? trees.bvh : trees.kd;
     for (const Recorded& recorded : record(tracer, rays, lamp)) report.add(traced_row(of.name, recorded, trees, mesh));
@@ -226,19 +282,25 @@ void run_scene(Report& report, TriangleScene& of)
     report.add(row.add("arena_mb", 1e-6 * double(counters.peak_bytes)).add("embree_mb", 1e-6 * double(mesh.bytes)));
     for (const IntegratorKind kind : {IntegratorKind::Path, IntegratorKind::Ao, IntegratorKind::Direct})
         report.add(frame_row(of, of.scene, mesh, rays, lamp, kind));
+    for (const IntegratorKind kind : {IntegratorKind::Path, IntegratorKind::Direct}) report.add(levels_row(of, kind));
+    report.add(first_pixel_row(of));
 }
 
 }  // namespace
 
 void run_scenes(Report& report)
 {
-    std::vector<TriangleScene> all;
+    std::vector<WholeScene> all;
     all.push_back(furnished_room());
     all.push_back(level_of_rooms());
     all.push_back(many_objects());
-    for (TriangleScene& shared : shared_triangle_scenes()) all.push_back(std::move(shared));
-    for (TriangleScene& scene : all)
+    all.push_back(crowd_of_cages());
+    all.push_back(figure_with_hair());
+    const std::size_t own = all.size();
+    for (WholeScene& shared : shared_scenes()) all.push_back(std::move(shared));
+    for (WholeScene& scene : all)
         if (report.wants(scene.name)) run_scene(report, scene);
+    if (all.size() == own) report.add({"scenes", "shared scenes", {}, "skipped: no shared data (set OCCAM_SHARED)"});
 }
 
 }  // namespace occam::bench

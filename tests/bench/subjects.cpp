@@ -112,8 +112,8 @@ Subject::Subject(std::string what, Cage cage, int width, int height, std::option
 }
 
 TreePair::TreePair(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels, std::size_t budget)
-    : kd_frame(scene, topologies, levels, nullptr, {}, accel::TreeKind::Kd),
-      bvh_frame(scene, topologies, levels, nullptr, {}, accel::TreeKind::Bvh),
+    : kd_frame(scene, topologies, levels, nullptr, {}, {}, accel::TreeKind::Kd),
+      bvh_frame(scene, topologies, levels, nullptr, {}, {}, accel::TreeKind::Bvh),
       kd(kd_frame, budget),
       bvh(bvh_frame, budget),
       usual(accel::Frame(scene, topologies, levels).tree())

@@ -23,7 +23,9 @@ void run_first(Report& report);
 void run_levels(Report& report);
 void run_crowd(Report& report);
 void run_hidden(Report& report);
+void run_nodes(Report& report);
 void run_edits(Report& report);
+void run_lights(Report& report);
 void run_figure11(Report& report);
 void run_workers(Report& report);
 
@@ -38,8 +40,9 @@ inline constexpr Suite kSuites[] = {
     {"dice", "points with tangents of one patch, beside OpenSubdiv's Bfr", run_dice},
     {"build", "topology, lazy trees and grids of a large cage, from cold", run_build},
     {"trace", "closest and any hit on one thread, beside Embree on the same triangles", run_trace},
-    {"scenes", "rooms, levels and many objects of triangles: path, ambient occlusion, direct; beside Embree", run_scenes},
+    {"scenes", "whole scenes: path, ambient occlusion, direct; levels on and off; beside Embree", run_scenes},
     {"trees", "whole frames in the kd-tree and in the tree of boxes, in turns", run_trees},
+    {"lights", "10,000 lights beside the ten of them that matter: error at equal time", run_lights},
     {"motion", "rays in scenes that move, in both trees, in turns", run_motion},
     {"light", "secondary rays by kind, with footprints and without; what shading and textures cost", run_light},
     {"shade", "materials looked up at vertices or at hits: counts, time, error; over shading rates and samples", run_shade},
@@ -50,6 +53,7 @@ inline constexpr Suite kSuites[] = {
     {"first", "from the file to the first finished tile, 500,000 faces", run_first},
     {"crowd", "cages that all deform every frame, beside Embree rebuilding its own", run_crowd},
     {"hidden", "frames with 10^5 to 10^7 hidden faces that deform, beside the same without them", run_hidden},
+    {"nodes", "frames with up to 10^6 hidden nodes in a flat list, beside ten", run_nodes},
     {"edits", "refitting after edits, in trees of 10^2 to 10^6 nodes", run_edits},
     {"workers", "one worker, two, eight, 32: trees of their own and shared ones, and what is built again", run_workers},
     {"figure11", "building 605,000 faces lazily, by hierarchy, by scanning: each switched on and off", run_figure11},

@@ -10,6 +10,8 @@
 #include <fstream>
 #include <map>
 
+#include "tests/support/escapes.h"
+#include "tests/support/random_case.h"
 #include "tests/support/shape_builders.h"
 
 namespace occam::test {
@@ -56,10 +58,10 @@ struct Outcome {
     std::uint64_t flushes;
 };
 
-Outcome render(Scene& scene, const Settings& settings, int threads, std::size_t memory, TreeKind tree = TreeKind::Auto)
+Outcome render(Scene& scene, const Camera& camera, const Settings& settings, int threads, std::size_t memory,
+               TreeKind tree = TreeKind::Auto)
 {
     Renderer renderer({.threads = threads, .memory_bytes = memory, .tree = tree});
-    const Camera camera = Camera::framing(scene.bounds());
     Job job = renderer.start(scene, camera, settings);
     const Image& image = job.image();
     const FrameStats& stats = job.stats();
@@ -89,23 +91,24 @@ void expect_same_in_other_builds(const std::string& name, std::uint64_t checksum
     for (const auto& [key, value] : known) out << key << ' ' << value << '\n';
 }
 
-void expect_the_same(Scene scene, const std::string& name, Settings settings = {})
+void expect_the_same(Scene scene, const std::string& name, Settings settings = {}, std::optional<Camera> moving = {})
 {
+    const Camera camera = moving.value_or(Camera::framing(scene.bounds()));
     // The picture is so large that a quarter of the memory that a frame takes is above the least budget.
     settings.width = 320;
     settings.height = 192;
     settings.spp = 4;
-    const Outcome one = render(scene, settings, 1, std::size_t(1) << 30);
+    const Outcome one = render(scene, camera, settings, 1, std::size_t(1) << 30);
     EXPECT_EQ(one.flushes, 0u);
-    EXPECT_EQ(render(scene, settings, 2, std::size_t(1) << 30).checksum, one.checksum);
-    EXPECT_EQ(render(scene, settings, 7, std::size_t(1) << 30).checksum, one.checksum);
-    const Outcome kd = render(scene, settings, 2, std::size_t(1) << 30, TreeKind::Kd),
-                  bvh = render(scene, settings, 2, one.arena_bytes / 4, TreeKind::Bvh);
+    EXPECT_EQ(render(scene, camera, settings, 2, std::size_t(1) << 30).checksum, one.checksum);
+    EXPECT_EQ(render(scene, camera, settings, 7, std::size_t(1) << 30).checksum, one.checksum);
+    const Outcome kd = render(scene, camera, settings, 2, std::size_t(1) << 30, TreeKind::Kd),
+                  bvh = render(scene, camera, settings, 2, one.arena_bytes / 4, TreeKind::Bvh);
     EXPECT_EQ(kd.checksum, one.checksum);
     EXPECT_EQ(bvh.checksum, one.checksum);
     EXPECT_GT(bvh.flushes, 0u);
     for (const std::size_t part : {2, 4}) {
-        const Outcome tight = render(scene, settings, 1, one.arena_bytes / part);
+        const Outcome tight = render(scene, camera, settings, 1, one.arena_bytes / part);
         EXPECT_EQ(tight.checksum, one.checksum);
         EXPECT_GT(tight.flushes, 0u) << "a budget of 1/" << part << " of what was used";
     }
@@ -124,6 +127,53 @@ TEST(Picture, OfDisplacedCagesWithFrozenLevelsIsTheSameForAnyThreadsAndBudgetAnd
 {
     expect_the_same(stage(true), "displaced_frozen",
                     {.integrator = IntegratorKind::Path, .bounces = 2, .lod = render::Lod::Frozen});
+}
+
+/// The campaign compares threads, trees and memory over such scenes; here one build is compared with another.
+TEST(Picture, OfRandomScenesIsTheSameInEveryBuild)
+{
+    if (!std::getenv("OCCAM_HASHES")) return;
+    for (std::uint64_t seed = 1; seed <= (is_long() ? 100u : 16u); ++seed) {
+        const RandomCase c = random_case(seed);
+        SCOPED_TRACE(description(c));
+        Scene scene = scene_of(c);
+        const Camera camera = camera_of(c, scene);
+        Renderer renderer({.threads = 1, .memory_bytes = 256u << 20});
+        expect_same_in_other_builds("random_" + std::to_string(seed),
+                                    renderer.render(scene, camera, settings_of(c)).checksum());
+    }
+}
+
+// A torus flies, another turns, a displaced one is bent by its vertices, and the camera moves.
+TEST(Picture, OfWhatMovesIsTheSameForAnyThreadsAndBudgetAndBuild)
+{
+    for (const bool is_displaced : {false, true}) {
+        Scene scene = stage(is_displaced);
+        std::vector<NodeId> rings;
+        scene.for_each_placement([&](NodeId id, const Node& node, const Mat4d&) {
+            if (!node.cages.empty()) rings.push_back(id);
+        });
+        const CageId ring = scene.node(rings.at(0)).cages.at(0);
+        const std::vector<Vec3f> rest = scene.cage(ring).cage.positions;
+        std::vector<Mat4d> places;
+        for (const NodeId id : rings) places.push_back(scene.node(id).parent_from_node);
+        scene.record_shutter(4, [&](double tau) {
+            for (std::size_t i = 0; i < rings.size(); ++i) {
+                Trs moves{.translation = {0.3 * tau, 0.1 * double(i) * tau, 0}};
+                moves.rotation = {0, tau * 0.5, 0, std::sqrt(1 - tau * tau * 0.25)};
+                scene.set_transform(rings[i], places[i] * moves.matrix());
+            }
+            std::vector<Vec3f> bent = rest;
+            for (Vec3f& p : bent) p.y += 0.2f * float(tau) * p.x * p.x;
+            scene.write_vertices(ring, bent);
+        });
+        Camera camera = Camera::framing(scene.bounds());
+        for (const double tau : {0.0, 0.5, 1.0}) {
+            camera.keys.push_back(camera.world_from_camera);
+            camera.keys.back()[3] += Vec4d(0.2 * tau - 0.1, 0, 0, 0);
+        }
+        expect_the_same(std::move(scene), is_displaced ? "motion_displaced" : "motion", {.bounces = 2}, camera);
+    }
 }
 
 TEST(Picture, OfTheBuiltInSceneIsTheSameInEveryBuild)

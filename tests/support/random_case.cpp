@@ -244,7 +244,8 @@ Settings settings_of(const RandomCase& c)
     if (c.has(SettingFeature::Cropped)) s.crop_x0 = 0.2f, s.crop_x1 = 0.7f, s.crop_y1 = 0.55f;
     if (c.has(SettingFeature::OneSided)) s.back_faces = false;
     if (c.has(SettingFeature::Layers))
-        for (const render::AovRow& row : render::kAovs) s.aovs |= row.aov;
+        for (const render::AovRow& row : render::kAovs)
+            if (row.aov != Aov::Motion) s.aovs |= row.aov;  // motion needs a shutter that is open
     s.seed = c.seed;
     return s;
 }

@@ -46,7 +46,7 @@ struct Stage {
     {
         scene.refit();
         return accel::Frame(scene, topologies, {.eye = Vec3d(0), .pixel = {std::ldexp(1.0f, level), 0}, .mode = mode},
-                            nullptr, {}, tree);
+                            nullptr, {}, {}, tree);
     }
 };
 

@@ -66,6 +66,60 @@ TEST(Tracer, FindsTheSameBitsForARayAloneAndInAPacket)
     }
 }
 
+// Adds a mesh of horizontal squares, one close above the other.
+void add_stack(Scene& scene, int sheets)
+{
+    Cage cage;
+    cage.scheme = Scheme::Triangles;
+    for (int i = 0; i < sheets; ++i) {
+        const auto first = static_cast<std::uint32_t>(cage.positions.size());
+        const float y = -1 + 2 * float(i) / float(sheets);
+        for (const Vec2f c : {Vec2f(-2, -2), Vec2f(-2, 2), Vec2f(2, 2), Vec2f(2, -2)})
+            cage.positions.push_back({c.x, y, c.y});
+        for (const std::uint32_t v : {0, 1, 2, 0, 2, 3}) cage.face_vertices.push_back(first + v);
+    }
+    place(scene, scene.add(std::move(cage)), {0, 0, 0});
+}
+
+TEST(Tracer, FindsSeveralHitsAtOnceAsOneAfterTheOther)
+{
+    Stage stage;
+    place(stage.scene, stage.scene.add(torus()), {0, 0, 0});
+    add_wall_of_maps(stage.scene);
+    add_stack(stage.scene, 150);
+    const accel::Frame frame = stage.frame(-4);
+    const auto rays = rays_towards({0.3, 3, 4}, stage.scene.bounds(), 300, 11);
+    for (const std::size_t budget : {kPlenty, std::size_t(600) << 10})
+        for (const int most : {1, 5, accel::kMostNearest}) {
+            accel::Tracer at_once(frame, budget), one_by_one(frame, kPlenty);
+            std::vector<accel::SurfaceHit> hits(rays.size() * std::size_t(most));
+            std::vector<accel::HitCount> counts(rays.size());
+            at_once.nearest(rays, most, hits, counts);
+            int whole = 0, parts = 0;
+            for (std::size_t i = 0; i < rays.size(); ++i) {
+                accel::Ray ray = rays[i];
+                accel::SurfaceHit hit;
+                for (int k = 0; k < counts[i].count; ++k) {
+                    one_by_one.closest({&ray, 1}, {&hit, 1});
+                    ASSERT_TRUE(hit.is_hit() && same(hits[i * std::size_t(most) + std::size_t(k)], hit)) << i << ' ' << k;
+                    ray.t_near = accel::behind(hit.t);
+                }
+                if (!counts[i].is_all) {
+                    ASSERT_GT(counts[i].count, 0);
+                    ++parts;
+                    continue;
+                }
+                ++whole;
+                one_by_one.closest({&ray, 1}, {&hit, 1});
+                ASSERT_FALSE(hit.is_hit()) << i;
+            }
+            EXPECT_GT(parts, 50) << most;
+            if (most == accel::kMostNearest) {
+                EXPECT_GT(whole, 10);
+            }
+        }
+}
+
 TEST(Tracer, FindsTheSameFirstHitsWithoutWhatShadingNeeds)
 {
     Stage stage;

@@ -73,6 +73,43 @@ TEST_F(Animate, AFrameIsTheOneThatRenderMakes)
     EXPECT_NE(o.err.find("slide, rise"), std::string::npos) << o.err;
 }
 
+TEST_F(Animate, AShutterOfOneMomentIsTheStillPictureOfThatMoment)
+{
+    const auto render = [&](const std::string& name, const std::vector<std::string>& more) {
+        std::vector<std::string> all{"render", "moving.gltf", "-o",    name,    "--clip",
+                                     "slide",  "--size",      "48x32", "--spp", "4"};
+        all.insert(all.end(), more.begin(), more.end());
+        EXPECT_EQ(run(all).exit_code, kDone) << name;
+        return pixels(name);
+    };
+    const auto still = render("still.exr", {"--time", "0.5"});
+    EXPECT_EQ(render("moment.exr", {"--time", "0.25", "--fps", "10", "--shutter", "2.5,2.5"}), still);
+    EXPECT_NE(render("none.exr", {"--time", "0.25"}), still);
+    // Beyond its end, a clip holds its last pose.
+    const auto end = render("end.exr", {"--time", "1"});
+    EXPECT_EQ(render("beyond.exr", {"--time", "2", "--shutter", "0,3"}), end);
+    EXPECT_EQ(render("long.exr", {"--time", "2", "--shutter", "-1e6,-5e5"}), render("start.exr", {"--time", "0"}));
+}
+
+TEST_F(Animate, AShutterBlursFramesAndIsTold)
+{
+    const std::vector<std::string> options{"--clip", "slide", "--shutter", "-0.5,0.5", "--aov", "motion", "--stats", "-"};
+    const Outcome o = run(words("a.####.exr", "5", options));
+    ASSERT_EQ(o.exit_code, kDone) << o.err;
+    EXPECT_NE(o.out.find("\"segments\": 1,"), std::string::npos) << "a straight path at constant speed: " << o.out;
+    EXPECT_NE(o.out.find("\"shutter\": ["), std::string::npos);
+    std::vector<std::string> one{"render", "moving.gltf", "-o",     "one.exr", "--frame", "5",
+                                 "--fps",  "10",          "--size", "48x32",   "--spp",   "4"};
+    one.insert(one.end(), options.begin(), options.end() - 4);
+    ASSERT_EQ(run(one).exit_code, kDone);
+    EXPECT_EQ(pixels("a.0005.exr"), pixels("one.exr"));
+    // Frames of another shutter are not taken for these.
+    EXPECT_EQ(run(words("a.####.exr", "5", {"--clip", "slide", "--shutter", "-0.5,0.25"})).exit_code, kBadInput);
+    EXPECT_EQ(
+        run(words("a.####.exr", "5", {"--clip", "slide", "--shutter-segments", "4", "--shutter", "-0.5,0.5"})).exit_code,
+        kBadInput);
+}
+
 TEST_F(Animate, ShardsTogetherAreTheWholeBitForBit)
 {
     ASSERT_EQ(run(words("whole.####.exr", "0-6", {"--threads", "2"})).exit_code, kDone);

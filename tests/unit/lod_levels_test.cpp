@@ -215,6 +215,72 @@ TEST(RayLevels, HaveTheSameBitsInLanesAndAlone)
     }
 }
 
+/// Returns beams whose width at an end is a power of two, or an ulp or two beside it: rounding then places a transition
+/// there or not.
+std::vector<Beam> beams_with_ends_at_levels(int count)
+{
+    std::mt19937_64 random(11);
+    const auto uniform = [&](double low, double high) { return low + (high - low) * double(random() >> 11) * 0x1p-53; };
+    std::vector<Beam> all;
+    while (all.size() < std::size_t(count)) {
+        const auto b = static_cast<float>(std::exp2(uniform(-12, -1)) * (random() & 1 ? 1 : -1));
+        float at_end = std::exp2(static_cast<float>(int(random() % 8) - 4));
+        for (int ulps = int(random() % 5) - 2; ulps != 0; ulps += ulps < 0 ? 1 : -1)
+            at_end = std::nextafterf(at_end, ulps < 0 ? 0.0f : kFar);
+        const auto end = static_cast<float>(std::exp2(uniform(-3, 6)));
+        const float a = at_end - b * end;
+        if (a > 0) all.push_back({a, b, end});
+    }
+    return all;
+}
+
+/// The other lanes see finer and coarser pairs, which must not change where a ray's own begin and end.
+TEST(RayLevels, HaveTheSameBitsWhateverTheOtherLanesSee)
+{
+    const lod::LevelSettings settings;
+    std::vector<Beam> all = beams_with_ends_at_levels(2000);
+    for (const auto& more : {beams(400), beams_with_starts(400)}) all.insert(all.end(), more.begin(), more.end());
+    std::size_t compared = 0;
+    for (const Beam& beam : all) {
+        const lod::RayLevels<float> alone = table_of(beam, settings);
+        float a[kLanes], b[kLanes], end[kLanes], start[kLanes];
+        for (int lane = 0; lane < kLanes; ++lane) {
+            const float width = lod::edge_length(lane % 2 ? alone.finest - 2 : alone.coarsest + 3);
+            a[lane] = lane == 0 ? beam.a : width;
+            b[lane] = lane == 0 ? beam.b : 0.25f * width / beam.t_end;
+            start[lane] = lane == 0 ? beam.start : 0;
+            end[lane] = beam.t_end;
+        }
+        lod::RayLevels<vfloat> lanes;
+        if (alone.finest < lod::kFinestLevel + 3 || alone.coarsest > lod::kCoarsestLevel - 4 ||
+            !lanes.set({vfloat::load(a), vfloat::load(b), vfloat::load(start)}, 0, vfloat::load(end), vfloat::load(end),
+                       settings))
+            continue;
+        lanes.make();
+        ++compared;
+        for (int pair = alone.finest; pair <= alone.coarsest; ++pair) {
+            const auto same = [&](vfloat x, float y) {
+                float out[kLanes];
+                x.store(out);
+                return std::bit_cast<std::uint32_t>(out[0]) == std::bit_cast<std::uint32_t>(y);
+            };
+            EXPECT_TRUE(same(lanes.begin(pair), alone.begin(pair))) << beam.a << ' ' << beam.b << ' ' << beam.t_end;
+            EXPECT_TRUE(same(lanes.end(pair), alone.end(pair))) << beam.a << ' ' << beam.b << ' ' << beam.t_end;
+            EXPECT_TRUE(same(lanes.blend(pair).start, alone.blend(pair).start));
+            EXPECT_TRUE(same(lanes.blend(pair).scale, alone.blend(pair).scale));
+        }
+        for (const int pair : {alone.finest - 1, alone.coarsest + 1}) {
+            if (pair < lanes.finest || pair > lanes.coarsest) continue;
+            float begin[kLanes], stop[kLanes];
+            lanes.begin(pair).store(begin);
+            lanes.end(pair).store(stop);
+            EXPECT_TRUE(begin[0] > beam.t_end || stop[0] < 0 || begin[0] > stop[0])
+                << "a ray has a pair that it does not have alone: " << beam.a << ' ' << beam.b << ' ' << beam.t_end;
+        }
+    }
+    EXPECT_GT(compared, 2000u);
+}
+
 /// Checks that every fully coarse vertex of pair l is where its parameter lies in the mesh of level l + 1, by comparing it
 /// with that mesh.
 void expect_nested(const Cage& cage, int largest_exponent, const TextureStore* textures = nullptr,
@@ -283,6 +349,22 @@ TEST(PairsOfDisplacedCages, FullyCoarseAreTheNextLevelFullyFineWhenPosed)
         expect_nested(displaced.cage, 4, &displaced.textures, bent_joints());
     }
 }
+/// The kd-tree splits a patch until it is one tile, so a patch of any size must be one at the coarsest level.
+TEST(Rates, APatchOfAnySizeIsOneTileAtTheCoarsestLevel)
+{
+    for (const double size : {1e-30, 1.0, 1e12, 1e20, 1e25, 1e30, 1e36}) {
+        Mat4d scaled(size);
+        scaled[3][3] = 1;
+        DicedCage diced(prism(5), 0, scaled);
+        diced.posed.level = lod::kCoarsestLevel;
+        for (const lod::TileRef& tile : diced.tiles()) {
+            const lod::PatchScale scale = diced.dicer.scale(diced.posed, tile.patch);
+            for (const int axis : {0, 1})
+                EXPECT_LE(scale.inside(axis, lod::kCoarsestLevel), lod::TileRef::kSideExponent) << size;
+        }
+    }
+}
+
 TEST(PairsOfSpindle, FullyCoarseAreTheNextLevelFullyFine) { expect_nested(spindle(9), 5); }
 
 }  // namespace

@@ -69,7 +69,7 @@ TEST(Memory, ABudgetBelowTheFloorIsRefusedAndOneAtTheFloorIsKept)
     }
 }
 
-TEST(Memory, TheFloorKnowsTheWidestNodeAndTheLargestFace)
+TEST(Memory, TheFloorKnowsTheLargestFaceAndNoNumberOfChildren)
 {
     const auto floor_of = [](int nodes, std::uint32_t corners) {
         Scene scene;
@@ -78,8 +78,26 @@ TEST(Memory, TheFloorKnowsTheWidestNodeAndTheLargestFace)
         return Renderer({.threads = 1}).memory_floor(scene);
     };
     EXPECT_LT(floor_of(10, 5), std::size_t(2) << 20);
-    EXPECT_GT(floor_of(20'000, 5), floor_of(10, 5) + (std::size_t(2) << 20));
+    EXPECT_LT(floor_of(20'000, 5), floor_of(10, 5) + (std::size_t(1) << 18)) << "children are opened a block at a time";
     EXPECT_GT(floor_of(10, 500), floor_of(10, 5));
+}
+
+// A node with very many children is opened along the tree over them, where rays go.
+TEST(Memory, AFlatListOfNodesHasRoomAtTheFloor)
+{
+    Scene scene;
+    const CageId shape = scene.add(prism(4));
+    for (int i = 0; i < 20'000; ++i) place(scene, shape, {2.5 * (i * 7919 % 200), 0, -2.5 * (i * 7919 % 20'000 / 200)});
+    const Camera camera = Camera::look_at({250, 3, 8}, {250, 0, -8}, {0, 1, 0}, 0.6f);
+    const Settings settings{.width = 24, .height = 16, .spp = 1, .integrator = IntegratorKind::Direct};
+    Resources resources{.threads = 1};
+    Renderer free(resources);
+    const std::uint64_t wanted = free.render(scene, camera, settings).checksum();
+    EXPECT_LT(free.stats().memory.arena_peak_bytes, std::size_t(8) << 20) << "of 20,000 nodes a few are seen";
+    resources.memory_bytes = Renderer(resources).memory_floor(scene);
+    Renderer tight(resources);
+    EXPECT_EQ(tight.render(scene, camera, settings).checksum(), wanted);
+    EXPECT_LE(tight.stats().memory.arena_peak_bytes, resources.memory_bytes + Arena::kChunkBytes);
 }
 
 TEST(Memory, ABudgetAtTheFloorHasRoomForValuesAtVertices)

@@ -25,7 +25,7 @@ render::AovSet all_layers()
 struct Subject {
     Scene scene = builtin_scene();
     Camera camera = scene.camera().value_or(Camera::framing(scene.bounds()));
-    Settings settings{.width = 50, .height = 34, .spp = 24, .aovs = all_layers()};
+    Settings settings{.width = 50, .height = 34, .spp = 24, .shutter = {-0.25, 0.25}, .aovs = all_layers()};
 };
 
 void expect_same(const Image& a, const Image& b)

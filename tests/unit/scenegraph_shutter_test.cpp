@@ -6,6 +6,7 @@
 #include <random>
 
 #include "base/error.h"
+#include "scenegraph/content_rules.h"
 #include "scenegraph/scene.h"
 #include "scenegraph/shutter.h"
 

@@ -78,9 +78,10 @@ test::Mean radiance(const Surface& s, const WorldLight& light, bool by_rule, int
         double sum = double(test_of(s, light.sample(s.position, {numbers.square(), 0}), counts).radiance.x);
         const float choice = numbers.one();
         const ScatterSample d = sample_scatter(s, choice, numbers.square());
-        lights.for_crossings(s.start(d.direction), d.direction, 1e30f, peak, [&](const WorldLight&, const LightCrossing& c) {
+        const auto add = [&](const WorldLight&, const LightCrossing& c, float) {
             sum += double(d.weight.x * c.radiance.x * SampleCounts{1, 1}.of_scatter(d.density, c.density));
-        });
+        };
+        lights.for_crossings(s.start(d.direction), d.direction, 1e30f, peak, {}, add);
         mean.add(sum);
     }
     return mean;

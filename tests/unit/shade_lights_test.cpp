@@ -55,6 +55,44 @@ TEST(Lights, ASquareOverAPlaneGivesItsFormFactor)
     }
 }
 
+// Of samples that are spread evenly over such lights, one in a thousand to one in 10^7 is near the point.
+TEST(Lights, LongOnesGiveTheirFormFactor)
+{
+    for (const auto& [x, y] : {std::pair(1e4, 1e-4), {1e-4, 1e4}, {2e3, 1.0}, {1e7, 1e-2}, {300.0, 2.0}})
+        for (const double height : {0.3, 1.0, 10.0}) {
+            const WorldLight light = WorldLight::place(area(AreaLight::Shape::Rectangle, {float(x), float(y)}, 3),
+                                                       above(height));
+            const double expected = 3 * kPiD * 4 * corner_form_factor(x / 2, y / 2, height);
+            EXPECT_NEAR(irradiance(light, Vec3d(0), {0, 0, 1}), expected, 0.01 * expected) << x << " x " << y;
+            // A quarter of it, from below its corner.
+            const Vec3d corner(-x / 2, -y / 2, 0);
+            EXPECT_NEAR(irradiance(light, corner, {0, 0, 1}), 3 * kPiD * corner_form_factor(x, y, height), 0.01 * expected)
+                << x << " x " << y;
+        }
+}
+
+// A scattered ray that meets a light weighs it by the density with which the light's own samples are drawn.
+TEST(Lights, FlatOnesKnowTheDensityOfTheirSamples)
+{
+    const render::Sampler sampler(5, 1, true);
+    for (const auto shape : {AreaLight::Shape::Rectangle, AreaLight::Shape::Disc})
+        for (const auto& [x, y] : {std::pair(1e3f, 1.0f), {1.0f, 1e3f}, {1.0f, 2.0f}, {3e7f, 3e7f}, {1e15f, 1e15f}}) {
+            const WorldLight light = WorldLight::place(area(shape, {x, y}, 3), above(1));
+            const Vec3d point(0.3, -0.2, 0);
+            for (std::uint32_t i = 0; i < 100; ++i) {
+                const LightSample s = light.sample(point, {sampler.square(0, 0, i, render::Dimension::pixel()), 0.5f});
+                if (!(s.density > 0) || !(s.direction.z > 1e-3f)) continue;  // grazing directions round off the light
+                const LightCrossing c = light.crossing(point, s.direction);
+                if (c.density == 0) continue;  // rounded past the rim
+                EXPECT_NEAR(c.density, s.density, 0.01f * s.density) << x << " x " << y;
+                EXPECT_NEAR(s.radiance.x * s.density, 3, 1e-3f);
+            }
+            const LightCrossing up = light.crossing(Vec3d(0), {0, 0, 1});
+            EXPECT_FLOAT_EQ(up.distance, 1) << x << " x " << y;
+            EXPECT_GT(up.density, 0) << x << " x " << y;
+        }
+}
+
 TEST(Lights, ScaleOfTheNodeScalesTheArea)
 {
     const WorldLight light = WorldLight::place(area(AreaLight::Shape::Rectangle, {1, 1}, 3),
@@ -277,7 +315,7 @@ TEST(Environment, AnImageIsSampledByItsBrightness)
         const double drawn = double(test_environment(s, sky, u, {1, 1}).radiance.x);
         const float choice = numbers.one();
         const ScatterSample d = sample_scatter(s, choice, numbers.square());
-        const float weight = SampleCounts{1, 1}.of_scatter(d.density, sky.density(d.direction));
+        const float weight = SampleCounts{1, 1}.of_scatter(d.density, sky.look_up(d.direction).density);
         both.add(drawn + double(d.weight.x * sky.radiance(d.direction).x * weight));
         image_alone.add(double(test_environment(s, sky, u, {1, 0}).radiance.x));
     }
@@ -301,10 +339,10 @@ TEST(Environment, SampledDirectionsFollowTheirDensity)
     TextureStore textures(1 << 24);
     textures.prepare(scene);
     const Environment sky(scene.environment, textures);
-    EXPECT_LT(
-        test::direction_excess(
-            60'000, 24, [&](test::Numbers& n) { return sky.sample(n.square()); }, [&](Vec3f d) { return sky.density(d); }),
-        4.5);
+    EXPECT_LT(test::direction_excess(
+                  60'000, 24, [&](test::Numbers& n) { return sky.draw(n.square()).direction; },
+                  [&](Vec3f d) { return sky.look_up(d).density; }),
+              4.5);
 }
 
 TEST(Environment, DirectionsAndTexelsMatch)

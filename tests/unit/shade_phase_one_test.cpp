@@ -40,10 +40,22 @@ Material all_maps(Scene& scene)
     return m;
 }
 
+// Adds the maps that change the picture most, so that other tests do without them.
+Material every_map(Scene& scene)
+{
+    Material m = all_maps(scene);
+    m.alpha_mode = AlphaMode::Blend;
+    m.sheen_color = Vec3f(0.2f);
+    m.sheen_roughness = m.anisotropy = 0.5f;
+    for (TextureUse* use : {&m.alpha_texture, &m.sheen_color_texture, &m.sheen_roughness_texture, &m.anisotropy_texture})
+        use->texture = m.base_color_texture.texture;
+    return m;
+}
+
 TEST(PhaseOne, PacksWhatHasAMapAndGivesItBack)
 {
     Scene scene;
-    const Material m = all_maps(scene);
+    const Material m = every_map(scene);
     TextureStore textures(std::size_t(1) << 24);
     textures.prepare(scene);
     const shade::PhaseOne phase_one(textures);
@@ -72,6 +84,10 @@ TEST(PhaseOne, PacksWhatHasAMapAndGivesItBack)
     EXPECT_NE(back.slope, Vec3f(0));
     EXPECT_EQ(back.occlusion, made.occlusion);
     EXPECT_LT(back.occlusion, 1);
+    EXPECT_EQ(back.alpha, made.alpha);
+    EXPECT_EQ(back.sheen_color, made.sheen_color);
+    EXPECT_EQ(back.sheen_roughness, made.sheen_roughness);
+    EXPECT_EQ(back.anisotropy, made.anisotropy);
     EXPECT_EQ(back.specular, made.specular);
     EXPECT_EQ(back.specular_color, made.specular_color);
     EXPECT_EQ(back.transmission, made.transmission);
@@ -124,6 +140,53 @@ TEST(PhaseOne, LeavesTheEdgesOfMasksToHits)
     }
     EXPECT_GT(covered, 50u);
     EXPECT_GT(world.stats.built.hits_looked_up, 0u);
+}
+
+/// A strip stays a row of quads at the coarsest level, so one igrid serves all coarse pairs. What a ray finds in it must not
+/// depend on which of them asked for it first.
+TEST(PhaseOne, DoesNotDependOnWhichRayCameFirst)
+{
+    Scene scene;
+    Material m;
+    m.base_color_texture.texture = scene.add(waves(0));
+    Cage cage;
+    cage.positions = {{-32, 0, 0.5f}, {32, 0, 0.5f}, {32, 0, -0.5f}, {-32, 0, -0.5f}};
+    cage.face_sizes = {4};
+    cage.face_vertices = {0, 1, 2, 3};
+    cage.scheme = Scheme::Bilinear;
+    cage.uv_sets.resize(1);
+    for (const Vec3f p : cage.positions) cage.uv_sets[0].values.push_back({3 * p.x, 3 * p.z});
+    cage.materials = {scene.add(m)};
+    scene.add_node(scene.root(), {.cages = {scene.add(cage)}});
+    scene.refit();
+    TextureStore textures(std::size_t(1) << 24);
+    textures.prepare(scene);
+    const shade::PhaseOne phase_one(textures);
+    lod::TopologyCache topologies;
+    const accel::Frame frame(scene, topologies, {.pixel = {0.01f, 0}}, &textures, {&phase_one, 1});
+    accel::Ray ray;
+    ray.origin = {0.31, 1, 0.17};
+    ray.direction = {0, -1, 0};
+    const auto hit_after = [&](std::vector<float> widths) {
+        accel::Tracer tracer(frame, std::size_t(1) << 26);
+        accel::SurfaceHit hit;
+        for (const float width : widths) {
+            ray.footprint = {width, 0};
+            tracer.closest({&ray, 1}, {&hit, 1});
+        }
+        return hit;
+    };
+    for (const float width : {0.1f, 0.3f, 0.6f, 1.0f, 2.0f, 4.0f, 20.0f}) {
+        const accel::SurfaceHit alone = hit_after({width});
+        for (const float other : {0.5f, 1.0f, 3.0f, 10.0f, 100.0f}) {
+            const accel::SurfaceHit later = hit_after({other, width});
+            ASSERT_TRUE(alone.is_hit() && later.is_hit());
+            EXPECT_EQ(alone.level, later.level) << width << " after " << other;
+            ASSERT_EQ(alone.phase_one_channels, later.phase_one_channels) << width << " after " << other;
+            for (int c = 0; c < alone.phase_one_channels; ++c)
+                EXPECT_EQ(alone.phase_one[c], later.phase_one[c]) << width << " after " << other;
+        }
+    }
 }
 
 // A ray's origin moves back by a hundredth of its distance at a time, from where vertices are closer than texels to where a

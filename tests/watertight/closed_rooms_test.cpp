@@ -4,10 +4,16 @@
 
 #include <cstdlib>
 #include <map>
+#include <optional>
 #include <random>
 
+#include "tests/support/diced_mesh.h"
 #include "tests/support/displaced_cages.h"
+#include "tests/support/escapes.h"
+#include "tests/support/made_cages.h"
+#include "tests/support/refined_cages.h"
 #include "tests/support/shape_builders.h"
+#include "verify/closed.h"
 
 namespace occam::test {
 namespace {
@@ -88,7 +94,7 @@ Cage lump(std::uint64_t seed)
 }
 
 struct Room {
-    const char* name;
+    std::string name;
     Cage cage;
     Vec3d eye{0.13, 0.07, 0.11}, target{-0.4, 0.2, -1};
 };
@@ -113,6 +119,8 @@ struct Look {
     IntegratorKind integrator = IntegratorKind::Path;
     bool displaced = false;
     double scale = 1;
+    std::optional<Trs> place{};  ///< instead of `scale`
+    bool instanced = false;      ///< the room is one of three instances of a node that stands elsewhere
     int width = 24, height = 18, spp = 4;
 };
 
@@ -141,11 +149,23 @@ int lit_pixels(const Room& room, const Look& look)
     NodeDesc desc;
     desc.place.scale = Vec3d(look.scale);
     desc.place.translation = Vec3d(3, -2, 5) * look.scale;
+    if (look.place) desc.place = *look.place;
+    const Mat4d world_from_room = desc.place.matrix();
     desc.cages = {scene.add(cage)};
+    if (look.instanced) {
+        NodeDesc original;
+        original.cages = std::move(desc.cages);
+        original.place.translation = Vec3d(500, 300, -200);
+        desc.cages.clear();
+        desc.instance_of = scene.add_node(scene.root(), original);
+        NodeDesc other = desc;
+        other.place.translation += Vec3d(0.5, 0.1, 0.2);
+        scene.add_node(scene.root(), other);
+    }
     scene.add_node(scene.root(), desc);
     scene.environment.radiance = Vec3f(1000);
-    const Camera camera = Camera::look_at(desc.place.translation + room.eye * look.scale,
-                                          desc.place.translation + room.target * look.scale, {0, 1, 0}, 1.5f);
+    const Camera camera = Camera::look_at(transform_point(world_from_room, room.eye),
+                                          transform_point(world_from_room, room.target), {0, 1, 0}, 1.5f);
     Settings settings{.width = look.width, .height = look.height, .spp = look.spp};
     settings.integrator = look.integrator;
     settings.bounces = 4;
@@ -163,7 +183,7 @@ void expect_dark(const Room& room, const Look& look)
 {
     EXPECT_EQ(lit_pixels(room, look), 0) << room.name << ", rate " << look.rate << ", level mode " << int(look.lod)
                                          << ", integrator " << int(look.integrator) << (look.displaced ? ", displaced" : "")
-                                         << ", scale " << look.scale;
+                                         << ", scale " << look.scale << (look.instanced ? ", instanced" : "");
 }
 
 constexpr IntegratorKind kBoth[] = {IntegratorKind::Path, IntegratorKind::Ao};
@@ -186,7 +206,7 @@ TEST(ClosedRooms, AreDarkInEveryLevelMode)
 TEST(ClosedRooms, AreDarkDisplacedAndAtEveryScale)
 {
     for (const Room& room : rooms()) {
-        if (std::string_view(room.name) != "bipyramid") expect_dark(room, {.rate = 4, .displaced = true});
+        if (room.name != "bipyramid") expect_dark(room, {.rate = 4, .displaced = true});
         for (const double scale : {1e-3, 1e4}) expect_dark(room, {.rate = 6, .scale = scale});
     }
 }
@@ -197,10 +217,72 @@ TEST(ClosedRooms, AreDarkWhateverTheCage)
     const int count = is_long && *is_long == '1' ? 100 : 8;
     for (int seed = 0; seed < count; ++seed) {
         const std::string name = "lump " + std::to_string(seed);
-        const Room room{name.c_str(), lump(static_cast<std::uint64_t>(seed)), {0.03, 0.02, 0.01}};
+        const Room room{name, lump(static_cast<std::uint64_t>(seed)), {0.03, 0.02, 0.01}};
         expect_dark(room,
                     {.rate = std::exp2(float(seed % 7) - 2), .lod = render::Lod(seed % 3), .integrator = kBoth[seed % 2]});
     }
+}
+
+/// Returns a point inside of the cage, as far from its surface as few trials find; none for a cage that is thin everywhere.
+std::optional<Vec3d> point_inside(const Cage& cage, std::mt19937_64& random)
+{
+    DicedCage diced(cage, 0);
+    diced.level_of_largest_exponent(3);
+    std::vector<Vec3f> corners;
+    Box3d box;
+    for (const MeshTriangle& t : diced.triangles())
+        for (const Vec3f v : t.v) {
+            corners.push_back(v);
+            box.add(Vec3d(v));
+        }
+    const auto uniform = [&] { return double(random() >> 11) * 0x1p-53; };
+    double best = 0.12 * box.radius();
+    std::optional<Vec3d> found;
+    for (int trial = 0; trial < 60; ++trial) {
+        const Vec3d p = box.lo + box.extent() * Vec3d(uniform(), uniform(), uniform());
+        double clear = box.radius();
+        for (const Vec3f v : corners) clear = std::min(clear, glm::distance(Vec3d(v), p));
+        if (clear <= best || winding_number(corners, p) < 0.9) continue;
+        best = clear;
+        found = diced.posed.anchor + p;
+    }
+    return found;
+}
+
+/// Every closed cage of the tests is a room, and so are what refining it gives and its mix of quads and triangles: turned,
+/// stretched, mirrored, displaced and instanced, with settings that change from one to the next.
+TEST(ClosedRooms, AreDarkForEveryMadeCageHoweverItIsPlaced)
+{
+    std::mt19937_64 random(8);
+    const auto uniform = [&](double low, double high) { return low + (high - low) * double(random() >> 11) * 0x1p-53; };
+    int number = 0, tested = 0;
+    for (const MadeCage& made : made_cages()) {
+        ++number;
+        if (!made.is_closed || (!is_long() && number % 4 != 0)) continue;
+        const int kind = number / (is_long() ? 1 : 4) % 3;
+        Room room{made.name + (kind == 1   ? ", refined"
+                               : kind == 2 ? ", with triangles"
+                                           : ""),
+                  kind == 1   ? refined(made.cage, true)
+                  : kind == 2 ? with_triangles(made.cage, std::uint32_t(number))
+                              : made.cage};
+        const std::optional<Vec3d> eye = point_inside(room.cage, random);
+        if (!eye) continue;
+        room.eye = *eye;
+        room.target = *eye + Vec3d(uniform(-1, 1), uniform(-0.5, 0.5), uniform(-1, 1));
+        Look look;
+        look.rate = std::exp2(float(number / 4 % 7) - 2);
+        look.lod = render::Lod(number / 4 % 3);
+        look.integrator = kBoth[number / 4 % 2];
+        look.instanced = number / 4 % 2 == 1;
+        look.place = Trs();
+        look.place->translation = Vec3d(uniform(-50, 50), uniform(-50, 50), uniform(-50, 50));
+        look.place->rotation = glm::normalize(Vec4d(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(0.1, 1)));
+        look.place->scale = Vec3d(uniform(0.5, 2), uniform(0.5, 2), uniform(0.5, 2) * (number / 4 % 3 == 1 ? -1 : 1));
+        expect_dark(room, look);
+        ++tested;
+    }
+    EXPECT_GE(tested, is_long() ? 25 : 6);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -52,6 +53,16 @@ using Stage = render::FrameControl::Stage;
 /// command line uses it where a file has no camera.
 /// aspect   width over height of the picture
 Camera framing(Scene& scene, float aspect = 16.0f / 9.0f, ViewFrom from = ViewFrom::ThreeQuarter, Vec3d up = {0, 1, 0});
+
+/// Poses the scene by `pose` and records what moves while the shutter of the next frame is open, with the fewest segments
+/// that keep all paths within a quarter of a pixel: what the command line does for --shutter. Returns the camera of the
+/// frame, which has keys if it moves itself. Settings::shutter should say how many frames the shutter is open.
+/// pose       poses the scene at a moment of the shutter: 0 when it opens, 1 when it closes. See Scene::record_shutter()
+/// camera     returns the camera of the scene as it is then, for instance by Scene::camera()
+/// height     of the picture in pixels
+/// segments   1, 2, 4, 8, 16 or 32; 0: as many as are needed, up to 32
+Camera record_shutter(Scene& scene, const std::function<void(double tau)>& pose, const std::function<Camera()>& camera,
+                      int height, int segments = 0);
 
 /// A frame that is being rendered on a thread of its own. A job has one owner and can be moved.
 class Job {
@@ -122,6 +133,7 @@ struct Hit {
     Vec2f uv{0};
     NodeId node;
     std::uint32_t face = 0;  ///< index in the node's cage
+    Vec3f velocity{0};       ///< of the surface there at the ray's time, by its own motion: world length per shutter
 };
 
 /// The full width of a ray's beam, which is `width + spread * t` at the distance t, in world length. It decides how fine the
@@ -136,6 +148,7 @@ struct QueryRay {
     Vec3d direction{0, 0, -1};                             ///< need not be unit
     double far = std::numeric_limits<double>::infinity();  ///< world length
     std::optional<RayFootprint> footprint{};               ///< if absent, that of a pixel of the query's camera
+    float time = 0.5f;  ///< from 0 (the shutter opens) to 1; only for scenes whose shutter is recorded
 };
 
 /// Says where a ray ends.

@@ -1,0 +1,81 @@
+// The kinds of options that parse.cpp and parse_motion.cpp add. A value that cannot be read becomes a line about its option.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <map>
+#include <stdexcept>
+#include <string>
+
+#include "arguments.h"
+#include "values.h"
+
+namespace occam::command {
+
+/// Adds an option whose text `read` parses. An exception that `read` throws becomes a line about that option.
+inline CLI::Option* add_value(CLI::App& app, const std::string& names, const std::string& what, const std::string& form,
+                              std::function<void(const std::string&)> read)
+{
+    CLI::Option* option = app.add_option_function<std::string>(
+        names,
+        [names, read = std::move(read)](const std::string& text) {
+            try {
+                read(text);
+            } catch (const std::invalid_argument& error) {
+                throw CLI::ValidationError(names.substr(0, names.find(',')), error.what());
+            }
+        },
+        what);
+    return option->type_name(form);
+}
+
+inline CLI::Option* add_number(CLI::App& app, const std::string& name, const std::string& what,
+                               std::function<void(double)> set)
+{
+    return add_value(app, name, what, "NUMBER", [set = std::move(set)](const std::string& t) { set(number_of(t)); });
+}
+
+/// Adds an option whose value is a whole number, which may be written as 1e5.
+template <class T>
+CLI::Option* add_whole(CLI::App& app, const std::string& name, T& value, std::uint64_t least, std::uint64_t most,
+                       const std::string& what)
+{
+    return add_value(app, name, what, "N",
+                     [&value, least, most](const std::string& t) { value = static_cast<T>(whole_of(t, least, most)); });
+}
+
+/// Adds an option whose value is a number that is not below 0.
+inline CLI::Option* add_amount(CLI::App& app, const std::string& name, const std::string& what,
+                               std::function<void(double)> set)
+{
+    return add_number(app, name, what, [set = std::move(set)](double v) {
+        if (!(v >= 0)) throw std::invalid_argument("expected 0 or more");
+        set(v);
+    });
+}
+
+inline CLI::Option* add_switch(CLI::App& app, const std::string& name, bool& value, const std::string& what)
+{
+    return add_value(app, name, what, "on|off", [&value](const std::string& t) { value = is_on(t); });
+}
+
+template <class T>
+CLI::Option* add_choice(CLI::App& app, const std::string& name, T& value, const std::map<std::string, T>& choices,
+                        const std::string& what)
+{
+    std::string form;
+    for (const auto& choice : choices) form += (form.empty() ? "" : "|") + choice.first;
+    return add_value(app, name, what, form, [&value, choices, form](const std::string& text) {
+        const auto found = choices.find(text);
+        if (found == choices.end()) throw std::invalid_argument("expected one of " + form + ", not '" + text + "'");
+        value = found->second;
+    });
+}
+
+// The options of time, for commands that pose the scene.
+void add_clip(CLI::App& app, RenderArguments& arguments);
+void add_moment(CLI::App& app, RenderArguments& arguments);  ///< after add_clip()
+void add_shutter(CLI::App& app, RenderArguments& arguments);
+void add_sequence(CLI::App& app, AnimateArguments& arguments);
+
+}  // namespace occam::command

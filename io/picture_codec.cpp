@@ -1,0 +1,59 @@
+#include "io/picture_codec.h"
+
+#include <dlfcn.h>
+
+#include "base/error.h"
+
+namespace occam {
+namespace {
+
+namespace fs = std::filesystem;
+
+// OCCAM_PICTURE_MODULE (cmake/Rooms.cmake) is the name of the module's file, "liboccam_images.so.0".
+constexpr const char* kModule = OCCAM_PICTURE_MODULE;
+
+// Returns the path of the module beside the library or program that holds this function.
+fs::path beside_library()
+{
+    Dl_info info{};
+    if (dladdr(reinterpret_cast<const void*>(&picture_codec), &info) == 0 || !info.dli_fname) return {};
+    std::error_code error;
+    const fs::path library = fs::weakly_canonical(info.dli_fname, error);
+    return error ? fs::path() : library.parent_path() / kModule;
+}
+
+[[noreturn]] void refuse(const std::string& why)
+{
+    throw Error(kModule, "is needed to read and write pictures, and cannot be loaded: " + why +
+                             "; it belongs beside liboccam.so, where cmake --install puts it");
+}
+
+const PictureCodec& load()
+{
+    std::error_code error;
+    const fs::path beside = beside_library();
+    const bool is_beside = !beside.empty() && fs::exists(beside, error);
+    void* module = dlopen(is_beside ? beside.c_str() : kModule, RTLD_LAZY | RTLD_LOCAL);
+    if (!module) refuse(dlerror());
+    using Entry = const PictureCodec* (*)();
+    const auto entry = reinterpret_cast<Entry>(dlsym(module, "occam_picture_codec"));
+    if (!entry) refuse("it is another file of that name");
+    return *entry();
+}
+
+}  // namespace
+
+const PictureCodec& picture_codec()
+{
+    static const PictureCodec& codec = load();
+    return codec;
+}
+
+void check_picture_codec()
+{
+    // Without a path of its own the module may still be found by the dynamic linker, which only loading it can tell.
+    std::error_code error;
+    if (const fs::path beside = beside_library(); beside.empty() || !fs::exists(beside, error)) picture_codec();
+}
+
+}  // namespace occam

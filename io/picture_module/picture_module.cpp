@@ -1,0 +1,211 @@
+// The module behind picture_codec(): the only file that uses OpenImageIO.
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include "io/picture_codec.h"
+
+namespace occam {
+namespace {
+
+SampleType type_of(OIIO::TypeDesc type) noexcept
+{
+    switch (type.basetype) {
+        case OIIO::TypeDesc::UINT8:
+            return SampleType::Byte;
+        case OIIO::TypeDesc::UINT16:
+            return SampleType::Word;
+        case OIIO::TypeDesc::HALF:
+            return SampleType::Half;
+        case OIIO::TypeDesc::FLOAT:
+            return SampleType::Float;
+        case OIIO::TypeDesc::DOUBLE:
+            return SampleType::OtherReal;
+        default:
+            return SampleType::OtherInteger;
+    }
+}
+
+// The two types without a name of their own are those of files that are read, and none is written with them.
+OIIO::TypeDesc type_of(SampleType type) noexcept
+{
+    switch (type) {
+        case SampleType::Byte:
+            return OIIO::TypeDesc::UINT8;
+        case SampleType::Word:
+        case SampleType::OtherInteger:
+            return OIIO::TypeDesc::UINT16;
+        case SampleType::Half:
+            return OIIO::TypeDesc::HALF;
+        case SampleType::Float:
+        case SampleType::OtherReal:
+            break;
+    }
+    return OIIO::TypeDesc::FLOAT;
+}
+
+PictureSpec spec_of(const OIIO::ImageSpec& from)
+{
+    PictureSpec spec;
+    spec.width = from.width, spec.height = from.height, spec.depth = from.depth;
+    spec.x = from.x, spec.y = from.y;
+    spec.full_x = from.full_x, spec.full_y = from.full_y;
+    spec.full_width = from.full_width, spec.full_height = from.full_height;
+    spec.tile_height = from.tile_width > 0 ? from.tile_height : 0;
+    spec.is_deep = from.deep;
+    spec.type = type_of(from.format);
+    spec.channels = from.channelnames;
+    spec.channels.resize(static_cast<std::size_t>(std::max(from.nchannels, 0)));
+    for (const OIIO::TypeDesc& type : from.channelformats) spec.channel_types.push_back(type_of(type));
+    spec.alpha_channel = from.alpha_channel;
+    return spec;
+}
+
+class Reader final : public PictureReader {
+public:
+    Reader(std::unique_ptr<OIIO::ImageInput> input, std::unique_ptr<OIIO::Filesystem::IOMemReader> memory)
+        : memory_(std::move(memory)), input_(std::move(input)), spec_(spec_of(input_->spec()))
+    {
+    }
+
+    const PictureSpec& spec() const noexcept override { return spec_; }
+    std::string format() const override { return input_->format_name(); }
+    std::string text_attribute(const std::string& name) const override
+    {
+        return std::string(input_->spec().get_string_attribute(name));
+    }
+    bool read_rows(int y_begin, int y_end, int channels, std::uint8_t* to) override
+    {
+        return read(y_begin, y_end, channels, OIIO::TypeDesc::UINT8, to);
+    }
+    bool read_rows(int y_begin, int y_end, int channels, float* to) override
+    {
+        return read(y_begin, y_end, channels, OIIO::TypeDesc::FLOAT, to);
+    }
+    std::string error() const override { return input_->geterror(); }
+
+private:
+    bool read(int y_begin, int y_end, int channels, OIIO::TypeDesc type, void* to)
+    {
+        const int y0 = spec_.y + y_begin, y1 = spec_.y + y_end;
+        if (spec_.tile_height > 0)
+            return input_->read_tiles(0, 0, spec_.x, spec_.x + spec_.width, y0, y1, 0, 1, 0, channels, type, to);
+        return input_->read_scanlines(0, 0, y0, y1, 0, 0, channels, type, to);
+    }
+
+    std::unique_ptr<OIIO::Filesystem::IOMemReader> memory_;  // the input refers to it
+    std::unique_ptr<OIIO::ImageInput> input_;
+    PictureSpec spec_;
+};
+
+// Hands the bytes of encoders on. They are told that every write succeeded.
+class EncoderStream final : public OIIO::Filesystem::IOProxy {
+public:
+    EncoderStream(const std::string& name, PictureBytes& to) : IOProxy(name, Write), to_(to) {}
+
+    const char* proxytype() const override { return "occam"; }
+    std::size_t write(const void* bytes, std::size_t size) override
+    {
+        to_.write_at(bytes, size, static_cast<std::uint64_t>(m_pos));
+        m_pos += static_cast<std::int64_t>(size);
+        return size;
+    }
+    std::size_t pwrite(const void* bytes, std::size_t size, std::int64_t offset) override
+    {
+        to_.write_at(bytes, size, static_cast<std::uint64_t>(offset));
+        return size;
+    }
+    std::size_t read(void* bytes, std::size_t size) override
+    {
+        const std::size_t got = pread(bytes, size, m_pos);
+        m_pos += static_cast<std::int64_t>(got);
+        return got;
+    }
+    std::size_t pread(void* bytes, std::size_t size, std::int64_t offset) override
+    {
+        return to_.read_at(bytes, size, static_cast<std::uint64_t>(offset));
+    }
+    std::size_t size() const override { return to_.size(); }
+
+private:
+    PictureBytes& to_;
+};
+
+OIIO::ImageSpec spec_of(const PictureSpec& from, std::span<const PictureAttribute> attributes)
+{
+    OIIO::ImageSpec spec(from.width, from.height, from.channel_count(), type_of(from.type));
+    spec.x = from.x, spec.y = from.y;
+    spec.full_width = from.full_width, spec.full_height = from.full_height;
+    if (!from.channel_types.empty()) {
+        spec.channelnames = from.channels;
+        for (const SampleType type : from.channel_types) spec.channelformats.push_back(type_of(type));
+        spec.alpha_channel = from.alpha_channel;
+    }
+    for (const auto& [name, value] : attributes) {
+        if (const auto* text = std::get_if<std::string>(&value)) spec.attribute(name, *text);
+        if (const auto* number = std::get_if<float>(&value)) spec.attribute(name, *number);
+        if (const auto* integer = std::get_if<int>(&value)) spec.attribute(name, *integer);
+        if (const auto* matrix = std::get_if<std::array<float, 16>>(&value))
+            spec.attribute(name, OIIO::TypeMatrix, matrix->data());
+        if (const auto* eight = std::get_if<std::array<float, 8>>(&value))
+            spec.attribute(name, OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), eight->data());
+    }
+    return spec;
+}
+
+class Codec final : public PictureCodec {
+public:
+    std::unique_ptr<PictureReader> open(const std::filesystem::path& file, std::string& error) const override
+    {
+        const OIIO::ImageSpec wishes = reading_wishes();
+        std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(file.string(), &wishes);
+        if (input) return std::make_unique<Reader>(std::move(input), nullptr);
+        error = OIIO::geterror();
+        return nullptr;
+    }
+
+    std::unique_ptr<PictureReader> open(std::span<const std::byte> file, const std::string& format,
+                                        std::string& error) const override
+    {
+        OIIO::ImageSpec wishes = reading_wishes();
+        auto memory = std::make_unique<OIIO::Filesystem::IOMemReader>(const_cast<std::byte*>(file.data()), file.size());
+        // The reader takes the bytes from this attribute: ImageInput::open(name, config, proxy) closes the proxy again.
+        OIIO::Filesystem::IOProxy* proxy = memory.get();
+        wishes.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+        std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(format);
+        OIIO::ImageSpec opened;
+        if (input && input->open("memory." + format, opened, wishes))
+            return std::make_unique<Reader>(std::move(input), std::move(memory));
+        error = input ? input->geterror() : OIIO::geterror();
+        return nullptr;
+    }
+
+    std::string write(const std::filesystem::path& file, const PictureSpec& spec,
+                      std::span<const PictureAttribute> attributes, const float* pixels, PictureBytes& to) const override
+    {
+        EncoderStream stream(file.string(), to);
+        const std::unique_ptr<OIIO::ImageOutput> encoder = OIIO::ImageOutput::create(file.string());
+        if (!encoder) return "its format has no encoder: " + OIIO::geterror();
+        const bool is_done = encoder->set_ioproxy(&stream) && encoder->open(file.string(), spec_of(spec, attributes)) &&
+                             encoder->write_image(OIIO::TypeDesc::FLOAT, pixels) && encoder->close();
+        if (is_done) return {};
+        const std::string why = encoder->geterror();
+        return why.empty() ? "the encoder failed" : why;
+    }
+
+private:
+    static OIIO::ImageSpec reading_wishes()
+    {
+        OIIO::ImageSpec wishes;
+        wishes.attribute("oiio:UnassociatedAlpha", 1);
+        return wishes;
+    }
+};
+
+}  // namespace
+}  // namespace occam
+
+extern "C" __attribute__((visibility("default"))) const occam::PictureCodec* occam_picture_codec()
+{
+    static const occam::Codec codec;
+    return &codec;
+}

@@ -1,0 +1,132 @@
+// What subtrees hold: how it is summed up, and how what is looked for is found by it.
+#include "base/cancellation.h"
+#include "scenegraph/child_boxes.h"
+#include "scenegraph/scene_state.h"
+
+namespace occam {
+
+bool may_pass(const Material& m) noexcept
+{
+    const bool may_be_clear = m.roughness < kClearRoughness || m.metallic_roughness_texture || m.roughness_texture ||
+                              m.glossiness_texture;
+    return m.alpha_mode != AlphaMode::Opaque || (m.transmission > 0 && may_be_clear);
+}
+
+std::uint8_t kinds_of(const Material& m) noexcept
+{
+    const Vec3f c(m.base_color);
+    const bool is_within = c.x >= 0 && c.x <= 1 && c.y >= 0 && c.y <= 1 && c.z >= 0 && c.z <= 1;
+    return static_cast<std::uint8_t>((m.emission != Vec3f(0) ? Contents::Emitters : 0) |
+                                     (may_pass(m) ? Contents::Passing : 0) | (is_within ? 0 : Contents::OverWhite));
+}
+
+void Scene::State::take_contents(CageId id, CageRecord& record)
+{
+    const Cage& cage = record.cage;
+    Contents contents;
+    if (cage.is_displaced()) contents.kinds |= Contents::Displaced;
+    if (record.is_on_demand() || cage.scheme != Scheme::Triangles) contents.kinds |= Contents::Subdivided;
+    contents.largest_face = record.largest_face;
+    if (record.is_deformed()) contents.deformed_vertices = static_cast<std::uint32_t>(cage.positions.size());
+    record.contents = contents;
+    const auto is_alive = [&](CageId known) { return cages.find(known) != nullptr; };
+    for (const MaterialId material : cage.materials)
+        if (MaterialRecord* known = materials.find(material)) known->cages.add(id, is_alive);
+}
+
+void Scene::State::watch_contents(NodeId id, const NodeRecord& node)
+{
+    const auto is_alive = [&](NodeId known) { return nodes.find(known) != nullptr; };
+    if (LightRecord* light = lights.find(node.light)) light->users.add(id, is_alive);
+    for (const MaterialId material : node.materials)
+        if (MaterialRecord* known = materials.find(material)) known->users.add(id, is_alive);
+}
+
+void Scene::State::mark_users_dirty(const MaterialRecord& material)
+{
+    for (const NodeId user : material.users.ids()) mark_dirty(user);
+    for (const CageId id : material.cages.ids())
+        if (const CageRecord* cage = cages.find(id)) mark_users_dirty(*cage);
+}
+
+void Scene::State::count_faces(const CageRecord& record, int sign) noexcept
+{
+    const std::size_t count = record.cage.face_count();
+    faces = sign > 0 ? faces + count : faces - count;
+    if (record.cage.scheme == Scheme::Triangles) mesh_triangles = sign > 0 ? mesh_triangles + count : mesh_triangles - count;
+}
+
+Contents Scene::State::own_contents(const NodeRecord& node) const noexcept
+{
+    Contents contents;
+    if (lights.find(node.light)) contents.kinds |= Contents::Lights;
+    const SkinRecord* skin = skins.find(node.skin);
+    for (const CageId id : node.cages) {
+        const CageRecord* cage = cages.find(id);
+        if (!cage) continue;
+        contents.add(cage->contents);
+        if (skin) contents.joints = std::max(contents.joints, static_cast<std::uint32_t>(skin->skin.joints.size()));
+        for (const MaterialId material : node.materials.empty() ? cage->cage.materials : node.materials)
+            if (const Material* m = materials.find(material)) contents.kinds |= kinds_of(*m);
+    }
+    contents.widest = static_cast<std::uint32_t>(ChildBoxes::most_at_once(node.children.size()) + node.cages.size() + 1);
+    return contents;
+}
+
+Contents Scene::contents() const
+{
+    const Node& top = *state_->nodes.find(state_->root);
+    if (!top.dirty) return top.is_visible_in_shutter() ? top.contents : Contents();
+    Contents all;
+    for_each_placement(
+        [&](NodeId id, const Node&, const Mat4d&) { all.add(state_->own_contents(*state_->nodes.find(id))); });
+    return all;
+}
+
+const ChildBoxes* Scene::child_boxes(NodeId id) const noexcept
+{
+    const State::NodeRecord* node = state_->nodes.find(id);
+    return node ? node->child_boxes.get() : nullptr;
+}
+
+void Scene::for_placements_of(std::uint8_t kinds, const VisitPlacement& visit) const
+{
+    const State& s = *state_;
+    if (s.nodes.find(s.root)->dirty) {
+        for_each_placement([&](NodeId id, const Node& node, const Mat4d& world_from_node) {
+            if (s.own_contents(*s.nodes.find(id)).has(kinds)) visit(id, node, world_from_node);
+        });
+        return;
+    }
+    struct Place {
+        NodeId id;
+        Mat4d world_from_node;
+    };
+    std::vector<Place> todo;
+    std::vector<std::uint32_t> found;
+    const auto push = [&](NodeId id, const Mat4d& above, bool is_instance) {
+        const Node* node = s.nodes.find(id);
+        if (!node || !node->contents.has(kinds) || !(is_instance || node->is_visible_in_shutter())) return;
+        todo.push_back({id, is_instance ? above : above * node->parent_from_node});
+    };
+    push(s.root, Mat4d(1), false);
+    while (!todo.empty()) {
+        throw_if_cancelled();
+        const Place place = todo.back();
+        todo.pop_back();
+        const State::NodeRecord& node = *s.nodes.find(place.id);
+        if (s.own_contents(node).has(kinds)) visit(place.id, node, place.world_from_node);
+        // As in for_each_placement(): what an instance shows comes before the children, and these in their order.
+        if (node.child_boxes) {
+            found.clear();
+            node.child_boxes->find(kinds, found);
+            for (auto i = found.rbegin(); i != found.rend(); ++i) push(node.children[*i], place.world_from_node, false);
+        } else {
+            for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
+                push(*child, place.world_from_node, false);
+        }
+        if (node.instance_of) push(node.instance_of, place.world_from_node, true);
+    }
+}
+
+}  // namespace occam

@@ -1,0 +1,84 @@
+// The suite compares a scene of 10,000 lights with the same scene that has only the ten of them that matter: the error of
+// each against many samples of itself, at equal time.
+#include <cmath>
+
+#include "api/include/occam/occam.h"
+#include "render/compare.h"
+#include "tests/bench/subjects.h"
+#include "tests/bench/suites.h"
+
+namespace occam::bench {
+namespace {
+
+constexpr int kRuns = 3, kMatter = 10, kReferenceSamples = 1024, kSamples = 8;
+
+// A floor with tori under ten lamps. The other lamps hang over the same floor, far beyond what the camera sees.
+Scene lit_field(int lights)
+{
+    Scene scene;
+    const auto add = [&](Vec3d at, NodeDesc desc) {
+        desc.place.translation = at;
+        scene.add_node(scene.root(), std::move(desc));
+    };
+    Cage floor;
+    floor.scheme = Scheme::Triangles;
+    floor.positions = {{-900, -0.5f, 900}, {900, -0.5f, 900}, {900, -0.5f, -900}, {-900, -0.5f, -900}};
+    floor.face_vertices = {0, 1, 2, 0, 2, 3};
+    add(Vec3d(0), {.cages = {scene.add(std::move(floor))}});
+    const CageId shape = scene.add(torus(16, 8));
+    for (int i = 0; i < 9; ++i) add({4.0 * (i % 3 - 1), 0, 4.0 * (i / 3 - 1)}, {.cages = {shape}});
+    for (int i = 0; i < lights; ++i) {
+        const int n = i - kMatter;
+        const Vec3d at = i < kMatter ? Vec3d(3.0 * (i % 5 - 2), 2.5 + 0.2 * i, 3.0 * (i / 5) - 1.5)
+                                     : Vec3d(8.0 * (n % 100 - 50) + 4, 3, -60 - 8.0 * (n / 100));
+        AreaLight square;
+        square.size = Vec2f(0.3f);
+        square.radiance = Vec3f(20);
+        NodeDesc desc;
+        if (i % 2) desc.light = scene.add(Light{"", PointLight{Vec3f(3)}});
+        else desc.light = scene.add(Light{"", square});
+        desc.place.rotation = {-std::sqrt(0.5), 0, 0, std::sqrt(0.5)};  // shines down
+        add(at, std::move(desc));
+    }
+    return scene;
+}
+
+struct Measured {
+    double seconds = 0, rel_mse = 0;
+};
+
+Measured measure(Scene& scene, IntegratorKind kind)
+{
+    Renderer renderer(Resources{.threads = 1});
+    const Camera camera = Camera::look_at({0, 5, 11}, {0, 0, 0}, {0, 1, 0}, 0.7f);
+    Settings settings{.width = 64, .height = 36, .spp = kReferenceSamples, .integrator = kind};
+    settings.bounces = 2;
+    const Image reference = renderer.render(scene, camera, settings);
+    settings.spp = kSamples;
+    Measured of;
+    for (int run = 0; run < kRuns; ++run) {
+        settings.seed = static_cast<std::uint64_t>(run) + 7;
+        const double start = process_seconds();
+        const Image picture = renderer.render(scene, camera, settings);
+        of.seconds += (process_seconds() - start) / kRuns;
+        of.rel_mse += render::compare(picture, reference, "beauty").rel_mse / kRuns;
+    }
+    return of;
+}
+
+}  // namespace
+
+void run_lights(Report& report)
+{
+    Scene few = lit_field(kMatter), many = lit_field(10'000);
+    for (const IntegratorKind kind : {IntegratorKind::Direct, IntegratorKind::Path}) {
+        const Measured ten = measure(few, kind), all = measure(many, kind);
+        Row row{"lights", "10,000 lights beside ten, " + std::string(render::integrator_name(kind))};
+        row.add("cpu_s", all.seconds).add("rel_mse", all.rel_mse).add("ten_cpu_s", ten.seconds);
+        row.add("ten_rel_mse", ten.rel_mse);
+        row.add("error_at_equal_time", std::sqrt(all.rel_mse / ten.rel_mse * all.seconds / ten.seconds));
+        report.add(std::move(row));
+    }
+}
+
+}  // namespace occam::bench

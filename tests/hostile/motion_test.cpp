@@ -1,0 +1,140 @@
+// Tests of shutters and motions that nobody means: each is a clear error or a picture, and never a hang.
+#include <gtest/gtest.h>
+#include <occam/occam.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/support/command_test.h"
+#include "tests/support/shape_builders.h"
+
+namespace occam::test {
+namespace {
+
+class HostileShutter : public CommandTest {
+protected:
+    // A triangle that slides along x.
+    void SetUp() override
+    {
+        CommandTest::SetUp();
+        const float numbers[] = {-1, -1, 0, 1, -1, 0, 0, 1, 0, /* times */ 0, 1, /* places */ 0, 0, 0, 2, 0, 0};
+        std::ofstream(folder / "m.bin", std::ios::binary).write(reinterpret_cast<const char*>(numbers), sizeof numbers);
+        std::ofstream(folder / "m.gltf") << R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+"nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+"animations": [{"samplers": [{"input": 1, "output": 2}],
+  "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}],
+"buffers": [{"uri": "m.bin", "byteLength": 68}],
+"bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 8},
+{"buffer": 0, "byteOffset": 44, "byteLength": 24}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-1, -1, 0], "max": [1, 1, 0]},
+{"bufferView": 1, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [1]},
+{"bufferView": 2, "componentType": 5126, "count": 2, "type": "VEC3"}]})";
+    }
+    Outcome render(const std::vector<std::string>& more, const char* scene = "m.gltf", const char* picture = "a.exr") const
+    {
+        std::vector<std::string> all{"render", scene, "-o", picture, "--size", "16x12", "--spp", "2"};
+        all.insert(all.end(), more.begin(), more.end());
+        return run(all);
+    }
+};
+
+TEST_F(HostileShutter, OptionsThatAreNoShuttersAreRefusedInOneLine)
+{
+    const auto expect_refused = [&](const Outcome& o, const std::string& what) {
+        EXPECT_EQ(o.exit_code, kBadInput) << what;
+        EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << what << ": " << o.err;
+        EXPECT_FALSE(fs::exists(folder / "a.exr")) << what;
+    };
+    for (const char* bad : {"0.25,-0.25", "nan,1", "0,nan", "0,inf", "-inf,0", "0", "", ",", "0,1,2", "a,b", "0;1",
+                            "1e300,2e300", "0,2e6", "-1e7,0", "0, ,1"})
+        expect_refused(render({"--frame", "3", "--shutter", bad}), std::string("--shutter ") + bad);
+    for (const char* bad : {"0", "3", "-1", "33", "64", "5000", "1e99", "nan", "x", ""})
+        expect_refused(render({"--frame", "3", "--shutter", "0,1", "--shutter-segments", bad}),
+                       std::string("segments ") + bad);
+    expect_refused(render({"--frame", "3", "--shutter-segments", "4"}), "segments without a shutter");
+    expect_refused(render({"--shutter", "0,1"}), "a shutter without a time");
+    expect_refused(render({"--time", "0", "--shutter", "0,1"}, "triangle.obj"), "a scene without an animation");
+    expect_refused(render({"--frame", "3", "--aov", "motion"}), "motion without a shutter");
+    expect_refused(render({"--frame", "3", "--aov", "motion", "--shutter", "0.5,0.5"}), "motion in a shutter of one moment");
+}
+
+TEST_F(HostileShutter, ExtremeShuttersMakeAPicture)
+{
+    for (const char* shutter : {"0,1e-300", "-1e6,1e6", "0,1e6", "-0.5,-0.25", "1e5,1e5"})
+        EXPECT_EQ(render({"--frame", "3", "--shutter", shutter}).exit_code, kDone) << shutter;
+    EXPECT_EQ(render({"--frame", "3", "--fps", "1e-9", "--shutter", "-1e6,1e6"}).exit_code, kDone);
+    EXPECT_EQ(render({"--time", "1e300", "--shutter", "0,1"}).exit_code, kDone);
+    EXPECT_EQ(render({"--frame", "3", "--shutter", "-8,8", "--shutter-segments", "32", "--aov", "motion"}).exit_code, kDone);
+}
+
+// Motions that no chord follows: each makes a picture of finite numbers, within the memory of a small scene.
+TEST(HostileMotion, MakesAPictureOfFiniteNumbers)
+{
+    struct Motion {
+        const char* name;
+        std::function<Mat4d(double tau)> at;
+    };
+    const auto scaled = [](Vec3d by) {
+        Mat4d m(1);
+        for (int c = 0; c < 3; ++c) m[c] *= by[c];
+        return m;
+    };
+    const auto moved = [](Vec3d by) {
+        Mat4d m(1);
+        m[3] = Vec4d(by, 1);
+        return m;
+    };
+    const Motion motions[] = {
+        {"collapses to a point", [&](double tau) { return scaled(Vec3d(1 - tau)); }},
+        {"flattens",
+         [&](double tau) {
+             return scaled({1, 1 - tau, 1});
+         }},
+        {"turns inside out", [&](double tau) { return scaled(Vec3d(1 - 2 * tau)); }},
+        {"is nothing all the time",
+         [&](double tau) {
+             return scaled(Vec3d(0)) * moved({tau, 0, 0});
+         }},
+        {"teleports",
+         [&](double tau) {
+             return moved({tau < 0.5 ? 0.0 : 1e6, 0, 0});
+         }},
+        {"flies to the end of the world",
+         [&](double tau) {
+             return moved({tau * 1e11, tau * 1e11, 0});
+         }},
+        {"grows tenfold", [&](double tau) { return scaled(Vec3d(1 + tau * 9)); }},
+        {"turns a hundred times",
+         [&](double tau) {
+             Mat4d m(1);
+             m[0] = Vec4d(std::cos(628 * tau), std::sin(628 * tau), 0, 0);
+             m[1] = Vec4d(-std::sin(628 * tau), std::cos(628 * tau), 0, 0);
+             return m;
+         }},
+        {"has tiny numbers",
+         [&](double tau) {
+             return moved({tau * 1e-300, 0, 0});
+         }},
+    };
+    for (const Motion& motion : motions)
+        for (const int segments : {1, 4}) {
+            Scene scene;
+            const NodeId node = place(scene, scene.add(torus()), {0, 0, 0});
+            const NodeId other = place(scene, scene.add(spindle(5)), {0, 0, -1});
+            scene.record_shutter(segments, [&](double tau) {
+                scene.set_transform(node, motion.at(tau));
+                scene.set_transform(other, motion.at(1 - tau));
+            });
+            const Camera camera = Camera::look_at({0, 1, 6}, {0, 0, 0}, {0, 1, 0}, 0.7f);
+            Settings settings{.width = 16, .height = 12, .spp = 4, .aovs = Aov::Motion};
+            settings.shutter = {0, 0.5};
+            Renderer renderer({.threads = 1, .memory_bytes = std::size_t(256) << 20});
+            const Image image = renderer.render(scene, camera, settings);
+            for (const Layer& layer : image.layers())
+                for (const float value : layer.pixels)
+                    ASSERT_TRUE(std::isfinite(value)) << motion.name << ", " << layer.name;
+        }
+}
+
+}  // namespace
+}  // namespace occam::test

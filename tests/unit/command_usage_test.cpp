@@ -1,0 +1,32 @@
+// What the command says to a line that it cannot parse.
+#include <gtest/gtest.h>
+
+#include "tests/support/command_test.h"
+
+namespace occam {
+namespace {
+
+using namespace test;
+using CommandUsage = CommandTest;
+
+TEST_F(CommandUsage, AMistakeIsOneLineThatSaysWhatToDo)
+{
+    const auto expect = [&](const std::vector<std::string>& words, const std::string& line) {
+        const Outcome o = run(words);
+        EXPECT_EQ(o.exit_code, kBadInput);
+        EXPECT_EQ(o.err, "occam: " + line + "\n");
+    };
+    expect({}, "a command is needed: render, animate, info, verify, compare or bench (occam --help)");
+    expect({"--hlep"}, "there is no option '--hlep' (occam --help)");
+    expect({"triangle.obj"}, "there is no command 'triangle.obj' (occam --help)");
+    expect({"render", "triangle.obj", "-o", "a.png", "--sp", "4"},
+           "there is no option '--sp'; there is --spp (occam render --help)");
+    expect({"render", "triangle.obj", "-o", "a.png", "--colour=4"}, "there is no option '--colour' (occam render --help)");
+    expect({"render", "triangle.obj", "-o", "a.png", "--rate", "4"},
+           "there is no option '--rate'; there is --shading-rate (occam render --help)");
+    expect({"render", "triangle.obj", "-o", "a.png", "--frame"}, "--frame needs a value (occam render --help)");
+    expect({"render", "triangle.obj"}, "--output is required (occam render --help)");
+}
+
+}  // namespace
+}  // namespace occam

@@ -1,0 +1,96 @@
+// Which scenes get the default light because their emissive surfaces do not light what the camera sees.
+#include <gtest/gtest.h>
+
+#include "occam/occam.h"
+
+namespace occam {
+namespace {
+
+// Adds a horizontal square about `middle`.
+void add_square(Scene& scene, Vec3f middle, float half, Vec3f color, float emission)
+{
+    Cage cage;
+    cage.scheme = Scheme::Triangles;
+    for (const Vec2f corner : {Vec2f(-1, -1), Vec2f(-1, 1), Vec2f(1, 1), Vec2f(1, -1)})
+        cage.positions.push_back(middle + Vec3f(corner.x * half, 0, corner.y * half));
+    cage.face_vertices = {0, 1, 2, 0, 2, 3};
+    Material material;
+    material.base_color = Vec4f(color, 1);
+    material.metallic = 0;
+    material.emission = Vec3f(emission);
+    cage.materials = {scene.add(material)};
+    NodeDesc node;
+    node.cages = {scene.add(std::move(cage))};
+    scene.add_node(scene.root(), node);
+}
+
+struct Seen {
+    bool has_default;
+    float middle;  // red in the middle of the picture
+};
+
+Seen render(Scene& scene, Vec3d eye, Settings settings = {})
+{
+    settings.width = settings.height = 33;
+    settings.spp = 16;
+    Renderer renderer({.threads = 1, .memory_bytes = std::size_t(64) << 20});
+    const Image image = renderer.render(scene, Camera::look_at(eye, {0, 0.2, 0}, {0, 0, -1}, 0.6f), settings);
+    return {renderer.stats().lights.has_default, image.find("beauty")->pixels[4 * (33 * 16 + 16)]};
+}
+
+// The floor has more than enough power, but all its light meets the plate from below.
+TEST(DefaultLight, StaysWhereAGlowingFloorLeavesWhatIsSeenBlack)
+{
+    for (const float floor : {6.0f, 120.0f}) {
+        Scene scene;
+        add_square(scene, {0, 0, 0}, floor, Vec3f(0.5f), 0.5f);
+        add_square(scene, {0, 0.2f, 0}, 1, Vec3f(0.8f), 0);
+        const Seen seen = render(scene, {0, 2.5 * double(floor), 0});
+        EXPECT_TRUE(seen.has_default) << floor;
+        EXPECT_GT(seen.middle, 0.1f) << floor;
+        Settings none;
+        none.sky = shade::Sky::Off;
+        EXPECT_FALSE(render(scene, {0, 15, 0}, none).has_default);
+    }
+}
+
+TEST(DefaultLight, StaysAwayWhereALampLightsWhatIsSeen)
+{
+    Scene scene;
+    add_square(scene, {0, 0, 0}, 3, Vec3f(0.8f), 0);
+    add_square(scene, {0, 2, 2.5f}, 0.7f, Vec3f(0), 5);
+    const Seen seen = render(scene, {0, 9, 0.01});
+    EXPECT_FALSE(seen.has_default);
+    EXPECT_GT(seen.middle, 0.02f);
+    EXPECT_LT(seen.middle, 1.0f);
+}
+
+TEST(DefaultLight, IsForcedOrForbiddenBySettings)
+{
+    Scene scene;
+    add_square(scene, {0, 0, 0}, 3, Vec3f(0.8f), 0);
+    add_square(scene, {0, 2, 2.5f}, 0.7f, Vec3f(0), 5);
+    Settings settings;
+    settings.default_light = true;
+    EXPECT_TRUE(render(scene, {0, 9, 0.01}, settings).has_default);
+    settings.default_light = false;
+    EXPECT_FALSE(render(scene, {0, 9, 0.01}, settings).has_default);
+}
+
+// The measure is the whole frame's, whatever part of it is rendered.
+TEST(DefaultLight, IsTheSameForEachCrop)
+{
+    Scene scene;
+    add_square(scene, {0, 0, 0}, 6, Vec3f(0.5f), 0.5f);
+    add_square(scene, {0, 0.2f, 0}, 1, Vec3f(0.8f), 0);
+    Settings corner;
+    corner.crop_x1 = corner.crop_y1 = 0.25f;
+    corner.width = corner.height = 32;
+    corner.spp = 1;
+    Renderer renderer({.threads = 1, .memory_bytes = std::size_t(64) << 20});
+    renderer.render(scene, Camera::look_at({0, 15, 0}, {0, 0, 0}, {0, 0, -1}, 0.6f), corner);
+    EXPECT_TRUE(renderer.stats().lights.has_default);
+}
+
+}  // namespace
+}  // namespace occam

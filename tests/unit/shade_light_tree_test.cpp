@@ -1,0 +1,243 @@
+// The tree of lights draws what matters without bias, and finds what rays cross: beside sums over all lights.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <set>
+#include <vector>
+
+#include "base/maths.h"
+#include "shade/frame_lights.h"
+#include "tests/support/statistics.h"
+
+namespace occam::shade {
+namespace {
+
+Vec3f unit(test::Numbers& n)
+{
+    const float z = 2 * n.one() - 1, angle = 2 * maths::kPi * n.one(), r = std::sqrt(std::max(0.0f, 1 - z * z));
+    return {r * maths::cos(angle), r * maths::sin(angle), z};
+}
+
+// Lights of every kind, of very different powers, within a box of 20 units about `middle`.
+std::vector<WorldLight> random_lights(std::size_t count, std::uint64_t seed, Vec3d middle = Vec3d(0))
+{
+    test::Numbers n(seed);
+    std::vector<WorldLight> lights(count);
+    for (WorldLight& light : lights) {
+        using Kind = WorldLight::Kind;
+        constexpr Kind kKinds[] = {Kind::Point, Kind::Point, Kind::Rectangle, Kind::Disc, Kind::Sphere};
+        light.kind = kKinds[std::min(4, int(n.one() * 5))];
+        light.position = middle + Vec3d(n.one() - 0.5f, n.one() - 0.5f, n.one() - 0.5f) * 20.0;
+        light.direction = unit(n);
+        light.strength = Vec3f(maths::exp2(10 * n.one() - 5)) * Vec3f(1, n.one(), n.one());
+        light.groups = n.one() < 0.2f ? LightGroups(2) : kAllGroups;
+        light.two_sided = n.one() < 0.3f;
+        if (light.kind == Kind::Point && n.one() < 0.3f) light.range = 3 + 5 * n.one();
+        if (light.kind == Kind::Point && n.one() < 0.5f) {
+            const float cos_outer = maths::cos(0.3f + 1.5f * n.one());
+            light.spot_scale = 1 / (0.05f + n.one() * (1 - cos_outer));
+            light.spot_offset = -cos_outer * light.spot_scale;
+        }
+        light.half_x = glm::normalize(glm::cross(light.direction, unit(n))) * (0.05f + 0.4f * n.one());
+        light.half_y = glm::normalize(glm::cross(light.direction, light.half_x)) * (0.05f + 0.4f * n.one());
+        light.area = 4 * glm::length(light.half_x) * glm::length(light.half_y);
+        if (light.kind == Kind::Disc) {
+            light.half_y *= glm::length(light.half_x) / glm::length(light.half_y);
+            light.area = maths::kPi * glm::dot(light.half_x, light.half_x);
+        }
+        light.radius = glm::length(light.half_x);
+    }
+    return lights;
+}
+
+struct Place {
+    Vec3d point;
+    Vec3f normal;
+};
+Place random_place(test::Numbers& n, Vec3d middle = Vec3d(0))
+{
+    return {middle + Vec3d(n.one() - 0.5f, n.one() - 0.5f, n.one() - 0.5f) * 30.0, unit(n)};
+}
+
+// Light that a matte surface gets from one sample of a light.
+double given(const WorldLight& light, const Place& at, const Receiver& receiver, Vec2f square)
+{
+    if ((light.groups & receiver.groups) == 0) return 0;
+    const LightSample s = light.sample(at.point, {square});
+    const float cosine = glm::dot(s.direction, at.normal);
+    return double(s.radiance.x) * double(receiver.is_two_sided ? std::fabs(cosine) : std::max(cosine, 0.0f));
+}
+
+Receiver receiver_at(const LightTree& tree, const Place& at, test::Numbers& n)
+{
+    return {tree.relative(at.point), at.normal, n.one() < 0.5f ? LightGroups(1) : kAllGroups, n.one() < 0.3f};
+}
+
+TEST(LightTree, ProbabilitiesAreThoseOfItsDraws)
+{
+    const std::vector<WorldLight> lights = random_lights(60, 3);
+    const LightTree tree(lights, 0);
+    test::Numbers n(4);
+    for (int place = 0; place < 6; ++place) {
+        const Receiver receiver = receiver_at(tree, random_place(n), n);
+        constexpr int kDraws = 20'000;
+        std::vector<double> found(lights.size() + 1), wanted(lights.size() + 1);
+        double sum = 0;
+        for (std::uint32_t i = 0; i < lights.size(); ++i) {
+            const double p = double(tree.probability(i, receiver));
+            wanted[i] = p * kDraws;
+            sum += p;
+        }
+        EXPECT_LE(sum, 1 + 1e-5);
+        wanted.back() = (1 - sum) * kDraws;
+        for (int i = 0; i < kDraws; ++i) {
+            LightTree::Pick pick[1];
+            if (tree.draw(receiver, n.one(), pick) == 0) {
+                ++found.back();
+                continue;
+            }
+            ++found[pick[0].light];
+            ASSERT_FLOAT_EQ(pick[0].probability, tree.probability(pick[0].light, receiver));
+        }
+        EXPECT_LT(test::chi_square_excess(found, wanted), 4.5) << place;
+    }
+}
+
+TEST(LightTree, WhatGivesLightHasAProbability)
+{
+    for (const Vec3d middle : {Vec3d(0), Vec3d(1e6, -2e6, 3e5)}) {
+        const std::vector<WorldLight> lights = random_lights(300, 5, middle);
+        const LightTree tree(lights, 0);
+        test::Numbers n(6);
+        for (int i = 0; i < 300; ++i) {
+            const Place at = random_place(n, middle);
+            const Receiver receiver = receiver_at(tree, at, n);
+            for (std::uint32_t light = 0; light < lights.size(); ++light) {
+                if (given(lights[light], at, receiver, n.square()) > 0) {
+                    ASSERT_GT(tree.probability(light, receiver), 0) << "of light " << light;
+                }
+            }
+        }
+    }
+}
+
+TEST(LightTree, SumsOfSamplesAreThoseOfAllLights)
+{
+    const std::vector<WorldLight> lights = random_lights(400, 7);
+    const LightTree tree(lights, 0);
+    test::Numbers n(8);
+    for (int place = 0; place < 8; ++place) {
+        const Place at = random_place(n);
+        const Receiver receiver = receiver_at(tree, at, n);
+        test::Mean all, drawn;
+        for (int i = 0; i < 400; ++i) {
+            double sum = 0;
+            for (const WorldLight& light : lights) sum += given(light, at, receiver, n.square());
+            all.add(sum);
+        }
+        for (int i = 0; i < 4000; ++i) {
+            LightTree::Pick picks[16];
+            const int count = tree.draw(receiver, n.one(), picks);
+            double sum = 0;
+            for (int k = 0; k < count; ++k)
+                sum += given(lights[picks[k].light], at, receiver, n.square()) / (16 * double(picks[k].probability));
+            drawn.add(sum);
+        }
+        EXPECT_NEAR(drawn.value(), all.value(), 4.5 * std::hypot(drawn.error(), all.error())) << place;
+    }
+}
+
+TEST(LightTree, FindsTheLightsThatARayCrosses)
+{
+    for (const Vec3d middle : {Vec3d(0), Vec3d(0, 3e5, -2e5)}) {
+        const std::vector<WorldLight> lights = random_lights(500, 9, middle);
+        const LightTree tree(lights, 0);
+        test::Numbers n(10);
+        std::size_t crossings = 0, visits = 0;
+        for (int i = 0; i < 1000; ++i) {
+            const Vec3d origin = random_place(n, middle).point;
+            // Half of the rays aim at a light, and some run along an axis.
+            Vec3f direction = unit(n);
+            if (i % 2 == 0) direction = glm::normalize(Vec3f(lights[std::size_t(i) % 500].position - origin));
+            if (i % 7 == 0) direction = Vec3f(0, i % 2 ? 1 : -1, 0);
+            std::set<std::uint32_t> visited;
+            tree.for_crossed(origin, direction, [&](std::uint32_t light) { visited.insert(light); });
+            visits += visited.size();
+            for (std::uint32_t light = 0; light < lights.size(); ++light) {
+                if (!(lights[light].crossing(origin, direction).density > 0)) continue;
+                ++crossings;
+                EXPECT_TRUE(visited.contains(light)) << "ray " << i;
+            }
+        }
+        EXPECT_GT(crossings, 200u);
+        EXPECT_LT(visits, 1000u * 60) << "few of the 500";
+    }
+}
+
+TEST(LightTree, KnowsWhetherAnyLightIsLarge)
+{
+    const std::vector<WorldLight> lights = random_lights(200, 11);
+    const LightTree tree(lights, 0);
+    test::Numbers n(12);
+    int found = 0;
+    for (int i = 0; i < 300; ++i) {
+        const Vec3d at = random_place(n).point;
+        const float share = maths::exp2(-12 * n.one());
+        const auto is_large = [&](std::uint32_t light) {
+            return lights[light].has_area() && lights[light].sine2_subtended(at) >= share;
+        };
+        bool expected = false;
+        for (std::uint32_t light = 0; light < lights.size(); ++light) expected |= is_large(light);
+        EXPECT_EQ(tree.any_covering(at, share, is_large), expected) << i;
+        found += expected;
+    }
+    EXPECT_TRUE(found > 30 && found < 270) << found;
+}
+
+// Lights in one place, black lights, lights without limits, one light alone.
+TEST(LightTree, HoldsAnyLights)
+{
+    std::vector<WorldLight> lights(100);
+    for (WorldLight& light : lights) light.strength = Vec3f(1);
+    lights[3].strength = Vec3f(0);
+    lights[4].strength = Vec3f(1e12f);
+    lights[5].strength = Vec3f(1e-30f);
+    const LightTree tree(lights, 0);
+    for (const Vec3f point : {Vec3f(0), Vec3f(1e-20f), Vec3f(0, 1, 0), Vec3f(1e18f)}) {
+        double sum = 0;
+        const Receiver receiver{point, {0, 1, 0}, kAllGroups, true};
+        for (std::uint32_t i = 0; i < lights.size(); ++i) sum += double(tree.probability(i, receiver));
+        EXPECT_NEAR(sum, 1, 1e-4);
+        LightTree::Pick picks[16];
+        EXPECT_EQ(tree.draw(receiver, 0.3f, picks), 16);
+    }
+    EXPECT_EQ(tree.probability(3, {}), 0);
+    const LightTree one(std::span<const WorldLight>(lights).first(3), 2),
+        none(std::span<const WorldLight>(lights).first(4), 3);
+    EXPECT_EQ(one.probability(2, {}), 1);
+    EXPECT_TRUE(none.is_empty());
+    lights.resize(100'000, lights.front());
+    const LightTree many(lights, 0);
+    EXPECT_GT(many.probability(99'999, {}), 0) << "as deep as a tree of halves";
+}
+
+// A few suns and few other lights stay outside the tree.
+TEST(FrameLights, ScenesWithManyLightsHaveATree)
+{
+    std::vector<WorldLight> lights = random_lights(16, 13);
+    EXPECT_TRUE(FrameLights(lights, {}).tree().is_empty());
+    EXPECT_EQ(FrameLights(lights, {}).lights_outside_tree(), 16u);
+    WorldLight sun;
+    sun.kind = WorldLight::Kind::Sun;
+    sun.strength = Vec3f(1);
+    lights.push_back(sun);
+    const FrameLights many(lights, {});
+    EXPECT_FALSE(many.tree().is_empty());
+    EXPECT_EQ(many.lights_outside_tree(), 1u);
+    EXPECT_EQ(many.lights().front().kind, WorldLight::Kind::Sun);
+    EXPECT_TRUE(FrameLights(std::vector<WorldLight>(100, sun), {}).tree().is_empty());
+}
+
+}  // namespace
+}  // namespace occam::shade
