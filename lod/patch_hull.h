@@ -54,8 +54,9 @@ struct PatchHull {
 
     bool is_one_square() const noexcept { return squares == speeds.size(); }
 
-    /// A quadratic leaves the range of three of its equidistant values by at most an eighth.
-    static constexpr float kLatticeGrowth = 0.25f;
+    /// A quadratic leaves the range of three of its equidistant values by at most an eighth of it, and a biquadratic that of
+    /// nine by at most 9/32: the sum of its negative weights at (3/4, 3/4).
+    static constexpr float kLatticeGrowth = 0.28125f;
 
 private:
     struct Row;

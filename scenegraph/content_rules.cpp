@@ -44,11 +44,15 @@ void check(const Material& m)
     rules.color(m.emission, "the emission");
     rules.color(m.specular_color, "the specular colour");
     rules.color(m.attenuation_color, "the attenuation colour");
+    rules.color(m.sheen_color, "the sheen colour");
     rules.from_0_to_1(m.roughness, "the roughness");
     rules.from_0_to_1(m.metallic, "the metallic share");
     rules.from_0_to_1(m.transmission, "the transmission");
     rules.from_0_to_1(m.clearcoat, "the clearcoat");
     rules.from_0_to_1(m.clearcoat_roughness, "the clearcoat's roughness");
+    rules.from_0_to_1(m.sheen_roughness, "the sheen's roughness");
+    rules.from_0_to_1(m.anisotropy, "the anisotropy");
+    rules.finite(m.anisotropy_rotation, "the anisotropy's rotation");
     rules.at_least_0(m.specular, "the specular share");
     rules.at_least_0(m.ior, "the index of refraction");
     rules.at_least_0(m.thickness, "the thickness");
@@ -62,7 +66,8 @@ void check(const Material& m)
          {&m.base_color_texture, &m.metallic_roughness_texture, &m.roughness_texture, &m.metallic_texture,
           &m.emission_texture, &m.normal_texture, &m.bump_texture, &m.occlusion_texture, &m.alpha_texture,
           &m.transmission_texture, &m.clearcoat_texture, &m.clearcoat_roughness_texture, &m.clearcoat_normal_texture,
-          &m.specular_texture, &m.specular_color_texture})
+          &m.specular_texture, &m.specular_color_texture, &m.glossiness_texture, &m.sheen_color_texture,
+          &m.sheen_roughness_texture, &m.anisotropy_texture})
         check_use(rules, *use);
 }
 

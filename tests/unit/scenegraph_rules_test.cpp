@@ -68,6 +68,13 @@ TEST(SceneRules, ValuesThatNothingCanHaveAreRefused)
     refuses([&](Material& m) { m.metallic = 1.5f; });
     refuses([&](Material& m) { m.ior = nan; });
     refuses([&](Material& m) { m.clearcoat_roughness = -1; });
+    refuses([&](Material& m) { m.sheen_color.y = nan; });
+    refuses([&](Material& m) { m.sheen_roughness = 2; });
+    refuses([&](Material& m) { m.anisotropy = -1; });
+    refuses([&](Material& m) { m.anisotropy_rotation = nan; });
+    refuses([&](Material& m) { m.sheen_color_texture.rotation = nan; });
+    refuses([&](Material& m) { m.anisotropy_texture.scale.x = nan; });
+    refuses([&](Material& m) { m.glossiness_texture.offset.y = nan; });
     refuses([&](Material& m) { m.normal_texture.scale.x = nan; });
     EXPECT_EQ(scene.material(known).name, "known");
     EXPECT_THROW(scene.add(Light{"l", PointLight{Vec3f(nan)}}), Error);
