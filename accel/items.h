@@ -159,7 +159,6 @@ private:
     int level_of(const Item& item, PairRange pairs) const noexcept;
     bool shares(const Item& item, int pair) const noexcept;
     bool may_share(const Item& item) const noexcept;
-    const lod::PosedCage& pose_cage(const PlacedNode& at, lod::PosedCage& cage, const lod::CageTables& tables);
     /// Returns how a child is placed: at each key, if the placement of either moves; else empty.
     std::span<const Mat4d> child_at_keys(const PlacedNode& parent, const Node& child);
     /// Sets an item's boxes to those at moments that divide the shutter evenly, or to one that stands for all times.

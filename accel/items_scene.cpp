@@ -2,8 +2,7 @@
 #include "accel/items.h"
 #include "accel/placement.h"
 #include "base/hash.h"
-#include "lod/cage_motion.h"
-#include "lod/level_choice.h"
+#include "lod/pose_cage.h"
 #include "scenegraph/child_boxes.h"
 
 namespace occam::accel {
@@ -63,41 +62,10 @@ void Items::add_cage(const PlacedNode& at, const Node& node, CageId id, std::siz
     const lod::CageTables& tables = frame_.topologies->get(*slot);
     if (tables.made) slot = tables.made.get();
     if (slot->cage.face_count() == 0) return;
-    lod::PosedCage& cage = *arena_.make<lod::PosedCage>();
-    cage.slot = slot;
-    cage.topology = tables.topology.get();
-    cage.clusters = tables.clusters.get();
-    cage.node = &node;
-    cage.node_id = at.id;
-    cage.seen_by = at.seen_by;
-    cage.lit_by = at.lit_by;
-    cage.visible_in = at.visible_in;
-    cage.key = mix_bits(at.key + place + 1);
-    add_cluster(pose_cage(at, cage, tables), 0);
-}
-
-const lod::PosedCage& Items::pose_cage(const PlacedNode& at, lod::PosedCage& cage, const lod::CageTables& tables)
-{
-    const CageSlot& slot = *cage.slot;
-    const Node& node = *cage.node;
-    const SkinSlot* skin = frame_.scene->find(node.skin);
-    const bool chooses_level = cage.topology && frame_.levels.mode == lod::LevelMode::PerInstance;
-    const lod::CageMotion motion(slot, node, skin, at.matrices(), frame_.segments);
-    if (motion.moves()) {
-        const int segments = motion.segments(lod::motion_tolerance(frame_.levels, motion.world_box()));
-        lod::PosedCage& first = motion.make_keys(cage, segments, {tables, frame_.textures, arena_, counters_.deform});
-        if (chooses_level) {
-            first.level = lod::kCoarsestLevel;
-            for (int k = 0; k <= segments; ++k)
-                first.level = std::min(first.level, lod::choose_level(frame_.levels, first.keys[k]));
-        }
-        return first;
-    }
-    cage.place(at.world_from_node, cage_bounds(node, slot, skin));
-    if (tables.deformed_clusters) cage.deform(*tables.deformed_clusters, {slot, node, skin}, arena_, counters_.deform);
-    if (frame_.textures) cage.displace(*frame_.textures);
-    if (chooses_level) cage.level = lod::choose_level(frame_.levels, cage);
-    return cage;
+    const lod::CagePlacement placement{
+        *slot,      node,      at.id,         frame_.scene->find(node.skin), at.matrices(), frame_.segments,
+        at.seen_by, at.lit_by, at.visible_in, mix_bits(at.key + place + 1)};
+    add_cluster(lod::pose_cage(placement, frame_.levels, {tables, frame_.textures, arena_, counters_.deform}), 0);
 }
 
 void Items::open_node(const PlacedNode& at)

@@ -82,15 +82,4 @@ inline Vec3f curve_point(const CurveControls& q, const CubicWeights& w) noexcept
     return {cubic_sum(w, q.c[0], 1), cubic_sum(w, q.c[1], 1), cubic_sum(w, q.c[2], 1)};
 }
 
-/// Returns a bound of |dS/dt| of a cubic curve: its derivatives are means of the control differences.
-inline float speed_bound(const CurveControls& q) noexcept
-{
-    float largest = 0;
-    for (int i = 0; i < 3; ++i) {
-        const Vec3f d{q.c[0][i + 1] - q.c[0][i], q.c[1][i + 1] - q.c[1][i], q.c[2][i + 1] - q.c[2][i]};
-        largest = std::max(largest, glm::dot(d, d));
-    }
-    return std::sqrt(largest);
-}
-
 }  // namespace occam::lod

@@ -56,7 +56,6 @@ public:
     ~Topology();
 
     std::uint32_t face_count() const noexcept { return face_count_; }
-    std::uint32_t patch_count() const noexcept { return patch_count_; }
     std::uint32_t face_size(std::uint32_t face) const noexcept;
     /// Returns the index of the face's first corner in the cage's face_vertices.
     std::uint32_t first_corner(std::uint32_t face) const noexcept
@@ -66,7 +65,6 @@ public:
     std::uint32_t patches_of(std::uint32_t face) const noexcept { return face_size(face) == 4 ? 1 : face_size(face); }
     /// Returns whether the face has a limit surface and is not a hole.
     bool is_seen(std::uint32_t face) const noexcept { return seen_[face] != 0; }
-    std::uint32_t curve_count() const noexcept { return edge_count_ + inner_count_; }
 
     const PatchControls& controls(PatchRef patch) const;
     const PatchControls& uv_controls(PatchRef patch, int set) const;

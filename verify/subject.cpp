@@ -11,27 +11,15 @@ Subject::Subject(const ShownCage& shown, const TextureStore* textures)
     scene_.refit();
     const CageSlot& slot = scene_.cage(cage_);
     const lod::CageTables& tables = topologies_.get(slot);
-    still_.slot = &slot;
-    still_.topology = tables.topology.get();
-    still_.clusters = tables.clusters.get();
-    still_.node = &scene_.node(node_);
-    const SkinSlot* skin = scene_.find(still_.node->skin);
-    posed_ = &still_;
-    const std::vector<Mat4d> own = scene_.world_from_node_keys(node_);
-    const Mat4d place = scene_.world_from_node(node_);
-    const lod::CageMotion motion(slot, *still_.node, skin, own.empty() ? std::span(&place, 1) : std::span(own),
-                                 scene_.shutter_segments());
-    if (motion.moves()) {
-        // The frame's tolerance is that of exact paths, too.
-        lod::LevelSettings exact;
-        exact.motion_edges = 0;
-        const int segments = motion.segments(lod::motion_tolerance(exact, motion.world_box()));
-        posed_ = &motion.make_keys(still_, segments, {tables, textures, pose_, deform_});
-    } else {
-        still_.place(place, cage_bounds(*still_.node, slot, skin));
-        if (tables.deformed_clusters) still_.deform(*tables.deformed_clusters, {slot, *still_.node, skin}, pose_, deform_);
-        if (textures) still_.displace(*textures);
-    }
+    const Node& node = scene_.node(node_);
+    const std::vector<Mat4d> moving = scene_.world_from_node_keys(node_);
+    const Mat4d still = scene_.world_from_node(node_);
+    const std::span<const Mat4d> matrices = moving.empty() ? std::span(&still, 1) : std::span(moving);
+    // The frame's tolerance is that of exact paths, too.
+    lod::LevelSettings exact;
+    exact.motion_edges = 0;
+    posed_ = &lod::pose_cage({slot, node, node_, scene_.find(node.skin), matrices, scene_.shutter_segments()}, exact,
+                             {tables, textures, pose_, deform_});
     const lod::Topology& topology = *posed_->topology;
     for (std::uint32_t face = 0; face < topology.face_count(); ++face)
         for (std::uint32_t sub = 0; topology.is_seen(face) && sub < topology.patches_of(face); ++sub)

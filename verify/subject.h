@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "lod/cage_motion.h"
 #include "lod/dicer.h"
+#include "lod/pose_cage.h"
 #include "lod/topology_cache.h"
 
 namespace occam {
@@ -51,7 +51,6 @@ private:
     lod::TopologyCache topologies_;
     CageId cage_;
     NodeId node_;
-    lod::PosedCage still_;
     const lod::PosedCage* posed_ = nullptr;
     lod::Dicer dicer_;
     Arena arena_, pose_;

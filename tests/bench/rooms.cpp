@@ -5,8 +5,7 @@
 #include <map>
 
 #include "io/import/import.h"
-#include "lod/deformed_cage.h"
-#include "lod/level_choice.h"
+#include "lod/pose_cage.h"
 #include "tests/bench/crowd.h"
 #include "tests/bench/subjects.h"
 
@@ -138,23 +137,14 @@ std::vector<Vec3f> WholeScene::triangles(lod::TopologyCache& topologies, lod::Le
             const CageSlot& slot = scene.cage(cage);
             if (slot.cage.face_count() == 0) continue;
             const lod::CageTables& tables = topologies.get(slot);
-            lod::PosedCage posed;
-            posed.slot = &slot;
-            posed.topology = tables.topology.get();
-            posed.clusters = tables.clusters.get();
-            posed.node = &node;
-            posed.node_id = id;
-            posed.place(world_from_node, cage_bounds(node, slot, skin));
             Arena arena;
             lod::DeformCounters counters;
-            if (tables.deformed_clusters) posed.deform(*tables.deformed_clusters, {slot, node, skin}, arena, counters);
+            const lod::PosedCage& posed = lod::pose_cage({slot, node, id, skin, {&world_from_node, 1}}, levels,
+                                                         {tables, nullptr, arena, counters});
             std::vector<Vec3f> own;
-            if (posed.topology) {
-                posed.level = lod::choose_level(levels, posed);
-                own = micropolygons(posed);
-            } else {
+            if (posed.topology) own = micropolygons(posed);
+            else
                 for (const std::uint32_t v : slot.cage.face_vertices) own.push_back(posed.vertex(v));
-            }
             for (const Vec3f p : own) corners.push_back(Vec3f(posed.anchor + Vec3d(p)));
         }
     });

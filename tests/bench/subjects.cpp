@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "io/import/import.h"
 #include "lod/dicer.h"
-#include "lod/level_choice.h"
+#include "lod/pose_cage.h"
 #include "render/camera_rays.h"
 #include "render/tiles.h"
 #include "tests/bench/harness.h"
@@ -99,15 +99,12 @@ Subject::Subject(std::string what, Cage cage, int width, int height, std::option
     const double start = thread_seconds();
     const lod::CageTables& tables = topologies.get(slot);
     topology_seconds = thread_seconds() - start;
-    posed.slot = &slot;
-    posed.topology = tables.topology.get();
-    posed.clusters = tables.clusters.get();
-    posed.node = &scene.node(node);
-    posed.node_id = node;
-    posed.place(Mat4d(1), slot.bounds);
     lod::LevelSettings levels = render::CameraRays(camera_, width, height).levels(shading_rate);
     levels.mode = lod::LevelMode::PerInstance;  // all rays see one mesh, as in Embree
-    posed.level = lod::choose_level(levels, posed);
+    const Mat4d at_origin(1);
+    lod::DeformCounters counters;
+    posed = lod::pose_cage({slot, scene.node(node), node, nullptr, {&at_origin, 1}}, levels,
+                           {tables, nullptr, pose_, counters});
     frame = std::make_unique<accel::Frame>(scene, topologies, levels);
 }
 

@@ -45,6 +45,7 @@ public:
 private:
     int width_, height_;
     Camera camera_;
+    Arena pose_;  ///< of `posed`
 };
 
 /// Returns a torus from outside, the same from inside its tube (every ray hits), and Suzanne (if the data is present).

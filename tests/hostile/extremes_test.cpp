@@ -53,7 +53,8 @@ TEST(Extremes, BoxesOfExtremeProportionsEnd)
     for (const double thin : {1e-300, 1e-30, 1e-12}) {
         Scene scene;
         Mat4d plank(1);
-        plank[0][0] = 2e3;
+        plank[0][0] =
+            2e3;  // a grid cell is at most 16 times as long as wide, so the work grows with the length over the width
         plank[1][1] = thin;
         scene.add_node(scene.root(), {.matrix = plank, .cages = {scene.add(creased_cube(1))}});
         Cage displaced = displaced_case(0).cage;

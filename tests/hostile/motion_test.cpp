@@ -103,6 +103,8 @@ TEST(HostileMotion, MakesAPictureOfFiniteNumbers)
          [&](double tau) {
              return moved({tau * 1e11, tau * 1e11, 0});
          }},
+        // Boxes of a surface are padded by what its largest key needs, so one that grows 10^9 times does not end
+        // (docs/motion.md).
         {"grows tenfold", [&](double tau) { return scaled(Vec3d(1 + tau * 9)); }},
         {"turns a hundred times",
          [&](double tau) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <map>
 
+#include "lod/pose_cage.h"
+
 namespace occam::test {
 
 DicedCage::DicedCage(const Cage& cage, int level, const Mat4d& world_from_object, const TextureStore* textures,
@@ -19,16 +21,10 @@ DicedCage::DicedCage(const Cage& cage, int level, const Mat4d& world_from_object
     scene_.refit();
     const CageSlot& slot = scene_.cage(id);
     const lod::CageTables& tables = cache_.get(slot);
-    posed.slot = &slot;
-    posed.topology = tables.topology.get();
-    posed.clusters = tables.clusters.get();
-    posed.node = &scene_.node(node);
-    posed.node_id = node;
+    const Node& shown = scene_.node(node);
+    posed = lod::pose_cage({slot, shown, node, scene_.find(shown.skin), {&world_from_object, 1}}, {},
+                           {tables, textures, pose_, deform_});
     posed.level = level;
-    const SkinSlot* pose = scene_.find(posed.node->skin);
-    posed.place(world_from_object, cage_bounds(*posed.node, slot, pose));
-    if (tables.deformed_clusters) posed.deform(*tables.deformed_clusters, {slot, *posed.node, pose}, pose_, deform_);
-    if (textures) posed.displace(*textures);
 }
 
 std::vector<lod::TileRef> DicedCage::tiles()

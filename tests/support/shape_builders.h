@@ -26,6 +26,24 @@ inline Cage torus(std::uint32_t around = 9, std::uint32_t across = 5, bool uneve
     return cage;
 }
 
+/// Returns one quad from the origin to (1, 1, 0).
+inline Cage unit_square()
+{
+    Cage cage;
+    cage.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+    cage.face_sizes = {4};
+    cage.face_vertices = {0, 1, 2, 3};
+    return cage;
+}
+
+/// Returns a translation.
+inline Mat4d moved(double x, double y, double z)
+{
+    Mat4d m(1);
+    m[3] = Vec4d(x, y, z, 1);
+    return m;
+}
+
 /// Returns a prism over a polygon of n corners: two n-gons and n quads, with some creased edges.
 inline Cage prism(std::uint32_t n)
 {

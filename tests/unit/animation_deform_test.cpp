@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "lod/posed_cage.h"
+#include "lod/pose_cage.h"
 #include "lod/topology_cache.h"
 #include "occam/occam.h"
 #include "tests/support/shape_builders.h"
@@ -53,13 +53,9 @@ void expect_true_to_formulas(Scene& scene, const char* what)
             const CageSlot& slot = scene.cage(c);
             const SkinSlot* skin = scene.find(node.skin);
             const lod::CageTables& tables = topologies.get(slot);
-            lod::PosedCage posed;
-            posed.slot = &slot;
-            posed.node = &node;
-            posed.clusters = tables.clusters.get();
+            const lod::PosedCage& posed = lod::pose_cage({slot, node, id, skin, {&world, 1}}, {},
+                                                         {tables, nullptr, arena, counters});
             const Box3d box = transform_box(world, cage_bounds(node, slot, skin));
-            posed.place(world, cage_bounds(node, slot, skin));
-            if (tables.deformed_clusters) posed.deform(*tables.deformed_clusters, {slot, node, skin}, arena, counters);
             // Vertices are rounded to float in a frame of the cage's size, and the formulas add in another order.
             const double slack = 1e-6 * double(posed.radius) + 1e-12 * whole.largest_coordinate();
             std::vector<Vec3d> vertices;

@@ -46,17 +46,20 @@ TEST_P(ClosedCages, HaveNoGridEdgeLongerThanTheLevelAsks)
     }
 }
 
+// Of a large cage, about a thousand faces are compared.
 TEST_P(ClosedCages, GiveAPointTheSameBitsAtEveryLevel)
 {
     DicedCage diced(load_cage(GetParam()), 0);
-    if (diced.posed.topology->face_count() > 2000) GTEST_SKIP() << "large: the others show it";
+    const std::uint32_t step = 1 + diced.posed.topology->face_count() / 1000;
     const int fine = diced.level_of_largest_exponent(3);
     std::vector<lod::TileRef> tiles = diced.tiles();
     std::map<std::array<std::uint32_t, 2>, lod::LevelGrid> grids;
-    for (const lod::TileRef& t : tiles) grids[{t.patch.face, t.patch.sub}] = diced.dicer.dice(diced.posed, t, diced.arena);
+    for (const lod::TileRef& t : tiles)
+        if (t.patch.face % step == 0) grids[{t.patch.face, t.patch.sub}] = diced.dicer.dice(diced.posed, t, diced.arena);
     diced.posed.level = fine + 1;
     diced.dicer.forget();
     for (const lod::TileRef& t : diced.tiles()) {
+        if (t.patch.face % step != 0) continue;
         const lod::LevelGrid coarse = diced.dicer.dice(diced.posed, t, diced.arena);
         const lod::LevelGrid& fine_grid = grids[{t.patch.face, t.patch.sub}];
         const int su = fine_grid.tile.columns / t.columns, sv = fine_grid.tile.rows / t.rows;

@@ -13,12 +13,7 @@
 namespace occam {
 namespace {
 
-Mat4d moved(double x, double y, double z)
-{
-    Mat4d m(1);
-    m[3] = Vec4d(x, y, z, 1);
-    return m;
-}
+using namespace test;
 
 // What a node shows by itself, found anew.
 Contents walked(const Scene& scene, const Node& node)

@@ -6,24 +6,13 @@
 #include "base/error.h"
 #include "scenegraph/child_boxes.h"
 #include "scenegraph/scene.h"
+#include "tests/support/shape_builders.h"
 
 namespace occam {
 namespace {
 
-Cage unit_square()
-{
-    Cage cage;
-    cage.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-    cage.face_sizes = {4};
-    cage.face_vertices = {0, 1, 2, 3};
-    return cage;
-}
-Mat4d moved(double x, double y, double z)
-{
-    Mat4d m(1);
-    m[3] = Vec4d(x, y, z, 1);
-    return m;
-}
+using namespace test;
+
 void expect_box(const Box3d& box, Vec3d lo, Vec3d hi)
 {
     for (int k = 0; k < 3; ++k) {

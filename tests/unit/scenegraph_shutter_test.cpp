@@ -9,27 +9,14 @@
 #include "scenegraph/content_rules.h"
 #include "scenegraph/scene.h"
 #include "scenegraph/shutter.h"
+#include "tests/support/shape_builders.h"
 
 namespace occam {
 namespace {
 
+using namespace test;
+
 constexpr double kPi = 3.14159265358979323846;
-
-Cage unit_square()
-{
-    Cage cage;
-    cage.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-    cage.face_sizes = {4};
-    cage.face_vertices = {0, 1, 2, 3};
-    return cage;
-}
-
-Mat4d moved(double x, double y, double z)
-{
-    Mat4d m(1);
-    m[3] = Vec4d(x, y, z, 1);
-    return m;
-}
 
 Mat4d turned(double angle)
 {
