@@ -60,6 +60,8 @@ bool traverse(Bvh& tree, const TreeRay<F>& ray, const RaysAsOne<F>& as_one, cons
         MaskOf<F> alive = in <= out;
         while (any(alive)) {
             const BvhState at = next.node->state();
+            if constexpr (requires { leaf.enters(next.node, true, in, out); })
+                leaf.enters(next.node, at.is_interior() && at.node().level >= pairs.finest, in, out);
             if (!at.is_interior() || at.node().level < pairs.finest) {
                 const LeafResult result = leaf(next.node, alive, in, out, pairs.finest, pairs.coarsest);
                 if (result == LeafResult::Abandoned) return false;

@@ -14,7 +14,8 @@
 //
 // The Query type provides:
 // limit()                     returns the current t_far of the lanes (for a single ray, in all lanes);
-// offer(lane, t, grid, id)    takes a hit with t in (t_near, limit], decides ties and filters.
+// offer(lane, t, grid, id)    takes a hit with t in (t_near, limit], decides ties and filters;
+// tested(triangles)           counts what a single ray is tested against, if the query has it.
 #pragma once
 
 #include <bit>
@@ -25,6 +26,13 @@
 #include "accel/triangle.h"
 
 namespace occam::accel {
+
+/// Tells a query how many triangles it was tested against, if it counts them.
+template <class Query>
+OCCAM_ALWAYS_INLINE void count_tests(Query& query, int triangles) noexcept
+{
+    if constexpr (requires { query.tested(triangles); }) query.tested(triangles);
+}
 
 template <class Query, class Coordinates = StillCoordinates>
 class IGridTracer {
@@ -111,6 +119,7 @@ public:
             for_each_block(
                 hanging_boxes_, [&](const float* boxes) { return in_boxes(boxes, hanging_boxes_.floats_of_a_key()); },
                 [&](int block) {
+                    count_tests(query_, IGrid::kBlock);
                     gaps().intersect(block, {lane, ray_, origin_, blend_, read_}, blends);
                 });
     }
@@ -389,6 +398,7 @@ private:
 
     void quads_single(const LatticeBlock& block, int lane, bool blends) noexcept
     {
+        count_tests(query_, 2 * block.columns * block.rows);
         OwnRows own;
         const float* from[3] = {vertices_[0] + block.first, vertices_[1] + block.first, vertices_[2] + block.first};
         std::ptrdiff_t stride = block.stride;
@@ -448,6 +458,7 @@ private:
 
     void triangles_single(int block, int lane) noexcept
     {
+        count_tests(query_, IGrid::kBlock);
         for (int first = block * IGrid::kBlock; first < (block + 1) * IGrid::kBlock; first += kLanes) {
             ShearedVertex v[3];
             triangle_vertices([&](int c) { return read_.many(corners(c) + first, next_key()); }, v);

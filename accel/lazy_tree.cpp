@@ -33,14 +33,15 @@ void LazyTree::flush()
     }
 }
 
-IGrid& LazyTree::grid(const TreeLeaf& leaf, std::size_t place, int pair, std::uint64_t& diced)
+IGrid& LazyTree::grid(const TreeLeaf& leaf, std::size_t place, int pair, TraceCounters& asker)
 {
     const MaybeLock lock(building());
     TreeLeaf::Entry& entry = leaf.entries[place];
     if (entry.grid) return *entry.grid;  // another thread has built it in the meantime
-    const std::uint64_t before = counters.diced;
+    const std::uint64_t diced = counters.diced, grids = counters.grids;
     IGrid& made = items.grid(entry.item, pair);
-    diced += counters.diced - before;
+    asker.diced += counters.diced - diced;
+    asker.grids += counters.grids - grids;
     entry.bounds = items.bounds_of(made);
     // Other threads may be reading the boxes of a shared tree.
     if (!sharing && leaf.keys.segments == 0) set_box(leaf.boxes, place, entry.bounds.box);

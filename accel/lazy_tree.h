@@ -23,8 +23,8 @@ struct LazyTree {
     /// Drops everything. No other thread may be inside the gate.
     void flush();
     /// Returns the igrid of a leaf's entry. It is built now if this is the first ray that enters its box.
-    /// diced   is increased by what is diced now, counted as in TraceCounters::diced.
-    IGrid& grid(const TreeLeaf& leaf, std::size_t place, int pair, std::uint64_t& diced);
+    /// asker   counts what is built now: only `grids` and `diced`
+    IGrid& grid(const TreeLeaf& leaf, std::size_t place, int pair, TraceCounters& asker);
     PhaseOneTools phase_one() noexcept { return {frame, dicer, arena, counters, building()}; }
     /// Returns what building has cost so far.
     TraceCounters totals();

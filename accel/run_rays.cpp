@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "accel/moving_igrid.h"
+#include "accel/narration.h"
 #include "accel/tracer_state.h"
 #include "base/cancellation.h"
 
@@ -340,6 +341,11 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& axes, std::size_t 
     };
     clip(kd, frame.bounds, begin, end);
 
+    if constexpr (kIsObserved<Found>)
+        if (query.narration) {
+            query.narration->set_shift(kd.shift);
+            if (!(begin <= end)) query.narration->scene_missed();
+        }
     if (!(begin <= end)) return true;
     PairSpans<float> pairs{nullptr, kd.shift, 0, 0};
     if (frame.has_levels) {
@@ -349,6 +355,11 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& axes, std::size_t 
                           reach.coordinate, frame.levels);
         pairs = {&single_levels, kd.shift, single_levels.finest, single_levels.coarsest};
     }
+    if constexpr (kIsObserved<Found>)
+        if (query.narration) {
+            if (pairs.levels) query.narration->levels(single_levels);
+            else query.narration->one_level_for_all();
+        }
 
     const lod::PosedCage* here = nullptr;
     int blended = lod::kNoPair;
@@ -369,8 +380,12 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& axes, std::size_t 
         if (!known) return false;
         IGrid& grid = *known;
         GridVisit& visited = mailboxes.of(grid);
-        if (visited.packet == visit || (grid.is_hidden && !may_see(ray, *grid.cage, frame.segments))) return true;
+        if (visited.packet == visit || (grid.is_hidden && !may_see(ray, *grid.cage, frame.segments))) {
+            if constexpr (kIsObserved<Found>) query.skips_igrid(grid, visited.packet == visit);
+            return true;
+        }
         visited.packet = visit;
+        if constexpr (kIsObserved<Found>) query.enters_igrid();
         if (grid.cage != here) {
             here = grid.cage;
             blended = lod::kNoPair;
@@ -391,15 +406,25 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& axes, std::size_t 
         }
         if (grid.segments > 0) meet_moving(grid, {{&ray, 1}, lanes, kd.negative, {from, to}}, query);
         else IGridTracer(grid, lanes, kd.negative, {from, to}, query).single(lane);
+        if constexpr (kIsObserved<Found>)
+            if (query.narration) {
+                GridHit like{0, &grid, 0, {}, lod::key_time(ray.time, std::max(grid.segments, 1))};
+                if (grid.blends()) like.blend = pairs.levels->blend(grid.pairs.finest);
+                query.narration->igrid({like, lanes, direction, from, to}, query.offered, query.t[lane]);
+            }
         return true;
     };
     auto& tree = lazy.tree<typename Way::Tree>();
     const auto times = times_of<typename Way::template Times<float>>({&ray, 1});
-    return traverse(tree, kd, as_one, times, begin, end, pairs, counters, limit,
-                    [&](auto node, bool alive, float near, float far, int finest, int coarsest) {
-                        return meet_leaf(tree, node, alive, near, far, pairs, finest, coarsest, limit_bytes, as_one, times,
-                                         limit, enter, meet);
-                    });
+    const auto at_leaf = [&](auto node, bool alive, float near, float far, int finest, int coarsest) {
+        return meet_leaf(tree, node, alive, near, far, pairs, finest, coarsest, limit_bytes, as_one, times, limit, enter,
+                         meet);
+    };
+    if constexpr (kIsObserved<Found>)
+        if (query.narration)
+            return traverse(tree, kd, as_one, times, begin, end, pairs, counters, limit,
+                            NarratedWalk{*query.narration, tree, kd, times, pairs, begin, limit, at_leaf});
+    return traverse(tree, kd, as_one, times, begin, end, pairs, counters, limit, at_leaf);
 }
 
 template Tracer::State::PacketResult Tracer::State::run_packet<InKdTree, 1>(std::span<const Ray>, const RayAxes&,
@@ -447,5 +472,8 @@ template Tracer::State::PacketResult Tracer::State::run_packet<InMovingBvh, 1>(s
 template Tracer::State::PacketResult Tracer::State::run_packet<InMovingBvh, 2>(std::span<const Ray>, const RayAxes&,
                                                                                std::size_t, PacketQuery<AnyHit, 2>&);
 template bool Tracer::State::run_single<InMovingBvh>(const Ray&, const RayAxes&, std::size_t, SingleQuery<AnyHit>&);
+template bool Tracer::State::run_single<InKdTree>(const Ray&, const RayAxes&, std::size_t, SingleQuery<ObservedNearest>&);
+template bool Tracer::State::run_single<InBvh>(const Ray&, const RayAxes&, std::size_t, SingleQuery<ObservedNearest>&);
+template bool Tracer::State::run_single<InMovingBvh>(const Ray&, const RayAxes&, std::size_t, SingleQuery<ObservedNearest>&);
 
 }  // namespace occam::accel

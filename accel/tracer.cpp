@@ -45,7 +45,7 @@ Tracer::~Tracer() = default;
 TraceCounters Tracer::counters() const
 {
     TraceCounters all = state_->counters;
-    all.diced = 0;  // the tree's own counters have it
+    all.diced = all.grids = 0;  // the tree's own counters have them
     if (state_->own) all += state_->own->totals();
     return all;
 }

@@ -13,6 +13,7 @@
 #pragma once
 
 #include <array>
+#include <iosfwd>
 #include <limits>
 #include <memory>
 #include <span>
@@ -114,6 +115,15 @@ struct FirstHit {
     bool is_hit() const noexcept { return t < std::numeric_limits<float>::infinity(); }
 };
 
+/// Holds what one ray cost that was traced alone. What it built depends on the rays before it.
+struct RayCost {
+    std::uint64_t nodes = 0;         ///< interior nodes of the tree that it entered
+    std::uint64_t tests = 0;         ///< triangles that it was tested against
+    std::uint64_t igrids = 0;        ///< igrids that it was tested against
+    std::uint64_t igrids_built = 0;  ///< those among them that did not exist before
+    double seconds = 0;              ///< with what was built on the way
+};
+
 struct TraceCounters {
     std::uint64_t rays = 0, packets = 0, kd_nodes = 0, kd_visited = 0, kd_expanded = 0, grids = 0, micropolygons = 0,
                   faces_touched = 0, flushes = 0;
@@ -181,6 +191,9 @@ public:
     void first_hits(std::span<const Ray> rays, std::span<FirstHit> hits);
     /// Sets occluded[i] to 1 if anything lies in (t_near, t_far) of ray i, else to 0.
     void occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded);
+    /// Finds the hit that closest() finds, with the same bits, and returns what it cost. If a stream is given, everything
+    /// that the ray does is written there (accel/narration.h).
+    RayCost observe(const Ray& ray, SurfaceHit& hit, std::ostream* out = nullptr);
 
     /// Returns its own counters, including those of building unless the tree is shared.
     TraceCounters counters() const;

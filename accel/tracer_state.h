@@ -79,7 +79,7 @@ struct Tracer::State {
     IGrid* grid_of(const TreeLeaf& leaf, std::size_t number, int pair, std::size_t limit_bytes)
     {
         if (IGrid* known = read_published(leaf.entries[number].grid)) return known;
-        IGrid* made = &lazy.grid(leaf, number, pair, counters.diced);
+        IGrid* made = &lazy.grid(leaf, number, pair, counters);
         return arena.bytes() <= limit_bytes ? made : nullptr;
     }
     /// Clears a query before its rays are traced.

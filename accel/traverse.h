@@ -14,7 +14,8 @@ namespace occam::accel {
 
 /// Walks the tree front to back. t_near and t_far hold each ray's interval, clipped to the tree; limit() returns its
 /// end as hits shorten it. leaf(node, alive, t_near, t_far, finest, coarsest) intersects the rays with the igrids that a
-/// node holds for those pairs and may shorten limit(). Returns false if the walk was abandoned.
+/// node holds for those pairs and may shorten limit(). If it has a function leaf.enters(node, is_interior, t_near, t_far),
+/// that is called for each node that is entered. Returns false if the walk was abandoned.
 template <class F, class LimitFn, class LeafFn>
 bool traverse(KdTree& tree, const TreeRay<F>& ray, const RaysAsOne<F>&, NoTimes, F t_near, F t_far,
               const PairSpans<F>& pairs, TraceCounters& counters, LimitFn&& limit, LeafFn&& leaf)
@@ -32,6 +33,8 @@ bool traverse(KdTree& tree, const TreeRay<F>& ray, const RaysAsOne<F>&, NoTimes,
         while (any(alive)) {
             const KdNode& there = tree.node(node);
             const KdLink at = there.link();
+            if constexpr (requires { leaf.enters(node, true, t_near, t_far); })
+                leaf.enters(node, at.is_interior() && at.level() >= pairs.finest, t_near, t_far);
             if (!at.is_interior() || at.level() < pairs.finest) {
                 const LeafResult result = leaf(node, alive, t_near, t_far, pairs.finest, pairs.coarsest);
                 if (result == LeafResult::Abandoned) return false;

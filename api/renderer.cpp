@@ -8,6 +8,7 @@
 #include "render/cryptomatte.h"
 #include "render/frame.h"
 #include "render/metadata.h"
+#include "render/replay.h"
 #include "scenegraph/content_rules.h"
 #include "shade/input_limits.h"
 
@@ -47,6 +48,16 @@ struct Job::State {
     State(const State&) = delete;
     State& operator=(const State&) = delete;
 
+    /// Locks the scene for the frame.
+    void begin()
+    {
+        scene.refit();
+        bounds = scene.bounds();
+        memory = render::plan_memory(scene, renderer->resources);
+        stats.seconds.refit = seconds_since(start);
+        lock = std::make_unique<Scene::FrameLock>(scene);
+    }
+
     void run() noexcept
     {
         try {
@@ -65,7 +76,7 @@ struct Job::State {
         ended.notify_all();
     }
 
-    void make_image()
+    void prepare()
     {
         control.enter(Stage::Preparing);
         const auto prepare_start = Clock::now();
@@ -73,13 +84,22 @@ struct Job::State {
         renderer->textures.prepare(scene);
         refuse_bad_textures();
         stats.seconds.texture = seconds_since(prepare_start) - renderer->textures.decode_seconds();
+    }
 
+    render::FrameInputs inputs(Clock::time_point deadline) const
+    {
+        return {
+            scene,    bounds, camera, settings, renderer->resources, memory, renderer->topologies->cache, renderer->textures,
+            deadline, resumed};
+    }
+
+    void make_image()
+    {
+        prepare();
         const auto deadline = settings.deadline_s > 0 ? start + std::chrono::duration_cast<Clock::duration>(
                                                                     std::chrono::duration<double>(settings.deadline_s))
                                                       : Clock::time_point::max();
-        auto result = render::render_frame({scene, bounds, camera, settings, renderer->resources, memory,
-                                            renderer->topologies->cache, renderer->textures, deadline, resumed},
-                                           control, stats);
+        auto result = render::render_frame(inputs(deadline), control, stats);
         image = std::move(result.image);
         checkpoint = std::move(result.checkpoint);
         resumed = {};
@@ -212,11 +232,7 @@ Job Renderer::start(Scene& scene, const Camera& camera, const Settings& settings
     try {
         auto job = std::make_unique<Job::State>(state_, scene, camera, settings);
         job->resumed = std::move(checkpoint);
-        scene.refit();
-        job->bounds = scene.bounds();
-        job->memory = render::plan_memory(scene, state_->resources);
-        job->stats.seconds.refit = seconds_since(job->start);
-        job->lock = std::make_unique<Scene::FrameLock>(scene);
+        job->begin();
         job->thread = std::thread([state = job.get()] { state->run(); });
         return Job(std::move(job));
     } catch (...) {
@@ -230,6 +246,25 @@ Image Renderer::render(Scene& scene, const Camera& camera, const Settings& setti
     Job job = start(scene, camera, settings);
     state_->stats = job.stats();
     return job.take_image();
+}
+
+SampleColor Renderer::replay(Scene& scene, const Camera& camera, const Settings& settings, const PixelSample& which,
+                             std::ostream& out)
+{
+    render::check(settings);
+    check(scene.environment);
+    check(camera);
+    if (state_->busy.exchange(true)) throw Error("", "this renderer is busy with another frame");
+    struct Busy {
+        std::atomic<bool>& flag;
+        ~Busy() { flag = false; }
+    } const busy{state_->busy};
+    Job::State frame(state_, scene, camera, settings);
+    frame.begin();
+    frame.prepare();
+    const render::SampleResult result = render::replay_sample(frame.inputs(Clock::time_point::max()),
+                                                              {which.x, which.y, which.sample}, out);
+    return {result.radiance, result.alpha};
 }
 
 std::size_t Renderer::memory_floor(const Scene& scene) const

@@ -48,9 +48,10 @@ struct RenderArguments : SceneArguments {
     WriteOptions write;
     ProgressStyle progress = ProgressStyle::Auto;
     bool quiet = false, verbose = false;
-    bool resume = false;               ///< the picture goes on from the file that a stopped one left
-    std::optional<bool> checkpoint{};  ///< a picture that is stopped leaves such a file; none: as keeps_checkpoint() says
-    std::string stats;                 ///< file, "-" or empty
+    bool resume = false;                  ///< the picture goes on from the file that a stopped one left
+    std::optional<bool> checkpoint{};     ///< a picture that is stopped leaves such a file; none: as keeps_checkpoint() says
+    std::string stats;                    ///< file, "-" or empty
+    std::optional<PixelSample> replay{};  ///< if given, this sample is traced and described, and no picture is made
 
     /// Rounds over the whole picture cost time, so they are made only where the picture is likely to be stopped.
     bool keeps_checkpoint() const { return checkpoint.value_or(resume || settings.deadline_s > 0); }
@@ -79,6 +80,8 @@ struct CompareArguments {
 /// Of what pictures need, only the scene's pose and shutter count.
 struct VerifyArguments : RenderArguments {
     VerifySettings test;
+    std::string replay;                  ///< a ray that is described instead; empty: all cages are tested
+    std::vector<std::string> command{};  ///< the words of the command line, without those that only choose the rays
     bool json = false;
 };
 

@@ -78,4 +78,8 @@ void add_moment(CLI::App& app, RenderArguments& arguments);  ///< after add_clip
 void add_shutter(CLI::App& app, RenderArguments& arguments);
 void add_sequence(CLI::App& app, AnimateArguments& arguments);
 
+// The options that trace one sample or ray again. With the first, the picture's option is not required.
+void add_replay(CLI::App& app, CLI::Option& output, RenderArguments& arguments);
+void add_replay(CLI::App& app, VerifyArguments& arguments);
+
 }  // namespace occam::command

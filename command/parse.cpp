@@ -5,6 +5,7 @@
 
 #include "idle_options.h"
 #include "option_kinds.h"
+#include "replay_command.h"
 #include "usage_message.h"
 
 namespace occam::command {
@@ -165,11 +166,11 @@ void add_checkpoint(CLI::App& app, RenderArguments& a)
     app.add_flag("--resume", a.resume, "Continue from IMAGE.checkpoint, if it exists");
 }
 
-void add_output(CLI::App& app, RenderArguments& a, const std::string& form)
+CLI::Option& add_output(CLI::App& app, RenderArguments& a, const std::string& form)
 {
-    app.add_option("-o,--output", a.output, "Picture to write, by extension .exr .png .jpg .tif .hdr")
-        ->required()
-        ->type_name(form);
+    CLI::Option* output = app.add_option("-o,--output", a.output, "Picture to write, by extension .exr .png .jpg .tif .hdr")
+                              ->required()
+                              ->type_name(form);
     add_value(app, "--exposure",
               "Stops, display formats only; auto: by the log-average of the picture, 0 if that is as usual [auto]",
               "EV|auto", [&](const std::string& t) {
@@ -181,6 +182,7 @@ void add_output(CLI::App& app, RenderArguments& a, const std::string& form)
     add_choice<Tonemap>(app, "--tonemap", a.write.tonemap, curves, "Curve of display formats [filmic]");
     add_choice<bool>(app, "--exr", a.write.half, {{"half", true}, {"float", false}}, "Colours of an EXR [half]");
     app.add_option("--stats", a.stats, "Statistics as JSON; - is standard output")->type_name("FILE");
+    return *output;
 }
 
 void add_machine(CLI::App& app, RenderArguments& a)
@@ -240,6 +242,7 @@ void apply_quality(const CLI::App& app, Settings& s)
 // Prints on standard error the first option that has no effect, and returns false if there is one.
 bool all_have_effect(const CLI::App& app, const RenderArguments& a)
 {
+    if (a.replay) return true;  // what concerns the file of the picture may be left in the command
     std::set<std::string> given;
     for (const CLI::Option* option : app.get_options())
         if (option->count() > 0) given.insert(option->get_name());
@@ -288,7 +291,7 @@ Arguments parse(int argc, char** argv)
 
     CLI::App& render_app = *app.add_subcommand("render", "Render one frame to a picture");
     add_scene(render_app, render);
-    add_output(render_app, render, "IMAGE");
+    CLI::Option& output = add_output(render_app, render, "IMAGE");
     add_camera(render_app, render);
     add_clip(render_app, render);
     add_moment(render_app, render);
@@ -296,6 +299,7 @@ Arguments parse(int argc, char** argv)
     add_checkpoint(render_app, render);
     add_picture(render_app, render);
     add_machine(render_app, render);
+    add_replay(render_app, output, render);
     render_app.footer(
         "A picture that --deadline stops leaves a checkpoint, from which --resume continues. With --checkpoint on, a "
         "picture\n"
@@ -330,6 +334,7 @@ Arguments parse(int argc, char** argv)
     add_whole(verify_app, "--rays", verify.test.rays, 1, kMostVerifyRays, "Rays for each placed cage [1000000]");
     add_whole(verify_app, "--seed", verify.test.seed, 0, ~std::uint64_t(0), "Seed of the random numbers [0]");
     verify_app.add_flag("--json", verify.json, "Print JSON");
+    add_replay(verify_app, verify);
     verify_app.footer(
         "With --shutter, each ray sees the scene at a moment of its own.\n"
         "Exit code 1 if a ray escapes. Example: occam verify suzanne.obj --subdivide on --rays 10000000 --json");
@@ -388,6 +393,7 @@ Arguments parse(int argc, char** argv)
         return BenchArguments{suites};
     }
     if (info_app.parsed()) return info;
+    verify.command = words_of_scene({argv, static_cast<std::size_t>(argc)});
     if (verify_app.parsed()) return all_have_effect(verify_app, verify) ? Arguments(verify) : Finished{2};
     return compare;
 }

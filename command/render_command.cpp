@@ -1,4 +1,5 @@
 #include <fstream>
+#include <iostream>
 #include <iterator>
 
 #include "arguments.h"
@@ -65,7 +66,7 @@ private:
 int run(const RenderArguments& a)
 {
     catch_interrupts();
-    check_outputs(a, {&a.output, 1});
+    if (!a.replay) check_outputs(a, {&a.output, 1});
     const CheckpointFile checkpoint_file(a);
     ProgressDisplay display(a.progress, a.quiet);
 
@@ -87,6 +88,11 @@ int run(const RenderArguments& a)
     if (wants_display_clamp(a))
         settings.clamp = display_clamp(a.write.exposure_ev ? *a.write.exposure_ev
                                                            : measure_small(settings, camera, scene, renderer).exposure);
+    if (a.replay) {
+        display.end();
+        renderer.replay(scene, camera, settings, *a.replay, std::cout);
+        return 0;
+    }
     settings.progressive = a.keeps_checkpoint() || a.resume;
     WriteOptions write = a.write;
     write.note = recipe_note(stamp, {a, a.write, settings, camera, framing.moment()});

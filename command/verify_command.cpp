@@ -3,13 +3,14 @@
 
 #include "arguments.h"
 #include "framing.h"
+#include "replay_command.h"
 
 namespace occam::command {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json json_of(const VerifiedCage& c)
+Json json_of(const VerifiedCage& c, const VerifyArguments& a)
 {
     Json entry = {{"node", c.node}, {"cage", c.cage}, {"faces", c.faces}};
     if (!c.not_testable.empty()) {
@@ -25,6 +26,7 @@ Json json_of(const VerifiedCage& c)
                   {"front_side", c.front_side},
                   {"worst_front", c.worst_front},
                   {"replay", c.replay}});
+    for (const std::string& line : c.replay) entry["replay_commands"].push_back(replay_command(a.command, line));
     return entry;
 }
 
@@ -38,6 +40,7 @@ int run(const VerifyArguments& a)
     Framing framing(scene, a);
     framing.pose();
     if (a.settings.shutter != Shutter{}) framing.open_shutter(framing.camera());
+    if (!a.replay.empty()) return replay(scene, a.test, a.replay, std::cout) ? 0 : 1;
     const std::vector<VerifiedCage> cages = verify(scene, a.test);
     std::uint64_t tested = 0, rays = 0, escaped = 0, not_finite = 0;
     Json list = Json::array();
@@ -46,7 +49,7 @@ int run(const VerifyArguments& a)
         rays += c.rays;
         escaped += c.escaped;
         not_finite += c.not_finite;
-        list.push_back(json_of(c));
+        list.push_back(json_of(c, a));
     }
     if (a.json) {
         const Json all = {
@@ -57,7 +60,7 @@ int run(const VerifyArguments& a)
             std::cout << (c.cage.empty() ? "cage" : c.cage) << " (" << c.faces << " faces): ";
             if (!c.not_testable.empty()) std::cout << "not testable: " << c.not_testable << '\n';
             else std::cout << c.rays << " rays, " << c.escaped << " escaped, " << c.not_finite << " not finite\n";
-            for (const std::string& line : c.replay) std::cout << "  " << line << '\n';
+            for (const std::string& line : c.replay) std::cout << "  " << replay_command(a.command, line) << '\n';
         }
         std::cout << tested << " of " << cages.size() << " cages tested, " << rays << " rays, " << escaped << " escaped, "
                   << not_finite << " not finite\n";

@@ -7,15 +7,11 @@
 
 #include <span>
 
-#include "accel/frame.h"
 #include "base/cancellation.h"
 #include "render/film.h"
+#include "render/frame_setup.h"
 #include "render/frame_sums.h"
-#include "render/integrator.h"
-#include "render/light_probe.h"
-#include "render/shade_point.h"
 #include "render/tiles.h"
-#include "shade/material_values.h"
 
 namespace occam::render {
 namespace {
@@ -29,22 +25,6 @@ double thread_seconds()
     timespec t{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
     return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-// Sets the nearest and farthest camera z of the scene's box, which is in frame lengths.
-void set_depth_range(FrameContext& context, const Box3d& bounds)
-{
-    if (bounds.is_empty()) return;
-    double z_near = std::numeric_limits<double>::infinity(), z_far = 0;
-    for (int corner = 0; corner < 8; ++corner) {
-        const Vec3d p(corner & 1 ? bounds.hi.x : bounds.lo.x, corner & 2 ? bounds.hi.y : bounds.lo.y,
-                      corner & 4 ? bounds.hi.z : bounds.lo.z);
-        const double z = std::max(0.0, context.camera.depth(p));
-        z_near = std::min(z_near, z);
-        z_far = std::max(z_far, z);
-    }
-    context.depth_near = static_cast<float>(z_near);
-    context.depth_far = static_cast<float>(z_far);
 }
 
 // Renders tiles, one after the other, with its own tracer and integrator.
@@ -376,40 +356,15 @@ std::size_t develop_all(const FrameSums& sums, const std::vector<PixelRect>& til
 
 FrameResult make_frame(const FrameInputs& in, FrameControl& control, FrameStats& stats)
 {
-    const FrameScale scale(in.scene_bounds);
-    const Camera placed_camera = scale.placed(in.camera);
-    CameraRays camera(placed_camera, in.settings.width, in.settings.height, in.settings.spp);
-    lod::LevelSettings levels = camera.levels(in.settings.shading_rate);
-    if (in.settings.lod_camera) {
-        const CameraRays other(scale.placed(*in.settings.lod_camera), in.settings.width, in.settings.height);
-        camera.take_footprints_of(other);
-        levels = other.levels(in.settings.shading_rate);
-    }
-    const PixelFilter filter(in.settings.filter, in.settings.filter_radius);
-    const Sampler sampler(in.settings.seed, in.settings.spp, in.settings.jitter);
-    const shade::FrameLights lights = lights_of(in, scale);
-    stats.lights = {lights.has_default(), lights.meshes().any_emitter()};
-    FrameContext context{
-        in.settings, camera, sampler, filter, lights, in.textures, in.scene.contents().has(Contents::Passing)};
-    context.scene = &in.scene;
-    context.scale = scale;
-    context.moves = camera.moves() || in.scene.shutter_segments() > 0;
-    set_depth_range(context, scale.placed(in.scene_bounds));
-    constexpr lod::LevelMode kModes[] = {lod::LevelMode::PerRay, lod::LevelMode::PerInstance, lod::LevelMode::Frozen};
-    levels.mode = kModes[static_cast<int>(in.settings.lod)];
-    const shade::PhaseOne phase_one(in.textures);
-    lod::VertexShading shading{nullptr, sample_width(in.settings.spp)};
-    if (in.settings.shade_at == ShadeAt::Vertex) shading.shader = &phase_one;
-    const accel::Frame frame(in.scene, in.topologies, levels, &in.textures, shading, scale, in.resources.tree);
-    stats.tree = frame.tree();
-
-    context.shadow_batch = in.memory.shadow_batch;
+    const FrameSetup setup(in);
+    stats.lights = {setup.lights.has_default(), setup.lights.meshes().any_emitter()};
+    stats.tree = setup.frame.tree();
 
     Film film(in.settings);
     stats.memory.film_bytes = film.bytes();
     stats.memory.floor_bytes = in.memory.floor_bytes;
     stats.memory.queue_bytes = in.memory.queue_bytes * static_cast<std::size_t>(in.resources.threads);
-    Crew crew(context, frame, in);
+    Crew crew(setup.context, setup.frame, in);
     const std::vector<PixelRect> tiles = make_tiles(crop_pixels(in.settings));
     const std::unique_ptr<FrameSums> sums = sums_of(in);
     std::size_t done_before = 0;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "render/path_log.h"
 #include "render/shade_point.h"
 #include "render/views.h"
 
@@ -25,6 +26,7 @@ Integrator::Integrator(const FrameContext& context)
     : context_(context),
       texture_width_(sample_width(context.settings.spp)),
       has_mattes_(context.settings.has(Aov::CryptomatteObject) || context.settings.has(Aov::CryptomatteMaterial)),
+      shows_cost_(shows_cost(context.settings.view)),
       wants_occlusion_(context.settings.integrator == IntegratorKind::Ao || context.settings.has(Aov::Occlusion)),
       shadows_(context.textures, context.may_pass, !context.settings.back_faces, texture_width_)
 {
@@ -112,18 +114,27 @@ void Integrator::shade_miss(std::size_t i, SampleResult& result)
         push(next, context_.camera.behind_focus(ray));
         return;
     }
+    if (shows_cost_) {
+        result.radiance += path.throughput * cost_color(context_.settings.view, costs_[i - first_of_chunk_]);
+        result.alpha += path.coverage;
+        return;
+    }
     if (!path.is_camera()) {
         cross_lights(path, ray, std::numeric_limits<float>::infinity(), result);
         const shade::Environment::Light sky = context_.lights.environment().look_up(ray.direction);
         const float weight = shade::SampleCounts{path.light_samples, path.scatter_samples}.of_scatter(path.density,
                                                                                                       sky.density);
-        result.radiance += clamped(path.throughput * sky.radiance * weight, path.bounces);
+        const Vec3f light = clamped(path.throughput * sky.radiance * weight, path.bounces);
+        result.radiance += light;
+        if (context_.log) context_.log->added("the environment", light);
         return;
     }
     if (!context_.settings.background || context_.settings.view != View::Beauty) return;
     const bool is_ao = context_.settings.integrator == IntegratorKind::Ao;
-    result.radiance += path.throughput * (is_ao ? Vec3f(1) : context_.lights.environment().radiance(ray.direction));
+    const Vec3f light = path.throughput * (is_ao ? Vec3f(1) : context_.lights.environment().radiance(ray.direction));
+    result.radiance += light;
     result.alpha += path.coverage;
+    if (context_.log) context_.log->added("the background", light);
 }
 
 void Integrator::cross_lights(const Path& path, const accel::Ray& ray, float t_far, SampleResult& result) const
@@ -132,7 +143,9 @@ void Integrator::cross_lights(const Path& path, const accel::Ray& ray, float t_f
         if (crossing.distance <= ray.t_near || (light.groups & path.receiver.groups) == 0) return;
         const shade::SampleCounts counts{placed_samples(path, probability), path.scatter_samples};
         const float weight = counts.of_scatter(path.density, crossing.density);
-        result.radiance += clamped(path.throughput * crossing.radiance * weight, path.bounces);
+        const Vec3f found = clamped(path.throughput * crossing.radiance * weight, path.bounces);
+        result.radiance += found;
+        if (context_.log) context_.log->added("a light that the ray crosses", found);
     };
     context_.lights.for_crossings(ray.origin, ray.direction, t_far, path.peak, path.receiver, add);
 }
@@ -181,7 +194,9 @@ void Integrator::add_emission(const Path& path, const accel::SurfaceHit& hit, co
         weight = shade::SampleCounts{path.light_samples, path.scatter_samples}.of_scatter(path.density,
                                                                                           per_area * hit.t * hit.t / cosine);
     }
-    result.radiance += clamped(share * surface.emission * weight, path.bounces);
+    const Vec3f light = clamped(share * surface.emission * weight, path.bounces);
+    result.radiance += light;
+    if (context_.log) context_.log->added("the emission of the surface", light);
     if (path.is_camera()) result.emitted += luminance(share * surface.emission);
 }
 
@@ -191,6 +206,7 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
     Path path = paths_[i];
     const Settings& settings = context_.settings;
     if (!settings.back_faces && is_culled(hit)) {
+        if (context_.log) context_.log->culled();
         return pass_straight(i, path, hit.t, {Vec3f(1), path.coverage, 1}, sample);
     }
     if (path.absorption != Vec3f(0)) {
@@ -210,6 +226,7 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
         record_first(ray, hit, surface, occlusion, covered, result);
         record_matte(hit, path.sample, covered);
     }
+    if (context_.log) context_.log->surface(path, hit, surface);
     const Vec3f share = path.throughput * surface.opacity;
     Vec3f transmittance = surface.transmittance;
     Vertex v{path, ray, hit, sample, surface, share, occlusion};
@@ -224,7 +241,9 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
 
     if (settings.view != View::Beauty) {
         const float z = static_cast<float>(context_.camera.depth(hit.position, ray.time));
-        result.radiance += share * view_color(settings.view, hit, z, context_.depth_near, context_.depth_far);
+        result.radiance += share * (shows_cost_
+                                        ? cost_color(settings.view, costs_[i - first_of_chunk_])
+                                        : view_color(settings.view, hit, z, context_.depth_near, context_.depth_far));
         transmittance = Vec3f(1 - surface.opacity);
     } else if (surface.opacity > 0 && settings.integrator == IntegratorKind::Ao) {
         gather_sky(v);
@@ -257,6 +276,7 @@ Integrator::Chances Integrator::chances(const Vertex& v) const noexcept
 bool Integrator::pass_straight(std::size_t i, const Path& path, float t, const Passing& passing, const CameraSample& sample)
 {
     Path next = path;
+    if (context_.log) context_.log->passes(passing.light, passing.chance);
     next.throughput *= passing.light / passing.chance;
     next.coverage = passing.coverage / passing.chance;
     next.key = child_key(path.key, 0);

@@ -32,6 +32,8 @@
 
 namespace occam::render {
 
+class PathLog;
+
 /// Holds what all workers read.
 struct FrameContext {
     const Settings& settings;
@@ -47,6 +49,7 @@ struct FrameContext {
     FrameScale scale{};                   ///< all other lengths of the frame are in its unit
     static constexpr std::size_t kShadowBatch = 16384;
     std::size_t shadow_batch = kShadowBatch;  ///< shadow rays that may wait before they are traced
+    PathLog* log = nullptr;                   ///< if not null, it is told what happens to the path of the only sample
 };
 
 struct CameraSample {
@@ -145,9 +148,22 @@ private:
         if (hits_.size() < count) hits_.resize(count);
         const std::span<accel::SurfaceHit> hits = std::span(hits_).first(count);
         hit_counts_.resize(rays.size());
+        if (shows_cost_) costs_.assign(rays.size(), {});
         if (hits_of_each_ > 1) return tracer.nearest(rays, hits_of_each_, hits, hit_counts_);
-        tracer.closest(rays, hits);
+        if (!find_costs(tracer, rays, hits)) tracer.closest(rays, hits);
         for (std::size_t i = 0; i < rays.size(); ++i) hit_counts_[i] = {hits[i].is_hit(), !hits[i].is_hit()};
+    }
+    /// Finds the hits of rays whose cost is shown, one by one. Returns false if no cost is shown, or if the tracer knows
+    /// none.
+    template <class Tracer>
+    bool find_costs(Tracer& tracer, std::span<const accel::Ray> rays, std::span<accel::SurfaceHit> hits)
+    {
+        if constexpr (!requires { tracer.observe(rays[0], hits[0]); }) return false;
+        else {
+            if (!shows_cost_) return false;
+            for (std::size_t i = 0; i < rays.size(); ++i) costs_[i] = tracer.observe(rays[i], hits[i]);
+            return true;
+        }
     }
     /// Shades the hits of paths [first, end) until enough shadow rays wait, and returns the first path that is not shaded
     /// yet.
@@ -231,6 +247,7 @@ private:
     const FrameContext& context_;
     float texture_width_;  ///< width of the texture filter of one sample, in pixels
     bool has_mattes_;
+    bool shows_cost_;       ///< the view shows what rays cost
     bool wants_occlusion_;  ///< occlusion maps are looked up, for `ao` or for the layer
     IntegratorCounters counters_;
 
@@ -239,6 +256,7 @@ private:
     std::vector<accel::Ray> rays_, next_rays_;
     std::vector<accel::SurfaceHit> hits_;      ///< hits_of_each_ of each path of the chunk that is being shaded
     std::vector<accel::HitCount> hit_counts_;  ///< one for each path of the chunk
+    std::vector<accel::RayCost> costs_;        ///< the same, if the view shows them
     std::size_t first_of_chunk_ = 0;
     int hits_of_each_ = 1;
     std::vector<MatteShare> mattes_;

@@ -4,6 +4,7 @@
 
 #include "base/simd.h"  // OCCAM_ALWAYS_INLINE
 #include "render/integrator.h"
+#include "render/path_log.h"
 #include "shade/footprints.h"
 
 namespace occam::render {
@@ -57,7 +58,9 @@ int Integrator::scatter_samples_at(const Path& path) const noexcept
 OCCAM_ALWAYS_INLINE void Integrator::test(const Vertex& v, const shade::ShadowTest& test, Vec3f share, int samples)
 {
     if (is_black(test.radiance)) return;
-    accel::Ray& ray = shadows_.add(v.path.sample, clamped(test.radiance * share, v.path.bounces + 1));
+    const Vec3f light = clamped(test.radiance * share, v.path.bounces + 1);
+    if (context_.log) context_.log->light_sample(test.direction, test.t_far, light);
+    accel::Ray& ray = shadows_.add(v.path.sample, light);
     ray.origin = test.origin;
     ray.direction = test.direction;
     ray.t_far = test.t_far;
@@ -172,7 +175,9 @@ void Integrator::gather_sky(const Vertex& v)
         const Vec3f direction = axes.to_world(
             shade::cosine_direction(squares.square(v.first_of(samples) + static_cast<std::uint32_t>(n))));
         if (!(glm::dot(direction, v.surface.normal_geometric) > 0)) continue;
-        accel::Ray& ray = shadows_.add(v.path.sample, v.share * (v.occlusion / static_cast<float>(samples)));
+        const Vec3f light = v.share * (v.occlusion / static_cast<float>(samples));
+        if (context_.log) context_.log->light_sample(direction, reach, light);
+        accel::Ray& ray = shadows_.add(v.path.sample, light);
         ray.origin = v.surface.start(direction);
         ray.direction = direction;
         ray.start_level = v.hit.start_level;
@@ -244,6 +249,7 @@ void Integrator::scatter_on(const Vertex& v, float chance)
         if (s.lobe == shade::Lobe::Transmission && v.surface.is_solid)
             next.absorption = v.hit.back_side ? Vec3f(0) : v.surface.absorption_inside;
         const accel::Ray ray = scattered_ray(v, s, samples);
+        if (context_.log) context_.log->scattered(s, next);
 
         if (is_last || (is_direct && s.alpha > kMirrorAlpha)) {
             look_for_light(next, ray);
@@ -252,7 +258,10 @@ void Integrator::scatter_on(const Vertex& v, float chance)
         if (!is_direct && next.bounces > kCertainBounces) {
             const float worth = std::max({next.throughput.x, next.throughput.y, next.throughput.z});
             const float survival = std::clamp(worth, 0.05f, 0.95f);
-            if (numbers(v, Use::Survival).interval(v.first_of(1)) >= survival) continue;
+            if (numbers(v, Use::Survival).interval(v.first_of(1)) >= survival) {
+                if (context_.log) context_.log->ended_by_chance(survival);
+                continue;
+            }
             next.throughput /= survival;
         }
         push(next, ray);
@@ -271,6 +280,7 @@ void Integrator::look_for_light(const Path& next, const accel::Ray& ray)
     const auto add = [&](float t_far, Vec3f radiance) {
         const Vec3f reaches = clamped(next.throughput * radiance, next.bounces);
         if (is_black(reaches)) return;
+        if (context_.log) context_.log->light_sample(ray.direction, t_far, reaches);
         accel::Ray& shadow = shadows_.add(next.sample, reaches);
         shadow = ray;
         shadow.kinds = RayKind::Shadow;

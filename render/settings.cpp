@@ -27,6 +27,12 @@ std::string_view view_name(View view) noexcept
     return "beauty";
 }
 
+bool shows_cost(View view) noexcept
+{
+    return std::any_of(std::begin(kViews), std::end(kViews),
+                       [&](const ViewRow& row) { return row.view == view && row.is_cost; });
+}
+
 std::string_view integrator_name(IntegratorKind kind) noexcept
 {
     switch (kind) {

@@ -15,11 +15,12 @@
 namespace occam::render {
 
 /// Names the debug pictures that are shown instead of light; kViews says what each shows.
-enum class View : std::uint8_t { Beauty, Depth, Normal, Uv, Face, Level, Blend, Grid };
+enum class View : std::uint8_t { Beauty, Depth, Normal, Uv, Face, Level, Blend, Grid, KdSteps, Tests, Reuse, Time };
 struct ViewRow {
     View view;
     std::string_view name;
     std::string_view help;
+    bool is_cost = false;  ///< shows what camera rays cost, those that hit nothing, too
 };
 inline constexpr ViewRow kViews[] = {
     {View::Depth, "depth", "near white, far black"},
@@ -29,8 +30,19 @@ inline constexpr ViewRow kViews[] = {
     {View::Level, "level", "a colour for each pair of levels, darker towards the coarser one"},
     {View::Blend, "blend", "black where the finer level of the pair is seen, white where the coarser one is"},
     {View::Grid, "grid", "a colour for each micropolygon"},
+    {View::KdSteps, "kd_steps",
+     "nodes of the tree that the camera ray enters: black 0, red 9, orange 101, white 1023 or more", true},
+    {View::Tests, "tests",
+     "triangles that the camera ray is tested against: black 0, red 15, orange 255, white 4095 or more", true},
+    {View::Reuse, "reuse",
+     "white where the grids that the camera ray meets existed before, black where it builds them; blue: none", true},
+    {View::Time, "time", "time that the camera ray takes: black 0, red 9, orange 101, white 1023 microseconds or more",
+     true},
 };
 std::string_view view_name(View view) noexcept;
+/// Returns whether a view shows what camera rays cost. Such pictures differ from run to run: what a ray costs depends on
+/// what other rays have built before.
+bool shows_cost(View view) noexcept;
 
 /// Decides whose target edge length sets how finely a surface is seen.
 enum class Lod : unsigned char {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/hash.h"
+#include "base/maths.h"
 
 namespace occam::render {
 namespace {
@@ -15,12 +16,49 @@ Vec3f color_of_number(std::uint64_t number) noexcept
     return {channel(0), channel(8), channel(16)};
 }
 
+// Returns the colour of a count on a scale of powers of two, which rises from black over red, orange and yellow to white at
+// 2^doublings - 1.
+Vec3f heat_of(float count, float doublings) noexcept
+{
+    const float x = 3 * std::min(maths::log2(1 + count) / doublings, 1.0f);
+    return {std::min(x, 1.0f), std::clamp(x - 1, 0.0f, 1.0f), std::clamp(x - 2, 0.0f, 1.0f)};
+}
+
 }  // namespace
+
+Vec3f cost_color(View view, const accel::RayCost& cost) noexcept
+{
+    switch (view) {
+        case View::KdSteps:
+            return heat_of(static_cast<float>(cost.nodes), 10);
+        case View::Tests:
+            return heat_of(static_cast<float>(cost.tests), 12);
+        case View::Time:
+            return heat_of(static_cast<float>(cost.seconds * 1e6), 10);
+        case View::Reuse:
+            if (cost.igrids == 0) return {0, 0, 0.3f};
+            return Vec3f(1 - static_cast<float>(cost.igrids_built) / static_cast<float>(cost.igrids));
+        case View::Beauty:
+        case View::Depth:
+        case View::Normal:
+        case View::Uv:
+        case View::Face:
+        case View::Level:
+        case View::Blend:
+        case View::Grid:
+            break;
+    }
+    return Vec3f(0);
+}
 
 Vec3f view_color(View view, const accel::SurfaceHit& hit, float z, float z_near, float z_far) noexcept
 {
     switch (view) {
         case View::Beauty:
+        case View::KdSteps:
+        case View::Tests:
+        case View::Reuse:
+        case View::Time:
             break;
         case View::Depth:
             return Vec3f(std::clamp((z_far - z) / std::max(z_far - z_near, 1e-30f), 0.0f, 1.0f));

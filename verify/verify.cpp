@@ -4,15 +4,17 @@
 #include <cmath>
 #include <map>
 #include <random>
-#include <sstream>
 
 #include "accel/frame.h"
 #include "accel/placement.h"
+#include "accel/print.h"
 #include "accel/tracer.h"
+#include "base/error.h"
 #include "lod/ray_levels.h"
 #include "scenegraph/frame_scale.h"
 #include "verify/closed.h"
 #include "verify/grazing.h"
+#include "verify/ray_line.h"
 #include "verify/ray_surface.h"
 #include "verify/subject.h"
 
@@ -101,8 +103,11 @@ struct Start {
 
 class EscapeTest {
 public:
-    EscapeTest(const ShownCage& shown, const VerifySettings& settings, const TextureStore* textures, VerifiedCage& report)
-        : settings_(settings),
+    /// number   of the placed cage among those that are reported
+    EscapeTest(const ShownCage& shown, const VerifySettings& settings, const TextureStore* textures, VerifiedCage& report,
+               std::size_t number = 0)
+        : number_(number),
+          settings_(settings),
           textures_(textures),
           report_(report),
           random_(settings.seed * 0x9E3779B97F4A7C15u + 1),
@@ -138,6 +143,52 @@ public:
             report_.not_testable = "no point inside was found: no winding number is 1";
             return;
         }
+        set_levels();
+        const accel::Frame frame(subject_.scene(), subject_.topologies(), levels_, textures_);
+        accel::Tracer tracer(frame, std::size_t(1) << 30);
+        std::vector<accel::Ray> rays(2048);
+        std::vector<accel::SurfaceHit> hits(rays.size());
+        while (report_.rays < settings_.rays) {
+            for (accel::Ray& ray : rays) ray = next_ray();
+            tracer.closest(rays, hits);
+            for (std::size_t i = 0; i < rays.size(); ++i) judge(rays[i], hits[i]);
+            report_.rays += rays.size();
+        }
+    }
+
+    /// Traces one ray, writes what it does, and judges it.
+    void replay(const RayLine& line, std::ostream& out)
+    {
+        if (subject_.is_empty()) throw Error("", "the cage has no limit surface", "ray");
+        finest_ = subject_.level_of_rate(settings_.largest_rate);
+        set_levels();
+        accel::Ray ray;
+        ray.origin = line.origin * scale_.to_frame();
+        ray.direction = line.direction;
+        ray.footprint = {static_cast<float>(line.width * scale_.to_frame()), line.spread};
+        ray.time = line.time;
+        const accel::Frame frame(subject_.scene(), subject_.topologies(), levels_, textures_);
+        accel::Tracer tracer(frame, std::size_t(1) << 30);
+        const Precision digits(out, 9);
+        out << "cage " << number_ << " '" << report_.cage << "' of node '" << report_.node << "'; lengths are in units of "
+            << scale_.to_world() << '\n'
+            << "ray: " << ray << '\n';
+        accel::SurfaceHit hit;
+        tracer.observe(ray, hit, &out);
+        out << "  " << (hit.is_hit() ? "hit: " : "") << hit << '\n';
+        judge(ray, hit);
+        report_.rays = 1;
+        if (report_.not_finite > 0) out << "The hit is not finite.\n";
+        else if (report_.outside > 0) out << "The ray starts outside of the surface that it sees.\n";
+        else if (report_.grazing > 0)
+            out << "The ray passes between two levels, which overlap more where pictures are made.\n";
+        else out << (report_.escaped > 0 ? "The ray ESCAPES.\n" : "The ray hits the cage.\n");
+    }
+
+private:
+    /// Sets the levels of the test and those of the engine, after finest_.
+    void set_levels()
+    {
         lod::LevelSettings levels;
         levels.eye = subject_.posed().anchor;
         levels.pixel = {lod::edge_length(finest_), 0};
@@ -150,19 +201,8 @@ public:
             levels.overlap_ulps = settings_.overlap_ulps;
         }
         levels_ = levels;
-        const accel::Frame frame(subject_.scene(), subject_.topologies(), levels, textures_);
-        accel::Tracer tracer(frame, std::size_t(1) << 30);
-        std::vector<accel::Ray> rays(2048);
-        std::vector<accel::SurfaceHit> hits(rays.size());
-        while (report_.rays < settings_.rays) {
-            for (accel::Ray& ray : rays) ray = next_ray();
-            tracer.closest(rays, hits);
-            for (std::size_t i = 0; i < rays.size(); ++i) judge(rays[i], hits[i]);
-            report_.rays += rays.size();
-        }
     }
 
-private:
     static constexpr int kLevels = 4, kFiner = 5, kInstants = 8;
     static constexpr std::size_t kMostCorners = 2'000'000;
 
@@ -300,13 +340,10 @@ private:
         }
         ++report_.escaped;
         if (report_.replay.size() >= 5) return;
-        std::ostringstream out;
-        out.precision(17);
-        const Vec3d origin = ray.origin * scale_.to_world();
-        out << "origin " << origin.x << ' ' << origin.y << ' ' << origin.z << " direction " << ray.direction.x << ' '
-            << ray.direction.y << ' ' << ray.direction.z << " footprint " << double(ray.footprint.a) * scale_.to_world()
-            << ' ' << ray.footprint.b << " time " << ray.time;
-        report_.replay.push_back(out.str());
+        const RayLine line{number_,         ray.origin * scale_.to_world(),
+                           ray.direction,   double(ray.footprint.a) * scale_.to_world(),
+                           ray.footprint.b, ray.time};
+        report_.replay.push_back(line.text());
     }
 
     /// Returns whether the ray passed between two levels only because they overlap less here than in the engine.
@@ -338,6 +375,7 @@ private:
                                      });
     }
 
+    std::size_t number_;
     const VerifySettings& settings_;
     const TextureStore* textures_;
     VerifiedCage& report_;
@@ -352,19 +390,31 @@ private:
     std::unique_ptr<GrazingRays> grazing_;  ///< made when the first ray hits nothing
 };
 
-VerifiedCage verify_shown(const ShownCage& shown, const VerifySettings& settings, const TextureStore* textures)
+/// Begins the report of a cage, and says why it cannot be tested if that is so.
+VerifiedCage report_of(const ShownCage& shown)
 {
     const Cage& cage = shown.slot.cage;
     VerifiedCage report;
+    if (shown.node) report.node = shown.node->name;
     report.cage = cage.name;
     report.faces = cage.face_count();
-    if (cage.scheme == Scheme::Triangles) {
-        report.not_testable = "it is a triangle mesh, the same at every level";
-        return report;
-    }
-    if (report.not_testable = why_not_closed(cage); !report.not_testable.empty()) return report;
-    EscapeTest(shown, settings, textures, report).run();
+    report.not_testable = cage.scheme == Scheme::Triangles ? "it is a triangle mesh, the same at every level"
+                                                           : why_not_closed(cage);
     return report;
+}
+
+/// Calls call(shown, textures) for each placed cage of a scene.
+template <class Call>
+void for_each_shown(Scene& scene, Call&& call)
+{
+    scene.refit();
+    TextureStore textures(std::size_t(1) << 30);
+    if (scene.contents().has(Contents::Displaced)) textures.prepare(scene);
+    accel::for_each_placement(scene, [&](const Node& node, std::span<const Mat4d> world_from_node) {
+        for (const CageId id : node.cages)
+            call(ShownCage{scene.cage(id), &node, scene.find(node.skin), world_from_node, scene.shutter_segments()},
+                 textures);
+    });
 }
 
 }  // namespace
@@ -374,23 +424,39 @@ VerifiedCage verify(const Cage& cage, const Mat4d& world_from_object, const Veri
 {
     CageSlot slot;
     slot.cage = cage;
-    return verify_shown({slot, nullptr, nullptr, {&world_from_object, 1}, 0}, settings, textures);
+    const ShownCage shown{slot, nullptr, nullptr, {&world_from_object, 1}, 0};
+    VerifiedCage report = report_of(shown);
+    if (report.not_testable.empty()) EscapeTest(shown, settings, textures, report).run();
+    return report;
 }
 
 std::vector<VerifiedCage> verify(Scene& scene, const VerifySettings& settings)
 {
     std::vector<VerifiedCage> reports;
-    scene.refit();
-    TextureStore textures(std::size_t(1) << 30);
-    if (scene.contents().has(Contents::Displaced)) textures.prepare(scene);
-    accel::for_each_placement(scene, [&](const Node& node, std::span<const Mat4d> world_from_node) {
-        for (const CageId id : node.cages) {
-            const ShownCage shown{scene.cage(id), &node, scene.find(node.skin), world_from_node, scene.shutter_segments()};
-            reports.push_back(verify_shown(shown, settings, &textures));
-            reports.back().node = node.name;
-        }
+    for_each_shown(scene, [&](const ShownCage& shown, const TextureStore& textures) {
+        const std::size_t number = reports.size();
+        VerifiedCage& report = reports.emplace_back(report_of(shown));
+        if (report.not_testable.empty()) EscapeTest(shown, settings, &textures, report, number).run();
     });
     return reports;
+}
+
+bool replay(Scene& scene, const VerifySettings& settings, std::string_view text, std::ostream& out)
+{
+    const RayLine line = read_ray_line(text);
+    std::size_t number = 0;
+    bool holds = true;
+    for_each_shown(scene, [&](const ShownCage& shown, const TextureStore& textures) {
+        if (number++ != line.cage) return;
+        VerifiedCage report = report_of(shown);
+        if (!report.not_testable.empty()) throw Error("", "the cage cannot be tested: " + report.not_testable, "ray");
+        EscapeTest(shown, settings, &textures, report, line.cage).replay(line, out);
+        holds = report.holds();
+    });
+    if (line.cage >= number)
+        throw Error("", "there is no cage " + std::to_string(line.cage) + "; the scene has " + std::to_string(number),
+                    "ray");
+    return holds;
 }
 
 }  // namespace occam

@@ -6,7 +6,9 @@
 #pragma once
 
 #include <cstdint>
+#include <iosfwd>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "scenegraph/scene.h"
@@ -44,7 +46,7 @@ struct VerifiedCage {
     std::uint64_t front_side = 0;
     /// The largest cosine among them between the outward normal and the direction back to the origin.
     double worst_front = 0;
-    std::vector<std::string> replay;  ///< the first escapes: origin, direction and footprint
+    std::vector<std::string> replay;  ///< the first escapes, as lines for replay()
 
     bool holds() const noexcept { return escaped == 0 && not_finite == 0; }
 };
@@ -62,5 +64,10 @@ VerifiedCage verify(const Cage& cage, const Mat4d& world_from_object, const Veri
 /// Tests every cage of a scene, in each of its placements and poses. If the scene has a shutter, rays see the cages at
 /// several moments of it. Refits the bounds of the scene.
 std::vector<VerifiedCage> verify(Scene& scene, const VerifySettings& settings);
+
+/// Traces a ray of the test again, as the line describes it (verify/ray_line.h), and writes to `out` what it does. Of the
+/// settings only the overlap counts. Returns false if the ray escapes or its hit is not finite. Throws Error for a line that
+/// cannot be read, and for a cage that cannot be tested.
+bool replay(Scene& scene, const VerifySettings& settings, std::string_view line, std::ostream& out);
 
 }  // namespace occam

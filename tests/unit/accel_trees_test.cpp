@@ -2,6 +2,7 @@
 // budget, however the tree is built, and in a tree that several tracers share.
 #include <gtest/gtest.h>
 
+#include <sstream>
 #include <thread>
 
 #include "tests/support/textured_floor.h"
@@ -107,6 +108,76 @@ TEST(Trees, FindTheSameBitsAtAllLevelsAndForAnyBudget)
         }
 }
 
+// Cages that fly apart, each its own way, one that turns, and one that stands, while the shutter is open.
+void record_flights(Scene& scene, int segments, double distance)
+{
+    const CageId ring = scene.add(torus()), drum = scene.add(prism(5));
+    std::vector<NodeId> nodes;
+    for (int k = 0; k < 90; ++k)
+        nodes.push_back(place(scene, k % 2 ? ring : drum, {k % 9 * 0.7 - 2.8, k / 9 * 0.6 - 2.7, -(k % 7) * 0.5}, 0.2));
+    place(scene, scene.add(floor_of(scene.add(Material()), Scheme::Triangles)), {0, -3, 0}, 2);
+    place(scene, ring, {0, 0, 1});
+    scene.record_shutter(segments, [&](double tau) {
+        for (std::size_t k = 0; k < nodes.size(); ++k) {
+            const double angle = double(k * k), at = double(k);
+            Trs trs;
+            trs.translation = {k % 9 * 0.7 - 2.8 + distance * tau * std::cos(angle), double(k / 9) * 0.6 - 2.7,
+                               -double(k % 7) * 0.5 + distance * tau * std::sin(angle)};
+            trs.rotation = {0, std::sin(0.5 * at * tau), 0, std::cos(0.5 * at * tau)};
+            trs.scale = Vec3d(0.2);
+            scene.set_transform(nodes[k], trs);
+        }
+    });
+}
+
+// Observes every `step`-th ray in both trees: it finds the same hit with the same bits, what is written about it names that
+// hit, and no triangle was left out that the ray hits in its interval.
+void expect_observed_as_found(const accel::Frame& kd, const accel::Frame& bvh, std::span<const accel::Ray> rays,
+                              std::size_t step)
+{
+    accel::Tracer all(bvh, kPlenty), in_kd(kd, kPlenty), in_bvh(bvh, kPlenty);
+    std::vector<accel::SurfaceHit> hits(rays.size());
+    all.closest(rays, hits);
+    std::size_t told = 0;
+    for (std::size_t i = 0; i < rays.size(); i += step)
+        for (accel::Tracer* tracer : {&in_kd, &in_bvh}) {
+            accel::SurfaceHit quietly, observed;
+            tracer->observe(rays[i], quietly);
+            std::ostringstream out;
+            const accel::RayCost cost = tracer->observe(rays[i], observed, &out);
+            const std::string text = out.str();
+            ASSERT_TRUE(same(hits[i], quietly)) << "ray " << i;
+            ASSERT_TRUE(same(hits[i], observed)) << "ray " << i;
+            ASSERT_EQ(text.find("WAS NOT TESTED"), std::string::npos) << text;
+            if (!observed.is_hit()) continue;
+            std::ostringstream found;
+            found.precision(9);
+            found << ": hit at t " << double(observed.t) << '\n';
+            ASSERT_NE(text.find(found.str()), std::string::npos) << found.str() << text;
+            EXPECT_GT(cost.tests, 0u);
+            EXPECT_GT(cost.igrids, 0u);
+            EXPECT_EQ(cost.igrids_built, 0u) << "the first ray has built them";
+            ++told;
+        }
+    EXPECT_GT(told, 0u);
+}
+
+TEST(Trees, FindTheSameBitsForARayThatIsObserved)
+{
+    for (const lod::LevelMode mode : {lod::LevelMode::PerRay, lod::LevelMode::PerInstance}) {
+        Stage stage;
+        add_all_kinds(stage.scene);
+        const accel::Frame kd = stage.frame(-4, mode, TreeKind::Kd), bvh = stage.frame(-4, mode, TreeKind::Bvh);
+        expect_observed_as_found(kd, bvh, all_rays(stage.scene.bounds()), 37);
+    }
+    Stage moving;
+    record_flights(moving.scene, 4, 3);
+    const accel::Frame kd = moving.frame(-3, lod::LevelMode::PerRay, TreeKind::Kd), bvh = moving.frame(-3);
+    std::vector<accel::Ray> rays = rays_towards({0.3, 3, 9}, {Vec3d(-3), Vec3d(3)}, 400, 5);
+    for (std::size_t i = 0; i < rays.size(); ++i) rays[i].time = float(i % 101) / 100;
+    expect_observed_as_found(kd, bvh, rays, 7);
+}
+
 TEST(Trees, FindTheSameBitsForRaysAloneAndHoweverTheyAreBuilt)
 {
     Stage stage;
@@ -164,28 +235,6 @@ TEST(Trees, GrowWhereBoxesLieInOnePlaceOrAreSpreadOverAllScales)
     std::vector<accel::Ray> rays = rays_towards({0, 9, 1}, {Vec3d(-1), Vec3d(60, 1, 1)}, 300, 2);
     accel::Tracer in_kd(kd, kPlenty), in_bvh(bvh, kPlenty);
     expect_same(Answers(in_kd, rays), Answers(in_bvh, rays), "all scales");
-}
-
-// Cages that fly apart, each its own way, one that turns, and one that stands, while the shutter is open.
-void record_flights(Scene& scene, int segments, double distance)
-{
-    const CageId ring = scene.add(torus()), drum = scene.add(prism(5));
-    std::vector<NodeId> nodes;
-    for (int k = 0; k < 90; ++k)
-        nodes.push_back(place(scene, k % 2 ? ring : drum, {k % 9 * 0.7 - 2.8, k / 9 * 0.6 - 2.7, -(k % 7) * 0.5}, 0.2));
-    place(scene, scene.add(floor_of(scene.add(Material()), Scheme::Triangles)), {0, -3, 0}, 2);
-    place(scene, ring, {0, 0, 1});
-    scene.record_shutter(segments, [&](double tau) {
-        for (std::size_t k = 0; k < nodes.size(); ++k) {
-            const double angle = double(k * k), at = double(k);
-            Trs trs;
-            trs.translation = {k % 9 * 0.7 - 2.8 + distance * tau * std::cos(angle), double(k / 9) * 0.6 - 2.7,
-                               -double(k % 7) * 0.5 + distance * tau * std::sin(angle)};
-            trs.rotation = {0, std::sin(0.5 * at * tau), 0, std::cos(0.5 * at * tau)};
-            trs.scale = Vec3d(0.2);
-            scene.set_transform(nodes[k], trs);
-        }
-    });
 }
 
 TEST(Trees, FindTheSameBitsWhereThingsMove)

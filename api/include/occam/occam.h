@@ -11,6 +11,7 @@
 
 #include <chrono>
 #include <functional>
+#include <iosfwd>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -96,6 +97,18 @@ private:
     std::unique_ptr<State> state_;
 };
 
+/// Names one sample of a picture.
+struct PixelSample {
+    int x = 0, y = 0;  ///< pixel of the whole frame, from the top left
+    int sample = 0;    ///< number among the samples of the pixel, from 0
+};
+
+/// Holds what a sample contributes to its pixel; the colour is multiplied by alpha.
+struct SampleColor {
+    Vec3f radiance{0};
+    float alpha = 0;
+};
+
 /// Makes pictures. From frame to frame it keeps textures and everything that no vertex position can change (topology
 /// tables).
 class Renderer {
@@ -112,6 +125,11 @@ public:
     /// scene, camera and settings: the frame then continues from there, and its picture has the same bits as one that was
     /// never stopped. The job fails if the checkpoint belongs to another picture.
     Job start(Scene& scene, const Camera& camera, const Settings& settings = {}, std::string checkpoint = {});
+    /// Traces one sample of the picture that render() would make, and writes to `out` what each of its rays does and how
+    /// each hit is shaded. Returns what the sample contributes, with the bits that it has in the picture. Throws Error for a
+    /// pixel outside of the picture, and for a sample that it does not have.
+    SampleColor replay(Scene& scene, const Camera& camera, const Settings& settings, const PixelSample& which,
+                       std::ostream& out);
     /// Returns the least Resources::memory_bytes with which this renderer's number of threads can render the scene.
     std::size_t memory_floor(const Scene& scene) const;
     /// Returns the statistics of the last frame that render() made.

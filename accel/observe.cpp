@@ -1,0 +1,49 @@
+// Traces one ray alone, and tells what it does.
+#include <limits>
+#include <sstream>
+
+#include "accel/narration.h"
+#include "accel/stopwatch.h"
+#include "accel/tracer_state.h"
+
+namespace occam::accel {
+
+RayCost Tracer::observe(const Ray& ray, SurfaceHit& hit, std::ostream* out)
+{
+    State& s = *state_;
+    RayCost cost;
+    hit.t = std::numeric_limits<float>::infinity();
+    s.for_groups({&ray, 1}, [&](const RayAxes& axes, std::size_t, std::size_t, std::size_t limit) {
+        std::ostringstream text;
+        std::optional<Narration> narration;
+        if (out) narration.emplace(text, s.frame);
+        SingleQuery<ObservedNearest> query;
+        s.prepare(query, {&ray, 1});
+        query.narration = narration ? &*narration : nullptr;
+        const std::uint64_t visited = s.counters.kd_visited, built = s.counters.grids;
+        double seconds = 0;
+        {
+            const Stopwatch watch(seconds);
+            if (!s.in_tree([&](auto way) { return s.run_single<decltype(way)>(ray, axes, limit, query); })) {
+                if (out)
+                    *out << "  (The memory is used up: everything that was built is dropped, and the ray starts again.)\n";
+                return false;
+            }
+        }
+        cost = query.cost;
+        cost.nodes = s.counters.kd_visited - visited;
+        cost.igrids_built = s.counters.grids - built;
+        cost.seconds = seconds;
+        GridHit met{query.t[0], query.grid[0], query.id[0], {}, {}};
+        if (met.grid && met.grid->blends()) met.blend = s.single_levels.blend(met.grid->pairs.finest);
+        if (met.grid && met.grid->segments > 0) met.time = lod::key_time(ray.time, met.grid->segments);
+        SurfaceHit* const to = &hit;
+        resolve({&ray, 1}, axes, {&met, 1}, s.lazy.phase_one(), &to);
+        if (s.arena.bytes() > limit) return false;
+        if (out) *out << text.str();
+        return true;
+    });
+    return cost;
+}
+
+}  // namespace occam::accel

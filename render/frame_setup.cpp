@@ -1,0 +1,76 @@
+#include "render/frame_setup.h"
+
+#include "render/light_probe.h"
+#include "render/shade_point.h"
+
+namespace occam::render {
+namespace {
+
+lod::LevelMode mode_of(Lod lod) noexcept
+{
+    switch (lod) {
+        case Lod::On:
+            return lod::LevelMode::PerRay;
+        case Lod::Off:
+            return lod::LevelMode::PerInstance;
+        case Lod::Frozen:
+            return lod::LevelMode::Frozen;
+    }
+    return lod::LevelMode::PerRay;
+}
+
+// Returns the settings by which levels are chosen. If another camera's pixels decide them, its footprints are put in.
+lod::LevelSettings levels_of(const Settings& settings, const FrameScale& scale, CameraRays& camera)
+{
+    lod::LevelSettings levels = camera.levels(settings.shading_rate);
+    if (settings.lod_camera) {
+        const CameraRays other(scale.placed(*settings.lod_camera), settings.width, settings.height);
+        camera.take_footprints_of(other);
+        levels = other.levels(settings.shading_rate);
+    }
+    levels.mode = mode_of(settings.lod);
+    return levels;
+}
+
+lod::VertexShading shading_of(const Settings& settings, const shade::PhaseOne& phase_one)
+{
+    return {settings.shade_at == ShadeAt::Vertex ? &phase_one : nullptr, sample_width(settings.spp)};
+}
+
+// Sets the nearest and farthest camera z of the scene's box, which is in frame lengths.
+void set_depth_range(FrameContext& context, const Box3d& bounds)
+{
+    if (bounds.is_empty()) return;
+    double z_near = std::numeric_limits<double>::infinity(), z_far = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        const Vec3d p(corner & 1 ? bounds.hi.x : bounds.lo.x, corner & 2 ? bounds.hi.y : bounds.lo.y,
+                      corner & 4 ? bounds.hi.z : bounds.lo.z);
+        const double z = std::max(0.0, context.camera.depth(p));
+        z_near = std::min(z_near, z);
+        z_far = std::max(z_far, z);
+    }
+    context.depth_near = static_cast<float>(z_near);
+    context.depth_far = static_cast<float>(z_far);
+}
+
+}  // namespace
+
+FrameSetup::FrameSetup(const FrameInputs& in)
+    : scale(in.scene_bounds),
+      camera(scale.placed(in.camera), in.settings.width, in.settings.height, in.settings.spp),
+      levels(levels_of(in.settings, scale, camera)),
+      filter(in.settings.filter, in.settings.filter_radius),
+      sampler(in.settings.seed, in.settings.spp, in.settings.jitter),
+      lights(lights_of(in, scale)),
+      context{in.settings, camera, sampler, filter, lights, in.textures, in.scene.contents().has(Contents::Passing)},
+      phase_one(in.textures),
+      frame(in.scene, in.topologies, levels, &in.textures, shading_of(in.settings, phase_one), scale, in.resources.tree)
+{
+    context.scene = &in.scene;
+    context.scale = scale;
+    context.moves = camera.moves() || in.scene.shutter_segments() > 0;
+    context.shadow_batch = in.memory.shadow_batch;
+    set_depth_range(context, scale.placed(in.scene_bounds));
+}
+
+}  // namespace occam::render

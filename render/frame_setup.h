@@ -1,0 +1,29 @@
+// What all workers of a frame read: it is made from the inputs of the frame before the first tile.
+#pragma once
+
+#include "accel/frame.h"
+#include "render/frame.h"
+#include "render/integrator.h"
+#include "scenegraph/frame_scale.h"
+#include "shade/material_values.h"
+
+namespace occam::render {
+
+/// Borrows the inputs. Its parts refer to each other, so it stays in place.
+struct FrameSetup {
+    explicit FrameSetup(const FrameInputs& inputs);
+    FrameSetup(const FrameSetup&) = delete;
+    FrameSetup& operator=(const FrameSetup&) = delete;
+
+    FrameScale scale;
+    CameraRays camera;
+    lod::LevelSettings levels;
+    PixelFilter filter;
+    Sampler sampler;
+    shade::FrameLights lights;
+    FrameContext context;
+    shade::PhaseOne phase_one;
+    accel::Frame frame;
+};
+
+}  // namespace occam::render

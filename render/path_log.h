@@ -1,0 +1,57 @@
+// Writes down what happens to the path of one sample at each of its surfaces, for people who look for a fault.
+//
+// The rays between them are written by ReplayTracer (render/replay.cpp). A FrameContext without a log costs one comparison
+// with null at each step.
+//
+// Space    Everything is written in world units.
+#pragma once
+
+#include <ostream>
+#include <string_view>
+
+#include "accel/tracer.h"
+#include "base/print.h"
+#include "render/path.h"
+#include "scenegraph/frame_scale.h"
+#include "scenegraph/scene.h"
+#include "shade/direct.h"
+
+namespace occam::render {
+
+class PathLog {
+public:
+    /// The stream and the scene are borrowed.
+    PathLog(std::ostream& out, const Scene& scene, const FrameScale& scale)
+        : out_(out), digits_(out, 9), scene_(scene), scale_(scale)
+    {
+    }
+
+    std::ostream& out() noexcept { return out_; }
+
+    /// Begins the part of a ray, before it is traced.
+    void ray(const accel::Ray& ray);
+    /// Writes what a ray has hit.
+    void found(const accel::SurfaceHit& hit);
+    void cost(const accel::RayCost& cost);
+
+    /// Writes what is shaded at a hit.
+    void surface(const Path& path, const accel::SurfaceHit& hit, const shade::Surface& surface);
+    /// Writes that a single-sided surface is passed from behind.
+    void culled();
+    /// Writes light that the path adds to its sample without a ray.
+    void added(std::string_view what, Vec3f radiance);
+    /// Writes a sample of a light, whose shadow ray is traced later. radiance is what it adds if nothing is in the way.
+    void light_sample(Vec3f direction, float t_far, Vec3f radiance);
+    /// Writes a direction that was drawn from a lobe, and the path that follows it.
+    void scattered(const shade::ScatterSample& sample, const Path& next);
+    void ended_by_chance(float survival);
+    void passes(Vec3f transmittance, float chance);
+
+private:
+    std::ostream& out_;
+    const Precision digits_;
+    const Scene& scene_;
+    FrameScale scale_;
+};
+
+}  // namespace occam::render
