@@ -54,8 +54,8 @@ TraceCounters LazyTree::totals()
     const MaybeLock lock(building());
     TraceCounters all = counters;
     all.peak_bytes = std::max(all.peak_bytes, arena.bytes());
-    all.vertices_diced = dicer.vertices_diced;
-    all.vertices_shaded = dicer.vertices_shaded;
+    all.vertices_diced = dicer.vertices_diced();
+    all.vertices_shaded = dicer.vertices_shaded();
     return all;
 }
 

@@ -1,0 +1,33 @@
+// Keeps the posed control points of the patches that were diced last, and texture coordinates and rest positions of one.
+//
+// Space    posed patches are in the cage's dicing frame, patches at rest in object axes.
+// Memory   bounded by the size of the pool; patches reuse their vectors.
+// Threads  one at a time, as for the dicer that owns it.
+#pragma once
+
+#include "lod/cage_table.h"
+#include "lod/posed_patch.h"
+
+namespace occam::lod {
+
+class PatchPool {
+public:
+    /// Forgets all posed cages.
+    void forget() noexcept;
+
+    // What these functions return stays valid until the same function is called again.
+    PosedPatch& posed(const PosedCage& cage, PatchRef patch);
+    /// Returns a patch of texture coordinates, as the x and y of points.
+    PosedPatch& uv(const PosedCage& cage, PatchRef patch, int set);
+    /// Returns the patch without skin and morph targets, in object axes.
+    PosedPatch& rest(const PosedCage& cage, PatchRef patch);
+
+private:
+    using Table = CageTable<PatchRef, PosedPatch, 512>;
+
+    Table posed_;
+    Table::Entry uv_, rest_;
+    int uv_set_ = 0;
+};
+
+}  // namespace occam::lod

@@ -1,0 +1,37 @@
+// Computes what phase one of shading needs at the vertices of a tile: normals and texture coordinates.
+//
+// Space    normals are in the cage's dicing frame, which has world axes.
+// Memory   results lie in the given arena.
+// Threads  one at a time, as for the dicer that owns it.
+#pragma once
+
+#include <vector>
+
+#include "base/arena.h"
+#include "lod/level_grid.h"
+#include "lod/patch_surface.h"
+
+namespace occam::lod {
+
+class TileAttributes {
+public:
+    explicit TileAttributes(PatchSurface& surface) noexcept : surface_(surface) {}
+
+    /// Computes normals and texture coordinates from the patch itself; neighbouring patches do not share them (creases,
+    /// seams). A cage that moves has normals at each of its keys.
+    /// coarser   the rates of the next coarser level, or the tile's own; a displaced cage has normals there too
+    GridAttributes make(const PosedCage& cage, const TileRef& tile, const PatchRates& coarser, Arena& arena);
+
+    /// The number of vertices so far, one at several keys counted at each.
+    std::uint64_t vertices = 0;
+
+private:
+    /// Computes normals of the next coarser level of a displaced cage: an odd vertex lies between two that the level has.
+    void coarse_normals(const PosedCage& cage, const TileRef& tile, const PatchRates& coarser, Vec3f* out);
+
+    PatchSurface& surface_;
+    std::vector<Vec3f> normals_;
+    std::vector<float> uvs_;
+};
+
+}  // namespace occam::lod
