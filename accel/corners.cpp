@@ -44,21 +44,21 @@ lod::Hanging::Ends ends_of(const GridHit& met, const OwnBlend& blend, const lod:
 }
 
 // Returns the place of a face's corners in the arrays of a mesh.
-std::size_t place_of(const IGrid& mesh, std::uint32_t id) noexcept
+std::size_t place_of(const MeshGrid& mesh, std::uint32_t id) noexcept
 {
     std::size_t k = 0;
     while (mesh.ids[k] != id) ++k;
     return k;
 }
 
-Vec3f corner_of_mesh(const IGrid& mesh, std::size_t corner, std::size_t place, int key) noexcept
+Vec3f corner_of_mesh(const MeshGrid& mesh, std::size_t corner, std::size_t place, int key) noexcept
 {
     const auto at = static_cast<std::ptrdiff_t>(place) + key * mesh.floats_of_a_key;
     return {mesh.corners[corner * 3][at], mesh.corners[corner * 3 + 1][at], mesh.corners[corner * 3 + 2][at]};
 }
 
 // Returns the T-vertex inside a quad's side, or null if it has no gap triangle in this igrid.
-const lod::Hanging* find_hanging(const IGrid& grid, std::uint32_t part, int i, int j) noexcept
+const lod::Hanging* find_hanging(const LatticeGrid& grid, std::uint32_t part, int i, int j) noexcept
 {
     for (std::size_t k = 0; k < grid.hanging.size(); ++k) {
         const lod::Hanging& h = grid.hanging[k];
@@ -141,18 +141,19 @@ void HitCorners::set_positions(const vfloat (&direction)[3], const vfloat (&orig
         const MicropolygonPlace& spot = spots_[lane];
         if (!spot.part) {
             // The ids of meshes are faces, and are looked up by position.
-            const std::size_t k = place_of(grid, m.id);
+            const MeshGrid& mesh = grid.mesh();
+            const std::size_t k = place_of(mesh, m.id);
             if (grid.segments > 0) {
                 for (std::size_t p = 0; p < 3; ++p) {
-                    const Vec3f at = m.between(corner_of_mesh(grid, p, k, m.time.key),
-                                               corner_of_mesh(grid, p, k, m.time.key + 1));
+                    const Vec3f at = m.between(corner_of_mesh(mesh, p, k, m.time.key),
+                                               corner_of_mesh(mesh, p, k, m.time.key + 1));
                     put(position[p], lane, at);
                     put(coarse[p], lane, at);
                 }
                 continue;
             }
             for (int p = 0; p < 3; ++p)
-                for (int a = 0; a < 3; ++a) position[p][a][lane] = coarse[p][a][lane] = grid.corners[p * 3 + a][k];
+                for (int a = 0; a < 3; ++a) position[p][a][lane] = coarse[p][a][lane] = mesh.corners[p * 3 + a][k];
             continue;
         }
         const bool is_blended = grid.blends();
@@ -170,16 +171,17 @@ void HitCorners::set_positions(const vfloat (&direction)[3], const vfloat (&orig
         const IGridPart& part = *spot.part;
         const Vertices vertices(part, spot);
         const std::uint32_t(&vertex)[3] = vertices.of;
+        const LatticeGrid& lattice = grid.lattice();
         const bool moves = grid.segments > 0;
         if (moves) set_moving(lane, vertices, coarse);
         else {
             for (int a = 0; a < 3; ++a)
-                for (int p = 0; p < 3; ++p) position[p][a][lane] = grid.fine[a][vertex[p]];
+                for (int p = 0; p < 3; ++p) position[p][a][lane] = lattice.fine[a][vertex[p]];
             if (!is_blended) continue;
             for (int a = 0; a < 3; ++a)
-                for (int p = 0; p < 3; ++p) coarse[p][a][lane] = grid.coarse[a][vertex[p]];
+                for (int p = 0; p < 3; ++p) coarse[p][a][lane] = lattice.coarse[a][vertex[p]];
         }
-        if (grid.hanging.empty()) continue;
+        if (lattice.hanging_blocks == 0) continue;
         for (const auto& corner : kQuadCorners[spot.triangle])
             if (hangs(part.tile, spot.i + corner[0], spot.j + corner[1])) special |= 1u << lane;
     }
@@ -237,7 +239,7 @@ void HitCorners::set_special(std::size_t lane, const OwnBlend& blend, bool start
     const OwnBlend of_start{{0, 0, 0}, starts_coarse ? 1.0f : 0.0f};
     if (is_gap(m)) {
         float at_end[2];
-        const lod::Hanging::Ends ends = ends_of(m, blend, grid.hanging[m.id & ~kGapBit], at_end);
+        const lod::Hanging::Ends ends = ends_of(m, blend, grid.lattice().hanging[m.id & ~kGapBit], at_end);
         put(position[0], lane, ends.low);
         put(position[1], lane, ends.middle);
         put(position[2], lane, ends.high);
@@ -258,8 +260,9 @@ void HitCorners::set_hanging(FloatLanes (&to)[3][3], std::size_t lane, const Own
     const GridHit& m = met_[lane];
     for (int p = 0; p < 3; ++p) {
         const int i = spot.i + kQuadCorners[spot.triangle][p][0], j = spot.j + kQuadCorners[spot.triangle][p][1];
-        const lod::Hanging* hanging = hangs(spot.part->tile, i, j) ? find_hanging(*m.grid, part_of(spot.number), i, j)
-                                                                   : nullptr;
+        const lod::Hanging* hanging = hangs(spot.part->tile, i, j)
+                                          ? find_hanging(m.grid->lattice(), part_of(spot.number), i, j)
+                                          : nullptr;
         float unused[2];
         if (hanging) put(to[p], lane, ends_of(m, blend, *hanging, unused).middle);
     }
@@ -343,15 +346,17 @@ Vec3f HitCorners::velocity_of(std::size_t lane, Vec3f share) const noexcept
     const int key = m.time.key;
     Vec3f moved(0);
     if (!spot.part) {
-        const std::size_t k = place_of(grid, m.id);
+        const MeshGrid& mesh = grid.mesh();
+        const std::size_t k = place_of(mesh, m.id);
         for (std::size_t p = 0; p < 3; ++p)
-            moved += (corner_of_mesh(grid, p, k, key + 1) - corner_of_mesh(grid, p, k, key)) * share[static_cast<int>(p)];
+            moved += (corner_of_mesh(mesh, p, k, key + 1) - corner_of_mesh(mesh, p, k, key)) * share[static_cast<int>(p)];
     } else {
+        const LatticeGrid& lattice = grid.lattice();
         const Vertices vertices(*spot.part, spot);
         for (int p = 0; p < 3; ++p) {
             const std::uint32_t v = vertices.of[p];
-            const Vec3f fine = grid.fine_at(v, key + 1) - grid.fine_at(v, key);
-            const Vec3f coarse = grid.coarse_at(v, key + 1) - grid.coarse_at(v, key);
+            const Vec3f fine = lattice.fine_at(v, key + 1) - lattice.fine_at(v, key);
+            const Vec3f coarse = lattice.coarse_at(v, key + 1) - lattice.coarse_at(v, key);
             moved += (fine + (coarse - fine) * weight[p][lane]) * share[p];
         }
     }

@@ -27,7 +27,7 @@ struct OneRay {
 /// Holds the gap triangles of an igrid. Query is as in igrid_intersect.h.
 template <class Query, class Coordinates>
 struct GapTriangles {
-    IGrid& grid;
+    LatticeGrid& grid;
     const float* const* fine;  ///< coordinates along kx, ky, kz, at the rays' key
     const float* const* coarse;
     const float* const* still;  ///< `fine` or `coarse`: the positions where nothing is blended

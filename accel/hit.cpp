@@ -20,7 +20,7 @@ auto order_of(const IGrid& grid, std::uint32_t id) noexcept
 {
     if (!grid.is_lattice) return std::tuple(grid.cage->key, id, 0u, 0, 0u, 0u, 0u);
     const std::uint32_t number = number_of(grid, id);
-    const lod::TileRef& tile = grid.parts[part_of(number)].tile;
+    const lod::TileRef& tile = grid.lattice().parts[part_of(number)].tile;
     const QuadRef quad = quad_of(number);
     const std::uint32_t patch_face = tile.patch.face, kind = is_gap(id) ? 2u : quad.triangle;
     return std::tuple(grid.cage->key, patch_face, tile.patch.sub, grid.pairs.finest, tile.j0 + quad.j, tile.i0 + quad.i,
@@ -367,8 +367,8 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
         hit.phase_one_channels = 0;
         // Values at vertices are made for one level. A ray that sees the same mesh from farther away filters more.
         if (spots[i].part && tools.frame.shading.shader && level == met[i].grid->level)
-            add_vertex_values(*met[i].grid, part_of(spots[i].number), place_in_part(met[i], spots[i], shares[i]), tools,
-                              hit);
+            add_vertex_values(met[i].grid->lattice(), part_of(spots[i].number), place_in_part(met[i], spots[i], shares[i]),
+                              tools, hit);
     }
 }
 

@@ -9,6 +9,7 @@
 #include "accel/igrid.h"
 #include "accel/ray_lanes.h"
 #include "accel/tracer.h"
+#include "lod/dicer.h"
 
 namespace occam::accel {
 
@@ -92,16 +93,18 @@ struct GridHit {
     lod::Blend<float> blend;  ///< the ray's blend in the grid's pair, if the grid blends
     lod::KeyTime time;        ///< the ray's time among the grid's keys, if the grid moves
 
-    /// Returns where the ray sees a vertex of the grid at one of its two levels, before they are blended.
+    /// Returns where the ray sees a vertex of the lattice at one of its two levels, before they are blended.
     Vec3f fine_at(std::uint32_t vertex) const noexcept
     {
-        if (grid->segments == 0) return grid->fine_at(vertex);
-        return between(grid->fine_at(vertex, time.key), grid->fine_at(vertex, time.key + 1));
+        const LatticeGrid& of = grid->lattice();
+        return of.segments == 0 ? of.fine_at(vertex)
+                                : between(of.fine_at(vertex, time.key), of.fine_at(vertex, time.key + 1));
     }
     Vec3f coarse_at(std::uint32_t vertex) const noexcept
     {
-        if (grid->segments == 0) return grid->coarse_at(vertex);
-        return between(grid->coarse_at(vertex, time.key), grid->coarse_at(vertex, time.key + 1));
+        const LatticeGrid& of = grid->lattice();
+        return of.segments == 0 ? of.coarse_at(vertex)
+                                : between(of.coarse_at(vertex, time.key), of.coarse_at(vertex, time.key + 1));
     }
     /// Returns what lies between these values at the grid's two keys around the ray's time.
     Vec3f between(Vec3f a, Vec3f b) const noexcept
@@ -136,7 +139,7 @@ inline bool is_gap(const GridHit& met) noexcept { return is_gap(met.id); }
 /// Returns the number of the micropolygon; for a gap triangle, that of the micropolygon beside it.
 inline std::uint32_t number_of(const IGrid& grid, std::uint32_t id) noexcept
 {
-    return is_gap(id) ? grid.hanging_quads[id & ~kGapBit] : id;
+    return is_gap(id) ? grid.lattice().hanging_quads[id & ~kGapBit] : id;
 }
 
 /// Locates the micropolygon that a ray has hit, or the one beside the gap triangle that it has hit.
@@ -151,7 +154,7 @@ struct MicropolygonPlace {
         number = face = number_of(*met.grid, met.id);
         part = nullptr;
         if (!met.grid->is_lattice) return;
-        part = &met.grid->parts[part_of(number)];
+        part = &met.grid->lattice().parts[part_of(number)];
         face = part->tile.patch.face;
         const QuadRef quad = quad_of(number);
         i = quad.i;

@@ -44,16 +44,12 @@ public:
           origin_{ray.origin[ray.kx], ray.origin[ray.ky], ray.origin[ray.kz]},
           read_(read),
           boxes_(at_key(grid.boxes)),
-          hanging_boxes_(at_key(grid.hanging_boxes)),
           span_(span),
           query_(query)
     {
-        const std::ptrdiff_t first = Coordinates::kMove && grid.is_lattice ? read_.key() * next_key() : 0;
         const int axes[3] = {ray.kx, ray.ky, ray.kz};
         for (int a = 0; a < 3; ++a) {
             axes_[a] = axes[a];
-            fine_[a] = grid.fine[axes[a]] + first;
-            coarse_[a] = grid.coarse[axes[a]] + first;
             near_[a] = (negative[a] ? a + 3 : a) * BoxTree::kGroup;
             far_[a] = (negative[a] ? a : a + 3) * BoxTree::kGroup;
         }
@@ -68,13 +64,13 @@ public:
             if (grid_.hanging_blocks == 0) active = active & in_box_at(boxes_, 0);
             if (none(active)) return;
         }
-        const bool blends = choose_vertices(active);
+        const bool blends = grid_.is_lattice && choose_vertices(active);
         const auto meet = [&](int block) {
             const vmask alive = active & in_box_at(boxes_, boxes_.first_leaf() + block);
             if (none(alive)) return;
-            if (!grid_.is_lattice) triangles_packet(grid_.block_at[block], alive);
-            else if (blends) quads_packet<true>(grid_.blocks[block], alive);
-            else quads_packet<false>(grid_.blocks[block], alive);
+            if (!grid_.is_lattice) triangles_packet(mesh().block_at[block], alive);
+            else if (blends) quads_packet<true>(lattice().blocks[block], alive);
+            else quads_packet<false>(lattice().blocks[block], alive);
         };
         if (boxes_.leaves < kWorthAGroup)
             for (int block = 0; block < boxes_.leaves; ++block) meet(block);
@@ -90,16 +86,7 @@ public:
             };
             for_each_block(boxes_, in, meet);
         }
-        for (int block = 0; block < grid_.hanging_blocks; ++block) {
-            unsigned lanes = bits(active & in_box_at(hanging_boxes_, hanging_boxes_.first_leaf() + block));
-            for (; lanes != 0; lanes &= lanes - 1) {
-                const int lane = std::countr_zero(lanes);
-                const VecLanes origin{spread(origin_.x, lane), spread(origin_.y, lane), spread(origin_.z, lane)};
-                const OneRay<Coordinates> one{lane, spread(ray_, lane), origin, blends ? spread(blend_, lane) : blend_,
-                                              of_lane(read_, lane)};
-                gaps().intersect(block, one, blends);
-            }
-        }
+        if (grid_.hanging_blocks > 0) gaps_packet(active, blends);
     }
 
     /// Copies ray `lane` of the query to all lanes.
@@ -114,14 +101,15 @@ public:
         const bool blends = choose_vertices(vmask(true));
         for_each_block(
             boxes_, [&](const float* boxes) { return in_boxes(boxes, boxes_.floats_of_a_key()); },
-            [&](int block) { quads_single(grid_.blocks[block], lane, blends); });
-        if (grid_.hanging_blocks > 0)
-            for_each_block(
-                hanging_boxes_, [&](const float* boxes) { return in_boxes(boxes, hanging_boxes_.floats_of_a_key()); },
-                [&](int block) {
-                    count_tests(query_, IGrid::kBlock);
-                    gaps().intersect(block, {lane, ray_, origin_, blend_, read_}, blends);
-                });
+            [&](int block) { quads_single(lattice().blocks[block], lane, blends); });
+        if (grid_.hanging_blocks == 0) return;
+        const Boxes gap_boxes = at_key(lattice().hanging_boxes);
+        for_each_block(
+            gap_boxes, [&](const float* boxes) { return in_boxes(boxes, gap_boxes.floats_of_a_key()); },
+            [&](int block) {
+                count_tests(query_, IGrid::kBlock);
+                gaps().intersect(block, {lane, ray_, origin_, blend_, read_}, blends);
+            });
     }
 
 private:
@@ -138,9 +126,17 @@ private:
     /// Returns the number of floats from a coordinate to the same one at the next key.
     std::ptrdiff_t next_key() const noexcept { return grid_.floats_of_a_key; }
 
-    /// Returns whether rays blend here. If not, one of the two positions of each vertex serves all rays.
+    LatticeGrid& lattice() const noexcept { return grid_.lattice(); }
+    const MeshGrid& mesh() const noexcept { return grid_.mesh(); }
+
+    /// Returns whether rays blend in a lattice. If not, one of the two positions of each vertex serves all rays.
     bool choose_vertices(vmask active) noexcept
     {
+        const std::ptrdiff_t first = Coordinates::kMove ? read_.key() * next_key() : 0;
+        for (int a = 0; a < 3; ++a) {
+            fine_[a] = lattice().fine[axes_[a]] + first;
+            coarse_[a] = lattice().coarse[axes_[a]] + first;
+        }
         vertices_ = fine_;
         if (!grid_.blends()) return false;
         blend_ = ray_.blend.along(axes_[0], axes_[1], axes_[2]);
@@ -160,12 +156,28 @@ private:
         return true;
     }
 
+    /// Intersects the gap triangles with the rays of a packet, one by one.
+    void gaps_packet(vmask active, bool blends) noexcept
+    {
+        const Boxes boxes = at_key(lattice().hanging_boxes);
+        for (int block = 0; block < grid_.hanging_blocks; ++block) {
+            unsigned lanes = bits(active & in_box_at(boxes, boxes.first_leaf() + block));
+            for (; lanes != 0; lanes &= lanes - 1) {
+                const int lane = std::countr_zero(lanes);
+                const VecLanes origin{spread(origin_.x, lane), spread(origin_.y, lane), spread(origin_.z, lane)};
+                const OneRay<Coordinates> one{lane, spread(ray_, lane), origin, blends ? spread(blend_, lane) : blend_,
+                                              of_lane(read_, lane)};
+                gaps().intersect(block, one, blends);
+            }
+        }
+    }
+
     static StillCoordinates of_lane(const StillCoordinates& all, int) noexcept { return all; }
     static MovingCoordinates of_lane(const MovingCoordinates& all, int lane) noexcept
     {
         return {all.key(), spread(all.share(), lane)};
     }
-    GapTriangles<Query, Coordinates> gaps() noexcept { return {grid_, fine_, coarse_, vertices_, span_, query_}; }
+    GapTriangles<Query, Coordinates> gaps() noexcept { return {lattice(), fine_, coarse_, vertices_, span_, query_}; }
 
     vfloat limit() const noexcept { return min(query_.limit(), span_.t_end); }
 
@@ -275,7 +287,7 @@ private:
         while (size > 0) {
             const Todo next = todo[--size];
             if (!(next.t <= first_lane(limit()))) continue;
-            if (next.row == last) triangles_single(grid_.block_at[next.node], lane);
+            if (next.row == last) triangles_single(mesh().block_at[next.node], lane);
             else open(next.row + 3, next.node);
         }
     }
@@ -350,8 +362,8 @@ private:
         // A T-vertex is where it was diced only if neither levels nor time are blended.
         if constexpr (kBlends || Coordinates::kMove)
             for (std::uint32_t h = block.hanging; h < block.hanging + block.hanging_count; ++h) {
-                const BlockHanging& at = grid_.block_hanging[h];
-                v[at.row][at.column] = shear(ray_, origin_, hanging_vertex(grid_.hanging[at.hanging], kBlends));
+                const BlockHanging& at = lattice().block_hanging[h];
+                v[at.row][at.column] = shear(ray_, origin_, hanging_vertex(lattice().hanging[at.hanging], kBlends));
             }
         Edge across[kColumns - 1];  // the upper edges of the last row
         for (int c = 0; c < block.columns; ++c) across[c] = {v[0][c + 1], v[0][c]};
@@ -388,8 +400,8 @@ private:
                 p.z.store(&own.v[2][r][c]);
             }
         for (std::uint32_t h = block.hanging; h < block.hanging + block.hanging_count; ++h) {
-            const BlockHanging& at = grid_.block_hanging[h];
-            const VecLanes p = hanging_vertex(grid_.hanging[at.hanging], kBlends);
+            const BlockHanging& at = lattice().block_hanging[h];
+            const VecLanes p = hanging_vertex(lattice().hanging[at.hanging], kBlends);
             own.v[0][at.row][at.column] = first_lane(p.x);
             own.v[1][at.row][at.column] = first_lane(p.y);
             own.v[2][at.row][at.column] = first_lane(p.z);
@@ -444,15 +456,15 @@ private:
             v[p] = shear(ray_, origin_, {load(p * 3 + axes_[0]), load(p * 3 + axes_[1]), load(p * 3 + axes_[2])});
     }
 
-    const float* corners(int c) const noexcept { return grid_.corners[c] + read_.key() * next_key(); }
+    const float* corners(int c) const noexcept { return mesh().corners[c] + read_.key() * next_key(); }
 
     void triangles_packet(int block, vmask alive) noexcept
     {
         for (int k = block * IGrid::kBlock; k < (block + 1) * IGrid::kBlock; ++k) {
-            if (k % IGrid::kBlock != 0 && grid_.ids[k] == grid_.ids[k - 1]) break;  // only padding copies follow
+            if (k % IGrid::kBlock != 0 && mesh().ids[k] == mesh().ids[k - 1]) break;  // only padding copies follow
             ShearedVertex v[3];
             triangle_vertices([&](int c) { return read(corners(c) + k); }, v);
-            offer_lanes(intersect(ray_, v[0], v[1], v[2]), alive, grid_.ids[k]);
+            offer_lanes(intersect(ray_, v[0], v[1], v[2]), alive, mesh().ids[k]);
         }
     }
 
@@ -462,7 +474,7 @@ private:
         for (int first = block * IGrid::kBlock; first < (block + 1) * IGrid::kBlock; first += kLanes) {
             ShearedVertex v[3];
             triangle_vertices([&](int c) { return read_.many(corners(c) + first, next_key()); }, v);
-            offer_one(intersect(ray_, v[0], v[1], v[2]), lane, [&](int k) { return grid_.ids[first + k]; });
+            offer_one(intersect(ray_, v[0], v[1], v[2]), lane, [&](int k) { return mesh().ids[first + k]; });
         }
     }
 
@@ -470,9 +482,9 @@ private:
     const RayLanes& ray_;
     VecLanes origin_;  ///< along kx, ky, kz
     Coordinates read_;
-    Boxes boxes_, hanging_boxes_;  ///< at the rays' key
-    int axes_[3];                  ///< kx, ky, kz
-    const float* fine_[3];         ///< coordinates along these axes
+    Boxes boxes_;           ///< at the rays' key
+    int axes_[3];           ///< kx, ky, kz
+    const float* fine_[3];  ///< coordinates along these axes; set in lattices
     const float* coarse_[3];
     VertexBlend blend_;     ///< along the same axes; valid if the grid blends
     int near_[3], far_[3];  ///< rows of the planes of a box that the ray crosses first, and last

@@ -23,11 +23,11 @@ constexpr float kCostOfRegion = 10;
 int small_from(const lod::PatchScale& scale)
 {
     const auto exponent = [&](int level) { return scale.inside(0, level) + scale.inside(1, level); };
-    if (exponent(lod::kCoarsestLevel) > IGridBuilder::kSmallExponent) return Item::kNever;
+    if (exponent(lod::kCoarsestLevel) > LatticeBuilder::kSmallExponent) return Item::kNever;
     // Both sides are halved from level to level, so the sum of the exponents falls by two.
-    int level = std::clamp((scale.k[0] + scale.k[1] - IGridBuilder::kSmallExponent) / 2 - 1, lod::kFinestLevel,
+    int level = std::clamp((scale.k[0] + scale.k[1] - LatticeBuilder::kSmallExponent) / 2 - 1, lod::kFinestLevel,
                            lod::kCoarsestLevel);
-    while (exponent(level) > IGridBuilder::kSmallExponent) ++level;
+    while (exponent(level) > LatticeBuilder::kSmallExponent) ++level;
     return level;
 }
 
@@ -39,7 +39,7 @@ constexpr PairRange kAllPairs{lod::kFinestLevel, lod::kCoarsestLevel};
 }  // namespace
 
 Items::Items(const FrameState& frame, Arena& arena, lod::Dicer& dicer, TraceCounters& counters)
-    : frame_(frame), arena_(arena), dicer_(dicer), counters_(counters), builder_(dicer), items_(arena), grids_(arena)
+    : frame_(frame), arena_(arena), dicer_(dicer), counters_(counters), lattices_(dicer), items_(arena), grids_(arena)
 {
 }
 
@@ -185,7 +185,7 @@ void Items::measure(ItemIndex leaf)
             for (int key = 0; key <= cage.segments; ++key) boxes[key].add(patch.at_keys ? patch.at_keys[key] : patch.box);
             info.same_from = std::max(info.same_from, patch.scale.coarsest());
             info.small_from = std::max(info.small_from, small_from(patch.scale));
-            quads += 1 << IGridBuilder::kSmallExponent;
+            quads += 1 << LatticeBuilder::kSmallExponent;
         }
     }
     Item& item = items_[leaf];
@@ -310,14 +310,11 @@ IGrid& Items::grid(ItemIndex i, int pair)
     IGrid*& grid = grids_[key];
     if (!grid) {
         const Stopwatch watch(counters_.dice_seconds);
-        const std::uint64_t before = builder_.micropolygons;
-        grid = build(item, level, pairs.coarsest < level ? level : level + 1, is_shared, tile);
-        grid->pairs = pairs;
-        const lod::PosedCage& cage = item.cage();
-        grid->is_hidden = cage.seen_by != RayKind::All || cage.visible_in != lod::PosedCage::kAllSegments;
-        if (item.kind != Item::Faces) grid->level = level;
+        const auto micropolygons = [&] { return lattices_.micropolygons + meshes_.micropolygons; };
+        const std::uint64_t before = micropolygons();
+        grid = build(item, {item.cage(), pairs, level}, is_shared, tile);
         ++counters_.grids;
-        const std::uint64_t made = builder_.micropolygons - before;
+        const std::uint64_t made = micropolygons() - before;
         counters_.micropolygons += made;
         if (item.kind == Item::Faces) return *grid;
         counters_.diced += made;
@@ -336,18 +333,18 @@ GridBounds Items::bounds_of(const IGrid& grid) const
     return {to_tree(*grid.cage, grid.bounds()), {grid.slab.normal, grid.slab.lo + shift - off, grid.slab.hi + shift + off}};
 }
 
-IGrid* Items::build(const Item& item, int level, int coarser, bool is_shared, const lod::TileRef& tile)
+IGrid* Items::build(const Item& item, const GridSubject& of, bool is_shared, const lod::TileRef& tile)
 {
-    const lod::PosedCage& cage = item.cage();
-    if (frame_.levels.mode == lod::LevelMode::PerInstance) coarser = level;
-    if (item.kind == Item::Faces) {
-        return builder_.build_triangles(cage, cage.clusters->faces(cage.clusters->node(item.index)), arena_);
-    }
-    if (!is_shared) return builder_.build_tile(cage, {tile, item.patch->scale.rates(coarser)}, arena_);
+    if (item.kind == Item::Faces)
+        return meshes_.build(of, of.cage.clusters->faces(of.cage.clusters->node(item.index)), arena_);
+    const bool is_one_level = frame_.levels.mode == lod::LevelMode::PerInstance || of.pairs.coarsest < of.level;
+    const int coarser = is_one_level ? of.level : of.level + 1;
     parts_.clear();
-    for (const PatchInfo& patch : item.cluster->patches)
-        parts_.push_back({lod::Dicer::tile(patch.ref, patch.scale, level, 0, 0), patch.scale.rates(coarser)});
-    return builder_.build_patches(cage, parts_, arena_);
+    if (is_shared)
+        for (const PatchInfo& patch : item.cluster->patches)
+            parts_.push_back({lod::Dicer::tile(patch.ref, patch.scale, of.level, 0, 0), patch.scale.rates(coarser)});
+    else parts_.push_back({tile, item.patch->scale.rates(coarser)});
+    return lattices_.build(of, parts_, arena_);
 }
 
 }  // namespace occam::accel

@@ -12,7 +12,8 @@
 
 #include "accel/frame_state.h"
 #include "accel/grid_table.h"
-#include "accel/igrid.h"
+#include "accel/lattice_builder.h"
+#include "accel/mesh_builder.h"
 #include "accel/tracer.h"
 #include "base/arena.h"
 
@@ -154,7 +155,8 @@ private:
                     const lod::PatchRegion& region);
     void open_region(const Item& item);
     void add_cage(const PlacedNode& at, const Node& node, CageId id, std::size_t place);
-    IGrid* build(const Item& item, int level, int coarser, bool is_shared, const lod::TileRef& tile);
+    /// Builds the igrid of the item's triangles, of all patches of its cluster if `is_shared`, or of the tile.
+    IGrid* build(const Item& item, const GridSubject& of, bool is_shared, const lod::TileRef& tile);
     /// Returns the level of the fine positions of the igrid that an item has for these pairs.
     int level_of(const Item& item, PairRange pairs) const noexcept;
     bool shares(const Item& item, int pair) const noexcept;
@@ -180,10 +182,11 @@ private:
     Arena& arena_;
     lod::Dicer& dicer_;
     TraceCounters& counters_;
-    IGridBuilder builder_;
+    LatticeBuilder lattices_;
+    MeshBuilder meshes_;
     ArenaVector<Item> items_;
     GridTable grids_;
-    std::vector<IGridBuilder::PatchTile> parts_;
+    std::vector<LatticeBuilder::PatchTile> parts_;
 };
 
 }  // namespace occam::accel

@@ -16,7 +16,7 @@ constexpr std::size_t kGrids = 8;  // igrids that one ray may need at once
 // each key.
 constexpr std::size_t kValueSide = (lod::TileRef::kMaxSide >> kCoarser) + 1;
 constexpr std::size_t kVerticesOfAGrid = (lod::TileRef::kMaxSide + 1) * (lod::TileRef::kMaxSide + 1);
-constexpr std::size_t kStillBytesOfAGrid = sizeof(IGrid) + kVerticesOfAGrid * 2 * sizeof(Vec2f) +
+constexpr std::size_t kStillBytesOfAGrid = sizeof(LatticeGrid) + sizeof(IGridPart) + kVerticesOfAGrid * 2 * sizeof(Vec2f) +
                                            2 * kValueSide * kValueSide * lod::VertexShader::kMaxChannels * sizeof(float);
 constexpr std::size_t kMovingBytesOfAGrid = kVerticesOfAGrid * (2 * sizeof(Vec3f) + 2 * sizeof(Vec3f)) +
                                             128 * (BoxTree::kFloats / BoxTree::kGroup) * sizeof(float);

@@ -32,7 +32,7 @@ struct ValueLattice {
 // Filters are half as wide as the lattice's quads, since a bilinear lookup in a MIP level reaches two texels far and
 // the values are interpolated once more (docs/performance.md gives the error of wider filters). They are no narrower
 // than those of hits that see the level fully fine.
-const float* make_values(const IGrid& grid, IGridPart& part, bool is_coarse, const Material& material, int channels,
+const float* make_values(const LatticeGrid& grid, IGridPart& part, bool is_coarse, const Material& material, int channels,
                          const PhaseOneTools& tools)
 {
     const MaybeLock lock(tools.building);
@@ -99,7 +99,7 @@ void interpolate(const ValueLattice& lattice, const float* values, Vec2d at, flo
 
 }  // namespace
 
-void add_vertex_values(IGrid& grid, std::uint32_t number, Vec2d at, const PhaseOneTools& tools, SurfaceHit& hit)
+void add_vertex_values(LatticeGrid& grid, std::uint32_t number, Vec2d at, const PhaseOneTools& tools, SurfaceHit& hit)
 {
     IGridPart& part = grid.parts[number];
     if (part.tile.columns == 1 && part.tile.rows == 1) return;

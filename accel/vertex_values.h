@@ -19,6 +19,6 @@ inline constexpr int kCoarser = 1;
 /// Sets hit.phase_one at a place of a lattice's part, in quads of its tile from the tile's corner; hit.blend and
 /// hit.material must be set. Nothing is made where the patch is a single quad: its vertices, which no other patch
 /// shares, would outnumber the hits.
-void add_vertex_values(IGrid& grid, std::uint32_t part, Vec2d at, const PhaseOneTools& tools, SurfaceHit& hit);
+void add_vertex_values(LatticeGrid& grid, std::uint32_t part, Vec2d at, const PhaseOneTools& tools, SurfaceHit& hit);
 
 }  // namespace occam::accel

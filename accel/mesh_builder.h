@@ -1,0 +1,36 @@
+// Builds igrids of faces of a triangle mesh.
+//
+// Memory   scratch is reused from igrid to igrid; the results lie in the given arena.
+// Threads  one at a time.
+#pragma once
+
+#include <vector>
+
+#include "accel/igrid.h"
+#include "lod/face_split.h"
+
+namespace occam::accel {
+
+class MeshBuilder {
+public:
+    MeshGrid* build(const GridSubject& of, std::span<const std::uint32_t> faces, Arena& arena);
+
+    std::uint64_t micropolygons = 0;  ///< in all igrids so far
+
+private:
+    /// Poses the faces' corners, at each key.
+    void set_corners(const lod::PosedCage& cage, std::span<const std::uint32_t> faces);
+    Vec3f& corner(std::size_t key, std::size_t face, std::size_t corner) noexcept
+    {
+        return corners_[3 * (key * boxed_.size() + face) + corner];
+    }
+    /// Assigns faces to the leaves [leaf, leaf + leaves) of the box tree, so that its halves are the parts of the split.
+    void cut(std::span<lod::BoxedFace> faces, std::size_t leaf, std::size_t leaves);
+    MeshContents contents(std::span<const std::uint32_t> faces, std::size_t keys, std::size_t padded, Arena& arena);
+
+    std::vector<lod::BoxedFace> boxed_;                    ///< numbered as in the list of faces
+    std::vector<Vec3f> corners_;                           ///< three per face, at each key, one after the other
+    std::vector<std::span<const lod::BoxedFace>> leaves_;  ///< the faces of each leaf; empty where there is no block
+};
+
+}  // namespace occam::accel
