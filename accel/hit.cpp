@@ -8,6 +8,7 @@
 
 #include "accel/hit_geometry.h"
 #include "accel/packet.h"
+#include "accel/ray_starts.h"
 #include "accel/triangle.h"
 #include "accel/vertex_values.h"
 #include "base/hash.h"
@@ -88,11 +89,6 @@ int normal_map_set(const Material& m) noexcept
     return m.anisotropy > 0 ? std::clamp(m.anisotropy_texture.uv_set, 0, 1) : -1;
 }
 
-// A secondary ray starts at this distance from its micropolygon, and keeps that far from its edges; both are in ulps of
-// the largest coordinate. The first is more than rounding moves the start by. With the second the start is also in
-// front of the next micropolygon, if that rises at 15 degrees or more against this one.
-constexpr float kStartUlps = 16, kEdgeUlps = 64;
-
 // For smaller values no gradient is computed: a float would not hold it.
 constexpr float kLeastArea = 1e-30f;
 
@@ -142,6 +138,35 @@ int seen_level_of(const Ray& ray, const GridHit& met, const lod::LevelSettings& 
     return level_at(ray, met, levels, 1, {met.grid->level, pairs.coarsest});
 }
 
+// Holds what is computed of a hit in lanes, in the order in which it is written: four floats at a time.
+struct HitFloats {
+    float t, self_distance, uv_width[2];
+    Vec3f normal_geometric;
+    float curvature;
+    Vec3f normal_shading;
+    float tangent_sign;
+    Vec3f tangent;
+    float blend;
+    Vec2f uv[2];
+
+    void copy_to(SurfaceHit& hit) const noexcept
+    {
+        hit.t = t;
+        hit.self_distance = self_distance;
+        hit.uv_width[0] = uv_width[0];
+        hit.uv_width[1] = uv_width[1];
+        hit.normal_geometric = normal_geometric;
+        hit.curvature = curvature;
+        hit.normal_shading = normal_shading;
+        hit.tangent_sign = tangent_sign;
+        hit.tangent = tangent;
+        hit.blend = blend;
+        hit.uv[0] = uv[0];
+        hit.uv[1] = uv[1];
+    }
+};
+static_assert(sizeof(HitFloats) == 20 * sizeof(float));  // there is no padding between the floats
+
 // Identifies the micropolygon that was hit, by number.
 void set_identity(const GridHit& met, const MicropolygonPlace& spot, SurfaceHit& hit) noexcept
 {
@@ -162,38 +187,6 @@ int start_level_of(const Ray& ray, const GridHit& met, const lod::LevelSettings&
     const PairRange pairs = met.grid->pairs;
     return level_at(ray, met, levels, 4.0f / 3, {pairs.finest, pairs.coarsest + 1});
 }
-
-// Holds the points where secondary rays start, in lanes: on the micropolygon as the start level has it, and away from its
-// edges, behind which another surface may begin at once. In a triangle that is too narrow for that, rays start from the
-// middle.
-struct Starts {
-    VecLanes corner, offset, normal;  ///< the point is corner + offset; the normal is unit, by winding, or zero
-
-    Starts(const HitCorners& corners, const vfloat (&share)[3], vmask has_start, vmask is_gap, vfloat least_height) noexcept
-    {
-        const auto own = [&](const FloatLanes(&start)[3], const FloatLanes(&position)[3]) {
-            const VecLanes p = load(start), q = load(position);
-            return VecLanes{select(has_start, p.x, q.x), select(has_start, p.y, q.y), select(has_start, p.z, q.z)};
-        };
-        corner = own(corners.start[0], corners.position[0]);
-        const VecLanes b = own(corners.start[1], corners.position[1]) - corner,
-                       c = own(corners.start[2], corners.position[2]) - corner, a = c - b;
-        normal = Triangles::unit_normal(b, c);
-        const vfloat area = abs(dot(cross(b, c), normal)), third = 1.0f / 3, zero = 0.0f;
-        vfloat inside[3], sum = zero;
-        vmask is_near = is_gap;
-        const VecLanes opposite[3] = {a, c, b};
-        for (int p = 0; p < 3; ++p) {
-            const vfloat least = min(select(area > zero, least_height * sqrt(dot(opposite[p], opposite[p])) / area, third),
-                                     third);
-            is_near = is_near | (share[p] < least);
-            inside[p] = select(is_gap, third, max(share[p], least));
-            sum = sum + inside[p];
-        }
-        const vfloat v = select(is_near, inside[1] / sum, share[1]), w = select(is_near, inside[2] / sum, share[2]);
-        offset = b * v + c * w;
-    }
-};
 
 // Returns the place of a hit within its part, in quads. For a gap triangle, which has no width, it is the corner of the quad
 // beside it.
@@ -307,24 +300,18 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
     const vfloat blend = between(vfloat::load(corners.weight[0]), vfloat::load(corners.weight[1]),
                                  vfloat::load(corners.weight[2]));
 
-    alignas(SurfaceHit) float nobody[sizeof(SurfaceHit) / sizeof(float)];
-    float* to[kLanes];
-    for (std::size_t i = 0; i < kLanes; ++i) to[i] = i < n && met[i].grid ? reinterpret_cast<float*>(hits[i]) : nobody;
-    static_assert(offsetof(SurfaceHit, self_distance) == sizeof(float) &&
-                  offsetof(SurfaceHit, uv_width) == 2 * sizeof(float));
-    static_assert(offsetof(SurfaceHit, curvature) == offsetof(SurfaceHit, normal_geometric) + sizeof(Vec3f));
-    static_assert(offsetof(SurfaceHit, tangent_sign) == offsetof(SurfaceHit, normal_shading) + sizeof(Vec3f));
-    static_assert(offsetof(SurfaceHit, blend) == offsetof(SurfaceHit, tangent) + sizeof(Vec3f));
-    static_assert(offsetof(SurfaceHit, t) == 0 && sizeof(SurfaceHit::uv) == 4 * sizeof(float));
-    const auto put = [&](const vfloat& a, const vfloat& b, const vfloat& c, const vfloat& d, std::size_t place) {
-        const vfloat four[4] = {a, b, c, d};
+    HitFloats written[kLanes];
+    const auto put = [&](const vfloat& x, const vfloat& y, const vfloat& z, const vfloat& w, std::size_t place) {
+        const vfloat four[4] = {x, y, z, w};
+        float* to[kLanes];
+        for (std::size_t i = 0; i < kLanes; ++i) to[i] = reinterpret_cast<float*>(&written[i]);
         store_turned(four, to, place / sizeof(float));
     };
-    put(vfloat::load(t), self_distance, uv_width[0], uv_width[1], offsetof(SurfaceHit, t));
-    put(geometric.x, geometric.y, geometric.z, curvature, offsetof(SurfaceHit, normal_geometric));
-    put(shading.x, shading.y, shading.z, tangent.sign, offsetof(SurfaceHit, normal_shading));
-    put(tangent.along.x, tangent.along.y, tangent.along.z, blend, offsetof(SurfaceHit, tangent));
-    put(uv_at[0][0], uv_at[0][1], uv_at[1][0], uv_at[1][1], offsetof(SurfaceHit, uv));
+    put(vfloat::load(t), self_distance, uv_width[0], uv_width[1], offsetof(HitFloats, t));
+    put(geometric.x, geometric.y, geometric.z, curvature, offsetof(HitFloats, normal_geometric));
+    put(shading.x, shading.y, shading.z, tangent.sign, offsetof(HitFloats, normal_shading));
+    put(tangent.along.x, tangent.along.y, tangent.along.z, blend, offsetof(HitFloats, tangent));
+    put(uv_at[0][0], uv_at[0][1], uv_at[1][0], uv_at[1][1], offsetof(HitFloats, uv));
 
     // For most hits secondary rays start on the micropolygon that was hit.
     const vfloat least_height = vfloat(kEdgeUlps * FLT_EPSILON) * farthest;
@@ -345,6 +332,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
     for (std::size_t i = 0; i < n; ++i) {
         if (!met[i].grid) continue;
         SurfaceHit& hit = *hits[i];
+        written[i].copy_to(hit);
         hit.position = met[i].grid->cage->anchor + (Vec3d(corners.position_of(0, i)) + Vec3d(from_a[i]));
         hit.back_side = (back >> i & 1) != 0;
         hit.start_level = static_cast<std::int8_t>(start_level[i]);

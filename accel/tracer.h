@@ -50,7 +50,6 @@ struct Ray {
 
 /// Holds what phase two needs of a surface point, by value. Pointers point into the scene.
 struct SurfaceHit {
-    // The fields from here to uv are written four floats at a time (accel/hit.cpp).
     float t = std::numeric_limits<float>::infinity();  ///< infinity if nothing was hit; then nothing else here is set
     /// The offset of a secondary ray's origin along start_normal, larger than rounding errors.
     float self_distance = 0;

@@ -127,14 +127,16 @@ struct Query::State {
         Borrowed(*this)->closest({&ray, 1}, {&hit, 1});
         if (!hit.is_hit()) return std::nullopt;
         const double to_world = asked->scale.to_world();
-        return Hit{double(hit.t) * to_world,
-                   hit.position * to_world,
-                   hit.normal_geometric,
-                   hit.normal_shading,
-                   hit.uv[0],
-                   hit.node,
-                   hit.face,
-                   hit.velocity * static_cast<float>(to_world)};
+        Hit found;
+        found.distance = double(hit.t) * to_world;
+        found.position = hit.position * to_world;
+        found.normal_geometric = hit.normal_geometric;
+        found.normal = hit.normal_shading;
+        found.uv = hit.uv[0];
+        found.node = hit.node;
+        found.face = hit.face;
+        found.velocity = hit.velocity * static_cast<float>(to_world);
+        return found;
     }
 
     bool is_occluded(const accel::Ray& ray)
