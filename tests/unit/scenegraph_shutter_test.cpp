@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "scenegraph/content_rules.h"
 #include "scenegraph/scene.h"
-#include "scenegraph/shutter.h"
+#include "tests/support/bent_strip.h"
 #include "tests/support/shape_builders.h"
 
 namespace occam {
@@ -17,14 +17,6 @@ namespace {
 using namespace test;
 
 constexpr double kPi = 3.14159265358979323846;
-
-Mat4d turned(double angle)
-{
-    Mat4d m(1);
-    m[0] = Vec4d(std::cos(angle), std::sin(angle), 0, 0);
-    m[1] = Vec4d(-std::sin(angle), std::cos(angle), 0, 0);
-    return m;
-}
 
 bool holds(const Box3d& box, Vec3d p)
 {
@@ -37,36 +29,6 @@ T mixed(const T& a, const T& b, double s)
 {
     return a * (1 - s) + b * s;
 }
-
-// A strip of quads that two joints bend.
-struct Bent {
-    Scene scene;
-    NodeId root_joint, tip_joint, skinned;
-    SkinId skin;
-    CageId cage;
-
-    Bent()
-    {
-        Cage strip;
-        for (int i = 0; i <= 4; ++i)
-            for (int side = 0; side < 2; ++side) strip.positions.push_back({float(i), float(side), 0});
-        for (std::uint32_t i = 0; i < 4; ++i) {
-            strip.face_sizes.push_back(4);
-            for (const std::uint32_t v : {2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1}) strip.face_vertices.push_back(v);
-        }
-        strip.skin.sets = 1;
-        for (int i = 0; i <= 4; ++i)
-            for (int side = 0; side < 2; ++side) {
-                strip.skin.joints.push_back({0, 1, 0, 0});
-                strip.skin.weights.push_back({1 - float(i) / 4, float(i) / 4, 0, 0});
-            }
-        cage = scene.add(strip);
-        root_joint = scene.add_node(scene.root(), {.name = "root joint"});
-        tip_joint = scene.add_node(root_joint, {.name = "tip joint", .matrix = moved(2, 0, 0)});
-        skin = scene.add(Skin{"skin", {root_joint, tip_joint}, {Mat4d(1), moved(-2, 0, 0)}});
-        skinned = scene.add_node(scene.root(), {.name = "skinned", .cages = {cage}, .skin = skin});
-    }
-};
 
 TEST(Shutter, KeysAreThePosesAtEvenlySpacedMoments)
 {
@@ -371,105 +333,6 @@ TEST(Shutter, ACameraThatMovesHasKeys)
     for (std::size_t k = 0; k <= 2; ++k) EXPECT_EQ(Vec3d(camera.keys[k][3]), Vec3d(double(k) / 2, 1, 0));
     EXPECT_EQ(camera.eye(), Vec3d(0.5, 1, 0));
     EXPECT_TRUE(scene.camera("still").value().keys.empty());
-}
-
-TEST(Shutter, BadRecordingsAreRefusedAndLeaveNoKeys)
-{
-    Scene scene;
-    const CageId square = scene.add(unit_square());
-    const NodeId node = scene.add_node(scene.root(), {.cages = {square}});
-    const auto move = [&](double tau) { scene.set_transform(node, moved(tau, 0, 0)); };
-    for (const int segments : {-1, 0, 3, 33, 64, 5000, std::numeric_limits<int>::max()})
-        EXPECT_THROW(scene.record_shutter(segments, move), Error) << segments;
-    EXPECT_THROW(scene.record_shutter(2, nullptr), Error);
-    EXPECT_THROW(scene.record_shutter(2,
-                                      [&](double tau) {
-                                          move(tau);
-                                          if (tau == 1) scene.set_transform(node, moved(std::nan(""), 0, 0));
-                                      }),
-                 Error);
-    EXPECT_EQ(scene.shutter_segments(), 0);
-    EXPECT_TRUE(scene.node(node).keys.empty());
-    // What would change more than poses is refused while the shutter is recorded.
-    const std::function<void()> edits[] = {
-        [&] { scene.remove(node); },
-        [&] { scene.add_node(scene.root(), {}); },
-        [&] { scene.remove(square); },
-        [&] { scene.replace(square, unit_square()); },
-        [&] { scene.copy(node, scene.root()); },
-        [&] { scene.clear_shutter(); },
-        [&] { scene.record_shutter(2, move); },
-    };
-    for (const auto& edit : edits) EXPECT_THROW(scene.record_shutter(2, [&](double) { edit(); }), Error);
-    scene.record_shutter(2, move);
-    EXPECT_EQ(scene.shutter_segments(), 2) << "a refused recording leaves the scene usable";
-    {
-        const Scene::FrameLock lock(scene);
-        EXPECT_THROW(scene.record_shutter(2, move), Error);
-        EXPECT_THROW(scene.clear_shutter(), Error);
-    }
-    Bent bent;
-    std::vector<Vec3f> positions = bent.scene.cage(bent.cage).cage.positions;
-    EXPECT_THROW(bent.scene.record_shutter(2, [&](double) { bent.scene.write_vertices(bent.cage, positions); }), Error);
-}
-
-TEST(Shutter, SegmentsFollowHowFarChordsStray)
-{
-    Scene scene;
-    const CageId square = scene.add(unit_square());
-    const NodeId node = scene.add_node(scene.root(), {.cages = {square}});
-    const PathTolerance tolerance{{0, 0, 100}, 0.01, 0};
-    scene.record_shutter(32, [&](double tau) { scene.set_transform(node, moved(50 * tau, 0, 0)); });
-    EXPECT_EQ(needed_segments(scene, tolerance), 1) << "a straight path at constant speed";
-    // A corner at radius sqrt(2) that turns by `a` in n segments strays by sqrt(2) (1 - cos(a / 2n)).
-    const double angle = 1.5;
-    scene.record_shutter(32, [&](double tau) { scene.set_transform(node, turned(angle * tau)); });
-    int expected = 1;
-    while (std::sqrt(2.0) * (1 - std::cos(angle / (2 * expected))) > 0.01) expected *= 2;
-    EXPECT_EQ(expected, 8);
-    EXPECT_EQ(needed_segments(scene, tolerance), expected);
-    EXPECT_EQ(needed_segments(scene, {{0, 0, 100}, 1e-9, 0}), 32) << "no more than were recorded";
-    EXPECT_EQ(needed_segments(scene, {{0, 0, 100}, 0, 1}), 1) << "far from the eye";
-    scene.clear_shutter();
-    EXPECT_EQ(needed_segments(scene, tolerance), 0);
-}
-
-TEST(Shutter, SegmentsFollowJointsMorphsAndWrittenVerticesToo)
-{
-    const PathTolerance tolerance{{0, 0, 100}, 0.01, 0};
-    Bent bent;
-    bent.scene.record_shutter(32,
-                              [&](double tau) { bent.scene.set_transform(bent.tip_joint, moved(2, 0, 0) * turned(tau)); });
-    const int by_joints = needed_segments(bent.scene, tolerance);
-    EXPECT_GE(by_joints, 4);
-    EXPECT_LE(by_joints, 8);
-
-    Scene scene;
-    Cage cage = unit_square();
-    cage.morph_targets = {{"up", std::vector<Vec3f>(4, Vec3f(0, 0, 1)), {}}};
-    const NodeId node = scene.add_node(scene.root(), {.cages = {scene.add(cage)}});
-    // The chord of tau^2 over a segment of length h strays by h^2 / 4.
-    scene.record_shutter(32, [&](double tau) { scene.set_morph_weights(node, {float(tau * tau)}); });
-    EXPECT_EQ(needed_segments(scene, tolerance), 8);
-    scene.clear_shutter();
-
-    const CageId cloth = scene.add(unit_square());
-    scene.add_node(scene.root(), {.cages = {cloth}});
-    scene.record_shutter(32, [&](double tau) {
-        std::vector<Vec3f> positions = unit_square().positions;
-        positions[3].z = float(tau * tau);
-        scene.write_vertices(cloth, positions);
-    });
-    EXPECT_EQ(needed_segments(scene, tolerance), 8);
-}
-
-TEST(Shutter, MomentsAreChecked)
-{
-    const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
-    EXPECT_NO_THROW(check(Shutter{-0.25, 0.25}));
-    EXPECT_NO_THROW(check(Shutter{0.5, 0.5}));
-    for (const Shutter bad : {Shutter{0.25, -0.25}, {nan, 1}, {0, nan}, {-infinity, 0}, {0, infinity}, {0, 2e6}})
-        EXPECT_THROW(check(bad), Error) << bad.open << ", " << bad.close;
 }
 
 }  // namespace

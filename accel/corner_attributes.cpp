@@ -1,0 +1,156 @@
+// Gathers what varies over the micropolygons that rays have hit, beside positions: normals, texture coordinates, colours.
+#include <algorithm>
+
+#include "accel/corners.h"
+#include "accel/stopwatch.h"
+#include "base/publish.h"
+#include "lod/patch_colors.h"
+
+namespace occam::accel {
+namespace {
+
+const Material* material_of(const Scene& scene, const lod::PosedCage& cage, std::uint32_t face) noexcept
+{
+    static const Material plain;
+    const Cage& source = cage.slot->cage;
+    const std::size_t slot = source.face_slots.empty() ? 0 : source.face_slots[face];
+    const auto& from = cage.node->materials.empty() ? source.materials : cage.node->materials;
+    const Material* found = slot < from.size() ? scene.find(from[slot]) : nullptr;
+    return found ? found : &plain;
+}
+
+// This is kept out of line because it is rare.
+OCCAM_NEVER_INLINE void shade(const IGrid& grid, IGridPart& part, const PhaseOneTools& tools)
+{
+    const MaybeLock lock(tools.building);
+    if (part.is_shaded) return;  // another thread has shaded it in the meantime
+    const Stopwatch watch(tools.counters.shade_seconds);
+    part.attributes = tools.dicer.shade(*grid.cage, part.tile, grid.blends() ? part.coarser() : part.tile.rates,
+                                        tools.arena);
+    part.material = material_of(*tools.frame.scene, *grid.cage, part.tile.patch.face);
+    publish(part.is_shaded, true);
+}
+
+}  // namespace
+
+void HitCorners::set_attributes(const PhaseOneTools& tools)
+{
+    for (std::size_t lane = 0; lane < met_.size(); ++lane) {
+        const GridHit& m = met_[lane];
+        if (!m.grid) continue;
+        const IGrid& grid = *m.grid;
+        const MicropolygonPlace& spot = spots_[lane];
+        if (!spot.part) {
+            set_attributes_of_mesh(lane, *tools.frame.scene);
+            continue;
+        }
+        IGridPart& part = *spot.part;
+        if (!read_published(part.is_shaded)) shade(grid, part, tools);
+        material[lane] = part.material;
+        const lod::GridAttributes& made = part.attributes;
+        const std::ptrdiff_t width = part.tile.columns + 1, halved = part.is_halved && grid.blends() ? 1 : 0;
+        // A gap triangle has the attributes of one corner.
+        const std::ptrdiff_t one = is_gap(m) ? 0 : 1, up = spot.triangle != 0 ? one : 0;
+        const std::ptrdiff_t i[3] = {spot.i, spot.i + one, spot.i + one - up}, j[3] = {spot.j, spot.j + up, spot.j + one};
+        const auto set = [&](LaneFours* corners, const auto* values) {
+            for (int p = 0; p < 3; ++p) {
+                const float w = weight[p][lane];
+                const auto of = [&](std::ptrdiff_t vertex) { return vfloat4::load(&values[vertex].x); };
+                // In the coarser level an odd vertex lies on an edge or a diagonal; its values blend as its position
+                // does.
+                const std::ptrdiff_t at = j[p] * width + i[p], step = (j[p] & halved) * width + (i[p] & halved);
+                (of(at) * (1 - w) + (of(at - step) + of(at + step)) * (0.5f * w)).store(corners[p][lane]);
+            }
+        };
+        if (grid.segments > 0) set_moving_normals(lane, i, j, halved);
+        else if (!made.coarse_normal) set(normal, made.normal);
+        else {
+            for (int p = 0; p < 3; ++p) {
+                const float w = weight[p][lane];
+                const std::ptrdiff_t at = j[p] * width + i[p];
+                (vfloat4::load(&made.normal[at].x) * (1 - w) + vfloat4::load(&made.coarse_normal[at].x) * w)
+                    .store(normal[p][lane]);
+            }
+        }
+        for (std::size_t s = 0; s < 2; ++s) {
+            if (made.uv[s]) set(uv[s], made.uv[s]);
+            else
+                for (auto& corner : uv[s]) vfloat4(0.0f).store(corner[lane]);
+        }
+        for (std::size_t s = 0; s < 2; ++s) has_uv[s] |= made.uv[s] ? 1u << lane : 0;
+        if (!grid.cage->slot->cage.colors.empty()) set_colors(lane);
+    }
+}
+
+void HitCorners::set_moving_normals(std::size_t lane, const std::ptrdiff_t (&i)[3], const std::ptrdiff_t (&j)[3],
+                                    std::ptrdiff_t halved) noexcept
+{
+    const GridHit& m = met_[lane];
+    const IGridPart& part = *spots_[lane].part;
+    const lod::GridAttributes& made = part.attributes;
+    const std::ptrdiff_t width = part.tile.columns + 1;
+    const Vec3f* first = made.normal + static_cast<std::size_t>(m.time.key) * made.normals_of_a_key;
+    const auto at_time = [&](const Vec3f* n) { return m.between(n[0], n[made.normals_of_a_key]); };
+    for (int p = 0; p < 3; ++p) {
+        const float w = weight[p][lane];
+        const std::ptrdiff_t at = j[p] * width + i[p], step = (j[p] & halved) * width + (i[p] & halved);
+        const Vec3f fine = at_time(first + at);
+        const Vec3f coarse = made.coarse_normal ? at_time(first + (made.coarse_normal - made.normal) + at)
+                                                : (at_time(first + at - step) + at_time(first + at + step)) * 0.5f;
+        const Vec3f mixed = fine * (1 - w) + coarse * w;
+        vfloat4(0.0f).store(normal[p][lane]);
+        for (int a = 0; a < 3; ++a) normal[p][lane][a] = mixed[a];
+    }
+}
+
+void HitCorners::set_colors(std::size_t lane) noexcept
+{
+    const MicropolygonPlace& spot = spots_[lane];
+    const IGridPart& part = *spot.part;
+    const lod::PatchColors colors(*met_[lane].grid->cage, part.tile.patch);
+    const auto color_at = [&](int i, int j) {
+        return colors.at((float(part.tile.i0) + float(i)) * part.tile.step_u(),
+                         (float(part.tile.j0) + float(j)) * part.tile.step_v());
+    };
+    has_color |= 1u << lane;
+    for (int p = 0; p < 3; ++p) {
+        const int* of_quad = kQuadCorners[spot.triangle][is_gap(met_[lane]) ? 0 : p];
+        const int i = spot.i + of_quad[0], j = spot.j + of_quad[1], odd_i = part.is_halved ? i & 1 : 0,
+                  odd_j = part.is_halved ? j & 1 : 0;
+        const float w = weight[p][lane];
+        color[lane][p] = color_at(i, j) * (1 - w) +
+                         (color_at(i - odd_i, j - odd_j) + color_at(i + odd_i, j + odd_j)) * (0.5f * w);
+    }
+}
+
+void HitCorners::set_attributes_of_mesh(std::size_t lane, const Scene& scene) noexcept
+{
+    const lod::PosedCage& posed = *met_[lane].grid->cage;
+    const Cage& cage = posed.slot->cage;
+    const MicropolygonPlace& spot = spots_[lane];
+    const std::size_t sets = std::min<std::size_t>(2, cage.uv_sets.size());
+    const auto put_four = [lane](LaneFours& to, auto v) {
+        vfloat4(0.0f).store(to[lane]);
+        for (int a = 0; a < v.length(); ++a) to[lane][a] = v[a];
+    };
+    for (std::uint32_t p = 0; p < 3; ++p) {
+        const std::size_t at = std::size_t(spot.number) * 3 + p, v = cage.face_vertices[at];
+        const auto normal_at = [&](const lod::PosedCage& of) { return of.vertex_normal(static_cast<std::uint32_t>(v)); };
+        const GridHit& m = met_[lane];
+        if (cage.normals.empty()) put_four(normal[p], Vec3f(0));
+        else if (posed.segments == 0) put_four(normal[p], normal_at(posed));
+        else put_four(normal[p], m.between(normal_at(posed.keys[m.time.key]), normal_at(posed.keys[m.time.key + 1])));
+        if (!cage.colors.empty()) color[lane][p] = cage.colors[cage.color_indices.empty() ? v : cage.color_indices[at]];
+        for (std::size_t s = 0; s < 2; ++s) {
+            const auto value = [&] {
+                return cage.uv_sets[s].values[cage.uv_sets[s].indices.empty() ? v : cage.uv_sets[s].indices[at]];
+            };
+            put_four(uv[s][p], s < sets ? value() : Vec2f(0));
+        }
+    }
+    if (!cage.colors.empty()) has_color |= 1u << lane;
+    for (std::size_t s = 0; s < sets; ++s) has_uv[s] |= 1u << lane;
+    material[lane] = material_of(scene, posed, spot.face);
+}
+
+}  // namespace occam::accel

@@ -1,0 +1,112 @@
+// Tests of what glTF files say in their extras: cages, area lights and the environment.
+#include <gtest/gtest.h>
+
+#include "tests/support/gltf_scene.h"
+#include "tests/support/import_errors.h"
+#include "tests/support/temp_folder.h"
+
+namespace occam {
+namespace {
+
+using test::cages;
+using test::error_of;
+using test::Gltf;
+using test::square;
+using test::TempFolder;
+using test::warns;
+
+// Two quads share an edge, are split along it as glTF splits seams, and are each a fan of two triangles.
+TEST(ImportGltf, PolygonsComeBackWhenACageIsWanted)
+{
+    const TempFolder folder;
+    Gltf g;
+    g.put<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, /**/ 1, 0, 0, 2, 0, 0, 2, 1, 0, 1, 1, 0});
+    g.put<std::uint16_t>({0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7});
+    g.put<float>({0, 0, 1, 0, 1, 1, 0, 1, 0, 0, 1, 0, 1, 1, 0, 1});
+    g.accessor(
+        R"({"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3", "min": [0, 0, 0], "max": [2, 1, 0]})");
+    g.accessor(R"({"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"})");
+    g.accessor(R"({"bufferView": 2, "componentType": 5126, "count": 8, "type": "VEC2"})");
+    g.meshes =
+        R"({"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 2}, "indices": 1,
+                "extensions": {"FB_ngon_encoding": {}}}]})";
+    g.nodes = R"({"mesh": 0})";
+    g.more = R"(, "extensionsUsed": ["FB_ngon_encoding"])";
+    const auto file = g.write(folder);
+    EXPECT_EQ(cages(load(file)).at(0)->scheme, Scheme::Triangles) << "as the file says";
+    const Scene scene = load(file, {.subdivide = Subdivide::On});
+    const Cage& cage = *cages(scene).at(0);
+    EXPECT_EQ(cage.scheme, Scheme::CatmullClark);
+    EXPECT_EQ(cage.face_sizes, (std::vector<std::uint32_t>{4, 4}));
+    EXPECT_EQ(cage.positions.size(), 6u) << "joined again along the seam";
+    EXPECT_EQ(cage.uv_sets.at(0).values.size(), 8u) << "where coordinates differ they stay apart";
+
+    g.meshes.insert(g.meshes.size() - 1, R"(, "extras": {"occam": {"scheme": "bilinear", "boundary": "edge-only"}})");
+    const Scene by_extras = load(g.write(folder));
+    EXPECT_EQ(cages(by_extras).at(0)->scheme, Scheme::Bilinear);
+    EXPECT_EQ(cages(by_extras).at(0)->boundary, BoundaryRule::EdgeOnly);
+}
+
+TEST(ImportGltf, NodesThatNameOneCageFileShareIt)
+{
+    const TempFolder folder;
+    folder.write("cages/box.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+    Gltf g;
+    g.nodes = R"({"extras": {"occam": {"cage": "cages/box.obj", "material": 0}}},
+                 {"translation": [5, 0, 0], "extras": {"occam": {"cage": "cages/box.obj", "surprise": 1}}},
+                 {"extras": {"occam": {"cage": "cages/box.obj", "scheme": "none"}}})";
+    g.more = R"(, "materials": [{"name": "gold"}])";
+    const Scene scene = load(g.write(folder));
+    EXPECT_EQ(scene.counts().cages, 2u);
+    const auto list = cages(scene);
+    ASSERT_EQ(list.size(), 3u);
+    EXPECT_EQ(list[0], list[1]);
+    EXPECT_EQ(list[2]->scheme, Scheme::Triangles);
+    EXPECT_TRUE(warns(scene, "unknown key 'surprise'"));
+    bool is_gold = false;
+    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
+        is_gold |= !node.materials.empty() && scene.material(node.materials[0]).name == "gold";
+    });
+    EXPECT_TRUE(is_gold);
+}
+
+TEST(ImportGltf, ExtrasOfTheWrongTypeAreRefused)
+{
+    const TempFolder folder;
+    folder.write("box.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+    const auto with = [&](const std::string& occam) {
+        Gltf g;
+        g.nodes = R"({"extras": {"occam": )" + occam + "}}";
+        return error_of(g.write(folder));
+    };
+    EXPECT_EQ(with(R"({"cage": "box.obj"})"), "");
+    EXPECT_NE(with(R"({"cage": 7})").find("cage must be a string (nodes[0].extras.occam)"), std::string::npos);
+    EXPECT_NE(with(R"({"cage": "../box.obj"})").find("not in the scene's folder"), std::string::npos);
+    EXPECT_NE(with(R"({"cage": "box.obj", "scheme": "loop"})").find("catmull-clark, bilinear, none"), std::string::npos);
+    EXPECT_NE(with(R"({"cage": "box.obj", "material": 3})").find("no material 3"), std::string::npos);
+    EXPECT_NE(with(R"({"area_light": {"size": [1]}})").find("array of 2 numbers"), std::string::npos);
+    EXPECT_NE(with("[1]").find("must be an object"), std::string::npos);
+    EXPECT_NE(with(R"({"cage": "missing.obj"})").find("missing.obj: no such file"), std::string::npos);
+}
+
+TEST(ImportGltf, ReadsAreaLightsAndTheEnvironment)
+{
+    const TempFolder folder;
+    Gltf g;
+    g.nodes = R"({"extras": {"occam": {"area_light": {"shape": "disc", "size": [2, 3], "radiance": [4, 5, 6]}}}})";
+    g.more = R"(, "scenes": [{"nodes": [0], "extras": {"occam": {"environment": {"strength": 2, "rotation_deg": 90}}}}])";
+    const Scene scene = load(g.write(folder));
+    EXPECT_EQ(scene.environment.radiance, Vec3f(2));
+    EXPECT_NEAR(scene.environment.rotation, 1.5707963f, 1e-6f);
+    const AreaLight* light = nullptr;
+    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
+        if (const Light* l = scene.find(node.light)) light = std::get_if<AreaLight>(&l->kind);
+    });
+    ASSERT_TRUE(light);
+    EXPECT_EQ(light->shape, AreaLight::Shape::Disc);
+    EXPECT_EQ(light->size, Vec2f(2, 3));
+    EXPECT_EQ(light->radiance, Vec3f(4, 5, 6));
+}
+
+}  // namespace
+}  // namespace occam
