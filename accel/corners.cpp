@@ -103,93 +103,102 @@ HitCorners::Vertices::Vertices(const IGridPart& part, const MicropolygonPlace& s
 void HitCorners::set_positions(const vfloat (&direction)[3], const vfloat (&origin)[3], vfloat shift,
                                unsigned coarse_starts) noexcept
 {
-    alignas(32) FloatLanes coarse[3][3], ramp_start, scale, blends;
-    for (auto& corner : coarse) clear(corner);
-    for (FloatLanes* lanes : {&ramp_start, &scale, &blends}) vfloat(0.0f).store(*lanes);
-    unsigned special = 0;  // lanes with a T-vertex
-    bool any_blends = false;
+    Gathered gathered;
     for (std::size_t lane = 0; lane < met_.size(); ++lane) {
-        const GridHit& m = met_[lane];
-        if (!m.grid) continue;
-        const IGrid& grid = *m.grid;
-        const MicropolygonPlace& spot = spots_[lane];
-        if (!spot.part) {
-            // The ids of meshes are faces, and are looked up by position.
-            const MeshGrid& mesh = grid.mesh();
-            const std::size_t k = place_of(mesh, m.id);
-            if (grid.segments > 0) {
-                for (std::size_t p = 0; p < 3; ++p) {
-                    const Vec3f at = m.between(corner_of_mesh(mesh, p, k, m.time.key),
-                                               corner_of_mesh(mesh, p, k, m.time.key + 1));
-                    put(position[p], lane, at);
-                    put(coarse[p], lane, at);
-                }
-                continue;
-            }
-            for (int p = 0; p < 3; ++p)
-                for (int a = 0; a < 3; ++a) position[p][a][lane] = coarse[p][a][lane] = mesh.corners[p * 3 + a][k];
-            continue;
-        }
-        const bool is_blended = grid.blends();
-        if (is_blended) {
-            any_blends = true;
-            ramp_start[lane] = m.blend.start;
-            scale[lane] = m.blend.scale;
-            blends[lane] = 1;
-        }
-        if (is_gap(m)) {
-            for (int p = 0; p < 3; ++p) put(position[p], lane, Vec3f(0));
-            special |= 1u << lane;
-            continue;
-        }
-        const IGridPart& part = *spot.part;
-        const Vertices vertices(part, spot);
-        const std::uint32_t(&vertex)[3] = vertices.of;
-        const LatticeGrid& lattice = grid.lattice();
-        const bool moves = grid.segments > 0;
-        if (moves) set_moving(lane, vertices, coarse);
-        else {
-            for (int a = 0; a < 3; ++a)
-                for (int p = 0; p < 3; ++p) position[p][a][lane] = lattice.fine[a][vertex[p]];
-            if (!is_blended) continue;
-            for (int a = 0; a < 3; ++a)
-                for (int p = 0; p < 3; ++p) coarse[p][a][lane] = lattice.coarse[a][vertex[p]];
-        }
-        if (lattice.hanging_blocks == 0) continue;
-        for (const auto& corner : kQuadCorners[spot.triangle])
-            if (hangs(part.tile, spot.i + corner[0], spot.j + corner[1])) special |= 1u << lane;
+        if (!met_[lane].grid) continue;
+        if (spots_[lane].part) gather_lattice(lane, gathered);
+        else gather_mesh(lane, gathered);
     }
-    if (!any_blends && special == 0) return;
+    if (gathered.blended == 0 && gathered.special == 0) return;
 
     VertexBlend blend;
-    blend.set({vfloat::load(ramp_start), vfloat::load(scale)}, direction, origin, shift);
-    if (any_blends) {
-        const vmask here = vfloat::load(blends) > vfloat(0.0f);
-        FloatLanes coarse_start{};
-        for (std::size_t lane = 0; lane < met_.size(); ++lane)
-            if (blends[lane] > 0 && (coarse_starts >> lane & 1) != 0) coarse_start[lane] = 1;
-        const vmask starts_coarse = vfloat::load(coarse_start) > vfloat(0.0f);
-        has_start = bits(here);
-        for (int p = 0; p < 3; ++p) {
-            const VecLanes fine = load(position[p]), far = load(coarse[p]);
-            const vfloat w = select(here, blend.weight(fine), 0.0f);
-            const VecLanes seen = VertexBlend::between(fine, far, w);
-            select(starts_coarse, far.x, fine.x).store(start[p][0]);
-            select(starts_coarse, far.y, fine.y).store(start[p][1]);
-            select(starts_coarse, far.z, fine.z).store(start[p][2]);
-            w.store(weight[p]);
-            seen.x.store(position[p][0]);
-            seen.y.store(position[p][1]);
-            seen.z.store(position[p][2]);
-        }
-    }
-    if (special == 0) return;
+    blend.set({vfloat::load(gathered.ramp_start), vfloat::load(gathered.scale)}, direction, origin, shift);
+    if (gathered.blended != 0) blend_positions(gathered, blend, coarse_starts);
+    if (gathered.special == 0) return;
     FloatLanes d[3], k;
     for (int a = 0; a < 3; ++a) blend.d[a].store(d[a]);
     blend.k.store(k);
-    for (; special != 0; special &= special - 1) {
-        const auto lane = static_cast<std::size_t>(std::countr_zero(special));
+    for (unsigned left = gathered.special; left != 0; left &= left - 1) {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(left));
         set_special(lane, {{d[0][lane], d[1][lane], d[2][lane]}, k[lane]}, (coarse_starts >> lane & 1) != 0);
+    }
+}
+
+HitCorners::Gathered::Gathered() noexcept
+{
+    for (auto& corner : coarse) clear(corner);
+    for (FloatLanes* lanes : {&ramp_start, &scale, &blends}) vfloat(0.0f).store(*lanes);
+}
+
+void HitCorners::gather_mesh(std::size_t lane, Gathered& to) noexcept
+{
+    // The ids of meshes are faces, and are looked up by position.
+    const GridHit& m = met_[lane];
+    const MeshGrid& mesh = m.grid->mesh();
+    const std::size_t k = place_of(mesh, m.id);
+    if (mesh.segments > 0) {
+        for (std::size_t p = 0; p < 3; ++p) {
+            const Vec3f at = m.between(corner_of_mesh(mesh, p, k, m.time.key), corner_of_mesh(mesh, p, k, m.time.key + 1));
+            put(position[p], lane, at);
+            put(to.coarse[p], lane, at);
+        }
+        return;
+    }
+    for (int p = 0; p < 3; ++p)
+        for (int a = 0; a < 3; ++a) position[p][a][lane] = to.coarse[p][a][lane] = mesh.corners[p * 3 + a][k];
+}
+
+void HitCorners::gather_lattice(std::size_t lane, Gathered& to) noexcept
+{
+    const GridHit& m = met_[lane];
+    const LatticeGrid& grid = m.grid->lattice();
+    const MicropolygonPlace& spot = spots_[lane];
+    if (grid.blends()) {
+        to.blended |= 1u << lane;
+        to.ramp_start[lane] = m.blend.start;
+        to.scale[lane] = m.blend.scale;
+        to.blends[lane] = 1;
+    }
+    if (is_gap(m)) {
+        for (int p = 0; p < 3; ++p) put(position[p], lane, Vec3f(0));
+        to.special |= 1u << lane;
+        return;
+    }
+    const Vertices vertices(*spot.part, spot);
+    const std::uint32_t(&vertex)[3] = vertices.of;
+    if (grid.segments > 0) set_moving(lane, vertices, to.coarse);
+    else {
+        for (int a = 0; a < 3; ++a)
+            for (int p = 0; p < 3; ++p) position[p][a][lane] = grid.fine[a][vertex[p]];
+        // A T-vertex that is neither blended nor moved is where it was diced.
+        if (!grid.blends()) return;
+        for (int a = 0; a < 3; ++a)
+            for (int p = 0; p < 3; ++p) to.coarse[p][a][lane] = grid.coarse[a][vertex[p]];
+    }
+    if (grid.hanging_blocks == 0) return;
+    for (const auto& corner : kQuadCorners[spot.triangle])
+        if (hangs(spot.part->tile, spot.i + corner[0], spot.j + corner[1])) to.special |= 1u << lane;
+}
+
+void HitCorners::blend_positions(const Gathered& of, const VertexBlend& blend, unsigned coarse_starts) noexcept
+{
+    const vmask here = vfloat::load(of.blends) > vfloat(0.0f);
+    alignas(32) FloatLanes coarse_start{};
+    for (std::size_t lane = 0; lane < met_.size(); ++lane)
+        if (of.blends[lane] > 0 && (coarse_starts >> lane & 1) != 0) coarse_start[lane] = 1;
+    const vmask starts_coarse = vfloat::load(coarse_start) > vfloat(0.0f);
+    has_start = bits(here);
+    for (int p = 0; p < 3; ++p) {
+        const VecLanes fine = load(position[p]), far = load(of.coarse[p]);
+        const vfloat w = select(here, blend.weight(fine), 0.0f);
+        const VecLanes seen = VertexBlend::between(fine, far, w);
+        select(starts_coarse, far.x, fine.x).store(start[p][0]);
+        select(starts_coarse, far.y, fine.y).store(start[p][1]);
+        select(starts_coarse, far.z, fine.z).store(start[p][2]);
+        w.store(weight[p]);
+        seen.x.store(position[p][0]);
+        seen.y.store(position[p][1]);
+        seen.z.store(position[p][2]);
     }
 }
 

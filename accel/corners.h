@@ -63,6 +63,17 @@ private:
         std::uint32_t of[3];
         Vertices(const IGridPart& part, const MicropolygonPlace& spot) noexcept;
     };
+    /// Holds what is gathered beside the fine positions.
+    struct Gathered {
+        alignas(32) FloatLanes coarse[3][3], ramp_start, scale;
+        alignas(32) FloatLanes blends;      ///< 1 in lanes whose igrid blends
+        unsigned blended = 0, special = 0;  ///< bit masks: lanes that blend, and lanes with a T-vertex
+        Gathered() noexcept;
+    };
+    void gather_mesh(std::size_t lane, Gathered& to) noexcept;
+    void gather_lattice(std::size_t lane, Gathered& to) noexcept;
+    /// Blends the positions of all lanes, and sets `start`.
+    void blend_positions(const Gathered& of, const VertexBlend& blend, unsigned coarse_starts) noexcept;
     void set_special(std::size_t lane, const VertexBlendOf<float>& blend, bool starts_coarse) noexcept;
     /// Moves the T-vertices among a lane's corners to where the neighbouring triangles have them.
     void set_hanging(FloatLanes (&to)[3][3], std::size_t lane, const VertexBlendOf<float>& blend) noexcept;

@@ -78,33 +78,36 @@ struct GapTriangles {
             for (int p = 0; p < 3; ++p)
                 v[p] = shear(ray, one.origin,
                              {vfloat::load(corner[p][0]), vfloat::load(corner[p][1]), vfloat::load(corner[p][2])});
-            unsigned lanes = bits(is_inside(edge_functions(v[0], v[1], v[2])));
-            if (lanes == 0) continue;
-            float x[3][kLanes], y[3][kLanes], t[3][kLanes], shift[kLanes], t_near[kLanes], t_far[kLanes];
-            for (int p = 0; p < 3; ++p) {
-                v[p].x.store(x[p]);
-                v[p].y.store(y[p]);
-                v[p].t.store(t[p]);
-            }
-            ray.shift.store(shift);
-            span.t_near.store(t_near);
-            for (; lanes != 0; lanes &= lanes - 1) {
-                const int k = std::countr_zero(lanes);
-                const auto area = [&](int p, int q) { return double(x[q][k]) * y[p][k] - double(y[q][k]) * x[p][k]; };
-                const double u = area(1, 2), w_v = area(2, 0), w = area(0, 1);
-                const bool inside = (u >= 0 && w_v >= 0 && w >= 0) || (u <= 0 && w_v <= 0 && w <= 0);
-                const double det = u + w_v + w;
-                if (!inside || det == 0) continue;
-                const double exact = (u * t[0][k] + w_v * t[1][k] + w * t[2][k]) / det;
-                const float found = shift[0] + static_cast<float>(exact);
-                min(query.limit(), span.t_end).store(t_far);
-                if (found > t_near[one.lane] && found <= t_far[one.lane])
-                    query.offer(one.lane, found, grid, kGapBit | static_cast<std::uint32_t>(first + k));
-            }
+            offer_exact(one, v, bits(is_inside(edge_functions(v[0], v[1], v[2]))), first);
         }
     }
 
 private:
+    /// Tests the triangles of some lanes again in double, and offers the hits. `first` is the number of lane 0.
+    void offer_exact(const OneRay<Coordinates>& one, const ShearedVertex (&v)[3], unsigned lanes, int first) const noexcept
+    {
+        float x[3][kLanes], y[3][kLanes], t[3][kLanes], shift[kLanes], t_near[kLanes], t_far[kLanes];
+        for (int p = 0; p < 3; ++p) {
+            v[p].x.store(x[p]);
+            v[p].y.store(y[p]);
+            v[p].t.store(t[p]);
+        }
+        one.ray.shift.store(shift);
+        span.t_near.store(t_near);
+        for (; lanes != 0; lanes &= lanes - 1) {
+            const int k = std::countr_zero(lanes);
+            const auto area = [&](int p, int q) { return double(x[q][k]) * y[p][k] - double(y[q][k]) * x[p][k]; };
+            const double u = area(1, 2), w_v = area(2, 0), w = area(0, 1);
+            const bool inside = (u >= 0 && w_v >= 0 && w >= 0) || (u <= 0 && w_v <= 0 && w <= 0);
+            const double det = u + w_v + w;
+            if (!inside || det == 0) continue;
+            const double exact = (u * t[0][k] + w_v * t[1][k] + w * t[2][k]) / det;
+            const float found = shift[0] + static_cast<float>(exact);
+            min(query.limit(), span.t_end).store(t_far);
+            if (found > t_near[one.lane] && found <= t_far[one.lane])
+                query.offer(one.lane, found, grid, kGapBit | static_cast<std::uint32_t>(first + k));
+        }
+    }
     /// Returns whether the ray may hit a triangle whose corners lie on the line from a to c. The test allows for the
     /// rounding of the midpoints of some ten halvings and of the shear, for coordinates of up to five radii (see
     /// place()).

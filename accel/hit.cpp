@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <optional>
 #include <tuple>
 
 #include "accel/hit_geometry.h"
@@ -198,6 +197,108 @@ Vec2d place_in_part(const GridHit& met, const MicropolygonPlace& spot, Vec3f sha
     return at;
 }
 
+// Holds what is read of rays and hits one by one.
+struct HitsRead {
+    MicropolygonPlace spots[kLanes];
+    alignas(32) FloatLanes t{}, radius{};
+    alignas(32) FloatLanes mirrored{};  // 1, or -1 if the cage's placement reverses the orientation of faces
+    alignas(32) FloatLanes is_flat{};   // 1 for gap triangles
+    unsigned gaps = 0, coarse_starts = 0;
+    int start_level[kLanes]{};
+    const IGrid* any = nullptr;  // null if no ray hit anything
+
+    HitsRead(std::span<const Ray> rays, std::span<const GridHit> met, const lod::LevelSettings& levels) noexcept
+    {
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            if (!met[i].grid) continue;
+            const IGrid& grid = *met[i].grid;
+            const lod::PosedCage& cage = *grid.cage;
+            any = &grid;
+            spots[i].set(met[i]);
+            t[i] = met[i].t;
+            radius[i] = cage.radius;
+            const bool is_mirrored = cage.segments > 0 ? cage.is_mirrored_at(met[i].time) : cage.is_mirrored;
+            mirrored[i] = is_mirrored ? -1.0f : 1.0f;
+            if (is_gap(met[i])) {
+                gaps |= 1u << i;
+                is_flat[i] = 1;
+            }
+            start_level[i] = start_level_of(rays[i], met[i], levels);
+            if (grid.blends() && start_level[i] > grid.pairs.finest) coarse_starts |= 1u << i;
+        }
+    }
+};
+
+// Holds the set of texture coordinates of each lane's normal map, or -1.
+struct MapSets {
+    vfloat of;
+    bool any = false;
+
+    MapSets(std::span<const GridHit> met, const HitCorners& corners) noexcept
+    {
+        alignas(32) FloatLanes set{};
+        for (std::size_t i = 0; i < met.size(); ++i) {
+            if (!met[i].grid) continue;
+            const int of_lane = normal_map_set(*corners.material[i]);
+            set[i] = static_cast<float>(of_lane);
+            any = any || of_lane >= 0;
+        }
+        of = vfloat::load(set);
+    }
+};
+
+// Writes four values of each lane side by side.
+void write(HitFloats (&to)[kLanes], std::size_t place, const vfloat (&values)[4]) noexcept
+{
+    float* lanes[kLanes];
+    for (std::size_t i = 0; i < kLanes; ++i) lanes[i] = reinterpret_cast<float*>(&to[i]);
+    store_turned(values, lanes, place / sizeof(float));
+}
+
+// Holds what was computed in lanes, to be read lane by lane.
+struct FilledLanes {
+    const HitCorners& corners;
+    const Triangles& tri;
+    Stored from_corner, share, to_start, start_normal;
+    unsigned starts_beside, is_back, has_gradients;  // bit masks of lanes
+};
+
+// Fills in what is computed hit by hit, after copy_to().
+void fill(const FilledLanes& of, std::size_t i, const GridHit& met, float mirrored, const PhaseOneTools& tools,
+          SurfaceHit& hit) noexcept
+{
+    const HitCorners& corners = of.corners;
+    hit.position = met.grid->cage->anchor + (Vec3d(corners.position_of(0, i)) + Vec3d(of.from_corner[i]));
+    hit.back_side = (of.is_back >> i & 1) != 0;
+    hit.to_start = Vec3f(0);
+    hit.start_normal = hit.normal_geometric;
+    // For most hits secondary rays start on the micropolygon that was hit.
+    if (of.starts_beside >> i & 1) hit.to_start = of.to_start[i];
+    if (corners.has_start >> i & 1) {
+        const Vec3f unturned = of.start_normal[i] * mirrored;
+        if (unturned != Vec3f(0)) hit.start_normal = hit.back_side ? -unturned : unturned;
+    }
+    hit.material = corners.material[i];
+    hit.color = Vec4f(1);
+    if (corners.has_color >> i & 1) hit.color = weighted(corners.color[i], of.share[i]);
+    hit.u_gradient = hit.v_gradient = Vec3f(0);
+    if (hit.material->bump_texture && (of.has_gradients >> i & 1) != 0)
+        set_bump_gradients(corners, of.tri, i, static_cast<float>(tools.frame.scale.to_frame()), hit);
+    hit.velocity = met.grid->segments > 0 ? corners.velocity_of(i, of.share[i]) : Vec3f(0);
+}
+
+// Sets the level that the ray sees, and the values that phase one has made for it.
+void set_level(const Ray& ray, const GridHit& met, const MicropolygonPlace& spot, Vec3f share, const PhaseOneTools& tools,
+               SurfaceHit& hit)
+{
+    const int level = seen_level_of(ray, met, tools.frame.levels);
+    hit.level = met.grid->is_lattice ? level + tools.frame.scale.exponent() : level;
+    hit.phase_one_channels = 0;
+    // Values at vertices are made for one level. A ray that sees the same mesh from farther away filters more.
+    if (spot.part && tools.frame.shading.shader && level == met.grid->level)
+        add_vertex_values(met.grid->lattice(), part_of(spot.number), place_in_part(met, spot, share), tools, hit);
+}
+
 }  // namespace
 
 bool comes_before(const IGrid& a, std::uint32_t a_id, const IGrid& b, std::uint32_t b_id) noexcept
@@ -208,155 +309,62 @@ bool comes_before(const IGrid& a, std::uint32_t a_id, const IGrid& b, std::uint3
 void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const GridHit> met, const PhaseOneTools& tools,
              SurfaceHit* const* hits)
 {
-    const std::size_t n = rays.size();
-    // The following values are read ray by ray.
-    MicropolygonPlace spots[kLanes];
-    alignas(32) FloatLanes t{}, mirrored{}, set_of_map{}, radius{};
-    unsigned gaps = 0, coarse_starts = 0;
-    int start_level[kLanes]{};
-    bool any_maps = false;
-    const IGrid* someone = nullptr;
-    for (std::size_t i = 0; i < n; ++i) {
-        if (!met[i].grid) continue;
-        const IGrid& grid = *met[i].grid;
-        const lod::PosedCage& cage = *grid.cage;
-        someone = &grid;
-        spots[i].set(met[i]);
-        t[i] = met[i].t;
-        radius[i] = cage.radius;
-        const bool is_mirrored = cage.segments > 0 ? cage.is_mirrored_at(met[i].time) : cage.is_mirrored;
-        mirrored[i] = is_mirrored ? -1.0f : 1.0f;
-        if (is_gap(met[i])) gaps |= 1u << i;
-        start_level[i] = start_level_of(rays[i], met[i], tools.frame.levels);
-        if (grid.blends() && start_level[i] > grid.pairs.finest) coarse_starts |= 1u << i;
-    }
-    if (!someone) return;
-    HitCorners corners(met, spots);
+    const HitsRead read(rays, met, tools.frame.levels);
+    if (!read.any) return;
+    HitCorners corners(met, read.spots);
     vfloat origin[4], way[4], beam[4];
-    gather_four(rays.data(), n, offsetof(Ray, direction), way);
+    gather_four(rays.data(), rays.size(), offsetof(Ray, direction), way);
     place_all(
-        rays, way, [&](std::size_t i) -> const lod::PosedCage& { return *(met[i].grid ? met[i].grid : someone)->cage; },
+        rays, way, [&](std::size_t i) -> const lod::PosedCage& { return *(met[i].grid ? met[i].grid : read.any)->cage; },
         origin);
     static_assert(offsetof(Ray, footprint) == offsetof(Ray, t_near) + 2 * sizeof(float));
-    gather_four(rays.data(), n, offsetof(Ray, t_near), beam);
-    corners.set_positions({way[0], way[1], way[2]}, {origin[0], origin[1], origin[2]}, origin[3], coarse_starts);
+    gather_four(rays.data(), rays.size(), offsetof(Ray, t_near), beam);
+    corners.set_positions({way[0], way[1], way[2]}, {origin[0], origin[1], origin[2]}, origin[3], read.coarse_starts);
     corners.set_attributes(tools);
-    for (std::size_t i = 0; i < n; ++i) {
-        if (!met[i].grid) continue;
-        const int set = normal_map_set(*corners.material[i]);
-        set_of_map[i] = static_cast<float>(set);
-        any_maps = any_maps || set >= 0;
-    }
-
     vfloat share[3];
     shares_of(corners, axes, way, origin, share);
-    if (gaps != 0) set_shares_of_gaps(gaps, corners, rays, met, share);
+    if (read.gaps != 0) set_shares_of_gaps(read.gaps, corners, rays, met, share);
 
-    const vfloat zero = 0.0f, one = 1.0f;
+    const vfloat zero = 0.0f, t = vfloat::load(read.t);
+    const vmask is_flat = vfloat::load(read.is_flat) > zero;
     const Triangles tri(corners);
-    const auto between = [&](vfloat a, vfloat b, vfloat c) { return fma(a, share[0], fma(b, share[1], c * share[2])); };
     const VecLanes offset = tri.edge[0] * share[1] + tri.edge[1] * share[2];  // relative to corner a
-    const VecLanes direction{way[0], way[1], way[2]};
-    VecLanes normal[3];
-    for (int p = 0; p < 3; ++p) {
-        vfloat axes_of[4];
-        load(corners.normal[p], axes_of);
-        normal[p] = {axes_of[0], axes_of[1], axes_of[2]};
-    }
-    const VecLanes mixed = normal[0] * share[0] + normal[1] * share[1] + normal[2] * share[2];
-    const vfloat longest = largest(mixed);
-    const vmask is_smooth = longest > vfloat(1e-20f);
-    const VecLanes scaled = mixed * select(is_smooth, one / longest, zero);
-    VecLanes shading = scaled * select(is_smooth, one / sqrt(dot(scaled, scaled)), zero);
-    // A gap triangle has no area, and a degenerate patch corner has no normal: one stands in for the other.
-    alignas(32) FloatLanes is_flat{};
-    for (unsigned left = gaps; left != 0; left &= left - 1) is_flat[std::countr_zero(left)] = 1;
-    const vmask has_normal = andnot(tri.area > zero, vfloat::load(is_flat) > zero);
-    VecLanes geometric = select(has_normal, tri.normal * vfloat::load(mirrored), select(is_smooth, shading, -direction));
-    shading = select(is_smooth, shading, geometric);
-    const vmask is_back = dot(geometric, direction) > zero;
-    geometric = select(is_back, -geometric, geometric);
-    shading = select(dot(shading, geometric) < zero, -shading, shading);
-
-    // These are the changes of the texture coordinates over the triangle.
-    const vmask has_gradients = andnot(tri.area > vfloat(kLeastArea), vfloat::load(is_flat) > zero);
-    const vfloat outward = outward_curvature(tri, normal);
-    const vfloat curvature = select(has_gradients, select(is_back, -outward, outward), zero);
-    const vfloat width = max(beam[2] + beam[3] * vfloat::load(t), zero);
-    vfloat uv_at[2][2] = {{zero, zero}, {zero, zero}}, uv_width[2] = {zero, zero};
-    Tangents tangent{VecLanes{zero, zero, zero}, one};
-    UvLanes of_map;  // lanes without a map or coordinates are all 0, and so is the tangent
-    for (int s = 0; s < 2; ++s) {
-        if (corners.has_uv[s] == 0) continue;
-        const UvLanes uv(corners.uv[s]);
-        for (int a = 0; a < 2; ++a) uv_at[s][a] = fma(uv.edge[0][a], share[1], fma(uv.edge[1][a], share[2], uv.at[a]));
-        const vfloat uv_area = abs(difference_of_products(uv.edge[0][0], uv.edge[1][1], uv.edge[0][1], uv.edge[1][0]));
-        uv_width[s] = select((tri.area > zero) & (uv_area > zero), width * sqrt(uv_area / tri.area), zero);
-        if (any_maps) of_map.set_where(has_gradients & (vfloat::load(set_of_map) == vfloat(float(s))), uv);
-    }
-    if (any_maps) tangent = tangents(tri, of_map, select(is_back, -shading, shading));
-    const vfloat farthest = max(largest(load(corners.position[0]) + offset), vfloat::load(radius));
-    const vfloat self_distance = vfloat(kStartUlps * FLT_EPSILON) * farthest;
-    const vfloat blend = between(vfloat::load(corners.weight[0]), vfloat::load(corners.weight[1]),
-                                 vfloat::load(corners.weight[2]));
+    const NormalLanes normal(corners, tri, share, vfloat::load(read.mirrored), is_flat, {way[0], way[1], way[2]});
+    const vmask has_gradients = andnot(tri.area > vfloat(kLeastArea), is_flat);
+    const vfloat outward = outward_curvature(tri, normal.corner);
+    const vfloat curvature = select(has_gradients, select(normal.is_back, -outward, outward), zero);
+    const MapSets map_sets(met, corners);
+    const UvAtHits uv(corners, tri, share, max(beam[2] + beam[3] * t, zero), map_sets.any ? &map_sets.of : nullptr,
+                      has_gradients, select(normal.is_back, -normal.shading, normal.shading));
+    const vfloat farthest = max(largest(load(corners.position[0]) + offset), vfloat::load(read.radius));
+    const vfloat blend = fma(vfloat::load(corners.weight[0]), share[0],
+                             fma(vfloat::load(corners.weight[1]), share[1], vfloat::load(corners.weight[2]) * share[2]));
+    const StartsBesideHits beside(corners, tri, share, is_flat, farthest);
 
     HitFloats written[kLanes];
-    const auto put = [&](const vfloat& x, const vfloat& y, const vfloat& z, const vfloat& w, std::size_t place) {
-        const vfloat four[4] = {x, y, z, w};
-        float* to[kLanes];
-        for (std::size_t i = 0; i < kLanes; ++i) to[i] = reinterpret_cast<float*>(&written[i]);
-        store_turned(four, to, place / sizeof(float));
-    };
-    put(vfloat::load(t), self_distance, uv_width[0], uv_width[1], offsetof(HitFloats, t));
-    put(geometric.x, geometric.y, geometric.z, curvature, offsetof(HitFloats, normal_geometric));
-    put(shading.x, shading.y, shading.z, tangent.sign, offsetof(HitFloats, normal_shading));
-    put(tangent.along.x, tangent.along.y, tangent.along.z, blend, offsetof(HitFloats, tangent));
-    put(uv_at[0][0], uv_at[0][1], uv_at[1][0], uv_at[1][1], offsetof(HitFloats, uv));
-
-    // For most hits secondary rays start on the micropolygon that was hit.
-    const vfloat least_height = vfloat(kEdgeUlps * FLT_EPSILON) * farthest;
-    const vfloat nearest = min(min(share[0], share[1]), share[2]),
-                 longest_edge = max(largest(tri.edge[0]), largest(tri.edge[1]));
-    const vmask may_differ = nearest * tri.area < vfloat(4.0f) * least_height * longest_edge;
-    const unsigned differing = corners.has_start | bits(may_differ);
-    alignas(32) FloatLanes starts_differ{};
-    for (std::size_t i = 0; i < n; ++i) starts_differ[i] = corners.has_start >> i & 1 ? 1.0f : 0.0f;
-    std::optional<Starts> starts;
-    if (differing != 0)
-        starts.emplace(corners, share, vfloat::load(starts_differ) > zero, vfloat::load(is_flat) > zero, least_height);
-    const VecLanes to_start = starts ? (starts->corner - load(corners.position[0])) + (starts->offset - offset) : offset;
-    const Stored from_a(offset), shares({share[0], share[1], share[2]});
-    const Stored ways_to_start(to_start), start_normals(starts ? starts->normal : offset);
-    const unsigned back = bits(is_back), with_gradients = bits(has_gradients);
-    const auto to_frame = static_cast<float>(tools.frame.scale.to_frame());
-    for (std::size_t i = 0; i < n; ++i) {
+    write(written, offsetof(HitFloats, t), {t, vfloat(kStartUlps * FLT_EPSILON) * farthest, uv.width[0], uv.width[1]});
+    write(written, offsetof(HitFloats, normal_geometric),
+          {normal.geometric.x, normal.geometric.y, normal.geometric.z, curvature});
+    write(written, offsetof(HitFloats, normal_shading),
+          {normal.shading.x, normal.shading.y, normal.shading.z, uv.tangent.sign});
+    write(written, offsetof(HitFloats, tangent), {uv.tangent.along.x, uv.tangent.along.y, uv.tangent.along.z, blend});
+    write(written, offsetof(HitFloats, uv), {uv.at[0][0], uv.at[0][1], uv.at[1][0], uv.at[1][1]});
+    const FilledLanes lanes{corners,
+                            tri,
+                            Stored(offset),
+                            Stored({share[0], share[1], share[2]}),
+                            Stored(beside.from_hits(corners, offset)),
+                            Stored(beside.starts ? beside.starts->normal : offset),
+                            beside.which,
+                            bits(normal.is_back),
+                            bits(has_gradients)};
+    for (std::size_t i = 0; i < rays.size(); ++i) {
         if (!met[i].grid) continue;
-        SurfaceHit& hit = *hits[i];
-        written[i].copy_to(hit);
-        hit.position = met[i].grid->cage->anchor + (Vec3d(corners.position_of(0, i)) + Vec3d(from_a[i]));
-        hit.back_side = (back >> i & 1) != 0;
-        hit.start_level = static_cast<std::int8_t>(start_level[i]);
-        hit.to_start = Vec3f(0);
-        hit.start_normal = hit.normal_geometric;
-        if (differing >> i & 1) hit.to_start = ways_to_start[i];
-        if (corners.has_start >> i & 1) {
-            const Vec3f unturned = start_normals[i] * mirrored[i];
-            if (unturned != Vec3f(0)) hit.start_normal = hit.back_side ? -unturned : unturned;
-        }
-        hit.material = corners.material[i];
-        hit.color = Vec4f(1);
-        if (corners.has_color >> i & 1) hit.color = weighted(corners.color[i], shares[i]);
-        hit.u_gradient = hit.v_gradient = Vec3f(0);
-        if (hit.material->bump_texture && (with_gradients >> i & 1) != 0) set_bump_gradients(corners, tri, i, to_frame, hit);
-        hit.velocity = met[i].grid->segments > 0 ? corners.velocity_of(i, shares[i]) : Vec3f(0);
-        set_identity(met[i], spots[i], hit);
-        const int level = seen_level_of(rays[i], met[i], tools.frame.levels);
-        hit.level = met[i].grid->is_lattice ? level + tools.frame.scale.exponent() : level;
-        hit.phase_one_channels = 0;
-        // Values at vertices are made for one level. A ray that sees the same mesh from farther away filters more.
-        if (spots[i].part && tools.frame.shading.shader && level == met[i].grid->level)
-            add_vertex_values(met[i].grid->lattice(), part_of(spots[i].number), place_in_part(met[i], spots[i], shares[i]),
-                              tools, hit);
+        written[i].copy_to(*hits[i]);
+        hits[i]->start_level = static_cast<std::int8_t>(read.start_level[i]);
+        fill(lanes, i, met[i], read.mirrored[i], tools, *hits[i]);
+        set_identity(met[i], read.spots[i], *hits[i]);
+        set_level(rays[i], met[i], read.spots[i], lanes.share[i], tools, *hits[i]);
     }
 }
 

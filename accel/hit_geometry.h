@@ -67,6 +67,38 @@ inline vfloat outward_curvature(const Triangles& tri, const VecLanes (&normal)[3
     return select(known, vfloat(0.5f) * (dot(n[1] - n[0], tri.gradient[0]) + dot(n[2] - n[0], tri.gradient[1])), 0.0f);
 }
 
+/// Holds the unit normals at hits, in lanes: of the micropolygon and interpolated, both towards the ray's origin.
+struct NormalLanes {
+    VecLanes corner[3];  ///< the corners' own, outward; unit, or 0
+    VecLanes geometric, shading;
+    vmask is_back;  ///< the ray came from behind the face
+
+    /// share      weights of the corners at the hits
+    /// mirrored   1, or -1 if the cage's placement reverses the orientation of faces
+    NormalLanes(const HitCorners& corners, const Triangles& tri, const vfloat (&share)[3], vfloat mirrored, vmask is_flat,
+                const VecLanes& direction) noexcept
+    {
+        const vfloat zero = 0.0f, one = 1.0f;
+        for (int p = 0; p < 3; ++p) {
+            vfloat axes_of[4];
+            load(corners.normal[p], axes_of);
+            corner[p] = {axes_of[0], axes_of[1], axes_of[2]};
+        }
+        const VecLanes mixed = corner[0] * share[0] + corner[1] * share[1] + corner[2] * share[2];
+        const vfloat longest = largest(mixed);
+        const vmask is_smooth = longest > vfloat(1e-20f);
+        const VecLanes scaled = mixed * select(is_smooth, one / longest, zero);
+        shading = scaled * select(is_smooth, one / sqrt(dot(scaled, scaled)), zero);
+        // A gap triangle has no area, and a degenerate patch corner has no normal: one stands in for the other.
+        const vmask has_normal = andnot(tri.area > zero, is_flat);
+        geometric = select(has_normal, tri.normal * mirrored, select(is_smooth, shading, -direction));
+        shading = select(is_smooth, shading, geometric);
+        is_back = dot(geometric, direction) > zero;
+        geometric = select(is_back, -geometric, geometric);
+        shading = select(dot(shading, geometric) < zero, -shading, shading);
+    }
+};
+
 /// Holds texture coordinates in lanes: those of corner a, and their differences to b and c.
 struct UvLanes {
     vfloat at[2], edge[2][2];  ///< axis; corner b or c, axis
@@ -116,5 +148,32 @@ inline Tangents tangents(const Triangles& tri, const UvLanes& uv, const VecLanes
     return {select(known, tangent * (vfloat(1.0f) / length), VecLanes{0.0f, 0.0f, 0.0f}),
             select(known & (dot(cross(outward, tangent), along_v) > zero), -1.0f, 1.0f)};
 }
+
+/// Holds the texture coordinates at hits, in lanes.
+struct UvAtHits {
+    vfloat at[2][2], width[2];  ///< set, axis; the width of the beam in units of uv
+    Tangents tangent;           ///< for the material's normal map; 0 without one or without coordinates
+
+    /// width_of_beam   where it hits
+    /// map_set         the set of coordinates of each lane's normal map; negative without a map
+    /// outward         the shading normal, outside
+    UvAtHits(const HitCorners& corners, const Triangles& tri, const vfloat (&share)[3], vfloat width_of_beam,
+             const vfloat* map_set, vmask has_gradients, const VecLanes& outward) noexcept
+        : tangent{VecLanes{0.0f, 0.0f, 0.0f}, 1.0f}
+    {
+        const vfloat zero = 0.0f;
+        UvLanes of_map;  // lanes without a map or coordinates are all 0, and so is the tangent
+        for (int s = 0; s < 2; ++s) {
+            at[s][0] = at[s][1] = width[s] = zero;
+            if (corners.has_uv[s] == 0) continue;
+            const UvLanes uv(corners.uv[s]);
+            for (int a = 0; a < 2; ++a) at[s][a] = fma(uv.edge[0][a], share[1], fma(uv.edge[1][a], share[2], uv.at[a]));
+            const vfloat area = abs(difference_of_products(uv.edge[0][0], uv.edge[1][1], uv.edge[0][1], uv.edge[1][0]));
+            width[s] = select((tri.area > zero) & (area > zero), width_of_beam * sqrt(area / tri.area), zero);
+            if (map_set) of_map.set_where(has_gradients & (*map_set == vfloat(float(s))), uv);
+        }
+        if (map_set) tangent = tangents(tri, of_map, outward);
+    }
+};
 
 }  // namespace occam::accel

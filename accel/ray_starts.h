@@ -3,6 +3,8 @@
 // Space    The dicing frame of the lane's cage.
 #pragma once
 
+#include <optional>
+
 #include "accel/hit_geometry.h"
 
 namespace occam::accel {
@@ -41,6 +43,32 @@ struct Starts {
         }
         const vfloat v = select(is_near, inside[1] / sum, share[1]), w = select(is_near, inside[2] / sum, share[2]);
         offset = b * v + c * w;
+    }
+};
+
+/// Holds the starts of those lanes in which secondary rays do not simply start from the hit.
+struct StartsBesideHits {
+    unsigned which = 0;  ///< bit mask of these lanes
+    std::optional<Starts> starts;
+
+    /// farthest   the largest coordinate at the hit
+    StartsBesideHits(const HitCorners& corners, const Triangles& tri, const vfloat (&share)[3], vmask is_flat,
+                     vfloat farthest) noexcept
+    {
+        const vfloat least_height = vfloat(kEdgeUlps * FLT_EPSILON) * farthest;
+        const vfloat nearest = min(min(share[0], share[1]), share[2]),
+                     longest_edge = max(largest(tri.edge[0]), largest(tri.edge[1]));
+        which = corners.has_start | bits(nearest * tri.area < vfloat(4.0f) * least_height * longest_edge);
+        if (which == 0) return;
+        alignas(32) FloatLanes has_start;
+        for (unsigned lane = 0; lane < kLanes; ++lane) has_start[lane] = corners.has_start >> lane & 1 ? 1.0f : 0.0f;
+        starts.emplace(corners, share, vfloat::load(has_start) > vfloat(0.0f), is_flat, least_height);
+    }
+    /// Returns the offsets from the hits to the starts; `offset` leads from corner a to the hit, and is returned where there
+    /// are no starts.
+    VecLanes from_hits(const HitCorners& corners, const VecLanes& offset) const noexcept
+    {
+        return starts ? (starts->corner - load(corners.position[0])) + (starts->offset - offset) : offset;
     }
 };
 
