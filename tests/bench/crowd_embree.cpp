@@ -44,6 +44,45 @@ struct View {
     }
 };
 
+// Says which camera rays a packet holds: those of a sample of 4 x 2 pixels.
+struct PacketOfPixels {
+    int x, y, sample, samples, frame;
+};
+
+void set_camera_rays(const View& view, const PacketOfPixels& of, RTCRayHit8& p)
+{
+    const auto frame = static_cast<std::uint32_t>(of.frame);
+    for (int l = 0; l < 8; ++l) {
+        const int x = of.x + l % 4, y = of.y + l / 4;
+        const std::uint32_t seed = static_cast<std::uint32_t>((y * kCrowdPixels + x) * of.samples + of.sample) * 2u;
+        const Vec3f d = view.direction(float(x) + number(seed, frame), float(y) + number(seed + 1, frame));
+        p.ray.org_x[l] = view.eye.x, p.ray.org_y[l] = view.eye.y, p.ray.org_z[l] = view.eye.z;
+        p.ray.dir_x[l] = d.x, p.ray.dir_y[l] = d.y, p.ray.dir_z[l] = d.z;
+        p.ray.tnear[l] = 0, p.ray.tfar[l] = std::numeric_limits<float>::infinity();
+        p.ray.time[l] = 0, p.ray.mask[l] = ~0u, p.ray.id[l] = 0, p.ray.flags[l] = 0;
+        p.hit.geomID[l] = p.hit.primID[l] = p.hit.instID[0][l] = RTC_INVALID_GEOMETRY_ID;
+    }
+}
+
+// Sets a lane to a ray from its hit to a point of the light, and returns the cosine there.
+float set_shadow_ray(const RTCRayHit8& p, int l, const SquareLight& to, std::uint32_t seed, std::uint32_t draw,
+                     RTCRay8& shadow)
+{
+    const double u = double(number(seed, draw)) - 0.5, v = double(number(seed, draw + 1)) - 0.5;
+    const Vec3f at(to.centre + to.right * (u * to.side) + to.up * (v * to.side));
+    const Vec3f eye(p.ray.org_x[l], p.ray.org_y[l], p.ray.org_z[l]), d(p.ray.dir_x[l], p.ray.dir_y[l], p.ray.dir_z[l]);
+    Vec3f n = glm::normalize(Vec3f(p.hit.Ng_x[l], p.hit.Ng_y[l], p.hit.Ng_z[l]));
+    if (glm::dot(n, d) > 0) n = -n;
+    const Vec3f from = eye + d * p.ray.tfar[l] + n * (1e-4f * p.ray.tfar[l]);
+    const Vec3f way = at - from;
+    const float distance = glm::length(way);
+    const Vec3f w = way / distance;
+    shadow.org_x[l] = from.x, shadow.org_y[l] = from.y, shadow.org_z[l] = from.z;
+    shadow.dir_x[l] = w.x, shadow.dir_y[l] = w.y, shadow.dir_z[l] = w.z;
+    shadow.tfar[l] = distance * 0.9999f;
+    return std::max(0.0f, glm::dot(n, w));
+}
+
 }  // namespace
 
 EmbreeCrowd::EmbreeCrowd(const Crowd& crowd) : crowd_(crowd), device_(rtcNewDevice(nullptr))
@@ -168,18 +207,8 @@ EmbreeCrowd::Frame EmbreeCrowd::trace(int frame, const Recipe& recipe) const
         for (int block = 0; block < kTile * kTile / 8; ++block)
             for (int sample = 0; sample < recipe.primary; ++sample) {
                 alignas(32) RTCRayHit8 p;
-                for (int l = 0; l < 8; ++l) {
-                    const int x = x0 + block % (kTile / 4) * 4 + l % 4, y = y0 + block / (kTile / 4) * 2 + l / 4;
-                    const std::uint32_t seed = static_cast<std::uint32_t>((y * kCrowdPixels + x) * recipe.primary + sample) *
-                                               2u;
-                    const Vec3f d = view.direction(float(x) + number(seed, static_cast<std::uint32_t>(frame)),
-                                                   float(y) + number(seed + 1, static_cast<std::uint32_t>(frame)));
-                    p.ray.org_x[l] = view.eye.x, p.ray.org_y[l] = view.eye.y, p.ray.org_z[l] = view.eye.z;
-                    p.ray.dir_x[l] = d.x, p.ray.dir_y[l] = d.y, p.ray.dir_z[l] = d.z;
-                    p.ray.tnear[l] = 0, p.ray.tfar[l] = std::numeric_limits<float>::infinity();
-                    p.ray.time[l] = 0, p.ray.mask[l] = ~0u, p.ray.id[l] = 0, p.ray.flags[l] = 0;
-                    p.hit.geomID[l] = p.hit.primID[l] = p.hit.instID[0][l] = RTC_INVALID_GEOMETRY_ID;
-                }
+                const int x = x0 + block % (kTile / 4) * 4, y = y0 + block / (kTile / 4) * 2;
+                set_camera_rays(view, {x, y, sample, recipe.primary, frame}, p);
                 rtcIntersect8(kAll, scene_, &context, &p);
                 rays += 8;
                 int valid[8];
@@ -191,28 +220,11 @@ EmbreeCrowd::Frame EmbreeCrowd::trace(int frame, const Recipe& recipe) const
                         alignas(32) RTCRay8 shadow = p.ray;
                         float shine[8];
                         for (int l = 0; l < 8; ++l) {
-                            if (!valid[l]) continue;
-                            const SquareLight& to = lights[light];
-                            const std::uint32_t seed = static_cast<std::uint32_t>(tile * 4096 + block * 128 + sample * 16 +
-                                                                                  l);
-                            const double u = double(
-                                                 number(seed, static_cast<std::uint32_t>(light * 64 + std::size_t(s) * 2))) -
-                                             0.5,
-                                         v = double(number(
-                                                 seed, static_cast<std::uint32_t>(light * 64 + std::size_t(s) * 2 + 1))) -
-                                             0.5;
-                            const Vec3f at(to.centre + to.right * (u * to.side) + to.up * (v * to.side));
-                            const Vec3f d(p.ray.dir_x[l], p.ray.dir_y[l], p.ray.dir_z[l]);
-                            Vec3f n = glm::normalize(Vec3f(p.hit.Ng_x[l], p.hit.Ng_y[l], p.hit.Ng_z[l]));
-                            if (glm::dot(n, d) > 0) n = -n;
-                            const Vec3f from = view.eye + d * p.ray.tfar[l] + n * (1e-4f * p.ray.tfar[l]);
-                            const Vec3f way = at - from;
-                            const float distance = glm::length(way);
-                            const Vec3f w = way / distance;
-                            shadow.org_x[l] = from.x, shadow.org_y[l] = from.y, shadow.org_z[l] = from.z;
-                            shadow.dir_x[l] = w.x, shadow.dir_y[l] = w.y, shadow.dir_z[l] = w.z;
-                            shadow.tfar[l] = distance * 0.9999f;
-                            shine[l] = std::max(0.0f, glm::dot(n, w));
+                            const int seed = tile * 4096 + block * 128 + sample * 16 + l;
+                            const auto draw = static_cast<std::uint32_t>(light * 64 + std::size_t(s) * 2);
+                            if (valid[l])
+                                shine[l] = set_shadow_ray(p, l, lights[light], static_cast<std::uint32_t>(seed), draw,
+                                                          shadow);
                         }
                         rtcOccluded8(valid, scene_, &context, &shadow);
                         for (int l = 0; l < 8; ++l)

@@ -34,12 +34,37 @@ struct Worst {
     }
 };
 
+/// Holds runs of a grid of 2^exponent quads along a side.
+struct Grid {
+    int exponent, side = (1 << exponent) + 1;
+    std::size_t count = static_cast<std::size_t>(side * side);
+    int repeats = 200'000 / static_cast<int>(count);
+    double to_ns = 1e9 / (double(count) * repeats);
+};
+
+// Returns the times of dicing and shading a tile of a patch that is not posed yet.
+std::vector<double> dice_times(const Subject& subject, const Grid& grid)
+{
+    // There are as many cages as patches to dice, since a dicer keeps those that it has posed.
+    const std::vector<lod::PosedCage> copies(static_cast<std::size_t>(grid.repeats), subject.posed);
+    lod::Dicer dicer;
+    Arena arena;
+    const auto size = static_cast<std::uint16_t>(grid.side - 1);
+    const int e = grid.exponent;
+    const lod::TileRef tile{kPatch, {e, e, {e, e, e, e}}, 0, 0, size, size};
+    const auto run = [&] {
+        arena.reset();
+        dicer.forget();
+        for (const lod::PosedCage& cage : copies) dicer.dice(cage, tile, arena), dicer.shade(cage, tile, tile.rates, arena);
+    };
+    return times(repeat(kRuns, run), grid.to_ns);
+}
+
 void run_grid(Report& report, const std::string& name, const Subject& subject, const BfrPatch& bfr, int exponent)
 {
-    const int side = (1 << exponent) + 1;
-    const std::size_t count = static_cast<std::size_t>(side * side);
-    const int repeats = 200'000 / static_cast<int>(count);
-    const double to_ns = 1e9 / (double(count) * repeats);
+    const Grid of{exponent};
+    const int side = of.side;
+    const std::size_t count = of.count;
     const float step = std::ldexp(1.0f, -exponent);
 
     lod::PosedPatch patch;
@@ -50,30 +75,16 @@ void run_grid(Report& report, const std::string& name, const Subject& subject, c
     const auto many = [&](auto&& work) {
         return times(repeat(kRuns,
                             [&] {
-                                for (int i = 0; i < repeats; ++i) work();
+                                for (int i = 0; i < of.repeats; ++i) work();
                             }),
-                     to_ns);
+                     of.to_ns);
     };
     patch.set(subject.posed, kPatch);
     evaluate();  // classes grow on demand, once for each topology
     const std::vector<double> evaluated = many(evaluate);
     const std::vector<double> posed = many([&] { patch.set(subject.posed, kPatch), evaluate(); });
 
-    // There are as many cages as patches to dice, since a dicer keeps those that it has posed.
-    const std::vector<lod::PosedCage> copies(static_cast<std::size_t>(repeats), subject.posed);
-    lod::Dicer dicer;
-    Arena arena;
-    const auto size = static_cast<std::uint16_t>(side - 1);
-    const lod::TileRef tile{kPatch, {exponent, exponent, {exponent, exponent, exponent, exponent}}, 0, 0, size, size};
-    const std::vector<double> diced = times(repeat(kRuns,
-                                                   [&] {
-                                                       arena.reset();
-                                                       dicer.forget();
-                                                       for (const lod::PosedCage& cage : copies)
-                                                           dicer.dice(cage, tile, arena),
-                                                               dicer.shade(cage, tile, tile.rates, arena);
-                                                   }),
-                                            to_ns);
+    const std::vector<double> diced = dice_times(subject, of);
 
     std::vector<float> uv;
     for (int j = 0; j < side; ++j)
@@ -88,9 +99,9 @@ void run_grid(Report& report, const std::string& name, const Subject& subject, c
     Worst ours, theirs;
     for (std::size_t i = 0; i < count; ++i) {
         const auto at = [&](std::size_t k) { return Vec3d(out[k][i], out[k + 1][i], out[k + 2][i]); };
-        const auto of = [&](std::size_t k) { return Vec3d(in_float[i][k], in_float[i][k + 1], in_float[i][k + 2]); };
+        const auto theirs_at = [&](std::size_t k) { return Vec3d(in_float[i][k], in_float[i][k + 1], in_float[i][k + 2]); };
         ours.add({at(0), at(3), at(6)}, in_double[i], extent);
-        theirs.add({of(0), of(3), of(6)}, in_double[i], extent);
+        theirs.add({theirs_at(0), theirs_at(3), theirs_at(6)}, in_double[i], extent);
     }
     const std::string grid = std::to_string(side) + " x " + std::to_string(side);
     Row row{"dice", name + ", " + grid};

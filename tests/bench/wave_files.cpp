@@ -33,31 +33,38 @@ void write_wave_obj(const std::filesystem::path& file, int columns, int rows)
     if (!out.flush()) throw Error(file.string(), "cannot be written");
 }
 
-void write_wave_glb(const std::filesystem::path& file, int columns, int rows)
-{
-    const std::size_t vertices = std::size_t(columns + 1) * std::size_t(rows + 1),
-                      quads = std::size_t(columns) * std::size_t(rows);
+namespace {
+
+struct WaveArrays {
     std::vector<Vec3f> positions, normals;
     std::vector<Vec2f> uvs;
     std::vector<std::uint32_t> indices;
+};
+
+WaveArrays wave_arrays(int columns, int rows)
+{
+    WaveArrays wave;
     for (int j = 0; j <= rows; ++j)
         for (int i = 0; i <= columns; ++i) {
             const float x = 4.0f * float(i) / float(columns) - 2, z = 2.0f * float(j) / float(rows) - 1;
-            positions.emplace_back(x, 0.1f * std::sin(9 * x) * std::cos(7 * z), -z);
-            normals.push_back(glm::normalize(
+            wave.positions.emplace_back(x, 0.1f * std::sin(9 * x) * std::cos(7 * z), -z);
+            wave.normals.push_back(glm::normalize(
                 Vec3f(-0.9f * std::cos(9 * x) * std::cos(7 * z), 1, -0.7f * std::sin(9 * x) * std::sin(7 * z))));
-            uvs.emplace_back(float(i) / float(columns), float(j) / float(rows));
+            wave.uvs.emplace_back(float(i) / float(columns), float(j) / float(rows));
         }
     for (int j = 0; j < rows; ++j)
         for (int i = 0; i < columns; ++i) {
             const auto a = static_cast<std::uint32_t>(j * (columns + 1) + i), b = a + 1;
             const std::uint32_t d = a + static_cast<std::uint32_t>(columns) + 1, c = d + 1;
-            indices.insert(indices.end(), {a, b, c, a, c, d});
+            wave.indices.insert(wave.indices.end(), {a, b, c, a, c, d});
         }
+    return wave;
+}
 
+// Describes the arrays as one mesh, in the order in which they stand in the buffer.
+nlohmann::json scene_of(const WaveArrays& wave, std::span<const std::size_t> bytes)
+{
     using nlohmann::json;
-    const std::size_t bytes[] = {positions.size() * sizeof positions[0], normals.size() * sizeof normals[0],
-                                 uvs.size() * sizeof uvs[0], indices.size() * sizeof indices[0]};
     json views = json::array();
     std::size_t total = 0;
     for (const std::size_t size : bytes) {
@@ -72,15 +79,27 @@ void write_wave_glb(const std::filesystem::path& file, int columns, int rows)
                   {"buffers", {{{"byteLength", total}}}}, {"bufferViews", views}};
     scene["meshes"] = {
         {{"primitives", {{{"attributes", {{"POSITION", 0}, {"NORMAL", 1}, {"TEXCOORD_0", 2}}}, {"indices", 3}}}}}};
-    scene["accessors"] = {accessor(0, 5126, vertices, "VEC3"), accessor(1, 5126, vertices, "VEC3"),
-                          accessor(2, 5126, vertices, "VEC2"), accessor(3, 5125, quads * 6, "SCALAR")};
+    scene["accessors"] = {accessor(0, 5126, wave.positions.size(), "VEC3"), accessor(1, 5126, wave.normals.size(), "VEC3"),
+                          accessor(2, 5126, wave.uvs.size(), "VEC2"), accessor(3, 5125, wave.indices.size(), "SCALAR")};
     Box3f box;
-    for (const Vec3f p : positions) box.add(p);
+    for (const Vec3f p : wave.positions) box.add(p);
     for (int axis = 0; axis < 3; ++axis) {
         scene["accessors"][0]["min"].push_back(box.lo[axis]);
         scene["accessors"][0]["max"].push_back(box.hi[axis]);
     }
-    std::string text = scene.dump();
+    return scene;
+}
+
+}  // namespace
+
+void write_wave_glb(const std::filesystem::path& file, int columns, int rows)
+{
+    const WaveArrays wave = wave_arrays(columns, rows);
+    const auto bytes_of = [](const auto& list) { return list.size() * sizeof list[0]; };
+    const std::array<std::size_t, 4> bytes = {bytes_of(wave.positions), bytes_of(wave.normals), bytes_of(wave.uvs),
+                                              bytes_of(wave.indices)};
+    const std::size_t total = bytes[0] + bytes[1] + bytes[2] + bytes[3];
+    std::string text = scene_of(wave, bytes).dump();
     text.resize((text.size() + 3) / 4 * 4, ' ');
 
     std::ofstream out(file, std::ios::binary);
@@ -94,7 +113,8 @@ void write_wave_glb(const std::filesystem::path& file, int columns, int rows)
     put("glTF", 4), put_u32(2), put_u32(12 + 8 + text.size() + 8 + total);
     put_u32(text.size()), put("JSON", 4), put(text.data(), text.size());
     put_u32(total), put("BIN", 4);
-    put(positions.data(), bytes[0]), put(normals.data(), bytes[1]), put(uvs.data(), bytes[2]), put(indices.data(), bytes[3]);
+    put(wave.positions.data(), bytes[0]), put(wave.normals.data(), bytes[1]);
+    put(wave.uvs.data(), bytes[2]), put(wave.indices.data(), bytes[3]);
     if (!out.flush()) throw Error(file.string(), "cannot be written");
 }
 

@@ -48,6 +48,39 @@ std::vector<Vec3d> inside_points(const std::vector<MeshTriangle>& mesh, std::siz
     return points;
 }
 
+// Returns a ray from a start to anywhere, to the middle of a gap triangle, to a vertex, or to a point of an edge. Aims are
+// varied by an ulp.
+accel::Ray aimed(Vec3d from, const std::vector<MeshTriangle>& mesh, const std::vector<const MeshTriangle*>& gaps,
+                 Random& random)
+{
+    const double choice = uniform(random);
+    Vec3d target = from + any_direction(random);
+    if (choice < 0.3 && !gaps.empty()) {
+        target = Vec3d(gaps[random() % gaps.size()]->v[1]);
+    } else if (choice < 0.6) {
+        const MeshTriangle& t = mesh[random() % mesh.size()];
+        const Vec3d a(t.v[random() % 3]), b(t.v[random() % 3]);
+        target = choice < 0.45 ? a : glm::mix(a, b, uniform(random));
+    }
+    accel::Ray ray;
+    ray.origin = from;
+    ray.direction = Vec3f(glm::normalize(target - from));
+    // One component goes a step up or down, or stays.
+    const auto axis = static_cast<int>(random() % 3);
+    if (random() & 1) ray.direction[axis] = std::nextafterf(ray.direction[axis], random() & 1 ? 2.0f : -2.0f);
+    return ray;
+}
+
+// Returns a line that says how to trace the ray again.
+std::string replay_line(const accel::Ray& ray, int level)
+{
+    std::ostringstream out;
+    out.precision(17);
+    out << "origin " << ray.origin.x << ' ' << ray.origin.y << ' ' << ray.origin.z << " direction " << ray.direction.x << ' '
+        << ray.direction.y << ' ' << ray.direction.z << " level " << level << '\n';
+    return out.str();
+}
+
 }  // namespace
 
 EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int exponent, std::uint64_t rays,
@@ -79,23 +112,8 @@ EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int 
     std::vector<accel::SurfaceHit> hits(batch.size());
     while (count.rays < rays) {
         for (accel::Ray& ray : batch) {
-            const Vec3d from = starts[random() % starts.size()];
-            const double choice = uniform(random);
-            Vec3d target = from + any_direction(random);
-            if (choice < 0.3 && !gaps.empty()) {
-                target = Vec3d(gaps[random() % gaps.size()]->v[1]);
-            } else if (choice < 0.6) {
-                const MeshTriangle& t = mesh[random() % mesh.size()];
-                const Vec3d a(t.v[random() % 3]), b(t.v[random() % 3]);
-                target = choice < 0.45 ? a : glm::mix(a, b, uniform(random));
-            }
-            ray = {};
-            ray.origin = diced.posed.anchor + from;
-            Vec3f d = Vec3f(glm::normalize(target - from));
-            // Aims are varied by an ulp: one component goes a step up or down, or stays.
-            const auto axis = static_cast<int>(random() % 3);
-            if (random() & 1) d[axis] = std::nextafterf(d[axis], random() & 1 ? 2.0f : -2.0f);
-            ray.direction = d;
+            ray = aimed(starts[random() % starts.size()], mesh, gaps, random);
+            ray.origin += diced.posed.anchor;
         }
         tracer.closest(batch, hits);
         for (std::size_t i = 0; i < batch.size(); ++i) {
@@ -105,14 +123,7 @@ EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int 
                 count.not_finite += !std::isfinite(all.x + all.y + all.z + hit.t);
                 continue;
             }
-            if (count.escaped++ < 5) {
-                std::ostringstream out;
-                out.precision(17);
-                out << "origin " << batch[i].origin.x << ' ' << batch[i].origin.y << ' ' << batch[i].origin.z
-                    << " direction " << batch[i].direction.x << ' ' << batch[i].direction.y << ' ' << batch[i].direction.z
-                    << " level " << level << '\n';
-                count.replay += out.str();
-            }
+            if (count.escaped++ < 5) count.replay += replay_line(batch[i], level);
         }
         count.rays += batch.size();
     }
