@@ -30,20 +30,20 @@ std::vector<std::uint32_t> ids_of(const IGrid& grid)
         for (int leaf = 0; leaf < grid.boxes.leaves; ++leaf) {
             const int node = grid.boxes.first_leaf() + leaf;
             if (!(grid.boxes.lo(node, 0) <= grid.boxes.hi(node, 0))) continue;  // a leaf without a block
-            const std::uint32_t* first = grid.ids + std::ptrdiff_t(grid.block_at[leaf]) * IGrid::kBlock;
+            const std::uint32_t* first = grid.mesh().ids + std::ptrdiff_t(grid.mesh().block_at[leaf]) * IGrid::kBlock;
             ids.insert(ids.end(), first, first + IGrid::kBlock);
         }
         std::sort(ids.begin(), ids.end());
         ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
         return ids;
     }
-    for (std::uint32_t part = 0; part < grid.parts.size(); ++part) {
-        const lod::TileRef& tile = grid.parts[part].tile;
+    for (std::uint32_t part = 0; part < grid.lattice().parts.size(); ++part) {
+        const lod::TileRef& tile = grid.lattice().parts[part].tile;
         for (int j = 0; j < tile.rows; ++j)
             for (int i = 0; i < tile.columns; ++i)
                 for (const int triangle : {0, 1}) ids.push_back(make_id(part, i, j, triangle));
     }
-    for (std::uint32_t k = 0; k < grid.hanging.size(); ++k) ids.push_back(kGapBit | k);
+    for (std::uint32_t k = 0; k < grid.lattice().hanging.size(); ++k) ids.push_back(kGapBit | k);
     return ids;
 }
 
@@ -93,7 +93,7 @@ void write_place(std::ostream& out, const TestedTriangle& one, const IGrid& grid
     else if (!grid.is_lattice) out << "triangle " << one.place.face;
     else
         out << "triangle " << one.place.triangle << " of quad (" << one.place.i << ", " << one.place.j << ") of "
-            << grid.parts[part_of(one.place.number)].tile.patch;
+            << grid.lattice().parts[part_of(one.place.number)].tile.patch;
 }
 
 }  // namespace
