@@ -9,16 +9,6 @@
 namespace occam::accel {
 namespace {
 
-const Material* material_of(const Scene& scene, const lod::PosedCage& cage, std::uint32_t face) noexcept
-{
-    static const Material plain;
-    const Cage& source = cage.slot->cage;
-    const std::size_t slot = source.face_slots.empty() ? 0 : source.face_slots[face];
-    const auto& from = cage.node->materials.empty() ? source.materials : cage.node->materials;
-    const Material* found = slot < from.size() ? scene.find(from[slot]) : nullptr;
-    return found ? found : &plain;
-}
-
 // This is kept out of line because it is rare.
 OCCAM_NEVER_INLINE void shade(const IGrid& grid, IGridPart& part, const PhaseOneTools& tools)
 {
@@ -33,7 +23,31 @@ OCCAM_NEVER_INLINE void shade(const IGrid& grid, IGridPart& part, const PhaseOne
 
 }  // namespace
 
+const Material* material_of(const Scene& scene, const lod::PosedCage& cage, std::uint32_t face) noexcept
+{
+    static const Material plain;
+    const Cage& source = cage.slot->cage;
+    const std::size_t slot = source.face_slots.empty() ? 0 : source.face_slots[face];
+    const auto& from = cage.node->materials.empty() ? source.materials : cage.node->materials;
+    const Material* found = slot < from.size() ? scene.find(from[slot]) : nullptr;
+    return found ? found : &plain;
+}
+
+void shade_parts(LatticeGrid& grid, const PhaseOneTools& tools)
+{
+    for (IGridPart& part : grid.parts)
+        if (!read_published(part.is_shaded)) shade(grid, part, tools);
+}
+
 void HitCorners::set_attributes(const PhaseOneTools& tools)
+{
+    for (std::size_t lane = 0; lane < met_.size(); ++lane)
+        if (met_[lane].grid && spots_[lane].part && !read_published(spots_[lane].part->is_shaded))
+            shade(*met_[lane].grid, *spots_[lane].part, tools);
+    set_attributes(*tools.frame.scene);
+}
+
+void HitCorners::set_attributes(const Scene& scene) noexcept
 {
     for (std::size_t lane = 0; lane < met_.size(); ++lane) {
         const GridHit& m = met_[lane];
@@ -41,11 +55,10 @@ void HitCorners::set_attributes(const PhaseOneTools& tools)
         const IGrid& grid = *m.grid;
         const MicropolygonPlace& spot = spots_[lane];
         if (!spot.part) {
-            set_attributes_of_mesh(lane, *tools.frame.scene);
+            set_attributes_of_mesh(lane, scene);
             continue;
         }
-        IGridPart& part = *spot.part;
-        if (!read_published(part.is_shaded)) shade(grid, part, tools);
+        const IGridPart& part = *spot.part;
         material[lane] = part.material;
         const lod::GridAttributes& made = part.attributes;
         const std::ptrdiff_t width = part.tile.columns + 1, halved = part.is_halved && grid.blends() ? 1 : 0;

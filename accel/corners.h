@@ -47,6 +47,8 @@ struct HitCorners {
                        unsigned coarse_starts) noexcept;
     /// Fills in the remaining attributes and the materials. Runs phase one on patches that have their first hits here.
     void set_attributes(const PhaseOneTools& tools);
+    /// Does the same where phase one has run.
+    void set_attributes(const Scene& scene) noexcept;
 
     /// Returns the velocity of a place in a lane whose igrid moves, by the shares of the micropolygon's corners: world
     /// length per shutter.
@@ -87,6 +89,11 @@ private:
     std::span<const GridHit> met_;
     const MicropolygonPlace* spots_;
 };
+
+/// Returns the material of a face of a placed cage.
+const Material* material_of(const Scene& scene, const lod::PosedCage& cage, std::uint32_t face) noexcept;
+/// Runs phase one on all parts of an igrid that nothing has hit yet.
+void shade_parts(LatticeGrid& grid, const PhaseOneTools& tools);
 
 /// Holds the positions of the corners of a quad's two triangles, in units of quads.
 inline constexpr int kQuadCorners[2][3][2] = {{{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}};

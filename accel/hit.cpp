@@ -6,9 +6,9 @@
 #include <tuple>
 
 #include "accel/hit_geometry.h"
+#include "accel/hit_shares.h"
 #include "accel/packet.h"
 #include "accel/ray_starts.h"
-#include "accel/triangle.h"
 #include "accel/vertex_values.h"
 #include "base/hash.h"
 
@@ -25,58 +25,6 @@ auto order_of(const IGrid& grid, std::uint32_t id) noexcept
     const std::uint32_t patch_face = tile.patch.face, kind = is_gap(id) ? 2u : quad.triangle;
     return std::tuple(grid.cage->key, patch_face, tile.patch.sub, grid.pairs.finest, tile.j0 + quad.j, tile.i0 + quad.i,
                       kind);
-}
-
-// Computes the barycentrics of the point where the ray meets the plane of a gap triangle, clamped to the triangle; in
-// double, since the triangle has no area.
-Vec3d barycentrics(const HitCorners& corners, std::size_t lane, Vec3d origin, Vec3d direction) noexcept
-{
-    const auto from_origin = [&](int corner) { return Vec3d(corners.position_of(corner, lane)) - origin; };
-    const Vec3d a = from_origin(0), b = from_origin(1), c = from_origin(2);
-    Vec3d w{glm::dot(direction, glm::cross(c, b)), glm::dot(direction, glm::cross(a, c)),
-            glm::dot(direction, glm::cross(b, a))};
-    const double sum = w.x + w.y + w.z;
-    if (sum == 0) return Vec3d(1.0 / 3);
-    w *= 1 / sum;
-    if (w.x >= 0 && w.y >= 0 && w.z >= 0) return w;
-    w = glm::max(w, Vec3d(0));
-    return w / (w.x + w.y + w.z);
-}
-
-// Computes the barycentric weights of the corners at the hit, from the same edge functions that found the hit.
-void shares_of(const HitCorners& corners, const RayAxes& axes, const vfloat (&way)[4], const vfloat (&origin)[4],
-               vfloat (&share)[3]) noexcept
-{
-    vfloat shears[3];
-    set_shear(axes, way, shears);
-    RayLanes rays;
-    rays.sx = shears[0];
-    rays.sy = shears[1];
-    rays.sz = shears[2];
-    const VecLanes from{origin[axes.kx], origin[axes.ky], origin[axes.kz]};
-    const auto corner = [&](int p) {
-        const FloatLanes(&at)[3] = corners.position[p];
-        return shear(rays, from, {vfloat::load(at[axes.kx]), vfloat::load(at[axes.ky]), vfloat::load(at[axes.kz])});
-    };
-    const EdgeFunctions edges = edge_functions(corner(0), corner(1), corner(2));
-    const vfloat zero = 0.0f, det = (edges.u + edges.v) + edges.w;
-    const vmask has_area = (det > zero) | (det < zero);
-    const vfloat of[3] = {edges.u, edges.v, edges.w};
-    for (int p = 0; p < 3; ++p) share[p] = select(has_area, max(of[p] / det, zero), 1.0f / 3);
-}
-
-// Does the same for gap triangles, which have no edge functions.
-OCCAM_NEVER_INLINE void set_shares_of_gaps(unsigned gaps, const HitCorners& corners, std::span<const Ray> rays,
-                                           std::span<const GridHit> met, vfloat (&share)[3]) noexcept
-{
-    alignas(32) FloatLanes own[3];
-    for (int p = 0; p < 3; ++p) share[p].store(own[p]);
-    for (unsigned left = gaps; left != 0; left &= left - 1) {
-        const auto i = static_cast<std::size_t>(std::countr_zero(left));
-        const Vec3d w = barycentrics(corners, i, rays[i].origin - met[i].grid->cage->anchor, Vec3d(rays[i].direction));
-        for (int p = 0; p < 3; ++p) own[p][i] = static_cast<float>(w[p]);
-    }
-    for (int p = 0; p < 3; ++p) share[p] = vfloat::load(own[p]);
 }
 
 // Returns the set of texture coordinates that decides the axes of normal maps and brush strokes, or -1 if the material
@@ -102,8 +50,6 @@ struct Stored {
     }
     Vec3f operator[](std::size_t lane) const noexcept { return {axis[0][lane], axis[1][lane], axis[2][lane]}; }
 };
-
-Vec4f weighted(const Vec4f (&of)[3], Vec3f w) noexcept { return of[0] * w.x + of[1] * w.y + of[2] * w.z; }
 
 /// to_frame   frame lengths of a world length
 OCCAM_NEVER_INLINE void set_bump_gradients(const HitCorners& corners, const Triangles& tri, std::size_t lane, float to_frame,
@@ -322,8 +268,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
     corners.set_positions({way[0], way[1], way[2]}, {origin[0], origin[1], origin[2]}, origin[3], read.coarse_starts);
     corners.set_attributes(tools);
     vfloat share[3];
-    shares_of(corners, axes, way, origin, share);
-    if (read.gaps != 0) set_shares_of_gaps(read.gaps, corners, rays, met, share);
+    shares_of(corners, axes, rays, met, way, origin, read.gaps, share);
 
     const vfloat zero = 0.0f, t = vfloat::load(read.t);
     const vmask is_flat = vfloat::load(read.is_flat) > zero;

@@ -22,8 +22,22 @@ inline constexpr float kDead = -FLT_MAX;
 /// The number of rays in the largest packet.
 inline constexpr int kPacket = 2 * kLanes;
 
+/// Says where surfaces have holes for the rays of a query (accel/holes.h).
+struct Holes;
+/// Returns whether the ray in a lane passes a hole of the igrid's surface at that point.
+bool passes_hole(const Holes& holes, int lane, float t, IGrid& on, std::uint32_t number) noexcept;
+
+/// Is what all queries have: igrids that may have holes are met only if `holes` is set.
+struct HoleQuery {
+    const Holes* holes = nullptr;
+    bool is_hole(int lane, float t, IGrid& on, std::uint32_t number) const noexcept
+    {
+        return on.may_have_holes && passes_hole(*holes, lane, t, on, number);
+    }
+};
+
 /// Holds the nearest hits so far of up to kPacket rays.
-struct Nearest {
+struct Nearest : HoleQuery {
     alignas(32) float t[kPacket];  ///< t_far of the ray until a hit is found
     IGrid* grid[kPacket];
     std::uint32_t id[kPacket];
@@ -32,6 +46,7 @@ struct Nearest {
     {
         if (found > t[lane] || (found == t[lane] && (!grid[lane] || !comes_before(on, number, *grid[lane], id[lane]))))
             return;
+        if (is_hole(lane, found, on, number)) return;
         t[lane] = found;
         grid[lane] = &on;
         id[lane] = number;
@@ -39,17 +54,17 @@ struct Nearest {
 };
 
 /// Records only whether anything was hit: the t of such a ray becomes kDead.
-struct AnyHit {
+struct AnyHit : HoleQuery {
     alignas(32) float t[kPacket];
 
-    void offer(int lane, float found, IGrid&, std::uint32_t) noexcept
+    void offer(int lane, float found, IGrid& on, std::uint32_t number) noexcept
     {
-        if (found < t[lane]) t[lane] = kDead;
+        if (found < t[lane] && !is_hole(lane, found, on, number)) t[lane] = kDead;
     }
 };
 
 /// Holds the nearest hits so far of up to kPacket rays, several of each, in order of t.
-struct NearestSome {
+struct NearestSome : HoleQuery {
     static constexpr int kMost = kMostNearest;
     struct Hit {
         float t;
@@ -70,7 +85,7 @@ struct NearestSome {
         while (at > 0 && goes_before(found, on, number, list[at - 1])) --at;
         // An igrid may be met twice by a ray (accel/mailboxes.h).
         if (at > 0 && list[at - 1].grid == &on && list[at - 1].id == number) return;
-        if (at == wanted) return;
+        if (at == wanted || is_hole(lane, found, on, number)) return;
         n = std::min(n + 1, wanted);
         for (int i = n - 1; i > at; --i) list[i] = list[i - 1];
         list[at] = {found, number, &on};

@@ -115,6 +115,18 @@ struct UvLanes {
             for (int p = 0; p < 2; ++p) edge[p][a] = of[p + 1][a] - at[a];
         }
     }
+    /// Returns a coordinate at the place whose corners have these weights.
+    vfloat at_share(int axis, const vfloat (&share)[3]) const noexcept
+    {
+        return fma(edge[0][axis], share[1], fma(edge[1][axis], share[2], at[axis]));
+    }
+    /// Returns the width, in units of the coordinates, of a beam of this width on the triangle.
+    vfloat width_on(const Triangles& tri, vfloat width) const noexcept
+    {
+        const vfloat zero = 0.0f;
+        const vfloat area = abs(difference_of_products(edge[0][0], edge[1][1], edge[0][1], edge[1][0]));
+        return select((tri.area > zero) & (area > zero), width * sqrt(area / tri.area), zero);
+    }
     void set_where(vmask here, const UvLanes& from) noexcept
     {
         for (int a = 0; a < 2; ++a) {
@@ -167,9 +179,8 @@ struct UvAtHits {
             at[s][0] = at[s][1] = width[s] = zero;
             if (corners.has_uv[s] == 0) continue;
             const UvLanes uv(corners.uv[s]);
-            for (int a = 0; a < 2; ++a) at[s][a] = fma(uv.edge[0][a], share[1], fma(uv.edge[1][a], share[2], uv.at[a]));
-            const vfloat area = abs(difference_of_products(uv.edge[0][0], uv.edge[1][1], uv.edge[0][1], uv.edge[1][0]));
-            width[s] = select((tri.area > zero) & (area > zero), width_of_beam * sqrt(area / tri.area), zero);
+            for (int a = 0; a < 2; ++a) at[s][a] = uv.at_share(a, share);
+            width[s] = uv.width_on(tri, width_of_beam);
             if (map_set) of_map.set_where(has_gradients & (*map_set == vfloat(float(s))), uv);
         }
         if (map_set) tangent = tangents(tri, of_map, outward);

@@ -15,6 +15,7 @@ IGridPart::IGridPart(const lod::LevelGrid& vertices, int filter_of_coarse, std::
 IGrid::IGrid(const GridSubject& of, const Common& common, bool of_patches, bool has_two_levels, std::size_t hanging) noexcept
     : is_lattice(of_patches),
       is_hidden(of.cage.seen_by != RayKind::All || of.cage.visible_in != lod::PosedCage::kAllSegments),
+      may_have_holes(of.may_have_holes),
       is_blended(has_two_levels),
       hanging_blocks(static_cast<int>(hanging / kBlock)),
       pairs(of.pairs),

@@ -121,8 +121,9 @@ struct GridVisit {
 /// Says whose surface an igrid holds, and which rays see it.
 struct GridSubject {
     const lod::PosedCage& cage;
-    PairRange pairs;  ///< the pairs of levels whose rays see this igrid
-    int level;        ///< level of the fine positions; 0 for a mesh
+    PairRange pairs;              ///< the pairs of levels whose rays see this igrid
+    int level;                    ///< level of the fine positions; 0 for a mesh
+    bool may_have_holes = false;  ///< some material here has an alpha mask, and the frame has a filter (accel/holes.h)
 };
 
 struct LatticeGrid;
@@ -136,6 +137,7 @@ struct IGrid {
     GridVisit visit;  ///< used by the one worker that owns the tree; workers that share a tree have tables instead
     const bool is_lattice;
     const bool is_hidden;  ///< from some rays, by their kind or by their time: see the cage's seen_by and visible_in
+    const bool may_have_holes;
     const bool is_blended;
     const int hanging_blocks;  ///< blocks of gap triangles
     const PairRange pairs;

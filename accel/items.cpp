@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "accel/corners.h"
 #include "accel/stopwatch.h"
 #include "base/cancellation.h"
 
@@ -312,7 +313,8 @@ IGrid& Items::grid(ItemIndex i, int pair)
         const Stopwatch watch(counters_.dice_seconds);
         const auto micropolygons = [&] { return lattices_.micropolygons + meshes_.micropolygons; };
         const std::uint64_t before = micropolygons();
-        grid = build(item, {item.cage(), pairs, level}, is_shared, tile);
+        grid = build(item, {item.cage(), pairs, level, frame_.shading.filter && has_masks(item, is_shared)}, is_shared,
+                     tile);
         ++counters_.grids;
         const std::uint64_t made = micropolygons() - before;
         counters_.micropolygons += made;
@@ -322,6 +324,18 @@ IGrid& Items::grid(ItemIndex i, int pair)
                                          TraceCounters::kFinestLevel] += made;
     }
     return *grid;
+}
+
+bool Items::has_masks(const Item& item, bool is_shared) const noexcept
+{
+    const lod::PosedCage& cage = item.cage();
+    const auto is_masked = [&](std::uint32_t face) {
+        return material_of(*frame_.scene, cage, face)->alpha_mode == AlphaMode::Mask;
+    };
+    if (item.kind == Item::Faces)
+        return std::ranges::any_of(cage.clusters->faces(cage.clusters->node(item.index)), is_masked);
+    if (!is_shared) return is_masked(item.patch->ref.face);
+    return std::ranges::any_of(item.cluster->patches, is_masked, [](const PatchInfo& patch) { return patch.ref.face; });
 }
 
 GridBounds Items::bounds_of(const IGrid& grid) const

@@ -120,6 +120,8 @@ public:
     IGrid& grid(ItemIndex i, int pair);
     /// Returns the bounds of such an igrid in the tree's frame; they are tighter than the item's box.
     GridBounds bounds_of(const IGrid& grid) const;
+    /// Returns whether some material of an item's igrid has an alpha mask.
+    bool has_masks(const Item& item, bool is_shared) const noexcept;
     /// Returns boxes that hold an item at the keys of the scene's shutter; between keys it is in the box that lies between
     /// them. They are empty if the item's one box stands for all times.
     std::span<const Box3f> key_boxes(ItemIndex i) const noexcept

@@ -1,5 +1,7 @@
 #include "accel/lazy_tree.h"
 
+#include "accel/corners.h"
+
 namespace occam::accel {
 
 LazyTree::LazyTree(const FrameState& f, std::size_t budget_bytes, BuildTechniques with, bool is_shared)
@@ -40,6 +42,8 @@ IGrid& LazyTree::grid(const TreeLeaf& leaf, std::size_t place, int pair, TraceCo
     if (entry.grid) return *entry.grid;  // another thread has built it in the meantime
     const std::uint64_t diced = counters.diced, grids = counters.grids;
     IGrid& made = items.grid(entry.item, pair);
+    // Whether a surface has a hole is asked in the middle of a traversal, where nothing may be built.
+    if (made.may_have_holes && made.is_lattice) shade_parts(made.lattice(), {frame, dicer, arena, counters, nullptr});
     asker.diced += counters.diced - diced;
     asker.grids += counters.grids - grids;
     entry.bounds = items.bounds_of(made);

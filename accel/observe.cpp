@@ -2,6 +2,7 @@
 #include <limits>
 #include <sstream>
 
+#include "accel/holes.h"
 #include "accel/narration.h"
 #include "accel/stopwatch.h"
 #include "accel/tracer_state.h"
@@ -18,7 +19,8 @@ RayCost Tracer::observe(const Ray& ray, SurfaceHit& hit, std::ostream* out)
         std::optional<Narration> narration;
         if (out) narration.emplace(text, s.frame);
         SingleQuery<ObservedNearest> query;
-        s.prepare(query, {&ray, 1});
+        const Holes holes(s.frame, {&ray, 1}, axes, s.single_levels);
+        s.prepare(query, {&ray, 1}, holes);
         query.narration = narration ? &*narration : nullptr;
         const std::uint64_t visited = s.counters.kd_visited, built = s.counters.grids;
         double seconds = 0;

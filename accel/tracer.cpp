@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "accel/holes.h"
 #include "accel/tracer_state.h"
 
 namespace occam::accel {
@@ -67,7 +68,8 @@ Tracer::State::PacketResult Tracer::State::run_packet_of(std::span<const Ray> ra
                                                          std::size_t limit_bytes, Take&& take)
 {
     PacketQuery<Found, kParts> query;
-    prepare(query, rays);
+    const Holes holes(frame, rays, axes, packet_levels<kParts>());
+    prepare(query, rays, holes);
     const PacketResult result = in_tree(
         [&](auto way) { return run_packet<decltype(way), kParts>(rays, axes, limit_bytes, query); });
     if (result != PacketResult::Done) return result;
@@ -92,9 +94,10 @@ bool Tracer::State::run(const RayAxes& axes, std::size_t first, std::size_t coun
             if (result == PacketResult::Abandoned) return false;
             if (result == PacketResult::Done) continue;
         }
+        const Holes holes(frame, rays, axes, single_levels);
         for (std::size_t i = 0; i < rays.size(); ++i) {
             SingleQuery<Found> query;
-            prepare(query, rays);
+            prepare(query, rays, holes);
             query.only = static_cast<int>(i);
             if (!in_tree([&](auto way) { return run_single<decltype(way)>(rays[i], axes, limit_bytes, query); }))
                 return false;

@@ -84,9 +84,10 @@ struct Tracer::State {
     }
     /// Clears a query before its rays are traced.
     template <class Query>
-    void prepare(Query& query, std::span<const Ray> rays) const noexcept
+    void prepare(Query& query, std::span<const Ray> rays, const Holes& holes) const noexcept
     {
         start(query, rays);
+        query.holes = &holes;
         if constexpr (std::is_base_of_v<NearestSome, Query>) query.wanted = wanted_hits;
     }
     /// Makes the table of transitions of a packet whose rays `enters` are in the scene from t_in to t_out. Returns

@@ -37,10 +37,13 @@ public:
     virtual void shade(const Material& material, const LatticeToShade& lattice, float* out) const noexcept = 0;
 };
 
-/// Says how a frame shades at vertices.
+class HitFilter;
+
+/// Says what a frame looks up of materials while rays are traced.
 struct VertexShading {
     const VertexShader* shader = nullptr;  ///< null: materials are looked up at hits
-    float texture_width = 1;  ///< width of a hit's texture filter, in footprints; denser vertices filter no less
+    float texture_width = 1;            ///< width of a hit's texture filter, in footprints; denser vertices filter no less
+    const HitFilter* filter = nullptr;  ///< lets rays pass the holes of alpha masks; null: surfaces have no holes
 };
 
 }  // namespace occam::lod

@@ -4,6 +4,7 @@
 #include "accel/frame.h"
 #include "render/frame.h"
 #include "render/integrator.h"
+#include "render/mask_filter.h"
 #include "scenegraph/frame_scale.h"
 #include "shade/material_values.h"
 
@@ -23,6 +24,7 @@ struct FrameSetup {
     shade::FrameLights lights;
     FrameContext context;
     shade::PhaseOne phase_one;
+    MaskFilter masks;
     accel::Frame frame;
 };
 

@@ -5,6 +5,7 @@
 
 #include "accel/frame.h"
 #include "render/integrator.h"
+#include "render/mask_filter.h"
 
 namespace occam::render {
 namespace {
@@ -62,7 +63,9 @@ std::vector<Glimpse> small_picture(const FrameInputs& in, const FrameScale& scal
     context.moves = camera.moves() || in.scene.shutter_segments() > 0;
     context.scale = scale;
     context.shadow_batch = in.memory.shadow_batch;
-    const accel::Frame frame(in.scene, in.topologies, camera.levels(settings.shading_rate), &in.textures, {}, scale);
+    const MaskFilter masks(in.textures, sample_width(settings.spp));
+    const lod::VertexShading shading{nullptr, 1, in.scene.contents().has(Contents::Masked) ? &masks : nullptr};
+    const accel::Frame frame(in.scene, in.topologies, camera.levels(settings.shading_rate), &in.textures, shading, scale);
     accel::Tracer tracer(frame, in.memory.tracer_bytes);
     Integrator integrator(context);
 

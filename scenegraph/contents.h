@@ -14,12 +14,13 @@ namespace occam {
 struct Contents {
     /// What a subtree may hold; the values combine to a mask.
     enum Kind : std::uint8_t {
-        Lights = 1,      ///< a placed light
-        Emitters = 2,    ///< a surface whose material has an emission that is not zero
-        Passing = 4,     ///< a surface that may transmit light straight on (may_pass())
-        OverWhite = 8,   ///< a surface whose base colour is not within [0, 1]
-        Displaced = 16,  ///< a displaced cage
-        Subdivided = 32  ///< a cage that is diced: a subdivision surface, or a cage that is made on demand
+        Lights = 1,       ///< a placed light
+        Emitters = 2,     ///< a surface whose material has an emission that is not zero
+        Passing = 4,      ///< a surface that blends or may be clear glass, so that light may pass it straight on
+        OverWhite = 8,    ///< a surface whose base colour is not within [0, 1]
+        Displaced = 16,   ///< a displaced cage
+        Subdivided = 32,  ///< a cage that is diced: a subdivision surface, or a cage that is made on demand
+        Masked = 64       ///< a surface with an alpha mask, which may have holes
     };
 
     std::uint8_t kinds = 0;

@@ -5,19 +5,27 @@
 
 namespace occam {
 
-bool may_pass(const Material& m) noexcept
+namespace {
+
+// Returns whether a part of the light may pass straight on, beside the holes of an alpha mask.
+bool blends_or_is_clear(const Material& m) noexcept
 {
     const bool may_be_clear = m.roughness < kClearRoughness || m.metallic_roughness_texture || m.roughness_texture ||
                               m.glossiness_texture;
-    return m.alpha_mode != AlphaMode::Opaque || (m.transmission > 0 && may_be_clear);
+    return m.alpha_mode == AlphaMode::Blend || (m.transmission > 0 && may_be_clear);
 }
+
+}  // namespace
+
+bool may_pass(const Material& m) noexcept { return m.alpha_mode == AlphaMode::Mask || blends_or_is_clear(m); }
 
 std::uint8_t kinds_of(const Material& m) noexcept
 {
     const Vec3f c(m.base_color);
     const bool is_within = c.x >= 0 && c.x <= 1 && c.y >= 0 && c.y <= 1 && c.z >= 0 && c.z <= 1;
-    return static_cast<std::uint8_t>((m.emission != Vec3f(0) ? Contents::Emitters : 0) |
-                                     (may_pass(m) ? Contents::Passing : 0) | (is_within ? 0 : Contents::OverWhite));
+    return static_cast<std::uint8_t>(
+        (m.emission != Vec3f(0) ? Contents::Emitters : 0) | (blends_or_is_clear(m) ? Contents::Passing : 0) |
+        (m.alpha_mode == AlphaMode::Mask ? Contents::Masked : 0) | (is_within ? 0 : Contents::OverWhite));
 }
 
 void Scene::State::take_contents(CageId id, CageRecord& record)

@@ -217,6 +217,14 @@ Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
     return s;
 }
 
+bool is_hole(const Material& m, const lod::VertexToShade& at, Vec4f color, const TextureStore& textures) noexcept
+{
+    if (m.alpha_mode != AlphaMode::Mask) return false;
+    MaterialValues values(m);
+    values.look_up_color(m, at, textures);
+    return opacity_of(m, (values.base_color * color).w * values.alpha) == 0;
+}
+
 Vec3f passes_straight(const ShadePoint& point, const TextureStore& textures) noexcept
 {
     return may_pass(*point.material) ? evaluate(point, textures).transmittance : Vec3f(0);

@@ -64,6 +64,10 @@ struct Surface {
 /// Evaluates the material at a point. `point.material` is never null; textures must be prepared.
 Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept;
 
+/// Returns whether the material's alpha mask has a hole there: then evaluate().opacity is 0.
+/// color   vertex colour
+bool is_hole(const Material& material, const lod::VertexToShade& at, Vec4f color, const TextureStore& textures) noexcept;
+
 /// Returns the transmittance straight on at the point, which is evaluate().transmittance, without computing the rest.
 Vec3f passes_straight(const ShadePoint& point, const TextureStore& textures) noexcept;
 

@@ -13,6 +13,7 @@
 #include "tests/support/escapes.h"
 #include "tests/support/random_case.h"
 #include "tests/support/shape_builders.h"
+#include "tests/support/textured_floor.h"
 
 namespace occam::test {
 namespace {
@@ -127,6 +128,28 @@ TEST(Picture, OfDisplacedCagesWithFrozenLevelsIsTheSameForAnyThreadsAndBudgetAnd
 {
     expect_the_same(stage(true), "displaced_frozen",
                     {.integrator = IntegratorKind::Path, .bounces = 2, .lod = render::Lod::Frozen});
+}
+
+// The ring and the sheets before it have holes, and some of the sheets blend beside.
+TEST(Picture, OfWhatHasHolesIsTheSameForAnyThreadsAndBudgetAndBuild)
+{
+    for (const bool blends : {false, true}) {
+        Scene scene = stage(false);
+        Texture dots;
+        dots.width = dots.height = 16;
+        for (int k = 0; k < 256; ++k) dots.pixels.push_back(Vec4f(0.3f, 0.6f, 0.2f, k * 37 % 11 < 4 ? 0.0f : 0.7f));
+        Material leaf, veil;
+        leaf.base_color_texture.texture = veil.base_color_texture.texture = scene.add(std::move(dots));
+        leaf.alpha_mode = AlphaMode::Mask;
+        veil.alpha_mode = blends ? AlphaMode::Blend : AlphaMode::Mask;
+        const MaterialId leaves = scene.add(leaf), veils = scene.add(veil);
+        scene.set_materials(scene.node(scene.root()).children.at(0), {leaves});
+        const CageId sheet = scene.add(floor_of(leaves, Scheme::Triangles)),
+                     soft = scene.add(floor_of(veils, Scheme::CatmullClark));
+        for (int k = 0; k < 12; ++k) place(scene, k % 2 ? sheet : soft, {0, 0.1 * k - 0.5, 0.02 * k}, 0.3);
+        expect_the_same(std::move(scene), blends ? "holes_and_blends" : "holes",
+                        {.integrator = IntegratorKind::Path, .bounces = 2});
+    }
 }
 
 /// The campaign compares threads, trees and memory over such scenes; here one build is compared with another.

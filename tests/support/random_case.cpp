@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char* kPartNames[kPartFeatures] = {"noise",     "creases",   "corners",  "hole",     "fin",       "bilinear",
                                                    "triangles", "displaced", "skinned",  "mirrored", "stretched", "large",
-                                                   "small",     "instanced", "textured", "glass",    "metal"};
+                                                   "small",     "instanced", "textured", "glass",    "metal",     "holes"};
 constexpr const char* kSettingNames[kSettingFeatures] = {"path",   "ao",       "vertices", "frozen",       "lod-off",
                                                          "coarse", "fine",     "lens",     "orthographic", "far",
                                                          "still",  "adaptive", "cropped",  "one-sided",    "layers"};
@@ -118,10 +118,16 @@ void paint(Cage& cage, Scene& scene, const RandomCase& c, const RandomPart& part
     material.roughness = float(random.number());
     if (part.has(PartFeature::Metal)) material.metallic = 1;
     if (part.has(PartFeature::Glass)) material.transmission = 1;
-    if (part.has(PartFeature::Textured) || part.has(PartFeature::Displaced)) add_charts(cage);
+    if (part.has(PartFeature::Textured) || part.has(PartFeature::Displaced) || part.has(PartFeature::Holes))
+        add_charts(cage);
     if (part.has(PartFeature::Textured)) {
         Random texels(c, part, PartFeature::Textured);
         material.base_color_texture.texture = scene.add(noise_texture(texels, TextureRole::Color));
+    }
+    if (part.has(PartFeature::Holes)) {
+        Random texels(c, part, PartFeature::Holes);
+        material.alpha_mode = AlphaMode::Mask;
+        material.alpha_texture.texture = scene.add(noise_texture(texels, TextureRole::Data));
     }
     if (part.has(PartFeature::Displaced)) {
         Random texels(c, part, PartFeature::Displaced);

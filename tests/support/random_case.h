@@ -31,9 +31,10 @@ enum class PartFeature : unsigned {
     Instanced,  ///< three instances stand beside it
     Textured,   ///< a texture gives its base colour
     Glass,      ///< light passes through it
-    Metal       ///< it reflects
+    Metal,      ///< it reflects
+    Holes       ///< an alpha mask cuts holes into it
 };
-inline constexpr unsigned kPartFeatures = 17;
+inline constexpr unsigned kPartFeatures = 18;
 
 /// Lists what may be special about the picture, as bits of RandomCase::settings.
 enum class SettingFeature : unsigned {

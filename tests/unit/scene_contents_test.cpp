@@ -40,8 +40,9 @@ struct Placement {
 
 void expect_what_a_walk_finds(Scene& scene, int step)
 {
-    constexpr std::uint8_t kMasks[] = {Contents::Lights, Contents::Emitters, Contents::Passing,
-                                       Contents::OverWhite | Contents::Displaced, Contents::Subdivided};
+    constexpr std::uint8_t kMasks[] = {Contents::Lights,     Contents::Emitters,
+                                       Contents::Passing,    Contents::OverWhite | Contents::Displaced,
+                                       Contents::Subdivided, Contents::Masked};
     scene.refit();
     Contents all;
     std::vector<Placement> expected[std::size(kMasks)];
@@ -68,11 +69,12 @@ class EditedScene {
 public:
     explicit EditedScene(unsigned seed) : random_(seed)
     {
-        Material glowing, glass, white;
+        Material glowing, glass, white, leaf;
         glowing.emission = Vec3f(2);
         glass.alpha_mode = AlphaMode::Blend;
         white.base_color = Vec4f(1.5f);
-        for (const Material& m : {Material(), glowing, glass, white}) looks_.push_back(m);
+        leaf.alpha_mode = AlphaMode::Mask;
+        for (const Material& m : {Material(), glowing, glass, white, leaf}) looks_.push_back(m);
         for (int i = 0; i < 6; ++i) materials_.push_back(scene.add(looks_[pick(looks_.size())]));
         for (int i = 0; i < 4; ++i) cages_.push_back(scene.add(cage(i)));
         light_ = scene.add(Light{{}, PointLight{}});

@@ -1,0 +1,64 @@
+#include "accel/holes.h"
+
+#include <cstddef>
+
+#include "accel/hit_geometry.h"
+#include "accel/hit_shares.h"
+#include "accel/packet.h"
+
+namespace occam::accel {
+namespace {
+
+// Holds what a filter is asked about a point.
+struct Place {
+    lod::VertexToShade texture;
+    Vec4f color{1};
+};
+
+// Returns what resolve() would find there.
+Place place_of(const Holes& holes, const Ray& ray, const GridHit& met, const MicropolygonPlace& spot) noexcept
+{
+    const std::span<const Ray> rays(&ray, 1);
+    HitCorners corners({&met, 1}, &spot);
+    vfloat origin[4], way[4], beam[4], share[3];
+    gather_four(rays.data(), 1, offsetof(Ray, direction), way);
+    gather_four(rays.data(), 1, offsetof(Ray, t_near), beam);
+    place_all(
+        rays, way, [&](std::size_t) -> const lod::PosedCage& { return *met.grid->cage; }, origin);
+    corners.set_positions({way[0], way[1], way[2]}, {origin[0], origin[1], origin[2]}, origin[3], 0);
+    corners.set_attributes(*holes.frame.scene);
+    shares_of(corners, holes.axes, rays, {&met, 1}, way, origin, is_gap(met) ? 1 : 0, share);
+    const Triangles tri(corners);
+    const vfloat width = max(beam[2] + beam[3] * vfloat(met.t), vfloat(0.0f));
+    Place place;
+    for (int s = 0; s < 2; ++s) {
+        if (corners.has_uv[s] == 0) continue;
+        const UvLanes uv(corners.uv[s]);
+        for (int a = 0; a < 2; ++a) place.texture.uv[s][a] = first_lane(uv.at_share(a, share));
+        place.texture.uv_width[s] = first_lane(uv.width_on(tri, width));
+    }
+    if (corners.has_color != 0)
+        place.color = weighted(corners.color[0], {first_lane(share[0]), first_lane(share[1]), first_lane(share[2])});
+    return place;
+}
+
+}  // namespace
+
+bool passes_hole(const Holes& holes, int lane, float t, IGrid& on, std::uint32_t number) noexcept
+{
+    GridHit met{t, &on, number, {}, {}};
+    MicropolygonPlace spot;
+    spot.set(met);
+    const Material& material = *material_of(*holes.frame.scene, *on.cage, spot.face);
+    if (material.alpha_mode != AlphaMode::Mask) return false;
+    const lod::HitFilter& filter = *holes.frame.shading.filter;
+    const bool is_even = !material.base_color_texture && !material.alpha_texture && on.cage->slot->cage.colors.empty();
+    if (is_even) return filter.is_hole(material, {}, Vec4f(1));
+    const Ray& ray = holes.rays[static_cast<std::size_t>(lane)];
+    if (on.blends()) met.blend = holes.blend(holes.levels, on.pairs.finest, static_cast<std::size_t>(lane));
+    if (on.segments > 0) met.time = lod::key_time(ray.time, on.segments);
+    const Place place = place_of(holes, ray, met, spot);
+    return filter.is_hole(material, place.texture, place.color);
+}
+
+}  // namespace occam::accel

@@ -1,0 +1,229 @@
+// Tests that rays pass the holes of alpha masks within their traversal: they hit what repeated rays from hole to hole would.
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "accel/frame.h"
+#include "lod/hit_filter.h"
+#include "tests/support/textured_floor.h"
+#include "tests/support/tracer_stage.h"
+
+namespace occam::test {
+namespace {
+
+using accel::TreeKind;
+
+// Cuts holes by the place and the width of the beam there, and everything where the vertex colour is clear.
+class Checks final : public lod::HitFilter {
+public:
+    bool is_hole(const Material&, const lod::VertexToShade& at, Vec4f color) const noexcept override
+    {
+        if (color.w < 0.5f) return true;
+        const float wide = std::min(at.uv_width[0], 0.05f);
+        return (int(std::floor(at.uv[0].x * 7 + wide)) + int(std::floor(at.uv[0].y * 5))) % 2 != 0;
+    }
+};
+
+void add_uvs(Cage& cage)
+{
+    UvSet uv;
+    for (const Vec3f p : cage.positions) uv.values.push_back(Vec2f(p.x, p.y + 0.3f * p.z));
+    cage.uv_sets = {uv};
+}
+
+// Adds sheets and rings with holes, of meshes and of subdivision surfaces, with others that have none.
+std::vector<NodeId> add_leaves(Scene& scene)
+{
+    Material leaf;
+    leaf.alpha_mode = AlphaMode::Mask;
+    leaf.base_color_texture.texture = scene.add(waves(0));
+    Cage ring = torus();
+    add_uvs(ring);
+    ring.materials = {scene.add(leaf)};
+    ring.colors.assign(ring.positions.size(), Vec4f(1));
+    ring.colors.front() = Vec4f(0);
+    std::vector<NodeId> nodes;
+    const CageId holed = scene.add(ring), whole = scene.add(torus());
+    const CageId mesh = scene.add(floor_of(ring.materials[0], Scheme::Triangles)),
+                 smooth = scene.add(floor_of(ring.materials[0], Scheme::CatmullClark));
+    for (int k = 0; k < 40; ++k) {
+        const double at = k * 0.037;
+        nodes.push_back(place(scene, k % 3 == 0 ? smooth : mesh, {at, -1.5 + at, 0.3 * at}, 0.5 + 0.01 * k));
+    }
+    nodes.push_back(place(scene, holed, {0, 0, 0}));
+    nodes.push_back(place(scene, holed, {1, 0.4, -1}, 0.7));
+    nodes.push_back(place(scene, whole, {0, -2.5, 0}));
+    return nodes;
+}
+
+accel::Frame frame_of(Stage& stage, const lod::HitFilter* filter, TreeKind tree, lod::LevelMode mode, int level = -4)
+{
+    stage.scene.refit();
+    return accel::Frame(stage.scene, stage.topologies,
+                        {.eye = Vec3d(0), .pixel = {std::ldexp(1.0f, level), 0}, .mode = mode}, nullptr,
+                        {nullptr, 1, filter}, {}, tree);
+}
+
+std::vector<accel::Ray> rays_at(const Box3d& bounds, bool moves)
+{
+    std::vector<accel::Ray> rays = rays_towards({0.3, 3, 4}, bounds, 900, 7),
+                            other = rays_towards({0, 0, 0}, bounds, 500, 8);
+    std::mt19937 random(3);
+    for (accel::Ray& ray : other) {
+        // The levels that a ray sees depend on where it starts if its footprint shrinks.
+        ray.footprint = {std::ldexp(1.0f, -int(random() % 7)), 0};
+        if (random() % 4 == 0) ray.t_far = 1.5f;
+    }
+    rays.insert(rays.end(), other.begin(), other.end());
+    if (moves)
+        for (accel::Ray& ray : rays) ray.time = float(random() % 1000) * 0.001f;
+    return rays;
+}
+
+constexpr int kMost = 3;
+
+struct Answers {
+    explicit Answers(std::size_t count) : hits(count), some(count * kMost), counts(count), first(count), occluded(count) {}
+    void ask(accel::Tracer& tracer, std::span<const accel::Ray> rays, std::size_t from, std::size_t count)
+    {
+        const auto asked = rays.subspan(from, count);
+        tracer.closest(asked, {&hits[from], count});
+        tracer.nearest(asked, kMost, {&some[from * kMost], count * kMost}, {&counts[from], count});
+        tracer.first_hits(asked, {&first[from], count});
+        tracer.occluded(asked, {&occluded[from], count});
+    }
+    std::vector<accel::SurfaceHit> hits, some;
+    std::vector<accel::HitCount> counts;
+    std::vector<accel::FirstHit> first;
+    std::vector<std::uint8_t> occluded;
+};
+
+// Sends each ray on from hole to hole until it has `kMost` hits.
+Answers answers_by_restarts(accel::Tracer& whole, std::span<const accel::Ray> rays, const Checks& checks)
+{
+    Answers out(rays.size());
+    std::size_t holes = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        accel::Ray ray = rays[i];
+        for (int n = 0; n < kMost;) {
+            accel::SurfaceHit hit;
+            whole.closest({&ray, 1}, {&hit, 1});
+            if (!hit.is_hit()) break;
+            ray.t_near = accel::behind(hit.t);
+            const lod::VertexToShade at{{hit.uv[0], hit.uv[1]}, {hit.uv_width[0], hit.uv_width[1]}};
+            const bool is_hole = hit.material->alpha_mode == AlphaMode::Mask && checks.is_hole(*hit.material, at, hit.color);
+            holes += is_hole;
+            if (is_hole) continue;
+            if (n == 0) {
+                out.hits[i] = hit;
+                out.first[i] = {hit.t, hit.node, hit.face};
+                out.occluded[i] = 1;
+            }
+            out.some[i * kMost + std::size_t(n)] = hit;
+            out.counts[i].count = static_cast<std::int16_t>(++n);
+        }
+    }
+    EXPECT_GT(holes, rays.size());
+    return out;
+}
+
+void expect_same(const Answers& expected, const Answers& found, const std::string& what)
+{
+    for (std::size_t i = 0; i < expected.hits.size(); ++i) {
+        ASSERT_TRUE(same(expected.hits[i], found.hits[i]))
+            << what << ", ray " << i << ": " << expected.hits[i].t << ", " << found.hits[i].t;
+        ASSERT_EQ(expected.first[i].t, found.first[i].t) << what << ", ray " << i;
+        ASSERT_EQ(expected.occluded[i], found.occluded[i]) << what << ", ray " << i;
+        ASSERT_EQ(expected.counts[i].count, found.counts[i].count) << what << ", ray " << i;
+        for (int n = 0; n < expected.counts[i].count; ++n) {
+            const std::size_t at = i * kMost + std::size_t(n);
+            ASSERT_TRUE(same(expected.some[at], found.some[at])) << what << ", ray " << i << ", hit " << n;
+        }
+    }
+}
+
+void expect_restarts(Stage& stage, lod::LevelMode mode, bool moves)
+{
+    const Checks checks;
+    const accel::Frame whole = frame_of(stage, nullptr, TreeKind::Auto, mode);
+    const std::vector<accel::Ray> rays = rays_at(stage.scene.bounds(), moves);
+    accel::Tracer restarted(whole, kPlenty);
+    const Answers expected = answers_by_restarts(restarted, rays, checks);
+    for (const TreeKind kind : {TreeKind::Kd, TreeKind::Bvh}) {
+        const std::string what = "mode " + std::to_string(int(mode)) + ", tree " + std::to_string(int(kind));
+        const accel::Frame frame = frame_of(stage, &checks, kind, mode);
+        accel::Tracer together(frame, kPlenty), alone(frame, kPlenty);
+        Answers found(rays.size()), found_alone(rays.size());
+        found.ask(together, rays, 0, rays.size());
+        expect_same(expected, found, what);
+        for (std::size_t i = 0; i < rays.size(); ++i) found_alone.ask(alone, rays, i, 1);
+        expect_same(expected, found_alone, what + ", alone");
+        accel::Tracer tight(frame, together.counters().peak_bytes / 4);
+        Answers found_tight(rays.size());
+        found_tight.ask(tight, rays, 0, rays.size());
+        expect_same(expected, found_tight, what + ", a quarter of the memory");
+        EXPECT_GT(tight.counters().flushes, 0u);
+
+        accel::SharedTree tree(frame, kPlenty);
+        Answers found_shared(rays.size());
+        constexpr std::size_t kThreads = 3, kBatch = 200;
+        std::vector<std::thread> threads;
+        for (std::size_t t = 0; t < kThreads; ++t)
+            threads.emplace_back([&, t] {
+                accel::Tracer tracer(tree);
+                for (std::size_t at = t * kBatch; at < rays.size(); at += kThreads * kBatch)
+                    found_shared.ask(tracer, rays, at, std::min(kBatch, rays.size() - at));
+            });
+        for (std::thread& thread : threads) thread.join();
+        expect_same(expected, found_shared, what + ", shared");
+    }
+}
+
+TEST(Holes, ArePassedAsIfTheRayWereShotAgainFromEach)
+{
+    for (const lod::LevelMode mode : {lod::LevelMode::PerRay, lod::LevelMode::PerInstance}) {
+        Stage stage;
+        add_leaves(stage.scene);
+        expect_restarts(stage, mode, false);
+    }
+}
+
+TEST(Holes, ArePassedAtTheTimeOfEachRayWhereThingsMove)
+{
+    Stage stage;
+    const std::vector<NodeId> leaves = add_leaves(stage.scene);
+    std::vector<Mat4d> places;
+    for (const NodeId id : leaves) places.push_back(stage.scene.node(id).parent_from_node);
+    stage.scene.record_shutter(2, [&](double tau) {
+        for (std::size_t k = 0; k < leaves.size(); ++k) {
+            const Trs moves{.translation = {0.3 * tau * std::cos(double(k)), 0.2 * tau, 0.3 * tau * std::sin(double(k))}};
+            stage.scene.set_transform(leaves[k], moves.matrix() * places[k]);
+        }
+    });
+    expect_restarts(stage, lod::LevelMode::PerRay, true);
+}
+
+// Sheets of which nothing is left change no picture, and no ray is shot again behind them.
+TEST(Holes, CostNoRaysHoweverManySheetsHaveThem)
+{
+    TexturedFloor world(Scheme::Triangles, [](Scene&) { return Material(); });
+    Material leaf;
+    leaf.alpha_mode = AlphaMode::Mask;
+    leaf.base_color.w = 0.25f;
+    const MaterialId leaves = world.scene.add(leaf);
+    std::vector<NodeId> sheets;
+    for (const Scheme scheme : {Scheme::Triangles, Scheme::CatmullClark}) {
+        const CageId sheet = world.scene.add(floor_of(leaves, scheme));
+        for (int k = 0; k < 12; ++k) sheets.push_back(place(world.scene, sheet, {0, 0.02 * (k + 1), 0}));
+    }
+    const Image through = world.picture({});
+    const FrameStats many = world.stats;
+    for (const NodeId id : sheets) world.scene.set_visible(id, false);
+    const Image without = world.picture({});
+    EXPECT_EQ(through.checksum(), without.checksum());
+    EXPECT_EQ(many.rays.primary, world.stats.rays.primary);
+    EXPECT_EQ(many.rays.shadow, world.stats.rays.shadow);
+}
+
+}  // namespace
+}  // namespace occam::test
