@@ -1,0 +1,82 @@
+// Renders the tiles of a frame, one after the other: one worker for each thread.
+//
+// Memory   a tracer's arena and queues of rays, within the worker's share of the memory budget.
+// Threads  each worker belongs to one thread.
+#pragma once
+
+#include <chrono>
+#include <span>
+#include <vector>
+
+#include "accel/frame.h"
+#include "render/film.h"
+#include "render/frame.h"
+#include "render/frame_sums.h"
+#include "render/integrator.h"
+#include "render/tiles.h"
+
+namespace occam::render {
+
+/// The layers of mattes, in the order in which their sums are kept.
+inline constexpr Aov kMattes[] = {Aov::CryptomatteObject, Aov::CryptomatteMaterial};
+
+/// Renders tiles with its own tracer and integrator.
+class Worker {
+public:
+    /// shared   if null, the worker grows a tree of its own
+    Worker(const FrameContext& context, const accel::Frame& frame, const MemoryPlan& memory, accel::SharedTree* shared,
+           std::chrono::steady_clock::time_point deadline);
+
+    /// Renders tiles until they have `target` samples a pixel. They begin with the `before` samples that `sums` holds, or
+    /// with none if `sums` is null. Samples of unfinished tiles are kept in `sums`; without it they are dropped if the frame
+    /// was cancelled. Returns false if it stopped before the target, because the frame was cancelled or is out of time.
+    bool make(std::span<const PixelRect> tiles, int before, int target, Film& film, FrameControl& control, FrameSums* sums);
+
+    /// Returns how many tiles fill a batch of rays with `samples` samples a pixel. If tiles end by their error, it is one.
+    std::size_t tiles_at_once(int samples) const noexcept;
+
+    void count_into(FrameStats& stats) const;
+
+    /// Adds what a tree has cost.
+    /// exponent   that of the frame's scale: levels are counted as those of the world
+    static void count_building(const accel::TraceCounters& t, int exponent, FrameStats& stats, FrameStats::Worker& worker);
+
+private:
+    bool make_samples(std::span<const PixelRect> tiles, int before, int target, Film& film, FrameControl& control,
+                      FrameSums* kept);
+
+    void load(std::span<const PixelRect> tiles, const FrameSums* kept);
+
+    void keep(std::span<const PixelRect> tiles, FrameSums::Tile state, FrameSums& kept) const;
+
+    std::uint64_t count_not_finite() const noexcept;
+
+    /// Turns the sums of the tile into pixels.
+    void develop(Film& film);
+
+    /// Returns the next number of samples per pixel at which the tile may end. These are powers of two, because their
+    /// points are evenly distributed.
+    int next_check(int after) const noexcept;
+
+    /// Tests the root mean square over the tile, since chance would decide for a single pixel.
+    bool is_good_enough() const noexcept;
+
+    /// Traces samples [first, last) of each pixel, pixel by pixel and in their order, so that neighbouring rays stay
+    /// neighbours in the batch. Returns false if the frame was cancelled meanwhile; the batch is then dropped.
+    bool trace(int first, int last);
+
+    const FrameContext& context_;
+    accel::Tracer tracer_;
+    Integrator integrator_;
+    int batch_rays_;
+    std::chrono::steady_clock::time_point deadline_;
+    double film_seconds_ = 0, visible_cells_ = 0, cpu_seconds_ = 0;
+    std::uint64_t samples_made_ = 0, not_finite_ = 0, tiles_ = 0;
+    std::vector<CameraSample> samples_;
+    std::vector<SampleResult> results_;
+    std::vector<Pixel> pixels_;  ///< pixels of the tile
+    std::vector<PixelSums> sums_;
+    std::vector<MatteSums> mattes_[2];
+};
+
+}  // namespace occam::render
