@@ -4,9 +4,9 @@
 
 namespace occam::accel {
 
-LazyTree::LazyTree(const FrameState& f, std::size_t budget_bytes, BuildTechniques with, bool is_shared)
+LazyTree::LazyTree(const FrameState& f, std::size_t bytes, BuildTechniques with, bool is_shared)
     : frame(f),
-      budget(budget_bytes),
+      memory_bytes(bytes),
       techniques(with),
       sharing(is_shared ? std::make_unique<Sharing>() : nullptr),
       items(f, arena, dicer, counters),
@@ -21,7 +21,7 @@ void LazyTree::flush()
 {
     counters.peak_bytes = std::max(counters.peak_bytes, arena.bytes());
     ++counters.flushes;
-    arena.reset(budget);
+    arena.reset(memory_bytes);
     dicer.forget();
     const ItemIndex root = items.restart();
     std::vector<ItemIndex> roots{root};
@@ -63,8 +63,8 @@ TraceCounters LazyTree::totals()
     return all;
 }
 
-SharedTree::SharedTree(const Frame& frame, std::size_t budget_bytes)
-    : tree_(std::make_unique<LazyTree>(frame.state(), budget_bytes, BuildTechniques(), true))
+SharedTree::SharedTree(const Frame& frame, std::size_t memory_bytes)
+    : tree_(std::make_unique<LazyTree>(frame.state(), memory_bytes, BuildTechniques(), true))
 {
 }
 SharedTree::~SharedTree() = default;

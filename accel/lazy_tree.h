@@ -18,7 +18,7 @@
 namespace occam::accel {
 
 struct LazyTree {
-    LazyTree(const FrameState& frame, std::size_t budget_bytes, BuildTechniques techniques, bool is_shared);
+    LazyTree(const FrameState& frame, std::size_t memory_bytes, BuildTechniques techniques, bool is_shared);
 
     /// Drops everything. No other thread may be inside the gate.
     void flush();
@@ -43,7 +43,7 @@ struct LazyTree {
     FlushGate* gate() const noexcept { return sharing ? &sharing->gate : nullptr; }
 
     const FrameState& frame;
-    const std::size_t budget;
+    const std::size_t memory_bytes;
     const BuildTechniques techniques;
     const std::unique_ptr<Sharing> sharing;  ///< null if the tree belongs to one worker
     Arena arena;

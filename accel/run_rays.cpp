@@ -107,7 +107,7 @@ private:
 template <class Tree, class NodeOf, class F, class Times, class Limit, class Enter, class Meet>
 OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(Tree& tree, NodeOf node, MaskOf<F> alive, F t_near, F t_far,
                                                         const PairSpans<F>& pairs, int finest, int coarsest,
-                                                        std::size_t limit_bytes, const RaysAsOne<F>& as_one,
+                                                        std::size_t memory_bytes, const RaysAsOne<F>& as_one,
                                                         const Times& times, Limit&& limit, Enter&& enter, Meet&& meet)
 {
     TreeLeaf& latest = tree.latest_leaf(node);
@@ -152,12 +152,12 @@ OCCAM_ALWAYS_INLINE LeafResult Tracer::State::meet_leaf(Tree& tree, NodeOf node,
         }
         pair = last;
     }
-    return arena.bytes() <= limit_bytes ? LeafResult::Done : LeafResult::Abandoned;
+    return arena.bytes() <= memory_bytes ? LeafResult::Done : LeafResult::Abandoned;
 }
 
 template <class Way, int kParts, class Found>
 Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays, const RayAxes& axes,
-                                                      std::size_t limit_bytes, PacketQuery<Found, kParts>& query)
+                                                      std::size_t memory_bytes, PacketQuery<Found, kParts>& query)
 {
     using F = vfloats<kParts>;
     const std::size_t n = rays.size();
@@ -228,7 +228,7 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
     const auto meet = [&](const TreeLeaf& leaf, std::size_t number, int pair, vmasks<kParts> entering)
         __attribute__((always_inline))
     {
-        IGrid* known = grid_of(leaf, number, pair, limit_bytes);
+        IGrid* known = grid_of(leaf, number, pair, memory_bytes);
         if (!known) return false;
         IGrid& grid = *known;
         GridVisit& visited = mailboxes.of(grid);
@@ -302,14 +302,14 @@ Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays,
     const bool is_done = traverse(
         tree, kd, as_one, times, begin, end, pairs, counters, limit,
         [&](auto node, const vmasks<kParts>& alive, const F& near, const F& far, int finest, int coarsest) {
-            return meet_leaf(tree, node, alive, near, far, pairs, finest, coarsest, limit_bytes, as_one, times, limit, enter,
-                             meet);
+            return meet_leaf(tree, node, alive, near, far, pairs, finest, coarsest, memory_bytes, as_one, times, limit,
+                             enter, meet);
         });
     return is_done ? PacketResult::Done : PacketResult::Abandoned;
 }
 
 template <class Way, class Found>
-bool Tracer::State::run_single(const Ray& ray, const RayAxes& axes, std::size_t limit_bytes, SingleQuery<Found>& query)
+bool Tracer::State::run_single(const Ray& ray, const RayAxes& axes, std::size_t memory_bytes, SingleQuery<Found>& query)
 {
     const PlacedOrigin start = place(ray, frame.anchor, frame.radius);
     TreeRay<float> kd;
@@ -376,7 +376,7 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& axes, std::size_t 
         }
     };
     const auto meet = [&](const TreeLeaf& leaf, std::size_t number, int pair, bool) {
-        IGrid* known = grid_of(leaf, number, pair, limit_bytes);
+        IGrid* known = grid_of(leaf, number, pair, memory_bytes);
         if (!known) return false;
         IGrid& grid = *known;
         GridVisit& visited = mailboxes.of(grid);
@@ -417,7 +417,7 @@ bool Tracer::State::run_single(const Ray& ray, const RayAxes& axes, std::size_t 
     auto& tree = lazy.tree<typename Way::Tree>();
     const auto times = times_of<typename Way::template Times<float>>({&ray, 1});
     const auto at_leaf = [&](auto node, bool alive, float near, float far, int finest, int coarsest) {
-        return meet_leaf(tree, node, alive, near, far, pairs, finest, coarsest, limit_bytes, as_one, times, limit, enter,
+        return meet_leaf(tree, node, alive, near, far, pairs, finest, coarsest, memory_bytes, as_one, times, limit, enter,
                          meet);
     };
     if constexpr (kIsObserved<Found>)

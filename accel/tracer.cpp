@@ -37,8 +37,8 @@ private:
 
 }  // namespace
 
-Tracer::Tracer(const Frame& frame, std::size_t budget_bytes, BuildTechniques techniques)
-    : state_(std::make_unique<State>(std::make_unique<LazyTree>(frame.state(), budget_bytes, techniques, false)))
+Tracer::Tracer(const Frame& frame, std::size_t memory_bytes, BuildTechniques techniques)
+    : state_(std::make_unique<State>(std::make_unique<LazyTree>(frame.state(), memory_bytes, techniques, false)))
 {
 }
 Tracer::Tracer(SharedTree& tree) : state_(std::make_unique<State>(*tree.tree_)) {}
@@ -65,13 +65,13 @@ bool Tracer::State::travel_alone(std::span<const Ray> rays) const noexcept
 
 template <int kParts, class Found, class Take>
 Tracer::State::PacketResult Tracer::State::run_packet_of(std::span<const Ray> rays, const RayAxes& axes, std::size_t first,
-                                                         std::size_t limit_bytes, Take&& take)
+                                                         std::size_t memory_bytes, Take&& take)
 {
     PacketQuery<Found, kParts> query;
     const Holes holes(frame, rays, axes, packet_levels<kParts>());
     prepare(query, rays, holes);
     const PacketResult result = in_tree(
-        [&](auto way) { return run_packet<decltype(way), kParts>(rays, axes, limit_bytes, query); });
+        [&](auto way) { return run_packet<decltype(way), kParts>(rays, axes, memory_bytes, query); });
     if (result != PacketResult::Done) return result;
     Blends blends(packet_levels<kParts>());
     for (std::size_t i = 0; i < rays.size(); ++i) take(first + i, i, query, blends);
@@ -79,18 +79,18 @@ Tracer::State::PacketResult Tracer::State::run_packet_of(std::span<const Ray> ra
 }
 
 template <class Found, class Take>
-bool Tracer::State::run(const RayAxes& axes, std::size_t first, std::size_t count, std::size_t limit_bytes, Take&& take)
+bool Tracer::State::run(const RayAxes& axes, std::size_t first, std::size_t count, std::size_t memory_bytes, Take&& take)
 {
     const bool is_alone = travel_alone({&groups.sorted[first], count});
     if (!is_alone && count > kLanes) {
-        const PacketResult result = run_packet_of<2, Found>({&groups.sorted[first], count}, axes, 0, limit_bytes, take);
+        const PacketResult result = run_packet_of<2, Found>({&groups.sorted[first], count}, axes, 0, memory_bytes, take);
         if (result == PacketResult::Abandoned) return false;
         if (result == PacketResult::Done) return true;
     }
     for (std::size_t at = 0; at < count; at += kLanes) {
         const std::span<const Ray> rays{&groups.sorted[first + at], std::min<std::size_t>(kLanes, count - at)};
         if (!is_alone && rays.size() >= kWorthAPacket) {
-            const PacketResult result = run_packet_of<1, Found>(rays, axes, at, limit_bytes, take);
+            const PacketResult result = run_packet_of<1, Found>(rays, axes, at, memory_bytes, take);
             if (result == PacketResult::Abandoned) return false;
             if (result == PacketResult::Done) continue;
         }
@@ -99,7 +99,7 @@ bool Tracer::State::run(const RayAxes& axes, std::size_t first, std::size_t coun
             SingleQuery<Found> query;
             prepare(query, rays, holes);
             query.only = static_cast<int>(i);
-            if (!in_tree([&](auto way) { return run_single<decltype(way)>(rays[i], axes, limit_bytes, query); }))
+            if (!in_tree([&](auto way) { return run_single<decltype(way)>(rays[i], axes, memory_bytes, query); }))
                 return false;
             Blends blends(single_levels);
             take(at + i, i, query, blends);
@@ -112,7 +112,7 @@ template <bool kWithBlend, class Fill>
 void Tracer::State::find_nearest(std::span<const Ray> rays, Fill&& fill)
 {
     const std::uint64_t diced = counters.diced;
-    for_groups(rays, [&](const RayAxes& axes, std::size_t first, std::size_t count, std::size_t limit) {
+    for_groups(rays, [&](const RayAxes& axes, std::size_t first, std::size_t count, std::size_t memory_bytes) {
         GridHit met[kPacket];
         const auto take = [&](std::size_t i, std::size_t lane, const Nearest& found, auto& blends) {
             GridHit& m = met[i] = {found.t[lane], found.grid[lane], found.id[lane], {}, {}};
@@ -120,9 +120,9 @@ void Tracer::State::find_nearest(std::span<const Ray> rays, Fill&& fill)
             if (m.grid->blends()) m.blend = blends(m.grid->pairs.finest, lane);
             if (m.grid->segments > 0) m.time = lod::key_time(groups.sorted[first + i].time, m.grid->segments);
         };
-        if (!run<Nearest>(axes, first, count, limit, take)) return false;
+        if (!run<Nearest>(axes, first, count, memory_bytes, take)) return false;
         fill(axes, first, std::span<const GridHit>(met, count));
-        return arena.bytes() <= limit;
+        return arena.bytes() <= memory_bytes;
     });
     if (!rays.empty() && rays.front().kinds & RayKind::Camera) counters.diced_for_camera += counters.diced - diced;
 }
@@ -150,7 +150,7 @@ void Tracer::nearest(std::span<const Ray> rays, int most, std::span<SurfaceHit> 
     std::vector<GridHit> met(
         static_cast<std::size_t>(kPacket * most));  // first all rays' nearest hits, then their second ones
     const auto at = [](std::size_t ray, int k) { return static_cast<std::size_t>(k) * kPacket + ray; };
-    s.for_groups(rays, [&](const RayAxes& axes, std::size_t first, std::size_t count, std::size_t limit) {
+    s.for_groups(rays, [&](const RayAxes& axes, std::size_t first, std::size_t count, std::size_t memory_bytes) {
         int deepest = 0;
         const auto take = [&](std::size_t i, std::size_t lane, const NearestSome& found, auto& blends) {
             HitCount& known = counts[s.groups.place_of[first + i]] = {0, found.count[lane] < most};
@@ -166,7 +166,7 @@ void Tracer::nearest(std::span<const Ray> rays, int most, std::span<SurfaceHit> 
             for (int k = known.count; k < most; ++k) met[at(i, k)].grid = nullptr;
             deepest = std::max<int>(deepest, known.count);
         };
-        if (!s.run<NearestSome>(axes, first, count, limit, take)) return false;
+        if (!s.run<NearestSome>(axes, first, count, memory_bytes, take)) return false;
         for (int k = 0; k < deepest; ++k)
             for (std::size_t from = 0; from < count; from += kLanes) {
                 const std::size_t n = std::min<std::size_t>(kLanes, count - from);
@@ -175,7 +175,7 @@ void Tracer::nearest(std::span<const Ray> rays, int most, std::span<SurfaceHit> 
                     to[i] = &hits[s.groups.place_of[first + from + i] * std::size_t(most) + std::size_t(k)];
                 resolve({&s.groups.sorted[first + from], n}, axes, {&met[at(from, k)], n}, s.lazy.phase_one(), to);
             }
-        return s.arena.bytes() <= limit;
+        return s.arena.bytes() <= memory_bytes;
     });
 }
 
@@ -197,11 +197,11 @@ void Tracer::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occlude
 {
     State& s = *state_;
     const std::uint64_t diced = s.counters.diced;
-    s.for_groups(rays, [&](const RayAxes& axes, std::size_t first, std::size_t count, std::size_t limit) {
+    s.for_groups(rays, [&](const RayAxes& axes, std::size_t first, std::size_t count, std::size_t memory_bytes) {
         const auto take = [&](std::size_t i, std::size_t lane, const AnyHit& found, auto&) {
             occluded[s.groups.place_of[first + i]] = found.t[lane] == kDead;
         };
-        return s.run<AnyHit>(axes, first, count, limit, take);
+        return s.run<AnyHit>(axes, first, count, memory_bytes, take);
     });
     s.counters.diced_for_occlusion += s.counters.diced - diced;
 }

@@ -6,7 +6,7 @@
 //
 // Space    Ray origins and hit positions are in world axes and frame lengths (scenegraph/frame_scale.h), in double;
 //          directions are unit vectors. t is the length along the ray.
-// Memory   What is built lies in the tracer's arena and takes at most `budget_bytes`. When that is exceeded, the tracer
+// Memory   What is built lies in the tracer's arena and takes at most `memory_bytes`. When that is exceeded, the tracer
 //          drops all of it and goes on with the same rays. The minimum is what one ray needs, which is always granted.
 // Threads  Each worker has one tracer; Frame is shared and const. The answers depend neither on the budget, nor on the
 //          thread, nor on whether the tree is shared.
@@ -162,7 +162,7 @@ struct LazyTree;
 class SharedTree {
 public:
     /// Borrows the frame.
-    SharedTree(const Frame& frame, std::size_t budget_bytes);
+    SharedTree(const Frame& frame, std::size_t memory_bytes);
     ~SharedTree();
     /// Returns what building has cost. The counters of its tracers do not include these. Any thread may call it.
     TraceCounters counters() const;
@@ -174,7 +174,7 @@ private:
 
 class Tracer {
 public:
-    Tracer(const Frame& frame, std::size_t budget_bytes, BuildTechniques techniques = {});
+    Tracer(const Frame& frame, std::size_t memory_bytes, BuildTechniques techniques = {});
     /// Creates one of the tracers that use the tree, which is borrowed.
     explicit Tracer(SharedTree& tree);
     ~Tracer();

@@ -35,7 +35,7 @@ struct InMovingBvh {
 struct Tracer::State {
     explicit State(std::unique_ptr<LazyTree> tree_of_its_own) : State(*tree_of_its_own) { own = std::move(tree_of_its_own); }
     explicit State(LazyTree& all)
-        : lazy(all), frame(all.frame), budget(all.budget), arena(all.arena), gate(all.gate()), mailboxes(gate != nullptr)
+        : lazy(all), frame(all.frame), arena(all.arena), gate(all.gate()), mailboxes(gate != nullptr)
     {
     }
 
@@ -54,11 +54,11 @@ struct Tracer::State {
     };
     /// Traces one packet of rays with equal axes and octant through the frame's tree, as Way names it.
     template <class Way, int kParts, class Found>
-    PacketResult run_packet(std::span<const Ray> rays, const RayAxes& axes, std::size_t limit_bytes,
+    PacketResult run_packet(std::span<const Ray> rays, const RayAxes& axes, std::size_t memory_bytes,
                             PacketQuery<Found, kParts>& query);
     /// Traces one ray. Returns false if the budget was exceeded during the trace.
     template <class Way, class Found>
-    bool run_single(const Ray& ray, const RayAxes& axes, std::size_t limit_bytes, SingleQuery<Found>& query);
+    bool run_single(const Ray& ray, const RayAxes& axes, std::size_t memory_bytes, SingleQuery<Found>& query);
 
     /// Returns whether each ray of a group is traced alone. In the tree of boxes this is faster where rays go different
     /// ways, since they do not share the boxes of its nodes, and where these boxes move (docs/performance.md).
@@ -73,14 +73,14 @@ struct Tracer::State {
 
     template <class Tree, class NodeOf, class F, class Times, class Limit, class Enter, class Meet>
     LeafResult meet_leaf(Tree& tree, NodeOf node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest,
-                         int coarsest, std::size_t limit_bytes, const RaysAsOne<F>& as_one, const Times& times,
+                         int coarsest, std::size_t memory_bytes, const RaysAsOne<F>& as_one, const Times& times,
                          Limit&& limit, Enter&& enter, Meet&& meet);
     /// Returns the igrid of an entry, which is built if needed, or null if the budget is exceeded.
-    IGrid* grid_of(const TreeLeaf& leaf, std::size_t number, int pair, std::size_t limit_bytes)
+    IGrid* grid_of(const TreeLeaf& leaf, std::size_t number, int pair, std::size_t memory_bytes)
     {
         if (IGrid* known = read_published(leaf.entries[number].grid)) return known;
         IGrid* made = &lazy.grid(leaf, number, pair, counters);
-        return arena.bytes() <= limit_bytes ? made : nullptr;
+        return arena.bytes() <= memory_bytes ? made : nullptr;
     }
     /// Clears a query before its rays are traced.
     template <class Query>
@@ -115,26 +115,26 @@ struct Tracer::State {
     }
 
     template <int kParts, class Found, class Take>
-    PacketResult run_packet_of(std::span<const Ray> rays, const RayAxes& axes, std::size_t first, std::size_t limit_bytes,
+    PacketResult run_packet_of(std::span<const Ray> rays, const RayAxes& axes, std::size_t first, std::size_t memory_bytes,
                                Take&& take);
     /// Traces the rays groups.sorted[first, first + count), which share their axes, in packets or one by one. Calls
     /// take(i, lane, found, blends) for each ray first + i, whose hit is in `lane` of found. blends(pair, lane) returns the
     /// ray's blend in that pair. Returns false if the budget was exceeded.
     template <class Found, class Take>
-    bool run(const RayAxes& axes, std::size_t first, std::size_t count, std::size_t limit_bytes, Take&& take);
+    bool run(const RayAxes& axes, std::size_t first, std::size_t count, std::size_t memory_bytes, Take&& take);
     /// Finds the nearest hits and calls fill(axes, first, met) for each group: met[i] holds what groups.sorted[first + i]
     /// has hit and, if kWithBlend is set, how it blends there.
     template <bool kWithBlend, class Fill>
     void find_nearest(std::span<const Ray> rays, Fill&& fill);
 
-    /// Traces rays[first, first + count) by `run(first, count, limit)`, flushing and halving as the budget requires.
+    /// Traces rays[first, first + count) by `run(first, count, memory_bytes)`, flushing and halving as the budget requires.
     template <class Run>
     void within_budget(std::size_t first, std::size_t count, Run&& run)
     {
         const auto fits = [&] {
             if (gate) gate->pass();
             const std::uint64_t seen = gate ? gate->flushes() : 0;
-            if (run(first, count, budget)) return true;
+            if (run(first, count, lazy.memory_bytes)) return true;
             flush(seen);
             return false;
         };
@@ -149,8 +149,8 @@ struct Tracer::State {
         within_budget(first + count / 2, count - count / 2, run);
     }
 
-    /// Calls run(axes, first, count, limit) for runs of groups.sorted that may travel together. Throws Cancelled if the
-    /// thread is asked to stop.
+    /// Calls run(axes, first, count, memory_bytes) for runs of groups.sorted that may travel together. Throws Cancelled if
+    /// the thread is asked to stop.
     template <class Run>
     void for_groups(std::span<const Ray> rays, Run&& run)
     {
@@ -158,8 +158,8 @@ struct Tracer::State {
         const FlushGate::Inside inside(gate);
         groups.for_each_packet([&](const RayAxes& axes, std::size_t first, std::size_t count) {
             throw_if_cancelled();
-            within_budget(first, count, [&](std::size_t from, std::size_t of_these, std::size_t limit) {
-                return run(axes, from, of_these, limit);
+            within_budget(first, count, [&](std::size_t from, std::size_t of_these, std::size_t memory_bytes) {
+                return run(axes, from, of_these, memory_bytes);
             });
         });
         counters.rays += rays.size();
@@ -168,7 +168,6 @@ struct Tracer::State {
     std::unique_ptr<LazyTree> own;  ///< null if the tree is shared
     LazyTree& lazy;
     const FrameState& frame;
-    const std::size_t budget;
     Arena& arena;
     FlushGate* const gate;   ///< null unless the tree is shared
     TraceCounters counters;  ///< building is counted in the tree's own counters

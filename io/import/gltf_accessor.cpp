@@ -130,8 +130,8 @@ struct AccessorReader::Layout {
 
 AccessorReader::AccessorReader(const tinygltf::Model& model, const Report& report) : model_(model), report_(report)
 {
-    budget_bytes_ = kSpareBytes;
-    for (const tinygltf::Buffer& buffer : model.buffers) budget_bytes_ += kExpansion * buffer.data.size();
+    expansion_bytes_ = kSpareBytes;
+    for (const tinygltf::Buffer& buffer : model.buffers) expansion_bytes_ += kExpansion * buffer.data.size();
 }
 
 void AccessorReader::refuse(int accessor, const std::string& what) const
@@ -168,8 +168,8 @@ std::span<const unsigned char> AccessorReader::view(int buffer_view, const std::
 
 void AccessorReader::charge(std::size_t bytes, int accessor)
 {
-    if (bytes > budget_bytes_) refuse(accessor, "accessors expand to far more than the buffers hold");
-    budget_bytes_ -= bytes;
+    if (bytes > expansion_bytes_) refuse(accessor, "accessors expand to far more than the buffers hold");
+    expansion_bytes_ -= bytes;
 }
 
 AccessorReader::Layout AccessorReader::locate(int accessor, int width)

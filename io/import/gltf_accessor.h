@@ -46,7 +46,7 @@ private:
 
     const tinygltf::Model& model_;
     const Report& report_;
-    std::size_t budget_bytes_;  ///< bounds what accessors expand to, since many of them may show the same bytes
+    std::size_t expansion_bytes_;  ///< bounds what accessors expand to, since many of them may show the same bytes
 };
 
 }  // namespace occam::import

@@ -38,8 +38,8 @@ try {
     scene.set_visible(worm.node, false);
     const Camera camera = Camera::look_at({1.2 * side, 0.9 * side, 1.5 * side}, {0, 0, 0}, {0, 1, 0}, 0.7f);
 
-    const auto render = [&](std::size_t budget, FrameStats& stats) {
-        Renderer renderer({.memory_bytes = budget});
+    const auto render = [&](std::size_t memory_bytes, FrameStats& stats) {
+        Renderer renderer({.memory_bytes = memory_bytes});
         Image image = renderer.render(scene, camera, settings);
         stats = renderer.stats();
         return image;
@@ -55,10 +55,10 @@ try {
     bool is_same = true;
     // A budget below the minimum is refused.
     const std::uint64_t floor = Renderer().memory_floor(scene);
-    for (std::uint64_t budget = peak / 2; budget > std::max(peak / 32, floor); budget /= 2) {
-        const bool equal = render(budget, stats).checksum() == wanted;
+    for (std::uint64_t memory_bytes = peak / 2; memory_bytes > std::max(peak / 32, floor); memory_bytes /= 2) {
+        const bool equal = render(memory_bytes, stats).checksum() == wanted;
         is_same &= equal;
-        std::printf("%12llu %9.2fx %8llu%s\n", static_cast<unsigned long long>(budget), stats.seconds.total / seconds,
+        std::printf("%12llu %9.2fx %8llu%s\n", static_cast<unsigned long long>(memory_bytes), stats.seconds.total / seconds,
                     static_cast<unsigned long long>(stats.memory.flushes), equal ? "" : "   DIFFERS");
     }
     return is_same ? 0 : 1;

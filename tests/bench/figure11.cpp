@@ -13,7 +13,7 @@ namespace occam::bench {
 namespace {
 
 constexpr int kPixels = 512;
-constexpr std::size_t kBudget = std::size_t(6) << 30;  // enough for all base patches at once
+constexpr std::size_t kMemoryBytes = std::size_t(6) << 30;  // enough for all base patches at once
 
 struct View {
     const char* name;
@@ -37,7 +37,7 @@ void run_view(Report& report, const Scene& scene, lod::TopologyCache& topologies
                                  (techniques.hierarchy ? "hierarchy " : "") + (techniques.scan ? "scan" : "");
         if (!report.wants(name)) continue;
         const double start = thread_seconds();
-        accel::Tracer tracer(frame, kBudget, techniques);
+        accel::Tracer tracer(frame, kMemoryBytes, techniques);
         trace_closest(tracer, rays, hits);
         const double cold = thread_seconds() - start;
         // The rays go once more through what is built now, which times tracing alone. The rest was building, with posing and

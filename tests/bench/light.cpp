@@ -20,7 +20,7 @@ namespace occam::bench {
 namespace {
 
 constexpr int kRuns = 5, kWidth = 192, kHeight = 192, kSamples = 16;
-constexpr std::size_t kBudget = std::size_t(1) << 30;
+constexpr std::size_t kMemoryBytes = std::size_t(1) << 30;
 
 struct Kind {
     const char* name;
@@ -109,7 +109,7 @@ void run_widths(Report& report, Subject& subject)
 {
     const accel::Frame frame = levels_of_each_ray(subject);
     const std::vector<accel::Ray> camera = subject.camera_rays();
-    accel::Tracer first(frame, kBudget);
+    accel::Tracer first(frame, kMemoryBytes);
     std::vector<accel::SurfaceHit> hits(camera.size());
     trace_closest(first, camera, hits);
     const Kind glossy{"", 0.2f, false, false};
@@ -136,7 +136,7 @@ void run_widths(Report& report, Subject& subject)
             rays.push_back(ray);
         }
         count = rays.size();
-        accel::Tracer tracer(frame, kBudget);
+        accel::Tracer tracer(frame, kMemoryBytes);
         std::vector<accel::SurfaceHit> found(rays.size());
         trace_closest(tracer, rays, found);
         const std::string name = power > 0 ? "smaller" : power == 0 ? "mean" : "larger";
@@ -152,7 +152,7 @@ void run_kinds(Report& report, Subject& subject)
 {
     const accel::Frame frame = levels_of_each_ray(subject);
     const std::vector<accel::Ray> camera = subject.camera_rays();
-    accel::Tracer first(frame, kBudget);
+    accel::Tracer first(frame, kMemoryBytes);
     std::vector<accel::SurfaceHit> hits(camera.size());
     trace_closest(first, camera, hits);
     const shade::WorldLight lamp = lamp_over(subject.scene.bounds());
@@ -160,7 +160,7 @@ void run_kinds(Report& report, Subject& subject)
         Row row{"light", subject.name + ", " + kind.name};
         for (const bool with_footprint : {true, false}) {
             const std::vector<accel::Ray> rays = secondary_rays(kind, camera, hits, lamp, with_footprint);
-            accel::Tracer tracer(frame, kBudget);
+            accel::Tracer tracer(frame, kMemoryBytes);
             std::vector<accel::SurfaceHit> found(rays.size());
             std::vector<std::uint8_t> occluded(rays.size());
             const auto trace = [&] {

@@ -15,7 +15,7 @@ namespace occam::bench {
 namespace {
 
 constexpr int kRuns = 3, kWidth = 160, kHeight = 160, kSide = 16;
-constexpr std::size_t kBudget = std::size_t(2) << 30;
+constexpr std::size_t kMemoryBytes = std::size_t(2) << 30;
 
 struct Motion {
     const char* name;
@@ -64,7 +64,7 @@ void add_rows(Report& report, const Motion& motion)
             rays.back().time = static_cast<float>((x * 7 + y * 13) % 64) / 64 + 1.0f / 128;
         }
     lod::TopologyCache topologies;
-    TreePair trees(scene, topologies, camera.levels(1), kBudget);
+    TreePair trees(scene, topologies, camera.levels(1), kMemoryBytes);
     std::vector<accel::SurfaceHit> hits(rays.size());
     const double start = thread_seconds();
     trace_closest(trees.kd, rays, hits);

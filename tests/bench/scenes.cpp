@@ -21,7 +21,7 @@ namespace occam::bench {
 namespace {
 
 constexpr int kRuns = 5, kWidth = 192, kHeight = 108, kSide = 2, kBounces = 6;
-constexpr std::size_t kBudget = std::size_t(1) << 30;
+constexpr std::size_t kMemoryBytes = std::size_t(1) << 30;
 
 std::vector<accel::Ray> camera_rays(const render::CameraRays& camera)
 {
@@ -271,7 +271,7 @@ void run_scene(Report& report, WholeScene& of)
     lod::TopologyCache topologies;
     const std::vector<Vec3f> corners = of.triangles(topologies, camera.levels(1));
     const EmbreeMesh mesh(corners, Vec3d(0));
-    TreePair trees(of.scene, topologies, camera.levels(1), kBudget);
+    TreePair trees(of.scene, topologies, camera.levels(1), kMemoryBytes);
     accel::Tracer& tracer = trees.usual == accel::TreeKind::Bvh ? trees.bvh : trees.kd;
     for (const Recorded& recorded : record(tracer, rays, lamp)) report.add(traced_row(of.name, recorded, trees, mesh));
     Row row{"scenes", of.name + ", trees"};

@@ -26,7 +26,7 @@ namespace occam::bench {
 namespace {
 
 constexpr int kWidth = 256, kHeight = 192, kRuns = 5, kManySamples = 36, kReferenceSamples = 256;
-constexpr std::size_t kBudget = std::size_t(2) << 30;
+constexpr std::size_t kMemoryBytes = std::size_t(2) << 30;
 constexpr double kNever = 1e30;
 
 float hashed(std::uint32_t x, std::uint32_t y, std::uint32_t seed)
@@ -214,7 +214,7 @@ Costs costs_of(Stage& stage, const TextureStore& textures, int samples, float ra
     Costs costs;
     double made[2] = {kNever, kNever}, traced[2] = {kNever, kNever};
     for (int run = 0; run < kRuns; ++run) {
-        accel::Tracer plain(without, kBudget), shading(with, kBudget);
+        accel::Tracer plain(without, kMemoryBytes), shading(with, kMemoryBytes);
         accel::Tracer* const tracers[] = {&plain, &shading};
         std::uint64_t hits;
         for (accel::Tracer* tracer : tracers)

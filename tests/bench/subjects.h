@@ -60,7 +60,7 @@ void trace_occluded(accel::Tracer& tracer, std::span<const accel::Ray> rays, std
 
 /// Holds tracers of one scene in both trees, to be timed in turns.
 struct TreePair {
-    TreePair(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels, std::size_t budget);
+    TreePair(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels, std::size_t memory_bytes);
 
     accel::Frame kd_frame, bvh_frame;
     accel::Tracer kd, bvh;

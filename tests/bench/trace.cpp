@@ -17,7 +17,7 @@ namespace occam::bench {
 namespace {
 
 constexpr int kRuns = 9, kWidth = 288, kHeight = 288;
-constexpr std::size_t kBudget = std::size_t(1) << 30;
+constexpr std::size_t kMemoryBytes = std::size_t(1) << 30;
 
 struct Turns {
     std::vector<double> occam, embree;
@@ -119,7 +119,7 @@ void run_trace(Report& report)
     for (const auto& subject : usual_subjects(kWidth, kHeight)) {
         if (!report.wants(subject->name)) continue;
         const std::vector<accel::Ray> rays = subject->camera_rays();
-        TreePair trees(subject->scene, subject->topologies, subject->frame->state().levels, kBudget);
+        TreePair trees(subject->scene, subject->topologies, subject->frame->state().levels, kMemoryBytes);
         accel::Tracer& tracer = trees.usual == accel::TreeKind::Bvh ? trees.bvh : trees.kd;
         std::vector<accel::SurfaceHit> hits(rays.size());
         trace_closest(tracer, rays, hits);

@@ -89,9 +89,9 @@ TEST(Tracer, FindsSeveralHitsAtOnceAsOneAfterTheOther)
     add_stack(stage.scene, 150);
     const accel::Frame frame = stage.frame(-4);
     const auto rays = rays_towards({0.3, 3, 4}, stage.scene.bounds(), 300, 11);
-    for (const std::size_t budget : {kPlenty, std::size_t(600) << 10})
+    for (const std::size_t memory_bytes : {kPlenty, std::size_t(600) << 10})
         for (const int most : {1, 5, accel::kMostNearest}) {
-            accel::Tracer at_once(frame, budget), one_by_one(frame, kPlenty);
+            accel::Tracer at_once(frame, memory_bytes), one_by_one(frame, kPlenty);
             std::vector<accel::SurfaceHit> hits(rays.size() * std::size_t(most));
             std::vector<accel::HitCount> counts(rays.size());
             at_once.nearest(rays, most, hits, counts);
@@ -190,14 +190,14 @@ TEST(Tracer, GivesTheSameHitsForAnyBudget)
     whole.closest(rays, expected);
     EXPECT_EQ(whole.counters().flushes, 0u);
     const std::size_t used = whole.counters().peak_bytes;
-    for (const std::size_t budget : {used / 2, used / 4, used / 16, std::size_t(1)}) {
-        accel::Tracer tracer(frame, budget);
+    for (const std::size_t memory_bytes : {used / 2, used / 4, used / 16, std::size_t(1)}) {
+        accel::Tracer tracer(frame, memory_bytes);
         tracer.closest(rays, hits);
         EXPECT_GT(tracer.counters().flushes, 0u);
         for (std::size_t i = 0; i < rays.size(); ++i)
-            ASSERT_TRUE(same(expected[i], hits[i])) << "ray " << i << " budget " << budget;
-        if (budget < used / 8) continue;  // this is less than one packet needs
-        EXPECT_LE(tracer.counters().peak_bytes, budget + Arena::kChunkBytes)
+            ASSERT_TRUE(same(expected[i], hits[i])) << "ray " << i << " budget " << memory_bytes;
+        if (memory_bytes < used / 8) continue;  // this is less than one packet needs
+        EXPECT_LE(tracer.counters().peak_bytes, memory_bytes + Arena::kChunkBytes)
             << "the budget is kept to within what one step builds";
     }
 }
