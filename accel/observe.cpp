@@ -14,7 +14,7 @@ RayCost Tracer::observe(const Ray& ray, SurfaceHit& hit, std::ostream* out)
     State& s = *state_;
     RayCost cost;
     hit.t = std::numeric_limits<float>::infinity();
-    s.for_groups({&ray, 1}, [&](const RayAxes& axes, std::size_t, std::size_t, std::size_t limit) {
+    s.for_groups({&ray, 1}, [&](const RayAxes& axes, std::size_t, std::size_t, std::size_t memory_bytes) {
         std::ostringstream text;
         std::optional<Narration> narration;
         if (out) narration.emplace(text, s.frame);
@@ -26,7 +26,7 @@ RayCost Tracer::observe(const Ray& ray, SurfaceHit& hit, std::ostream* out)
         double seconds = 0;
         {
             const Stopwatch watch(seconds);
-            if (!s.in_tree([&](auto way) { return s.run_single<decltype(way)>(ray, axes, limit, query); })) {
+            if (!s.in_tree([&](auto way) { return s.run_single<decltype(way)>(ray, axes, memory_bytes, query); })) {
                 if (out)
                     *out << "  (The memory is used up: everything that was built is dropped, and the ray starts again.)\n";
                 return false;
@@ -41,7 +41,7 @@ RayCost Tracer::observe(const Ray& ray, SurfaceHit& hit, std::ostream* out)
         if (met.grid && met.grid->segments > 0) met.time = lod::key_time(ray.time, met.grid->segments);
         SurfaceHit* const to = &hit;
         resolve({&ray, 1}, axes, {&met, 1}, s.lazy.phase_one(), &to);
-        if (s.arena.bytes() > limit) return false;
+        if (s.arena.bytes() > memory_bytes) return false;
         if (out) *out << text.str();
         return true;
     });

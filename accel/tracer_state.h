@@ -71,10 +71,9 @@ struct Tracer::State {
         return frame.segments > 0 ? call(InMovingBvh()) : call(InBvh());
     }
 
-    template <class Tree, class NodeOf, class F, class Times, class Limit, class Enter, class Meet>
-    LeafResult meet_leaf(Tree& tree, NodeOf node, MaskOf<F> alive, F t_near, F t_far, const PairSpans<F>& pairs, int finest,
-                         int coarsest, std::size_t memory_bytes, const RaysAsOne<F>& as_one, const Times& times,
-                         Limit&& limit, Enter&& enter, Meet&& meet);
+    /// Takes rays through a tree (accel/walk.h).
+    template <class Way, class Party>
+    class Walk;
     /// Returns the igrid of an entry, which is built if needed, or null if the budget is exceeded.
     IGrid* grid_of(const TreeLeaf& leaf, std::size_t number, int pair, std::size_t memory_bytes)
     {
@@ -90,30 +89,12 @@ struct Tracer::State {
         query.holes = &holes;
         if constexpr (std::is_base_of_v<NearestSome, Query>) query.wanted = wanted_hits;
     }
-    /// Makes the table of transitions of a packet whose rays `enters` are in the scene from t_in to t_out. Returns
-    /// false if its rays see too many pairs to travel together.
-    template <int kParts>
-    bool fits_packet(std::span<const Ray> rays, const vmasks<kParts>& enters, const vfloats<kParts>& t_in,
-                     const vfloats<kParts>& t_out) noexcept;
     template <int kParts>
     lod::RayLevels<vfloats<kParts>>& packet_levels() noexcept
     {
         if constexpr (kParts == 1) return narrow_levels;
         else return wide_levels;
     }
-    /// Holds the inputs of a ray's table of transitions, except for the interval in which it is in the scene.
-    struct Reach {
-        lod::Footprint target_edge;
-        float coordinate;  ///< the largest coordinate in the ray's arithmetic; it bounds rounding errors
-        float start;       ///< edge length of the ray's start level; 0 if it has none
-    };
-    Reach reach_of(const Ray& ray) const noexcept
-    {
-        return {target_edge_of(ray, frame.levels),
-                std::max(static_cast<float>(glm::distance(ray.origin, frame.anchor)), frame.radius),
-                ray.start_level == kAnyLevel ? 0.0f : lod::edge_length(ray.start_level)};
-    }
-
     template <int kParts, class Found, class Take>
     PacketResult run_packet_of(std::span<const Ray> rays, const RayAxes& axes, std::size_t first, std::size_t memory_bytes,
                                Take&& take);

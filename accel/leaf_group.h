@@ -1,0 +1,78 @@
+// Holds eight boxes of a leaf, as rays of certain times are tested against them.
+#pragma once
+
+#include <algorithm>
+#include <span>
+
+#include "accel/keyed_boxes.h"
+#include "accel/tracer.h"
+
+namespace occam::accel {
+
+/// Returns the times of rays, in the lanes of `Times`.
+template <class Times>
+Times times_of(std::span<const Ray> rays) noexcept
+{
+    if constexpr (!Times::kMoves) return {};
+    else {
+        using F = typename Times::Lanes;
+        if constexpr (std::is_same_v<F, float>) return Times(rays.front().time);
+        else {
+            alignas(32) float time[sizeof(F) / sizeof(float)];
+            for (std::size_t i = 0; i < std::size(time); ++i) time[i] = rays[std::min(i, rays.size() - 1)].time;
+            return Times(F::load(time));
+        }
+    }
+}
+
+/// Eight boxes of a leaf that start with an entry, which stand still or move.
+template <class F, class Times>
+class LeafGroup {
+public:
+    /// has_boxes_of_nodes   whether the rays were tested against the box around the leaf
+    LeafGroup(const TreeLeaf& leaf, std::size_t first, const Times& times, bool has_boxes_of_nodes) noexcept
+        : leaf_(leaf),
+          boxes_(leaf.boxes + first / kBoxGroup * kBoxGroupFloats),
+          times_(times),
+          is_tested_(has_boxes_of_nodes && leaf.entries.size() == 1)
+    {
+    }
+
+    OCCAM_ALWAYS_INLINE unsigned in_boxes(const RaysAsOne<F>& as_one, float end, float* begin) const noexcept
+    {
+        if (is_tested_) {
+            if (begin) begin[0] = -FLT_MAX;
+            return 1;
+        }
+        if constexpr (Times::kMoves)
+            if (leaf_.keys.segments > 0) return keyed().in_boxes(as_one, end, begin);
+        return as_one.in_boxes(boxes_, end, begin);
+    }
+    /// Returns which rays enter a box of the group, and the bounds of its igrid, which is null if it is not made.
+    template <class Enter>
+    OCCAM_ALWAYS_INLINE MaskOf<F> enter(Enter&& enter, int box, const F& far, const TreeLeaf::Entry* made) const noexcept
+    {
+        if constexpr (Times::kMoves)
+            if (leaf_.keys.segments > 0) {
+                const MaskOf<F> inside = is_tested_ ? MaskOf<F>(true) : enter(Moving{keyed(), box}, far);
+                return made ? inside & enter(made->bounds, far) : inside;
+            }
+        return made ? enter(made->bounds, far) : enter(GridBounds{get_box(boxes_ + box, 0), {}}, far);
+    }
+
+private:
+    /// A box as it is at each ray's own time.
+    struct Moving {
+        KeyedBoxes<F> group;
+        int box;
+        void clip_to(const TreeRay<F>& ray, F& t_near, F& t_far) const noexcept { group.clip_to(ray, box, t_near, t_far); }
+    };
+    auto keyed() const noexcept { return KeyedBoxes<F>(boxes_, leaf_.stride(), leaf_.keys, times_); }
+
+    const TreeLeaf& leaf_;
+    const float* boxes_;
+    const Times& times_;
+    const bool is_tested_;
+};
+
+}  // namespace occam::accel

@@ -1,0 +1,167 @@
+// Holds the rays of a packet while they walk through a tree (accel/walk.h), and sends them through igrids.
+//
+// The rays share their axes and octant. They meet an igrid as many at a time as there are lanes; where few of these are
+// left, each is traced alone, with micropolygons in the lanes.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+
+#include "accel/moving_igrid.h"
+#include "accel/ray_reach.h"
+
+namespace occam::accel {
+
+template <class FoundOfRays, int kParts>
+class PacketRays {
+public:
+    using Found = FoundOfRays;
+    using Lanes = vfloats<kParts>;
+    using Mask = vmasks<kParts>;
+
+    /// levels   receives the packet's table of transitions
+    PacketRays(std::span<const Ray> rays, const RayAxes& axes, const FrameState& frame, lod::RayLevels<Lanes>& levels,
+               PacketQuery<Found, kParts>& query) noexcept
+        : rays_(rays), frame_(frame), levels_(levels), query_(query)
+    {
+        static_assert(offsetof(Ray, t_near) == offsetof(Ray, direction) + 3 * sizeof(float));
+        Lanes start[4], shear[3];
+        gather_four(rays.data(), rays.size(), offsetof(Ray, direction), way_);
+        place_all(
+            rays, way_, [&](std::size_t) -> const FrameState& { return frame; }, start);
+        set_shear(axes, way_, shear);
+        set_inverse(axes, way_, in_tree.inverse);
+        in_tree.shift = start[3];
+        for (int a = 0; a < 3; ++a) {
+            in_tree.origin[a] = start[a];
+            in_tree.negative[a] = axes.negative[a];
+            in_tree.direction[a] = way_[a];
+        }
+        for (int p = 0; p < kParts; ++p) {
+            RayLanes& lanes = parts_[p].lanes;
+            lanes.kx = axes.kx;
+            lanes.ky = axes.ky;
+            lanes.kz = axes.kz;
+            lanes.sx = shear[0].part[p];
+            lanes.sy = shear[1].part[p];
+            lanes.sz = shear[2].part[p];
+            for (int a = 0; a < 3; ++a) lanes.inverse[a] = in_tree.inverse[a].part[p];
+        }
+    }
+
+    TreeRay<Lanes> in_tree;  ///< in the frame of the tree
+
+    std::span<const Ray> rays() const noexcept { return rays_; }
+    const Lanes& t_near() const noexcept { return way_[3]; }
+    Lanes t_far() const noexcept { return query_.limit(); }
+
+    /// Makes the table of transitions of the rays `enters`, which are in the scene from t_in to t_out. Returns null if they
+    /// see too many pairs to travel together.
+    lod::RayLevels<Lanes>* find_levels(const Mask& enters, const Lanes& t_in, const Lanes& t_out) noexcept
+    {
+        // A ray that misses the scene gets the table of one that does not, so that it asks for no additional pairs.
+        const auto one = static_cast<std::size_t>(std::countr_zero(bits(enters)));
+        RayReach reach[kParts * kLanes]{};
+        for (std::size_t i = 0; i < rays_.size(); ++i) reach[i] = reach_of(rays_[bits(enters) >> i & 1 ? i : one], frame_);
+        Lanes of[4];
+        gather_four(reach, rays_.size(), 0, of);
+        const auto of_one = [&](const Lanes& x) {
+            float lanes[kParts * kLanes];
+            x.store(lanes);
+            return Lanes(lanes[one]);
+        };
+        const bool fits = levels_.set({of[0], of[1], of[3]}, select(enters, t_in, of_one(t_in)),
+                                      select(enters, t_out, of_one(t_out)), of[2], frame_.levels);
+        return fits ? &levels_ : nullptr;
+    }
+
+    /// Returns those of the rays `entering` that may see the igrid and did not meet it before in this visit, as bits, and
+    /// notes that they have met it. The rays that may not see it are removed from `entering`.
+    OCCAM_ALWAYS_INLINE unsigned note_visit(GridVisit& visited, std::uint64_t visit, const IGrid& grid,
+                                            Mask& entering) const noexcept
+    {
+        // An igrid that a ray enters in several cells is tested once.
+        if (visited.packet != visit) visited = {visit, 0};
+        if (grid.is_hidden) entering = entering & lanes_that_may_see<kParts>(rays_, *grid.cage, frame_.segments);
+        const unsigned fresh = bits(entering) & ~visited.lanes;
+        visited.lanes |= fresh;
+        return fresh;
+    }
+
+    /// Takes the rays to the frame of a cage.
+    void place_at(const lod::PosedCage& cage) noexcept
+    {
+        Lanes placed[4];
+        place_all(
+            rays_, way_, [&](std::size_t) -> const lod::PosedCage& { return cage; }, placed);
+        for (int p = 0; p < kParts; ++p) {
+            for (int a = 0; a < 3; ++a) parts_[p].lanes.origin[a] = placed[a].part[p];
+            parts_[p].lanes.shift = placed[3].part[p];
+            parts_[p].is_as_one_placed = false;
+        }
+    }
+
+    void set_blend(const lod::Blend<Lanes>& blend) noexcept
+    {
+        for (int p = 0; p < kParts; ++p) {
+            RayLanes& lanes = parts_[p].lanes;
+            lanes.blend.set({blend.start.part[p], blend.scale.part[p]}, {way_[0].part[p], way_[1].part[p], way_[2].part[p]},
+                            lanes.origin, lanes.shift);
+        }
+    }
+
+    /// Intersects an igrid of the cage at which the rays are placed with the rays `fresh`.
+    OCCAM_ALWAYS_INLINE void meet(IGrid& grid, unsigned fresh, const Mask& entering, const Lanes& from,
+                                  const Lanes& to) noexcept
+    {
+        for (int p = 0; p < kParts; ++p) {
+            const unsigned of_part = fresh >> (p * kLanes) & ((1u << kLanes) - 1);
+            if (of_part != 0) meet_part(grid, p, of_part, entering.part[p], {from.part[p], to.part[p]});
+        }
+    }
+
+private:
+    /// Holds as many rays as there are lanes, in the frame of the cage whose igrid is being tested.
+    struct Part {
+        RayLanes lanes;
+        RaysAsOne<vfloat> as_one;
+        bool is_as_one_placed = false;
+    };
+
+    OCCAM_ALWAYS_INLINE void meet_part(IGrid& grid, int p, unsigned of_part, vmask entering, const RaySpan& span) noexcept
+    {
+        Part& part = parts_[p];
+        PartOf<Found> some{query_, p * kLanes};
+        if (grid.segments > 0) {
+            const std::size_t first = static_cast<std::size_t>(p) * kLanes;
+            meet_moving(grid, {rays_.subspan(first), part.lanes, in_tree.negative, span}, of_part, some);
+            return;
+        }
+        if (std::popcount(of_part) >= kWorthAPacket) {
+            IGridTracer(grid, part.lanes, in_tree.negative, span, some).packet(entering, [&]() -> const RaysAsOne<vfloat>& {
+                if (!part.is_as_one_placed)
+                    part.as_one = {part.lanes.origin, part.lanes.inverse, in_tree.negative, part.lanes.shift, -FLT_MAX};
+                part.is_as_one_placed = true;
+                return part.as_one;
+            });
+            return;
+        }
+        for (unsigned left = of_part; left != 0; left &= left - 1) {
+            const int lane = std::countr_zero(left);
+            LaneOf<Found> one{some, lane};
+            RayLanes ray = spread(part.lanes, lane);
+            if (grid.blends()) ray.blend = spread(part.lanes.blend, lane);
+            IGridTracer(grid, ray, in_tree.negative, {spread(span.t_near, lane), spread(span.t_end, lane)}, one)
+                .single(lane);
+        }
+    }
+
+    std::span<const Ray> rays_;
+    const FrameState& frame_;
+    lod::RayLevels<Lanes>& levels_;
+    PacketQuery<Found, kParts>& query_;
+    Lanes way_[4];  ///< direction and t_near
+    Part parts_[kParts];
+};
+
+}  // namespace occam::accel

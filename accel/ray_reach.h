@@ -1,0 +1,23 @@
+// Says what the levels of a ray depend on, except for the interval in which it is in the scene.
+#pragma once
+
+#include <algorithm>
+
+#include "accel/hit.h"
+
+namespace occam::accel {
+
+/// Holds the inputs of a ray's table of transitions (lod::RayLevels); a packet gathers them four at a time.
+struct RayReach {
+    lod::Footprint target_edge;
+    float coordinate;  ///< the largest coordinate in the ray's arithmetic; it bounds rounding errors
+    float start;       ///< edge length of the ray's start level; 0 if it has none
+};
+inline RayReach reach_of(const Ray& ray, const FrameState& frame) noexcept
+{
+    return {target_edge_of(ray, frame.levels),
+            std::max(static_cast<float>(glm::distance(ray.origin, frame.anchor)), frame.radius),
+            ray.start_level == kAnyLevel ? 0.0f : lod::edge_length(ray.start_level)};
+}
+
+}  // namespace occam::accel
