@@ -136,11 +136,7 @@ Scene load_obj(const std::filesystem::path& file, const LoadOptions& options)
 {
     Scene scene;
     Report report(file, options.strict);
-    Settled settled = settle(read_obj(file, scene, true, report), options.subdivide, report);
-    const std::string name = settled.cage.name;
-    if (!settled.note.empty()) scene.notes.push_back(name + ": " + settled.note);
-    const CageId id = scene.add(std::move(settled.cage));
-    scene.add_node(scene.root(), {.name = name, .cages = {id}});
+    add_settled(scene, settle(read_obj(file, scene, true, report), options.subdivide, report));
     finish(scene, report);
     return scene;
 }

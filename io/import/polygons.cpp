@@ -174,16 +174,20 @@ Settled settle(Polygons polygons, Subdivide subdivide, Report& report)
     return {std::move(polygons.cage), std::move(note)};
 }
 
+void add_settled(Scene& scene, Settled settled)
+{
+    const std::string name = settled.cage.name;
+    if (!settled.note.empty()) scene.notes.push_back(name + ": " + settled.note);
+    const CageId id = scene.add(std::move(settled.cage));
+    scene.add_node(scene.root(), {.name = name, .cages = {id}});
+}
+
 Scene scene_of(Polygons polygons, const LoadOptions& options, Report& report)
 {
     if (polygons.cage.face_sizes.empty()) throw Error(report.name(), "there is no face in it");
     Scene scene;
     polygons.cage.name = report.file().stem().string();
-    Settled settled = settle(std::move(polygons), options.subdivide, report);
-    const std::string name = settled.cage.name;
-    if (!settled.note.empty()) scene.notes.push_back(name + ": " + settled.note);
-    const CageId id = scene.add(std::move(settled.cage));
-    scene.add_node(scene.root(), {.name = name, .cages = {id}});
+    add_settled(scene, settle(std::move(polygons), options.subdivide, report));
     finish(scene, report);
     return scene;
 }

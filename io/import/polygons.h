@@ -31,6 +31,8 @@ struct Settled {
 /// since there is no such scheme here (with Auto it is a warning, and the faces are rendered as they are); every other name
 /// gives Catmull-Clark.
 Settled settle(Polygons polygons, Subdivide subdivide, Report& report);
+/// Adds such a cage to the scene, as a node below its root that has the cage's name.
+void add_settled(Scene& scene, Settled settled);
 
 /// Gives a normal to every corner for which the file has none: the normal of its face if the face is flat, else the mean
 /// over the faces of its smoothing group around the vertex, weighted with their angles. Adds nothing if the file

@@ -1,7 +1,8 @@
-// The messages of refused files.
+// The messages of refused files, and what a file of one cage gives.
 #pragma once
 
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 
 #include "base/error.h"
@@ -26,6 +27,17 @@ inline bool warns(const Scene& scene, const std::string& text)
     for (const std::string& line : scene.warnings)
         if (line.find(text) != std::string::npos) return true;
     return false;
+}
+
+/// Returns the last cage that a node of the scene shows.
+inline const Cage& only_cage(const Scene& scene)
+{
+    const Cage* found = nullptr;
+    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
+        for (CageId id : node.cages) found = &scene.cage(id).cage;
+    });
+    if (!found) throw std::logic_error("no cage");
+    return *found;
 }
 
 }  // namespace occam::test

@@ -11,18 +11,9 @@ namespace occam {
 namespace {
 
 using test::error_of;
+using test::only_cage;
 using test::TempFolder;
 using test::warns;
-
-const Cage& only_cage(const Scene& scene)
-{
-    const Cage* found = nullptr;
-    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
-        for (CageId id : node.cages) found = &scene.cage(id).cage;
-    });
-    if (!found) throw std::logic_error("no cage");
-    return *found;
-}
 
 class Bytes {
 public:
