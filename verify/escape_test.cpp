@@ -1,0 +1,287 @@
+#include "verify/escape_test.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "accel/frame.h"
+#include "accel/print.h"
+#include "base/error.h"
+#include "lod/ray_levels.h"
+#include "verify/closed.h"
+#include "verify/ray_surface.h"
+
+namespace occam {
+namespace {
+
+/// Returns the unit in which all lengths of the test are: that of a frame that shows the cage alone.
+FrameScale scale_of(const ShownCage& shown)
+{
+    Box3d world;
+    for (const Mat4d& matrix : shown.world_from_object) world.add(transform_box(matrix, shown.slot.cage.bounds()));
+    return FrameScale(world);
+}
+
+std::vector<Mat4d> placed_by(const FrameScale& scale, std::span<const Mat4d> world_from_object)
+{
+    std::vector<Mat4d> placed;
+    for (const Mat4d& matrix : world_from_object) placed.push_back(scale.placed(matrix));
+    return placed;
+}
+
+}  // namespace
+
+EscapeTest::EscapeTest(const ShownCage& shown, const VerifySettings& settings, const TextureStore* textures,
+                       VerifiedCage& report, std::size_t number)
+    : number_(number),
+      settings_(settings),
+      textures_(textures),
+      report_(report),
+      random_(settings.seed * 0x9E3779B97F4A7C15u + 1),
+      scale_(scale_of(shown)),
+      frame_from_object_(placed_by(scale_, shown.world_from_object)),
+      subject_({shown.slot, shown.node, shown.skin, frame_from_object_, shown.segments}, textures)
+{
+}
+
+void EscapeTest::run()
+{
+    if (subject_.is_empty()) {
+        report_.not_testable = "it has no limit surface";
+        return;
+    }
+    choose_instants();
+    // The level is finer if the inside is thinner than the edges.
+    finest_ = subject_.level_of_rate(settings_.largest_rate);
+    for (int finer = 0; finer < kFiner && report_.starts == 0; ++finer, --finest_) {
+        std::size_t corners = 0;
+        for (Instant& instant : instants_) {
+            instant.pairs.clear();
+            for (int level = finest_; level < finest_ + kLevels; ++level)
+                instant.pairs.push_back(subject_.dice(level, instant.time));
+            corners += instant.pairs.front().corners.size();
+            find_starts(instant);
+            report_.starts += instant.starts.size();
+        }
+        if (report_.starts > 0 || corners > kMostCorners) break;
+    }
+    std::erase_if(instants_, [](const Instant& instant) { return instant.starts.empty(); });
+    if (instants_.empty()) {
+        report_.not_testable = "no point inside was found: no winding number is 1";
+        return;
+    }
+    set_levels();
+    const accel::Frame frame(subject_.scene(), subject_.topologies(), levels_, textures_);
+    accel::Tracer tracer(frame, std::size_t(1) << 30);
+    std::vector<accel::Ray> rays(2048);
+    std::vector<accel::SurfaceHit> hits(rays.size());
+    while (report_.rays < settings_.rays) {
+        for (accel::Ray& ray : rays) ray = next_ray();
+        tracer.closest(rays, hits);
+        for (std::size_t i = 0; i < rays.size(); ++i) judge(rays[i], hits[i]);
+        report_.rays += rays.size();
+    }
+}
+
+void EscapeTest::replay(const RayLine& line, std::ostream& out)
+{
+    if (subject_.is_empty()) throw Error("", "the cage has no limit surface", "ray");
+    finest_ = subject_.level_of_rate(settings_.largest_rate);
+    set_levels();
+    accel::Ray ray;
+    ray.origin = line.origin * scale_.to_frame();
+    ray.direction = line.direction;
+    ray.footprint = {static_cast<float>(line.width * scale_.to_frame()), line.spread};
+    ray.time = line.time;
+    const accel::Frame frame(subject_.scene(), subject_.topologies(), levels_, textures_);
+    accel::Tracer tracer(frame, std::size_t(1) << 30);
+    const Precision digits(out, 9);
+    out << "cage " << number_ << " '" << report_.cage << "' of node '" << report_.node << "'; lengths are in units of "
+        << scale_.to_world() << '\n'
+        << "ray: " << ray << '\n';
+    accel::SurfaceHit hit;
+    tracer.observe(ray, hit, &out);
+    out << "  " << (hit.is_hit() ? "hit: " : "") << hit << '\n';
+    judge(ray, hit);
+    report_.rays = 1;
+    if (report_.not_finite > 0) out << "The hit is not finite.\n";
+    else if (report_.outside > 0) out << "The ray starts outside of the surface that it sees.\n";
+    else if (report_.grazing > 0) out << "The ray passes between two levels, which overlap more where pictures are made.\n";
+    else out << (report_.escaped > 0 ? "The ray ESCAPES.\n" : "The ray hits the cage.\n");
+}
+
+void EscapeTest::set_levels()
+{
+    lod::LevelSettings levels;
+    levels.eye = subject_.posed().anchor;
+    levels.pixel = {lod::edge_length(finest_), 0};
+    levels.shading_rate = 1 / lod::LevelSettings::kLongestEdge;  // footprints equal edge lengths
+    levels.displaced = subject_.posed().displacement.reach;
+    levels.motion_edges = 0;
+    engine_levels_ = levels;
+    if (settings_.overlap_ulps > 0) {
+        levels.overlap_edges = 0;
+        levels.overlap_ulps = settings_.overlap_ulps;
+    }
+    levels_ = levels;
+}
+
+void EscapeTest::choose_instants()
+{
+    instants_.resize(1);
+    const int segments = subject_.posed().segments;
+    if (segments == 0) return;
+    instants_.resize(kInstants);
+    for (Instant& instant : instants_) instant.time = static_cast<float>(uniform(random_));
+    const auto key = static_cast<int>(random_() % static_cast<unsigned>(segments + 1));
+    instants_[0].time = static_cast<float>(key) / static_cast<float>(segments);
+}
+
+void EscapeTest::find_starts(Instant& instant)
+{
+    const std::vector<Subject::Pair>& pairs = instant.pairs;
+    std::vector<Start>& starts = instant.starts;
+    Box3d box;
+    for (const Vec3f v : pairs.front().corners) box.add(Vec3d(v));
+    const std::size_t triangles = pairs.front().corners.size() / 3;
+    // A large mesh and several moments leave few points for each moment, but at least two are looked for.
+    const auto share = static_cast<std::size_t>(std::clamp<double>(4e6 / double(triangles), 8, 256)) / instants_.size();
+    const std::size_t most = std::max<std::size_t>(share, 8);
+    const auto distance_to_mesh = [&](Vec3d p) {
+        double nearest = box.radius();
+        for (const Vec3f v : pairs.front().corners) nearest = std::min(nearest, glm::distance(Vec3d(v), p));
+        return nearest;
+    };
+    for (std::size_t attempt = 0; attempt < 4 * most && starts.size() < most / 4; ++attempt) {
+        // Half of the points lie anywhere, half near the surface.
+        Vec3d p = box.lo + box.extent() * Vec3d(uniform(random_), uniform(random_), uniform(random_));
+        if (attempt & 1)
+            p = Vec3d(pick(pairs.front().corners, random_)) +
+                any_direction(random_) * (lod::edge_length(finest_) * uniform(random_, 2, 6));
+        const double reach = distance_to_mesh(p) * 0.5;
+        if (reach < lod::edge_length(finest_)) continue;
+        // The point must be inside the fine mesh and all coarser ones that rays from here may see, with a little
+        // room on all sides.
+        bool is_inside = true;
+        for (const Subject::Pair& pair : pairs) {
+            if (pair.level > finest_ + 1 && lod::edge_length(pair.level) > 2 * reach) break;
+            for (int k = 0; k < 7 && is_inside; ++k) {
+                Vec3d step(0);
+                if (k > 0) step[(k - 1) / 2] = (k & 1 ? 0.25 : -0.25) * reach;
+                is_inside = winding_number(pair.corners, p + step) > 0.9;
+            }
+        }
+        if (is_inside) starts.push_back({p, reach});
+    }
+}
+
+accel::Ray EscapeTest::next_ray()
+{
+    const Instant& instant = instants_.size() > 1 ? pick(instants_, random_) : instants_.front();
+    const Start& start = pick(instant.starts, random_);
+    // These are target edge lengths that rays from here may have at their hit.
+    const int coarsest = std::clamp(std::ilogb(start.reach), finest_ + 1, finest_ + kLevels);
+    const int level = finest_ + static_cast<int>(random_() % static_cast<unsigned>(coarsest - finest_));
+    const Subject::Pair& pair = instant.pairs[static_cast<std::size_t>(level - finest_)];
+    const Target target = any_target(pair, random_);
+    const Vec3d rough = Vec3d(target.grid->at(target.a));
+    const double distance = std::max(glm::distance(rough, start.at), 1e-6 * start.reach);
+    const double widest = lod::edge_length(coarsest), d = lod::edge_length(level);
+
+    // The target edge length along the ray is constant, or grows or shrinks at random, or has a transition near the
+    // hit or within ulps of it.
+    double a, b;
+    const double kind = uniform(random_);
+    if (kind < 0.2) {
+        a = d * uniform(random_, 1, 1.999);
+        b = 0;
+    } else {
+        const double at_hit = kind < 0.4 ? d * uniform(random_, 1, 1.999) : d * (random_() & 1 ? 1 : 2);
+        const double offset = kind < 0.4   ? 0
+                              : kind < 0.8 ? uniform(random_, -0.5, 0.5) * d
+                                           : double(int(random_() % 5) - 2) * distance * 0x1p-23;
+        const double where = distance + offset;
+        b = std::exp2(uniform(random_, -12, -1));
+        if (random_() & 1) b = std::min(b, at_hit / std::max(where, 1e-30));
+        else b = -std::min(b, std::max(0.0, (widest - at_hit) / std::max(where, 1e-30)));
+        a = at_hit - b * where;
+    }
+    accel::Ray ray;
+    ray.time = instant.time;
+    ray.origin = subject_.posed().anchor + start.at;
+    ray.footprint = {static_cast<float>(a), static_cast<float>(b)};
+
+    // The target moves with the blend, which depends on the direction: a few steps make both agree.
+    Vec3d direction = uniform(random_) < 0.6 ? glm::normalize(rough - start.at) : any_direction(random_);
+    const float far = static_cast<float>(4 * subject_.posed().radius);
+    for (int step = 0; step < 3; ++step) {
+        lod::RayLevels<float> table;
+        if (!table.set({ray.footprint.a, ray.footprint.b}, 0, far, far, levels_) || level < table.finest ||
+            level > table.coarsest)
+            break;
+        table.make();
+        const Vec3d to = target.at(start.at, direction, table.blend(level)) - start.at;
+        if (!(glm::length(to) > 0)) break;
+        direction = glm::normalize(to);
+    }
+    Vec3f aimed(direction);
+    const auto axis = static_cast<int>(random_() % 3);
+    if (random_() & 1) aimed[axis] = std::nextafterf(aimed[axis], random_() & 1 ? 2.0f : -2.0f);
+    ray.direction = aimed;
+    return ray;
+}
+
+void EscapeTest::judge(const accel::Ray& ray, const accel::SurfaceHit& hit)
+{
+    if (hit.is_hit()) {
+        const Vec3d all = hit.position + Vec3d(hit.normal_geometric) + Vec3d(hit.normal_shading);
+        report_.not_finite += !std::isfinite(all.x + all.y + all.z + hit.t);
+        if (!hit.back_side) {
+            ++report_.front_side;
+            report_.worst_front = std::max(report_.worst_front, -double(glm::dot(hit.normal_geometric, ray.direction)));
+        }
+        return;
+    }
+    if (std::abs(winding_of(ray)) < 0.5) {  // the start is outside of the surface that this ray sees
+        ++report_.outside;
+        return;
+    }
+    if (is_grazing(ray)) {
+        ++report_.grazing;
+        return;
+    }
+    ++report_.escaped;
+    if (report_.replay.size() >= 5) return;
+    const RayLine line{number_,         ray.origin * scale_.to_world(),
+                       ray.direction,   double(ray.footprint.a) * scale_.to_world(),
+                       ray.footprint.b, ray.time};
+    report_.replay.push_back(line.text());
+}
+
+bool EscapeTest::is_grazing(const accel::Ray& ray)
+{
+    if (!(settings_.overlap_ulps > 0)) return false;
+    const auto far = static_cast<float>(4 * subject_.posed().radius);
+    lod::RayLevels<float> table;
+    if (!table.set({ray.footprint.a, ray.footprint.b}, 0, far, far, levels_)) return false;
+    table.make();
+    if (!grazing_)
+        grazing_ = std::make_unique<GrazingRays>(subject_.scene(), subject_.topologies(), engine_levels_, textures_,
+                                                 subject_.posed().radius);
+    return grazing_->explain(ray, table);
+}
+
+double EscapeTest::winding_of(const accel::Ray& ray)
+{
+    const auto far = static_cast<float>(4 * subject_.posed().radius);
+    lod::RayLevels<float> table;
+    if (!table.set({ray.footprint.a, ray.footprint.b}, 0, far, far, levels_)) return 1;
+    table.make();
+    return winding_number_of_ray(ray.origin - subject_.posed().anchor, glm::normalize(Vec3d(ray.direction)), table, finest_,
+                                 [&](int level) -> const std::vector<lod::LevelGrid>& {
+                                     auto [at, is_new] = diced_.try_emplace({ray.time, level});
+                                     if (is_new) at->second = subject_.dice(level, ray.time).grids;
+                                     return at->second;
+                                 });
+}
+
+}  // namespace occam

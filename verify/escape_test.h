@@ -1,0 +1,81 @@
+// Sends rays from points inside a closed cage, and counts those that leave it through the surface.
+//
+// Space    all lengths are in the unit of a frame that shows the cage alone (FrameScale).
+#pragma once
+
+#include <map>
+#include <memory>
+#include <ostream>
+#include <vector>
+
+#include "accel/tracer.h"
+#include "scenegraph/frame_scale.h"
+#include "verify/grazing.h"
+#include "verify/ray_line.h"
+#include "verify/subject.h"
+#include "verify/target.h"
+#include "verify/verify.h"
+
+namespace occam {
+
+/// Tests one placed cage: sends rays from inside it and counts those that leave.
+class EscapeTest {
+public:
+    /// number   of the placed cage among those that are reported
+    EscapeTest(const ShownCage& shown, const VerifySettings& settings, const TextureStore* textures, VerifiedCage& report,
+               std::size_t number = 0);
+
+    void run();
+
+    /// Traces one ray, writes what it does, and judges it.
+    void replay(const RayLine& line, std::ostream& out);
+
+private:
+    /// Sets the levels of the test and those of the engine, after finest_.
+    void set_levels();
+
+    static constexpr int kLevels = 4, kFiner = 5, kInstants = 8;
+    static constexpr std::size_t kMostCorners = 2'000'000;
+
+    struct Start {
+        Vec3d at;
+        double reach;  ///< edges longer than this may put the point outside
+    };
+    /// A moment of the shutter, and points that are inside the cage then.
+    struct Instant {
+        float time = 0;
+        std::vector<Subject::Pair> pairs;
+        std::vector<Start> starts;
+    };
+
+    /// Chooses the moments at which rays see the cage: one if it stands still, else one of its keys, and others anywhere.
+    void choose_instants();
+
+    void find_starts(Instant& instant);
+
+    accel::Ray next_ray();
+
+    void judge(const accel::Ray& ray, const accel::SurfaceHit& hit);
+
+    /// Returns whether the ray passed between two levels only because they overlap less here than in the engine.
+    bool is_grazing(const accel::Ray& ray);
+
+    /// Returns the winding number, about the start of the ray, of the surface that the ray sees.
+    double winding_of(const accel::Ray& ray);
+
+    std::size_t number_;
+    const VerifySettings& settings_;
+    const TextureStore* textures_;
+    VerifiedCage& report_;
+    std::map<std::pair<float, int>, std::vector<lod::LevelGrid>> diced_;  ///< by time and level; diced when rays escape
+    Random random_;
+    FrameScale scale_;  ///< all lengths are in its unit
+    std::vector<Mat4d> frame_from_object_;
+    Subject subject_;
+    int finest_ = 0;
+    std::vector<Instant> instants_;
+    lod::LevelSettings levels_, engine_levels_;
+    std::unique_ptr<GrazingRays> grazing_;  ///< made when the first ray hits nothing
+};
+
+}  // namespace occam
