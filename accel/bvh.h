@@ -10,7 +10,7 @@
 //
 // Where things move, a node has the boxes of its children at several keys of an interval of the shutter, linear between
 // them. Where they would grow much more than the items themselves, because neighbours part, a node divides its interval
-// instead: it has a child for either half (docs/architecture.md).
+// instead: it has a child for either half (accel/README.md).
 //
 // Memory   An arena; nodes never move. A lazy node's list stays behind when the node is expanded.
 // Threads  One worker's own, or several workers', which read what exists without a lock and expand it under one

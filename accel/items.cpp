@@ -125,9 +125,11 @@ bool Items::open(ItemIndex i, int pair)
             for (const PatchInfo& patch : item.cluster->patches)
                 add_region(item.cage(), item.cluster, patch, {patch.ref, 0, 0, 0, 0});
             break;
-        default:
+        case Item::Region:
             open_region(item);
             break;
+        case Item::Faces:
+            break;  // final for all pairs
     }
     items_[i].first_part = first;
     items_[i].part_count = static_cast<std::uint32_t>(items_.size()) - first;

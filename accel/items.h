@@ -106,9 +106,13 @@ public:
                 return 1;
             case Item::Region:
                 return 2;
-            default:
-                return 0;
+            case Item::SceneNode:
+            case Item::Children:
+            case Item::Cluster:
+            case Item::Faces:
+                break;
         }
+        return 0;
     }
 
     /// Makes the parts of an item that is not final: [first_part, first_part + part_count) afterwards. For a Leaf that

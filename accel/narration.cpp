@@ -82,7 +82,8 @@ void test(std::span<const std::uint32_t> ids, const RayAtGrid& at, std::vector<T
         one.is_inside = (inside >> k & 1) != 0;
         const float det = (one.u + one.v) + one.w;
         const float extreme = det > 0 ? std::min({one.u, one.v, one.w}) : std::max({one.u, one.v, one.w});
-        one.outside = det == 0 ? INFINITY : -extreme / det;
+        const float share = -extreme / det;
+        one.outside = std::isfinite(share) ? share : INFINITY;
         out.push_back(one);
     }
 }

@@ -1,6 +1,6 @@
 // Writes down what one ray does on its way through the scene, for people who look for a fault.
 //
-// The ray is traced by the templates that trace all rays (accel/run_rays.cpp). Where their query is an ObservedNearest, they
+// The ray is traced by the templates that trace all rays (accel/run_rays.h). Where their query is an ObservedNearest, they
 // call the functions below at each step; for all other queries these calls are not compiled.
 //
 // Space    Everything is written in world units: positions in world axes, and all intervals as the ray's own t.

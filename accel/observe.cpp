@@ -4,8 +4,8 @@
 
 #include "accel/holes.h"
 #include "accel/narration.h"
+#include "accel/run_rays.h"
 #include "accel/stopwatch.h"
-#include "accel/tracer_state.h"
 
 namespace occam::accel {
 

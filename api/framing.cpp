@@ -1,3 +1,4 @@
+#include "base/error_without_file.h"
 #include "lod/extent.h"
 #include "occam/occam.h"
 #include "render/camera_rays.h"
@@ -17,7 +18,7 @@ Camera record_shutter(Scene& scene, const std::function<void(double tau)>& pose,
                       int height, int segments)
 {
     if (height < 1 || height > render::kMaxSide)
-        throw Error("", "from 1 to " + std::to_string(render::kMaxSide), "image height");
+        throw error_without_file("from 1 to " + std::to_string(render::kMaxSide), "image height");
     constexpr double kPixels = 0.25;
     // The camera takes part in the finest recording: its keys cost nothing in the scene.
     scene.record_shutter(segments != 0 ? segments : kMaxShutterSegments, pose);

@@ -6,6 +6,7 @@
 #include "accel/frame.h"
 #include "accel/tracer.h"
 #include "api/renderer_state.h"
+#include "base/error_without_file.h"
 #include "render/camera_rays.h"
 
 namespace occam {
@@ -14,7 +15,7 @@ namespace {
 int checked_height(int height)
 {
     if (height < 1 || height > render::kMaxSide)
-        throw Error("", "from 1 to " + std::to_string(render::kMaxSide), "image height");
+        throw error_without_file("from 1 to " + std::to_string(render::kMaxSide), "image height");
     return height;
 }
 
@@ -40,8 +41,8 @@ accel::Ray ray_of(const QueryRay& asked, const Asked& about)
     const double length = glm::length(asked.direction);
     if (!(length > 0) || !std::isfinite(length) || !std::isfinite(glm::dot(asked.origin, asked.origin))) return ray;
     if (const auto& f = asked.footprint; f && !(f->width >= 0 && std::isfinite(f->width) && std::isfinite(f->spread)))
-        throw Error("", "a footprint's width must be finite and 0 or more, and its spread finite", "ray");
-    if (!(asked.time >= 0 && asked.time <= 1)) throw Error("", "a ray's time must be from 0 to 1", "ray");
+        throw error_without_file("a footprint's width must be finite and 0 or more, and its spread finite", "ray");
+    if (!(asked.time >= 0 && asked.time <= 1)) throw error_without_file("a ray's time must be from 0 to 1", "ray");
     ray.time = asked.time;
     ray.origin = asked.origin * about.scale.to_frame();
     ray.direction = Vec3f(asked.direction / length);
@@ -76,7 +77,8 @@ struct Query::State {
         end();
         scene.refit();
         if (scene.contents().has(Contents::Displaced)) textures.prepare(scene);
-        if (const std::vector<std::string> errors = textures.errors(); !errors.empty()) throw Error("", errors.front());
+        if (const std::vector<std::string> errors = textures.errors(); !errors.empty())
+            throw error_without_file(errors.front());
         camera = with_camera;
         asked.emplace(scene, camera, height, topologies->cache, textures);
     }
@@ -87,7 +89,7 @@ struct Query::State {
     }
     const Asked& asked_about() const
     {
-        if (!asked) throw Error("", "the query was ended: begin() has to be called before it is asked", "Query");
+        if (!asked) throw error_without_file("the query was ended: begin() has to be called before it is asked", "Query");
         return *asked;
     }
 
@@ -208,7 +210,8 @@ bool Query::is_occluded(const QueryRay& ray) const { return state_->is_occluded(
 
 std::optional<Hit> Query::pick(double x, double y, int width) const
 {
-    if (width < 1 || width > render::kMaxSide) throw Error("", "from 1 to " + std::to_string(render::kMaxSide), "width");
+    if (width < 1 || width > render::kMaxSide)
+        throw error_without_file("from 1 to " + std::to_string(render::kMaxSide), "width");
     const Camera placed = state_->asked_about().scale.placed(state_->camera);
     return state_->closest(render::CameraRays(placed, width, state_->height).ray(x, y, Vec2f(0.5f), 0.5f));
 }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "api/renderer_state.h"
+#include "base/error_without_file.h"
 #include "render/cryptomatte.h"
 #include "render/frame.h"
 #include "render/metadata.h"
@@ -64,7 +65,7 @@ struct Job::State {
             make_image();
         } catch (const std::bad_alloc&) {
             error = std::make_exception_ptr(
-                Error("", "there is not enough memory for this picture", {}, Error::Kind::Output));
+                error_without_file("there is not enough memory for this picture", {}, Error::Kind::Output));
         } catch (...) {
             error = std::current_exception();
         }
@@ -116,7 +117,7 @@ struct Job::State {
             for (std::string& line : renderer->textures.warnings()) lines.push_back(std::move(line));
         if (lines.empty()) return;
         const std::string more = lines.size() > 1 ? "and " + std::to_string(lines.size() - 1) + " more images" : "";
-        throw Error("", lines.front(), more);
+        throw error_without_file(lines.front(), more);
     }
 
     void finish_stats()
@@ -228,7 +229,7 @@ Job Renderer::start(Scene& scene, const Camera& camera, const Settings& settings
     render::check(settings);
     check(scene.environment);
     check(camera);
-    if (state_->busy.exchange(true)) throw Error("", "this renderer is busy with another frame");
+    if (state_->busy.exchange(true)) throw error_without_file("this renderer is busy with another frame");
     try {
         auto job = std::make_unique<Job::State>(state_, scene, camera, settings);
         job->resumed = std::move(checkpoint);
@@ -254,7 +255,7 @@ SampleColor Renderer::replay(Scene& scene, const Camera& camera, const Settings&
     render::check(settings);
     check(scene.environment);
     check(camera);
-    if (state_->busy.exchange(true)) throw Error("", "this renderer is busy with another frame");
+    if (state_->busy.exchange(true)) throw error_without_file("this renderer is busy with another frame");
     struct Busy {
         std::atomic<bool>& flag;
         ~Busy() { flag = false; }

@@ -1,13 +1,14 @@
 #include "framing.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
 
+#include "base/error_without_file.h"
 #include "interrupt.h"
 #include "io/output_file.h"
+#include "values.h"
 
 namespace occam::command {
 namespace {
@@ -76,14 +77,11 @@ bool Framing::is_fitted() const
     return a.view_from || a.up || !scene_.camera();
 }
 
-// STL files come from printing and machining, where z is up. All other formats have y up by habit.
 Vec3d Framing::up() const
 {
     if (arguments_.up) return *arguments_.up;
-    std::string extension = arguments_.scene.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension == ".stl" ? Vec3d(0, 0, 1) : Vec3d(0, 1, 0);
+    const SceneFormat* format = scene_format_of(arguments_.scene);
+    return axis_of(format ? format->up : "y");
 }
 
 void Framing::fit_pose()
@@ -154,9 +152,9 @@ Camera Framing::camera()
     const RenderArguments& a = arguments_;
     Camera camera;
     if (a.look_at) {
-        if (a.look_at->eye == a.look_at->target) throw Error("", "eye and target are the same point", "--look-at");
+        if (a.look_at->eye == a.look_at->target) throw error_without_file("eye and target are the same point", "--look-at");
         if (glm::length(glm::cross(a.look_at->target - a.look_at->eye, up())) == 0)
-            throw Error("", "up is parallel to the view", "--up");
+            throw error_without_file("up is parallel to the view", "--up");
         camera = Camera::look_at(a.look_at->eye, a.look_at->target, up(), CameraLens{}.fov);
     } else if (!a.camera.empty()) {
         camera = camera_named(a.camera);

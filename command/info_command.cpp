@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "arguments.h"
+#include "base/error_without_file.h"
 #include "io/texture/texture_store.h"
 
 namespace occam::command {
@@ -20,7 +21,7 @@ std::vector<std::string> all_warnings(const Scene& scene, bool strict)
     store.decode_all();
     std::vector<std::string> of_images = store.errors();
     for (std::string& line : store.warnings()) of_images.push_back(std::move(line));
-    if (strict && !of_images.empty()) throw Error("", of_images.front());
+    if (strict && !of_images.empty()) throw error_without_file(of_images.front());
     std::vector<std::string> lines = scene.warnings;
     lines.insert(lines.end(), of_images.begin(), of_images.end());
     return lines;
@@ -79,7 +80,7 @@ int run(const InfoArguments& a)
     if (a.json) std::cout << info.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
     else print_text(info);
     std::cout.flush();
-    if (!std::cout) throw Error("", "standard output cannot be written", {}, Error::Kind::Output);
+    if (!std::cout) throw error_without_file("standard output cannot be written", {}, Error::Kind::Output);
     return 0;
 }
 

@@ -8,6 +8,7 @@
 #include <new>
 
 #include "arguments.h"
+#include "base/error_without_file.h"
 
 namespace occam::command {
 namespace {
@@ -32,7 +33,7 @@ int run_command(int argc, char** argv)
     const int code = std::visit([](const auto& arguments) { return run(arguments); }, parse(argc, argv));
     std::cout.flush();
     if (!std::cout || std::fflush(stdout) != 0 || std::ferror(stdout))
-        throw Error("", "standard output cannot be written", {}, Error::Kind::Output);
+        throw error_without_file("standard output cannot be written", {}, Error::Kind::Output);
     return code;
 }
 

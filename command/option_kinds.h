@@ -72,6 +72,9 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, T& value, const 
     });
 }
 
+/// Adds an option for each row of render/setting_rows.h that has one.
+void add_settings(CLI::App& app, Settings& settings);
+
 // The options of time, for commands that pose the scene.
 void add_clip(CLI::App& app, RenderArguments& arguments);
 void add_moment(CLI::App& app, RenderArguments& arguments);  ///< after add_clip()

@@ -4,7 +4,9 @@
 #include <set>
 
 #include "idle_options.h"
+#include "io/extensions.h"
 #include "option_kinds.h"
+#include "render/picture_formats.h"
 #include "replay_command.h"
 #include "usage_message.h"
 
@@ -13,7 +15,8 @@ namespace {
 
 void add_scene(CLI::App& app, SceneArguments& a)
 {
-    app.add_option("SCENE", a.scene, "glTF, GLB, OBJ, PLY, OFF or STL file; without it the built-in scene")->type_name("");
+    app.add_option("SCENE", a.scene, "File " + extensions_of(scene_formats()) + "; without it the built-in scene")
+        ->type_name("");
     add_choice<Subdivide>(app, "--subdivide", a.load.subdivide,
                           {{"on", Subdivide::On}, {"off", Subdivide::Off}, {"auto", Subdivide::Auto}},
                           "Polygons are the cage of a Catmull-Clark surface. auto: only those of an OBJ with subdivision "
@@ -48,26 +51,7 @@ void add_picture(CLI::App& app, RenderArguments& a)
               [](const std::string& t) {
                   if (!kQualities.count(t)) throw std::invalid_argument("expected fast, balanced or high, not '" + t + "'");
               });
-    add_whole(app, "--spp", s.spp, 1, render::kMaxSamples, "Samples a pixel [16]");
-    add_switch(app, "--jitter", s.jitter, "off: every sample through the middle of its pixel [on]");
-    add_whole(app, "--light-samples", s.light_samples, 1, render::kMaxLightSamples, "Samples of each light at each hit [1]");
-    std::map<std::string, FilterKind> filters;
-    for (FilterKind kind : render::kAllFilters) filters.emplace(render::filter_name(kind), kind);
-    add_choice<FilterKind>(app, "--filter", s.filter, filters, "Reconstruction filter [box]");
-    add_amount(app, "--filter-radius", "Half the filter's width, pixels [depends on the filter]",
-               [&](double v) { s.filter_radius = float(v); });
-    add_amount(app, "--error", "End a tile of pixels below this estimated relative error, at the latest after --spp samples",
-               [&](double v) { s.error = float(v); });
-    add_number(app, "--shading-rate", "Target edge length of micropolygons, pixels [1]",
-               [&](double v) { s.shading_rate = float(v); });
-    add_choice<render::Lod>(
-        app, "--lod", s.lod, {{"on", render::Lod::On}, {"off", render::Lod::Off}, {"frozen", render::Lod::Frozen}},
-        "Level of detail. on: for each ray; off: one for each cage; frozen: secondary rays keep that of their origin [on]");
-    add_whole(app, "--seed", s.seed, 0, ~std::uint64_t(0), "Seed of the random numbers [0]");
-    add_amount(app, "--deadline", "Stop after this many seconds; all pixels then have about equally many samples",
-               [&](double v) { s.deadline_s = v; });
-    add_switch(app, "--background", s.background, "Sky or environment behind the scene; off: transparent [on]");
-    add_switch(app, "--back-faces", s.back_faces, "off: rays pass the backs of single-sided surfaces [on]");
+    add_settings(app, s);
     std::string layers = "EXR layers: ";
     for (const render::AovRow& row : render::kAovs) layers.append(row.aov == Aov{} ? "" : ", ").append(row.name);
     add_value(app, "--aov", layers, "A,B,...", [&](const std::string& t) {
@@ -78,15 +62,6 @@ void add_picture(CLI::App& app, RenderArguments& a)
             s.aovs |= row->aov;
         }
     });
-    std::map<std::string, View> views;
-    for (const render::ViewRow& row : render::kViews) views.emplace(row.name, row.view);
-    add_choice<View>(app, "--view", s.view, views, "A debug picture instead of light");
-    std::map<std::string, IntegratorKind> integrators;
-    for (IntegratorKind kind : {IntegratorKind::Direct, IntegratorKind::Ao, IntegratorKind::Path})
-        integrators.emplace(render::integrator_name(kind), kind);
-    add_choice<IntegratorKind>(app, "--integrator", s.integrator, integrators, "How light is computed [path]");
-    add_whole(app, "--bounces", s.bounces, 0, render::kMaxBounces,
-              "Largest number of times that light is scattered; direct: of mirrors in a row [8]");
     add_value(app, "--clamp",
               "Limit light scattered twice or more to this radiance a sample: fewer fireflies, some light lost; 0: off; "
               "auto: 2 at the exposure that is shown, and off for EXR and HDR [auto]",
@@ -95,8 +70,6 @@ void add_picture(CLI::App& app, RenderArguments& a)
                   s.clamp = a.clamp_given ? float(number_of(t)) : 0;
                   if (!(s.clamp >= 0)) throw std::invalid_argument("expected 0 or more, or auto");
               });
-    add_amount(app, "--ao-distance", "Length of the rays of ao, world length [infinite]",
-               [&](double v) { s.ao_distance = float(v); });
     add_value(app, "--environment",
               "Light from all around: an image, daylight, or none [the scene's own; daylight and a lamp if nothing shines]",
               "FILE|sky|none", [&](const std::string& t) {
@@ -108,9 +81,6 @@ void add_picture(CLI::App& app, RenderArguments& a)
                [&](double v) { a.environment_strength = s.sky_strength = float(v); });
     add_number(app, "--environment-rotation", "Rotation of the environment about +y, degrees [0]",
                [&](double v) { a.environment_rotation_deg = float(v); });
-    add_choice<render::ShadeAt>(app, "--shade", s.shade_at,
-                                {{"vertex", render::ShadeAt::Vertex}, {"hit", render::ShadeAt::Hit}},
-                                "Where materials are looked up: once at the vertices of grids, or at every hit [hit]");
 }
 
 void add_camera(CLI::App& app, RenderArguments& a)
@@ -168,9 +138,8 @@ void add_checkpoint(CLI::App& app, RenderArguments& a)
 
 CLI::Option& add_output(CLI::App& app, RenderArguments& a, const std::string& form)
 {
-    CLI::Option* output = app.add_option("-o,--output", a.output, "Picture to write, by extension .exr .png .jpg .tif .hdr")
-                              ->required()
-                              ->type_name(form);
+    const std::string what = "Picture to write, by extension " + extensions_of(render::picture_formats(), true);
+    CLI::Option* output = app.add_option("-o,--output", a.output, what)->required()->type_name(form);
     add_value(app, "--exposure",
               "Stops, display formats only; auto: by the log-average of the picture, 0 if that is as usual [auto]",
               "EV|auto", [&](const std::string& t) {
@@ -178,7 +147,7 @@ CLI::Option& add_output(CLI::App& app, RenderArguments& a, const std::string& fo
                   if (t != "auto") a.write.exposure_ev = float(number_of(t));
               });
     std::map<std::string, Tonemap> curves;
-    for (Tonemap curve : render::kAllTonemaps) curves.emplace(render::tonemap_name(curve), curve);
+    for (const render::TonemapRow& row : render::kTonemaps) curves.emplace(row.name, row.value);
     add_choice<Tonemap>(app, "--tonemap", a.write.tonemap, curves, "Curve of display formats [filmic]");
     add_choice<bool>(app, "--exr", a.write.half, {{"half", true}, {"float", false}}, "Colours of an EXR [half]");
     app.add_option("--stats", a.stats, "Statistics as JSON; - is standard output")->type_name("FILE");
@@ -284,7 +253,8 @@ Arguments parse(int argc, char** argv)
     app.set_version_flag("--version", std::string("occam ") + render::kVersion + "\nwith " OCCAM_LIBRARIES);
     app.require_subcommand(1);
     app.footer(
-        "Scenes: .gltf .glb .obj .ply .off .stl. Pictures: .exr .hdr .png .jpg .tif.\n"
+        "Scenes: " + extensions_of(scene_formats()) + ". Pictures: " + extensions_of(render::picture_formats()) +
+        ".\n"
         "Exit codes: 0 done; 1 a limit of compare or verify does not hold; 2 bad input or usage; 3 output or resources; 130 "
         "interrupted.\n"
         "Example: occam render courtyard.glb -o courtyard.png");

@@ -68,8 +68,9 @@ std::uint64_t scene_stamp(Scene& scene, const RenderArguments& a)
 std::string recipe_note(std::uint64_t scene_stamp, const Recipe& recipe)
 {
     const auto& [a, write, settings, camera, moment] = recipe;
-    // The deadline decides when a picture stops, not what it shows.
+    // The deadline decides when a picture stops, not what it shows; what is strict decides whether there is a picture.
     Settings lasting = settings;
+    lasting.strict = false;
     lasting.deadline_s = 0;
     lasting.progressive = false;
     Fingerprint print;

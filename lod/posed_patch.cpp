@@ -180,7 +180,8 @@ void PosedPatch::fill(const PatchClass::Node& node, const ParameterGrid& grid, i
             fill<kTangents>(node.child(1, 1), grid, im, i1, jm, j1, out, stride);
             break;
         }
-        default:
+        case PatchClass::Node::Unknown:  // resolve() leaves none
+        case PatchClass::Node::Direct:
             for (int j = j0; j < j1; ++j)
                 for (int i = i0; i < i1; ++i) {
                     const SurfacePoint s = direct(node, grid.u0 + float(i) * grid.step_u, grid.v0 + float(j) * grid.step_v);

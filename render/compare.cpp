@@ -5,7 +5,7 @@
 #include <limits>
 #include <optional>
 
-#include "base/error.h"
+#include "base/error_without_file.h"
 
 namespace occam::render {
 namespace {
@@ -19,16 +19,17 @@ struct Pair {
 Pair pair_of(const Image& a, const Image& b, const std::string& name)
 {
     if (a.width != b.width || a.height != b.height)
-        throw Error("", "pictures of different sizes cannot be compared: " + std::to_string(a.width) + "x" +
-                            std::to_string(a.height) + " and " + std::to_string(b.width) + "x" + std::to_string(b.height));
+        throw error_without_file("pictures of different sizes cannot be compared: " + std::to_string(a.width) + "x" +
+                                 std::to_string(a.height) + " and " + std::to_string(b.width) + "x" +
+                                 std::to_string(b.height));
     const Layer* la = a.find(name);
     const Layer* lb = b.find(name);
-    if (!la || !lb) throw Error("", "only one of the pictures has the layer", name);
+    if (!la || !lb) throw error_without_file("only one of the pictures has the layer", name);
     const std::size_t limit = name == "beauty" ? 3 : std::numeric_limits<std::size_t>::max();
     const std::size_t channels = std::min(limit, la->channel_count());
     if (channels != std::min(limit, lb->channel_count()) ||
         !std::equal(la->channels.begin(), la->channels.begin() + std::ptrdiff_t(channels), lb->channels.begin()))
-        throw Error("", "the layer has different channels in the two pictures", name);
+        throw error_without_file("the layer has different channels in the two pictures", name);
     return {*la, *lb, la->channel_count(), lb->channel_count(), channels, std::size_t(a.width) * std::size_t(a.height)};
 }
 
@@ -96,7 +97,7 @@ std::vector<Difference> compare(const Image& a, const Image& reference)
     std::vector<Difference> all;
     for (const Layer& layer : a.layers())
         if (reference.find(layer.name)) all.push_back(compare(a, reference, layer.name));
-    if (all.empty()) throw Error("", "the pictures have no layer in common");
+    if (all.empty()) throw error_without_file("the pictures have no layer in common");
     std::stable_partition(all.begin(), all.end(), [](const Difference& d) { return d.layer == "beauty"; });
     return all;
 }

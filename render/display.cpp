@@ -76,21 +76,6 @@ std::vector<float> log_luminances(const Layer& beauty)
 
 }  // namespace
 
-std::string_view tonemap_name(Tonemap tonemap) noexcept
-{
-    switch (tonemap) {
-        case Tonemap::None:
-            return "none";
-        case Tonemap::Srgb:
-            return "srgb";
-        case Tonemap::Aces:
-            return "aces";
-        case Tonemap::Filmic:
-            return "filmic";
-    }
-    return "";
-}
-
 float srgb_from_linear(float x) noexcept { return x <= 0.0031308f ? 12.92f * x : 1.055f * maths::pow(x, 1 / 2.4f) - 0.055f; }
 
 float linear_from_srgb(float x) noexcept { return x <= 0.04045f ? x / 12.92f : maths::pow((x + 0.055f) / 1.055f, 2.4f); }

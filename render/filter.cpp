@@ -30,41 +30,7 @@ float gaussian(float x) noexcept { return std::max(0.0f, maths::exp(-4.5f * x * 
 
 }  // namespace
 
-std::string_view filter_name(FilterKind kind) noexcept
-{
-    switch (kind) {
-        case FilterKind::Box:
-            return "box";
-        case FilterKind::Tent:
-            return "tent";
-        case FilterKind::Gaussian:
-            return "gaussian";
-        case FilterKind::BlackmanHarris:
-            return "blackman-harris";
-        case FilterKind::Mitchell:
-            return "mitchell";
-    }
-    return "";
-}
-
-float usual_radius(FilterKind kind) noexcept
-{
-    switch (kind) {
-        case FilterKind::Box:
-            return 0.5f;
-        case FilterKind::Tent:
-            return 1;
-        case FilterKind::Gaussian:
-            return 1.5f;
-        case FilterKind::BlackmanHarris:
-            return 1.65f;
-        case FilterKind::Mitchell:
-            return 2;
-    }
-    return 0.5f;
-}
-
-PixelFilter::PixelFilter(FilterKind kind, float radius) : kind_(kind), radius_(radius > 0 ? radius : usual_radius(kind))
+PixelFilter::PixelFilter(FilterKind kind, float radius) : kind_(kind), radius_(radius > 0 ? radius : row_of(kind).radius)
 {
     double sum = 0;
     std::array<double, kSteps + 1> running{};

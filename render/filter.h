@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 
@@ -15,12 +16,18 @@
 namespace occam::render {
 
 enum class FilterKind : std::uint8_t { Box, Tent, Gaussian, BlackmanHarris, Mitchell };
-inline constexpr FilterKind kAllFilters[] = {FilterKind::Box, FilterKind::Tent, FilterKind::Gaussian,
-                                             FilterKind::BlackmanHarris, FilterKind::Mitchell};
-std::string_view filter_name(FilterKind kind) noexcept;
-
-/// Returns half the usual width of a filter, in pixels: 0.5, 1, 1.5, 1.65, 2.
-float usual_radius(FilterKind kind) noexcept;
+struct FilterRow {
+    FilterKind kind;
+    std::string_view name;
+    float radius;  ///< half the usual width, in pixels
+};
+/// The rows stand in the order of the kinds.
+inline constexpr FilterRow kFilters[] = {
+    {FilterKind::Box, "box", 0.5f},           {FilterKind::Tent, "tent", 1},
+    {FilterKind::Gaussian, "gaussian", 1.5f}, {FilterKind::BlackmanHarris, "blackman-harris", 1.65f},
+    {FilterKind::Mitchell, "mitchell", 2},
+};
+constexpr const FilterRow& row_of(FilterKind kind) noexcept { return kFilters[static_cast<std::size_t>(kind)]; }
 
 class PixelFilter {
 public:

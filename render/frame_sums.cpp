@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "base/error.h"
+#include "base/error_without_file.h"
 #include "base/hash.h"
 #include "render/stats.h"
 #include "render/version.h"
@@ -40,7 +40,7 @@ std::uint64_t identity_of(Settings settings, const Camera& camera)
     return h;
 }
 
-[[noreturn]] void refuse(const std::string& why) { throw Error("", why, "checkpoint"); }
+[[noreturn]] void refuse(const std::string& why) { throw error_without_file(why, "checkpoint"); }
 
 class Writer {
 public:

@@ -38,8 +38,12 @@ enum class Tonemap : unsigned char {
             ///< curve
 };
 
-inline constexpr Tonemap kAllTonemaps[] = {Tonemap::None, Tonemap::Srgb, Tonemap::Aces, Tonemap::Filmic};
-std::string_view tonemap_name(Tonemap tonemap) noexcept;
+struct TonemapRow {
+    Tonemap value;
+    std::string_view name;
+};
+inline constexpr TonemapRow kTonemaps[] = {
+    {Tonemap::None, "none"}, {Tonemap::Srgb, "srgb"}, {Tonemap::Aces, "aces"}, {Tonemap::Filmic, "filmic"}};
 
 struct WriteOptions {
     bool half = true;  ///< EXR layers in 16 bits, except those of Layer::full_float

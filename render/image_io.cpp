@@ -1,16 +1,16 @@
 // Reads and writes image files, through the codec of io/picture_codec.h.
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <limits>
 #include <system_error>
 
 #include "base/error.h"
+#include "io/extensions.h"
 #include "io/output_file.h"
 #include "io/picture_codec.h"
 #include "render/display.h"
-#include "render/image.h"
+#include "render/picture_formats.h"
 
 namespace occam::render {
 namespace {
@@ -20,23 +20,6 @@ namespace fs = std::filesystem;
 constexpr float kHalfMax = 65504.0f;
 // These attributes hold the note of a picture.
 constexpr const char *kExrNote = "occam:note", *kNote = "ImageDescription";
-
-std::string extension_of(const fs::path& file)
-{
-    std::string e = file.extension().string();
-    std::transform(e.begin(), e.end(), e.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return e;
-}
-
-bool is_display_format(const std::string& extension)
-{
-    return extension == ".png" || extension == ".jpg" || extension == ".jpeg" || extension == ".tif" || extension == ".tiff";
-}
-
-bool is_known_format(const std::string& extension)
-{
-    return extension == ".exr" || extension == ".hdr" || is_display_format(extension);
-}
 
 [[noreturn]] void refuse(const fs::path& file, const std::string& why)
 {
@@ -141,7 +124,7 @@ void write_exr(const Image& image, const fs::path& file, const WriteOptions& opt
     write_pixels(file, spec, attributes, pixels);
 }
 
-void write_hdr(const Image& image, const fs::path& file)
+void write_hdr(const Image& image, const fs::path& file, const WriteOptions&)
 {
     const Layer* beauty = image.find("beauty");
     if (!beauty || beauty->channel_count() < 3) refuse(file, "there is no beauty layer to write");
@@ -152,29 +135,77 @@ void write_hdr(const Image& image, const fs::path& file)
     write_pixels(file, base_spec(image, 3, SampleType::Float), {}, pixels);
 }
 
-void write_display(const Image& image, const fs::path& file, const WriteOptions& options, const std::string& extension)
+// Says what a file of a display format holds.
+struct DisplayFile {
+    SampleType type = SampleType::Byte;
+    bool has_alpha = true;
+    bool names_color_space = true;
+    const char* compression = "";
+};
+
+void write_display(const Image& image, const fs::path& file, const WriteOptions& options, const DisplayFile& of_format)
 {
     DisplayImage shown = display_image(image, options);
-    const bool jpeg = extension == ".jpg" || extension == ".jpeg";
-    if (jpeg && shown.channels == 4) {  // JPEG has no alpha, so the picture is laid over black
+    if (!of_format.has_alpha && shown.channels == 4) {  // the picture is laid over black
         std::vector<float> opaque;
         for (std::size_t i = 0; i < shown.pixels.size(); i += 4)
             for (std::size_t c = 0; c < 3; ++c) opaque.push_back(shown.pixels[i + c] * shown.pixels[i + 3]);
         shown = {3, std::move(opaque)};
     }
-    const bool tiff = extension == ".tif" || extension == ".tiff";
     std::vector<PictureAttribute> attributes;
     add(attributes, "oiio:UnassociatedAlpha", 1);
-    // For sRGB, OpenImageIO adds a second directory to a TIFF, which needs to read from the stream and is written broken.
-    // A TIFF of integers is taken for sRGB anyway.
-    if (options.tonemap == Tonemap::None || !tiff)
+    if (options.tonemap == Tonemap::None || of_format.names_color_space)
         add(attributes, "oiio:ColorSpace", std::string(options.tonemap == Tonemap::None ? "Linear" : "sRGB"));
-    if (jpeg) add(attributes, "compression", std::string("jpeg:95"));
+    if (*of_format.compression) add(attributes, "compression", std::string(of_format.compression));
     if (!options.note.empty()) add(attributes, kNote, options.note);
-    const PictureSpec spec = base_spec(image, static_cast<std::size_t>(shown.channels),
-                                       tiff ? SampleType::Word : SampleType::Byte);
+    const PictureSpec spec = base_spec(image, static_cast<std::size_t>(shown.channels), of_format.type);
     write_pixels(file, spec, attributes, shown.pixels);
 }
+
+void write_png(const Image& image, const fs::path& file, const WriteOptions& options)
+{
+    write_display(image, file, options, {});
+}
+void write_jpeg(const Image& image, const fs::path& file, const WriteOptions& options)
+{
+    write_display(image, file, options, {.has_alpha = false, .compression = "jpeg:95"});
+}
+// For sRGB, OpenImageIO adds a second directory to a TIFF, which needs to read from the stream and is written broken. A TIFF
+// of integers is taken for sRGB anyway.
+void write_tiff(const Image& image, const fs::path& file, const WriteOptions& options)
+{
+    write_display(image, file, options, {.type = SampleType::Word, .names_color_space = false});
+}
+
+using namespace std::string_view_literals;
+
+constexpr PictureFormat kFormats[] = {
+    {.extensions = ".exr",
+     .name = "OpenEXR",
+     .contents = "all layers (`--aov`), scene-linear, 16 or 32 bits a channel (`--exr`), standard attributes",
+     .holds_layers = true,
+     .write = write_exr},
+    {.extensions = ".hdr", .name = "Radiance HDR", .contents = "the picture, scene-linear", .write = write_hdr},
+    {.extensions = ".png",
+     .name = "PNG",
+     .contents = "the picture as a screen shows it, 8 bits, with alpha where it is transparent",
+     .is_for_display = true,
+     .codec_name = "png",
+     .end_mark = "\0\0\0\0IEND\xae\x42\x60\x82"sv,
+     .write = write_png},
+    {.extensions = ".jpg .jpeg",
+     .name = "JPEG",
+     .contents = "the same picture over black",
+     .is_for_display = true,
+     .codec_name = "jpeg",
+     .end_mark = "\xff\xd9"sv,
+     .write = write_jpeg},
+    {.extensions = ".tif .tiff",
+     .name = "TIFF",
+     .contents = "the same picture as PNG, with 16 bits",
+     .is_for_display = true,
+     .write = write_tiff},
+};
 
 // Splits "normal_geometric.X" into layer and channel; a channel without a prefix is beauty's.
 std::pair<std::string, std::string> split_channel(const std::string& name)
@@ -198,10 +229,15 @@ constexpr int kMaxReadChannels = 256;
 
 }  // namespace
 
+std::span<const PictureFormat> picture_formats() noexcept { return kFormats; }
+
+const PictureFormat* picture_format_of(const fs::path& file) { return find_by_extension(picture_formats(), file); }
+
 void Image::check_writable(const fs::path& file)
 {
-    if (!is_known_format(extension_of(file)))
-        throw Error(file.string(), "has no extension of a format that can be written: .exr .png .jpg .tif .hdr");
+    if (!picture_format_of(file))
+        throw Error(file.string(),
+                    "has no extension of a format that can be written: " + extensions_of(picture_formats(), true));
     check_output(file);
     check_picture_codec();
 }
@@ -210,19 +246,23 @@ void Image::write(const fs::path& file, const WriteOptions& options) const
 {
     check_writable(file);
     if (width < 1 || height < 1) refuse(file, "there is no picture to write");
-    const std::string extension = extension_of(file);
-    if (extension == ".exr") write_exr(*this, file, options);
-    else if (extension == ".hdr") write_hdr(*this, file);
-    else write_display(*this, file, options, extension);
+    picture_format_of(file)->write(*this, file, options);
 }
 
-bool Image::has_layers(const fs::path& file) { return extension_of(file) == ".exr"; }
+bool Image::has_layers(const fs::path& file)
+{
+    const PictureFormat* format = picture_format_of(file);
+    return format && format->holds_layers;
+}
 
-bool Image::is_for_display(const fs::path& file) { return is_display_format(extension_of(file)); }
+bool Image::is_for_display(const fs::path& file)
+{
+    const PictureFormat* format = picture_format_of(file);
+    return format && format->is_for_display;
+}
 
 PictureHead Image::read_head(const fs::path& file)
 {
-    using namespace std::string_view_literals;
     std::error_code error;
     if (!fs::is_regular_file(file, error)) throw Error(file.string(), "is not there or is not a file");
     if (fs::file_size(file, error) == 0) throw Error(file.string(), "is empty");
@@ -230,10 +270,11 @@ PictureHead Image::read_head(const fs::path& file)
     const auto in = picture_codec().open(file, why);
     if (!in) throw Error(file.string(), "cannot be read: " + why);
     const PictureSpec& spec = in->spec();
-    const std::string format = in->format();
+    const std::string name = in->format();
+    const auto format = std::find_if(std::begin(kFormats), std::end(kFormats),
+                                     [&](const PictureFormat& f) { return f.codec_name == name; });
     bool is_whole = true;
-    if (format == "png") is_whole = has_end_mark(file, "\0\0\0\0IEND\xae\x42\x60\x82"sv);
-    else if (format == "jpeg") is_whole = has_end_mark(file, "\xff\xd9"sv);
+    if (format != std::end(kFormats)) is_whole = has_end_mark(file, format->end_mark);
     else if (spec.tile_height == 0 && spec.channel_count() <= kMaxReadChannels) {
         std::vector<float> row(std::size_t(std::max(spec.width, 1)) * spec.channels.size());
         is_whole = in->read_rows(spec.height - 1, spec.height, spec.channel_count(), row.data());

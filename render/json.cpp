@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/compare.h"
+#include "render/setting_rows.h"
 #include "render/stats.h"
 #include "render/version.h"
 
@@ -37,37 +38,19 @@ Json json_of(const Settings& s)
     Json aovs = Json::array();
     for (const AovRow& row : kAovs)
         if (s.has(row.aov)) aovs.push_back(row.name);
-    return {{"size", {s.width, s.height}},
-            {"crop", {s.crop_x0, s.crop_x1, s.crop_y0, s.crop_y1}},
-            {"spp", s.spp},
-            {"jitter", s.jitter},
-            {"light_samples", s.light_samples},
-            {"shading_rate", s.shading_rate},
-            {"seed", s.seed},
-            {"shutter", {s.shutter.open, s.shutter.close}},
-            {"deadline", s.deadline_s},
-            {"progressive", s.progressive},
-            {"filter", filter_name(s.filter)},
-            {"error", s.error},
-            {"integrator", integrator_name(s.integrator)},
-            {"bounces", s.bounces},
-            {"clamp", s.clamp},
-            {"ao_distance", s.ao_distance},
-            {"shade", s.shade_at == ShadeAt::Vertex ? "vertex" : "hit"},
-            {"aov", aovs},
-            {"view", view_name(s.view)},
-            {"background", s.background},
-            {"back_faces", s.back_faces},
-            {"filter_radius", s.filter_radius},
-            {"sky", s.sky == shade::Sky::On    ? "on"
-                    : s.sky == shade::Sky::Off ? "off"
-                                               : "auto"},
-            {"sky_strength", s.sky_strength},
-            {"default_light", s.default_light ? Json(*s.default_light) : Json(nullptr)},
-            {"lod", s.lod == Lod::On    ? "on"
-                    : s.lod == Lod::Off ? "off"
-                                        : "frozen"},
-            {"lod_camera", s.lod_camera ? json_of(*s.lod_camera) : Json(nullptr)}};
+    Json all = {{"size", {s.width, s.height}}, {"crop", {s.crop_x0, s.crop_x1, s.crop_y0, s.crop_y1}}};
+    for (const SettingRow& row : kSettings)
+        std::visit(
+            [&]<class T>(T Settings::*member) {
+                if constexpr (std::is_enum_v<T>) all[row.name] = name_of(s.*member);
+                else all[row.name] = s.*member;
+            },
+            row.member);
+    all.update({{"shutter", {s.shutter.open, s.shutter.close}},
+                {"aov", aovs},
+                {"default_light", s.default_light ? Json(*s.default_light) : Json(nullptr)},
+                {"lod_camera", s.lod_camera ? json_of(*s.lod_camera) : Json(nullptr)}});
+    return all;
 }
 
 std::string text_of(const Json& json)

@@ -1,7 +1,7 @@
 #include "render/memory_plan.h"
 
 #include "accel/memory_floor.h"
-#include "base/error.h"
+#include "base/error_without_file.h"
 #include "render/film.h"
 #include "render/integrator.h"
 #include "render/path.h"
@@ -34,10 +34,9 @@ MemoryPlan plan_memory(const Scene& scene, const Resources& resources)
     MemoryPlan plan;
     plan.floor_bytes = threads * (queue_bytes(kLeastRays) + accel::memory_floor(scene));
     if (resources.memory_bytes < plan.floor_bytes)
-        throw Error("",
-                    "this scene needs a memory budget of " + megabytes(plan.floor_bytes) + " or more with " +
-                        std::to_string(threads) + (threads == 1 ? " thread" : " threads"),
-                    megabytes(resources.memory_bytes) + " given");
+        throw error_without_file("this scene needs a memory budget of " + megabytes(plan.floor_bytes) + " or more with " +
+                                     std::to_string(threads) + (threads == 1 ? " thread" : " threads"),
+                                 megabytes(resources.memory_bytes) + " given");
     // Queues are short beside the arena.
     plan.batch_rays = kMostRays;
     while (plan.batch_rays > kLeastRays && queue_bytes(plan.batch_rays) > of_a_worker / 8) plan.batch_rays /= 2;

@@ -2,7 +2,7 @@
 
 #include <ostream>
 
-#include "base/error.h"
+#include "base/error_without_file.h"
 #include "render/frame_setup.h"
 #include "render/path_log.h"
 
@@ -57,17 +57,15 @@ void check(const CameraSample& sample, const Settings& settings)
 {
     const PixelRect rect = crop_pixels(settings);
     if (sample.x < rect.x0 || sample.x >= rect.x1 || sample.y < rect.y0 || sample.y >= rect.y1)
-        throw Error("",
-                    "pixel " + std::to_string(sample.x) + "," + std::to_string(sample.y) +
-                        " lies outside of the picture, which has columns " + std::to_string(rect.x0) + " to " +
-                        std::to_string(rect.x1 - 1) + " and rows " + std::to_string(rect.y0) + " to " +
-                        std::to_string(rect.y1 - 1),
-                    "replay");
+        throw error_without_file("pixel " + std::to_string(sample.x) + "," + std::to_string(sample.y) +
+                                     " lies outside of the picture, which has columns " + std::to_string(rect.x0) + " to " +
+                                     std::to_string(rect.x1 - 1) + " and rows " + std::to_string(rect.y0) + " to " +
+                                     std::to_string(rect.y1 - 1),
+                                 "replay");
     if (sample.index < 0 || sample.index >= settings.spp)
-        throw Error("",
-                    "a pixel has samples 0 to " + std::to_string(settings.spp - 1) + ", but no sample " +
-                        std::to_string(sample.index),
-                    "replay");
+        throw error_without_file("a pixel has samples 0 to " + std::to_string(settings.spp - 1) + ", but no sample " +
+                                     std::to_string(sample.index),
+                                 "replay");
 }
 
 }  // namespace

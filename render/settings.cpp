@@ -7,7 +7,8 @@
 #include <string>
 #include <thread>
 
-#include "base/error.h"
+#include "base/error_without_file.h"
+#include "render/setting_rows.h"
 #include "scenegraph/content_rules.h"
 
 namespace occam::render {
@@ -15,35 +16,15 @@ namespace {
 
 void require(bool holds, const char* setting, const std::string& rule)
 {
-    if (!holds) throw Error("", rule, setting);
+    if (!holds) throw error_without_file(rule, setting);
 }
 
 }  // namespace
-
-std::string_view view_name(View view) noexcept
-{
-    for (const ViewRow& row : kViews)
-        if (row.view == view) return row.name;
-    return "beauty";
-}
 
 bool shows_cost(View view) noexcept
 {
     return std::any_of(std::begin(kViews), std::end(kViews),
                        [&](const ViewRow& row) { return row.view == view && row.is_cost; });
-}
-
-std::string_view integrator_name(IntegratorKind kind) noexcept
-{
-    switch (kind) {
-        case IntegratorKind::Direct:
-            return "direct";
-        case IntegratorKind::Ao:
-            return "ao";
-        case IntegratorKind::Path:
-            return "path";
-    }
-    return "";
 }
 
 Resources Resources::resolved() const
@@ -83,19 +64,17 @@ void check(const Settings& s)
     const PixelRect crop = crop_pixels(s);
     require(std::int64_t(crop.width()) * crop.height() <= kMaxPixels, "size",
             "at most " + std::to_string(kMaxPixels) + " pixels in one picture");
-    require(s.spp >= 1 && s.spp <= kMaxSamples, "spp", "from 1 to " + std::to_string(kMaxSamples));
-    require(s.light_samples >= 1 && s.light_samples <= kMaxLightSamples, "light samples",
-            "from 1 to " + std::to_string(kMaxLightSamples));
-    require(s.bounces >= 0 && s.bounces <= kMaxBounces, "bounces", "from 0 to " + std::to_string(kMaxBounces));
-    require(s.clamp >= 0 && std::isfinite(s.clamp), "clamp", "a radiance, 0 or more");
-    require(s.ao_distance >= 0 && std::isfinite(s.ao_distance), "ao distance", "world length, 0 or more");
-    require(s.sky_strength >= 0 && std::isfinite(s.sky_strength), "sky strength", "0 or more");
-    require(s.filter_radius >= 0 && s.filter_radius <= 16, "filter radius", "from 0 to 16 pixels");
-    require(s.error >= 0 && s.error < 1, "error", "from 0 to less than 1");
-    require(s.shading_rate >= 1.0f / 64 && s.shading_rate <= 1024, "shading rate", "from 1/64 to 1024 pixels");
+    for (const SettingRow& row : kSettings) {
+        const auto is_in_range = [&]<class T>(T Settings::*member) {
+            if constexpr (std::is_enum_v<T> || std::is_same_v<T, bool>) return true;
+            else return double(s.*member) >= row.least && double(s.*member) <= row.most;
+        };
+        std::string name(row.name);
+        std::replace(name.begin(), name.end(), '_', ' ');
+        if (!std::visit(is_in_range, row.member)) throw error_without_file(range_of(row), name);
+    }
     check(s.shutter);
     require(!s.has(Aov::Motion) || s.shutter.is_open(), "aov", "motion needs a shutter that is open for some time");
-    require(s.deadline_s >= 0 && std::isfinite(s.deadline_s), "deadline", "seconds, 0 or more");
 }
 
 }  // namespace occam::render

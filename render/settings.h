@@ -39,7 +39,6 @@ inline constexpr ViewRow kViews[] = {
     {View::Time, "time", "time that the camera ray takes: black 0, red 9, orange 101, white 1023 microseconds or more",
      true},
 };
-std::string_view view_name(View view) noexcept;
 /// Returns whether a view shows what camera rays cost. Such pictures differ from run to run: what a ray costs depends on
 /// what other rays have built before.
 bool shows_cost(View view) noexcept;
@@ -59,8 +58,8 @@ enum class ShadeAt : std::uint8_t {
 
 /// Names the light transport that is computed; see render/integrator.h.
 enum class IntegratorKind : std::uint8_t { Direct, Ao, Path };
-std::string_view integrator_name(IntegratorKind kind) noexcept;
 
+/// A setting of one value has a row in render/setting_rows.h.
 struct Settings {
     int width = 1280, height = 720;  ///< size of the whole frame in pixels
     /// The part of the frame that is rendered, each value from 0 to 1 from the top left.

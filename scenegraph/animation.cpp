@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/maths.h"
+#include "scenegraph/interpolation.h"
 
 namespace occam {
 namespace {
@@ -20,10 +21,7 @@ enum KeyElement : std::size_t { InTangent, Value, OutTangent };
 
 class Keys {
 public:
-    explicit Keys(const Channel& channel) noexcept
-        : channel_(channel), parts_(channel.interpolation == Channel::Interpolation::CubicSpline ? 3 : 1)
-    {
-    }
+    explicit Keys(const Channel& channel) noexcept : channel_(channel), parts_(row_of(channel.interpolation).values_a_key) {}
     double at(std::size_t key, std::size_t component, KeyElement part = Value) const noexcept
     {
         const std::size_t offset = parts_ == 3 ? std::size_t(part) : 0;
@@ -35,6 +33,15 @@ private:
     const Channel& channel_;
     std::size_t parts_;
 };
+
+// Follows Hermite's cubic; tangents are changes per second (glTF 2.0, appendix C, "cubic spline interpolation").
+void follow_spline(const Keys& keys, std::size_t k, double t, double duration, std::span<double> values) noexcept
+{
+    const double t2 = t * t, t3 = t2 * t;
+    for (std::size_t c = 0; c < values.size(); ++c)
+        values[c] = (2 * t3 - 3 * t2 + 1) * keys.at(k, c) + duration * (t3 - 2 * t2 + t) * keys.at(k, c, OutTangent) +
+                    (3 * t2 - 2 * t3) * keys.at(k + 1, c) + duration * (t3 - t2) * keys.at(k + 1, c, InTangent);
+}
 
 }  // namespace
 
@@ -98,19 +105,20 @@ void evaluate(const Channel& channel, double seconds, std::span<double> values) 
     const auto after = std::upper_bound(times.begin(), times.end(), seconds,
                                         [](double s, float key) { return s < double(key); });
     const auto k = static_cast<std::size_t>(after - times.begin()) - 1;
-    if (channel.interpolation == Channel::Interpolation::Step) return hold(k);
     const double duration = double(times[k + 1]) - double(times[k]), t = (seconds - double(times[k])) / duration;
-    if (channel.interpolation == Channel::Interpolation::Linear) {
-        if (is_rotation) return store(slerp(keys.rotation(k), keys.rotation(k + 1), t));
-        for (std::size_t c = 0; c < values.size(); ++c) values[c] = keys.at(k, c) * (1 - t) + keys.at(k + 1, c) * t;
-        return;
+    switch (channel.interpolation) {
+        case Channel::Interpolation::Step:
+            hold(k);
+            break;
+        case Channel::Interpolation::Linear:
+            if (is_rotation) return store(slerp(keys.rotation(k), keys.rotation(k + 1), t));
+            for (std::size_t c = 0; c < values.size(); ++c) values[c] = keys.at(k, c) * (1 - t) + keys.at(k + 1, c) * t;
+            break;
+        case Channel::Interpolation::CubicSpline:
+            follow_spline(keys, k, t, duration, values);
+            if (is_rotation) store(normalised({values[0], values[1], values[2], values[3]}));
+            break;
     }
-    // This is Hermite's cubic; tangents are changes per second (glTF 2.0, appendix C, "cubic spline interpolation").
-    const double t2 = t * t, t3 = t2 * t;
-    for (std::size_t c = 0; c < values.size(); ++c)
-        values[c] = (2 * t3 - 3 * t2 + 1) * keys.at(k, c) + duration * (t3 - 2 * t2 + t) * keys.at(k, c, OutTangent) +
-                    (3 * t2 - 2 * t3) * keys.at(k + 1, c) + duration * (t3 - t2) * keys.at(k + 1, c, InTangent);
-    if (is_rotation) store(normalised({values[0], values[1], values[2], values[3]}));
 }
 
 }  // namespace occam

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/error.h"
+#include "base/error_without_file.h"
 #include "scenegraph/cage_creases.h"
 
 namespace occam {
@@ -41,7 +41,7 @@ private:
     }
     void require(bool holds, const char* rule) const
     {
-        if (!holds) throw Error("", rule, cage_.name.empty() ? "cage" : "cage '" + cage_.name + "'");
+        if (!holds) throw error_without_file(rule, cage_.name.empty() ? "cage" : "cage '" + cage_.name + "'");
     }
 
     void check_sizes() const

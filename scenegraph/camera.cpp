@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/error.h"
+#include "base/error_without_file.h"
 #include "base/maths.h"
 
 namespace occam {
@@ -19,8 +19,8 @@ Camera Camera::look_at(Vec3d eye, Vec3d target, Vec3d up, float fov)
     const Vec3d to_eye = eye - target;
     const double distance = length_of(to_eye);
     if (!(distance > 0 && std::isfinite(distance)))
-        throw Error("", "a camera needs a target that is not its eye", "look_at");
-    if (!(fov > 0 && fov < maths::kPi)) throw Error("", "a camera's vertical angle must be in (0, pi)", "look_at");
+        throw error_without_file("a camera needs a target that is not its eye", "look_at");
+    if (!(fov > 0 && fov < maths::kPi)) throw error_without_file("a camera's vertical angle must be in (0, pi)", "look_at");
     const Vec3d back = to_eye / distance;
     Vec3d right = glm::cross(up, back);
     // If the camera looks along `up`, any direction to the right will do, as long as it is always the same.

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/error.h"
+#include "base/error_without_file.h"
 #include "base/maths.h"
 
 namespace occam {
@@ -37,9 +37,9 @@ Vec3d direction_of(ViewFrom side) noexcept
 CameraFit::CameraFit(ViewFrom side, Vec3d up, float fov, float aspect) : fov_(fov)
 {
     constexpr double kMargin = 1.06;
-    if (!(fov > 0 && fov < maths::kPi)) throw Error("", "a camera's vertical angle must be in (0, pi)", "fov");
+    if (!(fov > 0 && fov < maths::kPi)) throw error_without_file("a camera's vertical angle must be in (0, pi)", "fov");
     const double length = length_of(up);
-    if (!(length > 0 && std::isfinite(length))) throw Error("", "a direction needs a length", "up");
+    if (!(length > 0 && std::isfinite(length))) throw error_without_file("a direction needs a length", "up");
     up = up / length;
     Vec3d front = std::abs(up.z) > 0.7 ? Vec3d(0, -1, 0) : Vec3d(0, 0, 1);
     front -= up * glm::dot(front, up);

@@ -2,7 +2,9 @@
 
 #include <cmath>
 
-#include "base/error.h"
+#include "base/error_without_file.h"
+#include "base/overloaded.h"
+#include "scenegraph/interpolation.h"
 
 namespace occam {
 namespace {
@@ -14,7 +16,7 @@ public:
 
     void require(bool holds, const char* value, const char* rule) const
     {
-        if (!holds) throw Error("", std::string(value) + " must be " + rule, where_);
+        if (!holds) throw error_without_file(std::string(value) + " must be " + rule, where_);
     }
     void finite(float v, const char* value) const { require(std::isfinite(v), value, "finite"); }
     void at_least_0(float v, const char* value) const { require(std::isfinite(v) && v >= 0, value, "finite and 0 or more"); }
@@ -74,18 +76,19 @@ void check(const Material& m)
 void check(const Light& light)
 {
     const Rules rules("light", light.name);
-    if (const auto* point = std::get_if<PointLight>(&light.kind)) {
-        rules.color(point->intensity, "the intensity");
-        rules.at_least_0(point->range, "the range");
-        rules.at_least_0(point->inner_angle, "the inner angle");
-        rules.at_least_0(point->outer_angle, "the outer angle");
-    } else if (const auto* sun = std::get_if<SunLight>(&light.kind)) {
-        rules.color(sun->irradiance, "the irradiance");
-    } else if (const auto* area = std::get_if<AreaLight>(&light.kind)) {
-        rules.color(area->radiance, "the radiance");
-        rules.at_least_0(area->size.x, "the width");
-        rules.at_least_0(area->size.y, "the height");
-    }
+    const auto check_kind = Overloaded{[&](const PointLight& point) {
+                                           rules.color(point.intensity, "the intensity");
+                                           rules.at_least_0(point.range, "the range");
+                                           rules.at_least_0(point.inner_angle, "the inner angle");
+                                           rules.at_least_0(point.outer_angle, "the outer angle");
+                                       },
+                                       [&](const SunLight& sun) { rules.color(sun.irradiance, "the irradiance"); },
+                                       [&](const AreaLight& area) {
+                                           rules.color(area.radiance, "the radiance");
+                                           rules.at_least_0(area.size.x, "the width");
+                                           rules.at_least_0(area.size.y, "the height");
+                                       }};
+    std::visit(check_kind, light.kind);
 }
 
 void check(const CameraLens& lens)
@@ -119,19 +122,19 @@ void check(const Camera& camera)
 {
     if (camera.keys.empty()) return;
     if (camera.keys.size() < 2 || camera.keys.size() > kMaxCameraKeys)
-        throw Error("", "a camera that moves has from 2 to " + std::to_string(kMaxCameraKeys) + " keys", "camera");
+        throw error_without_file("a camera that moves has from 2 to " + std::to_string(kMaxCameraKeys) + " keys", "camera");
     for (const Mat4d& key : camera.keys)
         for (int c = 0; c < 4; ++c)
             for (int r = 0; r < 3; ++r)
-                if (!std::isfinite(key[c][r])) throw Error("", "a key must be finite", "camera");
+                if (!std::isfinite(key[c][r])) throw error_without_file("a key must be finite", "camera");
 }
 
 void check(const Shutter& shutter)
 {
     const auto is_good = [](double t) { return std::abs(t) <= kMaxShutterFrames; };
     if (!is_good(shutter.open) || !is_good(shutter.close))
-        throw Error("", "the moments must be finite, and within a million frames", "shutter");
-    if (shutter.open > shutter.close) throw Error("", "it cannot close before it opens", "shutter");
+        throw error_without_file("the moments must be finite, and within a million frames", "shutter");
+    if (shutter.open > shutter.close) throw error_without_file("it cannot close before it opens", "shutter");
 }
 
 void check(const Clip& clip)
@@ -142,7 +145,7 @@ void check(const Clip& clip)
         const int width = is_rotation ? 4 : 3;
         rules.require(channel.path == Channel::Path::Weights ? channel.width >= 0 : channel.width == width,
                       "a channel's width", "3, of rotations 4, and of weights their number");
-        const std::size_t values = channel.interpolation == Channel::Interpolation::CubicSpline ? 3 : 1;
+        const std::size_t values = row_of(channel.interpolation).values_a_key;
         rules.require(channel.values.size() == channel.times.size() * values * std::size_t(channel.width),
                       "a channel's number of values", "that of its times, times its width, times 3 for a cubic spline");
         for (std::size_t i = 0; i < channel.times.size(); ++i)

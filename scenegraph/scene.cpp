@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/error_without_file.h"
 #include "scenegraph/content_rules.h"
 #include "scenegraph/scene_state.h"
 
@@ -15,7 +16,7 @@ void require_finite(const Mat4d& m)
 {
     for (int c = 0; c < 4; ++c)
         for (int r = 0; r < 3; ++r)
-            if (!std::isfinite(m[c][r])) throw Error("", "a transform must be finite");
+            if (!std::isfinite(m[c][r])) throw error_without_file("a transform must be finite");
 }
 
 // Returns the rigid part of a matrix, because a camera does not scale.
@@ -59,7 +60,8 @@ NodeId Scene::add_node(NodeId parent, NodeDesc desc)
     if (desc.skin) State::at(s.skins, desc.skin, "skin");
     if (desc.instance_of) {
         State::at(s.nodes, desc.instance_of, "node");
-        if (s.is_shown_by(parent, desc.instance_of)) throw Error("", "a node cannot show itself as an instance", desc.name);
+        if (s.is_shown_by(parent, desc.instance_of))
+            throw error_without_file("a node cannot show itself as an instance", desc.name);
     }
     if (!desc.matrix) check(desc.place, desc.name);
     const Mat4d parent_from_node = desc.matrix ? *desc.matrix : desc.place.matrix();
@@ -93,7 +95,7 @@ void Scene::remove(NodeId id)
     State& s = *state_;
     s.require_unrecorded();
     State::at(s.nodes, id, "node");
-    if (id == s.root) throw Error("", "the root cannot be removed");
+    if (id == s.root) throw error_without_file("the root cannot be removed");
     s.mark_dirty(id);
     s.leave_parent(*s.nodes.find(id));
     std::vector<NodeId> todo{id};

@@ -4,6 +4,7 @@
 #include <iterator>
 #include <unordered_set>
 
+#include "base/error_without_file.h"
 #include "scenegraph/scene_state.h"
 
 namespace occam {
@@ -79,11 +80,11 @@ void Scene::pose(std::span<const ClipAt> clips, NodeId of)
 {
     State& s = *state_;
     s.require_editable();
-    if (of && !s.posed.contains(of)) throw Error("", "only what copy() made has a pose of its own", node(of).name);
+    if (of && !s.posed.contains(of)) throw error_without_file("only what copy() made has a pose of its own", node(of).name);
     for (const ClipAt& at : clips) {
         State::at(s.clips, at.clip, "clip");
         if (!std::isfinite(at.seconds) || !(at.weight >= 0) || !std::isfinite(at.weight))
-            throw Error("", "a clip needs finite seconds and a weight of 0 or more", clip(at.clip).name);
+            throw error_without_file("a clip needs finite seconds and a weight of 0 or more", clip(at.clip).name);
     }
     State::Posed& posed = s.posed[of];
     std::vector<NodeId> order;
@@ -152,7 +153,7 @@ NodeId Scene::copy(NodeId subtree, NodeId parent)
     State::at(s.nodes, subtree, "node");
     State::at(s.nodes, parent, "node");
     if (s.lowest_common(subtree, parent) == subtree)
-        throw Error("", "a subtree cannot be copied into itself", node(subtree).name);
+        throw error_without_file("a subtree cannot be copied into itself", node(subtree).name);
 
     State::Posed copy;
     std::vector<NodeId> originals{subtree};

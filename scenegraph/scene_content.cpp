@@ -2,6 +2,7 @@
 // clips.
 #include <atomic>
 
+#include "base/error_without_file.h"
 #include "scenegraph/content_rules.h"
 #include "scenegraph/scene_state.h"
 
@@ -52,19 +53,19 @@ CageSlot CageSlot::made() const
     for (std::uint16_t& of : slot.cage.face_slots)
         if (of >= cage.materials.size()) of = 0;
     if (slot.cage.skin.sets > 0 || !slot.cage.morph_targets.empty() || slot.cage.displacement)
-        throw Error("", "a cage made on demand has neither skin nor morph targets nor displacement", cage.name);
+        throw error_without_file("a cage made on demand has neither skin nor morph targets nor displacement", cage.name);
     const Box3d box = slot.cage.bounds();
     if (!box.is_empty() && (glm::any(glm::lessThan(box.lo, bounds.lo)) || glm::any(glm::greaterThan(box.hi, bounds.hi))))
-        throw Error("", "a cage made on demand leaves its bounds", cage.name);
+        throw error_without_file("a cage made on demand leaves its bounds", cage.name);
     return slot;
 }
 
 CageId Scene::add(OnDemandCage cage)
 {
     state_->require_editable();
-    if (!cage.make) throw Error("", "a cage on demand needs something that makes it", cage.name);
+    if (!cage.make) throw error_without_file("a cage on demand needs something that makes it", cage.name);
     if (!cage.bounds.is_empty() && !(cage.bounds.largest_coordinate() <= double(kMaxCoordinate)))
-        throw Error("", "a bound is not finite, or beyond 1e16", cage.name);
+        throw error_without_file("a bound is not finite, or beyond 1e16", cage.name);
     for (const MaterialId material : cage.materials) State::at(state_->materials, material, "material");
     State::CageRecord record;
     record.cage.name = std::move(cage.name);
@@ -105,7 +106,7 @@ TextureId Scene::add(Texture texture)
     state_->require_editable();
     if (!texture.pixels.empty() && (texture.width <= 0 || texture.height <= 0 ||
                                     texture.pixels.size() != std::size_t(texture.width) * std::size_t(texture.height)))
-        throw Error("", "a texture's pixels must be width * height", texture.name);
+        throw error_without_file("a texture's pixels must be width * height", texture.name);
     texture.identity = next_identity();
     return state_->textures.add(std::move(texture));
 }
@@ -160,10 +161,10 @@ void Scene::write_vertices(CageId id, std::span<const Vec3f> positions)
     state_->require_editable();
     State::CageRecord& record = State::at(state_->cages, id, "cage");
     if (positions.size() != record.cage.positions.size())
-        throw Error("", "write_vertices needs as many positions as the cage has",
-                    std::to_string(positions.size()) + " for " + std::to_string(record.cage.positions.size()));
+        throw error_without_file("write_vertices needs as many positions as the cage has",
+                                 std::to_string(positions.size()) + " for " + std::to_string(record.cage.positions.size()));
     for (Vec3f p : positions)
-        if (!is_usable(p)) throw Error("", "a position is not finite, or beyond 1e16", record.cage.name);
+        if (!is_usable(p)) throw error_without_file("a position is not finite, or beyond 1e16", record.cage.name);
     state_->about_to_write(id, record);
     record.cage.positions.assign(positions.begin(), positions.end());
     find_bounds(record);

@@ -5,6 +5,7 @@
 // edited costs anything. Outside of a recording the same announcements drop the keys of what is edited.
 #include <bit>
 
+#include "base/error_without_file.h"
 #include "scenegraph/scene_state.h"
 
 namespace occam {
@@ -105,8 +106,8 @@ void Scene::State::about_to_write(CageId id, CageRecord& cage)
 {
     if (!recorder) return drop_keys(cage);
     if (cage.is_deformed())
-        throw Error("", "a cage with a skin or morph targets keeps its vertices while a shutter is recorded",
-                    cage.cage.name);
+        throw error_without_file("a cage with a skin or morph targets keeps its vertices while a shutter is recorded",
+                                 cage.cage.name);
     if (!recorder->cages.contains(id))
         recorder->cages.emplace(id, std::vector<std::vector<Vec3f>>(recorder->keys_done, cage.cage.positions));
 }
@@ -182,8 +183,8 @@ void Scene::record_shutter(int segments, const std::function<void(double tau)>& 
     State& s = *state_;
     s.require_unrecorded();
     if (segments < 1 || segments > kMaxShutterSegments || !std::has_single_bit(static_cast<unsigned>(segments)))
-        throw Error("", "a shutter has 1, 2, 4, 8, 16 or 32 segments", std::to_string(segments));
-    if (!pose) throw Error("", "a shutter needs something that poses the scene");
+        throw error_without_file("a shutter has 1, 2, 4, 8, 16 or 32 segments", std::to_string(segments));
+    if (!pose) throw error_without_file("a shutter needs something that poses the scene");
     clear_shutter();
 
     State::Recorder record;

@@ -3,6 +3,7 @@
 // The base of a skin is the lowest node above all its joints. Moving the base, or a node above it, moves a character as a
 // whole and leaves its pose as it is. The nodes between the joints and the base know the skin, so an edit that moves a joint
 // finds the nodes that use the skin in O(depth).
+#include "base/error_without_file.h"
 #include "scenegraph/scene_state.h"
 
 namespace occam {
@@ -142,7 +143,7 @@ SkinId Scene::add(Skin skin)
     state_->require_editable();
     for (NodeId joint : skin.joints) State::at(state_->nodes, joint, "node");
     if (!skin.joint_from_mesh.empty() && skin.joint_from_mesh.size() != skin.joints.size())
-        throw Error("", "a skin needs one inverse bind matrix a joint, or none", skin.name);
+        throw error_without_file("a skin needs one inverse bind matrix a joint, or none", skin.name);
     State::SkinRecord record;
     record.skin = std::move(skin);
     const SkinId id = state_->skins.add(std::move(record));
@@ -179,7 +180,7 @@ void Scene::set_morph_weights(NodeId id, std::vector<float> weights)
     state_->require_editable();
     State::NodeRecord& node = State::at(state_->nodes, id, "node");
     for (const float weight : weights)
-        if (!std::isfinite(weight)) throw Error("", "a morph weight must be finite", node.name);
+        if (!std::isfinite(weight)) throw error_without_file("a morph weight must be finite", node.name);
     if (node.rest) node.rest->weights.reset();
     state_->about_to_change(id, node);
     if (node.morph_weights == weights) return;

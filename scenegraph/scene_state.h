@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "base/error.h"
+#include "base/error_without_file.h"
 #include "base/handle.h"
 #include "scenegraph/child_boxes.h"
 #include "scenegraph/scene.h"
@@ -154,23 +154,25 @@ struct Scene::State {
 
     void require_editable() const
     {
-        if (frames.load(std::memory_order_acquire) > 0) throw Error("", "the scene is being rendered: edits have to wait");
+        if (frames.load(std::memory_order_acquire) > 0)
+            throw error_without_file("the scene is being rendered: edits have to wait");
     }
     /// Also throws while a shutter is recorded.
     void require_unrecorded() const
     {
         require_editable();
         if (recorder)
-            throw Error("",
-                        "while a shutter is recorded, only transforms, visibility, morph weights and vertices may change");
+            throw error_without_file(
+                "while a shutter is recorded, only transforms, visibility, morph weights and vertices may change");
     }
     /// Returns the value of a live handle and throws Error for any other.
     template <class T, class Tag>
     static T& at(SceneTable<T, Tag>& map, Handle<Tag> id, const char* kind)
     {
         if (T* value = map.find(id)) return *value;
-        throw Error("", std::string("dead or foreign handle of a ") + kind,
-                    id ? "slot " + std::to_string(id.slot) + ", generation " + std::to_string(id.generation) : "no handle");
+        throw error_without_file(
+            std::string("dead or foreign handle of a ") + kind,
+            id ? "slot " + std::to_string(id.slot) + ", generation " + std::to_string(id.generation) : "no handle");
     }
     template <class T, class Tag>
     static const T& at(const SceneTable<T, Tag>& map, Handle<Tag> id, const char* kind)

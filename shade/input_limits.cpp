@@ -4,6 +4,7 @@
 #include <set>
 #include <variant>
 
+#include "base/overloaded.h"
 #include "scenegraph/shown_nodes.h"
 
 namespace occam::shade {
@@ -13,11 +14,13 @@ bool is_beyond(Vec3f c) noexcept { return limited(c) != c; }
 
 bool is_beyond(const Light& light, const FrameScale& scale) noexcept
 {
-    if (const auto* point = std::get_if<PointLight>(&light.kind))
-        return is_beyond(Vec3f(Vec3d(point->intensity) * (scale.to_frame() * scale.to_frame())));
-    if (const auto* sun = std::get_if<SunLight>(&light.kind)) return is_beyond(sun->irradiance);
-    if (const auto* area = std::get_if<AreaLight>(&light.kind)) return is_beyond(area->radiance);
-    return false;
+    const auto is_kind_beyond = Overloaded{
+        [&](const PointLight& point) {
+            return is_beyond(Vec3f(Vec3d(point.intensity) * (scale.to_frame() * scale.to_frame())));
+        },
+        [](const SunLight& sun) { return is_beyond(sun.irradiance); },
+        [](const AreaLight& area) { return is_beyond(area.radiance); }};
+    return std::visit(is_kind_beyond, light.kind);
 }
 
 // Returns true if a surface would reflect more light than it receives. The colour of an unlit material is not limited.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/overloaded.h"
 #include "shade/frame_of.h"
 
 namespace occam::shade {
@@ -260,14 +261,13 @@ WorldLight WorldLight::place(const Light& light, const Mat4d& placement, const F
     out.position = Vec3d(world_from_node[3]);
     out.groups = light.groups;
     out.direction = unit_or(-Vec3d(world_from_node[2]), {0, 0, -1});
-    if (const auto* point = std::get_if<PointLight>(&light.kind)) {
-        place_point(out, *point, scale);
-    } else if (const auto* sun = std::get_if<SunLight>(&light.kind)) {
-        out.kind = Kind::Sun;
-        out.strength = sun->irradiance;
-    } else if (const auto* area_light = std::get_if<AreaLight>(&light.kind)) {
-        place_area(out, *area_light, world_from_node);
-    }
+    std::visit(Overloaded{[&](const PointLight& point) { place_point(out, point, scale); },
+                          [&](const SunLight& sun) {
+                              out.kind = Kind::Sun;
+                              out.strength = sun.irradiance;
+                          },
+                          [&](const AreaLight& area_light) { place_area(out, area_light, world_from_node); }},
+               light.kind);
     out.strength = limited(out.strength);
     return out;
 }

@@ -5,7 +5,7 @@
 
 #include "accel/frame.h"
 #include "accel/print.h"
-#include "base/error.h"
+#include "base/error_without_file.h"
 #include "lod/ray_levels.h"
 #include "verify/closed.h"
 #include "verify/ray_surface.h"
@@ -84,7 +84,7 @@ void EscapeTest::run()
 
 void EscapeTest::replay(const RayLine& line, std::ostream& out)
 {
-    if (subject_.is_empty()) throw Error("", "the cage has no limit surface", "ray");
+    if (subject_.is_empty()) throw error_without_file("the cage has no limit surface", "ray");
     finest_ = subject_.level_of_rate(settings_.largest_rate);
     set_levels();
     accel::Ray ray;

@@ -5,12 +5,12 @@
 #include <sstream>
 #include <vector>
 
-#include "base/error.h"
+#include "base/error_without_file.h"
 
 namespace occam {
 namespace {
 
-[[noreturn]] void refuse(const std::string& what) { throw Error("", what, "ray"); }
+[[noreturn]] void refuse(const std::string& what) { throw error_without_file(what, "ray"); }
 
 double number_of(std::string_view word)
 {

@@ -1,7 +1,7 @@
 #include "verify/verify.h"
 
 #include "accel/placement.h"
-#include "base/error.h"
+#include "base/error_without_file.h"
 #include "verify/closed.h"
 #include "verify/escape_test.h"
 #include "verify/ray_line.h"
@@ -68,13 +68,14 @@ bool replay(Scene& scene, const VerifySettings& settings, std::string_view text,
     for_each_shown(scene, [&](const ShownCage& shown, const TextureStore& textures) {
         if (number++ != line.cage) return;
         VerifiedCage report = report_of(shown);
-        if (!report.not_testable.empty()) throw Error("", "the cage cannot be tested: " + report.not_testable, "ray");
+        if (!report.not_testable.empty())
+            throw error_without_file("the cage cannot be tested: " + report.not_testable, "ray");
         EscapeTest(shown, settings, &textures, report, line.cage).replay(line, out);
         holds = report.holds();
     });
     if (line.cage >= number)
-        throw Error("", "there is no cage " + std::to_string(line.cage) + "; the scene has " + std::to_string(number),
-                    "ray");
+        throw error_without_file(
+            "there is no cage " + std::to_string(line.cage) + "; the scene has " + std::to_string(number), "ray");
     return holds;
 }
 

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <optional>
 
+#include "scenegraph/interpolation.h"
+
 namespace occam::import {
 
 namespace {
@@ -44,14 +46,14 @@ public:
         if (c.sampler < 0 || static_cast<std::size_t>(c.sampler) >= animation.samplers.size())
             return dropped("names no sampler", where);
         const tinygltf::AnimationSampler& sampler = animation.samplers[static_cast<std::size_t>(c.sampler)];
-        if (sampler.interpolation == "STEP") out.interpolation = Channel::Interpolation::Step;
-        if (sampler.interpolation == "CUBICSPLINE") out.interpolation = Channel::Interpolation::CubicSpline;
+        for (const InterpolationRow& row : kInterpolations)
+            if (sampler.interpolation == row.name) out.interpolation = row.mode;
         out.times = accessors_.floats(sampler.input, 1);
         if (!is_rising(out.times)) return dropped("key times must be finite and rise", where);
 
-        const bool is_cubic = out.interpolation == Channel::Interpolation::CubicSpline;
+        const std::size_t values_a_key = row_of(out.interpolation).values_a_key;
         if (out.path == Channel::Path::Weights) {
-            const std::size_t values = accessors_.count(sampler.output) / (is_cubic ? 3 : 1);
+            const std::size_t values = accessors_.count(sampler.output) / values_a_key;
             out.width = static_cast<int>(values / out.times.size());
             if (out.width == 0 || out.width != morph_targets(c.target_node))
                 return dropped("needs one weight a key and morph target", where);
@@ -61,7 +63,7 @@ public:
             if (accessors_.components(sampler.output) != out.width) return dropped("its values have the wrong type", where);
             out.values = accessors_.floats(sampler.output, out.width);
         }
-        if (out.values.size() != out.times.size() * static_cast<std::size_t>(out.width) * (is_cubic ? 3 : 1))
+        if (out.values.size() != out.times.size() * static_cast<std::size_t>(out.width) * values_a_key)
             return dropped("needs one value a key", where);
         for (float v : out.values)
             if (!std::isfinite(v)) return dropped("a value is not finite", where);

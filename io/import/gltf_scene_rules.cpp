@@ -4,6 +4,7 @@
 
 #include "io/import/gltf_json.h"
 #include "io/import/gltf_rules.h"
+#include "scenegraph/interpolation.h"
 
 namespace occam::import {
 
@@ -319,8 +320,10 @@ private:
             if (!input.contains("min") || !input.contains("max")) report_.warn("key times without min and max", at_sampler);
             check_stride(input, "key times", at_sampler);
             check_stride(at("accessors", samplers[s]["output"]), "key values", at_sampler);
-            if (text(samplers[s], "interpolation") == "CUBICSPLINE" && integer(input, "count", 2) < 2)
-                report_.warn("a cubic spline needs two keys", at_sampler);
+            for (const InterpolationRow& row : kInterpolations)
+                if (text(samplers[s], "interpolation") == row.name &&
+                    integer(input, "count", 2) < static_cast<std::int64_t>(row.least_keys))
+                    report_.warn("a cubic spline needs two keys", at_sampler);
         }
     }
 

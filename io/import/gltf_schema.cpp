@@ -1,5 +1,7 @@
 #include "io/import/gltf_schema.h"
 
+#include "scenegraph/interpolation.h"
+
 namespace occam::import {
 
 namespace {
@@ -8,6 +10,15 @@ using Kind = Rule::Kind;
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kMaxBytes = 9007199254740992.0;  // 2^53: what a JSON number holds exactly
 constexpr bool kRequired = true;
+
+constexpr char kInterpolationWords[] = "|LINEAR|STEP|CUBICSPLINE|";
+consteval bool has_all_interpolations()
+{
+    for (const InterpolationRow& row : kInterpolations)
+        if (std::string_view(kInterpolationWords).find(row.name) == std::string_view::npos) return false;
+    return true;
+}
+static_assert(has_all_interpolations());
 
 // Every object may also have `extensions` and `extras`, and every element of a root array a `name`. An object named "X/E" is
 // the extension E where it is allowed: in objects of type X.
@@ -60,7 +71,7 @@ constexpr Rule kRules[] = {
     {"channel.target", "node", Kind::Index, "nodes"},
     {"channel.target", "path", Kind::String, "", 0, 0, kRequired},
     {"animation.sampler", "input", Kind::Index, "accessors", 0, 0, kRequired},
-    {"animation.sampler", "interpolation", Kind::Choice, "|LINEAR|STEP|CUBICSPLINE|"},
+    {"animation.sampler", "interpolation", Kind::Choice, kInterpolationWords},
     {"animation.sampler", "output", Kind::Index, "accessors", 0, 0, kRequired},
 
     {"buffer", "uri", Kind::String},

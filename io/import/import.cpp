@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <new>
 
+#include "io/extensions.h"
 #include "io/import/gltf.h"
 #include "io/import/obj.h"
 #include "io/import/polygon_files.h"
@@ -21,19 +22,20 @@ void finish(Scene& scene, const Report& report)
 
 namespace {
 
-using Loader = Scene (*)(const std::filesystem::path&, const LoadOptions&);
+constexpr SceneFormat kFormats[] = {
+    {".gltf .glb", "glTF 2.0", "nodes, meshes, skins, morph targets, clips, cameras, materials, textures, lights", "y",
+     load_gltf},
+    {".obj", "Wavefront OBJ",
+     "polygons, normals, texture coordinates, MTL materials, subdivision tags (`t crease`, `t corner`, ...)", "y", load_obj},
+    {".ply", "Stanford PLY", "polygons, normals, colours, texture coordinates; text and both binary forms", "y", load_ply},
+    {".off", "OFF", "polygons and colours", "y", load_off},
+    {".stl", "STL", "triangles; text and binary", "z", load_stl},
+};
 
-Loader loader_of(const std::filesystem::path& file)
+const SceneFormat& required_format(const std::filesystem::path& file)
 {
-    std::string extension = file.extension().string();
-    for (char& c : extension)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    if (extension == ".gltf" || extension == ".glb") return load_gltf;
-    if (extension == ".obj") return load_obj;
-    if (extension == ".ply") return load_ply;
-    if (extension == ".off") return load_off;
-    if (extension == ".stl") return load_stl;
-    throw Error(file.string(), "not a scene file that is known: .gltf, .glb, .obj, .ply, .off or .stl", extension);
+    if (const SceneFormat* format = scene_format_of(file)) return *format;
+    throw Error(file.string(), "not a scene file that is known: " + extensions_of(scene_formats()), extension_of(file));
 }
 
 void require_variant(const Scene& scene, const std::filesystem::path& file, const std::string& name)
@@ -48,11 +50,15 @@ void require_variant(const Scene& scene, const std::filesystem::path& file, cons
 
 }  // namespace import
 
+std::span<const SceneFormat> scene_formats() noexcept { return import::kFormats; }
+
+const SceneFormat* scene_format_of(const std::filesystem::path& file) { return find_by_extension(scene_formats(), file); }
+
 Scene load(const std::filesystem::path& file, const LoadOptions& options)
 {
-    const import::Loader loader = import::loader_of(file);
+    const SceneFormat& format = import::required_format(file);
     try {
-        Scene scene = loader(file, options);
+        Scene scene = format.load(file, options);
         import::require_variant(scene, file, options.variant);
         return scene;
     } catch (const Error& error) {

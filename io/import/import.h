@@ -2,7 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include "scenegraph/scene.h"
 
@@ -19,6 +21,19 @@ struct LoadOptions {
     bool strict = false;    ///< what would be a counted warning is an Error
     std::string variant{};  ///< materials of this variant (KHR_materials_variants); empty: those of the file itself
 };
+
+/// Describes a format of scene files.
+struct SceneFormat {
+    std::string_view extensions;  ///< in lower case, with spaces between
+    std::string_view name;
+    std::string_view contents;  ///< what is read
+    std::string_view up;        ///< which way is up where a file has no camera: "y", or "z" as in printing and machining
+    Scene (*load)(const std::filesystem::path& file, const LoadOptions& options);
+};
+/// Returns all formats: one row each. To add one, add its loader and its row (io/import/import.cpp).
+std::span<const SceneFormat> scene_formats() noexcept;
+/// Returns the format that the extension of a file names, or null.
+const SceneFormat* scene_format_of(const std::filesystem::path& file);
 
 /// Reads a scene; the file's extension selects the format. Throws Error with file, element and reason. What was repaired is
 /// in Scene::warnings, what was chosen in Scene::notes.

@@ -2,6 +2,7 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+#include "base/overloaded.h"
 #include "io/picture_codec.h"
 
 namespace occam {
@@ -140,15 +141,16 @@ OIIO::ImageSpec spec_of(const PictureSpec& from, std::span<const PictureAttribut
         for (const SampleType type : from.channel_types) spec.channelformats.push_back(type_of(type));
         spec.alpha_channel = from.alpha_channel;
     }
-    for (const auto& [name, value] : attributes) {
-        if (const auto* text = std::get_if<std::string>(&value)) spec.attribute(name, *text);
-        if (const auto* number = std::get_if<float>(&value)) spec.attribute(name, *number);
-        if (const auto* integer = std::get_if<int>(&value)) spec.attribute(name, *integer);
-        if (const auto* matrix = std::get_if<std::array<float, 16>>(&value))
-            spec.attribute(name, OIIO::TypeMatrix, matrix->data());
-        if (const auto* eight = std::get_if<std::array<float, 8>>(&value))
-            spec.attribute(name, OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), eight->data());
-    }
+    for (const PictureAttribute& a : attributes)
+        std::visit(
+            Overloaded{[&](const std::string& text) { spec.attribute(a.name, text); },
+                       [&](float number) { spec.attribute(a.name, number); },
+                       [&](int number) { spec.attribute(a.name, number); },
+                       [&](const std::array<float, 16>& matrix) { spec.attribute(a.name, OIIO::TypeMatrix, matrix.data()); },
+                       [&](const std::array<float, 8>& eight) {
+                           spec.attribute(a.name, OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), eight.data());
+                       }},
+            a.value);
     return spec;
 }
 

@@ -4,6 +4,7 @@
 
 #include "api/include/occam/occam.h"
 #include "render/compare.h"
+#include "render/setting_rows.h"
 #include "tests/bench/subjects.h"
 #include "tests/bench/suites.h"
 
@@ -73,7 +74,7 @@ void run_lights(Report& report)
     Scene few = lit_field(kMatter), many = lit_field(10'000);
     for (const IntegratorKind kind : {IntegratorKind::Direct, IntegratorKind::Path}) {
         const Measured ten = measure(few, kind), all = measure(many, kind);
-        Row row{"lights", "10,000 lights beside ten, " + std::string(render::integrator_name(kind))};
+        Row row{"lights", "10,000 lights beside ten, " + std::string(render::name_of(kind))};
         row.add("cpu_s", all.seconds).add("rel_mse", all.rel_mse).add("ten_cpu_s", ten.seconds);
         row.add("ten_rel_mse", ten.rel_mse);
         row.add("error_at_equal_time", std::sqrt(all.rel_mse / ten.rel_mse * all.seconds / ten.seconds));

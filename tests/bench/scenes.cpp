@@ -11,6 +11,7 @@
 #include "api/include/occam/occam.h"
 #include "render/camera_rays.h"
 #include "render/compare.h"
+#include "render/setting_rows.h"
 #include "render/tiles.h"
 #include "tests/bench/embree_mesh.h"
 #include "tests/bench/rooms.h"
@@ -203,7 +204,7 @@ Row frame_row(const WholeScene& of, Scene& scene, const EmbreeMesh& mesh, const 
     }
     const FrameStats::Seconds& s = renderer.stats().seconds;
     const double arena_mb = 1e-6 * double(renderer.stats().memory.arena_peak_bytes);
-    Row row{"scenes", of.name + ", whole frame, " + std::string(render::integrator_name(kind))};
+    Row row{"scenes", of.name + ", whole frame, " + std::string(render::name_of(kind))};
     row.add("cpu_s", ours).add("occam_mrays_per_s", rates).add("rays", double(renderer.stats().rays.total()));
     row.add("trace_s", s.trace).add("shade_s", s.shade).add("build_s", s.build + s.tessellate);
     row.add("kd_cpu_s", in_kd).add("bvh_cpu_s", in_bvh).add("bvh_over_kd", ratios(in_kd, in_bvh));
@@ -233,7 +234,7 @@ Row levels_row(WholeScene& of, IntegratorKind kind)
         }
     ++settings.seed;
     const Image other_seed = renderer.render(of.scene, of.camera, settings);
-    Row row{"scenes", of.name + ", levels, " + std::string(render::integrator_name(kind))};
+    Row row{"scenes", of.name + ", levels, " + std::string(render::name_of(kind))};
     row.add("on_cpu_s", seconds[0]).add("off_cpu_s", seconds[1]).add("on_over_off", ratios(seconds[0], seconds[1]));
     row.add("rmse_on_from_off", render::compare(pictures[0], pictures[1], "beauty").rmse);
     row.add("rmse_of_another_seed", render::compare(other_seed, pictures[1], "beauty").rmse);

@@ -4,6 +4,7 @@
 // Both trees make the same picture.
 
 #include "api/include/occam/occam.h"
+#include "render/setting_rows.h"
 #include "tests/bench/crowd_occam.h"
 #include "tests/bench/subjects.h"
 #include "tests/bench/suites.h"
@@ -39,7 +40,7 @@ void run_scene(Report& report, const std::string& name, Scene& scene, const Came
     for (const IntegratorKind kind : {IntegratorKind::Path, IntegratorKind::Ao, IntegratorKind::Direct}) {
         Renderer kd({.threads = 1, .tree = TreeKind::Kd}), bvh({.threads = 1, .tree = TreeKind::Bvh});
         const Settings settings{.width = 240, .height = 135, .spp = 4, .integrator = kind, .bounces = 6};
-        add_row(report, name + ", " + std::string(render::integrator_name(kind)), [&](TreeKind tree) {
+        add_row(report, name + ", " + std::string(render::name_of(kind)), [&](TreeKind tree) {
             Renderer& renderer = tree == TreeKind::Kd ? kd : bvh;
             renderer.render(scene, camera, settings);
             return renderer.stats();

@@ -107,7 +107,7 @@ TEST(Sampler, TwoDimensionsAreNotCorrelated)
 // fine grid.
 TEST(Filter, SamplesFollowTheFilter)
 {
-    for (const FilterKind kind : kAllFilters) {
+    for (const auto& [kind, name, usual] : kFilters) {
         const PixelFilter filter(kind);
         const float r = filter.radius();
         double sum = 0, absolute = 0, square = 0;
@@ -127,17 +127,17 @@ TEST(Filter, SamplesFollowTheFilter)
             drawn += double(p.weight * p.offset.x * p.offset.x);
         }
         // The filter is a product of two equal ones, so the mean of the weights is the square of that along one axis.
-        EXPECT_NEAR(weights / kCount, (sum / absolute) * (sum / absolute), 5e-3) << filter_name(kind);
-        EXPECT_NEAR(drawn / weights, square / sum, 5e-3 * std::max(1.0, square / sum)) << filter_name(kind);
+        EXPECT_NEAR(weights / kCount, (sum / absolute) * (sum / absolute), 5e-3) << name;
+        EXPECT_NEAR(drawn / weights, square / sum, 5e-3 * std::max(1.0, square / sum)) << name;
     }
 }
 
 TEST(Filter, TheMiddleOfTheSquareIsTheMiddleOfThePixel)
 {
-    for (const FilterKind kind : kAllFilters) {
+    for (const auto& [kind, name, usual] : kFilters) {
         const PixelFilter::Place p = PixelFilter(kind).place(Vec2f(0.5f));
-        EXPECT_NEAR(p.offset.x, 0, 1e-5f) << filter_name(kind);
-        EXPECT_EQ(p.weight, 1) << filter_name(kind);
+        EXPECT_NEAR(p.offset.x, 0, 1e-5f) << name;
+        EXPECT_EQ(p.weight, 1) << name;
     }
 }
 

@@ -1,24 +1,8 @@
-// Sends packets of rays and single rays through the trees of all kinds, for queries of all kinds.
-#include "accel/lone_ray.h"
-#include "accel/packet_rays.h"
-#include "accel/walk.h"
+// The instances of run_packet() and run_single() that pictures need. Those of observed rays are in observe.cpp, so that the
+// compiler's choices here do not depend on them.
+#include "accel/run_rays.h"
 
 namespace occam::accel {
-
-template <class Way, int kParts, class Found>
-Tracer::State::PacketResult Tracer::State::run_packet(std::span<const Ray> rays, const RayAxes& axes,
-                                                      std::size_t memory_bytes, PacketQuery<Found, kParts>& query)
-{
-    PacketRays<Found, kParts> party(rays, axes, frame, packet_levels<kParts>(), query);
-    return Walk<Way, PacketRays<Found, kParts>>(*this, party, memory_bytes).run();
-}
-
-template <class Way, class Found>
-bool Tracer::State::run_single(const Ray& ray, const RayAxes& axes, std::size_t memory_bytes, SingleQuery<Found>& query)
-{
-    LoneRay<Found> party(ray, axes, frame, single_levels, query);
-    return Walk<Way, LoneRay<Found>>(*this, party, memory_bytes).run() == PacketResult::Done;
-}
 
 template Tracer::State::PacketResult Tracer::State::run_packet<InKdTree, 1>(std::span<const Ray>, const RayAxes&,
                                                                             std::size_t, PacketQuery<Nearest, 1>&);
@@ -65,8 +49,5 @@ template Tracer::State::PacketResult Tracer::State::run_packet<InMovingBvh, 1>(s
 template Tracer::State::PacketResult Tracer::State::run_packet<InMovingBvh, 2>(std::span<const Ray>, const RayAxes&,
                                                                                std::size_t, PacketQuery<AnyHit, 2>&);
 template bool Tracer::State::run_single<InMovingBvh>(const Ray&, const RayAxes&, std::size_t, SingleQuery<AnyHit>&);
-template bool Tracer::State::run_single<InKdTree>(const Ray&, const RayAxes&, std::size_t, SingleQuery<ObservedNearest>&);
-template bool Tracer::State::run_single<InBvh>(const Ray&, const RayAxes&, std::size_t, SingleQuery<ObservedNearest>&);
-template bool Tracer::State::run_single<InMovingBvh>(const Ray&, const RayAxes&, std::size_t, SingleQuery<ObservedNearest>&);
 
 }  // namespace occam::accel

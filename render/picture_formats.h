@@ -1,0 +1,30 @@
+// The formats of picture files that can be written: one row each.
+//
+// To add a format, add its row (render/image_io.cpp) and, if the writers there do not fit, its writer. The library behind
+// io/picture_codec.h has to know it.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+#include "render/image.h"
+
+namespace occam::render {
+
+struct PictureFormat {
+    std::string_view extensions;  ///< in lower case, with spaces between
+    std::string_view name;
+    std::string_view contents;      ///< what is written
+    bool holds_layers = false;      ///< all layers, not the picture alone
+    bool is_for_display = false;    ///< holds what a screen shows: exposure and tone curve are applied
+    std::string_view codec_name{};  ///< what PictureReader::format() calls it, if its end has a mark
+    std::string_view end_mark{};    ///< the last bytes of a whole file; empty: its last row is read instead
+    void (*write)(const Image& image, const std::filesystem::path& file, const WriteOptions& options) = nullptr;
+};
+
+std::span<const PictureFormat> picture_formats() noexcept;
+/// Returns the format that the extension of a file names, or null.
+const PictureFormat* picture_format_of(const std::filesystem::path& file);
+
+}  // namespace occam::render

@@ -1,0 +1,121 @@
+// Tests that what is one row in the sources is also in the help and in the pages of docs/.
+#include <gtest/gtest.h>
+#include <occam/occam.h>
+
+#include <nlohmann/json.hpp>
+
+#include "io/extensions.h"
+#include "render/picture_formats.h"
+#include "render/setting_rows.h"
+#include "tests/support/command_test.h"
+#include "tests/support/shared_data.h"
+
+namespace occam {
+namespace {
+
+using namespace test;
+
+std::string page(const std::string& name) { return text_of(source_folder() / "docs" / name); }
+
+void expect_line(const std::string& text, const std::string& line) { EXPECT_NE(text.find(line), std::string::npos) << line; }
+
+// Returns "`.jpg`, `.jpeg`" for ".jpg .jpeg".
+std::string quoted(std::string_view extensions)
+{
+    std::string text = "`";
+    for (const char c : extensions) text += c == ' ' ? std::string("`, `") : std::string(1, c);
+    return text + '`';
+}
+
+TEST(Tables, EverySettingIsInTheStatisticsAndInTheDocumentation)
+{
+    const std::string settings = page("settings.md");
+    const auto json = nlohmann::json::parse(render::to_json(Settings()));
+    for (const render::SettingRow& row : render::kSettings) {
+        EXPECT_TRUE(json.contains(row.name)) << row.name;
+        std::string values = render::range_of(row);
+        std::visit(
+            [&]<class T>(T Settings::*) {
+                if constexpr (std::is_same_v<T, bool>) values = "on, off";
+                else if constexpr (std::is_enum_v<T>)
+                    for (const auto& choice : render::choices_of(T()))
+                        values.append(values.empty() ? "" : ", ").append(choice.name);
+            },
+            row.member);
+        const std::string option = row.help.empty() ? "" : "`--" + render::option_of(row) + "`";
+        expect_line(settings, "| " + option + " | `" + std::string(row.name) + "` | " + values + " | " +
+                                  render::default_of(row) + " | " + std::string(row.help) + " |\n");
+    }
+}
+
+TEST(Tables, ValuesOutsideOfARangeAreRefusedByName)
+{
+    for (const render::SettingRow& row : render::kSettings)
+        std::visit(
+            [&]<class T>(T Settings::*member) {
+                if constexpr (std::is_floating_point_v<T> || std::is_same_v<T, int>) {
+                    for (const double wrong : {row.least - 1, row.most + 1, row.most * 2}) {
+                        if (std::is_same_v<T, int> && !(std::abs(wrong) < 1e9)) continue;
+                        Settings settings;
+                        settings.*member = static_cast<T>(wrong);
+                        if (double(settings.*member) >= row.least && double(settings.*member) <= row.most) continue;
+                        try {
+                            render::check(settings);
+                            ADD_FAILURE() << row.name << " = " << wrong;
+                        } catch (const Error& error) {
+                            EXPECT_NE(std::string(error.what()).find(render::range_of(row)), std::string::npos);
+                        }
+                    }
+                }
+            },
+            row.member);
+}
+
+TEST(Tables, SettingsAreWrittenAsTheyDifferFromTheUsualOnes)
+{
+    std::ostringstream out;
+    out << Settings{
+        .width = 64, .height = 36, .spp = 4, .integrator = IntegratorKind::Ao, .view = View::Level, .back_faces = false};
+    EXPECT_EQ(out.str(), "64x36, spp 4, back_faces off, view level, integrator ao");
+}
+
+TEST(Tables, EveryFormatViewAndLayerIsInTheDocumentation)
+{
+    const std::string files = page("files.md"), outputs = page("outputs.md");
+    for (const SceneFormat& f : scene_formats())
+        expect_line(files, "| " + quoted(f.extensions) + " | " + std::string(f.name) + " | " + std::string(f.contents) +
+                               " | " + std::string(f.up));
+    for (const render::PictureFormat& f : render::picture_formats())
+        expect_line(files,
+                    "| " + quoted(f.extensions) + " | " + std::string(f.name) + " | " + std::string(f.contents) + " |\n");
+    for (const render::ViewRow& row : render::kViews)
+        expect_line(outputs, "| `" + std::string(row.name) + "` | " + std::string(row.help) + " |\n");
+    for (const render::AovRow& row : render::kAovs) expect_line(outputs, "| `" + std::string(row.name) + "` | ");
+}
+
+TEST(Tables, FilesAreKnownByTheirExtensionsInAnyCase)
+{
+    EXPECT_EQ(scene_format_of("a/B.GLB")->name, "glTF 2.0");
+    EXPECT_EQ(scene_format_of("a.Stl")->up, "z");
+    for (const char* none : {"a", "a.", "a.gl", "a.glbb", "glb", "a. "}) EXPECT_EQ(scene_format_of(none), nullptr) << none;
+    EXPECT_EQ(render::picture_format_of("x.JPEG")->name, "JPEG");
+    EXPECT_EQ(render::picture_format_of("x.jp"), nullptr);
+    EXPECT_TRUE(Image::has_layers("x.EXR"));
+    EXPECT_FALSE(Image::is_for_display("x.hdr"));
+    EXPECT_FALSE(Image::is_for_display("x"));
+}
+
+class TablesOfHelp : public CommandTest {};
+
+TEST_F(TablesOfHelp, HaveEveryOptionChoiceAndFormat)
+{
+    const std::string render_help = run({"render", "--help"}).out, all = run({"--help"}).out;
+    for (const render::SettingRow& row : render::kSettings)
+        if (!row.help.empty()) expect_line(render_help, "--" + render::option_of(row) + " ");
+    for (const render::ViewRow& row : render::kViews) expect_line(render_help, std::string(row.name));
+    for (const SceneFormat& f : scene_formats()) expect_line(all, std::string(f.extensions));
+    for (const render::PictureFormat& f : render::picture_formats()) expect_line(all, std::string(f.extensions));
+}
+
+}  // namespace
+}  // namespace occam
