@@ -74,7 +74,8 @@ Vec3f OwnedCurves::vertex_point(const PosedCage& cage, std::uint32_t vertex, int
     const PointStencil& stencil = controls.kind->corner(int(at.u == 1) + 2 * int(at.v == 1));
     Vec3f sum(0);
     for (std::size_t i = 0; i < stencil.controls.size(); ++i) {
-        const Vec3f p = cage.vertex(controls.indices[stencil.controls[i]]);
+        const std::uint32_t control = controls.indices[stencil.controls[i]];
+        const Vec3f p = controls.are_derived ? cage.derived[control] : cage.vertex(control);
         const float w = stencil.weights[i];
         sum = {fma(w, p.x, sum.x), fma(w, p.y, sum.y), fma(w, p.z, sum.z)};
     }

@@ -44,6 +44,7 @@ PosedPatch& PatchPool::rest(const PosedCage& cage, PatchRef patch)
         rest.slot = cage.slot;
         rest.topology = cage.topology;
         rest.keep();
+        rest.derived = cage.rest_derived;
         to.set(rest, patch);
     });
 }

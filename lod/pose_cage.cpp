@@ -34,6 +34,7 @@ PosedCage& pose_cage(const CagePlacement& placement, const LevelSettings& levels
     if (tools.tables.deformed_clusters)
         cage.deform(*tools.tables.deformed_clusters, {slot, node, skin}, tools.arena, tools.counters);
     if (tools.textures) cage.displace(*tools.textures);
+    cage.derive(tools.arena);
     if (chooses_level) cage.level = choose_level(levels, cage);
     return cage;
 }

@@ -53,6 +53,21 @@ void PosedCage::displace(const TextureStore& textures) noexcept
         displacement = PosedDisplacement(slot->cage, textures, frame_from_object, is_mirrored, deformed != nullptr, radius);
 }
 
+void PosedCage::derive(Arena& arena)
+{
+    const std::size_t count = topology ? topology->derived_count() : 0;
+    if (count == 0) return;
+    std::vector<Vec3f> vertices(slot->cage.positions.size());
+    for (std::uint32_t v = 0; v < vertices.size(); ++v) vertices[v] = vertex(v);
+    const std::span<Vec3f> points = arena.make_array<Vec3f>(count);
+    topology->derive(vertices, points);
+    derived = points.data();
+    if (!is_displaced()) return;
+    const std::span<Vec3f> at_rest = arena.make_array<Vec3f>(count);
+    topology->derive(slot->cage.positions, at_rest);
+    rest_derived = at_rest.data();
+}
+
 Box3d PosedCage::world_box(std::uint32_t cluster) const noexcept
 {
     const auto grown = [&](const Box3d& box) {

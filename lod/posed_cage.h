@@ -31,6 +31,8 @@ struct PosedCage {
     const DeformedClusters* deformed_clusters = nullptr;  ///< set if `deformed` is
     const Vec3f* positions = nullptr;                     ///< of the vertices at rest; place() takes the slot's
     const Box3f* cluster_boxes = nullptr;  ///< dicing frame, one for each cluster; null: they follow from the cage's tables
+    const Vec3f* derived = nullptr;        ///< derived points in the dicing frame, if the topology has some
+    const Vec3f* rest_derived = nullptr;   ///< those of the vertices at rest, in object axes, if the cage is displaced
     const PosedCage* keys = nullptr;       ///< this placed cage at all keys of its motion; null: it stands still
     int segments = 0;                      ///< of its motion, one less than there are keys
     const Node* node = nullptr;
@@ -43,6 +45,7 @@ struct PosedCage {
     double columns[4][4] = {};       ///< the same map by columns, the last row 0, so that four sums are computed at a time
     Vec3d anchor{0};                 ///< world
     float radius = 0;                ///< radius of a ball around the anchor that holds the cage, world length
+    int coarsened = 0;               ///< by how many levels its finest level is coarser than that of other cages
     int level = 0;                   ///< LevelMode::PerInstance: the level for all rays
     bool is_mirrored = false;        ///< the placement reverses the orientation of faces
     PosedDisplacement displacement;  ///< displacement of the limit surface, if there is one
@@ -66,6 +69,8 @@ struct PosedCage {
     /// deform().
     void displace(const TextureStore& textures) noexcept;
     bool is_displaced() const noexcept { return displacement.of != nullptr; }
+    /// Computes the derived points; call it last.
+    void derive(Arena& arena);
 
     /// Returns a box that holds the surface of a cluster's faces.
     Box3d world_box(std::uint32_t cluster) const noexcept;
@@ -85,7 +90,7 @@ struct PosedCage {
     bool is_mirrored_at(KeyTime time) const noexcept;
 
     /// Returns the finest level that keeps all rates within kMaxExponent.
-    int finest_level() const noexcept { return ceil_log2(16 * radius) - kMaxExponent; }
+    int finest_level() const noexcept { return ceil_log2(16 * radius) - kMaxExponent + coarsened; }
 
     /// Maps object axes to the dicing frame, in double and rounded once: a pure function of the point.
     Vec3f pose(Vec3f p) const noexcept

@@ -46,15 +46,43 @@ void PosedPatch::set(const PosedCage& cage, PatchRef patch)
     forget();
     make_room(controls.indices.size());
     for (std::size_t k = 0; k < count_; ++k) {
-        const Vec3f p = cage.vertex(controls.indices[k]);
+        const Vec3f p = controls.are_derived ? cage.derived[controls.indices[k]] : cage.vertex(controls.indices[k]);
         x_[k] = p.x;
         y_[k] = p.y;
         z_[k] = p.z;
     }
 }
 
+void PosedPatch::set_linear_uv(const PosedCage& cage, PatchRef patch, int uv_set)
+{
+    kind_ = &cage.topology->linear_class();
+    forget();
+    make_room(4);
+    const Cage& of = cage.slot->cage;
+    const UvSet& set = of.uv_sets[static_cast<std::size_t>(uv_set)];
+    const std::vector<std::uint32_t>& indices = set.indices.empty() ? of.face_vertices : set.indices;
+    const std::size_t first = cage.topology->first_corner(patch.face), size = cage.topology->face_size(patch.face);
+    const auto at = [&](std::size_t corner) { return set.values[indices[first + corner % size]]; };
+    std::array<Vec2f, 4> corners;
+    if (size == 4) {
+        for (std::size_t c = 0; c < 4; ++c) corners[c] = at(c);
+    } else {
+        glm::dvec2 sum(0);
+        for (std::size_t c = 0; c < size; ++c) sum += glm::dvec2(at(c));
+        const Vec2f own = at(patch.sub);
+        corners = {own, (own + at(patch.sub + 1)) * 0.5f, Vec2f(sum / double(size)),
+                   (own + at(patch.sub + size - 1)) * 0.5f};
+    }
+    for (std::size_t c = 0; c < 4; ++c) {
+        x_[c] = corners[c].x;
+        y_[c] = corners[c].y;
+        z_[c] = 0;
+    }
+}
+
 void PosedPatch::set_uv(const PosedCage& cage, PatchRef patch, int uv_set)
 {
+    if (cage.topology->has_linear_uv(patch.face)) return set_linear_uv(cage, patch, uv_set);
     const PatchControls& controls = cage.topology->uv_controls(patch, uv_set);
     kind_ = controls.kind;
     forget();

@@ -62,6 +62,7 @@ private:
     /// Forgets everything that was made for the last patch.
     void forget();
     void make_room(std::size_t count);
+    void set_linear_uv(const PosedCage& cage, PatchRef patch, int uv_set);
     const PieceControls& piece(const PatchClass::Node& node);
     SurfacePoint direct(const PatchClass::Node& leaf, float u, float v);
     template <bool kTangents>

@@ -6,7 +6,7 @@
 
 #include "base/cancellation.h"
 #include "base/hash.h"
-#include "lod/topology_mesh.h"
+#include "lod/ring_patch.h"
 
 namespace occam::lod {
 namespace {
@@ -55,6 +55,7 @@ struct Topology::Tables {
     std::deque<std::vector<std::uint32_t>> indices;
     std::vector<std::uint32_t> first_inner;  ///< first inner curve of each face; empty when all faces are quads
     std::vector<std::uint32_t> inner_face;
+    PatchClass linear{4, bilinear_source()};
 };
 
 Topology::Topology(const Cage& cage) : mesh_(std::make_unique<Mesh>(cage)), tables_(std::make_unique<Tables>())
@@ -101,6 +102,17 @@ std::uint32_t Topology::patch_index(PatchRef p) const noexcept
     return first_patch_.empty() ? p.face : first_patch_[p.face] + p.sub;
 }
 
+std::size_t Topology::derived_count() const noexcept { return mesh_->derived ? mesh_->derived->size() : 0; }
+
+void Topology::derive(std::span<const Vec3f> vertices, std::span<Vec3f> out) const
+{
+    mesh_->derived->compute(vertices, out);
+}
+
+bool Topology::has_linear_uv(std::uint32_t face) const noexcept { return mesh_->derived && mesh_->derived->has_face(face); }
+
+const PatchClass& Topology::linear_class() const noexcept { return tables_->linear; }
+
 const PatchControls& Topology::controls(PatchRef patch) const
 {
     const PatchControls* found = tables_->slots[0][patch_index(patch)].load(std::memory_order_acquire);
@@ -116,20 +128,43 @@ const PatchControls& Topology::uv_controls(PatchRef patch, int set) const
 const PatchControls& Topology::make_controls(PatchRef patch, int uv_set) const
 {
     throw_if_cancelled();
+    if (uv_set < 0 && mesh_->derived && mesh_->derived->has_face(patch.face)) return make_derived_controls(patch);
     Neighbourhood around = neighbourhood(mesh_->level(), patch, mesh_->bilinear, uv_set);
     const std::lock_guard lock(tables_->mutex);
-    auto& slot = tables_->slots[uv_set + 1][patch_index(patch)];
-    if (const PatchControls* found = slot.load(std::memory_order_relaxed)) return *found;
     auto& kind = tables_->classes[std::move(around.key)];
     if (!kind) {
         auto source = limit_source(*mesh_->factory, patch, around.controls, uv_set);
         kind = std::make_unique<const PatchClass>(static_cast<int>(around.controls.size()), std::move(source),
                                                   around.crease_depth);
     }
-    const auto& indices = tables_->indices.emplace_back(std::move(around.controls));
-    const PatchControls& record = tables_->records.emplace_back(PatchControls{kind.get(), indices});
-    slot.store(&record, std::memory_order_release);
-    return record;
+    return store(patch, uv_set, {kind.get(), {}}, std::move(around.controls));
+}
+
+const PatchControls& Topology::make_derived_controls(PatchRef patch) const
+{
+    const DerivedPoints& points = *mesh_->derived;
+    if (mesh_->bilinear) {
+        const std::lock_guard lock(tables_->mutex);
+        return store(patch, -1, {&tables_->linear, {}, true}, corner_points(points, patch));
+    }
+    RingPatch ring = ring_patch(points, patch, mesh_->boundary);
+    const std::lock_guard lock(tables_->mutex);
+    auto& kind = tables_->classes[std::move(ring.key)];
+    if (!kind)
+        kind = std::make_unique<const PatchClass>(static_cast<int>(ring.controls.size()), limit_source(points, ring),
+                                                  ring.crease_depth);
+    return store(patch, -1, {kind.get(), {}, true}, std::move(ring.controls));
+}
+
+const PatchControls& Topology::store(PatchRef patch, int uv_set, PatchControls record,
+                                     std::vector<std::uint32_t> indices) const
+{
+    auto& slot = tables_->slots[static_cast<std::size_t>(uv_set + 1)][patch_index(patch)];
+    if (const PatchControls* found = slot.load(std::memory_order_relaxed)) return *found;  // another thread was first
+    record.indices = tables_->indices.emplace_back(std::move(indices));
+    const PatchControls& stored = tables_->records.emplace_back(record);
+    slot.store(&stored, std::memory_order_release);
+    return stored;
 }
 
 SideCurve Topology::side(PatchRef patch, int side) const noexcept

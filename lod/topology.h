@@ -34,6 +34,7 @@ struct PatchRef {
 struct PatchControls {
     const PatchClass* kind = nullptr;
     std::span<const std::uint32_t> indices;
+    bool are_derived = false;  ///< the indices are those of derived points (Topology::derive)
 };
 
 /// One side of a patch: the curve on which it lies, and the curve's parameters at 0 and 1 of the side's own lattice.
@@ -66,8 +67,19 @@ public:
     /// Returns whether the face has a limit surface and is not a hole.
     bool is_seen(std::uint32_t face) const noexcept { return seen_[face] != 0; }
 
+    /// Returns how many points are derived from the vertices, for patches near faces of very many corners and vertices of
+    /// very many faces. It is 0 for most cages.
+    std::size_t derived_count() const noexcept;
+    /// Computes the derived points of all vertices, in their space.
+    void derive(std::span<const Vec3f> vertices, std::span<Vec3f> out) const;
+
     const PatchControls& controls(PatchRef patch) const;
+    /// The patch must not have linear coordinates.
     const PatchControls& uv_controls(PatchRef patch, int set) const;
+    /// Returns whether texture coordinates are bilinear in the patches of a face, because it takes derived points.
+    bool has_linear_uv(std::uint32_t face) const noexcept;
+    /// Returns the class of a patch with a value at each corner, (0, 0) first and counter-clockwise, and bilinear weights.
+    const PatchClass& linear_class() const noexcept;
     int uv_set_count() const noexcept { return uv_set_count_; }
 
     /// Returns side 0: v = 0, 1: u = 1, 2: v = 1, or 3: u = 0; its lattice runs with rising u or v.
@@ -98,6 +110,9 @@ private:
 
     std::uint32_t patch_index(PatchRef p) const noexcept;
     const PatchControls& make_controls(PatchRef patch, int uv_set) const;
+    const PatchControls& make_derived_controls(PatchRef patch) const;
+    /// Keeps the controls of a patch, unless it has some. The lock of the tables is held.
+    const PatchControls& store(PatchRef patch, int uv_set, PatchControls record, std::vector<std::uint32_t> indices) const;
 
     std::unique_ptr<const Mesh> mesh_;
     std::unique_ptr<Tables> tables_;

@@ -8,6 +8,7 @@
 #include <opensubdiv/sdc/crease.h>
 
 #include "base/check.h"
+#include "lod/derived_points.h"
 
 namespace occam::lod {
 namespace {
@@ -171,7 +172,7 @@ std::unique_ptr<Far::TopologyRefiner> make_refiner(const Cage& cage)
     return std::unique_ptr<Far::TopologyRefiner>(Factory::Create(d, Factory::Options(scheme, sdc_options(cage))));
 }
 
-Topology::Mesh::Mesh(const Cage& cage) : bilinear(cage.scheme == Scheme::Bilinear), refiner(make_refiner(cage))
+std::unique_ptr<const SurfaceFactory> make_factory(const Far::TopologyRefiner& refiner)
 {
     // Bfr's defaults (2, 6) do not give the limit surface: positions are off by 1.5e-3 of the cage, and normals by 10
     // degrees. At the end of an inner crease the error falls by a factor of 3.2 a level, and is 1.7e-5 of the cage at
@@ -179,8 +180,16 @@ Topology::Mesh::Mesh(const Cage& cage) : bilinear(cage.scheme == Scheme::Bilinea
     constexpr int kApproxLevel = 10;  // the largest value that the library allows
     SurfaceFactory::Options options;
     options.SetApproxLevelSmooth(kApproxLevel).SetApproxLevelSharp(kApproxLevel);
-    factory = std::make_unique<SurfaceFactory>(*refiner, options);
+    return std::make_unique<const SurfaceFactory>(refiner, options);
+}
 
+Topology::Mesh::Mesh(const Cage& cage)
+    : bilinear(cage.scheme == Scheme::Bilinear),
+      boundary(cage.boundary),
+      refiner(make_refiner(cage)),
+      factory(make_factory(*refiner)),
+      derived(DerivedPoints::make(cage, refiner->GetLevel(0)))
+{
     constexpr std::uint32_t kNobody = ~0u;
     const int faces = level().GetNumFaces();
     vertex_owner.assign(level().GetNumVertices(), kNobody);
@@ -199,8 +208,7 @@ Topology::Mesh::Mesh(const Cage& cage) : bilinear(cage.scheme == Scheme::Bilinea
     }
 }
 
-// Faces of up to this many corners list their control points from their first corner on.
-static constexpr int kMostCornersAsTheyAre = 64;
+Topology::Mesh::~Mesh() = default;
 
 Neighbourhood neighbourhood(const Far::TopologyLevel& level, PatchRef patch, bool bilinear, int uv_set)
 {
@@ -212,35 +220,25 @@ Neighbourhood neighbourhood(const Far::TopologyLevel& level, PatchRef patch, boo
     const auto corners = level.GetFaceVertices(face);
     out.key.reserve(160);
     out.key.push_back(static_cast<std::uint32_t>(corners.size()) << 8 | static_cast<std::uint32_t>(uv_set + 1));
-    // The patches of a face of many corners list its corners from their own one on, and list the faces beside it from the
-    // shared corner on. So patches whose surroundings are alike share a class. The face itself is listed once and not at
-    // each corner, so that the cost does not grow with the cube of its size.
-    const int size = corners.size();
-    const bool turns = size > kMostCornersAsTheyAre;
-    const int first = turns ? static_cast<int>(patch.sub) : 0;
-    out.key.push_back(turns ? 0u : patch.sub);
+    out.key.push_back(patch.sub);
 
-    const auto first_of = [&](int g, int place) {
-        return g == face ? first : level.GetFaceVertices(g).size() > kMostCornersAsTheyAre ? place : 0;
-    };
-    const auto add_face = [&](int g, int from) {
+    const int size = corners.size();
+    const auto add_face = [&](int g) {
         const auto vertices = level.GetFaceVertices(g);
         const int count = vertices.size();
         out.key.push_back(static_cast<std::uint32_t>(count));
-        for (int i = 0; i < count; ++i)
-            out.key.push_back(vertex.of(static_cast<std::uint32_t>(vertices[(from + i) % count])));
+        for (int i = 0; i < count; ++i) out.key.push_back(vertex.of(static_cast<std::uint32_t>(vertices[i])));
         if (uv_set < 0) return;
         const auto values = level.GetFaceFVarValues(g, uv_set);
-        for (int i = 0; i < count; ++i) out.key.push_back(value.of(static_cast<std::uint32_t>(values[(from + i) % count])));
+        for (int i = 0; i < count; ++i) out.key.push_back(value.of(static_cast<std::uint32_t>(values[i])));
     };
 
     if (bilinear) {
-        add_face(face, first);
+        add_face(face);
         return out;
     }
-    if (turns) add_face(face, first);
-    for (int i = 0; i < size; ++i) {
-        const int c = (first + i) % size, v = corners[c];
+    for (int c = 0; c < size; ++c) {
+        const int v = corners[c];
         const auto faces = level.GetVertexFaces(v);
         const auto places = level.GetVertexFaceLocalIndices(v);
         int start = 0;
@@ -260,11 +258,10 @@ Neighbourhood neighbourhood(const Far::TopologyLevel& level, PatchRef patch, boo
             const int k = cyclic ? (start + f) % faces.size() : f;
             const int g = faces[k], place = places[k];
             const auto edges = level.GetFaceEdges(g);
-            const int from = first_of(g, place);
-            out.key.push_back(static_cast<std::uint32_t>(place < from ? place - from + size : place - from));
+            out.key.push_back(static_cast<std::uint32_t>(place));
             add_sharpness(level.GetEdgeSharpness(edges[place]));
             add_sharpness(level.GetEdgeSharpness(edges[(place + edges.size() - 1) % edges.size()]));
-            if (g != face || !turns) add_face(g, from);
+            add_face(g);
         }
     }
     return out;

@@ -20,18 +20,26 @@ using SurfaceFactory = OpenSubdiv::Bfr::RefinerSurfaceFactory<LockedCache>;
 /// Returns the cage's connectivity as OpenSubdiv keeps it, not refined.
 std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> make_refiner(const Cage& cage);
 
+/// Returns a source of limit surfaces of that connectivity, which it borrows.
+std::unique_ptr<const SurfaceFactory> make_factory(const OpenSubdiv::Far::TopologyRefiner& refiner);
+
+class DerivedPoints;
+
 struct Topology::Mesh {
     explicit Mesh(const Cage& cage);
+    ~Mesh();
 
     const OpenSubdiv::Far::TopologyLevel& level() const { return refiner->GetLevel(0); }
 
     bool bilinear;
+    BoundaryRule boundary;
     std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> refiner;
     std::unique_ptr<const SurfaceFactory> factory;
     std::vector<std::uint32_t> vertex_owner;  ///< owning face of each vertex: the lowest with a limit surface
     /// The vertex's corner in that face; 0xff means that it has to be searched, in a face of more corners.
     std::vector<std::uint8_t> vertex_corner;
     std::vector<std::uint32_t> edge_owner;
+    std::unique_ptr<const DerivedPoints> derived;  ///< null unless some face or vertex is large
 };
 
 /// Describes what Bfr sees around a patch, as words: equal keys have equal limit stencils, control point by control point.

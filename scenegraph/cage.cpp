@@ -92,17 +92,15 @@ private:
         report(count, "vertices are not finite or beyond 1e16");
     }
 
-    // A subdivided cage may have this many corners of a face and faces around a vertex. The limit surface at such a place
-    // depends on all of them, and OpenSubdiv's tables for it grow with their square: 4096 would take more than 10 GB.
-    static constexpr std::uint32_t kMaxSubdividedCorners = 512, kMaxSubdividedValence = 512;
+    // In a Catmull-Clark cage so many faces may share a vertex.
+    static constexpr std::uint32_t kMaxSubdividedValence = 4096;
 
-    enum class Verdict { Keep, Collapse, OutOfRange, Unusable, Degenerate, TooLarge, TooManyCorners, AtPole };
+    enum class Verdict { Keep, Collapse, OutOfRange, Unusable, Degenerate, TooLarge, AtPole };
     static constexpr std::size_t kVerdicts = static_cast<std::size_t>(Verdict::AtPole) + 1;
 
     Verdict judge(std::span<const std::uint32_t> face, std::uint32_t stamp)
     {
         if (face.size() > kMaxFaceCorners) return Verdict::TooLarge;
-        if (cage_.scheme == Scheme::CatmullClark && face.size() > kMaxSubdividedCorners) return Verdict::TooManyCorners;
         for (std::uint32_t v : face)
             if (v >= cage_.positions.size()) return Verdict::OutOfRange;
         if (!unusable_.empty())
@@ -160,10 +158,8 @@ private:
         report(counts[static_cast<int>(Verdict::Degenerate)],
                "faces dropped: degenerate (fewer than three vertices, or one twice)");
         report(counts[static_cast<int>(Verdict::TooLarge)], "faces dropped: more than 4096 corners");
-        report(counts[static_cast<int>(Verdict::TooManyCorners)],
-               "faces dropped: more than 512 corners cannot be subdivided");
         report(counts[static_cast<int>(Verdict::AtPole)],
-               "faces dropped: more than 512 of them meet at a vertex, which cannot be subdivided");
+               "faces dropped: more than 4096 of them meet at a vertex, which cannot be subdivided");
     }
 
     // Drops the faces around each vertex that too many faces of a subdivided cage share.

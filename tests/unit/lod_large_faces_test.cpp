@@ -1,6 +1,8 @@
 // Tests of faces with very many corners.
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "lod/extent.h"
 #include "tests/support/diced_mesh.h"
 #include "tests/support/shape_builders.h"
@@ -39,11 +41,65 @@ TEST(LargeFaces, AreAsRoundAsTheirCage)
     }
 }
 
+/// The number of control points of a patch, and of classes, does not grow with the number of corners.
+TEST(LargeFaces, CostAsMuchACornerHoweverManyThereAre)
+{
+    for (const std::uint32_t corners : {130u, 1000u, 3000u})
+        for (const Cage& cage : {prism(corners), spindle(corners)}) {
+            const DicedCage diced(cage, 0);
+            const lod::Topology& topology = diced.topology();
+            EXPECT_LE(topology.derived_count(), 12 * std::size_t(corners) + 100);
+            std::set<const lod::PatchClass*> kinds;
+            for (std::uint32_t face = 0; face < topology.face_count(); face += 1 + face / 4)
+                for (std::uint32_t sub = 0; sub < topology.patches_of(face); sub += 1 + sub / 4) {
+                    const lod::PatchControls& controls = topology.controls({face, sub});
+                    EXPECT_LE(controls.indices.size(), 160u) << corners << " corners, face " << face;
+                    kinds.insert(controls.kind);
+                }
+            EXPECT_LE(kinds.size(), 12u) << corners << " corners";
+        }
+}
+
+/// A patch at a pole is as long as its edge, and its rates are those of one at a smaller pole.
+TEST(LargePoles, HaveTheRatesOfSmallerPoles)
+{
+    const auto scale = [](std::uint32_t valence) {
+        DicedCage diced(spindle(valence), 0);
+        return diced.dicer.scale(diced.posed, {0, 0}).k;
+    };
+    EXPECT_EQ(scale(60), scale(66));
+    EXPECT_EQ(scale(60), scale(500));
+}
+
+TEST(LargeFaces, HaveTextureCoordinatesOfTheirCorners)
+{
+    Cage cage = prism(80);
+    UvSet set;
+    for (std::size_t c = 0; c < cage.face_vertices.size(); ++c) {
+        set.values.push_back(Vec2f(float(c % 7), float(c % 5)));
+        set.indices.push_back(std::uint32_t(c));
+    }
+    cage.uv_sets = {set};
+    const DicedCage diced(cage, 0);
+    lod::PosedPatch uv;
+    Vec2f sum(0);
+    for (std::uint32_t c = 0; c < 80; ++c) sum += set.values[c];
+    for (const std::uint32_t sub : {0u, 33u, 79u}) {
+        uv.set_uv(diced.posed, {0, sub}, 0);
+        const Vec3f own = uv.point(0, 0), along = uv.point(1, 0), middle = uv.point(1, 1), before = uv.point(0, 1);
+        const Vec2f next = set.values[(sub + 1) % 80], last = set.values[(sub + 79) % 80];
+        EXPECT_LT(glm::distance(Vec2f(own), set.values[sub]), 1e-5f);
+        EXPECT_LT(glm::distance(Vec2f(along), (set.values[sub] + next) * 0.5f), 1e-5f);
+        EXPECT_LT(glm::distance(Vec2f(before), (set.values[sub] + last) * 0.5f), 1e-5f);
+        EXPECT_LT(glm::distance(Vec2f(middle), sum / 80.0f), 1e-4f);
+    }
+}
+
 // All faces of such a cage share one of its two poles, so no face is left.
 TEST(LargePoles, LeaveACageThatHasNoExtent)
 {
     Scene scene;
-    place(scene, scene.add(spindle(600)), {0, 0, 0});
+    place(scene, scene.add(spindle(4200)), {0, 0, 0});
     scene.refit();
     int points = 0;
     lod::Extent().visit_points(scene, [&](Vec3d) { ++points; });

@@ -1,0 +1,278 @@
+#include "lod/derived_points.h"
+
+#include <opensubdiv/far/primvarRefiner.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/cancellation.h"
+#include "base/check.h"
+
+namespace occam::lod {
+
+using namespace OpenSubdiv;
+
+namespace {
+
+struct Point {
+    Vec3d p{0};
+    void Clear(void* = nullptr) { p = Vec3d(0); }
+    void AddWithWeight(const Point& other, float weight) { p += other.p * double(weight); }
+};
+
+Far::TopologyRefiner::UniformOptions once()
+{
+    Far::TopologyRefiner::UniformOptions options(1);
+    options.fullTopologyInLastLevel = true;
+    return options;
+}
+
+/// Returns a sharpness after some steps of refinement.
+float sharpness_after(float sharpness, int steps) noexcept
+{
+    return Sdc::Crease::IsInfinite(sharpness) ? sharpness : std::max(0.0f, sharpness - static_cast<float>(steps));
+}
+
+void add_quad(Cage& mesh, const std::array<std::uint32_t, 4>& vertices)
+{
+    mesh.face_sizes.push_back(4);
+    mesh.face_vertices.insert(mesh.face_vertices.end(), vertices.begin(), vertices.end());
+}
+
+/// Makes the mesh of a FanModel: three quads along each spoke, in all sectors, around a vertex that stays where it is.
+Cage fan_mesh(std::span<const float> sharpness)
+{
+    constexpr std::uint32_t kRings = 3;
+    const auto spokes = static_cast<std::uint32_t>(sharpness.size());
+    const auto at = [&](std::uint32_t sector, std::uint32_t x, std::uint32_t y) -> std::uint32_t {
+        if (x == 0 && y == 0) return 0;
+        if (y == 0) return sector * kRings + x;
+        if (x == 0) return (sector + 1) * kRings + y;
+        return spokes * kRings + sector * kRings * kRings + (y - 1) * kRings + x;
+    };
+    Cage mesh;
+    mesh.boundary = BoundaryRule::EdgeOnly;
+    mesh.positions.resize(1 + spokes * kRings + (spokes - 1) * kRings * kRings);
+    for (std::uint32_t sector = 0; sector + 1 < spokes; ++sector)
+        for (std::uint32_t y = 0; y < kRings; ++y)
+            for (std::uint32_t x = 0; x < kRings; ++x)
+                add_quad(mesh, {at(sector, x, y), at(sector, x + 1, y), at(sector, x + 1, y + 1), at(sector, x, y + 1)});
+    for (std::uint32_t spoke = 1; spoke + 1 < spokes; ++spoke)
+        for (std::uint32_t x = 0; x < kRings && sharpness[spoke] > 0; ++x)
+            mesh.creases.push_back({at(spoke, x, 0), at(spoke, x + 1, 0), sharpness[spoke]});
+    mesh.corners.push_back({0, kInfiniteSharpness});
+    return mesh;
+}
+
+}  // namespace
+
+SmallSurface::SmallSurface(const Cage& mesh) : refiner_(make_refiner(mesh)), factory_(make_factory(*refiner_)) {}
+
+Bfr::Surface<double> SmallSurface::surface(int face) const
+{
+    Bfr::Surface<double> surface;
+    OCCAM_CHECK_EQ(factory_->InitVertexSurface(face, &surface), true);
+    return surface;
+}
+
+FanModel::FanModel(std::span<const float> sharpness, std::size_t own) : mesh_(fan_mesh(sharpness))
+{
+    for (std::size_t q = 0; q < quads_.size(); ++q) {
+        Quad& quad = quads_[q];
+        quad.surface = mesh_.surface(static_cast<int>(own * 9 + q / 2 * 3 + q % 2));
+        quad.count = static_cast<std::size_t>(quad.surface.GetNumControlPoints());
+        std::vector<int> controls(quad.count);
+        quad.surface.GetControlPointIndices(controls.data());
+        quad.pole = static_cast<std::size_t>(std::find(controls.begin(), controls.end(), 0) - controls.begin());
+    }
+}
+
+std::array<double, 3> FanModel::weight(double x, double y) const
+{
+    if (x >= 2 || y >= 2) return {};
+    const std::size_t i = x >= 1, j = y >= 1;
+    const Quad& quad = quads_[2 * j + i];
+    if (quad.pole == quad.count) return {};
+    std::vector<double> rows(3 * quad.count);
+    const double uv[2] = {x - double(i), y - double(j)};
+    quad.surface.EvaluateStencil(uv, rows.data(), rows.data() + quad.count, rows.data() + 2 * quad.count);
+    return {rows[quad.pole], rows[quad.count + quad.pole], rows[2 * quad.count + quad.pole]};
+}
+
+/// The quads around a large vertex, refined once. Vertex 0 is the large one; spokes and then sectors follow.
+struct DerivedPoints::Star {
+    std::unique_ptr<Far::TopologyRefiner> refiner;
+    int pole = 0;
+    std::vector<int> ends, corners;  ///< their vertices after refinement
+    std::vector<float> sharpness;    ///< of the spokes and of the vertex, after refinement
+
+    Star(std::size_t spokes, std::size_t sectors, const std::vector<float>& before)
+    {
+        Cage mesh;
+        mesh.boundary = BoundaryRule::EdgeOnly;
+        mesh.positions.resize(1 + spokes + sectors);
+        const auto end = [&](std::size_t j) { return static_cast<std::uint32_t>(1 + j % spokes); };
+        for (std::size_t j = 0; j < sectors; ++j)
+            add_quad(mesh, {0, end(j), static_cast<std::uint32_t>(1 + spokes + j), end(j + 1)});
+        for (std::size_t j = 0; j < spokes; ++j)
+            if (before[j] > 0) mesh.creases.push_back({0, end(j), before[j]});
+        if (before[spokes] > 0) mesh.corners.push_back({0, before[spokes]});
+        refiner = make_refiner(mesh);
+        refiner->RefineUniform(once());
+        const Far::TopologyLevel &coarse = refiner->GetLevel(0), &fine = refiner->GetLevel(1);
+        pole = coarse.GetVertexChildVertex(0);
+        for (std::size_t j = 0; j < spokes; ++j) {
+            const int edge = coarse.FindEdge(0, static_cast<int>(end(j)));
+            ends.push_back(coarse.GetEdgeChildVertex(edge));
+            sharpness.push_back(fine.GetEdgeSharpness(fine.FindEdge(pole, ends.back())));
+        }
+        for (std::size_t j = 0; j < sectors; ++j) corners.push_back(coarse.GetFaceChildVertex(static_cast<int>(j)));
+        sharpness.push_back(fine.GetVertexSharpness(pole));
+    }
+};
+
+std::vector<Sector> sectors_after(const Far::TopologyLevel& level, Sector from, bool counter_clockwise, std::size_t most)
+{
+    std::vector<Sector> out;
+    Sector at = from;
+    while (out.size() < most) {
+        const auto edges = level.GetFaceEdges(at.face);
+        const int vertex = level.GetFaceVertices(at.face)[at.corner];
+        // The edge to the next corner is the sector's clockwise spoke, and the edge from the corner before is the other one.
+        const int spoke = edges[counter_clockwise ? (at.corner + edges.size() - 1) % edges.size() : at.corner];
+        const auto faces = level.GetEdgeFaces(spoke);
+        if (faces.size() != 2 || level.IsEdgeNonManifold(spoke)) break;
+        at.face = faces[0] == at.face ? faces[1] : faces[0];
+        if (at.face == from.face) break;
+        const auto vertices = level.GetFaceVertices(at.face);
+        at.corner = 0;
+        while (vertices[at.corner] != vertex) ++at.corner;
+        out.push_back(at);
+    }
+    return out;
+}
+
+std::unique_ptr<const DerivedPoints> DerivedPoints::make(const Cage& cage, const Far::TopologyLevel& level)
+{
+    const bool is_smooth = cage.scheme == Scheme::CatmullClark;
+    std::vector<std::uint8_t> is_large(static_cast<std::size_t>(level.GetNumVertices()));
+    bool any = false;
+    for (int v = 0; v < level.GetNumVertices() && is_smooth; ++v)
+        if (level.GetVertexFaces(v).size() >= kLargeFrom) {
+            any = true;
+            is_large[static_cast<std::size_t>(v)] = 1;
+        }
+    for (int f = 0; f < level.GetNumFaces(); ++f) {
+        if (level.GetFaceVertices(f).size() < kLargeFrom) continue;
+        any = true;
+        const auto vertices = level.GetFaceVertices(f);
+        for (int i = 0; i < vertices.size() && is_smooth; ++i) is_large[static_cast<std::size_t>(vertices[i])] = 1;
+    }
+    if (!any) return nullptr;
+    std::vector<std::uint8_t> faces(static_cast<std::size_t>(level.GetNumFaces()));
+    for (int f = 0; f < level.GetNumFaces(); ++f) {
+        const auto vertices = level.GetFaceVertices(f);
+        bool takes = vertices.size() >= kLargeFrom;
+        for (int i = 0; i < vertices.size(); ++i) takes = takes || is_large[static_cast<std::size_t>(vertices[i])];
+        faces[static_cast<std::size_t>(f)] = takes;
+    }
+    return std::unique_ptr<const DerivedPoints>(new DerivedPoints(cage, std::move(faces)));
+}
+
+DerivedPoints::DerivedPoints(const Cage& cage, std::vector<std::uint8_t> faces)
+    : refiner_(make_refiner(cage)), faces_(std::move(faces))
+{
+    refiner_->RefineUniform(once());
+    size_ = static_cast<std::uint32_t>(level().GetNumVertices());
+    if (cage.scheme != Scheme::CatmullClark) return;
+    for (int v = 0; v < level().GetNumVertices(); ++v) {
+        if (!is_large(v) || level().IsVertexNonManifold(v) || level().IsVertexInfSharp(v)) continue;
+        throw_if_cancelled();
+        add_pole(v);
+    }
+}
+
+void DerivedPoints::add_pole(int vertex)
+{
+    const Far::TopologyLevel& fine = level();
+    const int face = fine.GetVertexFaces(vertex)[0];
+    Sector first{face, 0};
+    while (fine.GetFaceVertices(face)[first.corner] != vertex) ++first.corner;
+    // At a border, the first sector is the last one clockwise.
+    const auto count = static_cast<std::size_t>(fine.GetVertexFaces(vertex).size());
+    const std::vector<Sector> before = sectors_after(fine, first, false, count);
+    const bool is_closed = !fine.IsVertexBoundary(vertex);
+    if (!is_closed && !before.empty()) first = before.back();
+    std::vector<Sector> sectors = sectors_after(fine, first, true, count);
+    sectors.insert(sectors.begin(), first);
+
+    Pole pole;
+    pole.vertex = vertex;
+    std::vector<float> sharpness;
+    const auto add_spoke = [&](const Sector& s, int along) {
+        pole.ends.push_back(fine.GetFaceVertices(s.face)[(s.corner + along) % 4]);
+        sharpness.push_back(fine.GetEdgeSharpness(fine.GetFaceEdges(s.face)[along == 1 ? s.corner : (s.corner + 3) % 4]));
+    };
+    for (const Sector& s : sectors) {
+        add_spoke(s, 1);
+        pole.corners.push_back(fine.GetFaceVertices(s.face)[(s.corner + 2) % 4]);
+    }
+    if (!is_closed) add_spoke(sectors.back(), 3);
+    sharpness.push_back(fine.GetVertexSharpness(vertex));
+    std::vector<float> at_last;
+    for (int k = 0; k < kMoves; ++k) {
+        throw_if_cancelled();
+        const bool is_new = sharpness != at_last;
+        pole.stars.push_back(is_new ? std::make_shared<const Star>(pole.ends.size(), pole.corners.size(), sharpness)
+                                    : pole.stars.back());
+        at_last = std::exchange(sharpness, pole.stars.back()->sharpness);
+    }
+    first_move_[vertex] = size_;
+    size_ += kMoves;
+    poles_.push_back(std::move(pole));
+}
+
+std::uint32_t DerivedPoints::first_move(int vertex) const noexcept
+{
+    const auto found = first_move_.find(vertex);
+    return found == first_move_.end() ? kNone : found->second;
+}
+
+void DerivedPoints::compute(std::span<const Vec3f> vertices, std::span<Vec3f> out) const
+{
+    std::vector<Point> coarse(vertices.size()), fine(static_cast<std::size_t>(level().GetNumVertices()));
+    for (std::size_t v = 0; v < vertices.size(); ++v) coarse[v].p = Vec3d(vertices[v]);
+    Far::PrimvarRefiner(*refiner_).Interpolate(1, coarse, fine);
+    for (std::size_t v = 0; v < fine.size(); ++v) out[v] = Vec3f(fine[v].p);
+    std::vector<Point> ring, finer;
+    for (const Pole& pole : poles_) {
+        throw_if_cancelled();
+        ring.assign(1, fine[static_cast<std::size_t>(pole.vertex)]);
+        for (const int v : pole.ends) ring.push_back(fine[static_cast<std::size_t>(v)]);
+        for (const int v : pole.corners) ring.push_back(fine[static_cast<std::size_t>(v)]);
+        const std::uint32_t first = first_move(pole.vertex);
+        for (std::size_t k = 0; k < pole.stars.size(); ++k) {
+            const Star& star = *pole.stars[k];
+            finer.assign(static_cast<std::size_t>(star.refiner->GetLevel(1).GetNumVertices()), Point());
+            Far::PrimvarRefiner(*star.refiner).Interpolate(1, ring, finer);
+            const Point moved = finer[static_cast<std::size_t>(star.pole)];
+            out[first + k] = Vec3f(moved.p - ring[0].p);
+            std::size_t n = 0;
+            ring[n++] = moved;
+            for (const int v : star.ends) ring[n++] = finer[static_cast<std::size_t>(v)];
+            for (const int v : star.corners) ring[n++] = finer[static_cast<std::size_t>(v)];
+        }
+    }
+}
+
+std::shared_ptr<const FanModel> DerivedPoints::fan(std::span<const float> sharpness, std::size_t own, int step) const
+{
+    std::vector<float> at_step;
+    for (const float s : sharpness) at_step.push_back(sharpness_after(s, step));
+    const std::lock_guard lock(mutex_);
+    auto& known = fans_[{at_step, own}];
+    if (!known) known = std::make_shared<const FanModel>(at_step, own);
+    return known;
+}
+
+}  // namespace occam::lod
