@@ -2,9 +2,16 @@
 
 #include <algorithm>
 
+#include "base/error.h"
 #include "lod/key_time.h"
 
 namespace occam::accel {
+namespace {
+
+constexpr std::size_t kVeryMany = 1024;  // candidates above which many are opened at a time
+constexpr ItemIndex kTaken = ~ItemIndex(0);
+
+}  // namespace
 
 void Candidates::start(const Box3f& box, std::span<const ItemIndex> items, int pair, float time)
 {
@@ -41,15 +48,42 @@ bool Candidates::open_largest(int most_effort)
         }
     }
     if (largest == size()) return false;
+    if (size() > kVeryMany) return open_many(least);
     const ItemIndex opened = (*this)[largest].item;
     (*this)[largest] = back();
     pop_back();
-    if (!items_.open(opened, pair_)) {
-        add(opened);
-        return true;
-    }
-    const std::uint32_t first = items_[opened].first_part, count = items_[opened].part_count;
+    add_parts(opened);
+    return true;
+}
+
+void Candidates::add_parts(ItemIndex item)
+{
+    if (!items_.open(item, pair_)) return add(item);
+    const std::uint32_t first = items_[item].first_part, count = items_[item].part_count;
+    if (size() + count > kMost)
+        throw Error("",
+                    "more than " + std::to_string(kMost) +
+                        " parts of surfaces lie in one place, or too close together for their numbers",
+                    items_.name_of(item));
     for (std::uint32_t p = 0; p < count; ++p) add(first + p);
+}
+
+bool Candidates::open_many(int effort)
+{
+    // The larger half of those that cost this effort; a search for each of them would take the square of their number.
+    std::vector<std::pair<float, std::uint32_t>> found;
+    for (std::uint32_t c = 0; c < size(); ++c)
+        if (const Candidate& known = (*this)[c]; !known.is_final && items_.effort(known.item) == effort)
+            found.emplace_back(-known.box.half_area(), c);
+    std::sort(found.begin(), found.end());
+    found.resize((found.size() + 1) / 2);
+    std::vector<ItemIndex> opened;
+    for (const auto& [area, c] : found) {
+        opened.push_back((*this)[c].item);
+        (*this)[c].item = kTaken;
+    }
+    std::erase_if(*this, [](const Candidate& c) { return c.item == kTaken; });
+    for (const ItemIndex item : opened) add_parts(item);
     return true;
 }
 

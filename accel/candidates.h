@@ -26,12 +26,15 @@ public:
     /// In place of a time, this value asks for boxes that hold items at all times.
     static constexpr float kAllTimes = -1;
 
+    /// The most candidates of a node. So many lie in one place only if no plane parts them; more are an error.
+    static constexpr std::size_t kMost = std::size_t(1) << 18;
+
     /// Starts with the parts of these items that lie in a node's box. Items that rays of the pair meet as one igrid are
     /// final.
     /// time   moment of the shutter at which the boxes of items that move are taken
     void start(const Box3f& box, std::span<const ItemIndex> items, int pair, float time = kAllTimes);
-    /// Opens the largest of those items that cost the least effort to open. Returns false if there is none of at most
-    /// `most_effort`.
+    /// Opens the largest of those items that cost the least effort to open, and many of them if there are very many. Returns
+    /// false if there is none of at most `most_effort`. Throws Error if there are more than kMost.
     bool open_largest(int most_effort);
     /// Makes the list of a leaf, for the pairs to which it applies, with boxes that hold the items at all times. All
     /// candidates are final.
@@ -46,6 +49,8 @@ public:
 
 private:
     void add(ItemIndex item);
+    void add_parts(ItemIndex item);
+    bool open_many(int effort);
 
     Items& items_;
     Box3f within_;

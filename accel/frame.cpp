@@ -41,6 +41,7 @@ Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::Leve
              const TextureStore* textures, const lod::VertexShading& shading, FrameScale scale, TreeKind tree)
     : state_(std::make_unique<State>())
 {
+    check_layers(scene);
     state_->scene = &scene;
     state_->topologies = &topologies;
     state_->levels = levels;

@@ -10,6 +10,8 @@
 // Threads  One thread at a time: the owner of the tree, or the worker that holds the lock of a shared tree.
 #pragma once
 
+#include <string>
+
 #include "accel/frame_state.h"
 #include "accel/grid_table.h"
 #include "accel/lattice_builder.h"
@@ -114,6 +116,9 @@ public:
         }
         return 0;
     }
+
+    /// Names the node that an item belongs to, for a message.
+    std::string name_of(ItemIndex i) const;
 
     /// Makes the parts of an item that is not final: [first_part, first_part + part_count) afterwards. For a Leaf that
     /// was not examined yet, it finds the pair from which on it is final. Items may move in memory. Returns whether

@@ -32,6 +32,20 @@ ItemIndex Items::restart()
     return 0;
 }
 
+std::string Items::name_of(ItemIndex i) const
+{
+    const Item& item = items_[i];
+    if (item.kind != Item::SceneNode && item.kind != Item::Children && item.kind != Item::Unmade) {
+        const lod::PosedCage& cage = item.cage();
+        return cage.node->name.empty() && !cage.slot->cage.name.empty() ? "mesh " + cage.slot->cage.name
+                                                                        : naming(*cage.node);
+    }
+    // Instances often have no name of their own.
+    const PlacedNode* at = static_cast<const PlacedNode*>(item.subject);
+    while (at->parent && frame_.scene->find(at->id)->name.empty()) at = at->parent;
+    return naming(*frame_.scene->find(at->id));
+}
+
 void Items::set_box_of_node(Item& item, const PlacedNode& at, const Box3d& bounds)
 {
     Box3f own[lod::kMostSegments + 1];

@@ -44,6 +44,7 @@ void for_each_placement(const Scene& scene, const std::function<void(const Node&
         return place;
     };
     std::vector<Place> todo;
+    std::size_t visits = 0;
     const Place world{{}, {Mat4d(1)}, lod::PosedCage::kAllSegments};
     todo.push_back(below(world, scene.root(), scene.node(scene.root())));
     while (!todo.empty()) {
@@ -52,6 +53,7 @@ void for_each_placement(const Scene& scene, const std::function<void(const Node&
         todo.pop_back();
         if (place.seen == 0) continue;
         const Node& node = scene.node(place.id);
+        if (++visits > kMostListed) throw too_many_placements(node);
         visit(node, place.world_from_node);
         for (const NodeId child : node.children)
             if (const Node* there = scene.find(child)) todo.push_back(below(place, child, *there));

@@ -8,10 +8,12 @@
 #include "accel/frame_state.h"
 #include "accel/lazy_tree.h"
 #include "accel/mailboxes.h"
+#include "accel/memory_floor.h"
 #include "accel/packet.h"
 #include "accel/ray_groups.h"
 #include "accel/traverse.h"
 #include "base/cancellation.h"
+#include "base/error.h"
 
 namespace occam::accel {
 
@@ -120,11 +122,12 @@ struct Tracer::State {
             return false;
         };
         // Each time the budget is exceeded everything is dropped and the same rays start again in an empty arena: first
-        // all of them once more, then each half, in the end each ray by itself with as much memory as it needs.
+        // all of them once more, then each half, in the end each ray by itself with more memory, if it needs that.
         if (fits() || fits()) return;
         if (count == 1) {
-            run(first, 1, ~std::size_t(0));
-            return;
+            const std::size_t most = std::max(budget, kMostBytesOfARay);
+            if (run(first, 1, most)) return;
+            throw Error("", "one ray meets more surfaces than fit into " + std::to_string(most >> 20) + " MB");
         }
         within_budget(first, count / 2, run);
         within_budget(first + count / 2, count - count / 2, run);

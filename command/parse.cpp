@@ -157,8 +157,10 @@ CLI::Option& add_output(CLI::App& app, RenderArguments& a, const std::string& fo
 void add_machine(CLI::App& app, RenderArguments& a)
 {
     add_whole(app, "--threads", a.resources.threads, 1, 1024, "Workers [all processors]");
-    add_value(app, "--memory", "Budget for what is rebuilt each frame [a quarter of the machine]", "SIZE",
-              [&](const std::string& t) { a.resources.memory_bytes = bytes_of(t); });
+    add_value(
+        app, "--memory",
+        "Budget for what is rebuilt each frame [a quarter of the machine, at most 3 GB, or 512 MB a thread if that is more]",
+        "SIZE", [&](const std::string& t) { a.resources.memory_bytes = bytes_of(t); });
     add_choice<accel::TreeKind>(
         app, "--accel", a.resources.tree,
         {{"auto", accel::TreeKind::Auto}, {"kd", accel::TreeKind::Kd}, {"bvh", accel::TreeKind::Bvh}},

@@ -7,6 +7,11 @@
 namespace occam::lod {
 namespace {
 
+// Rates are those of the largest key. Where a cage is much smaller than there, all of its micropolygons lie in one place,
+// and a ray of that moment meets them all; so a cage that grows that much has no edges below a 128th of its largest radius.
+constexpr double kMostGrowth = 4096;
+constexpr int kCoarsenedByGrowth = 9;
+
 /// Returns the largest distance from the origin of the image of a box under an affine map.
 double farthest_image(const Mat4d& map, const Box3d& box) noexcept
 {
@@ -141,6 +146,7 @@ PosedCage& CageMotion::make_keys(const PosedCage& still, int segments, const Pos
     const int step = segments_ / segments;
     const Box3d box = world_box();
     float reach = 0;
+    double smallest = std::numeric_limits<double>::infinity(), largest = 0;
     for (std::size_t k = 0; k < count; ++k) {
         PosedCage& cage = *new (&keys[k]) PosedCage(still);
         const int key = static_cast<int>(k) * step;
@@ -157,9 +163,16 @@ PosedCage& CageMotion::make_keys(const PosedCage& still, int segments, const Pos
             cage.cluster_boxes = boxes.data();
         }
         if (tools.textures) cage.displace(*tools.textures);
+        cage.derive(tools.arena);
         reach = std::max(reach, cage.displacement.reach);
+        const double radius = cage.world_box(0).radius();
+        smallest = std::min(smallest, radius);
+        largest = std::max(largest, radius);
     }
-    for (PosedCage& key : keys) key.displacement.reach = reach;
+    for (PosedCage& key : keys) {
+        key.displacement.reach = reach;
+        if (largest > kMostGrowth * smallest) key.coarsened = kCoarsenedByGrowth;
+    }
     keys[0].keys = keys.data();
     keys[0].segments = segments;
     return keys[0];

@@ -20,6 +20,7 @@ constexpr std::size_t kMostFaces = 60'000;
 constexpr int kMostLevels = 3;
 // Beyond this many points in all, placed cages give the corners of their boxes.
 constexpr std::size_t kMostPoints = 50'000'000;
+constexpr std::size_t kMostPlacements = 1'000'000;
 
 struct Point {
     Vec3d p{0};
@@ -106,7 +107,13 @@ void Extent::visit_points(const Scene& scene, const std::function<void(Vec3d)>& 
 {
     State& s = *state_;
     s.points = 0;
+    std::size_t visits = 0;
     scene.for_each_placement([&](NodeId, const Node& node, const Mat4d& world_from_node) {
+        // Instances of instances may be more than can be visited: from then on, subtrees give the corners of their boxes.
+        if (++visits > kMostPlacements && !node.dirty) {
+            visit_corners(node.bounds, world_from_node, visit);
+            return false;
+        }
         const SkinSlot* skin = scene.find(node.skin);
         for (const CageId id : node.cages) {
             const CageSlot* slot = scene.find(id);
@@ -129,6 +136,7 @@ void Extent::visit_points(const Scene& scene, const std::function<void(Vec3d)>& 
             for (std::uint32_t v = 0; v < controls.size(); ++v) controls[v] = Vec3d(deformed.position(v));
             for (const Vec3d p : State::points_of(shape, controls)) visit(transform_point(world_from_node, p));
         }
+        return true;
     });
 }
 

@@ -35,7 +35,9 @@ Resources Resources::resolved() const
     if (r.memory_bytes == 0) {
         const auto pages = static_cast<std::size_t>(std::max(0L, sysconf(_SC_PHYS_PAGES)));
         const auto page_bytes = static_cast<std::size_t>(std::max(0L, sysconf(_SC_PAGESIZE)));
-        r.memory_bytes = std::max(pages * page_bytes / 4, std::size_t(256) << 20);
+        // A quarter of the machine, but no more than few threads have a use for.
+        const std::size_t most = std::max(std::size_t(3) << 30, static_cast<std::size_t>(r.threads) << 29);
+        r.memory_bytes = std::clamp(pages * page_bytes / 4, std::size_t(256) << 20, most);
     }
     return r;
 }

@@ -109,7 +109,8 @@ struct Settings {
 /// The resources for rendering. They have no influence on the picture.
 struct Resources {
     int threads = 0;  ///< 0: one for each processor
-    /// The memory for what is rebuilt in each frame, all workers together; 0 means a quarter of the machine's.
+    /// The memory for what is rebuilt in each frame, all workers together; 0 means a quarter of the machine's, but no
+    /// more than 3 GB, or 512 MB for each thread if that is more.
     /// Renderer::memory_floor() returns the least that a scene needs.
     std::size_t memory_bytes = 0;
     int workers_a_tree = 1;  ///< 1: each worker builds its own tree; more: that many share one; 0: all share one

@@ -1,13 +1,19 @@
 // What a node and its subtree hold besides boxes, so that a frame finds what it looks for (lights, surfaces that emit or
 // transmit, displaced cages, the largest parts) without visiting the rest of the scene.
 //
+// They also tell how many surfaces lie one behind the other: instances of instances may be more than can be opened.
+//
 // Contents are brought up to date together with bounds: an edit marks its path to the root, and Scene::refit() sums them up.
 //
 // Threads  as Scene.
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+
+#include "base/box.h"
+#include "base/error.h"
 
 namespace occam {
 
@@ -28,6 +34,10 @@ struct Contents {
     std::uint32_t largest_face = 0;       ///< corners
     std::uint32_t deformed_vertices = 0;  ///< of the largest cage that a skin or morph targets deform
     std::uint32_t joints = 0;             ///< of the largest skin that a node wears
+    /// The sum over all that is placed below of how many surfaces a ray meets in it, times the size of its box
+    /// (Contents::size_of), in the axes of the node. See layers_in().
+    double crossed = 0;
+    double most_layers = 0;  ///< the largest layers_in() of the nodes
 
     void add(const Contents& other) noexcept
     {
@@ -36,10 +46,48 @@ struct Contents {
         largest_face = std::max(largest_face, other.largest_face);
         deformed_vertices = std::max(deformed_vertices, other.deformed_vertices);
         joints = std::max(joints, other.joints);
+        crossed += other.crossed;
+        most_layers = std::max(most_layers, other.most_layers);
+    }
+    /// Adds what is placed below as a whole: `box` is its box in the axes of this node, and `own` its box in its own axes.
+    void add_placed(const Contents& other, const Box3d& own, const Box3d& box) noexcept
+    {
+        Contents placed = other;
+        placed.crossed = other.layers_in(own) * size_of(box);
+        add(placed);
+    }
+    /// Returns about how many placed surfaces a ray meets that passes through the node's box somewhere: each surface counts
+    /// by the size of its box, as in the surface area heuristic. It is 2^60 for that many instances in one place.
+    double layers_in(const Box3d& box) const noexcept
+    {
+        const double layers = crossed / size_of(box);
+        return std::isfinite(layers) ? layers : 1;  // boxes that overflow are refused or clipped elsewhere
+    }
+    /// Returns a measure of how many rays meet a box. It is positive for flat boxes, too, and for points.
+    static double size_of(const Box3d& box) noexcept
+    {
+        if (box.is_empty()) return 0;
+        const Vec3d e = box.extent();
+        return std::max((e.x + e.y + e.z) * (e.x + e.y + e.z), 1e-300);
     }
     bool has(std::uint8_t any_of) const noexcept { return (kinds & any_of) != 0; }
     friend bool operator==(const Contents&, const Contents&) = default;
 };
+
+/// The most surfaces that a ray may have to meet in a node, by Contents::layers_in(); a frame with more is refused, since it
+/// would not end.
+inline constexpr double kMostLayers = 1 << 17;
+/// The most placements that are listed one by one (of lights, of emitters, of displaced cages).
+inline constexpr std::size_t kMostListed = std::size_t(1) << 22;
+
+struct Node;
+class Scene;
+/// Throws Error, naming a node, if a ray may have to meet more than kMostLayers surfaces. The scene must be refitted.
+void check_layers(const Scene& scene);
+/// Names a node for a message.
+std::string naming(const Node& node);
+/// Returns the error for a scene with more than kMostListed placements, of which `node` is one.
+Error too_many_placements(const Node& node);
 
 struct Material;
 

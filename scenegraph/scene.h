@@ -225,7 +225,8 @@ public:
 
     /// Calls visit(NodeId, const Node&, const Mat4d& world_from_node) for every placement in the graph that is visible at
     /// any time while the shutter is open. It visits parents first and follows instances too (there are no cycles, because
-    /// add_node refuses them).
+    /// add_node refuses them). If visit returns a bool, false leaves out what is below the placement. Instances of instances
+    /// may be more than can be visited.
     template <class Visit>
     void for_each_placement(Visit&& visit) const;
     /// Returns what is visible in the whole scene. After refit() the cost is constant, otherwise it is a visit to all nodes.
@@ -285,7 +286,11 @@ void Scene::for_each_placement(Visit&& visit) const
         const Place place = todo.back();
         todo.pop_back();
         const Node& n = node(place.id);
-        visit(place.id, n, place.world_from_node);
+        if constexpr (std::is_same_v<decltype(visit(place.id, n, place.world_from_node)), bool>) {
+            if (!visit(place.id, n, place.world_from_node)) continue;
+        } else {
+            visit(place.id, n, place.world_from_node);
+        }
         for (auto child = n.children.rbegin(); child != n.children.rend(); ++child)
             if (const Node* c = find(*child); c && c->is_visible_in_shutter())
                 todo.push_back({*child, place.world_from_node * c->parent_from_node});

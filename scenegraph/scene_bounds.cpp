@@ -73,16 +73,24 @@ std::size_t Scene::State::refit_node(NodeId id, NodeRecord& node)
     if (skin && skin->dirty) pose_skin(*skin);
     if (skin) node.node_from_skin = node_from_skin(id, *skin);
     Box3d bounds;
-    for (CageId c : node.cages)
-        if (const CageRecord* cage = cages.find(c)) bounds.add(cage_bounds(node, *cage, skin));
+    Contents contents = own_contents(node);
+    for (CageId c : node.cages) {
+        const CageRecord* cage = cages.find(c);
+        if (!cage) continue;
+        const Box3d box = cage_bounds(node, *cage, skin);
+        bounds.add(box);
+        contents.crossed += Contents::size_of(box);
+    }
     const auto box_of = [&](std::size_t i) {
         const Node* child = nodes.find(node.children[i]);
         return child ? box_in_parent(*child) : Box3d();
     };
-    Contents contents = own_contents(node);
     const auto contents_of = [&](std::size_t i) {
         const Node* child = nodes.find(node.children[i]);
-        return child && child->is_visible_in_shutter() ? child->contents : Contents();
+        Contents placed;
+        if (child && child->is_visible_in_shutter())
+            placed.add_placed(child->contents, child->bounds, box_in_parent(*child));
+        return placed;
     };
     std::size_t looked_at = 0;
     if (node.child_boxes) {
@@ -92,8 +100,12 @@ std::size_t Scene::State::refit_node(NodeId id, NodeRecord& node)
     } else {
         for (std::size_t i = 0; i < node.children.size(); ++i) bounds.add(box_of(i)), contents.add(contents_of(i));
     }
-    if (const Node* target = nodes.find(node.instance_of)) bounds.add(target->bounds), contents.add(target->contents);
+    if (const Node* target = nodes.find(node.instance_of)) {
+        bounds.add(target->bounds);
+        contents.add_placed(target->contents, target->bounds, target->bounds);
+    }
     node.bounds = bounds;
+    contents.most_layers = std::max(contents.most_layers, contents.layers_in(bounds));
     node.contents = contents;
     node.dirty = false;
     return looked_at;

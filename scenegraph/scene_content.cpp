@@ -1,6 +1,7 @@
 // Adds, replaces and removes the objects that the nodes of a scene refer to: cages, materials, textures, lights, cameras,
 // clips.
 #include <atomic>
+#include <unordered_map>
 
 #include "base/error_without_file.h"
 #include "scenegraph/content_rules.h"
@@ -246,12 +247,39 @@ Scene::Counts Scene::counts() const
 
 std::size_t Scene::placed_faces() const
 {
-    std::size_t faces = 0;
-    for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
-        for (CageId id : node.cages)
-            if (const CageSlot* slot = find(id)) faces += slot->cage.face_count();
-    });
-    return faces;
+    // Each node is summed up once, after all that it shows: instances of instances may be more than can be visited.
+    struct Step {
+        NodeId id;
+        bool is_below_done;
+    };
+    std::vector<Step> todo{{root(), false}};
+    std::unordered_map<NodeId, double> known;
+    const auto shown = [&](NodeId child) {
+        const Node* node = find(child);
+        return node && node->is_visible_in_shutter();
+    };
+    while (!todo.empty()) {
+        const auto [id, is_below_done] = todo.back();
+        todo.pop_back();
+        const Node& node = this->node(id);
+        if (!is_below_done) {
+            if (known.contains(id)) continue;
+            todo.push_back({id, true});
+            for (const NodeId child : node.children)
+                if (shown(child)) todo.push_back({child, false});
+            if (find(node.instance_of)) todo.push_back({node.instance_of, false});
+            continue;
+        }
+        double faces = 0;
+        for (const CageId cage : node.cages)
+            if (const CageSlot* slot = find(cage)) faces += double(slot->cage.face_count());
+        for (const NodeId child : node.children)
+            if (shown(child)) faces += known[child];
+        if (find(node.instance_of)) faces += known[node.instance_of];
+        known[id] = faces;
+    }
+    const double all = shown(root()) ? known[root()] : 0;
+    return all < 0x1p63 ? static_cast<std::size_t>(all) : ~std::size_t(0);
 }
 
 Scene::FrameLock::FrameLock(const Scene& scene) : scene_(scene)

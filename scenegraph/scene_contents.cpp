@@ -1,7 +1,11 @@
 // What subtrees hold: how it is summed up, and how what is looked for is found by it.
+#include <cstdio>
+#include <string>
+
 #include "base/cancellation.h"
 #include "scenegraph/child_boxes.h"
 #include "scenegraph/scene_state.h"
+#include "scenegraph/shown_nodes.h"
 
 namespace occam {
 
@@ -81,13 +85,39 @@ Contents Scene::State::own_contents(const NodeRecord& node) const noexcept
     return contents;
 }
 
+std::string naming(const Node& node) { return node.name.empty() ? "a node without a name" : "node " + node.name; }
+
+Error too_many_placements(const Node& node)
+{
+    return Error("", "nodes are placed more than " + std::to_string(kMostListed) + " times, by instances of instances",
+                 naming(node));
+}
+
+void check_layers(const Scene& scene)
+{
+    if (!(scene.node(scene.root()).contents.most_layers > kMostLayers)) return;
+    const Node* worst = &scene.node(scene.root());
+    for_each_shown_node(scene, 0, [&](NodeId, const Node& node) {
+        // The innermost nodes at fault are those with the fewest layers of all that have too many. One with a name is
+        // better.
+        if (!(node.contents.layers_in(node.bounds) > kMostLayers) || (node.name.empty() && !worst->name.empty())) return;
+        const bool is_first_name = worst->name.empty() && !node.name.empty();
+        if (is_first_name || node.contents.most_layers < worst->contents.most_layers) worst = &node;
+    });
+    char layers[32];
+    std::snprintf(layers, sizeof layers, "%.3g", worst->contents.most_layers);
+    throw Error("",
+                "too many surfaces lie in one place: a ray would have to meet about " + std::string(layers) +
+                    " of them, and " + std::to_string(static_cast<int>(kMostLayers)) + " is the limit",
+                naming(*worst));
+}
+
 Contents Scene::contents() const
 {
     const Node& top = *state_->nodes.find(state_->root);
     if (!top.dirty) return top.is_visible_in_shutter() ? top.contents : Contents();
     Contents all;
-    for_each_placement(
-        [&](NodeId id, const Node&, const Mat4d&) { all.add(state_->own_contents(*state_->nodes.find(id))); });
+    for_each_shown_node(*this, 0, [&](NodeId id, const Node&) { all.add(state_->own_contents(*state_->nodes.find(id))); });
     return all;
 }
 
@@ -100,8 +130,14 @@ const ChildBoxes* Scene::child_boxes(NodeId id) const noexcept
 void Scene::for_placements_of(std::uint8_t kinds, const VisitPlacement& visit) const
 {
     const State& s = *state_;
+    std::size_t visits = 0;
+    const auto count = [&](const Node& node) {
+        throw_if_cancelled();
+        if (++visits > kMostListed) throw too_many_placements(node);
+    };
     if (s.nodes.find(s.root)->dirty) {
         for_each_placement([&](NodeId id, const Node& node, const Mat4d& world_from_node) {
+            count(node);
             if (s.own_contents(*s.nodes.find(id)).has(kinds)) visit(id, node, world_from_node);
         });
         return;
@@ -119,10 +155,10 @@ void Scene::for_placements_of(std::uint8_t kinds, const VisitPlacement& visit) c
     };
     push(s.root, Mat4d(1), false);
     while (!todo.empty()) {
-        throw_if_cancelled();
         const Place place = todo.back();
         todo.pop_back();
         const State::NodeRecord& node = *s.nodes.find(place.id);
+        count(node);
         if (s.own_contents(node).has(kinds)) visit(place.id, node, place.world_from_node);
         // As in for_each_placement(): what an instance shows comes before the children, and these in their order.
         if (node.child_boxes) {

@@ -12,6 +12,7 @@
 #include "io/import/gltf_uri.h"
 #include "io/import/gltf_value.h"
 #include "io/import/obj.h"
+#include "scenegraph/shown_nodes.h"
 
 namespace occam::import {
 
@@ -95,7 +96,7 @@ private:
     void note_cages()
     {
         std::unordered_set<CageId> cages, all;
-        scene_.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
+        for_each_shown_node(scene_, 0, [&](NodeId, const Node& node) {
             for (const CageId id : node.cages) {
                 all.insert(id);
                 if (scene_.cage(id).cage.scheme != Scheme::Triangles) cages.insert(id);

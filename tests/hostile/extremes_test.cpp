@@ -108,12 +108,111 @@ TEST(Extremes, InstancesOfInstancesEnd)
     expect_ends(scene, Camera::look_at({30, 8, 20}, {30, 0, 0}, {0, 1, 0}, 0.8f), "instances of instances");
 }
 
-/// 200,000 cages in one place: each ray meets all of them.
+/// Adds levels of nodes, each of which shows the one before twice: 2^levels instances of a node, each `step` beside the
+/// other. Returns the last level, which is not shown yet.
+NodeId doubled(Scene& scene, NodeDesc desc, int levels, double step)
+{
+    desc.visible = false;
+    NodeId shown = scene.add_node(scene.root(), desc);
+    for (int k = 0; k < levels; ++k) {
+        const NodeId both = scene.add_node(scene.root(), {.name = "level " + std::to_string(k), .visible = false});
+        scene.add_node(both, {.instance_of = shown});
+        scene.add_node(both, {.matrix = scaled(1, {step * std::ldexp(1.0, k), 0, 0}), .instance_of = shown});
+        shown = both;
+    }
+    return shown;
+}
+
+/// Returns what a frame of the scene is refused with, or nothing if it ends.
+std::string refusal(Scene& scene, const Settings& more = {})
+{
+    Settings settings = more;
+    settings.width = 16;
+    settings.height = 12;
+    settings.spp = 1;
+    try {
+        Renderer({.threads = 1}).render(scene, Camera::look_at({0.3, 0.2, 4}, Vec3d(0), {0, 1, 0}, 0.8f), settings);
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return {};
+}
+
+TEST(Extremes, InstancesBeyondCountingEndIfTheyLieSideBySide)
+{
+    Scene scene;
+    scene.add_node(scene.root(), {.instance_of = doubled(scene, {.cages = {scene.add(creased_cube(1))}}, 24, 4)});
+    EXPECT_EQ(refusal(scene), "");
+    EXPECT_GT(scene.placed_faces(), std::size_t(1) << 24);
+    EXPECT_FALSE(Camera::framing(scene.bounds()).world_from_camera == Mat4d(0));
+}
+
+TEST(Extremes, InstancesBeyondCountingInOnePlaceAreRefusedByName)
+{
+    for (const double step : {0.0, 1e-12}) {
+        Scene scene;
+        const NodeId all = doubled(scene, {.cages = {scene.add(creased_cube(1))}}, 60, step);
+        scene.add_node(scene.root(), {.instance_of = all});
+        EXPECT_NE(refusal(scene).find("too many surfaces lie in one place"), std::string::npos) << refusal(scene);
+        EXPECT_NE(refusal(scene).find("node level 1"), std::string::npos) << refusal(scene);
+        EXPECT_EQ(scene.placed_faces(), std::size_t(6) << 60);
+    }
+    // A far cube makes the box of each level so large that few rays meet what lies in one place.
+    Scene scene;
+    const CageId cube = scene.add(creased_cube(1));
+    NodeId shown = scene.add_node(scene.root(), {.cages = {cube}, .visible = false});
+    for (int k = 0; k < 40; ++k) {
+        const NodeId both = scene.add_node(scene.root(), {.name = "level", .visible = false});
+        scene.add_node(both, {.instance_of = shown});
+        scene.add_node(both, {.instance_of = shown});
+        scene.add_node(both, {.matrix = scaled(1, {std::ldexp(1e3, k), 0, 0}), .cages = {cube}});
+        shown = both;
+    }
+    scene.add_node(scene.root(), {.instance_of = shown});
+    EXPECT_NE(refusal(scene).find("surfaces lie in one place"), std::string::npos) << refusal(scene);
+}
+
+TEST(Extremes, PlanksAsLongAsTheyAreThinEndOrAreRefusedByName)
+{
+    for (const double size : {1e3, 1e6, 1e12})
+        for (const Lod lod : {Lod::On, Lod::Off}) {
+            Scene scene;
+            Mat4d plank(1);
+            plank[0][0] = size;
+            plank[1][1] = 1 / size;
+            scene.add_node(scene.root(), {.name = "plank", .matrix = plank, .cages = {scene.add(creased_cube(1))}});
+            const std::string why = refusal(scene, {.lod = lod});
+            const bool is_named = why.find("too close together for their numbers (node plank)") != std::string::npos;
+            EXPECT_TRUE(why.empty() || (size > 1e3 && is_named)) << size << ": " << why;
+        }
+}
+
+TEST(Extremes, LightsEmittersAndDisplacedCagesBeyondCountingAreRefused)
+{
+    for (const int what : {0, 1, 2}) {
+        Scene scene;
+        NodeDesc desc;
+        if (what == 0) desc.light = scene.add(Light{"lamp", PointLight{Vec3f(1)}});
+        if (what == 1) {
+            Material glow;
+            glow.emission = Vec3f(1);
+            Cage cage = creased_cube(1);
+            cage.materials = {scene.add(glow)};
+            desc.cages = {scene.add(std::move(cage))};
+        }
+        if (what == 2) desc.cages = {scene.add(displaced_case(0).cage)};
+        scene.add_node(scene.root(), {.instance_of = doubled(scene, desc, 60, 8)});
+        place(scene, scene.add(torus()), Vec3d(0));
+        EXPECT_NE(refusal(scene).find("placed more than"), std::string::npos) << what << ": " << refusal(scene);
+    }
+}
+
+/// 10,000 cages in one place: each ray meets all of them.
 TEST(Cancelling, EndsAFrameInWhichARayMeetsEverything)
 {
     Scene scene;
     const CageId cage = scene.add(creased_cube(1));
-    for (int k = 0; k < 200'000; ++k) scene.add_node(scene.root(), {.cages = {cage}});
+    for (int k = 0; k < 10'000; ++k) scene.add_node(scene.root(), {.cages = {cage}});
     for (const int workers_a_tree : {1, 0}) {
         Renderer renderer({.threads = 2, .workers_a_tree = workers_a_tree});
         Job job = renderer.start(scene, Camera::look_at({1, 0.5, 4}, Vec3d(0), {0, 1, 0}, 0.8f),
@@ -126,11 +225,18 @@ TEST(Cancelling, EndsAFrameInWhichARayMeetsEverything)
     }
 }
 
-/// The tables of a prism over a polygon of 500 corners take ten seconds.
+TEST(Extremes, FacesOfThousandsOfCornersAndPolesOfThousandsOfFacesEnd)
+{
+    Scene scene;
+    place(scene, scene.add(prism(3000)), {-1.2, 0, 0});
+    place(scene, scene.add(spindle(3000)), {1.2, 0, 0});
+    expect_ends(scene, Camera::look_at({1, 2, 5}, Vec3d(0), {0, 1, 0}, 0.8f), "prism and bipyramid");
+}
+
 TEST(Cancelling, EndsAFrameWhoseTablesAreInTheMaking)
 {
     Scene scene;
-    scene.add_node(scene.root(), {.cages = {scene.add(prism(500))}});
+    scene.add_node(scene.root(), {.cages = {scene.add(prism(4000))}});
     Renderer renderer({.threads = 2});
     Job job = renderer.start(scene, Camera::look_at({1, 2, 4}, Vec3d(0), {0, 1, 0}, 0.8f), {.width = 64, .height = 48});
     std::this_thread::sleep_for(200ms);

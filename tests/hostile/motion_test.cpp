@@ -103,9 +103,14 @@ TEST(HostileMotion, MakesAPictureOfFiniteNumbers)
          [&](double tau) {
              return moved({tau * 1e11, tau * 1e11, 0});
          }},
-        // Boxes of a surface are padded by what its largest key needs, so one that grows 10^9 times does not end
-        // (docs/motion.md).
         {"grows tenfold", [&](double tau) { return scaled(Vec3d(1 + tau * 9)); }},
+        {"grows a thousand times", [&](double tau) { return scaled(Vec3d(1 + tau * 999)); }},
+        {"grows 10^9 times", [&](double tau) { return scaled(Vec3d(1 + tau * 1e9)); }},
+        {"grows beyond measure", [&](double tau) { return scaled(Vec3d(1 + tau * 1e15)); }},
+        {"grows 10^9 times in one direction",
+         [&](double tau) {
+             return scaled({1, 1 + tau * 1e9, 1});
+         }},
         {"turns a hundred times",
          [&](double tau) {
              Mat4d m(1);
