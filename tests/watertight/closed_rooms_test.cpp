@@ -13,6 +13,7 @@
 #include "tests/support/made_cages.h"
 #include "tests/support/refined_cages.h"
 #include "tests/support/shape_builders.h"
+#include "tests/support/shapes.h"
 #include "verify/closed.h"
 
 namespace occam::test {
@@ -120,6 +121,7 @@ struct Look {
     bool displaced = false;
     double scale = 1;
     std::optional<Trs> place{};  ///< instead of `scale`
+    bool sheared = false;        ///< what is placed leans along x, as a matrix tells
     bool instanced = false;      ///< the room is one of three instances of a node that stands elsewhere
     int width = 24, height = 18, spp = 4;
 };
@@ -150,7 +152,13 @@ int lit_pixels(const Room& room, const Look& look)
     desc.place.scale = Vec3d(look.scale);
     desc.place.translation = Vec3d(3, -2, 5) * look.scale;
     if (look.place) desc.place = *look.place;
-    const Mat4d world_from_room = desc.place.matrix();
+    Mat4d shear(1);
+    if (look.sheared) {
+        shear[1] = Vec4d(0.6, 1, 0, 0);
+        shear[2] = Vec4d(-0.2, 0.3, 1, 0);
+        desc.matrix = desc.place.matrix() * shear;
+    }
+    const Mat4d world_from_room = desc.place.matrix() * shear;
     desc.cages = {scene.add(cage)};
     if (look.instanced) {
         NodeDesc original;
@@ -160,6 +168,7 @@ int lit_pixels(const Room& room, const Look& look)
         desc.instance_of = scene.add_node(scene.root(), original);
         NodeDesc other = desc;
         other.place.translation += Vec3d(0.5, 0.1, 0.2);
+        if (other.matrix) (*other.matrix)[3] += Vec4d(0.5, 0.1, 0.2, 0);
         scene.add_node(scene.root(), other);
     }
     scene.add_node(scene.root(), desc);
@@ -247,6 +256,51 @@ std::optional<Vec3d> point_inside(const Cage& cage, std::mt19937_64& random)
         found = diced.posed.anchor + p;
     }
     return found;
+}
+
+/// Returns a look from inside a room, with everything that may be set drawn at random.
+Look random_look(std::mt19937_64& random)
+{
+    const auto uniform = [&](double low, double high) { return low + (high - low) * double(random() >> 11) * 0x1p-53; };
+    Look look;
+    look.rate = std::exp2(float(random() % 7) - 2);
+    look.lod = render::Lod(random() % 3);
+    look.integrator = kBoth[random() % 2];
+    look.displaced = random() % 3 == 0;
+    look.instanced = random() % 2 == 0;
+    look.sheared = random() % 2 == 0;
+    look.place = Trs();
+    look.place->translation = Vec3d(uniform(-50, 50), uniform(-50, 50), uniform(-50, 50));
+    look.place->rotation = glm::normalize(Vec4d(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(0.1, 1)));
+    look.place->scale = Vec3d(uniform(0.5, 2), uniform(0.5, 2), uniform(0.5, 2) * (random() % 2 ? -1 : 1)) *
+                        std::exp2(uniform(-20, 20));
+    return look;
+}
+
+/// The closed cages of the shared data are rooms, too: one in five by default, and all of them four times if OCCAM_LONG
+/// is 1.
+TEST(ClosedRooms, AreDarkForEverySharedCageHoweverItIsPlaced)
+{
+    std::mt19937_64 random(9);
+    int number = 0, tested = 0;
+    for (const std::string& name : closed_shapes()) {
+        if (name.starts_with("made:") || (!is_long() && ++number % 5 != 0)) continue;
+        Room room{name, load_cage(name)};
+        if (room.cage.face_count() > 3000 && !is_long()) continue;
+        // The lengths of displacement are those of rooms of about this size.
+        const Box3d box = room.cage.bounds();
+        for (Vec3f& p : room.cage.positions) p = Vec3f((Vec3d(p) - box.centre()) * (1.5 / box.radius()));
+        const std::optional<Vec3d> eye = point_inside(room.cage, random);
+        if (!eye) continue;
+        room.eye = *eye;
+        room.target = *eye + Vec3d(0.3, -0.1, 0.8);
+        for (int look = 0; look < (is_long() ? 4 : 1); ++look) {
+            Look at = random_look(random);
+            expect_dark(room, at);
+            ++tested;
+        }
+    }
+    if (tested == 0) GTEST_SKIP() << "the shared data is not there";
 }
 
 /// Every closed cage of the tests is a room, and so are what refining it gives and its mix of quads and triangles: turned,
