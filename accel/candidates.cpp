@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "base/error.h"
+#include "base/error_without_file.h"
 #include "lod/key_time.h"
 
 namespace occam::accel {
@@ -61,10 +61,9 @@ void Candidates::add_parts(ItemIndex item)
     if (!items_.open(item, pair_)) return add(item);
     const std::uint32_t first = items_[item].first_part, count = items_[item].part_count;
     if (size() + count > kMost)
-        throw Error("",
-                    "more than " + std::to_string(kMost) +
-                        " parts of surfaces lie in one place, or too close together for their numbers",
-                    items_.name_of(item));
+        throw error_without_file("more than " + std::to_string(kMost) +
+                                     " parts of surfaces lie in one place, or too close together for their numbers",
+                                 items_.name_of(item));
     for (std::uint32_t p = 0; p < count; ++p) add(first + p);
 }
 

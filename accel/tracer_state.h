@@ -13,7 +13,7 @@
 #include "accel/ray_groups.h"
 #include "accel/traverse.h"
 #include "base/cancellation.h"
-#include "base/error.h"
+#include "base/error_without_file.h"
 
 namespace occam::accel {
 
@@ -125,9 +125,9 @@ struct Tracer::State {
         // all of them once more, then each half, in the end each ray by itself with more memory, if it needs that.
         if (fits() || fits()) return;
         if (count == 1) {
-            const std::size_t most = std::max(budget, kMostBytesOfARay);
+            const std::size_t most = std::max(lazy.memory_bytes, kMostBytesOfARay);
             if (run(first, 1, most)) return;
-            throw Error("", "one ray meets more surfaces than fit into " + std::to_string(most >> 20) + " MB");
+            throw error_without_file("one ray meets more surfaces than fit into " + std::to_string(most >> 20) + " MB");
         }
         within_budget(first, count / 2, run);
         within_budget(first + count / 2, count - count / 2, run);

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "base/cancellation.h"
+#include "base/error_without_file.h"
 #include "scenegraph/child_boxes.h"
 #include "scenegraph/scene_state.h"
 #include "scenegraph/shown_nodes.h"
@@ -89,8 +90,8 @@ std::string naming(const Node& node) { return node.name.empty() ? "a node withou
 
 Error too_many_placements(const Node& node)
 {
-    return Error("", "nodes are placed more than " + std::to_string(kMostListed) + " times, by instances of instances",
-                 naming(node));
+    return error_without_file(
+        "nodes are placed more than " + std::to_string(kMostListed) + " times, by instances of instances", naming(node));
 }
 
 void check_layers(const Scene& scene)
@@ -106,10 +107,9 @@ void check_layers(const Scene& scene)
     });
     char layers[32];
     std::snprintf(layers, sizeof layers, "%.3g", worst->contents.most_layers);
-    throw Error("",
-                "too many surfaces lie in one place: a ray would have to meet about " + std::string(layers) +
-                    " of them, and " + std::to_string(static_cast<int>(kMostLayers)) + " is the limit",
-                naming(*worst));
+    throw error_without_file("too many surfaces lie in one place: a ray would have to meet about " + std::string(layers) +
+                                 " of them, and " + std::to_string(static_cast<int>(kMostLayers)) + " is the limit",
+                             naming(*worst));
 }
 
 Contents Scene::contents() const
