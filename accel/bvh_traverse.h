@@ -37,12 +37,12 @@ OCCAM_ALWAYS_INLINE void clip_to_child(const TreeRay<F>& ray, const Times& times
 }
 
 /// Does what traverse() of a KdTree does.
-/// as_one   holds all the rays as one
-/// times    NoTimes if nothing moves, else RayTimes<F>
 template <class F, class Times, class LimitFn, class LeafFn>
-bool traverse(Bvh& tree, const TreeRay<F>& ray, const RaysAsOne<F>& as_one, const Times& times, F t_near, F t_far,
-              const PairSpans<F>& pairs, TraceCounters& counters, LimitFn&& limit, LeafFn&& leaf)
+bool traverse(Bvh& tree, const RaysInTree<F, Times>& rays, TraceCounters& counters, LimitFn&& limit, LeafFn&& leaf)
 {
+    // This is one function because a step of the walk costs less than a call.
+    const TreeRay<F>& ray = rays.ray;
+    const PairSpans<F>& pairs = rays.pairs;
     constexpr bool kIsOne = std::is_same_v<F, float>;
     struct Todo {
         BvhLink* node;
@@ -54,9 +54,9 @@ bool traverse(Bvh& tree, const TreeRay<F>& ray, const RaysAsOne<F>& as_one, cons
     int size = 0;
     Todo next{tree.root(), nullptr, 0, -FLT_MAX};
     while (true) {
-        F in = t_near, out = min(t_far, limit());
+        F in = rays.t_near, out = min(rays.t_far, limit());
         // A single ray knows that it enters the box; the levels alone need to know where.
-        if (next.parent && (!kIsOne || pairs.levels)) clip_to_child(ray, times, *next.parent, next.child, in, out);
+        if (next.parent && (!kIsOne || pairs.levels)) clip_to_child(ray, rays.times, *next.parent, next.child, in, out);
         MaskOf<F> alive = in <= out;
         while (any(alive)) {
             const BvhState at = next.node->state();
@@ -87,14 +87,14 @@ bool traverse(Bvh& tree, const TreeRay<F>& ray, const RaysAsOne<F>& as_one, cons
             if constexpr (Times::kMoves)
                 if (node.is_halved()) {
                     // Rays of either half go into its child; those that need not are not kept from it.
-                    if (times.last >= node.halved_at) todo[size++] = {&node.children[1], nullptr, 0, next.begin};
-                    if (times.first <= node.halved_at) todo[size++] = {&node.children[0], nullptr, 0, next.begin};
+                    if (rays.times.last >= node.halved_at) todo[size++] = {&node.children[1], nullptr, 0, next.begin};
+                    if (rays.times.first <= node.halved_at) todo[size++] = {&node.children[0], nullptr, 0, next.begin};
                     break;
                 }
             alignas(32) float begin[BvhNode::kWidth];
             const int base = size;
             const float end = highest(select(alive, out, F(-FLT_MAX)));
-            for (unsigned entered = children_entered(as_one, times, node, end, begin); entered != 0;
+            for (unsigned entered = children_entered(rays.as_one, rays.times, node, end, begin); entered != 0;
                  entered &= entered - 1) {
                 const int child = std::countr_zero(entered);
                 todo[size++] = {&node.children[child], &node, child, begin[child]};

@@ -94,4 +94,14 @@ private:
     const RayTimes<F>& times_;
 };
 
+/// Holds all that a walk through a tree reads of its rays.
+template <class F, class RayTimesOrNone>
+struct RaysInTree {
+    const TreeRay<F>& ray;
+    const RaysAsOne<F>& as_one;   ///< all of them as one
+    const RayTimesOrNone& times;  ///< NoTimes if nothing moves, else RayTimes<F>
+    F t_near, t_far;              ///< each ray's interval, clipped to the tree
+    const PairSpans<F>& pairs;
+};
+
 }  // namespace occam::accel

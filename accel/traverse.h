@@ -12,14 +12,17 @@
 
 namespace occam::accel {
 
-/// Walks the tree front to back. t_near and t_far hold each ray's interval, clipped to the tree; limit() returns its
-/// end as hits shorten it. leaf(node, alive, t_near, t_far, finest, coarsest) intersects the rays with the igrids that a
-/// node holds for those pairs and may shorten limit(). If it has a function leaf.enters(node, is_interior, t_near, t_far),
-/// that is called for each node that is entered. Returns false if the walk was abandoned.
+/// Walks the tree front to back. limit() returns the ends of the rays' intervals as hits shorten them. leaf(node, alive,
+/// t_near, t_far, finest, coarsest) intersects the rays with the igrids that a node holds for those pairs and may shorten
+/// limit(). If it has a function leaf.enters(node, is_interior, t_near, t_far), that is called for each node that is
+/// entered. Returns false if the walk was abandoned.
 template <class F, class LimitFn, class LeafFn>
-bool traverse(KdTree& tree, const TreeRay<F>& ray, const RaysAsOne<F>&, NoTimes, F t_near, F t_far,
-              const PairSpans<F>& pairs, TraceCounters& counters, LimitFn&& limit, LeafFn&& leaf)
+bool traverse(KdTree& tree, const RaysInTree<F, NoTimes>& rays, TraceCounters& counters, LimitFn&& limit, LeafFn&& leaf)
 {
+    // This is one function because a step of the walk costs less than a call.
+    const TreeRay<F>& ray = rays.ray;
+    const PairSpans<F>& pairs = rays.pairs;
+    F t_near = rays.t_near, t_far = rays.t_far;
     struct Span {
         std::uint32_t node;
         F t_near, t_far;

@@ -53,7 +53,8 @@ public:
             return meet_leaf(node, alive, near, far, {finest, coarsest}, times);
         };
         const auto walk = [&](const auto& at_leaf) {
-            return traverse(tree_, ray_, as_one_, times, begin_, end, pairs_, state_.counters, limit, at_leaf)
+            return traverse(tree_, RaysInTree<F, Times>{ray_, as_one_, times, begin_, end, pairs_}, state_.counters, limit,
+                            at_leaf)
                        ? PacketResult::Done
                        : PacketResult::Abandoned;
         };

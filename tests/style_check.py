@@ -6,7 +6,8 @@ Prints one line for each fault (file, line, what is wrong) and exits with 1 if t
 
 - room order: a file includes its own room and those below it (README.md, Rooms);
 - layout: `clang-format --dry-run` changes nothing (left out with --no-layout, or, with a note, where clang-format is missing);
-- lengths: no line over 125 columns, no source file over 500 lines;
+- lengths: no line over 125 columns, no source file over 400 lines, no function over 60 unless its first line is a comment that
+  says why ("This is one function because ...");
 - rules: a comment that cites "watertightness rule N" names a rule that docs/watertightness.md has;
 - references: a file that a comment or a README names exists, and so does a symbol in backticks in a comment of the sources.
 """
@@ -24,7 +25,9 @@ MAY_USE = {
     for place, room in enumerate(ROOMS)
 }
 MAX_COLUMNS = 125
-MAX_LINES = 500
+MAX_LINES = 400
+MAX_FUNCTION_LINES = 60
+WHY_LONG = "// This is one function because "
 
 FILE_NAME = re.compile(r"(?<![\w./<\"*-])((?:[\w-]+/)*[\w-]+\.(?:h|cpp|md|py|cmake|sh))(?![\w])")
 RULE = re.compile(r"watertightness(?:\.md)?,? rules? (\d+)(?:(?:,| and| to|, and) (\d+))*")
@@ -78,6 +81,17 @@ class Check:
         if includes == 0:
             self.faults.append("no include between rooms was found: the check itself is broken")
         return includes
+
+    def functions(self) -> None:
+        """Measures what stands between a line that is "{" alone, as clang-format begins functions, and the "}" below it."""
+        for path, lines in self.lines.items():
+            for at, line in enumerate(lines):
+                if line.strip() != "{":
+                    continue
+                end = line.replace("{", "}")
+                last = next((i for i in range(at + 1, len(lines)) if lines[i].startswith(end)), len(lines))
+                if last - at - 1 > MAX_FUNCTION_LINES and not lines[at + 1].strip().startswith(WHY_LONG):
+                    self.fault(path, at + 1, f"the function has more than {MAX_FUNCTION_LINES} lines and does not say why")
 
     def lengths(self) -> None:
         for path, lines in self.lines.items():
@@ -136,6 +150,7 @@ def main() -> int:
     check = Check(pathlib.Path(sys.argv[1]).resolve())
     includes = check.room_order()
     check.lengths()
+    check.functions()
     check.references()
     if "--no-layout" not in sys.argv[2:]:
         check.layout()
