@@ -23,6 +23,7 @@ namespace occam::accel {
 struct OfferedHit {
     std::uint32_t id;
     float t;
+    bool is_hole;  ///< the surface has a hole there, so the ray goes on
 };
 
 /// Describes a ray at an igrid that it was tested against.
@@ -77,7 +78,7 @@ struct ObservedNearest : Nearest {
 
     void offer(int lane, float found, IGrid& on, std::uint32_t number)
     {
-        if (narration) offered.push_back({number, found});
+        if (narration) offered.push_back({number, found, is_hole(lane, found, on, number)});
         Nearest::offer(lane, found, on, number);
     }
     void tested(int triangles) noexcept { cost.tests += static_cast<std::uint64_t>(triangles); }

@@ -1,6 +1,7 @@
 // Tests that rays pass the holes of alpha masks within their traversal: they hit what repeated rays from hole to hole would.
 #include <gtest/gtest.h>
 
+#include <sstream>
 #include <thread>
 
 #include "accel/frame.h"
@@ -186,6 +187,28 @@ TEST(Holes, ArePassedAsIfTheRayWereShotAgainFromEach)
         add_leaves(stage.scene);
         expect_restarts(stage, mode, false);
     }
+}
+
+TEST(Holes, AreNamedWhereARayIsObserved)
+{
+    Stage stage;
+    add_leaves(stage.scene);
+    const Checks checks;
+    const accel::Frame frame = frame_of(stage, &checks, TreeKind::Auto, lod::LevelMode::PerRay);
+    const std::vector<accel::Ray> rays = rays_at(stage.scene.bounds(), false);
+    accel::Tracer tracer(frame, kPlenty), observer(frame, kPlenty);
+    std::vector<accel::SurfaceHit> hits(rays.size());
+    tracer.closest(rays, hits);
+    int named = 0;
+    for (std::size_t i = 0; i < rays.size(); i += 17) {
+        std::ostringstream out;
+        accel::SurfaceHit hit;
+        observer.observe(rays[i], hit, &out);
+        ASSERT_TRUE(same(hits[i], hit)) << "ray " << i;
+        ASSERT_EQ(out.str().find("WAS NOT TESTED"), std::string::npos) << out.str();
+        named += out.str().find(": a hole at t ") != std::string::npos;
+    }
+    EXPECT_GT(named, 0);
 }
 
 TEST(Holes, ArePassedAtTheTimeOfEachRayWhereThingsMove)
