@@ -9,6 +9,7 @@ Prints one line for each fault (file, line, what is wrong) and exits with 1 if t
 - lengths: no line over 125 columns, no source file over 400 lines, no function over 60 unless its first line is a comment that
   says why ("This is one function because ...");
 - rules: a comment that cites "watertightness rule N" names a rule that docs/watertightness.md has;
+- errors: those without a file are made by error_without_file();
 - references: a file that a comment or a README names exists, and so does a symbol in backticks in a comment of the sources.
 """
 import pathlib
@@ -133,6 +134,15 @@ class Check:
                 for number, line in enumerate(path.read_text().splitlines(), 1):
                     self.check_text(path, number, line)
 
+    def errors(self) -> None:
+        """An error that no file is to blame for is made in one way."""
+        for path, lines in self.lines.items():
+            if path.relative_to(self.root).parts[0] not in MAY_USE:
+                continue
+            for number, line in enumerate(lines, 1):
+                if re.search(r'\bError\(""', line):
+                    self.fault(path, number, "error_without_file() makes an error without a file")
+
     def layout(self) -> None:
         program = shutil.which("clang-format") or shutil.which("clang-format-14")
         if not program:
@@ -152,6 +162,7 @@ def main() -> int:
     check.lengths()
     check.functions()
     check.references()
+    check.errors()
     if "--no-layout" not in sys.argv[2:]:
         check.layout()
     print("\n".join(check.faults))
