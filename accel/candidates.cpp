@@ -6,16 +6,11 @@
 #include "lod/key_time.h"
 
 namespace occam::accel {
-namespace {
-
-constexpr std::size_t kVeryMany = 1024;  // candidates above which many are opened at a time
-constexpr ItemIndex kTaken = ~ItemIndex(0);
-
-}  // namespace
 
 void Candidates::start(const Box3f& box, std::span<const ItemIndex> items, int pair, float time)
 {
     clear();
+    has_heap_ = false;
     time_ = time;
     within_ = box;
     pair_ = pair;
@@ -27,12 +22,41 @@ void Candidates::add(ItemIndex item)
     const Item& it = items_[item];
     const Box3f box = time_ == kAllTimes ? it.box : box_at(item, time_);
     const Box3f clipped{glm::max(box.lo, within_.lo), glm::min(box.hi, within_.hi)};
-    if (!clipped.is_empty()) push_back({clipped, item, it.cost, items_.is_final(item, pair_)});
+    if (clipped.is_empty()) return;
+    push_back({clipped, item, it.cost, items_.is_final(item, pair_)});
+    if (has_heap_) add_to_heap(size() - 1);
 }
 
-bool Candidates::open_largest(int most_effort)
+void Candidates::make_heap()
 {
-    // Regions are opened last, because dividing them restricts the node to fine levels.
+    has_heap_ = true;
+    heap_.clear();
+    handle_at_.clear();
+    place_of_.clear();
+    for (std::size_t c = 0; c < size(); ++c) add_to_heap(c);
+}
+
+void Candidates::add_to_heap(std::size_t place)
+{
+    const auto handle = static_cast<std::uint32_t>(place_of_.size());
+    handle_at_.push_back(handle);
+    place_of_.push_back(static_cast<std::uint32_t>(place));
+    const Candidate& candidate = (*this)[place];
+    if (candidate.is_final) return;
+    heap_.push_back({items_.effort(candidate.item), candidate.box.half_area(), handle});
+    std::push_heap(heap_.begin(), heap_.end());
+}
+
+std::size_t Candidates::find_largest(int most_effort)
+{
+    if (!has_heap_ && size() >= kWorthAHeap) make_heap();
+    if (has_heap_) {
+        if (heap_.empty() || heap_.front().effort > most_effort) return size();
+        std::pop_heap(heap_.begin(), heap_.end());
+        const std::size_t place = place_of_[heap_.back().handle];
+        heap_.pop_back();
+        return place;
+    }
     std::size_t largest = size();
     float area = -1;
     int least = most_effort;
@@ -47,11 +71,26 @@ bool Candidates::open_largest(int most_effort)
             least = effort;
         }
     }
-    if (largest == size()) return false;
-    if (size() > kVeryMany) return open_many(least);
-    const ItemIndex opened = (*this)[largest].item;
-    (*this)[largest] = back();
+    return largest;
+}
+
+void Candidates::remove(std::size_t place)
+{
+    (*this)[place] = back();
     pop_back();
+    if (!has_heap_) return;
+    handle_at_[place] = handle_at_.back();
+    place_of_[handle_at_[place]] = static_cast<std::uint32_t>(place);
+    handle_at_.pop_back();
+}
+
+bool Candidates::open_largest(int most_effort)
+{
+    // Regions are opened last, because dividing them restricts the node to fine levels.
+    const std::size_t largest = find_largest(most_effort);
+    if (largest == size()) return false;
+    const ItemIndex opened = (*this)[largest].item;
+    remove(largest);
     add_parts(opened);
     return true;
 }
@@ -65,25 +104,6 @@ void Candidates::add_parts(ItemIndex item)
                                      " parts of surfaces lie in one place, or too close together for their numbers",
                                  items_.name_of(item));
     for (std::uint32_t p = 0; p < count; ++p) add(first + p);
-}
-
-bool Candidates::open_many(int effort)
-{
-    // The larger half of those that cost this effort; a search for each of them would take the square of their number.
-    std::vector<std::pair<float, std::uint32_t>> found;
-    for (std::uint32_t c = 0; c < size(); ++c)
-        if (const Candidate& known = (*this)[c]; !known.is_final && items_.effort(known.item) == effort)
-            found.emplace_back(-known.box.half_area(), c);
-    std::sort(found.begin(), found.end());
-    found.resize((found.size() + 1) / 2);
-    std::vector<ItemIndex> opened;
-    for (const auto& [area, c] : found) {
-        opened.push_back((*this)[c].item);
-        (*this)[c].item = kTaken;
-    }
-    std::erase_if(*this, [](const Candidate& c) { return c.item == kTaken; });
-    for (const ItemIndex item : opened) add_parts(item);
-    return true;
 }
 
 Box3f Candidates::box_at(ItemIndex item, float time) const noexcept

@@ -33,8 +33,8 @@ public:
     /// final.
     /// time   moment of the shutter at which the boxes of items that move are taken
     void start(const Box3f& box, std::span<const ItemIndex> items, int pair, float time = kAllTimes);
-    /// Opens the largest of those items that cost the least effort to open, and many of them if there are very many. Returns
-    /// false if there is none of at most `most_effort`. Throws Error if there are more than kMost.
+    /// Opens the largest of those items that cost the least effort to open. Returns false if there is none of at most
+    /// `most_effort`. Throws Error if there are more than kMost.
     bool open_largest(int most_effort);
     /// Makes the list of a leaf, for the pairs to which it applies, with boxes that hold the items at all times. All
     /// candidates are final.
@@ -48,14 +48,39 @@ public:
     int holds_to() const noexcept;
 
 private:
+    /// The number of candidates from which on those that may be opened are kept in a heap; fewer are searched one by one.
+    static constexpr std::size_t kWorthAHeap = 256;
+
+    /// A candidate that is not final, in the heap.
+    struct Unopened {
+        int effort;
+        float area;
+        std::uint32_t handle;
+        /// Returns whether it is opened after another.
+        bool operator<(const Unopened& other) const noexcept
+        {
+            if (effort != other.effort) return effort > other.effort;
+            return area != other.area ? area < other.area : handle > other.handle;
+        }
+    };
+
     void add(ItemIndex item);
     void add_parts(ItemIndex item);
-    bool open_many(int effort);
+    void make_heap();
+    void add_to_heap(std::size_t place);
+    /// Returns the place of the largest of those candidates that cost the least effort to open, or size() if there is none
+    /// of at most `most_effort`.
+    std::size_t find_largest(int most_effort);
+    void remove(std::size_t place);
 
     Items& items_;
     Box3f within_;
     int pair_ = 0;
     float time_ = kAllTimes;
+    // The following are in use if has_heap_ is set. A handle is a candidate's number for as long as it is in the list.
+    bool has_heap_ = false;
+    std::vector<Unopened> heap_;
+    std::vector<std::uint32_t> handle_at_, place_of_;  ///< by place, and by handle
 };
 
 }  // namespace occam::accel

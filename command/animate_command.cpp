@@ -195,6 +195,7 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
         FrameStats stats = job.stats();
         const auto write_start = Clock::now();
         WriteOptions write = sequence.write_options();
+        write.exposure_seconds = framing.exposure_seconds();
         write.note = sequence.note(frame, settings, camera);
         job.image().write(file, write);
         stats.seconds.load = load_seconds;

@@ -128,6 +128,13 @@ void Framing::pose(std::optional<int> frame)
     if (const auto time = moment(frame)) pose_at(*time + 0.5 * (shutter.open + shutter.close) / arguments_.fps);
 }
 
+std::optional<float> Framing::exposure_seconds() const
+{
+    const Shutter& shutter = arguments_.settings.shutter;
+    if (!shutter.is_open()) return std::nullopt;
+    return static_cast<float>(shutter.length() / arguments_.fps);
+}
+
 Camera Framing::open_shutter(const Camera& camera, std::optional<int> frame)
 {
     const Shutter& shutter = arguments_.settings.shutter;

@@ -27,6 +27,8 @@ public:
     /// After pose() of the same frame: records what moves while the shutter is open, unless it is closed, and returns the
     /// camera with its own motion. Throws Error if the scene has no animation.
     Camera open_shutter(const Camera& camera, std::optional<int> frame = std::nullopt);
+    /// Returns for how long the shutter is open, or none if it is closed.
+    std::optional<float> exposure_seconds() const;
     /// Returns the requested camera, else the first one of the file, else one that fits the scene as it is posed, or the
     /// whole clip after fit_clip(). Throws Error if the camera does not exist, or for a view that has no direction.
     Camera camera();

@@ -334,7 +334,11 @@ Arguments parse(int argc, char** argv)
         return Finished{2};
     }
     if (argv[1][0] != '-' && !is_command(argv[1])) {
-        std::cerr << "occam: there is no command '" << argv[1] << "' (occam --help)\n";
+        std::cerr << "occam: there is no command '" << argv[1] << "'";
+        // A name with an extension is taken for a scene.
+        if (const std::filesystem::path scene(argv[1]); scene.has_extension())
+            std::cerr << "; to render it: occam render " << scene.string() << " -o " << scene.stem().string() << ".png";
+        std::cerr << " (occam --help)\n";
         return Finished{2};
     }
     try {

@@ -95,6 +95,7 @@ int run(const RenderArguments& a)
     }
     settings.progressive = a.keeps_checkpoint() || a.resume;
     WriteOptions write = a.write;
+    write.exposure_seconds = framing.exposure_seconds();
     write.note = recipe_note(stamp, {a, a.write, settings, camera, framing.moment()});
     std::string checkpoint = checkpoint_file.read(write.note);
     if (a.resume) display.say(checkpoint.empty() ? "there is no checkpoint: starting anew" : "going on from the checkpoint");

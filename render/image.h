@@ -52,6 +52,8 @@ struct WriteOptions {
     std::optional<float> exposure_ev{};
     Tonemap tonemap = Tonemap::Filmic;  ///< curve of display formats
     std::string note{};                 ///< kept in the file's head by all formats but HDR
+    /// The time for which the shutter was open. EXR files keep it (expTime).
+    std::optional<float> exposure_seconds{};
 };
 
 /// Holds what the file of a picture says before its pixels.

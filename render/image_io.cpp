@@ -99,6 +99,7 @@ void write_exr(const Image& image, const fs::path& file, const WriteOptions& opt
     std::vector<PictureAttribute> attributes;
     add(attributes, "compression", std::string("zip"));
     if (!options.note.empty()) add(attributes, kExrNote, options.note);
+    if (options.exposure_seconds) add(attributes, "ExposureTime", *options.exposure_seconds);  // OpenEXR's expTime
     for (const Attribute& a : image.attributes) add(attributes, a.name, a.value);
 
     const std::size_t count = std::size_t(image.width) * std::size_t(image.height);

@@ -32,8 +32,20 @@ constexpr SceneFormat kFormats[] = {
     {".stl", "STL", "triangles; text and binary", "z", load_stl},
 };
 
+/// Refuses what is no file with something in it, before its name is looked at.
+void require_file(const std::filesystem::path& file)
+{
+    std::error_code error;
+    const std::filesystem::file_status status = std::filesystem::status(file, error);
+    if (!std::filesystem::exists(status)) throw Error(file.string(), "no such file");
+    if (std::filesystem::is_directory(status)) throw Error(file.string(), "is a folder; name a scene file in it");
+    if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(file, error) == 0)
+        throw Error(file.string(), "the file is empty");
+}
+
 const SceneFormat& required_format(const std::filesystem::path& file)
 {
+    require_file(file);
     if (const SceneFormat* format = scene_format_of(file)) return *format;
     throw Error(file.string(), "not a scene file that is known: " + extensions_of(scene_formats()), extension_of(file));
 }

@@ -1,5 +1,6 @@
 // Tests of `occam animate` as a render farm uses it: stopped at any moment and started again, in parts, and without space to
 // write.
+#include <OpenImageIO/imageio.h>
 #include <signal.h>
 #include <sys/stat.h>
 
@@ -99,6 +100,9 @@ TEST_F(Animate, AShutterBlursFramesAndIsTold)
     ASSERT_EQ(o.exit_code, kDone) << o.err;
     EXPECT_NE(o.out.find("\"segments\": 1,"), std::string::npos) << "a straight path at constant speed: " << o.out;
     EXPECT_NE(o.out.find("\"shutter\": ["), std::string::npos);
+    const auto picture = OIIO::ImageInput::open((folder / "a.0005.exr").string());
+    ASSERT_TRUE(picture);
+    EXPECT_FLOAT_EQ(picture->spec().get_float_attribute("ExposureTime"), 0.1f) << "one frame of ten in a second";
     std::vector<std::string> one{"render", "moving.gltf", "-o",     "one.exr", "--frame", "5",
                                  "--fps",  "10",          "--size", "48x32",   "--spp",   "4"};
     one.insert(one.end(), options.begin(), options.end() - 4);

@@ -18,7 +18,10 @@ TEST_F(CommandUsage, AMistakeIsOneLineThatSaysWhatToDo)
     };
     expect({}, "a command is needed: render, animate, info, verify, compare or bench (occam --help)");
     expect({"--hlep"}, "there is no option '--hlep' (occam --help)");
-    expect({"triangle.obj"}, "there is no command 'triangle.obj' (occam --help)");
+    expect({"triangle.obj"},
+           "there is no command 'triangle.obj'; to render it: occam render triangle.obj -o triangle.png "
+           "(occam --help)");
+    expect({"rendr", "triangle.obj"}, "there is no command 'rendr' (occam --help)");
     expect({"render", "triangle.obj", "-o", "a.png", "--sp", "4"},
            "there is no option '--sp'; there is --spp (occam render --help)");
     expect({"render", "triangle.obj", "-o", "a.png", "--colour=4"}, "there is no option '--colour' (occam render --help)");

@@ -289,11 +289,13 @@ TEST(ImportObj, SaysWhatIsWrong)
 {
     const TempFolder folder;
     EXPECT_NE(error_of(folder.path() / "missing.obj").find("missing.obj: no such file"), std::string::npos);
-    EXPECT_NE(error_of(folder.path()).find("not a scene file"), std::string::npos);
-    EXPECT_NE(error_of(folder.write("empty.obj", "")).find("no face"), std::string::npos);
+    EXPECT_NE(error_of(folder.path()).find("is a folder"), std::string::npos);
+    EXPECT_NE(error_of(folder.write("text.txt", "x")).find("not a scene file"), std::string::npos);
+    EXPECT_NE(error_of(folder.write("empty.obj", "")).find("empty.obj: the file is empty"), std::string::npos);
+    EXPECT_NE(error_of(folder.write("blank.obj", "\n")).find("no face"), std::string::npos);
     EXPECT_NE(error_of(folder.write("points.obj", "v 0 0 0\np 1\n")).find("no face"), std::string::npos);
     std::filesystem::create_directory(folder.path() / "folder.obj");
-    EXPECT_NE(error_of(folder.path() / "folder.obj").find("not a regular file"), std::string::npos);
+    EXPECT_NE(error_of(folder.path() / "folder.obj").find("is a folder"), std::string::npos);
     const auto bad = folder.write("bad.obj", std::string(kQuad) + "f 1 2 3 4\nf 1 2 9\n");
     EXPECT_EQ(error_of(bad), "");
     EXPECT_NE(error_of(bad, {.strict = true}).find("out of range"), std::string::npos) << "strict makes an error of it";
