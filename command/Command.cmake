@@ -28,5 +28,6 @@ set_source_files_properties(${PROJECT_SOURCE_DIR}/command/parse.cpp
 # Parsing arguments needs no speed, and CLI11 takes half a minute to optimise.
 set_source_files_properties(${PROJECT_SOURCE_DIR}/command/parse.cpp ${PROJECT_SOURCE_DIR}/command/parse_motion.cpp
   ${PROJECT_SOURCE_DIR}/command/parse_replay.cpp ${PROJECT_SOURCE_DIR}/command/parse_settings.cpp
+  ${PROJECT_SOURCE_DIR}/command/parse_compare.cpp
   ${PROJECT_SOURCE_DIR}/command/usage_message.cpp
   PROPERTIES COMPILE_OPTIONS "$<$<CONFIG:Release>:-O1>")

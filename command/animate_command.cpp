@@ -146,12 +146,33 @@ private:
     std::optional<float> clamp_;
 };
 
+// Adds what the command has measured around a frame to the frame's own figures.
+void add_seconds(FrameStats& stats, double load, double edit, double write)
+{
+    stats.seconds.load = load;
+    stats.seconds.edit = edit;
+    stats.seconds.write = write;
+    stats.seconds.total += load + edit + write;
+}
+
+std::vector<fs::path> files_of(const FramePattern& pattern, const std::vector<int>& frames)
+{
+    std::vector<fs::path> files;
+    for (const int frame : frames) files.push_back(pattern.file(frame));
+    return files;
+}
+
+void say_what_is_there(std::size_t done, std::size_t all, ProgressDisplay& display)
+{
+    if (done > 0)
+        display.say(std::to_string(done) + " of " + std::to_string(all) + " frames are there, whole and of these settings" +
+                    (done == all ? ": nothing to do" : ""));
+}
+
 int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
 {
     const std::vector<int> frames = a.shard.of(a.frames);
-    std::vector<fs::path> files;
-    for (const int frame : frames) files.push_back(a.pattern.file(frame));
-    check_outputs(a, files);
+    check_outputs(a, files_of(a.pattern, frames));
 
     display.say("reading " + (a.scene.empty() ? "the built-in scene" : a.scene.string()));
     const auto load_start = Clock::now();
@@ -164,9 +185,7 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
     Framing& framing = sequence.framing();
     const std::vector<int> missing = sequence.missing(frames);
     std::size_t done = frames.size() - missing.size();
-    if (done > 0)
-        display.say(std::to_string(done) + " of " + std::to_string(frames.size()) +
-                    " frames are there, whole and of these settings" + (missing.empty() ? ": nothing to do" : ""));
+    say_what_is_there(done, frames.size(), display);
 
     SequenceStats all;
     std::set<std::string> known_warnings;  // warnings of the frames so far; each is printed once
@@ -198,10 +217,7 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
         write.exposure_seconds = framing.exposure_seconds();
         write.note = sequence.note(frame, settings, camera);
         job.image().write(file, write);
-        stats.seconds.load = load_seconds;
-        stats.seconds.edit = edit_seconds;
-        stats.seconds.write = seconds_since(write_start);
-        stats.seconds.total += load_seconds + edit_seconds + stats.seconds.write;
+        add_seconds(stats, load_seconds, edit_seconds, seconds_since(write_start));
         load_seconds = 0;
         if (!a.stats.empty()) all.add(frame, stats);
         ++done;

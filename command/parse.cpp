@@ -179,29 +179,6 @@ void add_machine(CLI::App& app, RenderArguments& a)
     app.add_flag("-v,--verbose", a.verbose, "All warnings instead of five, and the figures of the frame");
 }
 
-void add_limit(CLI::App& app, const std::string& name, std::optional<double>& limit, const std::string& what)
-{
-    add_amount(app, name, what, [&limit](double v) { limit = v; });
-}
-
-void add_compare(CLI::App& app, CompareArguments& a)
-{
-    app.add_option("A", a.a, "Picture to judge")->required()->type_name("");
-    app.add_option("B", a.b, "Reference")->required()->type_name("");
-    app.add_flag("--json", a.json, "All common layers as JSON");
-    app.add_option("--layer", a.layer, "Layer of the limits and the heat map [beauty]")->type_name("NAME");
-    CLI::Option* heat = app.add_option("--heat", a.heat, "Write a map of the differences")->type_name("FILE");
-    add_amount(app, "--heat-scale", "Difference that is shown as white [the largest]", [&](double v) {
-        a.heat_scale = v;
-    })->needs(heat);
-    add_limit(app, "--max-mse", a.max_mse, "Exit code 1 if the mean squared error is larger");
-    add_limit(app, "--max-rmse", a.max_rmse, "The same for the root mean squared error");
-    add_limit(app, "--max-rel-mse", a.max_rel_mse, "The same for the relative mean squared error");
-    add_limit(app, "--max-error", a.max_error, "The same for the largest difference");
-    add_limit(app, "--max-p999", a.max_p999, "The same for the 99.9th percentile");
-    add_limit(app, "--min-psnr", a.min_psnr, "Exit code 1 if the PSNR is smaller, dB");
-}
-
 void apply_quality(const CLI::App& app, Settings& s)
 {
     if (!app.count("--quality")) return;
@@ -241,90 +218,109 @@ Arguments finished(AnimateArguments a, bool has_shard)
     return a;
 }
 
-}  // namespace
-
-Arguments parse(int argc, char** argv)
+// These functions add one command each.
+CLI::App& add_render(CLI::App& app, RenderArguments& render)
 {
-    RenderArguments render;
-    AnimateArguments animate;
-    InfoArguments info;
-    VerifyArguments verify;
-    CompareArguments compare;
-
-    CLI::App app("Occam: dynamic multiresolution ray tracing.", "occam");
-    app.set_version_flag("--version", std::string("occam ") + render::kVersion + "\nwith " OCCAM_LIBRARIES);
-    app.require_subcommand(1);
-    app.footer(
-        "Scenes: " + extensions_of(scene_formats()) + ". Pictures: " + extensions_of(render::picture_formats()) +
-        ".\n"
-        "Exit codes: 0 done; 1 a limit of compare or verify does not hold; 2 bad input or usage; 3 output or resources; 130 "
-        "interrupted.\n"
-        "Example: occam render courtyard.glb -o courtyard.png");
-
-    CLI::App& render_app = *app.add_subcommand("render", "Render one frame to a picture");
-    add_scene(render_app, render);
-    CLI::Option& output = add_output(render_app, render, "IMAGE");
-    add_camera(render_app, render);
-    add_clip(render_app, render);
-    add_moment(render_app, render);
-    add_shutter(render_app, render);
-    add_checkpoint(render_app, render);
-    add_picture(render_app, render);
-    add_machine(render_app, render);
-    add_replay(render_app, output, render);
-    render_app.footer(
+    CLI::App& command = *app.add_subcommand("render", "Render one frame to a picture");
+    add_scene(command, render);
+    CLI::Option& output = add_output(command, render, "IMAGE");
+    add_camera(command, render);
+    add_clip(command, render);
+    add_moment(command, render);
+    add_shutter(command, render);
+    add_checkpoint(command, render);
+    add_picture(command, render);
+    add_machine(command, render);
+    add_replay(command, output, render);
+    command.footer(
         "A picture that --deadline stops leaves a checkpoint, from which --resume continues. With --checkpoint on, a "
         "picture\n"
         "that Ctrl-C stops leaves one, too.\n"
         "Example: occam render courtyard.glb -o courtyard.exr --size 1920x1080 --spp 64 --aov depth,normal --stats -");
+    return command;
+}
 
-    CLI::App& animate_app = *app.add_subcommand("animate", "Render a sequence of frames, or continue one that was stopped");
-    add_scene(animate_app, animate);
-    add_output(animate_app, animate, "IMAGE.####.EXT");
-    add_sequence(animate_app, animate);
-    add_shutter(animate_app, animate);
-    add_clip(animate_app, animate);
-    add_camera(animate_app, animate);
-    add_picture(animate_app, animate);
-    add_machine(animate_app, animate);
-    animate_app.footer(
+CLI::App& add_animate(CLI::App& app, AnimateArguments& animate)
+{
+    CLI::App& command = *app.add_subcommand("animate", "Render a sequence of frames, or continue one that was stopped");
+    add_scene(command, animate);
+    add_output(command, animate, "IMAGE.####.EXT");
+    add_sequence(command, animate);
+    add_shutter(command, animate);
+    add_clip(command, animate);
+    add_camera(command, animate);
+    add_picture(command, animate);
+    add_machine(command, animate);
+    command.footer(
         "Frames that exist already are left alone, so a run that was stopped can be started again with the same arguments.\n"
         "Frames that are cut off are made again; frames of another size or with other settings are refused without "
         "--overwrite.\n"
         "Example: occam animate fox.glb -o fox.####.exr --frames 0-95 --clip Run --shard 1/4");
+    return command;
+}
 
-    CLI::App& info_app = *app.add_subcommand("info", "Print what is in a scene");
-    add_scene(info_app, info);
-    info_app.add_flag("--json", info.json, "Print JSON");
-    info_app.footer("Example: occam info courtyard.glb --json");
+CLI::App& add_info(CLI::App& app, InfoArguments& info)
+{
+    CLI::App& command = *app.add_subcommand("info", "Print what is in a scene");
+    add_scene(command, info);
+    command.add_flag("--json", info.json, "Print JSON");
+    command.footer("Example: occam info courtyard.glb --json");
+    return command;
+}
 
-    CLI::App& verify_app = *app.add_subcommand("verify", "Check that no ray leaves a closed cage");
-    add_scene(verify_app, verify);
-    add_clip(verify_app, verify);
-    add_moment(verify_app, verify);
-    add_shutter(verify_app, verify);
-    add_whole(verify_app, "--rays", verify.test.rays, 1, kMostVerifyRays, "Rays for each placed cage [1000000]");
-    add_whole(verify_app, "--seed", verify.test.seed, 0, ~std::uint64_t(0), "Seed of the random numbers [0]");
-    verify_app.add_flag("--json", verify.json, "Print JSON");
-    add_replay(verify_app, verify);
-    verify_app.footer(
+CLI::App& add_verify(CLI::App& app, VerifyArguments& verify)
+{
+    CLI::App& command = *app.add_subcommand("verify", "Check that no ray leaves a closed cage");
+    add_scene(command, verify);
+    add_clip(command, verify);
+    add_moment(command, verify);
+    add_shutter(command, verify);
+    add_whole(command, "--rays", verify.test.rays, 1, kMostVerifyRays, "Rays for each placed cage [1000000]");
+    add_whole(command, "--seed", verify.test.seed, 0, ~std::uint64_t(0), "Seed of the random numbers [0]");
+    command.add_flag("--json", verify.json, "Print JSON");
+    add_replay(command, verify);
+    command.footer(
         "With --shutter, each ray sees the scene at a moment of its own.\n"
         "Exit code 1 if a ray escapes. Example: occam verify suzanne.obj --subdivide on --rays 10000000 --json");
+    return command;
+}
 
-    CLI::App& compare_app = *app.add_subcommand("compare", "Measure how far two pictures are apart");
-    add_compare(compare_app, compare);
-    compare_app.footer("Example: occam compare out.exr reference.exr --heat heat.png --max-rmse 0.01");
+CLI::App& add_compare_command(CLI::App& app, CompareArguments& compare)
+{
+    CLI::App& command = *app.add_subcommand("compare", "Measure how far two pictures are apart");
+    add_compare(command, compare);
+    command.footer("Example: occam compare out.exr reference.exr --heat heat.png --max-rmse 0.01");
+    return command;
+}
 
-    CLI::App& bench_app = *app.add_subcommand("bench", "Measure speed, beside other software");
+struct BenchWords {
     std::vector<std::string> suites;
     std::string only, json;
     bool list = false;
-    bench_app.add_option("SUITE", suites, "Suites to run [all]")->type_name("");
-    bench_app.add_option("--only", only, "Cases whose name or recipe has this text")->type_name("TEXT");
-    bench_app.add_option("--json", json, "Write the rows as JSON")->type_name("FILE");
-    bench_app.add_flag("--list", list, "List the suites");
-    bench_app.footer("Example: occam bench crowd --only fast --json crowd.json");
 
+    BenchArguments arguments()
+    {
+        if (list) suites.push_back("--list");
+        if (!only.empty()) suites.insert(suites.end(), {"--only", only});
+        if (!json.empty()) suites.insert(suites.end(), {"--json", json});
+        return BenchArguments{suites};
+    }
+};
+
+CLI::App& add_bench(CLI::App& app, BenchWords& bench)
+{
+    CLI::App& command = *app.add_subcommand("bench", "Measure speed, beside other software");
+    command.add_option("SUITE", bench.suites, "Suites to run [all]")->type_name("");
+    command.add_option("--only", bench.only, "Cases whose name or recipe has this text")->type_name("TEXT");
+    command.add_option("--json", bench.json, "Write the rows as JSON")->type_name("FILE");
+    command.add_flag("--list", bench.list, "List the suites");
+    command.footer("Example: occam bench crowd --only fast --json crowd.json");
+    return command;
+}
+
+// Reads the words of the command line. Returns how it has ended already, if it has.
+std::optional<Finished> read_words(CLI::App& app, int argc, char** argv)
+{
     const auto is_command = [&](const char* word) {
         const auto all = app.get_subcommands([](const CLI::App*) { return true; });
         return std::any_of(all.begin(), all.end(), [&](const CLI::App* command) { return command->get_name() == word; });
@@ -353,6 +349,37 @@ Arguments parse(int argc, char** argv)
                   << (used == &app ? "occam" : "occam " + used->get_name()) << " --help)\n";
         return Finished{2};
     }
+    return std::nullopt;
+}
+
+}  // namespace
+
+Arguments parse(int argc, char** argv)
+{
+    RenderArguments render;
+    AnimateArguments animate;
+    InfoArguments info;
+    VerifyArguments verify;
+    CompareArguments compare;
+    BenchWords bench;
+
+    CLI::App app("Occam: dynamic multiresolution ray tracing.", "occam");
+    app.set_version_flag("--version", std::string("occam ") + render::kVersion + "\nwith " OCCAM_LIBRARIES);
+    app.require_subcommand(1);
+    app.footer(
+        "Scenes: " + extensions_of(scene_formats()) + ". Pictures: " + extensions_of(render::picture_formats()) +
+        ".\n"
+        "Exit codes: 0 done; 1 a limit of compare or verify does not hold; 2 bad input or usage; 3 output or resources; 130 "
+        "interrupted.\n"
+        "Example: occam render courtyard.glb -o courtyard.png");
+
+    CLI::App& render_app = add_render(app, render);
+    CLI::App& animate_app = add_animate(app, animate);
+    CLI::App& info_app = add_info(app, info);
+    CLI::App& verify_app = add_verify(app, verify);
+    add_compare_command(app, compare);
+    CLI::App& bench_app = add_bench(app, bench);
+    if (const auto finished_already = read_words(app, argc, argv)) return *finished_already;
     if (render_app.parsed()) {
         apply_quality(render_app, render.settings);
         return all_have_effect(render_app, render) ? Arguments(render) : Finished{2};
@@ -362,12 +389,7 @@ Arguments parse(int argc, char** argv)
         if (!all_have_effect(animate_app, animate)) return Finished{2};
         return finished(std::move(animate), animate_app.count("--shard") > 0);
     }
-    if (bench_app.parsed()) {
-        if (list) suites.push_back("--list");
-        if (!only.empty()) suites.insert(suites.end(), {"--only", only});
-        if (!json.empty()) suites.insert(suites.end(), {"--json", json});
-        return BenchArguments{suites};
-    }
+    if (bench_app.parsed()) return bench.arguments();
     if (info_app.parsed()) return info;
     verify.command = words_of_scene({argv, static_cast<std::size_t>(argc)});
     if (verify_app.parsed()) return all_have_effect(verify_app, verify) ? Arguments(verify) : Finished{2};

@@ -61,6 +61,15 @@ private:
     std::filesystem::path file_;
 };
 
+// Prints what is known of a frame that was made.
+void report(const RenderArguments& a, const FrameStats& stats)
+{
+    if (!a.stats.empty()) write_whole(a.stats, render::to_json(stats));
+    print_light(stats);
+    print_warnings(stats.warnings, a.verbose);
+    if (a.verbose) print_figures(stats);
+}
+
 }  // namespace
 
 int run(const RenderArguments& a)
@@ -124,10 +133,7 @@ int run(const RenderArguments& a)
                     " samples a pixel; --resume goes on");
     display.end();
 
-    if (!a.stats.empty()) write_whole(a.stats, render::to_json(stats));
-    print_light(stats);
-    print_warnings(stats.warnings, a.verbose);
-    if (a.verbose) print_figures(stats);
+    report(a, stats);
     return ending == Ending::Interrupted ? kInterruptedExit : 0;
 }
 

@@ -72,6 +72,7 @@ std::string to_json(const Settings& settings) { return text_of(json_of(settings)
 
 std::string to_json(const FrameStats& s)
 {
+    // This is one function because it is a single table.
     const auto& t = s.seconds;
     Json by_level = Json::array();
     for (const auto& [level, count] : s.built.by_level) by_level.push_back({{"level", level}, {"micropolygons", count}});

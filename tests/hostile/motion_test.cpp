@@ -67,63 +67,73 @@ TEST_F(HostileShutter, ExtremeShuttersMakeAPicture)
     EXPECT_EQ(render({"--frame", "3", "--shutter", "-8,8", "--shutter-segments", "32", "--aov", "motion"}).exit_code, kDone);
 }
 
-// Motions that no chord follows: each makes a picture of finite numbers, within the memory of a small scene.
-TEST(HostileMotion, MakesAPictureOfFiniteNumbers)
+struct HostileMove {
+    const char* name;
+    std::function<Mat4d(double tau)> at;
+};
+
+Mat4d scaled(Vec3d by)
 {
-    struct Motion {
-        const char* name;
-        std::function<Mat4d(double tau)> at;
-    };
-    const auto scaled = [](Vec3d by) {
-        Mat4d m(1);
-        for (int c = 0; c < 3; ++c) m[c] *= by[c];
-        return m;
-    };
-    const auto moved = [](Vec3d by) {
-        Mat4d m(1);
-        m[3] = Vec4d(by, 1);
-        return m;
-    };
-    const Motion motions[] = {
-        {"collapses to a point", [&](double tau) { return scaled(Vec3d(1 - tau)); }},
+    Mat4d m(1);
+    for (int c = 0; c < 3; ++c) m[c] *= by[c];
+    return m;
+}
+
+Mat4d shifted(Vec3d by)
+{
+    Mat4d m(1);
+    m[3] = Vec4d(by, 1);
+    return m;
+}
+
+// Returns motions that no chord follows.
+std::vector<HostileMove> hostile_moves()
+{
+    return {
+        {"collapses to a point", [](double tau) { return scaled(Vec3d(1 - tau)); }},
         {"flattens",
-         [&](double tau) {
+         [](double tau) {
              return scaled({1, 1 - tau, 1});
          }},
-        {"turns inside out", [&](double tau) { return scaled(Vec3d(1 - 2 * tau)); }},
+        {"turns inside out", [](double tau) { return scaled(Vec3d(1 - 2 * tau)); }},
         {"is nothing all the time",
-         [&](double tau) {
-             return scaled(Vec3d(0)) * moved({tau, 0, 0});
+         [](double tau) {
+             return scaled(Vec3d(0)) * shifted({tau, 0, 0});
          }},
         {"teleports",
-         [&](double tau) {
-             return moved({tau < 0.5 ? 0.0 : 1e6, 0, 0});
+         [](double tau) {
+             return shifted({tau < 0.5 ? 0.0 : 1e6, 0, 0});
          }},
         {"flies to the end of the world",
-         [&](double tau) {
-             return moved({tau * 1e11, tau * 1e11, 0});
+         [](double tau) {
+             return shifted({tau * 1e11, tau * 1e11, 0});
          }},
-        {"grows tenfold", [&](double tau) { return scaled(Vec3d(1 + tau * 9)); }},
-        {"grows a thousand times", [&](double tau) { return scaled(Vec3d(1 + tau * 999)); }},
-        {"grows 10^9 times", [&](double tau) { return scaled(Vec3d(1 + tau * 1e9)); }},
-        {"grows beyond measure", [&](double tau) { return scaled(Vec3d(1 + tau * 1e15)); }},
+        {"grows tenfold", [](double tau) { return scaled(Vec3d(1 + tau * 9)); }},
+        {"grows a thousand times", [](double tau) { return scaled(Vec3d(1 + tau * 999)); }},
+        {"grows 10^9 times", [](double tau) { return scaled(Vec3d(1 + tau * 1e9)); }},
+        {"grows beyond measure", [](double tau) { return scaled(Vec3d(1 + tau * 1e15)); }},
         {"grows 10^9 times in one direction",
-         [&](double tau) {
+         [](double tau) {
              return scaled({1, 1 + tau * 1e9, 1});
          }},
         {"turns a hundred times",
-         [&](double tau) {
+         [](double tau) {
              Mat4d m(1);
              m[0] = Vec4d(std::cos(628 * tau), std::sin(628 * tau), 0, 0);
              m[1] = Vec4d(-std::sin(628 * tau), std::cos(628 * tau), 0, 0);
              return m;
          }},
         {"has tiny numbers",
-         [&](double tau) {
-             return moved({tau * 1e-300, 0, 0});
+         [](double tau) {
+             return shifted({tau * 1e-300, 0, 0});
          }},
     };
-    for (const Motion& motion : motions)
+}
+
+// Each of these motions makes a picture of finite numbers, within the memory of a small scene.
+TEST(HostileMotion, MakesAPictureOfFiniteNumbers)
+{
+    for (const HostileMove& motion : hostile_moves())
         for (const int segments : {1, 4}) {
             Scene scene;
             const NodeId node = place(scene, scene.add(torus()), {0, 0, 0});
