@@ -146,15 +146,6 @@ private:
     std::optional<float> clamp_;
 };
 
-// Adds what the command has measured around a frame to the frame's own figures.
-void add_seconds(FrameStats& stats, double load, double edit, double write)
-{
-    stats.seconds.load = load;
-    stats.seconds.edit = edit;
-    stats.seconds.write = write;
-    stats.seconds.total += load + edit + write;
-}
-
 std::vector<fs::path> files_of(const FramePattern& pattern, const std::vector<int>& frames)
 {
     std::vector<fs::path> files;

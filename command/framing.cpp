@@ -246,6 +246,14 @@ void print_warnings(const std::vector<std::string>& warnings, bool all)
         std::fprintf(stderr, "occam: %zu more warnings; -v shows all, and so does occam info\n", warnings.size() - shown);
 }
 
+void add_seconds(FrameStats& stats, double load, double edit, double write)
+{
+    stats.seconds.load = load;
+    stats.seconds.edit = edit;
+    stats.seconds.write = write;
+    stats.seconds.total += load + edit + write;
+}
+
 void print_light(const FrameStats& stats)
 {
     if (!stats.lights.has_default || !stats.lights.has_emitters) return;

@@ -73,5 +73,7 @@ void print_warnings(const std::vector<std::string>& warnings, bool all);
 void print_light(const FrameStats& stats);
 /// Prints size, time and checksum of a frame on standard error.
 void print_figures(const FrameStats& stats);
+/// Adds what the command has measured around a frame to the frame's own figures.
+void add_seconds(FrameStats& stats, double load, double edit, double write);
 
 }  // namespace occam::command

@@ -118,16 +118,12 @@ int run(const RenderArguments& a)
         end_interrupted();
     }
     FrameStats stats = job.stats();
-    stats.seconds.load = load_seconds;
-    stats.seconds.edit = edit_seconds;
-    stats.seconds.total += load_seconds + edit_seconds;
 
     display.say("writing " + a.output.string());
     const auto write_start = Clock::now();
     job.image().write(a.output, write);
     const bool can_go_on = checkpoint_file.write(write.note, job);
-    stats.seconds.write = seconds_since(write_start);
-    stats.seconds.total += stats.seconds.write;
+    add_seconds(stats, load_seconds, edit_seconds, seconds_since(write_start));
     if (can_go_on)
         display.say("stopped at " + std::to_string(stats.image.least_samples) + " of " + std::to_string(settings.spp) +
                     " samples a pixel; --resume goes on");
