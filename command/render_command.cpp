@@ -70,6 +70,15 @@ void report(const RenderArguments& a, const FrameStats& stats)
     if (a.verbose) print_figures(stats);
 }
 
+// Returns the settings with the limit of scattered light that the format of the picture asks for.
+Settings settings_of(const RenderArguments& a, Settings settings, const Camera& camera, Scene& scene, Renderer& renderer)
+{
+    if (wants_display_clamp(a))
+        settings.clamp = display_clamp(a.write.exposure_ev ? *a.write.exposure_ev
+                                                           : measure_small(settings, camera, scene, renderer).exposure);
+    return settings;
+}
+
 }  // namespace
 
 int run(const RenderArguments& a)
@@ -92,13 +101,9 @@ int run(const RenderArguments& a)
     if (a.frame || a.time || !a.clip.empty()) framing.fit_clip();  // the camera is that of a sequence
     framing.pose();
     const Camera camera = framing.open_shutter(framing.camera());
-    Settings settings = framing.settings(camera);
     Renderer renderer(a.resources);
-    if (wants_display_clamp(a))
-        settings.clamp = display_clamp(a.write.exposure_ev ? *a.write.exposure_ev
-                                                           : measure_small(settings, camera, scene, renderer).exposure);
+    Settings settings = settings_of(a, framing.settings(camera), camera, scene, renderer);
     if (a.replay) {
-        display.end();
         renderer.replay(scene, camera, settings, *a.replay, std::cout);
         return 0;
     }
