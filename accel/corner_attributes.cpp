@@ -75,6 +75,7 @@ void HitCorners::set_attributes(const Scene& scene) noexcept
                 (of(at) * (1 - w) + (of(at - step) + of(at + step)) * (0.5f * w)).store(corners[p][lane]);
             }
         };
+        has_normals |= 1u << lane;
         if (grid.segments > 0) set_moving_normals(lane, i, j, halved);
         else if (!made.coarse_normal) set(normal, made.normal);
         else {
@@ -138,32 +139,47 @@ void HitCorners::set_colors(std::size_t lane) noexcept
 
 void HitCorners::set_attributes_of_mesh(std::size_t lane, const Scene& scene) noexcept
 {
-    const lod::PosedCage& posed = *met_[lane].grid->cage;
+    const GridHit& m = met_[lane];
+    const lod::PosedCage& posed = *m.grid->cage;
     const Cage& cage = posed.slot->cage;
-    const MicropolygonPlace& spot = spots_[lane];
-    const std::size_t sets = std::min<std::size_t>(2, cage.uv_sets.size());
-    const auto put_four = [lane](LaneFours& to, auto v) {
-        vfloat4(0.0f).store(to[lane]);
-        for (int a = 0; a < v.length(); ++a) to[lane][a] = v[a];
-    };
-    for (std::uint32_t p = 0; p < 3; ++p) {
-        const std::size_t at = std::size_t(spot.number) * 3 + p, v = cage.face_vertices[at];
-        const auto normal_at = [&](const lod::PosedCage& of) { return of.vertex_normal(static_cast<std::uint32_t>(v)); };
-        const GridHit& m = met_[lane];
-        if (cage.normals.empty()) put_four(normal[p], Vec3f(0));
-        else if (posed.segments == 0) put_four(normal[p], normal_at(posed));
-        else put_four(normal[p], m.between(normal_at(posed.keys[m.time.key]), normal_at(posed.keys[m.time.key + 1])));
-        if (!cage.colors.empty()) color[lane][p] = cage.colors[cage.color_indices.empty() ? v : cage.color_indices[at]];
-        for (std::size_t s = 0; s < 2; ++s) {
-            const auto value = [&] {
-                return cage.uv_sets[s].values[cage.uv_sets[s].indices.empty() ? v : cage.uv_sets[s].indices[at]];
-            };
-            put_four(uv[s][p], s < sets ? value() : Vec2f(0));
-        }
+    const std::size_t first = std::size_t(spots_[lane].number) * 3, sets = std::min<std::size_t>(2, cage.uv_sets.size());
+    const vfloat4 none(0.0f);
+    for (std::size_t p = 0; p < 3; ++p) {
+        none.store(normal[p][lane]);
+        for (auto& set : uv) none.store(set[p][lane]);
     }
-    if (!cage.colors.empty()) has_color |= 1u << lane;
-    for (std::size_t s = 0; s < sets; ++s) has_uv[s] |= 1u << lane;
-    material[lane] = material_of(scene, posed, spot.face);
+    if (!cage.normals.empty()) {
+        has_normals |= 1u << lane;
+        set_normals_of_mesh(lane);
+    }
+    for (std::size_t s = 0; s < sets; ++s) {
+        const auto& values = cage.uv_sets[s].values;
+        const auto& indices = cage.uv_sets[s].indices;
+        const std::uint32_t* at = indices.empty() ? &cage.face_vertices[first] : &indices[first];
+        for (std::size_t p = 0; p < 3; ++p)
+            for (int a = 0; a < 2; ++a) uv[s][p][lane][a] = values[at[p]][a];
+        has_uv[s] |= 1u << lane;
+    }
+    if (!cage.colors.empty()) {
+        const std::uint32_t* at = cage.color_indices.empty() ? &cage.face_vertices[first] : &cage.color_indices[first];
+        for (std::size_t p = 0; p < 3; ++p) color[lane][p] = cage.colors[at[p]];
+        has_color |= 1u << lane;
+    }
+    material[lane] = material_of(scene, posed, spots_[lane].face);
+}
+
+void HitCorners::set_normals_of_mesh(std::size_t lane) noexcept
+{
+    const GridHit& m = met_[lane];
+    const lod::PosedCage& posed = *m.grid->cage;
+    for (std::size_t p = 0; p < 3; ++p) {
+        const std::uint32_t v = posed.slot->cage.face_vertices[std::size_t(spots_[lane].number) * 3 + p];
+        const auto normal_at = [&](const lod::PosedCage& of) { return of.vertex_normal(v); };
+        const Vec3f n = posed.segments == 0
+                            ? normal_at(posed)
+                            : m.between(normal_at(posed.keys[m.time.key]), normal_at(posed.keys[m.time.key + 1]));
+        for (int a = 0; a < 3; ++a) normal[p][lane][a] = n[a];
+    }
 }
 
 }  // namespace occam::accel

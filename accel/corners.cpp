@@ -39,20 +39,6 @@ lod::Hanging::Ends ends_of(const GridHit& met, const OwnBlend& blend, const lod:
     return hanging.on(blended(met, blend, hanging.a, weight[0]), blended(met, blend, hanging.c, weight[1]));
 }
 
-// Returns the place of a face's corners in the arrays of a mesh.
-std::size_t place_of(const MeshGrid& mesh, std::uint32_t id) noexcept
-{
-    std::size_t k = 0;
-    while (mesh.ids[k] != id) ++k;
-    return k;
-}
-
-Vec3f corner_of_mesh(const MeshGrid& mesh, std::size_t corner, std::size_t place, int key) noexcept
-{
-    const auto at = static_cast<std::ptrdiff_t>(place) + key * mesh.floats_of_a_key;
-    return {mesh.corners[corner * 3][at], mesh.corners[corner * 3 + 1][at], mesh.corners[corner * 3 + 2][at]};
-}
-
 // Returns the T-vertex inside a quad's side, or null if it has no gap triangle in this igrid.
 const lod::Hanging* find_hanging(const LatticeGrid& grid, std::uint32_t part, int i, int j) noexcept
 {
@@ -132,20 +118,11 @@ HitCorners::Gathered::Gathered() noexcept
 
 void HitCorners::gather_mesh(std::size_t lane, Gathered& to) noexcept
 {
-    // The ids of meshes are faces, and are looked up by position.
-    const GridHit& m = met_[lane];
-    const MeshGrid& mesh = m.grid->mesh();
-    const std::size_t k = place_of(mesh, m.id);
-    if (mesh.segments > 0) {
-        for (std::size_t p = 0; p < 3; ++p) {
-            const Vec3f at = m.between(corner_of_mesh(mesh, p, k, m.time.key), corner_of_mesh(mesh, p, k, m.time.key + 1));
-            put(position[p], lane, at);
-            put(to.coarse[p], lane, at);
-        }
-        return;
+    for (int p = 0; p < 3; ++p) {
+        const Vec3f at = met_[lane].corner_at(p);
+        put(position[p], lane, at);
+        put(to.coarse[p], lane, at);
     }
-    for (int p = 0; p < 3; ++p)
-        for (int a = 0; a < 3; ++a) position[p][a][lane] = to.coarse[p][a][lane] = mesh.corners[p * 3 + a][k];
 }
 
 void HitCorners::gather_lattice(std::size_t lane, Gathered& to) noexcept
@@ -259,10 +236,8 @@ Vec3f HitCorners::velocity_of(std::size_t lane, Vec3f share) const noexcept
     const int key = m.time.key;
     Vec3f moved(0);
     if (!spot.part) {
-        const MeshGrid& mesh = grid.mesh();
-        const std::size_t k = place_of(mesh, m.id);
-        for (std::size_t p = 0; p < 3; ++p)
-            moved += (corner_of_mesh(mesh, p, k, key + 1) - corner_of_mesh(mesh, p, k, key)) * share[static_cast<int>(p)];
+        const TriangleTree& mesh = grid.mesh().triangles;
+        for (int p = 0; p < 3; ++p) moved += (mesh.corner(m.id, p, key + 1) - mesh.corner(m.id, p, key)) * share[p];
     } else {
         const LatticeGrid& lattice = grid.lattice();
         const Vertices vertices(*spot.part, spot);

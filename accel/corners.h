@@ -37,6 +37,7 @@ struct HitCorners {
     Vec4f color[kLanes][3];               ///< valid in the lanes of has_color
     const Material* material[kLanes];     ///< valid in lanes with a hit
     unsigned has_uv[2]{}, has_color = 0;  ///< bit masks of lanes
+    unsigned has_normals = 0;             ///< lanes in which some normal may be other than 0
     unsigned has_start = 0;               ///< lanes in which `start` may differ from `position`
 
     /// Finds the corners of the micropolygons that up to kLanes rays have hit; `spots` says where these are.
@@ -84,6 +85,7 @@ private:
     void set_moving_normals(std::size_t lane, const std::ptrdiff_t (&i)[3], const std::ptrdiff_t (&j)[3],
                             std::ptrdiff_t halved) noexcept;
     void set_attributes_of_mesh(std::size_t lane, const Scene& scene) noexcept;
+    void set_normals_of_mesh(std::size_t lane) noexcept;
     void set_colors(std::size_t lane) noexcept;
 
     std::span<const GridHit> met_;

@@ -18,8 +18,8 @@ namespace {
 // Identifies the micropolygon's place in the scene, whichever igrid holds it.
 auto order_of(const IGrid& grid, std::uint32_t id) noexcept
 {
-    if (!grid.is_lattice) return std::tuple(grid.cage->key, id, 0u, 0, 0u, 0u, 0u);
     const std::uint32_t number = number_of(grid, id);
+    if (!grid.is_lattice) return std::tuple(grid.cage->key, number, 0u, 0, 0u, 0u, 0u);
     const lod::TileRef& tile = grid.lattice().parts[part_of(number)].tile;
     const QuadRef quad = quad_of(number);
     const std::uint32_t patch_face = tile.patch.face, kind = is_gap(id) ? 2u : quad.triangle;
@@ -112,8 +112,9 @@ struct HitFloats {
 };
 static_assert(sizeof(HitFloats) == 20 * sizeof(float));  // there is no padding between the floats
 
-// Identifies the micropolygon that was hit, by number.
-void set_identity(const GridHit& met, const MicropolygonPlace& spot, SurfaceHit& hit) noexcept
+// Identifies the micropolygon that was hit, by number. It is kept out of line: inlined, its values are spilled in halves
+// and wait for all stores before them.
+OCCAM_NEVER_INLINE void set_identity(const GridHit& met, const MicropolygonPlace& spot, SurfaceHit& hit) noexcept
 {
     const lod::PosedCage& cage = *met.grid->cage;
     hit.node = cage.node_id;
@@ -126,11 +127,11 @@ void set_identity(const GridHit& met, const MicropolygonPlace& spot, SurfaceHit&
 
 // Returns the level at which secondary rays from a hit start: of the igrid's two levels, the one whose edges are nearer
 // to the target edge length of the ray there.
-int start_level_of(const Ray& ray, const GridHit& met, const lod::LevelSettings& levels) noexcept
+int start_level_of(const Ray& ray, const GridHit& met, const FrameState& frame) noexcept
 {
-    if (levels.mode == lod::LevelMode::PerInstance) return kAnyLevel;
+    if (!frame.has_levels) return kAnyLevel;
     const PairRange pairs = met.grid->pairs;
-    return level_at(ray, met, levels, 4.0f / 3, {pairs.finest, pairs.coarsest + 1});
+    return level_at(ray, met, frame.levels, 4.0f / 3, {pairs.finest, pairs.coarsest + 1});
 }
 
 // Returns the place of a hit within its part, in quads. For a gap triangle, which has no width, it is the corner of the quad
@@ -153,7 +154,7 @@ struct HitsRead {
     int start_level[kLanes]{};
     const IGrid* any = nullptr;  // null if no ray hit anything
 
-    HitsRead(std::span<const Ray> rays, std::span<const GridHit> met, const lod::LevelSettings& levels) noexcept
+    HitsRead(std::span<const Ray> rays, std::span<const GridHit> met, const FrameState& frame) noexcept
     {
         for (std::size_t i = 0; i < rays.size(); ++i) {
             if (!met[i].grid) continue;
@@ -169,7 +170,7 @@ struct HitsRead {
                 gaps |= 1u << i;
                 is_flat[i] = 1;
             }
-            start_level[i] = start_level_of(rays[i], met[i], levels);
+            start_level[i] = start_level_of(rays[i], met[i], frame);
             if (grid.blends() && start_level[i] > grid.pairs.finest) coarse_starts |= 1u << i;
         }
     }
@@ -255,7 +256,7 @@ bool comes_before(const IGrid& a, std::uint32_t a_id, const IGrid& b, std::uint3
 void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const GridHit> met, const PhaseOneTools& tools,
              SurfaceHit* const* hits)
 {
-    const HitsRead read(rays, met, tools.frame.levels);
+    const HitsRead read(rays, met, tools.frame);
     if (!read.any) return;
     HitCorners corners(met, read.spots);
     vfloat origin[4], way[4], beam[4];
@@ -276,7 +277,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
     const VecLanes offset = tri.edge[0] * share[1] + tri.edge[1] * share[2];  // relative to corner a
     const NormalLanes normal(corners, tri, share, vfloat::load(read.mirrored), is_flat, {way[0], way[1], way[2]});
     const vmask has_gradients = andnot(tri.area > vfloat(kLeastArea), is_flat);
-    const vfloat outward = outward_curvature(tri, normal.corner);
+    const vfloat outward = corners.has_normals != 0 ? outward_curvature(tri, normal.corner) : zero;
     const vfloat curvature = select(has_gradients, select(normal.is_back, -outward, outward), zero);
     const MapSets map_sets(met, corners);
     const UvAtHits uv(corners, tri, share, max(beam[2] + beam[3] * t, zero), map_sets.any ? &map_sets.of : nullptr,

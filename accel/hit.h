@@ -121,6 +121,13 @@ struct GridHit {
         return of.segments == 0 ? of.coarse_at(vertex)
                                 : between(of.coarse_at(vertex, time.key), of.coarse_at(vertex, time.key + 1));
     }
+    /// Returns where the ray sees a corner of the triangle of a mesh that it has hit.
+    Vec3f corner_at(int corner) const noexcept
+    {
+        const TriangleTree& mesh = grid->mesh().triangles;
+        if (grid->segments == 0) return mesh.corner(id, corner);
+        return between(mesh.corner(id, corner, time.key), mesh.corner(id, corner, time.key + 1));
+    }
     /// Returns what lies between these values at the grid's two keys around the ray's time.
     Vec3f between(Vec3f a, Vec3f b) const noexcept
     {
@@ -151,9 +158,11 @@ struct PhaseOneTools {
 /// Returns whether the micropolygon is a gap triangle, which has no area.
 inline bool is_gap(std::uint32_t id) noexcept { return (id & kGapBit) != 0; }
 inline bool is_gap(const GridHit& met) noexcept { return is_gap(met.id); }
-/// Returns the number of the micropolygon; for a gap triangle, that of the micropolygon beside it.
+/// Returns the number of the micropolygon; for a gap triangle, that of the micropolygon beside it. That of a triangle of a
+/// mesh is its face.
 inline std::uint32_t number_of(const IGrid& grid, std::uint32_t id) noexcept
 {
+    if (!grid.is_lattice) return grid.mesh().triangles.faces[id];
     return is_gap(id) ? grid.lattice().hanging_quads[id & ~kGapBit] : id;
 }
 

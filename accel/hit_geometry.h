@@ -69,7 +69,7 @@ inline vfloat outward_curvature(const Triangles& tri, const VecLanes (&normal)[3
 
 /// Holds the unit normals at hits, in lanes: of the micropolygon and interpolated, both towards the ray's origin.
 struct NormalLanes {
-    VecLanes corner[3];  ///< the corners' own, outward; unit, or 0
+    VecLanes corner[3];  ///< the corners' own, outward; unit, or 0; valid if any corner has one
     VecLanes geometric, shading;
     vmask is_back;  ///< the ray came from behind the face
 
@@ -79,16 +79,21 @@ struct NormalLanes {
                 const VecLanes& direction) noexcept
     {
         const vfloat zero = 0.0f, one = 1.0f;
-        for (int p = 0; p < 3; ++p) {
-            vfloat axes_of[4];
-            load(corners.normal[p], axes_of);
-            corner[p] = {axes_of[0], axes_of[1], axes_of[2]};
+        vmask is_smooth(false);
+        shading = {zero, zero, zero};
+        // A mesh need not have normals at its vertices.
+        if (corners.has_normals != 0) {
+            for (int p = 0; p < 3; ++p) {
+                vfloat axes_of[4];
+                load(corners.normal[p], axes_of);
+                corner[p] = {axes_of[0], axes_of[1], axes_of[2]};
+            }
+            const VecLanes mixed = corner[0] * share[0] + corner[1] * share[1] + corner[2] * share[2];
+            const vfloat longest = largest(mixed);
+            is_smooth = longest > vfloat(1e-20f);
+            const VecLanes scaled = mixed * select(is_smooth, one / longest, zero);
+            shading = scaled * select(is_smooth, one / sqrt(dot(scaled, scaled)), zero);
         }
-        const VecLanes mixed = corner[0] * share[0] + corner[1] * share[1] + corner[2] * share[2];
-        const vfloat longest = largest(mixed);
-        const vmask is_smooth = longest > vfloat(1e-20f);
-        const VecLanes scaled = mixed * select(is_smooth, one / longest, zero);
-        shading = scaled * select(is_smooth, one / sqrt(dot(scaled, scaled)), zero);
         // A gap triangle has no area, and a degenerate patch corner has no normal: one stands in for the other.
         const vmask has_normal = andnot(tri.area > zero, is_flat);
         geometric = select(has_normal, tri.normal * mirrored, select(is_smooth, shading, -direction));

@@ -33,8 +33,8 @@ LatticeGrid::LatticeGrid(const GridSubject& of, const Common& common, const Latt
 {
 }
 
-MeshGrid::MeshGrid(const GridSubject& of, const Common& common, const MeshContents& contents) noexcept
-    : IGrid(of, common, false, false, 0), MeshContents(contents)
+MeshGrid::MeshGrid(const GridSubject& of, const TriangleTree& tree) noexcept
+    : IGrid(of, {}, false, false, 0), triangles(tree)
 {
 }
 
@@ -42,7 +42,7 @@ Box3f IGrid::bounds() const noexcept
 {
     Box3f box;
     for (int key = 0; key <= segments; ++key) {
-        box.add(boxes.at_key(key).bounds());
+        box.add(is_lattice ? boxes.at_key(key).bounds() : mesh().triangles.bounds(key));
         // Gap triangles may reach beyond the tile on whose side they lie.
         if (hanging_blocks > 0) box.add(lattice().hanging_boxes.at_key(key).bounds());
     }

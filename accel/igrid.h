@@ -1,11 +1,11 @@
 // Holds a tile of a patch, small patches of a cluster, or the triangles of a cluster, ready for intersection by rays
 // (an "igrid", Djeu et al. 2011, sec. 5.2.3).
 //
-// A *lattice* igrid has vertices in rows and is cut into blocks of up to 4 x 2 quads (made by LatticeBuilder). A *mesh*
-// igrid has triangles, up to eight per block, which the surface area heuristic distributes over the blocks (made by
-// MeshBuilder). Over the blocks lies a complete binary tree of boxes without pointers (Hou et al. 2010, sec. 3: halving the
-// longer parametric side is within 20 % of greedy SAH). The children of node n are 2n + 1 and 2n + 2. The leaves are
-// consecutive, so that a single ray can test eight of them at once.
+// A *lattice* igrid has vertices in rows and is cut into blocks of up to 4 x 2 quads (made by LatticeBuilder). Over the
+// blocks lies a complete binary tree of boxes without pointers (Hou et al. 2010, sec. 3: halving the longer parametric side
+// is within 20 % of greedy SAH). The children of node n are 2n + 1 and 2n + 2. The leaves are consecutive, so that a single
+// ray can test eight of them at once. A *mesh* igrid (made by MeshBuilder) has triangles in a tree of its own
+// (accel/triangle_tree.h).
 //
 // A lattice serves a pair of levels: each vertex has a fine and a coarse position, and each ray blends them for itself
 // (lod/ray_levels.h). T-vertices have neither: each is the midpoint of two blended edge vertices.
@@ -23,6 +23,7 @@
 #include <span>
 
 #include "accel/box_tree.h"
+#include "accel/triangle_tree.h"
 #include "lod/level_grid.h"
 
 namespace occam::accel {
@@ -131,7 +132,7 @@ struct MeshGrid;
 
 /// What lattices and meshes have in common: all that rays read before they test micropolygons.
 struct IGrid {
-    static constexpr int kBlock = 8;  ///< quads or triangles per block
+    static constexpr int kBlock = 8;  ///< quads per block
 
     // The fields that every visit reads come first, in few cache lines.
     GridVisit visit;  ///< used by the one worker that owns the tree; workers that share a tree have tables instead
@@ -142,11 +143,11 @@ struct IGrid {
     const int hanging_blocks;  ///< blocks of gap triangles
     const PairRange pairs;
     const lod::PosedCage* const cage;
-    const BoxTree boxes;  ///< one leaf per block; empty boxes pad the leaves to a power of two
+    const BoxTree boxes;  ///< of a lattice: one leaf per block; empty boxes pad the leaves to a power of two
     const Slab slab;      ///< bounds all vertices, fine and coarse, at all keys
     const int segments;   ///< of the cage's motion; 0: the igrid stands still
     const int level;
-    /// If it moves: the number of floats from a coordinate to the same one at the next key.
+    /// If a lattice moves: the number of floats from a coordinate to the same one at the next key.
     const std::ptrdiff_t floats_of_a_key;
 
     /// Return the igrid as what it is; is_lattice says which.
@@ -197,16 +198,10 @@ private:
     static Vec3f at(const float* const (&p)[3], std::ptrdiff_t i) noexcept { return {p[0][i], p[1][i], p[2][i]}; }
 };
 
-/// What an igrid of triangles holds.
-struct MeshContents {
-    const float* corners[9] = {};        ///< a.x a.y a.z b.x .. c.z, padded with copies to whole blocks
-    const std::uint32_t* ids = nullptr;  ///< face index of each triangle
-    /// The block of each leaf of IGrid::boxes; a leaf without a block has an empty box.
-    const std::uint16_t* block_at = nullptr;
-};
+struct MeshGrid : IGrid {
+    MeshGrid(const GridSubject& of, const TriangleTree& tree) noexcept;
 
-struct MeshGrid : IGrid, MeshContents {
-    MeshGrid(const GridSubject& of, const Common& common, const MeshContents& contents) noexcept;
+    const TriangleTree triangles;
 };
 
 inline LatticeGrid& IGrid::lattice() noexcept { return static_cast<LatticeGrid&>(*this); }

@@ -1,5 +1,5 @@
 // Intersects rays with an igrid. A packet descends the box tree together; a single ray tests eight boxes, then eight
-// quads, at once.
+// quads, at once. The triangles of a mesh have a tracer of their own (accel/triangle_tracer.h).
 //
 // Both ways run the same operations on the same numbers for each pair of a ray and a triangle, so they find the same
 // bits. The choice between them is a matter of speed (the break-even is at two to three live rays,
@@ -14,6 +14,7 @@
 //
 // The Query type provides:
 // limit()                     returns the current t_far of the lanes (for a single ray, in all lanes);
+// t_of(lane)                  returns that of one ray, by the lane under which its hits are offered;
 // offer(lane, t, grid, id)    takes a hit with t in (t_near, limit], decides ties and filters;
 // tested(triangles)           counts what a single ray is tested against, if the query has it.
 #pragma once
@@ -24,15 +25,9 @@
 #include "accel/gap_triangles.h"
 #include "accel/in_box.h"
 #include "accel/triangle.h"
+#include "accel/triangle_tracer.h"
 
 namespace occam::accel {
-
-/// Tells a query how many triangles it was tested against, if it counts them.
-template <class Query>
-OCCAM_ALWAYS_INLINE void count_tests(Query& query, int triangles) noexcept
-{
-    if constexpr (requires { query.tested(triangles); }) query.tested(triangles);
-}
 
 template <class Query, class Coordinates = StillCoordinates>
 class IGridTracer {
@@ -64,12 +59,11 @@ public:
             if (grid_.hanging_blocks == 0) active = active & in_box_at(boxes_, 0);
             if (none(active)) return;
         }
-        const bool blends = grid_.is_lattice && choose_vertices(active);
+        const bool blends = choose_vertices(active);
         const auto meet = [&](int block) {
             const vmask alive = active & in_box_at(boxes_, boxes_.first_leaf() + block);
             if (none(alive)) return;
-            if (!grid_.is_lattice) triangles_packet(mesh().block_at[block], alive);
-            else if (blends) quads_packet<true>(lattice().blocks[block], alive);
+            if (blends) quads_packet<true>(lattice().blocks[block], alive);
             else quads_packet<false>(lattice().blocks[block], alive);
         };
         if (boxes_.leaves < kWorthAGroup)
@@ -92,10 +86,6 @@ public:
     /// Copies ray `lane` of the query to all lanes.
     void single(int lane) noexcept
     {
-        if (!grid_.is_lattice) {
-            nearest_first(lane);
-            return;
-        }
         if constexpr (Coordinates::kMove)
             if (grid_.hanging_blocks == 0 && none(in_box_at(boxes_, 0))) return;
         const bool blends = choose_vertices(vmask(true));
@@ -127,7 +117,6 @@ private:
     std::ptrdiff_t next_key() const noexcept { return grid_.floats_of_a_key; }
 
     LatticeGrid& lattice() const noexcept { return grid_.lattice(); }
-    const MeshGrid& mesh() const noexcept { return grid_.mesh(); }
 
     /// Returns whether rays blend in a lattice. If not, one of the two positions of each vertex serves all rays.
     bool choose_vertices(vmask active) noexcept
@@ -229,69 +218,6 @@ private:
         }
     }
 
-    /// Says which of eight neighbouring boxes a ray enters, and where.
-    struct Entered {
-        unsigned which = 0;
-        alignas(32) float t[BoxTree::kGroup];
-    };
-    OCCAM_ALWAYS_INLINE void enter(const float* box, Entered& entered) const noexcept
-    {
-        entered.which = 0;
-        for (int first = 0; first < BoxTree::kGroup; first += kLanes) {
-            const auto load = [&](int row) { return read_.many(box + row + first, boxes_.floats_of_a_key()); };
-            const vfloat near[3] = {load(near_[0]), load(near_[1]), load(near_[2])};
-            const vfloat far[3] = {load(far_[0]), load(far_[1]), load(far_[2])};
-            vfloat begin;
-            entered.which |= bits(in_box(ray_, near, far, span_.t_near, limit(), begin)) << first;
-            begin.store(entered.t + first);
-        }
-    }
-
-    /// Intersects one ray with a mesh: the rows of the box tree are tested three at a time, eight boxes wide, and the
-    /// boxes are visited in the order in which the ray enters them.
-    void nearest_first(int lane) noexcept
-    {
-        struct Todo {
-            float t;
-            std::int16_t row, node;  // the row has 2^row nodes
-        };
-        constexpr int kMostRows = 5;
-        Todo todo[kMostRows * BoxTree::kGroup];
-        int size = 0;
-        const BoxTree& tree = boxes_;
-        const int last = std::countr_zero(static_cast<unsigned>(tree.leaves));
-        Entered entered;
-        // Opens eight nodes of a row, or all nodes of a shorter row.
-        const auto open = [&](int row, int group) {
-            const int nodes = 1 << row;
-            int skip = 0;  // the nodes of shorter rows share their eight slots
-            if (row == last) {
-                enter(tree.data + group * BoxTree::kFloats, entered);
-            } else {
-                const int place = tree.leaves + nodes + group * BoxTree::kGroup;
-                skip = place % BoxTree::kGroup;
-                enter(tree.data + place / BoxTree::kGroup * BoxTree::kFloats, entered);
-            }
-            const int base = size;
-            unsigned which = entered.which >> skip;
-            if (nodes < BoxTree::kGroup) which &= (1u << nodes) - 1;
-            for (; which != 0; which &= which - 1) {
-                const int i = std::countr_zero(which);
-                const float t = entered.t[skip + i];
-                int at = size++;
-                for (; at > base && todo[at - 1].t < t; --at) todo[at] = todo[at - 1];
-                todo[at] = {t, static_cast<std::int16_t>(row), static_cast<std::int16_t>(group * BoxTree::kGroup + i)};
-            }
-        };
-        open(last == 0 ? 0 : (last - 1) % 3 + 1, 0);
-        while (size > 0) {
-            const Todo next = todo[--size];
-            if (!(next.t <= first_lane(limit()))) continue;
-            if (next.row == last) triangles_single(mesh().block_at[next.node], lane);
-            else open(next.row + 3, next.node);
-        }
-    }
-
     /// Offers the hits of a packet with one micropolygon.
     void offer_lanes(const TriangleHit& hit, vmask alive, std::uint32_t id) noexcept
     {
@@ -301,18 +227,6 @@ private:
         hit.t.store(t);
         for (; lanes != 0; lanes &= lanes - 1) query_.offer(std::countr_zero(lanes), t[std::countr_zero(lanes)], grid_, id);
     }
-    /// Offers the hits of one ray with lanes of micropolygons; id(lane) numbers them.
-    template <class Id>
-    void offer_one(const TriangleHit& hit, int ray, Id&& id) noexcept
-    {
-        unsigned lanes = bits(hit.is_hit & (hit.t > span_.t_near) & (hit.t <= limit()));
-        if (lanes == 0) return;
-        float t[kLanes];
-        hit.t.store(t);
-        for (; lanes != 0; lanes &= lanes - 1)
-            query_.offer(ray, t[std::countr_zero(lanes)], grid_, id(std::countr_zero(lanes)));
-    }
-
     static std::uint32_t quad_id(const LatticeBlock& block, int column, int row, int triangle) noexcept
     {
         const int fast = block.fast + column, slow = block.slow + row;
@@ -449,35 +363,6 @@ private:
         }
     }
 
-    template <class Load>
-    void triangle_vertices(Load&& load, ShearedVertex (&v)[3]) const noexcept
-    {
-        for (int p = 0; p < 3; ++p)
-            v[p] = shear(ray_, origin_, {load(p * 3 + axes_[0]), load(p * 3 + axes_[1]), load(p * 3 + axes_[2])});
-    }
-
-    const float* corners(int c) const noexcept { return mesh().corners[c] + read_.key() * next_key(); }
-
-    void triangles_packet(int block, vmask alive) noexcept
-    {
-        for (int k = block * IGrid::kBlock; k < (block + 1) * IGrid::kBlock; ++k) {
-            if (k % IGrid::kBlock != 0 && mesh().ids[k] == mesh().ids[k - 1]) break;  // only padding copies follow
-            ShearedVertex v[3];
-            triangle_vertices([&](int c) { return read(corners(c) + k); }, v);
-            offer_lanes(intersect(ray_, v[0], v[1], v[2]), alive, mesh().ids[k]);
-        }
-    }
-
-    void triangles_single(int block, int lane) noexcept
-    {
-        count_tests(query_, IGrid::kBlock);
-        for (int first = block * IGrid::kBlock; first < (block + 1) * IGrid::kBlock; first += kLanes) {
-            ShearedVertex v[3];
-            triangle_vertices([&](int c) { return read_.many(corners(c) + first, next_key()); }, v);
-            offer_one(intersect(ray_, v[0], v[1], v[2]), lane, [&](int k) { return mesh().ids[first + k]; });
-        }
-    }
-
     IGrid& grid_;
     const RayLanes& ray_;
     VecLanes origin_;  ///< along kx, ky, kz
@@ -492,5 +377,22 @@ private:
     Query& query_;
     const float* const* vertices_ = nullptr;  ///< the positions for rays that do not blend
 };
+
+/// Intersects a packet, one ray in each lane, with an igrid of either kind.
+template <class Query, class AsOne, class Coordinates = StillCoordinates>
+OCCAM_ALWAYS_INLINE void meet_packet(IGrid& grid, const RayLanes& rays, const bool (&negative)[3], const RaySpan& span,
+                                     vmask active, Query& query, AsOne&& as_one, const Coordinates& read = {}) noexcept
+{
+    if (grid.is_lattice) IGridTracer(grid, rays, negative, span, query, read).packet(active, as_one);
+    else TriangleTracer(grid, rays, negative, span, query, read).packet(active, as_one);
+}
+/// Does the same for one ray, which is in all lanes; it is ray `lane` of the query.
+template <class Query, class Coordinates = StillCoordinates>
+OCCAM_ALWAYS_INLINE void meet_single(IGrid& grid, const RayLanes& ray, const bool (&negative)[3], const RaySpan& span,
+                                     int lane, Query& query, const Coordinates& read = {}) noexcept
+{
+    if (grid.is_lattice) IGridTracer(grid, ray, negative, span, query, read).single(lane);
+    else TriangleTracer(grid, ray, negative, span, query, read).single(lane);
+}
 
 }  // namespace occam::accel

@@ -1,5 +1,7 @@
 #include "accel/memory_floor.h"
 
+#include <algorithm>
+
 #include "accel/bvh.h"
 #include "accel/kd_tree.h"
 #include "accel/vertex_values.h"
@@ -20,6 +22,11 @@ constexpr std::size_t kStillBytesOfAGrid = sizeof(LatticeGrid) + sizeof(IGridPar
                                            2 * kValueSide * kValueSide * lod::VertexShader::kMaxChannels * sizeof(float);
 constexpr std::size_t kMovingBytesOfAGrid = kVerticesOfAGrid * (2 * sizeof(Vec3f) + 2 * sizeof(Vec3f)) +
                                             128 * (BoxTree::kFloats / BoxTree::kGroup) * sizeof(float);
+
+// A triangle of a mesh igrid has its place in a block, which may be two thirds full, and a share of the nodes above it.
+constexpr std::size_t kStillBytesOfATriangle = 2 * sizeof(std::uint32_t);
+constexpr std::size_t kMovingBytesOfATriangle = sizeof(TriangleBlock) * 3 / (2 * TriangleBlock::kTriangles) +
+                                                sizeof(TriangleNode) / 20;
 
 // An opened item takes its own memory, and entries in the lists of the nodes above and below a plane.
 constexpr std::size_t kBytesOfAnItem = sizeof(Item) + sizeof(PlacedNode) + 4 * sizeof(ItemIndex);
@@ -67,7 +74,9 @@ std::size_t memory_floor(const Scene& scene)
     const Contents contents = scene.contents();
     const std::size_t of_a_node = kBytesOfAnItem + (keys > 1 ? keys * kBytesOfAKey : 0);
     const std::size_t largest = keys > 1 ? largest_moving_cage(scene, keys) : largest_still_cage(contents);
-    const std::size_t grids = kGrids * (kStillBytesOfAGrid + keys * kMovingBytesOfAGrid);
+    const std::size_t triangles = std::min<std::size_t>(scene.counts().mesh_triangles, lod::ClusterTree::kMeshFaces);
+    const std::size_t grids = kGrids * std::max(kStillBytesOfAGrid + keys * kMovingBytesOfAGrid,
+                                                triangles * (kStillBytesOfATriangle + keys * kMovingBytesOfATriangle));
     const std::size_t bytes = kTables + contents.widest * of_a_node + largest + grids;
     return (bytes + Arena::kChunkBytes - 1) / Arena::kChunkBytes * Arena::kChunkBytes;
 }

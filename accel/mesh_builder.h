@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "accel/igrid.h"
-#include "lod/face_split.h"
 
 namespace occam::accel {
 
@@ -24,13 +23,10 @@ private:
     {
         return corners_[3 * (key * boxed_.size() + face) + corner];
     }
-    /// Assigns faces to the leaves [leaf, leaf + leaves) of the box tree, so that its halves are the parts of the split.
-    void cut(std::span<lod::BoxedFace> faces, std::size_t leaf, std::size_t leaves);
-    MeshContents contents(std::span<const std::uint32_t> faces, std::size_t keys, std::size_t padded, Arena& arena);
 
-    std::vector<lod::BoxedFace> boxed_;                    ///< numbered as in the list of faces
-    std::vector<Vec3f> corners_;                           ///< three per face, at each key, one after the other
-    std::vector<std::span<const lod::BoxedFace>> leaves_;  ///< the faces of each leaf; empty where there is no block
+    std::vector<lod::BoxedFace> boxed_;  ///< numbered as in the list of faces
+    std::vector<Vec3f> corners_;         ///< three per face, at each key, one after the other
+    TriangleTreeBuilder trees_;
 };
 
 }  // namespace occam::accel

@@ -45,10 +45,11 @@ OCCAM_NEVER_INLINE void meet_moving(IGrid& grid, const LanesAtGrid& at, unsigned
         }
         which &= ~here;
         if (std::popcount(here) >= kWorthAPacket) {
-            IGridTracer(grid, at.lanes, at.negative, at.span, query, MovingCoordinates(key, share))
-                .packet(vfloat::load(is_here) > vfloat(0.0f), [&] {
-                    return RaysAsOne<vfloat>(at.lanes.origin, at.lanes.inverse, at.negative, at.lanes.shift, -FLT_MAX);
-                });
+            const auto as_one = [&] {
+                return RaysAsOne<vfloat>(at.lanes.origin, at.lanes.inverse, at.negative, at.lanes.shift, -FLT_MAX);
+            };
+            meet_packet(grid, at.lanes, at.negative, at.span, vfloat::load(is_here) > vfloat(0.0f), query, as_one,
+                        MovingCoordinates(key, share));
             continue;
         }
         for (; here != 0; here &= here - 1) {
@@ -56,9 +57,8 @@ OCCAM_NEVER_INLINE void meet_moving(IGrid& grid, const LanesAtGrid& at, unsigned
             LaneOf<Found> one{query, lane};
             RayLanes ray = spread(at.lanes, lane);
             if (grid.blends()) ray.blend = spread(at.lanes.blend, lane);
-            IGridTracer(grid, ray, at.negative, {spread(at.span.t_near, lane), spread(at.span.t_end, lane)}, one,
-                        MovingCoordinates(key, spread(share, lane)))
-                .single(lane);
+            meet_single(grid, ray, at.negative, {spread(at.span.t_near, lane), spread(at.span.t_end, lane)}, lane, one,
+                        MovingCoordinates(key, spread(share, lane)));
         }
     }
 }
@@ -68,7 +68,7 @@ template <class Found>
 OCCAM_NEVER_INLINE void meet_moving(IGrid& grid, const LanesAtGrid& at, SingleQuery<Found>& query)
 {
     const lod::KeyTime time = lod::key_time(at.rays.front().time, grid.segments);
-    IGridTracer(grid, at.lanes, at.negative, at.span, query, MovingCoordinates(time.key, time.share)).single(query.only);
+    meet_single(grid, at.lanes, at.negative, at.span, query.only, query, MovingCoordinates(time.key, time.share));
 }
 
 }  // namespace occam::accel

@@ -27,14 +27,10 @@ std::vector<std::uint32_t> ids_of(const IGrid& grid)
 {
     std::vector<std::uint32_t> ids;
     if (!grid.is_lattice) {
-        for (int leaf = 0; leaf < grid.boxes.leaves; ++leaf) {
-            const int node = grid.boxes.first_leaf() + leaf;
-            if (!(grid.boxes.lo(node, 0) <= grid.boxes.hi(node, 0))) continue;  // a leaf without a block
-            const std::uint32_t* first = grid.mesh().ids + std::ptrdiff_t(grid.mesh().block_at[leaf]) * IGrid::kBlock;
-            ids.insert(ids.end(), first, first + IGrid::kBlock);
-        }
-        std::sort(ids.begin(), ids.end());
-        ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+        const TriangleTree& mesh = grid.mesh().triangles;
+        for (std::uint32_t k = 0; k < mesh.block_count * std::uint32_t(TriangleBlock::kTriangles); ++k)
+            if (!mesh.is_spare(k)) ids.push_back(k);
+        std::sort(ids.begin(), ids.end(), [&](std::uint32_t a, std::uint32_t b) { return mesh.faces[a] < mesh.faces[b]; });
         return ids;
     }
     for (std::uint32_t part = 0; part < grid.lattice().parts.size(); ++part) {

@@ -20,6 +20,7 @@ template <class Found>
 struct SingleQuery : Found {
     int only = 0;
     vfloat limit() const noexcept { return vfloat(this->t[only]); }
+    float t_of(int lane) const noexcept { return this->t[lane]; }
 };
 
 /// Holds the hits so far of a packet's rays. limit() returns the t_far of each.
@@ -34,6 +35,7 @@ struct PartOf {
     Found& all;
     int first;
     vfloat limit() const noexcept { return vfloat::load(all.t + first); }
+    float t_of(int lane) const noexcept { return all.t[first + lane]; }
     void offer(int lane, float t, IGrid& grid, std::uint32_t id) noexcept { all.offer(first + lane, t, grid, id); }
 };
 
@@ -43,6 +45,7 @@ struct LaneOf {
     PartOf<Found> part;
     int lane;
     vfloat limit() const noexcept { return vfloat(part.all.t[part.first + lane]); }
+    float t_of(int at) const noexcept { return part.t_of(at); }
     void offer(int at, float t, IGrid& grid, std::uint32_t id) noexcept { part.offer(at, t, grid, id); }
 };
 

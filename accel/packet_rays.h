@@ -138,7 +138,7 @@ private:
             return;
         }
         if (std::popcount(of_part) >= kWorthAPacket) {
-            IGridTracer(grid, part.lanes, in_tree.negative, span, some).packet(entering, [&]() -> const RaysAsOne<vfloat>& {
+            meet_packet(grid, part.lanes, in_tree.negative, span, entering, some, [&]() -> const RaysAsOne<vfloat>& {
                 if (!part.is_as_one_placed)
                     part.as_one = {part.lanes.origin, part.lanes.inverse, in_tree.negative, part.lanes.shift, -FLT_MAX};
                 part.is_as_one_placed = true;
@@ -151,8 +151,7 @@ private:
             LaneOf<Found> one{some, lane};
             RayLanes ray = spread(part.lanes, lane);
             if (grid.blends()) ray.blend = spread(part.lanes.blend, lane);
-            IGridTracer(grid, ray, in_tree.negative, {spread(span.t_near, lane), spread(span.t_end, lane)}, one)
-                .single(lane);
+            meet_single(grid, ray, in_tree.negative, {spread(span.t_near, lane), spread(span.t_end, lane)}, lane, one);
         }
     }
 

@@ -114,12 +114,7 @@ OCCAM_ALWAYS_INLINE void place_all(std::span<const Ray> rays, const F* direction
     to[3] = F::load(shift);
 }
 
-inline float first_lane(vfloat x) noexcept
-{
-    float lanes[kLanes];
-    x.store(lanes);
-    return lanes[0];
-}
+inline float first_lane(vfloat x) noexcept { return hn::GetLane(x.raw()); }
 
 /// Describes how rays blend the vertices of a frame: lod::Blend over the vertex's own distance along the ray, which is
 /// d . v + k before it is clamped to [0, 1] (Djeu et al. 2011, sec. 5.2.6, with fine at the near end of a growing

@@ -4,6 +4,7 @@
 
 #include "accel/holes.h"
 #include "accel/tracer_state.h"
+#include "base/prefetch.h"
 
 namespace occam::accel {
 namespace {
@@ -108,8 +109,8 @@ bool Tracer::State::run(const RayAxes& axes, std::size_t first, std::size_t coun
     return true;
 }
 
-template <bool kWithBlend, class Fill>
-void Tracer::State::find_nearest(std::span<const Ray> rays, Fill&& fill)
+template <bool kWithBlend, class Expect, class Fill>
+void Tracer::State::find_nearest(std::span<const Ray> rays, Expect&& expect, Fill&& fill)
 {
     const std::uint64_t diced = counters.diced;
     for_groups(rays, [&](const RayAxes& axes, std::size_t first, std::size_t count, std::size_t memory_bytes) {
@@ -120,6 +121,7 @@ void Tracer::State::find_nearest(std::span<const Ray> rays, Fill&& fill)
             if (m.grid->blends()) m.blend = blends(m.grid->pairs.finest, lane);
             if (m.grid->segments > 0) m.time = lod::key_time(groups.sorted[first + i].time, m.grid->segments);
         };
+        for (std::size_t i = 0; i < count; ++i) expect(groups.place_of[first + i]);
         if (!run<Nearest>(axes, first, count, memory_bytes, take)) return false;
         fill(axes, first, std::span<const GridHit>(met, count));
         return arena.bytes() <= memory_bytes;
@@ -130,7 +132,13 @@ void Tracer::State::find_nearest(std::span<const Ray> rays, Fill&& fill)
 void Tracer::closest(std::span<const Ray> rays, std::span<SurfaceHit> hits)
 {
     State& s = *state_;
-    s.find_nearest<true>(rays, [&](const RayAxes& axes, std::size_t first, std::span<const GridHit> met) {
+    // Rays are sorted, so their hits lie far apart. They are loaded while the rays are traced, but for values at vertices,
+    // which are rare.
+    const auto expect = [&](std::size_t i) {
+        prefetch_to_write(&hits[i], offsetof(SurfaceHit, phase_one));
+        prefetch_to_write(&hits[i].material, sizeof(SurfaceHit) - offsetof(SurfaceHit, material));
+    };
+    s.find_nearest<true>(rays, expect, [&](const RayAxes& axes, std::size_t first, std::span<const GridHit> met) {
         for (std::size_t at = 0; at < met.size(); at += kLanes) {
             const std::size_t n = std::min<std::size_t>(kLanes, met.size() - at);
             SurfaceHit* to[kLanes];
@@ -182,15 +190,17 @@ void Tracer::nearest(std::span<const Ray> rays, int most, std::span<SurfaceHit> 
 void Tracer::first_hits(std::span<const Ray> rays, std::span<FirstHit> hits)
 {
     State& s = *state_;
-    s.find_nearest<false>(rays, [&](const RayAxes&, std::size_t first, std::span<const GridHit> met) {
-        for (std::size_t i = 0; i < met.size(); ++i) {
-            FirstHit& hit = hits[s.groups.place_of[first + i]] = {};
-            if (!met[i].grid) continue;
-            MicropolygonPlace spot;
-            spot.set(met[i]);
-            hit = {met[i].t, met[i].grid->cage->node_id, spot.face};
-        }
-    });
+    s.find_nearest<false>(
+        rays, [](std::size_t) {},
+        [&](const RayAxes&, std::size_t first, std::span<const GridHit> met) {
+            for (std::size_t i = 0; i < met.size(); ++i) {
+                FirstHit& hit = hits[s.groups.place_of[first + i]] = {};
+                if (!met[i].grid) continue;
+                MicropolygonPlace spot;
+                spot.set(met[i]);
+                hit = {met[i].t, met[i].grid->cage->node_id, spot.face};
+            }
+        });
 }
 
 void Tracer::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded)

@@ -106,9 +106,10 @@ struct Tracer::State {
     template <class Found, class Take>
     bool run(const RayAxes& axes, std::size_t first, std::size_t count, std::size_t memory_bytes, Take&& take);
     /// Finds the nearest hits and calls fill(axes, first, met) for each group: met[i] holds what groups.sorted[first + i]
-    /// has hit and, if kWithBlend is set, how it blends there.
-    template <bool kWithBlend, class Fill>
-    void find_nearest(std::span<const Ray> rays, Fill&& fill);
+    /// has hit and, if kWithBlend is set, how it blends there. Calls expect(i) for each ray of the caller's batch before it
+    /// is traced.
+    template <bool kWithBlend, class Expect, class Fill>
+    void find_nearest(std::span<const Ray> rays, Expect&& expect, Fill&& fill);
 
     /// Traces rays[first, first + count) by `run(first, count, memory_bytes)`, flushing and halving as the budget requires.
     template <class Run>

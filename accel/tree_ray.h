@@ -55,6 +55,7 @@ OCCAM_ALWAYS_INLINE void clip_to_planes(const TreeRay<F>& ray, const F (&planes)
 template <class F>
 OCCAM_ALWAYS_INLINE MaskOf<F> crosses(const TreeRay<F>& ray, const Slab& slab, F in, F out) noexcept
 {
+    if (slab.hi == FLT_MAX) return in <= out;  // all of space
     const auto dot = [&](const F(&v)[3]) {
         return fma(v[0], F(slab.normal.x), fma(v[1], F(slab.normal.y), v[2] * F(slab.normal.z)));
     };

@@ -21,8 +21,8 @@ namespace occam::lod {
 
 class ClusterTree {
 public:
-    static constexpr std::uint32_t kLeafFaces = 16;   ///< most faces in a leaf of a cage
-    static constexpr std::uint32_t kMeshFaces = 256;  ///< most faces in a leaf of a mesh
+    static constexpr std::uint32_t kLeafFaces = 16;    ///< most faces in a leaf of a cage
+    static constexpr std::uint32_t kMeshFaces = 2048;  ///< most faces in a leaf of a mesh
 
     struct Node {
         Box3f box;

@@ -2,7 +2,8 @@
 // Cages are diced for Embree at the one level that `--lod off` chooses for each; Occam's rays each have levels of their own.
 //
 // For the traced part, rays of each kind are recorded once, batch by batch as a renderer asks for them. Then both trace the
-// same rays in turns, at default levels; Embree traces single rays and packets of eight. Whole frames compare Occam's
+// same rays in turns, at default levels; Embree traces single rays and packets of eight. Occam's hits are written to one
+// batch again and again, as a renderer does, which shades them before it traces the next batch. Whole frames compare Occam's
 // renderer with a plain diffuse path tracer on Embree that shoots as many camera samples, with one shadow ray to the last
 // lamp at each hit.
 
@@ -90,13 +91,15 @@ Row traced_row(const std::string& scene, const Recorded& recorded, TreePair& tre
     for (const auto& batch : recorded.batches) all.insert(all.end(), batch.begin(), batch.end());
     EmbreeRays theirs(mesh, all, false), packets(mesh, all, true);
     packets.is_coherent = recorded.is_coherent;
-    std::vector<accel::SurfaceHit> hits(all.size());
+    std::vector<accel::SurfaceHit> hits(kBatch);
+    std::vector<float> t(all.size());
     std::vector<std::uint8_t> occluded(all.size());
     const auto trace = [&](accel::Tracer& tracer) {
         std::size_t at = 0;
         for (const auto& batch : recorded.batches) {
             if (recorded.is_any) tracer.occluded(batch, std::span(occluded).subspan(at, batch.size()));
-            else tracer.closest(batch, std::span(hits).subspan(at, batch.size()));
+            else tracer.closest(batch, std::span(hits).first(batch.size()));
+            for (std::size_t i = 0; i < batch.size() && !recorded.is_any; ++i) t[at + i] = hits[i].t;
             at += batch.size();
         }
     };
@@ -116,7 +119,7 @@ Row traced_row(const std::string& scene, const Recorded& recorded, TreePair& tre
     std::size_t disagree = 0;
     for (std::size_t i = 0; i < all.size(); ++i)
         disagree += recorded.is_any ? (occluded[i] != 0) != theirs.is_occluded(i)
-                                    : hits[i].is_hit() != std::isfinite(theirs.t(i));
+                                    : std::isfinite(t[i]) != std::isfinite(theirs.t(i));
     const double mega = 1e-6 * double(all.size());
     const std::vector<double>& ours_s = trees.usual == accel::TreeKind::Bvh ? bvh_s : kd_s;
     Row row{"scenes", scene + ", " + recorded.what};

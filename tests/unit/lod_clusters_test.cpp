@@ -68,7 +68,7 @@ TEST(MeshClusters, FacesInOnePlaceAndFacesWithoutNumbersAreHalved)
 {
     Cage same;
     same.scheme = Scheme::Triangles;
-    for (int i = 0; i < 700; ++i) add_quad(same, {1, 1, 1}, {2, 1, 1}, {2, 2, 1}, {1, 2, 1});
+    for (int i = 0; i < 2000; ++i) add_quad(same, {1, 1, 1}, {2, 1, 1}, {2, 2, 1}, {1, 2, 1});
     expect_each_face_once(same, lod::ClusterTree(same));
 
     for (const float odd : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 3e38f}) {
