@@ -42,7 +42,8 @@ struct VerifiedCage {
     /// when it was traced with it.
     std::uint64_t grazing = 0;
     std::uint64_t not_finite = 0;  ///< hits with a NaN or an infinity
-    /// Counts hits on the outside, which a ray from inside finds only where coarse triangles fold over.
+    /// Counts hits on the outside, which a ray from inside finds only where coarse triangles fold over, and on gap
+    /// triangles: all of their area is rounding, and so is the side to which they face. Many rays are aimed at these.
     std::uint64_t front_side = 0;
     /// The largest cosine among them between the outward normal and the direction back to the origin.
     double worst_front = 0;
