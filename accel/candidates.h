@@ -27,7 +27,7 @@ public:
     static constexpr float kAllTimes = -1;
 
     /// The most candidates of a node. So many lie in one place only if no plane parts them; more are an error.
-    static constexpr std::size_t kMost = std::size_t(1) << 18;
+    static constexpr std::size_t kMost = std::size_t(1) << 22;
 
     /// Starts with the parts of these items that lie in a node's box. Items that rays of the pair meet as one igrid are
     /// final.
