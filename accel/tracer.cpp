@@ -33,7 +33,7 @@ public:
 private:
     const lod::RayLevels<F>& levels_;
     int pair_ = lod::kNoPair;
-    float start_[sizeof(F) / sizeof(float)], scale_[sizeof(F) / sizeof(float)];
+    float start_[sizeof(F) / sizeof(float)]{}, scale_[sizeof(F) / sizeof(float)]{};
 };
 
 }  // namespace
