@@ -13,6 +13,9 @@ Measured measure_small(const Settings& settings, const Camera& camera, Scene& sc
     Settings small = settings;
     small.height = std::clamp(small.height * kWidth / small.width, 1, 4 * kWidth);
     small.width = kWidth;
+    // A picture that is smaller still is measured without finer surfaces than its own.
+    if (settings.width < kWidth)
+        small.shading_rate = std::min(small.shading_rate * float(kWidth) / float(settings.width), 1024.0f);
     small.crop_x0 = small.crop_y0 = 0;
     small.crop_x1 = small.crop_y1 = 1;
     small.spp = std::min(small.spp, kSamples);
