@@ -45,11 +45,7 @@ Scene stage(bool is_displaced)
     place(scene, ring, {0, 0, 0});
     place(scene, ring, {1.3, 0.4, -0.8}, 0.5);
     place(scene, scene.add(prism(7)), {-1.2, 0.3, 0.6}, 0.5);
-    NodeDesc lamp;
-    lamp.place.translation = {1, 4, 2};
-    lamp.place.rotation = {-0.7071067811865476, 0, 0, 0.7071067811865476};
-    lamp.light = scene.add(Light{"lamp", AreaLight{AreaLight::Shape::Rectangle, Vec2f(2), Vec3f(6)}});
-    scene.add_node(scene.root(), lamp);
+    add_lamp(scene, {1, 4, 2});
     return scene;
 }
 

@@ -104,4 +104,14 @@ inline NodeId place(Scene& scene, CageId cage, Vec3d at, double scale = 1)
     return scene.add_node(scene.root(), desc);
 }
 
+/// Adds a square lamp of 2 x 2 that shines down.
+inline void add_lamp(Scene& scene, Vec3d at)
+{
+    NodeDesc lamp;
+    lamp.place.translation = at;
+    lamp.place.rotation = {-0.7071067811865476, 0, 0, 0.7071067811865476};
+    lamp.light = scene.add(Light{"lamp", AreaLight{AreaLight::Shape::Rectangle, Vec2f(2), Vec3f(6)}});
+    scene.add_node(scene.root(), lamp);
+}
+
 }  // namespace occam::test

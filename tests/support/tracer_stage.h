@@ -1,9 +1,12 @@
 // A scene, its frames, and rays towards it, for tests of tracers.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <random>
+#include <span>
+#include <thread>
 #include <tuple>
 #include <vector>
 
@@ -49,5 +52,20 @@ struct Stage {
                             nullptr, {}, {}, tree);
     }
 };
+
+/// Asks about rays in batches from three threads that share a tree, by answers.ask(tracer, rays, first, count).
+template <class Answers>
+void ask_in_threads(accel::SharedTree& tree, std::span<const accel::Ray> rays, std::size_t batch, Answers& answers)
+{
+    constexpr std::size_t kThreads = 3;
+    std::vector<std::thread> threads;
+    for (std::size_t t = 0; t < kThreads; ++t)
+        threads.emplace_back([&, t] {
+            accel::Tracer tracer(tree);
+            for (std::size_t at = t * batch; at < rays.size(); at += kThreads * batch)
+                answers.ask(tracer, rays, at, std::min(batch, rays.size() - at));
+        });
+    for (std::thread& thread : threads) thread.join();
+}
 
 }  // namespace occam::test

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <sstream>
-#include <thread>
 
 #include "accel/frame.h"
 #include "lod/hit_filter.h"
@@ -167,15 +166,7 @@ void expect_restarts(Stage& stage, lod::LevelMode mode, bool moves)
 
         accel::SharedTree tree(frame, kPlenty);
         Answers found_shared(rays.size());
-        constexpr std::size_t kThreads = 3, kBatch = 200;
-        std::vector<std::thread> threads;
-        for (std::size_t t = 0; t < kThreads; ++t)
-            threads.emplace_back([&, t] {
-                accel::Tracer tracer(tree);
-                for (std::size_t at = t * kBatch; at < rays.size(); at += kThreads * kBatch)
-                    found_shared.ask(tracer, rays, at, std::min(kBatch, rays.size() - at));
-            });
-        for (std::thread& thread : threads) thread.join();
+        ask_in_threads(tree, rays, 200, found_shared);
         expect_same(expected, found_shared, what + ", shared");
     }
 }

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <sstream>
-#include <thread>
 
 #include "tests/support/textured_floor.h"
 #include "tests/support/tracer_stage.h"
@@ -209,15 +208,7 @@ TEST(Trees, FindTheSameBitsInATreeThatTracersShare)
     for (const std::size_t budget : {kPlenty, in_kd.counters().peak_bytes / 4}) {
         accel::SharedTree tree(bvh, budget);
         Answers answers(rays.size());
-        constexpr std::size_t kThreads = 3, kBatch = 250;
-        std::vector<std::thread> threads;
-        for (std::size_t t = 0; t < kThreads; ++t)
-            threads.emplace_back([&, t] {
-                accel::Tracer tracer(tree);
-                for (std::size_t at = t * kBatch; at < rays.size(); at += kThreads * kBatch)
-                    answers.ask(tracer, rays, at, std::min(kBatch, rays.size() - at));
-            });
-        for (std::thread& thread : threads) thread.join();
+        ask_in_threads(tree, rays, 250, answers);
         expect_same(expected, answers, "shared");
         EXPECT_EQ(tree.counters().flushes > 0, budget != kPlenty);
     }

@@ -4,14 +4,8 @@
 #include "tests/support/gltf_scene.h"
 #include "tests/support/import_errors.h"
 
-namespace occam {
+namespace occam::test {
 namespace {
-
-using test::cages;
-using test::error_of;
-using test::Gltf;
-using test::square;
-using test::TempFolder;
 
 TEST(ImportGltfContainer, ReadsTheSameFromAGlb)
 {
@@ -75,4 +69,4 @@ TEST(ImportGltfContainer, AFileMayBeLongerThanItsBufferButNotShorter)
 }
 
 }  // namespace
-}  // namespace occam
+}  // namespace occam::test

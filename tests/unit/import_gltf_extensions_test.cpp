@@ -9,15 +9,8 @@
 #include "tests/support/import_errors.h"
 #include "tests/support/shared_data.h"
 
-namespace occam {
+namespace occam::test {
 namespace {
-
-using test::cages;
-using test::error_of;
-using test::Gltf;
-using test::square;
-using test::TempFolder;
-using test::warns;
 
 std::string used(const std::string& names) { return R"(, "extensionsUsed": [)" + names + "]"; }
 
@@ -172,4 +165,4 @@ TEST(GltfExtensions, InstancesInOnePlaceAreOneOrRefused)
 }
 
 }  // namespace
-}  // namespace occam
+}  // namespace occam::test

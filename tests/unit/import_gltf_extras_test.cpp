@@ -5,15 +5,8 @@
 #include "tests/support/import_errors.h"
 #include "tests/support/temp_folder.h"
 
-namespace occam {
+namespace occam::test {
 namespace {
-
-using test::cages;
-using test::error_of;
-using test::Gltf;
-using test::square;
-using test::TempFolder;
-using test::warns;
 
 // Two quads share an edge, are split along it as glTF splits seams, and are each a fan of two triangles.
 TEST(ImportGltf, PolygonsComeBackWhenACageIsWanted)
@@ -109,4 +102,4 @@ TEST(ImportGltf, ReadsAreaLightsAndTheEnvironment)
 }
 
 }  // namespace
-}  // namespace occam
+}  // namespace occam::test

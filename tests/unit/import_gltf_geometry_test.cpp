@@ -6,15 +6,8 @@
 #include "tests/support/gltf_scene.h"
 #include "tests/support/import_errors.h"
 
-namespace occam {
+namespace occam::test {
 namespace {
-
-using test::cages;
-using test::error_of;
-using test::Gltf;
-using test::square;
-using test::TempFolder;
-using test::warns;
 
 // By KHR_mesh_quantization, positions of 16 bits are taken as they are, and normals of 8 bits are normalised. The node
 // scales them back.
@@ -182,4 +175,4 @@ TEST(ImportGltfGeometry, BumpMapsAreExtrasOfMaterials)
 }
 
 }  // namespace
-}  // namespace occam
+}  // namespace occam::test

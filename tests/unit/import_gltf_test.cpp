@@ -4,15 +4,8 @@
 #include "tests/support/import_errors.h"
 #include "tests/support/temp_folder.h"
 
-namespace occam {
+namespace occam::test {
 namespace {
-
-using test::cages;
-using test::error_of;
-using test::Gltf;
-using test::square;
-using test::TempFolder;
-using test::warns;
 
 TEST(ImportGltf, ReadsTrianglesFromAFileBesideIt)
 {
@@ -308,4 +301,4 @@ TEST(ImportGltf, SkinsMorphTargetsAndClipsReachTheDataModel)
 }
 
 }  // namespace
-}  // namespace occam
+}  // namespace occam::test

@@ -34,11 +34,7 @@ Scene stage()
     Cage pane = floor_of(scene.add(veil), Scheme::Triangles);
     place(scene, scene.add(std::move(pane)), {0, 0.9, 0}, 0.5);
     place(scene, scene.add(floor_of(scene.add(Material()), Scheme::Triangles)), {0, -1, 0}, 3);
-    NodeDesc lamp;
-    lamp.place.translation = {1, 4, 2};
-    lamp.place.rotation = {-0.7071067811865476, 0, 0, 0.7071067811865476};
-    lamp.light = scene.add(Light{"lamp", AreaLight{AreaLight::Shape::Rectangle, Vec2f(2), Vec3f(6)}});
-    scene.add_node(scene.root(), lamp);
+    add_lamp(scene, {1, 4, 2});
     return scene;
 }
 
