@@ -8,7 +8,7 @@
 namespace occam::accel {
 namespace {
 
-constexpr std::size_t kEnough = 32;     // candidates to divide; docs/performance.md has the curve
+constexpr std::size_t kEnough = 32;     // candidates to divide
 constexpr int kBins = 16;               // bins along each axis
 constexpr float kMostGrowth = 3;        // an interval in which the parts' boxes grow by more than this factor is halved
 constexpr float kShortest = 1.0f / 64;  // the share of the shutter from which on intervals are not halved

@@ -2,48 +2,15 @@
 #include <algorithm>
 
 #include "accel/corners.h"
-#include "accel/stopwatch.h"
 #include "base/publish.h"
 #include "lod/patch_colors.h"
 
 namespace occam::accel {
-namespace {
-
-// This is kept out of line because it is rare.
-OCCAM_NEVER_INLINE void shade(const IGrid& grid, IGridPart& part, const PhaseOneTools& tools)
-{
-    const MaybeLock lock(tools.building);
-    if (part.is_shaded) return;  // another thread has shaded it in the meantime
-    const Stopwatch watch(tools.counters.shade_seconds);
-    part.attributes = tools.dicer.shade(*grid.cage, part.tile, grid.blends() ? part.coarser() : part.tile.rates,
-                                        tools.arena);
-    part.material = material_of(*tools.frame.scene, *grid.cage, part.tile.patch.face);
-    publish(part.is_shaded, true);
-}
-
-}  // namespace
-
-const Material* material_of(const Scene& scene, const lod::PosedCage& cage, std::uint32_t face) noexcept
-{
-    static const Material plain;
-    const Cage& source = cage.slot->cage;
-    const std::size_t slot = source.face_slots.empty() ? 0 : source.face_slots[face];
-    const auto& from = cage.node->materials.empty() ? source.materials : cage.node->materials;
-    const Material* found = slot < from.size() ? scene.find(from[slot]) : nullptr;
-    return found ? found : &plain;
-}
-
-void shade_parts(LatticeGrid& grid, const PhaseOneTools& tools)
-{
-    for (IGridPart& part : grid.parts)
-        if (!read_published(part.is_shaded)) shade(grid, part, tools);
-}
-
 void HitCorners::set_attributes(const PhaseOneTools& tools)
 {
     for (std::size_t lane = 0; lane < met_.size(); ++lane)
         if (met_[lane].grid && spots_[lane].part && !read_published(spots_[lane].part->is_shaded))
-            shade(*met_[lane].grid, *spots_[lane].part, tools);
+            shade_part(*met_[lane].grid, *spots_[lane].part, tools);
     set_attributes(*tools.frame.scene);
 }
 

@@ -7,7 +7,11 @@
 //          zeros.
 #pragma once
 
-#include "accel/hit.h"
+#include <span>
+
+#include "accel/grid_hit.h"
+#include "accel/phase_one.h"
+#include "accel/ray_lanes.h"
 
 namespace occam::accel {
 
@@ -91,11 +95,6 @@ private:
     std::span<const GridHit> met_;
     const MicropolygonPlace* spots_;
 };
-
-/// Returns the material of a face of a placed cage.
-const Material* material_of(const Scene& scene, const lod::PosedCage& cage, std::uint32_t face) noexcept;
-/// Runs phase one on all parts of an igrid that nothing has hit yet.
-void shade_parts(LatticeGrid& grid, const PhaseOneTools& tools);
 
 /// Holds the positions of the corners of a quad's two triangles, in units of quads.
 inline constexpr int kQuadCorners[2][3][2] = {{{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}};

@@ -38,7 +38,7 @@ float farthest_displaced(const Scene& scene, const FrameScale& scale)
 }  // namespace
 
 Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels,
-             const TextureStore* textures, const lod::VertexShading& shading, FrameScale scale, TreeKind tree)
+             const FrameOptions& options)
     : state_(std::make_unique<State>())
 {
     check_layers(scene);
@@ -46,18 +46,18 @@ Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::Leve
     state_->topologies = &topologies;
     state_->levels = levels;
     state_->has_levels = levels.mode != lod::LevelMode::PerInstance && scene.contents().has(Contents::Subdivided);
-    state_->textures = textures;
-    state_->shading = shading;
-    state_->scale = scale;
-    if (textures) state_->levels.displaced = farthest_displaced(scene, scale);
+    state_->textures = options.textures;
+    state_->shading = options.shading;
+    state_->scale = options.scale;
+    if (options.textures) state_->levels.displaced = farthest_displaced(scene, options.scale);
     state_->segments = scene.shutter_segments();
     // A box around all that something passes through is hardly hit less often than everything. Few igrids hold the meshes of
     // a scene without cages, and rays find these in fewer steps in the tree of boxes.
     const bool has_cages = scene.contents().has(Contents::Subdivided);
     const TreeKind best = state_->segments > 0 || !has_cages ? TreeKind::Bvh : TreeKind::Kd;
-    state_->tree = tree == TreeKind::Auto ? best : tree;
+    state_->tree = options.tree == TreeKind::Auto ? best : options.tree;
     const Node& root = scene.node(scene.root());
-    const Box3d world = scale.placed(box_in_parent(root));
+    const Box3d world = options.scale.placed(box_in_parent(root));
     if (world.is_empty()) return;
     const double step = std::ldexp(1.0, std::ilogb(std::max(world.radius(), 1e-30)));
     state_->anchor = glm::round(world.centre() / step) * step;

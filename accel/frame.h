@@ -13,19 +13,22 @@
 
 namespace occam::accel {
 
+/// Says what a frame of an application has beyond a scene and its levels; what is left out is not needed.
+struct FrameOptions {
+    const TextureStore* textures = nullptr;  ///< prepared; if null, nothing is displaced
+    lod::VertexShading shading{};            ///< phase one at the vertices of grids, for SurfaceHit::phase_one; borrowed
+    FrameScale scale{};                      ///< the unit of the frame; its levels are in it
+    TreeKind tree = TreeKind::Auto;          ///< holds the items; it has no influence on what a ray hits
+};
+
 /// It is only read while tracers live. It borrows the scene and the topologies. Rays, hits and levels of its tracers are in
 /// frame lengths.
 class Frame {
 public:
     /// scene     is refitted, and must not be edited while this object lives.
     /// eye       belongs to the camera whose footprints choose the level of each cage instance.
-    /// textures  are prepared; if null, nothing is displaced.
-    /// shading   runs phase one at the vertices of grids, for SurfaceHit::phase_one; its shader is borrowed.
-    /// scale     is the unit of the frame; `levels` are in it.
-    /// tree      holds the items; it has no influence on what a ray hits.
     Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels,
-          const TextureStore* textures = nullptr, const lod::VertexShading& shading = {}, FrameScale scale = {},
-          TreeKind tree = TreeKind::Auto);
+          const FrameOptions& options = {});
     ~Frame();
 
     /// Returns the tree that holds the items of this frame, which is never Auto.

@@ -3,29 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <tuple>
 
 #include "accel/hit_geometry.h"
 #include "accel/hit_shares.h"
 #include "accel/packet.h"
+#include "accel/ray_reach.h"
 #include "accel/ray_starts.h"
 #include "accel/vertex_values.h"
 #include "base/hash.h"
 
 namespace occam::accel {
 namespace {
-
-// Identifies the micropolygon's place in the scene, whichever igrid holds it.
-auto order_of(const IGrid& grid, std::uint32_t id) noexcept
-{
-    const std::uint32_t number = number_of(grid, id);
-    if (!grid.is_lattice) return std::tuple(grid.cage->key, number, 0u, 0, 0u, 0u, 0u);
-    const lod::TileRef& tile = grid.lattice().parts[part_of(number)].tile;
-    const QuadRef quad = quad_of(number);
-    const std::uint32_t patch_face = tile.patch.face, kind = is_gap(id) ? 2u : quad.triangle;
-    return std::tuple(grid.cage->key, patch_face, tile.patch.sub, grid.pairs.finest, tile.j0 + quad.j, tile.i0 + quad.i,
-                      kind);
-}
 
 // Returns the set of texture coordinates that decides the axes of normal maps and brush strokes, or -1 if the material
 // has neither.
@@ -248,11 +236,6 @@ void set_level(const Ray& ray, const GridHit& met, const MicropolygonPlace& spot
 
 }  // namespace
 
-bool comes_before(const IGrid& a, std::uint32_t a_id, const IGrid& b, std::uint32_t b_id) noexcept
-{
-    return order_of(a, a_id) < order_of(b, b_id);
-}
-
 void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const GridHit> met, const PhaseOneTools& tools,
              SurfaceHit* const* hits)
 {
@@ -269,7 +252,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
     corners.set_positions({way[0], way[1], way[2]}, {origin[0], origin[1], origin[2]}, origin[3], read.coarse_starts);
     corners.set_attributes(tools);
     vfloat share[3];
-    shares_of(corners, axes, rays, met, way, origin, read.gaps, share);
+    shares_of(corners, {axes, rays, met, way, origin, read.gaps}, share);
 
     const vfloat zero = 0.0f, t = vfloat::load(read.t);
     const vmask is_flat = vfloat::load(read.is_flat) > zero;
@@ -280,8 +263,9 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
     const vfloat outward = corners.has_normals != 0 ? outward_curvature(tri, normal.corner) : zero;
     const vfloat curvature = select(has_gradients, select(normal.is_back, -outward, outward), zero);
     const MapSets map_sets(met, corners);
-    const UvAtHits uv(corners, tri, share, max(beam[2] + beam[3] * t, zero), map_sets.any ? &map_sets.of : nullptr,
-                      has_gradients, select(normal.is_back, -normal.shading, normal.shading));
+    const vfloat map_set = select(has_gradients, map_sets.of, -1.0f);
+    const UvAtHits uv(corners, tri, share, max(beam[2] + beam[3] * t, zero), map_sets.any ? &map_set : nullptr,
+                      select(normal.is_back, -normal.shading, normal.shading));
     const vfloat farthest = max(largest(load(corners.position[0]) + offset), vfloat::load(read.radius));
     const vfloat blend = fma(vfloat::load(corners.weight[0]), share[0],
                              fma(vfloat::load(corners.weight[1]), share[1], vfloat::load(corners.weight[2]) * share[2]));

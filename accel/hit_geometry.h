@@ -172,10 +172,11 @@ struct UvAtHits {
     Tangents tangent;           ///< for the material's normal map; 0 without one or without coordinates
 
     /// width_of_beam   where it hits
-    /// map_set         the set of coordinates of each lane's normal map; negative without a map
+    /// map_set         the set of coordinates of each lane's normal map, negative without one that it can be turned by; null
+    ///                 if no lane has such a map
     /// outward         the shading normal, outside
     UvAtHits(const HitCorners& corners, const Triangles& tri, const vfloat (&share)[3], vfloat width_of_beam,
-             const vfloat* map_set, vmask has_gradients, const VecLanes& outward) noexcept
+             const vfloat* map_set, const VecLanes& outward) noexcept
         : tangent{VecLanes{0.0f, 0.0f, 0.0f}, 1.0f}
     {
         const vfloat zero = 0.0f;
@@ -186,7 +187,7 @@ struct UvAtHits {
             const UvLanes uv(corners.uv[s]);
             for (int a = 0; a < 2; ++a) at[s][a] = uv.at_share(a, share);
             width[s] = uv.width_on(tri, width_of_beam);
-            if (map_set) of_map.set_where(has_gradients & (*map_set == vfloat(float(s))), uv);
+            if (map_set) of_map.set_where(*map_set == vfloat(float(s)), uv);
         }
         if (map_set) tangent = tangents(tri, of_map, outward);
     }

@@ -24,16 +24,16 @@ Vec3d barycentrics(const HitCorners& corners, std::size_t lane, Vec3d origin, Ve
 }
 
 // Computes the barycentric weights of the corners at the hit, from the same edge functions that found the hit.
-void set_shares(const HitCorners& corners, const RayAxes& axes, const vfloat (&way)[4], const vfloat (&origin)[4],
-                vfloat (&share)[3]) noexcept
+void set_shares(const HitCorners& corners, const RaysThatHit& hit, vfloat (&share)[3]) noexcept
 {
+    const RayAxes& axes = hit.axes;
     vfloat shears[3];
-    set_shear(axes, way, shears);
+    set_shear(axes, hit.way, shears);
     RayLanes rays;
     rays.sx = shears[0];
     rays.sy = shears[1];
     rays.sz = shears[2];
-    const VecLanes from{origin[axes.kx], origin[axes.ky], origin[axes.kz]};
+    const VecLanes from{hit.origin[axes.kx], hit.origin[axes.ky], hit.origin[axes.kz]};
     const auto corner = [&](int p) {
         const FloatLanes(&at)[3] = corners.position[p];
         return shear(rays, from, {vfloat::load(at[axes.kx]), vfloat::load(at[axes.ky]), vfloat::load(at[axes.kz])});
@@ -46,14 +46,14 @@ void set_shares(const HitCorners& corners, const RayAxes& axes, const vfloat (&w
 }
 
 // Does the same for gap triangles, which have no edge functions.
-OCCAM_NEVER_INLINE void set_shares_of_gaps(unsigned gaps, const HitCorners& corners, std::span<const Ray> rays,
-                                           std::span<const GridHit> met, vfloat (&share)[3]) noexcept
+OCCAM_NEVER_INLINE void set_shares_of_gaps(const HitCorners& corners, const RaysThatHit& hit, vfloat (&share)[3]) noexcept
 {
     alignas(32) FloatLanes own[3];
     for (int p = 0; p < 3; ++p) share[p].store(own[p]);
-    for (unsigned left = gaps; left != 0; left &= left - 1) {
+    for (unsigned left = hit.gaps; left != 0; left &= left - 1) {
         const auto i = static_cast<std::size_t>(std::countr_zero(left));
-        const Vec3d w = barycentrics(corners, i, rays[i].origin - met[i].grid->cage->anchor, Vec3d(rays[i].direction));
+        const Vec3d w = barycentrics(corners, i, hit.rays[i].origin - hit.met[i].grid->cage->anchor,
+                                     Vec3d(hit.rays[i].direction));
         for (int p = 0; p < 3; ++p) own[p][i] = static_cast<float>(w[p]);
     }
     for (int p = 0; p < 3; ++p) share[p] = vfloat::load(own[p]);
@@ -61,11 +61,10 @@ OCCAM_NEVER_INLINE void set_shares_of_gaps(unsigned gaps, const HitCorners& corn
 
 }  // namespace
 
-void shares_of(const HitCorners& corners, const RayAxes& axes, std::span<const Ray> rays, std::span<const GridHit> met,
-               const vfloat (&way)[4], const vfloat (&origin)[4], unsigned gaps, vfloat (&share)[3]) noexcept
+void shares_of(const HitCorners& corners, const RaysThatHit& hit, vfloat (&share)[3]) noexcept
 {
-    set_shares(corners, axes, way, origin, share);
-    if (gaps != 0) set_shares_of_gaps(gaps, corners, rays, met, share);
+    set_shares(corners, hit, share);
+    if (hit.gaps != 0) set_shares_of_gaps(corners, hit, share);
 }
 
 }  // namespace occam::accel

@@ -5,11 +5,18 @@
 
 namespace occam::accel {
 
-/// Computes the barycentric weights of the corners at the hits, from the same edge functions that found the hits. Gap
-/// triangles, which have no edge functions, are the lanes of `gaps`.
-/// way, origin   of the rays, each in the frame of its cage
-void shares_of(const HitCorners& corners, const RayAxes& axes, std::span<const Ray> rays, std::span<const GridHit> met,
-               const vfloat (&way)[4], const vfloat (&origin)[4], unsigned gaps, vfloat (&share)[3]) noexcept;
+/// Refers to rays in lanes and to what they met.
+struct RaysThatHit {
+    const RayAxes& axes;
+    std::span<const Ray> rays;
+    std::span<const GridHit> met;
+    const vfloat (&way)[4];     ///< directions
+    const vfloat (&origin)[4];  ///< each in the frame of its cage
+    unsigned gaps;              ///< lanes that met gap triangles, which have no edge functions
+};
+
+/// Computes the barycentric weights of the corners at the hits, from the same edge functions that found the hits.
+void shares_of(const HitCorners& corners, const RaysThatHit& hit, vfloat (&share)[3]) noexcept;
 
 inline Vec4f weighted(const Vec4f (&of)[3], Vec3f w) noexcept { return of[0] * w.x + of[1] * w.y + of[2] * w.z; }
 

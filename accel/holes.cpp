@@ -27,7 +27,7 @@ Place place_of(const Holes& holes, const Ray& ray, const GridHit& met, const Mic
         rays, way, [&](std::size_t) -> const lod::PosedCage& { return *met.grid->cage; }, origin);
     corners.set_positions({way[0], way[1], way[2]}, {origin[0], origin[1], origin[2]}, origin[3], 0);
     corners.set_attributes(*holes.frame.scene);
-    shares_of(corners, holes.axes, rays, {&met, 1}, way, origin, is_gap(met) ? 1 : 0, share);
+    shares_of(corners, {holes.axes, rays, {&met, 1}, way, origin, is_gap(met) ? 1u : 0u}, share);
     const Triangles tri(corners);
     const vfloat width = max(beam[2] + beam[3] * vfloat(met.t), vfloat(0.0f));
     Place place;

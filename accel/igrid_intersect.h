@@ -32,21 +32,20 @@ namespace occam::accel {
 template <class Query, class Coordinates = StillCoordinates>
 class IGridTracer {
 public:
-    IGridTracer(IGrid& grid, const RayLanes& ray, const bool (&negative)[3], const RaySpan& span, Query& query,
-                const Coordinates& read = {})
+    IGridTracer(IGrid& grid, const RaysInGrid& rays, Query& query, const Coordinates& read = {})
         : grid_(grid),
-          ray_(ray),
-          origin_{ray.origin[ray.kx], ray.origin[ray.ky], ray.origin[ray.kz]},
+          ray_(rays.lanes),
+          origin_{ray_.origin[ray_.kx], ray_.origin[ray_.ky], ray_.origin[ray_.kz]},
           read_(read),
           boxes_(at_key(grid.boxes)),
-          span_(span),
+          span_(rays.span),
           query_(query)
     {
-        const int axes[3] = {ray.kx, ray.ky, ray.kz};
+        const int axes[3] = {ray_.kx, ray_.ky, ray_.kz};
         for (int a = 0; a < 3; ++a) {
             axes_[a] = axes[a];
-            near_[a] = (negative[a] ? a + 3 : a) * BoxTree::kGroup;
-            far_[a] = (negative[a] ? a : a + 3) * BoxTree::kGroup;
+            near_[a] = (rays.negative[a] ? a + 3 : a) * BoxTree::kGroup;
+            far_[a] = (rays.negative[a] ? a : a + 3) * BoxTree::kGroup;
         }
     }
 
@@ -286,7 +285,7 @@ private:
             for (int c = 0; c < block.columns; ++c) {
                 const Edge right(v[r][c + 1], v[r + 1][c + 1]), upper(v[r + 1][c + 1], v[r + 1][c]);
                 intersect_quad(
-                    ray_, v[r][c], v[r][c + 1], v[r + 1][c], v[r + 1][c + 1], left, right, across[c], upper,
+                    ray_, {v[r][c], v[r][c + 1], v[r + 1][c], v[r + 1][c + 1]}, {left, right, across[c], upper},
                     [&](const TriangleHit& hit, int triangle) { offer_lanes(hit, alive, quad_id(block, c, r, triangle)); });
                 left = right;
                 across[c] = upper;
@@ -348,7 +347,7 @@ private:
                                       vfloat::load_halves(from[2] + at, from[2] + at + upper, first)});
             };
             const ShearedVertex v00 = corner(0, 0), v10 = corner(1, 0), v01 = corner(0, 1), v11 = corner(1, 1);
-            intersect_quad(ray_, v00, v10, v01, v11, {v00, v01}, {v10, v11}, {v10, v00}, {v11, v01},
+            intersect_quad(ray_, {v00, v10, v01, v11}, {{v00, v01}, {v10, v11}, {v10, v00}, {v11, v01}},
                            [&](const TriangleHit& hit, int triangle) {
                                unsigned lanes = bits(hit.is_hit & (hit.t > span_.t_near) & (hit.t <= limit())) &
                                                 (real >> first);
@@ -380,19 +379,19 @@ private:
 
 /// Intersects a packet, one ray in each lane, with an igrid of either kind.
 template <class Query, class AsOne, class Coordinates = StillCoordinates>
-OCCAM_ALWAYS_INLINE void meet_packet(IGrid& grid, const RayLanes& rays, const bool (&negative)[3], const RaySpan& span,
-                                     vmask active, Query& query, AsOne&& as_one, const Coordinates& read = {}) noexcept
+OCCAM_ALWAYS_INLINE void meet_packet(IGrid& grid, const RaysInGrid& rays, vmask active, Query& query, AsOne&& as_one,
+                                     const Coordinates& read = {}) noexcept
 {
-    if (grid.is_lattice) IGridTracer(grid, rays, negative, span, query, read).packet(active, as_one);
-    else TriangleTracer(grid, rays, negative, span, query, read).packet(active, as_one);
+    if (grid.is_lattice) IGridTracer(grid, rays, query, read).packet(active, as_one);
+    else TriangleTracer(grid, rays, query, read).packet(active, as_one);
 }
 /// Does the same for one ray, which is in all lanes; it is ray `lane` of the query.
 template <class Query, class Coordinates = StillCoordinates>
-OCCAM_ALWAYS_INLINE void meet_single(IGrid& grid, const RayLanes& ray, const bool (&negative)[3], const RaySpan& span,
-                                     int lane, Query& query, const Coordinates& read = {}) noexcept
+OCCAM_ALWAYS_INLINE void meet_single(IGrid& grid, const RaysInGrid& ray, int lane, Query& query,
+                                     const Coordinates& read = {}) noexcept
 {
-    if (grid.is_lattice) IGridTracer(grid, ray, negative, span, query, read).single(lane);
-    else TriangleTracer(grid, ray, negative, span, query, read).single(lane);
+    if (grid.is_lattice) IGridTracer(grid, ray, query, read).single(lane);
+    else TriangleTracer(grid, ray, query, read).single(lane);
 }
 
 }  // namespace occam::accel

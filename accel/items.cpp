@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "accel/corners.h"
+#include "accel/phase_one.h"
 #include "accel/stopwatch.h"
 #include "base/cancellation.h"
 

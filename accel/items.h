@@ -1,4 +1,4 @@
-// Holds what a kd-tree's lazy nodes list: parts of the scene, each with a box, opened step by step as rays come near.
+// Holds what the lazy nodes of a tree list: parts of the scene, each with a box, opened step by step as rays come near.
 //
 // An item represents everything below it (Hunt et al. 2007): a node of the scene graph, a cluster of a cage's faces, a
 // patch, or a dyadic region of a patch. An item knows only two bounds on levels: the pair from which on rays see it as one
@@ -16,7 +16,7 @@
 #include "accel/grid_table.h"
 #include "accel/lattice_builder.h"
 #include "accel/mesh_builder.h"
-#include "accel/tracer.h"
+#include "accel/trace_counters.h"
 #include "base/arena.h"
 
 namespace occam::accel {

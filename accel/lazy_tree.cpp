@@ -1,6 +1,6 @@
 #include "accel/lazy_tree.h"
 
-#include "accel/corners.h"
+#include <algorithm>
 
 namespace occam::accel {
 
@@ -62,12 +62,5 @@ TraceCounters LazyTree::totals()
     all.vertices_shaded = dicer.vertices_shaded();
     return all;
 }
-
-SharedTree::SharedTree(const Frame& frame, std::size_t memory_bytes)
-    : tree_(std::make_unique<LazyTree>(frame.state(), memory_bytes, BuildTechniques(), true))
-{
-}
-SharedTree::~SharedTree() = default;
-TraceCounters SharedTree::counters() const { return tree_->totals(); }
 
 }  // namespace occam::accel

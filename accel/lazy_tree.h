@@ -10,10 +10,11 @@
 #include <memory>
 #include <mutex>
 
+#include "accel/build_techniques.h"
 #include "accel/bvh.h"
 #include "accel/flush_gate.h"
-#include "accel/hit.h"
 #include "accel/kd_tree.h"
+#include "accel/phase_one.h"
 
 namespace occam::accel {
 

@@ -5,7 +5,8 @@
 #include <span>
 
 #include "accel/keyed_boxes.h"
-#include "accel/tracer.h"
+#include "accel/ray.h"
+#include "accel/trace_counters.h"
 
 namespace occam::accel {
 

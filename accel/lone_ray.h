@@ -85,8 +85,8 @@ public:
     /// Intersects an igrid of the cage at which the ray is placed.
     OCCAM_ALWAYS_INLINE void meet(IGrid& grid, bool, bool, float from, float to) noexcept
     {
-        if (grid.segments > 0) meet_moving(grid, {rays(), lanes_, in_tree.negative, {from, to}}, query);
-        else meet_single(grid, lanes_, in_tree.negative, {from, to}, query.only, query);
+        if (grid.segments > 0) meet_moving(grid, {rays(), {lanes_, in_tree.negative, {from, to}}}, query);
+        else meet_single(grid, {lanes_, in_tree.negative, {from, to}}, query.only, query);
         if constexpr (kIsObserved<Found>)
             if (query.narration) {
                 GridHit like{0, &grid, 0, {}, lod::key_time(ray_.time, std::max(grid.segments, 1))};

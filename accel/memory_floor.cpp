@@ -4,7 +4,7 @@
 
 #include "accel/bvh.h"
 #include "accel/kd_tree.h"
-#include "accel/vertex_values.h"
+#include "accel/phase_one.h"
 #include "lod/deformed_cage.h"
 #include "scenegraph/shown_nodes.h"
 

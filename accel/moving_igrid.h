@@ -13,12 +13,10 @@
 
 namespace occam::accel {
 
-/// Describes as many rays as there are lanes, in the frame of the igrid's cage.
+/// Refers to as many rays as there are lanes, in the frame of the igrid's cage.
 struct LanesAtGrid {
     std::span<const Ray> rays;
-    const RayLanes& lanes;
-    const bool (&negative)[3];
-    RaySpan span;
+    RaysInGrid in_grid;
 };
 
 /// Intersects the igrid with the rays whose bits are set in `which`.
@@ -33,6 +31,8 @@ OCCAM_NEVER_INLINE void meet_moving(IGrid& grid, const LanesAtGrid& at, unsigned
         shares[lane] = times[lane].share;
     }
     const vfloat share = vfloat::load(shares);
+    const RayLanes& lanes = at.in_grid.lanes;
+    const RaySpan& span = at.in_grid.span;
     while (which != 0) {
         const int key = times[std::countr_zero(which)].key;
         unsigned here = 0;
@@ -46,19 +46,19 @@ OCCAM_NEVER_INLINE void meet_moving(IGrid& grid, const LanesAtGrid& at, unsigned
         which &= ~here;
         if (std::popcount(here) >= kWorthAPacket) {
             const auto as_one = [&] {
-                return RaysAsOne<vfloat>(at.lanes.origin, at.lanes.inverse, at.negative, at.lanes.shift, -FLT_MAX);
+                return RaysAsOne<vfloat>(lanes.origin, lanes.inverse, at.in_grid.negative, lanes.shift, -FLT_MAX);
             };
-            meet_packet(grid, at.lanes, at.negative, at.span, vfloat::load(is_here) > vfloat(0.0f), query, as_one,
+            meet_packet(grid, at.in_grid, vfloat::load(is_here) > vfloat(0.0f), query, as_one,
                         MovingCoordinates(key, share));
             continue;
         }
         for (; here != 0; here &= here - 1) {
             const int lane = std::countr_zero(here);
             LaneOf<Found> one{query, lane};
-            RayLanes ray = spread(at.lanes, lane);
-            if (grid.blends()) ray.blend = spread(at.lanes.blend, lane);
-            meet_single(grid, ray, at.negative, {spread(at.span.t_near, lane), spread(at.span.t_end, lane)}, lane, one,
-                        MovingCoordinates(key, spread(share, lane)));
+            RayLanes ray = spread(lanes, lane);
+            if (grid.blends()) ray.blend = spread(lanes.blend, lane);
+            const RaySpan own{spread(span.t_near, lane), spread(span.t_end, lane)};
+            meet_single(grid, {ray, at.in_grid.negative, own}, lane, one, MovingCoordinates(key, spread(share, lane)));
         }
     }
 }
@@ -68,7 +68,7 @@ template <class Found>
 OCCAM_NEVER_INLINE void meet_moving(IGrid& grid, const LanesAtGrid& at, SingleQuery<Found>& query)
 {
     const lod::KeyTime time = lod::key_time(at.rays.front().time, grid.segments);
-    meet_single(grid, at.lanes, at.negative, at.span, query.only, query, MovingCoordinates(time.key, time.share));
+    meet_single(grid, at.in_grid, query.only, query, MovingCoordinates(time.key, time.share));
 }
 
 }  // namespace occam::accel

@@ -13,8 +13,9 @@
 #include <type_traits>
 #include <vector>
 
-#include "accel/hit.h"
 #include "accel/keyed_boxes.h"
+#include "accel/queries.h"
+#include "accel/ray_lanes.h"
 #include "base/print.h"
 
 namespace occam::accel {

@@ -41,7 +41,7 @@ RayCost Tracer::observe(const Ray& ray, SurfaceHit& hit, std::ostream* out)
         if (met.grid && met.grid->segments > 0) met.time = lod::key_time(ray.time, met.grid->segments);
         SurfaceHit* const to = &hit;
         resolve({&ray, 1}, axes, {&met, 1}, s.lazy.phase_one(), &to);
-        if (s.arena.bytes() > memory_bytes) return false;
+        if (!s.is_within(memory_bytes)) return false;
         if (out) *out << text.str();
         return true;
     });

@@ -7,7 +7,8 @@
 #include <span>
 #include <type_traits>
 
-#include "accel/hit.h"
+#include "accel/queries.h"
+#include "accel/ray.h"
 #include "base/simd_groups.h"
 
 namespace occam::accel {

@@ -134,11 +134,11 @@ private:
         PartOf<Found> some{query_, p * kLanes};
         if (grid.segments > 0) {
             const std::size_t first = static_cast<std::size_t>(p) * kLanes;
-            meet_moving(grid, {rays_.subspan(first), part.lanes, in_tree.negative, span}, of_part, some);
+            meet_moving(grid, {rays_.subspan(first), {part.lanes, in_tree.negative, span}}, of_part, some);
             return;
         }
         if (std::popcount(of_part) >= kWorthAPacket) {
-            meet_packet(grid, part.lanes, in_tree.negative, span, entering, some, [&]() -> const RaysAsOne<vfloat>& {
+            meet_packet(grid, {part.lanes, in_tree.negative, span}, entering, some, [&]() -> const RaysAsOne<vfloat>& {
                 if (!part.is_as_one_placed)
                     part.as_one = {part.lanes.origin, part.lanes.inverse, in_tree.negative, part.lanes.shift, -FLT_MAX};
                 part.is_as_one_placed = true;
@@ -151,7 +151,8 @@ private:
             LaneOf<Found> one{some, lane};
             RayLanes ray = spread(part.lanes, lane);
             if (grid.blends()) ray.blend = spread(part.lanes.blend, lane);
-            meet_single(grid, ray, in_tree.negative, {spread(span.t_near, lane), spread(span.t_end, lane)}, lane, one);
+            const RaySpan own{spread(span.t_near, lane), spread(span.t_end, lane)};
+            meet_single(grid, {ray, in_tree.negative, own}, lane, one);
         }
     }
 

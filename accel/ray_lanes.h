@@ -11,7 +11,7 @@
 #include <cmath>
 #include <span>
 
-#include "accel/tracer.h"
+#include "accel/ray.h"
 #include "accel/vec_lanes.h"
 #include "base/simd.h"
 #include "lod/ray_levels.h"

@@ -3,9 +3,20 @@
 
 #include <algorithm>
 
-#include "accel/hit.h"
+#include "accel/frame_state.h"
+#include "accel/ray.h"
 
 namespace occam::accel {
+
+/// Returns the target edge lengths by which a ray's levels are chosen. A ray without a width takes the camera's.
+inline lod::Footprint target_edge_of(const Ray& ray, const lod::LevelSettings& levels) noexcept
+{
+    lod::Footprint f = ray.footprint;
+    if (f.a <= 0 && f.b == 0)
+        f = {levels.pixel.at(static_cast<float>(glm::distance(ray.origin, levels.eye))), levels.pixel.b};
+    if (levels.mode == lod::LevelMode::Frozen && !(ray.kinds & RayKind::Camera)) f.b = 0;
+    return levels.target_edge(f);
+}
 
 /// Holds the inputs of a ray's table of transitions (lod::RayLevels); a packet gathers them four at a time.
 struct RayReach {

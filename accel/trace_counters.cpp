@@ -1,4 +1,4 @@
-#include "accel/tracer.h"
+#include "accel/trace_counters.h"
 
 namespace occam::accel {
 

@@ -124,7 +124,7 @@ void Tracer::State::find_nearest(std::span<const Ray> rays, Expect&& expect, Fil
         for (std::size_t i = 0; i < count; ++i) expect(groups.place_of[first + i]);
         if (!run<Nearest>(axes, first, count, memory_bytes, take)) return false;
         fill(axes, first, std::span<const GridHit>(met, count));
-        return arena.bytes() <= memory_bytes;
+        return is_within(memory_bytes);
     });
     if (!rays.empty() && rays.front().kinds & RayKind::Camera) counters.diced_for_camera += counters.diced - diced;
 }
@@ -183,7 +183,7 @@ void Tracer::nearest(std::span<const Ray> rays, int most, std::span<SurfaceHit> 
                     to[i] = &hits[s.groups.place_of[first + from + i] * std::size_t(most) + std::size_t(k)];
                 resolve({&s.groups.sorted[first + from], n}, axes, {&met[at(from, k)], n}, s.lazy.phase_one(), to);
             }
-        return s.arena.bytes() <= memory_bytes;
+        return s.is_within(memory_bytes);
     });
 }
 
@@ -215,5 +215,12 @@ void Tracer::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occlude
     });
     s.counters.diced_for_occlusion += s.counters.diced - diced;
 }
+
+SharedTree::SharedTree(const Frame& frame, std::size_t memory_bytes)
+    : tree_(std::make_unique<LazyTree>(frame.state(), memory_bytes, BuildTechniques(), true))
+{
+}
+SharedTree::~SharedTree() = default;
+TraceCounters SharedTree::counters() const { return tree_->totals(); }
 
 }  // namespace occam::accel

@@ -11,6 +11,8 @@
 #include "accel/memory_floor.h"
 #include "accel/packet.h"
 #include "accel/ray_groups.h"
+#include "accel/ray_reach.h"
+#include "accel/tracer.h"
 #include "accel/traverse.h"
 #include "base/cancellation.h"
 #include "base/error_without_file.h"
@@ -76,12 +78,14 @@ struct Tracer::State {
     /// Takes rays through a tree (accel/walk.h).
     template <class Way, class Party>
     class Walk;
+    /// Returns whether what is built fits the memory budget.
+    bool is_within(std::size_t memory_bytes) const noexcept { return arena.bytes() <= memory_bytes; }
     /// Returns the igrid of an entry, which is built if needed, or null if the budget is exceeded.
     IGrid* grid_of(const TreeLeaf& leaf, std::size_t number, int pair, std::size_t memory_bytes)
     {
         if (IGrid* known = read_published(leaf.entries[number].grid)) return known;
         IGrid* made = &lazy.grid(leaf, number, pair, counters);
-        return arena.bytes() <= memory_bytes ? made : nullptr;
+        return is_within(memory_bytes) ? made : nullptr;
     }
     /// Clears a query before its rays are traced.
     template <class Query>

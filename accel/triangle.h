@@ -75,15 +75,26 @@ struct Edge {
     }
 };
 
+/// Refers to the vertices of a quad; the first index is that along u.
+struct QuadVertices {
+    const ShearedVertex &v00, &v10, &v01, &v11;
+};
+
+/// Refers to the edges of a quad: left and right run from the lower vertex to the upper one, low and high run from the right
+/// vertex to the left one.
+struct QuadEdges {
+    const Edge &left, &right, &low, &high;
+};
+
 /// Intersects the two triangles of a quad, (v00, v10, v11) and (v00, v11, v01). Their edges are computed once, as are
-/// those that quads share; the bits are those of intersect(). left and right run from the lower vertex to the upper
-/// one; low and high run from the right vertex to the left one. take(hit, triangle) is called for triangles that some
-/// lane has hit.
+/// those that quads share; the bits are those of intersect(). take(hit, triangle) is called for triangles that some lane has
+/// hit.
 template <class Take>
-OCCAM_ALWAYS_INLINE void intersect_quad(const RayLanes& ray, const ShearedVertex& v00, const ShearedVertex& v10,
-                                        const ShearedVertex& v01, const ShearedVertex& v11, const Edge& left,
-                                        const Edge& right, const Edge& low, const Edge& high, Take&& take) noexcept
+OCCAM_ALWAYS_INLINE void intersect_quad(const RayLanes& ray, const QuadVertices& vertices, const QuadEdges& edges,
+                                        Take&& take) noexcept
 {
+    const auto& [v00, v10, v01, v11] = vertices;
+    const auto& [left, right, low, high] = edges;
     const Edge diagonal(v00, v11);
     const vmask first = (right.is_right & diagonal.is_left & low.is_left) |
                         (right.is_left & diagonal.is_right & low.is_right);

@@ -25,23 +25,29 @@ OCCAM_ALWAYS_INLINE void count_tests(Query& query, int triangles) noexcept
     if constexpr (requires { query.tested(triangles); }) query.tested(triangles);
 }
 
+/// Refers to the rays that meet an igrid, in the frame of its cage: a packet, or one ray in all lanes.
+struct RaysInGrid {
+    const RayLanes& lanes;
+    const bool (&negative)[3];  ///< the signs of their directions
+    const RaySpan& span;        ///< where they are in its item
+};
+
 template <class Query, class Coordinates = StillCoordinates>
 class TriangleTracer {
 public:
-    TriangleTracer(IGrid& grid, const RayLanes& ray, const bool (&negative)[3], const RaySpan& span, Query& query,
-                   const Coordinates& read = {})
+    TriangleTracer(IGrid& grid, const RaysInGrid& rays, Query& query, const Coordinates& read = {})
         : grid_(grid),
-          ray_(ray),
-          span_(span),
+          ray_(rays.lanes),
+          span_(rays.span),
           query_(query),
           read_(read),
           nodes_(grid.mesh().triangles.nodes + std::size_t(read.key()) * grid.mesh().triangles.node_count),
           blocks_(grid.mesh().triangles.blocks + std::size_t(read.key()) * grid.mesh().triangles.block_count),
-          axes_{ray.kx, ray.ky, ray.kz}
+          axes_{ray_.kx, ray_.ky, ray_.kz}
     {
         for (int a = 0; a < 3; ++a) {
-            near_[a] = (negative[a] ? a + 3 : a) * kWidth;
-            far_[a] = (negative[a] ? a : a + 3) * kWidth;
+            near_[a] = (rays.negative[a] ? a + 3 : a) * kWidth;
+            far_[a] = (rays.negative[a] ? a : a + 3) * kWidth;
         }
     }
 

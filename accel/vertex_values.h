@@ -10,11 +10,10 @@
 // Memory   The arena of the tree, for each level of a tile when a hit first asks; flushed with its igrid.
 #pragma once
 
-#include "accel/hit.h"
+#include "accel/phase_one.h"
+#include "accel/surface_hit.h"
 
 namespace occam::accel {
-
-inline constexpr int kCoarser = 1;
 
 /// Sets hit.phase_one at a place of a lattice's part, in quads of its tile from the tile's corner; hit.blend and
 /// hit.material must be set. Nothing is made where the patch is a single quad: its vertices, which no other patch

@@ -111,7 +111,7 @@ private:
             if (!meet_entries(*leaf, pair, here, times)) return LeafResult::Abandoned;
             pair = last;
         }
-        return state_.arena.bytes() <= memory_bytes_ ? LeafResult::Done : LeafResult::Abandoned;
+        return state_.is_within(memory_bytes_) ? LeafResult::Done : LeafResult::Abandoned;
     }
 
     /// Intersects rays with the igrids of a leaf whose boxes they enter. Returns false if the memory is used up.

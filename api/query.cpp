@@ -25,7 +25,7 @@ struct Asked {
         : scale(scene.bounds()),
           rays(scale.placed(camera), height, height),
           lock(scene),
-          frame(scene, topologies, rays.levels(1), &textures, {}, scale)
+          frame(scene, topologies, rays.levels(1), {.textures = &textures, .scale = scale})
     {
     }
     FrameScale scale;

@@ -42,10 +42,16 @@ struct Plane {
     float cost = std::numeric_limits<float>::infinity();
 };
 
-// Tries all planes between the bins of an axis. No part may have more than `most` of the sampled faces.
-void try_axis(std::span<const BoxedFace> faces, std::size_t step, std::size_t most, int axis, float from, float to,
-              Plane& best)
+// Refers to one in `step` of the faces. No part may have more than `most` of these.
+struct Sampled {
+    std::span<const BoxedFace> faces;
+    std::size_t step, most;
+};
+
+// Tries all planes between the bins of an axis.
+void try_axis(const Sampled& sampled, int axis, float from, float to, Plane& best)
 {
+    const auto [faces, step, most] = sampled;
     const float scale = float(kBins) / (to - from);
     if (!(scale < std::numeric_limits<float>::max())) return;
     Bin bins[kBins];
@@ -97,7 +103,8 @@ FaceSplit split_faces(std::span<BoxedFace> faces, std::size_t most) noexcept
     }
     Plane best;
     const std::size_t most_sampled = step == 1 ? most : all.count;
-    for (int axis = 0; axis < 3; ++axis) try_axis(faces, step, most_sampled, axis, centres.lo[axis], centres.hi[axis], best);
+    const Sampled sampled{faces, step, most_sampled};
+    for (int axis = 0; axis < 3; ++axis) try_axis(sampled, axis, centres.lo[axis], centres.hi[axis], best);
     if (best.axis >= 0) {
         const auto is_below = [&](const BoxedFace& f) {
             return bin_of(twice_centre(f)[best.axis], best.from, best.scale) < best.bin;

@@ -131,9 +131,10 @@ SurfacePoint PosedPatch::direct(const PatchClass::Node& leaf, float u, float v)
 }
 
 template <bool kTangents>
-void PosedPatch::fill_piece(const PatchClass::Node& node, const ParameterGrid& grid, int i0, int i1, int j0, int j1,
-                            float* const* out, int stride)
+void PosedPatch::fill_piece(const PatchClass::Node& node, const ParameterGrid& grid, const GridPart& part, const Rows& rows)
 {
+    const auto [i0, i1, j0, j1] = part;
+    const auto [out, stride] = rows;
     constexpr int kMaxColumns = 32;
     OCCAM_DCHECK_LE(i1 - i0, kMaxColumns);
     const PieceControls& net = piece(node);
@@ -187,22 +188,22 @@ void PosedPatch::fill_piece(const PatchClass::Node& node, const ParameterGrid& g
 }
 
 template <bool kTangents>
-void PosedPatch::fill(const PatchClass::Node& node, const ParameterGrid& grid, int i0, int i1, int j0, int j1,
-                      float* const* out, int stride)
+void PosedPatch::fill(const PatchClass::Node& node, const ParameterGrid& grid, const GridPart& part, const Rows& rows)
 {
+    const auto [i0, i1, j0, j1] = part;
     if (i0 == i1 || j0 == j1) return;
     kind_->resolve(node);
     switch (node.kind.load(std::memory_order_relaxed)) {
         case PatchClass::Node::Bicubic:
-            fill_piece<kTangents>(node, grid, i0, i1, j0, j1, out, stride);
+            fill_piece<kTangents>(node, grid, part, rows);
             break;
         case PatchClass::Node::Split: {
             const int im = node.halves_u ? first_at(grid.u0, grid.step_u, node.u0 + node.size_u() * 0.5f, i0, i1) : i1;
             const int jm = node.halves_v ? first_at(grid.v0, grid.step_v, node.v0 + node.size_v() * 0.5f, j0, j1) : j1;
-            fill<kTangents>(node.child(0, 0), grid, i0, im, j0, jm, out, stride);
-            fill<kTangents>(node.child(1, 0), grid, im, i1, j0, jm, out, stride);
-            fill<kTangents>(node.child(0, 1), grid, i0, im, jm, j1, out, stride);
-            fill<kTangents>(node.child(1, 1), grid, im, i1, jm, j1, out, stride);
+            fill<kTangents>(node.child(0, 0), grid, {i0, im, j0, jm}, rows);
+            fill<kTangents>(node.child(1, 0), grid, {im, i1, j0, jm}, rows);
+            fill<kTangents>(node.child(0, 1), grid, {i0, im, jm, j1}, rows);
+            fill<kTangents>(node.child(1, 1), grid, {im, i1, jm, j1}, rows);
             break;
         }
         case PatchClass::Node::Unknown:  // resolve() leaves none
@@ -212,7 +213,7 @@ void PosedPatch::fill(const PatchClass::Node& node, const ParameterGrid& grid, i
                     const SurfacePoint s = direct(node, grid.u0 + float(i) * grid.step_u, grid.v0 + float(j) * grid.step_v);
                     const Vec3f* parts[3] = {&s.p, &s.du, &s.dv};
                     for (int d = 0; d < (kTangents ? 3 : 1); ++d)
-                        for (int a = 0; a < 3; ++a) out[d * 3 + a][j * stride + i] = (*parts[d])[a];
+                        for (int a = 0; a < 3; ++a) rows.out[d * 3 + a][j * rows.stride + i] = (*parts[d])[a];
                 }
     }
 }
@@ -220,18 +221,18 @@ void PosedPatch::fill(const PatchClass::Node& node, const ParameterGrid& grid, i
 void PosedPatch::points(const ParameterGrid& grid, float* x, float* y, float* z, int stride)
 {
     float* const out[3] = {x, y, z};
-    fill<false>(kind_->root(), grid, 0, grid.columns, 0, grid.rows, out, stride);
+    fill<false>(kind_->root(), grid, {0, grid.columns, 0, grid.rows}, {out, stride});
 }
 
 void PosedPatch::points_and_tangents(const ParameterGrid& grid, float* const out[9], int stride)
 {
-    fill<true>(kind_->root(), grid, 0, grid.columns, 0, grid.rows, out, stride);
+    fill<true>(kind_->root(), grid, {0, grid.columns, 0, grid.rows}, {out, stride});
 }
 
-void PosedPatch::fill_curve(const PatchClass::Node& node, bool along_v, float fixed, float t0, float step, int i0, int i1,
-                            Vec3f* out)
+void PosedPatch::fill_curve(const PatchClass::Node& node, const CurvePoints& curve, int i0, int i1)
 {
     if (i0 == i1) return;
+    const auto [along_v, fixed, t0, step, out] = curve;
     kind_->resolve(node);
     const auto kind = node.kind.load(std::memory_order_relaxed);
     const float from = along_v ? node.v0 : node.u0, across = along_v ? node.u0 : node.v0;
@@ -241,16 +242,16 @@ void PosedPatch::fill_curve(const PatchClass::Node& node, bool along_v, float fi
         const int side = fixed >= across + (along_v ? node.size_u() : node.size_v()) * 0.5f;
         const PatchClass::Node& low = along_v ? node.child(side, 0) : node.child(0, side);
         const PatchClass::Node& high = along_v ? node.child(side, 1) : node.child(1, side);
-        if (&low == &high) return fill_curve(low, along_v, fixed, t0, step, i0, i1, out);
+        if (&low == &high) return fill_curve(low, curve, i0, i1);
         int im = first_at(t0, step, from + half, i0, i1);
         if (step < 0) {
             im = i0;
             while (im < i1 && t0 + float(im) * step >= from + half) ++im;
-            fill_curve(high, along_v, fixed, t0, step, i0, im, out);
-            return fill_curve(low, along_v, fixed, t0, step, im, i1, out);
+            fill_curve(high, curve, i0, im);
+            return fill_curve(low, curve, im, i1);
         }
-        fill_curve(low, along_v, fixed, t0, step, i0, im, out);
-        return fill_curve(high, along_v, fixed, t0, step, im, i1, out);
+        fill_curve(low, curve, i0, im);
+        return fill_curve(high, curve, im, i1);
     }
     if (kind == PatchClass::Node::Direct) {
         for (int i = i0; i < i1; ++i) {
@@ -267,7 +268,7 @@ void PosedPatch::fill_curve(const PatchClass::Node& node, bool along_v, float fi
 
 void PosedPatch::curve(bool along_v, float fixed, float t0, float step, std::span<Vec3f> out)
 {
-    fill_curve(kind_->root(), along_v, fixed, t0, step, 0, static_cast<int>(out.size()), out.data());
+    fill_curve(kind_->root(), {along_v, fixed, t0, step, out.data()}, 0, static_cast<int>(out.size()));
 }
 
 Vec3f PosedPatch::point(float u, float v)

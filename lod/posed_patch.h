@@ -65,14 +65,27 @@ private:
     void set_linear_uv(const PosedCage& cage, PatchRef patch, int uv_set);
     const PieceControls& piece(const PatchClass::Node& node);
     SurfacePoint direct(const PatchClass::Node& leaf, float u, float v);
+    /// A part of a grid: columns i0 <= i < i1 and rows j0 <= j < j1.
+    struct GridPart {
+        int i0, i1, j0, j1;
+    };
+    /// Rows of `stride` floats in each of several arrays, one for each coordinate.
+    struct Rows {
+        float* const* out;
+        int stride;
+    };
+    /// Points of a curve, as curve() is asked for them.
+    struct CurvePoints {
+        bool along_v;
+        float fixed, t0, step;
+        Vec3f* out;
+    };
     template <bool kTangents>
-    void fill(const PatchClass::Node& node, const ParameterGrid& grid, int i0, int i1, int j0, int j1, float* const* out,
-              int stride);
+    void fill(const PatchClass::Node& node, const ParameterGrid& grid, const GridPart& part, const Rows& rows);
     template <bool kTangents>
-    void fill_piece(const PatchClass::Node& node, const ParameterGrid& grid, int i0, int i1, int j0, int j1,
-                    float* const* out, int stride);
-    void fill_curve(const PatchClass::Node& node, bool along_v, float fixed, float t0, float step, int i0, int i1,
-                    Vec3f* out);
+    void fill_piece(const PatchClass::Node& node, const ParameterGrid& grid, const GridPart& part, const Rows& rows);
+    /// Writes the points i0 <= i < i1.
+    void fill_curve(const PatchClass::Node& node, const CurvePoints& curve, int i0, int i1);
     struct Points {
         vfloat4x4 x, y, z;
     };

@@ -277,8 +277,8 @@ private:
     Mask grows_;
     bool is_made_ = false;
     F raw_[kMost + 1], edge_[kMost + 1];
-    float first_[kMost],
-        last_[kMost];  ///< for each pair: the first distance at which it begins for any ray, and the last at which it ends
+    /// For each pair: the first distance at which it begins for any ray, and the last at which it ends.
+    float first_[kMost], last_[kMost];
 };
 
 }  // namespace occam::lod

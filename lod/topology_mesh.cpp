@@ -18,10 +18,17 @@ using namespace OpenSubdiv;
 Sdc::Options sdc_options(const Cage& cage)
 {
     Sdc::Options options;
-    options.SetVtxBoundaryInterpolation(cage.boundary == BoundaryRule::EdgeAndCorner
-                                            ? Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER
-                                        : cage.boundary == BoundaryRule::EdgeOnly ? Sdc::Options::VTX_BOUNDARY_EDGE_ONLY
-                                                                                  : Sdc::Options::VTX_BOUNDARY_NONE);
+    switch (cage.boundary) {
+        case BoundaryRule::EdgeAndCorner:
+            options.SetVtxBoundaryInterpolation(Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER);
+            break;
+        case BoundaryRule::EdgeOnly:
+            options.SetVtxBoundaryInterpolation(Sdc::Options::VTX_BOUNDARY_EDGE_ONLY);
+            break;
+        case BoundaryRule::None:
+            options.SetVtxBoundaryInterpolation(Sdc::Options::VTX_BOUNDARY_NONE);
+            break;
+    }
     switch (cage.face_varying) {
         case FaceVaryingRule::CornersPlus1:
             options.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_CORNERS_PLUS1);

@@ -1,7 +1,8 @@
 // The layers that a picture can have beside beauty: one row for each.
 //
-// To add a layer, add its value to `Aov` and its row to kAovs. If it needs a value that samples do not have yet, add that to
-// FirstSurface or to SampleResult (render/film.h), and a case to PixelSums::write().
+// To add a layer, add its value to `Aov`, its row to kAovs and a case to PixelSums::write() (render/film.cpp). If it needs a
+// value that samples do not have yet, add that to FirstSurface or to SampleResult (render/film.h); a sum of its own is kept
+// between the rounds of a picture by PixelSums::visit_packed().
 #pragma once
 
 #include <cstddef>
@@ -62,33 +63,38 @@ struct AovRow {
     std::string_view channels;  ///< one letter for each channel
     bool full_float;            ///< written with 32 bits, whatever the other layers have
     float miss;                 ///< the value of a pixel that shows nothing
+    bool is_first_surface;      ///< it shows the first surface of the sample nearest to the middle of the pixel
     std::string_view help;
 };
 
 inline constexpr AovRow kAovs[] = {
-    {Aov::Depth, "depth", "Z", true, std::numeric_limits<float>::infinity(),
+    {Aov::Depth, "depth", "Z", true, std::numeric_limits<float>::infinity(), true,
      "distance along the camera's axis; infinity where nothing is hit"},
-    {Aov::Normal, "normal", "XYZ", false, 0, "shading normal in world axes, towards the eye"},
-    {Aov::NormalGeometric, "normal_geometric", "XYZ", false, 0, "normal of the micropolygon, towards the eye"},
-    {Aov::Albedo, "albedo", "RGBA", false, 0, "base colour times coverage, and coverage: the mean over the pixel"},
-    {Aov::Uv, "uv", "UV", true, 0, "first set of texture coordinates, along the axes of glTF: v runs downwards"},
-    {Aov::Position, "position", "XYZ", true, 0, "point in world space"},
-    {Aov::Id, "id", "I", true, 0, "a number for each node, from 1; 0 where nothing is hit"},
-    {Aov::Variance, "variance", "Y", true, 0, "variance of the pixel's mean luminance, estimated from its samples"},
-    {Aov::NormalMean, "normal_mean", "XYZ", false, 0,
+    {Aov::Normal, "normal", "XYZ", false, 0, true, "shading normal in world axes, towards the eye"},
+    {Aov::NormalGeometric, "normal_geometric", "XYZ", false, 0, true, "normal of the micropolygon, towards the eye"},
+    {Aov::Albedo, "albedo", "RGBA", false, 0, false, "base colour times coverage, and coverage: the mean over the pixel"},
+    {Aov::Uv, "uv", "UV", true, 0, true, "first set of texture coordinates, along the axes of glTF: v runs downwards"},
+    {Aov::Position, "position", "XYZ", true, 0, true, "point in world space"},
+    {Aov::Id, "id", "I", true, 0, true, "a number for each node, from 1; 0 where nothing is hit"},
+    {Aov::Variance, "variance", "Y", true, 0, false, "variance of the pixel's mean luminance, estimated from its samples"},
+    {Aov::NormalMean, "normal_mean", "XYZ", false, 0, false,
      "mean over the pixel of the normal with its normal map; denoisers use it with albedo"},
-    {Aov::CryptomatteObject, "cryptomatte_object", "RGBA", true, 0,
+    {Aov::CryptomatteObject, "cryptomatte_object", "RGBA", true, 0, false,
      "which nodes are seen and how much of each, by name (render/cryptomatte.h)"},
-    {Aov::CryptomatteMaterial, "cryptomatte_material", "RGBA", true, 0, "the same for materials"},
-    {Aov::Occlusion, "occlusion", "Y", false, 0,
+    {Aov::CryptomatteMaterial, "cryptomatte_material", "RGBA", true, 0, false, "the same for materials"},
+    {Aov::Occlusion, "occlusion", "Y", false, 0, false,
      "share of ambient light that occlusion maps leave, times coverage: the mean over the pixel"},
-    {Aov::Motion, "motion", "XY", true, 0, "pixels by which the surface moves to the right and down in a frame"},
+    {Aov::Motion, "motion", "XY", true, 0, true, "pixels by which the surface moves to the right and down in a frame"},
 };
 
 inline constexpr AovSet kCryptomattes = Aov::CryptomatteObject | Aov::CryptomatteMaterial;
 /// The layers that show the first surface of the sample nearest to the middle of the pixel.
-inline constexpr AovSet kFirstSurfaceAovs = {Aov::Depth,    Aov::Normal, Aov::NormalGeometric, Aov::Uv,
-                                             Aov::Position, Aov::Id,     Aov::Motion};
+inline constexpr AovSet kFirstSurfaceAovs = [] {
+    AovSet set;
+    for (const AovRow& row : kAovs)
+        if (row.is_first_surface) set |= row.aov;
+    return set;
+}();
 
 /// Returns the row of a layer. The rows stand in the order of the layers.
 constexpr const AovRow& row_of(Aov aov) noexcept { return kAovs[static_cast<std::size_t>(aov)]; }

@@ -66,7 +66,7 @@ FrameSetup::FrameSetup(const FrameInputs& in)
       context{in.settings, camera, sampler, filter, lights, in.textures, in.scene.contents().has(Contents::Passing)},
       phase_one(in.textures),
       masks(in.textures, sample_width(in.settings.spp)),
-      frame(in.scene, in.topologies, levels, &in.textures, shading_of(in, phase_one, masks), scale, in.resources.tree)
+      frame(in.scene, in.topologies, levels, {&in.textures, shading_of(in, phase_one, masks), scale, in.resources.tree})
 {
     context.scene = &in.scene;
     context.scale = scale;

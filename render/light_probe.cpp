@@ -65,7 +65,8 @@ std::vector<Glimpse> small_picture(const FrameInputs& in, const FrameScale& scal
     context.shadow_batch = in.memory.shadow_batch;
     const MaskFilter masks(in.textures, sample_width(settings.spp));
     const lod::VertexShading shading{nullptr, 1, in.scene.contents().has(Contents::Masked) ? &masks : nullptr};
-    const accel::Frame frame(in.scene, in.topologies, camera.levels(settings.shading_rate), &in.textures, shading, scale);
+    const accel::Frame frame(in.scene, in.topologies, camera.levels(settings.shading_rate),
+                             {.textures = &in.textures, .shading = shading, .scale = scale});
     accel::Tracer tracer(frame, in.memory.tracer_bytes);
     Integrator integrator(context);
 
@@ -118,7 +119,7 @@ shade::FrameLights lights_of(const FrameInputs& in, const FrameScale& scale)
     const Settings& s = in.settings;
     const Camera camera = scale.placed(in.camera);
     const auto make = [&](shade::Sky sky, std::optional<bool> gets_default) {
-        return shade::FrameLights(in.scene, camera, in.textures, sky, s.sky_strength, scale, gets_default);
+        return shade::FrameLights(in.scene, camera, in.textures, {sky, s.sky_strength, gets_default}, scale);
     };
     shade::FrameLights lights = make(s.sky, s.default_light);
     const bool is_known = s.default_light || s.sky == shade::Sky::Off || !lights.relies_on_emitters();

@@ -98,8 +98,8 @@ struct Settings {
     bool progressive = false;
     AovSet aovs{};
     View view = View::Beauty;
-    bool back_faces =
-        true;  ///< false: rays pass the backs of single-sided surfaces (glTF 2.0, sec. 3.9.5), but not those of glass
+    /// If false, rays pass the backs of single-sided surfaces (glTF 2.0, sec. 3.9.5), but not those of glass.
+    bool back_faces = true;
     bool strict = false;     ///< a texture that is missing, or made smaller to fit the memory, is an Error
     bool background = true;  ///< draw sky or environment behind the scene; false: transparent
 

@@ -26,5 +26,13 @@ constexpr const InterpolationRow& row_of(Channel::Interpolation mode) noexcept
 {
     return kInterpolations[static_cast<std::size_t>(mode)];
 }
+consteval bool are_interpolations_in_order()
+{
+    std::size_t n = 0;
+    for (const InterpolationRow& row : kInterpolations)
+        if (static_cast<std::size_t>(row.mode) != n++) return false;
+    return true;
+}
+static_assert(are_interpolations_in_order());
 
 }  // namespace occam

@@ -33,8 +33,8 @@ bool are_lamps(const MeshLights& meshes, const Scene& scene, const FrameScale& s
 
 }  // namespace
 
-FrameLights::FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures, Sky sky, float sky_strength,
-                         const FrameScale& scale, std::optional<bool> gets_default)
+FrameLights::FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures,
+                         const DefaultLight& otherwise, const FrameScale& scale)
     : meshes_(scene, textures, scale), environment_(scene.environment, textures)
 {
     scene.for_placements_of(Contents::Lights, [&](NodeId, const Node& node, const Mat4d& world_from_node) {
@@ -44,9 +44,9 @@ FrameLights::FrameLights(const Scene& scene, const Camera& camera, const Texture
     const bool is_dark = environment_.is_black();
     const bool has_none = is_dark && lights_.empty();
     relies_on_emitters_ = has_none && are_lamps(meshes_, scene, scale);
-    has_default_ = has_none && sky != Sky::Off && gets_default.value_or(!relies_on_emitters_);
+    has_default_ = has_none && otherwise.sky != Sky::Off && otherwise.is_wanted.value_or(!relies_on_emitters_);
     if (has_default_) lights_.push_back(key_light(camera));
-    if (is_dark && (sky == Sky::On || has_default_)) environment_ = Environment::sky(sky_strength);
+    if (is_dark && (otherwise.sky == Sky::On || has_default_)) environment_ = Environment::sky(otherwise.sky_strength);
     arrange();
 }
 

@@ -20,6 +20,15 @@
 
 namespace occam::shade {
 
+/// Says what lights a scene that has no light of its own.
+struct DefaultLight {
+    Sky sky = Sky::Auto;
+    float sky_strength = 1;
+    /// Whether a scene without placed lights and environment gets the default light, unless `sky` is off; none: it does if
+    /// its emissive surfaces have too little power.
+    std::optional<bool> is_wanted{};
+};
+
 class FrameLights {
 public:
     /// A placed light is left to its own samples (direct.h) if no lobe of the surface finds it with more than about this
@@ -35,10 +44,8 @@ public:
         return light.sine2_subtended(start) * (peak * maths::kPi) < kLeastChance;
     }
     /// The textures must be prepared. `camera` places the key light of a scene that has none.
-    /// gets_default   whether a scene without placed lights and environment gets the default light, unless `sky` is off;
-    ///                none: if its emissive surfaces have too little power
-    FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures, Sky sky = Sky::Auto,
-                float sky_strength = 1, const FrameScale& scale = {}, std::optional<bool> gets_default = {});
+    FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures, const DefaultLight& otherwise = {},
+                const FrameScale& scale = {});
     FrameLights(std::vector<WorldLight> lights, Environment environment);
 
     /// A scene with more placed lights than this draws them by a tree, except for suns.

@@ -5,9 +5,11 @@
 Prints one line for each fault (file, line, what is wrong) and exits with 1 if there is one. Checked are
 
 - room order: a file includes its own room and those below it (README.md, Rooms);
+- floors: within a room whose README has a table of floors, a file includes none of a floor above its own;
 - layout: `clang-format --dry-run` changes nothing (left out with --no-layout, or, with a note, where clang-format is missing);
 - lengths: no line over 125 columns, no source file over 400 lines, no function over 60 unless its first line is a comment that
-  says why ("This is one function because ...");
+  says why ("This is one function because ..."), and none with more than 6 parameters unless that line says why ("It has so many
+  parameters because ...");
 - rules: a comment that cites "watertightness rule N" names a rule that docs/watertightness.md has;
 - errors: those without a file are made by error_without_file();
 - references: a file that a comment or a README names exists, and so does a symbol in backticks in a comment of the sources.
@@ -28,11 +30,19 @@ MAY_USE = {
 MAX_COLUMNS = 125
 MAX_LINES = 400
 MAX_FUNCTION_LINES = 60
+MAX_PARAMETERS = 6
 WHY_LONG = "// This is one function because "
+WHY_MANY = "// It has so many parameters because "
 
 FILE_NAME = re.compile(r"(?<![\w./<\"*-])((?:[\w-]+/)*[\w-]+\.(?:h|cpp|md|py|cmake|sh))(?![\w])")
+FLOOR = re.compile(r"^\| (\d) \| [^|]+ \| ([\w, ]+) \|$")
 RULE = re.compile(r"watertightness(?:\.md)?,? rules? (\d+)(?:(?:,| and| to|, and) (\d+))*")
 SYMBOL = re.compile(r"`([A-Za-z_][\w:]*(?:\(\))?)`")
+
+# A name with an opening bracket, what follows the parameters of a definition, and a first parameter: a type and a name.
+CALL = re.compile(r"\b(?!(?:if|for|while|switch|return|catch)\b)([A-Za-z_]\w*)\(")
+BODY = re.compile(r"\s*(?:const|noexcept|override|final|\s)*(?:->[^{;=]*)?(?:\{|\n\s*: )")
+TYPED = re.compile(r"\s*(?:const )?[A-Za-z_][\w:]*(?:<[^()]*>)?(?: const)?[\s&*]+(?:\(&)?\w+")
 
 
 def sources(root: pathlib.Path) -> list[pathlib.Path]:
@@ -83,6 +93,27 @@ class Check:
             self.faults.append("no include between rooms was found: the check itself is broken")
         return includes
 
+    def floors(self) -> None:
+        """A room whose README has a table of floors includes nothing of a floor above. Each file is on one floor."""
+        for room in ROOMS:
+            readme = self.root / room / "README.md"
+            floor_of = {}
+            for number, row in enumerate(readme.read_text().splitlines() if readme.exists() else [], 1):
+                found = FLOOR.match(row)
+                for name in found.group(2).split(", ") if found else []:
+                    if name in floor_of or not any((self.root / room / (name + end)).exists() for end in (".h", ".cpp")):
+                        self.fault(readme, number, f"{name} is on another floor, too, or does not exist")
+                    floor_of[name] = int(found.group(1))
+            for path, lines in self.lines.items() if floor_of else []:
+                if path.parent != self.root / room:
+                    continue
+                if path.stem not in floor_of:
+                    self.fault(path, 1, f"{room}/README.md has it on no floor")
+                for number, line in enumerate(lines, 1):
+                    found = re.match(rf'#include "{room}/(\w+)\.h"', line)
+                    if found and floor_of.get(found.group(1), 0) > floor_of.get(path.stem, 0):
+                        self.fault(path, number, f"{found.group(1)}.h is on a floor above this file's")
+
     def functions(self) -> None:
         """Measures what stands between a line that is "{" alone, as clang-format begins functions, and the "}" below it."""
         for path, lines in self.lines.items():
@@ -93,6 +124,25 @@ class Check:
                 last = next((i for i in range(at + 1, len(lines)) if lines[i].startswith(end)), len(lines))
                 if last - at - 1 > MAX_FUNCTION_LINES and not lines[at + 1].strip().startswith(WHY_LONG):
                     self.fault(path, at + 1, f"the function has more than {MAX_FUNCTION_LINES} lines and does not say why")
+
+    def parameters(self) -> None:
+        """Counts the parameters of functions where they are defined, and of constructors."""
+        for path, lines in self.lines.items():
+            text = "\n".join(line.split("//")[0] for line in lines)
+            for found in CALL.finditer(text):
+                depth, count, angles, at = 1, 1, 0, found.end()
+                while depth > 0 and at < len(text):
+                    c = text[at]
+                    depth += (c in "([{") - (c in ")]}")
+                    angles += (c == "<") - (c == ">" and text[at - 1] != "-")
+                    count += c == "," and depth == 1 and angles == 0
+                    at += 1
+                inside = text[found.end():at - 1]
+                if count > MAX_PARAMETERS and BODY.match(text, at) and TYPED.match(inside):
+                    if lines[text.count("\n", 0, at) + 2].strip().startswith(WHY_MANY):
+                        continue
+                    number = text.count("\n", 0, found.start(1)) + 1
+                    self.fault(path, number, f"{found.group(1)} has {count} parameters, more than {MAX_PARAMETERS}")
 
     def lengths(self) -> None:
         for path, lines in self.lines.items():
@@ -160,7 +210,9 @@ def main() -> int:
     check = Check(pathlib.Path(sys.argv[1]).resolve())
     includes = check.room_order()
     check.lengths()
+    check.floors()
     check.functions()
+    check.parameters()
     check.references()
     check.errors()
     if "--no-layout" not in sys.argv[2:]:

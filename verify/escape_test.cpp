@@ -70,7 +70,7 @@ void EscapeTest::run()
         return;
     }
     set_levels();
-    const accel::Frame frame(subject_.scene(), subject_.topologies(), levels_, textures_);
+    const accel::Frame frame(subject_.scene(), subject_.topologies(), levels_, {.textures = textures_});
     accel::Tracer tracer(frame, std::size_t(1) << 30);
     std::vector<accel::Ray> rays(2048);
     std::vector<accel::SurfaceHit> hits(rays.size());
@@ -92,7 +92,7 @@ void EscapeTest::replay(const RayLine& line, std::ostream& out)
     ray.direction = line.direction;
     ray.footprint = {static_cast<float>(line.width * scale_.to_frame()), line.spread};
     ray.time = line.time;
-    const accel::Frame frame(subject_.scene(), subject_.topologies(), levels_, textures_);
+    const accel::Frame frame(subject_.scene(), subject_.topologies(), levels_, {.textures = textures_});
     accel::Tracer tracer(frame, std::size_t(1) << 30);
     const Precision digits(out, 9);
     out << "cage " << number_ << " '" << report_.cage << "' of node '" << report_.node << "'; lengths are in units of "

@@ -43,16 +43,24 @@ Out convert(In x, bool normalized)
     return static_cast<Out>(x);
 }
 
+// Describes elements of an accessor, at most one in each `stride` bytes; data is null if all of them are zero.
+struct Elements {
+    const unsigned char* data = nullptr;
+    std::size_t stride = 0, count = 0;
+    int components = 0, component_type = 0;
+};
+
 template <class In, class Out>
-void copy(const unsigned char* data, std::size_t stride, std::size_t count, int components, bool normalized, int width,
-          Out* out)
+void copy(const Elements& from, bool normalized, int width, Out* out)
 {
-    if (std::is_same_v<In, Out> && components == width && stride == static_cast<std::size_t>(width) * sizeof(In)) {
-        if (count > 0) std::memcpy(out, data, count * stride);  // the data has this layout already
+    const bool is_packed = from.components == width && from.stride == static_cast<std::size_t>(width) * sizeof(In);
+    if (std::is_same_v<In, Out> && is_packed) {
+        if (from.count > 0) std::memcpy(out, from.data, from.count * from.stride);  // the data has this layout already
         return;
     }
-    for (std::size_t i = 0; i < count; ++i, data += stride, out += width)
-        for (int c = 0; c < components; ++c) {
+    const unsigned char* data = from.data;
+    for (std::size_t i = 0; i < from.count; ++i, data += from.stride, out += width)
+        for (int c = 0; c < from.components; ++c) {
             In x;
             std::memcpy(&x, data + static_cast<std::size_t>(c) * sizeof(In), sizeof(In));
             out[c] = convert<Out>(x, normalized);
@@ -60,11 +68,10 @@ void copy(const unsigned char* data, std::size_t stride, std::size_t count, int 
 }
 
 template <class Out>
-void copy_any(int component_type, const unsigned char* data, std::size_t stride, std::size_t count, int components,
-              bool normalized, int width, Out* out)
+void copy_any(const Elements& from, bool normalized, int width, Out* out)
 {
-    const auto as = [&]<class In>(In) { copy<In>(data, stride, count, components, normalized, width, out); };
-    switch (component_type) {
+    const auto as = [&]<class In>(In) { copy<In>(from, normalized, width, out); };
+    switch (from.component_type) {
         case TINYGLTF_COMPONENT_TYPE_BYTE:
             return as(std::int8_t());
         case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
@@ -121,12 +128,7 @@ struct Extremes {
 
 }  // namespace
 
-/// Describes where the elements of an accessor lie; data is null if all of them are zero.
-struct AccessorReader::Layout {
-    const unsigned char* data = nullptr;
-    std::size_t stride = 0, count = 0;
-    int components = 0, component_type = 0;
-};
+struct AccessorReader::Layout : Elements {};
 
 AccessorReader::AccessorReader(const tinygltf::Model& model, const Report& report) : model_(model), report_(report)
 {
@@ -181,7 +183,7 @@ AccessorReader::Layout AccessorReader::locate(int accessor, int width)
         refuse(accessor, "has " + std::to_string(n) + " components where " + std::to_string(width) + " are wanted");
     if (a.count > std::numeric_limits<std::uint32_t>::max()) refuse(accessor, "counts more than 2^32 elements");
     charge(a.count * static_cast<std::size_t>(width) * sizeof(float), accessor);
-    Layout layout{nullptr, static_cast<std::size_t>(element_bytes), a.count, n, a.componentType};
+    Layout layout{{nullptr, static_cast<std::size_t>(element_bytes), a.count, n, a.componentType}};
     if (a.bufferView < 0) return layout;
 
     const auto bytes = view(a.bufferView, name_of(accessor));
@@ -201,8 +203,7 @@ template <class Out>
 void AccessorReader::fill(const Layout& layout, int accessor, int width, bool normalized, Out* out) const
 {
     const tinygltf::Accessor& a = at(accessor);
-    if (layout.data)
-        copy_any(a.componentType, layout.data, layout.stride, layout.count, layout.components, normalized, width, out);
+    if (layout.data) copy_any(layout, normalized, width, out);
     if (!a.sparse.isSparse) return;
 
     const std::size_t count = static_cast<std::size_t>(std::max(a.sparse.count, 0));
@@ -218,14 +219,15 @@ void AccessorReader::fill(const Layout& layout, int accessor, int width, bool no
         !fits(value_bytes, a.sparse.values.byteOffset, value_size))
         refuse(accessor, "its sparse part does not fit");
     std::vector<std::uint32_t> where(count);
-    copy_any(a.sparse.indices.componentType, index_bytes.data() + a.sparse.indices.byteOffset, index_size, count, 1, false,
-             1, where.data());
+    const Elements indices{index_bytes.data() + a.sparse.indices.byteOffset, index_size, count, 1,
+                           a.sparse.indices.componentType};
+    copy_any(indices, false, 1, where.data());
     const unsigned char* values = value_bytes.data() + a.sparse.values.byteOffset;
     for (std::size_t i = 0; i < count; ++i) {
         if (where[i] >= a.count || (i > 0 && where[i] <= where[i - 1]))
             refuse(accessor, "sparse indices must rise and stay in range");
-        copy_any(a.componentType, values + i * value_size, value_size, 1, layout.components, normalized, width,
-                 out + std::size_t(where[i]) * static_cast<std::size_t>(width));
+        const Elements value{values + i * value_size, value_size, 1, layout.components, a.componentType};
+        copy_any(value, normalized, width, out + std::size_t(where[i]) * static_cast<std::size_t>(width));
     }
 }
 

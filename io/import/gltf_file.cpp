@@ -66,6 +66,7 @@ bool write_whole_file(std::string*, const std::string&, const std::vector<unsign
 bool keep_image(tinygltf::Image* image, const int, std::string*, std::string*, int, int, const unsigned char* bytes,
                 int size, void*)
 {
+    // It has so many parameters because tinygltf calls it.
     if (image->bufferView < 0 && size > 0) image->image.assign(bytes, bytes + size);
     return true;
 }

@@ -22,26 +22,7 @@ struct BfrPatch::State {
 
 BfrPatch::BfrPatch(const Cage& cage, std::span<const Vec3f> positions, int face) : state_(std::make_unique<State>())
 {
-    const std::vector<int> sizes(cage.face_sizes.begin(), cage.face_sizes.end());
-    const std::vector<int> vertices(cage.face_vertices.begin(), cage.face_vertices.end());
-    std::vector<int> crease_pairs;
-    std::vector<float> crease_weights;
-    for (const Crease& c : cage.creases) {
-        crease_pairs.insert(crease_pairs.end(), {static_cast<int>(c.v0), static_cast<int>(c.v1)});
-        crease_weights.push_back(c.sharpness);
-    }
-    Far::TopologyDescriptor d;
-    d.numVertices = static_cast<int>(positions.size());
-    d.numFaces = static_cast<int>(sizes.size());
-    d.numVertsPerFace = sizes.data();
-    d.vertIndicesPerFace = vertices.data();
-    d.numCreases = static_cast<int>(crease_weights.size());
-    d.creaseVertexIndexPairs = crease_pairs.data();
-    d.creaseWeights = crease_weights.data();
-    Sdc::Options options;
-    options.SetVtxBoundaryInterpolation(Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER);
-    using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
-    state_->refiner.reset(Factory::Create(d, Factory::Options(Sdc::SCHEME_CATMARK, options)));
+    state_->refiner = lod::make_refiner(cage);
     if (!state_->refiner) throw std::runtime_error("OpenSubdiv refuses a cage of the benchmark");
 
     // The library's defaults (2, 6) do not give the limit surface; 10 is its largest value, from which Occam's own stencils

@@ -208,8 +208,8 @@ Costs costs_of(Stage& stage, const TextureStore& textures, int samples, float ra
     const lod::LevelSettings levels = render::CameraRays(stage.camera, kWidth, kHeight).levels(rate);
     const float texture_width = render::sample_width(samples);
     const shade::PhaseOne phase_one(textures);
-    const accel::Frame without(stage.scene, topologies, levels, &textures),
-        with(stage.scene, topologies, levels, &textures, {&phase_one, texture_width});
+    const accel::Frame without(stage.scene, topologies, levels, {.textures = &textures}),
+        with(stage.scene, topologies, levels, {.textures = &textures, .shading = {&phase_one, texture_width}});
     const std::vector<accel::Ray> rays = camera_rays(stage, samples);
     Costs costs;
     double made[2] = {kNever, kNever}, traced[2] = {kNever, kNever};

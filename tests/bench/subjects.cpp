@@ -110,8 +110,8 @@ Subject::Subject(std::string what, Cage cage, int width, int height, std::option
 
 TreePair::TreePair(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels,
                    std::size_t memory_bytes)
-    : kd_frame(scene, topologies, levels, nullptr, {}, {}, accel::TreeKind::Kd),
-      bvh_frame(scene, topologies, levels, nullptr, {}, {}, accel::TreeKind::Bvh),
+    : kd_frame(scene, topologies, levels, {.tree = accel::TreeKind::Kd}),
+      bvh_frame(scene, topologies, levels, {.tree = accel::TreeKind::Bvh}),
       kd(kd_frame, memory_bytes),
       bvh(bvh_frame, memory_bytes),
       usual(accel::Frame(scene, topologies, levels).tree())

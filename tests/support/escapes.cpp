@@ -105,7 +105,8 @@ EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int 
     lod::TopologyCache topologies;
     const accel::Frame frame(
         scene, topologies,
-        {.eye = diced.posed.anchor, .pixel = {std::ldexp(1.0f, level), 0}, .mode = lod::LevelMode::PerInstance}, textures);
+        {.eye = diced.posed.anchor, .pixel = {std::ldexp(1.0f, level), 0}, .mode = lod::LevelMode::PerInstance},
+        {.textures = textures});
     accel::Tracer tracer(frame, std::size_t(1) << 30);
 
     std::vector<accel::Ray> batch(2048);

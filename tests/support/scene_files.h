@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <vector>
 
+#include "io/import/import.h"
+
 namespace occam::test {
 
 /// Returns the files with the extensions that load() knows, sorted by path.
@@ -12,9 +14,7 @@ inline std::vector<std::filesystem::path> scene_files_below(const std::filesyste
 {
     std::vector<std::filesystem::path> files;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-        const std::string extension = entry.path().extension().string();
-        for (const char* known : {".gltf", ".glb", ".obj", ".ply", ".off", ".stl"})
-            if (entry.is_regular_file() && extension == known) files.push_back(entry.path());
+        if (entry.is_regular_file() && scene_format_of(entry.path())) files.push_back(entry.path());
     }
     std::sort(files.begin(), files.end());
     return files;

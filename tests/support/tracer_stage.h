@@ -49,7 +49,7 @@ struct Stage {
     {
         scene.refit();
         return accel::Frame(scene, topologies, {.eye = Vec3d(0), .pixel = {std::ldexp(1.0f, level), 0}, .mode = mode},
-                            nullptr, {}, {}, tree);
+                            {.tree = tree});
     }
 };
 

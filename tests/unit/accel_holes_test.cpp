@@ -60,8 +60,8 @@ accel::Frame frame_of(Stage& stage, const lod::HitFilter* filter, TreeKind tree,
 {
     stage.scene.refit();
     return accel::Frame(stage.scene, stage.topologies,
-                        {.eye = Vec3d(0), .pixel = {std::ldexp(1.0f, level), 0}, .mode = mode}, nullptr,
-                        {nullptr, 1, filter}, {}, tree);
+                        {.eye = Vec3d(0), .pixel = {std::ldexp(1.0f, level), 0}, .mode = mode},
+                        {.shading = {nullptr, 1, filter}, .tree = tree});
 }
 
 std::vector<accel::Ray> rays_at(const Box3d& bounds, bool moves)

@@ -62,7 +62,7 @@ TEST(Triangle, AQuadHasTheBitsOfItsTwoTriangles)
         const auto& [v00, v10, v01, v11] = v;
         const accel::TriangleHit alone[2] = {intersect(ray, v00, v10, v11), intersect(ray, v00, v11, v01)};
         accel::TriangleHit shared[2] = {{vmask(false), 0.0f}, {vmask(false), 0.0f}};
-        intersect_quad(ray, v00, v10, v01, v11, {v00, v01}, {v10, v11}, {v10, v00}, {v11, v01},
+        intersect_quad(ray, {v00, v10, v01, v11}, {{v00, v01}, {v10, v11}, {v10, v00}, {v11, v01}},
                        [&](const accel::TriangleHit& hit, int triangle) { shared[triangle] = hit; });
         for (int t = 0; t < 2; ++t) {
             ASSERT_EQ(bits(alone[t].is_hit), bits(shared[t].is_hit)) << "quad " << n << ", triangle " << t;

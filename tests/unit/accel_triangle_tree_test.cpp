@@ -150,7 +150,7 @@ TEST(TriangleTree, TiesGoToTheLowerFace)
         rays[i].direction = {0, 0, -1};
     }
     for (const TreeKind kind : {TreeKind::Kd, TreeKind::Bvh}) {
-        const Frame frame(scene, topologies, {}, nullptr, {}, {}, kind);
+        const Frame frame(scene, topologies, {}, {.tree = kind});
         Tracer tracer(frame, std::size_t(1) << 26);
         std::vector<SurfaceHit> hits(rays.size());
         tracer.closest(rays, hits);

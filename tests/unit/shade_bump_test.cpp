@@ -82,8 +82,8 @@ TEST(Bump, HitsHaveTheNormalOfTheHillsOnCagesAndTrianglesFromBothSides)
                     textures.prepare(scene);
                     const shade::PhaseOne phase_one(textures);
                     lod::TopologyCache topologies;
-                    const accel::Frame frame(scene, topologies, {.pixel = {0, 0.01f}}, &textures,
-                                             {at_vertices ? &phase_one : nullptr, 1});
+                    const accel::Frame frame(scene, topologies, {.pixel = {0, 0.01f}},
+                                             {.textures = &textures, .shading = {at_vertices ? &phase_one : nullptr, 1}});
                     accel::Tracer tracer(frame, std::size_t(1) << 28);
                     for (int k = 0; k < 20; ++k) {
                         accel::Ray ray;
@@ -149,7 +149,7 @@ TEST(Bump, WithoutCoordinatesThereIsNone)
     TextureStore textures(std::size_t(1) << 24);
     textures.prepare(scene);
     lod::TopologyCache topologies;
-    const accel::Frame frame(scene, topologies, {.pixel = {0, 0.01f}}, &textures, {});
+    const accel::Frame frame(scene, topologies, {.pixel = {0, 0.01f}}, {.textures = &textures});
     accel::Tracer tracer(frame, std::size_t(1) << 28);
     accel::Ray ray;
     ray.origin = {0.3, 2, 0.4};

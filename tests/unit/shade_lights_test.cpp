@@ -266,10 +266,10 @@ TEST(Lights, GlowingDetailsDoNotTurnOffTheDefaultLight)
                 const FrameLights lights(scene, camera, textures);
                 EXPECT_EQ(lights.lights().empty(), is_lamp) << scale;
                 EXPECT_EQ(lights.environment().is_black(), is_lamp) << scale;
-                const FrameLights sky(scene, camera, textures, Sky::On);
+                const FrameLights sky(scene, camera, textures, {.sky = Sky::On});
                 EXPECT_EQ(sky.lights().empty(), is_lamp) << scale;
                 EXPECT_FALSE(sky.environment().is_black());
-                const FrameLights none(scene, camera, textures, Sky::Off);
+                const FrameLights none(scene, camera, textures, {.sky = Sky::Off});
                 EXPECT_TRUE(none.lights().empty() && none.environment().is_black());
             }
 }

@@ -163,7 +163,7 @@ TEST(PhaseOne, DoesNotDependOnWhichRayCameFirst)
     textures.prepare(scene);
     const shade::PhaseOne phase_one(textures);
     lod::TopologyCache topologies;
-    const accel::Frame frame(scene, topologies, {.pixel = {0.01f, 0}}, &textures, {&phase_one, 1});
+    const accel::Frame frame(scene, topologies, {.pixel = {0.01f, 0}}, {.textures = &textures, .shading = {&phase_one, 1}});
     accel::Ray ray;
     ray.origin = {0.31, 1, 0.17};
     ray.direction = {0, -1, 0};
@@ -205,7 +205,8 @@ TEST(PhaseOne, DoesNotPopFromLevelToLevel)
     textures.prepare(world.scene);
     const shade::PhaseOne phase_one(textures);
     lod::TopologyCache topologies;
-    const accel::Frame frame(world.scene, topologies, {.pixel = {0, 0.01f}}, &textures, {&phase_one, 1});
+    const accel::Frame frame(world.scene, topologies, {.pixel = {0, 0.01f}},
+                             {.textures = &textures, .shading = {&phase_one, 1}});
     accel::Tracer tracer(frame, std::size_t(1) << 28);
     constexpr int kPlaces = 40;
     std::vector<accel::Ray> rays(kPlaces);

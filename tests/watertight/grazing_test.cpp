@@ -40,7 +40,7 @@ protected:
 
     bool is_met(const lod::LevelSettings& levels)
     {
-        const accel::Frame frame(scene_, topologies_, levels, nullptr);
+        const accel::Frame frame(scene_, topologies_, levels);
         accel::Tracer tracer(frame, std::size_t(1) << 28);
         accel::SurfaceHit hit;
         tracer.closest({&ray_, 1}, {&hit, 1});

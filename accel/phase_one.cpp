@@ -1,0 +1,36 @@
+#include "accel/phase_one.h"
+
+#include "accel/stopwatch.h"
+#include "base/publish.h"
+
+namespace occam::accel {
+
+// This is kept out of line because it is rare.
+OCCAM_NEVER_INLINE void shade_part(const IGrid& grid, IGridPart& part, const PhaseOneTools& tools)
+{
+    const MaybeLock lock(tools.building);
+    if (part.is_shaded) return;  // another thread has shaded it in the meantime
+    const Stopwatch watch(tools.counters.shade_seconds);
+    part.attributes = tools.dicer.shade(*grid.cage, part.tile, grid.blends() ? part.coarser() : part.tile.rates,
+                                        tools.arena);
+    part.material = material_of(*tools.frame.scene, *grid.cage, part.tile.patch.face);
+    publish(part.is_shaded, true);
+}
+
+const Material* material_of(const Scene& scene, const lod::PosedCage& cage, std::uint32_t face) noexcept
+{
+    static const Material plain;
+    const Cage& source = cage.slot->cage;
+    const std::size_t slot = source.face_slots.empty() ? 0 : source.face_slots[face];
+    const auto& from = cage.node->materials.empty() ? source.materials : cage.node->materials;
+    const Material* found = slot < from.size() ? scene.find(from[slot]) : nullptr;
+    return found ? found : &plain;
+}
+
+void shade_parts(LatticeGrid& grid, const PhaseOneTools& tools)
+{
+    for (IGridPart& part : grid.parts)
+        if (!read_published(part.is_shaded)) shade_part(grid, part, tools);
+}
+
+}  // namespace occam::accel

@@ -1,0 +1,40 @@
+// Holds a ray as it is asked about.
+//
+// Space    world axes and frame lengths (scenegraph/frame_scale.h).
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "base/vec.h"
+#include "lod/footprint.h"
+#include "scenegraph/scene.h"
+
+namespace occam::accel {
+
+using occam::RayKind;
+
+/// The start level of a ray that may start anywhere.
+inline constexpr std::int8_t kAnyLevel = std::numeric_limits<std::int8_t>::min();
+
+struct Ray {
+    Vec3d origin{0};
+    Vec3f direction{0, 0, -1};  ///< unit length
+    float t_near = 0;
+    float t_far = std::numeric_limits<float>::infinity();
+    /// The full width of the beam along the ray. If it is not set, the camera's footprint at the origin is used.
+    lod::Footprint footprint;
+    /// The purposes of the ray; surfaces that none of these kinds may see are not hit.
+    std::uint8_t kinds = RayKind::All;
+    /// The ray sees cages at this level around its origin, and then goes over to the level that its footprint asks for.
+    /// A secondary ray has the level of the mesh on which its origin lies: SurfaceHit::start_level.
+    std::int8_t start_level = kAnyLevel;
+    /// The moment at which the ray sees the scene: 0 when the shutter opens, 1 when it closes.
+    float time = 0;
+};
+
+/// Returns the t_near of the rest of a ray behind a hit. The interval of a ray is open at its near end, so rounding of t
+/// cannot find the hit again.
+inline float behind(float t) noexcept { return t * (1 + 4 * std::numeric_limits<float>::epsilon()); }
+
+}  // namespace occam::accel

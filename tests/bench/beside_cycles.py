@@ -1,0 +1,210 @@
+"""Renders whole frames by Occam and by Blender's Cycles, and compares their time at equal error.
+
+    beside_cycles.py OCCAM [FILE.obj ...] [--size 480x270] [--samples 64] [--threads 2] [--keep FOLDER]
+
+Both programs path-trace the same triangles under a sky of an even radiance of 1, with six bounces, without clamping,
+denoising or adaptive sampling, through the same pinhole and a box filter of one pixel. Without files, two scenes are made: a
+furnished room whose ceiling is open, and a level of eight such rooms. A file is seen as --look-at says.
+
+Each program is measured against a reference of its own (32 times the samples), by the relative RMSE of linear radiance.
+Occam then renders with as many samples as have the error of Cycles with --samples. Times are of whole processes, from the
+start of the program to the finished file: by the clock, and CPU seconds of all threads, which a shared machine disturbs less.
+
+Blender 3.4 of Debian 12 (the package `blender`) has to be installed.
+"""
+import argparse
+import json
+import math
+import os
+import pathlib
+import random
+import resource
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+IN_BLENDER = """
+import bpy, json, mathutils, sys
+job = json.loads(sys.argv[sys.argv.index("--") + 1])
+bpy.ops.wm.read_factory_settings(use_empty=True)
+bpy.ops.wm.obj_import(filepath=job["scene"], forward_axis="NEGATIVE_Z", up_axis="Y")
+for material in bpy.data.materials:
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    color = tuple(nodes["Principled BSDF"].inputs["Base Color"].default_value)
+    nodes.clear()
+    diffuse, out = nodes.new("ShaderNodeBsdfDiffuse"), nodes.new("ShaderNodeOutputMaterial")
+    diffuse.inputs["Color"].default_value = color
+    links.new(diffuse.outputs[0], out.inputs["Surface"])
+scene = bpy.context.scene
+def world_of(p):
+    return mathutils.Vector((p[0], -p[2], p[1]))
+camera = bpy.data.cameras.new("camera")
+camera.sensor_fit, camera.angle, camera.clip_start = "VERTICAL", job["fov"], 1e-3
+placed = bpy.data.objects.new("camera", camera)
+eye, target = world_of(job["eye"]), world_of(job["target"])
+placed.location, placed.rotation_euler = eye, (target - eye).to_track_quat("-Z", "Y").to_euler()
+scene.collection.objects.link(placed)
+scene.camera, scene.world = placed, bpy.data.worlds.new("sky")
+scene.world.use_nodes = True
+scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (1, 1, 1, 1)
+render, cycles = scene.render, scene.cycles
+render.engine, cycles.device = "CYCLES", "CPU"
+cycles.samples, cycles.seed, cycles.use_adaptive_sampling, cycles.use_denoising = job["samples"], job["seed"], False, False
+cycles.max_bounces = cycles.diffuse_bounces = 6
+cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
+cycles.pixel_filter_type, cycles.filter_width = "BOX", 1
+render.threads_mode, render.threads = "FIXED", job["threads"]
+render.resolution_x, render.resolution_y, render.resolution_percentage = job["width"], job["height"], 100
+render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR", "32"
+render.image_settings.color_mode, render.filepath = "RGB", job["picture"]
+bpy.ops.render.render(write_still=True)
+"""
+
+
+REFERENCE = 32  # samples of a reference over those that are measured
+
+
+class Room:
+    """Writes furnished rooms as an OBJ of triangles with three grey and coloured materials."""
+
+    def __init__(self, path: pathlib.Path, rooms: int):
+        self.out, self.vertices, self.random = [], 0, random.Random(1)
+        materials = {"wall": "0.7 0.7 0.7", "red": "0.6 0.2 0.15", "blue": "0.2 0.3 0.6"}
+        text = "".join(f"newmtl {name}\nKd {color}\nKs 0 0 0\nillum 1\n" for name, color in materials.items())
+        path.with_suffix(".mtl").write_text(text)
+        self.out += [f"mtllib {path.stem}.mtl", "s off"]
+        for x in range(rooms):
+            self.furnish(6.0 * x)
+        path.write_text("\n".join(self.out) + "\n")
+
+    def add(self, points: list, faces: list) -> None:
+        self.out += ["v %.5f %.5f %.5f" % p for p in points]
+        self.out += ["f " + " ".join(str(self.vertices + 1 + i) for i in face) for face in faces]
+        self.vertices += len(points)
+
+    def box(self, lo: tuple, hi: tuple) -> None:
+        points = [((lo, hi)[i & 1][0], (lo, hi)[i >> 1 & 1][1], (lo, hi)[i >> 2][2]) for i in range(8)]
+        quads = [(0, 4, 6, 2), (1, 3, 7, 5), (0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6)]
+        self.add(points, [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
+
+    def ball(self, centre: tuple, radius: float, rows: int, columns: int) -> None:
+        points = []
+        for r in range(rows + 1):
+            ring, height = radius * math.sin(math.pi * r / rows), radius * math.cos(math.pi * r / rows)
+            for c in range(columns):
+                angle = 2 * math.pi * c / columns
+                points.append((centre[0] + ring * math.cos(angle), centre[1] + height, centre[2] + ring * math.sin(angle)))
+        faces = []
+        for r in range(rows):
+            for c in range(columns):
+                a, b = r * columns + c, r * columns + (c + 1) % columns
+                faces += [(a, b, b + columns)] * (r > 0) + [(a, b + columns, a + columns)] * (r < rows - 1)
+        self.add(points, faces)
+
+    def furnish(self, x: float) -> None:
+        self.out.append("usemtl wall")
+        self.box((x, -0.1, 0), (x + 5.9, 0, 6))
+        for lo, hi in (((x, 0, -0.1), (x + 5.9, 3, 0)), ((x, 0, 6), (x + 5.9, 3, 6.1)), ((x - 0.1, 0, 0), (x, 3, 2)),
+                       ((x - 0.1, 0, 4), (x, 3, 6)), ((x, 2.9, 0), (x + 5.9, 3, 4))):
+            self.box(lo, hi)
+        for i in range(14):
+            self.out.append("usemtl " + ("red", "blue")[i % 2])
+            px, pz = x + self.random.uniform(0.6, 5.2), self.random.uniform(0.6, 5.2)
+            if i % 3 == 0:
+                self.box((px - 0.3, 0, pz - 0.3), (px + 0.3, self.random.uniform(0.4, 1.4), pz + 0.3))
+            else:
+                size = self.random.uniform(0.2, 0.45)
+                self.ball((px, size, pz), size, 20, 21)
+
+
+def timed(command: list, **options) -> tuple:
+    """Runs a command and returns its seconds by the clock and of CPU."""
+    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
+    ran = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False, **options)
+    if ran.returncode != 0:
+        sys.exit(f"{command[0]} failed:\n{ran.stdout}")
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return time.monotonic() - start, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+class Frame:
+    """Renders one scene by either program."""
+
+    def __init__(self, given: argparse.Namespace, folder: pathlib.Path, scene: pathlib.Path, view: list):
+        self.given, self.folder, self.scene, self.view = given, folder, scene, view
+        self.width, self.height = (int(n) for n in given.size.split("x"))
+        # A Radiance picture of 8 x 4 texels of radiance 1; narrower ones cannot be compressed, and so are read as they are.
+        self.sky = folder / "sky.hdr"
+        self.sky.write_bytes(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 7\n" + bytes([128, 128, 128, 129]) * 28)
+
+    def picture(self, who: str, samples: int, seed: int) -> pathlib.Path:
+        return self.folder / f"{self.scene.stem}.{who}.{samples}.{seed}.exr"
+
+    def cycles(self, samples: int, seed: int) -> tuple:
+        job = {"scene": str(self.scene), "eye": self.view[:3], "target": self.view[3:], "fov": math.radians(60),
+               "samples": samples, "seed": seed, "threads": self.given.threads, "width": self.width, "height": self.height,
+               "picture": str(self.picture("cycles", samples, seed))}
+        script = self.folder / "job.py"
+        script.write_text(IN_BLENDER)
+        return timed(["blender", "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1", "-P", str(script), "--",
+                      json.dumps(job)])
+
+    def occam(self, samples: int, seed: int) -> tuple:
+        return timed([self.given.occam, "render", str(self.scene), "-o", str(self.picture("occam", samples, seed)), "-q",
+                      "--look-at=" + ",".join(map(str, self.view)), "--fov", "60", "--size", self.given.size,
+                      "--exr", "float", "--environment", str(self.sky), "--integrator", "path", "--bounces", "6",
+                      "--clamp", "0", "--spp", str(samples), "--seed", str(seed), "--threads", str(self.given.threads)])
+
+    def error(self, a: pathlib.Path, b: pathlib.Path) -> float:
+        command = [self.given.occam, "compare", str(a), str(b), "--json"]
+        ran = subprocess.run(command, capture_output=True, text=True, check=True)
+        return math.sqrt(next(layer["rel_mse"] for layer in json.loads(ran.stdout) if layer["layer"] == "beauty"))
+
+
+def compare(frame: Frame, samples: int) -> None:
+    def picture(who: str, count: int, seed: int) -> pathlib.Path:
+        return frame.picture(who, count, seed)
+
+    def error_of(who: str, count: int, seed: int) -> float:
+        return frame.error(picture(who, count, seed), picture(who, REFERENCE * samples, 7))
+
+    for program in (frame.occam, frame.cycles):
+        program(REFERENCE * samples, 7)
+    cycles, wanted = frame.cycles(samples, 1), error_of("cycles", samples, 1)
+    frame.occam(samples, 1)
+    enough = max(1, round(samples * (error_of("occam", samples, 1) / wanted) ** 2))
+    occam, reached = frame.occam(enough, 2), error_of("occam", enough, 2)
+    apart = frame.error(picture("occam", REFERENCE * samples, 7), picture("cycles", REFERENCE * samples, 7))
+    print(f"{frame.scene.stem}: Cycles, {samples} samples: {cycles[0]:.2f} s, CPU {cycles[1]:.2f} s, error {wanted:.4f}; "
+          f"Occam, {enough} samples: {occam[0]:.2f} s, CPU {occam[1]:.2f} s, error {reached:.4f}; times as fast: "
+          f"{cycles[0] / occam[0]:.2f}, by CPU {cycles[1] / occam[1]:.2f}; references differ by {apart:.4f}", flush=True)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("occam")
+    parser.add_argument("files", nargs="*", type=pathlib.Path)
+    parser.add_argument("--look-at", default="")
+    parser.add_argument("--size", default="480x270")
+    parser.add_argument("--samples", type=int, default=64)
+    parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--keep", type=pathlib.Path)
+    given = parser.parse_args()
+    if not shutil.which("blender"):
+        sys.exit("Blender is not installed, so there is nothing to compare with.")
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = given.keep or pathlib.Path(temporary)
+        os.makedirs(folder, exist_ok=True)
+        views = [(f, [float(x) for x in given.look_at.split(",")]) for f in given.files]
+        if not views:
+            Room(folder / "room.obj", 1)
+            Room(folder / "level.obj", 8)
+            views = [(folder / "room.obj", [5.4, 1.7, 5.5, 2, 0.7, 2]),
+                     (folder / "level.obj", [5.4, 1.9, 5.5, 20, 0.5, 2.6])]
+        for scene, view in views:
+            compare(Frame(given, folder, scene.resolve(), view), given.samples)
+
+
+main()
