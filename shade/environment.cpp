@@ -11,49 +11,6 @@ namespace {
 
 constexpr int kColumns = 512, kRows = 256;
 
-// Holds the index of the interval of rising `sums` that contains u, and u's place in it.
-struct Interval {
-    int index;
-    float within;
-};
-// There are as many guides as sums, and the number of both is a power of two, so that no product is rounded.
-Interval find_interval(std::span<const float> sums, std::span<const std::uint16_t> guides, float u) noexcept
-{
-    const std::size_t last = sums.size() - 1;
-    std::size_t index = guides[std::min(static_cast<std::size_t>(u * float(sums.size())), last)];
-    while (index < last && !(u < sums[index])) ++index;
-    const float below = index ? sums[index - 1] : 0, share = sums[index] - below;
-    return {static_cast<int>(index), share > 0 ? std::clamp((u - below) / share, 0.0f, 0.9999999f) : 0.5f};
-}
-
-void fill_guides(std::span<const float> sums, std::span<std::uint16_t> guides) noexcept
-{
-    std::size_t index = 0;
-    for (std::size_t i = 0; i < guides.size(); ++i) {
-        while (index + 1 < sums.size() && !(float(i) / float(guides.size()) < sums[index])) ++index;
-        guides[i] = static_cast<std::uint16_t>(index);
-    }
-}
-
-float share_of(std::span<const float> sums, int index) noexcept
-{
-    return sums[std::size_t(index)] - (index ? sums[std::size_t(index) - 1] : 0);
-}
-
-// Replaces weights by their running sums, divided so that the last one is exactly 1. Returns the sum of the weights.
-float accumulate(std::span<float> weights) noexcept
-{
-    double sum = 0;
-    for (float w : weights) sum += double(w);
-    double running = 0;
-    for (float& w : weights) {
-        running += double(w);
-        w = sum > 0 ? float(running / sum) : 0;
-    }
-    weights.back() = 1;
-    return float(sum);
-}
-
 constexpr Vec3f kZenith{0.36f, 0.45f, 0.60f}, kHorizon{0.60f, 0.62f, 0.64f}, kGround{0.36f, 0.37f, 0.385f};
 
 Vec3f sky_radiance(float y) noexcept
@@ -67,6 +24,50 @@ Vec3f sky_radiance(float y) noexcept
 }
 
 }  // namespace
+
+// Holds the index of the interval of rising `sums` that contains u, and u's place in it.
+struct Environment::Interval {
+    int index;
+    float within;
+};
+
+// The number of sums is a power of two, so that no product is rounded.
+Environment::Interval Environment::find_interval(std::span<const Sum> sums, float u) noexcept
+{
+    const std::size_t last = sums.size() - 1;
+    std::size_t index = sums[std::min(static_cast<std::size_t>(u * float(sums.size())), last)].guide;
+    while (index < last && !(u < sums[index].upto)) ++index;
+    const float below = index ? sums[index - 1].upto : 0, share = sums[index].upto - below;
+    return {static_cast<int>(index), share > 0 ? std::clamp((u - below) / share, 0.0f, 0.9999999f) : 0.5f};
+}
+
+void Environment::fill_guides(std::span<Sum> sums) noexcept
+{
+    std::size_t index = 0;
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+        while (index + 1 < sums.size() && !(float(i) / float(sums.size()) < sums[index].upto)) ++index;
+        sums[i].guide = static_cast<std::uint16_t>(index);
+    }
+}
+
+float Environment::share_of(std::span<const Sum> sums, int index) noexcept
+{
+    return sums[std::size_t(index)].upto - (index ? sums[std::size_t(index) - 1].upto : 0);
+}
+
+// Replaces weights by their running sums, divided so that the last one is exactly 1. Returns the sum of the weights.
+float Environment::accumulate(std::span<Sum> weights) noexcept
+{
+    double sum = 0;
+    for (const Sum& w : weights) sum += double(w.upto);
+    double running = 0;
+    for (Sum& w : weights) {
+        running += double(w.upto);
+        w.upto = sum > 0 ? float(running / sum) : 0;
+    }
+    weights.back().upto = 1;
+    return float(sum);
+}
 
 Environment::Environment(const occam::Environment& description, const TextureStore& textures)
     : scale_(limited(description.radiance)), textures_(&textures)
@@ -128,45 +129,42 @@ Vec3f Environment::direction_of(Vec2f uv) const noexcept
 
 void Environment::tabulate()
 {
-    cell_sums_.resize(std::size_t(kColumns) * kRows);
-    row_sums_.resize(kRows);
+    cells_.resize(std::size_t(kColumns) * kRows);
+    rows_.resize(kRows);
     double total = 0;
     for (int row = 0; row < kRows; ++row)
         for (int column = 0; column < kColumns; ++column) {
             const Vec2f uv((float(column) + 0.5f) / kColumns, (float(row) + 0.5f) / kRows);
             const Vec3f c = glm::max(Vec3f(textures_->sample(image_, uv, 1.0f / kColumns)), Vec3f(0));
             const float y = std::min(0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z, 1e6f);
-            cell_sums_[std::size_t(row * kColumns + column)] = y;
+            cells_[std::size_t(row * kColumns + column)].upto = y;
             total += double(y);
         }
     // A floor keeps the density above zero where filtering brings light into a black cell.
     const float floor = std::max(float(total / (kColumns * kRows)) * 0.05f, 1e-6f);
     for (int row = 0; row < kRows; ++row) {
-        const std::span cells(cell_sums_.data() + row * kColumns, std::size_t(kColumns));
-        for (float& w : cells) w += floor;
-        row_sums_[std::size_t(row)] = accumulate(cells) * maths::sin((float(row) + 0.5f) * kPi / kRows);
+        const std::span cells(cells_.data() + row * kColumns, std::size_t(kColumns));
+        for (Sum& w : cells) w.upto += floor;
+        rows_[std::size_t(row)].upto = accumulate(cells) * maths::sin((float(row) + 0.5f) * kPi / kRows);
     }
-    accumulate(row_sums_);
-    row_guide_.resize(row_sums_.size());
-    fill_guides(row_sums_, row_guide_);
-    cell_guide_.resize(cell_sums_.size());
-    for (std::size_t first = 0; first < cell_sums_.size(); first += kColumns)
-        fill_guides(std::span(cell_sums_).subspan(first, kColumns), std::span(cell_guide_).subspan(first, kColumns));
+    accumulate(rows_);
+    fill_guides(rows_);
+    for (std::size_t first = 0; first < cells_.size(); first += kColumns)
+        fill_guides(std::span(cells_).subspan(first, kColumns));
 }
 
 float Environment::density_at(int row, int column, float ring) const noexcept
 {
-    const std::span cells(cell_sums_.data() + row * kColumns, std::size_t(kColumns));
-    return share_of(row_sums_, row) * share_of(cells, column) * float(kColumns * kRows) /
+    const std::span cells(cells_.data() + row * kColumns, std::size_t(kColumns));
+    return share_of(rows_, row) * share_of(cells, column) * float(kColumns * kRows) /
            (2 * kPi * kPi * std::max(1e-6f, ring));
 }
 
 Environment::Light Environment::draw(Vec2f square) const noexcept
 {
-    const Interval row = find_interval(row_sums_, row_guide_, square.y);
+    const Interval row = find_interval(rows_, square.y);
     const auto first = std::size_t(row.index) * kColumns;
-    const Interval column = find_interval(std::span(cell_sums_).subspan(first, kColumns),
-                                          std::span(cell_guide_).subspan(first, kColumns), square.x);
+    const Interval column = find_interval(std::span(cells_).subspan(first, kColumns), square.x);
     const Vec2f uv((float(column.index) + column.within) / kColumns, (float(row.index) + row.within) / kRows);
     const Vec3f direction = direction_of(uv);
     const float ring = std::sqrt(std::max(0.0f, 1 - direction.y * direction.y));

@@ -1,11 +1,12 @@
 // Light from infinitely far, in every direction: a constant, an equirectangular image, or the default sky of a scene
 // without light.
 //
-// Memory   tables of 512 x 256 luminances and indices for an image, 0.8 MB. Borrows the texture store.
+// Memory   tables of 512 x 256 luminances and indices for an image, 1 MB. Borrows the texture store.
 // Threads  const after construction.
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "io/texture/texture_store.h"
@@ -40,22 +41,33 @@ public:
 
 private:
     enum class Kind : unsigned char { None, Constant, Image, Sky };
+    /// An entry of a table of running sums, of which the last one is 1. What a draw needs of both lies side by side, since
+    /// it waits for memory.
+    struct Sum {
+        float upto;
+        /// Where to begin looking for a number (Chen and Asau 1974): entry i of n has the index of the first sum above i /
+        /// n.
+        std::uint16_t guide;
+    };
+    struct Interval;
 
     Vec2f uv_of(Vec3f direction) const noexcept;
     Vec3f direction_of(Vec2f uv) const noexcept;
     Vec3f texel(Vec2f uv) const noexcept;
     float density_at(int row, int column, float ring) const noexcept;
     void tabulate();
+    static Interval find_interval(std::span<const Sum> sums, float u) noexcept;
+    static void fill_guides(std::span<Sum> sums) noexcept;
+    static float share_of(std::span<const Sum> sums, int index) noexcept;
+    static float accumulate(std::span<Sum> weights) noexcept;
 
     Kind kind_ = Kind::None;
     Vec3f scale_{0};
     TextureUse image_;
     float rotation_sin_ = 0, rotation_cos_ = 1;
     const TextureStore* textures_ = nullptr;
-    std::vector<float> row_sums_;   ///< running sums over rows; the last one is 1
-    std::vector<float> cell_sums_;  ///< running sums within each row; the last one of a row is 1
-    // Where to begin looking for a number in the sums (Chen and Asau 1974): entry i of n is the first sum above i / n.
-    std::vector<std::uint16_t> row_guide_, cell_guide_;
+    std::vector<Sum> rows_;   ///< over rows
+    std::vector<Sum> cells_;  ///< within each row
 };
 
 }  // namespace occam::shade
