@@ -202,7 +202,7 @@ def main() -> None:
             Room(folder / "room.obj", 1)
             Room(folder / "level.obj", 8)
             views = [(folder / "room.obj", [5.4, 1.7, 5.5, 2, 0.7, 2]),
-                     (folder / "level.obj", [-3, 8, 14, 20, 0, 3])]
+                     (folder / "level.obj", [0.4, 1.7, 3.6, 12, 0.9, 2.8])]
         for scene, view in views:
             compare(Frame(given, folder, scene.resolve(), view), given.samples)
 
