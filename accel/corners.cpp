@@ -66,15 +66,10 @@ void put(FloatLanes (&to)[N], std::size_t lane, const Vector& v) noexcept
 HitCorners::HitCorners(std::span<const GridHit> met, const MicropolygonPlace* spots) noexcept : met_(met), spots_(spots)
 {
     clear(weight);
-    std::size_t hits = 0;
-    for (const GridHit& m : met) hits += m.grid != nullptr;
-    if (hits == kLanes) return;
-    // Lanes without a hit are cleared.
-    for (int p = 0; p < 3; ++p) {
-        clear(position[p]);
-        for (LaneFours* fours : {&normal[p], &uv[0][p], &uv[1][p]})
-            for (auto& lane : *fours) vfloat4(0.0f).store(lane);
-    }
+    for (std::size_t lane = 0; lane < met.size(); ++lane)
+        if (met[lane].grid) (spots[lane].part ? lattices_ : meshes_) |= 1u << lane;
+    if ((lattices_ | meshes_) == (1u << kLanes) - 1) return;
+    for (auto& corner : position) clear(corner);  // of lanes without a hit
 }
 
 HitCorners::Vertices::Vertices(const IGridPart& part, const MicropolygonPlace& spot) noexcept
@@ -86,15 +81,27 @@ HitCorners::Vertices::Vertices(const IGridPart& part, const MicropolygonPlace& s
     of[2] = low + along_j + (spot.triangle != 0 ? 0 : along_i);
 }
 
+OCCAM_ALWAYS_INLINE void HitCorners::gather_mesh(std::size_t lane) noexcept
+{
+    const GridHit& m = met_[lane];
+    if (m.grid->segments > 0) {
+        for (int p = 0; p < 3; ++p) put(position[p], lane, m.corner_at(p));
+        return;
+    }
+    constexpr std::uint32_t kRow = TriangleBlock::kTriangles;
+    const float* const at = &m.grid->mesh().triangles.blocks[m.id / kRow].corners[0][m.id % kRow];
+    for (std::size_t p = 0; p < 3; ++p)
+        for (std::size_t a = 0; a < 3; ++a) position[p][a][lane] = at[(p * 3 + a) * kRow];
+}
+
 void HitCorners::set_positions(const vfloat (&direction)[3], const vfloat (&origin)[3], vfloat shift,
                                unsigned coarse_starts) noexcept
 {
+    for (unsigned left = meshes_; left != 0; left &= left - 1) gather_mesh(static_cast<std::size_t>(std::countr_zero(left)));
+    if (lattices_ == 0) return;
     Gathered gathered;
-    for (std::size_t lane = 0; lane < met_.size(); ++lane) {
-        if (!met_[lane].grid) continue;
-        if (spots_[lane].part) gather_lattice(lane, gathered);
-        else gather_mesh(lane, gathered);
-    }
+    for (unsigned left = lattices_; left != 0; left &= left - 1)
+        gather_lattice(static_cast<std::size_t>(std::countr_zero(left)), gathered);
     if (gathered.blended == 0 && gathered.special == 0) return;
 
     VertexBlend blend;
@@ -114,15 +121,6 @@ HitCorners::Gathered::Gathered() noexcept
 {
     for (auto& corner : coarse) clear(corner);
     for (FloatLanes* lanes : {&ramp_start, &scale, &blends}) vfloat(0.0f).store(*lanes);
-}
-
-void HitCorners::gather_mesh(std::size_t lane, Gathered& to) noexcept
-{
-    for (int p = 0; p < 3; ++p) {
-        const Vec3f at = met_[lane].corner_at(p);
-        put(position[p], lane, at);
-        put(to.coarse[p], lane, at);
-    }
 }
 
 void HitCorners::gather_lattice(std::size_t lane, Gathered& to) noexcept

@@ -35,9 +35,10 @@ struct HitCorners {
     /// Holds the same micropolygon, in the lanes of has_start, in the mesh of the level at which secondary rays start.
     /// A gap triangle, which has no area, is replaced here by a triangle of the quad beside it.
     alignas(32) FloatLanes start[3][3];
-    FloatLanes weight[3];                 ///< the share of the coarse position at the corner
-    LaneFours normal[3];                  ///< normal of each corner: unit length, or 0 where there is none
-    LaneFours uv[2][3];                   ///< set, corner
+    FloatLanes weight[3];  ///< the share of the coarse position at the corner
+    /// The normal of each corner, of unit length, or 0 where there is none. It is valid if any lane has normals.
+    LaneFours normal[3];
+    LaneFours uv[2][3];                   ///< set, corner; a set is valid if any lane has it
     Vec4f color[kLanes][3];               ///< valid in the lanes of has_color
     const Material* material[kLanes];     ///< valid in lanes with a hit
     unsigned has_uv[2]{}, has_color = 0;  ///< bit masks of lanes
@@ -70,14 +71,14 @@ private:
         std::uint32_t of[3];
         Vertices(const IGridPart& part, const MicropolygonPlace& spot) noexcept;
     };
-    /// Holds what is gathered beside the fine positions.
+    /// Holds what is gathered beside the fine positions. Lanes that do not blend have zeros.
     struct Gathered {
         alignas(32) FloatLanes coarse[3][3], ramp_start, scale;
         alignas(32) FloatLanes blends;      ///< 1 in lanes whose igrid blends
         unsigned blended = 0, special = 0;  ///< bit masks: lanes that blend, and lanes with a T-vertex
         Gathered() noexcept;
     };
-    void gather_mesh(std::size_t lane, Gathered& to) noexcept;
+    void gather_mesh(std::size_t lane) noexcept;
     void gather_lattice(std::size_t lane, Gathered& to) noexcept;
     /// Blends the positions of all lanes, and sets `start`.
     void blend_positions(const Gathered& of, const VertexBlend& blend, unsigned coarse_starts) noexcept;
@@ -88,12 +89,16 @@ private:
     void set_moving(std::size_t lane, const Vertices& vertices, FloatLanes (&coarse)[3][3]) noexcept;
     void set_moving_normals(std::size_t lane, const std::ptrdiff_t (&i)[3], const std::ptrdiff_t (&j)[3],
                             std::ptrdiff_t halved) noexcept;
-    void set_attributes_of_mesh(std::size_t lane, const Scene& scene) noexcept;
+    /// Sets which attributes the lanes have, and their materials.
+    void note_attributes(const Scene& scene) noexcept;
+    void set_attributes_of_mesh(std::size_t lane) noexcept;
+    void set_attributes_of_lattice(std::size_t lane) noexcept;
     void set_normals_of_mesh(std::size_t lane) noexcept;
     void set_colors(std::size_t lane) noexcept;
 
     std::span<const GridHit> met_;
     const MicropolygonPlace* spots_;
+    unsigned lattices_ = 0, meshes_ = 0;  ///< bit masks of lanes with a hit on either
 };
 
 /// Holds the positions of the corners of a quad's two triangles, in units of quads.

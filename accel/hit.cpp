@@ -71,34 +71,26 @@ int seen_level_of(const Ray& ray, const GridHit& met, const lod::LevelSettings& 
     return level_at(ray, met, levels, 1, {met.grid->level, pairs.coarsest});
 }
 
-// Holds what is computed of a hit in lanes, in the order in which it is written: four floats at a time.
-struct HitFloats {
-    float t, self_distance, uv_width[2];
-    Vec3f normal_geometric;
-    float curvature;
-    Vec3f normal_shading;
-    float tangent_sign;
-    Vec3f tangent;
-    float blend;
-    Vec2f uv[2];
-
-    void copy_to(SurfaceHit& hit) const noexcept
+// Writes what is computed in lanes to the hits, four floats at a time. Lanes without a hit are written to where nobody
+// reads.
+class HitWriter {
+public:
+    HitWriter(std::span<const GridHit> met, SurfaceHit* const* hits) noexcept
     {
-        hit.t = t;
-        hit.self_distance = self_distance;
-        hit.uv_width[0] = uv_width[0];
-        hit.uv_width[1] = uv_width[1];
-        hit.normal_geometric = normal_geometric;
-        hit.curvature = curvature;
-        hit.normal_shading = normal_shading;
-        hit.tangent_sign = tangent_sign;
-        hit.tangent = tangent;
-        hit.blend = blend;
-        hit.uv[0] = uv[0];
-        hit.uv[1] = uv[1];
+        for (std::size_t i = 0; i < kLanes; ++i) to_[i] = i < met.size() && met[i].grid ? &hits[i]->t : unused_;
     }
+    /// place   of the four floats in a SurfaceHit
+    void write(std::size_t place, const vfloat (&values)[4]) noexcept { store_turned(values, to_, place / sizeof(float)); }
+
+private:
+    static constexpr std::size_t kFloats = 30;
+    static_assert(offsetof(SurfaceHit, t) == 0 && offsetof(SurfaceHit, uv) == 16 * sizeof(float));
+    static_assert(offsetof(SurfaceHit, to_start) == offsetof(SurfaceHit, start_normal) + 3 * sizeof(float));
+    static_assert(offsetof(SurfaceHit, to_start) < kFloats * sizeof(float));
+
+    float* to_[kLanes];
+    float unused_[kFloats];
 };
-static_assert(sizeof(HitFloats) == 20 * sizeof(float));  // there is no padding between the floats
 
 // Identifies the micropolygon that was hit, by number. It is kept out of line: inlined, its values are spilled in halves
 // and wait for all stores before them.
@@ -164,31 +156,29 @@ struct HitsRead {
     }
 };
 
-// Holds the set of texture coordinates of each lane's normal map, or -1.
+// Holds the set of texture coordinates of each lane's normal map, or -1, and what maps there are.
 struct MapSets {
     vfloat of;
-    bool any = false;
+    bool any = false, any_bump = false;
 
     MapSets(std::span<const GridHit> met, const HitCorners& corners) noexcept
     {
         alignas(32) FloatLanes set{};
+        const Material* last = nullptr;  // neighbours often have one material
+        float of_last = -1;
         for (std::size_t i = 0; i < met.size(); ++i) {
             if (!met[i].grid) continue;
-            const int of_lane = normal_map_set(*corners.material[i]);
-            set[i] = static_cast<float>(of_lane);
-            any = any || of_lane >= 0;
+            if (corners.material[i] != last) {
+                last = corners.material[i];
+                of_last = static_cast<float>(normal_map_set(*last));
+                any = any || of_last >= 0;
+                any_bump = any_bump || last->bump_texture;
+            }
+            set[i] = of_last;
         }
         of = vfloat::load(set);
     }
 };
-
-// Writes four values of each lane side by side.
-void write(HitFloats (&to)[kLanes], std::size_t place, const vfloat (&values)[4]) noexcept
-{
-    float* lanes[kLanes];
-    for (std::size_t i = 0; i < kLanes; ++i) lanes[i] = reinterpret_cast<float*>(&to[i]);
-    store_turned(values, lanes, place / sizeof(float));
-}
 
 // Holds what was computed in lanes, to be read lane by lane.
 struct FilledLanes {
@@ -196,30 +186,29 @@ struct FilledLanes {
     const Triangles& tri;
     Stored from_corner, share, to_start, start_normal;
     unsigned starts_beside, is_back, has_gradients;  // bit masks of lanes
+    bool any_bump;                                   // some lane's material has a bump map
 };
 
-// Fills in what is computed hit by hit, after copy_to().
+// Fills in what is computed hit by hit, after what is written in lanes.
 void fill(const FilledLanes& of, std::size_t i, const GridHit& met, float mirrored, const PhaseOneTools& tools,
           SurfaceHit& hit) noexcept
 {
     const HitCorners& corners = of.corners;
     hit.position = met.grid->cage->anchor + (Vec3d(corners.position_of(0, i)) + Vec3d(of.from_corner[i]));
     hit.back_side = (of.is_back >> i & 1) != 0;
-    hit.to_start = Vec3f(0);
-    hit.start_normal = hit.normal_geometric;
+    hit.to_start = hit.u_gradient = hit.v_gradient = hit.velocity = Vec3f(0);
+    hit.color = Vec4f(1);
+    hit.material = corners.material[i];
     // For most hits secondary rays start on the micropolygon that was hit.
     if (of.starts_beside >> i & 1) hit.to_start = of.to_start[i];
     if (corners.has_start >> i & 1) {
         const Vec3f unturned = of.start_normal[i] * mirrored;
         if (unturned != Vec3f(0)) hit.start_normal = hit.back_side ? -unturned : unturned;
     }
-    hit.material = corners.material[i];
-    hit.color = Vec4f(1);
     if (corners.has_color >> i & 1) hit.color = weighted(corners.color[i], of.share[i]);
-    hit.u_gradient = hit.v_gradient = Vec3f(0);
-    if (hit.material->bump_texture && (of.has_gradients >> i & 1) != 0)
+    if (of.any_bump && hit.material->bump_texture && (of.has_gradients >> i & 1) != 0)
         set_bump_gradients(corners, of.tri, i, static_cast<float>(tools.frame.scale.to_frame()), hit);
-    hit.velocity = met.grid->segments > 0 ? corners.velocity_of(i, of.share[i]) : Vec3f(0);
+    if (met.grid->segments > 0) hit.velocity = corners.velocity_of(i, of.share[i]);
 }
 
 // Sets the level that the ray sees, and the values that phase one has made for it.
@@ -271,14 +260,15 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
                              fma(vfloat::load(corners.weight[1]), share[1], vfloat::load(corners.weight[2]) * share[2]));
     const StartsBesideHits beside(corners, tri, share, is_flat, farthest);
 
-    HitFloats written[kLanes];
-    write(written, offsetof(HitFloats, t), {t, vfloat(kStartUlps * FLT_EPSILON) * farthest, uv.width[0], uv.width[1]});
-    write(written, offsetof(HitFloats, normal_geometric),
-          {normal.geometric.x, normal.geometric.y, normal.geometric.z, curvature});
-    write(written, offsetof(HitFloats, normal_shading),
-          {normal.shading.x, normal.shading.y, normal.shading.z, uv.tangent.sign});
-    write(written, offsetof(HitFloats, tangent), {uv.tangent.along.x, uv.tangent.along.y, uv.tangent.along.z, blend});
-    write(written, offsetof(HitFloats, uv), {uv.at[0][0], uv.at[0][1], uv.at[1][0], uv.at[1][1]});
+    HitWriter writer(met, hits);
+    writer.write(offsetof(SurfaceHit, t), {t, vfloat(kStartUlps * FLT_EPSILON) * farthest, uv.width[0], uv.width[1]});
+    writer.write(offsetof(SurfaceHit, normal_geometric),
+                 {normal.geometric.x, normal.geometric.y, normal.geometric.z, curvature});
+    writer.write(offsetof(SurfaceHit, normal_shading),
+                 {normal.shading.x, normal.shading.y, normal.shading.z, uv.tangent.sign});
+    writer.write(offsetof(SurfaceHit, tangent), {uv.tangent.along.x, uv.tangent.along.y, uv.tangent.along.z, blend});
+    writer.write(offsetof(SurfaceHit, uv), {uv.at[0][0], uv.at[0][1], uv.at[1][0], uv.at[1][1]});
+    writer.write(offsetof(SurfaceHit, start_normal), {normal.geometric.x, normal.geometric.y, normal.geometric.z, zero});
     const FilledLanes lanes{corners,
                             tri,
                             Stored(offset),
@@ -287,10 +277,10 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
                             Stored(beside.starts ? beside.starts->normal : offset),
                             beside.which,
                             bits(normal.is_back),
-                            bits(has_gradients)};
+                            bits(has_gradients),
+                            map_sets.any_bump};
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (!met[i].grid) continue;
-        written[i].copy_to(*hits[i]);
         hits[i]->start_level = static_cast<std::int8_t>(read.start_level[i]);
         fill(lanes, i, met[i], read.mirrored[i], tools, *hits[i]);
         set_identity(met[i], read.spots[i], *hits[i]);

@@ -33,8 +33,13 @@ LatticeGrid::LatticeGrid(const GridSubject& of, const Common& common, const Latt
 {
 }
 
-MeshGrid::MeshGrid(const GridSubject& of, const TriangleTree& tree) noexcept
-    : IGrid(of, {}, false, false, 0), triangles(tree)
+MeshGrid::MeshGrid(const GridSubject& of, const TriangleTree& tree, const Material* only) noexcept
+    : IGrid(of, {}, false, false, 0),
+      triangles(tree),
+      material(only),
+      has_normals(!of.cage.slot->cage.normals.empty()),
+      has_uv{of.cage.slot->cage.uv_sets.size() > 0, of.cage.slot->cage.uv_sets.size() > 1},
+      has_colors(!of.cage.slot->cage.colors.empty())
 {
 }
 

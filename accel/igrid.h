@@ -199,9 +199,12 @@ private:
 };
 
 struct MeshGrid : IGrid {
-    MeshGrid(const GridSubject& of, const TriangleTree& tree) noexcept;
+    MeshGrid(const GridSubject& of, const TriangleTree& tree, const Material* material) noexcept;
 
     const TriangleTree triangles;
+    const Material* const material;  ///< the material of all triangles; null if they have several
+    /// What the vertices of the cage have beside positions.
+    const bool has_normals, has_uv[2], has_colors;
 };
 
 inline LatticeGrid& IGrid::lattice() noexcept { return static_cast<LatticeGrid&>(*this); }

@@ -351,8 +351,10 @@ GridBounds Items::bounds_of(const IGrid& grid) const
 
 IGrid* Items::build(const Item& item, const GridSubject& of, bool is_shared, const lod::TileRef& tile)
 {
-    if (item.kind == Item::Faces)
-        return meshes_.build(of, of.cage.clusters->faces(of.cage.clusters->node(item.index)), arena_);
+    if (item.kind == Item::Faces) {
+        const std::span<const std::uint32_t> faces = of.cage.clusters->faces(of.cage.clusters->node(item.index));
+        return meshes_.build(of, faces, common_material(*frame_.scene, of.cage, faces), arena_);
+    }
     const bool is_one_level = frame_.levels.mode == lod::LevelMode::PerInstance || of.pairs.coarsest < of.level;
     const int coarser = is_one_level ? of.level : of.level + 1;
     parts_.clear();

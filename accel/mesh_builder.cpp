@@ -2,11 +2,12 @@
 
 namespace occam::accel {
 
-MeshGrid* MeshBuilder::build(const GridSubject& of, std::span<const std::uint32_t> faces, Arena& arena)
+MeshGrid* MeshBuilder::build(const GridSubject& of, std::span<const std::uint32_t> faces, const Material* material,
+                             Arena& arena)
 {
     micropolygons += faces.size();
     set_corners(of.cage, faces);
-    return arena.make<MeshGrid>(of, trees_.build(boxed_, faces, corners_, of.cage.segments + 1, arena));
+    return arena.make<MeshGrid>(of, trees_.build(boxed_, faces, corners_, of.cage.segments + 1, arena), material);
 }
 
 void MeshBuilder::set_corners(const lod::PosedCage& cage, std::span<const std::uint32_t> faces)

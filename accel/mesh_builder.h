@@ -12,7 +12,8 @@ namespace occam::accel {
 
 class MeshBuilder {
 public:
-    MeshGrid* build(const GridSubject& of, std::span<const std::uint32_t> faces, Arena& arena);
+    /// material   the material of all these faces, or null if they have several
+    MeshGrid* build(const GridSubject& of, std::span<const std::uint32_t> faces, const Material* material, Arena& arena);
 
     std::uint64_t micropolygons = 0;  ///< in all igrids so far
 

@@ -1,5 +1,7 @@
 #include "accel/phase_one.h"
 
+#include <algorithm>
+
 #include "accel/stopwatch.h"
 #include "base/publish.h"
 
@@ -25,6 +27,16 @@ const Material* material_of(const Scene& scene, const lod::PosedCage& cage, std:
     const auto& from = cage.node->materials.empty() ? source.materials : cage.node->materials;
     const Material* found = slot < from.size() ? scene.find(from[slot]) : nullptr;
     return found ? found : &plain;
+}
+
+const Material* common_material(const Scene& scene, const lod::PosedCage& cage,
+                                std::span<const std::uint32_t> faces) noexcept
+{
+    const Material* const first = material_of(scene, cage, faces.front());
+    if (cage.slot->cage.face_slots.empty()) return first;
+    const bool is_common = std::ranges::all_of(faces,
+                                               [&](std::uint32_t face) { return material_of(scene, cage, face) == first; });
+    return is_common ? first : nullptr;
 }
 
 void shade_parts(LatticeGrid& grid, const PhaseOneTools& tools)

@@ -25,6 +25,9 @@ struct PhaseOneTools {
 
 /// Returns the material of a face of a placed cage.
 const Material* material_of(const Scene& scene, const lod::PosedCage& cage, std::uint32_t face) noexcept;
+/// Returns the material of all these faces, of which there is at least one, or null if they have several.
+const Material* common_material(const Scene& scene, const lod::PosedCage& cage,
+                                std::span<const std::uint32_t> faces) noexcept;
 /// Runs phase one on a part of an igrid, unless another thread has done so in the meantime.
 void shade_part(const IGrid& grid, IGridPart& part, const PhaseOneTools& tools);
 /// Runs phase one on all parts of an igrid that nothing has hit yet.

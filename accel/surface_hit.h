@@ -13,8 +13,9 @@
 
 namespace occam::accel {
 
-/// Holds what phase two needs of a surface point, by value. Pointers point into the scene.
-struct SurfaceHit {
+/// Holds what phase two needs of a surface point, by value. Pointers point into the scene. The fields are in the order in
+/// which accel/hit.cpp writes them: first twenty floats, four at a time, and last the values that most hits do not have.
+struct alignas(64) SurfaceHit {
     float t = std::numeric_limits<float>::infinity();  ///< infinity if nothing was hit; then nothing else here is set
     /// The offset of a secondary ray's origin along start_normal, larger than rounding errors.
     float self_distance = 0;
@@ -30,30 +31,30 @@ struct SurfaceHit {
     /// A unit vector in world space, perpendicular to the outward shading normal, along which u of the material's
     /// normal map grows. It is zero without a map or texture coordinates.
     Vec3f tangent{0};
-    float blend = 0;    ///< the share of the coarser level of the pair, 0 at `level` to 1
-    Vec2f uv[2]{};      ///< the first two sets of texture coordinates
-    Vec3d position{0};  ///< on the micropolygon
+    float blend = 0;        ///< the share of the coarser level of the pair, 0 at `level` to 1
+    Vec2f uv[2]{};          ///< the first two sets of texture coordinates
+    Vec3d position{0};      ///< on the micropolygon
+    Vec3f start_normal{0};  ///< unit normal of the micropolygon of `to_start`, on the side of normal_geometric
     /// The offset from `position` to where secondary rays start: the same place of the mesh of start_level, which is
     /// the mesh that they see there. It keeps off the micropolygon's edges by more than rounding errors.
     Vec3f to_start{0};
-    Vec3f start_normal{0};  ///< unit normal of the micropolygon there, on the side of normal_geometric
     /// The gradients of the texture coordinates that the material's bump map uses, over the micropolygon, per world
     /// length. They are zero without a bump map.
     Vec3f u_gradient{0}, v_gradient{0};
-    Vec4f color{1};  ///< vertex colour
-    /// The number of VertexShader's values at the hit; if it is 0, none were made, and textures must be looked up.
-    int phase_one_channels = 0;
-    float phase_one[lod::VertexShader::kMaxChannels] = {};  ///< the first phase_one_channels are valid
-    const Material* material = nullptr;                     ///< never null at a hit
-    NodeId node;
-    LightGroups lit_by = kAllGroups;
-    std::uint32_t face = 0;               ///< face index in the cage
-    bool back_side = false;               ///< the ray came from behind the face
-    int level = 0;                        ///< the finer level of the pair at which the ray sees the cage, world lengths
-    std::int8_t start_level = kAnyLevel;  ///< one of that pair's two levels, for Ray::start_level
-    std::uint32_t micropolygon = 0;       ///< a hashed number of the quad, for pictures of the grid
     /// The velocity of the place on the micropolygon, at the ray's time, per shutter.
     Vec3f velocity{0};
+    Vec4f color{1};                      ///< vertex colour
+    const Material* material = nullptr;  ///< never null at a hit
+    NodeId node;
+    LightGroups lit_by = kAllGroups;
+    std::uint32_t face = 0;          ///< face index in the cage
+    std::uint32_t micropolygon = 0;  ///< a hashed number of the quad, for pictures of the grid
+    int level = 0;                   ///< the finer level of the pair at which the ray sees the cage, world lengths
+    /// The number of VertexShader's values at the hit; if it is 0, none were made, and textures must be looked up.
+    int phase_one_channels = 0;
+    std::int8_t start_level = kAnyLevel;                    ///< one of that pair's two levels, for Ray::start_level
+    bool back_side = false;                                 ///< the ray came from behind the face
+    float phase_one[lod::VertexShader::kMaxChannels] = {};  ///< the first phase_one_channels are valid
 
     bool is_hit() const noexcept { return t < std::numeric_limits<float>::infinity(); }
 };

@@ -116,7 +116,13 @@ void Tracer::State::find_nearest(std::span<const Ray> rays, Expect&& expect, Fil
     for_groups(rays, [&](const RayAxes& axes, std::size_t first, std::size_t count, std::size_t memory_bytes) {
         GridHit met[kPacket];
         const auto take = [&](std::size_t i, std::size_t lane, const Nearest& found, auto& blends) {
-            GridHit& m = met[i] = {found.t[lane], found.grid[lane], found.id[lane], {}, {}};
+            // Members are set one by one: a temporary would be stored in small pieces and loaded in large ones at once.
+            GridHit& m = met[i];
+            m.t = found.t[lane];
+            m.grid = found.grid[lane];
+            m.id = found.id[lane];
+            m.blend = {};
+            m.time = {};
             if (!kWithBlend || !m.grid) return;
             if (m.grid->blends()) m.blend = blends(m.grid->pairs.finest, lane);
             if (m.grid->segments > 0) m.time = lod::key_time(groups.sorted[first + i].time, m.grid->segments);
@@ -132,12 +138,9 @@ void Tracer::State::find_nearest(std::span<const Ray> rays, Expect&& expect, Fil
 void Tracer::closest(std::span<const Ray> rays, std::span<SurfaceHit> hits)
 {
     State& s = *state_;
-    // Rays are sorted, so their hits lie far apart. They are loaded while the rays are traced, but for values at vertices,
-    // which are rare.
-    const auto expect = [&](std::size_t i) {
-        prefetch_to_write(&hits[i], offsetof(SurfaceHit, phase_one));
-        prefetch_to_write(&hits[i].material, sizeof(SurfaceHit) - offsetof(SurfaceHit, material));
-    };
+    // Rays are sorted, so their hits lie far apart. They are loaded while the rays are traced, except for values at
+    // vertices, which are rare.
+    const auto expect = [&](std::size_t i) { prefetch_to_write(&hits[i], offsetof(SurfaceHit, phase_one)); };
     s.find_nearest<true>(rays, expect, [&](const RayAxes& axes, std::size_t first, std::span<const GridHit> met) {
         for (std::size_t at = 0; at < met.size(); at += kLanes) {
             const std::size_t n = std::min<std::size_t>(kLanes, met.size() - at);

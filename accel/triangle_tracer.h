@@ -73,7 +73,9 @@ public:
                 continue;
             }
             if (TriangleNode::is_block(next.child)) {
-                triangles_packet(TriangleNode::block_of(next.child), next.alive);
+                const std::uint32_t block = TriangleNode::block_of(next.child);
+                if (std::popcount(lanes) < kWorthAllTriangles) triangles_in_turn(block, lanes);
+                else triangles_packet(block, next.alive);
                 continue;
             }
             const TriangleNode& node = nodes_[next.child];
@@ -95,11 +97,13 @@ public:
     void single(int lane) noexcept
     {
         const VecLanes origin{ray_.origin[axes_[0]], ray_.origin[axes_[1]], ray_.origin[axes_[2]]};
-        nearest_first(0, {ray_, origin, BoxRay(ray_, span_), span_, read_, lane});
+        nearest_first(0, {{ray_, origin, span_, read_, lane}, BoxRay(ray_, span_)});
     }
 
 private:
     static constexpr int kWidth = TriangleNode::kWidth;
+    /// The number of live rays below which each is tested against all triangles of a block at once.
+    static constexpr int kWorthAllTriangles = kLanes - 1;
     static constexpr int kMostTodo = TriangleTree::kMostDepth * (kWidth - 1) + 2;
 
     /// Holds what boxes are tested by, for one ray in all lanes. The interval in which the ray is in a box is widened by
@@ -123,14 +127,17 @@ private:
         /// Returns a limit on t as one on the distance to boxes.
         float end(float t) const noexcept { return (t - shift) + 4 * FLT_EPSILON * (std::fabs(t) + std::fabs(shift)); }
     };
-    /// Holds one ray in all lanes.
-    struct Alone {
+    /// Holds what triangles are tested by, for one ray in all lanes.
+    struct AtTriangles {
         const RayLanes& ray;
         const VecLanes& origin;  ///< along kx, ky, kz
-        const BoxRay& boxes;
         const RaySpan& span;
         const Coordinates& read;
         int lane;  ///< of the query
+    };
+    /// Holds one ray in all lanes.
+    struct Alone : AtTriangles {
+        const BoxRay& boxes;
     };
 
     vfloat limit() const noexcept { return min(query_.limit(), span_.t_end); }
@@ -170,7 +177,7 @@ private:
         const RaySpan span{spread(span_.t_near, lane), spread(span_.t_end, lane)};
         const Coordinates read = of_lane(read_, lane);
         const BoxRay boxes(ray, span);
-        nearest_first(child, {ray, origin, boxes, span, read, lane});
+        nearest_first(child, {{ray, origin, span, read, lane}, boxes});
     }
     static StillCoordinates of_lane(const StillCoordinates& all, int) noexcept { return all; }
     static MovingCoordinates of_lane(const MovingCoordinates& all, int lane) noexcept
@@ -240,6 +247,7 @@ private:
         }
     }
 
+    /// Tests the rays of a packet against a block, all rays against one triangle after the other.
     void triangles_packet(std::uint32_t block, vmask alive) noexcept
     {
         const VecLanes origin{ray_.origin[axes_[0]], ray_.origin[axes_[1]], ray_.origin[axes_[2]]};
@@ -264,8 +272,20 @@ private:
         }
     }
 
+    /// Does the same for one ray after the other, each against all triangles: this takes as many tests as there are rays.
+    void triangles_in_turn(std::uint32_t block, unsigned alive) noexcept
+    {
+        for (; alive != 0; alive &= alive - 1) {
+            const int lane = std::countr_zero(alive);
+            const RayLanes ray = spread(ray_, lane);
+            const VecLanes origin{ray.origin[axes_[0]], ray.origin[axes_[1]], ray.origin[axes_[2]]};
+            const RaySpan span{spread(span_.t_near, lane), spread(span_.t_end, lane)};
+            triangles_single(block, {ray, origin, span, of_lane(read_, lane), lane});
+        }
+    }
+
     /// Returns whether hits were offered.
-    OCCAM_ALWAYS_INLINE bool triangles_single(std::uint32_t block, const Alone& one) noexcept
+    OCCAM_ALWAYS_INLINE bool triangles_single(std::uint32_t block, const AtTriangles& one) noexcept
     {
         count_tests(query_, kWidth);
         bool any_hit = false;
