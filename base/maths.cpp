@@ -20,7 +20,9 @@ Reduced reduce(float x) noexcept
     // These are the two parts of pi/2, so that k * high is exact for k below 2^22.
     constexpr double kHigh = 1.57079632673412561417, kLow = 6.07710050650619224932e-11;
     const double k = std::floor(double(x) * (2 / kPiD) + 0.5);
-    return {(double(x) - k * kHigh) - k * kLow, static_cast<int>(static_cast<long long>(std::fmod(k, 4.0)) & 3)};
+    // Beyond 2^62, where k does not fit into an integer, it is a multiple of 4.
+    const int quadrant = std::fabs(k) < 0x1p62 ? static_cast<int>(static_cast<long long>(k) & 3) : 0;
+    return {(double(x) - k * kHigh) - k * kLow, quadrant};
 }
 
 double sin_series(double r) noexcept
@@ -101,6 +103,13 @@ float cos(float x) noexcept
     Reduced r = reduce(x);
     r.quadrant = (r.quadrant + 1) & 3;
     return static_cast<float>(sin_quadrant(r));
+}
+
+SinCos sin_cos(float x) noexcept
+{
+    if (!std::isfinite(x)) return {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::quiet_NaN()};
+    const Reduced r = reduce(x);
+    return {static_cast<float>(sin_quadrant(r)), static_cast<float>(sin_quadrant({r.r, (r.quadrant + 1) & 3}))};
 }
 
 float tan(float x) noexcept

@@ -10,6 +10,11 @@ inline constexpr float kPi = 3.14159265358979f;
 
 float sin(float x) noexcept;  ///< radians; for |x| up to 1e6, beyond which accuracy falls; NaN for infinities
 float cos(float x) noexcept;
+/// Holds the sine and the cosine of one angle, with the bits of sin() and cos().
+struct SinCos {
+    float sin, cos;
+};
+SinCos sin_cos(float x) noexcept;
 float tan(float x) noexcept;
 float exp2(float x) noexcept;  ///< 0 for x <= -150, infinity for x >= 128
 float exp(float x) noexcept;

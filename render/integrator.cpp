@@ -77,6 +77,8 @@ std::size_t Integrator::shade_some(std::size_t first, std::size_t end, std::span
 {
     const auto start = Clock::now();
     shadows_.clear();
+    samples_ = samples;
+    drawn_.number = DrawnBlock::kNone;
     std::size_t i = first;
     for (; i < end && shadows_.size() < context_.shadow_batch; ++i) {
         const std::uint32_t sample = paths_[i].sample;
@@ -219,7 +221,7 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
 
     counters_.hits_looked_up += hit.phase_one_channels == 0;
     const shade::ShadePoint point = shade_point(ray, hit, texture_width_);
-    const shade::Surface surface = shade::evaluate(point, context_.textures);
+    const shade::Surface surface = shade::evaluate(point, context_.textures, plain_surfaces_);
     const float occlusion = wants_occlusion_ ? shade::ambient_share(point, context_.textures) : 1;
     const float covered = path.coverage * surface.opacity;
     if (path.is_camera()) {
@@ -253,10 +255,7 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
         if (path.is_camera()) result.emitted += luminance(share * surface.base_color);
     } else if (surface.opacity > 0) {
         add_emission(path, hit, surface, share, result);
-        if (!path.is_probe) {
-            gather_light(v);
-            if (chance.scatter > 0 && needs_scattering(v)) scatter_on(v, chance.scatter);
-        }
+        if (!path.is_probe) gather_and_scatter(i, v, chance.scatter);
     }
     if (!(chance.pass > 0)) return false;
     if (path.is_camera() && chance.pass == 1 && chance.scatter > 0) ++path.splits;

@@ -128,6 +128,9 @@ private:
         Vec3d start = surface.start(surface.normal_geometric);
         shade::Receiver receiver{};             ///< filled if there is a tree of lights
         float width = ray.footprint.at(hit.t);  ///< width of the beam
+        SurfaceNumbers drawn{};  ///< for uses of which the sample draws one number; valid where light is gathered
+        /// The surface with its lobes; not null where light is gathered.
+        const shade::SurfaceForEye* for_eye = nullptr;
         /// Returns the index of the sample's first number in a dimension that has `of` numbers for each sample.
         std::uint32_t first_of(int of) const noexcept { return static_cast<std::uint32_t>(sample.index * of); }
     };
@@ -195,6 +198,10 @@ private:
         float pass, scatter;
     };
     Chances chances(const Vertex& v) const noexcept;
+    /// Gathers light at a surface of path i, and follows the lobes of the surface with a chance, which may be 0.
+    void gather_and_scatter(std::size_t i, Vertex& v, float chance);
+    /// Returns the numbers of a surface of path i. Those of neighbouring paths are drawn with them.
+    SurfaceNumbers numbers_of(std::size_t i, const Vertex& v) noexcept;
     void gather_light(const Vertex& v);
     void gather_sky(const Vertex& v);
     /// Returns false if a scattered direction can contribute nothing that gather_light() has not contributed.
@@ -209,8 +216,9 @@ private:
         Vec3f share;     ///< what each counts for
         float expected;  ///< samples of the light that were to be expected at the hit
     };
-    void gather_light(const Vertex& v, const shade::WorldLight& light, const Sequence& squares, int first, int end,
-                      const PlacedSamples& samples);
+    /// Adds samples of a placed light. Calls draw(sample) to draw them: sample(square) adds one.
+    template <class Draw>
+    void gather_light(const Vertex& v, const shade::WorldLight& light, const PlacedSamples& samples, Draw&& draw);
     void test(const Vertex& v, const shade::ShadowTest& test, Vec3f share, int samples);
     /// Describes what continues straight on behind a surface.
     struct Passing {
@@ -263,6 +271,16 @@ private:
     std::vector<Vec3f> lit_;   ///< radiance from shadow rays, one sum per sample
     std::vector<float> luck_;  ///< the number for each sample that ShadowQueue::trace() needs
     ShadowQueue shadows_;
+    std::span<const CameraSample> samples_;  ///< of the batch that is being shaded
+    shade::PlainSurfaces plain_surfaces_;
+
+    /// What numbers_of() has drawn last.
+    struct DrawnBlock {
+        static constexpr std::size_t kNone = ~std::size_t(0);
+        std::size_t number = kNone;  ///< of as many neighbouring paths as are drawn for at once
+        SurfacesToDraw surfaces;
+        SurfaceNumbers numbers[SurfacesToDraw::kMost];
+    } drawn_;
 };
 
 }  // namespace occam::render

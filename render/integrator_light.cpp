@@ -34,6 +34,17 @@ std::uint32_t scattered_key(std::uint32_t key, std::uint32_t n) noexcept
 
 bool is_black(Vec3f c) noexcept { return !(c.x > 0 || c.y > 0 || c.z > 0); }
 
+// Calls sample(square) for `count` points of a sequence, which are computed in blocks.
+template <class Sample>
+void for_squares(const Sequence& squares, std::uint32_t first, int count, Sample&& sample)
+{
+    for (int n = 0; n < count; n += Sequence::kBlock) {
+        float x[Sequence::kBlock], y[Sequence::kBlock];
+        squares.squares(first + static_cast<std::uint32_t>(n), x, y);
+        for (int i = 0; i < std::min(count - n, Sequence::kBlock); ++i) sample(Vec2f(x[i], y[i]));
+    }
+}
+
 }  // namespace
 
 // Returns the number of samples of each light. Later surfaces of a path take one, whatever the settings ask for.
@@ -46,6 +57,29 @@ Sequence Integrator::numbers(const Vertex& v, Use use, int slot) const noexcept
 {
     return context_.sampler.sequence(v.sample.x, v.sample.y,
                                      Dimension::at(v.path.key, use, static_cast<std::uint32_t>(slot)));
+}
+
+// Uses that need more than one number of a sample at a hit have sequences of their own.
+SurfaceNumbers Integrator::numbers_of(std::size_t i, const Vertex& v) noexcept
+{
+    constexpr std::size_t kBlock = SurfacesToDraw::kMost;
+    if (i / kBlock != drawn_.number) {
+        drawn_.number = i / kBlock;
+        const std::size_t first = i / kBlock * kBlock, count = std::min(kBlock, paths_.size() - first);
+        for (std::size_t k = 0; k < count; ++k) {
+            const CameraSample& sample = samples_[paths_[first + k].sample];
+            drawn_.surfaces.x[k] = sample.x;
+            drawn_.surfaces.y[k] = sample.y;
+            drawn_.surfaces.index[k] = static_cast<std::uint32_t>(sample.index);
+            drawn_.surfaces.key[k] = paths_[first + k].key;
+        }
+        context_.sampler.draw(drawn_.surfaces, drawn_.numbers);
+    }
+    if (drawn_.surfaces.key[i % kBlock] == v.path.key) return drawn_.numbers[i % kBlock];
+    // The ray has passed surfaces since the block was drawn.
+    const std::uint32_t index = v.first_of(1);
+    return {numbers(v, Use::Light).square(index), numbers(v, Use::Scatter).square(index),
+            numbers(v, Use::Lobe).interval(index), numbers(v, Use::Survival).interval(index)};
 }
 
 // A path that is scattered no further draws as many directions as a light has samples; any other path draws one.
@@ -69,6 +103,16 @@ OCCAM_ALWAYS_INLINE void Integrator::test(const Vertex& v, const shade::ShadowTe
     ray.footprint = shade::light_beam(v.width, test.t_far, test.density, samples * context_.settings.spp);
 }
 
+void Integrator::gather_and_scatter(std::size_t i, Vertex& v, float chance)
+{
+    const shade::SurfaceForEye for_eye(v.surface);
+    v.for_eye = &for_eye;
+    v.drawn = numbers_of(i, v);
+    gather_light(v);
+    if (chance > 0 && needs_scattering(v)) scatter_on(v, chance);
+    v.for_eye = nullptr;
+}
+
 void Integrator::gather_light(const Vertex& v)
 {
     int slots = std::min(static_cast<int>(context_.lights.lights_outside_tree()), kMaxLightsPerHit);
@@ -85,14 +129,14 @@ void Integrator::gather_light(const Vertex& v)
         for (int n = 0; n < per_hit; ++n) {
             const std::uint32_t index = v.first_of(per_hit) + static_cast<std::uint32_t>(n);
             const shade::LightNumbers u{squares.square(index), choices.interval(index)};
-            test(v, shade::test_meshes(v.surface, context_.lights.meshes(), u, counts), each, per_hit);
+            test(v, shade::test_meshes(*v.for_eye, context_.lights.meshes(), u, counts), each, per_hit);
         }
     }
     if (context_.lights.environment().has_density()) {
         const Sequence squares = numbers(v, Use::Light, slots + 1);
         for (int n = 0; n < per_hit; ++n) {
             const shade::LightNumbers u{squares.square(v.first_of(per_hit) + static_cast<std::uint32_t>(n))};
-            test(v, shade::test_environment(v.surface, context_.lights.environment(), u, counts), each, per_hit);
+            test(v, shade::test_environment(*v.for_eye, context_.lights.environment(), u, counts), each, per_hit);
         }
     }
 }
@@ -107,17 +151,21 @@ void Integrator::gather_placed(const Vertex& v, int slots)
     const float chance = light_count > slots ? static_cast<float>(slots) / static_cast<float>(light_count) : 1;
     const PlacedSamples samples{v.share / (static_cast<float>(per_hit) * chance), static_cast<float>(per_hit) * chance};
     for (int slot = 0; slot < slots; ++slot) {
-        const Sequence squares = numbers(v, Use::Light, slot);
         if (light_count == slots) {
-            gather_light(v, lights[std::size_t(slot)], squares, 0, per_hit, samples);
+            const shade::WorldLight& light = lights[std::size_t(slot)];
+            gather_light(v, light, samples, [&](const auto& sample) {
+                if (per_hit > 1) for_squares(numbers(v, Use::Light, slot), v.first_of(per_hit), per_hit, sample);
+                else if (slot == 0 || !light.has_extent()) sample(v.drawn.light);
+                else sample(numbers(v, Use::Light, slot).square(v.first_of(1)));
+            });
             continue;
         }
-        const Sequence choices = numbers(v, Use::LightChoice, slot);
+        const Sequence squares = numbers(v, Use::Light, slot), choices = numbers(v, Use::LightChoice, slot);
         for (int n = 0; n < per_hit; ++n) {
-            const float choice = choices.interval(v.first_of(per_hit) + static_cast<std::uint32_t>(n));
-            const float at = (static_cast<float>(slot) + choice) / static_cast<float>(slots);
+            const std::uint32_t index = v.first_of(per_hit) + static_cast<std::uint32_t>(n);
+            const float at = (static_cast<float>(slot) + choices.interval(index)) / static_cast<float>(slots);
             const int light = std::min(static_cast<int>(at * static_cast<float>(light_count)), light_count - 1);
-            gather_light(v, lights[std::size_t(light)], squares, n, n + 1, samples);
+            gather_light(v, lights[std::size_t(light)], samples, [&](const auto& sample) { sample(squares.square(index)); });
         }
     }
 }
@@ -129,38 +177,29 @@ void Integrator::gather_from_tree(const Vertex& v, int first_slot)
     const Sequence choices = numbers(v, Use::LightChoice, first_slot);
     for (int n = 0; n < per_hit; ++n) {
         shade::LightTree::Pick picks[kTreeDraws];
-        const float number = choices.interval(v.first_of(per_hit) + static_cast<std::uint32_t>(n));
-        const int count = tree.draw(v.receiver, number, std::span(picks, std::size_t(draws)));
+        const std::uint32_t index = v.first_of(per_hit) + static_cast<std::uint32_t>(n);
+        const int count = tree.draw(v.receiver, choices.interval(index), std::span(picks, std::size_t(draws)));
         for (int k = 0; k < count; ++k) {
             const float expected = static_cast<float>(per_hit * draws) * picks[k].probability;
-            gather_light(v, context_.lights.lights()[picks[k].light], numbers(v, Use::Light, first_slot + k), n, n + 1,
-                         {v.share / expected, expected});
+            const shade::WorldLight& light = context_.lights.lights()[picks[k].light];
+            gather_light(v, light, {v.share / expected, expected}, [&](const auto& sample) {
+                sample(light.has_extent() ? numbers(v, Use::Light, first_slot + k).square(index) : Vec2f(0.5f));
+            });
         }
     }
 }
 
-// Adds samples [first, end) of a placed light.
-void Integrator::gather_light(const Vertex& v, const shade::WorldLight& light, const Sequence& squares, int first, int end,
-                              const PlacedSamples& samples)
+template <class Draw>
+void Integrator::gather_light(const Vertex& v, const shade::WorldLight& light, const PlacedSamples& samples, Draw&& draw)
 {
     if ((light.groups & v.hit.lit_by) == 0) return;
     const int per_hit = light_samples_at(v.path);
     const bool is_left_to_samples = shade::FrameLights::is_left_to_samples(light, v.start, v.peak);
     const shade::SampleCounts counts{samples.expected, is_left_to_samples ? 0.0f : float(scatter_samples_at(v.path))};
     const Vec3f to_middle(light.position - v.surface.position);
-    const auto sample = [&](Vec2f square) {
-        test(v, shade::test_of(v.surface, light.sample_from(to_middle, {square}), counts), samples.share, per_hit);
-    };
-    const std::uint32_t index = v.first_of(per_hit) + static_cast<std::uint32_t>(first);
-    if (end - first == 1) {
-        sample(squares.square(index));
-        return;
-    }
-    for (int n = 0; n < end - first; n += Sequence::kBlock) {
-        float x[Sequence::kBlock], y[Sequence::kBlock];
-        squares.squares(index + static_cast<std::uint32_t>(n), x, y);
-        for (int i = 0; i < std::min(end - first - n, Sequence::kBlock); ++i) sample({x[i], y[i]});
-    }
+    draw([&](Vec2f square) {
+        test(v, shade::test_of(*v.for_eye, light.sample_from(to_middle, {square}), counts), samples.share, per_hit);
+    });
 }
 
 void Integrator::gather_sky(const Vertex& v)
@@ -227,10 +266,18 @@ void Integrator::scatter_on(const Vertex& v, float chance)
     const bool is_direct = settings.integrator == IntegratorKind::Direct;
     const int light_samples = light_samples_at(v.path);
     const int samples = scatter_samples_at(v.path);
-    const Sequence lobes = numbers(v, Use::Lobe), squares = numbers(v, Use::Scatter);
+    const Sequence none(0);
+    const Sequence lobes = samples > 1 ? numbers(v, Use::Lobe) : none,
+                   squares = samples > 1 ? numbers(v, Use::Scatter) : none;
     for (int n = 0; n < samples; ++n) {
-        const std::uint32_t index = v.first_of(samples) + static_cast<std::uint32_t>(n);
-        const shade::ScatterSample s = shade::sample_scatter(v.surface, lobes.interval(index), squares.square(index));
+        float lobe = v.drawn.lobe;
+        Vec2f square = v.drawn.scatter;
+        if (samples > 1) {
+            const std::uint32_t index = v.first_of(samples) + static_cast<std::uint32_t>(n);
+            lobe = lobes.interval(index);
+            square = squares.square(index);
+        }
+        const shade::ScatterSample s = shade::sample_scatter(*v.for_eye, lobe, square);
         if (is_black(s.weight)) continue;
 
         Path next = v.path;
@@ -258,7 +305,7 @@ void Integrator::scatter_on(const Vertex& v, float chance)
         if (!is_direct && next.bounces > kCertainBounces) {
             const float worth = std::max({next.throughput.x, next.throughput.y, next.throughput.z});
             const float survival = std::clamp(worth, 0.05f, 0.95f);
-            if (numbers(v, Use::Survival).interval(v.first_of(1)) >= survival) {
+            if (v.drawn.survival >= survival) {
                 if (context_.log) context_.log->ended_by_chance(survival);
                 continue;
             }

@@ -64,6 +64,20 @@ private:
     std::uint32_t order_, flips_x_, flips_y_;
 };
 
+/// Holds the numbers of which most surfaces of a path need one each.
+struct SurfaceNumbers {
+    Vec2f light{0};  ///< of Use::Light, slot 0
+    Vec2f scatter{0};
+    float lobe = 0, survival = 0;
+};
+
+/// Names surfaces of paths: pixels, indices of samples and keys.
+struct SurfacesToDraw {
+    static constexpr int kMost = 8;
+    int x[kMost]{}, y[kMost]{};
+    std::uint32_t index[kMost]{}, key[kMost]{};
+};
+
 class Sampler {
 public:
     /// jitter   false: every sample goes through the middle of its pixel
@@ -79,9 +93,10 @@ public:
     }
     Sequence sequence(int x, int y, Dimension dimension) const noexcept
     {
-        const auto pixel = (std::uint64_t(static_cast<std::uint32_t>(y)) << 32) | static_cast<std::uint32_t>(x);
-        return Sequence(mix_bits(mix_bits(seed_ ^ pixel) + dimension.value * 0xd1342543de82ef95ull));
+        return Sequence(key_of(mixed_pixel(x, y), dimension));
     }
+    /// Draws the numbers of several surfaces side by side, in lanes.
+    void draw(const SurfacesToDraw& of, SurfaceNumbers (&to)[SurfacesToDraw::kMost]) const noexcept;
     float interval(int x, int y, std::uint32_t index, Dimension dimension) const noexcept
     {
         return sequence(x, y, dimension).interval(index);
@@ -94,6 +109,15 @@ public:
     int samples() const noexcept { return samples_; }
 
 private:
+    std::uint64_t mixed_pixel(int x, int y) const noexcept
+    {
+        return mix_bits(seed_ ^ ((std::uint64_t(static_cast<std::uint32_t>(y)) << 32) | static_cast<std::uint32_t>(x)));
+    }
+    static std::uint64_t key_of(std::uint64_t mixed_pixel, Dimension dimension) noexcept
+    {
+        return mix_bits(mixed_pixel + dimension.value * 0xd1342543de82ef95ull);
+    }
+
     std::uint64_t seed_;
     int samples_;
     bool jitter_;

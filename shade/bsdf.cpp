@@ -76,107 +76,98 @@ struct Strokes {
 
 bool has_strokes(const Surface& s) noexcept { return s.tangent != Vec3f(0); }
 
-// Describes the layer over the base: a lobe for its multiple scattering, and the share of light that it transmits to the
-// base and back.
-struct Layer {
-    float alpha, mean;  // GGX width; mean albedo, over all directions, of a layer that reflects all light
-    Vec3f multiple;     // multiple_share() of the layer
-    float f0, f90;      // reflectance of the dielectric over the base
-    float base_multiple, base_mean;
+Layer layer_of(const Surface& s) noexcept
+{
+    Layer of;
+    of.alpha = s.alpha;
+    of.f0 = s.dielectric_f0;
+    of.f90 = s.dielectric_f90;
+    const LayerAlbedo all = has_strokes(s) ? StrokeAlbedo::instance().mean({s.alpha_along, s.alpha_across}, of.alpha)
+                                           : AlbedoTable::instance().mean(of.alpha);
+    of.mean = all.sum();
+    of.multiple = multiple_share(s.f0, s.f90, of.mean);
+    of.base_multiple = multiple_share(Vec3f(of.f0), of.f90, of.mean).x;
+    of.base_mean = of.f0 * all.f0 + of.f90 * all.f90 + of.base_multiple * (1 - of.mean);
+    return of;
+}
 
-    explicit Layer(const Surface& s) noexcept : alpha(s.alpha), f0(s.dielectric_f0), f90(s.dielectric_f90)
-    {
-        const LayerAlbedo all = has_strokes(s) ? StrokeAlbedo::instance().mean({s.alpha_along, s.alpha_across}, alpha)
-                                               : AlbedoTable::instance().mean(alpha);
-        mean = all.sum();
-        multiple = multiple_share(s.f0, s.f90, mean);
-        base_multiple = multiple_share(Vec3f(f0), f90, mean).x;
-        base_mean = f0 * all.f0 + f90 * all.f90 + base_multiple * (1 - mean);
-    }
-    // Returns the albedo of a layer that reflects all light, for a direction and its cosine to the normal.
-    static LayerAlbedo albedo(const Surface& s, Vec3f direction, float cosine) noexcept
-    {
-        if (!has_strokes(s)) return AlbedoTable::instance().at(cosine, s.alpha);
-        const Strokes strokes(s);
-        Vec3f local = strokes.local(direction);
-        local.z = cosine;
-        return StrokeAlbedo::instance().at(local, strokes.widths, s.alpha);
-    }
-    // Returns the share of a direction's light that gets below the dielectric.
-    float through(LayerAlbedo e) const noexcept
-    {
-        return std::max(0.0f, 1 - (f0 * e.f0 + f90 * e.f90 + base_multiple * (1 - e.sum())));
-    }
-    // Returns the factor of the base: reciprocal, and exact for a white base (Kelemen and Szirmay-Kalos 2001, sec. 3).
-    float into_base(LayerAlbedo eye, LayerAlbedo light) const noexcept
-    {
-        return base_mean < 1 ? through(eye) * through(light) / (1 - base_mean) : 0;
-    }
-    // Returns the multiple scattering through a rough pane: what is neither reflected nor transmitted by single
-    // scattering.
-    float multiple_through(LayerAlbedo eye, LayerAlbedo light) const noexcept
-    {
-        const float lost = std::max(0.0f, 1 - eye.sum()) * std::max(0.0f, 1 - light.sum());
-        return mean < 1 ? (1 - base_multiple) * lost / ((1 - mean) * kPi) : 0;
-    }
-    // Returns the share of the light transmitted by a pane that single scattering transmits.
-    float single_share(LayerAlbedo eye) const noexcept
-    {
-        const float single = (1 - f0) * eye.f0 + (1 - f90) * eye.f90, all = through(eye);
-        return all > 0 ? std::clamp(single / all, 0.0f, 1.0f) : 1;
-    }
-    Vec3f multiple_lobe(LayerAlbedo eye, LayerAlbedo light) const noexcept
-    {
-        return mean < 1 ? multiple * std::max(0.0f, (1 - eye.sum()) * (1 - light.sum()) / ((1 - mean) * kPi)) : Vec3f(0);
-    }
-};
+// Returns the albedo of a layer that reflects all light, for a direction and its cosine to the normal.
+LayerAlbedo albedo(const Surface& s, Vec3f direction, float cosine) noexcept
+{
+    if (!has_strokes(s)) return AlbedoTable::instance().at(cosine, s.alpha);
+    const Strokes strokes(s);
+    Vec3f local = strokes.local(direction);
+    local.z = cosine;
+    return StrokeAlbedo::instance().at(local, strokes.widths, s.alpha);
+}
 
-// Holds the probability of sampling each lobe, in proportion to what it sends to this eye.
-struct LobeShares {
-    float diffuse = 1, layer = 0, coat = 0, pane = 0, pane_diffuse = 0, body = 0;
+// Returns the share of a direction's light that gets below the dielectric.
+float through(const Layer& of, LayerAlbedo e) noexcept
+{
+    return std::max(0.0f, 1 - (of.f0 * e.f0 + of.f90 * e.f90 + of.base_multiple * (1 - e.sum())));
+}
 
-    explicit LobeShares(const Surface& s) noexcept
-    {
-        if (s.is_matte) return;
-        const float n_v = eye_cosine(s.normal, s.to_eye);
-        coat = s.coat > 0 ? s.coat * coat_albedo(eye_cosine(s.coat_normal, s.to_eye), s.coat_alpha) : 0;
-        float below = 1 - coat;
-        diffuse = 0;
-        if (s.is_solid) {
-            const float f = fresnel_dielectric(n_v, s.eta);
-            body = below * s.solid_share * (f + (1 - f) * luminance(s.transmission));
-            below *= 1 - s.solid_share;
-        }
-        if (below > 0) add_opaque(s, below, n_v);
-        if (s.sheen != Vec3f(0)) {
-            const float kept = below_sheen(s, n_v);
-            for (float* share : {&diffuse, &layer, &pane, &pane_diffuse, &body}) *share *= kept;
-            diffuse += (1 - coat) * luminance(s.sheen) * sheen_albedo(n_v, s.sheen_alpha);
-        }
-        const float sum = diffuse + layer + coat + pane + pane_diffuse + body;
-        if (!(sum > 0)) {
-            *this = {};
-            return;
-        }
-        for (float* share : {&diffuse, &layer, &coat, &pane, &pane_diffuse, &body}) *share /= sum;
+// Returns the factor of the base: reciprocal, and exact for a white base (Kelemen and Szirmay-Kalos 2001, sec. 3).
+float into_base(const Layer& of, LayerAlbedo eye, LayerAlbedo light) noexcept
+{
+    return of.base_mean < 1 ? through(of, eye) * through(of, light) / (1 - of.base_mean) : 0;
+}
+
+// Returns the multiple scattering through a rough pane: what is neither reflected nor transmitted by single scattering.
+float multiple_through(const Layer& of, LayerAlbedo eye, LayerAlbedo light) noexcept
+{
+    const float lost = std::max(0.0f, 1 - eye.sum()) * std::max(0.0f, 1 - light.sum());
+    return of.mean < 1 ? (1 - of.base_multiple) * lost / ((1 - of.mean) * kPi) : 0;
+}
+
+// Returns the share of the light transmitted by a pane that single scattering transmits.
+float single_share(const Layer& of, LayerAlbedo eye) noexcept
+{
+    const float single = (1 - of.f0) * eye.f0 + (1 - of.f90) * eye.f90, all = through(of, eye);
+    return all > 0 ? std::clamp(single / all, 0.0f, 1.0f) : 1;
+}
+
+Vec3f multiple_lobe(const Layer& of, LayerAlbedo eye, LayerAlbedo light) noexcept
+{
+    return of.mean < 1 ? of.multiple * std::max(0.0f, (1 - eye.sum()) * (1 - light.sum()) / ((1 - of.mean) * kPi))
+                       : Vec3f(0);
+}
+
+void add_opaque(const SurfaceForEye& of, float below, LobeShares& to) noexcept
+{
+    const Surface& s = of.surface;
+    const float to_base = through(of.layer, of.eye);
+    to.layer = below * (luminance(s.f0) * of.eye.f0 + s.f90 * of.eye.f90);
+    to.diffuse = below * (to_base * luminance(s.diffuse) + luminance(of.layer.multiple) * std::max(0.0f, 1 - of.eye.sum()));
+    if (s.is_solid) return;
+    to.pane_diffuse = below * to_base * luminance(s.transmission);
+    to.pane = to.pane_diffuse * single_share(of.layer, of.eye);
+    to.pane_diffuse -= to.pane;
+}
+
+LobeShares shares_of(const SurfaceForEye& of, float n_v, float coat_reflects) noexcept
+{
+    const Surface& s = of.surface;
+    LobeShares to;
+    to.coat = coat_reflects;
+    float below = 1 - to.coat;
+    to.diffuse = 0;
+    if (s.is_solid) {
+        const float f = fresnel_dielectric(n_v, s.eta);
+        to.body = below * s.solid_share * (f + (1 - f) * luminance(s.transmission));
+        below *= 1 - s.solid_share;
     }
-
-private:
-    LobeShares() noexcept = default;
-
-    void add_opaque(const Surface& s, float below, float n_v) noexcept
-    {
-        const Layer over(s);
-        const LayerAlbedo e = Layer::albedo(s, s.to_eye, n_v);
-        const float through = over.through(e);
-        layer = below * (luminance(s.f0) * e.f0 + s.f90 * e.f90);
-        diffuse = below * (through * luminance(s.diffuse) + luminance(over.multiple) * std::max(0.0f, 1 - e.sum()));
-        if (s.is_solid) return;
-        pane_diffuse = below * through * luminance(s.transmission);
-        pane = pane_diffuse * over.single_share(e);
-        pane_diffuse -= pane;
+    if (below > 0) add_opaque(of, below, to);
+    if (s.sheen != Vec3f(0)) {
+        const float kept = below_sheen(s, n_v);
+        for (float* share : {&to.diffuse, &to.layer, &to.pane, &to.pane_diffuse, &to.body}) *share *= kept;
+        to.diffuse += (1 - to.coat) * luminance(s.sheen) * sheen_albedo(n_v, s.sheen_alpha);
     }
-};
+    const float sum = to.diffuse + to.layer + to.coat + to.pane + to.pane_diffuse + to.body;
+    if (!(sum > 0)) return {};
+    for (float* share : {&to.diffuse, &to.layer, &to.coat, &to.pane, &to.pane_diffuse, &to.body}) *share /= sum;
+    return to;
+}
 
 // Returns the share of a lobe that is left towards the facet's horizon. It is like terminator(), but reaches 1 already at
 // the lowest direction to which a reflecting normal (evaluate()) reflects the eye.
@@ -192,30 +183,29 @@ float lobe_terminator(Vec3f facet, Vec3f normal, float n_l, Vec3f to_light) noex
 
 // Returns the reflection below the coat of what is opaque or a pane: f times the cosine, with the light on the eye's
 // side.
-Vec3f reflected(const Surface& s, Vec3f to_light) noexcept
+Vec3f reflected(const SurfaceForEye& of, Vec3f to_light) noexcept
 {
+    const Surface& s = of.surface;
     const Angles a(s.normal, s.to_eye, to_light);
     if (!(a.n_l > 0)) return Vec3f(0);
     const float lobe = has_strokes(s) ? Strokes(s).lobe(s, to_light)
                                       : ggx_density(a.n_h, a.sin2_h, s.alpha) * ggx_visibility(a.n_l, a.n_v, s.alpha);
-    const Layer layer(s);
-    const LayerAlbedo eye = Layer::albedo(s, s.to_eye, a.n_v), light = Layer::albedo(s, to_light, a.n_l);
+    const LayerAlbedo light = albedo(s, to_light, a.n_l);
     const float g = schlick(a.v_h);
-    const Vec3f mirror = (s.f0 * (1 - g) + Vec3f(s.f90 * g)) * lobe + layer.multiple_lobe(eye, light);
-    const Vec3f base = s.diffuse * (layer.into_base(eye, light) / kPi);
+    const Vec3f mirror = (s.f0 * (1 - g) + Vec3f(s.f90 * g)) * lobe + multiple_lobe(of.layer, of.eye, light);
+    const Vec3f base = s.diffuse * (into_base(of.layer, of.eye, light) / kPi);
     return mirror * (a.n_l * lobe_terminator(s.normal_geometric, s.normal, a.n_l, to_light)) +
            base * (a.n_l * terminator(s, a.n_l, to_light));
 }
 
 // Returns the transmission of a pane below the coat: f times the cosine.
-Vec3f through_rough_pane(const Surface& s, Vec3f to_light) noexcept
+Vec3f through_rough_pane(const SurfaceForEye& of, Vec3f to_light) noexcept
 {
+    const Surface& s = of.surface;
     const float n_l = -glm::dot(s.normal, to_light);
     if (!(n_l > 0)) return Vec3f(0);
-    const Layer layer(s);
-    const LayerAlbedo eye = Layer::albedo(s, s.to_eye, eye_cosine(s.normal, s.to_eye)),
-                      light = Layer::albedo(s, to_light, n_l);
-    return pane_transmission(s, to_light) + s.transmission * (layer.multiple_through(eye, light) * n_l);
+    const LayerAlbedo light = albedo(s, to_light, n_l);
+    return pane_transmission(s, to_light) + s.transmission * (multiple_through(of.layer, of.eye, light) * n_l);
 }
 
 Vec3f reflected(Vec3f to_eye, Vec3f h) noexcept { return glm::normalize(h * (2 * glm::dot(to_eye, h)) - to_eye); }
@@ -226,8 +216,37 @@ float lobe_density(Vec3f normal, Vec3f to_eye, Vec3f to_light, float alpha) noex
     return visible_density_over_cosine(a.n_v, a.n_h, a.sin2_h, alpha) / 4;
 }
 
-float density_of(const Surface& s, const LobeShares& share, Vec3f to_light) noexcept
+Vec3f coated(const SurfaceForEye& of, Vec3f below, Vec3f to_light) noexcept
 {
+    const Surface& s = of.surface;
+    const Angles a(s.coat_normal, s.to_eye, to_light);
+    // Everything below the coat receives what the coat does not reflect to the eye. All light is accounted for, whatever the
+    // base does with it, and the function is not reciprocal.
+    below *= of.below_coat;
+    if (!(a.n_l > 0) || !(glm::dot(s.normal_geometric, to_light) > 0)) return below;
+    const float fresnel = kCoatF0 + (1 - kCoatF0) * schlick(a.v_h);
+    const float lobe = ggx_density(a.n_h, a.sin2_h, s.coat_alpha) * ggx_visibility(a.n_l, a.n_v, s.coat_alpha);
+    return below +
+           Vec3f(s.coat * fresnel * lobe * a.n_l * lobe_terminator(s.normal_geometric, s.coat_normal, a.n_l, to_light));
+}
+
+}  // namespace
+
+void SurfaceForEye::set() noexcept
+{
+    const Surface& s = surface;
+    const float n_v = eye_cosine(s.normal, s.to_eye);
+    layer = layer_of(s);
+    eye = albedo(s, s.to_eye, n_v);
+    const float coat_reflects = s.coat > 0 ? s.coat * coat_albedo(eye_cosine(s.coat_normal, s.to_eye), s.coat_alpha) : 0;
+    below_coat = 1 - coat_reflects;
+    shares = shares_of(*this, n_v, coat_reflects);
+}
+
+float scatter_density(const SurfaceForEye& of, Vec3f to_light) noexcept
+{
+    const Surface& s = of.surface;
+    const LobeShares& share = of.shares;
     const float n_l = glm::dot(s.normal, to_light);
     float density = share.diffuse * std::max(n_l, 0.0f) / kPi;
     if (share.layer > 0)
@@ -240,36 +259,20 @@ float density_of(const Surface& s, const LobeShares& share, Vec3f to_light) noex
     return density;
 }
 
-Vec3f coated(const Surface& s, Vec3f below, Vec3f to_light) noexcept
+Vec3f scatter_of_lobes(const SurfaceForEye& of, Vec3f to_light) noexcept
 {
-    const Angles a(s.coat_normal, s.to_eye, to_light);
-    // Everything below the coat receives what the coat does not reflect to the eye. All light is accounted for, whatever the
-    // base does with it, and the function is not reciprocal.
-    below *= 1 - s.coat * coat_albedo(a.n_v, s.coat_alpha);
-    if (!(a.n_l > 0) || !(glm::dot(s.normal_geometric, to_light) > 0)) return below;
-    const float fresnel = kCoatF0 + (1 - kCoatF0) * schlick(a.v_h);
-    const float lobe = ggx_density(a.n_h, a.sin2_h, s.coat_alpha) * ggx_visibility(a.n_l, a.n_v, s.coat_alpha);
-    return below +
-           Vec3f(s.coat * fresnel * lobe * a.n_l * lobe_terminator(s.normal_geometric, s.coat_normal, a.n_l, to_light));
-}
-
-}  // namespace
-
-Vec3f scatter_of_lobes(const Surface& s, Vec3f to_light) noexcept
-{
+    const Surface& s = of.surface;
     const float side = glm::dot(s.normal_geometric, to_light), n_l = glm::dot(s.normal, to_light);
     Vec3f f(0);
     if (s.is_solid && side * n_l > 0) {
         f = body_scattering(s, to_light) * s.solid_share;
         if (side > 0) f *= lobe_terminator(s.normal_geometric, s.normal, n_l, to_light);
     }
-    if (side > 0 && (!s.is_solid || s.solid_share < 1)) f += reflected(s, to_light) * (s.is_solid ? 1 - s.solid_share : 1);
-    else if (side < 0 && !s.is_solid && s.transmission != Vec3f(0)) f = through_rough_pane(s, to_light);
+    if (side > 0 && (!s.is_solid || s.solid_share < 1)) f += reflected(of, to_light) * (s.is_solid ? 1 - s.solid_share : 1);
+    else if (side < 0 && !s.is_solid && s.transmission != Vec3f(0)) f = through_rough_pane(of, to_light);
     if (s.sheen != Vec3f(0)) f = sheened(s, f, to_light);
-    return s.coat > 0 ? coated(s, f, to_light) : f;
+    return s.coat > 0 ? coated(of, f, to_light) : f;
 }
-
-float scatter_density(const Surface& s, Vec3f to_light) noexcept { return density_of(s, LobeShares(s), to_light); }
 
 float peak_density(const Surface& s) noexcept
 {
@@ -286,9 +289,10 @@ float peak_density(const Surface& s) noexcept
     return peak;
 }
 
-ScatterSample sample_scatter(const Surface& s, float choice, Vec2f square) noexcept
+ScatterSample sample_scatter(const SurfaceForEye& of, float choice, Vec2f square) noexcept
 {
-    const LobeShares share(s);
+    const Surface& s = of.surface;
+    const LobeShares& share = of.shares;
     const ShadingFrame axes(s.normal);
     // Chooses the lobe whose interval of [0, 1) holds the choice; what is left of the choice is rescaled to a number in
     // [0, 1).
@@ -325,9 +329,9 @@ ScatterSample sample_scatter(const Surface& s, float choice, Vec2f square) noexc
         out.direction = reflected(s.to_eye, seen_normal(ShadingFrame(s.coat_normal), s.to_eye, s.coat_alpha, square));
     }
     if (out.direction == Vec3f(0)) return out;
-    out.density = density_of(s, share, out.direction);
+    out.density = scatter_density(of, out.direction);
     if (out.density > 0 && out.density < std::numeric_limits<float>::infinity())
-        out.weight = scatter(s, out.direction) / out.density;
+        out.weight = scatter(of, out.direction) / out.density;
     return out;
 }
 

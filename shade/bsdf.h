@@ -13,6 +13,7 @@
 //          factor depends on the side of the light alone, so there, too, the function is not reciprocal.
 #pragma once
 
+#include "shade/albedo_table.h"
 #include "shade/surface.h"
 
 namespace occam::shade {
@@ -29,13 +30,47 @@ inline float terminator(const Surface& s, float n_l, Vec3f to_light) noexcept
     return ratio * (1 + ratio * (1 - ratio));
 }
 
-/// Computes scatter() for a surface that is not matte, or need not be.
-Vec3f scatter_of_lobes(const Surface& surface, Vec3f to_light) noexcept;
+/// Describes the layer over the base: a lobe for its multiple scattering, and the share of light that it transmits to the
+/// base and back.
+struct Layer {
+    float alpha, mean;  ///< GGX width; mean albedo, over all directions, of a layer that reflects all light
+    Vec3f multiple;     ///< the factor of light that bounces several times between the layer's microfacets
+    float f0, f90;      ///< reflectance of the dielectric over the base
+    float base_multiple, base_mean;
+};
+
+/// Holds the probability of sampling each lobe, in proportion to what it sends to this eye.
+struct LobeShares {
+    float diffuse = 1, layer = 0, coat = 0, pane = 0, pane_diffuse = 0, body = 0;
+};
+
+/// Holds a surface together with what its lobes are for its eye, whatever the direction of the light: this is computed once
+/// for all lights and directions of a hit. A surface converts to it. It borrows the surface.
+struct SurfaceForEye {
+    const Surface& surface;
+    // These are not set for a matte surface, which has no layer.
+    Layer layer;
+    LayerAlbedo eye;       ///< albedo of the layer towards the eye
+    float below_coat = 1;  ///< share of the light that the coat leaves to what is below it
+    LobeShares shares;
+
+    SurfaceForEye(const Surface& s) noexcept : surface(s)
+    {
+        if (!s.is_matte) set();
+    }
+
+private:
+    void set() noexcept;
+};
+
+/// Computes scatter() for a surface that is not matte.
+Vec3f scatter_of_lobes(const SurfaceForEye& surface, Vec3f to_light) noexcept;
 
 /// Returns f(to_eye, to_light) times the cosine on the side of the light.
-inline Vec3f scatter(const Surface& s, Vec3f to_light) noexcept
+inline Vec3f scatter(const SurfaceForEye& of, Vec3f to_light) noexcept
 {
-    if (!s.is_matte) return scatter_of_lobes(s, to_light);
+    const Surface& s = of.surface;
+    if (!s.is_matte) return scatter_of_lobes(of, to_light);
     // This is bit for bit what scatter_of_lobes() gives where there is no layer.
     const float n_l = glm::dot(s.normal, to_light);
     return n_l > 0 ? s.diffuse * (1 / kPi) * (n_l * terminator(s, n_l, to_light)) : Vec3f(0);
@@ -54,10 +89,10 @@ struct ScatterSample {
 
 /// Draws a direction that follows the lobes. `choice` selects the lobe and `square` the direction within it; both are
 /// uniform in [0, 1).
-ScatterSample sample_scatter(const Surface& surface, float choice, Vec2f square) noexcept;
+ScatterSample sample_scatter(const SurfaceForEye& surface, float choice, Vec2f square) noexcept;
 
 /// Returns the density of the directions of sample_scatter(), per solid angle.
-float scatter_density(const Surface& surface, Vec3f to_light) noexcept;
+float scatter_density(const SurfaceForEye& surface, Vec3f to_light) noexcept;
 
 /// Returns an upper bound of the density of any lobe in any direction; it is infinite if light passes straight through
 /// the surface.

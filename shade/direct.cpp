@@ -4,12 +4,13 @@
 
 namespace occam::shade {
 
-ShadowTest test_meshes(const Surface& surface, const MeshLights& lights, LightNumbers numbers, SampleCounts counts) noexcept
+ShadowTest test_meshes(const SurfaceForEye& surface, const MeshLights& lights, LightNumbers numbers,
+                       SampleCounts counts) noexcept
 {
-    return test_of(surface, lights.sample(surface.position, numbers), counts);
+    return test_of(surface, lights.sample(surface.surface.position, numbers), counts);
 }
 
-ShadowTest test_environment(const Surface& surface, const Environment& environment, LightNumbers numbers,
+ShadowTest test_environment(const SurfaceForEye& surface, const Environment& environment, LightNumbers numbers,
                             SampleCounts counts) noexcept
 {
     if (!environment.has_density()) return {};

@@ -48,22 +48,23 @@ struct SampleCounts {
 };
 
 /// Returns what a sample of a light contributes. Lights that scattered directions cannot find get the full weight.
-inline ShadowTest test_of(const Surface& surface, const LightSample& sample, SampleCounts counts) noexcept
+inline ShadowTest test_of(const SurfaceForEye& surface, const LightSample& sample, SampleCounts counts) noexcept
 {
     if (sample.radiance == Vec3f(0)) return {};
     const Vec3f f = scatter(surface, sample.direction);
     if (f == Vec3f(0)) return {};
     const bool is_weighed = sample.density > 0 && counts.scatter > 0;
     const float weight = is_weighed ? counts.of_light(sample.density, scatter_density(surface, sample.direction)) : 1;
-    return {surface.start(sample.direction), sample.direction, sample.distance, f * sample.radiance * weight,
+    return {surface.surface.start(sample.direction), sample.direction, sample.distance, f * sample.radiance * weight,
             sample.density};
 }
 
 /// Draws one sample of the emissive triangles.
-ShadowTest test_meshes(const Surface& surface, const MeshLights& lights, LightNumbers numbers, SampleCounts counts) noexcept;
+ShadowTest test_meshes(const SurfaceForEye& surface, const MeshLights& lights, LightNumbers numbers,
+                       SampleCounts counts) noexcept;
 /// Draws one sample of the environment; returns nothing for an environment without a density of its own, since scattered
 /// directions then find all of its light.
-ShadowTest test_environment(const Surface& surface, const Environment& environment, LightNumbers numbers,
+ShadowTest test_environment(const SurfaceForEye& surface, const Environment& environment, LightNumbers numbers,
                             SampleCounts counts) noexcept;
 
 }  // namespace occam::shade

@@ -35,7 +35,8 @@ inline Vec2f disc_point(Vec2f square) noexcept
     const bool wide = std::fabs(p.x) > std::fabs(p.y);
     const float radius = wide ? p.x : p.y;
     const float angle = wide ? kPi / 4 * (p.y / p.x) : kPi / 2 - kPi / 4 * (p.x / p.y);
-    return {radius * maths::cos(angle), radius * maths::sin(angle)};
+    const maths::SinCos at = maths::sin_cos(angle);
+    return {radius * at.cos, radius * at.sin};
 }
 
 /// Returns a direction about +z with density cos / pi.

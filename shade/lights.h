@@ -67,6 +67,8 @@ struct WorldLight {
     /// Returns the squared sine of the half angle that a sphere around the light subtends at the point; the result is
     /// above 1 within that sphere.
     float sine2_subtended(Vec3d point) const noexcept;
+    /// Returns whether sample() depends on its numbers.
+    bool has_extent() const noexcept { return kind != Kind::Point && !(kind == Kind::Sun && !(sun_spread > 0)); }
     /// Returns true if rays can cross the light, which means that it has an area.
     bool has_area() const noexcept { return kind == Kind::Rectangle || kind == Kind::Disc || kind == Kind::Sphere; }
 

@@ -158,12 +158,8 @@ void add_sheen(const MaterialValues& values, Surface& s) noexcept
     s.transmittance = Vec3f(1 - s.opacity) + (s.transmittance - Vec3f(1 - s.opacity)) * kept;
 }
 
-}  // namespace
-
-Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
+void set_place(const ShadePoint& point, Surface& s) noexcept
 {
-    const Material& m = *point.material;
-    Surface s;
     s.position = point.position;
     s.start_point = point.position + Vec3d(point.to_start);
     s.start_normal = point.start_normal;
@@ -171,6 +167,52 @@ Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
     s.to_eye = point.to_eye;
     s.normal_geometric = point.normal_geometric;
     s.normal = s.coat_normal = point.normal_shading;
+}
+
+// Returns whether the layer reflects anything at all.
+bool has_layer(const Surface& s) noexcept { return s.f0 != Vec3f(0) || s.f90 != 0; }
+
+// Returns whether the material's values are the same everywhere, and whether all that evaluate() makes of them, but for the
+// normal, is the same for any eye.
+bool is_plain(const Material& m) noexcept
+{
+    for (const TextureUse* use :
+         {&m.base_color_texture, &m.metallic_roughness_texture, &m.roughness_texture, &m.metallic_texture,
+          &m.glossiness_texture, &m.emission_texture, &m.normal_texture, &m.bump_texture, &m.alpha_texture,
+          &m.specular_texture, &m.specular_color_texture, &m.transmission_texture, &m.sheen_color_texture,
+          &m.anisotropy_texture, &m.clearcoat_texture})
+        if (*use) return false;
+    return !(m.transmission > 0) && !(m.anisotropy > 0) && m.sheen_color == Vec3f(0) && !(m.clearcoat > 0);
+}
+
+}  // namespace
+
+void PlainSurfaces::fill(Entry& entry, const Material& material, const TextureStore& textures) noexcept
+{
+    entry.material = &material;
+    entry.is_plain = is_plain(material);
+    if (!entry.is_plain) return;
+    ShadePoint anywhere;
+    anywhere.material = &material;
+    entry.surface = evaluate(anywhere, textures);
+}
+
+Surface evaluate(const ShadePoint& point, const TextureStore& textures, PlainSurfaces& known) noexcept
+{
+    const Surface* const plain = point.phase_one || point.color != Vec4f(1) ? nullptr
+                                                                            : known.find(*point.material, textures);
+    if (!plain) return evaluate(point, textures);
+    Surface s = *plain;
+    set_place(point, s);
+    if (!s.unlit && s.opacity != 0 && has_layer(s)) s.normal = reflecting_normal(s.normal, point);
+    return s;
+}
+
+Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
+{
+    const Material& m = *point.material;
+    Surface s;
+    set_place(point, s);
 
     MaterialValues values = point.phase_one ? unpack(m, point.phase_one) : MaterialValues(m);
     if (!point.phase_one || m.alpha_mode == AlphaMode::Mask) values.look_up_color(m, point.texture, textures);
@@ -197,7 +239,7 @@ Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
     s.dielectric_f90 = dielectric.f90;
     s.f0 = dielectric.f0 * (1 - metallic) + s.base_color * metallic;
     s.f90 = dielectric.f90 * (1 - metallic) + metallic;
-    if (s.f0 != Vec3f(0) || s.f90 != 0) s.normal = reflecting_normal(s.normal, point);
+    if (has_layer(s)) s.normal = reflecting_normal(s.normal, point);
     if (m.transmission > 0) add_transmission(m, values, dielectric, point.back_side, s);
 
     if (m.anisotropy > 0) add_anisotropy(m, values, point, s);
@@ -211,8 +253,7 @@ Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
         s.emission *= kept;
         s.transmittance = Vec3f(1 - s.opacity) + (s.transmittance - Vec3f(1 - s.opacity)) * kept;
     }
-    const bool reflects = s.f0 != Vec3f(0) || s.f90 != 0 || s.dielectric_f0 != 0 || s.dielectric_f90 != 0 || s.coat > 0 ||
-                          s.sheen != Vec3f(0);
+    const bool reflects = has_layer(s) || s.dielectric_f0 != 0 || s.dielectric_f90 != 0 || s.coat > 0 || s.sheen != Vec3f(0);
     s.is_matte = !reflects && !s.is_solid && s.transmission == Vec3f(0);
     return s;
 }

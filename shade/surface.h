@@ -6,6 +6,9 @@
 // double_sided decides nothing), and occlusion maps do not dim light whose path is traced (ambient_share).
 #pragma once
 
+#include <array>
+#include <cstdint>
+
 #include "io/texture/texture_store.h"
 #include "shade/microfacet.h"
 #include "shade/shade_point.h"
@@ -63,6 +66,37 @@ struct Surface {
 
 /// Evaluates the material at a point. `point.material` is never null; textures must be prepared.
 Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept;
+
+/// Keeps what evaluate() gives for materials that are the same everywhere and have no lobes that depend on the eye, so that
+/// only normals are left to do at a hit.
+///
+/// Memory   a few surfaces; it borrows the materials, which must not change while it lives.
+/// Threads  each worker has its own.
+class PlainSurfaces {
+public:
+    /// Returns the surface of a material without vertex colour and without what depends on the place, or null if it has to
+    /// be evaluated at each hit.
+    const Surface* find(const Material& material, const TextureStore& textures) noexcept
+    {
+        Entry& entry = entries_[reinterpret_cast<std::uintptr_t>(&material) / sizeof(Material) % kEntries];
+        if (entry.material != &material) fill(entry, material, textures);
+        return entry.is_plain ? &entry.surface : nullptr;
+    }
+
+private:
+    static constexpr std::size_t kEntries = 64;
+    struct Entry {
+        const Material* material = nullptr;
+        bool is_plain = false;
+        Surface surface;
+    };
+    static void fill(Entry& entry, const Material& material, const TextureStore& textures) noexcept;
+
+    std::array<Entry, kEntries> entries_;
+};
+
+/// Does the same as the other evaluate(), with the same bits.
+Surface evaluate(const ShadePoint& point, const TextureStore& textures, PlainSurfaces& known) noexcept;
 
 /// Returns whether the material's alpha mask has a hole there: then evaluate().opacity is 0.
 /// color   vertex colour

@@ -50,6 +50,28 @@ TEST(Sampler, AnIntervalIsTheFirstCoordinateOfItsSquare)
     for (std::uint32_t i = 0; i < 100; ++i) EXPECT_EQ(sampler.interval(4, 5, i, kLight), sampler.square(4, 5, i, kLight).x);
 }
 
+TEST(Sampler, NumbersOfSeveralSurfacesAreThoseOfTheirSequences)
+{
+    using Use = Dimension::Use;
+    const Sampler sampler(7, 16, true);
+    SurfacesToDraw of;
+    for (int i = 0; i < SurfacesToDraw::kMost; ++i) {
+        of.x[i] = 5 * i;
+        of.y[i] = 100 - i;
+        of.index[i] = static_cast<std::uint32_t>(i * i);
+        of.key[i] = 0x9e3779b9u * static_cast<std::uint32_t>(i);
+    }
+    SurfaceNumbers drawn[SurfacesToDraw::kMost];
+    sampler.draw(of, drawn);
+    for (int i = 0; i < SurfacesToDraw::kMost; ++i) {
+        const auto sequence = [&](Use use) { return sampler.sequence(of.x[i], of.y[i], Dimension::at(of.key[i], use)); };
+        EXPECT_EQ(drawn[i].light, sequence(Use::Light).square(of.index[i]));
+        EXPECT_EQ(drawn[i].scatter, sequence(Use::Scatter).square(of.index[i]));
+        EXPECT_EQ(drawn[i].lobe, sequence(Use::Lobe).interval(of.index[i]));
+        EXPECT_EQ(drawn[i].survival, sequence(Use::Survival).interval(of.index[i]));
+    }
+}
+
 TEST(Sampler, ABlockIsItsPoints)
 {
     const Sequence sequence = Sampler(7, 1, true).sequence(4, 5, kLight);
