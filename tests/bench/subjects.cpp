@@ -179,14 +179,14 @@ void trace_occluded(accel::Tracer& tracer, std::span<const accel::Ray> rays, std
     }
 }
 
-std::vector<Vec3f> micropolygons(const lod::PosedCage& cage)
+std::vector<Vec3f> micropolygons(const lod::PosedCage& cage, int key)
 {
     std::vector<Vec3f> corners;
     lod::Dicer dicer;
     Arena arena;
     const auto add_tile = [&](const lod::TileRef& tile) {
         arena.reset();
-        const lod::LevelGrid grid = dicer.dice(cage, tile, arena);
+        const lod::LevelGrid grid = dicer.dice(cage.at_key(key), tile, arena);
         for (int j = 0; j < tile.rows; ++j)
             for (int i = 0; i < tile.columns; ++i)
                 for (const auto& [di, dj] : {std::pair(0, 0), {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}})

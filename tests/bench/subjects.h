@@ -68,7 +68,7 @@ struct TreePair {
 };
 
 /// Returns all micropolygons of a cage at its level, three corners each, in its dicing frame; gap triangles, which have no
-/// area, are left out.
-std::vector<Vec3f> micropolygons(const lod::PosedCage& cage);
+/// area, are left out. A cage that moves has them at each key of its motion, in the same order.
+std::vector<Vec3f> micropolygons(const lod::PosedCage& cage, int key = 0);
 
 }  // namespace occam::bench

@@ -12,6 +12,8 @@ void run_trace(Report& report);
 void run_scenes(Report& report);
 void run_trees(Report& report);
 void run_motion(Report& report);
+void run_motion_flat(Report& report);    ///< belongs to run_motion()
+void run_motion_embree(Report& report);  ///< belongs to run_motion()
 void run_light(Report& report);
 void run_light_frames(Report& report);  ///< belongs to run_light()
 void run_shade(Report& report);
@@ -43,7 +45,7 @@ inline constexpr Suite kSuites[] = {
     {"scenes", "whole scenes: path, ambient occlusion, direct; levels on and off; beside Embree", run_scenes},
     {"trees", "whole frames in the kd-tree and in the tree of boxes, in turns", run_trees},
     {"lights", "10,000 lights beside the ten of them that matter: error at equal time", run_lights},
-    {"motion", "rays in scenes that move, in both trees, in turns", run_motion},
+    {"motion", "rays in scenes that move: in both trees, over growing motion and defocus, and beside Embree", run_motion},
     {"light", "secondary rays by kind, with footprints and without; what shading and textures cost", run_light},
     {"shade", "materials looked up at vertices or at hits: counts, time, error; over shading rates and samples", run_shade},
     {"converge", "light with level of detail on and off at many samples, over shading rates", run_converge},
