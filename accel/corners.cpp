@@ -58,7 +58,7 @@ void clear(FloatLanes (&lanes)[N]) noexcept
 template <class Vector, std::size_t N>
 void put(FloatLanes (&to)[N], std::size_t lane, const Vector& v) noexcept
 {
-    for (std::size_t a = 0; a < N; ++a) to[a][lane] = v[static_cast<int>(a)];
+    for (std::size_t a = 0; a < N; ++a) to[a][lane] = static_cast<float>(v[static_cast<int>(a)]);
 }
 
 }  // namespace
@@ -223,6 +223,30 @@ void HitCorners::set_hanging(FloatLanes (&to)[3][3], std::size_t lane, const Own
                                           : nullptr;
         float unused[2];
         if (hanging) put(to[p], lane, ends_of(m, blend, *hanging, unused).middle);
+    }
+}
+
+void HitCorners::move_positions(std::size_t lane, const lod::AffinePose& pose) noexcept
+{
+    const auto move = [&](FloatLanes(&corner)[3]) {
+        put(corner, lane, pose.apply({corner[0][lane], corner[1][lane], corner[2][lane]}));
+    };
+    for (int p = 0; p < 3; ++p) {
+        move(position[p]);
+        if (has_start >> lane & 1) move(start[p]);
+    }
+}
+
+void HitCorners::move_normals(std::size_t lane, const lod::AffinePose& pose) noexcept
+{
+    // The cofactors of a map are its inverse transpose, up to a factor that is positive for all poses of a cage.
+    const Vec3d &a = pose.columns[0], &b = pose.columns[1], &c = pose.columns[2];
+    const Vec3d bc = glm::cross(b, c), ca = glm::cross(c, a), ab = glm::cross(a, b);
+    for (auto& corner : normal) {
+        float* n = corner[lane];
+        const Vec3d moved = bc * double(n[0]) + ca * double(n[1]) + ab * double(n[2]);
+        const double length = glm::length(moved);
+        for (int axis = 0; axis < 3 && length > 0; ++axis) n[axis] = static_cast<float>(moved[axis] / length);
     }
 }
 

@@ -51,6 +51,10 @@ struct HitCorners {
     /// coarser level of the pair that the ray has hit.
     void set_positions(const vfloat (&direction)[3], const vfloat (&origin)[3], vfloat shift,
                        unsigned coarse_starts) noexcept;
+    /// Move the positions, or the normals, of a lane from a still pose to the world; positions are then relative to the
+    /// anchor of `pose`.
+    void move_positions(std::size_t lane, const lod::AffinePose& pose) noexcept;
+    void move_normals(std::size_t lane, const lod::AffinePose& pose) noexcept;
     /// Fills in the remaining attributes and the materials. Runs phase one on patches that have their first hits here.
     void set_attributes(const PhaseOneTools& tools);
     /// Does the same where phase one has run.

@@ -6,7 +6,6 @@
 
 #include "accel/hit_geometry.h"
 #include "accel/hit_shares.h"
-#include "accel/packet.h"
 #include "accel/ray_reach.h"
 #include "accel/ray_starts.h"
 #include "accel/vertex_values.h"
@@ -127,7 +126,7 @@ Vec2d place_in_part(const GridHit& met, const MicropolygonPlace& spot, Vec3f sha
 // Holds what is read of rays and hits one by one.
 struct HitsRead {
     MicropolygonPlace spots[kLanes];
-    alignas(32) FloatLanes t{}, radius{};
+    alignas(32) FloatLanes t{};
     alignas(32) FloatLanes mirrored{};  // 1, or -1 if the cage's placement reverses the orientation of faces
     alignas(32) FloatLanes is_flat{};   // 1 for gap triangles
     unsigned gaps = 0, coarse_starts = 0;
@@ -143,7 +142,6 @@ struct HitsRead {
             any = &grid;
             spots[i].set(met[i]);
             t[i] = met[i].t;
-            radius[i] = cage.radius;
             const bool is_mirrored = cage.segments > 0 ? cage.is_mirrored_at(met[i].time) : cage.is_mirrored;
             mirrored[i] = is_mirrored ? -1.0f : 1.0f;
             if (is_gap(met[i])) {
@@ -183,18 +181,21 @@ struct MapSets {
 // Holds what was computed in lanes, to be read lane by lane.
 struct FilledLanes {
     const HitCorners& corners;
+    const HitRays& placed;
     const Triangles& tri;
     Stored from_corner, share, to_start, start_normal;
     unsigned starts_beside, is_back, has_gradients;  // bit masks of lanes
-    bool any_bump;                                   // some lane's material has a bump map
+    const FloatLanes& mirrored;
+    bool any_bump;  // some lane's material has a bump map
 };
 
 // Fills in what is computed hit by hit, after what is written in lanes.
-void fill(const FilledLanes& of, std::size_t i, const GridHit& met, float mirrored, const PhaseOneTools& tools,
+void fill(const FilledLanes& of, std::size_t i, const GridHit& met, float time, const PhaseOneTools& tools,
           SurfaceHit& hit) noexcept
 {
     const HitCorners& corners = of.corners;
-    hit.position = met.grid->cage->anchor + (Vec3d(corners.position_of(0, i)) + Vec3d(of.from_corner[i]));
+    const Vec3d place = Vec3d(corners.position_of(0, i)) + Vec3d(of.from_corner[i]);
+    hit.position = of.placed.frames[i].anchor + place;
     hit.back_side = (of.is_back >> i & 1) != 0;
     hit.to_start = hit.u_gradient = hit.v_gradient = hit.velocity = Vec3f(0);
     hit.color = Vec4f(1);
@@ -202,13 +203,14 @@ void fill(const FilledLanes& of, std::size_t i, const GridHit& met, float mirror
     // For most hits secondary rays start on the micropolygon that was hit.
     if (of.starts_beside >> i & 1) hit.to_start = of.to_start[i];
     if (corners.has_start >> i & 1) {
-        const Vec3f unturned = of.start_normal[i] * mirrored;
+        const Vec3f unturned = of.start_normal[i] * of.mirrored[i];
         if (unturned != Vec3f(0)) hit.start_normal = hit.back_side ? -unturned : unturned;
     }
     if (corners.has_color >> i & 1) hit.color = weighted(corners.color[i], of.share[i]);
     if (of.any_bump && hit.material->bump_texture && (of.has_gradients >> i & 1) != 0)
         set_bump_gradients(corners, of.tri, i, static_cast<float>(tools.frame.scale.to_frame()), hit);
     if (met.grid->segments > 0) hit.velocity = corners.velocity_of(i, of.share[i]);
+    else if (met.grid->cage->affine) hit.velocity = of.placed.velocity_of(i, *met.grid->cage, time, place);
 }
 
 // Sets the level that the ray sees, and the values that phase one has made for it.
@@ -231,17 +233,16 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
     const HitsRead read(rays, met, tools.frame);
     if (!read.any) return;
     HitCorners corners(met, read.spots);
-    vfloat origin[4], way[4], beam[4];
-    gather_four(rays.data(), rays.size(), offsetof(Ray, direction), way);
-    place_all(
-        rays, way, [&](std::size_t i) -> const lod::PosedCage& { return *(met[i].grid ? met[i].grid : read.any)->cage; },
-        origin);
+    const HitRays placed(rays, met, *read.any);
+    const vfloat(&way)[4] = placed.way;
+    vfloat beam[4];
     static_assert(offsetof(Ray, footprint) == offsetof(Ray, t_near) + 2 * sizeof(float));
     gather_four(rays.data(), rays.size(), offsetof(Ray, t_near), beam);
-    corners.set_positions({way[0], way[1], way[2]}, {origin[0], origin[1], origin[2]}, origin[3], read.coarse_starts);
+    placed.set_positions(corners, read.coarse_starts);
     corners.set_attributes(tools);
+    if (placed.in_still != 0) placed.move_normals(corners);
     vfloat share[3];
-    shares_of(corners, {axes, rays, met, way, origin, read.gaps}, share);
+    shares_of(corners, {axes, rays, placed, read.gaps}, share);
 
     const vfloat zero = 0.0f, t = vfloat::load(read.t);
     const vmask is_flat = vfloat::load(read.is_flat) > zero;
@@ -255,7 +256,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
     const vfloat map_set = select(has_gradients, map_sets.of, -1.0f);
     const UvAtHits uv(corners, tri, share, max(beam[2] + beam[3] * t, zero), map_sets.any ? &map_set : nullptr,
                       select(normal.is_back, -normal.shading, normal.shading));
-    const vfloat farthest = max(largest(load(corners.position[0]) + offset), vfloat::load(read.radius));
+    const vfloat farthest = max(largest(load(corners.position[0]) + offset), placed.radius());
     const vfloat blend = fma(vfloat::load(corners.weight[0]), share[0],
                              fma(vfloat::load(corners.weight[1]), share[1], vfloat::load(corners.weight[2]) * share[2]));
     const StartsBesideHits beside(corners, tri, share, is_flat, farthest);
@@ -270,6 +271,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
     writer.write(offsetof(SurfaceHit, uv), {uv.at[0][0], uv.at[0][1], uv.at[1][0], uv.at[1][1]});
     writer.write(offsetof(SurfaceHit, start_normal), {normal.geometric.x, normal.geometric.y, normal.geometric.z, zero});
     const FilledLanes lanes{corners,
+                            placed,
                             tri,
                             Stored(offset),
                             Stored({share[0], share[1], share[2]}),
@@ -278,11 +280,12 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
                             beside.which,
                             bits(normal.is_back),
                             bits(has_gradients),
+                            read.mirrored,
                             map_sets.any_bump};
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (!met[i].grid) continue;
         hits[i]->start_level = static_cast<std::int8_t>(read.start_level[i]);
-        fill(lanes, i, met[i], read.mirrored[i], tools, *hits[i]);
+        fill(lanes, i, met[i], rays[i].time, tools, *hits[i]);
         set_identity(met[i], read.spots[i], *hits[i]);
         set_level(rays[i], met[i], read.spots[i], lanes.share[i], tools, *hits[i]);
     }

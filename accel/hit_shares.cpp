@@ -28,12 +28,12 @@ void set_shares(const HitCorners& corners, const RaysThatHit& hit, vfloat (&shar
 {
     const RayAxes& axes = hit.axes;
     vfloat shears[3];
-    set_shear(axes, hit.way, shears);
+    set_shear(axes, hit.placed.way, shears);
     RayLanes rays;
     rays.sx = shears[0];
     rays.sy = shears[1];
     rays.sz = shears[2];
-    const VecLanes from{hit.origin[axes.kx], hit.origin[axes.ky], hit.origin[axes.kz]};
+    const VecLanes from{hit.placed.origin[axes.kx], hit.placed.origin[axes.ky], hit.placed.origin[axes.kz]};
     const auto corner = [&](int p) {
         const FloatLanes(&at)[3] = corners.position[p];
         return shear(rays, from, {vfloat::load(at[axes.kx]), vfloat::load(at[axes.ky]), vfloat::load(at[axes.kz])});
@@ -52,7 +52,7 @@ OCCAM_NEVER_INLINE void set_shares_of_gaps(const HitCorners& corners, const Rays
     for (int p = 0; p < 3; ++p) share[p].store(own[p]);
     for (unsigned left = hit.gaps; left != 0; left &= left - 1) {
         const auto i = static_cast<std::size_t>(std::countr_zero(left));
-        const Vec3d w = barycentrics(corners, i, hit.rays[i].origin - hit.met[i].grid->cage->anchor,
+        const Vec3d w = barycentrics(corners, i, hit.rays[i].origin - hit.placed.frames[i].anchor,
                                      Vec3d(hit.rays[i].direction));
         for (int p = 0; p < 3; ++p) own[p][i] = static_cast<float>(w[p]);
     }

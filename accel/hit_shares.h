@@ -1,18 +1,16 @@
 // Computes where in its micropolygon a ray hits: the weights of the corners, in lanes.
 #pragma once
 
-#include "accel/corners.h"
+#include "accel/hit_rays.h"
 
 namespace occam::accel {
 
-/// Refers to rays in lanes and to what they met.
+/// Refers to rays in lanes.
 struct RaysThatHit {
     const RayAxes& axes;
     std::span<const Ray> rays;
-    std::span<const GridHit> met;
-    const vfloat (&way)[4];     ///< directions
-    const vfloat (&origin)[4];  ///< each in the frame of its cage
-    unsigned gaps;              ///< lanes that met gap triangles, which have no edge functions
+    const HitRays& placed;  ///< the same rays in lanes, each in the frame of its cage
+    unsigned gaps;          ///< lanes that met gap triangles, which have no edge functions
 };
 
 /// Computes the barycentric weights of the corners at the hits, from the same edge functions that found the hits.

@@ -20,14 +20,12 @@ Place place_of(const Holes& holes, const Ray& ray, const GridHit& met, const Mic
 {
     const std::span<const Ray> rays(&ray, 1);
     HitCorners corners({&met, 1}, &spot);
-    vfloat origin[4], way[4], beam[4], share[3];
-    gather_four(rays.data(), 1, offsetof(Ray, direction), way);
+    vfloat beam[4], share[3];
     gather_four(rays.data(), 1, offsetof(Ray, t_near), beam);
-    place_all(
-        rays, way, [&](std::size_t) -> const lod::PosedCage& { return *met.grid->cage; }, origin);
-    corners.set_positions({way[0], way[1], way[2]}, {origin[0], origin[1], origin[2]}, origin[3], 0);
+    const HitRays placed(rays, {&met, 1}, *met.grid);
+    placed.set_positions(corners, 0);
     corners.set_attributes(*holes.frame.scene);
-    shares_of(corners, {holes.axes, rays, {&met, 1}, way, origin, is_gap(met) ? 1u : 0u}, share);
+    shares_of(corners, {holes.axes, rays, placed, is_gap(met) ? 1u : 0u}, share);
     const Triangles tri(corners);
     const vfloat width = max(beam[2] + beam[3] * vfloat(met.t), vfloat(0.0f));
     Place place;

@@ -46,11 +46,15 @@ MeshGrid::MeshGrid(const GridSubject& of, const TriangleTree& tree, const Materi
 Box3f IGrid::bounds() const noexcept
 {
     Box3f box;
-    for (int key = 0; key <= segments; ++key) {
-        box.add(is_lattice ? boxes.at_key(key).bounds() : mesh().triangles.bounds(key));
-        // Gap triangles may reach beyond the tile on whose side they lie.
-        if (hanging_blocks > 0) box.add(lattice().hanging_boxes.at_key(key).bounds());
-    }
+    for (int key = 0; key <= segments; ++key) box.add(bounds_at_key(key));
+    return box;
+}
+
+Box3f IGrid::bounds_at_key(int key) const noexcept
+{
+    Box3f box = is_lattice ? boxes.at_key(key).bounds() : mesh().triangles.bounds(key);
+    // Gap triangles may reach beyond the tile on whose side they lie.
+    if (hanging_blocks > 0) box.add(lattice().hanging_boxes.at_key(key).bounds());
     return box;
 }
 

@@ -159,6 +159,7 @@ struct IGrid {
     bool blends() const noexcept { return is_blended; }
     /// Returns a box that holds everything at all keys.
     Box3f bounds() const noexcept;
+    Box3f bounds_at_key(int key) const noexcept;
 
     /// What builders make for either kind.
     struct Common {

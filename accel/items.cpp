@@ -10,7 +10,6 @@
 namespace occam::accel {
 namespace {
 
-constexpr float kBoxUlps = 4;  // boxes of items grow by two ulps for their rounding and two for the culling rule
 constexpr std::uint32_t kMostAskedFor = 4;  // patches of a face whose classes are requested ahead
 constexpr std::size_t kMaxParts = 1024;     // most parts of an igrid; n-gons of thousands of corners never share one
 
@@ -52,47 +51,6 @@ std::vector<ItemIndex> Items::base_patches()
         if (kind == Item::Region || kind == Item::Faces || !open(i, lod::kFinestLevel)) list.push_back(i);
     }
     return list;
-}
-
-Box3f Items::to_tree(const lod::PosedCage& cage, const Box3f& box) const
-{
-    const Vec3d shift = cage.anchor - frame_.anchor;
-    return outward_float({Vec3d(box.lo) + shift, Vec3d(box.hi) + shift}, Vec3d(0), kBoxUlps);
-}
-
-Box3f Items::to_tree(const Box3d& world, double pad) const
-{
-    if (world.is_empty()) return {};
-    return outward_float({world.lo - pad, world.hi + pad}, frame_.anchor, kBoxUlps);
-}
-
-Box3f Items::box_of(const lod::PosedCage& cage, std::uint32_t cluster) const
-{
-    return to_tree(cage.world_box(cluster), cage.radius * kVertexRounding);
-}
-
-void Items::set_boxes(Item& item, std::span<const Box3f> own)
-{
-    item.at_keys = nullptr;
-    item.box = own.front();
-    if (own.size() == 1) return;
-    float largest = 0;
-    for (const Box3f& box : own) {
-        if (box.is_empty()) continue;
-        item.box.add(box);
-        largest = std::max(largest, box.largest_coordinate());
-    }
-    if (item.box.is_empty()) return;
-    // Between keys boxes are rounded by as much as those at the keys, wherever they are.
-    const Vec3f pad(largest * kBoxUlps * std::numeric_limits<float>::epsilon());
-    const std::span<Box3f> boxes = arena_.make_array<Box3f>(static_cast<std::size_t>(frame_.segments) + 1);
-    for (std::size_t k = 0; k < boxes.size(); ++k) {
-        const lod::KeyTime at = lod::key_time(float(k) / float(frame_.segments), static_cast<int>(own.size()) - 1);
-        const Box3f &a = own[static_cast<std::size_t>(at.key)], &b = own[static_cast<std::size_t>(at.key) + 1];
-        boxes[k] = {glm::mix(a.lo, b.lo, at.share) - pad, glm::mix(a.hi, b.hi, at.share) + pad};
-    }
-    item.box = {item.box.lo - pad, item.box.hi + pad};
-    item.at_keys = boxes.data();
 }
 
 bool Items::open(ItemIndex i, int pair)
@@ -315,8 +273,8 @@ IGrid& Items::grid(ItemIndex i, int pair)
         const Stopwatch watch(counters_.dice_seconds);
         const auto micropolygons = [&] { return lattices_.micropolygons + meshes_.micropolygons; };
         const std::uint64_t before = micropolygons();
-        grid = build(item, {item.cage(), pairs, level, frame_.shading.filter && has_masks(item, is_shared)}, is_shared,
-                     tile);
+        grid = build(item, {item.cage().diced(), pairs, level, frame_.shading.filter && has_masks(item, is_shared)},
+                     is_shared, tile);
         ++counters_.grids;
         const std::uint64_t made = micropolygons() - before;
         counters_.micropolygons += made;
@@ -338,15 +296,6 @@ bool Items::has_masks(const Item& item, bool is_shared) const noexcept
         return std::ranges::any_of(cage.clusters->faces(cage.clusters->node(item.index)), is_masked);
     if (!is_shared) return is_masked(item.patch->ref.face);
     return std::ranges::any_of(item.cluster->patches, is_masked, [](const PatchInfo& patch) { return patch.ref.face; });
-}
-
-GridBounds Items::bounds_of(const IGrid& grid) const
-{
-    // The computed distance of a ray from a plane may be off by this much: by the rounding of products and sums of
-    // coordinates of several radii (place()), and by as much again in the test of triangles.
-    const float off = frame_.radius * 256 * 0x1p-24f;
-    const auto shift = static_cast<float>(glm::dot(Vec3d(grid.slab.normal), grid.cage->anchor - frame_.anchor));
-    return {to_tree(*grid.cage, grid.bounds()), {grid.slab.normal, grid.slab.lo + shift - off, grid.slab.hi + shift + off}};
 }
 
 IGrid* Items::build(const Item& item, const GridSubject& of, bool is_shared, const lod::TileRef& tile)

@@ -129,6 +129,9 @@ public:
     IGrid& grid(ItemIndex i, int pair);
     /// Returns the bounds of such an igrid in the tree's frame; they are tighter than the item's box.
     GridBounds bounds_of(const IGrid& grid) const;
+    /// Returns a box, in the tree's frame, that holds such an igrid at a moment of the shutter: between its keys, the box
+    /// that lies between those at the keys. Rounding between moments is not in it.
+    Box3f box_at(const IGrid& grid, float time) const;
     /// Returns whether some material of an item's igrid has an alpha mask.
     bool has_masks(const Item& item, bool is_shared) const noexcept;
     /// Returns boxes that hold an item at the keys of the scene's shutter; between keys it is in the box that lies between
@@ -188,6 +191,8 @@ private:
     void set_box_of_node(Item& item, const PlacedNode& at, const Box3d& bounds);
     Box3f to_tree(const lod::PosedCage& cage, const Box3f& box) const;
     Box3f to_tree(const Box3d& world, double pad) const;
+    /// Returns the box of the image of a still pose's igrid.
+    Box3f image_in_tree(const IGrid& grid, const lod::AffinePose& pose) const;
 
     const FrameState& frame_;
     Arena& arena_;

@@ -1,6 +1,7 @@
 #include "accel/lazy_tree.h"
 
 #include <algorithm>
+#include <cfloat>
 
 namespace occam::accel {
 
@@ -35,6 +36,25 @@ void LazyTree::flush()
     }
 }
 
+void LazyTree::tighten(const TreeLeaf& leaf, std::size_t place, const IGrid& grid) const
+{
+    Box3f boxes[lod::kMostSegments + 1];
+    float largest = 0, area = 0, area_of_item = 0;
+    for (int key = 0; key <= leaf.keys.segments; ++key) {
+        const Box3f box = boxes[key] = items.box_at(grid, leaf.keys.begin + static_cast<float>(key) / leaf.keys.per_time);
+        if (box.is_empty()) return;
+        largest = std::max(largest, box.largest_coordinate());
+        area += box.half_area();
+        area_of_item += get_box(leaf.boxes + static_cast<std::size_t>(key) * leaf.stride(), place).half_area();
+    }
+    if (!(area < area_of_item)) return;
+    // Boxes are rounded twice, as in Bvh.
+    const Vec3f pad(largest * 4 * FLT_EPSILON);
+    for (int key = 0; key <= leaf.keys.segments; ++key)
+        set_box(leaf.boxes + static_cast<std::size_t>(key) * leaf.stride(), place,
+                {boxes[key].lo - pad, boxes[key].hi + pad});
+}
+
 IGrid& LazyTree::grid(const TreeLeaf& leaf, std::size_t place, int pair, TraceCounters& asker)
 {
     const MaybeLock lock(building());
@@ -48,7 +68,10 @@ IGrid& LazyTree::grid(const TreeLeaf& leaf, std::size_t place, int pair, TraceCo
     asker.grids += counters.grids - grids;
     entry.bounds = items.bounds_of(made);
     // Other threads may be reading the boxes of a shared tree.
-    if (!sharing && leaf.keys.segments == 0) set_box(leaf.boxes, place, entry.bounds.box);
+    if (!sharing) {
+        if (leaf.keys.segments == 0) set_box(leaf.boxes, place, entry.bounds.box);
+        else tighten(leaf, place, made);
+    }
     publish(entry.grid, &made);
     return made;
 }

@@ -30,6 +30,9 @@ struct LazyTree {
     /// Returns what building has cost so far.
     TraceCounters totals();
 
+    /// Replaces the boxes of an entry at the keys of a leaf by those of its igrid, where these are smaller.
+    void tighten(const TreeLeaf& leaf, std::size_t place, const IGrid& grid) const;
+
     struct Sharing {
         std::mutex building;
         FlushGate gate;

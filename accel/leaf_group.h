@@ -55,7 +55,10 @@ public:
     {
         if constexpr (Times::kMoves)
             if (leaf_.keys.segments > 0) {
-                const MaskOf<F> inside = is_tested_ ? MaskOf<F>(true) : enter(Moving{keyed(), box}, far);
+                // A ray alone was tested by in_boxes(), with the same box unless the igrid's box has replaced it.
+                const bool is_known = std::is_same_v<F, float> && !is_tested_;
+                const MaskOf<F> inside = is_known || (is_tested_ && !made) ? MaskOf<F>(true)
+                                                                           : enter(Moving{keyed(), box}, far);
                 return made ? inside & enter(made->bounds, far) : inside;
             }
         return made ? enter(made->bounds, far) : enter(GridBounds{get_box(boxes_ + box, 0), {}}, far);

@@ -2,6 +2,7 @@
 // the lanes. It does what PacketRays does, with the same bits.
 #pragma once
 
+#include "accel/affine_ray.h"
 #include "accel/moving_igrid.h"
 #include "accel/narration.h"
 #include "accel/ray_reach.h"
@@ -18,27 +19,17 @@ public:
     /// levels   receives the ray's table of transitions
     LoneRay(const Ray& ray, const RayAxes& axes, const FrameState& frame, lod::RayLevels<float>& levels,
             SingleQuery<Found>& hits) noexcept
-        : query(hits), ray_(ray), frame_(frame), levels_(levels)
+        : query(hits), ray_(ray), axes_(axes), frame_(frame), levels_(levels)
     {
         const PlacedOrigin start = place(ray, frame.anchor, frame.radius);
-        const float way[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
-        float shear[3];
-        set_shear(axes, way, shear);
-        set_inverse(axes, way, in_tree.inverse);
-        lanes_.kx = axes.kx;
-        lanes_.ky = axes.ky;
-        lanes_.kz = axes.kz;
-        lanes_.sx = shear[0];
-        lanes_.sy = shear[1];
-        lanes_.sz = shear[2];
+        set_inverse(axes, &ray.direction.x, in_tree.inverse);
         in_tree.shift = start.shift;
         for (int a = 0; a < 3; ++a) {
             in_tree.origin[a] = start.origin[a];
             in_tree.negative[a] = axes.negative[a];
-            in_tree.direction[a] = way[a];
-            lanes_.inverse[a] = in_tree.inverse[a];
-            direction_[a] = way[a];
+            in_tree.direction[a] = ray.direction[a];
         }
+        keep_directions();
     }
 
     TreeRay<float> in_tree;  ///< in the frame of the tree
@@ -72,6 +63,8 @@ public:
     /// Takes the ray to the frame of a cage.
     void place_at(const lod::PosedCage& cage) noexcept
     {
+        if (cage.affine) return place_at_still_pose(cage);
+        if (is_turned_) keep_directions();
         const PlacedOrigin at = place(ray_, cage.anchor, cage.radius);
         for (int a = 0; a < 3; ++a) lanes_.origin[a] = at.origin[a];
         lanes_.shift = at.shift;
@@ -79,28 +72,60 @@ public:
 
     void set_blend(const lod::Blend<float>& blend) noexcept
     {
-        lanes_.blend.set({blend.start, blend.scale}, direction_, lanes_.origin, lanes_.shift);
+        lanes_.blend.set({blend.start, blend.scale}, gradient_, lanes_.origin, lanes_.shift);
     }
 
     /// Intersects an igrid of the cage at which the ray is placed.
     OCCAM_ALWAYS_INLINE void meet(IGrid& grid, bool, bool, float from, float to) noexcept
     {
-        if (grid.segments > 0) meet_moving(grid, {rays(), {lanes_, in_tree.negative, {from, to}}}, query);
-        else meet_single(grid, {lanes_, in_tree.negative, {from, to}}, query.only, query);
+        if (grid.segments > 0) meet_moving(grid, {rays(), {lanes_, negative_, {from, to}}}, query);
+        else meet_single(grid, {lanes_, negative_, {from, to}}, query.only, query);
         if constexpr (kIsObserved<Found>)
             if (query.narration) {
                 GridHit like{0, &grid, 0, {}, lod::key_time(ray_.time, std::max(grid.segments, 1))};
                 if (grid.blends()) like.blend = levels_.blend(grid.pairs.finest);
-                query.narration->igrid({like, lanes_, direction_, from, to}, query.offered, t_far());
+                query.narration->igrid({like, lanes_, gradient_, from, to}, query.offered, t_far());
             }
     }
 
 private:
+    /// Sets what follows from the ray's own direction, which all cages see but those that are taken to a still pose.
+    OCCAM_ALWAYS_INLINE void keep_directions() noexcept
+    {
+        float shear[3];
+        set_shear(axes_, &ray_.direction.x, shear);
+        lanes_.kx = axes_.kx;
+        lanes_.ky = axes_.ky;
+        lanes_.kz = axes_.kz;
+        lanes_.sx = shear[0];
+        lanes_.sy = shear[1];
+        lanes_.sz = shear[2];
+        for (int a = 0; a < 3; ++a) {
+            lanes_.inverse[a] = in_tree.inverse[a];
+            negative_[a] = in_tree.negative[a];
+            gradient_[a] = in_tree.direction[a];
+        }
+        is_turned_ = false;
+    }
+    OCCAM_NEVER_INLINE void place_at_still_pose(const lod::PosedCage& cage) noexcept
+    {
+        const AffineRay at(ray_, cage);
+        lanes_ = at.lanes();
+        for (int a = 0; a < 3; ++a) {
+            negative_[a] = at.axes.negative[a];
+            gradient_[a] = at.gradient[a];
+        }
+        is_turned_ = true;
+    }
+
     const Ray& ray_;
+    const RayAxes& axes_;
     const FrameState& frame_;
     lod::RayLevels<float>& levels_;
     RayLanes lanes_;
-    vfloat direction_[3];
+    vfloat gradient_[3];  ///< of t over points of the cage's frame: the direction, unless the ray is in a still pose
+    bool negative_[3];    ///< in the cage's frame
+    bool is_turned_;      ///< the ray is in a still pose
 };
 
 }  // namespace occam::accel

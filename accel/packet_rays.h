@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstddef>
 
+#include "accel/affine_ray.h"
 #include "accel/moving_igrid.h"
 #include "accel/ray_reach.h"
 
@@ -91,6 +92,8 @@ public:
     /// Takes the rays to the frame of a cage.
     void place_at(const lod::PosedCage& cage) noexcept
     {
+        still_pose_ = cage.affine ? &cage : nullptr;
+        if (still_pose_) return;
         Lanes placed[4];
         place_all(
             rays_, way_, [&](std::size_t) -> const lod::PosedCage& { return cage; }, placed);
@@ -103,6 +106,10 @@ public:
 
     void set_blend(const lod::Blend<Lanes>& blend) noexcept
     {
+        if (still_pose_) {
+            blend_ = blend;
+            return;
+        }
         for (int p = 0; p < kParts; ++p) {
             RayLanes& lanes = parts_[p].lanes;
             lanes.blend.set({blend.start.part[p], blend.scale.part[p]}, {way_[0].part[p], way_[1].part[p], way_[2].part[p]},
@@ -114,6 +121,7 @@ public:
     OCCAM_ALWAYS_INLINE void meet(IGrid& grid, unsigned fresh, const Mask& entering, const Lanes& from,
                                   const Lanes& to) noexcept
     {
+        if (still_pose_) return meet_one_by_one(grid, fresh, from, to);
         for (int p = 0; p < kParts; ++p) {
             const unsigned of_part = fresh >> (p * kLanes) & ((1u << kLanes) - 1);
             if (of_part != 0) meet_part(grid, p, of_part, entering.part[p], {from.part[p], to.part[p]});
@@ -156,11 +164,34 @@ private:
         }
     }
 
+    /// Intersects an igrid of a still pose, where each ray has its own axes.
+    OCCAM_NEVER_INLINE void meet_one_by_one(IGrid& grid, unsigned fresh, const Lanes& from, const Lanes& to) noexcept
+    {
+        alignas(32) float t_near[kParts * kLanes], t_end[kParts * kLanes], start[kParts * kLanes], scale[kParts * kLanes];
+        from.store(t_near);
+        to.store(t_end);
+        if (grid.blends()) {
+            blend_.start.store(start);
+            blend_.scale.store(scale);
+        }
+        for (; fresh != 0; fresh &= fresh - 1) {
+            const int i = std::countr_zero(fresh), lane = i % kLanes;
+            const AffineRay ray(rays_[static_cast<std::size_t>(i)], *still_pose_);
+            RayLanes lanes = ray.lanes();
+            const vfloat gradient[3] = {ray.gradient[0], ray.gradient[1], ray.gradient[2]};
+            if (grid.blends()) lanes.blend.set({start[i], scale[i]}, gradient, lanes.origin, lanes.shift);
+            LaneOf<Found> one{PartOf<Found>{query_, i - lane}, lane};
+            meet_single(grid, {lanes, ray.axes.negative, {t_near[i], t_end[i]}}, lane, one);
+        }
+    }
+
     std::span<const Ray> rays_;
     const FrameState& frame_;
     lod::RayLevels<Lanes>& levels_;
     PacketQuery<Found, kParts>& query_;
-    Lanes way_[4];  ///< direction and t_near
+    const lod::PosedCage* still_pose_ = nullptr;  ///< at which the rays are placed, if it is one
+    lod::Blend<Lanes> blend_;                     ///< the rays' blend there
+    Lanes way_[4];                                ///< direction and t_near
     Part parts_[kParts];
 };
 

@@ -25,12 +25,21 @@ struct RayAxes {
 
     static constexpr int kGroups = 3 * 8;
 
+    RayAxes() = default;
     /// group   is kz * 8 plus the signs of x, y and z, as the bits 1, 2 and 4.
     explicit RayAxes(int group) noexcept : kz(group / 8)
     {
         kx = kz == 2 ? 0 : kz + 1;
         ky = kx == 2 ? 0 : kx + 1;
         for (int a = 0; a < 3; ++a) negative[a] = (group >> a & 1) != 0;
+    }
+    /// Returns the group of a direction.
+    static int group_of(const float (&direction)[3]) noexcept
+    {
+        const float x = std::fabs(direction[0]), y = std::fabs(direction[1]), z = std::fabs(direction[2]);
+        int group = x > y && x > z ? 0 : y > z ? 8 : 16;
+        for (int a = 0; a < 3; ++a) group += direction[a] < 0 ? 1 << a : 0;
+        return group;
     }
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace occam::lod {
 namespace {
@@ -30,6 +31,18 @@ double stretch_bound(const Mat4d& map) noexcept
     double squares = 0;
     for (int c = 0; c < 3; ++c) squares += glm::dot(Vec3d(map[c]), Vec3d(map[c]));
     return std::sqrt(squares);
+}
+
+/// Returns the map from a pose's dicing frame to object axes, unless the pose is so flat that rounding spoils it.
+std::optional<Mat4d> inverse_of(const PosedCage& cage) noexcept
+{
+    constexpr double kFlattest = 0x1p-20;  // the least determinant, as a part of the product of the columns' lengths
+    Mat4d map = cage.world_from_object();
+    map[3] -= Vec4d(cage.anchor, 0);
+    const double volume = glm::determinant(Mat3d(map)),
+                 longest = glm::length(Vec3d(map[0])) * glm::length(Vec3d(map[1])) * glm::length(Vec3d(map[2]));
+    if (!(std::abs(volume) > kFlattest * longest)) return std::nullopt;
+    return glm::inverse(map);
 }
 
 Mat4d between(const Mat4d& a, const Mat4d& b, double share) noexcept { return a * (1 - share) + b * share; }
@@ -173,9 +186,37 @@ PosedCage& CageMotion::make_keys(const PosedCage& still, int segments, const Pos
         key.displacement.reach = reach;
         if (largest > kMostGrowth * smallest) key.coarsened = kCoarsenedByGrowth;
     }
+    keys[0].still_pose = make_still_pose(keys, tools);
     keys[0].keys = keys.data();
     keys[0].segments = segments;
     return keys[0];
+}
+
+const PosedCage* CageMotion::make_still_pose(std::span<const PosedCage> keys, const PosingTools& tools) const
+{
+    // Skins and morph targets move vertices against each other.
+    if (!moves_maps_ || is_skinned_ || changes_ > 1 || keys[0].coarsened > 0) return nullptr;
+    const int segments = static_cast<int>(keys.size()) - 1, step = segments_ / segments, middle = segments / 2;
+    PosedCage still = keys[static_cast<std::size_t>(middle)];
+    still.set_frame(transform_box(world(middle * step), cage_bounds(node_, slot_, skin_)));
+    still.set_map(world(middle * step));
+    const std::span<AffinePose> poses = tools.arena.make_array<AffinePose>(keys.size());
+    const std::optional<Mat4d> object_from_still = inverse_of(still);
+    if (!object_from_still) return nullptr;
+    for (std::size_t k = 0; k < keys.size(); ++k) {
+        const Mat4d map = world(static_cast<int>(k) * step) * *object_from_still;
+        poses[k] = {{Vec3d(map[0]), Vec3d(map[1]), Vec3d(map[2])}, Vec3d(map[3])};
+    }
+    const AffineMotion motion{poses};
+    if (!motion.is_invertible()) return nullptr;
+    const CagePose at = pose(middle * step);
+    still.positions = at.positions.data();
+    if (tools.tables.deformed_clusters) still.deform(*tools.tables.deformed_clusters, at, tools.arena, tools.counters);
+    if (tools.textures) still.displace(*tools.textures);
+    still.displacement.reach = keys[0].displacement.reach;
+    still.derive(tools.arena);
+    still.affine = tools.arena.make<AffineMotion>(motion);
+    return tools.arena.make<PosedCage>(still);
 }
 
 double motion_tolerance(const LevelSettings& settings, const Box3d& world) noexcept

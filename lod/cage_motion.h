@@ -44,6 +44,9 @@ public:
     PosedCage& make_keys(const PosedCage& still, int segments, const PosingTools& tools) const;
 
 private:
+    /// Returns the pose of which all others are affine images, made of the middle one of the keys; null if there is none, or
+    /// if rays cannot be taken to it at all times.
+    const PosedCage* make_still_pose(std::span<const PosedCage> keys, const PosingTools& tools) const;
     const Mat4d& world(int key) const noexcept { return world_[world_.size() > 1 ? std::size_t(key) : 0]; }
     CagePose pose(int key) const noexcept { return {slot_, node_, skin_, key}; }
     double deviation(int key, int before, int after) const;

@@ -6,11 +6,13 @@
 // Memory   plain data in the arena of a tree; it borrows scene and topology for the frame.
 //
 // A placed cage that moves in the shutter is an array of these, one at each key of its motion (cage_motion.h). They share
-// all that is not a position: the dicing frame, the radius and what displacement adds at most. So they are diced alike.
+// all that is not a position: the dicing frame, the radius and what displacement adds at most. So they are diced alike. If
+// its nodes alone move it, the keys serve for rates and boxes, and what is diced is one more pose, its still pose.
 #pragma once
 
 #include <span>
 
+#include "lod/affine_motion.h"
 #include "lod/clusters.h"
 #include "lod/deformed_cage.h"
 #include "lod/displacement.h"
@@ -35,6 +37,9 @@ struct PosedCage {
     const Vec3f* rest_derived = nullptr;   ///< those of the vertices at rest, in object axes, if the cage is displaced
     const PosedCage* keys = nullptr;       ///< this placed cage at all keys of its motion; null: it stands still
     int segments = 0;                      ///< of its motion, one less than there are keys
+    const PosedCage* still_pose =
+        nullptr;  ///< of the first key: what is diced in place of the keys; null: the keys are diced
+    const AffineMotion* affine = nullptr;  ///< of a still pose: how it moves; null for all other poses
     const Node* node = nullptr;
     NodeId node_id;
     std::uint8_t seen_by = RayKind::All;  ///< combined over all nodes that lead here, as is lit_by
@@ -86,6 +91,8 @@ struct PosedCage {
     Mat4d world_from_object() const noexcept;
     /// Returns the cage at a key of its motion; itself if it stands still.
     const PosedCage& at_key(int k) const noexcept { return keys ? keys[k] : *this; }
+    /// Returns the pose that igrids are made of: the still pose if there is one, else the cage with all its keys.
+    const PosedCage& diced() const noexcept { return still_pose ? *still_pose : *this; }
     /// Returns whether faces are reversed at a moment of the cage's motion.
     bool is_mirrored_at(KeyTime time) const noexcept;
 

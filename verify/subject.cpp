@@ -78,6 +78,7 @@ int Subject::level_of_rate(int rate) const
 lod::LevelGrid Subject::grid_at(const lod::TileRef& tile, const lod::PatchRates& coarser, float time)
 {
     if (posed_->segments == 0) return dicer_.dice_pair(*posed_, tile, coarser, arena_);
+    if (posed_->still_pose) return image_at(dicer_.dice_pair(*posed_->still_pose, tile, coarser, arena_), time);
     const lod::KeyTime at = lod::key_time(time, posed_->segments);
     lod::LevelGrid grid = dicer_.dice_pair(posed_->keys[at.key], tile, coarser, arena_);
     const lod::LevelGrid next = dicer_.dice_pair(posed_->keys[at.key + 1], tile, coarser, arena_);
@@ -87,6 +88,22 @@ lod::LevelGrid Subject::grid_at(const lod::TileRef& tile, const lod::PatchRates&
             grid.fine[a][v] = lod::between_keys(at.share, grid.fine[a][v], next.fine[a][v]);
             if (blends) grid.coarse[a][v] = lod::between_keys(at.share, grid.coarse[a][v], next.coarse[a][v]);
         }
+    return grid;
+}
+
+lod::LevelGrid Subject::image_at(lod::LevelGrid grid, float time) const
+{
+    const lod::AffinePose pose = posed_->still_pose->affine->at(time);
+    const Vec3d shift = pose.anchor - posed_->anchor;
+    const auto move = [&](float* const(&p)[3], int v) {
+        const Vec3d moved = pose.apply({p[0][v], p[1][v], p[2][v]}) + shift;
+        for (int a = 0; a < 3; ++a) p[a][v] = static_cast<float>(moved[a]);
+    };
+    const bool blends = grid.blends();
+    for (int v = 0; v < grid.vertex_count; ++v) {
+        move(grid.fine, v);
+        if (blends) move(grid.coarse, v);
+    }
     return grid;
 }
 

@@ -46,6 +46,8 @@ private:
     };
     void add(const ShownCage& shown);
     lod::LevelGrid grid_at(const lod::TileRef& tile, const lod::PatchRates& coarser, float time);
+    /// Moves a grid of the still pose to where rays of this moment see it.
+    lod::LevelGrid image_at(lod::LevelGrid grid, float time) const;
 
     Scene scene_;
     lod::TopologyCache topologies_;

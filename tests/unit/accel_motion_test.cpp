@@ -140,9 +140,10 @@ TEST(MovingTracer, FindsTheSameBitsForARayAloneAndInAPacket)
 TEST(MovingTracer, FindsTheSameHitsForAnyBudgetAndInASharedTree)
 {
     MovingStage stage;
-    const accel::Frame frame(stage.scene, stage.topologies, exact(-6, lod::LevelMode::PerRay));
+    const accel::Frame frame(stage.scene, stage.topologies, exact(-7, lod::LevelMode::PerRay));
     Random random(5);
-    const auto rays = rays_at_any_time(stage.scene.bounds(), 4000, random);
+    auto rays = rays_at_any_time(stage.scene.bounds(), 4000, random);
+    for (accel::Ray& ray : rays) ray.footprint = {0.002f, 0.002f};
     std::vector<accel::SurfaceHit> usual(rays.size()), hits(rays.size());
     accel::Tracer tracer(frame, kPlenty);
     tracer.closest(rays, usual);

@@ -1,0 +1,103 @@
+// Holds the rays whose hits are resolved, in lanes, each in the frame of the cage that it has hit.
+//
+// Space    world axes, from the anchor of each lane's cage. What rays have hit in a still pose is moved to where it is at
+//          their times (lod/affine_motion.h).
+#pragma once
+
+#include <bit>
+
+#include "accel/affine_ray.h"
+#include "accel/corners.h"
+#include "accel/packet.h"
+
+namespace occam::accel {
+
+struct HitRays {
+    struct Frame {
+        Vec3d anchor;
+        float radius;
+    };
+    std::size_t count;
+    vfloat way[4];            ///< direction and t_near
+    vfloat origin[4];         ///< origin and shift, as place_all() gives them
+    Frame frames[kLanes];     ///< valid for each ray
+    unsigned in_still = 0;    ///< bit mask of lanes whose cage is hit in a still pose
+    AffineRay still[kLanes];  ///< valid in these lanes
+
+    /// any   takes the place of the igrids of rays that hit nothing
+    HitRays(std::span<const Ray> rays, std::span<const GridHit> met, const IGrid& any) noexcept : count(rays.size())
+    {
+        gather_four(rays.data(), rays.size(), offsetof(Ray, direction), way);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            const lod::PosedCage& cage = *(met[i].grid ? met[i].grid : &any)->cage;
+            frames[i] = {cage.anchor, cage.radius};
+            if (cage.affine) take_to_still_pose(i, rays[i], cage);
+        }
+        place_all(
+            rays, way, [&](std::size_t i) -> const Frame& { return frames[i]; }, origin);
+    }
+
+    /// Returns the radius of each ray's cage.
+    vfloat radius() const noexcept
+    {
+        alignas(32) FloatLanes of{};
+        for (std::size_t i = 0; i < count; ++i) of[i] = frames[i].radius;
+        return vfloat::load(of);
+    }
+    /// Sets the positions of the corners, as HitCorners::set_positions() does.
+    void set_positions(HitCorners& corners, unsigned coarse_starts) const noexcept
+    {
+        const vfloat directions[3] = {way[0], way[1], way[2]}, origins[3] = {origin[0], origin[1], origin[2]};
+        if (in_still == 0) return corners.set_positions(directions, origins, origin[3], coarse_starts);
+        alignas(32) FloatLanes gradient[3], from[3], shift;
+        for (int a = 0; a < 3; ++a) {
+            directions[a].store(gradient[a]);
+            origins[a].store(from[a]);
+        }
+        origin[3].store(shift);
+        for_each_in_still([&](std::size_t i) {
+            for (int a = 0; a < 3; ++a) {
+                gradient[a][i] = still[i].gradient[a];
+                from[a][i] = still[i].origin[a];
+            }
+            shift[i] = still[i].shift;
+        });
+        corners.set_positions({vfloat::load(gradient[0]), vfloat::load(gradient[1]), vfloat::load(gradient[2])},
+                              {vfloat::load(from[0]), vfloat::load(from[1]), vfloat::load(from[2])}, vfloat::load(shift),
+                              coarse_starts);
+        for_each_in_still([&](std::size_t i) { corners.move_positions(i, still[i].pose); });
+    }
+    /// Takes the corners' normals from still poses to the world; call it when the attributes are set.
+    void move_normals(HitCorners& corners) const noexcept
+    {
+        for_each_in_still([&](std::size_t i) { corners.move_normals(i, still[i].pose); });
+    }
+    /// Returns the velocity of a point of a lane that is hit in a still pose, per shutter.
+    /// place   relative to the anchor
+    Vec3f velocity_of(std::size_t lane, const lod::PosedCage& still_pose, float time, Vec3d place) const noexcept
+    {
+        const lod::AffinePose& pose = still[lane].pose;
+        const Vec3d &a = pose.columns[0], &b = pose.columns[1], &c = pose.columns[2];
+        const Vec3d bc = glm::cross(b, c);
+        const Vec3d there = Vec3d(glm::dot(bc, place), glm::dot(glm::cross(c, a), place),
+                                  glm::dot(glm::cross(a, b), place)) /
+                            glm::dot(a, bc);
+        const lod::AffinePose speed = still_pose.affine->speed_at(time);
+        return Vec3f(speed.anchor + speed.apply(there));
+    }
+
+private:
+    template <class Call>
+    void for_each_in_still(Call&& call) const noexcept
+    {
+        for (unsigned left = in_still; left != 0; left &= left - 1) call(static_cast<std::size_t>(std::countr_zero(left)));
+    }
+    OCCAM_NEVER_INLINE void take_to_still_pose(std::size_t i, const Ray& ray, const lod::PosedCage& cage) noexcept
+    {
+        in_still |= 1u << i;
+        still[i] = AffineRay(ray, cage);
+        frames[i] = {still[i].pose.anchor, static_cast<float>(double(cage.radius) * cage.affine->stretch())};
+    }
+};
+
+}  // namespace occam::accel

@@ -1,0 +1,225 @@
+// Tests of cages that their nodes alone move: they are diced once, and rays are taken to them (lod/affine_motion.h).
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <random>
+
+#include "accel/frame.h"
+#include "accel/tracer.h"
+#include "lod/pose_cage.h"
+#include "tests/support/motions.h"
+#include "tests/support/shape_builders.h"
+
+namespace occam::test {
+namespace {
+
+constexpr std::size_t kMoreThanEnough = std::size_t(1) << 30;
+
+Mat4d turned_about_y(double angle)
+{
+    Mat4d m(1);
+    m[0] = Vec4d(std::cos(angle), 0, -std::sin(angle), 0);
+    m[2] = Vec4d(std::sin(angle), 0, std::cos(angle), 0);
+    return m;
+}
+Mat4d scaled_along(Vec3d by)
+{
+    Mat4d m(1);
+    for (int a = 0; a < 3; ++a) m[a][a] = by[a];
+    return m;
+}
+Mat4d shifted(Vec3d by)
+{
+    Mat4d m(1);
+    m[3] = Vec4d(by, 1);
+    return m;
+}
+
+struct PlacedMotion {
+    const char* name;
+    int segments;
+    Mat4d (*matrix)(double tau);
+    bool is_invertible;  ///< at all times
+};
+const PlacedMotion kPlacedMotions[] = {
+    {"flies", 1, [](double tau) { return shifted(Vec3d(3, 1, -2) * tau); }, true},
+    {"turns by 20 degrees", 1, [](double tau) { return turned_about_y(0.35 * tau); }, true},
+    {"turns by 170 degrees in one", 1, [](double tau) { return turned_about_y(2.967 * tau); }, true},
+    {"turns by 180 degrees in one", 1, [](double tau) { return turned_about_y(3.14159265358979 * tau); }, false},
+    {"turns by 360 degrees in eight", 8, [](double tau) { return turned_about_y(6.283 * tau); }, true},
+    {"grows", 1, [](double tau) { return scaled_along(Vec3d(0.1 + 0.9 * tau)); }, true},
+    {"shrinks along one axis", 2, [](double tau) { return scaled_along(Vec3d(1, 1, 1 - 0.9 * tau)); }, true},
+    {"collapses", 1, [](double tau) { return scaled_along(Vec3d(1 - tau)); }, false},
+    {"flattens", 1, [](double tau) { return scaled_along(Vec3d(1, 1 - tau, 1)); }, false},
+    {"becomes its mirror image", 1, [](double tau) { return scaled_along(Vec3d(1, 1, 1 - 2 * tau)); }, false},
+    {"collapses between two keys", 2, [](double tau) { return scaled_along(Vec3d(tau < 0.6 ? 1 : -1)); }, false},
+};
+
+// A mesh of triangles with a normal at each vertex.
+Cage ring_mesh()
+{
+    Cage mesh;
+    mesh.scheme = Scheme::Triangles;
+    const Cage ring = torus(20, 14);
+    mesh.positions = ring.positions;
+    for (std::size_t f = 0; f < ring.face_sizes.size(); ++f)
+        for (const std::size_t k : {0, 1, 2, 0, 2, 3}) mesh.face_vertices.push_back(ring.face_vertices[4 * f + k]);
+    return mesh;
+}
+
+// A scene with one cage that moves, either by its node, or by its vertices, which are written at each key.
+struct MovedStage {
+    Scene scene;
+    NodeId node;
+    lod::TopologyCache topologies;
+    accel::Frame frame;
+    accel::Tracer tracer;
+
+    static Motion motion_of(const PlacedMotion& of, bool is_written)
+    {
+        Motion motion{of.name, of.segments, {}, {}, {}, {}};
+        if (is_written)
+            motion.vertex = [&of](Vec3f p, double tau) { return Vec3f(Vec3d(of.matrix(tau) * Vec4d(Vec3d(p), 1))); };
+        else motion.matrix = of.matrix;
+        return motion;
+    }
+    MovedStage(const Cage& cage, const PlacedMotion& motion, bool is_written, const Mat4d& place,
+               accel::TreeKind tree = accel::TreeKind::Auto)
+        : node(add_moving(scene, cage, motion_of(motion, is_written), place)),
+          frame((scene.refit(), scene), topologies,
+                {.pixel = {1.0f / 64, 0}, .mode = lod::LevelMode::PerRay, .motion_edges = 0}, {.tree = tree}),
+          tracer(frame, kMoreThanEnough)
+    {
+    }
+    std::vector<accel::SurfaceHit> trace(std::span<const accel::Ray> rays)
+    {
+        std::vector<accel::SurfaceHit> hits(rays.size());
+        tracer.closest(rays, hits);
+        return hits;
+    }
+};
+
+std::vector<accel::Ray> rays_into(const Box3d& bounds, int count)
+{
+    std::mt19937_64 bits(5);
+    const auto random = [&] { return double(bits() >> 11) * 0x1p-53; };
+    std::vector<accel::Ray> rays(static_cast<std::size_t>(count));
+    for (accel::Ray& ray : rays) {
+        ray.origin = bounds.centre() + Vec3d(0.3, 5, 6);
+        const Vec3d to = bounds.lo + bounds.extent() * Vec3d(random(), random(), random());
+        ray.direction = Vec3f(glm::normalize(to - ray.origin));
+        ray.footprint = {0.01f, 0.01f};
+        ray.time = random() < 0.3 ? static_cast<float>(std::round(random())) : static_cast<float>(random());
+    }
+    return rays;
+}
+
+TEST(AffineMotion, IsUsedWhereMapsCanBeInvertedAtAllTimes)
+{
+    for (const PlacedMotion& motion : kPlacedMotions) {
+        const MovedStage stage(torus(), motion, false, Mat4d(1));
+        const Node& node = stage.scene.node(stage.node);
+        const CageSlot& slot = stage.scene.cage(node.cages.front());
+        const std::vector<Mat4d> matrices = stage.scene.world_from_node_keys(stage.node);
+        lod::TopologyCache topologies;
+        Arena arena;
+        lod::DeformCounters counters;
+        lod::LevelSettings levels;
+        levels.motion_edges = 0;
+        const lod::PosedCage& posed = lod::pose_cage({slot, node, stage.node, nullptr, matrices, motion.segments}, levels,
+                                                     {topologies.get(slot), nullptr, arena, counters});
+        EXPECT_EQ(posed.still_pose != nullptr, motion.is_invertible) << motion.name;
+    }
+}
+
+// The same surface moves by its node, or by its vertices at keys: rays find the same but for rounding.
+void expect_hits_of_written_vertices(const Cage& cage, const PlacedMotion& motion, const Mat4d& place)
+{
+    MovedStage placed(cage, motion, false, place), written(cage, motion, true, place);
+    const auto rays = rays_into(placed.scene.bounds(), 4000);
+    const auto ours = placed.trace(rays), others = written.trace(rays);
+    int hits = 0, differ = 0, blended = 0, at_keys = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const accel::SurfaceHit &a = ours[i], &b = others[i];
+        if (!a.is_hit() && !b.is_hit()) continue;
+        const bool is_same = a.is_hit() == b.is_hit() && std::abs(a.t - b.t) < 1e-4f * b.t;
+        differ += !is_same;
+        if (!is_same || a.face != b.face || a.micropolygon != b.micropolygon) continue;
+        ++hits;
+        blended += a.blend > 0;
+        ASSERT_LT(glm::distance(a.position, b.position), 1e-4 * double(b.t)) << motion.name;
+        const Vec3d on_ray = rays[i].origin + Vec3d(rays[i].direction) * double(a.t);
+        ASSERT_LT(glm::distance(a.position, on_ray), 1e-5 * double(b.t)) << motion.name;
+        ASSERT_GT(glm::dot(a.normal_geometric, b.normal_geometric), 0.999f) << motion.name;
+        ASSERT_EQ(a.back_side, b.back_side) << motion.name;
+        ASSERT_LT(glm::length(a.velocity - b.velocity), 1e-3f * (1 + glm::length(b.velocity))) << motion.name;
+        ASSERT_NEAR(a.blend, b.blend, 1e-3f) << motion.name;
+        ASSERT_EQ(a.start_level, b.start_level) << motion.name;
+        ASSERT_LT(glm::length(a.to_start - b.to_start), 1e-3f) << motion.name;
+        // Between keys, the normals of written vertices are interpolated, which is not quite what the surface has. Means
+        // of normals, which coarse levels have, change with the shape of a cage that is stretched.
+        if ((rays[i].time > 0 && rays[i].time < 1) || a.blend > 0) continue;
+        ++at_keys;
+        ASSERT_GT(glm::dot(a.normal_shading, b.normal_shading), 0.9999f) << motion.name;
+    }
+    EXPECT_GT(hits, 400) << motion.name;
+    EXPECT_GT(at_keys, 0) << motion.name;
+    EXPECT_LE(differ, hits / 200) << motion.name;
+    EXPECT_TRUE(blended > 50 || cage.scheme == Scheme::Triangles) << motion.name;
+}
+
+TEST(AffineMotion, FindsTheHitsOfACageWhoseVerticesMoveTheSameWay)
+{
+    const Mat4d places[] = {Mat4d(1), shifted({1e5, -2e4, 3e4}) * turned_about_y(0.7), scaled_along({-1, 1.5, 0.8})};
+    for (const PlacedMotion& motion : kPlacedMotions)
+        if (motion.is_invertible)
+            for (const Mat4d& place : places) expect_hits_of_written_vertices(torus(), motion, place);
+}
+
+TEST(AffineMotion, FindsTheHitsOfAMeshWhoseVerticesMoveTheSameWay)
+{
+    for (const PlacedMotion& motion : kPlacedMotions)
+        if (motion.is_invertible) expect_hits_of_written_vertices(ring_mesh(), motion, scaled_along({-1, 1.5, 0.8}));
+}
+
+TEST(AffineMotion, FindsTheSameBitsAloneAndInPacketsAndInBothTrees)
+{
+    for (const Cage& cage : {torus(), prism(7), ring_mesh()}) {
+        const PlacedMotion& motion = kPlacedMotions[4];
+        MovedStage boxes(cage, motion, false, shifted({7, 0, 0}), accel::TreeKind::Bvh),
+            planes(cage, motion, false, shifted({7, 0, 0}), accel::TreeKind::Kd);
+        const auto rays = rays_into(boxes.scene.bounds(), 4000);
+        const auto a = boxes.trace(rays), b = planes.trace(rays);
+        int hits = 0;
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            accel::SurfaceHit alone;
+            planes.tracer.closest({&rays[i], 1}, {&alone, 1});
+            for (const accel::SurfaceHit& other : {b[i], alone}) {
+                ASSERT_EQ(std::bit_cast<std::uint32_t>(a[i].t), std::bit_cast<std::uint32_t>(other.t)) << i;
+                ASSERT_TRUE(!a[i].is_hit() || (a[i].position == other.position && a[i].velocity == other.velocity &&
+                                               a[i].normal_shading == other.normal_shading))
+                    << i;
+            }
+            hits += a[i].is_hit();
+        }
+        EXPECT_GT(hits, 400);
+    }
+}
+
+TEST(AffineMotion, TakesTheMemoryOfACageThatStands)
+{
+    const PlacedMotion still{"stands", 1, [](double) { return Mat4d(1); }, true};
+    for (const Cage& cage : {torus(), ring_mesh()}) {
+        MovedStage standing(cage, still, false, Mat4d(1)), turning(cage, kPlacedMotions[4], false, Mat4d(1)),
+            written(cage, kPlacedMotions[4], true, Mat4d(1));
+        const auto rays = rays_into(standing.scene.bounds(), 4000);
+        for (MovedStage* stage : {&standing, &turning, &written}) stage->trace(rays);
+        const auto bytes = [](const MovedStage& stage) { return double(stage.tracer.counters().peak_bytes); };
+        EXPECT_LT(bytes(turning), 1.5 * bytes(standing));
+        EXPECT_GT(bytes(written), 3 * bytes(standing));
+    }
+}
+
+}  // namespace
+}  // namespace occam::test
