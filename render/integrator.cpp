@@ -231,7 +231,7 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
     if (context_.log) context_.log->surface(path, hit, surface);
     const Vec3f share = path.throughput * surface.opacity;
     Vec3f transmittance = surface.transmittance;
-    Vertex v{path, ray, hit, sample, surface, share, occlusion};
+    Vertex v{path, ray, hit, sample, surface, share, share, occlusion};
     v.receiver.groups = hit.lit_by;
     if (const shade::LightTree& tree = context_.lights.tree(); !tree.is_empty()) {
         v.receiver.point = tree.relative(surface.position);
@@ -240,6 +240,7 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
     }
 
     const Chances chance = chances(v);
+    if (chance.light > 0) v.lit_share = share / chance.light;
 
     if (settings.view != View::Beauty) {
         const float z = static_cast<float>(context_.camera.depth(hit.position, ray.time));
@@ -248,14 +249,14 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
                                         : view_color(settings.view, hit, z, context_.depth_near, context_.depth_far));
         transmittance = Vec3f(1 - surface.opacity);
     } else if (surface.opacity > 0 && settings.integrator == IntegratorKind::Ao) {
-        gather_sky(v);
+        if (chance.light > 0) gather_sky(v);
         transmittance = Vec3f(1 - surface.opacity);
     } else if (surface.unlit) {
         result.radiance += clamped(share * surface.base_color, path.bounces);
         if (path.is_camera()) result.emitted += luminance(share * surface.base_color);
     } else if (surface.opacity > 0) {
         add_emission(path, hit, surface, share, result);
-        if (!path.is_probe) gather_and_scatter(i, v, chance.scatter);
+        if (!path.is_probe && (chance.light > 0 || chance.scatter > 0)) gather_and_scatter(i, v, chance);
     }
     if (!(chance.pass > 0)) return false;
     if (path.is_camera() && chance.pass == 1 && chance.scatter > 0) ++path.splits;
@@ -265,11 +266,13 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
 Integrator::Chances Integrator::chances(const Vertex& v) const noexcept
 {
     const bool passes = v.surface.transmittance != Vec3f(0), scatters = v.surface.opacity > 0 && !v.path.is_probe;
-    const bool may_split = v.path.is_camera() && v.path.splits < kMaxSplits;
-    if (!passes || !scatters || may_split) return {passes ? 1.0f : 0.0f, scatters ? 1.0f : 0.0f};
+    if (!passes || !scatters) return {passes ? 1.0f : 0.0f, scatters ? 1.0f : 0.0f, 1};
+    float light = lighting_chance(v.path.straight * v.surface.opacity, v.path.passed);
+    if (light < 1 && numbers(v, Dimension::Use::Faint).interval(v.first_of(1)) >= light) light = 0;
+    if (v.path.is_camera() && v.path.splits < kMaxSplits) return {1, light, light};
     const float pass = std::clamp(mean(v.surface.transmittance), 0.05f, 1 - kLeastShare);
     const bool is_passing = numbers(v, Dimension::Use::Passing).interval(v.first_of(1)) < pass;
-    return is_passing ? Chances{pass, 0} : Chances{0, 1 - pass};
+    return is_passing ? Chances{pass, 0, light} : Chances{0, 1 - pass, light};
 }
 
 bool Integrator::pass_straight(std::size_t i, const Path& path, float t, const Passing& passing, const CameraSample& sample)
@@ -280,8 +283,10 @@ bool Integrator::pass_straight(std::size_t i, const Path& path, float t, const P
     next.coverage = passing.coverage / passing.chance;
     next.key = child_key(path.key, 0);
     next.passed = static_cast<std::uint16_t>(std::min(path.passed + 1, 0xffff));
+    next.straight *= std::max({passing.light.x, passing.light.y, passing.light.z}) / passing.chance;
     const float share = std::max({next.throughput.x, next.throughput.y, next.throughput.z, next.coverage});
-    const float chance = passing_chance(share);
+    const float chance = path.is_camera() ? passing_chance(share)
+                                          : std::min(passing_chance(share), passing_chance(next.straight, next.passed));
     if (!(chance > 0)) return false;
     if (chance < 1) {
         const Dimension survival = Dimension::at(next.key, Dimension::Use::Survival, 1);
@@ -289,6 +294,7 @@ bool Integrator::pass_straight(std::size_t i, const Path& path, float t, const P
         if (context_.sampler.interval(sample.x, sample.y, index, survival) >= chance) return false;
         next.throughput /= chance;
         next.coverage /= chance;
+        next.straight /= chance;
     }
     paths_[i] = next;
     rays_[i] = behind(rays_[i], t);

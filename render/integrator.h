@@ -79,6 +79,15 @@ inline constexpr int kCertainBounces = 3;
 /// A camera ray that has been split this many times continues along one way at random.
 inline constexpr int kMaxSplits = 32;
 
+/// Returns the chance with which a surface is lit that adds `share` to what a ray sees which has passed `passed` surfaces
+/// before: 1 for an eighth and more at the first surfaces. The shares along a ray add up to 1 at most, so few of thousands
+/// of faint surfaces are lit, and each of these stands for many.
+inline float lighting_chance(float share, int passed) noexcept
+{
+    constexpr int kMostLit = 8;  // surfaces that are to be expected to be lit
+    return std::min(share * static_cast<float>(std::clamp(2 * kMostLit - passed, 1, kMostLit)), 1.0f);
+}
+
 class Integrator {
 public:
     explicit Integrator(const FrameContext& context);
@@ -122,6 +131,7 @@ private:
         const CameraSample& sample;
         const shade::Surface& surface;
         Vec3f share;      ///< share of the light leaving the surface that reaches the pixel
+        Vec3f lit_share;  ///< the same for light that is gathered, which stands for surfaces that are not lit, too
         float occlusion;  ///< share of the ambient light at the surface that its occlusion map leaves
         /// The peak density decides which lights are left to their own samples here (shade/direct.h).
         float peak = shade::peak_density(surface);
@@ -193,13 +203,14 @@ private:
     Vec2f motion_of(const accel::Ray& ray, const accel::SurfaceHit& hit) const;
     void record_matte(const accel::SurfaceHit& hit, std::uint32_t sample, float covered);
 
-    /// Holds the chances with which a ray continues straight on and scattered. If one of them is 0, that ray is not shot.
+    /// Holds the chances with which a ray continues straight on and scattered, and with which the surface is lit. What has a
+    /// chance of 0 is not done.
     struct Chances {
-        float pass, scatter;
+        float pass, scatter, light;
     };
     Chances chances(const Vertex& v) const noexcept;
-    /// Gathers light at a surface of path i, and follows the lobes of the surface with a chance, which may be 0.
-    void gather_and_scatter(std::size_t i, Vertex& v, float chance);
+    /// Gathers light at a surface of path i and follows the lobes of the surface, with these chances.
+    void gather_and_scatter(std::size_t i, Vertex& v, const Chances& chance);
     /// Returns the numbers of a surface of path i. Those of neighbouring paths are drawn with them.
     SurfaceNumbers numbers_of(std::size_t i, const Vertex& v) noexcept;
     void gather_light(const Vertex& v);

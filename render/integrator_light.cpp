@@ -103,13 +103,13 @@ OCCAM_ALWAYS_INLINE void Integrator::test(const Vertex& v, const shade::ShadowTe
     ray.footprint = shade::light_beam(v.width, test.t_far, test.density, samples * context_.settings.spp);
 }
 
-void Integrator::gather_and_scatter(std::size_t i, Vertex& v, float chance)
+void Integrator::gather_and_scatter(std::size_t i, Vertex& v, const Chances& chance)
 {
     const shade::SurfaceForEye for_eye(v.surface);
     v.for_eye = &for_eye;
     v.drawn = numbers_of(i, v);
-    gather_light(v);
-    if (chance > 0 && needs_scattering(v)) scatter_on(v, chance);
+    if (chance.light > 0) gather_light(v);
+    if (chance.scatter > 0 && needs_scattering(v)) scatter_on(v, chance.scatter);
     v.for_eye = nullptr;
 }
 
@@ -122,7 +122,7 @@ void Integrator::gather_light(const Vertex& v)
         slots += kTreeDraws;
     }
     const int per_hit = light_samples_at(v.path);
-    const Vec3f each = v.share / static_cast<float>(per_hit);
+    const Vec3f each = v.lit_share / static_cast<float>(per_hit);
     const shade::SampleCounts counts{float(per_hit), float(scatter_samples_at(v.path))};
     if (!context_.lights.meshes().is_empty()) {
         const Sequence squares = numbers(v, Use::Light, slots), choices = numbers(v, Use::LightChoice, slots);
@@ -149,7 +149,7 @@ void Integrator::gather_placed(const Vertex& v, int slots)
     const int light_count = static_cast<int>(context_.lights.lights_outside_tree());
     const int per_hit = light_samples_at(v.path);
     const float chance = light_count > slots ? static_cast<float>(slots) / static_cast<float>(light_count) : 1;
-    const PlacedSamples samples{v.share / (static_cast<float>(per_hit) * chance), static_cast<float>(per_hit) * chance};
+    const PlacedSamples samples{v.lit_share / (static_cast<float>(per_hit) * chance), static_cast<float>(per_hit) * chance};
     for (int slot = 0; slot < slots; ++slot) {
         if (light_count == slots) {
             const shade::WorldLight& light = lights[std::size_t(slot)];
@@ -182,7 +182,7 @@ void Integrator::gather_from_tree(const Vertex& v, int first_slot)
         for (int k = 0; k < count; ++k) {
             const float expected = static_cast<float>(per_hit * draws) * picks[k].probability;
             const shade::WorldLight& light = context_.lights.lights()[picks[k].light];
-            gather_light(v, light, {v.share / expected, expected}, [&](const auto& sample) {
+            gather_light(v, light, {v.lit_share / expected, expected}, [&](const auto& sample) {
                 sample(light.has_extent() ? numbers(v, Use::Light, first_slot + k).square(index) : Vec2f(0.5f));
             });
         }
@@ -214,7 +214,7 @@ void Integrator::gather_sky(const Vertex& v)
         const Vec3f direction = axes.to_world(
             shade::cosine_direction(squares.square(v.first_of(samples) + static_cast<std::uint32_t>(n))));
         if (!(glm::dot(direction, v.surface.normal_geometric) > 0)) continue;
-        const Vec3f light = v.share * (v.occlusion / static_cast<float>(samples));
+        const Vec3f light = v.lit_share * (v.occlusion / static_cast<float>(samples));
         if (context_.log) context_.log->light_sample(direction, reach, light);
         accel::Ray& ray = shadows_.add(v.path.sample, light);
         ray.origin = v.surface.start(direction);
@@ -292,6 +292,7 @@ void Integrator::scatter_on(const Vertex& v, float chance)
         next.scatter_samples = static_cast<float>(samples);
         next.is_before_focus = false;
         next.passed = 0;
+        next.straight = 1;
         ++next.bounces;
         if (s.lobe == shade::Lobe::Transmission && v.surface.is_solid)
             next.absorption = v.hit.back_side ? Vec3f(0) : v.surface.absorption_inside;

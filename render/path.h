@@ -22,6 +22,7 @@ struct Path {
     shade::Receiver receiver;      ///< the surface that scattered it, as lights were chosen for it
     float tree_samples = 0;        ///< draws from the tree of lights at that surface
     std::uint16_t passed = 0;      ///< number of surfaces that the ray has passed straight on
+    float straight = 1;            ///< share of the light that the surfaces passed straight on since the last scattering
     std::uint8_t bounces = 0;      ///< number of surfaces that scattered it
     std::uint8_t splits = 0;       ///< number of surfaces that split the camera ray in two, up to kMaxSplits
     bool is_probe = false;         ///< the path looks for light, and is not scattered again

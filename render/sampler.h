@@ -15,7 +15,7 @@ namespace occam::render {
 
 /// Names the purpose of a number, or of a pair of them.
 struct Dimension {
-    enum class Use : std::uint32_t { Light, LightChoice, Scatter, Lobe, Survival, Passing };
+    enum class Use : std::uint32_t { Light, LightChoice, Scatter, Lobe, Survival, Passing, Faint };
     std::uint32_t value;
 
     static constexpr Dimension pixel() noexcept { return {0}; }

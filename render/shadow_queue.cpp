@@ -70,7 +70,7 @@ void ShadowQueue::collect_blocked()
             shadows_[i].radiance = Vec3f(0);
             continue;
         }
-        blocked_.push_back({static_cast<std::uint32_t>(i), 1});
+        blocked_.push_back({static_cast<std::uint32_t>(i), 1, 0});
         blocked_rays_.push_back(rays_[i]);
     }
 }
@@ -83,7 +83,7 @@ bool ShadowQueue::passes(std::size_t blocked, const accel::SurfaceHit& hit, std:
                                     : shade::passes_straight(shade_point(ray, hit, texture_width_), textures_);
     Shadow& shadow = shadows_[blocked_[blocked].shadow];
     const float share = blocked_[blocked].share * std::max({transmittance.x, transmittance.y, transmittance.z});
-    const float chance = passing_chance(share);
+    const float chance = passing_chance(share, ++blocked_[blocked].passed);
     ray = behind(ray, hit.t);
     if (!(chance > 0) || (chance < 1 && number_of(ray, luck[shadow.sample]) >= chance)) {
         shadow.radiance = Vec3f(0);

@@ -23,6 +23,16 @@ namespace occam::render {
 inline constexpr float kLeastShare = 1.0f / 1024;
 /// Returns the chance with which a ray of that share continues: 1 from kLeastShare on.
 inline float passing_chance(float share) noexcept { return std::min(share / kLeastShare, 1.0f); }
+/// The number of surfaces from which on a ray that does not come from the camera continues by chance at larger shares, too.
+inline constexpr int kCertainPasses = 64;
+/// Returns the chance with which a ray continues that does not come from the camera and has passed that many surfaces. The
+/// least share rises with each of them, until the ray continues with the transmittance of each surface as its chance. So a
+/// ray through thousands of faint surfaces passes as many of them as light does, and does not go on until 1 / 1024 is left.
+inline float passing_chance(float share, int passed) noexcept
+{
+    constexpr float kPerSurface = 1.0f / 256;
+    return std::min(share / std::clamp(float(passed - kCertainPasses) * kPerSurface, kLeastShare, 1.0f), 1.0f);
+}
 
 /// Returns true for the back of a single-sided surface, for Settings::back_faces = false. Bodies of glass are excepted,
 /// because rays have to leave them again.
@@ -97,6 +107,7 @@ private:
     struct Blocked {
         std::uint32_t shadow;  ///< index into shadows_
         float share;           ///< transmittance of the surfaces so far, in the brightest channel
+        int passed;            ///< number of these surfaces
     };
 
     /// Collects those rays that have hit a surface and may pass it, so that their hits can be found.

@@ -3,115 +3,20 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 
+#include "tests/support/plane_stage.h"
 #include "tests/support/statistics.h"
 
 namespace occam::render {
 namespace {
 
-// A tracer whose scene consists of horizontal planes y = height, which are visible from both sides.
-struct PlaneTracer {
-    struct Plane {
-        double height;
-        const Material* material;
-        double reach = 1e9;  ///< the plane ends at this |x|
-    };
-    std::vector<Plane> planes;
-
-    void closest(std::span<const accel::Ray> rays, std::span<accel::SurfaceHit> hits) const
-    {
-        for (std::size_t i = 0; i < rays.size(); ++i) {
-            accel::SurfaceHit& hit = hits[i] = {};
-            for (const Plane& plane : planes) {
-                const accel::Ray& ray = rays[i];
-                const float t = float((plane.height - ray.origin.y) / double(ray.direction.y));
-                const Vec3d p = ray.origin + Vec3d(ray.direction) * double(t);
-                if (!(t > ray.t_near && t < ray.t_far && t < hit.t) || std::fabs(p.x) > plane.reach) continue;
-                hit.t = t;
-                hit.position = p;
-                hit.normal_geometric = hit.normal_shading = hit.start_normal = {0, ray.direction.y > 0 ? -1.0f : 1.0f, 0};
-                hit.self_distance = 1e-4f;
-                hit.material = plane.material;
-                hit.node = {7, 0};
-            }
-        }
-    }
-    void nearest(std::span<const accel::Ray> rays, int most, std::span<accel::SurfaceHit> hits,
-                 std::span<accel::HitCount> counts) const
-    {
-        for (std::size_t i = 0; i < rays.size(); ++i) {
-            accel::Ray ray = rays[i];
-            counts[i] = {};
-            for (accel::SurfaceHit hit; counts[i].count < most; ray.t_near = accel::behind(hit.t)) {
-                closest({&ray, 1}, {&hit, 1});
-                if (!hit.is_hit()) break;
-                hits[i * std::size_t(most) + std::size_t(counts[i].count++)] = hit;
-            }
-            counts[i].is_all = counts[i].count < most;
-        }
-    }
-    void occluded(std::span<const accel::Ray> rays, std::span<std::uint8_t> occluded) const
-    {
-        std::vector<accel::SurfaceHit> hits(rays.size());
-        closest(rays, hits);
-        for (std::size_t i = 0; i < rays.size(); ++i) occluded[i] = hits[i].is_hit();
-    }
-};
-
-// Returns a Lambertian material, so that expectations have a closed form.
-Material matte(float color, float alpha = 1)
-{
-    Material m;
-    m.base_color = Vec4f(color, color, color, alpha);
-    m.specular = 0;
-    m.alpha_mode = alpha < 1 ? AlphaMode::Blend : AlphaMode::Opaque;
-    return m;
-}
-
-shade::WorldLight sun_from_above(float irradiance)
-{
-    shade::WorldLight sun;
-    sun.kind = shade::WorldLight::Kind::Sun;
-    sun.direction = {0, -1, 0};
-    sun.strength = Vec3f(irradiance);
-    return sun;
-}
-
-struct Stage {
-    Settings settings;
-    TextureStore textures{1 << 20};
-    CameraRays camera{Camera::look_at({0, 5, 0}, {0, 0, 0}, {0, 0, -1}, 0.5f), 8, 8};
-    std::vector<shade::WorldLight> lights{sun_from_above(3.14159265f)};
-    shade::Environment environment;
-    bool may_pass = true;
-    PlaneTracer tracer;
-
-    Stage()
-    {
-        settings.width = settings.height = 8;
-        settings.spp = 4;
-        settings.integrator = IntegratorKind::Direct;
-    }
-    SampleResult one(int x = 4, int y = 4) { return run({{x, y, 0}}).front(); }
-    std::vector<SampleResult> run(const std::vector<CameraSample>& samples)
-    {
-        const Sampler sampler(settings.seed, settings.spp, settings.jitter);
-        const shade::FrameLights frame_lights(lights, environment);
-        const PixelFilter filter(settings.filter);
-        const FrameContext context{settings, camera, sampler, filter, frame_lights, textures, may_pass};
-        Integrator integrator(context);
-        std::vector<SampleResult> results(samples.size());
-        integrator.run(tracer, samples, results);
-        counters = integrator.counters();
-        return results;
-    }
-    IntegratorCounters counters;
-};
+using Stage = test::PlaneStage;
+using test::lambertian;
+using test::vertical_sun;
 
 TEST(Integrator, ALitPlaneReflectsItsAlbedo)
 {
-    const Material grey = matte(0.5f);
+    const Material grey = lambertian(0.5f);
     Stage stage;
     stage.tracer.planes = {{0, &grey}};
     const SampleResult r = stage.one();
@@ -127,7 +32,7 @@ TEST(Integrator, ALitPlaneReflectsItsAlbedo)
 
 TEST(Integrator, WhatStandsInTheLightCastsAShadow)
 {
-    const Material grey = matte(0.5f);
+    const Material grey = lambertian(0.5f);
     Stage stage;
     stage.tracer.planes = {{0, &grey}, {100, &grey}};  // the second plane is above the camera
     EXPECT_EQ(stage.one().radiance, Vec3f(0));
@@ -153,7 +58,7 @@ TEST(Integrator, AMissIsTransparentOrTheEnvironment)
 // Two sheets of opacity 1/4 lie over a floor. They are unlit, so that none shadows another.
 TEST(Integrator, BlendedSheetsAreLaidOverEachOtherInOrder)
 {
-    Material red = matte(0, 0.25f), green = matte(0, 0.25f), white = matte(1);
+    Material red = lambertian(0, 0.25f), green = lambertian(0, 0.25f), white = lambertian(1);
     red.base_color.x = green.base_color.y = 1;
     red.unlit = green.unlit = white.unlit = true;
     Stage stage;
@@ -169,7 +74,7 @@ TEST(Integrator, BlendedSheetsAreLaidOverEachOtherInOrder)
 
 TEST(Integrator, BlendedSheetsLetLightThrough)
 {
-    const Material grey = matte(0.5f), sheet = matte(0.5f, 0.25f);
+    const Material grey = lambertian(0.5f), sheet = lambertian(0.5f, 0.25f);
     Stage stage;
     stage.tracer.planes = {{0, &grey}, {50, &sheet}, {60, &sheet}};  // the sheets are above the camera
     EXPECT_NEAR(stage.one().radiance.x, 0.5f * 0.75f * 0.75f, 1e-5f);
@@ -177,88 +82,22 @@ TEST(Integrator, BlendedSheetsLetLightThrough)
     EXPECT_EQ(stage.one().radiance.x, 0);
 }
 
-// Sheets that a mask cuts away hide nothing, in any number, neither from the camera nor from the light.
-TEST(Integrator, ThousandsOfMaskedSheetsChangeNothing)
-{
-    const Material grey = matte(0.5f);
-    Material leaf = matte(0.5f, 0.25f);
-    leaf.alpha_mode = AlphaMode::Mask;
-    for (const IntegratorKind integrator : {IntegratorKind::Direct, IntegratorKind::Path})
-        for (const int layers : {31, 32, 33, 4096}) {
-            Stage stage;
-            stage.settings.integrator = integrator;
-            stage.tracer.planes = {{0, &grey}};
-            for (int i = 0; i < layers; ++i) {
-                stage.tracer.planes.push_back({1 + 3.0 * i / layers, &leaf});
-                stage.tracer.planes.push_back({10 + 3.0 * i / layers, &leaf});
-            }
-            const SampleResult r = stage.one();
-            EXPECT_NEAR(r.radiance.x, 0.5f, 1e-5f) << layers;
-            EXPECT_EQ(r.alpha, 1) << layers;
-            // Rays that pass many sheets find many hits at once.
-            EXPECT_LT(stage.counters.rays.primary, 10 + std::uint64_t(layers) / 32);
-            EXPECT_LT(stage.counters.rays.shadow, 10 + 2 * std::uint64_t(layers) / 32);
-        }
-}
-
-// 400 emissive sheets of opacity 1/50 lie over an emissive floor. What the camera sees is right in the mean, though no
-// sample follows more than a few branches, and light from above is dimmed by all sheets.
-TEST(Integrator, HundredsOfBlendedSheetsAreRightInTheMean)
-{
-    Material sheet = matte(0, 0.02f), floor = matte(0);
-    sheet.emission = Vec3f(1);
-    floor.emission = Vec3f(100);
-    Stage stage;
-    stage.lights.clear();
-    stage.tracer.planes = {{0, &floor}};
-    for (int i = 0; i < 400; ++i) stage.tracer.planes.push_back({1 + 3.0 * i / 400, &sheet});
-    std::vector<CameraSample> samples;
-    for (int i = 0; i < 4096; ++i) samples.push_back({i % 8, i / 8 % 8, i / 64});
-    stage.settings.spp = 64;
-    const auto results = stage.run(samples);
-    double light = 0, alpha = 0;
-    for (const SampleResult& r : results) {
-        light += double(r.radiance.x) / 4096;
-        alpha += double(r.alpha) / 4096;
-    }
-    const double left = std::pow(0.98, 400);
-    EXPECT_NEAR(light, (1 - left) + 100 * left, 0.05);
-    EXPECT_NEAR(alpha, 1, 0.02);
-    EXPECT_LT(stage.counters.rays.primary, 4096u * 401);
-}
-
-TEST(Integrator, BlendedSheetsBeforeALightAreRightInTheMean)
-{
-    const Material grey = matte(0.5f), sheet = matte(0, 0.25f);
-    Stage stage;
-    stage.lights = {sun_from_above(3.14159265f * 1e6f)};
-    stage.tracer.planes = {{0, &grey}};
-    for (int i = 0; i < 40; ++i) stage.tracer.planes.push_back({10.0 + i, &sheet});
-    std::vector<CameraSample> samples;
-    for (int i = 0; i < 65536; ++i) samples.push_back({i % 8, i / 8 % 8, i / 64});
-    stage.settings.spp = 1024;
-    double light = 0;
-    for (const SampleResult& r : stage.run(samples)) light += double(r.radiance.x) / 65536;
-    const double expected = 0.5e6 * std::pow(0.75, 40);
-    EXPECT_NEAR(light, expected, 0.1 * expected) << "one ray in a hundred gets through";
-}
-
 // Light that was scattered twice is limited, but neither the light of lamps nor that of lit surfaces that the camera sees
 // is.
 TEST(Integrator, AClampLimitsIndirectLightAlone)
 {
-    Material mirror = matte(1);
+    Material mirror = lambertian(1);
     mirror.metallic = mirror.specular = 1;
     mirror.roughness = 0;
-    const Material grey = matte(0.5f);
+    const Material grey = lambertian(0.5f);
     Stage stage;
     stage.settings.integrator = IntegratorKind::Path;
-    stage.lights = {sun_from_above(3.14159265f * 100)};
+    stage.lights = {vertical_sun(3.14159265f * 100)};
     stage.tracer.planes = {{0, &grey}};
     stage.settings.clamp = 2;
     EXPECT_NEAR(stage.one().radiance.x, 50, 1e-3f);
     stage.tracer.planes = {{0, &mirror}, {50, &grey}};
-    shade::WorldLight from_below = sun_from_above(3.14159265f * 100);
+    shade::WorldLight from_below = vertical_sun(3.14159265f * 100);
     from_below.direction = {0, 1, 0};
     stage.lights = {from_below};
     stage.tracer.planes = {{0, &mirror, 0.3}, {50, &grey}};
@@ -271,10 +110,10 @@ TEST(Integrator, AClampLimitsIndirectLightAlone)
 
 TEST(Integrator, ManyLightsAreSampledWithoutBias)
 {
-    const Material grey = matte(0.5f);
+    const Material grey = lambertian(0.5f);
     Stage stage;
     stage.tracer.planes = {{0, &grey}};
-    stage.lights.assign(100, sun_from_above(3.14159265f / 100));
+    stage.lights.assign(100, vertical_sun(3.14159265f / 100));
     EXPECT_NEAR(stage.one().radiance.x, 0.5f, 1e-4f);
     EXPECT_EQ(stage.counters.rays.shadow, std::uint64_t(kMaxLightsPerHit));
 }
@@ -283,10 +122,10 @@ TEST(Integrator, ManyLightsAreSampledWithoutBias)
 // found by their samples and by scattered directions, at the first surface and at later ones.
 TEST(Integrator, LightsDrawnByATreeGiveTheSumOfAll)
 {
-    Material glossy = matte(0.6f);
+    Material glossy = lambertian(0.6f);
     glossy.specular = 1;
     glossy.roughness = 0.4f;
-    const Material pane = matte(0.6f, 0.7f);
+    const Material pane = lambertian(0.6f, 0.7f);
     Stage stage;
     stage.settings.integrator = IntegratorKind::Path;
     stage.settings.bounces = 2;
@@ -328,7 +167,7 @@ TEST(Integrator, LightsDrawnByATreeGiveTheSumOfAll)
 // One ray is shot towards a lamp for each of its samples, and none is scattered to find the lamp unless it is near.
 TEST(Integrator, ALampFarOffIsLeftToItsSamples)
 {
-    const Material grey = matte(0.5f);
+    const Material grey = lambertian(0.5f);
     Stage stage;
     stage.settings.light_samples = 64;
     stage.tracer.planes = {{0, &grey}};
@@ -350,7 +189,7 @@ TEST(Integrator, ALampFarOffIsLeftToItsSamples)
 
 TEST(Integrator, ABatchDoesNotChangeASample)
 {
-    const Material grey = matte(0.5f), sheet = matte(0.7f, 0.5f);
+    const Material grey = lambertian(0.5f), sheet = lambertian(0.7f, 0.5f);
     Stage stage;
     stage.settings.light_samples = 3;
     stage.tracer.planes = {{0, &grey}, {1, &sheet, 0.3}, {8, &grey, 1.0}};
@@ -362,7 +201,7 @@ TEST(Integrator, ABatchDoesNotChangeASample)
     lamp.half_y = {0, 0, 4};
     lamp.area = 64;
     lamp.strength = Vec3f(2);
-    stage.lights = {lamp, sun_from_above(1), lamp};
+    stage.lights = {lamp, vertical_sun(1), lamp};
     stage.environment = shade::Environment::sky();
     std::vector<CameraSample> samples;
     for (int i = 0; i < 8 * 8 * 4 * 16; ++i) samples.push_back({i / 4 % 8, i / 32 % 8, i % 4});
@@ -377,7 +216,7 @@ TEST(Integrator, ABatchDoesNotChangeASample)
 
 TEST(Integrator, ViewsReplaceLight)
 {
-    const Material grey = matte(0.5f);
+    const Material grey = lambertian(0.5f);
     Stage stage;
     stage.tracer.planes = {{0, &grey}};
     stage.settings.view = View::Normal;
