@@ -6,6 +6,7 @@
 
 #include "io/import/gltf_value.h"
 #include "io/import/polygons.h"
+#include "io/import/same_triangles.h"
 #include "io/import/vertices.h"
 
 namespace occam::import {
@@ -89,7 +90,7 @@ const std::vector<CageId>& MeshImporter::cages(int mesh, const CageStyle& style)
         ids.push_back(scene_.add(std::move(cage)));
     };
     if (!is_cage) {
-        for (PrimitiveCage& part : parts) add(std::move(part.cage));
+        for (PrimitiveCage& part : parts) drop_same_triangles(part.cage, report_), add(std::move(part.cage));
         return ids;
     }
     for (PrimitiveCage& part : parts) restore_polygons(part.cage, part.has_polygons);

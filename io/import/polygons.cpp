@@ -6,6 +6,7 @@
 
 #include "base/hash.h"
 #include "io/import/polygon_files.h"
+#include "io/import/same_triangles.h"
 
 namespace occam::import {
 
@@ -151,6 +152,7 @@ Cage triangulate(Polygons polygons, Report& report)
         if (!slots.empty()) out.face_slots.insert(out.face_slots.end(), cut.size() / 3, slots[f]);
     }
     fill_missing_uvs(out);
+    drop_same_triangles(out, report);
     return out;
 }
 

@@ -1,0 +1,107 @@
+#include "io/import/same_triangles.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <unordered_map>
+#include <unordered_set>
+
+#include "base/hash.h"
+#include "scenegraph/contents.h"
+
+namespace occam::import {
+
+namespace {
+
+// Meshes of fewer triangles, and those in which a ray passes fewer boxes of triangles, are quick to trace as they are.
+constexpr std::size_t kFewTriangles = 4096;
+constexpr double kFewBoxes = 256;
+
+template <std::size_t N>
+using Key = std::array<std::uint32_t, N>;
+
+struct KeyHash {
+    template <std::size_t N>
+    std::size_t operator()(const Key<N>& key) const noexcept
+    {
+        std::uint64_t mixed = 0;
+        for (const std::uint32_t word : key) mixed = mix_bits(mixed ^ word);
+        return static_cast<std::size_t>(mixed);
+    }
+};
+
+bool has_all_corners(const Cage& cage)
+{
+    return std::ranges::all_of(cage.face_vertices, [&](std::uint32_t v) { return v < cage.positions.size(); });
+}
+
+// Returns about how many boxes of triangles a ray passes that meets the mesh, by the surface area heuristic.
+double boxes_on_a_ray(const Cage& cage)
+{
+    Box3d whole;
+    double sum = 0;
+    for (std::size_t c = 0; c + 2 < cage.face_vertices.size(); c += 3) {
+        Box3d box;
+        for (std::size_t k = c; k < c + 3; ++k) box.add(Vec3d(cage.positions[cage.face_vertices[k]]));
+        whole.add(box);
+        const double size = Contents::size_of(box);
+        if (std::isfinite(size)) sum += size;
+    }
+    return sum / Contents::size_of(whole);
+}
+
+// Returns for each vertex the first one that is in the same place.
+std::vector<std::uint32_t> first_in_place(const Cage& cage)
+{
+    std::vector<std::uint32_t> first(cage.positions.size());
+    const bool is_deformed = cage.skin.sets > 0 || !cage.morph_targets.empty();
+    std::unordered_map<Key<3>, std::uint32_t, KeyHash> known;
+    for (std::uint32_t v = 0; v < first.size(); ++v) {
+        const Vec3f p = cage.positions[v] + Vec3f(0);  // 0 and -0 are one place
+        first[v] = is_deformed ? v
+                               : known
+                                     .try_emplace({std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y),
+                                                   std::bit_cast<std::uint32_t>(p.z)},
+                                                  v)
+                                     .first->second;
+    }
+    return first;
+}
+
+template <class T>
+void keep(std::vector<T>& values, const std::vector<bool>& is_kept, std::size_t of_a_triangle)
+{
+    if (values.empty()) return;
+    std::size_t to = 0;
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (is_kept[i / of_a_triangle]) values[to++] = values[i];
+    values.resize(to);
+}
+
+}  // namespace
+
+void drop_same_triangles(Cage& cage, Report& report)
+{
+    const std::size_t triangles = cage.face_vertices.size() / 3;
+    if (triangles < kFewTriangles || !has_all_corners(cage) || !(boxes_on_a_ray(cage) > kFewBoxes)) return;
+    const std::vector<std::uint32_t> place = first_in_place(cage);
+    std::unordered_set<Key<3>, KeyHash> known;
+    std::vector<bool> is_kept(triangles);
+    std::size_t kept = 0;
+    for (std::size_t t = 0; t < triangles; ++t) {
+        Key<3> corners;
+        for (std::size_t k = 0; k < 3; ++k) corners[k] = place[cage.face_vertices[3 * t + k]];
+        std::ranges::rotate(corners, std::ranges::min_element(corners));
+        is_kept[t] = known.insert(corners).second;
+        kept += is_kept[t];
+    }
+    if (kept == triangles) return;
+    keep(cage.face_vertices, is_kept, 3);
+    for (UvSet& set : cage.uv_sets) keep(set.indices, is_kept, 3);
+    keep(cage.color_indices, is_kept, 3);
+    keep(cage.face_slots, is_kept, 1);
+    report.warn(std::to_string(triangles - kept) + " triangles dropped: another one lies in the same place", cage.name);
+}
+
+}  // namespace occam::import
