@@ -1,6 +1,7 @@
 // Allocates memory that is released all at once: it holds what a worker builds for a frame.
 //
-// Memory   chunks of 256 KiB and more, kept across a reset() so that the next frame needs no memory from the system.
+// Memory   chunks of 256 KiB, kept across a reset() so that the next frame needs no memory from the system. Each larger
+//          allocation has a block of its own, which is not kept.
 // Threads  one owner at a time; other threads may call bytes() and read an ArenaVector's elements at the same time.
 #pragma once
 
@@ -43,9 +44,8 @@ public:
     /// Releases everything. Chunks are kept, except those beyond `keep_bytes`.
     void reset(std::size_t keep_bytes = ~std::size_t(0))
     {
-        std::size_t kept = 0, chunks = 0;
-        while (chunks < chunks_.size() && kept + chunks_[chunks].size <= keep_bytes) kept += chunks_[chunks++].size;
-        chunks_.resize(chunks);
+        if (chunks_.size() > keep_bytes / kChunkBytes) chunks_.resize(keep_bytes / kChunkBytes);
+        large_.clear();
         current_ = 0;
         used_ = 0;
         publish(bytes_, std::size_t(0));
@@ -55,31 +55,30 @@ private:
     struct Free {
         void operator()(std::byte* p) const noexcept { ::operator delete(p, std::align_val_t(kAlign)); }
     };
-    struct Chunk {
-        std::unique_ptr<std::byte[], Free> data;
-        std::size_t size;
-    };
+    using Block = std::unique_ptr<std::byte[], Free>;
+    static Block block(std::size_t bytes)
+    {
+        return Block(static_cast<std::byte*>(::operator new(bytes, std::align_val_t(kAlign))));
+    }
 
+    // Blocks of their own keep large allocations from skipping chunks: after a reset, one that fits into no chunk would
+    // leave all of them unused, and the arena would hold twice the bytes that it counts.
     void* allocate(std::size_t bytes)
     {
         bytes = (bytes + kAlign - 1) & ~(kAlign - 1);
         publish(bytes_, bytes_ + bytes);
-        while (current_ < chunks_.size() && used_ + bytes > chunks_[current_].size) {
+        if (bytes > kChunkBytes) return large_.emplace_back(block(bytes)).get();
+        if (current_ < chunks_.size() && used_ + bytes > kChunkBytes) {
             ++current_;
             used_ = 0;
         }
-        if (current_ == chunks_.size()) {
-            const std::size_t size = bytes > kChunkBytes ? bytes : kChunkBytes;
-            chunks_.push_back(
-                {std::unique_ptr<std::byte[], Free>(static_cast<std::byte*>(::operator new(size, std::align_val_t(kAlign)))),
-                 size});
-        }
-        std::byte* p = chunks_[current_].data.get() + used_;
+        if (current_ == chunks_.size()) chunks_.push_back(block(kChunkBytes));
+        std::byte* p = chunks_[current_].get() + used_;
         used_ += bytes;
         return p;
     }
 
-    std::vector<Chunk> chunks_;
+    std::vector<Block> chunks_, large_;
     std::size_t current_ = 0, used_ = 0, bytes_ = 0;
 };
 

@@ -76,7 +76,7 @@ struct Contents {
 
 /// The most surfaces that a ray may have to meet in a node, by Contents::layers_in(); a frame with more is refused, since it
 /// would not end.
-inline constexpr double kMostLayers = 1 << 17;
+inline constexpr double kMostLayers = 1 << 14;
 /// The most placements that are listed one by one (of lights, of emitters, of displaced cages).
 inline constexpr std::size_t kMostListed = std::size_t(1) << 22;
 

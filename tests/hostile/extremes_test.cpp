@@ -172,6 +172,24 @@ TEST(Extremes, InstancesBeyondCountingInOnePlaceAreRefusedByName)
     EXPECT_NE(refusal(scene).find("surfaces lie in one place"), std::string::npos) << refusal(scene);
 }
 
+// 20,000 meshes or cages in one place are no more than 3 MB of a file, and each ray would meet all of them.
+TEST(Extremes, TensOfThousandsOfSurfacesInOnePlaceAreRefused)
+{
+    for (const bool is_mesh : {false, true}) {
+        Scene scene;
+        Cage cage = creased_cube(1);
+        if (is_mesh) {
+            cage = {};
+            cage.scheme = Scheme::Triangles;
+            cage.positions = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}};
+            cage.face_vertices = {0, 1, 2};
+        }
+        const CageId id = scene.add(std::move(cage));
+        for (int i = 0; i < 20'000; ++i) scene.add_node(scene.root(), {.cages = {id}});
+        EXPECT_NE(refusal(scene).find("surfaces lie in one place"), std::string::npos) << refusal(scene);
+    }
+}
+
 TEST(Extremes, PlanksAsLongAsTheyAreThinEndOrAreRefusedByName)
 {
     for (const double size : {1e3, 1e6, 1e12})
