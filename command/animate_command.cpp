@@ -153,11 +153,14 @@ std::vector<fs::path> files_of(const FramePattern& pattern, const std::vector<in
     return files;
 }
 
-void say_what_is_there(std::size_t done, std::size_t all, ProgressDisplay& display)
+/// Returns how many frames are there, and says so.
+std::size_t count_what_is_there(std::size_t missing, std::size_t all, ProgressDisplay& display)
 {
+    const std::size_t done = all - missing;
     if (done > 0)
         display.say(std::to_string(done) + " of " + std::to_string(all) + " frames are there, whole and of these settings" +
                     (done == all ? ": nothing to do" : ""));
+    return done;
 }
 
 int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
@@ -175,8 +178,7 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
     Sequence sequence(a, scene, renderer);
     Framing& framing = sequence.framing();
     const std::vector<int> missing = sequence.missing(frames);
-    std::size_t done = frames.size() - missing.size();
-    say_what_is_there(done, frames.size(), display);
+    std::size_t done = count_what_is_there(missing.size(), frames.size(), display);
 
     SequenceStats all;
     std::set<std::string> known_warnings;  // warnings of the frames so far; each is printed once
@@ -195,7 +197,7 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
         const double edit_seconds = seconds_since(edit_start);
         const Settings settings = sequence.settings(camera);
         Job job = renderer.start(scene, camera, settings);
-        const HeldInterrupts held;
+        HeldInterrupts held;
         // An interrupted frame is not written, since a frame is either complete or absent.
         if (wait_for(job, display, false, done, frames.size()) != Ending::Whole) {
             display.end();
@@ -203,6 +205,7 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
             end_interrupted();
         }
         FrameStats stats = job.stats();
+        held.limit();
         const auto write_start = Clock::now();
         WriteOptions write = sequence.write_options();
         write.exposure_seconds = framing.exposure_seconds();

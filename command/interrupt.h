@@ -1,7 +1,8 @@
 // Handles Ctrl-C and SIGTERM.
 //
 // A signal ends the process at once with exit code 130, unless something is being made that is worth keeping: while a
-// HeldInterrupts lives, the first signal is noted and the second one ends the process.
+// HeldInterrupts lives, the first signal is noted and the second one ends the process. While a file is written, which cannot
+// look for signals, the first one ends the process a second later; the file then keeps what it held before.
 #pragma once
 
 namespace occam::command {
@@ -19,6 +20,9 @@ class HeldInterrupts {
 public:
     HeldInterrupts() noexcept;
     ~HeldInterrupts();
+    /// From now on the process ends a second after its first signal. A signal that was noted before has no such limit: what
+    /// is written then is what was worth keeping.
+    void limit() noexcept;
     HeldInterrupts(const HeldInterrupts&) = delete;
     HeldInterrupts& operator=(const HeldInterrupts&) = delete;
 };

@@ -4,6 +4,8 @@
 
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <exception>
 #include <iostream>
 #include <new>
 
@@ -26,6 +28,25 @@ void fill_standard_streams()
             close(descriptor);
             return;
         }
+}
+
+void report_lack_of_memory() noexcept { std::fputs("occam: there is not enough memory\n", stderr); }
+
+std::terminate_handler usual_end = nullptr;
+
+// Ends the process when an exception has met a function that may throw none. If that is for lack of memory it is no fault
+// of the program: some libraries allocate where they are loaded, from where nothing can be caught.
+[[noreturn]] void end_by_exception() noexcept
+{
+    try {
+        if (std::current_exception()) throw;
+    } catch (const std::bad_alloc&) {
+        report_lack_of_memory();
+        _exit(kOutput);
+    } catch (...) {
+    }
+    usual_end();
+    std::abort();
 }
 
 int run_command(int argc, char** argv)
@@ -52,13 +73,14 @@ int main(int argc, char** argv)
     using namespace occam::command;
     fill_standard_streams();
     std::signal(SIGXFSZ, SIG_IGN);  // a write beyond `ulimit -f` then fails as on a full disk
+    usual_end = std::set_terminate(end_by_exception);
     try {
         return run_command(argc, argv);
     } catch (const occam::Error& error) {
         std::fprintf(stderr, "occam: %s\n", error.what());
         return error.kind() == occam::Error::Kind::Output ? kOutput : kBadInput;
     } catch (const std::bad_alloc&) {
-        std::fputs("occam: there is not enough memory\n", stderr);
+        report_lack_of_memory();
         return kOutput;
     } catch (const std::exception& error) {
         std::fprintf(stderr, "occam: %s\n", error.what());

@@ -116,7 +116,7 @@ int run(const RenderArguments& a)
     const double edit_seconds = seconds_since(edit_start);
 
     Job job = renderer.start(scene, camera, settings, std::move(checkpoint));
-    const HeldInterrupts held;
+    HeldInterrupts held;
     const Ending ending = wait_for(job, display, true);
     if (ending == Ending::Abandoned) {
         display.end();
@@ -125,6 +125,7 @@ int run(const RenderArguments& a)
     FrameStats stats = job.stats();
 
     display.say("writing " + a.output.string());
+    held.limit();
     const auto write_start = Clock::now();
     job.image().write(a.output, write);
     const bool can_go_on = checkpoint_file.write(write.note, job);
