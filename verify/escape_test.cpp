@@ -146,6 +146,8 @@ void EscapeTest::find_starts(Instant& instant)
     // A large mesh and several moments leave few points for each moment, but at least two are looked for.
     const auto share = static_cast<std::size_t>(std::clamp<double>(4e6 / double(triangles), 8, 256)) / instants_.size();
     const std::size_t most = std::max<std::size_t>(share, 8);
+    // A mirrored mesh winds the other way around.
+    const double turn = glm::determinant(frame_from_object_.front()) < 0 ? -1 : 1;
     const auto distance_to_mesh = [&](Vec3d p) {
         double nearest = box.radius();
         for (const Vec3f v : pairs.front().corners) nearest = std::min(nearest, glm::distance(Vec3d(v), p));
@@ -167,7 +169,7 @@ void EscapeTest::find_starts(Instant& instant)
             for (int k = 0; k < 7 && is_inside; ++k) {
                 Vec3d step(0);
                 if (k > 0) step[(k - 1) / 2] = (k & 1 ? 0.25 : -0.25) * reach;
-                is_inside = winding_number(pair.corners, p + step) > 0.9;
+                is_inside = turn * winding_number(pair.corners, p + step) > 0.9;
             }
         }
         if (is_inside) starts.push_back({p, reach});

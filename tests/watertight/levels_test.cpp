@@ -5,6 +5,7 @@
 #include "io/builtin/pieces.h"
 #include "tests/support/displaced_cages.h"
 #include "tests/support/escapes.h"
+#include "tests/support/made_cages.h"
 #include "tests/support/shape_builders.h"
 #include "tests/support/shapes.h"
 #include "verify/verify.h"
@@ -68,6 +69,17 @@ TEST_P(LevelsOfDisplacedCages, LetNoRayOut)
 }
 INSTANTIATE_TEST_SUITE_P(Closed, LevelsOfDisplacedCages, testing::Range(0, kDisplacedCases),
                          [](const auto& test) { return displaced_case(test.param).name; });
+
+// A mirrored cage winds the other way around, and is as closed.
+TEST(LevelsOfMirroredCage, LetNoRayOut)
+{
+    Mat4d mirrored(1);
+    mirrored[0][0] = -1;
+    const VerifiedCage found = verify(made_cage("torus"), mirrored, {.rays = 20'480, .largest_rate = 8});
+    EXPECT_EQ(found.not_testable, "");
+    EXPECT_EQ(found.escaped, 0u);
+    EXPECT_LE(found.front_side, found.rays / 1000) << "the inside is the back";
+}
 
 TEST(LevelsOfTorus, UnevenLetNoRayOut) { expect_no_escape(torus()); }
 TEST(LevelsOfPrism, WithPolygonsAndCreasesLetNoRayOut) { expect_no_escape(prism(7)); }
