@@ -191,7 +191,8 @@ void Integrator::add_emission(const Path& path, const accel::SurfaceHit& hit, co
     if (surface.emission == Vec3f(0)) return;
     float weight = 1;
     if (!path.is_camera()) {
-        const float per_area = context_.lights.meshes().area_density(hit.node, hit.material);
+        const float per_area = context_.lights.meshes().area_density({hit.node, hit.material, hit.face, hit.position},
+                                                                     path.receiver.of_all_groups());
         const float cosine = std::max(glm::dot(surface.normal_geometric, surface.to_eye), 1e-6f);
         weight = shade::SampleCounts{path.light_samples, path.scatter_samples}.of_scatter(path.density,
                                                                                           per_area * hit.t * hit.t / cosine);
@@ -233,8 +234,8 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
     Vec3f transmittance = surface.transmittance;
     Vertex v{path, ray, hit, sample, surface, share, share, occlusion};
     v.receiver.groups = hit.lit_by;
-    if (const shade::LightTree& tree = context_.lights.tree(); !tree.is_empty()) {
-        v.receiver.point = tree.relative(surface.position);
+    if (context_.lights.needs_receivers()) {
+        v.receiver.point = context_.lights.relative(surface.position);
         v.receiver.normal = surface.normal_geometric;
         v.receiver.is_two_sided = surface.is_solid || surface.transmission != Vec3f(0);
     }

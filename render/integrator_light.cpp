@@ -126,10 +126,11 @@ void Integrator::gather_light(const Vertex& v)
     const shade::SampleCounts counts{float(per_hit), float(scatter_samples_at(v.path))};
     if (!context_.lights.meshes().is_empty()) {
         const Sequence squares = numbers(v, Use::Light, slots), choices = numbers(v, Use::LightChoice, slots);
+        const shade::Receiver everything = v.receiver.of_all_groups();
         for (int n = 0; n < per_hit; ++n) {
             const std::uint32_t index = v.first_of(per_hit) + static_cast<std::uint32_t>(n);
             const shade::LightNumbers u{squares.square(index), choices.interval(index)};
-            test(v, shade::test_meshes(*v.for_eye, context_.lights.meshes(), u, counts), each, per_hit);
+            test(v, shade::test_meshes(*v.for_eye, context_.lights.meshes(), everything, u, counts), each, per_hit);
         }
     }
     if (context_.lights.environment().has_density()) {

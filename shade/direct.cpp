@@ -4,10 +4,10 @@
 
 namespace occam::shade {
 
-ShadowTest test_meshes(const SurfaceForEye& surface, const MeshLights& lights, LightNumbers numbers,
-                       SampleCounts counts) noexcept
+ShadowTest test_meshes(const SurfaceForEye& surface, const MeshLights& lights, const Receiver& receiver,
+                       LightNumbers numbers, SampleCounts counts) noexcept
 {
-    return test_of(surface, lights.sample(surface.surface.position, numbers), counts);
+    return test_of(surface, lights.sample(surface.surface.position, receiver, numbers), counts);
 }
 
 ShadowTest test_environment(const SurfaceForEye& surface, const Environment& environment, LightNumbers numbers,

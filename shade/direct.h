@@ -59,9 +59,9 @@ inline ShadowTest test_of(const SurfaceForEye& surface, const LightSample& sampl
             sample.density};
 }
 
-/// Draws one sample of the emissive triangles.
-ShadowTest test_meshes(const SurfaceForEye& surface, const MeshLights& lights, LightNumbers numbers,
-                       SampleCounts counts) noexcept;
+/// Draws one sample of the emissive triangles for a receiver.
+ShadowTest test_meshes(const SurfaceForEye& surface, const MeshLights& lights, const Receiver& receiver,
+                       LightNumbers numbers, SampleCounts counts) noexcept;
 /// Draws one sample of the environment; returns nothing for an environment without a density of its own, since scattered
 /// directions then find all of its light.
 ShadowTest test_environment(const SurfaceForEye& surface, const Environment& environment, LightNumbers numbers,

@@ -75,6 +75,7 @@ void FrameLights::arrange()
         outside_tree_ = static_cast<std::size_t>(in_tree - lights_.begin());
         tree_ = LightTree(lights_, outside_tree_);
     }
+    meshes_.make_tree(tree_.is_empty() ? std::optional<Vec3d>() : tree_.origin());
     for (std::uint32_t i = 0; i < outside_tree_; ++i)
         if (lights_[i].has_area()) with_area_.push_back(i);
 }

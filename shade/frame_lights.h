@@ -55,6 +55,10 @@ public:
     const std::vector<WorldLight>& lights() const noexcept { return lights_; }
     std::size_t lights_outside_tree() const noexcept { return outside_tree_; }
     const LightTree& tree() const noexcept { return tree_; }
+    /// Returns whether lights are drawn for receivers, by a tree of placed lights or of emissive triangles.
+    bool needs_receivers() const noexcept { return !tree_.is_empty() || !meshes_.tree().is_empty(); }
+    /// Returns a point as both trees take it.
+    Vec3f relative(Vec3d point) const noexcept { return (tree_.is_empty() ? meshes_.tree() : tree_).relative(point); }
     const Environment& environment() const noexcept { return environment_; }
     const MeshLights& meshes() const noexcept { return meshes_; }
     /// Returns true if the key light was added, because the scene has no light of its own that would do.

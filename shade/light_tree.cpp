@@ -17,6 +17,8 @@ constexpr float kLeastPower = 1e-30f, kMostPower = 1e30f;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 // Bounds of cosines are floats: below minus this a light counts as turned away, and no factor is smaller than this.
 constexpr float kMargin = 0.01f;
+// The largest float below 1.
+constexpr double kBelowOne = 1 - 0x1p-24;
 // The box of a light is padded by this share of its coordinates and of its size.
 constexpr float kPad = 0x1p-18f;
 
@@ -85,6 +87,28 @@ LightTree::Emitter LightTree::emitter_of(const WorldLight& light) const noexcept
     return e;
 }
 
+LightTree::Emitter LightTree::emitter_of(const Triangle& triangle) const noexcept
+{
+    Emitter e;
+    float farthest = 0;
+    for (const Vec3d& corner : triangle.corner) {
+        const Vec3f at = relative(corner);
+        e.box.add(at);
+        farthest = std::max({farthest, std::fabs(at.x), std::fabs(at.y), std::fabs(at.z)});
+    }
+    const Vec3f pad = (Vec3f(farthest) + e.box.extent()) * kPad;
+    e.box = {e.box.lo - pad, e.box.hi + pad};
+    const Vec3d across = glm::cross(triangle.corner[1] - triangle.corner[0], triangle.corner[2] - triangle.corner[0]);
+    e.axis = unit_or(Vec3f(across / glm::length(across)), e.axis);
+    e.cos_fall = 0;
+    e.range2 = kInfinity;
+    e.groups = kAllGroups;
+    e.is_two_sided = true;
+    e.power = static_cast<float>(std::min(triangle.power, double(kMostPower)));
+    if (e.power > 0) e.power = std::max(e.power, kLeastPower);
+    return e;
+}
+
 LightTree::Emitter LightTree::merged(const Emitter& a, const Emitter& b) noexcept
 {
     Emitter e;
@@ -126,8 +150,13 @@ LightTree::LightTree(std::span<const WorldLight> lights, std::size_t first) : fi
         const Emitter e = emitter_of(lights[i]);
         if (e.power > 0) leaves.push_back({e, static_cast<std::uint32_t>(i)});
     }
+    build(leaves, lights.size() - first);
+}
+
+void LightTree::build(std::span<Leaf> leaves, std::size_t lights)
+{
     if (leaves.empty()) return;
-    leaf_of_.assign(lights.size() - first, kNone);
+    leaf_of_.assign(lights, kNone);
     nodes_.reserve(2 * leaves.size());
     nodes_.push_back({});
     build(0, leaves, 0);
@@ -263,7 +292,12 @@ int LightTree::draw(const Receiver& receiver, float number, std::span<Pick> pick
         const Part part = todo[--waiting];
         const Node& node = nodes_[part.node];
         if (node.left == 0) {
-            for (int n = part.begin; n < part.end; ++n) picks[std::size_t(count++)] = {node.light, part.probability};
+            for (int n = part.begin; n < part.end; ++n) {
+                const double width = part.high - part.low;
+                const double share = width > 0 ? (double(number) + n - part.low) / width : 0.5;
+                const auto rest = static_cast<float>(std::clamp(share, 0.0, kBelowOne));
+                picks[std::size_t(count++)] = {node.light, part.probability, rest};
+            }
             continue;
         }
         const float left = importance(nodes_[node.left], receiver), right = importance(nodes_[node.left + 1], receiver);

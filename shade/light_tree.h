@@ -1,5 +1,5 @@
-// A tree over the placed lights of a scene with many of them, by which a point draws the lights that matter to it, and a
-// ray finds those that it crosses.
+// A tree over the placed lights of a scene with many of them, or over its emissive triangles, by which a point draws the
+// lights that matter to it, and a ray finds those that it crosses.
 //
 // At each node one side is chosen by an estimate of what it gives to the point: power over squared distance, bounded
 // cosines at the lights and at the point (Conty Estevez and Kulla 2018). The estimate of a node is zero only if no light in
@@ -27,6 +27,14 @@ struct Receiver {
     Vec3f normal{0, 0, 1};
     LightGroups groups = kAllGroups;
     bool is_two_sided = false;  ///< light from behind counts, too
+
+    /// Returns the same receiver for lights of any group, as emissive surfaces are.
+    Receiver of_all_groups() const noexcept
+    {
+        Receiver all = *this;
+        all.groups = kAllGroups;
+        return all;
+    }
 };
 
 class LightTree {
@@ -34,13 +42,23 @@ public:
     struct Pick {
         std::uint32_t light;  ///< index in the list
         float probability;    ///< with which each of the draws picks it
+        float rest;           ///< what the choice has left of the number: it is uniform in [0, 1) again
+    };
+    /// A triangle that shines to both sides.
+    struct Triangle {
+        Vec3d corner[3];
+        double power;  ///< area times luminance
     };
 
     LightTree() = default;
     /// Makes a tree over the lights of the list from index `first` on, none of which may be a sun.
     LightTree(std::span<const WorldLight> lights, std::size_t first);
+    /// Makes a tree over `count` parts of emissive surfaces, which triangles_of(part) returns until it is called again.
+    template <class TrianglesOf>
+    LightTree(std::size_t count, Vec3d origin, TrianglesOf&& triangles_of);
 
     bool is_empty() const noexcept { return nodes_.empty(); }
+    Vec3d origin() const noexcept { return origin_; }
     Vec3f relative(Vec3d point) const noexcept { return Vec3f(point - origin_); }
 
     /// Draws as many lights as there are places for picks, by evenly spaced numbers that begin at `number` divided by how
@@ -53,6 +71,9 @@ public:
     /// Calls visit(light) for every light with an area that the ray may cross.
     template <class Visit>
     void for_crossed(Vec3d origin, Vec3f direction, Visit&& visit) const;
+    /// Calls visit(light) for every light whose box holds the point.
+    template <class Visit>
+    void for_boxes_around(Vec3d point, Visit&& visit) const;
     /// Returns whether found(light) is true for any light with an area that covers `share` or more of the squared sine that
     /// WorldLight::sine2_subtended() measures, as seen from the point.
     template <class Found>
@@ -88,6 +109,8 @@ private:
     static constexpr int kDepth = 48, kMaxDepth = kDepth + 33;
 
     Emitter emitter_of(const WorldLight& light) const noexcept;
+    Emitter emitter_of(const Triangle& triangle) const noexcept;
+    void build(std::span<Leaf> leaves, std::size_t lights);
     static Emitter merged(const Emitter& a, const Emitter& b) noexcept;
     static float orientation_of(const Emitter& emitter) noexcept;
     std::size_t split(std::span<Leaf> leaves, int depth) const;
@@ -108,6 +131,42 @@ inline bool LightTree::is_crossed(const Node& node, Vec3f origin, Vec3f inverse)
     const Vec3f low = glm::min(a, b), high = glm::max(a, b);
     const float t_in = std::max({low.x, low.y, low.z, 0.0f}), t_out = std::min({high.x, high.y, high.z});
     return t_in <= t_out * (1 + 0x1p-20f);
+}
+
+template <class TrianglesOf>
+LightTree::LightTree(std::size_t count, Vec3d origin, TrianglesOf&& triangles_of) : origin_(origin)
+{
+    std::vector<Leaf> leaves;
+    for (std::size_t part = 0; part < count; ++part) {
+        Emitter all;
+        for (const Triangle& triangle : triangles_of(part)) {
+            const Emitter e = emitter_of(triangle);
+            if (e.power > 0) all = all.power > 0 ? merged(all, e) : e;
+        }
+        if (all.power > 0) leaves.push_back({all, static_cast<std::uint32_t>(part)});
+    }
+    build(leaves, count);
+}
+
+template <class Visit>
+void LightTree::for_boxes_around(Vec3d point, Visit&& visit) const
+{
+    if (nodes_.empty()) return;
+    const Vec3f at = relative(point);
+    std::array<std::uint32_t, kMaxDepth> todo;
+    int waiting = 0;
+    todo[waiting++] = 0;
+    while (waiting > 0) {
+        const Node& node = nodes_[todo[--waiting]];
+        const Box3f& box = node.emitter.box;
+        if (glm::any(glm::lessThan(at, box.lo)) || glm::any(glm::greaterThan(at, box.hi))) continue;
+        if (node.left == 0) {
+            visit(node.light);
+            continue;
+        }
+        todo[waiting++] = node.left + 1;
+        todo[waiting++] = node.left;
+    }
 }
 
 template <class Visit>

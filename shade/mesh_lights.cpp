@@ -1,6 +1,7 @@
 #include "shade/mesh_lights.h"
 
 #include <algorithm>
+#include <limits>
 #include <tuple>
 
 #include "scenegraph/shutter.h"
@@ -108,6 +109,17 @@ bool is_sampled(const Scene& scene, const Node& node, const Material* material) 
 
 }  // namespace
 
+// Returns how far a point is from a triangle: from its plane, or outside of it along the plane.
+double MeshLights::distance_to(const TrianglePoints& c, Vec3d point) noexcept
+{
+    const Vec3d b = c.b - c.a, a = c.c - c.a, to = point - c.a, normal = glm::cross(b, a);
+    const double area2 = glm::dot(normal, normal);
+    if (!(area2 > 0)) return std::numeric_limits<double>::infinity();
+    const double wb = std::clamp(glm::dot(glm::cross(to, a), normal) / area2, 0.0, 1.0),
+                 wc = std::clamp(glm::dot(glm::cross(b, to), normal) / area2, 0.0, 1.0 - wb);
+    return glm::length(to - b * wb - a * wc);
+}
+
 MeshLights::TrianglePoints MeshLights::corners(const Mesh& mesh, std::uint32_t face) noexcept
 {
     const auto at = [&](std::uint32_t corner) {
@@ -130,7 +142,7 @@ void MeshLights::add(const Node& node, NodeId id, const CageSlot& slot, const Ma
         if (density > 0) power_ += double(density) * area_of(scene, node, slot, s, slots, world_from_object);
         if (!(density > 0) || moves || !is_sampled(scene, node, material)) continue;
         known_.push_back({id, material, density});
-        const Mesh mesh{&cage, material, world_from_object, static_cast<std::uint32_t>(sums_.size()), density};
+        const Mesh mesh{id, &cage, material, world_from_object, static_cast<std::uint32_t>(sums_.size()), density};
         for (std::uint32_t face = 0; face < cage.face_count(); ++face) {
             if ((cage.face_slots.empty() ? 0 : cage.face_slots[face]) != s) continue;
             const TrianglePoints c = corners(mesh, face);
@@ -161,24 +173,85 @@ MeshLights::MeshLights(const Scene& scene, const TextureStore& textures, const F
         known_.end());
 }
 
-float MeshLights::area_density(NodeId node, const Material* material) const noexcept
+void MeshLights::make_tree(std::optional<Vec3d> origin)
 {
-    const auto found = std::lower_bound(known_.begin(), known_.end(), key_of(node, material),
-                                        [](const Known& a, const auto& key) { return key_of(a.node, a.material) < key; });
-    const bool is_known = found != known_.end() && key_of(found->node, found->material) == key_of(node, material);
-    return is_known ? found->area_density : 0;
+    if (sums_.size() <= kMostWithoutTree) return;
+    constexpr std::size_t kMostLeaves = 65536;
+    of_a_leaf_ = (sums_.size() + kMostLeaves - 1) / kMostLeaves;
+    const TrianglePoints first = corners(meshes_.front(), faces_.front());
+    std::vector<LightTree::Triangle> triangles;
+    const auto triangles_of = [&](std::size_t leaf) {
+        triangles.clear();
+        for (std::uint32_t i = first_of(leaf); i < end_of(leaf); ++i) {
+            const TrianglePoints c = corners(mesh_of(i), faces_[i]);
+            triangles.push_back({{c.a, c.b, c.c}, sums_[i] - sum_before(i)});
+        }
+        return std::span<const LightTree::Triangle>(triangles);
+    };
+    tree_ = LightTree((sums_.size() + of_a_leaf_ - 1) / of_a_leaf_, origin.value_or(first.a), triangles_of);
 }
 
-LightSample MeshLights::sample(Vec3d point, LightNumbers numbers) const noexcept
+const MeshLights::Mesh& MeshLights::mesh_of(std::uint32_t triangle) const noexcept
+{
+    return *(std::upper_bound(meshes_.begin(), meshes_.end(), triangle,
+                              [](std::uint32_t i, const Mesh& m) { return i < m.first; }) -
+             1);
+}
+
+MeshLights::Choice MeshLights::choose(const Receiver& receiver, float number) const noexcept
+{
+    const auto in = [&](std::uint32_t begin, std::uint32_t end, float share) {
+        const double low = sum_before(begin), wanted = low + double(share) * (sum_before(end) - low);
+        const auto above = std::upper_bound(sums_.begin() + begin, sums_.begin() + (end - 1), wanted);
+        return static_cast<std::uint32_t>(above - sums_.begin());
+    };
+    if (tree_.is_empty()) {
+        const std::uint32_t i = in(0, static_cast<std::uint32_t>(sums_.size()), number);
+        return {i, double(mesh_of(i).area_density) / sums_.back()};
+    }
+    LightTree::Pick pick;
+    if (tree_.draw(receiver, number, {&pick, 1}) == 0) return {0, 0};
+    const std::uint32_t i = in(first_of(pick.light), end_of(pick.light), pick.rest);
+    return {i, double(pick.probability) * double(mesh_of(i).area_density) / sum_of(pick.light)};
+}
+
+float MeshLights::area_density(const Place& at, const Receiver& receiver) const noexcept
+{
+    if (tree_.is_empty()) {
+        const auto found = std::lower_bound(
+            known_.begin(), known_.end(), key_of(at.node, at.material),
+            [](const Known& a, const auto& key) { return key_of(a.node, a.material) < key; });
+        const bool is_known = found != known_.end() && key_of(found->node, found->material) == key_of(at.node, at.material);
+        return is_known ? found->area_density : 0;
+    }
+    // Several placements of a node have triangles of one number: the nearest to the point counts.
+    double nearest = std::numeric_limits<double>::infinity();
+    std::uint32_t leaf_hit = 0;
+    const Mesh* mesh_hit = nullptr;
+    tree_.for_boxes_around(at.position, [&](std::uint32_t leaf) {
+        for (std::uint32_t i = first_of(leaf); i < end_of(leaf); ++i) {
+            if (faces_[i] != at.face) continue;
+            const Mesh& mesh = mesh_of(i);
+            if (mesh.node != at.node || mesh.material != at.material) continue;
+            const double distance = distance_to(corners(mesh, at.face), at.position);
+            if (distance >= nearest) continue;
+            nearest = distance;
+            leaf_hit = leaf;
+            mesh_hit = &mesh;
+        }
+    });
+    if (!mesh_hit) return 0;
+    return static_cast<float>(double(tree_.probability(leaf_hit, receiver)) * double(mesh_hit->area_density) /
+                              sum_of(leaf_hit));
+}
+
+LightSample MeshLights::sample(Vec3d point, const Receiver& receiver, LightNumbers numbers) const noexcept
 {
     if (meshes_.empty()) return {};
-    const double whole = sums_.back(), wanted = double(numbers.choice) * whole;
-    const auto above = std::upper_bound(sums_.begin(), sums_.end() - 1, wanted);
-    const auto index = static_cast<std::uint32_t>(above - sums_.begin());
-    const auto next = std::upper_bound(meshes_.begin(), meshes_.end(), index,
-                                       [](std::uint32_t i, const Mesh& m) { return i < m.first; });
-    const Mesh& mesh = *(next - 1);
-    const std::uint32_t face = faces_[index];
+    const Choice chosen = choose(receiver, numbers.choice);
+    if (!(chosen.area_density > 0)) return {};
+    const Mesh& mesh = mesh_of(chosen.triangle);
+    const std::uint32_t face = faces_[chosen.triangle];
     const TrianglePoints c = corners(mesh, face);
 
     // The point is uniform in the triangle (Turk 1990).
@@ -206,7 +279,7 @@ LightSample MeshLights::sample(Vec3d point, LightNumbers numbers) const noexcept
         p.texture.uv[s] = uv(0) * float(wa) + uv(1) * float(wb) + uv(2) * float(wc);
     }
     const Surface surface = evaluate(p, *textures_);
-    const auto density = static_cast<float>(double(mesh.area_density) / whole * distance2 / cosine);
+    const auto density = static_cast<float>(chosen.area_density * distance2 / cosine);
     if (!(density > 0)) return {};
     return {Vec3f(to_light / distance), static_cast<float>(distance) * (1 - kShort),
             surface.emission * (surface.opacity / density), density};

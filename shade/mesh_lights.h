@@ -1,19 +1,25 @@
 // Emissive surfaces: all triangles with an emissive material, as one light.
 //
-// A point is drawn in proportion to area times the luminance of the material's mean emission. So its density per area
-// depends on the material alone, and a ray that happens to hit an emissive surface can ask for it. Only triangles that
-// stand still are sampled; emissive subdivision surfaces and deformed meshes are found by scattered rays alone.
+// Up to kMostWithoutTree triangles are drawn in proportion to area times the luminance of the material's mean emission. Of
+// more, a tree of lights draws those that matter to the point (shade/light_tree.h), and a point within what it has drawn
+// is again in proportion to that. So the density per area is known for a ray that happens to hit an emissive surface. Only
+// triangles that stand still are sampled; emissive subdivision surfaces and deformed meshes are found by scattered rays
+// alone.
 //
 // Space    world axes, frame lengths (scenegraph/frame_scale.h).
-// Memory   a double and an index per triangle; the vertices stay in the scene. Borrows scene and textures.
+// Memory   a double and an index per triangle; the vertices stay in the scene. A tree takes about 230 bytes a triangle, and
+//          15 MB at most: of very many triangles, several that follow each other share a leaf. Borrows scene and textures.
 // Threads  const after construction.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "io/texture/texture_store.h"
 #include "scenegraph/scene.h"
+#include "shade/light_tree.h"
 #include "shade/lights.h"
 
 namespace occam::shade {
@@ -33,13 +39,30 @@ public:
     /// figure is an estimate.
     double power() const noexcept { return power_; }
 
-    LightSample sample(Vec3d point, LightNumbers numbers) const noexcept;
+    /// More triangles than this are drawn by a tree.
+    static constexpr std::size_t kMostWithoutTree = 16;
+    /// Makes the tree, if there is to be one. The points of receivers are relative to the origin, if one is given.
+    void make_tree(std::optional<Vec3d> origin);
+    /// Returns the tree of emissive triangles, which may be empty.
+    const LightTree& tree() const noexcept { return tree_; }
 
-    /// Returns the density per area of the points on the node's surfaces of that material, or 0 if they are not sampled.
-    float area_density(NodeId node, const Material* material) const noexcept;
+    /// Draws a point on the surfaces for a receiver, which counts if there is a tree.
+    LightSample sample(Vec3d point, const Receiver& receiver, LightNumbers numbers) const noexcept;
+
+    /// Describes where a ray hits an emissive surface.
+    struct Place {
+        NodeId node;
+        const Material* material;
+        std::uint32_t face;
+        Vec3d position;
+    };
+    /// Returns the density per area with which sample() draws a point there for the receiver, or 0 if the surface is not
+    /// sampled.
+    float area_density(const Place& place, const Receiver& receiver) const noexcept;
 
 private:
     struct Mesh {
+        NodeId node;
         const Cage* cage;
         const Material* material;
         Mat4d world_from_object;
@@ -58,7 +81,24 @@ private:
     /// moves   the surface moves while the shutter is open: points on it are not sampled
     void add(const Node& node, NodeId id, const CageSlot& slot, const Mat4d& world_from_object, const Scene& scene,
              bool moves);
+    static double distance_to(const TrianglePoints& triangle, Vec3d point) noexcept;
     static TrianglePoints corners(const Mesh& mesh, std::uint32_t face) noexcept;
+    /// A point on a triangle, with the density per area with which it was chosen.
+    struct Choice {
+        std::uint32_t triangle;
+        double area_density;
+    };
+    Choice choose(const Receiver& receiver, float number) const noexcept;
+    const Mesh& mesh_of(std::uint32_t triangle) const noexcept;
+    /// Returns area times luminance of all triangles before this one.
+    double sum_before(std::size_t triangle) const noexcept { return triangle == 0 ? 0 : sums_[triangle - 1]; }
+    // The triangles of a leaf of the tree.
+    std::uint32_t first_of(std::size_t leaf) const noexcept { return static_cast<std::uint32_t>(leaf * of_a_leaf_); }
+    std::uint32_t end_of(std::size_t leaf) const noexcept
+    {
+        return static_cast<std::uint32_t>(std::min((leaf + 1) * of_a_leaf_, sums_.size()));
+    }
+    double sum_of(std::size_t leaf) const noexcept { return sum_before(end_of(leaf)) - sum_before(first_of(leaf)); }
 
     const TextureStore* textures_ = nullptr;
     bool any_emitter_ = false;
@@ -67,6 +107,8 @@ private:
     std::vector<std::uint32_t> faces_;
     std::vector<double> sums_;  ///< running sums of area times luminance
     std::vector<Known> known_;  ///< sorted
+    LightTree tree_;
+    std::size_t of_a_leaf_ = 1;  ///< triangles
 };
 
 }  // namespace occam::shade

@@ -28,6 +28,22 @@ Cage square(float half)
     return cage;
 }
 
+// Returns the same square, of 2 side^2 triangles.
+Cage tiled_square(float half, std::uint32_t side)
+{
+    Cage cage;
+    cage.scheme = Scheme::Triangles;
+    for (std::uint32_t j = 0; j <= side; ++j)
+        for (std::uint32_t i = 0; i <= side; ++i)
+            cage.positions.push_back(half * Vec3f(2 * float(i) / float(side) - 1, 0, 2 * float(j) / float(side) - 1));
+    for (std::uint32_t j = 0; j < side; ++j)
+        for (std::uint32_t i = 0; i < side; ++i) {
+            const std::uint32_t v = j * (side + 1) + i, below = v + side + 1;
+            cage.face_vertices.insert(cage.face_vertices.end(), {v, below + 1, v + 1, v, below, below + 1});
+        }
+    return cage;
+}
+
 Material matte(float color)
 {
     Material m;
@@ -79,12 +95,13 @@ TEST(Path, AShiningRoomIsAsBrightAsTheSeriesOfItsBounces)
     EXPECT_NEAR(one.value(), 0.4 * (1 + 0.6), 4 * one.error() + 1e-3);
 }
 
-// The same lamp is an area light of the scene graph and an emissive mesh. It is near, or so far away that the area light is
-// left to its samples, while scattered rays still find the mesh.
+// The same lamp is an area light of the scene graph and an emissive mesh of few or many triangles. It is near, or so far
+// away that the area light is left to its samples, while scattered rays still find the mesh.
 TEST(Path, AShiningMeshLightsAsAnAreaLightDoes)
 {
     const Camera camera = Camera::look_at({0, 0.8, 0}, {0, 0, 0}, {0, 0, -1}, 1.2f);
-    const auto light = [&](bool is_mesh, float roughness, double height, IntegratorKind integrator) {
+    // tiles   along a side of the mesh; 0: an area light
+    const auto light = [&](std::uint32_t tiles, float roughness, double height, IntegratorKind integrator) {
         Scene scene;
         Material floor = matte(0.5f);
         floor.specular = 1;
@@ -92,10 +109,10 @@ TEST(Path, AShiningMeshLightsAsAnAreaLightDoes)
         floor.roughness = roughness;
         put(scene, square(4), floor);
         const auto radiance = static_cast<float>(5 * height * height);
-        if (is_mesh) {
+        if (tiles > 0) {
             Material lamp = matte(0);
             lamp.emission = Vec3f(radiance);
-            put(scene, square(0.5f), lamp, {0, height, 0});
+            put(scene, tiled_square(0.5f, tiles), lamp, {0, height, 0});
         } else {
             NodeDesc lamp;
             lamp.place.translation = {0, height, 0};
@@ -110,10 +127,12 @@ TEST(Path, AShiningMeshLightsAsAnAreaLightDoes)
     for (const IntegratorKind integrator : {IntegratorKind::Direct, IntegratorKind::Path})
         for (const double height : {1.0, 9.0})
             for (const float roughness : {0.15f, 1.0f}) {
-                const double area = light(false, roughness, height, integrator),
-                             mesh = light(true, roughness, height, integrator);
-                // The mean is that of 65,536 samples, each of which is right to within a factor.
-                EXPECT_NEAR(area, mesh, 4 * 3e-3 * area) << height << ' ' << roughness;
+                const double area = light(0, roughness, height, integrator);
+                for (const std::uint32_t tiles : {1u, 6u}) {
+                    const double mesh = light(tiles, roughness, height, integrator);
+                    // The mean is that of 65,536 samples, each of which is right to within a factor.
+                    EXPECT_NEAR(area, mesh, 4 * 3e-3 * area) << height << ' ' << roughness << ' ' << tiles;
+                }
             }
 }
 

@@ -1,0 +1,165 @@
+// Emissive triangles: their tree draws points without bias, and knows with which density.
+#include "shade/mesh_lights.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/maths.h"
+#include "tests/support/shape_builders.h"
+#include "tests/support/statistics.h"
+
+namespace occam::shade {
+namespace {
+
+Vec3f unit(test::Numbers& n)
+{
+    const float z = 2 * n.one() - 1, angle = 2 * maths::kPi * n.one(), r = std::sqrt(std::max(0.0f, 1 - z * z));
+    return {r * maths::cos(angle), r * maths::sin(angle), z};
+}
+
+struct Lamp {
+    Vec3d corner[3];
+    NodeId node;
+    std::uint32_t face;
+    const Material* material;
+
+    Vec3d at(double b, double c) const { return corner[0] + (corner[1] - corner[0]) * b + (corner[2] - corner[0]) * c; }
+};
+
+// Two nodes show one cage of random triangles with two emissive materials.
+struct Lamps {
+    Scene scene;
+    std::vector<Lamp> all;
+
+    explicit Lamps(std::uint32_t triangles)
+    {
+        test::Numbers n(3);
+        Cage cage;
+        cage.scheme = Scheme::Triangles;
+        for (std::uint32_t i = 0; i < triangles; ++i) {
+            const Vec3f middle(8 * n.one() - 4, 8 * n.one() - 4, 8 * n.one() - 4);
+            for (int p = 0; p < 3; ++p) {
+                cage.face_vertices.push_back(3 * i + std::uint32_t(p));
+                cage.positions.push_back(middle + unit(n) * (0.1f + n.one()));
+            }
+            cage.face_slots.push_back(i % 2);
+        }
+        Material dim, bright;
+        dim.emission = Vec3f(1);
+        bright.emission = Vec3f(30);
+        cage.materials = {scene.add(dim), scene.add(bright)};
+        const CageId shape = scene.add(Cage(cage));
+        for (const Vec3d at : {Vec3d(0), Vec3d(0, 0, 12)}) {
+            const NodeId node = test::place(scene, shape, at);
+            for (std::uint32_t i = 0; i < triangles; ++i) {
+                Lamp lamp{{}, node, i, scene.find(cage.materials[i % 2])};
+                for (std::uint32_t p = 0; p < 3; ++p) lamp.corner[p] = at + Vec3d(cage.positions[3 * i + p]);
+                all.push_back(lamp);
+            }
+        }
+        scene.refit();
+    }
+};
+
+struct Place {
+    Vec3d point;
+    Receiver receiver;
+
+    Place(const MeshLights& lights, test::Numbers& n)
+        : point(Vec3d(n.one() - 0.5f, n.one() - 0.5f, n.one() - 0.2f) * 20.0),
+          receiver{lights.tree().relative(point), unit(n), kAllGroups, n.one() < 0.3f}
+    {
+    }
+};
+
+TEST(MeshLights, DensitiesOfPlacesAreThoseOfSamples)
+{
+    for (const std::uint32_t triangles : {5u, 60u}) {
+        const Lamps lamps(triangles);
+        const TextureStore textures(1 << 20);
+        MeshLights lights(lamps.scene, textures);
+        lights.make_tree({});
+        EXPECT_EQ(lights.tree().is_empty(), 2 * triangles <= MeshLights::kMostWithoutTree);
+        test::Numbers n(7);
+        int compared = 0;
+        for (int i = 0; i < 2000; ++i) {
+            const Place at(lights, n);
+            const LightSample s = lights.sample(at.point, at.receiver, {{n.one(), n.one()}, n.one()});
+            if (s.radiance == Vec3f(0)) continue;
+            // The nearest triangle that the direction meets at that distance.
+            for (const Lamp& lamp : lamps.all) {
+                const Vec3d normal = glm::cross(lamp.corner[1] - lamp.corner[0], lamp.corner[2] - lamp.corner[0]);
+                const double along = glm::dot(Vec3d(s.direction), normal);
+                const double distance = glm::dot(lamp.corner[0] - at.point, normal) / along;
+                if (!(std::abs(distance * (1 - 1e-4) - double(s.distance)) < 1e-5 * distance)) continue;
+                const Vec3d hit = at.point + Vec3d(s.direction) * distance;
+                const double area2 = glm::dot(normal, normal);
+                const double b = glm::dot(glm::cross(hit - lamp.corner[0], lamp.corner[2] - lamp.corner[0]), normal) / area2,
+                             c = glm::dot(glm::cross(lamp.corner[1] - lamp.corner[0], hit - lamp.corner[0]), normal) / area2;
+                const double cosine = std::abs(along) / glm::length(normal);
+                if (b < 1e-4 || c < 1e-4 || b + c > 1 - 1e-4 || cosine < 0.02) continue;
+                const float per_area = lights.area_density({lamp.node, lamp.material, lamp.face, hit}, at.receiver);
+                EXPECT_NEAR(double(per_area) * distance * distance / cosine, double(s.density), 1e-2 * double(s.density));
+                ++compared;
+                break;
+            }
+        }
+        EXPECT_GT(compared, 1000);
+    }
+}
+
+TEST(MeshLights, SumsOfSamplesAreThoseOfAllTriangles)
+{
+    const Lamps lamps(60);
+    const TextureStore textures(1 << 20);
+    MeshLights lights(lamps.scene, textures);
+    lights.make_tree({});
+    test::Numbers n(11);
+    for (int place = 0; place < 12; ++place) {
+        const Place at(lights, n);
+        const auto cosine_at = [&](Vec3d direction) {
+            const double cosine = glm::dot(direction, Vec3d(at.receiver.normal));
+            return at.receiver.is_two_sided ? std::abs(cosine) : std::max(cosine, 0.0);
+        };
+        double exact = 0;
+        constexpr int kSteps = 40;
+        for (const Lamp& lamp : lamps.all) {
+            const Vec3d normal = glm::cross(lamp.corner[1] - lamp.corner[0], lamp.corner[2] - lamp.corner[0]);
+            for (int i = 0; i < kSteps; ++i)
+                for (int j = 0; j < 2 * (kSteps - i) - 1; ++j) {
+                    // The middles of the triangles into which a lamp is divided evenly.
+                    const double third = 1.0 / 3, low = j % 2 == 0 ? third : 2 * third;
+                    const Vec3d to = lamp.at((i + low) / kSteps, (j / 2 + low) / kSteps) - at.point;
+                    const double d2 = glm::dot(to, to), d = std::sqrt(d2);
+                    exact += double(lamp.material->emission.x) * cosine_at(to / d) * std::abs(glm::dot(to / d, normal)) / 2 /
+                             (kSteps * kSteps) / d2;
+                }
+        }
+        test::Mean mean;
+        for (int i = 0; i < 40000; ++i) {
+            const LightSample s = lights.sample(at.point, at.receiver, {{n.one(), n.one()}, n.one()});
+            mean.add(double(s.radiance.x) * cosine_at(Vec3d(s.direction)));
+        }
+        EXPECT_NEAR(mean.value(), exact, 5 * mean.error() + 0.01 * exact) << place;
+    }
+}
+
+TEST(MeshLights, WhatIsNotSampledHasNoDensity)
+{
+    Lamps lamps(60);
+    const TextureStore textures(1 << 20);
+    MeshLights lights(lamps.scene, textures);
+    lights.make_tree({});
+    const Lamp& lamp = lamps.all.front();
+    const Material other;
+    const Receiver receiver{lights.tree().relative(Vec3d(5)), glm::normalize(Vec3f(-1)), kAllGroups, true};
+    const Vec3d middle = lamp.at(1.0 / 3, 1.0 / 3);
+    EXPECT_GT(lights.area_density({lamp.node, lamp.material, lamp.face, middle}, receiver), 0);
+    EXPECT_EQ(lights.area_density({lamp.node, &other, lamp.face, middle}, receiver), 0);
+    EXPECT_EQ(lights.area_density({lamp.node, lamp.material, 60, middle}, receiver), 0);
+    EXPECT_EQ(lights.area_density({lamp.node, lamp.material, lamp.face, Vec3d(1000)}, receiver), 0);
+}
+
+}  // namespace
+}  // namespace occam::shade
