@@ -1,5 +1,5 @@
 // The suite compares a scene of 10,000 lights with the same scene that has only the ten of them that matter: the error of
-// each against many samples of itself, at equal time.
+// each against many samples of itself, at equal time. The lights are placed lights, or emissive triangles.
 #include <cmath>
 
 #include "api/include/occam/occam.h"
@@ -13,8 +13,17 @@ namespace {
 
 constexpr int kRuns = 3, kMatter = 10, kReferenceSamples = 1024, kSamples = 8;
 
+void add_square(Cage& to, Vec3f at, float half)
+{
+    const auto first = static_cast<std::uint32_t>(to.positions.size());
+    for (const Vec3f corner : {Vec3f(-half, 0, -half), Vec3f(half, 0, -half), Vec3f(half, 0, half), Vec3f(-half, 0, half)})
+        to.positions.push_back(at + corner);
+    for (const std::uint32_t corner : {0u, 1u, 2u, 0u, 2u, 3u}) to.face_vertices.push_back(first + corner);
+}
+
 // A floor with tori under ten lamps. The other lamps hang over the same floor, far beyond what the camera sees.
-Scene lit_field(int lights)
+// are_triangles   two of them make a lamp; otherwise lamps are squares and points
+Scene lit_field(int lights, bool are_triangles)
 {
     Scene scene;
     const auto add = [&](Vec3d at, NodeDesc desc) {
@@ -28,10 +37,16 @@ Scene lit_field(int lights)
     add(Vec3d(0), {.cages = {scene.add(std::move(floor))}});
     const CageId shape = scene.add(torus(16, 8));
     for (int i = 0; i < 9; ++i) add({4.0 * (i % 3 - 1), 0, 4.0 * (i / 3 - 1)}, {.cages = {shape}});
+    Cage lamps;
+    lamps.scheme = Scheme::Triangles;
     for (int i = 0; i < lights; ++i) {
         const int n = i - kMatter;
         const Vec3d at = i < kMatter ? Vec3d(3.0 * (i % 5 - 2), 2.5 + 0.2 * i, 3.0 * (i / 5) - 1.5)
                                      : Vec3d(8.0 * (n % 100 - 50) + 4, 3, -60 - 8.0 * (n / 100));
+        if (are_triangles) {
+            if (i % 2 == 0) add_square(lamps, Vec3f(at), 0.15f);
+            continue;
+        }
         AreaLight square;
         square.size = Vec2f(0.3f);
         square.radiance = Vec3f(20);
@@ -41,6 +56,11 @@ Scene lit_field(int lights)
         desc.place.rotation = {-std::sqrt(0.5), 0, 0, std::sqrt(0.5)};  // shines down
         add(at, std::move(desc));
     }
+    if (!are_triangles) return scene;
+    Material shining;
+    shining.emission = Vec3f(20);
+    lamps.materials = {scene.add(shining)};
+    add(Vec3d(0), {.cages = {scene.add(std::move(lamps))}});
     return scene;
 }
 
@@ -54,6 +74,7 @@ Measured measure(Scene& scene, IntegratorKind kind)
     const Camera camera = Camera::look_at({0, 5, 11}, {0, 0, 0}, {0, 1, 0}, 0.7f);
     Settings settings{.width = 64, .height = 36, .spp = kReferenceSamples, .integrator = kind};
     settings.bounces = 2;
+    settings.sky = shade::Sky::Off;  // emissive surfaces alone light the field of triangles
     const Image reference = renderer.render(scene, camera, settings);
     settings.spp = kSamples;
     Measured of;
@@ -71,14 +92,18 @@ Measured measure(Scene& scene, IntegratorKind kind)
 
 void run_lights(Report& report)
 {
-    Scene few = lit_field(kMatter), many = lit_field(10'000);
-    for (const IntegratorKind kind : {IntegratorKind::Direct, IntegratorKind::Path}) {
-        const Measured ten = measure(few, kind), all = measure(many, kind);
-        Row row{"lights", "10,000 lights beside ten, " + std::string(render::name_of(kind))};
-        row.add("cpu_s", all.seconds).add("rel_mse", all.rel_mse).add("ten_cpu_s", ten.seconds);
-        row.add("ten_rel_mse", ten.rel_mse);
-        row.add("error_at_equal_time", std::sqrt(all.rel_mse / ten.rel_mse * all.seconds / ten.seconds));
-        report.add(std::move(row));
+    for (const bool are_triangles : {false, true}) {
+        const std::string what = are_triangles ? "10,000 emissive triangles" : "10,000 lights";
+        if (!report.wants(what)) continue;
+        Scene few = lit_field(kMatter, are_triangles), many = lit_field(10'000, are_triangles);
+        for (const IntegratorKind kind : {IntegratorKind::Direct, IntegratorKind::Path}) {
+            const Measured ten = measure(few, kind), all = measure(many, kind);
+            Row row{"lights", what + " beside ten, " + std::string(render::name_of(kind))};
+            row.add("cpu_s", all.seconds).add("rel_mse", all.rel_mse).add("ten_cpu_s", ten.seconds);
+            row.add("ten_rel_mse", ten.rel_mse);
+            row.add("error_at_equal_time", std::sqrt(all.rel_mse / ten.rel_mse * all.seconds / ten.seconds));
+            report.add(std::move(row));
+        }
     }
 }
 
