@@ -61,6 +61,8 @@ public:
                                                                            : enter(Moving{keyed(), box}, far);
                 return made ? inside & enter(made->bounds, far) : inside;
             }
+        // The box of a node whose only igrid has no slab is all that bounds it: the rays here are in it already.
+        if (is_tested_ && (!made || made->bounds.slab.hi == FLT_MAX)) return MaskOf<F>(true);
         return made ? enter(made->bounds, far) : enter(GridBounds{get_box(boxes_ + box, 0), {}}, far);
     }
 

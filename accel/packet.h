@@ -67,9 +67,14 @@ template <class Thing>
 void gather_four(const Thing* things, std::size_t count, std::size_t offset, vfloat (&to)[4]) noexcept
 {
     const float* from[kLanes];
-    for (int i = 0; i < kLanes; ++i)
-        from[i] = reinterpret_cast<const float*>(
-            reinterpret_cast<const std::byte*>(&things[std::min<std::size_t>(i, count - 1)]) + offset);
+    const auto at = [&](std::size_t i) {
+        return reinterpret_cast<const float*>(reinterpret_cast<const std::byte*>(&things[i]) + offset);
+    };
+    if (count >= kLanes) {
+        for (std::size_t i = 0; i < kLanes; ++i) from[i] = at(i);
+    } else {
+        for (std::size_t i = 0; i < kLanes; ++i) from[i] = at(std::min(i, count - 1));
+    }
     load_turned(from, to);
 }
 template <int kParts, class Thing>
