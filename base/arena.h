@@ -67,7 +67,12 @@ private:
     {
         bytes = (bytes + kAlign - 1) & ~(kAlign - 1);
         publish(bytes_, bytes_ + bytes);
-        if (bytes > kChunkBytes) return large_.emplace_back(block(bytes)).get();
+        if (bytes > kChunkBytes) {
+            // Chunks that are not used yet make room for the block.
+            for (std::size_t room = bytes / kChunkBytes; room > 0 && chunks_.size() > current_ + 1; --room)
+                chunks_.pop_back();
+            return large_.emplace_back(block(bytes)).get();
+        }
         if (current_ < chunks_.size() && used_ + bytes > kChunkBytes) {
             ++current_;
             used_ = 0;

@@ -206,6 +206,7 @@ Ending wait_for(Job& job, ProgressDisplay& display, bool keeps_part, std::size_t
         if (is_interrupted()) {
             if (!cancelled) {
                 job.cancel();
+                display.say("stopping; another signal ends the process at once");
                 cancelled = Clock::now();
             }
             // If a part of the picture is done, it is worth waiting for; otherwise the process waits no longer than a

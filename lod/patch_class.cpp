@@ -67,13 +67,27 @@ Matrix4 inverse_sampling()
 float PatchClass::Node::size_u() const noexcept { return power_of_two(-depth_u); }
 float PatchClass::Node::size_v() const noexcept { return power_of_two(-depth_v); }
 
-PatchClass::PatchClass(int control_count, std::unique_ptr<const LimitSource> source, int crease_depth)
-    : control_count_(control_count), crease_depth_(std::min(crease_depth, kDeepestOfCreases)), source_(std::move(source))
+PatchClass::PatchClass(int control_count, std::unique_ptr<const LimitSource> source, int crease_depth, ClassAccount* account)
+    : control_count_(control_count),
+      crease_depth_(std::min(crease_depth, kDeepestOfCreases)),
+      source_(std::move(source)),
+      account_(account)
 {
+    count(sizeof(PatchClass));
     root_.may_halve_one_way = crease_depth_ > kDeepest;
 }
 
-PatchClass::~PatchClass() = default;
+PatchClass::~PatchClass()
+{
+    if (account_) account_->remove(counted_);
+}
+
+void PatchClass::count(std::size_t bytes) const noexcept
+{
+    if (!account_) return;
+    counted_ += bytes;
+    account_->add(bytes);
+}
 
 const PatchClass::Node& PatchClass::look_into(const Node& node) const
 {
@@ -111,6 +125,8 @@ const PatchHull& PatchClass::make_hull() const
         strips.may_halve_one_way = true;
         const bool takes_strips = crease_depth_ > 0 && !root_.may_halve_one_way;
         hull_ = std::make_unique<const PatchHull>(*this, takes_strips ? strips : root_);
+        count(sizeof(PatchHull) + hull_->weights.capacity() * sizeof(float) +
+              hull_->speeds.capacity() * sizeof(hull_->speeds[0]));
         hull_made_.store(hull_.get(), std::memory_order_release);
     });
     return *hull_;
@@ -150,9 +166,10 @@ void PatchClass::classify(Node& node) const
     }
     node.halves_u = halve_u;
     node.halves_v = halve_v;
-    const int across = halve_u ? 2 : 1, count = node.child_count();
-    node.children = std::make_unique<Node[]>(static_cast<std::size_t>(count));
-    for (int c = 0; c < count; ++c) {
+    const int across = halve_u ? 2 : 1, children = node.child_count();
+    node.children = std::make_unique<Node[]>(static_cast<std::size_t>(children));
+    count(static_cast<std::size_t>(children) * sizeof(Node));
+    for (int c = 0; c < children; ++c) {
         Node& child = node.children[c];
         child.u0 = node.u0 + (c % across ? node.size_u() * 0.5f : 0);
         child.v0 = node.v0 + (c / across ? node.size_v() * 0.5f : 0);
@@ -227,6 +244,7 @@ bool PatchClass::fit_bicubic(Node& node) const
     if (!std::all_of(kTrials.begin(), kTrials.end(), agrees)) return false;
     if (crease_depth_ > 0 && !std::all_of(kBorderTrials.begin(), kBorderTrials.end(), agrees)) return false;
     node.weights = std::make_unique<float[]>(16 * n);
+    count(16 * n * sizeof(float));
     std::array<int, 16> ones{}, others{};
     for (std::size_t k = 0; k < n; ++k)
         for (std::size_t i = 0; i < 16; ++i) {
@@ -247,6 +265,7 @@ void PatchClass::fill_direct(Node& node) const
 {
     const std::size_t n = control_count_;
     node.weights = std::make_unique<float[]>(4 * 3 * n);
+    count(4 * 3 * n * sizeof(float));
     LimitStencil stencil;
     for (int c = 0; c < 4; ++c) {
         source_->evaluate(node.u0 + (c & 1 ? node.size_u() : 0), node.v0 + (c & 2 ? node.size_v() : 0), stencil);

@@ -43,6 +43,14 @@ public:
     virtual void evaluate(double u, double v, LimitStencil& out) const = 0;
 };
 
+/// Counts the bytes of the tables of classes, for a limit that all classes share (lod/class_memory.h).
+class ClassAccount {
+public:
+    virtual ~ClassAccount() = default;
+    virtual void add(std::size_t bytes) noexcept = 0;
+    virtual void remove(std::size_t bytes) noexcept = 0;
+};
+
 /// A limit point as a sum over few control points.
 struct PointStencil {
     std::vector<std::uint32_t> controls;
@@ -86,8 +94,13 @@ public:
     };
 
     /// crease_depth   the largest finite sharpness of the edges and vertices that shape the patch, rounded up; 0: none
-    PatchClass(int control_count, std::unique_ptr<const LimitSource> source, int crease_depth = 0);
+    /// account        if not null, it is told what the tables take, and outlives the class
+    PatchClass(int control_count, std::unique_ptr<const LimitSource> source, int crease_depth = 0,
+               ClassAccount* account = nullptr);
     ~PatchClass();
+
+    /// Counts bytes that belong to the class, such as those of its source, in the account.
+    void count(std::size_t bytes) const noexcept;
 
     int control_count() const noexcept { return control_count_; }
     int crease_depth() const noexcept { return crease_depth_; }
@@ -125,6 +138,8 @@ private:
 
     int control_count_, crease_depth_;
     std::unique_ptr<const LimitSource> source_;
+    ClassAccount* account_;
+    mutable std::atomic<std::size_t> counted_ = 0;  ///< bytes that the account was told
     mutable Node root_;
     mutable std::mutex mutex_;
     mutable std::once_flag hull_once_;

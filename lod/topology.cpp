@@ -6,6 +6,7 @@
 
 #include "base/cancellation.h"
 #include "base/hash.h"
+#include "lod/class_memory.h"
 #include "lod/ring_patch.h"
 
 namespace occam::lod {
@@ -20,6 +21,9 @@ struct KeyHash {
 
 /// The number of faces that are visited between two looks at the request to stop.
 constexpr std::uint32_t kFacesBetweenChecks = 4096;
+
+/// The source of a patch near a large face or vertex has a mesh of its own, and about this many bytes for it.
+constexpr std::size_t kBytesOfRing = 100'000;
 
 /// Returns a corner of a quad patch.
 PatchPoint quad_corner(std::uint32_t face, std::uint32_t corner) noexcept
@@ -48,6 +52,12 @@ PatchPoint quad_edge(std::uint32_t face, int j, float s) noexcept
 struct Topology::Tables {
     using Slots = std::vector<std::atomic<const PatchControls*>>;
 
+    explicit Tables(std::shared_ptr<ClassMemory> shared)
+        : memory(shared ? std::move(shared) : std::make_shared<ClassMemory>())
+    {
+    }
+
+    std::shared_ptr<ClassMemory> memory;
     std::mutex mutex;
     std::vector<Slots> slots;  ///< slots[0] is for vertices and slots[1 + s] for UV set s; each has an entry for each patch
     std::unordered_map<std::vector<std::uint32_t>, std::unique_ptr<const PatchClass>, KeyHash> classes;
@@ -58,7 +68,8 @@ struct Topology::Tables {
     PatchClass linear{4, bilinear_source()};
 };
 
-Topology::Topology(const Cage& cage) : mesh_(std::make_unique<Mesh>(cage)), tables_(std::make_unique<Tables>())
+Topology::Topology(const Cage& cage, std::shared_ptr<ClassMemory> memory)
+    : mesh_(std::make_unique<Mesh>(cage)), tables_(std::make_unique<Tables>(std::move(memory)))
 {
     const auto& level = mesh_->level();
     face_count_ = static_cast<std::uint32_t>(level.GetNumFaces());
@@ -132,12 +143,26 @@ const PatchControls& Topology::make_controls(PatchRef patch, int uv_set) const
     Neighbourhood around = neighbourhood(mesh_->level(), patch, mesh_->bilinear, uv_set);
     const std::lock_guard lock(tables_->mutex);
     auto& kind = tables_->classes[std::move(around.key)];
-    if (!kind) {
-        auto source = limit_source(*mesh_->factory, patch, around.controls, uv_set);
-        kind = std::make_unique<const PatchClass>(static_cast<int>(around.controls.size()), std::move(source),
-                                                  around.crease_depth);
-    }
+    if (!kind) kind = make_class(patch, around, uv_set);
     return store(patch, uv_set, {kind.get(), {}}, std::move(around.controls));
+}
+
+std::unique_ptr<const PatchClass> Topology::make_class(PatchRef patch, const Neighbourhood& around, int uv_set) const
+{
+    ClassMemory& memory = *tables_->memory;
+    memory.check_room();
+    const int controls = static_cast<int>(around.controls.size());
+    const std::size_t bytes = ClassMemory::bytes_of_source(around.crease_depth);
+    if (around.crease_depth == 0) {
+        auto kind = std::make_unique<const PatchClass>(
+            controls, limit_source(*mesh_->factory, patch, around.controls, uv_set), 0, &memory);
+        kind->count(bytes);
+        return kind;
+    }
+    const auto make = [&factory = *mesh_->creased_factory, patch, uv_set, indices = around.controls] {
+        return limit_source(factory, patch, indices, uv_set);
+    };
+    return std::make_unique<const PatchClass>(controls, memory.pooled(make, bytes), around.crease_depth, &memory);
 }
 
 const PatchControls& Topology::make_derived_controls(PatchRef patch) const
@@ -147,13 +172,18 @@ const PatchControls& Topology::make_derived_controls(PatchRef patch) const
         const std::lock_guard lock(tables_->mutex);
         return store(patch, -1, {&tables_->linear, {}, true}, corner_points(points, patch));
     }
-    RingPatch ring = ring_patch(points, patch, mesh_->boundary);
+    auto ring = std::make_shared<RingPatch>(ring_patch(points, patch, mesh_->boundary));
     const std::lock_guard lock(tables_->mutex);
-    auto& kind = tables_->classes[std::move(ring.key)];
-    if (!kind)
-        kind = std::make_unique<const PatchClass>(static_cast<int>(ring.controls.size()), limit_source(points, ring),
-                                                  ring.crease_depth);
-    return store(patch, -1, {kind.get(), {}, true}, std::move(ring.controls));
+    auto& kind = tables_->classes[ring->key];
+    if (!kind) {
+        ClassMemory& memory = *tables_->memory;
+        memory.check_room();
+        auto source = memory.pooled([&points, ring] { return limit_source(points, *ring); },
+                                    kBytesOfRing + ClassMemory::bytes_of_source(ring->crease_depth));
+        kind = std::make_unique<const PatchClass>(static_cast<int>(ring->controls.size()), std::move(source),
+                                                  ring->crease_depth, &memory);
+    }
+    return store(patch, -1, {kind.get(), {}, true}, ring->controls);
 }
 
 const PatchControls& Topology::store(PatchRef patch, int uv_set, PatchControls record,

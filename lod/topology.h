@@ -24,6 +24,9 @@
 
 namespace occam::lod {
 
+class ClassMemory;
+struct Neighbourhood;
+
 struct PatchRef {
     std::uint32_t face = 0;
     std::uint32_t sub = 0;
@@ -53,7 +56,8 @@ struct PatchPoint {
 class Topology {
 public:
     /// cage     sanitized, Scheme::CatmullClark or Bilinear; borrowed for the call only
-    explicit Topology(const Cage& cage);
+    /// memory   bounds the classes of several topologies together; without it this one has its own
+    explicit Topology(const Cage& cage, std::shared_ptr<ClassMemory> memory = nullptr);
     ~Topology();
 
     std::uint32_t face_count() const noexcept { return face_count_; }
@@ -111,6 +115,8 @@ private:
     std::uint32_t patch_index(PatchRef p) const noexcept;
     const PatchControls& make_controls(PatchRef patch, int uv_set) const;
     const PatchControls& make_derived_controls(PatchRef patch) const;
+    /// Makes the class of a patch for vertices or a UV set. The lock of the tables is held.
+    std::unique_ptr<const PatchClass> make_class(PatchRef patch, const Neighbourhood& around, int uv_set) const;
     /// Keeps the controls of a patch, unless it has some. The lock of the tables is held.
     const PatchControls& store(PatchRef patch, int uv_set, PatchControls record, std::vector<std::uint32_t> indices) const;
 

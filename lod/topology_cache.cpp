@@ -6,6 +6,7 @@
 #include <unordered_set>
 
 #include "base/hash.h"
+#include "lod/class_memory.h"
 
 namespace occam::lod {
 namespace {
@@ -60,7 +61,7 @@ struct TopologyCache::State {
             if (!found) found = std::make_shared<Shared>();
             shared = found;
         }
-        std::call_once(shared->once, [&] { shared->topology = std::make_shared<const Topology>(cage); });
+        std::call_once(shared->once, [&] { shared->topology = std::make_shared<const Topology>(cage, classes); });
         return shared->topology;
     }
 
@@ -69,6 +70,7 @@ struct TopologyCache::State {
         std::uint64_t positions_version = 0;
         CageTables tables;
     };
+    std::shared_ptr<ClassMemory> classes = std::make_shared<ClassMemory>();
     std::mutex mutex;
     std::unordered_map<std::uint64_t, std::unique_ptr<Entry>> entries;
     std::unordered_map<std::vector<std::uint32_t>, std::shared_ptr<Shared>, WordsHash> topologies;

@@ -179,7 +179,7 @@ std::unique_ptr<Far::TopologyRefiner> make_refiner(const Cage& cage)
     return std::unique_ptr<Far::TopologyRefiner>(Factory::Create(d, Factory::Options(scheme, sdc_options(cage))));
 }
 
-std::unique_ptr<const SurfaceFactory> make_factory(const Far::TopologyRefiner& refiner)
+std::unique_ptr<const SurfaceFactory> make_factory(const Far::TopologyRefiner& refiner, bool keeps)
 {
     // Bfr's defaults (2, 6) do not give the limit surface: positions are off by 1.5e-3 of the cage, and normals by 10
     // degrees. At the end of an inner crease the error falls by a factor of 3.2 a level, and is 1.7e-5 of the cage at
@@ -187,6 +187,7 @@ std::unique_ptr<const SurfaceFactory> make_factory(const Far::TopologyRefiner& r
     constexpr int kApproxLevel = 10;  // the largest value that the library allows
     SurfaceFactory::Options options;
     options.SetApproxLevelSmooth(kApproxLevel).SetApproxLevelSharp(kApproxLevel);
+    options.EnableCaching(keeps);
     return std::make_unique<const SurfaceFactory>(refiner, options);
 }
 
@@ -195,6 +196,7 @@ Topology::Mesh::Mesh(const Cage& cage)
       boundary(cage.boundary),
       refiner(make_refiner(cage)),
       factory(make_factory(*refiner)),
+      creased_factory(make_factory(*refiner, false)),
       derived(DerivedPoints::make(cage, refiner->GetLevel(0)))
 {
     constexpr std::uint32_t kNobody = ~0u;

@@ -21,7 +21,8 @@ using SurfaceFactory = OpenSubdiv::Bfr::RefinerSurfaceFactory<LockedCache>;
 std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> make_refiner(const Cage& cage);
 
 /// Returns a source of limit surfaces of that connectivity, which it borrows.
-std::unique_ptr<const SurfaceFactory> make_factory(const OpenSubdiv::Far::TopologyRefiner& refiner);
+/// keeps   surfaces that are connected alike share their tables, which the factory keeps as long as it lives
+std::unique_ptr<const SurfaceFactory> make_factory(const OpenSubdiv::Far::TopologyRefiner& refiner, bool keeps = true);
 
 class DerivedPoints;
 
@@ -35,7 +36,8 @@ struct Topology::Mesh {
     BoundaryRule boundary;
     std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> refiner;
     std::unique_ptr<const SurfaceFactory> factory;
-    std::vector<std::uint32_t> vertex_owner;  ///< owning face of each vertex: the lowest with a limit surface
+    std::unique_ptr<const SurfaceFactory> creased_factory;  ///< keeps nothing, so that tables are freed with their surface
+    std::vector<std::uint32_t> vertex_owner;                ///< owning face of each vertex: the lowest with a limit surface
     /// The vertex's corner in that face; 0xff means that it has to be searched, in a face of more corners.
     std::vector<std::uint8_t> vertex_corner;
     std::vector<std::uint32_t> edge_owner;

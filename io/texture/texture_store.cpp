@@ -31,8 +31,8 @@ MipImage stand_in()
 // Holds one texture that the store knows; it is decoded when it is first asked for.
 class Entry {
 public:
-    /// Opens the image to learn its size. Throws nothing: a missing texture has a warning and no size, and one that cannot
-    /// be opened has an error and no size.
+    /// Opens the image to learn its size. Throws std::bad_alloc alone: a missing texture has a warning and no size, and one
+    /// that cannot be opened has an error and no size.
     explicit Entry(const Texture& texture) : description_(texture)
     {
         std::error_code ignored;
@@ -45,6 +45,8 @@ public:
             const TextureSource source(texture);
             width_ = source.width();
             height_ = source.height();
+        } catch (const std::bad_alloc&) {
+            throw;
         } catch (const std::exception& error) {
             errors_.push_back(error.what());
         }
@@ -92,6 +94,7 @@ public:
     std::vector<std::string> errors() const
     {
         const std::lock_guard lock(decoding_);
+        if (lacks_memory_) throw std::bad_alloc();
         return errors_;
     }
 
@@ -110,6 +113,8 @@ private:
                 warnings_.push_back(
                     description_.name +
                     ": texels that are not finite numbers, or above 65504, were clamped: " + std::to_string(texels));
+        } catch (const std::bad_alloc&) {
+            lacks_memory_ = true;  // a line for it would need memory, too
         } catch (const std::exception& error) {
             errors_.push_back(error.what());
         }
@@ -123,6 +128,7 @@ private:
     std::unique_ptr<const MipImage> decoded_;
     std::vector<std::string> warnings_, errors_;
     double decode_seconds_ = 0;
+    bool lacks_memory_ = false;
 };
 
 // Halves the largest textures until all fit together. Sizes alone decide, so the outcome depends neither on which textures

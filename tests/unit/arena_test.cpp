@@ -1,0 +1,36 @@
+// Tests that an arena holds little more memory than it counts.
+#include "base/arena.h"
+
+#include <gtest/gtest.h>
+#include <malloc.h>
+
+namespace occam {
+namespace {
+
+std::size_t allocated_bytes()
+{
+    const struct mallinfo2 info = mallinfo2();
+    return info.uordblks + info.hblkhd;
+}
+
+TEST(Arena, HoldsLittleMoreThanItCountsAfterAReset)
+{
+    constexpr std::size_t kRoom = 16 << 20;
+    const std::size_t before = allocated_bytes();
+    Arena arena;
+    for (int round = 0; round < 4; ++round) {
+        // A block that is larger than a chunk comes first in one round, and between others in the next.
+        while (arena.bytes() < kRoom) {
+            if (arena.bytes() == 0 || round % 2 == 1) arena.make_array<std::byte>(Arena::kChunkBytes + 1024);
+            for (int i = 0; i < 64; ++i) arena.make_array<std::byte>(4096);
+        }
+        EXPECT_LE(allocated_bytes() - before, arena.bytes() + 2 * Arena::kChunkBytes) << round;
+        arena.reset();
+    }
+    EXPECT_LE(allocated_bytes() - before, kRoom + 2 * Arena::kChunkBytes) << "blocks of their own are not kept";
+    arena.reset(1 << 20);
+    EXPECT_LE(allocated_bytes() - before, std::size_t(1 << 20) + Arena::kChunkBytes);
+}
+
+}  // namespace
+}  // namespace occam

@@ -1,0 +1,117 @@
+// Tests that the tables of cages whose patches are all creased differently stay within their memory.
+#include "lod/class_memory.h"
+
+#include <gtest/gtest.h>
+#include <malloc.h>
+
+#include <random>
+
+#include "base/error.h"
+#include "lod/topology.h"
+#include "tests/support/made_cages.h"
+
+namespace occam::lod {
+namespace {
+
+struct Constant final : LimitSource {
+    explicit Constant(double v) : value(v) {}
+    void evaluate(double, double, LimitStencil& out) const override { out.p.assign(1, value); }
+    double value;
+};
+
+TEST(ClassMemory, KeepsThePooledSourcesThatWereUsedLast)
+{
+    ClassMemory memory(1 << 20, 3000);
+    int made = 0;
+    std::vector<std::unique_ptr<const LimitSource>> sources;
+    for (int i = 0; i < 5; ++i)
+        sources.push_back(memory.pooled([&made, i] { return ++made, std::make_unique<const Constant>(i); }, 1000));
+    EXPECT_EQ(made, 0) << "none is made before it is used";
+    LimitStencil stencil;
+    const auto use = [&](std::size_t i) {
+        sources[i]->evaluate(0, 0, stencil);
+        EXPECT_EQ(stencil.p.at(0), double(i));
+    };
+    for (const std::size_t i : {0, 1, 2, 0, 3}) use(i);
+    EXPECT_EQ(made, 4);
+    EXPECT_EQ(memory.kept(), 3u);
+    for (const std::size_t i : {0, 2, 3}) use(i);
+    EXPECT_EQ(made, 4) << "source 1 was dropped";
+    use(1);
+    EXPECT_EQ(made, 5);
+    sources.clear();
+    EXPECT_EQ(memory.kept(), 0u);
+}
+
+/// Returns a bent grid of n x n quads, each edge of which has a sharpness of its own.
+Cage creased_grid(std::uint32_t n)
+{
+    std::mt19937 random(7);
+    Cage cage;
+    for (std::uint32_t i = 0; i <= n; ++i)
+        for (std::uint32_t j = 0; j <= n; ++j) cage.positions.push_back({float(i), float(j), float(random() % 100) * 0.01f});
+    const auto sharpness = [&] { return float(random() % 40 + 1) / 4; };
+    for (std::uint32_t i = 0; i < n; ++i)
+        for (std::uint32_t j = 0; j < n; ++j) {
+            const std::uint32_t v = i * (n + 1) + j;
+            cage.face_sizes.push_back(4);
+            cage.face_vertices.insert(cage.face_vertices.end(), {v, v + n + 1, v + n + 2, v + 1});
+            cage.creases.push_back({v, v + 1, sharpness()});
+            cage.creases.push_back({v, v + n + 1, sharpness()});
+        }
+    return cage;
+}
+
+void look_at_all(const Topology& topology)
+{
+    for (std::uint32_t face = 0; face < topology.face_count(); ++face) topology.controls({face, 0}).kind->hull();
+}
+
+std::size_t allocated_bytes()
+{
+    const struct mallinfo2 info = mallinfo2();
+    return info.uordblks + info.hblkhd;
+}
+
+// Each of the sources takes about a megabyte.
+TEST(ClassMemory, SourcesOfCreasedPatchesAreDropped)
+{
+    const auto memory = std::make_shared<ClassMemory>(ClassMemory::kMostBytes, std::size_t(4) << 20);
+    const std::size_t before = allocated_bytes();
+    const Topology topology(creased_grid(8), memory);
+    look_at_all(topology);
+    EXPECT_LE(memory->kept(), 12u);
+    EXPECT_GT(memory->bytes(), 64 * sizeof(PatchClass));
+    // What is left is what is counted, the sources that are kept, and the cage's own tables.
+    EXPECT_LE(allocated_bytes() - before, memory->bytes() + (std::size_t(24) << 20));
+}
+
+TEST(ClassMemory, RefusesClassesBeyondItsLimitAndFreesThem)
+{
+    const auto memory = std::make_shared<ClassMemory>(std::size_t(4) << 20);
+    {
+        const Topology topology(creased_grid(12), memory);
+        EXPECT_THROW(look_at_all(topology), Error);
+    }
+    EXPECT_EQ(memory->bytes(), 0u);
+    const Topology topology(test::made_cage("cube"), memory);
+    EXPECT_NO_THROW(look_at_all(topology));
+}
+
+// A source that was dropped and made again has the bits of one that was kept.
+TEST(ClassMemory, DoesNotChangeTheSurface)
+{
+    const Cage cage = creased_grid(4);
+    const Topology plenty(cage), tight(cage, std::make_shared<ClassMemory>(ClassMemory::kMostBytes, 1));
+    for (std::uint32_t face = 0; face < plenty.face_count(); ++face) {
+        const PatchControls &a = plenty.controls({face, 0}), &b = tight.controls({face, 0});
+        for (const double u : {0.0, 0.3, 0.99}) {
+            const LimitStencil x = a.kind->limit(u, 0.7), y = b.kind->limit(u, 0.7);
+            EXPECT_EQ(x.p, y.p);
+            EXPECT_EQ(x.du, y.du);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace occam::lod
