@@ -126,10 +126,10 @@ Vec2d place_in_part(const GridHit& met, const MicropolygonPlace& spot, Vec3f sha
 // Holds what is read of rays and hits one by one.
 struct HitsRead {
     MicropolygonPlace spots[kLanes];
-    alignas(32) FloatLanes t{};
+    alignas(32) FloatLanes t{}, radius{};
     alignas(32) FloatLanes mirrored{};  // 1, or -1 if the cage's placement reverses the orientation of faces
     alignas(32) FloatLanes is_flat{};   // 1 for gap triangles
-    unsigned gaps = 0, coarse_starts = 0;
+    unsigned gaps = 0, coarse_starts = 0, in_still = 0;
     int start_level[kLanes]{};
     const IGrid* any = nullptr;  // null if no ray hit anything
 
@@ -142,6 +142,8 @@ struct HitsRead {
             any = &grid;
             spots[i].set(met[i]);
             t[i] = met[i].t;
+            radius[i] = cage.radius;
+            in_still |= unsigned(cage.affine != nullptr) << i;
             const bool is_mirrored = cage.segments > 0 ? cage.is_mirrored_at(met[i].time) : cage.is_mirrored;
             mirrored[i] = is_mirrored ? -1.0f : 1.0f;
             if (is_gap(met[i])) {
@@ -195,7 +197,7 @@ void fill(const FilledLanes& of, std::size_t i, const GridHit& met, float time, 
 {
     const HitCorners& corners = of.corners;
     const Vec3d place = Vec3d(corners.position_of(0, i)) + Vec3d(of.from_corner[i]);
-    hit.position = of.placed.frames[i].anchor + place;
+    hit.position = of.placed.anchor_of(i) + place;
     hit.back_side = (of.is_back >> i & 1) != 0;
     hit.to_start = hit.u_gradient = hit.v_gradient = hit.velocity = Vec3f(0);
     hit.color = Vec4f(1);
@@ -233,7 +235,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
     const HitsRead read(rays, met, tools.frame);
     if (!read.any) return;
     HitCorners corners(met, read.spots);
-    const HitRays placed(rays, met, *read.any);
+    const HitRays placed(rays, met, *read.any, read.in_still);
     const vfloat(&way)[4] = placed.way;
     vfloat beam[4];
     static_assert(offsetof(Ray, footprint) == offsetof(Ray, t_near) + 2 * sizeof(float));
@@ -256,7 +258,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
     const vfloat map_set = select(has_gradients, map_sets.of, -1.0f);
     const UvAtHits uv(corners, tri, share, max(beam[2] + beam[3] * t, zero), map_sets.any ? &map_set : nullptr,
                       select(normal.is_back, -normal.shading, normal.shading));
-    const vfloat farthest = max(largest(load(corners.position[0]) + offset), placed.radius());
+    const vfloat farthest = max(largest(load(corners.position[0]) + offset), placed.radius(read.radius));
     const vfloat blend = fma(vfloat::load(corners.weight[0]), share[0],
                              fma(vfloat::load(corners.weight[1]), share[1], vfloat::load(corners.weight[2]) * share[2]));
     const StartsBesideHits beside(corners, tri, share, is_flat, farthest);

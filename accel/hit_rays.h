@@ -17,32 +17,37 @@ struct HitRays {
         Vec3d anchor;
         float radius;
     };
-    std::size_t count;
     vfloat way[4];            ///< direction and t_near
     vfloat origin[4];         ///< origin and shift, as place_all() gives them
-    Frame frames[kLanes];     ///< valid for each ray
-    unsigned in_still = 0;    ///< bit mask of lanes whose cage is hit in a still pose
+    unsigned in_still;        ///< bit mask of lanes whose cage is hit in a still pose
     AffineRay still[kLanes];  ///< valid in these lanes
 
-    /// any   takes the place of the igrids of rays that hit nothing
-    HitRays(std::span<const Ray> rays, std::span<const GridHit> met, const IGrid& any) noexcept : count(rays.size())
+    /// any           takes the place of the igrids of rays that hit nothing
+    /// still_lanes   become in_still
+    HitRays(std::span<const Ray> rays, std::span<const GridHit> met, const IGrid& any, unsigned still_lanes) noexcept
+        : in_still(still_lanes), met_(met)
     {
         gather_four(rays.data(), rays.size(), offsetof(Ray, direction), way);
-        for (std::size_t i = 0; i < rays.size(); ++i) {
-            const lod::PosedCage& cage = *(met[i].grid ? met[i].grid : &any)->cage;
-            frames[i] = {cage.anchor, cage.radius};
-            if (cage.affine) take_to_still_pose(i, rays[i], cage);
-        }
-        place_all(
-            rays, way, [&](std::size_t i) -> const Frame& { return frames[i]; }, origin);
+        const auto cage_of = [&](std::size_t i) -> const lod::PosedCage& {
+            return *(met[i].grid ? met[i].grid : &any)->cage;
+        };
+        if (in_still == 0) place_all(rays, way, cage_of, origin);
+        else place_in_still_poses(rays, cage_of);
     }
 
-    /// Returns the radius of each ray's cage.
-    vfloat radius() const noexcept
+    /// Returns the radius of each ray's cage, by those of the cages as they are in their dicing frames.
+    vfloat radius(const FloatLanes& of_cages) const noexcept
     {
-        alignas(32) FloatLanes of{};
-        for (std::size_t i = 0; i < count; ++i) of[i] = frames[i].radius;
+        if (in_still == 0) return vfloat::load(of_cages);
+        alignas(32) FloatLanes of;
+        vfloat::load(of_cages).store(of);
+        for_each_in_still([&](std::size_t i) { of[i] = still_radius_[i]; });
         return vfloat::load(of);
+    }
+    /// Returns the anchor of the cage that a lane has hit.
+    const Vec3d& anchor_of(std::size_t lane) const noexcept
+    {
+        return in_still >> lane & 1 ? still[lane].pose.anchor : met_[lane].grid->cage->anchor;
     }
     /// Sets the positions of the corners, as HitCorners::set_positions() does.
     void set_positions(HitCorners& corners, unsigned coarse_starts) const noexcept
@@ -92,12 +97,23 @@ private:
     {
         for (unsigned left = in_still; left != 0; left &= left - 1) call(static_cast<std::size_t>(std::countr_zero(left)));
     }
-    OCCAM_NEVER_INLINE void take_to_still_pose(std::size_t i, const Ray& ray, const lod::PosedCage& cage) noexcept
+    template <class CageOf>
+    OCCAM_NEVER_INLINE void place_in_still_poses(std::span<const Ray> rays, const CageOf& cage_of) noexcept
     {
-        in_still |= 1u << i;
-        still[i] = AffineRay(ray, cage);
-        frames[i] = {still[i].pose.anchor, static_cast<float>(double(cage.radius) * cage.affine->stretch())};
+        Frame frames[kLanes];
+        for (std::size_t i = 0; i < rays.size(); ++i) frames[i] = {cage_of(i).anchor, cage_of(i).radius};
+        for_each_in_still([&](std::size_t i) {
+            const lod::PosedCage& cage = cage_of(i);
+            still[i] = AffineRay(rays[i], cage);
+            still_radius_[i] = static_cast<float>(double(cage.radius) * cage.affine->stretch());
+            frames[i] = {still[i].pose.anchor, still_radius_[i]};
+        });
+        place_all(
+            rays, way, [&](std::size_t i) -> const Frame& { return frames[i]; }, origin);
     }
+
+    std::span<const GridHit> met_;
+    float still_radius_[kLanes];  ///< valid in the lanes in_still
 };
 
 }  // namespace occam::accel

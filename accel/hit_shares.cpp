@@ -52,8 +52,7 @@ OCCAM_NEVER_INLINE void set_shares_of_gaps(const HitCorners& corners, const Rays
     for (int p = 0; p < 3; ++p) share[p].store(own[p]);
     for (unsigned left = hit.gaps; left != 0; left &= left - 1) {
         const auto i = static_cast<std::size_t>(std::countr_zero(left));
-        const Vec3d w = barycentrics(corners, i, hit.rays[i].origin - hit.placed.frames[i].anchor,
-                                     Vec3d(hit.rays[i].direction));
+        const Vec3d w = barycentrics(corners, i, hit.rays[i].origin - hit.placed.anchor_of(i), Vec3d(hit.rays[i].direction));
         for (int p = 0; p < 3; ++p) own[p][i] = static_cast<float>(w[p]);
     }
     for (int p = 0; p < 3; ++p) share[p] = vfloat::load(own[p]);

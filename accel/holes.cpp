@@ -22,7 +22,7 @@ Place place_of(const Holes& holes, const Ray& ray, const GridHit& met, const Mic
     HitCorners corners({&met, 1}, &spot);
     vfloat beam[4], share[3];
     gather_four(rays.data(), 1, offsetof(Ray, t_near), beam);
-    const HitRays placed(rays, {&met, 1}, *met.grid);
+    const HitRays placed(rays, {&met, 1}, *met.grid, met.grid->cage->affine ? 1u : 0u);
     placed.set_positions(corners, 0);
     corners.set_attributes(*holes.frame.scene);
     shares_of(corners, {holes.axes, rays, placed, is_gap(met) ? 1u : 0u}, share);
