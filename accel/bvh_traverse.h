@@ -36,6 +36,13 @@ OCCAM_ALWAYS_INLINE void clip_to_child(const TreeRay<F>& ray, const Times& times
     clip(ray, get_box(node.boxes() + child, 0), t_near, t_far);
 }
 
+/// Returns whether a node has a leaf that is the same for these pairs.
+inline bool is_leaf_of_all(const Bvh& tree, const BvhLink* node, int finest, int coarsest) noexcept
+{
+    const PairRange pairs = tree.latest_leaf(node).pairs;
+    return pairs.has(finest) && pairs.has(coarsest);
+}
+
 /// Does what traverse() of a KdTree does.
 template <class F, class Times, class LimitFn, class LeafFn>
 bool traverse(Bvh& tree, const RaysInTree<F, Times>& rays, TraceCounters& counters, LimitFn&& limit, LeafFn&& leaf)
@@ -55,14 +62,24 @@ bool traverse(Bvh& tree, const RaysInTree<F, Times>& rays, TraceCounters& counte
     Todo next{tree.root(), nullptr, 0, -FLT_MAX};
     while (true) {
         F in = rays.t_near, out = min(rays.t_far, limit());
-        // A single ray knows that it enters the box; the levels alone need to know where.
-        if (next.parent && (!kIsOne || pairs.levels)) clip_to_child(ray, rays.times, *next.parent, next.child, in, out);
+        // A single ray knows that it enters the box. It needs to know where only if it may see several pairs there.
+        bool is_clipped = !next.parent || (kIsOne && pairs.finest == pairs.coarsest);
+        const auto clip_now = [&] {
+            if (!is_clipped) clip_to_child(ray, rays.times, *next.parent, next.child, in, out);
+            is_clipped = true;
+        };
+        if (!kIsOne) clip_now();
         MaskOf<F> alive = in <= out;
         while (any(alive)) {
             const BvhState at = next.node->state();
             if constexpr (requires { leaf.enters(next.node, true, in, out); })
                 leaf.enters(next.node, at.is_interior() && at.node().level >= pairs.finest, in, out);
             if (!at.is_interior() || at.node().level < pairs.finest) {
+                if (kIsOne && !is_clipped && !is_leaf_of_all(tree, next.node, pairs.finest, pairs.coarsest)) {
+                    clip_now();
+                    alive = in <= out;
+                    if (none(alive)) break;
+                }
                 const LeafResult result = leaf(next.node, alive, in, out, pairs.finest, pairs.coarsest);
                 if (result == LeafResult::Abandoned) return false;
                 if (result == LeafResult::Expanded) continue;
@@ -70,6 +87,7 @@ bool traverse(Bvh& tree, const RaysInTree<F, Times>& rays, TraceCounters& counte
             }
             BvhNode& node = at.node();
             if (node.level < pairs.coarsest) {
+                if (kIsOne) clip_now();
                 const F from = max(in, pairs.in(node.level + 1, pairs.coarsest)),
                         to = min(out, pairs.out(node.level + 1, pairs.coarsest));
                 const MaskOf<F> coarse = alive & (from <= to);

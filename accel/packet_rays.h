@@ -92,8 +92,11 @@ public:
     /// Takes the rays to the frame of a cage.
     void place_at(const lod::PosedCage& cage) noexcept
     {
-        still_pose_ = cage.affine ? &cage : nullptr;
-        if (still_pose_) return;
+        one_by_one_ = nullptr;
+        if (cage.affine) return place_at_still_pose(cage);
+        here_ = parts_;
+        negative_ = &in_tree.negative;
+        gradient_ = way_;
         Lanes placed[4];
         place_all(
             rays_, way_, [&](std::size_t) -> const lod::PosedCage& { return cage; }, placed);
@@ -106,14 +109,14 @@ public:
 
     void set_blend(const lod::Blend<Lanes>& blend) noexcept
     {
-        if (still_pose_) {
+        if (one_by_one_) {
             blend_ = blend;
             return;
         }
         for (int p = 0; p < kParts; ++p) {
-            RayLanes& lanes = parts_[p].lanes;
-            lanes.blend.set({blend.start.part[p], blend.scale.part[p]}, {way_[0].part[p], way_[1].part[p], way_[2].part[p]},
-                            lanes.origin, lanes.shift);
+            RayLanes& lanes = here_[p].lanes;
+            lanes.blend.set({blend.start.part[p], blend.scale.part[p]},
+                            {gradient_[0].part[p], gradient_[1].part[p], gradient_[2].part[p]}, lanes.origin, lanes.shift);
         }
     }
 
@@ -121,7 +124,7 @@ public:
     OCCAM_ALWAYS_INLINE void meet(IGrid& grid, unsigned fresh, const Mask& entering, const Lanes& from,
                                   const Lanes& to) noexcept
     {
-        if (still_pose_) return meet_one_by_one(grid, fresh, from, to);
+        if (one_by_one_) return meet_one_by_one(grid, fresh, from, to);
         for (int p = 0; p < kParts; ++p) {
             const unsigned of_part = fresh >> (p * kLanes) & ((1u << kLanes) - 1);
             if (of_part != 0) meet_part(grid, p, of_part, entering.part[p], {from.part[p], to.part[p]});
@@ -138,17 +141,17 @@ private:
 
     OCCAM_ALWAYS_INLINE void meet_part(IGrid& grid, int p, unsigned of_part, vmask entering, const RaySpan& span) noexcept
     {
-        Part& part = parts_[p];
+        Part& part = here_[p];
         PartOf<Found> some{query_, p * kLanes};
         if (grid.segments > 0) {
             const std::size_t first = static_cast<std::size_t>(p) * kLanes;
-            meet_moving(grid, {rays_.subspan(first), {part.lanes, in_tree.negative, span}}, of_part, some);
+            meet_moving(grid, {rays_.subspan(first), {part.lanes, *negative_, span}}, of_part, some);
             return;
         }
         if (std::popcount(of_part) >= kWorthAPacket) {
-            meet_packet(grid, {part.lanes, in_tree.negative, span}, entering, some, [&]() -> const RaysAsOne<vfloat>& {
+            meet_packet(grid, {part.lanes, *negative_, span}, entering, some, [&]() -> const RaysAsOne<vfloat>& {
                 if (!part.is_as_one_placed)
-                    part.as_one = {part.lanes.origin, part.lanes.inverse, in_tree.negative, part.lanes.shift, -FLT_MAX};
+                    part.as_one = {part.lanes.origin, part.lanes.inverse, *negative_, part.lanes.shift, -FLT_MAX};
                 part.is_as_one_placed = true;
                 return part.as_one;
             });
@@ -160,7 +163,54 @@ private:
             RayLanes ray = spread(part.lanes, lane);
             if (grid.blends()) ray.blend = spread(part.lanes.blend, lane);
             const RaySpan own{spread(span.t_near, lane), spread(span.t_end, lane)};
-            meet_single(grid, {ray, in_tree.negative, own}, lane, one);
+            meet_single(grid, {ray, *negative_, own}, lane, one);
+        }
+    }
+
+    /// Takes the rays to a still pose. If they have the same axes there, they stay a packet.
+    OCCAM_NEVER_INLINE void place_at_still_pose(const lod::PosedCage& cage) noexcept
+    {
+        constexpr std::size_t kRays = kParts * kLanes;
+        alignas(32) float origin[3][kRays], direction[3][kRays], gradient[3][kRays], shift[kRays];
+        bool are_alike = true;
+        AffineRay ray(rays_.front(), cage);
+        still_axes_ = ray.axes;
+        for (std::size_t i = 0; i < kRays; ++i) {
+            if (i > 0 && i < rays_.size()) ray = AffineRay(rays_[i], cage);
+            are_alike = are_alike && ray.axes == still_axes_;
+            for (int a = 0; a < 3; ++a) {
+                origin[a][i] = ray.origin[a];
+                direction[a][i] = ray.direction[a];
+                gradient[a][i] = ray.gradient[a];
+            }
+            shift[i] = ray.shift;
+        }
+        if (!are_alike) {
+            one_by_one_ = &cage;
+            return;
+        }
+        here_ = still_parts_;
+        negative_ = &still_axes_.negative;
+        gradient_ = still_gradient_;
+        const Lanes way[3] = {Lanes::load(direction[0]), Lanes::load(direction[1]), Lanes::load(direction[2])};
+        Lanes shear[3], inverse[3];
+        set_shear(still_axes_, way, shear);
+        set_inverse(still_axes_, way, inverse);
+        for (int a = 0; a < 3; ++a) still_gradient_[a] = Lanes::load(gradient[a]);
+        for (int p = 0; p < kParts; ++p) {
+            RayLanes& lanes = still_parts_[p].lanes;
+            lanes.kx = still_axes_.kx;
+            lanes.ky = still_axes_.ky;
+            lanes.kz = still_axes_.kz;
+            lanes.sx = shear[0].part[p];
+            lanes.sy = shear[1].part[p];
+            lanes.sz = shear[2].part[p];
+            for (int a = 0; a < 3; ++a) {
+                lanes.inverse[a] = inverse[a].part[p];
+                lanes.origin[a] = vfloat::load(&origin[a][p * kLanes]);
+            }
+            lanes.shift = vfloat::load(&shift[p * kLanes]);
+            still_parts_[p].is_as_one_placed = false;
         }
     }
 
@@ -176,7 +226,7 @@ private:
         }
         for (; fresh != 0; fresh &= fresh - 1) {
             const int i = std::countr_zero(fresh), lane = i % kLanes;
-            const AffineRay ray(rays_[static_cast<std::size_t>(i)], *still_pose_);
+            const AffineRay ray(rays_[static_cast<std::size_t>(i)], *one_by_one_);
             RayLanes lanes = ray.lanes();
             const vfloat gradient[3] = {ray.gradient[0], ray.gradient[1], ray.gradient[2]};
             if (grid.blends()) lanes.blend.set({start[i], scale[i]}, gradient, lanes.origin, lanes.shift);
@@ -189,10 +239,17 @@ private:
     const FrameState& frame_;
     lod::RayLevels<Lanes>& levels_;
     PacketQuery<Found, kParts>& query_;
-    const lod::PosedCage* still_pose_ = nullptr;  ///< at which the rays are placed, if it is one
-    lod::Blend<Lanes> blend_;                     ///< the rays' blend there
-    Lanes way_[4];                                ///< direction and t_near
+    Lanes way_[4];  ///< direction and t_near
     Part parts_[kParts];
+    // Where the rays are placed: in the tree's axes, or in a still pose.
+    Part* here_ = parts_;
+    const bool (*negative_)[3] = &in_tree.negative;
+    const Lanes* gradient_ = way_;  ///< of t over points: the direction, unless the rays are in a still pose
+    Part still_parts_[kParts];
+    Lanes still_gradient_[3];
+    RayAxes still_axes_;
+    const lod::PosedCage* one_by_one_ = nullptr;  ///< the still pose in which rays have different axes, if they have
+    lod::Blend<Lanes> blend_;                     ///< the rays' blend there
 };
 
 }  // namespace occam::accel

@@ -26,6 +26,7 @@ struct RayAxes {
     static constexpr int kGroups = 3 * 8;
 
     RayAxes() = default;
+    friend bool operator==(const RayAxes&, const RayAxes&) = default;
     /// group   is kz * 8 plus the signs of x, y and z, as the bits 1, 2 and 4.
     explicit RayAxes(int group) noexcept : kz(group / 8)
     {

@@ -55,13 +55,13 @@ TraceCounters Tracer::counters() const
 bool Tracer::State::travel_alone(std::span<const Ray> rays) const noexcept
 {
     if (frame.tree != TreeKind::Bvh) return false;
-    if (frame.segments > 0) return true;
     // An igrid of a mesh holds hundreds of triangles, in whose box tree packets pay for any rays.
-    if (!frame.has_levels) return false;
-    constexpr float kLeastCosine = 0.97f;
+    if (!frame.has_levels && frame.segments == 0) return false;
+    // Where boxes move, a packet has those of all its rays' times, and loses sooner.
+    const float least_cosine = frame.segments > 0 ? 0.999f : 0.97f;
     const Vec3f way = rays.front().direction;
     return std::any_of(rays.begin(), rays.end(),
-                       [&](const Ray& ray) { return glm::dot(ray.direction, way) < kLeastCosine; });
+                       [&](const Ray& ray) { return glm::dot(ray.direction, way) < least_cosine; });
 }
 
 template <int kParts, class Found, class Take>

@@ -65,7 +65,7 @@ struct Tracer::State {
     bool run_single(const Ray& ray, const RayAxes& axes, std::size_t memory_bytes, SingleQuery<Found>& query);
 
     /// Returns whether each ray of a group is traced alone. In the tree of boxes this is faster where rays go different
-    /// ways, since they do not share the boxes of its nodes, and where these boxes move (docs/performance.md).
+    /// ways, since they do not share the boxes of its nodes (docs/performance.md).
     bool travel_alone(std::span<const Ray> rays) const noexcept;
     /// Calls call(way) with what names the tree of the frame.
     template <class Call>

@@ -2,8 +2,9 @@
 //
 // 16 x 16 tori move, each its own way: by a tenth of their size or by four sizes in one segment, or by a quarter turn in
 // eight. Ours move by their nodes (*placed*), or their vertices are written at each key (*written*); Embree has the vertices
-// at each key. All rays see one level of each torus, and have random times. first_hits() is measured, which fills about what
-// Embree fills. Embree traces single rays; ours travel as they do in a frame.
+// at each key. All rays see one level of each torus, and have the places and moments of a frame of eight samples.
+// first_hits() is measured, which fills about what Embree fills. Embree traces single rays; ours travel as they do in a
+// frame.
 
 #include <cmath>
 #include <cstring>
@@ -12,6 +13,8 @@
 
 #include "lod/pose_cage.h"
 #include "render/camera_rays.h"
+#include "render/sampler.h"
+#include "render/tiles.h"
 #include "tests/bench/embree_mesh.h"
 #include "tests/bench/subjects.h"
 #include "tests/bench/suites.h"
@@ -19,7 +22,7 @@
 namespace occam::bench {
 namespace {
 
-constexpr int kRuns = 5, kWidth = 320, kHeight = 320, kSide = 16;
+constexpr int kRuns = 3, kWidth = 160, kHeight = 160, kSide = 16, kSamples = 8;
 constexpr std::size_t kMemoryBytes = std::size_t(3) << 30;
 
 struct Motion {
@@ -168,6 +171,21 @@ std::vector<std::vector<Vec3f>> all_micropolygons(const Stage& stage, int segmen
     return keys;
 }
 
+// Returns rays in the order and with the moments of a frame.
+std::vector<accel::Ray> rays_of_a_frame(const render::CameraRays& camera)
+{
+    const render::Sampler sampler(1, kSamples, true);
+    std::vector<accel::Ray> rays;
+    for (const render::PixelRect& tile : render::make_tiles({0, 0, kWidth, kHeight}))
+        for (const auto [x, y] : render::pixels_of(tile))
+            for (int s = 0; s < kSamples; ++s) {
+                const Vec2f in = sampler.in_pixel(x, y, s);
+                const float time = sampler.interval(x, y, static_cast<std::uint32_t>(s), render::Dimension::time());
+                rays.push_back(camera.ray(x + double(in.x), y + double(in.y), Vec2f(0.5f), time));
+            }
+    return rays;
+}
+
 // What the still rows found, with which the others are compared: [camera, diffuse].
 struct Rates {
     double ours[2]{}, embree[2]{}, ours_mb = 0, embree_mb = 0;
@@ -181,7 +199,7 @@ public:
           name_(std::string("beside Embree, ") + motion.name + (is_written ? ", written" : ", placed")),
           stage_(motion, is_written),
           camera_(Camera::look_at({0, 26, 40}, {0, 0, 0}, {0, 1, 0}, 0.9f), kWidth, kHeight),
-          levels_(camera_.levels(1))
+          levels_(camera_.levels(0.5f))
     {
         levels_.mode = lod::LevelMode::PerInstance;
         levels_.motion_edges = 0;  // no key is left out
@@ -193,12 +211,7 @@ public:
         const MovingEmbree embree(corners);
         const accel::Frame frame(stage_.scene, topologies_, levels_);
         accel::Tracer tracer(frame, kMemoryBytes);
-        std::vector<accel::Ray> rays;
-        for (int y = 0; y < kHeight; ++y)
-            for (int x = 0; x < kWidth; ++x) {
-                rays.push_back(camera_.ray(x + 0.5, y + 0.5));
-                rays.back().time = static_cast<float>((x * 7 + y * 13) % 64) / 64 + 1.0f / 128;
-            }
+        const std::vector<accel::Ray> rays = rays_of_a_frame(camera_);
         std::vector<accel::SurfaceHit> hits(rays.size());
         trace_closest(tracer, rays, hits);
         std::vector<accel::Ray> diffuse = diffuse_rays(rays, hits);
