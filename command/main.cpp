@@ -11,6 +11,7 @@
 
 #include "arguments.h"
 #include "base/error_without_file.h"
+#include "io/picture_codec.h"
 
 namespace occam::command {
 namespace {
@@ -44,6 +45,12 @@ std::terminate_handler usual_end = nullptr;
         report_lack_of_memory();
         _exit(kOutput);
     } catch (...) {
+    }
+    if (occam::is_loading_picture_codec()) {
+        std::fputs(
+            "occam: the libraries for pictures cannot be loaded: there is not enough memory, or no room for a thread\n",
+            stderr);
+        _exit(kOutput);
     }
     usual_end();
     std::abort();

@@ -2,6 +2,8 @@
 
 #include <dlfcn.h>
 
+#include <atomic>
+
 #include "base/error.h"
 
 namespace occam {
@@ -28,12 +30,23 @@ fs::path beside_library()
                              "; it belongs beside liboccam.so, where cmake --install puts it");
 }
 
+std::atomic<bool> is_loading = false;
+
+// Loads a module. Nothing but this function loads one, and one thread at a time calls it.
+void* load_module(const char* file)
+{
+    is_loading = true;
+    void* module = dlopen(file, RTLD_LAZY | RTLD_LOCAL);
+    is_loading = false;
+    return module;
+}
+
 const PictureCodec& load()
 {
     std::error_code error;
     const fs::path beside = beside_library();
     const bool is_beside = !beside.empty() && fs::exists(beside, error);
-    void* module = dlopen(is_beside ? beside.c_str() : kModule, RTLD_LAZY | RTLD_LOCAL);
+    void* module = load_module(is_beside ? beside.c_str() : kModule);
     if (!module) refuse(dlerror());
     using Entry = const PictureCodec* (*)();
     const auto entry = reinterpret_cast<Entry>(dlsym(module, "occam_picture_codec"));
@@ -48,6 +61,8 @@ const PictureCodec& picture_codec()
     static const PictureCodec& codec = load();
     return codec;
 }
+
+bool is_loading_picture_codec() noexcept { return is_loading; }
 
 void check_picture_codec()
 {

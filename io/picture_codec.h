@@ -103,6 +103,10 @@ public:
 /// Returns the codec of the module, which is loaded now if it was not. Throws Error if it cannot be loaded.
 const PictureCodec& picture_codec();
 
+/// Returns whether a thread is loading the module now. The constructors of its libraries allocate memory and start threads,
+/// and an exception for lack of these ends the process, since nothing can catch it there.
+bool is_loading_picture_codec() noexcept;
+
 /// Throws Error if the file of the module is not where picture_codec() looks for it. Loads nothing.
 void check_picture_codec();
 
