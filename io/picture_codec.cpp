@@ -1,8 +1,10 @@
 #include "io/picture_codec.h"
 
 #include <dlfcn.h>
+#include <sys/mman.h>
 
 #include <atomic>
+#include <new>
 
 #include "base/error.h"
 
@@ -32,9 +34,21 @@ fs::path beside_library()
 
 std::atomic<bool> is_loading = false;
 
+// Returns whether the process may have as much more address space as the module and its libraries take. Where it is limited
+// (`ulimit -v`), constructors of these libraries that cannot start their threads would end the process, or wait for ever.
+bool has_room() noexcept
+{
+    constexpr std::size_t kRoom = std::size_t(512) << 20;
+    void* const room = mmap(nullptr, kRoom, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (room == MAP_FAILED) return false;
+    munmap(room, kRoom);
+    return true;
+}
+
 // Loads a module. Nothing but this function loads one, and one thread at a time calls it.
 void* load_module(const char* file)
 {
+    if (!has_room()) throw std::bad_alloc();
     is_loading = true;
     void* module = dlopen(file, RTLD_LAZY | RTLD_LOCAL);
     is_loading = false;

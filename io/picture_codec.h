@@ -100,7 +100,8 @@ public:
                               std::span<const PictureAttribute> attributes, const float* pixels, PictureBytes& to) const = 0;
 };
 
-/// Returns the codec of the module, which is loaded now if it was not. Throws Error if it cannot be loaded.
+/// Returns the codec of the module, which is loaded now if it was not. Throws Error if it cannot be loaded, and
+/// std::bad_alloc if the process has no room for it.
 const PictureCodec& picture_codec();
 
 /// Returns whether a thread is loading the module now. The constructors of its libraries allocate memory and start threads,

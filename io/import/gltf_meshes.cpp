@@ -90,7 +90,11 @@ const std::vector<CageId>& MeshImporter::cages(int mesh, const CageStyle& style)
         ids.push_back(scene_.add(std::move(cage)));
     };
     if (!is_cage) {
-        for (PrimitiveCage& part : parts) drop_same_triangles(part.cage, report_), add(std::move(part.cage));
+        for (PrimitiveCage& part : parts) {
+            drop_same_triangles(part.cage, report_);
+            check_boxes(part.cage, report_);
+            add(std::move(part.cage));
+        }
         return ids;
     }
     for (PrimitiveCage& part : parts) restore_polygons(part.cage, part.has_polygons);

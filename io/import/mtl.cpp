@@ -64,7 +64,15 @@ public:
     std::map<std::string, MaterialId> materials;
 
 private:
+    // Reads a library once, however often it is named. Returns false if there is none of that name.
     bool read_file_named(const std::string& name)
+    {
+        const auto [known, is_new] = is_there_.try_emplace(name, false);
+        if (is_new) known->second = read_new(name);
+        return known->second;
+    }
+
+    bool read_new(const std::string& name)
     {
         const auto path = inside(folder_, name);
         if (!path || !std::filesystem::is_regular_file(*path)) return false;
@@ -175,6 +183,7 @@ private:
     Scene& scene_;
     Report& report_;
     std::map<std::pair<std::string, TextureRole>, TextureId> textures_;
+    std::map<std::string, bool> is_there_;  ///< the names of libraries so far, and whether each is there
 };
 
 }  // namespace

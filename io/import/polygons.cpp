@@ -153,6 +153,7 @@ Cage triangulate(Polygons polygons, Report& report)
     }
     fill_missing_uvs(out);
     drop_same_triangles(out, report);
+    check_boxes(out, report);
     return out;
 }
 

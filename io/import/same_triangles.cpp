@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstdio>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -102,6 +103,19 @@ void drop_same_triangles(Cage& cage, Report& report)
     keep(cage.color_indices, is_kept, 3);
     keep(cage.face_slots, is_kept, 1);
     report.warn(std::to_string(triangles - kept) + " triangles dropped: another one lies in the same place", cage.name);
+}
+
+void check_boxes(const Cage& cage, const Report& report)
+{
+    if (double(cage.face_vertices.size()) / 3 < kMostBoxes || !has_all_corners(cage)) return;
+    const double boxes = boxes_on_a_ray(cage);
+    if (!(boxes > kMostBoxes)) return;
+    char number[32];
+    std::snprintf(number, sizeof number, "%.3g", boxes);
+    throw Error(report.name(),
+                "too many large triangles overlap: a ray would pass the boxes of about " + std::string(number) +
+                    " of them, and " + std::to_string(static_cast<int>(kMostBoxes)) + " is the limit",
+                cage.name);
 }
 
 }  // namespace occam::import

@@ -1,4 +1,4 @@
-// Removal of triangles that lie in one place.
+// Removal of triangles that lie in one place, and refusal of meshes whose triangles overlap too much.
 #pragma once
 
 #include "io/import/report.h"
@@ -11,5 +11,10 @@ namespace occam::import {
 /// the triangles overlap so much that many may lie in one place. Corners are the same if their positions are, or, in a mesh
 /// that a skin or morph targets deform, if they are the same vertex. Reports how many were dropped.
 void drop_same_triangles(Cage& cage, Report& report);
+
+/// Throws Error for a mesh in which a ray would pass the boxes of more than kMostBoxes triangles, as in hundreds of
+/// thousands of large triangles at random: a picture of it would take minutes.
+void check_boxes(const Cage& cage, const Report& report);
+inline constexpr double kMostBoxes = 1 << 17;
 
 }  // namespace occam::import

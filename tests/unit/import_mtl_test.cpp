@@ -36,6 +36,18 @@ struct Loaded {
     TextureRole role(const TextureUse& use) const { return scene.texture(use.texture).role; }
 };
 
+// Each reading of such a library takes milliseconds.
+TEST(ImportMtl, ALibraryThatIsNamedThousandsOfTimesIsReadOnce)
+{
+    const TempFolder folder;
+    std::string mtl, obj;
+    for (int i = 0; i < 2000; ++i) mtl += "newmtl m" + std::to_string(i) + "\nKd 1 0 0\n";
+    for (int i = 0; i < 20'000; ++i) obj += "mtllib m.mtl\n";
+    folder.write("m.mtl", mtl);
+    const Scene scene = load(folder.write("o.obj", obj + "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m1999\nf 1 2 3\n"));
+    EXPECT_EQ(scene.material(test::only_cage(scene).materials.at(0)).name, "m1999");
+}
+
 TEST(ImportMtl, AnAlphaMapOfItsOwnIsData)
 {
     const Loaded loaded("map_Kd blue.ppm\nmap_d grey.ppm\n");

@@ -1,6 +1,8 @@
 // Tests that triangles in one place are kept once, in files that hold thousands of them, and that no others are dropped.
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "io/import/same_triangles.h"
 #include "tests/support/gltf_scene.h"
 #include "tests/support/import_errors.h"
@@ -76,6 +78,29 @@ TEST(SameTriangles, OfAnOrdinaryMeshAreNotLookedFor)
     import::Report report("grid.obj", true);  // a warning would be an error
     import::drop_same_triangles(cage, report);
     EXPECT_EQ(cage.face_count(), 7201u);
+}
+
+TEST(SameTriangles, ThatOverlapInHundredsOfThousandsAreRefused)
+{
+    Cage cage;
+    cage.name = "soup";
+    cage.scheme = Scheme::Triangles;
+    std::mt19937 random(3);
+    for (int i = 0; i < 1000; ++i)
+        cage.positions.push_back({float(random() % 997), float(random() % 997), float(random() % 997)});
+    const import::Report report("soup.ply", false);
+    const auto soup_of = [&](std::size_t triangles) {
+        cage.face_vertices.resize(3 * triangles);
+        for (std::uint32_t& v : cage.face_vertices) v = static_cast<std::uint32_t>(random() % 1000);
+    };
+    soup_of(300'000);  // a random triangle's box takes a quarter of the size of the whole
+    EXPECT_NO_THROW(import::check_boxes(cage, report));
+    soup_of(800'000);
+    EXPECT_THROW(import::check_boxes(cage, report), Error);
+    // Hundreds of thousands of small triangles are an ordinary mesh.
+    for (std::size_t c = 0; c < cage.face_vertices.size(); c += 3)
+        for (std::size_t k = 1; k < 3; ++k) cage.face_vertices[c + k] = cage.face_vertices[c];
+    EXPECT_NO_THROW(import::check_boxes(cage, report));
 }
 
 TEST(SameTriangles, OfAMeshThatIsDeformedAreThoseOfTheSameVertices)
