@@ -217,7 +217,8 @@ private:
     /// Intersects an igrid of a still pose, where each ray has its own axes.
     OCCAM_NEVER_INLINE void meet_one_by_one(IGrid& grid, unsigned fresh, const Lanes& from, const Lanes& to) noexcept
     {
-        alignas(32) float t_near[kParts * kLanes], t_end[kParts * kLanes], start[kParts * kLanes], scale[kParts * kLanes];
+        alignas(32) float t_near[kParts * kLanes], t_end[kParts * kLanes], start[kParts * kLanes]{},
+            scale[kParts * kLanes]{};
         from.store(t_near);
         to.store(t_end);
         if (grid.blends()) {

@@ -1,4 +1,4 @@
-// The connectivity of a cage, kept by OpenSubdiv. This header is private to lod/, and only it includes the library there.
+// The connectivity of a cage, kept by OpenSubdiv. Only lod/ and the benchmark of dicing include this header.
 #pragma once
 
 #include <opensubdiv/bfr/refinerSurfaceFactory.h>

@@ -2,10 +2,11 @@
 
 #include <opensubdiv/bfr/refinerSurfaceFactory.h>
 #include <opensubdiv/bfr/surface.h>
-#include <opensubdiv/far/topologyDescriptor.h>
-#include <opensubdiv/far/topologyRefinerFactory.h>
+#include <opensubdiv/far/topologyRefiner.h>
 
 #include <stdexcept>
+
+#include "lod/topology_mesh.h"
 
 namespace occam::bench {
 
