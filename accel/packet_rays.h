@@ -38,16 +38,7 @@ public:
             in_tree.negative[a] = axes.negative[a];
             in_tree.direction[a] = way_[a];
         }
-        for (int p = 0; p < kParts; ++p) {
-            RayLanes& lanes = parts_[p].lanes;
-            lanes.kx = axes.kx;
-            lanes.ky = axes.ky;
-            lanes.kz = axes.kz;
-            lanes.sx = shear[0].part[p];
-            lanes.sy = shear[1].part[p];
-            lanes.sz = shear[2].part[p];
-            for (int a = 0; a < 3; ++a) lanes.inverse[a] = in_tree.inverse[a].part[p];
-        }
+        for (int p = 0; p < kParts; ++p) set_constants(parts_[p].lanes, p, axes, shear, in_tree.inverse);
     }
 
     TreeRay<Lanes> in_tree;  ///< in the frame of the tree
@@ -199,19 +190,24 @@ private:
         for (int a = 0; a < 3; ++a) still_gradient_[a] = Lanes::load(gradient[a]);
         for (int p = 0; p < kParts; ++p) {
             RayLanes& lanes = still_parts_[p].lanes;
-            lanes.kx = still_axes_.kx;
-            lanes.ky = still_axes_.ky;
-            lanes.kz = still_axes_.kz;
-            lanes.sx = shear[0].part[p];
-            lanes.sy = shear[1].part[p];
-            lanes.sz = shear[2].part[p];
-            for (int a = 0; a < 3; ++a) {
-                lanes.inverse[a] = inverse[a].part[p];
-                lanes.origin[a] = vfloat::load(&origin[a][p * kLanes]);
-            }
+            set_constants(lanes, p, still_axes_, shear, inverse);
+            for (int a = 0; a < 3; ++a) lanes.origin[a] = vfloat::load(&origin[a][p * kLanes]);
             lanes.shift = vfloat::load(&shift[p * kLanes]);
             still_parts_[p].is_as_one_placed = false;
         }
+    }
+
+    /// Sets what follows from the directions of the rays of a part.
+    static void set_constants(RayLanes& lanes, int p, const RayAxes& axes, const Lanes (&shear)[3],
+                              const Lanes (&inverse)[3]) noexcept
+    {
+        lanes.kx = axes.kx;
+        lanes.ky = axes.ky;
+        lanes.kz = axes.kz;
+        lanes.sx = shear[0].part[p];
+        lanes.sy = shear[1].part[p];
+        lanes.sz = shear[2].part[p];
+        for (int a = 0; a < 3; ++a) lanes.inverse[a] = inverse[a].part[p];
     }
 
     /// Intersects an igrid of a still pose, where each ray has its own axes.

@@ -116,6 +116,9 @@ private:
     std::size_t split(std::span<Leaf> leaves, int depth) const;
     void build(std::uint32_t node, std::span<Leaf> leaves, int depth);
     static float importance(const Node& node, const Receiver& receiver) noexcept;
+    /// Returns whether found(light) is true for any light that is below nodes for which enters(node) is true.
+    template <class Enters, class Found>
+    bool any_leaf(Enters&& enters, Found&& found) const;
     static bool is_crossed(const Node& node, Vec3f origin, Vec3f inverse) noexcept;
 
     Vec3d origin_{0};
@@ -148,25 +151,39 @@ LightTree::LightTree(std::size_t count, Vec3d origin, TrianglesOf&& triangles_of
     build(leaves, count);
 }
 
-template <class Visit>
-void LightTree::for_boxes_around(Vec3d point, Visit&& visit) const
+template <class Enters, class Found>
+bool LightTree::any_leaf(Enters&& enters, Found&& found) const
 {
-    if (nodes_.empty()) return;
-    const Vec3f at = relative(point);
+    if (nodes_.empty()) return false;
     std::array<std::uint32_t, kMaxDepth> todo;
     int waiting = 0;
     todo[waiting++] = 0;
     while (waiting > 0) {
         const Node& node = nodes_[todo[--waiting]];
-        const Box3f& box = node.emitter.box;
-        if (glm::any(glm::lessThan(at, box.lo)) || glm::any(glm::greaterThan(at, box.hi))) continue;
+        if (!enters(node)) continue;
         if (node.left == 0) {
-            visit(node.light);
+            if (found(node.light)) return true;
             continue;
         }
         todo[waiting++] = node.left + 1;
         todo[waiting++] = node.left;
     }
+    return false;
+}
+
+template <class Visit>
+void LightTree::for_boxes_around(Vec3d point, Visit&& visit) const
+{
+    const Vec3f at = relative(point);
+    any_leaf(
+        [&](const Node& node) {
+            const Box3f& box = node.emitter.box;
+            return !glm::any(glm::lessThan(at, box.lo)) && !glm::any(glm::greaterThan(at, box.hi));
+        },
+        [&](std::uint32_t light) {
+            visit(light);
+            return false;
+        });
 }
 
 template <class Visit>
@@ -178,41 +195,23 @@ void LightTree::for_crossed(Vec3d origin, Vec3f direction, Visit&& visit) const
     // Without zeros there is no product of zero and infinity.
     for (int i = 0; i < 3; ++i)
         inverse[i] = 1 / (std::fabs(direction[i]) < 1e-18f ? std::copysign(1e-18f, direction[i]) : direction[i]);
-    std::array<std::uint32_t, kMaxDepth> todo;
-    int waiting = 0;
-    todo[waiting++] = 0;
-    while (waiting > 0) {
-        const Node& node = nodes_[todo[--waiting]];
-        if (!(node.emitter.reach2 > 0) || !is_crossed(node, from, inverse)) continue;
-        if (node.left == 0) {
-            visit(node.light);
-            continue;
-        }
-        todo[waiting++] = node.left + 1;
-        todo[waiting++] = node.left;
-    }
+    any_leaf([&](const Node& node) { return node.emitter.reach2 > 0 && is_crossed(node, from, inverse); },
+             [&](std::uint32_t light) {
+                 visit(light);
+                 return false;
+             });
 }
 
 template <class Found>
 bool LightTree::any_covering(Vec3d point, float share, Found&& found) const
 {
-    if (nodes_.empty()) return false;
     const Vec3f at = relative(point);
-    std::array<std::uint32_t, kMaxDepth> todo;
-    int waiting = 0;
-    todo[waiting++] = 0;
-    while (waiting > 0) {
-        const Node& node = nodes_[todo[--waiting]];
-        const Vec3f off = glm::max(glm::max(node.emitter.box.lo - at, at - node.emitter.box.hi), Vec3f(0));
-        if (!(node.emitter.reach2 > 0) || node.emitter.reach2 < share * 0.999f * glm::dot(off, off)) continue;
-        if (node.left == 0) {
-            if (found(node.light)) return true;
-            continue;
-        }
-        todo[waiting++] = node.left + 1;
-        todo[waiting++] = node.left;
-    }
-    return false;
+    return any_leaf(
+        [&](const Node& node) {
+            const Vec3f off = glm::max(glm::max(node.emitter.box.lo - at, at - node.emitter.box.hi), Vec3f(0));
+            return node.emitter.reach2 > 0 && !(node.emitter.reach2 < share * 0.999f * glm::dot(off, off));
+        },
+        found);
 }
 
 }  // namespace occam::shade

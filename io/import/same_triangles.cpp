@@ -1,14 +1,12 @@
 #include "io/import/same_triangles.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
 #include <cstdio>
 #include <unordered_map>
 #include <unordered_set>
 
-#include "base/hash.h"
+#include "io/import/bits_key.h"
 #include "scenegraph/contents.h"
 
 namespace occam::import {
@@ -18,19 +16,6 @@ namespace {
 // Meshes of fewer triangles, and those in which a ray passes fewer boxes of triangles, are quick to trace as they are.
 constexpr std::size_t kFewTriangles = 4096;
 constexpr double kFewBoxes = 256;
-
-template <std::size_t N>
-using Key = std::array<std::uint32_t, N>;
-
-struct KeyHash {
-    template <std::size_t N>
-    std::size_t operator()(const Key<N>& key) const noexcept
-    {
-        std::uint64_t mixed = 0;
-        for (const std::uint32_t word : key) mixed = mix_bits(mixed ^ word);
-        return static_cast<std::size_t>(mixed);
-    }
-};
 
 bool has_all_corners(const Cage& cage)
 {
@@ -57,15 +42,10 @@ std::vector<std::uint32_t> first_in_place(const Cage& cage)
 {
     std::vector<std::uint32_t> first(cage.positions.size());
     const bool is_deformed = cage.skin.sets > 0 || !cage.morph_targets.empty();
-    std::unordered_map<Key<3>, std::uint32_t, KeyHash> known;
+    std::unordered_map<BitsKey<3>, std::uint32_t, BitsHash> known;
     for (std::uint32_t v = 0; v < first.size(); ++v) {
-        const Vec3f p = cage.positions[v] + Vec3f(0);  // 0 and -0 are one place
-        first[v] = is_deformed ? v
-                               : known
-                                     .try_emplace({std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y),
-                                                   std::bit_cast<std::uint32_t>(p.z)},
-                                                  v)
-                                     .first->second;
+        const Vec3f p = cage.positions[v];
+        first[v] = is_deformed ? v : known.try_emplace({bits_of(p.x), bits_of(p.y), bits_of(p.z)}, v).first->second;
     }
     return first;
 }
@@ -87,11 +67,11 @@ void drop_same_triangles(Cage& cage, Report& report)
     const std::size_t triangles = cage.face_vertices.size() / 3;
     if (triangles < kFewTriangles || !has_all_corners(cage) || !(boxes_on_a_ray(cage) > kFewBoxes)) return;
     const std::vector<std::uint32_t> place = first_in_place(cage);
-    std::unordered_set<Key<3>, KeyHash> known;
+    std::unordered_set<BitsKey<3>, BitsHash> known;
     std::vector<bool> is_kept(triangles);
     std::size_t kept = 0;
     for (std::size_t t = 0; t < triangles; ++t) {
-        Key<3> corners;
+        BitsKey<3> corners;
         for (std::size_t k = 0; k < 3; ++k) corners[k] = place[cage.face_vertices[3 * t + k]];
         std::ranges::rotate(corners, std::ranges::min_element(corners));
         is_kept[t] = known.insert(corners).second;

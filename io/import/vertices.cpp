@@ -1,11 +1,9 @@
 #include "io/import/vertices.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <unordered_map>
 
-#include "base/hash.h"
+#include "io/import/bits_key.h"
 #include "io/import/polygons.h"
 
 namespace occam::import {
@@ -51,33 +49,20 @@ struct Renumbering {
     }
 };
 
-template <std::size_t N>
-using Bits = std::array<std::uint32_t, N>;
-struct BitsHash {
-    template <std::size_t N>
-    std::size_t operator()(const Bits<N>& bits) const noexcept
-    {
-        std::uint64_t mixed = 0;
-        for (const std::uint32_t b : bits) mixed = mix_bits(mixed ^ b);
-        return static_cast<std::size_t>(mixed);
-    }
-};
-std::uint32_t bits_of(float x) { return std::bit_cast<std::uint32_t>(x + 0.0f); }  // -0 and 0 are the same position
-
 // Turns one value for each vertex into one for each corner: vertices that are joined may have several, each kept once.
 template <class Vec>
 void weld_values(std::vector<Vec>& values, std::vector<std::uint32_t>& indices, const Cage& cage,
                  const Renumbering& renumbering)
 {
     constexpr std::size_t kFloats = Vec::length();
-    std::unordered_map<Bits<kFloats + 1>, std::uint32_t, BitsHash> known;
+    std::unordered_map<BitsKey<kFloats + 1>, std::uint32_t, BitsHash> known;
     std::vector<Vec> kept;
     for (const std::uint32_t v : cage.face_vertices) {
         if (v >= values.size()) {
             indices.push_back(0);
             continue;
         }
-        Bits<kFloats + 1> key{renumbering.new_of[v]};
+        BitsKey<kFloats + 1> key{renumbering.new_of[v]};
         for (std::size_t i = 0; i < kFloats; ++i) key[i + 1] = bits_of(values[v][static_cast<int>(i)]);
         const auto [entry, is_new] = known.try_emplace(key, static_cast<std::uint32_t>(kept.size()));
         if (is_new) kept.push_back(values[v]);
@@ -107,7 +92,7 @@ void drop_unused_vertices(Cage& cage)
 void weld_by_position(Cage& cage)
 {
     Renumbering renumbering;
-    std::unordered_map<Bits<3>, std::uint32_t, BitsHash> at;
+    std::unordered_map<BitsKey<3>, std::uint32_t, BitsHash> at;
     for (Vec3f p : cage.positions) {
         const auto [entry, is_new] = at.try_emplace({bits_of(p.x), bits_of(p.y), bits_of(p.z)},
                                                     static_cast<std::uint32_t>(at.size()));

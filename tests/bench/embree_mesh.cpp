@@ -16,20 +16,40 @@ constexpr int kAll[8] = {-1, -1, -1, -1, -1, -1, -1, -1};
 
 }  // namespace
 
-EmbreeMesh::EmbreeMesh(std::span<const Vec3f> positions, Vec3d anchor) : device_(rtcNewDevice("threads=1")), anchor_(anchor)
+EmbreeScene::EmbreeScene() : device_(rtcNewDevice("threads=1"))
 {
     if (!device_) throw std::runtime_error("no Embree device");
     rtcSetDeviceMemoryMonitorFunction(
         device_,
         [](void* self, ssize_t change, bool) {
-            static_cast<EmbreeMesh*>(self)->bytes += static_cast<std::size_t>(change);
+            static_cast<EmbreeScene*>(self)->bytes += static_cast<std::size_t>(change);
             return true;
         },
         this);
     scene_ = rtcNewScene(device_);
     rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
-    RTCGeometry mesh = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+}
+
+EmbreeScene::~EmbreeScene()
+{
+    rtcReleaseScene(scene_);
+    rtcReleaseDevice(device_);
+}
+
+void EmbreeScene::build(RTCGeometry geometry)
+{
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene_, geometry);
+    rtcReleaseGeometry(geometry);
+    const double start = process_seconds();
+    rtcCommitScene(scene_);
+    build_seconds = process_seconds() - start;
+}
+
+EmbreeMesh::EmbreeMesh(std::span<const Vec3f> positions, Vec3d anchor) : anchor_(anchor)
+{
+    RTCGeometry mesh = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_TRIANGLE);
     void* vertices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f),
                                              positions.size());
     std::memcpy(vertices, positions.data(), positions.size_bytes());
@@ -41,18 +61,7 @@ EmbreeMesh::EmbreeMesh(std::span<const Vec3f> positions, Vec3d anchor) : device_
         const Vec3f* of = &positions[i / 3 * 3];
         corners.push_back({positions[i], glm::normalize(glm::cross(of[1] - of[0], of[2] - of[0]))});
     }
-    rtcCommitGeometry(mesh);
-    rtcAttachGeometry(scene_, mesh);
-    rtcReleaseGeometry(mesh);
-    const double start = process_seconds();
-    rtcCommitScene(scene_);
-    build_seconds = process_seconds() - start;
-}
-
-EmbreeMesh::~EmbreeMesh()
-{
-    rtcReleaseScene(scene_);
-    rtcReleaseDevice(device_);
+    build(mesh);
 }
 
 EmbreeRays::EmbreeRays(const EmbreeMesh& mesh, std::span<const accel::Ray> rays, bool as_packets)

@@ -13,16 +13,34 @@
 
 namespace occam::bench {
 
-class EmbreeMesh {
+/// Holds a scene of Embree's own device, with the settings that all comparisons use: robust, and built for high quality by
+/// one thread.
+class EmbreeScene {
 public:
-    /// corners  three for each triangle, in a frame translated by `anchor`
-    EmbreeMesh(std::span<const Vec3f> corners, Vec3d anchor);
-    ~EmbreeMesh();
-    EmbreeMesh(const EmbreeMesh&) = delete;
-    EmbreeMesh& operator=(const EmbreeMesh&) = delete;
+    EmbreeScene();
+    ~EmbreeScene();
+    EmbreeScene(const EmbreeScene&) = delete;
+    EmbreeScene& operator=(const EmbreeScene&) = delete;
 
     std::size_t bytes = 0;     ///< of all that Embree has allocated
     double build_seconds = 0;  ///< CPU, one thread
+
+    RTCScene scene() const noexcept { return scene_; }
+
+protected:
+    RTCDevice device() const noexcept { return device_; }
+    /// Takes the one geometry of the scene, which is released, and builds the tree.
+    void build(RTCGeometry geometry);
+
+private:
+    RTCDevice device_ = nullptr;
+    RTCScene scene_ = nullptr;
+};
+
+class EmbreeMesh : public EmbreeScene {
+public:
+    /// corners  three for each triangle, in a frame translated by `anchor`
+    EmbreeMesh(std::span<const Vec3f> corners, Vec3d anchor);
 
     /// Holds what a renderer keeps of a vertex for shading: here the normal is the triangle's own.
     struct Corner {
@@ -30,12 +48,9 @@ public:
     };
     std::vector<Corner> corners;  ///< three a triangle
 
-    RTCScene scene() const noexcept { return scene_; }
     Vec3d anchor() const noexcept { return anchor_; }
 
 private:
-    RTCDevice device_ = nullptr;
-    RTCScene scene_ = nullptr;
     Vec3d anchor_;
 };
 

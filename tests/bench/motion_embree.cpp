@@ -76,21 +76,10 @@ struct Stage {
 };
 
 // A mesh of Embree's with vertices at several keys; equal vertices are shared.
-class MovingEmbree {
+class MovingEmbree : public EmbreeScene {
 public:
-    explicit MovingEmbree(const std::vector<std::vector<Vec3f>>& corners) : device_(rtcNewDevice("threads=1"))
+    explicit MovingEmbree(const std::vector<std::vector<Vec3f>>& corners)
     {
-        if (!device_) throw std::runtime_error("no Embree device");
-        rtcSetDeviceMemoryMonitorFunction(
-            device_,
-            [](void* self, ssize_t change, bool) {
-                static_cast<MovingEmbree*>(self)->bytes += static_cast<std::size_t>(change);
-                return true;
-            },
-            this);
-        scene_ = rtcNewScene(device_);
-        rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
-        rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
         const auto less = [](Vec3f a, Vec3f b) { return std::memcmp(&a, &b, sizeof(Vec3f)) < 0; };
         std::map<Vec3f, unsigned, decltype(less)> known(less);
         std::vector<unsigned> indices, first;
@@ -99,7 +88,7 @@ public:
             if (is_new) first.push_back(i);
             indices.push_back(at->second);
         }
-        RTCGeometry mesh = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+        RTCGeometry mesh = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_TRIANGLE);
         rtcSetGeometryTimeStepCount(mesh, static_cast<unsigned>(corners.size()));
         for (unsigned key = 0; key < corners.size(); ++key) {
             auto* vertices = static_cast<Vec3f*>(
@@ -109,34 +98,15 @@ public:
         void* to = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned),
                                            indices.size() / 3);
         std::memcpy(to, indices.data(), indices.size() * sizeof(unsigned));
-        rtcCommitGeometry(mesh);
-        rtcAttachGeometry(scene_, mesh);
-        rtcReleaseGeometry(mesh);
-        const double start = process_seconds();
-        rtcCommitScene(scene_);
-        build_seconds = process_seconds() - start;
+        build(mesh);
     }
-    ~MovingEmbree()
-    {
-        rtcReleaseScene(scene_);
-        rtcReleaseDevice(device_);
-    }
-    MovingEmbree(const MovingEmbree&) = delete;
-    MovingEmbree& operator=(const MovingEmbree&) = delete;
-
-    std::size_t bytes = 0;
-    double build_seconds = 0;
 
     void closest(std::vector<RTCRayHit>& rays) const
     {
         RTCIntersectContext context;
         rtcInitIntersectContext(&context);
-        for (RTCRayHit& ray : rays) rtcIntersect1(scene_, &context, &ray);
+        for (RTCRayHit& ray : rays) rtcIntersect1(scene(), &context, &ray);
     }
-
-private:
-    RTCDevice device_ = nullptr;
-    RTCScene scene_ = nullptr;
 };
 
 std::vector<RTCRayHit> for_embree(std::span<const accel::Ray> rays)

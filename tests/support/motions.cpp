@@ -3,22 +3,20 @@
 #include <cmath>
 
 #include "lod/topology_cache.h"
+#include "tests/support/shape_builders.h"
 
 namespace occam::test {
-namespace {
 
-Mat4d moved_by(Vec3d by)
-{
-    Mat4d m(1);
-    m[3] = Vec4d(by, 1);
-    return m;
-}
+Mat4d moved_by(Vec3d by) { return moved(by.x, by.y, by.z); }
 Mat4d scaled_by(Vec3d by)
 {
     Mat4d m(1);
     for (int a = 0; a < 3; ++a) m[a][a] = by[a];
     return m;
 }
+
+namespace {
+
 /// Turns about an axis that is none of the coordinate axes.
 Mat4d turned_by(double angle)
 {

@@ -11,6 +11,10 @@
 
 namespace occam::test {
 
+/// Return the matrices of a translation and of a scaling along the axes.
+Mat4d moved_by(Vec3d by);
+Mat4d scaled_by(Vec3d by);
+
 /// Tells how a cage of about two units moves. Null functions change nothing.
 struct Motion {
     std::string name;

@@ -26,6 +26,18 @@ inline Cage torus(std::uint32_t around = 9, std::uint32_t across = 5, bool uneve
     return cage;
 }
 
+/// Returns the torus as a mesh: each quad as two triangles.
+inline Cage torus_mesh(std::uint32_t around, std::uint32_t across)
+{
+    const Cage quads = torus(around, across);
+    Cage mesh;
+    mesh.scheme = Scheme::Triangles;
+    mesh.positions = quads.positions;
+    for (std::size_t f = 0; f < quads.face_sizes.size(); ++f)
+        for (const std::size_t k : {0, 1, 2, 0, 2, 3}) mesh.face_vertices.push_back(quads.face_vertices[4 * f + k]);
+    return mesh;
+}
+
 /// Returns one quad from the origin to (1, 1, 0).
 inline Cage unit_square()
 {

@@ -23,19 +23,6 @@ Mat4d turned_about_y(double angle)
     m[2] = Vec4d(std::sin(angle), 0, std::cos(angle), 0);
     return m;
 }
-Mat4d scaled_along(Vec3d by)
-{
-    Mat4d m(1);
-    for (int a = 0; a < 3; ++a) m[a][a] = by[a];
-    return m;
-}
-Mat4d shifted(Vec3d by)
-{
-    Mat4d m(1);
-    m[3] = Vec4d(by, 1);
-    return m;
-}
-
 struct PlacedMotion {
     const char* name;
     int segments;
@@ -43,30 +30,18 @@ struct PlacedMotion {
     bool is_invertible;  ///< at all times
 };
 const PlacedMotion kPlacedMotions[] = {
-    {"flies", 1, [](double tau) { return shifted(Vec3d(3, 1, -2) * tau); }, true},
+    {"flies", 1, [](double tau) { return moved_by(Vec3d(3, 1, -2) * tau); }, true},
     {"turns by 20 degrees", 1, [](double tau) { return turned_about_y(0.35 * tau); }, true},
     {"turns by 170 degrees in one", 1, [](double tau) { return turned_about_y(2.967 * tau); }, true},
     {"turns by 180 degrees in one", 1, [](double tau) { return turned_about_y(3.14159265358979 * tau); }, false},
     {"turns by 360 degrees in eight", 8, [](double tau) { return turned_about_y(6.283 * tau); }, true},
-    {"grows", 1, [](double tau) { return scaled_along(Vec3d(0.1 + 0.9 * tau)); }, true},
-    {"shrinks along one axis", 2, [](double tau) { return scaled_along(Vec3d(1, 1, 1 - 0.9 * tau)); }, true},
-    {"collapses", 1, [](double tau) { return scaled_along(Vec3d(1 - tau)); }, false},
-    {"flattens", 1, [](double tau) { return scaled_along(Vec3d(1, 1 - tau, 1)); }, false},
-    {"becomes its mirror image", 1, [](double tau) { return scaled_along(Vec3d(1, 1, 1 - 2 * tau)); }, false},
-    {"collapses between two keys", 2, [](double tau) { return scaled_along(Vec3d(tau < 0.6 ? 1 : -1)); }, false},
+    {"grows", 1, [](double tau) { return scaled_by(Vec3d(0.1 + 0.9 * tau)); }, true},
+    {"shrinks along one axis", 2, [](double tau) { return scaled_by(Vec3d(1, 1, 1 - 0.9 * tau)); }, true},
+    {"collapses", 1, [](double tau) { return scaled_by(Vec3d(1 - tau)); }, false},
+    {"flattens", 1, [](double tau) { return scaled_by(Vec3d(1, 1 - tau, 1)); }, false},
+    {"becomes its mirror image", 1, [](double tau) { return scaled_by(Vec3d(1, 1, 1 - 2 * tau)); }, false},
+    {"collapses between two keys", 2, [](double tau) { return scaled_by(Vec3d(tau < 0.6 ? 1 : -1)); }, false},
 };
-
-// A mesh of triangles with a normal at each vertex.
-Cage ring_mesh()
-{
-    Cage mesh;
-    mesh.scheme = Scheme::Triangles;
-    const Cage ring = torus(20, 14);
-    mesh.positions = ring.positions;
-    for (std::size_t f = 0; f < ring.face_sizes.size(); ++f)
-        for (const std::size_t k : {0, 1, 2, 0, 2, 3}) mesh.face_vertices.push_back(ring.face_vertices[4 * f + k]);
-    return mesh;
-}
 
 // A scene with one cage that moves, either by its node, or by its vertices, which are written at each key.
 struct MovedStage {
@@ -173,7 +148,7 @@ void expect_hits_of_written_vertices(const Cage& cage, const PlacedMotion& motio
 
 TEST(AffineMotion, FindsTheHitsOfACageWhoseVerticesMoveTheSameWay)
 {
-    const Mat4d places[] = {Mat4d(1), shifted({1e5, -2e4, 3e4}) * turned_about_y(0.7), scaled_along({-1, 1.5, 0.8})};
+    const Mat4d places[] = {Mat4d(1), moved_by({1e5, -2e4, 3e4}) * turned_about_y(0.7), scaled_by({-1, 1.5, 0.8})};
     for (const PlacedMotion& motion : kPlacedMotions)
         if (motion.is_invertible)
             for (const Mat4d& place : places) expect_hits_of_written_vertices(torus(), motion, place);
@@ -182,14 +157,14 @@ TEST(AffineMotion, FindsTheHitsOfACageWhoseVerticesMoveTheSameWay)
 TEST(AffineMotion, FindsTheHitsOfAMeshWhoseVerticesMoveTheSameWay)
 {
     for (const PlacedMotion& motion : kPlacedMotions)
-        if (motion.is_invertible) expect_hits_of_written_vertices(ring_mesh(), motion, scaled_along({-1, 1.5, 0.8}));
+        if (motion.is_invertible) expect_hits_of_written_vertices(torus_mesh(20, 14), motion, scaled_by({-1, 1.5, 0.8}));
 }
 
 void expect_same_bits(const PlacedMotion& motion, double spread)
 {
-    for (const Cage& cage : {torus(), prism(7), ring_mesh()}) {
-        MovedStage boxes(cage, motion, false, shifted({7, 0, 0}), accel::TreeKind::Bvh),
-            planes(cage, motion, false, shifted({7, 0, 0}), accel::TreeKind::Kd);
+    for (const Cage& cage : {torus(), prism(7), torus_mesh(20, 14)}) {
+        MovedStage boxes(cage, motion, false, moved_by({7, 0, 0}), accel::TreeKind::Bvh),
+            planes(cage, motion, false, moved_by({7, 0, 0}), accel::TreeKind::Kd);
         const auto rays = rays_into(boxes.scene.bounds(), 4000, spread);
         const auto a = boxes.trace(rays), b = planes.trace(rays);
         int hits = 0;
@@ -217,7 +192,7 @@ TEST(AffineMotion, FindsTheSameBitsAloneAndInPacketsAndInBothTrees)
 TEST(AffineMotion, TakesTheMemoryOfACageThatStands)
 {
     const PlacedMotion still{"stands", 1, [](double) { return Mat4d(1); }, true};
-    for (const Cage& cage : {torus(), ring_mesh()}) {
+    for (const Cage& cage : {torus(), torus_mesh(20, 14)}) {
         MovedStage standing(cage, still, false, Mat4d(1)), turning(cage, kPlacedMotions[4], false, Mat4d(1)),
             written(cage, kPlacedMotions[4], true, Mat4d(1));
         const auto rays = rays_into(standing.scene.bounds(), 4000);

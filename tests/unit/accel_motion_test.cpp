@@ -241,13 +241,7 @@ TEST(MovingTracer, FindsTheHitsOfAllTrianglesAtTheTimeOfEachRay)
 
 TEST(MovingTracer, FindsTheHitsOfAllTrianglesOfAMesh)
 {
-    Cage mesh;
-    mesh.scheme = Scheme::Triangles;
-    const Cage ring = torus(20, 14);
-    mesh.positions = ring.positions;
-    for (std::size_t f = 0; f < ring.face_sizes.size(); ++f)
-        for (const std::size_t k : {0, 1, 2, 0, 2, 3}) mesh.face_vertices.push_back(ring.face_vertices[4 * f + k]);
-    for (const Motion& motion : motions()) expect_hits_of_all_triangles(mesh, motion, 0);
+    for (const Motion& motion : motions()) expect_hits_of_all_triangles(torus_mesh(20, 14), motion, 0);
 }
 
 TEST(MovingTracer, GivesTheVelocityOfTheSurface)

@@ -300,7 +300,7 @@ TEST(ClosedRooms, AreDarkForEverySharedCageHoweverItIsPlaced)
         }
     }
     // The rooms of the other tests are made in code, and are tested without the shared data, too.
-    if (tested == 0) GTEST_SKIP() << "the shared data is not there";
+    if (tested == 0) GTEST_SKIP() << "no shared data";
 }
 
 /// Every closed cage of the tests is a room, and so are what refining it gives and its mix of quads and triangles: turned,
