@@ -72,10 +72,11 @@ void EscapeTest::run()
     set_levels();
     const accel::Frame frame(subject_.scene(), subject_.topologies(), levels_, {.textures = textures_});
     accel::Tracer tracer(frame, std::size_t(1) << 30);
-    std::vector<accel::Ray> rays(2048);
+    std::vector<accel::Ray> rays(kRaysOfAView);
     std::vector<accel::SurfaceHit> hits(rays.size());
     while (report_.rays < settings_.rays) {
-        for (accel::Ray& ray : rays) ray = next_ray();
+        const View view = next_view();
+        for (accel::Ray& ray : rays) ray = next_ray(view);
         tracer.closest(rays, hits);
         for (std::size_t i = 0; i < rays.size(); ++i) judge(rays[i], hits[i]);
         report_.rays += rays.size();
@@ -176,13 +177,17 @@ void EscapeTest::find_starts(Instant& instant)
     }
 }
 
-accel::Ray EscapeTest::next_ray()
+EscapeTest::View EscapeTest::next_view()
 {
     const Instant& instant = instants_.size() > 1 ? pick(instants_, random_) : instants_.front();
     const Start& start = pick(instant.starts, random_);
-    // These are target edge lengths that rays from here may have at their hit.
     const int coarsest = std::clamp(std::ilogb(start.reach), finest_ + 1, finest_ + kLevels);
-    const int level = finest_ + static_cast<int>(random_() % static_cast<unsigned>(coarsest - finest_));
+    return {instant, start, coarsest, finest_ + static_cast<int>(random_() % static_cast<unsigned>(coarsest - finest_))};
+}
+
+accel::Ray EscapeTest::next_ray(const View& view)
+{
+    const auto& [instant, start, coarsest, level] = view;
     const Subject::Pair& pair = instant.pairs[static_cast<std::size_t>(level - finest_)];
     const Target target = any_target(pair, random_);
     const Vec3d rough = Vec3d(target.grid->at(target.a));

@@ -35,7 +35,7 @@ private:
     void set_levels();
 
     static constexpr int kLevels = 4, kFiner = 5, kInstants = 8;
-    static constexpr std::size_t kMostCorners = 2'000'000;
+    static constexpr std::size_t kMostCorners = 2'000'000, kRaysOfAView = 512;
 
     struct Start {
         Vec3d at;
@@ -53,7 +53,16 @@ private:
 
     void find_starts(Instant& instant);
 
-    accel::Ray next_ray();
+    /// Describes what the rays of a batch have in common, so that they are coherent and are traced quickly.
+    struct View {
+        const Instant& instant;
+        const Start& start;
+        int coarsest;  ///< rays from here may have a target edge length of this level at their hit
+        int level;     ///< the finer level of the pair that the rays aim at
+    };
+    View next_view();
+
+    accel::Ray next_ray(const View& view);
 
     void judge(const accel::Ray& ray, const accel::SurfaceHit& hit);
 

@@ -1,10 +1,12 @@
 // Tests of scenes made from seeds: every way to render one gives the same picture, and no ray leaves its closed cages.
 //
-// OCCAM_SEED=n tests that seed alone. With OCCAM_LONG=1 seeds follow one another for OCCAM_CAMPAIGN_SECONDS (ten minutes).
+// OCCAM_SEED=n tests that seed alone. With OCCAM_LONG=1 seeds follow one another for OCCAM_CAMPAIGN_SECONDS (ten minutes),
+// and OCCAM_CAMPAIGN_RAYS (100,000) rays are sent from inside each closed cage.
 #include <gtest/gtest.h>
 
 #include <chrono>
 #include <cstdlib>
+#include <iostream>
 
 #include "tests/support/escapes.h"
 #include "tests/support/random_case.h"
@@ -29,22 +31,21 @@ void expect_holds(std::uint64_t seed, const CaseCheck& check)
 void run_campaign(std::uint64_t quick, const CaseCheck& check)
 {
     if (const char* seed = std::getenv("OCCAM_SEED")) return expect_holds(std::strtoull(seed, nullptr, 10), check);
-    const char* named = std::getenv("OCCAM_CAMPAIGN_SECONDS");
-    const auto end = Clock::now() + std::chrono::seconds(named ? std::atoi(named) : 600) / 3;
+    const auto end = Clock::now() + std::chrono::seconds(number_from("OCCAM_CAMPAIGN_SECONDS", 600)) / 3;
     std::uint64_t seed = 1;
     for (; is_long() ? Clock::now() < end : seed <= quick; ++seed) {
         expect_holds(seed, check);
         if (testing::Test::HasFailure()) break;
     }
-    testing::Test::RecordProperty("seeds", std::to_string(seed - 1));
+    if (is_long()) std::cout << "tested seeds 1 to " << seed - 1 << '\n';
 }
 
-TEST(RandomScenes, GiveOnePictureForAnyThreadsTreesAndMemory) { run_campaign(24, check_pictures); }
+TEST(RandomScenes, GiveOnePictureForAnyThreadsTreesAndMemory) { run_campaign(12, check_pictures); }
 
 /// Values of phase one are kept with igrids that several rays share, so they are where an order of rays would show first.
 TEST(RandomScenes, GiveOnePictureWhenShadedAtVertices)
 {
-    run_campaign(12, [](RandomCase c) {
+    run_campaign(8, [](RandomCase c) {
         for (const SettingFeature f : {SettingFeature::AtVertices, SettingFeature::Frozen, SettingFeature::Coarse})
             c.settings |= 1u << static_cast<unsigned>(f);
         for (RandomPart& part : c.parts) part.features |= 1u << static_cast<unsigned>(PartFeature::Textured);
@@ -54,7 +55,10 @@ TEST(RandomScenes, GiveOnePictureWhenShadedAtVertices)
 
 TEST(RandomScenes, LetNoRayOutOfClosedCages)
 {
-    run_campaign(16, [](const RandomCase& c) { return check_closedness(c, is_long() ? 100'000 : 4'000); });
+    const std::uint64_t rays = is_long() ? rays_of_a_campaign() / 10 : 4'000;
+    Tested tested;
+    run_campaign(10, [&](const RandomCase& c) { return check_closedness(c, rays, &tested); });
+    if (is_long()) std::cout << tested.cages << " cages, " << tested.rays << " rays\n";
 }
 
 TEST(RandomCases, AreTheSameForASeedAndShrinkToWhatFails)

@@ -1,13 +1,15 @@
-// Runs every scene file of the shared data through the executable: valid files give pictures; the others give one line or a
-// picture, within 20 s and one GiB.
+// Runs scene files of the shared data through the executable: valid files give pictures; the others give one line or a
+// picture, within 20 s and one GiB. Every fourth file is run by default, and all of them with OCCAM_LONG=1.
 #include <gtest/gtest.h>
 #include <signal.h>
 
 #include <map>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "tests/support/child_process.h"
+#include "tests/support/escapes.h"
 #include "tests/support/scene_files.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temp_folder.h"
@@ -38,6 +40,14 @@ protected:
     }
     fs::path folder() const { return shared_data() / "data" / GetParam(); }
 
+    std::vector<fs::path> files() const
+    {
+        const std::vector<fs::path> all = scene_files_below(folder());
+        std::vector<fs::path> some;
+        for (std::size_t i = 0; i < all.size(); i += is_long() ? 1 : 4) some.push_back(all[i]);
+        return some;
+    }
+
     ChildOutcome render(const fs::path& scene) const
     {
         fs::remove(picture_);
@@ -65,7 +75,7 @@ bool has_few_lines(const std::string& text)
 class ValidFiles : public SceneFiles {};
 TEST_P(ValidFiles, GiveAPicture)
 {
-    for (const fs::path& file : scene_files_below(folder())) {
+    for (const fs::path& file : files()) {
         const ChildOutcome outcome = render(file);
         if (const auto refused = kRefused.find(file.stem().string()); refused != kRefused.end()) {
             EXPECT_EQ(outcome.exit_code, 2) << file;
@@ -82,7 +92,7 @@ INSTANTIATE_TEST_SUITE_P(Shared, ValidFiles, testing::Values("gltf", "subdiv", "
 class HostileFilesInAProcess : public SceneFiles {};
 TEST_P(HostileFilesInAProcess, EndInOneLineOrAPictureWithinLimits)
 {
-    for (const fs::path& file : scene_files_below(folder())) {
+    for (const fs::path& file : files()) {
         const ChildOutcome outcome = render(file);
         if (outcome.exit_code == 2) {
             EXPECT_TRUE(is_one_line(outcome.err)) << file << ": " << outcome.err;

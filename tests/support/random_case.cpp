@@ -328,18 +328,23 @@ std::string check_pictures(const RandomCase& c)
     return {};
 }
 
-std::string check_closedness(const RandomCase& c, std::uint64_t rays)
+std::string check_closedness(const RandomCase& c, std::uint64_t rays, Tested* tested)
 {
     Scene scene = scene_of(c);
     VerifySettings settings;
     settings.rays = rays;
     settings.seed = c.seed;
     settings.largest_rate = 8;
-    for (const VerifiedCage& found : verify(scene, settings))
+    for (const VerifiedCage& found : verify(scene, settings)) {
+        if (tested) {
+            tested->cages += found.rays > 0;
+            tested->rays += found.rays;
+        }
         if (!found.holds())
             return found.node + ": " + std::to_string(found.escaped) + " of " + std::to_string(found.rays) +
                    " rays escape, " + std::to_string(found.not_finite) + " hits are not finite" +
                    (found.replay.empty() ? "" : "; " + found.replay.front());
+    }
     return {};
 }
 

@@ -93,7 +93,14 @@ RandomCase shrunk(RandomCase failing, const CaseCheck& check);
 /// The picture must be the same and every sample finite.
 std::string check_pictures(const RandomCase& c);
 
-/// Shoots rays from inside every closed cage of the case, where it is placed and as it is posed: none may escape.
-std::string check_closedness(const RandomCase& c, std::uint64_t rays);
+/// Counts what check_closedness() has tested.
+struct Tested {
+    std::size_t cages = 0;
+    std::uint64_t rays = 0;
+};
+
+/// Sends `rays` rays from inside every closed cage of the case, where it is placed and as it is posed: none may escape.
+/// tested   is added to, unless it is null
+std::string check_closedness(const RandomCase& c, std::uint64_t rays, Tested* tested = nullptr);
 
 }  // namespace occam::test

@@ -178,7 +178,7 @@ TEST(Verify, HoldsForDisplacedCagesAsTheyArePosed)
         for (const Mat4d& joint : bent_joints()) skin.joints.push_back(scene.add_node(scene.root(), {.matrix = joint}));
         node.skin = scene.add(std::move(skin));
         scene.add_node(scene.root(), node);
-        const std::vector<VerifiedCage> reports = verify(scene, {.rays = 40000, .largest_rate = 16});
+        const std::vector<VerifiedCage> reports = verify(scene, {.rays = 40000, .largest_rate = 8});
         ASSERT_EQ(reports.size(), 1u);
         EXPECT_EQ(reports[0].not_testable, "");
         EXPECT_GE(reports[0].rays, 40000u);

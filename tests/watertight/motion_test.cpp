@@ -21,7 +21,7 @@ void expect_no_escape(const Cage& cage, const Motion& motion, int largest_rate)
         Scene scene;
         add_moving(scene, cage, motion, place);
         VerifySettings settings;
-        settings.rays = is_long() ? 1'250'000 : 2'048;
+        settings.rays = is_long() ? blended_rays_per_place() : 2'048;
         settings.largest_rate = largest_rate;
         settings.overlap_ulps = place == Mat4d(1) ? 4.0f : 0.0f;
         std::uint64_t tested = 0;
