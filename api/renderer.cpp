@@ -6,6 +6,7 @@
 
 #include "api/renderer_state.h"
 #include "base/error_without_file.h"
+#include "base/freed_memory.h"
 #include "render/cryptomatte.h"
 #include "render/frame.h"
 #include "render/metadata.h"
@@ -17,6 +18,8 @@ namespace occam {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kMostFreedBytes = std::size_t(64) << 20;  ///< a process may keep these beside what a frame took
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -69,6 +72,8 @@ struct Job::State {
         } catch (...) {
             error = std::current_exception();
         }
+        // What a frame takes stays with the process, so that the next one need not ask the system for it again.
+        return_freed_memory(stats.memory.arena_peak_bytes + kMostFreedBytes);
         lock.reset();
         renderer->busy = false;
         control.enter(Stage::Done);
