@@ -1,4 +1,4 @@
-// Reads and writes image files, through the codec of io/picture_codec.h.
+// Reads and writes image files, through the codec of io/picture_codec.h, but for OpenEXR files that are written.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "io/exr_file.h"
 #include "io/extensions.h"
 #include "io/output_file.h"
 #include "io/picture_codec.h"
@@ -62,6 +63,12 @@ PictureSpec base_spec(const Image& image, std::size_t channels, SampleType type)
     return spec;
 }
 
+void check_size(const fs::path& file, const PictureSpec& spec, int width, int height, int channels)
+{
+    if (width != spec.width || height != spec.height || channels != spec.channel_count())
+        refuse(file, "cannot be written: its head reads back as another picture's");
+}
+
 // Checks the header: encoders that write a wrong one, or none, are not trusted with the final name.
 void check_header(const OutputFile& out, const fs::path& file, const PictureSpec& spec)
 {
@@ -69,8 +76,21 @@ void check_header(const OutputFile& out, const fs::path& file, const PictureSpec
     const auto in = picture_codec().open(out.temporary(), why);
     if (!in) refuse(file, "cannot be written: its head cannot be read back: " + why);
     const PictureSpec& found = in->spec();
-    if (found.width != spec.width || found.height != spec.height || found.channel_count() != spec.channel_count())
-        refuse(file, "cannot be written: its head reads back as another picture's");
+    check_size(file, spec, found.width, found.height, found.channel_count());
+}
+
+// Does for OpenEXR what write_pixels() does for other formats.
+void write_exr_pixels(const fs::path& file, const PictureSpec& spec, std::span<const PictureAttribute> attributes,
+                      const std::vector<float>& pixels)
+{
+    OutputFile target(file);
+    EncodedBytes bytes(target);
+    occam::write_exr(spec, attributes, pixels.data(), bytes);
+    target.finish();
+    const std::optional<ExrHead> found = read_exr_head(target.temporary());
+    if (!found) refuse(file, "cannot be written: its head cannot be read back");
+    check_size(file, spec, found->width, found->height, found->channel_count);
+    target.publish();
 }
 
 void write_pixels(const fs::path& file, const PictureSpec& spec, std::span<const PictureAttribute> attributes,
@@ -85,7 +105,7 @@ void write_pixels(const fs::path& file, const PictureSpec& spec, std::span<const
     target.publish();
 }
 
-// Writes the channels in OpenEXR's order: those of beauty have no prefix, others are named layer.channel.
+// Names the channels: those of beauty have no prefix, others are layer.channel.
 void write_exr(const Image& image, const fs::path& file, const WriteOptions& options)
 {
     std::size_t channels = 0;
@@ -97,9 +117,8 @@ void write_exr(const Image& image, const fs::path& file, const WriteOptions& opt
     spec.full_width = image.full_width;
     spec.full_height = image.full_height;
     std::vector<PictureAttribute> attributes;
-    add(attributes, "compression", std::string("zip"));
     if (!options.note.empty()) add(attributes, kExrNote, options.note);
-    if (options.exposure_seconds) add(attributes, "ExposureTime", *options.exposure_seconds);  // OpenEXR's expTime
+    if (options.exposure_seconds) add(attributes, "expTime", *options.exposure_seconds);
     for (const Attribute& a : image.attributes) add(attributes, a.name, a.value);
 
     const std::size_t count = std::size_t(image.width) * std::size_t(image.height);
@@ -120,9 +139,7 @@ void write_exr(const Image& image, const fs::path& file, const WriteOptions& opt
             }
         first += n;
     }
-    const auto alpha = std::find(spec.channels.begin(), spec.channels.end(), "A");
-    spec.alpha_channel = alpha == spec.channels.end() ? -1 : static_cast<int>(alpha - spec.channels.begin());
-    write_pixels(file, spec, attributes, pixels);
+    write_exr_pixels(file, spec, attributes, pixels);
 }
 
 void write_hdr(const Image& image, const fs::path& file, const WriteOptions&)
@@ -185,6 +202,7 @@ constexpr PictureFormat kFormats[] = {
      .name = "OpenEXR",
      .contents = "all layers (`--aov`), scene-linear, 16 or 32 bits a channel (`--exr`), standard attributes",
      .holds_layers = true,
+     .needs_codec = false,
      .write = write_exr},
     {.extensions = ".hdr", .name = "Radiance HDR", .contents = "the picture, scene-linear", .write = write_hdr},
     {.extensions = ".png",
@@ -236,11 +254,12 @@ const PictureFormat* picture_format_of(const fs::path& file) { return find_by_ex
 
 void Image::check_writable(const fs::path& file)
 {
-    if (!picture_format_of(file))
+    const PictureFormat* const format = picture_format_of(file);
+    if (!format)
         throw Error(file.string(),
                     "has no extension of a format that can be written: " + extensions_of(picture_formats(), true));
     check_output(file);
-    check_picture_codec();
+    if (format->needs_codec) check_picture_codec();
 }
 
 void Image::write(const fs::path& file, const WriteOptions& options) const

@@ -2,7 +2,7 @@
 // traced, then all hits are shaded, then all paths are extended.
 //
 // direct   light that comes straight from lights, seen also in mirrors and through clear glass
-// path     light of any number of bounces up to a limit; after a few bounces Russian roulette decides by throughput
+// path     light of any number of bounces up to a limit; Russian roulette ends paths of little throughput
 // ao       the share of a white sky that each point sees
 //
 // A surface that blends, masks or is clear glass transmits light, and the ray is shot again from there, in order of t.
@@ -73,8 +73,6 @@ inline constexpr int kMaxLightsPerHit = static_cast<int>(shade::FrameLights::kMo
 inline constexpr int kTreeDraws = 16, kLaterTreeDraws = 4;
 /// The GGX width up to which `direct` follows a lobe as a mirror; wider lobes show lights alone.
 inline constexpr float kMirrorAlpha = 0.01f;
-/// The number of bounces before Russian roulette starts.
-inline constexpr int kCertainBounces = 3;
 
 /// A camera ray that has been split this many times continues along one way at random.
 inline constexpr int kMaxSplits = 32;

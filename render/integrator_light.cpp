@@ -34,6 +34,16 @@ std::uint32_t scattered_key(std::uint32_t key, std::uint32_t n) noexcept
 
 bool is_black(Vec3f c) noexcept { return !(c.x > 0 || c.y > 0 || c.z > 0); }
 
+// Returns the chance with which a scattered path goes on (Russian roulette): 1 as long as its throughput is at least
+// kCertainThroughput, and in proportion to it below. Paths are ended late: in a room that is lit through its windows, those
+// of many bounces bring as much light as those of few, and each that goes on for others that were ended adds noise.
+float survival_of(Vec3f throughput) noexcept
+{
+    constexpr float kCertainThroughput = 0.25f, kLeastSurvival = 0.05f;
+    const float worth = std::max({throughput.x, throughput.y, throughput.z});
+    return std::clamp(worth / kCertainThroughput, kLeastSurvival, 1.0f);
+}
+
 // Calls sample(square) for `count` points of a sequence, which are computed in blocks.
 template <class Sample>
 void for_squares(const Sequence& squares, std::uint32_t first, int count, Sample&& sample)
@@ -304,15 +314,12 @@ void Integrator::scatter_on(const Vertex& v, float chance)
             look_for_light(next, ray);
             continue;
         }
-        if (!is_direct && next.bounces > kCertainBounces) {
-            const float worth = std::max({next.throughput.x, next.throughput.y, next.throughput.z});
-            const float survival = std::clamp(worth, 0.05f, 0.95f);
-            if (v.drawn.survival >= survival) {
-                if (context_.log) context_.log->ended_by_chance(survival);
-                continue;
-            }
-            next.throughput /= survival;
+        const float survival = is_direct ? 1 : survival_of(next.throughput);
+        if (v.drawn.survival >= survival) {
+            if (context_.log) context_.log->ended_by_chance(survival);
+            continue;
         }
+        if (survival < 1) next.throughput /= survival;
         push(next, ray);
     }
 }

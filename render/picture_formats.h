@@ -1,7 +1,7 @@
 // The formats of picture files that can be written: one row each.
 //
 // To add a format, add its row (render/image_io.cpp) and, if the writers there do not fit, its writer. The library behind
-// io/picture_codec.h has to know it.
+// io/picture_codec.h has to know it, to read it back at least.
 #pragma once
 
 #include <filesystem>
@@ -18,6 +18,7 @@ struct PictureFormat {
     std::string_view contents;      ///< what is written
     bool holds_layers = false;      ///< all layers, not the picture alone
     bool is_for_display = false;    ///< holds what a screen shows: exposure and tone curve are applied
+    bool needs_codec = true;        ///< is written by picture_codec()
     std::string_view codec_name{};  ///< what PictureReader::format() calls it, if its end has a mark
     std::string_view end_mark{};    ///< the last bytes of a whole file; empty: its last row is read instead
     void (*write)(const Image& image, const std::filesystem::path& file, const WriteOptions& options) = nullptr;

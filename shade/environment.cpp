@@ -1,6 +1,7 @@
 #include "shade/environment.h"
 
 #include <algorithm>
+#include <limits>
 #include <span>
 
 #include "shade/frame_of.h"
@@ -8,6 +9,12 @@
 
 namespace occam::shade {
 namespace {
+
+// An image is even if the mean square of its luminance is at most this many times the square of its mean. Directions that
+// are scattered by surfaces then find its light with so little noise that samples of the image take more time than they
+// save: on clouded skies they cost as much as they give at 1.4, and save a tenth to a quarter at 1.9 where the sky is seen
+// freely.
+constexpr double kEven = 1.5;
 
 constexpr int kColumns = 512, kRows = 256;
 
@@ -24,6 +31,23 @@ Vec3f sky_radiance(float y) noexcept
 }
 
 }  // namespace
+
+// Says how the light of an image is spread over the sphere.
+struct Environment::Spread {
+    Vec3f darkest{std::numeric_limits<float>::infinity()}, brightest{0};  // in each channel
+    double area = 0, sum = 0, sum_of_squares = 0;                         // of luminances, by solid angle
+
+    void add(Vec3f color, float luminance, float solid_angle) noexcept
+    {
+        darkest = glm::min(darkest, color);
+        brightest = glm::max(brightest, color);
+        area += double(solid_angle);
+        sum += double(luminance) * double(solid_angle);
+        sum_of_squares += double(luminance) * double(luminance) * double(solid_angle);
+    }
+    bool is_one_color() const noexcept { return darkest == brightest; }
+    bool is_even() const noexcept { return sum_of_squares * area <= kEven * sum * sum; }
+};
 
 // Holds the index of the interval of rising `sums` that contains u, and u's place in it.
 struct Environment::Interval {
@@ -132,6 +156,7 @@ void Environment::tabulate()
     cells_.resize(std::size_t(kColumns) * kRows);
     rows_.resize(kRows);
     double total = 0;
+    Spread spread;
     for (int row = 0; row < kRows; ++row)
         for (int column = 0; column < kColumns; ++column) {
             const Vec2f uv((float(column) + 0.5f) / kColumns, (float(row) + 0.5f) / kRows);
@@ -139,7 +164,16 @@ void Environment::tabulate()
             const float y = std::min(0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z, 1e6f);
             cells_[std::size_t(row * kColumns + column)].upto = y;
             total += double(y);
+            spread.add(c, y, maths::sin((float(row) + 0.5f) * kPi / kRows));
         }
+    if (spread.is_even()) {
+        cells_.clear();
+        rows_.clear();
+        if (!spread.is_one_color()) return;
+        kind_ = Kind::Constant;
+        scale_ *= spread.darkest;
+        return;
+    }
     // A floor keeps the density above zero where filtering brings light into a black cell.
     const float floor = std::max(float(total / (kColumns * kRows)) * 0.05f, 1e-6f);
     for (int row = 0; row < kRows; ++row) {

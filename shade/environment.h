@@ -1,7 +1,7 @@
 // Light from infinitely far, in every direction: a constant, an equirectangular image, or the default sky of a scene
 // without light.
 //
-// Memory   tables of 512 x 256 luminances and indices for an image, 1 MB. Borrows the texture store.
+// Memory   tables of 512 x 256 luminances and indices for an image that is not even, 1 MB. Borrows the texture store.
 // Threads  const after construction.
 #pragma once
 
@@ -25,9 +25,9 @@ public:
     bool is_black() const noexcept { return kind_ == Kind::None; }
     Vec3f radiance(Vec3f direction) const noexcept;
 
-    /// Returns true for an image, which is also sampled by its brightness. For the others the lobes of the surface
-    /// suffice.
-    bool has_density() const noexcept { return kind_ == Kind::Image; }
+    /// Returns true for an image that is also sampled by its brightness. For an image that is about equally bright
+    /// everywhere, and for all that is no image, the lobes of the surface suffice.
+    bool has_density() const noexcept { return !cells_.empty(); }
     /// Light from one direction, and the density per solid angle with which draw() finds it; 0 if the environment has no
     /// density.
     struct Light {
@@ -50,6 +50,7 @@ private:
         std::uint16_t guide;
     };
     struct Interval;
+    struct Spread;
 
     Vec2f uv_of(Vec3f direction) const noexcept;
     Vec3f direction_of(Vec2f uv) const noexcept;
@@ -66,8 +67,8 @@ private:
     TextureUse image_;
     float rotation_sin_ = 0, rotation_cos_ = 1;
     const TextureStore* textures_ = nullptr;
-    std::vector<Sum> rows_;   ///< over rows
-    std::vector<Sum> cells_;  ///< within each row
+    std::vector<Sum> rows_;   ///< over rows; empty without a density
+    std::vector<Sum> cells_;  ///< within each row; the same
 };
 
 }  // namespace occam::shade

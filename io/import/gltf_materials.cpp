@@ -20,7 +20,7 @@ const T* find(const std::vector<T>& list, int index)
     return index >= 0 && static_cast<std::size_t>(index) < list.size() ? &list[static_cast<std::size_t>(index)] : nullptr;
 }
 
-std::string element(const char* kind, int index, const std::string& name)
+std::string named_element(const char* kind, int index, const std::string& name)
 {
     return std::string(kind) + "[" + std::to_string(index) + "]" + (name.empty() ? "" : " '" + name + "'");
 }
@@ -47,7 +47,7 @@ MaterialImporter::MaterialImporter(const tinygltf::Model& model, AccessorReader&
 {
     for (std::size_t i = 0; i < model.materials.size(); ++i) {
         const tinygltf::Material& m = model.materials[i];
-        const std::string where = element("materials", static_cast<int>(i), m.name);
+        const std::string where = named_element("materials", static_cast<int>(i), m.name);
         Material material = convert(m, where);
         try {
             check(material);
@@ -65,7 +65,7 @@ MaterialImporter::MaterialImporter(const tinygltf::Model& model, AccessorReader&
         try {
             if (const auto unused = describe(index, TextureRole::Data)) const TextureSource opened(*unused);
         } catch (const Error& error) {
-            report_.warn("unused image cannot be read", element("images", index, model.images[i].name));
+            report_.warn("unused image cannot be read", named_element("images", index, model.images[i].name));
         }
     }
 }
@@ -107,12 +107,12 @@ std::optional<Texture> MaterialImporter::describe(int index, TextureRole role)
     const tinygltf::Image* i = find(model_.images, index);
     Texture t;
     const std::string name = i->name.empty() ? i->uri.substr(0, kMaxShownUri) : i->name;
-    t.name = report_.file().filename().string() + ": " + element("images", index, name);
+    t.name = report_.file().filename().string() + ": " + named_element("images", index, name);
     t.role = role;
     if (i->bufferView >= 0 || !i->image.empty()) {
         auto& bytes = encoded_[index];
         if (!bytes) {
-            const auto source = i->bufferView >= 0 ? accessors_.view(i->bufferView, element("images", index, i->name))
+            const auto source = i->bufferView >= 0 ? accessors_.view(i->bufferView, named_element("images", index, i->name))
                                                    : std::span<const unsigned char>(i->image);
             const auto* first = reinterpret_cast<const std::byte*>(source.data());
             bytes = std::make_shared<const std::vector<std::byte>>(first, first + source.size());
@@ -123,7 +123,7 @@ std::optional<Texture> MaterialImporter::describe(int index, TextureRole role)
     const std::string shown = i->uri.substr(0, kMaxShownUri);
     const auto path = inside(report_.file().parent_path(), decode_uri(i->uri));
     if (!path) {
-        report_.warn("image is not in the scene's folder", element("images", index, shown));
+        report_.warn("image is not in the scene's folder", named_element("images", index, shown));
         return std::nullopt;
     }
     if (!std::filesystem::is_regular_file(*path)) {

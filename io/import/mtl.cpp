@@ -23,6 +23,15 @@ Vec3f not_negative(const float (&c)[3])
     return {part(c[0]), part(c[1]), part(c[2])};
 }
 
+// Returns true for the illumination model of MTL that has a Lambertian surface without highlights, unless values of the
+// extension for physically based rendering say more.
+bool is_diffuse_alone(const tinyobj::material_t& m)
+{
+    const bool is_extended = m.roughness > 0 || m.metallic > 0 || m.clearcoat_thickness > 0 ||
+                             !m.roughness_texname.empty() || !m.metallic_texname.empty();
+    return m.illum == 1 && !is_extended;
+}
+
 // Returns true if the image, reduced to at most 64 texels a side, has no colour. Returns false if it cannot be read; the
 // texture store will report that.
 bool is_grey(const Texture& texture)
@@ -172,6 +181,7 @@ private:
         if (material.roughness_texture) material.roughness = m.roughness > 0 ? unit(m.roughness) : 1;
         material.metallic_texture = texture(m.metallic_texname, m.metallic_texopt, TextureRole::Data);
         if (material.metallic_texture) material.metallic = m.metallic > 0 ? unit(m.metallic) : 1;
+        if (is_diffuse_alone(m)) material.specular = 0;
         add_normals(m, material);
         if (m.ior >= 1 && m.ior < 10) material.ior = m.ior;
         material.clearcoat = unit(m.clearcoat_thickness);

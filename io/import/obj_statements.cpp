@@ -88,8 +88,8 @@ bool apply_tag(const Tag& tag, Cage& cage)
         return true;
     }
     if (tag.name == "interpolateboundary" && tag.ints.size() == 1 && tag.ints[0] <= 2) {
-        constexpr BoundaryRule kRules[] = {BoundaryRule::None, BoundaryRule::EdgeAndCorner, BoundaryRule::EdgeOnly};
-        cage.boundary = kRules[tag.ints[0]];
+        constexpr BoundaryRule kBoundaryRules[] = {BoundaryRule::None, BoundaryRule::EdgeAndCorner, BoundaryRule::EdgeOnly};
+        cage.boundary = kBoundaryRules[tag.ints[0]];
         return true;
     }
     return false;

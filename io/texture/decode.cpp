@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/srgb.h"
 #include "io/picture_codec.h"
+#include "io/radiance_file.h"
 #include "io/texture/image_header.h"
 #include "io/texture/image_metadata.h"
 
@@ -93,7 +94,8 @@ void TextureSource::State::open(const Texture& texture)
         open_memory(format);
     } else {
         std::string why;
-        input = picture_codec().open(texture.path, why);
+        if (format == "hdr") input = open_radiance(texture.path);
+        if (!input) input = picture_codec().open(texture.path, why);
         if (!input) refuse("image cannot be read: " + why);
     }
     const PictureSpec& spec = input->spec();

@@ -48,6 +48,18 @@ TEST(ImportMtl, ALibraryThatIsNamedThousandsOfTimesIsReadOnce)
     EXPECT_EQ(scene.material(test::only_cage(scene).materials.at(0)).name, "m1999");
 }
 
+// The format's illumination model 1 is Lambertian.
+TEST(ImportMtl, TheModelWithoutHighlightsReflectsNoLight)
+{
+    EXPECT_EQ(Loaded("Kd 0.5 0.5 0.5\nKs 0 0 0\nillum 1\n").material.specular, 0);
+    EXPECT_EQ(Loaded("Kd 0.5 0.5 0.5\nKs 1 1 1\nillum 1\n").material.specular, 0);
+    EXPECT_EQ(Loaded("Kd 0.5 0.5 0.5\nillum 2\n").material.specular, 1);
+    EXPECT_EQ(Loaded("Kd 0.5 0.5 0.5\n").material.specular, 1) << "the file does not say";
+    EXPECT_EQ(Loaded("Kd 0.5 0.5 0.5\nPr 0.4\nillum 1\n").material.specular, 1) << "it has a roughness";
+    EXPECT_EQ(Loaded("Kd 0.5 0.5 0.5\nPm 1\nillum 1\n").material.specular, 1) << "it is a metal";
+    EXPECT_EQ(Loaded("Kd 0.5 0.5 0.5\nmap_Pr grey.ppm\nillum 1\n").material.specular, 1);
+}
+
 TEST(ImportMtl, AnAlphaMapOfItsOwnIsData)
 {
     const Loaded loaded("map_Kd blue.ppm\nmap_d grey.ppm\n");

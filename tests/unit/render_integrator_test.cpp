@@ -55,6 +55,29 @@ TEST(Integrator, AMissIsTransparentOrTheEnvironment)
     EXPECT_EQ(r.alpha, 0);
 }
 
+// A path between two planes of that colour meets one of them at each of its scatterings.
+std::uint64_t scattered_between_planes(float color, int samples)
+{
+    const Material material = lambertian(color);
+    Stage stage;
+    stage.settings.integrator = IntegratorKind::Path;
+    stage.settings.bounces = 6;
+    stage.settings.spp = samples;
+    stage.tracer.planes = {{0, &material}, {6, &material}};
+    std::vector<CameraSample> all;
+    for (int i = 0; i < samples; ++i) all.push_back({4, 4, i});
+    stage.run(all);
+    return stage.counters.rays.diffuse;
+}
+
+TEST(Integrator, PathsAreEndedByChanceOnlyWhereLittleOfTheirLightIsLeft)
+{
+    EXPECT_EQ(scattered_between_planes(0.8f, 256), 6u * 256) << "0.8^6 is above a fourth";
+    const std::uint64_t dark = scattered_between_planes(0.1f, 256);
+    EXPECT_GT(dark, 256u * 3 / 10) << "a tenth is left after the first scattering: two paths in five go on";
+    EXPECT_LT(dark, 256u * 5 / 10);
+}
+
 // Two sheets of opacity 1/4 lie over a floor. They are unlit, so that none shadows another.
 TEST(Integrator, BlendedSheetsAreLaidOverEachOtherInOrder)
 {

@@ -64,7 +64,8 @@ TEST(Integrator, HundredsOfBlendedSheetsAreRightInTheMean)
 }
 
 // A stack of white sheets scatters all light, so between two skies of radiance 1 it shows 1 everywhere, whatever is lit and
-// followed by chance.
+// followed by chance. The stacks are so thin that hardly any light is scattered more than 100 times in them, which is the
+// limit here.
 TEST(Integrator, FaintWhiteSheetsUnderAWhiteSkyAreWhiteInTheMean)
 {
     for (const float alpha : {0.02f, 0.3f}) {
@@ -76,7 +77,8 @@ TEST(Integrator, FaintWhiteSheetsUnderAWhiteSkyAreWhiteInTheMean)
         stage.environment = shade::Environment(uniform, stage.textures);
         stage.settings.integrator = IntegratorKind::Path;
         stage.settings.bounces = 100;
-        for (int i = 0; i < 100; ++i) stage.tracer.planes.push_back({1 + 3.0 * i / 100, &sheet});
+        const int sheets = alpha < 0.1f ? 100 : 20;
+        for (int i = 0; i < sheets; ++i) stage.tracer.planes.push_back({1 + 3.0 * i / sheets, &sheet});
         std::vector<CameraSample> samples;
         for (int i = 0; i < 1024; ++i) samples.push_back({i % 8, i / 8 % 8, i / 64});
         stage.settings.spp = 16;
