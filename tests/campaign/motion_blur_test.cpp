@@ -1,14 +1,10 @@
-// A blurred picture is the mean of still pictures of moments while the shutter is open.
-//
-// Both sides are estimates. The variance of a blurred pixel is known from its own samples, and that of a mean of still
-// pictures from how they vary around neighbours of theirs; samples are stratified, so both are bounds from above. A pixel
-// fails if the two differ by more than four standard errors and by what many pictures of few moments cannot resolve.
+// A blurred picture is the mean of still pictures of moments while the shutter is open (tests/support/mean_of_stills.h).
 #include <gtest/gtest.h>
 #include <occam/occam.h>
 
 #include <cmath>
-#include <functional>
 
+#include "tests/support/mean_of_stills.h"
 #include "tests/support/shape_builders.h"
 #include "worm.h"
 
@@ -17,67 +13,13 @@ namespace {
 
 using namespace test;
 
-struct Moving {
-    Scene scene;
-    std::function<void(Scene&, double tau)> pose;
-    std::function<Camera(double tau)> camera;
-    Settings settings{.width = 40, .height = 30, .spp = 64};
-};
-
-constexpr int kMoments = 32;
-
-Image blurred(Moving& moving)
-{
-    Settings settings = moving.settings;
-    settings.aovs = Aov::Variance;
-    settings.seed = 1000;
-    moving.scene.record_shutter(32, [&](double tau) { moving.pose(moving.scene, tau); });
-    Camera camera = moving.camera(0.5);
-    const Camera first = moving.camera(0), last = moving.camera(1);
-    if (first.world_from_camera != last.world_from_camera)
-        for (int k = 0; k <= 32; ++k) camera.keys.push_back(moving.camera(k / 32.0).world_from_camera);
-    const Image image = Renderer().render(moving.scene, camera, settings);
-    moving.scene.clear_shutter();
-    return image;
-}
-
-double luminance(const float* p) { return 0.2126 * double(p[0]) + 0.7152 * double(p[1]) + 0.0722 * double(p[2]); }
-
 void expect_the_mean_of_stills(Moving moving)
 {
-    const Image picture = blurred(moving);
-    const std::size_t pixels = std::size_t(moving.settings.width * moving.settings.height);
-    std::vector<double> sum(pixels), squares(pixels);
-    Renderer renderer;
-    for (int m = 0; m < kMoments; ++m) {
-        const double tau = (m + 0.5) / kMoments;
-        moving.pose(moving.scene, tau);
-        Settings settings = moving.settings;
-        settings.spp = 4;
-        settings.seed = std::uint64_t(m);
-        const Image still = renderer.render(moving.scene, moving.camera(tau), settings);
-        for (std::size_t i = 0; i < pixels; ++i) {
-            const double y = luminance(&still.layers()[0].pixels[4 * i]);
-            sum[i] += y;
-            squares[i] += y * y;
-        }
-    }
-    const std::vector<float>& variance = picture.find("variance")->pixels;
-    int exceeding = 0;
-    double difference = 0, allowed = 0, blur = 0;
-    for (std::size_t i = 0; i < pixels; ++i) {
-        const double mean = sum[i] / kMoments, found = luminance(&picture.layers()[0].pixels[4 * i]);
-        const double of_stills = std::max(0.0, squares[i] / kMoments - mean * mean);  // mostly motion
-        const double error2 = double(variance[i]) + of_stills / kMoments;
-        exceeding += std::abs(found - mean) > 4 * std::sqrt(error2) + 1e-3;
-        difference += found - mean;
-        allowed += error2;
-        blur += of_stills;
-    }
-    EXPECT_GT(blur / double(pixels), 1e-4) << "the test needs something that moves";
+    const BlurComparison found = compare_with_stills(moving);
+    EXPECT_GT(found.blur, 1e-4) << "the test needs something that moves";
     // One in 16,000 of normal errors is larger than four standard errors; these have heavier tails.
-    EXPECT_LE(exceeding, 2) << "of " << pixels;
-    EXPECT_LT(std::abs(difference), 4 * std::sqrt(allowed)) << "over the whole picture";
+    EXPECT_LE(found.exceeding, 2u) << "of " << found.pixels;
+    EXPECT_LT(std::abs(found.difference), 4 * found.error) << "over the whole picture";
 }
 
 Mat4d turned(double angle)
