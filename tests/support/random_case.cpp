@@ -314,9 +314,9 @@ std::string check_pictures(const RandomCase& c)
          {std::pair("one thread", Resources{.threads = 1, .memory_bytes = 256u << 20}),
           std::pair("three threads", Resources{.threads = 3, .memory_bytes = 256u << 20}),
           std::pair("three threads and one tree", Resources{.threads = 3, .memory_bytes = 256u << 20, .workers_a_tree = 0}),
-          std::pair("least memory", Resources{.threads = 2})}) {
+          std::pair("little memory", Resources{.threads = 2})}) {
         Resources these = resources;
-        if (these.memory_bytes == 0) these.memory_bytes = Renderer({.threads = these.threads}).memory_floor(scene);
+        if (these.memory_bytes == 0) these.memory_bytes = 4 * Renderer({.threads = these.threads}).memory_floor(scene);
         Renderer renderer(these);
         const Image image = renderer.render(scene, camera, settings);
         if (renderer.stats().image.samples_not_finite > 0)

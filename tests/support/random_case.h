@@ -89,8 +89,8 @@ using CaseCheck = std::function<std::string(const RandomCase&)>;
 /// further part or feature is removed.
 RandomCase shrunk(RandomCase failing, const CaseCheck& check);
 
-/// Renders the case by one thread, by several with a tree each and with a common one, and with as little memory as possible.
-/// The picture must be the same and every sample finite.
+/// Renders the case by one thread, by several with a tree each and with a common one, and with four times the least memory.
+/// The picture must be the same and every sample finite. (With the least memory, some cases take minutes.)
 std::string check_pictures(const RandomCase& c);
 
 /// Counts what check_closedness() has tested.
