@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cfloat>
 
+#include "accel/memory_floor.h"
+
 namespace occam::accel {
 
 LazyTree::LazyTree(const FrameState& f, std::size_t bytes, BuildTechniques with, bool is_shared)
     : frame(f),
       memory_bytes(bytes),
+      least_bytes(std::min(bytes, memory_floor(*f.scene))),
       techniques(with),
       sharing(is_shared ? std::make_unique<Sharing>() : nullptr),
       items(f, arena, dicer, counters),
@@ -18,11 +21,18 @@ LazyTree::LazyTree(const FrameState& f, std::size_t bytes, BuildTechniques with,
     counters.flushes = 0;
 }
 
+std::size_t LazyTree::allowed_bytes() const noexcept
+{
+    constexpr double kTables = double(std::size_t(4) << 30);
+    const double share = std::max(0.5, 1 - double(frame.topologies->class_bytes()) / kTables);
+    return std::max(least_bytes, static_cast<std::size_t>(double(memory_bytes) * share));
+}
+
 void LazyTree::flush()
 {
     counters.peak_bytes = std::max(counters.peak_bytes, arena.bytes());
     ++counters.flushes;
-    arena.reset(memory_bytes);
+    arena.reset(allowed_bytes());
     dicer.forget();
     const ItemIndex root = items.restart();
     std::vector<ItemIndex> roots{root};

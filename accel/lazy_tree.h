@@ -21,6 +21,9 @@ namespace occam::accel {
 struct LazyTree {
     LazyTree(const FrameState& frame, std::size_t memory_bytes, BuildTechniques techniques, bool is_shared);
 
+    /// Returns how many bytes the arena may take now. The tables of subdivision cages are not part of the budget, but where
+    /// they take gigabytes the arena gets less: half of the budget at worst, and never less than any ray needs.
+    std::size_t allowed_bytes() const noexcept;
     /// Drops everything. No other thread may be inside the gate.
     void flush();
     /// Returns the igrid of a leaf's entry. It is built now if this is the first ray that enters its box.
@@ -47,7 +50,7 @@ struct LazyTree {
     FlushGate* gate() const noexcept { return sharing ? &sharing->gate : nullptr; }
 
     const FrameState& frame;
-    const std::size_t memory_bytes;
+    const std::size_t memory_bytes, least_bytes;
     const BuildTechniques techniques;
     const std::unique_ptr<Sharing> sharing;  ///< null if the tree belongs to one worker
     Arena arena;

@@ -122,7 +122,7 @@ struct Tracer::State {
         const auto fits = [&] {
             if (gate) gate->pass();
             const std::uint64_t seen = gate ? gate->flushes() : 0;
-            if (run(first, count, lazy.memory_bytes)) return true;
+            if (run(first, count, lazy.allowed_bytes())) return true;
             flush(seen);
             return false;
         };

@@ -1,7 +1,8 @@
 // Allocates memory that is released all at once: it holds what a worker builds for a frame.
 //
-// Memory   chunks of 256 KiB, kept across a reset() so that the next frame needs no memory from the system. Each larger
-//          allocation has a block of its own, which is not kept.
+// Memory   chunks of 256 KiB, kept across a reset() so that the next frame needs no memory from the system. An allocation of
+//          more than a quarter of a chunk has a block of its own, which is not kept. So at most a quarter of what is held
+//          is not counted by bytes().
 // Threads  one owner at a time; other threads may call bytes() and read an ArenaVector's elements at the same time.
 #pragma once
 
@@ -21,6 +22,7 @@ namespace occam {
 class Arena {
 public:
     static constexpr std::size_t kChunkBytes = 256 << 10;
+    static constexpr std::size_t kLargeBytes = kChunkBytes / 4;
     static constexpr std::size_t kAlign = 32;  ///< the size of an eight-lane vector
 
     /// Returns uninitialised room for `count` elements of T, aligned to kAlign. T must be trivially destructible, because
@@ -48,6 +50,7 @@ public:
         large_.clear();
         current_ = 0;
         used_ = 0;
+        owed_ = 0;
         publish(bytes_, std::size_t(0));
     }
 
@@ -61,15 +64,15 @@ private:
         return Block(static_cast<std::byte*>(::operator new(bytes, std::align_val_t(kAlign))));
     }
 
-    // Blocks of their own keep large allocations from skipping chunks: after a reset, one that fits into no chunk would
-    // leave all of them unused, and the arena would hold twice the bytes that it counts.
+    // Blocks of their own keep large allocations from leaving large parts of chunks unused, or whole chunks after a reset:
+    // the arena would hold twice the bytes that it counts.
     void* allocate(std::size_t bytes)
     {
         bytes = (bytes + kAlign - 1) & ~(kAlign - 1);
         publish(bytes_, bytes_ + bytes);
-        if (bytes > kChunkBytes) {
-            // Chunks that are not used yet make room for the block.
-            for (std::size_t room = bytes / kChunkBytes; room > 0 && chunks_.size() > current_ + 1; --room)
+        if (bytes > kLargeBytes) {
+            // Chunks that are not used yet make room for such blocks.
+            for (owed_ += bytes; owed_ >= kChunkBytes && chunks_.size() > current_ + 1; owed_ -= kChunkBytes)
                 chunks_.pop_back();
             return large_.emplace_back(block(bytes)).get();
         }
@@ -85,6 +88,7 @@ private:
 
     std::vector<Block> chunks_, large_;
     std::size_t current_ = 0, used_ = 0, bytes_ = 0;
+    std::size_t owed_ = 0;  ///< bytes of large blocks for which no chunk has made room
 };
 
 /// A growing list in an arena, in pieces, so that elements never move. One thread adds elements; others may read elements

@@ -206,7 +206,9 @@ Ending wait_for(Job& job, ProgressDisplay& display, bool keeps_part, std::size_t
         if (is_interrupted()) {
             if (!cancelled) {
                 job.cancel();
-                display.say("stopping; another signal ends the process at once");
+                display.announce(keeps_part
+                                     ? "stopping: what is finished is written; another signal ends the process at once"
+                                     : "stopping");
                 cancelled = Clock::now();
             }
             // If a part of the picture is done, it is worth waiting for; otherwise the process waits no longer than a

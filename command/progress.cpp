@@ -37,7 +37,7 @@ std::string duration_text(double seconds)
     return std::to_string(s / 3600) + " h " + std::to_string(s % 3600 / 60) + " min";
 }
 
-ProgressDisplay::ProgressDisplay(ProgressStyle style, bool quiet) : style_(Style::None)
+ProgressDisplay::ProgressDisplay(ProgressStyle style, bool quiet) : style_(Style::None), is_quiet_(quiet)
 {
     if (quiet) return;
     if (style == ProgressStyle::Auto && isatty(STDERR_FILENO)) style_ = Style::Bar;
@@ -62,6 +62,14 @@ void ProgressDisplay::say(const std::string& status)
         std::printf("openjd_status: %s\n", status.c_str());
         std::fflush(stdout);
     }
+}
+
+void ProgressDisplay::announce(const std::string& what)
+{
+    if (is_quiet_) return;
+    end();
+    if (style_ == Style::OpenJd) say(what);
+    else std::fprintf(stderr, "occam: %s\n", what.c_str());
 }
 
 void ProgressDisplay::finish_part(std::size_t done, std::size_t all, const std::string& file)

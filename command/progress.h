@@ -17,6 +17,8 @@ public:
     ProgressDisplay& operator=(const ProgressDisplay&) = delete;
 
     void say(const std::string& status);  ///< prints what begins now: reading, writing
+    /// Prints a line in any style, unless the display is quiet.
+    void announce(const std::string& what);
     void show(const Progress& progress);
     /// Sets the subject that stands before the progress where there are several frames.
     void set_subject(std::string subject) { subject_ = std::move(subject); }
@@ -32,6 +34,7 @@ private:
     void draw(const std::string& line);
 
     Style style_;
+    bool is_quiet_;
     std::string subject_;
     bool is_bar_drawn_ = false;
     int last_percent_ = -1;

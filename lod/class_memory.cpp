@@ -6,7 +6,7 @@ namespace occam::lod {
 
 class ClassMemory::Pooled final : public LimitSource {
 public:
-    Pooled(ClassMemory& pool, Make make, std::size_t bytes) : pool_(pool), make_(std::move(make)), bytes_(bytes) {}
+    Pooled(ClassMemory& pool, Make make) : pool_(pool), make_(std::move(make)) {}
     ~Pooled() override
     {
         const std::lock_guard lock(pool_.mutex_);
@@ -16,6 +16,7 @@ public:
     Pooled& operator=(const Pooled&) = delete;
 
     void evaluate(double u, double v, LimitStencil& out) const override { hold()->evaluate(u, v, out); }
+    std::size_t bytes() const noexcept override { return sizeof(Pooled); }
 
 private:
     using Kept = std::shared_ptr<const LimitSource>;
@@ -28,6 +29,7 @@ private:
         Kept made = make_();
         const std::lock_guard lock(pool_.mutex_);
         kept_ = made;
+        bytes_ = made->bytes();
         pool_.order_.push_front(this);
         place_ = pool_.order_.begin();
         pool_.kept_bytes_ += bytes_;
@@ -50,9 +52,9 @@ private:
 
     ClassMemory& pool_;
     Make make_;
-    std::size_t bytes_;
     mutable std::mutex making_;
     mutable Kept kept_;
+    mutable std::size_t bytes_ = 0;  ///< of what is kept
     mutable std::list<const Pooled*>::iterator place_;
 };
 
@@ -66,9 +68,9 @@ void ClassMemory::check_room() const
         "--subdivide off renders the polygons themselves");
 }
 
-std::unique_ptr<const LimitSource> ClassMemory::pooled(Make make, std::size_t bytes)
+std::unique_ptr<const LimitSource> ClassMemory::pooled(Make make)
 {
-    return std::make_unique<Pooled>(*this, std::move(make), bytes);
+    return std::make_unique<Pooled>(*this, std::move(make));
 }
 
 std::size_t ClassMemory::kept() const

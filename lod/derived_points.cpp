@@ -3,7 +3,6 @@
 #include <opensubdiv/far/primvarRefiner.h>
 
 #include <algorithm>
-#include <utility>
 
 #include "base/cancellation.h"
 #include "base/check.h"
@@ -75,7 +74,8 @@ Bfr::Surface<double> SmallSurface::surface(int face) const
     return surface;
 }
 
-FanModel::FanModel(std::span<const float> sharpness, std::size_t own) : mesh_(fan_mesh(sharpness))
+FanModel::FanModel(std::span<const float> sharpness, std::size_t own)
+    : mesh_(fan_mesh(sharpness)), is_smooth_(std::ranges::all_of(sharpness, [](float s) { return s == 0; }))
 {
     for (std::size_t q = 0; q < quads_.size(); ++q) {
         Quad& quad = quads_[q];
@@ -85,6 +85,13 @@ FanModel::FanModel(std::span<const float> sharpness, std::size_t own) : mesh_(fa
         quad.surface.GetControlPointIndices(controls.data());
         quad.pole = static_cast<std::size_t>(std::find(controls.begin(), controls.end(), 0) - controls.begin());
     }
+}
+
+std::size_t FanModel::bytes() const noexcept
+{
+    std::size_t bytes = sizeof *this + mesh_.bytes();
+    for (const Quad& quad : quads_) bytes += bytes_of(quad.surface);
+    return bytes;
 }
 
 std::array<double, 3> FanModel::weight(double x, double y) const
@@ -129,6 +136,13 @@ struct DerivedPoints::Star {
         for (std::size_t j = 0; j < sectors; ++j) corners.push_back(coarse.GetFaceChildVertex(static_cast<int>(j)));
         sharpness.push_back(fine.GetVertexSharpness(pole));
     }
+
+    std::size_t bytes() const noexcept
+    {
+        // What is kept of the refinement itself takes about as much as the finer level.
+        const std::size_t lists = (ends.capacity() + corners.capacity() + sharpness.capacity()) * sizeof(int);
+        return sizeof *this + lists + bytes_of(refiner->GetLevel(0)) + 2 * bytes_of(refiner->GetLevel(1));
+    }
 };
 
 std::vector<Sector> sectors_after(const Far::TopologyLevel& level, Sector from, bool counter_clockwise, std::size_t most)
@@ -152,47 +166,74 @@ std::vector<Sector> sectors_after(const Far::TopologyLevel& level, Sector from, 
     return out;
 }
 
-std::unique_ptr<const DerivedPoints> DerivedPoints::make(const Cage& cage, const Far::TopologyLevel& level)
+namespace {
+
+/// Returns at most how many vertices each corner of a face sees around it, without those of the face.
+std::vector<std::size_t> vertices_around(const Far::TopologyLevel& level)
 {
-    const bool is_smooth = cage.scheme == Scheme::CatmullClark;
-    std::vector<std::uint8_t> is_large(static_cast<std::size_t>(level.GetNumVertices()));
-    bool any = false;
-    for (int v = 0; v < level.GetNumVertices() && is_smooth; ++v)
-        if (level.GetVertexFaces(v).size() >= kLargeFrom) {
-            any = true;
-            is_large[static_cast<std::size_t>(v)] = 1;
-        }
-    for (int f = 0; f < level.GetNumFaces(); ++f) {
-        if (level.GetFaceVertices(f).size() < kLargeFrom) continue;
-        any = true;
-        const auto vertices = level.GetFaceVertices(f);
-        for (int i = 0; i < vertices.size() && is_smooth; ++i) is_large[static_cast<std::size_t>(vertices[i])] = 1;
-    }
-    if (!any) return nullptr;
-    std::vector<std::uint8_t> faces(static_cast<std::size_t>(level.GetNumFaces()));
-    for (int f = 0; f < level.GetNumFaces(); ++f) {
-        const auto vertices = level.GetFaceVertices(f);
-        bool takes = vertices.size() >= kLargeFrom;
-        for (int i = 0; i < vertices.size(); ++i) takes = takes || is_large[static_cast<std::size_t>(vertices[i])];
-        faces[static_cast<std::size_t>(f)] = takes;
-    }
-    return std::unique_ptr<const DerivedPoints>(new DerivedPoints(cage, std::move(faces)));
+    std::vector<std::size_t> around(static_cast<std::size_t>(level.GetNumVertices()));
+    for (int v = 0; v < level.GetNumVertices(); ++v)
+        for (const int f : level.GetVertexFaces(v))
+            around[static_cast<std::size_t>(v)] += static_cast<std::size_t>(level.GetFaceVertices(f).size() - 2);
+    return around;
 }
 
-DerivedPoints::DerivedPoints(const Cage& cage, std::vector<std::uint8_t> faces)
-    : refiner_(make_refiner(cage)), faces_(std::move(faces))
+/// Returns for each face whether its patches take derived points.
+std::vector<std::uint8_t> faces_to_derive(const Cage& cage, const Far::TopologyLevel& level)
+{
+    const bool is_smooth = cage.scheme == Scheme::CatmullClark;
+    std::vector<std::uint8_t> takes(static_cast<std::size_t>(level.GetNumFaces()));
+    std::vector<std::uint8_t> is_large(static_cast<std::size_t>(level.GetNumVertices()));
+    for (int v = 0; v < level.GetNumVertices() && is_smooth; ++v)
+        is_large[static_cast<std::size_t>(v)] = level.GetVertexFaces(v).size() >= kLargeFrom;
+    for (int f = 0; f < level.GetNumFaces(); ++f) {
+        const auto vertices = level.GetFaceVertices(f);
+        if (vertices.size() < kLargeFrom) continue;
+        takes[static_cast<std::size_t>(f)] = 1;
+        for (int i = 0; i < vertices.size() && is_smooth; ++i) is_large[static_cast<std::size_t>(vertices[i])] = 1;
+    }
+    if (!is_smooth) return takes;
+    const std::vector<std::size_t> around = vertices_around(level);
+    for (int f = 0; f < level.GetNumFaces(); ++f) {
+        std::size_t controls = 0;
+        for (const int v : level.GetFaceVertices(f)) {
+            controls += around[static_cast<std::size_t>(v)];
+            takes[static_cast<std::size_t>(f)] |= is_large[static_cast<std::size_t>(v)];
+        }
+        if (controls > kMostControls) takes[static_cast<std::size_t>(f)] = 1;
+    }
+    return takes;
+}
+
+}  // namespace
+
+std::unique_ptr<const DerivedPoints> DerivedPoints::make(const Cage& cage, const Far::TopologyRefiner& refiner,
+                                                         ClassMemory& memory)
+{
+    std::vector<std::uint8_t> faces = faces_to_derive(cage, refiner.GetLevel(0));
+    if (std::ranges::none_of(faces, [](std::uint8_t takes) { return takes != 0; })) return nullptr;
+    return std::unique_ptr<const DerivedPoints>(
+        new DerivedPoints(cage.scheme == Scheme::CatmullClark, refiner, std::move(faces), memory));
+}
+
+DerivedPoints::DerivedPoints(bool is_smooth, const Far::TopologyRefiner& refiner, std::vector<std::uint8_t> faces,
+                             ClassMemory& memory)
+    : refiner_(Far::TopologyRefinerFactory<Far::TopologyDescriptor>::Create(refiner)),
+      faces_(std::move(faces)),
+      counted_(memory)
 {
     refiner_->RefineUniform(once());
     size_ = static_cast<std::uint32_t>(level().GetNumVertices());
-    if (cage.scheme != Scheme::CatmullClark) return;
+    if (!is_smooth) return;
+    Stars stars;
     for (int v = 0; v < level().GetNumVertices(); ++v) {
         if (!is_large(v) || level().IsVertexNonManifold(v) || level().IsVertexInfSharp(v)) continue;
         throw_if_cancelled();
-        add_pole(v);
+        add_pole(v, stars);
     }
 }
 
-void DerivedPoints::add_pole(int vertex)
+void DerivedPoints::add_pole(int vertex, Stars& stars)
 {
     const Far::TopologyLevel& fine = level();
     const int face = fine.GetVertexFaces(vertex)[0];
@@ -219,13 +260,16 @@ void DerivedPoints::add_pole(int vertex)
     }
     if (!is_closed) add_spoke(sectors.back(), 3);
     sharpness.push_back(fine.GetVertexSharpness(vertex));
-    std::vector<float> at_last;
     for (int k = 0; k < kMoves; ++k) {
         throw_if_cancelled();
-        const bool is_new = sharpness != at_last;
-        pole.stars.push_back(is_new ? std::make_shared<const Star>(pole.ends.size(), pole.corners.size(), sharpness)
-                                    : pole.stars.back());
-        at_last = std::exchange(sharpness, pole.stars.back()->sharpness);
+        std::shared_ptr<const Star>& star = stars[{pole.corners.size(), sharpness}];
+        if (!star) {
+            counted_.check_room();
+            star = std::make_shared<const Star>(pole.ends.size(), pole.corners.size(), sharpness);
+            counted_.add(star->bytes());
+        }
+        pole.stars.push_back(star);
+        sharpness = star->sharpness;
     }
     first_move_[vertex] = size_;
     size_ += kMoves;
@@ -270,9 +314,16 @@ std::shared_ptr<const FanModel> DerivedPoints::fan(std::span<const float> sharpn
     std::vector<float> at_step;
     for (const float s : sharpness) at_step.push_back(sharpness_after(s, step));
     const std::lock_guard lock(mutex_);
-    auto& known = fans_[{at_step, own}];
-    if (!known) known = std::make_shared<const FanModel>(at_step, own);
-    return known;
+    std::weak_ptr<const FanModel>& known = fans_[{at_step, own}];
+    if (std::shared_ptr<const FanModel> model = known.lock()) return model;
+    const auto model = std::make_shared<const FanModel>(at_step, own);
+    known = model;
+    if (model->is_smooth()) smooth_fans_.push_back(model);
+    if (fans_.size() >= most_fans_) {
+        std::erase_if(fans_, [](const auto& entry) { return entry.second.expired(); });
+        most_fans_ = std::max(most_fans_, 2 * fans_.size());
+    }
+    return model;
 }
 
 }  // namespace occam::lod

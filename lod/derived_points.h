@@ -1,4 +1,5 @@
-// Points that stand for what a patch cannot list: the corners of a face of thousands, or the faces around such a vertex.
+// Points that stand for what a patch cannot list: the corners of a face of thousands, the faces around such a vertex, or
+// very many vertices in all.
 //
 // The limit surface at such a place depends on all of these vertices, so a table of weights grows with their square.
 // Instead, a cage that has a large face or a large vertex gets derived points, once for each pose and in linear time: the
@@ -17,18 +18,24 @@
 #include <span>
 #include <vector>
 
+#include "lod/class_memory.h"
 #include "lod/topology_mesh.h"
 
 namespace occam::lod {
 
 /// Faces of more corners, and vertices of more faces, are large.
 inline constexpr int kLargeFrom = 65;
+/// A patch that would depend on more vertices takes derived points, too: some hundreds of them stand for what is around the
+/// corners of one quad of the refined cage.
+inline constexpr std::size_t kMostControls = 1024;
 
 /// The limit surface of a small mesh, by OpenSubdiv's Bfr.
 class SmallSurface {
 public:
     explicit SmallSurface(const Cage& mesh);
     OpenSubdiv::Bfr::Surface<double> surface(int face) const;
+    /// Returns about how many bytes the connectivity of the mesh takes.
+    std::size_t bytes() const noexcept { return bytes_of(refiner_->GetLevel(0)); }
 
 private:
     std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> refiner_;
@@ -43,6 +50,9 @@ public:
     FanModel(std::span<const float> sharpness, std::size_t own);
     /// Returns the weight at (x, y), with x along spoke `own`, and its two derivatives. Beyond 2 it is 0.
     std::array<double, 3> weight(double x, double y) const;
+    /// Returns whether no spoke is a crease: such models are few.
+    bool is_smooth() const noexcept { return is_smooth_; }
+    std::size_t bytes() const noexcept;
 
 private:
     struct Quad {
@@ -50,6 +60,7 @@ private:
         std::size_t count = 0, pole = 0;  ///< control points, and which of them is the vertex; `count` if none is
     };
     SmallSurface mesh_;
+    bool is_smooth_;
     std::array<Quad, 4> quads_;
 };
 
@@ -59,8 +70,10 @@ public:
     static constexpr int kMoves = 24;
     static constexpr std::uint32_t kNone = ~0u;
 
-    /// Returns the derived points of a cage, or null if it has no large face or vertex.
-    static std::unique_ptr<const DerivedPoints> make(const Cage& cage, const OpenSubdiv::Far::TopologyLevel& level);
+    /// Returns the derived points of a cage, or null if no patch needs them. Throws Error if there is no room for them.
+    /// refiner   the cage's connectivity, which must outlive the points
+    static std::unique_ptr<const DerivedPoints> make(const Cage& cage, const OpenSubdiv::Far::TopologyRefiner& refiner,
+                                                     ClassMemory& memory);
 
     std::uint32_t size() const noexcept { return size_; }
     /// Returns whether the patches of a face depend on a large face or vertex, and so take derived points.
@@ -74,7 +87,8 @@ public:
 
     void compute(std::span<const Vec3f> vertices, std::span<Vec3f> out) const;
 
-    /// Returns the model of a sector after `step` steps of refinement. Sectors that are alike share it.
+    /// Returns the model of a sector after `step` steps of refinement. Sectors that are alike share it. One with creases
+    /// lives as long as somebody holds it.
     std::shared_ptr<const FanModel> fan(std::span<const float> sharpness, std::size_t own, int step) const;
 
 private:
@@ -85,16 +99,23 @@ private:
         std::vector<std::shared_ptr<const Star>> stars;  ///< one for each move
     };
 
-    DerivedPoints(const Cage& cage, std::vector<std::uint8_t> faces);
-    void add_pole(int vertex);
+    using StarKey = std::pair<std::size_t, std::vector<float>>;  ///< the number of sectors, and sharpness as in Star
+    using Stars = std::map<StarKey, std::shared_ptr<const Star>>;
+
+    DerivedPoints(bool is_smooth, const OpenSubdiv::Far::TopologyRefiner& refiner, std::vector<std::uint8_t> faces,
+                  ClassMemory& memory);
+    void add_pole(int vertex, Stars& stars);
 
     std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> refiner_;
     std::vector<std::uint8_t> faces_;
     std::vector<Pole> poles_;
     std::map<int, std::uint32_t> first_move_;
     std::uint32_t size_ = 0;
-    mutable std::mutex mutex_;
-    mutable std::map<std::pair<std::vector<float>, std::size_t>, std::shared_ptr<const FanModel>> fans_;
+    CountedBytes counted_;
+    mutable std::mutex mutex_;  // guards the members below
+    mutable std::map<std::pair<std::vector<float>, std::size_t>, std::weak_ptr<const FanModel>> fans_;
+    mutable std::vector<std::shared_ptr<const FanModel>> smooth_fans_;
+    mutable std::size_t most_fans_ = 1024;  ///< at this number of entries those without a model are dropped
 };
 
 /// A face around a vertex, and which of its corners the vertex is.

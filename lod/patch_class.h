@@ -41,6 +41,8 @@ public:
     virtual ~LimitSource() = default;
     /// Evaluates at u, v in [0, 1] of the patch. It sizes `out` to the class's control points and is thread-safe.
     virtual void evaluate(double u, double v, LimitStencil& out) const = 0;
+    /// Returns about how many bytes the source takes.
+    virtual std::size_t bytes() const noexcept = 0;
 };
 
 /// Counts the bytes of the tables of classes, for a limit that all classes share (lod/class_memory.h).

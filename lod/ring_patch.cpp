@@ -189,6 +189,17 @@ public:
         }
     }
 
+    std::size_t bytes() const noexcept override
+    {
+        std::size_t bytes = sizeof *this + mesh_.bytes();
+        for (const Quad& quad : quads_) {
+            bytes += sizeof quad + bytes_of(quad.surface);
+            for (const Pole& pole : quad.poles)
+                for (const auto& fan : pole.fans) bytes += sizeof fan + (fan->is_smooth() ? 0 : fan->bytes());
+        }
+        return bytes;
+    }
+
     void evaluate(double u, double v, LimitStencil& out) const override
     {
         out.p.assign(count_, 0);
@@ -290,6 +301,7 @@ private:
 
 class BilinearSource : public LimitSource {
 public:
+    std::size_t bytes() const noexcept override { return sizeof *this; }
     void evaluate(double u, double v, LimitStencil& out) const override
     {
         out.p = {(1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v};
@@ -299,6 +311,17 @@ public:
 };
 
 }  // namespace
+
+std::size_t RingPatch::bytes() const noexcept
+{
+    std::size_t bytes = sizeof *this + controls.capacity() * sizeof(controls[0]) + quads.capacity() * sizeof(quads[0]);
+    bytes += mesh.positions.capacity() * sizeof(Vec3f) +
+             (mesh.face_sizes.capacity() + mesh.face_vertices.capacity()) * sizeof(std::uint32_t) +
+             mesh.creases.capacity() * sizeof(Crease) + mesh.corners.capacity() * sizeof(Corner);
+    for (const Quad& quad : quads)
+        for (const Pole& pole : quad.poles) bytes += sizeof pole + pole.sharpness.capacity() * sizeof(float);
+    return bytes;
+}
 
 RingPatch ring_patch(const DerivedPoints& points, PatchRef patch, BoundaryRule boundary)
 {

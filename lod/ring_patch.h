@@ -31,6 +31,9 @@ struct RingPatch {
     int crease_depth = 0;                 ///< as PatchClass has it
     Cage mesh;                            ///< its first faces are `quads`, from the corner of the patch on
     std::vector<Quad> quads;
+
+    /// Returns about how many bytes it takes without its key.
+    std::size_t bytes() const noexcept;
 };
 
 RingPatch ring_patch(const DerivedPoints& points, PatchRef patch, BoundaryRule boundary);

@@ -22,8 +22,9 @@ struct KeyHash {
 /// The number of faces that are visited between two looks at the request to stop.
 constexpr std::uint32_t kFacesBetweenChecks = 4096;
 
-/// The source of a patch near a large face or vertex has a mesh of its own, and about this many bytes for it.
-constexpr std::size_t kBytesOfRing = 100'000;
+/// The lists of patches with more control points than this are counted as tables are: those of other patches are in
+/// proportion to the cage.
+constexpr std::size_t kUsualControls = 64;
 
 /// Returns a corner of a quad patch.
 PatchPoint quad_corner(std::uint32_t face, std::uint32_t corner) noexcept
@@ -52,12 +53,10 @@ PatchPoint quad_edge(std::uint32_t face, int j, float s) noexcept
 struct Topology::Tables {
     using Slots = std::vector<std::atomic<const PatchControls*>>;
 
-    explicit Tables(std::shared_ptr<ClassMemory> shared)
-        : memory(shared ? std::move(shared) : std::make_shared<ClassMemory>())
-    {
-    }
+    explicit Tables(std::shared_ptr<ClassMemory> shared) : memory(std::move(shared)), counted(*memory) {}
 
     std::shared_ptr<ClassMemory> memory;
+    CountedBytes counted;  ///< lists that are no part of a class
     std::mutex mutex;
     std::vector<Slots> slots;  ///< slots[0] is for vertices and slots[1 + s] for UV set s; each has an entry for each patch
     std::unordered_map<std::vector<std::uint32_t>, std::unique_ptr<const PatchClass>, KeyHash> classes;
@@ -69,7 +68,8 @@ struct Topology::Tables {
 };
 
 Topology::Topology(const Cage& cage, std::shared_ptr<ClassMemory> memory)
-    : mesh_(std::make_unique<Mesh>(cage)), tables_(std::make_unique<Tables>(std::move(memory)))
+    : tables_(std::make_unique<Tables>(memory ? std::move(memory) : std::make_shared<ClassMemory>())),
+      mesh_(std::make_unique<Mesh>(cage, *tables_->memory))
 {
     const auto& level = mesh_->level();
     face_count_ = static_cast<std::uint32_t>(level.GetNumFaces());
@@ -142,8 +142,12 @@ const PatchControls& Topology::make_controls(PatchRef patch, int uv_set) const
     if (uv_set < 0 && mesh_->derived && mesh_->derived->has_face(patch.face)) return make_derived_controls(patch);
     Neighbourhood around = neighbourhood(mesh_->level(), patch, mesh_->bilinear, uv_set);
     const std::lock_guard lock(tables_->mutex);
+    const std::size_t key_bytes = around.key.size() * sizeof(std::uint32_t);
     auto& kind = tables_->classes[std::move(around.key)];
-    if (!kind) kind = make_class(patch, around, uv_set);
+    if (!kind) {
+        kind = make_class(patch, around, uv_set);
+        kind->count(key_bytes);
+    }
     return store(patch, uv_set, {kind.get(), {}}, std::move(around.controls));
 }
 
@@ -152,17 +156,17 @@ std::unique_ptr<const PatchClass> Topology::make_class(PatchRef patch, const Nei
     ClassMemory& memory = *tables_->memory;
     memory.check_room();
     const int controls = static_cast<int>(around.controls.size());
-    const std::size_t bytes = ClassMemory::bytes_of_source(around.crease_depth);
-    if (around.crease_depth == 0) {
-        auto kind = std::make_unique<const PatchClass>(
-            controls, limit_source(*mesh_->factory, patch, around.controls, uv_set), 0, &memory);
+    if (around.crease_depth == 0 && around.controls.size() <= kUsualControls) {
+        auto source = limit_source(*mesh_->factory, patch, around.controls, uv_set);
+        const std::size_t bytes = source->bytes();
+        auto kind = std::make_unique<const PatchClass>(controls, std::move(source), 0, &memory);
         kind->count(bytes);
         return kind;
     }
     const auto make = [&factory = *mesh_->creased_factory, patch, uv_set, indices = around.controls] {
         return limit_source(factory, patch, indices, uv_set);
     };
-    return std::make_unique<const PatchClass>(controls, memory.pooled(make, bytes), around.crease_depth, &memory);
+    return std::make_unique<const PatchClass>(controls, memory.pooled(make), around.crease_depth, &memory);
 }
 
 const PatchControls& Topology::make_derived_controls(PatchRef patch) const
@@ -174,14 +178,15 @@ const PatchControls& Topology::make_derived_controls(PatchRef patch) const
     }
     auto ring = std::make_shared<RingPatch>(ring_patch(points, patch, mesh_->boundary));
     const std::lock_guard lock(tables_->mutex);
-    auto& kind = tables_->classes[ring->key];
+    const std::size_t key_bytes = ring->key.size() * sizeof(std::uint32_t);
+    auto& kind = tables_->classes[std::move(ring->key)];
     if (!kind) {
         ClassMemory& memory = *tables_->memory;
         memory.check_room();
-        auto source = memory.pooled([&points, ring] { return limit_source(points, *ring); },
-                                    kBytesOfRing + ClassMemory::bytes_of_source(ring->crease_depth));
+        auto source = memory.pooled([&points, ring] { return limit_source(points, *ring); });
         kind = std::make_unique<const PatchClass>(static_cast<int>(ring->controls.size()), std::move(source),
                                                   ring->crease_depth, &memory);
+        kind->count(key_bytes + ring->bytes());
     }
     return store(patch, -1, {kind.get(), {}, true}, ring->controls);
 }
@@ -191,6 +196,10 @@ const PatchControls& Topology::store(PatchRef patch, int uv_set, PatchControls r
 {
     auto& slot = tables_->slots[static_cast<std::size_t>(uv_set + 1)][patch_index(patch)];
     if (const PatchControls* found = slot.load(std::memory_order_relaxed)) return *found;  // another thread was first
+    if (indices.size() > kUsualControls) {
+        tables_->memory->check_room();
+        tables_->counted.add(indices.size() * sizeof(std::uint32_t));
+    }
     record.indices = tables_->indices.emplace_back(std::move(indices));
     const PatchControls& stored = tables_->records.emplace_back(record);
     slot.store(&stored, std::memory_order_release);

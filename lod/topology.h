@@ -120,8 +120,8 @@ private:
     /// Keeps the controls of a patch, unless it has some. The lock of the tables is held.
     const PatchControls& store(PatchRef patch, int uv_set, PatchControls record, std::vector<std::uint32_t> indices) const;
 
-    std::unique_ptr<const Mesh> mesh_;
     std::unique_ptr<Tables> tables_;
+    std::unique_ptr<const Mesh> mesh_;
     std::uint32_t face_count_ = 0, patch_count_ = 0, edge_count_ = 0, inner_count_ = 0;
     int uv_set_count_ = 0;
     std::vector<std::uint8_t> seen_;

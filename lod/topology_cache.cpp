@@ -105,6 +105,8 @@ const CageTables& TopologyCache::get(const CageSlot& asked)
     return tables;
 }
 
+std::size_t TopologyCache::class_bytes() const noexcept { return state_->classes->bytes(); }
+
 void TopologyCache::prune(const Scene& scene)
 {
     const std::vector<std::uint64_t> identities = scene.cage_identities();

@@ -31,6 +31,8 @@ public:
     /// Returns the cage's tables, and makes them if they are new or its positions have changed. Throws what CageSlot::made()
     /// throws.
     const CageTables& get(const CageSlot& slot);
+    /// Returns the bytes of the tables of all patch classes (class_memory.h).
+    std::size_t class_bytes() const noexcept;
     /// Forgets cages that the scene no longer has. Call it between frames.
     void prune(const Scene& scene);
 

@@ -101,6 +101,8 @@ public:
         }
     }
 
+    std::size_t bytes() const noexcept override { return sizeof *this + bytes_of(surface_); }
+
     void evaluate(double u, double v, LimitStencil& out) const override
     {
         double uv[2] = {u, v};
@@ -191,13 +193,13 @@ std::unique_ptr<const SurfaceFactory> make_factory(const Far::TopologyRefiner& r
     return std::make_unique<const SurfaceFactory>(refiner, options);
 }
 
-Topology::Mesh::Mesh(const Cage& cage)
+Topology::Mesh::Mesh(const Cage& cage, ClassMemory& memory)
     : bilinear(cage.scheme == Scheme::Bilinear),
       boundary(cage.boundary),
       refiner(make_refiner(cage)),
       factory(make_factory(*refiner)),
       creased_factory(make_factory(*refiner, false)),
-      derived(DerivedPoints::make(cage, refiner->GetLevel(0)))
+      derived(DerivedPoints::make(cage, *refiner, memory))
 {
     constexpr std::uint32_t kNobody = ~0u;
     const int faces = level().GetNumFaces();
@@ -274,6 +276,21 @@ Neighbourhood neighbourhood(const Far::TopologyLevel& level, PatchRef patch, boo
         }
     }
     return out;
+}
+
+std::size_t bytes_of(const Far::TopologyLevel& level) noexcept
+{
+    const auto faces = static_cast<std::size_t>(level.GetNumFaces()), edges = static_cast<std::size_t>(level.GetNumEdges());
+    const auto vertices = static_cast<std::size_t>(level.GetNumVertices()),
+               corners = static_cast<std::size_t>(level.GetNumFaceVertices());
+    return 20 * corners + 34 * edges + 22 * vertices + 10 * faces;
+}
+
+std::size_t bytes_of(const Bfr::Surface<double>& surface) noexcept
+{
+    const auto controls = static_cast<std::size_t>(surface.GetNumControlPoints());
+    const auto points = static_cast<std::size_t>(surface.GetNumPatchPoints());
+    return sizeof surface + controls * 2 * sizeof(std::uint32_t) + (points - controls) * controls * sizeof(double);
 }
 
 std::unique_ptr<const LimitSource> limit_source(const SurfaceFactory& factory, PatchRef patch,

@@ -24,10 +24,11 @@ std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> make_refiner(const Cage& cage)
 /// keeps   surfaces that are connected alike share their tables, which the factory keeps as long as it lives
 std::unique_ptr<const SurfaceFactory> make_factory(const OpenSubdiv::Far::TopologyRefiner& refiner, bool keeps = true);
 
+class ClassMemory;
 class DerivedPoints;
 
 struct Topology::Mesh {
-    explicit Mesh(const Cage& cage);
+    Mesh(const Cage& cage, ClassMemory& memory);
     ~Mesh();
 
     const OpenSubdiv::Far::TopologyLevel& level() const { return refiner->GetLevel(0); }
@@ -54,6 +55,13 @@ struct Neighbourhood {
     int crease_depth = 0;                 ///< as PatchClass has it
 };
 Neighbourhood neighbourhood(const OpenSubdiv::Far::TopologyLevel& level, PatchRef patch, bool bilinear, int uv_set);
+
+/// Returns about how many bytes OpenSubdiv takes for the connectivity of a level.
+std::size_t bytes_of(const OpenSubdiv::Far::TopologyLevel& level) noexcept;
+
+/// Returns about how many bytes a surface takes: of an irregular one, OpenSubdiv keeps the weights of all control points for
+/// each point of its refined patches.
+std::size_t bytes_of(const OpenSubdiv::Bfr::Surface<double>& surface) noexcept;
 
 /// Returns the Bfr stencils of one patch, with its control points renumbered as in `controls`.
 std::unique_ptr<const LimitSource> limit_source(const SurfaceFactory& factory, PatchRef patch,

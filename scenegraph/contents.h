@@ -38,6 +38,10 @@ struct Contents {
     /// (Contents::size_of), in the axes of the node. See layers_in().
     double crossed = 0;
     double most_layers = 0;  ///< the largest layers_in() of the nodes
+    /// The same sum over surfaces that light may pass, of how many of their boxes hold a point, times the volume of the box.
+    /// See depth_in().
+    double held = 0;
+    double most_depth = 0;  ///< the largest depth_in() of the nodes
 
     void add(const Contents& other) noexcept
     {
@@ -48,12 +52,15 @@ struct Contents {
         joints = std::max(joints, other.joints);
         crossed += other.crossed;
         most_layers = std::max(most_layers, other.most_layers);
+        held += other.held;
+        most_depth = std::max(most_depth, other.most_depth);
     }
     /// Adds what is placed below as a whole: `box` is its box in the axes of this node, and `own` its box in its own axes.
     void add_placed(const Contents& other, const Box3d& own, const Box3d& box) noexcept
     {
         Contents placed = other;
         placed.crossed = other.layers_in(own) * size_of(box);
+        placed.held = other.depth_in(own) * volume_of(box);
         add(placed);
     }
     /// Returns about how many placed surfaces a ray meets that passes through the node's box somewhere: each surface counts
@@ -62,6 +69,19 @@ struct Contents {
     {
         const double layers = crossed / size_of(box);
         return std::isfinite(layers) ? layers : 1;  // boxes that overflow are refused or clipped elsewhere
+    }
+    /// Returns in about how many boxes of surfaces that light may pass a point of the node's box lies. A ray that goes on
+    /// behind such a surface has to look at all of them again. It is 0 for a flat box.
+    double depth_in(const Box3d& box) const noexcept
+    {
+        const double volume = volume_of(box), depth = held / volume;
+        return volume > 0 && std::isfinite(depth) ? depth : 0;
+    }
+    static double volume_of(const Box3d& box) noexcept
+    {
+        if (box.is_empty()) return 0;
+        const Vec3d e = box.extent();
+        return e.x * e.y * e.z;
     }
     /// Returns a measure of how many rays meet a box. It is positive for flat boxes, too, and for points.
     static double size_of(const Box3d& box) noexcept
@@ -77,12 +97,28 @@ struct Contents {
 /// The most surfaces that a ray may have to meet in a node, by Contents::layers_in(); a frame with more is refused, since it
 /// would not end.
 inline constexpr double kMostLayers = 1 << 14;
+/// The most boxes of surfaces that light may pass in which a point may lie, by Contents::depth_in(); a frame with more is
+/// refused, since each ray starts again behind each of these surfaces.
+inline constexpr double kMostDepth = 1 << 11;
 /// The most placements that are listed one by one (of lights, of emitters, of displaced cages).
 inline constexpr std::size_t kMostListed = std::size_t(1) << 22;
 
 struct Node;
 class Scene;
-/// Throws Error, naming a node, if a ray may have to meet more than kMostLayers surfaces. The scene must be refitted.
+struct Cage;
+/// How the faces of a cage lie in its box; each face counts by its own box.
+struct FaceLayers {
+    double crossed = 1;  ///< how many surfaces a ray meets that passes through the cage's box, 1 at least
+    double held = 1;     ///< in how many boxes of faces a point of that box lies, 1 at least
+
+    FaceLayers() = default;
+    explicit FaceLayers(const Cage& cage);
+    /// Returns whether they have to be measured again when vertices move. What overlaps little is expected to stay so.
+    bool are_many() const noexcept { return crossed > 256 || held > 256; }
+};
+
+/// Throws Error, naming a node, if a ray may have to meet more than kMostLayers surfaces, or if a point may lie in more than
+/// kMostDepth boxes of surfaces that light may pass. The scene must be refitted.
 void check_layers(const Scene& scene);
 /// Names a node for a message.
 std::string naming(const Node& node);

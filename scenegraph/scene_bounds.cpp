@@ -79,7 +79,8 @@ std::size_t Scene::State::refit_node(NodeId id, NodeRecord& node)
         if (!cage) continue;
         const Box3d box = cage_bounds(node, *cage, skin);
         bounds.add(box);
-        contents.crossed += Contents::size_of(box);
+        contents.crossed += Contents::size_of(box) * cage->layers.crossed;
+        if (contents.has(Contents::Passing)) contents.held += Contents::volume_of(box) * cage->layers.held;
     }
     const auto box_of = [&](std::size_t i) {
         const Node* child = nodes.find(node.children[i]);
@@ -106,6 +107,7 @@ std::size_t Scene::State::refit_node(NodeId id, NodeRecord& node)
     }
     node.bounds = bounds;
     contents.most_layers = std::max(contents.most_layers, contents.layers_in(bounds));
+    contents.most_depth = std::max(contents.most_depth, contents.depth_in(bounds));
     node.contents = contents;
     node.dirty = false;
     return looked_at;

@@ -169,6 +169,7 @@ void Scene::write_vertices(CageId id, std::span<const Vec3f> positions)
     state_->about_to_write(id, record);
     record.cage.positions.assign(positions.begin(), positions.end());
     find_bounds(record);
+    if (record.layers.are_many()) record.layers = FaceLayers(record.cage);
     ++record.positions_version;
     state_->mark_users_dirty(record);
 }

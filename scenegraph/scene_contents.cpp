@@ -42,6 +42,7 @@ void Scene::State::take_contents(CageId id, CageRecord& record)
     contents.largest_face = record.largest_face;
     if (record.is_deformed()) contents.deformed_vertices = static_cast<std::uint32_t>(cage.positions.size());
     record.contents = contents;
+    record.layers = FaceLayers(cage);
     const auto is_alive = [&](CageId known) { return cages.find(known) != nullptr; };
     for (const MaterialId material : cage.materials)
         if (MaterialRecord* known = materials.find(material)) known->cages.add(id, is_alive);
@@ -94,22 +95,84 @@ Error too_many_placements(const Node& node)
         "nodes are placed more than " + std::to_string(kMostListed) + " times, by instances of instances", naming(node));
 }
 
-void check_layers(const Scene& scene)
+FaceLayers::FaceLayers(const Cage& cage)
 {
-    if (!(scene.node(scene.root()).contents.most_layers > kMostLayers)) return;
+    // A box of triangles is tested together with seven others. Each corner of a polygon that is subdivided has a patch of
+    // its own, which is smaller the more corners there are.
+    constexpr double kOfATriangle = 1.0 / 8;
+    constexpr std::size_t kCornersOfALayer = 8;
+    constexpr double kOfAClosedSurface = 3;  // what the boxes of its faces come to: 2.7 for a cube
+    const bool is_mesh = cage.scheme == Scheme::Triangles;
+    const double bound = cage.is_displaced() ? double(cage.displacement->bound) : 0;
+    Box3d whole;
+    double sizes = 0, volumes = 0;
+    const auto* corner = cage.face_vertices.data();
+    for (std::size_t face = 0; face < cage.face_count(); ++face) {
+        const std::size_t corners = is_mesh ? 3 : cage.face_sizes[face];
+        Box3d box;
+        for (std::size_t c = 0; c < corners; ++c) box.add(Vec3d(cage.positions[*corner++]));
+        box = {box.lo - bound, box.hi + bound};
+        whole.add(box);
+        sizes += Contents::size_of(box) *
+                 (is_mesh ? kOfATriangle : double(std::max<std::size_t>(1, corners / kCornersOfALayer)));
+        volumes += Contents::volume_of(box);
+    }
+    const double across = sizes / Contents::size_of(whole), depth = volumes / Contents::volume_of(whole);
+    // What is a point, flat, or overflows counts as one surface.
+    if (std::isfinite(across) && whole.extent() != Vec3d(0)) crossed = std::max(1.0, across - kOfAClosedSurface);
+    if (std::isfinite(depth)) held = std::max(1.0, depth);
+}
+
+namespace {
+
+/// Returns the node that a refusal names: the innermost of those at fault is that with the smallest excess, and one with a
+/// name is better.
+/// has_too_many   whether the node is at fault
+/// most           the largest figure in its subtree
+template <class HasTooMany, class Most>
+const Node& node_at_fault(const Scene& scene, const HasTooMany& has_too_many, const Most& most)
+{
     const Node* worst = &scene.node(scene.root());
     for_each_shown_node(scene, 0, [&](NodeId, const Node& node) {
-        // The innermost nodes at fault are those with the fewest layers of all that have too many. One with a name is
-        // better.
-        if (!(node.contents.layers_in(node.bounds) > kMostLayers) || (node.name.empty() && !worst->name.empty())) return;
+        if (!has_too_many(node) || (node.name.empty() && !worst->name.empty())) return;
         const bool is_first_name = worst->name.empty() && !node.name.empty();
-        if (is_first_name || node.contents.most_layers < worst->contents.most_layers) worst = &node;
+        if (is_first_name || most(node) < most(*worst)) worst = &node;
     });
-    char layers[32];
-    std::snprintf(layers, sizeof layers, "%.3g", worst->contents.most_layers);
-    throw error_without_file("too many surfaces lie in one place: a ray would have to meet about " + std::string(layers) +
-                                 " of them, and " + std::to_string(static_cast<int>(kMostLayers)) + " is the limit",
-                             naming(*worst));
+    return *worst;
+}
+
+std::string figure(double number)
+{
+    char text[32];
+    std::snprintf(text, sizeof text, "%.3g", number);
+    return text;
+}
+
+}  // namespace
+
+void check_layers(const Scene& scene)
+{
+    const Contents& all = scene.node(scene.root()).contents;
+    if (all.most_layers > kMostLayers) {
+        const Node& worst = node_at_fault(
+            scene, [](const Node& n) { return n.contents.layers_in(n.bounds) > kMostLayers; },
+            [](const Node& n) { return n.contents.most_layers; });
+        throw error_without_file("too many surfaces lie in one place: a ray would have to meet about " +
+                                     figure(worst.contents.most_layers) + " of them, and " +
+                                     std::to_string(static_cast<int>(kMostLayers)) + " is the limit",
+                                 naming(worst));
+    }
+    if (all.most_depth > kMostDepth) {
+        const Node& worst = node_at_fault(
+            scene, [](const Node& n) { return n.contents.depth_in(n.bounds) > kMostDepth; },
+            [](const Node& n) { return n.contents.most_depth; });
+        throw error_without_file(
+            "too many surfaces that light passes overlap: behind each of them a ray would have to "
+            "look at about " +
+                figure(worst.contents.most_depth) + " others, and " + std::to_string(static_cast<int>(kMostDepth)) +
+                " is the limit",
+            naming(worst));
+    }
 }
 
 Contents Scene::contents() const

@@ -117,6 +117,7 @@ struct Scene::State {
     struct CageRecord : CageSlot {
         Watchers users;
         Contents contents;  ///< as the cage's own materials have it
+        FaceLayers layers;
     };
     struct LightRecord : Light {
         Watchers users;

@@ -1,9 +1,13 @@
 #include "shade/mesh_lights.h"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <tuple>
+#include <unordered_set>
 
+#include "base/error_without_file.h"
+#include "scenegraph/contents.h"
 #include "scenegraph/shutter.h"
 #include "shade/input_limits.h"
 #include "shade/surface.h"
@@ -70,41 +74,67 @@ double box_area(const Node& node, const CageSlot& slot, const SkinSlot* skin, co
     return 2 * (glm::length(glm::cross(x, y)) + glm::length(glm::cross(y, z)) + glm::length(glm::cross(z, x)));
 }
 
-// Returns the world area of the cage's faces of one material slot. What deforms or is made on demand counts by its
-// bounding box, and by the slot's share of the faces where they are known.
-double area_of(const Scene& scene, const Node& node, const CageSlot& slot, std::size_t material_slot, std::size_t slots,
-               const Mat4d& world_from_object) noexcept
+// The faces of a cage and their area in world axes, for each slot of its materials.
+struct SlotFaces {
+    std::vector<std::uint32_t> faces;  ///< only those of slots that are asked for, slot after slot, in their order
+    std::vector<std::size_t> end;      ///< of each slot, in `faces`
+    std::vector<double> area;          ///< of each slot
+
+    std::span<const std::uint32_t> of(std::size_t slot) const noexcept
+    {
+        const std::size_t first = slot == 0 ? 0 : end[slot - 1];
+        return {faces.data() + first, end[slot] - first};
+    }
+};
+
+// Looks at each face once. What deforms or is made on demand counts by its bounding box, and by the slot's share of the
+// faces where they are known.
+// is_asked_for   by slot
+SlotFaces faces_of_slots(const Scene& scene, const Node& node, const CageSlot& slot, const std::vector<bool>& is_asked_for,
+                         const Mat4d& world_from_object)
 {
     const Cage& cage = slot.cage;
-    if (slot.is_on_demand()) return box_area(node, slot, scene.find(node.skin), world_from_object) / double(slots);
+    const std::size_t slots = is_asked_for.size(), count = slot.is_on_demand() ? 0 : cage.face_count();
+    SlotFaces out{{}, std::vector<std::size_t>(slots), std::vector<double>(slots)};
+    const auto slot_of = [&](std::size_t face) { return cage.face_slots.empty() ? 0 : std::size_t(cage.face_slots[face]); };
+    const auto is_counted = [&](std::size_t s) { return s < slots && is_asked_for[s]; };
+    for (std::size_t face = 0; face < count; ++face)
+        if (is_counted(slot_of(face))) ++out.end[slot_of(face)];
+    std::vector<std::size_t> next(slots);
+    for (std::size_t s = 1; s < slots; ++s) next[s] = out.end[s] += out.end[s - 1];
+    for (std::size_t s = slots; s-- > 0;) next[s] = s == 0 ? 0 : out.end[s - 1];
+    out.faces.resize(slots == 0 ? 0 : out.end.back());
     const bool is_rigid = !node.skin && !slot.is_deformed();
-    double area = 0;
-    std::size_t first = 0, faces = 0;
-    for (std::size_t face = 0; face < cage.face_count(); ++face) {
-        const std::size_t corners = cage.scheme == Scheme::Triangles ? 3 : cage.face_sizes[face];
-        if ((cage.face_slots.empty() ? 0 : cage.face_slots[face]) == material_slot) {
-            ++faces;
-            if (is_rigid) area += polygon_area(cage, first, corners, world_from_object);
+    std::size_t first = 0;
+    for (std::size_t face = 0; face < count; ++face) {
+        const std::size_t corners = cage.scheme == Scheme::Triangles ? 3 : cage.face_sizes[face], s = slot_of(face);
+        if (is_counted(s)) {
+            out.faces[next[s]++] = static_cast<std::uint32_t>(face);
+            if (is_rigid) out.area[s] += polygon_area(cage, first, corners, world_from_object);
         }
         first += corners;
     }
-    if (is_rigid || faces == 0) return area;
-    return box_area(node, slot, scene.find(node.skin), world_from_object) * double(faces) / double(cage.face_count());
+    if (is_rigid && !slot.is_on_demand()) return out;
+    const double whole = box_area(node, slot, scene.find(node.skin), world_from_object);
+    for (std::size_t s = 0; s < slots; ++s)
+        out.area[s] = slot.is_on_demand() ? whole / double(slots)
+                                          : whole * double(out.of(s).size()) / double(cage.face_count());
+    return out;
 }
 
-// Returns true if the density with which the node's surfaces of that material are sampled is known for a ray that hits one:
-// all cages of the node that show the material are triangles that stand still.
-bool is_sampled(const Scene& scene, const Node& node, const Material* material) noexcept
+// Returns the materials of a node whose surfaces are not sampled: the density with which a surface is sampled is known for a
+// ray that hits it only if all cages of the node that show the material are triangles that stand still.
+std::unordered_set<const Material*> unsampled_materials(const Scene& scene, const Node& node)
 {
-    if (node.skin) return false;
+    std::unordered_set<const Material*> out;
     for (CageId id : node.cages) {
         const CageSlot* slot = scene.find(id);
-        if (!slot || (slot->cage.scheme == Scheme::Triangles && slot->cage.morph_targets.empty())) continue;
-        const std::size_t slots = (node.materials.empty() ? slot->cage.materials : node.materials).size();
-        for (std::size_t s = 0; s < slots; ++s)
-            if (material_of(scene, node, slot->cage, s) == material) return false;
+        if (!slot) continue;
+        const bool is_still = slot->cage.scheme == Scheme::Triangles && slot->cage.morph_targets.empty();
+        const std::size_t slots = is_still ? 0 : (node.materials.empty() ? slot->cage.materials : node.materials).size();
+        for (std::size_t s = 0; s < slots; ++s) out.insert(material_of(scene, node, slot->cage, s));
     }
-    return true;
+    return out;
 }
 
 }  // namespace
@@ -134,17 +164,21 @@ void MeshLights::add(const Node& node, NodeId id, const CageSlot& slot, const Ma
 {
     const Cage& cage = slot.cage;
     const std::size_t slots = slots_of(node, cage);
+    std::vector<bool> glows(slots);
+    for (std::size_t s = 0; s < slots; ++s) glows[s] = emits(material_of(scene, node, cage, s));
+    if (std::ranges::none_of(glows, std::identity())) return;
+    any_emitter_ = true;
+    const std::unordered_set<const Material*> unsampled = unsampled_materials(scene, node);
+    const SlotFaces found = faces_of_slots(scene, node, slot, glows, world_from_object);
     for (std::size_t s = 0; s < slots; ++s) {
+        if (!glows[s]) continue;
         const Material* material = material_of(scene, node, cage, s);
-        if (!emits(material)) continue;
-        any_emitter_ = true;
         const float density = mean_luminance(*material, *textures_);
-        if (density > 0) power_ += double(density) * area_of(scene, node, slot, s, slots, world_from_object);
-        if (!(density > 0) || moves || !is_sampled(scene, node, material)) continue;
+        if (density > 0) power_ += double(density) * found.area[s];
+        if (!(density > 0) || moves || node.skin || unsampled.contains(material)) continue;
         known_.push_back({id, material, density});
         const Mesh mesh{id, &cage, material, world_from_object, static_cast<std::uint32_t>(sums_.size()), density};
-        for (std::uint32_t face = 0; face < cage.face_count(); ++face) {
-            if ((cage.face_slots.empty() ? 0 : cage.face_slots[face]) != s) continue;
+        for (const std::uint32_t face : found.of(s)) {
             const TrianglePoints c = corners(mesh, face);
             const double area = 0.5 * glm::length(glm::cross(c.b - c.a, c.c - c.a));
             if (!(area > 0)) continue;
@@ -158,6 +192,15 @@ void MeshLights::add(const Node& node, NodeId id, const CageSlot& slot, const Ma
 MeshLights::MeshLights(const Scene& scene, const TextureStore& textures, const FrameScale& scale) : textures_(&textures)
 {
     const std::unordered_set<NodeId> moving = moving_nodes(scene);
+    std::size_t faces = 0;
+    scene.for_placements_of(Contents::Emitters, [&](NodeId, const Node& node, const Mat4d&) {
+        for (CageId id : node.cages)
+            if (const CageSlot* slot = scene.find(id); slot && !slot->is_on_demand()) faces += slot->cage.face_count();
+        if (faces > kMostFaces)
+            throw error_without_file("objects that emit light have more than " + std::to_string(kMostFaces) +
+                                         " faces, counted in each place where they are shown",
+                                     naming(node));
+    });
     scene.for_placements_of(Contents::Emitters, [&](NodeId id, const Node& node, const Mat4d& world_from_node) {
         for (CageId cage : node.cages)
             if (const CageSlot* slot = scene.find(cage))

@@ -27,7 +27,7 @@ namespace occam::shade {
 class MeshLights {
 public:
     MeshLights() = default;
-    /// The textures must be prepared.
+    /// The textures must be prepared. Throws Error if there are more faces than kMostFaces.
     MeshLights(const Scene& scene, const TextureStore& textures, const FrameScale& scale = {});
 
     bool is_empty() const noexcept { return meshes_.empty(); }
@@ -39,6 +39,8 @@ public:
     /// figure is an estimate.
     double power() const noexcept { return power_; }
 
+    /// The most faces of emissive objects, counted in each placement: sums over 33 million triangles take 400 MB.
+    static constexpr std::size_t kMostFaces = std::size_t(1) << 25;
     /// More triangles than this are drawn by a tree.
     static constexpr std::size_t kMostWithoutTree = 16;
     /// Makes the tree, if there is to be one. The points of receivers are relative to the origin, if one is given.

@@ -40,10 +40,26 @@ Vec vector_of(const std::vector<double>& values, Vec otherwise)
     return otherwise;
 }
 
+// Returns for each image the first one that is read from the same place: a file may name a large image thousands of times.
+std::vector<int> same_images(const tinygltf::Model& model)
+{
+    std::vector<int> first(model.images.size());
+    std::unordered_map<int, int> by_view;
+    std::unordered_map<std::string_view, int> by_uri;
+    for (std::size_t i = 0; i < first.size(); ++i) {
+        const tinygltf::Image& image = model.images[i];
+        const int index = static_cast<int>(i);
+        first[i] = index;
+        if (image.bufferView >= 0) first[i] = by_view.try_emplace(image.bufferView, index).first->second;
+        else if (image.image.empty()) first[i] = by_uri.try_emplace(image.uri, index).first->second;
+    }
+    return first;
+}
+
 }  // namespace
 
 MaterialImporter::MaterialImporter(const tinygltf::Model& model, AccessorReader& accessors, Scene& scene, Report& report)
-    : model_(model), accessors_(accessors), scene_(scene), report_(report)
+    : model_(model), accessors_(accessors), scene_(scene), report_(report), first_image_(same_images(model))
 {
     for (std::size_t i = 0; i < model.materials.size(); ++i) {
         const tinygltf::Material& m = model.materials[i];
@@ -61,7 +77,9 @@ MaterialImporter::MaterialImporter(const tinygltf::Model& model, AccessorReader&
     // The store will read what is used. The rest is only opened here, so that a broken image is reported.
     for (std::size_t i = 0; i < model.images.size(); ++i) {
         const int index = static_cast<int>(i);
-        if (images_.count({index, TextureRole::Color}) || images_.count({index, TextureRole::Data})) continue;
+        if (first_image_[i] != index || images_.count({index, TextureRole::Color}) ||
+            images_.count({index, TextureRole::Data}))
+            continue;
         try {
             if (const auto unused = describe(index, TextureRole::Data)) const TextureSource opened(*unused);
         } catch (const Error& error) {
@@ -95,6 +113,7 @@ TextureId MaterialImporter::image(int index, TextureRole role, const std::string
         report_.warn("texture has no image that can be read", where);
         return {};
     }
+    index = first_image_[static_cast<std::size_t>(index)];
     const auto [known, is_new] = images_.try_emplace({index, role});
     if (!is_new) return known->second;
 

@@ -40,6 +40,7 @@ private:
     AccessorReader& accessors_;
     Scene& scene_;
     Report& report_;
+    std::vector<int> first_image_;  ///< of each image, the first that is read from the same place
     std::vector<MaterialId> materials_;
     std::map<std::pair<int, TextureRole>, TextureId> images_;
     std::map<int, std::shared_ptr<const std::vector<std::byte>>> encoded_;

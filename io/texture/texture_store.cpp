@@ -9,7 +9,7 @@
 #include <mutex>
 #include <thread>
 
-#include "base/error.h"
+#include "base/error_without_file.h"
 #include "base/maths.h"
 #include "io/texture/decode.h"
 #include "scenegraph/scene.h"
@@ -45,6 +45,8 @@ public:
             const TextureSource source(texture);
             width_ = source.width();
             height_ = source.height();
+            if (texture.encoded) file_bytes_ = texture.encoded->size();
+            else if (texture.pixels.empty()) file_bytes_ = std::filesystem::file_size(texture.path, ignored);
         } catch (const std::bad_alloc&) {
             throw;
         } catch (const std::exception& error) {
@@ -54,6 +56,10 @@ public:
 
     /// Returns the bytes of the decoded image with all its levels; 0 if it cannot be opened.
     std::size_t planned_bytes() const { return width_ > 0 ? MipImage::bytes_of(width(), height()) : 0; }
+    /// Returns the texels that decoding will visit, and the bytes of the file from which they come; both are 0 for texels
+    /// that are in memory.
+    std::uintmax_t encoded_texels() const { return file_bytes_ == 0 ? 0 : std::uintmax_t(width_) * std::uintmax_t(height_); }
+    std::uintmax_t file_bytes() const { return file_bytes_; }
     int width() const { return std::max(1, width_ >> halvings_); }
     int height() const { return std::max(1, height_ >> halvings_); }
     /// Halves the size at which the image will be decoded. It may be called only before the first image().
@@ -124,6 +130,7 @@ private:
     std::atomic<const MipImage*> ready_{nullptr};
     Texture description_;
     int width_ = 0, height_ = 0, halvings_ = 0;
+    std::uintmax_t file_bytes_ = 0;
     mutable std::mutex decoding_;  // guards the members below
     std::unique_ptr<const MipImage> decoded_;
     std::vector<std::string> warnings_, errors_;
@@ -146,6 +153,22 @@ void fit(std::vector<Entry*>& fresh, std::size_t bytes)
         if (largest.planned_bytes() == before) return;  // each texture is a single tile, so nothing more can be saved
         sum -= before - largest.planned_bytes();
     }
+}
+
+// Refuses images that would take minutes to decode though their files are small: each of them may be within its limits.
+void check_texels(const std::vector<Entry*>& entries)
+{
+    constexpr std::uintmax_t kAlwaysAllowed = std::uintmax_t(1) << 32, kMostPerByte = 512;
+    std::uintmax_t texels = 0, bytes = 0;
+    for (const Entry* entry : entries) {
+        texels += entry->encoded_texels();
+        bytes += entry->file_bytes();
+    }
+    if (texels <= kAlwaysAllowed || texels / kMostPerByte <= bytes) return;
+    throw error_without_file("the images hold " + std::to_string(texels >> 20) +
+                             " million texels, though their files have only " + std::to_string((bytes >> 10) + 1) +
+                             " KB: beyond " + std::to_string(kAlwaysAllowed >> 20) + " million, at most " +
+                             std::to_string(kMostPerByte) + " for each byte are decoded");
 }
 
 }  // namespace
@@ -190,6 +213,7 @@ void TextureStore::prepare(const Scene& scene)
             fresh.push_back(entry.get());
         }
     }
+    check_texels(fresh);
     fit(fresh, state_->cap_bytes - std::min(state_->cap_bytes, kept_bytes));
     for (Entry* entry : fresh) entry->warn_of_halvings();
 

@@ -7,7 +7,7 @@
 // Threads  prepare() is called by one thread while no other looks up. After that any number of threads may call sample().
 //          The first lookup in a texture decodes it under a lock of that texture alone, so several are decoded at a time.
 // Errors   a texture without a file is grey, with a warning. One whose file or bytes are no image that can be read is grey
-//          too and stands in errors(), for the caller to refuse; nothing throws.
+//          too and stands in errors(), for the caller to refuse.
 #pragma once
 
 #include <memory>
@@ -27,6 +27,7 @@ public:
     ~TextureStore();
 
     /// Makes every texture of the scene known, and forgets all others. Reads no more than the headers of those that are new.
+    /// Throws Error if images would take minutes to decode, though their files are small.
     void prepare(const Scene& scene);
     /// Decodes all known textures now, on several threads, so that errors() is then complete.
     void decode_all();

@@ -8,6 +8,7 @@
 #include "occam/occam.h"
 #include "tests/support/displaced_cages.h"
 #include "tests/support/shape_builders.h"
+#include "tests/support/statistics.h"
 
 namespace occam::test {
 namespace {
@@ -187,6 +188,44 @@ TEST(Extremes, TensOfThousandsOfSurfacesInOnePlaceAreRefused)
         const CageId id = scene.add(std::move(cage));
         for (int i = 0; i < 20'000; ++i) scene.add_node(scene.root(), {.cages = {id}});
         EXPECT_NE(refusal(scene).find("surfaces lie in one place"), std::string::npos) << refusal(scene);
+    }
+}
+
+/// Returns triangles at random, each about half as large as the whole.
+Cage triangle_soup(std::uint32_t triangles)
+{
+    Numbers n(11);
+    Cage cage;
+    cage.scheme = Scheme::Triangles;
+    for (std::uint32_t v = 0; v < 3 * triangles; ++v) {
+        cage.positions.push_back({n.one(), n.one(), n.one()});
+        cage.face_vertices.push_back(v);
+    }
+    return cage;
+}
+
+// Each of the meshes, and the number of nodes, is within its limits; a ray would test a million triangles.
+TEST(Extremes, InstancesOfMeshesWhoseTrianglesOverlapAreRefused)
+{
+    Scene scene;
+    const CageId soup = scene.add(triangle_soup(2000));
+    for (int i = 0; i < 2000; ++i) scene.add_node(scene.root(), {.name = "soup", .cages = {soup}});
+    EXPECT_NE(refusal(scene).find("surfaces lie in one place"), std::string::npos) << refusal(scene);
+}
+
+// A ray that passes such a triangle starts again behind it, among thousands of boxes.
+TEST(Extremes, BlendedTrianglesThatOverlapInThousandsAreRefused)
+{
+    for (const bool are_nodes : {false, true}) {
+        Scene scene;
+        Material faint;
+        faint.alpha_mode = AlphaMode::Blend;
+        faint.base_color.a = 0.01f;
+        Cage cage = triangle_soup(are_nodes ? 1 : 60'000);
+        cage.materials = {scene.add(faint)};
+        const CageId id = scene.add(std::move(cage));
+        for (int i = 0; i < (are_nodes ? 8000 : 1); ++i) scene.add_node(scene.root(), {.name = "soup", .cages = {id}});
+        EXPECT_NE(refusal(scene).find("surfaces that light passes overlap"), std::string::npos) << refusal(scene);
     }
 }
 

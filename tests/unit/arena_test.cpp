@@ -32,5 +32,20 @@ TEST(Arena, HoldsLittleMoreThanItCountsAfterAReset)
     EXPECT_LE(allocated_bytes() - before, std::size_t(1 << 20) + Arena::kChunkBytes);
 }
 
+// Three of five parts of a chunk leave the rest of it unused.
+TEST(Arena, HoldsLittleMoreThanItCountsWhateverTheSizeOfAllocations)
+{
+    constexpr std::size_t kRoom = 16 << 20;
+    for (const std::size_t part : {std::size_t(5), std::size_t(20), std::size_t(60)}) {
+        const std::size_t before = allocated_bytes();
+        Arena arena;
+        for (int round = 0; round < 3; ++round) {
+            while (arena.bytes() < kRoom) arena.make_array<std::byte>(3 * Arena::kChunkBytes / part);
+            EXPECT_LE(allocated_bytes() - before, arena.bytes() + arena.bytes() / 3 + Arena::kChunkBytes) << part;
+            arena.reset();
+        }
+    }
+}
+
 }  // namespace
 }  // namespace occam

@@ -183,6 +183,20 @@ TEST(ImportGltf, ReadsCamerasAndPunctualLights)
     EXPECT_EQ(std::get<SunLight>(lights[1]->kind).irradiance, Vec3f(3));
 }
 
+// A small file may name one large image thousands of times.
+TEST(ImportGltf, ImagesFromOnePlaceAreOneTexture)
+{
+    const TempFolder folder;
+    folder.write("a.png", "");
+    folder.write("b.png", "");
+    Gltf g = square(R"(, "material": 0)");
+    g.more = R"(, "images": [{"uri": "a.png"}, {"uri": "b.png"}, {"uri": "a.png"}],
+        "textures": [{"source": 0}, {"source": 1}, {"source": 2}],
+        "materials": [{"emissiveTexture": {"index": 0}}, {"emissiveTexture": {"index": 1}},
+                {"emissiveTexture": {"index": 2}}])";
+    EXPECT_EQ(load(g.write(folder)).texture_ids().size(), 2u);
+}
+
 TEST(ImportGltf, ReadsEveryPartOfAMaterial)
 {
     const TempFolder folder;

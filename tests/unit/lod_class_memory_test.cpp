@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 #include <malloc.h>
 
+#include <algorithm>
+#include <cmath>
+#include <numeric>
 #include <random>
 
 #include "base/error.h"
@@ -16,6 +19,7 @@ namespace {
 struct Constant final : LimitSource {
     explicit Constant(double v) : value(v) {}
     void evaluate(double, double, LimitStencil& out) const override { out.p.assign(1, value); }
+    std::size_t bytes() const noexcept override { return 1000; }
     double value;
 };
 
@@ -25,7 +29,7 @@ TEST(ClassMemory, KeepsThePooledSourcesThatWereUsedLast)
     int made = 0;
     std::vector<std::unique_ptr<const LimitSource>> sources;
     for (int i = 0; i < 5; ++i)
-        sources.push_back(memory.pooled([&made, i] { return ++made, std::make_unique<const Constant>(i); }, 1000));
+        sources.push_back(memory.pooled([&made, i] { return ++made, std::make_unique<const Constant>(i); }));
     EXPECT_EQ(made, 0) << "none is made before it is used";
     LimitStencil stencil;
     const auto use = [&](std::size_t i) {
@@ -80,7 +84,7 @@ TEST(ClassMemory, SourcesOfCreasedPatchesAreDropped)
     const std::size_t before = allocated_bytes();
     const Topology topology(creased_grid(8), memory);
     look_at_all(topology);
-    EXPECT_LE(memory->kept(), 12u);
+    EXPECT_LE(memory->kept(), 40u);
     EXPECT_GT(memory->bytes(), 64 * sizeof(PatchClass));
     // What is left is what is counted, the sources that are kept, and the cage's own tables.
     EXPECT_LE(allocated_bytes() - before, memory->bytes() + (std::size_t(24) << 20));
@@ -96,6 +100,67 @@ TEST(ClassMemory, RefusesClassesBeyondItsLimitAndFreesThem)
     EXPECT_EQ(memory->bytes(), 0u);
     const Topology topology(test::made_cage("cube"), memory);
     EXPECT_NO_THROW(look_at_all(topology));
+}
+
+/// Returns a soup of polygons with `corners` corners, which share few vertices.
+Cage soup(std::uint32_t polygons, std::uint32_t corners, std::uint32_t vertices)
+{
+    std::mt19937 random(3);
+    Cage cage;
+    for (std::uint32_t v = 0; v < vertices; ++v)
+        cage.positions.push_back({float(random() % 1000), float(random() % 1000), float(random() % 1000)});
+    std::vector<std::uint32_t> all(vertices);
+    std::iota(all.begin(), all.end(), 0);
+    for (std::uint32_t f = 0; f < polygons; ++f) {
+        std::shuffle(all.begin(), all.end(), random);
+        cage.face_sizes.push_back(corners);
+        cage.face_vertices.insert(cage.face_vertices.end(), all.begin(), all.begin() + corners);
+    }
+    return cage;
+}
+
+// Each patch depends on thousands of vertices, or is near large ones: its source takes megabytes, and its lists kilobytes.
+TEST(ClassMemory, CountsWhatPolygonsOfManyCornersTake)
+{
+    for (const std::uint32_t corners : {40u, 64u}) {
+        const auto memory = std::make_shared<ClassMemory>(std::size_t(24) << 20, std::size_t(8) << 20);
+        const std::size_t before = allocated_bytes();
+        const Topology topology(soup(300, corners, 300), memory);
+        EXPECT_THROW(look_at_all(topology), Error);
+        EXPECT_LE(allocated_bytes() - before, std::size_t(96) << 20) << corners;
+    }
+}
+
+// Each sector of the poles has sharpness of its own.
+TEST(ClassMemory, CountsWhatCreasedPolesTake)
+{
+    constexpr std::uint32_t kSpokes = 80;
+    std::mt19937 random(5);
+    Cage cage;
+    for (std::uint32_t pole = 0; pole < 40; ++pole) {
+        const auto first = static_cast<std::uint32_t>(cage.positions.size());
+        cage.positions.push_back({float(4 * pole), 0, 1});
+        for (std::uint32_t i = 0; i < 2 * kSpokes; ++i) {
+            const double angle = 3.14159265358979 * i / kSpokes;
+            cage.positions.push_back({float(4 * pole + std::cos(angle)), float(std::sin(angle)), float(i % 2) * 0.1f});
+        }
+        for (std::uint32_t i = 0; i < kSpokes; ++i) {
+            const std::uint32_t spoke = first + 1 + 2 * i;
+            cage.face_sizes.push_back(4);
+            cage.face_vertices.insert(cage.face_vertices.end(),
+                                      {first, spoke, spoke + 1, first + 1 + 2 * ((i + 1) % kSpokes)});
+            cage.creases.push_back({first, spoke, float(random() % 900) / 100});
+        }
+    }
+    const auto memory = std::make_shared<ClassMemory>(std::size_t(24) << 20, std::size_t(8) << 20);
+    const std::size_t before = allocated_bytes();
+    const auto make = [&] {
+        const Topology topology(cage, memory);
+        look_at_all(topology);
+    };
+    EXPECT_THROW(make(), Error);
+    EXPECT_EQ(memory->bytes(), 0u);
+    EXPECT_LE(allocated_bytes(), before + (std::size_t(8) << 20));
 }
 
 // A source that was dropped and made again has the bits of one that was kept.

@@ -9,6 +9,7 @@
 #include <limits>
 #include <thread>
 
+#include "base/error.h"
 #include "base/half_lanes.h"
 #include "io/texture/texture_store.h"
 #include "scenegraph/scene.h"
@@ -320,6 +321,32 @@ TEST(TextureStore, ASecondPrepareKeepsWhatItHas)
     p.store.prepare(other);
     EXPECT_EQ(p.store.bytes(), 0u) << "and forgets what the scene no longer has";
     EXPECT_EQ(p.at(0.5f, 0.5f), Vec4f(1));
+}
+
+// Each image is within its limits, and so is each file; 65 of them hold more than 4 billion texels in 5 MB.
+TEST(TextureStore, RefusesSmallFilesThatHoldBillionsOfTexels)
+{
+    constexpr int kSide = 8192;
+    const test::TempFolder folder;
+    const std::string path = (folder.path() / "flat.png").string();
+    {
+        const OIIO::ImageSpec spec(kSide, kSide, 1, OIIO::TypeDesc::UINT8);
+        const std::vector<unsigned char> row(kSide, 77);
+        const auto writer = OIIO::ImageOutput::create(path);
+        ASSERT_TRUE(writer && writer->open(path, spec));
+        for (int y = 0; y < kSide; ++y) ASSERT_TRUE(writer->write_scanline(y, 0, OIIO::TypeDesc::UINT8, row.data()));
+    }
+    for (const int images : {3, 65}) {
+        Scene scene;
+        for (int i = 0; i < images; ++i) {
+            Texture texture;
+            texture.path = path;
+            scene.add(texture);
+        }
+        TextureStore store(std::size_t(1) << 30);
+        if (images == 3) EXPECT_NO_THROW(store.prepare(scene));
+        else EXPECT_THROW(store.prepare(scene), Error);
+    }
 }
 
 }  // namespace

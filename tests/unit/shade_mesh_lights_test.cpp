@@ -161,5 +161,53 @@ TEST(MeshLights, WhatIsNotSampledHasNoDensity)
     EXPECT_EQ(lights.area_density({lamp.node, lamp.material, lamp.face, Vec3d(1000)}, receiver), 0);
 }
 
+// 8,192 placements of a mesh of 8,192 triangles.
+TEST(MeshLights, RefusesMoreFacesThanFitInMemory)
+{
+    Scene scene;
+    Material glow;
+    glow.emission = Vec3f(1);
+    Cage cage;
+    cage.scheme = Scheme::Triangles;
+    cage.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    for (int i = 0; i < 8192; ++i) cage.face_vertices.insert(cage.face_vertices.end(), {0, 1, 2});
+    cage.materials = {scene.add(glow)};
+    NodeId shown = scene.add_node(scene.root(), {.name = "lamp", .cages = {scene.add(std::move(cage))}, .visible = false});
+    for (int k = 0; k < 13; ++k) {
+        const NodeId both = scene.add_node(scene.root(), {.visible = false});
+        scene.add_node(both, {.instance_of = shown});
+        scene.add_node(both, {.instance_of = shown});
+        shown = both;
+    }
+    scene.add_node(scene.root(), {.instance_of = shown});
+    scene.refit();
+    const TextureStore textures(1 << 20);
+    EXPECT_THROW(MeshLights(scene, textures), Error);
+}
+
+// Materials of many slots are found in one pass over the faces, and their triangles stay in the order of the slots.
+TEST(MeshLights, HasTheTrianglesOfEachSlotOneAfterAnother)
+{
+    Scene scene;
+    Cage cage;
+    cage.scheme = Scheme::Triangles;
+    cage.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    for (std::uint16_t i = 0; i < 6; ++i) {
+        cage.face_vertices.insert(cage.face_vertices.end(), {0, 1, 2});
+        cage.face_slots.push_back(static_cast<std::uint16_t>(i % 3));
+    }
+    for (const float strength : {1.0f, 0.0f, 4.0f}) {
+        Material glow;
+        glow.emission = Vec3f(strength);
+        cage.materials.push_back(scene.add(glow));
+    }
+    scene.add_node(scene.root(), {.cages = {scene.add(std::move(cage))}});
+    scene.refit();
+    const TextureStore textures(1 << 20);
+    const MeshLights lights(scene, textures);
+    EXPECT_TRUE(lights.any_emitter());
+    EXPECT_NEAR(lights.power(), 0.5 * (2 * 1 + 2 * 4), 1e-5);
+}
+
 }  // namespace
 }  // namespace occam::shade
