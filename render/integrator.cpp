@@ -141,15 +141,15 @@ void Integrator::shade_miss(std::size_t i, SampleResult& result)
 
 void Integrator::cross_lights(const Path& path, const accel::Ray& ray, float t_far, SampleResult& result) const
 {
-    const auto add = [&](const shade::WorldLight& light, const shade::LightCrossing& crossing, float probability) {
+    const auto add = [&](const shade::WorldLight& light, const shade::LightCrossing& crossing, float expected) {
         if (crossing.distance <= ray.t_near || (light.groups & path.receiver.groups) == 0) return;
-        const shade::SampleCounts counts{placed_samples(path, probability), path.scatter_samples};
+        const shade::SampleCounts counts{path.light_samples * expected, path.scatter_samples};
         const float weight = counts.of_scatter(path.density, crossing.density);
         const Vec3f found = clamped(path.throughput * crossing.radiance * weight, path.bounces);
         result.radiance += found;
         if (context_.log) context_.log->added("a light that the ray crosses", found);
     };
-    context_.lights.for_crossings(ray.origin, ray.direction, t_far, path.peak, path.receiver, add);
+    context_.lights.for_crossings({ray.origin, ray.direction, t_far}, path.peak, {path.receiver, path.tree_draws}, add);
 }
 
 Vec2f Integrator::motion_of(const accel::Ray& ray, const accel::SurfaceHit& hit) const

@@ -69,8 +69,9 @@ struct IntegratorCounters {
 /// The number of lights outside the tree that are sampled at a hit. Of more, all of which are suns, one is chosen from each
 /// sixteenth of the list.
 inline constexpr int kMaxLightsPerHit = static_cast<int>(shade::FrameLights::kMostWithoutTree);
-/// The number of lights that are drawn from the tree for each light sample of a hit: where the camera sees it, and later.
-inline constexpr int kTreeDraws = 16, kLaterTreeDraws = 4;
+/// The largest number of lights that are drawn from the tree for each light sample of a hit: where the camera sees it, and
+/// later.
+inline constexpr int kTreeDraws = shade::LightTree::kMostDraws, kLaterTreeDraws = 4;
 /// The GGX width up to which `direct` follows a lobe as a mirror; wider lobes show lights alone.
 inline constexpr float kMirrorAlpha = 0.01f;
 
@@ -245,11 +246,6 @@ private:
     int light_samples_at(const Path& path) const noexcept;
     int scatter_samples_at(const Path& path) const noexcept;
     int tree_draws_at(const Path& path) const noexcept { return path.is_camera() ? kTreeDraws : kLaterTreeDraws; }
-    /// Returns the expected samples of a placed light at the surface that scattered a path.
-    float placed_samples(const Path& path, float probability) const noexcept
-    {
-        return context_.lights.tree().is_empty() ? path.light_samples : path.tree_samples * probability;
-    }
     Sequence numbers(const Vertex& v, Dimension::Use use, int slot = 0) const noexcept;
     accel::Ray scattered_ray(const Vertex& v, const shade::ScatterSample& s, int samples) const noexcept;
 

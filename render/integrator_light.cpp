@@ -191,7 +191,7 @@ void Integrator::gather_from_tree(const Vertex& v, int first_slot)
         const std::uint32_t index = v.first_of(per_hit) + static_cast<std::uint32_t>(n);
         const int count = tree.draw(v.receiver, choices.interval(index), std::span(picks, std::size_t(draws)));
         for (int k = 0; k < count; ++k) {
-            const float expected = static_cast<float>(per_hit * draws) * picks[k].probability;
+            const float expected = static_cast<float>(per_hit) * picks[k].expected;
             const shade::WorldLight& light = context_.lights.lights()[picks[k].light];
             gather_light(v, light, {v.lit_share / expected, expected}, [&](const auto& sample) {
                 sample(light.has_extent() ? numbers(v, Use::Light, first_slot + k).square(index) : Vec2f(0.5f));
@@ -298,7 +298,7 @@ void Integrator::scatter_on(const Vertex& v, float chance)
         next.density = s.density;
         next.peak = v.peak;
         next.receiver = v.receiver;
-        next.tree_samples = static_cast<float>(light_samples_at(v.path) * tree_draws_at(v.path));
+        next.tree_draws = static_cast<std::uint8_t>(tree_draws_at(v.path));
         next.light_samples = static_cast<float>(light_samples);
         next.scatter_samples = static_cast<float>(samples);
         next.is_before_focus = false;
@@ -343,12 +343,12 @@ void Integrator::look_for_light(const Path& next, const accel::Ray& ray)
         shadow.t_far = t_far;
     };
     const float infinity = std::numeric_limits<float>::infinity();
-    const auto cross = [&](const shade::WorldLight& light, const shade::LightCrossing& c, float probability) {
+    const auto cross = [&](const shade::WorldLight& light, const shade::LightCrossing& c, float expected) {
         if ((light.groups & next.receiver.groups) == 0) return;
-        const shade::SampleCounts counts{placed_samples(next, probability), next.scatter_samples};
+        const shade::SampleCounts counts{next.light_samples * expected, next.scatter_samples};
         add(c.distance, c.radiance * counts.of_scatter(next.density, c.density));
     };
-    context_.lights.for_crossings(ray.origin, ray.direction, infinity, next.peak, next.receiver, cross);
+    context_.lights.for_crossings({ray.origin, ray.direction, infinity}, next.peak, {next.receiver, next.tree_draws}, cross);
     if (context_.lights.environment().is_black()) return;
     const shade::Environment::Light sky = context_.lights.environment().look_up(ray.direction);
     const shade::SampleCounts counts{next.light_samples, next.scatter_samples};

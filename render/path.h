@@ -20,7 +20,7 @@ struct Path {
     float light_samples = 1, scatter_samples = 1;  ///< samples of each technique at the surface it comes from
     Vec3f absorption{0};           ///< absorption coefficient of the body that it travels in, per world length
     shade::Receiver receiver;      ///< the surface that scattered it, as lights were chosen for it
-    float tree_samples = 0;        ///< draws from the tree of lights at that surface
+    std::uint8_t tree_draws = 0;   ///< lights that were drawn there from the tree for each light sample
     std::uint16_t passed = 0;      ///< number of surfaces that the ray has passed straight on
     float straight = 1;            ///< share of the light that the surfaces passed straight on since the last scattering
     std::uint8_t bounces = 0;      ///< number of surfaces that scattered it

@@ -70,20 +70,30 @@ public:
     /// Returns true if scattered rays from `start` can contribute nothing that samples of lights do not.
     bool leaves_all_to_samples(Vec3d start, float peak, LightGroups groups) const noexcept;
 
-    /// Calls use(const WorldLight&, const LightCrossing&, float probability) for every area light that the ray meets within
-    /// t_far, except for those that are left to their own samples where the ray starts. The probability is that with which
-    /// one draw from the tree picks the light for the receiver, or 1 for a light outside the tree.
+    /// A scattered ray from where it starts, and the receiver for which lights were drawn there.
+    struct Reach {
+        Vec3d origin;
+        Vec3f direction;
+        float t_far;
+    };
+    struct Drawn {
+        const Receiver& receiver;
+        int draws;  ///< lights that were drawn at once
+    };
+    /// Calls use(const WorldLight&, const LightCrossing&, float expected) for every area light that the ray meets, except
+    /// for those that are left to their own samples where the ray starts. `expected` is the number of samples of the light
+    /// that was to be expected for each light sample there: 1 for a light outside the tree.
     template <class Use>
-    void for_crossings(Vec3d origin, Vec3f direction, float t_far, float peak, const Receiver& receiver, Use&& use) const
+    void for_crossings(const Reach& ray, float peak, const Drawn& at, Use&& use) const
     {
-        const auto cross = [&](std::uint32_t i, auto&& probability) {
-            if (is_left_to_samples(lights_[i], origin, peak)) return;
-            const LightCrossing c = lights_[i].crossing(origin, direction);
-            if (c.density > 0 && c.distance < t_far) use(lights_[i], c, probability());
+        const auto cross = [&](std::uint32_t i, auto&& expected) {
+            if (is_left_to_samples(lights_[i], ray.origin, peak)) return;
+            const LightCrossing c = lights_[i].crossing(ray.origin, ray.direction);
+            if (c.density > 0 && c.distance < ray.t_far) use(lights_[i], c, expected());
         };
         for (const std::uint32_t i : with_area_) cross(i, [] { return 1.0f; });
-        tree_.for_crossed(origin, direction,
-                          [&](std::uint32_t i) { cross(i, [&] { return tree_.probability(i, receiver); }); });
+        tree_.for_crossed(ray.origin, ray.direction,
+                          [&](std::uint32_t i) { cross(i, [&] { return tree_.expected(i, at.receiver, at.draws); }); });
     }
 
 private:

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/maths.h"
+#include "shade/light_bounds.h"
 
 namespace occam::shade {
 namespace {
@@ -12,31 +13,10 @@ namespace {
 constexpr int kBins = 12;
 // Above this number of lights a node is cut in the middle of its longest side: bins would cost more than they bring.
 constexpr std::size_t kMostBinned = 16384;
-// Sums and quotients of powers within these bounds are finite and not zero.
-constexpr float kLeastPower = 1e-30f, kMostPower = 1e30f;
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-// Bounds of cosines are floats: below minus this a light counts as turned away, and no factor is smaller than this.
-constexpr float kMargin = 0.01f;
-// The largest float below 1.
-constexpr double kBelowOne = 1 - 0x1p-24;
 // The box of a light is padded by this share of its coordinates and of its size.
 constexpr float kPad = 0x1p-18f;
 
 float luminance(Vec3f c) noexcept { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
-
-float sine_of(float cosine) noexcept { return std::sqrt(std::max(0.0f, 1 - cosine * cosine)); }
-
-// Returns the cosine of a sum of two angles in [0, pi], or -1 if the sum is larger than pi.
-float cosine_of_sum(float cos_a, float sin_a, float cos_b, float sin_b) noexcept
-{
-    return cos_a <= -cos_b ? -1 : cos_a * cos_b - sin_a * sin_b;
-}
-
-// Returns the cosine of a - b, or 1 if b is the larger of the two angles.
-float cosine_of_rest(float cos_a, float sin_a, float cos_b, float sin_b) noexcept
-{
-    return cos_a >= cos_b ? 1 : cos_a * cos_b + sin_a * sin_b;
-}
 
 Vec3f unit_or(Vec3f v, Vec3f fallback) noexcept
 {
@@ -195,22 +175,23 @@ std::size_t LightTree::split(std::span<Leaf> leaves, int depth) const
         std::array<float, kBins> above{};
         Emitter sum;
         std::size_t count = 0;
+        // Adds a bin that is not empty, and returns the cost of the sum.
         const auto add = [&](std::size_t bin) {
-            if (counts[bin] == 0) return;
             sum = count == 0 ? bins[bin] : merged(sum, bins[bin]);
             count += counts[bin];
+            return cost_of(sum);
         };
+        float cost_above = kInfinity;
         for (std::size_t bin = kBins; bin-- > 1;) {
-            add(bin);
-            above[bin] = count > 0 ? cost_of(sum) : kInfinity;
+            if (counts[bin] > 0) cost_above = add(bin);
+            above[bin] = cost_above;
         }
         count = 0;
         // Long boxes are cut across.
         const float stretch = longest / std::max(size[axis], longest * 1e-6f);
         for (std::size_t bin = 0; bin + 1 < kBins; ++bin) {
-            add(bin);
-            if (count == 0) continue;
-            const float cost = stretch * (cost_of(sum) + above[bin + 1]);
+            if (counts[bin] == 0) continue;  // the cut is the same as that before it
+            const float cost = stretch * (add(bin) + above[bin + 1]);
             if (cost < best) best = cost, best_axis = axis, best_bin = static_cast<int>(bin);
         }
     }
@@ -240,95 +221,6 @@ void LightTree::build(std::uint32_t node, std::span<Leaf> leaves, int depth)
     made.centre = made.emitter.box.centre();
     made.radius2 = glm::dot(made.emitter.box.hi - made.centre, made.emitter.box.hi - made.centre);
     made.sin_axis = sine_of(made.emitter.cos_axis);
-}
-
-float LightTree::importance(const Node& node, const Receiver& receiver) noexcept
-{
-    const Emitter& e = node.emitter;
-    if ((e.groups & receiver.groups) == 0) return 0;
-    if (e.range2 < kInfinity) {
-        const Vec3f off = glm::max(glm::max(e.box.lo - receiver.point, receiver.point - e.box.hi), Vec3f(0));
-        if (glm::dot(off, off) > e.range2) return 0;
-    }
-    const Vec3f to = node.centre - receiver.point;
-    const float distance2 = glm::dot(to, to), least2 = std::max(node.radius2, kMinDistance2);
-    // Within the ball around the lights nothing is known of directions.
-    if (distance2 <= least2) return std::clamp(e.power / least2, kLeastPower, kMostPower);
-    const float inverse = 1 / std::sqrt(distance2);
-    const float sin_ball2 = std::min(node.radius2 / distance2, 1.0f), sin_ball = std::sqrt(sin_ball2),
-                cos_ball = std::sqrt(1 - sin_ball2);
-    const auto clamped = [](float cosine) { return std::clamp(cosine, -1.0f, 1.0f); };
-
-    float facing = clamped(glm::dot(to, receiver.normal) * inverse);
-    if (receiver.is_two_sided) facing = std::fabs(facing);
-    facing = cosine_of_rest(facing, sine_of(facing), cos_ball, sin_ball);
-    if (facing < -kMargin) return 0;
-
-    float turned = clamped(-glm::dot(to, e.axis) * inverse);
-    if (e.is_two_sided) turned = std::fabs(turned);
-    const float cos_spread = cosine_of_sum(e.cos_axis, node.sin_axis, cos_ball, sin_ball);
-    turned = cosine_of_rest(turned, sine_of(turned), cos_spread, sine_of(cos_spread));
-    if (turned < e.cos_fall - kMargin) return 0;
-
-    const float share = std::max(facing, kMargin) * std::max(turned, kMargin);
-    return std::clamp(e.power / distance2 * share, kLeastPower, kMostPower);
-}
-
-int LightTree::draw(const Receiver& receiver, float number, std::span<Pick> picks) const noexcept
-{
-    if (nodes_.empty()) return 0;
-    const auto draws = static_cast<int>(picks.size());
-    // A subtree, and the interval of [0, draws) whose numbers fall into it. The numbers are number + 0, 1, 2, ...
-    struct Part {
-        std::uint32_t node;
-        int begin, end;
-        double low, high;
-        float probability;
-    };
-    std::array<Part, kMaxDepth> todo;
-    int waiting = 0, count = 0;
-    todo[waiting++] = {0, 0, draws, 0, double(draws), 1};
-    while (waiting > 0) {
-        const Part part = todo[--waiting];
-        const Node& node = nodes_[part.node];
-        if (node.left == 0) {
-            for (int n = part.begin; n < part.end; ++n) {
-                const double width = part.high - part.low;
-                const double share = width > 0 ? (double(number) + n - part.low) / width : 0.5;
-                const auto rest = static_cast<float>(std::clamp(share, 0.0, kBelowOne));
-                picks[std::size_t(count++)] = {node.light, part.probability, rest};
-            }
-            continue;
-        }
-        const float left = importance(nodes_[node.left], receiver), right = importance(nodes_[node.left + 1], receiver);
-        const float both = left + right;
-        if (!(both > 0)) continue;
-        const double middle = part.low + (part.high - part.low) * double(left / both);
-        int first_right = part.begin;
-        while (first_right < part.end && double(number) + first_right < middle) ++first_right;
-        if (!(left > 0)) first_right = part.begin;
-        if (!(right > 0)) first_right = part.end;
-        if (first_right < part.end)
-            todo[waiting++] = {node.left + 1, first_right, part.end, middle, part.high, part.probability * (right / both)};
-        if (first_right > part.begin)
-            todo[waiting++] = {node.left, part.begin, first_right, part.low, middle, part.probability * (left / both)};
-    }
-    return count;
-}
-
-float LightTree::probability(std::uint32_t light, const Receiver& receiver) const noexcept
-{
-    std::uint32_t at = leaf_of_[light - first_];
-    if (at == kNone) return 0;
-    float product = 1;
-    while (at != 0) {
-        const std::uint32_t parent = nodes_[at].parent, left = nodes_[parent].left;
-        const float own = importance(nodes_[at], receiver);
-        if (!(own > 0)) return 0;
-        product *= own / (own + importance(nodes_[at == left ? left + 1 : left], receiver));
-        at = parent;
-    }
-    return product;
 }
 
 }  // namespace occam::shade

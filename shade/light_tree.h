@@ -3,8 +3,13 @@
 //
 // At each node one side is chosen by an estimate of what it gives to the point: power over squared distance, bounded
 // cosines at the lights and at the point (Conty Estevez and Kulla 2018). The estimate of a node is zero only if no light in
-// it gives anything, so that any sum of samples over their probabilities is unbiased. Trees are built by the surface area
+// it gives anything, so that any sum of samples over their expected numbers is unbiased. Trees are built by the surface area
 // orientation heuristic of the same paper. Suns have no place, and are not in the tree.
+//
+// Several lights are drawn for a point at once. The tree is first divided for the point into up to twice as many parts,
+// always where most of the light may come from, and one light of each part is drawn. So the few lights near a point are
+// parts of their own, which are sampled without any choice, and all that is far away is one part or a few (adaptive
+// splitting in the same paper). From parts that give little a light is drawn by chance.
 //
 // Space    world axes, relative to an origin of the tree's own; floats.
 // Memory   about 200 bytes a light.
@@ -41,7 +46,7 @@ class LightTree {
 public:
     struct Pick {
         std::uint32_t light;  ///< index in the list
-        float probability;    ///< with which each of the draws picks it
+        float expected;       ///< the number of picks of it that is to be expected of the draws; at most 1
         float rest;           ///< what the choice has left of the number: it is uniform in [0, 1) again
     };
     /// A triangle that shines to both sides.
@@ -61,12 +66,14 @@ public:
     Vec3d origin() const noexcept { return origin_; }
     Vec3f relative(Vec3d point) const noexcept { return Vec3f(point - origin_); }
 
-    /// Draws as many lights as there are places for picks, by evenly spaced numbers that begin at `number` divided by how
-    /// many they are; `number` is uniform in [0, 1). Returns the number of picks, which is smaller where a part of the tree
-    /// that was chosen turns out to give nothing.
+    /// The largest number of lights that are drawn at once.
+    static constexpr int kMostDraws = 16;
+    /// Draws as many lights as there are places for picks, at most kMostDraws; `number` is uniform in [0, 1). Returns the
+    /// number of picks, which is smaller where fewer lights give nearly all of the light, and where a part of the tree that
+    /// was chosen turns out to give nothing.
     int draw(const Receiver& receiver, float number, std::span<Pick> picks) const noexcept;
-    /// Returns the probability with which each of the draws picks a light.
-    float probability(std::uint32_t light, const Receiver& receiver) const noexcept;
+    /// Returns the number of picks of a light that is to be expected of draw() with places for `draws` picks.
+    float expected(std::uint32_t light, const Receiver& receiver, int draws) const noexcept;
 
     /// Calls visit(light) for every light with an area that the ray may cross.
     template <class Visit>
@@ -116,6 +123,12 @@ private:
     std::size_t split(std::span<Leaf> leaves, int depth) const;
     void build(std::uint32_t node, std::span<Leaf> leaves, int depth);
     static float importance(const Node& node, const Receiver& receiver) noexcept;
+    struct Part;
+    class Parts;
+    static Part part_of(const Node& node, std::uint32_t index, const Receiver& receiver) noexcept;
+    Parts divide(const Receiver& receiver, int most) const noexcept;
+    /// Draws one light from a subtree. Returns false if what was chosen turns out to give nothing.
+    bool draw_below(std::uint32_t node, const Receiver& receiver, double number, Pick& pick) const noexcept;
     /// Returns whether found(light) is true for any light that is below nodes for which enters(node) is true.
     template <class Enters, class Found>
     bool any_leaf(Enters&& enters, Found&& found) const;

@@ -255,7 +255,7 @@ MeshLights::Choice MeshLights::choose(const Receiver& receiver, float number) co
     LightTree::Pick pick;
     if (tree_.draw(receiver, number, {&pick, 1}) == 0) return {0, 0};
     const std::uint32_t i = in(first_of(pick.light), end_of(pick.light), pick.rest);
-    return {i, double(pick.probability) * double(mesh_of(i).area_density) / sum_of(pick.light)};
+    return {i, double(pick.expected) * double(mesh_of(i).area_density) / sum_of(pick.light)};
 }
 
 float MeshLights::area_density(const Place& at, const Receiver& receiver) const noexcept
@@ -284,7 +284,7 @@ float MeshLights::area_density(const Place& at, const Receiver& receiver) const 
         }
     });
     if (!mesh_hit) return 0;
-    return static_cast<float>(double(tree_.probability(leaf_hit, receiver)) * double(mesh_hit->area_density) /
+    return static_cast<float>(double(tree_.expected(leaf_hit, receiver, 1)) * double(mesh_hit->area_density) /
                               sum_of(leaf_hit));
 }
 

@@ -201,8 +201,9 @@ Surface evaluate(const ShadePoint& point, const TextureStore& textures, PlainSur
 {
     const Surface* const plain = point.phase_one || point.color != Vec4f(1) ? nullptr
                                                                             : known.find(*point.material, textures);
-    if (!plain) return evaluate(point, textures);
-    Surface s = *plain;
+    // There is one object to return, so that it is made where the caller wants it.
+    Surface s = plain ? *plain : evaluate(point, textures);
+    if (!plain) return s;
     set_place(point, s);
     if (!s.unlit && s.opacity != 0 && has_layer(s)) s.normal = reflecting_normal(s.normal, point);
     return s;

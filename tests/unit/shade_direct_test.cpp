@@ -81,7 +81,7 @@ test::Mean radiance(const Surface& s, const WorldLight& light, bool by_rule, int
         const auto add = [&](const WorldLight&, const LightCrossing& c, float) {
             sum += double(d.weight.x * c.radiance.x * SampleCounts{1, 1}.of_scatter(d.density, c.density));
         };
-        lights.for_crossings(s.start(d.direction), d.direction, 1e30f, peak, {}, add);
+        lights.for_crossings({s.start(d.direction), d.direction, 1e30f}, peak, {Receiver{}, 1}, add);
         mean.add(sum);
     }
     return mean;

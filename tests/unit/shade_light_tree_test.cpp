@@ -85,7 +85,7 @@ TEST(LightTree, ProbabilitiesAreThoseOfItsDraws)
         std::vector<double> found(lights.size() + 1), wanted(lights.size() + 1);
         double sum = 0;
         for (std::uint32_t i = 0; i < lights.size(); ++i) {
-            const double p = double(tree.probability(i, receiver));
+            const double p = double(tree.expected(i, receiver, 1));
             wanted[i] = p * kDraws;
             sum += p;
         }
@@ -98,9 +98,58 @@ TEST(LightTree, ProbabilitiesAreThoseOfItsDraws)
                 continue;
             }
             ++found[pick[0].light];
-            ASSERT_FLOAT_EQ(pick[0].probability, tree.probability(pick[0].light, receiver));
+            ASSERT_FLOAT_EQ(pick[0].expected, tree.expected(pick[0].light, receiver, 1));
         }
         EXPECT_LT(test::chi_square_excess(found, wanted), 4.5) << place;
+    }
+}
+
+TEST(LightTree, PicksAreAsManyAsAreExpected)
+{
+    const std::vector<WorldLight> lights = random_lights(200, 23);
+    const LightTree tree(lights, 0);
+    test::Numbers n(24);
+    for (const int draws : {2, 5, 16}) {
+        const Receiver receiver = receiver_at(tree, random_place(n), n);
+        constexpr int kTimes = 4000;
+        std::vector<int> found(lights.size());
+        for (int i = 0; i < kTimes; ++i) {
+            LightTree::Pick picks[16];
+            const int count = tree.draw(receiver, n.one(), std::span(picks, std::size_t(draws)));
+            ASSERT_LE(count, draws);
+            for (int k = 0; k < count; ++k) {
+                ++found[picks[k].light];
+                ASSERT_FLOAT_EQ(picks[k].expected, tree.expected(picks[k].light, receiver, draws));
+            }
+        }
+        for (std::uint32_t i = 0; i < lights.size(); ++i) {
+            const double wanted = kTimes * double(tree.expected(i, receiver, draws));
+            EXPECT_NEAR(found[i], wanted, 5 * std::sqrt(wanted) + 1) << draws << " draws, light " << i;
+        }
+    }
+}
+
+// Lights that give a good part of the light are sampled without any choice among them, however many others there are.
+TEST(LightTree, LightsNearbyAreDrawnForSure)
+{
+    std::vector<WorldLight> lights(10'000);
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        lights[i].strength = Vec3f(3);
+        lights[i].position = i < 10 ? Vec3d(3.0 * (double(i % 5) - 2), 2.5, 3.0 * double(i / 5) - 1.5)
+                                    : Vec3d(8.0 * (double(i % 100) - 50), 3, -60 - 8.0 * double(i / 100));
+    }
+    const LightTree tree(lights, 0);
+    for (const Vec3d point : {Vec3d(0, -0.5, 0), Vec3d(5, -0.5, 4), Vec3d(-6, 1, 0.5)}) {
+        const Place at{point, {0, 1, 0}};
+        const Receiver receiver{tree.relative(point), at.normal};
+        double all = 0, far_away = 0;
+        for (const WorldLight& light : lights) all += given(light, at, receiver, Vec2f(0.5f));
+        for (std::uint32_t i = 0; i < lights.size(); ++i) {
+            const double expected = double(tree.expected(i, receiver, 16));
+            if (i < 10) EXPECT_GE(expected, std::min(1.0, 10 * given(lights[i], at, receiver, Vec2f(0.5f)) / all)) << i;
+            else far_away += expected;
+        }
+        EXPECT_LT(far_away, 9) << "they give less than a hundredth of the light";
     }
 }
 
@@ -114,9 +163,8 @@ TEST(LightTree, WhatGivesLightHasAProbability)
             const Place at = random_place(n, middle);
             const Receiver receiver = receiver_at(tree, at, n);
             for (std::uint32_t light = 0; light < lights.size(); ++light) {
-                if (given(lights[light], at, receiver, n.square()) > 0) {
-                    ASSERT_GT(tree.probability(light, receiver), 0) << "of light " << light;
-                }
+                if (!(given(lights[light], at, receiver, n.square()) > 0)) continue;
+                for (const int draws : {1, 16}) ASSERT_GT(tree.expected(light, receiver, draws), 0) << "of light " << light;
             }
         }
     }
@@ -141,7 +189,7 @@ TEST(LightTree, SumsOfSamplesAreThoseOfAllLights)
             const int count = tree.draw(receiver, n.one(), picks);
             double sum = 0;
             for (int k = 0; k < count; ++k)
-                sum += given(lights[picks[k].light], at, receiver, n.square()) / (16 * double(picks[k].probability));
+                sum += given(lights[picks[k].light], at, receiver, n.square()) / double(picks[k].expected);
             drawn.add(sum);
         }
         EXPECT_NEAR(drawn.value(), all.value(), 4.5 * std::hypot(drawn.error(), all.error())) << place;
@@ -207,19 +255,20 @@ TEST(LightTree, HoldsAnyLights)
     for (const Vec3f point : {Vec3f(0), Vec3f(1e-20f), Vec3f(0, 1, 0), Vec3f(1e18f)}) {
         double sum = 0;
         const Receiver receiver{point, {0, 1, 0}, kAllGroups, true};
-        for (std::uint32_t i = 0; i < lights.size(); ++i) sum += double(tree.probability(i, receiver));
+        for (std::uint32_t i = 0; i < lights.size(); ++i) sum += double(tree.expected(i, receiver, 1));
         EXPECT_NEAR(sum, 1, 1e-4);
         LightTree::Pick picks[16];
-        EXPECT_EQ(tree.draw(receiver, 0.3f, picks), 16);
+        const int count = tree.draw(receiver, 0.3f, picks);
+        EXPECT_TRUE(count >= 1 && count <= 16) << count;
     }
-    EXPECT_EQ(tree.probability(3, {}), 0);
+    EXPECT_EQ(tree.expected(3, {}, 4), 0);
     const LightTree one(std::span<const WorldLight>(lights).first(3), 2),
         none(std::span<const WorldLight>(lights).first(4), 3);
-    EXPECT_EQ(one.probability(2, {}), 1);
+    EXPECT_EQ(one.expected(2, {}, 4), 1);
     EXPECT_TRUE(none.is_empty());
     lights.resize(100'000, lights.front());
     const LightTree many(lights, 0);
-    EXPECT_GT(many.probability(99'999, {}), 0) << "as deep as a tree of halves";
+    EXPECT_GT(many.expected(99'999, {}, 1), 0) << "as deep as a tree of halves";
 }
 
 // A few suns and few other lights stay outside the tree.
