@@ -12,29 +12,77 @@
 
 namespace occam::accel {
 
-/// Returns the children whose boxes any of the rays may enter before `end`, and where.
-template <class F, class Times>
-OCCAM_ALWAYS_INLINE unsigned children_entered(const RaysAsOne<F>& as_one, const Times& times, const BvhNode& node, float end,
-                                              float* begin) noexcept
-{
-    if constexpr (Times::kMoves)
-        if (node.keys.segments > 0)
-            return KeyedBoxes<F>(node.boxes(), kBoxGroupFloats, node.keys, times).in_boxes(as_one, end, begin);
-    return as_one.in_boxes(node.boxes(), end, begin);
-}
+/// Stands for boxes that move only where a packet meets some.
+struct NoBox {};
 
-/// Clips [t_near, t_far] to the box of a child.
+/// Holds the boxes of a node's children as rays see them. The rays of a packet take those that hold each box at all of their
+/// times.
 template <class F, class Times>
-OCCAM_ALWAYS_INLINE void clip_to_child(const TreeRay<F>& ray, const Times& times, const BvhNode& node, int child, F& t_near,
-                                       F& t_far) noexcept
-{
-    if constexpr (Times::kMoves)
-        if (node.keys.segments > 0) {
-            KeyedBoxes<F>(node.boxes(), kBoxGroupFloats, node.keys, times).clip_to(ray, child, t_near, t_far);
-            return;
-        }
-    clip(ray, get_box(node.boxes() + child, 0), t_near, t_far);
-}
+class ChildBoxes {
+public:
+    /// The type of a box that is kept until the turn of its child comes. Boxes that stand are read again.
+    static constexpr bool kAreKept = Times::kMoves && !std::is_same_v<F, float>;
+    using Kept = std::conditional_t<kAreKept, Box3f, NoBox>;
+
+    /// A node that waits for its turn.
+    struct Child {
+        BvhLink* node;
+        const BvhNode* parent;  ///< null for nodes without a box: the root (intervals are clipped to it) and halves in time
+        int child;              ///< index of the node in its parent
+        float begin;            ///< where the first ray enters the box
+        [[no_unique_address]] Kept box;
+    };
+
+    OCCAM_ALWAYS_INLINE ChildBoxes(const BvhNode& node, const Times& times) noexcept : node_(node), times_(times)
+    {
+        if constexpr (kAreKept)
+            if (node.keys.segments > 0) KeyedBoxes<F>(node.boxes(), kBoxGroupFloats, node.keys, times).sweep(swept_.floats);
+    }
+
+    /// Returns the children whose boxes any of the rays may enter before `end`, and where.
+    OCCAM_ALWAYS_INLINE unsigned entered(const RaysAsOne<F>& as_one, float end, float* begin) const noexcept
+    {
+        if constexpr (Times::kMoves && !kAreKept)
+            if (node_.keys.segments > 0)
+                return KeyedBoxes<F>(node_.boxes(), kBoxGroupFloats, node_.keys, times_).in_boxes(as_one, end, begin);
+        return as_one.in_boxes(boxes(), end, begin);
+    }
+    OCCAM_ALWAYS_INLINE Kept keep(int child) const noexcept
+    {
+        if constexpr (kAreKept) return get_box(boxes() + child, 0);
+        else return {};
+    }
+    /// Clips [t_near, t_far] to the box of a child.
+    OCCAM_ALWAYS_INLINE static void clip_to(const TreeRay<F>& ray, const Times& times, const Child& at, F& t_near,
+                                            F& t_far) noexcept
+    {
+        const BvhNode& node = *at.parent;
+        if constexpr (kAreKept)
+            if (times.last - times.first <= kMostSwept) return clip(ray, at.box, t_near, t_far);
+        if constexpr (Times::kMoves)
+            if (node.keys.segments > 0)
+                return KeyedBoxes<F>(node.boxes(), kBoxGroupFloats, node.keys, times).clip_to(ray, at.child, t_near, t_far);
+        clip(ray, get_box(node.boxes() + at.child, 0), t_near, t_far);
+    }
+
+private:
+    /// The largest part of the shutter for which rays take boxes that hold all of their times, instead of their own.
+    static constexpr float kMostSwept = 0.15f;
+
+    struct alignas(32) Swept {
+        float floats[kBoxGroupFloats];
+    };
+    const float* boxes() const noexcept
+    {
+        if constexpr (kAreKept)
+            if (node_.keys.segments > 0) return swept_.floats;
+        return node_.boxes();
+    }
+
+    const BvhNode& node_;
+    const Times& times_;
+    std::conditional_t<kAreKept, Swept, NoBox> swept_;
+};
 
 /// Returns whether a node has a leaf that is the same for these pairs.
 inline bool is_leaf_of_all(const Bvh& tree, const BvhLink* node, int finest, int coarsest) noexcept
@@ -51,21 +99,17 @@ bool traverse(Bvh& tree, const RaysInTree<F, Times>& rays, TraceCounters& counte
     const TreeRay<F>& ray = rays.ray;
     const PairSpans<F>& pairs = rays.pairs;
     constexpr bool kIsOne = std::is_same_v<F, float>;
-    struct Todo {
-        BvhLink* node;
-        const BvhNode* parent;  ///< null for nodes without a box: the root (intervals are clipped to it) and halves in time
-        int child;              ///< index of the node in its parent
-        float begin;            ///< where the first ray enters the box
-    };
+    using Boxes = ChildBoxes<F, Times>;
+    using Todo = typename Boxes::Child;
     Todo todo[(Bvh::kMaxDepth + 1) * BvhNode::kWidth];
     int size = 0;
-    Todo next{tree.root(), nullptr, 0, -FLT_MAX};
+    Todo next{tree.root(), nullptr, 0, -FLT_MAX, {}};
     while (true) {
         F in = rays.t_near, out = min(rays.t_far, limit());
         // A single ray knows that it enters the box. It needs to know where only if it may see several pairs there.
         bool is_clipped = !next.parent || (kIsOne && pairs.finest == pairs.coarsest);
         const auto clip_now = [&] {
-            if (!is_clipped) clip_to_child(ray, rays.times, *next.parent, next.child, in, out);
+            if (!is_clipped) Boxes::clip_to(ray, rays.times, next, in, out);
             is_clipped = true;
         };
         if (!kIsOne) clip_now();
@@ -105,17 +149,17 @@ bool traverse(Bvh& tree, const RaysInTree<F, Times>& rays, TraceCounters& counte
             if constexpr (Times::kMoves)
                 if (node.is_halved()) {
                     // Rays of either half go into its child; those that need not are not kept from it.
-                    if (rays.times.last >= node.halved_at) todo[size++] = {&node.children[1], nullptr, 0, next.begin};
-                    if (rays.times.first <= node.halved_at) todo[size++] = {&node.children[0], nullptr, 0, next.begin};
+                    if (rays.times.last >= node.halved_at) todo[size++] = {&node.children[1], nullptr, 0, next.begin, {}};
+                    if (rays.times.first <= node.halved_at) todo[size++] = {&node.children[0], nullptr, 0, next.begin, {}};
                     break;
                 }
             alignas(32) float begin[BvhNode::kWidth];
             const int base = size;
             const float end = highest(select(alive, out, F(-FLT_MAX)));
-            for (unsigned entered = children_entered(rays.as_one, rays.times, node, end, begin); entered != 0;
-                 entered &= entered - 1) {
+            const Boxes boxes(node, rays.times);
+            for (unsigned entered = boxes.entered(rays.as_one, end, begin); entered != 0; entered &= entered - 1) {
                 const int child = std::countr_zero(entered);
-                todo[size++] = {&node.children[child], &node, child, begin[child]};
+                todo[size++] = {&node.children[child], &node, child, begin[child], boxes.keep(child)};
                 // The nearest one comes last and is taken first.
                 for (int k = size - 1; k > base && todo[k].begin > todo[k - 1].begin; --k) std::swap(todo[k], todo[k - 1]);
             }

@@ -3,6 +3,9 @@
 // Packets take the boxes at all times of their rays as one; then each ray takes those at its own time.
 #pragma once
 
+#include <tuple>
+#include <utility>
+
 #include "accel/leaf_boxes.h"
 #include "lod/key_time.h"
 
@@ -13,16 +16,45 @@ struct NoTimes {
     static constexpr bool kMoves = false;
 };
 
+/// Returns where a time lies among the keys of an interval; a time outside of it counts as its nearer end.
+inline lod::KeyTime key_time_in(const KeySpan& keys, float time) noexcept
+{
+    const float x = std::clamp((time - keys.begin) * keys.per_time, 0.0f, float(keys.segments));
+    const int key = std::min(static_cast<int>(x), keys.segments - 1);
+    return {key, x - static_cast<float>(key)};
+}
+
 /// Holds the times of rays. F is the same type as in TreeRay.
 template <class F>
-struct RayTimes {
+class RayTimes {
+public:
     static constexpr bool kMoves = true;
     using Lanes = F;
 
-    explicit RayTimes(F all) noexcept : time(min(max(all, F(0.0f)), F(1.0f))), first(lowest(time)), last(highest(time)) {}
+    /// segments   of the scene's shutter
+    RayTimes(F all, int segments) noexcept
+        : time(min(max(all, F(0.0f)), F(1.0f))),
+          first(lowest(time)),
+          last(highest(time)),
+          per_time_(static_cast<float>(segments)),
+          whole_{key_time_in({segments, 0, per_time_}, first), key_time_in({segments, 0, per_time_}, last)}
+    {
+    }
 
     F time;             ///< in [0, 1]
     float first, last;  ///< the earliest and the latest of them
+
+    /// Returns where the first and the last time lie among the keys of an interval. Those of the whole shutter, which most
+    /// nodes have, are known.
+    OCCAM_ALWAYS_INLINE std::pair<lod::KeyTime, lod::KeyTime> ends_in(const KeySpan& keys) const noexcept
+    {
+        if (keys.begin == 0 && keys.per_time == per_time_) return whole_;
+        return {key_time_in(keys, first), key_time_in(keys, last)};
+    }
+
+private:
+    float per_time_;
+    std::pair<lod::KeyTime, lod::KeyTime> whole_;
 };
 
 /// Holds a group of eight boxes at each key of an interval, as rays of certain times see them. A ray whose time is outside
@@ -31,15 +63,47 @@ template <class F>
 class KeyedBoxes {
 public:
     /// stride   the number of floats from one key to the next
-    KeyedBoxes(const float* boxes, std::size_t stride, const KeySpan& keys, const RayTimes<F>& times) noexcept
-        : boxes_(boxes), stride_(stride), keys_(keys), from_(at(keys, times.first)), to_(at(keys, times.last)), times_(times)
+    OCCAM_ALWAYS_INLINE KeyedBoxes(const float* boxes, std::size_t stride, const KeySpan& keys,
+                                   const RayTimes<F>& times) noexcept
+        : boxes_(boxes), stride_(stride), keys_(keys), times_(times)
     {
+        std::tie(from_, to_) = times.ends_in(keys);
     }
 
-    /// Does what RaysAsOne::in_boxes does.
-    unsigned in_boxes(const RaysAsOne<F>& rays, float end, float* begin) const noexcept
+    /// Writes eight boxes that hold those of the group at the times of all rays.
+    OCCAM_ALWAYS_INLINE void sweep(float* swept) const noexcept
     {
-        return rays.in_boxes_by([&](int place) { return load(place); }, end, begin);
+        const float* here = key(from_.key);
+        if (kIsOne || from_.key == to_.key) {
+            const vfloat first = from_.share, last = to_.share;
+            for (int at = 0; at < kBoxGroupFloats; at += kLanes) {
+                const vfloat a = vfloat::load(here + at), b = vfloat::load(here + stride_ + at);
+                vfloat all = lod::between_keys(first, a, b);
+                if constexpr (!kIsOne) {
+                    const vfloat other = lod::between_keys(last, a, b);
+                    all = at < kBoxGroupFloats / 2 ? min(all, other) : max(all, other);
+                }
+                all.store(swept + at);
+            }
+            return;
+        }
+        for (int at = 0; at < kBoxGroupFloats; at += kLanes) {
+            vfloat all = at_moment(from_, at);
+            const auto add = [&](vfloat x) { all = at < kBoxGroupFloats / 2 ? min(all, x) : max(all, x); };
+            add(at_moment(to_, at));
+            for (int k = from_.key + 1; k <= to_.key; ++k) add(vfloat::load(key(k) + at));
+            all.store(swept + at);
+        }
+    }
+    /// Does what RaysAsOne::in_boxes does.
+    OCCAM_ALWAYS_INLINE unsigned in_boxes(const RaysAsOne<F>& rays, float end, float* begin) const noexcept
+    {
+        if constexpr (kIsOne) return rays.in_boxes_by([&](int place) { return at_moment(from_, place); }, end, begin);
+        else {
+            alignas(32) float swept[kBoxGroupFloats];
+            sweep(swept);
+            return rays.in_boxes(swept, end, begin);
+        }
     }
     /// Clips [t_near, t_far] to a box of the group at each ray's own time.
     void clip_to(const TreeRay<F>& ray, int box, F& t_near, F& t_far) const noexcept
@@ -61,30 +125,13 @@ public:
     }
 
 private:
-    static lod::KeyTime at(const KeySpan& keys, float time) noexcept
-    {
-        const float x = std::clamp((time - keys.begin) * keys.per_time, 0.0f, float(keys.segments));
-        const int key = std::min(static_cast<int>(x), keys.segments - 1);
-        return {key, x - static_cast<float>(key)};
-    }
+    static constexpr bool kIsOne = std::is_same_v<F, float>;
+
     const float* key(int k) const noexcept { return boxes_ + static_cast<std::size_t>(k) * stride_; }
-    vfloat at_moment(const lod::KeyTime& moment, int place) const noexcept
+    OCCAM_ALWAYS_INLINE vfloat at_moment(const lod::KeyTime& moment, int place) const noexcept
     {
         const float* here = key(moment.key) + place;
         return lod::between_keys(vfloat(moment.share), vfloat::load(here), vfloat::load(here + stride_));
-    }
-    // Loads one coordinate of the boxes that hold the group at all times of the rays.
-    vfloat load(int place) const noexcept
-    {
-        vfloat all = at_moment(from_, place);
-        if constexpr (std::is_same_v<F, float>) return all;
-        else {
-            const bool is_high = place >= 3 * kBoxGroup;
-            const auto add = [&](vfloat x) { all = is_high ? max(all, x) : min(all, x); };
-            add(at_moment(to_, place));
-            for (int k = from_.key + 1; k <= to_.key; ++k) add(vfloat::load(key(k) + place));
-            return all;
-        }
     }
 
     const float* boxes_;

@@ -11,17 +11,18 @@
 namespace occam::accel {
 
 /// Returns the times of rays, in the lanes of `Times`.
+/// segments   of the scene's shutter
 template <class Times>
-Times times_of(std::span<const Ray> rays) noexcept
+Times times_of(std::span<const Ray> rays, [[maybe_unused]] int segments) noexcept
 {
     if constexpr (!Times::kMoves) return {};
     else {
         using F = typename Times::Lanes;
-        if constexpr (std::is_same_v<F, float>) return Times(rays.front().time);
+        if constexpr (std::is_same_v<F, float>) return Times(rays.front().time, segments);
         else {
             alignas(32) float time[sizeof(F) / sizeof(float)];
             for (std::size_t i = 0; i < std::size(time); ++i) time[i] = rays[std::min(i, rays.size() - 1)].time;
-            return Times(F::load(time));
+            return Times(F::load(time), segments);
         }
     }
 }

@@ -1,5 +1,5 @@
-// Sorts a batch of rays by direction, so that rays which lie side by side may travel together. Where things move, rays are
-// sorted by time first (Hou et al. 2010): rays of about one time see what moves in about one place.
+// Sorts a batch of rays by direction, so that rays which lie side by side may travel together. Where things move far, rays
+// are sorted by time first (Hou et al. 2010): rays of about one time see what moves in about one place (accel/time_order.h).
 //
 // Memory   As long as the longest batch so far.
 // Threads  Each worker has its own.
@@ -15,14 +15,15 @@
 
 #include "accel/packet.h"
 #include "accel/ray_lanes.h"
+#include "accel/time_order.h"
 
 namespace occam::accel {
 
 class RayGroups {
 public:
     /// Sorts rays by bins of direction; within a bin, rays keep their order.
-    /// by_time   whether bins of time come first
-    void sort(std::span<const Ray> rays, bool by_time)
+    /// most_times   the largest number of bins of time, which come first; 1: rays are not sorted by time
+    void sort(std::span<const Ray> rays, std::size_t most_times)
     {
         // Batches come in several sizes: existing entries are kept and overwritten.
         if (sorted.size() < rays.size()) {
@@ -41,9 +42,9 @@ public:
             }
         }
         groups_ = RayAxes::kGroups;
-        if (!by_time) return put_in_order(rays, of_bin);
+        const std::size_t times = std::min(most_times, times_for(rays.size(), of_bin));
+        if (times <= 1) return put_in_order(rays, of_bin);
         std::array<std::uint32_t, kMostTimes * kBins + 1> of_time{};
-        const std::size_t times = times_for(rays.size(), of_bin);
         for (std::size_t i = 0; i < rays.size(); ++i) {
             const auto time = static_cast<std::size_t>(lod::key_time(rays[i].time, static_cast<int>(times)).key);
             bins_[i] = static_cast<std::uint16_t>(bins_[i] + time * kBins);
@@ -73,7 +74,8 @@ public:
     std::vector<std::uint32_t> place_of;  ///< index of each sorted ray in the caller's batch
 
 private:
-    static constexpr std::size_t kBinsOfAGroup = 4, kBins = RayAxes::kGroups * kBinsOfAGroup, kMostTimes = 16;
+    static constexpr std::size_t kBinsOfAGroup = 4, kBins = RayAxes::kGroups * kBinsOfAGroup,
+                                 kMostTimes = TimeOrder::kMostBins;
 
     /// Returns the number of bins of time: so few that there are rays for a packet in each of them and each group of axes.
     static std::size_t times_for(std::size_t rays, const std::array<std::uint32_t, kBins + 1>& of_bin) noexcept

@@ -12,6 +12,7 @@
 #include "accel/packet.h"
 #include "accel/ray_groups.h"
 #include "accel/ray_reach.h"
+#include "accel/time_order.h"
 #include "accel/tracer.h"
 #include "accel/traverse.h"
 #include "base/cancellation.h"
@@ -143,7 +144,10 @@ struct Tracer::State {
     template <class Run>
     void for_groups(std::span<const Ray> rays, Run&& run)
     {
-        groups.sort(rays, frame.segments > 0);
+        TimeOrder& order = !rays.empty() && (rays.front().kinds & RayKind::Camera) ? order_of_camera_rays
+                                                                                   : order_of_other_rays;
+        groups.sort(rays, frame.segments > 0 ? order.bins(rays.size()) : 1);
+        visits = {};
         const FlushGate::Inside inside(gate);
         groups.for_each_packet([&](const RayAxes& axes, std::size_t first, std::size_t count) {
             throw_if_cancelled();
@@ -151,6 +155,7 @@ struct Tracer::State {
                 return run(axes, from, of_these, memory_bytes);
             });
         });
+        if (frame.segments > 0) order.note(rays.size(), visits);
         counters.rays += rays.size();
     }
 
@@ -165,6 +170,8 @@ struct Tracer::State {
     lod::RayLevels<vfloats<2>> wide_levels;
     lod::RayLevels<float> single_levels;  ///< for the ray traced last
     RayGroups groups;                     ///< for the batch traced last
+    TimeOrder order_of_camera_rays, order_of_other_rays;
+    BatchVisits visits;  ///< of the batch, where something moves
     std::uint64_t visit = 0;
     int wanted_hits = 1;  ///< of each ray, for Tracer::nearest()
 };

@@ -4,6 +4,9 @@
 // are, which of them meet an igrid, and intersects them with it; everything else is here.
 #pragma once
 
+#include <algorithm>
+#include <bit>
+
 #include "accel/leaf_group.h"
 #include "accel/narration.h"
 #include "accel/tracer_state.h"
@@ -47,16 +50,20 @@ public:
         ++state_.visit;
         if constexpr (!kIsOne) ++state_.counters.packets;
         as_one_ = RaysAsOne<F>(ray_, lowest(begin_));
-        const Times times = times_of<Times>(party_.rays());
+        const Times times = times_of<Times>(party_.rays(), state_.frame.segments);
         const auto limit = [&] { return this->limit(); };
         const auto leaf = [&](auto node, const Mask& alive, const F& near, const F& far, int finest, int coarsest) {
             return meet_leaf(node, alive, near, far, {finest, coarsest}, times);
         };
         const auto walk = [&](const auto& at_leaf) {
-            return traverse(tree_, RaysInTree<F, Times>{ray_, as_one_, times, begin_, end, pairs_}, state_.counters, limit,
-                            at_leaf)
-                       ? PacketResult::Done
-                       : PacketResult::Abandoned;
+            const std::uint64_t before = state_.counters.kd_visited;
+            const bool is_done = traverse(tree_, RaysInTree<F, Times>{ray_, as_one_, times, begin_, end, pairs_},
+                                          state_.counters, limit, at_leaf);
+            if constexpr (Times::kMoves) {
+                const std::uint64_t nodes = state_.counters.kd_visited - before;
+                (kIsOne ? state_.visits.of_lone_rays : state_.visits.of_packets) += nodes;
+            }
+            return is_done ? PacketResult::Done : PacketResult::Abandoned;
         };
         if constexpr (kIsObservedRay)
             if (Narration* const to = party_.query.narration)
@@ -155,6 +162,7 @@ private:
     {
         const auto fresh = party_.note_visit(state_.mailboxes.of(grid), state_.visit, grid, entering);
         if (!fresh) return;
+        if constexpr (Times::kMoves) count_visit(grid, fresh);
         if (grid.cage != here_) {
             here_ = grid.cage;
             blended_ = lod::kNoPair;
@@ -172,6 +180,18 @@ private:
             }
         }
         party_.meet(grid, fresh, entering, from, to);
+    }
+
+    /// Counts that rays meet an igrid.
+    OCCAM_ALWAYS_INLINE void count_visit(const IGrid& grid, unsigned rays) noexcept
+    {
+        BatchVisits& visits = state_.visits;
+        if constexpr (kIsOne) visits.of_lone_rays += 2;
+        else {
+            const int count = std::popcount(rays);
+            visits.of_packets += static_cast<std::uint64_t>(std::clamp(grid.segments, 1, count));
+            visits.rays += static_cast<std::uint64_t>(count);
+        }
     }
 
     void narrate_start(bool enters)

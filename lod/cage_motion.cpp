@@ -129,6 +129,61 @@ double CageMotion::deviation_of_positions(int key, int before, int after) const
     return std::sqrt(squared) * stretch_bound(world(0));
 }
 
+std::vector<Vec3d> CageMotion::moves_from(int key) const
+{
+    std::vector<Vec3d> moves;
+    if (changes_ != 1 || moves_weights_ || (moves_positions_ && slot_.is_deformed())) return moves;
+    if (moves_positions_) {
+        const auto &from = slot_.key_positions[std::size_t(key)], &to = slot_.key_positions[std::size_t(key) + 1];
+        for (std::size_t v = 0; v < from.size(); ++v)
+            moves.push_back(Vec3d(world(0) * Vec4d(Vec3d(to[v]) - Vec3d(from[v]), 0)));
+        return moves;
+    }
+    const auto add = [&](const Mat4d& map, const Box3d& box) {
+        for (int i = 0; i < 8 && !box.is_empty(); ++i)
+            moves.push_back(Vec3d(
+                map * Vec4d(i & 1 ? box.hi.x : box.lo.x, i & 2 ? box.hi.y : box.lo.y, i & 4 ? box.hi.z : box.lo.z, 1)));
+    };
+    if (!is_skinned_) {
+        add(world(key + 1) - world(key), slot_.is_deformed() ? cage_bounds(node_, slot_, skin_) : slot_.bounds);
+        return moves;
+    }
+    const CagePose from = pose(key), to = pose(key + 1);
+    const Box3d moved = morph_extent(slot_.deform[0].offsets, from.morph_weights);
+    for (const JointBox& joint : slot_.deform[0].joints) {
+        const auto map = [&](int k, const CagePose& at) {
+            const Mat4d mesh = joint.joint < at.joints.size() ? at.joints[joint.joint] : Mat4d(1);
+            return world(k) * at.node_from_skin * mesh;
+        };
+        add(map(key + 1, to) - map(key, from), {Vec3d(joint.box.lo) + moved.lo, Vec3d(joint.box.hi) + moved.hi});
+    }
+    return moves;
+}
+
+double CageMotion::least_distance_across(Vec3d eye) const
+{
+    constexpr double kMostOfSight = 0.7, kChordOfSine = 1.1;  // chords of angles whose sine is at most 0.7
+    const Box3d bounds = cage_bounds(node_, slot_, skin_);
+    double least = std::numeric_limits<double>::infinity();
+    for (int key = 0; key < segments_; ++key) {
+        const std::vector<Vec3d> moves = moves_from(key);
+        if (moves.empty()) return 0;
+        Vec3d mean(0);
+        for (const Vec3d move : moves) mean += move / double(moves.size());
+        double spread = 0;
+        for (const Vec3d move : moves) spread = std::max(spread, glm::distance(move, mean));
+        Box3d box = transform_box(world(key), bounds);
+        box.add(transform_box(world(key + 1), bounds));
+        // The lines of sight to the points of a ball lie within a cone; the sine of its angle is `sine`.
+        const Vec3d sight = box.centre() - eye;
+        const double distance = glm::length(sight), sine = box.radius() / distance;
+        if (!(sine < kMostOfSight)) return 0;
+        const double across = glm::length(glm::cross(mean, sight)) / distance;
+        least = std::min(least, across - kChordOfSine * sine * glm::length(mean) - spread);
+    }
+    return std::isfinite(least) ? std::max(0.0, least * segments_) : 0;
+}
+
 double CageMotion::deviation(int key, int before, int after) const
 {
     // Several changes multiply, which no sum of their own deviations bounds.
@@ -219,14 +274,34 @@ const PosedCage* CageMotion::make_still_pose(std::span<const PosedCage> keys, co
     return tools.arena.make<PosedCage>(still);
 }
 
+namespace {
+
+// Returns the target edge length where a box is nearest to the camera.
+float edge_at(const LevelSettings& settings, const Box3d& world) noexcept
+{
+    constexpr double kNearest = 1.0 / 64;  // in radii of the box
+    const double distance = glm::distance(settings.eye, glm::clamp(settings.eye, world.lo, world.hi));
+    return settings.target_edge(settings.pixel).at(static_cast<float>(std::max(distance, world.radius() * kNearest)));
+}
+
+}  // namespace
+
 double motion_tolerance(const LevelSettings& settings, const Box3d& world) noexcept
 {
-    constexpr double kNearest = 1.0 / 64, kRounding = 0x1p-22;  // in radii of the box
-    const double radius = world.radius();
-    const double distance = glm::distance(settings.eye, glm::clamp(settings.eye, world.lo, world.hi));
-    const float edge = settings.target_edge(settings.pixel).at(static_cast<float>(std::max(distance, radius * kNearest)));
+    constexpr double kRounding = 0x1p-22;  // in radii of the box
+    const float edge = edge_at(settings, world);
     const double allowed = std::isfinite(edge) ? double(settings.motion_edges) * double(edge) : 0;
-    return std::max(allowed, radius * kRounding);
+    return std::max(allowed, world.radius() * kRounding);
+}
+
+int level_of_motion(const LevelSettings& settings, const CageMotion& motion)
+{
+    constexpr float kMostPixels = 4;
+    if (settings.strata <= 0) return kFinestLevel;
+    const auto moved = static_cast<float>(motion.least_distance_across(settings.eye) / settings.strata);
+    const float edge = std::min(settings.target_edge({moved, 0}).a, kMostPixels * edge_at(settings, motion.world_box()));
+    // The level l whose edges d_l are at most as long; ceil_log2() would round up.
+    return edge > 0 && std::isfinite(edge) ? std::clamp(-ceil_log2(1 / edge), kFinestLevel, kCoarsestLevel) : kFinestLevel;
 }
 
 }  // namespace occam::lod

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "lod/footprint.h"
 #include "lod/posed_cage.h"
@@ -40,6 +41,9 @@ public:
     /// Returns the least power of two of segments with which no control point is farther than `tolerance` from where the
     /// scene's keys have it.
     int segments(double tolerance) const;
+    /// Returns a lower bound, seen from the eye, on the distance across the line of sight that each point of the cage moves
+    /// per shutter, at each moment of the shutter. It is 0 if some point may stand still or nothing is known.
+    double least_distance_across(Vec3d eye) const;
     /// Makes the cage at the keys of a motion of so many segments. All keys are copies of `still`, in the same dicing frame.
     PosedCage& make_keys(const PosedCage& still, int segments, const PosingTools& tools) const;
 
@@ -49,6 +53,9 @@ private:
     const PosedCage* make_still_pose(std::span<const PosedCage> keys, const PosingTools& tools) const;
     const Mat4d& world(int key) const noexcept { return world_[world_.size() > 1 ? std::size_t(key) : 0]; }
     CagePose pose(int key) const noexcept { return {slot_, node_, skin_, key}; }
+    /// Returns vectors by which points move from a key to the next one, such that each point of the cage moves by a mean of
+    /// some of them; none if there is no such list.
+    std::vector<Vec3d> moves_from(int key) const;
     double deviation(int key, int before, int after) const;
     double deviation_of_maps(int key, int before, int after) const;
     double deviation_of_weights(int key, int before, int after) const;
@@ -67,5 +74,10 @@ private:
 /// Returns how far control points in the box may be from where the scene's keys have them, unseen:
 /// LevelSettings::motion_edges of the target edge length where the box is nearest to the camera, and no less than rounding.
 double motion_tolerance(const LevelSettings& settings, const Box3d& world) noexcept;
+
+/// Returns the level that is fine enough for a cage that moves so fast: its edges are as long as the least distance that a
+/// point of it moves across the picture in one of LevelSettings::strata, but no more than four pixels where the cage is
+/// nearest to the camera. Returns kFinestLevel if motion makes nothing coarser.
+int level_of_motion(const LevelSettings& settings, const CageMotion& motion);
 
 }  // namespace occam::lod

@@ -42,6 +42,10 @@ struct LevelSettings {
     /// The farthest that a control point may be, between the keys of a cage's motion, from where the scene's keys have it:
     /// in target edge lengths where the cage is nearest to the camera.
     float motion_edges = 0.25f;
+    /// The number of equal parts of the shutter of which each pixel samples every one; 0: it is not known. A cage all of
+    /// whose points move across the picture has no edges that are shorter than the least distance that a point moves in one
+    /// part (lod/cage_motion.h).
+    int strata = 0;
 
     /// The largest distance, in world length, of points of displaced cages from the surface whose edges levels bound. An
     /// edge of M_l may be longer than d_l by twice this, and a vertex may move by the same amount more between levels, so

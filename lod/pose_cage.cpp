@@ -23,6 +23,7 @@ PosedCage& pose_cage(const CagePlacement& placement, const LevelSettings& levels
     const CageMotion motion(slot, node, skin, matrices, shutter_segments);
     if (motion.moves()) {
         const int segments = motion.segments(motion_tolerance(levels, motion.world_box()));
+        if (cage.topology) cage.least_level = level_of_motion(levels, motion);
         PosedCage& first = motion.make_keys(cage, segments, tools);
         if (chooses_level) {
             first.level = kCoarsestLevel;

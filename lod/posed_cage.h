@@ -10,6 +10,7 @@
 // its nodes alone move it, the keys serve for rates and boxes, and what is diced is one more pose, its still pose.
 #pragma once
 
+#include <algorithm>
 #include <span>
 
 #include "lod/affine_motion.h"
@@ -51,6 +52,7 @@ struct PosedCage {
     Vec3d anchor{0};                 ///< world
     float radius = 0;                ///< radius of a ball around the anchor that holds the cage, world length
     int coarsened = 0;               ///< by how many levels its finest level is coarser than that of other cages
+    int least_level = kFinestLevel;  ///< all finer levels are the same as this one
     int level = 0;                   ///< LevelMode::PerInstance: the level for all rays
     bool is_mirrored = false;        ///< the placement reverses the orientation of faces
     PosedDisplacement displacement;  ///< displacement of the limit surface, if there is one
@@ -96,8 +98,8 @@ struct PosedCage {
     /// Returns whether faces are reversed at a moment of the cage's motion.
     bool is_mirrored_at(KeyTime time) const noexcept;
 
-    /// Returns the finest level that keeps all rates within kMaxExponent.
-    int finest_level() const noexcept { return ceil_log2(16 * radius) - kMaxExponent + coarsened; }
+    /// Returns the finest level, which keeps all rates within kMaxExponent. Finer levels are the same as this one.
+    int finest_level() const noexcept { return std::max(ceil_log2(16 * radius) - kMaxExponent + coarsened, least_level); }
 
     /// Maps object axes to the dicing frame, in double and rounded once: a pure function of the point.
     Vec3f pose(Vec3f p) const noexcept

@@ -29,6 +29,9 @@ lod::LevelSettings levels_of(const Settings& settings, const FrameScale& scale, 
         levels = other.levels(settings.shading_rate);
     }
     levels.mode = mode_of(settings.lod);
+    // A blurred surface needs no more detail than its samples can tell, unless the camera may follow it.
+    const bool may_be_coarse = settings.lod != Lod::Off && !settings.lod_camera && !camera.moves() && levels.pixel.b > 0;
+    if (may_be_coarse) levels.strata = settings.spp;
     return levels;
 }
 

@@ -109,7 +109,9 @@ void run_motion_flat(Report& report)
         const render::CameraRays camera(camera_of(blur), kWidth, kHeight, kSamples);
         const std::vector<accel::Ray> rays = rays_of(camera);
         lod::TopologyCache topologies;
-        const accel::Frame frame(scene, topologies, camera.levels(1));
+        lod::LevelSettings levels = camera.levels(1);
+        levels.strata = kSamples;
+        const accel::Frame frame(scene, topologies, levels);
         accel::Tracer tracer(frame, kMemoryBytes);
         const double cold = repeat(1, [&] { trace(tracer, camera, rays); }).front();
         std::size_t met = 0;

@@ -1,8 +1,9 @@
 // Compares a blurred picture with the mean of still pictures of moments while the shutter is open.
 //
-// Both sides are estimates. The variance of a blurred pixel is known from its own samples, and that of a mean of still
-// pictures from how they vary around neighbours of theirs; samples are stratified, so both are bounds from above. A pixel
-// exceeds if the two differ by more than four standard errors and by what many pictures of few moments cannot resolve.
+// Both sides are estimates. The variance of a blurred pixel is known from its own samples and from those of the still
+// pictures, and that of a mean of still pictures from how they vary; samples are stratified, so both are bounds from above.
+// A pixel exceeds if the two differ by more than four standard errors and by what many pictures of few moments cannot
+// resolve.
 #pragma once
 
 #include <occam/occam.h>

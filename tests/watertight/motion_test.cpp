@@ -2,6 +2,10 @@
 // motion).
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <random>
+
+#include "accel/frame.h"
 #include "tests/support/displaced_cages.h"
 #include "tests/support/escapes.h"
 #include "tests/support/motions.h"
@@ -53,6 +57,46 @@ TEST(MovingSpindle, OfValence9LetsNoRayOut)
     cage.creases = {{0, 2, 10}, {2, 3, 2.5f}, {4, 1, 0.7f}, {3, 4, 10}};
     for (const Motion& motion : motions())
         if (is_long() || motion.segments == 4) expect_no_escape(cage, motion, is_long() ? 8 : 4);
+}
+
+// Rays from the middle of the tube of a torus that flies. Its edges are no shorter than motion allows, and rays ask for
+// levels on either side of that one.
+TEST(MovingCages, LetNoRayOutWhereMotionMakesThemCoarser)
+{
+    Scene scene;
+    const Vec3d way(6, -3, 1);
+    add_moving(scene, torus(), {"flying", 1, [&](double tau) { return moved_by(way * tau); }, {}, {}, {}});
+    scene.refit();
+    lod::LevelSettings levels;
+    levels.eye = {0, 0, 40};
+    levels.pixel = {0, 0.001f};
+    levels.strata = 32;
+    levels.motion_edges = 0;
+    levels.overlap_edges = 0;
+    levels.overlap_ulps = 4;
+    lod::TopologyCache topologies;
+    const accel::Frame frame(scene, topologies, levels);
+    accel::Tracer tracer(frame, std::size_t(1) << 30);
+    std::mt19937_64 bits(7);
+    const auto random = [&] { return double(bits() >> 11) * 0x1p-53; };
+    std::vector<accel::Ray> rays(is_long() ? 4'000'000 : 40'000);
+    for (accel::Ray& ray : rays) {
+        const double angle = 6.283185307 * random();
+        ray.time = static_cast<float>(random());
+        ray.origin = Vec3d(0.93 * std::cos(angle), 0, 0.93 * std::sin(angle)) + way * double(ray.time);
+        ray.direction = Vec3f(glm::normalize(2.0 * Vec3d(random(), random(), random()) - 1.0));
+        ray.footprint = {std::ldexp(1.0f, -8 + static_cast<int>(6 * random())), static_cast<float>(0.3 * random())};
+    }
+    std::vector<accel::SurfaceHit> hits(rays.size());
+    tracer.closest(rays, hits);
+    std::size_t escaped = 0;
+    int finest = lod::kCoarsestLevel;
+    for (const accel::SurfaceHit& hit : hits) {
+        escaped += !hit.is_hit();
+        finest = std::min(finest, hit.level);
+    }
+    EXPECT_EQ(escaped, 0u) << "of " << rays.size();
+    EXPECT_EQ(finest, -3);
 }
 
 }  // namespace
