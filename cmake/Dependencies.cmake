@@ -7,12 +7,11 @@ find_package(TBB REQUIRED)
 find_package(TinyGLTF REQUIRED)
 find_package(tinyobjloader REQUIRED)
 find_package(nlohmann_json REQUIRED)
-find_package(ZLIB REQUIRED)
+find_package(OpenEXR REQUIRED)
 find_package(CLI11 REQUIRED)
 
 # OpenImageIO 2.4's own config asks for its command line tools and names an include folder of OpenCV that no package
 # provides.
-find_package(OpenEXR REQUIRED)
 find_path(OCCAM_OIIO_INCLUDE OpenImageIO/imageio.h REQUIRED)
 find_library(OCCAM_OIIO_LIBRARY OpenImageIO REQUIRED)
 find_library(OCCAM_OIIO_UTIL_LIBRARY OpenImageIO_Util REQUIRED)

@@ -1,234 +1,305 @@
+// This is the only source file that uses OpenEXR.
 #include "io/exr_file.h"
 
-#include <zlib.h>
+#include <Iex.h>
+#include <ImathBox.h>
+#include <ImfChannelList.h>
+#include <ImfChromaticitiesAttribute.h>
+#include <ImfFloatAttribute.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfInputFile.h>
+#include <ImfIntAttribute.h>
+#include <ImfMatrixAttribute.h>
+#include <ImfOutputFile.h>
+#include <ImfStringAttribute.h>
+#include <ImfTileDescription.h>
+#include <ImfVersion.h>
+#include <ImfXdr.h>
+#include <half.h>
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
+#include <array>
 #include <cstring>
-#include <fstream>
-#include <numeric>
-#include <string>
+#include <new>
+#include <utility>
+#include <vector>
 
-#include "base/half.h"
 #include "base/overloaded.h"
 
 namespace occam {
 namespace {
 
-using namespace std::string_view_literals;
+using Imath::Box2i;
+using Imath::V2i;
 
-static_assert(std::endian::native == std::endian::little, "numbers are written as they lie in memory");
+// With this number of threads the library does all work in the calling thread.
+constexpr int kNoThreads = 0;
 
-constexpr std::string_view kMagic = "\x76\x2f\x31\x01"sv;
-constexpr std::uint32_t kVersion = 2, kHasLongNames = 0x400;
-constexpr std::size_t kLongestShortName = 31;
-constexpr std::uint8_t kZip = 3;
-constexpr int kBlockLines = 16;
-constexpr int kZipLevel = 4;
-constexpr std::size_t kMostHeadBytes = std::size_t(64) << 20;
+// Hands the bytes of the encoder on. Failures are remembered by the receiver.
+class ExrOutput final : public Imf::OStream {
+public:
+    explicit ExrOutput(PictureBytes& to) : OStream("picture"), to_(to) {}
 
-template <class T>
-void append(std::string& to, T value)
+    void write(const char* bytes, int size) override
+    {
+        to_.write_at(bytes, static_cast<std::size_t>(size), at_);
+        at_ += static_cast<std::uint64_t>(size);
+    }
+    std::uint64_t tellp() override { return at_; }
+    void seekp(std::uint64_t position) override { at_ = position; }
+
+private:
+    PictureBytes& to_;
+    std::uint64_t at_ = 0;
+};
+
+class ExrInput final : public Imf::IStream {
+public:
+    explicit ExrInput(ImageBytes& from) : IStream("picture"), from_(from) {}
+
+    bool read(char* to, int size) override
+    {
+        const auto count = static_cast<std::size_t>(size);
+        if (!from_.read(at_, {reinterpret_cast<unsigned char*>(to), count})) throw Iex::InputExc("the file is cut off");
+        at_ += count;
+        return at_ < from_.size();
+    }
+    std::uint64_t tellg() override { return at_; }
+    void seekg(std::uint64_t position) override { at_ = position; }
+
+private:
+    ImageBytes& from_;
+    std::uint64_t at_ = 0;
+};
+
+Imf::PixelType pixel_type(const PictureSpec& spec, std::size_t channel)
 {
-    char bytes[sizeof(T)];
-    std::memcpy(bytes, &value, sizeof(T));
-    to.append(bytes, sizeof(T));
-}
-void append_name(std::string& to, std::string_view name)
-{
-    to += name.substr(0, name.find('\0'));
-    to += '\0';
-}
-void append_attribute(std::string& to, std::string_view name, std::string_view type, std::string_view value)
-{
-    append_name(to, name);
-    append_name(to, type);
-    append(to, static_cast<std::int32_t>(value.size()));
-    to += value;
-}
-template <class... T>
-std::string packed(T... values)
-{
-    std::string bytes;
-    (append(bytes, values), ...);
-    return bytes;
+    return spec.channel_type(channel) == SampleType::Half ? Imf::HALF : Imf::FLOAT;
 }
 
-void append_given(std::string& to, const PictureAttribute& a)
+Box2i window(int x, int y, int width, int height) { return {V2i(x, y), V2i(x + width - 1, y + height - 1)}; }
+
+void insert(Imf::Header& header, const PictureAttribute& a)
 {
-    const auto floats = [](const auto& array) {
-        return std::string_view(reinterpret_cast<const char*>(array.data()), sizeof(array));
-    };
-    std::visit(Overloaded{[&](const std::string& text) { append_attribute(to, a.name, "string", text); },
-                          [&](float number) { append_attribute(to, a.name, "float", packed(number)); },
-                          [&](int number) { append_attribute(to, a.name, "int", packed(number)); },
-                          [&](const std::array<float, 16>& m) { append_attribute(to, a.name, "m44f", floats(m)); },
-                          [&](const std::array<float, 8>& c) { append_attribute(to, a.name, "chromaticities", floats(c)); }},
+    const auto put = [&](const Imf::Attribute& value) { header.insert(a.name, value); };
+    std::visit(Overloaded{[&](const std::string& text) { put(Imf::StringAttribute(text)); },
+                          [&](float number) { put(Imf::FloatAttribute(number)); },
+                          [&](int number) { put(Imf::IntAttribute(number)); },
+                          [&](const std::array<float, 16>& given) {
+                              Imath::M44f matrix;
+                              std::ranges::copy(given, matrix.getValue());
+                              put(Imf::M44fAttribute(matrix));
+                          },
+                          [&](const std::array<float, 8>& c) {
+                              put(Imf::ChromaticitiesAttribute(
+                                  Imf::Chromaticities({c[0], c[1]}, {c[2], c[3]}, {c[4], c[5]}, {c[6], c[7]})));
+                          }},
                a.value);
 }
 
-bool is_half(const PictureSpec& spec, std::size_t channel) noexcept
+Imf::Header header_of(const PictureSpec& spec, std::span<const PictureAttribute> attributes)
 {
-    return spec.channel_type(channel) == SampleType::Half;
+    Imf::Header header(window(spec.full_x, spec.full_y, spec.full_width, spec.full_height),
+                       window(spec.x, spec.y, spec.width, spec.height), 1, {0, 0}, 1, Imf::INCREASING_Y,
+                       Imf::ZIP_COMPRESSION);
+    for (const PictureAttribute& a : attributes) insert(header, a);
+    for (std::size_t c = 0; c < spec.channels.size(); ++c)
+        header.channels().insert(spec.channels[c], Imf::Channel(pixel_type(spec, c)));
+    return header;
 }
 
-// Returns the indices of the channels in the order of their names, which is their order in the file.
-std::vector<std::size_t> file_order(const PictureSpec& spec)
+// The library takes values only in the type of their channel, so those of halves are converted, some rows at a time.
+void write_rows(Imf::OutputFile& file, const PictureSpec& spec, const float* pixels)
 {
-    std::vector<std::size_t> order(spec.channels.size());
-    std::iota(order.begin(), order.end(), std::size_t(0));
-    std::ranges::sort(order, {}, [&](std::size_t i) -> const std::string& { return spec.channels[i]; });
-    return order;
-}
-
-std::string head_of(const PictureSpec& spec, std::span<const PictureAttribute> attributes,
-                    const std::vector<std::size_t>& order)
-{
-    bool has_long_names = false;
-    const auto note_length = [&](const std::string& name) { has_long_names |= name.size() > kLongestShortName; };
-    for (const std::string& name : spec.channels) note_length(name);
-    for (const PictureAttribute& a : attributes) note_length(a.name);
-
-    std::string channels;
-    for (const std::size_t i : order) {
-        append_name(channels, spec.channels[i]);
-        channels += packed(std::int32_t(is_half(spec, i) ? 1 : 2), std::int32_t(0), std::int32_t(1), std::int32_t(1));
+    constexpr int kRowsAtOnce = 64;
+    const std::size_t channels = spec.channels.size(), row = static_cast<std::size_t>(spec.width) * channels;
+    std::vector<half> halves(row * static_cast<std::size_t>(std::min(kRowsAtOnce, spec.height)));
+    for (int y = 0; y < spec.height; y += kRowsAtOnce) {
+        const int rows = std::min(kRowsAtOnce, spec.height - y);
+        const float* const first = pixels + row * static_cast<std::size_t>(y);
+        Imf::FrameBuffer buffer;
+        for (std::size_t c = 0; c < channels; ++c) {
+            const Imf::PixelType type = pixel_type(spec, c);
+            const std::size_t bytes = type == Imf::HALF ? sizeof(half) : sizeof(float);
+            if (type == Imf::HALF)
+                for (std::size_t i = c; i < row * static_cast<std::size_t>(rows); i += channels) halves[i] = half(first[i]);
+            const void* const from = type == Imf::HALF ? static_cast<const void*>(&halves[c]) : first + c;
+            buffer.insert(spec.channels[c], Imf::Slice::Make(type, from, V2i(spec.x, spec.y + y), spec.width, rows,
+                                                             channels * bytes, row * bytes));
+        }
+        file.setFrameBuffer(buffer);
+        file.writePixels(rows);
     }
-    channels += '\0';
-    const auto window = [](int x, int y, int width, int height) { return packed(x, y, x + width - 1, y + height - 1); };
-
-    std::string head(kMagic);
-    append(head, kVersion | (has_long_names ? kHasLongNames : 0));
-    for (const PictureAttribute& a : attributes) append_given(head, a);
-    append_attribute(head, "channels", "chlist", channels);
-    append_attribute(head, "compression", "compression", packed(kZip));
-    append_attribute(head, "dataWindow", "box2i", window(spec.x, spec.y, spec.width, spec.height));
-    append_attribute(head, "displayWindow", "box2i", window(spec.full_x, spec.full_y, spec.full_width, spec.full_height));
-    append_attribute(head, "lineOrder", "lineOrder", packed(std::uint8_t(0)));
-    append_attribute(head, "pixelAspectRatio", "float", packed(1.0f));
-    append_attribute(head, "screenWindowCenter", "v2f", packed(0.0f, 0.0f));
-    append_attribute(head, "screenWindowWidth", "float", packed(1.0f));
-    head += '\0';
-    return head;
 }
 
-std::uint16_t half_of(float f) noexcept
+struct VersionedHeader {
+    Imf::Header header;
+    int version = 0;
+};
+
+// Reads and checks the first header. Throws if it is not valid.
+VersionedHeader first_header(ImageBytes& file)
 {
-    if (std::isnan(f)) return 0x7e00;
-    // From 65520 on a float is nearer to the half above the largest, which is infinity.
-    if (std::fabs(f) >= 65520.0f) return f < 0 ? 0xfc00 : 0x7c00;
-    return finite_half_from_float(f);
+    if (is_cut_off_exr(file)) throw Iex::InputExc("the file is cut off");
+    ExrInput input(file);
+    int magic = 0;
+    VersionedHeader first;
+    Imf::Xdr::read<Imf::StreamIO>(input, magic);
+    Imf::Xdr::read<Imf::StreamIO>(input, first.version);
+    if (magic != Imf::MAGIC || Imf::getVersion(first.version) != Imf::EXR_VERSION ||
+        !Imf::supportsFlags(Imf::getFlags(first.version)))
+        throw Iex::InputExc("the file is of another format or version");
+    first.header.readFrom(input, first.version);
+    first.header.sanityCheck(Imf::isTiled(first.version), Imf::isMultiPart(first.version));
+    return first;
 }
 
-// Returns the bytes of some lines: line by line, and in each of them channel by channel.
-std::string lines_of(const PictureSpec& spec, const float* pixels, const std::vector<std::size_t>& order, int first, int end)
+int channel_count(const Imf::ChannelList& channels)
 {
-    const std::size_t channels = spec.channels.size(), width = static_cast<std::size_t>(spec.width);
-    std::string bytes;
-    for (int y = first; y < end; ++y) {
-        const float* const line = pixels + std::size_t(y) * width * channels;
-        for (const std::size_t c : order)
-            for (std::size_t x = 0; x < width; ++x) {
-                const float value = line[x * channels + c];
-                if (is_half(spec, c)) append(bytes, half_of(value));
-                else append(bytes, value);
-            }
-    }
-    return bytes;
-}
-
-// Compresses a block: bytes at even places come first, then those at odd ones, each as its difference to the one before it.
-// Returns the block as it is if that makes it no smaller.
-std::string compressed(const std::string& block)
-{
-    const std::size_t size = block.size(), half = (size + 1) / 2;
-    std::string apart(size, '\0');
-    for (std::size_t i = 0; i < size; ++i) apart[i / 2 + (i % 2) * half] = block[i];
-    for (std::size_t i = size; i-- > 1;)
-        apart[i] = static_cast<char>(static_cast<unsigned char>(apart[i]) - static_cast<unsigned char>(apart[i - 1]) + 128);
-    uLongf small_size = compressBound(static_cast<uLong>(size));
-    std::string small(small_size, '\0');
-    const int result = compress2(reinterpret_cast<Bytef*>(small.data()), &small_size,
-                                 reinterpret_cast<const Bytef*>(apart.data()), static_cast<uLong>(size), kZipLevel);
-    if (result != Z_OK || small_size >= size) return block;
-    small.resize(small_size);
-    return small;
-}
-
-// Reads a name that ends with a null, or returns nothing if it is not whole.
-std::optional<std::string> take_name(std::string_view bytes, std::size_t& at)
-{
-    const std::size_t end = bytes.find('\0', at);
-    if (end == std::string_view::npos) return {};
-    std::string name(bytes.substr(at, end - at));
-    at = end + 1;
-    return name;
-}
-
-// Returns the number of entries of a list of channels.
-int count_channels(std::string_view list)
-{
-    constexpr std::size_t kBehindName = 16;
     int count = 0;
-    for (std::size_t at = 0; at < list.size() && list[at] != '\0'; ++count) {
-        if (!take_name(list, at) || list.size() - at < kBehindName) return 0;
-        at += kBehindName;
-    }
+    for (auto c = channels.begin(); c != channels.end(); ++c) ++count;
     return count;
 }
 
-}  // namespace
-
-void write_exr(const PictureSpec& spec, std::span<const PictureAttribute> attributes, const float* pixels, PictureBytes& to)
+// Returns the names of the channels of a plain picture in the order in which a PictureReader has them; none for others.
+std::vector<std::string> plain_channels(const Imf::ChannelList& channels)
 {
-    const std::vector<std::size_t> order = file_order(spec);
-    const std::string head = head_of(spec, attributes, order);
-    std::vector<std::uint64_t> starts;
-    const std::size_t blocks = static_cast<std::size_t>((spec.height + kBlockLines - 1) / kBlockLines);
-    std::uint64_t at = head.size() + blocks * sizeof(std::uint64_t);
-    for (int y = 0; y < spec.height; y += kBlockLines) {
-        const std::string block = compressed(lines_of(spec, pixels, order, y, std::min(y + kBlockLines, spec.height)));
-        const std::string start = packed(std::int32_t(spec.y + y), static_cast<std::int32_t>(block.size()));
-        to.write_at(start.data(), start.size(), at);
-        to.write_at(block.data(), block.size(), at + start.size());
-        starts.push_back(at);
-        at += start.size() + block.size();
+    for (auto c = channels.begin(); c != channels.end(); ++c) {
+        const Imf::Channel& channel = c.channel();
+        if (channel.type == Imf::UINT || channel.xSampling != 1 || channel.ySampling != 1) return {};
     }
-    to.write_at(head.data(), head.size(), 0);
-    to.write_at(starts.data(), starts.size() * sizeof(std::uint64_t), head.size());
+    const std::vector<std::string> known[] = {{"R", "G", "B"}, {"R", "G", "B", "A"}, {"Y"}};
+    const int count = channel_count(channels);
+    for (const std::vector<std::string>& names : known)
+        if (static_cast<int>(names.size()) == count &&
+            std::ranges::all_of(names, [&](const std::string& name) { return channels.findChannel(name) != nullptr; }))
+            return names;
+    return {};
 }
 
-std::optional<ExrHead> read_exr_head(const std::filesystem::path& file)
+bool is_plain(const VersionedHeader& first)
 {
-    std::error_code error;
-    const std::uintmax_t size = std::filesystem::file_size(file, error);
-    if (error) return {};
-    std::string bytes(static_cast<std::size_t>(std::min<std::uintmax_t>(size, kMostHeadBytes)), '\0');
-    std::ifstream in(file, std::ios::binary);
-    if (!in.read(bytes.data(), static_cast<std::streamsize>(bytes.size())) || !bytes.starts_with(kMagic)) return {};
-    ExrHead head;
-    for (std::size_t at = kMagic.size() + sizeof kVersion; at < bytes.size();) {
-        if (bytes[at] == '\0') return head.width > 0 && head.channel_count > 0 ? std::optional(head) : std::nullopt;
-        const auto name = take_name(bytes, at);
-        const auto type = name ? take_name(bytes, at) : std::nullopt;
-        std::int32_t length = 0;
-        if (!type || bytes.size() - at < sizeof length) return {};
-        std::memcpy(&length, bytes.data() + at, sizeof length);
-        at += sizeof length;
-        if (length < 0 || bytes.size() - at < static_cast<std::size_t>(length)) return {};
-        const std::string_view value(bytes.data() + at, static_cast<std::size_t>(length));
-        at += value.size();
-        if (*name == "channels") head.channel_count = count_channels(value);
-        if (*name != "dataWindow" || value.size() != 4 * sizeof(std::int32_t)) continue;
-        std::int32_t window[4];
-        std::memcpy(window, value.data(), sizeof window);
-        const std::int64_t width = std::int64_t(window[2]) - window[0] + 1, height = std::int64_t(window[3]) - window[1] + 1;
-        if (width < 1 || height < 1 || std::max(width, height) > std::numeric_limits<int>::max()) return {};
-        head.width = static_cast<int>(width);
-        head.height = static_cast<int>(height);
+    if (Imf::isMultiPart(first.version) || Imf::isNonImage(first.version)) return false;
+    if (plain_channels(first.header.channels()).empty()) return false;
+    if (!Imf::isTiled(first.version)) return true;
+    // The library keeps a whole row of tiles.
+    constexpr unsigned kMostTileSide = 256;
+    const Imf::TileDescription& tiles = first.header.tileDescription();
+    return tiles.mode == Imf::ONE_LEVEL && std::max(tiles.xSize, tiles.ySize) <= kMostTileSide;
+}
+
+PictureSpec spec_of(const Imf::Header& header, int version)
+{
+    PictureSpec spec;
+    const Box2i &data = header.dataWindow(), &display = header.displayWindow();
+    spec.x = data.min.x, spec.y = data.min.y;
+    spec.width = data.max.x - data.min.x + 1, spec.height = data.max.y - data.min.y + 1;
+    spec.full_x = display.min.x, spec.full_y = display.min.y;
+    spec.full_width = display.max.x - display.min.x + 1, spec.full_height = display.max.y - display.min.y + 1;
+    if (Imf::isTiled(version)) spec.tile_height = static_cast<int>(header.tileDescription().ySize);
+    spec.channels = plain_channels(header.channels());
+    spec.type = SampleType::Half;
+    for (const std::string& name : spec.channels) {
+        spec.channel_types.push_back(header.channels()[name].type == Imf::HALF ? SampleType::Half : SampleType::Float);
+        if (spec.channel_types.back() == SampleType::Float) spec.type = SampleType::Float;
     }
-    return {};
+    if (spec.channels.size() == 4) spec.alpha_channel = 3;
+    return spec;
+}
+
+class ExrReader final : public PictureReader {
+public:
+    explicit ExrReader(ImageBytes&& bytes)
+        : bytes_(std::move(bytes)),
+          input_(bytes_),
+          file_(input_, kNoThreads),
+          spec_(spec_of(file_.header(), file_.version()))
+    {
+    }
+
+    const PictureSpec& spec() const noexcept override { return spec_; }
+    std::string format() const override { return "openexr"; }
+    std::string text_attribute(const std::string& name) const override
+    {
+        const auto* const found = file_.header().findTypedAttribute<Imf::StringAttribute>(name);
+        return found ? found->value() : std::string();
+    }
+    bool read_rows(int, int, int, std::uint8_t*) override
+    {
+        error_ = "the values of OpenEXR pictures are not bytes";
+        return false;
+    }
+    bool read_rows(int y_begin, int y_end, int channels, float* to) override
+    {
+        const std::size_t stride = static_cast<std::size_t>(channels) * sizeof(float);
+        try {
+            Imf::FrameBuffer buffer;
+            for (std::size_t c = 0; c < static_cast<std::size_t>(channels); ++c)
+                buffer.insert(spec_.channels.at(c),
+                              Imf::Slice::Make(Imf::FLOAT, to + c, V2i(spec_.x, spec_.y + y_begin), spec_.width,
+                                               y_end - y_begin, stride, stride * static_cast<std::size_t>(spec_.width)));
+            file_.setFrameBuffer(buffer);
+            file_.readPixels(spec_.y + y_begin, spec_.y + y_end - 1);
+            return true;
+        } catch (const std::bad_alloc&) {
+            throw;
+        } catch (const std::exception& error) {
+            error_ = error.what();
+            return false;
+        }
+    }
+    std::string error() const override { return error_; }
+
+private:
+    ImageBytes bytes_;
+    ExrInput input_;
+    Imf::InputFile file_;
+    PictureSpec spec_;
+    std::string error_;
+};
+
+}  // namespace
+
+std::string write_exr(const PictureSpec& spec, std::span<const PictureAttribute> attributes, const float* pixels,
+                      PictureBytes& to)
+{
+    try {
+        ExrOutput output(to);
+        Imf::OutputFile file(output, header_of(spec, attributes), kNoThreads);
+        write_rows(file, spec, pixels);
+        return {};
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& error) {
+        return error.what();
+    }
+}
+
+std::optional<ExrHead> read_exr_head(ImageBytes& file)
+{
+    try {
+        const VersionedHeader first = first_header(file);
+        const Box2i& data = first.header.dataWindow();
+        return ExrHead{data.max.x - data.min.x + 1, data.max.y - data.min.y + 1, channel_count(first.header.channels())};
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception&) {
+        return {};
+    }
+}
+
+std::unique_ptr<PictureReader> open_exr(ImageBytes file)
+{
+    try {
+        if (!is_plain(first_header(file))) return nullptr;
+        return std::make_unique<ExrReader>(std::move(file));
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception&) {
+        return nullptr;
+    }
 }
 
 }  // namespace occam

@@ -1,4 +1,4 @@
-// Reads and writes image files, through the codec of io/picture_codec.h, but for OpenEXR files that are written.
+// Reads and writes image files, through the codec of io/picture_codec.h; OpenEXR files are written through io/exr_file.h.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -85,9 +85,11 @@ void write_exr_pixels(const fs::path& file, const PictureSpec& spec, std::span<c
 {
     OutputFile target(file);
     EncodedBytes bytes(target);
-    occam::write_exr(spec, attributes, pixels.data(), bytes);
+    const std::string why = occam::write_exr(spec, attributes, pixels.data(), bytes);
+    if (!why.empty()) refuse(file, "cannot be written: " + why);
     target.finish();
-    const std::optional<ExrHead> found = read_exr_head(target.temporary());
+    ImageBytes written(target.temporary());
+    const std::optional<ExrHead> found = read_exr_head(written);
     if (!found) refuse(file, "cannot be written: its head cannot be read back");
     check_size(file, spec, found->width, found->height, found->channel_count);
     target.publish();

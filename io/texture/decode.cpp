@@ -7,8 +7,8 @@
 
 #include "base/error.h"
 #include "base/srgb.h"
+#include "io/exr_file.h"
 #include "io/picture_codec.h"
-#include "io/radiance_file.h"
 #include "io/texture/image_header.h"
 #include "io/texture/image_metadata.h"
 
@@ -42,7 +42,7 @@ struct TextureSource::State {
     std::unique_ptr<PictureReader> input;
 
     void open(const Texture& texture);
-    void check_header(ImageBytes& bytes);
+    void check_header(ImageBytes& bytes, const std::string& format);
     void open_memory(const std::string& format);
     void check_size(std::uintmax_t wide, std::uintmax_t high, std::uintmax_t file_bytes) const;
     void read_rows(int y_begin, int y_end, std::vector<Vec4f>& texels) const;
@@ -61,10 +61,13 @@ void TextureSource::State::check_size(std::uintmax_t wide, std::uintmax_t high, 
         refuse("image declares far more than the file holds: " + size);
 }
 
-void TextureSource::State::check_header(ImageBytes& bytes)
+void TextureSource::State::check_header(ImageBytes& bytes, const std::string& format)
 {
-    if (is_cut_off_png(bytes)) refuse("the image is cut off");
+    if (is_cut_off_png(bytes) || is_cut_off_exr(bytes)) refuse("the image is cut off");
     if (const auto canvas = declared_canvas(bytes)) check_size(canvas->width, canvas->height, bytes.size());
+    if (format != "openexr") return;
+    if (const auto head = read_exr_head(bytes))
+        check_size(static_cast<std::uintmax_t>(head->width), static_cast<std::uintmax_t>(head->height), bytes.size());
 }
 
 void TextureSource::State::open_memory(const std::string& format)
@@ -81,7 +84,7 @@ void TextureSource::State::open(const Texture& texture)
     ImageBytes bytes = texture.encoded ? ImageBytes(std::span(*texture.encoded)) : ImageBytes(texture.path);
     const std::uintmax_t file_bytes = bytes.size();
     const std::string format = image_format(bytes);
-    check_header(bytes);
+    check_header(bytes, format);
     if (texture.encoded && format.empty()) refuse("not an image format that is known");
     if (format == "png" || format == "jpeg" || format == "tiff") {
         std::vector<std::byte> whole(texture.encoded ? 0 : static_cast<std::size_t>(file_bytes));
@@ -91,10 +94,11 @@ void TextureSource::State::open(const Texture& texture)
         open_memory(format);
     } else if (texture.encoded) {
         encoded = *texture.encoded;
-        open_memory(format);
+        if (format == "openexr") input = open_exr(ImageBytes(std::span(std::as_const(encoded))));
+        if (!input) open_memory(format);
     } else {
         std::string why;
-        if (format == "hdr") input = open_radiance(texture.path);
+        if (format == "openexr") input = open_exr(ImageBytes(texture.path));
         if (!input) input = picture_codec().open(texture.path, why);
         if (!input) refuse("image cannot be read: " + why);
     }

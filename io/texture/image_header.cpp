@@ -24,7 +24,20 @@ std::uint32_t little_endian(ImageBytes& bytes, std::uintmax_t at, std::size_t co
     return word[0] | std::uint32_t(word[1]) << 8 | std::uint32_t(word[2]) << 16 | std::uint32_t(word[3]) << 24;
 }
 
+// Moves `at` behind a name that ends with a null, and returns its length, or nothing if it is not whole.
+std::optional<std::size_t> skip_name(ImageBytes& bytes, std::uintmax_t& at)
+{
+    constexpr std::size_t kLongestName = 255;
+    for (std::size_t length = 0; length <= kLongestName; ++length) {
+        unsigned char letter = 0;
+        if (!bytes.read(at++, {&letter, 1})) return std::nullopt;
+        if (letter == 0) return length;
+    }
+    return std::nullopt;
+}
+
 constexpr std::string_view kPngMagic("\x89PNG\r\n\x1a\n", 8);
+constexpr std::string_view kExrMagic("\x76\x2f\x31\x01");
 
 }  // namespace
 
@@ -43,15 +56,16 @@ bool ImageBytes::read(std::uintmax_t at, std::span<unsigned char> to)
         if (!to.empty()) std::memcpy(to.data(), bytes_.data() + at, to.size());  // neither pointer may be null, even then
         return true;
     }
-    return stream_.seekg(static_cast<std::streamoff>(at)) &&
-           stream_.read(reinterpret_cast<char*>(to.data()), static_cast<std::streamsize>(to.size()));
+    if (at != next_) stream_.seekg(static_cast<std::streamoff>(at));
+    next_ = at + to.size();
+    return static_cast<bool>(stream_.read(reinterpret_cast<char*>(to.data()), static_cast<std::streamsize>(to.size())));
 }
 
 std::string image_format(ImageBytes& bytes)
 {
     if (matches(bytes, kPngMagic)) return "png";
     if (matches(bytes, "\xff\xd8\xff")) return "jpeg";
-    if (matches(bytes, "\x76\x2f\x31\x01")) return "openexr";
+    if (matches(bytes, kExrMagic)) return "openexr";
     if (matches(bytes, "RIFF") && matches(bytes, "WEBP", 8)) return "webp";
     if (matches(bytes, std::string_view("II*\0", 4)) || matches(bytes, std::string_view("MM\0*", 4))) return "tiff";
     if (matches(bytes, "#?RADIANCE")) return "hdr";
@@ -73,6 +87,28 @@ bool is_cut_off_png(ImageBytes& bytes)
         at += length + kAround;
     }
     return true;
+}
+
+bool is_cut_off_exr(ImageBytes& bytes)
+{
+    if (!matches(bytes, kExrMagic)) return false;
+    // The headers of several parts end with an empty one (OpenEXR, "File Layout").
+    constexpr std::uint32_t kHasParts = 0x1000;
+    const bool has_parts = (little_endian(bytes, 4, 4) & kHasParts) != 0;
+    bool is_empty = true;
+    for (std::uintmax_t at = 8;;) {
+        const auto name = skip_name(bytes, at);
+        if (!name) return true;
+        if (*name == 0 && (is_empty || !has_parts)) return false;
+        is_empty = *name == 0;
+        if (is_empty) continue;
+        std::array<unsigned char, 4> word{};
+        if (!skip_name(bytes, at) || !bytes.read(at, word)) return true;
+        const std::uint32_t length = little_endian(bytes, at, word.size());
+        at += word.size();
+        if (length > bytes.size() - at) return true;
+        at += length;
+    }
 }
 
 std::optional<ImageSize> declared_canvas(ImageBytes& bytes)

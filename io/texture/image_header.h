@@ -25,7 +25,7 @@ public:
 private:
     std::span<const std::byte> bytes_;
     std::ifstream stream_;
-    std::uintmax_t size_ = 0;
+    std::uintmax_t size_ = 0, next_ = 0;  // the stream is at `next_`; seeking drops the bytes that it has read ahead
 };
 
 /// Returns the name of OpenImageIO's reader according to the first bytes of the file; empty if the format is unknown.
@@ -34,6 +34,10 @@ std::string image_format(ImageBytes& bytes);
 /// Returns true if a chunk of a PNG reaches past the end of the file, or if the last chunk is missing (PNG, sec. 5.3). At
 /// the missing byte libpng would jump out of OpenImageIO's reader, past its destructors. Returns false for other formats.
 bool is_cut_off_png(ImageBytes& bytes);
+
+/// Returns true if an attribute of the headers of an OpenEXR file reaches past the end of the file. The library allocates as
+/// much as an attribute declares. Returns false for other formats.
+bool is_cut_off_exr(ImageBytes& bytes);
 
 struct ImageSize {
     std::uint32_t width, height;

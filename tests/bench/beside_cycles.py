@@ -62,6 +62,15 @@ render.image_settings.color_mode, render.filepath = "RGB", job["picture"]
 bpy.ops.render.render(write_still=True)
 """
 
+# Writes a sky of 8 x 4 texels of radiance 1 to the file that is the last argument.
+SKY_IN_BLENDER = """
+import bpy, sys
+sky = bpy.data.images.new("sky", 8, 4, float_buffer=True)
+sky.pixels = [1.0] * (8 * 4 * 4)
+sky.file_format, sky.filepath_raw = "OPEN_EXR", sys.argv[-1]
+sky.save()
+"""
+
 
 REFERENCE = 32  # samples of a reference over those that are measured
 
@@ -129,15 +138,21 @@ def timed(command: list, **options) -> tuple:
     return time.monotonic() - start, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
+def run_in_blender(script: str, argument: str, folder: pathlib.Path) -> tuple:
+    file = folder / "job.py"
+    file.write_text(script)
+    return timed(["blender", "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1", "-P", str(file), "--",
+                  argument])
+
+
 class Frame:
     """Renders one scene by either program."""
 
     def __init__(self, given: argparse.Namespace, folder: pathlib.Path, scene: pathlib.Path, view: list):
         self.given, self.folder, self.scene, self.view = given, folder, scene, view
         self.width, self.height = (int(n) for n in given.size.split("x"))
-        # A Radiance picture of 8 x 4 texels of radiance 1; narrower ones cannot be compressed, and so are read as they are.
-        self.sky = folder / "sky.hdr"
-        self.sky.write_bytes(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 7\n" + bytes([128, 128, 128, 129]) * 28)
+        self.sky = folder / "sky.exr"
+        run_in_blender(SKY_IN_BLENDER, str(self.sky), folder)
 
     def picture(self, who: str, samples: int, seed: int) -> pathlib.Path:
         return self.folder / f"{self.scene.stem}.{who}.{samples}.{seed}.exr"
@@ -146,10 +161,7 @@ class Frame:
         job = {"scene": str(self.scene), "eye": self.view[:3], "target": self.view[3:], "fov": math.radians(60),
                "samples": samples, "seed": seed, "threads": self.given.threads, "width": self.width, "height": self.height,
                "picture": str(self.picture("cycles", samples, seed))}
-        script = self.folder / "job.py"
-        script.write_text(IN_BLENDER)
-        return timed(["blender", "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1", "-P", str(script), "--",
-                      json.dumps(job)])
+        return run_in_blender(IN_BLENDER, json.dumps(job), self.folder)
 
     def occam(self, samples: int, seed: int) -> tuple:
         return timed([self.given.occam, "render", str(self.scene), "-o", str(self.picture("occam", samples, seed)), "-q",

@@ -2,9 +2,12 @@
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 
+#include "io/exr_file.h"
 #include "io/texture/texture_store.h"
 #include "occam/occam.h"
 #include "tests/support/temp_folder.h"
@@ -72,6 +75,63 @@ TEST(FuzzFindings, ImagesOfThirtyBytesDoNotDeclareGibibytes)
         EXPECT_TRUE(errors[0].find("larger than is read") != std::string::npos ||
                     errors[0].find("far more than the file holds") != std::string::npos)
             << errors[0];
+    }
+}
+
+// Holds an encoded picture.
+class Encoded final : public PictureBytes {
+public:
+    std::string all;
+    void write_at(const void* bytes, std::size_t size, std::uint64_t offset) noexcept override
+    {
+        all.resize(std::max<std::size_t>(all.size(), offset + size));
+        std::copy_n(static_cast<const char*>(bytes), size, all.begin() + std::ptrdiff_t(offset));
+    }
+    std::size_t read_at(void*, std::size_t, std::uint64_t) const noexcept override { return 0; }
+    std::uint64_t size() const noexcept override { return all.size(); }
+};
+
+// Sets numbers in the value of an attribute; -1 is that of its size.
+std::string with_numbers(std::string file, std::string_view attribute, int first,
+                         std::initializer_list<std::int32_t> numbers)
+{
+    std::size_t at = file.find(attribute) + attribute.size() + std::size_t(4 * (first + 1));
+    for (const std::int32_t number : numbers) {
+        std::memcpy(file.data() + at, &number, sizeof number);
+        at += sizeof number;
+    }
+    return file;
+}
+
+// OpenEXR allocates what attributes and windows declare before it reads on.
+TEST(FuzzFindings, OpenExrHeadersDoNotDeclareGibibytes)
+{
+    using namespace std::string_view_literals;
+    PictureSpec spec;
+    spec.width = spec.height = spec.full_width = spec.full_height = 4;
+    spec.channels = {"R", "G", "B"};
+    const std::vector<float> pixels(4 * 4 * 3, 0.5f);
+    Encoded encoded;
+    ASSERT_EQ(write_exr(spec, {{{"comments", std::string("text")}}}, pixels.data(), encoded), "");
+    ASSERT_TRUE(errors_of_image(encoded.all).empty());
+    constexpr std::string_view kWindow = "dataWindow\0box2i\0"sv;
+    const std::pair<std::string, const char*> files[] = {
+        {with_numbers(encoded.all, "comments\0string\0"sv, -1, {0x70000000}), "is cut off"},
+        {with_numbers(encoded.all, "comments\0string\0"sv, -1, {-2}), "is cut off"},
+        {with_numbers(encoded.all, kWindow, 0, {0, 0, 29'000'000, 3}), "larger than is read: 29000001 x 4"},
+        {with_numbers(encoded.all, kWindow, 0, {-500'000'000, -500'000'000, 500'000'000, 500'000'000}),
+         "larger than is read"},
+        {with_numbers(encoded.all, kWindow, 0, {0, 0, 16'000, 7'000}), "far more than the file holds"},
+        {with_numbers(encoded.all, kWindow, 0, {5, 0, 2, 3}), "cannot be read"},
+        {with_numbers(encoded.all, kWindow, 0, {0, 0, 0x7fffffff, 0x7fffffff}), "cannot be read"},
+        {with_numbers(encoded.all, kWindow, 0, {0, 0, 3, 15'000}), "cannot be read"},
+        {encoded.all.substr(0, encoded.all.find("screenWindowWidth")), "is cut off"},
+    };
+    for (const auto& [file, why] : files) {
+        const std::vector<std::string> errors = errors_of_image(file);
+        ASSERT_EQ(errors.size(), 1u) << why;
+        EXPECT_NE(errors[0].find(why), std::string::npos) << errors[0];
+        EXPECT_EQ(errors[0].find('\n'), std::string::npos) << errors[0];
     }
 }
 
