@@ -139,7 +139,8 @@ struct Job::State {
         stats.image.width = image.width;
         stats.image.height = image.height;
         stats.image.spp = settings.spp;
-        stats.image.checksum = image.checksum();
+        // Who stops a frame does not want to wait, and a part of a picture is compared with nothing.
+        if (!control.is_cancelled()) stats.image.checksum = image.checksum();
         stats.warnings = scene.warnings;
         for (std::string& warning : shade::input_warnings(scene, settings.sky_strength, FrameScale(bounds)))
             stats.warnings.push_back(std::move(warning));
