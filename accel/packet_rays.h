@@ -83,11 +83,16 @@ public:
     /// Takes the rays to the frame of a cage.
     void place_at(const lod::PosedCage& cage) noexcept
     {
-        one_by_one_ = nullptr;
-        if (cage.affine) return place_at_still_pose(cage);
+        still_pose_ = cage.affine ? &cage : nullptr;
+        if (still_pose_) {
+            // Rays are taken there when they meet an igrid.
+            placed_ = 0;
+            here_ = still_parts_;
+            negative_ = &still_axes_.negative;
+            return;
+        }
         here_ = parts_;
         negative_ = &in_tree.negative;
-        gradient_ = way_;
         Lanes placed[4];
         place_all(
             rays_, way_, [&](std::size_t) -> const lod::PosedCage& { return cage; }, placed);
@@ -100,14 +105,11 @@ public:
 
     void set_blend(const lod::Blend<Lanes>& blend) noexcept
     {
-        if (one_by_one_) {
+        if (still_pose_) {
             blend_ = blend;
-            return;
-        }
-        for (int p = 0; p < kParts; ++p) {
-            RayLanes& lanes = here_[p].lanes;
-            lanes.blend.set({blend.start.part[p], blend.scale.part[p]},
-                            {gradient_[0].part[p], gradient_[1].part[p], gradient_[2].part[p]}, lanes.origin, lanes.shift);
+            is_blend_set_ = false;
+        } else {
+            set_blend_of_parts(blend, way_);
         }
     }
 
@@ -115,7 +117,7 @@ public:
     OCCAM_ALWAYS_INLINE void meet(IGrid& grid, unsigned fresh, const Mask& entering, const Lanes& from,
                                   const Lanes& to) noexcept
     {
-        if (one_by_one_) return meet_one_by_one(grid, fresh, from, to);
+        if (still_pose_ && !take_to_still_pose(grid, fresh)) return meet_one_by_one(grid, fresh, from, to);
         for (int p = 0; p < kParts; ++p) {
             const unsigned of_part = fresh >> (p * kLanes) & ((1u << kLanes) - 1);
             if (of_part != 0) meet_part(grid, p, of_part, entering.part[p], {from.part[p], to.part[p]});
@@ -158,41 +160,57 @@ private:
         }
     }
 
-    /// Takes the rays to a still pose. If they have the same axes there, they stay a packet.
-    OCCAM_NEVER_INLINE void place_at_still_pose(const lod::PosedCage& cage) noexcept
+    /// Sets the blend where the rays are placed. `gradient` is that of t over points there.
+    void set_blend_of_parts(const lod::Blend<Lanes>& blend, const Lanes* gradient) noexcept
     {
-        constexpr std::size_t kRays = kParts * kLanes;
-        alignas(32) float origin[3][kRays], direction[3][kRays], gradient[3][kRays], shift[kRays];
-        bool are_alike = true;
-        AffineRay ray(rays_.front(), cage);
-        still_axes_ = ray.axes;
-        for (std::size_t i = 0; i < kRays; ++i) {
-            if (i > 0 && i < rays_.size()) ray = AffineRay(rays_[i], cage);
-            are_alike = are_alike && ray.axes == still_axes_;
-            for (int a = 0; a < 3; ++a) {
-                origin[a][i] = ray.origin[a];
-                direction[a][i] = ray.direction[a];
-                gradient[a][i] = ray.gradient[a];
+        for (int p = 0; p < kParts; ++p) {
+            RayLanes& lanes = here_[p].lanes;
+            lanes.blend.set({blend.start.part[p], blend.scale.part[p]},
+                            {gradient[0].part[p], gradient[1].part[p], gradient[2].part[p]}, lanes.origin, lanes.shift);
+        }
+    }
+
+    /// Takes the rays `fresh` to the still pose, if they were not. Returns false if they do not have the same axes there.
+    OCCAM_NEVER_INLINE bool take_to_still_pose(const IGrid& grid, unsigned fresh) noexcept
+    {
+        if ((fresh & ~placed_) != 0) {
+            for (unsigned left = fresh & ~placed_; left != 0; left &= left - 1) {
+                const int lane = std::countr_zero(left);
+                const AffineRay ray(rays_[static_cast<std::size_t>(lane)], *still_pose_);
+                if (placed_ == 0) {
+                    // The first ray stands for all that are not known yet.
+                    still_axes_ = ray.axes;
+                    are_alike_ = 0;
+                    for (int i = 0; i < kRays; ++i) still_.set(i, ray);
+                }
+                placed_ |= 1u << lane;
+                if (!(ray.axes == still_axes_)) continue;
+                are_alike_ |= 1u << lane;
+                still_.set(lane, ray);
             }
-            shift[i] = ray.shift;
+            set_still_parts();
+            is_blend_set_ = false;
         }
-        if (!are_alike) {
-            one_by_one_ = &cage;
-            return;
+        if ((fresh & ~are_alike_) != 0) return false;
+        if (grid.blends() && !is_blend_set_) {
+            const Lanes gradient[3] = {still_.load(7), still_.load(8), still_.load(9)};
+            set_blend_of_parts(blend_, gradient);
+            is_blend_set_ = true;
         }
-        here_ = still_parts_;
-        negative_ = &still_axes_.negative;
-        gradient_ = still_gradient_;
-        const Lanes way[3] = {Lanes::load(direction[0]), Lanes::load(direction[1]), Lanes::load(direction[2])};
+        return true;
+    }
+    /// Sets what igrids are tested by from the rays in the still pose.
+    void set_still_parts() noexcept
+    {
+        const Lanes way[3] = {still_.load(4), still_.load(5), still_.load(6)};
         Lanes shear[3], inverse[3];
         set_shear(still_axes_, way, shear);
         set_inverse(still_axes_, way, inverse);
-        for (int a = 0; a < 3; ++a) still_gradient_[a] = Lanes::load(gradient[a]);
         for (int p = 0; p < kParts; ++p) {
             RayLanes& lanes = still_parts_[p].lanes;
             set_constants(lanes, p, still_axes_, shear, inverse);
-            for (int a = 0; a < 3; ++a) lanes.origin[a] = vfloat::load(&origin[a][p * kLanes]);
-            lanes.shift = vfloat::load(&shift[p * kLanes]);
+            for (int a = 0; a < 3; ++a) lanes.origin[a] = still_.load(a).part[p];
+            lanes.shift = still_.load(3).part[p];
             still_parts_[p].is_as_one_placed = false;
         }
     }
@@ -223,7 +241,7 @@ private:
         }
         for (; fresh != 0; fresh &= fresh - 1) {
             const int i = std::countr_zero(fresh), lane = i % kLanes;
-            const AffineRay ray(rays_[static_cast<std::size_t>(i)], *one_by_one_);
+            const AffineRay ray(rays_[static_cast<std::size_t>(i)], *still_pose_);
             RayLanes lanes = ray.lanes();
             const vfloat gradient[3] = {ray.gradient[0], ray.gradient[1], ray.gradient[2]};
             if (grid.blends()) lanes.blend.set({start[i], scale[i]}, gradient, lanes.origin, lanes.shift);
@@ -231,6 +249,24 @@ private:
             meet_single(grid, {lanes, ray.axes.negative, {t_near[i], t_end[i]}}, lane, one);
         }
     }
+
+    static constexpr int kRays = kParts * kLanes;
+
+    /// Holds rays in a still pose by rows: origin, shift, direction and gradient of t over points.
+    struct StillRays {
+        alignas(32) float rows[10][kRays];
+
+        void set(int i, const AffineRay& ray) noexcept
+        {
+            for (int a = 0; a < 3; ++a) {
+                rows[a][i] = ray.origin[a];
+                rows[4 + a][i] = ray.direction[a];
+                rows[7 + a][i] = ray.gradient[a];
+            }
+            rows[3][i] = ray.shift;
+        }
+        Lanes load(int row) const noexcept { return Lanes::load(rows[row]); }
+    };
 
     std::span<const Ray> rays_;
     const FrameState& frame_;
@@ -241,12 +277,13 @@ private:
     // Where the rays are placed: in the tree's axes, or in a still pose.
     Part* here_ = parts_;
     const bool (*negative_)[3] = &in_tree.negative;
-    const Lanes* gradient_ = way_;  ///< of t over points: the direction, unless the rays are in a still pose
-    Part still_parts_[kParts];
-    Lanes still_gradient_[3];
+    const lod::PosedCage* still_pose_ = nullptr;  ///< null: the rays are in the tree's axes
+    unsigned placed_ = 0, are_alike_ = 0;         ///< rays that were taken there, and those whose axes are still_axes_
     RayAxes still_axes_;
-    const lod::PosedCage* one_by_one_ = nullptr;  ///< the still pose in which rays have different axes, if they have
-    lod::Blend<Lanes> blend_;                     ///< the rays' blend there
+    StillRays still_;
+    Part still_parts_[kParts];
+    lod::Blend<Lanes> blend_;  ///< the rays' blend there
+    bool is_blend_set_ = false;
 };
 
 }  // namespace occam::accel
