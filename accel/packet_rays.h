@@ -117,7 +117,8 @@ public:
     OCCAM_ALWAYS_INLINE void meet(IGrid& grid, unsigned fresh, const Mask& entering, const Lanes& from,
                                   const Lanes& to) noexcept
     {
-        if (still_pose_ && !take_to_still_pose(grid, fresh)) return meet_one_by_one(grid, fresh, from, to);
+        // A packet is tested with all rays that enter, also with those that have met the igrid before.
+        if (still_pose_ && !take_to_still_pose(grid, bits(entering))) return meet_one_by_one(grid, fresh, from, to);
         for (int p = 0; p < kParts; ++p) {
             const unsigned of_part = fresh >> (p * kLanes) & ((1u << kLanes) - 1);
             if (of_part != 0) meet_part(grid, p, of_part, entering.part[p], {from.part[p], to.part[p]});
@@ -170,11 +171,12 @@ private:
         }
     }
 
-    /// Takes the rays `fresh` to the still pose, if they were not. Returns false if they do not have the same axes there.
-    OCCAM_NEVER_INLINE bool take_to_still_pose(const IGrid& grid, unsigned fresh) noexcept
+    /// Takes the rays `entering`, given as bits, to the still pose, if they were not. Returns false if they do not have the
+    /// same axes there.
+    OCCAM_NEVER_INLINE bool take_to_still_pose(const IGrid& grid, unsigned entering) noexcept
     {
-        if ((fresh & ~placed_) != 0) {
-            for (unsigned left = fresh & ~placed_; left != 0; left &= left - 1) {
+        if ((entering & ~placed_) != 0) {
+            for (unsigned left = entering & ~placed_; left != 0; left &= left - 1) {
                 const int lane = std::countr_zero(left);
                 const AffineRay ray(rays_[static_cast<std::size_t>(lane)], *still_pose_);
                 if (placed_ == 0) {
@@ -191,7 +193,7 @@ private:
             set_still_parts();
             is_blend_set_ = false;
         }
-        if ((fresh & ~are_alike_) != 0) return false;
+        if ((entering & ~are_alike_) != 0) return false;
         if (grid.blends() && !is_blend_set_) {
             const Lanes gradient[3] = {still_.load(7), still_.load(8), still_.load(9)};
             set_blend_of_parts(blend_, gradient);
