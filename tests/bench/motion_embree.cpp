@@ -12,9 +12,6 @@
 #include <stdexcept>
 
 #include "lod/pose_cage.h"
-#include "render/camera_rays.h"
-#include "render/sampler.h"
-#include "render/tiles.h"
 #include "tests/bench/embree_mesh.h"
 #include "tests/bench/subjects.h"
 #include "tests/bench/suites.h"
@@ -141,21 +138,6 @@ std::vector<std::vector<Vec3f>> all_micropolygons(const Stage& stage, int segmen
     return keys;
 }
 
-// Returns rays in the order and with the moments of a frame.
-std::vector<accel::Ray> rays_of_a_frame(const render::CameraRays& camera)
-{
-    const render::Sampler sampler(1, kSamples, true);
-    std::vector<accel::Ray> rays;
-    for (const render::PixelRect& tile : render::make_tiles({0, 0, kWidth, kHeight}))
-        for (const auto [x, y] : render::pixels_of(tile))
-            for (int s = 0; s < kSamples; ++s) {
-                const Vec2f in = sampler.in_pixel(x, y, s);
-                const float time = sampler.interval(x, y, static_cast<std::uint32_t>(s), render::Dimension::time());
-                rays.push_back(camera.ray(x + double(in.x), y + double(in.y), Vec2f(0.5f), time));
-            }
-    return rays;
-}
-
 // What the still rows found, with which the others are compared: [camera, diffuse].
 struct Rates {
     double ours[2]{}, embree[2]{}, ours_mb = 0, embree_mb = 0;
@@ -181,7 +163,7 @@ public:
         const MovingEmbree embree(corners);
         const accel::Frame frame(stage_.scene, topologies_, levels_);
         accel::Tracer tracer(frame, kMemoryBytes);
-        const std::vector<accel::Ray> rays = rays_of_a_frame(camera_);
+        const std::vector<accel::Ray> rays = rays_of_a_frame(camera_, kWidth, kHeight, kSamples);
         std::vector<accel::SurfaceHit> hits(rays.size());
         trace_closest(tracer, rays, hits);
         std::vector<accel::Ray> diffuse = diffuse_rays(rays, hits);

@@ -6,9 +6,6 @@
 
 #include <cmath>
 
-#include "render/camera_rays.h"
-#include "render/sampler.h"
-#include "render/tiles.h"
 #include "tests/bench/subjects.h"
 #include "tests/bench/suites.h"
 
@@ -62,21 +59,6 @@ void add_tori(Scene& scene, const Blur& blur)
     scene.refit();
 }
 
-std::vector<accel::Ray> rays_of(const render::CameraRays& camera)
-{
-    const render::Sampler sampler(1, kSamples, true);
-    std::vector<accel::Ray> rays;
-    for (const render::PixelRect& tile : render::make_tiles({0, 0, kWidth, kHeight}))
-        for (const auto [x, y] : render::pixels_of(tile))
-            for (int s = 0; s < kSamples; ++s) {
-                const auto index = static_cast<std::uint32_t>(s);
-                const Vec2f in = sampler.in_pixel(x, y, s), lens = sampler.square(x, y, index, render::Dimension::lens());
-                rays.push_back(camera.ray(x + double(in.x), y + double(in.y), lens,
-                                          sampler.interval(x, y, index, render::Dimension::time())));
-            }
-    return rays;
-}
-
 // Traces rays up to the focus of a lens, and those that hit nothing from there on, as a frame does.
 std::size_t trace(accel::Tracer& tracer, const render::CameraRays& camera, std::span<const accel::Ray> rays)
 {
@@ -107,7 +89,7 @@ void run_motion_flat(Report& report)
         Scene scene;
         add_tori(scene, blur);
         const render::CameraRays camera(camera_of(blur), kWidth, kHeight, kSamples);
-        const std::vector<accel::Ray> rays = rays_of(camera);
+        const std::vector<accel::Ray> rays = rays_of_a_frame(camera, kWidth, kHeight, kSamples);
         lod::TopologyCache topologies;
         lod::LevelSettings levels = camera.levels(1);
         levels.strata = kSamples;

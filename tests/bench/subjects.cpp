@@ -10,7 +10,7 @@
 #include "io/import/import.h"
 #include "lod/dicer.h"
 #include "lod/pose_cage.h"
-#include "render/camera_rays.h"
+#include "render/sampler.h"
 #include "render/tiles.h"
 #include "tests/bench/harness.h"
 #include "tests/support/shape_builders.h"
@@ -140,6 +140,21 @@ std::vector<std::unique_ptr<Subject>> usual_subjects(int width, int height)
     all.push_back(std::make_unique<Subject>("tube", torus(24, 12), width, height, in_tube, 32.0f));
     if (auto cage = suzanne()) all.push_back(std::make_unique<Subject>("suzanne", std::move(*cage), width, height));
     return all;
+}
+
+std::vector<accel::Ray> rays_of_a_frame(const render::CameraRays& camera, int width, int height, int samples)
+{
+    const render::Sampler sampler(1, samples, true);
+    std::vector<accel::Ray> rays;
+    for (const render::PixelRect& tile : render::make_tiles({0, 0, width, height}))
+        for (const auto [x, y] : render::pixels_of(tile))
+            for (int s = 0; s < samples; ++s) {
+                const auto index = static_cast<std::uint32_t>(s);
+                const Vec2f in = sampler.in_pixel(x, y, s), lens = sampler.square(x, y, index, render::Dimension::lens());
+                rays.push_back(camera.ray(x + double(in.x), y + double(in.y), lens,
+                                          sampler.interval(x, y, index, render::Dimension::time())));
+            }
+    return rays;
 }
 
 std::vector<accel::Ray> diffuse_rays(std::span<const accel::Ray> rays, std::span<const accel::SurfaceHit> hits)

@@ -9,6 +9,7 @@
 #include "accel/tracer.h"
 #include "lod/posed_cage.h"
 #include "lod/topology_cache.h"
+#include "render/camera_rays.h"
 #include "scenegraph/scene.h"
 
 namespace occam::bench {
@@ -50,6 +51,10 @@ private:
 
 /// Returns a torus from outside, the same from inside its tube (every ray hits), and Suzanne (if the data is present).
 std::vector<std::unique_ptr<Subject>> usual_subjects(int width, int height);
+
+/// Returns camera rays in the order of a renderer, with the places, moments and points of the lens that the samples of a
+/// frame have.
+std::vector<accel::Ray> rays_of_a_frame(const render::CameraRays& camera, int width, int height, int samples);
 
 /// Returns a ray from each hit, about its normal with density proportional to the cosine.
 std::vector<accel::Ray> diffuse_rays(std::span<const accel::Ray> rays, std::span<const accel::SurfaceHit> hits);

@@ -11,17 +11,12 @@
 #include <thread>
 
 #include "samples/game/game.h"
-#include "tests/support/escapes.h"
+#include "tests/support/campaign.h"
 #include "tests/support/shape_builders.h"
 
 namespace occam::test {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kIsSanitized = true;
-#else
-constexpr bool kIsSanitized = false;
-#endif
 constexpr Settings kTiny{.width = 32, .height = 18, .spp = 1, .shading_rate = 2};
 
 /// The bytes that the program has allocated and not freed. The resident set would also count pages that the allocator keeps

@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <iostream>
 
-#include "tests/support/escapes.h"
+#include "tests/support/campaign.h"
 #include "tests/support/random_case.h"
 
 namespace occam::test {

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <map>
 
-#include "tests/support/escapes.h"
+#include "tests/support/campaign.h"
 #include "tests/support/random_case.h"
 #include "tests/support/shape_builders.h"
 #include "tests/support/textured_floor.h"

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/campaign.h"
 #include "tests/support/child_process.h"
-#include "tests/support/escapes.h"
 #include "tests/support/scene_files.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temp_folder.h"
@@ -19,11 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kIsSanitized = true;
-#else
-constexpr bool kIsSanitized = false;
-#endif
 constexpr unsigned kSeconds = 20;
 constexpr std::size_t kPeakBytes = std::size_t(1) << 30;
 
@@ -35,8 +30,9 @@ class SceneFiles : public testing::TestWithParam<const char*> {
 protected:
     void SetUp() override
     {
-        if (kIsSanitized) GTEST_SKIP() << "limits are those of builds without sanitizers";
-        if (shared_data().empty() || !fs::exists(folder())) GTEST_SKIP() << "the shared test data is not there";
+        if (kIsSanitized) GTEST_SKIP() << "sanitizers take more time and memory than the limits allow";
+        if (shared_data().empty() || !fs::exists(folder()))
+            GTEST_SKIP() << "the shared folder is absent: its scene files are not run";
     }
     fs::path folder() const { return shared_data() / "data" / GetParam(); }
 

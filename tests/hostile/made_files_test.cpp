@@ -5,7 +5,7 @@
 #include <cctype>
 
 #include "base/hash.h"
-#include "tests/support/escapes.h"
+#include "tests/support/campaign.h"
 #include "tests/support/file_outcome.h"
 #include "tests/support/gltf_scene.h"
 #include "tests/support/temp_folder.h"

@@ -9,7 +9,7 @@
 #include <set>
 #include <tuple>
 
-#include "tests/support/escapes.h"
+#include "tests/support/campaign.h"
 #include "tests/support/mean_of_stills.h"
 #include "tests/support/reference_cases.h"
 

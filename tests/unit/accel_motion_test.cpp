@@ -10,7 +10,7 @@
 #include "accel/items.h"
 #include "accel/memory_floor.h"
 #include "accel/tracer.h"
-#include "tests/support/escapes.h"
+#include "tests/support/campaign.h"
 #include "tests/support/motions.h"
 #include "tests/support/shape_builders.h"
 

@@ -5,11 +5,11 @@
 #include <sys/stat.h>
 
 #include <chrono>
-#include <cstdlib>
 #include <set>
 #include <thread>
 
 #include "render/image.h"
+#include "tests/support/campaign.h"
 #include "tests/support/command_test.h"
 
 namespace occam {
@@ -194,8 +194,7 @@ TEST_F(Animate, FramesOfOtherSettingsAreRefused)
 TEST_F(Animate, KilledAtAnyTimeEveryFrameIsWholeAndNoneIsMissing)
 {
     ASSERT_EQ(run(words("good.####.exr", "0-39", {}, "64")).exit_code, kDone);
-    const char* is_long = std::getenv("OCCAM_LONG");
-    const int rounds = is_long && *is_long == '1' ? 1000 : 20;
+    const int rounds = is_long() ? 1000 : 20;
     for (int round = 0; round < rounds; ++round) {
         const pid_t child = start(words("a.####.exr", "0-39", {}, "64"));
         // The kills come later and later, so that they hit every stage: starting, reading, rendering, writing.

@@ -1,5 +1,6 @@
 // Tests that memory which was freed goes back to the system when the allocator keeps too much of it.
 #include "base/freed_memory.h"
+#include "tests/support/campaign.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -12,12 +13,6 @@
 namespace occam {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kIsSanitized = true;
-#else
-constexpr bool kIsSanitized = false;
-#endif
-
 std::size_t resident_bytes()
 {
     std::size_t all = 0, resident = 0;
@@ -28,7 +23,7 @@ std::size_t resident_bytes()
 // A thread takes 128 MiB in small blocks and frees all but the last. That one keeps the allocator from returning the others.
 TEST(FreedMemory, GoesBackToTheSystemIfThereIsTooMuch)
 {
-    if (kIsSanitized || resident_bytes() == 0) GTEST_SKIP() << "the sanitizers have allocators of their own";
+    if (test::kIsSanitized || resident_bytes() == 0) GTEST_SKIP() << "the sanitizers have allocators of their own";
     constexpr std::size_t kBlock = 16 << 10, kBlocks = 8192;
     std::unique_ptr<std::byte[]> last;
     std::thread([&last] {

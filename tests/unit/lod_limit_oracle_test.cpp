@@ -5,8 +5,8 @@
 
 #include "base/hash.h"
 #include "lod/posed_patch.h"
+#include "tests/support/campaign.h"
 #include "tests/support/diced_mesh.h"
-#include "tests/support/escapes.h"
 #include "tests/support/limit_oracle.h"
 #include "tests/support/shape_builders.h"
 #include "tests/support/shapes.h"
@@ -148,6 +148,7 @@ class LimitOfShapes : public testing::TestWithParam<std::string> {};
 TEST_P(LimitOfShapes, IsThatOfSubdivision)
 {
     const Cage cage = load_cage(GetParam());
+    // The oracle has the rules of Catmull and Clark alone, and none for borders. Large cages take seconds each.
     if (cage.scheme != Scheme::CatmullClark) GTEST_SKIP() << "it has another scheme";
     if (!SubdivisionMesh(cage).is_closed_manifold()) GTEST_SKIP() << "it is no closed manifold";
     if (cage.face_count() > 3000 && !is_long()) GTEST_SKIP() << "it has more faces than are tested by default";

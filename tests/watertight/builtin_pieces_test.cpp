@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "io/builtin/pieces.h"
+#include "tests/support/campaign.h"
 #include "tests/support/escapes.h"
 
 namespace occam::test {

@@ -2,14 +2,13 @@
 #include <gtest/gtest.h>
 #include <occam/occam.h>
 
-#include <cstdlib>
 #include <map>
 #include <optional>
 #include <random>
 
+#include "tests/support/campaign.h"
 #include "tests/support/diced_mesh.h"
 #include "tests/support/displaced_cages.h"
-#include "tests/support/escapes.h"
 #include "tests/support/made_cages.h"
 #include "tests/support/refined_cages.h"
 #include "tests/support/shape_builders.h"
@@ -222,8 +221,7 @@ TEST(ClosedRooms, AreDarkDisplacedAndAtEveryScale)
 
 TEST(ClosedRooms, AreDarkWhateverTheCage)
 {
-    const char* is_long = std::getenv("OCCAM_LONG");
-    const int count = is_long && *is_long == '1' ? 100 : 8;
+    const int count = is_long() ? 100 : 8;
     for (int seed = 0; seed < count; ++seed) {
         const std::string name = "lump " + std::to_string(seed);
         const Room room{name, lump(static_cast<std::uint64_t>(seed)), {0.03, 0.02, 0.01}};
@@ -300,7 +298,7 @@ TEST(ClosedRooms, AreDarkForEverySharedCageHoweverItIsPlaced)
         }
     }
     // The rooms of the other tests are made in code, and are tested without the shared data, too.
-    if (tested == 0) GTEST_SKIP() << "no shared data";
+    if (tested == 0) GTEST_SKIP() << "the shared folder is absent: its closed cages are not tested as rooms";
 }
 
 /// Every closed cage of the tests is a room, and so are what refining it gives and its mix of quads and triangles: turned,

@@ -1,6 +1,7 @@
 // Tests that no ray leaves a closed cage, at the origin and 10^5 sizes away from it.
 #include <gtest/gtest.h>
 
+#include "tests/support/campaign.h"
 #include "tests/support/displaced_cages.h"
 #include "tests/support/escapes.h"
 #include "tests/support/shape_builders.h"

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "io/builtin/pieces.h"
+#include "tests/support/campaign.h"
 #include "tests/support/displaced_cages.h"
-#include "tests/support/escapes.h"
 #include "tests/support/made_cages.h"
 #include "tests/support/shape_builders.h"
 #include "tests/support/shapes.h"

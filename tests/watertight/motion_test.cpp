@@ -6,8 +6,9 @@
 #include <random>
 
 #include "accel/frame.h"
+#include "accel/tracer.h"
+#include "tests/support/campaign.h"
 #include "tests/support/displaced_cages.h"
-#include "tests/support/escapes.h"
 #include "tests/support/motions.h"
 #include "tests/support/shape_builders.h"
 #include "verify/verify.h"

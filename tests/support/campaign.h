@@ -1,0 +1,33 @@
+// How long the tests are that may be long: their number of rays and whether sanitizers slow them down, as the environment
+// says (tests/README.md).
+#pragma once
+
+#include <cstdint>
+
+namespace occam::test {
+
+/// Whether this program was built with the address or the thread sanitizer, which has an allocator of its own and is slow.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool kIsSanitized = true;
+#else
+inline constexpr bool kIsSanitized = false;
+#endif
+
+/// Returns whether the long campaigns are run (OCCAM_LONG=1).
+bool is_long();
+
+/// Returns the number that an environment variable holds, or `otherwise` if it is not set.
+std::uint64_t number_from(const char* variable, std::uint64_t otherwise);
+
+/// Returns the number of rays that a long campaign sends at each cage: OCCAM_CAMPAIGN_RAYS, or 10^6.
+std::uint64_t rays_of_a_campaign();
+
+/// Returns the number of rays for each cage: rays_of_a_campaign() in the long campaigns, else 4 * 10^4, since there are a
+/// hundred made and shared cages.
+std::uint64_t rays_per_cage();
+
+/// Returns how many rays are sent at each of two places by tests in which each ray blends the surface for itself: an eighth
+/// of rays_of_a_campaign() in the long campaigns, else 2.5 * 10^4.
+std::uint64_t blended_rays_per_place();
+
+}  // namespace occam::test
