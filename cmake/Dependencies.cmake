@@ -8,6 +8,7 @@ find_package(TinyGLTF REQUIRED)
 find_package(tinyobjloader REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(OpenEXR REQUIRED)
+find_package(PNG REQUIRED)
 find_package(CLI11 REQUIRED)
 
 # OpenImageIO 2.4's own config asks for its command line tools and names an include folder of OpenCV that no package

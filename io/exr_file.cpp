@@ -277,16 +277,44 @@ std::string write_exr(const PictureSpec& spec, std::span<const PictureAttribute>
     }
 }
 
-std::optional<ExrHead> read_exr_head(ImageBytes& file)
+std::optional<ExrHead> read_exr_head(ImageBytes& file, const char* attribute)
 {
     try {
         const VersionedHeader first = first_header(file);
         const Box2i& data = first.header.dataWindow();
-        return ExrHead{data.max.x - data.min.x + 1, data.max.y - data.min.y + 1, channel_count(first.header.channels())};
+        const auto* const text = first.header.findTypedAttribute<Imf::StringAttribute>(attribute);
+        return ExrHead{data.max.x - data.min.x + 1, data.max.y - data.min.y + 1, channel_count(first.header.channels()),
+                       text ? text->value() : std::string()};
     } catch (const std::bad_alloc&) {
         throw;
     } catch (const std::exception&) {
         return {};
+    }
+}
+
+bool has_last_row(ImageBytes file)
+{
+    try {
+        const int version = first_header(file).version;
+        if (Imf::isMultiPart(version) || Imf::isTiled(version) || Imf::isNonImage(version)) return true;
+        ExrInput input(file);
+        Imf::InputFile part(input, kNoThreads);
+        const Imf::ChannelList& channels = part.header().channels();
+        if (channels.begin() == channels.end()) return true;
+        if (!part.isComplete()) return false;
+        const Box2i& data = part.header().dataWindow();
+        const int width = data.max.x - data.min.x + 1;
+        std::vector<float> row(static_cast<std::size_t>(width));
+        Imf::FrameBuffer buffer;
+        const char* const name = channels.begin().name();
+        buffer.insert(name, Imf::Slice::Make(Imf::FLOAT, row.data(), V2i(data.min.x, data.max.y), width, 1));
+        part.setFrameBuffer(buffer);
+        part.readPixels(data.max.y, data.max.y);
+        return true;
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception&) {
+        return false;
     }
 }
 

@@ -24,9 +24,15 @@ std::string write_exr(const PictureSpec& spec, std::span<const PictureAttribute>
 /// Holds what the first header of a file says of its picture.
 struct ExrHead {
     int width = 0, height = 0, channel_count = 0;
+    std::string text;  ///< the attribute that was asked for
 };
-/// Reads the first header of a file, and allocates nothing for the pixels. Returns nothing if it is not a valid one.
-std::optional<ExrHead> read_exr_head(ImageBytes& file);
+/// Reads the first header of a file, with one of its text attributes, and allocates nothing for the pixels. Returns nothing
+/// if the header is not valid.
+std::optional<ExrHead> read_exr_head(ImageBytes& file, const char* attribute = "");
+
+/// Returns whether the last row of a file of one part can be read; true for files of several parts. The library allocates
+/// room for some rows, as it does for open_exr().
+bool has_last_row(ImageBytes file);
 
 /// Opens a plain picture: a single part that is not deep, of scanlines or of small tiles of one level, with the channels R,
 /// G, B and perhaps A, or with Y alone, in floats or halves and without subsampling. Returns null for any other file, and

@@ -2,7 +2,7 @@
 //
 // The library that knows the formats brings more than two hundred shared libraries with it, and loading them takes longer
 // than some pictures do. So its callers are in a module of their own (picture_module/), which is loaded when the first
-// picture file is read or written that io/exr_file.h does not handle, and never before.
+// picture file is read or written that neither io/exr_file.h nor io/png_file.h handles, and never before.
 //
 // Threads  picture_codec() may be called by any thread. A PictureReader serves one caller at a time.
 #pragma once

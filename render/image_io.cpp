@@ -1,4 +1,5 @@
-// Reads and writes image files, through the codec of io/picture_codec.h; OpenEXR files are written through io/exr_file.h.
+// Reads and writes image files, through the codec of io/picture_codec.h; OpenEXR and PNG files are written through their own
+// libraries.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -10,6 +11,7 @@
 #include "io/extensions.h"
 #include "io/output_file.h"
 #include "io/picture_codec.h"
+#include "io/png_file.h"
 #include "render/display.h"
 #include "render/picture_formats.h"
 
@@ -19,9 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr float kHalfMax = 65504.0f;
-// These attributes hold the note of a picture.
-constexpr const char *kExrNote = "occam:note", *kNote = "ImageDescription";
-
 [[noreturn]] void refuse(const fs::path& file, const std::string& why)
 {
     throw Error(file.string(), why, {}, Error::Kind::Output);
@@ -79,7 +78,7 @@ void check_header(const OutputFile& out, const fs::path& file, const PictureSpec
     check_size(file, spec, found.width, found.height, found.channel_count());
 }
 
-// Does for OpenEXR what write_pixels() does for other formats.
+// Does for OpenEXR what write_pixels() does for formats of the codec.
 void write_exr_pixels(const fs::path& file, const PictureSpec& spec, std::span<const PictureAttribute> attributes,
                       const std::vector<float>& pixels)
 {
@@ -163,7 +162,7 @@ struct DisplayFile {
     const char* compression = "";
 };
 
-void write_display(const Image& image, const fs::path& file, const WriteOptions& options, const DisplayFile& of_format)
+void write_with_codec(const Image& image, const fs::path& file, const WriteOptions& options, const DisplayFile& of_format)
 {
     DisplayImage shown = display_image(image, options);
     if (!of_format.has_alpha && shown.channels == 4) {  // the picture is laid over black
@@ -184,17 +183,29 @@ void write_display(const Image& image, const fs::path& file, const WriteOptions&
 
 void write_png(const Image& image, const fs::path& file, const WriteOptions& options)
 {
-    write_display(image, file, options, {});
+    const DisplayImage shown = display_image(image, options);
+    const PngPicture picture{image.width, image.height, shown.channels, options.tonemap != Tonemap::None, options.note};
+    OutputFile target(file);
+    EncodedBytes bytes(target);
+    const std::string why = occam::write_png(picture, shown.pixels.data(), bytes);
+    if (!why.empty()) refuse(file, "cannot be written: " + why);
+    target.finish();
+    ImageBytes written(target.temporary());
+    const std::optional<PngPicture> found = read_png_head(written);
+    if (!found) refuse(file, "cannot be written: its head cannot be read back");
+    check_size(file, base_spec(image, static_cast<std::size_t>(shown.channels), SampleType::Byte), found->width,
+               found->height, found->channels);
+    target.publish();
 }
 void write_jpeg(const Image& image, const fs::path& file, const WriteOptions& options)
 {
-    write_display(image, file, options, {.has_alpha = false, .compression = "jpeg:95"});
+    write_with_codec(image, file, options, {.has_alpha = false, .compression = "jpeg:95"});
 }
 // For sRGB, OpenImageIO adds a second directory to a TIFF, which needs to read from the stream and is written broken. A TIFF
 // of integers is taken for sRGB anyway.
 void write_tiff(const Image& image, const fs::path& file, const WriteOptions& options)
 {
-    write_display(image, file, options, {.type = SampleType::Word, .names_color_space = false});
+    write_with_codec(image, file, options, {.type = SampleType::Word, .names_color_space = false});
 }
 
 using namespace std::string_view_literals;
@@ -211,8 +222,7 @@ constexpr PictureFormat kFormats[] = {
      .name = "PNG",
      .contents = "the picture as a screen shows it, 8 bits, with alpha where it is transparent",
      .is_for_display = true,
-     .codec_name = "png",
-     .end_mark = "\0\0\0\0IEND\xae\x42\x60\x82"sv,
+     .needs_codec = false,
      .write = write_png},
     {.extensions = ".jpg .jpeg",
      .name = "JPEG",
@@ -235,18 +245,6 @@ std::pair<std::string, std::string> split_channel(const std::string& name)
     if (dot == std::string::npos) return {"beauty", name};
     return {name.substr(0, dot), name.substr(dot + 1)};
 }
-
-// Returns true if the file ends with its format's mark. Libraries read a JPEG that is cut off as if it were whole.
-bool has_end_mark(const fs::path& file, std::string_view mark)
-{
-    std::ifstream in(file, std::ios::binary);
-    std::string end(mark.size(), '\0');
-    in.seekg(-static_cast<std::streamoff>(mark.size()), std::ios::end);
-    return in.read(end.data(), static_cast<std::streamsize>(end.size())) && end == mark;
-}
-
-constexpr std::int64_t kMaxReadValues = std::int64_t(1) << 29;  // 2 GiB of floats
-constexpr int kMaxReadChannels = 256;
 
 }  // namespace
 
@@ -281,30 +279,6 @@ bool Image::is_for_display(const fs::path& file)
 {
     const PictureFormat* format = picture_format_of(file);
     return format && format->is_for_display;
-}
-
-PictureHead Image::read_head(const fs::path& file)
-{
-    std::error_code error;
-    if (!fs::is_regular_file(file, error)) throw Error(file.string(), "is not there or is not a file");
-    if (fs::file_size(file, error) == 0) throw Error(file.string(), "is empty");
-    std::string why;
-    const auto in = picture_codec().open(file, why);
-    if (!in) throw Error(file.string(), "cannot be read: " + why);
-    const PictureSpec& spec = in->spec();
-    const std::string name = in->format();
-    const auto format = std::find_if(std::begin(kFormats), std::end(kFormats),
-                                     [&](const PictureFormat& f) { return f.codec_name == name; });
-    bool is_whole = true;
-    if (format != std::end(kFormats)) is_whole = has_end_mark(file, format->end_mark);
-    else if (spec.tile_height == 0 && spec.channel_count() <= kMaxReadChannels) {
-        std::vector<float> row(std::size_t(std::max(spec.width, 1)) * spec.channels.size());
-        is_whole = in->read_rows(spec.height - 1, spec.height, spec.channel_count(), row.data());
-    }
-    if (!is_whole) throw Error(file.string(), "is cut off");
-    std::string note = in->text_attribute(kExrNote);
-    if (note.empty()) note = in->text_attribute(kNote);
-    return {spec.width, spec.height, std::move(note)};
 }
 
 Image Image::read(const fs::path& file)

@@ -1,9 +1,10 @@
 // The formats of picture files that can be written: one row each.
 //
 // To add a format, add its row (render/image_io.cpp) and, if the writers there do not fit, its writer. The library behind
-// io/picture_codec.h has to know it, to read it back at least.
+// io/picture_codec.h has to know it, to read its pixels at least.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string_view>
@@ -11,6 +12,13 @@
 #include "render/image.h"
 
 namespace occam::render {
+
+/// Names the attributes of OpenEXR files, and of others, that hold the note of a picture.
+inline constexpr const char *kExrNote = "occam:note", *kNote = "ImageDescription";
+
+/// The largest picture that is read.
+inline constexpr std::int64_t kMaxReadValues = std::int64_t(1) << 29;  // 2 GiB of floats
+inline constexpr int kMaxReadChannels = 256;
 
 struct PictureFormat {
     std::string_view extensions;  ///< in lower case, with spaces between

@@ -1,0 +1,80 @@
+// Reads the heads of picture files: their size and note, and whether they are whole.
+#include <algorithm>
+#include <fstream>
+#include <system_error>
+
+#include "base/error.h"
+#include "io/exr_file.h"
+#include "io/picture_codec.h"
+#include "io/png_file.h"
+#include "render/picture_formats.h"
+
+namespace occam::render {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse(const fs::path& file, const std::string& why) { throw Error(file.string(), why); }
+
+PictureHead head_of_png(const fs::path& file, ImageBytes& bytes)
+{
+    if (is_cut_off_png(bytes)) refuse(file, "is cut off");
+    const std::optional<PngPicture> head = read_png_head(bytes);
+    if (!head) refuse(file, "cannot be read: it is no PNG");
+    return {head->width, head->height, head->description};
+}
+
+PictureHead head_of_exr(const fs::path& file, ImageBytes& bytes)
+{
+    const std::optional<ExrHead> head = read_exr_head(bytes, kExrNote);
+    if (!head) refuse(file, "cannot be read: it is no OpenEXR file, or cut off");
+    if (head->channel_count > kMaxReadChannels ||
+        std::int64_t(head->width) * head->height > kMaxReadValues / std::max(head->channel_count, 1))
+        refuse(file, "is too large a picture to read");
+    if (!has_last_row(std::move(bytes))) refuse(file, "is cut off");
+    return {head->width, head->height, head->text};
+}
+
+// Returns true if a file ends with its format's mark. Libraries read a JPEG that is cut off as if it were whole.
+bool has_end_mark(const fs::path& file, std::string_view mark)
+{
+    std::ifstream in(file, std::ios::binary);
+    std::string end(mark.size(), '\0');
+    in.seekg(-static_cast<std::streamoff>(mark.size()), std::ios::end);
+    return in.read(end.data(), static_cast<std::streamsize>(end.size())) && end == mark;
+}
+
+PictureHead head_by_codec(const fs::path& file)
+{
+    std::string why;
+    const auto in = picture_codec().open(file, why);
+    if (!in) refuse(file, "cannot be read: " + why);
+    const PictureSpec& spec = in->spec();
+    const std::string name = in->format();
+    const std::span<const PictureFormat> formats = picture_formats();
+    const auto format = std::ranges::find_if(formats, [&](const PictureFormat& f) { return f.codec_name == name; });
+    bool is_whole = true;
+    if (format != formats.end()) is_whole = has_end_mark(file, format->end_mark);
+    else if (spec.tile_height == 0 && spec.channel_count() <= kMaxReadChannels) {
+        std::vector<float> row(std::size_t(std::max(spec.width, 1)) * spec.channels.size());
+        is_whole = in->read_rows(spec.height - 1, spec.height, spec.channel_count(), row.data());
+    }
+    if (!is_whole) refuse(file, "is cut off");
+    return {spec.width, spec.height, in->text_attribute(kNote)};
+}
+
+}  // namespace
+
+PictureHead Image::read_head(const fs::path& file)
+{
+    std::error_code error;
+    if (!fs::is_regular_file(file, error)) refuse(file, "is not there or is not a file");
+    if (fs::file_size(file, error) == 0) refuse(file, "is empty");
+    ImageBytes bytes(file);
+    const std::string format = image_format(bytes);
+    if (format == "png") return head_of_png(file, bytes);
+    if (format == "openexr") return head_of_exr(file, bytes);
+    return head_by_codec(file);
+}
+
+}  // namespace occam::render
