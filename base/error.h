@@ -19,7 +19,8 @@ public:
     /// what     the rule that is broken
     /// where    the element: "mesh 3, primitive 0", "line 12"; may be empty
     Error(std::string file, std::string what, std::string where = {}, Kind kind = Kind::BadInput)
-        : std::runtime_error((file.empty() ? "" : file + ": ") + what + (where.empty() ? "" : " (" + where + ")")),
+        : std::runtime_error(
+              in_one_line((file.empty() ? "" : file + ": ") + what + (where.empty() ? "" : " (" + where + ")"))),
           file_(std::move(file)),
           kind_(kind)
     {
@@ -29,6 +30,9 @@ public:
     Kind kind() const noexcept { return kind_; }
 
 private:
+    /// Joins the lines of a text: libraries collect several errors in one, and a file's name may hold anything.
+    static std::string in_one_line(std::string text);
+
     std::string file_;
     Kind kind_;
 };

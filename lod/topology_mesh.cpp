@@ -181,6 +181,19 @@ std::unique_ptr<Far::TopologyRefiner> make_refiner(const Cage& cage)
     return std::unique_ptr<Far::TopologyRefiner>(Factory::Create(d, Factory::Options(scheme, sdc_options(cage))));
 }
 
+namespace {
+
+// Around such a vertex OpenSubdiv 3.5 may find two surfaces alike whose vertices coincide in different places, and share
+// tables that do not fit both.
+bool has_vertex_of_two_faces(const Far::TopologyLevel& level)
+{
+    for (int v = 0; v < level.GetNumVertices(); ++v)
+        if (level.GetVertexFaces(v).size() == 2 && level.GetVertexEdges(v).size() == 2) return true;
+    return false;
+}
+
+}  // namespace
+
 std::unique_ptr<const SurfaceFactory> make_factory(const Far::TopologyRefiner& refiner, bool keeps)
 {
     // Bfr's defaults (2, 6) do not give the limit surface: positions are off by 1.5e-3 of the cage, and normals by 10
@@ -189,7 +202,7 @@ std::unique_ptr<const SurfaceFactory> make_factory(const Far::TopologyRefiner& r
     constexpr int kApproxLevel = 10;  // the largest value that the library allows
     SurfaceFactory::Options options;
     options.SetApproxLevelSmooth(kApproxLevel).SetApproxLevelSharp(kApproxLevel);
-    options.EnableCaching(keeps);
+    options.EnableCaching(keeps && !has_vertex_of_two_faces(refiner.GetLevel(0)));
     return std::make_unique<const SurfaceFactory>(refiner, options);
 }
 

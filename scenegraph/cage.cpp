@@ -27,6 +27,7 @@ public:
         mend_faces();
         mend_tags();
         report(drop_crowded_creases(cage_), "creases dropped: beside a vertex of two faces, at a border");
+        report(drop_creases_of_two_faces(cage_), "creases dropped: at a vertex of two faces");
         mend_normals();
         mend_attributes();
         mend_skin();

@@ -1,8 +1,10 @@
 #include "scenegraph/cage_creases.h"
 
 #include <algorithm>
+#include <array>
 #include <span>
 #include <unordered_map>
+#include <unordered_set>
 
 namespace occam {
 
@@ -91,6 +93,55 @@ private:
     bool any_ = false;
 };
 
+/// Finds the vertices that two faces share and nothing else touches, with the two vertices at their edges' other ends.
+class Pairs {
+public:
+    explicit Pairs(const Cage& cage)
+    {
+        std::vector<std::uint32_t> corners(cage.positions.size());
+        for (const std::uint32_t v : cage.face_vertices) ++corners[v];
+        std::size_t at = 0;
+        for (const std::uint32_t size : cage.face_sizes) {
+            const std::span face = std::span(cage.face_vertices).subspan(at, size);
+            for (std::size_t c = 0; c < size; ++c)
+                if (corners[face[c]] == 2) add(face[c], std::minmax(face[(c + size - 1) % size], face[(c + 1) % size]));
+            at += size;
+        }
+        std::erase_if(ends_, [](const auto& entry) { return entry.second.faces != 2; });
+    }
+
+    /// Calls visit(v, w) for each such vertex v and both vertices w at its edges' other ends.
+    template <class Visit>
+    void for_each_edge(Visit&& visit) const
+    {
+        for (const auto& [v, ends] : ends_)
+            for (const std::uint32_t w : ends.ends) visit(v, w);
+    }
+    /// Returns the vertices at the other ends of a vertex's edges, or nothing if it is no such vertex.
+    std::span<const std::uint32_t> ends(std::uint32_t v) const
+    {
+        const auto found = ends_.find(v);
+        return found == ends_.end() ? std::span<const std::uint32_t>() : found->second.ends;
+    }
+
+private:
+    struct Ends {
+        std::array<std::uint32_t, 2> ends{};
+        int faces = 0;
+    };
+
+    // Counts the faces that go through a vertex along the same two edges.
+    void add(std::uint32_t v, std::pair<std::uint32_t, std::uint32_t> ends)
+    {
+        Ends& known = ends_[v];
+        const std::array<std::uint32_t, 2> both{ends.first, ends.second};
+        if (known.faces == 0) known.ends = both;
+        if (known.ends == both) ++known.faces;
+    }
+
+    std::unordered_map<std::uint32_t, Ends> ends_;
+};
+
 }  // namespace
 
 std::size_t drop_crowded_creases(Cage& cage)
@@ -106,6 +157,28 @@ std::size_t drop_crowded_creases(Cage& cage)
         return true;
     });
     return dropped;
+}
+
+std::size_t drop_creases_of_two_faces(Cage& cage)
+{
+    if (cage.creases.empty() || cage.scheme != Scheme::CatmullClark) return 0;
+    const Pairs pairs(cage);
+    std::unordered_map<std::uint64_t, float> sharpness;  // the last crease of an edge is the one that counts
+    for (const Crease& c : cage.creases) sharpness[edge_key(c.v0, c.v1)] = c.sharpness;
+    std::unordered_set<std::uint64_t> dropped;
+    std::vector<std::uint32_t> smooth;  // vertices whose creases go
+    pairs.for_each_edge([&](std::uint32_t v, std::uint32_t w) {
+        const auto crease = sharpness.find(edge_key(v, w));
+        if (crease == sharpness.end() || crease->second < kInfiniteSharpness) smooth.push_back(v);
+    });
+    // A crease that is dropped at one end may leave a vertex of two faces at its other end with one crease.
+    while (!smooth.empty()) {
+        const std::uint32_t v = smooth.back();
+        smooth.pop_back();
+        for (const std::uint32_t w : pairs.ends(v))
+            if (dropped.insert(edge_key(v, w)).second && !pairs.ends(w).empty()) smooth.push_back(w);
+    }
+    return std::erase_if(cage.creases, [&](const Crease& c) { return dropped.contains(edge_key(c.v0, c.v1)); });
 }
 
 }  // namespace occam

@@ -11,4 +11,10 @@ namespace occam {
 /// of dropped creases; those on a border edge do not count, because a border is sharp anyway.
 std::size_t drop_crowded_creases(Cage& cage);
 
+/// Drops the creases at vertices that two faces share and nothing else touches, unless both edges there are infinitely
+/// sharp. OpenSubdiv 3.5 loses semi-sharp creases there (Bfr::SurfaceFactory), and writes past the end of its arrays where
+/// one of the two edges becomes smooth before the other (Far::SourcePatch). Expects indices in range. Returns the number of
+/// dropped creases.
+std::size_t drop_creases_of_two_faces(Cage& cage);
+
 }  // namespace occam

@@ -178,17 +178,5 @@ TEST(Sanitize, CreasesBesideAVertexOfTwoFacesAtABorderAreDropped)
     EXPECT_TRUE(cage.creases.empty());
 }
 
-// The hexagons are closed back to back, and OpenSubdiv has no fault where there is no border.
-TEST(Sanitize, CreasesBesideAVertexOfTwoFacesStayWithoutABorder)
-{
-    Cage cage;
-    cage.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-    cage.face_sizes = {4, 4};
-    cage.face_vertices = {0, 1, 2, 3, 3, 2, 1, 0};
-    cage.creases = {{0, 1, 5}};
-    EXPECT_TRUE(sanitize(cage).empty());
-    EXPECT_EQ(cage.creases.size(), 1u);
-}
-
 }  // namespace
 }  // namespace occam

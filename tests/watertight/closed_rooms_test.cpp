@@ -5,7 +5,9 @@
 #include <map>
 #include <optional>
 #include <random>
+#include <sstream>
 
+#include "base/error.h"
 #include "tests/support/campaign.h"
 #include "tests/support/diced_mesh.h"
 #include "tests/support/displaced_cages.h"
@@ -189,9 +191,15 @@ int lit_pixels(const Room& room, const Look& look)
 
 void expect_dark(const Room& room, const Look& look)
 {
-    EXPECT_EQ(lit_pixels(room, look), 0) << room.name << ", rate " << look.rate << ", level mode " << int(look.lod)
-                                         << ", integrator " << int(look.integrator) << (look.displaced ? ", displaced" : "")
-                                         << ", scale " << look.scale << (look.instanced ? ", instanced" : "");
+    std::ostringstream what;
+    what << room.name << ", rate " << look.rate << ", level mode " << int(look.lod) << ", integrator "
+         << int(look.integrator) << (look.displaced ? ", displaced" : "") << ", scale " << look.scale
+         << (look.instanced ? ", instanced" : "");
+    try {
+        EXPECT_EQ(lit_pixels(room, look), 0) << what.str();
+    } catch (const Error& error) {
+        ADD_FAILURE() << what.str() << ": " << error.what();
+    }
 }
 
 constexpr IntegratorKind kBoth[] = {IntegratorKind::Path, IntegratorKind::Ao};

@@ -1,0 +1,117 @@
+// Tests of creases that OpenSubdiv cannot handle: they are dropped or taken around it, and no memory is overwritten.
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "lod/posed_patch.h"
+#include "scenegraph/cage.h"
+#include "tests/support/diced_mesh.h"
+#include "tests/support/made_cages.h"
+#include "tests/support/shape_builders.h"
+
+namespace occam::test {
+namespace {
+
+/// Returns two quads over the same four vertices, back to back: each vertex has two faces and two edges.
+Cage back_to_back()
+{
+    Cage cage;
+    cage.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0.2f}, {0, 1, 0}};
+    cage.face_sizes = {4, 4};
+    cage.face_vertices = {0, 1, 2, 3, 3, 2, 1, 0};
+    return cage;
+}
+
+/// Evaluates the corners of each patch.
+void evaluate(const Cage& cage)
+{
+    DicedCage diced(cage, 0);
+    lod::PosedPatch patch;
+    for (std::uint32_t f = 0; f < cage.face_count(); ++f)
+        for (std::uint32_t sub = 0; sub < diced.topology().patches_of(f); ++sub) {
+            if (!diced.topology().is_seen(f)) continue;
+            patch.set(diced.posed, {f, sub});
+            float values[9][4];
+            float* const rows[9] = {values[0], values[1], values[2], values[3], values[4],
+                                    values[5], values[6], values[7], values[8]};
+            patch.points_and_tangents({0, 0, 1, 1, 2, 2}, rows, 2);
+            for (const auto& row : values)
+                for (const float v : row) ASSERT_TRUE(std::isfinite(v));
+        }
+}
+
+TEST(CreasesOfTwoFaces, StayOnlyIfBothAreInfinitelySharp)
+{
+    struct Case {
+        std::vector<Crease> creases;
+        std::size_t kept;
+    };
+    const Case cases[] = {
+        {{{0, 1, 10}}, 0},
+        {{{0, 1, 10}, {1, 2, 10}}, 0},  // vertices 0 and 2 have one crease each, and so has 1 without these
+        {{{0, 1, 10}, {1, 2, 10}, {2, 3, 10}, {3, 0, 10}}, 4},
+        {{{0, 1, 10}, {1, 2, 10}, {2, 3, 10}, {3, 0, 9.5f}}, 0},
+        {{{0, 1, 3}, {1, 2, 3}, {2, 3, 3}, {3, 0, 3}}, 0},
+    };
+    for (const Case& c : cases) {
+        Cage cage = back_to_back();
+        cage.creases = c.creases;
+        const std::vector<std::string> lines = sanitize(cage);
+        EXPECT_EQ(cage.creases.size(), c.kept);
+        EXPECT_EQ(lines.size(), c.kept == c.creases.size() ? 0u : 1u);
+        evaluate(cage);
+    }
+}
+
+TEST(CreasesOfTwoFaces, AreThoseOfOtherVerticesKept)
+{
+    // A cube whose edge from 0 to 1 has a vertex of two faces in its middle.
+    Cage cage = prism(4);
+    const auto middle = static_cast<std::uint32_t>(cage.positions.size());
+    cage.positions.push_back((cage.positions[0] + cage.positions[1]) * 0.5f);
+    Cage split = cage;
+    split.face_sizes.clear(), split.face_vertices.clear();
+    std::size_t at = 0;
+    for (const std::uint32_t size : cage.face_sizes) {
+        std::uint32_t added = 0;
+        for (std::size_t c = 0; c < size; ++c) {
+            const std::uint32_t v = cage.face_vertices[at + c], w = cage.face_vertices[at + (c + 1) % size];
+            split.face_vertices.push_back(v);
+            if (std::min(v, w) == 0 && std::max(v, w) == 1) split.face_vertices.push_back(middle), ++added;
+        }
+        split.face_sizes.push_back(size + added);
+        at += size;
+    }
+    split.creases = {{0, middle, 10}, {middle, 1, 2}, {2, 3, 5}};
+    sanitize(split);
+    ASSERT_EQ(split.creases.size(), 1u);
+    EXPECT_EQ(split.creases[0].v0, 2u);
+    evaluate(split);
+}
+
+/// Where nearly all edges among triangles are creases there are more of them around a face than OpenSubdiv has room for.
+TEST(ManyCreases, AmongTrianglesDoNotOverflow)
+{
+    for (const std::uint32_t valence : {9u, 20u, 31u, 40u, 57u, 60u, 64u, 80u}) {
+        Cage cage = spindle(valence);
+        std::size_t at = 0;
+        for (const std::uint32_t size : cage.face_sizes) {
+            for (std::size_t c = 0; c < size; ++c) {
+                const std::uint32_t v = cage.face_vertices[at + c], w = cage.face_vertices[at + (c + 1) % size];
+                if (v < w) cage.creases.push_back({v, w, 0.25f * static_cast<float>(1 + mix_bits(v * 64 + w) % 40)});
+            }
+            at += size;
+        }
+        evaluate(cage);
+    }
+}
+
+TEST(Error, IsOneLine)
+{
+    EXPECT_STREQ(Error("a\nb.obj", "the library says:\nfirst\r\n\nsecond\n", "line 1").what(),
+                 "a; b.obj: the library says:; first; second;  (line 1)");
+    EXPECT_STREQ(Error("", "only one\n").what(), "only one");
+}
+
+}  // namespace
+}  // namespace occam::test
