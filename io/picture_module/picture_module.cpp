@@ -185,16 +185,31 @@ public:
                       std::span<const PictureAttribute> attributes, const float* pixels, PictureBytes& to) const override
     {
         EncoderStream stream(file.string(), to);
-        const std::unique_ptr<OIIO::ImageOutput> encoder = OIIO::ImageOutput::create(file.string());
+        std::unique_ptr<OIIO::ImageOutput> encoder = OIIO::ImageOutput::create(file.string());
         if (!encoder) return "its format has no encoder: " + OIIO::geterror();
-        const bool is_done = encoder->set_ioproxy(&stream) && encoder->open(file.string(), spec_of(spec, attributes)) &&
-                             encoder->write_image(OIIO::TypeDesc::FLOAT, pixels) && encoder->close();
-        if (is_done) return {};
-        const std::string why = encoder->geterror();
-        return why.empty() ? "the encoder failed" : why;
+        try {
+            const bool is_done = encoder->set_ioproxy(&stream) && encoder->open(file.string(), spec_of(spec, attributes)) &&
+                                 encoder->write_image(OIIO::TypeDesc::FLOAT, pixels) && encoder->close();
+            if (is_done) return {};
+            const std::string why = encoder->geterror();
+            return why.empty() ? "the encoder failed" : why;
+        } catch (...) {
+            end_unfinished(encoder);
+            throw;
+        }
     }
 
 private:
+    // The destructor of an encoder closes it. If that fails for lack of memory it ends the process, so an encoder that
+    // cannot be closed here is left behind.
+    static void end_unfinished(std::unique_ptr<OIIO::ImageOutput>& encoder) noexcept
+    {
+        try {
+            encoder->close();
+        } catch (...) {
+            static_cast<void>(encoder.release());
+        }
+    }
     static OIIO::ImageSpec reading_wishes()
     {
         OIIO::ImageSpec wishes;
