@@ -194,22 +194,14 @@ public:
             const std::string why = encoder->geterror();
             return why.empty() ? "the encoder failed" : why;
         } catch (...) {
-            end_unfinished(encoder);
+            // The destructor closes the encoder, and where that fails the library ends the process. So an encoder that has
+            // run out of memory is left behind.
+            static_cast<void>(encoder.release());
             throw;
         }
     }
 
 private:
-    // The destructor of an encoder closes it. If that fails for lack of memory it ends the process, so an encoder that
-    // cannot be closed here is left behind.
-    static void end_unfinished(std::unique_ptr<OIIO::ImageOutput>& encoder) noexcept
-    {
-        try {
-            encoder->close();
-        } catch (...) {
-            static_cast<void>(encoder.release());
-        }
-    }
     static OIIO::ImageSpec reading_wishes()
     {
         OIIO::ImageSpec wishes;
