@@ -34,7 +34,7 @@ struct Bins {
 
 }  // namespace
 
-Bvh::Bvh(Items& items, Arena& arena, TraceCounters& counters, int segments, std::mutex* building)
+Bvh::Bvh(Items& items, Arena& arena, TraceCounters& counters, int segments, Building* building)
     : items_(items), arena_(arena), counters_(counters), segments_(segments), building_(building), candidates_(items)
 {
 }
@@ -60,7 +60,7 @@ void Bvh::expand_all(int pair)
 
 BvhLeaf* Bvh::expand(BvhLink* at, int pair)
 {
-    const MaybeLock lock(building_);
+    const BuildLock lock(building_);
     const BvhState state = at->state();
     const bool was_interior = state.is_interior();
     if (building_) {

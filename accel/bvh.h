@@ -19,6 +19,7 @@
 
 #include <array>
 
+#include "accel/build_lock.h"
 #include "accel/candidates.h"
 #include "base/publish.h"
 
@@ -83,7 +84,7 @@ public:
 
     /// building   is locked while the tree grows; null if no other thread reads the tree.
     /// segments   of the shutter; 0: nothing moves
-    Bvh(Items& items, Arena& arena, TraceCounters& counters, int segments, std::mutex* building);
+    Bvh(Items& items, Arena& arena, TraceCounters& counters, int segments, Building* building);
 
     /// Makes one lazy node with these items. It is called after the arena was reset.
     void restart(std::span<const ItemIndex> roots);
@@ -144,7 +145,7 @@ private:
     Arena& arena_;
     TraceCounters& counters_;
     int segments_;
-    std::mutex* building_;
+    Building* building_;
     BvhLink root_;
     Candidates candidates_;
     std::array<Part, BvhNode::kWidth> parts_;

@@ -49,7 +49,7 @@ private:
 
 }  // namespace
 
-KdTree::KdTree(Items& items, Arena& arena, TraceCounters& counters, bool may_scan, std::mutex* building)
+KdTree::KdTree(Items& items, Arena& arena, TraceCounters& counters, bool may_scan, Building* building)
     : arena_(arena),
       counters_(counters),
       may_scan_(may_scan),
@@ -245,7 +245,7 @@ KdLeaf* KdTree::make_leaf(std::uint32_t n, std::uint32_t head, std::uint32_t rec
 
 KdLeaf* KdTree::expand(std::uint32_t n, int pair)
 {
-    const MaybeLock lock(building_);
+    const BuildLock lock(building_);
     const KdLink link = nodes_[n].link();
     const bool was_interior = link.is_interior();
     if (building_) {

@@ -14,6 +14,7 @@
 //          (`building`). A node is written before the link that leads to it.
 #pragma once
 
+#include "accel/build_lock.h"
 #include "accel/candidates.h"
 
 namespace occam::accel {
@@ -60,7 +61,7 @@ public:
 
     /// may_scan   allows planes at fixed steps where there are many boxes.
     /// building   is locked while the tree grows; null if no other thread reads the tree.
-    KdTree(Items& items, Arena& arena, TraceCounters& counters, bool may_scan, std::mutex* building);
+    KdTree(Items& items, Arena& arena, TraceCounters& counters, bool may_scan, Building* building);
 
     /// Makes one lazy node with these items. It is called after the arena was reset.
     void restart(const Box3f& bounds, std::span<const ItemIndex> roots);
@@ -118,7 +119,7 @@ private:
     Arena& arena_;
     TraceCounters& counters_;
     bool may_scan_;
-    std::mutex* building_;
+    Building* building_;
     ArenaVector<KdNode> nodes_;  ///< the root is 0; the children of a node lie side by side, the first at an odd number
     ArenaVector<std::uint32_t> heads_;  ///< for each pair of children, the first leaf of the parent
     ArenaVector<Record> records_;

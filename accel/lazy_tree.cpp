@@ -67,7 +67,7 @@ void LazyTree::tighten(const TreeLeaf& leaf, std::size_t place, const IGrid& gri
 
 IGrid& LazyTree::grid(const TreeLeaf& leaf, std::size_t place, int pair, TraceCounters& asker)
 {
-    const MaybeLock lock(building());
+    const BuildLock lock(building());
     TreeLeaf::Entry& entry = leaf.entries[place];
     if (entry.grid) return *entry.grid;  // another thread has built it in the meantime
     const std::uint64_t diced = counters.diced, grids = counters.grids;
@@ -88,7 +88,7 @@ IGrid& LazyTree::grid(const TreeLeaf& leaf, std::size_t place, int pair, TraceCo
 
 TraceCounters LazyTree::totals()
 {
-    const MaybeLock lock(building());
+    const MaybeLock lock(sharing ? &sharing->building.mutex : nullptr);
     TraceCounters all = counters;
     all.peak_bytes = std::max(all.peak_bytes, arena.bytes());
     all.vertices_diced = dicer.vertices_diced();

@@ -8,8 +8,8 @@
 #pragma once
 
 #include <memory>
-#include <mutex>
 
+#include "accel/build_lock.h"
 #include "accel/build_techniques.h"
 #include "accel/bvh.h"
 #include "accel/flush_gate.h"
@@ -37,7 +37,7 @@ struct LazyTree {
     void tighten(const TreeLeaf& leaf, std::size_t place, const IGrid& grid) const;
 
     struct Sharing {
-        std::mutex building;
+        Building building;
         FlushGate gate;
     };
     template <class Tree>
@@ -46,7 +46,7 @@ struct LazyTree {
         if constexpr (std::is_same_v<Tree, Bvh>) return bvh;
         else return kd;
     }
-    std::mutex* building() const noexcept { return sharing ? &sharing->building : nullptr; }
+    Building* building() const noexcept { return sharing ? &sharing->building : nullptr; }
     FlushGate* gate() const noexcept { return sharing ? &sharing->gate : nullptr; }
 
     const FrameState& frame;

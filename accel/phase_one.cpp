@@ -10,7 +10,7 @@ namespace occam::accel {
 // This is kept out of line because it is rare.
 OCCAM_NEVER_INLINE void shade_part(const IGrid& grid, IGridPart& part, const PhaseOneTools& tools)
 {
-    const MaybeLock lock(tools.building);
+    const BuildLock lock(tools.building);
     if (part.is_shaded) return;  // another thread has shaded it in the meantime
     const Stopwatch watch(tools.counters.shade_seconds);
     part.attributes = tools.dicer.shade(*grid.cage, part.tile, grid.blends() ? part.coarser() : part.tile.rates,

@@ -1,8 +1,7 @@
 // Runs phase one of shading on the parts of igrids (Djeu et al. 2011, sec. 5.3).
 #pragma once
 
-#include <mutex>
-
+#include "accel/build_lock.h"
 #include "accel/frame_state.h"
 #include "accel/igrid.h"
 #include "accel/trace_counters.h"
@@ -20,7 +19,7 @@ struct PhaseOneTools {
     lod::Dicer& dicer;
     Arena& arena;
     TraceCounters& counters;
-    std::mutex* building;  ///< locked while phase one runs; null if no other thread uses these igrids
+    Building* building;  ///< locked while phase one runs; null if no other thread uses these igrids
 };
 
 /// Returns the material of a face of a placed cage.

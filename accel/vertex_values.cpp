@@ -35,7 +35,7 @@ struct ValueLattice {
 const float* make_values(const LatticeGrid& grid, IGridPart& part, bool is_coarse, const Material& material, int channels,
                          const PhaseOneTools& tools)
 {
-    const MaybeLock lock(tools.building);
+    const BuildLock lock(tools.building);
     if (part.values[is_coarse]) return part.values[is_coarse];  // another thread has made them in the meantime
     const Stopwatch watch(tools.counters.shade_seconds);
     const ValueLattice lattice(part, is_coarse);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <mutex>
 #include <stdexcept>
 
@@ -77,14 +78,14 @@ struct Query::State {
         end();
         scene.refit();
         if (scene.contents().has(Contents::Displaced)) textures.prepare(scene);
-        if (const std::vector<std::string> errors = textures.errors(); !errors.empty())
-            throw error_without_file(errors.front());
+        refuse_bad_textures();
         camera = with_camera;
         asked.emplace(scene, camera, height, topologies->cache, textures);
     }
     void end() noexcept
     {
         idle.clear();
+        tracers = 0;
         asked.reset();
     }
     const Asked& asked_about() const
@@ -93,7 +94,8 @@ struct Query::State {
         return *asked;
     }
 
-    // Borrows a tracer for one caller. It goes back into the pool afterwards, with what it has built.
+    // Borrows a tracer for one caller. It goes back into the pool afterwards, with what it has built, unless the caller ends
+    // by an exception: what it has built may then be half made.
     class Borrowed {
     public:
         explicit Borrowed(State& state) : state_(state)
@@ -106,27 +108,47 @@ struct Query::State {
                     state.idle.pop_back();
                 }
             }
-            if (!tracer_) tracer_ = std::make_unique<accel::Tracer>(state.asked->frame, state.memory_bytes);
+            if (tracer_) return;
+            tracer_ = std::make_unique<accel::Tracer>(state.asked->frame, state.memory_bytes);
+            // The pool has room for all tracers, so that giving one back needs no memory.
+            const std::lock_guard guard(state.mutex);
+            state.idle.reserve(++state.tracers);
         }
         ~Borrowed()
         {
             const std::lock_guard guard(state_.mutex);
-            state_.idle.push_back(std::move(tracer_));
+            if (std::uncaught_exceptions() == before_) state_.idle.push_back(std::move(tracer_));
+            else --state_.tracers;
         }
         Borrowed(const Borrowed&) = delete;
         Borrowed& operator=(const Borrowed&) = delete;
-        accel::Tracer* operator->() const noexcept { return tracer_.get(); }
+        accel::Tracer& tracer() const noexcept { return *tracer_; }
 
     private:
         State& state_;
+        const int before_ = std::uncaught_exceptions();
         std::unique_ptr<accel::Tracer> tracer_;
     };
+
+    /// Calls call(tracer). What it finds does not count if a displacement cannot be read, for which a stand-in was taken.
+    template <class Call>
+    void ask(Call&& call)
+    {
+        const Borrowed borrowed(*this);
+        call(borrowed.tracer());
+        if (scene.contents().has(Contents::Displaced)) refuse_bad_textures();
+    }
+    void refuse_bad_textures() const
+    {
+        if (const std::vector<std::string> errors = textures.errors(); !errors.empty())
+            throw error_without_file(errors.front());
+    }
 
     std::optional<Hit> closest(const accel::Ray& ray)
     {
         if (!(ray.t_far > 0)) return std::nullopt;
         accel::SurfaceHit hit;
-        Borrowed(*this)->closest({&ray, 1}, {&hit, 1});
+        ask([&](accel::Tracer& tracer) { tracer.closest({&ray, 1}, {&hit, 1}); });
         if (!hit.is_hit()) return std::nullopt;
         const double to_world = asked->scale.to_world();
         Hit found;
@@ -145,7 +167,7 @@ struct Query::State {
     {
         if (!(ray.t_far > 0)) return false;
         std::uint8_t occluded = 0;
-        Borrowed(*this)->occluded({&ray, 1}, {&occluded, 1});
+        ask([&](accel::Tracer& tracer) { tracer.occluded({&ray, 1}, {&occluded, 1}); });
         return occluded != 0;
     }
 
@@ -158,6 +180,7 @@ struct Query::State {
     std::optional<Asked> asked;
     std::mutex mutex;  // guards the pool
     std::vector<std::unique_ptr<accel::Tracer>> idle;
+    std::size_t tracers = 0;  ///< idle or borrowed
 };
 
 Query::Query(Scene& scene, const Camera& camera, int image_height, std::size_t memory_bytes)
@@ -187,18 +210,19 @@ void Query::first_hits(std::span<const QueryRay> rays, std::span<FirstHit> hits)
 {
     if (rays.size() != hits.size()) throw std::invalid_argument("Query::first_hits needs as many hits as rays");
     constexpr std::size_t kBatch = 2048;
-    const State::Borrowed tracer(*state_);
     std::vector<accel::Ray> batch;
     std::vector<accel::FirstHit> found;
-    for (std::size_t first = 0; first < rays.size(); first += kBatch) {
-        const std::size_t count = std::min(kBatch, rays.size() - first);
-        batch.clear();
-        for (const QueryRay& ray : rays.subspan(first, count)) batch.push_back(ray_of(ray, *state_->asked));
-        found.resize(count);
-        tracer->first_hits(batch, found);
-        for (std::size_t i = 0; i < count; ++i)
-            hits[first + i] = {double(found[i].t) * state_->asked->scale.to_world(), found[i].node, found[i].face};
-    }
+    state_->ask([&](accel::Tracer& tracer) {
+        for (std::size_t first = 0; first < rays.size(); first += kBatch) {
+            const std::size_t count = std::min(kBatch, rays.size() - first);
+            batch.clear();
+            for (const QueryRay& ray : rays.subspan(first, count)) batch.push_back(ray_of(ray, *state_->asked));
+            found.resize(count);
+            tracer.first_hits(batch, found);
+            for (std::size_t i = 0; i < count; ++i)
+                hits[first + i] = {double(found[i].t) * state_->asked->scale.to_world(), found[i].node, found[i].face};
+        }
+    });
 }
 
 bool Query::is_occluded(Vec3d from, Vec3d to) const

@@ -36,6 +36,18 @@ FrameStats::Scene describe(const Scene& scene)
     return out;
 }
 
+/// Returns what a frame ends with for which there is not enough memory. If there is none for a message either, that is the
+/// std::bad_alloc which is being handled.
+std::exception_ptr error_for_lack_of_memory() noexcept
+{
+    try {
+        return std::make_exception_ptr(
+            error_without_file("there is not enough memory for this picture", {}, Error::Kind::Output));
+    } catch (const std::bad_alloc&) {
+        return std::current_exception();
+    }
+}
+
 }  // namespace
 
 struct Job::State {
@@ -67,8 +79,7 @@ struct Job::State {
         try {
             make_image();
         } catch (const std::bad_alloc&) {
-            error = std::make_exception_ptr(
-                error_without_file("there is not enough memory for this picture", {}, Error::Kind::Output));
+            error = error_for_lack_of_memory();
         } catch (...) {
             error = std::current_exception();
         }

@@ -134,6 +134,17 @@ private:
     std::vector<std::uint32_t> number_;
 };
 
+/// Makes refiners as the factory of the library does, which loses them if there is not enough memory.
+class RefinerFactory : public Far::TopologyRefinerFactory<Far::TopologyDescriptor> {
+public:
+    static std::unique_ptr<Far::TopologyRefiner> make(const Far::TopologyDescriptor& of, const Options& options)
+    {
+        auto refiner = std::make_unique<Far::TopologyRefiner>(options.schemeType, options.schemeOptions);
+        if (!populateBaseLevel(*refiner, of, options)) refiner.reset();
+        return refiner;
+    }
+};
+
 }  // namespace
 
 std::unique_ptr<Far::TopologyRefiner> make_refiner(const Cage& cage)
@@ -177,8 +188,7 @@ std::unique_ptr<Far::TopologyRefiner> make_refiner(const Cage& cage)
     d.numFVarChannels = static_cast<int>(channels.size());
     d.fvarChannels = channels.data();
     const Sdc::SchemeType scheme = cage.scheme == Scheme::Bilinear ? Sdc::SCHEME_BILINEAR : Sdc::SCHEME_CATMARK;
-    using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
-    return std::unique_ptr<Far::TopologyRefiner>(Factory::Create(d, Factory::Options(scheme, sdc_options(cage))));
+    return RefinerFactory::make(d, {scheme, sdc_options(cage)});
 }
 
 namespace {

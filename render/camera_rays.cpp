@@ -7,7 +7,7 @@
 
 namespace occam::render {
 
-CameraRays::CameraRays(const Camera& camera, int width, int height, int samples) noexcept
+CameraRays::CameraRays(const Camera& camera, int width, int height, int samples)
     : width_(width), height_(height), orthographic_(camera.lens.orthographic), samples_(samples)
 {
     if (camera.lens.radius > 0 && camera.lens.focus > 0) {

@@ -17,7 +17,7 @@ namespace occam::render {
 class CameraRays {
 public:
     /// samples   number per pixel: a beam through a lens is as wide as one sample's part of the lens
-    CameraRays(const Camera& camera, int width, int height, int samples = 1) noexcept;
+    CameraRays(const Camera& camera, int width, int height, int samples = 1);
 
     /// Returns the ray through a point of the image. Through a lens the ray ends at the focus, up to which its beam
     /// narrows; behind_focus() is the rest of it.

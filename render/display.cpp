@@ -80,7 +80,7 @@ float srgb_from_linear(float x) noexcept { return x <= 0.0031308f ? 12.92f * x :
 
 float linear_from_srgb(float x) noexcept { return x <= 0.04045f ? x / 12.92f : maths::pow((x + 0.055f) / 1.055f, 2.4f); }
 
-float automatic_exposure(const Image& image) noexcept
+float automatic_exposure(const Image& image)
 {
     const Layer* beauty = image.find("beauty");
     if (!image.is_light || !beauty || beauty->channel_count() < 3) return 0;

@@ -29,7 +29,7 @@ DisplayImage display_image(const Image& image, const WriteOptions& options);
 ///
 /// The result is a pure function of the pixels, which are added in their order. It is 0 for a black picture, or for one
 /// that is not light (Image::is_light).
-float automatic_exposure(const Image& image) noexcept;
+float automatic_exposure(const Image& image);
 inline constexpr float kMostStops = 12;
 
 }  // namespace occam::render

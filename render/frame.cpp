@@ -35,7 +35,7 @@ public:
     {
         const int threads = in_.resources.threads;
         TileQueue tiles(all, threads);
-        const auto work = [&](int index) {
+        const auto render_tiles = [&](int index) {
             auto tile = tiles.next(index);
             if (!tile) return;  // other workers have taken all tiles
             std::unique_ptr<Worker>& worker = workers_[static_cast<std::size_t>(index)];
@@ -57,6 +57,16 @@ public:
                 if (group.size() >= worker->tiles_at_once(target - before) && !flush()) return;
             }
             flush();
+        };
+        // An error of one worker ends the frame, so the others stop where they are. They may not hide it by their own end.
+        const auto work = [&](int index) {
+            try {
+                render_tiles(index);
+            } catch (const Cancelled&) {
+            } catch (...) {
+                control.cancel();
+                throw;
+            }
         };
         const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
         tbb::task_arena arena(threads);

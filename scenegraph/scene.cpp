@@ -73,23 +73,33 @@ NodeId Scene::add_node(NodeId parent, NodeDesc desc)
     record.parent_from_node = parent_from_node;
     record.dirty = false;  // mark_dirty() stops at dirty nodes, so this one must be clean
     const NodeId id = s.nodes.add(std::move(record));
-
-    const auto is_alive = [&](NodeId known) { return s.nodes.find(known) != nullptr; };
-    const Node& node = *s.nodes.find(id);
-    std::vector<NodeId>& siblings = s.nodes.find(parent)->children;
-    s.nodes.find(id)->place_among_siblings = static_cast<std::uint32_t>(siblings.size());
-    siblings.push_back(id);
-    for (CageId cage : node.cages) s.cages.find(cage)->users.add(id, is_alive);
-    s.watch_contents(id, *s.nodes.find(id));
-    if (node.instance_of) s.nodes.find(node.instance_of)->instances.add(id, is_alive);
-    if (node.skin) {
-        s.skins.find(node.skin)->users.add(id, is_alive);
-        s.link_user(id);
-    }
+    Rollback added([&] {
+        std::vector<NodeId>& siblings = s.nodes.find(parent)->children;
+        if (!siblings.empty() && siblings.back() == id) siblings.pop_back();
+        s.nodes.remove(id);
+    });
+    s.link_node(id);
+    added.keep();
     s.mark_dirty(id);
     return id;
 }
 
+void Scene::State::link_node(NodeId id)
+{
+    const auto is_alive = [&](NodeId known) { return nodes.find(known) != nullptr; };
+    NodeRecord& node = *nodes.find(id);
+    std::vector<NodeId>& siblings = nodes.find(node.parent)->children;
+    node.place_among_siblings = static_cast<std::uint32_t>(siblings.size());
+    siblings.push_back(id);
+    for (CageId cage : node.cages) cages.find(cage)->users.add(id, is_alive);
+    watch_contents(id, node);
+    if (node.instance_of) nodes.find(node.instance_of)->instances.add(id, is_alive);
+    if (!node.skin) return;
+    skins.find(node.skin)->users.add(id, is_alive);
+    link_user(id);
+}
+
+// The subtree is removed from its leaves up, without a list of what is left to do: a removal needs no memory.
 void Scene::remove(NodeId id)
 {
     State& s = *state_;
@@ -98,26 +108,36 @@ void Scene::remove(NodeId id)
     if (id == s.root) throw error_without_file("the root cannot be removed");
     s.mark_dirty(id);
     s.leave_parent(*s.nodes.find(id));
-    std::vector<NodeId> todo{id};
-    while (!todo.empty()) {
-        const NodeId next = todo.back();
-        todo.pop_back();
-        State::NodeRecord& node = *s.nodes.find(next);
-        s.about_to_move(next, node);
-        for (const NodeId child : node.children)
-            if (child) todo.push_back(child);
-        // Instances elsewhere that show a part of the subtree lose it.
-        for (NodeId instance : node.instances.ids()) s.mark_dirty(instance);
-        s.place_changed(next, node);  // the node may be a joint of a skin that stays
-        if (const auto copy = s.posed.find(next); copy != s.posed.end()) {
-            for (const SkinId id_of_skin : copy->second.skins) {
-                if (State::SkinRecord* skin = s.skins.find(id_of_skin)) s.drop_keys(*skin);
-                s.skins.remove(id_of_skin);
-            }
-            s.posed.erase(copy);
+    for (NodeId at = id; at;) {
+        State::NodeRecord& node = *s.nodes.find(at);
+        if (!node.children.empty()) {
+            const NodeId child = node.children.back();
+            node.children.pop_back();
+            if (child) at = child;
+            continue;
         }
-        s.nodes.remove(next);
+        const NodeId parent = at == id ? NodeId() : node.parent;
+        s.remove_one(at);
+        at = parent;
     }
+}
+
+// The caller has checked that no shutter is recorded.
+void Scene::State::remove_one(NodeId id) noexcept
+{
+    NodeRecord& node = *nodes.find(id);
+    about_to_move(id, node);
+    // Instances elsewhere that show a part of the subtree lose it.
+    for (NodeId instance : node.instances.ids()) mark_dirty(instance);
+    place_changed(id, node);  // the node may be a joint of a skin that stays
+    if (const auto copy = posed.find(id); copy != posed.end()) {
+        for (const SkinId id_of_skin : copy->second.skins) {
+            if (SkinRecord* skin = skins.find(id_of_skin)) drop_keys(*skin);
+            skins.remove(id_of_skin);
+        }
+        posed.erase(copy);
+    }
+    nodes.remove(id);
 }
 
 const Node& Scene::node(NodeId id) const { return State::at(state_->nodes, id, "node"); }
@@ -136,9 +156,9 @@ void Scene::set_transform(NodeId id, const Mat4d& parent_from_node)
     state_->require_editable();
     State::NodeRecord& node = State::at(state_->nodes, id, "node");
     require_finite(parent_from_node);
+    state_->place(id, node, parent_from_node);
     if (node.rest) node.rest->place.reset();
     node.matrix = parent_from_node;
-    state_->place(id, node, parent_from_node);
 }
 
 void Scene::State::place(NodeId id, NodeRecord& node, const Mat4d& parent_from_node)
@@ -176,8 +196,10 @@ void Scene::set_materials(NodeId id, std::vector<MaterialId> materials)
     state_->require_editable();
     State::NodeRecord& node = State::at(state_->nodes, id, "node");
     for (MaterialId material : materials) State::at(state_->materials, material, "material");
-    node.materials = std::move(materials);
+    node.materials.swap(materials);
+    Rollback changed([&] { node.materials.swap(materials); });
     state_->watch_contents(id, node);
+    changed.keep();
     state_->mark_dirty(id);
 }
 

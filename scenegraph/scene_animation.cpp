@@ -43,6 +43,18 @@ struct Sum {
         }
     }
 
+    bool has_place() const noexcept { return of_translation + of_rotation + of_scale > 0; }
+    /// Returns the mean of the values, and those of `rest` where there are none.
+    Trs place(const Trs& rest) const noexcept
+    {
+        Trs place = rest;
+        if (of_translation > 0) place.translation = translation / of_translation;
+        if (of_scale > 0) place.scale = scale / of_scale;
+        const double length = std::sqrt(glm::dot(rotation, rotation));
+        if (of_rotation > 0 && length > 0) place.rotation = rotation / length;
+        return place;
+    }
+
 private:
     void add_vector(Vec3d& to, double& sum, double weight)
     {
@@ -62,18 +74,18 @@ bool same(const Trs& a, const Trs& b)
 void Scene::State::restore(NodeRecord& node, NodeId id)
 {
     if (!node.rest) return;
-    const Rest rest = std::move(*node.rest);
-    node.rest.reset();
+    Rest& rest = *node.rest;
     if (rest.place) {
+        place(id, node, rest.matrix ? *rest.matrix : rest.place->matrix());
         node.place = *rest.place;
         node.matrix = rest.matrix;
-        place(id, node, rest.matrix ? *rest.matrix : rest.place->matrix());
     }
     if (rest.weights && node.morph_weights != *rest.weights) {
         about_to_change(id, node);
-        node.morph_weights = *rest.weights;
+        node.morph_weights = std::move(*rest.weights);
         mark_dirty(id);
     }
+    node.rest.reset();
 }
 
 void Scene::pose(std::span<const ClipAt> clips, NodeId of)
@@ -103,7 +115,11 @@ void Scene::pose(std::span<const ClipAt> clips, NodeId of)
             entry->second.add(channel, at.seconds, at.weight);
         }
 
-    for (const NodeId id : posed.nodes)
+    // If there is not enough memory for all of them, those that were moved are known, and the next call restores them.
+    std::vector<NodeId> all = posed.nodes;
+    all.insert(all.end(), order.begin(), order.end());
+    const std::vector<NodeId> before = std::exchange(posed.nodes, std::move(all));
+    for (const NodeId id : before)
         if (State::NodeRecord* node = s.nodes.find(id); node && !sums.contains(id)) {
             s.about_to_pose(id, *node);
             s.restore(*node, id);
@@ -113,17 +129,13 @@ void Scene::pose(std::span<const ClipAt> clips, NodeId of)
         s.about_to_pose(id, node);
         const Sum& sum = sums.at(id);
         if (!node.rest) node.rest = std::make_unique<State::Rest>();
-        if (sum.of_translation + sum.of_rotation + sum.of_scale > 0) {
+        if (sum.has_place()) {
             if (!node.rest->place) node.rest->place = node.place, node.rest->matrix = node.matrix;
-            Trs place = *node.rest->place;
-            if (sum.of_translation > 0) place.translation = sum.translation / sum.of_translation;
-            if (sum.of_scale > 0) place.scale = sum.scale / sum.of_scale;
-            const double length = std::sqrt(glm::dot(sum.rotation, sum.rotation));
-            if (sum.of_rotation > 0 && length > 0) place.rotation = sum.rotation / length;
+            const Trs place = sum.place(*node.rest->place);
             if (node.matrix || !same(place, node.place)) {
+                s.place(id, node, place.matrix());
                 node.place = place;
                 node.matrix.reset();
-                s.place(id, node, place.matrix());
             }
         }
         if (sum.of_weights > 0) {
@@ -146,6 +158,21 @@ void Scene::pose(ClipId id, double seconds)
     pose({&at, 1});
 }
 
+NodeDesc Scene::State::desc_of_copy(NodeId original) const
+{
+    const NodeRecord& from = *nodes.find(original);
+    NodeDesc desc = from;
+    desc.instance_of = {};
+    desc.skin = {};
+    std::erase_if(desc.cages, [&](CageId id) { return !cages.find(id); });
+    if (!lights.find(desc.light)) desc.light = {};
+    if (!cameras.find(desc.camera)) desc.camera = {};
+    // The current pose is not part of a copy's rest values.
+    if (from.rest && from.rest->place) desc.place = *from.rest->place, desc.matrix = from.rest->matrix;
+    if (from.rest && from.rest->weights) desc.morph_weights = *from.rest->weights;
+    return desc;
+}
+
 NodeId Scene::copy(NodeId subtree, NodeId parent)
 {
     State& s = *state_;
@@ -156,24 +183,18 @@ NodeId Scene::copy(NodeId subtree, NodeId parent)
         throw error_without_file("a subtree cannot be copied into itself", node(subtree).name);
 
     State::Posed copy;
+    Rollback copied([&] {
+        for (const SkinId skin : copy.skins) s.skins.remove(skin);
+        if (const auto made = copy.node_of.find(subtree); made != copy.node_of.end() && made->second) remove(made->second);
+    });
     std::vector<NodeId> originals{subtree};
     for (std::size_t i = 0; i < originals.size(); ++i) {
         const Node& from = node(originals[i]);
-        NodeDesc desc = from;
-        desc.instance_of = {};
-        desc.skin = {};
-        std::erase_if(desc.cages, [&](CageId id) { return !s.cages.find(id); });
-        if (!s.lights.find(desc.light)) desc.light = {};
-        if (!s.cameras.find(desc.camera)) desc.camera = {};
-        // The current pose is not part of a copy's rest values.
-        if (const auto& rest = s.nodes.find(originals[i])->rest) {
-            if (rest->place) desc.place = *rest->place, desc.matrix = rest->matrix;
-            if (rest->weights) desc.morph_weights = *rest->weights;
-        }
         std::copy_if(from.children.begin(), from.children.end(), std::back_inserter(originals),
                      [](NodeId child) { return bool(child); });
         const NodeId above = i == 0 ? parent : copy.node_of.at(from.parent);
-        copy.node_of[originals[i]] = add_node(above, std::move(desc));
+        NodeId& made = copy.node_of[originals[i]];
+        made = add_node(above, s.desc_of_copy(originals[i]));
     }
     std::unordered_map<SkinId, SkinId> skin_of;
     for (const NodeId original : originals) {
@@ -195,12 +216,16 @@ NodeId Scene::copy(NodeId subtree, NodeId parent)
         if (is_new) {
             Skin skin = this->skin(from.skin);
             for (NodeId& joint : skin.joints) joint = counterpart(joint);
-            if (skin.joints != this->skin(from.skin).joints) copy.skins.push_back(entry->second = add(std::move(skin)));
+            if (skin.joints != this->skin(from.skin).joints) {
+                SkinId& made = copy.skins.emplace_back();
+                made = entry->second = add(std::move(skin));
+            }
         }
         set_skin(to, entry->second);
     }
     const NodeId made = copy.node_of.at(subtree);
-    s.posed.emplace(made, std::move(copy));
+    s.posed[made] = std::move(copy);
+    copied.keep();
     return made;
 }
 

@@ -5,8 +5,8 @@
 
 namespace occam {
 
-void Scene::State::mark_dirty(NodeId id)
-{
+void Scene::State::mark_dirty(NodeId id) noexcept
+try {
     std::vector<NodeId> todo{id};
     while (!todo.empty()) {
         NodeRecord* node = nodes.find(todo.back());
@@ -17,15 +17,36 @@ void Scene::State::mark_dirty(NodeId id)
             for (NodeId instance : node->instances.ids()) todo.push_back(instance);
         }
     }
+} catch (const std::bad_alloc&) {
+    lose_bounds();
 }
 
-void Scene::State::touch_in_parent(const NodeRecord& node)
-{
+void Scene::State::touch_in_parent(const NodeRecord& node) noexcept
+try {
     if (NodeRecord* parent = nodes.find(node.parent); parent && parent->child_boxes)
         parent->child_boxes->touch(node.place_among_siblings);
+} catch (const std::bad_alloc&) {
+    lose_bounds();
 }
 
-void Scene::State::leave_parent(const NodeRecord& node)
+void Scene::State::lose_bounds() noexcept
+{
+    has_lost_bounds = true;
+    nodes.find(root)->dirty = true;
+}
+
+void Scene::State::find_lost_bounds() noexcept
+{
+    if (!has_lost_bounds) return;
+    nodes.for_each([](NodeId, NodeRecord& node) {
+        node.dirty = true;
+        node.child_boxes.reset();
+    });
+    skins.for_each([](SkinId, SkinRecord& skin) { skin.dirty = true; });
+    has_lost_bounds = false;
+}
+
+void Scene::State::leave_parent(const NodeRecord& node) noexcept
 {
     NodeRecord& parent = *nodes.find(node.parent);
     touch_in_parent(node);
@@ -39,7 +60,7 @@ void Scene::State::leave_parent(const NodeRecord& node)
         nodes.find(parent.children[i])->place_among_siblings = static_cast<std::uint32_t>(i);
 }
 
-void Scene::State::mark_users_dirty(const CageRecord& cage)
+void Scene::State::mark_users_dirty(const CageRecord& cage) noexcept
 {
     for (NodeId user : cage.users.ids()) mark_dirty(user);
 }
@@ -130,6 +151,8 @@ void Scene::State::push_below(NodeRecord& node, std::vector<RefitStep>& todo) co
 std::size_t Scene::refit()
 {
     State& s = *state_;
+    s.find_lost_bounds();
+    Rollback begun([&] { s.lose_bounds(); });
     std::vector<State::RefitStep> todo{{s.root, false}};
     std::size_t looked_at = 0;
     while (!todo.empty()) {
@@ -145,6 +168,7 @@ std::size_t Scene::refit()
         todo.push_back({step.id, true});
         s.push_below(*node, todo);
     }
+    begun.keep();
     return looked_at;
 }
 

@@ -30,6 +30,10 @@ std::uint32_t largest_face(const Cage& cage)
 
 void find_bounds(CageSlot& slot)
 {
+    // What needs memory comes first.
+    auto deform = decltype(slot.deform)();
+    if (slot.cage.skin.sets > 0 || !slot.cage.morph_targets.empty()) deform.add_all(slot.cage);
+    slot.key_bounds.reserve(slot.key_positions.size());
     slot.bounds = grown_by_displacement(slot.cage, slot.cage.bounds());
     slot.key_bounds.clear();
     for (const std::vector<Vec3f>& positions : slot.key_positions) {
@@ -38,8 +42,7 @@ void find_bounds(CageSlot& slot)
         slot.key_bounds.push_back(grown_by_displacement(slot.cage, box));
         slot.bounds.add(slot.key_bounds.back());
     }
-    slot.deform = {};
-    if (slot.cage.skin.sets > 0 || !slot.cage.morph_targets.empty()) slot.deform.add_all(slot.cage);
+    slot.deform = std::move(deform);
 }
 
 CageSlot CageSlot::made() const
@@ -75,23 +78,34 @@ CageId Scene::add(OnDemandCage cage)
     record.make = std::move(cage.make);
     record.identity = next_identity();
     const CageId id = state_->cages.add(std::move(record));
+    Rollback added([&] { state_->cages.remove(id); });
     state_->take_contents(id, *state_->cages.find(id));
+    added.keep();
     return id;
+}
+
+void Scene::State::make_record(Cage cage, CageRecord& record, std::vector<std::string>& warnings)
+{
+    const std::string name = cage.name.empty() ? "cage" : cage.name;
+    for (const std::string& line : sanitize(cage)) warnings.push_back(name + ": " + line);
+    record.cage = std::move(cage);
+    record.largest_face = largest_face(record.cage);
+    record.identity = next_identity();
+    find_bounds(record);
 }
 
 CageId Scene::add(Cage cage)
 {
     state_->require_editable();
-    const std::string name = cage.name.empty() ? "cage" : cage.name;
-    for (const std::string& line : sanitize(cage)) warnings.push_back(name + ": " + line);
+    Rollback warned([&, count = warnings.size()] { warnings.resize(count); });
     State::CageRecord record;
-    record.cage = std::move(cage);
-    record.largest_face = largest_face(record.cage);
-    record.identity = next_identity();
-    find_bounds(record);
+    State::make_record(std::move(cage), record, warnings);
     const CageId id = state_->cages.add(std::move(record));
-    state_->count_faces(*state_->cages.find(id), 1);
+    Rollback added([&] { state_->cages.remove(id); });
     state_->take_contents(id, *state_->cages.find(id));
+    state_->count_faces(*state_->cages.find(id), 1);
+    warned.keep();
+    added.keep();
     return id;
 }
 MaterialId Scene::add(Material material)
@@ -130,8 +144,11 @@ ClipId Scene::add(Clip clip)
     state_->require_editable();
     check(clip);
     for (const Channel& channel : clip.channels) State::at(state_->nodes, channel.target, "node");
-    state_->clip_order.push_back(state_->clips.add(std::move(clip)));
-    return state_->clip_order.back();
+    state_->clip_order.emplace_back();
+    Rollback added([&] { state_->clip_order.pop_back(); });
+    const ClipId id = state_->clip_order.back() = state_->clips.add(std::move(clip));
+    added.keep();
+    return id;
 }
 
 void Scene::remove(CageId id)
@@ -167,8 +184,15 @@ void Scene::write_vertices(CageId id, std::span<const Vec3f> positions)
     for (Vec3f p : positions)
         if (!is_usable(p)) throw error_without_file("a position is not finite, or beyond 1e16", record.cage.name);
     state_->about_to_write(id, record);
+    // The bounds of a cage that is deformed need memory, which may be missing.
+    std::vector<Vec3f> before;
+    if (record.is_deformed()) before = record.cage.positions;
+    Rollback written([&] {
+        if (!before.empty()) record.cage.positions = std::move(before);
+    });
     record.cage.positions.assign(positions.begin(), positions.end());
     find_bounds(record);
+    written.keep();
     if (record.layers.are_many()) record.layers = FaceLayers(record.cage);
     ++record.positions_version;
     state_->mark_users_dirty(record);
@@ -178,18 +202,16 @@ void Scene::replace(CageId id, Cage cage)
 {
     state_->require_unrecorded();
     State::CageRecord& record = State::at(state_->cages, id, "cage");
-    const std::string name = cage.name.empty() ? "cage" : cage.name;
-    for (const std::string& line : sanitize(cage)) warnings.push_back(name + ": " + line);
+    Rollback warned([&, count = warnings.size()] { warnings.resize(count); });
+    State::CageRecord fresh;
+    State::make_record(std::move(cage), fresh, warnings);
+    state_->take_contents(id, fresh);
+    warned.keep();
     state_->drop_keys(record);
     state_->count_faces(record, -1);
-    record.cage = std::move(cage);
-    record.largest_face = largest_face(record.cage);
-    record.make = nullptr;
-    record.identity = next_identity();
-    record.positions_version = 0;
-    find_bounds(record);
+    fresh.users = std::move(record.users);
+    record = std::move(fresh);
     state_->count_faces(record, 1);
-    state_->take_contents(id, record);
     state_->mark_users_dirty(record);
 }
 void Scene::replace(MaterialId id, Material material)

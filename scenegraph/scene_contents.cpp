@@ -56,7 +56,7 @@ void Scene::State::watch_contents(NodeId id, const NodeRecord& node)
         if (MaterialRecord* known = materials.find(material)) known->users.add(id, is_alive);
 }
 
-void Scene::State::mark_users_dirty(const MaterialRecord& material)
+void Scene::State::mark_users_dirty(const MaterialRecord& material) noexcept
 {
     for (const NodeId user : material.users.ids()) mark_dirty(user);
     for (const CageId id : material.cages.ids())

@@ -112,7 +112,7 @@ void Scene::State::about_to_write(CageId id, CageRecord& cage)
         recorder->cages.emplace(id, std::vector<std::vector<Vec3f>>(recorder->keys_done, cage.cage.positions));
 }
 
-void Scene::State::drop_keys(NodeId id, NodeRecord& node)
+void Scene::State::drop_keys(NodeId id, NodeRecord& node) noexcept
 {
     if (node.keys.empty()) return;
     node.keys.clear();
@@ -121,7 +121,7 @@ void Scene::State::drop_keys(NodeId id, NodeRecord& node)
     mark_dirty(id);
 }
 
-void Scene::State::drop_keys(SkinRecord& skin)
+void Scene::State::drop_keys(SkinRecord& skin) noexcept
 {
     if (skin.key_poses.empty()) return;
     skin.key_poses.clear();
@@ -129,7 +129,8 @@ void Scene::State::drop_keys(SkinRecord& skin)
     for (const NodeId user : skin.users.ids()) mark_dirty(user);
 }
 
-void Scene::State::drop_keys(CageRecord& cage)
+// A cage with keys is neither skinned nor morphed, so without them its bounds need no memory.
+void Scene::State::drop_keys(CageRecord& cage) noexcept
 {
     if (cage.key_positions.empty()) return;
     cage.key_positions.clear();
@@ -152,6 +153,11 @@ void Scene::State::take_key(Recorder& record)
 
 void Scene::State::store_keys(Recorder& record)
 {
+    // What needs memory comes first, so that all keys are stored or none.
+    nodes_with_keys.reserve(record.nodes.size());
+    skins_with_keys.reserve(record.skins.size());
+    cages_with_keys.reserve(record.cages.size());
+    for (const auto& [id, keys] : record.cages) cages.find(id)->key_bounds.reserve(keys.size());
     for (auto& [id, keys] : record.nodes) {
         if (are_all_equal(keys)) continue;
         NodeRecord& node = *nodes.find(id);

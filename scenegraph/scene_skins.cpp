@@ -124,7 +124,7 @@ void Scene::State::pose_skin(SkinRecord& skin) const
     skin.dirty = false;
 }
 
-void Scene::State::place_changed(NodeId id, const NodeRecord& node)
+void Scene::State::place_changed(NodeId id, const NodeRecord& node) noexcept
 {
     // The box of the node is in its own axes and stays valid, so the parent is marked. Only the root has no parent.
     touch_in_parent(node);
@@ -147,7 +147,9 @@ SkinId Scene::add(Skin skin)
     State::SkinRecord record;
     record.skin = std::move(skin);
     const SkinId id = state_->skins.add(std::move(record));
+    Rollback added([&] { state_->skins.remove(id); });
     state_->link_skin(id);
+    added.keep();
     return id;
 }
 
@@ -167,12 +169,15 @@ void Scene::set_skin(NodeId id, SkinId skin)
     if (skin) State::at(state_->skins, skin, "skin");
     if (node.skin == skin) return;
     state_->about_to_change(id, node);
+    Rollback worn([&, before = node.skin] { node.skin = before; });
     node.skin = skin;
+    if (skin) {
+        const auto is_alive = [&](NodeId known) { return state_->nodes.find(known) != nullptr; };
+        state_->skins.find(skin)->users.add_once(id, is_alive);
+        state_->link_user(id);
+    }
+    worn.keep();
     state_->mark_dirty(id);
-    if (!skin) return;
-    const auto is_alive = [&](NodeId known) { return state_->nodes.find(known) != nullptr; };
-    state_->skins.find(skin)->users.add_once(id, is_alive);
-    state_->link_user(id);
 }
 
 void Scene::set_morph_weights(NodeId id, std::vector<float> weights)

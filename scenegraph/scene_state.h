@@ -15,7 +15,8 @@ namespace occam {
 /// Grows a box of a cage's undisplaced surface to hold the displaced one.
 Box3d grown_by_displacement(const Cage& cage, const Box3d& box) noexcept;
 
-/// Computes the bounds of a slot's cage and of what deforms it.
+/// Computes the bounds of a slot's cage and of what deforms it. The slot stays as it is if there is no memory for them; a
+/// cage without keys, skin and morph targets needs none.
 void find_bounds(CageSlot& slot);
 
 /// The nodes or cages that an edit must notify. Removed ones and duplicates are dropped when the list would grow, so that
@@ -60,15 +61,34 @@ public:
 
     explicit SceneTable(std::uint32_t first_generation) noexcept : first_(first_generation) {}
 
-    Id add(T value) { return outer(map_.add(std::move(value))); }
-    void remove(Id id) { map_.remove(inner(id)); }
+    Id add(T value)
+    {
+        const Id id = outer(map_.add(std::move(value)));
+        ++size_;
+        return id;
+    }
+    /// Removes the value. A dead handle has no effect. Without memory to remember the free slot, the slot is not used again.
+    void remove(Id id) noexcept
+    {
+        if (!find(id)) return;
+        --size_;
+        try {
+            map_.remove(inner(id));
+        } catch (const std::bad_alloc&) {
+        }
+    }
     T* find(Id id) noexcept { return map_.find(inner(id)); }
     const T* find(Id id) const noexcept { return map_.find(inner(id)); }
-    std::size_t size() const noexcept { return map_.size(); }
+    std::size_t size() const noexcept { return size_; }
     template <class Visit>
     void for_each(Visit&& visit) const
     {
         map_.for_each([&](Id id, const T& value) { visit(outer(id), value); });
+    }
+    template <class Visit>
+    void for_each(Visit&& visit)
+    {
+        map_.for_each([&](Id id, const T&) { visit(outer(id), *map_.find(id)); });
     }
 
 private:
@@ -77,6 +97,27 @@ private:
 
     SlotMap<T, Tag> map_;
     std::uint32_t first_;
+    std::size_t size_ = 0;
+};
+
+/// Undoes the first steps of an edit if a later one throws: an edit is done as a whole or not at all.
+template <class Undo>
+class Rollback {
+public:
+    explicit Rollback(Undo undo) : undo_(std::move(undo)) {}
+    ~Rollback()
+    {
+        if (!is_done_) undo_();
+    }
+    Rollback(const Rollback&) = delete;
+    Rollback& operator=(const Rollback&) = delete;
+
+    /// Keeps what was done.
+    void keep() noexcept { is_done_ = true; }
+
+private:
+    Undo undo_;
+    bool is_done_ = false;
 };
 
 struct Scene::State {
@@ -151,6 +192,7 @@ struct Scene::State {
     std::unordered_map<NodeId, Posed> posed;  ///< for each copy; the key of the scene itself is a null handle
     NodeId root;
     std::size_t faces = 0, mesh_triangles = 0;  ///< of all cages
+    bool has_lost_bounds = false;               ///< all bounds are out of date, whatever the nodes say
     mutable std::atomic<int> frames{0};         ///< number of FrameLocks alive
 
     void require_editable() const
@@ -183,26 +225,36 @@ struct Scene::State {
 
     /// Marks the node, its ancestors, and all nodes that show one of them as an instance. It stops at nodes that are already
     /// dirty, because everything above them is dirty too.
-    void mark_dirty(NodeId id);
+    void mark_dirty(NodeId id) noexcept;
     /// Records in the parent that its data about this child's box, transform and visibility are out of date, without marking
     /// it.
-    void touch_in_parent(const NodeRecord& node);
+    void touch_in_parent(const NodeRecord& node) noexcept;
+    /// Marks all nodes by one flag, where there is no memory to find those that an edit affects. It needs no memory itself.
+    void lose_bounds() noexcept;
+    /// Makes all nodes dirty if they were marked by lose_bounds().
+    void find_lost_bounds() noexcept;
+    /// Enters a new node into the lists of its parent and of what it refers to.
+    void link_node(NodeId id);
     /// Removes a node from its parent's list, at a cost that does not grow with the list.
-    void leave_parent(const NodeRecord& node);
-    void mark_users_dirty(const CageRecord& cage);
+    void leave_parent(const NodeRecord& node) noexcept;
+    /// Removes one node of a subtree that is removed.
+    void remove_one(NodeId id) noexcept;
+    void mark_users_dirty(const CageRecord& cage) noexcept;
     /// Returns whether `below` lies in what `above` shows, or is `above`.
     bool is_shown_by(NodeId below, NodeId above) const;
     /// Refits one node and returns the number of children's boxes it visited beyond those that Scene::refit() has visited.
     std::size_t refit_node(NodeId id, NodeRecord& node);
     /// Returns what a node holds itself, without what lies below it.
     Contents own_contents(const NodeRecord& node) const noexcept;
+    /// Fills what a cage alone decides, after repairing it; the repairs are added to the warnings.
+    static void make_record(Cage cage, CageRecord& record, std::vector<std::string>& warnings);
     /// Sums up what a cage holds and registers it with its materials; it is called where the cage's polygons or materials
     /// are new.
     void take_contents(CageId id, CageRecord& cage);
     /// Registers a node with its light and with the materials of its override.
     void watch_contents(NodeId id, const NodeRecord& node);
     /// Marks the nodes that show the material.
-    void mark_users_dirty(const MaterialRecord& material);
+    void mark_users_dirty(const MaterialRecord& material) noexcept;
     /// Counts a cage's faces into the scene's, or with `sign` -1 out of them.
     void count_faces(const CageRecord& cage, int sign) noexcept;
 
@@ -219,15 +271,15 @@ struct Scene::State {
     {
         if (!recorder) about_to_move(id, node);
     }
-    void drop_keys(NodeId id, NodeRecord& node);
-    void drop_keys(SkinRecord& skin);
-    void drop_keys(CageRecord& cage);
+    void drop_keys(NodeId id, NodeRecord& node) noexcept;
+    void drop_keys(SkinRecord& skin) noexcept;
+    void drop_keys(CageRecord& cage) noexcept;
     NodeKey key_of(const NodeRecord& node, NodeId id) const;
     void take_key(Recorder& record);
     void store_keys(Recorder& record);
 
     /// Notifies the nodes above and the skins that a node's transform has changed.
-    void place_changed(NodeId id, const NodeRecord& node);
+    void place_changed(NodeId id, const NodeRecord& node) noexcept;
     void place(NodeId id, NodeRecord& node, const Mat4d& parent_from_node);
     /// Finds the base and the parents of a new skin's joints, and registers the skin with the nodes between them.
     void link_skin(SkinId id);
@@ -238,6 +290,8 @@ struct Scene::State {
     NodeId lowest_common(NodeId a, NodeId b) const;  ///< lowest common ancestor; a node counts as its own
     Mat4d path(NodeId above, NodeId node) const;     ///< above_from_node
     void restore(NodeRecord& node, NodeId id);
+    /// Returns what copy() makes a node from, without the skin and the instance that it shows.
+    NodeDesc desc_of_copy(NodeId original) const;
 };
 
 }  // namespace occam

@@ -18,6 +18,7 @@ struct Folder {
     const GltfContainer& container;
     std::map<std::string, std::vector<std::size_t>> files;
     std::map<std::string, std::size_t> reads;  // the number of reads so far
+    bool lacks_memory = false;                 // a read has failed for lack of memory
 };
 
 std::string without_dot(const std::string& path) { return path.starts_with("./") ? path.substr(2) : path; }
@@ -53,6 +54,9 @@ bool read_whole_file(std::vector<unsigned char>* out, std::string* error, const 
         if (file) *out = read_buffer(*file, wanted);
         else *error = "not in the scene's folder";
         return file.has_value();
+    } catch (const std::bad_alloc&) {
+        folder.lacks_memory = true;
+        return false;
     } catch (const std::exception& e) {
         *error = e.what();
         return false;
@@ -82,22 +86,19 @@ tinygltf::Model open_gltf(Report& report)
     if (const auto chunk = checked.files.find(kBinaryChunk); chunk != checked.files.end())
         container.require_binary(chunk->second.front());
     const std::string& json = checked.json.empty() ? container.json() : checked.json;
-    Folder folder{report.file().parent_path(), container, std::move(checked.files), {}};
+    Folder folder{report.file().parent_path(), container, std::move(checked.files), {}, false};
 
     tinygltf::TinyGLTF reader;
     reader.SetFsCallbacks({file_exists, expand_path, read_whole_file, write_whole_file, &folder});
     reader.SetImageLoader(keep_image, nullptr);
     tinygltf::Model model;
     std::string errors, warnings;
-    try {
-        const bool ok = reader.LoadASCIIFromString(&model, &errors, &warnings, json.data(),
-                                                   static_cast<unsigned>(json.size()), "");
-        // tinygltf also reports what may be left out (a channel's node, inverse bind matrices); our validation is more
-        // exact.
-        if (!ok) throw Error(report.name(), errors.empty() ? "not a readable glTF" : first_line(errors));
-    } catch (const std::bad_alloc&) {
-        throw Error(report.name(), "declares more than there is memory for");
-    }
+    const bool ok = reader.LoadASCIIFromString(&model, &errors, &warnings, json.data(), static_cast<unsigned>(json.size()),
+                                               "");
+    // tinygltf itself catches what its parser throws, and keeps the text of it.
+    if (folder.lacks_memory || errors.find(std::bad_alloc().what()) != std::string::npos) throw std::bad_alloc();
+    // tinygltf also reports what may be left out (a channel's node, inverse bind matrices); our validation is more exact.
+    if (!ok) throw Error(report.name(), errors.empty() ? "not a readable glTF" : first_line(errors));
     return model;
 }
 

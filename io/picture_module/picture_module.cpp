@@ -185,13 +185,20 @@ public:
                       std::span<const PictureAttribute> attributes, const float* pixels, PictureBytes& to) const override
     {
         EncoderStream stream(file.string(), to);
-        const std::unique_ptr<OIIO::ImageOutput> encoder = OIIO::ImageOutput::create(file.string());
+        std::unique_ptr<OIIO::ImageOutput> encoder = OIIO::ImageOutput::create(file.string());
         if (!encoder) return "its format has no encoder: " + OIIO::geterror();
-        const bool is_done = encoder->set_ioproxy(&stream) && encoder->open(file.string(), spec_of(spec, attributes)) &&
-                             encoder->write_image(OIIO::TypeDesc::FLOAT, pixels) && encoder->close();
-        if (is_done) return {};
-        const std::string why = encoder->geterror();
-        return why.empty() ? "the encoder failed" : why;
+        try {
+            const bool is_done = encoder->set_ioproxy(&stream) && encoder->open(file.string(), spec_of(spec, attributes)) &&
+                                 encoder->write_image(OIIO::TypeDesc::FLOAT, pixels) && encoder->close();
+            if (is_done) return {};
+            const std::string why = encoder->geterror();
+            return why.empty() ? "the encoder failed" : why;
+        } catch (...) {
+            // The destructor closes the encoder, and where that fails the library ends the process. So an encoder that has
+            // run out of memory is left behind.
+            static_cast<void>(encoder.release());
+            throw;
+        }
     }
 
 private:

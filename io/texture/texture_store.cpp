@@ -92,6 +92,12 @@ public:
         const std::lock_guard lock(decoding_);
         return decode_seconds_;
     }
+    /// Returns whether decoding it has failed for lack of memory. The next frame may have more.
+    bool lacks_memory() const
+    {
+        const std::lock_guard lock(decoding_);
+        return lacks_memory_;
+    }
     std::vector<std::string> warnings() const
     {
         const std::lock_guard lock(decoding_);
@@ -122,9 +128,18 @@ private:
         } catch (const std::bad_alloc&) {
             lacks_memory_ = true;  // a line for it would need memory, too
         } catch (const std::exception& error) {
-            errors_.push_back(error.what());
+            add_error(error);
         }
         decode_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    }
+
+    void add_error(const std::exception& error) noexcept
+    {
+        try {
+            errors_.push_back(error.what());
+        } catch (const std::bad_alloc&) {
+            lacks_memory_ = true;
+        }
     }
 
     std::atomic<const MipImage*> ready_{nullptr};
@@ -189,7 +204,7 @@ struct TextureStore::State {
 
     std::size_t cap_bytes;
     MipImage unreadable;
-    std::map<std::uint64_t, std::unique_ptr<Entry>> entries;  // by identity
+    std::map<std::uint64_t, std::shared_ptr<Entry>> entries;  // by identity
     std::vector<Slot> slots;                                  // by TextureId
 };
 
@@ -198,31 +213,30 @@ TextureStore::~TextureStore() = default;
 
 void TextureStore::prepare(const Scene& scene)
 {
-    std::map<std::uint64_t, std::unique_ptr<Entry>> entries;
+    // The store changes at the end only: it stays as it was if an image is refused or there is not enough memory.
+    std::map<std::uint64_t, std::shared_ptr<Entry>> entries;
+    std::vector<State::Slot> slots;
     std::vector<Entry*> fresh;
     std::size_t kept_bytes = 0;
-    const std::vector<TextureId> ids = scene.texture_ids();
-    for (TextureId id : ids) {
+    for (const TextureId id : scene.texture_ids()) {
         const Texture& texture = scene.texture(id);
-        std::unique_ptr<Entry>& entry = entries[texture.identity];
-        if (const auto known = state_->entries.find(texture.identity); known != state_->entries.end()) {
-            entry = std::move(known->second);
+        std::shared_ptr<Entry>& entry = entries[texture.identity];
+        const auto known = state_->entries.find(texture.identity);
+        if (known != state_->entries.end() && !known->second->lacks_memory()) {
+            entry = known->second;
             kept_bytes += entry->planned_bytes();
         } else {
-            entry = std::make_unique<Entry>(texture);
+            entry = std::make_shared<Entry>(texture);
             fresh.push_back(entry.get());
         }
+        if (id.slot >= slots.size()) slots.resize(id.slot + 1);
+        slots[id.slot] = {id.generation, entry.get()};
     }
     check_texels(fresh);
     fit(fresh, state_->cap_bytes - std::min(state_->cap_bytes, kept_bytes));
     for (Entry* entry : fresh) entry->warn_of_halvings();
-
-    state_->entries = std::move(entries);
-    state_->slots.clear();
-    for (TextureId id : ids) {
-        if (id.slot >= state_->slots.size()) state_->slots.resize(id.slot + 1);
-        state_->slots[id.slot] = {id.generation, state_->entries.at(scene.texture(id).identity).get()};
-    }
+    state_->entries.swap(entries);
+    state_->slots.swap(slots);
 }
 
 void TextureStore::decode_all()

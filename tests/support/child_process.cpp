@@ -30,6 +30,7 @@ namespace {
 }  // namespace
 
 const char* occam_executable() { return OCCAM_EXECUTABLE; }
+const char* failing_executable() { return OCCAM_FAILING_EXECUTABLE; }
 
 ChildOutcome run_occam(const std::vector<std::string>& arguments, unsigned limit_s)
 {

@@ -16,6 +16,8 @@ struct ChildOutcome {
 
 /// Returns the path of the executable `occam` that belongs to these tests.
 const char* occam_executable();
+/// Returns the path of the same executable whose allocations can fail (tests/faults/fail_by_environment.cpp).
+const char* failing_executable();
 
 /// Runs the executable to its end, or for `limit_s` seconds. Throws std::runtime_error if it cannot be started.
 ChildOutcome run_occam(const std::vector<std::string>& arguments, unsigned limit_s);

@@ -49,13 +49,13 @@ protected:
         const pid_t child = fork();
         if (child != 0) return child;
         std::vector<char*> argv;
-        argv.push_back(const_cast<char*>(test::occam_executable()));
+        argv.push_back(const_cast<char*>(executable));
         for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
         argv.push_back(nullptr);
         if (chdir(folder.c_str()) != 0 || !freopen("stdout.txt", "w", stdout) || !freopen("stderr.txt", "w", stderr))
             _exit(99);
         if (before_exec) before_exec();
-        execv(test::occam_executable(), argv.data());
+        execv(executable, argv.data());
         _exit(98);
     }
     Outcome finish(pid_t child) const
@@ -67,6 +67,7 @@ protected:
     }
     Outcome run(const std::vector<std::string>& arguments) const { return finish(start(arguments)); }
 
+    const char* executable = test::occam_executable();
     fs::path folder;
     std::function<void()> before_exec;  ///< called in the new process, with its standard streams in place
 };

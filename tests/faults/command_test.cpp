@@ -1,0 +1,62 @@
+// The executable without enough memory: it ends with exit code 3 and one line, or does its work.
+#include <csignal>
+#include <cstdlib>
+
+#include "tests/faults/fail_everywhere.h"
+#include "tests/support/command_test.h"
+
+namespace occam::test {
+namespace {
+
+class FailingCommand : public CommandTest {
+protected:
+    void SetUp() override
+    {
+        if (kIsSanitized) GTEST_SKIP() << "sanitizers have an operator new of their own";
+        CommandTest::SetUp();
+        executable = failing_executable();
+    }
+    /// Runs the command with failing allocations. Returns whether it has done its work.
+    bool run_with(const std::string& failing, const std::vector<std::string>& arguments, const fs::path& output)
+    {
+        SCOPED_TRACE("OCCAM_FAILING=" + failing);
+        before_exec = [&] { setenv("OCCAM_FAILING", failing.c_str(), 1); };
+        const Outcome o = run(arguments);
+        const bool is_done = o.exit_code == kDone;
+        EXPECT_EQ(fs::exists(output), is_done) << o.err;
+        if (!is_done) {
+            EXPECT_EQ(o.exit_code, kOutput) << o.err;
+            EXPECT_TRUE(o.err.starts_with("occam: ") && o.err.find('\n') == o.err.size() - 1) << o.err;
+        }
+        fs::remove(output);
+        return is_done;
+    }
+    /// Runs the command while one allocation fails, or that and all further ones, for ever later allocations.
+    void run_everywhere(const std::vector<std::string>& arguments, const fs::path& output, const Density& density)
+    {
+        std::uint64_t all = 0;
+        while (!run_with(std::to_string(all) + " 0", arguments, output) && !HasFailure()) all = density.after(all);
+        EXPECT_GT(all, 1000u) << "it allocates more than that";
+        for (std::uint64_t n = 0; n < all && !HasFailure(); n = density.after(n))
+            run_with(std::to_string(n) + " 1", arguments, output);
+        // What is left is the input, and what the command has printed: the last run has removed what others left behind that
+        // were ended within a library.
+        EXPECT_TRUE(run_with(std::to_string(all) + " 1", arguments, output));
+        EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 3);
+    }
+};
+
+TEST_F(FailingCommand, RendersOrEndsInOneLine)
+{
+    run_everywhere({"render", "triangle.obj", "-o", "a.exr", "--size", "8x6", "--spp", "1", "--threads", "1", "-q"},
+                   folder / "a.exr", {.dense = 4, .growth = 1.6});
+}
+
+TEST_F(FailingCommand, WritesPNGOrEndsInOneLine)
+{
+    run_everywhere({"render", "triangle.obj", "-o", "a.png", "--size", "8x6", "--spp", "1", "--threads", "1", "-q"},
+                   folder / "a.png", {.dense = 1, .growth = 8});
+}
+
+}  // namespace
+}  // namespace occam::test

@@ -1,0 +1,190 @@
+// Edits of a scene that run out of memory are done as a whole or not at all.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <optional>
+
+#include "occam/occam.h"
+#include "tests/faults/fail_everywhere.h"
+#include "tests/support/displaced_cages.h"
+#include "tests/support/shape_builders.h"
+
+namespace occam::test {
+namespace {
+
+/// A scene that changes step by step.
+struct World {
+    Scene scene;
+    CageId ring, box, coat;
+    MaterialId paint;
+    LightId lamp;
+    SkinId skin;
+    ClipId clip;
+    NodeId house, shown, copied, lit, joint, worn;
+};
+
+struct Step {
+    std::function<void(World&)> edit;
+    bool is_whole = true;  ///< a failure leaves everything as it was
+};
+
+Clip turning(NodeId node)
+{
+    Clip clip;
+    clip.name = "turning";
+    Channel channel;
+    channel.target = node;
+    channel.path = Channel::Path::Translation;
+    channel.width = 3;
+    channel.times = {0, 1};
+    channel.values = {0, 0, 0, 1, 2, 3};
+    clip.channels = {channel};
+    return clip;
+}
+
+Cage skinned()
+{
+    Cage cage = torus(5, 4);
+    add_skin(cage);
+    return cage;
+}
+
+Cage with_a_warning()
+{
+    Cage cage = prism(5);
+    cage.positions[0].x = std::numeric_limits<float>::quiet_NaN();
+    return cage;
+}
+
+Material paint()
+{
+    Material material;
+    material.name = "a paint with a name that is not short";
+    return material;
+}
+
+/// Each step edits the scene once.
+const std::vector<Step> kSteps = {
+    {[](World& w) { w.paint = w.scene.add(paint()); }},
+    {[](World& w) { w.ring = w.scene.add(torus(6, 4)); }},
+    {[](World& w) { w.box = w.scene.add(with_a_warning()); }},
+    {[](World& w) {
+        w.lamp = w.scene.add(Light{"a lamp with a name that is not short", PointLight{Vec3f(9)}});
+    }},
+    {[](World& w) { w.house = w.scene.add_node(w.scene.root(), {.name = "a house", .cages = {w.ring}}); }},
+    {[](World& w) {
+        w.shown = w.scene.add_node(w.house, {.matrix = moved(2, 0, 0), .cages = {w.box, w.ring}});
+    }},
+    {[](World& w) { w.lit = w.scene.add_node(w.house, {.matrix = moved(0, 3, 0), .light = w.lamp}); }},
+    {[](World& w) { w.joint = w.scene.add_node(w.house, {.name = "a joint"}); }},
+    {[](World& w) {
+        w.skin = w.scene.add(Skin{"a skin with a name that is not short", {w.joint, w.house}, {}});
+    }},
+    {[](World& w) { w.coat = w.scene.add(skinned()); }},
+    {[](World& w) { w.worn = w.scene.add_node(w.scene.root(), {.cages = {w.coat}}); }},
+    {[](World& w) { w.scene.set_skin(w.worn, w.skin); }},
+    {[](World& w) { w.scene.add_node(w.scene.root(), {.matrix = moved(0, 0, -3), .instance_of = w.house}); }},
+    {[](World& w) { w.scene.refit(); }},
+    {[](World& w) { w.scene.set_transform(w.shown, moved(0, 2, 1)); }},
+    {[](World& w) { w.scene.set_materials(w.shown, {w.paint}); }},
+    {[](World& w) { w.scene.set_transform(w.joint, moved(0.5, 0, 0)); }},
+    {[](World& w) { w.clip = w.scene.add(turning(w.shown)); }},
+    {[](World& w) { w.scene.pose(w.clip, 0.5); }},
+    {[](World& w) { w.copied = w.scene.copy(w.house, w.scene.root()); }},
+    {[](World& w) { w.scene.set_transform(w.copied, moved(-2, 0, 0)); }},
+    {[](World& w) { w.scene.refit(); }},
+    {[](World& w) { w.scene.replace(w.ring, torus(7, 5)); }},
+    {[](World& w) { w.scene.write_vertices(w.box, prism(5).positions); }},
+    {[](World& w) { w.scene.set_visible(w.joint, false); }},
+    {[](World& w) { w.scene.pose({}); }},
+    {[](World& w) { w.scene.remove(w.lit); }},
+    {[](World& w) { w.scene.remove(w.shown); }},
+    {[](World& w) { w.scene.remove(w.lamp); }},
+    {[](World& w) {
+         w.scene.record_shutter(2, [&](double tau) {
+             w.scene.set_transform(w.house, moved(tau, 0, 0));
+             std::vector<Vec3f> moved_up = torus(7, 5).positions;
+             for (Vec3f& p : moved_up) p.y += static_cast<float>(tau);
+             w.scene.write_vertices(w.ring, moved_up);
+         });
+     },
+     false},
+    {[](World& w) { w.scene.refit(); }},
+    {[](World& w) { w.scene.remove(w.copied); }},
+    {[](World& w) { w.scene.clear_shutter(); }},
+};
+
+/// Says what a scene holds, and what its picture looks like.
+struct Outcome {
+    Box3d bounds;
+    Contents contents;
+    std::size_t nodes, cages, lights, clips, skins, faces, placed, warnings;
+    std::uint64_t picture;
+
+    explicit Outcome(Scene& scene)
+    {
+        bounds = scene.bounds();
+        contents = scene.contents();
+        const Scene::Counts counts = scene.counts();
+        nodes = counts.nodes, cages = counts.cages, lights = counts.lights, clips = counts.clips, skins = counts.skins;
+        faces = counts.faces, placed = scene.placed_faces(), warnings = scene.warnings.size();
+        picture = Renderer({.threads = 1})
+                      .render(scene, Camera::look_at({1, 2, 9}, Vec3d(0), {0, 1, 0}, 0.8f),
+                              {.width = 8, .height = 6, .spp = 1, .integrator = IntegratorKind::Direct})
+                      .checksum();
+    }
+    void expect(const Outcome& wanted) const
+    {
+        EXPECT_EQ(bounds.lo, wanted.bounds.lo);
+        EXPECT_EQ(bounds.hi, wanted.bounds.hi);
+        EXPECT_TRUE(contents == wanted.contents);
+        EXPECT_EQ(nodes, wanted.nodes);
+        EXPECT_EQ(cages, wanted.cages);
+        EXPECT_EQ(lights, wanted.lights);
+        EXPECT_EQ(clips, wanted.clips);
+        EXPECT_EQ(skins, wanted.skins);
+        EXPECT_EQ(faces, wanted.faces);
+        EXPECT_EQ(placed, wanted.placed);
+        EXPECT_EQ(warnings, wanted.warnings);
+        EXPECT_EQ(picture, wanted.picture);
+    }
+};
+
+void take_steps(World& world, std::size_t from, std::size_t to)
+{
+    for (std::size_t i = from; i < to; ++i) kSteps[i].edit(world);
+}
+
+TEST(FailingEdits, AreDoneAsAWholeOrNotAtAll)
+{
+    if (kIsSanitized) GTEST_SKIP() << "sanitizers have an operator new of their own";
+    for (std::size_t step = 0; step < kSteps.size(); ++step) {
+        SCOPED_TRACE(testing::Message() << "step " << step);
+        const auto outcome_after = [](std::size_t steps) {
+            World world;
+            take_steps(world, 0, steps);
+            return Outcome(world.scene);
+        };
+        const Outcome before = outcome_after(step), after = outcome_after(step + 1), end = outcome_after(kSteps.size());
+        std::optional<World> world;
+        const auto begin = [&] {
+            world.emplace();
+            take_steps(*world, 0, step);
+        };
+        begin();
+        int count = 0;
+        fail_everywhere(
+            {.dense = 10, .growth = 2}, [&] { kSteps[step].edit(*world); },
+            [&](bool has_thrown) {
+                // Half of the scenes have to go on as they are, and the others tell what they have become.
+                if (++count % 2 == 0 && kSteps[step].is_whole) Outcome(world->scene).expect(has_thrown ? before : after);
+                if (has_thrown) kSteps[step].edit(*world);
+                take_steps(*world, step + 1, kSteps.size());
+                Outcome(world->scene).expect(end);
+                begin();
+            });
+    }
+}
+
+}  // namespace
+}  // namespace occam::test
