@@ -72,6 +72,9 @@ inline constexpr int kMaxLightsPerHit = static_cast<int>(shade::FrameLights::kMo
 /// The largest number of lights that are drawn from the tree for each light sample of a hit: where the camera sees it, and
 /// later.
 inline constexpr int kTreeDraws = shade::LightTree::kMostDraws, kLaterTreeDraws = 4;
+/// The random numbers for a light of the tree have a slot of their own from this one on, whatever draw it comes from: so
+/// those of a pixel's samples are spread evenly.
+inline constexpr int kFirstTreeSlot = 64;
 /// The GGX width up to which `direct` follows a lobe as a mirror; wider lobes show lights alone.
 inline constexpr float kMirrorAlpha = 0.01f;
 

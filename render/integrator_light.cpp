@@ -129,7 +129,7 @@ void Integrator::gather_light(const Vertex& v)
     gather_placed(v, slots);
     if (!context_.lights.tree().is_empty()) {
         gather_from_tree(v, slots);
-        slots += kTreeDraws;
+        ++slots;
     }
     const int per_hit = light_samples_at(v.path);
     const Vec3f each = v.lit_share / static_cast<float>(per_hit);
@@ -194,7 +194,9 @@ void Integrator::gather_from_tree(const Vertex& v, int first_slot)
             const float expected = static_cast<float>(per_hit) * picks[k].expected;
             const shade::WorldLight& light = context_.lights.lights()[picks[k].light];
             gather_light(v, light, {v.lit_share / expected, expected}, [&](const auto& sample) {
-                sample(light.has_extent() ? numbers(v, Use::Light, first_slot + k).square(index) : Vec2f(0.5f));
+                sample(light.has_extent()
+                           ? numbers(v, Use::Light, kFirstTreeSlot + static_cast<int>(picks[k].light)).square(index)
+                           : Vec2f(0.5f));
             });
         }
     }

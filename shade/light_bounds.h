@@ -21,10 +21,4 @@ inline float cosine_of_sum(float cos_a, float sin_a, float cos_b, float sin_b) n
     return cos_a <= -cos_b ? -1 : cos_a * cos_b - sin_a * sin_b;
 }
 
-// Returns the cosine of a - b, or 1 if b is the larger of the two angles.
-inline float cosine_of_rest(float cos_a, float sin_a, float cos_b, float sin_b) noexcept
-{
-    return cos_a >= cos_b ? 1 : cos_a * cos_b + sin_a * sin_b;
-}
-
 }  // namespace occam::shade

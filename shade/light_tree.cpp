@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "base/maths.h"
 #include "shade/light_bounds.h"
@@ -11,8 +12,8 @@ namespace occam::shade {
 namespace {
 
 constexpr int kBins = 12;
-// Above this number of lights a node is cut in the middle of its longest side: bins would cost more than they bring.
-constexpr std::size_t kMostBinned = 16384;
+// Where there are more lights than this, the costs of cuts are computed from about as many of them.
+constexpr std::size_t kMostBinned = 512;
 // The box of a light is padded by this share of its coordinates and of its size.
 constexpr float kPad = 0x1p-18f;
 
@@ -89,34 +90,30 @@ LightTree::Emitter LightTree::emitter_of(const Triangle& triangle) const noexcep
     return e;
 }
 
-LightTree::Emitter LightTree::merged(const Emitter& a, const Emitter& b) noexcept
+LightTree::Emitter LightTree::merged(std::span<const Emitter> parts) noexcept
 {
+    if (parts.size() == 1) return parts.front();
+    double power = 0;
+    for (const Emitter& part : parts) power += double(part.power);
     Emitter e;
-    e.box = a.box;
-    e.box.add(b.box);
-    e.power = std::min(a.power + b.power, kMostPower);
-    e.axis = unit_or(a.axis * a.power + b.axis * b.power, a.axis);
-    e.cos_axis = 1;
-    for (const Emitter* part : {&a, &b}) {
-        const float between = std::clamp(glm::dot(e.axis, part->axis), -1.0f, 1.0f);
-        e.cos_axis = std::min(e.cos_axis, cosine_of_sum(between, sine_of(between), part->cos_axis, sine_of(part->cos_axis)));
+    e.power = static_cast<float>(std::min(power, double(kMostPower)));
+    e.range2 = 0;
+    Vec3f axis(0);
+    for (const Emitter& part : parts) {
+        e.box.add(part.box);
+        e.cos_fall = std::min(e.cos_fall, part.cos_fall);
+        e.range2 = std::max(e.range2, part.range2);
+        e.reach2 = std::max(e.reach2, part.reach2);
+        e.groups |= part.groups;
+        e.is_two_sided = e.is_two_sided || part.is_two_sided;
+        axis += part.axis * static_cast<float>(double(part.power) / power);
     }
-    e.cos_fall = std::min(a.cos_fall, b.cos_fall);
-    e.range2 = std::max(a.range2, b.range2);
-    e.reach2 = std::max(a.reach2, b.reach2);
-    e.groups = a.groups | b.groups;
-    e.is_two_sided = a.is_two_sided || b.is_two_sided;
+    e.axis = unit_or(axis, parts.front().axis);
+    for (const Emitter& part : parts) {
+        const float between = std::clamp(glm::dot(e.axis, part.axis), -1.0f, 1.0f);
+        e.cos_axis = std::min(e.cos_axis, cosine_of_sum(between, sine_of(between), part.cos_axis, sine_of(part.cos_axis)));
+    }
     return e;
-}
-
-// Measures the directions that the lights shine to (Conty Estevez and Kulla 2018, eq. 1).
-float LightTree::orientation_of(const Emitter& e) noexcept
-{
-    const float axis = maths::acos(e.cos_axis), end = std::min(axis + maths::acos(e.cos_fall), maths::kPi);
-    const float measure = 2 * maths::kPi * (1 - e.cos_axis) + maths::kPi / 2 *
-                                                                  (2 * end * maths::sin(axis) - maths::cos(axis - 2 * end) -
-                                                                   2 * axis * maths::sin(axis) + e.cos_axis);
-    return std::max(measure, 1e-3f) * (e.is_two_sided ? 2.0f : 1.0f);
 }
 
 LightTree::LightTree(std::span<const WorldLight> lights, std::size_t first) : first_(static_cast<std::uint32_t>(first))
@@ -133,94 +130,230 @@ LightTree::LightTree(std::span<const WorldLight> lights, std::size_t first) : fi
     build(leaves, lights.size() - first);
 }
 
-void LightTree::build(std::span<Leaf> leaves, std::size_t lights)
+// Makes the nodes of a tree from its leaves.
+class LightTree::Builder {
+public:
+    Builder(LightTree& tree, std::span<const Leaf> leaves) : tree_(tree), leaves_(leaves)
+    {
+        double power = 0;
+        for (const Leaf& leaf : leaves) power += double(leaf.emitter.power);
+        items_.reserve(leaves.size());
+        for (const Leaf& leaf : leaves) items_.push_back(Item(leaf.emitter, power));
+        order_.resize(leaves.size());
+        std::iota(order_.begin(), order_.end(), 0u);
+        tree_.nodes_.emplace_back();
+        make(0, {0, leaves.size(), 0, 0});
+    }
+
+private:
+    // What is read of a leaf where leaves are divided.
+    struct Item {
+        Item(const Emitter& e, double all_power)
+            : box(e.box), power(std::max(static_cast<float>(double(e.power) / all_power), kLeastPower)), cos_fall(e.cos_fall)
+        {
+            axis = e.axis * (power * 0.5f * (1 + e.cos_axis));
+        }
+        float middle(int i) const noexcept { return 0.5f * (box.lo[i] + box.hi[i]); }
+
+        Box3f box;
+        Vec3f axis;   ///< mean direction that the light shines to, times its power
+        float power;  ///< share of the power of all
+        float cos_fall;
+    };
+    // What the cost of a group of leaves depends on.
+    struct Sum {
+        Box3f box;
+        Vec3f axis{0};
+        float power = 0, cos_fall = 1;
+
+        template <class T>
+        void add(const T& other) noexcept
+        {
+            box.add(other.box);
+            axis += other.axis;
+            power += other.power;
+            cos_fall = std::min(cos_fall, other.cos_fall);
+        }
+        double cost() const noexcept;
+    };
+    struct Range {
+        std::size_t first, count;
+        int depth;    ///< number of cuts that it comes from
+        double cost;  ///< of its leaves
+    };
+    struct Cut {
+        int axis = -1, bin = 0;
+        double cost = std::numeric_limits<double>::infinity();
+        double low = 0, high = 0;  ///< costs of the two sides
+    };
+
+    Emitter make(std::uint32_t node, const Range& all);
+    std::size_t divide(const Range& all, std::array<Range, kWide>& to);
+    Range cut_off(Range& range);
+    Cut best_cut(std::span<const std::uint32_t> order, const Box3f& middles) const;
+    void try_cuts(std::span<const std::uint32_t> order, int axis, const Box3f& middles, float stretch, Cut& best) const;
+    int bin_of(std::uint32_t leaf, int axis, const Box3f& middles) const noexcept
+    {
+        const float share = (items_[leaf].middle(axis) - middles.lo[axis]) / (middles.hi[axis] - middles.lo[axis]);
+        return std::clamp(static_cast<int>(share * kBins), 0, kBins - 1);
+    }
+    Box3f middles_of(std::span<const std::uint32_t> order) const noexcept
+    {
+        Box3f middles;
+        for (const std::uint32_t leaf : order)
+            middles.add(Vec3f(items_[leaf].middle(0), items_[leaf].middle(1), items_[leaf].middle(2)));
+        return middles;
+    }
+    static void fill(Node& node, std::size_t column, const Emitter& e) noexcept;
+
+    LightTree& tree_;
+    std::span<const Leaf> leaves_;
+    std::vector<Item> items_;           ///< one for each leaf
+    std::vector<std::uint32_t> order_;  ///< indices of leaves; those of a node stand together
+};
+
+void LightTree::build(std::span<const Leaf> leaves, std::size_t lights)
 {
     if (leaves.empty()) return;
-    leaf_of_.assign(lights, kNone);
-    nodes_.reserve(2 * leaves.size());
-    nodes_.push_back({});
-    build(0, leaves, 0);
+    place_of_.assign(lights, kNowhere);
+    Builder(*this, leaves);
 }
 
-// Puts the leaves of one side first, and returns how many there are.
-std::size_t LightTree::split(std::span<Leaf> leaves, int depth) const
+// Multiplies power, squared size and a measure of the directions that the lights shine to (Conty Estevez and Kulla 2018, eq.
+// 1). The measure is that of a cone about the mean direction, over which directions would be spread evenly: a parabola
+// through its values at half angles of 0, 90 and 180 degrees for lights that fall to zero within 90 degrees, and less for
+// narrower lights. The squared diagonal of the box replaces its area, which is zero for lights in a row.
+double LightTree::Builder::Sum::cost() const noexcept
 {
-    Box3f middles, all;
-    for (const Leaf& leaf : leaves) {
-        middles.add(leaf.emitter.box.centre());
-        all.add(leaf.emitter.box);
+    const float cosine = std::min(2 * glm::length(axis) / power, 2.0f) - 1;
+    const float measure = 10.93f - cosine * (4.71f + 3.07f * cosine) -
+                          0.5f * maths::kPi * cos_fall * cos_fall * (1 + cosine);
+    const Vec3d size(box.extent());
+    return double(power) * glm::dot(size, size) * double(std::max(measure, 1e-3f));
+}
+
+void LightTree::Builder::try_cuts(std::span<const std::uint32_t> order, int axis, const Box3f& middles, float stretch,
+                                  Cut& best) const
+{
+    std::array<Sum, kBins> bins{};
+    const std::size_t step = order.size() / kMostBinned | 1;
+    for (std::size_t i = 0; i < order.size(); i += step)
+        bins[static_cast<std::size_t>(bin_of(order[i], axis, middles))].add(items_[order[i]]);
+    std::array<double, kBins> above{};
+    Sum sum;
+    double cost = std::numeric_limits<double>::infinity();
+    for (std::size_t bin = kBins; bin-- > 1;) {
+        if (bins[bin].power > 0) {
+            sum.add(bins[bin]);
+            cost = sum.cost();
+        }
+        above[bin] = cost;
     }
-    const Vec3f extent = middles.extent(), size = all.extent();
-    const float longest = std::max({size.x, size.y, size.z});
-    const auto bin_of = [&](const Leaf& leaf, int axis) {
-        const float share = (leaf.emitter.box.centre()[axis] - middles.lo[axis]) / extent[axis];
-        return std::clamp(static_cast<int>(share * kBins), 0, kBins - 1);
-    };
-    int best_axis = -1, best_bin = 0;
-    float best = kInfinity;
-    const bool is_binned = leaves.size() <= kMostBinned;
-    for (int axis = 0; axis < 3 && depth < kDepth; ++axis) {
-        if (!(extent[axis] > 0) || !(kBins / extent[axis] < kInfinity)) continue;
-        if (!is_binned) {
-            if (best_axis < 0 || extent[axis] > extent[best_axis]) best_axis = axis, best_bin = kBins / 2 - 1;
-            continue;
-        }
-        std::array<Emitter, kBins> bins;
-        std::array<std::size_t, kBins> counts{};
-        for (const Leaf& leaf : leaves) {
-            const auto bin = static_cast<std::size_t>(bin_of(leaf, axis));
-            bins[bin] = counts[bin]++ == 0 ? leaf.emitter : merged(bins[bin], leaf.emitter);
-        }
-        const auto cost_of = [](const Emitter& e) { return e.power * e.box.half_area() * orientation_of(e); };
-        std::array<float, kBins> above{};
-        Emitter sum;
-        std::size_t count = 0;
-        // Adds a bin that is not empty, and returns the cost of the sum.
-        const auto add = [&](std::size_t bin) {
-            sum = count == 0 ? bins[bin] : merged(sum, bins[bin]);
-            count += counts[bin];
-            return cost_of(sum);
-        };
-        float cost_above = kInfinity;
-        for (std::size_t bin = kBins; bin-- > 1;) {
-            if (counts[bin] > 0) cost_above = add(bin);
-            above[bin] = cost_above;
-        }
-        count = 0;
+    sum = {};
+    for (std::size_t bin = 0; bin + 1 < kBins; ++bin) {
+        if (!(bins[bin].power > 0)) continue;  // the cut is the same as that before it
+        sum.add(bins[bin]);
+        const double low = sum.cost(), high = above[bin + 1], both = double(stretch) * (low + high);
+        if (both < best.cost) best = {axis, static_cast<int>(bin), both, low * double(step), high * double(step)};
+    }
+}
+
+LightTree::Builder::Cut LightTree::Builder::best_cut(std::span<const std::uint32_t> order, const Box3f& middles) const
+{
+    const Vec3f extent = middles.extent();
+    const float longest = std::max({extent.x, extent.y, extent.z});
+    Cut best;
+    for (int axis = 0; axis < 3; ++axis) {
         // Long boxes are cut across.
-        const float stretch = longest / std::max(size[axis], longest * 1e-6f);
-        for (std::size_t bin = 0; bin + 1 < kBins; ++bin) {
-            if (counts[bin] == 0) continue;  // the cut is the same as that before it
-            const float cost = stretch * (add(bin) + above[bin + 1]);
-            if (cost < best) best = cost, best_axis = axis, best_bin = static_cast<int>(bin);
-        }
+        if (!(extent[axis] * 8 > longest) || !(kBins / extent[axis] < kInfinity)) continue;
+        try_cuts(order, axis, middles, longest / extent[axis], best);
     }
-    if (best_axis < 0) return leaves.size() / 2;
-    const auto middle = std::stable_partition(leaves.begin(), leaves.end(),
-                                              [&](const Leaf& leaf) { return bin_of(leaf, best_axis) <= best_bin; });
-    return static_cast<std::size_t>(middle - leaves.begin());
+    return best;
 }
 
-void LightTree::build(std::uint32_t node, std::span<Leaf> leaves, int depth)
+// Keeps the leaves of one side of a cut in the range and returns those of the other.
+LightTree::Builder::Range LightTree::Builder::cut_off(Range& range)
 {
-    if (leaves.size() == 1) {
-        nodes_[node].emitter = leaves.front().emitter;
-        nodes_[node].light = leaves.front().light;
-        leaf_of_[leaves.front().light - first_] = node;
-    } else {
-        const std::size_t count = split(leaves, depth);
-        const auto left = static_cast<std::uint32_t>(nodes_.size());
-        nodes_.resize(nodes_.size() + 2);
-        nodes_[node].left = left;
-        nodes_[left].parent = nodes_[left + 1].parent = node;
-        build(left, leaves.first(count), depth + 1);
-        build(left + 1, leaves.subspan(count), depth + 1);
-        nodes_[node].emitter = merged(nodes_[left].emitter, nodes_[left + 1].emitter);
+    const std::span<std::uint32_t> order = std::span(order_).subspan(range.first, range.count);
+    const Box3f middles = middles_of(order);
+    const Cut cut = range.depth < kDepth ? best_cut(order, middles) : Cut{};
+    std::size_t kept = range.count / 2;
+    if (cut.axis >= 0) {
+        const auto middle = std::stable_partition(
+            order.begin(), order.end(), [&](std::uint32_t leaf) { return bin_of(leaf, cut.axis, middles) <= cut.bin; });
+        kept = static_cast<std::size_t>(middle - order.begin());
     }
-    Node& made = nodes_[node];
-    made.centre = made.emitter.box.centre();
-    made.radius2 = glm::dot(made.emitter.box.hi - made.centre, made.emitter.box.hi - made.centre);
-    made.sin_axis = sine_of(made.emitter.cos_axis);
+    const Range rest{range.first + kept, range.count - kept, range.depth + 1, cut.high};
+    range = {range.first, kept, range.depth + 1, cut.low};
+    return rest;
+}
+
+// Divides leaves into up to as many ranges as a node has children, always that of the largest cost which is too large for
+// one node. Returns how many there are.
+std::size_t LightTree::Builder::divide(const Range& all, std::array<Range, kWide>& to)
+{
+    if (all.count <= kWide) {
+        for (std::size_t i = 0; i < all.count; ++i) to[i] = {all.first + i, 1, all.depth + 1, 0};
+        return all.count;
+    }
+    std::size_t count = 1;
+    to[0] = all;
+    while (count < kWide) {
+        Range* next = nullptr;
+        for (Range& range : std::span(to).first(count)) {
+            if (range.count <= kWide) continue;
+            if (!next || range.cost > next->cost || (range.cost == next->cost && range.count > next->count)) next = &range;
+        }
+        if (!next) break;
+        to[count] = cut_off(*next);
+        ++count;
+    }
+    return count;
+}
+
+LightTree::Emitter LightTree::Builder::make(std::uint32_t node, const Range& all)
+{
+    std::array<Range, kWide> ranges{};
+    std::array<Emitter, kWide> emitters{};
+    const std::size_t count = divide(all, ranges);
+    for (std::size_t i = 0; i < count; ++i) {
+        const Place place = node * std::uint32_t(kWide) + static_cast<std::uint32_t>(i);
+        if (ranges[i].count == 1) {
+            const Leaf& leaf = leaves_[order_[ranges[i].first]];
+            emitters[i] = leaf.emitter;
+            tree_.nodes_[node].below[i] = leaf.light;
+            tree_.place_of_[leaf.light - tree_.first_] = place;
+        } else {
+            const auto child = static_cast<std::uint32_t>(tree_.nodes_.size());
+            tree_.nodes_.emplace_back().place = place;
+            tree_.nodes_[node].below[i] = child;
+            tree_.nodes_[node].is_subtree[i] = 1;
+            emitters[i] = make(child, ranges[i]);
+        }
+        fill(tree_.nodes_[node], i, emitters[i]);
+    }
+    tree_.nodes_[node].children = static_cast<std::uint32_t>(count);
+    return merged(std::span(emitters).first(count));
+}
+
+void LightTree::Builder::fill(Node& node, std::size_t column, const Emitter& e) noexcept
+{
+    // Half a side is rounded up.
+    const Vec3f middle = e.box.centre(), half = glm::max(e.box.hi - middle, middle - e.box.lo) * (1 + 0x1p-22f);
+    for (int i = 0; i < 3; ++i) {
+        node.middle[i][column] = middle[i];
+        node.half[i][column] = half[i];
+        node.axis[i][column] = e.axis[i];
+    }
+    node.power[column] = e.power;
+    node.cos_axis[column] = e.cos_axis;
+    node.sin_axis[column] = sine_of(e.cos_axis);
+    node.cos_end[column] = cosine_of_sum(e.cos_axis, node.sin_axis[column], e.cos_fall, sine_of(e.cos_fall)) - kMargin;
+    node.range2[column] = e.range2;
+    node.reach2[column] = e.reach2;
+    node.is_two_sided[column] = e.is_two_sided ? 1 : 0;
+    node.groups[column] = e.groups;
+    node.has_groups = node.has_groups || e.groups != kAllGroups;
 }
 
 }  // namespace occam::shade

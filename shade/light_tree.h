@@ -1,12 +1,13 @@
 // A tree over the placed lights of a scene with many of them, or over its emissive triangles, by which a point draws the
 // lights that matter to it, and a ray finds those that it crosses.
 //
-// At each node one side is chosen by an estimate of what it gives to the point: power over squared distance, bounded
-// cosines at the lights and at the point (Conty Estevez and Kulla 2018). The estimate of a node is zero only if no light in
-// it gives anything, so that any sum of samples over their expected numbers is unbiased. Trees are built by the surface area
-// orientation heuristic of the same paper. Suns have no place, and are not in the tree.
+// The tree has nodes of up to eight children, whose importance for a point is estimated side by side, in lanes: power over
+// squared distance, times the cosines at the lights and at the point (Conty Estevez and Kulla 2018), which are means over
+// the child's box. The estimate of a child is zero only if no light in it gives anything, so that any sum of samples over
+// their expected numbers is unbiased. Trees are built by the surface area orientation heuristic of the same paper. Suns have
+// no place, and are not in the tree.
 //
-// Several lights are drawn for a point at once. The tree is first divided for the point into up to twice as many parts,
+// Several lights are drawn for a point at once. The tree is first divided for the point into up to 64 parts,
 // always where most of the light may come from, and one light of each part is drawn. So the few lights near a point are
 // parts of their own, which are sampled without any choice, and all that is far away is one part or a few (adaptive
 // splitting in the same paper). From parts that give little a light is drawn by chance.
@@ -17,6 +18,8 @@
 #pragma once
 
 #include <array>
+#include <bit>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -87,7 +90,9 @@ public:
     bool any_covering(Vec3d point, float share, Found&& found) const;
 
 private:
-    // What the estimate reads, for one light or for a subtree.
+    /// The largest number of children of a node.
+    static constexpr std::size_t kWide = 8;
+    /// What the estimate reads, for one light or for a subtree.
     struct Emitter {
         Box3f box;  ///< of all that shines, padded against rounding
         float power = 0;
@@ -99,67 +104,76 @@ private:
         LightGroups groups = 0;
         bool is_two_sided = false;
     };
-    struct Node {
-        Emitter emitter;
-        Vec3f centre{0};
-        float radius2 = 0;  ///< of a ball around the box
-        float sin_axis = 0;
-        std::uint32_t left = 0;   ///< the right child follows it; 0: a leaf
-        std::uint32_t light = 0;  ///< of a leaf
-        std::uint32_t parent = 0;
-    };
     struct Leaf {
         Emitter emitter;
         std::uint32_t light;
     };
-    /// A node is split in the middle below this depth, so that stacks of a fixed size suffice.
+    /// The children of a node: parallel rows, with a column for each child.
+    struct alignas(32) Node {
+        float middle[3][kWide]{}, half[3][kWide]{};  ///< of the child's box
+        float power[kWide]{};                        ///< 0: there is no such child
+        float axis[3][kWide]{}, cos_axis[kWide]{}, sin_axis[kWide]{};
+        float cos_end[kWide]{};  ///< beyond this angle from the axis nothing shines; a bound
+        float range2[kWide]{}, reach2[kWide]{};
+        float is_two_sided[kWide]{};  ///< 1 or 0
+        float is_subtree[kWide]{};    ///< 1, or 0 for a light
+        LightGroups groups[kWide]{};
+        std::uint32_t below[kWide]{};  ///< a node, or a light
+        std::uint32_t place = 0;       ///< of this node in its parent
+        std::uint32_t children = 0;
+        bool has_groups = false;  ///< some light below lights certain groups only
+    };
+    /// A child of a node: the index of the node times kWide, plus its column.
+    using Place = std::uint32_t;
+    /// What the children of a node give to a receiver, and how much of it is in doubt.
+    struct Estimates {
+        alignas(32) float light[kWide]{};
+        alignas(32) float doubt[kWide]{};
+        float sum() const noexcept;
+    };
+    /// Leaves are cut in two halves of equal numbers below this depth of cuts, so that stacks of a fixed size suffice.
     static constexpr int kDepth = 48, kMaxDepth = kDepth + 33;
 
     Emitter emitter_of(const WorldLight& light) const noexcept;
     Emitter emitter_of(const Triangle& triangle) const noexcept;
-    void build(std::span<Leaf> leaves, std::size_t lights);
-    static Emitter merged(const Emitter& a, const Emitter& b) noexcept;
-    static float orientation_of(const Emitter& emitter) noexcept;
-    std::size_t split(std::span<Leaf> leaves, int depth) const;
-    void build(std::uint32_t node, std::span<Leaf> leaves, int depth);
-    static float importance(const Node& node, const Receiver& receiver) noexcept;
-    struct Part;
+    static Emitter merged(std::span<const Emitter> parts) noexcept;
+    void build(std::span<const Leaf> leaves, std::size_t lights);
+    class Builder;
+    bool is_light(Place place) const noexcept { return !(nodes_[place / kWide].is_subtree[place % kWide] > 0); }
+    std::uint32_t below(Place place) const noexcept { return nodes_[place / kWide].below[place % kWide]; }
+
+    static void estimate(const Node& node, const Receiver& receiver, Estimates& to) noexcept;
     class Parts;
-    static Part part_of(const Node& node, std::uint32_t index, const Receiver& receiver) noexcept;
-    Parts divide(const Receiver& receiver, int most) const noexcept;
-    /// Draws one light from a subtree. Returns false if what was chosen turns out to give nothing.
+    Parts divide(const Receiver& receiver, int draws) const noexcept;
+    /// Draws one light from the subtree of a node. Returns false if nothing in it gives any light.
     bool draw_below(std::uint32_t node, const Receiver& receiver, double number, Pick& pick) const noexcept;
-    /// Returns whether found(light) is true for any light that is below nodes for which enters(node) is true.
+
+    /// Returns whether found(light) is true for any light that enters(node) lets in, which returns a bit for each child.
     template <class Enters, class Found>
     bool any_leaf(Enters&& enters, Found&& found) const;
-    static bool is_crossed(const Node& node, Vec3f origin, Vec3f inverse) noexcept;
+    // These return a bit for each child: one with an area that the ray may cross, one whose box holds the point, and one
+    // that may cover a share of the squared sine.
+    static unsigned crossed(const Node& node, Vec3f origin, Vec3f inverse) noexcept;
+    static unsigned around(const Node& node, Vec3f at) noexcept;
+    static unsigned covering(const Node& node, Vec3f at, float share) noexcept;
 
     Vec3d origin_{0};
     std::uint32_t first_ = 0;
     std::vector<Node> nodes_;  ///< the root is the first
-    static constexpr std::uint32_t kNone = ~0u;
-    std::vector<std::uint32_t> leaf_of_;  ///< node of each light from first_ on; kNone for a black light
+    static constexpr Place kNowhere = ~Place(0);
+    std::vector<Place> place_of_;  ///< of each light from first_ on; kNowhere for a black light
 };
-
-inline bool LightTree::is_crossed(const Node& node, Vec3f origin, Vec3f inverse) noexcept
-{
-    const Vec3f a = (node.emitter.box.lo - origin) * inverse, b = (node.emitter.box.hi - origin) * inverse;
-    const Vec3f low = glm::min(a, b), high = glm::max(a, b);
-    const float t_in = std::max({low.x, low.y, low.z, 0.0f}), t_out = std::min({high.x, high.y, high.z});
-    return t_in <= t_out * (1 + 0x1p-20f);
-}
 
 template <class TrianglesOf>
 LightTree::LightTree(std::size_t count, Vec3d origin, TrianglesOf&& triangles_of) : origin_(origin)
 {
     std::vector<Leaf> leaves;
+    std::vector<Emitter> of_part;
     for (std::size_t part = 0; part < count; ++part) {
-        Emitter all;
-        for (const Triangle& triangle : triangles_of(part)) {
-            const Emitter e = emitter_of(triangle);
-            if (e.power > 0) all = all.power > 0 ? merged(all, e) : e;
-        }
-        if (all.power > 0) leaves.push_back({all, static_cast<std::uint32_t>(part)});
+        of_part.clear();
+        for (const Triangle& triangle : triangles_of(part))
+            if (const Emitter e = emitter_of(triangle); e.power > 0) of_part.push_back(e);
+        if (!of_part.empty()) leaves.push_back({merged(of_part), static_cast<std::uint32_t>(part)});
     }
     build(leaves, count);
 }
@@ -168,18 +182,27 @@ template <class Enters, class Found>
 bool LightTree::any_leaf(Enters&& enters, Found&& found) const
 {
     if (nodes_.empty()) return false;
-    std::array<std::uint32_t, kMaxDepth> todo;
-    int waiting = 0;
-    todo[waiting++] = 0;
-    while (waiting > 0) {
-        const Node& node = nodes_[todo[--waiting]];
-        if (!enters(node)) continue;
-        if (node.left == 0) {
-            if (found(node.light)) return true;
+    struct Level {
+        std::uint32_t node;
+        unsigned left;  ///< bits of the children that are still to be visited
+    };
+    std::array<Level, kMaxDepth> levels{};
+    int depth = 0;
+    levels[0] = {0, enters(nodes_[0])};
+    while (depth >= 0) {
+        Level& at = levels[static_cast<std::size_t>(depth)];
+        if (at.left == 0) {
+            --depth;
             continue;
         }
-        todo[waiting++] = node.left + 1;
-        todo[waiting++] = node.left;
+        const auto child = static_cast<std::uint32_t>(std::countr_zero(at.left));
+        at.left &= at.left - 1;
+        const Place place = at.node * std::uint32_t(kWide) + child;
+        if (is_light(place)) {
+            if (found(below(place))) return true;
+        } else {
+            levels[static_cast<std::size_t>(++depth)] = {below(place), enters(nodes_[below(place)])};
+        }
     }
     return false;
 }
@@ -188,15 +211,11 @@ template <class Visit>
 void LightTree::for_boxes_around(Vec3d point, Visit&& visit) const
 {
     const Vec3f at = relative(point);
-    any_leaf(
-        [&](const Node& node) {
-            const Box3f& box = node.emitter.box;
-            return !glm::any(glm::lessThan(at, box.lo)) && !glm::any(glm::greaterThan(at, box.hi));
-        },
-        [&](std::uint32_t light) {
-            visit(light);
-            return false;
-        });
+    any_leaf([&](const Node& node) { return around(node, at); },
+             [&](std::uint32_t light) {
+                 visit(light);
+                 return false;
+             });
 }
 
 template <class Visit>
@@ -208,7 +227,7 @@ void LightTree::for_crossed(Vec3d origin, Vec3f direction, Visit&& visit) const
     // Without zeros there is no product of zero and infinity.
     for (int i = 0; i < 3; ++i)
         inverse[i] = 1 / (std::fabs(direction[i]) < 1e-18f ? std::copysign(1e-18f, direction[i]) : direction[i]);
-    any_leaf([&](const Node& node) { return node.emitter.reach2 > 0 && is_crossed(node, from, inverse); },
+    any_leaf([&](const Node& node) { return crossed(node, from, inverse); },
              [&](std::uint32_t light) {
                  visit(light);
                  return false;
@@ -219,12 +238,7 @@ template <class Found>
 bool LightTree::any_covering(Vec3d point, float share, Found&& found) const
 {
     const Vec3f at = relative(point);
-    return any_leaf(
-        [&](const Node& node) {
-            const Vec3f off = glm::max(glm::max(node.emitter.box.lo - at, at - node.emitter.box.hi), Vec3f(0));
-            return node.emitter.reach2 > 0 && !(node.emitter.reach2 < share * 0.999f * glm::dot(off, off));
-        },
-        found);
+    return any_leaf([&](const Node& node) { return covering(node, at, share); }, found);
 }
 
 }  // namespace occam::shade

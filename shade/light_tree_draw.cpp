@@ -1,7 +1,9 @@
-// Draws lights from a tree: its estimates for a receiver, and the parts into which it is divided for one.
+// Draws lights from a tree: its estimates for a receiver, and the parts into which it is divided for one. Finds lights by a
+// ray or a point.
 #include <algorithm>
 #include <cmath>
 
+#include "base/simd.h"
 #include "shade/light_bounds.h"
 #include "shade/light_tree.h"
 
@@ -10,169 +12,239 @@ namespace {
 
 // The largest float below 1.
 constexpr double kBelowOne = 1 - 0x1p-24;
+// A child's estimate is zero only if all of it lies farther below the surface than this share of its distance.
+constexpr float kBelowSurface = 0x1p-10f;
+
+// Vectors side by side.
+struct Lanes3 {
+    vfloat x, y, z;
+
+    static Lanes3 load(const float (&rows)[3][8], std::size_t column) noexcept
+    {
+        return {vfloat::load(rows[0] + column), vfloat::load(rows[1] + column), vfloat::load(rows[2] + column)};
+    }
+    friend Lanes3 operator-(const Lanes3& a, Vec3f b) noexcept
+    {
+        return {a.x - vfloat(b.x), a.y - vfloat(b.y), a.z - vfloat(b.z)};
+    }
+    friend Lanes3 operator+(const Lanes3& a, const Lanes3& b) noexcept { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+    friend Lanes3 operator-(const Lanes3& a, const Lanes3& b) noexcept { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+    friend Lanes3 abs(const Lanes3& a) noexcept { return {abs(a.x), abs(a.y), abs(a.z)}; }
+    friend vfloat dot(const Lanes3& a, const Lanes3& b) noexcept { return a.x * b.x + a.y * b.y + a.z * b.z; }
+    /// Returns the parts that are above zero.
+    Lanes3 positive() const noexcept { return {max(x, vfloat(0.0f)), max(y, vfloat(0.0f)), max(z, vfloat(0.0f))}; }
+};
+
+Lanes3 in_all_lanes(Vec3f v) noexcept { return {vfloat(v.x), vfloat(v.y), vfloat(v.z)}; }
+
+vfloat clamped(vfloat x, float least, float most) noexcept { return min(max(x, vfloat(least)), vfloat(most)); }
+vfloat sine_of(vfloat cosine) noexcept { return sqrt(max(vfloat(1.0f) - cosine * cosine, vfloat(0.0f))); }
+
+// Returns about the mean of what is above zero, for numbers that are spread evenly over [middle - half, middle + half], if
+// any are.
+vfloat mean_above_zero(vfloat middle, vfloat half) noexcept { return max(middle, (middle + half) * vfloat(0.5f)); }
+
+// Adds numbers in an order that does not depend on the number of lanes; their count is a multiple of eight.
+float sum_of(const float* numbers, std::size_t count) noexcept
+{
+    float part[8] = {};
+    for (std::size_t k = 0; k < 8; k += std::size_t(kLanes)) {
+        vfloat sum = vfloat::load(numbers + k);
+        for (std::size_t i = 8; i < count; i += 8) sum = sum + vfloat::load(numbers + i + k);
+        sum.store(part + k);
+    }
+    return ((part[0] + part[4]) + (part[2] + part[6])) + ((part[1] + part[5]) + (part[3] + part[7]));
+}
 
 }  // namespace
 
-float LightTree::importance(const Node& node, const Receiver& receiver) noexcept
+float LightTree::Estimates::sum() const noexcept { return sum_of(light, kWide); }
+
+// The light of a child is estimated as if all of it stood at the middle of its box, but with the mean of the cosines that
+// the places of the box have: a plane of lamps then has its small share on a floor below it, also where its box is wide. An
+// estimate is never less than a small part of what power and distance alone would give. It is zero where bounds show
+// that nothing arrives: the whole box is below the surface, too far away, or does not shine this way.
+void LightTree::estimate(const Node& node, const Receiver& receiver, Estimates& to) noexcept
 {
-    const Emitter& e = node.emitter;
-    if ((e.groups & receiver.groups) == 0) return 0;
-    if (e.range2 < kInfinity) {
-        const Vec3f off = glm::max(glm::max(e.box.lo - receiver.point, receiver.point - e.box.hi), Vec3f(0));
-        if (glm::dot(off, off) > e.range2) return 0;
+    constexpr float kMostWrong = 16;
+    const Lanes3 normal = in_all_lanes(receiver.normal), normal_size = abs(normal);
+    const vfloat zero(0.0f);
+    for (std::size_t k = 0; k < kWide; k += std::size_t(kLanes)) {
+        const Lanes3 off = Lanes3::load(node.middle, k) - receiver.point, half = Lanes3::load(node.half, k);
+        const Lanes3 near_off = (abs(off) - half).positive(), far_off = abs(off) + half;
+        const vfloat near2 = dot(near_off, near_off), far2 = dot(far_off, far_off);
+        // Within the ball around the lights their power counts as if it stood at its border.
+        const vfloat distance2 = max(max(dot(off, off), dot(half, half)), vfloat(kMinDistance2));
+        const vfloat distance = sqrt(distance2), inverse = vfloat(1.0f) / distance;
+
+        vfloat height = dot(off, normal);
+        if (receiver.is_two_sided) height = abs(height);
+        const vfloat height_half = dot(half, normal_size);
+        vmask dark = height + height_half < vfloat(-kBelowSurface) * distance;
+        const vfloat facing = clamped(mean_above_zero(height, height_half) * inverse, kMargin, 1);
+
+        const Lanes3 axis = Lanes3::load(node.axis, k);
+        const vfloat along = -dot(off, axis);
+        const vfloat ahead = select(vfloat::load(node.is_two_sided + k) > zero, abs(along), along);
+        const vfloat ahead_half = dot(half, abs(axis)), cos_end = vfloat::load(node.cos_end + k);
+        // The bound of the cosine is that of the nearest place of the box, or, where it is below zero, of the farthest.
+        dark = dark | (ahead + ahead_half < cos_end * sqrt(select(cos_end < zero, far2, near2)));
+        const vfloat cosine = clamped(mean_above_zero(ahead, ahead_half) * inverse, -1, 1);
+        const vfloat cos_axis = vfloat::load(node.cos_axis + k), sin_axis = vfloat::load(node.sin_axis + k);
+        const vfloat nearest = cosine * cos_axis + sine_of(cosine) * sin_axis;  // to any direction in the cone
+        const vfloat turned = select(cosine >= cos_axis, vfloat(1.0f), clamped(nearest, kMargin, 1));
+
+        const vfloat power = vfloat::load(node.power + k);
+        dark = dark | (near2 > vfloat::load(node.range2 + k)) | (power <= zero);
+        const vfloat given = clamped(power * inverse * inverse * (facing * turned), kLeastPower, kMostPower);
+        const vfloat light = select(dark, zero, given);
+        light.store(to.light + k);
+        // All power may lie where the box is nearest.
+        const vfloat nearer = min(distance2 / near2, vfloat(kMostWrong));
+        (light * nearer * vfloat::load(node.is_subtree + k)).store(to.doubt + k);
     }
-    const Vec3f to = node.centre - receiver.point;
-    const float distance2 = glm::dot(to, to), least2 = std::max(node.radius2, kMinDistance2);
-    // Within the ball around the lights nothing is known of directions.
-    if (distance2 <= least2) return std::clamp(e.power / least2, kLeastPower, kMostPower);
-    const float inverse = 1 / std::sqrt(distance2);
-    const float sin_ball2 = std::min(node.radius2 / distance2, 1.0f), sin_ball = std::sqrt(sin_ball2),
-                cos_ball = std::sqrt(1 - sin_ball2);
-    const auto clamped = [](float cosine) { return std::clamp(cosine, -1.0f, 1.0f); };
-
-    float facing = clamped(glm::dot(to, receiver.normal) * inverse);
-    if (receiver.is_two_sided) facing = std::fabs(facing);
-    facing = cosine_of_rest(facing, sine_of(facing), cos_ball, sin_ball);
-    if (facing < -kMargin) return 0;
-
-    float turned = clamped(-glm::dot(to, e.axis) * inverse);
-    if (e.is_two_sided) turned = std::fabs(turned);
-    const float cos_spread = cosine_of_sum(e.cos_axis, node.sin_axis, cos_ball, sin_ball);
-    turned = cosine_of_rest(turned, sine_of(turned), cos_spread, sine_of(cos_spread));
-    if (turned < e.cos_fall - kMargin) return 0;
-
-    const float share = std::max(facing, kMargin) * std::max(turned, kMargin);
-    return std::clamp(e.power / distance2 * share, kLeastPower, kMostPower);
+    if (!node.has_groups && receiver.groups != 0) return;
+    for (std::size_t k = 0; k < kWide; ++k)
+        if ((node.groups[k] & receiver.groups) == 0) to.light[k] = to.doubt[k] = 0;
 }
 
-// A subtree of those into which the tree is divided for a receiver.
-struct LightTree::Part {
-    std::uint32_t node;
-    float importance;
-    float doubt;  // the importance times what it may be wrong by; 0 for a single light
-};
-
+// The parts into which the tree is divided for a receiver: places in parallel rows.
 class LightTree::Parts {
 public:
-    /// draws   lights that are drawn at most; there are up to twice as many parts, unless one light is drawn from all
-    explicit Parts(int draws) noexcept
-        : draws_(std::clamp(draws, 1, kMostDraws)), most_(draws_ == 1 ? 1 : 2 * draws_), weak_(0.5f / float(draws_))
-    {
-    }
+    /// draws   lights that are drawn at most
+    explicit Parts(int draws) noexcept : draws_(std::clamp(draws, 1, kMostDraws)), least_share_(0.5f / float(draws_)) {}
 
-    std::span<const Part> all() const noexcept { return {parts_.data(), std::size_t(count_)}; }
-    void add(const Part& part) noexcept
+    std::size_t count() const noexcept { return count_; }
+    Place place(std::size_t i) const noexcept { return places_[i]; }
+    // Adds the children of a node.
+    void add(std::uint32_t node, std::uint32_t children, const Estimates& of) noexcept
     {
-        if (part.importance > 0) parts_[std::size_t(count_++)] = part;
+        for (std::uint32_t k = 0; k < children; ++k) {
+            if (!(of.light[k] > 0)) continue;
+            places_[count_] = node * std::uint32_t(kWide) + k;
+            light_[count_] = of.light[k];
+            doubt_[count_++] = of.doubt[k];
+        }
     }
-    void remove(int i) noexcept { parts_[std::size_t(i)] = parts_[std::size_t(--count_)]; }
-    // Returns the index of the part that is to be divided next, or -1 if there are enough or nothing in doubt is left that
-    // matters.
-    int next_to_divide() noexcept
+    void remove(std::size_t i) noexcept
     {
-        if (count_ == most_) return -1;
-        sum_up();
-        int next = -1;
-        float least = sum_ * weak_;
-        for (int i = 0; i < count_; ++i)
-            if (parts_[std::size_t(i)].doubt > least) least = parts_[std::size_t(next = i)].doubt;
-        return next;
+        --count_;
+        places_[i] = places_[count_];
+        light_[i] = light_[count_];
+        doubt_[i] = doubt_[count_];
+        light_[count_] = doubt_[count_] = 0;
     }
-    // Decides the chances, once all is divided: they are as large as the number of draws allows.
+    static constexpr std::size_t kNone = ~std::size_t(0);
+    // Returns the index of the part that is to be divided next, or kNone if there is no room for more or nothing in doubt is
+    // left that matters.
+    std::size_t next_to_divide() const noexcept
+    {
+        if (count_ + kWide - 1 > kMost) return kNone;
+        vfloat best = vfloat::load(doubt_);
+        for (std::size_t i = std::size_t(kLanes); i < kMost; i += std::size_t(kLanes))
+            best = max(best, vfloat::load(doubt_ + i));
+        const float most = highest(best);
+        if (!(most > sum_of(light_, kMost) * least_share_)) return kNone;
+        std::size_t first = 0;
+        while (none(vfloat::load(doubt_ + first) == vfloat(most))) first += std::size_t(kLanes);
+        return first + std::size_t(std::countr_zero(bits(vfloat::load(doubt_ + first) == vfloat(most))));
+    }
+    // Decides the chances, once all is divided: from a part with more than a certain share of all light a light is drawn for
+    // sure, and from others in proportion. The share is as small as the number of draws allows.
     void finish() noexcept
     {
-        constexpr float kFirst = 1.0f / 16;
-        sum_up();
-        const float last = 1 / float(draws_);  // with it no more are to be expected than there are draws
-        for (weak_ = last * kFirst; weak_ < last; weak_ *= 2) {
-            float expected = 0;
-            for (const Part& part : all()) expected += chance(part);
-            if (expected <= float(draws_)) return;
+        const float sum = sum_of(light_, kMost), most = 1 / float(draws_);
+        for (const float certain : {most * 0.5f, most}) {
+            const float scale = 1 / (sum * certain);
+            for (std::size_t i = 0; i < kMost; i += std::size_t(kLanes))
+                min(vfloat::load(light_ + i) * vfloat(scale), vfloat(1.0f)).store(chance_ + i);
+            if (sum_of(chance_, kMost) <= float(draws_)) return;
         }
-        weak_ = last;
     }
-    // Returns the chance with which a light is drawn from a part: 1 unless less than a certain share of the light comes from
-    // it.
-    float chance(const Part& part) const noexcept { return std::min(part.importance / (sum_ * weak_), 1.0f); }
+    // Returns the chance with which a light is drawn from a part.
+    float chance(std::size_t i) const noexcept { return chance_[i]; }
 
 private:
-    void sum_up() noexcept
-    {
-        sum_ = 0;
-        for (const Part& part : all()) sum_ += part.importance;
-    }
+    static constexpr std::size_t kMost = 64;  ///< parts
 
-    int draws_, most_, count_ = 0;
-    float weak_;  // a part with a smaller share of all light is not divided, and at last drawn from by chance
-    float sum_ = 0;
-    std::array<Part, 2 * kMostDraws> parts_{};
+    int draws_;
+    float least_share_;  // a part is not divided if the light that is in doubt is a smaller share of all
+    std::size_t count_ = 0;
+    std::array<Place, kMost> places_{};
+    float light_[kMost]{}, doubt_[kMost]{}, chance_[kMost]{};
 };
 
-LightTree::Part LightTree::part_of(const Node& node, std::uint32_t index, const Receiver& receiver) noexcept
+LightTree::Parts LightTree::divide(const Receiver& receiver, int draws) const noexcept
 {
-    constexpr float kMostWrong = 2;
-    const float estimate = importance(node, receiver);
-    if (node.left == 0 || !(estimate > 0)) return {index, estimate, 0};
-    // All power may lie where the ball around the lights is nearest.
-    const Vec3f to = node.centre - receiver.point;
-    const float distance = std::sqrt(glm::dot(to, to)), gap = distance - std::sqrt(node.radius2);
-    const float nearer = gap > 0 ? distance / gap : kInfinity;
-    return {index, estimate, estimate * std::min(nearer * nearer, kMostWrong)};
-}
-
-LightTree::Parts LightTree::divide(const Receiver& receiver, int most) const noexcept
-{
-    Parts parts(most);
-    // Where the whole tree is the only part, nobody asks for its estimate.
-    parts.add({0, 1, nodes_[0].left == 0 ? 0.0f : 1.0f});
-    for (int next = parts.next_to_divide(); next >= 0; next = parts.next_to_divide()) {
-        const std::uint32_t left = nodes_[parts.all()[std::size_t(next)].node].left;
+    Parts parts(draws);
+    Estimates of;
+    const auto add = [&](std::uint32_t node) {
+        estimate(nodes_[node], receiver, of);
+        parts.add(node, nodes_[node].children, of);
+    };
+    add(0);
+    for (std::size_t next = parts.next_to_divide(); next != Parts::kNone; next = parts.next_to_divide()) {
+        const std::uint32_t node = below(parts.place(next));
         parts.remove(next);
-        parts.add(part_of(nodes_[left], left, receiver));
-        parts.add(part_of(nodes_[left + 1], left + 1, receiver));
+        add(node);
     }
     parts.finish();
     return parts;
 }
 
-bool LightTree::draw_below(std::uint32_t at, const Receiver& receiver, double number, Pick& pick) const noexcept
+bool LightTree::draw_below(std::uint32_t node, const Receiver& receiver, double number, Pick& pick) const noexcept
 {
-    double low = 0, high = 1;
+    Estimates of;
     float probability = 1;
-    while (nodes_[at].left != 0) {
-        const std::uint32_t first = nodes_[at].left;
-        const float left = importance(nodes_[first], receiver), right = importance(nodes_[first + 1], receiver);
-        const float both = left + right;
-        if (!(both > 0)) return false;
-        const double middle = low + (high - low) * double(left / both);
-        const bool is_left = left > 0 && (!(right > 0) || number < middle);
-        (is_left ? high : low) = middle;
-        probability *= (is_left ? left : right) / both;
-        at = is_left ? first : first + 1;
+    while (true) {
+        const Node& at = nodes_[node];
+        estimate(at, receiver, of);
+        const float sum = of.sum();
+        if (!(sum > 0)) return false;
+        const double wanted = number * double(sum);
+        double before = 0, passed = 0;
+        std::uint32_t chosen = 0;
+        // Rounding may leave the number above the sum: the last child that gives light is chosen then.
+        for (std::uint32_t k = 0; k < at.children; ++k) {
+            if (!(of.light[k] > 0)) continue;
+            chosen = k;
+            before = passed;
+            passed += double(of.light[k]);
+            if (wanted < passed) break;
+        }
+        number = std::clamp((wanted - before) / double(of.light[chosen]), 0.0, kBelowOne);
+        probability *= of.light[chosen] / sum;
+        if (!(at.is_subtree[chosen] > 0)) {
+            pick = {at.below[chosen], probability, static_cast<float>(number)};
+            return true;
+        }
+        node = at.below[chosen];
     }
-    const double share = high > low ? (number - low) / (high - low) : 0.5;
-    pick = {nodes_[at].light, probability, static_cast<float>(std::clamp(share, 0.0, kBelowOne))};
-    return true;
 }
 
 int LightTree::draw(const Receiver& receiver, float number, std::span<Pick> picks) const noexcept
 {
-    if (nodes_.empty()) return 0;
+    if (nodes_.empty() || picks.empty()) return 0;
+    if (picks.size() == 1) return draw_below(0, receiver, double(number), picks.front()) ? 1 : 0;
     constexpr double kGoldenRatio = 0.6180339887498949;
     const Parts parts = divide(receiver, static_cast<int>(picks.size()));
-    int count = 0;
+    std::size_t count = 0;
     // A part is drawn from where the sum of the number and of the chances so far passes a whole number. By how much is a
     // number for the choice within the part; those of neighbouring parts are moved apart.
     double sum = double(number), apart = 0;
-    for (const Part& part : parts.all()) {
-        const float chance = parts.chance(part);
+    for (std::size_t i = 0; i < parts.count(); ++i) {
+        const float chance = parts.chance(i);
         sum += double(chance);
         // Rounding of the chances may not give more picks than there is room for.
-        if (sum >= 1 && std::size_t(count) < picks.size()) {
+        if (sum >= 1 && count < picks.size()) {
             sum -= 1;
-            const double within = std::min(sum / double(chance), kBelowOne) + apart;
-            Pick& pick = picks[std::size_t(count)];
-            if (draw_below(part.node, receiver, within < 1 ? within : within - 1, pick)) {
+            const double shifted = std::min(sum / double(chance), kBelowOne) + apart;
+            const double within = shifted < 1 ? shifted : shifted - 1;
+            const std::uint32_t at = below(parts.place(i));
+            Pick& pick = picks[count];
+            const bool is_alone = is_light(parts.place(i));
+            if (is_alone) pick = {at, 1, static_cast<float>(within)};
+            if (is_alone || draw_below(at, receiver, within, pick)) {
                 pick.expected *= chance;
                 ++count;
             }
@@ -180,25 +252,69 @@ int LightTree::draw(const Receiver& receiver, float number, std::span<Pick> pick
         apart += kGoldenRatio;
         if (apart >= 1) apart -= 1;
     }
-    return count;
+    return static_cast<int>(count);
 }
 
 float LightTree::expected(std::uint32_t light, const Receiver& receiver, int draws) const noexcept
 {
-    std::uint32_t at = leaf_of_[light - first_];
-    if (at == kNone) return 0;
-    const Parts parts = divide(receiver, draws);
+    Place at = place_of_[light - first_];
+    if (at == kNowhere) return 0;
+    Parts parts(draws);
+    if (draws > 1) parts = divide(receiver, draws);
     float product = 1;
     while (true) {
-        for (const Part& part : parts.all())
-            if (part.node == at) return product * parts.chance(part);
-        if (at == 0) return 0;
-        const std::uint32_t parent = nodes_[at].parent, left = nodes_[parent].left;
-        const float own = importance(nodes_[at], receiver);
+        for (std::size_t i = 0; i < parts.count(); ++i)
+            if (parts.place(i) == at) return product * parts.chance(i);
+        const std::uint32_t node = at / std::uint32_t(kWide);
+        Estimates of;
+        estimate(nodes_[node], receiver, of);
+        const float own = of.light[at % kWide];
         if (!(own > 0)) return 0;
-        product *= own / (own + importance(nodes_[at == left ? left + 1 : left], receiver));
-        at = parent;
+        product *= own / of.sum();
+        if (node == 0) return draws > 1 ? 0 : product;
+        at = nodes_[node].place;
     }
+}
+
+unsigned LightTree::crossed(const Node& node, Vec3f origin, Vec3f inverse) noexcept
+{
+    unsigned found = 0;
+    for (std::size_t k = 0; k < kWide; k += std::size_t(kLanes)) {
+        const Lanes3 middle = Lanes3::load(node.middle, k) - origin, half = Lanes3::load(node.half, k);
+        const Lanes3 low = middle - half, high = middle + half;
+        const vfloat ax = low.x * vfloat(inverse.x), bx = high.x * vfloat(inverse.x);
+        const vfloat ay = low.y * vfloat(inverse.y), by = high.y * vfloat(inverse.y);
+        const vfloat az = low.z * vfloat(inverse.z), bz = high.z * vfloat(inverse.z);
+        const vfloat t_in = max(max(max(min(ax, bx), min(ay, by)), min(az, bz)), vfloat(0.0f));
+        const vfloat t_out = min(min(max(ax, bx), max(ay, by)), max(az, bz));
+        const vmask enters = (t_in <= t_out * vfloat(1 + 0x1p-20f)) & (vfloat::load(node.reach2 + k) > vfloat(0.0f));
+        found |= bits(enters) << k;
+    }
+    return found;
+}
+
+unsigned LightTree::around(const Node& node, Vec3f at) noexcept
+{
+    unsigned found = 0;
+    for (std::size_t k = 0; k < kWide; k += std::size_t(kLanes)) {
+        const Lanes3 off = abs(Lanes3::load(node.middle, k) - at), half = Lanes3::load(node.half, k);
+        const vmask holds = (off.x <= half.x) & (off.y <= half.y) & (off.z <= half.z);
+        found |= bits(holds & (vfloat::load(node.power + k) > vfloat(0.0f))) << k;
+    }
+    return found;
+}
+
+unsigned LightTree::covering(const Node& node, Vec3f at, float share) noexcept
+{
+    unsigned found = 0;
+    for (std::size_t k = 0; k < kWide; k += std::size_t(kLanes)) {
+        const Lanes3 off = Lanes3::load(node.middle, k) - at, half = Lanes3::load(node.half, k);
+        const Lanes3 outside = (abs(off) - half).positive();
+        const vfloat reach2 = vfloat::load(node.reach2 + k);
+        const vmask is_small = reach2 < vfloat(share * 0.999f) * dot(outside, outside);
+        found |= bits(andnot(reach2 > vfloat(0.0f), is_small)) << k;
+    }
+    return found;
 }
 
 }  // namespace occam::shade

@@ -129,8 +129,8 @@ TEST(LightTree, PicksAreAsManyAsAreExpected)
     }
 }
 
-// Lights that give a good part of the light are sampled without any choice among them, however many others there are.
-TEST(LightTree, LightsNearbyAreDrawnForSure)
+// Ten lights near the origin and 9,990 more over the same field, far away.
+std::vector<WorldLight> field_of_lights()
 {
     std::vector<WorldLight> lights(10'000);
     for (std::size_t i = 0; i < lights.size(); ++i) {
@@ -138,6 +138,13 @@ TEST(LightTree, LightsNearbyAreDrawnForSure)
         lights[i].position = i < 10 ? Vec3d(3.0 * (double(i % 5) - 2), 2.5, 3.0 * double(i / 5) - 1.5)
                                     : Vec3d(8.0 * (double(i % 100) - 50), 3, -60 - 8.0 * double(i / 100));
     }
+    return lights;
+}
+
+// Lights that give a good part of the light are sampled without any choice among them, however many others there are.
+TEST(LightTree, LightsNearbyAreDrawnForSure)
+{
+    const std::vector<WorldLight> lights = field_of_lights();
     const LightTree tree(lights, 0);
     for (const Vec3d point : {Vec3d(0, -0.5, 0), Vec3d(5, -0.5, 4), Vec3d(-6, 1, 0.5)}) {
         const Place at{point, {0, 1, 0}};
@@ -149,7 +156,51 @@ TEST(LightTree, LightsNearbyAreDrawnForSure)
             if (i < 10) EXPECT_GE(expected, std::min(1.0, 10 * given(lights[i], at, receiver, Vec2f(0.5f)) / all)) << i;
             else far_away += expected;
         }
-        EXPECT_LT(far_away, 9) << "they give less than a hundredth of the light";
+        EXPECT_LT(far_away, 5) << "they give less than a hundredth of the light";
+    }
+}
+
+// The variance that the choice adds to the sum of all light, if lights were drawn independently of each other.
+TEST(LightTree, TheChoiceOfLightsAddsLittleNoise)
+{
+    const std::vector<WorldLight> lights = field_of_lights();
+    const LightTree tree(lights, 0);
+    const Place places[] = {{{0, -0.5, 0}, {0, 1, 0}},        {{5, -0.5, 4}, {0, 1, 0}},
+                            {{0, 0.3, 1.4}, {0, 0.6f, 0.8f}}, {{1.2, 0.2, 0}, {0.8f, 0.6f, 0}},
+                            {{-6, -0.5, -8}, {0, 1, 0}},      {{1, 0.3, -0.6}, {0, 0.6f, -0.8f}},
+                            {{-40, 1, -300}, {0.6f, 0.8f, 0}}};
+    for (const Place& at : places)
+        for (const auto& [draws, most] : {std::pair(16, 0.02), std::pair(4, 0.25)}) {
+            const Receiver receiver{tree.relative(at.point), at.normal};
+            double sum = 0, variance = 0;
+            for (std::uint32_t i = 0; i < lights.size(); ++i) {
+                const double light = given(lights[i], at, receiver, Vec2f(0.5f));
+                if (!(light > 0)) continue;
+                sum += light;
+                variance += light * light * (1 / double(tree.expected(i, receiver, draws)) - 1);
+            }
+            EXPECT_LT(variance, most * sum * sum) << at.point.x << ", " << at.point.z << ", " << draws << " draws";
+        }
+}
+
+TEST(LightTree, LightsBelowTheHorizonAreNotDrawn)
+{
+    // A wide plane of lamps that shine up and down.
+    std::vector<WorldLight> lights(10'000);
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        lights[i].strength = Vec3f(1);
+        lights[i].position = Vec3d(double(i % 100) - 50, 3, double(i / 100) - 50);
+    }
+    const LightTree tree(lights, 0);
+    test::Numbers n(31);
+    for (int k = 0; k < 100; ++k) {
+        const Vec3d above(60 * n.one() - 30, 3.2 + double(n.one()), 60 * n.one() - 30);
+        LightTree::Pick picks[16];
+        for (const std::size_t places : {1, 4, 16}) {
+            EXPECT_EQ(tree.draw({tree.relative(above), {0, 1, 0}}, n.one(), std::span(picks, places)), 0);
+            EXPECT_GT(tree.draw({tree.relative(above), {0, -1, 0}}, n.one(), std::span(picks, places)), 0);
+            EXPECT_GT(tree.draw({tree.relative(above), {0, 1, 0}, kAllGroups, true}, n.one(), std::span(picks, places)), 0);
+        }
     }
 }
 
