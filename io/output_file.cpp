@@ -176,12 +176,13 @@ void OutputFile::finish()
 void OutputFile::publish()
 {
     if (!is_finished_) finish();
+    const fs::path folder_path = folder_of(final_);  // nothing may fail once the file has its name
     std::error_code error;
     fs::rename(temporary_, final_, error);
     if (error) refuse_output(final_, "cannot be written: " + error.message());
     is_published_ = true;
     // The name is an entry of the folder, which is synced separately where the file system allows it.
-    if (const int folder = open(folder_of(final_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); folder >= 0) {
+    if (const int folder = open(folder_path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); folder >= 0) {
         (void)sync_again(folder);
         close(folder);
     }

@@ -25,8 +25,9 @@ protected:
     void SetUp() override
     {
         if (kIsSanitized) GTEST_SKIP() << "sanitizers have an operator new of their own";
-        gradient(8).write(temp.path() / "tiles.png");  // the libraries for pictures are loaded before anything fails
+        gradient(8).write(temp.path() / "tiles.png");
         gradient(8).write(temp.path() / "tiles.exr");
+        Image::read(temp.path() / "tiles.png");  // loads the libraries for pictures, before anything fails
     }
     /// Reads a scene file and renders it, which reads its textures.
     void read_everywhere(const fs::path& file, const Density& density)
@@ -97,7 +98,8 @@ TEST_F(FailingFiles, OfEveryFormatAreReadOrRefused)
 TEST_F(FailingFiles, OfPicturesAreWrittenAsAWholeOrNotAtAll)
 {
     const Image image = gradient(24);
-    for (const char* name : {"a.png", "a.exr", "a.hdr", "a.jpg", "a.tif"}) {
+    // OpenImageIO opens a TIFF in a constructor that may not throw: a lack of memory there ends the process.
+    for (const char* name : {"a.png", "a.exr", "a.hdr", "a.jpg"}) {
         SCOPED_TRACE(name);
         const TempFolder folder;
         const fs::path file = folder.path() / name;

@@ -30,18 +30,23 @@ protected:
     }
 };
 
-TEST_F(CommandLibraries, AreFewUntilAPictureIsWritten)
+TEST_F(CommandLibraries, AreFewUntilAPictureNeedsMore)
 {
     constexpr long kMost = 40;  // 13 and those of a sanitizer; the picture formats bring 250
-    for (const std::vector<std::string>& arguments :
-         {std::vector<std::string>{"--version"}, {"render", "--help"}, {"info", "triangle.obj"}}) {
+    const auto rendering = [](const char* file) {
+        return std::vector<std::string>{"render", "triangle.obj", "-o", file, "--size", "4x4", "--spp", "1"};
+    };
+    for (const std::vector<std::string>& arguments : {std::vector<std::string>{"--version"},
+                                                      {"render", "--help"},
+                                                      {"info", "triangle.obj"},
+                                                      rendering("a.png"),
+                                                      rendering("a.exr")}) {
         const std::string loaded = report(arguments);
         EXPECT_GT(count(loaded, "calling init"), 5) << "the report of the dynamic linker is not as expected";
         EXPECT_LT(count(loaded, "calling init"), kMost) << arguments.front();
         EXPECT_EQ(loaded.find("OpenImageIO"), std::string::npos) << arguments.front();
     }
-    EXPECT_NE(report({"render", "triangle.obj", "-o", "a.png", "--size", "4x4", "--spp", "1"}).find("OpenImageIO"),
-              std::string::npos);
+    EXPECT_NE(report(rendering("a.jpg")).find("OpenImageIO"), std::string::npos);
 }
 
 // A copy of the program without its module still does what needs no picture, and says at once what is missing otherwise.
@@ -62,7 +67,8 @@ TEST_F(CommandLibraries, AMissingModuleIsOneLineBeforeAnyWork)
         return run(arguments);
     };
     EXPECT_EQ(run_copy({"info", "triangle.obj"}).exit_code, kDone);
-    const Outcome o = run_copy({"render", "triangle.obj", "-o", "a.png", "--size", "4x4", "--spp", "1"});
+    EXPECT_EQ(run_copy({"render", "triangle.obj", "-o", "a.png", "--size", "4x4", "--spp", "1"}).exit_code, kDone);
+    const Outcome o = run_copy({"render", "triangle.obj", "-o", "a.jpg", "--size", "4x4", "--spp", "1"});
     EXPECT_EQ(o.exit_code, kBadInput);
     EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
     EXPECT_NE(o.err.find("liboccam_images.so"), std::string::npos) << o.err;

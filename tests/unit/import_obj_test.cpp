@@ -169,7 +169,7 @@ TEST(ImportObj, ReadsTagsWithTheirZeroBasedIndices)
 {
     const TempFolder folder;
     const Scene scene = load(folder.write("tags.obj", std::string(kQuad) +
-                                                          "f 1 2 3 4\nf 4 3 2 1\n"
+                                                          "f 1 2 3 4\nf 1 3 2 4\n"
                                                           "t crease 2/1/0 0 1 2.5\nt crease 4/2/0 0 1 2 3 4 100\n"
                                                           "t corner 1/1/0 3 7\nt hole 1/0/0 1\n"
                                                           "t interpolateboundary 1/0/0 2\nt creasemethod 0/0/1 chaikin\n"));
