@@ -133,7 +133,8 @@ TEST_F(FailingFrames, LeaveQueriesTheirAnswers)
             EXPECT_EQ(hit ? hit->node : NodeId(), wanted[i].node);
         }
     };
-    fail_everywhere({.dense = 4, .growth = 1.6}, ask, [&](bool) { ask(); });
+    // OpenSubdiv loses a few blocks where an allocation fails while it makes the surface of a patch.
+    fail_everywhere({.dense = 4, .growth = 1.6, .may_lose_blocks = true}, ask, [&](bool) { ask(); });
 }
 
 }  // namespace
