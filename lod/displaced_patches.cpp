@@ -17,7 +17,7 @@ void DisplacedPatches::offsets(const FilteredPatch& of, const ParameterGrid& gri
     float* at[27] = {};
     for (int a = 0; a < (turns ? 27 : 18); ++a) at[a] = &surface_[static_cast<std::size_t>(a * count)];
     pool_.posed(of.cage, of.patch).points_and_tangents(grid, at, columns);
-    pool_.uv(of.cage, of.patch, displacement.uv_set()).points_and_tangents(grid, at + 9, columns);
+    pool_.displaced_uv(of.cage, of.patch).points_and_tangents(grid, at + 9, columns);
     if (turns) pool_.rest(of.cage, of.patch).points_and_tangents(grid, at + 18, columns);
     const auto pair = [&](int from, int k) { return Vec2f(at[from][k], at[from + 1][k]); };
     const auto triple = [&](int from, int k) { return Vec3f(at[from][k], at[from + 1][k], at[from + 2][k]); };
@@ -113,18 +113,22 @@ void DisplacedPatches::normals(const FilteredPatch& of, const ParameterGrid& gri
 
 void DisplacedPatches::raise_speeds(const PosedCage& cage, PatchRef patch, float& along_u, float& along_v)
 {
-    constexpr int kPieces = kSpeedPieces, kWidth = kPieces + 1;
-    std::array<float, 3 * kWidth * kWidth> found;
-    float* const at[3] = {&found[0], &found[kWidth * kWidth], &found[2 * kWidth * kWidth]};
-    const ParameterGrid grid{0, 0, 1.0f / kPieces, 1.0f / kPieces, kWidth, kWidth};
-    points({cage, patch, level_of_pieces(std::max(along_u, along_v))}, grid, at, kWidth);
+    constexpr int kMostWidth = kSpeedPieces + 1;
+    // A patch of an n-gon has half of the sides of its face, and half of the pieces.
+    const int halves = cage.topology->face_size(patch.face) == 4 ? 0 : 1, pieces = kSpeedPieces >> halves,
+              width = pieces + 1;
+    std::array<float, 3 * kMostWidth * kMostWidth> found;
+    float* const at[3] = {&found[0], &found[kMostWidth * kMostWidth], &found[2 * kMostWidth * kMostWidth]};
+    const float step = power_of_two(halves) / kSpeedPieces;
+    const ParameterGrid grid{0, 0, step, step, width, width};
+    points({cage, patch, level_of_pieces(std::max(along_u, along_v) * power_of_two(halves))}, grid, at, width);
     const auto distance = [&](int a, int b) {
         return glm::length(Vec3f(at[0][a] - at[0][b], at[1][a] - at[1][b], at[2][a] - at[2][b]));
     };
-    for (int j = 0; j < kWidth; ++j)
-        for (int i = 0; i < kPieces; ++i) {
-            along_u = std::max(along_u, kPieces * distance(j * kWidth + i, j * kWidth + i + 1));
-            along_v = std::max(along_v, kPieces * distance(i * kWidth + j, (i + 1) * kWidth + j));
+    for (int j = 0; j < width; ++j)
+        for (int i = 0; i < pieces; ++i) {
+            along_u = std::max(along_u, float(pieces) * distance(j * width + i, j * width + i + 1));
+            along_v = std::max(along_v, float(pieces) * distance(i * width + j, (i + 1) * width + j));
         }
 }
 

@@ -21,6 +21,7 @@ PosedPatch& filled(Entry& entry, bool is_known, const PosedCage& cage, PatchRef 
 void PatchPool::forget() noexcept
 {
     posed_.forget();
+    if (displaced_uv_) displaced_uv_->forget();
     uv_.cage = rest_.cage = nullptr;
 }
 
@@ -35,6 +36,14 @@ PosedPatch& PatchPool::uv(const PosedCage& cage, PatchRef patch, int set)
     const bool is_known = uv_.holds(cage, patch) && uv_set_ == set;
     uv_set_ = set;
     return filled(uv_, is_known, cage, patch, [&](PosedPatch& to) { to.set_uv(cage, patch, set); });
+}
+
+PosedPatch& PatchPool::displaced_uv(const PosedCage& cage, PatchRef patch)
+{
+    if (!displaced_uv_) displaced_uv_ = std::make_unique<Table>();
+    Table::Entry& entry = displaced_uv_->entry(cage, patch.face + 61 * patch.sub);
+    return filled(entry, entry.holds(cage, patch), cage, patch,
+                  [&](PosedPatch& to) { to.set_uv(cage, patch, cage.displacement.uv_set()); });
 }
 
 PosedPatch& PatchPool::rest(const PosedCage& cage, PatchRef patch)

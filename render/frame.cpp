@@ -137,6 +137,7 @@ std::size_t develop_all(const FrameSums& sums, const std::vector<PixelRect>& til
 
 FrameResult make_frame(const FrameInputs& in, FrameControl& control, FrameStats& stats)
 {
+    check_layers(in.scene);  // before its lights are gathered, which takes long in a scene that is refused
     const FrameSetup setup(in);
     stats.lights = {setup.lights.has_default(), setup.lights.meshes().any_emitter()};
     stats.tree = setup.frame.tree();

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "base/error_without_file.h"
+#include "scenegraph/contents.h"
+
 namespace occam::shade {
 namespace {
 
@@ -20,6 +23,45 @@ WorldLight key_light(const Camera& camera)
 // evenly over the sphere around the scene, has to reach it. A white surface there would have a radiance of about 0.006,
 // which is less than a hundredth of what the default light gives it.
 constexpr double kLeastIrradiance = 0.02;
+
+/// A frame in which a ray would cross more area lights than about this in one place is refused: each of them adds its light
+/// to all rays that are scattered there.
+constexpr double kMostCrossed = 512;
+
+Box3d box_of(const WorldLight& light) noexcept
+{
+    const Vec3d half = light.kind == WorldLight::Kind::Sphere ? Vec3d(double(light.radius))
+                                                              : Vec3d(glm::abs(light.half_x) + glm::abs(light.half_y));
+    return {light.position - half, light.position + half};
+}
+
+// Returns false for a box whose corners are not numbers, or whose size would overflow.
+bool is_within_numbers(const Box3d& box) noexcept { return glm::dot(box.lo, box.lo) + glm::dot(box.hi, box.hi) < 1e300; }
+
+// Estimates as Contents::layers_in() does how many of the lights a ray crosses in the box of all, and in the boxes of ever
+// smaller groups of neighbours.
+void check_crossed(std::span<Box3d> lights)
+{
+    while (double(lights.size()) > kMostCrossed) {
+        Box3d all;
+        double sum = 0;
+        for (const Box3d& light : lights) {
+            all.add(light);
+            sum += Contents::size_of(light);
+        }
+        if (sum > kMostCrossed * Contents::size_of(all))
+            throw error_without_file("too many area lights lie in one place: a ray would cross about " +
+                                     std::to_string(static_cast<int>(sum / Contents::size_of(all))) + " of them, and " +
+                                     std::to_string(static_cast<int>(kMostCrossed)) + " is the limit");
+        const Vec3d e = all.extent();
+        const int axis = e.x >= e.y && e.x >= e.z ? 0 : e.y >= e.z ? 1 : 2;
+        const auto middle = lights.begin() + static_cast<std::ptrdiff_t>(lights.size() / 2);
+        std::nth_element(lights.begin(), middle, lights.end(),
+                         [axis](const Box3d& a, const Box3d& b) { return a.centre()[axis] < b.centre()[axis]; });
+        check_crossed({lights.begin(), middle});
+        lights = {middle, lights.end()};
+    }
+}
 
 bool are_lamps(const MeshLights& meshes, const Scene& scene, const FrameScale& scale) noexcept
 {
@@ -48,6 +90,10 @@ FrameLights::FrameLights(const Scene& scene, const Camera& camera, const Texture
     if (has_default_) lights_.push_back(key_light(camera));
     if (is_dark && (otherwise.sky == Sky::On || has_default_)) environment_ = Environment::sky(otherwise.sky_strength);
     arrange();
+    std::vector<Box3d> boxes;
+    for (const WorldLight& light : lights_)
+        if (light.has_area() && is_within_numbers(box_of(light))) boxes.push_back(box_of(light));
+    check_crossed(boxes);
 }
 
 FrameLights::FrameLights(std::vector<WorldLight> lights, Environment environment)

@@ -159,16 +159,25 @@ MeshLights::TrianglePoints MeshLights::corners(const Mesh& mesh, std::uint32_t f
     return {at(0), at(1), at(2)};
 }
 
-void MeshLights::add(const Node& node, NodeId id, const CageSlot& slot, const Mat4d& world_from_object, const Scene& scene,
-                     bool moves)
+/// A placed node, and what holds for all of its cages.
+struct MeshLights::Placed {
+    const Scene& scene;
+    const Node& node;
+    NodeId id;
+    Mat4d world_from_object;
+    bool moves;  ///< while the shutter is open: points on it are not sampled
+    std::unordered_set<const Material*> unsampled;
+};
+
+void MeshLights::add(const Placed& placed, const CageSlot& slot)
 {
+    const auto& [scene, node, id, world_from_object, moves, unsampled] = placed;
     const Cage& cage = slot.cage;
     const std::size_t slots = slots_of(node, cage);
     std::vector<bool> glows(slots);
     for (std::size_t s = 0; s < slots; ++s) glows[s] = emits(material_of(scene, node, cage, s));
     if (std::ranges::none_of(glows, std::identity())) return;
     any_emitter_ = true;
-    const std::unordered_set<const Material*> unsampled = unsampled_materials(scene, node);
     const SlotFaces found = faces_of_slots(scene, node, slot, glows, world_from_object);
     for (std::size_t s = 0; s < slots; ++s) {
         if (!glows[s]) continue;
@@ -202,9 +211,10 @@ MeshLights::MeshLights(const Scene& scene, const TextureStore& textures, const F
                                      naming(node));
     });
     scene.for_placements_of(Contents::Emitters, [&](NodeId id, const Node& node, const Mat4d& world_from_node) {
+        const Placed placed{
+            scene, node, id, scale.placed(world_from_node), moving.contains(id), unsampled_materials(scene, node)};
         for (CageId cage : node.cages)
-            if (const CageSlot* slot = scene.find(cage))
-                add(node, id, *slot, scale.placed(world_from_node), scene, moving.contains(id));
+            if (const CageSlot* slot = scene.find(cage)) add(placed, *slot);
     });
     std::sort(known_.begin(), known_.end(),
               [](const Known& a, const Known& b) { return key_of(a.node, a.material) < key_of(b.node, b.material); });

@@ -80,9 +80,8 @@ private:
         Vec3d a, b, c;
     };
 
-    /// moves   the surface moves while the shutter is open: points on it are not sampled
-    void add(const Node& node, NodeId id, const CageSlot& slot, const Mat4d& world_from_object, const Scene& scene,
-             bool moves);
+    struct Placed;
+    void add(const Placed& placed, const CageSlot& slot);
     static double distance_to(const TrianglePoints& triangle, Vec3d point) noexcept;
     static TrianglePoints corners(const Mesh& mesh, std::uint32_t face) noexcept;
     /// A point on a triangle, with the density per area with which it was chosen.

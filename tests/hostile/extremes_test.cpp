@@ -244,6 +244,40 @@ TEST(Extremes, PlanksAsLongAsTheyAreThinEndOrAreRefusedByName)
         }
 }
 
+// Every ray that is scattered adds the light of each area light that it crosses.
+TEST(Extremes, AreaLightsThatOverlapInThousandsAreRefused)
+{
+    for (const bool has_far_lamp : {false, true}) {
+        for (const double spread : {0.001, 3.0}) {
+            Scene scene;
+            place(scene, scene.add(torus()), Vec3d(0));
+            const LightId lamp = scene.add(Light{"lamp", AreaLight{}});
+            for (int i = 0; i < 2000; ++i)
+                scene.add_node(scene.root(), {.matrix = moved(spread * (i % 50), 2, spread * (i / 50)), .light = lamp});
+            if (has_far_lamp) scene.add_node(scene.root(), {.matrix = moved(1e6, 2, 0), .light = lamp});
+            EXPECT_EQ(refusal(scene).find("too many area lights lie in one place") == 0, spread < 1) << refusal(scene);
+        }
+    }
+}
+
+// The cages of one node shine, each by a material of its own. What is refused is refused before its lights are gathered.
+TEST(Extremes, ThousandsOfCagesOfANodeThatShineAreGatheredOrRefused)
+{
+    for (const int cages : {3000, 20'000}) {
+        Scene scene;
+        NodeDesc node;
+        for (int i = 0; i < cages; ++i) {
+            Material glow;
+            glow.emission = Vec3f(1);
+            Cage cage = triangle_soup(1);
+            cage.materials = {scene.add(glow)};
+            node.cages.push_back(scene.add(std::move(cage)));
+        }
+        scene.add_node(scene.root(), node);
+        EXPECT_EQ(refusal(scene).find("surfaces lie in one place") != std::string::npos, cages > 16'384) << refusal(scene);
+    }
+}
+
 TEST(Extremes, LightsEmittersAndDisplacedCagesBeyondCountingAreRefused)
 {
     for (const int what : {0, 1, 2}) {
