@@ -21,13 +21,23 @@ Camera record_shutter(Scene& scene, const std::function<void(double tau)>& pose,
         throw error_without_file("from 1 to " + std::to_string(render::kMaxSide), "image height");
     constexpr double kPixels = 0.25;
     // The camera takes part in the finest recording: its keys cost nothing in the scene.
-    scene.record_shutter(segments != 0 ? segments : kMaxShutterSegments, pose);
+    int finest = segments != 0 ? segments : kMaxShutterSegments;
+    const auto is_recorded = [&] {
+        try {
+            scene.record_shutter(finest, pose);
+            return true;
+        } catch (const ShutterTooLarge&) {
+            if (segments != 0 || finest == 1) throw;
+            return false;
+        }
+    };
+    while (!is_recorded()) finest /= 2;
     Camera moving = camera();
     if (segments != 0) return moving;
     scene.refit();
     const lod::Footprint pixel = render::CameraRays(moving, height, height).pixel();
     const int needed = needed_segments(scene, {moving.eye(), kPixels * double(pixel.a), kPixels * double(pixel.b)});
-    if (needed > 0 && needed < kMaxShutterSegments) scene.record_shutter(needed, pose);
+    if (needed > 0 && needed < finest) scene.record_shutter(needed, pose);
     return moving;
 }
 

@@ -7,6 +7,7 @@
 
 #include "base/error_without_file.h"
 #include "scenegraph/scene_state.h"
+#include "scenegraph/shutter.h"
 
 namespace occam {
 
@@ -16,9 +17,24 @@ struct Scene::State::Recorder {
     std::unordered_map<NodeId, std::vector<NodeKey>> nodes;
     std::unordered_map<SkinId, std::vector<std::vector<Mat4d>>> skins;
     std::unordered_map<CageId, std::vector<std::vector<Vec3f>>> cages;
+
+    /// Returns the bytes that all keys so far and `more` of them take.
+    std::size_t bytes_with(std::size_t more) const noexcept
+    {
+        const std::size_t keys_after = keys_done + more;
+        std::size_t bytes = 0;
+        for (const auto& [id, keys] : nodes)
+            bytes += keys_after * (sizeof(NodeKey) + (keys.empty() ? 0 : keys.front().morph_weights.size() * sizeof(float)));
+        for (const auto& [id, keys] : skins) bytes += keys_after * (keys.empty() ? 0 : keys.front().size() * sizeof(Mat4d));
+        for (const auto& [id, keys] : cages) bytes += keys_after * (keys.empty() ? 0 : keys.front().size() * sizeof(Vec3f));
+        return bytes;
+    }
 };
 
 namespace {
+
+/// What moves while the shutter is open is refused if its keys take more bytes.
+constexpr std::size_t kMostKeyBytes = std::size_t(1) << 30;
 
 template <class T>
 bool are_all_equal(const std::vector<T>& values)
@@ -204,6 +220,12 @@ void Scene::record_shutter(int segments, const std::function<void(double tau)>& 
         for (int key = 0; key <= segments; ++key) {
             pose(double(key) / segments);
             s.take_key(record);
+            // What moves first at this key has just got all keys before it, too.
+            if (record.bytes_with(static_cast<std::size_t>(segments - key)) > kMostKeyBytes)
+                throw ShutterTooLarge(error_without_file("what moves while the shutter is open takes more than " +
+                                                             std::to_string(kMostKeyBytes >> 20) + " MB with " +
+                                                             std::to_string(segments) + " segments of its motion",
+                                                         "--shutter-segments"));
         }
         pose(0.5);
     }

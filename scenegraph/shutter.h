@@ -9,9 +9,17 @@
 
 #include <unordered_set>
 
+#include "base/error.h"
 #include "scenegraph/scene.h"
 
 namespace occam {
+
+/// The error of Scene::record_shutter() if the keys of what moves would take too much memory; those of fewer segments may
+/// not.
+class ShutterTooLarge : public Error {
+public:
+    explicit ShutterTooLarge(const Error& error) : Error(error) {}
+};
 
 /// How far a point may be from its true path: constant + per_distance * its distance from the eye, world length.
 struct PathTolerance {

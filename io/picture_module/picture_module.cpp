@@ -187,15 +187,15 @@ public:
         EncoderStream stream(file.string(), to);
         std::unique_ptr<OIIO::ImageOutput> encoder = OIIO::ImageOutput::create(file.string());
         if (!encoder) return "its format has no encoder: " + OIIO::geterror();
+        // The destructor closes an encoder that is open, and where that fails the library ends the process. So one that has
+        // failed since it was opened is left behind. Writing never fails, so that is rare: there is not enough memory.
         try {
-            const bool is_done = encoder->set_ioproxy(&stream) && encoder->open(file.string(), spec_of(spec, attributes)) &&
-                                 encoder->write_image(OIIO::TypeDesc::FLOAT, pixels) && encoder->close();
-            if (is_done) return {};
+            const bool is_open = encoder->set_ioproxy(&stream) && encoder->open(file.string(), spec_of(spec, attributes));
+            if (is_open && encoder->write_image(OIIO::TypeDesc::FLOAT, pixels) && encoder->close()) return {};
             const std::string why = encoder->geterror();
+            if (is_open) static_cast<void>(encoder.release());
             return why.empty() ? "the encoder failed" : why;
         } catch (...) {
-            // The destructor closes the encoder, and where that fails the library ends the process. So an encoder that has
-            // run out of memory is left behind.
             static_cast<void>(encoder.release());
             throw;
         }

@@ -320,6 +320,22 @@ TEST(Shutter, BoundsUnderManyChildrenFollowKeysThatComeAndGo)
     EXPECT_EQ(scene.bounds().hi.x, 1);
 }
 
+TEST(Shutter, KeysThatTakeTooMuchMemoryAreRefusedAndNoneAreLeft)
+{
+    Scene scene;
+    const NodeId node = scene.add_node(scene.root(), {});
+    const auto blend = [&](std::size_t weights) {
+        return [&scene, node, weights](double tau) {
+            scene.set_morph_weights(node, std::vector<float>(weights, static_cast<float>(tau)));
+        };
+    };
+    EXPECT_THROW(scene.record_shutter(32, blend(std::size_t(9) << 20)), Error);
+    EXPECT_EQ(scene.shutter_segments(), 0);
+    EXPECT_TRUE(scene.node(node).keys.empty());
+    scene.record_shutter(32, blend(9));
+    EXPECT_EQ(scene.shutter_segments(), 32);
+}
+
 TEST(Shutter, ACameraThatMovesHasKeys)
 {
     Scene scene;
