@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/prefetch.h"
 #include "base/simd.h"  // OCCAM_ALWAYS_INLINE
 #include "render/integrator.h"
 #include "render/path_log.h"
@@ -42,6 +43,14 @@ float survival_of(Vec3f throughput) noexcept
     constexpr float kCertainThroughput = 0.25f, kLeastSurvival = 0.05f;
     const float worth = std::max({throughput.x, throughput.y, throughput.z});
     return std::clamp(worth / kCertainThroughput, kLeastSurvival, 1.0f);
+}
+
+// Asks for all cache lines of an object.
+template <class T>
+void prefetch_object(const T& object) noexcept
+{
+    constexpr std::size_t kLine = 64;
+    for (std::size_t at = 0; at < sizeof(T); at += kLine) prefetch(reinterpret_cast<const char*>(&object) + at);
 }
 
 // Calls sample(square) for `count` points of a sequence, which are computed in blocks.
@@ -214,6 +223,7 @@ void Integrator::gather_from_tree(const Vertex& v, int first_slot)
         shade::LightTree::Pick picks[kTreeDraws];
         const std::uint32_t index = v.first_of(per_hit) + static_cast<std::uint32_t>(n);
         const int count = tree.draw(v.receiver, choices.interval(index), std::span(picks, std::size_t(draws)));
+        for (int k = 0; k < count; ++k) prefetch_object(context_.lights.lights()[picks[k].light]);
         for (int k = 0; k < count; ++k) {
             const float expected = static_cast<float>(per_hit) * picks[k].expected;
             const shade::WorldLight& light = context_.lights.lights()[picks[k].light];
@@ -231,7 +241,8 @@ void Integrator::gather_light(const Vertex& v, const shade::WorldLight& light, c
 {
     if ((light.groups & v.hit.lit_by) == 0) return;
     const int per_hit = light_samples_at(v.path);
-    const bool is_left_to_samples = shade::FrameLights::is_left_to_samples(light, v.start, v.peak);
+    // Lights without an area are found by their samples alone in any case.
+    const bool is_left_to_samples = light.has_area() && shade::FrameLights::is_left_to_samples(light, v.start, v.peak);
     const shade::SampleCounts counts{samples.expected, is_left_to_samples ? 0.0f : float(scatter_samples_at(v.path))};
     const Vec3f to_middle(light.position - v.surface.position);
     draw([&](Vec2f square) {
