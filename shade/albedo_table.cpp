@@ -1,5 +1,6 @@
 #include "shade/albedo_table.h"
 
+#include "base/simd.h"
 #include "shade/microfacet.h"
 
 namespace occam::shade {
@@ -34,7 +35,7 @@ struct Disc {
     }
 };
 
-// The first loop does what visible_normal_of() does and is written without vectors, so that compilers vectorize it.
+// The first loop does what visible_normal_of() does, in lanes.
 LayerAlbedo integrate(const Disc& disc, float cosine, float alpha) noexcept
 {
     const Vec3f eye(std::sqrt(std::max(0.0f, 1 - cosine * cosine)), 0, cosine);
@@ -44,18 +45,20 @@ LayerAlbedo integrate(const Disc& disc, float cosine, float alpha) noexcept
     const float s = 0.5f * (1 + z.z);
     const float masking = ggx_masking_over_cosine(cosine, alpha), root_v = ggx_root(cosine, alpha), a2 = alpha * alpha;
     float v_h[kPoints], n_l[kPoints], weight[kPoints];
-    for (int i = 0; i < kPoints; ++i) {
-        const float p = disc.x[i], q = (1 - s) * disc.height[i] + s * disc.y[i];
-        const float up2 = 1 - p * p - q * q, up = std::sqrt(up2 > 0 ? up2 : 0);
-        const float hz = x.z * p + y.z * q + z.z * up;
-        const float a = alpha * (x.x * p + y.x * q + z.x * up), b = alpha * (x.y * p + y.y * q + z.y * up),
-                    c = hz > 1e-6f ? hz : 1e-6f;
-        const float inverse = 1 / std::sqrt(a * a + b * b + c * c);
-        v_h[i] = eye.x * (a * inverse) + eye.z * (c * inverse);
-        n_l[i] = 2 * v_h[i] * (c * inverse) - eye.z;
-        const float sum = cosine * std::sqrt(n_l[i] * n_l[i] * (1 - a2) + a2) + n_l[i] * root_v;
+    for (int i = 0; i < kPoints; i += kLanes) {
+        const vfloat p = vfloat::load(disc.x + i),
+                     q = (1 - s) * vfloat::load(disc.height + i) + s * vfloat::load(disc.y + i);
+        const vfloat up = sqrt(max(vfloat(1.0f) - p * p - q * q, vfloat(0.0f)));
+        const vfloat a = alpha * (x.x * p + y.x * q + z.x * up), b = alpha * (x.y * p + y.y * q + z.y * up),
+                     c = max(x.z * p + y.z * q + z.z * up, vfloat(1e-6f));
+        const vfloat inverse = vfloat(1.0f) / sqrt(a * a + b * b + c * c), h_x = a * inverse, h_z = c * inverse;
+        const vfloat v = eye.x * h_x + eye.z * h_z, n = 2 * v * h_z - eye.z;
+        const vfloat sum = cosine * sqrt(n * n * (1 - a2) + a2) + n * root_v;
         // The weight is f cos / density = 4 n_l visibility / (G1 / n_v).
-        weight[i] = 4 * n_l[i] * (0.5f / (sum > 1e-12f ? sum : 1e-12f)) / masking;
+        const vfloat w = 4 * n * (0.5f / max(sum, vfloat(1e-12f))) / masking;
+        v.store(v_h + i);
+        n.store(n_l + i);
+        w.store(weight + i);
     }
     double f0 = 0, f90 = 0;
     for (int i = 0; i < kPoints; ++i) {
