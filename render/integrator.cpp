@@ -30,6 +30,29 @@ Integrator::Integrator(const FrameContext& context)
       wants_occlusion_(context.settings.integrator == IntegratorKind::Ao || context.settings.has(Aov::Occlusion)),
       shadows_(context.textures, context.may_pass, !context.settings.back_faces, texture_width_)
 {
+    drawn_.surfaces.light_slots = light_slots_to_draw();
+}
+
+void Integrator::place(std::span<const CameraSample> samples, std::span<SampleResult> results) const
+{
+    constexpr std::size_t kBlock = SurfacesToDraw::kMost;
+    SurfacesToDraw block;
+    for (std::size_t first = 0; first < samples.size(); first += kBlock) {
+        const std::size_t count = std::min(kBlock, samples.size() - first);
+        for (std::size_t k = 0; k < count; ++k) {
+            block.x[k] = samples[first + k].x;
+            block.y[k] = samples[first + k].y;
+            block.index[k] = static_cast<std::uint32_t>(samples[first + k].index);
+        }
+        Vec2f in_pixel[kBlock];
+        context_.sampler.draw_in_pixels(block, in_pixel);
+        for (std::size_t k = 0; k < count; ++k) {
+            const PixelFilter::Place place = context_.filter.place(in_pixel[k]);
+            results[first + k] = {};
+            results[first + k].offset = place.offset;
+            results[first + k].weight = place.weight;
+        }
+    }
 }
 
 void Integrator::begin(std::span<const CameraSample> samples, std::span<SampleResult> results)
@@ -39,14 +62,11 @@ void Integrator::begin(std::span<const CameraSample> samples, std::span<SampleRe
     mattes_.clear();
     lit_.assign(samples.size(), Vec3f(0));
     luck_.assign(samples.size(), 0);
+    place(samples, results);
     for (std::size_t i = 0; i < samples.size(); ++i) {
         const CameraSample& s = samples[i];
-        results[i] = {};
         if (shadows_.may_pass())
             luck_[i] = context_.sampler.interval(s.x, s.y, static_cast<std::uint32_t>(s.index), Dimension::luck());
-        const PixelFilter::Place place = context_.filter.place(context_.sampler.in_pixel(s.x, s.y, s.index));
-        results[i].offset = place.offset;
-        results[i].weight = place.weight;
         const Vec2f lens = context_.camera.has_lens()
                                ? context_.sampler.square(s.x, s.y, static_cast<std::uint32_t>(s.index), Dimension::lens())
                                : Vec2f(0.5f);
@@ -57,8 +77,8 @@ void Integrator::begin(std::span<const CameraSample> samples, std::span<SampleRe
         path.sample = static_cast<std::uint32_t>(i);
         path.is_before_focus = context_.camera.has_lens();
         paths_.push_back(path);
-        rays_.push_back(
-            context_.camera.ray(s.x + 0.5 + double(place.offset.x), s.y + 0.5 + double(place.offset.y), lens, time));
+        rays_.push_back(context_.camera.ray(s.x + 0.5 + double(results[i].offset.x), s.y + 0.5 + double(results[i].offset.y),
+                                            lens, time));
     }
     counters_.rays.primary += samples.size();
 }

@@ -148,6 +148,8 @@ private:
     };
 
     void begin(std::span<const CameraSample> samples, std::span<SampleResult> results);
+    /// Sets the offsets and weights of samples by the filter.
+    void place(std::span<const CameraSample> samples, std::span<SampleResult> results) const;
     /// Returns how many hits of the path's ray are found at once: more for one that has passed many surfaces, so that the
     /// work grows with the number of the surfaces and not with its square.
     static int hits_at_once(const Path& path) noexcept
@@ -215,6 +217,8 @@ private:
     void gather_and_scatter(std::size_t i, Vertex& v, const Chances& chance);
     /// Returns the numbers of a surface of path i. Those of neighbouring paths are drawn with them.
     SurfaceNumbers numbers_of(std::size_t i, const Vertex& v) noexcept;
+    int light_slots_to_draw() const noexcept;
+    Vec2f light_square(const Vertex& v, int slot) const noexcept;
     void gather_light(const Vertex& v);
     void gather_sky(const Vertex& v);
     /// Returns false if a scattered direction can contribute nothing that gather_light() has not contributed.

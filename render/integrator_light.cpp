@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/prefetch.h"
 #include "base/simd.h"  // OCCAM_ALWAYS_INLINE
 #include "render/integrator.h"
 #include "render/path_log.h"
@@ -42,6 +43,14 @@ float survival_of(Vec3f throughput) noexcept
     constexpr float kCertainThroughput = 0.25f, kLeastSurvival = 0.05f;
     const float worth = std::max({throughput.x, throughput.y, throughput.z});
     return std::clamp(worth / kCertainThroughput, kLeastSurvival, 1.0f);
+}
+
+// Asks for all cache lines of an object.
+template <class T>
+void prefetch_object(const T& object) noexcept
+{
+    constexpr std::size_t kLine = 64;
+    for (std::size_t at = 0; at < sizeof(T); at += kLine) prefetch(reinterpret_cast<const char*>(&object) + at);
 }
 
 // Calls sample(square) for `count` points of a sequence, which are computed in blocks.
@@ -88,8 +97,32 @@ SurfaceNumbers Integrator::numbers_of(std::size_t i, const Vertex& v) noexcept
     if (drawn_.surfaces.key[i % kBlock] == v.path.key) return drawn_.numbers[i % kBlock];
     // The ray has passed surfaces since the block was drawn.
     const std::uint32_t index = v.first_of(1);
-    return {numbers(v, Use::Light).square(index), numbers(v, Use::Scatter).square(index),
-            numbers(v, Use::Lobe).interval(index), numbers(v, Use::Survival).interval(index)};
+    SurfaceNumbers drawn;
+    for (int slot = 0; slot < drawn_.surfaces.light_slots; ++slot)
+        drawn.light[slot] = numbers(v, Use::Light, slot).square(index);
+    drawn.scatter = numbers(v, Use::Scatter).square(index);
+    drawn.lobe = numbers(v, Use::Lobe).interval(index);
+    drawn.survival = numbers(v, Use::Survival).interval(index);
+    return drawn;
+}
+
+// Returns the number of slots of Use::Light that are drawn for a surface beside each other: those of lights outside the
+// tree, of meshes and of the environment, unless a light has several samples.
+int Integrator::light_slots_to_draw() const noexcept
+{
+    if (context_.settings.light_samples > 1) return 1;
+    const int placed = std::min(static_cast<int>(context_.lights.lights_outside_tree()), kMaxLightsPerHit);
+    const int slots = placed + (context_.lights.tree().is_empty() ? 0 : 1) +
+                      (context_.lights.environment().has_density() ? 2
+                       : context_.lights.meshes().is_empty()       ? 0
+                                                                   : 1);
+    return std::clamp(slots, 1, SurfaceNumbers::kLightSlots);
+}
+
+// Returns the point of the unit square for the only sample of a light.
+Vec2f Integrator::light_square(const Vertex& v, int slot) const noexcept
+{
+    return slot < drawn_.surfaces.light_slots ? v.drawn.light[slot] : numbers(v, Use::Light, slot).square(v.first_of(1));
 }
 
 // A path that is scattered no further draws as many directions as a light has samples; any other path draws one.
@@ -135,20 +168,21 @@ void Integrator::gather_light(const Vertex& v)
     const Vec3f each = v.lit_share / static_cast<float>(per_hit);
     const shade::SampleCounts counts{float(per_hit), float(scatter_samples_at(v.path))};
     if (!context_.lights.meshes().is_empty()) {
-        const Sequence squares = numbers(v, Use::Light, slots), choices = numbers(v, Use::LightChoice, slots);
+        const Sequence choices = numbers(v, Use::LightChoice, slots);
         const shade::Receiver everything = v.receiver.of_all_groups();
         for (int n = 0; n < per_hit; ++n) {
             const std::uint32_t index = v.first_of(per_hit) + static_cast<std::uint32_t>(n);
-            const shade::LightNumbers u{squares.square(index), choices.interval(index)};
+            const Vec2f square = per_hit > 1 ? numbers(v, Use::Light, slots).square(index) : light_square(v, slots);
+            const shade::LightNumbers u{square, choices.interval(index)};
             test(v, shade::test_meshes(*v.for_eye, context_.lights.meshes(), everything, u, counts), each, per_hit);
         }
     }
     if (context_.lights.environment().has_density()) {
-        const Sequence squares = numbers(v, Use::Light, slots + 1);
-        for (int n = 0; n < per_hit; ++n) {
-            const shade::LightNumbers u{squares.square(v.first_of(per_hit) + static_cast<std::uint32_t>(n))};
-            test(v, shade::test_environment(*v.for_eye, context_.lights.environment(), u, counts), each, per_hit);
-        }
+        const auto sample = [&](Vec2f square) {
+            test(v, shade::test_environment(*v.for_eye, context_.lights.environment(), {square}, counts), each, per_hit);
+        };
+        if (per_hit > 1) for_squares(numbers(v, Use::Light, slots + 1), v.first_of(per_hit), per_hit, sample);
+        else sample(light_square(v, slots + 1));
     }
 }
 
@@ -166,8 +200,7 @@ void Integrator::gather_placed(const Vertex& v, int slots)
             const shade::WorldLight& light = lights[std::size_t(slot)];
             gather_light(v, light, samples, [&](const auto& sample) {
                 if (per_hit > 1) for_squares(numbers(v, Use::Light, slot), v.first_of(per_hit), per_hit, sample);
-                else if (slot == 0 || !light.has_extent()) sample(v.drawn.light);
-                else sample(numbers(v, Use::Light, slot).square(v.first_of(1)));
+                else sample(light.has_extent() ? light_square(v, slot) : Vec2f(0.5f));
             });
             continue;
         }
@@ -190,6 +223,7 @@ void Integrator::gather_from_tree(const Vertex& v, int first_slot)
         shade::LightTree::Pick picks[kTreeDraws];
         const std::uint32_t index = v.first_of(per_hit) + static_cast<std::uint32_t>(n);
         const int count = tree.draw(v.receiver, choices.interval(index), std::span(picks, std::size_t(draws)));
+        for (int k = 0; k < count; ++k) prefetch_object(context_.lights.lights()[picks[k].light]);
         for (int k = 0; k < count; ++k) {
             const float expected = static_cast<float>(per_hit) * picks[k].expected;
             const shade::WorldLight& light = context_.lights.lights()[picks[k].light];
@@ -207,7 +241,8 @@ void Integrator::gather_light(const Vertex& v, const shade::WorldLight& light, c
 {
     if ((light.groups & v.hit.lit_by) == 0) return;
     const int per_hit = light_samples_at(v.path);
-    const bool is_left_to_samples = shade::FrameLights::is_left_to_samples(light, v.start, v.peak);
+    // Lights without an area are found by their samples alone in any case.
+    const bool is_left_to_samples = light.has_area() && shade::FrameLights::is_left_to_samples(light, v.start, v.peak);
     const shade::SampleCounts counts{samples.expected, is_left_to_samples ? 0.0f : float(scatter_samples_at(v.path))};
     const Vec3f to_middle(light.position - v.surface.position);
     draw([&](Vec2f square) {

@@ -66,7 +66,8 @@ private:
 
 /// Holds the numbers of which most surfaces of a path need one each.
 struct SurfaceNumbers {
-    Vec2f light{0};  ///< of Use::Light, slot 0
+    static constexpr int kLightSlots = 4;
+    Vec2f light[kLightSlots]{};  ///< of Use::Light, slots 0 and following
     Vec2f scatter{0};
     float lobe = 0, survival = 0;
 };
@@ -76,6 +77,7 @@ struct SurfacesToDraw {
     static constexpr int kMost = 8;
     int x[kMost]{}, y[kMost]{};
     std::uint32_t index[kMost]{}, key[kMost]{};
+    int light_slots = 1;  ///< as many slots of Use::Light are drawn, at most SurfaceNumbers::kLightSlots
 };
 
 class Sampler {
@@ -95,6 +97,8 @@ public:
     {
         return Sequence(key_of(mixed_pixel(x, y), dimension));
     }
+    /// Returns several samples' places in their pixels, side by side, in lanes; keys are not read.
+    void draw_in_pixels(const SurfacesToDraw& of, Vec2f (&to)[SurfacesToDraw::kMost]) const noexcept;
     /// Draws the numbers of several surfaces side by side, in lanes.
     void draw(const SurfacesToDraw& of, SurfaceNumbers (&to)[SurfacesToDraw::kMost]) const noexcept;
     float interval(int x, int y, std::uint32_t index, Dimension dimension) const noexcept

@@ -1,46 +1,76 @@
 #include "shade/albedo_table.h"
 
+#include "base/simd.h"
 #include "shade/microfacet.h"
 
 namespace occam::shade {
 namespace {
 
-constexpr int kRings = 24, kAngles = 12;
+constexpr int kRings = 24, kAngles = 12, kPoints = kRings * kAngles;
 
 // With visible normals, only the masking of the integrand is left. The normals come from the unit disc: rings that get
 // finer towards its rim, where the long tail of GGX is, and half a turn of angles (the other half is its mirror image).
-LayerAlbedo integrate(float cosine, float alpha) noexcept
-{
-    const Vec3f eye(std::sqrt(std::max(0.0f, 1 - cosine * cosine)), 0, cosine);
-    double a = 0, b = 0, whole = 0;
-    for (int ring = 0; ring < kRings; ++ring) {
-        const float x = (static_cast<float>(ring) + 0.5f) / kRings;
-        const float radius = std::sqrt(1 - x * x * x);
-        const double area = double(x) * double(x);  // weight of the ring, because 1 - radius^2 = x^3
-        whole += area * kAngles;
-        for (int i = 0; i < kAngles; ++i) {
-            // The disc's second axis lies in the plane of the eye, so the mirror images differ in the sign of the first
-            // one.
-            const float angle = (static_cast<float>(i) + 0.5f) / kAngles * kPi - kPi / 2;
-            const Vec3f h = visible_normal_of(eye, alpha, radius * Vec2f(maths::cos(angle), maths::sin(angle)));
-            const float v_h = glm::dot(eye, h);
-            const float n_l = 2 * v_h * h.z - eye.z;
-            if (!(n_l > 0) || !(v_h > 0)) continue;
-            // The weight is f cos / density = 4 n_l visibility / (G1 / n_v).
-            const double w = double(4 * n_l * ggx_visibility(n_l, cosine, alpha) / ggx_masking_over_cosine(cosine, alpha));
-            const double out = std::max(0.0, 1 - double(v_h));
-            const double g = out * out * out * out * out;
-            a += area * w * (1 - g);
-            b += area * w * g;
+struct Disc {
+    float x[kPoints], y[kPoints], height[kPoints];  // of the points, and of the sphere's half above them, at y = 0
+    double area[kPoints];                           // weight of a point
+    double whole = 0;
+
+    Disc() noexcept
+    {
+        for (int ring = 0; ring < kRings; ++ring) {
+            const float root = (static_cast<float>(ring) + 0.5f) / kRings;
+            const float radius = std::sqrt(1 - root * root * root);
+            whole += double(root) * double(root) * kAngles;  // because 1 - radius^2 is the cube of the root
+            for (int i = 0; i < kAngles; ++i) {
+                // The disc's second axis lies in the plane of the eye, so the mirror images differ in the sign of the first
+                // one.
+                const float angle = (static_cast<float>(i) + 0.5f) / kAngles * kPi - kPi / 2;
+                const int point = ring * kAngles + i;
+                x[point] = radius * maths::cos(angle);
+                y[point] = radius * maths::sin(angle);
+                height[point] = std::sqrt(std::max(0.0f, 1 - x[point] * x[point]));
+                area[point] = double(root) * double(root);
+            }
         }
     }
-    return {static_cast<float>(a / whole), static_cast<float>(b / whole)};
+};
+
+// The first loop does what visible_normal_of() does, in lanes.
+LayerAlbedo integrate(const Disc& disc, float cosine, float alpha) noexcept
+{
+    const Vec3f eye(std::sqrt(std::max(0.0f, 1 - cosine * cosine)), 0, cosine);
+    const Vec3f z = glm::normalize(Vec3f(alpha * eye.x, 0, eye.z));
+    const float across = std::sqrt(z.x * z.x);  // of the eye, stretched
+    const Vec3f x = z.x * z.x > 0 ? Vec3f(0, z.x, 0) / across : Vec3f(1, 0, 0), y = glm::cross(z, x);
+    const float s = 0.5f * (1 + z.z);
+    const float masking = ggx_masking_over_cosine(cosine, alpha), root_v = ggx_root(cosine, alpha), a2 = alpha * alpha;
+    float v_h[kPoints], n_l[kPoints], weight[kPoints];
+    for (int i = 0; i < kPoints; i += kLanes) {
+        const vfloat p = vfloat::load(disc.x + i),
+                     q = (1 - s) * vfloat::load(disc.height + i) + s * vfloat::load(disc.y + i);
+        const vfloat up = sqrt(max(vfloat(1.0f) - p * p - q * q, vfloat(0.0f)));
+        const vfloat a = alpha * (x.x * p + y.x * q + z.x * up), b = alpha * (x.y * p + y.y * q + z.y * up),
+                     c = max(x.z * p + y.z * q + z.z * up, vfloat(1e-6f));
+        const vfloat inverse = vfloat(1.0f) / sqrt(a * a + b * b + c * c), h_x = a * inverse, h_z = c * inverse;
+        const vfloat v = eye.x * h_x + eye.z * h_z, n = 2 * v * h_z - eye.z;
+        const vfloat sum = cosine * sqrt(n * n * (1 - a2) + a2) + n * root_v;
+        // The weight is f cos / density = 4 n_l visibility / (G1 / n_v).
+        const vfloat w = 4 * n * (0.5f / max(sum, vfloat(1e-12f))) / masking;
+        v.store(v_h + i);
+        n.store(n_l + i);
+        w.store(weight + i);
+    }
+    double f0 = 0, f90 = 0;
+    for (int i = 0; i < kPoints; ++i) {
+        if (!(n_l[i] > 0) || !(v_h[i] > 0)) continue;
+        const double out = std::max(0.0, 1 - double(v_h[i])), g = out * out * out * out * out;
+        f0 += disc.area[i] * double(weight[i]) * (1 - g);
+        f90 += disc.area[i] * double(weight[i]) * g;
+    }
+    return {static_cast<float>(f0 / disc.whole), static_cast<float>(f90 / disc.whole)};
 }
 
-struct Place {
-    int below;
-    float share;  // weight of the node above
-};
+using Place = AlbedoTable::Row;
 
 Place place_of(float x, int nodes) noexcept
 {
@@ -56,8 +86,6 @@ LayerAlbedo mix(LayerAlbedo a, LayerAlbedo b, float share) noexcept
 
 float row_root(float alpha) noexcept { return std::sqrt(std::sqrt(std::max(0.0f, alpha))); }
 const float kLeastRoot = row_root(kMinAlpha);
-
-Place row_of(float alpha, int rows) noexcept { return place_of((row_root(alpha) - kLeastRoot) / (1 - kLeastRoot), rows); }
 
 template <class Row>
 LayerAlbedo in_row(const Row& row, float root_of_cosine) noexcept
@@ -75,15 +103,21 @@ const AlbedoTable& AlbedoTable::instance()
     return table;
 }
 
+AlbedoTable::Row AlbedoTable::row_of(float alpha) noexcept
+{
+    return place_of((row_root(alpha) - kLeastRoot) / (1 - kLeastRoot), kRoughnesses);
+}
+
 AlbedoTable::AlbedoTable()
 {
+    const Disc disc;
     for (int r = 0; r < kRoughnesses; ++r) {
         const float root = kLeastRoot + (1 - kLeastRoot) * static_cast<float>(r) / (kRoughnesses - 1);
         const float alpha = root * root * root * root;
         auto& row = rows_[static_cast<std::size_t>(r)];
         for (int c = 0; c < kCosines; ++c) {
             const float root_of_cosine = std::max(static_cast<float>(c), 0.05f) / (kCosines - 1);
-            row[static_cast<std::size_t>(c)] = integrate(root_of_cosine * root_of_cosine, alpha);
+            row[static_cast<std::size_t>(c)] = integrate(disc, root_of_cosine * root_of_cosine, alpha);
         }
         // The mean is that of the interpolated row, so that lobes made of both neither lose nor gain light.
         double f0 = 0, f90 = 0;
@@ -99,17 +133,15 @@ AlbedoTable::AlbedoTable()
     }
 }
 
-LayerAlbedo AlbedoTable::at(float cosine, float alpha) const noexcept
+LayerAlbedo AlbedoTable::at(float cosine, Row r) const noexcept
 {
-    const Place r = row_of(alpha, kRoughnesses);
     const float root = std::sqrt(std::max(0.0f, cosine));
     const auto i = static_cast<std::size_t>(r.below);
     return mix(in_row(rows_[i], root), in_row(rows_[i + 1], root), r.share);
 }
 
-LayerAlbedo AlbedoTable::mean(float alpha) const noexcept
+LayerAlbedo AlbedoTable::mean(Row r) const noexcept
 {
-    const Place r = row_of(alpha, kRoughnesses);
     const auto i = static_cast<std::size_t>(r.below);
     return mix(means_[i], means_[i + 1], r.share);
 }

@@ -5,7 +5,7 @@
 // the eye and the roughness (the split of Karis 2013). The rest to one is light that several microfacets scatter. It is
 // given back as a lobe (Kulla and Conty 2017), and the base receives what the layer does not reflect.
 //
-// Memory   two tables of 64 x 48 floats, made once per process on first use (some 60 ms), and read only from then on.
+// Memory   two tables of 64 x 48 floats, made once per process on first use (some 10 ms), and read only from then on.
 // Threads  any.
 #pragma once
 
@@ -23,9 +23,19 @@ class AlbedoTable {
 public:
     static const AlbedoTable& instance();
 
+    /// A place between two roughnesses of the table.
+    struct Row {
+        int below = 0;
+        float share = 0;  ///< weight of the one above
+    };
+    /// Returns the place of a GGX width.
+    static Row row_of(float alpha) noexcept;
+
     /// Returns the albedo for a cosine in [0, 1]; `alpha` is the GGX width.
-    LayerAlbedo at(float cosine, float alpha) const noexcept;
-    LayerAlbedo mean(float alpha) const noexcept;
+    LayerAlbedo at(float cosine, float alpha) const noexcept { return at(cosine, row_of(alpha)); }
+    LayerAlbedo at(float cosine, Row row) const noexcept;
+    LayerAlbedo mean(float alpha) const noexcept { return mean(row_of(alpha)); }
+    LayerAlbedo mean(Row row) const noexcept;
 
 private:
     static constexpr int kCosines = 64;      ///< nodes, evenly spaced in the square root of the cosine

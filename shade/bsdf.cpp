@@ -76,14 +76,14 @@ struct Strokes {
 
 bool has_strokes(const Surface& s) noexcept { return s.tangent != Vec3f(0); }
 
-Layer layer_of(const Surface& s) noexcept
+Layer layer_of(const Surface& s, AlbedoTable::Row row) noexcept
 {
     Layer of;
     of.alpha = s.alpha;
     of.f0 = s.dielectric_f0;
     of.f90 = s.dielectric_f90;
     const LayerAlbedo all = has_strokes(s) ? StrokeAlbedo::instance().mean({s.alpha_along, s.alpha_across}, of.alpha)
-                                           : AlbedoTable::instance().mean(of.alpha);
+                                           : AlbedoTable::instance().mean(row);
     of.mean = all.sum();
     of.multiple = multiple_share(s.f0, s.f90, of.mean);
     of.base_multiple = multiple_share(Vec3f(of.f0), of.f90, of.mean).x;
@@ -92,9 +92,10 @@ Layer layer_of(const Surface& s) noexcept
 }
 
 // Returns the albedo of a layer that reflects all light, for a direction and its cosine to the normal.
-LayerAlbedo albedo(const Surface& s, Vec3f direction, float cosine) noexcept
+LayerAlbedo albedo(const SurfaceForEye& of, Vec3f direction, float cosine) noexcept
 {
-    if (!has_strokes(s)) return AlbedoTable::instance().at(cosine, s.alpha);
+    const Surface& s = of.surface;
+    if (!has_strokes(s)) return AlbedoTable::instance().at(cosine, of.row);
     const Strokes strokes(s);
     Vec3f local = strokes.local(direction);
     local.z = cosine;
@@ -182,20 +183,28 @@ float lobe_terminator(Vec3f facet, Vec3f normal, float n_l, Vec3f to_light) noex
 }
 
 // Returns the reflection below the coat of what is opaque or a pane: f times the cosine, with the light on the eye's
-// side.
-Vec3f reflected(const SurfaceForEye& of, Vec3f to_light) noexcept
+// side and above the horizon.
+// lobe   density and visibility of the layer's microfacets
+Vec3f reflected(const SurfaceForEye& of, Vec3f to_light, const Angles& a, float lobe) noexcept
 {
     const Surface& s = of.surface;
-    const Angles a(s.normal, s.to_eye, to_light);
-    if (!(a.n_l > 0)) return Vec3f(0);
-    const float lobe = has_strokes(s) ? Strokes(s).lobe(s, to_light)
-                                      : ggx_density(a.n_h, a.sin2_h, s.alpha) * ggx_visibility(a.n_l, a.n_v, s.alpha);
-    const LayerAlbedo light = albedo(s, to_light, a.n_l);
+    const LayerAlbedo light = albedo(of, to_light, a.n_l);
     const float g = schlick(a.v_h);
     const Vec3f mirror = (s.f0 * (1 - g) + Vec3f(s.f90 * g)) * lobe + multiple_lobe(of.layer, of.eye, light);
     const Vec3f base = s.diffuse * (into_base(of.layer, of.eye, light) / kPi);
     return mirror * (a.n_l * lobe_terminator(s.normal_geometric, s.normal, a.n_l, to_light)) +
            base * (a.n_l * terminator(s, a.n_l, to_light));
+}
+
+Vec3f reflected(const SurfaceForEye& of, Vec3f to_light) noexcept
+{
+    const Surface& s = of.surface;
+    const Angles a(s.normal, s.to_eye, to_light);
+    if (!(a.n_l > 0)) return Vec3f(0);
+    const float lobe = has_strokes(s)
+                           ? Strokes(s).lobe(s, to_light)
+                           : ggx_density(a.n_h, a.sin2_h, s.alpha) * ggx_visibility(a.n_l, a.n_v, of.root, s.alpha);
+    return reflected(of, to_light, a, lobe);
 }
 
 // Returns the transmission of a pane below the coat: f times the cosine.
@@ -204,7 +213,7 @@ Vec3f through_rough_pane(const SurfaceForEye& of, Vec3f to_light) noexcept
     const Surface& s = of.surface;
     const float n_l = -glm::dot(s.normal, to_light);
     if (!(n_l > 0)) return Vec3f(0);
-    const LayerAlbedo light = albedo(s, to_light, n_l);
+    const LayerAlbedo light = albedo(of, to_light, n_l);
     return pane_transmission(s, to_light) + s.transmission * (multiple_through(of.layer, of.eye, light) * n_l);
 }
 
@@ -236,8 +245,12 @@ void SurfaceForEye::set() noexcept
 {
     const Surface& s = surface;
     const float n_v = eye_cosine(s.normal, s.to_eye);
-    layer = layer_of(s);
-    eye = albedo(s, s.to_eye, n_v);
+    row = AlbedoTable::row_of(s.alpha);
+    layer = layer_of(s, row);
+    eye = albedo(*this, s.to_eye, n_v);
+    masking = ggx_masking_over_cosine(n_v, s.alpha);
+    root = ggx_root(n_v, s.alpha);
+    is_plain = !s.is_solid && !has_strokes(s) && !(s.coat > 0) && s.sheen == Vec3f(0) && s.transmission == Vec3f(0);
     const float coat_reflects = s.coat > 0 ? s.coat * coat_albedo(eye_cosine(s.coat_normal, s.to_eye), s.coat_alpha) : 0;
     below_coat = 1 - coat_reflects;
     shares = shares_of(*this, n_v, coat_reflects);
@@ -272,6 +285,20 @@ Vec3f scatter_of_lobes(const SurfaceForEye& of, Vec3f to_light) noexcept
     else if (side < 0 && !s.is_solid && s.transmission != Vec3f(0)) f = through_rough_pane(of, to_light);
     if (s.sheen != Vec3f(0)) f = sheened(s, f, to_light);
     return s.coat > 0 ? coated(of, f, to_light) : f;
+}
+
+ScatterWithDensity scatter_with_density(const SurfaceForEye& of, Vec3f to_light) noexcept
+{
+    if (!of.is_plain) return {scatter(of, to_light), scatter_density(of, to_light)};
+    const Surface& s = of.surface;
+    const Angles a(s.normal, s.to_eye, to_light);
+    const float normals = ggx_density(a.n_h, a.sin2_h, s.alpha);
+    ScatterWithDensity both;
+    both.density = of.shares.diffuse * std::max(a.n_l, 0.0f) / kPi;
+    if (of.shares.layer > 0) both.density += of.shares.layer * ((a.n_h > 0 ? of.masking * normals : 0) / 4);
+    if (a.n_l > 0 && glm::dot(s.normal_geometric, to_light) > 0)
+        both.light = reflected(of, to_light, a, normals * ggx_visibility(a.n_l, a.n_v, of.root, s.alpha));
+    return both;
 }
 
 float peak_density(const Surface& s) noexcept
@@ -329,9 +356,9 @@ ScatterSample sample_scatter(const SurfaceForEye& of, float choice, Vec2f square
         out.direction = reflected(s.to_eye, seen_normal(ShadingFrame(s.coat_normal), s.to_eye, s.coat_alpha, square));
     }
     if (out.direction == Vec3f(0)) return out;
-    out.density = scatter_density(of, out.direction);
-    if (out.density > 0 && out.density < std::numeric_limits<float>::infinity())
-        out.weight = scatter(of, out.direction) / out.density;
+    const ScatterWithDensity both = scatter_with_density(of, out.direction);
+    out.density = both.density;
+    if (out.density > 0 && out.density < std::numeric_limits<float>::infinity()) out.weight = both.light / out.density;
     return out;
 }
 

@@ -50,9 +50,12 @@ struct SurfaceForEye {
     const Surface& surface;
     // These are not set for a matte surface, which has no layer.
     Layer layer;
+    AlbedoTable::Row row;  ///< the layer's place in the table of albedos
     LayerAlbedo eye;       ///< albedo of the layer towards the eye
+    float masking, root;   ///< ggx_masking_over_cosine() and ggx_root() of the eye
     float below_coat = 1;  ///< share of the light that the coat leaves to what is below it
     LobeShares shares;
+    bool is_plain = false;  ///< There is no more than a base under a round layer.
 
     SurfaceForEye(const Surface& s) noexcept : surface(s)
     {
@@ -93,6 +96,14 @@ ScatterSample sample_scatter(const SurfaceForEye& surface, float choice, Vec2f s
 
 /// Returns the density of the directions of sample_scatter(), per solid angle.
 float scatter_density(const SurfaceForEye& surface, Vec3f to_light) noexcept;
+
+/// Holds scatter() and scatter_density() for one direction.
+struct ScatterWithDensity {
+    Vec3f light{0};
+    float density = 0;
+};
+/// Returns both at once, with the same bits.
+ScatterWithDensity scatter_with_density(const SurfaceForEye& surface, Vec3f to_light) noexcept;
 
 /// Returns an upper bound of the density of any lobe in any direction; it is infinite if light passes straight through
 /// the surface.

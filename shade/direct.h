@@ -51,11 +51,12 @@ struct SampleCounts {
 inline ShadowTest test_of(const SurfaceForEye& surface, const LightSample& sample, SampleCounts counts) noexcept
 {
     if (sample.radiance == Vec3f(0)) return {};
-    const Vec3f f = scatter(surface, sample.direction);
-    if (f == Vec3f(0)) return {};
     const bool is_weighed = sample.density > 0 && counts.scatter > 0;
-    const float weight = is_weighed ? counts.of_light(sample.density, scatter_density(surface, sample.direction)) : 1;
-    return {surface.surface.start(sample.direction), sample.direction, sample.distance, f * sample.radiance * weight,
+    const ScatterWithDensity f = is_weighed ? scatter_with_density(surface, sample.direction)
+                                            : ScatterWithDensity{scatter(surface, sample.direction), 0};
+    if (f.light == Vec3f(0)) return {};
+    const float weight = is_weighed ? counts.of_light(sample.density, f.density) : 1;
+    return {surface.surface.start(sample.direction), sample.direction, sample.distance, f.light * sample.radiance * weight,
             sample.density};
 }
 

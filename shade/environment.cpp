@@ -144,10 +144,9 @@ Vec2f Environment::uv_of(Vec3f direction) const noexcept
 
 Vec3f Environment::direction_of(Vec2f uv) const noexcept
 {
-    const float angle = (uv.x - 0.5f) * 2 * kPi;
-    const float ring = maths::sin(uv.y * kPi);
-    const float x = ring * maths::sin(angle), z = -ring * maths::cos(angle);
-    return {rotation_cos_ * x + rotation_sin_ * z, maths::cos(uv.y * kPi), rotation_cos_ * z - rotation_sin_ * x};
+    const maths::SinCos around = maths::sin_cos((uv.x - 0.5f) * 2 * kPi), up = maths::sin_cos(uv.y * kPi);
+    const float x = up.sin * around.sin, z = -up.sin * around.cos;
+    return {rotation_cos_ * x + rotation_sin_ * z, up.cos, rotation_cos_ * z - rotation_sin_ * x};
 }
 
 void Environment::tabulate()

@@ -13,7 +13,7 @@
 // splitting in the same paper). From parts that give little a light is drawn by chance.
 //
 // Space    world axes, relative to an origin of the tree's own; floats.
-// Memory   about 200 bytes a light.
+// Memory   about 160 bytes a light.
 // Threads  const after construction.
 #pragma once
 

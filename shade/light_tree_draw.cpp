@@ -112,7 +112,7 @@ void LightTree::estimate(const Node& node, const Receiver& receiver, Estimates& 
 class LightTree::Parts {
 public:
     /// draws   lights that are drawn at most
-    explicit Parts(int draws) noexcept : draws_(std::clamp(draws, 1, kMostDraws)), least_share_(0.5f / float(draws_)) {}
+    explicit Parts(int draws) noexcept : draws_(std::clamp(draws, 1, kMostDraws)), least_share_(2 / float(draws_)) {}
 
     std::size_t count() const noexcept { return count_; }
     Place place(std::size_t i) const noexcept { return places_[i]; }

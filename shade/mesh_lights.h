@@ -7,8 +7,9 @@
 // alone.
 //
 // Space    world axes, frame lengths (scenegraph/frame_scale.h).
-// Memory   a double and an index per triangle; the vertices stay in the scene. A tree takes about 230 bytes a triangle, and
-//          15 MB at most: of very many triangles, several that follow each other share a leaf. Borrows scene and textures.
+// Memory   a double and an index per triangle; the vertices stay in the scene. A tree takes about 160 bytes a triangle, and
+//          some 11 MB at most: of very many triangles, several that follow each other share a leaf. Borrows scene and
+//          textures.
 // Threads  const after construction.
 #pragma once
 

@@ -24,13 +24,22 @@ inline float ggx_density(float n_h, float sin2_h, float alpha) noexcept
     return alpha * alpha / (kPi * d * d);
 }
 
-/// Returns the height-correlated masking and shadowing over 4 n_l n_v (Heitz 2014, eq. 99); both cosines are above zero.
-inline float ggx_visibility(float n_l, float n_v, float alpha) noexcept
+/// Returns the root by which ggx_visibility() depends on one of its cosines.
+inline float ggx_root(float cosine, float alpha) noexcept
 {
     const float a2 = alpha * alpha;
-    const float l = n_v * std::sqrt(n_l * n_l * (1 - a2) + a2);
-    const float v = n_l * std::sqrt(n_v * n_v * (1 - a2) + a2);
-    return 0.5f / std::max(l + v, 1e-12f);
+    return std::sqrt(cosine * cosine * (1 - a2) + a2);
+}
+
+/// Returns the height-correlated masking and shadowing over 4 n_l n_v (Heitz 2014, eq. 99); both cosines are above zero.
+/// root_v   ggx_root() of n_v
+inline float ggx_visibility(float n_l, float n_v, float root_v, float alpha) noexcept
+{
+    return 0.5f / std::max(n_v * ggx_root(n_l, alpha) + n_l * root_v, 1e-12f);
+}
+inline float ggx_visibility(float n_l, float n_v, float alpha) noexcept
+{
+    return ggx_visibility(n_l, n_v, ggx_root(n_v, alpha), alpha);
 }
 
 /// Returns the masking of one direction over its cosine: G1(v) / n_v (Heitz 2014, eq. 43 and 72).

@@ -195,6 +195,40 @@ TEST(Picture, OfWhatMovesIsTheSameForAnyThreadsAndBudgetAndBuild)
     }
 }
 
+// Placed lights and emissive triangles are so many that both are drawn by trees.
+TEST(Picture, OfManyLightsIsTheSameForAnyThreadsAndBuild)
+{
+    Scene scene = stage(false);
+    for (int i = 0; i < 90; ++i) {
+        const Vec3d at(i % 10 - 4.5, 1.5 + 0.1 * (i % 7), i / 10 - 4.0);
+        NodeDesc lamp;
+        lamp.place.translation = at;
+        AreaLight square;
+        square.size = Vec2f(0.2f);
+        square.two_sided = i % 5 == 0;
+        square.radiance = Vec3f(3);
+        lamp.light = i % 2 ? scene.add(Light{"", square}) : scene.add(Light{"", PointLight{Vec3f(0.2f)}});
+        scene.add_node(scene.root(), lamp);
+    }
+    Material shining;
+    shining.emission = Vec3f(2);
+    Cage lamps;
+    lamps.scheme = Scheme::Triangles;
+    for (std::uint32_t i = 0; i < 60; ++i) {
+        const Vec3f at(float(i % 6) - 2.5f, 2.5f, float(i / 6) * 0.5f - 2.5f);
+        for (const Vec3f corner : {Vec3f(0), Vec3f(0.1f, 0, 0), Vec3f(0, 0.05f, 0.1f)})
+            lamps.positions.push_back(at + corner);
+        for (std::uint32_t k = 0; k < 3; ++k) lamps.face_vertices.push_back(3 * i + k);
+    }
+    lamps.materials = {scene.add(shining)};
+    place(scene, scene.add(std::move(lamps)), {0, 0, 0});
+    const Camera camera = Camera::framing(scene.bounds());
+    const Settings settings{.width = 96, .height = 54, .spp = 4, .bounces = 2};
+    const std::uint64_t one = render(scene, camera, settings, 1, std::size_t(1) << 30).checksum;
+    EXPECT_EQ(render(scene, camera, settings, 5, std::size_t(1) << 30).checksum, one);
+    expect_same_in_other_builds("many_lights", one);
+}
+
 TEST(Picture, OfTheBuiltInSceneIsTheSameInEveryBuild)
 {
     Scene scene = builtin_scene();

@@ -62,10 +62,17 @@ TEST(Sampler, NumbersOfSeveralSurfacesAreThoseOfTheirSequences)
         of.key[i] = 0x9e3779b9u * static_cast<std::uint32_t>(i);
     }
     SurfaceNumbers drawn[SurfacesToDraw::kMost];
+    of.light_slots = SurfaceNumbers::kLightSlots;
     sampler.draw(of, drawn);
+    Vec2f in_pixels[SurfacesToDraw::kMost];
+    sampler.draw_in_pixels(of, in_pixels);
     for (int i = 0; i < SurfacesToDraw::kMost; ++i) {
         const auto sequence = [&](Use use) { return sampler.sequence(of.x[i], of.y[i], Dimension::at(of.key[i], use)); };
-        EXPECT_EQ(drawn[i].light, sequence(Use::Light).square(of.index[i]));
+        for (int slot = 0; slot < SurfaceNumbers::kLightSlots; ++slot) {
+            const Dimension light = Dimension::at(of.key[i], Use::Light, static_cast<std::uint32_t>(slot));
+            EXPECT_EQ(drawn[i].light[slot], sampler.square(of.x[i], of.y[i], of.index[i], light));
+        }
+        EXPECT_EQ(in_pixels[i], sampler.in_pixel(of.x[i], of.y[i], static_cast<int>(of.index[i])));
         EXPECT_EQ(drawn[i].scatter, sequence(Use::Scatter).square(of.index[i]));
         EXPECT_EQ(drawn[i].lobe, sequence(Use::Lobe).interval(of.index[i]));
         EXPECT_EQ(drawn[i].survival, sequence(Use::Survival).interval(of.index[i]));

@@ -315,6 +315,9 @@ TEST(Bsdf, IsFiniteAndNeverNegative)
                     ASSERT_TRUE(is_good(scatter(s, light))) << c.name << ' ' << alpha << ' ' << cos_eye << ' ' << height;
                     ASSERT_TRUE(is_good(Vec3f(scatter_density(s, light))))
                         << c.name << ' ' << alpha << ' ' << cos_eye << ' ' << height;
+                    const ScatterWithDensity both = scatter_with_density(s, light);
+                    ASSERT_EQ(both.light, scatter(s, light)) << c.name << ' ' << alpha << ' ' << cos_eye;
+                    ASSERT_EQ(both.density, scatter_density(s, light)) << c.name << ' ' << alpha << ' ' << cos_eye;
                     const float choice = numbers.one();
                     const ScatterSample sample = sample_scatter(s, choice, numbers.square());
                     ASSERT_TRUE(is_good(sample.weight)) << c.name << ' ' << alpha << ' ' << cos_eye;
