@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds and runs the tests: all of them in the preset test, and the hash tests in the one-lane build. --sanitize adds the address and
 # undefined-behaviour sanitizers on the unit and hostile tests. --long adds these, the long campaigns in the preset test, the debug
-# build, the thread sanitizer, clang, and the fuzz targets. It takes about two hours on two processors.
+# build, the thread sanitizer, clang, and the fuzz targets. It takes some four hours on two processors.
 set -euo pipefail
 cd "$(dirname "$0")"
 long=0 sanitize=0
