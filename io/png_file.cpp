@@ -13,8 +13,8 @@
 namespace occam {
 namespace {
 
-// Holds what the callbacks of the library need. The library leaves a failed call by a long jump, over whose frames no object
-// with a destructor may live: the functions that set the jump's target have none.
+// A picture that is being written or read, with what the callbacks of the library need. The library leaves a failed call by
+// a long jump, over whose frames no object with a destructor may live: the functions that set the jump's target have none.
 struct Session {
     png_structp png = nullptr;
     png_infop info = nullptr;
@@ -24,51 +24,65 @@ struct Session {
     PictureBytes* to = nullptr;
     ImageBytes* from = nullptr;
 
-    static Session& of(png_structp png) { return *static_cast<Session*>(png_get_io_ptr(png)); }
-
-    Session() = default;
+    explicit Session(PictureBytes& output) : to(&output)
+    {
+        png = png_create_write_struct_2(PNG_LIBPNG_VER_STRING, this, on_error, on_warning, this, allocate, release);
+        make_info();
+    }
+    explicit Session(ImageBytes& input) : from(&input)
+    {
+        png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, this, on_error, on_warning, this, allocate, release);
+        make_info();
+    }
     Session(const Session&) = delete;
     Session& operator=(const Session&) = delete;
-    ~Session()
+    ~Session() { destroy(); }
+
+    static void write_bytes(png_structp png, png_bytep bytes, std::size_t size)
+    {
+        Session& session = *static_cast<Session*>(png_get_io_ptr(png));
+        session.to->write_at(bytes, size, session.at);
+        session.at += size;
+    }
+    static void flush_nothing(png_structp) {}
+    static void read_bytes(png_structp png, png_bytep to, std::size_t size)
+    {
+        Session& session = *static_cast<Session*>(png_get_io_ptr(png));
+        if (!session.from->read(session.at, {to, size})) png_error(png, "the file is cut off");
+        session.at += size;
+    }
+
+private:
+    [[noreturn]] static void on_error(png_structp png, png_const_charp message)
+    {
+        Session& session = *static_cast<Session*>(png_get_error_ptr(png));
+        std::strncpy(session.why, message, sizeof session.why - 1);
+        png_longjmp(png, 1);
+    }
+    static void on_warning(png_structp, png_const_charp) {}
+    static png_voidp allocate(png_structp png, png_alloc_size_t size)
+    {
+        void* const bytes = std::malloc(size);
+        if (!bytes) static_cast<Session*>(png_get_mem_ptr(png))->is_out_of_memory = true;
+        return bytes;
+    }
+    static void release(png_structp, png_voidp bytes) { std::free(bytes); }
+
+    void make_info()
+    {
+        if (png) info = png_create_info_struct(png);
+        if (info) return;
+        destroy();
+        throw std::bad_alloc();
+    }
+    void destroy() noexcept
     {
         if (to) png_destroy_write_struct(&png, &info);
         else png_destroy_read_struct(&png, &info, nullptr);
     }
 };
 
-[[noreturn]] void on_error(png_structp png, png_const_charp message)
-{
-    Session& session = *static_cast<Session*>(png_get_error_ptr(png));
-    std::strncpy(session.why, message, sizeof session.why - 1);
-    png_longjmp(png, 1);
-}
-
-void on_warning(png_structp, png_const_charp) {}
-
-png_voidp allocate(png_structp png, png_alloc_size_t size)
-{
-    void* const bytes = std::malloc(size);
-    if (!bytes) static_cast<Session*>(png_get_mem_ptr(png))->is_out_of_memory = true;
-    return bytes;
-}
-
-void release(png_structp, png_voidp bytes) { std::free(bytes); }
-
-void write_bytes(png_structp png, png_bytep bytes, std::size_t size)
-{
-    Session& session = Session::of(png);
-    session.to->write_at(bytes, size, session.at);
-    session.at += size;
-}
-
-void flush_nothing(png_structp) {}
-
-void read_bytes(png_structp png, png_bytep to, std::size_t size)
-{
-    Session& session = Session::of(png);
-    if (!session.from->read(session.at, {to, size})) png_error(png, "the file is cut off");
-    session.at += size;
-}
+constexpr char kDescription[] = "Description";
 
 // Pictures have noise, which compresses no better for more work: with this filter and level a file is within three per cent
 // of the smallest, in an eighth of the time that the library's own choice takes.
@@ -89,7 +103,7 @@ bool encode(Session& session, const PngPicture& picture, const float* values, st
     if (setjmp(png_jmpbuf(session.png))) return false;
     png_structp png = session.png;
     png_infop info = session.info;
-    png_set_write_fn(png, &session, write_bytes, flush_nothing);
+    png_set_write_fn(png, &session, Session::write_bytes, Session::flush_nothing);
     png_set_IHDR(png, info, static_cast<png_uint_32>(picture.width), static_cast<png_uint_32>(picture.height), 8,
                  picture.channels == 4 ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
@@ -97,9 +111,8 @@ bool encode(Session& session, const PngPicture& picture, const float* values, st
     else png_set_gAMA(png, info, 1.0);
     if (!picture.description.empty()) {
         png_text text{};
-        char key[] = "Description";
         text.compression = PNG_TEXT_COMPRESSION_NONE;
-        text.key = key;
+        text.key = const_cast<char*>(kDescription);
         text.text = const_cast<char*>(picture.description.c_str());
         text.text_length = picture.description.size();
         png_set_text(png, info, &text, 1);
@@ -120,7 +133,7 @@ bool encode(Session& session, const PngPicture& picture, const float* values, st
 bool decode_head(Session& session)
 {
     if (setjmp(png_jmpbuf(session.png))) return false;
-    png_set_read_fn(session.png, &session, read_bytes);
+    png_set_read_fn(session.png, &session, Session::read_bytes);
     png_read_info(session.png, session.info);
     return true;
 }
@@ -130,12 +143,7 @@ bool decode_head(Session& session)
 std::string write_png(const PngPicture& picture, const float* values, PictureBytes& to)
 {
     std::vector<std::uint8_t> row(static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.channels));
-    Session session;
-    session.to = &to;
-    session.png = png_create_write_struct_2(PNG_LIBPNG_VER_STRING, &session, on_error, on_warning, &session, allocate,
-                                            release);
-    if (session.png) session.info = png_create_info_struct(session.png);
-    if (!session.info) throw std::bad_alloc();
+    Session session(to);
     if (encode(session, picture, values, row.data())) return {};
     if (session.is_out_of_memory) throw std::bad_alloc();
     return session.why;
@@ -143,12 +151,7 @@ std::string write_png(const PngPicture& picture, const float* values, PictureByt
 
 std::optional<PngPicture> read_png_head(ImageBytes& file)
 {
-    Session session;
-    session.from = &file;
-    session.png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, &session, on_error, on_warning, &session, allocate,
-                                           release);
-    if (session.png) session.info = png_create_info_struct(session.png);
-    if (!session.info) throw std::bad_alloc();
+    Session session(file);
     constexpr png_uint_32 kLargestSide = 0x7fffffff;
     png_set_user_limits(session.png, kLargestSide, kLargestSide);
     if (!decode_head(session)) {
@@ -163,7 +166,7 @@ std::optional<PngPicture> read_png_head(ImageBytes& file)
     png_textp texts = nullptr;
     const int count = png_get_text(session.png, session.info, &texts, nullptr);
     for (int i = 0; i < count; ++i)
-        if (std::string_view(texts[i].key) == "Description" && texts[i].text) picture.description = texts[i].text;
+        if (std::string_view(texts[i].key) == kDescription && texts[i].text) picture.description = texts[i].text;
     return picture;
 }
 

@@ -232,7 +232,8 @@ std::vector<std::uint8_t> faces_to_derive(const Cage& cage, const Far::TopologyL
             controls += around[static_cast<std::size_t>(v)];
             takes[static_cast<std::size_t>(f)] |= is_large[static_cast<std::size_t>(v)];
         }
-        if (controls > kMostControls || may_overflow(level, f)) takes[static_cast<std::size_t>(f)] = 1;
+        if (controls > kMostControls || (!cage.creases.empty() && may_overflow(level, f)))
+            takes[static_cast<std::size_t>(f)] = 1;
     }
     return takes;
 }

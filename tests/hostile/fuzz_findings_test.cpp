@@ -10,6 +10,7 @@
 #include "io/exr_file.h"
 #include "io/texture/texture_store.h"
 #include "occam/occam.h"
+#include "tests/support/picture_bytes.h"
 #include "tests/support/temp_folder.h"
 
 namespace occam::test {
@@ -78,19 +79,6 @@ TEST(FuzzFindings, ImagesOfThirtyBytesDoNotDeclareGibibytes)
     }
 }
 
-// Holds an encoded picture.
-class Encoded final : public PictureBytes {
-public:
-    std::string all;
-    void write_at(const void* bytes, std::size_t size, std::uint64_t offset) noexcept override
-    {
-        all.resize(std::max<std::size_t>(all.size(), offset + size));
-        std::copy_n(static_cast<const char*>(bytes), size, all.begin() + std::ptrdiff_t(offset));
-    }
-    std::size_t read_at(void*, std::size_t, std::uint64_t) const noexcept override { return 0; }
-    std::uint64_t size() const noexcept override { return all.size(); }
-};
-
 // Sets numbers in the value of an attribute; -1 is that of its size.
 std::string with_numbers(std::string file, std::string_view attribute, int first,
                          std::initializer_list<std::int32_t> numbers)
@@ -111,7 +99,7 @@ TEST(FuzzFindings, OpenExrHeadersDoNotDeclareGibibytes)
     spec.width = spec.height = spec.full_width = spec.full_height = 4;
     spec.channels = {"R", "G", "B"};
     const std::vector<float> pixels(4 * 4 * 3, 0.5f);
-    Encoded encoded;
+    BytesInMemory encoded;
     ASSERT_EQ(write_exr(spec, {{{"comments", std::string("text")}}}, pixels.data(), encoded), "");
     ASSERT_TRUE(errors_of_image(encoded.all).empty());
     constexpr std::string_view kWindow = "dataWindow\0box2i\0"sv;

@@ -19,6 +19,7 @@
 #include <sstream>
 
 #include "io/exr_file.h"
+#include "tests/support/picture_bytes.h"
 #include "tests/support/temp_folder.h"
 
 namespace occam {
@@ -26,18 +27,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::TempFolder;
-
-class Bytes final : public PictureBytes {
-public:
-    std::string all;
-    void write_at(const void* bytes, std::size_t size, std::uint64_t offset) noexcept override
-    {
-        if (all.size() < offset + size) all.resize(offset + size);
-        std::copy_n(static_cast<const char*>(bytes), size, all.begin() + std::ptrdiff_t(offset));
-    }
-    std::size_t read_at(void*, std::size_t, std::uint64_t) const noexcept override { return 0; }
-    std::uint64_t size() const noexcept override { return all.size(); }
-};
 
 PictureSpec spec_of(int width, int height, std::vector<std::string> channels, std::vector<SampleType> types)
 {
@@ -52,7 +41,7 @@ PictureSpec spec_of(int width, int height, std::vector<std::string> channels, st
 
 std::string exr(const PictureSpec& spec, const std::vector<float>& pixels, const std::vector<PictureAttribute>& attributes)
 {
-    Bytes bytes;
+    test::BytesInMemory bytes;
     EXPECT_EQ(write_exr(spec, attributes, pixels.data(), bytes), "");
     return bytes.all;
 }
@@ -146,7 +135,7 @@ TEST(ExrFile, HasTheAttributesAndPixelsOfAFileThatTheLibraryForAllFormatsWrites)
     const std::string own = exr(spec, pixels, attributes);
     attributes.back().name = "ExposureTime";
     attributes.push_back({"compression", std::string("zip")});
-    Bytes other;
+    test::BytesInMemory other;
     ASSERT_EQ(picture_codec().write("a.exr", spec, attributes, pixels.data(), other), "");
     auto expected = attributes_of(other.all);
     expected.erase("capDate");  // that library adds the date if it is not given; the command gives it
@@ -195,7 +184,7 @@ TEST(ExrFile, NamesMayBeLong)
 
 TEST(ExrFile, WhatTheLibraryRefusesToWriteIsAnError)
 {
-    Bytes bytes;
+    test::BytesInMemory bytes;
     const std::vector<float> pixels(4);
     const PictureSpec spec = spec_of(2, 2, {"Y"}, {SampleType::Float});
     const std::vector<PictureAttribute> of_another_type{{"compression", std::string("zip")}};

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "render/image.h"
+#include "tests/support/picture_bytes.h"
 #include "tests/support/temp_folder.h"
 
 namespace occam::test {
@@ -15,21 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class Bytes final : public PictureBytes {
-public:
-    std::string all;
-    void write_at(const void* bytes, std::size_t size, std::uint64_t offset) noexcept override
-    {
-        if (all.size() < offset + size) all.resize(offset + size);
-        std::copy_n(static_cast<const char*>(bytes), size, all.begin() + std::ptrdiff_t(offset));
-    }
-    std::size_t read_at(void*, std::size_t, std::uint64_t) const noexcept override { return 0; }
-    std::uint64_t size() const noexcept override { return all.size(); }
-};
-
 std::string png(const PngPicture& picture, const std::vector<float>& values)
 {
-    Bytes bytes;
+    BytesInMemory bytes;
     EXPECT_EQ(write_png(picture, values.data(), bytes), "");
     return bytes.all;
 }

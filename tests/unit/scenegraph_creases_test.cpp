@@ -1,12 +1,10 @@
 // Tests of creases that OpenSubdiv cannot handle: they are dropped or taken around it, and no memory is overwritten.
 #include <gtest/gtest.h>
 
-#include "base/error.h"
 #include "base/hash.h"
 #include "lod/posed_patch.h"
 #include "scenegraph/cage.h"
 #include "tests/support/diced_mesh.h"
-#include "tests/support/made_cages.h"
 #include "tests/support/shape_builders.h"
 
 namespace occam::test {
@@ -63,7 +61,7 @@ TEST(CreasesOfTwoFaces, StayOnlyIfBothAreInfinitelySharp)
     }
 }
 
-TEST(CreasesOfTwoFaces, AreThoseOfOtherVerticesKept)
+TEST(CreasesOfTwoFaces, LeaveThoseOfOtherVertices)
 {
     // A cube whose edge from 0 to 1 has a vertex of two faces in its middle.
     Cage cage = prism(4);
@@ -104,13 +102,6 @@ TEST(ManyCreases, AmongTrianglesDoNotOverflow)
         }
         evaluate(cage);
     }
-}
-
-TEST(Error, IsOneLine)
-{
-    EXPECT_STREQ(Error("a\nb.obj", "the library says:\nfirst\r\n\nsecond\n", "line 1").what(),
-                 "a; b.obj: the library says:; first; second;  (line 1)");
-    EXPECT_STREQ(Error("", "only one\n").what(), "only one");
 }
 
 }  // namespace

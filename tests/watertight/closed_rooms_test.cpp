@@ -193,8 +193,7 @@ int lit_pixels(const Room& room, const Look& look)
     return lit;
 }
 
-/// refused   counts the pictures that are refused because a ray meets too many surfaces at once; null: none may be
-void expect_dark(const Room& room, const Look& look, int* refused = nullptr)
+void expect_dark(const Room& room, const Look& look)
 {
     std::ostringstream what;
     what << room.name << ", rate " << look.rate << ", level mode " << int(look.lod) << ", integrator "
@@ -203,8 +202,7 @@ void expect_dark(const Room& room, const Look& look, int* refused = nullptr)
     try {
         EXPECT_EQ(lit_pixels(room, look), 0) << what.str();
     } catch (const Error& error) {
-        if (refused && look.displaced && error.kind() == Error::Kind::Output) ++*refused;
-        else ADD_FAILURE() << what.str() << ": " << error.what();
+        ADD_FAILURE() << what.str() << ": " << error.what();
     }
 }
 
@@ -308,7 +306,7 @@ TEST(ClosedRooms, ThatCrossEachOtherLetLittleLightIn)
 TEST(ClosedRooms, AreDarkForEverySharedCageHoweverItIsPlaced)
 {
     std::mt19937_64 random(9);
-    int number = 0, tested = 0, refused = 0;
+    int number = 0, tested = 0;
     for (const std::string& name : closed_shapes()) {
         if (name.starts_with("made:") || (!is_long() && ++number % 5 != 0)) continue;
         Room room{name, load_cage(name)};
@@ -321,12 +319,10 @@ TEST(ClosedRooms, AreDarkForEverySharedCageHoweverItIsPlaced)
         room.eye = *eye;
         room.target = *eye + Vec3d(0.3, -0.1, 0.8);
         for (int look = 0; look < (is_long() ? 4 : 1); ++look) {
-            expect_dark(room, random_look(random), &refused);
+            expect_dark(room, random_look(random));
             ++tested;
         }
     }
-    // Thousands of faces that are displaced by far more than their size may all lie on one ray, which is refused.
-    EXPECT_LE(20 * refused, tested);
     // The rooms of the other tests are made in code, and are tested without the shared data, too.
     if (tested == 0) GTEST_SKIP() << "the shared folder is absent: its closed cages are not tested as rooms";
 }
