@@ -59,11 +59,13 @@ Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::Leve
     const Node& root = scene.node(scene.root());
     const Box3d world = options.scale.placed(box_in_parent(root));
     if (world.is_empty()) return;
-    const double step = std::ldexp(1.0, std::ilogb(std::max(world.radius(), 1e-30)));
-    state_->anchor = glm::round(world.centre() / step) * step;
+    // Floats in the tree's frame are the more precise the nearer they are to its origin. So the origin is the scene's point
+    // nearest to the eye: a far thing is seen with a wide footprint, and a telescope sees the near side of the scene.
+    state_->anchor = glm::clamp(levels.eye, world.lo, world.hi);
     const double pad = vertex_rounding(world);
     state_->bounds = outward_float({world.lo - pad, world.hi + pad}, state_->anchor, 8);
-    state_->radius = static_cast<float>(world.radius() + glm::distance(world.centre(), state_->anchor)) * 1.001f;
+    state_->radius = static_cast<float>(glm::length(glm::max(state_->anchor - world.lo, world.hi - state_->anchor))) *
+                     1.001f;
 }
 
 Frame::~Frame() = default;

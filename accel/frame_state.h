@@ -19,8 +19,8 @@ struct FrameState {
     const TextureStore* textures = nullptr;  ///< textures of displacements
     lod::VertexShading shading;
     TreeKind tree = TreeKind::Kd;  ///< never Auto
-    Vec3d anchor{0};               ///< origin of the tree's frame: a lattice point near the scene's middle
-    Box3f bounds;                  ///< bounds of the scene, in the tree's frame
+    Vec3d anchor{0};  ///< origin of the tree's frame: the point of the scene's bounds that is nearest to the eye
+    Box3f bounds;     ///< bounds of the scene, in the tree's frame
     /// Rays see several levels of detail: levels are chosen by each ray, and not all cages are meshes of triangles.
     bool has_levels = true;
     float radius = 0;  ///< radius of a ball about the anchor that holds the scene

@@ -48,6 +48,10 @@ struct Slab {
     float lo = -FLT_MAX, hi = FLT_MAX;
 };
 
+/// Returns by how much the computed distance of a point from a plane may be off if coordinates are no larger than this: by
+/// the rounding of products and sums, and by as much again in the test of triangles.
+constexpr float slab_rounding(float coordinate) noexcept { return coordinate * (256 * 0x1p-24f); }
+
 /// Bounds an igrid by the intersection of a box and a slab.
 struct GridBounds {
     Box3f box;

@@ -89,11 +89,10 @@ GridBounds Items::bounds_of(const IGrid& grid) const
             all.add(image_in_tree(grid, grid.cage->affine->key(key)));
         return {all, {}};
     }
-    // The computed distance of a ray from a plane may be off by this much: by the rounding of products and sums of
-    // coordinates of several radii (place()), and by as much again in the test of triangles.
-    const float off = frame_.radius * 256 * 0x1p-24f;
+    const Box3f box = to_tree(*grid.cage, grid.bounds());
+    const float off = slab_rounding(box.largest_coordinate() + grid.cage->radius);
     const auto shift = static_cast<float>(glm::dot(Vec3d(grid.slab.normal), grid.cage->anchor - frame_.anchor));
-    return {to_tree(*grid.cage, grid.bounds()), {grid.slab.normal, grid.slab.lo + shift - off, grid.slab.hi + shift + off}};
+    return {box, {grid.slab.normal, grid.slab.lo + shift - off, grid.slab.hi + shift + off}};
 }
 
 }  // namespace occam::accel

@@ -29,6 +29,7 @@ public:
             in_tree.negative[a] = axes.negative[a];
             in_tree.direction[a] = ray.direction[a];
         }
+        in_tree.set_off_slab();
         keep_directions();
     }
 

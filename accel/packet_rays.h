@@ -38,6 +38,7 @@ public:
             in_tree.negative[a] = axes.negative[a];
             in_tree.direction[a] = way_[a];
         }
+        in_tree.set_off_slab();
         for (int p = 0; p < kParts; ++p) set_constants(parts_[p].lanes, p, axes, shear, in_tree.inverse);
     }
 

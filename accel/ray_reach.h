@@ -1,8 +1,6 @@
 // Says what the levels of a ray depend on, except for the interval in which it is in the scene.
 #pragma once
 
-#include <algorithm>
-
 #include "accel/frame_state.h"
 #include "accel/ray.h"
 
@@ -21,13 +19,12 @@ inline lod::Footprint target_edge_of(const Ray& ray, const lod::LevelSettings& l
 /// Holds the inputs of a ray's table of transitions (lod::RayLevels); a packet gathers them four at a time.
 struct RayReach {
     lod::Footprint target_edge;
-    float coordinate;  ///< the largest coordinate in the ray's arithmetic; it bounds rounding errors
+    float coordinate;  ///< the largest coordinate of the ray's origin in the tree's frame; it bounds rounding errors
     float start;       ///< edge length of the ray's start level; 0 if it has none
 };
 inline RayReach reach_of(const Ray& ray, const FrameState& frame) noexcept
 {
-    return {target_edge_of(ray, frame.levels),
-            std::max(static_cast<float>(glm::distance(ray.origin, frame.anchor)), frame.radius),
+    return {target_edge_of(ray, frame.levels), static_cast<float>(glm::distance(ray.origin, frame.anchor)),
             ray.start_level == kAnyLevel ? 0.0f : lod::edge_length(ray.start_level)};
 }
 

@@ -15,8 +15,11 @@ namespace occam::accel {
 template <class F>
 struct TreeRay {
     F origin[3], inverse[3], direction[3];
-    F shift;  ///< t of the ray = shift + t here
+    F shift;     ///< t of the ray = shift + t here
+    F off_slab;  ///< by how much the distance of its points from a plane may be off: see slab_rounding()
     bool negative[3];
+
+    void set_off_slab() noexcept { off_slab = (abs(origin[0]) + abs(origin[1]) + abs(origin[2])) * F(slab_rounding(1)); }
 };
 
 template <class F>
@@ -61,7 +64,7 @@ OCCAM_ALWAYS_INLINE MaskOf<F> crosses(const TreeRay<F>& ray, const Slab& slab, F
     };
     const F start = dot(ray.origin), speed = dot(ray.direction);
     const F a = fma(in, speed, start), b = fma(out, speed, start);
-    const F low = min(a, b), high = max(a, b);
+    const F low = min(a, b) - ray.off_slab, high = max(a, b) + ray.off_slab;
     return (low <= F(slab.hi)) & (high >= F(slab.lo));
 }
 

@@ -37,8 +37,11 @@ struct LevelSettings {
     Vec4d planes[4]{};       ///< inside where dot(xyz, p - eye) >= 0; w is not used
     LevelMode mode = LevelMode::PerRay;
     /// Segments of a ray overlap by the larger of these: in edges of the finer pair, and in ulps of the largest coordinate
-    /// (watertightness rule 13). Tests make them small, since a wide overlap hides faults.
+    /// where they meet (watertightness rule 13). Tests make them small, since a wide overlap hides faults.
     float overlap_edges = 0.1f, overlap_ulps = 16;
+    /// The ulps are those of no smaller coordinate than this one, in world length. A tenth of an edge is always more than 25
+    /// ulps of a cage's radius (PosedCage::finest_level), so that only those who make overlap_edges smaller need it.
+    float least_coordinate = 0;
     /// The farthest that a control point may be, between the keys of a cage's motion, from where the scene's keys have it:
     /// in target edge lengths where the cage is nearest to the camera.
     float motion_edges = 0.25f;

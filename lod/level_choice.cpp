@@ -48,6 +48,9 @@ int choose_level(const LevelSettings& settings, const PosedCage& cage)
     constexpr int kFinest = -60, kCoarsest = 60;
     double distance = nearest_distance(settings, cage, true);
     if (distance == std::numeric_limits<double>::infinity()) distance = nearest_distance(settings, cage, false);
+    // Where the eye is within the reach of displacement nothing tells how near the surface is, and edges much shorter than
+    // that reach cost dearly: boxes of tiles are as large as it.
+    distance = std::max(distance, double(cage.displacement.reach));
     const float target_edge = settings.target_edge(settings.pixel).at(static_cast<float>(distance));
     if (!(target_edge > 0)) return kFinest;
     return std::isinf(target_edge) ? kCoarsest : std::clamp(std::ilogb(target_edge), kFinest, kCoarsest);

@@ -58,7 +58,7 @@ public:
     static constexpr float kFar = 1e30f;
 
     /// t_in, t_end   where the ray enters the scene, and where it leaves the scene or ends; both finite
-    /// coordinate    the largest coordinate of ray and scene
+    /// coordinate    the largest coordinate of the ray's origin
     /// Returns false if the lanes have more than kMost pairs, because they cannot travel together then.
     ///
     /// A ray with a start sees only the mesh of its start around its origin. If its width grows, the start counts as a
@@ -71,7 +71,9 @@ public:
         b_ = width.b;
         start_ = width.start;
         t_end_ = t_end;
-        ulps_ = coordinate * F(settings.overlap_ulps * 0x1p-24f);
+        const F of_one(settings.overlap_ulps * 0x1p-24f);
+        least_ulps_ = max(coordinate, F(settings.least_coordinate)) * of_one;
+        most_ulps_ = max(least_ulps_, t_end_ * of_one);
         const F at_end = max(a_ + b_ * t_end_, F(0.0f));
         // There is no surface before the ray enters the scene, so the width there decides the finest pair.
         const F at_start = min(max(a_ + b_ * t_in, F(0.0f)), at_end);
@@ -89,6 +91,10 @@ public:
         // A width that hardly changes is treated as changing by 10^-24 of itself, so that nothing is divided by 0.
         const F least = a_ * F(1e-24f) + F(1e-37f);
         const F per_slope = F(1.0f) / select(grows_, max(b_, least), min(b_, F(0.0f) - least));
+        // A transition is no farther away than where the ray's width says, except for what margins push it.
+        const F of_one(settings_->overlap_ulps * 0x1p-24f), pushed_by(256 * settings_->displaced);
+        ulps_of_edge_ = select(grows_, per_slope * of_one, F(0.0f));
+        ulps_of_all_ = (select(grows_, F(0.0f), F(0.0f) - a_ * per_slope) + pushed_by) * of_one;
         const F low = -kFar, high = kFar;
         F previous = select(grows_, low, high);
         for (int at = finest; at <= coarsest + 1; ++at) {
@@ -107,9 +113,15 @@ public:
             previous = select(grows_, select(none_before, low, pushed), select(none_after, high, pushed));
         }
         if (any(start_ > F(0.0f))) make_from_start(per_slope);
+        F before = overlap(finest);
         for (int pair = finest; pair <= coarsest; ++pair) {
-            first_[pair - finest] = lowest(begin(pair));
-            last_[pair - finest] = highest(end(pair));
+            const int i = pair - finest;
+            const F after = overlap(pair + 1);
+            begin_[i] = select(grows_, edge_[i] - before, edge_[i + 1] - after);
+            end_[i] = select(grows_, edge_[i + 1] + after, edge_[i] + before);
+            first_[i] = lowest(begin_[i]);
+            last_[i] = highest(end_[i]);
+            before = after;
         }
     }
 
@@ -125,16 +137,8 @@ public:
 
     /// Returns where pair p's part of each ray begins, overlaps included. Lanes without the pair get an empty range (begin >
     /// end).
-    F begin(int pair) const noexcept
-    {
-        const F near = select(grows_, edge_[pair - finest], edge_[pair + 1 - finest]);
-        return near - select(grows_, overlap(pair), overlap(pair + 1));
-    }
-    F end(int pair) const noexcept
-    {
-        const F far = select(grows_, edge_[pair + 1 - finest], edge_[pair - finest]);
-        return far + select(grows_, overlap(pair + 1), overlap(pair));
-    }
+    F begin(int pair) const noexcept { return begin_[pair - finest]; }
+    F end(int pair) const noexcept { return end_[pair - finest]; }
     /// Returns the same for the pairs [low, high] together, as far as they exist.
     F begin(int low, int high) const noexcept
     {
@@ -168,12 +172,19 @@ public:
     F margin(int pair) const noexcept
     {
         const float d = edge_length(pair);
-        return F(2 * d + 4 * settings_->displaced) + max(F(settings_->overlap_edges * d), ulps_) + ulps_;
+        const F rounding = ulps(pair + 1);
+        return F(2 * d + 4 * settings_->displaced) + max(F(settings_->overlap_edges * d), rounding) + rounding;
     }
     /// Returns the length by which the segments at transition b overlap, on either side.
-    F overlap(int b) const noexcept { return max(F(settings_->overlap_edges * edge_length(b - 1)), ulps_); }
+    F overlap(int b) const noexcept { return max(F(settings_->overlap_edges * edge_length(b - 1)), ulps(b)); }
 
 private:
+    /// Returns LevelSettings::overlap_ulps of the largest coordinate at transition b: that of the ray's origin, or the
+    /// distance of the transition.
+    F ulps(int b) const noexcept
+    {
+        return max(least_ulps_, min(most_ulps_, F(edge_length(b)) * ulps_of_edge_ + ulps_of_all_));
+    }
     static int exponent_of(float x) noexcept
     {
         const auto e = static_cast<int>(std::bit_cast<std::uint32_t>(x) >> 23 & 0xff) - 127;
@@ -272,11 +283,14 @@ private:
     }
 
     const LevelSettings* settings_ = nullptr;
-    F a_, b_, start_, t_end_, ulps_;
+    F a_, b_, start_, t_end_;
+    F least_ulps_, most_ulps_;       ///< bounds of ulps()
+    F ulps_of_edge_, ulps_of_all_;   ///< what a transition has of them, by its edge length and by itself
     F finest_edge_, coarsest_edge_;  ///< edge lengths of the first and the last pair of each lane
     Mask grows_;
     bool is_made_ = false;
     F raw_[kMost + 1], edge_[kMost + 1];
+    F begin_[kMost], end_[kMost];  ///< of each pair, with overlaps
     /// For each pair: the first distance at which it begins for any ray, and the last at which it ends.
     float first_[kMost], last_[kMost];
 };

@@ -122,6 +122,7 @@ void EscapeTest::set_levels()
     if (settings_.overlap_ulps > 0) {
         levels.overlap_edges = 0;
         levels.overlap_ulps = settings_.overlap_ulps;
+        levels.least_coordinate = subject_.posed().radius;
     }
     levels_ = levels;
 }

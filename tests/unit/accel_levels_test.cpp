@@ -159,5 +159,39 @@ TEST(Levels, BuildFewMicropolygonsForWhatIsVisible)
     EXPECT_LE(built / cells, 6);
 }
 
+// What lies far away must not make anything near the camera finer: neither a large cage nor the numbers of a large world.
+TEST(Levels, BuildNoMoreInAMuchLargerWorld)
+{
+    const Camera camera = Camera::look_at({0.9, 0, 0.05}, {0.8, 0.1, -1}, {0, 1, 0}, 1.5f);
+    const render::CameraRays view(camera, 32, 32);
+    std::vector<accel::Ray> rays;
+    for (int y = 0; y < 32; ++y)
+        for (int x = 0; x < 32; ++x) rays.push_back(view.ray(x + 0.5, y + 0.5));
+    struct Built {
+        std::uint64_t micropolygons, grids;
+    };
+    const auto build = [&](double size, const Vec3d& place) {
+        World world(torus(24, 12));
+        NodeDesc far;
+        far.cages = {world.scene.add(torus(6, 4))};
+        far.place.translation = place;
+        far.place.scale = Vec3d(size);
+        world.scene.add_node(world.scene.root(), far);
+        world.scene.refit();
+        const accel::Frame frame(world.scene, world.topologies, view.levels(1));
+        accel::Tracer tracer(frame, std::size_t(1) << 30);
+        std::vector<accel::SurfaceHit> hits(rays.size());
+        tracer.closest(rays, hits);
+        for (const accel::SurfaceHit& hit : hits) EXPECT_TRUE(hit.is_hit());
+        return Built{tracer.counters().micropolygons, tracer.counters().grids};
+    };
+    const Built alone = build(1, {4, 0, 0});
+    for (const double size : {1.0, 1e6}) {
+        const Built in_large = build(size, {4e7, 3e7, -2e7});
+        EXPECT_LE(double(in_large.micropolygons), 1.1 * double(alone.micropolygons)) << "size " << size;
+        EXPECT_LE(double(in_large.grids), 1.1 * double(alone.grids)) << "size " << size;
+    }
+}
+
 }  // namespace
 }  // namespace occam::test

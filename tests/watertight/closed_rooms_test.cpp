@@ -231,6 +231,14 @@ TEST(ClosedRooms, AreDarkDisplacedAndAtEveryScale)
     }
 }
 
+/// The node that the rooms are instances of is as large as ten thousand rooms, and millions of rooms away.
+TEST(ClosedRooms, AreDarkInAMuchLargerWorld)
+{
+    for (const Room& room : rooms())
+        for (const render::Lod lod : {render::Lod::On, render::Lod::Off, render::Lod::Frozen})
+            expect_dark(room, {.rate = 0.5f, .lod = lod, .scale = 1e-4, .instanced = true});
+}
+
 TEST(ClosedRooms, AreDarkWhateverTheCage)
 {
     const int count = is_long() ? 100 : 8;

@@ -20,6 +20,7 @@ lod::LevelSettings levels_of(float overlap_ulps)
     if (overlap_ulps > 0) {
         levels.overlap_edges = 0;
         levels.overlap_ulps = overlap_ulps;
+        levels.least_coordinate = kRadius;
     }
     return levels;
 }

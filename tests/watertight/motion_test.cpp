@@ -75,6 +75,7 @@ TEST(MovingCages, LetNoRayOutWhereMotionMakesThemCoarser)
     levels.motion_edges = 0;
     levels.overlap_edges = 0;
     levels.overlap_ulps = 4;
+    levels.least_coordinate = 5;
     lod::TopologyCache topologies;
     const accel::Frame frame(scene, topologies, levels);
     accel::Tracer tracer(frame, std::size_t(1) << 30);
