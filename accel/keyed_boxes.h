@@ -41,6 +41,12 @@ public:
     {
     }
 
+    /// Takes the time of one ray of a packet.
+    template <class Packet>
+    RayTimes(const RayTimes<Packet>& times, int lane) noexcept : RayTimes(lane_of(times.time, lane), int(times.per_time_))
+    {
+    }
+
     F time;             ///< in [0, 1]
     float first, last;  ///< the earliest and the latest of them
 
@@ -53,6 +59,9 @@ public:
     }
 
 private:
+    template <class Other>
+    friend class RayTimes;
+
     float per_time_;
     std::pair<lod::KeyTime, lod::KeyTime> whole_;
 };

@@ -7,7 +7,10 @@
 // Boxes    TreeLeaf::boxes and BoxTree share one layout. Spare slots hold empty boxes.
 #pragma once
 
+#include <cmath>
+
 #include "accel/tree_ray.h"
+#include "base/simd_groups.h"
 
 namespace occam::accel {
 
@@ -20,6 +23,18 @@ public:
     RaysAsOne(const TreeRay<F>& rays, float begin) noexcept
         : RaysAsOne(rays.origin, rays.inverse, rays.negative, rays.shift, begin)
     {
+    }
+    /// Takes one ray of a packet.
+    template <class Packet>
+    RaysAsOne(const TreeRay<Packet>& rays, int lane, const Packet& begin) noexcept
+        : begin_(lane_of(begin, lane)), shift_(std::abs(lane_of(rays.shift, lane)))
+    {
+        for (int a = 0; a < 3; ++a) {
+            from_in_[a] = from_out_[a] = vfloat(lane_of(rays.origin[a], lane));
+            least_[a] = most_[a] = vfloat(lane_of(rays.inverse[a], lane));
+            near_[a] = (rays.negative[a] ? a + 3 : a) * kBoxGroup;
+            far_[a] = (rays.negative[a] ? a : a + 3) * kBoxGroup;
+        }
     }
     RaysAsOne(const F (&origin)[3], const F (&inverse)[3], const bool (&negative)[3], F shift, float begin) noexcept
         : begin_(begin), shift_(highest(abs(shift)))

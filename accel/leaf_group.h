@@ -50,6 +50,18 @@ public:
             if (leaf_.keys.segments > 0) return keyed().in_boxes(as_one, end, begin);
         return as_one.in_boxes(boxes_, end, begin);
     }
+    /// Does the same for one ray of a packet.
+    OCCAM_ALWAYS_INLINE unsigned in_boxes_of_lane(const RaysAsOne<float>& ray, [[maybe_unused]] int lane,
+                                                  float end) const noexcept
+    {
+        if (is_tested_) return 1;
+        if constexpr (Times::kMoves)
+            if (leaf_.keys.segments > 0) {
+                const RayTimes<float> time(times_, lane);
+                return KeyedBoxes<float>(boxes_, leaf_.stride(), leaf_.keys, time).in_boxes(ray, end, nullptr);
+            }
+        return ray.in_boxes(boxes_, end);
+    }
     /// Returns which rays enter a box of the group, and the bounds of its igrid, which is null if it is not made.
     template <class Enter>
     OCCAM_ALWAYS_INLINE MaskOf<F> enter(Enter&& enter, int box, const F& far, const TreeLeaf::Entry* made) const noexcept

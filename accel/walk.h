@@ -121,6 +121,24 @@ private:
         return state_.is_within(memory_bytes_) ? LeafResult::Done : LeafResult::Abandoned;
     }
 
+    /// Returns the boxes of a group that the rays `here` may enter. Where few rays of a packet are left, each is tested
+    /// against all boxes by itself: taken as one with the others it would enter most of them.
+    template <class Group>
+    OCCAM_ALWAYS_INLINE unsigned in_boxes_of(const Group& group, const Mask& here, const F& far, float* begin) const noexcept
+    {
+        if constexpr (kIsOne) return group.in_boxes(as_one_, far, begin);
+        else {
+            unsigned left = bits(here);
+            if (std::popcount(left) > kFewRays) return group.in_boxes(as_one_, highest(far), nullptr);
+            unsigned maybe = 0;
+            for (; left != 0; left &= left - 1) {
+                const int lane = std::countr_zero(left);
+                maybe |= group.in_boxes_of_lane(RaysAsOne<float>(ray_, lane, begin_), lane, lane_of(far, lane));
+            }
+            return maybe;
+        }
+    }
+
     /// Intersects rays with the igrids of a leaf whose boxes they enter. Returns false if the memory is used up.
     OCCAM_ALWAYS_INLINE bool meet_entries(const TreeLeaf& leaf, int pair, const Mask& here, const Times& times)
     {
@@ -129,7 +147,7 @@ private:
             if (first % kEntriesBetweenChecks == kEntriesBetweenChecks - kBoxGroup) throw_if_cancelled();
             alignas(32) float begin[kBoxGroup];
             const LeafGroup<F, Times> group(leaf, first, times, std::is_same_v<Tree, Bvh>);
-            unsigned maybe = group.in_boxes(as_one_, highest(far), kIsOne ? begin : nullptr);
+            unsigned maybe = in_boxes_of(group, here, far, begin);
             while (maybe != 0) {
                 int next = std::countr_zero(maybe);
                 maybe &= maybe - 1;
@@ -211,6 +229,8 @@ private:
 
     /// The number of a leaf's entries that are met between two looks at the request to stop.
     static constexpr std::size_t kEntriesBetweenChecks = 1024;
+    /// The number of rays up to which each is tested against the boxes of a leaf by itself.
+    static constexpr int kFewRays = 6;
 
     State& state_;
     Party& party_;

@@ -4,6 +4,9 @@
 // any size. The parts do not wait for each other, which hides the latency of the few operations of a traversal step.
 #pragma once
 
+#include <cstring>
+#include <type_traits>
+
 #include "base/simd.h"
 
 namespace occam {
@@ -142,5 +145,20 @@ struct vfloats {
         return highest(most);
     }
 };
+
+/// Returns one lane.
+OCCAM_ALWAYS_INLINE float lane_of(const vfloat& x, int lane) noexcept
+{
+    static_assert(std::is_trivially_copyable_v<vfloat>);
+    float one;
+    std::memcpy(&one, reinterpret_cast<const unsigned char*>(&x) + static_cast<std::size_t>(lane) * sizeof(float),
+                sizeof one);
+    return one;
+}
+template <int kParts>
+OCCAM_ALWAYS_INLINE float lane_of(const vfloats<kParts>& x, int lane) noexcept
+{
+    return lane_of(x.part[lane / kLanes], lane % kLanes);
+}
 
 }  // namespace occam
