@@ -192,7 +192,7 @@ void expect_hits_of_all_triangles(const Cage& cage, const Motion& motion, int le
     const accel::Frame frame(scene, topologies, exact(level, lod::LevelMode::PerInstance));
     accel::Tracer tracer(frame, kPlenty);
     Random random(11);
-    const int moments = is_long() ? 1000 : 12, rays_of_each = is_long() ? 1000 : 64;
+    const int moments = is_long() ? 700 : 12, rays_of_each = is_long() ? 700 : 64;
     std::vector<accel::Ray> rays;
     std::vector<std::vector<Vec3d>> corners;
     for (int m = 0; m < moments; ++m) {
