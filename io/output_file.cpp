@@ -14,6 +14,7 @@
 #include <set>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
 
@@ -235,7 +236,8 @@ try {
         fs::directory_iterator entry(folder, error), end;
         std::vector<fs::path> abandoned;
         for (; !error && entry != end; entry.increment(error))
-            if (names.contains(output_of(entry->path().filename().string()))) abandoned.push_back(entry->path());
+            if (const std::string name = output_of(entry->path().filename().string()); !name.empty() && names.contains(name))
+                abandoned.push_back(entry->path());
         for (const fs::path& temporary : abandoned) remove_if_abandoned(temporary);
     }
 } catch (const std::exception&) {
