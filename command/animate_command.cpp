@@ -170,7 +170,7 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
 
     display.say("reading " + (a.scene.empty() ? "the built-in scene" : a.scene.string()));
     const auto load_start = Clock::now();
-    Scene scene = open_scene(a);
+    Scene scene = open_scene(a, files_of(a.pattern, frames));
     double load_seconds = seconds_since(load_start);
     display.end();
     print_notes(scene);

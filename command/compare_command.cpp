@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "arguments.h"
+#include "io/output_file.h"
 #include "render/compare.h"
 
 namespace occam::command {
@@ -21,7 +22,7 @@ bool meets_limits(const CompareArguments& a, const render::Difference& d)
     bool all = true;
     const auto check = [&](const char* name, double value, const std::optional<double>& limit, bool at_most) {
         if (!limit) return;
-        const bool holds = (at_most ? value <= *limit : value >= *limit) && d.incomparable == 0;
+        const bool holds = at_most ? value <= *limit : value >= *limit;
         if (!holds) std::fprintf(stderr, "occam: %s is %g, the limit is %g (%s)\n", name, value, *limit, d.layer.c_str());
         all &= holds;
     };
@@ -31,14 +32,21 @@ bool meets_limits(const CompareArguments& a, const render::Difference& d)
     check("max error", d.max, a.max_error, true);
     check("p99.9", d.p999, a.max_p999, true);
     check("psnr", d.psnr, a.min_psnr, false);
-    return all;
+    if (d.incomparable == 0) return all;
+    std::fprintf(stderr, "occam: %llu pixels cannot be compared (%s)\n", static_cast<unsigned long long>(d.incomparable),
+                 d.layer.c_str());
+    return false;
 }
 
 }  // namespace
 
 int run(const CompareArguments& a)
 {
-    if (!a.heat.empty()) Image::check_writable(a.heat);
+    if (!a.heat.empty()) {
+        Image::check_writable(a.heat);
+        const std::filesystem::path inputs[] = {a.a, a.b};
+        refuse_inputs({&a.heat, 1}, inputs);
+    }
     const Image picture = Image::read(a.a), reference = Image::read(a.b);
     const auto differences = render::compare(picture, reference);
     const auto judged = std::find_if(differences.begin(), differences.end(),

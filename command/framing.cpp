@@ -4,8 +4,10 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 
 #include "base/error_without_file.h"
+#include "base/printable.h"
 #include "interrupt.h"
 #include "io/output_file.h"
 #include "values.h"
@@ -55,6 +57,18 @@ void set_environment(Scene& scene, const RenderArguments& a)
     }
     scene.environment.radiance *= a.environment_strength;
     scene.environment.rotation += a.environment_rotation_deg * kRadians;
+}
+
+// Statistics may have any name, so a slip of the hand may name a file of the scene. Only an empty file and one that holds
+// JSON, as older statistics do, is replaced.
+void check_replaceable(const std::filesystem::path& file)
+{
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file, error)) return;
+    char first = '{';
+    std::ifstream(file, std::ios::binary).get(first);
+    if (first != '{')
+        throw Error(file.string(), "is there already and holds no statistics, so it is not replaced", "--stats");
 }
 
 }  // namespace
@@ -232,19 +246,37 @@ void check_outputs(const RenderArguments& a, std::span<const std::filesystem::pa
     if (!a.stats.empty()) outputs.push_back(a.stats);
     remove_unfinished(outputs);
     if (!pictures.empty()) Image::check_writable(pictures.front());
-    if (!a.stats.empty()) check_whole(a.stats);
+    if (!a.stats.empty()) {
+        check_whole(a.stats);
+        check_replaceable(a.stats);
+    }
+    const std::filesystem::path inputs[] = {a.scene, a.has_environment ? a.environment : std::filesystem::path()};
+    refuse_inputs(outputs, inputs);
+    if (std::ranges::find(pictures, std::filesystem::path(a.stats)) != pictures.end())
+        throw error_without_file("the statistics and the picture cannot be written to one file", "--stats");
+}
+
+Scene open_scene(const RenderArguments& a, std::span<const std::filesystem::path> pictures)
+{
+    Scene scene = open_scene(a);
+    std::vector<std::filesystem::path> outputs(pictures.begin(), pictures.end()), inputs;
+    if (!a.stats.empty()) outputs.push_back(a.stats);
+    for (const TextureId id : scene.texture_ids()) inputs.push_back(scene.texture(id).path);
+    refuse_inputs(outputs, inputs);
+    return scene;
 }
 
 void print_notes(const Scene& scene)
 {
-    for (const std::string& note : scene.notes) std::fprintf(stderr, "occam: %s\n", note.c_str());
+    for (const std::string& note : scene.notes) std::fprintf(stderr, "occam: %s\n", printable_line(note).c_str());
 }
 
 void print_warnings(const std::vector<std::string>& warnings, bool all)
 {
     constexpr std::size_t kShown = 5;
     const std::size_t shown = all ? warnings.size() : std::min(warnings.size(), kShown);
-    for (std::size_t i = 0; i < shown; ++i) std::fprintf(stderr, "occam: warning: %s\n", warnings[i].c_str());
+    for (std::size_t i = 0; i < shown; ++i)
+        std::fprintf(stderr, "occam: warning: %s\n", printable_line(warnings[i]).c_str());
     if (shown < warnings.size())
         std::fprintf(stderr, "occam: %zu more warnings; -v shows all, and so does occam info\n", warnings.size() - shown);
 }

@@ -3,6 +3,7 @@
 
 #include "arguments.h"
 #include "base/error_without_file.h"
+#include "base/printable.h"
 #include "io/texture/texture_store.h"
 
 namespace occam::command {
@@ -62,11 +63,12 @@ void print_text(const Json& info)
     for (const auto& [key, value] : info.items()) {
         if (value.is_array()) {
             std::cout << key << ": " << value.size() << '\n';
-            for (const Json& entry : value) std::cout << "  " << entry.get<std::string>() << '\n';
+            for (const Json& entry : value) std::cout << "  " << printable_line(entry.get<std::string>()) << '\n';
         } else if (value.is_object()) {
             std::cout << key << ": " << value["min"].dump() << " to " << value["max"].dump() << '\n';
         } else {
-            std::cout << key << ": " << (value.is_string() ? value.get<std::string>() : value.dump()) << '\n';
+            std::cout << key << ": " << (value.is_string() ? printable_line(value.get<std::string>()) : value.dump())
+                      << '\n';
         }
     }
 }

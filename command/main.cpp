@@ -11,6 +11,7 @@
 
 #include "arguments.h"
 #include "base/error_without_file.h"
+#include "base/printable.h"
 #include "io/picture_codec.h"
 
 namespace occam::command {
@@ -90,7 +91,7 @@ int main(int argc, char** argv)
         report_lack_of_memory();
         return kOutput;
     } catch (const std::exception& error) {
-        std::fprintf(stderr, "occam: %s\n", error.what());
+        std::fprintf(stderr, "occam: %s\n", occam::printable_line(error.what()).c_str());
         return kOutput;
     }
 }

@@ -3,6 +3,7 @@
 #include <iostream>
 #include <set>
 
+#include "base/printable.h"
 #include "idle_options.h"
 #include "io/extensions.h"
 #include "option_kinds.h"
@@ -16,7 +17,8 @@ namespace {
 void add_scene(CLI::App& app, SceneArguments& a)
 {
     app.add_option("SCENE", a.scene, "File " + extensions_of(scene_formats()) + "; without it the built-in scene")
-        ->type_name("");
+        ->type_name("")
+        ->check([](const std::string& name) { return name.empty() ? "the name of a scene is empty" : std::string(); });
     add_choice<Subdivide>(app, "--subdivide", a.load.subdivide,
                           {{"on", Subdivide::On}, {"off", Subdivide::Off}, {"auto", Subdivide::Auto}},
                           "Polygons are the cage of a Catmull-Clark surface. auto: only those of an OBJ with subdivision "
@@ -197,7 +199,7 @@ bool all_have_effect(const CLI::App& app, const RenderArguments& a)
     try {
         refuse_idle(a, given);
     } catch (const std::invalid_argument& error) {
-        std::cerr << "occam: " << error.what() << " (occam " << app.get_name() << " --help)\n";
+        std::cerr << "occam: " << printable_line(error.what()) << " (occam " << app.get_name() << " --help)\n";
         return false;
     }
     return true;
@@ -209,7 +211,7 @@ Arguments finished(AnimateArguments a, bool has_shard)
     try {
         a.pattern = FramePattern(a.output);
     } catch (const std::invalid_argument& error) {
-        std::cerr << "occam: --output: " << error.what() << " (occam animate --help)\n";
+        std::cerr << "occam: --output: " << printable_line(error.what()) << " (occam animate --help)\n";
         return Finished{2};
     }
     if (!has_shard)
@@ -218,7 +220,6 @@ Arguments finished(AnimateArguments a, bool has_shard)
     return a;
 }
 
-// These functions add one command each.
 CLI::App& add_render(CLI::App& app, RenderArguments& render)
 {
     CLI::App& command = *app.add_subcommand("render", "Render one frame to a picture");
@@ -330,11 +331,11 @@ std::optional<Finished> read_words(CLI::App& app, int argc, char** argv)
         return Finished{2};
     }
     if (argv[1][0] != '-' && !is_command(argv[1])) {
-        std::cerr << "occam: there is no command '" << argv[1] << "'";
+        std::string line = "there is no command '" + std::string(argv[1]) + "'";
         // A name with an extension is taken for a scene.
         if (const std::filesystem::path scene(argv[1]); scene.has_extension())
-            std::cerr << "; to render it: occam render " << scene.string() << " -o " << scene.stem().string() << ".png";
-        std::cerr << " (occam --help)\n";
+            line += "; to render it: occam render " + scene.string() + " -o " + scene.stem().string() + ".png";
+        std::cerr << "occam: " << printable_line(line) << " (occam --help)\n";
         return Finished{2};
     }
     try {

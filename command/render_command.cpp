@@ -90,7 +90,7 @@ int run(const RenderArguments& a)
 
     display.say("reading " + (a.scene.empty() ? "the built-in scene" : a.scene.string()));
     const auto load_start = Clock::now();
-    Scene scene = open_scene(a);
+    Scene scene = open_scene(a, {&a.output, a.replay ? 0u : 1u});
     const double load_seconds = seconds_since(load_start);
     display.end();
     print_notes(scene);

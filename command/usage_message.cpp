@@ -4,6 +4,8 @@
 #include <cctype>
 #include <string_view>
 
+#include "base/printable.h"
+
 namespace occam::command {
 namespace {
 
@@ -23,7 +25,7 @@ const CLI::Option* similar_option(const CLI::App& app, const std::string& word)
 
 std::string message_of(const CLI::ParseError& error, const CLI::App& used, std::span<char*> words)
 {
-    const std::string text = error.what();
+    const std::string text = printable_line(error.what());
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) && text.rfind("--", 0) == 0)
         return text.substr(0, text.find(':')) + " needs a value";
     const bool is_extra = dynamic_cast<const CLI::ExtrasError*>(&error) || dynamic_cast<const CLI::RequiredError*>(&error);
@@ -33,7 +35,7 @@ std::string message_of(const CLI::ParseError& error, const CLI::App& used, std::
         if (word.size() < 2 || word[0] != '-' || !std::isalpha(static_cast<unsigned char>(word.back()))) continue;
         if (used.get_option_no_throw(word)) continue;
         const CLI::Option* similar = similar_option(used, word);
-        return "there is no option '" + word + "'" + (similar ? "; there is " + similar->get_name() : "");
+        return "there is no option '" + printable_line(word) + "'" + (similar ? "; there is " + similar->get_name() : "");
     }
     return text;
 }

@@ -198,7 +198,10 @@ PictureSpec spec_of(const Imf::Header& header, int version)
     spec.width = data.max.x - data.min.x + 1, spec.height = data.max.y - data.min.y + 1;
     spec.full_x = display.min.x, spec.full_y = display.min.y;
     spec.full_width = display.max.x - display.min.x + 1, spec.full_height = display.max.y - display.min.y + 1;
-    if (Imf::isTiled(version)) spec.tile_height = static_cast<int>(header.tileDescription().ySize);
+    if (Imf::isTiled(version)) {
+        spec.tile_width = static_cast<int>(header.tileDescription().xSize);
+        spec.tile_height = static_cast<int>(header.tileDescription().ySize);
+    }
     spec.channels = plain_channels(header.channels());
     spec.type = SampleType::Half;
     for (const std::string& name : spec.channels) {

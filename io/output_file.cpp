@@ -11,9 +11,11 @@
 #include <cstdio>
 #include <cstring>
 #include <map>
+#include <optional>
 #include <set>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
 
@@ -222,8 +224,27 @@ void check_output(const fs::path& file)
 
 void check_whole(const fs::path& file)
 {
+    std::error_code error;
+    if (fs::is_directory(file, error)) refuse_output(file, "is the name of a folder, not of a file");
     if (!is_written_directly(file)) check_output(file);
     else if (file != "-" && access(file.c_str(), W_OK) != 0) refuse_output(file, "cannot be written: no permission");
+}
+
+void refuse_inputs(std::span<const fs::path> outputs, std::span<const fs::path> inputs)
+{
+    using Place = std::pair<dev_t, ino_t>;
+    const auto place_of = [](const fs::path& file) -> std::optional<Place> {
+        struct stat status = {};
+        if (file.empty() || stat(file.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return std::nullopt;
+        return Place(status.st_dev, status.st_ino);
+    };
+    std::set<Place> known;
+    for (const fs::path& input : inputs)
+        if (const auto place = place_of(input)) known.insert(*place);
+    if (known.empty()) return;
+    for (const fs::path& output : outputs)
+        if (const auto place = place_of(output); place && known.contains(*place))
+            throw Error(output.string(), "is read for the picture, so it cannot be written");
 }
 
 void remove_unfinished(std::span<const fs::path> outputs) noexcept
@@ -235,7 +256,8 @@ try {
         fs::directory_iterator entry(folder, error), end;
         std::vector<fs::path> abandoned;
         for (; !error && entry != end; entry.increment(error))
-            if (names.contains(output_of(entry->path().filename().string()))) abandoned.push_back(entry->path());
+            if (const std::string name = output_of(entry->path().filename().string()); !name.empty() && names.contains(name))
+                abandoned.push_back(entry->path());
         for (const fs::path& temporary : abandoned) remove_if_abandoned(temporary);
     }
 } catch (const std::exception&) {

@@ -62,6 +62,9 @@ void check_output(const std::filesystem::path& file);
 /// Does the same check for write_whole(), which also writes to what is not a regular file.
 void check_whole(const std::filesystem::path& file);
 
+/// Throws Error if one of the outputs is a file that is there and is one of the inputs, under whatever name.
+void refuse_inputs(std::span<const std::filesystem::path> outputs, std::span<const std::filesystem::path> inputs);
+
 /// Removes the temporary files that killed processes left beside these outputs. Each folder is listed once.
 void remove_unfinished(std::span<const std::filesystem::path> outputs) noexcept;
 

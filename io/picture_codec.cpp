@@ -7,6 +7,7 @@
 #include <new>
 
 #include "base/error.h"
+#include "io/texture/image_header.h"
 
 namespace occam {
 namespace {
@@ -69,6 +70,12 @@ const PictureCodec& load()
 }
 
 }  // namespace
+
+std::unique_ptr<PictureReader> PictureCodec::open(const fs::path& file, std::string& error) const
+{
+    ImageBytes bytes(file);
+    return open(file, image_format(bytes), error);
+}
 
 const PictureCodec& picture_codec()
 {

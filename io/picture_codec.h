@@ -40,7 +40,7 @@ struct PictureSpec {
     int width = 0, height = 0, depth = 1;
     int x = 0, y = 0;
     int full_x = 0, full_y = 0, full_width = 0, full_height = 0;
-    int tile_height = 0;  ///< 0: the file has no tiles
+    int tile_width = 0, tile_height = 0;  ///< 0: the file has no tiles
     bool is_deep = false;
     SampleType type = SampleType::Float;
     std::vector<std::string> channels;
@@ -88,9 +88,12 @@ public:
 class PictureCodec {
 public:
     virtual ~PictureCodec() = default;
-    /// Opens a file by its path, with alpha that is not multiplied into the colours. Returns null and says why in `error`
-    /// if it cannot be read.
-    virtual std::unique_ptr<PictureReader> open(const std::filesystem::path& file, std::string& error) const = 0;
+    /// Opens a file of a known format by its path, with alpha that is not multiplied into the colours. Returns null and says
+    /// why in `error` if it cannot be read. The caller has checked what the file declares.
+    virtual std::unique_ptr<PictureReader> open(const std::filesystem::path& file, const std::string& format,
+                                                std::string& error) const = 0;
+    /// The same, for a file that is trusted; its first bytes say its format.
+    std::unique_ptr<PictureReader> open(const std::filesystem::path& file, std::string& error) const;
     /// Opens a file of a known format in memory. The bytes are borrowed as long as the reader lives.
     virtual std::unique_ptr<PictureReader> open(std::span<const std::byte> file, const std::string& format,
                                                 std::string& error) const = 0;

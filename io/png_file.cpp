@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <new>
+#include <utility>
 #include <vector>
 
 namespace occam {
@@ -138,7 +139,156 @@ bool decode_head(Session& session)
     return true;
 }
 
+// Says what rows of a picture that is read look like.
+struct Layout {
+    png_uint_32 width = 0, height = 0;
+    std::size_t row_bytes = 0;
+    int channels = 0;
+    bool has_words = false, is_interlaced = false;
+};
+
+// Returns false if this is no head of a PNG. The rows that follow have whole bytes, or words with the higher byte first.
+bool begin_rows(Session& session, Layout& layout)
+{
+    if (setjmp(png_jmpbuf(session.png))) return false;
+    png_structp png = session.png;
+    png_infop info = session.info;
+    png_set_read_fn(png, &session, Session::read_bytes);
+    png_read_info(png, info);
+    png_set_expand(png);
+    layout.is_interlaced = png_set_interlace_handling(png) > 1;
+    png_read_update_info(png, info);
+    layout.width = png_get_image_width(png, info);
+    layout.height = png_get_image_height(png, info);
+    layout.row_bytes = png_get_rowbytes(png, info);
+    layout.channels = png_get_channels(png, info);
+    layout.has_words = png_get_bit_depth(png, info) == 16;
+    return true;
+}
+
+bool decode_rows(Session& session, png_bytep to, std::size_t row_bytes, int rows)
+{
+    if (setjmp(png_jmpbuf(session.png))) return false;
+    for (int y = 0; y < rows; ++y) png_read_row(session.png, to + row_bytes * static_cast<std::size_t>(y), nullptr);
+    return true;
+}
+
+bool decode_whole(Session& session, png_bytepp rows)
+{
+    if (setjmp(png_jmpbuf(session.png))) return false;
+    png_read_image(session.png, rows);
+    return true;
+}
+
+constexpr png_uint_32 kLargestSide = 0x7fffffff;
+
+class PngReader final : public PictureReader {
+public:
+    // Throws std::bad_alloc.
+    explicit PngReader(ImageBytes&& bytes) : bytes_(std::move(bytes)) { is_open_ = restart(); }
+
+    bool is_open() const noexcept { return is_open_; }
+    const PictureSpec& spec() const noexcept override { return spec_; }
+    std::string format() const override { return "png"; }
+    std::string text_attribute(const std::string&) const override { return {}; }
+    std::string error() const override { return session_->why; }
+
+    bool read_rows(int y_begin, int y_end, int channels, std::uint8_t* to) override
+    {
+        return read(y_begin, y_end, channels, [&](std::size_t i, const png_byte* from) { to[i] = *from; });
+    }
+    bool read_rows(int y_begin, int y_end, int channels, float* to) override
+    {
+        if (layout_.has_words)
+            return read(y_begin, y_end, channels, [&](std::size_t i, const png_byte* from) {
+                to[i] = static_cast<float>(from[0] << 8 | from[1]) * (1.0f / 65535);
+            });
+        return read(y_begin, y_end, channels,
+                    [&](std::size_t i, const png_byte* from) { to[i] = static_cast<float>(*from) * (1.0f / 255); });
+    }
+
+private:
+    bool restart()
+    {
+        session_.emplace(bytes_);
+        next_ = 0;
+        png_set_user_limits(session_->png, kLargestSide, kLargestSide);
+        if (!begin_rows(*session_, layout_)) return fail();
+        constexpr const char* kNames[4][4] = {{"Y"}, {"Y", "A"}, {"R", "G", "B"}, {"R", "G", "B", "A"}};
+        spec_.width = spec_.full_width = static_cast<int>(layout_.width);
+        spec_.height = spec_.full_height = static_cast<int>(layout_.height);
+        spec_.type = layout_.has_words ? SampleType::Word : SampleType::Byte;
+        const int channels = std::clamp(layout_.channels, 1, 4);
+        const auto* const names = kNames[channels - 1];
+        spec_.channels.assign(names, names + channels);
+        spec_.alpha_channel = channels % 2 == 0 ? channels - 1 : -1;
+        return true;
+    }
+
+    bool fail() const
+    {
+        if (session_->is_out_of_memory) throw std::bad_alloc();
+        return false;
+    }
+
+    // Fills `buffer_` with rows [y_begin, y_end), and returns the first of them; null after an error.
+    const png_byte* rows(int y_begin, int y_end)
+    {
+        const std::size_t row = layout_.row_bytes;
+        if (layout_.is_interlaced) {
+            if (buffer_.empty()) {
+                std::vector<png_bytep> places(layout_.height);
+                buffer_.resize(row * places.size());
+                for (std::size_t y = 0; y < places.size(); ++y) places[y] = &buffer_[row * y];
+                if (!decode_whole(*session_, places.data())) {
+                    buffer_.clear();
+                    return nullptr;
+                }
+            }
+            return &buffer_[row * static_cast<std::size_t>(y_begin)];
+        }
+        if (y_begin < next_ && !restart()) return nullptr;
+        buffer_.resize(row * static_cast<std::size_t>(y_end - y_begin));
+        for (; next_ < y_begin; ++next_)
+            if (!decode_rows(*session_, buffer_.data(), row, 1)) return nullptr;
+        if (!decode_rows(*session_, buffer_.data(), row, y_end - y_begin)) return nullptr;
+        next_ = y_end;
+        return buffer_.data();
+    }
+
+    template <class Put>
+    bool read(int y_begin, int y_end, int channels, const Put& put)
+    {
+        if (y_begin >= y_end) return true;
+        const png_byte* const first = rows(y_begin, y_end);
+        if (!first) return fail();
+        const std::size_t bytes = layout_.has_words ? 2 : 1, all = spec_.channels.size();
+        const auto kept = std::min(static_cast<std::size_t>(channels), all);
+        const std::size_t pixels = std::size_t(y_end - y_begin) * layout_.width;
+        for (std::size_t p = 0; p < pixels; ++p)
+            for (std::size_t c = 0; c < kept; ++c)
+                put(p * static_cast<std::size_t>(channels) + c, first + (p * all + c) * bytes);
+        return true;
+    }
+
+    ImageBytes bytes_;
+    std::optional<Session> session_;
+    Layout layout_;
+    PictureSpec spec_;
+    std::vector<png_byte> buffer_;
+    int next_ = 0;  // the row that the session decodes next
+    bool is_open_ = false;
+};
+
 }  // namespace
+
+std::unique_ptr<PictureReader> open_png(ImageBytes file, std::string& error)
+{
+    auto reader = std::make_unique<PngReader>(std::move(file));
+    if (reader->is_open()) return reader;
+    error = reader->error();
+    return nullptr;
+}
 
 std::string write_png(const PngPicture& picture, const float* values, PictureBytes& to)
 {
@@ -152,7 +302,6 @@ std::string write_png(const PngPicture& picture, const float* values, PictureByt
 std::optional<PngPicture> read_png_head(ImageBytes& file)
 {
     Session session(file);
-    constexpr png_uint_32 kLargestSide = 0x7fffffff;
     png_set_user_limits(session.png, kLargestSide, kLargestSide);
     if (!decode_head(session)) {
         if (session.is_out_of_memory) throw std::bad_alloc();

@@ -12,6 +12,7 @@
 #include "io/output_file.h"
 #include "io/picture_codec.h"
 #include "io/png_file.h"
+#include "io/texture/open_image.h"
 #include "render/display.h"
 #include "render/picture_formats.h"
 
@@ -285,14 +286,10 @@ Image Image::read(const fs::path& file)
 {
     std::error_code error;
     if (!fs::is_regular_file(file, error)) throw Error(file.string(), "is not there or is not a file");
-    std::string why;
-    const auto in = picture_codec().open(file, why);
-    if (!in) throw Error(file.string(), "cannot be read: " + why);
+    const OpenImage opened = open_image(file, nullptr, file.string(), kReadLimits);
+    PictureReader* const in = opened.reader.get();
     const PictureSpec& spec = in->spec();
-    if (spec.channel_count() > kMaxReadChannels || spec.depth > 1 ||
-        std::int64_t(spec.width) * spec.height > kMaxReadValues / std::max(spec.channel_count(), 1))
-        throw Error(file.string(), "is too large a picture to read");
-
+    if (spec.channel_count() > kMaxReadChannels) throw Error(file.string(), "is too large a picture to read");
     const std::size_t channels = spec.channels.size();
     const std::size_t count = std::size_t(spec.width) * std::size_t(spec.height);
     std::vector<float> pixels(count * channels);

@@ -9,6 +9,7 @@
 #include <span>
 #include <string_view>
 
+#include "io/texture/open_image.h"
 #include "render/image.h"
 
 namespace occam::render {
@@ -19,6 +20,7 @@ inline constexpr const char *kExrNote = "occam:note", *kNote = "ImageDescription
 /// The largest picture that is read.
 inline constexpr std::int64_t kMaxReadValues = std::int64_t(1) << 29;  // 2 GiB of floats
 inline constexpr int kMaxReadChannels = 256;
+inline constexpr ImageLimits kReadLimits = {std::uintmax_t(1) << 31, kMaxReadValues, kMaxReadValues};
 
 struct PictureFormat {
     std::string_view extensions;  ///< in lower case, with spaces between

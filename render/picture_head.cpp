@@ -5,14 +5,17 @@
 
 #include "base/error.h"
 #include "io/exr_file.h"
-#include "io/picture_codec.h"
 #include "io/png_file.h"
+#include "io/texture/open_image.h"
 #include "render/picture_formats.h"
 
 namespace occam::render {
 namespace {
 
 namespace fs = std::filesystem;
+
+// No more than a row of a picture is read here, so it may be as large as one that is written.
+constexpr ImageLimits kHeadLimits = {std::uintmax_t(1) << 31, std::uintmax_t(1) << 31, std::uintmax_t(1) << 36};
 
 [[noreturn]] void refuse(const fs::path& file, const std::string& why) { throw Error(file.string(), why); }
 
@@ -46,9 +49,8 @@ bool has_end_mark(const fs::path& file, std::string_view mark)
 
 PictureHead head_by_codec(const fs::path& file)
 {
-    std::string why;
-    const auto in = picture_codec().open(file, why);
-    if (!in) refuse(file, "cannot be read: " + why);
+    const OpenImage opened = open_image(file, nullptr, file.string(), kHeadLimits);
+    PictureReader* const in = opened.reader.get();
     const PictureSpec& spec = in->spec();
     const std::string name = in->format();
     const std::span<const PictureFormat> formats = picture_formats();

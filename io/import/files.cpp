@@ -36,6 +36,14 @@ std::string read_file(const fs::path& file, std::size_t max_bytes)
     return bytes;
 }
 
+std::string read_text(const fs::path& file, std::size_t max_bytes)
+{
+    constexpr std::string_view kMark = "\xef\xbb\xbf";
+    std::string text = read_file(file, max_bytes);
+    if (text.starts_with(kMark)) text.erase(0, kMark.size());
+    return text;
+}
+
 std::optional<fs::path> inside(const fs::path& folder, std::string_view relative)
 {
     const fs::path path(relative);

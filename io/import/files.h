@@ -35,6 +35,9 @@ private:
 /// Returns the whole file. Throws the same errors as FileReader.
 std::string read_file(const std::filesystem::path& file, std::size_t max_bytes = kMaxFileBytes);
 
+/// Returns the whole of a text, without the mark that some editors put before UTF-8. Throws the same errors.
+std::string read_text(const std::filesystem::path& file, std::size_t max_bytes = kMaxFileBytes);
+
 /// Returns the path of `relative` (with generic separators) under `folder`, or none if it is absolute or leads out of the
 /// folder, be it by a symbolic link. The file need not exist.
 std::optional<std::filesystem::path> inside(const std::filesystem::path& folder, std::string_view relative);

@@ -34,8 +34,10 @@ public:
     {
         const Value* v = find(key);
         if (!v) return std::nullopt;
-        if (!v->IsNumber() || !std::isfinite(v->GetNumberAsDouble())) refuse(key + " must be a number");
-        return static_cast<float>(v->GetNumberAsDouble());
+        if (!v->IsNumber()) refuse(key + " must be a number");
+        const auto number = static_cast<float>(v->GetNumberAsDouble());
+        if (!std::isfinite(number)) refuse(key + " must be a number between -3.4e38 and 3.4e38");
+        return number;
     }
     std::optional<int> index(const std::string& key)
     {
@@ -50,6 +52,8 @@ public:
         if (!find(key)) return std::nullopt;
         const std::optional<Vec> v = vector<Vec>(value_, key.c_str());
         if (!v) refuse(key + " must be an array of " + std::to_string(Vec::length()) + " numbers");
+        for (int i = 0; i < Vec::length(); ++i)
+            if (!std::isfinite((*v)[i])) refuse(key + " must hold numbers between -3.4e38 and 3.4e38");
         return v;
     }
     template <class Enum, std::size_t N>

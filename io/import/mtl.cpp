@@ -85,7 +85,7 @@ private:
     {
         const auto path = inside(folder_, name);
         if (!path || !std::filesystem::is_regular_file(*path)) return false;
-        const std::string text = import::read_file(*path, kMaxLibraryBytes);
+        const std::string text = read_text(*path, kMaxLibraryBytes);
         std::map<std::string, int> index;
         std::vector<tinyobj::material_t> list;
         std::string warnings, errors;

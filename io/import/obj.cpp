@@ -2,8 +2,10 @@
 
 #include <tiny_obj_loader.h>
 
+#include <algorithm>
 #include <map>
 #include <optional>
+#include <string_view>
 #include <unordered_map>
 
 #include "io/import/files.h"
@@ -109,11 +111,28 @@ private:
     bool has_uvs_ = false, has_normals_ = false;
 };
 
+// Makes one line of those that end with a backslash, and the ones after them (Wavefront, "Appendix B1": file syntax). The
+// backslash at the end of a comment or a name is that of a path.
+void join_lines(std::string& text)
+{
+    for (std::size_t start = 0, end = 0; start < text.size(); start = end + 1) {
+        end = std::min(text.find('\n', start), text.size());
+        if (std::string_view("#umog").find(text[start]) != std::string_view::npos) continue;
+        while (end < text.size() && end > start) {
+            const std::size_t last = text[end - 1] == '\r' && end - 1 > start ? end - 2 : end - 1;
+            if (text[last] != '\\') break;
+            std::fill(text.begin() + std::ptrdiff_t(last), text.begin() + std::ptrdiff_t(end) + 1, ' ');
+            end = std::min(text.find('\n', end), text.size());
+        }
+    }
+}
+
 }  // namespace
 
 Polygons read_obj(const std::filesystem::path& file, Scene& scene, bool with_materials, Report& report)
 {
-    const std::string text = read_file(file);
+    std::string text = read_text(file);
+    join_lines(text);
     Polygons polygons;
     polygons.cage.name = file.stem().string();
     const ObjStatements statements = scan_obj_statements(text, polygons.cage, report);

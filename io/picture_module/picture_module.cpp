@@ -2,6 +2,9 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+#include <exception>
+#include <new>
+
 #include "base/overloaded.h"
 #include "io/picture_codec.h"
 
@@ -51,7 +54,8 @@ PictureSpec spec_of(const OIIO::ImageSpec& from)
     spec.x = from.x, spec.y = from.y;
     spec.full_x = from.full_x, spec.full_y = from.full_y;
     spec.full_width = from.full_width, spec.full_height = from.full_height;
-    spec.tile_height = from.tile_width > 0 ? from.tile_height : 0;
+    spec.tile_width = std::max(from.tile_width, 0);
+    spec.tile_height = spec.tile_width > 0 ? from.tile_height : 0;
     spec.is_deep = from.deep;
     spec.type = type_of(from.format);
     spec.channels = from.channelnames;
@@ -82,20 +86,31 @@ public:
     {
         return read(y_begin, y_end, channels, OIIO::TypeDesc::FLOAT, to);
     }
-    std::string error() const override { return input_->geterror(); }
+    std::string error() const override
+    {
+        const std::string why = thrown_.empty() ? input_->geterror() : thrown_;
+        return why.empty() ? "it is damaged" : why;
+    }
 
 private:
+    // Some of the library's readers throw what is not meant for anybody, such as that a vector is too long.
     bool read(int y_begin, int y_end, int channels, OIIO::TypeDesc type, void* to)
-    {
+    try {
         const int y0 = spec_.y + y_begin, y1 = spec_.y + y_end;
         if (spec_.tile_height > 0)
             return input_->read_tiles(0, 0, spec_.x, spec_.x + spec_.width, y0, y1, 0, 1, 0, channels, type, to);
         return input_->read_scanlines(0, 0, y0, y1, 0, 0, channels, type, to);
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& error) {
+        thrown_ = error.what();
+        return false;
     }
 
     std::unique_ptr<OIIO::Filesystem::IOMemReader> memory_;  // the input refers to it
     std::unique_ptr<OIIO::ImageInput> input_;
     PictureSpec spec_;
+    std::string thrown_;
 };
 
 // Hands the bytes of encoders on. They are told that every write succeeded.
@@ -156,28 +171,40 @@ OIIO::ImageSpec spec_of(const PictureSpec& from, std::span<const PictureAttribut
 
 class Codec final : public PictureCodec {
 public:
-    std::unique_ptr<PictureReader> open(const std::filesystem::path& file, std::string& error) const override
-    {
-        const OIIO::ImageSpec wishes = reading_wishes();
-        std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(file.string(), &wishes);
-        if (input) return std::make_unique<Reader>(std::move(input), nullptr);
-        error = OIIO::geterror();
+    std::unique_ptr<PictureReader> open(const std::filesystem::path& file, const std::string& format,
+                                        std::string& error) const override
+    try {
+        std::unique_ptr<OIIO::ImageInput> input = create(format);
+        OIIO::ImageSpec opened;
+        if (input && input->open(file.string(), opened, reading_wishes()))
+            return std::make_unique<Reader>(std::move(input), nullptr);
+        error = why_not(input.get());
+        return nullptr;
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& thrown) {
+        error = thrown.what();
         return nullptr;
     }
 
     std::unique_ptr<PictureReader> open(std::span<const std::byte> file, const std::string& format,
                                         std::string& error) const override
-    {
+    try {
         OIIO::ImageSpec wishes = reading_wishes();
         auto memory = std::make_unique<OIIO::Filesystem::IOMemReader>(const_cast<std::byte*>(file.data()), file.size());
         // The reader takes the bytes from this attribute: ImageInput::open(name, config, proxy) closes the proxy again.
         OIIO::Filesystem::IOProxy* proxy = memory.get();
         wishes.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
-        std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(format);
+        std::unique_ptr<OIIO::ImageInput> input = create(format);
         OIIO::ImageSpec opened;
         if (input && input->open("memory." + format, opened, wishes))
             return std::make_unique<Reader>(std::move(input), std::move(memory));
-        error = input ? input->geterror() : OIIO::geterror();
+        error = why_not(input.get());
+        return nullptr;
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& thrown) {
+        error = thrown.what();
         return nullptr;
     }
 
@@ -185,7 +212,7 @@ public:
                       std::span<const PictureAttribute> attributes, const float* pixels, PictureBytes& to) const override
     {
         EncoderStream stream(file.string(), to);
-        std::unique_ptr<OIIO::ImageOutput> encoder = OIIO::ImageOutput::create(file.string());
+        std::unique_ptr<OIIO::ImageOutput> encoder = OIIO::ImageOutput::create(extension_of(file));
         if (!encoder) return "its format has no encoder: " + OIIO::geterror();
         // The destructor closes an encoder that is open, and where that fails the library ends the process. So one that has
         // failed since it was opened is left behind. Writing never fails, so that is rare: there is not enough memory.
@@ -202,6 +229,21 @@ public:
     }
 
 private:
+    // The library takes a name for the address of a resource if it has a question mark, so it only gets the extension.
+    static std::string extension_of(const std::filesystem::path& file)
+    {
+        const std::string extension = file.extension().string();
+        return extension.empty() ? extension : extension.substr(1);
+    }
+    static std::unique_ptr<OIIO::ImageInput> create(const std::string& format)
+    {
+        return format.empty() ? nullptr : OIIO::ImageInput::create(format);
+    }
+    static std::string why_not(const OIIO::ImageInput* input)
+    {
+        const std::string why = input ? input->geterror() : OIIO::geterror();
+        return why.empty() ? "it is damaged, or of another format" : why;
+    }
     static OIIO::ImageSpec reading_wishes()
     {
         OIIO::ImageSpec wishes;

@@ -1,16 +1,13 @@
 #include "io/texture/decode.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <span>
 #include <utility>
 
 #include "base/error.h"
 #include "base/srgb.h"
-#include "io/exr_file.h"
-#include "io/picture_codec.h"
-#include "io/texture/image_header.h"
-#include "io/texture/image_metadata.h"
+#include "io/texture/open_image.h"
 
 namespace occam {
 
@@ -26,10 +23,7 @@ const std::array<float, 256>& srgb_table()
     return table;
 }
 
-// The ratio is more texels for each byte of a file than any compression gives: deflate writes 1032 bytes for one, of up to
-// eight texels each.
-constexpr std::uintmax_t kMaxTexelsPerByte = 16384;
-constexpr std::uintmax_t kAlwaysAllowedTexels = std::uintmax_t(1) << 24;
+constexpr ImageLimits kLimits = {kMaxTextureSide, kMaxTextureTexels, kMaxTextureTexels * 4};
 
 }  // namespace
 
@@ -37,76 +31,24 @@ struct TextureSource::State {
     std::string name;
     TextureRole role = TextureRole::Color;
     int width = 0, height = 0;
-    std::vector<Vec4f> pixels;       // linear texels; if empty, the image is encoded
-    std::vector<std::byte> encoded;  // kept while the reader refers to it
-    std::unique_ptr<PictureReader> input;
+    std::vector<Vec4f> pixels;  // linear texels; if empty, the image is encoded
+    OpenImage image;
+    PictureReader* input = nullptr;  // that of `image`
 
     void open(const Texture& texture);
-    void check_header(ImageBytes& bytes, const std::string& format);
-    void open_memory(const std::string& format);
-    void check_size(std::uintmax_t wide, std::uintmax_t high, std::uintmax_t file_bytes) const;
     void read_rows(int y_begin, int y_end, std::vector<Vec4f>& texels) const;
     template <class T>
     void read_rows_as(int y_begin, int y_end, std::vector<Vec4f>& texels) const;
     [[noreturn]] void refuse(const std::string& what) const { throw Error(name, what); }
 };
 
-// The size is checked before anything is allocated for the image.
-void TextureSource::State::check_size(std::uintmax_t wide, std::uintmax_t high, std::uintmax_t file_bytes) const
-{
-    const std::string size = std::to_string(wide) + " x " + std::to_string(high);
-    if (wide > kMaxTextureSide || high > kMaxTextureSide || wide * high > kMaxTextureTexels)
-        refuse("image is larger than is read: " + size);
-    if (wide * high > kAlwaysAllowedTexels && wide * high / kMaxTexelsPerByte > file_bytes)
-        refuse("image declares far more than the file holds: " + size);
-}
-
-void TextureSource::State::check_header(ImageBytes& bytes, const std::string& format)
-{
-    if (is_cut_off_png(bytes) || is_cut_off_exr(bytes)) refuse("the image is cut off");
-    if (const auto canvas = declared_canvas(bytes)) check_size(canvas->width, canvas->height, bytes.size());
-    if (format != "openexr") return;
-    if (const auto head = read_exr_head(bytes))
-        check_size(static_cast<std::uintmax_t>(head->width), static_cast<std::uintmax_t>(head->height), bytes.size());
-}
-
-void TextureSource::State::open_memory(const std::string& format)
-{
-    std::string why;
-    input = picture_codec().open(encoded, format, why);
-    if (!input) refuse("image cannot be read: " + why);
-}
-
 void TextureSource::State::open(const Texture& texture)
 {
     std::error_code error;
     if (!texture.encoded && !std::filesystem::is_regular_file(texture.path, error)) refuse("no such image file");
-    ImageBytes bytes = texture.encoded ? ImageBytes(std::span(*texture.encoded)) : ImageBytes(texture.path);
-    const std::uintmax_t file_bytes = bytes.size();
-    const std::string format = image_format(bytes);
-    check_header(bytes, format);
-    if (texture.encoded && format.empty()) refuse("not an image format that is known");
-    if (format == "png" || format == "jpeg" || format == "tiff") {
-        std::vector<std::byte> whole(texture.encoded ? 0 : static_cast<std::size_t>(file_bytes));
-        if (!bytes.read(0, {reinterpret_cast<unsigned char*>(whole.data()), whole.size()}))
-            refuse("the image cannot be read");
-        encoded = without_metadata(texture.encoded ? std::span(*texture.encoded) : std::span(std::as_const(whole)), format);
-        open_memory(format);
-    } else if (texture.encoded) {
-        encoded = *texture.encoded;
-        if (format == "openexr") input = open_exr(ImageBytes(std::span(std::as_const(encoded))));
-        if (!input) open_memory(format);
-    } else {
-        std::string why;
-        if (format == "openexr") input = open_exr(ImageBytes(texture.path));
-        if (!input) input = picture_codec().open(texture.path, why);
-        if (!input) refuse("image cannot be read: " + why);
-    }
-    const PictureSpec& spec = input->spec();
-    if (spec.width <= 0 || spec.height <= 0 || spec.depth > 1 || spec.channel_count() < 1) refuse("not a flat image");
-    if (spec.is_deep) refuse("deep images are not read");
-    width = spec.width, height = spec.height;
-    check_size(static_cast<std::uintmax_t>(width), static_cast<std::uintmax_t>(height), file_bytes);
+    image = open_image(texture.path, texture.encoded.get(), name, kLimits);
+    input = image.reader.get();
+    width = input->spec().width, height = input->spec().height;
 }
 
 template <class T>
@@ -154,8 +96,8 @@ TextureSource::TextureSource(const Texture& texture) : state_(std::make_unique<S
     if (!texture.pixels.empty()) {
         state_->pixels = texture.pixels;
         state_->width = texture.width, state_->height = texture.height;
-        state_->check_size(static_cast<std::uintmax_t>(width()), static_cast<std::uintmax_t>(height()),
-                           texture.pixels.size());
+        if (std::max(width(), height()) > kMaxTextureSide || texture.pixels.size() > kMaxTextureTexels)
+            state_->refuse("image is larger than is read: " + std::to_string(width()) + " x " + std::to_string(height()));
     } else {
         state_->open(texture);
     }

@@ -36,6 +36,16 @@ std::optional<std::size_t> skip_name(ImageBytes& bytes, std::uintmax_t& at)
     return std::nullopt;
 }
 
+// Checks the header of a TGA (Truevision 1991, "TGA FILE HEADER"): kinds of colour map and image, and bits of a pixel.
+bool is_tga(ImageBytes& bytes)
+{
+    constexpr std::array<unsigned char, 6> kImages = {1, 2, 3, 9, 10, 11};
+    constexpr std::array<unsigned char, 5> kBits = {8, 15, 16, 24, 32};
+    std::array<unsigned char, 18> head{};
+    const auto has = [](const auto& list, unsigned char value) { return std::ranges::find(list, value) != list.end(); };
+    return bytes.read(0, head) && head[1] <= 1 && has(kImages, head[2]) && has(kBits, head[16]);
+}
+
 constexpr std::string_view kPngMagic("\x89PNG\r\n\x1a\n", 8);
 constexpr std::string_view kExrMagic("\x76\x2f\x31\x01");
 
@@ -68,10 +78,14 @@ std::string image_format(ImageBytes& bytes)
     if (matches(bytes, kExrMagic)) return "openexr";
     if (matches(bytes, "RIFF") && matches(bytes, "WEBP", 8)) return "webp";
     if (matches(bytes, std::string_view("II*\0", 4)) || matches(bytes, std::string_view("MM\0*", 4))) return "tiff";
-    if (matches(bytes, "#?RADIANCE")) return "hdr";
+    if (matches(bytes, std::string_view("II+\0", 4)) || matches(bytes, std::string_view("MM\0+", 4))) return "tiff";
+    if (matches(bytes, "#?RADIANCE") || matches(bytes, "#?RGBE")) return "hdr";
     if (matches(bytes, "GIF8")) return "gif";
     if (matches(bytes, "BM")) return "bmp";
-    return {};
+    if (matches(bytes, "DDS ")) return "dds";
+    for (const char* mark : {"P1", "P2", "P3", "P4", "P5", "P6", "PF", "Pf"})
+        if (matches(bytes, mark)) return "pnm";
+    return is_tga(bytes) ? "targa" : "";
 }
 
 bool is_cut_off_png(ImageBytes& bytes)
@@ -113,6 +127,23 @@ bool is_cut_off_exr(ImageBytes& bytes)
 
 std::optional<ImageSize> declared_canvas(ImageBytes& bytes)
 {
+    if (matches(bytes, kPngMagic)) {
+        std::array<unsigned char, 8> sides{};
+        if (!bytes.read(16, sides)) return std::nullopt;
+        const auto side = [&](std::size_t at) {
+            return std::uint32_t(sides[at]) << 24 | std::uint32_t(sides[at + 1]) << 16 | std::uint32_t(sides[at + 2]) << 8 |
+                   sides[at + 3];
+        };
+        return ImageSize{side(0), side(4)};
+    }
+    if (matches(bytes, "BM")) {
+        // The oldest header has sizes of 16 bits, and a height below 0 counts from the top.
+        constexpr std::uint32_t kOldest = 12;
+        if (little_endian(bytes, 14, 4) == kOldest)
+            return ImageSize{little_endian(bytes, 18, 2), little_endian(bytes, 20, 2)};
+        const std::uint32_t height = little_endian(bytes, 22, 4);
+        return ImageSize{little_endian(bytes, 18, 4), std::min(height, 0u - height)};
+    }
     if (matches(bytes, "GIF8")) return ImageSize{little_endian(bytes, 6, 2), little_endian(bytes, 8, 2)};
     if (!matches(bytes, "RIFF") || !matches(bytes, "WEBP", 8)) return std::nullopt;
     // This reads the WebP container: an extended header, or one of two bit streams (RFC 9649, sec. 2.5 to 2.7).

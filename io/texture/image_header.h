@@ -28,8 +28,12 @@ private:
     std::uintmax_t size_ = 0, next_ = 0;  // the stream is at `next_`; seeking drops the bytes that it has read ahead
 };
 
-/// Returns the name of OpenImageIO's reader according to the first bytes of the file; empty if the format is unknown.
+/// Returns the name of the codec's reader according to the first bytes of the file; empty if images of its format are not
+/// read. A TGA has no mark: its header has to make sense.
 std::string image_format(ImageBytes& bytes);
+
+/// Names the formats that image_format() knows, for messages.
+inline constexpr const char* kImageFormats = "PNG, JPEG, OpenEXR, Radiance HDR, TIFF, WebP, BMP, TGA, DDS, GIF, PNM or PFM";
 
 /// Returns true if a chunk of a PNG reaches past the end of the file, or if the last chunk is missing (PNG, sec. 5.3). At
 /// the missing byte libpng would jump out of OpenImageIO's reader, past its destructors. Returns false for other formats.
@@ -42,8 +46,8 @@ bool is_cut_off_exr(ImageBytes& bytes);
 struct ImageSize {
     std::uint32_t width, height;
 };
-/// Returns the canvas size of a GIF or WebP, whose readers allocate all of it when they open a file. Returns none for other
-/// formats, or if the header is cut off.
+/// Returns the size that a PNG, GIF, WebP or BMP declares, whose readers allocate for it when they open a file. Returns none
+/// for other formats, or if the header is cut off.
 std::optional<ImageSize> declared_canvas(ImageBytes& bytes);
 
 }  // namespace occam

@@ -28,6 +28,8 @@ MipImage stand_in()
     return image;
 }
 
+std::string name_of(const Texture& texture) { return texture.name.empty() ? texture.path.string() : texture.name; }
+
 // Holds one texture that the store knows; it is decoded when it is first asked for.
 class Entry {
 public:
@@ -37,8 +39,7 @@ public:
     {
         std::error_code ignored;
         if (!texture.encoded && texture.pixels.empty() && !std::filesystem::is_regular_file(texture.path, ignored)) {
-            warnings_.push_back((texture.name.empty() ? texture.path.string() : texture.name) +
-                                ": there is no such image file: it is grey");
+            warnings_.push_back(name_of(texture) + ": there is no such image file: it is grey");
             return;
         }
         try {
@@ -50,7 +51,7 @@ public:
         } catch (const std::bad_alloc&) {
             throw;
         } catch (const std::exception& error) {
-            errors_.push_back(error.what());
+            add_error(error);
         }
     }
 
@@ -136,7 +137,10 @@ private:
     void add_error(const std::exception& error) noexcept
     {
         try {
-            errors_.push_back(error.what());
+            // What a library throws names no file.
+            const bool is_named = dynamic_cast<const Error*>(&error) != nullptr;
+            errors_.push_back(is_named ? error.what()
+                                       : Error(name_of(description_), "image cannot be read", error.what()).what());
         } catch (const std::bad_alloc&) {
             lacks_memory_ = true;
         }

@@ -136,6 +136,71 @@ TEST_F(Outputs, StatisticsAreWholeOrNotThere)
     EXPECT_EQ(run({"render", "triangle.obj", "-o", "b.png", "--size", "8x8", "--stats", "/dev/null"}).exit_code, kDone);
 }
 
+// A slip of the hand must not cost a scene, or one of its images.
+TEST_F(Outputs, WhatIsReadForAPictureIsNotOverwritten)
+{
+    ASSERT_EQ(run({"render", "triangle.obj", "-o", "image.png", "--size", "8x4", "--spp", "1"}).exit_code, kDone);
+    std::ofstream(folder / "red.mtl") << "newmtl red\nmap_Kd image.png\n";
+    std::ofstream(folder / "scene.obj") << "mtllib red.mtl\nv -1 -1 0\nv 1 -1 0\nv 0 1 0\nusemtl red\nf 1 2 3\n";
+    fs::create_hard_link(folder / "image.png", folder / "other.png");
+    fs::create_symlink("image.png", folder / "linked.png");
+    const std::string image = text_of(folder / "image.png");
+    const std::vector<std::string> scene{"render", "scene.obj", "--size", "8x4", "--spp", "1", "-o"};
+    const std::vector<std::string> lit{"render", "triangle.obj",  "--size",    "8x4", "--spp",
+                                       "1",      "--environment", "image.png", "-o"};
+    const auto with = [](std::vector<std::string> words, std::initializer_list<std::string> more) {
+        words.insert(words.end(), more);
+        return words;
+    };
+    const std::pair<std::vector<std::string>, const char*> calls[] = {
+        {with(scene, {"image.png"}), "image.png: is read for the picture"},
+        {with(scene, {"other.png"}), "other.png: is read for the picture"},
+        {with(scene, {"linked.png"}), "linked.png: is read for the picture"},
+        {with(lit, {"./image.png"}), "image.png: is read for the picture"},
+        {with(scene, {"a.png", "--stats", "scene.obj"}), "scene.obj: is there already and holds no statistics"},
+        {with(scene, {"a.png", "--stats", "red.mtl"}), "red.mtl: is there already and holds no statistics"},
+        {with(scene, {"a.png", "--stats", "a.png"}), "cannot be written to one file"},
+        {{"compare", "image.png", "image.png", "--heat", "other.png"}, "other.png: is read for the picture"},
+    };
+    for (const auto& [words, why] : calls) {
+        const Outcome o = run(words);
+        EXPECT_EQ(o.exit_code, kBadInput) << why;
+        EXPECT_NE(o.err.find(why), std::string::npos) << why << ": " << o.err;
+    }
+    EXPECT_EQ(text_of(folder / "image.png"), image);
+    EXPECT_TRUE(text_of(folder / "scene.obj").starts_with("mtllib"));
+    EXPECT_TRUE(text_of(folder / "red.mtl").starts_with("newmtl"));
+    EXPECT_EQ(run(with(scene, {"a.png", "--stats", "s.json"})).exit_code, kDone);
+    EXPECT_EQ(run(with(scene, {"a.png", "--stats", "s.json"})).exit_code, kDone) << "older statistics are replaced";
+}
+
+// libpng writes to standard error what it finds wrong, unless it is told where to report it.
+TEST_F(Outputs, NothingIsOnStandardErrorButALineOfOurs)
+{
+    std::string text("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x08\0\0\0\x08\x63\x02\0\0\0\0\0\0\0\0\0\0\0IEND\xae\x42\x60\x82",
+                     45);
+    std::ofstream(folder / "bad.png", std::ios::binary) << text;
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{"render", "-o", "a.png", "--environment", "bad.png", "--size", "4x4", "--spp", "1"},
+          {"compare", "bad.png", "bad.png"}}) {
+        const Outcome o = run(words);
+        EXPECT_EQ(o.exit_code, kBadInput);
+        EXPECT_TRUE(o.err.starts_with("occam: bad.png: ")) << o.err;
+        EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+    }
+}
+
+// The library for all formats takes a name with a question mark for the address of a resource.
+TEST_F(Outputs, NamesMayHoldAnyCharacters)
+{
+    for (const char* name : {"a?b.jpg", "%s%n\n.png", "a?.exr"}) {
+        const std::vector<std::string> words{"render", "triangle.obj", "-o", name, "--size", "4x4", "--spp", "1"};
+        const Outcome o = run(words);
+        EXPECT_EQ(o.exit_code, kDone) << o.err;
+        EXPECT_EQ(run({"compare", name, name}).exit_code, kDone) << name;
+    }
+}
+
 TEST_F(Outputs, AStandardOutputThatIsFullOrClosedIsExitCode3)
 {
     ASSERT_EQ(run({"render", "triangle.obj", "-o", "a.exr", "--size", "8x8"}).exit_code, kDone);

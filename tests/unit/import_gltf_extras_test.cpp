@@ -78,6 +78,11 @@ TEST(ImportGltf, ExtrasOfTheWrongTypeAreRefused)
     EXPECT_NE(with(R"({"cage": "box.obj", "scheme": "loop"})").find("catmull-clark, bilinear, none"), std::string::npos);
     EXPECT_NE(with(R"({"cage": "box.obj", "material": 3})").find("no material 3"), std::string::npos);
     EXPECT_NE(with(R"({"area_light": {"size": [1]}})").find("array of 2 numbers"), std::string::npos);
+    EXPECT_NE(with(R"({"area_light": {"radiance": [1e300, 0, 0]}})").find("radiance must hold numbers between"),
+              std::string::npos);
+    Gltf g;
+    g.more = R"(, "scenes": [{"nodes": [0], "extras": {"occam": {"environment": {"rotation_deg": -1e300}}}}])";
+    EXPECT_NE(error_of(g.write(folder)).find("rotation_deg must be a number between"), std::string::npos);
     EXPECT_NE(with("[1]").find("must be an object"), std::string::npos);
     EXPECT_NE(with(R"({"cage": "missing.obj"})").find("missing.obj: no such file"), std::string::npos);
 }

@@ -42,6 +42,22 @@ TEST(ImportObj, OnlyWhatSaysSoIsSubdivided)
     EXPECT_NE(load(tagged).notes.at(0).find("subdivision tags"), std::string::npos);
 }
 
+TEST(ImportObj, MarksOfUtf8ArePassedAndContinuedLinesAreJoined)
+{
+    const TempFolder folder;
+    folder.write("red.mtl", "\xef\xbb\xbfnewmtl red\nKd 1 0 0\n");
+    for (const char* end : {"\n", "\r\n"}) {
+        const std::string joined = std::string("\\") + end;
+        const auto file = folder.write("quad.obj", std::string("\xef\xbb\xbf# C:\\") + end + kQuad + "mtllib red.mtl" + end +
+                                                       "usemtl red" + end + "f 1 2 " + joined + "3" + joined + " 4" + end);
+        const Scene scene = load(file, kSubdivided);
+        EXPECT_TRUE(scene.warnings.empty()) << scene.warnings[0];
+        EXPECT_EQ(only_cage(scene).face_sizes.at(0), 4u);
+        EXPECT_EQ(only_cage(scene).positions.size(), 4u);
+        EXPECT_EQ(scene.counts().materials, 1u);
+    }
+}
+
 TEST(ImportObj, TheNameOfAFileSaysItsSchemeAsOpenSubdivsShapesDo)
 {
     const TempFolder folder;

@@ -1,0 +1,13 @@
+// Text of files and names as one line that a terminal shows and does not obey.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace occam {
+
+/// Returns the text as one line: line ends become "; ", other control characters and bytes that are no UTF-8 become "\xNN".
+/// The middle of a text that is much longer than any message is left out.
+std::string printable_line(std::string_view text);
+
+}  // namespace occam

@@ -1,0 +1,139 @@
+#include "io/texture/open_image.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/error.h"
+#include "io/exr_file.h"
+#include "io/png_file.h"
+#include "io/texture/image_header.h"
+#include "io/texture/image_metadata.h"
+#include "io/texture/jpeg_head.h"
+
+namespace occam {
+
+namespace {
+
+// The ratio is more texels for each byte of a file than any compression gives: deflate writes 1032 bytes for one, of up to
+// eight texels each.
+constexpr std::uintmax_t kMaxTexelsPerByte = 16384;
+constexpr std::uintmax_t kAlwaysAllowedTexels = std::uintmax_t(1) << 24;
+
+// Each scan of a JPEG visits all texels, at some billions a second, and some work remains for the smallest picture.
+constexpr std::uintmax_t kMostScannedTexels = std::uintmax_t(1) << 32, kLeastScannedTexels = std::uintmax_t(1) << 16;
+
+constexpr std::uintmax_t kMostTileValues = std::uintmax_t(1) << 26;
+
+class Opener {
+public:
+    Opener(const std::filesystem::path& file, const std::vector<std::byte>* encoded, const std::string& name,
+           const ImageLimits& limits)
+        : path_(file),
+          encoded_(encoded),
+          name_(name),
+          limits_(limits),
+          bytes_(encoded ? ImageBytes(std::span(*encoded)) : ImageBytes(file)),
+          format_(image_format(bytes_))
+    {
+    }
+
+    OpenImage open()
+    {
+        if (format_.empty()) refuse(std::string("not an image of a format that is read: ") + kImageFormats);
+        check_header();
+        OpenImage image;
+        std::string why;
+        if (format_ == "png" || format_ == "jpeg" || format_ == "tiff") {
+            image.bytes = without_metadata(whole(), format_);
+            if (format_ == "jpeg") check_scans(image.bytes);
+            image.reader = format_ == "png" ? open_png(ImageBytes(std::span(std::as_const(image.bytes))), why)
+                                            : picture_codec().open(image.bytes, format_, why);
+        } else {
+            if (encoded_) image.bytes = *encoded_;
+            if (format_ == "openexr")
+                image.reader = open_exr(encoded_ ? ImageBytes(std::span(std::as_const(image.bytes))) : ImageBytes(path_));
+            if (!image.reader)
+                image.reader = encoded_ ? picture_codec().open(image.bytes, format_, why)
+                                        : picture_codec().open(path_, format_, why);
+        }
+        if (!image.reader) refuse("image cannot be read: " + why);
+        check_spec(image.reader->spec());
+        return image;
+    }
+
+private:
+    [[noreturn]] void refuse(const std::string& what) const { throw Error(name_, what); }
+
+    void check_size(std::uintmax_t wide, std::uintmax_t high) const
+    {
+        const std::string size = std::to_string(wide) + " x " + std::to_string(high);
+        if (wide > limits_.side || high > limits_.side || wide * high > limits_.texels)
+            refuse("image is larger than is read: " + size);
+        if (wide * high > kAlwaysAllowedTexels && wide * high / kMaxTexelsPerByte > bytes_.size())
+            refuse("image declares far more than the file holds: " + size);
+    }
+
+    void check_header()
+    {
+        if (is_cut_off_png(bytes_) || is_cut_off_exr(bytes_)) refuse("the image is cut off");
+        if (const auto canvas = declared_canvas(bytes_)) check_size(canvas->width, canvas->height);
+        if (format_ != "openexr") return;
+        if (const auto head = read_exr_head(bytes_)) {
+            check_size(static_cast<std::uintmax_t>(head->width), static_cast<std::uintmax_t>(head->height));
+            check_values(head->width, head->height, head->channel_count);
+        }
+    }
+
+    void check_scans(std::span<const std::byte> file) const
+    {
+        const auto head = jpeg_head(file);
+        if (!head) return;  // the library will say what is wrong
+        check_size(head->width, head->height);
+        const std::uintmax_t texels = std::uintmax_t(head->width) * head->height;
+        if (head->scans > kMostScannedTexels / std::max(texels, kLeastScannedTexels))
+            refuse("image has more scans than are read at its size: " + std::to_string(head->scans));
+    }
+
+    void check_values(int width, int height, int channels) const
+    {
+        if (static_cast<std::uintmax_t>(width) * static_cast<std::uintmax_t>(height) >
+            limits_.values / static_cast<std::uintmax_t>(std::max(channels, 1)))
+            refuse("image has more channels than are read at its size: " + std::to_string(channels));
+    }
+
+    void check_spec(const PictureSpec& spec) const
+    {
+        if (spec.width <= 0 || spec.height <= 0 || spec.depth > 1 || spec.channel_count() < 1) refuse("not a flat image");
+        if (spec.is_deep) refuse("deep images are not read");
+        check_size(static_cast<std::uintmax_t>(spec.width), static_cast<std::uintmax_t>(spec.height));
+        check_values(spec.width, spec.height, spec.channel_count());
+        const auto wide = static_cast<std::uintmax_t>(spec.tile_width), high = static_cast<std::uintmax_t>(spec.tile_height);
+        if (wide > kMostTileValues / std::max<std::uintmax_t>(high, 1) / static_cast<std::uintmax_t>(spec.channel_count()))
+            refuse("image has larger tiles than are read: " + std::to_string(wide) + " x " + std::to_string(high));
+    }
+
+    std::vector<std::byte> whole()
+    {
+        if (encoded_) return *encoded_;
+        std::vector<std::byte> all(static_cast<std::size_t>(bytes_.size()));
+        if (!bytes_.read(0, {reinterpret_cast<unsigned char*>(all.data()), all.size()})) refuse("the image cannot be read");
+        return all;
+    }
+
+    const std::filesystem::path& path_;
+    const std::vector<std::byte>* encoded_;
+    const std::string& name_;
+    const ImageLimits& limits_;
+    ImageBytes bytes_;
+    std::string format_;
+};
+
+}  // namespace
+
+OpenImage open_image(const std::filesystem::path& file, const std::vector<std::byte>* encoded, const std::string& name,
+                     const ImageLimits& limits)
+{
+    return Opener(file, encoded, name, limits).open();
+}
+
+}  // namespace occam

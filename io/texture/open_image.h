@@ -1,0 +1,35 @@
+// Opening of image files of all formats that are read. What a file declares is checked before a library allocates for it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "io/picture_codec.h"
+
+namespace occam {
+
+/// The largest image that is read.
+struct ImageLimits {
+    std::uintmax_t side, texels;
+    std::uintmax_t values;  ///< texels times channels
+};
+
+/// An opened image. Its reader may refer to the bytes.
+struct OpenImage {
+    std::vector<std::byte> bytes;
+    std::unique_ptr<PictureReader> reader;
+};
+
+/// Opens an image file; if `encoded` is given, the image is in memory. The image is flat, not deep, and within the limits.
+/// The codec's readers allocate up to a tile of 2^26 values, or a row of tiles.
+/// name     of the image, for errors
+/// Throws   Error if its format is not read, it is damaged, or it breaks the limits.
+OpenImage open_image(const std::filesystem::path& file, const std::vector<std::byte>* encoded, const std::string& name,
+                     const ImageLimits& limits);
+
+}  // namespace occam

@@ -1,0 +1,162 @@
+// Images that declare more than is reasonable, and files that are no images: each is refused by name, before a library
+// spends time or memory on it.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "io/exr_file.h"
+#include "io/texture/jpeg_head.h"
+#include "io/texture/texture_store.h"
+#include "scenegraph/scene.h"
+#include "tests/support/picture_bytes.h"
+#include "tests/support/temp_folder.h"
+
+namespace occam::test {
+namespace {
+
+std::string little_endian(std::uint32_t value, int bytes)
+{
+    std::string text;
+    for (int i = 0; i < bytes; ++i) text += static_cast<char>(value >> (8 * i) & 0xff);
+    return text;
+}
+
+class ImageFiles : public testing::Test {
+protected:
+    /// Expects one error, which names the file and gives the reason.
+    void expect_refusal(const std::string& name, const std::string& content, const std::string& why)
+    {
+        Scene scene;
+        Texture texture;
+        texture.path = folder_.write(name, content);
+        scene.add(std::move(texture));
+        TextureStore store(std::size_t(16) << 20);
+        store.prepare(scene);
+        store.decode_all();
+        const std::vector<std::string> errors = store.errors();
+        ASSERT_EQ(errors.size(), 1u) << name;
+        EXPECT_NE(errors[0].find(name), std::string::npos) << errors[0];
+        EXPECT_NE(errors[0].find(why), std::string::npos) << errors[0];
+    }
+
+private:
+    TempFolder folder_;
+};
+
+// The extension never decides: a file is read by what it holds.
+TEST_F(ImageFiles, OfOtherFormatsAreRefusedWithAListOfThose)
+{
+    using namespace std::string_literals;
+    const std::pair<const char*, std::string> files[] = {
+        {"a.null", "x"},
+        {"a.txt", "hello world"},
+        {"a.png", "hello world"},
+        {"empty.jpg", ""},
+        {"a.vdb", " BDV"s + std::string(100, '\0')},
+        {"a.psd", "8BPS\0\1"s + std::string(100, '\0')},
+        {"a.ico", "\0\0\1\0\1\0"s + std::string(100, '\0')},
+        {"a.mp4", "\0\0\0\x18"s + "ftypmp42" + std::string(100, '\0')},
+        {"a.heic", "\0\0\0\x18"s + "ftypheic" + std::string(100, '\0')},
+        {"a.ktx2", "\xabKTX 20\xbb\r\n\x1a\n" + std::string(100, '\0')},
+    };
+    for (const auto& [name, content] : files) expect_refusal(name, content, "not an image of a format that is read: PNG");
+}
+
+std::string segment(int marker, const std::string& data)
+{
+    const auto size = static_cast<unsigned>(data.size()) + 2;
+    return std::string("\xff") + static_cast<char>(marker) + static_cast<char>(size >> 8) + static_cast<char>(size & 0xff) +
+           data;
+}
+
+/// Returns a progressive JPEG of one component whose scans hold one byte each (ITU T.81, annex B and G).
+std::string jpeg(int width, int height, int scans)
+{
+    const auto word = [](int value) { return std::string{static_cast<char>(value >> 8), static_cast<char>(value & 0xff)}; };
+    const std::string table = std::string(1, '\x01') + std::string(15, '\0') + std::string(1, '\0');
+    std::string file = "\xff\xd8" + segment(0xdb, std::string(1, '\0') + std::string(64, '\x01')) +
+                       segment(0xc2, "\x08" + word(height) + word(width) + std::string("\x01\x01\x11\0", 4)) +
+                       segment(0xc4, std::string(1, '\0') + table) + segment(0xc4, "\x10" + table) +
+                       segment(0xda, std::string("\x01\x01\0\0\0\0", 6)) + std::string(1, '\0');
+    const std::string scan = segment(0xda, std::string("\x01\x01\0\x01\x3f\0", 6)) + std::string(1, '\0');
+    for (int i = 1; i < scans; ++i) file += scan;
+    return file + "\xff\xd9";
+}
+
+TEST_F(ImageFiles, JpegsWithScansBeyondCountingAreRefused)
+{
+    const std::string ordinary = jpeg(64, 48, 10);
+    const auto head = jpeg_head(std::as_bytes(std::span(ordinary)));
+    ASSERT_TRUE(head);
+    EXPECT_EQ(head->width, 64u);
+    EXPECT_EQ(head->height, 48u);
+    EXPECT_EQ(head->scans, 10u);
+    EXPECT_FALSE(jpeg_head(std::as_bytes(std::span(ordinary).first(2))));
+    expect_refusal("many.jpg", jpeg(64, 48, 70'000), "more scans than are read at its size: 70000");
+    expect_refusal("large.jpg", jpeg(8000, 8000, 1000), "more scans than are read at its size: 1000");
+    expect_refusal("huge.jpg", jpeg(65'500, 65'500, 1), "image is larger than is read: 65500 x 65500");
+    expect_refusal("empty.jpg", jpeg(16'000, 8000, 2), "image declares far more than the file holds: 16000 x 8000");
+}
+
+TEST_F(ImageFiles, WithHundredsOfChannelsAreReadOnlyIfTheyAreSmall)
+{
+    using namespace std::string_view_literals;
+    PictureSpec spec;
+    spec.width = spec.height = spec.full_width = spec.full_height = 4;
+    for (int c = 0; c < 1000; ++c) spec.channels.push_back("c" + std::to_string(c));
+    BytesInMemory file;
+    ASSERT_EQ(write_exr(spec, {}, std::vector<float>(4 * 4 * 1000, 0.5f).data(), file), "");
+    constexpr std::string_view kWindow = "dataWindow\0box2i\0"sv;
+    const std::int32_t window[] = {0, 0, 1999, 1999};
+    std::memcpy(&file.all[file.all.find(kWindow) + kWindow.size() + 4], window, sizeof window);
+    expect_refusal("channels.exr", file.all, "more channels than are read at its size: 1000");
+}
+
+/// Returns a TIFF of 64 x 64 pixels in one tile of the given side, which is not there.
+std::string tiled_tiff(std::uint32_t side)
+{
+    struct Entry {
+        std::uint32_t tag, type, value;
+    };
+    const Entry entries[] = {{256, 4, 64}, {257, 4, 64},   {258, 3, 8},    {259, 3, 1}, {262, 3, 1},  {277, 3, 1},
+                             {284, 3, 1},  {322, 4, side}, {323, 4, side}, {324, 4, 8}, {325, 4, 100}};
+    std::string file("II*\0\x08\0\0\0", 8);
+    file += little_endian(std::size(entries), 2);
+    for (const Entry& e : entries)
+        file += little_endian(e.tag, 2) + little_endian(e.type, 2) + little_endian(1, 4) + little_endian(e.value, 4);
+    return file + std::string(1000, '\0');
+}
+
+TEST_F(ImageFiles, WithTilesOfGibibytesAreRefused)
+{
+    expect_refusal("tiles.tif", tiled_tiff(16'384), "larger tiles than are read: 16384 x 16384");
+    expect_refusal("tiles.tif", tiled_tiff(1 << 16), "larger tiles than are read: 65536 x 65536");
+}
+
+// The reader of BMP allocates the whole picture when it opens one with run lengths, and its product of the sides overflows.
+TEST_F(ImageFiles, BmpsDeclareTheirSizeBeforeTheyAreOpened)
+{
+    const auto bmp = [](std::uint32_t width, std::uint32_t height, std::uint32_t bits) {
+        return "BM" + little_endian(200, 4) + little_endian(0, 4) + little_endian(118, 4) + little_endian(40, 4) +
+               little_endian(width, 4) + little_endian(height, 4) + little_endian(1, 2) + little_endian(bits, 2) +
+               little_endian(bits == 4 ? 2 : 1, 4) + std::string(200, '\0');
+    };
+    expect_refusal("a.bmp", bmp(46'341, 46'341, 4), "image is larger than is read: 46341 x 46341");
+    expect_refusal("b.bmp", bmp(30'000, static_cast<std::uint32_t>(-30'000), 8),
+                   "image is larger than is read: 30000 x 30000");
+    expect_refusal("c.bmp", bmp(16'000, 8000, 8), "image declares far more than the file holds: 16000 x 8000");
+}
+
+TEST_F(ImageFiles, PngsDeclareTheirSizeBeforeTheyAreOpened)
+{
+    const auto big = [](std::uint32_t v) {
+        const std::string s = little_endian(v, 4);
+        return std::string(s.rbegin(), s.rend());
+    };
+    const std::string file = std::string("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16) + big(0x7fffffff) + big(1) +
+                             std::string("\x08\x06\0\0\0\0\0\0\0", 9) + std::string("\0\0\0\0IEND\xae\x42\x60\x82", 12);
+    expect_refusal("wide.png", file, "image is larger than is read: 2147483647 x 1");
+}
+
+}  // namespace
+}  // namespace occam::test
