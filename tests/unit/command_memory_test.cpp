@@ -1,6 +1,7 @@
 // Tests that a process whose memory is limited ends with one line and an exit code, wherever the limit is met.
 #include <sys/resource.h>
 
+#include "tests/support/campaign.h"
 #include "tests/support/command_test.h"
 
 namespace occam {
@@ -13,6 +14,7 @@ class LimitedMemory : public CommandTest {};
 // The limits range from what the program itself needs, over the loading of the libraries for pictures, to plenty.
 TEST_F(LimitedMemory, EndsInOneLineOrAPicture)
 {
+    if (kIsSanitized) GTEST_SKIP() << "sanitizers need more memory than there is";
     int done = 0;
     for (const rlim_t megabytes : {96, 256, 400, 450, 470, 490, 520, 2048}) {
         before_exec = [megabytes] {

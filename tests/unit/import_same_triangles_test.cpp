@@ -37,7 +37,7 @@ TEST(SameTriangles, AreKeptOnceForEachDirectionWhateverTheirMaterialsAndVertices
     const TempFolder folder;
     std::string text;
     for (int i = 0; i < 2000; ++i) {
-        text += std::string(kCorners) + "usemtl m" + std::to_string(i) + "\n";
+        text.append(kCorners).append("usemtl m").append(std::to_string(i)).append("\n");
         text += "f -4 -3 -2\nf -3 -2 -4\nf -3 -4 -2\nf -4 -3 -1\n";
     }
     const Scene scene = load(folder.write("many.obj", text));

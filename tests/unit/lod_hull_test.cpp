@@ -45,7 +45,9 @@ protected:
                 SCOPED_TRACE(testing::Message() << "face " << face << ", part " << sub);
                 patch.set(diced.posed, {face, sub});
                 Box3f controls;
-                for (const std::uint32_t v : topology.controls({face, sub}).indices) controls.add(diced.posed.vertex(v));
+                // At poles some control points are derived ones, which follow the vertices.
+                for (const std::uint32_t v : topology.controls({face, sub}).indices)
+                    if (v < GetParam().positions.size()) controls.add(diced.posed.vertex(v));
                 check(patch, Grid(patch), controls);
             }
     }
