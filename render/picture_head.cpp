@@ -47,7 +47,16 @@ bool has_end_mark(const fs::path& file, std::string_view mark)
     return in.read(end.data(), static_cast<std::streamsize>(end.size())) && end == mark;
 }
 
-PictureHead head_by_codec(const fs::path& file)
+// The image is opened without its metadata first, which checks it, and then with them for the note.
+std::string note_of(const fs::path& file, const std::string& format)
+{
+    std::string why;
+    const std::unique_ptr<PictureReader> in = picture_codec().open(file, format, why);
+    if (!in) refuse(file, "cannot be read: " + why);
+    return in->text_attribute(kNote);
+}
+
+PictureHead head_by_codec(const fs::path& file, const std::string& file_format)
 {
     const OpenImage opened = open_image(file, nullptr, file.string(), kHeadLimits);
     PictureReader* const in = opened.reader.get();
@@ -62,7 +71,7 @@ PictureHead head_by_codec(const fs::path& file)
         is_whole = in->read_rows(spec.height - 1, spec.height, spec.channel_count(), row.data());
     }
     if (!is_whole) refuse(file, "is cut off");
-    return {spec.width, spec.height, in->text_attribute(kNote)};
+    return {spec.width, spec.height, note_of(file, file_format)};
 }
 
 }  // namespace
@@ -76,7 +85,7 @@ PictureHead Image::read_head(const fs::path& file)
     const std::string format = image_format(bytes);
     if (format == "png") return head_of_png(file, bytes);
     if (format == "openexr") return head_of_exr(file, bytes);
-    return head_by_codec(file);
+    return head_by_codec(file, format);
 }
 
 }  // namespace occam::render

@@ -1,4 +1,8 @@
 // The module behind picture_codec(): the only file that uses OpenImageIO.
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
@@ -67,8 +71,8 @@ PictureSpec spec_of(const OIIO::ImageSpec& from)
 
 class Reader final : public PictureReader {
 public:
-    Reader(std::unique_ptr<OIIO::ImageInput> input, std::unique_ptr<OIIO::Filesystem::IOMemReader> memory)
-        : memory_(std::move(memory)), input_(std::move(input)), spec_(spec_of(input_->spec()))
+    Reader(std::unique_ptr<OIIO::ImageInput> input, std::unique_ptr<OIIO::Filesystem::IOProxy> bytes)
+        : bytes_(std::move(bytes)), input_(std::move(input)), spec_(spec_of(input_->spec()))
     {
     }
 
@@ -107,10 +111,45 @@ private:
         return false;
     }
 
-    std::unique_ptr<OIIO::Filesystem::IOMemReader> memory_;  // the input refers to it
+    std::unique_ptr<OIIO::Filesystem::IOProxy> bytes_;  // the input refers to them
     std::unique_ptr<OIIO::ImageInput> input_;
     PictureSpec spec_;
     std::string thrown_;
+};
+
+// Hands a file to decoders. The library's own reader of files ends the process where memory fails.
+class DecoderStream final : public OIIO::Filesystem::IOProxy {
+public:
+    explicit DecoderStream(const std::string& name) : IOProxy(name, Read), file_(::open(name.c_str(), O_RDONLY | O_CLOEXEC))
+    {
+    }
+    DecoderStream(const DecoderStream&) = delete;
+    DecoderStream& operator=(const DecoderStream&) = delete;
+    ~DecoderStream() override
+    {
+        if (file_ >= 0) ::close(file_);
+    }
+
+    const char* proxytype() const override { return "occam"; }
+    std::size_t read(void* bytes, std::size_t size) override
+    {
+        const std::size_t got = pread(bytes, size, m_pos);
+        m_pos += static_cast<std::int64_t>(got);
+        return got;
+    }
+    std::size_t pread(void* bytes, std::size_t size, std::int64_t offset) override
+    {
+        const ssize_t got = file_ >= 0 ? ::pread(file_, bytes, size, offset) : -1;
+        return got > 0 ? static_cast<std::size_t>(got) : 0;
+    }
+    std::size_t size() const override
+    {
+        struct stat about {};
+        return file_ >= 0 && ::fstat(file_, &about) == 0 ? static_cast<std::size_t>(about.st_size) : 0;
+    }
+
+private:
+    const int file_;
 };
 
 // Hands the bytes of encoders on. They are told that every write succeeded.
@@ -175,9 +214,15 @@ public:
                                         std::string& error) const override
     try {
         std::unique_ptr<OIIO::ImageInput> input = create(format);
-        OIIO::ImageSpec opened;
-        if (input && input->open(file.string(), opened, reading_wishes()))
-            return std::make_unique<Reader>(std::move(input), nullptr);
+        OIIO::ImageSpec wishes = reading_wishes(), opened;
+        std::unique_ptr<OIIO::Filesystem::IOProxy> stream;
+        // The reader of JPEG takes no stream but the library's own.
+        if (input && format != "jpeg" && input->supports("ioproxy")) {
+            stream = std::make_unique<DecoderStream>(file.string());
+            set_proxy(wishes, stream.get());
+        }
+        if (input && input->open(file.string(), opened, wishes))
+            return std::make_unique<Reader>(std::move(input), std::move(stream));
         error = why_not(input.get());
         return nullptr;
     } catch (const std::bad_alloc&) {
@@ -192,9 +237,7 @@ public:
     try {
         OIIO::ImageSpec wishes = reading_wishes();
         auto memory = std::make_unique<OIIO::Filesystem::IOMemReader>(const_cast<std::byte*>(file.data()), file.size());
-        // The reader takes the bytes from this attribute: ImageInput::open(name, config, proxy) closes the proxy again.
-        OIIO::Filesystem::IOProxy* proxy = memory.get();
-        wishes.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+        set_proxy(wishes, memory.get());
         std::unique_ptr<OIIO::ImageInput> input = create(format);
         OIIO::ImageSpec opened;
         if (input && input->open("memory." + format, opened, wishes))
@@ -243,6 +286,11 @@ private:
     {
         const std::string why = input ? input->geterror() : OIIO::geterror();
         return why.empty() ? "it is damaged, or of another format" : why;
+    }
+    // The reader takes the bytes from this attribute: ImageInput::open(name, config, proxy) closes the proxy again.
+    static void set_proxy(OIIO::ImageSpec& wishes, OIIO::Filesystem::IOProxy* proxy)
+    {
+        wishes.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
     }
     static OIIO::ImageSpec reading_wishes()
     {

@@ -27,7 +27,8 @@ protected:
         if (kIsSanitized) GTEST_SKIP() << "sanitizers have an operator new of their own";
         gradient(8).write(temp.path() / "tiles.png");
         gradient(8).write(temp.path() / "tiles.exr");
-        Image::read(temp.path() / "tiles.png");  // loads the libraries for pictures, before anything fails
+        gradient(8).write(temp.path() / "tiles.jpg");
+        Image::read(temp.path() / "tiles.jpg");  // loads the libraries for pictures, before anything fails
     }
     /// Reads a scene file and renders it, which reads its textures.
     void read_everywhere(const fs::path& file, const Density& density)
@@ -82,7 +83,8 @@ TEST_F(FailingFiles, OfEveryFormatAreReadOrRefused)
     const char* const kObj =
         "mtllib paint.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl tiles\n"
         "f 1/1 2/2 3/3 4/4\nt crease 2/1/0 0 1 2.5\n";
-    read_everywhere(temp.write("square.obj", kObj), {.growth = 1.5});
+    // OpenSubdiv loses a channel of texture coordinates that it cannot complete.
+    read_everywhere(temp.write("square.obj", kObj), {.growth = 1.5, .may_lose_blocks = true});
     read_everywhere(temp.write("square.ply",
                                "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float "
                                "z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 "
