@@ -212,43 +212,18 @@ class Codec final : public PictureCodec {
 public:
     std::unique_ptr<PictureReader> open(const std::filesystem::path& file, const std::string& format,
                                         std::string& error) const override
-    try {
-        std::unique_ptr<OIIO::ImageInput> input = create(format);
-        OIIO::ImageSpec wishes = reading_wishes(), opened;
-        std::unique_ptr<OIIO::Filesystem::IOProxy> stream;
+    {
         // The reader of JPEG takes no stream but the library's own.
-        if (input && format != "jpeg" && input->supports("ioproxy")) {
-            stream = std::make_unique<DecoderStream>(file.string());
-            set_proxy(wishes, stream.get());
-        }
-        if (input && input->open(file.string(), opened, wishes))
-            return std::make_unique<Reader>(std::move(input), std::move(stream));
-        error = why_not(input.get());
-        return nullptr;
-    } catch (const std::bad_alloc&) {
-        throw;
-    } catch (const std::exception& thrown) {
-        error = thrown.what();
-        return nullptr;
+        std::unique_ptr<OIIO::Filesystem::IOProxy> stream;
+        if (format != "jpeg") stream = std::make_unique<DecoderStream>(file.string());
+        return open(file.string(), format, std::move(stream), error);
     }
 
     std::unique_ptr<PictureReader> open(std::span<const std::byte> file, const std::string& format,
                                         std::string& error) const override
-    try {
-        OIIO::ImageSpec wishes = reading_wishes();
+    {
         auto memory = std::make_unique<OIIO::Filesystem::IOMemReader>(const_cast<std::byte*>(file.data()), file.size());
-        set_proxy(wishes, memory.get());
-        std::unique_ptr<OIIO::ImageInput> input = create(format);
-        OIIO::ImageSpec opened;
-        if (input && input->open("memory." + format, opened, wishes))
-            return std::make_unique<Reader>(std::move(input), std::move(memory));
-        error = why_not(input.get());
-        return nullptr;
-    } catch (const std::bad_alloc&) {
-        throw;
-    } catch (const std::exception& thrown) {
-        error = thrown.what();
-        return nullptr;
+        return open("memory." + format, format, std::move(memory), error);
     }
 
     std::string write(const std::filesystem::path& file, const PictureSpec& spec,
@@ -287,10 +262,24 @@ private:
         const std::string why = input ? input->geterror() : OIIO::geterror();
         return why.empty() ? "it is damaged, or of another format" : why;
     }
-    // The reader takes the bytes from this attribute: ImageInput::open(name, config, proxy) closes the proxy again.
-    static void set_proxy(OIIO::ImageSpec& wishes, OIIO::Filesystem::IOProxy* proxy)
-    {
-        wishes.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+    // Opens what the stream holds, or the file of that name if there is no stream or the format's reader takes none. The
+    // reader refers to the stream, which lives longer.
+    static std::unique_ptr<PictureReader> open(const std::string& name, const std::string& format,
+                                               std::unique_ptr<OIIO::Filesystem::IOProxy> stream, std::string& error)
+    try {
+        std::unique_ptr<OIIO::ImageInput> input = create(format);
+        OIIO::ImageSpec wishes = reading_wishes(), opened;
+        // The reader takes the stream from this attribute: ImageInput::open(name, config, proxy) closes the stream again.
+        OIIO::Filesystem::IOProxy* const proxy = stream.get();
+        if (proxy && input && input->supports("ioproxy")) wishes.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+        if (input && input->open(name, opened, wishes)) return std::make_unique<Reader>(std::move(input), std::move(stream));
+        error = why_not(input.get());
+        return nullptr;
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& thrown) {
+        error = thrown.what();
+        return nullptr;
     }
     static OIIO::ImageSpec reading_wishes()
     {

@@ -14,7 +14,7 @@ class LimitedMemory : public CommandTest {};
 // The limits range from what the program itself needs, over the loading of the libraries for pictures, to plenty.
 TEST_F(LimitedMemory, EndsInOneLineOrAPicture)
 {
-    if (kIsSanitized) GTEST_SKIP() << "sanitizers need more memory than there is";
+    if (kIsSanitized) GTEST_SKIP() << "sanitizers reserve more addresses than these limits allow";
     int done = 0;
     for (const rlim_t megabytes : {96, 256, 400, 450, 470, 490, 520, 2048}) {
         before_exec = [megabytes] {
