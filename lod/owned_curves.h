@@ -18,7 +18,7 @@ inline constexpr int kLargestK = kCoarsestLevel + TileRef::kSideExponent;
 
 class OwnedCurves {
 public:
-    explicit OwnedCurves(PatchSurface& surface) noexcept : surface_(surface) {}
+    explicit OwnedCurves(PatchSurface& surface) : surface_(surface) {}
 
     /// Forgets all posed cages.
     void forget() noexcept;

@@ -108,11 +108,13 @@ const PointStencil& PatchClass::corner(int corner) const
     const auto at = static_cast<std::size_t>(corner);
     std::call_once(corner_once_[at], [&] {
         const LimitStencil stencil = limit(corner & 1, corner >> 1);
+        PointStencil made;  // if memory fails, the next caller begins anew
         for (std::uint32_t k = 0; k < stencil.p.size(); ++k) {
             if (std::fabs(stencil.p[k]) < kNoise) continue;
-            corners_[at].controls.push_back(k);
-            corners_[at].weights.push_back(static_cast<float>(stencil.p[k]));
+            made.controls.push_back(k);
+            made.weights.push_back(static_cast<float>(stencil.p[k]));
         }
+        corners_[at] = std::move(made);
     });
     return corners_[at];
 }

@@ -4,8 +4,8 @@
 #include <bit>
 #include <cstdio>
 #include <map>
-#include <nlohmann/json.hpp>
 
+#include "base/json_document.h"
 #include "scenegraph/shown_nodes.h"
 
 namespace occam::render {
@@ -22,7 +22,8 @@ std::string hex(std::uint32_t value)
 
 std::string manifest_of(Aov aov, const Scene& scene)
 {
-    nlohmann::json manifest = nlohmann::json::object();
+    JsonDocument document;
+    nlohmann::json& manifest = document.root = nlohmann::json::object();
     const auto add = [&](std::string_view name) { manifest[std::string(name)] = hex(id_bits(name)); };
     const auto add_materials = [&](const std::vector<MaterialId>& ids) {
         for (const MaterialId id : ids)

@@ -53,12 +53,15 @@ void add(std::vector<PictureAttribute>& attributes, std::string name, PictureAtt
 }
 
 // Returns the spec of a picture with channels of one type, whose names the format gives.
+// Describes a picture of up to four channels, which are red, green, blue and alpha.
 PictureSpec base_spec(const Image& image, std::size_t channels, SampleType type)
 {
+    static constexpr const char* kNames[] = {"R", "G", "B", "A"};
     PictureSpec spec;
     spec.width = spec.full_width = image.width;
     spec.height = spec.full_height = image.height;
-    spec.channels.resize(channels);
+    spec.channels.assign(kNames, kNames + channels);
+    if (channels == 4) spec.alpha_channel = 3;
     spec.type = type;
     return spec;
 }

@@ -1,9 +1,10 @@
 #include "io/import/gltf_door.h"
 
 #include <charconv>
-#include <nlohmann/json.hpp>
+#include <memory>
 #include <set>
 
+#include "base/json_document.h"
 #include "io/import/gltf_extensions.h"
 #include "io/import/gltf_json.h"
 #include "io/import/gltf_rules.h"
@@ -89,18 +90,23 @@ void check_extensions(const json& root, Report& report)
         report.warn("KHR_mesh_quantization must be required");
 }
 
+std::unique_ptr<JsonDocument> parse(std::string_view text, const Report& report)
+{
+    try {
+        return std::make_unique<JsonDocument>(text);
+    } catch (const json::exception& error) {
+        throw Error(report.name(), std::string("not valid JSON: ") + error.what());
+    }
+}
+
 }  // namespace
 
 CheckedGltf check_gltf(std::string_view json_text, bool is_glb, Report& report)
 {
     check_nesting(json_text, report);
     if (json_text.starts_with("\xef\xbb\xbf")) report.warn("starts with a byte order mark");
-    json root;
-    try {
-        root = json::parse(json_text);
-    } catch (const json::exception& error) {
-        throw Error(report.name(), std::string("not valid JSON: ") + error.what());
-    }
+    const auto document = parse(json_text, report);
+    json& root = document->root;
     check_schema(root, report);
     check_asset(root, report);
     check_extensions(root, report);

@@ -6,8 +6,11 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+#include <algorithm>
 #include <exception>
 #include <new>
+#include <utility>
+#include <vector>
 
 #include "base/overloaded.h"
 #include "io/picture_codec.h"
@@ -152,6 +155,25 @@ private:
     const int file_;
 };
 
+// Holds the first GB of a file, for the reader of JPEG, which takes no other stream than memory or the library's own. That
+// one ends the process if memory fails while it is opened. No JPEG of up to 2^32 texels is longer unless it is made to be.
+class FileInMemory final : public OIIO::Filesystem::IOMemReader {
+public:
+    explicit FileInMemory(std::vector<char> bytes) : IOMemReader(bytes.data(), bytes.size()), bytes_(std::move(bytes)) {}
+
+    static std::unique_ptr<FileInMemory> of(const std::string& name)
+    {
+        constexpr std::size_t kMostBytes = std::size_t(1) << 30;
+        DecoderStream file(name);
+        std::vector<char> bytes(std::min(file.size(), kMostBytes));
+        bytes.resize(file.read(bytes.data(), bytes.size()));
+        return std::make_unique<FileInMemory>(std::move(bytes));
+    }
+
+private:
+    const std::vector<char> bytes_;
+};
+
 // Hands the bytes of encoders on. They are told that every write succeeded.
 class EncoderStream final : public OIIO::Filesystem::IOProxy {
 public:
@@ -187,14 +209,15 @@ private:
 
 OIIO::ImageSpec spec_of(const PictureSpec& from, std::span<const PictureAttribute> attributes)
 {
-    OIIO::ImageSpec spec(from.width, from.height, from.channel_count(), type_of(from.type));
+    // The constructor with channels would name them, and end the process if there is no memory for the names.
+    OIIO::ImageSpec spec(type_of(from.type));
     spec.x = from.x, spec.y = from.y;
-    spec.full_width = from.full_width, spec.full_height = from.full_height;
-    if (!from.channel_types.empty()) {
-        spec.channelnames = from.channels;
-        for (const SampleType type : from.channel_types) spec.channelformats.push_back(type_of(type));
-        spec.alpha_channel = from.alpha_channel;
-    }
+    spec.width = from.width, spec.height = from.height, spec.depth = 1;
+    spec.full_width = from.full_width, spec.full_height = from.full_height, spec.full_depth = 1;
+    spec.nchannels = from.channel_count();
+    spec.channelnames = from.channels;
+    for (const SampleType type : from.channel_types) spec.channelformats.push_back(type_of(type));
+    spec.alpha_channel = from.alpha_channel;
     for (const PictureAttribute& a : attributes)
         std::visit(
             Overloaded{[&](const std::string& text) { spec.attribute(a.name, text); },
@@ -213,9 +236,9 @@ public:
     std::unique_ptr<PictureReader> open(const std::filesystem::path& file, const std::string& format,
                                         std::string& error) const override
     {
-        // The reader of JPEG takes no stream but the library's own.
         std::unique_ptr<OIIO::Filesystem::IOProxy> stream;
-        if (format != "jpeg") stream = std::make_unique<DecoderStream>(file.string());
+        if (format == "jpeg") stream = FileInMemory::of(file.string());
+        else stream = std::make_unique<DecoderStream>(file.string());
         return open(file.string(), format, std::move(stream), error);
     }
 

@@ -16,8 +16,7 @@ namespace occam::test {
 struct Density {
     std::uint64_t dense = 16;
     double growth = 1.25;
-    bool may_lose_blocks = false;   ///< libraries lose blocks where allocations fail in them
-    bool is_one_at_a_time = false;  ///< libraries end the process if they have no memory to give up
+    bool may_lose_blocks = false;  ///< libraries lose blocks where allocations fail in them
 
     std::uint64_t after(std::uint64_t n) const
     {
@@ -33,7 +32,6 @@ template <class Attempt, class Check>
 void fail_everywhere(Density density, Attempt&& attempt, Check&& check)
 {
     for (const std::uint64_t count : {std::uint64_t(1), kAllFurther}) {
-        if (density.is_one_at_a_time && count != 1) continue;
         std::uint64_t failed = 1;
         for (std::uint64_t n = 0; failed > 0 && !testing::Test::HasFailure(); n = density.after(n)) {
             SCOPED_TRACE(testing::Message() << "allocation " << n << (count == 1 ? "" : " and all further ones"));

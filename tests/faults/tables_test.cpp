@@ -1,0 +1,63 @@
+// Tables that are made when something first asks for them: where memory fails in the middle, the next one that asks makes
+// them anew.
+#include <gtest/gtest.h>
+
+#include "lod/patch_hull.h"
+#include "lod/topology.h"
+#include "tests/faults/failing_allocations.h"
+#include "tests/support/campaign.h"
+#include "tests/support/shape_builders.h"
+
+namespace occam::test {
+namespace {
+
+/// Holds what a class of patches has made.
+struct Made {
+    std::vector<lod::PointStencil> corners;
+    std::vector<float> hull, rows;
+};
+
+Made make(const lod::PatchClass& kind)
+{
+    Made made;
+    for (int c = 0; c < 4; ++c) made.corners.push_back(kind.corner(c));
+    made.hull.assign(kind.hull().weights.begin(), kind.hull().weights.end());
+    const lod::PatchClass::Node& leaf = kind.locate(0.3f, 0.9f);
+    if (leaf.kind == lod::PatchClass::Node::Bicubic)
+        made.rows.assign(leaf.weights.get(), leaf.weights.get() + 16 * kind.control_count());
+    return made;
+}
+
+TEST(FailingTables, AreMadeAnew)
+{
+    if (kIsSanitized) GTEST_SKIP() << "sanitizers have an operator new of their own";
+    const Cage cage = prism(5);
+    const lod::PatchRef patch{0, 0};
+    const Made wanted = make(*lod::Topology(cage).controls(patch).kind);
+    ASSERT_FALSE(wanted.rows.empty());
+    std::uint64_t failed = 1, n = 0;
+    for (; failed > 0; ++n) {
+        SCOPED_TRACE(testing::Message() << "allocation " << n);
+        const lod::Topology topology(cage);
+        const lod::PatchClass& kind = *topology.controls(patch).kind;
+        {
+            const FailingAllocations failing(n, 1);
+            try {
+                make(kind);
+            } catch (const std::bad_alloc&) {
+            }
+            failed = failing.failed();
+        }
+        const Made made = make(kind);
+        for (std::size_t c = 0; c < 4; ++c) {
+            EXPECT_EQ(made.corners[c].controls, wanted.corners[c].controls);
+            EXPECT_EQ(made.corners[c].weights, wanted.corners[c].weights);
+        }
+        EXPECT_EQ(made.hull, wanted.hull);
+        EXPECT_EQ(made.rows, wanted.rows);
+    }
+    EXPECT_GT(n, 20u);
+}
+
+}  // namespace
+}  // namespace occam::test
