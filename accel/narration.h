@@ -156,5 +156,9 @@ private:
         narration.box(entry, box, in, out, !is_known || !(in <= out) || crosses(ray, entry.bounds.slab, in, out));
     }
 };
+// Clang 14 deduces no arguments of aggregates.
+template <class Tree, class Times, class Limit, class AtLeaf>
+NarratedWalk(Narration&, Tree&, const TreeRay<float>&, const Times&, const PairSpans<float>&, float, const Limit&,
+             const AtLeaf&) -> NarratedWalk<Tree, Times, Limit, AtLeaf>;
 
 }  // namespace occam::accel

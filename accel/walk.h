@@ -99,7 +99,7 @@ private:
     OCCAM_ALWAYS_INLINE LeafResult meet_leaf(NodeOf node, Mask alive, F near, F far, PairRange range, const Times& times)
     {
         TreeLeaf& latest = tree_.latest_leaf(node);
-        auto [finest, coarsest] = range;
+        int finest = range.finest, coarsest = range.coarsest;
         const auto is_one = [&] { return finest == coarsest || (latest.pairs.has(finest) && latest.pairs.has(coarsest)); };
         if (!is_one()) pairs_.narrow(alive, near, far, finest, coarsest);
         const auto rays_of = [&](int low, int high) {
@@ -203,12 +203,12 @@ private:
     /// Counts that rays meet an igrid.
     OCCAM_ALWAYS_INLINE void count_visit(const IGrid& grid, unsigned rays) noexcept
     {
-        BatchVisits& visits = state_.visits;
-        if constexpr (kIsOne) visits.of_lone_rays += 2;
+        BatchVisits& counted = state_.visits;
+        if constexpr (kIsOne) counted.of_lone_rays += 2;
         else {
             const int count = std::popcount(rays);
-            visits.of_packets += static_cast<std::uint64_t>(std::clamp(grid.segments, 1, count));
-            visits.rays += static_cast<std::uint64_t>(count);
+            counted.of_packets += static_cast<std::uint64_t>(std::clamp(grid.segments, 1, count));
+            counted.rays += static_cast<std::uint64_t>(count);
         }
     }
 

@@ -73,7 +73,7 @@ void drop_same_triangles(Cage& cage, Report& report)
     for (std::size_t t = 0; t < triangles; ++t) {
         BitsKey<3> corners;
         for (std::size_t k = 0; k < 3; ++k) corners[k] = place[cage.face_vertices[3 * t + k]];
-        std::ranges::rotate(corners, std::ranges::min_element(corners));
+        std::rotate(corners.begin(), std::ranges::min_element(corners), corners.end());
         is_kept[t] = known.insert(corners).second;
         kept += is_kept[t];
     }
