@@ -143,7 +143,9 @@ void paint(Cage& cage, Scene& scene, const RandomCase& c, const RandomPart& part
 Mat4d place_of(const RandomCase& c, const RandomPart& part)
 {
     Random random(c.seed, part.key, 1);
-    const Vec4d turn = glm::normalize(Vec4d(random.inside_cube(), random.between(0.1, 1)));
+    // Compilers evaluate arguments in any order.
+    const double w = random.between(0.1, 1);
+    const Vec4d turn = glm::normalize(Vec4d(random.inside_cube(), w));
     double scale = random.between(0.4, 1.2);
     Vec3d at = random.inside_cube() * 2.0;
     if (part.has(PartFeature::Large)) scale *= 1000, at = at * 1000.0 - Vec3d(0, 0, 5000);
@@ -260,7 +262,8 @@ Camera camera_of(const RandomCase& c, Scene& scene)
 {
     const Vec3d about = c.has(SettingFeature::Far) ? Vec3d(1e5, -3e4, 7e4) : Vec3d(0);
     Random random(c.seed, 0, 2);
-    Camera camera = Camera::look_at(about + Vec3d(random.between(-4, 4), random.between(0, 3), 7), about, {0, 1, 0}, 0.9f);
+    const double up = random.between(0, 3), right = random.between(-4, 4);
+    Camera camera = Camera::look_at(about + Vec3d(right, up, 7), about, {0, 1, 0}, 0.9f);
     if (c.has(SettingFeature::Orthographic)) camera.lens.orthographic = true, camera.lens.height = 6;
     if (c.has(SettingFeature::Lens)) camera.lens.radius = 0.15f, camera.lens.focus = 6;
     scene.refit();
