@@ -52,8 +52,7 @@ void add(std::vector<PictureAttribute>& attributes, std::string name, PictureAtt
     attributes.push_back({std::move(name), std::move(value)});
 }
 
-// Returns the spec of a picture with channels of one type, whose names the format gives.
-// Describes a picture of up to four channels, which are red, green, blue and alpha.
+// Returns the spec of a picture with channels of one type: none, or the first three or four of red, green, blue and alpha.
 PictureSpec base_spec(const Image& image, std::size_t channels, SampleType type)
 {
     static constexpr const char* kNames[] = {"R", "G", "B", "A"};
