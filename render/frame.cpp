@@ -1,9 +1,11 @@
 #include "render/frame.h"
 
 #include <tbb/global_control.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include <optional>
 #include <span>
 
 #include "base/cancellation.h"
@@ -15,6 +17,10 @@
 
 namespace occam::render {
 namespace {
+
+// TBB counts the processors when their number is first needed. If an allocation fails in that, every later call waits for
+// ever for the count to end. So they are counted while this library is loaded.
+const int processors = tbb::info::default_concurrency();
 
 using Clock = std::chrono::steady_clock;
 
@@ -68,7 +74,10 @@ public:
                 throw;
             }
         };
-        const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+        // An arena alone cannot have more threads than there are processors.
+        std::optional<tbb::global_control> allow;
+        if (threads > processors)
+            allow.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
         tbb::task_arena arena(threads);
         arena.execute([&] { tbb::parallel_for(0, threads, work, tbb::simple_partitioner()); });
     }

@@ -12,7 +12,6 @@ namespace occam::render {
 namespace {
 
 constexpr std::string_view kMagic = "Occam checkpoint 1\n";
-constexpr Aov kMattes[] = {Aov::CryptomatteObject, Aov::CryptomatteMaterial};
 
 std::size_t tile_count(const PixelRect& area)
 {

@@ -19,6 +19,9 @@
 
 namespace occam::render {
 
+/// The layers of mattes, in the order in which their sums are kept.
+inline constexpr Aov kMattes[] = {Aov::CryptomatteObject, Aov::CryptomatteMaterial};
+
 class FrameSums {
 public:
     FrameSums(const Settings& settings, const Camera& camera);

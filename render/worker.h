@@ -17,9 +17,6 @@
 
 namespace occam::render {
 
-/// The layers of mattes, in the order in which their sums are kept.
-inline constexpr Aov kMattes[] = {Aov::CryptomatteObject, Aov::CryptomatteMaterial};
-
 /// Renders tiles with its own tracer and integrator.
 class Worker {
 public:
