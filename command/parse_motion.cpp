@@ -1,5 +1,6 @@
 // The options that say at which time, or for how long, a scene is seen.
 #include <bit>
+#include <cmath>
 
 #include "option_kinds.h"
 #include "scenegraph/content_rules.h"
@@ -50,8 +51,15 @@ void add_moment(CLI::App& app, RenderArguments& a)
 {
     CLI::Option* time = add_number(app, "--time", "Seconds on the clip's own axis [the file's pose]",
                                    [&](double v) { a.time = v; });
-    CLI::Option* frame = app.add_option("--frame", a.frame, "The same as a frame's number: time * fps");
-    frame->type_name("N")->excludes(time);
+    CLI::Option* frame = add_value(
+        app, "--frame", "The same as a frame's number: time * fps", "N", [&](const std::string& t) {
+            constexpr double kMost = 1e9;
+            const double number = number_of(t);
+            if (std::fabs(number) > kMost || number != std::floor(number))
+                throw std::invalid_argument("expected a whole number from -1000000000 to 1000000000, not '" + t + "'");
+            a.frame = static_cast<int>(number);
+        });
+    frame->excludes(time);
 }
 
 void add_sequence(CLI::App& app, AnimateArguments& a)

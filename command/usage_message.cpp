@@ -27,7 +27,8 @@ std::string message_of(const CLI::ParseError& error, const CLI::App& used, std::
 {
     const std::string text = printable_line(error.what());
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) && text.rfind("--", 0) == 0)
-        return text.substr(0, text.find(':')) + " needs a value";
+        return text.substr(0, text.find(':')) +
+               (text.find("At Most") != std::string::npos ? " is given more than once" : " needs a value");
     const bool is_extra = dynamic_cast<const CLI::ExtrasError*>(&error) || dynamic_cast<const CLI::RequiredError*>(&error);
     if (!is_extra) return text;
     for (const char* raw : words.subspan(1)) {

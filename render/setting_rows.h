@@ -78,6 +78,7 @@ struct SettingRow {
 };
 
 inline constexpr double kBelowOne = 1 - 0x1p-24;  ///< the largest float below 1
+inline constexpr double kMostSeconds = 1e8;       ///< three years, which clocks can add to any moment
 
 inline constexpr SettingRow kSettings[] = {
     {"spp", &Settings::spp, 1, kMaxSamples, "", "Samples a pixel"},
@@ -91,7 +92,7 @@ inline constexpr SettingRow kSettings[] = {
     {"lod", &Settings::lod, 0, 0, "",
      "Level of detail. on: for each ray; off: one for each cage; frozen: secondary rays keep that of their origin"},
     {"seed", &Settings::seed, 0, 0x1p64, "", "Seed of the random numbers"},
-    {"deadline", &Settings::deadline_s, 0, std::numeric_limits<double>::max(), "seconds",
+    {"deadline", &Settings::deadline_s, 0, kMostSeconds, "seconds",
      "Stop after this many seconds; all pixels then have about equally many samples", "none"},
     {"progressive", &Settings::progressive},
     {"background", &Settings::background, 0, 1, "", "Sky or environment behind the scene; off: transparent"},

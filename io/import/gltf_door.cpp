@@ -1,8 +1,10 @@
 #include "io/import/gltf_door.h"
 
+#include <algorithm>
 #include <charconv>
 #include <memory>
 #include <set>
+#include <string_view>
 
 #include "base/json_document.h"
 #include "io/import/gltf_extensions.h"
@@ -95,7 +97,9 @@ std::unique_ptr<JsonDocument> parse(std::string_view text, const Report& report)
     try {
         return std::make_unique<JsonDocument>(text);
     } catch (const json::exception& error) {
-        throw Error(report.name(), std::string("not valid JSON: ") + error.what());
+        std::string_view reason = error.what();  // the name of the exception in brackets, then the reason
+        reason.remove_prefix(std::min(reason.find("] ") + 2, reason.size()));
+        throw Error(report.name(), std::string("not valid JSON: ").append(reason));
     }
 }
 

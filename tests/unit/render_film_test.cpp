@@ -134,6 +134,9 @@ TEST(Settings, RefusesWhatIsOutOfRangeByName)
     EXPECT_NE(refused([](Settings& s) { s.spp = 0; }).find("spp"), std::string::npos);
     EXPECT_NE(refused([](Settings& s) { s.shading_rate = NAN; }).find("shading rate"), std::string::npos);
     EXPECT_NE(refused([](Settings& s) { s.deadline_s = -1; }).find("deadline"), std::string::npos);
+    // The clock could not add these to the present.
+    EXPECT_NE(refused([](Settings& s) { s.deadline_s = 1e10; }).find("deadline"), std::string::npos);
+    EXPECT_NE(refused([](Settings& s) { s.deadline_s = 1e300; }).find("deadline"), std::string::npos);
 }
 
 TEST(Settings, ACropHoldsAtLeastOnePixel)
