@@ -195,29 +195,6 @@ TEST_F(Command, CountsAreWholeNumbersWithinTheirLimits)
     EXPECT_NE(o.out.find("\"seed\": 18446744073709551615"), std::string::npos);
 }
 
-TEST_F(Command, NumbersBeyondTheRangeOfFloatsAreRefusedByTheirOption)
-{
-    for (const char* option :
-         {"--time", "--fov", "--clamp", "--ao-distance", "--deadline", "--environment-strength", "--frame"}) {
-        const Outcome o = run({"render", "triangle.obj", "-o", "a.exr", option, "1e300"});
-        EXPECT_EQ(o.exit_code, kBadInput) << option;
-        EXPECT_EQ(o.err.find(std::string("occam: ") + option + ": expected "), 0u) << o.err;
-    }
-    const Outcome o = run({"render", "triangle.obj", "-o", "a.exr", "--look-at", "1e300,0,0,0,0,0"});
-    EXPECT_EQ(o.err.find("occam: --look-at: expected "), 0u) << o.err;
-    EXPECT_NE(run({"render", "triangle.obj", "-o", "a.exr", "--frame", "1.5"}).err.find("whole number"), std::string::npos);
-    EXPECT_NE(run({"render", "triangle.obj", "-o", "a.exr", "--spp", "1", "--spp", "2"}).err.find("more than once"),
-              std::string::npos);
-}
-
-TEST_F(Command, BrokenJSONIsRefusedByLineAndColumn)
-{
-    std::ofstream(folder / "broken.gltf") << "{\"asset\":";
-    const Outcome o = run({"info", "broken.gltf"});
-    EXPECT_EQ(o.exit_code, kBadInput);
-    EXPECT_NE(o.err.find("broken.gltf: not valid JSON: parse error at line 1, column 10"), std::string::npos) << o.err;
-}
-
 TEST_F(Command, AnOutputThatCannotBeWrittenIsExitCode3)
 {
     const Outcome o = run({"render", "triangle.obj", "-o", "missing/a.png"});
