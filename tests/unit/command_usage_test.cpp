@@ -41,6 +41,10 @@ TEST_F(CommandUsage, NumbersBeyondTheRangeOfFloatsAreRefusedByTheirOption)
     }
     const Outcome o = run({"render", "triangle.obj", "-o", "a.exr", "--look-at", "1e300,0,0,0,0,0"});
     EXPECT_EQ(o.err.find("occam: --look-at: expected "), 0u) << o.err;
+    for (const char* stops : {"-3e38", "101"})
+        EXPECT_EQ(
+            run({"render", "triangle.obj", "-o", "a.png", "--exposure", stops}).err.find("occam: --exposure: expected "),
+            0u);
     EXPECT_NE(run({"render", "triangle.obj", "-o", "a.exr", "--frame", "1.5"}).err.find("whole number"), std::string::npos);
     EXPECT_NE(run({"render", "triangle.obj", "-o", "a.exr", "--spp", "1", "--spp", "2"}).err.find("more than once"),
               std::string::npos);
