@@ -1,6 +1,5 @@
 // Defines the grammar of the command line. The options of time are in parse_motion.cpp; no other file uses CLI11.
 #include <algorithm>
-#include <cmath>
 #include <iostream>
 #include <set>
 
@@ -145,15 +144,7 @@ CLI::Option& add_output(CLI::App& app, RenderArguments& a, const std::string& fo
     CLI::Option* output = app.add_option("-o,--output", a.output, what)->required()->type_name(form);
     add_value(app, "--exposure",
               "Stops, display formats only; auto: by the log-average of the picture, 0 if that is as usual [auto]",
-              "EV|auto", [&](const std::string& t) {
-                  a.write.exposure_ev.reset();
-                  if (t == "auto") return;
-                  constexpr float kMost = 100;  // the brightest and the faintest light differ by fewer stops
-                  const auto stops = static_cast<float>(number_of(t));
-                  if (!(std::fabs(stops) <= kMost))
-                      throw std::invalid_argument("expected from -100 to 100 stops, or auto, not '" + t + "'");
-                  a.write.exposure_ev = stops;
-              });
+              "EV|auto", [&](const std::string& t) { a.write.exposure_ev = stops_of(t); });
     std::map<std::string, Tonemap> curves;
     for (const render::TonemapRow& row : render::kTonemaps) curves.emplace(row.name, row.value);
     add_choice<Tonemap>(app, "--tonemap", a.write.tonemap, curves, "Curve of display formats [filmic]");

@@ -25,6 +25,15 @@ double number_of(std::string_view text)
     return value;
 }
 
+std::optional<float> stops_of(std::string_view text)
+{
+    if (text == "auto") return std::nullopt;
+    constexpr double kMost = 100;  // the brightest and the faintest light differ by fewer stops
+    const double stops = number_of(text);
+    if (!(std::fabs(stops) <= kMost)) expected("from -100 to 100 stops, or auto", text);
+    return static_cast<float>(stops);
+}
+
 std::uint64_t whole_of(std::string_view text, std::uint64_t least, std::uint64_t most)
 {
     std::uint64_t value = 0;

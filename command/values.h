@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -11,7 +12,8 @@
 
 namespace occam::command {
 
-double number_of(std::string_view text);  ///< "0.5", "-3", "1e-4"; within the range of floats
+double number_of(std::string_view text);               ///< "0.5", "-3", "1e-4"; within the range of floats
+std::optional<float> stops_of(std::string_view text);  ///< "-1.5", from -100 to 100; nothing for "auto"
 /// "16", "1e5", "2.0": a whole number from `least` to `most`, which is at most 2^64 - 1.
 std::uint64_t whole_of(std::string_view text, std::uint64_t least, std::uint64_t most);
 std::vector<double> numbers_of(std::string_view text, std::size_t n);  ///< n of them, with commas between
