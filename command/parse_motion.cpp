@@ -49,8 +49,8 @@ void add_shutter(CLI::App& app, RenderArguments& a)
 
 void add_moment(CLI::App& app, RenderArguments& a)
 {
-    CLI::Option* time = add_number(app, "--time", "Seconds on the clip's own axis [the file's pose]",
-                                   [&](double v) { a.time = v; });
+    CLI::Option* time = add_value(app, "--time", "Seconds on the clip's own axis [the file's pose]", "NUMBER",
+                                  [&](const std::string& t) { a.time = real_of(t); });
     CLI::Option* frame = add_value(
         app, "--frame", "The same as a frame's number: time * fps", "N", [&](const std::string& t) {
             constexpr double kMost = 1e9;

@@ -16,11 +16,17 @@ namespace {
 
 }  // namespace
 
-double number_of(std::string_view text)
+double real_of(std::string_view text)
 {
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) expected("a number", text);
+    return value;
+}
+
+double number_of(std::string_view text)
+{
+    const double value = real_of(text);
     if (std::fabs(value) > double(std::numeric_limits<float>::max())) expected("a number between -3.4e38 and 3.4e38", text);
     return value;
 }

@@ -12,7 +12,8 @@
 
 namespace occam::command {
 
-double number_of(std::string_view text);               ///< "0.5", "-3", "1e-4"; within the range of floats
+double real_of(std::string_view text);                 ///< "0.5", "-3", "1e-4"; any finite double
+double number_of(std::string_view text);               ///< the same, within the range of floats
 std::optional<float> stops_of(std::string_view text);  ///< "-1.5", from -100 to 100; nothing for "auto"
 /// "16", "1e5", "2.0": a whole number from `least` to `most`, which is at most 2^64 - 1.
 std::uint64_t whole_of(std::string_view text, std::uint64_t least, std::uint64_t most);

@@ -78,7 +78,7 @@ struct SettingRow {
 };
 
 inline constexpr double kBelowOne = 1 - 0x1p-24;  ///< the largest float below 1
-inline constexpr double kMostSeconds = 1e8;       ///< three years, which clocks can add to any moment
+inline constexpr double kMostSeconds = 1e9;       ///< thirty years, which clocks can add to any moment
 
 inline constexpr SettingRow kSettings[] = {
     {"spp", &Settings::spp, 1, kMaxSamples, "", "Samples a pixel"},

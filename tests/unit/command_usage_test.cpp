@@ -33,8 +33,7 @@ TEST_F(CommandUsage, AMistakeIsOneLineThatSaysWhatToDo)
 
 TEST_F(CommandUsage, NumbersBeyondTheRangeOfFloatsAreRefusedByTheirOption)
 {
-    for (const char* option :
-         {"--time", "--fov", "--clamp", "--ao-distance", "--deadline", "--environment-strength", "--frame"}) {
+    for (const char* option : {"--fov", "--clamp", "--ao-distance", "--deadline", "--environment-strength", "--frame"}) {
         const Outcome o = run({"render", "triangle.obj", "-o", "a.exr", option, "1e300"});
         EXPECT_EQ(o.exit_code, kBadInput) << option;
         EXPECT_EQ(o.err.find(std::string("occam: ") + option + ": expected "), 0u) << o.err;
