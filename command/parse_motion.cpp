@@ -54,7 +54,7 @@ void add_moment(CLI::App& app, RenderArguments& a)
     CLI::Option* frame = add_value(
         app, "--frame", "The same as a frame's number: time * fps", "N", [&](const std::string& t) {
             constexpr double kMost = 1e9;
-            const double number = number_of(t);
+            const double number = real_of(t);
             if (std::fabs(number) > kMost || number != std::floor(number))
                 throw std::invalid_argument("expected a whole number from -1000000000 to 1000000000, not '" + t + "'");
             a.frame = static_cast<int>(number);

@@ -26,6 +26,7 @@ const CLI::Option* similar_option(const CLI::App& app, const std::string& word)
 std::string message_of(const CLI::ParseError& error, const CLI::App& used, std::span<char*> words)
 {
     const std::string text = printable_line(error.what());
+    // The text alone tells whether there are too few values or too many.
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) && text.rfind("--", 0) == 0)
         return text.substr(0, text.find(':')) +
                (text.find("At Most") != std::string::npos ? " is given more than once" : " needs a value");

@@ -20,7 +20,7 @@ namespace {
 
 // TBB counts the processors when their number is first needed. If an allocation fails in that, every later call waits for
 // ever for the count to end. So they are counted while this library is loaded.
-const int processors = tbb::info::default_concurrency();
+const int kProcessors = tbb::info::default_concurrency();
 
 using Clock = std::chrono::steady_clock;
 
@@ -76,7 +76,7 @@ public:
         };
         // An arena alone cannot have more threads than there are processors.
         std::optional<tbb::global_control> allow;
-        if (threads > processors)
+        if (threads > kProcessors)
             allow.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
         tbb::task_arena arena(threads);
         arena.execute([&] { tbb::parallel_for(0, threads, work, tbb::simple_partitioner()); });

@@ -1,6 +1,5 @@
 #include "io/import/gltf_door.h"
 
-#include <algorithm>
 #include <charconv>
 #include <memory>
 #include <set>
@@ -97,8 +96,9 @@ std::unique_ptr<JsonDocument> parse(std::string_view text, const Report& report)
     try {
         return std::make_unique<JsonDocument>(text);
     } catch (const json::exception& error) {
-        std::string_view reason = error.what();  // the name of the exception in brackets, then the reason
-        reason.remove_prefix(std::min(reason.find("] ") + 2, reason.size()));
+        std::string_view reason = error.what();
+        // It begins with the name of the exception in brackets.
+        if (const std::size_t end = reason.find("] "); end != std::string_view::npos) reason.remove_prefix(end + 2);
         throw Error(report.name(), std::string("not valid JSON: ").append(reason));
     }
 }

@@ -195,6 +195,14 @@ TEST_F(Command, CountsAreWholeNumbersWithinTheirLimits)
     EXPECT_NE(o.out.find("\"seed\": 18446744073709551615"), std::string::npos);
 }
 
+TEST_F(Command, BrokenJSONIsRefusedByLineAndColumn)
+{
+    std::ofstream(folder / "broken.gltf") << "{\"asset\":";
+    const Outcome o = run({"info", "broken.gltf"});
+    EXPECT_EQ(o.exit_code, kBadInput);
+    EXPECT_NE(o.err.find("broken.gltf: not valid JSON: parse error at line 1, column 10"), std::string::npos) << o.err;
+}
+
 TEST_F(Command, AnOutputThatCannotBeWrittenIsExitCode3)
 {
     const Outcome o = run({"render", "triangle.obj", "-o", "missing/a.png"});
