@@ -2,7 +2,7 @@
 // any budget.
 #include <gtest/gtest.h>
 
-#include <set>
+#include <array>
 
 #include "tests/support/diced_mesh.h"
 #include "tests/support/shape_builders.h"
@@ -151,16 +151,22 @@ TEST(Tracer, FindsTheSameHitsHoweverItBuilds)
     const auto rays = rays_towards({0.3, 3, 4}, stage.scene.bounds(), 4000, 7);
     std::vector<accel::SurfaceHit> usual(rays.size()), hits(rays.size());
     accel::Tracer(frame, kPlenty).closest(rays, usual);
-    std::set<std::uint64_t> nodes;
+    std::array<std::uint64_t, 8> nodes{};
     for (int on = 0; on < 8; ++on) {
         accel::Tracer tracer(frame, kPlenty, {(on & 1) != 0, (on & 2) != 0, (on & 4) != 0});
         EXPECT_EQ(tracer.counters().kd_nodes > 0, (on & 1) == 0) << "built before the first ray, unless lazily";
         tracer.closest(rays, hits);
         for (std::size_t i = 0; i < rays.size(); ++i)
             ASSERT_TRUE(same(usual[i], hits[i])) << "ray " << i << " techniques " << on;
-        nodes.insert(tracer.counters().kd_nodes);
+        nodes[std::size_t(on)] = tracer.counters().kd_nodes;
     }
-    EXPECT_GE(nodes.size(), 6u) << "each technique makes another tree";
+    for (std::size_t on = 0; on < 8; ++on) {
+        EXPECT_NE(nodes[on], nodes[on ^ 1]) << "lazily, techniques " << on;
+        EXPECT_NE(nodes[on], nodes[on ^ 2]) << "by hierarchy, techniques " << on;
+        if ((on & 2) == 0) {
+            EXPECT_NE(nodes[on], nodes[on ^ 4]) << "swept, techniques " << on;
+        }
+    }
 }
 
 TEST(Tracer, AnswersOcclusionAsTheNearestHitDoes)
