@@ -52,13 +52,15 @@ TraceCounters Tracer::counters() const
     return all;
 }
 
-bool Tracer::State::travel_alone(std::span<const Ray> rays) const noexcept
+bool Tracer::State::travel_alone(std::span<const Ray> rays, bool is_nearest) const noexcept
 {
+    constexpr float kWide = 0.97f, kNarrow = 0.999f;  // cosines of 14 and of 2.5 degrees
     if (frame.tree != TreeKind::Bvh) return false;
     // An igrid of a mesh holds hundreds of triangles, in whose box tree packets pay for any rays.
     if (!frame.has_levels && frame.segments == 0) return false;
-    // Where boxes move, a packet has those of all its rays' times, and loses sooner.
-    const float least_cosine = frame.segments > 0 ? 0.999f : 0.97f;
+    // Where boxes move, a packet has those of all its rays' times. Rays that look for nearest hits lose by that sooner than
+    // shadow rays do (docs/performance.md).
+    const float least_cosine = frame.segments > 0 && is_nearest ? kNarrow : kWide;
     const Vec3f way = rays.front().direction;
     return std::any_of(rays.begin(), rays.end(),
                        [&](const Ray& ray) { return glm::dot(ray.direction, way) < least_cosine; });
@@ -82,7 +84,7 @@ Tracer::State::PacketResult Tracer::State::run_packet_of(std::span<const Ray> ra
 template <class Found, class Take>
 bool Tracer::State::run(const RayAxes& axes, std::size_t first, std::size_t count, std::size_t memory_bytes, Take&& take)
 {
-    const bool is_alone = travel_alone({&groups.sorted[first], count});
+    const bool is_alone = travel_alone({&groups.sorted[first], count}, !std::is_same_v<Found, AnyHit>);
     if (!is_alone && count > kLanes) {
         const PacketResult result = run_packet_of<2, Found>({&groups.sorted[first], count}, axes, 0, memory_bytes, take);
         if (result == PacketResult::Abandoned) return false;

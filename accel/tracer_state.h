@@ -66,8 +66,9 @@ struct Tracer::State {
     bool run_single(const Ray& ray, const RayAxes& axes, std::size_t memory_bytes, SingleQuery<Found>& query);
 
     /// Returns whether each ray of a group is traced alone. In the tree of boxes this is faster where rays go different
-    /// ways, since they do not share the boxes of its nodes (docs/performance.md).
-    bool travel_alone(std::span<const Ray> rays) const noexcept;
+    /// ways, since they do not share the boxes of its nodes (docs/performance.md). `is_nearest` tells rays that look for
+    /// their nearest hits from those that end at any.
+    bool travel_alone(std::span<const Ray> rays, bool is_nearest) const noexcept;
     /// Calls call(way) with what names the tree of the frame.
     template <class Call>
     auto in_tree(Call&& call)

@@ -1,14 +1,18 @@
 """Renders whole frames by Occam and by Blender's Cycles, and compares their time at equal error.
 
-    beside_cycles.py OCCAM [FILE.obj ...] [--size 480x270] [--samples 64] [--threads 2] [--keep FOLDER]
+    beside_cycles.py OCCAM [FILE.obj ...] [--only NAME] [--size 480x270] [--samples 64] [--threads 2] [--keep FOLDER]
 
 Both programs path-trace the same triangles under a sky of an even radiance of 1, with six bounces, without clamping,
-denoising or adaptive sampling, through the same pinhole and a box filter of one pixel. Without files, two scenes are made: a
-furnished room whose ceiling is open, and a level of eight such rooms. A file is seen as --look-at says.
+denoising or adaptive sampling, through the same pinhole and a box filter of one pixel. Without files, four scenes are made: a
+furnished room whose ceiling is open, a level of eight such rooms, and a crowd of 64 cages in direct light, once at rest and
+once blurred by their own deformation (crowd_scene.py; Cycles divides each cage --levels times). --only chooses one of them
+(room, level, crowd, blurred). A file is seen as --look-at says.
 
-Each program is measured against a reference of its own (32 times the samples), by the relative RMSE of linear radiance.
-Occam then renders with as many samples as have the error of Cycles with --samples. Times are of whole processes, from the
+Each program is measured against a reference of its own (--reference times the samples), by the relative RMSE of linear
+radiance. Occam then renders with the fewest samples whose error is at most that of Cycles with --samples, as far as four
+trials find them. Times are of whole processes, from the
 start of the program to the finished file: by the clock, and CPU seconds of all threads, which a shared machine disturbs less.
+Memory is the largest resident set.
 
 Blender 3.4 of Debian 12 (the package `blender`) has to be installed.
 """
@@ -18,12 +22,13 @@ import math
 import os
 import pathlib
 import random
-import resource
 import shutil
 import subprocess
 import sys
 import tempfile
 import time
+
+import crowd_scene
 
 IN_BLENDER = """
 import bpy, json, mathutils, sys
@@ -70,9 +75,6 @@ sky.pixels = [1.0] * (8 * 4 * 4)
 sky.file_format, sky.filepath_raw = "OPEN_EXR", sys.argv[-1]
 sky.save()
 """
-
-
-REFERENCE = 32  # samples of a reference over those that are measured
 
 
 class Room:
@@ -128,20 +130,29 @@ class Room:
                 self.ball((px, size, pz), size, 20, 21)
 
 
-def timed(command: list, **options) -> tuple:
-    """Runs a command and returns its seconds by the clock and of CPU."""
-    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
-    ran = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False, **options)
-    if ran.returncode != 0:
-        sys.exit(f"{command[0]} failed:\n{ran.stdout}")
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return time.monotonic() - start, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+class Cost:
+    """Says what a process took: seconds by the clock and of CPU, and its largest resident set in megabytes."""
+
+    def __init__(self, command: list):
+        start = time.monotonic()
+        with tempfile.TemporaryFile("w+") as output:
+            process = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT)
+            _, status, used = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+            self.seconds = time.monotonic() - start
+            self.cpu, self.megabytes = used.ru_utime + used.ru_stime, used.ru_maxrss / 1024
+            if process.returncode != 0:
+                output.seek(0)
+                sys.exit(f"{command[0]} failed:\n{output.read()}")
+
+    def __str__(self) -> str:
+        return f"{self.seconds:.2f} s, CPU {self.cpu:.2f} s, {self.megabytes:.0f} MB"
 
 
-def run_in_blender(script: str, argument: str, folder: pathlib.Path) -> tuple:
+def run_in_blender(script: str, argument: str, folder: pathlib.Path) -> Cost:
     file = folder / "job.py"
     file.write_text(script)
-    return timed(["blender", "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1", "-P", str(file), "--",
+    return Cost(["blender", "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1", "-P", str(file), "--",
                   argument])
 
 
@@ -151,23 +162,31 @@ class Frame:
     def __init__(self, given: argparse.Namespace, folder: pathlib.Path, scene: pathlib.Path, view: list):
         self.given, self.folder, self.scene, self.view = given, folder, scene, view
         self.width, self.height = (int(n) for n in given.size.split("x"))
-        self.sky = folder / "sky.exr"
-        run_in_blender(SKY_IN_BLENDER, str(self.sky), folder)
+        self.name, self.fov_deg = scene.stem, 60
 
     def picture(self, who: str, samples: int, seed: int) -> pathlib.Path:
-        return self.folder / f"{self.scene.stem}.{who}.{samples}.{seed}.exr"
+        return self.folder / f"{self.name}.{who}.{samples}.{seed}.exr"
 
-    def cycles(self, samples: int, seed: int) -> tuple:
-        job = {"scene": str(self.scene), "eye": self.view[:3], "target": self.view[3:], "fov": math.radians(60),
-               "samples": samples, "seed": seed, "threads": self.given.threads, "width": self.width, "height": self.height,
-               "picture": str(self.picture("cycles", samples, seed))}
-        return run_in_blender(IN_BLENDER, json.dumps(job), self.folder)
+    def job(self, samples: int, seed: int) -> dict:
+        return {"scene": str(self.scene), "eye": self.view[:3], "target": self.view[3:], "fov": math.radians(self.fov_deg),
+                "samples": samples, "seed": seed, "threads": self.given.threads, "width": self.width, "height": self.height,
+                "picture": str(self.picture("cycles", samples, seed))}
 
-    def occam(self, samples: int, seed: int) -> tuple:
-        return timed([self.given.occam, "render", str(self.scene), "-o", str(self.picture("occam", samples, seed)), "-q",
-                      "--look-at=" + ",".join(map(str, self.view)), "--fov", "60", "--size", self.given.size,
-                      "--exr", "float", "--environment", str(self.sky), "--integrator", "path", "--bounces", "6",
-                      "--clamp", "0", "--spp", str(samples), "--seed", str(seed), "--threads", str(self.given.threads)])
+    def cycles(self, samples: int, seed: int) -> Cost:
+        return run_in_blender(IN_BLENDER, json.dumps(self.job(samples, seed)), self.folder)
+
+    def light(self) -> list:
+        sky = self.folder / "sky.exr"
+        if not sky.exists():
+            run_in_blender(SKY_IN_BLENDER, str(sky), self.folder)
+        return ["--environment", str(sky), "--integrator", "path", "--bounces", "6"]
+
+    def occam(self, samples: int, seed: int) -> Cost:
+        light = self.light()
+        return Cost([self.given.occam, "render", str(self.scene), "-o", str(self.picture("occam", samples, seed)), "-q",
+                     "--look-at=" + ",".join(map(str, self.view)), "--fov", str(self.fov_deg), "--size", self.given.size,
+                     "--exr", "float", *light, "--clamp", "0", "--spp", str(samples), "--seed", str(seed), "--threads",
+                     str(self.given.threads)])
 
     def error(self, a: pathlib.Path, b: pathlib.Path) -> float:
         command = [self.given.occam, "compare", str(a), str(b), "--json"]
@@ -175,23 +194,47 @@ class Frame:
         return math.sqrt(next(layer["rel_mse"] for layer in json.loads(ran.stdout) if layer["layer"] == "beauty"))
 
 
-def compare(frame: Frame, samples: int) -> None:
+class CrowdFrame(Frame):
+    """Renders the crowd: at rest, or while it twists and the shutter is open for a whole frame."""
+
+    def __init__(self, given: argparse.Namespace, folder: pathlib.Path, is_blurred: bool):
+        super().__init__(given, folder, crowd_scene.write(folder), [*crowd_scene.EYE, *crowd_scene.TARGET])
+        self.is_blurred, self.fov_deg = is_blurred, crowd_scene.FOV_DEG
+        self.name = "blurred" if is_blurred else "crowd"
+
+    def cycles(self, samples: int, seed: int) -> Cost:
+        job = self.job(samples, seed)
+        job.update(scene=str(self.scene.with_suffix(".json")), blur=self.is_blurred, levels=self.given.levels)
+        return run_in_blender(crowd_scene.IN_BLENDER, json.dumps(job), self.folder)
+
+    def light(self) -> list:
+        shutter = "0,1" if self.is_blurred else "0,0"
+        return ["--environment", "none", "--integrator", "direct", "--clip", "twist", "--time", "0", "--fps", "1", "--shutter",
+                shutter]
+
+
+def compare(frame: Frame, samples: int, reference: int) -> None:
     def picture(who: str, count: int, seed: int) -> pathlib.Path:
         return frame.picture(who, count, seed)
 
     def error_of(who: str, count: int, seed: int) -> float:
-        return frame.error(picture(who, count, seed), picture(who, REFERENCE * samples, 7))
+        return frame.error(picture(who, count, seed), picture(who, reference * samples, 7))
 
     for program in (frame.occam, frame.cycles):
-        program(REFERENCE * samples, 7)
+        program(reference * samples, 7)
     cycles, wanted = frame.cycles(samples, 1), error_of("cycles", samples, 1)
     frame.occam(samples, 1)
     enough = max(1, round(samples * (error_of("occam", samples, 1) / wanted) ** 2))
-    occam, reached = frame.occam(enough, 2), error_of("occam", enough, 2)
-    apart = frame.error(picture("occam", REFERENCE * samples, 7), picture("cycles", REFERENCE * samples, 7))
-    print(f"{frame.scene.stem}: Cycles, {samples} samples: {cycles[0]:.2f} s, CPU {cycles[1]:.2f} s, error {wanted:.4f}; "
-          f"Occam, {enough} samples: {occam[0]:.2f} s, CPU {occam[1]:.2f} s, error {reached:.4f}; times as fast: "
-          f"{cycles[0] / occam[0]:.2f}, by CPU {cycles[1] / occam[1]:.2f}; references differ by {apart:.4f}", flush=True)
+    for _ in range(4):
+        occam, reached = frame.occam(enough, 2), error_of("occam", enough, 2)
+        if reached <= wanted:
+            break
+        enough = max(enough + 1, round(enough * reached / wanted))
+    apart = frame.error(picture("occam", reference * samples, 7),
+                        picture("cycles", reference * samples, 7))
+    print(f"{frame.name}: Cycles, {samples} samples: {cycles}, error {wanted:.4f}; Occam, {enough} samples: {occam}, error "
+          f"{reached:.4f}; times as fast: {cycles.seconds / occam.seconds:.2f}, by CPU {cycles.cpu / occam.cpu:.2f}; "
+          f"references differ by {apart:.4f}", flush=True)
 
 
 def main() -> None:
@@ -201,7 +244,10 @@ def main() -> None:
     parser.add_argument("--look-at", default="")
     parser.add_argument("--size", default="480x270")
     parser.add_argument("--samples", type=int, default=64)
+    parser.add_argument("--reference", type=int, default=32)
     parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--levels", type=int, default=3)
+    parser.add_argument("--only", choices=["room", "level", "crowd", "blurred"])
     parser.add_argument("--keep", type=pathlib.Path)
     given = parser.parse_args()
     if not shutil.which("blender"):
@@ -209,14 +255,18 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as temporary:
         folder = given.keep or pathlib.Path(temporary)
         os.makedirs(folder, exist_ok=True)
-        views = [(f, [float(x) for x in given.look_at.split(",")]) for f in given.files]
-        if not views:
+        if given.files:
+            view = [float(x) for x in given.look_at.split(",")]
+            frames = [Frame(given, folder, file.resolve(), view) for file in given.files]
+        else:
             Room(folder / "room.obj", 1)
             Room(folder / "level.obj", 8)
-            views = [(folder / "room.obj", [5.4, 1.7, 5.5, 2, 0.7, 2]),
-                     (folder / "level.obj", [0.4, 1.7, 3.6, 12, 0.9, 2.8])]
-        for scene, view in views:
-            compare(Frame(given, folder, scene.resolve(), view), given.samples)
+            frames = [Frame(given, folder, folder / "room.obj", [5.4, 1.7, 5.5, 2, 0.7, 2]),
+                      Frame(given, folder, folder / "level.obj", [0.4, 1.7, 3.6, 12, 0.9, 2.8]),
+                      CrowdFrame(given, folder, False), CrowdFrame(given, folder, True)]
+        for frame in frames:
+            if given.only in (None, frame.name):
+                compare(frame, given.samples, given.reference)
 
 
 main()
