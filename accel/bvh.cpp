@@ -1,6 +1,7 @@
 #include "accel/bvh.h"
 
 #include <algorithm>
+#include <bit>
 #include <cfloat>
 
 #include "accel/stopwatch.h"
@@ -132,20 +133,23 @@ void Bvh::set_boxes(float* boxes, std::size_t stride, std::size_t place, const K
     const Vec3f pad(all.largest_coordinate() * kBoxUlps * FLT_EPSILON);
     for (int key = 0; key <= keys.segments; ++key) {
         const Box3f box = at(key);
-        set_box(boxes + static_cast<std::size_t>(key) * stride, place, {box.lo - pad, box.hi + pad});
+        set_box(boxes + static_cast<std::size_t>(key) * stride, place, {box.lo - pad, box.hi + pad}, keys.row);
     }
 }
 
 BvhLeaf* Bvh::make_leaf(BvhLink* at, BvhState state, const BvhRecord* record)
 {
-    const KeySpan keys = keys_of(*record);
-    TreeLeaf leaf = candidates_.leaf(arena_, keys.segments + 1);
-    leaf.keys = keys;
+    KeySpan keys = keys_of(*record);
+    // Most leaves have one or two boxes, and each has one at every key.
+    if (keys.segments > 0 && candidates_.size() < kBoxGroup)
+        keys.row = static_cast<int>(std::bit_ceil(std::max<std::size_t>(1, candidates_.size())));
+    TreeLeaf leaf = candidates_.leaf(arena_, keys);
     if (keys.segments > 0) {
         for (std::size_t c = 0; c < candidates_.size(); ++c) set_boxes(leaf.boxes, leaf.stride(), c, keys, c, c + 1);
+        const auto row = static_cast<std::size_t>(keys.row);
         for (int key = 0; key <= keys.segments; ++key)
-            for (std::size_t c = candidates_.size(); c % kBoxGroup != 0; ++c)
-                set_box(leaf.boxes + static_cast<std::size_t>(key) * leaf.stride(), c, kNothing);
+            for (std::size_t c = candidates_.size(); c % row != 0; ++c)
+                set_box(leaf.boxes + static_cast<std::size_t>(key) * leaf.stride(), c, kNothing, keys.row);
     }
     BvhLeaf* first = first_leaf(state);
     // A leaf that holds for no pair has nothing but its record.

@@ -125,15 +125,19 @@ bool Candidates::move() const noexcept
     return std::any_of(begin(), end(), [&](const Candidate& c) { return !items_.key_boxes(c.item).empty(); });
 }
 
-TreeLeaf Candidates::leaf(Arena& arena, int keys) const
+TreeLeaf Candidates::leaf(Arena& arena, const KeySpan& keys) const
 {
-    const std::size_t groups = (size() + kBoxGroup - 1) / kBoxGroup;
-    const std::span<float> boxes = arena.make_array<float>(groups * kBoxGroupFloats * static_cast<std::size_t>(keys));
-    for (std::size_t c = size(); c < groups * kBoxGroup; ++c) set_box(boxes.data(), c, Box3f());
-    TreeLeaf leaf{{lod::kFinestLevel, lod::kCoarsestLevel}, arena.make_array<TreeLeaf::Entry>(size()), boxes.data(), {}};
+    // Eight floats are read from where a row begins, which may be shorter.
+    const std::size_t floats = keys.stride(size()) * static_cast<std::size_t>(keys.segments + 1) + kBoxGroup -
+                               static_cast<std::size_t>(keys.row);
+    const std::span<float> boxes = arena.make_array<float>(floats);
+    const bool move = keys.segments > 0;
+    if (move) std::fill(boxes.begin(), boxes.end(), 0.0f);
+    for (std::size_t c = size(); !move && c % kBoxGroup != 0; ++c) set_box(boxes.data(), c, Box3f());
+    TreeLeaf leaf{{lod::kFinestLevel, lod::kCoarsestLevel}, arena.make_array<TreeLeaf::Entry>(size()), boxes.data(), keys};
     for (std::size_t c = 0; c < size(); ++c) {
         const ItemIndex item = (*this)[c].item;
-        set_box(boxes.data(), c, items_[item].box);
+        if (!move) set_box(boxes.data(), c, items_[item].box);
         leaf.entries[c] = {nullptr, {}, item};
         const PairRange range = items_.range(item, pair_);
         leaf.pairs = {std::max(leaf.pairs.finest, range.finest), std::min(leaf.pairs.coarsest, range.coarsest)};

@@ -38,8 +38,8 @@ public:
     bool open_largest(int most_effort);
     /// Makes the list of a leaf, for the pairs to which it applies, with boxes that hold the items at all times. All
     /// candidates are final.
-    /// keys   the number of boxes of each item for which there is room; the first one is written
-    TreeLeaf leaf(Arena& arena, int keys = 1) const;
+    /// keys   the keys of boxes that move, for which there is room; they are not written
+    TreeLeaf leaf(Arena& arena, const KeySpan& keys = {}) const;
     /// Returns a box that holds an item at a moment of the shutter.
     Box3f box_at(ItemIndex item, float time) const noexcept;
     /// Returns whether any item moves.

@@ -83,12 +83,12 @@ void HitCorners::set_attributes_of_lattice(std::size_t lane) noexcept
         }
     };
     if (grid.segments > 0) set_moving_normals(lane, i, j, halved);
-    else if (!made.coarse_normal) set(normal, made.normal);
+    else if (made.to_coarse == 0) set(normal, made.normal);
     else {
         for (int p = 0; p < 3; ++p) {
             const float w = weight[p][lane];
             const std::ptrdiff_t at = j[p] * width + i[p];
-            (vfloat4::load(&made.normal[at].x) * (1 - w) + vfloat4::load(&made.coarse_normal[at].x) * w)
+            (vfloat4::load(&made.normal[at].x) * (1 - w) + vfloat4::load(&made.normal[at + made.to_coarse].x) * w)
                 .store(normal[p][lane]);
         }
     }
@@ -104,14 +104,14 @@ void HitCorners::set_moving_normals(std::size_t lane, const std::ptrdiff_t (&i)[
     const IGridPart& part = *spots_[lane].part;
     const lod::GridAttributes& made = part.attributes;
     const std::ptrdiff_t width = part.tile.columns + 1;
-    const Vec3f* first = made.normal + static_cast<std::size_t>(m.time.key) * made.normals_of_a_key;
-    const auto at_time = [&](const Vec3f* n) { return m.between(n[0], n[made.normals_of_a_key]); };
+    const lod::ShortNormal* first = made.at_keys + static_cast<std::size_t>(m.time.key) * made.normals_of_a_key;
+    const auto at_time = [&](const lod::ShortNormal* n) { return m.between(n[0].get(), n[made.normals_of_a_key].get()); };
     for (int p = 0; p < 3; ++p) {
         const float w = weight[p][lane];
         const std::ptrdiff_t at = j[p] * width + i[p], step = (j[p] & halved) * width + (i[p] & halved);
         const Vec3f fine = at_time(first + at);
-        const Vec3f coarse = made.coarse_normal ? at_time(first + (made.coarse_normal - made.normal) + at)
-                                                : (at_time(first + at - step) + at_time(first + at + step)) * 0.5f;
+        const Vec3f coarse = made.to_coarse != 0 ? at_time(first + made.to_coarse + at)
+                                                 : (at_time(first + at - step) + at_time(first + at + step)) * 0.5f;
         const Vec3f mixed = fine * (1 - w) + coarse * w;
         vfloat4(0.0f).store(normal[p][lane]);
         for (int a = 0; a < 3; ++a) normal[p][lane][a] = mixed[a];

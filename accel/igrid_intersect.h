@@ -44,8 +44,8 @@ public:
         const int axes[3] = {ray_.kx, ray_.ky, ray_.kz};
         for (int a = 0; a < 3; ++a) {
             axes_[a] = axes[a];
-            near_[a] = (rays.negative[a] ? a + 3 : a) * BoxTree::kGroup;
-            far_[a] = (rays.negative[a] ? a : a + 3) * BoxTree::kGroup;
+            near_[a] = (rays.negative[a] ? a + 3 : a) * kRow;
+            far_[a] = (rays.negative[a] ? a : a + 3) * kRow;
         }
     }
 
@@ -55,12 +55,12 @@ public:
     {
         if constexpr (Coordinates::kMove) {
             // The tree's boxes hold the whole motion. Gap triangles may lie outside of the igrid's own box.
-            if (grid_.hanging_blocks == 0) active = active & in_box_at(boxes_, 0);
+            if (grid_.hanging_blocks == 0) active = active & in_root();
             if (none(active)) return;
         }
         const bool blends = choose_vertices(active);
         const auto meet = [&](int block) {
-            const vmask alive = active & in_box_at(boxes_, boxes_.first_leaf() + block);
+            const vmask alive = active & in_leaf(boxes_, block);
             if (none(alive)) return;
             if (blends) quads_packet<true>(lattice().blocks[block], alive);
             else quads_packet<false>(lattice().blocks[block], alive);
@@ -86,25 +86,23 @@ public:
     void single(int lane) noexcept
     {
         if constexpr (Coordinates::kMove)
-            if (grid_.hanging_blocks == 0 && none(in_box_at(boxes_, 0))) return;
+            if (grid_.hanging_blocks == 0 && none(in_root())) return;
         const bool blends = choose_vertices(vmask(true));
-        for_each_block(
-            boxes_, [&](const float* boxes) { return in_boxes(boxes, boxes_.floats_of_a_key()); },
-            [&](int block) { quads_single(lattice().blocks[block], lane, blends); });
+        const auto in = [&](const BoxTree& tree) { return [&](const float* boxes) { return in_boxes(tree, boxes); }; };
+        for_each_block(boxes_, in(boxes_), [&](int block) { quads_single(lattice().blocks[block], lane, blends); });
         if (grid_.hanging_blocks == 0) return;
         const Boxes gap_boxes = at_key(lattice().hanging_boxes);
-        for_each_block(
-            gap_boxes, [&](const float* boxes) { return in_boxes(boxes, gap_boxes.floats_of_a_key()); },
-            [&](int block) {
-                count_tests(query_, IGrid::kBlock);
-                gaps().intersect(block, {lane, ray_, origin_, blend_, read_}, blends);
-            });
+        for_each_block(gap_boxes, in(gap_boxes), [&](int block) {
+            count_tests(query_, IGrid::kBlock);
+            gaps().intersect(block, {lane, ray_, origin_, blend_, read_}, blends);
+        });
     }
 
 private:
     using Boxes = std::conditional_t<Coordinates::kMove, BoxTree, const BoxTree&>;
     static constexpr int kColumns = LatticeBlock::kColumns, kRows = LatticeBlock::kRows;
     static constexpr int kWorthAGroup = 4;  ///< number of blocks from which on a packet tests eight of them as one ray
+    static constexpr int kRow = Coordinates::kMove ? 1 : BoxTree::kGroup;  ///< one length of rows in trees that stand still
 
     /// Returns the boxes of the rays' key.
     Boxes at_key(const BoxTree& all) const noexcept
@@ -131,8 +129,8 @@ private:
         vfloat lowest[3], highest[3];
         for (int a = 0; a < 3; ++a) {
             const vmask falls = blend_.d[a] < vfloat(0.0f);
-            const std::ptrdiff_t next = boxes_.floats_of_a_key();
-            const vfloat lo = read_.one(&boxes_.lo(0, axes_[a]), next), hi = read_.one(&boxes_.hi(0, axes_[a]), next);
+            const float *low = boxes_.root() + axes_[a] * kRow, *high = low + 3 * kRow;
+            const vfloat lo = read_.one(low, boxes_.floats_of_a_key), hi = read_.one(high, boxes_.floats_of_a_key);
             lowest[a] = select(falls, hi, lo);
             highest[a] = select(falls, lo, hi);
         }
@@ -149,7 +147,7 @@ private:
     {
         const Boxes boxes = at_key(lattice().hanging_boxes);
         for (int block = 0; block < grid_.hanging_blocks; ++block) {
-            unsigned lanes = bits(active & in_box_at(boxes, boxes.first_leaf() + block));
+            unsigned lanes = bits(active & in_leaf(boxes, block));
             for (; lanes != 0; lanes &= lanes - 1) {
                 const int lane = std::countr_zero(lanes);
                 const VecLanes origin{spread(origin_.x, lane), spread(origin_.y, lane), spread(origin_.z, lane)};
@@ -169,18 +167,22 @@ private:
 
     vfloat limit() const noexcept { return min(query_.limit(), span_.t_end); }
 
-    vmask in_box_at(const BoxTree& tree, int node) const noexcept
+    vmask in_leaf(const BoxTree& tree, int leaf) const noexcept { return in_box_at(tree, tree.leaf(leaf), row_of(tree)); }
+    vmask in_root() const noexcept { return in_box_at(boxes_, boxes_.root(), 1); }
+    vmask in_box_at(const BoxTree& tree, const float* box, int row) const noexcept
     {
-        const float* box = tree.at(node);
-        const auto plane = [&](int row) { return read_.one(box + row, tree.floats_of_a_key()); };
+        const auto plane = [&](int at) { return read_.one(box + at * row, tree.floats_of_a_key); };
         return in_box(ray_, {plane(near_[0]), plane(near_[1]), plane(near_[2])},
                       {plane(far_[0]), plane(far_[1]), plane(far_[2])}, span_.t_near, limit());
     }
 
-    /// Returns which of eight neighbouring boxes the ray enters. All lanes hold the ray.
-    unsigned in_boxes(const float* box, std::ptrdiff_t next_key) const noexcept
+    /// Returns by what near_ and far_ are multiplied in a leaf.
+    static int row_of(const BoxTree& tree) noexcept { return Coordinates::kMove ? tree.row : 1; }
+
+    /// Returns which of eight neighbouring boxes of a tree the ray enters. All lanes hold the ray.
+    unsigned in_boxes(const BoxTree& tree, const float* box) const noexcept
     {
-        const auto planes = [&](int row) { return read_.many(box + row, next_key); };
+        const auto planes = [&](int at) { return read_.many(box + at * row_of(tree), tree.floats_of_a_key); };
         return bits(in_box(ray_, {planes(near_[0]), planes(near_[1]), planes(near_[2])},
                            {planes(far_[0]), planes(far_[1]), planes(far_[2])}, span_.t_near, limit()));
     }
@@ -191,7 +193,8 @@ private:
         const vfloat first = lowest(select(active, read_.share(), 1.0f)),
                      last = highest(select(active, read_.share(), 0.0f));
         for (int at = 0; at < BoxTree::kFloats; at += kLanes) {
-            const vfloat here = vfloat::load(boxes + at), next = vfloat::load(boxes + at + boxes_.floats_of_a_key());
+            const float* p = boxes + at / BoxTree::kGroup * boxes_.row + at % BoxTree::kGroup;
+            const vfloat here = vfloat::load(p), next = vfloat::load(p + boxes_.floats_of_a_key);
             const vfloat from = lod::between_keys(first, here, next), to = lod::between_keys(last, here, next);
             (at < BoxTree::kFloats / 2 ? min(from, to) : max(from, to)).store(swept + at);
         }
@@ -207,12 +210,12 @@ private:
         unsigned above = ~0u;
         int below = 0;  // log2 of the number of leaves below such a node
         if (kLanes == BoxTree::kGroup && tree.leaves > 2 * kLanes) {
-            above = in(tree.at(BoxTree::kFourthRow));
+            above = in(tree.fourth_row());
             below = std::countr_zero(static_cast<unsigned>(tree.leaves)) - 3;
         }
         for (int first = 0; above != 0 && first < tree.leaves; first += kLanes) {
             if (above != ~0u && (above >> (first >> below) & ((2u << ((kLanes - 1) >> below)) - 1)) == 0) continue;
-            unsigned hit = in(tree.at(tree.first_leaf() + first)) & real;
+            unsigned hit = in(tree.leaf(first)) & real;
             for (; hit != 0; hit &= hit - 1) visit(first + std::countr_zero(hit));
         }
     }
@@ -371,7 +374,7 @@ private:
     const float* fine_[3];  ///< coordinates along these axes; set in lattices
     const float* coarse_[3];
     VertexBlend blend_;     ///< along the same axes; valid if the grid blends
-    int near_[3], far_[3];  ///< rows of the planes of a box that the ray crosses first, and last
+    int near_[3], far_[3];  ///< places, over row_of(), of the planes of a box that the ray crosses first, and last
     RaySpan span_;
     Query& query_;
     const float* const* vertices_ = nullptr;  ///< the positions for rays that do not blend

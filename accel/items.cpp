@@ -142,8 +142,7 @@ void Items::measure(ItemIndex leaf)
             PatchInfo& patch = info.patches[n++];
             patch.ref = {face, sub};
             patch.scale = dicer_.scale(cage, patch.ref);
-            set_bounds(patch, cage);
-            for (int key = 0; key <= cage.segments; ++key) boxes[key].add(patch.at_keys ? patch.at_keys[key] : patch.box);
+            set_bounds(patch, cage, boxes);
             info.same_from = std::max(info.same_from, patch.scale.coarsest());
             info.small_from = std::max(info.small_from, small_from(patch.scale));
             quads += 1 << LatticeBuilder::kSmallExponent;
@@ -156,18 +155,13 @@ void Items::measure(ItemIndex leaf)
     if (count > 0) set_boxes_at_keys(item, cage, [&](int key) { return to_tree(cage, boxes[key]); });
 }
 
-void Items::set_bounds(PatchInfo& patch, const lod::PosedCage& cage)
+void Items::set_bounds(PatchInfo& patch, const lod::PosedCage& cage, Box3f* all)
 {
-    const auto bounds = [&](int key) {
-        return dicer_.bounds(cage.at_key(key), patch.scale, {patch.ref, 0, 0, 0, 0}, lod::kCoarsestLevel);
-    };
-    patch.box = bounds(0);
-    patch.at_keys = nullptr;
-    if (cage.segments == 0) return;
-    const std::span<Box3f> boxes = arena_.make_array<Box3f>(static_cast<std::size_t>(cage.segments) + 1);
-    boxes[0] = patch.box;
-    for (int key = 1; key <= cage.segments; ++key) patch.box.add(boxes[static_cast<std::size_t>(key)] = bounds(key));
-    patch.at_keys = boxes.data();
+    set_boxes_at_keys(patch, cage, [&](int key) {
+        const Box3f box = dicer_.bounds(cage.at_key(key), patch.scale, {patch.ref, 0, 0, 0, 0}, lod::kCoarsestLevel);
+        all[key].add(box);
+        return to_tree(cage, box);
+    });
 }
 
 void Items::add_region(const lod::PosedCage& cage, ClusterInfo* cluster, const PatchInfo& patch,
@@ -194,11 +188,12 @@ void Items::add_region(const lod::PosedCage& cage, ClusterInfo* cluster, const P
                             region.dv <= scale.inside(1, lod::kCoarsestLevel));
     const int holds_to = is_always ? Item::kNever : std::min(scale.k[0] - region.du, scale.k[1] - region.dv) - 1;
     item.holds_to = level_bound(holds_to);
-    const bool is_whole = region.du == 0 && region.dv == 0;
-    set_boxes_at_keys(item, cage, [&](int key) {
-        if (is_whole) return to_tree(cage, patch.at_keys ? patch.at_keys[key] : patch.box);
-        return to_tree(cage, dicer_.bounds(cage.at_key(key), scale, region, std::min(holds_to + 1, lod::kCoarsestLevel)));
-    });
+    if (region.du == 0 && region.dv == 0) static_cast<ShutterBox&>(item) = patch;
+    else
+        set_boxes_at_keys(item, cage, [&](int key) {
+            return to_tree(cage,
+                           dicer_.bounds(cage.at_key(key), scale, region, std::min(holds_to + 1, lod::kCoarsestLevel)));
+        });
     items_.push_back(item);
 }
 

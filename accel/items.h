@@ -42,12 +42,16 @@ struct PlacedNode {
     }
 };
 
-/// A patch of a cage whose rates are known.
-struct PatchInfo {
+/// A box in the tree's frame, of something that may move.
+struct ShutterBox {
+    Box3f box;                       ///< at all times
+    const Box3f* at_keys = nullptr;  ///< the same at each key of the scene's shutter; null: `box` stands for all
+};
+
+/// A patch of a cage whose rates are known. The box holds the whole patch.
+struct PatchInfo : ShutterBox {
     lod::PatchRef ref;
     lod::PatchScale scale;
-    Box3f box;                       ///< holds the whole patch at all keys, in the dicing frame
-    const Box3f* at_keys = nullptr;  ///< the same at each key of the cage's motion; null: the cage stands still
 };
 
 /// Holds the patches of a leaf of a cage's cluster tree.
@@ -57,7 +61,7 @@ struct ClusterInfo {
     int same_from = lod::kFinestLevel;   ///< from this level on no patch changes any more
 };
 
-struct Item {
+struct Item : ShutterBox {
     enum Kind : std::uint8_t {
         SceneNode,  ///< subject: PlacedNode
         Children,   ///< subject: PlacedNode, index: node of its ChildBoxes
@@ -70,8 +74,6 @@ struct Item {
     static constexpr std::uint32_t kClosed = ~0u;
     static constexpr std::int8_t kNever = 127, kAlways = -128;
 
-    Box3f box;                       ///< at all times
-    const Box3f* at_keys = nullptr;  ///< the same at each key of the scene's shutter; null: `box` stands for all
     Kind kind = SceneNode;
     std::int8_t final_from = kNever;  ///< rays of this pair and of coarser ones see the item as one igrid
     std::int8_t holds_to = kNever;    ///< the box is right for pairs up to this one
@@ -164,7 +166,8 @@ private:
     void open_cluster(const lod::PosedCage& cage, std::uint32_t cluster);
     void add_cluster(const lod::PosedCage& cage, std::uint32_t cluster);
     void measure(ItemIndex leaf);
-    void set_bounds(PatchInfo& patch, const lod::PosedCage& cage);
+    /// Sets the boxes of a patch, and adds those at the keys of the cage's motion, in the dicing frame, to `all`.
+    void set_bounds(PatchInfo& patch, const lod::PosedCage& cage, Box3f* all);
     void add_region(const lod::PosedCage& cage, ClusterInfo* cluster, const PatchInfo& patch,
                     const lod::PatchRegion& region);
     void open_region(const Item& item);
@@ -177,15 +180,15 @@ private:
     bool may_share(const Item& item) const noexcept;
     /// Returns how a child is placed: at each key, if the placement of either moves; else empty.
     std::span<const Mat4d> child_at_keys(const PlacedNode& parent, const Node& child);
-    /// Sets an item's boxes to those at moments that divide the shutter evenly, or to one that stands for all times.
-    void set_boxes(Item& item, std::span<const Box3f> own);
-    /// Sets the boxes of an item of a cage to box_at(key) for each of the cage's keys.
+    /// Sets boxes to those at moments that divide the shutter evenly, or to one that stands for all times.
+    void set_boxes(ShutterBox& to, std::span<const Box3f> own);
+    /// Sets boxes to box_at(key) for each key of a cage.
     template <class BoxAt>
-    void set_boxes_at_keys(Item& item, const lod::PosedCage& cage, BoxAt&& box_at)
+    void set_boxes_at_keys(ShutterBox& to, const lod::PosedCage& cage, BoxAt&& box_at)
     {
         Box3f own[lod::kMostSegments + 1];
         for (int key = 0; key <= cage.segments; ++key) own[key] = box_at(key);
-        set_boxes(item, {own, static_cast<std::size_t>(cage.segments) + 1});
+        set_boxes(to, {own, static_cast<std::size_t>(cage.segments) + 1});
     }
     Box3f box_of(const lod::PosedCage& cage, std::uint32_t cluster) const;
     void set_box_of_node(Item& item, const PlacedNode& at, const Box3d& bounds);

@@ -36,18 +36,18 @@ Box3f Items::box_of(const lod::PosedCage& cage, std::uint32_t cluster) const
     return to_tree(cage.world_box(cluster), cage.radius * kVertexRounding);
 }
 
-void Items::set_boxes(Item& item, std::span<const Box3f> own)
+void Items::set_boxes(ShutterBox& to, std::span<const Box3f> own)
 {
-    item.at_keys = nullptr;
-    item.box = own.front();
+    to.at_keys = nullptr;
+    to.box = own.front();
     if (own.size() == 1) return;
     float largest = 0;
     for (const Box3f& box : own) {
         if (box.is_empty()) continue;
-        item.box.add(box);
+        to.box.add(box);
         largest = std::max(largest, box.largest_coordinate());
     }
-    if (item.box.is_empty()) return;
+    if (to.box.is_empty()) return;
     // Between keys boxes are rounded by as much as those at the keys, wherever they are.
     const Vec3f pad(largest * kBoxUlps * std::numeric_limits<float>::epsilon());
     const std::span<Box3f> boxes = arena_.make_array<Box3f>(static_cast<std::size_t>(frame_.segments) + 1);
@@ -56,8 +56,8 @@ void Items::set_boxes(Item& item, std::span<const Box3f> own)
         const Box3f &a = own[static_cast<std::size_t>(at.key)], &b = own[static_cast<std::size_t>(at.key) + 1];
         boxes[k] = {glm::mix(a.lo, b.lo, at.share) - pad, glm::mix(a.hi, b.hi, at.share) + pad};
     }
-    item.box = {item.box.lo - pad, item.box.hi + pad};
-    item.at_keys = boxes.data();
+    to.box = {to.box.lo - pad, to.box.hi + pad};
+    to.at_keys = boxes.data();
 }
 
 Box3f Items::image_in_tree(const IGrid& grid, const lod::AffinePose& pose) const

@@ -68,7 +68,10 @@ private:
 
 /// Holds a group of eight boxes at each key of an interval, as rays of certain times see them. A ray whose time is outside
 /// the interval sees them as they are at its nearer end.
-template <class F>
+///
+/// A leaf's group may have shorter rows than eight floats. Eight are read all the same; what comes after the row's own
+/// belongs to no box.
+template <class F, bool kIsLeaf = false>
 class KeyedBoxes {
 public:
     /// stride   the number of floats from one key to the next
@@ -86,7 +89,7 @@ public:
         if (kIsOne || from_.key == to_.key) {
             const vfloat first = from_.share, last = to_.share;
             for (int at = 0; at < kBoxGroupFloats; at += kLanes) {
-                const vfloat a = vfloat::load(here + at), b = vfloat::load(here + stride_ + at);
+                const vfloat a = vfloat::load(here + stored(at)), b = vfloat::load(here + stride_ + stored(at));
                 vfloat all = lod::between_keys(first, a, b);
                 if constexpr (!kIsOne) {
                     const vfloat other = lod::between_keys(last, a, b);
@@ -100,18 +103,19 @@ public:
             vfloat all = at_moment(from_, at);
             const auto add = [&](vfloat x) { all = at < kBoxGroupFloats / 2 ? min(all, x) : max(all, x); };
             add(at_moment(to_, at));
-            for (int k = from_.key + 1; k <= to_.key; ++k) add(vfloat::load(key(k) + at));
+            for (int k = from_.key + 1; k <= to_.key; ++k) add(vfloat::load(key(k) + stored(at)));
             all.store(swept + at);
         }
     }
     /// Does what RaysAsOne::in_boxes does.
     OCCAM_ALWAYS_INLINE unsigned in_boxes(const RaysAsOne<F>& rays, float end, float* begin) const noexcept
     {
-        if constexpr (kIsOne) return rays.in_boxes_by([&](int place) { return at_moment(from_, place); }, end, begin);
+        const unsigned real = (1u << row()) - 1;
+        if constexpr (kIsOne) return real & rays.in_boxes_by([&](int place) { return at_moment(from_, place); }, end, begin);
         else {
             alignas(32) float swept[kBoxGroupFloats];
             sweep(swept);
-            return rays.in_boxes(swept, end, begin);
+            return real & rays.in_boxes(swept, end, begin);
         }
     }
     /// Clips [t_near, t_far] to a box of the group at each ray's own time.
@@ -121,7 +125,7 @@ public:
         if (from_.key != to_.key) {
             // The rays see different segments, so they take the box of all of them.
             Box3f all;
-            for (int k = from_.key; k <= to_.key + 1; ++k) all.add(get_box(key(k) + box, 0));
+            for (int k = from_.key; k <= to_.key + 1; ++k) all.add(get_box(key(k) + box, 0, row()));
             clip(ray, all, t_near, t_far);
             return;
         }
@@ -129,7 +133,7 @@ public:
         const F share = min(max((times_.time - F(keys_.begin)) * F(keys_.per_time), F(0.0f)), F(float(keys_.segments))) -
                         F(float(from_.key));
         F planes[6];
-        for (int p = 0; p < 6; ++p) planes[p] = lod::between_keys(share, F(here[p * kBoxGroup]), F(next[p * kBoxGroup]));
+        for (int p = 0; p < 6; ++p) planes[p] = lod::between_keys(share, F(here[p * row()]), F(next[p * row()]));
         clip_to_planes(ray, planes, t_near, t_far);
     }
 
@@ -137,9 +141,13 @@ private:
     static constexpr bool kIsOne = std::is_same_v<F, float>;
 
     const float* key(int k) const noexcept { return boxes_ + static_cast<std::size_t>(k) * stride_; }
+    /// Returns the number of floats in a row.
+    int row() const noexcept { return kIsLeaf ? keys_.row : kBoxGroup; }
+    /// Returns where a place in a group of eight boxes is stored.
+    int stored(int place) const noexcept { return kIsLeaf ? place / kBoxGroup * keys_.row + place % kBoxGroup : place; }
     OCCAM_ALWAYS_INLINE vfloat at_moment(const lod::KeyTime& moment, int place) const noexcept
     {
-        const float* here = key(moment.key) + place;
+        const float* here = key(moment.key) + stored(place);
         return lod::between_keys(vfloat(moment.share), vfloat::load(here), vfloat::load(here + stride_));
     }
 

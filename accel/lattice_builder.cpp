@@ -126,6 +126,14 @@ void LatticeBuilder::add_blocks(const IGridPart& part, std::uint32_t number, std
     cut(cut, 0, part.fast(), 0, part.slow());
 }
 
+// Makes a tree over boxes that are box_at(leaf, key).
+template <class BoxAt>
+BoxTree LatticeBuilder::box_tree(int leaves, Arena& arena, const BoxAt& box_at) const
+{
+    if (keys_ > 1) return make_moving_box_tree(leaves, keys_, arena, box_at);
+    return make_still_box_tree(leaves, arena, [&](int leaf) { return box_at(leaf, 0); });
+}
+
 LatticeGrid* LatticeBuilder::finish(const GridSubject& of, Arena& arena)
 {
     LatticeContents contents;
@@ -144,7 +152,7 @@ LatticeGrid* LatticeBuilder::finish(const GridSubject& of, Arena& arena)
     contents.blocks = kept(blocks_, arena).data();
     contents.block_hanging = kept(block_hanging_, arena).data();
     if (!hanging_.empty()) keep_hanging(contents, arena);
-    const BoxTree boxes = make_box_tree(static_cast<int>(blocks_.size()), keys_, arena, [&](int block, int key) {
+    const BoxTree boxes = box_tree(static_cast<int>(blocks_.size()), arena, [&](int block, int key) {
         return box_of_block(blocks_[static_cast<std::size_t>(block)], key);
     });
     return arena.make<LatticeGrid>(of, IGrid::Common{boxes, slab(), static_cast<std::ptrdiff_t>(vertex_count_)}, contents);
@@ -158,7 +166,7 @@ void LatticeBuilder::keep_hanging(LatticeContents& contents, Arena& arena)
     hanging_quads_.resize(padded, std::uint32_t(hanging_quads_.back()));
     contents.hanging = kept(hanging_, arena);
     contents.hanging_quads = kept(hanging_quads_, arena).data();
-    contents.hanging_boxes = make_box_tree(static_cast<int>(padded / IGrid::kBlock), keys_, arena, [&](int block, int key) {
+    contents.hanging_boxes = box_tree(static_cast<int>(padded / IGrid::kBlock), arena, [&](int block, int key) {
         Box3f box;
         for (const lod::Hanging& h : contents.hanging.subspan(std::size_t(block) * IGrid::kBlock, IGrid::kBlock)) {
             add_to(box, h.a, key);

@@ -33,6 +33,8 @@ private:
     void add_vertices(const IGridPart& part, const lod::LevelGrid& vertices);
     void add_hanging(const IGridPart& part, std::uint32_t number, const lod::LevelGrid& vertices);
     void add_blocks(const IGridPart& part, std::uint32_t number, std::size_t first_hanging);
+    template <class BoxAt>
+    BoxTree box_tree(int leaves, Arena& arena, const BoxAt& box_at) const;
     LatticeGrid* finish(const GridSubject& of, Arena& arena);
     void keep_hanging(LatticeContents& contents, Arena& arena);
     Slab slab() const noexcept;

@@ -55,14 +55,15 @@ void LazyTree::tighten(const TreeLeaf& leaf, std::size_t place, const IGrid& gri
         if (box.is_empty()) return;
         largest = std::max(largest, box.largest_coordinate());
         area += box.half_area();
-        area_of_item += get_box(leaf.boxes + static_cast<std::size_t>(key) * leaf.stride(), place).half_area();
+        area_of_item +=
+            get_box(leaf.boxes + static_cast<std::size_t>(key) * leaf.stride(), place, leaf.keys.row).half_area();
     }
     if (!(area < area_of_item)) return;
     // Boxes are rounded twice, as in Bvh.
     const Vec3f pad(largest * 4 * FLT_EPSILON);
     for (int key = 0; key <= leaf.keys.segments; ++key)
         set_box(leaf.boxes + static_cast<std::size_t>(key) * leaf.stride(), place,
-                {boxes[key].lo - pad, boxes[key].hi + pad});
+                {boxes[key].lo - pad, boxes[key].hi + pad}, leaf.keys.row);
 }
 
 IGrid& LazyTree::grid(const TreeLeaf& leaf, std::size_t place, int pair, TraceCounters& asker)

@@ -58,7 +58,7 @@ public:
         if constexpr (Times::kMoves)
             if (leaf_.keys.segments > 0) {
                 const RayTimes<float> time(times_, lane);
-                return KeyedBoxes<float>(boxes_, leaf_.stride(), leaf_.keys, time).in_boxes(ray, end, nullptr);
+                return KeyedBoxes<float, true>(boxes_, leaf_.stride(), leaf_.keys, time).in_boxes(ray, end, nullptr);
             }
         return ray.in_boxes(boxes_, end);
     }
@@ -82,11 +82,11 @@ public:
 private:
     /// A box as it is at each ray's own time.
     struct Moving {
-        KeyedBoxes<F> group;
+        KeyedBoxes<F, true> group;
         int box;
         void clip_to(const TreeRay<F>& ray, F& t_near, F& t_far) const noexcept { group.clip_to(ray, box, t_near, t_far); }
     };
-    auto keyed() const noexcept { return KeyedBoxes<F>(boxes_, leaf_.stride(), leaf_.keys, times_); }
+    auto keyed() const noexcept { return KeyedBoxes<F, true>(boxes_, leaf_.stride(), leaf_.keys, times_); }
 
     const TreeLeaf& leaf_;
     const float* boxes_;

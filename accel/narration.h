@@ -145,10 +145,11 @@ private:
         const TreeLeaf::Entry& entry = leaf.entries[k];
         const bool is_known = read_published(entry.grid) != nullptr;
         float in = begin, out = limit();
-        Box3f box = is_known ? entry.bounds.box : get_box(leaf.boxes, k);
+        Box3f box = is_known ? entry.bounds.box : get_box(leaf.boxes, k, leaf.keys.row);
         if constexpr (Times::kMoves)
             if (leaf.keys.segments > 0) {
-                const KeyedBoxes<float> group(leaf.boxes + k / kBoxGroup * kBoxGroupFloats, leaf.stride(), leaf.keys, times);
+                const KeyedBoxes<float, true> group(leaf.boxes + k / kBoxGroup * kBoxGroupFloats, leaf.stride(), leaf.keys,
+                                                    times);
                 group.clip_to(ray, static_cast<int>(k % kBoxGroup), in, out);
                 if (!is_known) return narration.box(entry, box, in, out, true);
             }

@@ -9,25 +9,32 @@ namespace occam::accel {
 inline constexpr int kBoxGroup = BoxTree::kGroup, kBoxGroupFloats = BoxTree::kFloats;
 
 /// Writes a box among boxes that lie side by side in groups of eight: eight lo.x, eight lo.y, ..., eight hi.z (the layout of
-/// BoxTree).
-inline void set_box(float* groups, std::size_t place, const Box3f& box) noexcept
+/// BoxTree). A single group may have shorter rows.
+inline void set_box(float* groups, std::size_t place, const Box3f& box, int row = kBoxGroup) noexcept
 {
     float* to = groups + BoxTree::offset(place);
     for (int a = 0; a < 3; ++a) {
-        to[a * kBoxGroup] = box.lo[a];
-        to[(a + 3) * kBoxGroup] = box.hi[a];
+        to[a * row] = box.lo[a];
+        to[(a + 3) * row] = box.hi[a];
     }
 }
-inline Box3f get_box(const float* groups, std::size_t place) noexcept
+inline Box3f get_box(const float* groups, std::size_t place, int row = kBoxGroup) noexcept
 {
     const float* at = groups + BoxTree::offset(place);
-    return {{at[0], at[kBoxGroup], at[2 * kBoxGroup]}, {at[3 * kBoxGroup], at[4 * kBoxGroup], at[5 * kBoxGroup]}};
+    return {{at[0], at[row], at[2 * row]}, {at[3 * row], at[4 * row], at[5 * row]}};
 }
 
 /// Holds the keys of boxes that move: they divide an interval of the shutter evenly, and the boxes are linear between them.
 struct KeySpan {
     int segments = 0;               ///< 0: nothing moves, and one box holds for all times
     float begin = 0, per_time = 0;  ///< key k is at begin + k / per_time
+    int row = kBoxGroup;            ///< floats in a row of a group: 1, 2 or 4 where a leaf has so few boxes
+
+    /// Returns the number of floats from a key to the next one, for so many boxes.
+    std::size_t stride(std::size_t boxes) const noexcept
+    {
+        return (boxes + kBoxGroup - 1) / kBoxGroup * (kBoxGroupFloats / kBoxGroup) * static_cast<std::size_t>(row);
+    }
 };
 
 /// Lists the igrids of a leaf for a range of pairs.
@@ -46,7 +53,7 @@ struct TreeLeaf {
     KeySpan keys{};  ///< if the boxes move, all groups of the first key come first, then those of the next one
 
     /// Returns the number of floats from one key to the next.
-    std::size_t stride() const noexcept { return (entries.size() + kBoxGroup - 1) / kBoxGroup * kBoxGroupFloats; }
+    std::size_t stride() const noexcept { return keys.stride(entries.size()); }
 };
 
 }  // namespace occam::accel

@@ -10,6 +10,7 @@
 #include "base/power_of_two.h"
 #include "lod/posed_cage.h"
 #include "lod/rates.h"
+#include "lod/short_normal.h"
 
 namespace occam::lod {
 
@@ -74,12 +75,14 @@ struct LevelGrid {
 
 /// The results of phase one at each vertex of a tile, in the order of the vertices.
 struct GridAttributes {
-    // Each array has room for one more element at its end, because four floats may be read from any element.
-    Vec3f* normal = nullptr;  ///< unit, of the limit surface or of the displaced one, outward
-    /// Normals of the next coarser level, for displaced cages. If null, they are means of neighbours, as positions are.
-    Vec3f* coarse_normal = nullptr;
-    Vec2f* uv[2] = {};                 ///< null: the cage has no such set
-    std::size_t normals_of_a_key = 0;  ///< if the cage moves: from a normal to the same one at the next key
+    // Each array of floats has room for one more element at its end, because four floats may be read from any element.
+    Vec3f* normal = nullptr;             ///< unit, of the limit surface or of the displaced one, outward
+    ShortNormal* at_keys = nullptr;      ///< the same at each key, one after the other, if the cage moves; else null
+    Vec2f* uv[2] = {};                   ///< null: the cage has no such set
+    std::uint32_t normals_of_a_key = 0;  ///< from a normal to the same one at the next key
+    /// The distance from a normal to the same one in the next coarser level, for displaced cages. If 0, those are means of
+    /// neighbours, as positions are.
+    std::uint32_t to_coarse = 0;
 };
 
 }  // namespace occam::lod

@@ -23,13 +23,22 @@ GridAttributes TileAttributes::make(const PosedCage& cage, const TileRef& tile, 
 
     GridAttributes made;
     const bool has_coarse = cage.is_displaced() && coarser != tile.rates;
-    made.normals_of_a_key = has_coarse ? 2 * count : count;
-    made.normal = arena.make_array<Vec3f>(keys * made.normals_of_a_key + 1).data();
-    if (has_coarse) made.coarse_normal = made.normal + count;
-    for (std::size_t k = 0; k < keys; ++k) {
-        const PosedCage& at = cage.at_key(static_cast<int>(k));
-        surface_.normals({at, tile.patch, tile.rates.filter}, grid, made.normal + k * made.normals_of_a_key);
-        if (has_coarse) coarse_normals(at, tile, coarser, made.coarse_normal + k * made.normals_of_a_key);
+    if (has_coarse) made.to_coarse = static_cast<std::uint32_t>(count);
+    made.normals_of_a_key = static_cast<std::uint32_t>(count) + made.to_coarse;
+    const auto make_normals = [&](const PosedCage& at, Vec3f* out) {
+        surface_.normals({at, tile.patch, tile.rates.filter}, grid, out);
+        if (has_coarse) coarse_normals(at, tile, coarser, out + made.to_coarse);
+    };
+    if (cage.segments == 0) {
+        made.normal = arena.make_array<Vec3f>(made.normals_of_a_key + 1).data();
+        make_normals(cage, made.normal);
+    } else {
+        at_key_.resize(made.normals_of_a_key);
+        made.at_keys = arena.make_array<ShortNormal>(keys * made.normals_of_a_key).data();
+        for (std::size_t k = 0; k < keys; ++k) {
+            make_normals(cage.at_key(static_cast<int>(k)), at_key_.data());
+            for (std::size_t n = 0; n < at_key_.size(); ++n) made.at_keys[k * at_key_.size() + n] = ShortNormal(at_key_[n]);
+        }
     }
     uvs_.resize(3 * count);
     for (int set = 0; set < std::min(2, cage.topology->uv_set_count()); ++set) {

@@ -30,7 +30,7 @@ private:
     void coarse_normals(const PosedCage& cage, const TileRef& tile, const PatchRates& coarser, Vec3f* out);
 
     PatchSurface& surface_;
-    std::vector<Vec3f> normals_;
+    std::vector<Vec3f> normals_, at_key_;
     std::vector<float> uvs_;
 };
 
