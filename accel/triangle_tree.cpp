@@ -14,7 +14,7 @@ namespace {
 constexpr int kWidth = TriangleNode::kWidth;
 constexpr std::size_t kTriangles = TriangleBlock::kTriangles;
 // Share of the igrid's area from which on the overlap of two parts is large. Meshes without long triangles have few parts
-// that overlap so much; of what a share of 0.05 saves where triangles are long, this one saves nine tenths.
+// that overlap so much; of what a share of 0.05 saves where triangles are long, this one saves four fifths or more.
 constexpr float kOverlap = 0.2f;
 constexpr float kWorthIt = 0.9f;  // a split in space pays below this share of the cost without it
 constexpr float kPartPad = 0x1p-10f;
