@@ -1,10 +1,10 @@
-// Switches the techniques that make building cheap.
+// Switches the techniques by which trees are built.
 #pragma once
 
 namespace occam::accel {
 
-/// Switches what makes building cheap, each part by itself, for benchmarks (Djeu et al. 2011, fig. 11). The hits of
-/// rays do not depend on it.
+/// Switches what makes building cheap (Djeu et al. 2011, fig. 11) or trees better, each part by itself, for benchmarks. The
+/// hits of rays do not depend on it.
 struct BuildTechniques {
     /// Nodes are split when a ray enters them; otherwise all are split before the first ray, down to clusters of base
     /// patches.
@@ -13,6 +13,8 @@ struct BuildTechniques {
     bool hierarchy = true;
     /// For many boxes, planes at fixed steps are tried; otherwise one plane at each end of every box.
     bool scan = true;
+    /// Triangles of meshes may be cut where their boxes overlap much; this costs building and saves rays.
+    bool spatial = true;
 };
 
 }  // namespace occam::accel

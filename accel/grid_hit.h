@@ -59,6 +59,12 @@ inline std::uint32_t number_of(const IGrid& grid, std::uint32_t id) noexcept
     return is_gap(id) ? grid.lattice().hanging_quads[id & ~kGapBit] : id;
 }
 
+/// Returns whether two ids stand for one micropolygon: a triangle of a mesh may have several places.
+inline bool are_same(const IGrid& grid, std::uint32_t a, std::uint32_t b) noexcept
+{
+    return a == b || (!grid.is_lattice && number_of(grid, a) == number_of(grid, b));
+}
+
 /// Locates the micropolygon that a ray has hit, or the one beside the gap triangle that it has hit.
 struct MicropolygonPlace {
     std::uint32_t number;

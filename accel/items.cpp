@@ -38,8 +38,15 @@ constexpr PairRange kAllPairs{lod::kFinestLevel, lod::kCoarsestLevel};
 
 }  // namespace
 
-Items::Items(const FrameState& frame, Arena& arena, lod::Dicer& dicer, TraceCounters& counters)
-    : frame_(frame), arena_(arena), dicer_(dicer), counters_(counters), lattices_(dicer), items_(arena), grids_(arena)
+Items::Items(const FrameState& frame, Arena& arena, lod::Dicer& dicer, TraceCounters& counters, bool splits_in_space)
+    : frame_(frame),
+      arena_(arena),
+      dicer_(dicer),
+      counters_(counters),
+      lattices_(dicer),
+      meshes_(splits_in_space),
+      items_(arena),
+      grids_(arena)
 {
 }
 

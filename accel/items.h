@@ -91,7 +91,8 @@ struct Item : ShutterBox {
 
 class Items {
 public:
-    Items(const FrameState& frame, Arena& arena, lod::Dicer& dicer, TraceCounters& counters);
+    /// splits_in_space   whether triangles of meshes may be cut
+    Items(const FrameState& frame, Arena& arena, lod::Dicer& dicer, TraceCounters& counters, bool splits_in_space);
 
     /// Forgets everything and makes the root item again. It is called after the arena was reset.
     ItemIndex restart();

@@ -13,7 +13,7 @@ LazyTree::LazyTree(const FrameState& f, std::size_t bytes, BuildTechniques with,
       least_bytes(std::min(bytes, memory_floor(*f.scene))),
       techniques(with),
       sharing(is_shared ? std::make_unique<Sharing>() : nullptr),
-      items(f, arena, dicer, counters),
+      items(f, arena, dicer, counters, with.spatial),
       kd(items, arena, counters, with.scan, building()),
       bvh(items, arena, counters, f.segments, building())
 {

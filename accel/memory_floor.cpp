@@ -23,7 +23,8 @@ constexpr std::size_t kStillBytesOfAGrid = sizeof(LatticeGrid) + sizeof(IGridPar
 constexpr std::size_t kMovingBytesOfAGrid = kVerticesOfAGrid * (2 * sizeof(Vec3f) + 2 * sizeof(Vec3f)) +
                                             128 * (BoxTree::kFloats / BoxTree::kGroup) * sizeof(float);
 
-// A triangle of a mesh igrid has its place in a block, which may be two thirds full, and a share of the nodes above it.
+// A reference to a triangle of a mesh igrid has its place in a block, which may be two thirds full, and a share of the nodes
+// above it.
 constexpr std::size_t kStillBytesOfATriangle = 2 * sizeof(std::uint32_t);
 constexpr std::size_t kMovingBytesOfATriangle = sizeof(TriangleBlock) * 3 / (2 * TriangleBlock::kTriangles) +
                                                 sizeof(TriangleNode) / 20;
@@ -74,7 +75,8 @@ std::size_t memory_floor(const Scene& scene)
     const Contents contents = scene.contents();
     const std::size_t of_a_node = kBytesOfAnItem + (keys > 1 ? keys * kBytesOfAKey : 0);
     const std::size_t largest = keys > 1 ? largest_moving_cage(scene, keys) : largest_still_cage(contents);
-    const std::size_t triangles = std::min<std::size_t>(scene.counts().mesh_triangles, lod::ClusterTree::kMeshFaces);
+    const std::size_t triangles = std::min<std::size_t>(scene.counts().mesh_triangles, lod::ClusterTree::kMeshFaces) *
+                                  TriangleTree::kMostQuarters / 4;
     const std::size_t grids = kGrids * std::max(kStillBytesOfAGrid + keys * kMovingBytesOfAGrid,
                                                 triangles * (kStillBytesOfATriangle + keys * kMovingBytesOfATriangle));
     const std::size_t bytes = kTables + contents.widest * of_a_node + largest + grids;

@@ -12,6 +12,9 @@ namespace occam::accel {
 
 class MeshBuilder {
 public:
+    /// splits_in_space   whether triangles may be cut (accel/spatial_split.h)
+    explicit MeshBuilder(bool splits_in_space) { trees_.splits_in_space = splits_in_space; }
+
     /// material   the material of all these faces, or null if they have several
     MeshGrid* build(const GridSubject& of, std::span<const std::uint32_t> faces, const Material* material, Arena& arena);
 
@@ -20,13 +23,7 @@ public:
 private:
     /// Poses the faces' corners, at each key.
     void set_corners(const lod::PosedCage& cage, std::span<const std::uint32_t> faces);
-    Vec3f& corner(std::size_t key, std::size_t face, std::size_t corner) noexcept
-    {
-        return corners_[3 * (key * boxed_.size() + face) + corner];
-    }
-
-    std::vector<lod::BoxedFace> boxed_;  ///< numbered as in the list of faces
-    std::vector<Vec3f> corners_;         ///< three per face, at each key, one after the other
+    std::vector<Vec3f> corners_;  ///< three per face, at each key, one after the other
     TriangleTreeBuilder trees_;
 };
 

@@ -22,7 +22,7 @@ struct TestedTriangle {
     float outside;  ///< how far the ray passes outside of the triangle, as a share of it; negative inside
 };
 
-// Returns the ids of all triangles of an igrid, gap triangles included.
+// Returns the ids of all triangles of an igrid, gap triangles included: one for each, even if it has several.
 std::vector<std::uint32_t> ids_of(const IGrid& grid)
 {
     std::vector<std::uint32_t> ids;
@@ -30,7 +30,10 @@ std::vector<std::uint32_t> ids_of(const IGrid& grid)
         const TriangleTree& mesh = grid.mesh().triangles;
         for (std::uint32_t k = 0; k < mesh.block_count * std::uint32_t(TriangleBlock::kTriangles); ++k)
             if (!mesh.is_spare(k)) ids.push_back(k);
-        std::sort(ids.begin(), ids.end(), [&](std::uint32_t a, std::uint32_t b) { return mesh.faces[a] < mesh.faces[b]; });
+        std::stable_sort(ids.begin(), ids.end(),
+                         [&](std::uint32_t a, std::uint32_t b) { return mesh.faces[a] < mesh.faces[b]; });
+        const auto is_same = [&](std::uint32_t a, std::uint32_t b) { return are_same(grid, a, b); };
+        ids.erase(std::unique(ids.begin(), ids.end(), is_same), ids.end());
         return ids;
     }
     for (std::uint32_t part = 0; part < grid.lattice().parts.size(); ++part) {
@@ -185,7 +188,8 @@ void Narration::igrid(const RayAtGrid& at, std::span<const OfferedHit> offered, 
     for (std::size_t first = 0; first < ids.size(); first += kLanes)
         test(std::span(ids).subspan(first, std::min<std::size_t>(kLanes, ids.size() - first)), at, all);
     const auto hit_of = [&](const TestedTriangle& one) {
-        return std::find_if(offered.begin(), offered.end(), [&](const OfferedHit& hit) { return hit.id == one.id; });
+        return std::find_if(offered.begin(), offered.end(),
+                            [&](const OfferedHit& hit) { return are_same(grid, hit.id, one.id); });
     };
     const auto is_told = [&](const TestedTriangle& one) { return one.is_inside || hit_of(one) != offered.end(); };
     const auto misses = std::stable_partition(all.begin(), all.end(), is_told);

@@ -78,8 +78,8 @@ struct NearestSome : HoleQuery {
         int& n = count[lane];
         int at = n;
         while (at > 0 && goes_before(found, on, number, list[at - 1])) --at;
-        // An igrid may be met twice by a ray (accel/mailboxes.h).
-        if (at > 0 && list[at - 1].grid == &on && list[at - 1].id == number) return;
+        // A ray may meet an igrid twice (accel/mailboxes.h), and a triangle in several blocks (accel/spatial_split.h).
+        if (at > 0 && list[at - 1].grid == &on && are_same(on, list[at - 1].id, number)) return;
         if (at == wanted || is_hole(lane, found, on, number)) return;
         n = std::min(n + 1, wanted);
         for (int i = n - 1; i > at; --i) list[i] = list[i - 1];

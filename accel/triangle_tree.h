@@ -1,7 +1,9 @@
 // A tree over the triangles of a mesh igrid: boxes eight at a time, and triangles in blocks of up to eight.
 //
 // A node holds the boxes of up to eight parts, which are nodes or blocks of triangles. The surface area heuristic divides
-// the triangles (lod/face_split.h), the largest part first, until a node is full.
+// the triangles (lod/face_split.h), the largest part first, until a node is full. Where the boxes of two parts overlap much,
+// triangles are cut at a plane instead (accel/spatial_split.h). Such a triangle stands whole in several blocks, each of
+// which is bounded by the box of a part of it.
 //
 // If the igrid moves, nodes and blocks are stored for each key of the motion, one key after the other; the tree is the same
 // at all keys.
@@ -12,9 +14,11 @@
 #pragma once
 
 #include <cstdint>
+#include <list>
 #include <span>
 #include <vector>
 
+#include "accel/spatial_split.h"
 #include "base/arena.h"
 #include "base/simd.h"
 #include "lod/face_split.h"
@@ -42,14 +46,16 @@ struct alignas(Arena::kAlign) TriangleBlock {
 };
 
 struct TriangleTree {
+    /// The number of references to triangles in blocks is at most this many quarters of the number of triangles.
+    static constexpr std::size_t kMostQuarters = 6;
     /// A depth from which on parts are halved by number. Halving needs few more levels, since an igrid has few triangles.
     static constexpr int kMostAreaDepth = 16, kMostDepth = kMostAreaDepth + 11;
 
     std::uint32_t node_count = 0, block_count = 0;  ///< at one key
     const TriangleNode* nodes = nullptr;            ///< the first one is the root
     const TriangleBlock* blocks = nullptr;
-    /// The face of each triangle. A triangle's place is eight times its block and its number in the block. Spare triangles
-    /// repeat the face before them.
+    /// The face of each triangle; several may have the same. A triangle's place is eight times its block and its number in
+    /// the block. Spare triangles repeat the face before them.
     const std::uint32_t* faces = nullptr;
 
     /// Return the number of floats from a value to the same one at the next key.
@@ -81,22 +87,49 @@ private:
 class TriangleTreeBuilder {
 public:
     /// Builds a tree in the arena.
-    /// boxed     the triangles' boxes by which they are divided, and their numbers from 0 on; they are reordered
-    /// faces     the face of each number
-    /// corners   three for each number, at each key, one key after the other
-    TriangleTree build(std::span<lod::BoxedFace> boxed, std::span<const std::uint32_t> faces, std::span<const Vec3f> corners,
-                       int keys, Arena& arena);
+    /// faces     the face of each triangle
+    /// corners   three for each triangle, at each key, one key after the other
+    TriangleTree build(std::span<const std::uint32_t> faces, std::span<const Vec3f> corners, int keys, Arena& arena);
+
+    bool splits_in_space = true;  ///< for benchmarks: whether triangles may be cut
 
 private:
-    std::uint32_t add_node(std::span<lod::BoxedFace> faces, int depth);
-    void set_boxes(const TriangleTree& tree, std::span<TriangleNode> nodes, std::span<const Vec3f> corners, int keys) const;
-
+    struct Part;
     struct Node {
         std::uint32_t children[TriangleNode::kWidth];
         int count;
     };
+    /// A range of `references_`.
+    struct Block {
+        std::uint32_t first, count;
+    };
+    /// Returns the triangles of a block, or their parts. They are numbered as in the list of faces.
+    std::span<const lod::BoxedFace> of(const Block& block) const noexcept
+    {
+        return std::span(references_).subspan(block.first, block.count);
+    }
+    void set_middle(std::span<const Vec3f> corners, int keys);
+    /// Splits a part in two, if this pays or the part is too large for a block; returns whether it has.
+    /// made   receives the lists of parts that a split in space makes
+    bool split(Part& part, Part& other, int depth, std::list<SpatialParts>& made);
+    std::uint32_t add_node(std::span<lod::BoxedFace> faces, int depth);
+    const Vec3f* corners_at(std::uint32_t triangle, std::size_t key) const noexcept
+    {
+        return &corners_.at_keys[key * corners_.middle.size() + 3 * std::size_t(triangle)];
+    }
+    /// Adds the box of a triangle, or of a part of it, to a block's box at each key.
+    void add_box(const lod::BoxedFace& reference, std::span<Box3f> boxes) const;
+    void box_block(const Block& block, std::span<Box3f> boxes) const;
+    void set_boxes(const TriangleTree& tree, std::span<TriangleNode> nodes, int keys) const;
+
     std::vector<Node> nodes_;
-    std::vector<std::span<const lod::BoxedFace>> blocks_;
+    std::vector<Block> blocks_;
+    std::vector<lod::BoxedFace> references_;  ///< block after block
+    std::vector<lod::BoxedFace> boxed_;       ///< all triangles, reordered
+    std::vector<Vec3f> middle_;
+    TriangleCorners corners_;
+    std::size_t spare_ = 0;  ///< the number of triangles that may still be referred to once more
+    float overlap_ = 0;      ///< area of the overlap of two parts from which on they may be split in space
 };
 
 }  // namespace occam::accel

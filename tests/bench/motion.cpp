@@ -108,6 +108,7 @@ void run_motion(Report& report)
         if (report.wants(motion.name)) add_rows(report, motion);
     run_motion_flat(report);
     run_motion_embree(report);
+    run_spatial_splits(report);
 }
 
 }  // namespace occam::bench

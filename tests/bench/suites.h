@@ -12,8 +12,9 @@ void run_trace(Report& report);
 void run_scenes(Report& report);
 void run_trees(Report& report);
 void run_motion(Report& report);
-void run_motion_flat(Report& report);    ///< belongs to run_motion()
-void run_motion_embree(Report& report);  ///< belongs to run_motion()
+void run_motion_flat(Report& report);     ///< belongs to run_motion()
+void run_motion_embree(Report& report);   ///< belongs to run_motion()
+void run_spatial_splits(Report& report);  ///< belongs to run_motion()
 void run_light(Report& report);
 void run_light_frames(Report& report);  ///< belongs to run_light()
 void run_shade(Report& report);

@@ -312,7 +312,7 @@ TEST(MovingItems, HaveBoxesAtTheKeysOfTheShutter)
     Arena arena;
     lod::Dicer dicer;
     accel::TraceCounters counters;
-    accel::Items items(frame.state(), arena, dicer, counters);
+    accel::Items items(frame.state(), arena, dicer, counters, true);
     items.restart();
     int moving = 0, still = 0;
     for (const accel::ItemIndex i : items.base_patches()) {
