@@ -23,6 +23,7 @@ Json json_of(const VerifiedCage& c, const VerifyArguments& a)
                   {"outside", c.outside},
                   {"grazing", c.grazing},
                   {"not_finite", c.not_finite},
+                  {"silhouettes", c.silhouettes},
                   {"front_side", c.front_side},
                   {"worst_front", c.worst_front},
                   {"replay", c.replay}});

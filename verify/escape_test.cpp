@@ -107,6 +107,8 @@ void EscapeTest::replay(const RayLine& line, std::ostream& out)
     if (report_.not_finite > 0) out << "The hit is not finite.\n";
     else if (report_.outside > 0) out << "The ray starts outside of the surface that it sees.\n";
     else if (report_.grazing > 0) out << "The ray passes between two levels, which overlap more where pictures are made.\n";
+    else if (report_.silhouettes > 0) out << "The ray meets an outline of the surface, within rounding.\n";
+    else if (report_.front_side > 0) out << "The ray hits a front side of the cage.\n";
     else out << (report_.escaped > 0 ? "The ray ESCAPES.\n" : "The ray hits the cage.\n");
 }
 
@@ -155,7 +157,9 @@ void EscapeTest::find_starts(Instant& instant)
         for (const Vec3f v : pairs.front().corners) nearest = std::min(nearest, glm::distance(Vec3d(v), p));
         return nearest;
     };
-    for (std::size_t attempt = 0; attempt < 4 * most && starts.size() < most / 4; ++attempt) {
+    // Where no finer level will be looked at, more points are tried until one is inside.
+    const std::size_t tries = pairs.front().corners.size() > kMostCorners ? 64 : 4;
+    for (std::size_t attempt = 0; attempt < (starts.empty() ? tries : 4) * most && starts.size() < most / 4; ++attempt) {
         // Half of the points lie anywhere, half near the surface.
         Vec3d p = box.lo + box.extent() * Vec3d(uniform(random_), uniform(random_), uniform(random_));
         if (attempt & 1)
@@ -243,10 +247,7 @@ void EscapeTest::judge(const accel::Ray& ray, const accel::SurfaceHit& hit)
     if (hit.is_hit()) {
         const Vec3d all = hit.position + Vec3d(hit.normal_geometric) + Vec3d(hit.normal_shading);
         report_.not_finite += !std::isfinite(all.x + all.y + all.z + hit.t);
-        if (!hit.back_side) {
-            ++report_.front_side;
-            report_.worst_front = std::max(report_.worst_front, -double(glm::dot(hit.normal_geometric, ray.direction)));
-        }
+        if (!hit.back_side) judge_front_side(ray, hit);
         return;
     }
     if (std::abs(winding_of(ray)) < 0.5) {  // the start is outside of the surface that this ray sees
@@ -263,6 +264,23 @@ void EscapeTest::judge(const accel::Ray& ray, const accel::SurfaceHit& hit)
                        ray.direction,   double(ray.footprint.a) * scale_.to_world(),
                        ray.footprint.b, ray.time};
     report_.replay.push_back(line.text());
+}
+
+void EscapeTest::judge_front_side(const accel::Ray& ray, const accel::SurfaceHit& hit)
+{
+    if (!silhouettes_)
+        silhouettes_ = std::make_unique<Silhouettes>(subject_.scene(), subject_.topologies(), levels_, textures_,
+                                                     subject_.posed().radius);
+    if (silhouettes_->explain(ray)) {
+        ++report_.silhouettes;
+        return;
+    }
+    if (std::abs(winding_of(ray)) < 0.5) {
+        ++report_.outside;
+        return;
+    }
+    ++report_.front_side;
+    report_.worst_front = std::max(report_.worst_front, -double(glm::dot(hit.normal_geometric, ray.direction)));
 }
 
 bool EscapeTest::is_grazing(const accel::Ray& ray)

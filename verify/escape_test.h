@@ -12,6 +12,7 @@
 #include "scenegraph/frame_scale.h"
 #include "verify/grazing.h"
 #include "verify/ray_line.h"
+#include "verify/silhouettes.h"
 #include "verify/subject.h"
 #include "verify/target.h"
 #include "verify/verify.h"
@@ -65,6 +66,7 @@ private:
     accel::Ray next_ray(const View& view);
 
     void judge(const accel::Ray& ray, const accel::SurfaceHit& hit);
+    void judge_front_side(const accel::Ray& ray, const accel::SurfaceHit& hit);
 
     /// Returns whether the ray passed between two levels only because they overlap less here than in the engine.
     bool is_grazing(const accel::Ray& ray);
@@ -76,7 +78,8 @@ private:
     const VerifySettings& settings_;
     const TextureStore* textures_;
     VerifiedCage& report_;
-    std::map<std::pair<float, int>, std::vector<lod::LevelGrid>> diced_;  ///< by time and level; diced when rays escape
+    std::map<std::pair<float, int>, std::vector<lod::LevelGrid>>
+        diced_;  ///< by time and level; diced when a ray may start outside
     Random random_;
     FrameScale scale_;  ///< all lengths are in its unit
     std::vector<Mat4d> frame_from_object_;
@@ -84,7 +87,8 @@ private:
     int finest_ = 0;
     std::vector<Instant> instants_;
     lod::LevelSettings levels_, engine_levels_;
-    std::unique_ptr<GrazingRays> grazing_;  ///< made when the first ray hits nothing
+    std::unique_ptr<GrazingRays> grazing_;      ///< made when the first ray hits nothing
+    std::unique_ptr<Silhouettes> silhouettes_;  ///< made when the first ray hits a front side
 };
 
 }  // namespace occam

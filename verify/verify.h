@@ -33,17 +33,20 @@ struct VerifiedCage {
     std::string not_testable;  ///< the reason; empty if the cage was tested
     std::uint64_t starts = 0;  ///< points inside from which rays start
     std::uint64_t rays = 0, escaped = 0;
-    /// Counts rays that hit nothing and started outside: coarse meshes of thin parts leave some points of the fine
-    /// inside outside of the surface that one ray sees. The winding number of that surface tells; it is computed only
-    /// for rays that hit nothing.
+    /// Counts rays that started outside of the surface that they see, among those that hit nothing or a front side:
+    /// coarse meshes of thin parts leave some points of the fine inside outside of the surface that one ray sees. The
+    /// winding number of that surface tells; it is computed only for such rays.
     std::uint64_t outside = 0;
     /// Counts rays at so small an angle to the surface that they passed between two levels through a gap of rounding,
     /// where these overlap by overlap_ulps alone. The engine's overlap closes the gap: each of them hit the surface
     /// when it was traced with it.
     std::uint64_t grazing = 0;
     std::uint64_t not_finite = 0;  ///< hits with a NaN or an infinity
-    /// Counts hits on the outside, which a ray from inside finds only where coarse triangles fold over, and on gap
-    /// triangles: all of their area is rounding, and so is the side to which they face. Many rays are aimed at these.
+    /// Counts hits on front sides that are narrower than rounding: at the outline of a ridge a ray leaves the surface and
+    /// enters it again at once, and either place may be found first. Rays beside such a ray hit back sides.
+    std::uint64_t silhouettes = 0;
+    /// Counts other hits on front sides, which a ray from inside finds only where micropolygons are turned over or coarse
+    /// meshes fold.
     std::uint64_t front_side = 0;
     /// The largest cosine among them between the outward normal and the direction back to the origin.
     double worst_front = 0;

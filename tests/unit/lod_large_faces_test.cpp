@@ -4,7 +4,9 @@
 #include <set>
 
 #include "lod/extent.h"
+#include "lod/posed_patch.h"
 #include "tests/support/diced_mesh.h"
+#include "tests/support/limit_oracle.h"
 #include "tests/support/shape_builders.h"
 
 namespace occam::test {
@@ -60,22 +62,64 @@ TEST(LargeFaces, CostAsMuchACornerHoweverManyThereAre)
         }
 }
 
-/// Triangles around a pole are narrow, but no micropolygon is turned over. Some gap triangles are: all of their area is
-/// rounding. So `occam verify` finds front sides there.
-TEST(LargePoles, TurnNoMicropolygonOver)
+Cage even_spindle(std::uint32_t valence)
 {
-    Cage cage = spindle(100);
+    Cage cage = spindle(valence);
     for (Vec3f& p : cage.positions)
         if (std::abs(p.y) < 1) p.y = 0;
-    DicedCage diced(cage, -2);
+    return cage;
+}
+
+/// Returns the direction away from an even spindle, as if it were two cones.
+Vec3d outward_of_spindle(Vec3d at)
+{
+    return glm::normalize(glm::normalize(Vec3d(at.x, 0, at.z)) + Vec3d(0, at.y > 0 ? 0.6 : -0.6, 0));
+}
+
+/// Triangles around a pole are narrow, but no micropolygon is turned over. Some gap triangles are, since all of their area
+/// is rounding; their hits have the normal of the surface.
+TEST(LargePoles, TurnNoMicropolygonOver)
+{
+    DicedCage diced(even_spindle(100), -2);
     std::size_t turned = 0, gaps = 0;
     for (const MeshTriangle& t : diced.triangles()) {
         const Vec3d a(t.v[0]), b(t.v[1]), c(t.v[2]), middle = (a + b + c) / 3.0;
-        const Vec3d outward = glm::normalize(Vec3d(middle.x, 0, middle.z)) + Vec3d(0, middle.y > 0 ? 0.6 : -0.6, 0);
-        if (glm::dot(glm::cross(b - a, c - a), outward) < 0) ++(t.is_gap ? gaps : turned);
+        if (glm::dot(glm::cross(b - a, c - a), outward_of_spindle(middle)) < 0) ++(t.is_gap ? gaps : turned);
     }
     EXPECT_EQ(turned, 0u);
     EXPECT_GT(gaps, 0u);
+}
+
+/// Lines from pole to pole over the middles of faces bulge less than lines along edges. The more faces there are, the
+/// closer together these lines are, so the limit surface has steep ridges, as subdivision in long double has.
+TEST(LargePoles, HaveRidgesInTheirLimitSurface)
+{
+    double last = 1;
+    for (const std::uint32_t valence : {100u, 500u}) {
+        const Cage cage = even_spindle(valence);
+        const SubdivisionMesh mesh = SubdivisionMesh(cage).refined().refined().refined();
+        DicedCage diced(cage, 0);
+        lod::PosedPatch patch;
+        double steepest = 1, apart = 1;
+        for (const SubdivisionMesh::Face& face : mesh.faces) {
+            if (face.face > 1) continue;
+            const SubdivisionMesh::Limit limit = mesh.limit(face.corners[0]);
+            if (!limit.has_normal || limit.valence >= 65) continue;
+            const Vec3d expected(glm::normalize(limit.normal));
+            steepest = std::min(steepest, glm::dot(expected, outward_of_spindle(Vec3d(limit.point))));
+            patch.set(diced.posed, {face.face, face.sub});
+            float values[9];
+            float* rows[9];
+            for (int r = 0; r < 9; ++r) rows[r] = values + r;
+            patch.points_and_tangents({float(face.u), float(face.v), 1, 1, 1, 1}, rows, 1);
+            const Vec3d du(values[3], values[4], values[5]), dv(values[6], values[7], values[8]);
+            apart = std::min(apart, glm::dot(glm::normalize(glm::cross(du, dv)), expected));
+        }
+        EXPECT_GT(apart, 0.999) << valence;
+        EXPECT_LT(steepest, last / 1.5) << valence;
+        last = steepest;
+    }
+    EXPECT_LT(last, 0.25);
 }
 
 /// A patch at a pole is as long as its edge, and its rates are those of one at a smaller pole.
