@@ -105,9 +105,17 @@ struct Job::State {
 
     render::FrameInputs inputs(Clock::time_point deadline) const
     {
-        return {
-            scene,    bounds, camera, settings, renderer->resources, memory, renderer->topologies->cache, renderer->textures,
-            deadline, resumed};
+        return {scene,
+                bounds,
+                camera,
+                settings,
+                renderer->resources,
+                memory,
+                renderer->topologies->cache,
+                renderer->textures,
+                renderer->lights,
+                deadline,
+                resumed};
     }
 
     void make_image()

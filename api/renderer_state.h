@@ -7,6 +7,7 @@
 #include "io/texture/texture_store.h"
 #include "lod/topology_cache.h"
 #include "occam/occam.h"
+#include "shade/placed_lights.h"
 
 namespace occam {
 
@@ -43,6 +44,7 @@ struct Renderer::State {
     Resources resources;
     std::shared_ptr<SharedTopologies> topologies = std::make_shared<SharedTopologies>();
     TextureStore textures;
+    shade::KeptLights lights;
     std::atomic<bool> busy = false;
     FrameStats stats;
 };

@@ -15,6 +15,7 @@
 #include "render/settings.h"
 #include "render/stats.h"
 #include "scenegraph/scene.h"
+#include "shade/placed_lights.h"
 
 namespace occam::render {
 
@@ -27,6 +28,7 @@ struct FrameInputs {
     const MemoryPlan& memory;
     lod::TopologyCache& topologies;
     const TextureStore& textures;
+    shade::KeptLights& lights;  ///< of the frame before; becomes those of this one
     std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
     std::string_view checkpoint{};  ///< belongs to the same picture; if empty, the frame starts at its first sample
 };

@@ -68,7 +68,7 @@ struct IntegratorCounters {
 
 /// The number of lights outside the tree that are sampled at a hit. Of more, all of which are suns, one is chosen from each
 /// sixteenth of the list.
-inline constexpr int kMaxLightsPerHit = static_cast<int>(shade::FrameLights::kMostWithoutTree);
+inline constexpr int kMaxLightsPerHit = static_cast<int>(shade::PlacedLights::kMostWithoutTree);
 /// The largest number of lights that are drawn from the tree for each light sample of a hit: where the camera sees it, and
 /// later.
 inline constexpr int kTreeDraws = shade::LightTree::kMostDraws, kLaterTreeDraws = 4;

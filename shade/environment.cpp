@@ -17,6 +17,14 @@ constexpr double kEven = 1.5;
 
 constexpr int kColumns = 512, kRows = 256;
 
+// Returns the density per solid angle of directions in a cell.
+// row, column   chances of the cell's row, and of the cell in it
+// ring          sine of the angle to the pole
+float density_of(float row, float column, float ring) noexcept
+{
+    return row * column * float(kColumns * kRows) / (2 * kPi * kPi * std::max(1e-6f, ring));
+}
+
 constexpr Vec3f kZenith{0.36f, 0.45f, 0.60f}, kHorizon{0.60f, 0.62f, 0.64f}, kGround{0.36f, 0.37f, 0.385f};
 
 Vec3f sky_radiance(float y) noexcept
@@ -48,10 +56,10 @@ struct Environment::Spread {
     bool is_even() const noexcept { return sum_of_squares * area <= kEven * sum * sum; }
 };
 
-// Holds the index of the interval of rising `sums` that contains u, and u's place in it.
+// Holds the index of the interval of rising `sums` that contains u, u's place in it, and the size of the interval.
 struct Environment::Interval {
     int index;
-    float within;
+    float within, share;
 };
 
 // The number of sums is a power of two, so that no product is rounded.
@@ -61,7 +69,7 @@ Environment::Interval Environment::find_interval(std::span<const Sum> sums, floa
     std::size_t index = sums[std::min(static_cast<std::size_t>(u * float(sums.size())), last)].guide;
     while (index < last && !(u < sums[index].upto)) ++index;
     const float below = index ? sums[index - 1].upto : 0, share = sums[index].upto - below;
-    return {static_cast<int>(index), share > 0 ? std::clamp((u - below) / share, 0.0f, 0.9999999f) : 0.5f};
+    return {static_cast<int>(index), share > 0 ? std::clamp((u - below) / share, 0.0f, 0.9999999f) : 0.5f, share};
 }
 
 void Environment::fill_guides(std::span<Sum> sums) noexcept
@@ -188,8 +196,7 @@ void Environment::tabulate()
 float Environment::density_at(int row, int column, float ring) const noexcept
 {
     const std::span cells(cells_.data() + row * kColumns, std::size_t(kColumns));
-    return share_of(rows_, row) * share_of(cells, column) * float(kColumns * kRows) /
-           (2 * kPi * kPi * std::max(1e-6f, ring));
+    return density_of(share_of(rows_, row), share_of(cells, column), ring);
 }
 
 Environment::Light Environment::draw(Vec2f square) const noexcept
@@ -200,7 +207,7 @@ Environment::Light Environment::draw(Vec2f square) const noexcept
     const Vec2f uv((float(column.index) + column.within) / kColumns, (float(row.index) + row.within) / kRows);
     const Vec3f direction = direction_of(uv);
     const float ring = std::sqrt(std::max(0.0f, 1 - direction.y * direction.y));
-    return {direction, texel(uv), density_at(row.index, column.index, ring)};
+    return {direction, texel(uv), density_of(row.share, column.share, ring)};
 }
 
 Environment::Light Environment::look_up(Vec3f direction) const noexcept

@@ -40,7 +40,7 @@ bool is_within_numbers(const Box3d& box) noexcept { return glm::dot(box.lo, box.
 
 // Estimates as Contents::layers_in() does how many of the lights a ray crosses in the box of all, and in the boxes of ever
 // smaller groups of neighbours.
-void check_crossed(std::span<Box3d> lights)
+void check_boxes(std::span<Box3d> lights)
 {
     while (double(lights.size()) > kMostCrossed) {
         Box3d all;
@@ -58,9 +58,17 @@ void check_crossed(std::span<Box3d> lights)
         const auto middle = lights.begin() + static_cast<std::ptrdiff_t>(lights.size() / 2);
         std::nth_element(lights.begin(), middle, lights.end(),
                          [axis](const Box3d& a, const Box3d& b) { return a.centre()[axis] < b.centre()[axis]; });
-        check_crossed({lights.begin(), middle});
+        check_boxes({lights.begin(), middle});
         lights = {middle, lights.end()};
     }
+}
+
+void check_crossed(const std::vector<WorldLight>& lights)
+{
+    std::vector<Box3d> boxes;
+    for (const WorldLight& light : lights)
+        if (light.has_area() && is_within_numbers(box_of(light))) boxes.push_back(box_of(light));
+    check_boxes(boxes);
 }
 
 bool are_lamps(const MeshLights& meshes, const Scene& scene, const FrameScale& scale) noexcept
@@ -76,54 +84,41 @@ bool are_lamps(const MeshLights& meshes, const Scene& scene, const FrameScale& s
 }  // namespace
 
 FrameLights::FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures,
-                         const DefaultLight& otherwise, const FrameScale& scale)
+                         const DefaultLight& otherwise, const FrameScale& scale, KeptLights* kept)
     : meshes_(scene, textures, scale), environment_(scene.environment, textures)
 {
+    LightGathering gathering(kept ? *kept : nullptr);
     scene.for_placements_of(Contents::Lights, [&](NodeId, const Node& node, const Mat4d& world_from_node) {
-        if (const Light* light = scene.find(node.light))
-            lights_.push_back(WorldLight::place(*light, world_from_node, scale));
+        if (const Light* light = scene.find(node.light)) gathering.add(WorldLight::place(*light, world_from_node, scale));
     });
     const bool is_dark = environment_.is_black();
-    const bool has_none = is_dark && lights_.empty();
+    const bool has_none = is_dark && gathering.is_empty();
     relies_on_emitters_ = has_none && are_lamps(meshes_, scene, scale);
     has_default_ = has_none && otherwise.sky != Sky::Off && otherwise.is_wanted.value_or(!relies_on_emitters_);
-    if (has_default_) lights_.push_back(key_light(camera));
+    if (has_default_) gathering.add(key_light(camera));
     if (is_dark && (otherwise.sky == Sky::On || has_default_)) environment_ = Environment::sky(otherwise.sky_strength);
-    arrange();
-    std::vector<Box3d> boxes;
-    for (const WorldLight& light : lights_)
-        if (light.has_area() && is_within_numbers(box_of(light))) boxes.push_back(box_of(light));
-    check_crossed(boxes);
+    placed_ = gathering.finish();
+    if (!kept || placed_ != *kept) check_crossed(placed_->lights);
+    if (kept) *kept = placed_;
+    make_mesh_tree();
 }
 
 FrameLights::FrameLights(std::vector<WorldLight> lights, Environment environment)
-    : lights_(std::move(lights)), environment_(std::move(environment))
+    : placed_(std::make_shared<const PlacedLights>(std::move(lights))), environment_(std::move(environment))
 {
-    arrange();
+    make_mesh_tree();
 }
 
 bool FrameLights::leaves_all_to_samples(Vec3d start, float peak, LightGroups groups) const noexcept
 {
     if (meshes_.any_emitter() || !environment_.is_black()) return false;
     const auto is_found = [&](std::uint32_t i) {
-        return (lights_[i].groups & groups) != 0 && !is_left_to_samples(lights_[i], start, peak);
+        return (lights()[i].groups & groups) != 0 && !is_left_to_samples(lights()[i], start, peak);
     };
-    return std::none_of(with_area_.begin(), with_area_.end(), is_found) &&
-           !tree_.any_covering(start, kLeastChance / (peak * maths::kPi), is_found);
+    return std::none_of(placed_->with_area.begin(), placed_->with_area.end(), is_found) &&
+           !tree().any_covering(start, kLeastChance / (peak * maths::kPi), is_found);
 }
 
-void FrameLights::arrange()
-{
-    outside_tree_ = lights_.size();
-    if (lights_.size() > kMostWithoutTree) {
-        const auto in_tree = std::stable_partition(
-            lights_.begin(), lights_.end(), [](const WorldLight& light) { return light.kind == WorldLight::Kind::Sun; });
-        outside_tree_ = static_cast<std::size_t>(in_tree - lights_.begin());
-        tree_ = LightTree(lights_, outside_tree_);
-    }
-    meshes_.make_tree(tree_.is_empty() ? std::optional<Vec3d>() : tree_.origin());
-    for (std::uint32_t i = 0; i < outside_tree_; ++i)
-        if (lights_[i].has_area()) with_area_.push_back(i);
-}
+void FrameLights::make_mesh_tree() { meshes_.make_tree(tree().is_empty() ? std::optional<Vec3d>() : tree().origin()); }
 
 }  // namespace occam::shade

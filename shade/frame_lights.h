@@ -1,4 +1,5 @@
-// All light of one frame, gathered from the scene graph: placed lights, emissive surfaces and the environment.
+// All light of one frame, gathered from the scene graph: placed lights, emissive surfaces and the environment. Placed lights
+// that are those of the frame before are kept (shade/placed_lights.h).
 //
 // A scene gets a soft key light from over the camera's shoulder and a sky if it has no placed light, no environment and
 // no emissive surfaces that are bright enough to light it, unless Sky says otherwise. The scene's bounds must be up to
@@ -16,6 +17,7 @@
 #include "shade/light_tree.h"
 #include "shade/lights.h"
 #include "shade/mesh_lights.h"
+#include "shade/placed_lights.h"
 #include "shade/sky.h"
 
 namespace occam::shade {
@@ -44,21 +46,19 @@ public:
         return light.sine2_subtended(start) * (peak * maths::kPi) < kLeastChance;
     }
     /// The textures must be prepared. `camera` places the key light of a scene that has none.
+    /// kept   if not null, the placed lights of the last frame; become those of this one
     FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures, const DefaultLight& otherwise = {},
-                const FrameScale& scale = {});
+                const FrameScale& scale = {}, KeptLights* kept = nullptr);
     FrameLights(std::vector<WorldLight> lights, Environment environment);
 
-    /// A scene with more placed lights than this draws them by a tree, except for suns.
-    static constexpr std::size_t kMostWithoutTree = 16;
-
     /// Returns the placed lights: first those outside the tree.
-    const std::vector<WorldLight>& lights() const noexcept { return lights_; }
-    std::size_t lights_outside_tree() const noexcept { return outside_tree_; }
-    const LightTree& tree() const noexcept { return tree_; }
+    const std::vector<WorldLight>& lights() const noexcept { return placed_->lights; }
+    std::size_t lights_outside_tree() const noexcept { return placed_->outside_tree; }
+    const LightTree& tree() const noexcept { return placed_->tree; }
     /// Returns whether lights are drawn for receivers, by a tree of placed lights or of emissive triangles.
-    bool needs_receivers() const noexcept { return !tree_.is_empty() || !meshes_.tree().is_empty(); }
+    bool needs_receivers() const noexcept { return !tree().is_empty() || !meshes_.tree().is_empty(); }
     /// Returns a point as both trees take it.
-    Vec3f relative(Vec3d point) const noexcept { return (tree_.is_empty() ? meshes_.tree() : tree_).relative(point); }
+    Vec3f relative(Vec3d point) const noexcept { return (tree().is_empty() ? meshes_.tree() : tree()).relative(point); }
     const Environment& environment() const noexcept { return environment_; }
     const MeshLights& meshes() const noexcept { return meshes_; }
     /// Returns true if the key light was added, because the scene has no light of its own that would do.
@@ -87,22 +87,20 @@ public:
     void for_crossings(const Reach& ray, float peak, const Drawn& at, Use&& use) const
     {
         const auto cross = [&](std::uint32_t i, auto&& expected) {
-            if (is_left_to_samples(lights_[i], ray.origin, peak)) return;
-            const LightCrossing c = lights_[i].crossing(ray.origin, ray.direction);
-            if (c.density > 0 && c.distance < ray.t_far) use(lights_[i], c, expected());
+            const WorldLight& light = lights()[i];
+            if (is_left_to_samples(light, ray.origin, peak)) return;
+            const LightCrossing c = light.crossing(ray.origin, ray.direction);
+            if (c.density > 0 && c.distance < ray.t_far) use(light, c, expected());
         };
-        for (const std::uint32_t i : with_area_) cross(i, [] { return 1.0f; });
-        tree_.for_crossed(ray.origin, ray.direction,
-                          [&](std::uint32_t i) { cross(i, [&] { return tree_.expected(i, at.receiver, at.draws); }); });
+        for (const std::uint32_t i : placed_->with_area) cross(i, [] { return 1.0f; });
+        tree().for_crossed(ray.origin, ray.direction,
+                           [&](std::uint32_t i) { cross(i, [&] { return tree().expected(i, at.receiver, at.draws); }); });
     }
 
 private:
-    void arrange();
+    void make_mesh_tree();
 
-    std::vector<WorldLight> lights_;
-    std::size_t outside_tree_ = 0;
-    std::vector<std::uint32_t> with_area_;  ///< of those outside the tree
-    LightTree tree_;
+    KeptLights placed_;
     MeshLights meshes_;
     Environment environment_;
     bool has_default_ = false, relies_on_emitters_ = false;

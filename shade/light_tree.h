@@ -7,7 +7,7 @@
 // their expected numbers is unbiased. Trees are built by the surface area orientation heuristic of the same paper. Suns have
 // no place, and are not in the tree.
 //
-// Several lights are drawn for a point at once. The tree is first divided for the point into up to 64 parts,
+// Several lights are drawn for a point at once. The tree is first divided for the point into up to 71 parts,
 // always where most of the light may come from, and one light of each part is drawn. So the few lights near a point are
 // parts of their own, which are sampled without any choice, and all that is far away is one part or a few (adaptive
 // splitting in the same paper). From parts that give little a light is drawn by chance.

@@ -44,21 +44,15 @@ vfloat sine_of(vfloat cosine) noexcept { return sqrt(max(vfloat(1.0f) - cosine *
 // any are.
 vfloat mean_above_zero(vfloat middle, vfloat half) noexcept { return max(middle, (middle + half) * vfloat(0.5f)); }
 
-// Adds numbers in an order that does not depend on the number of lanes; their count is a multiple of eight.
-float sum_of(const float* numbers, std::size_t count) noexcept
+// Adds eight numbers in an order that does not depend on the number of lanes.
+float sum_of(const float (&row)[8]) noexcept
 {
-    float part[8] = {};
-    for (std::size_t k = 0; k < 8; k += std::size_t(kLanes)) {
-        vfloat sum = vfloat::load(numbers + k);
-        for (std::size_t i = 8; i < count; i += 8) sum = sum + vfloat::load(numbers + i + k);
-        sum.store(part + k);
-    }
-    return ((part[0] + part[4]) + (part[2] + part[6])) + ((part[1] + part[5]) + (part[3] + part[7]));
+    return ((row[0] + row[4]) + (row[2] + row[6])) + ((row[1] + row[5]) + (row[3] + row[7]));
 }
 
 }  // namespace
 
-float LightTree::Estimates::sum() const noexcept { return sum_of(light, kWide); }
+float LightTree::Estimates::sum() const noexcept { return sum_of(light); }
 
 // The light of a child is estimated as if all of it stood at the middle of its box, but with the mean of the cosines that
 // the places of the box have: a plane of lamps then has its small share on a floor below it, also where its box is wide. An
@@ -88,7 +82,9 @@ void LightTree::estimate(const Node& node, const Receiver& receiver, Estimates& 
         const vfloat ahead = select(vfloat::load(node.is_two_sided + k) > zero, abs(along), along);
         const vfloat ahead_half = dot(half, abs(axis)), cos_end = vfloat::load(node.cos_end + k);
         // The bound of the cosine is that of the nearest place of the box, or, where it is below zero, of the farthest.
-        dark = dark | (ahead + ahead_half < cos_end * sqrt(select(cos_end < zero, far2, near2)));
+        const vfloat most_ahead = ahead + ahead_half, most2 = most_ahead * most_ahead, end2 = cos_end * cos_end;
+        const vmask is_wide = cos_end < zero, is_behind = most_ahead < zero;
+        dark = dark | (is_wide & is_behind & (most2 > end2 * far2)) | andnot(is_behind | (most2 < end2 * near2), is_wide);
         const vfloat cosine = clamped(mean_above_zero(ahead, ahead_half) * inverse, -1, 1);
         const vfloat cos_axis = vfloat::load(node.cos_axis + k), sin_axis = vfloat::load(node.sin_axis + k);
         const vfloat nearest = cosine * cos_axis + sine_of(cosine) * sin_axis;  // to any direction in the cone
@@ -108,86 +104,100 @@ void LightTree::estimate(const Node& node, const Receiver& receiver, Estimates& 
         if ((node.groups[k] & receiver.groups) == 0) to.light[k] = to.doubt[k] = 0;
 }
 
-// The parts into which the tree is divided for a receiver: places in parallel rows.
+// The parts into which the tree is divided for a receiver: the children of some nodes, one node in each row. A child that
+// is divided further gives nothing by itself.
 class LightTree::Parts {
 public:
+    static constexpr std::size_t kNone = ~std::size_t(0);
+
     /// draws   lights that are drawn at most
     explicit Parts(int draws) noexcept : draws_(std::clamp(draws, 1, kMostDraws)), least_share_(2 / float(draws_)) {}
 
-    std::size_t count() const noexcept { return count_; }
-    Place place(std::size_t i) const noexcept { return places_[i]; }
-    // Adds the children of a node.
-    void add(std::uint32_t node, std::uint32_t children, const Estimates& of) noexcept
+    std::size_t rows() const noexcept { return rows_; }
+    Place place(std::size_t row, std::size_t column) const noexcept
     {
-        for (std::uint32_t k = 0; k < children; ++k) {
-            if (!(of.light[k] > 0)) continue;
-            places_[count_] = node * std::uint32_t(kWide) + k;
-            light_[count_] = of.light[k];
-            doubt_[count_++] = of.doubt[k];
-        }
+        return nodes_[row] * std::uint32_t(kWide) + static_cast<std::uint32_t>(column);
     }
-    void remove(std::size_t i) noexcept
+    // Adds a row for a node, which is not the last that there is room for.
+    void add(const LightTree& tree, std::uint32_t node, const Receiver& receiver) noexcept
     {
-        --count_;
-        places_[i] = places_[count_];
-        light_[i] = light_[count_];
-        doubt_[i] = doubt_[count_];
-        light_[count_] = doubt_[count_] = 0;
+        nodes_[rows_] = node;
+        estimate(tree.nodes_[node], receiver, of_[rows_]);
+        most_doubt_[rows_] = most_doubt_in(rows_);
+        sum_ += of_[rows_].sum();
+        ++rows_;
     }
-    static constexpr std::size_t kNone = ~std::size_t(0);
-    // Returns the index of the part that is to be divided next, or kNone if there is no room for more or nothing in doubt is
-    // left that matters.
-    std::size_t next_to_divide() const noexcept
+    // Returns the part that is to be divided next, which counts no longer, or kNowhere if there is no room for more or
+    // nothing in doubt is left that matters.
+    Place take_next() noexcept
     {
-        if (count_ + kWide - 1 > kMost) return kNone;
-        vfloat best = vfloat::load(doubt_);
-        for (std::size_t i = std::size_t(kLanes); i < kMost; i += std::size_t(kLanes))
-            best = max(best, vfloat::load(doubt_ + i));
-        const float most = highest(best);
-        if (!(most > sum_of(light_, kMost) * least_share_)) return kNone;
-        std::size_t first = 0;
-        while (none(vfloat::load(doubt_ + first) == vfloat(most))) first += std::size_t(kLanes);
-        return first + std::size_t(std::countr_zero(bits(vfloat::load(doubt_ + first) == vfloat(most))));
+        std::size_t row = 0;
+        for (std::size_t i = 1; i < rows_; ++i)
+            if (most_doubt_[i] > most_doubt_[row]) row = i;
+        const float most = most_doubt_[row];
+        if (rows_ == kMostRows || !(most > sum_ * least_share_)) return kNowhere;
+        std::size_t column = 0;
+        while (of_[row].doubt[column] != most) ++column;
+        sum_ -= of_[row].light[column];
+        of_[row].light[column] = of_[row].doubt[column] = 0;
+        most_doubt_[row] = most_doubt_in(row);
+        return place(row, column);
     }
     // Decides the chances, once all is divided: from a part with more than a certain share of all light a light is drawn for
     // sure, and from others in proportion. The share is as small as the number of draws allows.
     void finish() noexcept
     {
-        const float sum = sum_of(light_, kMost), most = 1 / float(draws_);
+        float all = kLeastPower;
+        for (std::size_t row = 0; row < rows_; ++row) all += of_[row].sum();
+        const float most = 1 / float(draws_);
         for (const float certain : {most * 0.5f, most}) {
-            const float scale = 1 / (sum * certain);
-            for (std::size_t i = 0; i < kMost; i += std::size_t(kLanes))
-                min(vfloat::load(light_ + i) * vfloat(scale), vfloat(1.0f)).store(chance_ + i);
-            if (sum_of(chance_, kMost) <= float(draws_)) return;
+            const vfloat scale(1 / (all * certain));
+            float expected = 0;
+            for (std::size_t row = 0; row < rows_; ++row) {
+                for (std::size_t k = 0; k < kWide; k += std::size_t(kLanes))
+                    min(vfloat::load(of_[row].light + k) * scale, vfloat(1.0f)).store(chance_[row] + k);
+                chances_[row] = sum_of(chance_[row]);
+                expected += chances_[row];
+            }
+            if (expected <= float(draws_)) return;
         }
     }
-    // Returns the chance with which a light is drawn from a part.
-    float chance(std::size_t i) const noexcept { return chance_[i]; }
+    // Returns the chance with which a light is drawn from a part, and the sum of those of a row.
+    float chance(std::size_t row, std::size_t column) const noexcept { return chance_[row][column]; }
+    float chances(std::size_t row) const noexcept { return chances_[row]; }
+    // Returns the row of a node, or kNone if it has none.
+    std::size_t row_of(std::uint32_t node) const noexcept
+    {
+        const auto end = nodes_.begin() + std::ptrdiff_t(rows_), found = std::find(nodes_.begin(), end, node);
+        return found == end ? kNone : static_cast<std::size_t>(found - nodes_.begin());
+    }
 
 private:
-    static constexpr std::size_t kMost = 64;  ///< parts
+    static constexpr std::size_t kMostRows = 10;
+
+    float most_doubt_in(std::size_t row) const noexcept
+    {
+        vfloat most = vfloat::load(of_[row].doubt);
+        for (std::size_t k = std::size_t(kLanes); k < kWide; k += std::size_t(kLanes))
+            most = max(most, vfloat::load(of_[row].doubt + k));
+        return highest(most);
+    }
 
     int draws_;
     float least_share_;  // a part is not divided if the light that is in doubt is a smaller share of all
-    std::size_t count_ = 0;
-    std::array<Place, kMost> places_{};
-    float light_[kMost]{}, doubt_[kMost]{}, chance_[kMost]{};
+    std::size_t rows_ = 0;
+    std::array<std::uint32_t, kMostRows> nodes_;
+    std::array<Estimates, kMostRows> of_;
+    float sum_ = 0;                // of the estimates of all parts, but for rounding
+    float most_doubt_[kMostRows];  // of the parts of each row
+    float chance_[kMostRows][kWide], chances_[kMostRows];
 };
 
 LightTree::Parts LightTree::divide(const Receiver& receiver, int draws) const noexcept
 {
     Parts parts(draws);
-    Estimates of;
-    const auto add = [&](std::uint32_t node) {
-        estimate(nodes_[node], receiver, of);
-        parts.add(node, nodes_[node].children, of);
-    };
-    add(0);
-    for (std::size_t next = parts.next_to_divide(); next != Parts::kNone; next = parts.next_to_divide()) {
-        const std::uint32_t node = below(parts.place(next));
-        parts.remove(next);
-        add(node);
-    }
+    parts.add(*this, 0, receiver);
+    for (Place next = parts.take_next(); next != kNowhere; next = parts.take_next()) parts.add(*this, below(next), receiver);
     parts.finish();
     return parts;
 }
@@ -231,26 +241,30 @@ int LightTree::draw(const Receiver& receiver, float number, std::span<Pick> pick
     std::size_t count = 0;
     // A part is drawn from where the sum of the number and of the chances so far passes a whole number. By how much is a
     // number for the choice within the part; those of neighbouring parts are moved apart.
-    double sum = double(number), apart = 0;
-    for (std::size_t i = 0; i < parts.count(); ++i) {
-        const float chance = parts.chance(i);
-        sum += double(chance);
-        // Rounding of the chances may not give more picks than there is room for.
-        if (sum >= 1 && count < picks.size()) {
+    double sum = double(number);
+    for (std::size_t row = 0; row < parts.rows(); ++row) {
+        if (const double after = sum + double(parts.chances(row)); after < kBelowOne) {
+            sum = after;
+            continue;
+        }
+        for (std::size_t column = 0; column < kWide; ++column) {
+            const float chance = parts.chance(row, column);
+            sum += double(chance);
+            // Rounding of the chances may not give more picks than there is room for.
+            if (sum < 1 || count == picks.size()) continue;
             sum -= 1;
+            const double apart = kGoldenRatio * double(row * kWide + column);
             const double shifted = std::min(sum / double(chance), kBelowOne) + apart;
-            const double within = shifted < 1 ? shifted : shifted - 1;
-            const std::uint32_t at = below(parts.place(i));
+            const double within = std::min(shifted - std::floor(shifted), kBelowOne);
+            const Place place = parts.place(row, column);
             Pick& pick = picks[count];
-            const bool is_alone = is_light(parts.place(i));
-            if (is_alone) pick = {at, 1, static_cast<float>(within)};
-            if (is_alone || draw_below(at, receiver, within, pick)) {
+            const bool is_alone = is_light(place);
+            if (is_alone) pick = {below(place), 1, static_cast<float>(within)};
+            if (is_alone || draw_below(below(place), receiver, within, pick)) {
                 pick.expected *= chance;
                 ++count;
             }
         }
-        apart += kGoldenRatio;
-        if (apart >= 1) apart -= 1;
     }
     return static_cast<int>(count);
 }
@@ -259,19 +273,17 @@ float LightTree::expected(std::uint32_t light, const Receiver& receiver, int dra
 {
     Place at = place_of_[light - first_];
     if (at == kNowhere) return 0;
-    Parts parts(draws);
-    if (draws > 1) parts = divide(receiver, draws);
+    const Parts parts = draws > 1 ? divide(receiver, draws) : Parts(draws);
     float product = 1;
     while (true) {
-        for (std::size_t i = 0; i < parts.count(); ++i)
-            if (parts.place(i) == at) return product * parts.chance(i);
         const std::uint32_t node = at / std::uint32_t(kWide);
+        if (const std::size_t row = parts.row_of(node); row != Parts::kNone) return product * parts.chance(row, at % kWide);
         Estimates of;
         estimate(nodes_[node], receiver, of);
         const float own = of.light[at % kWide];
         if (!(own > 0)) return 0;
         product *= own / of.sum();
-        if (node == 0) return draws > 1 ? 0 : product;
+        if (node == 0) return product;
         at = nodes_[node].place;
     }
 }

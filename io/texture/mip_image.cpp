@@ -39,8 +39,17 @@ Taps taps_of(int i, int from, int to) noexcept
 float fold(float s, TextureUse::Wrap wrap) noexcept
 {
     if (wrap == TextureUse::Wrap::Clamp) return std::clamp(s, 0.0f, 1.0f);
-    const float period = wrap == TextureUse::Wrap::Mirror ? 2.0f : 1.0f;
-    return s - period * std::floor(s / period);
+    return wrap == TextureUse::Wrap::Mirror ? s - 2 * std::floor(s * 0.5f) : s - std::floor(s);
+}
+
+// Returns where the texel of a column begins within a row of tiles, and where the texels of a row begin, in half floats.
+std::size_t offset_of_column(int x) noexcept
+{
+    return (std::size_t(x >> kTileBits) * kTile * kTile + std::size_t(x & (kTile - 1))) * 4;
+}
+std::size_t offset_of_row(int y, int tiles_x) noexcept
+{
+    return (std::size_t(y >> kTileBits) * std::size_t(tiles_x) * kTile + std::size_t(y & (kTile - 1))) * kTile * 4;
 }
 
 // Wraps an index that is at most one texel outside of the period.
@@ -69,11 +78,7 @@ MipImage::Level::Level(int width_texels, int height_texels)
 {
 }
 
-std::size_t MipImage::Level::offset(int x, int y) const noexcept
-{
-    const std::size_t tile = std::size_t(y >> kTileBits) * std::size_t(tiles_x) + std::size_t(x >> kTileBits);
-    return (tile * kTile * kTile + std::size_t((y & (kTile - 1)) * kTile + (x & (kTile - 1)))) * 4;
-}
+std::size_t MipImage::Level::offset(int x, int y) const noexcept { return offset_of_row(y, tiles_x) + offset_of_column(x); }
 Vec4f MipImage::Level::texel(int x, int y) const noexcept
 {
     const std::uint16_t* h = &halves[offset(x, y)];
@@ -154,9 +159,14 @@ Vec4f MipImage::lookup(int level, Vec2f st, TextureUse::Wrap wrap_s, TextureUse:
                        wrapped(static_cast<int>(std::floor(y + 0.5f)), l.height, wrap_t));
     const float x_floor = std::floor(x), y_floor = std::floor(y), fx = x - x_floor, fy = y - y_floor;
     const int x0 = static_cast<int>(x_floor), y0 = static_cast<int>(y_floor);
-    const int xs[2] = {wrapped(x0, l.width, wrap_s), wrapped(x0 + 1, l.width, wrap_s)};
-    const int ys[2] = {wrapped(y0, l.height, wrap_t), wrapped(y0 + 1, l.height, wrap_t)};
-    const auto texel_at = [&](int i, int j) { return vfloat4::from_halves(l.at(xs[i], ys[j])); };
+    int xs[2] = {x0, x0 + 1}, ys[2] = {y0, y0 + 1};
+    if (x0 < 0 || xs[1] >= l.width)
+        for (int& i : xs) i = wrapped(i, l.width, wrap_s);
+    if (y0 < 0 || ys[1] >= l.height)
+        for (int& i : ys) i = wrapped(i, l.height, wrap_t);
+    const std::size_t columns[2] = {offset_of_column(xs[0]), offset_of_column(xs[1])};
+    const std::size_t rows[2] = {offset_of_row(ys[0], l.tiles_x), offset_of_row(ys[1], l.tiles_x)};
+    const auto texel_at = [&](int i, int j) { return vfloat4::from_halves(&l.halves[rows[j] + columns[i]]); };
     const vfloat4 top = texel_at(0, 0) * (1 - fx) + texel_at(1, 0) * fx;
     const vfloat4 bottom = texel_at(0, 1) * (1 - fx) + texel_at(1, 1) * fx;
     Vec4f mean;

@@ -109,8 +109,8 @@ struct SampleColor {
     float alpha = 0;
 };
 
-/// Makes pictures. From frame to frame it keeps textures and everything that no vertex position can change (topology
-/// tables).
+/// Makes pictures. From frame to frame it keeps textures, everything that no vertex position can change (topology tables),
+/// and placed lights with the tree over them, as long as they are the same.
 class Renderer {
 public:
     explicit Renderer(const Resources& resources = {});
