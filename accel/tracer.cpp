@@ -54,6 +54,7 @@ TraceCounters Tracer::counters() const
 
 bool Tracer::State::travel_alone(std::span<const Ray> rays) const noexcept
 {
+    if (are_all_alone) return true;
     if (frame.tree != TreeKind::Bvh) return false;
     // An igrid of a mesh holds hundreds of triangles, in whose box tree packets pay for any rays.
     if (!frame.has_levels && frame.segments == 0) return false;
