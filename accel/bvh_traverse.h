@@ -15,14 +15,20 @@ namespace occam::accel {
 /// Stands for boxes that move only where a packet meets some.
 struct NoBox {};
 
+/// Holds the box of a child at all times of a packet.
+struct KeptBox {
+    Box3f box;
+    bool is_loose;  ///< much larger than the box at one time
+};
+
 /// Holds the boxes of a node's children as rays see them. The rays of a packet take those that hold each box at all of their
-/// times.
+/// times, unless these are much larger than at one time: then each takes that of its own time.
 template <class F, class Times>
 class ChildBoxes {
 public:
     /// The type of a box that is kept until the turn of its child comes. Boxes that stand are read again.
     static constexpr bool kAreKept = Times::kMoves && !std::is_same_v<F, float>;
-    using Kept = std::conditional_t<kAreKept, Box3f, NoBox>;
+    using Kept = std::conditional_t<kAreKept, KeptBox, NoBox>;
 
     /// A node that waits for its turn.
     struct Child {
@@ -30,13 +36,17 @@ public:
         const BvhNode* parent;  ///< null for nodes without a box: the root (intervals are clipped to it) and halves in time
         int child;              ///< index of the node in its parent
         float begin;            ///< where the first ray enters the box
-        [[no_unique_address]] Kept box;
+        [[no_unique_address]] Kept kept;
     };
 
     OCCAM_ALWAYS_INLINE ChildBoxes(const BvhNode& node, const Times& times) noexcept : node_(node), times_(times)
     {
         if constexpr (kAreKept)
-            if (node.keys.segments > 0) KeyedBoxes<F>(node.boxes(), kBoxGroupFloats, node.keys, times).sweep(swept_.floats);
+            if (node.keys.segments > 0) {
+                const KeyedBoxes<F> keyed(node.boxes(), kBoxGroupFloats, node.keys, times);
+                keyed.sweep(swept_.floats);
+                loose_ = keyed.grown(swept_.floats);
+            }
     }
 
     /// Returns the children whose boxes any of the rays may enter before `end`, and where.
@@ -49,7 +59,7 @@ public:
     }
     OCCAM_ALWAYS_INLINE Kept keep(int child) const noexcept
     {
-        if constexpr (kAreKept) return get_box(boxes() + child, 0);
+        if constexpr (kAreKept) return {get_box(boxes() + child, 0), (loose_ >> child & 1) != 0};
         else return {};
     }
     /// Clips [t_near, t_far] to the box of a child.
@@ -58,7 +68,7 @@ public:
     {
         const BvhNode& node = *at.parent;
         if constexpr (kAreKept)
-            if (times.last - times.first <= kMostSwept) return clip(ray, at.box, t_near, t_far);
+            if (!at.kept.is_loose) return clip(ray, at.kept.box, t_near, t_far);
         if constexpr (Times::kMoves)
             if (node.keys.segments > 0)
                 return KeyedBoxes<F>(node.boxes(), kBoxGroupFloats, node.keys, times).clip_to(ray, at.child, t_near, t_far);
@@ -66,9 +76,6 @@ public:
     }
 
 private:
-    /// The largest part of the shutter for which rays take boxes that hold all of their times, instead of their own.
-    static constexpr float kMostSwept = 0.15f;
-
     struct alignas(32) Swept {
         float floats[kBoxGroupFloats];
     };
@@ -82,6 +89,7 @@ private:
     const BvhNode& node_;
     const Times& times_;
     std::conditional_t<kAreKept, Swept, NoBox> swept_;
+    unsigned loose_ = 0;  ///< the boxes that are much larger at all times than at one, as bits
 };
 
 /// Returns whether a node has a leaf that is the same for these pairs.

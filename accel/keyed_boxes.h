@@ -107,6 +107,22 @@ public:
             all.store(swept + at);
         }
     }
+    /// Returns, as bits, which of the eight boxes that sweep() has written are much larger than at the first time.
+    OCCAM_ALWAYS_INLINE unsigned grown(const float* swept) const noexcept
+    {
+        constexpr float kMuchLarger = 1.5f;
+        unsigned all = 0;
+        for (int first = 0; first < kBoxGroup; first += kLanes) {
+            vfloat at_first = 0.0f, at_all = 0.0f;
+            for (int a = 0; a < 3; ++a) {
+                const int lo = a * kBoxGroup + first, hi = lo + 3 * kBoxGroup;
+                at_first = at_first + (at_moment(from_, hi) - at_moment(from_, lo));
+                at_all = at_all + (vfloat::load(swept + hi) - vfloat::load(swept + lo));
+            }
+            all |= bits(at_all > at_first * vfloat(kMuchLarger)) << first;
+        }
+        return all;
+    }
     /// Does what RaysAsOne::in_boxes does.
     OCCAM_ALWAYS_INLINE unsigned in_boxes(const RaysAsOne<F>& rays, float end, float* begin) const noexcept
     {

@@ -55,6 +55,7 @@ TraceCounters Tracer::counters() const
 bool Tracer::State::travel_alone(std::span<const Ray> rays, bool is_nearest) const noexcept
 {
     constexpr float kWide = 0.97f, kNarrow = 0.999f;  // cosines of 14 and of 2.5 degrees
+    if (are_all_alone) return true;
     if (frame.tree != TreeKind::Bvh) return false;
     // An igrid of a mesh holds hundreds of triangles, in whose box tree packets pay for any rays.
     if (!frame.has_levels && frame.segments == 0) return false;

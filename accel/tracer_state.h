@@ -147,7 +147,9 @@ struct Tracer::State {
     {
         TimeOrder& order = !rays.empty() && (rays.front().kinds & RayKind::Camera) ? order_of_camera_rays
                                                                                    : order_of_other_rays;
-        groups.sort(rays, frame.segments > 0 ? order.bins(rays.size()) : 1);
+        const BatchOrder batch = frame.segments > 0 ? order.next(rays.size()) : BatchOrder{1};
+        groups.sort(rays, batch.bins);
+        are_all_alone = batch.is_alone;
         visits = {};
         const FlushGate::Inside inside(gate);
         groups.for_each_packet([&](const RayAxes& axes, std::size_t first, std::size_t count) {
@@ -172,7 +174,8 @@ struct Tracer::State {
     lod::RayLevels<float> single_levels;  ///< for the ray traced last
     RayGroups groups;                     ///< for the batch traced last
     TimeOrder order_of_camera_rays, order_of_other_rays;
-    BatchVisits visits;  ///< of the batch, where something moves
+    BatchVisits visits;          ///< of the batch, where something moves
+    bool are_all_alone = false;  ///< the batch's rays travel alone
     std::uint64_t visit = 0;
     int wanted_hits = 1;  ///< of each ray, for Tracer::nearest()
 };

@@ -61,7 +61,8 @@ public:
                                           state_.counters, limit, at_leaf);
             if constexpr (Times::kMoves) {
                 const std::uint64_t nodes = state_.counters.kd_visited - before;
-                (kIsOne ? state_.visits.of_lone_rays : state_.visits.of_packets) += nodes;
+                (kIsOne ? state_.visits.nodes_of_lone_rays : state_.visits.nodes) += nodes;
+                if constexpr (kIsOne) ++state_.visits.lone_rays;
             }
             return is_done ? PacketResult::Done : PacketResult::Abandoned;
         };
@@ -142,6 +143,7 @@ private:
     /// Intersects rays with the igrids of a leaf whose boxes they enter. Returns false if the memory is used up.
     OCCAM_ALWAYS_INLINE bool meet_entries(const TreeLeaf& leaf, int pair, const Mask& here, const Times& times)
     {
+        if constexpr (Times::kMoves && !kIsOne) ++state_.visits.leaves;
         F far = limit();
         for (std::size_t first = 0; first < leaf.entries.size(); first += kBoxGroup) {
             if (first % kEntriesBetweenChecks == kEntriesBetweenChecks - kBoxGroup) throw_if_cancelled();
@@ -180,7 +182,7 @@ private:
     {
         const auto fresh = party_.note_visit(state_.mailboxes.of(grid), state_.visit, grid, entering);
         if (!fresh) return;
-        if constexpr (Times::kMoves) count_visit(grid, fresh);
+        if constexpr (Times::kMoves) count_visit(fresh);
         if (grid.cage != here_) {
             here_ = grid.cage;
             blended_ = lod::kNoPair;
@@ -201,14 +203,13 @@ private:
     }
 
     /// Counts that rays meet an igrid.
-    OCCAM_ALWAYS_INLINE void count_visit(const IGrid& grid, unsigned rays) noexcept
+    OCCAM_ALWAYS_INLINE void count_visit([[maybe_unused]] unsigned rays) noexcept
     {
         BatchVisits& counted = state_.visits;
-        if constexpr (kIsOne) counted.of_lone_rays += 2;
+        if constexpr (kIsOne) ++counted.igrids_of_lone_rays;
         else {
-            const int count = std::popcount(rays);
-            counted.of_packets += static_cast<std::uint64_t>(std::clamp(grid.segments, 1, count));
-            counted.rays += static_cast<std::uint64_t>(count);
+            ++counted.igrids;
+            counted.rays += static_cast<std::uint64_t>(std::popcount(rays));
         }
     }
 
