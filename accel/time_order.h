@@ -19,6 +19,7 @@ namespace occam::accel {
 
 /// Counts what rays of a batch have met.
 struct BatchVisits {
+    std::uint64_t rays_inside = 0;                    ///< rays that enter the scene
     std::uint64_t nodes = 0, leaves = 0, igrids = 0;  ///< of packets
     std::uint64_t rays = 0;                           ///< of packets at these igrids
     std::uint64_t lone_rays = 0;                      ///< that enter the scene
@@ -49,7 +50,10 @@ public:
         ++batches_;
         tried_ = used_;
         if (batches_ <= kFirstBatches) tried_ = static_cast<int>(batches_ % kWays);
-        else if (batches_ % kPeriod == 0) tried_ = (batches_ / kPeriod) % 2 == 0 ? used_ - 1 : used_ + 1;
+        else {
+            const int period = batches_ <= kEarlyBatches ? kEarlyPeriod : kPeriod;
+            if (batches_ % period == 0) tried_ = (batches_ / period) % 2 == 0 ? used_ - 1 : used_ + 1;
+        }
         if (tried_ < 0 || tried_ >= kWays) tried_ = used_;
         // Rays alone need no bins.
         if (tried_ == kAlone) return {1, true};
@@ -59,9 +63,11 @@ public:
     void note(std::size_t rays, const BatchVisits& visits) noexcept
     {
         if (rays < kLeastRays) return;
-        const double cost = visits.cost() / double(rays);
+        // Tiles differ most by how many of their rays miss the scene.
+        const double inside = double(std::max<std::uint64_t>(1, visits.rays_inside)), cost = visits.cost() / inside;
         if (batches_ <= kFirstBatches) {
-            first_[tried_] += cost;
+            first_[tried_].cost += visits.cost();
+            first_[tried_].rays += inside;
             if (batches_ == kFirstBatches) used_ = static_cast<int>(std::min_element(first_, first_ + kWays) - first_);
         } else if (tried_ != used_) {
             compare(known_[tried_ > used_], cost);
@@ -70,6 +76,11 @@ public:
     }
 
 private:
+    /// The sums of the first batches, which are compared by the cost of a ray.
+    struct First {
+        double cost = 0, rays = 1;
+        friend bool operator<(const First& a, const First& b) noexcept { return a.cost * b.rays < b.cost * a.rays; }
+    };
     /// The costs of batches that travel in the way that is in use, and of those after them in another way. The latest count
     /// most.
     struct Trials {
@@ -79,7 +90,8 @@ private:
     static constexpr std::size_t kLeastRays = 512;  ///< smaller batches teach nothing
     /// A way is the logarithm of a number of bins, or kAlone.
     static constexpr int kAlone = std::countr_zero(kMostBins) + 1, kWays = kAlone + 1, kFirstBatches = 4 * kWays;
-    static constexpr int kPeriod = 12;  ///< of so many batches one is a trial
+    static constexpr int kPeriod = 12, kEarlyPeriod = 4;  ///< of so many batches one is a trial
+    static constexpr int kEarlyBatches = 5 * kFirstBatches;
     static constexpr int kLeastTrials = 4;
     static constexpr double kShareOfOld = 0.85, kMuchLess = 0.95;
 
@@ -92,8 +104,8 @@ private:
         known_[0] = known_[1] = {};
     }
 
-    double first_[kWays]{};  ///< sums of the first batches' costs, by way
-    Trials known_[2];        ///< beside the way before the one in use, and the one after it
+    First first_[kWays];  ///< by way
+    Trials known_[2];     ///< beside the way before the one in use, and the one after it
     double last_cost_ = 0;
     int used_ = 0, tried_ = 0;  ///< ways
     std::int64_t batches_ = 0;

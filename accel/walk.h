@@ -55,6 +55,8 @@ public:
         const auto leaf = [&](auto node, const Mask& alive, const F& near, const F& far, int finest, int coarsest) {
             return meet_leaf(node, alive, near, far, {finest, coarsest}, times);
         };
+        unsigned inside = 1;
+        if constexpr (Times::kMoves && !kIsOne) inside = bits(enters);
         const auto walk = [&](const auto& at_leaf) {
             const std::uint64_t before = state_.counters.kd_visited;
             const bool is_done = traverse(tree_, RaysInTree<F, Times>{ray_, as_one_, times, begin_, end, pairs_},
@@ -63,6 +65,7 @@ public:
                 const std::uint64_t nodes = state_.counters.kd_visited - before;
                 (kIsOne ? state_.visits.nodes_of_lone_rays : state_.visits.nodes) += nodes;
                 if constexpr (kIsOne) ++state_.visits.lone_rays;
+                state_.visits.rays_inside += static_cast<std::uint64_t>(std::popcount(inside));
             }
             return is_done ? PacketResult::Done : PacketResult::Abandoned;
         };

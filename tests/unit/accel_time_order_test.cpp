@@ -24,6 +24,7 @@ double cost_after_a_while(const double (&costs)[6], int batches, std::uint64_t s
         const double cost = costs[next.is_alone ? 5 : std::countr_zero(next.bins)],
                      noise = 0.8 + 0.4 * double(bits() >> 11) * 0x1p-53;
         accel::BatchVisits visits;
+        visits.rays_inside = kRays;
         visits.nodes = static_cast<std::uint64_t>(double(kRays) * 100 * cost * noise);
         order.note(kRays, visits);
         if (b >= batches) sum += cost;
@@ -43,6 +44,22 @@ TEST(TimeOrder, FindsTheCheapestNumberOfBins)
 TEST(TimeOrder, LetsRaysTravelAloneWhereThatIsCheapest)
 {
     for (const std::uint64_t seed : {1, 2, 3, 4}) EXPECT_LT(cost_after_a_while({5, 4, 3, 2, 1.5, 1}, 200, seed), 1.1);
+}
+
+// Of some tiles few rays enter the scene; these cost little in any way.
+TEST(TimeOrder, ComparesTheCostsOfRaysInTheScene)
+{
+    accel::TimeOrder order;
+    std::size_t last = 0;
+    for (int b = 0; b < 25; ++b) {
+        const accel::BatchOrder next = order.next(kRays);
+        last = next.bins;
+        accel::BatchVisits visits;
+        visits.rays_inside = next.bins == 16 ? kRays / 16 : kRays;
+        visits.nodes = visits.rays_inside * (next.bins == 2 ? 5 : 10);
+        order.note(kRays, visits);
+    }
+    EXPECT_EQ(last, 2U);
 }
 
 // What sixteen rays have met of tori that moved by 190 and by 19 pixels. In the first scene packets took 1.4 times as long
