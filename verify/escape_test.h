@@ -88,6 +88,7 @@ private:
     std::vector<Instant> instants_;
     lod::LevelSettings levels_, engine_levels_;
     std::unique_ptr<GrazingRays> grazing_;      ///< made when the first ray hits nothing
+    int front_sides_examined_ = 0;              ///< by the winding number
     std::unique_ptr<Silhouettes> silhouettes_;  ///< made when the first ray hits a front side
 };
 

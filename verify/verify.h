@@ -35,7 +35,8 @@ struct VerifiedCage {
     std::uint64_t rays = 0, escaped = 0;
     /// Counts rays that started outside of the surface that they see, among those that hit nothing or a front side:
     /// coarse meshes of thin parts leave some points of the fine inside outside of the surface that one ray sees. The
-    /// winding number of that surface tells; it is computed only for such rays.
+    /// winding number of that surface tells; it is computed for all rays that hit nothing, and for the first 16 that hit
+    /// a front side.
     std::uint64_t outside = 0;
     /// Counts rays at so small an angle to the surface that they passed between two levels through a gap of rounding,
     /// where these overlap by overlap_ulps alone. The engine's overlap closes the gap: each of them hit the surface
