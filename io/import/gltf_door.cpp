@@ -122,7 +122,13 @@ CheckedGltf check_gltf(std::string_view json_text, bool is_glb, Report& report)
         json& buffer = root["buffers"][b];
         std::string uri = text(buffer, "uri");
         if (uri.empty()) {
-            if (!is_glb || b > 0) throw Error(report.name(), "has no data", element("buffers", b));
+            if (!is_glb || b > 0) {
+                const bool is_compressed = buffer.contains("extensions") &&
+                                           buffer["extensions"].contains("EXT_meshopt_compression");
+                throw Error(report.name(),
+                            is_compressed ? "has no data but for EXT_meshopt_compression, which is not read" : "has no data",
+                            element("buffers", b));
+            }
             buffer["uri"] = uri = kBinaryChunk;
             checked.json = root.dump();
         }

@@ -14,6 +14,26 @@ namespace {
 
 constexpr std::size_t kMaxShownUri = 80;  // data URIs are long
 
+// Returns what a data URI holds (RFC 2397), or nothing if it is not in base64. tinygltf itself decodes those of a few kinds
+// only, WebP not among them.
+std::vector<unsigned char> bytes_of_data_uri(const std::string& uri)
+{
+    constexpr std::string_view kIsEncoded = ";base64,";
+    const std::size_t comma = uri.find(',');
+    if (comma == std::string::npos || !std::string_view(uri).substr(0, comma + 1).ends_with(kIsEncoded)) return {};
+    std::vector<unsigned char> bytes;
+    std::string kind;
+    const std::string known = "data:application/octet-stream;base64," + uri.substr(comma + 1);
+    if (!tinygltf::DecodeDataURI(&bytes, kind, known, 0, false)) bytes.clear();
+    return bytes;
+}
+
+std::shared_ptr<const std::vector<std::byte>> kept(std::span<const unsigned char> bytes)
+{
+    const auto* first = reinterpret_cast<const std::byte*>(bytes.data());
+    return std::make_shared<const std::vector<std::byte>>(first, first + bytes.size());
+}
+
 template <class T>
 const T* find(const std::vector<T>& list, int index)
 {
@@ -133,13 +153,22 @@ std::optional<Texture> MaterialImporter::describe(int index, TextureRole role)
         if (!bytes) {
             const auto source = i->bufferView >= 0 ? accessors_.view(i->bufferView, named_element("images", index, i->name))
                                                    : std::span<const unsigned char>(i->image);
-            const auto* first = reinterpret_cast<const std::byte*>(source.data());
-            bytes = std::make_shared<const std::vector<std::byte>>(first, first + source.size());
+            bytes = kept(source);
         }
         t.encoded = bytes;
         return t;
     }
     const std::string shown = i->uri.substr(0, kMaxShownUri);
+    if (i->uri.starts_with("data:")) {
+        auto& bytes = encoded_[index];
+        if (!bytes) bytes = kept(bytes_of_data_uri(i->uri));
+        if (bytes->empty()) {
+            report_.warn("image is not in base64", named_element("images", index, shown));
+            return std::nullopt;
+        }
+        t.encoded = bytes;
+        return t;
+    }
     const auto path = inside(report_.file().parent_path(), decode_uri(i->uri));
     if (!path) {
         report_.warn("image is not in the scene's folder", named_element("images", index, shown));

@@ -173,6 +173,7 @@ private:
         const json& primitives = list(mesh, "primitives");
         for (std::size_t p = 0; p < primitives.size(); ++p) {
             const std::string at_primitive = where + ".primitives[" + std::to_string(p) + "]";
+            refuse_draco(primitives[p], at_primitive);
             check_primitive(primitives[p], at_primitive);
             if (list(primitives[p], "targets").size() != morph_targets(mesh))
                 report_.warn("primitives with different numbers of morph targets", where);
@@ -187,6 +188,19 @@ private:
         return name.starts_with(prefix) && name.size() > prefix.size() && name.size() <= prefix.size() + 3 &&
                name.find_first_not_of("0123456789", prefix.size()) == std::string::npos &&
                (name[prefix.size()] != '0' || name.size() == prefix.size() + 1);
+    }
+
+    // Refuses a primitive whose positions are nowhere but in a compressed buffer view.
+    void refuse_draco(const json& primitive, const std::string& where) const
+    {
+        constexpr const char* kDraco = "KHR_draco_mesh_compression";
+        const auto extensions = primitive.find("extensions");
+        if (extensions == primitive.end() || !extensions->contains(kDraco)) return;
+        const auto position = primitive["attributes"].find("POSITION");
+        if (position == primitive["attributes"].end()) return;
+        const json& accessor = at("accessors", *position);
+        if (!accessor.contains("bufferView") && !accessor.contains("sparse"))
+            throw Error(report_.name(), std::string("has no data but for ") + kDraco + ", which is not read", where);
     }
 
     void check_primitive(const json& primitive, const std::string& where)

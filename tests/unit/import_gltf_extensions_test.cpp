@@ -14,6 +14,8 @@ namespace {
 
 std::string used(const std::string& names) { return R"(, "extensionsUsed": [)" + names + "]"; }
 
+const Material& material_of(const Scene& scene, const Cage& cage) { return scene.material(cage.materials.at(0)); }
+
 TEST(GltfExtensions, WhatIsNotUnderstoodIsAWarningByNameAndAnErrorIfStrict)
 {
     const TempFolder folder;
@@ -37,7 +39,46 @@ TEST(GltfExtensions, TheDocumentedTableIsThatOfTheCode)
                                                                                   << import::gltf_extension_table();
 }
 
-const Material& material_of(const Scene& scene, const Cage& cage) { return scene.material(cage.materials.at(0)); }
+TEST(GltfExtensions, CompressedDataWithoutAnythingElseIsRefusedByName)
+{
+    const TempFolder folder;
+    Gltf draco = square(
+        R"(, "extensions": {"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {"POSITION": 0}}})");
+    draco.more = used(R"("KHR_draco_mesh_compression")");
+    EXPECT_EQ(error_of(draco.write(folder)), "");  // The accessors have the data, too.
+    draco.accessors.clear();
+    draco.accessor(R"({"componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]})");
+    draco.accessor(R"({"componentType": 5123, "count": 6, "type": "SCALAR"})");
+    EXPECT_NE(error_of(draco.write(folder)).find("KHR_draco_mesh_compression, which is not read"), std::string::npos)
+        << error_of(draco.write(folder));
+
+    const auto meshopt = folder.write("meshopt.gltf", R"({"asset": {"version": "2.0"}, "extensionsUsed": [
+        "EXT_meshopt_compression"], "buffers": [{"byteLength": 12, "extensions": {"EXT_meshopt_compression": {
+        "fallback": true}}}]})");
+    EXPECT_NE(error_of(meshopt).find("EXT_meshopt_compression, which is not read (buffers[0])"), std::string::npos)
+        << error_of(meshopt);
+}
+
+TEST(GltfExtensions, ImagesInDataUrisMayBeOfAnyKind)
+{
+    const TempFolder folder;
+    Gltf g = square(R"(, "material": 0)");
+    const auto with = [&](const std::string& uri) {
+        g.more = used(R"("EXT_texture_webp")") + R"(, "images": [{"uri": ")" + uri +
+                 R"("}], "textures": [{"extensions": {"EXT_texture_webp": {"source": 0}}}],
+            "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}])";
+        return load(g.write(folder));
+    };
+    // Any image will do, for example "P6 1 1 255" with one pixel: only its bytes are kept here.
+    const Scene scene = with("data:image/webp;base64,UDYgMSAxIDI1NSD/gAA=");
+    const Texture& texture = scene.texture(material_of(scene, *cages(scene).at(0)).base_color_texture.texture);
+    ASSERT_TRUE(texture.encoded);
+    EXPECT_EQ(texture.encoded->size(), 14u);
+    EXPECT_EQ(texture.encoded->front(), std::byte('P'));
+    EXPECT_TRUE(warns(with("data:image/webp;base64,"), "image is not in base64 (images[0]"));
+    EXPECT_TRUE(warns(with("data:image/webp,P6"), "image is not in base64 (images[0]"));
+    EXPECT_TRUE(warns(with("data:"), "image is not in base64 (images[0]"));
+}
 
 TEST(GltfExtensions, SpecularGlossinessGoesBeforeMetallicRoughness)
 {
