@@ -91,10 +91,7 @@ void add_rows(Report& report, const Motion& motion)
     const double kd_cold = thread_seconds() - start;
     trace_closest(trees.bvh, rays, hits);
     const double bvh_cold = thread_seconds() - start - kd_cold;
-    std::vector<accel::Ray> diffuse = diffuse_rays(rays, hits);
-    std::size_t n = 0;
-    for (std::size_t i = 0; i < rays.size() && n < diffuse.size(); ++i)
-        if (hits[i].is_hit()) diffuse[n++].time = rays[i].time;
+    const std::vector<accel::Ray> diffuse = diffuse_rays(rays, hits);
     for (const bool is_camera : {true, false}) {
         const std::vector<accel::Ray>& all = is_camera ? rays : diffuse;
         hits.resize(all.size());

@@ -166,10 +166,7 @@ public:
         const std::vector<accel::Ray> rays = rays_of_a_frame(camera_, kWidth, kHeight, kSamples);
         std::vector<accel::SurfaceHit> hits(rays.size());
         trace_closest(tracer, rays, hits);
-        std::vector<accel::Ray> diffuse = diffuse_rays(rays, hits);
-        std::size_t n = 0;
-        for (std::size_t i = 0; i < rays.size(); ++i)
-            if (hits[i].is_hit()) diffuse[n++].time = rays[i].time;
+        const std::vector<accel::Ray> diffuse = diffuse_rays(rays, hits);
         for (int kind = 0; kind < 2; ++kind) add_row(kind == 0 ? rays : diffuse, kind, tracer, embree, still);
         Row row{"motion", name_ + ", memory"};
         const double ours_mb = 1e-6 * double(tracer.counters().peak_bytes), embree_mb = 1e-6 * double(embree.bytes);

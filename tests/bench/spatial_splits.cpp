@@ -99,10 +99,7 @@ void add_rows(Report& report, const std::string& name, const std::vector<Vec3f>&
     std::vector<accel::SurfaceHit> hits(rays.size());
     const double whole_cold = repeat(1, [&] { trace_closest(whole, rays, hits); }).front();
     const double cut_cold = repeat(1, [&] { trace_closest(cut, rays, hits); }).front();
-    std::vector<accel::Ray> diffuse = diffuse_rays(rays, hits);
-    std::size_t n = 0;
-    for (std::size_t i = 0; i < rays.size() && n < diffuse.size(); ++i)
-        if (hits[i].is_hit()) diffuse[n++].time = rays[i].time;
+    const std::vector<accel::Ray> diffuse = diffuse_rays(rays, hits);
     for (const bool is_camera : {true, false}) {
         const std::vector<accel::Ray>& all = is_camera ? rays : diffuse;
         hits.resize(all.size());

@@ -172,6 +172,7 @@ std::vector<accel::Ray> diffuse_rays(std::span<const accel::Ray> rays, std::span
         ray.origin = hit.position + Vec3d(hit.to_start) + Vec3d(hit.start_normal) * double(hit.self_distance);
         ray.start_level = hit.start_level;
         ray.direction = Vec3f(glm::normalize(d));
+        ray.time = rays[i].time;
         ray.footprint = {rays[i].footprint.at(hit.t), 0};
         all.push_back(ray);
     }

@@ -56,7 +56,7 @@ std::vector<std::unique_ptr<Subject>> usual_subjects(int width, int height);
 /// frame have.
 std::vector<accel::Ray> rays_of_a_frame(const render::CameraRays& camera, int width, int height, int samples);
 
-/// Returns a ray from each hit, about its normal with density proportional to the cosine.
+/// Returns a ray from each hit, at the time of the ray that hit, about its normal with density proportional to the cosine.
 std::vector<accel::Ray> diffuse_rays(std::span<const accel::Ray> rays, std::span<const accel::SurfaceHit> hits);
 
 inline constexpr std::size_t kBatch = 4096;  ///< rays that a renderer hands over at once

@@ -2,32 +2,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
 #include "accel/box_tree.h"
 #include "accel/frame.h"
 #include "accel/tracer.h"
 #include "lod/short_normal.h"
+#include "tests/support/random_directions.h"
 #include "tests/support/shape_builders.h"
 
 namespace occam::test {
 namespace {
-
-class Random {
-public:
-    explicit Random(std::uint64_t seed) : bits_(seed) {}
-    double operator()() { return double(bits_() >> 11) * 0x1p-53; }
-    Vec3d direction()
-    {
-        while (true) {
-            const Vec3d d = 2.0 * Vec3d((*this)(), (*this)(), (*this)()) - 1.0;
-            if (const double l = glm::length(d); l > 0.1 && l <= 1) return d / l;
-        }
-    }
-
-private:
-    std::mt19937_64 bits_;
-};
 
 // Returns the bytes that are built for many rays at all times towards a torus, whose vertices are written at each key.
 std::size_t bytes_of_written_torus(int segments)

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <bit>
-#include <random>
 #include <tuple>
 
 #include "accel/frame.h"
@@ -12,28 +11,13 @@
 #include "accel/tracer.h"
 #include "tests/support/campaign.h"
 #include "tests/support/motions.h"
+#include "tests/support/random_directions.h"
 #include "tests/support/shape_builders.h"
 
 namespace occam::test {
 namespace {
 
 constexpr std::size_t kPlenty = std::size_t(1) << 30;
-
-class Random {
-public:
-    explicit Random(std::uint64_t seed) : bits_(seed) {}
-    double operator()() { return double(bits_() >> 11) * 0x1p-53; }
-    Vec3d direction()
-    {
-        while (true) {
-            const Vec3d d = 2.0 * Vec3d((*this)(), (*this)(), (*this)()) - 1.0;
-            if (const double l = glm::length(d); l > 0.1 && l <= 1) return d / l;
-        }
-    }
-
-private:
-    std::mt19937_64 bits_;
-};
 
 lod::LevelSettings exact(int level, lod::LevelMode mode)
 {
