@@ -9,6 +9,7 @@
 // Fusing   Nothing is contracted (a compiler flag forbids it); fma() rounds once, in every build.
 #pragma once
 
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -274,6 +275,13 @@ inline vfloat max(vfloat a, vfloat b) noexcept
 }
 inline vfloat abs(vfloat a) noexcept { return hn::Abs(a.raw()); }
 inline vfloat sqrt(vfloat a) noexcept { return hn::Sqrt(a.raw()); }
+/// Returns the largest power of two that is at most a, for a >= 0: 0 below the normal numbers, infinity for what is not
+/// finite.
+inline vfloat power_of_two_at_most(vfloat a) noexcept
+{
+    const hn::RebindToUnsigned<FloatTag> integers;
+    return hn::And(a.raw(), hn::BitCast(FloatTag(), hn::Set(integers, 0x7f800000u)));
+}
 /// Returns the minimum of all lanes.
 inline float lowest(vfloat a) noexcept { return hn::GetLane(hn::MinOfLanes(FloatTag(), a.raw())); }
 inline float highest(vfloat a) noexcept { return hn::GetLane(hn::MaxOfLanes(FloatTag(), a.raw())); }
@@ -356,6 +364,10 @@ inline float largest(vfloat4x4 a) noexcept
 
 // These overloads for one float let a traversal that is written once serve a packet and a single ray.
 inline float abs(float a) noexcept { return std::fabs(a); }
+inline float power_of_two_at_most(float a) noexcept
+{
+    return std::bit_cast<float>(std::bit_cast<std::uint32_t>(a) & 0x7f800000u);
+}
 inline float fma(float a, float b, float c) noexcept { return __builtin_fmaf(a, b, c); }
 inline float fnma(float a, float b, float c) noexcept { return __builtin_fmaf(-a, b, c); }
 inline float select(bool m, float yes, float no) noexcept { return m ? yes : no; }

@@ -121,6 +121,11 @@ struct vfloats {
         for (int i = 0; i < kParts; ++i) a.part[i] = abs(a.part[i]);
         return a;
     }
+    OCCAM_ALWAYS_INLINE friend vfloats power_of_two_at_most(vfloats a) noexcept
+    {
+        for (int i = 0; i < kParts; ++i) a.part[i] = power_of_two_at_most(a.part[i]);
+        return a;
+    }
     OCCAM_ALWAYS_INLINE friend vfloats fma(const vfloats& a, const vfloats& b, vfloats c) noexcept
     {
         for (int i = 0; i < kParts; ++i) c.part[i] = fma(a.part[i], b.part[i], c.part[i]);

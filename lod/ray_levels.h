@@ -11,10 +11,10 @@
 // a constant width is treated as growing by next to nothing, and its transitions are far away.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cfloat>
 #include <cstdint>
-#include <type_traits>
 
 #include "base/simd.h"
 #include "lod/footprint.h"
@@ -185,11 +185,8 @@ private:
     {
         return max(least_ulps_, min(most_ulps_, F(edge_length(b)) * ulps_of_edge_ + ulps_of_all_));
     }
-    static int exponent_of(float x) noexcept
-    {
-        const auto e = static_cast<int>(std::bit_cast<std::uint32_t>(x) >> 23 & 0xff) - 127;
-        return std::clamp(e, kFinestLevel, kCoarsestLevel);
-    }
+    /// Returns the level of an edge length.
+    static int exponent_of(float edge) noexcept { return static_cast<int>(std::bit_cast<std::uint32_t>(edge) >> 23) - 127; }
     static Mask are_same(F x, F y) noexcept { return (x <= y) & (x >= y); }
 
     /// Resets the transitions of the lanes that have a start: each is at least a segment away from the one before it, as
@@ -223,16 +220,6 @@ private:
         }
     }
 
-    /// The number of lanes, for code that visits them one by one.
-    static constexpr int kCount = sizeof(F) / sizeof(float);
-    struct Lanes {
-        float of[kCount];
-        explicit Lanes(F x) noexcept
-        {
-            if constexpr (std::is_same_v<F, float>) of[0] = x;
-            else x.store(of);
-        }
-    };
     /// Holds the extreme widths of a ray.
     struct Extremes {
         F widest, thinnest;
@@ -245,41 +232,34 @@ private:
         /// longer.
         F even;
     };
+    /// Returns the edge length of the pair that a target edge length asks for.
+    static F edge_at(F target) noexcept
+    {
+        return min(max(power_of_two_at_most(target), F(edge_length(kFinestLevel))), F(edge_length(kCoarsestLevel)));
+    }
     /// Sets the finest and the coarsest pair, of each lane and of all lanes.
     void find_ends(const Extremes& widths) noexcept
     {
-        const Lanes wide(widths.widest), thin(widths.thinnest), first(widths.start), least(widths.even), own(start_), b(b_);
-        float lows[kCount], highs[kCount];
-        finest = kCoarsestLevel;
-        coarsest = kFinestLevel;
-        for (int i = 0; i < kCount; ++i) {
-            int high = exponent_of(wide.of[i]), low = 0;
-            if (own.of[i] > 0) {
-                const int start = exponent_of(own.of[i]);
-                low = b.of[i] >= 0 ? start : std::clamp(exponent_of(thin.of[i]), start - kMostOfRay + 1, start);
-                high = b.of[i] >= 0 ? std::clamp(high, start, start + kMostOfRay - 1) : start;
-            } else {
-                int cap = high - kMostOfRay + 1;
-                if (settings_->displaced > 0) {
-                    const float down = std::max(least.of[i] * kFinerThanEven, settings_->displaced * kLeastOfDisplaced);
-                    cap = std::max(cap,
-                                   std::min(high, exponent_of(thin.of[i] > 0 ? std::min(least.of[i], down) : least.of[i])));
-                }
-                cap = std::max(cap, exponent_of(first.of[i]));
-                low = std::max(exponent_of(thin.of[i]), cap);
-            }
-            lows[i] = edge_length(low);
-            highs[i] = edge_length(high);
-            finest = std::min(finest, low);
-            coarsest = std::max(coarsest, high);
+        const F most_finer(edge_length(1 - kMostOfRay)), most_coarser(edge_length(kMostOfRay - 1)), zero = 0.0f;
+        const F widest = edge_at(widths.widest), thinnest = edge_at(widths.thinnest);
+        F cap = widest * most_finer;
+        if (settings_->displaced > 0) {
+            const F down = max(widths.even * F(kFinerThanEven), F(settings_->displaced * kLeastOfDisplaced));
+            const F least = select(widths.thinnest > zero, min(widths.even, down), widths.even);
+            cap = max(cap, min(widest, edge_at(least)));
         }
-        if constexpr (std::is_same_v<F, float>) {
-            finest_edge_ = lows[0];
-            coarsest_edge_ = highs[0];
-        } else {
-            finest_edge_ = F::load(lows);
-            coarsest_edge_ = F::load(highs);
+        finest_edge_ = max(thinnest, max(cap, edge_at(widths.start)));
+        coarsest_edge_ = widest;
+        if (const Mask has_start = start_ > zero; any(has_start)) {
+            const F start = edge_at(start_);
+            const Mask widens = b_ >= zero;
+            const F low = select(widens, start, min(max(thinnest, start * most_finer), start));
+            const F high = select(widens, min(max(widest, start), start * most_coarser), start);
+            finest_edge_ = select(has_start, low, finest_edge_);
+            coarsest_edge_ = select(has_start, high, coarsest_edge_);
         }
+        finest = exponent_of(lowest(finest_edge_));
+        coarsest = exponent_of(highest(coarsest_edge_));
     }
 
     const LevelSettings* settings_ = nullptr;
