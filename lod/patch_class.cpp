@@ -245,8 +245,9 @@ bool PatchClass::fit_bicubic(Node& node) const
     };
     if (!std::all_of(kTrials.begin(), kTrials.end(), agrees)) return false;
     if (crease_depth_ > 0 && !std::all_of(kBorderTrials.begin(), kBorderTrials.end(), agrees)) return false;
-    node.weights = std::make_unique<float[]>(16 * n);
-    count(16 * n * sizeof(float));
+    const std::size_t matrices = std::size_t(1) + is_deep(node.depth_u) + is_deep(node.depth_v);
+    node.weights = std::make_unique<float[]>(matrices * 16 * n);
+    count(matrices * 16 * n * sizeof(float));
     std::array<int, 16> ones{}, others{};
     for (std::size_t k = 0; k < n; ++k)
         for (std::size_t i = 0; i < 16; ++i) {
@@ -258,6 +259,14 @@ bool PatchClass::fit_bicubic(Node& node) const
             others[i] += rounded != 1.0f && rounded != 0.0f;
             if (rounded == 1.0f) node.order[i] = static_cast<std::uint8_t>(k);
         }
+    float* differences = node.weights.get() + 16 * n;
+    const auto add_differences = [&](auto&& first_of) {
+        for (std::size_t k = 0; k < n; ++k)
+            for (std::size_t i = 0; i < 16; ++i)
+                *differences++ = static_cast<float>(net[i * n + k] - net[first_of(i) * n + k]);
+    };
+    if (is_deep(node.depth_u)) add_differences([](std::size_t i) { return i & ~std::size_t(3); });
+    if (is_deep(node.depth_v)) add_differences([](std::size_t i) { return i & std::size_t(3); });
     node.is_plain = n < 256 && std::all_of(ones.begin(), ones.end(), [](int c) { return c == 1; }) &&
                     std::all_of(others.begin(), others.end(), [](int c) { return c == 0; });
     return true;

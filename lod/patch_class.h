@@ -12,10 +12,15 @@
 // the surface is cubic in one direction, the tree of sharp creases halves rectangles in the other direction alone: a crease
 // then needs one strip for each power of two and not one square for each step along it.
 //
+// A derivative is the difference of control points of a piece times 2^depth, and so is its error if these are floats. So a
+// deep piece has matrices of such differences, too, which are rounded after the subtraction.
+//
 // A point's bits depend on class, parameter and control points alone, never on the level: one rule (locate) says to which
 // piece a parameter belongs.
 //
-// Memory   grows on demand and is freed with the Topology; a piece takes 64 n bytes.
+// Memory   grows on demand and is freed with the Topology; a piece takes 64 n bytes, and as much for each axis along which
+// it
+//          is deep.
 // Threads  reading needs no lock; growing locks the class's mutex.
 #pragma once
 
@@ -70,6 +75,10 @@ public:
     static constexpr int kDeepestOfCreases = 10;
     static constexpr int kBelowCreases = 3;  ///< how much deeper trees of strips go
 
+    /// Returns whether pieces of this depth along an axis have weights of differences along it. Without them a derivative
+    /// has an error of some 2^(depth - 24) of the largest control point.
+    static constexpr bool is_deep(int depth) noexcept { return depth > kDeepest; }
+
     /// A square or a rectangle of the tree.
     struct Node {
         enum Kind : unsigned char { Unknown, Bicubic, Split, Direct };
@@ -80,8 +89,9 @@ public:
         std::atomic<Kind> kind{Unknown};
         bool is_plain = false;  ///< Bicubic: control point i is the patch's own order[i] (a regular patch)
         std::array<std::uint8_t, 16> order{};
-        /// Bicubic: n * 16 weights, where the piece's point varies fastest. Direct: for each of corners 0 to 3, 3 * n
-        /// weights for p, du and dv.
+        /// Bicubic: n * 16 weights, where the piece's point varies fastest; then as many for each axis along which the piece
+        /// is deep, u first, of the points less the first one of their row (u) or column (v). Direct: for each of corners 0
+        /// to 3, 3 * n weights for p, du and dv.
         std::unique_ptr<float[]> weights;
         std::unique_ptr<Node[]> children;  ///< Split: the halves along u, then along v
 

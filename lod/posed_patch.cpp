@@ -22,6 +22,7 @@ void PosedPatch::forget()
 {
     pieces_.clear();
     is_measured_ = false;
+    distance_ = Distance::Unknown;
     reach_ = -1;
     side_speed_.fill(-1);
 }
@@ -92,12 +93,19 @@ void PosedPatch::set_uv(const PosedCage& cage, PatchRef patch, int uv_set)
     }
 }
 
-const PieceControls& PosedPatch::piece(const PatchClass::Node& node)
+const PieceControls* PosedPatch::find_piece(const float* weights, bool is_relative) const noexcept
 {
     for (const Piece& made : pieces_)
-        if (made.node == &node) return made.controls;
+        if (made.weights == weights && made.is_relative == is_relative) return &made.controls;
+    return nullptr;
+}
+
+const PieceControls& PosedPatch::piece(const PatchClass::Node& node)
+{
+    if (const PieceControls* known = find_piece(node.weights.get(), false)) return *known;
     Piece& made = pieces_.emplace_back();
-    made.node = &node;
+    made.weights = node.weights.get();
+    made.is_relative = false;
     const float* values[3] = {x_.data(), y_.data(), z_.data()};
     if (node.is_plain) {
         for (int a = 0; a < 3; ++a)
@@ -110,6 +118,50 @@ const PieceControls& PosedPatch::piece(const PatchClass::Node& node)
         for (std::size_t k = 0; k < n; ++k) {
             const vfloat w = vfloat::load(&node.weights[k * 16 + i]);
             for (int a = 0; a < 3; ++a) sum[a] = fma(w, values[a][k], sum[a]);
+        }
+        for (int a = 0; a < 3; ++a) sum[a].store(&made.controls.c[a][i]);
+    }
+    return made.controls;
+}
+
+bool PosedPatch::is_far()
+{
+    // Nearer to the origin, the rounding of the control points turns no normal by more than a fifth of a degree.
+    constexpr float kFar = 32;
+    if (distance_ != Distance::Unknown) return distance_ == Distance::Far;
+    float extent = 0;
+    for (std::size_t k = 1; k < count_; ++k)
+        extent = std::max({extent, std::fabs(x_[k] - x_[0]), std::fabs(y_[k] - y_[0]), std::fabs(z_[k] - z_[0])});
+    distance_ = reach() > kFar * extent ? Distance::Far : Distance::Near;
+    return distance_ == Distance::Far;
+}
+
+bool PosedPatch::needs_differences(int depth)
+{
+    constexpr int kLeastDepth = 4;  // larger pieces lose little, and are all that most grids need
+    return PatchClass::is_deep(depth) || (depth >= kLeastDepth && is_far());
+}
+
+// All control points of a piece lack the patch's first one here, so that their rounding errors are small beside the patch.
+// The weights of differences add up to 0, which makes up for it; other weights add up to 1, and each row lacks it once.
+const PieceControls& PosedPatch::differences(const PatchClass::Node& node, bool along_v)
+{
+    const std::size_t n = count_;
+    const std::size_t matrix = !PatchClass::is_deep(along_v ? node.depth_v : node.depth_u) ? 0
+                               : along_v && PatchClass::is_deep(node.depth_u)              ? 2
+                                                                                           : 1;
+    const float* weights = node.weights.get() + 16 * n * matrix;
+    if (const PieceControls* known = find_piece(weights, true)) return *known;
+    Piece& made = pieces_.emplace_back();
+    made.weights = weights;
+    made.is_relative = true;
+    for (int i = 0; i < 16; i += kLanes) {
+        vfloat sum[3] = {0.0f, 0.0f, 0.0f};
+        for (std::size_t k = 1; k < n; ++k) {
+            const vfloat w = vfloat::load(&weights[k * 16 + i]);
+            sum[0] = fma(w, x_[k] - x_[0], sum[0]);
+            sum[1] = fma(w, y_[k] - y_[0], sum[1]);
+            sum[2] = fma(w, z_[k] - z_[0], sum[2]);
         }
         for (int a = 0; a < 3; ++a) sum[a].store(&made.controls.c[a][i]);
     }
@@ -137,6 +189,11 @@ void PosedPatch::fill_piece(const PatchClass::Node& node, const ParameterGrid& g
     const auto [out, stride] = rows;
     constexpr int kMaxColumns = 32;
     OCCAM_DCHECK_LE(i1 - i0, kMaxColumns);
+    const bool differs_u = kTangents && needs_differences(node.depth_u),
+               differs_v = kTangents && needs_differences(node.depth_v);
+    PieceControls in_rows, in_columns;
+    if (differs_u) in_rows = differences(node, false);
+    if (differs_v) in_columns = differences(node, true);
     const PieceControls& net = piece(node);
     // Derivatives grow by these factors from the piece's parameters to the patch's.
     const float scale_u = power_of_two(node.depth_u), scale_v = power_of_two(node.depth_v);
@@ -161,13 +218,16 @@ void PosedPatch::fill_piece(const PatchClass::Node& node, const ParameterGrid& g
     };
     for (int j = j0; j < j1; ++j) {
         const double t = local(grid.v0 + float(j) * grid.step_v, node.v0, node.depth_v);
-        const CurveControls row = row_controls(net, cubic_weights(t));
-        CurveControls slope{};
+        const CubicWeights across = cubic_weights(t);
+        const CurveControls row = row_controls(net, across);
+        CurveControls change, slope{};
         if constexpr (kTangents) {
             CubicWeights d = cubic_derivative_weights(t);
             for (float& b : d.b) b *= scale_v;
-            slope = row_controls(net, d);
+            slope = row_controls(differs_v ? in_columns : net, d);
+            if (differs_u) change = row_controls(in_rows, across);
         }
+        const CurveControls& along_u = differs_u ? change : row;
         for (int i = i0; i < i1; i += kLanes) {
             const int at = j * stride + i, count = std::min(kLanes, i1 - i), c = i - i0;
             const auto sum = [&](const float(*w)[kMaxColumns + 8], const float* q) {
@@ -179,7 +239,7 @@ void PosedPatch::fill_piece(const PatchClass::Node& node, const ParameterGrid& g
             for (int a = 0; a < 3; ++a) {
                 store(sum(wu, row.c[a]), out[a] + at, count);
                 if constexpr (kTangents) {
-                    store(sum(du, row.c[a]), out[3 + a] + at, count);
+                    store(sum(du, along_u.c[a]), out[3 + a] + at, count);
                     store(sum(wu, slope.c[a]), out[6 + a] + at, count);
                 }
             }

@@ -55,7 +55,8 @@ public:
 
 private:
     struct Piece {
-        const PatchClass::Node* node;
+        const float* weights;  ///< the matrix of its class
+        bool is_relative;      ///< it was multiplied by the patch's points less the first one
         PieceControls controls;
     };
 
@@ -63,7 +64,16 @@ private:
     void forget();
     void make_room(std::size_t count);
     void set_linear_uv(const PosedCage& cage, PatchRef patch, int uv_set);
+    // What these functions return stays valid until one of them is called again.
     const PieceControls& piece(const PatchClass::Node& node);
+    /// Returns the control points of a piece, which may lack a constant in each row (or column, if along_v): their
+    /// differences are exact where those of piece() are rounded.
+    const PieceControls& differences(const PatchClass::Node& node, bool along_v);
+    /// Returns whether derivatives along an axis of a piece need differences().
+    bool needs_differences(int depth);
+    const PieceControls* find_piece(const float* weights, bool is_relative) const noexcept;
+    /// Returns whether the patch is small beside its distance from the origin.
+    bool is_far();
     SurfacePoint direct(const PatchClass::Node& leaf, float u, float v);
     /// A part of a grid: columns i0 <= i < i1 and rows j0 <= j < j1.
     struct GridPart {
@@ -102,6 +112,7 @@ private:
     std::vector<Piece> pieces_;     ///< made so far
     std::vector<float> rows_;
     bool is_measured_ = false;
+    enum class Distance : unsigned char { Unknown, Near, Far } distance_ = Distance::Unknown;
     float reach_ = -1;  ///< negative: not known yet
     Box3f box_;
     float speed_u_ = 0, speed_v_ = 0;

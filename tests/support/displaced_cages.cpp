@@ -96,6 +96,16 @@ DisplacedCage::DisplacedCage(std::string called, Cage of, float bound, std::uint
     textures.prepare(scene);
 }
 
+void set_texel(DisplacedCage& displaced, Vec3f texel)
+{
+    Texture full;
+    full.width = full.height = 1;
+    full.pixels = {Vec4f(texel, 1)};
+    full.role = TextureRole::Data;
+    displaced.cage.displacement->texture.texture = displaced.scene.add(full);
+    displaced.textures.prepare(displaced.scene);
+}
+
 DisplacedCage displaced_case(int index)
 {
     switch (index) {

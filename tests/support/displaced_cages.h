@@ -20,6 +20,9 @@ struct DisplacedCage {
     TextureStore textures;
 };
 
+/// Replaces the texture of a displacement by one texel.
+void set_texel(DisplacedCage& displaced, Vec3f texel);
+
 /// Gives every face a chart of its own, so that each edge is a seam.
 void add_charts(Cage& cage);
 

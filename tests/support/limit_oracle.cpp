@@ -120,6 +120,37 @@ void SubdivisionMesh::connect()
             first_edges_[c[i]] = edge;
         }
     }
+    inside_.assign(points_.size(), 1);
+    for (const auto& [edge, face] : face_left_)
+        if (!face_left_.contains({edge.second, edge.first})) inside_[edge.first] = inside_[edge.second] = 0;
+}
+
+SubdivisionMesh SubdivisionMesh::around(std::uint32_t vertex) const
+{
+    SubdivisionMesh out;
+    std::map<std::uint32_t, std::uint32_t> numbers{{vertex, 0}};
+    std::vector<std::uint8_t> is_taken(faces.size());
+    for (int ring = 0; ring < 3; ++ring) {
+        const auto known = numbers;
+        for (std::size_t f = 0; f < faces.size(); ++f) {
+            const std::vector<std::uint32_t>& c = faces[f].corners;
+            if (is_taken[f] || std::none_of(c.begin(), c.end(), [&](std::uint32_t v) { return known.contains(v); }))
+                continue;
+            is_taken[f] = 1;
+            Face& face = out.faces.emplace_back(faces[f]);
+            for (std::uint32_t& v : face.corners)
+                v = numbers.try_emplace(v, static_cast<std::uint32_t>(numbers.size())).first->second;
+        }
+    }
+    out.points_.resize(numbers.size());
+    out.corners_.resize(numbers.size());
+    for (const auto& [from, to] : numbers) out.points_[to] = points_[from], out.corners_[to] = corners_[from];
+    for (const auto& [edge, sharpness] : creases_) {
+        const auto a = numbers.find(edge.first), b = numbers.find(edge.second);
+        if (a != numbers.end() && b != numbers.end()) out.creases_[std::minmax(a->second, b->second)] = sharpness;
+    }
+    out.connect();
+    return out;
 }
 
 bool SubdivisionMesh::is_closed_manifold() const
@@ -172,7 +203,7 @@ SubdivisionMesh SubdivisionMesh::refined() const
     for (std::uint32_t f = 0; f < faces.size(); ++f) out.points_.push_back(middle_of(f));
     std::map<Edge, std::uint32_t> edge_vertex;
     for (const auto& [edge, face] : face_left_) {
-        if (edge.first > edge.second) continue;
+        if (edge.first > edge.second || !face_left_.contains({edge.second, edge.first})) continue;
         const Real sharpness = sharpness_of(edge.first, edge.second);
         const auto vertex = static_cast<std::uint32_t>(out.points_.size());
         edge_vertex[edge] = vertex;
@@ -186,7 +217,7 @@ SubdivisionMesh SubdivisionMesh::refined() const
     for (std::uint32_t v = 0; v < points_.size(); ++v) {
         out.points_[v] = points_[v];
         out.corners_[v] = after_a_step(corners_[v]);
-        if (first_edges_[v].first == ~0u) continue;
+        if (first_edges_[v].first == ~0u || !is_inside(v)) continue;
         const Ring ring = ring_of(v);
         Star star{points_[v], {}, {}, ring.sharpness, corners_[v]};
         for (const std::uint32_t end : ring.ends) star.ends.push_back(points_[end]);
@@ -200,6 +231,7 @@ SubdivisionMesh SubdivisionMesh::refined() const
         for (std::uint32_t i = 0; i < n; ++i) {
             const std::uint32_t here = face.corners[i], next = face.corners[(i + 1) % n],
                                 last = face.corners[(i + n - 1) % n];
+            if (!is_inside(here)) continue;
             Face child = face;
             child.corners = {here, edge_vertex.at(std::minmax(here, next)), first_face + f,
                              edge_vertex.at(std::minmax(last, here))};

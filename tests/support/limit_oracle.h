@@ -12,7 +12,7 @@ namespace occam::test {
 
 using Vec3l = glm::vec<3, long double>;
 
-/// Holds a closed mesh whose edges and vertices may be semi-sharp, in long double.
+/// Holds a closed mesh, or a part of one, whose edges and vertices may be semi-sharp, in long double.
 ///
 /// The rules are those of Catmull and Clark (1978) with the creases of DeRose, Kass and Truong (1998): sharpness falls by
 /// one in each step, and a vertex or edge whose sharpness ends within a step is the mean of both rules, weighted by what is
@@ -24,8 +24,14 @@ public:
     /// Returns whether two faces meet at every edge, in opposite directions, and the faces of each vertex are one ring.
     bool is_closed_manifold() const;
 
-    /// Returns the mesh after one step.
+    /// Returns the mesh after one step. Of a part of a mesh, it has the faces that the part determines.
     SubdivisionMesh refined() const;
+
+    /// Returns the part within three faces of a vertex, which is vertex 0 there, and after each step.
+    SubdivisionMesh around(std::uint32_t vertex) const;
+
+    /// Returns whether all faces around a vertex are in this part of the mesh.
+    bool is_inside(std::uint32_t vertex) const { return inside_[vertex] != 0; }
 
     struct Limit {
         Vec3l point{0}, normal{0};  ///< the normal has any length
@@ -62,6 +68,7 @@ private:
     std::map<Edge, long double> creases_;      ///< by the smaller vertex and the larger
     std::map<Edge, std::uint32_t> face_left_;  ///< the face that has this edge from its first vertex to its second
     std::vector<Edge> first_edges_;            ///< an edge that begins at each vertex
+    std::vector<std::uint8_t> inside_;         ///< of each vertex, whether all faces around it are known
     bool has_shared_edges_ = false;            ///< whether two faces run along an edge in one direction
 };
 

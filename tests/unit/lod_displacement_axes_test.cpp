@@ -11,17 +11,6 @@
 namespace occam::test {
 namespace {
 
-/// Replaces the texture of a case by a single texel.
-void set_texel(DisplacedCage& displaced, Vec3f texel)
-{
-    Texture full;
-    full.width = full.height = 1;
-    full.pixels = {Vec4f(texel, 1)};
-    full.role = TextureRole::Data;
-    displaced.cage.displacement->texture.texture = displaced.scene.add(full);
-    displaced.textures.prepare(displaced.scene);
-}
-
 Mat4d mirrored_and_turned()
 {
     Mat4d place(1);

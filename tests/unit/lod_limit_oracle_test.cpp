@@ -2,11 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 
 #include "base/hash.h"
-#include "lod/posed_patch.h"
+#include "lod/patch_surface.h"
 #include "tests/support/campaign.h"
 #include "tests/support/diced_mesh.h"
+#include "tests/support/displaced_cages.h"
 #include "tests/support/limit_oracle.h"
 #include "tests/support/shape_builders.h"
 #include "tests/support/shapes.h"
@@ -20,67 +22,159 @@ namespace {
 /// to make the difference smaller. Elsewhere the two surfaces agree to 1e-7.
 constexpr double kPositionBound = 0x1p-10 / 20;
 
-/// The control points of a patch that was divided ten times are floats, rounded by half an ulp in the last step and by as
-/// much again in those before. A derivative is three times the difference of two of them, times 2^10.
-constexpr double kTangentRounding = 3 * 0x1p10 * 4 * 0x1p-24;
+/// Beside the vertices of a patch OpenSubdiv is exact, and its stencils are made in double.
+constexpr double kDegrees = 0.001;
+
+/// At the vertices of a patch, normals are those of what OpenSubdiv approximates there. With ten divisions in all, few are
+/// left to make the difference smaller where creases of sharpness 9.75 have become smooth.
+constexpr double kDegreesAtVertices = 0.5;
+
+/// Returns the largest relative error of a tangent of the cage's extent: a derivative is three times the difference of two
+/// control points, times 2^depth, and these are floats, rounded by half an ulp in the last step and by as much again in
+/// those before. Deep pieces and what is not bicubic have weights of differences, whose errors do not grow with the depth.
+/// largest_depth   of pieces whose errors grow; in finer ones they are those of this depth at most
+double tangent_rounding(const lod::PatchClass& kind, float u, float v, int largest_depth)
+{
+    const lod::PatchClass::Node& node = kind.locate(u, v);
+    const bool grows = node.kind == lod::PatchClass::Node::Bicubic;
+    const auto factor = [&](int depth) {
+        return lod::PatchClass::is_deep(depth) ? 1.0 : std::exp2(std::min(depth, largest_depth));
+    };
+    return 3 * 4 * 0x1p-24 * (grows ? std::max(factor(node.depth_u), factor(node.depth_v)) : 1.0);
+}
 
 /// The largest differences between the engine's surface and the oracle's.
 struct Difference {
-    double position = 0;  ///< in extents of the cage
-    double degrees = 0;   ///< between normals, without what the rounding of the tangents explains
+    double position = 0;                          ///< in extents of the cage
+    double degrees = 0, degrees_at_vertices = 0;  ///< between normals, without what the rounding of the tangents explains
     int points = 0, normals = 0;
 };
 
-/// Compares points and normals at all vertices of a cage that was subdivided `steps` times, at least once.
-Difference difference_from_oracle(const Cage& cage, int steps)
-{
-    Difference out;
-    SubdivisionMesh mesh(cage);
-    if (!mesh.is_closed_manifold()) return out;
-    for (int step = 0; step < steps; ++step) mesh = mesh.refined();
-    DicedCage diced(cage, 0);
-    const double extent = 2 * cage.bounds().radius();
-    std::map<std::uint32_t, SubdivisionMesh::Limit> limits;
-    lod::PosedPatch patch;
-    lod::PatchRef at{~0u, 0};
-    for (const SubdivisionMesh::Face& face : mesh.faces) {
-        if (!diced.topology().is_seen(face.face)) continue;
-        const lod::PatchRef here{face.face, face.sub};
-        if (!(here == at)) patch.set(diced.posed, at = here);
-        float values[9][4];
-        float* const rows[9] = {values[0], values[1], values[2], values[3], values[4],
-                                values[5], values[6], values[7], values[8]};
-        const auto u = static_cast<float>(face.u), v = static_cast<float>(face.v), size = static_cast<float>(face.size);
-        patch.points_and_tangents({u, v, size, size, 2, 2}, rows, 2);
-        constexpr int kPlace[4] = {0, 1, 3, 2};
-        for (int c = 0; c < 4; ++c) {
-            const int k = kPlace[c];
-            const auto row = [&](int r) { return Vec3d(values[r][k], values[r + 1][k], values[r + 2][k]); };
-            const std::uint32_t vertex = face.corners[static_cast<std::size_t>(c)];
-            const auto [found, is_new] = limits.try_emplace(vertex);
-            if (is_new) found->second = mesh.limit(vertex);
-            const SubdivisionMesh::Limit& limit = found->second;
-            out.position = std::max(out.position, glm::distance(row(0) + diced.posed.anchor, Vec3d(limit.point)) / extent);
-            ++out.points;
-            const Vec3d normal = glm::cross(row(3), row(6)), expected(glm::normalize(limit.normal));
-            // At a large vertex the patches have the normals beside it (lod/ring_patch.h).
-            if (!limit.has_normal || limit.valence >= 65 || !(glm::length(normal) > 0)) continue;
-            ++out.normals;
-            const double cosine = std::clamp(glm::dot(glm::normalize(normal), expected), -1.0, 1.0);
-            const double rounding = kTangentRounding * extent * (glm::length(row(3)) + glm::length(row(6))) /
-                                    glm::length(normal);
-            out.degrees = std::max(out.degrees, (std::acos(cosine) - rounding) * 57.29578);
+/// Compares a cage with its oracle.
+class Comparison {
+public:
+    explicit Comparison(const Cage& cage, const TextureStore* textures = nullptr, std::span<const Mat4d> joints = {})
+        : extent_(2 * cage.bounds().radius()), diced_(cage, 0, Mat4d(1), textures, joints), origin_(diced_.posed.anchor)
+    {
+    }
+
+    /// Returns the cage as it is posed, and compares with that from now on.
+    Cage pose(Cage cage)
+    {
+        for (std::uint32_t v = 0; v < cage.positions.size(); ++v) cage.positions[v] = diced_.posed.vertex(v);
+        origin_ = Vec3d(0);
+        return cage;
+    }
+
+    /// Compares points and normals at those vertices of a subdivided mesh of the cage that it knows all faces of.
+    void add(const SubdivisionMesh& mesh)
+    {
+        std::map<std::uint32_t, SubdivisionMesh::Limit> limits;
+        for (const SubdivisionMesh::Face& face : mesh.faces) {
+            if (!diced_.topology().is_seen(face.face)) continue;
+            const lod::PatchRef here{face.face, face.sub};
+            if (!(here == at_)) patch_.set(diced_.posed, at_ = here);
+            float values[9][4];
+            float* const rows[9] = {values[0], values[1], values[2], values[3], values[4],
+                                    values[5], values[6], values[7], values[8]};
+            const auto u = static_cast<float>(face.u), v = static_cast<float>(face.v), size = static_cast<float>(face.size);
+            patch_.points_and_tangents({u, v, size, size, 2, 2}, rows, 2);
+            Vec3f normals[4];
+            surface_.normals({diced_.posed, here, 0}, {u, v, size, size, 2, 2}, normals);
+            constexpr int kPlace[4] = {0, 1, 3, 2};
+            for (int c = 0; c < 4; ++c) {
+                const int k = kPlace[c];
+                const auto row = [&](int r) { return Vec3d(values[r][k], values[r + 1][k], values[r + 2][k]); };
+                const std::uint32_t vertex = face.corners[static_cast<std::size_t>(c)];
+                if (!mesh.is_inside(vertex)) continue;
+                const auto [of, is_new] = limits.try_emplace(vertex);
+                if (is_new) of->second = mesh.limit(vertex);
+                const float at_u = u + float(k & 1) * size, at_v = v + float(k >> 1) * size;
+                add_point({at_u, at_v, row(0), row(3), row(6), Vec3d(normals[k])}, of->second);
+            }
         }
     }
-    return out;
+
+    /// Explains no rounding of pieces that were divided more than this many times.
+    void forgive_rounding_to_depth(int depth) { largest_depth_ = depth; }
+
+    Difference found;
+
+private:
+    struct Found {
+        float u, v;
+        Vec3d p, du, dv, normal;
+    };
+
+    void add_point(const Found& at, const SubdivisionMesh::Limit& limit)
+    {
+        const double off = glm::distance(at.p + origin_, Vec3d(limit.point)) / extent_;
+        found.position = std::max(found.position, off);
+        ++found.points;
+        const Vec3d expected(glm::normalize(limit.normal));
+        // At a large vertex the patches have the normals beside it (lod/ring_patch.h).
+        if (!limit.has_normal || limit.valence >= 65 || !(glm::length(at.normal) > 0)) return;
+        ++found.normals;
+        const double rounding = tangent_rounding(*diced_.topology().controls(at_).kind, at.u, at.v, largest_depth_) *
+                                extent_ * (glm::length(at.du) + glm::length(at.dv)) / glm::length(glm::cross(at.du, at.dv));
+        const double angle = std::atan2(glm::length(glm::cross(at.normal, expected)), glm::dot(at.normal, expected));
+        const bool is_vertex = (at.u == 0 || at.u == 1) && (at.v == 0 || at.v == 1);
+        double& most = is_vertex ? found.degrees_at_vertices : found.degrees;
+        most = std::max(most, (angle - rounding) * 57.29578);
+    }
+
+    double extent_;
+    int largest_depth_ = lod::PatchClass::kDeepest;
+    DicedCage diced_;
+    Vec3d origin_;
+    lod::PatchSurface surface_;
+    lod::PosedPatch patch_;
+    lod::PatchRef at_{~0u, 0};
+};
+
+void expect_close(const Difference& found, const std::string& what)
+{
+    EXPECT_LE(found.position, kPositionBound) << what << ", in extents of the cage, at " << found.points << " points";
+    EXPECT_LE(found.degrees, kDegrees) << what << ", at " << found.normals << " normals";
+    EXPECT_LE(found.degrees_at_vertices, kDegreesAtVertices) << what << ", at " << found.normals << " normals";
 }
 
+/// Compares points and normals at all vertices of a cage that is subdivided `steps` times, at least once.
 void expect_oracle(Cage cage, const std::string& what, int steps = 2)
 {
     sanitize(cage);  // some creases at vertices of two faces are dropped
-    const Difference found = difference_from_oracle(cage, steps);
-    EXPECT_LE(found.position, kPositionBound) << what << ", in extents of the cage, at " << found.points << " points";
-    EXPECT_LE(found.degrees, 0.5) << what << ", at " << found.normals << " normals";
+    SubdivisionMesh mesh(cage);
+    if (!mesh.is_closed_manifold()) return;
+    for (int step = 0; step < steps; ++step) mesh = mesh.refined();
+    Comparison comparison(cage);
+    comparison.add(mesh);
+    expect_close(comparison.found, what);
+}
+
+/// Compares points and normals around a vertex of a cage, and around the middle of a face at it, down to the ring where
+/// OpenSubdiv approximates.
+void expect_oracle_near(Comparison& comparison, const Cage& cage, std::uint32_t vertex, const std::string& what)
+{
+    const SubdivisionMesh mesh(cage);
+    ASSERT_TRUE(mesh.is_closed_manifold());
+    SubdivisionMesh part = mesh.around(vertex).refined();
+    // Each new face has the vertex, an edge's middle, the middle of its face, and another edge's middle.
+    SubdivisionMesh middle = part.around(part.faces.front().corners[2]);
+    part = part.around(0);
+    for (int depth = 1;; ++depth) {
+        comparison.add(part);
+        comparison.add(middle);
+        if (depth == 10) break;
+        part = part.refined().around(0);
+        middle = middle.refined().around(0);
+    }
+    expect_close(comparison.found, what);
+}
+
+void expect_oracle_near(const Cage& cage, std::uint32_t vertex, const std::string& what)
+{
+    Comparison comparison(cage);
+    expect_oracle_near(comparison, cage, vertex, what);
 }
 
 /// Returns the edges of a cage, each once.
@@ -143,6 +237,96 @@ TEST(LimitOracle, FindsCreasesAtEachValence)
         const float sharpness = 0.25f * static_cast<float>(1 + valence * 7 % 40);
         cage.creases = {{0, 2, sharpness}, {0, 2 + valence / 2, sharpness}, {1, 2, sharpness}, {3, 4, 10}};
         expect_oracle(cage, "valence " + std::to_string(valence));
+    }
+}
+
+/// Returns a spindle with creases of 6 to 9.75 along its spokes.
+Cage sharp_spindle(std::uint32_t valence)
+{
+    Cage cage = spindle(valence);
+    const float sharpness = 6 + 0.25f * static_cast<float>(valence * 7 % 16);
+    cage.creases = {{0, 2, sharpness}, {0, 2 + valence / 2, sharpness}, {1, 2, sharpness}};
+    return cage;
+}
+
+TEST(LimitOracle, FindsNormalsNearVerticesOfEachValence)
+{
+    for (std::uint32_t valence = 3; valence <= 50; valence += is_long() || valence < 9 ? 1 : 8)
+        expect_oracle_near(sharp_spindle(valence), 0, "valence " + std::to_string(valence));
+}
+
+TEST(LimitOracle, FindsNormalsNearCreasesOfEachSharpness)
+{
+    for (float sharpness = 0.5f; sharpness < 10; sharpness += is_long() ? 0.25f : 0.75f) {
+        Cage cage = prism(5);
+        cage.creases.clear();
+        for (Crease edge : edges_of(cage)) {
+            edge.sharpness = sharpness;
+            if (edge.v0 < 5) cage.creases.push_back(edge);
+        }
+        cage.corners = {{1, sharpness}};
+        expect_oracle_near(cage, 0, "sharpness " + std::to_string(sharpness));
+        expect_oracle_near(cage, 1, "a corner of sharpness " + std::to_string(sharpness));
+    }
+}
+
+TEST(LimitOracle, FindsNormalsAtAnySizeAndFarAway)
+{
+    for (const std::uint32_t valence : {3u, 9u})
+        // A frame has a unit of its own (scenegraph/frame_scale.h), so cages of other sizes are not diced.
+        for (const float size : {1e-6f, 1.0f, 1e6f})
+            for (const float distance : {0.0f, 1e5f}) {
+                // The oracle starts from the rounded positions, as the engine does.
+                Cage cage = sharp_spindle(valence);
+                for (Vec3f& p : cage.positions) p = (p + Vec3f(1, 0.7f, -0.4f) * distance) * size;
+                expect_oracle_near(cage, 0,
+                                   "valence " + std::to_string(valence) + ", size " + std::to_string(size) + ", distance " +
+                                       std::to_string(distance));
+            }
+}
+
+TEST(LimitOracle, FindsNormalsOfSmallFacesFarFromTheMiddleOfTheirCage)
+{
+    for (const std::uint32_t valence : {3u, 9u}) {
+        // A second spindle on the other side keeps the middle of the cage where it is.
+        constexpr float kSize = 0x1p-10f;
+        Cage cage = sharp_spindle(valence);
+        const auto count = static_cast<std::uint32_t>(cage.positions.size());
+        const Cage one = cage;
+        for (Vec3f& p : cage.positions) p = p * kSize + Vec3f(1, 0.7f, 0.4f);
+        for (const Vec3f p : one.positions) cage.positions.push_back(p * kSize - Vec3f(1, 0.7f, 0.4f));
+        for (const std::uint32_t size : one.face_sizes) cage.face_sizes.push_back(size);
+        for (const std::uint32_t v : one.face_vertices) cage.face_vertices.push_back(v + count);
+        for (const bool is_creased : {true, false}) {
+            if (!is_creased) cage.creases.clear();
+            Comparison comparison(cage);
+            comparison.forgive_rounding_to_depth(3);
+            expect_oracle_near(comparison, cage, 0, "valence " + std::to_string(valence));
+        }
+    }
+}
+
+TEST(LimitOracle, FindsNormalsOfPosedCages)
+{
+    for (const std::uint32_t valence : {3u, 8u, 21u}) {
+        Cage cage = sharp_spindle(valence);
+        add_skin(cage);
+        Comparison comparison(cage, nullptr, bent_joints());
+        expect_oracle_near(comparison, comparison.pose(cage), 0, "valence " + std::to_string(valence));
+    }
+}
+
+// Where all points move as far along their normals, the normals stay. The way is short beside the smallest step, over which
+// the normals turn at a crease: differences of displacements are exact to the first order only.
+TEST(LimitOracle, FindsNormalsOfDisplacedCages)
+{
+    for (const std::uint32_t valence : {3u, 8u, 21u}) {
+        Cage cage = sharp_spindle(valence);
+        add_charts(cage);
+        DisplacedCage displaced("spindle", cage, 1e-10f, 1);
+        set_texel(displaced, Vec3f(1));
+        Comparison comparison(displaced.cage, &displaced.textures);
+        expect_oracle_near(comparison, displaced.cage, 0, "valence " + std::to_string(valence));
     }
 }
 
