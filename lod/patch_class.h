@@ -18,9 +18,8 @@
 // A point's bits depend on class, parameter and control points alone, never on the level: one rule (locate) says to which
 // piece a parameter belongs.
 //
-// Memory   grows on demand and is freed with the Topology; a piece takes 64 n bytes, and as much for each axis along which
-// it
-//          is deep.
+// Memory   grows on demand and is freed with the Topology; a piece takes 64 n bytes, and as much again for each axis along
+//          which it is deep.
 // Threads  reading needs no lock; growing locks the class's mutex.
 #pragma once
 
