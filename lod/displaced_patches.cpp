@@ -120,26 +120,36 @@ void DisplacedPatches::normals(const FilteredPatch& of, const ParameterGrid& gri
     }
 }
 
+// The first rows are measured alone. Where a patch is so steep that both speeds reach their most there, which a sixth of the
+// points then tells, the rest is not measured.
 void DisplacedPatches::raise_speeds(const PosedCage& cage, PatchRef patch, float& along_u, float& along_v)
 {
-    constexpr int kMostWidth = kSpeedPieces + 1;
+    constexpr int kMostWidth = kSpeedPieces + 1, kFirstRows = 3;
     // A patch of an n-gon has half of the sides of its face, and half of the pieces.
     const int halves = cage.topology->face_size(patch.face) == 4 ? 0 : 1, pieces = kSpeedPieces >> halves,
               width = pieces + 1;
     std::array<float, 3 * kMostWidth * kMostWidth> found;
     float* const at[3] = {&found[0], &found[kMostWidth * kMostWidth], &found[2 * kMostWidth * kMostWidth]};
     const float step = power_of_two(halves) / kSpeedPieces;
-    const ParameterGrid grid{0, 0, step, step, width, width};
-    points({cage, patch, level_of_pieces(std::max(along_u, along_v) * power_of_two(halves))}, grid, at, width);
+    const int filter = level_of_pieces(std::max(along_u, along_v) * power_of_two(halves));
     const auto distance = [&](int a, int b) {
         return glm::length(Vec3f(at[0][a] - at[0][b], at[1][a] - at[1][b], at[2][a] - at[2][b]));
     };
+    const float most_u = most_speed(along_u), most_v = most_speed(along_v);
     float longest_u = 0, longest_v = 0;
-    for (int j = 0; j < width; ++j)
-        for (int i = 0; i < pieces; ++i) {
-            longest_u = std::max(longest_u, distance(j * width + i, j * width + i + 1));
-            longest_v = std::max(longest_v, distance(i * width + j, (i + 1) * width + j));
-        }
+    for (int done = 0; done < width;) {
+        const int rows = done == 0 ? kFirstRows : width - done, first = done * width;
+        float* const to[3] = {at[0] + first, at[1] + first, at[2] + first};
+        points({cage, patch, filter}, {0, float(done) * step, step, step, width, rows}, to, width);
+        for (int j = done; j < done + rows; ++j)
+            for (int i = 0; i < width; ++i) {
+                const int k = j * width + i;
+                if (i > 0) longest_u = std::max(longest_u, distance(k - 1, k));
+                if (j > 0) longest_v = std::max(longest_v, distance(k - width, k));
+            }
+        done += rows;
+        if (float(pieces) * longest_u >= most_u && float(pieces) * longest_v >= most_v) break;
+    }
     along_u = diced_speed(float(pieces) * longest_u, along_u);
     along_v = diced_speed(float(pieces) * longest_v, along_v);
 }

@@ -166,6 +166,46 @@ TEST(Displacement, OfManyPointsHasTheBitsOfEachAlone)
     }
 }
 
+TEST(Displacement, MakesSpeedsThoseOfAllSixteenthsUpToTheMost)
+{
+    constexpr int kWidth = lod::DisplacedPatches::kSpeedPieces + 1;
+    int full = 0, less = 0;
+    for (const float factor : {1.0f, 10.0f, 100.0f}) {
+        DisplacedCage displaced = displaced_case(0);
+        displaced.cage.displacement->scale *= factor;
+        displaced.cage.displacement->bound *= factor;
+        DicedCage moved(displaced.cage, 0, Mat4d(1), &displaced.textures);
+        lod::PatchPool pool;
+        lod::DisplacedPatches patches(pool);
+        for (std::uint32_t face = 0; face < displaced.cage.face_sizes.size(); ++face) {
+            float still[2], speed[2];
+            pool.posed(moved.posed, {face, 0}).speeds(still[0], still[1]);
+            std::copy_n(still, 2, speed);
+            patches.raise_speeds(moved.posed, {face, 0}, speed[0], speed[1]);
+            std::vector<float> x(kWidth * kWidth), y(x), z(x);
+            float* const out[3] = {x.data(), y.data(), z.data()};
+            const int filter = lod::DisplacedPatches::level_of_pieces(std::max(still[0], still[1]));
+            patches.points({moved.posed, {face, 0}, filter}, {0, 0, 1.0f / 16, 1.0f / 16, kWidth, kWidth}, out, kWidth);
+            const auto point = [&](int i, int j) {
+                const auto k = static_cast<std::size_t>(j * kWidth + i);
+                return Vec3f(x[k], y[k], z[k]);
+            };
+            float longest[2] = {0, 0};
+            for (int j = 0; j < kWidth; ++j)
+                for (int i = 1; i < kWidth; ++i) {
+                    longest[0] = std::max(longest[0], glm::length(point(i - 1, j) - point(i, j)));
+                    longest[1] = std::max(longest[1], glm::length(point(j, i - 1) - point(j, i)));
+                }
+            for (int axis : {0, 1}) {
+                EXPECT_EQ(speed[axis], lod::DisplacedPatches::diced_speed(16 * longest[axis], still[axis])) << face;
+                ++(speed[axis] == lod::DisplacedPatches::most_speed(still[axis]) ? full : less);
+            }
+        }
+    }
+    EXPECT_GT(full, 0);
+    EXPECT_GT(less, 0);
+}
+
 TEST(Displacement, HasTheNormalsOfItsMeshWhereThatIsFine)
 {
     DisplacedCage displaced = displaced_case(0);
