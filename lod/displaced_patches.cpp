@@ -13,12 +13,21 @@ void DisplacedPatches::offsets(const FilteredPatch& of, const ParameterGrid& gri
     const PosedDisplacement& displacement = of.cage.displacement;
     const int columns = grid.columns, count = columns * grid.rows;
     const bool turns = displacement.turns;
-    surface_.resize(static_cast<std::size_t>((turns ? 27 : 18) * count));
+    const int arrays = turns ? 27 : 21;
+    surface_.resize(static_cast<std::size_t>(arrays * count));
     float* at[27] = {};
-    for (int a = 0; a < (turns ? 27 : 18); ++a) at[a] = &surface_[static_cast<std::size_t>(a * count)];
+    for (int a = 0; a < arrays; ++a) at[a] = &surface_[static_cast<std::size_t>(a * count)];
     pool_.posed(of.cage, of.patch).points_and_tangents(grid, at, columns);
     pool_.displaced_uv(of.cage, of.patch).points_and_tangents(grid, at + 9, columns);
     if (turns) pool_.rest(of.cage, of.patch).points_and_tangents(grid, at + 18, columns);
+    if (displacement.of->space == Displacement::Space::Normal) {
+        const PointsToDisplace all{{at[3], at[4], at[5]}, {at[6], at[7], at[8]}, {at[9], at[10]},
+                                   {at[12], at[13]},      {at[15], at[16]},      count};
+        displacement.offsets_along_normal(all, of.filter, at + 18);
+        for (int a = 0; a < 3; ++a)
+            for (int j = 0; j < grid.rows; ++j) std::copy_n(at[18 + a] + j * columns, columns, out[a] + j * stride);
+        return;
+    }
     const auto pair = [&](int from, int k) { return Vec2f(at[from][k], at[from + 1][k]); };
     const auto triple = [&](int from, int k) { return Vec3f(at[from][k], at[from + 1][k], at[from + 2][k]); };
     for (int j = 0; j < grid.rows; ++j)
@@ -111,25 +120,38 @@ void DisplacedPatches::normals(const FilteredPatch& of, const ParameterGrid& gri
     }
 }
 
+// The first rows are measured alone. Where a patch is so steep that both speeds reach their most there, which a sixth of the
+// points then tells, the rest is not measured.
 void DisplacedPatches::raise_speeds(const PosedCage& cage, PatchRef patch, float& along_u, float& along_v)
 {
-    constexpr int kMostWidth = kSpeedPieces + 1;
+    constexpr int kMostWidth = kSpeedPieces + 1, kFirstRows = 3;
     // A patch of an n-gon has half of the sides of its face, and half of the pieces.
     const int halves = cage.topology->face_size(patch.face) == 4 ? 0 : 1, pieces = kSpeedPieces >> halves,
               width = pieces + 1;
     std::array<float, 3 * kMostWidth * kMostWidth> found;
     float* const at[3] = {&found[0], &found[kMostWidth * kMostWidth], &found[2 * kMostWidth * kMostWidth]};
     const float step = power_of_two(halves) / kSpeedPieces;
-    const ParameterGrid grid{0, 0, step, step, width, width};
-    points({cage, patch, level_of_pieces(std::max(along_u, along_v) * power_of_two(halves))}, grid, at, width);
+    const int filter = level_of_pieces(std::max(along_u, along_v) * power_of_two(halves));
     const auto distance = [&](int a, int b) {
         return glm::length(Vec3f(at[0][a] - at[0][b], at[1][a] - at[1][b], at[2][a] - at[2][b]));
     };
-    for (int j = 0; j < width; ++j)
-        for (int i = 0; i < pieces; ++i) {
-            along_u = std::max(along_u, float(pieces) * distance(j * width + i, j * width + i + 1));
-            along_v = std::max(along_v, float(pieces) * distance(i * width + j, (i + 1) * width + j));
-        }
+    const float most_u = most_speed(along_u), most_v = most_speed(along_v);
+    float longest_u = 0, longest_v = 0;
+    for (int done = 0; done < width;) {
+        const int rows = done == 0 ? kFirstRows : width - done, first = done * width;
+        float* const to[3] = {at[0] + first, at[1] + first, at[2] + first};
+        points({cage, patch, filter}, {0, float(done) * step, step, step, width, rows}, to, width);
+        for (int j = done; j < done + rows; ++j)
+            for (int i = 0; i < width; ++i) {
+                const int k = j * width + i;
+                if (i > 0) longest_u = std::max(longest_u, distance(k - 1, k));
+                if (j > 0) longest_v = std::max(longest_v, distance(k - width, k));
+            }
+        done += rows;
+        if (float(pieces) * longest_u >= most_u && float(pieces) * longest_v >= most_v) break;
+    }
+    along_u = diced_speed(float(pieces) * longest_u, along_u);
+    along_v = diced_speed(float(pieces) * longest_v, along_v);
 }
 
 }  // namespace occam::lod

@@ -144,4 +144,46 @@ Vec3f PosedDisplacement::offset(const PointToDisplace& at, int level) const noex
     return Vec3f(0);
 }
 
+// The steps are those of offset() in the same order, over arrays, so that the compiler computes several points at a time.
+void PosedDisplacement::offsets_along_normal(const PointsToDisplace& at, int level, float* const out[3]) const noexcept
+{
+    // What has no area is told apart in loops of its own, since conditions would keep the others from several points at a
+    // time.
+    constexpr int kAtOnce = 32;
+    double area[3][kAtOnce], size[kAtOnce], filter[kAtOnce], height[kAtOnce], length[kAtOnce];
+    float moved[3][kAtOnce];
+    const auto edge = double(edge_length(level)), turned = double(sense);
+    for (int first = 0; first < at.count; first += kAtOnce) {
+        const int n = std::min(kAtOnce, at.count - first);
+        const auto from = [&](const float* values) { return values + first; };
+        const float *ux = from(at.du[0]), *uy = from(at.du[1]), *uz = from(at.du[2]);
+        const float *vx = from(at.dv[0]), *vy = from(at.dv[1]), *vz = from(at.dv[2]);
+        const float *sx = from(at.uv_du[0]), *sy = from(at.uv_du[1]), *tx = from(at.uv_dv[0]), *ty = from(at.uv_dv[1]);
+        for (int k = 0; k < n; ++k) {
+            const double u[3] = {ux[k], uy[k], uz[k]}, v[3] = {vx[k], vy[k], vz[k]};
+            const double x = u[1] * v[2] - v[1] * u[2], y = u[2] * v[0] - v[2] * u[0], z = u[0] * v[1] - v[0] * u[1];
+            const double uv_size = std::abs(double(sx[k]) * double(ty[k]) - double(sy[k]) * double(tx[k]));
+            area[0][k] = x, area[1][k] = y, area[2][k] = z;
+            size[k] = std::sqrt(x * x + y * y + z * z);
+            filter[k] = edge * std::sqrt(uv_size / size[k]);
+        }
+        for (int k = 0; k < n; ++k) {
+            const float width = size[k] > 0 ? static_cast<float>(filter[k]) : 0;
+            const Vec4f texel = textures->sample(of->texture, {at.uv[0][first + k], at.uv[1][first + k]}, width);
+            height[k] = double(std::clamp(of->scale * (texel.x - of->midlevel), -of->bound, of->bound));
+        }
+        for (int k = 0; k < n; ++k) {
+            double normal[3];
+            for (int c = 0; c < 3; ++c) normal[c] = map[0][c] * area[0][k] + map[1][c] * area[1][k] + map[2][c] * area[2][k];
+            length[k] = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+            const double factor = turned * height[k] / length[k];
+            for (int r = 0; r < 3; ++r)
+                moved[r][k] = static_cast<float>(map[r][0] * (normal[0] * factor) + map[r][1] * (normal[1] * factor) +
+                                                 map[r][2] * (normal[2] * factor));
+        }
+        for (int r = 0; r < 3; ++r)
+            for (int k = 0; k < n; ++k) out[r][first + k] = size[k] > 0 && length[k] > 0 ? moved[r][k] : 0;
+    }
+}
+
 }  // namespace occam::lod

@@ -35,6 +35,13 @@ struct PointToDisplace {
     Vec3f rest_du{0}, rest_dv{0};  ///< derivatives of the rest position, object axes; read if PosedDisplacement::turns
 };
 
+/// The same for many points, coordinate by coordinate.
+struct PointsToDisplace {
+    const float *du[3], *dv[3];
+    const float *uv[2], *uv_du[2], *uv_dv[2];
+    int count;
+};
+
 struct PosedDisplacement {
     PosedDisplacement() = default;
     /// deformed   whether skin or morph targets deform the cage; `mirrored` then describes the pose
@@ -53,6 +60,8 @@ struct PosedDisplacement {
     int uv_set() const noexcept { return of->texture.uv_set; }
     /// Returns the offset of the limit point, in the dicing frame.
     Vec3f offset(const PointToDisplace& at, int level) const noexcept;
+    /// Writes the offsets of many points, with the bits of offset(); for Displacement::Space::Normal.
+    void offsets_along_normal(const PointsToDisplace& at, int level, float* const out[3]) const noexcept;
 
 private:
     Vec3d from_object(Vec3d v) const noexcept;

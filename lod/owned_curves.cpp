@@ -61,7 +61,7 @@ float OwnedCurves::displaced_speed(const PosedCage& cage, std::uint32_t curve, f
     points(cage, curve, DisplacedPatches::level_of_pieces(undisplaced), 0, 1.0f / kPieces, at);
     float longest = 0;
     for (std::size_t i = 0; i < kPieces; ++i) longest = std::max(longest, glm::distance(at[i], at[i + 1]));
-    return std::max(undisplaced, longest * kPieces);
+    return DisplacedPatches::diced_speed(longest * kPieces, undisplaced);
 }
 
 Vec3f OwnedCurves::vertex_point(const PosedCage& cage, std::uint32_t vertex, int filter)

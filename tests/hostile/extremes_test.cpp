@@ -5,6 +5,7 @@
 #include <cmath>
 #include <thread>
 
+#include "base/hash.h"
 #include "occam/occam.h"
 #include "tests/support/displaced_cages.h"
 #include "tests/support/shape_builders.h"
@@ -296,6 +297,48 @@ TEST(Extremes, LightsEmittersAndDisplacedCagesBeyondCountingAreRefused)
         place(scene, scene.add(torus()), Vec3d(0));
         EXPECT_NE(refusal(scene).find("placed more than"), std::string::npos) << what << ": " << refusal(scene);
     }
+}
+
+// 4,096 quads, each a fraction of a pixel wide, under spikes that are twenty times as high as a quad is wide. A displacement
+// is filtered over the edges of a level, so that it does not need vertices closer together than that.
+TEST(Extremes, SteepDisplacementsMakeFewMicropolygons)
+{
+    constexpr std::uint32_t kQuads = 64;
+    Scene scene;
+    Cage sheet;
+    sheet.scheme = Scheme::CatmullClark;
+    sheet.uv_sets.resize(1);
+    for (std::uint32_t j = 0; j <= kQuads; ++j)
+        for (std::uint32_t i = 0; i <= kQuads; ++i) {
+            const Vec2f at = Vec2f(float(i), float(j)) / float(kQuads);
+            sheet.positions.push_back({at.x - 0.5f, at.y - 0.5f, 0});
+            sheet.uv_sets[0].values.push_back(at);
+        }
+    for (std::uint32_t j = 0; j < kQuads; ++j)
+        for (std::uint32_t i = 0; i < kQuads; ++i) {
+            const std::uint32_t first = j * (kQuads + 1) + i;
+            sheet.face_sizes.push_back(4);
+            sheet.face_vertices.insert(sheet.face_vertices.end(),
+                                       {first, first + 1, first + kQuads + 2, first + kQuads + 1});
+        }
+    Texture noise;
+    noise.role = TextureRole::Data;
+    noise.width = noise.height = 256;
+    for (std::uint64_t k = 0; k < 256 * 256; ++k) noise.pixels.push_back(Vec4f(float(mix_bits(k) >> 40) * 0x1p-24f));
+    sheet.displacement.emplace();
+    sheet.displacement->texture.texture = scene.add(std::move(noise));
+    sheet.displacement->scale = 0.3f;
+    sheet.displacement->midlevel = 0.5f;
+    sheet.displacement->bound = 0.15f;
+    scene.add_node(scene.root(), {.cages = {scene.add(std::move(sheet))}});
+    Renderer renderer({.threads = 1});
+    const Settings settings{.width = 24, .height = 16, .spp = 1, .integrator = IntegratorKind::Direct};
+    Job job = renderer.start(scene, Camera::look_at({0, 0, 2}, Vec3d(0), {0, 1, 0}, 0.8f), settings);
+    job.wait();
+    // A pixel is 0.1 wide, so the finest edges are a 16th long. Without displacement a quad's speed is 2^-6, or 2^-5 if it
+    // is rounded up; with it no more than 16 times that: at most 8 by 8 quads, and a quarter of that at the next level.
+    EXPECT_GT(job.stats().built.micropolygons, 0u);
+    EXPECT_LE(job.stats().built.micropolygons, kQuads * kQuads * 2 * (64 + 16));
 }
 
 /// 10,000 cages in one place: each ray meets all of them.

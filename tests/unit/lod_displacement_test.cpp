@@ -1,6 +1,7 @@
 // Tests of what displacement does to a surface: how far it moves, that bounds hold it, and which normals it has.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -129,6 +130,80 @@ TEST(Displacement, ByOneVectorMovesEveryPointAsThePlacementMovesVectors)
                          still = smooth.dicer.dice(smooth.posed, tile, smooth.arena);
     const Vec3d expected = Vec3d(still.at(0)) + smooth.posed.anchor + Vec3d(moves) * (0.01 / std::sqrt(0.005));
     EXPECT_NEAR(glm::distance(Vec3d(near.at(0)) + held.posed.anchor, expected), 0, 4e-6);
+}
+
+// The speeds of a displaced patch come from hundreds of points, which are computed several at a time.
+TEST(Displacement, OfManyPointsHasTheBitsOfEachAlone)
+{
+    constexpr std::size_t kPoints = 77;
+    DisplacedCage displaced = displaced_case(1);
+    for (const Mat4d& place : {Mat4d(1), turned_and_stretched()}) {
+        DicedCage moved(displaced.cage, 0, place, &displaced.textures);
+        const lod::PosedDisplacement& displacement = moved.posed.displacement;
+        std::mt19937_64 random(7);
+        std::array<std::array<float, kPoints>, 12> values;
+        for (auto& row : values)
+            for (float& x : row) x = float(random() >> 40) * 0x1p-23f - 1;
+        // Some points have parallel tangents, one that is 0, or coordinates without area.
+        for (std::size_t k = 0; k < kPoints; k += 7) {
+            for (std::size_t a = 0; a < 3; ++a) values[3 + a][k] = k % 2 ? values[a][k] : 0;
+            values[10][k + 3] = values[11][k + 3] = 0;
+        }
+        const auto row = [&](std::size_t i) { return values[i].data(); };
+        const lod::PointsToDisplace all{{row(0), row(1), row(2)}, {row(3), row(4), row(5)}, {row(6), row(7)},
+                                        {row(8), row(9)},         {row(10), row(11)},       kPoints};
+        std::array<std::array<float, kPoints>, 3> found;
+        float* const out[3] = {found[0].data(), found[1].data(), found[2].data()};
+        for (const int level : {-8, -3, 2}) {
+            displacement.offsets_along_normal(all, level, out);
+            for (std::size_t k = 0; k < kPoints; ++k) {
+                const auto triple = [&](std::size_t i) { return Vec3f(values[i][k], values[i + 1][k], values[i + 2][k]); };
+                const auto pair = [&](std::size_t i) { return Vec2f(values[i][k], values[i + 1][k]); };
+                const Vec3f alone = displacement.offset({triple(0), triple(3), pair(6), pair(8), pair(10)}, level);
+                EXPECT_EQ(alone, Vec3f(found[0][k], found[1][k], found[2][k])) << k;
+            }
+        }
+    }
+}
+
+TEST(Displacement, MakesSpeedsThoseOfAllSixteenthsUpToTheMost)
+{
+    constexpr int kWidth = lod::DisplacedPatches::kSpeedPieces + 1;
+    int full = 0, less = 0;
+    for (const float factor : {1.0f, 10.0f, 100.0f}) {
+        DisplacedCage displaced = displaced_case(0);
+        displaced.cage.displacement->scale *= factor;
+        displaced.cage.displacement->bound *= factor;
+        DicedCage moved(displaced.cage, 0, Mat4d(1), &displaced.textures);
+        lod::PatchPool pool;
+        lod::DisplacedPatches patches(pool);
+        for (std::uint32_t face = 0; face < displaced.cage.face_sizes.size(); ++face) {
+            float still[2], speed[2];
+            pool.posed(moved.posed, {face, 0}).speeds(still[0], still[1]);
+            std::copy_n(still, 2, speed);
+            patches.raise_speeds(moved.posed, {face, 0}, speed[0], speed[1]);
+            std::vector<float> x(kWidth * kWidth), y(x), z(x);
+            float* const out[3] = {x.data(), y.data(), z.data()};
+            const int filter = lod::DisplacedPatches::level_of_pieces(std::max(still[0], still[1]));
+            patches.points({moved.posed, {face, 0}, filter}, {0, 0, 1.0f / 16, 1.0f / 16, kWidth, kWidth}, out, kWidth);
+            const auto point = [&](int i, int j) {
+                const auto k = static_cast<std::size_t>(j * kWidth + i);
+                return Vec3f(x[k], y[k], z[k]);
+            };
+            float longest[2] = {0, 0};
+            for (int j = 0; j < kWidth; ++j)
+                for (int i = 1; i < kWidth; ++i) {
+                    longest[0] = std::max(longest[0], glm::length(point(i - 1, j) - point(i, j)));
+                    longest[1] = std::max(longest[1], glm::length(point(j, i - 1) - point(j, i)));
+                }
+            for (int axis : {0, 1}) {
+                EXPECT_EQ(speed[axis], lod::DisplacedPatches::diced_speed(16 * longest[axis], still[axis])) << face;
+                ++(speed[axis] == lod::DisplacedPatches::most_speed(still[axis]) ? full : less);
+            }
+        }
+    }
+    EXPECT_GT(full, 0);
+    EXPECT_GT(less, 0);
 }
 
 TEST(Displacement, HasTheNormalsOfItsMeshWhereThatIsFine)
