@@ -34,7 +34,7 @@ run() {
         exit 1
     }
     built=$SECONDS
-    env "$@" ctest --test-dir "$build" -R "$pattern" -j "$(nproc)" --no-tests=error > "$build.ctest.log" 2>&1 ||
+    env "$@" ctest --test-dir "$build" -R "$pattern" -j "$(nproc)" --no-tests=error --timeout 7200 > "$build.ctest.log" 2>&1 ||
         status=1
     cp "$build/Testing/Temporary/LastTest.log" "$log"
 

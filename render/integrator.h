@@ -77,6 +77,9 @@ inline constexpr int kTreeDraws = shade::LightTree::kMostDraws, kLaterTreeDraws 
 inline constexpr int kFirstTreeSlot = 64;
 /// The GGX width up to which `direct` follows a lobe as a mirror; wider lobes show lights alone.
 inline constexpr float kMirrorAlpha = 0.01f;
+/// `direct` follows mirrors for certain that a ray comes to after fewer transparent surfaces than this. Behind more, as in a
+/// stack of panes, each of which mirrors all others, paths end by chance.
+inline constexpr int kPassedForSure = 4;
 
 /// A camera ray that has been split this many times continues along one way at random.
 inline constexpr int kMaxSplits = 32;

@@ -351,7 +351,8 @@ void Integrator::scatter_on(const Vertex& v, float chance)
             look_for_light(next, ray);
             continue;
         }
-        const float survival = is_direct ? 1 : survival_of(next.throughput);
+        const bool is_certain = is_direct && v.path.passed < kPassedForSure;
+        const float survival = is_certain ? 1 : survival_of(next.throughput);
         if (v.drawn.survival >= survival) {
             if (context_.log) context_.log->ended_by_chance(survival);
             continue;

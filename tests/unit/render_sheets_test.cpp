@@ -106,6 +106,53 @@ TEST(Integrator, ThousandsOfFaintSheetsTakeFewRays)
     }
 }
 
+Material clear_pane()
+{
+    Material pane;
+    pane.base_color = Vec4f(1);
+    pane.metallic = 0;
+    pane.roughness = 0;
+    pane.transmission = 1;
+    return pane;
+}
+
+// In direct light each pane of many is a mirror that shows all others, but those behind the first ones are followed by
+// chance.
+TEST(Integrator, ThousandsOfPanesTakeFewRaysInDirectLight)
+{
+    Material pane = clear_pane();
+    pane.alpha_mode = AlphaMode::Blend;
+    pane.base_color.a = 0.5f;
+    Stage stage;
+    stage.settings.integrator = IntegratorKind::Direct;
+    for (int i = 0; i < 1000; ++i) stage.tracer.planes.push_back({1 + 3.0 * i / 1000, &pane});
+    std::vector<CameraSample> samples;
+    for (int i = 0; i < 16; ++i) samples.push_back({i % 8, i / 8, 0});
+    stage.run(samples);
+    EXPECT_LT(stage.counters.rays.glossy, 16 * 100u);
+}
+
+// Clear panes absorb nothing, so between two skies of radiance 1 they show 1 in the mean.
+TEST(Integrator, PanesInDirectLightAreRightInTheMean)
+{
+    const Material pane = clear_pane();
+    Stage stage;
+    stage.lights.clear();
+    occam::Environment uniform;
+    uniform.radiance = Vec3f(1);
+    stage.environment = shade::Environment(uniform, stage.textures);
+    stage.settings.integrator = IntegratorKind::Direct;
+    stage.settings.bounces = 100;
+    for (int i = 0; i < 12; ++i) stage.tracer.planes.push_back({1 + 0.25 * i, &pane});
+    std::vector<CameraSample> samples;
+    for (int i = 0; i < 4096; ++i) samples.push_back({i % 8, i / 8 % 8, i / 64});
+    stage.settings.spp = 64;
+    test::Mean mean;
+    for (const SampleResult& r : stage.run(samples)) mean.add(double(r.radiance.x));
+    EXPECT_NEAR(mean.value(), 1, 4 * mean.error() + 1e-3);
+    EXPECT_LT(mean.error(), 0.01);
+}
+
 TEST(Integrator, BlendedSheetsBeforeALightAreRightInTheMean)
 {
     const Material grey = lambertian(0.5f), sheet = lambertian(0, 0.25f);
