@@ -31,11 +31,12 @@ public:
 
     /// The number of pieces of a side with which the speed of displaced curves is measured.
     static constexpr int kSpeedPieces = 16;
-    /// Returns the speed by which a displaced curve is diced: that with its displacement, but no more than 2^kSteepest times
-    /// as much as without it. Displacement is filtered over the edges of each level, so it has nothing to show between
-    /// vertices that are closer together than that, however steep it is; and a few texels would cost millions of quads.
+    /// The exponent of the most by which a displaced speed may exceed that without displacement. Displacement is filtered
+    /// over the edges of each level, so it has nothing to show between vertices that are closer together than that, however
+    /// steep it is; and a few texels would cost millions of quads.
     static constexpr int kSteepest = 4;
     static float most_speed(float undisplaced) noexcept { return undisplaced * float(1 << kSteepest); }
+    /// Returns the speed by which a displaced curve is diced.
     static float diced_speed(float displaced, float undisplaced) noexcept
     {
         return std::clamp(displaced, undisplaced, most_speed(undisplaced));

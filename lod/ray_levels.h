@@ -186,7 +186,7 @@ private:
         return max(least_ulps_, min(most_ulps_, F(edge_length(b)) * ulps_of_edge_ + ulps_of_all_));
     }
     /// Returns the level of an edge length.
-    static int exponent_of(float edge) noexcept { return static_cast<int>(std::bit_cast<std::uint32_t>(edge) >> 23) - 127; }
+    static int level_of(float edge) noexcept { return static_cast<int>(std::bit_cast<std::uint32_t>(edge) >> 23) - 127; }
     static Mask are_same(F x, F y) noexcept { return (x <= y) & (x >= y); }
 
     /// Resets the transitions of the lanes that have a start: each is at least a segment away from the one before it, as
@@ -258,8 +258,8 @@ private:
             finest_edge_ = select(has_start, low, finest_edge_);
             coarsest_edge_ = select(has_start, high, coarsest_edge_);
         }
-        finest = exponent_of(lowest(finest_edge_));
-        coarsest = exponent_of(highest(coarsest_edge_));
+        finest = level_of(lowest(finest_edge_));
+        coarsest = level_of(highest(coarsest_edge_));
     }
 
     const LevelSettings* settings_ = nullptr;

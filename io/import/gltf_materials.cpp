@@ -148,21 +148,13 @@ std::optional<Texture> MaterialImporter::describe(int index, TextureRole role)
     const std::string name = i->name.empty() ? i->uri.substr(0, kMaxShownUri) : i->name;
     t.name = report_.file().filename().string() + ": " + named_element("images", index, name);
     t.role = role;
-    if (i->bufferView >= 0 || !i->image.empty()) {
-        auto& bytes = encoded_[index];
-        if (!bytes) {
-            const auto source = i->bufferView >= 0 ? accessors_.view(i->bufferView, named_element("images", index, i->name))
-                                                   : std::span<const unsigned char>(i->image);
-            bytes = kept(source);
-        }
-        t.encoded = bytes;
-        return t;
-    }
     const std::string shown = i->uri.substr(0, kMaxShownUri);
-    if (i->uri.starts_with("data:")) {
+    if (const bool is_data_uri = i->uri.starts_with("data:"); is_data_uri || i->bufferView >= 0 || !i->image.empty()) {
         auto& bytes = encoded_[index];
-        if (!bytes) bytes = kept(bytes_of_data_uri(i->uri));
-        if (bytes->empty()) {
+        if (!bytes && i->bufferView >= 0)
+            bytes = kept(accessors_.view(i->bufferView, named_element("images", index, i->name)));
+        else if (!bytes) bytes = kept(i->image.empty() ? bytes_of_data_uri(i->uri) : i->image);
+        if (is_data_uri && bytes->empty()) {
             report_.warn("image is not in base64", named_element("images", index, shown));
             return std::nullopt;
         }
