@@ -127,8 +127,7 @@ const PatchHull& PatchClass::make_hull() const
         strips.may_halve_one_way = true;
         const bool takes_strips = crease_depth_ > 0 && !root_.may_halve_one_way;
         hull_ = std::make_unique<const PatchHull>(*this, takes_strips ? strips : root_);
-        count(sizeof(PatchHull) + hull_->weights.capacity() * sizeof(float) +
-              hull_->speeds.capacity() * sizeof(hull_->speeds[0]));
+        count(hull_->bytes());
         hull_made_.store(hull_.get(), std::memory_order_release);
     });
     return *hull_;
@@ -245,31 +244,48 @@ bool PatchClass::fit_bicubic(Node& node) const
     };
     if (!std::all_of(kTrials.begin(), kTrials.end(), agrees)) return false;
     if (crease_depth_ > 0 && !std::all_of(kBorderTrials.begin(), kBorderTrials.end(), agrees)) return false;
+    store_weights(node, net);
+    return true;
+}
+
+/// Stores the weights of a bicubic piece.
+/// net   of each of its 16 points, the weights of all control points
+void PatchClass::store_weights(Node& node, const std::vector<double>& net) const
+{
+    const std::size_t n = control_count_;
+    const auto rounded = [&](std::size_t i, std::size_t k) {
+        const double w = net[i * n + k], exact = std::nearbyint(w);
+        return static_cast<float>(std::fabs(w - exact) < kNoise ? exact : w);
+    };
+    std::vector<std::uint32_t> used;
+    for (std::size_t k = 0; k < n; ++k) {
+        bool is_used = false;
+        for (std::size_t i = 0; i < 16; ++i) is_used |= rounded(i, k) != 0;
+        if (is_used) used.push_back(static_cast<std::uint32_t>(k));
+    }
     const std::size_t matrices = std::size_t(1) + is_deep(node.depth_u) + is_deep(node.depth_v);
-    node.weights = std::make_unique<float[]>(matrices * 16 * n);
-    count(matrices * 16 * n * sizeof(float));
+    node.controls = std::make_unique<std::uint32_t[]>(used.size());
+    node.weights = std::make_unique<float[]>(matrices * 16 * used.size());
+    node.control_count = static_cast<std::uint32_t>(used.size());
+    count((matrices * 16 + 1) * sizeof(float) * used.size());
+    std::ranges::copy(used, node.controls.get());
+    float* weights = node.weights.get();
     std::array<int, 16> ones{}, others{};
-    for (std::size_t k = 0; k < n; ++k)
+    for (const std::uint32_t k : used)
         for (std::size_t i = 0; i < 16; ++i) {
-            const double w = net[i * n + k];
-            const double exact = std::nearbyint(w);
-            const float rounded = static_cast<float>(std::fabs(w - exact) < kNoise ? exact : w);
-            node.weights[k * 16 + i] = rounded;
-            ones[i] += rounded == 1.0f;
-            others[i] += rounded != 1.0f && rounded != 0.0f;
-            if (rounded == 1.0f) node.order[i] = static_cast<std::uint8_t>(k);
+            const float w = *weights++ = rounded(i, k);
+            ones[i] += w == 1.0f;
+            others[i] += w != 1.0f && w != 0.0f;
+            if (w == 1.0f) node.order[i] = static_cast<std::uint8_t>(k);
         }
-    float* differences = node.weights.get() + 16 * n;
     const auto add_differences = [&](auto&& first_of) {
-        for (std::size_t k = 0; k < n; ++k)
-            for (std::size_t i = 0; i < 16; ++i)
-                *differences++ = static_cast<float>(net[i * n + k] - net[first_of(i) * n + k]);
+        for (const std::uint32_t k : used)
+            for (std::size_t i = 0; i < 16; ++i) *weights++ = static_cast<float>(net[i * n + k] - net[first_of(i) * n + k]);
     };
     if (is_deep(node.depth_u)) add_differences([](std::size_t i) { return i & ~std::size_t(3); });
     if (is_deep(node.depth_v)) add_differences([](std::size_t i) { return i & std::size_t(3); });
     node.is_plain = n < 256 && std::all_of(ones.begin(), ones.end(), [](int c) { return c == 1; }) &&
                     std::all_of(others.begin(), others.end(), [](int c) { return c == 0; });
-    return true;
 }
 
 void PatchClass::fill_direct(Node& node) const

@@ -18,8 +18,8 @@
 // A point's bits depend on class, parameter and control points alone, never on the level: one rule (locate) says to which
 // piece a parameter belongs.
 //
-// Memory   grows on demand and is freed with the Topology; a piece takes 64 n bytes, and as much again for each axis along
-//          which it is deep.
+// Memory   grows on demand and is freed with the Topology; a piece takes 68 bytes for each control point that it depends on,
+//          which few do where creases have made it deep, and 64 more for each axis along which it is deep.
 // Threads  reading needs no lock; growing locks the class's mutex.
 #pragma once
 
@@ -88,9 +88,12 @@ public:
         std::atomic<Kind> kind{Unknown};
         bool is_plain = false;  ///< Bicubic: control point i is the patch's own order[i] (a regular patch)
         std::array<std::uint8_t, 16> order{};
-        /// Bicubic: n * 16 weights, where the piece's point varies fastest; then as many for each axis along which the piece
-        /// is deep, u first, of the points less the first one of their row (u) or column (v). Direct: for each of corners 0
-        /// to 3, 3 * n weights for p, du and dv.
+        /// Bicubic: those control points of the patch that the piece depends on.
+        std::unique_ptr<std::uint32_t[]> controls;
+        std::uint32_t control_count = 0;
+        /// Bicubic: 16 weights of each of these, where the piece's point varies fastest; then as many for each axis along
+        /// which the piece is deep, u first, of the points less the first one of their row (u) or column (v). Direct: for
+        /// each of corners 0 to 3, 3 * n weights for p, du and dv.
         std::unique_ptr<float[]> weights;
         std::unique_ptr<Node[]> children;  ///< Split: the halves along u, then along v
 
@@ -144,6 +147,7 @@ private:
     const PatchHull& make_hull() const;
     void classify(Node& node) const;
     bool fit_bicubic(Node& node) const;
+    void store_weights(Node& node, const std::vector<double>& net) const;
     bool is_cubic_along(const Node& node, bool along_v) const;
     void fill_direct(Node& node) const;
 

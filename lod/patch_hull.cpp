@@ -22,14 +22,14 @@ double sum(const CubicWeights& w, const double* q)
     return double(w.b[0]) * q[0] + double(w.b[1]) * q[1] + double(w.b[2]) * q[2] + double(w.b[3]) * q[3];
 }
 
-// Returns the weight of control point k for Bezier point (i, j) of a bicubic square.
-float bezier_weight(const PatchClass::Node& node, std::size_t k, std::size_t i, std::size_t j)
+// Returns the weight of one of its control points for Bezier point (i, j) of a bicubic square.
+float bezier_weight(const PatchClass::Node& node, std::size_t control, std::size_t i, std::size_t j)
 {
     static const BezierWeights bezier = bezier_weights(0, 1);
     double along[4];
     for (std::size_t r = 0; r < 4; ++r) {
         double row[4];
-        for (std::size_t c = 0; c < 4; ++c) row[c] = double(node.weights[k * 16 + r * 4 + c]);
+        for (std::size_t c = 0; c < 4; ++c) row[c] = double(node.weights[control * 16 + r * 4 + c]);
         along[r] = sum(bezier.row[i], row);
     }
     return static_cast<float>(sum(bezier.row[j], along));
@@ -65,8 +65,9 @@ void add_rows(const PatchClass& kind, const PatchClass::Node& node, int side, st
     for (std::size_t i = 0; i < 4; ++i) {
         if (is_net) {
             const std::size_t across = is_far ? 3 : 0;
-            for (std::size_t k = 0; k < n; ++k)
-                row.weights[k * 4 + i] = along_v ? bezier_weight(node, k, across, i) : bezier_weight(node, k, i, across);
+            for (std::size_t k = 0; k < node.control_count; ++k)
+                row.weights[node.controls[k] * 4 + i] = along_v ? bezier_weight(node, k, across, i)
+                                                                : bezier_weight(node, k, i, across);
             continue;
         }
         const float t = lattice_step(along_v ? node.size_v() : node.size_u(), i);
@@ -79,15 +80,22 @@ void add_rows(const PatchClass& kind, const PatchClass::Node& node, int side, st
 
 }  // namespace
 
+std::size_t PatchHull::bytes() const noexcept
+{
+    return sizeof *this + weights.capacity() * sizeof(float) + speeds.capacity() * sizeof(speeds[0]) +
+           (controls.capacity() + first_rows.capacity()) * sizeof(std::uint32_t);
+}
+
 void PatchHull::add_lattice(const PatchClass& kind, const PatchClass::Node& square)
 {
     const auto n = static_cast<std::size_t>(kind.control_count());
-    float* group = &*weights.insert(weights.end(), n * 16, 0.0f);
+    std::vector<float> group(n * 16);
     for (std::size_t r = 0; r < 16; ++r) {
         const LimitStencil point = kind.limit(square.u0 + lattice_step(square.size_u(), r % 4),
                                               square.v0 + lattice_step(square.size_v(), r / 4));
         for (std::size_t k = 0; k < n; ++k) group[k * 16 + r] = static_cast<float>(point.p[k]);
     }
+    add_group(group);
     speeds.push_back({2 / square.size_u(), 2 / square.size_v()});
 }
 
@@ -98,8 +106,13 @@ PatchHull::PatchHull(const PatchClass& kind, const PatchClass::Node& root)
     nets = speeds.size();
     for (const PatchClass::Node* square : residual) add_lattice(kind, *square);
     squares = speeds.size();
-    if (is_bicubic(root)) return;
+    if (!is_bicubic(root)) add_sides(kind, root);
+    weights.shrink_to_fit();
+    controls.shrink_to_fit();
+}
 
+void PatchHull::add_sides(const PatchClass& kind, const PatchClass::Node& root)
+{
     std::vector<Row> together;
     for (std::size_t side = 0; side < 4; ++side) {
         std::vector<Row> rows;
@@ -111,7 +124,7 @@ PatchHull::PatchHull(const PatchClass& kind, const PatchClass::Node& root)
             continue;
         }
         sides[side].first = static_cast<std::uint16_t>(speeds.size());
-        for (std::size_t row = 0; row < rows.size(); row += 4) add_group(rows, row);
+        for (std::size_t row = 0; row < rows.size(); row += 4) add_borders(rows, row);
         sides[side].count = static_cast<std::uint16_t>(speeds.size() - sides[side].first);
     }
     if (together.empty()) return;
@@ -120,29 +133,42 @@ PatchHull::PatchHull(const PatchClass& kind, const PatchClass::Node& root)
             side.first = static_cast<std::uint16_t>(speeds.size());
             side.count = 1;
         }
-    add_group(together, 0);
+    add_borders(together, 0);
+}
+
+void PatchHull::add_group(const std::vector<float>& all)
+{
+    for (std::size_t k = 0; k < all.size() / 16; ++k) {
+        const auto row = all.begin() + static_cast<std::ptrdiff_t>(k * 16);
+        if (std::all_of(row, row + 16, [](float w) { return w == 0; })) continue;
+        weights.insert(weights.end(), row, row + 16);
+        controls.push_back(static_cast<std::uint32_t>(k));
+    }
+    first_rows.push_back(static_cast<std::uint32_t>(controls.size()));
 }
 
 // Adds the group of rows [first, first + 4); rows that do not exist get weights of 0.
-void PatchHull::add_group(const std::vector<Row>& rows, std::size_t first)
+void PatchHull::add_borders(const std::vector<Row>& rows, std::size_t first)
 {
     const std::size_t n = rows[first].weights.size() / 4;
-    float* group = &*weights.insert(weights.end(), n * 16, 0.0f);
+    std::vector<float> group(n * 16);
     std::array<float, 4>& speed = speeds.emplace_back();
     speed = {};
     for (std::size_t row = 0; row < std::min<std::size_t>(4, rows.size() - first); ++row) {
         speed[row] = rows[first + row].speed;
         for (std::size_t k = 0; k < n; ++k) std::copy_n(&rows[first + row].weights[k * 4], 4, &group[k * 16 + row * 4]);
     }
+    add_group(group);
 }
 
 void PatchHull::add_nets(const PatchClass& kind, const PatchClass::Node& node,
                          std::vector<const PatchClass::Node*>& residual)
 {
     if (is_bicubic(kind.resolve(node))) {
-        const auto n = static_cast<std::size_t>(kind.control_count());
-        for (std::size_t k = 0; k < n; ++k)
-            for (std::size_t r = 0; r < 16; ++r) weights.push_back(bezier_weight(node, k, r % 4, r / 4));
+        std::vector<float> group(static_cast<std::size_t>(kind.control_count()) * 16);
+        for (std::size_t k = 0; k < node.control_count; ++k)
+            for (std::size_t r = 0; r < 16; ++r) group[node.controls[k] * 16 + r] = bezier_weight(node, k, r % 4, r / 4);
+        add_group(group);
         speeds.push_back({3 / node.size_u(), 3 / node.size_v()});
     } else if (is_opened(kind, node)) {
         for (int c = 0; c < node.child_count(); ++c) add_nets(kind, node.children[c], residual);

@@ -7,7 +7,7 @@
 // lattice of limit points replaces the net. A lattice knows nothing of what lies between its points, so nets follow
 // semi-sharp creases until these are smooth, and the lattices lie below that depth.
 //
-// Memory   64 n bytes for each net or lattice of a patch of n control points. A regular patch has one; a patch with one
+// Memory   68 bytes for each control point on which a net or a lattice depends. A regular patch has one; a patch with one
 //          extraordinary corner has some 10, and one for each of its sides.
 // Threads  const once it is made.
 #pragma once
@@ -26,9 +26,14 @@ struct PatchHull {
     /// root   the root of a tree of the class
     PatchHull(const PatchClass& kind, const PatchClass::Node& root);
 
-    /// Groups of 16 points in four rows of four: the weights of control point k for all points of group g are at (g * n + k)
-    /// * 16.
+    /// Returns how many bytes it takes.
+    std::size_t bytes() const noexcept;
+
+    /// Groups of 16 points in four rows of four. Group g has the rows [first_rows[g], first_rows[g + 1]): row r holds the
+    /// weights of control point controls[r] for all points of the group, from r * 16 on. Points that have no weight have no
+    /// row.
     std::vector<float> weights;
+    std::vector<std::uint32_t> controls, first_rows{0};
     /// The factors by which differences within a group are multiplied so that they bound speeds. A square has one along its
     /// rows [0] and one from row to row [1]; a group of borders has one for each row.
     std::vector<std::array<float, 4>> speeds;
@@ -60,9 +65,12 @@ struct PatchHull {
 
 private:
     struct Row;
-    void add_group(const std::vector<Row>& rows, std::size_t first);
+    /// Adds a group with the weights of all control points.
+    void add_group(const std::vector<float>& all);
+    void add_borders(const std::vector<Row>& rows, std::size_t first);
     void add_nets(const PatchClass& kind, const PatchClass::Node& node, std::vector<const PatchClass::Node*>& residual);
     void add_lattice(const PatchClass& kind, const PatchClass::Node& square);
+    void add_sides(const PatchClass& kind, const PatchClass::Node& root);
 };
 
 }  // namespace occam::lod

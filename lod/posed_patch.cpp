@@ -112,11 +112,11 @@ const PieceControls& PosedPatch::piece(const PatchClass::Node& node)
             for (int i = 0; i < 16; ++i) made.controls.c[a][i] = values[a][node.order[i]];
         return made.controls;
     }
-    const std::size_t n = count_;
     for (int i = 0; i < 16; i += kLanes) {
         vfloat sum[3] = {0.0f, 0.0f, 0.0f};
-        for (std::size_t k = 0; k < n; ++k) {
-            const vfloat w = vfloat::load(&node.weights[k * 16 + i]);
+        for (std::size_t row = 0; row < node.control_count; ++row) {
+            const std::uint32_t k = node.controls[row];
+            const vfloat w = vfloat::load(&node.weights[row * 16 + i]);
             for (int a = 0; a < 3; ++a) sum[a] = fma(w, values[a][k], sum[a]);
         }
         for (int a = 0; a < 3; ++a) sum[a].store(&made.controls.c[a][i]);
@@ -146,19 +146,20 @@ bool PosedPatch::needs_differences(int depth)
 // The weights of differences add up to 0, which makes up for it; other weights add up to 1, and each row lacks it once.
 const PieceControls& PosedPatch::differences(const PatchClass::Node& node, bool along_v)
 {
-    const std::size_t n = count_;
+    const std::size_t count = node.control_count;
     const std::size_t matrix = !PatchClass::is_deep(along_v ? node.depth_v : node.depth_u) ? 0
                                : along_v && PatchClass::is_deep(node.depth_u)              ? 2
                                                                                            : 1;
-    const float* weights = node.weights.get() + 16 * n * matrix;
+    const float* weights = node.weights.get() + 16 * count * matrix;
     if (const PieceControls* known = find_piece(weights, true)) return *known;
     Piece& made = pieces_.emplace_back();
     made.weights = weights;
     made.is_relative = true;
     for (int i = 0; i < 16; i += kLanes) {
         vfloat sum[3] = {0.0f, 0.0f, 0.0f};
-        for (std::size_t k = 1; k < n; ++k) {
-            const vfloat w = vfloat::load(&weights[k * 16 + i]);
+        for (std::size_t row = 0; row < count; ++row) {
+            const std::uint32_t k = node.controls[row];
+            const vfloat w = vfloat::load(&weights[row * 16 + i]);
             sum[0] = fma(w, x_[k] - x_[0], sum[0]);
             sum[1] = fma(w, y_[k] - y_[0], sum[1]);
             sum[2] = fma(w, z_[k] - z_[0], sum[2]);

@@ -9,10 +9,11 @@ namespace occam::lod {
 
 PosedPatch::Points PosedPatch::points(const PatchHull& hull, std::size_t group) const
 {
-    const std::size_t n = count_;
-    const float* w = &hull.weights[group * n * 16];
+    const std::uint32_t first = hull.first_rows[group], end = hull.first_rows[group + 1];
+    const float* w = hull.weights.data() + std::size_t(first) * 16;
     Points p{0.0f, 0.0f, 0.0f};
-    for (std::size_t k = 0; k < n; ++k, w += 16) {
+    for (std::uint32_t row = first; row < end; ++row, w += 16) {
+        const std::uint32_t k = hull.controls[row];
         prefetch(w + PatchHull::kAhead);
         const vfloat4x4 weight = vfloat4x4::load(w);
         p.x = fma(weight, vfloat(x_[k]), p.x);

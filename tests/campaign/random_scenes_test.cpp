@@ -17,8 +17,15 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// Tests one seed; a failing case is made as small as possible before it is reported.
-void expect_holds(std::uint64_t seed, const CaseCheck& check)
+void expect_holds(std::uint64_t seed, const CaseCheck& of_case)
 {
+    const CaseCheck check = [&](const RandomCase& c) -> std::string {
+        try {
+            return of_case(c);
+        } catch (const std::exception& e) {
+            return e.what();
+        }
+    };
     const RandomCase c = random_case(seed);
     const std::string fault = check(c);
     if (fault.empty()) return;

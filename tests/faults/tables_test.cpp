@@ -24,7 +24,7 @@ Made make(const lod::PatchClass& kind)
     made.hull.assign(kind.hull().weights.begin(), kind.hull().weights.end());
     const lod::PatchClass::Node& leaf = kind.locate(0.3f, 0.9f);
     if (leaf.kind == lod::PatchClass::Node::Bicubic)
-        made.rows.assign(leaf.weights.get(), leaf.weights.get() + 16 * kind.control_count());
+        made.rows.assign(leaf.weights.get(), leaf.weights.get() + 16 * leaf.control_count);
     return made;
 }
 
