@@ -66,9 +66,18 @@ float OwnedCurves::displaced_speed(const PosedCage& cage, std::uint32_t curve, f
 
 Vec3f OwnedCurves::vertex_point(const PosedCage& cage, std::uint32_t vertex, int filter)
 {
-    if (cage.is_displaced()) return surface_.point(cage, cage.topology->vertex_point(vertex), filter);
-    auto& entry = corners_.entry(cage, vertex);
-    if (entry.holds(cage, vertex)) return entry.value;
+    const Corner corner{vertex, cage.is_displaced() ? filter : 0};
+    // The curves along u often ask for another level than those along v, by turns.
+    auto& entry = corners_.entry(cage, vertex + (static_cast<std::uint32_t>(corner.filter) & 1) * (kCorners / 2));
+    if (entry.holds(cage, corner)) return entry.value;
+    const Vec3f p = cage.is_displaced() ? surface_.point(cage, cage.topology->vertex_point(vertex), filter)
+                                        : undisplaced_vertex_point(cage, vertex);
+    entry = {&cage, corner, p};
+    return p;
+}
+
+Vec3f OwnedCurves::undisplaced_vertex_point(const PosedCage& cage, std::uint32_t vertex)
+{
     const PatchPoint at = cage.topology->vertex_point(vertex);
     const PatchControls& controls = cage.topology->controls(at.patch);
     const PointStencil& stencil = controls.kind->corner(int(at.u == 1) + 2 * int(at.v == 1));
@@ -79,7 +88,6 @@ Vec3f OwnedCurves::vertex_point(const PosedCage& cage, std::uint32_t vertex, int
         const float w = stencil.weights[i];
         sum = {fma(w, p.x, sum.x), fma(w, p.y, sum.y), fma(w, p.z, sum.z)};
     }
-    entry = {&cage, vertex, sum};
     return sum;
 }
 

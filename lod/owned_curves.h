@@ -44,7 +44,17 @@ private:
         std::array<Vec3f, 3> p{};                       ///< points at 1/4, 1/2 and 3/4; not for displaced cages
     };
 
+    /// A vertex of the cage, and the level for which a displaced cage is filtered there; 0 for others.
+    struct Corner {
+        std::uint32_t vertex;
+        int filter;
+        bool operator==(const Corner&) const = default;
+    };
+
+    static constexpr std::size_t kCorners = 4096;
+
     Known& known(const PosedCage& cage, std::uint32_t curve);
+    Vec3f undisplaced_vertex_point(const PosedCage& cage, std::uint32_t vertex);
     /// Computes points of a part of a curve that has one owner, except at ends and knots.
     void points_of_owner(const PosedCage& cage, std::uint32_t curve, int filter, float c0, float dc, std::span<Vec3f> out);
     Vec3f end_point(const PosedCage& cage, std::uint32_t curve, int filter, int end);
@@ -53,7 +63,7 @@ private:
 
     PatchSurface& surface_;
     CageTable<std::uint32_t, Known, 4096> curves_;
-    CageTable<std::uint32_t, Vec3f, 4096> corners_;  ///< limit points that all levels of several patches share
+    CageTable<Corner, Vec3f, kCorners> corners_;  ///< points that several patches share; without displacement all levels do
 };
 
 }  // namespace occam::lod
