@@ -15,7 +15,7 @@ public:
     Pooled(const Pooled&) = delete;
     Pooled& operator=(const Pooled&) = delete;
 
-    void evaluate(double u, double v, LimitStencil& out) const override { hold()->evaluate(u, v, out); }
+    void evaluate(double u, double v, Of of, LimitStencil& out) const override { hold()->evaluate(u, v, of, out); }
     std::size_t bytes() const noexcept override { return sizeof(Pooled); }
 
 private:

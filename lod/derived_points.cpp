@@ -65,15 +65,6 @@ Cage fan_mesh(std::span<const float> sharpness)
 
 }  // namespace
 
-SmallSurface::SmallSurface(const Cage& mesh) : refiner_(make_refiner(mesh)), factory_(make_factory(*refiner_)) {}
-
-Bfr::Surface<double> SmallSurface::surface(int face) const
-{
-    Bfr::Surface<double> surface;
-    OCCAM_CHECK_EQ(factory_->InitVertexSurface(face, &surface), true);
-    return surface;
-}
-
 FanModel::FanModel(std::span<const float> sharpness, std::size_t own)
     : mesh_(fan_mesh(sharpness)), is_smooth_(std::ranges::all_of(sharpness, [](float s) { return s == 0; }))
 {

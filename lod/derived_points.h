@@ -19,7 +19,8 @@
 #include <vector>
 
 #include "lod/class_memory.h"
-#include "lod/topology_mesh.h"
+#include "lod/mesh_part.h"
+#include "lod/small_surface.h"
 
 namespace occam::lod {
 
@@ -28,19 +29,6 @@ inline constexpr int kLargeFrom = 65;
 /// A patch that would depend on more vertices takes derived points, too: some hundreds of them stand for what is around the
 /// corners of one quad of the refined cage.
 inline constexpr std::size_t kMostControls = 1024;
-
-/// The limit surface of a small mesh, by OpenSubdiv's Bfr.
-class SmallSurface {
-public:
-    explicit SmallSurface(const Cage& mesh);
-    OpenSubdiv::Bfr::Surface<double> surface(int face) const;
-    /// Returns about how many bytes the connectivity of the mesh takes.
-    std::size_t bytes() const noexcept { return bytes_of(refiner_->GetLevel(0)); }
-
-private:
-    std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> refiner_;
-    std::unique_ptr<const SurfaceFactory> factory_;
-};
 
 /// Tells how the surface in one sector of a large vertex follows a move of that vertex, with all other points at rest. The
 /// sector is [0, 2] x [0, 2] in steps of the level at which the vertex moves.
@@ -118,10 +106,6 @@ private:
     mutable std::size_t most_fans_ = 1024;  ///< at this number of entries those without a model are dropped
 };
 
-/// A face around a vertex, and which of its corners the vertex is.
-struct Sector {
-    int face = 0, corner = 0;
-};
 /// Returns the faces that follow a sector around its vertex, at most `most` of them, up to a border or to the sector itself.
 std::vector<Sector> sectors_after(const OpenSubdiv::Far::TopologyLevel& level, Sector from, bool counter_clockwise,
                                   std::size_t most);

@@ -96,10 +96,10 @@ const PatchClass::Node& PatchClass::look_into(const Node& node) const
     return node;
 }
 
-LimitStencil PatchClass::limit(double u, double v) const
+LimitStencil PatchClass::limit(double u, double v, LimitSource::Of of) const
 {
     LimitStencil stencil;
-    source_->evaluate(u, v, stencil);
+    source_->evaluate(u, v, of, stencil);
     return stencil;
 }
 
@@ -191,7 +191,8 @@ bool PatchClass::is_cubic_along(const Node& node, bool along_v) const
     LimitStencil trial;
     for (const double line : kLines) {
         const auto evaluate = [&](double t, LimitStencil& out) {
-            source_->evaluate(node.u0 + size_u * (along_v ? line : t), node.v0 + size_v * (along_v ? t : line), out);
+            source_->evaluate(node.u0 + size_u * (along_v ? line : t), node.v0 + size_v * (along_v ? t : line),
+                              LimitSource::Of::Point, out);
         };
         for (std::size_t s = 0; s < 4; ++s) evaluate(kSamples[s], samples[s]);
         for (const double t : kTrialsOfLine) {
@@ -218,7 +219,8 @@ bool PatchClass::fit_bicubic(Node& node) const
     std::vector<double> samples(16 * n);
     for (int t = 0; t < 4; ++t)
         for (int s = 0; s < 4; ++s) {
-            source_->evaluate(node.u0 + size_u * kSamples[s], node.v0 + size_v * kSamples[t], stencil);
+            source_->evaluate(node.u0 + size_u * kSamples[s], node.v0 + size_v * kSamples[t], LimitSource::Of::Point,
+                              stencil);
             std::copy(stencil.p.begin(), stencil.p.end(), samples.begin() + (t * 4 + s) * n);
         }
     // The control net is the tensor product of the inverse with itself, applied to the samples of each control point's
@@ -232,7 +234,7 @@ bool PatchClass::fit_bicubic(Node& node) const
                     for (std::size_t k = 0; k < n; ++k) net[(j * 4 + i) * n + k] += f * samples[(t * 4 + s) * n + k];
                 }
     const auto agrees = [&](const std::array<double, 2>& trial) {
-        source_->evaluate(node.u0 + size_u * trial[0], node.v0 + size_v * trial[1], stencil);
+        source_->evaluate(node.u0 + size_u * trial[0], node.v0 + size_v * trial[1], LimitSource::Of::Point, stencil);
         const auto bu = basis(trial[0]), bv = basis(trial[1]);
         for (std::size_t k = 0; k < n; ++k) {
             double w = 0;
@@ -293,9 +295,9 @@ void PatchClass::fill_direct(Node& node) const
     const std::size_t n = control_count_;
     node.weights = std::make_unique<float[]>(4 * 3 * n);
     count(4 * 3 * n * sizeof(float));
-    LimitStencil stencil;
     for (int c = 0; c < 4; ++c) {
-        source_->evaluate(node.u0 + (c & 1 ? node.size_u() : 0), node.v0 + (c & 2 ? node.size_v() : 0), stencil);
+        const LimitStencil stencil = limit(node.u0 + (c & 1 ? node.size_u() : 0), node.v0 + (c & 2 ? node.size_v() : 0),
+                                           LimitSource::Of::PointAndTangents);
         float* rows = &node.weights[c * 3 * n];
         for (std::size_t k = 0; k < n; ++k) {
             rows[k] = static_cast<float>(stencil.p[k]);
@@ -314,8 +316,7 @@ void PatchClass::direct_rows(const Node& leaf, float u, float v, float* rows) co
         std::copy(table, table + 3 * n, rows);
         return;
     }
-    LimitStencil stencil;
-    source_->evaluate(u, v, stencil);
+    const LimitStencil stencil = limit(u, v, LimitSource::Of::PointAndTangents);
     for (std::size_t k = 0; k < n; ++k) {
         rows[k] = static_cast<float>(stencil.p[k]);
         rows[n + k] = static_cast<float>(stencil.du[k]);

@@ -43,8 +43,12 @@ struct LimitStencil {
 class LimitSource {
 public:
     virtual ~LimitSource() = default;
-    /// Evaluates at u, v in [0, 1] of the patch. It sizes `out` to the class's control points and is thread-safe.
-    virtual void evaluate(double u, double v, LimitStencil& out) const = 0;
+
+    /// What is evaluated: tangents take twice as long again as the point.
+    enum class Of { Point, PointAndTangents };
+    /// Evaluates at u, v in [0, 1] of the patch. It sizes what it writes of `out` to the class's control points and is
+    /// thread-safe.
+    virtual void evaluate(double u, double v, Of of, LimitStencil& out) const = 0;
     /// Returns about how many bytes the source takes.
     virtual std::size_t bytes() const noexcept = 0;
 };
@@ -131,7 +135,7 @@ public:
     /// Computes the limit stencil of a point in a Direct leaf: at corners from the leaf's table, elsewhere by evaluation.
     /// rows     3 * n floats: p, du, dv, with respect to the patch's [0, 1]
     void direct_rows(const Node& leaf, float u, float v, float* rows) const;
-    LimitStencil limit(double u, double v) const;
+    LimitStencil limit(double u, double v, LimitSource::Of of = LimitSource::Of::Point) const;
     /// Returns the limit point at u = corner & 1, v = corner >> 1; it is made when it is first needed.
     const PointStencil& corner(int corner) const;
 

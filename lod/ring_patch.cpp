@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <set>
-#include <unordered_map>
+#include <memory>
+
+#include "lod/corner_limits.h"
 
 namespace occam::lod {
 namespace {
@@ -42,19 +43,22 @@ std::vector<Sector> quads_of(const DerivedPoints& points, PatchRef patch)
 
 class RingBuilder {
 public:
-    RingBuilder(const DerivedPoints& points, BoundaryRule boundary) : points_(points), level_(points.level())
+    RingBuilder(const DerivedPoints& points, BoundaryRule boundary)
+        : points_(points), level_(points.level()), part_(level_, boundary)
     {
-        // Where the rule leaves out faces at borders, those that are left touch none, but cutting makes some.
-        out.mesh.boundary = boundary == BoundaryRule::None ? BoundaryRule::EdgeAndCorner : boundary;
     }
 
     void add(const std::vector<Sector>& quads)
     {
-        for (const Sector& quad : quads) add_face(quad);
+        for (const Sector& quad : quads) part_.add(quad);
         out.quads.resize(quads.size());
         for (std::size_t q = 0; q < quads.size(); ++q)
             for (int corner = 0; corner < 4; ++corner) add_around(quads[q], corner, out.quads[q]);
-        add_sharpness();
+        part_.add_sharpness();
+        out.controls.assign(part_.vertices.begin(), part_.vertices.end());
+        out.mesh = std::move(part_.mesh);
+        hold_large_vertices();
+        find_crease_depth();
         for (RingPatch::Quad& quad : out.quads)
             for (RingPatch::Pole& pole : quad.poles) {
                 const std::uint32_t first = pole.first_move;
@@ -67,25 +71,6 @@ public:
     RingPatch out;
 
 private:
-    std::uint32_t number_of(int vertex)
-    {
-        const auto [at, is_new] = numbers_.emplace(vertex, static_cast<std::uint32_t>(out.controls.size()));
-        if (is_new) {
-            out.controls.push_back(static_cast<std::uint32_t>(vertex));
-            out.mesh.positions.emplace_back(0);
-        }
-        return at->second;
-    }
-
-    void add_face(const Sector& sector)
-    {
-        if (!faces_.insert(sector.face).second) return;
-        const auto vertices = level_.GetFaceVertices(sector.face);
-        out.mesh.face_sizes.push_back(4);
-        for (int i = 0; i < 4; ++i) out.mesh.face_vertices.push_back(number_of(vertices[(sector.corner + i) % 4]));
-        for (const int edge : level_.GetFaceEdges(sector.face)) edges_.push_back(edge);
-    }
-
     /// Adds the quads around a corner of a quad; around a large vertex some of them, and its moves.
     void add_around(const Sector& quad, int corner, RingPatch::Quad& to)
     {
@@ -95,13 +80,13 @@ private:
         const std::size_t most = is_large ? kSectors : static_cast<std::size_t>(level_.GetVertexFaces(vertex).size());
         const std::vector<Sector> after = sectors_after(level_, own, true, most),
                                   before = sectors_after(level_, own, false, most);
-        for (const Sector& sector : after) add_face(sector);
-        for (const Sector& sector : before) add_face(sector);
+        for (const Sector& sector : after) part_.add(sector);
+        for (const Sector& sector : before) part_.add(sector);
         if (!is_large) {
             // What is left around a vertex that is not manifold.
             const auto faces = level_.GetVertexFaces(vertex);
             const auto places = level_.GetVertexFaceLocalIndices(vertex);
-            for (int f = 0; f < faces.size(); ++f) add_face({faces[f], places[f]});
+            for (int f = 0; f < faces.size(); ++f) part_.add({faces[f], places[f]});
             return;
         }
         const std::uint32_t first = points_.first_move(vertex);
@@ -119,28 +104,22 @@ private:
         spoke(after.empty() ? own : after.back(), 3);
     }
 
-    void add_sharpness()
+    void hold_large_vertices()
+    {
+        std::erase_if(out.mesh.corners, [&](const Corner& c) { return is_large(c.vertex); });
+        for (std::uint32_t v = 0; v < out.mesh.positions.size(); ++v)
+            if (is_large(v)) out.mesh.corners.push_back({v, kInfiniteSharpness});
+        std::ranges::sort(out.mesh.corners, {}, &Corner::vertex);
+    }
+    bool is_large(std::uint32_t vertex) const { return points_.is_large(static_cast<int>(out.controls[vertex])); }
+    void find_crease_depth()
     {
         const auto deepen = [&](float sharpness) {
-            if (sharpness > 0 && !Sdc::Crease::IsInfinite(sharpness))
+            if (!Sdc::Crease::IsInfinite(sharpness))
                 out.crease_depth = std::max(out.crease_depth, static_cast<int>(std::ceil(sharpness)) + 1);
         };
-        std::set<int> known;
-        for (const int edge : edges_) {
-            const float sharpness = level_.GetEdgeSharpness(edge);
-            if (!(sharpness > 0) || level_.IsEdgeBoundary(edge) || !known.insert(edge).second) continue;
-            const auto ends = level_.GetEdgeVertices(edge);
-            out.mesh.creases.push_back({number_of(ends[0]), number_of(ends[1]), sharpness});
-            if (out.mesh.creases.back().v0 > out.mesh.creases.back().v1)
-                std::swap(out.mesh.creases.back().v0, out.mesh.creases.back().v1);
-            deepen(sharpness);
-        }
-        for (std::uint32_t v = 0; v < out.mesh.positions.size(); ++v) {
-            const int vertex = static_cast<int>(out.controls[v]);
-            const float sharpness = points_.is_large(vertex) ? kInfiniteSharpness : level_.GetVertexSharpness(vertex);
-            if (sharpness > 0) out.mesh.corners.push_back({v, sharpness});
-            deepen(sharpness);
-        }
+        for (const Crease& c : out.mesh.creases) deepen(c.sharpness);
+        for (const Corner& c : out.mesh.corners) deepen(c.sharpness);
     }
 
     void make_key()
@@ -166,9 +145,7 @@ private:
 
     const DerivedPoints& points_;
     const Far::TopologyLevel& level_;
-    std::unordered_map<int, std::uint32_t> numbers_;
-    std::set<int> faces_;
-    std::vector<int> edges_;
+    MeshPart part_;
 };
 
 class RingSource : public LimitSource {
@@ -178,9 +155,11 @@ public:
         for (std::size_t q = 0; q < patch.quads.size(); ++q) {
             Quad& quad = quads_.emplace_back();
             quad.surface = mesh_.surface(static_cast<int>(q));
-            std::vector<int> own(static_cast<std::size_t>(quad.surface.GetNumControlPoints()));
-            quad.surface.GetControlPointIndices(own.data());
-            quad.number.assign(own.begin(), own.end());
+            quad.vertices.resize(static_cast<std::size_t>(quad.surface.GetNumControlPoints()));
+            quad.surface.GetControlPointIndices(quad.vertices.data());
+            if (!quad.surface.IsRegular())
+                quad.corners = std::make_unique<const CornerLimits>(mesh_.level(), Sector{static_cast<int>(q), 0},
+                                                                    patch.mesh.boundary);
             for (const RingPatch::Pole& pole : patch.quads[q].poles) {
                 Pole& made = quad.poles.emplace_back(Pole{pole.corner, pole.first_move, {}});
                 for (int k = 0; k < DerivedPoints::kMoves; ++k)
@@ -193,24 +172,28 @@ public:
     {
         std::size_t bytes = sizeof *this + mesh_.bytes();
         for (const Quad& quad : quads_) {
-            bytes += sizeof quad + bytes_of(quad.surface);
+            bytes += sizeof quad + 2 * bytes_of(quad.surface);  // the surface at a corner takes as much again
             for (const Pole& pole : quad.poles)
                 for (const auto& fan : pole.fans) bytes += sizeof fan + (fan->is_smooth() ? 0 : fan->bytes());
         }
         return bytes;
     }
 
-    void evaluate(double u, double v, LimitStencil& out) const override
+    void evaluate(double u, double v, Of of, LimitStencil& out) const override
     {
         out.p.assign(count_, 0);
+        const bool right = u >= 0.5, top = v >= 0.5;
+        const std::size_t q = quads_.size() == 1 ? 0 : top ? (right ? 2 : 3) : (right ? 1 : 0);
+        const Place place = quads_.size() == 1 ? Place{u, v, {1, 0}, {0, 1}}
+                            : q == 0           ? Place{2 * u, 2 * v, {2, 0}, {0, 2}}
+                            : q == 1           ? Place{2 * v, 2 * (1 - u), {0, -2}, {2, 0}}
+                            : q == 2           ? Place{2 * (1 - u), 2 * (1 - v), {-2, 0}, {0, -2}}
+                                               : Place{2 * (1 - v), 2 * u, {0, 2}, {-2, 0}};
+        add_points(quads_[q], place.s, place.t, out);
+        if (of == Of::Point) return;
         out.du.assign(count_, 0);
         out.dv.assign(count_, 0);
-        if (quads_.size() == 1) return evaluate_quad(quads_.front(), {u, v, {1, 0}, {0, 1}}, out);
-        const bool right = u >= 0.5, top = v >= 0.5;
-        if (!right && !top) return evaluate_quad(quads_[0], {2 * u, 2 * v, {2, 0}, {0, 2}}, out);
-        if (!top) return evaluate_quad(quads_[1], {2 * v, 2 * (1 - u), {0, -2}, {2, 0}}, out);
-        if (right) return evaluate_quad(quads_[2], {2 * (1 - u), 2 * (1 - v), {-2, 0}, {0, -2}}, out);
-        evaluate_quad(quads_[3], {2 * (1 - v), 2 * u, {0, 2}, {-2, 0}}, out);
+        add_tangents(quads_[q], place, out);
     }
 
 private:
@@ -221,7 +204,8 @@ private:
     };
     struct Quad {
         Bfr::Surface<double> surface;
-        std::vector<std::size_t> number;
+        std::vector<int> vertices;                    ///< of the mesh: its control points
+        std::unique_ptr<const CornerLimits> corners;  ///< null for a regular quad
         std::vector<Pole> poles;
     };
     /// Parameters in a quad, and the derivatives of both with respect to the patch's u and v.
@@ -230,59 +214,42 @@ private:
         double by_u[2], by_v[2];
     };
 
-    /// Returns parameters counted from a corner: along the edge to the next corner, and along the one from the corner
-    /// before.
-    static std::array<double, 2> from_corner(int corner, double s, double t) noexcept
+    /// Evaluates a quad without moves, and returns the vertices of the mesh that the weights belong to.
+    static std::span<const int> evaluate_at_rest(const Quad& quad, double s, double t, Of of, LimitStencil& out)
     {
-        switch (corner) {
-            case 0:
-                return {s, t};
-            case 1:
-                return {t, 1 - s};
-            case 2:
-                return {1 - s, 1 - t};
-            default:
-                return {1 - t, s};
-        }
-    }
-    /// Does the inverse of from_corner().
-    static std::array<double, 2> to_quad(int corner, double x, double y) noexcept
-    {
-        return from_corner((4 - corner) % 4, x, y);
-    }
-
-    /// Adds the weights at (s, t) to out: those of the point, or those of both derivatives.
-    void add_weights(const Quad& quad, double s, double t, bool is_point, const Place& place, LimitStencil& out) const
-    {
-        const auto add = [&](std::size_t control, double p, double ds, double dt) {
-            if (is_point) {
-                out.p[control] += p;
-                return;
-            }
-            out.du[control] += ds * place.by_u[0] + dt * place.by_u[1];
-            out.dv[control] += ds * place.by_v[0] + dt * place.by_v[1];
-        };
-        const std::size_t n = quad.number.size();
-        std::vector<double> rows(3 * n);
+        if (quad.corners && quad.corners->evaluate(s, t, of, out)) return quad.corners->vertices();
+        const std::size_t n = quad.vertices.size();
         const double uv[2] = {s, t};
-        quad.surface.EvaluateStencil(uv, rows.data(), rows.data() + n, rows.data() + 2 * n);
-        for (std::size_t i = 0; i < n; ++i) add(quad.number[i], rows[i], rows[n + i], rows[2 * n + i]);
+        out.p.resize(n);
+        if (of == Of::Point) {
+            quad.surface.EvaluateStencil(uv, out.p.data());
+        } else {
+            out.du.resize(n);
+            out.dv.resize(n);
+            quad.surface.EvaluateStencil(uv, out.p.data(), out.du.data(), out.dv.data());
+        }
+        return quad.vertices;
+    }
+    /// Calls add(control, w, scale, corner) for each move that changes the surface at (s, t): w are the weights of the point
+    /// and of its derivatives by parameters that are counted from the corner, in steps of 1 / scale.
+    static void for_each_move(const Quad& quad, double s, double t, auto&& add)
+    {
         for (const Pole& pole : quad.poles) {
             const auto [x, y] = from_corner(pole.corner, s, t);
             double scale = 2;
-            for (std::size_t k = 0; k < pole.fans.size() && std::max(x, y) * scale < 2; ++k, scale *= 2) {
-                const std::array<double, 3> w = pole.fans[k]->weight(x * scale, y * scale);
-                // The derivatives turn with the corner.
-                const auto d = from_corner((4 - pole.corner) % 4, w[1] * scale, w[2] * scale);
-                const auto none = from_corner((4 - pole.corner) % 4, 0, 0);
-                add(pole.first_move + k, w[0], d[0] - none[0], d[1] - none[1]);
-            }
+            for (std::size_t k = 0; k < pole.fans.size() && std::max(x, y) * scale < 2; ++k, scale *= 2)
+                add(pole.first_move + k, pole.fans[k]->weight(x * scale, y * scale), scale, pole.corner);
         }
     }
-
-    void evaluate_quad(const Quad& quad, const Place& place, LimitStencil& out) const
+    void add_points(const Quad& quad, double s, double t, LimitStencil& out) const
     {
-        add_weights(quad, place.s, place.t, true, place, out);
+        LimitStencil own;
+        const std::span<const int> vertices = evaluate_at_rest(quad, s, t, Of::Point, own);
+        for (std::size_t i = 0; i < vertices.size(); ++i) out.p[static_cast<std::size_t>(vertices[i])] += own.p[i];
+        for_each_move(quad, s, t, [&](std::size_t control, const auto& w, double, int) { out.p[control] += w[0]; });
+    }
+    void add_tangents(const Quad& quad, const Place& place, LimitStencil& out) const
+    {
         double s = place.s, t = place.t;
         for (const Pole& pole : quad.poles) {
             const auto [x, y] = from_corner(pole.corner, s, t);
@@ -291,7 +258,17 @@ private:
             s = beside[0];
             t = beside[1];
         }
-        add_weights(quad, s, t, false, place, out);
+        const auto add = [&](std::size_t control, double ds, double dt) {
+            out.du[control] += ds * place.by_u[0] + dt * place.by_u[1];
+            out.dv[control] += ds * place.by_v[0] + dt * place.by_v[1];
+        };
+        LimitStencil own;
+        const std::span<const int> vertices = evaluate_at_rest(quad, s, t, Of::PointAndTangents, own);
+        for (std::size_t i = 0; i < vertices.size(); ++i) add(static_cast<std::size_t>(vertices[i]), own.du[i], own.dv[i]);
+        for_each_move(quad, s, t, [&](std::size_t control, const auto& w, double scale, int corner) {
+            const auto d = derivatives_in_quad(corner, w[1] * scale, w[2] * scale);
+            add(control, d[0], d[1]);
+        });
     }
 
     std::size_t count_;
@@ -302,7 +279,7 @@ private:
 class BilinearSource : public LimitSource {
 public:
     std::size_t bytes() const noexcept override { return sizeof *this; }
-    void evaluate(double u, double v, LimitStencil& out) const override
+    void evaluate(double u, double v, Of, LimitStencil& out) const override
     {
         out.p = {(1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v};
         out.du = {v - 1, 1 - v, v, -v};

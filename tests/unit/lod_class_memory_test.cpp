@@ -18,7 +18,7 @@ namespace {
 
 struct Constant final : LimitSource {
     explicit Constant(double v) : value(v) {}
-    void evaluate(double, double, LimitStencil& out) const override { out.p.assign(1, value); }
+    void evaluate(double, double, Of, LimitStencil& out) const override { out.p.assign(1, value); }
     std::size_t bytes() const noexcept override { return 1000; }
     double value;
 };
@@ -33,7 +33,7 @@ TEST(ClassMemory, KeepsThePooledSourcesThatWereUsedLast)
     EXPECT_EQ(made, 0) << "none is made before it is used";
     LimitStencil stencil;
     const auto use = [&](std::size_t i) {
-        sources[i]->evaluate(0, 0, stencil);
+        sources[i]->evaluate(0, 0, LimitSource::Of::Point, stencil);
         EXPECT_EQ(stencil.p.at(0), double(i));
     };
     for (const std::size_t i : {0, 1, 2, 0, 3}) use(i);
@@ -171,8 +171,10 @@ TEST(ClassMemory, DoesNotChangeTheSurface)
     for (std::uint32_t face = 0; face < plenty.face_count(); ++face) {
         const PatchControls &a = plenty.controls({face, 0}), &b = tight.controls({face, 0});
         for (const double u : {0.0, 0.3, 0.99}) {
-            const LimitStencil x = a.kind->limit(u, 0.7), y = b.kind->limit(u, 0.7);
+            constexpr auto kOf = LimitSource::Of::PointAndTangents;
+            const LimitStencil x = a.kind->limit(u, 0.7, kOf), y = b.kind->limit(u, 0.7, kOf);
             EXPECT_EQ(x.p, y.p);
+            EXPECT_EQ(x.p, a.kind->limit(u, 0.7).p);
             EXPECT_EQ(x.du, y.du);
         }
     }

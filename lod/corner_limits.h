@@ -1,0 +1,48 @@
+// The limit surface close to the corners of a quad, where OpenSubdiv approximates it.
+//
+// Bfr divides a patch at most ten times towards a corner that is not regular. Beside such a corner it approximates what is
+// left: a ring of a thousandth of the quad's side. At the end of an infinitely sharp crease inside of a surface it does so
+// at the corner, too, and normals converge slowly there. So points this close are found in the quad of the corner after
+// nine steps of subdivision (Catmull and Clark 1978; Stam 1998), whose vertices are sums of those around the whole quad, and
+// which Bfr may divide ten times more.
+//
+// Memory   the surface of the corner that was asked for last.
+// Threads  const calls from any thread.
+// This header is private to lod/.
+#pragma once
+
+#include <memory>
+#include <mutex>
+
+#include "lod/mesh_part.h"
+#include "lod/patch_class.h"
+
+namespace occam::lod {
+
+class CornerLimits {
+public:
+    /// level   connectivity, which must outlive this
+    /// quad    a quad of it, from the corner at (0, 0) on; or a corner of another face, whose part there is the quad
+    CornerLimits(const OpenSubdiv::Far::TopologyLevel& level, const Sector& quad, BoundaryRule boundary);
+    ~CornerLimits();
+
+    /// The vertices of the level on which the quad depends.
+    const std::vector<int>& vertices() const noexcept { return part_.vertices; }
+    /// Evaluates the weights of vertices() at (u, v) in [0, 1] of the quad. Returns false where Bfr itself is exact.
+    bool evaluate(double u, double v, LimitSource::Of of, LimitStencil& out) const;
+
+private:
+    class Refined;
+
+    std::shared_ptr<const Refined> refined(int corner) const;
+
+    MeshPart part_;
+    bool is_whole_;  ///< whether the quad is a face, and not a part of one
+    /// Whether Bfr approximates at each corner, and beside it.
+    std::array<bool, 4> at_{}, beside_{};
+    mutable std::mutex mutex_;  // guards the members below
+    mutable std::shared_ptr<const Refined> last_;
+    mutable int last_corner_ = -1;
+};
+
+}  // namespace occam::lod
