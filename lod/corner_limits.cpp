@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "lod/bfr_source.h"
 #include "lod/small_surface.h"
 
 namespace occam::lod {
@@ -39,19 +40,13 @@ struct WeightedPart {
 WeightedPart refined_at(const WeightedPart& coarse, int corner)
 {
     const auto refiner = make_refiner(coarse.mesh);
-    Far::TopologyRefiner::UniformOptions once(1);
-    once.fullTopologyInLastLevel = true;
-    refiner->RefineUniform(once);
-    const Far::TopologyLevel &base = refiner->GetLevel(0), &level = refiner->GetLevel(1);
+    refine_once(*refiner);
+    const Far::TopologyLevel& level = refiner->GetLevel(1);
     std::vector<Weights> all(static_cast<std::size_t>(level.GetNumVertices()));
     Far::PrimvarRefinerReal<double>(*refiner).Interpolate(1, coarse.weights, all);
 
-    const int vertex = base.GetVertexChildVertex(base.GetFaceVertices(0)[corner]);
-    // The children of a face are in the order of its corners.
-    Sector quad{base.GetFaceChildFaces(0)[corner], 0};
-    while (level.GetFaceVertices(quad.face)[quad.corner] != vertex) ++quad.corner;
     MeshPart part(level, coarse.mesh.boundary);
-    part.add_with_neighbours(quad);
+    part.add_with_neighbours(child_at(refiner->GetLevel(0), level, {0, corner}));
     part.add_sharpness();
     WeightedPart fine{std::move(part.mesh), {}};
     for (const int v : part.vertices) fine.weights.push_back(std::move(all[static_cast<std::size_t>(v)]));
@@ -99,25 +94,20 @@ public:
     void evaluate(int corner, double x, double y, LimitSource::Of of, LimitStencil& out) const
     {
         constexpr double kScale = 1 << kSteps;
-        const double uv[2] = {x * kScale, y * kScale};
-        const std::size_t n = weights_.size();
-        std::vector<double> rows(3 * n);
-        const bool has_tangents = of == LimitSource::Of::PointAndTangents;
-        if (has_tangents) surface_.EvaluateStencil(uv, rows.data(), rows.data() + n, rows.data() + 2 * n);
-        else surface_.EvaluateStencil(uv, rows.data());
-        out.p.assign(count_, 0);
-        for (std::size_t i = 0; i < n; ++i)
-            for (std::size_t k = 0; k < count_; ++k) out.p[k] += rows[i] * weights_[i][k];
-        if (!has_tangents) return;
-        out.du.assign(count_, 0);
-        out.dv.assign(count_, 0);
-        for (std::size_t i = 0; i < n; ++i) {
-            const auto d = derivatives_in_quad(corner, rows[n + i] * kScale, rows[2 * n + i] * kScale);
-            for (std::size_t k = 0; k < count_; ++k) {
-                out.du[k] += d[0] * weights_[i][k];
-                out.dv[k] += d[1] * weights_[i][k];
-            }
-        }
+        LimitStencil own;
+        lod::evaluate(surface_, x * kScale, y * kScale, of, own);
+        const auto sum = [&](auto&& weight_of, std::vector<double>& to) {
+            to.assign(count_, 0);
+            for (std::size_t i = 0; i < weights_.size(); ++i)
+                for (std::size_t k = 0; k < count_; ++k) to[k] += weight_of(i) * weights_[i][k];
+        };
+        sum([&](std::size_t i) { return own.p[i]; }, out.p);
+        if (of == LimitSource::Of::Point) return;
+        const auto derivatives = [&](std::size_t i) {
+            return derivatives_in_quad(corner, own.du[i] * kScale, own.dv[i] * kScale);
+        };
+        sum([&](std::size_t i) { return derivatives(i)[0]; }, out.du);
+        sum([&](std::size_t i) { return derivatives(i)[1]; }, out.dv);
     }
 
 private:
@@ -147,9 +137,9 @@ CornerLimits::CornerLimits(const Far::TopologyLevel& level, const Sector& quad, 
 
 CornerLimits::~CornerLimits() = default;
 
+// The lock is held.
 std::shared_ptr<const CornerLimits::Refined> CornerLimits::refined(int corner) const
 {
-    const std::lock_guard lock(mutex_);
     if (last_corner_ == corner) return last_;
     WeightedPart part{part_.mesh, std::vector<Weights>(part_.vertices.size())};
     for (std::size_t v = 0; v < part.weights.size(); ++v) {
@@ -163,15 +153,38 @@ std::shared_ptr<const CornerLimits::Refined> CornerLimits::refined(int corner) c
     return last_;
 }
 
+void CornerLimits::evaluate_at(int corner, LimitStencil& out) const
+{
+    const std::lock_guard lock(mutex_);
+    LimitStencil& known = corners_[static_cast<std::size_t>(corner)];
+    if (known.p.empty()) {
+        LimitStencil made;  // if memory fails, the next caller begins anew
+        refined(corner)->evaluate(corner, 0, 0, LimitSource::Of::PointAndTangents, made);
+        known = std::move(made);
+    }
+    out = known;
+}
+
+void CornerLimits::evaluate_beside(int corner, const std::array<double, 2>& at, LimitSource::Of of, LimitStencil& out) const
+{
+    std::shared_ptr<const Refined> surface;
+    {
+        const std::lock_guard lock(mutex_);
+        surface = refined(corner);
+    }
+    surface->evaluate(corner, at[0], at[1], of, out);
+}
+
 bool CornerLimits::evaluate(double u, double v, LimitSource::Of of, LimitStencil& out) const
 {
+    constexpr double kNear = 1.0 / (1 << kSteps);
     for (int corner = 0; corner < 4; ++corner) {
-        const auto [x, y] = from_corner(corner, u, v);
-        constexpr double kNear = 1.0 / (1 << kSteps);
-        if (x >= kNear || y >= kNear) continue;
-        const auto c = static_cast<std::size_t>(corner);
-        if (!(x == 0 && y == 0 ? at_[c] : beside_[c])) return false;
-        refined(corner)->evaluate(corner, x, y, of, out);
+        const std::array<double, 2> at = from_corner(corner, u, v);
+        if (at[0] >= kNear || at[1] >= kNear) continue;
+        const bool is_corner = at[0] == 0 && at[1] == 0;
+        if (!(is_corner ? at_ : beside_)[static_cast<std::size_t>(corner)]) return false;
+        if (is_corner) evaluate_at(corner, out);
+        else evaluate_beside(corner, at, of, out);
         return true;
     }
     return false;

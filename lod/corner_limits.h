@@ -1,12 +1,12 @@
 // The limit surface close to the corners of a quad, where OpenSubdiv approximates it.
 //
 // Bfr divides a patch at most ten times towards a corner that is not regular. Beside such a corner it approximates what is
-// left: a ring of a thousandth of the quad's side. At the end of an infinitely sharp crease inside of a surface it does so
-// at the corner, too, and normals converge slowly there. So points this close are found in the quad of the corner after
-// nine steps of subdivision (Catmull and Clark 1978; Stam 1998), whose vertices are sums of those around the whole quad, and
-// which Bfr may divide ten times more.
+// left: a ring of a thousandth of the quad's side. At the end of an infinitely sharp crease inside of a surface, and where
+// semi-sharp creases use up most of the divisions, it does so at the corner, too, and normals converge slowly there. So
+// points this close are found in the quad of the corner after nine steps of subdivision (Catmull and Clark 1978; Stam 1998),
+// whose vertices are sums of those around the whole quad, and which Bfr may divide ten times more.
 //
-// Memory   the surface of the corner that was asked for last.
+// Memory   the weights of each corner that was asked for, and the surface beside the last one.
 // Threads  const calls from any thread.
 // This header is private to lod/.
 #pragma once
@@ -35,6 +35,8 @@ private:
     class Refined;
 
     std::shared_ptr<const Refined> refined(int corner) const;
+    void evaluate_at(int corner, LimitStencil& out) const;
+    void evaluate_beside(int corner, const std::array<double, 2>& at, LimitSource::Of of, LimitStencil& out) const;
 
     MeshPart part_;
     bool is_whole_;  ///< whether the quad is a face, and not a part of one
@@ -43,6 +45,7 @@ private:
     mutable std::mutex mutex_;  // guards the members below
     mutable std::shared_ptr<const Refined> last_;
     mutable int last_corner_ = -1;
+    mutable std::array<LimitStencil, 4> corners_;  ///< at the corners themselves, once they were asked for
 };
 
 }  // namespace occam::lod

@@ -19,13 +19,6 @@ struct Point {
     void AddWithWeight(const Point& other, float weight) { p += other.p * double(weight); }
 };
 
-Far::TopologyRefiner::UniformOptions once()
-{
-    Far::TopologyRefiner::UniformOptions options(1);
-    options.fullTopologyInLastLevel = true;
-    return options;
-}
-
 /// Returns a sharpness after some steps of refinement.
 float sharpness_after(float sharpness, int steps) noexcept
 {
@@ -116,7 +109,7 @@ struct DerivedPoints::Star {
             if (before[j] > 0) mesh.creases.push_back({0, end(j), before[j]});
         if (before[spokes] > 0) mesh.corners.push_back({0, before[spokes]});
         refiner = make_refiner(mesh);
-        refiner->RefineUniform(once());
+        refine_once(*refiner);
         const Far::TopologyLevel &coarse = refiner->GetLevel(0), &fine = refiner->GetLevel(1);
         pole = coarse.GetVertexChildVertex(0);
         for (std::size_t j = 0; j < spokes; ++j) {
@@ -246,7 +239,7 @@ DerivedPoints::DerivedPoints(bool is_smooth, const Far::TopologyRefiner& refiner
       faces_(std::move(faces)),
       counted_(memory)
 {
-    refiner_->RefineUniform(once());
+    refine_once(*refiner_);
     size_ = static_cast<std::uint32_t>(level().GetNumVertices());
     if (!is_smooth) return;
     Stars stars;

@@ -4,6 +4,16 @@
 
 namespace occam::lod {
 
+Sector child_at(const OpenSubdiv::Far::TopologyLevel& coarse, const OpenSubdiv::Far::TopologyLevel& fine,
+                const Sector& corner)
+{
+    const int vertex = coarse.GetVertexChildVertex(coarse.GetFaceVertices(corner.face)[corner.corner]);
+    // The children of a face are in the order of its corners.
+    Sector quad{coarse.GetFaceChildFaces(corner.face)[corner.corner], 0};
+    while (fine.GetFaceVertices(quad.face)[quad.corner] != vertex) ++quad.corner;
+    return quad;
+}
+
 MeshPart::MeshPart(const OpenSubdiv::Far::TopologyLevel& level, BoundaryRule boundary) : level_(level)
 {
     // Where the rule leaves out faces at borders, those that are left touch none, but cutting makes some.
@@ -30,14 +40,17 @@ void MeshPart::add(const Sector& sector)
     for (const int edge : level_.GetFaceEdges(sector.face)) edges_.push_back(edge);
 }
 
+void MeshPart::add_around(int vertex)
+{
+    const auto faces = level_.GetVertexFaces(vertex);
+    const auto places = level_.GetVertexFaceLocalIndices(vertex);
+    for (int f = 0; f < faces.size(); ++f) add({faces[f], places[f]});
+}
+
 void MeshPart::add_with_neighbours(const Sector& sector)
 {
     add(sector);
-    for (const int vertex : level_.GetFaceVertices(sector.face)) {
-        const auto faces = level_.GetVertexFaces(vertex);
-        const auto places = level_.GetVertexFaceLocalIndices(vertex);
-        for (int f = 0; f < faces.size(); ++f) add({faces[f], places[f]});
-    }
+    for (const int vertex : level_.GetFaceVertices(sector.face)) add_around(vertex);
 }
 
 void MeshPart::add_sharpness()

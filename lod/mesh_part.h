@@ -22,6 +22,10 @@ struct Sector {
     int face = 0, corner = 0;
 };
 
+/// Returns the quad at a corner of a face after a step of refinement, from that corner on.
+Sector child_at(const OpenSubdiv::Far::TopologyLevel& coarse, const OpenSubdiv::Far::TopologyLevel& fine,
+                const Sector& corner);
+
 class MeshPart {
 public:
     /// level   what this is a part of, which must outlive it
@@ -29,6 +33,8 @@ public:
 
     /// Adds a face, from its corner on, unless it is there.
     void add(const Sector& sector);
+    /// Adds the faces around a vertex.
+    void add_around(int vertex);
     /// Adds the faces around all corners of a face, which comes first.
     void add_with_neighbours(const Sector& sector);
     /// Returns the number of a vertex of the level here.

@@ -44,10 +44,10 @@ class LimitSource {
 public:
     virtual ~LimitSource() = default;
 
-    /// What is evaluated: tangents take twice as long again as the point.
+    /// What is evaluated; each tangent takes as long as the point.
     enum class Of { Point, PointAndTangents };
-    /// Evaluates at u, v in [0, 1] of the patch. It sizes what it writes of `out` to the class's control points and is
-    /// thread-safe.
+    /// Evaluates at u, v in [0, 1] of the patch, and sizes what it writes to the class's control points; with Of::Point it
+    /// may leave the tangents as they are. It is thread-safe.
     virtual void evaluate(double u, double v, Of of, LimitStencil& out) const = 0;
     /// Returns about how many bytes the source takes.
     virtual std::size_t bytes() const noexcept = 0;

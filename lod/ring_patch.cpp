@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 
+#include "lod/bfr_source.h"
 #include "lod/corner_limits.h"
 
 namespace occam::lod {
@@ -22,20 +23,10 @@ constexpr double kNearest = 0x1p-12;
 /// Returns the quads of a patch after refinement, and the corner of each that is the patch's or the face's own.
 std::vector<Sector> quads_of(const DerivedPoints& points, PatchRef patch)
 {
-    const Far::TopologyLevel& base = points.base();
     const int face = static_cast<int>(patch.face);
-    const auto vertices = base.GetFaceVertices(face);
-    const auto children = base.GetFaceChildFaces(face);
     std::vector<Sector> quads;
-    const auto add = [&](int corner) {
-        const int vertex = base.GetVertexChildVertex(vertices[corner]);
-        // The children of a face are in the order of its corners.
-        const auto of_child = points.level().GetFaceVertices(children[corner]);
-        Sector quad{children[corner], 0};
-        while (of_child[quad.corner] != vertex) ++quad.corner;
-        quads.push_back(quad);
-    };
-    if (vertices.size() != 4) add(static_cast<int>(patch.sub));
+    const auto add = [&](int corner) { quads.push_back(child_at(points.base(), points.level(), {face, corner})); };
+    if (points.base().GetFaceVertices(face).size() != 4) add(static_cast<int>(patch.sub));
     else
         for (int corner = 0; corner < 4; ++corner) add(corner);
     return quads;
@@ -83,10 +74,7 @@ private:
         for (const Sector& sector : after) part_.add(sector);
         for (const Sector& sector : before) part_.add(sector);
         if (!is_large) {
-            // What is left around a vertex that is not manifold.
-            const auto faces = level_.GetVertexFaces(vertex);
-            const auto places = level_.GetVertexFaceLocalIndices(vertex);
-            for (int f = 0; f < faces.size(); ++f) part_.add({faces[f], places[f]});
+            part_.add_around(vertex);  // adds what is left if the vertex is not manifold
             return;
         }
         const std::uint32_t first = points_.first_move(vertex);
@@ -218,16 +206,7 @@ private:
     static std::span<const int> evaluate_at_rest(const Quad& quad, double s, double t, Of of, LimitStencil& out)
     {
         if (quad.corners && quad.corners->evaluate(s, t, of, out)) return quad.corners->vertices();
-        const std::size_t n = quad.vertices.size();
-        const double uv[2] = {s, t};
-        out.p.resize(n);
-        if (of == Of::Point) {
-            quad.surface.EvaluateStencil(uv, out.p.data());
-        } else {
-            out.du.resize(n);
-            out.dv.resize(n);
-            quad.surface.EvaluateStencil(uv, out.p.data(), out.du.data(), out.dv.data());
-        }
+        lod::evaluate(quad.surface, s, t, of, out);
         return quad.vertices;
     }
     /// Calls add(control, w, scale, corner) for each move that changes the surface at (s, t): w are the weights of the point

@@ -6,6 +6,7 @@
 
 #include "base/cancellation.h"
 #include "base/hash.h"
+#include "lod/bfr_source.h"
 #include "lod/class_memory.h"
 #include "lod/ring_patch.h"
 

@@ -7,8 +7,6 @@
 
 #include <opensubdiv/sdc/crease.h>
 
-#include "base/check.h"
-#include "lod/corner_limits.h"
 #include "lod/derived_points.h"
 
 namespace occam::lod {
@@ -77,112 +75,6 @@ private:
     static constexpr std::size_t kLinear = 48;
     std::vector<std::uint32_t>& values_;
     std::unordered_map<std::uint32_t, std::uint32_t> map_;
-};
-
-class BfrSource : public LimitSource {
-public:
-    BfrSource(const SurfaceFactory& factory, PatchRef patch, std::span<const std::uint32_t> controls, int uv_set)
-        : sub_(patch.sub),
-          parameters_(factory.GetFaceParameterization(static_cast<int>(patch.face))),
-          count_(controls.size())
-    {
-        const int face = static_cast<int>(patch.face);
-        const bool is_valid = uv_set < 0 ? factory.InitVertexSurface(face, &surface_)
-                                         : factory.InitFaceVaryingSurface(face, &surface_, uv_set);
-        OCCAM_CHECK_EQ(is_valid, true);
-        std::vector<int> own(surface_.GetNumControlPoints());
-        surface_.GetControlPointIndices(own.data());
-        Numbers number;
-        for (std::uint32_t i = 0; i < controls.size(); ++i) number.emplace(controls[i], i);
-        // Texture coordinates that collapse around a vertex of two faces leave points without an index (-1). Any index will
-        // do for them.
-        for (int index : own) {
-            const auto known = number.find(static_cast<std::uint32_t>(index));
-            number_.push_back(known == number.end() ? 0 : known->second);
-        }
-        add_corners(factory.GetMesh(), patch, uv_set, number);
-    }
-
-    // The surface at a corner takes about as much as the whole one.
-    std::size_t bytes() const noexcept override { return sizeof *this + 2 * bytes_of(surface_); }
-
-    void evaluate(double u, double v, Of of, LimitStencil& out) const override
-    {
-        if (LimitStencil near; corners_ && corners_->evaluate(u, v, of, near)) return renumber(near, of, out);
-        double uv[2] = {u, v};
-        double scale = 1;
-        if (parameters_.HasSubFaces()) {
-            // Sub-faces lie on a grid of unit tiles, each taking [0, 1/2] of its own.
-            const double local[2] = {u, v};
-            parameters_.ConvertNormalizedSubFaceToCoord(static_cast<int>(sub_), local, uv);
-            scale = 0.5;
-        }
-        const std::size_t n = number_.size();
-        std::vector<double> rows(3 * n);
-        out.p.assign(count_, 0);
-        if (of == Of::Point) {
-            surface_.EvaluateStencil(uv, rows.data());
-            for (std::size_t i = 0; i < n; ++i) out.p[number_[i]] += rows[i];
-            return;
-        }
-        surface_.EvaluateStencil(uv, rows.data(), rows.data() + n, rows.data() + 2 * n);
-        out.du.assign(count_, 0);
-        out.dv.assign(count_, 0);
-        for (std::size_t i = 0; i < n; ++i) {
-            out.p[number_[i]] += rows[i];
-            out.du[number_[i]] += rows[n + i] * scale;
-            out.dv[number_[i]] += rows[2 * n + i] * scale;
-        }
-    }
-
-private:
-    using Numbers = std::unordered_map<std::uint32_t, std::uint32_t>;
-
-    void add_corners(const Far::TopologyRefiner& refiner, PatchRef patch, int uv_set, const Numbers& number)
-    {
-        const Far::TopologyLevel& level = refiner.GetLevel(0);
-        const int face = static_cast<int>(patch.face);
-        if (surface_.IsRegular() || surface_.IsLinear() || refiner.GetSchemeType() != Sdc::SCHEME_CATMARK) return;
-        // Texture coordinates without seams around the patch are refined as the vertices are.
-        Numbers value_of;
-        for (const int vertex : level.GetFaceVertices(face)) {
-            if (uv_set < 0) break;
-            if (level.IsVertexBoundary(vertex) || !level.DoesVertexFVarTopologyMatch(vertex, uv_set)) return;
-            for (const int f : level.GetVertexFaces(vertex)) {
-                const auto vertices = level.GetFaceVertices(f), values = level.GetFaceFVarValues(f, uv_set);
-                for (int i = 0; i < vertices.size(); ++i)
-                    value_of.emplace(static_cast<std::uint32_t>(vertices[i]), static_cast<std::uint32_t>(values[i]));
-            }
-        }
-        const bool has_edges_only = refiner.GetSchemeOptions().GetVtxBoundaryInterpolation() ==
-                                    Sdc::Options::VTX_BOUNDARY_EDGE_ONLY;
-        corners_ = std::make_unique<const CornerLimits>(
-            level, Sector{face, static_cast<int>(patch.sub)},
-            has_edges_only ? BoundaryRule::EdgeOnly : BoundaryRule::EdgeAndCorner);
-        for (const int at : corners_->vertices()) {
-            const auto vertex = static_cast<std::uint32_t>(at);
-            number_at_corners_.push_back(number.at(uv_set < 0 ? vertex : value_of.at(vertex)));
-        }
-    }
-    void renumber(const LimitStencil& from, Of of, LimitStencil& to) const
-    {
-        const auto one = [&](const std::vector<double>& weights, std::vector<double>& out) {
-            out.assign(count_, 0);
-            for (std::size_t i = 0; i < weights.size(); ++i) out[number_at_corners_[i]] += weights[i];
-        };
-        one(from.p, to.p);
-        if (of == Of::Point) return;
-        one(from.du, to.du);
-        one(from.dv, to.dv);
-    }
-
-    std::uint32_t sub_;
-    Bfr::Parameterization parameters_;
-    std::size_t count_;
-    Bfr::Surface<double> surface_;
-    std::vector<std::uint32_t> number_;
-    std::unique_ptr<const CornerLimits> corners_;  ///< null where Bfr is exact, and at seams of coordinates
-    std::vector<std::uint32_t> number_at_corners_;
 };
 
 /// Makes refiners as the factory of the library does, which loses them if there is not enough memory.
@@ -254,6 +146,13 @@ bool has_vertex_of_two_faces(const Far::TopologyLevel& level)
 }
 
 }  // namespace
+
+void refine_once(Far::TopologyRefiner& refiner)
+{
+    Far::TopologyRefiner::UniformOptions options(1);
+    options.fullTopologyInLastLevel = true;
+    refiner.RefineUniform(options);
+}
 
 std::unique_ptr<const SurfaceFactory> make_factory(const Far::TopologyRefiner& refiner, bool keeps)
 {
@@ -365,12 +264,6 @@ std::size_t bytes_of(const Bfr::Surface<double>& surface) noexcept
     const auto controls = static_cast<std::size_t>(surface.GetNumControlPoints());
     const auto points = static_cast<std::size_t>(surface.GetNumPatchPoints());
     return sizeof surface + controls * 2 * sizeof(std::uint32_t) + (points - controls) * controls * sizeof(double);
-}
-
-std::unique_ptr<const LimitSource> limit_source(const SurfaceFactory& factory, PatchRef patch,
-                                                std::span<const std::uint32_t> controls, int uv_set)
-{
-    return std::make_unique<BfrSource>(factory, patch, controls, uv_set);
 }
 
 }  // namespace occam::lod

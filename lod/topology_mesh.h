@@ -20,6 +20,9 @@ using SurfaceFactory = OpenSubdiv::Bfr::RefinerSurfaceFactory<LockedCache>;
 /// Returns the cage's connectivity as OpenSubdiv keeps it, not refined.
 std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> make_refiner(const Cage& cage);
 
+/// Refines it once, with the connectivity of the finer level.
+void refine_once(OpenSubdiv::Far::TopologyRefiner& refiner);
+
 /// Returns a source of limit surfaces of that connectivity, which it borrows.
 /// keeps   surfaces that are connected alike share their tables, which the factory keeps as long as it lives
 std::unique_ptr<const SurfaceFactory> make_factory(const OpenSubdiv::Far::TopologyRefiner& refiner, bool keeps = true);
@@ -62,9 +65,5 @@ std::size_t bytes_of(const OpenSubdiv::Far::TopologyLevel& level) noexcept;
 /// Returns about how many bytes a surface takes: of an irregular one, OpenSubdiv keeps the weights of all control points for
 /// each point of its refined patches.
 std::size_t bytes_of(const OpenSubdiv::Bfr::Surface<double>& surface) noexcept;
-
-/// Returns the Bfr stencils of one patch, with its control points renumbered as in `controls`.
-std::unique_ptr<const LimitSource> limit_source(const SurfaceFactory& factory, PatchRef patch,
-                                                std::span<const std::uint32_t> controls, int uv_set);
 
 }  // namespace occam::lod

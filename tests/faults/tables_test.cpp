@@ -15,6 +15,7 @@ namespace {
 struct Made {
     std::vector<lod::PointStencil> corners;
     std::vector<float> hull, rows;
+    std::vector<std::uint32_t> hull_controls, row_controls;
 };
 
 Made make(const lod::PatchClass& kind)
@@ -22,9 +23,12 @@ Made make(const lod::PatchClass& kind)
     Made made;
     for (int c = 0; c < 4; ++c) made.corners.push_back(kind.corner(c));
     made.hull.assign(kind.hull().weights.begin(), kind.hull().weights.end());
+    made.hull_controls = kind.hull().controls;
     const lod::PatchClass::Node& leaf = kind.locate(0.3f, 0.9f);
-    if (leaf.kind == lod::PatchClass::Node::Bicubic)
+    if (leaf.kind == lod::PatchClass::Node::Bicubic) {
         made.rows.assign(leaf.weights.get(), leaf.weights.get() + 16 * leaf.control_count);
+        made.row_controls.assign(leaf.controls.get(), leaf.controls.get() + leaf.control_count);
+    }
     return made;
 }
 
@@ -55,6 +59,8 @@ TEST(FailingTables, AreMadeAnew)
         }
         EXPECT_EQ(made.hull, wanted.hull);
         EXPECT_EQ(made.rows, wanted.rows);
+        EXPECT_EQ(made.hull_controls, wanted.hull_controls);
+        EXPECT_EQ(made.row_controls, wanted.row_controls);
     }
     EXPECT_GT(n, 20u);
 }

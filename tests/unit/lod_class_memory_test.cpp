@@ -10,6 +10,7 @@
 #include <random>
 
 #include "base/error.h"
+#include "lod/patch_hull.h"
 #include "lod/topology.h"
 #include "tests/support/made_cages.h"
 
@@ -75,6 +76,37 @@ std::size_t allocated_bytes()
 {
     const struct mallinfo2 info = mallinfo2();
     return info.uordblks + info.hblkhd;
+}
+
+/// Returns how many groups of 16 weights are zeros.
+std::size_t rows_of_zeros(std::span<const float> weights)
+{
+    std::size_t count = 0;
+    for (; !weights.empty(); weights = weights.subspan(16))
+        count += std::ranges::all_of(weights.first(16), [](float w) { return w == 0; });
+    return count;
+}
+
+std::size_t rows_of_zeros_below(const PatchClass& kind, const PatchClass::Node& node)
+{
+    kind.resolve(node);
+    std::size_t count = 0;
+    if (node.kind == PatchClass::Node::Bicubic)
+        count = rows_of_zeros({node.weights.get(), std::size_t(16) * node.control_count});
+    if (node.kind == PatchClass::Node::Split)
+        for (int c = 0; c < node.child_count(); ++c) count += rows_of_zeros_below(kind, node.children[c]);
+    return count;
+}
+
+// Three quarters of them would be, in the deep pieces of creased patches.
+TEST(ClassMemory, TablesHaveNoRowsOfZeros)
+{
+    const Topology topology(creased_grid(3));
+    for (std::uint32_t face = 0; face < topology.face_count(); ++face) {
+        const PatchClass& kind = *topology.controls({face, 0}).kind;
+        EXPECT_EQ(rows_of_zeros(kind.hull().weights), 0u);
+        EXPECT_EQ(rows_of_zeros_below(kind, kind.root()), 0u);
+    }
 }
 
 // Each of the sources takes about a megabyte.

@@ -334,6 +334,41 @@ TEST(TextureCoordinates, FollowTheSurfaceWhereTheyHaveNoSeam)
     }
 }
 
+// The middle quad of nine on a torus touches all others. Its coordinates have a seam on the far side, and a crease ends at
+// one of its corners.
+TEST(TextureCoordinates, AreContinuousAtTheEndOfACreaseOppositeASeam)
+{
+    Cage cage;
+    UvSet set;
+    const auto vertex = [](std::uint32_t i, std::uint32_t j) { return i % 3 * 3 + j % 3; };
+    for (std::uint32_t i = 0; i < 3; ++i)
+        for (std::uint32_t j = 0; j < 3; ++j) {
+            const float a = 2.1f * float(i), b = 2.1f * float(j), radius = 2 + std::cos(b);
+            cage.positions.push_back({radius * std::cos(a), radius * std::sin(a), std::sin(b)});
+        }
+    for (std::uint32_t i = 0; i < 4; ++i)
+        for (std::uint32_t j = 0; j < 4; ++j) set.values.push_back(Vec2f(float(i), float(j)));
+    for (std::uint32_t i = 0; i < 3; ++i)
+        for (std::uint32_t j = 0; j < 3; ++j) {
+            cage.face_sizes.push_back(4);
+            for (const auto& [x, y] : {std::pair(i, j), std::pair(i + 1, j), std::pair(i + 1, j + 1), std::pair(i, j + 1)}) {
+                cage.face_vertices.push_back(vertex(x, y));
+                set.indices.push_back(x * 4 + y);
+            }
+        }
+    cage.creases = {{vertex(2, 1), vertex(2, 2), kInfiniteSharpness}};
+    cage.uv_sets = {set};
+    DicedCage diced(cage, 0);
+    lod::PosedPatch uv;
+    constexpr std::uint32_t kMiddle = 4;
+    uv.set_uv(diced.posed, {kMiddle, 0}, 0);
+    for (const Vec2f corner : {Vec2f(0, 0), Vec2f(1, 0), Vec2f(1, 1), Vec2f(0, 1)}) {
+        const Vec2f beside = corner + (Vec2f(0.5f) - corner) * 0.01f;
+        EXPECT_LT(glm::distance(uv.point(corner.x, corner.y), uv.point(beside.x, beside.y)), 0.05f)
+            << corner.x << ", " << corner.y;
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(Shapes, SurfaceShapes, testing::ValuesIn(subdivision_shapes()), shape_test_name);
 
 }  // namespace

@@ -1,0 +1,141 @@
+#include "lod/bfr_source.h"
+
+#include <unordered_map>
+#include <vector>
+
+#include "base/check.h"
+#include "lod/corner_limits.h"
+
+namespace occam::lod {
+
+using namespace OpenSubdiv;
+
+void evaluate(const Bfr::Surface<double>& surface, double s, double t, LimitSource::Of of, LimitStencil& out)
+{
+    const auto n = static_cast<std::size_t>(surface.GetNumControlPoints());
+    const double st[2] = {s, t};
+    out.p.resize(n);
+    if (of == LimitSource::Of::Point) {
+        surface.EvaluateStencil(st, out.p.data());
+        return;
+    }
+    out.du.resize(n);
+    out.dv.resize(n);
+    surface.EvaluateStencil(st, out.p.data(), out.du.data(), out.dv.data());
+}
+
+namespace {
+
+class BfrSource : public LimitSource {
+public:
+    BfrSource(const SurfaceFactory& factory, PatchRef patch, std::span<const std::uint32_t> controls, int uv_set)
+        : sub_(patch.sub),
+          parameters_(factory.GetFaceParameterization(static_cast<int>(patch.face))),
+          count_(controls.size())
+    {
+        const int face = static_cast<int>(patch.face);
+        const bool is_valid = uv_set < 0 ? factory.InitVertexSurface(face, &surface_)
+                                         : factory.InitFaceVaryingSurface(face, &surface_, uv_set);
+        OCCAM_CHECK_EQ(is_valid, true);
+        std::vector<int> own(surface_.GetNumControlPoints());
+        surface_.GetControlPointIndices(own.data());
+        Numbers number;
+        for (std::uint32_t i = 0; i < controls.size(); ++i) number.emplace(controls[i], i);
+        // Texture coordinates that collapse around a vertex of two faces leave points without an index (-1). Any index will
+        // do for them.
+        for (int index : own) {
+            const auto known = number.find(static_cast<std::uint32_t>(index));
+            number_.push_back(known == number.end() ? 0 : known->second);
+        }
+        set_corners(factory.GetMesh(), patch, uv_set, number);
+    }
+
+    // The surface at a corner takes about as much as the whole one.
+    std::size_t bytes() const noexcept override { return sizeof *this + 2 * bytes_of(surface_); }
+
+    void evaluate(double u, double v, Of of, LimitStencil& out) const override
+    {
+        LimitStencil own;
+        if (corners_ && corners_->evaluate(u, v, of, own)) return renumber(own, number_at_corners_, 1, of, out);
+        double uv[2] = {u, v};
+        if (parameters_.HasSubFaces()) {
+            // Sub-faces lie on a grid of unit tiles, each taking [0, 1/2] of its own.
+            const double local[2] = {u, v};
+            parameters_.ConvertNormalizedSubFaceToCoord(static_cast<int>(sub_), local, uv);
+        }
+        lod::evaluate(surface_, uv[0], uv[1], of, own);
+        renumber(own, number_, parameters_.HasSubFaces() ? 0.5 : 1, of, out);
+    }
+
+private:
+    using Numbers = std::unordered_map<std::uint32_t, std::uint32_t>;
+
+    /// Sets what is exact close to the corners, if Bfr is not.
+    void set_corners(const Far::TopologyRefiner& refiner, PatchRef patch, int uv_set, const Numbers& number)
+    {
+        const Far::TopologyLevel& level = refiner.GetLevel(0);
+        const int face = static_cast<int>(patch.face);
+        if (surface_.IsRegular() || surface_.IsLinear() || refiner.GetSchemeType() != Sdc::SCHEME_CATMARK) return;
+        const Numbers values = uv_set < 0 ? Numbers() : values_of_vertices(level, face, uv_set);
+        if (uv_set >= 0 && values.empty()) return;
+        const bool has_edges_only = refiner.GetSchemeOptions().GetVtxBoundaryInterpolation() ==
+                                    Sdc::Options::VTX_BOUNDARY_EDGE_ONLY;
+        corners_ = std::make_unique<const CornerLimits>(
+            level, Sector{face, static_cast<int>(patch.sub)},
+            has_edges_only ? BoundaryRule::EdgeOnly : BoundaryRule::EdgeAndCorner);
+        for (const int at : corners_->vertices()) {
+            const auto vertex = static_cast<std::uint32_t>(at);
+            number_at_corners_.push_back(number.at(uv_set < 0 ? vertex : values.at(vertex)));
+        }
+    }
+    /// Returns the texture coordinate of each vertex around a face; none if they have a seam or a border there. Without one
+    /// they are refined as the vertices are.
+    static Numbers values_of_vertices(const Far::TopologyLevel& level, int face, int uv_set)
+    {
+        Numbers values;
+        for (const int vertex : level.GetFaceVertices(face)) {
+            if (level.IsVertexBoundary(vertex) || !level.DoesVertexFVarTopologyMatch(vertex, uv_set)) return {};
+            for (const int f : level.GetVertexFaces(vertex)) {
+                const auto vertices = level.GetFaceVertices(f), of_face = level.GetFaceFVarValues(f, uv_set);
+                for (int i = 0; i < vertices.size(); ++i) {
+                    const auto value = static_cast<std::uint32_t>(of_face[i]);
+                    // In a small closed mesh a seam may be between two of these faces and yet at none of the corners.
+                    if (values.emplace(static_cast<std::uint32_t>(vertices[i]), value).first->second != value) return {};
+                }
+            }
+        }
+        return values;
+    }
+    /// Writes weights by the numbers of the class's control points.
+    /// scale   of the derivatives
+    void renumber(const LimitStencil& from, std::span<const std::uint32_t> number, double scale, Of of,
+                  LimitStencil& to) const
+    {
+        const auto one = [&](const std::vector<double>& weights, double factor, std::vector<double>& out) {
+            out.assign(count_, 0);
+            for (std::size_t i = 0; i < weights.size(); ++i) out[number[i]] += weights[i] * factor;
+        };
+        one(from.p, 1, to.p);
+        if (of == Of::Point) return;
+        one(from.du, scale, to.du);
+        one(from.dv, scale, to.dv);
+    }
+
+    std::uint32_t sub_;
+    Bfr::Parameterization parameters_;
+    std::size_t count_;
+    Bfr::Surface<double> surface_;
+    std::vector<std::uint32_t> number_;
+    std::unique_ptr<const CornerLimits> corners_;  ///< null where Bfr is exact, and at seams of coordinates
+    std::vector<std::uint32_t> number_at_corners_;
+};
+
+}  // namespace
+
+std::unique_ptr<const LimitSource> limit_source(const SurfaceFactory& factory, PatchRef patch,
+                                                std::span<const std::uint32_t> controls, int uv_set)
+{
+    return std::make_unique<BfrSource>(factory, patch, controls, uv_set);
+}
+
+}  // namespace occam::lod
