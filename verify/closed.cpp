@@ -1,13 +1,16 @@
 #include "verify/closed.h"
 
+#include <algorithm>
 #include <cmath>
-#include <map>
+#include <tuple>
+#include <vector>
 
 #include "verify/verify.h"
 
 namespace occam {
 
 namespace {
+
 template <class Corner>
 double solid_angles(std::span<const Corner> corners, Vec3d at)
 {
@@ -20,6 +23,28 @@ double solid_angles(std::span<const Corner> corners, Vec3d at)
     }
     return sum / (4 * 3.14159265358979323846);
 }
+
+/// An edge as a face passes it, with the vertex that precedes it in the face.
+struct FaceEdge {
+    std::uint32_t from, to, before;
+
+    friend bool operator<(const FaceEdge& a, const FaceEdge& b) { return std::tie(a.from, a.to) < std::tie(b.from, b.to); }
+};
+
+/// Returns the first of the sorted edges that does not come before the given one.
+std::vector<FaceEdge>::const_iterator find(const std::vector<FaceEdge>& edges, std::uint32_t from, std::uint32_t to)
+{
+    return std::lower_bound(edges.begin(), edges.end(), FaceEdge{from, to, 0});
+}
+
+/// Returns the number of faces that pass an edge in this direction, or 2 if there are more.
+std::size_t faces_along(const std::vector<FaceEdge>& edges, std::uint32_t from, std::uint32_t to)
+{
+    std::size_t count = 0;
+    for (auto at = find(edges, from, to); at != edges.end() && at->from == from && at->to == to && count < 2; ++at) ++count;
+    return count;
+}
+
 }  // namespace
 
 double winding_number(std::span<const Vec3f> corners, Vec3d at) { return solid_angles(corners, at); }
@@ -29,40 +54,32 @@ std::string why_not_closed(const Cage& cage)
 {
     std::vector<bool> is_hole(cage.face_count());
     for (const std::uint32_t h : cage.holes) is_hole[h] = true;
-    struct Use {
-        std::uint32_t count = 0, before = 0;  // `before` is the vertex that precedes it in its face
-    };
-    std::map<std::pair<std::uint32_t, std::uint32_t>, Use> uses;
-    std::map<std::uint32_t, std::uint32_t> corners;  // number of faces around each vertex
+    std::vector<FaceEdge> edges;
     std::size_t first = 0;
     for (std::size_t f = 0; f < cage.face_count(); ++f) {
         const std::size_t n = cage.scheme == Scheme::Triangles ? 3 : cage.face_sizes[f];
         const auto vertex = [&](std::size_t k) { return cage.face_vertices[first + k % n]; };
-        for (std::size_t k = 0; k < n && !is_hole[f]; ++k) {
-            Use& use = uses[{vertex(k), vertex(k + 1)}];
-            ++use.count;
-            use.before = vertex(k + n - 1);
-            ++corners[vertex(k)];
-        }
+        for (std::size_t k = 0; k < n && !is_hole[f]; ++k) edges.push_back({vertex(k), vertex(k + 1), vertex(k + n - 1)});
         first += n;
     }
-    if (uses.empty()) return "it has no face";
-    for (const auto& [edge, use] : uses) {
-        const auto other = uses.find({edge.second, edge.first});
-        const std::string name = "edge " + std::to_string(edge.first) + "-" + std::to_string(edge.second);
-        if (other == uses.end()) return name + " has a face on one side only";
-        if (use.count != 1 || other->second.count != 1) return name + " has more than two faces";
+    if (edges.empty()) return "it has no face";
+    std::sort(edges.begin(), edges.end());
+    for (const FaceEdge& edge : edges) {
+        const std::size_t there = faces_along(edges, edge.from, edge.to), back = faces_along(edges, edge.to, edge.from);
+        if (there == 1 && back == 1) continue;
+        return "edge " + std::to_string(edge.from) + "-" + std::to_string(edge.to) +
+               (back == 0 ? " has a face on one side only" : " has more than two faces");
     }
     // The walk goes around a vertex from face to face; one turn must reach all of its faces.
-    std::map<std::uint32_t, std::uint32_t> any_edge;
-    for (const auto& [edge, use] : uses) any_edge[edge.first] = edge.second;
-    for (const auto& [vertex, count] : corners) {
-        std::uint32_t met = 0, to = any_edge[vertex];
+    for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
+        while (end < edges.size() && edges[end].from == edges[begin].from) ++end;
+        std::size_t met = 0;
+        std::uint32_t to = edges[begin].to;
         do {
-            to = uses[{vertex, to}].before;  // the next edge around, seen from the vertex
+            to = find(edges, edges[begin].from, to)->before;  // the next edge around, seen from the vertex
             ++met;
-        } while (to != any_edge[vertex] && met <= count);
-        if (met != count) return "vertex " + std::to_string(vertex) + " has more than one fan of faces";
+        } while (to != edges[begin].to && met <= end - begin);
+        if (met != end - begin) return "vertex " + std::to_string(edges[begin].from) + " has more than one fan of faces";
     }
     return {};
 }

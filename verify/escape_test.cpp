@@ -8,6 +8,7 @@
 #include "base/error_without_file.h"
 #include "lod/ray_levels.h"
 #include "verify/closed.h"
+#include "verify/mesh_pieces.h"
 #include "verify/ray_surface.h"
 
 namespace occam {
@@ -150,13 +151,11 @@ void EscapeTest::find_starts(Instant& instant)
     // A large mesh and several moments leave few points for each moment, but at least two are looked for.
     const auto share = static_cast<std::size_t>(std::clamp<double>(4e6 / double(triangles), 8, 256)) / instants_.size();
     const std::size_t most = std::max<std::size_t>(share, 8);
+    const MeshPieces pieces(pairs.front());
     // A mirrored mesh winds the other way around.
-    const double turn = glm::determinant(frame_from_object_.front()) < 0 ? -1 : 1;
-    const auto distance_to_mesh = [&](Vec3d p) {
-        double nearest = box.radius();
-        for (const Vec3f v : pairs.front().corners) nearest = std::min(nearest, glm::distance(Vec3d(v), p));
-        return nearest;
-    };
+    const int turn = glm::determinant(frame_from_object_.front()) < 0 ? -1 : 1;
+    // A point needs so much room that coarser meshes do not pass by it.
+    const double least_distance = 2 * lod::edge_length(finest_);
     // Where no finer level will be looked at, more points are tried until one is inside.
     const std::size_t tries = pairs.front().corners.size() > kMostCorners ? 64 : 4;
     for (std::size_t attempt = 0; attempt < (starts.empty() ? tries : 4) * most && starts.size() < most / 4; ++attempt) {
@@ -165,8 +164,9 @@ void EscapeTest::find_starts(Instant& instant)
         if (attempt & 1)
             p = Vec3d(pick(pairs.front().corners, random_)) +
                 any_direction(random_) * (lod::edge_length(finest_) * uniform(random_, 2, 6));
-        const double reach = distance_to_mesh(p) * 0.5;
-        if (reach < lod::edge_length(finest_)) continue;
+        const double distance = pieces.distance(p, least_distance);
+        if (distance < least_distance || turn * pieces.crossings_along_x(p) < 1) continue;
+        const double reach = std::min(distance, box.radius()) * 0.5;
         // The point must be inside the fine mesh and all coarser ones that rays from here may see, with a little
         // room on all sides.
         bool is_inside = true;

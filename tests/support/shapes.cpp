@@ -38,17 +38,21 @@ std::vector<std::string> subdivision_shapes()
     return made_and(std::move(paths), false);
 }
 
-std::vector<std::string> closed_shapes()
+// The shapes are found once: several suites have them as parameters, and each file has to be read.
+const std::vector<std::string>& closed_shapes()
 {
-    std::vector<std::string> paths;
-    std::error_code none;
-    for (const auto& entry : fs::recursive_directory_iterator(shared_data() / "data/subdiv", none)) {
-        const fs::path& path = entry.path();
-        if (path.extension() != ".obj" || path.string().find("opensubdiv_reference") != std::string::npos) continue;
-        if (path.filename().string().starts_with("loop_")) continue;
-        if (why_not_closed(load_cage(path.string())).empty()) paths.push_back(path.string());
-    }
-    return made_and(std::move(paths), true);
+    static const std::vector<std::string> shapes = [] {
+        std::vector<std::string> paths;
+        std::error_code none;
+        for (const auto& entry : fs::recursive_directory_iterator(shared_data() / "data/subdiv", none)) {
+            const fs::path& path = entry.path();
+            if (path.extension() != ".obj" || path.string().find("opensubdiv_reference") != std::string::npos) continue;
+            if (path.filename().string().starts_with("loop_")) continue;
+            if (why_not_closed(load_cage(path.string())).empty()) paths.push_back(path.string());
+        }
+        return made_and(std::move(paths), true);
+    }();
+    return shapes;
 }
 
 Cage load_cage(const std::string& name)

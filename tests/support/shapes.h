@@ -13,7 +13,7 @@ namespace occam::test {
 /// Names the made cages ("made:cube"), then the files of all Catmull-Clark and bilinear shapes in subdiv/opensubdiv.
 std::vector<std::string> subdivision_shapes();
 /// Names the closed made cages, then the files of all closed cages below subdiv/.
-std::vector<std::string> closed_shapes();
+const std::vector<std::string>& closed_shapes();
 
 /// Returns the made cage of that name, or reads an OBJ as a cage of the scheme that its name begins with.
 Cage load_cage(const std::string& name);

@@ -1,0 +1,75 @@
+// Tests of the questions by which starts of rays are found inside of a closed cage (verify/closed.h, verify/mesh_pieces.h).
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/support/made_cages.h"
+#include "tests/support/random_directions.h"
+#include "tests/support/shape_builders.h"
+#include "verify/closed.h"
+#include "verify/mesh_pieces.h"
+#include "verify/verify.h"
+
+namespace occam::test {
+namespace {
+
+TEST(WhyNotClosed, NamesTheEdgeOrTheVertex)
+{
+    Cage cube = prism(4);
+    EXPECT_EQ(why_not_closed(cube), "");
+    Cage open = cube;
+    open.holes = {0};
+    const std::uint32_t v = cube.face_vertices[0], w = cube.face_vertices[1];
+    EXPECT_EQ(why_not_closed(open).substr(0, 5), "edge ");
+    EXPECT_NE(why_not_closed(open).find(" has a face on one side only"), std::string::npos);
+    Cage finned = cube;
+    finned.positions.push_back({9, 9, 9});
+    const auto tip = static_cast<std::uint32_t>(cube.positions.size());
+    finned.face_sizes.insert(finned.face_sizes.end(), {3, 3});
+    finned.face_vertices.insert(finned.face_vertices.end(), {v, w, tip, w, v, tip});
+    EXPECT_EQ(why_not_closed(finned),
+              "edge " + std::to_string(std::min(v, w)) + "-" + std::to_string(std::max(v, w)) + " has more than two faces");
+    // Two cubes that share one vertex.
+    Cage touching = cube;
+    const auto count = static_cast<std::uint32_t>(cube.positions.size());
+    touching.positions.insert(touching.positions.end(), cube.positions.begin(), cube.positions.end());
+    touching.face_sizes.insert(touching.face_sizes.end(), cube.face_sizes.begin(), cube.face_sizes.end());
+    for (const std::uint32_t corner : cube.face_vertices) touching.face_vertices.push_back(corner == 3 ? 3 : corner + count);
+    EXPECT_EQ(why_not_closed(touching), "vertex 3 has more than one fan of faces");
+    Cage none = cube;
+    none.holes.clear();
+    for (std::uint32_t f = 0; f < cube.face_count(); ++f) none.holes.push_back(f);
+    EXPECT_EQ(why_not_closed(none), "it has no face");
+}
+
+TEST(MeshPieces, AgreeWithSolidAnglesAndWithAllVertices)
+{
+    test::Random random(1);
+    for (const char* name : {"torus", "cube", "pole_9_creases"}) {
+        CageSlot slot;
+        slot.cage = made_cage(name);
+        const Mat4d place(1);
+        Subject subject({slot, nullptr, nullptr, {&place, 1}, 0}, nullptr);
+        const Subject::Pair pair = subject.dice(subject.level_of_rate(16), 0);
+        const MeshPieces pieces(pair);
+        Box3d box;
+        for (const Vec3f v : pair.corners) box.add(Vec3d(v));
+        int inside = 0;
+        for (int i = 0; i < 500; ++i) {
+            const double x = random(), y = random(), z = random();
+            const Vec3d p = box.lo + box.extent() * Vec3d(x, y, z);
+            double nearest = std::numeric_limits<double>::infinity();
+            for (const Vec3f v : pair.corners) nearest = std::min(nearest, glm::distance(Vec3d(v), p));
+            EXPECT_EQ(pieces.distance(p, 0), nearest) << name;
+            EXPECT_LT(pieces.distance(p, 2 * nearest), 2 * nearest) << name;
+            const double winding = winding_number(pair.corners, p);
+            EXPECT_EQ(pieces.crossings_along_x(p), static_cast<int>(std::lround(winding))) << name;
+            inside += winding > 0.9;
+        }
+        EXPECT_GT(inside, 20) << name;
+        EXPECT_LT(inside, 480) << name;
+    }
+}
+
+}  // namespace
+}  // namespace occam::test
