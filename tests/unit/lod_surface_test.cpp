@@ -66,17 +66,16 @@ LimitVertex limit_vertex(const Far::TopologyLevel& level, int v, const std::vect
     }
     const double turn = 2 * 3.14159265358979323846 / n;
     const double a = 1 + std::cos(turn) + std::cos(turn / 2) * std::sqrt(2 * (9 + std::cos(turn)));
+    Vec3d t1(0), t2(0);
+    for (int i = 0; i < n; ++i) {
+        t1 += e[i] * (a * std::cos(turn * i)) + f[i] * (std::cos(turn * i) + std::cos(turn * (i + 1)));
+        t2 += e[i] * (a * std::sin(turn * i)) + f[i] * (std::sin(turn * i) + std::sin(turn * (i + 1)));
+    }
+    // A fold has only one tangent and therefore no normal.
+    out.normal = glm::cross(t1, t2);
+    out.has_normal = n > 2 && sharp < 0 && glm::length(out.normal) > 1e-6 * std::max(glm::dot(t1, t1), glm::dot(t2, t2));
     for (int step = 0; step < 100; ++step) {
-        Vec3d t1(0), t2(0), edge_sum(0), face_sum(0);
-        for (int i = 0; i < n; ++i) {
-            t1 += e[i] * (a * std::cos(turn * i)) + f[i] * (std::cos(turn * i) + std::cos(turn * (i + 1)));
-            t2 += e[i] * (a * std::sin(turn * i)) + f[i] * (std::sin(turn * i) + std::sin(turn * (i + 1)));
-        }
-        // A fold has only one tangent and therefore no normal.
-        if (step == 0) out.normal = glm::cross(t1, t2);
-        if (step == 0)
-            out.has_normal = n > 2 && sharp < 0 &&
-                             glm::length(out.normal) > 1e-6 * std::max(glm::dot(t1, t1), glm::dot(t2, t2));
+        Vec3d edge_sum(0), face_sum(0);
         std::vector<Vec3d> next_f(n), next_e(n);
         for (int i = 0; i < n; ++i) {
             next_f[i] = (out.p + e[i] + e[(i + 1) % n] + f[i]) / 4.0;
@@ -212,8 +211,7 @@ bool is_lost_by_bfr(const Far::TopologyLevel& level, int face)
 }
 
 /// Compares points and normals at the vertices of the refined cage.
-/// bound   of the distance of two points, in extents of the cage
-void expect_limit(Cage cage, double bound, int levels = 4)
+void expect_limit(Cage cage, int levels = 4)
 {
     DicedCage diced(cage, 0);
     cage = diced.posed.slot->cage;
@@ -257,18 +255,14 @@ void expect_limit(Cage cage, double bound, int levels = 4)
         }
     }
     EXPECT_GT(compared, 0);
-    EXPECT_LE(worst_position, bound) << "of the cage's extent";
-    EXPECT_LE(worst_degrees, 0.5);
+    EXPECT_LE(worst_position, 1e-6) << "of the cage's extent";
+    // Tangents are floats, whose rounding turns a normal where the faces are narrow beside the cage.
+    EXPECT_LE(worst_degrees, 0.02);
 }
 
 class SurfaceShapes : public testing::TestWithParam<std::string> {};
 
-TEST_P(SurfaceShapes, AgreeWithRefinementAndLimitMasks)
-{
-    // Where a crease ends at a vertex of valence 9, Bfr of OpenSubdiv 3.5 converges more slowly than elsewhere, and its
-    // largest approximation level, 10, which is used, leaves 1.6e-5 (docs/watertightness.md, "What was found on the way").
-    expect_limit(load_cage(GetParam()), GetParam() == "made:pole_9_creases" ? 2e-5 : 1e-5);
-}
+TEST_P(SurfaceShapes, AgreeWithRefinementAndLimitMasks) { expect_limit(load_cage(GetParam())); }
 
 /// Returns a fan of triangles around vertex 0; it is a cone if it is closed, and else vertex 0 is at its border.
 Cage fan(std::uint32_t faces, bool is_closed)
@@ -289,25 +283,25 @@ Cage fan(std::uint32_t faces, bool is_closed)
 
 TEST(LargeFacesAndVertices, AgreeWithRefinementAndLimitMasks)
 {
-    expect_limit(prism(70), 1e-5, 3);
-    expect_limit(spindle(72), 1e-5, 3);
-    expect_limit(fan(66, true), 1e-5, 3);
-    expect_limit(fan(66, false), 1e-5, 3);
+    expect_limit(prism(70), 3);
+    expect_limit(spindle(72), 3);
+    expect_limit(fan(66, true), 3);
+    expect_limit(fan(66, false), 3);
     Cage bilinear = prism(70);
     bilinear.scheme = Scheme::Bilinear;
-    expect_limit(bilinear, 1e-5, 3);
+    expect_limit(bilinear, 3);
     // A pyramid over a polygon: patches between a large vertex and a large face.
     Cage pyramid = fan(66, true);
     for (std::uint32_t i = 66; i > 0; --i) pyramid.face_vertices.push_back(i);
     pyramid.face_sizes.push_back(66);
-    expect_limit(pyramid, 1e-5, 3);
+    expect_limit(pyramid, 3);
     // Creases through the large vertex, sharp and not, and some that touch only its neighbours.
     Cage creased = spindle(70);
     creased.creases = {{0, 2, 10}, {0, 30, 10}, {3, 4, 10}, {4, 5, 1.5f}, {1, 40, 10}, {1, 9, 10}, {1, 20, 10}};
-    expect_limit(creased, 1e-5, 3);
+    expect_limit(creased, 3);
     creased.creases = {{0, 2, 1.75f}, {0, 5, 0.5f}, {0, 30, 3}, {1, 40, 10}, {1, 41, 10}};
     creased.corners = {{0, 1.5f}};
-    expect_limit(creased, 1e-5, 3);
+    expect_limit(creased, 3);
 }
 
 // Where texture coordinates have no seam, they have the same limit as positions, so st = (x, y) at each vertex stays (x, y)
