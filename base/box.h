@@ -1,6 +1,7 @@
 // Axis-aligned boxes. They are closed, and empty until something is added.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -39,7 +40,7 @@ struct Box {
     Real largest_coordinate() const noexcept
     {
         const Vec m = glm::max(glm::abs(lo), glm::abs(hi));
-        return std::fmax(m.x, std::fmax(m.y, m.z));
+        return std::max(m.x, std::max(m.y, m.z));
     }
 };
 

@@ -1,6 +1,7 @@
 // An orthonormal frame about a direction, and maps from the unit square onto discs and hemispheres.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/maths.h"
@@ -43,7 +44,7 @@ inline Vec2f disc_point(Vec2f square) noexcept
 inline Vec3f cosine_direction(Vec2f square) noexcept
 {
     const Vec2f d = disc_point(square);
-    return {d.x, d.y, std::sqrt(std::fmax(0.0f, 1 - d.x * d.x - d.y * d.y))};
+    return {d.x, d.y, std::sqrt(std::max(0.0f, 1 - d.x * d.x - d.y * d.y))};
 }
 
 }  // namespace occam::shade
