@@ -20,19 +20,24 @@ struct PlaneTracer {
     void closest(std::span<const accel::Ray> rays, std::span<accel::SurfaceHit> hits) const
     {
         for (std::size_t i = 0; i < rays.size(); ++i) {
-            accel::SurfaceHit& hit = hits[i] = {};
+            const accel::Ray& ray = rays[i];
+            const auto at = [&](float t) { return ray.origin + Vec3d(ray.direction) * double(t); };
+            const Plane* found = nullptr;
+            float nearest = ray.t_far;
             for (const Plane& plane : planes) {
-                const accel::Ray& ray = rays[i];
                 const float t = float((plane.height - ray.origin.y) / double(ray.direction.y));
-                const Vec3d p = ray.origin + Vec3d(ray.direction) * double(t);
-                if (!(t > ray.t_near && t < ray.t_far && t < hit.t) || std::fabs(p.x) > plane.reach) continue;
-                hit.t = t;
-                hit.position = p;
-                hit.normal_geometric = hit.normal_shading = hit.start_normal = {0, ray.direction.y > 0 ? -1.0f : 1.0f, 0};
-                hit.self_distance = 1e-4f;
-                hit.material = plane.material;
-                hit.node = {7, 0};
+                if (!(t > ray.t_near && t < nearest) || std::fabs(at(t).x) > plane.reach) continue;
+                nearest = t;
+                found = &plane;
             }
+            accel::SurfaceHit& hit = hits[i] = {};
+            if (!found) continue;
+            hit.t = nearest;
+            hit.position = at(nearest);
+            hit.normal_geometric = hit.normal_shading = hit.start_normal = {0, ray.direction.y > 0 ? -1.0f : 1.0f, 0};
+            hit.self_distance = 1e-4f;
+            hit.material = found->material;
+            hit.node = {7, 0};
         }
     }
     void nearest(std::span<const accel::Ray> rays, int most, std::span<accel::SurfaceHit> hits,

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "tests/support/campaign.h"
 #include "tests/support/diced_mesh.h"
 #include "tests/support/displaced_cages.h"
 
@@ -158,7 +159,8 @@ TEST(DisplacementByVectors, GoesAsFarWhenPosedAndTurnsSmoothlyOverTheSurface)
 
 TEST(Verify, HoldsForDisplacedCagesAsTheyArePosed)
 {
-    for (const int c : {6, 8, 9}) {
+    for (const int c : {8, 6, 9}) {
+        if (c != 8 && !is_long()) continue;
         DisplacedCage displaced = displaced_case(c);
         add_skin(displaced.cage);
         Scene& scene = displaced.scene;

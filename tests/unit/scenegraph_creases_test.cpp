@@ -4,6 +4,7 @@
 #include "base/hash.h"
 #include "lod/posed_patch.h"
 #include "scenegraph/cage.h"
+#include "tests/support/campaign.h"
 #include "tests/support/diced_mesh.h"
 #include "tests/support/shape_builders.h"
 
@@ -91,6 +92,7 @@ TEST(CreasesOfTwoFaces, LeaveThoseOfOtherVertices)
 TEST(ManyCreases, AmongTrianglesDoNotOverflow)
 {
     for (const std::uint32_t valence : {9u, 20u, 31u, 40u, 57u, 60u, 64u, 80u}) {
+        if (valence > 40 && valence != 64 && !is_long()) continue;
         Cage cage = spindle(valence);
         std::size_t at = 0;
         for (const std::uint32_t size : cage.face_sizes) {
