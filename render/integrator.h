@@ -221,6 +221,8 @@ private:
     /// Returns the numbers of a surface of path i. Those of neighbouring paths are drawn with them.
     SurfaceNumbers numbers_of(std::size_t i, const Vertex& v) noexcept;
     int light_slots_to_draw() const noexcept;
+    /// Returns the slot of Use::Light that belongs to the environment, which is the last one.
+    int environment_slot() const noexcept;
     Vec2f light_square(const Vertex& v, int slot) const noexcept;
     void gather_light(const Vertex& v);
     void gather_sky(const Vertex& v);

@@ -4,6 +4,7 @@
 #include <limits>
 #include <span>
 
+#include "base/prefetch.h"
 #include "shade/frame_of.h"
 #include "shade/input_limits.h"
 
@@ -63,10 +64,15 @@ struct Environment::Interval {
 };
 
 // The number of sums is a power of two, so that no product is rounded.
+const Environment::Sum& Environment::guide_of(std::span<const Sum> sums, float u) noexcept
+{
+    return sums[std::min(static_cast<std::size_t>(u * float(sums.size())), sums.size() - 1)];
+}
+
 Environment::Interval Environment::find_interval(std::span<const Sum> sums, float u) noexcept
 {
     const std::size_t last = sums.size() - 1;
-    std::size_t index = sums[std::min(static_cast<std::size_t>(u * float(sums.size())), last)].guide;
+    std::size_t index = guide_of(sums, u).guide;
     while (index < last && !(u < sums[index].upto)) ++index;
     const float below = index ? sums[index - 1].upto : 0, share = sums[index].upto - below;
     return {static_cast<int>(index), share > 0 ? std::clamp((u - below) / share, 0.0f, 0.9999999f) : 0.5f, share};
@@ -193,17 +199,35 @@ void Environment::tabulate()
         fill_guides(std::span(cells_).subspan(first, kColumns));
 }
 
+std::span<const Environment::Sum> Environment::cells_of(int row) const noexcept
+{
+    return std::span(cells_).subspan(std::size_t(row) * kColumns, kColumns);
+}
+
 float Environment::density_at(int row, int column, float ring) const noexcept
 {
-    const std::span cells(cells_.data() + row * kColumns, std::size_t(kColumns));
-    return density_of(share_of(rows_, row), share_of(cells, column), ring);
+    return density_of(share_of(rows_, row), share_of(cells_of(row), column), ring);
+}
+
+// The guides of several points arrive together, and then the sums that they name.
+void Environment::prefetch(std::span<const Vec2f> squares) const noexcept
+{
+    constexpr std::size_t kBlock = 8;
+    for (std::size_t first = 0; first < squares.size(); first += kBlock) {
+        std::span<const Sum> cells[kBlock];
+        const std::size_t count = std::min(kBlock, squares.size() - first);
+        for (std::size_t k = 0; k < count; ++k) {
+            cells[k] = cells_of(find_interval(rows_, squares[first + k].y).index);
+            occam::prefetch(&guide_of(cells[k], squares[first + k].x));
+        }
+        for (std::size_t k = 0; k < count; ++k) occam::prefetch(&cells[k][guide_of(cells[k], squares[first + k].x).guide]);
+    }
 }
 
 Environment::Light Environment::draw(Vec2f square) const noexcept
 {
     const Interval row = find_interval(rows_, square.y);
-    const auto first = std::size_t(row.index) * kColumns;
-    const Interval column = find_interval(std::span(cells_).subspan(first, kColumns), square.x);
+    const Interval column = find_interval(cells_of(row.index), square.x);
     const Vec2f uv((float(column.index) + column.within) / kColumns, (float(row.index) + row.within) / kRows);
     const Vec3f direction = direction_of(uv);
     const float ring = std::sqrt(std::max(0.0f, 1 - direction.y * direction.y));

@@ -37,6 +37,9 @@ public:
     };
     /// Draws a direction by the brightness of the image, which there has to be.
     Light draw(Vec2f square) const noexcept;
+    /// Asks the caches for what draw() will read for these points, which lies far apart in large tables. The image has to
+    /// have a density.
+    void prefetch(std::span<const Vec2f> squares) const noexcept;
     Light look_up(Vec3f direction) const noexcept;
 
 private:
@@ -58,6 +61,9 @@ private:
     float density_at(int row, int column, float ring) const noexcept;
     void tabulate();
     static Interval find_interval(std::span<const Sum> sums, float u) noexcept;
+    /// Returns the entry whose guide says where to begin looking for u.
+    static const Sum& guide_of(std::span<const Sum> sums, float u) noexcept;
+    std::span<const Sum> cells_of(int row) const noexcept;
     static void fill_guides(std::span<Sum> sums) noexcept;
     static float share_of(std::span<const Sum> sums, int index) noexcept;
     static float accumulate(std::span<Sum> weights) noexcept;
