@@ -22,7 +22,8 @@ void add_square(Cage& to, Vec3f at, float half)
     for (const std::uint32_t corner : {0u, 1u, 2u, 0u, 2u, 3u}) to.face_vertices.push_back(first + corner);
 }
 
-// A floor with tori under ten lamps. The other lamps hang over the same floor, far beyond what the camera sees.
+// A floor with tori under ten lamps. The other lamps hang over the same floor, beyond z = -61, where the camera's view of it
+// ends.
 // are_triangles   two of them make a lamp; otherwise lamps are squares and points
 Scene lit_field(int lights, bool are_triangles)
 {
@@ -43,7 +44,7 @@ Scene lit_field(int lights, bool are_triangles)
     for (int i = 0; i < lights; ++i) {
         const int n = i - kMatter;
         const Vec3d at = i < kMatter ? Vec3d(3.0 * (i % 5 - 2), 2.5 + 0.2 * i, 3.0 * (i / 5) - 1.5)
-                                     : Vec3d(8.0 * (n % 100 - 50) + 4, 3, -60 - 8.0 * (n / 100));
+                                     : Vec3d(8.0 * (n % 100 - 50) + 4, 3, -100 - 8.0 * (n / 100));
         if (are_triangles) {
             if (i % 2 == 0) add_square(lamps, Vec3f(at), 0.15f);
             continue;
