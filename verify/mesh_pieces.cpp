@@ -31,8 +31,9 @@ MeshPieces::MeshPieces(const Subject::Pair& pair)
     std::span<const Vec3f> left(pair.corners);
     for (const lod::LevelGrid& grid : pair.grids) {
         const auto count = static_cast<std::size_t>(grid.tile.rows * grid.tile.columns) * 6;
-        Piece& piece = pieces_.emplace_back(Box3d(), left.first(count));
+        Piece piece{{}, left.first(count)};
         for (const Vec3f& v : piece.corners) piece.box.add(Vec3d(v));
+        pieces_.push_back(piece);
         left = left.subspan(count);
     }
 }
