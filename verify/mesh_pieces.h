@@ -1,5 +1,5 @@
-// Divides the mesh of a diced cage by its grids, each in a box, and answers quickly what most points that are tried as
-// starts of rays fail by.
+// Divides the mesh of a diced cage by its grids, each in a box. Points that are tried as starts of rays, and lie too near to
+// the mesh or outside of it, are rejected quickly.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// Tests of the questions by which starts of rays are found inside of a closed cage (verify/closed.h, verify/mesh_pieces.h).
+// Tests that cages are recognised as closed, and points as inside of them (verify/closed.h, verify/mesh_pieces.h).
 #include <gtest/gtest.h>
 
 #include <limits>
