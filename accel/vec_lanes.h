@@ -1,24 +1,10 @@
-// Vectors of three components: lanes, or floats for one ray.
+// Products of vectors in lanes whose rounding errors are as small as they can be, for geometry.
 #pragma once
 
-#include "base/simd.h"
+#include "base/vec_lanes.h"
 
 namespace occam::accel {
 
-/// F is vfloat (points or directions in lanes, or one point as each ray of a packet sees it) or float.
-template <class F>
-struct VecOf {
-    F x, y, z;
-
-    friend VecOf operator+(const VecOf& a, const VecOf& b) noexcept { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-    friend VecOf operator-(const VecOf& a, const VecOf& b) noexcept { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-    friend VecOf operator-(const VecOf& a) noexcept { return {-a.x, -a.y, -a.z}; }
-    friend VecOf operator*(const VecOf& a, F s) noexcept { return {a.x * s, a.y * s, a.z * s}; }
-    friend VecOf select(decltype(F() < F()) m, const VecOf& yes, const VecOf& no) noexcept
-    {
-        return {select(m, yes.x, no.x), select(m, yes.y, no.y), select(m, yes.z, no.z)};
-    }
-};
 using VecLanes = VecOf<vfloat>;
 
 OCCAM_ALWAYS_INLINE VecLanes middle(const VecLanes& a, const VecLanes& b) noexcept { return (a + b) * 0.5f; }

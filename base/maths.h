@@ -4,6 +4,8 @@
 // at the end, so they are nearly always correctly rounded. No contraction is allowed here (cmake/Flags.cmake).
 #pragma once
 
+#include <cstddef>
+
 namespace occam::maths {
 
 inline constexpr float kPi = 3.14159265358979f;
@@ -24,5 +26,10 @@ float pow(float x, float y) noexcept;  ///< for x >= 0; pow(0, y > 0) = 0, pow(x
 float atan2(float y, float x) noexcept;
 float acos(float x) noexcept;  ///< x is clamped to [-1, 1]
 float asin(float x) noexcept;
+
+// These do the same for `count` numbers, with the same bits, and the compiler makes them of SIMD instructions.
+void sin_cos(const float* x, std::size_t count, float* sin, float* cos) noexcept;  ///< of at most 1e6 in size, and finite
+void atan2(const float* y, const float* x, std::size_t count, float* to) noexcept;
+void acos(const float* x, std::size_t count, float* to) noexcept;
 
 }  // namespace occam::maths

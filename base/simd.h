@@ -274,6 +274,8 @@ inline vfloat max(vfloat a, vfloat b) noexcept
 #endif
 }
 inline vfloat abs(vfloat a) noexcept { return hn::Abs(a.raw()); }
+/// Returns the size of a number with the sign of another number, which may be a zero.
+inline vfloat copysign(vfloat magnitude, vfloat sign) noexcept { return hn::CopySign(magnitude.raw(), sign.raw()); }
 inline vfloat sqrt(vfloat a) noexcept { return hn::Sqrt(a.raw()); }
 /// Returns the largest power of two that is at most a, for a >= 0: 0 below the normal numbers, infinity for what is not
 /// finite.
@@ -362,8 +364,9 @@ inline float largest(vfloat4x4 a) noexcept
     return hn::GetLane(hn::MaxOfLanes(FloatTag(), most.raw()));
 }
 
-// These overloads for one float let a traversal that is written once serve a packet and a single ray.
+// These overloads for one float let what is written once serve lanes and a single ray or surface.
 inline float abs(float a) noexcept { return std::fabs(a); }
+inline float sqrt(float a) noexcept { return std::sqrt(a); }
 inline float power_of_two_at_most(float a) noexcept
 {
     return std::bit_cast<float>(std::bit_cast<std::uint32_t>(a) & 0x7f800000u);
@@ -373,6 +376,12 @@ inline float fnma(float a, float b, float c) noexcept { return __builtin_fmaf(-a
 inline float select(bool m, float yes, float no) noexcept { return m ? yes : no; }
 inline float min(float a, float b) noexcept { return a < b ? a : b; }
 inline float max(float a, float b) noexcept { return a > b ? a : b; }
+/// Returns x within [low, high]; NaN stays NaN.
+template <class F>
+F clamp(F x, F low, F high) noexcept
+{
+    return select(x < low, low, select(high < x, high, x));
+}
 inline float lowest(float a) noexcept { return a; }
 inline float highest(float a) noexcept { return a; }
 inline bool any(bool m) noexcept { return m; }

@@ -31,6 +31,8 @@ Integrator::Integrator(const FrameContext& context)
       shadows_(context.textures, context.may_pass, !context.settings.back_faces, texture_width_)
 {
     drawn_.surfaces.light_slots = light_slots_to_draw();
+    waits_ = !context.log && context.settings.light_samples == 1 && context.lights.tree().is_empty() &&
+             context.lights.lights_outside_tree() <= static_cast<std::size_t>(kMaxLightsPerHit);
 }
 
 void Integrator::place(std::span<const CameraSample> samples, std::span<SampleResult> results) const
@@ -111,9 +113,11 @@ std::size_t Integrator::shade_some(std::size_t first, std::size_t end, std::span
             goes_on = shade_hit(i, *hit, samples[sample], results[sample]);
         }
         if (!goes_on) continue;
+        shade_waiting();
         if (known.is_all) shade_miss(i, results[sample]);
         else push(paths_[i], rays_[i]);
     }
+    shade_waiting();
     counters_.shade_seconds += std::chrono::duration<double>(Clock::now() - start).count();
     return i;
 }
@@ -223,10 +227,21 @@ void Integrator::add_emission(const Path& path, const accel::SurfaceHit& hit, co
     if (path.is_camera()) result.emitted += luminance(share * surface.emission);
 }
 
+void Integrator::set_receiver(Vertex& v) const noexcept
+{
+    v.receiver.groups = v.hit.lit_by;
+    if (!context_.lights.needs_receivers()) return;
+    v.receiver.point = context_.lights.relative(v.surface.position);
+    v.receiver.normal = v.surface.normal_geometric;
+    v.receiver.is_two_sided = v.surface.is_solid || v.surface.transmission != Vec3f(0);
+}
+
 bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const CameraSample& sample, SampleResult& result)
 {
     const accel::Ray& ray = rays_[i];
-    Path path = paths_[i];
+    Waiting& slot = waiting_[static_cast<std::size_t>(waiting_count_)];
+    Path& path = slot.path;
+    path = paths_[i];
     const Settings& settings = context_.settings;
     if (!settings.back_faces && is_culled(hit)) {
         if (context_.log) context_.log->culled();
@@ -242,7 +257,9 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
 
     counters_.hits_looked_up += hit.phase_one_channels == 0;
     const shade::ShadePoint point = shade_point(ray, hit, texture_width_);
-    const shade::Surface surface = shade::evaluate(point, context_.textures, plain_surfaces_);
+    // It is made in place, as the vertex is.
+    const shade::Surface& surface = *new (&slot.surface)
+                                        shade::Surface(shade::evaluate(point, context_.textures, plain_surfaces_));
     const float occlusion = wants_occlusion_ ? shade::ambient_share(point, context_.textures) : 1;
     const float covered = path.coverage * surface.opacity;
     if (path.is_camera()) {
@@ -252,16 +269,10 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
     if (context_.log) context_.log->surface(path, hit, surface);
     const Vec3f share = path.throughput * surface.opacity;
     Vec3f transmittance = surface.transmittance;
-    Vertex v{path, ray, hit, sample, surface, share, share, occlusion};
-    v.receiver.groups = hit.lit_by;
-    if (context_.lights.needs_receivers()) {
-        v.receiver.point = context_.lights.relative(surface.position);
-        v.receiver.normal = surface.normal_geometric;
-        v.receiver.is_two_sided = surface.is_solid || surface.transmission != Vec3f(0);
-    }
-
+    Vertex& v = *new (slot.vertex) Vertex{path, ray, hit, sample, surface, share, share, occlusion};
+    set_receiver(v);
     const Chances chance = chances(v);
-    if (chance.light > 0) v.lit_share = share / chance.light;
+    if (chance.light > 0 && chance.light < 1) v.lit_share = share / chance.light;
 
     if (settings.view != View::Beauty) {
         const float z = static_cast<float>(context_.camera.depth(hit.position, ray.time));
@@ -277,7 +288,7 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
         if (path.is_camera()) result.emitted += luminance(share * surface.base_color);
     } else if (surface.opacity > 0) {
         add_emission(path, hit, surface, share, result);
-        if (!path.is_probe && (chance.light > 0 || chance.scatter > 0)) gather_and_scatter(i, v, chance);
+        if (!path.is_probe && (chance.light > 0 || chance.scatter > 0)) shade_or_wait(i, v, chance);
     }
     if (!(chance.pass > 0)) return false;
     if (path.is_camera() && chance.pass == 1 && chance.scatter > 0) ++path.splits;

@@ -15,7 +15,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <cstddef>
+#include <new>
 #include <span>
 #include <vector>
 
@@ -29,6 +32,7 @@
 #include "render/settings.h"
 #include "render/shadow_queue.h"
 #include "shade/direct.h"
+#include "shade/light_lanes.h"
 
 namespace occam::render {
 
@@ -127,6 +131,7 @@ public:
 
 private:
     using Clock = std::chrono::steady_clock;
+    using Use = Dimension::Use;
 
     /// Describes a hit that is being shaded.
     struct Vertex {
@@ -138,8 +143,9 @@ private:
         Vec3f share;      ///< share of the light leaving the surface that reaches the pixel
         Vec3f lit_share;  ///< the same for light that is gathered, which stands for surfaces that are not lit, too
         float occlusion;  ///< share of the ambient light at the surface that its occlusion map leaves
-        /// The peak density decides which lights are left to their own samples here (shade/direct.h).
-        float peak = shade::peak_density(surface);
+        /// shade::peak_density(), set where light is gathered. It decides which lights are left to their own samples here
+        /// (shade/direct.h).
+        float peak = 0;
         Vec3d start = surface.start(surface.normal_geometric);
         shade::Receiver receiver{};             ///< filled if there is a tree of lights
         float width = ray.footprint.at(hit.t);  ///< width of the beam
@@ -191,6 +197,7 @@ private:
                            std::span<SampleResult> results);
     /// Returns true if the path goes straight on. Then paths_[i] and rays_[i] are what continues.
     bool shade_hit(std::size_t i, const accel::SurfaceHit& hit, const CameraSample& sample, SampleResult& result);
+    void set_receiver(Vertex& v) const noexcept;
     void count_cells(const accel::Ray& ray, const accel::SurfaceHit& hit);
     void shade_miss(std::size_t i, SampleResult& result);
     /// Adds the lights without a surface that a scattered ray crosses before `t_far`.
@@ -216,11 +223,22 @@ private:
         float pass, scatter, light;
     };
     Chances chances(const Vertex& v) const noexcept;
-    /// Gathers light at a surface of path i and follows the lobes of the surface, with these chances.
-    void gather_and_scatter(std::size_t i, Vertex& v, const Chances& chance);
+    /// Gathers light at a surface whose numbers are drawn and follows the lobes of the surface, with these chances.
+    void gather_and_scatter(Vertex& v, const Chances& chance);
+    /// Returns whether the same may be done later for several surfaces side by side.
+    bool may_wait(const Vertex& v, const Chances& chance) const noexcept;
+    /// Does it now or lets the surface, which is that of path i in the first free slot, wait until there are as many as
+    /// lanes.
+    void shade_or_wait(std::size_t i, Vertex& v, const Chances& chance);
+    /// Does gather_and_scatter() for all surfaces that wait: with the same bits, and in the order in which they came.
+    void shade_waiting();
+    /// Adds samples of all lights to tests_, for all surfaces that wait.
+    void gather_in_lanes(const shade::SurfaceLanes& surfaces, int count);
     /// Returns the numbers of a surface of path i. Those of neighbouring paths are drawn with them.
     SurfaceNumbers numbers_of(std::size_t i, const Vertex& v) noexcept;
-    int light_slots_to_draw() const noexcept;
+    unsigned light_slots_to_draw() const noexcept;
+    /// Returns whether the number of a slot of Use::Light is in Vertex::drawn.
+    bool is_drawn(int slot) const noexcept;
     /// Returns the slot of Use::Light that belongs to the environment, which is the last one.
     int environment_slot() const noexcept;
     Vec2f light_square(const Vertex& v, int slot) const noexcept;
@@ -229,8 +247,17 @@ private:
     /// Returns false if a scattered direction can contribute nothing that gather_light() has not contributed.
     bool needs_scattering(const Vertex& v) const noexcept;
     void scatter_on(const Vertex& v, float chance);
+    /// Says which of the directions of a surface one is.
+    struct ScatterNumber {
+        int n, samples;
+        float chance;  ///< with which the ray is scattered at all
+    };
+    /// Follows a scattered direction.
+    /// sky   the light of the environment from there, if it is known already
+    void follow(const Vertex& v, const shade::ScatterSample& s, const ScatterNumber& number,
+                const shade::Environment::Light* sky = nullptr);
     /// Adds the lights along a scattered direction that is followed no further.
-    void look_for_light(const Path& next, const accel::Ray& ray);
+    void look_for_light(const Path& next, const accel::Ray& ray, const shade::Environment::Light* known_sky);
     void gather_placed(const Vertex& v, int slots);
     void gather_from_tree(const Vertex& v, int first_slot);
     /// What is to be known of the samples that are drawn of one light.
@@ -242,6 +269,9 @@ private:
     template <class Draw>
     void gather_light(const Vertex& v, const shade::WorldLight& light, const PlacedSamples& samples, Draw&& draw);
     void test(const Vertex& v, const shade::ShadowTest& test, Vec3f share, int samples);
+    /// Shoots a shadow ray.
+    /// spread   of its footprint
+    void shoot(const Vertex& v, const shade::ShadowTest& test, Vec3f share, float spread);
     /// Describes what continues straight on behind a surface.
     struct Passing {
         Vec3f light;     ///< transmittance for light that comes from there
@@ -290,6 +320,24 @@ private:
     ShadowQueue shadows_;
     std::span<const CameraSample> samples_;  ///< of the batch that is being shaded
     shade::PlainSurfaces plain_surfaces_;
+
+    /// Keeps what a surface needs that waits to be shaded with others.
+    struct Waiting {
+        Path path;
+        shade::Surface surface;
+        alignas(Vertex) std::byte vertex[sizeof(Vertex)];
+
+        Vertex& at() noexcept { return *std::launder(reinterpret_cast<Vertex*>(vertex)); }
+    };
+    bool waits_;  ///< surfaces may wait
+    int waiting_count_ = 0;
+    std::array<Waiting, kLanes> waiting_;  ///< the first free one, if any, holds the surface that is looked at
+    /// Holds what a sample of a light contributes to the surfaces that waited, and the spreads of the rays to it.
+    struct LightTests {
+        shade::LightSamples samples;
+        shade::LaneFloats spread;
+    };
+    std::vector<LightTests> tests_;
 
     /// What numbers_of() has drawn last.
     struct DrawnBlock {

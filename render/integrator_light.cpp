@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "base/prefetch.h"
-#include "base/simd.h"  // OCCAM_ALWAYS_INLINE
 #include "render/integrator.h"
 #include "render/path_log.h"
 #include "shade/footprints.h"
@@ -12,7 +11,6 @@ namespace occam::render {
 namespace {
 
 using accel::RayKind;
-using Use = Dimension::Use;
 
 std::uint8_t kind_of(shade::Lobe lobe) noexcept
 {
@@ -79,9 +77,15 @@ int Integrator::scatter_samples_at(const Path& path) const noexcept
     return goes_on ? 1 : light_samples_at(path);
 }
 
-OCCAM_ALWAYS_INLINE void Integrator::test(const Vertex& v, const shade::ShadowTest& test, Vec3f share, int samples)
+void Integrator::test(const Vertex& v, const shade::ShadowTest& test, Vec3f share, int samples)
 {
     if (is_black(test.radiance)) return;
+    const auto of_pixel = static_cast<float>(samples * context_.settings.spp);
+    shoot(v, test, share, shade::light_spread(v.width, test.t_far, test.density, of_pixel));
+}
+
+void Integrator::shoot(const Vertex& v, const shade::ShadowTest& test, Vec3f share, float spread)
+{
     const Vec3f light = clamped(test.radiance * share, v.path.bounces + 1);
     if (context_.log) context_.log->light_sample(test.direction, test.t_far, light);
     accel::Ray& ray = shadows_.add(v.path.sample, light);
@@ -90,14 +94,14 @@ OCCAM_ALWAYS_INLINE void Integrator::test(const Vertex& v, const shade::ShadowTe
     ray.t_far = test.t_far;
     ray.start_level = v.hit.start_level;
     ray.time = v.ray.time;
-    ray.footprint = shade::light_beam(v.width, test.t_far, test.density, samples * context_.settings.spp);
+    ray.footprint = {v.width, spread};
 }
 
-void Integrator::gather_and_scatter(std::size_t i, Vertex& v, const Chances& chance)
+void Integrator::gather_and_scatter(Vertex& v, const Chances& chance)
 {
     const shade::SurfaceForEye for_eye(v.surface);
     v.for_eye = &for_eye;
-    v.drawn = numbers_of(i, v);
+    v.peak = shade::peak_density(v.surface);
     if (chance.light > 0) gather_light(v);
     if (chance.scatter > 0 && needs_scattering(v)) scatter_on(v, chance.scatter);
     v.for_eye = nullptr;
@@ -256,60 +260,54 @@ bool Integrator::needs_scattering(const Vertex& v) const noexcept
 
 void Integrator::scatter_on(const Vertex& v, float chance)
 {
-    const Settings& settings = context_.settings;
-    const bool is_last = v.path.bounces >= settings.bounces;
-    const bool is_direct = settings.integrator == IntegratorKind::Direct;
-    const int light_samples = light_samples_at(v.path);
     const int samples = scatter_samples_at(v.path);
-    const Sequence none(0);
-    const Sequence lobes = samples > 1 ? numbers(v, Use::Lobe) : none,
-                   squares = samples > 1 ? numbers(v, Use::Scatter) : none;
+    if (samples == 1) return follow(v, shade::sample_scatter(*v.for_eye, v.drawn.lobe, v.drawn.scatter), {0, 1, chance});
+    const Sequence lobes = numbers(v, Use::Lobe), squares = numbers(v, Use::Scatter);
     for (int n = 0; n < samples; ++n) {
-        float lobe = v.drawn.lobe;
-        Vec2f square = v.drawn.scatter;
-        if (samples > 1) {
-            const std::uint32_t index = v.first_of(samples) + static_cast<std::uint32_t>(n);
-            lobe = lobes.interval(index);
-            square = squares.square(index);
-        }
-        const shade::ScatterSample s = shade::sample_scatter(*v.for_eye, lobe, square);
-        if (is_black(s.weight)) continue;
-
-        Path next = v.path;
-        next.throughput = v.share * s.weight / (static_cast<float>(samples) * chance);
-        next.coverage = 0;
-        next.key = scattered_key(v.path.key, static_cast<std::uint32_t>(n));
-        next.density = s.density;
-        next.peak = v.peak;
-        next.receiver = v.receiver;
-        next.tree_draws = static_cast<std::uint8_t>(tree_draws_at(v.path));
-        next.light_samples = static_cast<float>(light_samples);
-        next.scatter_samples = static_cast<float>(samples);
-        next.is_before_focus = false;
-        next.passed = 0;
-        next.straight = 1;
-        ++next.bounces;
-        if (s.lobe == shade::Lobe::Transmission && v.surface.is_solid)
-            next.absorption = v.hit.back_side ? Vec3f(0) : v.surface.absorption_inside;
-        const accel::Ray ray = scattered_ray(v, s, samples);
-        if (context_.log) context_.log->scattered(s, next);
-
-        if (is_last || (is_direct && s.alpha > kMirrorAlpha)) {
-            look_for_light(next, ray);
-            continue;
-        }
-        const bool is_certain = is_direct && v.path.passed < kPassedForSure;
-        const float survival = is_certain ? 1 : survival_of(next.throughput);
-        if (v.drawn.survival >= survival) {
-            if (context_.log) context_.log->ended_by_chance(survival);
-            continue;
-        }
-        if (survival < 1) next.throughput /= survival;
-        push(next, ray);
+        const std::uint32_t index = v.first_of(samples) + static_cast<std::uint32_t>(n);
+        follow(v, shade::sample_scatter(*v.for_eye, lobes.interval(index), squares.square(index)), {n, samples, chance});
     }
 }
 
-void Integrator::look_for_light(const Path& next, const accel::Ray& ray)
+void Integrator::follow(const Vertex& v, const shade::ScatterSample& s, const ScatterNumber& number,
+                        const shade::Environment::Light* sky)
+{
+    if (is_black(s.weight)) return;
+    const Settings& settings = context_.settings;
+    const bool is_last = v.path.bounces >= settings.bounces;
+    const bool is_direct = settings.integrator == IntegratorKind::Direct;
+
+    Path next = v.path;
+    next.throughput = v.share * s.weight / (static_cast<float>(number.samples) * number.chance);
+    next.coverage = 0;
+    next.key = scattered_key(v.path.key, static_cast<std::uint32_t>(number.n));
+    next.density = s.density;
+    next.peak = v.peak;
+    next.receiver = v.receiver;
+    next.tree_draws = static_cast<std::uint8_t>(tree_draws_at(v.path));
+    next.light_samples = static_cast<float>(light_samples_at(v.path));
+    next.scatter_samples = static_cast<float>(number.samples);
+    next.is_before_focus = false;
+    next.passed = 0;
+    next.straight = 1;
+    ++next.bounces;
+    if (s.lobe == shade::Lobe::Transmission && v.surface.is_solid)
+        next.absorption = v.hit.back_side ? Vec3f(0) : v.surface.absorption_inside;
+    const accel::Ray ray = scattered_ray(v, s, number.samples);
+    if (context_.log) context_.log->scattered(s, next);
+
+    if (is_last || (is_direct && s.alpha > kMirrorAlpha)) return look_for_light(next, ray, sky);
+    const bool is_certain = is_direct && v.path.passed < kPassedForSure;
+    const float survival = is_certain ? 1 : survival_of(next.throughput);
+    if (survival < 1 && numbers(v, Use::Survival).interval(v.first_of(1)) >= survival) {
+        if (context_.log) context_.log->ended_by_chance(survival);
+        return;
+    }
+    if (survival < 1) next.throughput /= survival;
+    push(next, ray);
+}
+
+void Integrator::look_for_light(const Path& next, const accel::Ray& ray, const shade::Environment::Light* known_sky)
 {
     if (context_.lights.meshes().any_emitter()) {
         Path probe = next;
@@ -335,7 +333,7 @@ void Integrator::look_for_light(const Path& next, const accel::Ray& ray)
     };
     context_.lights.for_crossings({ray.origin, ray.direction, infinity}, next.peak, {next.receiver, next.tree_draws}, cross);
     if (context_.lights.environment().is_black()) return;
-    const shade::Environment::Light sky = context_.lights.environment().look_up(ray.direction);
+    const shade::Environment::Light sky = known_sky ? *known_sky : context_.lights.environment().look_up(ray.direction);
     const shade::SampleCounts counts{next.light_samples, next.scatter_samples};
     add(infinity, sky.radiance * counts.of_scatter(next.density, sky.density));
 }

@@ -5,8 +5,6 @@
 
 namespace occam::render {
 
-using Use = Dimension::Use;
-
 Sequence Integrator::numbers(const Vertex& v, Use use, int slot) const noexcept
 {
     return context_.sampler.sequence(v.sample.x, v.sample.y,
@@ -28,35 +26,33 @@ SurfaceNumbers Integrator::numbers_of(std::size_t i, const Vertex& v) noexcept
             drawn_.surfaces.key[k] = paths_[first + k].key;
         }
         context_.sampler.draw(drawn_.surfaces, drawn_.numbers);
-        const int slot = environment_slot();
-        if (context_.lights.environment().has_density() && slot < drawn_.surfaces.light_slots) {
-            Vec2f squares[kBlock];
-            for (std::size_t k = 0; k < count; ++k) squares[k] = drawn_.numbers[k].light[slot];
-            context_.lights.environment().prefetch(std::span(squares, count));
-        }
     }
     if (drawn_.surfaces.key[i % kBlock] == v.path.key) return drawn_.numbers[i % kBlock];
     // The ray has passed surfaces since the block was drawn.
     const std::uint32_t index = v.first_of(1);
     SurfaceNumbers drawn;
-    for (int slot = 0; slot < drawn_.surfaces.light_slots; ++slot)
-        drawn.light[slot] = numbers(v, Use::Light, slot).square(index);
+    for (int slot = 0; slot < SurfaceNumbers::kLightSlots; ++slot)
+        if (is_drawn(slot)) drawn.light[slot] = numbers(v, Use::Light, slot).square(index);
     drawn.scatter = numbers(v, Use::Scatter).square(index);
     drawn.lobe = numbers(v, Use::Lobe).interval(index);
-    drawn.survival = numbers(v, Use::Survival).interval(index);
     return drawn;
 }
 
-// Returns the number of slots of Use::Light that are drawn for a surface beside each other: those of lights outside the
-// tree, of meshes and of the environment, unless a light has several samples.
-int Integrator::light_slots_to_draw() const noexcept
+// Returns the slots of Use::Light that are drawn for surfaces side by side: those of lights outside the tree, of meshes and
+// of the environment, unless a light has several samples.
+unsigned Integrator::light_slots_to_draw() const noexcept
 {
-    if (context_.settings.light_samples > 1) return 1;
-    const bool has_environment = context_.lights.environment().has_density();
-    const bool has_meshes = !context_.lights.meshes().is_empty();
-    const int slots = environment_slot() + (has_environment ? 1 : has_meshes ? 0 : -1);
-    return std::clamp(slots, 1, SurfaceNumbers::kLightSlots);
+    if (context_.settings.light_samples > 1) return 0;
+    const int meshes = environment_slot() - 1;
+    const auto placed = static_cast<unsigned>(
+        std::min(context_.lights.lights_outside_tree(), std::size_t(kMaxLightsPerHit)));
+    unsigned slots = (1u << placed) - 1;
+    if (!context_.lights.meshes().is_empty()) slots |= 1u << meshes;
+    if (context_.lights.environment().has_density()) slots |= 1u << environment_slot();
+    return slots & ((1u << SurfaceNumbers::kLightSlots) - 1);
 }
+
+bool Integrator::is_drawn(int slot) const noexcept { return (drawn_.surfaces.light_slots >> slot & 1) != 0; }
 
 int Integrator::environment_slot() const noexcept
 {
@@ -67,7 +63,7 @@ int Integrator::environment_slot() const noexcept
 // Returns the point of the unit square for the only sample of a light.
 Vec2f Integrator::light_square(const Vertex& v, int slot) const noexcept
 {
-    return slot < drawn_.surfaces.light_slots ? v.drawn.light[slot] : numbers(v, Use::Light, slot).square(v.first_of(1));
+    return is_drawn(slot) ? v.drawn.light[slot] : numbers(v, Use::Light, slot).square(v.first_of(1));
 }
 
 }  // namespace occam::render

@@ -88,14 +88,13 @@ void Sampler::draw(const SurfacesToDraw& of, SurfaceNumbers (&to)[kMost]) const 
             return key_of(pixel, Dimension::at(of.key[i], use, static_cast<std::uint32_t>(slot)));
         });
     };
-    for (int slot = 0; slot < of.light_slots; ++slot)
-        set_squares(numbers(Use::Light, slot), [&](int i, Vec2f square) { to[i].light[slot] = square; });
+    for (int slot = 0; slot < SurfaceNumbers::kLightSlots; ++slot)
+        if ((of.light_slots >> slot & 1) != 0)
+            set_squares(numbers(Use::Light, slot), [&](int i, Vec2f square) { to[i].light[slot] = square; });
     set_squares(numbers(Use::Scatter), [&](int i, Vec2f square) { to[i].scatter = square; });
     float x[kMost];
     set_x(numbers(Use::Lobe), x);
     for (int i = 0; i < kMost; ++i) to[i].lobe = x[i];
-    set_x(numbers(Use::Survival), x);
-    for (int i = 0; i < kMost; ++i) to[i].survival = x[i];
 }
 
 }  // namespace occam::render

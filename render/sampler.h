@@ -69,7 +69,7 @@ struct SurfaceNumbers {
     static constexpr int kLightSlots = 4;
     Vec2f light[kLightSlots]{};  ///< of Use::Light, slots 0 and following
     Vec2f scatter{0};
-    float lobe = 0, survival = 0;
+    float lobe = 0;
 };
 
 /// Names surfaces of paths: pixels, indices of samples and keys.
@@ -77,7 +77,7 @@ struct SurfacesToDraw {
     static constexpr int kMost = 8;
     int x[kMost]{}, y[kMost]{};
     std::uint32_t index[kMost]{}, key[kMost]{};
-    int light_slots = 1;  ///< as many slots of Use::Light are drawn, at most SurfaceNumbers::kLightSlots
+    unsigned light_slots = 1;  ///< bits of the slots of Use::Light, below SurfaceNumbers::kLightSlots, that are drawn
 };
 
 class Sampler {

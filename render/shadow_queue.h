@@ -62,7 +62,10 @@ public:
     /// ray.
     accel::Ray& add(std::uint32_t sample, Vec3f radiance)
     {
-        shadows_.push_back({sample, radiance});
+        // They are written where they stay, since reading whole what was just written in parts would wait.
+        Shadow& shadow = shadows_.emplace_back();
+        shadow.sample = sample;
+        shadow.radiance = radiance;
         accel::Ray& ray = rays_.emplace_back();
         ray.kinds = accel::RayKind::Shadow;
         return ray;
@@ -100,8 +103,8 @@ private:
     static constexpr std::size_t kHitsAtOnce = 4096;
 
     struct Shadow {
-        std::uint32_t sample;
-        Vec3f radiance;
+        std::uint32_t sample = 0;
+        Vec3f radiance{0};
     };
     /// Describes a shadow ray that has hit a surface.
     struct Blocked {

@@ -108,6 +108,56 @@ AlbedoTable::Row AlbedoTable::row_of(float alpha) noexcept
     return place_of((row_root(alpha) - kLeastRoot) / (1 - kLeastRoot), kRoughnesses);
 }
 
+namespace {
+
+AlbedoTable::RowLanes places_of(vfloat x, int nodes) noexcept
+{
+    alignas(32) float at[kLanes], below[kLanes];
+    (clamp(x, vfloat(0.0f), vfloat(1.0f)) * static_cast<float>(nodes - 1)).store(at);
+    AlbedoTable::RowLanes places;
+    for (int i = 0; i < kLanes; ++i) {
+        const int node = std::min(static_cast<int>(at[i]), nodes - 2);
+        places.below[i] = static_cast<std::size_t>(node);
+        below[i] = static_cast<float>(node);
+    }
+    places.share = vfloat::load(at) - vfloat::load(below);
+    return places;
+}
+
+// Mixes two neighbours, the first of which node(lane) returns.
+template <class Node>
+LayerAlbedoOf<vfloat> mix_neighbours(Node&& node, vfloat share) noexcept
+{
+    static_assert(sizeof(LayerAlbedo) == 2 * sizeof(float));
+    const float* from[kLanes];
+    for (int i = 0; i < kLanes; ++i) from[i] = &node(i)->f0;
+    vfloat of[4];  // both factors of the first node, and those of the second
+    load_turned(from, of);
+    return {of[0] + (of[2] - of[0]) * share, of[1] + (of[3] - of[1]) * share};
+}
+
+}  // namespace
+
+AlbedoTable::RowLanes AlbedoTable::row_of(vfloat alpha) noexcept
+{
+    return places_of((sqrt(sqrt(max(alpha, vfloat(0.0f)))) - kLeastRoot) / (1 - kLeastRoot), kRoughnesses);
+}
+
+LayerAlbedoOf<vfloat> AlbedoTable::at(vfloat cosine, const RowLanes& r) const noexcept
+{
+    const RowLanes c = places_of(sqrt(max(cosine, vfloat(0.0f))), kCosines);
+    const auto in = [&](std::size_t above) {
+        return mix_neighbours([&](int i) { return &rows_[r.below[i] + above][c.below[i]]; }, c.share);
+    };
+    const LayerAlbedoOf<vfloat> a = in(0), b = in(1);
+    return {a.f0 + (b.f0 - a.f0) * r.share, a.f90 + (b.f90 - a.f90) * r.share};
+}
+
+LayerAlbedoOf<vfloat> AlbedoTable::mean(const RowLanes& r) const noexcept
+{
+    return mix_neighbours([&](int i) { return &means_[r.below[i]]; }, r.share);
+}
+
 AlbedoTable::AlbedoTable()
 {
     const Disc disc;

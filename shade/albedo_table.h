@@ -10,14 +10,19 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+
+#include "base/simd.h"
 
 namespace occam::shade {
 
-/// Holds the albedo for one direction, or the cosine-weighted mean over all directions.
-struct LayerAlbedo {
-    float f0 = 1, f90 = 0;  ///< the factors of f0 and f90; their sum is the albedo of a layer that reflects all light
-    float sum() const noexcept { return f0 + f90; }
+/// Holds the albedo for one direction (F is float) or for several (vfloat), or the cosine-weighted mean over all directions.
+template <class F>
+struct LayerAlbedoOf {
+    F f0 = 1.0f, f90 = 0.0f;  ///< the factors of f0 and f90; their sum is the albedo of a layer that reflects all light
+    F sum() const noexcept { return f0 + f90; }
 };
+using LayerAlbedo = LayerAlbedoOf<float>;
 
 class AlbedoTable {
 public:
@@ -36,6 +41,15 @@ public:
     LayerAlbedo at(float cosine, Row row) const noexcept;
     LayerAlbedo mean(float alpha) const noexcept { return mean(row_of(alpha)); }
     LayerAlbedo mean(Row row) const noexcept;
+
+    /// The same for several widths and cosines side by side, with the same bits.
+    struct RowLanes {
+        std::size_t below[kLanes];
+        vfloat share;
+    };
+    static RowLanes row_of(vfloat alpha) noexcept;
+    LayerAlbedoOf<vfloat> at(vfloat cosine, const RowLanes& row) const noexcept;
+    LayerAlbedoOf<vfloat> mean(const RowLanes& row) const noexcept;
 
 private:
     static constexpr int kCosines = 64;      ///< nodes, evenly spaced in the square root of the cosine

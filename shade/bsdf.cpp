@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "shade/fresnel.h"
 #include "shade/sheen.h"
 #include "shade/stroke_albedo.h"
 #include "shade/transmission.h"
@@ -28,17 +27,6 @@ struct Angles {
         sin2_h = glm::dot(across, across);
     }
 };
-
-// Returns the cosine-weighted mean of Schlick's curve.
-Vec3f mean_fresnel(Vec3f f0, float f90) noexcept { return f0 + (Vec3f(f90) - f0) / 21.0f; }
-
-// Returns the factor of light that bounces several times between microfacets, where 1 is what single scattering lost
-// (Kulla and Conty 2017; the sum of the series F^2 E (1 + F (1 - E) + ...)).
-Vec3f multiple_share(Vec3f f0, float f90, float mean_albedo) noexcept
-{
-    const Vec3f f = mean_fresnel(f0, f90);
-    return f * f * mean_albedo / (Vec3f(1) - f * (1 - mean_albedo));
-}
 
 // Describes the layer's lobe of a surface with brush strokes, in axes along the direction of the strokes.
 struct Strokes {
@@ -76,18 +64,14 @@ struct Strokes {
 
 bool has_strokes(const Surface& s) noexcept { return s.tangent != Vec3f(0); }
 
-Layer layer_of(const Surface& s, AlbedoTable::Row row) noexcept
+LayerOf<float> layer_of(const Surface& s, AlbedoTable::Row row) noexcept
 {
-    Layer of;
-    of.alpha = s.alpha;
+    LayerOf<float> of;
     of.f0 = s.dielectric_f0;
     of.f90 = s.dielectric_f90;
-    const LayerAlbedo all = has_strokes(s) ? StrokeAlbedo::instance().mean({s.alpha_along, s.alpha_across}, of.alpha)
+    const LayerAlbedo all = has_strokes(s) ? StrokeAlbedo::instance().mean({s.alpha_along, s.alpha_across}, s.alpha)
                                            : AlbedoTable::instance().mean(row);
-    of.mean = all.sum();
-    of.multiple = multiple_share(s.f0, s.f90, of.mean);
-    of.base_multiple = multiple_share(Vec3f(of.f0), of.f90, of.mean).x;
-    of.base_mean = of.f0 * all.f0 + of.f90 * all.f90 + of.base_multiple * (1 - of.mean);
+    complete(of, s.f0, s.f90, all);
     return of;
 }
 
@@ -102,36 +86,18 @@ LayerAlbedo albedo(const SurfaceForEye& of, Vec3f direction, float cosine) noexc
     return StrokeAlbedo::instance().at(local, strokes.widths, s.alpha);
 }
 
-// Returns the share of a direction's light that gets below the dielectric.
-float through(const Layer& of, LayerAlbedo e) noexcept
-{
-    return std::max(0.0f, 1 - (of.f0 * e.f0 + of.f90 * e.f90 + of.base_multiple * (1 - e.sum())));
-}
-
-// Returns the factor of the base: reciprocal, and exact for a white base (Kelemen and Szirmay-Kalos 2001, sec. 3).
-float into_base(const Layer& of, LayerAlbedo eye, LayerAlbedo light) noexcept
-{
-    return of.base_mean < 1 ? through(of, eye) * through(of, light) / (1 - of.base_mean) : 0;
-}
-
 // Returns the multiple scattering through a rough pane: what is neither reflected nor transmitted by single scattering.
-float multiple_through(const Layer& of, LayerAlbedo eye, LayerAlbedo light) noexcept
+float multiple_through(const LayerOf<float>& of, LayerAlbedo eye, LayerAlbedo light) noexcept
 {
     const float lost = std::max(0.0f, 1 - eye.sum()) * std::max(0.0f, 1 - light.sum());
     return of.mean < 1 ? (1 - of.base_multiple) * lost / ((1 - of.mean) * kPi) : 0;
 }
 
 // Returns the share of the light transmitted by a pane that single scattering transmits.
-float single_share(const Layer& of, LayerAlbedo eye) noexcept
+float single_share(const LayerOf<float>& of, LayerAlbedo eye) noexcept
 {
     const float single = (1 - of.f0) * eye.f0 + (1 - of.f90) * eye.f90, all = through(of, eye);
     return all > 0 ? std::clamp(single / all, 0.0f, 1.0f) : 1;
-}
-
-Vec3f multiple_lobe(const Layer& of, LayerAlbedo eye, LayerAlbedo light) noexcept
-{
-    return of.mean < 1 ? of.multiple * std::max(0.0f, (1 - eye.sum()) * (1 - light.sum()) / ((1 - of.mean) * kPi))
-                       : Vec3f(0);
 }
 
 void add_opaque(const SurfaceForEye& of, float below, LobeShares& to) noexcept
@@ -174,12 +140,8 @@ LobeShares shares_of(const SurfaceForEye& of, float n_v, float coat_reflects) no
 // the lowest direction to which a reflecting normal (evaluate()) reflects the eye.
 float lobe_terminator(Vec3f facet, Vec3f normal, float n_l, Vec3f to_light) noexcept
 {
-    constexpr float kSteep = 0.4f;
-    const float side = glm::dot(facet, to_light), along = std::max(kSteep * n_l * glm::dot(facet, normal), 1e-6f);
-    if (side >= along) return 1;
-    if (!(side > 0)) return 0;
-    const float ratio = side / along;
-    return ratio * (1 + ratio * (1 - ratio));
+    const float side = glm::dot(facet, to_light), along = std::max(kSteepLobe * n_l * glm::dot(facet, normal), 1e-6f);
+    return faded(side, along);
 }
 
 // Returns the reflection below the coat of what is opaque or a pane: f times the cosine, with the light on the eye's
@@ -189,8 +151,7 @@ Vec3f reflected(const SurfaceForEye& of, Vec3f to_light, const Angles& a, float 
 {
     const Surface& s = of.surface;
     const LayerAlbedo light = albedo(of, to_light, a.n_l);
-    const float g = schlick(a.v_h);
-    const Vec3f mirror = (s.f0 * (1 - g) + Vec3f(s.f90 * g)) * lobe + multiple_lobe(of.layer, of.eye, light);
+    const Vec3f mirror = reflectance(s.f0, s.f90, schlick(a.v_h)) * lobe + multiple_lobe(of.layer, of.eye, light);
     const Vec3f base = s.diffuse * (into_base(of.layer, of.eye, light) / kPi);
     return mirror * (a.n_l * lobe_terminator(s.normal_geometric, s.normal, a.n_l, to_light)) +
            base * (a.n_l * terminator(s, a.n_l, to_light));

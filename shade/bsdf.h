@@ -13,7 +13,7 @@
 //          factor depends on the side of the light alone, so there, too, the function is not reciprocal.
 #pragma once
 
-#include "shade/albedo_table.h"
+#include "shade/layer.h"
 #include "shade/surface.h"
 
 namespace occam::shade {
@@ -24,20 +24,8 @@ inline float terminator(const Surface& s, float n_l, Vec3f to_light) noexcept
 {
     const float side = glm::dot(s.normal_geometric, to_light),
                 along = std::max(n_l * glm::dot(s.normal_geometric, s.normal), 1e-6f);
-    if (side >= along) return 1;
-    if (!(side > 0)) return 0;
-    const float ratio = side / along;
-    return ratio * (1 + ratio * (1 - ratio));
+    return faded(side, along);
 }
-
-/// Describes the layer over the base: a lobe for its multiple scattering, and the share of light that it transmits to the
-/// base and back.
-struct Layer {
-    float alpha, mean;  ///< GGX width; mean albedo, over all directions, of a layer that reflects all light
-    Vec3f multiple;     ///< the factor of light that bounces several times between the layer's microfacets
-    float f0, f90;      ///< reflectance of the dielectric over the base
-    float base_multiple, base_mean;
-};
 
 /// Holds the probability of sampling each lobe, in proportion to what it sends to this eye.
 struct LobeShares {
@@ -49,7 +37,7 @@ struct LobeShares {
 struct SurfaceForEye {
     const Surface& surface;
     // These are not set for a matte surface, which has no layer.
-    Layer layer;
+    LayerOf<float> layer;
     AlbedoTable::Row row;  ///< the layer's place in the table of albedos
     LayerAlbedo eye;       ///< albedo of the layer towards the eye
     float masking, root;   ///< ggx_masking_over_cosine() and ggx_root() of the eye

@@ -4,6 +4,12 @@
 
 namespace occam::shade {
 
+LightSample sample_of(const Environment::Light& light) noexcept
+{
+    if (!(light.density > 0)) return {};
+    return {light.direction, std::numeric_limits<float>::infinity(), light.radiance / light.density, light.density};
+}
+
 ShadowTest test_meshes(const SurfaceForEye& surface, const MeshLights& lights, const Receiver& receiver,
                        LightNumbers numbers, SampleCounts counts) noexcept
 {
@@ -14,11 +20,7 @@ ShadowTest test_environment(const SurfaceForEye& surface, const Environment& env
                             SampleCounts counts) noexcept
 {
     if (!environment.has_density()) return {};
-    const Environment::Light light = environment.draw(numbers.square);
-    if (!(light.density > 0)) return {};
-    const LightSample sample{light.direction, std::numeric_limits<float>::infinity(), light.radiance / light.density,
-                             light.density};
-    return test_of(surface, sample, counts);
+    return test_of(surface, sample_of(environment.draw(numbers.square)), counts);
 }
 
 }  // namespace occam::shade

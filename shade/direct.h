@@ -60,6 +60,8 @@ inline ShadowTest test_of(const SurfaceForEye& surface, const LightSample& sampl
             sample.density};
 }
 
+/// Returns a light from infinitely far as a sample of it; black if it has no density.
+LightSample sample_of(const Environment::Light& light) noexcept;
 /// Draws one sample of the emissive triangles for a receiver.
 ShadowTest test_meshes(const SurfaceForEye& surface, const MeshLights& lights, const Receiver& receiver,
                        LightNumbers numbers, SampleCounts counts) noexcept;

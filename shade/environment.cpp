@@ -26,6 +26,17 @@ float density_of(float row, float column, float ring) noexcept
     return row * column * float(kColumns * kRows) / (2 * kPi * kPi * std::max(1e-6f, ring));
 }
 
+struct Cell {
+    int row, column;
+};
+Cell cell_at(Vec2f uv) noexcept
+{
+    return {std::clamp(int(uv.y * kRows), 0, kRows - 1), std::clamp(int(uv.x * kColumns), 0, kColumns - 1)};
+}
+
+// Returns the sine of a direction's angle to the pole.
+float ring_of(Vec3f direction) noexcept { return std::sqrt(std::max(0.0f, 1 - direction.y * direction.y)); }
+
 constexpr Vec3f kZenith{0.36f, 0.45f, 0.60f}, kHorizon{0.60f, 0.62f, 0.64f}, kGround{0.36f, 0.37f, 0.385f};
 
 Vec3f sky_radiance(float y) noexcept
@@ -62,6 +73,11 @@ struct Environment::Interval {
     int index;
     float within, share;
 };
+
+Vec2f Environment::uv_at(const Interval& row, const Interval& column) noexcept
+{
+    return {(float(column.index) + column.within) / kColumns, (float(row.index) + row.within) / kRows};
+}
 
 // The number of sums is a power of two, so that no product is rounded.
 const Environment::Sum& Environment::guide_of(std::span<const Sum> sums, float u) noexcept
@@ -148,17 +164,25 @@ Vec3f Environment::texel(Vec2f uv) const noexcept
     return scale_ * glm::max(Vec3f(textures_->sample(image_, uv, 0)), Vec3f(0));
 }
 
+// Rotates a direction back about +y.
+Vec3f Environment::in_axes_of_image(Vec3f d) const noexcept
+{
+    return {rotation_cos_ * d.x - rotation_sin_ * d.z, d.y, rotation_sin_ * d.x + rotation_cos_ * d.z};
+}
+
 Vec2f Environment::uv_of(Vec3f direction) const noexcept
 {
-    // Rotates the direction back about +y, into the image's axes.
-    const float x = rotation_cos_ * direction.x - rotation_sin_ * direction.z;
-    const float z = rotation_sin_ * direction.x + rotation_cos_ * direction.z;
-    return {0.5f + maths::atan2(x, -z) / (2 * kPi), maths::acos(std::clamp(direction.y, -1.0f, 1.0f)) / kPi};
+    const Vec3f d = in_axes_of_image(direction);
+    return {0.5f + maths::atan2(d.x, -d.z) / (2 * kPi), maths::acos(std::clamp(d.y, -1.0f, 1.0f)) / kPi};
 }
 
 Vec3f Environment::direction_of(Vec2f uv) const noexcept
 {
-    const maths::SinCos around = maths::sin_cos((uv.x - 0.5f) * 2 * kPi), up = maths::sin_cos(uv.y * kPi);
+    return turned(maths::sin_cos((uv.x - 0.5f) * 2 * kPi), maths::sin_cos(uv.y * kPi));
+}
+
+Vec3f Environment::turned(maths::SinCos around, maths::SinCos up) const noexcept
+{
     const float x = up.sin * around.sin, z = -up.sin * around.cos;
     return {rotation_cos_ * x + rotation_sin_ * z, up.cos, rotation_cos_ * z - rotation_sin_ * x};
 }
@@ -209,39 +233,73 @@ float Environment::density_at(int row, int column, float ring) const noexcept
     return density_of(share_of(rows_, row), share_of(cells_of(row), column), ring);
 }
 
-// The guides of several points arrive together, and then the sums that they name.
-void Environment::prefetch(std::span<const Vec2f> squares) const noexcept
-{
-    constexpr std::size_t kBlock = 8;
-    for (std::size_t first = 0; first < squares.size(); first += kBlock) {
-        std::span<const Sum> cells[kBlock];
-        const std::size_t count = std::min(kBlock, squares.size() - first);
-        for (std::size_t k = 0; k < count; ++k) {
-            cells[k] = cells_of(find_interval(rows_, squares[first + k].y).index);
-            occam::prefetch(&guide_of(cells[k], squares[first + k].x));
-        }
-        for (std::size_t k = 0; k < count; ++k) occam::prefetch(&cells[k][guide_of(cells[k], squares[first + k].x).guide]);
-    }
-}
-
 Environment::Light Environment::draw(Vec2f square) const noexcept
 {
     const Interval row = find_interval(rows_, square.y);
     const Interval column = find_interval(cells_of(row.index), square.x);
-    const Vec2f uv((float(column.index) + column.within) / kColumns, (float(row.index) + row.within) / kRows);
+    const Vec2f uv = uv_at(row, column);
     const Vec3f direction = direction_of(uv);
-    const float ring = std::sqrt(std::max(0.0f, 1 - direction.y * direction.y));
-    return {direction, texel(uv), density_of(row.share, column.share, ring)};
+    return {direction, texel(uv), density_of(row.share, column.share, ring_of(direction))};
+}
+
+Environment::Light Environment::light_at(Vec3f direction, Vec2f uv) const noexcept
+{
+    const Cell cell = cell_at(uv);
+    return {direction, texel(uv), density_at(cell.row, cell.column, ring_of(direction))};
 }
 
 Environment::Light Environment::look_up(Vec3f direction) const noexcept
 {
-    if (!has_density()) return {direction, radiance(direction), 0};
-    const Vec2f uv = uv_of(direction);
-    const int row = std::clamp(int(uv.y * kRows), 0, kRows - 1);
-    const int column = std::clamp(int(uv.x * kColumns), 0, kColumns - 1);
-    const float ring = std::sqrt(std::max(0.0f, 1 - direction.y * direction.y));
-    return {direction, texel(uv), density_at(row, column, ring)};
+    return has_density() ? light_at(direction, uv_of(direction)) : Light{direction, radiance(direction), 0};
+}
+
+void Environment::draw(std::span<const Vec2f> squares, std::span<Light> to) const noexcept
+{
+    Interval rows[kAtOnce], columns[kAtOnce];
+    Vec2f uv[kAtOnce];
+    float around[kAtOnce] = {}, up[kAtOnce] = {}, sin_around[kAtOnce], cos_around[kAtOnce], sin_up[kAtOnce], cos_up[kAtOnce];
+    const std::size_t count = squares.size();
+    for (std::size_t k = 0; k < count; ++k) {
+        rows[k] = find_interval(rows_, squares[k].y);
+        prefetch(&guide_of(cells_of(rows[k].index), squares[k].x));
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+        const std::span cells = cells_of(rows[k].index);
+        prefetch(&cells[guide_of(cells, squares[k].x).guide]);
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+        columns[k] = find_interval(cells_of(rows[k].index), squares[k].x);
+        uv[k] = uv_at(rows[k], columns[k]);
+        around[k] = (uv[k].x - 0.5f) * 2 * kPi;
+        up[k] = uv[k].y * kPi;
+    }
+    maths::sin_cos(around, count, sin_around, cos_around);
+    maths::sin_cos(up, count, sin_up, cos_up);
+    for (std::size_t k = 0; k < count; ++k) {
+        const Vec3f direction = turned({sin_around[k], cos_around[k]}, {sin_up[k], cos_up[k]});
+        to[k] = {direction, texel(uv[k]), density_of(rows[k].share, columns[k].share, ring_of(direction))};
+    }
+}
+
+void Environment::look_up(std::span<const Vec3f> directions, std::span<Light> to) const noexcept
+{
+    float x[kAtOnce] = {}, y[kAtOnce] = {}, height[kAtOnce] = {}, around[kAtOnce], down[kAtOnce];
+    const std::size_t count = directions.size();
+    for (std::size_t k = 0; k < count; ++k) {
+        const Vec3f in_image = in_axes_of_image(directions[k]);
+        y[k] = in_image.x;
+        x[k] = -in_image.z;
+        height[k] = std::clamp(in_image.y, -1.0f, 1.0f);
+    }
+    maths::atan2(y, x, count, around);
+    maths::acos(height, count, down);
+    Vec2f uv[kAtOnce];
+    for (std::size_t k = 0; k < count; ++k) {
+        uv[k] = {0.5f + around[k] / (2 * kPi), down[k] / kPi};
+        const Cell cell = cell_at(uv[k]);
+        prefetch(&cells_of(cell.row)[std::size_t(cell.column)]);
+    }
+    for (std::size_t k = 0; k < count; ++k) to[k] = light_at(directions[k], uv[k]);
 }
 
 }  // namespace occam::shade

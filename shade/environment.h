@@ -5,10 +5,12 @@
 // Threads  const after construction.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "base/maths.h"
 #include "io/texture/texture_store.h"
 #include "scenegraph/light.h"
 
@@ -37,10 +39,12 @@ public:
     };
     /// Draws a direction by the brightness of the image, which there has to be.
     Light draw(Vec2f square) const noexcept;
-    /// Asks the caches for what draw() will read for these points, which lies far apart in large tables. The image has to
-    /// have a density.
-    void prefetch(std::span<const Vec2f> squares) const noexcept;
     Light look_up(Vec3f direction) const noexcept;
+    /// Does the same for several points or directions, at most kAtOnce, with the same bits. They wait together for tables
+    /// and texels, which lie far apart. The image has to have a density.
+    static constexpr std::size_t kAtOnce = 8;
+    void draw(std::span<const Vec2f> squares, std::span<Light> to) const noexcept;
+    void look_up(std::span<const Vec3f> directions, std::span<Light> to) const noexcept;
 
 private:
     enum class Kind : unsigned char { None, Constant, Image, Sky };
@@ -55,8 +59,12 @@ private:
     struct Interval;
     struct Spread;
 
+    Vec3f in_axes_of_image(Vec3f direction) const noexcept;
     Vec2f uv_of(Vec3f direction) const noexcept;
+    static Vec2f uv_at(const Interval& row, const Interval& column) noexcept;
     Vec3f direction_of(Vec2f uv) const noexcept;
+    Vec3f turned(maths::SinCos around, maths::SinCos up) const noexcept;
+    Light light_at(Vec3f direction, Vec2f uv) const noexcept;
     Vec3f texel(Vec2f uv) const noexcept;
     float density_at(int row, int column, float ring) const noexcept;
     void tabulate();

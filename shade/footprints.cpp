@@ -20,7 +20,7 @@ lod::Footprint refracted_footprint(Beam beam, float curvature, float cosine, flo
 
 lod::Footprint scattered_beam(lod::Footprint smooth, float density, int samples) noexcept
 {
-    const float share = share_width(density, samples);
+    const float share = share_width(density, static_cast<float>(samples));
     return from_width(smooth.a, std::sqrt(smooth.b * smooth.b + share * share));
 }
 

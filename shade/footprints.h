@@ -15,6 +15,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/simd.h"
 #include "lod/footprint.h"
 
 namespace occam::shade {
@@ -46,12 +47,13 @@ lod::Footprint scattered_beam(lod::Footprint smooth, float density, int samples)
 /// shading_rate   target edge length over the width of the beam
 lod::Footprint followable(lod::Footprint beam, float shading_rate, const lod::LevelSettings& levels = {}) noexcept;
 
-/// Returns the footprint towards a light that is `distance` away and drawn with `density` per solid angle. It goes from
-/// the width of the beam at the point to that of the sample's share of the light, and is no narrower than an eighth of
-/// the width at the start, since a beam without width at its end would ask for infinitely fine levels. At infinity (parallel
-/// light) the share is an angle, which is added to the width.
-/// density      0: the light has no extent
-lod::Footprint light_beam(float width, float distance, float density, int samples) noexcept;
+/// Returns the spread of the footprint towards a light that is `distance` away and drawn with `density` per solid angle. The
+/// footprint goes from `width`, that of the beam at the point, to that of the sample's share of the light, and is no
+/// narrower than an eighth of the width at the start, since a beam without width at its end would ask for infinitely fine
+/// levels. At infinity (parallel light) the share is an angle, which is added to the width. F is float, or vfloat for
+/// several lights. density      0: the light has no extent
+template <class F>
+F light_spread(F width, F distance, F density, F samples) noexcept;
 
 /// Holds the footprints of a camera ray through a lens. They are made of the growth of the pixel itself and of the part
 /// of the lens's diameter that one sample covers. The circle of confusion shrinks up to the focus and grows behind it, so
@@ -67,11 +69,12 @@ LensBeams lens_beams(lod::Footprint pixel, float diameter, float focus, int samp
 /// The side of a square with the solid angle of a hemisphere, 2 pi.
 inline constexpr float kWidestSpread = 2.5066283f;
 
-/// Returns the side of a square with the solid angle of one sample.
-inline float share_width(float density, int samples) noexcept
+/// Returns the side of a square with the solid angle of one sample. F is float or vfloat.
+template <class F>
+F share_width(F density, F samples) noexcept
 {
-    const float shares = density * static_cast<float>(samples);
-    return shares > 0 ? std::min(1 / std::sqrt(shares), kWidestSpread) : kWidestSpread;
+    const F shares = density * samples, widest = kWidestSpread;
+    return select(shares > 0, min(widest, 1 / sqrt(shares)), widest);
 }
 
 inline lod::Footprint from_width(float width, float spread) noexcept
@@ -80,14 +83,14 @@ inline lod::Footprint from_width(float width, float spread) noexcept
     return {width, std::isfinite(spread) ? std::clamp(spread, 0.0f, kWidestSpread) : 0.0f};
 }
 
-inline lod::Footprint light_beam(float width, float distance, float density, int samples) noexcept
+template <class F>
+F light_spread(F width, F distance, F density, F samples) noexcept
 {
     constexpr float kNarrowestAtLight = 1.0f / 8;
-    const float angle = density > 0 ? share_width(density, samples) : 0;
-    if (!(distance < std::numeric_limits<float>::infinity())) return from_width(width, angle);
-    if (!(distance > 0)) return {width, 0};
-    const float at_light = std::max(angle * distance, width * kNarrowestAtLight);
-    return {width, std::min((at_light - width) / distance, kWidestSpread)};
+    const F zero = 0.0f, angle = select(density > 0, share_width(density, samples), zero);
+    const F at_light = max(width * kNarrowestAtLight, angle * distance);
+    const F to_light = select(distance > 0, min(F(kWidestSpread), (at_light - width) / distance), zero);
+    return select(distance < std::numeric_limits<float>::infinity(), to_light, angle);
 }
 
 }  // namespace occam::shade

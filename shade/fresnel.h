@@ -4,15 +4,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/simd.h"
 #include "shade/albedo_table.h"
 
 namespace occam::shade {
 
-/// Returns (1 - cosine)^5: the weight w of f90 in f0 (1 - w) + f90 w (Schlick 1994).
-inline float schlick(float cosine) noexcept
+/// Returns (1 - cosine)^5: the weight w of f90 in f0 (1 - w) + f90 w (Schlick 1994). F is float or vfloat.
+template <class F>
+F schlick(F cosine) noexcept
 {
-    const float x = std::clamp(1 - cosine, 0.0f, 1.0f);
-    const float x2 = x * x;
+    const F x = clamp(F(1.0f - cosine), F(0.0f), F(1.0f));
+    const F x2 = x * x;
     return x2 * x2 * x;
 }
 

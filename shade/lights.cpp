@@ -296,10 +296,8 @@ LightSample WorldLight::sample_other(Vec3f to_middle, LightNumbers numbers) cons
 
 float WorldLight::sine2_subtended(Vec3d point) const noexcept
 {
-    // No point of a parallelogram, sheared or not, is farther from its middle than its corners are.
-    const float flat2 = glm::dot(half_x, half_x) + glm::dot(half_y, half_y) + 2 * std::fabs(glm::dot(half_x, half_y));
     const Vec3f to_middle(position - point);
-    return (kind == Kind::Sphere ? radius * radius : flat2) / glm::dot(to_middle, to_middle);
+    return size2() / glm::dot(to_middle, to_middle);
 }
 
 LightCrossing WorldLight::crossing(Vec3d origin, Vec3f toward) const noexcept

@@ -67,6 +67,14 @@ struct WorldLight {
     /// Returns the squared sine of the half angle that a sphere around the light subtends at the point; the result is
     /// above 1 within that sphere.
     float sine2_subtended(Vec3d point) const noexcept;
+    /// Returns the square of the radius of that sphere.
+    float size2() const noexcept
+    {
+        // No point of a parallelogram, sheared or not, is farther from its middle than its corners are.
+        return kind == Kind::Sphere
+                   ? radius * radius
+                   : glm::dot(half_x, half_x) + glm::dot(half_y, half_y) + 2 * std::fabs(glm::dot(half_x, half_y));
+    }
     /// Returns whether sample() depends on its numbers.
     bool has_extent() const noexcept { return kind != Kind::Point && !(kind == Kind::Sun && !(sun_spread > 0)); }
     /// Returns true if rays can cross the light, which means that it has an area.

@@ -2,12 +2,14 @@
 //
 // Cosines are those of unit vectors against the macroscopic normal. `sin2_h` is the squared length of the cross product
 // of normal and microfacet normal, since 1 - cos^2 would lose all digits of a narrow lobe. The first functions are
-// isotropic. The sources are Walter et al. 2007 (distribution), Heitz 2014 (masking) and Heitz 2018 (visible normals).
+// isotropic. F is float for one direction or vfloat for several, with the same bits. The sources are Walter et al. 2007
+// (distribution), Heitz 2014 (masking) and Heitz 2018 (visible normals).
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 
+#include "base/simd.h"
 #include "shade/frame_of.h"
 
 namespace occam::shade {
@@ -18,24 +20,27 @@ namespace occam::shade {
 inline constexpr float kMinAlpha = 3e-4f;
 
 /// Returns the density of normals per solid angle (Walter et al. 2007, eq. 33).
-inline float ggx_density(float n_h, float sin2_h, float alpha) noexcept
+template <class F>
+F ggx_density(F n_h, F sin2_h, F alpha) noexcept
 {
-    const float d = sin2_h + n_h * n_h * alpha * alpha;
+    const F d = sin2_h + n_h * n_h * alpha * alpha;
     return alpha * alpha / (kPi * d * d);
 }
 
 /// Returns the root by which ggx_visibility() depends on one of its cosines.
-inline float ggx_root(float cosine, float alpha) noexcept
+template <class F>
+F ggx_root(F cosine, F alpha) noexcept
 {
-    const float a2 = alpha * alpha;
-    return std::sqrt(cosine * cosine * (1 - a2) + a2);
+    const F a2 = alpha * alpha;
+    return sqrt(cosine * cosine * (1 - a2) + a2);
 }
 
 /// Returns the height-correlated masking and shadowing over 4 n_l n_v (Heitz 2014, eq. 99); both cosines are above zero.
 /// root_v   ggx_root() of n_v
-inline float ggx_visibility(float n_l, float n_v, float root_v, float alpha) noexcept
+template <class F>
+F ggx_visibility(F n_l, F n_v, F root_v, F alpha) noexcept
 {
-    return 0.5f / std::max(n_v * ggx_root(n_l, alpha) + n_l * root_v, 1e-12f);
+    return 0.5f / max(F(1e-12f), n_v * ggx_root(n_l, alpha) + n_l * root_v);
 }
 inline float ggx_visibility(float n_l, float n_v, float alpha) noexcept
 {
@@ -43,10 +48,11 @@ inline float ggx_visibility(float n_l, float n_v, float alpha) noexcept
 }
 
 /// Returns the masking of one direction over its cosine: G1(v) / n_v (Heitz 2014, eq. 43 and 72).
-inline float ggx_masking_over_cosine(float n_v, float alpha) noexcept
+template <class F>
+F ggx_masking_over_cosine(F n_v, F alpha) noexcept
 {
-    const float a2 = alpha * alpha;
-    return 2 / (n_v + std::sqrt(a2 + (1 - a2) * n_v * n_v));
+    const F a2 = alpha * alpha;
+    return 2 / (n_v + sqrt(a2 + (1 - a2) * n_v * n_v));
 }
 
 /// Returns the visible normal, in axes whose z is the macroscopic normal, that belongs to a point of the unit disc (Heitz

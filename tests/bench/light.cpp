@@ -68,7 +68,7 @@ std::vector<accel::Ray> secondary_rays(const Kind& kind, std::span<const accel::
             if (light.radiance == Vec3f(0) || glm::dot(light.direction, s.normal_geometric) <= 0) continue;
             ray.direction = light.direction;
             ray.t_far = light.distance;
-            ray.footprint = shade::light_beam(width, light.distance, light.density, kSamples);
+            ray.footprint = {width, shade::light_spread(width, light.distance, light.density, float(kSamples))};
         } else {
             const shade::ScatterSample d = shade::sample_scatter(s, 0.5f, square);
             if (d.weight == Vec3f(0)) continue;

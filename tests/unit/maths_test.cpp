@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 namespace occam::maths {
 namespace {
@@ -32,6 +33,48 @@ TEST(Maths, SinAndCosAreThoseOfDoubles)
         EXPECT_NEAR(sin(x), std::sin(double(x)), 6e-8) << x;
         EXPECT_NEAR(cos(x), std::cos(double(x)), 6e-8) << x;
     }
+}
+
+TEST(Maths, SeveralNumbersAtOnceHaveTheBitsOfOneAtATime)
+{
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    std::vector<float> x{0.0f,    -0.0f,     1,         -1,      0.5f,     -0.5f,     1e-40f,
+                         -1e-30f, 0.999999f, -0.26795f, 0.2679f, 0.57735f, 1.0000001f};
+    for (int i = -500; i <= 500; ++i) x.push_back(0.0131f * static_cast<float>(i));
+    const auto same = [](float a, float b) { return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b); };
+    std::vector<float> y(x.rbegin(), x.rend()), to(x.size()), sines(x.size()), cosines(x.size());
+    sin_cos(x.data(), x.size(), sines.data(), cosines.data());
+    for (std::size_t i = 0; i < x.size(); ++i) EXPECT_TRUE(same(sines[i], sin(x[i])) && same(cosines[i], cos(x[i]))) << x[i];
+    for (const float more : {kInfinity, -kInfinity, std::nanf("")}) {
+        x.push_back(more);
+        y.push_back(-1);
+        x.push_back(2);
+        y.push_back(more);
+        x.push_back(more);
+        y.push_back(kInfinity);
+    }
+    to.resize(x.size());
+    atan2(y.data(), x.data(), x.size(), to.data());
+    for (std::size_t i = 0; i < x.size(); ++i) EXPECT_TRUE(same(to[i], atan2(y[i], x[i]))) << y[i] << ' ' << x[i];
+    acos(x.data(), x.size(), to.data());
+    for (std::size_t i = 0; i < x.size(); ++i) EXPECT_TRUE(same(to[i], acos(x[i]))) << x[i];
+}
+
+TEST(Maths, AnglesAreThoseOfDoubles)
+{
+    for (int i = -1000; i <= 1000; ++i) {
+        const float x = 1e-3f * static_cast<float>(i);
+        EXPECT_NEAR(acos(x), std::acos(double(x)), 3e-7) << x;
+        EXPECT_NEAR(asin(x), std::asin(double(x)), 2e-7) << x;
+        EXPECT_NEAR(atan2(x, 0.3f), std::atan2(double(x), double(0.3f)), 2e-7) << x;
+        EXPECT_NEAR(atan2(0.3f, x), std::atan2(double(0.3f), double(x)), 3e-7) << x;
+    }
+    EXPECT_EQ(atan2(0, 0), 0);
+    EXPECT_EQ(atan2(0, -1), kPi);
+    EXPECT_EQ(atan2(-1, 0), -kPi / 2);
+    EXPECT_EQ(atan2(std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity()), kPi / 4);
+    EXPECT_EQ(acos(2), 0);
+    EXPECT_EQ(acos(-2), kPi);
 }
 
 }  // namespace

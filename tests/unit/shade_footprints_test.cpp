@@ -11,6 +11,11 @@
 namespace occam::shade {
 namespace {
 
+lod::Footprint light_beam(float width, float distance, float density, int samples)
+{
+    return {width, light_spread(width, distance, density, static_cast<float>(samples))};
+}
+
 constexpr float kRadius = 2;
 
 struct Pair {
