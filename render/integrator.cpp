@@ -295,10 +295,8 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
     return pass_straight(i, path, hit.t, {transmittance, path.coverage - covered, chance.pass}, sample);
 }
 
-Integrator::Chances Integrator::chances(const Vertex& v) const noexcept
+Integrator::Chances Integrator::chances_of_both(const Vertex& v) const noexcept
 {
-    const bool passes = v.surface.transmittance != Vec3f(0), scatters = v.surface.opacity > 0 && !v.path.is_probe;
-    if (!passes || !scatters) return {passes ? 1.0f : 0.0f, scatters ? 1.0f : 0.0f, 1};
     float light = lighting_chance(v.path.straight * v.surface.opacity, v.path.passed);
     if (light < 1 && numbers(v, Dimension::Use::Faint).interval(v.first_of(1)) >= light) light = 0;
     if (v.path.is_camera() && v.path.splits < kMaxSplits) return {1, light, light};

@@ -222,7 +222,14 @@ private:
     struct Chances {
         float pass, scatter, light;
     };
-    Chances chances(const Vertex& v) const noexcept;
+    Chances chances(const Vertex& v) const noexcept
+    {
+        const bool passes = v.surface.transmittance != Vec3f(0), scatters = v.surface.opacity > 0 && !v.path.is_probe;
+        if (passes && scatters) return chances_of_both(v);
+        return {passes ? 1.0f : 0.0f, scatters ? 1.0f : 0.0f, 1};
+    }
+    /// Returns the chances at a surface that passes light and scatters it.
+    Chances chances_of_both(const Vertex& v) const noexcept;
     /// Gathers light at a surface whose numbers are drawn and follows the lobes of the surface, with these chances.
     void gather_and_scatter(Vertex& v, const Chances& chance);
     /// Returns whether the same may be done later for several surfaces side by side.
@@ -252,7 +259,7 @@ private:
         int n, samples;
         float chance;  ///< with which the ray is scattered at all
     };
-    /// Follows a scattered direction.
+    /// Follows a scattered direction whose weight is not black.
     /// sky   the light of the environment from there, if it is known already
     void follow(const Vertex& v, const shade::ScatterSample& s, const ScatterNumber& number,
                 const shade::Environment::Light* sky = nullptr);

@@ -72,7 +72,8 @@ void Integrator::shade_waiting()
             shoot(of, {of.surface.start(direction), direction, t.samples.distance.of[k], radiance, t.samples.density.of[k]},
                   of.lit_share, t.spread.of[k]);
         }
-        if (is_scattered[k]) follow(of, samples.at(k, of.surface), {0, 1, 1}, sees_sky ? &skies[k] : nullptr);
+        if (is_scattered[k] && (samples.not_black >> k & 1) != 0)
+            follow(of, samples.at(k, of.surface), {0, 1, 1}, sees_sky ? &skies[k] : nullptr);
     }
 }
 

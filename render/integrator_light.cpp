@@ -261,18 +261,21 @@ bool Integrator::needs_scattering(const Vertex& v) const noexcept
 void Integrator::scatter_on(const Vertex& v, float chance)
 {
     const int samples = scatter_samples_at(v.path);
-    if (samples == 1) return follow(v, shade::sample_scatter(*v.for_eye, v.drawn.lobe, v.drawn.scatter), {0, 1, chance});
+    const auto scatter = [&](int n, float lobe, Vec2f square) {
+        const shade::ScatterSample s = shade::sample_scatter(*v.for_eye, lobe, square);
+        if (!is_black(s.weight)) follow(v, s, {n, samples, chance});
+    };
+    if (samples == 1) return scatter(0, v.drawn.lobe, v.drawn.scatter);
     const Sequence lobes = numbers(v, Use::Lobe), squares = numbers(v, Use::Scatter);
     for (int n = 0; n < samples; ++n) {
         const std::uint32_t index = v.first_of(samples) + static_cast<std::uint32_t>(n);
-        follow(v, shade::sample_scatter(*v.for_eye, lobes.interval(index), squares.square(index)), {n, samples, chance});
+        scatter(n, lobes.interval(index), squares.square(index));
     }
 }
 
 void Integrator::follow(const Vertex& v, const shade::ScatterSample& s, const ScatterNumber& number,
                         const shade::Environment::Light* sky)
 {
-    if (is_black(s.weight)) return;
     const Settings& settings = context_.settings;
     const bool is_last = v.path.bounces >= settings.bounces;
     const bool is_direct = settings.integrator == IntegratorKind::Direct;

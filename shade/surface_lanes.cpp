@@ -219,7 +219,9 @@ SurfaceLanes::Samples SurfaceLanes::sample_scatter(vfloat choice, vfloat u, vflo
     Samples out;
     out.direction = direction;
     out.density = density;
-    out.weight = select(is_drawn, divided(f.light, density), all_channels(zero));
+    const VecLanes weight = select(is_drawn, divided(f.light, density), all_channels(zero));
+    out.weight = weight;
+    out.not_black = bits((weight.x > zero) | (weight.y > zero) | (weight.z > zero));
     out.of_layer = bits(is_layer);
     out.of_coat = bits(is_coat);
     return out;

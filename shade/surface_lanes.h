@@ -63,6 +63,7 @@ public:
         LaneVectors direction, weight;
         LaneFloats density;
         unsigned of_layer = 0, of_coat = 0;  ///< bits of the surfaces whose sample is of that lobe
+        unsigned not_black = 0;              ///< bits of the surfaces whose sample has a weight
 
         ScatterSample at(int lane, const Surface& surface) const noexcept;
     };
