@@ -106,7 +106,9 @@ void CameraRays::take_footprints_of(const CameraRays& other) noexcept
 
 accel::Ray CameraRays::ray(double x, double y, Vec2f lens, float time) const noexcept
 {
-    const View view = view_at(double(time));
+    View moved;
+    if (moves()) moved = view_at(double(time));
+    const View& view = moves() ? moved : middle_;
     const Vec3d across = view.right * ((2 * x - width_) / height_) + view.up * (1 - 2 * y / height_);
     accel::Ray ray;
     ray.time = time;

@@ -61,27 +61,23 @@ float PixelFilter::value(float x) const noexcept
     return 0;
 }
 
+float PixelFilter::place_on_axis(float u) const noexcept
+{
+    if (kind_ == FilterKind::Box) return 2 * u - 1;
+    if (kind_ == FilterKind::Tent) return u < 0.5f ? std::sqrt(2 * u) - 1 : 1 - std::sqrt(2 - 2 * u);
+    const auto above = std::upper_bound(sums_.begin() + 1, sums_.end() - 1, u);
+    const auto i = static_cast<std::size_t>(above - sums_.begin()) - 1;
+    const float step = sums_[i + 1] - sums_[i];
+    const float within = step > 0 ? std::clamp((u - sums_[i]) / step, 0.0f, 1.0f) : 0.5f;
+    return 2 * (static_cast<float>(i) + within) / kSteps - 1;
+}
+
 PixelFilter::Place PixelFilter::place(Vec2f square) const noexcept
 {
-    Place out{Vec2f(0), 1};
-    for (int axis = 0; axis < 2; ++axis) {
-        const float u = square[axis];
-        float x;
-        if (kind_ == FilterKind::Box) {
-            x = 2 * u - 1;
-        } else if (kind_ == FilterKind::Tent) {
-            x = u < 0.5f ? std::sqrt(2 * u) - 1 : 1 - std::sqrt(2 - 2 * u);
-        } else {
-            const auto above = std::upper_bound(sums_.begin() + 1, sums_.end() - 1, u);
-            const auto i = static_cast<std::size_t>(above - sums_.begin()) - 1;
-            const float step = sums_[i + 1] - sums_[i];
-            const float within = step > 0 ? std::clamp((u - sums_[i]) / step, 0.0f, 1.0f) : 0.5f;
-            x = 2 * (static_cast<float>(i) + within) / kSteps - 1;
-            if (value(x * radius_) < 0) out.weight = -out.weight;
-        }
-        out.offset[axis] = x * radius_;
-    }
-    return out;
+    const Vec2f offset(place_on_axis(square.x) * radius_, place_on_axis(square.y) * radius_);
+    const bool is_positive = kind_ == FilterKind::Box || kind_ == FilterKind::Tent ||
+                             (value(offset.x) < 0) == (value(offset.y) < 0);
+    return {offset, is_positive ? 1.0f : -1.0f};
 }
 
 }  // namespace occam::render

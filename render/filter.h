@@ -48,6 +48,9 @@ public:
 private:
     static constexpr int kSteps = 256;
 
+    /// Returns a place on one axis, in half widths.
+    float place_on_axis(float u) const noexcept;
+
     FilterKind kind_;
     float radius_;
     std::array<float, kSteps + 1> sums_{};  ///< running sums of the absolute value, from 0 to 1

@@ -59,7 +59,9 @@ void Integrator::place(std::span<const CameraSample> samples, std::span<SampleRe
 
 void Integrator::begin(std::span<const CameraSample> samples, std::span<SampleResult> results)
 {
-    paths_.clear();
+    Path path;
+    path.is_before_focus = context_.camera.has_lens();
+    paths_.assign(samples.size(), path);
     rays_.clear();
     mattes_.clear();
     lit_.assign(samples.size(), Vec3f(0));
@@ -75,10 +77,7 @@ void Integrator::begin(std::span<const CameraSample> samples, std::span<SampleRe
         const float time = context_.moves
                                ? context_.sampler.interval(s.x, s.y, static_cast<std::uint32_t>(s.index), Dimension::time())
                                : 0.0f;
-        Path path;
-        path.sample = static_cast<std::uint32_t>(i);
-        path.is_before_focus = context_.camera.has_lens();
-        paths_.push_back(path);
+        paths_[i].sample = static_cast<std::uint32_t>(i);
         rays_.push_back(context_.camera.ray(s.x + 0.5 + double(results[i].offset.x), s.y + 0.5 + double(results[i].offset.y),
                                             lens, time));
     }
