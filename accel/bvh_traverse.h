@@ -5,8 +5,6 @@
 // kd-tree (accel/traverse.h).
 #pragma once
 
-#include <utility>
-
 #include "accel/bvh.h"
 #include "accel/keyed_boxes.h"
 
@@ -15,9 +13,9 @@ namespace occam::accel {
 /// Stands for boxes that move only where a packet meets some.
 struct NoBox {};
 
-/// Holds the box of a child at all times of a packet.
+/// Holds the box of a child at all times of a packet. Nothing is set unless it is asked for: a walk has room for hundreds.
 struct KeptBox {
-    Box3f box;
+    Vec3f lo, hi;
     bool is_loose;  ///< much larger than the box at one time
 };
 
@@ -57,10 +55,14 @@ public:
                 return KeyedBoxes<F>(node_.boxes(), kBoxGroupFloats, node_.keys, times_).in_boxes(as_one, end, begin);
         return as_one.in_boxes(boxes(), end, begin);
     }
-    OCCAM_ALWAYS_INLINE Kept keep(int child) const noexcept
+    OCCAM_ALWAYS_INLINE void keep(int child, [[maybe_unused]] Kept& to) const noexcept
     {
-        if constexpr (kAreKept) return {get_box(boxes() + child, 0), (loose_ >> child & 1) != 0};
-        else return {};
+        if constexpr (kAreKept) {
+            const Box3f box = get_box(boxes() + child, 0);
+            to.lo = box.lo;
+            to.hi = box.hi;
+            to.is_loose = (loose_ >> child & 1) != 0;
+        }
     }
     /// Clips [t_near, t_far] to the box of a child.
     OCCAM_ALWAYS_INLINE static void clip_to(const TreeRay<F>& ray, const Times& times, const Child& at, F& t_near,
@@ -68,7 +70,7 @@ public:
     {
         const BvhNode& node = *at.parent;
         if constexpr (kAreKept)
-            if (!at.kept.is_loose) return clip(ray, at.kept.box, t_near, t_far);
+            if (!at.kept.is_loose) return clip(ray, Box3f{at.kept.lo, at.kept.hi}, t_near, t_far);
         if constexpr (Times::kMoves)
             if (node.keys.segments > 0)
                 return KeyedBoxes<F>(node.boxes(), kBoxGroupFloats, node.keys, times).clip_to(ray, at.child, t_near, t_far);
@@ -162,14 +164,25 @@ bool traverse(Bvh& tree, const RaysInTree<F, Times>& rays, TraceCounters& counte
                     break;
                 }
             alignas(32) float begin[BvhNode::kWidth];
-            const int base = size;
             const float end = highest(select(alive, out, F(-FLT_MAX)));
             const Boxes boxes(node, rays.times);
+            // The nearest one comes last and is taken first.
+            int order[BvhNode::kWidth], count = 0;
             for (unsigned entered = boxes.entered(rays.as_one, end, begin); entered != 0; entered &= entered - 1) {
                 const int child = std::countr_zero(entered);
-                todo[size++] = {&node.children[child], &node, child, begin[child], boxes.keep(child)};
-                // The nearest one comes last and is taken first.
-                for (int k = size - 1; k > base && todo[k].begin > todo[k - 1].begin; --k) std::swap(todo[k], todo[k - 1]);
+                int k = count++;
+                for (; k > 0 && begin[child] > begin[order[k - 1]]; --k) order[k] = order[k - 1];
+                order[k] = child;
+            }
+            for (int k = 0; k < count; ++k) {
+                const int child = order[k];
+                // It is written where it stays, since reading whole what was just written in parts would wait.
+                Todo& to = todo[size++];
+                to.node = &node.children[child];
+                to.parent = &node;
+                to.child = child;
+                to.begin = begin[child];
+                boxes.keep(child, to.kept);
             }
             break;
         }
