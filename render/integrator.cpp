@@ -30,9 +30,9 @@ Integrator::Integrator(const FrameContext& context)
       wants_occlusion_(context.settings.integrator == IntegratorKind::Ao || context.settings.has(Aov::Occlusion)),
       shadows_(context.textures, context.may_pass, !context.settings.back_faces, texture_width_)
 {
-    drawn_.surfaces.light_slots = light_slots_to_draw();
     waits_ = !context.log && context.settings.light_samples == 1 && context.lights.tree().is_empty() &&
              context.lights.lights_outside_tree() <= static_cast<std::size_t>(kMaxLightsPerHit);
+    surfaces_to_draw_.light_slots = light_slots_to_draw();
 }
 
 void Integrator::place(std::span<const CameraSample> samples, std::span<SampleResult> results) const
@@ -62,7 +62,7 @@ void Integrator::begin(std::span<const CameraSample> samples, std::span<SampleRe
     Path path;
     path.is_before_focus = context_.camera.has_lens();
     paths_.assign(samples.size(), path);
-    rays_.clear();
+    rays_.resize(samples.size());
     mattes_.clear();
     lit_.assign(samples.size(), Vec3f(0));
     luck_.assign(samples.size(), 0);
@@ -78,8 +78,8 @@ void Integrator::begin(std::span<const CameraSample> samples, std::span<SampleRe
                                ? context_.sampler.interval(s.x, s.y, static_cast<std::uint32_t>(s.index), Dimension::time())
                                : 0.0f;
         paths_[i].sample = static_cast<std::uint32_t>(i);
-        rays_.push_back(context_.camera.ray(s.x + 0.5 + double(results[i].offset.x), s.y + 0.5 + double(results[i].offset.y),
-                                            lens, time));
+        new (&rays_[i]) accel::Ray(context_.camera.ray(s.x + 0.5 + double(results[i].offset.x),
+                                                       s.y + 0.5 + double(results[i].offset.y), lens, time));
     }
     counters_.rays.primary += samples.size();
 }
@@ -98,8 +98,6 @@ std::size_t Integrator::shade_some(std::size_t first, std::size_t end, std::span
 {
     const auto start = Clock::now();
     shadows_.clear();
-    samples_ = samples;
-    drawn_.number = DrawnBlock::kNone;
     std::size_t i = first;
     for (; i < end && shadows_.size() < context_.shadow_batch; ++i) {
         const std::uint32_t sample = paths_[i].sample;
@@ -287,7 +285,7 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
         if (path.is_camera()) result.emitted += luminance(share * surface.base_color);
     } else if (surface.opacity > 0) {
         add_emission(path, hit, surface, share, result);
-        if (!path.is_probe && (chance.light > 0 || chance.scatter > 0)) shade_or_wait(i, v, chance);
+        if (!path.is_probe && (chance.light > 0 || chance.scatter > 0)) shade_or_wait(v, chance);
     }
     if (!(chance.pass > 0)) return false;
     if (path.is_camera() && chance.pass == 1 && chance.scatter > 0) ++path.splits;

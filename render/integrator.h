@@ -149,7 +149,6 @@ private:
         Vec3d start = surface.start(surface.normal_geometric);
         shade::Receiver receiver{};             ///< filled if there is a tree of lights
         float width = ray.footprint.at(hit.t);  ///< width of the beam
-        SurfaceNumbers drawn{};  ///< for uses of which the sample draws one number; valid where light is gathered
         /// The surface with its lobes; not null where light is gathered.
         const shade::SurfaceForEye* for_eye = nullptr;
         /// Returns the index of the sample's first number in a dimension that has `of` numbers for each sample.
@@ -230,22 +229,20 @@ private:
     }
     /// Returns the chances at a surface that passes light and scatters it.
     Chances chances_of_both(const Vertex& v) const noexcept;
-    /// Gathers light at a surface whose numbers are drawn and follows the lobes of the surface, with these chances.
+    /// Gathers light at a surface and follows the lobes of the surface, with these chances.
     void gather_and_scatter(Vertex& v, const Chances& chance);
     /// Returns whether the same may be done later for several surfaces side by side.
     bool may_wait(const Vertex& v, const Chances& chance) const noexcept;
-    /// Does it now or lets the surface, which is that of path i in the first free slot, wait until there are as many as
-    /// lanes.
-    void shade_or_wait(std::size_t i, Vertex& v, const Chances& chance);
+    /// Does it now or lets the surface, which is in the first free slot, wait until there are as many as lanes.
+    void shade_or_wait(Vertex& v, const Chances& chance);
     /// Does gather_and_scatter() for all surfaces that wait: with the same bits, and in the order in which they came.
     void shade_waiting();
     /// Adds samples of all lights to tests_, for all surfaces that wait.
     void gather_in_lanes(const shade::SurfaceLanes& surfaces, int count);
-    /// Returns the numbers of a surface of path i. Those of neighbouring paths are drawn with them.
-    SurfaceNumbers numbers_of(std::size_t i, const Vertex& v) noexcept;
-    unsigned light_slots_to_draw() const noexcept;
-    /// Returns whether the number of a slot of Use::Light is in Vertex::drawn.
-    bool is_drawn(int slot) const noexcept;
+    void gather_placed_in_lanes(const shade::SurfaceLanes& surfaces, int count);
+    void add_tests(const shade::SurfaceLanes& surfaces, const shade::LightSampleLanes& sample, vfloat scatter_count);
+    void draw_for_waiting(int count);
+    std::uint32_t light_slots_to_draw() const noexcept;
     /// Returns the slot of Use::Light that belongs to the environment, which is the last one.
     int environment_slot() const noexcept;
     Vec2f light_square(const Vertex& v, int slot) const noexcept;
@@ -325,7 +322,6 @@ private:
     std::vector<Vec3f> lit_;   ///< radiance from shadow rays, one sum per sample
     std::vector<float> luck_;  ///< the number for each sample that ShadowQueue::trace() needs
     ShadowQueue shadows_;
-    std::span<const CameraSample> samples_;  ///< of the batch that is being shaded
     shade::PlainSurfaces plain_surfaces_;
 
     /// Keeps what a surface needs that waits to be shaded with others.
@@ -335,24 +331,24 @@ private:
         alignas(Vertex) std::byte vertex[sizeof(Vertex)];
 
         Vertex& at() noexcept { return *std::launder(reinterpret_cast<Vertex*>(vertex)); }
+        const Vertex& at() const noexcept { return *std::launder(reinterpret_cast<const Vertex*>(vertex)); }
     };
     bool waits_;  ///< surfaces may wait
     int waiting_count_ = 0;
     std::array<Waiting, kLanes> waiting_;  ///< the first free one, if any, holds the surface that is looked at
     /// Holds what a sample of a light contributes to the surfaces that waited, and the spreads of the rays to it.
     struct LightTests {
-        shade::LightSamples samples;
+        shade::LaneRows directions, radiances;  ///< with the distances and the densities
         shade::LaneFloats spread;
+        unsigned not_black = 0;  ///< bits of the surfaces to which it contributes
     };
     std::vector<LightTests> tests_;
+    shade::LaneFloats widths_;  ///< of the beams that have come to them
 
-    /// What numbers_of() has drawn last.
-    struct DrawnBlock {
-        static constexpr std::size_t kNone = ~std::size_t(0);
-        std::size_t number = kNone;  ///< of as many neighbouring paths as are drawn for at once
-        SurfacesToDraw surfaces;
-        SurfaceNumbers numbers[SurfacesToDraw::kMost];
-    } drawn_;
+    Vertex& waiting(int k) noexcept { return waiting_[static_cast<std::size_t>(k)].at(); }
+    const Vertex& waiting(int k) const noexcept { return waiting_[static_cast<std::size_t>(k)].at(); }
+    SurfacesToDraw surfaces_to_draw_;  ///< those that wait
+    SurfaceNumbers drawn_;             ///< for them
 };
 
 }  // namespace occam::render

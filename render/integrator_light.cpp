@@ -265,7 +265,6 @@ void Integrator::scatter_on(const Vertex& v, float chance)
         const shade::ScatterSample s = shade::sample_scatter(*v.for_eye, lobe, square);
         if (!is_black(s.weight)) follow(v, s, {n, samples, chance});
     };
-    if (samples == 1) return scatter(0, v.drawn.lobe, v.drawn.scatter);
     const Sequence lobes = numbers(v, Use::Lobe), squares = numbers(v, Use::Scatter);
     for (int n = 0; n < samples; ++n) {
         const std::uint32_t index = v.first_of(samples) + static_cast<std::uint32_t>(n);

@@ -1,5 +1,7 @@
 #include "render/sampler.h"
 
+#include <bit>
+
 namespace occam::render {
 
 // Each loop computes one coordinate and is not inlined into code that uses the points one by one, so that compilers
@@ -56,16 +58,6 @@ Scrambles scrambles(const Prepared& of, KeyOf&& key_of)
     return all;
 }
 
-// Calls set(i, square) for each surface.
-template <class Set>
-void set_squares(const Scrambles& of, Set&& set) noexcept
-{
-    float x[kMost], y[kMost];
-    set_x(of, x);
-    set_y(of, y);
-    for (int i = 0; i < kMost; ++i) set(i, Vec2f(x[i], y[i]));
-}
-
 }  // namespace
 
 void Sampler::draw_in_pixels(const SurfacesToDraw& of, Vec2f (&to)[kMost]) const noexcept
@@ -74,10 +66,14 @@ void Sampler::draw_in_pixels(const SurfacesToDraw& of, Vec2f (&to)[kMost]) const
     for (int i = 0; i < kMost; ++i) prepared.pixels[i] = mixed_pixel(of.x[i], of.y[i]);
     for (int i = 0; i < kMost; ++i) prepared.reversed_index[i] = sobol::reversed(of.index[i]);
     const auto key = [](std::uint64_t pixel, int) { return key_of(pixel, Dimension::pixel()); };
-    set_squares(scrambles(prepared, key), [&](int i, Vec2f square) { to[i] = jitter_ ? square : Vec2f(0.5f); });
+    const Scrambles all = scrambles(prepared, key);
+    float x[kMost], y[kMost];
+    set_x(all, x);
+    set_y(all, y);
+    for (int i = 0; i < kMost; ++i) to[i] = jitter_ ? Vec2f(x[i], y[i]) : Vec2f(0.5f);
 }
 
-void Sampler::draw(const SurfacesToDraw& of, SurfaceNumbers (&to)[kMost]) const noexcept
+void Sampler::draw(const SurfacesToDraw& of, SurfaceNumbers& to) const noexcept
 {
     using Use = Dimension::Use;
     Prepared prepared;
@@ -88,13 +84,16 @@ void Sampler::draw(const SurfacesToDraw& of, SurfaceNumbers (&to)[kMost]) const 
             return key_of(pixel, Dimension::at(of.key[i], use, static_cast<std::uint32_t>(slot)));
         });
     };
-    for (int slot = 0; slot < SurfaceNumbers::kLightSlots; ++slot)
-        if ((of.light_slots >> slot & 1) != 0)
-            set_squares(numbers(Use::Light, slot), [&](int i, Vec2f square) { to[i].light[slot] = square; });
-    set_squares(numbers(Use::Scatter), [&](int i, Vec2f square) { to[i].scatter = square; });
-    float x[kMost];
-    set_x(numbers(Use::Lobe), x);
-    for (int i = 0; i < kMost; ++i) to[i].lobe = x[i];
+    const auto set = [](const Scrambles& all, SurfaceNumbers::Squares& squares) {
+        set_x(all, squares.x);
+        set_y(all, squares.y);
+    };
+    for (std::uint32_t left = of.light_slots; left != 0; left &= left - 1) {
+        const int slot = std::countr_zero(left);
+        set(numbers(Use::Light, slot), to.light[slot]);
+    }
+    set(numbers(Use::Scatter), to.scatter);
+    set_x(numbers(Use::Lobe), to.lobe);
 }
 
 }  // namespace occam::render

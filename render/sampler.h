@@ -64,20 +64,24 @@ private:
     std::uint32_t order_, flips_x_, flips_y_;
 };
 
-/// Holds the numbers of which most surfaces of a path need one each.
-struct SurfaceNumbers {
-    static constexpr int kLightSlots = 4;
-    Vec2f light[kLightSlots]{};  ///< of Use::Light, slots 0 and following
-    Vec2f scatter{0};
-    float lobe = 0;
-};
-
 /// Names surfaces of paths: pixels, indices of samples and keys.
 struct SurfacesToDraw {
-    static constexpr int kMost = 8;
+    static constexpr int kMost = 8, kLightSlots = 18;
     int x[kMost]{}, y[kMost]{};
     std::uint32_t index[kMost]{}, key[kMost]{};
-    unsigned light_slots = 1;  ///< bits of the slots of Use::Light, below SurfaceNumbers::kLightSlots, that are drawn
+    std::uint32_t light_slots = 1;  ///< bits of the slots of Use::Light, below kLightSlots, that are drawn
+};
+
+/// Holds the numbers of which most surfaces of a path need one each, for several surfaces side by side. It is large, and not
+/// cleared.
+struct SurfaceNumbers {
+    struct Squares {
+        alignas(32) float x[SurfacesToDraw::kMost];
+        alignas(32) float y[SurfacesToDraw::kMost];
+    };
+    Squares light[SurfacesToDraw::kLightSlots];  ///< of Use::Light, by their slots
+    Squares scatter;
+    alignas(32) float lobe[SurfacesToDraw::kMost];
 };
 
 class Sampler {
@@ -100,7 +104,7 @@ public:
     /// Returns several samples' places in their pixels, side by side, in lanes; keys are not read.
     void draw_in_pixels(const SurfacesToDraw& of, Vec2f (&to)[SurfacesToDraw::kMost]) const noexcept;
     /// Draws the numbers of several surfaces side by side, in lanes.
-    void draw(const SurfacesToDraw& of, SurfaceNumbers (&to)[SurfacesToDraw::kMost]) const noexcept;
+    void draw(const SurfacesToDraw& of, SurfaceNumbers& to) const noexcept;
     float interval(int x, int y, std::uint32_t index, Dimension dimension) const noexcept
     {
         return sequence(x, y, dimension).interval(index);

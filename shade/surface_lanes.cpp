@@ -217,10 +217,9 @@ SurfaceLanes::Samples SurfaceLanes::sample_scatter(vfloat choice, vfloat u, vflo
     const vfloat density = select(is_black(direction), zero, f.density);
     const vmask is_drawn = (density > zero) & (density < vfloat(std::numeric_limits<float>::infinity()));
     Samples out;
-    out.direction = direction;
-    out.density = density;
+    out.directions.set(direction, density);
     const VecLanes weight = select(is_drawn, divided(f.light, density), all_channels(zero));
-    out.weight = weight;
+    out.weights.set(weight, zero);
     out.not_black = bits((weight.x > zero) | (weight.y > zero) | (weight.z > zero));
     out.of_layer = bits(is_layer);
     out.of_coat = bits(is_coat);
@@ -229,7 +228,7 @@ SurfaceLanes::Samples SurfaceLanes::sample_scatter(vfloat choice, vfloat u, vflo
 
 ScatterSample SurfaceLanes::Samples::at(int lane, const Surface& surface) const noexcept
 {
-    ScatterSample s{direction.at(lane), weight.at(lane), density.of[lane]};
+    ScatterSample s{directions.vector(lane), weights.vector(lane), directions.number(lane)};
     if ((of_layer >> lane & 1) != 0) {
         s.lobe = Lobe::Layer;
         s.alpha = surface.alpha;

@@ -32,6 +32,22 @@ struct LaneVectors {
     void operator=(const VecLanes& v) noexcept { x = v.x, y = v.y, z = v.z; }
 };
 
+/// Holds a vector and a number for each lane, to be read one lane after the other.
+class LaneRows {
+public:
+    void set(const VecLanes& v, vfloat number) noexcept
+    {
+        float* to[kLanes];
+        for (int i = 0; i < kLanes; ++i) to[i] = rows_[i];
+        store_turned({v.x, v.y, v.z, number}, to, 0);
+    }
+    Vec3f vector(int lane) const noexcept { return {rows_[lane][0], rows_[lane][1], rows_[lane][2]}; }
+    float number(int lane) const noexcept { return rows_[lane][3]; }
+
+private:
+    alignas(16) float rows_[kLanes][4];
+};
+
 struct DiscPoints;
 
 /// Holds opaque surfaces with no more than a base under a round layer, and a coat.
@@ -60,8 +76,8 @@ public:
 
     /// Holds the result of sample_scatter() for each surface.
     struct Samples {
-        LaneVectors direction, weight;
-        LaneFloats density;
+        LaneRows directions;  ///< and densities
+        LaneRows weights;
         unsigned of_layer = 0, of_coat = 0;  ///< bits of the surfaces whose sample is of that lobe
         unsigned not_black = 0;              ///< bits of the surfaces whose sample has a weight
 

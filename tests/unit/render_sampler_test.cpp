@@ -61,25 +61,26 @@ TEST(Sampler, NumbersOfSeveralSurfacesAreThoseOfTheirSequences)
         of.index[i] = static_cast<std::uint32_t>(i * i);
         of.key[i] = 0x9e3779b9u * static_cast<std::uint32_t>(i);
     }
-    SurfaceNumbers drawn[SurfacesToDraw::kMost];
-    of.light_slots = (1u << SurfaceNumbers::kLightSlots) - 1;
+    of.light_slots = (1u << SurfacesToDraw::kLightSlots) - 1;
+    SurfaceNumbers drawn;
     sampler.draw(of, drawn);
-    SurfaceNumbers some[SurfacesToDraw::kMost];
     of.light_slots = 4;
+    SurfaceNumbers some{};
     sampler.draw(of, some);
     Vec2f in_pixels[SurfacesToDraw::kMost];
     sampler.draw_in_pixels(of, in_pixels);
     for (int i = 0; i < SurfacesToDraw::kMost; ++i) {
         const auto sequence = [&](Use use) { return sampler.sequence(of.x[i], of.y[i], Dimension::at(of.key[i], use)); };
-        for (int slot = 0; slot < SurfaceNumbers::kLightSlots; ++slot) {
+        const auto at = [&](const SurfaceNumbers::Squares& squares) { return Vec2f(squares.x[i], squares.y[i]); };
+        for (int slot = 0; slot < SurfacesToDraw::kLightSlots; ++slot) {
             const Dimension light = Dimension::at(of.key[i], Use::Light, static_cast<std::uint32_t>(slot));
-            EXPECT_EQ(drawn[i].light[slot], sampler.square(of.x[i], of.y[i], of.index[i], light));
+            EXPECT_EQ(at(drawn.light[slot]), sampler.square(of.x[i], of.y[i], of.index[i], light));
         }
-        EXPECT_EQ(some[i].light[2], drawn[i].light[2]);
-        EXPECT_EQ(some[i].light[1], Vec2f(0)) << "a slot that is not drawn";
+        EXPECT_EQ(at(some.light[2]), at(drawn.light[2]));
+        EXPECT_EQ(at(some.light[1]), Vec2f(0)) << "a slot that is not drawn";
         EXPECT_EQ(in_pixels[i], sampler.in_pixel(of.x[i], of.y[i], static_cast<int>(of.index[i])));
-        EXPECT_EQ(drawn[i].scatter, sequence(Use::Scatter).square(of.index[i]));
-        EXPECT_EQ(drawn[i].lobe, sequence(Use::Lobe).interval(of.index[i]));
+        EXPECT_EQ(at(drawn.scatter), sequence(Use::Scatter).square(of.index[i]));
+        EXPECT_EQ(drawn.lobe[i], sequence(Use::Lobe).interval(of.index[i]));
     }
 }
 
