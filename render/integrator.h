@@ -274,8 +274,18 @@ private:
     void gather_light(const Vertex& v, const shade::WorldLight& light, const PlacedSamples& samples, Draw&& draw);
     void test(const Vertex& v, const shade::ShadowTest& test, Vec3f share, int samples);
     /// Shoots a shadow ray.
+    /// light    what it brings if nothing is in its way
     /// spread   of its footprint
-    void shoot(const Vertex& v, const shade::ShadowTest& test, Vec3f share, float spread);
+    OCCAM_ALWAYS_INLINE void shoot(const Vertex& v, const shade::ShadowTest& test, Vec3f light, float spread)
+    {
+        accel::Ray& ray = shadows_.add(v.path.sample, light);
+        ray.origin = test.origin;
+        ray.direction = test.direction;
+        ray.t_far = test.t_far;
+        ray.start_level = v.hit.start_level;
+        ray.time = v.ray.time;
+        ray.footprint = {v.width, spread};
+    }
     /// Describes what continues straight on behind a surface.
     struct Passing {
         Vec3f light;     ///< transmittance for light that comes from there

@@ -80,21 +80,10 @@ int Integrator::scatter_samples_at(const Path& path) const noexcept
 void Integrator::test(const Vertex& v, const shade::ShadowTest& test, Vec3f share, int samples)
 {
     if (is_black(test.radiance)) return;
-    const auto of_pixel = static_cast<float>(samples * context_.settings.spp);
-    shoot(v, test, share, shade::light_spread(v.width, test.t_far, test.density, of_pixel));
-}
-
-void Integrator::shoot(const Vertex& v, const shade::ShadowTest& test, Vec3f share, float spread)
-{
     const Vec3f light = clamped(test.radiance * share, v.path.bounces + 1);
     if (context_.log) context_.log->light_sample(test.direction, test.t_far, light);
-    accel::Ray& ray = shadows_.add(v.path.sample, light);
-    ray.origin = test.origin;
-    ray.direction = test.direction;
-    ray.t_far = test.t_far;
-    ray.start_level = v.hit.start_level;
-    ray.time = v.ray.time;
-    ray.footprint = {v.width, spread};
+    const auto of_pixel = static_cast<float>(samples * context_.settings.spp);
+    shoot(v, test, light, shade::light_spread(v.width, test.t_far, test.density, of_pixel));
 }
 
 void Integrator::gather_and_scatter(Vertex& v, const Chances& chance)
