@@ -39,7 +39,7 @@ TEST(LightLanes, HaveTheBitsOfOneSampleAtATime)
     int left = 0;
     for (const WorldLight& light : lights()) {
         int shining = 0;
-        for (int repeat = 0; repeat < 200; ++repeat) {
+        for (int repeat = 0; repeat < 1600 / kLanes; ++repeat) {
             LanePoints points;
             LaneFloats u, v, peak;
             Vec3d place[kLanes];
