@@ -1,14 +1,17 @@
 #include "shade/light_lanes.h"
 
+#include <limits>
+
 namespace occam::shade {
 namespace {
 
 VecLanes spread(Vec3f v) noexcept { return {v.x, v.y, v.z}; }
 
-LightSampleLanes sample_rectangle(const WorldLight& light, const VecLanes& to_middle, vfloat u, vfloat v) noexcept
+// Samples flat lights at places in [-1, 1] from side to side.
+LightSampleLanes sample_flat(const WorldLight& light, const VecLanes& to_middle, vfloat x, vfloat y) noexcept
 {
     const vfloat zero = 0.0f, one = 1.0f;
-    const VecLanes to_light = to_middle + spread(light.half_x) * (u * 2.0f - one) + spread(light.half_y) * (v * 2.0f - one);
+    const VecLanes to_light = to_middle + spread(light.half_x) * x + spread(light.half_y) * y;
     const vfloat distance2 = max(vfloat(kMinDistance2), dot(to_light, to_light)), distance = sqrt(distance2);
     const VecLanes towards = to_light * (one / distance);
     vfloat cosine = -dot(towards, spread(light.direction));
@@ -17,6 +20,33 @@ LightSampleLanes sample_rectangle(const WorldLight& light, const VecLanes& to_mi
     const vmask shines = cosine > zero;
     return {towards, distance, select(shines, spread(light.strength) * solid_angle, spread(Vec3f(0))),
             select(shines, one / solid_angle, zero)};
+}
+
+LightSampleLanes sample_point(const WorldLight& light, const VecLanes& to_light) noexcept
+{
+    const vfloat zero = 0.0f, one = 1.0f;
+    const vfloat distance2 = max(vfloat(kMinDistance2), dot(to_light, to_light)), distance = sqrt(distance2);
+    const VecLanes direction = divided(to_light, distance);
+    const vfloat along = -dot(direction, spread(light.direction));
+    const vfloat cone = clamp(along * light.spot_scale + light.spot_offset, zero, one);
+    vfloat fall = cone * cone / distance2;
+    if (light.range > 0) {
+        const vfloat share = distance2 / (light.range * light.range);
+        fall = fall * clamp(one - share * share, zero, one);
+    }
+    return {direction, distance, spread(light.strength) * fall, zero};
+}
+
+LightSampleLanes sample_sun(const WorldLight& light, vfloat u, vfloat v) noexcept
+{
+    VecLanes direction = spread(-light.direction);
+    if (light.sun_spread > 0) {
+        const ShadingFrame axes(-light.direction);
+        const DiscPoints d(u, v);
+        direction = normalized(spread(axes.x) * (d.x * light.sun_spread) + spread(axes.y) * (d.y * light.sun_spread) +
+                               spread(axes.z) * vfloat(1.0f));
+    }
+    return {direction, std::numeric_limits<float>::infinity(), spread(light.strength), 0.0f};
 }
 
 }  // namespace
@@ -33,8 +63,16 @@ LaneVectors LanePoints::to(Vec3d place) const noexcept
 LightSampleLanes sample_from(const WorldLight& light, const LaneVectors& to_middle, const LaneFloats& u,
                              const LaneFloats& v) noexcept
 {
-    if (light.kind == WorldLight::Kind::Rectangle && !light.is_long)
-        return sample_rectangle(light, to_middle.lanes(), u.lanes(), v.lanes());
+    using Kind = WorldLight::Kind;
+    const bool is_flat = (light.kind == Kind::Rectangle || light.kind == Kind::Disc) && !light.is_long;
+    if (is_flat && light.kind == Kind::Rectangle)
+        return sample_flat(light, to_middle.lanes(), u.lanes() * 2.0f - 1.0f, v.lanes() * 2.0f - 1.0f);
+    if (is_flat) {
+        const DiscPoints d(u.lanes(), v.lanes());
+        return sample_flat(light, to_middle.lanes(), d.x, d.y);
+    }
+    if (light.kind == Kind::Point) return sample_point(light, to_middle.lanes());
+    if (light.kind == Kind::Sun) return sample_sun(light, u.lanes(), v.lanes());
     LightSamples samples;
     for (int i = 0; i < kLanes; ++i) samples.set(i, light.sample_from(to_middle.at(i), {Vec2f(u.of[i], v.of[i])}));
     return samples.lanes();

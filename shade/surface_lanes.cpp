@@ -25,45 +25,6 @@ VecLanes visible_normals(const VecLanes& eye, vfloat alpha, vfloat px, vfloat py
 
 }  // namespace
 
-// Does what disc_point() does.
-struct DiscPoints {
-    vfloat x, y;
-
-    DiscPoints(vfloat u, vfloat v) noexcept
-    {
-        const vfloat px = u * 2.0f - 1.0f, py = v * 2.0f - 1.0f, zero = 0.0f;
-        const vmask wide = abs(px) > abs(py);
-        const vfloat ratio = kPi / 4 * (select(wide, py, px) / select(wide, px, py));
-        LaneFloats sin, cos;
-        LaneFloats angle;
-        angle = select(wide, ratio, kPi / 2 - ratio);
-        for (int i = 0; i < kLanes; ++i) {
-            const maths::SinCos at = maths::sin_cos(angle.of[i]);
-            sin.of[i] = at.sin;
-            cos.of[i] = at.cos;
-        }
-        const vfloat radius = select(wide, px, py);
-        const vmask is_middle = (px == zero) & (py == zero);
-        x = select(is_middle, zero, radius * cos.lanes());
-        y = select(is_middle, zero, radius * sin.lanes());
-    }
-};
-
-// Does what ShadingFrame does.
-struct SurfaceLanes::Axes {
-    VecLanes x, y, z;
-
-    explicit Axes(const VecLanes& unit) noexcept : z(unit)
-    {
-        const vfloat sign = copysign(vfloat(1.0f), unit.z);
-        const vfloat a = -1.0f / (sign + unit.z), b = unit.x * unit.y * a;
-        x = {1 + sign * unit.x * unit.x * a, sign * b, -sign * unit.x};
-        y = {b, sign + unit.y * unit.y * a, -unit.y};
-    }
-    VecLanes to_world(const VecLanes& v) const noexcept { return x * v.x + y * v.y + z * v.z; }
-    VecLanes to_local(const VecLanes& v) const noexcept { return {dot(v, x), dot(v, y), dot(v, z)}; }
-};
-
 // Does what Angles of shade/bsdf.cpp does.
 struct SurfaceLanes::Angles {
     vfloat n_l, n_h, v_h, sin2_h;
@@ -191,7 +152,7 @@ LightSampleLanes SurfaceLanes::test_of(const LightSampleLanes& sample, vfloat li
 }
 
 // Returns the directions to which visible normals reflect the eye.
-VecLanes SurfaceLanes::reflected_at(const Axes& axes, vfloat alpha, const DiscPoints& at) const noexcept
+VecLanes SurfaceLanes::reflected_at(const FrameLanes& axes, vfloat alpha, const DiscPoints& at) const noexcept
 {
     const VecLanes to_eye = to_eye_.lanes();
     VecLanes eye = axes.to_local(to_eye);
@@ -206,12 +167,12 @@ SurfaceLanes::Samples SurfaceLanes::sample_scatter(vfloat choice, vfloat u, vflo
     const vmask is_diffuse = choice < share_diffuse_;
     const vmask is_layer = andnot(choice - share_diffuse_ < share_layer_, is_diffuse);
     const vmask is_coat = andnot(share_coat_ > zero, is_diffuse | is_layer);
-    const Axes axes(normal_.lanes());
+    const FrameLanes axes(normal_.lanes());
     const DiscPoints d(u, v);
     VecLanes direction = axes.to_world({d.x, d.y, sqrt(max(1 - d.x * d.x - d.y * d.y, zero))});
     if (any(is_layer)) direction = select(is_layer, reflected_at(axes, alpha_.lanes(), d), direction);
     if (any(is_coat))
-        direction = select(is_coat, reflected_at(Axes(coat_normal_.lanes()), coat_alpha_.lanes(), d), direction);
+        direction = select(is_coat, reflected_at(FrameLanes(coat_normal_.lanes()), coat_alpha_.lanes(), d), direction);
     direction = select(is_diffuse | is_layer | is_coat, direction, all_channels(zero));
     const Scattering f = scatter_with_density(direction);
     const vfloat density = select(is_black(direction), zero, f.density);

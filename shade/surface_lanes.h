@@ -4,6 +4,7 @@
 #pragma once
 
 #include "shade/direct.h"
+#include "shade/frame_lanes.h"
 #include "shade/layer.h"
 
 namespace occam::shade {
@@ -16,13 +17,6 @@ struct LightSampleLanes {
     vfloat density;
 };
 
-/// Holds as many values as there are lanes, one by one.
-struct LaneFloats {
-    alignas(32) float of[kLanes];
-
-    vfloat lanes() const noexcept { return vfloat::load(of); }
-    void operator=(vfloat x) noexcept { x.store(of); }
-};
 struct LaneVectors {
     LaneFloats x, y, z;
 
@@ -47,8 +41,6 @@ public:
 private:
     alignas(16) float rows_[kLanes][4];
 };
-
-struct DiscPoints;
 
 /// Holds opaque surfaces with no more than a base under a round layer, and a coat.
 class SurfaceLanes {
@@ -87,9 +79,8 @@ public:
     Samples sample_scatter(vfloat choice, vfloat u, vfloat v) const noexcept;
 
 private:
-    struct Axes;
     struct Angles;
-    VecLanes reflected_at(const Axes& axes, vfloat alpha, const DiscPoints& at) const noexcept;
+    VecLanes reflected_at(const FrameLanes& axes, vfloat alpha, const DiscPoints& at) const noexcept;
     void add_coat(const VecLanes& to_light, vfloat side, Scattering& to) const noexcept;
 
     LaneVectors normal_, geometric_, to_eye_, coat_normal_, diffuse_, f0_;

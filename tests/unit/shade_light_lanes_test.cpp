@@ -15,7 +15,8 @@ namespace {
 std::uint32_t word(float x) { return std::bit_cast<std::uint32_t>(x); }
 bool is_same(Vec3f a, Vec3f b) { return word(a.x) == word(b.x) && word(a.y) == word(b.y) && word(a.z) == word(b.z); }
 
-// Returns lights of all kinds: rectangles of one and of two sides, long ones, discs, spheres, points, spots and suns.
+// Returns lights of all kinds: rectangles of one and of two sides, long ones, discs, spheres, points, spots, and suns with a
+// disc and without.
 std::vector<WorldLight> lights()
 {
     const Mat4d at = glm::rotate(glm::translate(Mat4d(1), Vec3d(0.3, -0.2, 2)), 0.4, Vec3d(1, 2, 3));
@@ -29,6 +30,8 @@ std::vector<WorldLight> lights()
     spot.range = 3;
     all.push_back(WorldLight::place({"", PointLight{}}, at));
     all.push_back(WorldLight::place({"", spot}, at));
+    all.push_back(WorldLight::place({"", SunLight{}}, at));
+    all.back().sun_spread = 0.3f;
     all.push_back(WorldLight::place({"", SunLight{}}, at));
     return all;
 }
