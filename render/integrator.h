@@ -260,7 +260,7 @@ private:
     /// sky   the light of the environment from there, if it is known already
     void follow(const Vertex& v, const shade::ScatterSample& s, const ScatterNumber& number,
                 const shade::Environment::Light* sky = nullptr);
-    /// Adds the lights along a scattered direction that is followed no further.
+    /// Adds the lights without a surface along a scattered direction that is followed no further.
     void look_for_light(const Path& next, const accel::Ray& ray, const shade::Environment::Light* known_sky);
     void gather_placed(const Vertex& v, int slots);
     void gather_from_tree(const Vertex& v, int first_slot);
@@ -295,6 +295,11 @@ private:
     /// Replaces path i, which has come to t, by what continues behind. Returns false if it ends by chance.
     bool pass_straight(std::size_t i, const Path& path, float t, const Passing& passing, const CameraSample& sample);
     void push(const Path& path, const accel::Ray& ray);
+    void drop_last() noexcept
+    {
+        next_paths_.pop_back();
+        next_rays_.pop_back();
+    }
     void extend();
     /// Sorts the paths by the number of hits that are found at once, so that those of one number stand together.
     void group_by_hits();

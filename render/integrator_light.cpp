@@ -268,7 +268,7 @@ void Integrator::follow(const Vertex& v, const shade::ScatterSample& s, const Sc
     const bool is_last = v.path.bounces >= settings.bounces;
     const bool is_direct = settings.integrator == IntegratorKind::Direct;
 
-    Path next = v.path;
+    Path& next = next_paths_.emplace_back(v.path);
     next.throughput = v.share * s.weight / (static_cast<float>(number.samples) * number.chance);
     next.coverage = 0;
     next.key = scattered_key(v.path.key, static_cast<std::uint32_t>(number.n));
@@ -284,28 +284,28 @@ void Integrator::follow(const Vertex& v, const shade::ScatterSample& s, const Sc
     ++next.bounces;
     if (s.lobe == shade::Lobe::Transmission && v.surface.is_solid)
         next.absorption = v.hit.back_side ? Vec3f(0) : v.surface.absorption_inside;
-    const accel::Ray ray = scattered_ray(v, s, number.samples);
+    const accel::Ray& ray = *new (&next_rays_.emplace_back()) accel::Ray(scattered_ray(v, s, number.samples));
     if (context_.log) context_.log->scattered(s, next);
 
-    if (is_last || (is_direct && s.alpha > kMirrorAlpha)) return look_for_light(next, ray, sky);
+    if (is_last || (is_direct && s.alpha > kMirrorAlpha)) {
+        next.is_probe = context_.lights.meshes().any_emitter();
+        if (!next.is_probe) {
+            look_for_light(next, ray, sky);
+            drop_last();
+        }
+        return;
+    }
     const bool is_certain = is_direct && v.path.passed < kPassedForSure;
     const float survival = is_certain ? 1 : survival_of(next.throughput);
     if (survival < 1 && numbers(v, Use::Survival).interval(v.first_of(1)) >= survival) {
         if (context_.log) context_.log->ended_by_chance(survival);
-        return;
+        return drop_last();
     }
     if (survival < 1) next.throughput /= survival;
-    push(next, ray);
 }
 
 void Integrator::look_for_light(const Path& next, const accel::Ray& ray, const shade::Environment::Light* known_sky)
 {
-    if (context_.lights.meshes().any_emitter()) {
-        Path probe = next;
-        probe.is_probe = true;
-        push(probe, ray);
-        return;
-    }
     // Lights without a surface and the sky need no hit: the ray is occluded or not.
     const auto add = [&](float t_far, Vec3f radiance) {
         const Vec3f reaches = clamped(next.throughput * radiance, next.bounces);

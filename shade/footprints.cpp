@@ -26,10 +26,11 @@ lod::Footprint scattered_beam(lod::Footprint smooth, float density, int samples)
 
 // A segment between two transitions is two margins long, each of 2 d and an overlap (lod/ray_levels.h), and in it the
 // target edge length grows by d.
-lod::Footprint followable(lod::Footprint beam, float shading_rate, const lod::LevelSettings& levels) noexcept
+lod::Footprint followable(lod::Footprint beam, float shading_rate) noexcept
 {
+    constexpr float kOverlapEdges = lod::LevelSettings{}.overlap_edges;
     const float target_edge = shading_rate * lod::LevelSettings::kLongestEdge;
-    return {beam.a, std::min(beam.b, 1 / ((4 + 2 * levels.overlap_edges) * target_edge))};
+    return {beam.a, std::min(beam.b, 1 / ((4 + 2 * kOverlapEdges) * target_edge))};
 }
 
 LensBeams lens_beams(lod::Footprint pixel, float diameter, float focus, int samples) noexcept

@@ -45,7 +45,7 @@ lod::Footprint scattered_beam(lod::Footprint smooth, float density, int samples)
 /// than the levels that were seen there. A ray that goes on from the hit with that width would see a coarser surface, and
 /// could be on the wrong side of it.
 /// shading_rate   target edge length over the width of the beam
-lod::Footprint followable(lod::Footprint beam, float shading_rate, const lod::LevelSettings& levels = {}) noexcept;
+lod::Footprint followable(lod::Footprint beam, float shading_rate) noexcept;
 
 /// Returns the spread of the footprint towards a light that is `distance` away and drawn with `density` per solid angle. The
 /// footprint goes from `width`, that of the beam at the point, to that of the sample's share of the light, and is no

@@ -3,6 +3,8 @@
 // Threads  each worker has its own.
 #pragma once
 
+#include <cstring>
+
 #include "shade/direct.h"
 #include "shade/frame_lanes.h"
 #include "shade/layer.h"
@@ -35,7 +37,12 @@ public:
         for (int i = 0; i < kLanes; ++i) to[i] = rows_[i];
         store_turned({v.x, v.y, v.z, number}, to, 0);
     }
-    Vec3f vector(int lane) const noexcept { return {rows_[lane][0], rows_[lane][1], rows_[lane][2]}; }
+    Vec3f vector(int lane) const noexcept
+    {
+        Vec3f v;
+        std::memcpy(&v, rows_[lane], sizeof v);
+        return v;
+    }
     float number(int lane) const noexcept { return rows_[lane][3]; }
 
 private:
