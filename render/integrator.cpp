@@ -64,6 +64,7 @@ void Integrator::begin(std::span<const CameraSample> samples, std::span<SampleRe
     paths_.assign(samples.size(), path);
     rays_.resize(samples.size());
     mattes_.clear();
+    waiting_count_ = 0;
     lit_.assign(samples.size(), Vec3f(0));
     luck_.assign(samples.size(), 0);
     place(samples, results);
