@@ -13,7 +13,7 @@ namespace occam::accel {
 /// Stands for boxes that move only where a packet meets some.
 struct NoBox {};
 
-/// Holds the box of a child at all times of a packet. Nothing is set unless it is asked for: a walk has room for hundreds.
+/// Holds the box of a child at all times of a packet. It is not initialised: a walk has room for hundreds.
 struct KeptBox {
     Vec3f lo, hi;
     bool is_loose;  ///< much larger than the box at one time

@@ -1,5 +1,4 @@
-// Vectors of three components: lanes, or floats for one ray. What products of them round is for the room that uses them to
-// say.
+// Vectors of three components: lanes, or floats for one ray. How products are rounded is for each room to say.
 #pragma once
 
 #include "base/simd.h"

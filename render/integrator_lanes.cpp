@@ -1,6 +1,5 @@
 // The work of an integrator at several hits side by side: what integrator_light.cpp does at one.
 #include <algorithm>
-#include <limits>
 
 #include "render/integrator.h"
 

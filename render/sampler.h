@@ -72,8 +72,8 @@ struct SurfacesToDraw {
     std::uint32_t light_slots = 1;  ///< bits of the slots of Use::Light, below kLightSlots, that are drawn
 };
 
-/// Holds the numbers of which most surfaces of a path need one each, for several surfaces side by side. It is large, and not
-/// cleared.
+/// Holds the numbers of which most surfaces of a path need one each, for several surfaces side by side. It is not
+/// initialised.
 struct SurfaceNumbers {
     struct Squares {
         alignas(32) float x[SurfacesToDraw::kMost];

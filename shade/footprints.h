@@ -51,7 +51,9 @@ lod::Footprint followable(lod::Footprint beam, float shading_rate) noexcept;
 /// footprint goes from `width`, that of the beam at the point, to that of the sample's share of the light, and is no
 /// narrower than an eighth of the width at the start, since a beam without width at its end would ask for infinitely fine
 /// levels. At infinity (parallel light) the share is an angle, which is added to the width. F is float, or vfloat for
-/// several lights. density      0: the light has no extent
+/// several lights.
+///
+/// density   0: the light has no extent
 template <class F>
 F light_spread(F width, F distance, F density, F samples) noexcept;
 

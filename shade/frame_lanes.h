@@ -6,14 +6,6 @@
 
 namespace occam::shade {
 
-/// Holds as many values as there are lanes, one by one.
-struct LaneFloats {
-    alignas(32) float of[kLanes];
-
-    vfloat lanes() const noexcept { return vfloat::load(of); }
-    void operator=(vfloat x) noexcept { x.store(of); }
-};
-
 /// The same as ShadingFrame.
 struct FrameLanes {
     VecLanes x, y, z;

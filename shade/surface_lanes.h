@@ -3,8 +3,6 @@
 // Threads  each worker has its own.
 #pragma once
 
-#include <cstring>
-
 #include "shade/direct.h"
 #include "shade/frame_lanes.h"
 #include "shade/layer.h"
@@ -17,36 +15,6 @@ struct LightSampleLanes {
     vfloat distance;
     VecLanes radiance;
     vfloat density;
-};
-
-struct LaneVectors {
-    LaneFloats x, y, z;
-
-    void set(int lane, Vec3f v) noexcept { x.of[lane] = v.x, y.of[lane] = v.y, z.of[lane] = v.z; }
-    Vec3f at(int lane) const noexcept { return {x.of[lane], y.of[lane], z.of[lane]}; }
-    VecLanes lanes() const noexcept { return {x.lanes(), y.lanes(), z.lanes()}; }
-    void operator=(const VecLanes& v) noexcept { x = v.x, y = v.y, z = v.z; }
-};
-
-/// Holds a vector and a number for each lane, to be read one lane after the other.
-class LaneRows {
-public:
-    void set(const VecLanes& v, vfloat number) noexcept
-    {
-        float* to[kLanes];
-        for (int i = 0; i < kLanes; ++i) to[i] = rows_[i];
-        store_turned({v.x, v.y, v.z, number}, to, 0);
-    }
-    Vec3f vector(int lane) const noexcept
-    {
-        Vec3f v;
-        std::memcpy(&v, rows_[lane], sizeof v);
-        return v;
-    }
-    float number(int lane) const noexcept { return rows_[lane][3]; }
-
-private:
-    alignas(16) float rows_[kLanes][4];
 };
 
 /// Holds opaque surfaces with no more than a base under a round layer, and a coat.
