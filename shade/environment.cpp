@@ -176,12 +176,7 @@ Vec2f Environment::uv_of(Vec3f direction) const noexcept
     return {0.5f + maths::atan2(d.x, -d.z) / (2 * kPi), maths::acos(std::clamp(d.y, -1.0f, 1.0f)) / kPi};
 }
 
-Vec3f Environment::direction_of(Vec2f uv) const noexcept
-{
-    return turned(maths::sin_cos((uv.x - 0.5f) * 2 * kPi), maths::sin_cos(uv.y * kPi));
-}
-
-Vec3f Environment::turned(maths::SinCos around, maths::SinCos up) const noexcept
+Vec3f Environment::direction_of(maths::SinCos around, maths::SinCos up) const noexcept
 {
     const float x = up.sin * around.sin, z = -up.sin * around.cos;
     return {rotation_cos_ * x + rotation_sin_ * z, up.cos, rotation_cos_ * z - rotation_sin_ * x};
@@ -235,11 +230,9 @@ float Environment::density_at(int row, int column, float ring) const noexcept
 
 Environment::Light Environment::draw(Vec2f square) const noexcept
 {
-    const Interval row = find_interval(rows_, square.y);
-    const Interval column = find_interval(cells_of(row.index), square.x);
-    const Vec2f uv = uv_at(row, column);
-    const Vec3f direction = direction_of(uv);
-    return {direction, texel(uv), density_of(row.share, column.share, ring_of(direction))};
+    Light light;
+    draw(std::span(&square, 1), std::span(&light, 1));
+    return light;
 }
 
 Environment::Light Environment::light_at(Vec3f direction, Vec2f uv) const noexcept
@@ -276,7 +269,7 @@ void Environment::draw(std::span<const Vec2f> squares, std::span<Light> to) cons
     maths::sin_cos(around, count, sin_around, cos_around);
     maths::sin_cos(up, count, sin_up, cos_up);
     for (std::size_t k = 0; k < count; ++k) {
-        const Vec3f direction = turned({sin_around[k], cos_around[k]}, {sin_up[k], cos_up[k]});
+        const Vec3f direction = direction_of({sin_around[k], cos_around[k]}, {sin_up[k], cos_up[k]});
         to[k] = {direction, texel(uv[k]), density_of(rows[k].share, columns[k].share, ring_of(direction))};
     }
 }

@@ -62,8 +62,8 @@ private:
     Vec3f in_axes_of_image(Vec3f direction) const noexcept;
     Vec2f uv_of(Vec3f direction) const noexcept;
     static Vec2f uv_at(const Interval& row, const Interval& column) noexcept;
-    Vec3f direction_of(Vec2f uv) const noexcept;
-    Vec3f turned(maths::SinCos around, maths::SinCos up) const noexcept;
+    /// Returns the direction at these angles about the image's pole and from it.
+    Vec3f direction_of(maths::SinCos around, maths::SinCos up) const noexcept;
     Light light_at(Vec3f direction, Vec2f uv) const noexcept;
     Vec3f texel(Vec2f uv) const noexcept;
     float density_at(int row, int column, float ring) const noexcept;
