@@ -51,7 +51,7 @@ PosedDisplacement::PosedDisplacement(const Cage& cage, const TextureStore& store
     if (!cage.is_displaced()) return;
     of = &*cage.displacement;
     textures = &store;
-    map = frame_from_object;
+    for (int r = 0; r < 3; ++r) std::copy_n(frame_from_object[r], 3, map[r]);
     sense = mirrored ? -1.0f : 1.0f;
     turns = deformed && of->space == Displacement::Space::Object;
     // This is a little more than the bound, because offsets are rounded.

@@ -51,7 +51,7 @@ struct PosedDisplacement {
 
     const Displacement* of = nullptr;  ///< null: no displacement
     const TextureStore* textures = nullptr;
-    const double (*map)[4] = nullptr;  ///< the cage's map from object axes to the dicing frame
+    double map[3][3] = {};  ///< the linear part of the cage's map from object axes to the dicing frame, by rows
     float sense = 1;                   ///< -1 if the map mirrors
     float reach = 0;                   ///< no point moves farther, world length
     int stops = 0;                     ///< from this level on the displacement is the same

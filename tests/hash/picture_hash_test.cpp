@@ -195,6 +195,19 @@ TEST(Picture, OfWhatMovesIsTheSameForAnyThreadsAndBudgetAndBuild)
     }
 }
 
+// A displaced cage that its nodes alone move is diced in one pose.
+TEST(Picture, OfDisplacedCagesThatFlyIsTheSameForAnyThreadsAndBudgetAndBuild)
+{
+    Scene scene = stage(true);
+    const NodeId ring = scene.node(scene.root()).children.at(0), other = scene.node(scene.root()).children.at(1);
+    const Mat4d start = scene.node(ring).parent_from_node, place = scene.node(other).parent_from_node;
+    scene.record_shutter(2, [&](double tau) {
+        scene.set_transform(ring, start * Trs{.translation = {0.3 * tau, 0.1 * tau, 0}}.matrix());
+        scene.set_transform(other, place * Trs{.rotation = {0, tau * 0.5, 0, std::sqrt(1 - tau * tau * 0.25)}}.matrix());
+    });
+    expect_the_same(std::move(scene), "displaced_flying", {.bounces = 2});
+}
+
 // Placed lights and emissive triangles are so many that both are drawn by trees.
 TEST(Picture, OfManyLightsIsTheSameForAnyThreadsAndBuild)
 {

@@ -3,44 +3,22 @@
 #include <array>
 #include <map>
 
-#include "base/hash.h"
+#include "tests/support/case_random.h"
 #include "tests/support/displaced_cages.h"
 #include "tests/support/made_cages.h"
+#include "tests/support/random_look.h"
 
 namespace occam::test {
 namespace {
 
-constexpr const char* kPartNames[kPartFeatures] = {"noise",     "creases",   "corners",  "hole",     "fin",       "bilinear",
-                                                   "triangles", "displaced", "skinned",  "mirrored", "stretched", "large",
-                                                   "small",     "instanced", "textured", "glass",    "metal",     "holes"};
-constexpr const char* kSettingNames[kSettingFeatures] = {"path",   "ao",       "vertices", "frozen",       "lod-off",
-                                                         "coarse", "fine",     "lens",     "orthographic", "far",
-                                                         "still",  "adaptive", "cropped",  "one-sided",    "layers"};
-
-/// Generates the random numbers of one feature of one part, which are the same whatever else the case has.
-class Random {
-public:
-    Random(std::uint64_t seed, std::uint64_t key, std::uint64_t feature)
-        : state_(mix_bits(seed * 0x9e3779b97f4a7c15ull + key * 1009 + feature * 31 + 7))
-    {
-    }
-    Random(const RandomCase& c, const RandomPart& part, PartFeature f)
-        : Random(c.seed, part.key, static_cast<std::uint64_t>(f) + 100)
-    {
-    }
-    /// Returns a number that is uniform in [0, 1).
-    double number() { return double(mix_bits(state_ += 0x9e3779b97f4a7c15ull) >> 11) * 0x1p-53; }
-    double between(double lo, double hi) { return lo + (hi - lo) * number(); }
-    std::size_t index(std::size_t count) { return std::min(count - 1, static_cast<std::size_t>(number() * double(count))); }
-    Vec3d inside_cube()
-    {
-        const double x = between(-1, 1), y = between(-1, 1);
-        return {x, y, between(-1, 1)};
-    }
-
-private:
-    std::uint64_t state_;
-};
+constexpr const char* kPartNames[kPartFeatures] = {
+    "noise",    "creases",   "corners", "hole",  "fin",       "bilinear", "triangles", "displaced", "skinned",
+    "mirrored", "stretched", "large",   "small", "instanced", "textured", "glass",     "metal",     "holes",
+    "veil",     "bumped",    "coated",  "sheen", "strokes",   "specular", "body",      "shining",   "moving"};
+constexpr const char* kSettingNames[kSettingFeatures] = {
+    "path",    "ao",       "vertices", "frozen",  "lod-off",   "coarse", "fine", "lens",  "orthographic",
+    "far",     "still",    "adaptive", "cropped", "one-sided", "layers", "sky",  "lamps", "light-samples",
+    "clamped", "filtered", "rounds",   "shutter"};
 
 /// Triangulates every face as a fan; the result is a mesh, which is rendered as it is.
 void make_triangles(Cage& cage)
@@ -63,12 +41,12 @@ void make_triangles(Cage& cage)
 void shape(Cage& cage, const RandomCase& c, const RandomPart& part)
 {
     if (part.has(PartFeature::Noise)) {
-        Random random(c, part, PartFeature::Noise);
+        CaseRandom random(c, part, PartFeature::Noise);
         const double size = random.between(0, 0.08) * cage.bounds().radius();
         for (Vec3f& p : cage.positions) p += Vec3f(random.inside_cube() * size);
     }
     if (part.has(PartFeature::Creases)) {
-        Random random(c, part, PartFeature::Creases);
+        CaseRandom random(c, part, PartFeature::Creases);
         const double share = random.number();
         std::size_t first = 0;
         cage.creases.clear();
@@ -81,14 +59,14 @@ void shape(Cage& cage, const RandomCase& c, const RandomPart& part)
         }
     }
     if (part.has(PartFeature::Corners)) {
-        Random random(c, part, PartFeature::Corners);
+        CaseRandom random(c, part, PartFeature::Corners);
         cage.corners.clear();
         for (std::size_t n = 1 + random.index(3); n > 0; --n)
             cage.corners.push_back(
                 {static_cast<std::uint32_t>(random.index(cage.positions.size())), 0.25f * float(1 + random.index(40))});
     }
     if (part.has(PartFeature::Hole))
-        cage.holes = {static_cast<std::uint32_t>(Random(c, part, PartFeature::Hole).index(cage.face_sizes.size()))};
+        cage.holes = {static_cast<std::uint32_t>(CaseRandom(c, part, PartFeature::Hole).index(cage.face_sizes.size()))};
     if (part.has(PartFeature::Fin)) {
         cage.positions.push_back(cage.positions[cage.face_vertices[0]] * 1.7f);
         cage.face_sizes.push_back(3);
@@ -98,51 +76,12 @@ void shape(Cage& cage, const RandomCase& c, const RandomPart& part)
     if (part.has(PartFeature::Bilinear)) cage.scheme = Scheme::Bilinear;
 }
 
-Texture noise_texture(Random& random, TextureRole role)
-{
-    Texture texture;
-    texture.role = role;
-    texture.width = texture.height = 16;
-    for (int k = 0; k < 256; ++k) {
-        const Vec3f color(0.5 + 0.5 * random.inside_cube());
-        texture.pixels.push_back(role == TextureRole::Data ? Vec4f(color.x, color.x, color.x, 1) : Vec4f(color, 1));
-    }
-    return texture;
-}
-
-void paint(Cage& cage, Scene& scene, const RandomCase& c, const RandomPart& part)
-{
-    Random random(c, part, PartFeature::Metal);
-    Material material;
-    material.base_color = Vec4f(Vec3f(0.55 + 0.4 * random.inside_cube()), 1);
-    material.roughness = float(random.number());
-    if (part.has(PartFeature::Metal)) material.metallic = 1;
-    if (part.has(PartFeature::Glass)) material.transmission = 1;
-    if (part.has(PartFeature::Textured) || part.has(PartFeature::Displaced) || part.has(PartFeature::Holes))
-        add_charts(cage);
-    if (part.has(PartFeature::Textured)) {
-        Random texels(c, part, PartFeature::Textured);
-        material.base_color_texture.texture = scene.add(noise_texture(texels, TextureRole::Color));
-    }
-    if (part.has(PartFeature::Holes)) {
-        Random texels(c, part, PartFeature::Holes);
-        material.alpha_mode = AlphaMode::Mask;
-        material.alpha_texture.texture = scene.add(noise_texture(texels, TextureRole::Data));
-    }
-    if (part.has(PartFeature::Displaced)) {
-        Random texels(c, part, PartFeature::Displaced);
-        Displacement moves;
-        moves.bound = float(cage.bounds().radius() * texels.between(0.005, 0.05));
-        moves.scale = 2 * moves.bound;
-        moves.texture.texture = scene.add(noise_texture(texels, TextureRole::Data));
-        cage.displacement = moves;
-    }
-    cage.materials = {scene.add(material)};
-}
+/// Returns the middle of the world of a case.
+Vec3d origin_of(const RandomCase& c) { return c.has(SettingFeature::Far) ? Vec3d(1e5, -3e4, 7e4) : Vec3d(0); }
 
 Mat4d place_of(const RandomCase& c, const RandomPart& part)
 {
-    Random random(c.seed, part.key, 1);
+    CaseRandom random(c.seed, part.key, 1);
     // Compilers evaluate arguments in any order.
     const double w = random.between(0.1, 1);
     const Vec4d turn = glm::normalize(Vec4d(random.inside_cube(), w));
@@ -150,7 +89,7 @@ Mat4d place_of(const RandomCase& c, const RandomPart& part)
     Vec3d at = random.inside_cube() * 2.0;
     if (part.has(PartFeature::Large)) scale *= 1000, at = at * 1000.0 - Vec3d(0, 0, 5000);
     if (part.has(PartFeature::Small)) scale *= 0.001;
-    if (c.has(SettingFeature::Far)) at += Vec3d(1e5, -3e4, 7e4);
+    at += origin_of(c);
     Trs place;
     place.translation = at;
     place.rotation = turn;
@@ -160,36 +99,84 @@ Mat4d place_of(const RandomCase& c, const RandomPart& part)
     return place.matrix();
 }
 
-void add_part(Scene& scene, const RandomCase& c, const RandomPart& part)
+/// Holds what of an added part may move.
+struct AddedPart {
+    const RandomPart* part;
+    NodeId node, joint;  ///< joint: the one that bends it, if it is skinned
+    CageId cage;
+    Mat4d place;
+};
+
+AddedPart add_part(Scene& scene, const RandomCase& c, const RandomPart& part)
 {
     Cage cage = made_cage(part.cage);
     shape(cage, c, part);
     cage.name = part.cage + std::to_string(part.key);
     if (part.has(PartFeature::Skinned)) add_skin(cage);
     if (part.has(PartFeature::Triangles)) make_triangles(cage);
-    else paint(cage, scene, c, part);
-    const Mat4d place = place_of(c, part);
+    paint(cage, scene, c, part);
+    AddedPart added{.part = &part, .node = {}, .joint = {}, .cage = {}, .place = place_of(c, part)};
     NodeDesc desc;
     desc.name = cage.name;
-    desc.matrix = place;
+    desc.matrix = added.place;
     if (part.has(PartFeature::Skinned) && !part.has(PartFeature::Triangles)) {
         Skin skin;
         for (const Mat4d& joint : bent_joints()) {
             NodeDesc bone;
-            bone.matrix = place * joint;
+            bone.matrix = added.place * joint;
             skin.joints.push_back(scene.add_node(scene.root(), bone));
         }
+        added.joint = skin.joints.back();
         desc.skin = scene.add(skin);
     }
-    desc.cages = {scene.add(std::move(cage))};
-    const NodeId node = scene.add_node(scene.root(), desc);
+    added.cage = scene.add(std::move(cage));
+    desc.cages = {added.cage};
+    added.node = scene.add_node(scene.root(), desc);
     for (int k = 0; part.has(PartFeature::Instanced) && k < 3; ++k) {
         NodeDesc copy;
-        copy.instance_of = node;
-        copy.matrix = place;
-        (*copy.matrix)[3] += place[static_cast<int>(k)] * 2.5;
+        copy.instance_of = added.node;
+        copy.matrix = added.place;
+        (*copy.matrix)[3] += added.place[static_cast<int>(k)] * 2.5;
         scene.add_node(scene.root(), copy);
     }
+    return added;
+}
+
+/// Moves a part to where it is at a moment of the shutter, in one of several ways.
+void move_part(Scene& scene, const RandomCase& c, const AddedPart& added, double tau)
+{
+    CaseRandom random(c, *added.part, PartFeature::Moving);
+    const std::size_t kind = random.index(7);
+    const Vec3d way = random.inside_cube();
+    Trs trs;
+    switch (kind) {
+        case 0:
+            trs.translation = way * tau;
+            break;
+        case 1:
+            trs.rotation = glm::normalize(Vec4d(way * tau, 1));
+            break;
+        case 2:
+            trs.scale = Vec3d(1 - 0.9 * tau) + Vec3d(0, 0.3 * tau, 0);
+            break;
+        case 3:
+            trs.translation = way * (20 * tau);
+            break;
+        case 4:
+            trs.scale = Vec3d(1, 1 - 2 * tau, 1);
+            break;
+        case 5:
+            scene.set_visible(added.node, tau < 0.5);
+            return;
+        default:
+            break;
+    }
+    if (kind != 6) return scene.set_transform(added.joint ? added.joint : added.node, added.place * trs.matrix());
+    std::vector<Vec3f> bent;
+    for (const Vec3f p : made_cage(added.part->cage).positions)
+        bent.push_back(p + Vec3f(way * (0.5 * tau)) * (p.x * p.x + p.y));
+    bent.resize(scene.cage(added.cage).cage.positions.size(), Vec3f(0.1f, 1.2f, 0.3f));  // a fin has one more vertex
+    scene.write_vertices(added.cage, bent);
 }
 
 template <std::size_t N>
@@ -202,7 +189,7 @@ std::string names_of(unsigned bits, const char* const (&names)[N])
 }
 
 /// Returns bits of which each is set with a chance of one in `one_in`.
-unsigned random_bits(Random& random, unsigned count, std::size_t one_in)
+unsigned random_bits(CaseRandom& random, unsigned count, std::size_t one_in)
 {
     unsigned bits = 0;
     for (unsigned k = 0; k < count; ++k) bits |= unsigned(random.index(one_in) == 0) << k;
@@ -215,7 +202,7 @@ RandomCase random_case(std::uint64_t seed)
 {
     RandomCase c;
     c.seed = seed;
-    Random random(seed, 0, 0);
+    CaseRandom random(seed, 0, 0);
     c.settings = random_bits(random, kSettingFeatures, 5);
     const std::vector<MadeCage> cages = made_cages();
     for (std::uint32_t key = 1, count = 1 + static_cast<std::uint32_t>(random.index(4)); key <= count; ++key)
@@ -226,13 +213,16 @@ RandomCase random_case(std::uint64_t seed)
 Scene scene_of(const RandomCase& c)
 {
     Scene scene;
-    for (const RandomPart& part : c.parts) add_part(scene, c, part);
-    NodeDesc lamp;
-    lamp.place.translation = {3, 6, 4};
-    if (c.has(SettingFeature::Far)) lamp.place.translation += Vec3d(1e5, -3e4, 7e4);
-    lamp.place.rotation = {-0.7071067811865476, 0, 0, 0.7071067811865476};
-    lamp.light = scene.add(Light{"lamp", AreaLight{AreaLight::Shape::Rectangle, Vec2f(2), Vec3f(8)}});
-    scene.add_node(scene.root(), lamp);
+    std::vector<AddedPart> added;
+    for (const RandomPart& part : c.parts) added.push_back(add_part(scene, c, part));
+    light(scene, c, origin_of(c));
+    if (c.has(SettingFeature::Shutter)) {
+        CaseRandom random(c, SettingFeature::Shutter);
+        scene.record_shutter(1 << random.index(4), [&](double tau) {
+            for (const AddedPart& a : added)
+                if (a.part->has(PartFeature::Moving)) move_part(scene, c, a, tau);
+        });
+    }
     return scene;
 }
 
@@ -253,19 +243,29 @@ Settings settings_of(const RandomCase& c)
     if (c.has(SettingFeature::OneSided)) s.back_faces = false;
     if (c.has(SettingFeature::Layers))
         for (const render::AovRow& row : render::kAovs)
-            if (row.aov != Aov::Motion) s.aovs |= row.aov;  // motion needs a shutter that is open
+            if (row.aov != Aov::Motion || c.has(SettingFeature::Shutter)) s.aovs |= row.aov;
+    if (c.has(SettingFeature::LightSamples)) s.light_samples = 3;
+    if (c.has(SettingFeature::Clamped)) s.clamp = 2;
+    if (c.has(SettingFeature::Filtered)) s.filter = render::FilterKind::BlackmanHarris;
+    if (c.has(SettingFeature::Rounds)) s.progressive = true;
+    if (c.has(SettingFeature::Shutter)) s.shutter = {0, 0.5};
     s.seed = c.seed;
     return s;
 }
 
 Camera camera_of(const RandomCase& c, Scene& scene)
 {
-    const Vec3d about = c.has(SettingFeature::Far) ? Vec3d(1e5, -3e4, 7e4) : Vec3d(0);
-    Random random(c.seed, 0, 2);
+    const Vec3d about = origin_of(c);
+    CaseRandom random(c.seed, 0, 2);
     const double up = random.between(0, 3), right = random.between(-4, 4);
     Camera camera = Camera::look_at(about + Vec3d(right, up, 7), about, {0, 1, 0}, 0.9f);
     if (c.has(SettingFeature::Orthographic)) camera.lens.orthographic = true, camera.lens.height = 6;
     if (c.has(SettingFeature::Lens)) camera.lens.radius = 0.15f, camera.lens.focus = 6;
+    if (c.has(SettingFeature::Shutter))
+        for (const double tau : {0.0, 0.5, 1.0}) {
+            camera.keys.push_back(camera.world_from_camera);
+            camera.keys.back()[3] += Vec4d(0.1 * tau, 0.1 * tau * tau, 0, 0);
+        }
     scene.refit();
     return camera;
 }
@@ -313,22 +313,26 @@ std::string check_pictures(const RandomCase& c)
     const Camera camera = camera_of(c, scene);
     const Settings settings = settings_of(c);
     std::uint64_t expected = 0;
-    for (const auto& [name, resources] :
-         {std::pair("one thread", Resources{.threads = 1, .memory_bytes = 256u << 20}),
-          std::pair("three threads", Resources{.threads = 3, .memory_bytes = 256u << 20}),
-          std::pair("three threads and one tree", Resources{.threads = 3, .memory_bytes = 256u << 20, .workers_a_tree = 0}),
-          std::pair("little memory", Resources{.threads = 2})}) {
-        Resources these = resources;
-        if (these.memory_bytes == 0) these.memory_bytes = 4 * Renderer({.threads = these.threads}).memory_floor(scene);
-        Renderer renderer(these);
+    std::size_t used = 0;
+    const auto fault_of = [&](const char* name, const Resources& resources) -> std::string {
+        Renderer renderer(resources);
         const Image image = renderer.render(scene, camera, settings);
-        if (renderer.stats().image.samples_not_finite > 0)
-            return std::string(name) + ": " + std::to_string(renderer.stats().image.samples_not_finite) +
-                   " samples are not finite";
-        if (expected == 0) expected = image.checksum();
-        if (image.checksum() != expected) return std::string(name) + ": the picture differs from that of one thread";
-    }
-    return {};
+        const FrameStats& stats = renderer.stats();
+        if (stats.image.samples_not_finite > 0)
+            return std::string(name) + ": " + std::to_string(stats.image.samples_not_finite) + " samples are not finite";
+        if (expected == 0) expected = image.checksum(), used = stats.memory.arena_peak_bytes;
+        if (image.checksum() == expected) return {};
+        return std::string(name) + ": the picture differs from that of one thread";
+    };
+    constexpr std::size_t kEnough = 256u << 20;
+    for (const auto& [name, resources] :
+         {std::pair("one thread", Resources{.threads = 1, .memory_bytes = kEnough}),
+          std::pair("three threads, kd-trees", Resources{.threads = 3, .memory_bytes = 3 * kEnough, .tree = TreeKind::Kd}),
+          std::pair("three threads, one tree of boxes",
+                    Resources{.threads = 3, .memory_bytes = kEnough, .workers_a_tree = 0, .tree = TreeKind::Bvh})})
+        if (const std::string fault = fault_of(name, resources); !fault.empty()) return fault;
+    const std::size_t least = 4 * Renderer({.threads = 2}).memory_floor(scene);
+    return fault_of("little memory", {.threads = 2, .memory_bytes = std::max(least, used)});
 }
 
 std::string check_closedness(const RandomCase& c, std::uint64_t rays, Tested* tested)

@@ -32,9 +32,18 @@ enum class PartFeature : unsigned {
     Textured,   ///< a texture gives its base colour
     Glass,      ///< light passes through it
     Metal,      ///< it reflects
-    Holes       ///< an alpha mask cuts holes into it
+    Holes,      ///< an alpha mask cuts holes into it
+    Veil,       ///< a texture makes it transparent in places, instead of a mask
+    Bumped,     ///< a texture tilts its normals
+    Coated,     ///< it has a clear coat
+    Sheen,      ///< it has the sheen of cloth
+    Strokes,    ///< it is brushed
+    Specular,   ///< its highlight has a colour, a strength and an index of refraction
+    Body,       ///< it bounds a refracting body, which colours light
+    Shining,    ///< it emits light
+    Moving      ///< it moves while the shutter is open
 };
-inline constexpr unsigned kPartFeatures = 18;
+inline constexpr unsigned kPartFeatures = 27;
 
 /// Lists what may be special about the picture, as bits of RandomCase::settings.
 enum class SettingFeature : unsigned {
@@ -52,9 +61,16 @@ enum class SettingFeature : unsigned {
     Adaptive,      ///< tiles end early
     Cropped,       ///< a part of the frame
     OneSided,      ///< rays pass the backs of single-sided surfaces
-    Layers         ///< all layers beside the picture
+    Layers,        ///< all layers beside the picture
+    Environment,   ///< light from all around, mostly from an image with a bright texel
+    Lamps,         ///< placed lights of all kinds, few or many
+    LightSamples,  ///< three samples of each light
+    Clamped,       ///< light that was scattered twice is limited
+    Filtered,      ///< a wide reconstruction filter
+    Rounds,        ///< the picture is made in rounds
+    Shutter        ///< the shutter is open, and the camera moves
 };
-inline constexpr unsigned kSettingFeatures = 15;
+inline constexpr unsigned kSettingFeatures = 22;
 
 struct RandomPart {
     std::uint32_t key = 0;  ///< its random numbers are those of this number and the case's seed
@@ -89,8 +105,9 @@ using CaseCheck = std::function<std::string(const RandomCase&)>;
 /// further part or feature is removed.
 RandomCase shrunk(RandomCase failing, const CaseCheck& check);
 
-/// Renders the case by one thread, by several with a tree each and with a common one, and with four times the least memory.
-/// The picture must be the same and every sample finite. (With the least memory, some cases take minutes.)
+/// Renders the case by one thread, by several with a kd-tree each and with a common tree of boxes, and by two with half of
+/// the memory that two would take, or with four times the least where that is more. The picture must be the same and every
+/// sample finite.
 std::string check_pictures(const RandomCase& c);
 
 /// Counts what check_closedness() has tested.
