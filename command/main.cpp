@@ -2,6 +2,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -32,7 +33,18 @@ void fill_standard_streams()
         }
 }
 
-void report_lack_of_memory() noexcept { std::fputs("occam: there is not enough memory\n", stderr); }
+// Whether the line is printed with which the command fails. Libraries may run out of memory again while they are unloaded.
+constinit std::atomic<bool> has_reported{false};
+
+void report(const char* what) noexcept
+{
+    if (!has_reported.exchange(true)) std::fprintf(stderr, "occam: %s\n", what);
+}
+void report_lack_of_memory() noexcept { report("there is not enough memory"); }
+
+// The exit code of a command that has done its work, else -1. Nothing that happens afterwards, while libraries are unloaded,
+// makes it fail.
+constinit std::atomic<int> exit_code{-1};
 
 std::terminate_handler usual_end = nullptr;
 
@@ -40,6 +52,7 @@ std::terminate_handler usual_end = nullptr;
 // of the program: some libraries allocate where they are loaded, from where nothing can be caught.
 [[noreturn]] void end_by_exception() noexcept
 {
+    if (exit_code >= 0) _exit(exit_code);
     try {
         if (std::current_exception()) throw;
     } catch (const std::bad_alloc&) {
@@ -48,9 +61,7 @@ std::terminate_handler usual_end = nullptr;
     } catch (...) {
     }
     if (occam::is_loading_picture_codec()) {
-        std::fputs(
-            "occam: the libraries for pictures cannot be loaded: there is not enough memory, or no room for a thread\n",
-            stderr);
+        report("the libraries for pictures cannot be loaded: there is not enough memory, or no room for a thread");
         _exit(kOutput);
     }
     usual_end();
@@ -83,15 +94,16 @@ int main(int argc, char** argv)
     std::signal(SIGXFSZ, SIG_IGN);  // a write beyond `ulimit -f` then fails as on a full disk
     usual_end = std::set_terminate(end_by_exception);
     try {
-        return run_command(argc, argv);
+        return exit_code = run_command(argc, argv);
     } catch (const occam::Error& error) {
-        std::fprintf(stderr, "occam: %s\n", error.what());
+        report(error.what());
         return error.kind() == occam::Error::Kind::Output ? kOutput : kBadInput;
     } catch (const std::bad_alloc&) {
         report_lack_of_memory();
-        return kOutput;
+        std::fflush(nullptr);
+        _exit(kOutput);  // a library that had no memory may not bear to be unloaded
     } catch (const std::exception& error) {
-        std::fprintf(stderr, "occam: %s\n", occam::printable_line(error.what()).c_str());
+        report(occam::printable_line(error.what()).c_str());
         return kOutput;
     }
 }

@@ -2,6 +2,7 @@
 #include "io/exr_file.h"
 
 #include <Iex.h>
+#include <IlmThreadPool.h>
 #include <ImathBox.h>
 #include <ImfChannelList.h>
 #include <ImfChromaticitiesAttribute.h>
@@ -36,6 +37,10 @@ using Imath::V2i;
 
 // With this number of threads the library does all work in the calling thread.
 constexpr int kNoThreads = 0;
+
+// Makes the library's pool of threads, which it otherwise makes while a group of tasks waits for its tasks: without memory
+// for the pool it would wait for ever.
+void make_thread_pool() { IlmThread::ThreadPool::globalThreadPool(); }
 
 // Hands the bytes of the encoder on. Failures are remembered by the receiver.
 class ExrOutput final : public Imf::OStream {
@@ -269,6 +274,7 @@ std::string write_exr(const PictureSpec& spec, std::span<const PictureAttribute>
                       PictureBytes& to)
 {
     try {
+        make_thread_pool();
         ExrOutput output(to);
         Imf::OutputFile file(output, header_of(spec, attributes), kNoThreads);
         write_rows(file, spec, pixels);
@@ -300,6 +306,7 @@ bool has_last_row(ImageBytes file)
     try {
         const int version = first_header(file).version;
         if (Imf::isMultiPart(version) || Imf::isTiled(version) || Imf::isNonImage(version)) return true;
+        make_thread_pool();
         ExrInput input(file);
         Imf::InputFile part(input, kNoThreads);
         const Imf::ChannelList& channels = part.header().channels();
@@ -325,6 +332,7 @@ std::unique_ptr<PictureReader> open_exr(ImageBytes file)
 {
     try {
         if (!is_plain(first_header(file))) return nullptr;
+        make_thread_pool();
         return std::make_unique<ExrReader>(std::move(file));
     } catch (const std::bad_alloc&) {
         throw;

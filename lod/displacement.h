@@ -52,10 +52,10 @@ struct PosedDisplacement {
     const Displacement* of = nullptr;  ///< null: no displacement
     const TextureStore* textures = nullptr;
     double map[3][3] = {};  ///< the linear part of the cage's map from object axes to the dicing frame, by rows
-    float sense = 1;                   ///< -1 if the map mirrors
-    float reach = 0;                   ///< no point moves farther, world length
-    int stops = 0;                     ///< from this level on the displacement is the same
-    bool turns = false;                ///< whether vectors in object axes turn, because the cage is posed
+    float sense = 1;        ///< -1 if the map mirrors
+    float reach = 0;        ///< no point moves farther, world length
+    int stops = 0;          ///< from this level on the displacement is the same
+    bool turns = false;     ///< whether vectors in object axes turn, because the cage is posed
 
     int uv_set() const noexcept { return of->texture.uv_set; }
     /// Returns the offset of the limit point, in the dicing frame.

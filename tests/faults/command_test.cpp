@@ -1,4 +1,6 @@
 // The executable without enough memory: it ends with exit code 3 and one line, or does its work.
+#include <unistd.h>
+
 #include <csignal>
 #include <cstdlib>
 
@@ -7,6 +9,8 @@
 
 namespace occam::test {
 namespace {
+
+constexpr unsigned kMostSeconds = 60;  // a command that takes longer is ended by a signal
 
 class FailingCommand : public CommandTest {
 protected:
@@ -20,7 +24,10 @@ protected:
     bool run_with(const std::string& failing, const std::vector<std::string>& arguments, const fs::path& output)
     {
         SCOPED_TRACE("OCCAM_FAILING=" + failing);
-        before_exec = [&] { setenv("OCCAM_FAILING", failing.c_str(), 1); };
+        before_exec = [&] {
+            setenv("OCCAM_FAILING", failing.c_str(), 1);
+            alarm(kMostSeconds);
+        };
         const Outcome o = run(arguments);
         const bool is_done = o.exit_code == kDone;
         EXPECT_EQ(fs::exists(output), is_done) << o.err;
@@ -30,6 +37,19 @@ protected:
         }
         fs::remove(output);
         return is_done;
+    }
+    /// Runs the command without memory for its last allocations and all further ones, for so many of the last.
+    void run_at_end(const std::vector<std::string>& arguments, const fs::path& output, std::uint64_t last)
+    {
+        std::uint64_t too_few = 0, enough = 1;
+        while (!run_with(std::to_string(enough) + " 0", arguments, output) && !HasFailure()) too_few = enough, enough *= 2;
+        while (enough - too_few > 1 && !HasFailure()) {
+            const std::uint64_t middle = too_few + (enough - too_few) / 2;
+            (run_with(std::to_string(middle) + " 0", arguments, output) ? enough : too_few) = middle;
+        }
+        ASSERT_GT(too_few, last);
+        for (std::uint64_t n = too_few - last; n < too_few && !HasFailure(); ++n)
+            run_with(std::to_string(n) + " 0", arguments, output);
     }
     /// Runs the command while one allocation fails, or that and all further ones, for ever later allocations.
     void run_everywhere(const std::vector<std::string>& arguments, const fs::path& output, const Density& density)
@@ -50,6 +70,18 @@ TEST_F(FailingCommand, RendersOrEndsInOneLine)
 {
     run_everywhere({"render", "triangle.obj", "-o", "a.exr", "--size", "8x6", "--spp", "1", "--threads", "1", "-q"},
                    folder / "a.exr", {.dense = 4, .growth = 1.6});
+}
+
+// Its last allocations are those of the file's library.
+TEST_F(FailingCommand, EndsInOneLineWhereverMemoryEndsWhileAFileIsWritten)
+{
+    // The library of the other formats takes a quarter of a second to load.
+    for (const char* name : {"a.exr", "a.png", "a.jpg", "a.hdr", "a.tif"}) {
+        const bool is_quick = name[2] == 'e' || name[2] == 'p';
+        if (!is_quick && name[2] != 'j' && !is_long()) continue;
+        run_at_end({"render", "triangle.obj", "-o", name, "--size", "8x6", "--spp", "1", "--threads", "1", "-q"},
+                   folder / name, is_quick || is_long() ? 100 : 8);
+    }
 }
 
 TEST_F(FailingCommand, WritesPNGOrEndsInOneLine)
