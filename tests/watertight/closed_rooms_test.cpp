@@ -115,6 +115,9 @@ std::vector<Room> rooms()
             {"torus", torus(), {1, 0.02, 0.05}, {0.9, 0.1, 1}}};
 }
 
+/// How a room and the camera in it move while the shutter is open.
+enum class Moves { Not, Slides, Turns, Grows, Bends };
+
 struct Look {
     float rate = 1;
     render::Lod lod = render::Lod::On;
@@ -125,8 +128,32 @@ struct Look {
     bool sheared = false;        ///< what is placed leans along x, as a matrix tells
     bool instanced = false;      ///< the room is one of three instances of a node that stands elsewhere
     bool crossed = false;        ///< the room is crossed by another instance of it
+    Moves moves = Moves::Not;
     int width = 24, height = 18, spp = 4;
 };
+
+/// Records how the room moves. The camera moves with it, but not with what bends.
+void record(Scene& scene, NodeId node, Camera& camera, Moves how)
+{
+    const CageId cage = scene.node(node).cages.front();
+    const std::vector<Vec3f> rest = scene.cage(cage).cage.positions;
+    const Mat4d place = scene.world_from_node(node), eye_from_node = glm::inverse(place) * camera.world_from_camera;
+    const auto map_at = [&](double tau) {
+        Trs trs;
+        if (how == Moves::Slides) trs.translation = Vec3d(1.5, -0.7, 2.1) * tau;
+        if (how == Moves::Turns) trs.rotation = glm::normalize(Vec4d(0.3 * tau, -0.2 * tau, 0.4 * tau, 1));
+        if (how == Moves::Grows) trs.scale = Vec3d(1 + tau, 1 + tau, 1 + 0.5 * tau);
+        return trs.matrix();
+    };
+    scene.record_shutter(4, [&](double tau) {
+        if (how != Moves::Bends) return scene.set_transform(node, place * map_at(tau));
+        std::vector<Vec3f> bent = rest;
+        for (Vec3f& p : bent) p += float(0.3 * tau) * Vec3f(p.y * p.y, p.z * p.x, p.x * p.x);
+        scene.write_vertices(cage, bent);
+    });
+    for (int key = 0; key <= 4 && how != Moves::Bends; ++key)
+        camera.keys.push_back(place * map_at(0.25 * key) * eye_from_node);
+}
 
 /// Returns the number of pixels that are not black in a picture from inside the room, with a bright sky outside.
 int lit_pixels(const Room& room, const Look& look)
@@ -176,11 +203,12 @@ int lit_pixels(const Room& room, const Look& look)
         if (other.matrix) (*other.matrix)[3] += Vec4d(away, 0);
         scene.add_node(scene.root(), other);
     }
-    scene.add_node(scene.root(), desc);
+    const NodeId node = scene.add_node(scene.root(), desc);
     scene.environment.radiance = Vec3f(1000);
-    const Camera camera = Camera::look_at(transform_point(world_from_room, room.eye),
-                                          transform_point(world_from_room, room.target), {0, 1, 0}, 1.5f);
+    Camera camera = Camera::look_at(transform_point(world_from_room, room.eye),
+                                    transform_point(world_from_room, room.target), {0, 1, 0}, 1.5f);
     Settings settings{.width = look.width, .height = look.height, .spp = look.spp};
+    if (look.moves != Moves::Not) record(scene, node, camera, look.moves);
     settings.integrator = look.integrator;
     settings.bounces = 4;
     settings.shading_rate = look.rate;
@@ -232,6 +260,18 @@ TEST(ClosedRooms, AreDarkDisplacedAndAtEveryScale)
 }
 
 /// The node that the rooms are instances of is as large as ten thousand rooms, and millions of rooms away.
+TEST(ClosedRooms, AreDarkWhileTheyMove)
+{
+    for (const Room& room : rooms())
+        for (const Moves how : {Moves::Slides, Moves::Turns, Moves::Grows, Moves::Bends})
+            for (const Look& look : {Look{}, Look{.rate = 8}, Look{.displaced = true}}) {
+                SCOPED_TRACE("motion " + std::to_string(int(how)));
+                Look moving = look;
+                moving.moves = how;
+                expect_dark(room, moving);
+            }
+}
+
 TEST(ClosedRooms, AreDarkInAMuchLargerWorld)
 {
     for (const Room& room : rooms())
