@@ -1,10 +1,10 @@
 // A tree of boxes over the faces of a cage or a mesh, so that even a large one is opened step by step.
 //
-// The tree is built from topology and rest positions; its boxes follow when positions change. A cage is halved along a
-// Morton curve. A mesh is split by the surface area heuristic (lod/face_split.h), since the sizes of its faces may differ
-// much, and a leaf becomes one igrid. A face's box holds its control points. The surface lies in their hull, because
-// subdivision weights are not negative; near vertices of valence 2 it leaves the hull by 4e-7, which is why the boxes are
-// padded.
+// The tree is built from topology and rest positions. When positions change, the tree of a cage is built anew, and the boxes
+// of a mesh follow (TopologyCache::get). A cage is halved along a Morton curve. A mesh is split by the surface area
+// heuristic (lod/face_split.h), since the sizes of its faces may differ much, and a leaf becomes one igrid. A face's box
+// holds its control points. The surface lies in their hull, because subdivision weights are not negative; near vertices of
+// valence 2 it leaves the hull by 4e-7, which is why the boxes are padded.
 //
 // Space    object axes.
 // Memory   36 bytes for each node, and 4 (for a mesh) or 8 for each face.

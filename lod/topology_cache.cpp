@@ -96,7 +96,10 @@ const CageTables& TopologyCache::get(const CageSlot& asked)
         if (slot.cage.scheme != Scheme::Triangles) tables.topology = state_->topology_of(slot.cage);
         tables.clusters = std::make_unique<ClusterTree>(slot.cage);
     } else if (entry->positions_version != slot.positions_version) {
-        tables.clusters->refit(slot.cage);
+        // Which patches of a cage share an igrid, and so how a ray sees them, may not depend on where its vertices were in
+        // earlier frames. The triangles of a mesh are the same in any igrid.
+        if (tables.topology) *tables.clusters = ClusterTree(slot.cage);
+        else tables.clusters->refit(slot.cage);
         tables.deformed_clusters.reset();
     }
     if (slot.is_deformed() && !tables.deformed_clusters)

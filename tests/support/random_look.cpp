@@ -1,6 +1,5 @@
 #include "tests/support/random_look.h"
 
-#include "tests/support/case_random.h"
 #include "tests/support/displaced_cages.h"
 
 namespace occam::test {
@@ -68,6 +67,8 @@ void add_lobes(Material& material, const RandomCase& c, const RandomPart& part)
     if (part.has(PartFeature::Shining)) material.emission = CaseRandom(c, part, PartFeature::Shining).color() * 2.0f;
 }
 
+}  // namespace
+
 Light random_light(CaseRandom& random)
 {
     const Vec3f color = random.color();
@@ -89,8 +90,6 @@ Light random_light(CaseRandom& random)
     area.two_sided = random.number() < 0.3;
     return Light{"", area};
 }
-
-}  // namespace
 
 void paint(Cage& cage, Scene& scene, const RandomCase& c, const RandomPart& part)
 {

@@ -1,0 +1,194 @@
+#include "tests/support/closed_rooms.h"
+
+#include <map>
+#include <random>
+
+#include "tests/support/displaced_cages.h"
+#include "tests/support/shape_builders.h"
+
+namespace occam::test {
+namespace {
+
+/// Returns a box of quads whose lines lie at the given places along each axis. The edges of the box are creases if
+/// `sharpness` is above 0.
+Cage box_of(const std::vector<float> (&at)[3], float sharpness)
+{
+    Cage cage;
+    std::map<std::array<std::size_t, 3>, std::uint32_t> known;
+    const auto vertex = [&](std::array<std::size_t, 3> k) {
+        const auto [found, is_new] = known.try_emplace(k, static_cast<std::uint32_t>(cage.positions.size()));
+        if (is_new) cage.positions.push_back({at[0][k[0]], at[1][k[1]], at[2][k[2]]});
+        return found->second;
+    };
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const bool upper : {false, true}) {
+            const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+            for (std::size_t i = 0; i + 1 < at[u].size(); ++i)
+                for (std::size_t j = 0; j + 1 < at[v].size(); ++j) {
+                    const auto corner = [&](std::size_t di, std::size_t dj) {
+                        std::array<std::size_t, 3> k{};
+                        k[axis] = upper ? at[axis].size() - 1 : 0;
+                        k[u] = i + di;
+                        k[v] = j + dj;
+                        return vertex(k);
+                    };
+                    const std::uint32_t a = corner(0, 0), b = corner(1, 0), c = corner(1, 1), d = corner(0, 1);
+                    cage.face_sizes.push_back(4);
+                    if (upper) cage.face_vertices.insert(cage.face_vertices.end(), {a, b, c, d});
+                    else cage.face_vertices.insert(cage.face_vertices.end(), {a, d, c, b});
+                    if (sharpness > 0 && j == 0) cage.creases.push_back({a, b, sharpness});
+                    if (sharpness > 0 && j + 2 == at[v].size()) cage.creases.push_back({d, c, sharpness});
+                }
+        }
+    return cage;
+}
+
+const std::vector<float> kEven{-1, 1}, kUneven{-1, -0.93f, -0.2f, 0.71f, 0.9f, 1}, kFew{-1, 0.85f, 1};
+
+/// Displaces a cage by noise.
+void displace(Cage& cage, Scene& scene)
+{
+    std::mt19937_64 random(4);
+    Texture noise;
+    noise.role = TextureRole::Data;
+    noise.width = noise.height = 32;
+    for (int i = 0; i < 32 * 32; ++i) noise.pixels.push_back(Vec4f(float(random() >> 40) * 0x1p-24f));
+    add_charts(cage);
+    Displacement displacement;
+    displacement.texture.texture = scene.add(std::move(noise));
+    displacement.scale = 0.1f;
+    displacement.bound = 0.05f;
+    cage.displacement = displacement;
+}
+
+/// Records how the room moves. The camera moves with it, but not with what bends.
+void record(Scene& scene, NodeId node, Camera& camera, Moves how)
+{
+    const CageId cage = scene.node(node).cages.front();
+    const std::vector<Vec3f> rest = scene.cage(cage).cage.positions;
+    const Mat4d place = scene.world_from_node(node), eye_from_node = glm::inverse(place) * camera.world_from_camera;
+    const auto map_at = [&](double tau) {
+        Trs trs;
+        if (how == Moves::Slides) trs.translation = Vec3d(1.5, -0.7, 2.1) * tau;
+        if (how == Moves::Turns) trs.rotation = glm::normalize(Vec4d(0.3 * tau, -0.2 * tau, 0.4 * tau, 1));
+        if (how == Moves::Grows) trs.scale = Vec3d(1 + tau, 1 + tau, 1 + 0.5 * tau);
+        return trs.matrix();
+    };
+    scene.record_shutter(4, [&](double tau) {
+        if (how != Moves::Bends) return scene.set_transform(node, place * map_at(tau));
+        std::vector<Vec3f> bent = rest;
+        for (Vec3f& p : bent) p += float(0.3 * tau) * Vec3f(p.y * p.y, p.z * p.x, p.x * p.x);
+        scene.write_vertices(cage, bent);
+    });
+    for (int key = 0; key <= 4 && how != Moves::Bends; ++key)
+        camera.keys.push_back(place * map_at(0.25 * key) * eye_from_node);
+}
+
+}  // namespace
+
+Cage lump(std::uint64_t seed)
+{
+    std::mt19937_64 random(seed);
+    const auto uniform = [&](double low, double high) { return low + (high - low) * double(random() >> 11) * 0x1p-53; };
+    const auto around = static_cast<std::uint32_t>(uniform(3, 13)), down = static_cast<std::uint32_t>(uniform(1, 7));
+    const double rough = uniform(0, 0.45);
+    Cage cage;
+    const auto add = [&](double polar, double turn) {
+        const double r = uniform(1 - rough, 1 + rough);
+        cage.positions.push_back({float(r * std::sin(polar) * std::cos(turn)), float(r * std::cos(polar)),
+                                  float(r * std::sin(polar) * std::sin(turn))});
+    };
+    add(0, 0);
+    add(3.14159265, 0);
+    for (std::uint32_t j = 0; j < down; ++j)
+        for (std::uint32_t i = 0; i < around; ++i)
+            add(3.14159265 * (j + 1) / (down + 1), 6.2831853 * (i + uniform(-0.3, 0.3)) / around);
+    const auto at = [&](std::uint32_t i, std::uint32_t j) { return 2 + j * around + i % around; };
+    for (std::uint32_t i = 0; i < around; ++i) {
+        cage.face_vertices.insert(cage.face_vertices.end(), {0, at(i + 1, 0), at(i, 0)});
+        cage.face_sizes.push_back(3);
+        for (std::uint32_t j = 0; j + 1 < down; ++j) {
+            const std::uint32_t a = at(i, j), b = at(i + 1, j), c = at(i + 1, j + 1), d = at(i, j + 1);
+            if (random() % 4 == 0) {
+                cage.face_vertices.insert(cage.face_vertices.end(), {a, b, c, a, c, d});
+                cage.face_sizes.insert(cage.face_sizes.end(), {3, 3});
+            } else {
+                cage.face_vertices.insert(cage.face_vertices.end(), {a, b, c, d});
+                cage.face_sizes.push_back(4);
+            }
+            if (random() % 5 == 0) cage.creases.push_back({a, b, float(uniform(0, 5))});
+        }
+        cage.face_vertices.insert(cage.face_vertices.end(), {1, at(i, down - 1), at(i + 1, down - 1)});
+        cage.face_sizes.push_back(3);
+    }
+    return cage;
+}
+
+std::vector<Room> rooms()
+{
+    Cage bilinear = box_of({kUneven, kFew, kUneven}, 0);
+    bilinear.scheme = Scheme::Bilinear;
+    return {{"box of uneven quads", box_of({kUneven, kFew, kUneven}, 0)},
+            {"cube with creases", box_of({kEven, kEven, kEven}, 2)},
+            {"box with sharp edges", box_of({kUneven, kEven, kFew}, 10)},
+            {"bilinear box", bilinear},
+            {"bipyramid", spindle(36)},
+            {"spindle", spindle(9)},
+            {"prism", prism(7)},
+            {"torus", torus(), {1, 0.02, 0.05}, {0.9, 0.1, 1}}};
+}
+
+int lit_pixels(const Room& room, const Look& look)
+{
+    Scene scene;
+    Cage cage = room.cage;
+    Material white;
+    white.base_color = Vec4f(1);
+    white.roughness = 1;
+    cage.materials = {scene.add(white)};
+    if (look.displaced) displace(cage, scene);
+    NodeDesc desc;
+    desc.place.scale = Vec3d(look.scale);
+    desc.place.translation = Vec3d(3, -2, 5) * look.scale;
+    if (look.place) desc.place = *look.place;
+    Mat4d shear(1);
+    if (look.sheared) {
+        shear[1] = Vec4d(0.6, 1, 0, 0);
+        shear[2] = Vec4d(-0.2, 0.3, 1, 0);
+        desc.matrix = desc.place.matrix() * shear;
+    }
+    const Mat4d world_from_room = desc.place.matrix() * shear;
+    desc.cages = {scene.add(cage)};
+    if (look.instanced || look.crossed) {
+        NodeDesc original;
+        original.cages = std::move(desc.cages);
+        original.place.translation = Vec3d(500, 300, -200);
+        desc.cages.clear();
+        desc.instance_of = scene.add_node(scene.root(), original);
+        NodeDesc other = desc;
+        const Vec3d side = desc.place.scale;
+        const double size = std::max({std::abs(side.x), std::abs(side.y), std::abs(side.z)});
+        const Vec3d away = (look.crossed ? Vec3d(0.5, 0.1, 0.2) : Vec3d(9, 1, 2)) * size;
+        other.place.translation += away;
+        if (other.matrix) (*other.matrix)[3] += Vec4d(away, 0);
+        scene.add_node(scene.root(), other);
+    }
+    const NodeId node = scene.add_node(scene.root(), desc);
+    scene.environment.radiance = Vec3f(1000);
+    Camera camera = Camera::look_at(transform_point(world_from_room, room.eye),
+                                    transform_point(world_from_room, room.target), {0, 1, 0}, 1.5f);
+    Settings settings{.width = look.width, .height = look.height, .spp = look.spp};
+    if (look.moves != Moves::Not) record(scene, node, camera, look.moves);
+    settings.integrator = look.integrator;
+    settings.bounces = 4;
+    settings.shading_rate = look.rate;
+    settings.lod = look.lod;
+    const Image image = Renderer({.threads = 2}).render(scene, camera, settings);
+    const Layer& beauty = *image.find("beauty");
+    int lit = 0;
+    for (std::size_t i = 0; i < beauty.pixels.size(); i += 4)
+        lit += beauty.pixels[i] != 0 || beauty.pixels[i + 1] != 0 || beauty.pixels[i + 2] != 0;
+    return lit;
+}
+
+}  // namespace occam::test

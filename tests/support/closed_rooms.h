@@ -1,0 +1,42 @@
+// Closed rooms under a bright sky, and how many pixels of a picture from inside are lit.
+#pragma once
+
+#include <occam/occam.h>
+
+#include <optional>
+
+namespace occam::test {
+
+/// A closed cage, and where a camera in it looks from and to.
+struct Room {
+    std::string name;
+    Cage cage;
+    Vec3d eye{0.13, 0.07, 0.11}, target{-0.4, 0.2, -1};
+};
+
+/// Returns boxes, cubes, poles, a prism and a torus.
+std::vector<Room> rooms();
+/// Returns a sphere of quads with two poles. Its vertices are moved in and out, and some of its edges are creased.
+Cage lump(std::uint64_t seed);
+
+/// How a room and the camera in it move while the shutter is open.
+enum class Moves { Not, Slides, Turns, Grows, Bends };
+
+struct Look {
+    float rate = 1;
+    render::Lod lod = render::Lod::On;
+    IntegratorKind integrator = IntegratorKind::Path;
+    bool displaced = false;
+    double scale = 1;
+    std::optional<Trs> place{};  ///< instead of `scale`
+    bool sheared = false;        ///< what is placed leans along x, as a matrix tells
+    bool instanced = false;      ///< the room is one of three instances of a node that stands elsewhere
+    bool crossed = false;        ///< the room is crossed by another instance of it
+    Moves moves = Moves::Not;
+    int width = 24, height = 18, spp = 4;
+};
+
+/// Returns the number of pixels that are not black in a picture from inside the room, with a bright sky outside.
+int lit_pixels(const Room& room, const Look& look);
+
+}  // namespace occam::test

@@ -1,0 +1,213 @@
+#include "tests/support/random_world.h"
+
+#include "tests/support/made_cages.h"
+
+namespace occam::test {
+namespace {
+
+Trs random_place(CaseRandom& random)
+{
+    Trs place;
+    place.translation = random.inside_cube() * 2.0;
+    const double w = random.between(0.1, 1);
+    place.rotation = glm::normalize(Vec4d(random.inside_cube(), w));
+    place.scale = Vec3d(random.between(0.4, 1.2));
+    return place;
+}
+
+Material random_material(CaseRandom& random)
+{
+    Material material;
+    material.base_color = Vec4f(random.color(), 1);
+    material.roughness = float(random.number());
+    material.metallic = random.number() < 0.3;
+    material.clearcoat = random.number() < 0.3;
+    if (random.number() < 0.2) material.emission = random.color();
+    if (random.number() < 0.1) material.alpha_mode = AlphaMode::Blend, material.base_color.w = 0.5f;
+    return material;
+}
+
+}  // namespace
+
+RandomWorld::RandomWorld(std::uint64_t seed) : seed_(seed)
+{
+    for (int k = 0; k < 3; ++k) ++step_, add_object();
+    RandomCase lit = part_case();
+    lit.settings = 0;
+    light(scene_, lit, Vec3d(0));
+}
+
+/// A case for one more part: none that is far away or takes long to look through.
+RandomCase RandomWorld::part_case()
+{
+    RandomCase c = random_case(seed_ * 1000 + step_);
+    c.parts.resize(1);
+    for (const PartFeature f : {PartFeature::Large, PartFeature::Small, PartFeature::Body, PartFeature::Glass})
+        c.parts[0].features &= ~(1u << static_cast<unsigned>(f));
+    // A new renderer would take half a minute for the limit surface of its creased faces, each of which has 720 neighbours.
+    if (c.parts[0].cage == "pole_360") c.parts[0].features &= ~(1u << static_cast<unsigned>(PartFeature::Creases));
+    c.settings &= ~(1u << static_cast<unsigned>(SettingFeature::Far));
+    return c;
+}
+
+void RandomWorld::add_object()
+{
+    const RandomCase c = part_case();
+    objects_.push_back({c, add_part(scene_, c, c.parts[0])});
+}
+
+RandomWorld::Object* RandomWorld::any_object(CaseRandom& random)
+{
+    return objects_.empty() ? nullptr : &objects_[random.index(objects_.size())];
+}
+
+const char* RandomWorld::edit_object(CaseRandom& random, Object& object)
+{
+    const CageId cage = object.added.cage;
+    switch (random.index(4)) {
+        case 0: {
+            std::vector<Vec3f> moved = scene_.cage(cage).cage.positions;
+            const Vec3d way = random.inside_cube() * 0.2;
+            for (Vec3f& p : moved) p += Vec3f(way) * (1 + p.y);
+            scene_.write_vertices(cage, moved);
+            return "vertices";
+        }
+        case 1: {
+            const std::vector<MadeCage> all = made_cages();
+            Cage other = all[random.index(all.size())].cage;
+            other.materials = scene_.cage(cage).cage.materials;
+            scene_.set_skin(object.added.node, {});
+            scene_.replace(cage, std::move(other));
+            return "topology";
+        }
+        case 2: {
+            const MaterialId material = scene_.cage(cage).cage.materials.at(0);
+            scene_.replace(material, random_material(random));
+            return "material";
+        }
+        default:
+            scene_.set_materials(object.added.node, {scene_.add(random_material(random))});
+            return "materials of a node";
+    }
+}
+
+const char* RandomWorld::edit_nodes(CaseRandom& random, Object& object)
+{
+    const NodeId node = object.added.node;
+    switch (random.index(7)) {
+        case 0:
+            scene_.set_transform(node, random_place(random));
+            return "place";
+        case 1:
+            scene_.set_visible(node, !scene_.node(node).visible);
+            return "visible";
+        case 2:
+            scene_.set_seen_by(node, random.number() < 0.5 ? RayKind::All : RayKind::Camera);
+            return "seen by";
+        case 3: {
+            NodeDesc instance;
+            instance.instance_of = node;
+            instance.place = random_place(random);
+            copies_.push_back(scene_.add_node(scene_.root(), instance));
+            return "instance";
+        }
+        case 4:
+            copies_.push_back(scene_.copy(node, scene_.root()));
+            return "copy";
+        case 5:
+            if (copies_.empty()) return "nothing";
+            scene_.remove(copies_.back());
+            copies_.pop_back();
+            return "copy removed";
+        default: {
+            const bool goes = random.number() < 0.5;
+            scene_.remove(node);
+            if (goes) scene_.remove(object.added.cage);
+            objects_.erase(objects_.begin() + (&object - objects_.data()));
+            return "object removed";
+        }
+    }
+}
+
+const char* RandomWorld::edit_light(CaseRandom& random)
+{
+    switch (random.index(4)) {
+        case 0: {
+            NodeDesc lamp;
+            lamp.place = random_place(random);
+            lamp.light = scene_.add(random_light(random));
+            lights_.push_back(lamp.light);
+            scene_.add_node(scene_.root(), lamp);
+            return "lamp";
+        }
+        case 1:
+            if (lights_.empty()) return "nothing";
+            scene_.replace(lights_.back(), random_light(random));
+            return "light";
+        case 2:
+            if (lights_.empty()) return "nothing";
+            scene_.remove(lights_.back());
+            lights_.pop_back();
+            return "light removed";
+        default: {
+            scene_.environment.radiance = random.color() * float(random.index(2));
+            Texture sky;
+            sky.width = sky.height = 4;
+            for (int k = 0; k < 16; ++k) sky.pixels.push_back(Vec4f(random.color() * (k == 5 ? 20.0f : 1.0f), 1));
+            scene_.environment.image = random.number() < 0.5 ? scene_.add(std::move(sky)) : TextureId();
+            return "environment";
+        }
+    }
+}
+
+const char* RandomWorld::edit_shutter(CaseRandom& random)
+{
+    if (random.number() < 0.4) {
+        scene_.clear_shutter();
+        return "shutter cleared";
+    }
+    scene_.record_shutter(1 << random.index(3), [&](double tau) {
+        for (const Object& object : objects_) {
+            // Vertices that were edited are others than those that move_part() bends.
+            Trs moves;
+            moves.translation = Vec3d(0.4 * tau, 0, -0.2 * tau);
+            if (object.added.part.has(PartFeature::Moving) || object.added.part.has(PartFeature::Creases))
+                scene_.set_transform(object.added.node, object.added.place * moves.matrix());
+        }
+    });
+    return "shutter";
+}
+
+const char* RandomWorld::edit()
+{
+    ++step_;
+    CaseRandom random(seed_, step_, 300);
+    const std::size_t kind = random.index(10);
+    Object* const object = any_object(random);
+    if (kind == 0 || !object) {
+        add_object();
+        return "object";
+    }
+    if (kind < 4) return edit_object(random, *object);
+    if (kind < 8) return edit_nodes(random, *object);
+    return kind == 8 ? edit_light(random) : edit_shutter(random);
+}
+
+Settings RandomWorld::settings() const
+{
+    RandomCase c = random_case(seed_ * 77 + step_);
+    for (const SettingFeature f : {SettingFeature::Shutter, SettingFeature::Layers, SettingFeature::Far})
+        c.settings &= ~(1u << static_cast<unsigned>(f));
+    Settings settings = settings_of(c);
+    if (scene_.shutter_segments() > 0) settings.shutter = {0, 0.5};
+    return settings;
+}
+
+Camera RandomWorld::camera()
+{
+    RandomCase c = random_case(seed_ * 77 + step_);
+    c.settings &= ~(1u << static_cast<unsigned>(SettingFeature::Shutter) | 1u << static_cast<unsigned>(SettingFeature::Far));
+    return camera_of(c, scene_);
+}
+
+}  // namespace occam::test

@@ -1,0 +1,44 @@
+// A scene that random edits change, for tests of what is kept between frames.
+#pragma once
+
+#include <vector>
+
+#include "tests/support/random_look.h"
+#include "tests/support/random_parts.h"
+
+namespace occam::test {
+
+/// Makes edits of all kinds. What a step does depends on the seed and on the steps before it alone, so the same steps make
+/// the same scene, with the same handles.
+class RandomWorld {
+public:
+    explicit RandomWorld(std::uint64_t seed);
+
+    /// Makes one edit. Returns what it was.
+    const char* edit();
+    Scene& scene() noexcept { return scene_; }
+    /// Returns settings and a camera for a picture after the edits so far.
+    Settings settings() const;
+    Camera camera();
+
+private:
+    struct Object {
+        RandomCase of;
+        AddedPart added;
+    };
+    RandomCase part_case();
+    void add_object();
+    Object* any_object(CaseRandom& random);
+    const char* edit_object(CaseRandom& random, Object& object);
+    const char* edit_nodes(CaseRandom& random, Object& object);
+    const char* edit_light(CaseRandom& random);
+    const char* edit_shutter(CaseRandom& random);
+
+    std::uint64_t seed_, step_ = 0;
+    Scene scene_;
+    std::vector<Object> objects_;
+    std::vector<NodeId> copies_;
+    std::vector<LightId> lights_;
+};
+
+}  // namespace occam::test
