@@ -35,12 +35,14 @@ namespace {
 using Imath::Box2i;
 using Imath::V2i;
 
-// With this number of threads the library does all work in the calling thread.
-constexpr int kNoThreads = 0;
-
-// Makes the library's pool of threads, which it otherwise makes while a group of tasks waits for its tasks: without memory
-// for the pool it would wait for ever.
-void make_thread_pool() { IlmThread::ThreadPool::globalThreadPool(); }
+// Returns the number of threads with which the library does all work in the calling thread. It makes the library's pool of
+// threads first. The library would make it after a group of tasks has begun, which waits for ever if there is no memory for
+// it.
+int no_threads()
+{
+    IlmThread::ThreadPool::globalThreadPool();
+    return 0;
+}
 
 // Hands the bytes of the encoder on. Failures are remembered by the receiver.
 class ExrOutput final : public Imf::OStream {
@@ -222,7 +224,7 @@ public:
     explicit ExrReader(ImageBytes&& bytes)
         : bytes_(std::move(bytes)),
           input_(bytes_),
-          file_(input_, kNoThreads),
+          file_(input_, no_threads()),
           spec_(spec_of(file_.header(), file_.version()))
     {
     }
@@ -274,9 +276,8 @@ std::string write_exr(const PictureSpec& spec, std::span<const PictureAttribute>
                       PictureBytes& to)
 {
     try {
-        make_thread_pool();
         ExrOutput output(to);
-        Imf::OutputFile file(output, header_of(spec, attributes), kNoThreads);
+        Imf::OutputFile file(output, header_of(spec, attributes), no_threads());
         write_rows(file, spec, pixels);
         return {};
     } catch (const std::bad_alloc&) {
@@ -306,9 +307,8 @@ bool has_last_row(ImageBytes file)
     try {
         const int version = first_header(file).version;
         if (Imf::isMultiPart(version) || Imf::isTiled(version) || Imf::isNonImage(version)) return true;
-        make_thread_pool();
         ExrInput input(file);
-        Imf::InputFile part(input, kNoThreads);
+        Imf::InputFile part(input, no_threads());
         const Imf::ChannelList& channels = part.header().channels();
         if (channels.begin() == channels.end()) return true;
         if (!part.isComplete()) return false;
@@ -332,7 +332,6 @@ std::unique_ptr<PictureReader> open_exr(ImageBytes file)
 {
     try {
         if (!is_plain(first_header(file))) return nullptr;
-        make_thread_pool();
         return std::make_unique<ExrReader>(std::move(file));
     } catch (const std::bad_alloc&) {
         throw;

@@ -167,8 +167,9 @@ std::string check_pictures(const RandomCase& c)
         return std::string(name) + ": the picture differs from that of one thread";
     };
     constexpr std::size_t kEnough = 256u << 20;
-    constexpr std::uint64_t kTooMany = 5'000'000;  // a large body seen closely takes minutes, and is only rendered once
-    // In a kd-tree what moves is wherever it is at some time. Where that is around the camera, memory ends.
+    constexpr std::uint64_t kTooMany = 5'000'000;  // the cases with more take minutes, so they are rendered only once
+    // In a kd-tree a moving part takes up all the space that it passes through. Where that surrounds the camera, memory does
+    // not suffice (docs/motion.md).
     const TreeKind kd = c.has(SettingFeature::Shutter) ? TreeKind::Auto : TreeKind::Kd;
     for (const auto& [name, resources] :
          {std::pair("one thread", Resources{.threads = 1, .memory_bytes = kEnough}),

@@ -78,6 +78,7 @@ struct RandomPart {
     std::string cage;  ///< one of made_cages()
 
     bool has(PartFeature f) const noexcept { return features >> static_cast<unsigned>(f) & 1; }
+    void remove(PartFeature f) noexcept { features &= ~(1u << static_cast<unsigned>(f)); }
 };
 
 struct RandomCase {
@@ -86,6 +87,7 @@ struct RandomCase {
     std::vector<RandomPart> parts;
 
     bool has(SettingFeature f) const noexcept { return settings >> static_cast<unsigned>(f) & 1; }
+    void remove(SettingFeature f) noexcept { settings &= ~(1u << static_cast<unsigned>(f)); }
 };
 
 /// Makes a case of one to four parts.

@@ -37,33 +37,40 @@ RandomWorld::RandomWorld(std::uint64_t seed) : seed_(seed)
     light(scene_, lit, Vec3d(0));
 }
 
-/// A case for one more part: none that is far away or takes long to look through.
-RandomCase RandomWorld::part_case()
+RandomCase RandomWorld::part_case() const
 {
     RandomCase c = random_case(seed_ * 1000 + step_);
     c.parts.resize(1);
+    RandomPart& part = c.parts[0];
     for (const PartFeature f : {PartFeature::Large, PartFeature::Small, PartFeature::Body, PartFeature::Glass})
-        c.parts[0].features &= ~(1u << static_cast<unsigned>(f));
+        part.remove(f);
     // A new renderer would take half a minute for the limit surface of its creased faces, each of which has 720 neighbours.
-    if (c.parts[0].cage == "pole_360") c.parts[0].features &= ~(1u << static_cast<unsigned>(PartFeature::Creases));
-    c.settings &= ~(1u << static_cast<unsigned>(SettingFeature::Far));
+    if (part.cage == "pole_360") part.remove(PartFeature::Creases);
+    c.remove(SettingFeature::Far);
+    return c;
+}
+
+RandomCase RandomWorld::picture_case() const
+{
+    RandomCase c = random_case(seed_ * 77 + step_);
+    for (const SettingFeature f : {SettingFeature::Shutter, SettingFeature::Layers, SettingFeature::Far}) c.remove(f);
     return c;
 }
 
 void RandomWorld::add_object()
 {
     const RandomCase c = part_case();
-    objects_.push_back({c, add_part(scene_, c, c.parts[0])});
+    objects_.push_back(add_part(scene_, c, c.parts[0]));
 }
 
-RandomWorld::Object* RandomWorld::any_object(CaseRandom& random)
+AddedPart* RandomWorld::any_object(CaseRandom& random)
 {
     return objects_.empty() ? nullptr : &objects_[random.index(objects_.size())];
 }
 
-const char* RandomWorld::edit_object(CaseRandom& random, Object& object)
+const char* RandomWorld::edit_object(CaseRandom& random, const AddedPart& object)
 {
-    const CageId cage = object.added.cage;
+    const CageId cage = object.cage;
     switch (random.index(4)) {
         case 0: {
             std::vector<Vec3f> moved = scene_.cage(cage).cage.positions;
@@ -76,7 +83,7 @@ const char* RandomWorld::edit_object(CaseRandom& random, Object& object)
             const std::vector<MadeCage> all = made_cages();
             Cage other = all[random.index(all.size())].cage;
             other.materials = scene_.cage(cage).cage.materials;
-            scene_.set_skin(object.added.node, {});
+            scene_.set_skin(object.node, {});
             scene_.replace(cage, std::move(other));
             return "topology";
         }
@@ -86,14 +93,14 @@ const char* RandomWorld::edit_object(CaseRandom& random, Object& object)
             return "material";
         }
         default:
-            scene_.set_materials(object.added.node, {scene_.add(random_material(random))});
+            scene_.set_materials(object.node, {scene_.add(random_material(random))});
             return "materials of a node";
     }
 }
 
-const char* RandomWorld::edit_nodes(CaseRandom& random, Object& object)
+const char* RandomWorld::edit_nodes(CaseRandom& random, AddedPart& object)
 {
-    const NodeId node = object.added.node;
+    const NodeId node = object.node;
     switch (random.index(7)) {
         case 0:
             scene_.set_transform(node, random_place(random));
@@ -122,7 +129,7 @@ const char* RandomWorld::edit_nodes(CaseRandom& random, Object& object)
         default: {
             const bool goes = random.number() < 0.5;
             scene_.remove(node);
-            if (goes) scene_.remove(object.added.cage);
+            if (goes) scene_.remove(object.cage);
             objects_.erase(objects_.begin() + (&object - objects_.data()));
             return "object removed";
         }
@@ -150,7 +157,8 @@ const char* RandomWorld::edit_light(CaseRandom& random)
             lights_.pop_back();
             return "light removed";
         default: {
-            scene_.environment.radiance = random.color() * float(random.index(2));
+            scene_.environment.radiance = random.color();
+            if (random.number() < 0.5) scene_.environment.radiance = Vec3f(0);
             Texture sky;
             sky.width = sky.height = 4;
             for (int k = 0; k < 16; ++k) sky.pixels.push_back(Vec4f(random.color() * (k == 5 ? 20.0f : 1.0f), 1));
@@ -167,12 +175,12 @@ const char* RandomWorld::edit_shutter(CaseRandom& random)
         return "shutter cleared";
     }
     scene_.record_shutter(1 << random.index(3), [&](double tau) {
-        for (const Object& object : objects_) {
-            // Vertices that were edited are others than those that move_part() bends.
+        for (const AddedPart& object : objects_) {
+            // move_part() would bend the vertices that the cage had at first.
             Trs moves;
             moves.translation = Vec3d(0.4 * tau, 0, -0.2 * tau);
-            if (object.added.part.has(PartFeature::Moving) || object.added.part.has(PartFeature::Creases))
-                scene_.set_transform(object.added.node, object.added.place * moves.matrix());
+            if (object.part.has(PartFeature::Moving) || object.part.has(PartFeature::Creases))
+                scene_.set_transform(object.node, object.place * moves.matrix());
         }
     });
     return "shutter";
@@ -183,7 +191,7 @@ const char* RandomWorld::edit()
     ++step_;
     CaseRandom random(seed_, step_, 300);
     const std::size_t kind = random.index(10);
-    Object* const object = any_object(random);
+    AddedPart* const object = any_object(random);
     if (kind == 0 || !object) {
         add_object();
         return "object";
@@ -195,19 +203,11 @@ const char* RandomWorld::edit()
 
 Settings RandomWorld::settings() const
 {
-    RandomCase c = random_case(seed_ * 77 + step_);
-    for (const SettingFeature f : {SettingFeature::Shutter, SettingFeature::Layers, SettingFeature::Far})
-        c.settings &= ~(1u << static_cast<unsigned>(f));
-    Settings settings = settings_of(c);
+    Settings settings = settings_of(picture_case());
     if (scene_.shutter_segments() > 0) settings.shutter = {0, 0.5};
     return settings;
 }
 
-Camera RandomWorld::camera()
-{
-    RandomCase c = random_case(seed_ * 77 + step_);
-    c.settings &= ~(1u << static_cast<unsigned>(SettingFeature::Shutter) | 1u << static_cast<unsigned>(SettingFeature::Far));
-    return camera_of(c, scene_);
-}
+Camera RandomWorld::camera() { return camera_of(picture_case(), scene_); }
 
 }  // namespace occam::test

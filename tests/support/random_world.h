@@ -22,21 +22,20 @@ public:
     Camera camera();
 
 private:
-    struct Object {
-        RandomCase of;
-        AddedPart added;
-    };
-    RandomCase part_case();
+    /// Returns a case for one more part, which neither is far away nor takes long to look through.
+    RandomCase part_case() const;
+    /// Returns the case whose settings and camera the picture has.
+    RandomCase picture_case() const;
     void add_object();
-    Object* any_object(CaseRandom& random);
-    const char* edit_object(CaseRandom& random, Object& object);
-    const char* edit_nodes(CaseRandom& random, Object& object);
+    AddedPart* any_object(CaseRandom& random);
+    const char* edit_object(CaseRandom& random, const AddedPart& object);
+    const char* edit_nodes(CaseRandom& random, AddedPart& object);
     const char* edit_light(CaseRandom& random);
     const char* edit_shutter(CaseRandom& random);
 
     std::uint64_t seed_, step_ = 0;
     Scene scene_;
-    std::vector<Object> objects_;
+    std::vector<AddedPart> objects_;
     std::vector<NodeId> copies_;
     std::vector<LightId> lights_;
 };
