@@ -25,10 +25,6 @@ target_compile_options(occam_flags INTERFACE
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   # Highway's AVX2 target asks for AES and PCLMUL too; without them it silently becomes four lanes of SSSE3.
   target_compile_options(occam_flags INTERFACE -march=x86-64-v3 -maes -mpclmul)
-  if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 12)
-    # Structures of lanes are copied whole. In halves, the next read of all lanes would wait until both are in the cache.
-    target_compile_options(occam_flags INTERFACE -mmove-max=256 -mstore-max=256)
-  endif()
 endif()
 if(OCCAM_ONE_LANE)
   target_compile_definitions(occam_flags INTERFACE OCCAM_ONE_LANE=1)
