@@ -13,6 +13,7 @@ __attribute__((noinline)) float largest_of_first_half(const float* from)
     return largest(vfloat4x4::load(from) * vfloat4x4::load(kFirstHalf));
 }
 
+/// Returns the largest of the first twelve of sixteen floats, if those are not negative.
 __attribute__((noinline)) float largest_without_last_row(const float* from)
 {
     alignas(32) static constexpr float kNotLastRow[16] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0};
