@@ -6,6 +6,7 @@
 
 #include "base/cancellation.h"
 #include "base/check.h"
+#include "lod/unsafe_faces.h"
 
 namespace occam::lod {
 
@@ -162,38 +163,6 @@ std::vector<std::size_t> vertices_around(const Far::TopologyLevel& level)
     return around;
 }
 
-bool is_sharp(const Far::TopologyLevel& level, int edge) { return level.GetEdgeSharpness(edge) > 0; }
-
-/// Returns whether OpenSubdiv 3.5 may write past the end of its arrays when it makes the surface of a face
-/// (Bfr::IrregularPatchBuilder::Build). It has room for as many sharp edges as there are vertices around the face. Around a
-/// corner whose faces are triangles there is one edge more than that; around a vertex of two faces, vertices may coincide.
-/// Small arrays have room to spare.
-bool may_overflow(const Far::TopologyLevel& level, int face)
-{
-    constexpr std::size_t kLeastInts = 256, kLeastFloats = 64;
-    const auto corners = level.GetFaceVertices(face);
-    const auto own = level.GetFaceEdges(face);
-    const auto is_own = [&](int edge) { return std::find(own.begin(), own.end(), edge) != own.end(); };
-    const auto size = static_cast<std::size_t>(corners.size());
-    auto sharp = static_cast<std::size_t>(std::count_if(own.begin(), own.end(), [&](int e) { return is_sharp(level, e); }));
-    std::size_t faces = 1, indices = size;
-    bool may_have_more = false;
-    for (const int v : corners) {
-        const auto around = level.GetVertexFaces(v);
-        for (const int f : around) indices += static_cast<std::size_t>(level.GetFaceVertices(f).size());
-        faces += static_cast<std::size_t>(around.size());
-        std::size_t others = 0;
-        for (const int e : level.GetVertexEdges(v))
-            if (!is_own(e) && is_sharp(level, e)) ++others;
-        sharp += others;
-        may_have_more |= others > 0 && (around.size() == 2 || others + 2 >= static_cast<std::size_t>(around.size()));
-    }
-    if (!may_have_more) return false;
-    // At a border its edges are added once more.
-    sharp += size;
-    return faces + indices + size + 2 * sharp > kLeastInts || size + sharp > kLeastFloats;
-}
-
 /// Returns for each face whether its patches take derived points.
 std::vector<std::uint8_t> faces_to_derive(const Cage& cage, const Far::TopologyLevel& level)
 {
@@ -216,8 +185,7 @@ std::vector<std::uint8_t> faces_to_derive(const Cage& cage, const Far::TopologyL
             controls += around[static_cast<std::size_t>(v)];
             takes[static_cast<std::size_t>(f)] |= is_large[static_cast<std::size_t>(v)];
         }
-        if (controls > kMostControls || (!cage.creases.empty() && may_overflow(level, f)))
-            takes[static_cast<std::size_t>(f)] = 1;
+        if (controls > kMostControls || is_unsafe(level, f, !cage.creases.empty())) takes[static_cast<std::size_t>(f)] = 1;
     }
     return takes;
 }

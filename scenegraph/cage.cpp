@@ -26,7 +26,6 @@ public:
         mend_positions();
         mend_faces();
         mend_tags();
-        report(drop_crowded_creases(cage_), "creases dropped: beside a vertex of two faces, at a border");
         report(drop_creases_of_two_faces(cage_), "creases dropped: at a vertex of two faces");
         mend_normals();
         mend_attributes();
@@ -234,6 +233,7 @@ private:
             return crease.v0 >= vertices || crease.v1 >= vertices || crease.v0 == crease.v1 ||
                    !is_sharpness(crease.sharpness);
         });
+        if (cage_.scheme != Scheme::Triangles) dropped += drop_creases_off_edges(cage_);
         report(dropped, "creases dropped: no such edge, or no sharpness");
         dropped = std::erase_if(cage_.corners, [&](const Corner& corner) {
             return corner.vertex >= vertices || !is_sharpness(corner.sharpness);

@@ -10,173 +10,149 @@ namespace occam {
 
 namespace {
 
+constexpr std::uint32_t kNone = ~0u;
+
 std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) noexcept
 {
     return std::uint64_t(std::min(a, b)) << 32 | std::max(a, b);
 }
 
-class Crowding {
-public:
-    explicit Crowding(const Cage& cage) : cage_(cage), is_crowded_(cage.positions.size()) {}
+/// Calls visit(face, first) for the vertices of each face; `first` is the number of its first corner.
+template <class Visit>
+void for_each_face(const Cage& cage, Visit&& visit)
+{
+    std::size_t at = 0;
+    for (const std::uint32_t size : cage.face_sizes) {
+        visit(std::span(cage.face_vertices).subspan(at, size), at);
+        at += size;
+    }
+}
 
-    /// Returns a flag for each vertex; the result is empty if no flag is set.
-    const std::vector<bool>& run()
+/// Finds what lies across the edges at the vertices of creases.
+class Neighbours {
+public:
+    explicit Neighbours(const Cage& cage) : across_(cage.face_vertices.size(), kNone)
     {
-        if (!find_pairs()) return none_;
-        count_edges();
-        find_borders();
-        for_each_face([&](std::span<const std::uint32_t> face, std::size_t) {
-            const auto is_inner_pair = [&](std::size_t c) {
-                const std::uint32_t v = face[c], before = face[(c + face.size() - 1) % face.size()],
-                                    after = face[(c + 1) % face.size()];
-                return corners_[v] == 2 && uses(before, v) == 2 && uses(v, after) == 2;
-            };
-            bool has_pair = false, has_border = false;
-            for (std::size_t c = 0; c < face.size(); ++c) has_pair |= is_inner_pair(c), has_border |= is_border_[face[c]];
-            if (!has_pair || !has_border) return;
-            any_ = true;
-            for (std::uint32_t v : face) is_crowded_[v] = true;
+        std::vector<bool> has_crease(cage.positions.size());
+        for (const Crease& crease : cage.creases) has_crease[crease.v0] = has_crease[crease.v1] = true;
+        std::vector<Side> sides;
+        std::uint32_t number = 0;
+        for_each_face(cage, [&](std::span<const std::uint32_t> face, std::size_t first) {
+            for (std::size_t c = 0; c < face.size(); ++c) {
+                const std::uint32_t from = face[c], to = face[(c + 1) % face.size()];
+                if (has_crease[from] || has_crease[to])
+                    sides.push_back({edge_key(from, to), static_cast<std::uint32_t>(first + c), number, from < to});
+            }
+            ++number;
         });
-        return any_ ? is_crowded_ : none_;
+        std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return a.key < b.key; });
+        for (std::size_t from = 0, to = 0; from < sides.size(); from = to) {
+            while (to < sides.size() && sides[to].key == sides[from].key) ++to;
+            const Side &a = sides[from], &b = sides[to - 1];
+            if (to - from != 2 || a.face == b.face || a.rises == b.rises) continue;
+            across_[a.corner] = b.face;
+            across_[b.corner] = a.face;
+        }
     }
 
-    int uses(std::uint32_t a, std::uint32_t b) const
+    /// Returns whether two faces close around corner c of a face, whose first corner is `first`: it shares the edges before
+    /// and after that corner with one other face of its orientation, and nothing else has these edges.
+    bool is_pair(std::size_t first, std::size_t size, std::size_t c) const noexcept
     {
-        const auto found = edges_.find(edge_key(a, b));
-        return found == edges_.end() ? 0 : found->second;
+        const std::uint32_t other = across_[first + c];
+        return other != kNone && across_[first + (c > 0 ? c : size) - 1] == other;
     }
 
 private:
-    template <class Visit>
-    void for_each_face(Visit&& visit) const
-    {
-        std::size_t at = 0;
-        for (const std::uint32_t size : cage_.face_sizes) {
-            visit(std::span(cage_.face_vertices).subspan(at, size), at);
-            at += size;
-        }
-    }
+    /// An edge as a face has it, from the corner on.
+    struct Side {
+        std::uint64_t key;
+        std::uint32_t corner, face;
+        bool rises;  ///< to the larger number of a vertex
+    };
 
-    bool find_pairs()
-    {
-        corners_.assign(cage_.positions.size(), 0);
-        for (std::uint32_t v : cage_.face_vertices) ++corners_[v];
-        return std::find(corners_.begin(), corners_.end(), 2u) != corners_.end();
-    }
-    void count_edges()
-    {
-        for_each_face([&](std::span<const std::uint32_t> face, std::size_t) {
-            for (std::size_t c = 0; c < face.size(); ++c) ++edges_[edge_key(face[c], face[(c + 1) % face.size()])];
-        });
-    }
-    // Finds the ends of edges whose number of faces is not two, and vertices whose corners have different texture
-    // coordinates.
-    void find_borders()
-    {
-        is_border_.assign(cage_.positions.size(), false);
-        for (const auto& [edge, count] : edges_)
-            if (count != 2) is_border_[edge >> 32] = is_border_[edge & 0xffffffff] = true;
-        for (const UvSet& set : cage_.uv_sets) {
-            std::vector<std::uint32_t> first(set.indices.empty() ? 0 : cage_.positions.size(), 0xffffffff);
-            for (std::size_t c = 0; c < set.indices.size(); ++c) {
-                std::uint32_t& seen = first[cage_.face_vertices[c]];
-                if (seen == 0xffffffff) seen = set.indices[c];
-                else if (seen != set.indices[c]) is_border_[cage_.face_vertices[c]] = true;
-            }
-        }
-    }
-
-    const Cage& cage_;
-    std::vector<std::uint32_t> corners_;  // the number of faces of each vertex
-    std::unordered_map<std::uint64_t, int> edges_;
-    std::vector<bool> is_border_, is_crowded_, none_;
-    bool any_ = false;
+    std::vector<std::uint32_t> across_;  ///< by corner: the face beyond the edge that begins there, or kNone
 };
 
-/// Finds the vertices that two faces share and nothing else touches, with the two vertices at their edges' other ends.
+/// Finds the vertices around which two faces close or that two faces share and nothing else touches, with the two vertices
+/// at the other ends of the edges between these faces.
 class Pairs {
 public:
-    explicit Pairs(const Cage& cage)
+    using Ends = std::array<std::uint32_t, 2>;
+
+    Pairs(const Cage& cage, const Neighbours& neighbours)
     {
         std::vector<std::uint32_t> corners(cage.positions.size());
         for (const std::uint32_t v : cage.face_vertices) ++corners[v];
-        std::size_t at = 0;
-        for (const std::uint32_t size : cage.face_sizes) {
-            const std::span face = std::span(cage.face_vertices).subspan(at, size);
-            for (std::size_t c = 0; c < size; ++c)
-                if (corners[face[c]] == 2) add(face[c], std::minmax(face[(c + size - 1) % size], face[(c + 1) % size]));
-            at += size;
-        }
-        std::erase_if(ends_, [](const auto& entry) { return entry.second.faces != 2; });
+        std::unordered_map<std::uint32_t, Ends> first_face;  // of vertices of two faces
+        for_each_face(cage, [&](std::span<const std::uint32_t> face, std::size_t first) {
+            for (std::size_t c = 0; c < face.size(); ++c) {
+                const auto [a, b] = std::minmax(face[(c + face.size() - 1) % face.size()], face[(c + 1) % face.size()]);
+                const Ends ends{a, b};
+                if (corners[face[c]] == 2) {
+                    const auto [known, is_first] = first_face.emplace(face[c], ends);
+                    if (!is_first && known->second == ends) ends_[face[c]].push_back(ends);
+                } else if (neighbours.is_pair(first, face.size(), c)) {
+                    ends_[face[c]].push_back(ends);
+                }
+            }
+        });
     }
 
-    /// Calls visit(v, w) for each such vertex v and both vertices w at its edges' other ends.
+    /// Calls visit(v, ends) for each such vertex and each pair of faces there.
     template <class Visit>
-    void for_each_edge(Visit&& visit) const
+    void for_each(Visit&& visit) const
     {
-        for (const auto& [v, ends] : ends_)
-            for (const std::uint32_t w : ends.ends) visit(v, w);
+        for (const auto& [v, all] : ends_)
+            for (const Ends& ends : all) visit(v, ends);
     }
-    /// Returns the vertices at the other ends of a vertex's edges, or nothing if it is no such vertex.
-    std::span<const std::uint32_t> ends(std::uint32_t v) const
+    /// Returns those of a vertex; none if it is no such vertex.
+    std::span<const Ends> at(std::uint32_t v) const
     {
         const auto found = ends_.find(v);
-        return found == ends_.end() ? std::span<const std::uint32_t>() : found->second.ends;
+        return found == ends_.end() ? std::span<const Ends>() : found->second;
     }
 
 private:
-    struct Ends {
-        std::array<std::uint32_t, 2> ends{};
-        int faces = 0;
-    };
-
-    // Counts the faces that go through a vertex along the same two edges.
-    void add(std::uint32_t v, std::pair<std::uint32_t, std::uint32_t> ends)
-    {
-        Ends& known = ends_[v];
-        const std::array<std::uint32_t, 2> both{ends.first, ends.second};
-        if (known.faces == 0) known.ends = both;
-        if (known.ends == both) ++known.faces;
-    }
-
-    std::unordered_map<std::uint32_t, Ends> ends_;
+    std::unordered_map<std::uint32_t, std::vector<Ends>> ends_;
 };
 
 }  // namespace
 
-std::size_t drop_crowded_creases(Cage& cage)
+std::size_t drop_creases_off_edges(Cage& cage)
 {
-    if (cage.creases.empty() || cage.scheme != Scheme::CatmullClark) return 0;
-    Crowding crowding(cage);
-    const std::vector<bool>& is_crowded = crowding.run();
-    if (is_crowded.empty()) return 0;
-    std::size_t dropped = 0;
-    std::erase_if(cage.creases, [&](const Crease& crease) {
-        if (!is_crowded[crease.v0] && !is_crowded[crease.v1]) return false;
-        dropped += crowding.uses(crease.v0, crease.v1) > 1;
-        return true;
+    if (cage.creases.empty()) return 0;
+    std::unordered_map<std::uint64_t, bool> is_edge;
+    for (const Crease& crease : cage.creases) is_edge.emplace(edge_key(crease.v0, crease.v1), false);
+    for_each_face(cage, [&](std::span<const std::uint32_t> face, std::size_t) {
+        for (std::size_t c = 0; c < face.size(); ++c)
+            if (const auto found = is_edge.find(edge_key(face[c], face[(c + 1) % face.size()])); found != is_edge.end())
+                found->second = true;
     });
-    return dropped;
+    return std::erase_if(cage.creases, [&](const Crease& crease) { return !is_edge.at(edge_key(crease.v0, crease.v1)); });
 }
 
 std::size_t drop_creases_of_two_faces(Cage& cage)
 {
     if (cage.creases.empty() || cage.scheme != Scheme::CatmullClark) return 0;
-    const Pairs pairs(cage);
+    const Pairs pairs(cage, Neighbours(cage));
     std::unordered_map<std::uint64_t, float> sharpness;  // the last crease of an edge is the one that counts
     for (const Crease& c : cage.creases) sharpness[edge_key(c.v0, c.v1)] = c.sharpness;
     std::unordered_set<std::uint64_t> dropped;
     std::vector<std::uint32_t> smooth;  // vertices whose creases go
-    pairs.for_each_edge([&](std::uint32_t v, std::uint32_t w) {
-        const auto crease = sharpness.find(edge_key(v, w));
-        if (crease == sharpness.end() || crease->second < kInfiniteSharpness) smooth.push_back(v);
+    pairs.for_each([&](std::uint32_t v, const Pairs::Ends& ends) {
+        for (const std::uint32_t w : ends) {
+            const auto crease = sharpness.find(edge_key(v, w));
+            if (crease == sharpness.end() || crease->second < kInfiniteSharpness) smooth.push_back(v);
+        }
     });
     // A crease that is dropped at one end may leave a vertex of two faces at its other end with one crease.
     while (!smooth.empty()) {
         const std::uint32_t v = smooth.back();
         smooth.pop_back();
-        for (const std::uint32_t w : pairs.ends(v))
-            if (dropped.insert(edge_key(v, w)).second && !pairs.ends(w).empty()) smooth.push_back(w);
+        for (const Pairs::Ends& ends : pairs.at(v))
+            for (const std::uint32_t w : ends)
+                if (dropped.insert(edge_key(v, w)).second && !pairs.at(w).empty()) smooth.push_back(w);
     }
     return std::erase_if(cage.creases, [&](const Crease& c) { return dropped.contains(edge_key(c.v0, c.v1)); });
 }

@@ -49,6 +49,16 @@ TEST(FuzzFindings, ObjCoordinatesThatCollapseAroundAVertexOfTwoFaces)
                            "f 2/1 7/1 4/1 1/1\nf 2/1 8/1 4/1 7/1\nf 2/1 3/1 6/1 5/1\n"));
 }
 
+// This file once led to a read at a random address: two triangles back to back close around a vertex that a third one
+// shares.
+TEST(FuzzFindings, ObjCreasesBesideAVertexWhereTwoOfThreeFacesClose)
+{
+    TempFolder folder;
+    pass_door(folder.write("scene.obj",
+                           "v -0.5 0 0\nv 0.5 -1 0\nv 0 0 0\nv 1 0 0\nv 1 1 0.2\nv 2 1 0.5\nf 3 4 5\nf 5 4 6\nf 5 4 3\n"
+                           "f 1 2 3\nt crease 2/1/0 3 2 4.0\n"));
+}
+
 std::vector<std::string> errors_of_image(std::string_view file)
 {
     Scene scene;

@@ -1,0 +1,18 @@
+// Finds the faces of a cage whose surfaces OpenSubdiv cannot make without reading or writing memory that is not its own.
+#pragma once
+
+#include <opensubdiv/far/topologyLevel.h>
+
+namespace occam::lod {
+
+/// Returns whether the surface of a face of a Catmull-Clark cage has to be taken from the cage refined once. OpenSubdiv 3.5
+/// overwrites memory, or reads what it never wrote, in two cases (Bfr::IrregularPatchBuilder, Far::SourcePatch):
+///
+/// - There are more sharp edges around the face than it has room for.
+/// - Two faces close around a corner of the face, and another corner lies at a border: an edge that has not two faces of one
+///   orientation or, if there are creases, a seam of texture coordinates. After one refinement no face has such two corners.
+///
+/// has_creases   whether the cage has any
+bool is_unsafe(const OpenSubdiv::Far::TopologyLevel& level, int face, bool has_creases);
+
+}  // namespace occam::lod

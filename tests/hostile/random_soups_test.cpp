@@ -1,0 +1,123 @@
+// Tests that a cage whose faces share vertices and edges in any way has a surface, and that no memory is overwritten for it.
+//
+// OCCAM_SEED=n tests that seed alone. The libraries are not built for sanitizers, so what OpenSubdiv writes and reads is
+// seen by valgrind: OCCAM_SEED=n valgrind occam_hostile_tests --gtest_filter=RandomSoups.*
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "lod/posed_patch.h"
+#include "tests/support/campaign.h"
+#include "tests/support/case_random.h"
+#include "tests/support/diced_mesh.h"
+
+namespace occam::test {
+namespace {
+
+/// Returns the vertices of one more face. It often shares edges in a row with an earlier face, mostly in the other
+/// direction, so that two faces close around vertices and edges have one, two or more faces.
+std::vector<std::uint32_t> any_face(CaseRandom& random, const Cage& cage)
+{
+    std::vector<std::uint32_t> face;
+    const std::size_t size = 3 + random.index(random.number() < 0.3 ? 4 : 2);
+    if (!cage.face_sizes.empty() && random.number() < 0.5) {
+        const std::size_t which = random.index(cage.face_sizes.size());
+        std::size_t at = 0;
+        for (std::size_t f = 0; f < which; ++f) at += cage.face_sizes[f];
+        const std::size_t there = cage.face_sizes[which], from = random.index(there);
+        for (std::size_t k = 2 + random.index(2); k > 0; --k) face.push_back(cage.face_vertices[at + (from + k) % there]);
+        if (random.number() < 0.2) std::reverse(face.begin(), face.end());
+    }
+    while (face.size() < size && face.size() < cage.positions.size()) {
+        const auto v = static_cast<std::uint32_t>(random.index(cage.positions.size()));
+        if (std::ranges::find(face, v) == face.end()) face.push_back(v);
+    }
+    return face;
+}
+
+void add_tags(Cage& cage, CaseRandom& random)
+{
+    const double share = random.number();
+    const bool is_mostly_infinite = random.number() < 0.3;
+    std::size_t at = 0;
+    for (const std::uint32_t size : cage.face_sizes) {
+        for (std::uint32_t i = 0; i < size; ++i) {
+            if (random.number() > share) continue;
+            const float steps = float(1 + random.index(40));
+            const float sharpness = is_mostly_infinite && random.number() < 0.7 ? kInfiniteSharpness : 0.25f * steps;
+            cage.creases.push_back({cage.face_vertices[at + i], cage.face_vertices[at + (i + 1) % size], sharpness});
+        }
+        at += size;
+    }
+    if (random.number() < 0.3)
+        cage.corners = {{static_cast<std::uint32_t>(random.index(cage.positions.size())), float(random.between(0, 10))}};
+    if (random.number() < 0.2) cage.holes = {static_cast<std::uint32_t>(random.index(cage.face_sizes.size()))};
+    cage.boundary = BoundaryRule(random.index(3));
+    cage.face_varying = FaceVaryingRule(random.index(6));
+}
+
+/// Adds texture coordinates with no, few or many seams.
+void add_seams(Cage& cage, CaseRandom& random)
+{
+    UvSet uv;
+    for (int k = 0; k < 12; ++k) {
+        const double u = random.number();
+        uv.values.push_back(Vec2f(u, random.number()));
+    }
+    double seams = random.number();
+    seams *= random.number();
+    for (const std::uint32_t v : cage.face_vertices)
+        uv.indices.push_back(random.number() < seams ? static_cast<std::uint32_t>(random.index(12)) : v % 12);
+    cage.uv_sets = {std::move(uv)};
+}
+
+Cage random_soup(std::uint64_t seed)
+{
+    CaseRandom random(seed, 0, 900);
+    Cage cage;
+    for (std::size_t n = 4 + random.index(7); n > 0; --n) cage.positions.push_back(Vec3f(random.inside_cube()));
+    for (std::size_t n = 2 + random.index(9); n > 0; --n) {
+        const std::vector<std::uint32_t> face = any_face(random, cage);
+        cage.face_sizes.push_back(static_cast<std::uint32_t>(face.size()));
+        cage.face_vertices.insert(cage.face_vertices.end(), face.begin(), face.end());
+    }
+    add_tags(cage, random);
+    if (random.number() < 0.5) add_seams(cage, random);
+    sanitize(cage);
+    return cage;
+}
+
+void expect_surface(std::uint64_t seed)
+{
+    SCOPED_TRACE("OCCAM_SEED=" + std::to_string(seed));
+    const Cage cage = random_soup(seed);
+    if (cage.face_sizes.empty()) return;
+    const DicedCage diced(cage, 0);
+    const lod::Topology& topology = diced.topology();
+    lod::PosedPatch patch;
+    for (std::uint32_t f = 0; f < cage.face_count(); ++f) {
+        if (!topology.is_seen(f)) continue;
+        for (std::uint32_t sub = 0; sub < topology.patches_of(f); ++sub) {
+            patch.set(diced.posed, {f, sub});
+            float values[9][4];
+            float* const rows[9] = {values[0], values[1], values[2], values[3], values[4],
+                                    values[5], values[6], values[7], values[8]};
+            patch.points_and_tangents({0, 0, 1, 1, 2, 2}, rows, 2);
+            for (const auto& row : values)
+                for (const float value : row) ASSERT_TRUE(std::isfinite(value));
+            if (!cage.uv_sets.empty() && !topology.has_linear_uv(f)) {
+                EXPECT_GT(topology.uv_controls({f, sub}, 0).indices.size(), 0u);
+            }
+        }
+    }
+}
+
+TEST(RandomSoups, HaveASurface)
+{
+    if (const char* seed = std::getenv("OCCAM_SEED")) return expect_surface(std::strtoull(seed, nullptr, 10));
+    for (std::uint64_t seed = 1; seed <= (is_long() ? 40'000u : 800u) && !HasFailure(); ++seed) expect_surface(seed);
+}
+
+}  // namespace
+}  // namespace occam::test
