@@ -5,17 +5,7 @@
 namespace occam::test {
 namespace {
 
-Trs random_place(CaseRandom& random)
-{
-    Trs place;
-    place.translation = random.inside_cube() * 2.0;
-    const double w = random.between(0.1, 1);
-    place.rotation = glm::normalize(Vec4d(random.inside_cube(), w));
-    place.scale = Vec3d(random.between(0.4, 1.2));
-    return place;
-}
-
-Material random_material(CaseRandom& random)
+Material random_material(CaseRandom& random, Scene& scene)
 {
     Material material;
     material.base_color = Vec4f(random.color(), 1);
@@ -24,7 +14,35 @@ Material random_material(CaseRandom& random)
     material.clearcoat = random.number() < 0.3;
     if (random.number() < 0.2) material.emission = random.color();
     if (random.number() < 0.1) material.alpha_mode = AlphaMode::Blend, material.base_color.w = 0.5f;
+    if (random.number() < 0.4) {
+        Texture checks;
+        checks.width = checks.height = 8;
+        for (int k = 0; k < 64; ++k) checks.pixels.push_back(Vec4f(random.color(), float(random.number())));
+        material.base_color_texture.texture = scene.add(std::move(checks));
+        if (random.number() < 0.3) material.alpha_mode = AlphaMode::Mask;
+    }
     return material;
+}
+
+/// Makes the node, or the node and the joint that bends its cage, go to and fro, one after the other.
+Clip random_clip(CaseRandom& random, const AddedPart& object)
+{
+    Clip clip;
+    Channel goes{.target = object.node, .times = {0, 1, 3}, .values = {}};
+    for (int k = 0; k < 3; ++k) {
+        const Vec3d at = random.inside_cube() * 2.0;
+        goes.values.insert(goes.values.end(), {float(at.x), float(at.y), float(at.z)});
+    }
+    clip.channels.push_back(std::move(goes));
+    Channel turns;
+    turns.target = object.joint ? object.joint : object.node;
+    turns.path = Channel::Path::Rotation;
+    turns.interpolation = random.number() < 0.3 ? Channel::Interpolation::Step : Channel::Interpolation::Linear;
+    turns.times = {0, 2};
+    turns.values = {0, 0, 0, 1, 0, 0.6f, 0, 0.8f};
+    turns.width = 4;
+    clip.channels.push_back(std::move(turns));
+    return clip;
 }
 
 }  // namespace
@@ -71,7 +89,7 @@ AddedPart* RandomWorld::any_object(CaseRandom& random)
 const char* RandomWorld::edit_object(CaseRandom& random, const AddedPart& object)
 {
     const CageId cage = object.cage;
-    switch (random.index(4)) {
+    switch (random.index(6)) {
         case 0: {
             std::vector<Vec3f> moved = scene_.cage(cage).cage.positions;
             const Vec3d way = random.inside_cube() * 0.2;
@@ -83,17 +101,32 @@ const char* RandomWorld::edit_object(CaseRandom& random, const AddedPart& object
             const std::vector<MadeCage> all = made_cages();
             Cage other = all[random.index(all.size())].cage;
             other.materials = scene_.cage(cage).cage.materials;
+            if (random.number() < 0.5) {
+                MorphTarget grown;
+                for (const Vec3f& p : other.positions) grown.positions.push_back(p * 0.3f * p.y);
+                other.morph_targets = {std::move(grown)};
+                other.morph_weights = {0.5f};
+            }
             scene_.set_skin(object.node, {});
             scene_.replace(cage, std::move(other));
             return "topology";
         }
         case 2: {
             const MaterialId material = scene_.cage(cage).cage.materials.at(0);
-            scene_.replace(material, random_material(random));
+            scene_.replace(material, random_material(random, scene_));
             return "material";
         }
+        case 3:
+            scene_.set_morph_weights(object.node, {float(random.between(-1, 2))});
+            return "morph weight";
+        case 4: {
+            if (!object.joint) return "nothing";
+            const Trs turned = random_place(random);
+            scene_.set_transform(object.joint, object.place * turned.matrix());
+            return "joint";
+        }
         default:
-            scene_.set_materials(object.node, {scene_.add(random_material(random))});
+            scene_.set_materials(object.node, {scene_.add(random_material(random, scene_))});
             return "materials of a node";
     }
 }
@@ -101,7 +134,7 @@ const char* RandomWorld::edit_object(CaseRandom& random, const AddedPart& object
 const char* RandomWorld::edit_nodes(CaseRandom& random, AddedPart& object)
 {
     const NodeId node = object.node;
-    switch (random.index(7)) {
+    switch (random.index(8)) {
         case 0:
             scene_.set_transform(node, random_place(random));
             return "place";
@@ -111,6 +144,9 @@ const char* RandomWorld::edit_nodes(CaseRandom& random, AddedPart& object)
         case 2:
             scene_.set_seen_by(node, random.number() < 0.5 ? RayKind::All : RayKind::Camera);
             return "seen by";
+        case 6:
+            scene_.set_lit_by(node, random.number() < 0.5 ? kAllGroups : LightGroups(1 + random.index(3)));
+            return "lit by";
         case 3: {
             NodeDesc instance;
             instance.instance_of = node;
@@ -149,7 +185,11 @@ const char* RandomWorld::edit_light(CaseRandom& random)
         }
         case 1:
             if (lights_.empty()) return "nothing";
-            scene_.replace(lights_.back(), random_light(random));
+            {
+                Light other = random_light(random);
+                other.groups = random.number() < 0.5 ? kAllGroups : LightGroups(1 + random.index(3));
+                scene_.replace(lights_.back(), std::move(other));
+            }
             return "light";
         case 2:
             if (lights_.empty()) return "nothing";
@@ -186,11 +226,28 @@ const char* RandomWorld::edit_shutter(CaseRandom& random)
     return "shutter";
 }
 
+const char* RandomWorld::edit_clips(CaseRandom& random, const AddedPart& object)
+{
+    if (random.number() < 0.4 || scene_.clips().empty()) {
+        scene_.add(random_clip(random, object));
+        return "clip";
+    }
+    const std::vector<ClipId>& clips = scene_.clips();
+    std::vector<ClipAt> now;
+    for (std::size_t n = random.index(3); n > 0; --n) {
+        const ClipId clip = clips[random.index(clips.size())];
+        const double seconds = random.between(-0.5, 3.5);
+        now.push_back({clip, seconds, random.number()});
+    }
+    scene_.pose(now);
+    return "pose";
+}
+
 const char* RandomWorld::edit()
 {
     ++step_;
     CaseRandom random(seed_, step_, 300);
-    const std::size_t kind = random.index(10);
+    const std::size_t kind = random.index(14);
     AddedPart* const object = any_object(random);
     if (kind == 0 || !object) {
         add_object();
@@ -198,7 +255,9 @@ const char* RandomWorld::edit()
     }
     if (kind < 4) return edit_object(random, *object);
     if (kind < 8) return edit_nodes(random, *object);
-    return kind == 8 ? edit_light(random) : edit_shutter(random);
+    if (kind == 8) return edit_light(random);
+    if (kind == 9) return edit_shutter(random);
+    return kind < 12 ? edit_clips(random, *object) : groups_.edit(scene_, random, object->node);
 }
 
 Settings RandomWorld::settings() const

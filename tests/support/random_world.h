@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "tests/support/random_groups.h"
 #include "tests/support/random_look.h"
 #include "tests/support/random_parts.h"
 
@@ -32,12 +33,14 @@ private:
     const char* edit_nodes(CaseRandom& random, AddedPart& object);
     const char* edit_light(CaseRandom& random);
     const char* edit_shutter(CaseRandom& random);
+    const char* edit_clips(CaseRandom& random, const AddedPart& object);
 
     std::uint64_t seed_, step_ = 0;
     Scene scene_;
     std::vector<AddedPart> objects_;
     std::vector<NodeId> copies_;
     std::vector<LightId> lights_;
+    RandomGroups groups_;
 };
 
 }  // namespace occam::test
