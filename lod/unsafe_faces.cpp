@@ -58,6 +58,7 @@ int across(const Far::TopologyLevel& level, int face, int edge)
     return faces[0] == face ? faces[1] : faces[0];
 }
 
+/// Returns whether two faces close around a corner: the face and one other share both edges there, and nothing else does.
 bool has_pair(const Far::TopologyLevel& level, int face)
 {
     const auto edges = level.GetFaceEdges(face);
@@ -70,6 +71,7 @@ bool has_pair(const Far::TopologyLevel& level, int face)
     return false;
 }
 
+/// Returns whether a face has such a corner and another one at a border. At a seam, Bfr overwrites only sharp edges.
 bool is_crowded(const Far::TopologyLevel& level, int face, bool has_creases)
 {
     if (!has_pair(level, face)) return false;

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "lod/pose_cage.h"
+#include "lod/posed_patch.h"
 
 namespace occam::test {
 
@@ -93,6 +94,28 @@ Bits bits_of(Vec3f p)
 {
     return {std::bit_cast<std::uint32_t>(p.x + 0.0f), std::bit_cast<std::uint32_t>(p.y + 0.0f),
             std::bit_cast<std::uint32_t>(p.z + 0.0f)};
+}
+
+bool has_finite_surface(const DicedCage& diced)
+{
+    const lod::Topology& topology = diced.topology();
+    lod::PosedPatch patch;
+    bool is_finite = true;
+    for (std::uint32_t f = 0; f < topology.face_count(); ++f) {
+        if (!topology.is_seen(f)) continue;
+        for (std::uint32_t sub = 0; sub < topology.patches_of(f); ++sub) {
+            patch.set(diced.posed, {f, sub});
+            float values[9][4];
+            float* const rows[9] = {values[0], values[1], values[2], values[3], values[4],
+                                    values[5], values[6], values[7], values[8]};
+            patch.points_and_tangents({0, 0, 1, 1, 2, 2}, rows, 2);
+            for (const auto& row : values)
+                is_finite &= std::all_of(std::begin(row), std::end(row), [](float value) { return std::isfinite(value); });
+            for (int set = 0; set < topology.uv_set_count() && !topology.has_linear_uv(f); ++set)
+                topology.uv_controls({f, sub}, set);
+        }
+    }
+    return is_finite;
 }
 
 std::size_t open_edges(const std::vector<MeshTriangle>& mesh)

@@ -43,6 +43,10 @@ private:
     Arena pose_;
 };
 
+/// Evaluates the corners of each visible patch and their tangents, and makes what texture coordinates there are interpolated
+/// from. Returns whether all of these points and tangents are finite.
+bool has_finite_surface(const DicedCage& diced);
+
 /// Identifies a point by its bits; the two zeros are equal.
 using Bits = std::array<std::uint32_t, 3>;
 Bits bits_of(Vec3f p);

@@ -24,7 +24,8 @@ Material random_material(CaseRandom& random, Scene& scene)
     return material;
 }
 
-/// Makes the node, or the node and the joint that bends its cage, go to and fro, one after the other.
+/// Returns a clip in which the object's node moves along two straight lines, and the joint that bends the object turns; if
+/// it has none, its node turns.
 Clip random_clip(CaseRandom& random, const AddedPart& object)
 {
     Clip clip;
@@ -144,9 +145,6 @@ const char* RandomWorld::edit_nodes(CaseRandom& random, AddedPart& object)
         case 2:
             scene_.set_seen_by(node, random.number() < 0.5 ? RayKind::All : RayKind::Camera);
             return "seen by";
-        case 6:
-            scene_.set_lit_by(node, random.number() < 0.5 ? kAllGroups : LightGroups(1 + random.index(3)));
-            return "lit by";
         case 3: {
             NodeDesc instance;
             instance.instance_of = node;
@@ -162,6 +160,9 @@ const char* RandomWorld::edit_nodes(CaseRandom& random, AddedPart& object)
             scene_.remove(copies_.back());
             copies_.pop_back();
             return "copy removed";
+        case 6:
+            scene_.set_lit_by(node, random.number() < 0.5 ? kAllGroups : LightGroups(1 + random.index(3)));
+            return "lit by";
         default: {
             const bool goes = random.number() < 0.5;
             scene_.remove(node);

@@ -5,7 +5,6 @@
 #include <set>
 
 #include "base/hash.h"
-#include "lod/posed_patch.h"
 #include "scenegraph/cage.h"
 #include "tests/support/campaign.h"
 #include "tests/support/diced_mesh.h"
@@ -22,24 +21,6 @@ Cage back_to_back()
     cage.face_sizes = {4, 4};
     cage.face_vertices = {0, 1, 2, 3, 3, 2, 1, 0};
     return cage;
-}
-
-/// Evaluates the corners of each patch.
-void evaluate(const Cage& cage)
-{
-    DicedCage diced(cage, 0);
-    lod::PosedPatch patch;
-    for (std::uint32_t f = 0; f < cage.face_count(); ++f)
-        for (std::uint32_t sub = 0; sub < diced.topology().patches_of(f); ++sub) {
-            if (!diced.topology().is_seen(f)) continue;
-            patch.set(diced.posed, {f, sub});
-            float values[9][4];
-            float* const rows[9] = {values[0], values[1], values[2], values[3], values[4],
-                                    values[5], values[6], values[7], values[8]};
-            patch.points_and_tangents({0, 0, 1, 1, 2, 2}, rows, 2);
-            for (const auto& row : values)
-                for (const float v : row) ASSERT_TRUE(std::isfinite(v));
-        }
 }
 
 TEST(CreasesOfTwoFaces, StayOnlyIfBothAreInfinitelySharp)
@@ -61,7 +42,7 @@ TEST(CreasesOfTwoFaces, StayOnlyIfBothAreInfinitelySharp)
         const std::vector<std::string> lines = sanitize(cage);
         EXPECT_EQ(cage.creases.size(), c.kept);
         EXPECT_EQ(lines.size(), c.kept == c.creases.size() ? 0u : 1u);
-        evaluate(cage);
+        EXPECT_TRUE(has_finite_surface(DicedCage(cage, 0)));
     }
 }
 
@@ -108,7 +89,7 @@ TEST(CreasesOfTwoFaces, LeaveThoseOfOtherVertices)
     sanitize(split);
     ASSERT_EQ(split.creases.size(), 1u);
     EXPECT_EQ(split.creases[0].v0, 2u);
-    evaluate(split);
+    EXPECT_TRUE(has_finite_surface(DicedCage(split, 0)));
 }
 
 TEST(CreasesOfTwoFaces, IncludeThoseAtAVertexOfFurtherFaces)
@@ -122,7 +103,7 @@ TEST(CreasesOfTwoFaces, IncludeThoseAtAVertexOfFurtherFaces)
     sanitize(cage);
     // Those of vertex 0 go, and then those of its neighbours.
     EXPECT_TRUE(cage.creases.empty());
-    evaluate(cage);
+    EXPECT_TRUE(has_finite_surface(DicedCage(cage, 0)));
 }
 
 /// A face that is turned over has borders all around, though each of its edges has two faces. OpenSubdiv cannot make the
@@ -143,7 +124,7 @@ TEST(CreasesBesideAPair, StayAtABorder)
             sanitize(cage);
             EXPECT_EQ(cage.creases.size(), 11u);
             for (const Crease& c : cage.creases) EXPECT_TRUE(c.v0 != middle && c.v1 != middle);
-            evaluate(cage);
+            EXPECT_TRUE(has_finite_surface(DicedCage(cage, 0)));
             ++turned;
         }
         at += size;
@@ -178,7 +159,7 @@ TEST(ManyCreases, AmongTrianglesDoNotOverflow)
             }
             at += size;
         }
-        evaluate(cage);
+        EXPECT_TRUE(has_finite_surface(DicedCage(cage, 0)));
     }
 }
 
