@@ -2,6 +2,7 @@
 #include "accel/items.h"
 #include "accel/placement.h"
 #include "base/hash.h"
+#include "lod/cage_motion.h"
 #include "lod/pose_cage.h"
 #include "scenegraph/child_boxes.h"
 
@@ -48,12 +49,13 @@ std::string Items::name_of(ItemIndex i) const
 
 void Items::set_box_of_node(Item& item, const PlacedNode& at, const Box3d& bounds)
 {
-    Box3f own[lod::kMostSegments + 1];
+    Box3d at_keys[lod::kMostSegments + 1], all;
     std::size_t count = 0;
-    for (const Mat4d& world_from_node : at.matrices()) {
-        const Box3d world = transform_box(world_from_node, bounds);
-        own[count++] = to_tree(world, vertex_rounding(world));
-    }
+    for (const Mat4d& world_from_node : at.matrices()) all.add(at_keys[count++] = transform_box(world_from_node, bounds));
+    // Cages below may move along chords of fewer segments, and be that far from where the keys of the scene have them.
+    const double off = count > 1 && !all.is_empty() ? lod::largest_motion_tolerance(frame_.levels, all) : 0;
+    Box3f own[lod::kMostSegments + 1];
+    for (std::size_t k = 0; k < count; ++k) own[k] = to_tree(at_keys[k], vertex_rounding(at_keys[k]) + off);
     set_boxes(item, {own, count});
 }
 

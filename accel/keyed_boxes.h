@@ -51,10 +51,10 @@ public:
     float first, last;  ///< the earliest and the latest of them
 
     /// Returns where the first and the last time lie among the keys of an interval. Those of the whole shutter, which most
-    /// nodes have, are known.
+    /// nodes have, are known: no other interval has all of its keys.
     OCCAM_ALWAYS_INLINE std::pair<lod::KeyTime, lod::KeyTime> ends_in(const KeySpan& keys) const noexcept
     {
-        if (keys.begin == 0 && keys.per_time == per_time_) return whole_;
+        if (float(keys.segments) == per_time_ && keys.per_time == per_time_) return whole_;
         return {key_time_in(keys, first), key_time_in(keys, last)};
     }
 
@@ -133,6 +133,12 @@ public:
             sweep(swept);
             return real & rays.in_boxes(swept, end, begin);
         }
+    }
+    /// Returns a box of the group at the time of a single ray.
+    Box3f box(int place) const noexcept requires std::is_same_v<F, float>
+    {
+        const Box3f a = get_box(key(from_.key) + place, 0, row()), b = get_box(key(from_.key + 1) + place, 0, row());
+        return {glm::mix(a.lo, b.lo, from_.share), glm::mix(a.hi, b.hi, from_.share)};
     }
     /// Clips [t_near, t_far] to a box of the group at each ray's own time.
     void clip_to(const TreeRay<F>& ray, int box, F& t_near, F& t_far) const noexcept

@@ -150,8 +150,9 @@ private:
             if (leaf.keys.segments > 0) {
                 const KeyedBoxes<float, true> group(leaf.boxes + k / kBoxGroup * kBoxGroupFloats, leaf.stride(), leaf.keys,
                                                     times);
-                group.clip_to(ray, static_cast<int>(k % kBoxGroup), in, out);
-                if (!is_known) return narration.box(entry, box, in, out, true);
+                const int place = static_cast<int>(k % kBoxGroup);
+                group.clip_to(ray, place, in, out);
+                if (!is_known) return narration.box(entry, group.box(place), in, out, true);
             }
         clip(ray, box, in, out);
         narration.box(entry, box, in, out, !is_known || !(in <= out) || crosses(ray, entry.bounds.slab, in, out));

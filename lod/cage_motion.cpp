@@ -276,22 +276,40 @@ const PosedCage* CageMotion::make_still_pose(std::span<const PosedCage> keys, co
 
 namespace {
 
-// Returns the target edge length where a box is nearest to the camera.
-float edge_at(const LevelSettings& settings, const Box3d& world) noexcept
+// A box is not nearer than this many of its radii.
+constexpr double kNearest = 1.0 / 64;
+
+// Returns the target edge length at a distance from the camera.
+float edge_at(const LevelSettings& settings, double distance) noexcept
 {
-    constexpr double kNearest = 1.0 / 64;  // in radii of the box
+    return settings.target_edge(settings.pixel).at(static_cast<float>(distance));
+}
+
+// Returns the target edge length where a box is nearest to the camera.
+float nearest_edge(const LevelSettings& settings, const Box3d& world) noexcept
+{
     const double distance = glm::distance(settings.eye, glm::clamp(settings.eye, world.lo, world.hi));
-    return settings.target_edge(settings.pixel).at(static_cast<float>(std::max(distance, world.radius() * kNearest)));
+    return edge_at(settings, std::max(distance, world.radius() * kNearest));
+}
+
+double tolerance_of(const LevelSettings& settings, float edge, double radius) noexcept
+{
+    constexpr double kRounding = 0x1p-22;  // in radii of the box
+    const double allowed = std::isfinite(edge) ? double(settings.motion_edges) * double(edge) : 0;
+    return std::max(allowed, radius * kRounding);
 }
 
 }  // namespace
 
 double motion_tolerance(const LevelSettings& settings, const Box3d& world) noexcept
 {
-    constexpr double kRounding = 0x1p-22;  // in radii of the box
-    const float edge = edge_at(settings, world);
-    const double allowed = std::isfinite(edge) ? double(settings.motion_edges) * double(edge) : 0;
-    return std::max(allowed, world.radius() * kRounding);
+    return tolerance_of(settings, nearest_edge(settings, world), world.radius());
+}
+
+double largest_motion_tolerance(const LevelSettings& settings, const Box3d& world) noexcept
+{
+    const double farthest = glm::length(glm::max(glm::abs(world.lo - settings.eye), glm::abs(world.hi - settings.eye)));
+    return tolerance_of(settings, edge_at(settings, std::max(farthest, world.radius() * kNearest)), world.radius());
 }
 
 int level_of_motion(const LevelSettings& settings, const CageMotion& motion)
@@ -299,7 +317,8 @@ int level_of_motion(const LevelSettings& settings, const CageMotion& motion)
     constexpr float kMostPixels = 4;
     if (settings.strata <= 0) return kFinestLevel;
     const auto moved = static_cast<float>(motion.least_distance_across(settings.eye) / settings.strata);
-    const float edge = std::min(settings.target_edge({moved, 0}).a, kMostPixels * edge_at(settings, motion.world_box()));
+    const float edge = std::min(settings.target_edge({moved, 0}).a,
+                                kMostPixels * nearest_edge(settings, motion.world_box()));
     // The level l whose edges d_l are at most as long; ceil_log2() would round up.
     return edge > 0 && std::isfinite(edge) ? std::clamp(-ceil_log2(1 / edge), kFinestLevel, kCoarsestLevel) : kFinestLevel;
 }

@@ -74,6 +74,8 @@ private:
 /// Returns how far control points in the box may be from where the scene's keys have them, unseen:
 /// LevelSettings::motion_edges of the target edge length where the box is nearest to the camera, and no less than rounding.
 double motion_tolerance(const LevelSettings& settings, const Box3d& world) noexcept;
+/// Returns the largest value that motion_tolerance() may have for a box within this one.
+double largest_motion_tolerance(const LevelSettings& settings, const Box3d& world) noexcept;
 
 /// Returns the level that is fine enough for a cage that moves so fast: its edges are as long as the least distance that a
 /// point of it moves across the picture in one of LevelSettings::strata, but no more than four pixels where the cage is

@@ -2,6 +2,7 @@
 // budget, however the tree is built, and in a tree that several tracers share.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <sstream>
 
 #include "tests/support/textured_floor.h"
@@ -252,6 +253,62 @@ TEST(Trees, FindTheSameBitsWhereThingsMove)
             expect_same(expected, answers, where + ", alone");
             expect_same(expected, Answers(tight, rays), where + ", a quarter of the memory");
             EXPECT_GT(tight.counters().flushes, 0u);
+        }
+}
+
+// Cages and meshes that fly far in all directions, along paths with a bend: nodes of the tree halve the shutter, and each
+// cage moves along chords of as few segments as its own size and distance allow.
+void record_swarm(Scene& scene, int segments)
+{
+    std::mt19937 random(6);
+    const auto anywhere = [&] {
+        Vec3d p(0);
+        for (int a = 0; a < 3; ++a) p[a] = double(random() % 2001) * 0.009 - 9;
+        return p;
+    };
+    Cage cube = prism(4);
+    const CageId smooth = scene.add(cube);
+    cube = prism(3);
+    cube.scheme = Scheme::Bilinear;
+    const CageId flat = scene.add(cube);
+    std::vector<NodeId> nodes;
+    std::vector<std::array<Vec3d, 3>> places;
+    for (int k = 0; k < 400; ++k) {
+        places.push_back({anywhere(), anywhere(), anywhere()});
+        nodes.push_back(place(scene, k % 2 ? smooth : flat, places.back()[0], 0.6));
+    }
+    scene.record_shutter(segments, [&](double tau) {
+        constexpr double kBend = 0.58;
+        for (std::size_t k = 0; k < nodes.size(); ++k) {
+            Trs trs;
+            trs.translation = tau < kBend ? glm::mix(places[k][0], places[k][1], tau / kBend)
+                                          : glm::mix(places[k][1], places[k][2], (tau - kBend) / (1 - kBend));
+            trs.scale = Vec3d(0.6);
+            scene.set_transform(nodes[k], trs);
+        }
+    });
+}
+
+TEST(Trees, FindTheSameBitsWhereManyThingsFlyFarAlongBentPaths)
+{
+    for (const int segments : {2, 8, 32})
+        for (const int level : {0, -3}) {
+            Stage stage;
+            record_swarm(stage.scene, segments);
+            const accel::Frame kd = stage.frame(level, lod::LevelMode::PerRay, TreeKind::Kd), bvh = stage.frame(level);
+            std::vector<accel::Ray> rays = rays_towards({2, 3, 30}, {Vec3d(-9), Vec3d(9)}, 4000, 9);
+            std::mt19937 random(5);
+            for (accel::Ray& ray : rays) ray.time = float(random() % 8 ? random() % 1000 : random() % 5 * 250) * 0.001f;
+            accel::Tracer in_kd(kd, kPlenty), in_bvh(bvh, kPlenty), alone(bvh, kPlenty);
+            const Answers expected(in_kd, rays);
+            const std::string where = std::to_string(segments) + " segments, level " + std::to_string(level);
+            expect_same(expected, Answers(in_bvh, rays), where);
+            std::size_t hits = 0;
+            for (const accel::SurfaceHit& hit : expected.hits) hits += hit.is_hit();
+            EXPECT_GT(hits, rays.size() / 4) << where;
+            Answers answers(rays.size());
+            for (std::size_t i = 0; i < rays.size(); ++i) answers.ask(alone, rays, i, 1);
+            expect_same(expected, answers, where + ", alone");
         }
 }
 
