@@ -18,6 +18,8 @@ using namespace OpenSubdiv;
 // the surface and the hull of its control points falls to a quarter.
 constexpr std::size_t kMostFaces = 60'000;
 constexpr int kMostLevels = 3;
+// Cages that are seen after so many points of refined ones are not refined: their vertices are the points.
+constexpr std::size_t kMostRefined = 2'000'000;
 // Beyond this many points in all, placed cages give the corners of their boxes.
 constexpr std::size_t kMostPoints = 50'000'000;
 constexpr std::size_t kMostPlacements = 1'000'000;
@@ -43,33 +45,39 @@ struct Extent::State {
     // Holds the connectivity of a cage at the level that gives the points.
     struct Shape {
         std::uint64_t identity = 0, version = 0;
+        std::size_t refined = 0;                        // number of points, if it was refined
         std::unique_ptr<Far::TopologyRefiner> refiner;  // null if the vertices themselves are the points
         std::vector<std::uint32_t> used;                // vertices of faces that are visible
-        std::vector<Vec3d> still;                       // points of a cage that nothing deforms, in object axes
+        std::vector<Vec3d> still;                       // points of a cage that nothing deforms, in object axes; for such
+                                                        // a cage this is all that is kept
     };
 
     Shape& shape_of(CageId id, const CageSlot& slot);
     static std::vector<Vec3d> points_of(const Shape& shape, const std::vector<Vec3d>& controls);
 
     std::unordered_map<CageId, Shape> shapes;
-    std::size_t points = 0;  // number of points in one visit
+    std::size_t points = 0;   // number of points in one visit
+    std::size_t refined = 0;  // number of points of all cages that were refined
 };
 
 Extent::State::Shape& Extent::State::shape_of(CageId id, const CageSlot& slot)
 {
     Shape& shape = shapes[id];
-    if (shape.identity == slot.identity && shape.version == slot.positions_version && !shape.used.empty()) return shape;
-    shape = {slot.identity, slot.positions_version, nullptr, {}, {}};
+    const bool is_made = !shape.used.empty() || !shape.still.empty();
+    if (shape.identity == slot.identity && shape.version == slot.positions_version && is_made) return shape;
+    refined -= shape.refined;
+    shape = {slot.identity, slot.positions_version, 0, nullptr, {}, {}};
     const Cage& cage = slot.cage;
     std::vector<bool> is_used(cage.positions.size());
     int levels = 0;
-    if (cage.scheme == Scheme::CatmullClark && cage.face_count() > 0)
+    if (cage.scheme == Scheme::CatmullClark && cage.face_count() > 0 && refined < kMostRefined)
         for (std::size_t n = cage.face_vertices.size(); levels < kMostLevels && n <= kMostFaces; n *= 4) ++levels;
     if (levels > 0) {
         shape.refiner = make_refiner(cage);
         shape.refiner->RefineUniform(Far::TopologyRefiner::UniformOptions(levels));
         const Far::TopologyLevel& finest = shape.refiner->GetLevel(shape.refiner->GetMaxLevel());
         is_used.assign(std::size_t(finest.GetNumVertices()), false);
+        refined += shape.refined = is_used.size();
         for (int f = 0; f < finest.GetNumFaces(); ++f)
             for (int k = 0; k < finest.GetFaceVertices(f).size() && !finest.IsFaceHole(f); ++k)
                 is_used[std::size_t(finest.GetFaceVertices(f)[k])] = true;
@@ -78,7 +86,10 @@ Extent::State::Shape& Extent::State::shape_of(CageId id, const CageSlot& slot)
     }
     for (std::uint32_t v = 0; v < is_used.size(); ++v)
         if (is_used[v]) shape.used.push_back(v);
-    if (!slot.is_deformed()) shape.still = points_of(shape, {cage.positions.begin(), cage.positions.end()});
+    if (slot.is_deformed()) return shape;
+    shape.still = points_of(shape, {cage.positions.begin(), cage.positions.end()});
+    shape.used = {};
+    shape.refiner.reset();
     return shape;
 }
 
