@@ -4,8 +4,8 @@
 // fits it far more closely than the hull of the original cage.
 //
 // Space    world.
-// Memory   the points of refined cages, at most about two million, until this object is destroyed; for cages that are deformed
-//          their connectivity, too.
+// Memory   the points of refined cages, at most about two million, until this object is destroyed; of cages that are
+//          deformed their connectivity, too.
 // Threads  one.
 #pragma once
 

@@ -3,33 +3,12 @@
 #include <bit>
 #include <numeric>
 
+#include "base/morton.h"
+
 namespace occam {
 namespace {
 
 double area_of(const Box3d& box) noexcept { return box.is_empty() ? 0 : box.half_area(); }
-
-// Spreads the lowest 21 bits so that two zeros follow each of them.
-std::uint64_t spread(std::uint64_t x) noexcept
-{
-    x = (x | x << 32) & 0x001f00000000ffffull;
-    x = (x | x << 16) & 0x001f0000ff0000ffull;
-    x = (x | x << 8) & 0x100f00f00f00f00full;
-    x = (x | x << 4) & 0x10c30c30c30c30c3ull;
-    return (x | x << 2) & 0x1249249249249249ull;
-}
-
-// Returns the place of a point along a Morton curve through the box.
-std::uint64_t morton_code(Vec3d p, const Box3d& within) noexcept
-{
-    constexpr double kSteps = 2097151;  // 21 bits
-    std::uint64_t code = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        const double share = (p[axis] - within.lo[axis]) / (within.hi[axis] - within.lo[axis]);
-        const double step = share > 0 ? std::min(share, 1.0) * kSteps : 0;  // 0 where the box is flat, too
-        code |= spread(static_cast<std::uint64_t>(step)) << axis;
-    }
-    return code;
-}
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 #include <unordered_set>
 
 #include "base/error_without_file.h"
+#include "base/morton.h"
 #include "scenegraph/contents.h"
 #include "scenegraph/shutter.h"
 #include "shade/input_limits.h"
@@ -186,7 +187,8 @@ void MeshLights::add(const Placed& placed, const CageSlot& slot)
         if (density > 0) power_ += double(density) * found.area[s];
         if (!(density > 0) || moves || node.skin || unsampled.contains(material)) continue;
         known_.push_back({id, material, density});
-        const Mesh mesh{id, &cage, material, world_from_object, static_cast<std::uint32_t>(sums_.size()), density};
+        const Mesh mesh{id, &cage, material, world_from_object, density};
+        const std::size_t before = sums_.size();
         for (const std::uint32_t face : found.of(s)) {
             const TrianglePoints c = corners(mesh, face);
             const double area = 0.5 * glm::length(glm::cross(c.b - c.a, c.c - c.a));
@@ -194,7 +196,9 @@ void MeshLights::add(const Placed& placed, const CageSlot& slot)
             sums_.push_back((sums_.empty() ? 0 : sums_.back()) + area * double(density));
             faces_.push_back(face);
         }
-        if (sums_.size() > mesh.first) meshes_.push_back(mesh);
+        if (sums_.size() == before) continue;
+        mesh_indices_.resize(sums_.size(), static_cast<std::uint32_t>(meshes_.size()));
+        meshes_.push_back(mesh);
     }
 }
 
@@ -226,11 +230,38 @@ MeshLights::MeshLights(const Scene& scene, const TextureStore& textures, const F
         known_.end());
 }
 
+void MeshLights::sort_by_place()
+{
+    const auto middle_of = [&](std::uint32_t i) {
+        const TrianglePoints c = corners(mesh_of(i), faces_[i]);
+        return (c.a + c.b + c.c) / 3.0;
+    };
+    const auto count = static_cast<std::uint32_t>(sums_.size());
+    Box3d middles;
+    for (std::uint32_t i = 0; i < count; ++i) middles.add(middle_of(i));
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> order(count);
+    for (std::uint32_t i = 0; i < count; ++i) order[i] = {morton_code(middle_of(i), middles), i};
+    std::sort(order.begin(), order.end());
+    const auto sorted = [&](const std::vector<std::uint32_t>& from) {
+        std::vector<std::uint32_t> to;
+        to.reserve(count);
+        for (const auto& [code, i] : order) to.push_back(from[i]);
+        return to;
+    };
+    std::vector<double> sums;
+    sums.reserve(count);
+    for (const auto& [code, i] : order) sums.push_back((sums.empty() ? 0 : sums.back()) + (sums_[i] - sum_before(i)));
+    sums_ = std::move(sums);
+    mesh_indices_ = sorted(mesh_indices_);
+    faces_ = sorted(faces_);
+}
+
 void MeshLights::make_tree(std::optional<Vec3d> origin)
 {
     if (sums_.size() <= kMostWithoutTree) return;
     constexpr std::size_t kMostLeaves = 65536;
     of_a_leaf_ = (sums_.size() + kMostLeaves - 1) / kMostLeaves;
+    if (of_a_leaf_ > 1) sort_by_place();  // else the box of a leaf could be as large as the scene
     const TrianglePoints first = corners(meshes_.front(), faces_.front());
     std::vector<LightTree::Triangle> triangles;
     const auto triangles_of = [&](std::size_t leaf) {
@@ -242,13 +273,6 @@ void MeshLights::make_tree(std::optional<Vec3d> origin)
         return std::span<const LightTree::Triangle>(triangles);
     };
     tree_ = LightTree((sums_.size() + of_a_leaf_ - 1) / of_a_leaf_, origin.value_or(first.a), triangles_of);
-}
-
-const MeshLights::Mesh& MeshLights::mesh_of(std::uint32_t triangle) const noexcept
-{
-    return *(std::upper_bound(meshes_.begin(), meshes_.end(), triangle,
-                              [](std::uint32_t i, const Mesh& m) { return i < m.first; }) -
-             1);
 }
 
 MeshLights::Choice MeshLights::choose(const Receiver& receiver, float number) const noexcept

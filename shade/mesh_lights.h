@@ -7,9 +7,8 @@
 // alone.
 //
 // Space    world axes, frame lengths (scenegraph/frame_scale.h).
-// Memory   a double and an index per triangle; the vertices stay in the scene. A tree takes about 160 bytes a triangle, and
-//          some 11 MB at most: of very many triangles, several that follow each other share a leaf. Borrows scene and
-//          textures.
+// Memory   a double and two indices per triangle; the vertices stay in the scene. A tree takes about 160 bytes a triangle,
+//          and some 11 MB at most: of very many triangles, neighbours share a leaf. Borrows scene and textures.
 // Threads  const after construction.
 #pragma once
 
@@ -40,7 +39,7 @@ public:
     /// figure is an estimate.
     double power() const noexcept { return power_; }
 
-    /// The most faces of emissive objects, counted in each placement: sums over 33 million triangles take 400 MB.
+    /// The most faces of emissive objects, counted in each placement: sums over 33 million triangles take 540 MB.
     static constexpr std::size_t kMostFaces = std::size_t(1) << 25;
     /// More triangles than this are drawn by a tree.
     static constexpr std::size_t kMostWithoutTree = 16;
@@ -69,8 +68,7 @@ private:
         const Cage* cage;
         const Material* material;
         Mat4d world_from_object;
-        std::uint32_t first;  ///< index into sums_
-        float area_density;   ///< not yet divided by the total
+        float area_density;  ///< not yet divided by the total
     };
     struct Known {
         NodeId node;
@@ -91,7 +89,9 @@ private:
         double area_density;
     };
     Choice choose(const Receiver& receiver, float number) const noexcept;
-    const Mesh& mesh_of(std::uint32_t triangle) const noexcept;
+    const Mesh& mesh_of(std::uint32_t triangle) const noexcept { return meshes_[mesh_indices_[triangle]]; }
+    /// Puts the triangles in the order of a curve through their middles.
+    void sort_by_place();
     /// Returns area times luminance of all triangles before this one.
     double sum_before(std::size_t triangle) const noexcept { return triangle == 0 ? 0 : sums_[triangle - 1]; }
     // The triangles of a leaf of the tree.
@@ -106,6 +106,8 @@ private:
     bool any_emitter_ = false;
     double power_ = 0;
     std::vector<Mesh> meshes_;
+    // Of each triangle: its mesh, its number there, and the sum up to it.
+    std::vector<std::uint32_t> mesh_indices_;
     std::vector<std::uint32_t> faces_;
     std::vector<double> sums_;  ///< running sums of area times luminance
     std::vector<Known> known_;  ///< sorted

@@ -32,7 +32,8 @@ struct Lamps {
     Scene scene;
     std::vector<Lamp> all;
 
-    explicit Lamps(std::uint32_t triangles)
+    /// size   about the length of an edge
+    explicit Lamps(std::uint32_t triangles, float size = 1)
     {
         test::Numbers n(3);
         Cage cage;
@@ -41,7 +42,7 @@ struct Lamps {
             const Vec3f middle(8 * n.one() - 4, 8 * n.one() - 4, 8 * n.one() - 4);
             for (int p = 0; p < 3; ++p) {
                 cage.face_vertices.push_back(3 * i + std::uint32_t(p));
-                cage.positions.push_back(middle + unit(n) * (0.1f + n.one()));
+                cage.positions.push_back(middle + unit(n) * (size * (0.1f + n.one())));
             }
             cage.face_slots.push_back(i % 2);
         }
@@ -159,6 +160,27 @@ TEST(MeshLights, WhatIsNotSampledHasNoDensity)
     EXPECT_EQ(lights.area_density({lamp.node, &other, lamp.face, middle}, receiver), 0);
     EXPECT_EQ(lights.area_density({lamp.node, lamp.material, 60, middle}, receiver), 0);
     EXPECT_EQ(lights.area_density({lamp.node, lamp.material, lamp.face, Vec3d(1000)}, receiver), 0);
+}
+
+// Where triangles share leaves, those of a leaf are neighbours, although the mesh lists them in any order. A point was in
+// the boxes of half of all leaves, and looking for its triangle took as long as looking at all of them.
+TEST(MeshLights, LeavesOfManyTrianglesAreSmall)
+{
+    const Lamps lamps(50'000, 0.01f);
+    const TextureStore textures(1 << 20);
+    MeshLights lights(lamps.scene, textures);
+    lights.make_tree({});
+    const Receiver receiver{lights.tree().relative(Vec3d(9, 9, 6)), glm::normalize(Vec3f(-1)), kAllGroups, true};
+    std::size_t around = 0;
+    double sum = 0;
+    for (const Lamp& lamp : lamps.all) {
+        const Vec3d middle = lamp.at(1.0 / 3, 1.0 / 3);
+        lights.tree().for_boxes_around(middle, [&](std::uint32_t) { ++around; });
+        const double area = 0.5 * glm::length(glm::cross(lamp.corner[1] - lamp.corner[0], lamp.corner[2] - lamp.corner[0]));
+        sum += area * double(lights.area_density({lamp.node, lamp.material, lamp.face, middle}, receiver));
+    }
+    EXPECT_LT(around, 3 * lamps.all.size());
+    EXPECT_NEAR(sum, 1, 1e-3) << "the density is that of one sample";
 }
 
 // 8,192 placements of a mesh of 8,192 triangles.
