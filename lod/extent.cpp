@@ -18,8 +18,9 @@ using namespace OpenSubdiv;
 // the surface and the hull of its control points falls to a quarter.
 constexpr std::size_t kMostFaces = 60'000;
 constexpr int kMostLevels = 3;
-// Cages that are seen after so many points of refined ones are not refined: their vertices are the points.
-constexpr std::size_t kMostRefined = 2'000'000;
+// Cages that are seen after so many points of refined ones are not refined: their vertices are the points. Points of cages
+// that are deformed count several times, since they are computed again for each pose.
+constexpr std::size_t kMostRefined = 2'000'000, kShareOfDeformed = 8;
 // Beyond this many points in all, placed cages give the corners of their boxes.
 constexpr std::size_t kMostPoints = 50'000'000;
 constexpr std::size_t kMostPlacements = 1'000'000;
@@ -45,7 +46,7 @@ struct Extent::State {
     // Holds the connectivity of a cage at the level that gives the points.
     struct Shape {
         std::uint64_t identity = 0, version = 0;
-        std::size_t refined = 0;                        // number of points, if it was refined
+        std::size_t refined = 0;                        // number of points that count, if it was refined
         std::unique_ptr<Far::TopologyRefiner> refiner;  // null if the vertices themselves are the points
         std::vector<std::uint32_t> used;                // vertices of faces that are visible
         std::vector<Vec3d> still;                       // points of a cage that nothing deforms, in object axes; for such
@@ -57,7 +58,7 @@ struct Extent::State {
 
     std::unordered_map<CageId, Shape> shapes;
     std::size_t points = 0;   // number of points in one visit
-    std::size_t refined = 0;  // number of points of all cages that were refined
+    std::size_t refined = 0;  // those of all cages that were refined
 };
 
 Extent::State::Shape& Extent::State::shape_of(CageId id, const CageSlot& slot)
@@ -77,7 +78,7 @@ Extent::State::Shape& Extent::State::shape_of(CageId id, const CageSlot& slot)
         shape.refiner->RefineUniform(Far::TopologyRefiner::UniformOptions(levels));
         const Far::TopologyLevel& finest = shape.refiner->GetLevel(shape.refiner->GetMaxLevel());
         is_used.assign(std::size_t(finest.GetNumVertices()), false);
-        refined += shape.refined = is_used.size();
+        refined += shape.refined = is_used.size() * (slot.is_deformed() ? kShareOfDeformed : 1);
         for (int f = 0; f < finest.GetNumFaces(); ++f)
             for (int k = 0; k < finest.GetFaceVertices(f).size() && !finest.IsFaceHole(f); ++k)
                 is_used[std::size_t(finest.GetFaceVertices(f)[k])] = true;

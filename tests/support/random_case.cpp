@@ -15,7 +15,7 @@ constexpr const char* kPartNames[kPartFeatures] = {
 constexpr const char* kSettingNames[kSettingFeatures] = {
     "path",    "ao",       "vertices", "frozen",  "lod-off",   "coarse", "fine", "lens",  "orthographic",
     "far",     "still",    "adaptive", "cropped", "one-sided", "layers", "sky",  "lamps", "light-samples",
-    "clamped", "filtered", "rounds",   "shutter"};
+    "clamped", "filtered", "rounds",   "shutter", "swarm"};
 
 template <std::size_t N>
 std::string names_of(unsigned bits, const char* const (&names)[N])
@@ -56,9 +56,11 @@ Scene scene_of(const RandomCase& c)
     light(scene, c, origin_of(c));
     if (c.has(SettingFeature::Shutter)) {
         CaseRandom random(c, SettingFeature::Shutter);
-        scene.record_shutter(1 << random.index(4), [&](double tau) {
-            for (const AddedPart& a : added)
+        scene.record_shutter(1 << random.index(6), [&](double tau) {
+            for (const AddedPart& a : added) {
                 if (a.part.has(PartFeature::Moving)) move_part(scene, c, a, tau);
+                move_swarm(scene, c, a, tau);
+            }
         });
     }
     return scene;

@@ -68,9 +68,10 @@ enum class SettingFeature : unsigned {
     Clamped,       ///< light that was scattered twice is limited
     Filtered,      ///< a wide reconstruction filter
     Rounds,        ///< the picture is made in rounds
-    Shutter        ///< the shutter is open, and the camera moves
+    Shutter,       ///< the shutter is open, and the camera moves
+    Swarm          ///< forty small instances of each part, which fly apart while the shutter is open
 };
-inline constexpr unsigned kSettingFeatures = 22;
+inline constexpr unsigned kSettingFeatures = 23;
 
 struct RandomPart {
     std::uint32_t key = 0;  ///< its random numbers are those of this number and the case's seed

@@ -96,7 +96,7 @@ AddedPart add_part(Scene& scene, const RandomCase& c, const RandomPart& part)
     if (part.has(PartFeature::Skinned)) add_skin(cage);
     if (part.has(PartFeature::Triangles)) make_triangles(cage);
     paint(cage, scene, c, part);
-    AddedPart added{.part = part, .node = {}, .joint = {}, .cage = {}, .place = place_of(c, part)};
+    AddedPart added{.part = part, .node = {}, .joint = {}, .cage = {}, .place = place_of(c, part), .swarm = {}};
     NodeDesc desc;
     desc.name = cage.name;
     desc.matrix = added.place;
@@ -120,7 +120,28 @@ AddedPart add_part(Scene& scene, const RandomCase& c, const RandomPart& part)
         (*copy.matrix)[3] += added.place[static_cast<int>(k)] * 2.5;
         scene.add_node(scene.root(), copy);
     }
+    for (int k = 0; c.has(SettingFeature::Swarm) && k < 40; ++k) {
+        NodeDesc copy;
+        copy.instance_of = added.node;
+        added.swarm.push_back(scene.add_node(scene.root(), copy));
+    }
+    move_swarm(scene, c, added, 0);
     return added;
+}
+
+void move_swarm(Scene& scene, const RandomCase& c, const AddedPart& added, double tau)
+{
+    CaseRandom random(c.seed, added.part.key, 300);
+    const double bend = random.between(0.2, 0.8), size = random.between(0.05, 0.3), distance = random.between(0, 4);
+    for (const NodeId node : added.swarm) {
+        const Vec3d from = random.inside_cube() * 2.0, by = from + random.inside_cube() * distance,
+                    to = by + random.inside_cube() * distance;
+        Trs trs;
+        trs.translation = origin_of(c) +
+                          (tau < bend ? glm::mix(from, by, tau / bend) : glm::mix(by, to, (tau - bend) / (1 - bend)));
+        trs.scale = Vec3d(size);
+        scene.set_transform(node, trs);
+    }
 }
 
 void move_part(Scene& scene, const RandomCase& c, const AddedPart& added, double tau)
