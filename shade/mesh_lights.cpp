@@ -262,7 +262,7 @@ void MeshLights::make_tree(std::optional<Vec3d> origin)
     constexpr std::size_t kMostLeaves = 65536;
     of_a_leaf_ = (sums_.size() + kMostLeaves - 1) / kMostLeaves;
     if (of_a_leaf_ > 1) sort_by_place();  // else the box of a leaf could be as large as the scene
-    const TrianglePoints first = corners(meshes_.front(), faces_.front());
+    const TrianglePoints first = corners(mesh_of(0), faces_.front());
     std::vector<LightTree::Triangle> triangles;
     const auto triangles_of = [&](std::size_t leaf) {
         triangles.clear();

@@ -183,6 +183,32 @@ TEST(MeshLights, LeavesOfManyTrianglesAreSmall)
     EXPECT_NEAR(sum, 1, 1e-3) << "the density is that of one sample";
 }
 
+// The first triangle along the curve is of another mesh than the first one, which has fewer triangles.
+TEST(MeshLights, ManyTrianglesMayBeOfSmallAndLargeMeshes)
+{
+    Scene scene;
+    Material glow;
+    glow.emission = Vec3f(1);
+    const MaterialId material = scene.add(glow);
+    for (const std::uint32_t triangles : {1u, 70'000u}) {
+        Cage cage;
+        cage.scheme = Scheme::Triangles;
+        cage.materials = {material};
+        for (std::uint32_t i = 0; i < triangles; ++i)
+            for (std::uint32_t p = 0; p < 3; ++p) {
+                cage.face_vertices.push_back(3 * i + p);
+                cage.positions.emplace_back(float(triangles - i) / float(triangles), p == 1, p == 2);
+            }
+        test::place(scene, scene.add(std::move(cage)), Vec3d(triangles == 1 ? 5 : 0));
+    }
+    scene.refit();
+    const TextureStore textures(1 << 20);
+    MeshLights lights(scene, textures);
+    lights.make_tree({});
+    EXPECT_LT(lights.tree().origin().x, 1e-3)
+        << "a corner of the last triangle of the large mesh, which is the first along x";
+}
+
 // 8,192 placements of a mesh of 8,192 triangles.
 TEST(MeshLights, RefusesMoreFacesThanFitInMemory)
 {
