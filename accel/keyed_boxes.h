@@ -51,7 +51,7 @@ public:
     float first, last;  ///< the earliest and the latest of them
 
     /// Returns where the first and the last time lie among the keys of an interval. Those of the whole shutter, which most
-    /// nodes have, are known: no other interval has all of its keys.
+    /// nodes have, are known: no other interval has as many keys at these distances.
     OCCAM_ALWAYS_INLINE std::pair<lod::KeyTime, lod::KeyTime> ends_in(const KeySpan& keys) const noexcept
     {
         if (float(keys.segments) == per_time_ && keys.per_time == per_time_) return whole_;

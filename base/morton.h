@@ -18,8 +18,8 @@ constexpr std::uint64_t spread_bits(std::uint64_t x) noexcept
     return (x | x << 2) & 0x1249249249249249ull;
 }
 
-/// Returns the place of a point along the curve through the box, in steps of 2^-21 of its sides. A point that is not in the
-/// box counts as the nearest one that is, and a coordinate that is not a number as the least.
+/// Returns the place of a point along the curve through the box, whose sides have 2^21 - 1 steps. A coordinate that is not a
+/// number counts as the least one.
 inline std::uint64_t morton_code(Vec3d p, const Box3d& within) noexcept
 {
     constexpr double kSteps = 2097151;

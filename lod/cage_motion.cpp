@@ -186,8 +186,11 @@ double CageMotion::least_distance_across(Vec3d eye) const
 
 double CageMotion::deviation(int key, int before, int after) const
 {
-    // Several changes multiply, which no sum of their own deviations bounds.
-    if (changes_ > 1 || (moves_positions_ && slot_.is_deformed())) return std::numeric_limits<double>::infinity();
+    // Several changes multiply, which no sum of their own deviations bounds. The same holds for displacement, whose length
+    // follows the node, on a surface that follows joints.
+    const bool is_product = changes_ > 1 || (moves_positions_ && slot_.is_deformed()) ||
+                            (is_skinned_ && world_.size() > 1 && slot_.cage.is_displaced());
+    if (is_product) return std::numeric_limits<double>::infinity();
     return moves_maps_      ? deviation_of_maps(key, before, after)
            : moves_weights_ ? deviation_of_weights(key, before, after)
                             : deviation_of_positions(key, before, after);
@@ -276,7 +279,7 @@ const PosedCage* CageMotion::make_still_pose(std::span<const PosedCage> keys, co
 
 namespace {
 
-// A box is not nearer than this many of its radii.
+// A box counts as no nearer than this many of its radii.
 constexpr double kNearest = 1.0 / 64;
 
 // Returns the target edge length at a distance from the camera.
@@ -309,7 +312,7 @@ double motion_tolerance(const LevelSettings& settings, const Box3d& world) noexc
 double largest_motion_tolerance(const LevelSettings& settings, const Box3d& world) noexcept
 {
     const double farthest = glm::length(glm::max(glm::abs(world.lo - settings.eye), glm::abs(world.hi - settings.eye)));
-    return tolerance_of(settings, edge_at(settings, std::max(farthest, world.radius() * kNearest)), world.radius());
+    return tolerance_of(settings, edge_at(settings, farthest), world.radius());
 }
 
 int level_of_motion(const LevelSettings& settings, const CageMotion& motion)

@@ -18,9 +18,9 @@ using namespace OpenSubdiv;
 // the surface and the hull of its control points falls to a quarter.
 constexpr std::size_t kMostFaces = 60'000;
 constexpr int kMostLevels = 3;
-// Cages that are seen after so many points of refined ones are not refined: their vertices are the points. Points of cages
-// that are deformed count several times, since they are computed again for each pose.
-constexpr std::size_t kMostRefined = 2'000'000, kShareOfDeformed = 8;
+// Once refined cages have this many points, further cages give their vertices. A point of a cage that is deformed counts as
+// several, since it is computed again for each pose.
+constexpr std::size_t kMostRefined = 2'000'000, kWeightOfDeformed = 8;
 // Beyond this many points in all, placed cages give the corners of their boxes.
 constexpr std::size_t kMostPoints = 50'000'000;
 constexpr std::size_t kMostPlacements = 1'000'000;
@@ -58,7 +58,7 @@ struct Extent::State {
 
     std::unordered_map<CageId, Shape> shapes;
     std::size_t points = 0;   // number of points in one visit
-    std::size_t refined = 0;  // those of all cages that were refined
+    std::size_t refined = 0;  // those of all cages that count
 };
 
 Extent::State::Shape& Extent::State::shape_of(CageId id, const CageSlot& slot)
@@ -67,18 +67,19 @@ Extent::State::Shape& Extent::State::shape_of(CageId id, const CageSlot& slot)
     const bool is_made = !shape.used.empty() || !shape.still.empty();
     if (shape.identity == slot.identity && shape.version == slot.positions_version && is_made) return shape;
     refined -= shape.refined;
+    const bool was_refined = shape.refined > 0;  // then it is again, so that a sequence is framed in one way
     shape = {slot.identity, slot.positions_version, 0, nullptr, {}, {}};
     const Cage& cage = slot.cage;
     std::vector<bool> is_used(cage.positions.size());
     int levels = 0;
-    if (cage.scheme == Scheme::CatmullClark && cage.face_count() > 0 && refined < kMostRefined)
+    if (cage.scheme == Scheme::CatmullClark && cage.face_count() > 0 && (was_refined || refined < kMostRefined))
         for (std::size_t n = cage.face_vertices.size(); levels < kMostLevels && n <= kMostFaces; n *= 4) ++levels;
     if (levels > 0) {
         shape.refiner = make_refiner(cage);
         shape.refiner->RefineUniform(Far::TopologyRefiner::UniformOptions(levels));
         const Far::TopologyLevel& finest = shape.refiner->GetLevel(shape.refiner->GetMaxLevel());
         is_used.assign(std::size_t(finest.GetNumVertices()), false);
-        refined += shape.refined = is_used.size() * (slot.is_deformed() ? kShareOfDeformed : 1);
+        refined += shape.refined = is_used.size() * (slot.is_deformed() ? kWeightOfDeformed : 1);
         for (int f = 0; f < finest.GetNumFaces(); ++f)
             for (int k = 0; k < finest.GetFaceVertices(f).size() && !finest.IsFaceHole(f); ++k)
                 is_used[std::size_t(finest.GetFaceVertices(f)[k])] = true;
@@ -89,7 +90,7 @@ Extent::State::Shape& Extent::State::shape_of(CageId id, const CageSlot& slot)
         if (is_used[v]) shape.used.push_back(v);
     if (slot.is_deformed()) return shape;
     shape.still = points_of(shape, {cage.positions.begin(), cage.positions.end()});
-    shape.used = {};
+    shape.used = std::vector<std::uint32_t>();  // assigning {} would keep its memory
     shape.refiner.reset();
     return shape;
 }

@@ -4,8 +4,8 @@
 // fits it far more closely than the hull of the original cage.
 //
 // Space    world.
-// Memory   the points of refined cages, at most about two million, until this object is destroyed; of cages that are
-//          deformed their connectivity, too.
+// Memory   the points of cages and meshes in object axes, those of refined cages at most about two million; of refined cages
+//          that are deformed the connectivity instead. All of it is kept until this object is destroyed.
 // Threads  one.
 #pragma once
 

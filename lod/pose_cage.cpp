@@ -22,7 +22,10 @@ PosedCage& pose_cage(const CagePlacement& placement, const LevelSettings& levels
     const bool chooses_level = cage.topology && levels.mode == LevelMode::PerInstance;
     const CageMotion motion(slot, node, skin, matrices, shutter_segments);
     if (motion.moves()) {
-        const int segments = motion.segments(motion_tolerance(levels, motion.world_box()));
+        // Boxes of nodes that stand still hold only what moves in them at keys where it is visible.
+        const int segments = visible_in == PosedCage::kAllSegments
+                                 ? motion.segments(motion_tolerance(levels, motion.world_box()))
+                                 : shutter_segments;
         if (cage.topology) cage.least_level = level_of_motion(levels, motion);
         PosedCage& first = motion.make_keys(cage, segments, tools);
         if (chooses_level) {

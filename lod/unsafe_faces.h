@@ -9,10 +9,9 @@ namespace occam::lod {
 /// overwrites memory, or reads what it never wrote, in two cases (Bfr::IrregularPatchBuilder, Far::SourcePatch):
 ///
 /// - There are more sharp edges around the face than it has room for.
-/// - Two faces close around a corner of the face, and another corner lies at a border: an edge that does not have exactly
-/// two
-///   faces of one orientation or, if there are creases, a seam of texture coordinates. After one refinement, no face has two
-///   such corners.
+/// - Two faces close around a corner of the face, and another corner lies at a border. A border is an edge that does not
+///   have exactly two faces of one orientation, or a seam of texture coordinates if there are creases. After one refinement,
+///   no face has two such corners.
 ///
 /// has_creases   whether the cage has any
 bool is_unsafe(const OpenSubdiv::Far::TopologyLevel& level, int face, bool has_creases);

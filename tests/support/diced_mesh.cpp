@@ -112,7 +112,7 @@ bool has_finite_surface(const DicedCage& diced)
             for (const auto& row : values)
                 is_finite &= std::all_of(std::begin(row), std::end(row), [](float value) { return std::isfinite(value); });
             for (int set = 0; set < topology.uv_set_count() && !topology.has_linear_uv(f); ++set)
-                topology.uv_controls({f, sub}, set);
+                is_finite &= !topology.uv_controls({f, sub}, set).indices.empty();
         }
     }
     return is_finite;

@@ -43,8 +43,8 @@ private:
     Arena pose_;
 };
 
-/// Evaluates the corners of each visible patch and their tangents, and makes what texture coordinates there are interpolated
-/// from. Returns whether all of these points and tangents are finite.
+/// Evaluates the corners of each visible patch with their tangents, and finds the control points of its texture coordinates.
+/// Returns whether all points and tangents are finite, and all smooth texture coordinates have control points.
 bool has_finite_surface(const DicedCage& diced);
 
 /// Identifies a point by its bits; the two zeros are equal.

@@ -256,8 +256,8 @@ TEST(Trees, FindTheSameBitsWhereThingsMove)
         }
 }
 
-// Cages and meshes that fly far in all directions, along paths with a bend: nodes of the tree halve the shutter, and each
-// cage moves along chords of as few segments as its own size and distance allow.
+// Smooth and flat cages that fly far in all directions, along paths with a bend: nodes of the tree halve the shutter, and
+// each cage moves along chords of as few segments as its own size and distance allow. Some are hidden at first or at last.
 void record_swarm(Scene& scene, int segments)
 {
     std::mt19937 random(6);
@@ -266,11 +266,9 @@ void record_swarm(Scene& scene, int segments)
         for (int a = 0; a < 3; ++a) p[a] = double(random() % 2001) * 0.009 - 9;
         return p;
     };
-    Cage cube = prism(4);
-    const CageId smooth = scene.add(cube);
-    cube = prism(3);
-    cube.scheme = Scheme::Bilinear;
-    const CageId flat = scene.add(cube);
+    Cage sharp = prism(3);
+    sharp.scheme = Scheme::Bilinear;
+    const CageId smooth = scene.add(prism(4)), flat = scene.add(std::move(sharp));
     std::vector<NodeId> nodes;
     std::vector<std::array<Vec3d, 3>> places;
     for (int k = 0; k < 400; ++k) {
@@ -285,6 +283,7 @@ void record_swarm(Scene& scene, int segments)
                                           : glm::mix(places[k][1], places[k][2], (tau - kBend) / (1 - kBend));
             trs.scale = Vec3d(0.6);
             scene.set_transform(nodes[k], trs);
+            if (k % 5 == 0) scene.set_visible(nodes[k], (tau < kBend) == (k % 2 == 0));
         }
     });
 }

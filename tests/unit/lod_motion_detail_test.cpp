@@ -1,10 +1,12 @@
 // Tests of what motion makes coarser (lod/cage_motion.h, level_of_motion()).
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "lod/cage_motion.h"
 #include "tests/support/motions.h"
+#include "tests/support/random_directions.h"
 #include "tests/support/shape_builders.h"
 
 namespace occam::test {
@@ -42,6 +44,33 @@ Motion sliding(Vec3d by, bool is_written)
     if (is_written) motion.vertex = [by](Vec3f p, double tau) { return p + Vec3f(by * tau); };
     else motion.matrix = [by](double tau) { return moved_by(by * tau); };
     return motion;
+}
+
+// Boxes of nodes are grown by this bound, so that they hold cages below that follow fewer segments.
+TEST(MotionTolerance, OfABoxIsNotLargerThanTheBoundOfABoxAroundIt)
+{
+    Random random(17);
+    const auto point = [&] {
+        const double x = random(), y = random();
+        return Vec3d(x, y, random());
+    };
+    double least = 1, most = 0;
+    for (int i = 0; i < 2000; ++i) {
+        lod::LevelSettings levels;
+        levels.eye = point() * 4.0 - 1.5;
+        levels.pixel = {i % 3 ? 0 : 0.02f, i % 3 ? 0.01f : 0};
+        if (i % 3 == 2) levels.motion_edges = 0;  // only rounding is left
+        Box3d around, inside;
+        for (int corner = 0; corner < 2; ++corner) around.add(point());
+        for (int corner = 0; corner < 2; ++corner) inside.add(glm::mix(around.lo, around.hi, point()));
+        const double bound = lod::largest_motion_tolerance(levels, around);
+        const double share = lod::motion_tolerance(levels, inside) / bound;
+        EXPECT_LE(share, 1) << i;
+        least = std::min(least, share);
+        most = std::max(most, share);
+    }
+    EXPECT_LT(least, 0.3);
+    EXPECT_GT(most, 0.9) << "no loose bound";
 }
 
 TEST(MotionDetail, FollowsTheDistanceMovedAcrossTheLineOfSight)

@@ -183,7 +183,7 @@ TEST(MeshLights, LeavesOfManyTrianglesAreSmall)
     EXPECT_NEAR(sum, 1, 1e-3) << "the density is that of one sample";
 }
 
-// The first triangle along the curve is of another mesh than the first one, which has fewer triangles.
+// The mesh that comes first has one triangle, and the triangle that comes first along the curve belongs to the other mesh.
 TEST(MeshLights, ManyTrianglesMayBeOfSmallAndLargeMeshes)
 {
     Scene scene;
