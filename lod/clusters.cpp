@@ -3,19 +3,11 @@
 #include <algorithm>
 #include <span>
 
+#include "base/morton.h"
 #include "lod/face_split.h"
 
 namespace occam::lod {
 namespace {
-
-// Spreads the 10 bits of x, with two zeros between each.
-std::uint32_t spread_bits(std::uint32_t x)
-{
-    x = (x | x << 16) & 0x030000ff;
-    x = (x | x << 8) & 0x0300f00f;
-    x = (x | x << 4) & 0x030c30c3;
-    return (x | x << 2) & 0x09249249;
-}
 
 struct FaceVertices {
     const Cage& cage;
@@ -79,8 +71,8 @@ void ClusterTree::halve_along_curve(const Cage& cage)
         const auto of = corners.of(f);
         for (const std::uint32_t v : of) centre += Vec3d(cage.positions[v]);
         const Vec3d cell = (centre / double(of.size()) - bounds.lo) * scale;
-        const auto bits = [](double x) { return spread_bits(static_cast<std::uint32_t>(std::clamp(x, 0.0, 1023.0))); };
-        keys[f] = std::uint64_t(bits(cell.x) | bits(cell.y) << 1 | bits(cell.z) << 2) << 32 | f;
+        const auto bits = [](double x) { return spread_bits(static_cast<std::uint64_t>(std::clamp(x, 0.0, 1023.0))); };
+        keys[f] = (bits(cell.x) | bits(cell.y) << 1 | bits(cell.z) << 2) << 32 | f;
     }
     std::sort(keys.begin(), keys.end());
     order_.resize(faces);
