@@ -58,7 +58,7 @@ struct Extent::State {
 
     std::unordered_map<CageId, Shape> shapes;
     std::size_t points = 0;   // number of points in one visit
-    std::size_t refined = 0;  // those of all cages that count
+    std::size_t refined = 0;  // the sum of Shape::refined
 };
 
 Extent::State::Shape& Extent::State::shape_of(CageId id, const CageSlot& slot)
