@@ -257,7 +257,7 @@ TEST(Trees, FindTheSameBitsWhereThingsMove)
 }
 
 // Smooth and flat cages that fly far in all directions, along paths with a bend: nodes of the tree halve the shutter, and
-// each cage moves along chords of as few segments as its own size and distance allow. Some are hidden at first or at last.
+// each cage moves along chords of as few segments as its own size and distance allow.
 void record_swarm(Scene& scene, int segments)
 {
     std::mt19937 random(6);
@@ -283,7 +283,6 @@ void record_swarm(Scene& scene, int segments)
                                           : glm::mix(places[k][1], places[k][2], (tau - kBend) / (1 - kBend));
             trs.scale = Vec3d(0.6);
             scene.set_transform(nodes[k], trs);
-            if (k % 5 == 0) scene.set_visible(nodes[k], (tau < kBend) == (k % 2 == 0));
         }
     });
 }
