@@ -127,6 +127,8 @@ struct Job::State {
         auto result = render::render_frame(inputs(deadline), control, stats);
         image = std::move(result.image);
         checkpoint = std::move(result.checkpoint);
+        settings.clamp = result.clamp;  // from here on it is that of the picture as it was made
+        settings.clamp_as_shown = false;
         resumed = {};
         refuse_bad_textures();  // those whose texels turned out to be unreadable
         render::describe(image, camera, settings);

@@ -71,11 +71,11 @@ void report(const RenderArguments& a, const FrameStats& stats)
 }
 
 // Returns the settings with the limit of scattered light that the format of the picture asks for.
-Settings settings_of(const RenderArguments& a, Settings settings, const Camera& camera, Scene& scene, Renderer& renderer)
+Settings settings_of(const RenderArguments& a, Settings settings)
 {
-    if (wants_display_clamp(a))
-        settings.clamp = display_clamp(a.write.exposure_ev ? *a.write.exposure_ev
-                                                           : measure_small(settings, camera, scene, renderer).exposure);
+    if (!wants_display_clamp(a)) return settings;
+    settings.clamp = display_clamp(a.write.exposure_ev.value_or(0));
+    settings.clamp_as_shown = !a.write.exposure_ev;
     return settings;
 }
 
@@ -102,7 +102,7 @@ int run(const RenderArguments& a)
     framing.pose();
     const Camera camera = framing.open_shutter(framing.camera());
     Renderer renderer(a.resources);
-    Settings settings = settings_of(a, framing.settings(camera), camera, scene, renderer);
+    Settings settings = settings_of(a, framing.settings(camera));
     if (a.replay) {
         renderer.replay(scene, camera, settings, *a.replay, std::cout);
         return 0;

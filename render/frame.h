@@ -36,6 +36,7 @@ struct FrameInputs {
 struct FrameResult {
     Image image;
     std::string checkpoint;  ///< lets an unfinished frame that was made in rounds continue; else empty
+    float clamp = 0;         ///< the limit of scattered light, which Settings::clamp_as_shown may have changed
 };
 
 /// Renders the frame and adds its cost to `stats`. Throws Error for a checkpoint of another picture.

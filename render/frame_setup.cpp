@@ -19,15 +19,16 @@ lod::LevelMode mode_of(Lod lod) noexcept
     return lod::LevelMode::PerRay;
 }
 
-// Returns the settings by which levels are chosen. If another camera's pixels decide them, its footprints are put in.
-lod::LevelSettings levels_of(const Settings& settings, const FrameScale& scale, CameraRays& camera)
+CameraRays lod_camera_of(const Settings& settings, const FrameScale& scale)
 {
-    lod::LevelSettings levels = camera.levels(settings.shading_rate);
-    if (settings.lod_camera) {
-        const CameraRays other(scale.placed(*settings.lod_camera), settings.width, settings.height);
-        camera.take_footprints_of(other);
-        levels = other.levels(settings.shading_rate);
-    }
+    return {scale.placed(*settings.lod_camera), settings.width, settings.height};
+}
+
+// Returns the settings by which levels are chosen, which another camera's pixels may decide.
+lod::LevelSettings levels_of(const Settings& settings, const FrameScale& scale, const CameraRays& camera)
+{
+    lod::LevelSettings levels = settings.lod_camera ? lod_camera_of(settings, scale).levels(settings.shading_rate)
+                                                    : camera.levels(settings.shading_rate);
     levels.mode = mode_of(settings.lod);
     // A blurred surface needs no more detail than its samples can tell, unless the camera may follow it.
     const bool may_be_coarse = settings.lod != Lod::Off && !settings.lod_camera && !camera.moves() && levels.pixel.b > 0;
@@ -59,9 +60,16 @@ void set_depth_range(FrameContext& context, const Box3d& bounds)
 
 }  // namespace
 
+CameraRays camera_of(const Settings& settings, const FrameScale& scale, const Camera& camera)
+{
+    CameraRays rays(scale.placed(camera), settings.width, settings.height, settings.spp);
+    if (settings.lod_camera) rays.take_footprints_of(lod_camera_of(settings, scale));
+    return rays;
+}
+
 FrameSetup::FrameSetup(const FrameInputs& in)
     : scale(in.scene_bounds),
-      camera(scale.placed(in.camera), in.settings.width, in.settings.height, in.settings.spp),
+      camera(camera_of(in.settings, scale, in.camera)),
       levels(levels_of(in.settings, scale, camera)),
       filter(in.settings.filter, in.settings.filter_radius),
       sampler(in.settings.seed, in.settings.spp, in.settings.jitter),

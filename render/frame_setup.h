@@ -10,6 +10,10 @@
 
 namespace occam::render {
 
+/// Returns the rays of a camera through the pixels of a picture with these settings, in the unit of length of the frame.
+/// Their footprints are those of Settings::lod_camera, if it is given.
+CameraRays camera_of(const Settings& settings, const FrameScale& scale, const Camera& camera);
+
 /// Borrows the inputs. Its parts refer to each other, so it stays in place.
 struct FrameSetup {
     explicit FrameSetup(const FrameInputs& inputs);

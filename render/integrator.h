@@ -53,6 +53,7 @@ struct FrameContext {
     FrameScale scale{};                   ///< all other lengths of the frame are in its unit
     static constexpr std::size_t kShadowBatch = 16384;
     std::size_t shadow_batch = kShadowBatch;  ///< shadow rays that may wait before they are traced
+    float clamp = settings.clamp;             ///< Settings::clamp, or what it is for the exposure that was measured
     PathLog* log = nullptr;                   ///< if not null, it is told what happens to the path of the only sample
 };
 
@@ -203,10 +204,10 @@ private:
     void cross_lights(const Path& path, const accel::Ray& ray, float t_far, SampleResult& result) const;
     void add_emission(const Path& path, const accel::SurfaceHit& hit, const shade::Surface& surface, Vec3f share,
                       SampleResult& result) const;
-    /// Applies Settings::clamp to light that `scatterings` surfaces scattered on its way to the pixel.
+    /// Applies FrameContext::clamp to light that `scatterings` surfaces scattered on its way to the pixel.
     Vec3f clamped(Vec3f radiance, int scatterings) const noexcept
     {
-        const float most = context_.settings.clamp;
+        const float most = context_.clamp;
         if (!(most > 0) || scatterings < 2) return radiance;
         const float brightest = std::max({radiance.x, radiance.y, radiance.z});
         return brightest > most ? radiance * (most / brightest) : radiance;

@@ -3,7 +3,7 @@
 #include <ostream>
 
 #include "base/error_without_file.h"
-#include "render/frame_setup.h"
+#include "render/exposure_sketch.h"
 #include "render/path_log.h"
 
 namespace occam::render {
@@ -74,10 +74,13 @@ SampleResult replay_sample(const FrameInputs& in, const CameraSample& sample, st
 {
     check(sample, in.settings);
     FrameSetup setup(in);
+    FrameTracers tracers(setup.frame, in);
+    FrameControl control;
+    FrameStats stats;
+    set_limit_as_shown(in, setup, tracers, control, stats);
     PathLog log(out, in.scene, setup.scale);
     setup.context.log = &log;
-    accel::Tracer tracer(setup.frame, in.memory.tracer_bytes);
-    ReplayTracer replay(tracer, log);
+    ReplayTracer replay(tracers.of(0), log);
     Integrator integrator(setup.context);
     out << "sample " << sample.index << " of pixel " << sample.x << ',' << sample.y << '\n';
     SampleResult result;

@@ -102,6 +102,7 @@ inline constexpr SettingRow kSettings[] = {
     {"bounces", &Settings::bounces, 0, kMaxBounces, "",
      "Largest number of times that light is scattered; direct: of mirrors in a row"},
     {"clamp", &Settings::clamp},
+    {"clamp_as_shown", &Settings::clamp_as_shown},
     {"ao_distance", &Settings::ao_distance, 0, std::numeric_limits<float>::max(), "world length",
      "Length of the rays of ao, world length", "infinite"},
     {"shade", &Settings::shade_at, 0, 0, "",

@@ -20,13 +20,8 @@ double thread_seconds()
 
 }  // namespace
 
-Worker::Worker(const FrameContext& context, const accel::Frame& frame, const MemoryPlan& memory, accel::SharedTree* shared,
-               Clock::time_point deadline)
-    : context_(context),
-      tracer_(shared ? accel::Tracer(*shared) : accel::Tracer(frame, memory.tracer_bytes)),
-      integrator_(context),
-      batch_rays_(memory.batch_rays),
-      deadline_(deadline)
+Worker::Worker(const FrameContext& context, accel::Tracer& tracer, int batch_rays, Clock::time_point deadline)
+    : context_(context), tracer_(tracer), integrator_(context), batch_rays_(batch_rays), deadline_(deadline)
 {
 }
 
@@ -46,24 +41,28 @@ std::size_t Worker::tiles_at_once(int samples) const noexcept
     return static_cast<std::size_t>(std::max(1, batch_rays_ / (samples * kTileSide * kTileSide)));
 }
 
-void Worker::count_into(FrameStats& stats) const
+void Worker::count_rays_into(FrameStats& stats) const
 {
-    const accel::TraceCounters t = tracer_.counters();
     const IntegratorCounters& c = integrator_.counters();
     stats.rays.primary += c.rays.primary;
     stats.rays.shadow += c.rays.shadow;
     stats.rays.ao += c.rays.ao;
     stats.rays.glossy += c.rays.glossy;
     stats.rays.diffuse += c.rays.diffuse;
-    stats.image.samples += samples_made_;
-    stats.image.samples_not_finite += not_finite_;
     stats.seconds.trace += c.trace_seconds;
     stats.seconds.shade += c.shade_seconds;
+}
+
+void Worker::count_into(FrameStats& stats) const
+{
+    const accel::TraceCounters t = tracer_.counters();
+    stats.image.samples += samples_made_;
+    stats.image.samples_not_finite += not_finite_;
     stats.seconds.film += film_seconds_;
     stats.built.by_camera_rays += t.diced_for_camera;
     stats.built.by_shadow_rays += t.diced_for_occlusion;
     stats.built.visible_cells += visible_cells_;
-    stats.built.hits_looked_up += c.hits_looked_up;
+    stats.built.hits_looked_up += integrator_.counters().hits_looked_up;
     stats.workers.push_back({.cpu_seconds = cpu_seconds_, .tiles = tiles_});
     count_building(t, context_.scale.exponent(), stats, stats.workers.back());
 }

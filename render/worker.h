@@ -1,6 +1,6 @@
 // Renders the tiles of a frame, one after the other: one worker for each thread.
 //
-// Memory   a tracer's arena and queues of rays, within the worker's share of the memory budget.
+// Memory   queues of rays, within the worker's share of the memory budget.
 // Threads  each worker belongs to one thread.
 #pragma once
 
@@ -17,11 +17,11 @@
 
 namespace occam::render {
 
-/// Renders tiles with its own tracer and integrator.
+/// Renders tiles with an integrator of its own. Borrows the context and the tracer.
 class Worker {
 public:
-    /// shared   if null, the worker grows a tree of its own
-    Worker(const FrameContext& context, const accel::Frame& frame, const MemoryPlan& memory, accel::SharedTree* shared,
+    /// batch_rays   camera rays that are started together
+    Worker(const FrameContext& context, accel::Tracer& tracer, int batch_rays,
            std::chrono::steady_clock::time_point deadline);
 
     /// Renders tiles until they have `target` samples a pixel. They begin with the `before` samples that `sums` holds, or
@@ -32,6 +32,9 @@ public:
     /// Returns how many tiles fill a batch of rays with `samples` samples a pixel. If tiles end by their error, it is one.
     std::size_t tiles_at_once(int samples) const noexcept;
 
+    /// Adds the rays, and the time that tracing and shading them took.
+    void count_rays_into(FrameStats& stats) const;
+    /// Adds all other costs, those of the tracer with them.
     void count_into(FrameStats& stats) const;
 
     /// Adds what a tree has cost.
@@ -63,7 +66,7 @@ private:
     bool trace(int first, int last);
 
     const FrameContext& context_;
-    accel::Tracer tracer_;
+    accel::Tracer& tracer_;
     Integrator integrator_;
     int batch_rays_;
     std::chrono::steady_clock::time_point deadline_;
