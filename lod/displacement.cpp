@@ -53,6 +53,10 @@ PosedDisplacement::PosedDisplacement(const Cage& cage, const TextureStore& store
     textures = &store;
     for (int r = 0; r < 3; ++r) std::copy_n(frame_from_object[r], 3, map[r]);
     sense = mirrored ? -1.0f : 1.0f;
+    sense_in_object = glm::determinant(Mat3d(map[0][0], map[1][0], map[2][0], map[0][1], map[1][1], map[2][1], map[0][2],
+                                             map[1][2], map[2][2])) < 0
+                          ? -sense
+                          : sense;
     turns = deformed && of->space == Displacement::Space::Object;
     // This is a little more than the bound, because offsets are rounded.
     reach = static_cast<float>(largest_stretch(frame_from_object) * double(of->bound)) * (1 + 0x1p-18f);
@@ -94,19 +98,16 @@ Vec3d PosedDisplacement::along_normal(const PointToDisplace& at, double height) 
 
 Vec3d PosedDisplacement::turned(const PointToDisplace& at, Vec3d v) const noexcept
 {
-    const Vec3d placed = from_object(v);
-    const double far = glm::length(placed), length = glm::length(v);
-    const SurfaceAxes rest(at.rest_du, at.rest_dv), pose(at.du, at.dv);
-    if (!rest.is_good || !pose.is_good || !(length > 0)) return placed;
+    const SurfaceAxes rest(at.rest_du, at.rest_dv), pose(to_object(at.du), to_object(at.dv));
+    if (!rest.is_good || !pose.is_good) return from_object(v);
     // The pose maps the surface by [a b; 0 d] in these axes, and (a + d, -b) the direction of its nearest rotation.
     const double a = pose.du / rest.du, d = pose.dv_across / rest.dv_across;
     const double b = (pose.dv_along - a * rest.dv_along) / rest.dv_across;
     const double size = std::sqrt((a + d) * (a + d) + b * b);
     const double cosine = (a + d) / size, sine = -b / size;
     const double x = glm::dot(v, rest.along), y = glm::dot(v, rest.across), z = glm::dot(v, rest.normal);
-    const Vec3d posed = pose.along * (x * cosine - y * sine) + pose.across * (x * sine + y * cosine) +
-                        pose.normal * (double(sense) * z);
-    return posed * (far / length);
+    return from_object(pose.along * (x * cosine - y * sine) + pose.across * (x * sine + y * cosine) +
+                       pose.normal * (double(sense_in_object) * z));
 }
 
 Vec3d PosedDisplacement::in_tangents(const PointToDisplace& at, Vec3d v) const noexcept

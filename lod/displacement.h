@@ -10,8 +10,9 @@
 // - In the object's axes at rest, it needs no smooth coordinates. Where skin or morph targets pose the cage, v turns as they
 //   turn the surface: by the rotation between rest and pose that takes normal to normal and, in the surface, is nearest to
 //   the pose's map (polar decomposition). It is a function of the owner's patch at rest and posed, so it is as closed as P
-//   is, and it does not depend on the patch's parametrization, so neighbours agree over smooth edges. The length of v
-//   follows from the node's own transform and not from the pose.
+//   is, and it does not depend on the patch's parametrization, so neighbours agree over smooth edges. It turns in the
+//   object's axes, and the node's own transform is applied to it afterwards, so that it stays within the bound of the
+//   object.
 // - In tangent space, its axes are dP/du of the coordinates, the direction across it, and the normal. On a seam of the
 //   coordinates the axes and the texel are the owner's, so the surface is closed there, without a jump if the texture gives
 //   both charts the same vector. Where coordinates have no area there is no tangent, and only the normal's part is left.
@@ -51,11 +52,12 @@ struct PosedDisplacement {
 
     const Displacement* of = nullptr;  ///< null: no displacement
     const TextureStore* textures = nullptr;
-    double map[3][3] = {};  ///< the linear part of the cage's map from object axes to the dicing frame, by rows
-    float sense = 1;        ///< -1 if the map mirrors
-    float reach = 0;        ///< no point moves farther, world length
-    int stops = 0;          ///< from this level on the displacement is the same
-    bool turns = false;     ///< whether vectors in object axes turn, because the cage is posed
+    double map[3][3] = {};      ///< the linear part of the cage's map from object axes to the dicing frame, by rows
+    float sense = 1;            ///< -1 if the map mirrors
+    float sense_in_object = 1;  ///< -1 if the pose mirrors before the map does its part
+    float reach = 0;            ///< no point moves farther, world length
+    int stops = 0;              ///< from this level on the displacement is the same
+    bool turns = false;         ///< whether vectors in object axes turn, because the cage is posed
 
     int uv_set() const noexcept { return of->texture.uv_set; }
     /// Returns the offset of the limit point, in the dicing frame.

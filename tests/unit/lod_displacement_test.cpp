@@ -132,6 +132,42 @@ TEST(Displacement, ByOneVectorMovesEveryPointAsThePlacementMovesVectors)
     EXPECT_NEAR(glm::distance(Vec3d(near.at(0)) + held.posed.anchor, expected), 0, 4e-6);
 }
 
+// A node that is longer along one axis than along others: the box of a node is grown in the object's axes.
+TEST(Displacement, OfAPosedCageStaysWithinItsBoundInTheAxesOfTheObject)
+{
+    DisplacedCage displaced = displaced_case(6);
+    set_texel(displaced, {1, 0, 0.7f});  // longer than the bound
+    const double bound = double(displaced.cage.displacement->bound);
+    std::mt19937_64 random(5);
+    const auto any = [&] { return double(random() >> 40) * 0x1p-23 - 1; };
+    const auto any_vector = [&] {
+        const double x = any(), y = any();
+        return Vec3d(x, y, any());
+    };
+    for (int i = 0; i < 1000; ++i) {
+        const Vec3d sizes = any_vector() * Vec3d(1, 4, 20);
+        const Mat3d place = Mat3d(turned_and_stretched()) * Mat3d(sizes.x, 0, 0, 0, sizes.y, 0, 0, 0, sizes.z);
+        double map[3][4] = {};
+        for (int r = 0; r < 3; ++r)
+            for (int c = 0; c < 3; ++c) map[r][c] = place[c][r];
+        const bool is_mirrored = glm::determinant(place) < 0;
+        const lod::PosedDisplacement posed(displaced.cage, displaced.textures, map, is_mirrored, true, 1),
+            still(displaced.cage, displaced.textures, map, is_mirrored, false, 1);
+        lod::PointToDisplace at{};
+        at.rest_du = Vec3f(any_vector());
+        at.rest_dv = Vec3f(any_vector());
+        at.du = Vec3f(any_vector());
+        at.dv = Vec3f(any_vector());
+        const Vec3d in_object = glm::inverse(place) * Vec3d(posed.offset(at, 0));
+        EXPECT_LE(glm::length(in_object), bound * (1 + 1e-4)) << i;
+        // In its pose at rest a cage is displaced as if it had none.
+        at.du = Vec3f(place * Vec3d(at.rest_du));
+        at.dv = Vec3f(place * Vec3d(at.rest_dv));
+        const Vec3d expected(still.offset(at, 0));
+        EXPECT_NEAR(glm::distance(Vec3d(posed.offset(at, 0)), expected), 0, 1e-3 * glm::length(expected)) << i;
+    }
+}
+
 // The speeds of a displaced patch come from hundreds of points, which are computed several at a time.
 TEST(Displacement, OfManyPointsHasTheBitsOfEachAlone)
 {
