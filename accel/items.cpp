@@ -33,6 +33,30 @@ int small_from(const lod::PatchScale& scale)
 
 std::int8_t level_bound(int level) { return static_cast<std::int8_t>(std::clamp<int>(level, Item::kAlways, Item::kNever)); }
 
+// Returns a pair up to which the region consists of whole quads, and in which the pieces of the patch's sides that it
+// touches are no longer than it is. Sides that are much shorter than the patch are left out, since the region would not hold
+// where it is needed: a region is used up to the pair at which the larger one around it is one tile.
+int pair_of_whole_pieces(const lod::PatchScale& scale, const lod::PatchRegion& region) noexcept
+{
+    constexpr int kMostBelow = lod::TileRef::kSideExponent - 2;
+    int level = Item::kNever + 1;
+    const int depth[2] = {region.du, region.dv};
+    const std::uint32_t at[2] = {region.iu, region.iv};
+    for (int axis : {0, 1}) {
+        const int d = depth[axis];
+        if (d > scale.inside(axis, lod::kCoarsestLevel)) level = std::min(level, scale.k[axis] - d);
+        // Sides 0 and 2 lie along u, where v is 0 and 1; sides 1 and 3 along v, where u is 1 and 0.
+        const int first = axis == 0 ? 0 : 3, second = axis == 0 ? 2 : 1, other = 1 - axis;
+        for (const int side : {first, second}) {
+            const bool touches = side == first ? at[other] == 0 : at[other] + 1 == 1u << depth[other];
+            const int k = scale.side_k[std::size_t(side)];
+            if (touches && d > scale.side_least[std::size_t(side)] && k >= scale.k[axis] - kMostBelow)
+                level = std::min(level, k - d);
+        }
+    }
+    return level - 1;
+}
+
 /// This range holds for faces that do not change from level to level.
 constexpr PairRange kAllPairs{lod::kFinestLevel, lod::kCoarsestLevel};
 
@@ -189,18 +213,15 @@ void Items::add_region(const lod::PosedCage& cage, ClusterInfo* cluster, const P
         if (scale.inside(axis, lod::kCoarsestLevel) - depth[axis] > lod::TileRef::kSideExponent) from = Item::kNever;
         else from = std::max(from, scale.k[axis] - depth[axis] - lod::TileRef::kSideExponent);
     item.final_from = level_bound(from <= cage.finest_level() ? Item::kAlways : from);
-    // The box is right as long as the region consists of whole quads of the pair's coarser level.
-    const bool is_always = frame_.levels.mode == lod::LevelMode::PerInstance ||
-                           (region.du <= scale.inside(0, lod::kCoarsestLevel) &&
-                            region.dv <= scale.inside(1, lod::kCoarsestLevel));
-    const int holds_to = is_always ? Item::kNever : std::min(scale.k[0] - region.du, scale.k[1] - region.dv) - 1;
+    const bool is_one_level = frame_.levels.mode == lod::LevelMode::PerInstance;
+    const int holds_to = is_one_level ? Item::kNever : pair_of_whole_pieces(scale, region),
+              coarsest = is_one_level ? std::max(cage.level, cage.finest_level())
+                                      : std::min(holds_to + 1, lod::kCoarsestLevel);
     item.holds_to = level_bound(holds_to);
     if (region.du == 0 && region.dv == 0) static_cast<ShutterBox&>(item) = patch;
     else
-        set_boxes_at_keys(item, cage, [&](int key) {
-            return to_tree(cage,
-                           dicer_.bounds(cage.at_key(key), scale, region, std::min(holds_to + 1, lod::kCoarsestLevel)));
-        });
+        set_boxes_at_keys(item, cage,
+                          [&](int key) { return to_tree(cage, dicer_.bounds(cage.at_key(key), scale, region, coarsest)); });
     items_.push_back(item);
 }
 

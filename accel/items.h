@@ -122,6 +122,8 @@ public:
 
     /// Names the node that an item belongs to, for a message.
     std::string name_of(ItemIndex i) const;
+    /// Returns the name of what has most items.
+    std::string name_of_largest() const;
 
     /// Makes the parts of an item that is not final: [first_part, first_part + part_count) afterwards. For a Leaf that
     /// was not examined yet, it finds the pair from which on it is final. Items may move in memory. Returns whether

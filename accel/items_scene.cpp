@@ -1,4 +1,6 @@
 // Opens the nodes of the scene graph: what they show, placed and posed for one frame.
+#include <unordered_map>
+
 #include "accel/items.h"
 #include "accel/placement.h"
 #include "base/hash.h"
@@ -45,6 +47,16 @@ std::string Items::name_of(ItemIndex i) const
     const PlacedNode* at = static_cast<const PlacedNode*>(item.subject);
     while (at->parent && frame_.scene->find(at->id)->name.empty()) at = at->parent;
     return naming(*frame_.scene->find(at->id));
+}
+
+std::string Items::name_of_largest() const
+{
+    std::unordered_map<const void*, std::size_t> counts;
+    ItemIndex largest = 0;
+    std::size_t most = 0;
+    for (ItemIndex i = 0; i < items_.size(); ++i)
+        if (const std::size_t count = ++counts[items_[i].subject]; count > most) most = count, largest = i;
+    return items_.size() > 0 ? name_of(largest) : std::string();
 }
 
 void Items::set_box_of_node(Item& item, const PlacedNode& at, const Box3d& bounds)

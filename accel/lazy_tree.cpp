@@ -4,6 +4,7 @@
 #include <cfloat>
 
 #include "accel/memory_floor.h"
+#include "base/error_without_file.h"
 
 namespace occam::accel {
 
@@ -17,8 +18,7 @@ LazyTree::LazyTree(const FrameState& f, std::size_t bytes, BuildTechniques with,
       kd(items, arena, counters, with.scan, building()),
       bvh(items, arena, counters, f.segments, building())
 {
-    flush();
-    counters.flushes = 0;
+    restart();
 }
 
 std::size_t LazyTree::allowed_bytes() const noexcept
@@ -32,6 +32,23 @@ void LazyTree::flush()
 {
     counters.peak_bytes = std::max(counters.peak_bytes, arena.bytes());
     ++counters.flushes;
+    effort.add_flush(arena.bytes());
+    refuse_if_hopeless();
+    restart();
+}
+
+void LazyTree::refuse_if_hopeless() const
+{
+    if (!effort.is_hopeless()) return;
+    throw error_without_file(std::to_string(effort.rays()) + " rays met " + std::to_string(effort.bytes() >> 30) +
+                                 " GB of surfaces, again and again more than the memory budget holds, so the picture would "
+                                 "not end; larger micropolygons (--shading-rate), a smaller displacement or more memory "
+                                 "(--memory) help",
+                             items.name_of_largest());
+}
+
+void LazyTree::restart()
+{
     arena.reset(allowed_bytes());
     dicer.forget();
     const ItemIndex root = items.restart();

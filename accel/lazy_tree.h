@@ -9,6 +9,7 @@
 
 #include <memory>
 
+#include "accel/build_effort.h"
 #include "accel/build_lock.h"
 #include "accel/build_techniques.h"
 #include "accel/bvh.h"
@@ -24,8 +25,10 @@ struct LazyTree {
     /// Returns how many bytes the arena may take now. The tables of subdivision cages are not part of the budget, but where
     /// they take gigabytes the arena gets less: half of the budget at worst, and never less than any ray needs.
     std::size_t allowed_bytes() const noexcept;
-    /// Drops everything. No other thread may be inside the gate.
+    /// Drops everything. No other thread may be inside the gate. Throws Error if the frame would not end.
     void flush();
+    /// Counts rays that have ended.
+    void note_rays(std::size_t count) noexcept { effort.add_rays(count); }
     /// Returns the igrid of a leaf's entry. It is built now if this is the first ray that enters its box.
     /// asker   counts what is built now: only `grids` and `diced`
     IGrid& grid(const TreeLeaf& leaf, std::size_t place, int pair, TraceCounters& asker);
@@ -49,6 +52,10 @@ struct LazyTree {
     Building* building() const noexcept { return sharing ? &sharing->building : nullptr; }
     FlushGate* gate() const noexcept { return sharing ? &sharing->gate : nullptr; }
 
+    /// Starts with an empty tree.
+    void restart();
+    void refuse_if_hopeless() const;
+
     const FrameState& frame;
     const std::size_t memory_bytes, least_bytes;
     const BuildTechniques techniques;
@@ -56,6 +63,7 @@ struct LazyTree {
     Arena arena;
     lod::Dicer dicer;
     TraceCounters counters;
+    BuildEffort effort;
     Items items;
     /// Only the tree that the frame names is in use.
     KdTree kd;

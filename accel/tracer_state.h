@@ -124,7 +124,10 @@ struct Tracer::State {
         const auto fits = [&] {
             if (gate) gate->pass();
             const std::uint64_t seen = gate ? gate->flushes() : 0;
-            if (run(first, count, lazy.allowed_bytes())) return true;
+            if (run(first, count, lazy.allowed_bytes())) {
+                lazy.note_rays(count);
+                return true;
+            }
             flush(seen);
             return false;
         };
@@ -133,7 +136,7 @@ struct Tracer::State {
         if (fits() || fits()) return;
         if (count == 1) {
             const std::size_t most = std::max(lazy.memory_bytes, kMostBytesOfARay);
-            if (run(first, 1, most)) return;
+            if (run(first, 1, most)) return lazy.note_rays(1);
             throw error_without_file("one ray meets more surfaces than fit into " + std::to_string(most >> 20) + " MB");
         }
         within_budget(first, count / 2, run);
