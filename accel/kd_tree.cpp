@@ -14,6 +14,7 @@ constexpr std::size_t kEnough = 16;  // candidates to choose a plane from; 8 and
 constexpr std::size_t kMany = 64;  // candidates above which planes are tried at fixed steps, and items not opened one by one
 constexpr float kTraversalCost = 64;  // in the units of Item::cost; 32 is slower (docs/performance.md)
 constexpr float kEmptyBonus = 0.8f;   // factor of the cost of a split that cuts off empty space
+constexpr float kLeastCut = 0.25f;    // the share of a side that is cut off with the bonus; thin slices cost depth
 constexpr int kSteps = 32;
 
 /// Measures a box by a unit near its longest side, a power of two. Areas then neither overflow nor underflow, and a plane
@@ -112,7 +113,8 @@ KdTree::Split KdTree::scanned_split(const Box3f& box) const
             if (!(position > box.lo[axis] && position < box.hi[axis])) continue;
             float cost = kTraversalCost +
                          (measure.area_of(axis, share) * below + measure.area_of(axis, extent[axis] - share) * above) / area;
-            if (below == 0 || !(above > 0)) cost *= kEmptyBonus;
+            const float cut = below == 0 ? share : extent[axis] - share;
+            if ((below == 0 || !(above > 0)) && cut >= kLeastCut * extent[axis]) cost *= kEmptyBonus;
             if (cost < best.cost) best = {axis, position, cost};
         }
     }
@@ -145,7 +147,10 @@ KdTree::Split KdTree::counted_split(const Box3f& box)
             const vfloat area_below = measure.area_of(axis, position - vfloat(box.lo[axis])),
                          area_above = measure.area_of(axis, vfloat(box.hi[axis]) - position);
             vfloat cost = kTraversalCost + (area_below * below + area_above * above) / area;
-            cost = select((below == 0.0f) | (above == 0.0f), cost * kEmptyBonus, cost);
+            const vfloat least = kLeastCut * measure.extent[axis];
+            cost = select(((below == 0.0f) & (position - vfloat(box.lo[axis]) >= least)) |
+                              ((above == 0.0f) & (vfloat(box.hi[axis]) - position >= least)),
+                          cost * kEmptyBonus, cost);
             if (none(cost < best.cost)) continue;
             float costs[kLanes];
             cost.store(costs);
@@ -197,7 +202,8 @@ KdTree::Split KdTree::swept_split(const Box3f& box)
             const float area_below = measure.area_of(axis, position - box.lo[axis]),
                         area_above = measure.area_of(axis, box.hi[axis] - position);
             float cost = kTraversalCost + (area_below * below + area_above * above) / area;
-            if (below == 0 || h == high.size()) cost *= kEmptyBonus;
+            const float cut = below == 0 ? position - box.lo[axis] : box.hi[axis] - position;
+            if ((below == 0 || h == high.size()) && cut >= kLeastCut * measure.extent[axis]) cost *= kEmptyBonus;
             if (cost < best.cost) best = {axis, position, cost};
         };
         // Considers the planes at the faces of boxes in rising order.
