@@ -16,8 +16,9 @@ public:
     /// Nothing is hopeless before so much was dropped, and as often.
     static constexpr std::uint64_t kLeastBytes = std::uint64_t(6) << 30;
     static constexpr int kLeastFlushes = 4;
-    /// What rays may cost on average from the first flush on. A picture of 64 x 48 pixels and 16 samples then builds 50 GB.
-    static constexpr std::uint64_t kMostBytesARay = std::uint64_t(1) << 20;
+    /// What rays may cost on average from the first flush on. It is counted with all attempts, of which a ray needs three at
+    /// most, so a budget of less than 1 MB never leads here unless rays need more than the budget.
+    static constexpr std::uint64_t kMostBytesARay = std::uint64_t(2) << 20;
 
     /// Counts rays that have ended.
     void add_rays(std::size_t count) noexcept

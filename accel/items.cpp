@@ -34,17 +34,20 @@ int small_from(const lod::PatchScale& scale)
 std::int8_t level_bound(int level) { return static_cast<std::int8_t>(std::clamp<int>(level, Item::kAlways, Item::kNever)); }
 
 // Returns a pair up to which the region consists of whole quads, and in which the pieces of the patch's sides that it
-// touches are no longer than it is. Sides that are much shorter than the patch are left out, since the region would not hold
-// where it is needed: a region is used up to the pair at which the larger one around it is one tile.
+// touches are no longer than it is. A region is needed up to the pair at which the larger one around it is one tile, and
+// has to hold there: so sides that are much shorter than the patch are left out, and those of a region around which the
+// larger one is a tile at no pair.
 int pair_of_whole_pieces(const lod::PatchScale& scale, const lod::PatchRegion& region) noexcept
 {
-    constexpr int kMostBelow = lod::TileRef::kSideExponent - 2;
+    constexpr int kTile = lod::TileRef::kSideExponent, kMostBelow = kTile - 2;
     int level = Item::kNever + 1;
     const int depth[2] = {region.du, region.dv};
     const std::uint32_t at[2] = {region.iu, region.iv};
     for (int axis : {0, 1}) {
         const int d = depth[axis];
-        if (d > scale.inside(axis, lod::kCoarsestLevel)) level = std::min(level, scale.k[axis] - d);
+        const int least = scale.inside(axis, lod::kCoarsestLevel);
+        if (d > least) level = std::min(level, scale.k[axis] - d);
+        if (least - (d - 1) > kTile) continue;
         // Sides 0 and 2 lie along u, where v is 0 and 1; sides 1 and 3 along v, where u is 1 and 0.
         const int first = axis == 0 ? 0 : 3, second = axis == 0 ? 2 : 1, other = 1 - axis;
         for (const int side : {first, second}) {

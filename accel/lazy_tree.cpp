@@ -40,11 +40,12 @@ void LazyTree::flush()
 void LazyTree::refuse_if_hopeless() const
 {
     if (!effort.is_hopeless()) return;
-    throw error_without_file(std::to_string(effort.rays()) + " rays met " + std::to_string(effort.bytes() >> 30) +
-                                 " GB of surfaces, again and again more than the memory budget holds, so the picture would "
-                                 "not end; larger micropolygons (--shading-rate), a smaller displacement or more memory "
-                                 "(--memory) help",
-                             items.name_of_largest());
+    throw error_without_file(
+        std::to_string(effort.rays()) + " rays met " + std::to_string(effort.bytes() >> 30) +
+            " GB of surfaces, again and again more than the memory budget holds, so this would not end; "
+            "larger micropolygons (--shading-rate), a smaller displacement or more memory (--memory) "
+            "help",
+        items.name_of_largest());
 }
 
 void LazyTree::restart()

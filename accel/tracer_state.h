@@ -117,7 +117,7 @@ struct Tracer::State {
     template <bool kWithBlend, class Expect, class Fill>
     void find_nearest(std::span<const Ray> rays, Expect&& expect, Fill&& fill);
 
-    /// Traces rays[first, first + count) by `run(first, count, memory_bytes)`, flushing and halving as the budget requires.
+    /// Traces rays[first, first + count) by `run(first, count, memory_bytes)`, flushing as the budget requires.
     template <class Run>
     void within_budget(std::size_t first, std::size_t count, Run&& run)
     {
@@ -132,15 +132,14 @@ struct Tracer::State {
             return false;
         };
         // Each time the budget is exceeded everything is dropped and the same rays start again in an empty arena: first
-        // all of them once more, then each half, in the end each ray by itself with more memory, if it needs that.
+        // all of them once more, then each ray by itself, in the end with more memory, if it needs that.
         if (fits() || fits()) return;
         if (count == 1) {
             const std::size_t most = std::max(lazy.memory_bytes, kMostBytesOfARay);
             if (run(first, 1, most)) return lazy.note_rays(1);
             throw error_without_file("one ray meets more surfaces than fit into " + std::to_string(most >> 20) + " MB");
         }
-        within_budget(first, count / 2, run);
-        within_budget(first + count / 2, count - count / 2, run);
+        for (std::size_t i = 0; i < count; ++i) within_budget(first + i, 1, run);
     }
 
     /// Calls run(axes, first, count, memory_bytes) for runs of groups.sorted that may travel together. Throws Cancelled if

@@ -20,7 +20,7 @@ const int kProcessors = tbb::info::default_concurrency();
 }  // namespace
 
 FrameTracers::FrameTracers(const accel::Frame& frame, const FrameInputs& in)
-    : frame_(frame), in_(in), tracers_(static_cast<std::size_t>(in.resources.threads))
+    : frame_(frame), in_(in), tracers_(static_cast<std::size_t>(in.resources.threads)), cpu_seconds_(tracers_.size())
 {
     const auto group = static_cast<std::size_t>(in.resources.workers_a_tree);
     for (std::size_t first = 0; group > 1 && first < tracers_.size(); first += group)
@@ -42,15 +42,22 @@ const accel::SharedTree* FrameTracers::tree_of(int worker) const noexcept
     return trees_.empty() ? nullptr : trees_[static_cast<std::size_t>(worker / in_.resources.workers_a_tree)].get();
 }
 
-Crew::Crew(const FrameContext& context, FrameTracers& tracers, const FrameInputs& in)
-    : context_(context), tracers_(tracers), in_(in), workers_(static_cast<std::size_t>(in.resources.threads))
+Crew::Crew(const FrameContext& context, FrameTracers& tracers, const FrameInputs& in,
+           std::chrono::steady_clock::time_point deadline)
+    : context_(context),
+      tracers_(tracers),
+      in_(in),
+      deadline_(deadline),
+      workers_(static_cast<std::size_t>(in.resources.threads))
 {
 }
 
 Worker& Crew::worker_of(int index)
 {
     std::unique_ptr<Worker>& worker = workers_[static_cast<std::size_t>(index)];
-    if (!worker) worker = std::make_unique<Worker>(context_, tracers_.of(index), in_.memory.batch_rays, in_.deadline);
+    if (!worker)
+        worker = std::make_unique<Worker>(context_, tracers_.of(index), tracers_.cpu_seconds_of(index),
+                                          in_.memory.batch_rays, deadline_);
     return *worker;
 }
 

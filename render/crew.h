@@ -22,20 +22,24 @@ public:
     /// Returns the tracer of a worker. No two threads may ask for the same.
     accel::Tracer& of(int worker);
     bool has(int worker) const noexcept { return tracers_[static_cast<std::size_t>(worker)] != nullptr; }
-    /// Returns what the tree has cost that the worker shares with others, or null if it has one of its own.
+    /// Returns the tree that the worker shares with others, or null if it has one of its own.
     const accel::SharedTree* tree_of(int worker) const noexcept;
+    /// Returns the processor time that a worker has spent, in all crews.
+    double& cpu_seconds_of(int worker) noexcept { return cpu_seconds_[static_cast<std::size_t>(worker)]; }
 
 private:
     const accel::Frame& frame_;
     const FrameInputs& in_;
     std::vector<std::unique_ptr<accel::SharedTree>> trees_;
     std::vector<std::unique_ptr<accel::Tracer>> tracers_;
+    std::vector<double> cpu_seconds_;
 };
 
 /// Holds the workers of a picture: of the frame's own, or of a small one that is made before it in the same trees.
 class Crew {
 public:
-    Crew(const FrameContext& context, FrameTracers& tracers, const FrameInputs& in);
+    Crew(const FrameContext& context, FrameTracers& tracers, const FrameInputs& in,
+         std::chrono::steady_clock::time_point deadline);
 
     /// Renders all tiles until they have `target` samples a pixel, as far as time allows.
     void make(const std::vector<PixelRect>& all, int target, Film& film, FrameControl& control, FrameSums* sums);
@@ -52,6 +56,7 @@ private:
     const FrameContext& context_;
     FrameTracers& tracers_;
     const FrameInputs& in_;
+    std::chrono::steady_clock::time_point deadline_;
     std::vector<std::unique_ptr<Worker>> workers_;  ///< made when they first find a tile
 };
 

@@ -37,12 +37,10 @@ float exposure_of_sketch(const FrameInputs& in, const FrameSetup& setup, FrameTr
     context.clamp = 0;
 
     Film film(settings);
-    Crew crew(context, tracers, in);
+    Crew crew(context, tracers, in, std::chrono::steady_clock::time_point::max());
     crew.make(make_tiles(crop_pixels(settings)), settings.spp, film, control, nullptr);
     crew.count_rays_into(stats);
-    Image image = std::move(film).take();
-    image.is_light = settings.view == View::Beauty;
-    return automatic_exposure(image);
+    return automatic_exposure(std::move(film).take());
 }
 
 }  // namespace
@@ -50,8 +48,10 @@ float exposure_of_sketch(const FrameInputs& in, const FrameSetup& setup, FrameTr
 void set_limit_as_shown(const FrameInputs& in, FrameSetup& setup, FrameTracers& tracers, FrameControl& control,
                         FrameStats& stats)
 {
-    if (in.settings.clamp_as_shown && in.settings.clamp > 0)
-        setup.context.clamp = in.settings.clamp * maths::exp2(-exposure_of_sketch(in, setup, tracers, control, stats));
+    const Settings& s = in.settings;
+    const bool is_limited = s.clamp > 0 && s.view == View::Beauty && s.integrator != IntegratorKind::Ao;
+    if (s.clamp_as_shown && is_limited)
+        setup.context.clamp = s.clamp * maths::exp2(-exposure_of_sketch(in, setup, tracers, control, stats));
 }
 
 }  // namespace occam::render

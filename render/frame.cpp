@@ -59,8 +59,6 @@ FrameResult make_frame(const FrameInputs& in, FrameControl& control, FrameStats&
     stats.memory.floor_bytes = in.memory.floor_bytes;
     stats.memory.queue_bytes = in.memory.queue_bytes * static_cast<std::size_t>(in.resources.threads);
     FrameTracers tracers(setup.frame, in);
-    set_limit_as_shown(in, setup, tracers, control, stats);
-    Crew crew(setup.context, tracers, in);
     const std::vector<PixelRect> tiles = make_tiles(crop_pixels(in.settings));
     const std::unique_ptr<FrameSums> sums = sums_of(in);
     std::size_t done_before = 0;
@@ -71,9 +69,14 @@ FrameResult make_frame(const FrameInputs& in, FrameControl& control, FrameStats&
             done_before = develop_all(*sums, tiles, in.settings, film);
         }
     }
+    const auto sketch_start = Clock::now();
+    set_limit_as_shown(in, setup, tracers, control, stats);
+    const bool has_deadline = in.deadline != Clock::time_point::max();
+    const auto deadline = has_deadline ? in.deadline + (Clock::now() - sketch_start) : in.deadline;
+    Crew crew(setup.context, tracers, in, deadline);
     control.start_samples(tiles.size() * static_cast<std::size_t>(in.settings.spp), done_before);
     // The rounds take 1, 1, 2, 4, 8, ... samples, so that each doubles the number of samples of all pixels.
-    for (int target = sums ? 1 : in.settings.spp; !control.is_cancelled() && Clock::now() < in.deadline; target *= 2) {
+    for (int target = sums ? 1 : in.settings.spp; !control.is_cancelled() && Clock::now() < deadline; target *= 2) {
         crew.make(tiles, std::min(target, in.settings.spp), film, control, sums.get());
         if (target >= in.settings.spp) break;
     }

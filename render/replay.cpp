@@ -74,13 +74,16 @@ SampleResult replay_sample(const FrameInputs& in, const CameraSample& sample, st
 {
     check(sample, in.settings);
     FrameSetup setup(in);
-    FrameTracers tracers(setup.frame, in);
-    FrameControl control;
-    FrameStats stats;
-    set_limit_as_shown(in, setup, tracers, control, stats);
+    {
+        FrameTracers tracers(setup.frame, in);
+        FrameControl control;
+        FrameStats stats;
+        set_limit_as_shown(in, setup, tracers, control, stats);
+    }
     PathLog log(out, in.scene, setup.scale);
     setup.context.log = &log;
-    ReplayTracer replay(tracers.of(0), log);
+    accel::Tracer tracer(setup.frame, in.memory.tracer_bytes);  // of its own, so that the text is the same every time
+    ReplayTracer replay(tracer, log);
     Integrator integrator(setup.context);
     out << "sample " << sample.index << " of pixel " << sample.x << ',' << sample.y << '\n';
     SampleResult result;

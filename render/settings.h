@@ -78,7 +78,8 @@ struct Settings {
     /// limit takes away rare bright pixels (fireflies) and with them some light, so references are made without it.
     float clamp = 0;
     /// The limit above is for the picture as it is shown with automatic exposure (render/display.h), which a small picture
-    /// measures at the beginning of the frame: it is divided by two for each stop. It does not depend on the crop.
+    /// measures at the beginning of the frame: it is divided by two for each stop. It does not depend on the crop. The time
+    /// of the small picture is not part of `deadline_s`; its rays and what they build are part of the statistics.
     bool clamp_as_shown = false;
     float ao_distance = 0;              ///< the distance up to which `ao` looks, in world length; 0: to infinity
     int light_samples = 1;              ///< per light at each hit that the camera sees; for `ao`, samples of the sky
@@ -114,7 +115,7 @@ struct Resources {
     int threads = 0;  ///< 0: one for each processor
     /// The memory for what is rebuilt in each frame, all workers together; 0 means a quarter of the machine's, but no
     /// more than 3 GB, or 512 MB for each thread if that is more.
-    /// Renderer::memory_floor() returns the least that a scene needs.
+    /// Renderer::memory_floor() returns the least with which a frame is begun.
     std::size_t memory_bytes = 0;
     int workers_a_tree = 1;  ///< 1: each worker builds its own tree; more: that many share one; 0: all share one
     std::size_t texture_bytes = std::size_t(1) << 30;

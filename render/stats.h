@@ -53,7 +53,7 @@ struct FrameStats {
     } built;
     struct Memory {
         std::uint64_t peak_bytes = 0, arena_peak_bytes = 0, texture_bytes = 0, flushes = 0;
-        std::uint64_t floor_bytes = 0;  ///< the smallest budget with which the frame could be rendered
+        std::uint64_t floor_bytes = 0;  ///< the smallest budget with which the frame is begun
         std::uint64_t queue_bytes = 0;  ///< part of the budget for rays on their way; the arenas have the rest
         std::uint64_t film_bytes = 0;   ///< bytes of the picture, beside the budget
     } memory;

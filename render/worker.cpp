@@ -20,8 +20,14 @@ double thread_seconds()
 
 }  // namespace
 
-Worker::Worker(const FrameContext& context, accel::Tracer& tracer, int batch_rays, Clock::time_point deadline)
-    : context_(context), tracer_(tracer), integrator_(context), batch_rays_(batch_rays), deadline_(deadline)
+Worker::Worker(const FrameContext& context, accel::Tracer& tracer, double& cpu_seconds, int batch_rays,
+               Clock::time_point deadline)
+    : context_(context),
+      tracer_(tracer),
+      cpu_seconds_(cpu_seconds),
+      integrator_(context),
+      batch_rays_(batch_rays),
+      deadline_(deadline)
 {
 }
 

@@ -21,7 +21,8 @@ namespace occam::render {
 class Worker {
 public:
     /// batch_rays   camera rays that are started together
-    Worker(const FrameContext& context, accel::Tracer& tracer, int batch_rays,
+    /// cpu_seconds  the processor time of the worker is added to it
+    Worker(const FrameContext& context, accel::Tracer& tracer, double& cpu_seconds, int batch_rays,
            std::chrono::steady_clock::time_point deadline);
 
     /// Renders tiles until they have `target` samples a pixel. They begin with the `before` samples that `sums` holds, or
@@ -67,10 +68,11 @@ private:
 
     const FrameContext& context_;
     accel::Tracer& tracer_;
+    double& cpu_seconds_;
     Integrator integrator_;
     int batch_rays_;
     std::chrono::steady_clock::time_point deadline_;
-    double film_seconds_ = 0, visible_cells_ = 0, cpu_seconds_ = 0;
+    double film_seconds_ = 0, visible_cells_ = 0;
     std::uint64_t samples_made_ = 0, not_finite_ = 0, tiles_ = 0;
     std::vector<CameraSample> samples_;
     std::vector<SampleResult> results_;

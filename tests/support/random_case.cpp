@@ -183,7 +183,7 @@ try {
     return fault_of("little memory", {.threads = 2, .memory_bytes = std::max(least, used)});
 } catch (const Error& e) {
     // Some displacements are so steep that their frames are refused, as docs/files.md says.
-    if (std::string_view(e.what()).find("so the picture would not end") != std::string_view::npos) return {};
+    if (std::string_view(e.what()).find("so this would not end") != std::string_view::npos) return {};
     throw;
 }
 
