@@ -16,8 +16,7 @@ public:
     /// Nothing is hopeless before so much was dropped, and as often.
     static constexpr std::uint64_t kLeastBytes = std::uint64_t(6) << 30;
     static constexpr int kLeastFlushes = 4;
-    /// What rays may cost on average from the first flush on. It is counted with all attempts, of which a ray needs three at
-    /// most, so a budget of less than 1 MB never leads here unless rays need more than the budget.
+    /// What rays may cost on average from the first flush on. All attempts of a ray count (Tracer::State::within_budget).
     static constexpr std::uint64_t kMostBytesARay = std::uint64_t(2) << 20;
 
     /// Counts rays that have ended.

@@ -122,7 +122,7 @@ public:
 
     /// Names the node that an item belongs to, for a message.
     std::string name_of(ItemIndex i) const;
-    /// Returns the name of what has most items.
+    /// Names the node or mesh to which most items belong.
     std::string name_of_largest() const;
 
     /// Makes the parts of an item that is not final: [first_part, first_part + part_count) afterwards. For a Leaf that

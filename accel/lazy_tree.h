@@ -27,8 +27,6 @@ struct LazyTree {
     std::size_t allowed_bytes() const noexcept;
     /// Drops everything. No other thread may be inside the gate. Throws Error if the frame would not end.
     void flush();
-    /// Counts rays that have ended.
-    void note_rays(std::size_t count) noexcept { effort.add_rays(count); }
     /// Returns the igrid of a leaf's entry. It is built now if this is the first ray that enters its box.
     /// asker   counts what is built now: only `grids` and `diced`
     IGrid& grid(const TreeLeaf& leaf, std::size_t place, int pair, TraceCounters& asker);

@@ -125,7 +125,7 @@ struct Tracer::State {
             if (gate) gate->pass();
             const std::uint64_t seen = gate ? gate->flushes() : 0;
             if (run(first, count, lazy.allowed_bytes())) {
-                lazy.note_rays(count);
+                lazy.effort.add_rays(count);
                 return true;
             }
             flush(seen);
@@ -136,7 +136,7 @@ struct Tracer::State {
         if (fits() || fits()) return;
         if (count == 1) {
             const std::size_t most = std::max(lazy.memory_bytes, kMostBytesOfARay);
-            if (run(first, 1, most)) return lazy.note_rays(1);
+            if (run(first, 1, most)) return lazy.effort.add_rays(1);
             throw error_without_file("one ray meets more surfaces than fit into " + std::to_string(most >> 20) + " MB");
         }
         for (std::size_t i = 0; i < count; ++i) within_budget(first + i, 1, run);

@@ -32,12 +32,12 @@ accel::Tracer& FrameTracers::of(int worker)
 {
     std::unique_ptr<accel::Tracer>& tracer = tracers_[static_cast<std::size_t>(worker)];
     if (tracer) return *tracer;
-    if (trees_.empty()) tracer = std::make_unique<accel::Tracer>(frame_, in_.memory.tracer_bytes);
-    else tracer = std::make_unique<accel::Tracer>(*trees_[static_cast<std::size_t>(worker / in_.resources.workers_a_tree)]);
+    if (accel::SharedTree* const tree = tree_of(worker)) tracer = std::make_unique<accel::Tracer>(*tree);
+    else tracer = std::make_unique<accel::Tracer>(frame_, in_.memory.tracer_bytes);
     return *tracer;
 }
 
-const accel::SharedTree* FrameTracers::tree_of(int worker) const noexcept
+accel::SharedTree* FrameTracers::tree_of(int worker) const noexcept
 {
     return trees_.empty() ? nullptr : trees_[static_cast<std::size_t>(worker / in_.resources.workers_a_tree)].get();
 }

@@ -23,7 +23,7 @@ public:
     accel::Tracer& of(int worker);
     bool has(int worker) const noexcept { return tracers_[static_cast<std::size_t>(worker)] != nullptr; }
     /// Returns the tree that the worker shares with others, or null if it has one of its own.
-    const accel::SharedTree* tree_of(int worker) const noexcept;
+    accel::SharedTree* tree_of(int worker) const noexcept;
     /// Returns the processor time that a worker has spent, in all crews.
     double& cpu_seconds_of(int worker) noexcept { return cpu_seconds_[static_cast<std::size_t>(worker)]; }
 

@@ -77,9 +77,10 @@ struct Settings {
     /// If this is above 0, no single contribution of light that was scattered twice or more exceeds it in any channel. The
     /// limit takes away rare bright pixels (fireflies) and with them some light, so references are made without it.
     float clamp = 0;
-    /// The limit above is for the picture as it is shown with automatic exposure (render/display.h), which a small picture
-    /// measures at the beginning of the frame: it is divided by two for each stop. It does not depend on the crop. The time
-    /// of the small picture is not part of `deadline_s`; its rays and what they build are part of the statistics.
+    /// The limit above is for the picture as it is shown with automatic exposure (render/display.h), which a sketch at
+    /// the beginning of the frame measures (render/exposure_sketch.h): it is divided by two for each stop. It does not
+    /// depend on the crop. The time of the sketch is not part of `deadline_s`; its rays and what they build are in the
+    /// statistics.
     bool clamp_as_shown = false;
     float ao_distance = 0;              ///< the distance up to which `ao` looks, in world length; 0: to infinity
     int light_samples = 1;              ///< per light at each hit that the camera sees; for `ao`, samples of the sky

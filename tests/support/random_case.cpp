@@ -34,6 +34,12 @@ unsigned random_bits(CaseRandom& random, unsigned count, std::size_t one_in)
     return bits;
 }
 
+// Some displacements are so steep that what shows them is refused, as docs/files.md says.
+bool is_hopeless(const Error& e)
+{
+    return std::string_view(e.what()).find("so this would not end") != std::string_view::npos;
+}
+
 }  // namespace
 
 RandomCase random_case(std::uint64_t seed)
@@ -145,12 +151,6 @@ RandomCase shrunk(RandomCase failing, const CaseCheck& check)
             }
     }
     return failing;
-}
-
-// Some displacements are so steep that what shows them is refused, as docs/files.md says.
-static bool is_hopeless(const Error& e)
-{
-    return std::string_view(e.what()).find("so this would not end") != std::string_view::npos;
 }
 
 std::string check_pictures(const RandomCase& c)
