@@ -104,12 +104,14 @@ OCCAM_NEVER_INLINE void set_identity(const GridHit& met, const MicropolygonPlace
         mix_bits(cage.key ^ (std::uint64_t(spot.number) << 32 ^ spot.face) ^ tile * 0x9e3779b97f4a7c15u));
 }
 
-// Returns the level at which secondary rays from a hit start: of the igrid's two levels, the one whose edges are nearer
-// to the target edge length of the ray there.
+// Returns the level at which secondary rays from a hit start: of the igrid's two levels, the one to which the surface is
+// nearer at the hit, so that the start moves by little. Where both are the same, it is the one whose edges are nearer to
+// the target edge length of the ray.
 int start_level_of(const Ray& ray, const GridHit& met, const FrameState& frame) noexcept
 {
     if (!frame.has_levels) return kAnyLevel;
     const PairRange pairs = met.grid->pairs;
+    if (met.grid->blends()) return pairs.finest + (met.blend.weight(met.t) >= 0.5f);
     return level_at(ray, met, frame.levels, 4.0f / 3, {pairs.finest, pairs.coarsest + 1});
 }
 

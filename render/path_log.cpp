@@ -50,7 +50,6 @@ void PathLog::found(const accel::SurfaceHit& hit)
     accel::SurfaceHit world = hit;
     world.t = scale_.to_world(hit.t);
     world.position *= scale_.to_world();
-    world.level += scale_.exponent();
     out_ << "  hit: " << world << '\n';
 }
 

@@ -158,8 +158,13 @@ TEST(Picture, OfRandomScenesIsTheSameInEveryBuild)
         Scene scene = scene_of(c);
         const Camera camera = camera_of(c, scene);
         Renderer renderer({.threads = 1, .memory_bytes = 256u << 20});
-        expect_same_in_other_builds("random_" + std::to_string(seed),
-                                    renderer.render(scene, camera, settings_of(c)).checksum());
+        std::uint64_t checksum = 0;  // that of a frame that every build has to refuse
+        try {
+            checksum = renderer.render(scene, camera, settings_of(c)).checksum();
+        } catch (const Error& error) {
+            if (!is_hopeless(error)) throw;
+        }
+        expect_same_in_other_builds("random_" + std::to_string(seed), checksum);
     }
 }
 

@@ -34,13 +34,12 @@ unsigned random_bits(CaseRandom& random, unsigned count, std::size_t one_in)
     return bits;
 }
 
-// Some displacements are so steep that what shows them is refused, as docs/files.md says.
+}  // namespace
+
 bool is_hopeless(const Error& e)
 {
     return std::string_view(e.what()).find("so this would not end") != std::string_view::npos;
 }
-
-}  // namespace
 
 RandomCase random_case(std::uint64_t seed)
 {

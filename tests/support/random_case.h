@@ -101,6 +101,10 @@ Camera camera_of(const RandomCase& c, Scene& scene);
 /// Returns everything that the case is made of as one line.
 std::string description(const RandomCase& c);
 
+/// Returns whether a frame was refused because it would not end, as docs/files.md says: some displacements are that steep.
+/// What the checks below find in such a case is no fault.
+bool is_hopeless(const Error& e);
+
 /// A check returns what is wrong with a case, or an empty string.
 using CaseCheck = std::function<std::string(const RandomCase&)>;
 

@@ -72,6 +72,38 @@ TEST(Replay, ASampleIsDescribedFromTheCameraToTheLight)
         EXPECT_NE(text.find(part), std::string::npos) << "'" << part << "' is missing in\n" << text;
 }
 
+/// The level of a hit is one of those that its ray sees, in world lengths as they are, whatever the frame's unit of length.
+TEST(Replay, LevelsOfHitsAreThoseOfTheirRays)
+{
+    for (const double size : {1.0 / 512, 1.0, 512.0}) {
+        Scene scene;
+        Cage ring = torus(12, 8);
+        ring.scheme = Scheme::CatmullClark;
+        place(scene, scene.add(std::move(ring)), {0, 0, 0}, size);
+        add_lamp(scene, Vec3d(1, 4, 2) * size);
+        const Camera camera = Camera::look_at(Vec3d(0.5, 2, 4) * size, {0, 0, 0}, {0, 1, 0}, 0.8f);
+        Renderer renderer({.threads = 1});
+        int hits = 0;
+        for (int x = 4; x < 20; ++x) {
+            std::ostringstream out;
+            renderer.replay(scene, camera, {.width = 24, .height = 16, .spp = 1}, {x, 8, 0}, out);
+            std::istringstream lines(out.str());
+            int finest = 1000, coarsest = -1000, level = 0;
+            for (std::string line; std::getline(lines, line);) {
+                if (line.find(" ray: ") != std::string::npos) finest = 1000, coarsest = -1000;
+                if (std::sscanf(line.c_str(), "  levels %d and ", &level) == 1)
+                    finest = std::min(finest, level), coarsest = std::max(coarsest, level);
+                const std::size_t at = line.find(", level ");
+                if (!line.starts_with("  hit: ") || at == std::string::npos) continue;
+                level = std::atoi(line.c_str() + at + 8);
+                ++hits;
+                EXPECT_TRUE(level >= finest && level <= coarsest) << line << "\nsees " << finest << " to " << coarsest;
+            }
+        }
+        EXPECT_GT(hits, 8) << size;
+    }
+}
+
 TEST(Replay, SamplesThatThePictureDoesNotHaveAreRefused)
 {
     Scene scene = stage();
