@@ -167,6 +167,7 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
 {
     const std::vector<int> frames = a.shard.of(a.frames);
     check_outputs(a, files_of(a.pattern, frames));
+    refuse_statistics_among(files_of(a.pattern, a.frames), a);
 
     display.say("reading " + (a.scene.empty() ? "the built-in scene" : a.scene.string()));
     const auto load_start = Clock::now();

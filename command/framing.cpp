@@ -59,15 +59,17 @@ void set_environment(Scene& scene, const RenderArguments& a)
     scene.environment.rotation += a.environment_rotation_deg * kRadians;
 }
 
-// Statistics may have any name, so a slip of the hand may name a file of the scene. Only an empty file and one that holds
-// JSON, as older statistics do, is replaced.
+// Statistics may have any name, so a slip of the hand may name a file of the scene. Only an empty file and one that begins
+// as a JSON object, as older statistics do, is replaced.
 void check_replaceable(const std::filesystem::path& file)
 {
     std::error_code error;
     if (!std::filesystem::is_regular_file(file, error)) return;
-    char first = '{';
-    std::ifstream(file, std::ios::binary).get(first);
-    if (first != '{')
+    std::ifstream stream(file, std::ios::binary);
+    const int first = stream.get();
+    if (first == std::char_traits<char>::eof()) return;
+    const int next = (stream >> std::ws).get();
+    if (first != '{' || (next != '"' && next != '}'))
         throw Error(file.string(), "is there already and holds no statistics, so it is not replaced", "--stats");
 }
 
@@ -252,8 +254,26 @@ void check_outputs(const RenderArguments& a, std::span<const std::filesystem::pa
     }
     const std::filesystem::path inputs[] = {a.scene, a.has_environment ? a.environment : std::filesystem::path()};
     refuse_inputs(outputs, inputs);
-    if (std::ranges::find(pictures, std::filesystem::path(a.stats)) != pictures.end())
-        throw error_without_file("the statistics and the picture cannot be written to one file", "--stats");
+    refuse_statistics_among(pictures, a);
+}
+
+void refuse_statistics_among(std::span<const std::filesystem::path> pictures, const RenderArguments& a)
+{
+    if (a.stats.empty() || pictures.empty()) return;
+    // All pictures of a run are in one folder.
+    const auto place_of = [](const std::filesystem::path& file) {
+        std::error_code error;
+        const std::filesystem::path place = std::filesystem::weakly_canonical(file, error);
+        return error ? file : place;
+    };
+    const auto folder_of = [&](const std::filesystem::path& file) {
+        return place_of(file.has_parent_path() ? file.parent_path() : std::filesystem::path("."));
+    };
+    const std::filesystem::path folder = folder_of(pictures.front()), stats = place_of(a.stats);
+    const std::filesystem::path named = folder_of(a.stats) / std::filesystem::path(a.stats).filename();
+    for (const std::filesystem::path& picture : pictures)
+        if (const auto name = folder / picture.filename(); name == stats || name == named)
+            throw error_without_file("the statistics and the picture cannot be written to one file", "--stats");
 }
 
 Scene open_scene(const RenderArguments& a, std::span<const std::filesystem::path> pictures)

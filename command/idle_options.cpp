@@ -12,6 +12,11 @@ bool is_sky_or_none(const RenderArguments& a, const Given& given)
     return given.contains("--environment") && a.environment.empty();
 }
 
+bool is_debug_view(const RenderArguments& a, const Given&) { return a.settings.view != render::View::Beauty; }
+
+constexpr char kHoldsLight[] = "EXR and HDR files hold the light as it is; it is for PNG, JPEG and TIFF",
+               kNoLight[] = "a debug view shows no light";
+
 struct Rule {
     const char* option;
     bool (*is_idle)(const RenderArguments&, const Given&);
@@ -23,10 +28,10 @@ constexpr Rule kRules[] = {
      "only EXR files hold layers"},
     {"--exr", [](const RenderArguments& a, const Given&) { return !Image::has_layers(a.output); },
      "the picture is no EXR file"},
-    {"--exposure", [](const RenderArguments& a, const Given&) { return !Image::is_for_display(a.output); },
-     "EXR and HDR files hold the light as it is; it is for PNG, JPEG and TIFF"},
-    {"--tonemap", [](const RenderArguments& a, const Given&) { return !Image::is_for_display(a.output); },
-     "EXR and HDR files hold the light as it is; it is for PNG, JPEG and TIFF"},
+    {"--exposure", [](const RenderArguments& a, const Given&) { return !Image::is_for_display(a.output); }, kHoldsLight},
+    {"--tonemap", [](const RenderArguments& a, const Given&) { return !Image::is_for_display(a.output); }, kHoldsLight},
+    {"--exposure", is_debug_view, kNoLight},
+    {"--tonemap", is_debug_view, kNoLight},
     {"--ao-distance", [](const RenderArguments& a, const Given&) { return a.settings.integrator != IntegratorKind::Ao; },
      "only --integrator ao looks for it"},
     {"--fps",

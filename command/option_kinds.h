@@ -72,6 +72,15 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, T& value, const 
     });
 }
 
+/// Refuses options of a command that were given with an empty value, as a variable without a value in a script leaves it:
+/// they would count as not given.
+inline void refuse_empty_values(const CLI::App& command)
+{
+    for (const CLI::Option* option : command.get_options())
+        for (const std::string& value : option->results())
+            if (value.empty()) throw CLI::ValidationError(option->get_name(), "its value is empty");
+}
+
 /// Adds an option for each row of render/setting_rows.h that has one.
 void add_settings(CLI::App& app, Settings& settings);
 

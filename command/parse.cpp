@@ -337,6 +337,7 @@ std::optional<Finished> read_words(CLI::App& app, int argc, char** argv)
     }
     try {
         app.parse(argc, argv);
+        refuse_empty_values(*app.get_subcommands().front());
     } catch (const CLI::CallForHelp& help) {
         return Finished{app.exit(help)};
     } catch (const CLI::CallForVersion& version) {

@@ -6,7 +6,7 @@ namespace occam {
 
 GrazingRays::GrazingRays(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels,
                          const TextureStore* textures, float radius)
-    : frame_(scene, topologies, levels, {.textures = textures}), tracer_(frame_, std::size_t(1) << 28), radius_(radius)
+    : frame_(scene, topologies, levels, {.textures = textures}), tracer_(frame_, std::size_t(1) << 30), radius_(radius)
 {
 }
 

@@ -81,6 +81,8 @@ RayLine read_ray_line(std::string_view text)
     if (!has_origin || !has_direction || !has_footprint) refuse("a line has origin X Y Z, direction X Y Z, footprint A B");
     const float length = glm::length(line.direction);
     if (!(std::fabs(length - 1) < 1e-3f)) refuse("the direction has no unit length");
+    // A width that shrinks is one of a focused lens, so the spread alone may be negative.
+    if (!(line.width > 0 || (line.width == 0 && line.spread >= 0))) refuse("the footprint has no width");
     if (!(line.time >= 0 && line.time <= 1)) refuse("the time is not from 0 to 1");
     return line;
 }

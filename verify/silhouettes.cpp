@@ -13,7 +13,7 @@ constexpr std::size_t kAround = 16;
 
 Silhouettes::Silhouettes(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels,
                          const TextureStore* textures, float radius)
-    : frame_(scene, topologies, levels, {.textures = textures}), tracer_(frame_, std::size_t(1) << 28), radius_(radius)
+    : frame_(scene, topologies, levels, {.textures = textures}), tracer_(frame_, std::size_t(1) << 30), radius_(radius)
 {
 }
 

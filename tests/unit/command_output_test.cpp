@@ -144,6 +144,8 @@ TEST_F(Outputs, WhatIsReadForAPictureIsNotOverwritten)
     std::ofstream(folder / "scene.obj") << "mtllib red.mtl\nv -1 -1 0\nv 1 -1 0\nv 0 1 0\nusemtl red\nf 1 2 3\n";
     fs::create_hard_link(folder / "image.png", folder / "other.png");
     fs::create_symlink("image.png", folder / "linked.png");
+    fs::create_directory_symlink(".", folder / "here");
+    std::ofstream(folder / "braces.bin") << "{{{{";
     const std::string image = text_of(folder / "image.png");
     const std::vector<std::string> scene{"render", "scene.obj", "--size", "8x4", "--spp", "1", "-o"};
     const std::vector<std::string> lit{"render", "triangle.obj",  "--size",    "8x4", "--spp",
@@ -160,6 +162,11 @@ TEST_F(Outputs, WhatIsReadForAPictureIsNotOverwritten)
         {with(scene, {"a.png", "--stats", "scene.obj"}), "scene.obj: is there already and holds no statistics"},
         {with(scene, {"a.png", "--stats", "red.mtl"}), "red.mtl: is there already and holds no statistics"},
         {with(scene, {"a.png", "--stats", "a.png"}), "cannot be written to one file"},
+        {with(scene, {"a.png", "--stats", "./a.png"}), "cannot be written to one file"},
+        {with(scene, {"here/a.png", "--stats", "a.png"}), "cannot be written to one file"},
+        {{"animate", "triangle.obj", "-o", "f.##.png", "--frames", "0-3", "--shard", "1/2", "--stats", "./f.01.png"},
+         "cannot be written to one file"},
+        {with(scene, {"a.png", "--stats", "braces.bin"}), "braces.bin: is there already and holds no statistics"},
         {{"compare", "image.png", "image.png", "--heat", "other.png"}, "other.png: is read for the picture"},
     };
     for (const auto& [words, why] : calls) {

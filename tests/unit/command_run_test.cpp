@@ -158,6 +158,8 @@ TEST_F(Command, WhatIsNoImageIsAnErrorAndWhatIsMissingIsAWarning)
 TEST_F(Command, OptionsThatWouldDoNothingAreRefused)
 {
     const std::vector<std::vector<std::string>> idle{
+        {"render", "triangle.obj", "-o", "a.png", "--view", "depth", "--exposure", "2"},
+        {"render", "triangle.obj", "-o", "a.png", "--view", "depth", "--tonemap", "aces"},
         {"render", "triangle.obj", "-o", "a.png", "--aov", "depth"},
         {"render", "triangle.obj", "-o", "a.jpg", "--exr", "float"},
         {"render", "triangle.obj", "-o", "a.exr", "--tonemap", "srgb"},
@@ -177,6 +179,22 @@ TEST_F(Command, OptionsThatWouldDoNothingAreRefused)
     for (const auto& arguments : idle) {
         const Outcome o = run(arguments);
         EXPECT_EQ(o.exit_code, kBadInput) << arguments[arguments.size() - 2] << o.err;
+        EXPECT_EQ(lines_of(o.err), 1) << o.err;
+    }
+}
+
+// A script whose variable is empty would otherwise get another camera, clip or file than it asks for.
+TEST_F(Command, OptionsWithAnEmptyValueAreRefused)
+{
+    std::vector<std::vector<std::string>> calls{{"compare", "a.exr", "a.exr", "--heat", ""},
+                                                {"verify", "a.obj", "--replay", ""}};
+    for (const char* option : {"--camera", "--lod-camera", "--clip", "--environment", "--stats", "--variant", "--view"})
+        calls.push_back({"render", "triangle.obj", "-o", "a.png", option, ""});
+    for (const std::vector<std::string>& call : calls) {
+        const Outcome o = run(call);
+        const std::string& option = call[call.size() - 2];
+        EXPECT_EQ(o.exit_code, kBadInput) << option;
+        EXPECT_NE(o.err.find(option), std::string::npos) << o.err;
         EXPECT_EQ(lines_of(o.err), 1) << o.err;
     }
 }

@@ -148,7 +148,8 @@ TEST(Replay, ALineOfARayHasAllItsBits)
          {"", "origin 0 0 0", "origin 0 0, direction 0 0 1, footprint 1 0", "origin 0 0 0, direction 0 0 2, footprint 1 0",
           "origin 0 0 nan, direction 0 0 1, footprint 1 0", "origin 0 0 0, direction 0 0 1, footprint 1 0, time 2",
           "origin 0 0 0, direction 0 0 1, footprint 1 0, cage -1", "origin 0 0 0, direction 0 0 1, footprint 1 0, what 1",
-          "origin 0 0 0, direction 0 0 1, footprint 1"})
+          "origin 0 0 0, direction 0 0 1, footprint 1", "origin 0 0 0, direction 0 0 1, footprint 0 -1",
+          "origin 0 0 0, direction 0 0 1, footprint -1 2"})
         EXPECT_THROW(read_ray_line(wrong), Error) << wrong;
 }
 
