@@ -166,8 +166,7 @@ std::size_t count_what_is_there(std::size_t missing, std::size_t all, ProgressDi
 int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
 {
     const std::vector<int> frames = a.shard.of(a.frames);
-    check_outputs(a, files_of(a.pattern, frames));
-    refuse_statistics_among(files_of(a.pattern, a.frames), a);
+    check_outputs(a, files_of(a.pattern, frames), files_of(a.pattern, a.frames));
 
     display.say("reading " + (a.scene.empty() ? "the built-in scene" : a.scene.string()));
     const auto load_start = Clock::now();

@@ -73,6 +73,26 @@ void check_replaceable(const std::filesystem::path& file)
         throw Error(file.string(), "is there already and holds no statistics, so it is not replaced", "--stats");
 }
 
+/// Throws Error if the statistics would be written over one of these pictures, which are in one folder.
+void refuse_statistics_among(std::span<const std::filesystem::path> pictures, const RenderArguments& a)
+{
+    if (a.stats.empty() || pictures.empty()) return;
+    // All pictures of a run are in one folder.
+    const auto place_of = [](const std::filesystem::path& file) {
+        std::error_code error;
+        const std::filesystem::path place = std::filesystem::weakly_canonical(file, error);
+        return error ? file : place;
+    };
+    const auto folder_of = [&](const std::filesystem::path& file) {
+        return place_of(file.has_parent_path() ? file.parent_path() : std::filesystem::path("."));
+    };
+    const std::filesystem::path folder = folder_of(pictures.front()), stats = place_of(a.stats);
+    const std::filesystem::path named = folder_of(a.stats) / std::filesystem::path(a.stats).filename();
+    for (const std::filesystem::path& picture : pictures)
+        if (const auto name = folder / picture.filename(); name == stats || name == named)
+            throw error_without_file("the statistics and the picture cannot be written to one file", "--stats");
+}
+
 }  // namespace
 
 Framing::Framing(Scene& scene, const RenderArguments& arguments)
@@ -242,7 +262,8 @@ Ending wait_for(Job& job, ProgressDisplay& display, bool keeps_part, std::size_t
     return is_interrupted() ? Ending::Interrupted : Ending::Whole;
 }
 
-void check_outputs(const RenderArguments& a, std::span<const std::filesystem::path> pictures)
+void check_outputs(const RenderArguments& a, std::span<const std::filesystem::path> pictures,
+                   std::span<const std::filesystem::path> all)
 {
     std::vector<std::filesystem::path> outputs(pictures.begin(), pictures.end());
     if (!a.stats.empty()) outputs.push_back(a.stats);
@@ -254,26 +275,7 @@ void check_outputs(const RenderArguments& a, std::span<const std::filesystem::pa
     }
     const std::filesystem::path inputs[] = {a.scene, a.has_environment ? a.environment : std::filesystem::path()};
     refuse_inputs(outputs, inputs);
-    refuse_statistics_among(pictures, a);
-}
-
-void refuse_statistics_among(std::span<const std::filesystem::path> pictures, const RenderArguments& a)
-{
-    if (a.stats.empty() || pictures.empty()) return;
-    // All pictures of a run are in one folder.
-    const auto place_of = [](const std::filesystem::path& file) {
-        std::error_code error;
-        const std::filesystem::path place = std::filesystem::weakly_canonical(file, error);
-        return error ? file : place;
-    };
-    const auto folder_of = [&](const std::filesystem::path& file) {
-        return place_of(file.has_parent_path() ? file.parent_path() : std::filesystem::path("."));
-    };
-    const std::filesystem::path folder = folder_of(pictures.front()), stats = place_of(a.stats);
-    const std::filesystem::path named = folder_of(a.stats) / std::filesystem::path(a.stats).filename();
-    for (const std::filesystem::path& picture : pictures)
-        if (const auto name = folder / picture.filename(); name == stats || name == named)
-            throw error_without_file("the statistics and the picture cannot be written to one file", "--stats");
+    refuse_statistics_among(all, a);
 }
 
 Scene open_scene(const RenderArguments& a, std::span<const std::filesystem::path> pictures)

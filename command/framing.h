@@ -63,10 +63,9 @@ Ending wait_for(Job& job, ProgressDisplay& display, bool keeps_part, std::size_t
 
 /// Checks, before minutes of work, that pictures and statistics can be written, and removes what killed runs left of
 /// these pictures. The pictures are in one folder and of one format. Throws Error.
-void check_outputs(const RenderArguments& arguments, std::span<const std::filesystem::path> pictures);
-/// Throws Error if the statistics would be written over one of these pictures, under whatever name. The pictures are in one
-/// folder.
-void refuse_statistics_among(std::span<const std::filesystem::path> pictures, const RenderArguments& arguments);
+/// all   the pictures of all parts of the sequence, over which the statistics must not be written under any name
+void check_outputs(const RenderArguments& arguments, std::span<const std::filesystem::path> pictures,
+                   std::span<const std::filesystem::path> all);
 /// Opens the scene. Throws Error if it cannot be read, or if one of the outputs is an image of it.
 Scene open_scene(const RenderArguments& arguments, std::span<const std::filesystem::path> pictures);
 

@@ -84,7 +84,7 @@ Settings settings_of(const RenderArguments& a, Settings settings)
 int run(const RenderArguments& a)
 {
     catch_interrupts();
-    if (!a.replay) check_outputs(a, {&a.output, 1});
+    if (!a.replay) check_outputs(a, {&a.output, 1}, {&a.output, 1});
     const CheckpointFile checkpoint_file(a);
     ProgressDisplay display(a.progress, a.quiet);
 

@@ -155,64 +155,6 @@ TEST_F(Command, WhatIsNoImageIsAnErrorAndWhatIsMissingIsAWarning)
     EXPECT_EQ(render("broken.obj", {"--strict"}).exit_code, kBadInput);
 }
 
-TEST_F(Command, OptionsThatWouldDoNothingAreRefused)
-{
-    const std::vector<std::vector<std::string>> idle{
-        {"render", "triangle.obj", "-o", "a.png", "--view", "depth", "--exposure", "2"},
-        {"render", "triangle.obj", "-o", "a.png", "--view", "depth", "--tonemap", "aces"},
-        {"render", "triangle.obj", "-o", "a.png", "--aov", "depth"},
-        {"render", "triangle.obj", "-o", "a.jpg", "--exr", "float"},
-        {"render", "triangle.obj", "-o", "a.exr", "--tonemap", "srgb"},
-        {"render", "triangle.obj", "-o", "a.hdr", "--exposure", "1"},
-        {"render", "triangle.obj", "-o", "a.png", "--ao-distance", "3"},
-        {"render", "triangle.obj", "-o", "a.png", "--integrator", "ao", "--bounces", "3"},
-        {"render", "triangle.obj", "-o", "a.png", "--error", "0.1"},
-        {"render", "triangle.obj", "-o", "a.png", "--environment", "none", "--environment-strength", "2"},
-        {"render", "triangle.obj", "-o", "a.png", "--environment", "sky", "--environment-rotation", "20"},
-        {"render", "triangle.obj", "-o", "a.png", "--blades", "5"},
-        {"render", "triangle.obj", "-o", "a.png", "--fps", "30"},
-        {"render", "-o", "a.png", "--subdivide", "on"},
-        {"compare", "a.exr", "a.exr", "--layer", "smell"},
-        {"compare", "a.exr", "a.exr", "--heat-scale", "2"},
-        {"verify", "triangle.obj", "--rays", "100"}};
-    ASSERT_EQ(run({"render", "triangle.obj", "-o", "a.exr", "--size", "8x8"}).exit_code, kDone);
-    for (const auto& arguments : idle) {
-        const Outcome o = run(arguments);
-        EXPECT_EQ(o.exit_code, kBadInput) << arguments[arguments.size() - 2] << o.err;
-        EXPECT_EQ(lines_of(o.err), 1) << o.err;
-    }
-}
-
-// A script whose variable is empty would otherwise get another camera, clip or file than it asks for.
-TEST_F(Command, OptionsWithAnEmptyValueAreRefused)
-{
-    std::vector<std::vector<std::string>> calls{{"compare", "a.exr", "a.exr", "--heat", ""},
-                                                {"verify", "a.obj", "--replay", ""}};
-    for (const char* option : {"--camera", "--lod-camera", "--clip", "--environment", "--stats", "--variant", "--view"})
-        calls.push_back({"render", "triangle.obj", "-o", "a.png", option, ""});
-    for (const std::vector<std::string>& call : calls) {
-        const Outcome o = run(call);
-        const std::string& option = call[call.size() - 2];
-        EXPECT_EQ(o.exit_code, kBadInput) << option;
-        EXPECT_NE(o.err.find(option), std::string::npos) << o.err;
-        EXPECT_EQ(lines_of(o.err), 1) << o.err;
-    }
-}
-
-TEST_F(Command, CountsAreWholeNumbersWithinTheirLimits)
-{
-    for (const char* bad : {"-4", "0", "1.5", "1e99", "nan", "x", ""})
-        EXPECT_EQ(run({"verify", "triangle.obj", "--rays", bad}).exit_code, kBadInput) << bad;
-    for (const char* option : {"--seed", "--threads", "--deadline", "--error", "--filter-radius", "--bounces"})
-        EXPECT_EQ(run({"render", "triangle.obj", "-o", "a.png", option, "-1"}).exit_code, kBadInput) << option;
-    EXPECT_FALSE(fs::exists(folder / "a.png"));
-    const Outcome o = run({"render", "triangle.obj", "-o", "a.png", "--size", "8x8", "--spp", "1e1", "--seed",
-                           "18446744073709551615", "--stats", "-"});
-    EXPECT_EQ(o.exit_code, kDone) << o.err;
-    EXPECT_NE(o.out.find("\"spp\": 10,"), std::string::npos);
-    EXPECT_NE(o.out.find("\"seed\": 18446744073709551615"), std::string::npos);
-}
-
 TEST_F(Command, BrokenJSONIsRefusedByLineAndColumn)
 {
     std::ofstream(folder / "broken.gltf") << "{\"asset\":";
