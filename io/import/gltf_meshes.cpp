@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/common.hpp>
 
+#include "io/import/file_colors.h"
 #include "io/import/gltf_value.h"
 #include "io/import/polygons.h"
 #include "io/import/same_triangles.h"
@@ -219,11 +219,7 @@ void MeshImporter::read_attributes(const tinygltf::Primitive& primitive, Cage& c
         cage.colors = per_vertex(accessors_.vec4(a), vertices, "COLOR_0", where);
         if (accessors_.components(a) == 3)
             for (Vec4f& color : cage.colors) color.w = 1;
-        const auto is_in_range = [](Vec4f c) { return glm::clamp(c, 0.0f, 1.0f) == c; };
-        if (!std::all_of(cage.colors.begin(), cage.colors.end(), is_in_range)) {
-            report_.warn("vertex colours are not between 0 and 1", where);
-            for (Vec4f& color : cage.colors) color = glm::clamp(color, 0.0f, 1.0f);
-        }
+        clamp_colors(cage.colors, report_, where);
     }
 }
 

@@ -2,7 +2,7 @@
 #include <array>
 #include <cstring>
 
-#include "base/srgb.h"
+#include "io/import/file_colors.h"
 #include "io/import/files.h"
 #include "io/import/polygon_files.h"
 #include "io/import/text_cursor.h"
@@ -59,15 +59,69 @@ constexpr int kIgnored = -1;
 
 int field_of(const std::string& name)
 {
-    constexpr std::array<std::pair<const char*, Field>, 20> kNames = {
-        {{"x", kX},         {"y", kY},         {"z", kZ},     {"nx", kNx},       {"ny", kNy},
-         {"nz", kNz},       {"u", kU},         {"v", kV},     {"s", kU},         {"t", kV},
-         {"texture_u", kU}, {"texture_v", kV}, {"red", kRed}, {"green", kGreen}, {"blue", kBlue},
-         {"alpha", kAlpha}, {"r", kRed},       {"g", kGreen}, {"b", kBlue},      {"a", kAlpha}}};
+    constexpr std::array<std::pair<const char*, Field>, 24> kNames = {{{"x", kX},
+                                                                       {"y", kY},
+                                                                       {"z", kZ},
+                                                                       {"nx", kNx},
+                                                                       {"ny", kNy},
+                                                                       {"nz", kNz},
+                                                                       {"u", kU},
+                                                                       {"v", kV},
+                                                                       {"s", kU},
+                                                                       {"t", kV},
+                                                                       {"texture_u", kU},
+                                                                       {"texture_v", kV},
+                                                                       {"red", kRed},
+                                                                       {"green", kGreen},
+                                                                       {"blue", kBlue},
+                                                                       {"alpha", kAlpha},
+                                                                       {"r", kRed},
+                                                                       {"g", kGreen},
+                                                                       {"b", kBlue},
+                                                                       {"a", kAlpha},
+                                                                       {"diffuse_red", kRed},
+                                                                       {"diffuse_green", kGreen},
+                                                                       {"diffuse_blue", kBlue},
+                                                                       {"diffuse_alpha", kAlpha}}};
     for (const auto& [known, field] : kNames)
         if (name == known) return field;
     return kIgnored;
 }
+
+// Returns the value of a part of a colour that means 1: numbers with a point are from 0 to 1, and integers are bytes
+// whatever their type, except those of 16 bits without a sign.
+float white_of(Number type)
+{
+    if (type == Number::Float32 || type == Number::Float64) return 1;
+    return type == Number::UInt16 ? 65535 : 255;
+}
+
+// Says where the values of an element go. Those that are no list and have a field get a place in `values`.
+struct Fields {
+    explicit Fields(const Element& element)
+    {
+        for (const Property& property : element.properties) {
+            const int field = property.is_list ? kIgnored : field_of(property.name);
+            of_property.push_back(field);
+            if (field == kIgnored) continue;
+            has[field] = true;
+            white[field] = white_of(property.type);
+        }
+        has_colors = has[kRed] && has[kGreen] && has[kBlue];
+    }
+    // Integers come from scanners and painting programs and are sRGB; floats are linear.
+    Vec4f color() const
+    {
+        const auto part = [&](Field field) { return static_cast<float>(values[field]) / white[field]; };
+        const Vec4f rgba(part(kRed), part(kGreen), part(kBlue), has[kAlpha] ? part(kAlpha) : 1);
+        return white[kRed] == 1 ? rgba : linear_color(rgba);
+    }
+
+    std::vector<int> of_property;
+    bool has[kFields] = {}, has_colors = false;
+    float white[kFields] = {};
+    double values[kFields] = {};
+};
 
 class PlyReader {
 public:
@@ -83,6 +137,9 @@ public:
             else if (element.name == "face" || element.name == "tristrips") read_faces(element);
             else skip(element);
         }
+        clamp_colors(polygons_.cage.colors, report_);
+        clamp_colors(face_colors_, report_);
+        set_face_colors(polygons_, std::move(face_colors_), report_);
         return std::move(polygons_);
     }
 
@@ -100,7 +157,9 @@ private:
             const std::string where = "line " + std::to_string(cursor_.line());
             if (keyword == "end_header") break;
             if (keyword == "comment" || keyword == "obj_info") {
-                cursor_.skip_line();
+                std::string_view words[1];
+                cursor_.rest_of_line(words);
+                if (words[0] == "TextureFile") report_.warn("texture files are not read", where);
             } else if (keyword == "format") {
                 const std::string_view format = cursor_.word();
                 is_binary_ = format != "ascii";
@@ -215,59 +274,58 @@ private:
     void read_vertices(const Element& element)
     {
         Cage& cage = polygons_.cage;
-        std::vector<int> fields;
-        bool has[kFields] = {}, is_byte_color = false;
-        for (const Property& property : element.properties) {
-            const int field = property.is_list ? kIgnored : field_of(property.name);
-            fields.push_back(field);
-            if (field == kIgnored) continue;
-            has[field] = true;
-            is_byte_color |= field == kRed && property.type == Number::UInt8;
-        }
+        Fields fields(element);
+        const auto& has = fields.has;
         if (!has[kX] || !has[kY] || !has[kZ]) refuse("vertices without x, y and z");
-        const bool has_normals = has[kNx] && has[kNy] && has[kNz], has_uvs = has[kU] && has[kV],
-                   has_colors = has[kRed] && has[kGreen] && has[kBlue];
+        const bool has_normals = has[kNx] && has[kNy] && has[kNz], has_uvs = has[kU] && has[kV];
         if (has_uvs) cage.uv_sets.resize(1);
-        double v[kFields] = {};
-        v[kAlpha] = is_byte_color ? 255 : 1;
         for (std::size_t i = 0; i < element.count; ++i) {
-            for (std::size_t p = 0; p < fields.size(); ++p)
-                if (fields[p] == kIgnored) skip(element.properties[p]);
-                else v[fields[p]] = number(element.properties[p].type);
-            const auto f = [&](Field field) { return static_cast<float>(v[field]); };
+            for (std::size_t p = 0; p < fields.of_property.size(); ++p) read_value(element, p, fields);
+            const auto f = [&](Field field) { return static_cast<float>(fields.values[field]); };
             cage.positions.emplace_back(f(kX), f(kY), f(kZ));
             if (has_normals) polygons_.normals.emplace_back(f(kNx), f(kNy), f(kNz));
             if (has_uvs) cage.uv_sets[0].values.emplace_back(f(kU), 1 - f(kV));
-            if (!has_colors) continue;
-            // Bytes come from scanners and painting programs and are sRGB; floats are linear.
-            if (is_byte_color)
-                cage.colors.emplace_back(linear_from_srgb(f(kRed) / 255), linear_from_srgb(f(kGreen) / 255),
-                                         linear_from_srgb(f(kBlue) / 255), f(kAlpha) / 255);
-            else cage.colors.emplace_back(f(kRed), f(kGreen), f(kBlue), f(kAlpha));
+            if (fields.has_colors) cage.colors.push_back(fields.color());
         }
+    }
+    void read_value(const Element& element, std::size_t property, Fields& fields)
+    {
+        const int field = fields.of_property[property];
+        if (field == kIgnored) skip(element.properties[property]);
+        else fields.values[field] = number(element.properties[property].type);
     }
 
     void read_faces(const Element& element)
     {
         Cage& cage = polygons_.cage;
-        const bool is_strip = element.name == "tristrips";
-        std::vector<std::uint32_t> corners;
-        for (std::size_t i = 0; i < element.count; ++i)
-            for (const Property& property : element.properties) {
-                if (!property.is_list || (property.name != "vertex_indices" && property.name != "vertex_index")) {
-                    skip(property);
+        Fields fields(element);
+        for (std::size_t i = 0; i < element.count; ++i) {
+            const std::size_t faces = cage.face_sizes.size();
+            for (std::size_t p = 0; p < element.properties.size(); ++p) {
+                const std::string& name = element.properties[p].name;
+                if (element.properties[p].is_list && (name == "vertex_indices" || name == "vertex_index")) {
+                    read_corners(element, element.properties[p]);
                     continue;
                 }
-                corners.clear();
-                for (std::size_t c = list_length(property); c > 0; --c) {
-                    const double index = number(property.type);
-                    corners.push_back(index >= 0 && index < 4294967295.0 ? static_cast<std::uint32_t>(index) : kNoIndex);
-                }
-                if (is_strip) add_strip(corners);
-                else if (corners.size() < 3) report_.warn("points and lines are not rendered");
-                else add_face(corners);
+                if (name == "texcoord") report_.warn("texture coordinates of faces are not read");
+                read_value(element, p, fields);
             }
+            if (!fields.has_colors) continue;
+            face_colors_.resize(faces, Vec4f(1));
+            face_colors_.resize(cage.face_sizes.size(), fields.color());
+        }
         if (!polygons_.normals.empty()) polygons_.normal_indices = cage.face_vertices;
+    }
+    void read_corners(const Element& element, const Property& property)
+    {
+        corners_.clear();
+        for (std::size_t c = list_length(property); c > 0; --c) {
+            const double index = number(property.type);
+            corners_.push_back(index >= 0 && index < 4294967295.0 ? static_cast<std::uint32_t>(index) : kNoIndex);
+        }
+        if (element.name == "tristrips") add_strip(corners_);
+        else if (corners_.size() < 3) report_.warn("points and lines are not rendered");
+        else add_face(corners_);
     }
     void add_face(std::span<const std::uint32_t> corners)
     {
@@ -296,6 +354,8 @@ private:
     std::size_t at_ = 0;  // position in a binary body
     bool is_binary_ = false, is_big_endian_ = false;
     std::vector<Element> elements_;
+    std::vector<std::uint32_t> corners_;  // of the face that is read
+    std::vector<Vec4f> face_colors_;
     Polygons polygons_;
 };
 

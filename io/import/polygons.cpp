@@ -60,7 +60,7 @@ void split_by_normal(Polygons& polygons)
     for (std::size_t c = 0; c < cage.face_vertices.size(); ++c)
         cage.face_vertices[c] = splitter.vertex(cage.face_vertices[c], polygons.normal_indices[c]);
     splitter.spread(cage.positions);
-    splitter.spread(cage.colors);
+    if (cage.color_indices.empty()) splitter.spread(cage.colors);
     for (UvSet& set : cage.uv_sets)
         if (set.indices.empty()) splitter.spread(set.values);
     cage.normals.resize(cage.positions.size());
@@ -120,13 +120,13 @@ Cage triangulate(Polygons polygons, Report& report)
     Cage& in = polygons.cage;
     Cage out = std::move(in);
     const std::vector<std::uint32_t> sizes = std::move(out.face_sizes), vertices = std::move(out.face_vertices),
-                                     holes = std::move(out.holes);
+                                     holes = std::move(out.holes), colors = std::move(out.color_indices);
     const std::vector<std::uint16_t> slots = std::move(out.face_slots);
     std::vector<std::vector<std::uint32_t>> uv_indices;
     for (UvSet& set : out.uv_sets) uv_indices.push_back(std::move(set.indices));
     out.face_sizes.clear(), out.face_vertices.clear(), out.holes.clear(), out.face_slots.clear();
     for (UvSet& set : out.uv_sets) set.indices.clear();
-    out.creases.clear(), out.corners.clear();
+    out.creases.clear(), out.corners.clear(), out.color_indices.clear();
     out.scheme = Scheme::Triangles;
 
     std::vector<bool> is_hole(sizes.size(), false);
@@ -148,6 +148,7 @@ Cage triangulate(Polygons polygons, Report& report)
             out.face_vertices.push_back(vertices[begin + c]);
             for (std::size_t s = 0; s < uv_indices.size(); ++s)
                 if (!uv_indices[s].empty()) out.uv_sets[s].indices.push_back(uv_indices[s][begin + c]);
+            if (!colors.empty()) out.color_indices.push_back(colors[begin + c]);
         }
         if (!slots.empty()) out.face_slots.insert(out.face_slots.end(), cut.size() / 3, slots[f]);
     }

@@ -10,8 +10,8 @@ namespace occam::import {
 /// An index that a file left out or that is out of range; sanitize() drops what uses it.
 inline constexpr std::uint32_t kNoIndex = 0xffffffff;
 
-/// Holds the polygons of a file. `cage` has face_sizes and the scheme CatmullClark; its colours, if any, are one for each
-/// vertex; its uv_sets may have kNoIndex where a corner has no coordinates.
+/// Holds the polygons of a file. `cage` has face_sizes and the scheme CatmullClark; its uv_sets may have kNoIndex where a
+/// corner has no coordinates.
 struct Polygons {
     Cage cage;
     std::vector<Vec3f> normals;

@@ -20,11 +20,19 @@ std::uint32_t u32(std::string_view bytes, std::size_t at)
     return x;
 }
 
-// Some binary files begin with "solid" too, so the length decides.
-bool is_binary(std::string_view bytes)
+// Some binary files begin with "solid" too: no text has a byte of 0 as their header or their number of facets has, or else
+// the length decides.
+bool is_binary(std::string_view bytes, const Report& report)
 {
-    return bytes.size() >= kHeaderBytes && (bytes.size() - kHeaderBytes) / kFacetBytes >= u32(bytes, 80) &&
-           (!bytes.starts_with("solid") || bytes.size() == kHeaderBytes + kFacetBytes * std::size_t(u32(bytes, 80)));
+    if (bytes.size() < kHeaderBytes) return false;
+    const bool begins_as_text = bytes.starts_with("solid");
+    const bool has_zero = bytes.substr(0, kHeaderBytes).find('\0') != std::string_view::npos;
+    const std::size_t facets = u32(bytes, 80);
+    if ((bytes.size() - kHeaderBytes) / kFacetBytes < facets) {
+        if (begins_as_text && has_zero) throw Error(report.name(), "a binary STL that is cut off");
+        return false;
+    }
+    return !begins_as_text || has_zero || bytes.size() == kHeaderBytes + kFacetBytes * facets;
 }
 
 void add_facet(Polygons& polygons, const Vec3f (&corners)[3])
@@ -50,26 +58,37 @@ Polygons read_binary(std::string_view bytes)
     return polygons;
 }
 
-Polygons read_ascii(std::string_view text, const Report& report)
+Polygons read_ascii(std::string_view text, Report& report)
 {
+    constexpr int kClosed = 3;
     Polygons polygons;
     TextCursor cursor(text);
     if (cursor.word() != "solid") throw Error(report.name(), "neither an ascii nor a binary STL, or cut off");
     cursor.skip_line();
     Vec3f corners[3];
-    int corner = 0;
+    int corner = kClosed;
+    bool has_end = false;
+    const auto refuse = [&] {
+        throw Error(report.name(), cursor.is_at_end() ? "an ascii STL that is cut off" : "not a facet of three vertices",
+                    "line " + std::to_string(cursor.line()));
+    };
     for (std::string_view word = cursor.word(); !word.empty(); word = cursor.word()) {
+        has_end = word == "endsolid";
+        if (word == "facet" || word == "endloop" || word == "endfacet" || has_end) {
+            if (corner != kClosed) refuse();
+        }
         if (word == "facet") corner = 0;
-        if (word == "solid" || word == "endsolid") cursor.skip_line();
+        if (word == "solid" || has_end) cursor.skip_line();
         if (word != "vertex") continue;
         for (int k = 0; k < 3; ++k) {
             const auto x = cursor.number();
-            if (!x || corner > 2)
-                throw Error(report.name(), "not a facet of three vertices", "line " + std::to_string(cursor.line()));
+            if (!x || corner == kClosed) refuse();
             corners[corner][k] = static_cast<float>(*x);
         }
-        if (++corner == 3) add_facet(polygons, corners);
+        if (++corner == kClosed) add_facet(polygons, corners);
     }
+    if (corner != kClosed) refuse();
+    if (!has_end) report.warn("the text has no endsolid: it may be cut off");
     return polygons;
 }
 
@@ -79,7 +98,7 @@ Scene load_stl(const std::filesystem::path& file, const LoadOptions& options)
 {
     Report report(file, options.strict);
     const std::string bytes = read_file(file);
-    Polygons polygons = is_binary(bytes) ? read_binary(bytes) : read_ascii(bytes, report);
+    Polygons polygons = is_binary(bytes, report) ? read_binary(bytes) : read_ascii(bytes, report);
     if (polygons.cage.positions.size() > 0x7fffffff) throw Error(report.name(), "more than 2^31 vertices");
     weld_by_position(polygons.cage);
     return scene_of(std::move(polygons), options, report);

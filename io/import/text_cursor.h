@@ -3,6 +3,7 @@
 
 #include <charconv>
 #include <optional>
+#include <span>
 #include <string_view>
 
 namespace occam::import {
@@ -34,6 +35,19 @@ public:
         if (error != std::errc() || (after != end && !is_space(*after))) return std::nullopt;
         at_ = static_cast<std::size_t>(after - text_.data());
         return value;
+    }
+    /// Reads the words up to the end of this line; returns how many there are, of which `words` holds the first ones.
+    std::size_t rest_of_line(std::span<std::string_view> words)
+    {
+        std::size_t count = 0;
+        for (;;) {
+            while (at_ < text_.size() && text_[at_] != '\n' && is_space(text_[at_])) ++at_;
+            if (at_ == text_.size() || text_[at_] == '\n') return count;
+            if (comment_ != '\0' && text_[at_] == comment_) return skip_line(), count;
+            const std::string_view next = word();
+            if (count < words.size()) words[count] = next;
+            ++count;
+        }
     }
     void skip_line()
     {

@@ -85,6 +85,57 @@ TEST(ImportPly, ReadsNormalsCoordinatesAndColours)
     EXPECT_NEAR(cage.colors[0].z, 0.21586f, 1e-4f) << "bytes are sRGB";
 }
 
+std::string colored_ply(const std::string& type, const std::string& color, const std::string& prefix = "")
+{
+    std::string elements = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+    for (const char* part : {"red", "green", "blue"}) elements += "property " + type + " " + prefix + part + "\n";
+    std::string rows;
+    for (const char* place : {"0 0 0 ", "1 0 0 ", "0 1 0 "}) rows += place + color + "\n";
+    return ply_header("ascii", elements + "element face 1\nproperty list uchar int vertex_indices\n") + rows + "3 0 1 2\n";
+}
+
+TEST(ImportPly, ColoursAreWhatTheirTypeSays)
+{
+    const TempFolder folder;
+    const auto read = [&](const std::string& text) { return load(folder.write("c.ply", text)); };
+    for (const Scene& scene :
+         {read(colored_ply("ushort", "65535 0 32896")), read(colored_ply("int", "255 0 128")),
+          read(colored_ply("short", "255 0 128")), read(colored_ply("uchar", "255 0 128", "diffuse_"))}) {
+        ASSERT_EQ(only_cage(scene).colors.size(), 3u);
+        const Vec4f color = only_cage(scene).colors[1];
+        EXPECT_EQ(color, Vec4f(1, 0, color.z, 1));
+        EXPECT_NEAR(color.z, 0.21586f, 1e-4f) << "integers are sRGB";
+        EXPECT_TRUE(scene.warnings.empty());
+    }
+    const Scene floats = read(colored_ply("float", "255 0 0.5"));
+    EXPECT_EQ(only_cage(floats).colors[1], Vec4f(1, 0, 0.5f, 1));
+    EXPECT_TRUE(warns(floats, "vertex colours are not between 0 and 1"));
+    EXPECT_TRUE(warns(read(colored_ply("int", "256 0 0")), "vertex colours are not between 0 and 1"));
+}
+
+TEST(ImportPly, FacesMayHaveColours)
+{
+    const TempFolder folder;
+    const std::string faces =
+        "element face 3\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+        "property list uchar int vertex_indices\nproperty list uchar float texcoord\n";
+    const std::string vertices = "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
+    const std::string places = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+    const std::string rows = "255 0 0 4 0 1 2 3 0\n7 7 7 2 0 1 0\n0 0 255 3 0 1 2 6 0 0 0 0 0 0\n";
+    const auto file = folder.write("f.ply",
+                                   ply_header("ascii", "comment TextureFile a.png\n" + vertices + faces) + places + rows);
+    for (const Subdivide subdivide : {Subdivide::Off, Subdivide::On}) {
+        const Scene scene = load(file, {.subdivide = subdivide});
+        const Cage& cage = only_cage(scene);
+        const std::size_t first = subdivide == Subdivide::On ? 4 : 6;
+        ASSERT_EQ(cage.color_indices.size(), first + 3);
+        for (std::size_t c = 0; c < first + 3; ++c)
+            EXPECT_EQ(cage.colors[cage.color_indices[c]], c < first ? Vec4f(1, 0, 0, 1) : Vec4f(0, 0, 1, 1));
+        EXPECT_TRUE(warns(scene, "texture coordinates of faces are not read (3 times)"));
+        EXPECT_TRUE(warns(scene, "texture files are not read"));
+    }
+}
+
 TEST(ImportPly, DeclaredSizesAreCheckedBeforeAnythingIsAllocated)
 {
     const TempFolder folder;
@@ -125,6 +176,53 @@ TEST(ImportOff, ReadsPlainAndPrefixedFiles)
         folder.write("b.off", "CNOFF\n3 1 0\n0 0 0 0 0 1 1 0 0 1\n1 0 0 0 0 1 1 0 0 1\n0 1 0 0 0 1 1 0 0 1\n3 0 1 2"));
     EXPECT_EQ(only_cage(colored).normals.at(1), Vec3f(0, 0, 1));
     EXPECT_EQ(only_cage(colored).colors.at(1), Vec4f(1, 0, 0, 1));
+}
+
+TEST(ImportOff, ColoursWithoutAPointAreBytesIfOneIsAboveOne)
+{
+    const TempFolder folder;
+    const auto read = [&](const std::string& color, const std::string& face_color = "") {
+        std::string text = "COFF\n3 1 3\n";
+        for (const char* place : {"0 0 0 ", "1 0 0 ", "0 1 0 "}) text += place + color + " # a comment\n";
+        return load(folder.write("c.off", text + "3 0 1 2 " + face_color + "\n"));
+    };
+    const auto color_of = [](const Scene& scene) { return only_cage(scene).colors.at(1); };
+    const Scene bytes = read("255 0 128 51");
+    EXPECT_EQ(Vec2f(color_of(bytes)), Vec2f(1, 0));
+    EXPECT_NEAR(color_of(bytes).z, 0.21586f, 1e-4f) << "bytes are sRGB";
+    EXPECT_EQ(color_of(bytes).w, 0.2f);
+    EXPECT_TRUE(bytes.warnings.empty());
+    const Scene without_alpha = read("255 0 128");
+    EXPECT_EQ(color_of(without_alpha), Vec4f(Vec3f(color_of(bytes)), 1));
+    EXPECT_EQ(color_of(read("0.5 0.25 1")), Vec4f(0.5f, 0.25f, 1, 1));
+    EXPECT_EQ(color_of(read("0 1 0 1")), Vec4f(0, 1, 0, 1));
+    const Scene above = read("255.0 0 0.5 1");
+    EXPECT_EQ(color_of(above), Vec4f(1, 0, 0.5f, 1));
+    EXPECT_TRUE(warns(above, "vertex colours are not between 0 and 1"));
+    const Scene both = read("0.5 0.5 0.5 1", "1.0 0 0");
+    EXPECT_EQ(color_of(both), Vec4f(0.5f, 0.5f, 0.5f, 1));
+    EXPECT_TRUE(warns(both, "colours of faces are ignored"));
+    EXPECT_NE(error_of(folder.write("d.off", "COFF\n3 1 3\n0 0 0 1 0 0 x\n1 0 0 1 0 0 x\n0 1 0 1 0 0 x\n3 0 1 2\n")), "");
+}
+
+TEST(ImportOff, FacesMayHaveColours)
+{
+    const TempFolder folder;
+    const auto file = folder.write("f.off",
+                                   "OFF\n4 5 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3 255 0 0\n2 0 1 7 7 7\n"
+                                   "3 0 1 2 0.5 0.25 1 0.75\n3 1 2 3 4\n3 0 2 3 1 2\n");
+    for (const Subdivide subdivide : {Subdivide::Off, Subdivide::On}) {
+        const Scene scene = load(file, {.subdivide = subdivide});
+        const Cage& cage = only_cage(scene);
+        const std::size_t first = subdivide == Subdivide::On ? 4 : 6;
+        ASSERT_EQ(cage.color_indices.size(), first + 9);
+        const auto color = [&](std::size_t corner) { return cage.colors[cage.color_indices[corner]]; };
+        EXPECT_EQ(color(first - 1), Vec4f(1, 0, 0, 1));
+        EXPECT_EQ(color(first), Vec4f(0.5f, 0.25f, 1, 0.75f));
+        EXPECT_EQ(color(first + 3), Vec4f(1));
+        EXPECT_TRUE(warns(scene, "numbers in a colour map are not read"));
+        EXPECT_TRUE(warns(scene, "is not a colour"));
+    }
 }
 
 TEST(ImportOff, RefusesWhatDoesNotFit)
@@ -180,6 +278,31 @@ TEST(ImportStl, RefusesWhatIsCutOff)
               std::string::npos);
     EXPECT_NE(error_of(folder.write("c.stl", "solid\nfacet\nvertex 0 0\n")).find("line"), std::string::npos);
     EXPECT_NE(error_of(folder.write("d.stl", "solid\nendsolid\n")).find("no face"), std::string::npos);
+
+    constexpr float kFirst[] = {0, 0, 0, 1, 0, 0, 1, 1, 0};
+    const std::string facet = stl_facet(true, kFirst);
+    for (const char* rest : {"facet normal 0 0 1\nouter loop\n", "facet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n",
+                             "facet\nouter loop\nvertex 0 0 0\nvertex 1 0"})
+        EXPECT_NE(error_of(folder.write("e.stl", "solid\n" + facet + rest)).find("an ascii STL that is cut off"),
+                  std::string::npos)
+            << rest;
+    const std::string two = "facet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\nendfacet\n";
+    EXPECT_NE(error_of(folder.write("f.stl", "solid\n" + two + facet + "endsolid\n")).find("not a facet of three vertices"),
+              std::string::npos);
+    EXPECT_TRUE(warns(load(folder.write("g.stl", "solid\n" + facet)), "no endsolid"));
+    EXPECT_TRUE(load(folder.write("h.stl", "solid\n" + facet + "endsolid\n")).warnings.empty());
+}
+
+TEST(ImportStl, BinaryFilesMayBeginAsTextAndGoOnAfterTheirFacets)
+{
+    const TempFolder folder;
+    constexpr float kFirst[] = {0, 0, 0, 1, 0, 0, 1, 1, 0};
+    std::string header = "solid but binary";
+    header.resize(80, ' ');
+    const std::string file = header + Bytes(false).add(1u).text() + stl_facet(false, kFirst);
+    EXPECT_EQ(only_cage(load(folder.write("a.stl", file + "more"))).face_count(), 1u);
+    EXPECT_NE(error_of(folder.write("b.stl", file.substr(0, file.size() - 1))).find("a binary STL that is cut off"),
+              std::string::npos);
 }
 
 }  // namespace
