@@ -70,8 +70,9 @@ public:
         const std::vector<SkinId> skins = add_skins(model_, accessors_, nodes_, scene_, report_);
         for (std::size_t n = 0; n < nodes_.size(); ++n) {
             const int skin = model_.nodes[n].skin;
-            if (nodes_[n] && skin >= 0 && static_cast<std::size_t>(skin) < skins.size())
-                scene_.set_skin(nodes_[n], skins[static_cast<std::size_t>(skin)]);
+            if (!nodes_[n] || skin < 0 || static_cast<std::size_t>(skin) >= skins.size()) continue;
+            scene_.set_skin(nodes_[n], skins[static_cast<std::size_t>(skin)]);
+            check_joints(n, skins[static_cast<std::size_t>(skin)]);
         }
         add_clips(model_, accessors_, nodes_, scene_, report_);
         add_environment();
@@ -89,6 +90,20 @@ private:
             scene_.variants.push_back(text(variants.Get(static_cast<int>(v)), "name"));
             if (!options_.variant.empty() && scene_.variants.back() == options_.variant)
                 meshes_.set_variant(static_cast<int>(v));
+        }
+    }
+
+    // A joint that the skin lacks stays where the mesh is.
+    void check_joints(std::size_t node, SkinId id)
+    {
+        const std::size_t joints = scene_.skin(id).joints.size();
+        const std::string where = "nodes[" + std::to_string(node) + "]";
+        for (const CageId cage : scene_.node(nodes_[node]).cages) {
+            const SkinBinding& binding = scene_.cage(cage).cage.skin;
+            for (std::size_t i = 0; i < binding.joints.size(); ++i)
+                for (int k = 0; k < 4; ++k)
+                    if (binding.joints[i][k] >= joints && binding.weights[i][k] > 0)
+                        report_.warn("a vertex has a joint that its skin lacks", where);
         }
     }
 

@@ -1,4 +1,5 @@
 #include <map>
+#include <set>
 
 #include "io/import/gltf_json.h"
 #include "io/import/gltf_rules.h"
@@ -91,7 +92,22 @@ void check_accessor(const json& accessor, const json& root, const std::string& w
     }
 }
 
-void check_image(const json& image, const json& root, const std::string& where, Report& report)
+// Returns the images that extensions of textures name and no texture itself does: of what type they are the extension says.
+std::set<std::int64_t> images_of_extensions(const json& root)
+{
+    std::set<std::int64_t> images, others;
+    for (const json& texture : list(root, "textures")) {
+        others.insert(integer(texture, "source", -1));
+        if (!texture.contains("extensions")) continue;
+        for (const json& extension : texture["extensions"])
+            if (extension.is_object() && extension.contains("source") && extension["source"].is_number_integer())
+                images.insert(extension["source"].get<std::int64_t>());
+    }
+    std::erase_if(images, [&](std::int64_t image) { return others.contains(image); });
+    return images;
+}
+
+void check_image(const json& image, const json& root, bool may_be_of_any_type, const std::string& where, Report& report)
 {
     if (image.contains("uri") == image.contains("bufferView"))
         throw Error(report.name(), "needs a uri or a buffer view, and only one", where);
@@ -101,7 +117,8 @@ void check_image(const json& image, const json& root, const std::string& where, 
         if (view.contains("byteStride")) report.warn("image in a view with byteStride", where);
     }
     const std::string mime = text(image, "mimeType"), uri = text(image, "uri");
-    if (!mime.empty() && mime != "image/png" && mime != "image/jpeg") report.warn("mimeType is neither PNG nor JPEG", where);
+    if (!mime.empty() && mime != "image/png" && mime != "image/jpeg" && !may_be_of_any_type)
+        report.warn("mimeType is neither PNG nor JPEG", where);
     const std::size_t colon = uri.find(':');
     if (uri.starts_with("data:")) {
         if (!mime.empty() && !uri.starts_with("data:" + mime)) report.warn("mimeType is not that of the data URI", where);
@@ -120,7 +137,10 @@ void check_data_rules(const json& root, Report& report)
     };
     each("bufferViews", check_view);
     each("accessors", check_accessor);
-    each("images", check_image);
+    const std::set<std::int64_t> special = images_of_extensions(root);
+    const json& images = list(root, "images");
+    for (std::size_t i = 0; i < images.size(); ++i)
+        check_image(images[i], root, special.contains(static_cast<std::int64_t>(i)), element("images", i), report);
     each("buffers", [](const json& buffer, const json&, const std::string& where, Report& r) {
         const std::string uri = text(buffer, "uri");
         if (uri.starts_with("data:") && !uri.starts_with("data:application/octet-stream") &&

@@ -9,8 +9,8 @@
 
 namespace occam::import {
 
-std::vector<Trs> instance_places(const tinygltf::Node& node, AccessorReader& accessors, std::size_t left,
-                                 const Report& report, const std::string& where)
+std::vector<Trs> instance_places(const tinygltf::Node& node, AccessorReader& accessors, std::size_t left, Report& report,
+                                 const std::string& where)
 {
     const tinygltf::Value& attributes = member(extension(node.extensions, "EXT_mesh_gpu_instancing"), "attributes");
     const auto refuse = [&](const std::string& what) {
@@ -27,6 +27,9 @@ std::vector<Trs> instance_places(const tinygltf::Node& node, AccessorReader& acc
         places.resize(count);
         return accessors.floats(accessor, width);
     };
+    for (const std::string& name : attributes.Keys())
+        if (name != "TRANSLATION" && name != "ROTATION" && name != "SCALE" && !name.starts_with("_"))
+            report.warn("unknown attribute '" + name.substr(0, 64) + "'", where + ".EXT_mesh_gpu_instancing");
     const std::vector<float> translation = values("TRANSLATION", 3), rotation = values("ROTATION", 4),
                              scale = values("SCALE", 3);
     for (std::size_t i = 0; i < places.size(); ++i) {

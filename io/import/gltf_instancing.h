@@ -12,8 +12,8 @@ inline constexpr std::size_t kMaxInstances = std::size_t(1) << 20;
 
 /// Returns the places of a node's instances in the node's axes, empty if it has none. Throws Error if the attributes do not
 /// fit together, or if there are more than `left` instances.
-std::vector<Trs> instance_places(const tinygltf::Node& node, AccessorReader& accessors, std::size_t left,
-                                 const Report& report, const std::string& where);
+std::vector<Trs> instance_places(const tinygltf::Node& node, AccessorReader& accessors, std::size_t left, Report& report,
+                                 const std::string& where);
 
 /// The largest number of instances of a node whose boxes a line through all of them may meet on average.
 inline constexpr double kMostOverlap = 16384;

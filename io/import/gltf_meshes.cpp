@@ -244,6 +244,9 @@ void MeshImporter::read_morph_targets(const tinygltf::Primitive& primitive, Cage
 {
     for (const auto& attributes : primitive.targets) {
         MorphTarget target;
+        for (const auto& [name, accessor] : attributes)
+            if (name.starts_with("COLOR_") || name.starts_with("TEXCOORD_"))
+                report_.warn("morph targets of " + name.substr(0, 64) + " are not read", where);
         if (const auto a = attributes.find("POSITION"); a != attributes.end())
             target.positions = per_vertex(accessors_.vec3(a->second), cage.positions.size(), "morph target", where);
         if (const auto a = attributes.find("NORMAL"); a != attributes.end())

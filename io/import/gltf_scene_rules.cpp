@@ -228,7 +228,7 @@ private:
                     report_.warn("positions without min and max", where);
             }
         if (primitive.contains("indices")) check_indices(at("accessors", primitive["indices"]), where);
-        check_material(primitive, where);
+        check_materials(primitive, where);
     }
 
     void check_attribute(const std::string& name, const json& accessor, const std::string& where)
@@ -289,21 +289,21 @@ private:
             report_.warn("indices and attributes share a view", where);
     }
 
-    void check_material(const json& primitive, const std::string& where)
+    void check_materials(const json& primitive, const std::string& where)
     {
-        if (!primitive.contains("material")) return;
-        const json& material = at("materials", primitive["material"]);
-        const auto check_use = [&](const json& owner, const char* key) {
-            if (!owner.contains(key) || !owner[key].is_object()) return;
-            const std::int64_t set = integer(owner[key], "texCoord", 0);
-            if (!primitive["attributes"].contains("TEXCOORD_" + std::to_string(set)))
-                report_.warn("a texture of its material needs TEXCOORD_" + std::to_string(set), where);
-        };
-        if (material.contains("pbrMetallicRoughness")) {
-            check_use(material["pbrMetallicRoughness"], "baseColorTexture");
-            check_use(material["pbrMetallicRoughness"], "metallicRoughnessTexture");
+        std::set<std::size_t> materials;
+        if (primitive.contains("material")) materials.insert(primitive["material"].get<std::size_t>());
+        constexpr const char* kVariants = "KHR_materials_variants";
+        if (primitive.contains("extensions") && primitive["extensions"].contains(kVariants))
+            for (const json& mapping : list(primitive["extensions"][kVariants], "mappings"))
+                materials.insert(mapping["material"].get<std::size_t>());
+        for (const std::size_t material : materials) {
+            const auto [sets, is_new] = sets_of_material_.try_emplace(material);
+            if (is_new) sets->second = coordinate_sets(list(root_, "materials")[material]);
+            for (const std::int64_t set : sets->second)
+                if (!primitive["attributes"].contains("TEXCOORD_" + std::to_string(set)))
+                    report_.warn("a texture of its material needs TEXCOORD_" + std::to_string(set), where);
         }
-        for (const char* key : {"normalTexture", "occlusionTexture", "emissiveTexture"}) check_use(material, key);
     }
 
     void check_animation(const json& animation, const std::string& where)
@@ -371,6 +371,7 @@ private:
     std::vector<std::int64_t> parent_;  // by node; -1: none
     std::vector<Interval> interval_;    // by node
     std::map<std::size_t, const json*> attribute_of_view_;
+    std::map<std::size_t, std::set<std::int64_t>> sets_of_material_;
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <unordered_set>
 
+#include "io/import/gltf_extensions.h"
 #include "io/import/gltf_schema.h"
 
 namespace occam::import {
@@ -18,6 +19,9 @@ public:
     Walker(const json& root, Report& report) : root_(root), report_(report)
     {
         for (const Rule& rule : gltf_schema()) rules_[rule.object].push_back(&rule);
+        if (const auto used = root.is_object() ? root.find("extensionsUsed") : root.end(); used != root.end())
+            for (const json& name : *used)
+                if (name.is_string()) declared_.insert(name.get<std::string>());
     }
 
     void object(const json& value, const std::string& type, const std::string& where)
@@ -59,6 +63,8 @@ private:
             if (rules_.count(inner_type)) object(inner, inner_type, where.empty() ? name : where + "." + name);
             else if (!inner.is_object()) report_.warn("extension is not an object", where + "." + name.substr(0, 64));
             else if (is_known(name)) report_.warn("extension " + name + " is not allowed here", where);
+            else if (!is_understood(name) && !declared_.contains(name))  // what is declared is a warning of its own
+                report_.warn("extension " + name.substr(0, 64) + " is not understood: what it says is left out", where);
         }
     }
     bool is_known(const std::string& name) const
@@ -170,6 +176,7 @@ private:
     const json& root_;
     Report& report_;
     std::map<std::string, std::vector<const Rule*>> rules_;
+    std::unordered_set<std::string> declared_;  // the extensions that the file says it uses
 };
 
 }  // namespace

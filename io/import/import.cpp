@@ -27,7 +27,8 @@ constexpr SceneFormat kFormats[] = {
      load_gltf},
     {".obj", "Wavefront OBJ",
      "polygons, normals, texture coordinates, MTL materials, subdivision tags (`t crease`, `t corner`, ...)", "y", load_obj},
-    {".ply", "Stanford PLY", "polygons, normals, texture coordinates, colours of vertices or faces; text and both binary forms", "y", load_ply},
+    {".ply", "Stanford PLY",
+     "polygons, normals, texture coordinates, colours of vertices or faces; text and both binary forms", "y", load_ply},
     {".off", "OFF", "polygons, normals, texture coordinates, colours of vertices or faces; text", "y", load_off},
     {".stl", "STL", "triangles; text and binary", "z", load_stl},
 };

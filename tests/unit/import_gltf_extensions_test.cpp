@@ -100,7 +100,8 @@ TEST(GltfExtensions, SpecularGlossinessGoesBeforeMetallicRoughness)
     EXPECT_TRUE(m.specular_color_texture);
     EXPECT_TRUE(m.glossiness_texture);
     EXPECT_EQ(scene.texture(m.specular_color_texture.texture).role, TextureRole::Color);
-    EXPECT_TRUE(scene.warnings.empty());
+    ASSERT_EQ(scene.warnings.size(), 1u);
+    EXPECT_TRUE(warns(scene, "needs TEXCOORD_0"));
 }
 
 TEST(GltfExtensions, SheenAndAnisotropyAreRead)
