@@ -6,6 +6,7 @@
 
 #include "io/import/files.h"
 #include "io/import/gltf_animation.h"
+#include "io/import/gltf_far_nodes.h"
 #include "io/import/gltf_file.h"
 #include "io/import/gltf_instancing.h"
 #include "io/import/gltf_meshes.h"
@@ -77,6 +78,7 @@ public:
         add_clips(model_, accessors_, nodes_, scene_, report_);
         add_environment();
         accessors_.check_values(report_);
+        leave_out_far_nodes(scene_, nodes_, report_);
         note_cages();
         finish(scene_, report_);
         return std::move(scene_);

@@ -92,6 +92,32 @@ TEST(GltfRules, AnImageOfAnExtensionIsOfTheTypeThatTheExtensionAsksFor)
                       "mimeType is neither PNG nor JPEG"));
 }
 
+TEST(GltfRules, NodesBesideWhichTheRestWouldVanishAreLeftOut)
+{
+    const TempFolder folder;
+    const auto shown = [&](const std::string& nodes, const char* warning) {
+        Gltf g = square();
+        g.nodes = nodes;
+        const Scene scene = load(g.write(folder));
+        if (!warning) EXPECT_TRUE(scene.warnings.empty()) << nodes;
+        else EXPECT_TRUE(warns(scene, warning)) << nodes;
+        return cages(scene).size();
+    };
+    const std::string near = R"({"mesh": 0}, )";
+    constexpr const char* kLeftOut = "a node is left out that reaches beyond 1e16";
+    EXPECT_EQ(shown(near + R"({"mesh": 0, "translation": [1e25, 0, 0]})", kLeftOut), 1u);
+    EXPECT_EQ(shown(near + R"({"mesh": 0, "scale": [1, 1e30, 1]})", kLeftOut), 1u);
+    EXPECT_EQ(shown(near + R"({"mesh": 0, "matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,-1e200,1]})", kLeftOut), 1u);
+    EXPECT_EQ(
+        shown(near + R"({"scale": [1e20, 1e20, 1e20], "children": [2]}, {"mesh": 0, "scale": [1e10, 1, 1]})", kLeftOut), 1u);
+    EXPECT_EQ(shown(near + R"({"mesh": 0, "translation": [1e20, 0, 0]})", nullptr), 2u) << "both can be rendered";
+    EXPECT_EQ(shown(R"({"mesh": 0, "scale": [1e100, 1e100, 1e100]})", nullptr), 1u) << "there is no rest";
+    EXPECT_EQ(
+        shown(R"({"mesh": 0, "translation": [1e25, 0, 0], "children": [1]}, {"mesh": 0, "translation": [-1e25, 0, 0]})",
+              "the scene vanishes beside a node that reaches beyond 1e16"),
+        2u);
+}
+
 TEST(GltfRules, JointsThatTheSkinLacksAreCounted)
 {
     const TempFolder folder;
