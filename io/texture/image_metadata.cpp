@@ -75,28 +75,91 @@ std::vector<std::byte> without_jpeg_metadata(std::span<const std::byte> file)
     return copier.take();
 }
 
-// Gives descriptive entries of the first directory a tag number that no reader knows (TIFF 6.0, sec. 2).
+// The first directory of a TIFF in memory (TIFF 6.0, sec. 2).
+class TiffDirectory {
+public:
+    explicit TiffDirectory(std::vector<std::byte>& file)
+        : file_(file), is_little_(file.size() > 8 && file[0] == std::byte('I'))
+    {
+        if (file.size() < 10 || number(4, 4) > file.size() - 2) return;
+        begin_ = number(4, 4);
+        const std::size_t declared = number(begin_, 2), fitting = (file.size() - begin_ - 2) / kEntry;
+        count_ = std::min(declared, fitting);
+        is_whole_ = number(2, 2) == kClassic && declared <= fitting && file.size() - end() >= 4;
+    }
+
+    void rename_metadata()
+    {
+        constexpr std::array<std::size_t, 6> kDescribing = {700, 33723, 34377, 34665, 34675, 37724};
+        for (std::size_t at = first(); at < end(); at += kEntry)
+            if (std::find(kDescribing.begin(), kDescribing.end(), number(at, 2)) != kDescribing.end())
+                file_[at] = file_[at + 1] = std::byte{0xfd};
+    }
+
+    // A file of one bit a sample need not say so, but OpenImageIO takes it as one of eight. A directory that does is put
+    // behind the end of the file.
+    void write_default_bits()
+    {
+        constexpr std::size_t kBitsPerSample = 258, kSamplesPerPixel = 277, kShort = 3, kMost = 0xffff0000;
+        if (!is_whole_ || has(kBitsPerSample) || has(kSamplesPerPixel, 2) || file_.size() > kMost) return;
+        std::vector<std::byte> entries;
+        const auto copy = [&](std::size_t from, std::size_t to) {
+            entries.insert(entries.end(), file_.begin() + std::ptrdiff_t(from), file_.begin() + std::ptrdiff_t(to));
+        };
+        std::size_t next = first();
+        while (next < end() && number(next, 2) < kBitsPerSample) next += kEntry;
+        copy(first(), next);
+        const std::size_t at = entries.size();
+        entries.resize(at + kEntry);
+        copy(next, end() + 4);
+        put(entries, at, kBitsPerSample, 2);
+        put(entries, at + 2, kShort, 2);
+        put(entries, at + 4, 1, 4);
+        put(entries, at + 8, 1, 2);
+        file_.resize(file_.size() + file_.size() % 2);
+        put(file_, 4, file_.size(), 4);
+        file_.resize(file_.size() + 2);
+        put(file_, file_.size() - 2, count_ + 1, 2);
+        file_.insert(file_.end(), entries.begin(), entries.end());
+    }
+
+private:
+    static constexpr std::size_t kEntry = 12, kClassic = 42;
+
+    std::size_t first() const { return begin_ + 2; }
+    std::size_t end() const { return first() + count_ * kEntry; }
+    std::size_t place(std::size_t i, std::size_t bytes) const { return is_little_ ? bytes - 1 - i : i; }
+    std::size_t number(std::size_t at, std::size_t bytes) const
+    {
+        std::size_t value = 0;
+        for (std::size_t i = 0; i < bytes; ++i)
+            value = value << 8 | std::to_integer<std::size_t>(file_[at + place(i, bytes)]);
+        return value;
+    }
+    void put(std::vector<std::byte>& to, std::size_t at, std::size_t value, std::size_t bytes) const
+    {
+        for (std::size_t i = bytes; i-- > 0; value >>= 8) to[at + place(i, bytes)] = static_cast<std::byte>(value & 0xff);
+    }
+    // Returns whether there is an entry of that tag, with a value of `least` or more.
+    bool has(std::size_t tag, std::size_t least = 0) const
+    {
+        for (std::size_t at = first(); at < end(); at += kEntry)
+            if (number(at, 2) == tag && number(at + 8, 2) >= least) return true;
+        return false;
+    }
+
+    std::vector<std::byte>& file_;
+    bool is_little_, is_whole_ = false;
+    std::size_t begin_ = 0, count_ = 0;
+};
+
+// Gives descriptive entries of the first directory a tag number that no reader knows.
 std::vector<std::byte> without_tiff_metadata(std::span<const std::byte> file)
 {
-    constexpr std::array<std::uint32_t, 6> kDescribing = {700, 33723, 34377, 34665, 34675, 37724};
-    constexpr std::size_t kEntry = 12;
     std::vector<std::byte> out(file.begin(), file.end());
-    const bool is_little = out.size() > 8 && out[0] == std::byte('I');
-    const auto number = [&](std::size_t at, std::size_t count) {
-        std::size_t value = 0;
-        for (std::size_t i = 0; i < count; ++i)
-            value = value << 8 | std::to_integer<std::size_t>(out[at + (is_little ? count - 1 - i : i)]);
-        return value;
-    };
-    if (out.size() < 10) return out;
-    const std::size_t directory = number(4, 4);
-    if (directory > out.size() - 2) return out;
-    const std::size_t entries = std::min(number(directory, 2), (out.size() - directory - 2) / kEntry);
-    for (std::size_t e = 0; e < entries; ++e) {
-        const std::size_t at = directory + 2 + e * kEntry;
-        if (std::find(kDescribing.begin(), kDescribing.end(), number(at, 2)) != kDescribing.end())
-            out[at] = out[at + 1] = std::byte{0xfd};
-    }
+    TiffDirectory directory(out);
+    directory.rename_metadata();
+    directory.write_default_bits();
     return out;
 }
 

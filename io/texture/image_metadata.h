@@ -1,4 +1,4 @@
-// Removal of descriptive metadata from image files.
+// Removal of descriptive metadata from image files, and what else a library would misread.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,8 @@ namespace occam {
 
 /// Returns a copy of a PNG, JPEG or TIFF (`format` as given by image_format()) without colour profiles, EXIF and texts:
 /// OpenImageIO 2.4 reads profiles past their end, and nothing here uses them. Parts that break the format's rules are copied
-/// as they are. Other formats are copied unchanged. A PNG must not be cut off.
+/// as they are. In a TIFF that leaves out its bits per sample, whose default OpenImageIO takes to be 8, they are 1 as the
+/// format says. Other formats are copied unchanged. A PNG must not be cut off.
 std::vector<std::byte> without_metadata(std::span<const std::byte> file, std::string_view format);
 
 }  // namespace occam

@@ -98,5 +98,43 @@ TEST(ImageMetadata, WhatIsCutOffIsCopiedAsFarAsItGoes)
     }
 }
 
+// A directory at byte 8, with a bit for each texel in two bytes behind it.
+std::string bilevel_tiff(bool is_little)
+{
+    std::string file;
+    const auto put = [&](std::size_t value, std::size_t bytes) {
+        for (std::size_t i = 0; i < bytes; ++i)
+            file += static_cast<char>(value >> 8 * (is_little ? i : bytes - 1 - i) & 0xff);
+    };
+    file = is_little ? "II" : "MM";
+    put(42, 2), put(8, 4);
+    struct Entry {
+        std::size_t tag, value;
+    };
+    constexpr Entry kEntries[] = {{256, 8}, {257, 2}, {262, 1}, {273, 10 + 6 * 12 + 4}, {278, 2}, {279, 2}};
+    put(std::size(kEntries), 2);
+    for (const Entry& entry : kEntries) put(entry.tag, 2), put(4, 2), put(1, 4), put(entry.value, 4);
+    put(0, 4);
+    return file + "\xf0\xff";
+}
+
+TEST(ImageMetadata, ATiffThatDoesNotNameItsBitsHasOneForATexel)
+{
+    const test::TempFolder folder;
+    for (const bool is_little : {true, false}) {
+        const std::string file = bilevel_tiff(is_little);
+        const auto* first = reinterpret_cast<const std::byte*>(file.data());
+        const std::vector<std::byte> after = without_metadata({first, file.size()}, "tiff");
+        const auto path = folder.write("b.tif", {reinterpret_cast<const char*>(after.data()), after.size()});
+        const auto image = OIIO::ImageInput::open(path.string());
+        ASSERT_TRUE(image) << OIIO::geterror();
+        unsigned char texels[16] = {};
+        ASSERT_TRUE(image->read_image(0, 0, 0, 1, OIIO::TypeDesc::UINT8, texels));
+        for (int i = 0; i < 16; ++i) EXPECT_EQ(texels[i], i < 4 || i >= 8 ? 255 : 0) << i;
+        EXPECT_EQ(without_metadata(after, "tiff"), after) << "it is there now";
+        for (std::size_t size = 0; size < file.size(); ++size) without_metadata({first, size}, "tiff");
+    }
+}
+
 }  // namespace
 }  // namespace occam
