@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <sstream>
 
 #include "io/import/files.h"
+#include "io/import/mtl_statements.h"
+#include "io/import/words.h"
 #include "io/texture/decode.h"
 
 namespace occam::import {
@@ -23,11 +26,13 @@ Vec3f not_negative(const float (&c)[3])
     return {part(c[0]), part(c[1]), part(c[2])};
 }
 
+bool is_given(float x) { return x != kNotGiven; }
+
 // Returns true for the illumination model of MTL that has a Lambertian surface without highlights, unless values of the
 // extension for physically based rendering say more.
 bool is_diffuse_alone(const tinyobj::material_t& m)
 {
-    const bool is_extended = m.roughness > 0 || m.metallic > 0 || m.clearcoat_thickness > 0 ||
+    const bool is_extended = is_given(m.roughness) || m.metallic > 0 || m.clearcoat_thickness > 0 ||
                              !m.roughness_texname.empty() || !m.metallic_texname.empty();
     return m.illum == 1 && !is_extended;
 }
@@ -60,9 +65,11 @@ public:
     {
     }
 
-    void read(const std::string& names)
+    void read(const std::string& line)
     {
-        if (read_file_named(names)) return;
+        if (read_file_named(line)) return;
+        const std::string names(without_comment(line));
+        if (names != line && read_file_named(names)) return;
         std::istringstream words(names);
         std::string name;
         while (words >> name)
@@ -85,7 +92,7 @@ private:
     {
         const auto path = inside(folder_, name);
         if (!path || !std::filesystem::is_regular_file(*path)) return false;
-        const std::string text = read_text(*path, kMaxLibraryBytes);
+        const std::string text = prepare_mtl(read_text(*path, kMaxLibraryBytes), name, report_);
         std::map<std::string, int> index;
         std::vector<tinyobj::material_t> list;
         std::string warnings, errors;
@@ -94,19 +101,31 @@ private:
         // The library always gives one material, even for an empty file: that one has no name.
         for (const tinyobj::material_t& m : list)
             if (!m.name.empty() && !materials.count(m.name)) materials.emplace(m.name, scene_.add(convert(m)));
+        for (const tinyobj::material_t& m : list)
+            if (const std::string alone(without_comment(m.name)); alone != m.name && !alone.empty())
+                materials.emplace(alone, materials.at(m.name));
         return true;
+    }
+
+    // Returns the first path of a file that the name may mean, or else the last one in the folder, if there is one.
+    std::optional<std::filesystem::path> image_path(const std::string& name) const
+    {
+        std::optional<std::filesystem::path> path;
+        for (std::string form : {name, std::string(without_comment(name))})
+            for (int with_slashes = 0; with_slashes < 2; ++with_slashes) {
+                if (with_slashes) std::replace(form.begin(), form.end(), '\\', '/');  // as programs for Windows write them
+                const auto other = inside(folder_, form);
+                if (other) path = other;
+                if (path && std::filesystem::is_regular_file(*path)) return path;
+            }
+        return path;
     }
 
     TextureUse texture(const std::string& name, const tinyobj::texture_option_t& option, TextureRole role)
     {
         TextureUse use;
         if (name.empty()) return use;
-        auto path = inside(folder_, name);
-        if (!path || !std::filesystem::is_regular_file(*path)) {
-            std::string with_slashes = name;  // programs for Windows write backslashes
-            std::replace(with_slashes.begin(), with_slashes.end(), '\\', '/');
-            if (const auto other = inside(folder_, with_slashes)) path = other;
-        }
+        const auto path = image_path(name);
         if (!path) {
             report_.warn("texture is not in the scene's folder", name);
             return use;
@@ -152,9 +171,8 @@ private:
         material.name = m.name;
         Vec3f diffuse = not_negative(m.diffuse);
         if (!m.diffuse_texname.empty()) {
-            // Exporters write black or nothing beside a map (the library turns nothing into 0.6) and mean the map alone.
-            const bool says_nothing = diffuse == Vec3f(0) || diffuse == Vec3f(0.6f);
-            if (says_nothing) diffuse = Vec3f(1);
+            // Exporters write black or nothing beside a map and mean the map alone.
+            if (diffuse == Vec3f(0)) diffuse = Vec3f(1);
             material.base_color_texture = texture(m.diffuse_texname, m.diffuse_texopt, TextureRole::Color);
             if (!material.base_color_texture) diffuse *= kMissingColor;
         }
@@ -169,14 +187,14 @@ private:
             if (material.emission == Vec3f(0)) material.emission = Vec3f(1);
             if (!material.emission_texture) material.emission = Vec3f(0);
         }
-        if (m.roughness > 0 || m.metallic > 0) {
+        if (is_given(m.roughness) || m.metallic > 0) {
             material.roughness = unit(m.roughness);
             material.metallic = unit(m.metallic);
         } else if (m.shininess > 1) {
             // Blinn's exponent gives a highlight as wide as that of roughness^2 (Walter et al. 2007, sec. 5.2).
             material.roughness = unit(std::sqrt(std::sqrt(2.0f / (m.shininess + 2.0f))));
         }
-        // A map without a factor, for which the library gives 0, means the map alone.
+        // A map without a factor, or with 0, means the map alone, as it does for colours.
         material.roughness_texture = texture(m.roughness_texname, m.roughness_texopt, TextureRole::Data);
         if (material.roughness_texture) material.roughness = m.roughness > 0 ? unit(m.roughness) : 1;
         material.metallic_texture = texture(m.metallic_texname, m.metallic_texopt, TextureRole::Data);

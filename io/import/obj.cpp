@@ -11,6 +11,7 @@
 #include "io/import/files.h"
 #include "io/import/mtl.h"
 #include "io/import/obj_statements.h"
+#include "io/import/words.h"
 
 namespace occam::import {
 
@@ -84,11 +85,12 @@ private:
     }
 
     // A name that no library has gets a slot without a material, so the default material is seen.
-    void use_material(std::string name)
+    void use_material(const std::string& rest)
     {
         if (materials_.empty()) return;
-        name.erase(name.find_last_not_of(" \t\r") + 1);
-        const auto material = materials_.find(name);
+        std::string name(Words(rest).rest());
+        auto material = materials_.find(name);
+        if (material == materials_.end()) material = materials_.find(name = without_comment(name));
         if (material == materials_.end() && !name.empty()) report_.warn("material is in no library", name);
         const MaterialId id = material == materials_.end() ? MaterialId() : material->second;
         const auto [slot, is_new] = slot_of_.try_emplace(id, static_cast<std::uint16_t>(cage_.materials.size()));

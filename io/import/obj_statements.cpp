@@ -6,37 +6,11 @@
 #include <optional>
 
 #include "base/srgb.h"
+#include "io/import/words.h"
 
 namespace occam::import {
 
 namespace {
-
-class Words {
-public:
-    explicit Words(std::string_view line) : rest_(line) {}
-
-    std::string_view next()
-    {
-        const std::size_t begin = rest_.find_first_not_of(" \t\r");
-        if (begin == std::string_view::npos) return {};
-        const std::size_t end = std::min(rest_.find_first_of(" \t\r", begin), rest_.size());
-        const std::string_view word = rest_.substr(begin, end - begin);
-        rest_.remove_prefix(end);
-        return word;
-    }
-    template <class T>
-    std::optional<T> number()
-    {
-        const std::string_view word = next();
-        T value{};
-        const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-        if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
-        return value;
-    }
-
-private:
-    std::string_view rest_;
-};
 
 struct Tag {
     std::string_view name;

@@ -60,6 +60,107 @@ TEST(ImportMtl, TheModelWithoutHighlightsReflectsNoLight)
     EXPECT_EQ(Loaded("Kd 0.5 0.5 0.5\nmap_Pr grey.ppm\nillum 1\n").material.specular, 1);
 }
 
+TEST(ImportMtl, WithoutAnIndexOfRefractionTheDefaultHolds)
+{
+    EXPECT_EQ(Loaded("Kd 0.5 0.5 0.5\n").material.ior, 1.5f);
+    EXPECT_EQ(Loaded("Kd 0.5 0.5 0.5\nNi 1\n").material.ior, 1);
+    EXPECT_EQ(Loaded("Ni 1.33\nnewmtl other\nKd 1 1 1\n").material.ior, 1.33f);
+}
+
+TEST(ImportMtl, ARoughnessOfZeroIsSmooth)
+{
+    EXPECT_EQ(Loaded("Kd 0 0 0\nPr 0\nPm 0\nNi 1.5\n").material.roughness, 0);
+    EXPECT_EQ(Loaded("Ns 10\nPr 0\n").material.roughness, 0);
+    EXPECT_EQ(Loaded("Pr 0\nillum 1\n").material.specular, 1);
+    EXPECT_EQ(Loaded("Pm 0\n").material.roughness, Material().roughness) << "it says nothing about roughness";
+    EXPECT_EQ(Loaded("Pr 0\nmap_Pr grey.ppm\n").material.roughness, 1) << "the map alone";
+}
+
+TEST(ImportMtl, PartsOfAColourThatAreLeftOutEqualTheFirst)
+{
+    EXPECT_EQ(Loaded("Kd 0.5\nKe 2 # lamp\n").material.base_color, Vec4f(0.5f, 0.5f, 0.5f, 1));
+    EXPECT_EQ(Loaded("Kd 0.5\nKe 2 # lamp\n").material.emission, Vec3f(2));
+    EXPECT_EQ(Loaded("Kd 0.6\nmap_Kd blue.ppm\n").material.base_color, Vec4f(0.6f, 0.6f, 0.6f, 1));
+    EXPECT_EQ(Loaded("map_Kd blue.ppm\n").material.base_color, Vec4f(1)) << "the map alone";
+}
+
+TEST(ImportMtl, WhatCannotBeReadGetsItsDefaultAndAWarning)
+{
+    for (const char* color : {"spectral file.rfl", "xyz 0.1 0.2 0.3"}) {
+        const Loaded loaded(std::string("Kd ") + color + "\nKe " + color + "\n");
+        EXPECT_EQ(loaded.material.base_color, Vec4f(1));
+        EXPECT_EQ(loaded.material.emission, Vec3f(0));
+        EXPECT_TRUE(warns(loaded.scene, "spectra or in CIE XYZ")) << color;
+        EXPECT_TRUE(warns(loaded.scene, "(m.mtl, line 2, first of 2)")) << color;
+    }
+    for (const char* color : {"0,5 0,5 0,5", "0.5 0.5 x", "nan nan nan", ""}) {
+        const Loaded loaded(std::string("Kd ") + color + "\n");
+        EXPECT_EQ(loaded.material.base_color, Vec4f(1));
+        EXPECT_TRUE(warns(loaded.scene, "a colour is not made of numbers")) << color;
+    }
+    const Loaded values("d 0,5\nNi x\nPr\nPm nan\n");
+    EXPECT_EQ(values.material.base_color.w, 1);
+    EXPECT_EQ(values.material.ior, 1.5f);
+    EXPECT_EQ(values.material.roughness, Material().roughness);
+    EXPECT_TRUE(warns(values.scene, "a value of a material is not a number: it is left out (m.mtl, line 2, first of 4)"));
+}
+
+TEST(ImportMtl, OpacityWithAHaloKeepsItsNumber)
+{
+    const Loaded loaded("d -halo 0.25\n");
+    EXPECT_EQ(loaded.material.base_color.w, 0.25f);
+    EXPECT_TRUE(warns(loaded.scene, "-halo"));
+}
+
+TEST(ImportMtl, NumbersOfOptionsMayBeLeftOut)
+{
+    const auto map = [](const std::string& options) {
+        const Loaded loaded("map_Kd " + options + "\n");
+        EXPECT_EQ(loaded.file(loaded.material.base_color_texture), "blue.ppm") << options;
+        EXPECT_TRUE(loaded.scene.warnings.empty()) << options;
+        return loaded.material.base_color_texture;
+    };
+    EXPECT_EQ(map("-s 2 3 blue.ppm").scale, Vec2f(2, 3));
+    EXPECT_EQ(map("-s 2 blue.ppm").scale, Vec2f(2, 1));
+    EXPECT_EQ(map("-o .5 blue.ppm").offset, Vec2f(0.5f, 0));
+    EXPECT_EQ(map("-o +.5 .25 -s 2 blue.ppm").offset, Vec2f(0.5f, -0.25f));
+    EXPECT_EQ(map("-t 1 -mm 0.1 -bm blue.ppm").scale, Vec2f(1));
+    EXPECT_EQ(map("-cc on -texres 512 -imfchan m -blendu off -s 2 2 1 blue.ppm # small").scale, Vec2f(2));
+    EXPECT_EQ(map("-clamp blue.ppm").wrap_s, TextureUse::Wrap::Clamp);
+    EXPECT_EQ(map("-clamp off blue.ppm").wrap_s, TextureUse::Wrap::Repeat);
+
+    TempFolder folder;
+    folder.write("2", texel("abc"));
+    folder.write("m.mtl", "newmtl m\nmap_Kd -s 2 2 2\n");
+    const Scene scene = load(folder.write("o.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n"));
+    EXPECT_TRUE(scene.warnings.empty()) << "the last word is the name";
+    EXPECT_EQ(scene.counts().textures, 1u);
+}
+
+TEST(ImportMtl, LinesMayEndWithACarriageReturnAlone)
+{
+    const Loaded loaded("Kd 0.5\rPr 0.25\rmap_Pm -s 2 grey.ppm\r");
+    EXPECT_EQ(loaded.material.base_color, Vec4f(0.5f, 0.5f, 0.5f, 1));
+    EXPECT_EQ(loaded.material.roughness, 0.25f);
+    EXPECT_EQ(loaded.material.metallic_texture.scale, Vec2f(2, 1));
+}
+
+TEST(ImportMtl, NamesMayBeFollowedByCommentsOrHoldTheirSign)
+{
+    const TempFolder folder;
+    folder.write("m.mtl", "newmtl red # a comment\nKd 1 0 0\nnewmtl blue #2\nKd 0 0 1\nnewmtl  blue #3\nKd 0 0 0.5\n");
+    const Scene scene = load(folder.write("o.obj",
+                                          "mtllib m.mtl # library\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
+                                          "usemtl red # face\nf 1 2 3\nusemtl blue #2\nf 2 3 1\n"
+                                          "usemtl blue #3\nf 3 2 1\n"));
+    EXPECT_TRUE(scene.warnings.empty()) << scene.warnings[0];
+    const Cage& cage = test::only_cage(scene);
+    ASSERT_EQ(cage.materials.size(), 3u);
+    EXPECT_EQ(scene.material(cage.materials[0]).base_color, Vec4f(1, 0, 0, 1));
+    EXPECT_EQ(scene.material(cage.materials[1]).base_color, Vec4f(0, 0, 1, 1));
+    EXPECT_EQ(scene.material(cage.materials[2]).base_color, Vec4f(0, 0, 0.5f, 1));
+}
+
 TEST(ImportMtl, AnAlphaMapOfItsOwnIsData)
 {
     const Loaded loaded("map_Kd blue.ppm\nmap_d grey.ppm\n");
