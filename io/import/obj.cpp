@@ -2,10 +2,9 @@
 
 #include <tiny_obj_loader.h>
 
-#include <algorithm>
+#include <limits>
 #include <map>
 #include <optional>
-#include <string_view>
 #include <unordered_map>
 
 #include "io/import/files.h"
@@ -21,10 +20,19 @@ namespace {
 // faces, so that the numbers in hole tags no longer fit; the callbacks do neither.)
 class Collector {
 public:
-    Collector(Polygons& polygons, const std::map<std::string, MaterialId>& materials, Report& report)
+    /// materials   null if none are wanted
+    Collector(Polygons& polygons, const ObjStatements& counts, const std::map<std::string, MaterialId>* materials,
+              Report& report)
         : polygons_(polygons), cage_(polygons.cage), materials_(materials), report_(report)
     {
         cage_.uv_sets.resize(1);
+        cage_.positions.reserve(counts.positions);
+        cage_.face_sizes.reserve(counts.faces);
+        cage_.face_vertices.reserve(counts.corners);
+        uvs().values.reserve(counts.uvs);
+        uvs().indices.reserve(counts.corners);
+        polygons.normals.reserve(counts.normals);
+        polygons.normal_indices.reserve(counts.corners);
     }
 
     tinyobj::callback_t callbacks() const
@@ -49,6 +57,13 @@ public:
 
     void finish()
     {
+        // Coordinates after the last are reported with those of all kinds of files.
+        if (before_first_uv_ > 0)
+            report_.warn(std::to_string(before_first_uv_) +
+                         " corners have no texture coordinates: the index is out of range");
+        std::size_t no_normals = before_first_normal_;
+        for (const std::uint32_t n : polygons_.normal_indices) no_normals += n != kNoIndex && n >= polygons_.normals.size();
+        if (no_normals > 0) report_.warn(std::to_string(no_normals) + " corners have no normal: the index is out of range");
         if (!has_uvs_) cage_.uv_sets.clear();
         if (!cage_.colors.empty()) cage_.colors.resize(cage_.positions.size(), Vec4f(1));
         if (!has_normals_) polygons_.normal_indices.clear(), polygons_.normals.clear();
@@ -72,6 +87,8 @@ private:
         for (const tinyobj::index_t& c : corners) {
             const std::uint32_t uv = resolve(c.texcoord_index, uvs().values.size());
             const std::uint32_t normal = resolve(c.normal_index, polygons_.normals.size());
+            before_first_uv_ += uv == kNoIndex && c.texcoord_index != 0;
+            before_first_normal_ += normal == kNoIndex && c.normal_index != 0;
             has_uvs_ |= uv != kNoIndex;
             has_normals_ |= normal != kNoIndex;
             cage_.face_vertices.push_back(resolve(c.vertex_index, cage_.positions.size()));
@@ -79,7 +96,7 @@ private:
             polygons_.normal_indices.push_back(normal);
         }
         cage_.face_sizes.push_back(static_cast<std::uint32_t>(corners.size()));
-        if (materials_.empty()) return;
+        if (!materials_ || materials_->empty()) return;
         if (!slot_) use_material("");
         cage_.face_slots.push_back(*slot_);
     }
@@ -87,12 +104,14 @@ private:
     // A name that no library has gets a slot without a material, so the default material is seen.
     void use_material(const std::string& rest)
     {
-        if (materials_.empty()) return;
+        if (!materials_) return;
         std::string name(Words(rest).rest());
-        auto material = materials_.find(name);
-        if (material == materials_.end()) material = materials_.find(name = without_comment(name));
-        if (material == materials_.end() && !name.empty()) report_.warn("material is in no library", name);
-        const MaterialId id = material == materials_.end() ? MaterialId() : material->second;
+        auto material = materials_->find(name);
+        if (material == materials_->end()) material = materials_->find(name = without_comment(name));
+        const bool is_known = material != materials_->end();
+        if (!is_known && !name.empty()) report_.warn("material is in no library", name);
+        if (materials_->empty()) return;
+        const MaterialId id = is_known ? material->second : MaterialId();
         const auto [slot, is_new] = slot_of_.try_emplace(id, static_cast<std::uint16_t>(cage_.materials.size()));
         if (is_new && cage_.materials.size() > kMaxSlot) {
             report_.warn("more than 65536 materials", name);
@@ -106,27 +125,21 @@ private:
     static constexpr std::size_t kMaxSlot = 0xffff;
     Polygons& polygons_;
     Cage& cage_;
-    const std::map<std::string, MaterialId>& materials_;
+    const std::map<std::string, MaterialId>* materials_;
     Report& report_;
     std::unordered_map<MaterialId, std::uint16_t> slot_of_;
     std::optional<std::uint16_t> slot_;
     bool has_uvs_ = false, has_normals_ = false;
+    std::size_t before_first_uv_ = 0, before_first_normal_ = 0;  ///< how many indices count back too far
 };
 
-// Makes one line of those that end with a backslash, and the ones after them (Wavefront, "Appendix B1": file syntax). The
-// backslash at the end of a comment or a name is that of a path.
-void join_lines(std::string& text)
+// The library gives 0 for numbers that are not finite, which the importer reports as such in files of other kinds.
+void put_not_finite(const ObjStatements& statements, Polygons& polygons)
 {
-    for (std::size_t start = 0, end = 0; start < text.size(); start = end + 1) {
-        end = std::min(text.find('\n', start), text.size());
-        if (std::string_view("#umog").find(text[start]) != std::string_view::npos) continue;
-        while (end < text.size() && end > start) {
-            const std::size_t last = text[end - 1] == '\r' && end - 1 > start ? end - 2 : end - 1;
-            if (text[last] != '\\') break;
-            std::fill(text.begin() + std::ptrdiff_t(last), text.begin() + std::ptrdiff_t(end) + 1, ' ');
-            end = std::min(text.find('\n', end), text.size());
-        }
-    }
+    constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+    for (const std::size_t v : statements.positions_not_finite) polygons.cage.positions.at(v) = Vec3f(kNan);
+    for (const std::size_t n : statements.normals_not_finite) polygons.normals.at(n) = Vec3f(kNan);
+    for (const std::size_t t : statements.uvs_not_finite) polygons.cage.uv_sets.at(0).values.at(t) = Vec2f(kNan);
 }
 
 }  // namespace
@@ -134,7 +147,6 @@ void join_lines(std::string& text)
 Polygons read_obj(const std::filesystem::path& file, Scene& scene, bool with_materials, Report& report)
 {
     std::string text = read_text(file);
-    join_lines(text);
     Polygons polygons;
     polygons.cage.name = file.stem().string();
     const ObjStatements statements = scan_obj_statements(text, polygons.cage, report);
@@ -143,11 +155,12 @@ Polygons read_obj(const std::filesystem::path& file, Scene& scene, bool with_mat
     std::map<std::string, MaterialId> materials;
     if (with_materials) materials = read_mtl(statements.material_libraries, file.parent_path(), scene, report);
 
-    Collector collector(polygons, materials, report);
+    Collector collector(polygons, statements, with_materials ? &materials : nullptr, report);
     TextStream stream(text);
     std::string warnings, errors;
     const bool ok = tinyobj::LoadObjWithCallback(stream, collector.callbacks(), &collector, nullptr, &warnings, &errors);
     if (!ok || !errors.empty()) throw Error(report.name(), "not a readable OBJ: " + errors);
+    put_not_finite(statements, polygons);
     collector.finish();
     if (!polygons.smoothing.empty()) polygons.smoothing.resize(polygons.cage.face_sizes.size(), polygons.smoothing.back());
     return polygons;

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstring>
 #include <optional>
 
 #include "base/srgb.h"
-#include "io/import/words.h"
+#include "io/import/obj_lines.h"
 
 namespace occam::import {
 
@@ -109,12 +108,8 @@ public:
         group_ = group;
         is_used_ |= group != 0;
     }
-    // Counts faces as the library does: a line without a corner is not a face.
-    void add_face(std::string_view line)
+    void add_face()
     {
-        const bool is_face = line.size() > 1 && (line[1] == ' ' || line[1] == '\t') &&
-                             line.find_first_not_of(" \t\r", 1) != std::string_view::npos;
-        if (!is_face) return;
         ++faces_;
         if (!is_used_) return;
         groups_.resize(faces_ - 1, 0);  // faces before the first group are flat
@@ -129,29 +124,88 @@ private:
     bool is_used_ = false;
 };
 
+// Counts elements, and refuses those with numbers that the library would take for others.
+class ElementCounter {
+public:
+    ElementCounter(const ObjLines& lines, ObjStatements& found, Report& report)
+        : lines_(lines), found_(found), report_(report)
+    {
+    }
+
+    void vertex(std::string_view line)
+    {
+        const char kind = line.size() > 1 ? line[1] : ' ';
+        if (is_blank(kind)) {
+            std::string_view rest = line.substr(1);
+            check(rest, 3, found_.positions++, found_.positions_not_finite);
+            while (true) {
+                const NumberKind more = take_number(rest);
+                if (more == NumberKind::Missing) break;
+                if (more == NumberKind::Malformed) report_.warn("words after a vertex's position are no numbers", where());
+            }
+        } else if (line.size() == 2 || is_blank(line[2])) {
+            std::string_view rest = line.substr(2);
+            if (kind == 'n') check(rest, 3, found_.normals++, found_.normals_not_finite);
+            if (kind == 't') check(rest, 1, found_.uvs++, found_.uvs_not_finite);
+        }
+    }
+    // Returns true if the library counts it: a line without a corner is not a face.
+    bool face(std::string_view line)
+    {
+        if (line.size() < 2 || !is_blank(line[1])) return false;
+        const std::optional<std::size_t> corners = count_corners(line.substr(1));
+        if (!corners) throw Error(report_.name(), "an index of a face is not a whole number", where());
+        found_.corners += *corners;
+        found_.faces += *corners > 0;
+        return *corners > 0;
+    }
+
+private:
+    std::string where() const { return "line " + std::to_string(lines_.number()); }
+
+    // needed   how many numbers may not be left out; of texture coordinates the second may
+    void check(std::string_view& rest, int needed, std::size_t element, std::vector<std::size_t>& not_finite) const
+    {
+        bool is_finite = true;
+        for (int i = 0; i < std::max(needed, 2); ++i) {
+            const NumberKind kind = take_number(rest);
+            if (kind == NumberKind::Missing && i < needed) throw Error(report_.name(), "a number is missing", where());
+            if (kind == NumberKind::Malformed) throw Error(report_.name(), "a number is malformed", where());
+            is_finite &= kind != NumberKind::NotFinite;
+        }
+        if (!is_finite) not_finite.push_back(element);
+    }
+
+    const ObjLines& lines_;
+    ObjStatements& found_;
+    Report& report_;
+};
+
 }  // namespace
 
-ObjStatements scan_obj_statements(std::string_view text, Cage& cage, Report& report)
+ObjStatements scan_obj_statements(std::string& text, Cage& cage, Report& report)
 {
     ObjStatements found;
     VertexColors colors(cage.colors);
     SmoothingGroups smoothing;
-    std::size_t line_number = 0;
-    while (!text.empty()) {
-        const void* newline = std::memchr(text.data(), '\n', text.size());
-        const std::size_t length = newline ? static_cast<std::size_t>(static_cast<const char*>(newline) - text.data())
-                                           : text.size();
-        std::string_view line = text.substr(0, length);
-        text.remove_prefix(newline ? length + 1 : length);
-        ++line_number;
-        line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
-        if (line.size() > 1 && line[0] == 'v' && (line[1] == ' ' || line[1] == '\t')) colors.add(line);
-        if (!line.empty() && line[0] == 'f') smoothing.add_face(line);
+    ObjLines lines(text);
+    ElementCounter elements(lines, found, report);
+    while (lines.next()) {
+        std::string_view line = lines.line();
         // Nearly every line is a vertex or a face.
-        if (line.empty() || line[0] == 'v' || line[0] == 'f' || line[0] == '#') continue;
+        if (line.empty() || line[0] == '#') continue;
+        if (line[0] == 'v') {
+            if (line.size() > 1 && is_blank(line[1])) colors.add(line);
+            elements.vertex(line);
+            continue;
+        }
+        if (line[0] == 'f') {
+            if (elements.face(line)) smoothing.add_face();
+            continue;
+        }
         Words words(line);
         const std::string_view keyword = words.next();
-        const auto where = [&] { return "line " + std::to_string(line_number); };
+        const auto where = [&] { return "line " + std::to_string(lines.number()); };
         if (keyword == "s") {
             smoothing.set(words.next());
         } else if (keyword == "t") {
