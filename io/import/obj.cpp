@@ -30,9 +30,9 @@ public:
         cage_.face_sizes.reserve(counts.faces);
         cage_.face_vertices.reserve(counts.corners);
         uvs().values.reserve(counts.uvs);
-        uvs().indices.reserve(counts.corners);
         polygons.normals.reserve(counts.normals);
-        polygons.normal_indices.reserve(counts.corners);
+        if (counts.uvs > 0) uvs().indices.reserve(counts.corners);
+        if (counts.normals > 0) polygons.normal_indices.reserve(counts.corners);
     }
 
     tinyobj::callback_t callbacks() const
@@ -64,9 +64,12 @@ public:
         std::size_t no_normals = before_first_normal_;
         for (const std::uint32_t n : polygons_.normal_indices) no_normals += n != kNoIndex && n >= polygons_.normals.size();
         if (no_normals > 0) report_.warn(std::to_string(no_normals) + " corners have no normal: the index is out of range");
-        if (!has_uvs_) cage_.uv_sets.clear();
+        const std::size_t corners = cage_.face_vertices.size();
+        if (uvs().indices.empty()) cage_.uv_sets.clear();
+        else uvs().indices.resize(corners, kNoIndex);
+        if (polygons_.normal_indices.empty()) polygons_.normals.clear();
+        else polygons_.normal_indices.resize(corners, kNoIndex);
         if (!cage_.colors.empty()) cage_.colors.resize(cage_.positions.size(), Vec4f(1));
-        if (!has_normals_) polygons_.normal_indices.clear(), polygons_.normals.clear();
         if (cage_.materials.size() < 2) cage_.face_slots.clear();
         if (cage_.materials.size() == 1 && !cage_.materials[0]) cage_.materials.clear();
         if (cage_.face_sizes.empty()) throw Error(report_.name(), "there is no face in it");
@@ -82,18 +85,25 @@ private:
         return index == 0 || i < 0 ? kNoIndex : static_cast<std::uint32_t>(i);
     }
 
+    // Adds what the next corner has, if it has it; corners before it that have nothing get kNoIndex.
+    void add_index(std::vector<std::uint32_t>& indices, int index, std::size_t so_far, std::size_t& before_first)
+    {
+        if (index == 0) return;
+        const std::uint32_t i = resolve(index, so_far);
+        if (i == kNoIndex) {
+            ++before_first;
+            return;
+        }
+        if (indices.size() < cage_.face_vertices.size()) indices.resize(cage_.face_vertices.size(), kNoIndex);
+        indices.push_back(i);
+    }
+
     void add_face(std::span<const tinyobj::index_t> corners)
     {
         for (const tinyobj::index_t& c : corners) {
-            const std::uint32_t uv = resolve(c.texcoord_index, uvs().values.size());
-            const std::uint32_t normal = resolve(c.normal_index, polygons_.normals.size());
-            before_first_uv_ += uv == kNoIndex && c.texcoord_index != 0;
-            before_first_normal_ += normal == kNoIndex && c.normal_index != 0;
-            has_uvs_ |= uv != kNoIndex;
-            has_normals_ |= normal != kNoIndex;
+            add_index(uvs().indices, c.texcoord_index, uvs().values.size(), before_first_uv_);
+            add_index(polygons_.normal_indices, c.normal_index, polygons_.normals.size(), before_first_normal_);
             cage_.face_vertices.push_back(resolve(c.vertex_index, cage_.positions.size()));
-            uvs().indices.push_back(uv);
-            polygons_.normal_indices.push_back(normal);
         }
         cage_.face_sizes.push_back(static_cast<std::uint32_t>(corners.size()));
         if (!materials_ || materials_->empty()) return;
@@ -129,7 +139,6 @@ private:
     Report& report_;
     std::unordered_map<MaterialId, std::uint16_t> slot_of_;
     std::optional<std::uint16_t> slot_;
-    bool has_uvs_ = false, has_normals_ = false;
     std::size_t before_first_uv_ = 0, before_first_normal_ = 0;  ///< how many indices count back too far
 };
 

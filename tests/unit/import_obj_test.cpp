@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -120,66 +119,6 @@ TEST(ImportObj, IndicesOfNormalsAndTextureCoordinatesOutOfRangeAreReported)
     EXPECT_TRUE(warns(load_face("f 1//9 2 3\n"), "1 corners have no normal"));
     EXPECT_TRUE(warns(load_face("f 1/-2 2/1 3/-9\n"), "2 corners have no texture coordinates"));
     EXPECT_TRUE(warns(load_face("f 1/2 2/1 3/1\n"), "1 texture coordinates are not finite or out of range"));
-}
-
-TEST(ImportObj, MalformedNumbersAreRefusedWithTheirLine)
-{
-    const TempFolder folder;
-    const auto refusal = [&](const std::string& line) {
-        return error_of(folder.write("bad.obj", std::string(kQuad) + "vt 0 \\\n 0\nvn 0 0 1\n" + line + "\nf 1 2 3\n"));
-    };
-    for (const char* line : {"v 0,5 0 0", "v 0 abc 0", "v 0 0 1.2.3", "v 0 0 1-2", "v 0 0 --1", "v 0 0 .", "v 0 0 1e",
-                             "v 0 0 +-1", "vn 0 0 x", "vt 0,5 0", "vt 0 0,5", "v 1#2 0 0"})
-        EXPECT_NE(refusal(line).find("bad.obj: a number is malformed (line 8)"), std::string::npos) << line << refusal(line);
-    for (const char* line : {"v", "v 1", "v 1 2 ", "v 1 2 # 3", "vn 0 0", "vt", "vt\t# 0"})
-        EXPECT_NE(refusal(line).find("a number is missing (line 8)"), std::string::npos) << line << refusal(line);
-    for (const char* line :
-         {"f 1 2 x", "f 1,2,3", "f 1 2 3.5", "f 1/1/1/1 2 3", "f /1 2 3", "f 1 2 4294967297", "f 1 2 3#4"})
-        EXPECT_NE(refusal(line).find("an index of a face is not a whole number (line 8)"), std::string::npos) << line;
-    for (const char* line :
-         {"v +1 -.5 5. # 0,5", "v 1e-3 1E+2 -0", "v 1e400 1e-400 0", "v 1 2 3 1", "v\t1 2 3 0 0 1\t", "vt 0.5", "vt 0 0 [0]",
-          "vp 1,5", "vn 0 0 1 x", "f -1 +2 3", "f 1/ 2/ 3//", "f 1/1/1 2//1 3/1", "f"})
-        EXPECT_EQ(refusal(line), "") << line;
-}
-
-TEST(ImportObj, WordsAfterAPositionThatAreNoNumbersAreReported)
-{
-    const TempFolder folder;
-    const Scene scene = load(folder.write("o.obj", "v 0 0 0 0,5 0,5 0,5\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));
-    EXPECT_TRUE(warns(scene, "words after a vertex's position are no numbers (line 1, first of 3)"));
-}
-
-TEST(ImportObj, CommentsMayFollowAStatement)
-{
-    const TempFolder folder;
-    const Scene scene = load(folder.write("c.obj",
-                                          "v 0 0 0 # 1 2\nv 1 0 0\t#1 1 1\nv 1 1 0\nv 0 1 0\nvt 0 # 0.5\nvn 0 0 1 # C:\\\n"
-                                          "f 1/1/1 2/1/1 3/1/1 # 4\nf 1 \\\r\n 3 \\\n 2 # 2\nf 1 3 \\\n 4 # 2\n"
-                                          "t corner 1/1/0 3 # 7\n"),
-                             kSubdivided);
-    const Cage& cage = only_cage(scene);
-    EXPECT_EQ(cage.face_sizes, (std::vector<std::uint32_t>{3, 3, 3}));
-    EXPECT_EQ(cage.uv_sets.at(0).values.at(0), Vec2f(0, 1));
-    EXPECT_TRUE(cage.colors.empty());
-    EXPECT_TRUE(cage.corners.empty()) << "its sharpness is in a comment";
-    EXPECT_TRUE(warns(scene, "tag not understood"));
-}
-
-TEST(ImportObj, LinesMayEndWithACarriageReturnAlone)
-{
-    const TempFolder folder;
-    folder.write("red.mtl", "newmtl red\rKd 1 0 0\r");
-    const std::string text = "# a comment\nmtllib red.mtl\n" + std::string(kQuad) +
-                             "usemtl red\ns 1\nf 1 2 \\\n3 4\nt crease 2/1/0 0 1 2\n";
-    std::string with_cr = text;
-    std::replace(with_cr.begin(), with_cr.end(), '\n', '\r');
-    for (const std::string& lines : {text, with_cr}) {
-        const Scene scene = load(folder.write("cr.obj", lines));
-        EXPECT_TRUE(scene.warnings.empty()) << scene.warnings[0];
-        EXPECT_EQ(scene.counts().materials, 1u);
-        EXPECT_EQ(only_cage(scene).face_sizes, std::vector<std::uint32_t>{4});
-        EXPECT_EQ(only_cage(scene).creases.size(), 1u);
-    }
 }
 
 TEST(ImportObj, MaterialsWithoutALibraryAreReported)
