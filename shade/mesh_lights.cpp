@@ -105,7 +105,7 @@ SlotFaces faces_of_slots(const Scene& scene, const Node& node, const CageSlot& s
     for (std::size_t s = 1; s < slots; ++s) next[s] = out.end[s] += out.end[s - 1];
     for (std::size_t s = slots; s-- > 0;) next[s] = s == 0 ? 0 : out.end[s - 1];
     out.faces.resize(slots == 0 ? 0 : out.end.back());
-    const bool is_rigid = !node.skin && !slot.is_deformed();
+    const bool is_rigid = !scene.find(node.skin) && !slot.is_deformed();
     std::size_t first = 0;
     for (std::size_t face = 0; face < count; ++face) {
         const std::size_t corners = cage.scheme == Scheme::Triangles ? 3 : cage.face_sizes[face], s = slot_of(face);
@@ -185,7 +185,7 @@ void MeshLights::add(const Placed& placed, const CageSlot& slot)
         const Material* material = material_of(scene, node, cage, s);
         const float density = mean_luminance(*material, *textures_);
         if (density > 0) power_ += double(density) * found.area[s];
-        if (!(density > 0) || moves || node.skin || unsampled.contains(material)) continue;
+        if (!(density > 0) || moves || scene.find(node.skin) || unsampled.contains(material)) continue;
         known_.push_back({id, material, density});
         const Mesh mesh{id, &cage, material, world_from_object, density};
         const std::size_t before = sums_.size();

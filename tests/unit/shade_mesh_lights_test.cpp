@@ -162,6 +162,26 @@ TEST(MeshLights, WhatIsNotSampledHasNoDensity)
     EXPECT_EQ(lights.area_density({lamp.node, lamp.material, lamp.face, Vec3d(1000)}, receiver), 0);
 }
 
+// A node keeps the dead handle of a skin that was removed.
+TEST(MeshLights, WhatWoreASkinThatWasRemovedIsSampledAgain)
+{
+    Lamps lamps(60);
+    const TextureStore textures(1 << 20);
+    const double power = MeshLights(lamps.scene, textures).power();
+    const NodeId wearer = lamps.all.front().node;
+    const SkinId skin = lamps.scene.add(Skin{{}, {lamps.scene.root()}, {}});
+    lamps.scene.set_skin(wearer, skin);
+    lamps.scene.remove(skin);
+    lamps.scene.refit();
+    ASSERT_TRUE(lamps.scene.node(wearer).skin);
+    MeshLights lights(lamps.scene, textures);
+    lights.make_tree({});
+    EXPECT_EQ(lights.power(), power);
+    const Receiver receiver{lights.tree().relative(Vec3d(5)), glm::normalize(Vec3f(-1)), kAllGroups, true};
+    for (const Lamp& lamp : lamps.all)
+        EXPECT_GT(lights.area_density({lamp.node, lamp.material, lamp.face, lamp.at(1.0 / 3, 1.0 / 3)}, receiver), 0);
+}
+
 // Where triangles share leaves, those of a leaf are neighbours, although the mesh lists them in any order. A point was in
 // the boxes of half of all leaves, and looking for its triangle took as long as looking at all of them.
 TEST(MeshLights, LeavesOfManyTrianglesAreSmall)
