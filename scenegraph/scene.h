@@ -233,8 +233,10 @@ public:
     Contents contents() const;
     /// Calls visit for the placements that themselves hold one of these kinds of Contents, in the order of
     /// for_each_placement(). After refit() it visits only subtrees that hold one.
+    /// shown   whether it visits what is visible at any time while the shutter is open, or what is in its middle
     using VisitPlacement = std::function<void(NodeId, const Node&, const Mat4d& world_from_node)>;
-    void for_placements_of(std::uint8_t kinds, const VisitPlacement& visit) const;
+    enum class Shown : std::uint8_t { InShutter, MidShutter };
+    void for_placements_of(std::uint8_t kinds, const VisitPlacement& visit, Shown shown = Shown::InShutter) const;
     /// Returns the tree over the node's children, or null for a node with few of them. It is valid after refit().
     const ChildBoxes* child_boxes(NodeId id) const noexcept;
 

@@ -190,30 +190,23 @@ const ChildBoxes* Scene::child_boxes(NodeId id) const noexcept
     return node ? node->child_boxes.get() : nullptr;
 }
 
-void Scene::for_placements_of(std::uint8_t kinds, const VisitPlacement& visit) const
+void Scene::for_placements_of(std::uint8_t kinds, const VisitPlacement& visit, Shown shown) const
 {
     const State& s = *state_;
+    const bool is_summed = !s.nodes.find(s.root)->dirty;
     std::size_t visits = 0;
-    const auto count = [&](const Node& node) {
-        throw_if_cancelled();
-        if (++visits > kMostListed) throw too_many_placements(node);
-    };
-    if (s.nodes.find(s.root)->dirty) {
-        for_each_placement([&](NodeId id, const Node& node, const Mat4d& world_from_node) {
-            count(node);
-            if (s.own_contents(*s.nodes.find(id)).has(kinds)) visit(id, node, world_from_node);
-        });
-        return;
-    }
     struct Place {
         NodeId id;
         Mat4d world_from_node;
     };
     std::vector<Place> todo;
     std::vector<std::uint32_t> found;
+    const auto is_visible = [&](const Node& node) {
+        return shown == Shown::MidShutter ? node.visible : node.is_visible_in_shutter();
+    };
     const auto push = [&](NodeId id, const Mat4d& above, bool is_instance) {
         const Node* node = s.nodes.find(id);
-        if (!node || !node->contents.has(kinds) || !(is_instance || node->is_visible_in_shutter())) return;
+        if (!node || (is_summed && !node->contents.has(kinds)) || !(is_instance || is_visible(*node))) return;
         todo.push_back({id, is_instance ? above : above * node->parent_from_node});
     };
     push(s.root, Mat4d(1), false);
@@ -221,10 +214,11 @@ void Scene::for_placements_of(std::uint8_t kinds, const VisitPlacement& visit) c
         const Place place = todo.back();
         todo.pop_back();
         const State::NodeRecord& node = *s.nodes.find(place.id);
-        count(node);
+        throw_if_cancelled();
+        if (++visits > kMostListed) throw too_many_placements(node);
         if (s.own_contents(node).has(kinds)) visit(place.id, node, place.world_from_node);
         // As in for_each_placement(): what an instance shows comes before the children, and these in their order.
-        if (node.child_boxes) {
+        if (is_summed && node.child_boxes) {
             found.clear();
             node.child_boxes->find(kinds, found);
             for (auto i = found.rbegin(); i != found.rend(); ++i) push(node.children[*i], place.world_from_node, false);

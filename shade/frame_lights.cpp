@@ -88,9 +88,10 @@ FrameLights::FrameLights(const Scene& scene, const Camera& camera, const Texture
     : meshes_(scene, textures, scale), environment_(scene.environment, textures)
 {
     LightGathering gathering(kept ? *kept : nullptr);
-    scene.for_placements_of(Contents::Lights, [&](NodeId, const Node& node, const Mat4d& world_from_node) {
+    const auto add = [&](NodeId, const Node& node, const Mat4d& world_from_node) {
         if (const Light* light = scene.find(node.light)) gathering.add(WorldLight::place(*light, world_from_node, scale));
-    });
+    };
+    scene.for_placements_of(Contents::Lights, add, Scene::Shown::MidShutter);
     const bool is_dark = environment_.is_black();
     const bool has_none = is_dark && gathering.is_empty();
     relies_on_emitters_ = has_none && are_lamps(meshes_, scene, scale);

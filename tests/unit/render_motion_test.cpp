@@ -242,6 +242,36 @@ TEST(Motion, AShutterInWhichNothingMovesLeavesThePictureAsItIs)
     EXPECT_EQ(renderer.stats().motion.segments, 0);
 }
 
+// Lights stand still, also in being visible: each shines for the whole shutter or not at all.
+TEST(Motion, LightsAreVisibleAsInTheMiddleOfTheShutter)
+{
+    Scene scene;
+    place(scene, scene.add(unit_square()), {0, 0, 0});
+    const LightId light = scene.add(Light{{}, PointLight{Vec3f(10)}});
+    const NodeId rig = scene.add_node(scene.root(), {}), library = scene.add_node(scene.root(), {.visible = false});
+    scene.add_node(rig, {.place = {.translation = {0, 0, 2}}, .light = light});
+    scene.add_node(library, {.place = {.translation = {1, 0, 2}}, .light = light});
+    const NodeId instance = scene.add_node(scene.root(), {.instance_of = library});
+    const Settings settings{.width = 16, .height = 16, .spp = 2, .sky = Sky::Off, .default_light = false};
+    Renderer renderer;
+    std::uint64_t still[2][2] = {};
+    for (const bool a : {false, true})
+        for (const bool b : {false, true}) {
+            scene.set_visible(rig, a);
+            scene.set_visible(instance, b);
+            still[a][b] = renderer.render(scene, at_angle(0, 0), settings).checksum();
+        }
+    EXPECT_NE(still[0][0], still[1][0]);
+    EXPECT_NE(still[0][0], still[0][1]);
+    for (const double end : {0.4, 0.6}) {
+        scene.record_shutter(4, [&](double tau) {
+            scene.set_visible(rig, tau < end);
+            scene.set_visible(instance, tau >= end);
+        });
+        EXPECT_EQ(renderer.render(scene, at_angle(0, 0), settings).checksum(), still[end > 0.5][end < 0.5]) << end;
+    }
+}
+
 // The helper of applications takes as few segments as a quarter of a pixel allows, and all of them for the camera.
 TEST(Motion, RecordingChoosesSegmentsByThePixelsOfThePicture)
 {
