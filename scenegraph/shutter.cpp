@@ -1,6 +1,9 @@
 #include "scenegraph/shutter.h"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <span>
 #include <unordered_map>
 
 namespace occam {
@@ -15,12 +18,6 @@ struct Place {
     const Mat4d& at(std::size_t key) const noexcept { return world_keys.empty() ? world_from_node : world_keys[key]; }
 };
 
-double longest_axis(const Mat4d& m) noexcept
-{
-    return std::sqrt(std::max(
-        {glm::dot(Vec3d(m[0]), Vec3d(m[0])), glm::dot(Vec3d(m[1]), Vec3d(m[1])), glm::dot(Vec3d(m[2]), Vec3d(m[2]))}));
-}
-
 template <class Visit>
 void for_each_corner(const Box3d& box, Visit&& visit)
 {
@@ -28,6 +25,23 @@ void for_each_corner(const Box3d& box, Visit&& visit)
     for (int c = 0; c < 8; ++c)
         visit(Vec3d(c & 1 ? box.hi.x : box.lo.x, c & 2 ? box.hi.y : box.lo.y, c & 4 ? box.hi.z : box.lo.z));
 }
+
+// Vectors that are added to points, and the matrices that move them at all keys.
+struct Offsets {
+    Box3d box;
+    std::vector<Mat4d> frames;
+};
+
+// A key within a segment, between the keys at its ends.
+struct Segment {
+    std::size_t key, first, last;
+    template <class Values>
+    auto chord(const Values& at) const
+    {
+        const double share = double(key - first) / double(last - first);
+        return at[first] + (at[last] - at[first]) * share;
+    }
+};
 
 // Finds the fewest segments that all paths shown to it allow.
 class SegmentCount {
@@ -38,37 +52,51 @@ public:
     bool is_decided() const noexcept { return needed_ == most_; }
 
     /// Takes a path: its position at each key.
-    template <class At>
-    void add_path(At&& at)
+    void add_path(const std::vector<Vec3d>& at)
     {
         // A path that strays with few segments may stray no more, and less, with more of them.
-        while (needed_ < most_ && strays<Vec3d>(at, [&](std::size_t key, double d) { return d > tolerance_.at(at(key)); }))
+        while (needed_ < most_ &&
+               any_key([&](const Segment& s) { return glm::distance(at[s.key], s.chord(at)) > tolerance_.at(at[s.key]); }))
             needed_ *= 2;
     }
-    /// Takes a number that changes: a change of 1 moves points near `where` by at most `reach`.
-    template <class At>
-    void add_number(At&& at, double reach, Vec3d where)
+    /// Takes the points of a box that moves by a matrix at each key, plus one vector of each of the other boxes, which moves
+    /// by a matrix of its own.
+    void add_box(const std::vector<Mat4d>& frames, const Box3d& box, std::span<const Offsets> offsets)
     {
-        const double allowed = tolerance_.at(where);
-        while (needed_ < most_ && strays<double>(at, [&](std::size_t, double d) { return d * reach > allowed; }))
+        const auto off = [&](const std::vector<Mat4d>& at, const Segment& s) { return at[s.key] - s.chord(at); };
+        while (needed_ < most_ && any_key([&](const Segment& s) {
+                   double added = 0;
+                   for (const Offsets& of : offsets) {
+                       double longest = 0;
+                       for_each_corner(of.box, [&, m = Mat3d(off(of.frames, s))](Vec3d p) {
+                           longest = std::max(longest, glm::length(m * p));
+                       });
+                       added += longest;
+                   }
+                   bool is_far = false;
+                   for_each_corner(box, [&, m = off(frames, s)](Vec3d p) {
+                       is_far |= glm::length(transform_vector(m, p) + Vec3d(m[3])) + added >
+                                 tolerance_.at(transform_point(frames[s.key], p));
+                   });
+                   return is_far;
+               }))
+            needed_ *= 2;
+    }
+    /// Takes the visibility of a node, which changes only at the keys of segments.
+    void add_visibility(const std::vector<NodeKey>& keys)
+    {
+        while (needed_ < most_ && any_key([&](const Segment& s) { return keys[s.key].visible != keys[s.first].visible; }))
             needed_ *= 2;
     }
 
 private:
-    static double length(Vec3d v) noexcept { return glm::length(v); }
-    static double length(double v) noexcept { return std::abs(v); }
-
-    template <class Value, class At, class IsFar>
-    bool strays(At&& at, IsFar&& is_far) const
+    /// Returns whether a key within one of the segments that are needed so far has a property.
+    template <class Has>
+    bool any_key(Has&& has) const
     {
         const std::size_t step = most_ / needed_;
-        for (std::size_t first = 0; first < most_; first += step) {
-            const Value from = at(first), to = at(first + step);
-            for (std::size_t k = 1; k < step; ++k) {
-                const Value chord = from + (to - from) * (double(k) / double(step));
-                if (is_far(first + k, length(at(first + k) - chord))) return true;
-            }
-        }
+        for (std::size_t key = 0; key < most_; ++key)
+            if (key % step != 0 && has(Segment{key, key / step * step, key / step * step + step})) return true;
         return false;
     }
 
@@ -76,51 +104,113 @@ private:
     PathTolerance tolerance_;
 };
 
-// Shows the paths of a placed cage.
-void add_cage(SegmentCount& count, const Place& place, const Node& node, const CageSlot& slot, const SkinSlot* skin)
+// Shows the paths of a cage that nothing deforms.
+void add_rigid_cage(SegmentCount& count, const Place& place, const CageSlot& slot)
 {
-    const auto key_of = [&](std::size_t k) { return node.keys.empty() ? nullptr : &node.keys[k]; };
-    if (!slot.is_deformed()) {
-        for_each_corner(slot.bounds, [&](Vec3d p) {
-            if (!place.world_keys.empty()) count.add_path([&](std::size_t k) { return transform_point(place.at(k), p); });
-        });
-        if (slot.key_positions.empty()) return;
-        for (std::size_t v = 0; v < slot.cage.positions.size() && !count.is_decided(); ++v)
-            count.add_path([&](std::size_t k) { return transform_point(place.at(k), Vec3d(slot.key_positions[k][v])); });
-        return;
+    if (!place.world_keys.empty()) count.add_box(place.world_keys, slot.bounds, {});
+    if (slot.key_positions.empty()) return;
+    std::vector<Vec3d> path(count.most() + 1);
+    for (std::size_t v = 0; v < slot.cage.positions.size() && !count.is_decided(); ++v) {
+        for (std::size_t k = 0; k < path.size(); ++k)
+            path[k] = transform_point(place.at(k), Vec3d(slot.key_positions[k][v]));
+        count.add_path(path);
     }
-    const DeformBounds deform = slot.deform[0];
+}
+
+// The morph targets of a placed cage.
+struct Morphs {
+    std::vector<std::size_t> moving;           ///< those whose weights change
+    std::vector<std::vector<double>> weights;  ///< of each of them, at each key
+    Box3d still{Vec3d(0), Vec3d(0)};           ///< what the others add to a vertex
+
+    Morphs(const Node& node, const CageSlot& slot, std::size_t keys)
+    {
+        const std::span<const Box3f> offsets = slot.deform[0].offsets;
+        const auto weights_at = [&](std::size_t k) -> const std::vector<float>& {
+            const std::vector<float>& own = node.keys.empty() ? node.morph_weights : node.keys[k].morph_weights;
+            return own.empty() ? slot.cage.morph_weights : own;
+        };
+        std::vector<float> constant(offsets.size(), 0);
+        for (std::size_t m = 0; m < offsets.size(); ++m) {
+            std::vector<double> at(keys);
+            for (std::size_t k = 0; k < keys; ++k) at[k] = m < weights_at(k).size() ? double(weights_at(k)[m]) : 0.0;
+            if (std::adjacent_find(at.begin(), at.end(), std::not_equal_to<>()) == at.end()) {
+                constant[m] = static_cast<float>(at[0]);
+            } else if (!offsets[m].is_empty()) {
+                moving.push_back(m);
+                weights.push_back(std::move(at));
+            }
+        }
+        still = morph_extent(offsets, constant);
+    }
+};
+
+// Shows the paths of a placed cage that joints or morph targets may deform.
+void add_deformed_cage(SegmentCount& count, const Place& place, const Node& node, const CageSlot& slot, const SkinSlot* skin)
+{
     const bool is_skinned = skin && slot.cage.skin.sets > 0;
     const bool moves = !place.world_keys.empty() || !node.keys.empty() || (skin && !skin->key_poses.empty());
     if (!moves) return;
+    const std::size_t keys = count.most() + 1;
+    const Morphs morphs(node, slot, keys);
     const auto frame = [&](std::size_t k, std::size_t joint) {
         if (!is_skinned) return place.at(k);
-        const Mat4d& from_skin = key_of(k) ? key_of(k)->node_from_skin : node.node_from_skin;
+        const Mat4d& from_skin = node.keys.empty() ? node.node_from_skin : node.keys[k].node_from_skin;
         const std::vector<Mat4d>& poses = skin->key_poses.empty() ? skin->mesh_poses : skin->key_poses[k];
         return joint < poses.size() ? place.at(k) * from_skin * poses[joint] : place.at(k) * from_skin;
     };
     const auto add_box = [&](const Box3f& box, std::size_t joint) {
         std::vector<Mat4d> frames;
-        for (std::size_t k = 0; k <= count.most(); ++k) frames.push_back(frame(k, joint));
-        for_each_corner({Vec3d(box.lo), Vec3d(box.hi)},
-                        [&](Vec3d p) { count.add_path([&](std::size_t k) { return transform_point(frames[k], p); }); });
+        for (std::size_t k = 0; k < keys; ++k) frames.push_back(frame(k, joint));
+        std::vector<Offsets> offsets;
+        for (std::size_t m = 0; m < morphs.moving.size(); ++m) {
+            const Box3f& of = slot.deform[0].offsets[morphs.moving[m]];
+            offsets.push_back({{Vec3d(of.lo), Vec3d(of.hi)}, frames});
+            for (std::size_t k = 0; k < keys; ++k) offsets.back().frames[k] *= morphs.weights[m][k];
+        }
+        count.add_box(frames, {Vec3d(box.lo) + morphs.still.lo, Vec3d(box.hi) + morphs.still.hi}, offsets);
     };
-    if (is_skinned)
-        for (const JointBox& joint : deform.joints) add_box(joint.box, joint.joint);
-    else add_box(deform.rest, 0);
-    if (node.keys.empty()) return;
-    const Vec3d middle = transform_point(place.at(0), Vec3d(deform.rest.centre()));
-    for (std::size_t m = 0; m < deform.offsets.size(); ++m) {
-        const auto weight = [&](std::size_t k) {
-            const std::vector<float>& own = node.keys[k].morph_weights.empty() ? slot.cage.morph_weights
-                                                                               : node.keys[k].morph_weights;
-            return m < own.size() ? double(own[m]) : 0.0;
-        };
-        const Box3f& offset = deform.offsets[m];
-        if (offset.is_empty()) continue;
-        const Vec3d reach = glm::max(glm::abs(Vec3d(offset.lo)), glm::abs(Vec3d(offset.hi)));
-        count.add_number(weight, glm::length(reach) * longest_axis(place.at(0)), middle);
+    const DeformBounds deform = slot.deform[0];
+    if (!is_skinned) return add_box(deform.rest, 0);
+    for (const JointBox& joint : deform.joints)
+        if (!count.is_decided()) add_box(joint.box, joint.joint);
+}
+
+bool moves_by_itself(const Scene& scene, const Node& node)
+{
+    const SkinSlot* skin = scene.find(node.skin);
+    bool moves = skin && !skin->key_poses.empty();
+    for (const CageId cage : node.cages)
+        if (const CageSlot* slot = scene.find(cage)) moves |= !slot->key_positions.empty();
+    return moves;
+}
+
+// Returns the nodes that move or change themselves, and all that show one of them.
+std::unordered_set<NodeId> nodes_above_motion(const Scene& scene)
+{
+    struct Step {
+        NodeId id;
+        bool is_below_done;
+    };
+    std::unordered_set<NodeId> above, seen;
+    std::vector<Step> todo{{scene.root(), false}};
+    while (!todo.empty()) {
+        const auto [id, is_below_done] = todo.back();
+        todo.pop_back();
+        const Node* node = scene.find(id);
+        if (!node || (!is_below_done && !seen.insert(id).second)) continue;
+        if (!is_below_done) {
+            todo.push_back({id, true});
+            for (const NodeId child : node->children) todo.push_back({child, false});
+            todo.push_back({node->instance_of, false});
+            continue;
+        }
+        const bool moves = !node->keys.empty() || moves_by_itself(scene, *node) || above.contains(node->instance_of) ||
+                           std::any_of(node->children.begin(), node->children.end(),
+                                       [&](NodeId child) { return above.contains(child); });
+        if (moves) above.insert(id);
     }
+    return above;
 }
 
 }  // namespace
@@ -130,29 +220,37 @@ int needed_segments(const Scene& scene, const PathTolerance& tolerance)
     const int most = scene.shutter_segments();
     if (most == 0) return 0;
     SegmentCount count(most, tolerance);
-    const auto place_below = [&](const Place& above, NodeId id, const Node& node) {
-        Place place{id, {}, above.world_from_node * node.parent_from_node};
-        if (above.world_keys.empty() && node.keys.empty()) return place;
-        for (std::size_t k = 0; k <= std::size_t(most); ++k)
-            place.world_keys.push_back(above.at(k) *
-                                       (node.keys.empty() ? node.parent_from_node : node.keys[k].parent_from_node));
-        return place;
-    };
-    const Node& root = scene.node(scene.root());
+    const std::unordered_set<NodeId> above_motion = nodes_above_motion(scene);
     std::unordered_map<NodeId, int> placements;
+    int in_all = 0;
     std::vector<Place> todo;
-    if (root.is_visible_in_shutter()) todo.push_back(place_below({{}, {}, Mat4d(1)}, scene.root(), root));
+    const auto push_child = [&](const Place& above, NodeId id) {
+        const Node* node = scene.find(id);
+        const bool moves = node && (!above.world_keys.empty() || above_motion.contains(id));
+        if (!moves || !node->is_visible_in_shutter() || (!node->dirty && node->bounds.is_empty())) return;
+        if (!node->keys.empty()) count.add_visibility(node->keys);
+        Place place{id, {}, above.world_from_node * node->parent_from_node};
+        for (std::size_t k = 0; k <= std::size_t(most) && !(above.world_keys.empty() && node->keys.empty()); ++k)
+            place.world_keys.push_back(above.at(k) *
+                                       (node->keys.empty() ? node->parent_from_node : node->keys[k].parent_from_node));
+        todo.push_back(std::move(place));
+    };
+    push_child({{}, {}, Mat4d(1)}, scene.root());
     while (!todo.empty() && !count.is_decided()) {
         const Place place = std::move(todo.back());
         todo.pop_back();
-        if (++placements[place.id] > kMostPlacements) continue;
+        if (++placements[place.id] > kMostPlacements && in_all >= kMostPlacementsInAll) continue;
+        ++in_all;
         const Node& node = scene.node(place.id);
-        for (const CageId id : node.cages)
-            if (const CageSlot* slot = scene.find(id)) add_cage(count, place, node, *slot, scene.find(node.skin));
-        for (const NodeId child : node.children)
-            if (const Node* c = scene.find(child); c && c->is_visible_in_shutter())
-                todo.push_back(place_below(place, child, *c));
-        if (scene.find(node.instance_of)) todo.push_back({node.instance_of, place.world_keys, place.world_from_node});
+        for (const CageId id : node.cages) {
+            const CageSlot* slot = scene.find(id);
+            if (slot && slot->is_deformed()) add_deformed_cage(count, place, node, *slot, scene.find(node.skin));
+            else if (slot) add_rigid_cage(count, place, *slot);
+        }
+        for (const NodeId child : node.children) push_child(place, child);
+        const bool shows_motion = !place.world_keys.empty() || above_motion.contains(node.instance_of);
+        if (scene.find(node.instance_of) && shows_motion)
+            todo.push_back({node.instance_of, place.world_keys, place.world_from_node});
     }
     return count.needed();
 }
@@ -180,11 +278,7 @@ std::unordered_set<NodeId> moving_nodes(const Scene& scene)
     }
     for (const NodeId id : still) {
         const Node& node = scene.node(id);
-        const SkinSlot* skin = scene.find(node.skin);
-        bool moves = skin && !skin->key_poses.empty();
-        for (const CageId cage : node.cages)
-            if (const CageSlot* slot = scene.find(cage)) moves |= !slot->key_positions.empty();
-        if (moves) moving.insert(id);
+        if (moves_by_itself(scene, node)) moving.insert(id);
     }
     return moving;
 }

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "base/error.h"
@@ -104,6 +105,97 @@ TEST(Shutter, SegmentsFollowJointsMorphsAndWrittenVerticesToo)
         scene.write_vertices(cloth, positions);
     });
     EXPECT_EQ(needed_segments(scene, tolerance), 8);
+}
+
+TEST(Shutter, SegmentsFollowVisibility)
+{
+    const PathTolerance tolerance{{0, 0, 100}, 0.01, 0};
+    Scene scene;
+    const NodeId group = scene.add_node(scene.root(), {});
+    scene.add_node(group, {.cages = {scene.add(unit_square())}});
+    const NodeId lamp = scene.add_node(scene.root(), {.light = scene.add(Light{})});
+    const std::pair<double, int> cases[] = {{0.5, 2}, {0.25, 4}, {0.375, 8}, {0.03125, 32}, {1, 1}};
+    for (const auto& [moment, segments] : cases)
+        for (const bool comes : {false, true}) {
+            scene.record_shutter(32, [&](double tau) {
+                scene.set_visible(group, (tau >= moment) == comes);
+                scene.set_visible(lamp, tau >= 0.3);
+            });
+            scene.refit();
+            const bool is_never_seen = moment == 1 && comes;
+            EXPECT_EQ(needed_segments(scene, tolerance), is_never_seen ? 1 : segments)
+                << moment << (comes ? ": on" : ": off");
+        }
+}
+
+int segments_of(Scene& scene, const std::function<void(double tau)>& pose)
+{
+    scene.record_shutter(32, pose);
+    scene.refit();
+    return needed_segments(scene, {{0, 0, 100}, 0.01, 0});
+}
+
+double up_and_back(double tau) { return 1 - std::abs(2 * tau - 1); }
+
+TEST(Shutter, SegmentsFollowMorphsWhereJointsAndNodesCarryThem)
+{
+    // Neither the rest positions, which are small, nor the scale at the first key tell how far a weight moves the surface.
+    for (const bool is_skinned : {false, true}) {
+        Scene scene;
+        Cage cage = unit_square();
+        for (Vec3f& p : cage.positions) p *= 1e-4f;
+        cage.morph_targets = {{"aside", std::vector<Vec3f>(4, Vec3f(0.02f, 0, 0)), {}}};
+        if (is_skinned) {
+            cage.skin.sets = 1;
+            cage.skin.joints.assign(4, {0, 0, 0, 0});
+            cage.skin.weights.assign(4, Vec4f(1, 0, 0, 0));
+        }
+        const NodeId carrier = scene.add_node(scene.root(), {});
+        const NodeId node = scene.add_node(is_skinned ? scene.root() : carrier, {.cages = {scene.add(cage)}});
+        if (is_skinned) scene.set_skin(node, scene.add(Skin{{}, {carrier}, {}}));
+        const Mat4d large = Trs{.scale = Vec3d(100)}.matrix();
+
+        scene.set_transform(carrier, large);
+        EXPECT_EQ(segments_of(scene, [&](double tau) { scene.set_morph_weights(node, {float(up_and_back(tau))}); }), 2);
+        scene.set_morph_weights(node, {1});
+        EXPECT_GE(segments_of(scene, [&](double tau) { scene.set_transform(carrier, turned(6 * tau) * large); }), 16);
+        EXPECT_GE(segments_of(scene,
+                              [&](double tau) {
+                                  scene.set_morph_weights(node, {float(up_and_back(tau))});
+                                  scene.set_transform(carrier, Trs{.scale = Vec3d(100 * tau)}.matrix());
+                              }),
+                  8);
+        // The product of a scale and a weight is a parabola, even though both go straight.
+        EXPECT_GE(segments_of(scene,
+                              [&](double tau) {
+                                  scene.set_morph_weights(node, {float(tau)});
+                                  scene.set_transform(carrier, Trs{.scale = Vec3d(100 * tau)}.matrix());
+                              }),
+                  4);
+    }
+}
+
+TEST(Shutter, SegmentsFollowThePlacementThatMovesAmongMany)
+{
+    Scene scene;
+    const NodeId library = scene.add_node(scene.root(), {.visible = false});
+    scene.add_node(library, {.place = {.translation = {1, 0, 0}}, .cages = {scene.add(unit_square())}});
+    const NodeId first = scene.add_node(scene.root(), {.instance_of = library});
+    for (int i = 0; i < 2 * kMostPlacements; ++i)
+        scene.add_node(scene.root(), {.place = {.translation = {9.0 + i, 0, 0}}, .instance_of = library});
+    const NodeId last = scene.add_node(scene.root(), {.instance_of = library});
+    for (const NodeId turns : {first, last})
+        EXPECT_GE(segments_of(scene, [&](double tau) { scene.set_transform(turns, turned(6 * tau)); }), 16);
+    // All of them move straight but one, whichever comes first.
+    const std::vector<NodeId> children = scene.node(scene.root()).children;
+    for (const NodeId turns : {first, last})
+        EXPECT_GE(segments_of(scene,
+                              [&](double tau) {
+                                  for (const NodeId child : children)
+                                      if (child != library) scene.set_transform(child, moved(tau, 0, 0));
+                                  scene.set_transform(turns, turned(6 * tau));
+                              }),
+                  16);
 }
 
 TEST(Shutter, MomentsAreChecked)
