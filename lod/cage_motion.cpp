@@ -58,10 +58,11 @@ CageMotion::CageMotion(const CageSlot& slot, const Node& node, const SkinSlot* s
     if (segments == 0) return;
     moves_positions_ = !slot.key_positions.empty();
     moves_maps_ = world_.size() > 1 || (is_skinned_ && !skin->key_poses.empty());
+    // What keys hold is the motion, even if it is the same at all of them: the node itself is as in the middle of the
+    // shutter.
     for (const NodeKey& key : node.keys) {
-        moves_maps_ = moves_maps_ || (is_skinned_ && key.node_from_skin != node.keys.front().node_from_skin);
-        moves_weights_ = moves_weights_ ||
-                         (!slot.cage.morph_targets.empty() && key.morph_weights != node.keys.front().morph_weights);
+        moves_maps_ = moves_maps_ || (is_skinned_ && key.node_from_skin != node.node_from_skin);
+        moves_weights_ = moves_weights_ || (!slot.cage.morph_targets.empty() && key.morph_weights != node.morph_weights);
     }
     changes_ = int(moves_maps_) + int(moves_weights_) + int(moves_positions_);
 }

@@ -225,6 +225,38 @@ TEST(Query, SeesTheSceneAtARaysTimeAndTellsTheVelocityOfWhatItHits)
         EXPECT_THROW(static_cast<void>(query.closest(QueryRay{.time = time})), Error);
 }
 
+// A node whose visibility changes has keys, and then all that they hold is its motion. Its surface lay outside of its bounds
+// if a weight was the same at all keys and another one in the middle.
+TEST(Query, FindsWhatIsTheSameAtAllKeysWhereTheKeysHaveIt)
+{
+    for (const bool is_skinned : {false, true}) {
+        Scene scene;
+        Cage cage = unit_square();
+        cage.morph_targets = {{"aside", std::vector<Vec3f>(4, Vec3f(8, 0, 0)), {}}};
+        if (is_skinned) {
+            cage.skin.sets = 1;
+            cage.skin.joints.assign(4, {0, 0, 0, 0});
+            cage.skin.weights.assign(4, Vec4f(1, 0, 0, 0));
+        }
+        const NodeId node = scene.add_node(scene.root(), {.cages = {scene.add(cage)}, .morph_weights = {0}});
+        if (is_skinned) scene.set_skin(node, scene.add(Skin{{}, {scene.add_node(scene.root(), {})}, {}}));
+        const Query query = [&] {
+            scene.record_shutter(1, [&](double tau) {
+                const double aside = tau == 0.5 ? 1 : 0;
+                scene.set_visible(node, tau < 1);
+                scene.set_morph_weights(node, {float(aside)});
+                if (is_skinned) scene.set_transform(node, moved(0, 8 * aside, 0));
+            });
+            return Query(scene, at_angle(0, 0));
+        }();
+        for (const float time : {0.0f, 0.25f, 0.75f}) {
+            const QueryRay ray{.origin = {0.3, 0.2, 5}, .direction = {0, 0, -1}, .time = time};
+            EXPECT_TRUE(query.closest(ray)) << is_skinned << ", " << time;
+            EXPECT_FALSE(query.closest(QueryRay{.origin = {8.3, 0.2, 5}, .direction = {0, 0, -1}, .time = time})) << time;
+        }
+    }
+}
+
 // A picture in which nothing moves is the picture without a shutter, bit for bit.
 TEST(Motion, AShutterInWhichNothingMovesLeavesThePictureAsItIs)
 {
