@@ -92,7 +92,10 @@ std::size_t Scene::State::refit_node(NodeId id, NodeRecord& node)
 {
     SkinRecord* skin = skins.find(node.skin);
     if (skin && skin->dirty) pose_skin(*skin);
-    if (skin) node.node_from_skin = node_from_skin(id, *skin);
+    if (skin) {
+        node.node_from_skin = node_from_skin(id, *skin);
+        keep_skin_in_place(id, node, *skin);
+    }
     Box3d bounds;
     Contents contents = own_contents(node);
     for (CageId c : node.cages) {

@@ -115,7 +115,10 @@ void Scene::State::about_to_move(NodeId id, NodeRecord& node)
         }
     }
     for (const NodeId user_id : node.dependents->users.ids())
-        if (NodeRecord* user = nodes.find(user_id)) about_to_change(user_id, *user);
+        if (NodeRecord* user = nodes.find(user_id)) {
+            if (recorder) about_to_change(user_id, *user);
+            else user->has_stale_keys = true;
+        }
 }
 
 void Scene::State::about_to_write(CageId id, CageRecord& cage)
@@ -135,6 +138,12 @@ void Scene::State::drop_keys(NodeId id, NodeRecord& node) noexcept
     --things_with_keys;
     touch_in_parent(node);
     mark_dirty(id);
+    if (!node.dependents) return;
+    for (const NodeId user_id : node.dependents->users.ids())
+        if (NodeRecord* user = nodes.find(user_id)) {
+            user->has_stale_keys = true;
+            mark_dirty(user_id);
+        }
 }
 
 void Scene::State::drop_keys(SkinRecord& skin) noexcept
@@ -153,6 +162,32 @@ void Scene::State::drop_keys(CageRecord& cage) noexcept
     --things_with_keys;
     find_bounds(cage);
     mark_users_dirty(cage);
+}
+
+// A skin stays where its joints are, wherever the node moves. So a node that lost its keys, or got its skin after the
+// recording, still follows those nodes that move it, and one whose path was edited follows what is left of their motion.
+void Scene::State::keep_skin_in_place(NodeId id, NodeRecord& node, const SkinRecord& skin)
+{
+    if (things_with_keys == 0 || !(node.keys.empty() || node.has_stale_keys)) return;
+    const NodeId top = skin.base ? lowest_common(id, skin.base) : NodeId();
+    bool moves = !node.keys.empty();
+    for (NodeId at : {id, skin.base})
+        for (const NodeRecord* n = nodes.find(at); n && at != top; n = nodes.find(at)) {
+            moves |= !n->keys.empty();
+            at = n->parent;
+        }
+    if (!moves) return;
+    std::vector<NodeKey> keys = node.keys;
+    if (keys.empty()) keys.assign(std::size_t(shutter_segments) + 1, key_of(node, id));
+    for (std::size_t k = 0; k < keys.size(); ++k) keys[k].node_from_skin = node_from_skin(id, skin, k);
+    node.has_stale_keys = false;
+    if (node.keys.empty()) {
+        if (are_all_equal(keys) && keys.front().node_from_skin == node.node_from_skin) return;
+        if (!node.is_listed_with_keys) nodes_with_keys.push_back(id);
+        node.is_listed_with_keys = true;
+        ++things_with_keys;
+    }
+    node.keys = std::move(keys);
 }
 
 void Scene::State::take_key(Recorder& record)
@@ -178,7 +213,9 @@ void Scene::State::store_keys(Recorder& record)
         if (are_all_equal(keys)) continue;
         NodeRecord& node = *nodes.find(id);
         node.keys = std::move(keys);
+        node.has_stale_keys = false;
         nodes_with_keys.push_back(id);
+        node.is_listed_with_keys = true;
         touch_in_parent(node);
         mark_dirty(id);
     }
@@ -238,7 +275,10 @@ void Scene::clear_shutter()
     State& s = *state_;
     s.require_unrecorded();
     for (const NodeId id : s.nodes_with_keys)
-        if (State::NodeRecord* node = s.nodes.find(id)) s.drop_keys(id, *node);
+        if (State::NodeRecord* node = s.nodes.find(id)) {
+            s.drop_keys(id, *node);
+            node->is_listed_with_keys = false;
+        }
     for (const SkinId id : s.skins_with_keys)
         if (State::SkinRecord* skin = s.skins.find(id)) s.drop_keys(*skin);
     for (const CageId id : s.cages_with_keys)

@@ -29,11 +29,11 @@ NodeId Scene::State::lowest_common(NodeId a, NodeId b) const
     return nodes.find(a) ? a : NodeId();
 }
 
-Mat4d Scene::State::path(NodeId above, NodeId node) const
+Mat4d Scene::State::path(NodeId above, NodeId node, std::optional<std::size_t> key) const
 {
     Mat4d m(1);
     for (const NodeRecord* n = nodes.find(node); n && node != above; n = nodes.find(node)) {
-        m = n->parent_from_node * m;
+        m = (key && !n->keys.empty() ? n->keys[*key].parent_from_node : n->parent_from_node) * m;
         node = n->parent;
     }
     return m;
@@ -80,14 +80,14 @@ void Scene::State::link_user(NodeId id)
         }
 }
 
-Mat4d Scene::State::node_from_skin(NodeId id, const SkinRecord& skin) const
+Mat4d Scene::State::node_from_skin(NodeId id, const SkinRecord& skin, std::optional<std::size_t> key) const
 {
     const NodeId top = skin.base ? lowest_common(id, skin.base) : NodeId();
-    const Mat4d top_from_node = path(top, id);
+    const Mat4d top_from_node = path(top, id, key);
     // A node that is scaled to zero shows nothing, so all of its points may collapse.
     const double size = glm::determinant(Mat3d(top_from_node));
     if (size == 0 || !std::isfinite(size)) return {Vec4d(0), Vec4d(0), Vec4d(0), Vec4d(0, 0, 0, 1)};
-    return glm::inverse(top_from_node) * path(top, skin.base);
+    return glm::inverse(top_from_node) * path(top, skin.base, key);
 }
 
 void Scene::State::pose_skin(SkinRecord& skin) const

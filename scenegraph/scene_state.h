@@ -139,6 +139,8 @@ struct Scene::State {
         Watchers instances;                       ///< nodes whose instance_of is this node
         std::unique_ptr<Dependents> dependents;
         std::unique_ptr<Rest> rest;
+        bool is_listed_with_keys = false;  ///< in nodes_with_keys
+        bool has_stale_keys = false;       ///< NodeKey::node_from_skin has to be found again
     };
     struct SkinRecord : SkinSlot {
         std::vector<int> parent_joint;  ///< the nearest joint above each joint, by index; below 0: none
@@ -274,6 +276,9 @@ struct Scene::State {
     void drop_keys(NodeId id, NodeRecord& node) noexcept;
     void drop_keys(SkinRecord& skin) noexcept;
     void drop_keys(CageRecord& cage) noexcept;
+    /// Finds NodeKey::node_from_skin again where it is stale, and gives a node without keys those keys that it needs because
+    /// it or its skin's base hangs below nodes that move.
+    void keep_skin_in_place(NodeId id, NodeRecord& node, const SkinRecord& skin);
     NodeKey key_of(const NodeRecord& node, NodeId id) const;
     void take_key(Recorder& record);
     void store_keys(Recorder& record);
@@ -286,9 +291,10 @@ struct Scene::State {
     /// Registers a skinned node with the nodes between it and the skin's base.
     void link_user(NodeId id);
     void pose_skin(SkinRecord& skin) const;
-    Mat4d node_from_skin(NodeId node, const SkinRecord& skin) const;
+    // Both are as the nodes are posed, or at one key of the shutter.
+    Mat4d node_from_skin(NodeId node, const SkinRecord& skin, std::optional<std::size_t> key = {}) const;
+    Mat4d path(NodeId above, NodeId node, std::optional<std::size_t> key = {}) const;  ///< above_from_node
     NodeId lowest_common(NodeId a, NodeId b) const;  ///< lowest common ancestor; a node counts as its own
-    Mat4d path(NodeId above, NodeId node) const;     ///< above_from_node
     void restore(NodeRecord& node, NodeId id);
     /// Returns what copy() makes a node from, without the skin and the instance that it shows.
     NodeDesc desc_of_copy(NodeId original) const;

@@ -1,0 +1,72 @@
+// Tests of where a skin is in the shutter after edits of the nodes above.
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "scenegraph/scene.h"
+#include "tests/support/bent_strip.h"
+
+namespace occam {
+namespace {
+
+using namespace test;
+
+// Keys of where a skin is follow those of the nodes above, whatever was edited after they were recorded.
+TEST(Shutter, ASkinStaysWhereItsJointsAreAfterEdits)
+{
+    Bent bent;
+    Scene& scene = bent.scene;
+    const NodeId outer = scene.add_node(scene.root(), {}), inner = scene.add_node(outer, {});
+    const NodeId body = scene.add_node(inner, {.cages = {bent.cage}, .skin = bent.skin, .morph_weights = {0.5f}});
+    NodeId late;
+    const auto expect_in_place = [&](const char* edit) {
+        scene.refit();
+        for (const NodeId id : {body, late}) {
+            const Node* node = scene.find(id);
+            for (int k = 0; node && k <= 4; ++k) {
+                const auto keys = scene.world_from_node_keys(id);
+                const Mat4d& world = keys.empty() ? scene.world_from_node(id) : keys[std::size_t(k)];
+                const Mat4d& from_skin = node->keys.empty() ? node->node_from_skin
+                                                            : node->keys[std::size_t(k)].node_from_skin;
+                EXPECT_LT(glm::length(Vec3d((world * from_skin)[3])), 1e-9) << edit << ", key " << k;
+            }
+        }
+    };
+    const auto record = [&] {
+        scene.record_shutter(4, [&](double tau) {
+            scene.set_transform(outer, moved(2 * tau, 0, 0));
+            scene.set_transform(inner, moved(0, tau, 0) * turned(tau));
+            scene.set_morph_weights(body, {float(tau)});
+        });
+        scene.refit();
+    };
+    const std::pair<const char*, std::function<void()>> edits[] = {
+        {"none", [] {}},
+        {"the same weights", [&] { scene.set_morph_weights(body, {0.5f}); }},
+        {"other weights", [&] { scene.set_morph_weights(body, {0.75f}); }},
+        {"the node's own place", [&] { scene.set_transform(body, moved(3, 0, 0)); }},
+        {"a node above is shown as before", [&] { scene.set_visible(inner, true); }},
+        {"a node above stands still", [&] { scene.set_transform(inner, moved(0, 7, 0)); }},
+        {"both nodes above stand still", [&] { scene.set_visible(inner, true), scene.set_visible(outer, true); }},
+        {"a skin is put on", [&] { scene.set_skin(body, {}), scene.refit(), scene.set_skin(body, bent.skin); }},
+        {"a skinned node is added", [&] { late = scene.add_node(inner, {.cages = {bent.cage}, .skin = bent.skin}); }},
+        {"a joint is edited", [&] { scene.set_transform(bent.tip_joint, moved(2, 1, 0)); }},
+    };
+    for (const auto& [name, edit] : edits) {
+        record();
+        edit();
+        expect_in_place(name);
+        EXPECT_TRUE(scene.node(body).keys.empty() || scene.node(body).keys[4].visible);
+    }
+    record();
+    scene.set_transform(inner, Mat4d(1));
+    scene.refit();
+    EXPECT_EQ(scene.node(body).keys.at(4).morph_weights, std::vector<float>{1}) << "only what is edited loses its keys";
+    scene.clear_shutter();
+    scene.refit();
+    EXPECT_EQ(scene.shutter_segments(), 0);
+    EXPECT_TRUE(scene.node(body).keys.empty());
+}
+
+}  // namespace
+}  // namespace occam
