@@ -22,16 +22,19 @@ int checked_height(int height)
 
 // Holds the scene that queries ask about, as it was when they began.
 struct Asked {
-    Asked(Scene& scene, const Camera& camera, int height, lod::TopologyCache& topologies, TextureStore& textures)
+    Asked(Scene& scene, const Camera& camera, int height, const std::shared_ptr<SharedTopologies>& topologies,
+          TextureStore& textures)
         : scale(scene.bounds()),
           rays(scale.placed(camera), height, height),
           lock(scene),
-          frame(scene, topologies, rays.levels(1), {.textures = &textures, .scale = scale})
+          tables(topologies, scene),
+          frame(scene, tables.cache(), rays.levels(1), {.textures = &textures, .scale = scale})
     {
     }
     FrameScale scale;
     render::CameraRays rays;
     Scene::FrameLock lock;
+    TopologyUse tables;
     accel::Frame frame;
 };
 
@@ -63,13 +66,8 @@ struct Query::State {
           topologies(std::move(tables)),
           textures(render::Resources().texture_bytes)
     {
-        topologies->add_user();
     }
-    ~State()
-    {
-        end();
-        topologies->remove_user();
-    }
+    ~State() { end(); }
     State(const State&) = delete;
     State& operator=(const State&) = delete;
 
@@ -80,7 +78,7 @@ struct Query::State {
         if (scene.contents().has(Contents::Displaced)) textures.prepare(scene);
         refuse_bad_textures();
         camera = with_camera;
-        asked.emplace(scene, camera, height, topologies->cache, textures);
+        asked.emplace(scene, camera, height, topologies, textures);
     }
     void end() noexcept
     {

@@ -1,6 +1,7 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -85,6 +86,7 @@ struct Job::State {
         }
         // What a frame takes stays with the process, so that the next one need not ask the system for it again.
         return_freed_memory(stats.memory.arena_peak_bytes + kMostFreedBytes);
+        tables.reset();
         lock.reset();
         renderer->busy = false;
         control.enter(Stage::Done);
@@ -97,7 +99,7 @@ struct Job::State {
     {
         control.enter(Stage::Preparing);
         const auto prepare_start = Clock::now();
-        renderer->topologies->prune_if_unused(scene);
+        tables.emplace(renderer->topologies, scene);
         renderer->textures.prepare(scene);
         refuse_bad_textures();
         stats.seconds.texture = seconds_since(prepare_start) - renderer->textures.decode_seconds();
@@ -111,7 +113,7 @@ struct Job::State {
                 settings,
                 renderer->resources,
                 memory,
-                renderer->topologies->cache,
+                tables->cache(),
                 renderer->textures,
                 renderer->lights,
                 deadline,
@@ -193,6 +195,7 @@ struct Job::State {
     render::MemoryPlan memory;
     Clock::time_point start = Clock::now();
     std::unique_ptr<Scene::FrameLock> lock;
+    std::optional<TopologyUse> tables;  ///< from prepare() to the end of the frame
     render::FrameControl control;
 
     std::string resumed;  ///< the checkpoint that the frame goes on from; empty while there is none

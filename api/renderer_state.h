@@ -11,31 +11,39 @@
 
 namespace occam {
 
-/// Holds topology tables that several callers may use. They are pruned only while no query uses them, because a query may
-/// ask about a scene other than the one to be rendered.
+/// Holds topology tables that several callers may use.
 class SharedTopologies {
 public:
     lod::TopologyCache cache;
 
-    void prune_if_unused(const Scene& scene)
-    {
-        const std::lock_guard guard(mutex_);
-        if (users_ == 0) cache.prune(scene);
-    }
-    void add_user()
-    {
-        const std::lock_guard guard(mutex_);
-        ++users_;
-    }
-    void remove_user() noexcept
-    {
-        const std::lock_guard guard(mutex_);
-        --users_;
-    }
-
 private:
+    friend class TopologyUse;
     std::mutex mutex_;
     int users_ = 0;
+};
+
+/// Borrows the tables for a frame, or for as long as a query may be asked. Tables of cages that the scene no longer has are
+/// forgotten first, unless there is another user: it may ask about another scene.
+class TopologyUse {
+public:
+    TopologyUse(std::shared_ptr<SharedTopologies> tables, const Scene& scene) : tables_(std::move(tables))
+    {
+        const std::lock_guard guard(tables_->mutex_);
+        if (tables_->users_ == 0) tables_->cache.prune(scene);
+        ++tables_->users_;
+    }
+    ~TopologyUse()
+    {
+        const std::lock_guard guard(tables_->mutex_);
+        --tables_->users_;
+    }
+    TopologyUse(const TopologyUse&) = delete;
+    TopologyUse& operator=(const TopologyUse&) = delete;
+
+    lod::TopologyCache& cache() const noexcept { return tables_->cache; }
+
+private:
+    std::shared_ptr<SharedTopologies> tables_;
 };
 
 struct Renderer::State {

@@ -235,6 +235,40 @@ TEST(Query, OutlivesEdits)
 }
 
 // The limit surface of a cube's cage lies 1/6 of a side inside the middles of its faces. A wide beam sees a coarse mesh.
+// What was made for cages is forgotten when another scene is asked about, as for removed cages, but only while no query is
+// begun. A kept query that was ended between frames had all cages of all frames.
+TEST(Query, ThatWasEndedKeepsNoTablesAlive)
+{
+    Scene scene;
+    std::atomic<int> made = 0;
+    OnDemandCage cage;
+    cage.bounds = {Vec3d(-1), Vec3d(1)};
+    Square other;
+    cage.make = [&] { return ++made, other.scene.cage(other.scene.node(other.node).cages[0]).cage; };
+    scene.add_node(scene.root(), {.cages = {scene.add(cage)}});
+    Renderer renderer;
+    const Settings settings{.width = 4, .height = 4, .spp = 1};
+    Query query(renderer, scene, kFront), another(renderer, other.scene, kFront);
+    const auto ask = [&] { ASSERT_TRUE(query.closest(Vec3d(0.1, 0.2, 5), Vec3d(0, 0, -1))); };
+    ask();
+    another.end();
+    renderer.render(other.scene, kFront, settings);
+    another.begin(kFront);
+    ask();
+    EXPECT_EQ(made, 1) << "the query was not ended";
+    another.end();
+    query.end();
+    renderer.render(other.scene, kFront, settings);
+    query.begin(kFront);
+    ask();
+    EXPECT_EQ(made, 2) << "a frame of another scene";
+    query.end();
+    another.begin(kFront);
+    query.begin(kFront);
+    ask();
+    EXPECT_EQ(made, 3) << "a query about another scene";
+}
+
 TEST(Query, TakesTheFootprintOfEachRay)
 {
     Scene scene;
