@@ -7,6 +7,7 @@
 #include "render/frame_setup.h"
 #include "render/frame_sums.h"
 #include "render/tiles.h"
+#include "scenegraph/content_hash.h"
 
 namespace occam::render {
 namespace {
@@ -65,7 +66,7 @@ FrameResult make_frame(const FrameInputs& in, FrameControl& control, FrameStats&
     if (sums) {
         stats.memory.film_bytes += FrameSums::bytes_for(in.settings);
         if (!in.checkpoint.empty()) {
-            sums->restore(in.checkpoint);
+            sums->restore(in.checkpoint, content_hash(in.scene));
             done_before = develop_all(*sums, tiles, in.settings, film);
         }
     }
@@ -84,7 +85,7 @@ FrameResult make_frame(const FrameInputs& in, FrameControl& control, FrameStats&
     stats.complete = control.is_whole();
     stats.image.least_samples = stats.complete ? in.settings.spp : sums ? sums->least_samples() : 0;
     FrameResult result{std::move(film).take(), {}, setup.context.clamp};
-    if (sums && !stats.complete) result.checkpoint = sums->checkpoint();
+    if (sums && !stats.complete) result.checkpoint = sums->checkpoint(content_hash(in.scene));
     return result;
 }
 

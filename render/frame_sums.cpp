@@ -11,7 +11,7 @@
 namespace occam::render {
 namespace {
 
-constexpr std::string_view kMagic = "Occam checkpoint 1\n";
+constexpr std::string_view kMagic = "Occam checkpoint 2\n";
 
 std::size_t tile_count(const PixelRect& area)
 {
@@ -145,11 +145,12 @@ int FrameSums::least_samples() const noexcept
     return least;
 }
 
-std::string FrameSums::checkpoint() const
+std::string FrameSums::checkpoint(std::uint64_t scene_hash) const
 {
     Writer out;
     out.add_bytes(kMagic.data(), kMagic.size());
     out.add(identity_);
+    out.add(scene_hash);
     out.add_bytes(tiles_.data(), tiles_.size() * sizeof(Tile));
     out.add_bytes(sums_.data(), sums_.size());
     for (const std::vector<MatteSums>& mattes : mattes_)
@@ -163,7 +164,7 @@ std::string FrameSums::checkpoint() const
     return std::move(out).finish();
 }
 
-void FrameSums::restore(std::string_view checkpoint)
+void FrameSums::restore(std::string_view checkpoint, std::uint64_t scene_hash)
 {
     if (!checkpoint.starts_with(kMagic)) refuse("is not a checkpoint of this version");
     std::uint64_t sum = 0;
@@ -174,6 +175,7 @@ void FrameSums::restore(std::string_view checkpoint)
 
     Reader in(checkpoint.substr(kMagic.size()));
     if (in.next<std::uint64_t>() != identity_) refuse("belongs to a picture with other settings or another camera");
+    if (in.next<std::uint64_t>() != scene_hash) refuse("belongs to a picture of another scene, or of an edited one");
     in.read_bytes(tiles_.data(), tiles_.size() * sizeof(Tile));
     for (const Tile& tile : tiles_)
         if (tile.samples < 0 || tile.samples > spp_ || (tile.is_done && tile.samples == 0))

@@ -40,9 +40,10 @@ public:
                std::size_t first);
 
     int least_samples() const noexcept;  ///< the smallest number of samples of any tile
-    std::string checkpoint() const;
+    /// scene_hash   content_hash() of the scene
+    std::string checkpoint(std::uint64_t scene_hash) const;
     /// Continues from a checkpoint. Throws Error if it is not a checkpoint of this frame.
-    void restore(std::string_view checkpoint);
+    void restore(std::string_view checkpoint, std::uint64_t scene_hash);
 
 private:
     std::size_t index_of(const PixelRect& rect) const noexcept;

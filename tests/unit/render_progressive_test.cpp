@@ -112,12 +112,20 @@ TEST(Progressive, ACheckpointOfAnotherPictureOrADamagedOneIsRefused)
     }
     for (const auto change : {+[](Subject& s) { s.settings.seed = 1; }, +[](Subject& s) { s.settings.width = 49; },
                               +[](Subject& s) { s.settings.aovs = Aov::Depth; }, +[](Subject& s) { s.settings.bounces = 3; },
-                              +[](Subject& s) { s.camera.lens.fov *= 1.01f; }}) {
+                              +[](Subject& s) { s.camera.lens.fov *= 1.01f; },
+                              +[](Subject& s) { s.scene.set_transform(s.scene.root(), Trs{.scale = Vec3d(1.001)}); },
+                              +[](Subject& s) {
+                                  s.scene.record_shutter(1, [&](double tau) {
+                                      s.scene.set_transform(s.scene.root(), Trs{.translation = {tau - 0.5, 0, 0}});
+                                  });
+                              }}) {
         Subject other;
         change(other);
         const Job job = renderer.start(other.scene, other.camera, other.settings, good);
         EXPECT_THROW(job.image(), Error);
     }
+    Subject same;
+    EXPECT_TRUE(renderer.start(same.scene, same.camera, same.settings, good).stats().complete);
 }
 
 using Resume = test::CommandTest;

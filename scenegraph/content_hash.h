@@ -1,0 +1,20 @@
+// A hash of what a scene shows, which tells whether a stopped frame may continue with it.
+//
+// It is the same in every process and whatever was added and removed before: handles count by the order in which a walk from
+// the root meets them. What no node shows does not count. Of an image in a file it knows the path, and of a cage on demand
+// its name, bounds and materials.
+//
+// Time     linear in the size of the scene, about a second for 4 GB.
+// Threads  reads the scene only.
+#pragma once
+
+#include <cstdint>
+
+#include "scenegraph/scene.h"
+
+namespace occam {
+
+/// Returns the hash. The scene must be refitted.
+std::uint64_t content_hash(const Scene& scene);
+
+}  // namespace occam

@@ -1,0 +1,122 @@
+// A hash of a scene is the same for scenes that show the same, and tells apart what differs in anything that is shown.
+#include "scenegraph/content_hash.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "tests/support/bent_strip.h"
+
+namespace occam {
+namespace {
+
+using namespace test;
+
+struct Subject : Bent {
+    NodeId square, group, hidden, lit;
+    MaterialId material;
+    TextureId texture;
+    LightId light;
+    CageId mesh;
+
+    Subject()
+    {
+        texture = scene.add(Texture{.name = {}, .path = {}, .encoded = {}, .pixels = {Vec4f(1)}, .width = 1, .height = 1});
+        Material textured;
+        textured.base_color_texture.texture = texture;
+        material = scene.add(textured);
+        Cage shape = unit_square();
+        shape.materials = {material};
+        shape.uv_sets = {{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {}}};
+        shape.morph_targets = {{"up", std::vector<Vec3f>(4, Vec3f(0, 0, 1)), {}}};
+        mesh = scene.add(shape);
+        group = scene.add_node(scene.root(), {.name = "group"});
+        square = scene.add_node(group, {.cages = {mesh}, .morph_weights = {0.5f}});
+        hidden = scene.add_node(scene.root(), {.visible = false});
+        scene.add_node(hidden, {.cages = {mesh}});
+        light = scene.add(Light{{}, PointLight{}});
+        lit = scene.add_node(scene.root(), {.light = light});
+    }
+    std::uint64_t hash()
+    {
+        scene.refit();
+        return content_hash(scene);
+    }
+};
+
+TEST(ContentHash, IsTheSameForScenesThatShowTheSame)
+{
+    Subject subject, other;
+    EXPECT_EQ(subject.hash(), other.hash());
+    const NodeId passing = other.scene.add_node(other.group, {.cages = {other.scene.add(unit_square())}});
+    EXPECT_NE(subject.hash(), other.hash());
+    other.scene.remove(passing);
+    EXPECT_EQ(subject.hash(), other.hash());
+    other.scene.set_transform(other.hidden, moved(1, 0, 0));
+    EXPECT_EQ(subject.hash(), other.hash()) << "what is hidden does not count";
+    other.scene.record_shutter(2, [&](double tau) { other.scene.set_transform(other.square, moved(tau, 0, 0)); });
+    other.scene.set_transform(other.square, Mat4d(1));
+    EXPECT_EQ(subject.hash(), other.hash()) << "nor do keys that were dropped";
+}
+
+TEST(ContentHash, TellsEditsApart)
+{
+    const std::function<void(Subject&)> edits[] = {
+        [](Subject&) {},
+        [](Subject& s) { s.scene.set_transform(s.group, moved(1, 0, 0)); },
+        [](Subject& s) { s.scene.set_transform(s.square, moved(1, 0, 0)); },
+        [](Subject& s) { s.scene.set_transform(s.tip_joint, moved(1, 0, 0)); },
+        [](Subject& s) { s.scene.set_morph_weights(s.square, {1}); },
+        [](Subject& s) { s.scene.set_visible(s.square, false); },
+        [](Subject& s) { s.scene.set_visible(s.hidden, true); },
+        [](Subject& s) { s.scene.set_seen_by(s.square, 1); },
+        [](Subject& s) { s.scene.set_lit_by(s.square, 1); },
+        [](Subject& s) { s.scene.add_node(s.group, {.instance_of = s.hidden}); },
+        [](Subject& s) { s.scene.add_node(s.square, {.instance_of = s.hidden}); },
+        [](Subject& s) { s.scene.set_materials(s.square, {s.scene.add(Material{})}); },
+        [](Subject& s) { s.scene.replace(s.material, Material{}); },
+        [](Subject& s) {
+            Material m = s.scene.material(s.material);
+            m.base_color_texture.rotation = 1;
+            s.scene.replace(s.material, m);
+        },
+        [](Subject& s) {
+            s.scene.replace(s.light, Light{{}, SunLight{}});
+        },
+        [](Subject& s) {
+            s.scene.replace(s.light, Light{{}, PointLight{Vec3f(2)}});
+        },
+        [](Subject& s) { s.scene.remove(s.light); },
+        [](Subject& s) {
+            Cage cage = s.scene.cage(s.mesh).cage;
+            cage.uv_sets[0].values[2].x = 0.5f;
+            s.scene.replace(s.mesh, cage);
+        },
+        [](Subject& s) {
+            std::vector<Vec3f> positions = s.scene.cage(s.cage).cage.positions;
+            positions[3].z += 1;
+            s.scene.write_vertices(s.cage, positions);
+        },
+        [](Subject& s) { s.scene.environment.radiance = Vec3f(1); },
+        [](Subject& s) { s.scene.environment.image = s.texture; },
+        [](Subject& s) {
+            s.scene.record_shutter(1, [&](double t) { s.scene.set_transform(s.square, moved(t - 0.5, 0, 0)); });
+        },
+        [](Subject& s) {
+            s.scene.record_shutter(2, [&](double t) { s.scene.set_transform(s.square, moved(t - 0.5, 0, 0)); });
+        },
+        [](Subject& s) { s.scene.record_shutter(2, [&](double t) { s.scene.set_transform(s.tip_joint, moved(2, t, 0)); }); },
+        [](Subject& s) { s.scene.record_shutter(2, [&](double t) { s.scene.set_visible(s.square, t < 1); }); },
+    };
+    std::vector<std::uint64_t> hashes;
+    for (const auto& edit : edits) {
+        Subject subject;
+        edit(subject);
+        const std::uint64_t hash = subject.hash();
+        for (std::size_t i = 0; i < hashes.size(); ++i) EXPECT_NE(hash, hashes[i]) << hashes.size() << " and " << i;
+        hashes.push_back(hash);
+    }
+}
+
+}  // namespace
+}  // namespace occam
