@@ -103,7 +103,8 @@ struct CageSlot {
 /// A skin and the poses of its joints.
 struct SkinSlot {
     Skin skin;
-    NodeId base;                    ///< lowest common ancestor of all joints; null if it lies above the root
+    /// Lowest common ancestor of all joints; null if it lies above the root. If it was removed, the skin deforms nothing.
+    NodeId base;
     std::vector<Mat4d> mesh_poses;  ///< base_from_mesh of each joint; valid after Scene::refit(). A removed joint: identity
     std::vector<std::vector<Mat4d>> key_poses;  ///< mesh_poses at each key of the shutter; empty: no joint moves
 };

@@ -218,7 +218,7 @@ NodeId Scene::copy(NodeId subtree, NodeId parent)
             for (NodeId& joint : skin.joints) joint = counterpart(joint);
             if (skin.joints != this->skin(from.skin).joints) {
                 SkinId& made = copy.skins.emplace_back();
-                made = entry->second = add(std::move(skin));
+                made = entry->second = s.add_skin(std::move(skin));
             }
         }
         set_skin(to, entry->second);

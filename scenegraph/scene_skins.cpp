@@ -2,7 +2,8 @@
 //
 // The base of a skin is the lowest node above all its joints. Moving the base, or a node above it, moves a character as a
 // whole and leaves its pose as it is. The nodes between the joints and the base know the skin, so an edit that moves a joint
-// finds the nodes that use the skin in O(depth).
+// finds the nodes that use the skin in O(depth). Joints that were removed do not count, and a skin whose base was removed
+// has none left: it deforms nothing, and the places of the nodes that wear it count.
 #include "base/error_without_file.h"
 #include "scenegraph/scene_state.h"
 
@@ -43,22 +44,29 @@ void Scene::State::link_skin(SkinId id)
 {
     SkinRecord& skin = *skins.find(id);
     const std::vector<NodeId>& joints = skin.skin.joints;
-    skin.base = joints.empty() ? NodeId() : nodes.find(joints[0])->parent;
-    for (const NodeId joint : joints) {
-        const NodeId parent = nodes.find(joint)->parent;
-        skin.base = parent && skin.base ? lowest_common(skin.base, parent) : NodeId();
-    }
+    const auto parent_of = [&](NodeId below) {
+        const NodeRecord* node = nodes.find(below);
+        return node ? node->parent : NodeId();
+    };
+    const auto is_alive = [&](NodeId joint) { return nodes.find(joint) != nullptr; };
+    const auto first = std::find_if(joints.begin(), joints.end(), is_alive);
+    skin.base = first == joints.end() ? NodeId() : parent_of(*first);
+    for (const NodeId joint : joints)
+        if (is_alive(joint)) {
+            const NodeId parent = parent_of(joint);
+            skin.base = parent && skin.base ? lowest_common(skin.base, parent) : NodeId();
+        }
     std::unordered_map<NodeId, int> index_of;
     for (std::size_t j = 0; j < joints.size(); ++j) index_of.emplace(joints[j], static_cast<int>(j));
     skin.parent_joint.assign(joints.size(), -1);
     for (std::size_t j = 0; j < joints.size(); ++j)
-        for (NodeId at = nodes.find(joints[j])->parent; at && at != skin.base; at = nodes.find(at)->parent)
+        for (NodeId at = parent_of(joints[j]); at && at != skin.base; at = parent_of(at))
             if (const auto found = index_of.find(at); found != index_of.end()) {
                 skin.parent_joint[j] = found->second;
                 break;
             }
     for (const NodeId joint : joints)
-        for (NodeId at = joint; at && at != skin.base; at = nodes.find(at)->parent) {
+        for (NodeId at = joint; is_alive(at) && at != skin.base; at = parent_of(at)) {
             NodeRecord& node = *nodes.find(at);
             if (!node.dependents) node.dependents = std::make_unique<Dependents>();
             // An earlier joint has registered this node and all nodes above it.
@@ -67,9 +75,12 @@ void Scene::State::link_skin(SkinId id)
         }
 }
 
+bool Scene::State::has_lost_base(const SkinRecord& skin) const noexcept { return skin.base && !nodes.find(skin.base); }
+
 void Scene::State::link_user(NodeId id)
 {
     const SkinRecord* skin = skins.find(nodes.find(id)->skin);
+    if (has_lost_base(*skin)) return;
     const auto is_alive = [&](NodeId known) { return nodes.find(known) != nullptr; };
     const NodeId top = lowest_common(id, skin->base);
     for (const NodeId from : {id, skin->base})
@@ -82,6 +93,7 @@ void Scene::State::link_user(NodeId id)
 
 Mat4d Scene::State::node_from_skin(NodeId id, const SkinRecord& skin, std::optional<std::size_t> key) const
 {
+    if (has_lost_base(skin)) return Mat4d(1);
     const NodeId top = skin.base ? lowest_common(id, skin.base) : NodeId();
     const Mat4d top_from_node = path(top, id, key);
     // A node that is scaled to zero shows nothing, so all of its points may collapse.
@@ -144,11 +156,16 @@ SkinId Scene::add(Skin skin)
     for (NodeId joint : skin.joints) State::at(state_->nodes, joint, "node");
     if (!skin.joint_from_mesh.empty() && skin.joint_from_mesh.size() != skin.joints.size())
         throw error_without_file("a skin needs one inverse bind matrix a joint, or none", skin.name);
-    State::SkinRecord record;
+    return state_->add_skin(std::move(skin));
+}
+
+SkinId Scene::State::add_skin(Skin skin)
+{
+    SkinRecord record;
     record.skin = std::move(skin);
-    const SkinId id = state_->skins.add(std::move(record));
-    Rollback added([&] { state_->skins.remove(id); });
-    state_->link_skin(id);
+    const SkinId id = skins.add(std::move(record));
+    Rollback added([&] { skins.remove(id); });
+    link_skin(id);
     added.keep();
     return id;
 }

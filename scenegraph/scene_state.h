@@ -286,8 +286,13 @@ struct Scene::State {
     /// Notifies the nodes above and the skins that a node's transform has changed.
     void place_changed(NodeId id, const NodeRecord& node) noexcept;
     void place(NodeId id, NodeRecord& node, const Mat4d& parent_from_node);
-    /// Finds the base and the parents of a new skin's joints, and registers the skin with the nodes between them.
+    /// Adds a skin, some of whose joints may have been removed.
+    SkinId add_skin(Skin skin);
+    /// Finds the base and the parents of a new skin's joints, and registers the skin with the nodes between them. Joints
+    /// that were removed do not count.
     void link_skin(SkinId id);
+    /// Returns whether the base was removed, and all joints with it.
+    bool has_lost_base(const SkinRecord& skin) const noexcept;
     /// Registers a skinned node with the nodes between it and the skin's base.
     void link_user(NodeId id);
     void pose_skin(SkinRecord& skin) const;

@@ -294,5 +294,49 @@ TEST(Deformation, OutlivesItsJointsAndItsSkin)
     EXPECT_NO_THROW(renderer.render(eel.scene, Camera::framing(box), {.width = 16, .height = 12, .spp = 1}));
 }
 
+// The handle of a skin stays good when its joints go with the node above them.
+TEST(Deformation, OfASkinThatLostItsSkeletonIsNone)
+{
+    Eel eel;
+    Scene& scene = eel.scene;
+    scene.remove(eel.body);
+    const NodeId pool = scene.add_node(scene.root(), {});
+    Cage cage = test::torus(8, 6, false);
+    cage.skin = {1, std::vector<glm::u16vec4>(cage.positions.size()),
+                 std::vector<Vec4f>(cage.positions.size(), Vec4f(1, 0, 0, 0))};
+    const CageId torus = scene.add(std::move(cage));
+    const SkinId skin = scene.add(Skin{"spine", {eel.joints[1], eel.joints[2]}, {}});
+    const Trs place{.translation = {3, 0, 0}};
+    const NodeId body = scene.add_node(pool, {.place = place, .cages = {torus}, .skin = skin});
+    scene.remove(eel.whole);
+    const NodeId plain = scene.add_node(scene.root(), {.place = place, .cages = {torus}});
+    const auto box_of = [&](NodeId id) {
+        scene.refit();
+        return std::pair(scene.node(id).bounds.lo, scene.node(id).bounds.hi);
+    };
+    const auto wanted = box_of(plain);
+    scene.set_skin(plain, skin);
+    const NodeId late = scene.add_node(scene.root(), {.cages = {torus}, .skin = skin});
+    const NodeId copy = scene.copy(pool, scene.root());
+    scene.set_transform(pool, Trs{.translation = {0, 7, 0}});
+    for (const NodeId id : {body, plain, late, scene.node(copy).children.at(0)}) EXPECT_EQ(box_of(id), wanted);
+    EXPECT_EQ(scene.node(late).skin, skin);
+}
+
+TEST(Deformation, OfACopyDoesWithoutTheJointsThatWereRemoved)
+{
+    Eel eel;
+    Scene& scene = eel.scene;
+    scene.remove(eel.joints[1]);
+    const NodeId copy = scene.copy(eel.whole, scene.root());
+    scene.refit();
+    EXPECT_EQ(scene.node(copy).bounds.lo, scene.node(eel.whole).bounds.lo);
+    EXPECT_EQ(scene.node(copy).bounds.hi, scene.node(eel.whole).bounds.hi);
+    EXPECT_NE(scene.node(scene.node(copy).children.back()).skin, scene.node(eel.body).skin);
+    scene.remove(eel.joints[0]);
+    EXPECT_NO_THROW(scene.copy(eel.whole, scene.root()));
+    EXPECT_FALSE(scene.bounds().is_empty());
+}
+
 }  // namespace
 }  // namespace occam
