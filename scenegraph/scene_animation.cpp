@@ -173,6 +173,25 @@ NodeDesc Scene::State::desc_of_copy(NodeId original) const
     return desc;
 }
 
+// What the subtree itself shows by an instance within it is copied, too, so only what lies outside can show the copy.
+std::vector<NodeId> Scene::State::subtree_to_copy(NodeId subtree, NodeId parent) const
+{
+    std::vector<NodeId> found{subtree};
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        const Node& from = *nodes.find(found[i]);
+        std::copy_if(from.children.begin(), from.children.end(), std::back_inserter(found),
+                     [](NodeId child) { return bool(child); });
+    }
+    std::unordered_set<NodeId> is_fine(found.begin(), found.end());
+    for (const NodeId id : found) {
+        const Node& from = *nodes.find(id);
+        if (!nodes.find(from.instance_of) || !is_fine.insert(from.instance_of).second) continue;
+        if (is_shown_by(parent, from.instance_of))
+            throw error_without_file("a node cannot show itself as an instance", from.name);
+    }
+    return found;
+}
+
 NodeId Scene::copy(NodeId subtree, NodeId parent)
 {
     State& s = *state_;
@@ -181,17 +200,15 @@ NodeId Scene::copy(NodeId subtree, NodeId parent)
     State::at(s.nodes, parent, "node");
     if (s.lowest_common(subtree, parent) == subtree)
         throw error_without_file("a subtree cannot be copied into itself", node(subtree).name);
+    const std::vector<NodeId> originals = s.subtree_to_copy(subtree, parent);
 
     State::Posed copy;
     Rollback copied([&] {
         for (const SkinId skin : copy.skins) s.skins.remove(skin);
         if (const auto made = copy.node_of.find(subtree); made != copy.node_of.end() && made->second) remove(made->second);
     });
-    std::vector<NodeId> originals{subtree};
     for (std::size_t i = 0; i < originals.size(); ++i) {
         const Node& from = node(originals[i]);
-        std::copy_if(from.children.begin(), from.children.end(), std::back_inserter(originals),
-                     [](NodeId child) { return bool(child); });
         const NodeId above = i == 0 ? parent : copy.node_of.at(from.parent);
         NodeId& made = copy.node_of[originals[i]];
         made = add_node(above, s.desc_of_copy(originals[i]));

@@ -149,8 +149,8 @@ void Scene::State::push_below(NodeRecord& node, std::vector<RefitStep>& todo) co
     if (node.instance_of) todo.push_back({node.instance_of, false});
 }
 
-// Visits nodes depth first without recursion, since an untrusted tree may be deep. add_node() keeps the graph free of
-// cycles, and a node that is reached twice is clean the second time.
+// Visits nodes depth first without recursion, since an untrusted tree may be deep. add_node() and copy() keep the
+// graph free of cycles, and a node that is reached twice is clean the second time.
 std::size_t Scene::refit()
 {
     State& s = *state_;

@@ -303,6 +303,8 @@ struct Scene::State {
     void restore(NodeRecord& node, NodeId id);
     /// Returns what copy() makes a node from, without the skin and the instance that it shows.
     NodeDesc desc_of_copy(NodeId original) const;
+    /// Lists a subtree's nodes, parents first. Throws Error if a copy of them below `parent` would show itself.
+    std::vector<NodeId> subtree_to_copy(NodeId subtree, NodeId parent) const;
 };
 
 }  // namespace occam
