@@ -145,11 +145,11 @@ public:
 
     // Animation. Poses are written into the nodes, as if by set_transform() and set_morph_weights().
 
-    /// Poses the clips' nodes. Nodes that an earlier pose() moved and that these clips do not move return to their rest
-    /// values. A value that the application sets itself becomes the new rest value. Several clips that move the same
-    /// property are blended by their weighted mean (rotations along the shorter arc). Seconds must be finite, and weights
-    /// finite and at least 0. If `of` is null, the clips move the nodes that they name; if it is a node that copy() made,
-    /// they move the counterparts in that copy.
+    /// Poses the clips' nodes. What an earlier pose() changed of a node (its place or its morph weights) and these clips do
+    /// not change returns to its rest value. A value that the application sets itself becomes the new rest value. Several
+    /// clips that move the same property are blended by their weighted mean (rotations along the shorter arc). Seconds must
+    /// be finite, and weights finite and at least 0. If `of` is null, the clips move the nodes that they name; if it is a
+    /// node that copy() made, they move the counterparts in that copy.
     void pose(std::span<const ClipAt> clips, NodeId of = {});
     void pose(ClipId clip, double seconds);
     /// Copies the subtree below `parent`. The nodes and the skins whose joints lie in the subtree are new, and the rest is

@@ -8,10 +8,8 @@
 #include "scenegraph/scene_state.h"
 
 namespace occam {
-namespace {
 
-// Holds the weighted sums of the values that clips give to one node.
-struct Sum {
+struct Scene::State::PoseSum {
     Vec3d translation{0}, scale{0};
     Vec4d rotation{0};
     std::vector<double> weights;
@@ -64,6 +62,8 @@ private:
     std::vector<double> values;
 };
 
+namespace {
+
 bool same(const Trs& a, const Trs& b)
 {
     return a.translation == b.translation && a.rotation == b.rotation && a.scale == b.scale;
@@ -71,21 +71,55 @@ bool same(const Trs& a, const Trs& b)
 
 }  // namespace
 
-void Scene::State::restore(NodeRecord& node, NodeId id)
+void Scene::State::restore_place(NodeRecord& node, NodeId id)
 {
-    if (!node.rest) return;
+    if (!node.rest || !node.rest->place) return;
     Rest& rest = *node.rest;
-    if (rest.place) {
-        place(id, node, rest.matrix ? *rest.matrix : rest.place->matrix());
-        node.place = *rest.place;
-        node.matrix = rest.matrix;
-    }
-    if (rest.weights && node.morph_weights != *rest.weights) {
+    place(id, node, rest.matrix ? *rest.matrix : rest.place->matrix());
+    node.place = *rest.place;
+    node.matrix = rest.matrix;
+    rest.place.reset();
+}
+
+void Scene::State::restore_weights(NodeRecord& node, NodeId id)
+{
+    if (!node.rest || !node.rest->weights) return;
+    if (node.morph_weights != *node.rest->weights) {
         about_to_change(id, node);
-        node.morph_weights = std::move(*rest.weights);
+        node.morph_weights = std::move(*node.rest->weights);
         mark_dirty(id);
     }
-    node.rest.reset();
+    node.rest->weights.reset();
+}
+
+void Scene::State::write_pose(NodeId id, const PoseSum& sum)
+{
+    NodeRecord& node = *nodes.find(id);
+    about_to_pose(id, node);
+    if (!node.rest) node.rest = std::make_unique<Rest>();
+    if (sum.has_place()) {
+        if (!node.rest->place) node.rest->place = node.place, node.rest->matrix = node.matrix;
+        const Trs posed_place = sum.place(*node.rest->place);
+        if (node.matrix || !same(posed_place, node.place)) {
+            place(id, node, posed_place.matrix());
+            node.place = posed_place;
+            node.matrix.reset();
+        }
+    } else {
+        restore_place(node, id);
+    }
+    if (sum.of_weights > 0) {
+        if (!node.rest->weights) node.rest->weights = node.morph_weights;
+        std::vector<float> weights;
+        for (const double w : sum.weights) weights.push_back(static_cast<float>(w / sum.of_weights));
+        if (weights != node.morph_weights) {
+            about_to_change(id, node);
+            node.morph_weights = std::move(weights);
+            mark_dirty(id);
+        }
+    } else {
+        restore_weights(node, id);
+    }
 }
 
 void Scene::pose(std::span<const ClipAt> clips, NodeId of)
@@ -100,7 +134,7 @@ void Scene::pose(std::span<const ClipAt> clips, NodeId of)
     }
     State::Posed& posed = s.posed[of];
     std::vector<NodeId> order;
-    std::unordered_map<NodeId, Sum> sums;
+    std::unordered_map<NodeId, State::PoseSum> sums;
     for (const ClipAt& at : clips)
         for (const Channel& channel : clip(at.clip).channels) {
             NodeId target = channel.target;
@@ -122,33 +156,11 @@ void Scene::pose(std::span<const ClipAt> clips, NodeId of)
     for (const NodeId id : before)
         if (State::NodeRecord* node = s.nodes.find(id); node && !sums.contains(id)) {
             s.about_to_pose(id, *node);
-            s.restore(*node, id);
+            s.restore_place(*node, id);
+            s.restore_weights(*node, id);
+            node->rest.reset();
         }
-    for (const NodeId id : order) {
-        State::NodeRecord& node = *s.nodes.find(id);
-        s.about_to_pose(id, node);
-        const Sum& sum = sums.at(id);
-        if (!node.rest) node.rest = std::make_unique<State::Rest>();
-        if (sum.has_place()) {
-            if (!node.rest->place) node.rest->place = node.place, node.rest->matrix = node.matrix;
-            const Trs place = sum.place(*node.rest->place);
-            if (node.matrix || !same(place, node.place)) {
-                s.place(id, node, place.matrix());
-                node.place = place;
-                node.matrix.reset();
-            }
-        }
-        if (sum.of_weights > 0) {
-            if (!node.rest->weights) node.rest->weights = node.morph_weights;
-            std::vector<float> weights;
-            for (const double w : sum.weights) weights.push_back(static_cast<float>(w / sum.of_weights));
-            if (weights != node.morph_weights) {
-                s.about_to_change(id, node);
-                node.morph_weights = std::move(weights);
-                s.mark_dirty(id);
-            }
-        }
-    }
+    for (const NodeId id : order) s.write_pose(id, sums.at(id));
     posed.nodes = std::move(order);
 }
 

@@ -300,7 +300,13 @@ struct Scene::State {
     Mat4d node_from_skin(NodeId node, const SkinRecord& skin, std::optional<std::size_t> key = {}) const;
     Mat4d path(NodeId above, NodeId node, std::optional<std::size_t> key = {}) const;  ///< above_from_node
     NodeId lowest_common(NodeId a, NodeId b) const;  ///< lowest common ancestor; a node counts as its own
-    void restore(NodeRecord& node, NodeId id);
+    /// Holds the weighted sums of the values that clips give to one node.
+    struct PoseSum;
+    /// Writes the mean of these values into a node. What they leave out returns to its rest value.
+    void write_pose(NodeId id, const PoseSum& sum);
+    // Each of these gives a node that pose() moved its rest value back, and forgets it.
+    void restore_place(NodeRecord& node, NodeId id);
+    void restore_weights(NodeRecord& node, NodeId id);
     /// Returns what copy() makes a node from, without the skin and the instance that it shows.
     NodeDesc desc_of_copy(NodeId original) const;
     /// Lists a subtree's nodes, parents first. Throws Error if a copy of them below `parent` would show itself.

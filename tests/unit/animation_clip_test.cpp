@@ -129,6 +129,28 @@ TEST(Pose, GoesBackToWhatTheApplicationSetMeanwhile)
     EXPECT_EQ(w.translation(w.hip), Vec3d(7, 7, 7));
 }
 
+TEST(Pose, LetsGoOfThePropertiesThatTheNextClipDoesNotMove)
+{
+    Walkers w;
+    w.scene.set_morph_weights(w.hip, {0.25f});
+    Channel c = channel(Path::Weights, Interpolation::Linear, {0, 1}, {0, 1}, 1);
+    c.target = w.hip;
+    const ClipId grow = w.scene.add(Clip{"grow", {c}});
+    const auto weights = [&] { return w.scene.node(w.hip).morph_weights; };
+    w.scene.pose(w.walk, 1);
+    w.scene.pose(grow, 1);
+    EXPECT_EQ(w.translation(w.hip), Vec3d(0, 5, 0));
+    EXPECT_EQ(weights(), std::vector<float>{1});
+    w.scene.pose(w.walk, 1);
+    EXPECT_EQ(w.translation(w.hip), Vec3d(8, 0, 0));
+    EXPECT_EQ(weights(), std::vector<float>{0.25f});
+    const ClipAt both[] = {{w.walk, 0.5}, {grow, 0.5}};
+    w.scene.pose(both);
+    w.scene.pose({});
+    EXPECT_EQ(w.translation(w.hip), Vec3d(0, 5, 0));
+    EXPECT_EQ(weights(), std::vector<float>{0.25f});
+}
+
 TEST(Pose, MixesClipsThatMoveTheSameProperty)
 {
     Walkers w;

@@ -170,29 +170,6 @@ TEST(Scene, RefusesANodeThatWouldShowItself)
     EXPECT_EQ(scene.counts().nodes, 4u) << "a refused edit changes nothing";
 }
 
-TEST(Scene, RefusesACopyThatWouldShowItself)
-{
-    Scene scene;
-    const NodeId shown = scene.add_node(scene.root(), {}), below = scene.add_node(shown, {});
-    const NodeId group = scene.add_node(scene.root(), {});
-    scene.add_node(group, {.instance_of = shown});
-    const NodeId other = scene.add_node(scene.root(), {}), by_way = scene.add_node(other, {.instance_of = group});
-    const std::size_t nodes = scene.counts().nodes;
-    EXPECT_THROW(scene.copy(group, shown), Error);
-    EXPECT_THROW(scene.copy(group, below), Error);
-    EXPECT_THROW(scene.copy(other, below), Error) << "by way of another instance";
-    EXPECT_THROW(scene.copy(by_way, group), Error);
-    EXPECT_EQ(scene.counts().nodes, nodes) << "a refused edit changes nothing";
-    EXPECT_NO_THROW(scene.copy(group, other));
-    EXPECT_NO_THROW(scene.copy(below, shown));
-    // An instance of what is copied with it shows the copy of that.
-    const NodeId pair = scene.add_node(scene.root(), {}), first = scene.add_node(pair, {});
-    scene.add_node(pair, {.instance_of = first});
-    const NodeId copy = scene.copy(pair, scene.root());
-    EXPECT_EQ(scene.node(scene.node(copy).children.at(1)).instance_of, scene.node(copy).children.at(0));
-    scene.refit();
-}
-
 TEST(Scene, DeadHandlesSaySo)
 {
     Scene scene;
