@@ -149,7 +149,7 @@ public:
     /// not change returns to its rest value. A value that the application sets itself becomes the new rest value. Several
     /// clips that move the same property are blended by their weighted mean (rotations along the shorter arc). Seconds must
     /// be finite, and weights finite and at least 0. If `of` is null, the clips move the nodes that they name; if it is a
-    /// node that copy() made, they move the counterparts in that copy.
+    /// node that copy() made, they move the counterparts in that copy, which may be a copy of a copy.
     void pose(std::span<const ClipAt> clips, NodeId of = {});
     void pose(ClipId clip, double seconds);
     /// Copies the subtree below `parent`. The nodes and the skins whose joints lie in the subtree are new, and the rest is

@@ -252,6 +252,12 @@ NodeId Scene::copy(NodeId subtree, NodeId parent)
         }
         set_skin(to, entry->second);
     }
+    // The clips name the first originals. If one of them is copied too, its own counterpart is the one they move.
+    for (const NodeId original : originals) {
+        const NodeId first = s.nodes.find(original)->first_original, to = copy.node_of.at(original);
+        s.nodes.find(to)->first_original = first ? first : original;
+        if (first) copy.node_of.try_emplace(first, to);
+    }
     const NodeId made = copy.node_of.at(subtree);
     s.posed[made] = std::move(copy);
     copied.keep();

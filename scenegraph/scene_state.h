@@ -137,6 +137,7 @@ struct Scene::State {
         std::uint32_t removed_children = 0;       ///< null handles in the list of a node with many children
         std::unique_ptr<ChildBoxes> child_boxes;  ///< for a node with many children; made by its first refit
         Watchers instances;                       ///< nodes whose instance_of is this node
+        NodeId first_original;                    ///< for what copy() made: the node at the start of a chain of copies
         std::unique_ptr<Dependents> dependents;
         std::unique_ptr<Rest> rest;
         bool is_listed_with_keys = false;  ///< in nodes_with_keys
@@ -149,7 +150,7 @@ struct Scene::State {
     };
     /// The state of pose() for the scene itself, and for each subtree that copy() made.
     struct Posed {
-        std::unordered_map<NodeId, NodeId> node_of;  ///< for copies: maps originals to copies
+        std::unordered_map<NodeId, NodeId> node_of;  ///< for copies: maps originals to copies, and first originals too
         std::vector<SkinId> skins;                   ///< for copies: the skins made for the copy
         std::vector<NodeId> nodes;                   ///< moved by the last pose()
     };

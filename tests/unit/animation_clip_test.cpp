@@ -182,6 +182,43 @@ TEST(Pose, OfACopyLeavesTheOthersAlone)
     EXPECT_THROW(w.scene.copy(w.hip, w.leg), Error) << "into itself";
 }
 
+TEST(Pose, OfACopyOfACopyIsItsOwn)
+{
+    Walkers w;
+    const auto leg_of = [&](NodeId copy) { return w.scene.node(copy).children.at(0); };
+    const NodeId first = w.scene.copy(w.hip, w.scene.root()), second = w.scene.copy(first, w.scene.root());
+    const ClipAt both[] = {{w.walk, 1, 1}, {w.wave, 0.5, 1}};
+    w.scene.pose(both, second);
+    EXPECT_EQ(w.translation(second), Vec3d(8, 0, 0));
+    EXPECT_EQ(w.translation(leg_of(second)), Vec3d(0, 2, 0));
+    EXPECT_EQ(w.translation(first), Vec3d(0, 5, 0));
+    EXPECT_EQ(w.translation(w.hip), Vec3d(0, 5, 0));
+    const ClipId of_copy = w.add("of the copy", first, Path::Translation, {0, 0, 0, 0, 0, 3});
+    w.scene.remove(w.hip);
+    const NodeId third = w.scene.copy(second, w.scene.root());
+    w.scene.pose(both, third);
+    EXPECT_EQ(w.translation(leg_of(third)), Vec3d(0, 2, 0)) << "also when the original is gone";
+    const ClipAt at{of_copy, 1};
+    w.scene.pose({&at, 1}, second);
+    EXPECT_EQ(w.translation(second), Vec3d(0, 0, 3));
+}
+
+// A crowd holds an original and a copy of it; in a copy of the crowd, clips move what the original became.
+TEST(Pose, OfACopyMovesTheCounterpartOfTheOriginal)
+{
+    Walkers w;
+    const NodeId crowd = w.scene.add_node(w.scene.root(), {});
+    const NodeId walker = w.scene.add_node(crowd, {});
+    const ClipId go = w.add("go", walker, Path::Translation, {0, 0, 0, 1, 0, 0});
+    w.scene.copy(walker, crowd);
+    const NodeId copy = w.scene.copy(crowd, w.scene.root());
+    const ClipAt at{go, 1};
+    w.scene.pose({&at, 1}, copy);
+    EXPECT_EQ(w.translation(w.scene.node(copy).children.at(0)), Vec3d(1, 0, 0));
+    EXPECT_EQ(w.translation(w.scene.node(copy).children.at(1)), Vec3d(0));
+    EXPECT_EQ(w.translation(walker), Vec3d(0));
+}
+
 TEST(Pose, SameMomentMarksNothing)
 {
     Walkers w;
