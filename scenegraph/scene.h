@@ -192,7 +192,7 @@ public:
     const CameraLens& camera_lens(CameraId id) const;
     const Skin& skin(SkinId id) const;
     const Clip& clip(ClipId id) const;
-    void write_vertices(CageId id, std::span<const Vec3f> positions);  ///< as many positions as before
+    void write_vertices(CageId id, std::span<const Vec3f> positions);  ///< as many as before; not of an OnDemandCage
     void replace(CageId id, Cage cage);                                ///< new topology
     void replace(MaterialId id, Material material);
     void replace(LightId id, Light light);

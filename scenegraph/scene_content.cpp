@@ -178,6 +178,7 @@ void Scene::write_vertices(CageId id, std::span<const Vec3f> positions)
 {
     state_->require_editable();
     State::CageRecord& record = State::at(state_->cages, id, "cage");
+    if (record.is_on_demand()) throw error_without_file("a cage made on demand has no vertices to write", record.cage.name);
     if (positions.size() != record.cage.positions.size())
         throw error_without_file("write_vertices needs as many positions as the cage has",
                                  std::to_string(positions.size()) + " for " + std::to_string(record.cage.positions.size()));

@@ -197,6 +197,19 @@ TEST(OnDemandCages, AreMadeWhenSeenAndNotBefore)
     EXPECT_EQ(Renderer({.threads = 2, .memory_bytes = floor}).render(scene, camera, kSmall).checksum(), seen.checksum());
 }
 
+TEST(OnDemandCages, HaveNoVerticesToWrite)
+{
+    std::atomic<int> calls{0};
+    Scene scene;
+    const CageId id = scene.add(demanded(calls, torus()));
+    scene.add_node(scene.root(), {.cages = {id}});
+    const Box3d before = scene.bounds();
+    EXPECT_THROW(scene.write_vertices(id, {}), Error);
+    EXPECT_THROW(scene.record_shutter(1, [&](double) { scene.write_vertices(id, {}); }), Error);
+    EXPECT_EQ(scene.bounds().lo, before.lo);
+    EXPECT_EQ(scene.bounds().hi, before.hi);
+}
+
 TEST(OnDemandCages, EndTheFrameWithAClearErrorIfTheyDoNotKeepTheirWord)
 {
     std::atomic<int> calls = 0;
