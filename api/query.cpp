@@ -9,6 +9,7 @@
 #include "api/renderer_state.h"
 #include "base/error_without_file.h"
 #include "render/camera_rays.h"
+#include "scenegraph/content_rules.h"
 
 namespace occam {
 namespace {
@@ -74,6 +75,7 @@ struct Query::State {
     void begin(const Camera& with_camera)
     {
         end();
+        check(with_camera);
         scene.refit();
         if (scene.contents().has(Contents::Displaced)) textures.prepare(scene);
         refuse_bad_textures();

@@ -39,6 +39,14 @@ void check_use(const Rules& rules, const TextureUse& use)
 
 }  // namespace
 
+bool is_finite(const Mat4d& m) noexcept
+{
+    for (int c = 0; c < 4; ++c)
+        for (int r = 0; r < 3; ++r)
+            if (!std::isfinite(m[c][r])) return false;
+    return true;
+}
+
 void check(const Material& m)
 {
     const Rules rules("material", m.name);
@@ -120,13 +128,26 @@ void check(const Environment& environment)
 
 void check(const Camera& camera)
 {
+    const Rules rules("camera", {});
+    const auto check_place = [&](const Mat4d& m, const char* value) {
+        rules.require(is_finite(m), value, "finite");
+        for (int axis = 0; axis < 3; ++axis) {
+            const double squared = glm::dot(Vec3d(m[axis]), Vec3d(m[axis]));
+            rules.require(std::isfinite(squared) && squared > 0, value, "one whose axes have a length");
+        }
+    };
+    check(camera.lens);
+    check_place(camera.world_from_camera, "the place");
     if (camera.keys.empty()) return;
     if (camera.keys.size() < 2 || camera.keys.size() > kMaxCameraKeys)
         throw error_without_file("a camera that moves has from 2 to " + std::to_string(kMaxCameraKeys) + " keys", "camera");
-    for (const Mat4d& key : camera.keys)
-        for (int c = 0; c < 4; ++c)
-            for (int r = 0; r < 3; ++r)
-                if (!std::isfinite(key[c][r])) throw error_without_file("a key must be finite", "camera");
+    for (const Mat4d& key : camera.keys) check_place(key, "a key");
+}
+
+void check_morph_weights(std::span<const float> weights, const std::string& name)
+{
+    const Rules rules("node", name);
+    for (const float weight : weights) rules.finite(weight, "a morph weight");
 }
 
 void check(const Shutter& shutter)

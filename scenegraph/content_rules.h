@@ -2,6 +2,8 @@
 // finite and in range.
 #pragma once
 
+#include <span>
+
 #include "scenegraph/animation.h"
 #include "scenegraph/camera.h"
 #include "scenegraph/light.h"
@@ -9,17 +11,22 @@
 
 namespace occam {
 
+/// Returns whether the three rows that count in an affine matrix are finite.
+bool is_finite(const Mat4d& m) noexcept;
+
 // Each function throws an Error that names the value and the rule it breaks.
 void check(const Material& material);
 void check(const Light& light);
 void check(const CameraLens& lens);
-/// Checks that the keys of a camera are finite, and that there are none, or from 2 to kMaxCameraKeys.
+/// Checks the lens; that the camera's place and its keys are finite, with axes that have a length; and that there are no
+/// keys, or from 2 to kMaxCameraKeys.
 void check(const Camera& camera);
 /// Checks that the moments are finite, not too far away, and in order.
 void check(const Shutter& shutter);
 /// Checks sizes, widths, increasing times, finite values, and that rotations have a length. The targets are not checked.
 void check(const Clip& clip);
 void check(const Trs& place, const std::string& name);
+void check_morph_weights(std::span<const float> weights, const std::string& name);
 void check(const Environment& environment);
 
 }  // namespace occam

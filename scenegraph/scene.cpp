@@ -14,9 +14,7 @@ namespace {
 
 void require_finite(const Mat4d& m)
 {
-    for (int c = 0; c < 4; ++c)
-        for (int r = 0; r < 3; ++r)
-            if (!std::isfinite(m[c][r])) throw error_without_file("a transform must be finite");
+    if (!is_finite(m)) throw error_without_file("a transform must be finite");
 }
 
 // Returns the rigid part of a matrix, because a camera does not scale.
@@ -64,6 +62,7 @@ NodeId Scene::add_node(NodeId parent, NodeDesc desc)
             throw error_without_file("a node cannot show itself as an instance", desc.name);
     }
     if (!desc.matrix) check(desc.place, desc.name);
+    check_morph_weights(desc.morph_weights, desc.name);
     const Mat4d parent_from_node = desc.matrix ? *desc.matrix : desc.place.matrix();
     require_finite(parent_from_node);
 

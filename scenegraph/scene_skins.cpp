@@ -5,6 +5,7 @@
 // finds the nodes that use the skin in O(depth). Joints that were removed do not count, and a skin whose base was removed
 // has none left: it deforms nothing, and the places of the nodes that wear it count.
 #include "base/error_without_file.h"
+#include "scenegraph/content_rules.h"
 #include "scenegraph/scene_state.h"
 
 namespace occam {
@@ -156,6 +157,8 @@ SkinId Scene::add(Skin skin)
     for (NodeId joint : skin.joints) State::at(state_->nodes, joint, "node");
     if (!skin.joint_from_mesh.empty() && skin.joint_from_mesh.size() != skin.joints.size())
         throw error_without_file("a skin needs one inverse bind matrix a joint, or none", skin.name);
+    for (const Mat4d& m : skin.joint_from_mesh)
+        if (!is_finite(m)) throw error_without_file("an inverse bind matrix must be finite", skin.name);
     return state_->add_skin(std::move(skin));
 }
 
@@ -201,8 +204,7 @@ void Scene::set_morph_weights(NodeId id, std::vector<float> weights)
 {
     state_->require_editable();
     State::NodeRecord& node = State::at(state_->nodes, id, "node");
-    for (const float weight : weights)
-        if (!std::isfinite(weight)) throw error_without_file("a morph weight must be finite", node.name);
+    check_morph_weights(weights, node.name);
     if (node.rest) node.rest->weights.reset();
     state_->about_to_change(id, node);
     if (node.morph_weights == weights) return;

@@ -219,7 +219,11 @@ private:
         const Vec4d rotation = vector_of(node.rotation, Vec4d(0, 0, 0, 1));
         const double length = std::sqrt(glm::dot(rotation, rotation));
         if (length > 0) desc.place.rotation = rotation / length;
-        for (double weight : node.weights) desc.morph_weights.push_back(static_cast<float>(weight));
+        for (double weight : node.weights) {
+            const auto w = static_cast<float>(weight);
+            if (!std::isfinite(w)) report_.warn("a morph weight is not finite", where);
+            desc.morph_weights.push_back(std::isfinite(w) ? w : 0.0f);
+        }
 
         add_camera(node, desc);
         const tinygltf::Mesh* mesh = node.mesh >= 0 && static_cast<std::size_t>(node.mesh) < model_.meshes.size()

@@ -314,5 +314,15 @@ TEST(ImportGltf, SkinsMorphTargetsAndClipsReachTheDataModel)
     EXPECT_TRUE(has_skin);
 }
 
+TEST(ImportGltf, AMorphWeightThatNoFloatHoldsIsNone)
+{
+    const TempFolder folder;
+    Gltf g = square(R"(, "targets": [{"POSITION": 0}])");
+    g.nodes = R"({"name": "face", "mesh": 0, "weights": [1e39]})";
+    const Scene scene = load(g.write(folder));
+    EXPECT_EQ(scene.node(scene.find_node("face")).morph_weights, std::vector<float>{0});
+    EXPECT_TRUE(warns(scene, "a morph weight is not finite"));
+}
+
 }  // namespace
 }  // namespace occam::test

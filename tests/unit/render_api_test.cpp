@@ -301,5 +301,29 @@ TEST(Query, PicksWhatAPixelShows)
     EXPECT_FALSE(query.pick(1, 1, 100).has_value());
 }
 
+TEST(Api, ACameraThatIsNowhereIsRefused)
+{
+    Square square;
+    Renderer renderer;
+    Query query(square.scene, kFront);
+    const auto refuses = [&](auto change) {
+        Camera camera = kFront;
+        change(camera);
+        EXPECT_THROW(renderer.render(square.scene, camera, {.width = 4, .height = 4, .spp = 1}), Error);
+        EXPECT_THROW(query.begin(camera), Error);
+        EXPECT_THROW(Query(square.scene, camera), Error);
+    };
+    refuses([](Camera& c) { c.world_from_camera[3][0] = NAN; });
+    refuses([](Camera& c) { c.world_from_camera[1][2] = INFINITY; });
+    refuses([](Camera& c) { c.world_from_camera = Mat4d(0); });
+    refuses([](Camera& c) { c.keys = {c.world_from_camera, Mat4d(0)}; });
+    refuses([](Camera& c) { c.keys = {c.world_from_camera, Mat4d(NAN)}; });
+    refuses([](Camera& c) { c.lens.fov = NAN; });
+    refuses([](Camera& c) { c.lens.orthographic = true, c.lens.height = NAN; });
+    refuses([](Camera& c) { c.lens.radius = NAN; });
+    refuses([](Camera& c) { c.lens.focus = NAN; });
+    EXPECT_NO_THROW(query.begin(kFront));
+}
+
 }  // namespace
 }  // namespace occam

@@ -94,6 +94,19 @@ TEST(SceneRules, ValuesThatNothingCanHaveAreRefused)
     }
 }
 
+TEST(SceneRules, NodesAndSkinsNeedNumbers)
+{
+    Scene scene;
+    const NodeId node = scene.add_node(scene.root(), {});
+    for (const float bad : {std::nanf(""), INFINITY}) {
+        EXPECT_THROW(scene.add_node(node, {.name = "face", .morph_weights = {0, bad}}), Error);
+        EXPECT_THROW(scene.set_morph_weights(node, {bad}), Error);
+        EXPECT_THROW(scene.add(Skin{"spine", {node}, {Mat4d(double(bad))}}), Error);
+    }
+    EXPECT_EQ(scene.counts().nodes, 2u);
+    EXPECT_EQ(scene.counts().skins, 0u);
+}
+
 TEST(SceneRules, ACopyThatWouldShowItselfIsRefused)
 {
     Scene scene;

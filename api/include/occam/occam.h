@@ -118,8 +118,8 @@ public:
     Renderer& operator=(Renderer&&) noexcept;
     ~Renderer();
 
-    /// Renders one frame. Throws Error for a bad setting, for a memory budget below memory_floor(), or if this renderer is
-    /// busy with another frame.
+    /// Renders one frame. Throws Error for a bad setting or camera, for a memory budget below memory_floor(), or if this
+    /// renderer is busy with another frame.
     Image render(Scene& scene, const Camera& camera, const Settings& settings = {});
     /// Starts a frame and returns without waiting for it. `checkpoint` may hold what Job::checkpoint() returned for the same
     /// scene, camera and settings: the frame then continues from there, and its picture has the same bits as one that was
