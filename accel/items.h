@@ -29,7 +29,6 @@ struct PlacedNode {
     Mat4d world_from_node;
     std::uint64_t key;  ///< hash of the path from the root
     const PlacedNode* parent;
-    int depth;
     std::uint8_t seen_by;              ///< follows from all nodes on the path
     LightGroups lit_by;                ///< follows from all nodes on the path
     std::span<const Mat4d> at_keys{};  ///< world_from_node at each key of the scene's shutter; empty: it stands still

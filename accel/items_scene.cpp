@@ -11,7 +11,6 @@
 namespace occam::accel {
 namespace {
 
-constexpr int kMaxSceneDepth = 256;
 constexpr float kCostOfNode = 8;
 constexpr float kCostOfUnmade = 1000;  // cost of a cage that is not made yet, in steps of the tree
 
@@ -24,8 +23,8 @@ ItemIndex Items::restart()
     const Scene& scene = *frame_.scene;
     PlacedNode* root = arena_.make<PlacedNode>();
     const Node& top = scene.node(scene.root());
-    *root = {scene.root(), frame_.scale.placed(top.parent_from_node), kFnvStart, nullptr, 0, top.seen_by, top.lit_by};
-    const PlacedNode world{{}, frame_.scale.placed(Mat4d(1)), 0, nullptr, 0, 0, 0};
+    *root = {scene.root(), frame_.scale.placed(top.parent_from_node), kFnvStart, nullptr, top.seen_by, top.lit_by};
+    const PlacedNode world{{}, frame_.scale.placed(Mat4d(1)), 0, nullptr, 0, 0};
     root->at_keys = child_at_keys(world, top);
     root->visible_in = visible_in(top, frame_.segments);
     Item item;
@@ -114,7 +113,6 @@ void Items::open_node(const PlacedNode& at)
         item.cost = kCostOfUnmade;
         if (!item.box.is_empty()) items_.push_back(item);
     }
-    if (at.depth == kMaxSceneDepth) return;
     // The tree over many children is opened where rays go, so that a frame costs nothing for the other children.
     const ChildBoxes* boxes = frame_.scene->child_boxes(at.id);
     if (boxes && node->children.size() > ChildBoxes::kMostAtOnce) {
@@ -136,7 +134,6 @@ void Items::add_placed(const PlacedNode& parent, NodeId id, const Placement& pla
                placement.world_from_node,
                mix_bits(parent.key ^ mix_bits(place)),
                &parent,
-               parent.depth + 1,
                static_cast<std::uint8_t>(parent.seen_by & below->seen_by),
                parent.lit_by & below->lit_by,
                placement.at_keys,

@@ -79,7 +79,7 @@ std::size_t memory_floor(const Scene& scene)
                                   TriangleTree::kMostQuarters / 4;
     const std::size_t grids = kGrids * std::max(kStillBytesOfAGrid + keys * kMovingBytesOfAGrid,
                                                 triangles * (kStillBytesOfATriangle + keys * kMovingBytesOfATriangle));
-    const std::size_t bytes = kTables + contents.widest * of_a_node + largest + grids;
+    const std::size_t bytes = kTables + (contents.widest + contents.levels) * of_a_node + largest + grids;
     return (bytes + Arena::kChunkBytes - 1) / Arena::kChunkBytes * Arena::kChunkBytes;
 }
 

@@ -6,8 +6,8 @@
 
 namespace occam::accel {
 
-/// Returns the bytes that one ray may need in a tracer's arena: a path down through the scene's widest node and largest
-/// cage, and some igrids. A ray that needs more is granted it all the same, up to kMostBytesOfARay.
+/// Returns the bytes that one ray may need in a tracer's arena: the longest path down through the scene, its widest
+/// node and largest cage, and some igrids. A ray that needs more is granted it all the same, up to kMostBytesOfARay.
 std::size_t memory_floor(const Scene& scene);
 inline constexpr std::size_t kMostBytesOfARay = std::size_t(3) << 29;
 

@@ -31,6 +31,7 @@ struct Contents {
 
     std::uint8_t kinds = 0;
     std::uint32_t widest = 0;             ///< most things that opening one node puts side by side
+    std::uint32_t levels = 0;             ///< most nodes on a way down, the first one included
     std::uint32_t largest_face = 0;       ///< corners
     std::uint32_t deformed_vertices = 0;  ///< of the largest cage that a skin or morph targets deform
     std::uint32_t joints = 0;             ///< of the largest skin that a node wears
@@ -47,6 +48,7 @@ struct Contents {
     {
         kinds |= other.kinds;
         widest = std::max(widest, other.widest);
+        levels = std::max(levels, other.levels);
         largest_face = std::max(largest_face, other.largest_face);
         deformed_vertices = std::max(deformed_vertices, other.deformed_vertices);
         joints = std::max(joints, other.joints);
@@ -61,6 +63,7 @@ struct Contents {
         Contents placed = other;
         placed.crossed = other.layers_in(own) * size_of(box);
         placed.held = other.depth_in(own) * volume_of(box);
+        ++placed.levels;
         add(placed);
     }
     /// Returns about how many placed surfaces a ray meets that passes through the node's box somewhere: each surface counts

@@ -6,6 +6,7 @@
 #include "base/error_without_file.h"
 #include "scenegraph/content_rules.h"
 #include "scenegraph/scene_state.h"
+#include "scenegraph/shown_nodes.h"
 
 namespace occam {
 
@@ -271,38 +272,15 @@ Scene::Counts Scene::counts() const
 
 std::size_t Scene::placed_faces() const
 {
-    // Each node is summed up once, after all that it shows: instances of instances may be more than can be visited.
-    struct Step {
-        NodeId id;
-        bool is_below_done;
-    };
-    std::vector<Step> todo{{root(), false}};
     std::unordered_map<NodeId, double> known;
-    const auto shown = [&](NodeId child) {
-        const Node* node = find(child);
-        return node && node->is_visible_in_shutter();
-    };
-    while (!todo.empty()) {
-        const auto [id, is_below_done] = todo.back();
-        todo.pop_back();
-        const Node& node = this->node(id);
-        if (!is_below_done) {
-            if (known.contains(id)) continue;
-            todo.push_back({id, true});
-            for (const NodeId child : node.children)
-                if (shown(child)) todo.push_back({child, false});
-            if (find(node.instance_of)) todo.push_back({node.instance_of, false});
-            continue;
-        }
+    double all = 0;
+    for_each_shown_node_bottom_up(*this, [&](NodeId id, const Node& node) {
         double faces = 0;
         for (const CageId cage : node.cages)
             if (const CageSlot* slot = find(cage)) faces += double(slot->cage.face_count());
-        for (const NodeId child : node.children)
-            if (shown(child)) faces += known[child];
-        if (find(node.instance_of)) faces += known[node.instance_of];
-        known[id] = faces;
-    }
-    const double all = shown(root()) ? known[root()] : 0;
+        for_each_shown_below(*this, node, [&](NodeId part) { faces += known.at(part); });
+        known[id] = all = faces;  // the root comes last
+    });
     return all < 0x1p63 ? static_cast<std::size_t>(all) : ~std::size_t(0);
 }
 

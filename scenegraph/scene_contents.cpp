@@ -1,6 +1,7 @@
 // What subtrees hold: how it is summed up, and how what is looked for is found by it.
 #include <cstdio>
 #include <string>
+#include <unordered_map>
 
 #include "base/cancellation.h"
 #include "base/error_without_file.h"
@@ -83,6 +84,7 @@ Contents Scene::State::own_contents(const NodeRecord& node) const noexcept
         for (const MaterialId material : node.materials.empty() ? cage->cage.materials : node.materials)
             if (const Material* m = materials.find(material)) contents.kinds |= kinds_of(*m);
     }
+    contents.levels = 1;
     contents.widest = static_cast<std::uint32_t>(ChildBoxes::most_at_once(node.children.size()) + node.cages.size() + 1);
     return contents;
 }
@@ -180,7 +182,13 @@ Contents Scene::contents() const
     const Node& top = *state_->nodes.find(state_->root);
     if (!top.dirty) return top.is_visible_in_shutter() ? top.contents : Contents();
     Contents all;
-    for_each_shown_node(*this, 0, [&](NodeId id, const Node&) { all.add(state_->own_contents(*state_->nodes.find(id))); });
+    std::unordered_map<NodeId, std::uint32_t> levels;
+    for_each_shown_node_bottom_up(*this, [&](NodeId id, const Node& node) {
+        all.add(state_->own_contents(*state_->nodes.find(id)));
+        std::uint32_t below = 0;
+        for_each_shown_below(*this, node, [&](NodeId part) { below = std::max(below, levels.at(part)); });
+        all.levels = std::max(all.levels, levels[id] = below + 1);
+    });
     return all;
 }
 

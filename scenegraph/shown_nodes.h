@@ -1,9 +1,10 @@
 // Visits what a scene shows without visiting every placement: instances of instances are soon more than can be counted.
 //
-// Threads  any number, while nothing edits the scene. The function throws Cancelled if the thread is asked to stop.
+// Threads  any number, while nothing edits the scene. The functions throw Cancelled if the thread is asked to stop.
 #pragma once
 
 #include <cstdint>
+#include <unordered_set>
 #include <vector>
 
 #include "base/cancellation.h"
@@ -44,6 +45,41 @@ void for_each_shown_node(const Scene& scene, std::uint8_t kinds, Visit&& visit)
             for (const NodeId child : node.children) add(child, false);
         }
         add(node.instance_of, true);
+    }
+}
+
+/// Calls visit(NodeId) for what a node shows itself: its children that are visible, and what it is an instance of.
+template <class Visit>
+void for_each_shown_below(const Scene& scene, const Node& node, Visit&& visit)
+{
+    for (const NodeId id : node.children)
+        if (const Node* child = scene.find(id); child && child->is_visible_in_shutter()) visit(id);
+    if (scene.find(node.instance_of)) visit(node.instance_of);
+}
+
+/// Calls visit(NodeId, const Node&) once for every node that has a placement, after all that the node shows. What is summed
+/// up so counts instances of instances, which may be more than can be visited.
+template <class Visit>
+void for_each_shown_node_bottom_up(const Scene& scene, Visit&& visit)
+{
+    struct Step {
+        NodeId id;
+        bool is_below_done;
+    };
+    std::vector<Step> todo;
+    std::unordered_set<NodeId> known;
+    if (scene.node(scene.root()).is_visible_in_shutter()) todo.push_back({scene.root(), false});
+    while (!todo.empty()) {
+        throw_if_cancelled();
+        const Step step = todo.back();
+        todo.pop_back();
+        const Node& node = scene.node(step.id);
+        if (step.is_below_done) {
+            visit(step.id, node);
+        } else if (known.insert(step.id).second) {
+            todo.push_back({step.id, true});
+            for_each_shown_below(scene, node, [&](NodeId id) { todo.push_back({id, false}); });
+        }
     }
 }
 

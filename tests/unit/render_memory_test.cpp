@@ -183,5 +183,60 @@ TEST(Deadline, WhatIsNotFinishedShowsASampleOfEachPixel)
     EXPECT_EQ(black, 0u) << "pixels without a sample";
 }
 
+// Places a solid at the end of a chain of nodes.
+void hang_below(Scene& scene, NodeId node, int levels)
+{
+    for (int i = 0; i < levels; ++i) node = scene.add_node(node, {});
+    scene.add_node(node, {.name = "deep", .cages = {scene.add(prism(7))}});
+}
+
+// The importer accepts trees of 4,096 levels.
+TEST(Memory, ADeepNodeIsSeenWithTheLeastMemoryToo)
+{
+    const Camera camera = Camera::look_at({0, 3, 5}, {0, 0, 0}, {0, 1, 0}, 0.9f);
+    const Settings settings{.width = 24, .height = 16, .spp = 2};
+    const auto picture_of = [&](int levels, bool moves, Resources resources, bool has_least) {
+        Scene scene;
+        const NodeId top = scene.add_node(scene.root(), {});
+        hang_below(scene, top, levels);
+        const auto move = [&](double tau) { scene.set_transform(top, Trs{.translation = {tau, 0, 0}}); };
+        if (moves) scene.record_shutter(8, move);
+        if (has_least) resources.memory_bytes = Renderer(resources).memory_floor(scene);
+        return Renderer(resources).render(scene, camera, settings).checksum();
+    };
+    Scene empty;
+    const std::uint64_t nothing = Renderer().render(empty, camera, settings).checksum();
+    for (const bool moves : {false, true}) {
+        const std::uint64_t wanted = picture_of(1, moves, {.threads = 1}, false);
+        EXPECT_NE(wanted, nothing);
+        for (const int levels : {255, 256, 300, 4096})
+            EXPECT_EQ(picture_of(levels, moves, {.threads = 2}, false), wanted) << levels;
+        EXPECT_EQ(picture_of(4096, moves, {.threads = 1}, true), wanted);
+        EXPECT_EQ(picture_of(4096, moves, {.threads = 2}, true), wanted);
+    }
+}
+
+TEST(Memory, TheFloorHoldsTheLongestWayDownWhetherTheSceneIsRefittedOrNot)
+{
+    Scene scene;
+    const NodeId deep = scene.add_node(scene.root(), {.visible = false});
+    hang_below(scene, deep, 1000);
+    const Renderer renderer({.threads = 1});
+    const auto floor = [&] {
+        const std::size_t dirty = renderer.memory_floor(scene), levels = scene.contents().levels;
+        scene.refit();
+        EXPECT_EQ(renderer.memory_floor(scene), dirty);
+        EXPECT_EQ(scene.contents().levels, levels);
+        return dirty;
+    };
+    const std::size_t hidden = floor();
+    scene.add_node(scene.root(), {.instance_of = deep});
+    const std::size_t shown = floor();
+    EXPECT_GT(shown, hidden);
+    EXPECT_EQ(scene.contents().levels, 1004u) << "the root, the instance, what it shows, 1,000 nodes and the last one";
+    scene.set_visible(deep, true);
+    EXPECT_EQ(floor(), shown);
+}
+
 }  // namespace
 }  // namespace occam
