@@ -74,8 +74,8 @@ struct Query::State {
 
     void begin(const Camera& with_camera)
     {
-        end();
         check(with_camera);
+        end();
         scene.refit();
         if (scene.contents().has(Contents::Displaced)) textures.prepare(scene);
         refuse_bad_textures();

@@ -259,6 +259,7 @@ Job Renderer::start(Scene& scene, const Camera& camera, const Settings& settings
     render::check(settings);
     check(scene.environment);
     check(camera);
+    if (settings.lod_camera) check(*settings.lod_camera);
     if (state_->busy.exchange(true)) throw error_without_file("this renderer is busy with another frame");
     try {
         auto job = std::make_unique<Job::State>(state_, scene, camera, settings);
@@ -285,6 +286,7 @@ SampleColor Renderer::replay(Scene& scene, const Camera& camera, const Settings&
     render::check(settings);
     check(scene.environment);
     check(camera);
+    if (settings.lod_camera) check(*settings.lod_camera);
     if (state_->busy.exchange(true)) throw error_without_file("this renderer is busy with another frame");
     struct Busy {
         std::atomic<bool>& flag;

@@ -32,6 +32,17 @@ private:
     void add_bytes(const void* bytes, std::size_t size)
     {
         const auto* from = static_cast<const unsigned char*>(bytes);
+        constexpr std::size_t kLanes = 8;  // independent sums, so that no step waits for the one before
+        if (size >= kLanes * sizeof(std::uint64_t)) {
+            std::uint64_t lanes[kLanes] = {};
+            for (; size >= sizeof lanes; from += sizeof lanes, size -= sizeof lanes)
+                for (std::size_t k = 0; k < kLanes; ++k) {
+                    std::uint64_t word;
+                    std::memcpy(&word, from + k * sizeof word, sizeof word);
+                    lanes[k] = mix_bits(lanes[k] ^ word) + sizeof word;
+                }
+            for (const std::uint64_t lane : lanes) hash_ = mix_bits(hash_ ^ lane);
+        }
         for (; size > 0;) {
             std::uint64_t word = 0;
             const std::size_t count = std::min(size, sizeof word);

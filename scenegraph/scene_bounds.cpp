@@ -115,6 +115,8 @@ std::size_t Scene::State::refit_node(NodeId id, NodeRecord& node)
         Contents placed;
         if (child && child->is_visible_in_shutter())
             placed.add_placed(child->contents, child->bounds, box_in_parent(*child));
+        // Lights are as in the middle of the shutter, where the node may be visible although none of its segments shows it.
+        else if (child && child->visible) placed.kinds |= child->contents.kinds & Contents::Lights;
         return placed;
     };
     std::size_t looked_at = 0;

@@ -181,8 +181,14 @@ void Scene::State::keep_skin_in_place(NodeId id, NodeRecord& node, const SkinRec
     if (keys.empty()) keys.assign(std::size_t(shutter_segments) + 1, key_of(node, id));
     for (std::size_t k = 0; k < keys.size(); ++k) keys[k].node_from_skin = node_from_skin(id, skin, k);
     node.has_stale_keys = false;
+    if (are_all_equal(keys) && keys.front() == key_of(node, id)) {  // what moved it has stopped
+        if (node.keys.empty()) return;
+        node.keys.clear();
+        --things_with_keys;
+        touch_in_parent(node);
+        return;
+    }
     if (node.keys.empty()) {
-        if (are_all_equal(keys) && keys.front().node_from_skin == node.node_from_skin) return;
         if (!node.is_listed_with_keys) nodes_with_keys.push_back(id);
         node.is_listed_with_keys = true;
         ++things_with_keys;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <span>
 #include <unordered_map>
 
@@ -223,34 +224,47 @@ int needed_segments(const Scene& scene, const PathTolerance& tolerance)
     const std::unordered_set<NodeId> above_motion = nodes_above_motion(scene);
     std::unordered_map<NodeId, int> placements;
     int in_all = 0;
-    std::vector<Place> todo;
-    const auto push_child = [&](const Place& above, NodeId id) {
+    // A node waits without its matrices, since a group may have very many children.
+    struct Waiting {
+        NodeId id;
+        std::shared_ptr<const Place> above;
+        bool is_instance;
+    };
+    std::vector<Waiting> todo;
+    const auto push_child = [&](const std::shared_ptr<const Place>& above, NodeId id) {
         const Node* node = scene.find(id);
-        const bool moves = node && (!above.world_keys.empty() || above_motion.contains(id));
+        const bool moves = node && (!above->world_keys.empty() || above_motion.contains(id));
         if (!moves || !node->is_visible_in_shutter() || (!node->dirty && node->bounds.is_empty())) return;
         if (!node->keys.empty()) count.add_visibility(node->keys);
-        Place place{id, {}, above.world_from_node * node->parent_from_node};
-        for (std::size_t k = 0; k <= std::size_t(most) && !(above.world_keys.empty() && node->keys.empty()); ++k)
-            place.world_keys.push_back(above.at(k) *
-                                       (node->keys.empty() ? node->parent_from_node : node->keys[k].parent_from_node));
-        todo.push_back(std::move(place));
+        todo.push_back({id, above, false});
     };
-    push_child({{}, {}, Mat4d(1)}, scene.root());
+    const auto placed = [&](const Waiting& waiting) {
+        const Place& above = *waiting.above;
+        if (waiting.is_instance) return Place{waiting.id, above.world_keys, above.world_from_node};
+        const Node& node = scene.node(waiting.id);
+        Place place{waiting.id, {}, above.world_from_node * node.parent_from_node};
+        for (std::size_t k = 0; k <= std::size_t(most) && !(above.world_keys.empty() && node.keys.empty()); ++k)
+            place.world_keys.push_back(above.at(k) *
+                                       (node.keys.empty() ? node.parent_from_node : node.keys[k].parent_from_node));
+        return place;
+    };
+    push_child(std::make_shared<const Place>(Place{{}, {}, Mat4d(1)}), scene.root());
     while (!todo.empty() && !count.is_decided()) {
-        const Place place = std::move(todo.back());
+        const Waiting waiting = std::move(todo.back());
         todo.pop_back();
-        if (++placements[place.id] > kMostPlacements && in_all >= kMostPlacementsInAll) continue;
+        if (++placements[waiting.id] > kMostPlacements && in_all >= kMostPlacementsInAll) continue;
         ++in_all;
+        const auto shared = std::make_shared<const Place>(placed(waiting));
+        const Place& place = *shared;
         const Node& node = scene.node(place.id);
         for (const CageId id : node.cages) {
             const CageSlot* slot = scene.find(id);
             if (slot && slot->is_deformed()) add_deformed_cage(count, place, node, *slot, scene.find(node.skin));
             else if (slot) add_rigid_cage(count, place, *slot);
         }
-        for (const NodeId child : node.children) push_child(place, child);
+        for (const NodeId child : node.children) push_child(shared, child);
         const bool shows_motion = !place.world_keys.empty() || above_motion.contains(node.instance_of);
-        if (scene.find(node.instance_of) && shows_motion)
-            todo.push_back({node.instance_of, place.world_keys, place.world_from_node});
+        if (scene.find(node.instance_of) && shows_motion) todo.push_back({node.instance_of, shared, true});
     }
     return count.needed();
 }

@@ -302,6 +302,10 @@ TEST(Motion, LightsAreVisibleAsInTheMiddleOfTheShutter)
         });
         EXPECT_EQ(renderer.render(scene, at_angle(0, 0), settings).checksum(), still[end > 0.5][end < 0.5]) << end;
     }
+    // A node that comes in the middle of the only segment is shown by none.
+    scene.set_visible(instance, false);
+    scene.record_shutter(1, [&](double tau) { scene.set_visible(rig, tau >= 0.5); });
+    EXPECT_EQ(renderer.render(scene, at_angle(0, 0), settings).checksum(), still[1][0]);
 }
 
 // The helper of applications takes as few segments as a quarter of a pixel allows, and all of them for the camera.

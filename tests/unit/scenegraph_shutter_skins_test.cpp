@@ -68,5 +68,21 @@ TEST(Shutter, ASkinStaysWhereItsJointsAreAfterEdits)
     EXPECT_TRUE(scene.node(body).keys.empty());
 }
 
+// Keys that are all alike are no motion: what is around them would count as moving.
+TEST(Shutter, ASkinnedNodeWithoutMotionHasNoKeys)
+{
+    Bent bent;
+    Scene& scene = bent.scene;
+    const NodeId above = scene.add_node(scene.root(), {});
+    const NodeId body = scene.add_node(above, {.cages = {bent.cage}, .skin = bent.skin});
+    scene.record_shutter(4, [&](double tau) { scene.set_transform(above, moved(2 * tau, 0, 0)); });
+    scene.refit();
+    EXPECT_EQ(scene.node(body).keys.size(), 5u);
+    scene.set_transform(above, moved(1, 0, 0));
+    scene.refit();
+    EXPECT_TRUE(scene.node(body).keys.empty());
+    EXPECT_EQ(scene.shutter_segments(), 0);
+}
+
 }  // namespace
 }  // namespace occam
