@@ -2,6 +2,7 @@
 #include "io/import/gltf.h"
 
 #include <map>
+#include <unordered_map>
 #include <unordered_set>
 
 #include "io/import/files.h"
@@ -98,15 +99,23 @@ private:
     // A joint that the skin lacks stays where the mesh is.
     void check_joints(std::size_t node, SkinId id)
     {
-        const std::size_t joints = scene_.skin(id).joints.size();
-        const std::string where = "nodes[" + std::to_string(node) + "]";
-        for (const CageId cage : scene_.node(nodes_[node]).cages) {
-            const SkinBinding& binding = scene_.cage(cage).cage.skin;
-            for (std::size_t i = 0; i < binding.joints.size(); ++i)
-                for (int k = 0; k < 4; ++k)
-                    if (binding.joints[i][k] >= joints && binding.weights[i][k] > 0)
-                        report_.warn("a vertex has a joint that its skin lacks", where);
-        }
+        std::size_t needed = 0;
+        for (const CageId cage : scene_.node(nodes_[node]).cages) needed = std::max(needed, joints_needed_by(cage));
+        if (needed > scene_.skin(id).joints.size())
+            report_.warn("a vertex has a joint that its skin lacks", "nodes[" + std::to_string(node) + "]");
+    }
+
+    // Returns how many joints a skin must have for the cage. Many nodes may show it, so it is searched once.
+    std::size_t joints_needed_by(CageId cage)
+    {
+        const auto [known, is_new] = joints_needed_.try_emplace(cage, 0);
+        if (!is_new) return known->second;
+        const SkinBinding& binding = scene_.cage(cage).cage.skin;
+        for (std::size_t i = 0; i < binding.joints.size(); ++i)
+            for (int k = 0; k < 4; ++k)
+                if (binding.weights[i][k] > 0)
+                    known->second = std::max(known->second, std::size_t(binding.joints[i][k]) + 1);
+        return known->second;
     }
 
     // Meshes of triangles are the usual case, so no note is made of them.
@@ -343,6 +352,7 @@ private:
     std::size_t instances_ = 0;  // instances of EXT_mesh_gpu_instancing so far
     std::map<std::string, LightGroups> light_groups_;
     std::map<std::pair<std::string, CageStyle>, CageId> cage_files_;
+    std::unordered_map<CageId, std::size_t> joints_needed_;
 };
 
 }  // namespace
