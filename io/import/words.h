@@ -83,7 +83,7 @@ inline std::optional<double> finite_number(std::string_view word)
 /// Takes words from the begin of a line.
 class Words {
 public:
-    explicit Words(std::string_view line) : rest_(line) {}
+    explicit Words(std::string_view line) : rest_(line.substr(0, line.find_last_not_of(" \t\r") + 1)) {}
 
     /// Returns an empty word at the end.
     std::string_view next()
@@ -109,11 +109,11 @@ public:
     {
         const std::size_t begin = rest_.find_first_not_of(" \t\r");
         if (begin == std::string_view::npos) return {};
-        return rest_.substr(begin, rest_.find_last_not_of(" \t\r") + 1 - begin);
+        return rest_.substr(begin);
     }
 
 private:
-    std::string_view rest_;
+    std::string_view rest_;  ///< without the blanks at its end, which would be searched again and again
 };
 
 }  // namespace occam::import

@@ -48,6 +48,15 @@ TEST(ImportMtl, ALibraryThatIsNamedThousandsOfTimesIsReadOnce)
     EXPECT_EQ(scene.material(test::only_cage(scene).materials.at(0)).name, "m1999");
 }
 
+// If each option searched the blanks, there would be 10^11 steps.
+TEST(ImportMtl, BlanksAtTheEndOfALineAreSearchedOnce)
+{
+    std::string line = "map_Kd";
+    for (int i = 0; i < 100'000; ++i) line += " -boost 1";
+    const Loaded loaded(line + " blue.ppm" + std::string(1'000'000, ' ') + "\n");
+    EXPECT_EQ(loaded.file(loaded.material.base_color_texture), "blue.ppm");
+}
+
 // The format's illumination model 1 is Lambertian.
 TEST(ImportMtl, TheModelWithoutHighlightsReflectsNoLight)
 {
