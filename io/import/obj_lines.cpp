@@ -94,7 +94,7 @@ NumberKind take_number(std::string_view& rest)
     return is_plain ? NumberKind::Finite : kind_of({begin, static_cast<std::size_t>(at - begin)});
 }
 
-std::optional<std::size_t> count_corners(std::string_view rest)
+std::optional<std::size_t> count_corners(std::span<char> rest)
 {
     std::size_t corners = 0;
     const char* end = rest.data() + rest.size();
@@ -105,6 +105,7 @@ std::optional<std::size_t> count_corners(std::string_view rest)
             if (at != end && *at != '/' && !is_blank(*at)) at = past_index(at, end);
         }
         if (!at || (at != end && !is_blank(*at))) return std::nullopt;
+        for (char* last = rest.data() + (at - rest.data()); last[-1] == '/'; --last) last[-1] = ' ';
         ++corners;
     }
     return corners;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -20,6 +21,8 @@ public:
     bool next();
     std::string_view line() const noexcept { return line_; }  ///< without the blanks at its begin
     std::size_t number() const noexcept { return number_; }   ///< of the statement's first line
+    /// Returns the place of line() in the text, which may be changed there.
+    std::span<char> place() const { return {text_.data() + (line_.data() - text_.data()), line_.size()}; }
 
 private:
     void blank_comment(std::size_t from);
@@ -38,7 +41,8 @@ enum class NumberKind { Missing, Finite, NotFinite, Malformed };
 NumberKind take_number(std::string_view& rest);
 
 /// Counts the corners of a face. Each is one to three whole numbers with slashes between them, of which the second and the
-/// third may be left out. Returns none if a word is something else.
-std::optional<std::size_t> count_corners(std::string_view rest);
+/// third may be left out. Returns none if a word is something else. Slashes at the end of a corner become blanks:
+/// tinyobjloader would look for a number after them, and take the next corner.
+std::optional<std::size_t> count_corners(std::span<char> rest);
 
 }  // namespace occam::import

@@ -153,7 +153,7 @@ public:
     bool face(std::string_view line)
     {
         if (line.size() < 2 || !is_blank(line[1])) return false;
-        const std::optional<std::size_t> corners = count_corners(line.substr(1));
+        const std::optional<std::size_t> corners = count_corners(lines_.place().subspan(1));
         if (!corners) throw Error(report_.name(), "an index of a face is not a whole number", where());
         found_.corners += *corners;
         found_.faces += *corners > 0;

@@ -37,6 +37,22 @@ TEST(ImportObjLines, MalformedNumbersAreRefusedWithTheirLine)
         EXPECT_EQ(refusal(line), "") << line;
 }
 
+TEST(ImportObjLines, SlashesAtTheEndOfACornerNameNothing)
+{
+    const TempFolder folder;
+    const auto sets_of_uvs = [&](const std::string& face) {
+        const Scene scene = load(
+            folder.write("o.obj", std::string(kQuad) + "vt 0 0\nvt 1 0\nvt 1 1\nvn 0 0 1\n" + face + "\n"));
+        EXPECT_EQ(scene.warnings, std::vector<std::string>()) << face;
+        EXPECT_EQ(only_cage(scene).face_count(), 1u) << face;
+        return only_cage(scene).uv_sets.size();
+    };
+    EXPECT_EQ(sets_of_uvs("f 1/ 2/ 3/"), 0u);
+    EXPECT_EQ(sets_of_uvs("f 1// 2// 3//"), 0u);
+    EXPECT_EQ(sets_of_uvs("f 1/ \\\n2//\t3/ "), 0u);
+    EXPECT_EQ(sets_of_uvs("f 1/1/ 2/2/ 3/3/"), 1u) << "and no normals, of which there is only one";
+}
+
 TEST(ImportObjLines, WordsAfterAPositionThatAreNoNumbersAreReported)
 {
     const TempFolder folder;
