@@ -72,13 +72,15 @@ Polygons read_ascii(std::string_view text, Report& report)
         throw Error(report.name(), cursor.is_at_end() ? "an ascii STL that is cut off" : "not a facet of three vertices",
                     "line " + std::to_string(cursor.line()));
     };
-    for (std::string_view word = cursor.word(); !word.empty(); word = cursor.word()) {
-        has_end = word == "endsolid";
-        if (word == "facet" || word == "endloop" || word == "endfacet" || has_end) {
+    std::string_view before;  // some programs write "end solid"
+    for (std::string_view word = cursor.word(); !word.empty(); before = word, word = cursor.word()) {
+        const bool is_end = word == "endsolid" || (word == "solid" && before == "end");
+        if (word == "facet" || word == "endloop" || word == "endfacet" || is_end) {
             if (corner != kClosed) refuse();
         }
-        if (word == "facet") corner = 0;
-        if (word == "solid" || has_end) cursor.skip_line();
+        if (is_end || word == "solid" || word == "facet") has_end = is_end;
+        if (word == "facet" && before != "end") corner = 0;
+        if (is_end || word == "solid") cursor.skip_line();
         if (word != "vertex") continue;
         for (int k = 0; k < 3; ++k) {
             const auto x = cursor.number();

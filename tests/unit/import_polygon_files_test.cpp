@@ -290,7 +290,14 @@ TEST(ImportStl, RefusesWhatIsCutOff)
     EXPECT_NE(error_of(folder.write("f.stl", "solid\n" + two + facet + "endsolid\n")).find("not a facet of three vertices"),
               std::string::npos);
     EXPECT_TRUE(warns(load(folder.write("g.stl", "solid\n" + facet)), "no endsolid"));
-    EXPECT_TRUE(load(folder.write("h.stl", "solid\n" + facet + "endsolid\n")).warnings.empty());
+    EXPECT_TRUE(warns(load(folder.write("g.stl", "solid\n" + facet + "endsolid\nsolid b\n")), "no endsolid"));
+    EXPECT_TRUE(warns(load(folder.write("g.stl", "solid\n" + facet + "endsolid\n" + facet)), "no endsolid"));
+    for (const std::string end :
+         {"endsolid\n", "endsolid\n\x1a", "endsolid a\nmade by hand\n", "end solid a b\n", "end solid"})
+        EXPECT_TRUE(load(folder.write("h.stl", "solid\n" + facet + end)).warnings.empty()) << end;
+    EXPECT_TRUE(load(folder.write("h.stl", "solid\n" + facet + "endsolid\n" + std::string(3, '\0'))).warnings.empty());
+    const std::string apart = "facet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nend loop\nend facet\n";
+    EXPECT_EQ(only_cage(load(folder.write("i.stl", "solid\n" + apart + facet + "end solid\n"))).face_count(), 2u);
 }
 
 TEST(ImportStl, BinaryFilesMayBeginAsTextAndGoOnAfterTheirFacets)
