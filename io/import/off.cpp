@@ -152,12 +152,13 @@ private:
     {
         std::array<std::string_view, 4> words;
         const std::size_t count = cursor_.rest_of_line(words);
-        const bool has_color = count == 3 || count == 4;
+        const bool may_be_color = count == 3 || count == 4;
+        const bool is_color = may_be_color && is_face && face_colors_.add(std::span(words).first(count));
         if (count == 1) report_.warn("colours of faces that are numbers in a colour map are not read");
-        else if (count > 0 && !has_color) report_.warn("what follows the corners of a face is not a colour");
-        if (!is_face) return;
-        if (has_color && face_colors_.add(std::span(words).first(count))) has_face_colors_ = true;
-        else face_colors_.add_white();
+        else if (count > 0 && !is_color && (is_face || !may_be_color))
+            report_.warn("what follows the corners of a face is not a colour");
+        has_face_colors_ |= is_color;
+        if (is_face && !is_color) face_colors_.add_white();
     }
 
     Report& report_;

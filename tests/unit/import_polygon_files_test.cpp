@@ -225,6 +225,18 @@ TEST(ImportOff, FacesMayHaveColours)
     }
 }
 
+TEST(ImportOff, WordsAfterAFaceThatAreNoNumbersAreNoColour)
+{
+    const TempFolder folder;
+    for (const char* words : {"red green blue", "0,5 0,5 0,5", "1 0 0 x"}) {
+        const Scene scene = load(
+            folder.write("f.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 " + std::string(words) + "\n2 0 1 0 0 0\n"));
+        EXPECT_TRUE(warns(scene, "what follows the corners of a face is not a colour")) << words;
+        EXPECT_FALSE(warns(scene, "is not a colour (2 times)")) << "lines have no faces";
+        EXPECT_TRUE(only_cage(scene).colors.empty()) << words;
+    }
+}
+
 TEST(ImportOff, RefusesWhatDoesNotFit)
 {
     const TempFolder folder;
