@@ -77,7 +77,12 @@ public:
                 report_.warn("material library is missing, or not in the scene's folder", name);
     }
 
-    std::map<std::string, MaterialId> materials;
+    /// Returns the materials so far; none if no library could be read.
+    std::optional<std::map<std::string, MaterialId>> take()
+    {
+        const bool is_read = std::any_of(is_there_.begin(), is_there_.end(), [](const auto& name) { return name.second; });
+        return is_read ? std::optional(std::move(materials_)) : std::nullopt;
+    }
 
 private:
     // Reads a library once, however often it is named. Returns false if there is none of that name.
@@ -100,10 +105,10 @@ private:
         tinyobj::LoadMtl(&index, &list, &stream, &warnings, &errors);
         // The library always gives one material, even for an empty file: that one has no name.
         for (const tinyobj::material_t& m : list)
-            if (!m.name.empty() && !materials.count(m.name)) materials.emplace(m.name, scene_.add(convert(m)));
+            if (!m.name.empty() && !materials_.count(m.name)) materials_.emplace(m.name, scene_.add(convert(m)));
         for (const tinyobj::material_t& m : list)
             if (const std::string alone(without_comment(m.name)); alone != m.name && !alone.empty())
-                materials.emplace(alone, materials.at(m.name));
+                materials_.emplace(alone, materials_.at(m.name));
         return true;
     }
 
@@ -210,18 +215,19 @@ private:
     const std::filesystem::path& folder_;
     Scene& scene_;
     Report& report_;
+    std::map<std::string, MaterialId> materials_;
     std::map<std::pair<std::string, TextureRole>, TextureId> textures_;
     std::map<std::string, bool> is_there_;  ///< the names of libraries so far, and whether each is there
 };
 
 }  // namespace
 
-std::map<std::string, MaterialId> read_mtl(const std::vector<std::string>& libraries, const std::filesystem::path& folder,
-                                           Scene& scene, Report& report)
+std::optional<std::map<std::string, MaterialId>> read_mtl(const std::vector<std::string>& libraries,
+                                                          const std::filesystem::path& folder, Scene& scene, Report& report)
 {
     LibraryReader reader(folder, scene, report);
     for (const std::string& names : libraries) reader.read(names);
-    return std::move(reader.materials);
+    return reader.take();
 }
 
 }  // namespace occam::import

@@ -20,7 +20,7 @@ namespace {
 // faces, so that the numbers in hole tags no longer fit; the callbacks do neither.)
 class Collector {
 public:
-    /// materials   null if none are wanted
+    /// materials   null if none are wanted or no library could be read
     Collector(Polygons& polygons, const ObjStatements& counts, const std::map<std::string, MaterialId>* materials,
               Report& report)
         : polygons_(polygons), cage_(polygons.cage), materials_(materials), report_(report)
@@ -75,6 +75,8 @@ public:
         if (cage_.face_sizes.empty()) throw Error(report_.name(), "there is no face in it");
     }
 
+    bool names_materials() const noexcept { return names_materials_; }
+
 private:
     UvSet& uvs() { return cage_.uv_sets[0]; }
 
@@ -114,8 +116,9 @@ private:
     // A name that no library has gets a slot without a material, so the default material is seen.
     void use_material(const std::string& rest)
     {
-        if (!materials_) return;
         std::string name(Words(rest).rest());
+        names_materials_ |= !name.empty();
+        if (!materials_) return;
         auto material = materials_->find(name);
         if (material == materials_->end()) material = materials_->find(name = without_comment(name));
         const bool is_known = material != materials_->end();
@@ -139,6 +142,7 @@ private:
     Report& report_;
     std::unordered_map<MaterialId, std::uint16_t> slot_of_;
     std::optional<std::uint16_t> slot_;
+    bool names_materials_ = false;
     std::size_t before_first_uv_ = 0, before_first_normal_ = 0;  ///< how many indices count back too far
 };
 
@@ -161,16 +165,18 @@ Polygons read_obj(const std::filesystem::path& file, Scene& scene, bool with_mat
     const ObjStatements statements = scan_obj_statements(text, polygons.cage, report);
     polygons.is_tagged = statements.is_tagged;
     polygons.smoothing = statements.smoothing;
-    std::map<std::string, MaterialId> materials;
+    std::optional<std::map<std::string, MaterialId>> materials;
     if (with_materials) materials = read_mtl(statements.material_libraries, file.parent_path(), scene, report);
 
-    Collector collector(polygons, statements, with_materials ? &materials : nullptr, report);
+    Collector collector(polygons, statements, materials ? &*materials : nullptr, report);
     TextStream stream(text);
     std::string warnings, errors;
     const bool ok = tinyobj::LoadObjWithCallback(stream, collector.callbacks(), &collector, nullptr, &warnings, &errors);
     if (!ok || !errors.empty()) throw Error(report.name(), "not a readable OBJ: " + errors);
     put_not_finite(statements, polygons);
     collector.finish();
+    if (with_materials && collector.names_materials() && statements.material_libraries.empty())
+        scene.notes.push_back("the file names materials but no library: the default material is used");
     if (!polygons.smoothing.empty()) polygons.smoothing.resize(polygons.cage.face_sizes.size(), polygons.smoothing.back());
     return polygons;
 }

@@ -215,7 +215,7 @@ ObjStatements scan_obj_statements(std::string& text, Cage& cage, Report& report)
         } else if (keyword == "mtllib") {
             line.remove_prefix(std::min(line.size(), line.find_first_not_of(" \t", keyword.size())));
             line = line.substr(0, line.find_last_not_of(" \t\r") + 1);
-            found.material_libraries.emplace_back(line);
+            if (!line.empty()) found.material_libraries.emplace_back(line);
         } else if (keyword == "l" || keyword == "p") {
             report.warn("points and lines are not rendered", where());
         } else if (keyword == "curv" || keyword == "curv2" || keyword == "surf") {

@@ -124,13 +124,21 @@ TEST(ImportObj, IndicesOfNormalsAndTextureCoordinatesOutOfRangeAreReported)
 TEST(ImportObj, MaterialsWithoutALibraryAreReported)
 {
     const TempFolder folder;
-    folder.write("none.mtl", "# nothing\n");
-    for (const char* library : {"", "mtllib none.mtl\n"}) {
-        const Scene scene = load(
-            folder.write("o.obj", library + std::string(kQuad) + "usemtl red\nf 1 2 3\nusemtl\nf 1 2 3\n"));
-        EXPECT_TRUE(warns(scene, "material is in no library (red)"));
-        EXPECT_TRUE(only_cage(scene).materials.empty());
-    }
+    folder.write("empty.mtl", "# nothing\n");
+    constexpr const char* kNote = "the file names materials but no library: the default material is used";
+    const auto notes = [&](const std::string& library, const std::vector<std::string>& warnings) {
+        const auto file = folder.write("o.obj", library + kQuad + "usemtl red\nf 1 2 3\nusemtl\nf 1 2 3\n");
+        const Scene scene = load(file);
+        EXPECT_EQ(scene.warnings, warnings) << library;
+        EXPECT_TRUE(only_cage(scene).materials.empty()) << library;
+        EXPECT_EQ(error_of(file, {.strict = true}).empty(), warnings.empty()) << library;
+        return std::count(scene.notes.begin(), scene.notes.end(), kNote);
+    };
+    EXPECT_EQ(notes("", {}), 1) << "many files have no library";
+    EXPECT_EQ(notes("mtllib\n", {}), 1);
+    EXPECT_EQ(notes("mtllib empty.mtl\n", {"material is in no library (red)"}), 0);
+    EXPECT_EQ(notes("mtllib none.mtl\n", {"material library is missing, or not in the scene's folder (none.mtl)"}), 0);
+    EXPECT_TRUE(load(folder.write("o.obj", std::string(kQuad) + "usemtl\nf 1 2 3\n")).notes.empty());
 }
 
 // Each face has a normal of its own at the vertex that all share.
