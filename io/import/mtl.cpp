@@ -192,9 +192,9 @@ private:
             if (material.emission == Vec3f(0)) material.emission = Vec3f(1);
             if (!material.emission_texture) material.emission = Vec3f(0);
         }
-        if (is_given(m.roughness) || m.metallic > 0) {
+        material.metallic = unit(m.metallic);
+        if (is_given(m.roughness)) {
             material.roughness = unit(m.roughness);
-            material.metallic = unit(m.metallic);
         } else if (m.shininess > 1) {
             // Blinn's exponent gives a highlight as wide as that of roughness^2 (Walter et al. 2007, sec. 5.2).
             material.roughness = unit(std::sqrt(std::sqrt(2.0f / (m.shininess + 2.0f))));

@@ -85,6 +85,18 @@ TEST(ImportMtl, ARoughnessOfZeroIsSmooth)
     EXPECT_EQ(Loaded("Pr 0\nmap_Pr grey.ppm\n").material.roughness, 1) << "the map alone";
 }
 
+TEST(ImportMtl, MetalsWithoutARoughnessHaveThatOfTheirHighlight)
+{
+    const float of_highlight = Loaded("Ns 100\n").material.roughness;
+    EXPECT_LT(of_highlight, Material().roughness);
+    EXPECT_EQ(Loaded("Ns 100\nPm 1\n").material.roughness, of_highlight);
+    EXPECT_EQ(Loaded("Ns 100\nPm 1\n").material.metallic, 1);
+    EXPECT_EQ(Loaded("Pm 1\n").material.roughness, Material().roughness) << "the file does not say";
+    EXPECT_EQ(Loaded("Pm 1\n").material.metallic, 1);
+    EXPECT_EQ(Loaded("Ns 100\nPm 1\nPr 0\n").material.roughness, 0);
+    EXPECT_EQ(Loaded("Pr 0.25\n").material.metallic, 0);
+}
+
 TEST(ImportMtl, PartsOfAColourThatAreLeftOutEqualTheFirst)
 {
     EXPECT_EQ(Loaded("Kd 0.5\nKe 2 # lamp\n").material.base_color, Vec4f(0.5f, 0.5f, 0.5f, 1));
