@@ -49,7 +49,7 @@ private:
             for (const std::string_view value : {"Kd -1 -1 -1", "Ni -1", "Pr -1", "Pm -1"}) put({value});
         } else if (is_one_of(keyword, {"Kd", "Ke"})) {
             color(keyword, Words(without_comment(words.rest())));
-        } else if (is_one_of(keyword, {"d", "Tr", "Ni", "Ns", "Pr", "Pm", "Pc", "Pcr"})) {
+        } else if (is_one_of(keyword, {"d", "Tr", "Ni", "Ns", "illum", "Pr", "Pm", "Pc", "Pcr"})) {
             number(keyword, Words(without_comment(words.rest())));
         } else if (keyword.starts_with("map_") || is_one_of(keyword, {"bump", "disp", "refl", "norm"})) {
             image(keyword, words);

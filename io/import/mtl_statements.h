@@ -13,7 +13,7 @@ inline constexpr float kNotGiven = -1;
 
 /// Returns the library with the same materials in a form that tinyobjloader reads as the format means it: each material
 /// begins with values of kNotGiven, colours have three parts, options of images have all their numbers, and values that
-/// cannot be read are left out, with a warning.
+/// cannot be read are left out, with a warning (a Kd becomes white).
 /// name   the name of the library in warnings
 std::string prepare_mtl(std::string_view text, const std::string& name, Report& report);
 

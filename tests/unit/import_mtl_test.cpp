@@ -119,11 +119,12 @@ TEST(ImportMtl, WhatCannotBeReadGetsItsDefaultAndAWarning)
         EXPECT_EQ(loaded.material.base_color, Vec4f(1));
         EXPECT_TRUE(warns(loaded.scene, "a colour is not made of numbers")) << color;
     }
-    const Loaded values("d 0,5\nNi x\nPr\nPm nan\n");
+    const Loaded values("d 0,5\nNi x\nPr\nPm nan\nillum 1x\n");
+    EXPECT_EQ(values.material.specular, 1);
     EXPECT_EQ(values.material.base_color.w, 1);
     EXPECT_EQ(values.material.ior, 1.5f);
     EXPECT_EQ(values.material.roughness, Material().roughness);
-    EXPECT_TRUE(warns(values.scene, "a value of a material is not a number: it is left out (m.mtl, line 2, first of 4)"));
+    EXPECT_TRUE(warns(values.scene, "a value of a material is not a number: it is left out (m.mtl, line 2, first of 5)"));
 }
 
 TEST(ImportMtl, OpacityWithAHaloKeepsItsNumber)
