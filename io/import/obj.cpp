@@ -176,7 +176,7 @@ Polygons read_obj(const std::filesystem::path& file, Scene& scene, bool with_mat
     put_not_finite(statements, polygons);
     collector.finish();
     if (with_materials && collector.names_materials() && statements.material_libraries.empty())
-        scene.notes.push_back("the file names materials but no library: the default material is used");
+        scene.notes.emplace_back("the file names materials but no library: the default material is used");
     if (!polygons.smoothing.empty()) polygons.smoothing.resize(polygons.cage.face_sizes.size(), polygons.smoothing.back());
     return polygons;
 }
