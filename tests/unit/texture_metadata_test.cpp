@@ -101,12 +101,11 @@ TEST(ImageMetadata, WhatIsCutOffIsCopiedAsFarAsItGoes)
 // A directory at byte 8, with a bit for each texel in two bytes behind it.
 std::string bilevel_tiff(bool is_little)
 {
-    std::string file;
+    std::string file(2, is_little ? 'I' : 'M');
     const auto put = [&](std::size_t value, std::size_t bytes) {
         for (std::size_t i = 0; i < bytes; ++i)
             file += static_cast<char>(value >> 8 * (is_little ? i : bytes - 1 - i) & 0xff);
     };
-    file = is_little ? "II" : "MM";
     put(42, 2), put(8, 4);
     struct Entry {
         std::size_t tag, value;
