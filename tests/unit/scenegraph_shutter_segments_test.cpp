@@ -114,17 +114,20 @@ TEST(Shutter, SegmentsFollowVisibility)
     const NodeId group = scene.add_node(scene.root(), {});
     scene.add_node(group, {.cages = {scene.add(unit_square())}});
     const NodeId lamp = scene.add_node(scene.root(), {.light = scene.add(Light{})});
-    const std::pair<double, int> cases[] = {{0.5, 2}, {0.25, 4}, {0.375, 8}, {0.03125, 32}, {1, 1}};
-    for (const auto& [moment, segments] : cases)
+    struct Case {
+        double moment;
+        int segments;
+    };
+    for (const Case& c : {Case{0.5, 2}, {0.25, 4}, {0.375, 8}, {0.03125, 32}, {1, 1}})
         for (const bool comes : {false, true}) {
             scene.record_shutter(32, [&](double tau) {
-                scene.set_visible(group, (tau >= moment) == comes);
+                scene.set_visible(group, (tau >= c.moment) == comes);
                 scene.set_visible(lamp, tau >= 0.3);
             });
             scene.refit();
-            const bool is_never_seen = moment == 1 && comes;
-            EXPECT_EQ(needed_segments(scene, tolerance), is_never_seen ? 1 : segments)
-                << moment << (comes ? ": on" : ": off");
+            const bool is_never_seen = c.moment == 1 && comes;
+            EXPECT_EQ(needed_segments(scene, tolerance), is_never_seen ? 1 : c.segments)
+                << c.moment << (comes ? ": on" : ": off");
         }
 }
 
