@@ -77,7 +77,6 @@ void check_replaceable(const std::filesystem::path& file)
 void refuse_statistics_among(std::span<const std::filesystem::path> pictures, const RenderArguments& a)
 {
     if (a.stats.empty() || pictures.empty()) return;
-    // All pictures of a run are in one folder.
     const auto place_of = [](const std::filesystem::path& file) {
         std::error_code error;
         const std::filesystem::path place = std::filesystem::weakly_canonical(file, error);

@@ -4,7 +4,7 @@
 // the root meets them. What no node shows does not count. Of an image in a file it knows the path, and of a cage on demand
 // its name, bounds and materials.
 //
-// Time     linear in the size of the scene, about a second for 4 GB.
+// Time     linear in the bytes of what the scene shows.
 // Threads  reads the scene only.
 #pragma once
 

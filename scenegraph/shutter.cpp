@@ -6,6 +6,9 @@
 #include <memory>
 #include <span>
 #include <unordered_map>
+#include <unordered_set>
+
+#include "scenegraph/shown_nodes.h"
 
 namespace occam {
 namespace {
@@ -189,28 +192,12 @@ bool moves_by_itself(const Scene& scene, const Node& node)
 // Returns the nodes that move or change themselves, and all that show one of them.
 std::unordered_set<NodeId> nodes_above_motion(const Scene& scene)
 {
-    struct Step {
-        NodeId id;
-        bool is_below_done;
-    };
-    std::unordered_set<NodeId> above, seen;
-    std::vector<Step> todo{{scene.root(), false}};
-    while (!todo.empty()) {
-        const auto [id, is_below_done] = todo.back();
-        todo.pop_back();
-        const Node* node = scene.find(id);
-        if (!node || (!is_below_done && !seen.insert(id).second)) continue;
-        if (!is_below_done) {
-            todo.push_back({id, true});
-            for (const NodeId child : node->children) todo.push_back({child, false});
-            todo.push_back({node->instance_of, false});
-            continue;
-        }
-        const bool moves = !node->keys.empty() || moves_by_itself(scene, *node) || above.contains(node->instance_of) ||
-                           std::any_of(node->children.begin(), node->children.end(),
-                                       [&](NodeId child) { return above.contains(child); });
+    std::unordered_set<NodeId> above;
+    for_each_shown_node_bottom_up(scene, [&](NodeId id, const Node& node) {
+        bool moves = !node.keys.empty() || moves_by_itself(scene, node);
+        for_each_shown_below(scene, node, [&](NodeId part) { moves |= above.contains(part); });
         if (moves) above.insert(id);
-    }
+    });
     return above;
 }
 

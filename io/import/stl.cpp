@@ -20,8 +20,8 @@ std::uint32_t u32(std::string_view bytes, std::size_t at)
     return x;
 }
 
-// Some binary files begin with "solid" too: no text has a byte of 0 as their header or their number of facets has, or else
-// the length decides.
+// Some binary files begin with "solid", too. A byte of 0 in the header or in the number of facets tells them from a text,
+// and where there is none, the length does.
 bool is_binary(std::string_view bytes, const Report& report)
 {
     if (bytes.size() < kHeaderBytes) return false;

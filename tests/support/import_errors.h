@@ -1,4 +1,4 @@
-// The messages of refused files, and what a file of one cage gives.
+// The messages of refused files, what a file of one cage gives, and the vertices of a small OBJ file.
 #pragma once
 
 #include <filesystem>
@@ -9,6 +9,9 @@
 #include "io/import/import.h"
 
 namespace occam::test {
+
+/// The vertices of a unit square, as an OBJ file begins with them.
+inline constexpr const char* kQuad = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 /// Returns the message of the Error that load() throws; empty if it throws none.
 inline std::string error_of(const std::filesystem::path& file, const LoadOptions& options = {})

@@ -88,7 +88,7 @@ class Characters : public testing::TestWithParam<std::tuple<const char*, std::si
 TEST_P(Characters, PlayAllTheirClipsInsideTheirBounds)
 {
     // The characters are files of others, which the repository does not hold; Deformation tests poses of made ones.
-    if (test::shared_data().empty()) GTEST_SKIP() << "no shared data";
+    if (test::shared_data().empty()) GTEST_SKIP() << "the shared folder is absent: its characters are not tested";
     const auto [file, clips] = GetParam();
     Scene scene = load(test::shared_data() / "data/gltf" / file);
     ASSERT_EQ(scene.clips().size(), clips);

@@ -77,7 +77,7 @@ float brightness(Vec3f c) { return (c.x + c.y + c.z) / 3; }
 
 #define PLATE(name, ...)           \
     const Plate name(__VA_ARGS__); \
-    if (!name.is_there()) GTEST_SKIP() << "no shared data"
+    if (!name.is_there()) GTEST_SKIP() << "the shared folder is absent: its models are not tested"
 
 // Returns how much the tested square in a row of TextureSettingsTest differs from the one beside it that shows what it
 // should be. The file's coordinates of the two differ by up to a twelfth of a side, in size too. So the best of some shifts

@@ -11,11 +11,10 @@ namespace occam {
 namespace {
 
 using test::error_of;
+using test::kQuad;
 using test::only_cage;
 using test::TempFolder;
 using test::warns;
-
-constexpr const char* kQuad = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 TEST(ImportObjLines, MalformedNumbersAreRefusedWithTheirLine)
 {
