@@ -6,7 +6,6 @@
 #include "accel/kd_tree.h"
 #include "accel/phase_one.h"
 #include "lod/deformed_cage.h"
-#include "scenegraph/shown_nodes.h"
 
 namespace occam::accel {
 namespace {
@@ -34,34 +33,16 @@ constexpr std::size_t kBytesOfAnItem = sizeof(Item) + sizeof(PlacedNode) + 4 * s
 /// What such a part has at each key: a box of its own, one of its patch, and a matrix.
 constexpr std::size_t kBytesOfAKey = 2 * sizeof(Box3f) + sizeof(Mat4d);
 
-std::size_t largest_still_cage(const Contents& contents)
+/// keys   the number of keys of the scene's shutter, at each of which any cage may be posed; 1: nothing moves
+std::size_t largest_cage(const Contents& contents, std::size_t keys)
 {
-    std::size_t bytes = sizeof(lod::PosedCage) +
-                        lod::ClusterTree::kLeafFaces * contents.largest_face * (sizeof(PatchInfo) + kBytesOfAnItem);
+    const std::size_t items = lod::ClusterTree::kLeafFaces * contents.largest_face;
+    std::size_t posed = sizeof(lod::PosedCage) + contents.joints * sizeof(Mat4d);
     if (contents.deformed_vertices > 0)
-        bytes += sizeof(lod::DeformedCage) + contents.deformed_vertices / 4;  // one pointer for each block of 32 vertices
-    return bytes + contents.joints * sizeof(Mat4d);
-}
-
-/// keys   the number of keys of the scene's shutter, at each of which any cage may be posed
-std::size_t largest_moving_cage(const Scene& scene, std::size_t keys)
-{
-    std::size_t largest = 0;
-    for_each_shown_node(scene, 0, [&](NodeId, const Node& node) {
-        const SkinSlot* skin = scene.find(node.skin);
-        for (const CageId id : node.cages) {
-            const CageSlot* slot = scene.find(id);
-            if (!slot) continue;
-            const std::size_t items = lod::ClusterTree::kLeafFaces * slot->largest_face;
-            std::size_t posed = sizeof(lod::PosedCage) + items * kBytesOfAKey;
-            if (slot->is_deformed()) posed += sizeof(lod::DeformedCage) + slot->cage.positions.size() / 4;
-            if (skin) posed += skin->skin.joints.size() * sizeof(Mat4d);
-            // A cluster has at least one face.
-            if (!slot->key_positions.empty()) posed += 2 * slot->cage.face_count() * sizeof(Box3f);
-            largest = std::max(largest, items * (sizeof(PatchInfo) + kBytesOfAnItem) + keys * posed);
-        }
-    });
-    return largest;
+        posed += sizeof(lod::DeformedCage) + contents.deformed_vertices / 4;  // one pointer for each block of 32 vertices
+    // A cluster has at least one face.
+    if (keys > 1) posed += items * kBytesOfAKey + 2 * contents.written_faces * sizeof(Box3f);
+    return items * (sizeof(PatchInfo) + kBytesOfAnItem) + keys * posed;
 }
 
 }  // namespace
@@ -74,12 +55,12 @@ std::size_t memory_floor(const Scene& scene)
     const auto keys = static_cast<std::size_t>(scene.shutter_segments()) + 1;
     const Contents contents = scene.contents();
     const std::size_t of_a_node = kBytesOfAnItem + (keys > 1 ? keys * kBytesOfAKey : 0);
-    const std::size_t largest = keys > 1 ? largest_moving_cage(scene, keys) : largest_still_cage(contents);
     const std::size_t triangles = std::min<std::size_t>(scene.counts().mesh_triangles, lod::ClusterTree::kMeshFaces) *
                                   TriangleTree::kMostQuarters / 4;
     const std::size_t grids = kGrids * std::max(kStillBytesOfAGrid + keys * kMovingBytesOfAGrid,
                                                 triangles * (kStillBytesOfATriangle + keys * kMovingBytesOfATriangle));
-    const std::size_t bytes = kTables + (contents.widest + contents.levels) * of_a_node + largest + grids;
+    const std::size_t bytes = kTables + (contents.widest + contents.levels) * of_a_node + largest_cage(contents, keys) +
+                              grids;
     return (bytes + Arena::kChunkBytes - 1) / Arena::kChunkBytes * Arena::kChunkBytes;
 }
 

@@ -117,6 +117,7 @@ struct Job::State {
                 renderer->textures,
                 renderer->lights,
                 deadline,
+                keeps_checkpoint,
                 resumed};
     }
 
@@ -198,6 +199,7 @@ struct Job::State {
     std::optional<TopologyUse> tables;  ///< from prepare() to the end of the frame
     render::FrameControl control;
 
+    bool keeps_checkpoint = true;
     std::string resumed;  ///< the checkpoint that the frame goes on from; empty while there is none
     Image image;
     std::string checkpoint;  ///< empty unless the frame is unfinished
@@ -256,6 +258,12 @@ Renderer::~Renderer() = default;
 
 Job Renderer::start(Scene& scene, const Camera& camera, const Settings& settings, std::string checkpoint)
 {
+    return start(scene, camera, settings, std::move(checkpoint), true);
+}
+
+Job Renderer::start(Scene& scene, const Camera& camera, const Settings& settings, std::string checkpoint,
+                    bool keeps_checkpoint)
+{
     render::check(settings);
     check(scene.environment);
     check(camera);
@@ -264,6 +272,7 @@ Job Renderer::start(Scene& scene, const Camera& camera, const Settings& settings
     try {
         auto job = std::make_unique<Job::State>(state_, scene, camera, settings);
         job->resumed = std::move(checkpoint);
+        job->keeps_checkpoint = keeps_checkpoint;
         job->begin();
         job->thread = std::thread([state = job.get()] { state->run(); });
         return Job(std::move(job));
@@ -275,7 +284,7 @@ Job Renderer::start(Scene& scene, const Camera& camera, const Settings& settings
 
 Image Renderer::render(Scene& scene, const Camera& camera, const Settings& settings)
 {
-    Job job = start(scene, camera, settings);
+    Job job = start(scene, camera, settings, {}, false);
     state_->stats = job.stats();
     return job.take_image();
 }

@@ -3,7 +3,6 @@
 #include <bit>
 #include <mutex>
 #include <unordered_map>
-#include <unordered_set>
 
 #include "base/hash.h"
 #include "lod/class_memory.h"
@@ -66,6 +65,8 @@ struct TopologyCache::State {
     }
 
     struct Entry {
+        explicit Entry(CageId id) : cage(id) {}
+        const CageId cage;
         std::mutex mutex;
         std::uint64_t positions_version = 0;
         CageTables tables;
@@ -85,7 +86,7 @@ const CageTables& TopologyCache::get(const CageSlot& asked)
     {
         const std::lock_guard lock(state_->mutex);
         auto& found = state_->entries[asked.identity];
-        if (!found) found = std::make_unique<State::Entry>();
+        if (!found) found = std::make_unique<State::Entry>(asked.id);
         entry = found.get();
     }
     const std::lock_guard lock(entry->mutex);
@@ -112,10 +113,12 @@ std::size_t TopologyCache::class_bytes() const noexcept { return state_->classes
 
 void TopologyCache::prune(const Scene& scene)
 {
-    const std::vector<std::uint64_t> identities = scene.cage_identities();
-    const std::unordered_set<std::uint64_t> alive(identities.begin(), identities.end());
+    const auto is_gone = [&](const auto& entry) {
+        const CageSlot* slot = scene.find(entry.second->cage);
+        return !slot || slot->identity != entry.first;
+    };
     const std::lock_guard lock(state_->mutex);
-    if (std::erase_if(state_->entries, [&](const auto& entry) { return !alive.contains(entry.first); }) == 0) return;
+    if (std::erase_if(state_->entries, is_gone) == 0) return;
     std::erase_if(state_->topologies, [](const auto& entry) { return entry.second->topology.use_count() <= 1; });
 }
 

@@ -85,7 +85,7 @@ FrameResult make_frame(const FrameInputs& in, FrameControl& control, FrameStats&
     stats.complete = control.is_whole();
     stats.image.least_samples = stats.complete ? in.settings.spp : sums ? sums->least_samples() : 0;
     FrameResult result{std::move(film).take(), {}, setup.context.clamp};
-    if (sums && !stats.complete) result.checkpoint = sums->checkpoint(content_hash(in.scene));
+    if (sums && !stats.complete && in.keeps_checkpoint) result.checkpoint = sums->checkpoint(content_hash(in.scene));
     return result;
 }
 

@@ -30,12 +30,13 @@ struct FrameInputs {
     const TextureStore& textures;
     shade::KeptLights& lights;  ///< of the frame before; becomes those of this one
     std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
+    bool keeps_checkpoint = true;   ///< false: nobody will ask for FrameResult::checkpoint
     std::string_view checkpoint{};  ///< belongs to the same picture; if empty, the frame starts at its first sample
 };
 
 struct FrameResult {
     Image image;
-    std::string checkpoint;  ///< lets an unfinished frame that was made in rounds continue; else empty
+    std::string checkpoint;  ///< lets an unfinished frame that was made in rounds continue; else, or if not kept, empty
     float clamp = 0;         ///< the limit of scattered light, which Settings::clamp_as_shown may have changed
 };
 

@@ -26,7 +26,8 @@ struct Contents {
         OverWhite = 8,    ///< a surface whose base colour is not within [0, 1]
         Displaced = 16,   ///< a displaced cage
         Subdivided = 32,  ///< a cage that is diced: a subdivision surface, or a cage that is made on demand
-        Masked = 64       ///< a surface with an alpha mask, which may have holes
+        Masked = 64,      ///< a surface with an alpha mask, which may have holes
+        Moving = 128      ///< a node that moves or changes while the shutter is open, or whose cages or skin do
     };
 
     std::uint8_t kinds = 0;
@@ -35,6 +36,7 @@ struct Contents {
     std::uint32_t largest_face = 0;       ///< corners
     std::uint32_t deformed_vertices = 0;  ///< of the largest cage that a skin or morph targets deform
     std::uint32_t joints = 0;             ///< of the largest skin that a node wears
+    std::uint32_t written_faces = 0;      ///< of the largest cage whose vertices move by keys of their own
     /// The sum over all that is placed below of how many surfaces a ray meets in it, times the size of its box
     /// (Contents::size_of), in the axes of the node. See layers_in().
     double crossed = 0;
@@ -52,6 +54,7 @@ struct Contents {
         largest_face = std::max(largest_face, other.largest_face);
         deformed_vertices = std::max(deformed_vertices, other.deformed_vertices);
         joints = std::max(joints, other.joints);
+        written_faces = std::max(written_faces, other.written_faces);
         crossed += other.crossed;
         most_layers = std::max(most_layers, other.most_layers);
         held += other.held;

@@ -92,6 +92,7 @@ void Scene::State::link_node(NodeId id)
     siblings.push_back(id);
     for (CageId cage : node.cages) cages.find(cage)->users.add(id, is_alive);
     watch_contents(id, node);
+    if (node.camera) cameras.find(node.camera)->users.add(id, is_alive);
     if (node.instance_of) nodes.find(node.instance_of)->instances.add(id, is_alive);
     if (!node.skin) return;
     skins.find(node.skin)->users.add(id, is_alive);
@@ -219,24 +220,33 @@ Mat4d Scene::world_from_node(NodeId id) const
     return m;
 }
 
+std::vector<NodeId> Scene::State::nodes_with_cameras() const
+{
+    std::vector<NodeId> found;
+    cameras.for_each([&](CameraId, const CameraRecord& camera) {
+        for (const NodeId user : camera.users.ids())
+            if (nodes.find(user)) found.push_back(user);
+    });
+    std::sort(found.begin(), found.end(), [](NodeId a, NodeId b) { return a.slot < b.slot; });
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    return found;
+}
+
 std::optional<Camera> Scene::camera(std::string_view name) const
 {
-    NodeId found;
-    state_->nodes.for_each([&](NodeId id, const Node& node) {
-        if (!found && state_->cameras.find(node.camera) && (name.empty() || node.name == name)) found = id;
-    });
-    if (!found) return std::nullopt;
-    Camera camera{rigid(world_from_node(found)), *state_->cameras.find(node(found).camera), {}};
-    for (const Mat4d& key : world_from_node_keys(found)) camera.keys.push_back(rigid(key));
-    return camera;
+    for (const NodeId id : state_->nodes_with_cameras()) {
+        if (!name.empty() && node(id).name != name) continue;
+        Camera camera{rigid(world_from_node(id)), *state_->cameras.find(node(id).camera), {}};
+        for (const Mat4d& key : world_from_node_keys(id)) camera.keys.push_back(rigid(key));
+        return camera;
+    }
+    return std::nullopt;
 }
 
 std::vector<std::string> Scene::camera_names() const
 {
     std::vector<std::string> names;
-    state_->nodes.for_each([&](NodeId, const Node& node) {
-        if (state_->cameras.find(node.camera)) names.push_back(node.name);
-    });
+    for (const NodeId id : state_->nodes_with_cameras()) names.push_back(node(id).name);
     return names;
 }
 

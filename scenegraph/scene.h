@@ -88,6 +88,7 @@ struct CageSlot {
     /// recorded; else empty.
     std::vector<std::vector<Vec3f>> key_positions;
     std::vector<Box3d> key_bounds;
+    CageId id;
     std::uint64_t identity = 0;  ///< unique in the process; a new one when topology is replaced
     std::uint64_t positions_version = 0;
     std::uint32_t largest_face = 4;  ///< corners; at least 4, and 4 for an OnDemandCage
@@ -240,9 +241,6 @@ public:
     void for_placements_of(std::uint8_t kinds, const VisitPlacement& visit, Shown shown = Shown::InShutter) const;
     /// Returns the tree over the node's children, or null for a node with few of them. It is valid after refit().
     const ChildBoxes* child_boxes(NodeId id) const noexcept;
-
-    /// Returns CageSlot::identity of every cage.
-    std::vector<std::uint64_t> cage_identities() const;
 
     struct Counts {
         std::size_t nodes = 0, cages = 0, faces = 0, lights = 0, cameras = 0;

@@ -138,7 +138,9 @@ CameraId Scene::add(CameraLens lens)
 {
     state_->require_editable();
     check(lens);
-    return state_->cameras.add(lens);
+    State::CameraRecord record;
+    static_cast<CameraLens&>(record) = lens;
+    return state_->cameras.add(std::move(record));
 }
 ClipId Scene::add(Clip clip)
 {
@@ -240,13 +242,6 @@ const Texture* Scene::find(TextureId id) const noexcept { return state_->texture
 const Light* Scene::find(LightId id) const noexcept { return state_->lights.find(id); }
 
 const std::vector<ClipId>& Scene::clips() const noexcept { return state_->clip_order; }
-
-std::vector<std::uint64_t> Scene::cage_identities() const
-{
-    std::vector<std::uint64_t> identities;
-    state_->cages.for_each([&](CageId, const CageSlot& slot) { identities.push_back(slot.identity); });
-    return identities;
-}
 
 std::vector<TextureId> Scene::texture_ids() const
 {

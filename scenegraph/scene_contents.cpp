@@ -42,6 +42,7 @@ void Scene::State::take_contents(CageId id, CageRecord& record)
     if (record.is_on_demand() || cage.scheme != Scheme::Triangles) contents.kinds |= Contents::Subdivided;
     contents.largest_face = record.largest_face;
     if (record.is_deformed()) contents.deformed_vertices = static_cast<std::uint32_t>(cage.positions.size());
+    record.id = id;
     record.contents = contents;
     record.layers = FaceLayers(cage);
     const auto is_alive = [&](CageId known) { return cages.find(known) != nullptr; };
@@ -76,10 +77,15 @@ Contents Scene::State::own_contents(const NodeRecord& node) const noexcept
     Contents contents;
     if (lights.find(node.light)) contents.kinds |= Contents::Lights;
     const SkinRecord* skin = skins.find(node.skin);
+    if (!node.keys.empty() || (skin && !skin->key_poses.empty())) contents.kinds |= Contents::Moving;
     for (const CageId id : node.cages) {
         const CageRecord* cage = cages.find(id);
         if (!cage) continue;
         contents.add(cage->contents);
+        if (!cage->key_positions.empty()) {
+            contents.kinds |= Contents::Moving;
+            contents.written_faces = std::max(contents.written_faces, static_cast<std::uint32_t>(cage->cage.face_count()));
+        }
         if (skin) contents.joints = std::max(contents.joints, static_cast<std::uint32_t>(skin->skin.joints.size()));
         for (const MaterialId material : node.materials.empty() ? cage->cage.materials : node.materials)
             if (const Material* m = materials.find(material)) contents.kinds |= kinds_of(*m);

@@ -166,6 +166,9 @@ struct Scene::State {
     struct LightRecord : Light {
         Watchers users;
     };
+    struct CameraRecord : CameraLens {
+        Watchers users;
+    };
     struct MaterialRecord : Material {
         Watchers users;             ///< nodes whose override names the material
         WatcherList<CageId> cages;  ///< cages that name it
@@ -180,7 +183,7 @@ struct Scene::State {
     SceneTable<MaterialRecord, MaterialTag> materials{generation};
     SceneTable<Texture, TextureTag> textures{generation};
     SceneTable<LightRecord, LightTag> lights{generation};
-    SceneTable<CameraLens, CameraTag> cameras{generation};
+    SceneTable<CameraRecord, CameraTag> cameras{generation};
     SceneTable<SkinRecord, SkinTag> skins{generation};
     SceneTable<Clip, ClipTag> clips{generation};
     std::vector<ClipId> clip_order;
@@ -251,8 +254,8 @@ struct Scene::State {
     Contents own_contents(const NodeRecord& node) const noexcept;
     /// Fills what a cage alone decides, after repairing it; the repairs are added to the warnings.
     static void make_record(Cage cage, CageRecord& record, std::vector<std::string>& warnings);
-    /// Sums up what a cage holds and registers it with its materials; it is called where the cage's polygons or materials
-    /// are new.
+    /// Gives a cage its handle, sums up what it holds and registers it with its materials; it is called where the cage's
+    /// polygons or materials are new.
     void take_contents(CageId id, CageRecord& cage);
     /// Registers a node with its light and with the materials of its override.
     void watch_contents(NodeId id, const NodeRecord& node);
@@ -280,6 +283,8 @@ struct Scene::State {
     /// Finds NodeKey::node_from_skin again where it is stale, and gives a node without keys those keys that it needs because
     /// it or its skin's base hangs below nodes that move.
     void keep_skin_in_place(NodeId id, NodeRecord& node, const SkinRecord& skin);
+    /// Returns the nodes that have a camera, in the order of their slots.
+    std::vector<NodeId> nodes_with_cameras() const;
     NodeKey key_of(const NodeRecord& node, NodeId id) const;
     void take_key(Recorder& record);
     void store_keys(Recorder& record);

@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "scenegraph/shown_nodes.h"
+#include "scenegraph/child_boxes.h"
 
 namespace occam {
 namespace {
@@ -189,17 +189,29 @@ bool moves_by_itself(const Scene& scene, const Node& node)
     return moves;
 }
 
-// Returns the nodes that move or change themselves, and all that show one of them.
-std::unordered_set<NodeId> nodes_above_motion(const Scene& scene)
-{
-    std::unordered_set<NodeId> above;
-    for_each_shown_node_bottom_up(scene, [&](NodeId id, const Node& node) {
-        bool moves = !node.keys.empty() || moves_by_itself(scene, node);
-        for_each_shown_below(scene, node, [&](NodeId part) { moves |= above.contains(part); });
-        if (moves) above.insert(id);
-    });
-    return above;
-}
+// Tells which nodes may hold what, by the contents of a scene that is refitted; else any node may hold anything.
+class Holders {
+public:
+    explicit Holders(const Scene& scene) : scene_(scene), is_summed_(!scene.node(scene.root()).dirty) {}
+
+    bool may_hold(const Node& node, std::uint8_t kinds) const noexcept { return !is_summed_ || node.contents.has(kinds); }
+    /// Calls visit(NodeId) for the children of a node, among them all that may hold one of these kinds; 0: for all children.
+    template <class Visit>
+    void for_each_child(NodeId id, std::uint8_t kinds, Visit&& visit) const
+    {
+        const Node& node = scene_.node(id);
+        const ChildBoxes* boxes = is_summed_ && kinds != 0 ? scene_.child_boxes(id) : nullptr;
+        std::vector<std::uint32_t> found;
+        if (boxes) boxes->find(kinds, found);
+        for (const std::uint32_t child : found) visit(node.children[child]);
+        if (!boxes)
+            for (const NodeId child : node.children) visit(child);
+    }
+
+private:
+    const Scene& scene_;
+    bool is_summed_;
+};
 
 }  // namespace
 
@@ -208,7 +220,7 @@ int needed_segments(const Scene& scene, const PathTolerance& tolerance)
     const int most = scene.shutter_segments();
     if (most == 0) return 0;
     SegmentCount count(most, tolerance);
-    const std::unordered_set<NodeId> above_motion = nodes_above_motion(scene);
+    const Holders holders(scene);
     std::unordered_map<NodeId, int> placements;
     int in_all = 0;
     // A node waits without its matrices, since a group may have very many children.
@@ -220,7 +232,7 @@ int needed_segments(const Scene& scene, const PathTolerance& tolerance)
     std::vector<Waiting> todo;
     const auto push_child = [&](const std::shared_ptr<const Place>& above, NodeId id) {
         const Node* node = scene.find(id);
-        const bool moves = node && (!above->world_keys.empty() || above_motion.contains(id));
+        const bool moves = node && (!above->world_keys.empty() || holders.may_hold(*node, Contents::Moving));
         if (!moves || !node->is_visible_in_shutter() || (!node->dirty && node->bounds.is_empty())) return;
         if (!node->keys.empty()) count.add_visibility(node->keys);
         todo.push_back({id, above, false});
@@ -249,33 +261,42 @@ int needed_segments(const Scene& scene, const PathTolerance& tolerance)
             if (slot && slot->is_deformed()) add_deformed_cage(count, place, node, *slot, scene.find(node.skin));
             else if (slot) add_rigid_cage(count, place, *slot);
         }
-        for (const NodeId child : node.children) push_child(shared, child);
-        const bool shows_motion = !place.world_keys.empty() || above_motion.contains(node.instance_of);
-        if (scene.find(node.instance_of) && shows_motion) todo.push_back({node.instance_of, shared, true});
+        const bool all_move = !place.world_keys.empty();
+        holders.for_each_child(place.id, all_move ? 0 : Contents::Moving, [&](NodeId child) { push_child(shared, child); });
+        const Node* shown = scene.find(node.instance_of);
+        if (shown && (all_move || holders.may_hold(*shown, Contents::Moving)))
+            todo.push_back({node.instance_of, shared, true});
     }
     return count.needed();
 }
 
-std::unordered_set<NodeId> moving_nodes(const Scene& scene)
+std::unordered_set<NodeId> moving_nodes(const Scene& scene, std::uint8_t kinds)
 {
     std::unordered_set<NodeId> moving;
     if (scene.shutter_segments() == 0) return moving;
+    const Holders holders(scene);
     struct Step {
         NodeId id;
         bool moves;
     };
-    std::vector<Step> todo{{scene.root(), !scene.node(scene.root()).keys.empty()}};
+    std::vector<Step> todo;
     std::unordered_set<NodeId> still;
+    const auto push = [&](NodeId id, bool moves_above) {
+        const Node* node = scene.find(id);
+        if (!node || !holders.may_hold(*node, kinds)) return;
+        const bool moves = moves_above || !node->keys.empty();
+        if (moves || holders.may_hold(*node, Contents::Moving)) todo.push_back({id, moves});
+    };
+    push(scene.root(), false);
     while (!todo.empty()) {
         const Step step = todo.back();
         todo.pop_back();
         // A node that was found to move has been followed already, and a still one only once for placements that are still.
         if (moving.contains(step.id) || (!step.moves && still.contains(step.id))) continue;
         (step.moves ? moving : still).insert(step.id);
-        const Node& node = scene.node(step.id);
-        for (const NodeId child : node.children)
-            if (const Node* c = scene.find(child)) todo.push_back({child, step.moves || !c->keys.empty()});
-        if (scene.find(node.instance_of)) todo.push_back({node.instance_of, step.moves});
+        holders.for_each_child(step.id, step.moves ? kinds : std::uint8_t(Contents::Moving),
+                               [&](NodeId child) { push(child, step.moves); });
+        push(scene.node(step.id).instance_of, step.moves);
     }
     for (const NodeId id : still) {
         const Node& node = scene.node(id);

@@ -38,7 +38,7 @@ int needed_segments(const Scene& scene, const PathTolerance& tolerance);
 inline constexpr int kMostPlacements = 64, kMostPlacementsInAll = 1 << 16;
 
 /// Returns the nodes whose surfaces move, or are hidden for a part of the time, while the shutter is open, in any of their
-/// placements.
-std::unordered_set<NodeId> moving_nodes(const Scene& scene);
+/// placements, among those that hold one of these kinds of Contents. After Scene::refit() it visits no others.
+std::unordered_set<NodeId> moving_nodes(const Scene& scene, std::uint8_t kinds);
 
 }  // namespace occam

@@ -204,7 +204,7 @@ void MeshLights::add(const Placed& placed, const CageSlot& slot)
 
 MeshLights::MeshLights(const Scene& scene, const TextureStore& textures, const FrameScale& scale) : textures_(&textures)
 {
-    const std::unordered_set<NodeId> moving = moving_nodes(scene);
+    const std::unordered_set<NodeId> moving = moving_nodes(scene, Contents::Emitters);
     std::size_t faces = 0;
     scene.for_placements_of(Contents::Emitters, [&](NodeId, const Node& node, const Mat4d&) {
         for (CageId id : node.cages)

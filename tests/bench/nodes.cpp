@@ -1,5 +1,6 @@
-// The suite measures what hidden nodes cost a frame that does not change: a flat list of them, behind a wall and beside the
-// picture, in random order.
+// The suite measures what hidden nodes cost a frame: a flat list of them, behind a wall and beside the picture, in random
+// order. Either nothing changes, or one thing moves while the shutter is open and is recorded anew in each frame, or the
+// frame has more samples than its deadline allows.
 #include <memory>
 
 #include "api/include/occam/occam.h"
@@ -9,7 +10,9 @@
 namespace occam::bench {
 namespace {
 
-constexpr int kRounds = 21;
+constexpr int kRounds = 21, kSide = 16;
+
+enum class Kind { Still, Moving, Stopped };
 
 // Holds a torus before a wall, and nodes that no ray meets.
 class FlatCrowd {
@@ -20,10 +23,10 @@ public:
             NodeDesc desc;
             desc.place.translation = at;
             desc.cages = {cage};
-            scene_.add_node(scene_.root(), std::move(desc));
+            return scene_.add_node(scene_.root(), std::move(desc));
         };
         const CageId shape = scene_.add(torus(8, 6));
-        add(Vec3d(0), shape);
+        moving_ = add(Vec3d(0), shape);
         Cage wall;
         wall.scheme = Scheme::Triangles;
         wall.positions = {{-90, -90, -3}, {90, -90, -3}, {0, 180, -3}};
@@ -34,11 +37,19 @@ public:
             add({3.0 * double(n % 1000) + (i % 2 ? 500 : -1500), 3.0 * double(n / 1000), -10}, shape);
         }
     }
-    double render()
+    double render(Kind kind)
     {
         const double start = process_seconds();
-        renderer_.render(scene_, Camera::look_at({0, 2.5, 4}, {0, 0, 0}, {0, 1, 0}, 0.7f),
-                         {.width = 16, .height = 16, .spp = 1});
+        Camera camera = Camera::look_at({0, 2.5, 4}, {0, 0, 0}, {0, 1, 0}, 0.7f);
+        const auto rise = [&](double tau) {
+            scene_.set_transform(moving_, Trs{.translation = {0, 0.3 * tau * tau, 0}}.matrix());
+        };
+        if (kind == Kind::Moving)
+            camera = record_shutter(
+                scene_, rise, [&] { return camera; }, kSide);
+        Settings settings{.width = kSide, .height = kSide, .spp = 1};
+        if (kind == Kind::Stopped) settings.spp = 1024, settings.deadline_s = 5e-3;
+        renderer_.render(scene_, camera, settings);
         return process_seconds() - start;
     }
     std::size_t hidden() const { return hidden_; }
@@ -47,6 +58,7 @@ public:
 private:
     std::size_t hidden_;
     Scene scene_;
+    NodeId moving_;
     Renderer renderer_;
 };
 
@@ -55,21 +67,24 @@ private:
 void run_nodes(Report& report)
 {
     std::vector<std::unique_ptr<FlatCrowd>> crowds;
-    std::vector<std::vector<double>> seconds, first;
+    std::vector<double> first;
     for (const std::size_t hidden : {std::size_t(10), std::size_t(200'000), std::size_t(1'000'000)}) {
         crowds.push_back(std::make_unique<FlatCrowd>(hidden));
-        first.push_back({crowds.back()->render()});
-        seconds.push_back({});
+        first.push_back(crowds.back()->render(Kind::Still));
     }
-    for (int round = 0; round < kRounds; ++round)
-        for (std::size_t c = 0; c < crowds.size(); ++c) seconds[c].push_back(crowds[c]->render());
-    for (std::size_t c = 0; c < crowds.size(); ++c) {
-        std::vector<double> more;
-        for (std::size_t i = 0; i < seconds[c].size(); ++i) more.push_back(1e3 * (seconds[c][i] - seconds[0][i]));
-        Row row{"nodes", std::to_string(crowds[c]->hidden()) + " hidden nodes"};
-        row.add("frame_cpu_ms", times(seconds[c], 1e3)).add("more_than_ten_ms", more);
-        row.add("first_frame_cpu_ms", times(first[c], 1e3));
-        report.add(row.add("rebuilt_bytes", double(crowds[c]->stats().memory.arena_peak_bytes)));
+    for (const Kind kind : {Kind::Still, Kind::Moving, Kind::Stopped}) {
+        std::vector<std::vector<double>> seconds(crowds.size());
+        for (int round = 0; round < kRounds; ++round)
+            for (std::size_t c = 0; c < crowds.size(); ++c) seconds[c].push_back(crowds[c]->render(kind));
+        for (std::size_t c = 0; c < crowds.size(); ++c) {
+            std::vector<double> more;
+            for (std::size_t i = 0; i < seconds[c].size(); ++i) more.push_back(1e3 * (seconds[c][i] - seconds[0][i]));
+            constexpr const char* kNames[] = {"", ", one thing moves", ", stopped after 5 ms"};
+            Row row{"nodes", std::to_string(crowds[c]->hidden()) + " hidden nodes" + kNames[static_cast<int>(kind)]};
+            row.add("frame_cpu_ms", times(seconds[c], 1e3)).add("more_than_ten_ms", more);
+            if (kind == Kind::Still) row.add("first_frame_cpu_ms", 1e3 * first[c]);
+            report.add(row.add("rebuilt_bytes", double(crowds[c]->stats().memory.arena_peak_bytes)));
+        }
     }
 }
 

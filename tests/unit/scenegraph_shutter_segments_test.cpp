@@ -201,6 +201,44 @@ TEST(Shutter, SegmentsFollowThePlacementThatMovesAmongMany)
                   16);
 }
 
+// A node with many children has a tree over them, in which what moves is looked for by what the children hold.
+TEST(Shutter, MotionIsFoundAmongVeryManyChildren)
+{
+    constexpr int kMany = 600;
+    Scene scene;
+    Cage triangle;
+    triangle.scheme = Scheme::Triangles;
+    triangle.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    triangle.face_vertices = {0, 1, 2};
+    const CageId shape = scene.add(triangle);
+    Material glow;
+    glow.emission = Vec3f(1);
+    const MaterialId light = scene.add(glow);
+    const NodeId group = scene.add_node(scene.root(), {});
+    std::vector<NodeId> dark, lamps, shown;
+    for (int i = 0; i < kMany; ++i) {
+        const Trs place{.translation = {i, 0, 0}};
+        dark.push_back(scene.add_node(group, {.place = place, .cages = {shape}}));
+        lamps.push_back(scene.add_node(group, {.place = place, .cages = {shape}, .materials = {light}}));
+        shown.push_back(scene.add_node(scene.root(), {.place = place, .instance_of = lamps[std::size_t(i / 2)]}));
+    }
+    EXPECT_GE(segments_of(scene, [&](double tau) { scene.set_transform(dark[400], moved(400, 0, 0) * turned(6 * tau)); }),
+              16);
+    EXPECT_TRUE(moving_nodes(scene, Contents::Emitters).empty());
+    EXPECT_GE(segments_of(scene, [&](double tau) { scene.set_transform(group, turned(6 * tau)); }), 16);
+    EXPECT_EQ(moving_nodes(scene, Contents::Emitters).size(), std::size_t(kMany + 1)) << "the lamps and their group";
+    // A lamp moves that is shown elsewhere, and something that shows another lamp.
+    const auto move_two = [&](double tau) {
+        scene.set_transform(lamps[250], moved(tau, 0, 0));
+        scene.set_transform(shown[30], moved(tau, 0, 0));
+    };
+    EXPECT_EQ(segments_of(scene, move_two), 1);
+    const std::unordered_set<NodeId> expected{lamps[250], shown[30], lamps[15]};
+    EXPECT_EQ(moving_nodes(scene, Contents::Emitters), expected);
+    scene.set_transform(dark[0], moved(0, 1, 0));
+    EXPECT_EQ(moving_nodes(scene, Contents::Emitters), expected) << "before the scene is refitted";
+}
+
 TEST(Shutter, MomentsAreChecked)
 {
     const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
