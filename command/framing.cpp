@@ -59,17 +59,22 @@ void set_environment(Scene& scene, const RenderArguments& a)
     scene.environment.rotation += a.environment_rotation_deg * kRadians;
 }
 
-// Statistics may have any name, so a slip of the hand may name a file of the scene. Only an empty file and one that begins
-// as a JSON object, as older statistics do, is replaced.
+// Statistics may have any name, so a slip of the hand may name a file of the scene. Only an empty file is replaced, and one
+// that begins as older statistics do: as a JSON object, or as a list of objects for the frames of a sequence.
 void check_replaceable(const std::filesystem::path& file)
 {
     std::error_code error;
     if (!std::filesystem::is_regular_file(file, error)) return;
     std::ifstream stream(file, std::ios::binary);
-    const int first = stream.get();
+    const auto next = [&] { return (stream >> std::ws).get(); };
+    int first = stream.get();
     if (first == std::char_traits<char>::eof()) return;
-    const int next = (stream >> std::ws).get();
-    if (first != '{' || (next != '"' && next != '}'))
+    if (first == '[') {
+        first = next();
+        if (first == ']') return;
+    }
+    const int second = next();
+    if (first != '{' || (second != '"' && second != '}'))
         throw Error(file.string(), "is there already and holds no statistics, so it is not replaced", "--stats");
 }
 

@@ -181,6 +181,27 @@ TEST_F(Outputs, WhatIsReadForAPictureIsNotOverwritten)
     EXPECT_EQ(run(with(scene, {"a.png", "--stats", "s.json"})).exit_code, kDone) << "older statistics are replaced";
 }
 
+// A run that was stopped is started again with the same words.
+TEST_F(Outputs, StatisticsOfASequenceAreReplacedByThoseOfTheNextRun)
+{
+    const std::vector<std::string> words{"animate", "triangle.obj", "-o",    "f.#.png", "--frames", "0-1",
+                                         "--size",  "8x4",          "--spp", "1",       "--stats",  "s.json"};
+    for (const char* frames : {"0", "0-1", "0-1", "0-2"}) {
+        std::vector<std::string> some = words;
+        some[5] = frames;
+        const Outcome o = run(some);
+        EXPECT_EQ(o.exit_code, kDone) << frames << ": " << o.err;
+    }
+    EXPECT_TRUE(text_of(folder / "s.json").starts_with("[\n{\"frame\": 2,")) << "the last run has made one frame";
+    for (const char* other : {"[1, 2]", "[[{}]]", "[", "[section]\na = 1\n"}) {
+        std::ofstream(folder / "other.json") << other;
+        std::vector<std::string> some = words;
+        some.back() = "other.json";
+        EXPECT_EQ(run(some).exit_code, kBadInput) << other;
+        EXPECT_EQ(text_of(folder / "other.json"), other);
+    }
+}
+
 // libpng writes to standard error what it finds wrong, unless it is told where to report it.
 TEST_F(Outputs, NothingIsOnStandardErrorButALineOfOurs)
 {
