@@ -64,7 +64,7 @@ void set_environment(Scene& scene, const RenderArguments& a)
 void check_replaceable(const std::filesystem::path& file)
 {
     std::error_code error;
-    if (!std::filesystem::is_regular_file(file, error)) return;
+    if (is_written_directly(file) || !std::filesystem::is_regular_file(file, error)) return;
     std::ifstream stream(file, std::ios::binary);
     const auto next = [&] { return (stream >> std::ws).get(); };
     int first = stream.get();

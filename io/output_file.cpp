@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstdio>
 #include <cstring>
 #include <map>
@@ -96,14 +97,45 @@ void remove_if_abandoned(const fs::path& temporary) noexcept
     close(descriptor);
 }
 
-// Returns true for standard output, and for anything that exists but is not a regular file.
-bool is_written_directly(const fs::path& file)
+// Returns the number of the open file that is meant by "-", or to which links like /dev/stdout and /dev/fd/3 lead; none for
+// any other name. Such an open file may be a regular one, to which a shell has redirected the output.
+std::optional<int> descriptor_of(const fs::path& file)
 {
+    if (file == "-") return STDOUT_FILENO;
+    constexpr int kMostLinks = 40;  // as in Linux
     std::error_code error;
-    return file == "-" || (fs::exists(file, error) && !fs::is_regular_file(file, error));
+    const fs::path open_files = fs::canonical("/proc/self/fd", error);
+    fs::path name = file;
+    for (int links = 0; !error && links < kMostLinks; ++links) {
+        const fs::path folder = fs::canonical(folder_of(name), error);
+        if (!error && folder == open_files) {
+            const std::string text = name.filename().string();
+            int number = 0;
+            const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), number);
+            if (failure == std::errc() && end == text.data() + text.size() && number >= 0) return number;
+            return std::nullopt;
+        }
+        const fs::path target = fs::read_symlink(name, error);
+        name = folder / target;  // which is the target itself if that is absolute
+    }
+    return std::nullopt;
+}
+
+fs::path shown_name(const fs::path& file) { return file == "-" ? "standard output" : file; }
+
+bool is_writable(int descriptor)
+{
+    const int flags = fcntl(descriptor, F_GETFL);
+    return flags >= 0 && (flags & O_ACCMODE) != O_RDONLY;
 }
 
 }  // namespace
+
+bool is_written_directly(const fs::path& file)
+{
+    std::error_code error;
+    return descriptor_of(file) || (fs::exists(file, error) && !fs::is_regular_file(file, error));
+}
 
 OutputFile::OutputFile(const fs::path& file) : final_(file)
 {
@@ -198,14 +230,13 @@ void write_whole(const fs::path& file, std::string_view bytes)
         out.publish();
         return;
     }
-    const bool is_standard_output = file == "-";
-    const std::string name = is_standard_output ? "standard output" : file.string();
-    if (is_standard_output) std::fflush(stdout);
-    const int descriptor = is_standard_output ? STDOUT_FILENO : open(file.c_str(), O_WRONLY | O_CLOEXEC);
-    bool is_written = descriptor >= 0 && write_all(descriptor, bytes);
+    const std::optional<int> own = descriptor_of(file);
+    if (own == STDOUT_FILENO) std::fflush(stdout);
+    const int descriptor = own ? *own : open(file.c_str(), O_WRONLY | O_CLOEXEC);
+    const bool is_written = descriptor >= 0 && write_all(descriptor, bytes);
     int failure = is_written ? 0 : errno;
-    if (!is_standard_output && descriptor >= 0 && close(descriptor) != 0 && is_written) failure = errno;
-    if (failure != 0) refuse_output(name, "cannot be written: " + std::string(std::strerror(failure)));
+    if (!own && descriptor >= 0 && close(descriptor) != 0 && is_written) failure = errno;
+    if (failure != 0) refuse_output(shown_name(file), "cannot be written: " + std::string(std::strerror(failure)));
 }
 
 void check_output(const fs::path& file)
@@ -226,8 +257,11 @@ void check_whole(const fs::path& file)
 {
     std::error_code error;
     if (fs::is_directory(file, error)) refuse_output(file, "is the name of a folder, not of a file");
-    if (!is_written_directly(file)) check_output(file);
-    else if (file != "-" && access(file.c_str(), W_OK) != 0) refuse_output(file, "cannot be written: no permission");
+    if (!is_written_directly(file)) return check_output(file);
+    const std::optional<int> own = descriptor_of(file);
+    if (own && !is_writable(*own))
+        refuse_output(shown_name(file), "cannot be written: it is closed, or open only for reading");
+    if (!own && access(file.c_str(), W_OK) != 0) refuse_output(file, "cannot be written: no permission");
 }
 
 void refuse_inputs(std::span<const fs::path> outputs, std::span<const fs::path> inputs)

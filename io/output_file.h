@@ -51,8 +51,11 @@ private:
     bool is_finished_ = false, is_published_ = false;
 };
 
-/// Writes a whole file through OutputFile; "-" and anything that exists but is not a regular file (a pipe, a terminal,
-/// /dev/null) are written directly. Throws Error of Kind::Output.
+/// Returns true for what write_whole() does not replace but writes to: standard output ("-"), open files by their names
+/// (/dev/stdout, /dev/fd/3), and anything that exists but is not a regular file (a pipe, a terminal, /dev/null).
+bool is_written_directly(const std::filesystem::path& file);
+
+/// Writes a whole file through OutputFile, or directly where is_written_directly() says so. Throws Error of Kind::Output.
 void write_whole(const std::filesystem::path& file, std::string_view bytes);
 
 /// Throws Error of Kind::Output if a file of that name cannot be written, because of its folder or of what exists there

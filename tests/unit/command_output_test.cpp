@@ -202,6 +202,28 @@ TEST_F(Outputs, StatisticsOfASequenceAreReplacedByThoseOfTheNextRun)
     }
 }
 
+// A shell may have redirected the open file, so that the name leads to a regular one, but it must not be replaced.
+TEST_F(Outputs, StatisticsGoToTheOpenFileThatLinksLeadTo)
+{
+    fs::create_symlink("/proc/self/fd/1", folder / "out");
+    fs::create_symlink("out", folder / "linked");
+    for (const char* name : {"out", "linked", "/dev/fd/1"}) {
+        const Outcome o = run({"render", "triangle.obj", "-o", "a.png", "--size", "8x4", "--spp", "1", "--stats", name,
+                               "--progress", "openjd"});
+        EXPECT_EQ(o.exit_code, kDone) << name << ": " << o.err;
+        EXPECT_TRUE(o.out.starts_with("openjd_status: reading")) << "what was printed before is kept: " << o.out;
+        EXPECT_NE(o.out.find("\n{\n  \"scene\": {"), std::string::npos) << name << ": " << o.out;
+        EXPECT_TRUE(o.out.ends_with("}\n")) << o.out;
+    }
+    EXPECT_TRUE(fs::is_symlink(folder / "out") && fs::is_symlink(folder / "linked"));
+    fs::remove(folder / "a.png");
+    for (const char* name : {"/dev/fd/0", "/dev/fd/77"}) {
+        before_exec = [] { dup2(open("/dev/null", O_RDONLY), STDIN_FILENO); };
+        EXPECT_EQ(run({"render", "triangle.obj", "-o", "a.png", "--stats", name}).exit_code, kOutput) << name;
+        EXPECT_FALSE(fs::exists(folder / "a.png")) << "found before the picture is made";
+    }
+}
+
 // libpng writes to standard error what it finds wrong, unless it is told where to report it.
 TEST_F(Outputs, NothingIsOnStandardErrorButALineOfOurs)
 {
