@@ -27,12 +27,13 @@ std::optional<int> whole(std::string_view text, int least, int most)
 FramePattern::FramePattern(const std::filesystem::path& pattern) : folder_(pattern.parent_path())
 {
     const auto refuse = [&]() -> void {
-        throw std::invalid_argument("expected one place for the frame's number, as in out.####.exr or out.%04d.exr, not '" +
-                                    pattern.string() + "'");
+        throw std::invalid_argument(
+            "expected one place for the frame's number in the name of the file, as in out.####.exr or out.%04d.exr, not '" +
+            pattern.string() + "'");
     };
     const std::string name = pattern.filename().string();
     std::size_t first = name.find_first_of("#%"), end = first;
-    if (first == std::string::npos || folder_.string().find_first_of("#%") != std::string::npos) refuse();
+    if (first == std::string::npos) refuse();
     if (name[first] == '#') {
         end = std::min(name.find_first_not_of('#', first), name.size());
         digits_ = static_cast<int>(end - first);
@@ -72,7 +73,8 @@ std::vector<int> frames_of(std::string_view text)
                               : whole(word.substr(dash + 1, x - std::min(x, dash + 1)), 0, kLastFrame);
         const auto step = x == std::string_view::npos ? std::optional(1) : whole(word.substr(x + 1), 1, kLastFrame);
         if (!first || !last || !step || (dash == std::string_view::npos && x != std::string_view::npos) || *last < *first)
-            throw std::invalid_argument("expected frames like 1-240, 1-240x10 or 1,5,9, not '" + std::string(text) + "'");
+            throw std::invalid_argument("expected frames from 0 to 1000000 like 1-240, 1-240x10 or 1,5,9, not '" +
+                                        std::string(text) + "'");
         for (int frame = *first; frame <= *last; frame += *step)
             if (seen.insert(frame).second) frames.push_back(frame);
         if (frames.size() > kMostFrames)

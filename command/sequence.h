@@ -10,7 +10,8 @@
 namespace occam::command {
 
 /// A file name with a number in it: "out.####.exr" (as many digits as #) or "out.%04d.exr". Throws std::invalid_argument
-/// that says what was expected if there is not exactly one such place, or if it is in the folder's name.
+/// that says what was expected if there is not exactly one such place in the file's name. The folder's name is taken as it
+/// is.
 class FramePattern {
 public:
     explicit FramePattern(const std::filesystem::path& pattern);

@@ -15,6 +15,7 @@ TEST(FramePattern, PutsTheNumberWhereThePatternHasIt)
     EXPECT_EQ(FramePattern("shots/a%04d.png").file(12), "shots/a0012.png");
     EXPECT_EQ(FramePattern("%d.png").file(12), "12.png");
     EXPECT_EQ(FramePattern("#.png").file(12), "12.png");
+    EXPECT_EQ(FramePattern("shot #2/50%/a.##.png").file(3), "shot #2/50%/a.03.png");
     for (const char* bad :
          {"out.exr", "out.##.##.exr", "a%04d.#.exr", "a%s.exr", "a%4d.exr", "a%0d.exr", "a%.exr", "#/a.exr", "%0999d.exr"})
         EXPECT_THROW(FramePattern{bad}, std::invalid_argument) << bad;
