@@ -39,7 +39,7 @@ std::uint64_t identity_of(Settings settings, const Camera& camera)
     return h;
 }
 
-[[noreturn]] void refuse(const std::string& why) { throw error_without_file(why, "checkpoint"); }
+[[noreturn]] void refuse(const std::string& why) { throw error_without_file("the checkpoint " + why); }
 
 class Writer {
 public:

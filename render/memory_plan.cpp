@@ -23,7 +23,12 @@ constexpr std::size_t kBytesOfARay = 2 * (sizeof(Path) + sizeof(accel::Ray)) + s
 constexpr std::size_t kBytesOfAShadowRay = sizeof(accel::Ray) + 2 * sizeof(Vec4f) + accel::kBytesOfABatchedRay;
 constexpr std::size_t queue_bytes(int rays) { return std::size_t(rays) * (kBytesOfARay + kShadowRays * kBytesOfAShadowRay); }
 
-std::string megabytes(std::size_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20) + "M"; }
+// Both are in the units of --memory: what is needed is rounded up, and what there is down, so that it looks like less.
+std::string needed(std::size_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20) + "M"; }
+std::string given(std::size_t bytes)
+{
+    return bytes < (1 << 20) ? std::to_string(bytes >> 10) + "K" : std::to_string(bytes >> 20) + "M";
+}
 
 }  // namespace
 
@@ -34,9 +39,9 @@ MemoryPlan plan_memory(const Scene& scene, const Resources& resources)
     MemoryPlan plan;
     plan.floor_bytes = threads * (queue_bytes(kLeastRays) + accel::memory_floor(scene));
     if (resources.memory_bytes < plan.floor_bytes)
-        throw error_without_file("this scene needs a memory budget of " + megabytes(plan.floor_bytes) + " or more with " +
+        throw error_without_file("this scene needs a memory budget of " + needed(plan.floor_bytes) + " or more with " +
                                      std::to_string(threads) + (threads == 1 ? " thread" : " threads"),
-                                 megabytes(resources.memory_bytes) + " given");
+                                 given(resources.memory_bytes) + " given");
     // Queues are short beside the arena.
     plan.batch_rays = kMostRays;
     while (plan.batch_rays > kLeastRays && queue_bytes(plan.batch_rays) > of_a_worker / 8) plan.batch_rays /= 2;

@@ -58,14 +58,14 @@ PixelRect crop_pixels(const Settings& s) noexcept
 
 void check(const Settings& s)
 {
-    const auto sides = "from 1 to " + std::to_string(kMaxSide) + " pixels a side";
+    const auto sides = "expected from 1 to " + std::to_string(kMaxSide) + " pixels a side";
     require(s.width >= 1 && s.width <= kMaxSide && s.height >= 1 && s.height <= kMaxSide, "size", sides);
     const auto is_range = [](float a, float b) { return a >= 0 && a < b && b <= 1; };
     require(is_range(s.crop_x0, s.crop_x1) && is_range(s.crop_y0, s.crop_y1), "crop",
-            "shares of the frame with 0 <= X0 < X1 <= 1 and 0 <= Y0 < Y1 <= 1");
+            "expected shares of the frame with 0 <= X0 < X1 <= 1 and 0 <= Y0 < Y1 <= 1");
     const PixelRect crop = crop_pixels(s);
     require(std::int64_t(crop.width()) * crop.height() <= kMaxPixels, "size",
-            "at most " + std::to_string(kMaxPixels) + " pixels in one picture");
+            "expected at most " + std::to_string(kMaxPixels) + " pixels in one picture");
     for (const SettingRow& row : kSettings) {
         const auto is_in_range = [&]<class T>(T Settings::*member) {
             if constexpr (std::is_enum_v<T> || std::is_same_v<T, bool>) return true;
@@ -73,7 +73,7 @@ void check(const Settings& s)
         };
         std::string name(row.name);
         std::replace(name.begin(), name.end(), '_', ' ');
-        if (!std::visit(is_in_range, row.member)) throw error_without_file(range_of(row), name);
+        if (!std::visit(is_in_range, row.member)) throw error_without_file("expected " + range_of(row), name);
     }
     check(s.shutter);
     require(!s.has(Aov::Motion) || s.shutter.is_open(), "aov", "motion needs a shutter that is open for some time");

@@ -238,6 +238,7 @@ TEST_F(Command, AMemoryBudgetBelowTheFloorIsRefusedAndTheFloorIsNamed)
     const std::size_t at = o.err.find(before);
     ASSERT_NE(at, std::string::npos) << o.err;
     const std::size_t begin = at + before.size();
+    EXPECT_NE(o.err.find("(1K given)"), std::string::npos) << o.err;
     EXPECT_EQ(with(o.err.substr(begin, o.err.find(' ', begin) - begin)).exit_code, kDone)
         << "what it asks for is enough: " << o.err;
 }
