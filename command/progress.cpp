@@ -1,15 +1,42 @@
 #include "progress.h"
 
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <string_view>
+
+#include "base/printable.h"
 
 namespace occam::command {
 namespace {
 
 constexpr int kBarWidth = 32;
+
+// Returns true if the terminal moves its cursor when it is told to. One that is named `dumb` does not.
+bool shows_bars()
+{
+    const char* name = std::getenv("TERM");
+    return name && *name && std::string_view(name) != "dumb";
+}
+
+// Returns as much of the line as fits in one row of the terminal: one that went on in the next row could not be cleared.
+std::string fitted(const std::string& line)
+{
+    winsize size = {};
+    if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return line;
+    int columns = 0;
+    for (std::size_t at = 0; at < line.size(); ++at) {
+        const auto byte = static_cast<unsigned char>(line[at]);
+        const bool continues = (byte & 0xc0) == 0x80;           // within a character of UTF-8
+        columns += continues ? 0 : byte < 0x80 ? 1 : 2;         // characters beyond ASCII may be wide
+        if (columns >= size.ws_col) return line.substr(0, at);  // the last column stays free
+    }
+    return line;
+}
 
 std::string sentence(const Progress& p)
 {
@@ -40,7 +67,7 @@ std::string duration_text(double seconds)
 ProgressDisplay::ProgressDisplay(ProgressStyle style, bool quiet) : style_(Style::None), is_quiet_(quiet)
 {
     if (quiet) return;
-    if (style == ProgressStyle::Auto && isatty(STDERR_FILENO)) style_ = Style::Bar;
+    if (style == ProgressStyle::Auto && isatty(STDERR_FILENO)) style_ = shows_bars() ? Style::Bar : Style::Plain;
     if (style == ProgressStyle::Plain) style_ = Style::Plain;
     if (style == ProgressStyle::OpenJd) style_ = Style::OpenJd;
 }
@@ -49,17 +76,18 @@ ProgressDisplay::~ProgressDisplay() { end(); }
 
 void ProgressDisplay::draw(const std::string& line)
 {
-    std::fprintf(stderr, "\r\033[K%s", line.c_str());
+    std::fprintf(stderr, "\r\033[K%s", fitted(line).c_str());
     std::fflush(stderr);
     is_bar_drawn_ = true;
 }
 
 void ProgressDisplay::say(const std::string& status)
 {
-    if (style_ == Style::Bar) draw(status);
-    if (style_ == Style::Plain) std::fprintf(stderr, "%s\n", status.c_str());
+    const std::string line = printable_line(status);  // it may name a file
+    if (style_ == Style::Bar) draw(line);
+    if (style_ == Style::Plain) std::fprintf(stderr, "%s\n", line.c_str());
     if (style_ == Style::OpenJd) {
-        std::printf("openjd_status: %s\n", status.c_str());
+        std::printf("openjd_status: %s\n", line.c_str());
         std::fflush(stdout);
     }
 }
@@ -74,10 +102,11 @@ void ProgressDisplay::announce(const std::string& what)
 
 void ProgressDisplay::finish_part(std::size_t done, std::size_t all, const std::string& file)
 {
-    if (style_ == Style::Plain) std::fprintf(stderr, "%s: %s\n", subject_.c_str(), file.c_str());
+    const std::string line = printable_line(subject_ + ": " + file);
+    if (style_ == Style::Plain) std::fprintf(stderr, "%s\n", line.c_str());
     if (style_ == Style::OpenJd) {
         last_percent_ = static_cast<int>(100 * done / all);
-        std::printf("openjd_progress: %d\nopenjd_status: %s: %s\n", last_percent_, subject_.c_str(), file.c_str());
+        std::printf("openjd_progress: %d\nopenjd_status: %s\n", last_percent_, line.c_str());
         std::fflush(stdout);
     }
 }
@@ -86,7 +115,7 @@ void ProgressDisplay::fail(const std::string& what)
 {
     end();
     if (style_ != Style::OpenJd) return;
-    std::printf("openjd_fail: %s\n", what.c_str());
+    std::printf("openjd_fail: %s\n", printable_line(what).c_str());
     std::fflush(stdout);
 }
 

@@ -10,7 +10,7 @@ namespace occam::command {
 
 class ProgressDisplay {
 public:
-    /// The style Auto is a bar if standard error is a terminal, and nothing otherwise.
+    /// The style Auto is a bar if standard error is a terminal, lines if that terminal is a dumb one, and nothing otherwise.
     ProgressDisplay(ProgressStyle style, bool quiet);
     ~ProgressDisplay();
     ProgressDisplay(const ProgressDisplay&) = delete;

@@ -21,10 +21,13 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 // engine's checkpoint follows.
 class CheckpointFile {
 public:
+    /// Throws Error if a checkpoint may be left and cannot be written.
     explicit CheckpointFile(const RenderArguments& a) : arguments_(a), file_(a.output)
     {
         file_ += ".checkpoint";
-        if (a.keeps_checkpoint()) remove_unfinished(std::span(&file_, 1));
+        if (!a.keeps_checkpoint() || a.replay) return;
+        remove_unfinished(std::span(&file_, 1));
+        check_output(file_);  // before minutes of work
     }
 
     /// Returns the checkpoint from which the picture continues; empty if it starts anew. Throws Error for the checkpoint of
@@ -79,14 +82,10 @@ Settings settings_of(const RenderArguments& a, Settings settings)
     return settings;
 }
 
-}  // namespace
-
-int run(const RenderArguments& a)
+int run_frame(const RenderArguments& a, ProgressDisplay& display)
 {
-    catch_interrupts();
     if (!a.replay) check_outputs(a, {&a.output, 1}, {&a.output, 1});
     const CheckpointFile checkpoint_file(a);
-    ProgressDisplay display(a.progress, a.quiet);
 
     display.say("reading " + (a.scene.empty() ? "the built-in scene" : a.scene.string()));
     const auto load_start = Clock::now();
@@ -137,6 +136,20 @@ int run(const RenderArguments& a)
 
     report(a, stats);
     return ending == Ending::Interrupted ? kInterruptedExit : 0;
+}
+
+}  // namespace
+
+int run(const RenderArguments& a)
+{
+    catch_interrupts();
+    ProgressDisplay display(a.progress, a.quiet);
+    try {
+        return run_frame(a, display);
+    } catch (const std::exception& error) {
+        display.fail(error.what());
+        throw;
+    }
 }
 
 }  // namespace occam::command
