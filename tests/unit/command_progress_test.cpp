@@ -92,7 +92,7 @@ TEST_F(CommandProgress, ANameWithALineEndMakesNoLineOfItsOwn)
 
 TEST_F(CommandProgress, ACheckpointThatCannotBeWrittenIsFoundBeforeThePictureIsMade)
 {
-    const std::string name = std::string(230, 'a') + ".png";  // the name of the checkpoint's temporary is too long
+    const std::string name = std::string(236, 'a') + ".png";  // the name of the checkpoint's temporary is too long
     const Outcome o = run({"render", "triangle.obj", "-o", name, "--size", "8x4", "--spp", "1", "--checkpoint", "on"});
     EXPECT_EQ(o.exit_code, kOutput) << o.err;
     EXPECT_NE(o.err.find(".png.checkpoint: cannot be written: "), std::string::npos) << o.err;
