@@ -163,11 +163,11 @@ std::optional<Texture> MaterialImporter::describe(int index, TextureRole role)
     }
     const auto path = inside(report_.file().parent_path(), decode_uri(i->uri));
     if (!path) {
-        report_.warn("image is not in the scene's folder", named_element("images", index, shown));
+        report_.warn_of_file("image is not in the scene's folder", named_element("images", index, shown));
         return std::nullopt;
     }
     if (!std::filesystem::is_regular_file(*path)) {
-        report_.warn("image file is missing", shown);
+        report_.warn_of_file("image file is missing", shown);
         return std::nullopt;
     }
     t.path = *path;

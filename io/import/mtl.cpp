@@ -132,11 +132,11 @@ private:
         if (name.empty()) return use;
         const auto path = image_path(name);
         if (!path) {
-            report_.warn("texture is not in the scene's folder", name);
+            report_.warn_of_file("texture is not in the scene's folder", name);
             return use;
         }
         if (!std::filesystem::is_regular_file(*path)) {
-            report_.warn("image file is missing", name);
+            report_.warn_of_file("image file is missing", name);
             return use;
         }
         const auto [known, is_new] = textures_.try_emplace({path->string(), role});

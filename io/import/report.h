@@ -20,16 +20,11 @@ public:
     std::string name() const { return file_.string(); }
     bool is_strict() const noexcept { return strict_; }
 
-    void warn(const std::string& what, const std::string& where = {})
+    void warn(const std::string& what, const std::string& where = {}) { add(what, {what, where, ", first of "}); }
+    /// Keeps a kind for each file, because each has to be found by a person. It is counted as often as it is used.
+    void warn_of_file(const std::string& what, const std::string& file)
     {
-        if (strict_) throw Error(name(), what, where);
-        if (kinds_.size() >= kMaxKinds && !index_.contains(what)) {
-            ++left_out_;
-            return;
-        }
-        const auto [entry, is_new] = index_.try_emplace(what, kinds_.size());
-        if (is_new) kinds_.push_back({what, where, 0});
-        ++kinds_[entry->second].count;
+        add(what + '\n' + file, {what, file, ", number of uses: "});
     }
 
     /// Returns one line for each kind, in the order in which they came up.
@@ -39,7 +34,7 @@ public:
         for (const Kind& kind : kinds_) {
             std::string line = kind.what;
             if (!kind.where.empty())
-                line += " (" + kind.where + (kind.count > 1 ? ", first of " + std::to_string(kind.count) : "") + ")";
+                line += " (" + kind.where + (kind.count > 1 ? kind.counted + std::to_string(kind.count) : "") + ")";
             else if (kind.count > 1) line += " (" + std::to_string(kind.count) + " times)";
             result.push_back(std::move(line));
         }
@@ -50,8 +45,22 @@ public:
 private:
     struct Kind {
         std::string what, where;
-        std::size_t count;
+        const char* counted;  // what stands before a count above 1
+        std::size_t count = 0;
     };
+
+    void add(const std::string& key, Kind kind)
+    {
+        if (strict_) throw Error(name(), kind.what, kind.where);
+        if (kinds_.size() >= kMaxKinds && !index_.contains(key)) {
+            ++left_out_;
+            return;
+        }
+        const auto [entry, is_new] = index_.try_emplace(key, kinds_.size());
+        if (is_new) kinds_.push_back(std::move(kind));
+        ++kinds_[entry->second].count;
+    }
+
     static constexpr std::size_t kMaxKinds = 1000;  // more kinds than this would not be read
     std::filesystem::path file_;
     bool strict_;

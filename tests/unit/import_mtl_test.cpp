@@ -231,10 +231,12 @@ TEST(ImportMtl, ABumpMapWithoutColourHoldsHeights)
     EXPECT_EQ(bump.material.bump_scale, 1);
 }
 
-TEST(ImportMtl, AMissingMapIsCounted)
+TEST(ImportMtl, EachMissingMapIsNamed)
 {
-    const Loaded loaded("Kd 1 1 1\nmap_Kd none.png\nmap_Ke none2.png\nnorm none3.png\n");
-    EXPECT_TRUE(warns(loaded.scene, "image file is missing (none.png, first of 3)"));
+    const Loaded loaded("Kd 1 1 1\nmap_Kd none.png\nmap_Ke none2.png\nnorm none2.png\n");
+    EXPECT_TRUE(warns(loaded.scene, "image file is missing (none.png)"));
+    EXPECT_TRUE(warns(loaded.scene, "image file is missing (none2.png, number of uses: 2)"));
+    EXPECT_EQ(loaded.scene.warnings.size(), 2u);
     EXPECT_EQ(loaded.material.base_color, Vec4f(0.5f, 0.5f, 0.5f, 1)) << "grey";
     EXPECT_EQ(loaded.material.emission, Vec3f(0)) << "what would shine evenly without its image does not";
     EXPECT_FALSE(loaded.material.normal_texture);
