@@ -209,7 +209,7 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
         const auto write_start = Clock::now();
         WriteOptions write = sequence.write_options();
         write.exposure_seconds = framing.exposure_seconds();
-        write.note = sequence.note(frame, settings, camera);
+        write.note = note_in_file(sequence.note(frame, settings, camera), stats.complete);
         job.image().write(file, write);
         add_seconds(stats, load_seconds, edit_seconds, seconds_since(write_start));
         load_seconds = 0;

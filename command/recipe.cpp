@@ -11,6 +11,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr char kUnfinished[] = ", unfinished";  // follows the note of a picture that was stopped
+
 class Fingerprint {
 public:
     void add(const std::string& text)
@@ -89,6 +91,8 @@ std::string recipe_note(std::uint64_t scene_stamp, const Recipe& recipe)
     return text;
 }
 
+std::string note_in_file(const std::string& note, bool is_complete) { return is_complete ? note : note + kUnfinished; }
+
 FoundPicture look_for(const fs::path& file, const Settings& settings, const std::string& note)
 {
     using State = FoundPicture::State;
@@ -104,7 +108,11 @@ FoundPicture look_for(const fs::path& file, const Settings& settings, const std:
     if (head.width != rect.width() || head.height != rect.height())
         return {State::Other, "has " + std::to_string(head.width) + "x" + std::to_string(head.height) + " pixels, not " +
                                   std::to_string(rect.width()) + "x" + std::to_string(rect.height())};
-    if (!head.note.empty() && head.note != note) return {State::Other, "was made with other settings or from another scene"};
+    if (!head.note.empty() && head.note != note && head.note != note + kUnfinished)
+        return {State::Other, "was made with other settings or from another scene"};
+    // With a deadline, a run that is started again would make such a picture no better.
+    if (head.note == note + kUnfinished && settings.deadline_s == 0)
+        return {State::Broken, Error(file.string(), "was stopped before it was finished").what()};
     return {State::Same, {}};
 }
 

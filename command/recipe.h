@@ -25,13 +25,15 @@ struct Recipe {
 };
 /// Returns the note of a picture: "Occam 0.1.0, recipe 0123456789abcdef".
 std::string recipe_note(std::uint64_t scene_stamp, const Recipe& recipe);
+/// Returns what the file of the picture holds: its note, and whether it was stopped before it was finished.
+std::string note_in_file(const std::string& note, bool is_complete);
 
 /// Describes the file that exists where a picture is to be made.
 struct FoundPicture {
     enum class State : unsigned char {
         Missing,
         Same,    ///< whole, of the right size, and with this note or without one
-        Broken,  ///< not a whole picture
+        Broken,  ///< not a whole picture, or one that was stopped while these settings have no deadline
         Other    ///< a whole picture of another size or recipe
     } state = State::Missing;
     std::string why;  ///< says what is broken or other

@@ -109,8 +109,8 @@ int run_frame(const RenderArguments& a, ProgressDisplay& display)
     settings.progressive = a.keeps_checkpoint() || a.resume;
     WriteOptions write = a.write;
     write.exposure_seconds = framing.exposure_seconds();
-    write.note = recipe_note(stamp, {a, a.write, settings, camera, framing.moment()});
-    std::string checkpoint = checkpoint_file.read(write.note);
+    const std::string note = recipe_note(stamp, {a, a.write, settings, camera, framing.moment()});
+    std::string checkpoint = checkpoint_file.read(note);
     if (a.resume) display.say(checkpoint.empty() ? "there is no checkpoint: starting anew" : "going on from the checkpoint");
     const double edit_seconds = seconds_since(edit_start);
 
@@ -126,8 +126,9 @@ int run_frame(const RenderArguments& a, ProgressDisplay& display)
     display.say("writing " + a.output.string());
     held.limit();
     const auto write_start = Clock::now();
+    write.note = note_in_file(note, stats.complete);
     job.image().write(a.output, write);
-    const bool can_go_on = checkpoint_file.write(write.note, job);
+    const bool can_go_on = checkpoint_file.write(note, job);
     add_seconds(stats, load_seconds, edit_seconds, seconds_since(write_start));
     if (can_go_on)
         display.say("stopped at " + std::to_string(stats.image.least_samples) + " of " + std::to_string(settings.spp) +

@@ -165,6 +165,26 @@ TEST_F(Animate, FramesThatAreNoWholePicturesAreMadeAgain)
     }
 }
 
+// A deadline stops a frame, whose file is whole all the same.
+TEST_F(Animate, FramesThatADeadlineHasStoppedAreMadeAgainWithoutOne)
+{
+    for (const char* extension : {"exr", "png", "jpg", "tif"}) {
+        const std::string pattern = std::string("a.#.") + extension, name = std::string("a.0.") + extension;
+        ASSERT_EQ(run(words("good" + pattern, "0", {"--clip", "slide"})).exit_code, kDone);
+        ASSERT_EQ(run(words(pattern, "0", {"--clip", "slide", "--deadline", "1e-9"})).exit_code, kDone);
+        const std::string stopped = bytes(name);
+        EXPECT_NE(pixels(name), pixels("good" + name));
+        ASSERT_EQ(run(words(pattern, "0", {"--clip", "slide", "--deadline", "2e-9"})).exit_code, kDone);
+        EXPECT_EQ(bytes(name), stopped) << "a run with a deadline that is started again has nothing to do";
+        EXPECT_EQ(run(words(pattern, "0", {"--clip", "rise"})).exit_code, kBadInput);
+        const Outcome o = run(words(pattern, "0", {"--clip", "slide"}));
+        EXPECT_EQ(o.exit_code, kDone);
+        EXPECT_EQ(o.err, "occam: warning: " + name + ": was stopped before it was finished; it is made again\n");
+        EXPECT_EQ(pixels(name), pixels("good" + name));
+        EXPECT_EQ(run(words(pattern, "0", {"--clip", "slide"})).err, "");
+    }
+}
+
 TEST_F(Animate, FramesOfOtherSettingsAreRefused)
 {
     for (const char* extension : {"exr", "png", "jpg", "tif"}) {
