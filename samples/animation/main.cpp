@@ -51,4 +51,7 @@ try {
 } catch (const Error& error) {
     std::fprintf(stderr, "occam_animation: %s\n", error.what());
     return error.kind() == Error::Kind::Output ? 3 : 2;
+} catch (const std::exception& error) {
+    std::fprintf(stderr, "occam_animation: %s\n", error.what());
+    return 3;
 }

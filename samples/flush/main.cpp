@@ -64,5 +64,5 @@ try {
     return is_same ? 0 : 1;
 } catch (const Error& error) {
     std::fprintf(stderr, "occam_flush: %s\n", error.what());
-    return 2;
+    return error.kind() == Error::Kind::Output ? 3 : 2;
 }

@@ -125,5 +125,5 @@ try {
     return play_headless(game, settings, words.frames, words.picture);
 } catch (const Error& error) {
     std::fprintf(stderr, "occam_game: %s\n", error.what());
-    return 2;
+    return error.kind() == Error::Kind::Output ? 3 : 2;
 }

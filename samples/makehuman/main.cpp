@@ -56,6 +56,9 @@ try {
 } catch (const Error& error) {
     std::fprintf(stderr, "occam_makehuman: %s\n", error.what());
     return error.kind() == Error::Kind::Output ? 3 : 2;
+} catch (const std::filesystem::filesystem_error& error) {
+    std::fprintf(stderr, "occam_makehuman: %s\n", error.what());
+    return 3;
 } catch (const std::exception& error) {
     std::fprintf(stderr, "occam_makehuman: the data is not as expected: %s\n", error.what());
     return 2;

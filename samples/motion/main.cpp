@@ -90,4 +90,7 @@ try {
 } catch (const Error& error) {
     std::fprintf(stderr, "occam_motion: %s\n", error.what());
     return error.kind() == Error::Kind::Output ? 3 : 2;
+} catch (const std::exception& error) {
+    std::fprintf(stderr, "occam_motion: %s\n", error.what());
+    return 3;
 }
