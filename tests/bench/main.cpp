@@ -46,6 +46,7 @@ try {
     if (wanted.empty())
         for (const occam::bench::Suite& suite : occam::bench::kSuites) wanted.push_back(&suite);
 
+    if (json) occam::check_whole(json);  // before minutes of work
     occam::bench::Report report(only);
     for (const occam::bench::Suite* suite : wanted) suite->run(report);
     if (json) occam::write_whole(json, report.json());
