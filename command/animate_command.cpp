@@ -86,6 +86,7 @@ public:
     {
         framing_.fit_clip();
         const bool needs_exposure = !write_.exposure_ev && Image::is_for_display(arguments.output);
+        is_exposure_measured_ = needs_exposure;
         if (needs_exposure || scene.contents().has(Contents::Emitters)) {
             const Chosen chosen = measure(arguments, framing_, scene, renderer);
             default_light_ = chosen.default_light;
@@ -125,8 +126,8 @@ public:
             const Camera camera = framing_.camera();
             const Settings settings = this->settings(camera);
             const FoundPicture found = look_for(file, settings, note(frame, settings, camera));
-            if (found.state == FoundPicture::State::Other)
-                throw Error(file.string(), "is there already, and " + found.why + "; --overwrite makes it again");
+            if (found.state == FoundPicture::State::OtherSize || found.state == FoundPicture::State::OtherRecipe)
+                refuse(file, found);
             if (found.state == FoundPicture::State::Broken) {
                 std::fprintf(stderr, "occam: warning: %s; it is made again\n", found.why.c_str());
                 std::error_code ignored;
@@ -138,8 +139,18 @@ public:
     }
 
 private:
+    [[noreturn]] void refuse(const fs::path& file, const FoundPicture& found) const
+    {
+        const bool may_be_exposure = is_exposure_measured_ && found.state == FoundPicture::State::OtherRecipe;
+        throw Error(file.string(),
+                    "is there already, and " + found.why +
+                        (may_be_exposure ? ", or with the exposure that another list of frames asks for (--exposure)" : "") +
+                        "; --overwrite makes it again");
+    }
+
     const AnimateArguments& arguments_;
     WriteOptions write_;
+    bool is_exposure_measured_ = false;
     std::uint64_t stamp_;
     Framing framing_;
     std::optional<bool> default_light_;

@@ -106,10 +106,10 @@ FoundPicture look_for(const fs::path& file, const Settings& settings, const std:
     }
     const render::PixelRect rect = render::crop_pixels(settings);
     if (head.width != rect.width() || head.height != rect.height())
-        return {State::Other, "has " + std::to_string(head.width) + "x" + std::to_string(head.height) + " pixels, not " +
-                                  std::to_string(rect.width()) + "x" + std::to_string(rect.height())};
+        return {State::OtherSize, "has " + std::to_string(head.width) + "x" + std::to_string(head.height) + " pixels, not " +
+                                      std::to_string(rect.width()) + "x" + std::to_string(rect.height())};
     if (!head.note.empty() && head.note != note && head.note != note + kUnfinished)
-        return {State::Other, "was made with other settings or from another scene"};
+        return {State::OtherRecipe, "was made with other settings or from another scene"};
     // With a deadline, a run that is started again would make such a picture no better.
     if (head.note == note + kUnfinished && settings.deadline_s == 0)
         return {State::Broken, Error(file.string(), "was stopped before it was finished").what()};

@@ -32,9 +32,10 @@ std::string note_in_file(const std::string& note, bool is_complete);
 struct FoundPicture {
     enum class State : unsigned char {
         Missing,
-        Same,    ///< whole, of the right size, and with this note or without one
-        Broken,  ///< not a whole picture, or one that was stopped while these settings have no deadline
-        Other    ///< a whole picture of another size or recipe
+        Same,        ///< whole, of the right size, and with this note or without one
+        Broken,      ///< not a whole picture, or one that was stopped while these settings have no deadline
+        OtherSize,   ///< a whole picture of another size
+        OtherRecipe  ///< a whole picture of this size that was made with other settings or from another scene
     } state = State::Missing;
     std::string why;  ///< says what is broken or other
 };

@@ -207,6 +207,15 @@ TEST_F(Animate, FramesOfOtherSettingsAreRefused)
         EXPECT_EQ(run(words(pattern, "0-2", {"--clip", "fly"})).exit_code, kBadInput);
         EXPECT_EQ(bytes(std::string("a.0.") + extension), before);
     }
+    // The exposure of display formats is measured over the list of frames, unless it is given.
+    const auto refusal = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> all{"--seed", "7"};
+        all.insert(all.end(), more.begin(), more.end());
+        return run(words("a.#.png", "0", all)).err;
+    };
+    EXPECT_NE(refusal({}).find("another list of frames asks for (--exposure); --overwrite"), std::string::npos);
+    EXPECT_EQ(refusal({"--exposure", "0"}).find("(--exposure)"), std::string::npos);
+    EXPECT_EQ(refusal({"--crop", "0,0.5,0,1"}).find("(--exposure)"), std::string::npos) << "of another size";
     ASSERT_EQ(run(words("b.#.hdr", "0")).exit_code, kDone);
     EXPECT_EQ(run(words("b.#.hdr", "0", {"--crop", "0,0.5,0,1"})).exit_code, kBadInput) << "of another size";
 }
