@@ -168,7 +168,7 @@ TEST_F(Animate, FramesThatAreNoWholePicturesAreMadeAgain)
 // A deadline stops a frame, whose file is whole all the same.
 TEST_F(Animate, FramesThatADeadlineHasStoppedAreMadeAgainWithoutOne)
 {
-    for (const char* extension : {"exr", "png", "jpg", "tif"}) {
+    for (const char* extension : {"exr", "png"}) {
         const std::string pattern = std::string("a.#.") + extension, name = std::string("a.0.") + extension;
         ASSERT_EQ(run(words("good" + pattern, "0", {"--clip", "slide"})).exit_code, kDone);
         ASSERT_EQ(run(words(pattern, "0", {"--clip", "slide", "--deadline", "1e-9"})).exit_code, kDone);
