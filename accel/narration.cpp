@@ -7,6 +7,7 @@
 #include "accel/corners.h"
 #include "accel/print.h"
 #include "accel/triangle.h"
+#include "base/printable.h"
 
 namespace occam::accel {
 namespace {
@@ -119,8 +120,8 @@ void Narration::name(const IGrid& grid)
 {
     const Cage& cage = grid.cage->slot->cage;
     out_ << "igrid of node " << grid.cage->node_id;
-    if (grid.cage->node && !grid.cage->node->name.empty()) out_ << " '" << grid.cage->node->name << '\'';
-    if (!cage.name.empty()) out_ << ", " << (grid.is_lattice ? "cage '" : "mesh '") << cage.name << '\'';
+    if (grid.cage->node && !grid.cage->node->name.empty()) out_ << " '" << printable_line(grid.cage->node->name) << '\'';
+    if (!cage.name.empty()) out_ << ", " << (grid.is_lattice ? "cage '" : "mesh '") << printable_line(cage.name) << '\'';
 }
 
 void Narration::scene_missed() { out_ << "  The ray misses the box around the scene.\n"; }

@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "arguments.h"
+#include "base/printable.h"
 #include "io/output_file.h"
 #include "render/compare.h"
 
@@ -10,8 +11,8 @@ namespace {
 
 void print(const render::Difference& d)
 {
-    std::printf("%s: mse %.6g, rmse %.6g, rel-mse %.6g, psnr %.2f dB, max %.6g, p99.9 %.6g", d.layer.c_str(), d.mse, d.rmse,
-                d.rel_mse, d.psnr, d.max, d.p999);
+    std::printf("%s: mse %.6g, rmse %.6g, rel-mse %.6g, psnr %.2f dB, max %.6g, p99.9 %.6g", printable_line(d.layer).c_str(),
+                d.mse, d.rmse, d.rel_mse, d.psnr, d.max, d.p999);
     if (d.incomparable) std::printf(", %llu pixels cannot be compared", static_cast<unsigned long long>(d.incomparable));
     std::printf("\n");
 }
@@ -23,7 +24,9 @@ bool meets_limits(const CompareArguments& a, const render::Difference& d)
     const auto check = [&](const char* name, double value, const std::optional<double>& limit, bool at_most) {
         if (!limit) return;
         const bool holds = at_most ? value <= *limit : value >= *limit;
-        if (!holds) std::fprintf(stderr, "occam: %s is %g, the limit is %g (%s)\n", name, value, *limit, d.layer.c_str());
+        if (!holds)
+            std::fprintf(stderr, "occam: %s is %g, the limit is %g (%s)\n", name, value, *limit,
+                         printable_line(d.layer).c_str());
         all &= holds;
     };
     check("mse", d.mse, a.max_mse, true);
@@ -34,7 +37,7 @@ bool meets_limits(const CompareArguments& a, const render::Difference& d)
     check("psnr", d.psnr, a.min_psnr, false);
     if (d.incomparable == 0) return all;
     std::fprintf(stderr, "occam: %llu pixels cannot be compared (%s)\n", static_cast<unsigned long long>(d.incomparable),
-                 d.layer.c_str());
+                 printable_line(d.layer).c_str());
     return false;
 }
 

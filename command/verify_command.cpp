@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "arguments.h"
+#include "base/printable.h"
 #include "framing.h"
 #include "replay_command.h"
 
@@ -58,7 +59,7 @@ int run(const VerifyArguments& a)
         std::cout << all.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
     } else {
         for (const VerifiedCage& c : cages) {
-            std::cout << (c.cage.empty() ? "cage" : c.cage) << " (" << c.faces << " faces): ";
+            std::cout << (c.cage.empty() ? "cage" : printable_line(c.cage)) << " (" << c.faces << " faces): ";
             if (!c.not_testable.empty()) std::cout << "not testable: " << c.not_testable << '\n';
             else std::cout << c.rays << " rays, " << c.escaped << " escaped, " << c.not_finite << " not finite\n";
             for (const std::string& line : c.replay) std::cout << "  " << replay_command(a.command, line) << '\n';
@@ -67,9 +68,8 @@ int run(const VerifyArguments& a)
                   << not_finite << " not finite\n";
     }
     if (tested == 0)
-        throw Error(a.scene.string(), cages.empty() ? "has no cage to test"
-                                                    : "none of its " + std::to_string(cages.size()) +
-                                                          " cages can be tested, so nothing was shown");
+        throw Error(a.scene.string(),
+                    cages.empty() ? "has no cage to test" : "none of its cages can be tested, so nothing was shown");
     return escaped + not_finite > 0 ? 1 : 0;
 }
 

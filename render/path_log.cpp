@@ -1,6 +1,7 @@
 #include "render/path_log.h"
 
 #include "accel/print.h"
+#include "base/printable.h"
 
 namespace occam::render {
 namespace {
@@ -59,10 +60,11 @@ void PathLog::surface(const Path& path, const accel::SurfaceHit& hit, const shad
 {
     const Node* node = scene_.find(hit.node);
     out_ << "surface: node " << hit.node;
-    if (node && !node->name.empty()) out_ << " '" << node->name << '\'';
-    out_ << ", material '" << hit.material->name << "', after " << int(path.bounces) << " bounces with throughput "
-         << path.throughput << "\n  normal " << surface.normal << ", base colour " << surface.base_color << ", opacity "
-         << surface.opacity << ", diffuse " << surface.diffuse << ", f0 " << surface.f0 << ", GGX width " << surface.alpha;
+    if (node && !node->name.empty()) out_ << " '" << printable_line(node->name) << '\'';
+    out_ << ", material '" << printable_line(hit.material->name) << "', after " << int(path.bounces)
+         << " bounces with throughput " << path.throughput << "\n  normal " << surface.normal << ", base colour "
+         << surface.base_color << ", opacity " << surface.opacity << ", diffuse " << surface.diffuse << ", f0 " << surface.f0
+         << ", GGX width " << surface.alpha;
     if (surface.coat > 0) out_ << ", coat " << surface.coat << " of width " << surface.coat_alpha;
     if (surface.transmission != Vec3f(0)) out_ << ", transmission " << surface.transmission;
     if (surface.is_solid) out_ << ", refractive index " << surface.eta;

@@ -6,6 +6,7 @@
 #include "accel/frame.h"
 #include "accel/print.h"
 #include "base/error_without_file.h"
+#include "base/printable.h"
 #include "lod/ray_levels.h"
 #include "verify/closed.h"
 #include "verify/mesh_pieces.h"
@@ -97,8 +98,8 @@ void EscapeTest::replay(const RayLine& line, std::ostream& out)
     const accel::Frame frame(subject_.scene(), subject_.topologies(), levels_, {.textures = textures_});
     accel::Tracer tracer(frame, std::size_t(1) << 30);
     const Precision digits(out, 9);
-    out << "cage " << number_ << " '" << report_.cage << "' of node '" << report_.node << "'; lengths are in units of "
-        << scale_.to_world() << '\n'
+    out << "cage " << number_ << " '" << printable_line(report_.cage) << "' of node '" << printable_line(report_.node)
+        << "'; lengths are in units of " << scale_.to_world() << '\n'
         << "ray: " << ray << '\n';
     accel::SurfaceHit hit;
     tracer.observe(ray, hit, &out);

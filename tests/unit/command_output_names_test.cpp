@@ -3,6 +3,7 @@
 #include <iterator>
 
 #include "io/output_file.h"
+#include "render/image.h"
 #include "tests/support/command_test.h"
 
 namespace occam {
@@ -41,6 +42,31 @@ TEST_F(OutputNames, WithoutALastPartLoseNoFiles)
         EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
         EXPECT_EQ(count(kept), in_kept) << words[3];
         EXPECT_EQ(count(folder), before + 2) << words[3] << ": the two files are those of the streams";
+    }
+}
+
+// A terminal obeys what follows an escape character, and files may be anybody's.
+TEST_F(OutputNames, NamesInFilesAreShownAndNotObeyed)
+{
+    const std::string scene = "ev\033[31mil.obj";
+    std::ofstream(folder / "a.mtl") << "newmtl red\033[31m\n";
+    std::ofstream(folder / scene) << "mtllib a.mtl\nusemtl red\033[31m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+                                     "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+    render::Image image(4, 4);
+    for (const char* layer : {"beauty", "a\033[31m"}) image.add_layer(layer, {"R", "G", "B"}).pixels.assign(48, 0.5f);
+    image.write(folder / "a.exr");
+    const std::string ray = "origin 0.2 0.2 0.2, direction 1 0 0, footprint 0 0.001";
+    const std::vector<std::vector<std::string>> calls{
+        {"info", scene},
+        {"verify", scene, "--subdivide", "on", "--rays", "1"},
+        {"verify", scene, "--subdivide", "on", "--replay", ray},
+        {"render", scene, "--subdivide", "on", "--size", "8x8", "--spp", "1", "--replay", "4,4"},
+        {"compare", "a.exr", "a.exr", "--layer", "a\033[31m", "--max-error", "0"}};
+    for (const std::vector<std::string>& words : calls) {
+        const Outcome o = run(words);
+        EXPECT_EQ(o.exit_code, kDone) << words[0] << ": " << o.err;
+        EXPECT_EQ((o.out + o.err).find('\033'), std::string::npos) << words[0] << ": " << o.out << o.err;
+        EXPECT_NE(o.out.find("\\x1b[31m"), std::string::npos) << words[0] << ": " << o.out;
     }
 }
 
