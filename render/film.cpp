@@ -10,6 +10,8 @@ namespace {
 
 std::size_t index_of(Aov aov) noexcept { return static_cast<std::size_t>(aov); }
 
+double luminance(Vec3d c) noexcept { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
+
 bool is_finite(Vec3f v) noexcept { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 }  // namespace
@@ -24,7 +26,7 @@ void PixelSums::add(const SampleResult& sample) noexcept
     if (is_finite(Vec3f(sample.albedo))) albedo_ += Vec4d(sample.albedo) * weight;
     if (is_finite(sample.normal)) normal_ += Vec3d(sample.normal) * weight;
     if (std::isfinite(sample.occlusion)) occlusion_ += double(sample.occlusion) * weight;
-    const double y = (0.2126 * radiance.x + 0.7152 * radiance.y + 0.0722 * radiance.z) * weight;
+    const double y = luminance(radiance);
     luminance_ += y;
     luminance2_ += y * y;
     weight_ += weight;
@@ -124,15 +126,17 @@ void PixelSums::write(Aov aov, float* to) const noexcept
 float PixelSums::variance() const noexcept
 {
     if (count_ < 2 || !(weight_ > 0)) return 0;
-    const double n = count_;
-    const double of_mean = std::max(0.0, (luminance2_ - luminance_ * luminance_ / n) / (n - 1) / n);
-    return static_cast<float>(of_mean * (n / weight_) * (n / weight_));
+    // The mean is one of sums, that of the weighted luminances over that of the weights. To the first order the deviations
+    // of the samples from it make its variance; their weights are 1 or -1, so the weights' squares are 1.
+    const double n = count_, aside = luminance_ / n - luminance(Vec3d(beauty_)) / weight_;
+    const double squares = luminance2_ - luminance_ * luminance_ / n + n * aside * aside;
+    return static_cast<float>(std::max(0.0, squares / (n - 1) / n) * (n / weight_) * (n / weight_));
 }
 
 float PixelSums::relative_error() const noexcept
 {
     if (count_ < 2 || !(weight_ > 0)) return std::numeric_limits<float>::infinity();
-    return std::sqrt(variance()) / std::max(static_cast<float>(luminance_ / weight_), kDarkest);
+    return std::sqrt(variance()) / std::max(static_cast<float>(luminance(Vec3d(beauty_)) / weight_), kDarkest);
 }
 
 Film::Film(const Settings& settings)

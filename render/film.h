@@ -71,7 +71,8 @@ private:
     Vec4d beauty_{0}, albedo_{0};
     Vec3d normal_{0};
     double occlusion_ = 0;
-    double luminance_ = 0, luminance2_ = 0, weight_ = 0;
+    double luminance_ = 0, luminance2_ = 0;  ///< of the samples, without weights
+    double weight_ = 0;
     int count_ = 0, not_finite_ = 0;
     float nearest_ = std::numeric_limits<float>::infinity();
     FirstSurface first_;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "tests/support/statistics.h"
 
 namespace occam::render {
 namespace {
@@ -80,6 +81,44 @@ TEST(Film, WeightsOfAFilterMayBeNegative)
     lost.weight = -1;
     nothing.add(lost);
     EXPECT_EQ(nothing.beauty(), Vec4f(0));
+}
+
+// The mean weighs samples by signs, so what is equally bright everywhere has no noise, whatever the signs are.
+TEST(Film, SignsOfAFilterAreNoNoise)
+{
+    PixelSums sums;
+    for (int i = 0; i < 20; ++i) {
+        SampleResult s = grey(0.5f, 1);
+        s.weight = i % 10 == 0 ? -1.0f : 1.0f;
+        sums.add(s);
+    }
+    EXPECT_EQ(sums.beauty().x, 0.5f);
+    EXPECT_NEAR(sums.variance(), 0, 1e-12);
+    EXPECT_NEAR(sums.relative_error(), 0, 1e-6);
+}
+
+// The variance of weighted means over many pixels is the mean of what is estimated from the samples of each.
+TEST(Film, VarianceIsThatOfTheWeightedMean)
+{
+    test::Numbers numbers(1);
+    test::Mean of_means, estimated;
+    double squares = 0;
+    constexpr int kPixels = 4000;
+    for (int pixel = 0; pixel < kPixels; ++pixel) {
+        PixelSums sums;
+        for (int i = 0; i < 64; ++i) {
+            SampleResult s = grey(1 + numbers.one(), 1);
+            s.weight = numbers.one() < 0.1f ? -1.0f : 1.0f;
+            sums.add(s);
+        }
+        of_means.add(double(sums.beauty().x));
+        squares += double(sums.beauty().x) * double(sums.beauty().x);
+        estimated.add(double(sums.variance()));
+    }
+    const double variance = squares / kPixels - of_means.value() * of_means.value();
+    // The variance of so many means is known to within 2.2 % (its standard error is sqrt(2 / 4000) of it), and that of a
+    // ratio of sums of 64 samples is a few per cent above its first order.
+    EXPECT_NEAR(estimated.value(), variance, 0.15 * variance);
 }
 
 // The four samples 1, 2, 3 and 6 have a mean of 3 and a standard error of sqrt(14 / 12).
