@@ -118,7 +118,7 @@ void add_transmission(const Material& m, const MaterialValues& values, const Die
                                          m.attenuation_distance;
         return;
     }
-    s.diffuse *= 1 - std::min(share, 1.0f);
+    s.diffuse *= 1 - std::min(values.transmission, 1.0f);
     const Vec3f tint = share * s.base_color;
     if (values.roughness >= kClearRoughness) {
         s.transmission = tint;

@@ -143,6 +143,28 @@ TEST(Bsdf, ARoughPaneLosesNothing)
             }
 }
 
+// Glass takes the place of a part of the base below the layer, so a white pane is as bright as the white surface without
+// glass, also if it is metal in part.
+TEST(Bsdf, APaneThatIsMetalInPartGainsNothing)
+{
+    const TextureStore textures(1 << 20);
+    for (const float roughness : {0.0f, 0.5f})
+        for (const float transmission : {0.3f, 1.0f})
+            for (const float metallic : {0.0f, 0.25f, 0.5f, 1.0f}) {
+                Material m;
+                m.metallic = metallic;
+                m.roughness = roughness;
+                ShadePoint p;
+                p.material = &m;
+                p.to_eye = direction(0.7f);
+                const double opaque = furnace(evaluate(p, textures));
+                m.transmission = transmission;
+                const Surface s = evaluate(p, textures);
+                EXPECT_NEAR(furnace(s) + double(s.transmittance.x), opaque, 2 * kWhite)
+                    << roughness << ' ' << transmission << ' ' << metallic;
+            }
+}
+
 // A normal map lies on a metal. Seen from every side of every slope, none of the eye's rays is lost below the facet.
 TEST(Bsdf, AMappedNormalLeavesNoBlackRings)
 {
