@@ -363,3 +363,10 @@ LightSample MeshLights::sample(Vec3d point, const Receiver& receiver, LightNumbe
 }
 
 }  // namespace occam::shade
+    if (const Cage& cage = *mesh.cage; !cage.colors.empty()) {
+        const auto color = [&](std::uint32_t corner) {
+            const std::size_t at = std::size_t(face) * 3 + corner;
+            return cage.colors[cage.color_indices.empty() ? cage.face_vertices[at] : cage.color_indices[at]];
+        };
+        p.color = color(0) * float(wa) + color(1) * float(wb) + color(2) * float(wc);
+    }

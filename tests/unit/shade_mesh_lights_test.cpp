@@ -146,6 +146,36 @@ TEST(MeshLights, SumsOfSamplesAreThoseOfAllTriangles)
     }
 }
 
+// A sample finds as much light as a ray that hits the surface there.
+TEST(MeshLights, TheAlphaOfVertexColoursCountsInSamples)
+{
+    Material glass;
+    glass.emission = Vec3f(1);
+    glass.alpha_mode = AlphaMode::Blend;
+    Cage cage;
+    cage.scheme = Scheme::Triangles;
+    cage.positions = {{-1, 0, -1}, {1, 0, -1}, {0, 0, 1}};
+    cage.face_vertices = {0, 1, 2};
+    cage.colors = {Vec4f(1, 1, 1, 0), Vec4f(1, 1, 1, 0), Vec4f(1, 1, 1, 0.75f)};
+    for (const bool has_indices : {false, true}) {
+        if (has_indices) cage.color_indices = {1, 0, 2};
+        Scene scene;
+        Cage shown = cage;
+        shown.materials = {scene.add(Material(glass))};
+        test::place(scene, scene.add(std::move(shown)), Vec3d(0));
+        scene.refit();
+        const TextureStore textures(1 << 20);
+        const MeshLights lights(scene, textures);
+        test::Numbers n(5);
+        for (int i = 0; i < 100; ++i) {
+            const Vec3d point(0, -1, 0);
+            const LightSample s = lights.sample(point, {}, {{n.one(), n.one()}, n.one()});
+            const Vec3d at = point + Vec3d(s.direction) * (-point.y / double(s.direction.y));
+            EXPECT_NEAR(double(s.radiance.x * s.density), 0.75 * (at.z + 1) / 2, 1e-4);
+        }
+    }
+}
+
 TEST(MeshLights, WhatIsNotSampledHasNoDensity)
 {
     Lamps lamps(60);
