@@ -282,7 +282,7 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
         if (chance.light > 0) gather_sky(v);
         transmittance = Vec3f(1 - surface.opacity);
     } else if (surface.unlit) {
-        result.radiance += clamped(share * surface.base_color, path.bounces);
+        if (!path.is_probe) result.radiance += clamped(share * surface.base_color, path.bounces);
         if (path.is_camera()) result.emitted += luminance(share * surface.base_color);
     } else if (surface.opacity > 0) {
         add_emission(path, hit, surface, share, result);

@@ -205,6 +205,31 @@ TEST(Path, ABodyTakesLightByTheLengthOfTheWay)
     EXPECT_NEAR(m.value(), expected, 4 * m.error() + 3e-3);
 }
 
+// An unlit surface is no light source, whether or not the scene has one.
+TEST(Path, UnlitSurfacesAreSeenAtTheSameStepsBesideAnEmissiveOne)
+{
+    for (const int bounces : {0, 1})
+        for (const IntegratorKind integrator : {IntegratorKind::Direct, IntegratorKind::Path}) {
+            const auto lit = [&](bool has_emitter) {
+                Scene scene;
+                put(scene, square(3), matte(0.8f));
+                Material unlit;
+                unlit.unlit = true;
+                put(scene, square(1), unlit, {0, 1, 0});
+                Material shining = matte(0);
+                shining.emission = Vec3f(1);
+                if (has_emitter) put(scene, square(0.1f), shining, {0, -5, 0});
+                Settings settings = kSmall;
+                settings.integrator = integrator;
+                settings.bounces = bounces;
+                settings.sky = shade::Sky::Off;
+                return mean_of(scene, Camera::look_at({0, 0.5, 0}, {0, 0, 0}, {0, 0, -1}, 0.01f), settings);
+            };
+            const Mean with = lit(true), without = lit(false);
+            EXPECT_NEAR(with.value(), without.value(), 4 * (with.error() + without.error())) << bounces;
+        }
+}
+
 TEST(Path, OneThreadAndManyAndAnyBudgetMakeTheSamePicture)
 {
     Scene scene;
