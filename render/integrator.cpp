@@ -161,13 +161,23 @@ void Integrator::shade_miss(std::size_t i, SampleResult& result)
     if (context_.log) context_.log->added("the background", light);
 }
 
+Vec3f Integrator::left_by_body(Vec3f absorption, float length) const noexcept
+{
+    Vec3f left(1);
+    if (absorption == Vec3f(0) || !(length < std::numeric_limits<float>::infinity())) return left;
+    const float in_world = std::min(context_.scale.to_world(length), std::numeric_limits<float>::max());
+    for (int c = 0; c < 3; ++c) left[c] = maths::exp(-absorption[c] * in_world);
+    return left;
+}
+
 void Integrator::cross_lights(const Path& path, const accel::Ray& ray, float t_far, SampleResult& result) const
 {
     const auto add = [&](const shade::WorldLight& light, const shade::LightCrossing& crossing, float expected) {
         if (crossing.distance <= ray.t_near || (light.groups & path.receiver.groups) == 0) return;
         const shade::SampleCounts counts{path.light_samples * expected, path.scatter_samples};
         const float weight = counts.of_scatter(path.density, crossing.density);
-        const Vec3f found = clamped(path.throughput * crossing.radiance * weight, path.bounces);
+        const Vec3f arrives = path.throughput * left_by_body(path.absorption, crossing.distance - ray.t_near);
+        const Vec3f found = clamped(arrives * crossing.radiance * weight, path.bounces);
         result.radiance += found;
         if (context_.log) context_.log->added("a light that the ray crosses", found);
     };
@@ -241,17 +251,14 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
     Path& path = slot.path;
     path = paths_[i];
     const Settings& settings = context_.settings;
+    // Only the last piece of a ray knows which lights lie before its end: those behind a surface that it passes come
+    // later.
+    if (!path.is_camera()) cross_lights(path, ray, hit.t, result);
+    path.throughput *= left_by_body(path.absorption, hit.t - ray.t_near);
     if (!settings.back_faces && is_culled(hit)) {
         if (context_.log) context_.log->culled();
         return pass_straight(i, path, hit.t, {Vec3f(1), path.coverage, 1}, sample);
     }
-    if (path.absorption != Vec3f(0)) {
-        const float length = std::min(context_.scale.to_world(hit.t - ray.t_near), std::numeric_limits<float>::max());
-        for (int c = 0; c < 3; ++c) path.throughput[c] *= maths::exp(-path.absorption[c] * length);
-    }
-    // Only the last piece of a ray knows which lights lie before its end: those behind a surface that it passes come
-    // later.
-    if (!path.is_camera()) cross_lights(path, ray, hit.t, result);
 
     counters_.hits_looked_up += hit.phase_one_channels == 0;
     const shade::ShadePoint point = shade_point(ray, hit, texture_width_);

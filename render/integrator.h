@@ -200,6 +200,15 @@ private:
     void set_receiver(Vertex& v) const noexcept;
     void count_cells(const accel::Ray& ray, const accel::SurfaceHit& hit);
     void shade_miss(std::size_t i, SampleResult& result);
+    /// Returns the share of light that a body leaves over a length of the way through it. Light from infinitely far is not
+    /// dimmed: no boundary of a body lies on its way.
+    Vec3f left_by_body(Vec3f absorption, float length) const noexcept;
+    /// Returns the absorption coefficient that holds along a ray which leaves the surface in that direction.
+    static Vec3f absorption_along(const Vertex& v, Vec3f direction) noexcept
+    {
+        if (!v.surface.is_solid || glm::dot(v.surface.normal_geometric, direction) > 0) return v.path.absorption;
+        return v.hit.back_side ? Vec3f(0) : v.surface.absorption_inside;
+    }
     /// Adds the lights without a surface that a scattered ray crosses before `t_far`.
     void cross_lights(const Path& path, const accel::Ray& ray, float t_far, SampleResult& result) const;
     void add_emission(const Path& path, const accel::SurfaceHit& hit, const shade::Surface& surface, Vec3f share,

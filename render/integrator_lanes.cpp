@@ -13,7 +13,8 @@ constexpr int kFewestInLanes = std::min(3, kLanes);
 
 bool Integrator::may_wait(const Vertex& v, const Chances& chance) const noexcept
 {
-    return waits_ && !(chance.pass > 0) && chance.light == 1 && chance.scatter == 1 && shade::SurfaceLanes::takes(v.surface);
+    const bool is_whole = !(chance.pass > 0) && chance.light == 1 && chance.scatter == 1;
+    return waits_ && is_whole && v.path.absorption == Vec3f(0) && shade::SurfaceLanes::takes(v.surface);
 }
 
 void Integrator::shade_or_wait(Vertex& v, const Chances& chance)

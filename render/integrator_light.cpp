@@ -80,7 +80,8 @@ int Integrator::scatter_samples_at(const Path& path) const noexcept
 void Integrator::test(const Vertex& v, const shade::ShadowTest& test, Vec3f share, int samples)
 {
     if (is_black(test.radiance)) return;
-    const Vec3f light = clamped(test.radiance * share, v.path.bounces + 1);
+    const Vec3f left = left_by_body(absorption_along(v, test.direction), test.t_far);
+    const Vec3f light = clamped(test.radiance * share * left, v.path.bounces + 1);
     if (context_.log) context_.log->light_sample(test.direction, test.t_far, light);
     const auto of_pixel = static_cast<float>(samples * context_.settings.spp);
     shoot(v, test, light, shade::light_spread(v.width, test.t_far, test.density, of_pixel));
@@ -282,8 +283,7 @@ void Integrator::follow(const Vertex& v, const shade::ScatterSample& s, const Sc
     next.passed = 0;
     next.straight = 1;
     ++next.bounces;
-    if (s.lobe == shade::Lobe::Transmission && v.surface.is_solid)
-        next.absorption = v.hit.back_side ? Vec3f(0) : v.surface.absorption_inside;
+    next.absorption = absorption_along(v, s.direction);
     const accel::Ray& ray = *new (&next_rays_.emplace_back()) accel::Ray(scattered_ray(v, s, number.samples));
     if (context_.log) context_.log->scattered(s, next);
 
@@ -308,7 +308,8 @@ void Integrator::look_for_light(const Path& next, const accel::Ray& ray, const s
 {
     // Lights without a surface and the sky need no hit: the ray is occluded or not.
     const auto add = [&](float t_far, Vec3f radiance) {
-        const Vec3f reaches = clamped(next.throughput * radiance, next.bounces);
+        const Vec3f left = left_by_body(next.absorption, t_far);
+        const Vec3f reaches = clamped(next.throughput * left * radiance, next.bounces);
         if (is_black(reaches)) return;
         if (context_.log) context_.log->light_sample(ray.direction, t_far, reaches);
         accel::Ray& shadow = shadows_.add(next.sample, reaches);

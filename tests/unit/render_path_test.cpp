@@ -205,6 +205,52 @@ TEST(Path, ABodyTakesLightByTheLengthOfTheWay)
     EXPECT_NEAR(m.value(), expected, 4 * m.error() + 3e-3);
 }
 
+// A lamp hangs in water, 1 above a floor that lies 3 below the surface. The camera looks straight down, and the index is so
+// low that nothing is reflected at the surface.
+TEST(Path, ABodyTakesLightOnItsWayToALampInside)
+{
+    const auto water = [](Scene& scene, const Material& floor) {
+        Material m = matte(1);
+        m.specular = 1;
+        m.roughness = 0;
+        m.transmission = 1;
+        m.thickness = 1;
+        m.ior = 1.01f;
+        m.attenuation_color = Vec3f(0.5f);
+        m.attenuation_distance = 1;
+        put(scene, square(50), m);
+        put(scene, square(50), floor, {0, -3, 0});
+    };
+    Settings settings = kSmall;
+    settings.width = settings.height = 8;
+    settings.sky = shade::Sky::Off;
+    const Camera above = Camera::look_at({0, 4, 0}, {0, 0, 0}, {0, 0, -1}, 0.001f);
+    {
+        Scene scene;
+        water(scene, matte(1));
+        NodeDesc lamp;
+        lamp.place.translation = {1, -2, 0};  // not in view
+        lamp.light = scene.add(Light{"lamp", PointLight{Vec3f(1)}});
+        scene.add_node(scene.root(), lamp);
+        settings.bounces = 1;
+        const double root = std::sqrt(2.0);  // the distance, and one over the cosine
+        const double expected = 1 / (2 * root * 3.14159265) * std::exp2(-root - 3);
+        EXPECT_NEAR(mean_of(scene, above, settings).value(), expected, 0.01 * expected);
+    }
+    {
+        // A mirror shows the lower side of a lamp, of a radiance of 6.
+        Scene scene;
+        Material mirror;
+        mirror.metallic = 1;
+        mirror.roughness = 0;
+        water(scene, mirror);
+        add_lamp(scene, {0, -2, 0});
+        settings.bounces = 4;
+        const double expected = 6 * std::exp2(-1 - 3);
+        EXPECT_NEAR(mean_of(scene, above, settings).value(), expected, 0.01 * expected);
+    }
+}
+
 // An unlit surface is no light source, whether or not the scene has one.
 TEST(Path, UnlitSurfacesAreSeenAtTheSameStepsBesideAnEmissiveOne)
 {
