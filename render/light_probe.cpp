@@ -119,7 +119,9 @@ shade::FrameLights lights_of(const FrameInputs& in, const FrameScale& scale)
     const Settings& s = in.settings;
     const Camera camera = scale.placed(in.camera);
     const auto make = [&](shade::Sky sky, std::optional<bool> gets_default) {
-        return shade::FrameLights(in.scene, camera, in.textures, {sky, s.sky_strength, gets_default}, scale, &in.lights);
+        shade::FrameLights made(in.scene, camera, in.textures, {sky, s.sky_strength, gets_default}, scale, &in.lights);
+        if (!s.back_faces) made.hide_backs();
+        return made;
     };
     shade::FrameLights lights = make(s.sky, s.default_light);
     const bool is_known = s.default_light || s.sky == shade::Sky::Off || !lights.relies_on_emitters();

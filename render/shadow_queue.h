@@ -16,6 +16,7 @@
 #include "accel/tracer.h"
 #include "io/texture/texture_store.h"
 #include "render/path.h"
+#include "shade/surface.h"
 
 namespace occam::render {
 
@@ -34,11 +35,10 @@ inline float passing_chance(float share, int passed) noexcept
     return std::min(share / std::clamp(float(passed - kCertainPasses) * kPerSurface, kLeastShare, 1.0f), 1.0f);
 }
 
-/// Returns true for the back of a single-sided surface, for Settings::back_faces = false. Bodies of glass are excepted,
-/// because rays have to leave them again.
+/// Returns true for the back of a single-sided surface, for Settings::back_faces = false.
 inline bool is_culled(const accel::SurfaceHit& hit) noexcept
 {
-    return hit.back_side && !hit.material->double_sided && !(hit.material->transmission > 0);
+    return hit.back_side && shade::is_single_sided(*hit.material);
 }
 
 /// Returns the rest of a ray behind a hit. The interval is open at its near end, so rounding of t cannot find the hit

@@ -51,6 +51,9 @@ public:
                 const FrameScale& scale = {}, KeptLights* kept = nullptr);
     FrameLights(std::vector<WorldLight> lights, Environment environment);
 
+    /// Leaves out the light of the backs of single-sided emissive surfaces.
+    void hide_backs() noexcept { meshes_.hide_backs(); }
+
     /// Returns the placed lights: first those outside the tree.
     const std::vector<WorldLight>& lights() const noexcept { return placed_->lights; }
     std::size_t lights_outside_tree() const noexcept { return placed_->outside_tree; }

@@ -187,7 +187,7 @@ void MeshLights::add(const Placed& placed, const CageSlot& slot)
         if (density > 0) power_ += double(density) * found.area[s];
         if (!(density > 0) || moves || scene.find(node.skin) || unsampled.contains(material)) continue;
         known_.push_back({id, material, density});
-        const Mesh mesh{id, &cage, material, world_from_object, density};
+        const Mesh mesh{id, &cage, material, world_from_object, density, glm::determinant(Mat3d(world_from_object)) < 0};
         const std::size_t before = sums_.size();
         for (const std::uint32_t face : found.of(s)) {
             const TrianglePoints c = corners(mesh, face);
@@ -345,8 +345,10 @@ LightSample MeshLights::sample(Vec3d point, const Receiver& receiver, LightNumbe
 
     p.material = mesh.material;
     p.to_eye = Vec3f(to_light / -distance);
-    p.back_side = glm::dot(normal, to_light) > 0;
-    p.normal_geometric = p.normal_shading = Vec3f(normal / (p.back_side ? -length : length));
+    const bool is_along_normal = glm::dot(normal, to_light) > 0;
+    p.back_side = is_along_normal != mesh.is_mirrored;
+    if (p.back_side && !shows_backs_ && is_single_sided(*mesh.material)) return {};
+    p.normal_geometric = p.normal_shading = Vec3f(normal / (is_along_normal ? -length : length));
     for (std::size_t s = 0; s < 2 && s < mesh.cage->uv_sets.size(); ++s) {
         const UvSet& set = mesh.cage->uv_sets[s];
         const auto uv = [&](std::uint32_t corner) {

@@ -44,6 +44,8 @@ public:
     static constexpr std::size_t kMostFaces = std::size_t(1) << 25;
     /// More triangles than this are drawn by a tree.
     static constexpr std::size_t kMostWithoutTree = 16;
+    /// Leaves out the light of the backs of single-sided surfaces.
+    void hide_backs() noexcept { shows_backs_ = false; }
     /// Makes the tree, if there is to be one. The points of receivers are relative to the origin, if one is given.
     void make_tree(std::optional<Vec3d> origin);
     /// Returns the tree of emissive triangles, which may be empty.
@@ -70,6 +72,7 @@ private:
         const Material* material;
         Mat4d world_from_object;
         float area_density;  ///< not yet divided by the total
+        bool is_mirrored;    ///< the placement reverses the orientation of faces
     };
     struct Known {
         NodeId node;
@@ -104,7 +107,7 @@ private:
     double sum_of(std::size_t leaf) const noexcept { return sum_before(end_of(leaf)) - sum_before(first_of(leaf)); }
 
     const TextureStore* textures_ = nullptr;
-    bool any_emitter_ = false;
+    bool any_emitter_ = false, shows_backs_ = true;
     double power_ = 0;
     std::vector<Mesh> meshes_;
     // Of each triangle: its mesh, its number there, and the sum up to it.

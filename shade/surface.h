@@ -98,6 +98,13 @@ private:
 /// Does the same as the other evaluate(), with the same bits.
 Surface evaluate(const ShadePoint& point, const TextureStore& textures, PlainSurfaces& known) noexcept;
 
+/// Returns true if rays pass the back of a surface of the material where those of single-sided ones are left out. Glass is
+/// excepted, because rays have to leave bodies again.
+inline bool is_single_sided(const Material& material) noexcept
+{
+    return !material.double_sided && !(material.transmission > 0);
+}
+
 /// Returns whether the material's alpha mask has a hole there: then evaluate().opacity is 0.
 /// color   vertex colour
 bool is_hole(const Material& material, const lod::VertexToShade& at, Vec4f color, const TextureStore& textures) noexcept;

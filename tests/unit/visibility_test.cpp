@@ -1,4 +1,5 @@
-// Tests of which rays see a node and which lights illuminate it: in the tracer, in pictures, in files.
+// Tests of which rays see a node or a side of its surface, and which lights illuminate it: in the tracer, in pictures, in
+// files.
 #include <gtest/gtest.h>
 #include <occam/occam.h>
 
@@ -190,3 +191,98 @@ TEST(Visibility, FilesSayWhoSeesANodeAndWhatLightsIt)
 
 }  // namespace
 }  // namespace occam::test
+// Settings::back_faces = false: rays pass the backs of single-sided surfaces as if these were not there.
+
+enum class Facing { Up, Down };
+
+NodeId add_square(Scene& scene, float half, double height, const Material& material, Facing facing = Facing::Up)
+{
+    NodeDesc desc;
+    desc.place.translation = {0, height, 0};
+    if (facing == Facing::Down) desc.place.rotation = {1, 0, 0, 0};  // half a turn about x
+    Cage cage = floor_of(half);
+    cage.materials = {scene.add(Material(material))};
+    desc.cages = {scene.add(std::move(cage))};
+    return scene.add_node(scene.root(), desc);
+}
+
+Material diffuse_only(float color)
+{
+    Material m;
+    m.base_color = Vec4f(color, color, color, 1);
+    m.specular = 0;
+    return m;
+}
+
+// Returns what a camera sees that looks straight down.
+float seen_from_above(Scene& scene, double height)
+{
+    const Settings settings{.width = 1, .height = 1, .spp = 64, .sky = shade::Sky::Off, .back_faces = false};
+    const Camera camera = Camera::look_at({0, height, 0}, {0, 0, 0}, {0, 0, -1}, 0.01f);
+    return Renderer({.threads = 1}).render(scene, camera, settings).find("beauty")->pixels[0];
+}
+
+// Scattered rays meet the lamp and then the back of the ceiling behind it.
+TEST(BackFaces, ALampBeforeABackIsFoundAsWithoutIt)
+{
+    const auto floor_under = [](bool has_ceiling) {
+        Scene scene;
+        add_square(scene, 3, 0, diffuse_only(0.8f));
+        add_lamp(scene, {0, 1, 0});
+        const NodeId ceiling = add_square(scene, 3, 1.2, diffuse_only(0));
+        scene.set_visible(ceiling, has_ceiling);
+        return seen_from_above(scene, 0.5);
+    };
+    const float without = floor_under(false);
+    EXPECT_GT(without, 0.4f);
+    EXPECT_NEAR(floor_under(true), without, 1e-4f);
+}
+
+TEST(BackFaces, ABodyTakesLightOnBothSidesOfABackInIt)
+{
+    const auto through_body = [](bool has_back) {
+        Scene scene;
+        scene.environment.radiance = Vec3f(1);
+        Material body = diffuse_only(1);
+        body.transmission = 1;
+        body.thickness = 1;
+        body.roughness = 0;
+        body.ior = 1.01f;  // hardly any light is reflected to the front of what is in the body
+        body.attenuation_color = Vec3f(0.5f);
+        body.attenuation_distance = 1;
+        add_square(scene, 3, 0, body);
+        add_square(scene, 3, -1, body, Facing::Down);
+        const NodeId back = add_square(scene, 3, -0.9, diffuse_only(0), Facing::Down);
+        scene.set_visible(back, has_back);
+        return seen_from_above(scene, 2);
+    };
+    const float without = through_body(false);
+    EXPECT_NEAR(without, 0.5f, 1e-3f);
+    EXPECT_NEAR(through_body(true), without, 1e-3f);
+}
+
+TEST(BackFaces, OfEmissiveSurfacesShedNoLight)
+{
+    const auto floor_under = [](Facing facing, bool is_double_sided, Vec3d scale = Vec3d(1)) {
+        Scene scene;
+        add_square(scene, 3, 0, diffuse_only(0.8f));
+        Material shining = diffuse_only(0);
+        shining.emission = Vec3f(1);
+        shining.double_sided = is_double_sided;
+        Trs placed;
+        placed.translation = {0, 1, 0};
+        placed.scale = scale;
+        if (facing == Facing::Down) placed.rotation = {1, 0, 0, 0};
+        scene.set_transform(add_square(scene, 1, 1, shining), placed);
+        return seen_from_above(scene, 0.5);
+    };
+    EXPECT_EQ(floor_under(Facing::Up, false), 0);
+    EXPECT_GT(floor_under(Facing::Down, false), 0.4f);
+    EXPECT_GT(floor_under(Facing::Up, true), 0.4f);
+    // A mirror image has its front where the mirror shows it.
+    EXPECT_EQ(floor_under(Facing::Down, false, {1, -1, 1}), 0);
+    EXPECT_EQ(floor_under(Facing::Up, false, {-1, 1, 1}), 0);
+    EXPECT_GT(floor_under(Facing::Up, false, {1, -1, 1}), 0.4f);
+    EXPECT_GT(floor_under(Facing::Down, false, {-1, 1, 1}), 0.4f);
+}
+
