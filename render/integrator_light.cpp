@@ -314,7 +314,6 @@ void Integrator::look_for_light(const Path& next, const accel::Ray& ray, const s
         if (context_.log) context_.log->light_sample(ray.direction, t_far, reaches);
         accel::Ray& shadow = shadows_.add(next.sample, reaches);
         shadow = ray;
-        shadow.kinds = RayKind::Shadow;
         shadow.t_far = t_far;
     };
     const float infinity = std::numeric_limits<float>::infinity();

@@ -9,6 +9,7 @@
 #include "base/error_without_file.h"
 #include "base/morton.h"
 #include "scenegraph/contents.h"
+#include "scenegraph/hidden_nodes.h"
 #include "scenegraph/shutter.h"
 #include "shade/input_limits.h"
 #include "shade/surface.h"
@@ -166,13 +167,14 @@ struct MeshLights::Placed {
     const Node& node;
     NodeId id;
     Mat4d world_from_object;
-    bool moves;  ///< while the shutter is open: points on it are not sampled
+    /// Whether points on it are sampled: not if it moves while the shutter is open, or is hidden from scattered rays.
+    bool is_sampled;
     std::unordered_set<const Material*> unsampled;
 };
 
 void MeshLights::add(const Placed& placed, const CageSlot& slot)
 {
-    const auto& [scene, node, id, world_from_object, moves, unsampled] = placed;
+    const auto& [scene, node, id, world_from_object, is_sampled, unsampled] = placed;
     const Cage& cage = slot.cage;
     const std::size_t slots = slots_of(node, cage);
     std::vector<bool> glows(slots);
@@ -185,7 +187,7 @@ void MeshLights::add(const Placed& placed, const CageSlot& slot)
         const Material* material = material_of(scene, node, cage, s);
         const float density = mean_luminance(*material, *textures_);
         if (density > 0) power_ += double(density) * found.area[s];
-        if (!(density > 0) || moves || scene.find(node.skin) || unsampled.contains(material)) continue;
+        if (!(density > 0) || !is_sampled || scene.find(node.skin) || unsampled.contains(material)) continue;
         known_.push_back({id, material, density});
         const Mesh mesh{id, &cage, material, world_from_object, density, glm::determinant(Mat3d(world_from_object)) < 0};
         const std::size_t before = sums_.size();
@@ -205,6 +207,8 @@ void MeshLights::add(const Placed& placed, const CageSlot& slot)
 MeshLights::MeshLights(const Scene& scene, const TextureStore& textures, const FrameScale& scale) : textures_(&textures)
 {
     const std::unordered_set<NodeId> moving = moving_nodes(scene, Contents::Emitters);
+    const std::unordered_set<NodeId> hidden = nodes_hidden_from(
+        scene, RayKind::Reflection | RayKind::Transmission | RayKind::Diffuse, Contents::Emitters);
     std::size_t faces = 0;
     scene.for_placements_of(Contents::Emitters, [&](NodeId, const Node& node, const Mat4d&) {
         for (CageId id : node.cages)
@@ -215,8 +219,12 @@ MeshLights::MeshLights(const Scene& scene, const TextureStore& textures, const F
                                      naming(node));
     });
     scene.for_placements_of(Contents::Emitters, [&](NodeId id, const Node& node, const Mat4d& world_from_node) {
-        const Placed placed{
-            scene, node, id, scale.placed(world_from_node), moving.contains(id), unsampled_materials(scene, node)};
+        const Placed placed{scene,
+                            node,
+                            id,
+                            scale.placed(world_from_node),
+                            !moving.contains(id) && !hidden.contains(id),
+                            unsampled_materials(scene, node)};
         for (CageId cage : node.cages)
             if (const CageSlot* slot = scene.find(cage)) add(placed, *slot);
     });
@@ -357,6 +365,13 @@ LightSample MeshLights::sample(Vec3d point, const Receiver& receiver, LightNumbe
         };
         p.texture.uv[s] = uv(0) * float(wa) + uv(1) * float(wb) + uv(2) * float(wc);
     }
+    if (const Cage& cage = *mesh.cage; !cage.colors.empty()) {
+        const auto color = [&](std::uint32_t corner) {
+            const std::size_t at = std::size_t(face) * 3 + corner;
+            return cage.colors[cage.color_indices.empty() ? cage.face_vertices[at] : cage.color_indices[at]];
+        };
+        p.color = color(0) * float(wa) + color(1) * float(wb) + color(2) * float(wc);
+    }
     const Surface surface = evaluate(p, *textures_);
     const auto density = static_cast<float>(chosen.area_density * distance2 / cosine);
     if (!(density > 0)) return {};
@@ -365,10 +380,3 @@ LightSample MeshLights::sample(Vec3d point, const Receiver& receiver, LightNumbe
 }
 
 }  // namespace occam::shade
-    if (const Cage& cage = *mesh.cage; !cage.colors.empty()) {
-        const auto color = [&](std::uint32_t corner) {
-            const std::size_t at = std::size_t(face) * 3 + corner;
-            return cage.colors[cage.color_indices.empty() ? cage.face_vertices[at] : cage.color_indices[at]];
-        };
-        p.color = color(0) * float(wa) + color(1) * float(wb) + color(2) * float(wc);
-    }

@@ -3,8 +3,8 @@
 // Up to kMostWithoutTree triangles are drawn in proportion to area times the luminance of the material's mean emission. Of
 // more, a tree of lights draws those that matter to the point (shade/light_tree.h), and a point within what it has drawn
 // is again in proportion to that. So the density per area is known for a ray that happens to hit an emissive surface. Only
-// triangles that stand still are sampled; emissive subdivision surfaces and deformed meshes are found by scattered rays
-// alone.
+// triangles that stand still and that all scattered rays see are sampled; emissive subdivision surfaces, deformed meshes and
+// those that are hidden from some scattered rays are found by these rays alone.
 //
 // Space    world axes, frame lengths (scenegraph/frame_scale.h).
 // Memory   a double and two indices per triangle; the vertices stay in the scene. A tree takes about 160 bytes a triangle,

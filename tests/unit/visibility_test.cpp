@@ -142,6 +142,77 @@ TEST(Visibility, ALidHiddenFromTheCameraStillCastsItsShadow)
     EXPECT_NEAR(seen, lit * 16 / 9, 1e-4f * seen);
 }
 
+// The lid lies between floor and sky, which scattered rays find alone. They are blocked by what they may hit, at the last
+// step of a path as at any other, whether or not something else shines.
+TEST(Visibility, ScatteredRaysToTheSkyAreNoShadowRays)
+{
+    for (const bool has_emitter : {false, true})
+        for (const IntegratorKind integrator : {IntegratorKind::Direct, IntegratorKind::Path}) {
+            Scene scene;
+            scene.environment.radiance = Vec3f(1);
+            Material black, shining;
+            black.base_color = shining.base_color = Vec4f(0, 0, 0, 1);
+            black.specular = shining.specular = 0;
+            shining.emission = Vec3f(1);
+            Cage cage = floor_of(3), wide = floor_of(100), far_off = floor_of(0.1f);
+            wide.materials = {scene.add(black)};
+            far_off.materials = {scene.add(shining)};
+            place(scene, scene.add(std::move(cage)), {0, 0, 0});
+            const NodeId lid = place(scene, scene.add(std::move(wide)), {0, 3, 0});
+            if (has_emitter) place(scene, scene.add(std::move(far_off)), {0, -5, 0});
+            scene.set_seen_by(lid, RayKind::All & ~RayKind::Shadow);
+            EXPECT_LT(middle(scene, integrator).x, 0.02f) << has_emitter;
+            scene.set_seen_by(lid, RayKind::Shadow);
+            EXPECT_GT(middle(scene, integrator).x, 0.5f) << has_emitter;
+        }
+}
+
+// A surface that shines but is hidden from the rays that would find its light does not light what scatters those. Nothing
+// is lost where other rays find it.
+TEST(Visibility, AnEmissiveMeshLightsByTheRaysThatSeeIt)
+{
+    for (const bool is_metal : {false, true}) {
+        Scene scene;
+        Material m, shining;
+        m.specular = 0;
+        m.metallic = is_metal ? 1.0f : 0.0f;
+        m.roughness = is_metal ? 0.1f : 1.0f;  // so smooth that hardly any light is scattered twice by the metal
+        shining.emission = Vec3f(1);
+        Cage floor = floor_of(3), lamp = floor_of(1);
+        floor.materials = {scene.add(m)};
+        lamp.materials = {scene.add(shining)};
+        place(scene, scene.add(std::move(floor)), {0, 0, 0});
+        const CageId cage = scene.add(std::move(lamp));
+        NodeDesc group;
+        const NodeId above = scene.add_node(scene.root(), group);
+        NodeDesc desc;
+        desc.cages = {cage};
+        desc.place.translation = {0, 1, 0};
+        const NodeId node = scene.add_node(above, desc);
+        const auto lit = [&](std::uint8_t seen_by) {
+            scene.set_seen_by(above, seen_by);
+            const Settings settings{.width = 4, .height = 4, .spp = 256, .bounces = 0, .sky = shade::Sky::Off};
+            const Camera camera = Camera::look_at({0, 0.5, 0}, {0, 0, 0}, {0, 0, -1}, 0.01f);
+            double sum = 0;
+            const Image image = Renderer({.threads = 1}).render(scene, camera, settings);
+            for (std::size_t i = 0; i < 64; i += 4) sum += double(image.find("beauty")->pixels[i]) / 16;
+            return sum;
+        };
+        const std::uint8_t needed = is_metal ? RayKind::Reflection : RayKind::Diffuse;
+        const double all = lit(RayKind::All);
+        EXPECT_GT(all, 0.2);
+        EXPECT_NEAR(lit(needed), all, 0.01 * all) << is_metal;
+        EXPECT_NEAR(lit(static_cast<std::uint8_t>(RayKind::All & ~needed)), 0, 0.01 * all) << is_metal;
+        // An instance that all rays see shows the same node.
+        NodeDesc instance;
+        instance.instance_of = node;
+        instance.place.translation = {0, 1, 0};
+        scene.add_node(scene.root(), instance);
+        scene.set_visible(above, false);
+        EXPECT_NEAR(lit(RayKind::All & ~needed), all, 0.01 * all) << is_metal;
+    }
+}
+
 // Both ways of finding an area light respect the groups: rough surfaces sample it, and mirrors hit it.
 TEST(Visibility, ALightLightsWhatIsLitByItsGroup)
 {
@@ -189,8 +260,6 @@ TEST(Visibility, FilesSayWhoSeesANodeAndWhatLightsIt)
     EXPECT_EQ(scene.light(nodes[2]->light).groups, kAllGroups) << "a light without a group lights everything";
 }
 
-}  // namespace
-}  // namespace occam::test
 // Settings::back_faces = false: rays pass the backs of single-sided surfaces as if these were not there.
 
 enum class Facing { Up, Down };
@@ -286,3 +355,5 @@ TEST(BackFaces, OfEmissiveSurfacesShedNoLight)
     EXPECT_GT(floor_under(Facing::Down, false, {-1, 1, 1}), 0.4f);
 }
 
+}  // namespace
+}  // namespace occam::test
