@@ -34,6 +34,9 @@ Cell cell_at(Vec2f uv) noexcept
     return {std::clamp(int(uv.y * kRows), 0, kRows - 1), std::clamp(int(uv.x * kColumns), 0, kColumns - 1)};
 }
 
+// Returns the luminance by which a colour counts in the tables.
+float brightness_of(Vec3f c) noexcept { return std::min(0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z, 1e6f); }
+
 // Returns the sine of a direction's angle to the pole.
 float ring_of(Vec3f direction) noexcept { return std::sqrt(std::max(0.0f, 1 - direction.y * direction.y)); }
 
@@ -182,6 +185,43 @@ Vec3f Environment::direction_of(maths::SinCos around, maths::SinCos up) const no
     return {rotation_cos_ * x + rotation_sin_ * z, up.cos, rotation_cos_ * z - rotation_sin_ * x};
 }
 
+float Environment::mean_of_cell(int row, int column) const noexcept
+{
+    constexpr int kSteps = 8;
+    float sum = 0;
+    for (int j = 0; j <= kSteps; ++j)
+        for (int i = 0; i <= kSteps; ++i) {
+            const Vec2f uv((float(column) + float(i) / kSteps) / kColumns, (float(row) + float(j) / kSteps) / kRows);
+            const float weight = (i % kSteps == 0 ? 0.5f : 1.0f) * (j % kSteps == 0 ? 0.5f : 1.0f);
+            sum += weight *
+                   brightness_of(glm::max(Vec3f(textures_->sample(image_, uv, 1.0f / (kColumns * kSteps))), Vec3f(0)));
+        }
+    return sum / (kSteps * kSteps);
+}
+
+// The light of a bright texel at the border of a cell reaches into the next one, since texels are interpolated. The middle
+// of that cell may know nothing of it, and samples there would be few and far too bright.
+void Environment::add_light_from_beside(double mean)
+{
+    constexpr float kMoreThanOwn = 4, kMoreThanMean = 4;
+    struct Refined {
+        std::size_t cell;
+        float luminance;
+    };
+    std::vector<Refined> refined;
+    const auto at = [](int row, int column) { return std::size_t(row * kColumns + (column + kColumns) % kColumns); };
+    for (int row = 0; row < kRows; ++row)
+        for (int column = 0; column < kColumns; ++column) {
+            const float own = cells_[at(row, column)].upto,
+                        least = std::max(kMoreThanOwn * own, kMoreThanMean * float(mean));
+            bool is_beside_light = false;
+            for (int j = std::max(row - 1, 0); j <= std::min(row + 1, kRows - 1); ++j)
+                for (int i = column - 1; i <= column + 1; ++i) is_beside_light |= cells_[at(j, i)].upto > least;
+            if (is_beside_light) refined.push_back({at(row, column), std::max(own, mean_of_cell(row, column))});
+        }
+    for (const Refined& r : refined) cells_[r.cell].upto = r.luminance;
+}
+
 void Environment::tabulate()
 {
     cells_.resize(std::size_t(kColumns) * kRows);
@@ -192,7 +232,7 @@ void Environment::tabulate()
         for (int column = 0; column < kColumns; ++column) {
             const Vec2f uv((float(column) + 0.5f) / kColumns, (float(row) + 0.5f) / kRows);
             const Vec3f c = glm::max(Vec3f(textures_->sample(image_, uv, 1.0f / kColumns)), Vec3f(0));
-            const float y = std::min(0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z, 1e6f);
+            const float y = brightness_of(c);
             cells_[std::size_t(row * kColumns + column)].upto = y;
             total += double(y);
             spread.add(c, y, maths::sin((float(row) + 0.5f) * kPi / kRows));
@@ -205,6 +245,7 @@ void Environment::tabulate()
         scale_ *= spread.darkest;
         return;
     }
+    add_light_from_beside(total / (kColumns * kRows));
     // A floor keeps the density above zero where filtering brings light into a black cell.
     const float floor = std::max(float(total / (kColumns * kRows)) * 0.05f, 1e-6f);
     for (int row = 0; row < kRows; ++row) {

@@ -68,6 +68,11 @@ private:
     Vec3f texel(Vec2f uv) const noexcept;
     float density_at(int row, int column, float ring) const noexcept;
     void tabulate();
+    /// Returns the mean luminance of a cell as it is interpolated.
+    float mean_of_cell(int row, int column) const noexcept;
+    /// Corrects the cells beside far brighter ones.
+    /// mean   of the luminances of all cells
+    void add_light_from_beside(double mean);
     static Interval find_interval(std::span<const Sum> sums, float u) noexcept;
     /// Returns the entry whose guide says where to begin looking for u.
     static const Sum& guide_of(std::span<const Sum> sums, float u) noexcept;

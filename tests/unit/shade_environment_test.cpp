@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "scenegraph/scene.h"
 #include "tests/support/statistics.h"
 
@@ -65,6 +68,48 @@ TEST(Environment, AnImageWithASmallBrightPatchIsSampled)
     const ImageSky sky([](int x, int y) { return Vec3f(x == 5 && y == 4 ? 500.0f : 1.0f); });
     EXPECT_TRUE(sky.environment.has_density());
     EXPECT_GT(sky.environment.look_up({0, 1, 0}).density, 0);
+}
+
+// The texel at the corner of a cell shines into three others. A sample counts its radiance over its density, and none counts
+// for many times the light of all.
+TEST(Environment, TheLightOfATexelAtTheBorderOfACellIsFound)
+{
+    for (const int width : {512, 1024, 2048}) {
+        const int height = width / 2, bright_x = width / 512 * 175, bright_y = width / 512 * 50;
+        Texture texture;
+        texture.width = width;
+        texture.height = height;
+        texture.pixels.assign(std::size_t(width) * std::size_t(height), Vec4f(0, 0, 0, 1));
+        texture.pixels[std::size_t(bright_y * width + bright_x)] = Vec4f(1000, 1000, 1000, 1);
+        Scene scene;
+        scene.environment.radiance = Vec3f(1);
+        scene.environment.image = scene.add(texture);
+        TextureStore textures(std::size_t(1) << 26);
+        textures.prepare(scene);
+        const Environment environment(scene.environment, textures);
+        ASSERT_TRUE(environment.has_density());
+        constexpr double kPi = 3.14159265358979;
+        constexpr int kSteps = 16;  // in a texel
+        double light = 0, second = 0, most = 0;
+        for (int j = -kSteps; j < 2 * kSteps; ++j)
+            for (int i = -kSteps; i < 2 * kSteps; ++i) {
+                const double u = (bright_x + (i + 0.5) / kSteps) / width, v = (bright_y + (j + 0.5) / kSteps) / height;
+                const double around = (u - 0.5) * 2 * kPi, down = v * kPi, ring = std::sin(down);
+                const Vec3f direction(Vec3d(ring * std::sin(around), std::cos(down), -ring * std::cos(around)));
+                const Environment::Light seen = environment.look_up(direction);
+                const double counts = double(seen.radiance.x) / double(seen.density);
+                const double solid_angle = 2 * kPi * kPi * ring / (width * height * kSteps * kSteps);
+                light += double(seen.radiance.x) * solid_angle;
+                second += double(seen.radiance.x) * counts * solid_angle;
+                most = std::max(most, counts);
+            }
+        EXPECT_NEAR(light, 1000 * 2 * kPi * kPi * std::sin(kPi * (bright_y + 0.5) / height) / (width * height),
+                    1e-2 * light);
+        // Samples are spread evenly within a cell, of whose texels one shines.
+        const double texels = double(width / 512) * double(width / 512);
+        EXPECT_LT(most, 64 * texels * light) << width;
+        EXPECT_LT(second, 4 * texels * light * light) << width;
+    }
 }
 
 TEST(Environment, SeveralDirectionsAtOnceHaveTheBitsOfOneAtATime)
