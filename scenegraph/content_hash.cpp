@@ -140,8 +140,9 @@ void Walk::add_material(MaterialId id)
     const Material& m = *material;
     add(m.name, m.base_color, m.metallic, m.roughness, m.emission, m.normal_scale, m.bump_scale, m.occlusion_strength,
         m.alpha_mode, m.alpha_cutoff, std::uint8_t(m.double_sided), std::uint8_t(m.unlit), m.ior, m.transmission,
-        m.thickness, m.attenuation_color, m.attenuation_distance, m.clearcoat, m.clearcoat_roughness, m.specular,
-        m.specular_color, m.sheen_color, m.sheen_roughness, m.anisotropy, m.anisotropy_rotation);
+        m.thickness, m.attenuation_color, m.attenuation_distance, m.clearcoat, m.clearcoat_roughness,
+        m.clearcoat_normal_scale, m.specular, m.specular_color, m.sheen_color, m.sheen_roughness, m.anisotropy,
+        m.anisotropy_rotation);
     for (const TextureUse* use :
          {&m.base_color_texture, &m.metallic_roughness_texture, &m.roughness_texture, &m.metallic_texture,
           &m.glossiness_texture, &m.emission_texture, &m.normal_texture, &m.bump_texture, &m.occlusion_texture,

@@ -69,6 +69,7 @@ void check(const Material& m)
     // An infinite distance is glTF's default, and makes the body clear.
     rules.require(m.attenuation_distance >= 0, "the attenuation distance", "0 or more");
     rules.finite(m.normal_scale, "the scale of the normal map");
+    rules.finite(m.clearcoat_normal_scale, "the scale of the clearcoat's normal map");
     rules.finite(m.bump_scale, "the scale of the bump map");
     rules.finite(m.occlusion_strength, "the strength of the occlusion map");
     rules.finite(m.alpha_cutoff, "the alpha cutoff");

@@ -54,6 +54,7 @@ struct Material {
     float attenuation_distance = 0;                ///< world length; 0: the body is clear
     float clearcoat = 0, clearcoat_roughness = 0;  ///< KHR_materials_clearcoat
     TextureUse clearcoat_texture, clearcoat_roughness_texture, clearcoat_normal_texture;
+    float clearcoat_normal_scale = 1;
     float specular = 1;  ///< KHR_materials_specular
     Vec3f specular_color{1};
     TextureUse specular_texture, specular_color_texture;

@@ -249,7 +249,8 @@ Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
     if (m.clearcoat > 0) {
         s.coat = std::clamp(values.coat, 0.0f, 1.0f);
         s.coat_alpha = lobe_width(values.coat_roughness);
-        s.coat_normal = reflecting_normal(mapped_normal(m.clearcoat_normal_texture, values.coat_normal, 1, point), point);
+        s.coat_normal = reflecting_normal(
+            mapped_normal(m.clearcoat_normal_texture, values.coat_normal, m.clearcoat_normal_scale, point), point);
         const float kept = 1 - s.coat * coat_albedo(std::max(0.0f, glm::dot(s.coat_normal, s.to_eye)), s.coat_alpha);
         s.emission *= kept;
         s.transmittance = Vec3f(1 - s.opacity) + (s.transmittance - Vec3f(1 - s.opacity)) * kept;

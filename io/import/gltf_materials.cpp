@@ -274,6 +274,7 @@ void MaterialImporter::add_extensions(const tinygltf::ExtensionMap& extensions, 
     out.clearcoat_texture = map(clearcoat, "clearcoatTexture");
     out.clearcoat_roughness_texture = map(clearcoat, "clearcoatRoughnessTexture");
     out.clearcoat_normal_texture = map(clearcoat, "clearcoatNormalTexture");
+    out.clearcoat_normal_scale = number(member(clearcoat, "clearcoatNormalTexture"), "scale", 1);
 
     const tinygltf::Value& specular = extension(extensions, "KHR_materials_specular");
     out.specular = number(specular, "specularFactor", 1);

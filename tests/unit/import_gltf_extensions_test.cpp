@@ -119,6 +119,16 @@ TEST(GltfExtensions, SheenAndAnisotropyAreRead)
     EXPECT_EQ(m.anisotropy_rotation, 1.5f);
 }
 
+TEST(GltfExtensions, ACoatsNormalMapHasAScale)
+{
+    const TempFolder folder;
+    Gltf g = square(R"(, "material": 0)");
+    g.more = used(R"("KHR_materials_clearcoat")") + R"(, "materials": [{"extensions": {"KHR_materials_clearcoat": {
+        "clearcoatFactor": 1, "clearcoatNormalTexture": {"index": 0, "scale": 0.25}}}}], "textures": [{}])";
+    const Scene scene = load(g.write(folder));
+    EXPECT_EQ(material_of(scene, *cages(scene).at(0)).clearcoat_normal_scale, 0.25f);
+}
+
 TEST(GltfExtensions, AVariantIsChosenByItsName)
 {
     const TempFolder folder;

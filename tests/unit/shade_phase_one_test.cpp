@@ -9,6 +9,7 @@
 #include "accel/tracer.h"
 #include "shade/bump.h"
 #include "shade/material_values.h"
+#include "shade/surface.h"
 #include "tests/support/textured_floor.h"
 
 namespace occam::test {
@@ -101,6 +102,35 @@ TEST(PhaseOne, PacksWhatHasAMapAndGivesItBack)
     EXPECT_EQ(phase_one.channels(plain), 4);
     plain.alpha_mode = AlphaMode::Mask;
     EXPECT_EQ(phase_one.channels(plain), 0) << "a mask's edge is a hit's own";
+}
+
+// Normal maps of a surface and of its coat: x and y are scaled before the vector is made a unit vector (glTF 2.0,
+// sec. 3.9.3).
+TEST(PhaseOne, NormalMapsOfSurfaceAndCoatAreScaled)
+{
+    Scene scene;
+    const Texture slanted = texture_of([](float, float) { return Vec4f(0.8f, 0.5f, 0.9f, 1); });
+    Material m;
+    m.specular = 0;
+    m.clearcoat = 1;
+    m.normal_texture.texture = m.clearcoat_normal_texture.texture = scene.add(slanted);
+    TextureStore textures(1 << 24);
+    textures.prepare(scene);
+    for (const float scale : {0.0f, 0.5f, 1.0f}) {
+        m.normal_scale = scale;
+        m.clearcoat_normal_scale = 1 - scale;
+        shade::ShadePoint p;
+        p.material = &m;
+        p.tangent = {1, 0, 0};
+        const shade::Surface s = shade::evaluate(p, textures);
+        const auto expect = [](Vec3f normal, float by) {
+            const Vec3f wanted = glm::normalize(Vec3f(0.6f * by, 0, 0.8f));
+            EXPECT_NEAR(normal.x, wanted.x, 1e-3f) << by;
+            EXPECT_NEAR(normal.z, wanted.z, 1e-3f) << by;
+        };
+        expect(s.normal, scale);
+        expect(s.coat_normal, 1 - scale);
+    }
 }
 
 TEST(PhaseOne, ConvergesToWhatHitsLookUpAsVerticesComeCloser)
