@@ -71,10 +71,12 @@ public:
         add_tree();
         const std::vector<SkinId> skins = add_skins(model_, accessors_, nodes_, scene_, report_);
         for (std::size_t n = 0; n < nodes_.size(); ++n) {
-            const int skin = model_.nodes[n].skin;
-            if (!nodes_[n] || skin < 0 || static_cast<std::size_t>(skin) >= skins.size()) continue;
-            scene_.set_skin(nodes_[n], skins[static_cast<std::size_t>(skin)]);
-            check_joints(n, skins[static_cast<std::size_t>(skin)]);
+            const int index = model_.nodes[n].skin;
+            if (!nodes_[n] || index < 0 || static_cast<std::size_t>(index) >= skins.size()) continue;
+            const SkinId skin = skins[static_cast<std::size_t>(index)];
+            if (!skin) continue;  // it was left out
+            scene_.set_skin(nodes_[n], skin);
+            check_joints(n, skin);
         }
         add_clips(model_, accessors_, nodes_, scene_, report_);
         add_environment();
@@ -186,6 +188,7 @@ private:
         if (places.empty()) return scene_.add_node(parent, std::move(desc));
         instances_ += places.size();
         tidy_instances(places, desc, where);
+        if (node.skin >= 0) report_.warn("instances are not deformed by the skin of their node", where);
         NodeDesc instance = desc;
         instance.matrix.reset(), instance.camera = {}, instance.light = {};
         desc.cages.clear(), desc.materials.clear(), desc.morph_weights.clear();

@@ -1,5 +1,6 @@
 #include "io/import/gltf_animation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -117,14 +118,27 @@ std::vector<Mat4d> matrices(const std::vector<float>& values)
     return out;
 }
 
-bool is_affine(const Mat4d& m)
+// Gives a matrix the last row that a skin's must have. Programs that invert matrices leave a last row that is off by the
+// rounding of floats, or a factor that all elements have in common.
+void make_affine(Mat4d& m, Report& report, const std::string& where)
 {
+    constexpr double kRounding = 1e-5;
+    const double scale = m[3][3];
+    double error = std::abs(scale - 1);
+    bool is_finite = scale != 0;
     for (int c = 0; c < 4; ++c) {
-        for (int r = 0; r < 3; ++r)
-            if (!std::isfinite(m[c][r])) return false;
-        if (m[c][3] != (c == 3 ? 1.0 : 0.0)) return false;
+        if (c < 3) error = std::max(error, std::abs(m[c][3]));
+        m[c] /= scale;
+        m[c][3] = c == 3 ? 1 : 0;
+        for (int r = 0; r < 3; ++r) is_finite &= std::isfinite(m[c][r]);
     }
-    return true;
+    if (!is_finite) {
+        report.warn("an inverse bind matrix is replaced by the identity: its numbers are not finite, or its last is 0",
+                    where);
+        m = Mat4d(1);
+    } else if (!(error <= kRounding)) {
+        report.warn("the last row of an inverse bind matrix is not 0, 0, 0, 1: it is taken as that", where);
+    }
 }
 
 }  // namespace
@@ -151,11 +165,7 @@ std::vector<SkinId> add_skins(const tinygltf::Model& model, AccessorReader& acce
             if (skin.joint_from_mesh.size() < skin.joints.size())
                 throw Error(report.name(), "fewer inverse bind matrices than joints", where);
             skin.joint_from_mesh.resize(skin.joints.size());
-            for (Mat4d& m : skin.joint_from_mesh)
-                if (!is_affine(m)) {
-                    report.warn("an inverse bind matrix is not affine", where);
-                    m = Mat4d(1);
-                }
+            for (Mat4d& m : skin.joint_from_mesh) make_affine(m, report, where);
         }
         ids[s] = scene.add(std::move(skin));
     }
