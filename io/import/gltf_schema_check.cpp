@@ -110,7 +110,8 @@ private:
     {
         if (!value.is_number()) refuse("must be a number", where);
         const double x = value.get<double>();
-        if (rule.kind == Kind::Integer && x != std::floor(x)) refuse("must be an integer", where);
+        if (rule.kind == Kind::Integer && !value.is_number_integer())
+            refuse("must be an integer without a point, not " + value.dump(), where);
         if (!std::isfinite(x) || x < rule.low || x > rule.high || (rule.kind == Kind::Positive && x <= rule.low))
             refuse("is out of range: " + value.dump(), where);
     }

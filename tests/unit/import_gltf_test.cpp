@@ -96,6 +96,25 @@ TEST(ImportGltf, AccessorsThatDoNotFitAreRefusedByName)
     EXPECT_NE(broken(R"("VEC3")", R"("VEC9")").find("accessors[0].type"), std::string::npos);
 }
 
+// The library would take such numbers for others, or for none (JSON of glTF has integers without a fraction).
+TEST(ImportGltf, IntegersWithAPointAreRefusedByName)
+{
+    const TempFolder folder;
+    const auto with = [&](const char* key, const char* number) {
+        Gltf g = square();
+        std::string& text = std::string_view(key) == "mode" ? g.meshes : g.accessors;
+        text.insert(text.find('{', std::string_view(key) == "mode" ? 1 : 0) + 1,
+                    "\"" + std::string(key) + "\": " + number + ", ");
+        return error_of(g.write(folder));
+    };
+    EXPECT_EQ(with("byteOffset", "0"), "");
+    EXPECT_NE(with("byteOffset", "12.0").find("must be an integer without a point, not 12.0 (accessors[0].byteOffset)"),
+              std::string::npos);
+    EXPECT_NE(with("byteOffset", "0.5").find("must be an integer without a point, not 0.5"), std::string::npos);
+    EXPECT_EQ(with("mode", "4"), "");
+    EXPECT_NE(with("mode", "5.0").find("not 5.0 (meshes[0].primitives[0].mode)"), std::string::npos);
+}
+
 TEST(ImportGltf, ManyAccessorsOfTheSameBytesDoNotEatMemory)
 {
     const TempFolder folder;
