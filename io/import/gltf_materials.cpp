@@ -110,6 +110,11 @@ MaterialImporter::MaterialImporter(const tinygltf::Model& model, AccessorReader&
 
 MaterialId MaterialImporter::material(int index)
 {
+    if (index < 0) {
+        // The default material is one without any property (glTF 2.0, sec. 3.9.6).
+        if (!default_material_) default_material_ = scene_.add(convert(tinygltf::Material(), "the default material"));
+        return default_material_;
+    }
     const MaterialId* id = find(materials_, index);
     return id ? *id : MaterialId();
 }

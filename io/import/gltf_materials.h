@@ -17,7 +17,7 @@ class MaterialImporter {
 public:
     MaterialImporter(const tinygltf::Model& model, AccessorReader& accessors, Scene& scene, Report& report);
 
-    /// Returns the material by its index in the file; none for -1.
+    /// Returns the material by its index in the file, which is none if there is no such material; -1 gives glTF's default.
     MaterialId material(int index);
     /// Throws Error if there is no such texture.
     Displacement displacement(const DisplacementExtras& extras, const std::string& where);
@@ -42,6 +42,7 @@ private:
     Report& report_;
     std::vector<int> first_image_;  ///< of each image, the first that is read from the same place
     std::vector<MaterialId> materials_;
+    MaterialId default_material_;  ///< made when a primitive without a material is met
     std::map<std::pair<int, TextureRole>, TextureId> images_;
     std::map<int, std::shared_ptr<const std::vector<std::byte>>> encoded_;
 };

@@ -138,7 +138,7 @@ std::optional<MeshImporter::PrimitiveCage> MeshImporter::read(const tinygltf::Pr
     read_attributes(primitive, cage, where);
     read_skin(primitive, cage, where);
     read_morph_targets(primitive, cage, where);
-    if (const MaterialId material = materials_.material(material_index(primitive))) cage.materials = {material};
+    cage.materials = {materials_.material(material_index(primitive))};
     drop_unused_vertices(cage);
     return part;
 }

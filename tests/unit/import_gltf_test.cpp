@@ -267,6 +267,29 @@ TEST(ImportGltf, ReadsEveryPartOfAMaterial)
     EXPECT_EQ(scene.counts().textures, 2u) << "one for each role, however many use it";
 }
 
+// The default material is one without any property (glTF 2.0, sec. 3.9.6): a rough metal.
+TEST(ImportGltf, APrimitiveWithoutAMaterialHasTheDefaultOne)
+{
+    const TempFolder folder;
+    Gltf g = square();
+    g.meshes = R"({"primitives": [{"attributes": {"POSITION": 0}, "indices": 1},
+        {"attributes": {"POSITION": 0}, "indices": 1, "material": 0}, {"attributes": {"POSITION": 0}, "indices": 1}]})";
+    g.more = R"(, "materials": [{}])";
+    for (const Subdivide subdivide : {Subdivide::Off, Subdivide::On}) {
+        const Scene scene = load(g.write(folder), {.subdivide = subdivide});
+        std::vector<MaterialId> used;
+        for (const Cage* cage : cages(scene)) used.insert(used.end(), cage->materials.begin(), cage->materials.end());
+        ASSERT_EQ(used.size(), 3u);
+        for (const MaterialId id : used) {
+            const Material& material = scene.material(id);
+            EXPECT_EQ(material.metallic, 1.0f);
+            EXPECT_EQ(material.roughness, 1.0f);
+            EXPECT_EQ(material.base_color, Vec4f(1));
+        }
+        EXPECT_EQ(used[0], used[2]);
+    }
+}
+
 TEST(ImportGltf, ImagesStayInTheFolderAndMissingOnesAreCounted)
 {
     const TempFolder folder;
