@@ -2,6 +2,7 @@
 // normals, and with colours of faces.
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "io/import/file_colors.h"
 #include "io/import/files.h"
@@ -62,7 +63,7 @@ public:
     {
         read_header();
         const std::size_t vertices = count("vertices"), faces = count("faces");
-        cursor_.number();  // the number of edges is often wrong, and is not needed
+        skip_edges();
         // Three numbers take at least six bytes, and a face of one corner four: this is checked before anything is
         // allocated.
         if (vertices > cursor_.left() / 6 || faces > cursor_.left() / 4) refuse("declares more than the file holds");
@@ -71,6 +72,7 @@ public:
         polygons_.cage.colors = vertex_colors_.take(report_);
         for (std::size_t f = 0; f < faces; ++f) read_face();
         if (has_face_colors_) set_face_colors(polygons_, face_colors_.take(report_), report_);
+        if (!cursor_.is_at_end()) report_.warn("the file goes on after the faces that it declares");
         if (has_normals_) polygons_.normal_indices = polygons_.cage.face_vertices;
         return std::move(polygons_);
     }
@@ -107,7 +109,17 @@ private:
     {
         const auto n = cursor_.number();
         if (!n || !(*n >= 0 && *n < 4294967295.0)) refuse(std::string("the number of ") + what + " is missing");
+        if (*n != std::floor(*n)) refuse(std::string("the number of ") + what + " is not a whole number");
         return static_cast<std::size_t>(*n);
+    }
+    // The number of edges is often wrong, and is not needed. Some programs leave it out: then the line ends before it, and
+    // the next one has more than a number.
+    void skip_edges()
+    {
+        TextCursor ahead = cursor_;
+        bool is_there = ahead.rest_of_line({}) > 0;
+        if (!is_there && !ahead.is_at_end()) is_there = ahead.rest_of_line({}) == 1;
+        if (is_there) cursor_.number();
     }
     float number()
     {
@@ -143,6 +155,7 @@ private:
         for (std::size_t c = 0; c < size; ++c) {
             const auto index = cursor_.number();
             if (!index) refuse("an index is missing");
+            if (*index != std::floor(*index)) refuse("an index of a face is not a whole number");
             const bool is_index = *index >= 0 && *index < 4294967295.0;
             if (size >= 3) polygons_.cage.face_vertices.push_back(is_index ? static_cast<std::uint32_t>(*index) : kNoIndex);
         }

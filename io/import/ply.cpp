@@ -1,5 +1,7 @@
 // The importer of PLY (Turk, "The PLY polygon file format", 1994): ASCII, and binary in both byte orders.
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 
 #include "io/import/file_colors.h"
@@ -137,6 +139,10 @@ public:
             else if (element.name == "face" || element.name == "tristrips") read_faces(element);
             else skip(element);
         }
+        const bool is_whole = is_binary_ ? text_.find_first_not_of(" \t\r\n", at_) == std::string_view::npos
+                                         : cursor_.is_at_end();
+        if (!is_whole) report_.warn("the file goes on after the elements that it declares");
+        if (!polygons_.normals.empty()) polygons_.normal_indices = polygons_.cage.face_vertices;
         clamp_colors(polygons_.cage.colors, report_);
         clamp_colors(face_colors_, report_);
         set_face_colors(polygons_, std::move(face_colors_), report_);
@@ -148,6 +154,9 @@ private:
     {
         throw Error(report_.name(), what, where);
     }
+
+    // Returns where a text is read.
+    std::string place() const { return is_binary_ ? std::string() : "line " + std::to_string(cursor_.line()); }
 
     void read_header()
     {
@@ -183,7 +192,10 @@ private:
         }
         cursor_.skip_line();
         at_ = text_.size() - cursor_.left();
-        if (at_ < text_.size()) ++at_;  // the newline
+        // Where lines end with CR alone, an LF after the header is the first byte of a binary body.
+        const std::size_t first = std::min(text_.find_first_of("\r\n"), text_.size());
+        const bool has_cr_alone = text_.substr(first, 1) == "\r" && text_.substr(first + 1, 1) != "\n";
+        at_ += !has_cr_alone && text_.substr(at_).starts_with("\r\n") ? 2 : at_ < text_.size() ? 1 : 0;
     }
 
     Property read_property(const std::string& where)
@@ -218,7 +230,7 @@ private:
     {
         if (!is_binary_) {
             const auto value = cursor_.number();
-            if (!value) refuse("a number is missing", "line " + std::to_string(cursor_.line()));
+            if (!value) refuse("a number is missing", place());
             return *value;
         }
         const std::size_t size = bytes_of(type);
@@ -258,6 +270,7 @@ private:
         const std::size_t left = is_binary_ ? text_.size() - at_ : cursor_.left();
         if (!(count >= 0) || count * double(is_binary_ ? bytes_of(property.type) : 1) > double(left))
             refuse("a list is longer than the file");
+        if (count != std::floor(count)) refuse("the length of a list is not a whole number", place());
         return static_cast<std::size_t>(count);
     }
 
@@ -314,13 +327,13 @@ private:
             face_colors_.resize(faces, Vec4f(1));
             face_colors_.resize(cage.face_sizes.size(), fields.color());
         }
-        if (!polygons_.normals.empty()) polygons_.normal_indices = cage.face_vertices;
     }
     void read_corners(const Element& element, const Property& property)
     {
         corners_.clear();
         for (std::size_t c = list_length(property); c > 0; --c) {
             const double index = number(property.type);
+            if (index != std::floor(index)) refuse("an index of a face is not a whole number", place());
             corners_.push_back(index >= 0 && index < 4294967295.0 ? static_cast<std::uint32_t>(index) : kNoIndex);
         }
         if (element.name == "tristrips") add_strip(corners_);

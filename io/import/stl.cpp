@@ -43,10 +43,12 @@ void add_facet(Polygons& polygons, const Vec3f (&corners)[3])
     polygons.cage.face_sizes.push_back(3);
 }
 
-Polygons read_binary(std::string_view bytes)
+Polygons read_binary(std::string_view bytes, Report& report)
 {
     Polygons polygons;
     const std::size_t facets = u32(bytes, 80);
+    if (bytes.size() > kHeaderBytes + kFacetBytes * facets)
+        report.warn("the file goes on after the facets that it declares");
     for (std::size_t f = 0; f < facets; ++f) {
         Vec3f corners[3];
         for (int c = 0; c < 3; ++c)
@@ -58,12 +60,21 @@ Polygons read_binary(std::string_view bytes)
     return polygons;
 }
 
+// Returns the next keyword. Some programs write them in capitals.
+std::string keyword(TextCursor& cursor)
+{
+    std::string word(cursor.word());
+    for (char& c : word)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return word;
+}
+
 Polygons read_ascii(std::string_view text, Report& report)
 {
     constexpr int kClosed = 3;
     Polygons polygons;
     TextCursor cursor(text);
-    if (cursor.word() != "solid") throw Error(report.name(), "neither an ascii nor a binary STL, or cut off");
+    if (keyword(cursor) != "solid") throw Error(report.name(), "neither an ascii nor a binary STL, or cut off");
     cursor.skip_line();
     Vec3f corners[3];
     int corner = kClosed;
@@ -72,8 +83,8 @@ Polygons read_ascii(std::string_view text, Report& report)
         throw Error(report.name(), cursor.is_at_end() ? "an ascii STL that is cut off" : "not a facet of three vertices",
                     "line " + std::to_string(cursor.line()));
     };
-    std::string_view before;  // some programs write "end solid"
-    for (std::string_view word = cursor.word(); !word.empty(); before = word, word = cursor.word()) {
+    std::string before;  // some programs write "end solid"
+    for (std::string word = keyword(cursor); !word.empty(); before = std::move(word), word = keyword(cursor)) {
         const bool is_end = word == "endsolid" || (word == "solid" && before == "end");
         if (word == "facet" || word == "endloop" || word == "endfacet" || is_end) {
             if (corner != kClosed) refuse();
@@ -100,7 +111,7 @@ Scene load_stl(const std::filesystem::path& file, const LoadOptions& options)
 {
     Report report(file, options.strict);
     const std::string bytes = read_file(file);
-    Polygons polygons = is_binary(bytes, report) ? read_binary(bytes) : read_ascii(bytes, report);
+    Polygons polygons = is_binary(bytes, report) ? read_binary(bytes, report) : read_ascii(bytes, report);
     if (polygons.cage.positions.size() > 0x7fffffff) throw Error(report.name(), "more than 2^31 vertices");
     weld_by_position(polygons.cage);
     return scene_of(std::move(polygons), options, report);

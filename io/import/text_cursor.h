@@ -1,4 +1,4 @@
-// A position in a text of numbers and words, which never leaves the text.
+// A position in a text of numbers and words, which never leaves the text. Lines end with LF, CR LF or CR alone.
 #pragma once
 
 #include <charconv>
@@ -41,20 +41,22 @@ public:
     {
         std::size_t count = 0;
         for (;;) {
-            while (at_ < text_.size() && text_[at_] != '\n' && is_space(text_[at_])) ++at_;
-            if (at_ == text_.size() || text_[at_] == '\n') return count;
+            while (at_ < text_.size() && !is_line_end(text_[at_]) && is_space(text_[at_])) ++at_;
+            if (at_ == text_.size() || is_line_end(text_[at_])) return count;
             if (comment_ != '\0' && text_[at_] == comment_) return skip_line(), count;
             const std::string_view next = word();
             if (count < words.size()) words[count] = next;
             ++count;
         }
     }
+    /// Goes to the end of this line, but not behind it.
     void skip_line()
     {
-        while (at_ < text_.size() && text_[at_] != '\n') ++at_;
+        while (at_ < text_.size() && !is_line_end(text_[at_])) ++at_;
     }
 
 private:
+    static bool is_line_end(char c) noexcept { return c == '\n' || c == '\r'; }
     static bool is_space(char c) noexcept
     {
         return c == ' ' || c == '\n' || c == '\r' || c == '\t' || c == '\v' || c == '\f';
@@ -67,7 +69,8 @@ private:
                 continue;
             }
             if (!is_space(text_[at_])) return;
-            if (text_[at_++] == '\n') ++line_;
+            const char c = text_[at_++];
+            if (c == '\n' || (c == '\r' && !text_.substr(at_).starts_with('\n'))) ++line_;
         }
     }
 

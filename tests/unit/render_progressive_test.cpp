@@ -22,7 +22,7 @@ render::AovSet all_layers()
     return all;
 }
 
-struct Subject {
+struct ProgressiveScene {
     Scene scene = builtin_scene();
     Camera camera = scene.camera().value_or(Camera::framing(scene.bounds()));
     Settings settings{.width = 50, .height = 34, .spp = 24, .shutter = {-0.25, 0.25}, .aovs = all_layers()};
@@ -40,7 +40,7 @@ void expect_same(const Image& a, const Image& b)
 
 TEST(Progressive, RoundsHaveTheBitsOfTiles)
 {
-    Subject subject;
+    ProgressiveScene subject;
     for (const float error : {0.0f, 0.2f}) {
         subject.settings.error = error;
         subject.settings.progressive = false;
@@ -56,7 +56,7 @@ TEST(Progressive, RoundsHaveTheBitsOfTiles)
 // The first runs are too short for a single sample; the later ones stop anywhere.
 TEST(Progressive, APictureOfManyShortRunsHasTheBitsOfOne)
 {
-    Subject subject;
+    ProgressiveScene subject;
     subject.settings.error = 0.1f;
     const Image whole = Renderer().render(subject.scene, subject.camera, subject.settings);
     std::string checkpoint;
@@ -78,7 +78,7 @@ TEST(Progressive, APictureOfManyShortRunsHasTheBitsOfOne)
 
 TEST(Progressive, WhatIsStoppedHasNearlyAsManySamplesEverywhere)
 {
-    Subject subject;
+    ProgressiveScene subject;
     subject.settings.spp = 4096;
     subject.settings.progressive = true;
     Renderer renderer({.threads = 2});
@@ -91,7 +91,7 @@ TEST(Progressive, WhatIsStoppedHasNearlyAsManySamplesEverywhere)
 
 TEST(Progressive, ACheckpointOfAnotherPictureOrADamagedOneIsRefused)
 {
-    Subject subject;
+    ProgressiveScene subject;
     subject.settings.deadline_s = 1e-9;
     Renderer renderer;
     const std::string good = renderer.start(subject.scene, subject.camera, subject.settings).checkpoint();
@@ -110,21 +110,22 @@ TEST(Progressive, ACheckpointOfAnotherPictureOrADamagedOneIsRefused)
         damaged[place] = static_cast<char>(damaged[place] ^ 4);
         is_refused(damaged);
     }
-    for (const auto change : {+[](Subject& s) { s.settings.seed = 1; }, +[](Subject& s) { s.settings.width = 49; },
-                              +[](Subject& s) { s.settings.aovs = Aov::Depth; }, +[](Subject& s) { s.settings.bounces = 3; },
-                              +[](Subject& s) { s.camera.lens.fov *= 1.01f; },
-                              +[](Subject& s) { s.scene.set_transform(s.scene.root(), Trs{.scale = Vec3d(1.001)}); },
-                              +[](Subject& s) {
-                                  s.scene.record_shutter(1, [&](double tau) {
-                                      s.scene.set_transform(s.scene.root(), Trs{.translation = {tau - 0.5, 0, 0}});
-                                  });
-                              }}) {
-        Subject other;
+    for (const auto change :
+         {+[](ProgressiveScene& s) { s.settings.seed = 1; }, +[](ProgressiveScene& s) { s.settings.width = 49; },
+          +[](ProgressiveScene& s) { s.settings.aovs = Aov::Depth; }, +[](ProgressiveScene& s) { s.settings.bounces = 3; },
+          +[](ProgressiveScene& s) { s.camera.lens.fov *= 1.01f; },
+          +[](ProgressiveScene& s) { s.scene.set_transform(s.scene.root(), Trs{.scale = Vec3d(1.001)}); },
+          +[](ProgressiveScene& s) {
+              s.scene.record_shutter(1, [&](double tau) {
+                  s.scene.set_transform(s.scene.root(), Trs{.translation = {tau - 0.5, 0, 0}});
+              });
+          }}) {
+        ProgressiveScene other;
         change(other);
         const Job job = renderer.start(other.scene, other.camera, other.settings, good);
         EXPECT_THROW(job.image(), Error);
     }
-    Subject same;
+    ProgressiveScene same;
     EXPECT_TRUE(renderer.start(same.scene, same.camera, same.settings, good).stats().complete);
 }
 

@@ -12,14 +12,14 @@ namespace {
 
 using namespace test;
 
-struct Subject : Bent {
+struct HashedScene : Bent {
     NodeId square, group, hidden, lit;
     MaterialId material;
     TextureId texture;
     LightId light;
     CageId mesh;
 
-    Subject()
+    HashedScene()
     {
         texture = scene.add(Texture{.name = {}, .path = {}, .encoded = {}, .pixels = {Vec4f(1)}, .width = 1, .height = 1});
         Material textured;
@@ -46,7 +46,7 @@ struct Subject : Bent {
 
 TEST(ContentHash, IsTheSameForScenesThatShowTheSame)
 {
-    Subject subject, other;
+    HashedScene subject, other;
     EXPECT_EQ(subject.hash(), other.hash());
     const NodeId passing = other.scene.add_node(other.group, {.cages = {other.scene.add(unit_square())}});
     EXPECT_NE(subject.hash(), other.hash());
@@ -61,56 +61,58 @@ TEST(ContentHash, IsTheSameForScenesThatShowTheSame)
 
 TEST(ContentHash, TellsEditsApart)
 {
-    const std::function<void(Subject&)> edits[] = {
-        [](Subject&) {},
-        [](Subject& s) { s.scene.set_transform(s.group, moved(1, 0, 0)); },
-        [](Subject& s) { s.scene.set_transform(s.square, moved(1, 0, 0)); },
-        [](Subject& s) { s.scene.set_transform(s.tip_joint, moved(1, 0, 0)); },
-        [](Subject& s) { s.scene.set_morph_weights(s.square, {1}); },
-        [](Subject& s) { s.scene.set_visible(s.square, false); },
-        [](Subject& s) { s.scene.set_visible(s.hidden, true); },
-        [](Subject& s) { s.scene.set_seen_by(s.square, 1); },
-        [](Subject& s) { s.scene.set_lit_by(s.square, 1); },
-        [](Subject& s) { s.scene.add_node(s.group, {.instance_of = s.hidden}); },
-        [](Subject& s) { s.scene.add_node(s.square, {.instance_of = s.hidden}); },
-        [](Subject& s) { s.scene.set_materials(s.square, {s.scene.add(Material{})}); },
-        [](Subject& s) { s.scene.replace(s.material, Material{}); },
-        [](Subject& s) {
+    const std::function<void(HashedScene&)> edits[] = {
+        [](HashedScene&) {},
+        [](HashedScene& s) { s.scene.set_transform(s.group, moved(1, 0, 0)); },
+        [](HashedScene& s) { s.scene.set_transform(s.square, moved(1, 0, 0)); },
+        [](HashedScene& s) { s.scene.set_transform(s.tip_joint, moved(1, 0, 0)); },
+        [](HashedScene& s) { s.scene.set_morph_weights(s.square, {1}); },
+        [](HashedScene& s) { s.scene.set_visible(s.square, false); },
+        [](HashedScene& s) { s.scene.set_visible(s.hidden, true); },
+        [](HashedScene& s) { s.scene.set_seen_by(s.square, 1); },
+        [](HashedScene& s) { s.scene.set_lit_by(s.square, 1); },
+        [](HashedScene& s) { s.scene.add_node(s.group, {.instance_of = s.hidden}); },
+        [](HashedScene& s) { s.scene.add_node(s.square, {.instance_of = s.hidden}); },
+        [](HashedScene& s) { s.scene.set_materials(s.square, {s.scene.add(Material{})}); },
+        [](HashedScene& s) { s.scene.replace(s.material, Material{}); },
+        [](HashedScene& s) {
             Material m = s.scene.material(s.material);
             m.base_color_texture.rotation = 1;
             s.scene.replace(s.material, m);
         },
-        [](Subject& s) {
+        [](HashedScene& s) {
             s.scene.replace(s.light, Light{{}, SunLight{}});
         },
-        [](Subject& s) {
+        [](HashedScene& s) {
             s.scene.replace(s.light, Light{{}, PointLight{Vec3f(2)}});
         },
-        [](Subject& s) { s.scene.remove(s.light); },
-        [](Subject& s) {
+        [](HashedScene& s) { s.scene.remove(s.light); },
+        [](HashedScene& s) {
             Cage cage = s.scene.cage(s.mesh).cage;
             cage.uv_sets[0].values[2].x = 0.5f;
             s.scene.replace(s.mesh, cage);
         },
-        [](Subject& s) {
+        [](HashedScene& s) {
             std::vector<Vec3f> positions = s.scene.cage(s.cage).cage.positions;
             positions[3].z += 1;
             s.scene.write_vertices(s.cage, positions);
         },
-        [](Subject& s) { s.scene.environment.radiance = Vec3f(1); },
-        [](Subject& s) { s.scene.environment.image = s.texture; },
-        [](Subject& s) {
+        [](HashedScene& s) { s.scene.environment.radiance = Vec3f(1); },
+        [](HashedScene& s) { s.scene.environment.image = s.texture; },
+        [](HashedScene& s) {
             s.scene.record_shutter(1, [&](double t) { s.scene.set_transform(s.square, moved(t - 0.5, 0, 0)); });
         },
-        [](Subject& s) {
+        [](HashedScene& s) {
             s.scene.record_shutter(2, [&](double t) { s.scene.set_transform(s.square, moved(t - 0.5, 0, 0)); });
         },
-        [](Subject& s) { s.scene.record_shutter(2, [&](double t) { s.scene.set_transform(s.tip_joint, moved(2, t, 0)); }); },
-        [](Subject& s) { s.scene.record_shutter(2, [&](double t) { s.scene.set_visible(s.square, t < 1); }); },
+        [](HashedScene& s) {
+            s.scene.record_shutter(2, [&](double t) { s.scene.set_transform(s.tip_joint, moved(2, t, 0)); });
+        },
+        [](HashedScene& s) { s.scene.record_shutter(2, [&](double t) { s.scene.set_visible(s.square, t < 1); }); },
     };
     std::vector<std::uint64_t> hashes;
     for (const auto& edit : edits) {
-        Subject subject;
+        HashedScene subject;
         edit(subject);
         const std::uint64_t hash = subject.hash();
         for (std::size_t i = 0; i < hashes.size(); ++i) EXPECT_NE(hash, hashes[i]) << hashes.size() << " and " << i;
