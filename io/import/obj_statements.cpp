@@ -181,6 +181,17 @@ private:
     Report& report_;
 };
 
+// Returns true for statements that change no picture of polygons: groups and materials, which others read, free-form
+// geometry, of which the curves and surfaces are reported, and how other programs show the model.
+bool changes_nothing(std::string_view keyword)
+{
+    constexpr std::string_view kKnown[] = {
+        "g",    "o",     "mg",   "usemtl",   "vp",       "cstype", "deg",   "bmat",       "step",     "parm",
+        "trim", "hole",  "scrv", "sp",       "end",      "con",    "cdc",   "cdp",        "bzp",      "bsp",
+        "res",  "bevel", "lod",  "c_interp", "d_interp", "ctech",  "stech", "shadow_obj", "trace_obj"};
+    return std::find(std::begin(kKnown), std::end(kKnown), keyword) != std::end(kKnown);
+}
+
 }  // namespace
 
 ObjStatements scan_obj_statements(std::string& text, Cage& cage, Report& report)
@@ -193,13 +204,17 @@ ObjStatements scan_obj_statements(std::string& text, Cage& cage, Report& report)
     while (lines.next()) {
         std::string_view line = lines.line();
         // Nearly every line is a vertex or a face.
+        if (line.starts_with("#MRGB ")) report.warn("colours in comments, as ZBrush writes them (#MRGB), are not read");
         if (line.empty() || line[0] == '#') continue;
-        if (line[0] == 'v') {
-            if (line.size() > 1 && is_blank(line[1])) colors.add(line);
+        const auto is = [&](std::string_view keyword) {
+            return line.starts_with(keyword) && (line.size() == keyword.size() || is_blank(line[keyword.size()]));
+        };
+        if (is("v") || is("vn") || is("vt")) {
+            if (is("v")) colors.add(line);
             elements.vertex(line);
             continue;
         }
-        if (line[0] == 'f') {
+        if (is("f")) {
             if (elements.face(line)) smoothing.add_face();
             continue;
         }
@@ -220,6 +235,8 @@ ObjStatements scan_obj_statements(std::string& text, Cage& cage, Report& report)
             report.warn("points and lines are not rendered", where());
         } else if (keyword == "curv" || keyword == "curv2" || keyword == "surf") {
             report.warn("free-form curves and surfaces are not rendered", where());
+        } else if (!keyword.empty() && !changes_nothing(keyword)) {
+            report.warn("statement '" + std::string(keyword.substr(0, 32)) + "' is not read", where());
         }
     }
     if (!colors.are_in_range) report.warn("vertex colours are not between 0 and 1", "");

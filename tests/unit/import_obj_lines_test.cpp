@@ -59,6 +59,22 @@ TEST(ImportObjLines, WordsAfterAPositionThatAreNoNumbersAreReported)
     EXPECT_TRUE(warns(scene, "words after a vertex's position are no numbers (line 1, first of 3)"));
 }
 
+TEST(ImportObjLines, StatementsThatAreNotReadAreNamed)
+{
+    const TempFolder folder;
+    const auto read = [&](const std::string& lines) {
+        return load(folder.write("a.obj", std::string(kQuad) + lines + "\nf 1 2 3 4\n"));
+    };
+    for (const char* word : {"fo", "F", "V", "call", "usemap", "vertex", "f\v1"}) {
+        const Scene scene = read("\n" + std::string(word) + " 1 2 3");
+        EXPECT_TRUE(warns(scene, "statement '" + std::string(word) + "' is not read (line 6)")) << word;
+        EXPECT_EQ(only_cage(scene).face_count(), 2u) << word;
+    }
+    EXPECT_TRUE(warns(read("#MRGB ff0000ffff00ff00"), "colours in comments, as ZBrush writes them (#MRGB), are not read"));
+    EXPECT_TRUE(read("g a\no b\nmg off\ns off\nvp 1 2\nvn 0 0 1\nvt 0 0\nlod 1\nbevel on\nc_interp off\n\t\n# x y")
+                    .warnings.empty());
+}
+
 TEST(ImportObjLines, CommentsMayFollowAStatement)
 {
     const TempFolder folder;
