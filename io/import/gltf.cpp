@@ -224,6 +224,7 @@ private:
         if (node.matrix.size() == 16) {
             Mat4d m;
             for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = node.matrix[static_cast<std::size_t>(i)];
+            for (int c = 0; c < 4; ++c) m[c][3] = c == 3 ? 1 : 0;  // what is not affine has a warning
             desc.matrix = m;
         }
         desc.place.translation = vector_of(node.translation, Vec3d(0));

@@ -149,6 +149,31 @@ TEST(GltfRules, WhatIsLeftOutOfMorphTargetsIsNamed)
     EXPECT_TRUE(warns(scene, "morph targets of COLOR_0 are not read"));
 }
 
+// A last row that is not 0, 0, 0, 1 would move what lies below, and the three others are what the file means.
+TEST(GltfRules, MatricesThatAreNotAffineKeepTheirFirstThreeRows)
+{
+    const TempFolder folder;
+    Gltf g = square();
+    g.put<float>({2, 0, 0, 0, 0, 3, 0, 0, 0, 0, 4, 0, 5, 6, 7, 0.99999994f});
+    g.accessor(R"({"bufferView": 2, "componentType": 5126, "count": 1, "type": "MAT4"})");
+    g.nodes =
+        R"({"children": [1, 2], "matrix": [2, 0, 0, 0, 0, 3, 0, 0, 0, 0, 4, 0, 5, 6, 7, 8]}, {"mesh": 0, "skin": 0}, {})";
+    g.more = R"(, "skins": [{"joints": [2], "inverseBindMatrices": 2}])";
+    const Scene scene = load(g.write(folder));
+    EXPECT_TRUE(warns(scene, "the matrix is not affine"));
+    EXPECT_TRUE(warns(scene, "an inverse bind matrix is not affine"));
+    Mat4d affine(Mat3d(2, 0, 0, 0, 3, 0, 0, 0, 4));
+    affine[3] = Vec4d(5, 6, 7, 1);
+    int placed = 0;
+    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d& world_from_node) {
+        if (node.cages.empty()) return;
+        ++placed;
+        EXPECT_EQ(world_from_node, affine);
+        EXPECT_EQ(scene.skin(node.skin).joint_from_mesh.at(0), affine);
+    });
+    EXPECT_EQ(placed, 1);
+}
+
 TEST(GltfRules, ExtensionsAndInstancesThatNothingReadsAreNamed)
 {
     const TempFolder folder;
