@@ -37,6 +37,16 @@ FrameStats::Scene describe(const Scene& scene)
     return out;
 }
 
+/// Throws Error if one of these cannot make a picture.
+void check_inputs(const Scene& scene, const Camera& camera, const Settings& settings)
+{
+    render::check(settings);
+    check(scene.environment);
+    if (scene.environment.image) static_cast<void>(scene.texture(scene.environment.image));  // throws for a foreign handle
+    check(camera);
+    if (settings.lod_camera) check(*settings.lod_camera);
+}
+
 /// Returns what a frame ends with for which there is not enough memory. If there is none for a message either, that is the
 /// std::bad_alloc which is being handled.
 std::exception_ptr error_for_lack_of_memory() noexcept
@@ -264,10 +274,7 @@ Job Renderer::start(Scene& scene, const Camera& camera, const Settings& settings
 Job Renderer::start(Scene& scene, const Camera& camera, const Settings& settings, std::string checkpoint,
                     bool keeps_checkpoint)
 {
-    render::check(settings);
-    check(scene.environment);
-    check(camera);
-    if (settings.lod_camera) check(*settings.lod_camera);
+    check_inputs(scene, camera, settings);
     if (state_->busy.exchange(true)) throw error_without_file("this renderer is busy with another frame");
     try {
         auto job = std::make_unique<Job::State>(state_, scene, camera, settings);
@@ -292,10 +299,7 @@ Image Renderer::render(Scene& scene, const Camera& camera, const Settings& setti
 SampleColor Renderer::replay(Scene& scene, const Camera& camera, const Settings& settings, const PixelSample& which,
                              std::ostream& out)
 {
-    render::check(settings);
-    check(scene.environment);
-    check(camera);
-    if (settings.lod_camera) check(*settings.lod_camera);
+    check_inputs(scene, camera, settings);
     if (state_->busy.exchange(true)) throw error_without_file("this renderer is busy with another frame");
     struct Busy {
         std::atomic<bool>& flag;

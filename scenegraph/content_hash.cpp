@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "base/hash.h"
+#include "scenegraph/content_rules.h"
 
 namespace occam {
 namespace {
@@ -143,14 +144,10 @@ void Walk::add_material(MaterialId id)
         m.thickness, m.attenuation_color, m.attenuation_distance, m.clearcoat, m.clearcoat_roughness,
         m.clearcoat_normal_scale, m.specular, m.specular_color, m.sheen_color, m.sheen_roughness, m.anisotropy,
         m.anisotropy_rotation);
-    for (const TextureUse* use :
-         {&m.base_color_texture, &m.metallic_roughness_texture, &m.roughness_texture, &m.metallic_texture,
-          &m.glossiness_texture, &m.emission_texture, &m.normal_texture, &m.bump_texture, &m.occlusion_texture,
-          &m.alpha_texture, &m.transmission_texture, &m.clearcoat_texture, &m.clearcoat_roughness_texture,
-          &m.clearcoat_normal_texture, &m.specular_texture, &m.specular_color_texture, &m.sheen_color_texture,
-          &m.sheen_roughness_texture, &m.anisotropy_texture})
-        add_use(*use);
-    static_assert(sizeof(TextureUse) == 36 && sizeof(Material) == sizeof(std::string) + 19 * sizeof(TextureUse) + 140,
+    const auto uses = texture_uses(m);
+    for (const TextureUse* use : uses) add_use(*use);
+    static_assert(sizeof(TextureUse) == 36 &&
+                      sizeof(Material) == sizeof(std::string) + std::tuple_size_v<decltype(uses)> * sizeof(TextureUse) + 140,
                   "every member of a material counts");
 }
 

@@ -31,6 +31,15 @@ private:
     std::string where_;
 };
 
+// Returns whether the three rows that count in an affine matrix are finite.
+bool is_finite(const Mat4d& m) noexcept
+{
+    for (int c = 0; c < 4; ++c)
+        for (int r = 0; r < 3; ++r)
+            if (!std::isfinite(m[c][r])) return false;
+    return true;
+}
+
 void check_use(const Rules& rules, const TextureUse& use)
 {
     for (const float v : {use.offset.x, use.offset.y, use.scale.x, use.scale.y, use.rotation})
@@ -39,12 +48,17 @@ void check_use(const Rules& rules, const TextureUse& use)
 
 }  // namespace
 
-bool is_finite(const Mat4d& m) noexcept
+Mat4d checked_affine(const Mat4d& m, const char* value, const char* kind, const std::string& name)
 {
+    constexpr double kMostRounding = 1e-6;
+    const Rules rules(kind, name);
+    rules.require(is_finite(m), value, "finite");
+    const Vec4d last(m[0][3], m[1][3], m[2][3], m[3][3] - 1);
     for (int c = 0; c < 4; ++c)
-        for (int r = 0; r < 3; ++r)
-            if (!std::isfinite(m[c][r])) return false;
-    return true;
+        rules.require(std::abs(last[c]) <= kMostRounding, value, "affine: its last row is 0, 0, 0, 1");
+    Mat4d affine = m;
+    for (int c = 0; c < 4; ++c) affine[c][3] = c == 3 ? 1 : 0;
+    return affine;
 }
 
 void check(const Material& m)
@@ -73,13 +87,7 @@ void check(const Material& m)
     rules.finite(m.bump_scale, "the scale of the bump map");
     rules.finite(m.occlusion_strength, "the strength of the occlusion map");
     rules.finite(m.alpha_cutoff, "the alpha cutoff");
-    for (const TextureUse* use :
-         {&m.base_color_texture, &m.metallic_roughness_texture, &m.roughness_texture, &m.metallic_texture,
-          &m.emission_texture, &m.normal_texture, &m.bump_texture, &m.occlusion_texture, &m.alpha_texture,
-          &m.transmission_texture, &m.clearcoat_texture, &m.clearcoat_roughness_texture, &m.clearcoat_normal_texture,
-          &m.specular_texture, &m.specular_color_texture, &m.glossiness_texture, &m.sheen_color_texture,
-          &m.sheen_roughness_texture, &m.anisotropy_texture})
-        check_use(rules, *use);
+    for (const TextureUse* use : texture_uses(m)) check_use(rules, *use);
 }
 
 void check(const Light& light)
@@ -116,8 +124,9 @@ void check(const Trs& place, const std::string& name)
     const Rules rules("node", name);
     for (int c = 0; c < 3; ++c)
         rules.require(std::isfinite(place.translation[c]) && std::isfinite(place.scale[c]), "a place", "finite");
-    const double length = glm::dot(place.rotation, place.rotation);
-    rules.require(std::isfinite(length) && length > 0, "a rotation", "a finite quaternion that is not zero");
+    constexpr double kMostRounding = 1e-3;  // of the squared length
+    rules.require(std::abs(glm::dot(place.rotation, place.rotation) - 1) <= kMostRounding, "a rotation",
+                  "a quaternion of unit length");
 }
 
 void check(const Environment& environment)

@@ -12,11 +12,6 @@ namespace occam {
 
 namespace {
 
-void require_finite(const Mat4d& m)
-{
-    if (!is_finite(m)) throw error_without_file("a transform must be finite");
-}
-
 // Returns the rigid part of a matrix, because a camera does not scale.
 Mat4d rigid(const Mat4d& m)
 {
@@ -63,8 +58,9 @@ NodeId Scene::add_node(NodeId parent, NodeDesc desc)
     }
     if (!desc.matrix) check(desc.place, desc.name);
     check_morph_weights(desc.morph_weights, desc.name);
-    const Mat4d parent_from_node = desc.matrix ? *desc.matrix : desc.place.matrix();
-    require_finite(parent_from_node);
+    const Mat4d parent_from_node = checked_affine(desc.matrix ? *desc.matrix : desc.place.matrix(), "a transform", "node",
+                                                  desc.name);
+    if (desc.matrix) desc.matrix = parent_from_node;
 
     State::NodeRecord record;
     static_cast<NodeDesc&>(record) = std::move(desc);
@@ -155,10 +151,10 @@ void Scene::set_transform(NodeId id, const Mat4d& parent_from_node)
 {
     state_->require_editable();
     State::NodeRecord& node = State::at(state_->nodes, id, "node");
-    require_finite(parent_from_node);
-    state_->place(id, node, parent_from_node);
+    const Mat4d affine = checked_affine(parent_from_node, "a transform", "node", node.name);
+    state_->place(id, node, affine);
     if (node.rest) node.rest->place.reset();
-    node.matrix = parent_from_node;
+    node.matrix = affine;
 }
 
 void Scene::State::place(NodeId id, NodeRecord& node, const Mat4d& parent_from_node)

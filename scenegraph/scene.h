@@ -34,7 +34,7 @@ namespace occam {
 struct NodeDesc {
     std::string name{};
     Trs place{};                          ///< in the parent's axes
-    std::optional<Mat4d> matrix{};        ///< instead of `place`; affine
+    std::optional<Mat4d> matrix{};        ///< instead of `place`; affine: the last row is 0, 0, 0, 1
     std::vector<CageId> cages{};          ///< usually one; a glTF mesh brings one for each primitive
     std::vector<MaterialId> materials{};  ///< override of the cages' own slots, in order; empty: none
     NodeId instance_of{};  ///< shows that node's subtree here too, without that node's own transform and visibility

@@ -85,6 +85,17 @@ CageId Scene::add(OnDemandCage cage)
     return id;
 }
 
+void Scene::State::check_handles(const Material& material) const
+{
+    for (const TextureUse* use : texture_uses(material))
+        if (use->texture) at(textures, use->texture, "texture");
+}
+void Scene::State::check_handles(const Cage& cage) const
+{
+    for (const MaterialId material : cage.materials)
+        if (material) at(materials, material, "material");
+}
+
 void Scene::State::make_record(Cage cage, CageRecord& record, std::vector<std::string>& warnings)
 {
     const std::string name = cage.name.empty() ? "cage" : cage.name;
@@ -98,6 +109,7 @@ void Scene::State::make_record(Cage cage, CageRecord& record, std::vector<std::s
 CageId Scene::add(Cage cage)
 {
     state_->require_editable();
+    state_->check_handles(cage);
     Rollback warned([&, count = warnings.size()] { warnings.resize(count); });
     State::CageRecord record;
     State::make_record(std::move(cage), record, warnings);
@@ -113,6 +125,7 @@ MaterialId Scene::add(Material material)
 {
     state_->require_editable();
     check(material);
+    state_->check_handles(material);
     State::MaterialRecord record;
     static_cast<Material&>(record) = std::move(material);
     return state_->materials.add(std::move(record));
@@ -206,6 +219,7 @@ void Scene::replace(CageId id, Cage cage)
 {
     state_->require_unrecorded();
     State::CageRecord& record = State::at(state_->cages, id, "cage");
+    state_->check_handles(cage);
     Rollback warned([&, count = warnings.size()] { warnings.resize(count); });
     State::CageRecord fresh;
     State::make_record(std::move(cage), fresh, warnings);
@@ -223,6 +237,7 @@ void Scene::replace(MaterialId id, Material material)
     state_->require_editable();
     State::MaterialRecord& known = State::at(state_->materials, id, "material");
     check(material);
+    state_->check_handles(material);
     const std::uint8_t kinds = kinds_of(known);
     static_cast<Material&>(known) = std::move(material);
     if (kinds_of(known) != kinds) state_->mark_users_dirty(known);

@@ -229,6 +229,11 @@ struct Scene::State {
         return at(const_cast<SceneTable<T, Tag>&>(map), id, kind);
     }
 
+    // Each of these throws Error if a handle is neither null nor one of the scene's own: of a material's textures, or of a
+    // cage's materials. The texture of a displacement may be that of a store for another scene (verify/subject.h).
+    void check_handles(const Material& material) const;
+    void check_handles(const Cage& cage) const;
+
     /// Marks the node, its ancestors, and all nodes that show one of them as an instance. It stops at nodes that are already
     /// dirty, because everything above them is dirty too.
     void mark_dirty(NodeId id) noexcept;

@@ -29,7 +29,10 @@ Subject::Subject(const ShownCage& shown, const TextureStore* textures)
 // Adds the cage and its node, with joints below the root wherever they are in the other scene, and records their motion.
 void Subject::add(const ShownCage& shown)
 {
-    cage_ = scene_.add(shown.slot.cage);
+    Cage cage = shown.slot.cage;
+    cage.materials.clear();  // they are those of the other scene, and nothing is shaded
+    cage.face_slots.clear();
+    cage_ = scene_.add(std::move(cage));
     const auto matrix_at = [&](std::size_t key) {
         return shown.world_from_object.size() > 1 ? shown.world_from_object[key] : shown.world_from_object[0];
     };

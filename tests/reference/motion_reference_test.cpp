@@ -42,8 +42,8 @@ Moving moving_clip(const ReferenceCase& c, double part)
     moving.camera = [=](double) { return c.camera; };
     // Light that stands still: a sky and a sun.
     scene.environment.radiance = Vec3f(0.4f);
-    scene.add_node(scene.root(),
-                   {.place = {.rotation = {-0.5, 0.3, 0, 0.8}}, .light = scene.add(Light{"sun", SunLight{Vec3f(2)}})});
+    scene.add_node(scene.root(), {.place = {.rotation = glm::normalize(Vec4d(-0.5, 0.3, 0, 0.8))},
+                                  .light = scene.add(Light{"sun", SunLight{Vec3f(2)}})});
     moving.settings = {.width = 40, .height = 30, .spp = 32};
     if (is_long()) moving.settings.width = 80, moving.settings.height = 60;
     moving.settings.integrator = IntegratorKind::Direct;

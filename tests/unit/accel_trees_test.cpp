@@ -53,7 +53,7 @@ void add_all_kinds(Scene& scene)
     place(scene, floor, {0, -1.2, 0}, 2);
     NodeDesc turned;
     turned.place.translation = {2, 1, 1};
-    turned.place.rotation = {0.2, 0.4, 0.1, 0.88};
+    turned.place.rotation = glm::normalize(Vec4d(0.2, 0.4, 0.1, 0.88));
     turned.place.scale = {0.4, 0.7, 0.3};
     NodeDesc group;
     group.cages = {ring, floor};

@@ -37,7 +37,7 @@ struct ScaledScene {
     explicit ScaledScene(double size) : size_(size)
     {
         NodeDesc top;
-        top.matrix = Mat4d(size);
+        top.matrix = Mat4d(Mat3d(size));
         (*top.matrix)[3][3] = 1;
         all_ = scene.add_node(scene.root(), top);
 

@@ -48,6 +48,26 @@ TEST(SceneHandles, AreTheirOwnScenesAlone)
     EXPECT_THROW(moved.node(b.node), Error);
 }
 
+// Nothing would tell that the texture of another scene is not seen.
+TEST(SceneHandles, AreCheckedInMaterialsAndCages)
+{
+    Scene scene, other;
+    const MaterialId known = scene.add(Material{});
+    const CageId cage = scene.add(Cage{});
+    Material foreign;
+    foreign.anisotropy_texture.texture = other.add(Texture{});
+    EXPECT_THROW(scene.add(foreign), Error);
+    EXPECT_THROW(scene.replace(known, foreign), Error);
+    Cage painted;
+    painted.materials = {known, other.add(Material{})};
+    EXPECT_THROW(scene.add(painted), Error);
+    EXPECT_THROW(scene.replace(cage, painted), Error);
+    EXPECT_EQ(scene.counts().materials, 1u);
+    EXPECT_EQ(scene.counts().cages, 1u);
+    painted.materials = {known, MaterialId()};
+    EXPECT_NO_THROW(scene.add(painted)) << "a slot may have the default material";
+}
+
 TEST(SceneRules, ValuesThatNothingCanHaveAreRefused)
 {
     Scene scene;
@@ -84,6 +104,7 @@ TEST(SceneRules, ValuesThatNothingCanHaveAreRefused)
     EXPECT_THROW(scene.set_transform(node, Trs{.rotation = Vec4d(0)}), Error);
     EXPECT_THROW(scene.set_transform(node, Trs{.rotation = Vec4d(double(nan))}), Error);
     EXPECT_THROW(scene.add_node(node, {.place = {.rotation = Vec4d(0)}}), Error);
+    EXPECT_THROW(scene.set_transform(node, Trs{.rotation = Vec4d(0, 1, 0, 1)}), Error);
     try {
         Material m = named("paint");
         m.roughness = -1;
@@ -105,6 +126,27 @@ TEST(SceneRules, NodesAndSkinsNeedNumbers)
     }
     EXPECT_EQ(scene.counts().nodes, 2u);
     EXPECT_EQ(scene.counts().skins, 0u);
+}
+
+// Products with another last row move what lies below, and bounds do not know of it.
+TEST(SceneRules, TransformsAreAffine)
+{
+    Scene scene;
+    const NodeId node = scene.add_node(scene.root(), {});
+    Mat4d bad[4] = {Mat4d(2), Mat4d(1), Mat4d(1), Mat4d(1)};
+    bad[1][0][3] = 1;
+    bad[2][3][3] = 0;
+    bad[3][1][3] = std::nan("");
+    for (const Mat4d& m : bad) {
+        EXPECT_THROW(scene.set_transform(node, m), Error);
+        EXPECT_THROW(scene.add_node(node, {.matrix = m}), Error);
+        EXPECT_THROW(scene.add(Skin{"spine", {node}, {m}}), Error);
+    }
+    EXPECT_EQ(scene.world_from_node(node), Mat4d(1));
+    Mat4d rounded(1);
+    rounded[3] = Vec4d(1, 2, 3, 1 + 1e-15);
+    scene.set_transform(node, rounded);
+    EXPECT_EQ(scene.node(node).parent_from_node[3], Vec4d(1, 2, 3, 1)) << "an inverse may be rounded";
 }
 
 TEST(SceneRules, ACopyThatWouldShowItselfIsRefused)
