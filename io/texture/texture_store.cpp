@@ -55,20 +55,25 @@ public:
         }
     }
 
-    /// Returns the bytes of the decoded image with all its levels; 0 if it cannot be opened.
-    std::size_t planned_bytes() const { return width_ > 0 ? MipImage::bytes_of(width(), height()) : 0; }
+    /// Returns the bytes of the image with all its levels, if it is halved that often; 0 if it cannot be opened.
+    std::size_t bytes_of(int halvings) const
+    {
+        return width_ > 0 ? MipImage::bytes_of(std::max(1, width_ >> halvings), std::max(1, height_ >> halvings)) : 0;
+    }
+    bool is_readable() const { return width_ > 0; }
     /// Returns the texels that decoding will visit, and the bytes of the file from which they come; both are 0 for texels
     /// that are in memory.
     std::uintmax_t encoded_texels() const { return file_bytes_ == 0 ? 0 : std::uintmax_t(width_) * std::uintmax_t(height_); }
     std::uintmax_t file_bytes() const { return file_bytes_; }
     int width() const { return std::max(1, width_ >> halvings_); }
     int height() const { return std::max(1, height_ >> halvings_); }
-    /// Halves the size at which the image will be decoded. It may be called only before the first image().
-    void halve() { ++halvings_; }
-    void warn_of_halvings()
+    int halvings() const { return halvings_; }
+    /// Halves the size at which the image will be decoded. It may be called once, before the first image().
+    void halve(int times)
     {
-        if (halvings_ > 0)
-            warnings_.push_back(description_.name + ": halved " + std::to_string(halvings_) +
+        halvings_ = times;
+        if (times > 0)
+            warnings_.push_back(description_.name + ": halved " + std::to_string(times) +
                                 " times to fit the texture memory");
     }
 
@@ -157,21 +162,24 @@ private:
     bool lacks_memory_ = false;
 };
 
-// Halves the largest textures until all fit together. Sizes alone decide, so the outcome depends neither on which textures
-// are looked up nor on the number of threads.
-void fit(std::vector<Entry*>& fresh, std::size_t bytes)
+// Returns how often each texture is to be halved: the largest are, until all fit together. Sizes alone decide, so the
+// outcome depends neither on which textures are looked up, nor on the number of threads, nor on what earlier frames knew.
+std::vector<int> halvings_that_fit(const std::vector<std::shared_ptr<Entry>>& entries, std::size_t bytes)
 {
+    std::vector<int> halvings(entries.size(), 0);
+    std::vector<std::size_t> planned;
     std::size_t sum = 0;
-    for (const Entry* entry : fresh) sum += entry->planned_bytes();
+    for (const auto& entry : entries) sum += planned.emplace_back(entry->bytes_of(0));
     while (sum > bytes) {
-        Entry& largest = **std::max_element(fresh.begin(), fresh.end(), [](const Entry* a, const Entry* b) {
-            return a->planned_bytes() < b->planned_bytes();
-        });
-        const std::size_t before = largest.planned_bytes();
-        largest.halve();
-        if (largest.planned_bytes() == before) return;  // each texture is a single tile, so nothing more can be saved
-        sum -= before - largest.planned_bytes();
+        const auto largest = std::max_element(planned.begin(), planned.end());
+        const auto i = static_cast<std::size_t>(largest - planned.begin());
+        const std::size_t halved = entries[i]->bytes_of(halvings[i] + 1);
+        if (halved == *largest) break;  // each texture is a single tile, so nothing more can be saved
+        ++halvings[i];
+        sum -= *largest - halved;
+        *largest = halved;
     }
+    return halvings;
 }
 
 // Refuses images that would take minutes to decode though their files are small: each of them may be within its limits.
@@ -218,27 +226,32 @@ TextureStore::~TextureStore() = default;
 void TextureStore::prepare(const Scene& scene)
 {
     // The store changes at the end only: it stays as it was if an image is refused or there is not enough memory.
-    std::map<std::uint64_t, std::shared_ptr<Entry>> entries;
-    std::vector<State::Slot> slots;
+    const std::vector<TextureId> ids = scene.texture_ids();
+    std::vector<std::shared_ptr<Entry>> all;
+    std::vector<bool> is_fresh;
     std::vector<Entry*> fresh;
-    std::size_t kept_bytes = 0;
-    for (const TextureId id : scene.texture_ids()) {
+    for (const TextureId id : ids) {
         const Texture& texture = scene.texture(id);
-        std::shared_ptr<Entry>& entry = entries[texture.identity];
         const auto known = state_->entries.find(texture.identity);
-        if (known != state_->entries.end() && !known->second->lacks_memory()) {
-            entry = known->second;
-            kept_bytes += entry->planned_bytes();
-        } else {
-            entry = std::make_shared<Entry>(texture);
-            fresh.push_back(entry.get());
-        }
-        if (id.slot >= slots.size()) slots.resize(id.slot + 1);
-        slots[id.slot] = {id.generation, entry.get()};
+        is_fresh.push_back(known == state_->entries.end() || known->second->lacks_memory());
+        all.push_back(is_fresh.back() ? std::make_shared<Entry>(texture) : known->second);
+        if (is_fresh.back()) fresh.push_back(all.back().get());
     }
     check_texels(fresh);
-    fit(fresh, state_->cap_bytes - std::min(state_->cap_bytes, kept_bytes));
-    for (Entry* entry : fresh) entry->warn_of_halvings();
+    const std::vector<int> halvings = halvings_that_fit(all, state_->cap_bytes);
+    std::map<std::uint64_t, std::shared_ptr<Entry>> entries;
+    std::vector<State::Slot> slots;
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+        const Texture& texture = scene.texture(ids[i]);
+        std::shared_ptr<Entry>& entry = all[i];
+        if (entry->halvings() != halvings[i]) {
+            if (!is_fresh[i]) entry = std::make_shared<Entry>(texture);
+            entry->halve(halvings[i]);
+        }
+        entries[texture.identity] = entry;
+        if (ids[i].slot >= slots.size()) slots.resize(ids[i].slot + 1);
+        slots[ids[i].slot] = {ids[i].generation, entry.get()};
+    }
     state_->entries.swap(entries);
     state_->slots.swap(slots);
 }
@@ -261,8 +274,7 @@ float TextureStore::texel_width(const TextureUse& use) const noexcept
 {
     const Entry* found = state_->find(use.texture);
     if (!found) return 0;
-    const bool is_readable = found->planned_bytes() > 0;
-    const int side = is_readable ? std::max(found->width(), found->height()) : state_->unreadable.width();
+    const int side = found->is_readable() ? std::max(found->width(), found->height()) : state_->unreadable.width();
     const float repeats = std::max(std::abs(use.scale.x), std::abs(use.scale.y));
     return repeats > 0 ? 1 / (repeats * static_cast<float>(side)) : 0;
 }

@@ -274,6 +274,25 @@ TEST(TextureStore, StaysWithinItsCapByHalvingTheLargest)
     EXPECT_EQ(store.sample(small, {0.5f / 16, 0.5f / 16}, 0), Vec4f(0, 0, 0, 1)) << "the small one is whole";
 }
 
+TEST(TextureStore, HalvesAsANewStoreDoesWhateverItKnew)
+{
+    Scene scene;
+    TextureUse uses[3];
+    TextureStore kept(1'000'000);  // each takes about 700 KB with its levels
+    for (TextureUse& use : uses) {
+        use.texture = scene.add(ramp(256, 256));
+        kept.prepare(scene);
+        kept.decode_all();
+        TextureStore fresh(1'000'000);
+        fresh.prepare(scene);
+        fresh.decode_all();
+        EXPECT_LE(kept.bytes(), 1'000'000u);
+        EXPECT_EQ(kept.bytes(), fresh.bytes());
+        EXPECT_EQ(kept.warnings(), fresh.warnings());
+        for (const TextureUse& known : uses) EXPECT_EQ(kept.texel_width(known), fresh.texel_width(known));
+    }
+}
+
 TEST(Half, ManyAtOnceHaveTheSameBitsAsEachAlone)
 {
     std::vector<float> floats;
