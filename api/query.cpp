@@ -26,34 +26,54 @@ struct Asked {
     Asked(Scene& scene, const Camera& camera, int height, const std::shared_ptr<SharedTopologies>& topologies,
           TextureStore& textures)
         : scale(scene.bounds()),
-          rays(scale.placed(camera), height, height),
           lock(scene),
           tables(topologies, scene),
-          frame(scene, tables.cache(), rays.levels(1), {.textures = &textures, .scale = scale})
+          frame(scene, tables.cache(), render::CameraRays(scale.placed(camera), height, height).levels(1),
+                {.textures = &textures, .scale = scale})
     {
     }
     FrameScale scale;
-    render::CameraRays rays;
     Scene::FrameLock lock;
     TopologyUse tables;
     accel::Frame frame;
 };
 
+/// Returns the unit vector of a direction, and zero for one that is zero or not finite. Squares of the lengths of others may
+/// be too large or too small for a double.
+Vec3d unit_vector(Vec3d direction) noexcept
+{
+    double largest = 0;
+    for (int c = 0; c < 3; ++c) {
+        if (!std::isfinite(direction[c])) return Vec3d(0);
+        largest = std::max(largest, std::abs(direction[c]));
+    }
+    if (largest == 0) return Vec3d(0);
+    for (int c = 0; c < 3; ++c) direction[c] = std::scalbn(direction[c], -std::ilogb(largest));
+    return direction / glm::length(direction);
+}
+
+/// Returns the footprint in frame lengths. A width of 0 everywhere is that of the finest surface: a ray without a footprint
+/// would have the camera's.
+lod::Footprint footprint_of(const RayFootprint& asked, const FrameScale& scale) noexcept
+{
+    const float width = scale.to_frame(asked.width);
+    return {asked.spread == 0 ? std::max(width, std::numeric_limits<float>::min()) : width, asked.spread};
+}
+
 accel::Ray ray_of(const QueryRay& asked, const Asked& about)
 {
     accel::Ray ray;
-    ray.t_far = 0;  // if the direction has no length, the ray stays one that hits nothing
-    const double length = glm::length(asked.direction);
-    if (!(length > 0) || !std::isfinite(length) || !std::isfinite(glm::dot(asked.origin, asked.origin))) return ray;
+    ray.t_far = 0;  // the ray stays one that hits nothing if it has no direction
+    const Vec3d direction = unit_vector(asked.direction), origin = asked.origin * about.scale.to_frame();
+    if (direction == Vec3d(0) || !std::isfinite(glm::dot(origin, origin))) return ray;
     if (const auto& f = asked.footprint; f && !(f->width >= 0 && std::isfinite(f->width) && std::isfinite(f->spread)))
         throw error_without_file("a footprint's width must be finite and 0 or more, and its spread finite", "ray");
     if (!(asked.time >= 0 && asked.time <= 1)) throw error_without_file("a ray's time must be from 0 to 1", "ray");
     ray.time = asked.time;
-    ray.origin = asked.origin * about.scale.to_frame();
-    ray.direction = Vec3f(asked.direction / length);
+    ray.origin = origin;
+    ray.direction = Vec3f(direction);
     ray.t_far = static_cast<float>(asked.far * about.scale.to_frame());
-    ray.footprint = asked.footprint ? lod::Footprint{about.scale.to_frame(asked.footprint->width), asked.footprint->spread}
-                                    : about.rays.pixel();
+    if (asked.footprint) ray.footprint = footprint_of(*asked.footprint, about.scale);  // else the camera's at the origin
     return ray;
 }
 
@@ -236,7 +256,8 @@ std::optional<Hit> Query::pick(double x, double y, int width) const
 {
     if (width < 1 || width > render::kMaxSide)
         throw error_without_file("from 1 to " + std::to_string(render::kMaxSide), "width");
-    const Camera placed = state_->asked_about().scale.placed(state_->camera);
+    Camera placed = state_->asked_about().scale.placed(state_->camera);
+    placed.lens.radius = 0;  // the ray through the middle of the lens, which does not end at the plane of focus
     return state_->closest(render::CameraRays(placed, width, state_->height).ray(x, y, Vec2f(0.5f), 0.5f));
 }
 

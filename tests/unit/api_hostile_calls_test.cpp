@@ -29,6 +29,71 @@ struct Ball {
     }
 };
 
+TEST(Query, DirectionsMayHaveAnyLength)
+{
+    Ball ball;
+    const Query query(ball.scene, kBefore);
+    const Vec3d from(0.1, 0.2, 5), way(0.01, -0.02, -1);
+    const std::optional<Hit> hit = query.closest(from, way);
+    ASSERT_TRUE(hit);
+    for (const int exponent : {-1000, -600, -300, 300, 600, 1000}) {
+        const Vec3d scaled = way * std::ldexp(1.0, exponent);
+        const std::optional<Hit> same = query.closest(from, scaled);
+        ASSERT_TRUE(same) << exponent;
+        EXPECT_EQ(same->distance, hit->distance) << exponent;
+        EXPECT_TRUE(query.is_occluded({from, scaled})) << exponent;
+    }
+    EXPECT_TRUE(query.closest(from, {0, 0, -5e-324})) << "the least direction of all";
+    for (const Vec3d none : {Vec3d(0), Vec3d(0, 0, -HUGE_VAL), Vec3d(NAN, 0, -1)})
+        EXPECT_FALSE(query.closest(from, none).has_value());
+}
+
+// The camera's footprint is wide here, so that it is told from none.
+TEST(Query, AFootprintOfZeroIsNotThatOfTheCamera)
+{
+    Ball ball;
+    const Query query(ball.scene, kBefore, 8);
+    const auto distance = [&](std::optional<RayFootprint> footprint) {
+        QueryRay ray{{0.1, 0.2, 5}, {0, 0, -1}};
+        ray.footprint = footprint;
+        return query.closest(ray).value().distance;
+    };
+    EXPECT_EQ(distance(RayFootprint{0, 0}), distance(RayFootprint{1e-20f, 0}));
+    EXPECT_EQ(distance(RayFootprint{1e-45f, 0}), distance(RayFootprint{1e-20f, 0}));
+    EXPECT_NE(distance(RayFootprint{0, 0}), distance({}));
+}
+
+// The camera is far away, so that its pixels are wide where the other rays start.
+TEST(Query, RaysThatStartAnywhereHitWhatThePictureShows)
+{
+    Ball ball;
+    const Vec3d eye(0, 0, 100), way = glm::normalize(Vec3d(0.003, -0.002, -1));
+    const Query query(ball.scene, Camera::look_at(eye, {0, 0, 0}, {0, 1, 0}, 0.8f), 256);
+    const std::optional<Hit> shown = query.closest(eye, way);
+    ASSERT_TRUE(shown);
+    for (const double before : {0.5, 1.0, 10.0}) {
+        const std::optional<Hit> hit = query.closest(shown->position - way * before, way);
+        ASSERT_TRUE(hit) << before;
+        EXPECT_NEAR(hit->distance, before, 1e-5) << before;
+    }
+}
+
+TEST(Query, PicksWhatLiesBehindThePlaneOfFocus)
+{
+    Ball ball;
+    Camera sharp = kBefore, lens = kBefore;
+    lens.lens.radius = 0.5f;
+    const auto picked = [&](const Camera& camera) { return Query(ball.scene, camera, 64).pick(30.2, 33.7, 64); };
+    ASSERT_TRUE(picked(sharp));
+    for (const int blades : {0, 5})
+        for (const float focus : {1.0f, 4.5f, 20.0f}) {
+            lens.lens.focus = focus;
+            lens.lens.blades = blades;
+            ASSERT_TRUE(picked(lens)) << focus;
+            EXPECT_EQ(picked(lens)->distance, picked(sharp)->distance) << focus;
+        }
+}
+
 TEST(Api, AnEnvironmentOfAnotherSceneIsRefused)
 {
     Ball ball;

@@ -157,7 +157,7 @@ struct Hit {
 };
 
 /// The full width of a ray's beam, which is `width + spread * t` at the distance t, in world length. It decides how fine the
-/// surfaces are that the ray sees.
+/// surfaces are that the ray sees: without a width, as fine as can be.
 struct RayFootprint {
     float width = 0, spread = 0;
 };
@@ -167,7 +167,8 @@ struct QueryRay {
     Vec3d origin{0};
     Vec3d direction{0, 0, -1};                             ///< need not be unit
     double far = std::numeric_limits<double>::infinity();  ///< world length
-    std::optional<RayFootprint> footprint{};               ///< if absent, that of a pixel of the query's camera
+    /// If it is absent, it is that of a pixel of the query's camera where the ray starts, and grows as the camera's does.
+    std::optional<RayFootprint> footprint{};
     float time = 0.5f;  ///< from 0 (the shutter opens) to 1; only for scenes whose shutter is recorded
 };
 
@@ -214,8 +215,8 @@ public:
     /// Returns true if a surface lies strictly between the two points.
     bool is_occluded(Vec3d from, Vec3d to) const;
     bool is_occluded(const QueryRay& ray) const;
-    /// Returns the surface that a pixel of the camera's picture shows; x and y are in pixels of a width x image_height
-    /// frame.
+    /// Returns the surface that a pixel of the camera's picture shows, through the middle of its lens; x and y are in pixels
+    /// of a width x image_height frame.
     std::optional<Hit> pick(double x, double y, int width) const;
 
 private:
