@@ -19,6 +19,7 @@ Camera record_shutter(Scene& scene, const std::function<void(double tau)>& pose,
 {
     if (height < 1 || height > render::kMaxSide)
         throw error_without_file("from 1 to " + std::to_string(render::kMaxSide), "image height");
+    if (!camera) throw error_without_file("a shutter needs something that returns the camera");
     constexpr double kPixels = 0.25;
     // The camera takes part in the finest recording: its keys cost nothing in the scene.
     int finest = segments != 0 ? segments : kMaxShutterSegments;

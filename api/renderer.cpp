@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <condition_variable>
 #include <exception>
 #include <mutex>
@@ -229,8 +230,10 @@ Job::~Job() = default;
 
 bool Job::wait_for(std::chrono::milliseconds time) const
 {
+    // The clock cannot count to the end of the longest time.
+    const auto most = std::clamp<std::chrono::milliseconds>(time, std::chrono::hours(0), std::chrono::hours(24 * 365));
     std::unique_lock guard(state_->mutex);
-    return state_->ended.wait_for(guard, time, [&] { return state_->done; });
+    return state_->ended.wait_for(guard, most, [&] { return state_->done; });
 }
 
 void Job::wait() const { state_->wait_until_done(); }

@@ -110,5 +110,22 @@ TEST(Api, AnEnvironmentOfAnotherSceneIsRefused)
     EXPECT_NO_THROW(renderer.render(ball.scene, kBefore, {.width = 4, .height = 4}));
 }
 
+TEST(Api, AJobCanBeWaitedForWithoutEnd)
+{
+    Ball ball;
+    Renderer renderer({.threads = 1});
+    const Job job = renderer.start(ball.scene, kBefore, {.width = 64, .height = 64, .spp = 64});
+    EXPECT_FALSE(job.wait_for(std::chrono::milliseconds::min()));
+    EXPECT_TRUE(job.wait_for(std::chrono::milliseconds::max()));
+}
+
+TEST(Api, AShutterNeedsACamera)
+{
+    Scene scene;
+    EXPECT_THROW(record_shutter(
+                     scene, [](double) {}, nullptr, 100),
+                 Error);
+}
+
 }  // namespace
 }  // namespace occam
