@@ -295,7 +295,10 @@ Job Renderer::start(Scene& scene, const Camera& camera, const Settings& settings
 Image Renderer::render(Scene& scene, const Camera& camera, const Settings& settings)
 {
     Job job = start(scene, camera, settings, {}, false);
-    state_->stats = job.stats();
+    {
+        const std::lock_guard guard(state_->stats_mutex);  // another thread may have begun and ended its frame since
+        state_->stats = job.stats();
+    }
     return job.take_image();
 }
 

@@ -54,6 +54,7 @@ struct Renderer::State {
     TextureStore textures;
     shade::KeptLights lights;
     std::atomic<bool> busy = false;
+    std::mutex stats_mutex;  // guards the writing of `stats`
     FrameStats stats;
 };
 

@@ -5,7 +5,8 @@
 //
 // Space    a node's transform is relative to its parent; the root's axes are world axes. They are right-handed, with y up by
 //          convention only.
-// Threads  one thread edits at a time; an edit while a frame renders is refused with an Error (FrameLock).
+// Threads  one thread edits at a time; an edit while a frame renders is refused with an Error (FrameLock). Several threads
+//          may begin frames of one scene at once.
 // Errors   every call with a dead or foreign handle throws an Error and changes nothing.
 #pragma once
 

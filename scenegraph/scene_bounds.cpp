@@ -156,6 +156,7 @@ void Scene::State::push_below(NodeRecord& node, std::vector<RefitStep>& todo) co
 std::size_t Scene::refit()
 {
     State& s = *state_;
+    const std::lock_guard guard(s.refitting);
     s.find_lost_bounds();
     Rollback begun([&] { s.lose_bounds(); });
     std::vector<State::RefitStep> todo{{s.root, false}};

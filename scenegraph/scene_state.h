@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <mutex>
 #include <unordered_map>
 
 #include "base/error_without_file.h"
@@ -200,6 +201,7 @@ struct Scene::State {
     std::size_t faces = 0, mesh_triangles = 0;  ///< of all cages
     bool has_lost_bounds = false;               ///< all bounds are out of date, whatever the nodes say
     mutable std::atomic<int> frames{0};         ///< number of FrameLocks alive
+    std::mutex refitting;                       ///< held by refit(): frames of several renderers may begin at once
 
     void require_editable() const
     {

@@ -127,5 +127,34 @@ TEST(Api, AShutterNeedsACamera)
                  Error);
 }
 
+// Each of them finds the scene dirty. Its groups have so many children that their boxes are in trees.
+TEST(Api, RenderersBeginFramesOfOneSceneAtOnce)
+{
+    Ball ball;
+    const CageId cage = ball.scene.node(ball.scene.node(ball.scene.root()).children.front()).cages.front();
+    std::vector<NodeId> nodes;
+    for (int group = 0; group < 40; ++group) {
+        const NodeId above = ball.scene.add_node(ball.scene.root(), {});
+        for (int k = 0; k < 100; ++k) nodes.push_back(ball.scene.add_node(above, {.cages = {cage}}));
+    }
+    const Settings settings{.width = 4, .height = 4, .spp = 1};
+    for (int frame = 0; frame < 20; ++frame) {
+        for (std::size_t k = 0; k < nodes.size(); ++k)
+            ball.scene.set_transform(
+                nodes[k], Trs{.translation = {std::sin(double(k) + frame), std::cos(double(k)), 1}, .scale = Vec3d(0.01)});
+        std::uint64_t checksums[2] = {};
+        std::atomic<int> ready{0};
+        const auto render = [&](std::uint64_t& checksum) {
+            Renderer renderer({.threads = 1});
+            for (++ready; ready < 2;) std::this_thread::yield();
+            checksum = renderer.render(ball.scene, kBefore, settings).checksum();
+        };
+        std::thread elsewhere(render, std::ref(checksums[0]));
+        render(checksums[1]);
+        elsewhere.join();
+        EXPECT_EQ(checksums[0], checksums[1]) << frame;
+    }
+}
+
 }  // namespace
 }  // namespace occam
