@@ -104,7 +104,7 @@ void Scene::State::about_to_move(NodeId id, NodeRecord& node)
     if (!recorder && things_with_keys == 0) return;
     about_to_change(id, node);
     if (!node.dependents) return;
-    for (const SkinId skin_id : node.dependents->skins) {
+    for (const SkinId skin_id : node.dependents->skins.ids()) {
         SkinRecord* skin = skins.find(skin_id);
         if (!skin) continue;
         if (!recorder) {

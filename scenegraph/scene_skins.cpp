@@ -71,8 +71,9 @@ void Scene::State::link_skin(SkinId id)
             NodeRecord& node = *nodes.find(at);
             if (!node.dependents) node.dependents = std::make_unique<Dependents>();
             // An earlier joint has registered this node and all nodes above it.
-            if (!node.dependents->skins.empty() && node.dependents->skins.back() == id) break;
-            node.dependents->skins.push_back(id);
+            WatcherList<SkinId>& known = node.dependents->skins;
+            if (!known.ids().empty() && known.ids().back() == id) break;
+            known.add(id, [&](SkinId other) { return skins.find(other) != nullptr; });
         }
 }
 
@@ -143,7 +144,7 @@ void Scene::State::place_changed(NodeId id, const NodeRecord& node) noexcept
     touch_in_parent(node);
     mark_dirty(node.parent ? node.parent : id);
     if (!node.dependents) return;
-    for (const SkinId s : node.dependents->skins)
+    for (const SkinId s : node.dependents->skins.ids())
         if (SkinRecord* skin = skins.find(s)) {
             skin->dirty = true;
             for (const NodeId user : skin->users.ids()) mark_dirty(user);

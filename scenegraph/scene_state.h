@@ -20,8 +20,8 @@ Box3d grown_by_displacement(const Cage& cage, const Box3d& box) noexcept;
 /// cage without keys, skin and morph targets needs none.
 void find_bounds(CageSlot& slot);
 
-/// The nodes or cages that an edit must notify. Removed ones and duplicates are dropped when the list would grow, so that
-/// its size stays in proportion to the number alive at one time.
+/// The nodes, cages or skins that an edit must notify. Removed ones and duplicates are dropped when the list would grow, so
+/// that its size stays in proportion to the number alive at one time.
 template <class Id>
 class WatcherList {
 public:
@@ -124,7 +124,7 @@ private:
 struct Scene::State {
     /// Lists what depends on a node's transform besides its parent's bounds.
     struct Dependents {
-        std::vector<SkinId> skins;  ///< skins for which the node lies between a joint and the base
+        WatcherList<SkinId> skins;  ///< skins for which the node lies between a joint and the base
         Watchers users;             ///< skinned nodes for which the node lies between them and the base of their skin
     };
     /// The values that pose() found before it moved a node.
