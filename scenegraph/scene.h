@@ -5,8 +5,10 @@
 //
 // Space    a node's transform is relative to its parent; the root's axes are world axes. They are right-handed, with y up by
 //          convention only.
-// Threads  one thread edits at a time; an edit while a frame renders is refused with an Error (FrameLock). Several threads
-//          may begin frames of one scene at once.
+// Threads  one thread edits at a time; an edit while a frame renders is refused with an Error (FrameLock). Public members
+//          are not guarded: change them between frames. Several threads may begin frames of one scene at once.
+// Memory   What a function returns by reference is valid until the next edit. A scene may be moved, but not while it is
+//          borrowed; one that was moved from may only be destroyed or assigned to.
 // Errors   every call with a dead or foreign handle throws an Error and changes nothing.
 #pragma once
 

@@ -6,7 +6,8 @@
 //     renderer.render(scene, camera, {.width = 1280, .height = 720, .spp = 16}).write("courtyard.exr");
 //
 // The application owns the scene. Renderers, jobs and queries only borrow it, and while one of them works on it, edits
-// throw. Every failure is an occam::Error that names file, element and reason.
+// throw; what has no function to edit it, such as Scene::environment, must stay as it is. Every failure is an occam::Error
+// that names file, element and reason.
 #pragma once
 
 #include <chrono>
@@ -190,7 +191,7 @@ struct FirstHit {
 class Query {
 public:
     /// image_height   height of the picture whose pixels decide how fine surfaces are
-    /// scene          must outlive the query
+    /// scene          must outlive the query and stay where it is
     Query(Scene& scene, const Camera& camera, int image_height = 720, std::size_t memory_bytes = std::size_t(256) << 20);
     /// Shares the renderer's topology tables, so that none is made twice. The renderer may render meanwhile, and may be
     /// destroyed first.
