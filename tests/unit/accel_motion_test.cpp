@@ -289,6 +289,52 @@ TEST(MovingTracer, SeesNodesWhereTheyAreVisible)
     }
 }
 
+// Returns the hits of rays on a cube that is seen in the first half of the shutter, along a path that bends where it vanishes:
+// the straight line between the ends of the path leaves all places at which keys see the cube.
+// above    the node above the cube is hidden in place of the cube
+// roomy    cubes below and above make the boxes around it larger
+std::vector<accel::SurfaceHit> hits_of_a_cube_that_vanishes(bool above, bool roomy, accel::TreeKind tree)
+{
+    Scene scene;
+    const CageId cube = scene.add(creased_cube(10));
+    const NodeId group = scene.add_node(scene.root(), {}), node = scene.add_node(group, {.cages = {cube}});
+    for (const double y : {-4.0, 4.0})
+        if (roomy) scene.add_node(group, {.place = {.translation = {0, y, 0}}, .cages = {cube}});
+    scene.record_shutter(2, [&](double tau) {
+        scene.set_transform(node, Trs{.translation = {0, tau > 0.5 ? 0.4 : 0, 0}});
+        scene.set_visible(above ? group : node, tau == 0);
+    });
+    scene.refit();
+    lod::TopologyCache topologies;
+    const accel::Frame frame(scene, topologies, {.pixel = {1, 0}}, {.tree = tree});
+    std::vector<accel::Ray> rays;
+    for (int i = 0; i < 300; ++i) {
+        accel::Ray& ray = rays.emplace_back();
+        ray.origin = {-5, -1.5 + 0.01 * i, 0.1};
+        ray.direction = {1, 0, 0};
+        ray.time = float(i % 8) / 16;
+    }
+    std::vector<accel::SurfaceHit> hits(rays.size());
+    accel::Tracer(frame, kPlenty).closest(rays, hits);
+    return hits;
+}
+
+TEST(MovingTracer, FindsWhatIsHiddenForAPartOfTheTimeWhateverIsBesideIt)
+{
+    for (const accel::TreeKind tree : {accel::TreeKind::Bvh, accel::TreeKind::Kd})
+        for (const bool above : {false, true}) {
+            const auto tight = hits_of_a_cube_that_vanishes(above, false, tree),
+                       roomy = hits_of_a_cube_that_vanishes(above, true, tree);
+            int found = 0;
+            for (std::size_t i = 0; i < tight.size(); ++i) {
+                ASSERT_EQ(tight[i].is_hit(), roomy[i].is_hit()) << i << (above ? " hidden by the node above" : "");
+                ASSERT_EQ(tight[i].t, roomy[i].t) << i;
+                found += tight[i].is_hit();
+            }
+            EXPECT_NEAR(found, 200, 2);
+        }
+}
+
 TEST(MovingItems, HaveBoxesAtTheKeysOfTheShutter)
 {
     MovingStage stage;
