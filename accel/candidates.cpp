@@ -99,6 +99,13 @@ void Candidates::add_parts(ItemIndex item)
 {
     if (!items_.open(item, pair_)) return add(item);
     const std::uint32_t first = items_[item].first_part, count = items_[item].part_count;
+    const bool pass_through = time_ == kAllTimes && !items_.key_boxes(item).empty();
+    if (pass_through && size() + count > kMostPassing)
+        throw error_without_file(
+            "more than " + std::to_string(kMostPassing) +
+                " parts of surfaces pass through one place while the shutter is open, which the kd-tree "
+                "cannot tell apart; the tree of boxes can (--accel bvh)",
+            items_.name_of(item));
     if (size() + count > kMost)
         throw error_without_file("more than " + std::to_string(kMost) +
                                      " parts of surfaces lie in one place, or too close together for their numbers",

@@ -28,13 +28,16 @@ public:
 
     /// The most candidates of a node. So many lie in one place only if no plane parts them; more are an error.
     static constexpr std::size_t kMost = std::size_t(1) << 22;
+    /// The most of those that move, if their boxes hold them at all times. Each has a box at every key, and a ray would meet
+    /// the igrids of nearly all of them.
+    static constexpr std::size_t kMostPassing = std::size_t(1) << 17;
 
     /// Starts with the parts of these items that lie in a node's box. Items that rays of the pair meet as one igrid are
     /// final.
     /// time   moment of the shutter at which the boxes of items that move are taken
     void start(const Box3f& box, std::span<const ItemIndex> items, int pair, float time = kAllTimes);
     /// Opens the largest of those items that cost the least effort to open. Returns false if there is none of at most
-    /// `most_effort`. Throws Error if there are more than kMost.
+    /// `most_effort`. Throws Error if there are more than kMost, or kMostPassing.
     bool open_largest(int most_effort);
     /// Makes the list of a leaf, for the pairs to which it applies, with boxes that hold the items at all times. All
     /// candidates are final.

@@ -310,5 +310,29 @@ TEST(Trees, FindTheSameBitsWhereManyThingsFlyFarAlongBentPaths)
         }
 }
 
+// In the kd-tree all parts of a finely diced body that flies lie in one place.
+TEST(Trees, OfPlanesRefuseWhatPassesThroughOnePlaceInHundredsOfThousandsOfParts)
+{
+    Stage stage;
+    const NodeId node = place(stage.scene, stage.scene.add(torus()), {0, 0, 0});
+    stage.scene.record_shutter(
+        1, [&](double tau) { stage.scene.set_transform(node, Trs{.translation = Vec3d(60 * tau), .scale = Vec3d(50)}); });
+    const accel::Frame kd = stage.frame(-7, lod::LevelMode::PerRay, TreeKind::Kd), bvh = stage.frame(-7);
+    accel::Ray ray;
+    ray.origin = {80, 200, 30};
+    ray.direction = {0, -1, 0};
+    ray.time = 0.5f;
+    accel::SurfaceHit hit;
+    accel::Tracer in_bvh(bvh, kPlenty), in_kd(kd, kPlenty);
+    in_bvh.closest({&ray, 1}, {&hit, 1});
+    EXPECT_TRUE(hit.is_hit());
+    try {
+        in_kd.closest({&ray, 1}, {&hit, 1});
+        ADD_FAILURE() << "not refused";
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("pass through one place"), std::string::npos) << error.what();
+    }
+}
+
 }  // namespace
 }  // namespace occam::test
