@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "lod/bfr_source.h"
+#include "lod/derived_points.h"
 #include "lod/small_surface.h"
 
 namespace occam::lod {
@@ -58,12 +59,29 @@ struct Approximates {
     bool at = false, beside = false;
 };
 
-Approximates approximates(const Far::TopologyLevel& level, int vertex)
+/// Returns whether Bfr and subdivision have one limit at a corner whose vertex is not manifold. Bfr knows the face's own fan
+/// alone. Both agree where the vertex stays where it is, and where the fan lies between both edges of a crease of many
+/// faces.
+bool is_agreed(const Far::TopologyLevel& level, const Sector& corner, int vertex)
 {
-    if (level.IsVertexNonManifold(vertex) || Sdc::Crease::IsInfinite(level.GetVertexSharpness(vertex))) return {};
+    if (level.IsVertexInfSharp(vertex)) return true;
+    const auto most = static_cast<std::size_t>(level.GetVertexFaces(vertex).size());
+    const auto end = [&](bool counter_clockwise) {
+        const std::vector<Sector> others = sectors_after(level, corner, counter_clockwise, most);
+        const Sector& last = others.empty() ? corner : others.back();
+        const auto edges = level.GetFaceEdges(last.face);
+        return edges[counter_clockwise ? (last.corner + edges.size() - 1) % edges.size() : last.corner];
+    };
+    return end(true) != end(false);
+}
+
+Approximates approximates(const Far::TopologyLevel& level, const Sector& corner)
+{
+    const int vertex = level.GetFaceVertices(corner.face)[corner.corner];
+    if (level.IsVertexNonManifold(vertex)) return {false, is_agreed(level, corner, vertex)};
     const bool is_boundary = level.IsVertexBoundary(vertex);
     const int faces = level.GetVertexFaces(vertex).size();
-    if (faces < 3 && !is_boundary) return {};
+    if (Sdc::Crease::IsInfinite(level.GetVertexSharpness(vertex))) return {false, !is_boundary || faces != 1};
     int sharp = 0, infinite = 0;
     float sharpest = level.GetVertexSharpness(vertex);  // of what is not infinitely sharp
     for (const int edge : level.GetVertexEdges(vertex)) {
@@ -122,14 +140,13 @@ CornerLimits::CornerLimits(const Far::TopologyLevel& level, const Sector& quad, 
 {
     part_.add_with_neighbours(quad);
     part_.add_sharpness();
-    const auto vertices = level.GetFaceVertices(quad.face);
     const auto set = [&](int corner, const Approximates& does) {
         at_[static_cast<std::size_t>(corner)] = does.at;
         beside_[static_cast<std::size_t>(corner)] = does.beside;
     };
-    set(0, approximates(level, vertices[quad.corner]));
+    set(0, approximates(level, quad));
     if (is_whole_) {
-        for (int corner = 1; corner < 4; ++corner) set(corner, approximates(level, vertices[(quad.corner + corner) % 4]));
+        for (int corner = 1; corner < 4; ++corner) set(corner, approximates(level, {quad.face, (quad.corner + corner) % 4}));
         return;
     }
     set(2, {false, true});

@@ -260,6 +260,44 @@ TEST(LimitOracle, FindsNormalsNearCreasesOfEachSharpness)
     }
 }
 
+// An infinitely sharp corner stays where it is, and the surface beside it has no other limit than that of subdivision.
+TEST(LimitOracle, FindsNormalsNearCornersOfEachValence)
+{
+    for (const std::uint32_t valence : {3u, 4u, 7u})
+        for (const float sharpness : {5.0f, 9.5f, kInfiniteSharpness}) {
+            Cage cage = spindle(valence);
+            cage.corners = {{0, sharpness}};
+            expect_oracle_near(cage, 0, "valence " + std::to_string(valence) + ", sharpness " + std::to_string(sharpness));
+        }
+}
+
+TEST(LimitOracle, FindsPointsNearCornersOfTwoFaces)
+{
+    // A vertex in the middle of the first edge, which belongs to two faces.
+    Cage cage = prism(5);
+    cage.creases.clear();
+    const Crease edge = edges_of(cage).front();
+    const auto middle = static_cast<std::uint32_t>(cage.positions.size());
+    cage.positions.push_back((cage.positions[edge.v0] + cage.positions[edge.v1]) * 0.6f);
+    std::vector<std::uint32_t> vertices;
+    for (std::size_t face = 0, first = 0; face < cage.face_sizes.size(); ++face) {
+        const std::uint32_t size = cage.face_sizes[face];
+        for (std::uint32_t i = 0; i < size; ++i) {
+            const std::uint32_t a = cage.face_vertices[first + i], b = cage.face_vertices[first + (i + 1) % size];
+            vertices.push_back(a);
+            if (std::minmax(a, b) != std::minmax(edge.v0, edge.v1)) continue;
+            vertices.push_back(middle);
+            ++cage.face_sizes[face];
+        }
+        first += size;
+    }
+    cage.face_vertices = vertices;
+    for (const float sharpness : {0.0f, 5.0f, 9.5f, kInfiniteSharpness}) {
+        cage.corners = {{middle, sharpness}};
+        expect_oracle_near(cage, middle, "sharpness " + std::to_string(sharpness));
+    }
+}
+
 TEST(LimitOracle, FindsNormalsAtAnySizeAndFarAway)
 {
     for (const std::uint32_t valence : {3u, 9u})
