@@ -37,7 +37,9 @@ Camera record_shutter(Scene& scene, const std::function<void(double tau)>& pose,
     if (segments != 0) return moving;
     scene.refit();
     const lod::Footprint pixel = render::CameraRays(moving, height, height).pixel();
-    const int needed = needed_segments(scene, {moving.eye(), kPixels * double(pixel.a), kPixels * double(pixel.b)});
+    PathTolerance tolerance{moving.eye(), kPixels * double(pixel.a), kPixels * double(pixel.b)};
+    for (const Mat4d& key : moving.keys) tolerance.eyes.push_back(Vec3d(key[3]));
+    const int needed = needed_segments(scene, tolerance);
     if (needed > 0 && needed < finest) scene.record_shutter(needed, pose);
     return moving;
 }

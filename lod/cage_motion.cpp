@@ -289,10 +289,10 @@ float edge_at(const LevelSettings& settings, double distance) noexcept
     return settings.target_edge(settings.pixel).at(static_cast<float>(distance));
 }
 
-// Returns the target edge length where a box is nearest to the camera.
+// Returns the target edge length where a box is nearest to the camera, wherever that is while the shutter is open.
 float nearest_edge(const LevelSettings& settings, const Box3d& world) noexcept
 {
-    const double distance = glm::distance(settings.eye, glm::clamp(settings.eye, world.lo, world.hi));
+    const double distance = glm::distance(settings.eye, glm::clamp(settings.eye, world.lo, world.hi)) - settings.eye_moves;
     return edge_at(settings, std::max(distance, world.radius() * kNearest));
 }
 

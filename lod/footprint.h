@@ -45,6 +45,8 @@ struct LevelSettings {
     /// The farthest that a control point may be, between the keys of a cage's motion, from where the scene's keys have it:
     /// in target edge lengths where the cage is nearest to the camera.
     float motion_edges = 0.25f;
+    /// The farthest that the eye is from `eye` while the shutter is open.
+    double eye_moves = 0;
     /// The number of equal parts of the shutter of which each pixel samples every one; 0: it is not known. A cage all of
     /// whose points move across the picture has no edges that are shorter than the least distance that a point moves in one
     /// part (lod/cage_motion.h).

@@ -81,6 +81,7 @@ Vec2d CameraRays::pixel_velocity(Vec3d point, Vec3d velocity, float time) const 
 lod::LevelSettings CameraRays::levels(float shading_rate) const noexcept
 {
     lod::LevelSettings levels{middle_.eye, pixel_, shading_rate, 0, {}};
+    for (const View& key : keys_) levels.eye_moves = std::max(levels.eye_moves, glm::distance(key.eye, middle_.eye));
     // What a moving camera sees lies in no single pyramid.
     if (orthographic_ || moves()) return levels;
     // A point is in view if |across| <= forward * (width / height) and |up| <= forward, where across and up are in units of

@@ -60,7 +60,7 @@ public:
     {
         // A path that strays with few segments may stray no more, and less, with more of them.
         while (needed_ < most_ &&
-               any_key([&](const Segment& s) { return glm::distance(at[s.key], s.chord(at)) > tolerance_.at(at[s.key]); }))
+               any_key([&](const Segment& s) { return glm::distance(at[s.key], s.chord(at)) > allowed(s, at[s.key]); }))
             needed_ *= 2;
     }
     /// Takes the points of a box that moves by a matrix at each key, plus one vector of each of the other boxes, which moves
@@ -80,7 +80,7 @@ public:
                    bool is_far = false;
                    for_each_corner(box, [&, m = off(frames, s)](Vec3d p) {
                        is_far |= glm::length(transform_vector(m, p) + Vec3d(m[3])) + added >
-                                 tolerance_.at(transform_point(frames[s.key], p));
+                                 allowed(s, transform_point(frames[s.key], p));
                    });
                    return is_far;
                }))
@@ -102,6 +102,12 @@ private:
         for (std::size_t key = 0; key < most_; ++key)
             if (key % step != 0 && has(Segment{key, key / step * step, key / step * step + step})) return true;
         return false;
+    }
+
+    /// Returns how far a point may be from its path at the key.
+    double allowed(const Segment& s, Vec3d point) const noexcept
+    {
+        return tolerance_.at(point, double(s.key) / double(most_));
     }
 
     std::size_t most_, needed_ = 1;

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <unordered_set>
+#include <vector>
 
 #include "base/error.h"
 #include "scenegraph/scene.h"
@@ -25,8 +26,15 @@ public:
 struct PathTolerance {
     Vec3d eye{0};
     double constant = 0, per_distance = 0;
+    std::vector<Vec3d> eyes{};  ///< the eye at evenly spaced moments, from when the shutter opens; empty: it stands still
 
-    double at(Vec3d point) const noexcept { return constant + per_distance * glm::distance(point, eye); }
+    /// tau   the moment at which the point is there
+    double at(Vec3d point, double tau) const noexcept
+    {
+        const double last = eyes.empty() ? 0 : static_cast<double>(eyes.size() - 1);
+        const Vec3d from = eyes.empty() ? eye : eyes[static_cast<std::size_t>(tau * last + 0.5)];
+        return constant + per_distance * glm::distance(point, from);
+    }
 };
 
 /// Returns the least number of segments, a power of two, whose chords pass within the tolerance of every recorded key of

@@ -73,6 +73,16 @@ TEST(MotionTolerance, OfABoxIsNotLargerThanTheBoundOfABoxAroundIt)
     EXPECT_GT(most, 0.9) << "no loose bound";
 }
 
+TEST(MotionTolerance, IsThatOfTheEyeWhereItIsNearestWhileTheShutterIsOpen)
+{
+    const Box3d box{Vec3d(-1), Vec3d(1)};
+    lod::LevelSettings levels = seen_from_afar(0), nearer = levels;
+    nearer.eye.z = 5;
+    levels.eye_moves = 35;
+    EXPECT_DOUBLE_EQ(lod::motion_tolerance(levels, box), lod::motion_tolerance(nearer, box));
+    EXPECT_LT(lod::motion_tolerance(levels, box), 0.2 * lod::motion_tolerance(seen_from_afar(0), box));
+}
+
 TEST(MotionDetail, FollowsTheDistanceMovedAcrossTheLineOfSight)
 {
     for (const bool is_written : {false, true}) {

@@ -338,5 +338,22 @@ TEST(Motion, RecordingChoosesSegmentsByThePixelsOfThePicture)
     EXPECT_THROW(record_shutter(scene, turn, camera_of, 90, -4), Error);
 }
 
+// The camera carries a torus along, far away from where it is in the middle of the shutter, and both shake there by a few of
+// its pixels.
+TEST(Motion, RecordingFollowsWhatACameraCarriesAlong)
+{
+    Scene scene;
+    const NodeId cockpit = scene.add_node(scene.root(), {});
+    scene.add_node(cockpit, {.cages = {scene.add(torus())}});
+    scene.add_node(cockpit, {.matrix = moved(0, 0, 4), .camera = scene.add(CameraLens{})});
+    const auto fly = [&](double tau) {
+        const double shaking = tau > 0.75 ? 0.025 * std::sin(25.132741228718345 * tau) : 0;
+        scene.set_transform(cockpit, moved(60 * tau, shaking, 0));
+    };
+    record_shutter(
+        scene, fly, [&] { return scene.camera().value(); }, 100);
+    EXPECT_GE(scene.shutter_segments(), 16) << "with 8, all keys are where nothing is shaken";
+}
+
 }  // namespace
 }  // namespace occam

@@ -74,6 +74,10 @@ TEST(Shutter, SegmentsFollowHowFarChordsStray)
     EXPECT_EQ(needed_segments(scene, tolerance), expected);
     EXPECT_EQ(needed_segments(scene, {{0, 0, 100}, 1e-9, 0}), 32) << "no more than were recorded";
     EXPECT_EQ(needed_segments(scene, {{0, 0, 100}, 0, 1}), 1) << "far from the eye";
+    // From the middle of the last half on the eye is where a corner is at that moment, which is a key of four segments.
+    const Vec3d corner = transform_point(turned(angle * 0.75), {1, 1, 0});
+    EXPECT_EQ(needed_segments(scene, {{0, 0, 100}, 0, 0.3}), 1);
+    EXPECT_EQ(needed_segments(scene, {{0, 0, 100}, 0, 0.3, {{0, 0, 200}, {0, 0, 100}, corner}}), 4);
     scene.clear_shutter();
     EXPECT_EQ(needed_segments(scene, tolerance), 0);
 }
