@@ -1,5 +1,8 @@
 #include "lod/bfr_source.h"
 
+#include <opensubdiv/sdc/crease.h>
+
+#include <set>
 #include <unordered_map>
 #include <vector>
 
@@ -77,16 +80,46 @@ private:
         const int face = static_cast<int>(patch.face);
         if (surface_.IsRegular() || surface_.IsLinear() || refiner.GetSchemeType() != Sdc::SCHEME_CATMARK) return;
         const Numbers values = uv_set < 0 ? Numbers() : values_of_vertices(level, face, uv_set);
-        if (uv_set >= 0 && values.empty()) return;
-        const bool has_edges_only = refiner.GetSchemeOptions().GetVtxBoundaryInterpolation() ==
-                                    Sdc::Options::VTX_BOUNDARY_EDGE_ONLY;
-        corners_ = std::make_unique<const CornerLimits>(
-            level, Sector{face, static_cast<int>(patch.sub)},
-            has_edges_only ? BoundaryRule::EdgeOnly : BoundaryRule::EdgeAndCorner);
-        for (const int at : corners_->vertices()) {
-            const auto vertex = static_cast<std::uint32_t>(at);
-            number_at_corners_.push_back(number.at(uv_set < 0 ? vertex : values.at(vertex)));
+        const bool has_seam = uv_set >= 0 && values.empty();
+        if (has_seam && !has_lasting_seams(level, face, uv_set)) return;
+        corners_ = std::make_unique<const CornerLimits>(level, Sector{face, static_cast<int>(patch.sub)}, rules_of(refiner),
+                                                        has_seam ? uv_set : -1);
+        for (const int at : corners_->controls()) {
+            const auto control = static_cast<std::uint32_t>(at);
+            number_at_corners_.push_back(number.at(uv_set < 0 || has_seam ? control : values.at(control)));
         }
+    }
+    static MeshRules rules_of(const Far::TopologyRefiner& refiner)
+    {
+        const Sdc::Options options = refiner.GetSchemeOptions();
+        const bool has_corners = options.GetVtxBoundaryInterpolation() == Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER;
+        MeshRules rules{has_corners ? BoundaryRule::EdgeAndCorner : BoundaryRule::EdgeOnly};
+        for (const FaceVaryingRule rule :
+             {FaceVaryingRule::CornersPlus1, FaceVaryingRule::CornersPlus2, FaceVaryingRule::CornersOnly,
+              FaceVaryingRule::Boundaries, FaceVaryingRule::All, FaceVaryingRule::None})
+            if (linear_interpolation(rule) == options.GetFVarLinearInterpolation()) rules.face_varying = rule;
+        return rules;
+    }
+    /// Returns whether seams and borders around a face are treated alike in each step of subdivision, as those of a mesh
+    /// that begins there, and by Bfr. Where a semi-sharp crease meets a seam, OpenSubdiv remembers how sharp it was; where
+    /// faces that do not touch share a value of a vertex, Bfr takes it for several.
+    static bool has_lasting_seams(const Far::TopologyLevel& level, int face, int uv_set)
+    {
+        const auto is_semi_sharp = [](float s) { return s > 0 && !Sdc::Crease::IsInfinite(s); };
+        for (const int vertex : level.GetFaceVertices(face)) {
+            if (level.IsVertexNonManifold(vertex) || is_semi_sharp(level.GetVertexSharpness(vertex))) return false;
+            std::size_t parts = level.IsVertexBoundary(vertex) ? 1 : 0;
+            for (const int edge : level.GetVertexEdges(vertex)) {
+                if (is_semi_sharp(level.GetEdgeSharpness(edge))) return false;
+                parts += !level.IsEdgeBoundary(edge) && !level.DoesEdgeFVarTopologyMatch(edge, uv_set);
+            }
+            std::set<int> values;
+            const auto faces = level.GetVertexFaces(vertex);
+            const auto places = level.GetVertexFaceLocalIndices(vertex);
+            for (int f = 0; f < faces.size(); ++f) values.insert(level.GetFaceFVarValues(faces[f], uv_set)[places[f]]);
+            if (values.size() < parts) return false;
+        }
+        return true;
     }
     /// Returns the texture coordinate of each vertex around a face; none if they have a seam or a border there. Without one
     /// they are refined as the vertices are.
@@ -126,7 +159,7 @@ private:
     std::size_t count_;
     Bfr::Surface<double> surface_;
     std::vector<std::uint32_t> number_;
-    std::unique_ptr<const CornerLimits> corners_;  ///< null where Bfr is exact, and at seams of coordinates
+    std::unique_ptr<const CornerLimits> corners_;  ///< null where Bfr is exact, and where creases meet seams
     std::vector<std::uint32_t> number_at_corners_;
 };
 

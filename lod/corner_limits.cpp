@@ -20,7 +20,7 @@ constexpr int kSteps = 9;
 /// Where creases are sharper than this, too few of Bfr's ten divisions are left once they are smooth.
 constexpr float kLeastSharp = 4;
 
-/// The weights of a vertex: those of the vertices from which it was refined.
+/// The weights of a vertex, or of a value of texture coordinates: those of the ones from which it was refined.
 struct Weights {
     std::vector<double> of;
     void Clear(void* = nullptr) { std::ranges::fill(of, 0); }
@@ -31,10 +31,12 @@ struct Weights {
     }
 };
 
-/// A part of a refined mesh, and the weights of its vertices.
+/// A part of a refined mesh, and the weights of its vertices; if it has texture coordinates, those of their values.
 struct WeightedPart {
     Cage mesh;
     std::vector<Weights> weights;
+
+    bool has_uv() const noexcept { return !mesh.uv_sets.empty(); }
 };
 
 /// Returns what surrounds the quad at a corner of the first face after one step, from that corner on.
@@ -43,14 +45,17 @@ WeightedPart refined_at(const WeightedPart& coarse, int corner)
     const auto refiner = make_refiner(coarse.mesh);
     refine_once(*refiner);
     const Far::TopologyLevel& level = refiner->GetLevel(1);
-    std::vector<Weights> all(static_cast<std::size_t>(level.GetNumVertices()));
-    Far::PrimvarRefinerReal<double>(*refiner).Interpolate(1, coarse.weights, all);
+    std::vector<Weights> all(static_cast<std::size_t>(coarse.has_uv() ? level.GetNumFVarValues(0) : level.GetNumVertices()));
+    const Far::PrimvarRefinerReal<double> refine(*refiner);
+    if (coarse.has_uv()) refine.InterpolateFaceVarying(1, coarse.weights, all);
+    else refine.Interpolate(1, coarse.weights, all);
 
-    MeshPart part(level, coarse.mesh.boundary);
+    MeshPart part(level, {coarse.mesh.boundary, coarse.mesh.face_varying}, coarse.has_uv() ? 0 : -1);
     part.add_with_neighbours(child_at(refiner->GetLevel(0), level, {0, corner}));
     part.add_sharpness();
     WeightedPart fine{std::move(part.mesh), {}};
-    for (const int v : part.vertices) fine.weights.push_back(std::move(all[static_cast<std::size_t>(v)]));
+    for (const int at : coarse.has_uv() ? part.values : part.vertices)
+        fine.weights.push_back(std::move(all[static_cast<std::size_t>(at)]));
     return fine;
 }
 
@@ -75,9 +80,10 @@ bool is_agreed(const Far::TopologyLevel& level, const Sector& corner, int vertex
     return end(true) != end(false);
 }
 
-Approximates approximates(const Far::TopologyLevel& level, const Sector& corner)
+Approximates approximates(const Far::TopologyLevel& level, const Sector& corner, int uv_set)
 {
     const int vertex = level.GetFaceVertices(corner.face)[corner.corner];
+    if (uv_set >= 0 && !level.DoesVertexFVarTopologyMatch(vertex, uv_set)) return {false, true};
     if (level.IsVertexNonManifold(vertex)) return {false, is_agreed(level, corner, vertex)};
     const bool is_boundary = level.IsVertexBoundary(vertex);
     const int faces = level.GetVertexFaces(vertex).size();
@@ -101,11 +107,15 @@ Approximates approximates(const Far::TopologyLevel& level, const Sector& corner)
 class CornerLimits::Refined {
 public:
     explicit Refined(const WeightedPart& part)
-        : mesh_(part.mesh), surface_(mesh_.surface(0)), count_(part.weights.front().of.size())
+        : mesh_(part.mesh),
+          surface_(part.has_uv() ? mesh_.uv_surface(0) : mesh_.surface(0)),
+          count_(part.weights.front().of.size())
     {
         std::vector<int> controls(static_cast<std::size_t>(surface_.GetNumControlPoints()));
         surface_.GetControlPointIndices(controls.data());
-        for (const int control : controls) weights_.push_back(part.weights[static_cast<std::size_t>(control)].of);
+        // Values that collapse around a vertex of two faces leave points without an index (-1), which have no weight.
+        for (const int control : controls)
+            weights_.push_back(part.weights[static_cast<std::size_t>(std::max(control, 0))].of);
     }
 
     /// Evaluates at parameters of the whole quad, counted from the corner.
@@ -135,8 +145,8 @@ private:
     std::vector<std::vector<double>> weights_;
 };
 
-CornerLimits::CornerLimits(const Far::TopologyLevel& level, const Sector& quad, BoundaryRule boundary)
-    : part_(level, boundary), is_whole_(level.GetFaceVertices(quad.face).size() == 4)
+CornerLimits::CornerLimits(const Far::TopologyLevel& level, const Sector& quad, const MeshRules& rules, int uv_set)
+    : part_(level, rules, uv_set), is_whole_(level.GetFaceVertices(quad.face).size() == 4)
 {
     part_.add_with_neighbours(quad);
     part_.add_sharpness();
@@ -144,9 +154,10 @@ CornerLimits::CornerLimits(const Far::TopologyLevel& level, const Sector& quad, 
         at_[static_cast<std::size_t>(corner)] = does.at;
         beside_[static_cast<std::size_t>(corner)] = does.beside;
     };
-    set(0, approximates(level, quad));
+    set(0, approximates(level, quad, uv_set));
     if (is_whole_) {
-        for (int corner = 1; corner < 4; ++corner) set(corner, approximates(level, {quad.face, (quad.corner + corner) % 4}));
+        for (int corner = 1; corner < 4; ++corner)
+            set(corner, approximates(level, {quad.face, (quad.corner + corner) % 4}, uv_set));
         return;
     }
     set(2, {false, true});
@@ -158,7 +169,7 @@ CornerLimits::~CornerLimits() = default;
 std::shared_ptr<const CornerLimits::Refined> CornerLimits::refined(int corner) const
 {
     if (last_corner_ == corner) return last_;
-    WeightedPart part{part_.mesh, std::vector<Weights>(part_.vertices.size())};
+    WeightedPart part{part_.mesh, std::vector<Weights>(controls().size())};
     for (std::size_t v = 0; v < part.weights.size(); ++v) {
         part.weights[v].of.resize(part.weights.size());
         part.weights[v].of[v] = 1;

@@ -23,12 +23,13 @@ class CornerLimits {
 public:
     /// level   connectivity, which must outlive this
     /// quad    a quad of it, from the corner at (0, 0) on; or a corner of another face, whose part there is the quad
-    CornerLimits(const OpenSubdiv::Far::TopologyLevel& level, const Sector& quad, BoundaryRule boundary);
+    /// uv_set  the texture coordinates that are meant; -1: the positions
+    CornerLimits(const OpenSubdiv::Far::TopologyLevel& level, const Sector& quad, const MeshRules& rules, int uv_set = -1);
     ~CornerLimits();
 
-    /// The vertices of the level on which the quad depends.
-    const std::vector<int>& vertices() const noexcept { return part_.vertices; }
-    /// Evaluates the weights of vertices() at (u, v) in [0, 1] of the quad. Returns false where Bfr itself is exact.
+    /// The vertices of the level, or the values of its texture coordinates, on which the quad depends.
+    const std::vector<int>& controls() const noexcept { return part_.mesh.uv_sets.empty() ? part_.vertices : part_.values; }
+    /// Evaluates the weights of controls() at (u, v) in [0, 1] of the quad. Returns false where Bfr itself is exact.
     bool evaluate(double u, double v, LimitSource::Of of, LimitStencil& out) const;
 
 private:

@@ -16,8 +16,26 @@ Sector child_at(const OpenSubdiv::Far::TopologyLevel& coarse, const OpenSubdiv::
 
 MeshPart::MeshPart(const OpenSubdiv::Far::TopologyLevel& level, BoundaryRule boundary) : level_(level)
 {
-    // Where the rule leaves out faces at borders, those that are left touch none, but cutting makes some.
-    mesh.boundary = boundary == BoundaryRule::None ? BoundaryRule::EdgeAndCorner : boundary;
+    // Where the rule leaves out faces at borders, those that are left touch none or sharp ones, but cutting makes some.
+    mesh.boundary = boundary == BoundaryRule::None ? BoundaryRule::EdgeOnly : boundary;
+}
+
+MeshPart::MeshPart(const OpenSubdiv::Far::TopologyLevel& level, const MeshRules& rules, int uv_set)
+    : MeshPart(level, rules.boundary)
+{
+    mesh.face_varying = rules.face_varying;
+    uv_set_ = uv_set;
+    if (uv_set >= 0) mesh.uv_sets.emplace_back();
+}
+
+std::uint32_t MeshPart::number_of_value(int value)
+{
+    const auto [at, is_new] = value_numbers_.emplace(value, static_cast<std::uint32_t>(values.size()));
+    if (is_new) {
+        values.push_back(value);
+        mesh.uv_sets[0].values.emplace_back(0);
+    }
+    return at->second;
 }
 
 std::uint32_t MeshPart::number_of(int vertex)
@@ -38,6 +56,10 @@ void MeshPart::add(const Sector& sector)
     mesh.face_sizes.push_back(static_cast<std::uint32_t>(count));
     for (int i = 0; i < count; ++i) mesh.face_vertices.push_back(number_of(corners[(sector.corner + i) % count]));
     for (const int edge : level_.GetFaceEdges(sector.face)) edges_.push_back(edge);
+    if (uv_set_ < 0) return;
+    const auto of_corners = level_.GetFaceFVarValues(sector.face, uv_set_);
+    for (int i = 0; i < count; ++i)
+        mesh.uv_sets[0].indices.push_back(number_of_value(of_corners[(sector.corner + i) % count]));
 }
 
 void MeshPart::add_around(int vertex)

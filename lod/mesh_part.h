@@ -26,10 +26,18 @@ struct Sector {
 Sector child_at(const OpenSubdiv::Far::TopologyLevel& coarse, const OpenSubdiv::Far::TopologyLevel& fine,
                 const Sector& corner);
 
+/// The rules of a mesh for its borders and its seams.
+struct MeshRules {
+    BoundaryRule boundary = BoundaryRule::EdgeAndCorner;
+    FaceVaryingRule face_varying = FaceVaryingRule::CornersPlus1;
+};
+
 class MeshPart {
 public:
     /// level   what this is a part of, which must outlive it
     MeshPart(const OpenSubdiv::Far::TopologyLevel& level, BoundaryRule boundary);
+    /// Takes the texture coordinates of the level's set `uv_set` along, if there is one (-1: none).
+    MeshPart(const OpenSubdiv::Far::TopologyLevel& level, const MeshRules& rules, int uv_set);
 
     /// Adds a face, from its corner on, unless it is there.
     void add(const Sector& sector);
@@ -44,10 +52,14 @@ public:
 
     Cage mesh;                  ///< its vertices have no positions
     std::vector<int> vertices;  ///< of the level
+    std::vector<int> values;    ///< of the level's texture coordinates, if they are taken along
 
 private:
+    std::uint32_t number_of_value(int value);
+
     const OpenSubdiv::Far::TopologyLevel& level_;
-    std::unordered_map<int, std::uint32_t> numbers_;
+    int uv_set_ = -1;
+    std::unordered_map<int, std::uint32_t> numbers_, value_numbers_;
     std::set<int> faces_;
     std::vector<int> edges_;  ///< in the order of the faces, some of them twice
 };

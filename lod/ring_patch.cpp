@@ -147,7 +147,7 @@ public:
             quad.surface.GetControlPointIndices(quad.vertices.data());
             if (!quad.surface.IsRegular())
                 quad.corners = std::make_unique<const CornerLimits>(mesh_.level(), Sector{static_cast<int>(q), 0},
-                                                                    patch.mesh.boundary);
+                                                                    MeshRules{patch.mesh.boundary});
             for (const RingPatch::Pole& pole : patch.quads[q].poles) {
                 Pole& made = quad.poles.emplace_back(Pole{pole.corner, pole.first_move, {}});
                 for (int k = 0; k < DerivedPoints::kMoves; ++k)
@@ -205,7 +205,7 @@ private:
     /// Evaluates a quad without moves, and returns the vertices of the mesh that the weights belong to.
     static std::span<const int> evaluate_at_rest(const Quad& quad, double s, double t, Of of, LimitStencil& out)
     {
-        if (quad.corners && quad.corners->evaluate(s, t, of, out)) return quad.corners->vertices();
+        if (quad.corners && quad.corners->evaluate(s, t, of, out)) return quad.corners->controls();
         lod::evaluate(quad.surface, s, t, of, out);
         return quad.vertices;
     }

@@ -23,6 +23,13 @@ public:
         OCCAM_CHECK_EQ(factory_->InitVertexSurface(face, &surface), true);
         return surface;
     }
+    /// Returns the surface of the texture coordinates, which the mesh must have.
+    OpenSubdiv::Bfr::Surface<double> uv_surface(int face) const
+    {
+        OpenSubdiv::Bfr::Surface<double> surface;
+        OCCAM_CHECK_EQ(factory_->InitFaceVaryingSurface(face, &surface, 0), true);
+        return surface;
+    }
     /// Returns about how many bytes the connectivity of the mesh takes.
     std::size_t bytes() const noexcept { return bytes_of(level()); }
 

@@ -10,9 +10,29 @@
 #include "lod/derived_points.h"
 
 namespace occam::lod {
-namespace {
 
 using namespace OpenSubdiv;
+
+Sdc::Options::FVarLinearInterpolation linear_interpolation(FaceVaryingRule rule) noexcept
+{
+    switch (rule) {
+        case FaceVaryingRule::CornersPlus1:
+            return Sdc::Options::FVAR_LINEAR_CORNERS_PLUS1;
+        case FaceVaryingRule::CornersPlus2:
+            return Sdc::Options::FVAR_LINEAR_CORNERS_PLUS2;
+        case FaceVaryingRule::CornersOnly:
+            return Sdc::Options::FVAR_LINEAR_CORNERS_ONLY;
+        case FaceVaryingRule::Boundaries:
+            return Sdc::Options::FVAR_LINEAR_BOUNDARIES;
+        case FaceVaryingRule::All:
+            return Sdc::Options::FVAR_LINEAR_ALL;
+        case FaceVaryingRule::None:
+            break;
+    }
+    return Sdc::Options::FVAR_LINEAR_NONE;
+}
+
+namespace {
 
 Sdc::Options sdc_options(const Cage& cage)
 {
@@ -28,26 +48,7 @@ Sdc::Options sdc_options(const Cage& cage)
             options.SetVtxBoundaryInterpolation(Sdc::Options::VTX_BOUNDARY_NONE);
             break;
     }
-    switch (cage.face_varying) {
-        case FaceVaryingRule::CornersPlus1:
-            options.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_CORNERS_PLUS1);
-            break;
-        case FaceVaryingRule::CornersPlus2:
-            options.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_CORNERS_PLUS2);
-            break;
-        case FaceVaryingRule::CornersOnly:
-            options.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_CORNERS_ONLY);
-            break;
-        case FaceVaryingRule::Boundaries:
-            options.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_BOUNDARIES);
-            break;
-        case FaceVaryingRule::All:
-            options.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_ALL);
-            break;
-        case FaceVaryingRule::None:
-            options.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_NONE);
-            break;
-    }
+    options.SetFVarLinearInterpolation(linear_interpolation(cage.face_varying));
     return options;
 }
 

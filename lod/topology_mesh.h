@@ -20,6 +20,9 @@ using SurfaceFactory = OpenSubdiv::Bfr::RefinerSurfaceFactory<LockedCache>;
 /// Returns the cage's connectivity as OpenSubdiv keeps it, not refined.
 std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> make_refiner(const Cage& cage);
 
+/// Returns OpenSubdiv's name of a rule for texture coordinates.
+OpenSubdiv::Sdc::Options::FVarLinearInterpolation linear_interpolation(FaceVaryingRule rule) noexcept;
+
 /// Refines it once, with the connectivity of the finer level.
 void refine_once(OpenSubdiv::Far::TopologyRefiner& refiner);
 
