@@ -161,7 +161,6 @@ TEST(GltfRules, MatricesThatAreNotAffineKeepTheirFirstThreeRows)
     g.more = R"(, "skins": [{"joints": [2], "inverseBindMatrices": 2}])";
     const Scene scene = load(g.write(folder));
     EXPECT_TRUE(warns(scene, "the matrix is not affine"));
-    EXPECT_TRUE(warns(scene, "the last row of an inverse bind matrix is not 0, 0, 0, 1"));
     Mat4d affine(Mat3d(2, 0, 0, 0, 3, 0, 0, 0, 4));
     affine[3] = Vec4d(5, 6, 7, 1);
     int placed = 0;
@@ -169,7 +168,8 @@ TEST(GltfRules, MatricesThatAreNotAffineKeepTheirFirstThreeRows)
         if (node.cages.empty()) return;
         ++placed;
         EXPECT_EQ(world_from_node, affine);
-        EXPECT_EQ(scene.skin(node.skin).joint_from_mesh.at(0), affine);
+        const Mat4d& joint_from_mesh = scene.skin(node.skin).joint_from_mesh.at(0);
+        for (int c = 0; c < 4; ++c) EXPECT_LT(glm::distance(joint_from_mesh[c], affine[c]), 1e-6) << c;
     });
     EXPECT_EQ(placed, 1);
 }
