@@ -11,6 +11,7 @@ void Candidates::start(const Box3f& box, std::span<const ItemIndex> items, int p
 {
     clear();
     has_heap_ = false;
+    passing_ = 0;
     time_ = time;
     within_ = box;
     pair_ = pair;
@@ -24,6 +25,7 @@ void Candidates::add(ItemIndex item)
     const Box3f clipped{glm::max(box.lo, within_.lo), glm::min(box.hi, within_.hi)};
     if (clipped.is_empty()) return;
     push_back({clipped, item, it.cost, items_.is_final(item, pair_)});
+    if (passes(item)) ++passing_;
     if (has_heap_) add_to_heap(size() - 1);
 }
 
@@ -74,8 +76,11 @@ std::size_t Candidates::find_largest(int most_effort)
     return largest;
 }
 
+bool Candidates::passes(ItemIndex item) const noexcept { return time_ == kAllTimes && !items_.key_boxes(item).empty(); }
+
 void Candidates::remove(std::size_t place)
 {
+    if (passes((*this)[place].item)) --passing_;
     (*this)[place] = back();
     pop_back();
     if (!has_heap_) return;
@@ -99,8 +104,7 @@ void Candidates::add_parts(ItemIndex item)
 {
     if (!items_.open(item, pair_)) return add(item);
     const std::uint32_t first = items_[item].first_part, count = items_[item].part_count;
-    const bool pass_through = time_ == kAllTimes && !items_.key_boxes(item).empty();
-    if (pass_through && size() + count > kMostPassing)
+    if (passes(item) && passing_ + count > kMostPassing)
         throw error_without_file(
             "more than " + std::to_string(kMostPassing) +
                 " parts of surfaces pass through one place while the shutter is open, which the kd-tree "

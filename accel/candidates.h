@@ -69,6 +69,8 @@ private:
 
     void add(ItemIndex item);
     void add_parts(ItemIndex item);
+    /// Returns whether the item moves and its box holds it at all times.
+    bool passes(ItemIndex item) const noexcept;
     void make_heap();
     void add_to_heap(std::size_t place);
     /// Returns the place of the largest of those candidates that cost the least effort to open, or size() if there is none
@@ -80,6 +82,7 @@ private:
     Box3f within_;
     int pair_ = 0;
     float time_ = kAllTimes;
+    std::size_t passing_ = 0;  ///< candidates that pass through the node
     // The following are in use if has_heap_ is set. A handle is a candidate's number for as long as it is in the list.
     bool has_heap_ = false;
     std::vector<Unopened> heap_;

@@ -7,7 +7,7 @@
 #include "io/texture/texture_store.h"
 #include "lod/topology_cache.h"
 #include "occam/occam.h"
-#include "shade/placed_lights.h"
+#include "shade/frame_lights.h"
 
 namespace occam {
 
@@ -52,7 +52,7 @@ struct Renderer::State {
     Resources resources;
     std::shared_ptr<SharedTopologies> topologies = std::make_shared<SharedTopologies>();
     TextureStore textures;
-    shade::KeptLights lights;
+    shade::KeptFrameLights lights;
     std::atomic<bool> busy = false;
     std::mutex stats_mutex;  // guards the writing of `stats`
     FrameStats stats;

@@ -111,8 +111,8 @@ public:
         return recipe_note(stamp_, {arguments_, write_, settings, camera, framing_.moment(frame)});
     }
 
-    /// Returns the frames that have to be made. A file that is not a whole picture is made again, with a warning. Throws
-    /// Error for a whole picture that was made with other settings or from another scene.
+    /// Returns the frames that have to be made. A file that is not a whole picture is made again, with a warning, and stays
+    /// until then. Throws Error for a whole picture that was made with other settings or from another scene.
     std::vector<int> missing(const std::vector<int>& frames)
     {
         std::vector<int> todo;
@@ -130,13 +130,14 @@ public:
                 refuse(file, found);
             if (found.state == FoundPicture::State::Broken) {
                 std::fprintf(stderr, "occam: warning: %s; it is made again\n", found.why.c_str());
-                std::error_code ignored;
-                if (fs::is_regular_file(file, ignored)) fs::remove(file, ignored);
+                made_again_.insert(frame);
             }
             if (found.state != FoundPicture::State::Same) todo.push_back(frame);
         }
         return todo;
     }
+    /// Returns whether missing() has found a file for the frame that is not a whole picture.
+    bool is_made_again(int frame) const { return made_again_.contains(frame); }
 
 private:
     [[noreturn]] void refuse(const fs::path& file, const FoundPicture& found) const
@@ -155,6 +156,7 @@ private:
     Framing framing_;
     std::optional<bool> default_light_;
     std::optional<float> clamp_;
+    std::set<int> made_again_;
 };
 
 std::vector<fs::path> files_of(const FramePattern& pattern, const std::vector<int>& frames)
@@ -196,7 +198,8 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
     for (const int frame : missing) {
         // Another process may have made the frame in the meantime.
         const fs::path file = a.pattern.file(frame);
-        if (std::error_code ignored; !a.overwrite && fs::is_regular_file(file, ignored)) {
+        const bool replaces = a.overwrite || sequence.is_made_again(frame);
+        if (std::error_code ignored; !replaces && fs::is_regular_file(file, ignored)) {
             ++done;
             continue;
         }

@@ -85,9 +85,10 @@ const CageTables& TopologyCache::get(const CageSlot& asked)
     State::Entry* entry;
     {
         const std::lock_guard lock(state_->mutex);
-        auto& found = state_->entries[asked.identity];
-        if (!found) found = std::make_unique<State::Entry>(asked.id);
-        entry = found.get();
+        auto found = state_->entries.find(asked.identity);
+        if (found == state_->entries.end())
+            found = state_->entries.emplace(asked.identity, std::make_unique<State::Entry>(asked.id)).first;
+        entry = found->second.get();
     }
     const std::lock_guard lock(entry->mutex);
     CageTables& tables = entry->tables;

@@ -15,7 +15,7 @@
 #include "render/settings.h"
 #include "render/stats.h"
 #include "scenegraph/scene.h"
-#include "shade/placed_lights.h"
+#include "shade/frame_lights.h"
 
 namespace occam::render {
 
@@ -28,7 +28,7 @@ struct FrameInputs {
     const MemoryPlan& memory;
     lod::TopologyCache& topologies;
     const TextureStore& textures;
-    shade::KeptLights& lights;  ///< of the frame before; becomes those of this one
+    shade::KeptFrameLights& lights;  ///< of the frame before; becomes those of this one
     std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
     bool keeps_checkpoint = true;   ///< false: nobody will ask for FrameResult::checkpoint
     std::string_view checkpoint{};  ///< belongs to the same picture; if empty, the frame starts at its first sample

@@ -4,6 +4,7 @@
 #include <limits>
 #include <span>
 
+#include "base/cancellation.h"
 #include "base/prefetch.h"
 #include "shade/frame_of.h"
 #include "shade/input_limits.h"
@@ -125,7 +126,7 @@ float Environment::accumulate(std::span<Sum> weights) noexcept
     return float(sum);
 }
 
-Environment::Environment(const occam::Environment& description, const TextureStore& textures)
+Environment::Environment(const occam::Environment& description, const TextureStore& textures, Kept* kept)
     : scale_(limited(description.radiance)), textures_(&textures)
 {
     if (scale_ == Vec3f(0)) return;
@@ -136,7 +137,22 @@ Environment::Environment(const occam::Environment& description, const TextureSto
     image_.wrap_t = TextureUse::Wrap::Clamp;
     rotation_sin_ = maths::sin(description.rotation);
     rotation_cos_ = maths::cos(description.rotation);
-    tabulate();
+    const bool is_known = kept && *kept && (*kept)->image == description.image &&
+                          (*kept)->texel_width == textures.texel_width(image_);
+    const Kept table = is_known ? *kept : tabulate();
+    if (kept) *kept = table;
+    take(table);
+}
+
+void Environment::take(Kept table) noexcept
+{
+    if (table->is_one_color) {
+        kind_ = Kind::Constant;
+        scale_ *= table->darkest;
+    }
+    rows_ = table->rows;
+    cells_ = table->cells;
+    table_ = std::move(table);
 }
 
 Environment Environment::sky(float strength)
@@ -201,7 +217,7 @@ float Environment::mean_of_cell(int row, int column) const noexcept
 
 // The light of a bright texel at the border of a cell reaches into the next one, since texels are interpolated. The middle
 // of that cell may know nothing of it, and samples there would be few and far too bright.
-void Environment::add_light_from_beside(double mean)
+void Environment::add_light_from_beside(std::vector<Sum>& cells, double mean) const
 {
     constexpr float kMoreThanOwn = 4, kMoreThanMean = 4;
     struct Refined {
@@ -210,22 +226,26 @@ void Environment::add_light_from_beside(double mean)
     };
     std::vector<Refined> refined;
     const auto at = [](int row, int column) { return std::size_t(row * kColumns + (column + kColumns) % kColumns); };
-    for (int row = 0; row < kRows; ++row)
+    for (int row = 0; row < kRows; ++row) {
+        throw_if_cancelled();
         for (int column = 0; column < kColumns; ++column) {
-            const float own = cells_[at(row, column)].upto,
-                        least = std::max(kMoreThanOwn * own, kMoreThanMean * float(mean));
+            const float own = cells[at(row, column)].upto, least = std::max(kMoreThanOwn * own, kMoreThanMean * float(mean));
             bool is_beside_light = false;
             for (int j = std::max(row - 1, 0); j <= std::min(row + 1, kRows - 1); ++j)
-                for (int i = column - 1; i <= column + 1; ++i) is_beside_light |= cells_[at(j, i)].upto > least;
+                for (int i = column - 1; i <= column + 1; ++i) is_beside_light |= cells[at(j, i)].upto > least;
             if (is_beside_light) refined.push_back({at(row, column), std::max(own, mean_of_cell(row, column))});
         }
-    for (const Refined& r : refined) cells_[r.cell].upto = r.luminance;
+    }
+    for (const Refined& r : refined) cells[r.cell].upto = r.luminance;
 }
 
-void Environment::tabulate()
+Environment::Kept Environment::tabulate() const
 {
-    cells_.resize(std::size_t(kColumns) * kRows);
-    rows_.resize(kRows);
+    const auto table = std::make_shared<Table>();
+    table->image = image_.texture;
+    std::vector<Sum>&rows = table->rows, &cells = table->cells;
+    cells.resize(std::size_t(kColumns) * kRows);
+    rows.resize(kRows);
     double total = 0;
     Spread spread;
     for (int row = 0; row < kRows; ++row)
@@ -233,35 +253,36 @@ void Environment::tabulate()
             const Vec2f uv((float(column) + 0.5f) / kColumns, (float(row) + 0.5f) / kRows);
             const Vec3f c = glm::max(Vec3f(textures_->sample(image_, uv, 1.0f / kColumns)), Vec3f(0));
             const float y = brightness_of(c);
-            cells_[std::size_t(row * kColumns + column)].upto = y;
+            cells[std::size_t(row * kColumns + column)].upto = y;
             total += double(y);
             spread.add(c, y, maths::sin((float(row) + 0.5f) * kPi / kRows));
         }
+    table->texel_width = textures_->texel_width(image_);
+    table->darkest = spread.darkest;
     if (spread.is_even()) {
-        cells_.clear();
-        rows_.clear();
-        if (!spread.is_one_color()) return;
-        kind_ = Kind::Constant;
-        scale_ *= spread.darkest;
-        return;
+        cells.clear();
+        rows.clear();
+        table->is_one_color = spread.is_one_color();
+        return table;
     }
-    add_light_from_beside(total / (kColumns * kRows));
+    add_light_from_beside(cells, total / (kColumns * kRows));
     // A floor keeps the density above zero where filtering brings light into a black cell.
     const float floor = std::max(float(total / (kColumns * kRows)) * 0.05f, 1e-6f);
     for (int row = 0; row < kRows; ++row) {
-        const std::span cells(cells_.data() + row * kColumns, std::size_t(kColumns));
-        for (Sum& w : cells) w.upto += floor;
-        rows_[std::size_t(row)].upto = accumulate(cells) * maths::sin((float(row) + 0.5f) * kPi / kRows);
+        const std::span of_row(cells.data() + row * kColumns, std::size_t(kColumns));
+        for (Sum& w : of_row) w.upto += floor;
+        rows[std::size_t(row)].upto = accumulate(of_row) * maths::sin((float(row) + 0.5f) * kPi / kRows);
     }
-    accumulate(rows_);
-    fill_guides(rows_);
-    for (std::size_t first = 0; first < cells_.size(); first += kColumns)
-        fill_guides(std::span(cells_).subspan(first, kColumns));
+    accumulate(rows);
+    fill_guides(rows);
+    for (std::size_t first = 0; first < cells.size(); first += kColumns)
+        fill_guides(std::span(cells).subspan(first, kColumns));
+    return table;
 }
 
 std::span<const Environment::Sum> Environment::cells_of(int row) const noexcept
 {
-    return std::span(cells_).subspan(std::size_t(row) * kColumns, kColumns);
+    return cells_.subspan(std::size_t(row) * kColumns, kColumns);
 }
 
 float Environment::density_at(int row, int column, float ring) const noexcept

@@ -2,11 +2,13 @@
 // without light.
 //
 // Memory   tables of 512 x 256 luminances and indices for an image that is not even, 1 MB. Borrows the texture store.
+// Time     some ten milliseconds for an image, unless its table is kept.
 // Threads  const after construction.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -18,9 +20,14 @@ namespace occam::shade {
 
 class Environment {
 public:
+    struct Table;
+    /// The table of the last frame's image; null if there was none. It depends on the image alone.
+    using Kept = std::shared_ptr<const Table>;
+
     Environment() = default;  ///< no environment: black
     /// The textures must be prepared.
-    Environment(const occam::Environment& description, const TextureStore& textures);
+    /// kept   null, or a table that is used if it is of the same image, and else becomes that of this one
+    Environment(const occam::Environment& description, const TextureStore& textures, Kept* kept = nullptr);
     /// Returns daylight for a scene that brings no light of its own: a soft gradient about +y.
     static Environment sky(float strength = 1);
 
@@ -67,12 +74,13 @@ private:
     Light light_at(Vec3f direction, Vec2f uv) const noexcept;
     Vec3f texel(Vec2f uv) const noexcept;
     float density_at(int row, int column, float ring) const noexcept;
-    void tabulate();
+    void take(Kept table) noexcept;
+    Kept tabulate() const;
     /// Returns the mean luminance of a cell as it is interpolated.
     float mean_of_cell(int row, int column) const noexcept;
     /// Corrects the cells beside far brighter ones.
     /// mean   of the luminances of all cells
-    void add_light_from_beside(double mean);
+    void add_light_from_beside(std::vector<Sum>& cells, double mean) const;
     static Interval find_interval(std::span<const Sum> sums, float u) noexcept;
     /// Returns the entry whose guide says where to begin looking for u.
     static const Sum& guide_of(std::span<const Sum> sums, float u) noexcept;
@@ -86,8 +94,18 @@ private:
     TextureUse image_;
     float rotation_sin_ = 0, rotation_cos_ = 1;
     const TextureStore* textures_ = nullptr;
-    std::vector<Sum> rows_;   ///< over rows; empty without a density
-    std::vector<Sum> cells_;  ///< within each row; the same
+    Kept table_;
+    std::span<const Sum> rows_;   ///< over rows; empty without a density
+    std::span<const Sum> cells_;  ///< within each row; the same
+};
+
+/// What is known of an image.
+struct Environment::Table {
+    TextureId image;
+    float texel_width = 0;  ///< changes if the image is halved
+    std::vector<Sum> rows, cells;
+    bool is_one_color = false;
+    Vec3f darkest{0};  ///< in each channel
 };
 
 }  // namespace occam::shade

@@ -84,10 +84,10 @@ bool are_lamps(const MeshLights& meshes, const Scene& scene, const FrameScale& s
 }  // namespace
 
 FrameLights::FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures,
-                         const DefaultLight& otherwise, const FrameScale& scale, KeptLights* kept)
-    : meshes_(scene, textures, scale), environment_(scene.environment, textures)
+                         const DefaultLight& otherwise, const FrameScale& scale, KeptFrameLights* kept)
+    : meshes_(scene, textures, scale), environment_(scene.environment, textures, kept ? &kept->environment : nullptr)
 {
-    LightGathering gathering(kept ? *kept : nullptr);
+    LightGathering gathering(kept ? kept->placed : nullptr);
     const auto add = [&](NodeId, const Node& node, const Mat4d& world_from_node) {
         if (const Light* light = scene.find(node.light)) gathering.add(WorldLight::place(*light, world_from_node, scale));
     };
@@ -99,8 +99,8 @@ FrameLights::FrameLights(const Scene& scene, const Camera& camera, const Texture
     if (has_default_) gathering.add(key_light(camera));
     if (is_dark && (otherwise.sky == Sky::On || has_default_)) environment_ = Environment::sky(otherwise.sky_strength);
     placed_ = gathering.finish();
-    if (!kept || placed_ != *kept) check_crossed(placed_->lights);
-    if (kept) *kept = placed_;
+    if (!kept || placed_ != kept->placed) check_crossed(placed_->lights);
+    if (kept) kept->placed = placed_;
     make_mesh_tree();
 }
 

@@ -31,6 +31,12 @@ struct DefaultLight {
     std::optional<bool> is_wanted{};
 };
 
+/// What a renderer keeps of one frame's lights for the next. It belongs to one thread at a time.
+struct KeptFrameLights {
+    KeptLights placed;
+    Environment::Kept environment;
+};
+
 class FrameLights {
 public:
     /// A placed light is left to its own samples (direct.h) if no lobe of the surface finds it with more than about this
@@ -46,9 +52,9 @@ public:
         return light.sine2_subtended(start) * (peak * maths::kPi) < kLeastChance;
     }
     /// The textures must be prepared. `camera` places the key light of a scene that has none.
-    /// kept   if not null, the placed lights of the last frame; become those of this one
+    /// kept   if not null, what is kept of the last frame's lights; becomes that of this one
     FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures, const DefaultLight& otherwise = {},
-                const FrameScale& scale = {}, KeptLights* kept = nullptr);
+                const FrameScale& scale = {}, KeptFrameLights* kept = nullptr);
     FrameLights(std::vector<WorldLight> lights, Environment environment);
 
     /// Leaves out the light of the backs of single-sided emissive surfaces.

@@ -3,7 +3,7 @@
 //
 // Space    world axes, frame lengths (scenegraph/frame_scale.h).
 // Memory   with a tree, about 300 bytes a light, until a frame has other lights.
-// Threads  PlacedLights are const once they are made; KeptLights belong to one thread at a time.
+// Threads  PlacedLights are const once they are made.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ struct PlacedLights {
     LightTree tree;
 };
 
-/// Holds the placed lights of the last frame; null before the first one.
+/// Holds the placed lights of the last frame; null before the first one. It belongs to one thread at a time.
 using KeptLights = std::shared_ptr<const PlacedLights>;
 
 /// Gathers the placed lights of a frame, and compares them with those of the last one as they come.

@@ -237,6 +237,7 @@ void TextureStore::prepare(const Scene& scene)
         all.push_back(is_fresh.back() ? std::make_shared<Entry>(texture) : known->second);
         if (is_fresh.back()) fresh.push_back(all.back().get());
     }
+    if (fresh.empty() && ids.size() == state_->entries.size()) return;  // the textures are those of the frame before
     check_texels(fresh);
     const std::vector<int> halvings = halvings_that_fit(all, state_->cap_bytes);
     std::map<std::uint64_t, std::shared_ptr<Entry>> entries;

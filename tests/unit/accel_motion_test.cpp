@@ -290,8 +290,8 @@ TEST(MovingTracer, SeesNodesWhereTheyAreVisible)
 }
 
 // Returns the hits of rays on a cube that is seen in the first half of the shutter, along a path that bends where it
-// vanishes: the straight line between the ends of the path leaves all places at which keys see the cube. above    the node
-// above the cube is hidden in place of the cube roomy    cubes below and above make the boxes around it larger
+// vanishes: the straight line between the ends of the path leaves all places at which keys see the cube. With `above`, the
+// node above the cube is hidden in its place. With `roomy`, cubes below and above make the boxes around it larger.
 std::vector<accel::SurfaceHit> hits_of_a_cube_that_vanishes(bool above, bool roomy, accel::TreeKind tree)
 {
     Scene scene;

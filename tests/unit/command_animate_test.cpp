@@ -185,6 +185,15 @@ TEST_F(Animate, FramesThatADeadlineHasStoppedAreMadeAgainWithoutOne)
     }
 }
 
+TEST_F(Animate, FramesThatAreToBeMadeAgainStayWhereARunIsRefused)
+{
+    ASSERT_EQ(run(words("a.#.png", "0", {"--clip", "slide", "--deadline", "1e-9"})).exit_code, kDone);
+    ASSERT_EQ(run(words("a.#.png", "1", {"--clip", "rise"})).exit_code, kDone);
+    const std::string stopped = bytes("a.0.png");
+    EXPECT_EQ(run(words("a.#.png", "0-1", {"--clip", "slide"})).exit_code, kBadInput);
+    EXPECT_EQ(bytes("a.0.png"), stopped);
+}
+
 TEST_F(Animate, FramesOfOtherSettingsAreRefused)
 {
     for (const char* extension : {"exr", "png", "jpg", "tif"}) {

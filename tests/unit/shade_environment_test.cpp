@@ -112,6 +112,31 @@ TEST(Environment, TheLightOfATexelAtTheBorderOfACellIsFound)
     }
 }
 
+TEST(Environment, ATableIsKeptForItsImageAlone)
+{
+    const auto patch = [](int column) {
+        return ImageSky([=](int x, int y) { return Vec3f(x == column && y == 5 ? 100 : 0.1f); });
+    };
+    const ImageSky first = patch(3), second = patch(20);
+    const auto light = [](const Environment& of) { return of.draw({0.3f, 0.6f}); };
+    Environment::Kept kept;
+    for (const ImageSky* sky : {&first, &second, &first}) {
+        occam::Environment description = sky->scene.environment;
+        const auto last = kept;
+        const Environment made(description, sky->textures, &kept);
+        EXPECT_NE(kept, last);
+        EXPECT_EQ(light(made).density, light(sky->environment).density);
+        EXPECT_EQ(light(made).direction, light(sky->environment).direction);
+        const auto table = kept;
+        description.radiance = Vec3f(3);
+        description.rotation = 1;
+        const Environment turned(description, sky->textures, &kept), fresh(description, sky->textures);
+        EXPECT_EQ(kept, table) << "neither strength nor rotation count";
+        EXPECT_EQ(light(turned).radiance, light(fresh).radiance);
+        EXPECT_EQ(light(turned).direction, light(fresh).direction);
+    }
+}
+
 TEST(Environment, SeveralDirectionsAtOnceHaveTheBitsOfOneAtATime)
 {
     const ImageSky sky(
