@@ -136,8 +136,13 @@ public:
         }
         return todo;
     }
-    /// Returns whether missing() has found a file for the frame that is not a whole picture.
-    bool is_made_again(int frame) const { return made_again_.contains(frame); }
+    /// Returns whether another process has made a missing frame in the meantime.
+    bool is_made_by_now(int frame) const
+    {
+        std::error_code ignored;
+        return !arguments_.overwrite && !made_again_.contains(frame) &&
+               fs::is_regular_file(arguments_.pattern.file(frame), ignored);
+    }
 
 private:
     [[noreturn]] void refuse(const fs::path& file, const FoundPicture& found) const
@@ -196,10 +201,8 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
     SequenceStats all;
     std::set<std::string> known_warnings;  // warnings of the frames so far; each is printed once
     for (const int frame : missing) {
-        // Another process may have made the frame in the meantime.
         const fs::path file = a.pattern.file(frame);
-        const bool replaces = a.overwrite || sequence.is_made_again(frame);
-        if (std::error_code ignored; !replaces && fs::is_regular_file(file, ignored)) {
+        if (sequence.is_made_by_now(frame)) {
             ++done;
             continue;
         }

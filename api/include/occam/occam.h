@@ -213,7 +213,8 @@ public:
     /// ray where rays lie close together (sensors, lines of sight, footsteps). Throws std::invalid_argument if hits.size()
     /// differs from rays.size().
     void first_hits(std::span<const QueryRay> rays, std::span<FirstHit> hits) const;
-    /// Returns true if a surface lies strictly between the two points.
+    /// Returns true if a surface lies between the two points. A point on a surface has to be moved off it, towards the other
+    /// one, by more than its coordinates are rounded and more than a footprint there: else its own surface may count.
     bool is_occluded(Vec3d from, Vec3d to) const;
     bool is_occluded(const QueryRay& ray) const;
     /// Returns the surface that a pixel of the camera's picture shows, through the middle of its lens; x and y are in pixels
