@@ -108,6 +108,8 @@ Framing::Framing(Scene& scene, const RenderArguments& arguments)
            float(arguments.settings.width) / float(arguments.settings.height))
 {
     set_environment(scene, arguments);
+    if (clips_.empty() && (arguments.time || arguments.frame))
+        scene.warnings.push_back("nothing in the scene is animated, so --time and --frame change nothing");
 }
 
 bool Framing::is_fitted() const

@@ -273,6 +273,13 @@ TEST_F(Command, ADeadlineEndsTheFrameWithWhatThereIs)
     EXPECT_EQ(run({"render", "triangle.obj", "-o", "b.exr", "--deadline", "-1"}).exit_code, kBadInput);
 }
 
+TEST_F(Command, AMomentOfASceneThatDoesNotMoveIsAWarning)
+{
+    const Outcome o = run({"render", "triangle.obj", "-o", "a.exr", "--size", "16x16", "--spp", "1", "--frame", "3"});
+    EXPECT_EQ(o.exit_code, kDone);
+    EXPECT_EQ(o.err, "occam: warning: nothing in the scene is animated, so --time and --frame change nothing\n");
+}
+
 TEST_F(Command, CompareChecksItsLimits)
 {
     ASSERT_EQ(run({"render", "triangle.obj", "-o", "a.exr", "--size", "32x32", "--spp", "1"}).exit_code, kDone);
