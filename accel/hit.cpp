@@ -97,6 +97,7 @@ OCCAM_NEVER_INLINE void set_identity(const GridHit& met, const MicropolygonPlace
 {
     const lod::PosedCage& cage = *met.grid->cage;
     hit.node = cage.node_id;
+    hit.cage = cage.cage_id;
     hit.lit_by = cage.lit_by;
     hit.face = spot.face;
     const std::uint64_t tile = spot.part ? std::uint64_t(spot.part->tile.j0) << 32 | spot.part->tile.i0 : 0;

@@ -46,6 +46,7 @@ struct alignas(64) SurfaceHit {
     Vec4f color{1};                      ///< vertex colour
     const Material* material = nullptr;  ///< never null at a hit
     NodeId node;
+    CageId cage;
     LightGroups lit_by = kAllGroups;
     std::uint32_t face = 0;          ///< face index in the cage
     std::uint32_t micropolygon = 0;  ///< a hashed number of the quad, for pictures of the grid
@@ -71,6 +72,7 @@ struct HitCount {
 struct FirstHit {
     float t = std::numeric_limits<float>::infinity();  ///< infinity if nothing was hit
     NodeId node;
+    CageId cage;
     std::uint32_t face = 0;  ///< face index in the cage
 
     bool is_hit() const noexcept { return t < std::numeric_limits<float>::infinity(); }

@@ -204,7 +204,8 @@ void Tracer::first_hits(std::span<const Ray> rays, std::span<FirstHit> hits)
                 if (!met[i].grid) continue;
                 MicropolygonPlace spot;
                 spot.set(met[i]);
-                hit = {met[i].t, met[i].grid->cage->node_id, spot.face};
+                const lod::PosedCage& cage = *met[i].grid->cage;
+                hit = {met[i].t, cage.node_id, cage.cage_id, spot.face};
             }
         });
 }

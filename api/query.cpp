@@ -178,6 +178,7 @@ struct Query::State {
         found.normal = hit.normal_shading;
         found.uv = hit.uv[0];
         found.node = hit.node;
+        found.cage = hit.cage;
         found.face = hit.face;
         found.velocity = hit.velocity * static_cast<float>(to_world);
         return found;
@@ -240,7 +241,8 @@ void Query::first_hits(std::span<const QueryRay> rays, std::span<FirstHit> hits)
             found.resize(count);
             tracer.first_hits(batch, found);
             for (std::size_t i = 0; i < count; ++i)
-                hits[first + i] = {double(found[i].t) * state_->asked->scale.to_world(), found[i].node, found[i].face};
+                hits[first + i] = {double(found[i].t) * state_->asked->scale.to_world(), found[i].node, found[i].cage,
+                                   found[i].face};
         }
     });
 }

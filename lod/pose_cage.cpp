@@ -15,6 +15,7 @@ PosedCage& pose_cage(const CagePlacement& placement, const LevelSettings& levels
     cage.clusters = tools.tables.clusters.get();
     cage.node = &node;
     cage.node_id = node_id;
+    cage.cage_id = slot.id;
     cage.seen_by = seen_by;
     cage.lit_by = lit_by;
     cage.visible_in = visible_in;

@@ -43,6 +43,7 @@ struct PosedCage {
     const AffineMotion* affine = nullptr;  ///< of a still pose: how it moves; null for all other poses
     const Node* node = nullptr;
     NodeId node_id;
+    CageId cage_id;
     std::uint8_t seen_by = RayKind::All;  ///< combined over all nodes that lead here, as is lit_by
     LightGroups lit_by = kAllGroups;
     std::uint32_t visible_in = kAllSegments;  ///< bit k: whether it is visible in segment k of the scene's shutter

@@ -49,6 +49,7 @@ void find_bounds(CageSlot& slot)
 CageSlot CageSlot::made() const
 {
     CageSlot slot;
+    slot.id = id;
     slot.identity = identity;
     slot.bounds = bounds;
     slot.cage = make();

@@ -5,9 +5,8 @@
 #include <cmath>
 #include <thread>
 
-#include <cmath>
-
 #include "occam/occam.h"
+#include "tests/support/shape_builders.h"
 
 namespace occam {
 namespace {
@@ -184,6 +183,41 @@ TEST(Query, FindsFirstHitsOfManyRays)
     for (std::size_t i = 1; i < rays.size(); ++i) EXPECT_TRUE(std::isinf(hits[i].distance)) << i;
     std::vector<FirstHit> too_few(1);
     EXPECT_THROW(query.first_hits(rays, too_few), std::invalid_argument);
+}
+
+// Of a node's cages, one is made on demand and one is replaced; a second node shows one of them again.
+TEST(Query, NamesTheCageThatWasHit)
+{
+    const auto at = [](float x) {
+        Cage cage = test::unit_square();
+        for (Vec3f& p : cage.positions) p.x += x;
+        return cage;
+    };
+    Scene scene;
+    OnDemandCage late;
+    late.bounds = {{2, 0, 0}, {3, 1, 0}};
+    late.make = [=] { return at(2); };
+    const CageId first = scene.add(at(0)), second = scene.add(std::move(late));
+    const NodeId node = scene.add_node(scene.root(), {.cages = {first, second}});
+    const NodeId other = scene.add_node(scene.root(), {.place = {.translation = {4, 0, 0}}, .cages = {first}});
+    scene.replace(first, at(0));
+    const Query query(scene, kFront);
+    struct Case {
+        double x;
+        NodeId node;
+        CageId cage;
+    };
+    for (const Case& c : {Case{0.5, node, first}, {2.5, node, second}, {4.5, other, first}}) {
+        const QueryRay ray{{c.x, 0.5, 3}, {0, 0, -1}};
+        const auto hit = query.closest(ray);
+        ASSERT_TRUE(hit) << c.x;
+        EXPECT_EQ(hit->node, c.node) << c.x;
+        EXPECT_EQ(hit->cage, c.cage) << c.x;
+        FirstHit found;
+        query.first_hits({&ray, 1}, {&found, 1});
+        EXPECT_EQ(found.node, c.node) << c.x;
+        EXPECT_EQ(found.cage, c.cage) << c.x;
+    }
 }
 
 // Many threads ask one query, each in its own order, while the renderer that shares its tables renders this scene and

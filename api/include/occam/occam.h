@@ -153,7 +153,8 @@ struct Hit {
     Vec3f normal{0};            ///< shading normal, unit
     Vec2f uv{0};
     NodeId node;
-    std::uint32_t face = 0;  ///< index in the node's cage
+    CageId cage;             ///< of the node's cages
+    std::uint32_t face = 0;  ///< index in the cage
     Vec3f velocity{0};       ///< of the surface there at the ray's time, by its own motion: world length per shutter
 };
 
@@ -177,7 +178,8 @@ struct QueryRay {
 struct FirstHit {
     double distance = std::numeric_limits<double>::infinity();  ///< along the ray, world length; infinity: nothing was hit
     NodeId node;
-    std::uint32_t face = 0;  ///< index in the node's cage
+    CageId cage;             ///< of the node's cages
+    std::uint32_t face = 0;  ///< index in the cage
 };
 
 /// Answers questions about a scene that must not change meanwhile: edits throw from construction or begin() until end().
