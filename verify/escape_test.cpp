@@ -68,7 +68,8 @@ void EscapeTest::run()
     }
     std::erase_if(instants_, [](const Instant& instant) { return instant.starts.empty(); });
     if (instants_.empty()) {
-        report_.not_testable = "no point inside was found: no winding number is 1";
+        report_.not_testable =
+            "no point inside was found: no winding number is 1, so the surface is open or its faces are turned inside out";
         return;
     }
     set_levels();
