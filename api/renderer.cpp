@@ -95,6 +95,7 @@ struct Job::State {
         } catch (...) {
             error = std::current_exception();
         }
+        if (error) renderer->lights = {};  // it may be made from images that could not be decoded
         // What a frame takes stays with the process, so that the next one need not ask the system for it again.
         return_freed_memory(stats.memory.arena_peak_bytes + kMostFreedBytes);
         tables.reset();

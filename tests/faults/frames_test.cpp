@@ -16,7 +16,7 @@ const Camera kCamera = Camera::look_at({1, 2.5, 5}, {0, 0.3, 0}, {0, 1, 0}, 0.8f
 const Settings kSettings{.width = 16, .height = 12, .spp = 1};
 
 /// Fills a scene with a bit of everything: a textured floor, creased and displaced cages, a mesh, instances, lamps, clear
-/// glass.
+/// glass, and a sky with a bright spot.
 void furnish(Scene& scene)
 {
     Material tiles;
@@ -41,6 +41,8 @@ void furnish(Scene& scene)
         desc.light = scene.add(Light{"lamp", PointLight{Vec3f(3)}});
         scene.add_node(scene.root(), desc);
     }
+    scene.environment.radiance = Vec3f(1);
+    scene.environment.image = scene.add(texture_of([](float x, float y) { return Vec4f(x < 3 && y < 3 ? 60.0f : 0.2f); }));
 }
 
 class Faults : public testing::Test {
