@@ -207,20 +207,19 @@ const ChildBoxes* Scene::child_boxes(NodeId id) const noexcept
 void Scene::for_placements_of(std::uint8_t kinds, const VisitPlacement& visit, Shown shown) const
 {
     const State& s = *state_;
-    const bool is_summed = !s.nodes.find(s.root)->dirty;
+    const Holders holders(*this);
     std::size_t visits = 0;
     struct Place {
         NodeId id;
         Mat4d world_from_node;
     };
     std::vector<Place> todo;
-    std::vector<std::uint32_t> found;
     const auto is_visible = [&](const Node& node) {
         return shown == Shown::MidShutter ? node.visible : node.is_visible_in_shutter();
     };
     const auto push = [&](NodeId id, const Mat4d& above, bool is_instance) {
         const Node* node = s.nodes.find(id);
-        if (!node || (is_summed && !node->contents.has(kinds)) || !(is_instance || is_visible(*node))) return;
+        if (!node || !holders.may_hold(*node, kinds) || !(is_instance || is_visible(*node))) return;
         todo.push_back({id, is_instance ? above : above * node->parent_from_node});
     };
     push(s.root, Mat4d(1), false);
@@ -232,14 +231,9 @@ void Scene::for_placements_of(std::uint8_t kinds, const VisitPlacement& visit, S
         if (++visits > kMostListed) throw too_many_placements(node);
         if (s.own_contents(node).has(kinds)) visit(place.id, node, place.world_from_node);
         // As in for_each_placement(): what an instance shows comes before the children, and these in their order.
-        if (is_summed && node.child_boxes) {
-            found.clear();
-            node.child_boxes->find(kinds, found);
-            for (auto i = found.rbegin(); i != found.rend(); ++i) push(node.children[*i], place.world_from_node, false);
-        } else {
-            for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
-                push(*child, place.world_from_node, false);
-        }
+        const auto first = static_cast<std::ptrdiff_t>(todo.size());
+        holders.for_each_child(place.id, kinds, [&](NodeId child) { push(child, place.world_from_node, false); });
+        std::reverse(todo.begin() + first, todo.end());
         if (node.instance_of) push(node.instance_of, place.world_from_node, true);
     }
 }

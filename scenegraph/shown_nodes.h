@@ -13,18 +13,43 @@
 
 namespace occam {
 
+/// Tells which nodes may hold what, by the contents of a scene that is refitted; else any node may hold anything.
+class Holders {
+public:
+    explicit Holders(const Scene& scene) : scene_(scene), is_summed_(!scene.node(scene.root()).dirty) {}
+
+    bool may_hold(const Node& node, std::uint8_t kinds) const noexcept { return !is_summed_ || node.contents.has(kinds); }
+    /// Calls visit(NodeId) for children of a node in their order, among them all that may hold one of these kinds of
+    /// Contents; 0: for all children. Handles of children that were removed are null.
+    template <class Visit>
+    void for_each_child(NodeId id, std::uint8_t kinds, Visit&& visit) const
+    {
+        const Node& node = scene_.node(id);
+        const ChildBoxes* boxes = is_summed_ && kinds != 0 ? scene_.child_boxes(id) : nullptr;
+        std::vector<std::uint32_t> found;
+        if (boxes) boxes->find(kinds, found);
+        for (const std::uint32_t child : found) visit(node.children[child]);
+        if (!boxes)
+            for (const NodeId child : node.children) visit(child);
+    }
+
+private:
+    const Scene& scene_;
+    bool is_summed_;
+};
+
 /// Calls visit(NodeId, const Node&) once for every node that has a placement that Scene::for_each_placement visits. With
-/// `kinds`, subtrees that hold none of these kinds of Contents are left out; the scene must then be refitted.
+/// `kinds`, subtrees that hold none of these kinds of Contents are left out, if the scene is refitted.
 template <class Visit>
 void for_each_shown_node(const Scene& scene, std::uint8_t kinds, Visit&& visit)
 {
     std::vector<bool> is_known;
     std::vector<NodeId> todo;
-    std::vector<std::uint32_t> found;
+    const Holders holders(scene);
     const auto add = [&](NodeId id, bool is_instance) {
         const Node* node = scene.find(id);
         if (!node || !(is_instance || node->is_visible_in_shutter())) return;
-        if (kinds != 0 && !node->contents.has(kinds)) return;
+        if (kinds != 0 && !holders.may_hold(*node, kinds)) return;
         if (id.slot >= is_known.size()) is_known.resize(std::size_t(id.slot) * 2 + 1);
         if (!is_known[id.slot]) todo.push_back(id);
         is_known[id.slot] = true;
@@ -36,14 +61,7 @@ void for_each_shown_node(const Scene& scene, std::uint8_t kinds, Visit&& visit)
         todo.pop_back();
         const Node& node = scene.node(id);
         visit(id, node);
-        const ChildBoxes* boxes = kinds != 0 ? scene.child_boxes(id) : nullptr;
-        if (boxes) {
-            found.clear();
-            boxes->find(kinds, found);
-            for (const std::uint32_t child : found) add(node.children[child], false);
-        } else {
-            for (const NodeId child : node.children) add(child, false);
-        }
+        holders.for_each_child(id, kinds, [&](NodeId child) { add(child, false); });
         add(node.instance_of, true);
     }
 }

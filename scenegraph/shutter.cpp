@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "scenegraph/child_boxes.h"
+#include "scenegraph/shown_nodes.h"
 
 namespace occam {
 namespace {
@@ -194,30 +194,6 @@ bool moves_by_itself(const Scene& scene, const Node& node)
         if (const CageSlot* slot = scene.find(cage)) moves |= !slot->key_positions.empty();
     return moves;
 }
-
-// Tells which nodes may hold what, by the contents of a scene that is refitted; else any node may hold anything.
-class Holders {
-public:
-    explicit Holders(const Scene& scene) : scene_(scene), is_summed_(!scene.node(scene.root()).dirty) {}
-
-    bool may_hold(const Node& node, std::uint8_t kinds) const noexcept { return !is_summed_ || node.contents.has(kinds); }
-    /// Calls visit(NodeId) for the children of a node, among them all that may hold one of these kinds; 0: for all children.
-    template <class Visit>
-    void for_each_child(NodeId id, std::uint8_t kinds, Visit&& visit) const
-    {
-        const Node& node = scene_.node(id);
-        const ChildBoxes* boxes = is_summed_ && kinds != 0 ? scene_.child_boxes(id) : nullptr;
-        std::vector<std::uint32_t> found;
-        if (boxes) boxes->find(kinds, found);
-        for (const std::uint32_t child : found) visit(node.children[child]);
-        if (!boxes)
-            for (const NodeId child : node.children) visit(child);
-    }
-
-private:
-    const Scene& scene_;
-    bool is_summed_;
-};
 
 }  // namespace
 
