@@ -25,6 +25,9 @@ struct FrameState {
     bool has_levels = true;
     float radius = 0;  ///< radius of a ball about the anchor that holds the scene
     int segments = 0;  ///< of the scene's shutter; 0: nothing moves
+
+    /// Returns whether the tree holds what moves wherever it passes, so that rays meet it there at any time.
+    bool holds_swept() const noexcept { return tree == TreeKind::Kd && segments > 0; }
 };
 
 struct Frame::State : FrameState {};

@@ -44,8 +44,7 @@ void LazyTree::refuse_if_hopeless() const
         std::to_string(effort.rays()) + " rays met " + std::to_string(effort.bytes() >> 30) +
             " GB of surfaces, again and again more than the memory budget holds, so this would not end; "
             "larger micropolygons (--shading-rate), a smaller displacement" +
-            (frame.tree == TreeKind::Kd && frame.segments > 0 ? ", the tree of boxes (--accel bvh)" : "") +
-            " or more memory (--memory) help",
+            (frame.holds_swept() ? ", the tree of boxes (--accel bvh)" : "") + " or more memory (--memory) help",
         items.name_of_largest());
 }
 

@@ -137,10 +137,9 @@ struct Tracer::State {
         if (count == 1) {
             const std::size_t most = std::max(lazy.memory_bytes, kMostBytesOfARay);
             if (run(first, 1, most)) return lazy.effort.add_rays(1);
-            const bool is_swept = frame.tree == TreeKind::Kd && frame.segments > 0;
             throw error_without_file(
                 "one ray meets more surfaces than fit into " + std::to_string(most >> 20) + " MB" +
-                (is_swept ? "; in the kd-tree it meets what passes at any time (--accel bvh helps)" : ""));
+                (frame.holds_swept() ? "; in the kd-tree it meets what passes at any time (--accel bvh helps)" : ""));
         }
         for (std::size_t i = 0; i < count; ++i) within_budget(first + i, 1, run);
     }

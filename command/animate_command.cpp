@@ -246,16 +246,6 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
 
 }  // namespace
 
-int run(const AnimateArguments& a)
-{
-    catch_interrupts();
-    ProgressDisplay display(a.progress, a.quiet);
-    try {
-        return run_sequence(a, display);
-    } catch (const std::exception& error) {
-        display.fail(error.what());
-        throw;
-    }
-}
+int run(const AnimateArguments& a) { return run_with_display(a, run_sequence); }
 
 }  // namespace occam::command

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <chrono>
+#include <exception>
 #include <string>
 
 #include "arguments.h"
+#include "interrupt.h"
 
 namespace occam::command {
 
@@ -39,6 +41,20 @@ private:
     bool is_bar_drawn_ = false;
     int last_percent_ = -1;
 };
+
+/// Does the work of a command, which may be interrupted, with a display of its progress. If it throws, the display says why.
+template <class Arguments>
+int run_with_display(const Arguments& a, int (*work)(const Arguments&, ProgressDisplay&))
+{
+    catch_interrupts();
+    ProgressDisplay display(a.progress, a.quiet);
+    try {
+        return work(a, display);
+    } catch (const std::exception& error) {
+        display.fail(error.what());
+        throw;
+    }
+}
 
 /// Returns a duration as text: "4 s", "3 min 20 s", "2 h 5 min".
 std::string duration_text(double seconds);

@@ -141,16 +141,6 @@ int run_frame(const RenderArguments& a, ProgressDisplay& display)
 
 }  // namespace
 
-int run(const RenderArguments& a)
-{
-    catch_interrupts();
-    ProgressDisplay display(a.progress, a.quiet);
-    try {
-        return run_frame(a, display);
-    } catch (const std::exception& error) {
-        display.fail(error.what());
-        throw;
-    }
-}
+int run(const RenderArguments& a) { return run_with_display(a, run_frame); }
 
 }  // namespace occam::command

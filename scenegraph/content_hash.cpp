@@ -6,7 +6,6 @@
 #include <unordered_map>
 
 #include "base/hash.h"
-#include "scenegraph/content_rules.h"
 
 namespace occam {
 namespace {

@@ -2,7 +2,6 @@
 // finite and in range.
 #pragma once
 
-#include <array>
 #include <span>
 
 #include "scenegraph/animation.h"
@@ -17,30 +16,6 @@ namespace occam {
 /// value        names the matrix in the message
 /// kind, name   of the object that has it
 Mat4d checked_affine(const Mat4d& m, const char* value, const char* kind, const std::string& name);
-
-/// Returns all uses of textures by a material.
-inline std::array<const TextureUse*, 19> texture_uses(const Material& m) noexcept
-{
-    return {&m.base_color_texture,
-            &m.metallic_roughness_texture,
-            &m.roughness_texture,
-            &m.metallic_texture,
-            &m.glossiness_texture,
-            &m.emission_texture,
-            &m.normal_texture,
-            &m.bump_texture,
-            &m.occlusion_texture,
-            &m.alpha_texture,
-            &m.transmission_texture,
-            &m.clearcoat_texture,
-            &m.clearcoat_roughness_texture,
-            &m.clearcoat_normal_texture,
-            &m.specular_texture,
-            &m.specular_color_texture,
-            &m.sheen_color_texture,
-            &m.sheen_roughness_texture,
-            &m.anisotropy_texture};
-}
 
 // Each function throws an Error that names the value and the rule it breaks.
 void check(const Material& material);

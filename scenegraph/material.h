@@ -1,6 +1,7 @@
 // The material model: glTF 2.0 metallic-roughness and the extensions that a renderer needs. Colours are linear Rec.709.
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "base/vec.h"
@@ -65,5 +66,29 @@ struct Material {
     float anisotropy_rotation = 0;  ///< radians, counter-clockwise from the tangent to the direction of the brush strokes
     TextureUse anisotropy_texture;  ///< RG the direction, B the strength
 };
+
+/// Returns all uses of textures by a material.
+inline std::array<const TextureUse*, 19> texture_uses(const Material& m) noexcept
+{
+    return {&m.base_color_texture,
+            &m.metallic_roughness_texture,
+            &m.roughness_texture,
+            &m.metallic_texture,
+            &m.glossiness_texture,
+            &m.emission_texture,
+            &m.normal_texture,
+            &m.bump_texture,
+            &m.occlusion_texture,
+            &m.alpha_texture,
+            &m.transmission_texture,
+            &m.clearcoat_texture,
+            &m.clearcoat_roughness_texture,
+            &m.clearcoat_normal_texture,
+            &m.specular_texture,
+            &m.specular_color_texture,
+            &m.sheen_color_texture,
+            &m.sheen_roughness_texture,
+            &m.anisotropy_texture};
+}
 
 }  // namespace occam

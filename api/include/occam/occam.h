@@ -139,9 +139,9 @@ public:
 
 private:
     friend class Job;
-    Job start(Scene& scene, const Camera& camera, const Settings& settings, std::string checkpoint, bool keeps_checkpoint);
     friend class Query;
     struct State;
+    Job start(Scene& scene, const Camera& camera, const Settings& settings, std::string checkpoint, bool keeps_checkpoint);
     std::shared_ptr<State> state_;
 };
 
