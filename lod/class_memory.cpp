@@ -28,10 +28,10 @@ private:
         if (Kept known = find()) return known;  // another thread was first
         Kept made = make_();
         const std::lock_guard lock(pool_.mutex_);
+        pool_.order_.push_front(this);  // first, since it may throw
+        place_ = pool_.order_.begin();
         kept_ = made;
         bytes_ = made->bytes();
-        pool_.order_.push_front(this);
-        place_ = pool_.order_.begin();
         pool_.kept_bytes_ += bytes_;
         while (pool_.kept_bytes_ > pool_.pool_bytes_ && pool_.order_.back() != this) pool_.order_.back()->drop();
         return made;

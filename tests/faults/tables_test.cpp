@@ -32,10 +32,9 @@ Made make(const lod::PatchClass& kind)
     return made;
 }
 
-TEST(FailingTables, AreMadeAnew)
+/// Makes what a cage's first patch needs while each allocation fails in turn, and again afterwards.
+void expect_made_anew(const Cage& cage)
 {
-    if (kIsSanitized) GTEST_SKIP() << "sanitizers have an operator new of their own";
-    const Cage cage = prism(5);
     const lod::PatchRef patch{0, 0};
     const Made wanted = make(*lod::Topology(cage).controls(patch).kind);
     ASSERT_FALSE(wanted.rows.empty());
@@ -63,6 +62,21 @@ TEST(FailingTables, AreMadeAnew)
         EXPECT_EQ(made.row_controls, wanted.row_controls);
     }
     EXPECT_GT(n, 20u);
+}
+
+TEST(FailingTables, AreMadeAnew)
+{
+    if (kIsSanitized) GTEST_SKIP() << "sanitizers have an operator new of their own";
+    expect_made_anew(prism(5));
+}
+
+// The limit surface of such a patch is read from a source that is pooled.
+TEST(FailingTables, OfCreasedPatchesAreMadeAnew)
+{
+    if (kIsSanitized) GTEST_SKIP() << "sanitizers have an operator new of their own";
+    Cage cage = prism(5);
+    cage.creases = {{0, 1, 2.5f}, {1, 2, 1}};
+    expect_made_anew(cage);
 }
 
 }  // namespace
