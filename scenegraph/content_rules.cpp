@@ -90,6 +90,13 @@ void check(const Material& m)
     for (const TextureUse* use : texture_uses(m)) check_use(rules, *use);
 }
 
+void check(const Texture& texture)
+{
+    if (!texture.pixels.empty() && (texture.width <= 0 || texture.height <= 0 ||
+                                    texture.pixels.size() != std::size_t(texture.width) * std::size_t(texture.height)))
+        throw error_without_file("a texture's pixels must be width * height", texture.name);
+}
+
 void check(const Light& light)
 {
     const Rules rules("light", light.name);

@@ -8,6 +8,7 @@
 #include "scenegraph/camera.h"
 #include "scenegraph/light.h"
 #include "scenegraph/material.h"
+#include "scenegraph/texture.h"
 
 namespace occam {
 
@@ -19,6 +20,8 @@ Mat4d checked_affine(const Mat4d& m, const char* value, const char* kind, const 
 
 // Each function throws an Error that names the value and the rule it breaks.
 void check(const Material& material);
+/// Checks that the pixels, if there are any, are as many as the size says.
+void check(const Texture& texture);
 void check(const Light& light);
 void check(const CameraLens& lens);
 /// Checks the lens; that the camera's place and its keys are finite, with axes that have a length; and that there are no

@@ -177,7 +177,13 @@ public:
     /// Returns world_from_node() at each key of the shutter; empty if neither the node nor anything above it moves.
     std::vector<Mat4d> world_from_node_keys(NodeId id) const;
 
-    // What nodes refer to. It is allowed to remove something that nodes still refer to: they then no longer show it.
+    // What nodes refer to. It is allowed to remove a cage, a light, a camera or a skin that nodes still refer to: they then
+    // no longer show it. A material or a texture that is in use cannot be removed, because surfaces would then look like
+    // something else; the Error names a user. Cages and the overrides of nodes use materials; materials, the displacements
+    // of cages and the environment use textures; it does not matter whether a node shows them. So the parts of a level go in
+    // this order: nodes, cages, materials, textures. What a removed clip has posed stays until the next pose(). Each
+    // renderer gives back what it keeps of removed and replaced things when its next frame begins, and each query in its
+    // next begin().
     CageId add(Cage cage);  ///< sanitizes; see sanitize()
     CageId add(OnDemandCage cage);
     MaterialId add(Material material);
@@ -187,8 +193,12 @@ public:
     SkinId add(Skin skin);
     ClipId add(Clip clip);
     void remove(CageId id);
+    void remove(MaterialId id);
+    void remove(TextureId id);
     void remove(LightId id);
+    void remove(CameraId id);
     void remove(SkinId id);
+    void remove(ClipId id);
     const CageSlot& cage(CageId id) const;
     const Material& material(MaterialId id) const;
     const Texture& texture(TextureId id) const;
@@ -199,6 +209,7 @@ public:
     void write_vertices(CageId id, std::span<const Vec3f> positions);  ///< as many as before; not of an OnDemandCage
     void replace(CageId id, Cage cage);                                ///< new topology
     void replace(MaterialId id, Material material);
+    void replace(TextureId id, Texture texture);  ///< with the same path, the file is read again
     void replace(LightId id, Light light);
 
     // Lookups for the engine, which return null for a dead handle and do not throw.
@@ -214,7 +225,7 @@ public:
     /// Returns the clips that are meant to play together: the first one, and each later one that moves no node that an
     /// earlier one of them moves. Blender, for instance, writes one clip for each object.
     std::vector<ClipId> clips_together() const;
-    std::vector<TextureId> texture_ids() const;  ///< in the order of their slots
+    std::vector<TextureId> texture_ids() const;  ///< in the order in which they were added
     Environment environment;
 
     /// Returns the camera of that name, or the scene's first camera if the name is empty, in world axes. It has keys if its
@@ -253,7 +264,8 @@ public:
     Counts counts() const;  ///< `faces` counts each cage once; see placed_faces()
     std::size_t placed_faces() const;
 
-    /// Lists what was repaired or dropped when content was added: one line each, with a count.
+    /// Lists what was repaired or dropped when content was added: one line each, with a count. An application that adds
+    /// content without end should clear it.
     std::vector<std::string> warnings;
     /// Lists what the importer chose where the file leaves a choice, such as whether polygons are subdivided: one line each.
     std::vector<std::string> notes;

@@ -20,6 +20,18 @@ std::uint64_t next_identity() noexcept
     return ++last;
 }
 
+// Names an object in a message, by its handle if it has no name.
+template <class Tag>
+std::string named(const char* kind, const std::string& name, Handle<Tag> id)
+{
+    if (!name.empty()) return kind + (" '" + name) + "'";
+    return kind + (" of slot " + std::to_string(id.slot)) + ", generation " + std::to_string(id.generation);
+}
+Error is_used(const std::string& what, const std::string& user)
+{
+    return error_without_file(what + " cannot be removed, because " + user + " uses it");
+}
+
 std::uint32_t largest_face(const Cage& cage)
 {
     std::uint32_t corners = 4;
@@ -129,16 +141,20 @@ MaterialId Scene::add(Material material)
     state_->check_handles(material);
     State::MaterialRecord record;
     static_cast<Material&>(record) = std::move(material);
-    return state_->materials.add(std::move(record));
+    const MaterialId id = state_->materials.add(std::move(record));
+    Rollback added([&] { state_->materials.remove(id); });
+    state_->watch_textures(id, *state_->materials.find(id));
+    added.keep();
+    return id;
 }
 TextureId Scene::add(Texture texture)
 {
     state_->require_editable();
-    if (!texture.pixels.empty() && (texture.width <= 0 || texture.height <= 0 ||
-                                    texture.pixels.size() != std::size_t(texture.width) * std::size_t(texture.height)))
-        throw error_without_file("a texture's pixels must be width * height", texture.name);
-    texture.identity = next_identity();
-    return state_->textures.add(std::move(texture));
+    check(texture);
+    State::TextureRecord record;
+    static_cast<Texture&>(record) = std::move(texture);
+    record.added = record.identity = next_identity();
+    return state_->textures.add(std::move(record));
 }
 LightId Scene::add(Light light)
 {
@@ -177,11 +193,58 @@ void Scene::remove(CageId id)
     state_->count_faces(record, -1);
     state_->cages.remove(id);
 }
+// The lists of users may hold some that are no longer users.
+void Scene::remove(MaterialId id)
+{
+    state_->require_editable();
+    const State::MaterialRecord& material = State::at(state_->materials, id, "material");
+    const auto names_it = [&](const std::vector<MaterialId>& list) {
+        return std::find(list.begin(), list.end(), id) != list.end();
+    };
+    const auto refuse = [&](const std::string& user) { throw is_used(named("material", material.name, id), user); };
+    for (const NodeId user : material.users.ids())
+        if (const Node* node = find(user); node && names_it(node->materials)) refuse(named("node", node->name, user));
+    for (const CageId user : material.cages.ids())
+        if (const CageSlot* slot = find(user); slot && names_it(slot->cage.materials))
+            refuse(named("cage", slot->cage.name, user));
+    state_->materials.remove(id);
+}
+void Scene::remove(TextureId id)
+{
+    state_->require_editable();
+    const State::TextureRecord& texture = State::at(state_->textures, id, "texture");
+    const auto is_it = [&](const TextureUse* use) { return use->texture == id; };
+    const auto refuse = [&](const std::string& user) { throw is_used(named("texture", texture.name, id), user); };
+    if (environment.image == id) refuse("the environment");
+    for (const MaterialId user : texture.materials.ids()) {
+        const Material* material = find(user);
+        if (!material) continue;
+        const auto uses = texture_uses(*material);
+        if (std::any_of(uses.begin(), uses.end(), is_it)) refuse(named("material", material->name, user));
+    }
+    for (const CageId user : texture.cages.ids())
+        if (const CageSlot* slot = find(user); slot && slot->cage.displacement && is_it(&slot->cage.displacement->texture))
+            refuse(named("cage", slot->cage.name, user));
+    state_->textures.remove(id);
+}
 void Scene::remove(LightId id)
 {
     state_->require_editable();
     for (const NodeId user : State::at(state_->lights, id, "light").users.ids()) state_->mark_dirty(user);
     state_->lights.remove(id);
+}
+void Scene::remove(CameraId id)
+{
+    state_->require_editable();
+    State::at(state_->cameras, id, "camera");
+    state_->cameras.remove(id);
+}
+void Scene::remove(ClipId id)
+{
+    state_->require_editable();
+    State::at(state_->clips, id, "clip");
+    std::erase(state_->clip_order, id);
+    state_->clips.remove(id);
 }
 
 const CageSlot& Scene::cage(CageId id) const { return State::at(state_->cages, id, "cage"); }
@@ -239,9 +302,18 @@ void Scene::replace(MaterialId id, Material material)
     State::MaterialRecord& known = State::at(state_->materials, id, "material");
     check(material);
     state_->check_handles(material);
+    state_->watch_textures(id, material);
     const std::uint8_t kinds = kinds_of(known);
     static_cast<Material&>(known) = std::move(material);
     if (kinds_of(known) != kinds) state_->mark_users_dirty(known);
+}
+void Scene::replace(TextureId id, Texture texture)
+{
+    state_->require_editable();
+    Texture& known = State::at(state_->textures, id, "texture");
+    check(texture);
+    known = std::move(texture);
+    known.identity = next_identity();
 }
 void Scene::replace(LightId id, Light light)
 {
@@ -261,8 +333,12 @@ const std::vector<ClipId>& Scene::clips() const noexcept { return state_->clip_o
 
 std::vector<TextureId> Scene::texture_ids() const
 {
+    std::vector<std::pair<std::uint64_t, TextureId>> found;
+    const State& s = *state_;
+    s.textures.for_each([&](TextureId id, const State::TextureRecord& record) { found.emplace_back(record.added, id); });
+    std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     std::vector<TextureId> ids;
-    state_->textures.for_each([&](TextureId id, const Texture&) { ids.push_back(id); });
+    for (const auto& [added, id] : found) ids.push_back(id);
     return ids;
 }
 

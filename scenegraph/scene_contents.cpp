@@ -48,6 +48,15 @@ void Scene::State::take_contents(CageId id, CageRecord& record)
     const auto is_alive = [&](CageId known) { return cages.find(known) != nullptr; };
     for (const MaterialId material : cage.materials)
         if (MaterialRecord* known = materials.find(material)) known->cages.add(id, is_alive);
+    if (!cage.displacement) return;
+    if (TextureRecord* known = textures.find(cage.displacement->texture.texture)) known->cages.add(id, is_alive);
+}
+
+void Scene::State::watch_textures(MaterialId id, const Material& material)
+{
+    const auto is_alive = [&](MaterialId known) { return materials.find(known) != nullptr; };
+    for (const TextureUse* use : texture_uses(material))
+        if (TextureRecord* known = textures.find(use->texture)) known->materials.add(id, is_alive);
 }
 
 void Scene::State::watch_contents(NodeId id, const NodeRecord& node)

@@ -174,6 +174,11 @@ struct Scene::State {
         Watchers users;             ///< nodes whose override names the material
         WatcherList<CageId> cages;  ///< cages that name it
     };
+    struct TextureRecord : Texture {
+        std::uint64_t added = 0;            ///< rises from one added texture to the next; replace() leaves it as it is
+        WatcherList<MaterialId> materials;  ///< materials that use the texture
+        WatcherList<CageId> cages;          ///< cages that it displaces
+    };
 
     /// A node with more children keeps their boxes in a tree, and leaves gaps in its list where some were removed.
     static constexpr std::size_t kManyChildren = 2 * ChildBoxes::kBlock;
@@ -182,7 +187,7 @@ struct Scene::State {
     SceneTable<NodeRecord, NodeTag> nodes{generation};
     SceneTable<CageRecord, CageTag> cages{generation};
     SceneTable<MaterialRecord, MaterialTag> materials{generation};
-    SceneTable<Texture, TextureTag> textures{generation};
+    SceneTable<TextureRecord, TextureTag> textures{generation};
     SceneTable<LightRecord, LightTag> lights{generation};
     SceneTable<CameraRecord, CameraTag> cameras{generation};
     SceneTable<SkinRecord, SkinTag> skins{generation};
@@ -261,9 +266,11 @@ struct Scene::State {
     Contents own_contents(const NodeRecord& node) const noexcept;
     /// Fills what a cage alone decides, after repairing it; the repairs are added to the warnings.
     static void make_record(Cage cage, CageRecord& record, std::vector<std::string>& warnings);
-    /// Gives a cage its handle, sums up what it holds and registers it with its materials; it is called where the cage's
-    /// polygons or materials are new.
+    /// Gives a cage its handle, sums up what it holds and registers it with its materials and the texture that displaces it;
+    /// it is called where the cage's polygons or materials are new.
     void take_contents(CageId id, CageRecord& cage);
+    /// Registers a material with its textures.
+    void watch_textures(MaterialId id, const Material& material);
     /// Registers a node with its light and with the materials of its override.
     void watch_contents(NodeId id, const NodeRecord& node);
     /// Marks the nodes that show the material.

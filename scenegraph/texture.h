@@ -21,7 +21,7 @@ struct Texture {
     std::shared_ptr<const std::vector<std::byte>> encoded;  ///< a whole image file in memory (GLB, data URI)
     std::vector<Vec4f> pixels;                              ///< or linear RGBA, row-major from the top left
     int width = 0, height = 0;                              ///< size of `pixels`
-    std::uint64_t identity = 0;                             ///< unique in the process; given by Scene::add
+    std::uint64_t identity = 0;  ///< unique in the process; given by Scene::add and Scene::replace, each time a new one
 };
 
 }  // namespace occam

@@ -137,7 +137,7 @@ Environment::Environment(const occam::Environment& description, const TextureSto
     image_.wrap_t = TextureUse::Wrap::Clamp;
     rotation_sin_ = maths::sin(description.rotation);
     rotation_cos_ = maths::cos(description.rotation);
-    const bool is_known = kept && *kept && (*kept)->image == description.image &&
+    const bool is_known = kept && *kept && (*kept)->image == textures.identity(image_) &&
                           (*kept)->texel_width == textures.texel_width(image_);
     const Kept table = is_known ? *kept : tabulate();
     if (kept) *kept = table;
@@ -242,7 +242,7 @@ void Environment::add_light_from_beside(std::vector<Sum>& cells, double mean) co
 Environment::Kept Environment::tabulate() const
 {
     const auto table = std::make_shared<Table>();
-    table->image = image_.texture;
+    table->image = textures_->identity(image_);
     std::vector<Sum>&rows = table->rows, &cells = table->cells;
     cells.resize(std::size_t(kColumns) * kRows);
     rows.resize(kRows);

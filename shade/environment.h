@@ -101,8 +101,8 @@ private:
 
 /// What is known of an image.
 struct Environment::Table {
-    TextureId image;
-    float texel_width = 0;  ///< changes if the image is halved
+    std::uint64_t image = 0;  ///< TextureStore::identity()
+    float texel_width = 0;    ///< changes if the image is halved
     std::vector<Sum> rows, cells;
     bool is_one_color = false;
     Vec3f darkest{0};  ///< in each channel

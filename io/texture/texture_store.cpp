@@ -61,6 +61,7 @@ public:
         return width_ > 0 ? MipImage::bytes_of(std::max(1, width_ >> halvings), std::max(1, height_ >> halvings)) : 0;
     }
     bool is_readable() const { return width_ > 0; }
+    std::uint64_t identity() const { return description_.identity; }
     /// Returns the texels that decoding will visit, and the bytes of the file from which they come; both are 0 for texels
     /// that are in memory.
     std::uintmax_t encoded_texels() const { return file_bytes_ == 0 ? 0 : std::uintmax_t(width_) * std::uintmax_t(height_); }
@@ -278,6 +279,12 @@ float TextureStore::texel_width(const TextureUse& use) const noexcept
     const int side = found->is_readable() ? std::max(found->width(), found->height()) : state_->unreadable.width();
     const float repeats = std::max(std::abs(use.scale.x), std::abs(use.scale.y));
     return repeats > 0 ? 1 / (repeats * static_cast<float>(side)) : 0;
+}
+
+std::uint64_t TextureStore::identity(const TextureUse& use) const noexcept
+{
+    const Entry* found = state_->find(use.texture);
+    return found ? found->identity() : 0;
 }
 
 Vec4f TextureStore::sample(const TextureUse& use, Vec2f uv, float width) const noexcept

@@ -40,6 +40,10 @@ public:
     /// Returns the width of a texel of the finest level, in units of uv; 0 where sample() gives white.
     float texel_width(const TextureUse& use) const noexcept;
 
+    /// Returns the identity of the texture as it was at prepare(), which tells its texels apart from those that it had
+    /// before a Scene::replace(); 0 where sample() gives white.
+    std::uint64_t identity(const TextureUse& use) const noexcept;
+
     /// Returns the bytes of all decoded textures.
     std::size_t bytes() const noexcept;
     /// Returns the seconds that threads have spent on decoding known textures, summed.

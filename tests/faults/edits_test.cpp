@@ -17,6 +17,8 @@ struct World {
     Scene scene;
     CageId ring, box, coat;
     MaterialId paint;
+    TextureId pattern;
+    CameraId lens;
     LightId lamp;
     SkinId skin;
     ClipId clip;
@@ -63,6 +65,15 @@ Material paint()
     return material;
 }
 
+Texture pattern(float shade)
+{
+    Texture texture;
+    texture.name = "a pattern with a name that is not short";
+    texture.width = 2, texture.height = 1;
+    texture.pixels = {Vec4f(shade), Vec4f(1)};
+    return texture;
+}
+
 /// Each step edits the scene once.
 const std::vector<Step> kSteps = {
     {[](World& w) { w.paint = w.scene.add(paint()); }},
@@ -93,6 +104,14 @@ const std::vector<Step> kSteps = {
     {[](World& w) { w.copied = w.scene.copy(w.house, w.scene.root()); }},
     {[](World& w) { w.scene.set_transform(w.copied, moved(-2, 0, 0)); }},
     {[](World& w) { w.scene.refit(); }},
+    {[](World& w) { w.pattern = w.scene.add(pattern(0.25f)); }},
+    {[](World& w) {
+        Material patterned = paint();
+        patterned.base_color_texture.texture = w.pattern;
+        w.scene.replace(w.paint, std::move(patterned));
+    }},
+    {[](World& w) { w.scene.replace(w.pattern, pattern(0.75f)); }},
+    {[](World& w) { w.lens = w.scene.add(CameraLens{}); }},
     {[](World& w) { w.scene.replace(w.ring, torus(7, 5)); }},
     {[](World& w) { w.scene.write_vertices(w.box, prism(5).positions); }},
     {[](World& w) { w.scene.set_visible(w.joint, false); }},
@@ -111,6 +130,10 @@ const std::vector<Step> kSteps = {
      false},
     {[](World& w) { w.scene.refit(); }},
     {[](World& w) { w.scene.remove(w.copied); }},
+    {[](World& w) { w.scene.remove(w.paint); }},
+    {[](World& w) { w.scene.remove(w.pattern); }},
+    {[](World& w) { w.scene.remove(w.lens); }},
+    {[](World& w) { w.scene.remove(w.clip); }},
     {[](World& w) { w.scene.clear_shutter(); }},
 };
 
@@ -118,7 +141,7 @@ const std::vector<Step> kSteps = {
 struct Outcome {
     Box3d bounds;
     Contents contents;
-    std::size_t nodes, cages, lights, clips, skins, faces, placed, warnings;
+    std::size_t nodes, cages, lights, clips, skins, materials, textures, cameras, faces, placed, warnings;
     std::uint64_t picture;
 
     explicit Outcome(Scene& scene)
@@ -127,6 +150,7 @@ struct Outcome {
         contents = scene.contents();
         const Scene::Counts counts = scene.counts();
         nodes = counts.nodes, cages = counts.cages, lights = counts.lights, clips = counts.clips, skins = counts.skins;
+        materials = counts.materials, textures = counts.textures, cameras = counts.cameras;
         faces = counts.faces, placed = scene.placed_faces(), warnings = scene.warnings.size();
         picture = Renderer({.threads = 1})
                       .render(scene, Camera::look_at({1, 2, 9}, Vec3d(0), {0, 1, 0}, 0.8f),
@@ -143,6 +167,9 @@ struct Outcome {
         EXPECT_EQ(lights, wanted.lights);
         EXPECT_EQ(clips, wanted.clips);
         EXPECT_EQ(skins, wanted.skins);
+        EXPECT_EQ(materials, wanted.materials);
+        EXPECT_EQ(textures, wanted.textures);
+        EXPECT_EQ(cameras, wanted.cameras);
         EXPECT_EQ(faces, wanted.faces);
         EXPECT_EQ(placed, wanted.placed);
         EXPECT_EQ(warnings, wanted.warnings);

@@ -24,6 +24,29 @@ Material random_material(CaseRandom& random, Scene& scene)
     return material;
 }
 
+/// Removes something; it stays if it is in use.
+template <class Id>
+void remove_if_unused(Scene& scene, Id id)
+{
+    try {
+        scene.remove(id);
+    } catch (const Error&) {
+    }
+}
+
+/// Removes the textures that are not in use, and gives one of the others new texels.
+const char* edit_textures(CaseRandom& random, Scene& scene)
+{
+    for (const TextureId id : scene.texture_ids()) remove_if_unused(scene, id);
+    const std::vector<TextureId> left = scene.texture_ids();
+    if (left.empty()) return "textures removed";
+    Texture other;
+    other.width = other.height = 8;
+    for (int k = 0; k < 64; ++k) other.pixels.push_back(Vec4f(random.color(), 0.5f + 0.5f * float(k % 2)));
+    scene.replace(left[random.index(left.size())], std::move(other));
+    return "textures";
+}
+
 /// Returns a clip in which the object's node moves along two straight lines, and the joint that bends the object turns; if
 /// it has none, its node turns.
 Clip random_clip(CaseRandom& random, const AddedPart& object)
@@ -126,9 +149,12 @@ const char* RandomWorld::edit_object(CaseRandom& random, const AddedPart& object
             scene_.set_transform(object.joint, object.place * turned.matrix());
             return "joint";
         }
-        default:
+        default: {
+            const std::vector<MaterialId> before = scene_.node(object.node).materials;
             scene_.set_materials(object.node, {scene_.add(random_material(random, scene_))});
+            for (const MaterialId material : before) remove_if_unused(scene_, material);
             return "materials of a node";
+        }
     }
 }
 
@@ -165,8 +191,10 @@ const char* RandomWorld::edit_nodes(CaseRandom& random, AddedPart& object)
             return "lit by";
         default: {
             const bool goes = random.number() < 0.5;
+            const std::vector<MaterialId> before = scene_.cage(object.cage).cage.materials;
             scene_.remove(node);
             if (goes) scene_.remove(object.cage);
+            for (const MaterialId material : before) remove_if_unused(scene_, material);
             objects_.erase(objects_.begin() + (&object - objects_.data()));
             return "object removed";
         }
@@ -248,7 +276,7 @@ const char* RandomWorld::edit()
 {
     ++step_;
     CaseRandom random(seed_, step_, 300);
-    const std::size_t kind = random.index(14);
+    const std::size_t kind = random.index(15);
     AddedPart* const object = any_object(random);
     if (kind == 0 || !object) {
         add_object();
@@ -258,6 +286,7 @@ const char* RandomWorld::edit()
     if (kind < 8) return edit_nodes(random, *object);
     if (kind == 8) return edit_light(random);
     if (kind == 9) return edit_shutter(random);
+    if (kind == 14) return edit_textures(random, scene_);
     return kind < 12 ? edit_clips(random, *object) : groups_.edit(scene_, random, object->node);
 }
 

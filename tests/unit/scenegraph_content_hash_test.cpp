@@ -52,6 +52,15 @@ TEST(ContentHash, IsTheSameForScenesThatShowTheSame)
     EXPECT_NE(subject.hash(), other.hash());
     other.scene.remove(passing);
     EXPECT_EQ(subject.hash(), other.hash());
+    // Later objects then have other handles than in a scene without them.
+    const TextureId passing_texture = other.scene.add(Texture{});
+    const MaterialId passing_material = other.scene.add(Material{}),
+                     same = other.scene.add(other.scene.material(other.material));
+    other.scene.set_materials(other.square, {same});
+    subject.scene.set_materials(subject.square, {subject.scene.add(subject.scene.material(subject.material))});
+    other.scene.remove(passing_texture);
+    other.scene.remove(passing_material);
+    EXPECT_EQ(subject.hash(), other.hash());
     other.scene.set_transform(other.hidden, moved(1, 0, 0));
     EXPECT_EQ(subject.hash(), other.hash()) << "what is hidden does not count";
     other.scene.record_shutter(2, [&](double tau) { other.scene.set_transform(other.square, moved(tau, 0, 0)); });
@@ -99,6 +108,7 @@ TEST(ContentHash, TellsEditsApart)
         },
         [](HashedScene& s) { s.scene.environment.radiance = Vec3f(1); },
         [](HashedScene& s) { s.scene.environment.image = s.texture; },
+        [](HashedScene& s) { s.scene.replace(s.texture, Texture{}); },
         [](HashedScene& s) {
             s.scene.record_shutter(1, [&](double t) { s.scene.set_transform(s.square, moved(t - 0.5, 0, 0)); });
         },

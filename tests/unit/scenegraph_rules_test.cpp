@@ -26,6 +26,7 @@ TEST(SceneHandles, AreTheirOwnScenesAlone)
         LightId light = scene.add(Light{});
         TextureId texture = scene.add(Texture{});
         CageId cage = scene.add(Cage{});
+        CameraId camera = scene.add(CameraLens{});
         ClipId clip = scene.add(Clip{});
         SkinId skin = scene.add(Skin{{}, {node}, {}});
     };
@@ -42,6 +43,11 @@ TEST(SceneHandles, AreTheirOwnScenesAlone)
     EXPECT_THROW(a.scene.light(b.light), Error);
     EXPECT_THROW(a.scene.texture(b.texture), Error);
     EXPECT_THROW(a.scene.remove(b.cage), Error);
+    EXPECT_THROW(a.scene.remove(b.material), Error);
+    EXPECT_THROW(a.scene.remove(b.texture), Error);
+    EXPECT_THROW(a.scene.replace(b.texture, Texture{}), Error);
+    EXPECT_THROW(a.scene.remove(b.camera), Error);
+    EXPECT_THROW(a.scene.remove(b.clip), Error);
     EXPECT_EQ(a.scene.find(b.node), nullptr);
     const Scene moved = std::move(a.scene);
     EXPECT_NO_THROW(moved.node(a.node));

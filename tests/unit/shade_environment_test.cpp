@@ -137,6 +137,23 @@ TEST(Environment, ATableIsKeptForItsImageAlone)
     }
 }
 
+// The handle stays, and so do the sizes of the image and of its texels.
+TEST(Environment, ATableIsMadeAnewForTexelsThatWereReplaced)
+{
+    const auto patch = [](int column) {
+        return ImageSky([=](int x, int y) { return Vec3f(x == column && y == 5 ? 100 : 0.1f); });
+    };
+    ImageSky sky = patch(3);
+    const ImageSky other = patch(20);
+    Environment::Kept kept;
+    const Environment first(sky.scene.environment, sky.textures, &kept);
+    sky.scene.replace(sky.scene.environment.image, other.scene.texture(other.scene.environment.image));
+    sky.textures.prepare(sky.scene);
+    const Environment second(sky.scene.environment, sky.textures, &kept);
+    EXPECT_EQ(second.draw({0.3f, 0.6f}).direction, other.environment.draw({0.3f, 0.6f}).direction);
+    EXPECT_NE(second.draw({0.3f, 0.6f}).direction, sky.environment.draw({0.3f, 0.6f}).direction);
+}
+
 TEST(Environment, SeveralDirectionsAtOnceHaveTheBitsOfOneAtATime)
 {
     const ImageSky sky(

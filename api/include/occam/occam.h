@@ -111,7 +111,8 @@ struct SampleColor {
 };
 
 /// Makes pictures. From frame to frame it keeps textures, everything that no vertex position can change (topology tables),
-/// and placed lights with the tree over them, as long as they are the same.
+/// and placed lights with the tree over them, as long as they are the same. What the scene no longer has is forgotten when a
+/// frame begins.
 class Renderer {
 public:
     explicit Renderer(const Resources& resources = {});
