@@ -97,7 +97,9 @@ struct Query::State {
         check(with_camera);
         end();
         scene.refit();
+        // Of textures that displaced something before, neither memory nor errors are left.
         if (scene.contents().has(Contents::Displaced)) textures.prepare(scene);
+        else textures.clear();
         refuse_bad_textures();
         camera = with_camera;
         asked.emplace(scene, camera, height, topologies, textures);

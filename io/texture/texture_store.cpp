@@ -258,6 +258,12 @@ void TextureStore::prepare(const Scene& scene)
     state_->slots.swap(slots);
 }
 
+void TextureStore::clear() noexcept
+{
+    state_->slots.clear();
+    state_->entries.clear();
+}
+
 void TextureStore::decode_all()
 {
     std::vector<Entry*> all;

@@ -29,6 +29,8 @@ public:
     /// Makes every texture of the scene known, and forgets all others. Reads no more than the headers of those that are new.
     /// Throws Error if images would take minutes to decode, though their files are small.
     void prepare(const Scene& scene);
+    /// Forgets all textures.
+    void clear() noexcept;
     /// Decodes all known textures now, on several threads, so that errors() is then complete.
     void decode_all();
 

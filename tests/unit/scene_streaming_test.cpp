@@ -229,6 +229,9 @@ TEST(StreamedScene, ShowsReplacedTexelsUnderTheSameHandleAndRemovedOnesUnderNone
     store.prepare(scene);
     EXPECT_EQ(seen(id), 1) << "its slot is taken again";
     EXPECT_EQ(seen(next), 7);
+    store.clear();
+    EXPECT_EQ(store.bytes(), 0u);
+    EXPECT_EQ(seen(next), 1);
 }
 
 /// A room of a level; everything in it depends on its number.
@@ -314,6 +317,28 @@ TEST(StreamedScene, EveryFrameIsThatOfANewSceneAndNothingGrows)
         EXPECT_EQ(scene.counts().textures, at_first.textures);
         EXPECT_EQ(scene.counts().materials, at_first.materials);
     }
+}
+
+// The application takes out what could not be read, and asks again.
+TEST(StreamedScene, AQueryForgetsADisplacementThatCouldNotBeRead)
+{
+    Scene scene;
+    scene.add_node(scene.root(), {.cages = {scene.add(square_with({}))}});
+    Query query(scene, kCamera);
+    query.end();
+    Texture unreadable;
+    unreadable.encoded = std::make_shared<const std::vector<std::byte>>(64, std::byte(1));
+    const TextureId texture = scene.add(unreadable);
+    Cage displaced = square_with({});
+    displaced.displacement = displacement_by(texture);
+    const CageId cage = scene.add(std::move(displaced));
+    const NodeId node = scene.add_node(scene.root(), {.matrix = moved(2, 0, 0), .cages = {cage}});
+    EXPECT_THROW(query.begin(kCamera), Error);
+    scene.remove(node);
+    scene.remove(cage);
+    scene.remove(texture);
+    ASSERT_NO_THROW(query.begin(kCamera));
+    EXPECT_TRUE(query.closest(Vec3d(0.5, 0.5, 3), Vec3d(0, 0, -1)).has_value());
 }
 
 }  // namespace
