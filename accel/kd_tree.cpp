@@ -10,9 +10,9 @@
 namespace occam::accel {
 namespace {
 
-constexpr std::size_t kEnough = 16;  // candidates to choose a plane from; 8 and 24 are slower (docs/performance.md)
+constexpr std::size_t kEnough = 16;  // candidates to choose a plane from; 8 and 24 are slower (docs/what-was-tried.md)
 constexpr std::size_t kMany = 64;  // candidates above which planes are tried at fixed steps, and items not opened one by one
-constexpr float kTraversalCost = 64;  // in the units of Item::cost; 32 is slower (docs/performance.md)
+constexpr float kTraversalCost = 64;  // in the units of Item::cost; 32 is slower (docs/what-was-tried.md)
 constexpr float kEmptyBonus = 0.8f;   // factor of the cost of a split that cuts off empty space
 constexpr float kLeastCut = 0.25f;    // the share of a side that is cut off with the bonus; thin slices cost depth
 constexpr int kSteps = 32;

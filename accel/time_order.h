@@ -25,7 +25,7 @@ struct BatchVisits {
     std::uint64_t lone_rays = 0;                      ///< that enter the scene
     std::uint64_t nodes_of_lone_rays = 0, igrids_of_lone_rays = 0;
 
-    /// Returns the cost, roughly, in visits of nodes by packets (docs/performance.md).
+    /// Returns the cost, roughly, in visits of nodes by packets (docs/what-was-tried.md).
     double cost() const noexcept
     {
         return double(nodes) + 0.5 * double(leaves + igrids) + 0.4 * double(rays) +

@@ -60,7 +60,7 @@ bool Tracer::State::travel_alone(std::span<const Ray> rays, bool is_nearest) con
     // An igrid of a mesh holds hundreds of triangles, in whose box tree packets pay for any rays.
     if (!frame.has_levels && frame.segments == 0) return false;
     // Where boxes move, a packet has those of all its rays' times. Rays that look for nearest hits lose by that sooner than
-    // shadow rays do (docs/performance.md).
+    // shadow rays do (docs/what-was-tried.md).
     const float least_cosine = frame.segments > 0 && is_nearest ? kNarrow : kWide;
     const Vec3f way = rays.front().direction;
     return std::any_of(rays.begin(), rays.end(),
