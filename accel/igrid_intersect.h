@@ -2,8 +2,7 @@
 // quads, at once. The triangles of a mesh have a tracer of their own (accel/triangle_tracer.h).
 //
 // Both ways run the same operations on the same numbers for each pair of a ray and a triangle, so they find the same
-// bits. The choice between them is a matter of speed (the break-even is at two to three live rays,
-// docs/performance.md).
+// bits. The choice between them is a matter of speed (kWorthAPacket in accel/packet.h).
 //
 // Each vertex of a lattice is blended and then sheared once per ray, and is shared by the triangles around it. Where
 // all rays are before or behind the blend, the stored fine or coarse positions serve unchanged and give the same bits,

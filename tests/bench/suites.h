@@ -39,7 +39,7 @@ struct Suite {
 };
 
 inline constexpr Suite kSuites[] = {
-    {"import", "an OBJ of 500,000 faces, beside the parser library alone", run_import},
+    {"import", "an OBJ and a GLB file of 100 MB, beside the parser libraries alone", run_import},
     {"dice", "points with tangents of one patch, beside OpenSubdiv's Bfr", run_dice},
     {"build", "topology, lazy trees and grids of a large cage, from cold", run_build},
     {"trace", "closest and any hit on one thread, beside Embree on the same triangles", run_trace},
