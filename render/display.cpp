@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/luminance.h"
 #include "base/maths.h"
 
 namespace occam::render {
@@ -68,8 +69,8 @@ std::vector<float> log_luminances(const Layer& beauty)
     for (std::size_t i = 0; i + channels <= beauty.pixels.size(); i += channels) {
         const float* p = &beauty.pixels[i];
         const float alpha = channels >= 4 ? p[3] : 1.0f;
-        const float luminance = (0.2126f * p[0] + 0.7152f * p[1] + 0.0722f * p[2]) / alpha;
-        if (alpha >= 0.5f && luminance > 0 && std::isfinite(luminance)) logs.push_back(maths::log2(luminance));
+        const float y = luminance(Vec3f(p[0], p[1], p[2])) / alpha;
+        if (alpha >= 0.5f && y > 0 && std::isfinite(y)) logs.push_back(maths::log2(y));
     }
     return logs;
 }

@@ -5,12 +5,12 @@
 #include <cstring>
 #include <type_traits>
 
+#include "base/luminance.h"
+
 namespace occam::render {
 namespace {
 
 std::size_t index_of(Aov aov) noexcept { return static_cast<std::size_t>(aov); }
-
-double luminance(Vec3d c) noexcept { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
 
 bool is_finite(Vec3f v) noexcept { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/luminance.h"
 #include "render/path_log.h"
 #include "render/shade_point.h"
 #include "render/views.h"
@@ -18,7 +19,6 @@ std::uint32_t child_key(std::uint32_t key, std::uint32_t branch) noexcept
 }
 
 float mean(Vec3f c) noexcept { return (c.x + c.y + c.z) / 3; }
-float luminance(Vec3f c) noexcept { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
 
 }  // namespace
 

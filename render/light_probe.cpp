@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "accel/frame.h"
+#include "base/luminance.h"
 #include "render/integrator.h"
 #include "render/mask_filter.h"
 
@@ -21,8 +22,6 @@ constexpr float kLeastRadiance = 0.02f / 3.14159265f;
 constexpr float kLeastShare = 0.05f;
 // This share of what is seen, without the emissive surfaces themselves, has to be lit.
 constexpr double kLeastLit = 0.25;
-
-float luminance(Vec3f c) noexcept { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
 
 // Holds what a sample of the small picture shows, by luminance.
 struct Glimpse {

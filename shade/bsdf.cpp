@@ -2,14 +2,13 @@
 
 #include <algorithm>
 
+#include "base/luminance.h"
 #include "shade/sheen.h"
 #include "shade/stroke_albedo.h"
 #include "shade/transmission.h"
 
 namespace occam::shade {
 namespace {
-
-float luminance(Vec3f c) noexcept { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
 
 struct Angles {
     float n_l, n_v, n_h, v_h, sin2_h;

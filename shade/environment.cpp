@@ -5,6 +5,7 @@
 #include <span>
 
 #include "base/cancellation.h"
+#include "base/luminance.h"
 #include "base/prefetch.h"
 #include "shade/frame_of.h"
 #include "shade/input_limits.h"
@@ -36,7 +37,7 @@ Cell cell_at(Vec2f uv) noexcept
 }
 
 // Returns the luminance by which a colour counts in the tables.
-float brightness_of(Vec3f c) noexcept { return std::min(0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z, 1e6f); }
+float brightness_of(Vec3f c) noexcept { return std::min(luminance(c), 1e6f); }
 
 // Returns the sine of a direction's angle to the pole.
 float ring_of(Vec3f direction) noexcept { return std::sqrt(std::max(0.0f, 1 - direction.y * direction.y)); }

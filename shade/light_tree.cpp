@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "base/luminance.h"
 #include "base/maths.h"
 #include "shade/light_bounds.h"
 
@@ -16,8 +17,6 @@ constexpr int kBins = 12;
 constexpr std::size_t kMostBinned = 512;
 // The box of a light is padded by this share of its coordinates and of its size.
 constexpr float kPad = 0x1p-18f;
-
-float luminance(Vec3f c) noexcept { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
 
 Vec3f unit_or(Vec3f v, Vec3f fallback) noexcept
 {

@@ -7,6 +7,7 @@
 #include <unordered_set>
 
 #include "base/error_without_file.h"
+#include "base/luminance.h"
 #include "base/morton.h"
 #include "scenegraph/contents.h"
 #include "scenegraph/hidden_nodes.h"
@@ -19,8 +20,6 @@ namespace {
 
 // A shadow ray stops at this share of the distance before its end, beyond which lies the emissive surface itself.
 constexpr float kShort = 1e-4f;
-
-float luminance(Vec3f c) noexcept { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
 
 // Returns the mean over the whole texture: the filter is as wide as the image.
 float mean_luminance(const Material& m, const TextureStore& textures) noexcept

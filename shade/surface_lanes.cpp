@@ -5,7 +5,8 @@
 namespace occam::shade {
 namespace {
 
-vfloat luminance(const VecLanes& c) noexcept { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
+// Does what luminance() does.
+vfloat luminances(const VecLanes& c) noexcept { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
 
 // Does what visible_normal_of() does, for a point of the disc.
 VecLanes visible_normals(const VecLanes& eye, vfloat alpha, vfloat px, vfloat py) noexcept
@@ -79,9 +80,9 @@ void SurfaceLanes::complete() noexcept
         coat = select(coat_.lanes() > zero, coat_.lanes() * (kCoatF0 * e.f0 + e.f90), zero);
     }
     below_coat_ = 1 - coat;
-    const vfloat layer = below_coat_ * (luminance(f0) * eye_.f0 + f90 * eye_.f90);
-    const vfloat base = below_coat_ * (through(layer_, eye_) * luminance(diffuse_.lanes()) +
-                                       luminance(layer_.multiple) * max(1 - eye_.sum(), zero));
+    const vfloat layer = below_coat_ * (luminances(f0) * eye_.f0 + f90 * eye_.f90);
+    const vfloat base = below_coat_ * (through(layer_, eye_) * luminances(diffuse_.lanes()) +
+                                       luminances(layer_.multiple) * max(1 - eye_.sum(), zero));
     const vfloat sum = base + layer + coat;
     const vmask is_any = sum > zero;
     share_diffuse_ = select(is_any, base / sum, vfloat(1.0f));
