@@ -8,25 +8,19 @@
 
 namespace occam {
 
-namespace {
-
-double length_of(Vec3d v) noexcept { return std::sqrt(glm::dot(v, v)); }
-
-}  // namespace
-
 Camera Camera::look_at(Vec3d eye, Vec3d target, Vec3d up, float fov)
 {
     const Vec3d to_eye = eye - target;
-    const double distance = length_of(to_eye);
+    const double distance = glm::length(to_eye);
     if (!(distance > 0 && std::isfinite(distance)))
         throw error_without_file("a camera needs a target that is not its eye", "look_at");
     if (!(fov > 0 && fov < maths::kPi)) throw error_without_file("a camera's vertical angle must be in (0, pi)", "look_at");
     const Vec3d back = to_eye / distance;
     Vec3d right = glm::cross(up, back);
     // If the camera looks along `up`, any direction to the right will do, as long as it is always the same.
-    if (!(length_of(right) > 1e-9 * length_of(up)))
+    if (!(glm::length(right) > 1e-9 * glm::length(up)))
         right = glm::cross(std::abs(back.z) < 0.9 ? Vec3d(0, 0, 1) : Vec3d(1, 0, 0), back);
-    right = right / length_of(right);
+    right = right / glm::length(right);
     Camera camera;
     camera.world_from_camera = {Vec4d(right, 0), Vec4d(glm::cross(back, right), 0), Vec4d(back, 0), Vec4d(eye, 1)};
     camera.lens.fov = fov;
@@ -36,7 +30,7 @@ Camera Camera::look_at(Vec3d eye, Vec3d target, Vec3d up, float fov)
 Camera Camera::framing(const Box3d& bounds, float aspect)
 {
     constexpr double kMargin = 1.1;
-    const Vec3d direction = Vec3d(0.4, 0.35, 1.0) / length_of(Vec3d(0.4, 0.35, 1.0));  // from the scene to the eye
+    const Vec3d direction = Vec3d(0.4, 0.35, 1.0) / glm::length(Vec3d(0.4, 0.35, 1.0));  // from the scene to the eye
     const Vec3d centre = bounds.is_empty() ? Vec3d(0) : bounds.centre();
     const Vec3d half = bounds.is_empty() ? Vec3d(1) : bounds.extent() * 0.5;
     Camera camera = look_at(centre + direction, centre, {0, 1, 0}, CameraLens().fov);

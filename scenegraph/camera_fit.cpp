@@ -10,8 +10,6 @@
 namespace occam {
 namespace {
 
-double length_of(Vec3d v) noexcept { return std::sqrt(glm::dot(v, v)); }
-
 // Returns the direction from the scene to the eye, in components along right, up and front.
 Vec3d direction_of(ViewFrom side) noexcept
 {
@@ -38,19 +36,19 @@ CameraFit::CameraFit(ViewFrom side, Vec3d up, float fov, float aspect) : fov_(fo
 {
     constexpr double kMargin = 1.06;
     if (!(fov > 0 && fov < maths::kPi)) throw error_without_file("a camera's vertical angle must be in (0, pi)", "fov");
-    const double length = length_of(up);
+    const double length = glm::length(up);
     if (!(length > 0 && std::isfinite(length))) throw error_without_file("a direction needs a length", "up");
     up = up / length;
     Vec3d front = std::abs(up.z) > 0.7 ? Vec3d(0, -1, 0) : Vec3d(0, 0, 1);
     front -= up * glm::dot(front, up);
-    front = front / length_of(front);
+    front = front / glm::length(front);
     const Vec3d right = glm::cross(up, front), d = direction_of(side);
     back_ = right * d.x + up * d.y + front * d.z;
-    back_ = back_ / length_of(back_);
+    back_ = back_ / glm::length(back_);
     // A picture from the top has the front at its lower border, and one from the bottom at its upper border.
     const Vec3d upwards = side == ViewFrom::Top ? -front : side == ViewFrom::Bottom ? front : up;
     right_ = glm::cross(upwards, back_);
-    right_ = right_ / length_of(right_);
+    right_ = right_ / glm::length(right_);
     up_ = glm::cross(back_, right_);
     slope_y_ = double(maths::tan(fov * 0.5f)) / kMargin;
     slope_x_ = slope_y_ * double(aspect > 0 && std::isfinite(aspect) ? aspect : 1.0f);

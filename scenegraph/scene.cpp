@@ -15,13 +15,12 @@ namespace {
 // Returns the rigid part of a matrix, because a camera does not scale.
 Mat4d rigid(const Mat4d& m)
 {
-    const auto length_of = [](Vec3d v) { return std::sqrt(glm::dot(v, v)); };
     Vec3d back(m[2]);
-    if (!(length_of(back) > 0)) back = Vec3d(0, 0, 1);
-    back = back / length_of(back);
+    if (!(glm::length(back) > 0)) back = Vec3d(0, 0, 1);
+    back = back / glm::length(back);
     Vec3d right = glm::cross(Vec3d(m[1]), back);
-    if (!(length_of(right) > 0)) right = glm::cross(std::abs(back.y) < 0.9 ? Vec3d(0, 1, 0) : Vec3d(1, 0, 0), back);
-    right = right / length_of(right);
+    if (!(glm::length(right) > 0)) right = glm::cross(std::abs(back.y) < 0.9 ? Vec3d(0, 1, 0) : Vec3d(1, 0, 0), back);
+    right = right / glm::length(right);
     return {Vec4d(right, 0), Vec4d(glm::cross(back, right), 0), Vec4d(back, 0), Vec4d(Vec3d(m[3]), 1)};
 }
 
