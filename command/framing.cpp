@@ -1,12 +1,12 @@
 #include "framing.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
 
 #include "base/error_without_file.h"
+#include "base/number_in.h"
 #include "base/printable.h"
 #include "interrupt.h"
 #include "io/output_file.h"
@@ -35,9 +35,7 @@ std::vector<ClipId> choose_clips(const Scene& scene, const RenderArguments& a)
     if (a.clip.empty()) return scene.clips_together();
     if (a.clip == "all" && !clips.empty()) return clips;
     if (const ClipId named = scene.find_clip(a.clip)) return {named};
-    std::size_t index = 0;
-    const auto [end, error] = std::from_chars(a.clip.data(), a.clip.data() + a.clip.size(), index);
-    if (error == std::errc() && end == a.clip.data() + a.clip.size() && index < clips.size()) return {clips[index]};
+    if (const auto index = number_in<std::size_t>(a.clip); index && *index < clips.size()) return {clips[*index]};
     std::vector<std::string> names;
     for (const ClipId id : clips)
         names.push_back(scene.clip(id).name.empty() ? std::to_string(names.size()) : scene.clip(id).name);

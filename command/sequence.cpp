@@ -1,10 +1,10 @@
 #include "sequence.h"
 
 #include <algorithm>
-#include <charconv>
 #include <stdexcept>
 #include <unordered_set>
 
+#include "base/number_in.h"
 #include "values.h"
 
 namespace occam::command {
@@ -16,10 +16,8 @@ constexpr std::size_t kMostFrames = 1'000'000;
 // Returns the whole number in the text.
 std::optional<int> whole(std::string_view text, int least, int most)
 {
-    int value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size() || value < least || value > most) return std::nullopt;
-    return value;
+    const auto value = number_in<int>(text);
+    return value && *value >= least && *value <= most ? value : std::nullopt;
 }
 
 }  // namespace

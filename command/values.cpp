@@ -1,10 +1,11 @@
 #include "values.h"
 
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <string>
+
+#include "base/number_in.h"
 
 namespace occam::command {
 namespace {
@@ -18,10 +19,9 @@ namespace {
 
 double real_of(std::string_view text)
 {
-    double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) expected("a number", text);
-    return value;
+    const auto value = number_in<double>(text);
+    if (!value || !std::isfinite(*value)) expected("a number", text);
+    return *value;
 }
 
 double number_of(std::string_view text)
@@ -42,19 +42,14 @@ std::optional<float> stops_of(std::string_view text)
 
 std::uint64_t whole_of(std::string_view text, std::uint64_t least, std::uint64_t most)
 {
-    std::uint64_t value = 0;
-    auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    bool is_whole = error == std::errc() && end == text.data() + text.size();
-    if (!is_whole) {  // with an exponent or a point; doubles below 2^53 hold whole numbers exactly
-        double real = 0;
-        const auto parsed = std::from_chars(text.data(), text.data() + text.size(), real);
-        is_whole = parsed.ec == std::errc() && parsed.ptr == text.data() + text.size() && real >= 0 && real <= 0x1p53 &&
-                   real == std::floor(real);
-        if (is_whole) value = static_cast<std::uint64_t>(real);
+    auto value = number_in<std::uint64_t>(text);
+    if (!value) {  // with an exponent or a point; doubles below 2^53 hold whole numbers exactly
+        const auto real = number_in<double>(text);
+        if (real && *real >= 0 && *real <= 0x1p53 && *real == std::floor(*real)) value = static_cast<std::uint64_t>(*real);
     }
-    if (!is_whole || value < least || value > most)
+    if (!value || *value < least || *value > most)
         expected("a whole number from " + std::to_string(least) + " to " + std::to_string(most), text);
-    return value;
+    return *value;
 }
 
 std::vector<std::string_view> words_of(std::string_view text)
@@ -95,11 +90,9 @@ std::pair<int, int> size_of(std::string_view text)
     const std::size_t x = text.find('x');
     if (x == std::string_view::npos) expected("a size like 1280x720", text);
     const auto side = [&](std::string_view digits) {
-        int value = 0;
-        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-        if (error != std::errc() || end != digits.data() + digits.size() || value < 1)
-            expected("a size like 1280x720", text);
-        return value;
+        const auto value = number_in<int>(digits);
+        if (!value || *value < 1) expected("a size like 1280x720", text);
+        return *value;
     };
     return {side(text.substr(0, x)), side(text.substr(x + 1))};
 }
@@ -130,11 +123,9 @@ std::size_t bytes_of(std::string_view text)
             break;
     }
     if (scale > 1) digits.remove_suffix(1);
-    double value = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (error != std::errc() || end != digits.data() + digits.size() || !(value * scale >= 1) || !(value * scale < 0x1p62))
-        expected("a size like 512M or 2G", text);
-    return static_cast<std::size_t>(value * scale);
+    const auto value = number_in<double>(digits);
+    if (!value || !(*value * scale >= 1) || !(*value * scale < 0x1p62)) expected("a size like 512M or 2G", text);
+    return static_cast<std::size_t>(*value * scale);
 }
 
 bool is_on(std::string_view text)

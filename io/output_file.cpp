@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstdio>
 #include <cstring>
 #include <map>
@@ -19,6 +18,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/number_in.h"
 
 namespace occam {
 namespace {
@@ -109,11 +109,8 @@ std::optional<int> descriptor_of(const fs::path& file)
     for (int links = 0; !error && links < kMostLinks; ++links) {
         const fs::path folder = fs::canonical(folder_of(name), error);
         if (!error && folder == open_files) {
-            const std::string text = name.filename().string();
-            int number = 0;
-            const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), number);
-            if (failure == std::errc() && end == text.data() + text.size() && number >= 0) return number;
-            return std::nullopt;
+            const auto number = number_in<int>(name.filename().string());
+            return number && *number >= 0 ? number : std::nullopt;
         }
         const fs::path target = fs::read_symlink(name, error);
         name = folder / target;  // which is the target itself if that is absolute

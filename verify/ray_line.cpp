@@ -1,11 +1,11 @@
 #include "verify/ray_line.h"
 
-#include <charconv>
 #include <cmath>
 #include <sstream>
 #include <vector>
 
 #include "base/error_without_file.h"
+#include "base/number_in.h"
 
 namespace occam {
 namespace {
@@ -14,11 +14,9 @@ namespace {
 
 double number_of(std::string_view word)
 {
-    double value = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value))
-        refuse(std::string(word).append(" is no number"));
-    return value;
+    const auto value = number_in<double>(word);
+    if (!value || !std::isfinite(*value)) refuse(std::string(word).append(" is no number"));
+    return *value;
 }
 
 std::vector<std::string_view> words_of(std::string_view text)

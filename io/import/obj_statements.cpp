@@ -4,6 +4,7 @@
 #include <charconv>
 #include <optional>
 
+#include "base/number_in.h"
 #include "base/srgb.h"
 #include "io/import/obj_lines.h"
 
@@ -102,11 +103,8 @@ class SmoothingGroups {
 public:
     void set(std::string_view word)
     {
-        std::uint32_t group = 0;
-        const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), group);
-        if (error != std::errc() || end != word.data() + word.size()) group = word == "on" ? 1 : 0;
-        group_ = group;
-        is_used_ |= group != 0;
+        group_ = number_in<std::uint32_t>(word).value_or(word == "on" ? 1 : 0);
+        is_used_ |= group_ != 0;
     }
     void add_face()
     {

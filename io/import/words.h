@@ -2,10 +2,11 @@
 #pragma once
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <string_view>
+
+#include "base/number_in.h"
 
 namespace occam::import {
 
@@ -74,10 +75,8 @@ inline std::string_view without_comment(std::string_view line)
 inline std::optional<double> finite_number(std::string_view word)
 {
     if (word.starts_with('+')) word.remove_prefix(1);
-    double value = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value)) return std::nullopt;
-    return value;
+    const auto value = number_in<double>(word);
+    return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 /// Takes words from the begin of a line.
@@ -98,11 +97,7 @@ public:
     template <class T>
     std::optional<T> number()
     {
-        const std::string_view word = next();
-        T value{};
-        const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-        if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
-        return value;
+        return number_in<T>(next());
     }
     /// Returns what is left, without the blanks around it.
     std::string_view rest() const
