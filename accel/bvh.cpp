@@ -4,7 +4,7 @@
 #include <bit>
 #include <cfloat>
 
-#include "accel/stopwatch.h"
+#include "base/stopwatch.h"
 
 namespace occam::accel {
 namespace {

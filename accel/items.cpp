@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "accel/phase_one.h"
-#include "accel/stopwatch.h"
 #include "base/cancellation.h"
+#include "base/stopwatch.h"
 
 namespace occam::accel {
 namespace {

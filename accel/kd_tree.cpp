@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "accel/stopwatch.h"
 #include "base/power_of_two.h"
+#include "base/stopwatch.h"
 
 namespace occam::accel {
 namespace {

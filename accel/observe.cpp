@@ -5,7 +5,7 @@
 #include "accel/holes.h"
 #include "accel/narration.h"
 #include "accel/run_rays.h"
-#include "accel/stopwatch.h"
+#include "base/stopwatch.h"
 
 namespace occam::accel {
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "accel/stopwatch.h"
 #include "base/publish.h"
+#include "base/stopwatch.h"
 
 namespace occam::accel {
 

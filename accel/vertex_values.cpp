@@ -5,8 +5,8 @@
 #include <bit>
 #include <cmath>
 
-#include "accel/stopwatch.h"
 #include "base/publish.h"
+#include "base/stopwatch.h"
 
 namespace occam::accel {
 namespace {

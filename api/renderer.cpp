@@ -9,6 +9,7 @@
 #include "api/renderer_state.h"
 #include "base/error_without_file.h"
 #include "base/freed_memory.h"
+#include "base/stopwatch.h"
 #include "render/cryptomatte.h"
 #include "render/frame.h"
 #include "render/metadata.h"
@@ -19,11 +20,7 @@
 namespace occam {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr std::size_t kMostFreedBytes = std::size_t(64) << 20;  ///< a process may keep these beside what a frame took
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 FrameStats::Scene describe(const Scene& scene)
 {

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "arguments.h"
+#include "base/stopwatch.h"
 #include "framing.h"
 #include "interrupt.h"
 #include "io/output_file.h"
@@ -15,10 +16,7 @@
 namespace occam::command {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 namespace fs = std::filesystem;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 // Collects the statistics of frames in a JSON list, each with the number of its frame.
 class SequenceStats {

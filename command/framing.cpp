@@ -8,6 +8,7 @@
 #include "base/error_without_file.h"
 #include "base/number_in.h"
 #include "base/printable.h"
+#include "base/stopwatch.h"
 #include "interrupt.h"
 #include "io/output_file.h"
 #include "values.h"
@@ -16,7 +17,6 @@ namespace occam::command {
 namespace {
 
 using namespace std::chrono_literals;
-using Clock = std::chrono::steady_clock;
 
 constexpr float kRadians = 3.14159265f / 180;
 constexpr int kClipSteps = 48;  // poses at which a clip is measured; the margin of CameraFit covers what lies between them

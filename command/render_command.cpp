@@ -3,6 +3,7 @@
 #include <iterator>
 
 #include "arguments.h"
+#include "base/stopwatch.h"
 #include "framing.h"
 #include "interrupt.h"
 #include "io/output_file.h"
@@ -12,10 +13,6 @@
 
 namespace occam::command {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 // The file beside a picture from which the picture can be continued. Its first line is the note of the picture, and the
 // engine's checkpoint follows.

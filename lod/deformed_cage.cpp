@@ -1,6 +1,6 @@
 #include "lod/deformed_cage.h"
 
-#include <chrono>
+#include "base/stopwatch.h"
 
 namespace occam::lod {
 namespace {
@@ -71,7 +71,7 @@ Vec3d DeformedCage::morphed(std::uint32_t v) const noexcept
 
 const Vec3f* DeformedCage::pose_block(std::uint32_t block)
 {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch(counters_->seconds);
     const auto vertices = static_cast<std::uint32_t>(cage_.positions.size());
     const std::uint32_t first = block * kBlock, end = std::min(first + kBlock, vertices);
     Vec3f* out = arena_->make_array<Vec3f>(kBlock).data();
@@ -97,7 +97,6 @@ const Vec3f* DeformedCage::pose_block(std::uint32_t block)
     }
     blocks_[block] = out;
     counters_->vertices += end - first;
-    counters_->seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return out;
 }
 

@@ -1,6 +1,7 @@
 #include "render/frame.h"
 
 #include "base/cancellation.h"
+#include "base/stopwatch.h"
 #include "render/crew.h"
 #include "render/exposure_sketch.h"
 #include "render/film.h"
@@ -11,8 +12,6 @@
 
 namespace occam::render {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 // Returns the sums of a frame that is made in rounds, or null for a frame that is made tile by tile. A frame with a deadline
 // or a checkpoint is always made in rounds. Any other one is if the settings ask for it and its sums fit in the memory

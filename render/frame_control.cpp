@@ -1,5 +1,7 @@
 #include "render/frame_control.h"
 
+#include "base/stopwatch.h"
+
 namespace occam::render {
 
 FrameControl::Progress FrameControl::progress() const noexcept
@@ -10,7 +12,7 @@ FrameControl::Progress FrameControl::progress() const noexcept
     if (p.stage == Stage::Done) return {p.stage, 1, 0};
     if (p.stage != Stage::Rendering || all == 0) return p;
     p.fraction = double(done) / double(all);
-    const double spent = std::chrono::duration<double>(Clock::now() - start_.load()).count();
+    const double spent = seconds_since(start_.load());
     if (done > before) p.seconds_left = spent * double(all - done) / double(done - before);
     return p;
 }

@@ -97,7 +97,7 @@ std::size_t Integrator::end_of_chunk(std::size_t first) const noexcept
 std::size_t Integrator::shade_some(std::size_t first, std::size_t end, std::span<const CameraSample> samples,
                                    std::span<SampleResult> results)
 {
-    const auto start = Clock::now();
+    const Stopwatch watch(counters_.shade_seconds);
     shadows_.clear();
     std::size_t i = first;
     for (; i < end && shadows_.size() < context_.shadow_batch; ++i) {
@@ -116,7 +116,6 @@ std::size_t Integrator::shade_some(std::size_t first, std::size_t end, std::span
         else push(paths_[i], rays_[i]);
     }
     shade_waiting();
-    counters_.shade_seconds += std::chrono::duration<double>(Clock::now() - start).count();
     return i;
 }
 

@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "accel/tracer.h"
+#include "base/stopwatch.h"
 #include "render/camera_rays.h"
 #include "render/cryptomatte.h"
 #include "render/film.h"
@@ -131,7 +132,6 @@ public:
     const IntegratorCounters& counters() const noexcept { return counters_; }
 
 private:
-    using Clock = std::chrono::steady_clock;
     using Use = Dimension::Use;
 
     /// Describes a hit that is being shaded.
@@ -323,9 +323,8 @@ private:
     template <class Call>
     void trace(Call&& call)
     {
-        const auto start = Clock::now();
+        const Stopwatch watch(counters_.trace_seconds);
         call();
-        counters_.trace_seconds += std::chrono::duration<double>(Clock::now() - start).count();
     }
 
     const FrameContext& context_;

@@ -5,11 +5,10 @@
 #include <algorithm>
 
 #include "base/cancellation.h"
+#include "base/stopwatch.h"
 
 namespace occam::render {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 double thread_seconds()
 {
@@ -162,14 +161,13 @@ std::uint64_t Worker::count_not_finite() const noexcept
 
 void Worker::develop(Film& film)
 {
-    const auto start = Clock::now();
+    const Stopwatch watch(film_seconds_);
     for (std::size_t i = 0; i < pixels_.size(); ++i) {
         const auto [x, y] = pixels_[i];
         film.store(x, y, sums_[i]);
         for (int k : {0, 1})
             if (context_.settings.has(kMattes[k])) film.store(x, y, kMattes[k], mattes_[k][i], sums_[i].weight());
     }
-    film_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
 }
 
 int Worker::next_check(int after) const noexcept
@@ -200,7 +198,7 @@ bool Worker::trace(int first, int last)
     } catch (const Cancelled&) {
         return false;
     }
-    const auto start = Clock::now();
+    const Stopwatch watch(film_seconds_);
     const auto per_pixel = static_cast<std::size_t>(last - first);
     for (std::size_t i = 0; i < samples_.size(); ++i) sums_[i / per_pixel].add(results_[i]);
     for (const MatteShare& share : integrator_.mattes()) {
@@ -210,7 +208,6 @@ bool Worker::trace(int first, int last)
                 mattes_[k][share.sample / per_pixel].add(k ? share.material : share.object, covers);
     }
     samples_made_ += samples_.size();
-    film_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
     return true;
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <mutex>
@@ -11,6 +10,7 @@
 
 #include "base/error_without_file.h"
 #include "base/maths.h"
+#include "base/stopwatch.h"
 #include "io/texture/decode.h"
 #include "scenegraph/scene.h"
 
@@ -121,7 +121,7 @@ private:
     void decode()
     {
         if (width_ == 0) return;
-        const auto start = std::chrono::steady_clock::now();
+        const auto start = Clock::now();
         try {
             const TextureSource source(description_);
             if (source.width() != width_ || source.height() != height_)
@@ -137,7 +137,7 @@ private:
         } catch (const std::exception& error) {
             add_error(error);
         }
-        decode_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        decode_seconds_ = seconds_since(start);
     }
 
     void add_error(const std::exception& error) noexcept
