@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "base/maths.h"
 #include "scenegraph/interpolation.h"
 
 namespace occam {
@@ -14,6 +13,20 @@ Vec4d normalised(Vec4d q) noexcept
 {
     const double length = std::sqrt(glm::dot(q, q));
     return length > 0 ? q / length : Vec4d(0, 0, 0, 1);
+}
+
+// Returns sin(t x) / sin(x), for an x of at most a quarter of a turn, from its series in 1 - cos(x) (Eberly 2011). Sines of
+// floats would be too coarse: what turns slowly would move in steps, which motion layers of short shutters show.
+// versine   1 - cos(x)
+double ratio_of_sines(double t, double versine) noexcept
+{
+    double sum = t, term = t;
+    // Each term is at most half of the one before it.
+    for (int i = 1; std::abs(term) > 0x1p-56 * std::abs(sum); ++i) {
+        term *= (i * i - t * t) * versine / (i * (2 * i + 1));
+        sum += term;
+    }
+    return sum;
 }
 
 // Names the parts of a CUBICSPLINE key.
@@ -58,15 +71,9 @@ Mat4d Trs::matrix() const noexcept
 Vec4d slerp(Vec4d a, Vec4d b, double t) noexcept
 {
     if (glm::dot(a, b) < 0) b = -b;
-    const Vec4d across = a - b, along = a + b;
-    // Half the angle comes from its tangent, which is exact for small angles too; its cosine is not.
-    const float half = maths::atan2(static_cast<float>(std::sqrt(glm::dot(across, across))),
-                                    static_cast<float>(std::sqrt(glm::dot(along, along))));
-    const double sine = double(maths::sin(2 * half));
-    if (!(sine > 1e-6)) return normalised(a * (1 - t) + b * t);
-    const double from = double(maths::sin(static_cast<float>(1 - t) * 2 * half)),
-                 to = double(maths::sin(static_cast<float>(t) * 2 * half));
-    return normalised((a * from + b * to) / sine);
+    const Vec4d across = a - b;
+    const double versine = glm::dot(across, across) / 2;
+    return normalised(a * ratio_of_sines(1 - t, versine) + b * ratio_of_sines(t, versine));
 }
 
 TimeRange time_range(const Clip& clip) noexcept
