@@ -155,7 +155,7 @@ void EscapeTest::find_starts(Instant& instant)
     const std::size_t most = std::max<std::size_t>(share, 8);
     const MeshPieces pieces(pairs.front());
     // A mirrored mesh winds the other way around.
-    const int turn = glm::determinant(frame_from_object_.front()) < 0 ? -1 : 1;
+    const int turn = subject_.is_mirrored_at(instant.time) ? -1 : 1;
     // A point needs so much room that coarser meshes do not pass by it.
     const double least_distance = 2 * lod::edge_length(finest_);
     // Where no finer level will be looked at, more points are tried until one is inside.

@@ -68,6 +68,12 @@ void Subject::add(const ShownCage& shown)
     });
 }
 
+bool Subject::is_mirrored_at(float time) const noexcept
+{
+    const int segments = posed_->segments;
+    return segments > 0 ? posed_->is_mirrored_at(lod::key_time(time, segments)) : posed_->is_mirrored;
+}
+
 int Subject::level_of_rate(int rate) const
 {
     int level = lod::kFinestLevel;

@@ -28,6 +28,9 @@ public:
     const lod::PosedCage& posed() const noexcept { return *posed_; }
     bool is_empty() const noexcept { return patches_.empty(); }
 
+    /// Returns whether nodes or joints reverse the orientation of faces at that moment.
+    bool is_mirrored_at(float time) const noexcept;
+
     /// Returns the coarsest level at which some patch has a rate of at least `rate`.
     int level_of_rate(int rate) const;
 

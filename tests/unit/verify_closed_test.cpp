@@ -71,5 +71,48 @@ TEST(MeshPieces, AgreeWithSolidAnglesAndWithAllVertices)
     }
 }
 
+Mat4d stretched(double x)
+{
+    Mat4d m(1);
+    m[0][0] = x;
+    return m;
+}
+
+// A skinned cage is where its joints take it, whatever its node does.
+TEST(Verify, StartsInsideOfSkinnedCagesWhetherNodeOrJointMirrors)
+{
+    for (const double of_node : {1.0, -1.0})
+        for (const double of_joint : {1.0, -1.0}) {
+            Scene scene;
+            Cage cage = prism(5);
+            cage.skin.sets = 1;
+            cage.skin.joints.assign(cage.positions.size(), {0, 0, 0, 0});
+            cage.skin.weights.assign(cage.positions.size(), {1, 0, 0, 0});
+            const NodeId joint = scene.add_node(scene.root(), {.name = "joint", .matrix = stretched(of_joint)});
+            const SkinId skin = scene.add(Skin{"skin", {joint}, {}});
+            const CageId id = scene.add(std::move(cage));
+            scene.add_node(scene.root(), {.name = "skinned", .matrix = stretched(of_node), .cages = {id}, .skin = skin});
+            const VerifiedCage found = verify(scene, {.rays = 1'024, .largest_rate = 4}).at(0);
+            EXPECT_EQ(found.not_testable, "") << of_node << ' ' << of_joint;
+            EXPECT_GT(found.rays, 0u) << of_node << ' ' << of_joint;
+            EXPECT_TRUE(found.holds()) << of_node << ' ' << of_joint;
+        }
+}
+
+// Rays start at eight moments. A cage that becomes its own mirror image is flat at one moment only.
+TEST(Verify, StartsAtAllMomentsOfACageThatBecomesItsMirrorImage)
+{
+    const auto starts_of = [](double last) {
+        Scene scene;
+        const CageId id = scene.add(prism(5));
+        const NodeId node = scene.add_node(scene.root(), {.name = "cage", .cages = {id}});
+        scene.record_shutter(1, [&](double tau) { scene.set_transform(node, stretched(1 + (last - 1) * tau)); });
+        const VerifiedCage found = verify(scene, {.rays = 1'024, .largest_rate = 4}).at(0);
+        EXPECT_TRUE(found.holds()) << last;
+        return found.starts;
+    };
+    EXPECT_EQ(starts_of(-1), starts_of(2));
+}
+
 }  // namespace
 }  // namespace occam::test
