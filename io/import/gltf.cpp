@@ -67,8 +67,8 @@ public:
     {
         nodes_.resize(model_.nodes.size());
         choose_variant();
-        for (const tinygltf::Light& light : model_.lights) lights_.push_back(scene_.add(punctual(light)));
         add_tree();
+        warn_of_groups();
         const std::vector<SkinId> skins = add_skins(model_, accessors_, nodes_, scene_, report_);
         for (std::size_t n = 0; n < nodes_.size(); ++n) {
             const int index = model_.nodes[n].skin;
@@ -279,16 +279,32 @@ private:
     void add_light(const tinygltf::Node& node, const NodeExtras& extras, NodeDesc& desc, const std::string& where)
     {
         const int light = integer(extension(node.extensions, "KHR_lights_punctual"), "light", -1);
-        if (light >= 0 && static_cast<std::size_t>(light) < lights_.size())
-            desc.light = lights_[static_cast<std::size_t>(light)];
-        if (extras.area_light) {
-            if (desc.light) report_.warn("a node has room for one light: the area light is taken", where);
-            desc.light = scene_.add(Light{node.name, *extras.area_light});
+        const bool is_punctual = light >= 0 && static_cast<std::size_t>(light) < model_.lights.size();
+        if (!is_punctual && !extras.area_light) {
+            if (!extras.light_group.empty()) report_.warn("light_group has no effect on a node without a light", where);
+            return;
         }
-        if (!desc.light || extras.light_group.empty()) return;
-        Light grouped = scene_.light(desc.light);  // other nodes may show the file's light in other groups
-        grouped.groups = light_group(extras.light_group, where);
-        desc.light = scene_.add(std::move(grouped));
+        LightGroups groups = kAllGroups;
+        if (!extras.light_group.empty()) {
+            groups = light_group(extras.light_group, where);
+            groups_with_lights_ |= groups;
+        }
+        if (extras.area_light) {
+            if (is_punctual) report_.warn("a node has room for one light: the area light is taken", where);
+            desc.light = scene_.add(Light{node.name, *extras.area_light, groups});
+        } else {
+            desc.light = punctual_light(light, groups);
+        }
+    }
+
+    // Lights that no node has are left out, so that the scene counts those that it shows.
+    LightId punctual_light(int index, LightGroups groups)
+    {
+        const auto [known, is_new] = lights_.try_emplace({index, groups});
+        if (!is_new) return known->second;
+        Light light = punctual(model_.lights[static_cast<std::size_t>(index)]);
+        light.groups = groups;
+        return known->second = scene_.add(std::move(light));
     }
 
     LightGroups light_group(const std::string& name, const std::string& where)
@@ -297,6 +313,12 @@ private:
         const auto [known, is_new] = light_groups_.try_emplace(name, LightGroups(1) << light_groups_.size() % kMost);
         if (light_groups_.size() > kMost) throw Error(report_.name(), "a scene has at most 32 light groups", where);
         return known->second;
+    }
+
+    void warn_of_groups()
+    {
+        for (const auto& [name, group] : light_groups_)
+            if ((groups_with_lights_ & group) == 0) report_.warn("no light belongs to the group that lit_by names", name);
     }
 
     void override_materials(int material, NodeDesc& desc, const std::string& where)
@@ -351,10 +373,11 @@ private:
     AccessorReader accessors_;
     MaterialImporter materials_;
     MeshImporter meshes_;
-    std::vector<NodeId> nodes_;  // one for each node of the file
-    std::vector<LightId> lights_;
-    std::size_t instances_ = 0;  // instances of EXT_mesh_gpu_instancing so far
+    std::vector<NodeId> nodes_;                              // one for each node of the file
+    std::map<std::pair<int, LightGroups>, LightId> lights_;  // punctual ones, by index and groups
+    std::size_t instances_ = 0;                              // instances of EXT_mesh_gpu_instancing so far
     std::map<std::string, LightGroups> light_groups_;
+    LightGroups groups_with_lights_ = 0;
     std::map<std::pair<std::string, CageStyle>, CageId> cage_files_;
     std::unordered_map<CageId, std::size_t> joints_needed_;
 };

@@ -106,5 +106,41 @@ TEST(ImportGltf, ReadsAreaLightsAndTheEnvironment)
     EXPECT_EQ(light->radiance, Vec3f(4, 5, 6));
 }
 
+// `occam info` counts the lights of the scene, so that a person learns whether anything shines.
+TEST(ImportGltf, AScenesLightsAreThoseThatItsNodesHave)
+{
+    const TempFolder folder;
+    Gltf g;
+    g.more = R"(, "extensionsUsed": ["KHR_lights_punctual"], "extensions": {"KHR_lights_punctual": {"lights": [
+                    {"type": "point"}, {"type": "directional"}]}})";
+    const auto with = [](const std::string& light, const std::string& occam) {
+        return R"({"extensions": {"KHR_lights_punctual": {"light": )" + light + R"(}}, "extras": {"occam": {)" + occam +
+               "}}}";
+    };
+    EXPECT_EQ(load(g.write(folder)).counts().lights, 0u);
+    g.nodes = with("0", R"("light_group": "key")");
+    EXPECT_EQ(load(g.write(folder)).counts().lights, 1u);
+    g.nodes += ", " + with("0", "") + ", " + with("0", "") + ", " + with("0", R"("light_group": "key")");
+    EXPECT_EQ(load(g.write(folder)).counts().lights, 2u) << "one light in two kinds of groups";
+    g.nodes += ", " + with("1", R"("area_light": {})");
+    EXPECT_EQ(load(g.write(folder)).counts().lights, 3u) << "the area light is taken";
+}
+
+TEST(ImportGltf, LightGroupsThatHaveNoEffectAreWarnings)
+{
+    const TempFolder folder;
+    const auto warnings_of = [&](const std::string& nodes) {
+        Gltf g;
+        g.nodes = nodes;
+        return load(g.write(folder)).warnings;
+    };
+    const std::string lamp = R"({"extras": {"occam": {"area_light": {}, "light_group": "key"}}})";
+    EXPECT_EQ(warnings_of(lamp + R"(, {"extras": {"occam": {"lit_by": ["key"]}}})"), std::vector<std::string>());
+    EXPECT_EQ(warnings_of(lamp + R"(, {"extras": {"occam": {"lit_by": ["key", "kye"]}}})"),
+              std::vector<std::string>{"no light belongs to the group that lit_by names (kye)"});
+    EXPECT_EQ(warnings_of(R"({"extras": {"occam": {"light_group": "key"}}})"),
+              std::vector<std::string>{"light_group has no effect on a node without a light (nodes[0])"});
+}
+
 }  // namespace
 }  // namespace occam::test
