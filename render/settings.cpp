@@ -19,6 +19,14 @@ void require(bool holds, const char* setting, const std::string& rule)
     if (!holds) throw error_without_file(rule, setting);
 }
 
+// Returns a share of a side in pixels. A float that is meant to name a border between two pixels names that border, although
+// it is rounded: crops from 0 to 0.1 and from 0.1 to 0.2 have no pixel in common, and as many columns.
+double in_pixels(float share, int side) noexcept
+{
+    const double exact = double(share) * side, border = std::round(exact);
+    return std::abs(exact - border) <= side * 0x1p-24 ? border : exact;
+}
+
 }  // namespace
 
 bool shows_cost(View view) noexcept
@@ -45,10 +53,10 @@ Resources Resources::resolved() const
 PixelRect crop_pixels(const Settings& s) noexcept
 {
     const auto first = [](float share, int side) {
-        return std::clamp(static_cast<int>(std::floor(double(share) * side)), 0, side - 1);
+        return std::clamp(static_cast<int>(std::floor(in_pixels(share, side))), 0, side - 1);
     };
     const auto last = [](float share, int side) {
-        return std::clamp(static_cast<int>(std::ceil(double(share) * side)), 1, side);
+        return std::clamp(static_cast<int>(std::ceil(in_pixels(share, side))), 1, side);
     };
     PixelRect r{first(s.crop_x0, s.width), first(s.crop_y0, s.height), last(s.crop_x1, s.width), last(s.crop_y1, s.height)};
     r.x1 = std::max(r.x1, r.x0 + 1);

@@ -189,5 +189,20 @@ TEST(Settings, ACropHoldsAtLeastOnePixel)
     EXPECT_EQ(r, (PixelRect{9, 0, 10, 1}));
 }
 
+TEST(Settings, CropsThatMeetAtABorderBetweenPixelsShareNone)
+{
+    for (const int side : {10, 50, 100, 1280, 1920, 65000})
+        for (int part = 0; part < 10; ++part) {
+            const float from = static_cast<float>(part) / 10, to = static_cast<float>(part + 1) / 10;
+            const int first = side / 10 * part, last = side / 10 * (part + 1);
+            EXPECT_EQ(crop_pixels({.width = side, .height = 8, .crop_x0 = from, .crop_x1 = to}),
+                      (PixelRect{first, 0, last, 8}));
+            EXPECT_EQ(crop_pixels({.width = 8, .height = side, .crop_y0 = from, .crop_y1 = to}),
+                      (PixelRect{0, first, 8, last}));
+        }
+    // A pixel that is in the crop in part is in it.
+    EXPECT_EQ(crop_pixels({.width = 100, .height = 8, .crop_x0 = 0.2501f, .crop_x1 = 0.7401f}), (PixelRect{25, 0, 75, 8}));
+}
+
 }  // namespace
 }  // namespace occam::render
