@@ -20,11 +20,29 @@ std::string hex(std::uint32_t value)
     return text;
 }
 
+// Returns a name as UTF-8, as JSON has to be. A name that is something else is taken for Latin-1, in which old OBJ and MTL
+// files are written, so that names that differ stay apart.
+std::string utf8_of(std::string_view name)
+{
+    std::string text(name);
+    try {
+        (void)nlohmann::json(text).dump();
+    } catch (const nlohmann::json::type_error&) {
+        text.clear();
+        for (const char c : name) {
+            const auto byte = static_cast<unsigned char>(c);
+            if (byte < 0x80) text += c;
+            else text.append({static_cast<char>(0xc0 | byte >> 6), static_cast<char>(0x80 | (byte & 0x3f))});
+        }
+    }
+    return text;
+}
+
 std::string manifest_of(Aov aov, const Scene& scene)
 {
     JsonDocument document;
     nlohmann::json& manifest = document.root = nlohmann::json::object();
-    const auto add = [&](std::string_view name) { manifest[std::string(name)] = hex(id_bits(name)); };
+    const auto add = [&](std::string_view name) { manifest[utf8_of(name)] = hex(id_bits(name)); };
     const auto add_materials = [&](const std::vector<MaterialId>& ids) {
         for (const MaterialId id : ids)
             if (const Material* material = scene.find(id)) add(matte_name(*material));
@@ -40,7 +58,7 @@ std::string manifest_of(Aov aov, const Scene& scene)
         for (const CageId cage : node.cages)
             if (const CageSlot* slot = scene.find(cage)) add_materials(slot->cage.materials);
     });
-    return manifest.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    return manifest.dump();
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <occam/occam.h>
 
 #include <bit>
+#include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -128,6 +129,24 @@ TEST(Cryptomatte, PixelsSayHowMuchOfEachNameTheyShow)
     auto edge = coverages(image, "CryptoObject", row + 16);
     EXPECT_GT(edge[id("a \"pane\"")], 0.02f) << "the pane's edge runs through the pixel";
     EXPECT_LT(edge[id("a \"pane\"")], 0.23f);
+}
+
+// Files of old programs have names in Latin-1. Their ids are those of the bytes in the file.
+TEST(Cryptomatte, ManifestsTellNamesApartThatAreNoUtf8)
+{
+    Panes panes;
+    const std::string with_u = "M\xfcll", with_o = "M\xf6ll", utf8 = "M\xc3\xa4ll";
+    for (const std::string& name : {with_u, with_o, utf8}) panes.add(name, "plain", 0.1f, 1, 1);
+    const nlohmann::json objects = nlohmann::json::parse(text_of(panes.render({.threads = 1}), "/manifest"));
+    EXPECT_EQ(objects.size(), 5u);
+    const auto expect_id = [&](const char* in_manifest, const std::string& name) {
+        char id[9];
+        std::snprintf(id, sizeof id, "%08x", std::bit_cast<std::uint32_t>(render::matte_id(name)));
+        EXPECT_EQ(objects.value(in_manifest, ""), id) << in_manifest;
+    };
+    expect_id("M\xc3\xbcll", with_u);
+    expect_id("M\xc3\xb6ll", with_o);
+    expect_id("M\xc3\xa4ll", utf8);
 }
 
 TEST(Cryptomatte, IsTheSameForAnyNumberOfThreads)
