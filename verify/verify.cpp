@@ -1,5 +1,7 @@
 #include "verify/verify.h"
 
+#include <optional>
+
 #include "accel/placement.h"
 #include "base/error_without_file.h"
 #include "verify/closed.h"
@@ -30,9 +32,13 @@ void for_each_shown(Scene& scene, Call&& call)
     TextureStore textures(std::size_t(1) << 30);
     if (scene.contents().has(Contents::Displaced)) textures.prepare(scene);
     accel::for_each_placement(scene, [&](const Node& node, std::span<const Mat4d> world_from_node) {
-        for (const CageId id : node.cages)
-            call(ShownCage{scene.cage(id), &node, scene.find(node.skin), world_from_node, scene.shutter_segments()},
+        for (const CageId id : node.cages) {
+            const CageSlot* slot = scene.find(id);
+            if (!slot) continue;  // it was removed
+            const std::optional<CageSlot> made = slot->is_on_demand() ? std::optional(slot->made()) : std::nullopt;
+            call(ShownCage{made ? *made : *slot, &node, scene.find(node.skin), world_from_node, scene.shutter_segments()},
                  textures);
+        }
     });
 }
 

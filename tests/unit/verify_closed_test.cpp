@@ -114,5 +114,23 @@ TEST(Verify, StartsAtAllMomentsOfACageThatBecomesItsMirrorImage)
     EXPECT_EQ(starts_of(-1), starts_of(2));
 }
 
+// A frame makes such a cage when a ray comes near it, and leaves out one that was removed.
+TEST(Verify, TestsCagesThatAreMadeOnDemandAndLeavesOutRemovedOnes)
+{
+    Scene scene;
+    OnDemandCage late;
+    late.name = "late";
+    late.bounds = prism(5).bounds();
+    late.make = [] { return prism(5); };
+    const CageId on_demand = scene.add(std::move(late)), removed = scene.add(prism(4));
+    scene.add_node(scene.root(), {.name = "node", .cages = {removed, on_demand}});
+    scene.remove(removed);
+    const std::vector<VerifiedCage> found = verify(scene, {.rays = 1'024, .largest_rate = 4});
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_EQ(found[0].not_testable, "");
+    EXPECT_GT(found[0].rays, 0u);
+    EXPECT_TRUE(found[0].holds());
+}
+
 }  // namespace
 }  // namespace occam::test
