@@ -91,6 +91,24 @@ void check_extensions(const json& root, Report& report)
         report.warn("KHR_mesh_quantization must be required");
 }
 
+// tinygltf leaves out null, {} and [], so such a value would be ignored in silence. Hidden from nothing is the default.
+void warn_of_empty_extras(const json& root, Report& report)
+{
+    const auto find = [](const json& object, const char* key) -> const json* {
+        const auto found = object.is_object() ? object.find(key) : object.end();
+        return found == object.end() ? nullptr : &*found;
+    };
+    for (const char* kind : {"nodes", "meshes", "materials", "scenes"})
+        for (std::size_t i = 0; i < list(root, kind).size(); ++i) {
+            const json* const extras = find(list(root, kind)[i], "extras");
+            const json* const occam = extras ? find(*extras, "occam") : nullptr;
+            if (!occam || !occam->is_object()) continue;
+            for (const auto& entry : occam->items())
+                if (entry.value().empty() && entry.key() != "hidden_from")
+                    report.warn("'" + entry.key() + "' is empty, and is not read", element(kind, i) + ".extras.occam");
+        }
+}
+
 std::unique_ptr<JsonDocument> parse(std::string_view text, const Report& report)
 {
     try {
@@ -116,6 +134,7 @@ CheckedGltf check_gltf(std::string_view json_text, bool is_glb, Report& report)
     check_extensions(root, report);
     check_data_rules(root, report);
     check_scene_rules(root, report);
+    warn_of_empty_extras(root, report);
 
     CheckedGltf checked;
     for (std::size_t b = 0; b < list(root, "buffers").size(); ++b) {

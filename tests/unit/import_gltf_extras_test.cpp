@@ -142,5 +142,19 @@ TEST(ImportGltf, LightGroupsThatHaveNoEffectAreWarnings)
               std::vector<std::string>{"light_group has no effect on a node without a light (nodes[0])"});
 }
 
+// The reader of JSON leaves out such values.
+TEST(ImportGltf, EmptyExtrasAreWarnings)
+{
+    const TempFolder folder;
+    Gltf g;
+    g.nodes = R"({"extras": {"occam": {"area_light": {}, "hidden_from": []}}}, {"extras": {"occam": {"lit_by": []}}},
+                 {"extras": {"occam": {}}}, {"extras": []})";
+    g.more = R"(, "scenes": [{"nodes": [0, 1, 2, 3], "extras": {"occam": {"environment": null}}}])";
+    EXPECT_EQ(load(g.write(folder)).warnings,
+              (std::vector<std::string>{"'area_light' is empty, and is not read (nodes[0].extras.occam)",
+                                        "'lit_by' is empty, and is not read (nodes[1].extras.occam)",
+                                        "'environment' is empty, and is not read (scenes[0].extras.occam)"}));
+}
+
 }  // namespace
 }  // namespace occam::test
