@@ -26,6 +26,16 @@ constexpr double kAgree = 1e-9;
 // Weights below this are rounding errors of the fit and become 0, so that a regular patch gets exact ones and zeros.
 constexpr double kNoise = 1e-11;
 
+// Writes the weights of n control points in a point and in both of its tangents, a row each.
+void write_rows(const LimitStencil& stencil, std::size_t n, float* rows)
+{
+    for (std::size_t k = 0; k < n; ++k) {
+        rows[k] = static_cast<float>(stencil.p[k]);
+        rows[n + k] = static_cast<float>(stencil.du[k]);
+        rows[2 * n + k] = static_cast<float>(stencil.dv[k]);
+    }
+}
+
 std::array<double, 4> basis(double t)
 {
     const double s = 1 - t;
@@ -298,12 +308,7 @@ void PatchClass::fill_direct(Node& node) const
     for (int c = 0; c < 4; ++c) {
         const LimitStencil stencil = limit(node.u0 + (c & 1 ? node.size_u() : 0), node.v0 + (c & 2 ? node.size_v() : 0),
                                            LimitSource::Of::PointAndTangents);
-        float* rows = &node.weights[c * 3 * n];
-        for (std::size_t k = 0; k < n; ++k) {
-            rows[k] = static_cast<float>(stencil.p[k]);
-            rows[n + k] = static_cast<float>(stencil.du[k]);
-            rows[2 * n + k] = static_cast<float>(stencil.dv[k]);
-        }
+        write_rows(stencil, n, &node.weights[c * 3 * n]);
     }
 }
 
@@ -316,12 +321,7 @@ void PatchClass::direct_rows(const Node& leaf, float u, float v, float* rows) co
         std::copy(table, table + 3 * n, rows);
         return;
     }
-    const LimitStencil stencil = limit(u, v, LimitSource::Of::PointAndTangents);
-    for (std::size_t k = 0; k < n; ++k) {
-        rows[k] = static_cast<float>(stencil.p[k]);
-        rows[n + k] = static_cast<float>(stencil.du[k]);
-        rows[2 * n + k] = static_cast<float>(stencil.dv[k]);
-    }
+    write_rows(limit(u, v, LimitSource::Of::PointAndTangents), n, rows);
 }
 
 }  // namespace occam::lod
