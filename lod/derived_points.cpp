@@ -1,11 +1,10 @@
 #include "lod/derived_points.h"
 
-#include <opensubdiv/far/primvarRefiner.h>
-
 #include <algorithm>
 
 #include "base/cancellation.h"
 #include "base/check.h"
+#include "lod/refined_point.h"
 #include "lod/unsafe_faces.h"
 
 namespace occam::lod {
@@ -13,12 +12,6 @@ namespace occam::lod {
 using namespace OpenSubdiv;
 
 namespace {
-
-struct Point {
-    Vec3d p{0};
-    void Clear(void* = nullptr) { p = Vec3d(0); }
-    void AddWithWeight(const Point& other, float weight) { p += other.p * double(weight); }
-};
 
 /// Returns a sharpness after some steps of refinement.
 float sharpness_after(float sharpness, int steps) noexcept
@@ -269,11 +262,11 @@ std::uint32_t DerivedPoints::first_move(int vertex) const noexcept
 
 void DerivedPoints::compute(std::span<const Vec3f> vertices, std::span<Vec3f> out) const
 {
-    std::vector<Point> coarse(vertices.size()), fine(static_cast<std::size_t>(level().GetNumVertices()));
+    std::vector<RefinedPoint> coarse(vertices.size()), fine(static_cast<std::size_t>(level().GetNumVertices()));
     for (std::size_t v = 0; v < vertices.size(); ++v) coarse[v].p = Vec3d(vertices[v]);
     Far::PrimvarRefiner(*refiner_).Interpolate(1, coarse, fine);
     for (std::size_t v = 0; v < fine.size(); ++v) out[v] = Vec3f(fine[v].p);
-    std::vector<Point> ring, finer;
+    std::vector<RefinedPoint> ring, finer;
     for (const Pole& pole : poles_) {
         throw_if_cancelled();
         ring.assign(1, fine[static_cast<std::size_t>(pole.vertex)]);
@@ -282,9 +275,9 @@ void DerivedPoints::compute(std::span<const Vec3f> vertices, std::span<Vec3f> ou
         const std::uint32_t first = first_move(pole.vertex);
         for (std::size_t k = 0; k < pole.stars.size(); ++k) {
             const Star& star = *pole.stars[k];
-            finer.assign(static_cast<std::size_t>(star.refiner->GetLevel(1).GetNumVertices()), Point());
+            finer.assign(static_cast<std::size_t>(star.refiner->GetLevel(1).GetNumVertices()), RefinedPoint());
             Far::PrimvarRefiner(*star.refiner).Interpolate(1, ring, finer);
-            const Point moved = finer[static_cast<std::size_t>(star.pole)];
+            const RefinedPoint moved = finer[static_cast<std::size_t>(star.pole)];
             out[first + k] = Vec3f(moved.p - ring[0].p);
             std::size_t n = 0;
             ring[n++] = moved;

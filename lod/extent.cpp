@@ -1,12 +1,11 @@
 #include "lod/extent.h"
 
-#include <opensubdiv/far/primvarRefiner.h>
-
 #include <algorithm>
 #include <unordered_map>
 
 #include "base/arena.h"
 #include "lod/deformed_cage.h"
+#include "lod/refined_point.h"
 #include "lod/topology_mesh.h"
 
 namespace occam::lod {
@@ -24,12 +23,6 @@ constexpr std::size_t kMostRefined = 2'000'000, kWeightOfDeformed = 8;
 // Beyond this many points in all, placed cages give the corners of their boxes.
 constexpr std::size_t kMostPoints = 50'000'000;
 constexpr std::size_t kMostPlacements = 1'000'000;
-
-struct Point {
-    Vec3d p{0};
-    void Clear(void* = nullptr) { p = Vec3d(0); }
-    void AddWithWeight(const Point& other, float weight) { p += other.p * double(weight); }
-};
 
 // Visits the corners of a box under an affine map.
 void visit_corners(const Box3d& box, const Mat4d& world_from_box, const std::function<void(Vec3d)>& visit)
@@ -97,12 +90,12 @@ Extent::State::Shape& Extent::State::shape_of(CageId id, const CageSlot& slot)
 
 std::vector<Vec3d> Extent::State::points_of(const Shape& shape, const std::vector<Vec3d>& controls)
 {
-    std::vector<Point> points(controls.size());
+    std::vector<RefinedPoint> points(controls.size());
     for (std::size_t i = 0; i < controls.size(); ++i) points[i].p = controls[i];
     if (shape.refiner) {
         const Far::PrimvarRefiner primvars(*shape.refiner);
         for (int level = 1; level <= shape.refiner->GetMaxLevel(); ++level) {
-            std::vector<Point> finer(std::size_t(shape.refiner->GetLevel(level).GetNumVertices()));
+            std::vector<RefinedPoint> finer(std::size_t(shape.refiner->GetLevel(level).GetNumVertices()));
             primvars.Interpolate(level, points, finer);
             points.swap(finer);
         }
