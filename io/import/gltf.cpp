@@ -22,15 +22,6 @@ namespace {
 
 constexpr std::size_t kMaxDepth = 4096;
 
-template <class Vec>
-Vec vector_of(const std::vector<double>& values, Vec otherwise)
-{
-    if (values.size() != static_cast<std::size_t>(Vec::length())) return otherwise;
-    for (int i = 0; i < Vec::length(); ++i)
-        otherwise[i] = static_cast<typename Vec::value_type>(values[static_cast<std::size_t>(i)]);
-    return otherwise;
-}
-
 Light punctual(const tinygltf::Light& in)
 {
     Light light;

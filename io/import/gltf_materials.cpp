@@ -52,14 +52,6 @@ TextureUse::Wrap wrap_of(int mode)
     return TextureUse::Wrap::Repeat;
 }
 
-template <class Vec>
-Vec vector_of(const std::vector<double>& values, Vec otherwise)
-{
-    if (values.size() != static_cast<std::size_t>(Vec::length())) return otherwise;
-    for (int i = 0; i < Vec::length(); ++i) otherwise[i] = static_cast<float>(values[static_cast<std::size_t>(i)]);
-    return otherwise;
-}
-
 // Returns for each image the first one that is read from the same place: a file may name a large image thousands of times.
 std::vector<int> same_images(const tinygltf::Model& model)
 {

@@ -52,4 +52,14 @@ std::optional<Vec> vector(const tinygltf::Value& value, const char* key)
     return v;
 }
 
+/// Returns the numbers as a vector, or `otherwise` if they are not as many.
+template <class Vec>
+Vec vector_of(const std::vector<double>& numbers, Vec otherwise)
+{
+    if (numbers.size() != static_cast<std::size_t>(Vec::length())) return otherwise;
+    for (int i = 0; i < Vec::length(); ++i)
+        otherwise[i] = static_cast<typename Vec::value_type>(numbers[static_cast<std::size_t>(i)]);
+    return otherwise;
+}
+
 }  // namespace occam::import
