@@ -226,13 +226,9 @@ accel::Ray EscapeTest::next_ray(const View& view)
 
     // The target moves with the blend, which depends on the direction: a few steps make both agree.
     Vec3d direction = uniform(random_) < 0.6 ? glm::normalize(rough - start.at) : any_direction(random_);
-    const float far = static_cast<float>(4 * subject_.posed().radius);
     for (int step = 0; step < 3; ++step) {
         lod::RayLevels<float> table;
-        if (!table.set({ray.footprint.a, ray.footprint.b}, 0, far, far, levels_) || level < table.finest ||
-            level > table.coarsest)
-            break;
-        table.make();
+        if (!make_table(ray, table) || level < table.finest || level > table.coarsest) break;
         const Vec3d to = target.at(start.at, direction, table.blend(level)) - start.at;
         if (!(glm::length(to) > 0)) break;
         direction = glm::normalize(to);
@@ -290,13 +286,19 @@ void EscapeTest::judge_front_side(const accel::Ray& ray, const accel::SurfaceHit
     report_.worst_front = std::max(report_.worst_front, -double(glm::dot(hit.normal_geometric, ray.direction)));
 }
 
+bool EscapeTest::make_table(const accel::Ray& ray, lod::RayLevels<float>& table) const
+{
+    const auto far = static_cast<float>(4 * subject_.posed().radius);
+    if (!table.set({ray.footprint.a, ray.footprint.b}, 0, far, far, levels_)) return false;
+    table.make();
+    return true;
+}
+
 bool EscapeTest::is_grazing(const accel::Ray& ray)
 {
     if (!(settings_.overlap_ulps > 0)) return false;
-    const auto far = static_cast<float>(4 * subject_.posed().radius);
     lod::RayLevels<float> table;
-    if (!table.set({ray.footprint.a, ray.footprint.b}, 0, far, far, levels_)) return false;
-    table.make();
+    if (!make_table(ray, table)) return false;
     if (!grazing_)
         grazing_ = std::make_unique<GrazingRays>(subject_.scene(), subject_.topologies(), engine_levels_, textures_,
                                                  subject_.posed().radius);
@@ -305,10 +307,8 @@ bool EscapeTest::is_grazing(const accel::Ray& ray)
 
 double EscapeTest::winding_of(const accel::Ray& ray)
 {
-    const auto far = static_cast<float>(4 * subject_.posed().radius);
     lod::RayLevels<float> table;
-    if (!table.set({ray.footprint.a, ray.footprint.b}, 0, far, far, levels_)) return 1;
-    table.make();
+    if (!make_table(ray, table)) return 1;
     return winding_number_of_ray(ray.origin - subject_.posed().anchor, glm::normalize(Vec3d(ray.direction)), table, finest_,
                                  [&](int level) -> const std::vector<lod::LevelGrid>& {
                                      auto [at, is_new] = diced_.try_emplace({ray.time, level});

@@ -68,6 +68,9 @@ private:
     void judge(const accel::Ray& ray, const accel::SurfaceHit& hit);
     void judge_front_side(const accel::Ray& ray, const accel::SurfaceHit& hit);
 
+    /// Makes the table of the ray's levels within the cage, with which it was traced. Returns false if there is none.
+    bool make_table(const accel::Ray& ray, lod::RayLevels<float>& table) const;
+
     /// Returns whether the ray passed between two levels only because they overlap less here than in the engine.
     bool is_grazing(const accel::Ray& ray);
 
