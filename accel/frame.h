@@ -25,8 +25,8 @@ struct FrameOptions {
 /// frame lengths.
 class Frame {
 public:
-    /// scene     is refitted, and must not be edited while this object lives.
-    /// eye       belongs to the camera whose footprints choose the level of each cage instance.
+    /// scene     must have been refitted, and must not be edited while this object lives.
+    /// levels    belong to the camera whose footprints choose levels.
     Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels,
           const FrameOptions& options = {});
     ~Frame();
