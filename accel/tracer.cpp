@@ -57,7 +57,7 @@ bool Tracer::State::travel_alone(std::span<const Ray> rays, bool is_nearest) con
     constexpr float kWide = 0.97f, kNarrow = 0.999f;  // cosines of 14 and of 2.5 degrees
     if (are_all_alone) return true;
     if (frame.tree != TreeKind::Bvh) return false;
-    // An igrid of a mesh holds hundreds of triangles, in whose box tree packets pay for any rays.
+    // An igrid of a mesh holds up to 2,048 triangles, in whose tree packets pay for any rays.
     if (!frame.has_levels && frame.segments == 0) return false;
     // Where boxes move, a packet has those of all its rays' times. Rays that look for nearest hits lose by that sooner than
     // shadow rays do (docs/what-was-tried.md).

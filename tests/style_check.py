@@ -12,7 +12,8 @@ Prints one line for each fault (file, line, what is wrong) and exits with 1 if t
   parameters because ...");
 - rules: a comment that cites "watertightness rule N" names a rule that docs/watertightness.md has;
 - errors: those without a file are made by error_without_file();
-- references: a file that a comment or a README names exists, and so does a symbol in backticks in a comment of the sources.
+- references: a file that a comment or a page names exists, and so does a symbol in backticks in a comment of the sources;
+- tables: each row of a page is in a table, and has as many columns as its table.
 """
 import pathlib
 import re
@@ -37,6 +38,7 @@ WHY_MANY = "// It has so many parameters because "
 FILE_NAME = re.compile(r"(?<![\w./<\"*-])((?:[\w-]+/)*[\w-]+\.(?:h|cpp|md|py|cmake|sh))(?![\w])")
 FLOOR = re.compile(r"^\| (\d) \| [^|]+ \| ([\w, ]+) \|$")
 RULE = re.compile(r"watertightness(?:\.md)?,? rules? (\d+)(?:(?:,| and| to|, and) (\d+))*")
+TABLE_RULE = re.compile(r"\|(?:-+\|)+")
 SYMBOL = re.compile(r"`([A-Za-z_][\w:]*(?:\(\))?)`")
 
 # A name with an opening bracket, what follows the parameters of a definition, and a first parameter: a type and a name.
@@ -179,10 +181,25 @@ class Check:
                     last = symbol.removesuffix("()").split("::")[-1]
                     if last not in self.words:
                         self.fault(path, number, f"names `{symbol}`, which no source file has")
-        for path in sorted(self.root.rglob("README.md")):
-            if not self.is_outside(path):
-                for number, line in enumerate(path.read_text().splitlines(), 1):
-                    self.check_text(path, number, line)
+        for path in self.pages():
+            for number, line in enumerate(path.read_text().splitlines(), 1):
+                self.check_text(path, number, line)
+
+    def tables(self) -> None:
+        """A row that begins a table has the line below it that makes it one, and all rows have as many columns."""
+        for path in self.pages():
+            columns = 0
+            lines = path.read_text().splitlines() + [""]
+            for number, line in enumerate(lines[:-1], 1):
+                is_row = line.startswith("|")
+                if is_row and columns == 0 and not TABLE_RULE.fullmatch(lines[number]):
+                    self.fault(path, number, "the row is in no table: there is no |---| below it")
+                elif is_row and columns not in (0, line.count("|")):
+                    self.fault(path, number, "the row has not as many columns as its table")
+                columns = line.count("|") if is_row else 0
+
+    def pages(self) -> list[pathlib.Path]:
+        return [path for path in sorted(self.root.rglob("*.md")) if not self.is_outside(path)]
 
     def errors(self) -> None:
         """An error that no file is to blame for is made in one way."""
@@ -214,6 +231,7 @@ def main() -> int:
     check.functions()
     check.parameters()
     check.references()
+    check.tables()
     check.errors()
     if "--no-layout" not in sys.argv[2:]:
         check.layout()
