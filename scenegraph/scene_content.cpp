@@ -65,11 +65,9 @@ CageSlot CageSlot::made() const
     slot.identity = identity;
     slot.bounds = bounds;
     slot.cage = make();
-    sanitize(slot.cage);
     slot.cage.name = cage.name;
-    slot.cage.materials = cage.materials;
-    for (std::uint16_t& of : slot.cage.face_slots)
-        if (of >= cage.materials.size()) of = 0;
+    slot.cage.materials = cage.materials;  // first, since they decide which slots exist
+    sanitize(slot.cage);
     if (slot.cage.skin.sets > 0 || !slot.cage.morph_targets.empty() || slot.cage.displacement)
         throw error_without_file("a cage made on demand has neither skin nor morph targets nor displacement", cage.name);
     const Box3d box = slot.cage.bounds();

@@ -197,6 +197,27 @@ TEST(OnDemandCages, AreMadeWhenSeenAndNotBefore)
     EXPECT_EQ(Renderer({.threads = 2, .memory_bytes = floor}).render(scene, camera, kSmall).checksum(), seen.checksum());
 }
 
+// The function that makes the cage knows no materials: those of the OnDemandCage are meant.
+TEST(OnDemandCages, KeepTheMaterialSlotsOfTheirFaces)
+{
+    Cage cage = torus();
+    for (std::size_t f = 0; f < cage.face_count(); ++f) cage.face_slots.push_back(static_cast<std::uint16_t>(f % 3));
+    const auto picture_of = [&](bool is_late) {
+        std::atomic<int> calls = 0;
+        Scene scene;
+        const std::vector<MaterialId> materials{scene.add(paint({})), scene.add(paint({.is_red = true})),
+                                                scene.add(Material{})};
+        OnDemandCage late = demanded(calls, cage);
+        late.materials = materials;
+        Cage whole = cage;
+        whole.materials = materials;
+        place(scene, is_late ? scene.add(std::move(late)) : scene.add(std::move(whole)), {0, 0, 0});
+        Renderer renderer;
+        return renderer.render(scene, kCamera, kSmall).checksum();
+    };
+    EXPECT_EQ(picture_of(true), picture_of(false));
+}
+
 TEST(OnDemandCages, HaveNoVerticesToWrite)
 {
     std::atomic<int> calls{0};
