@@ -64,27 +64,11 @@ struct Approximates {
     bool at = false, beside = false;
 };
 
-/// Returns whether Bfr and subdivision have one limit at a corner whose vertex is not manifold. Bfr knows the face's own fan
-/// alone. Both agree where the vertex stays where it is, and where the fan lies between both edges of a crease of many
-/// faces.
-bool is_agreed(const Far::TopologyLevel& level, const Sector& corner, int vertex)
-{
-    if (level.IsVertexInfSharp(vertex)) return true;
-    const auto most = static_cast<std::size_t>(level.GetVertexFaces(vertex).size());
-    const auto end = [&](bool counter_clockwise) {
-        const std::vector<Sector> others = sectors_after(level, corner, counter_clockwise, most);
-        const Sector& last = others.empty() ? corner : others.back();
-        const auto edges = level.GetFaceEdges(last.face);
-        return edges[counter_clockwise ? (last.corner + edges.size() - 1) % edges.size() : last.corner];
-    };
-    return end(true) != end(false);
-}
-
 Approximates approximates(const Far::TopologyLevel& level, const Sector& corner, int uv_set)
 {
     const int vertex = level.GetFaceVertices(corner.face)[corner.corner];
     if (uv_set >= 0 && !level.DoesVertexFVarTopologyMatch(vertex, uv_set)) return {false, true};
-    if (level.IsVertexNonManifold(vertex)) return {false, is_agreed(level, corner, vertex)};
+    if (level.IsVertexNonManifold(vertex)) return {false, true};
     const bool is_boundary = level.IsVertexBoundary(vertex);
     const int faces = level.GetVertexFaces(vertex).size();
     if (Sdc::Crease::IsInfinite(level.GetVertexSharpness(vertex))) return {false, !is_boundary || faces != 1};

@@ -8,6 +8,7 @@
 #include <opensubdiv/sdc/crease.h>
 
 #include "lod/derived_points.h"
+#include "lod/fan_limits.h"
 
 namespace occam::lod {
 
@@ -89,6 +90,14 @@ public:
     }
 };
 
+/// Sets the corners of a description, which borrows them.
+void describe_corners(Far::TopologyDescriptor& d, const std::vector<int>& vertices, const std::vector<float>& weights)
+{
+    d.numCorners = static_cast<int>(weights.size());
+    d.cornerVertexIndices = vertices.data();
+    d.cornerWeights = weights.data();
+}
+
 }  // namespace
 
 std::unique_ptr<Far::TopologyRefiner> make_refiner(const Cage& cage)
@@ -124,15 +133,20 @@ std::unique_ptr<Far::TopologyRefiner> make_refiner(const Cage& cage)
     d.numCreases = static_cast<int>(crease_weights.size());
     d.creaseVertexIndexPairs = crease_pairs.data();
     d.creaseWeights = crease_weights.data();
-    d.numCorners = static_cast<int>(corner_weights.size());
-    d.cornerVertexIndices = corner_vertices.data();
-    d.cornerWeights = corner_weights.data();
+    describe_corners(d, corner_vertices, corner_weights);
     d.numHoles = static_cast<int>(holes.size());
     d.holeIndices = holes.data();
     d.numFVarChannels = static_cast<int>(channels.size());
     d.fvarChannels = channels.data();
-    const Sdc::SchemeType scheme = cage.scheme == Scheme::Bilinear ? Sdc::SCHEME_BILINEAR : Sdc::SCHEME_CATMARK;
-    return RefinerFactory::make(d, {scheme, sdc_options(cage)});
+    if (cage.scheme == Scheme::Bilinear) return RefinerFactory::make(d, {Sdc::SCHEME_BILINEAR, sdc_options(cage)});
+    const RefinerFactory::Options options{Sdc::SCHEME_CATMARK, sdc_options(cage)};
+    auto refiner = RefinerFactory::make(d, options);
+    const std::vector<int> held = vertices_without_one_limit(refiner->GetLevel(0));
+    if (held.empty()) return refiner;
+    corner_vertices.insert(corner_vertices.end(), held.begin(), held.end());
+    corner_weights.insert(corner_weights.end(), held.size(), kInfiniteSharpness);
+    describe_corners(d, corner_vertices, corner_weights);
+    return RefinerFactory::make(d, options);
 }
 
 namespace {

@@ -17,7 +17,8 @@ using LockedCache = OpenSubdiv::Bfr::SurfaceFactoryCacheThreaded<std::shared_mut
                                                                  std::unique_lock<std::shared_mutex>>;
 using SurfaceFactory = OpenSubdiv::Bfr::RefinerSurfaceFactory<LockedCache>;
 
-/// Returns the cage's connectivity as OpenSubdiv keeps it, not refined.
+/// Returns the cage's connectivity as OpenSubdiv keeps it, not refined. Vertices for which OpenSubdiv would have several
+/// limits are infinitely sharp corners there (lod/fan_limits.h).
 std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> make_refiner(const Cage& cage);
 
 /// Returns OpenSubdiv's name of a rule for texture coordinates.
