@@ -61,7 +61,8 @@ FanModel::FanModel(std::span<const float> sharpness, std::size_t own)
         quad.count = static_cast<std::size_t>(quad.surface.GetNumControlPoints());
         std::vector<int> controls(quad.count);
         quad.surface.GetControlPointIndices(controls.data());
-        quad.pole = static_cast<std::size_t>(std::find(controls.begin(), controls.end(), 0) - controls.begin());
+        for (std::size_t i = 0; i < quad.count; ++i)
+            if (controls[i] == 0) quad.poles.push_back(i);
     }
 }
 
@@ -77,11 +78,14 @@ std::array<double, 3> FanModel::weight(double x, double y) const
     if (x >= 2 || y >= 2) return {};
     const std::size_t i = x >= 1, j = y >= 1;
     const Quad& quad = quads_[2 * j + i];
-    if (quad.pole == quad.count) return {};
+    if (quad.poles.empty()) return {};
     std::vector<double> rows(3 * quad.count);
     const double uv[2] = {x - double(i), y - double(j)};
     quad.surface.EvaluateStencil(uv, rows.data(), rows.data() + quad.count, rows.data() + 2 * quad.count);
-    return {rows[quad.pole], rows[quad.count + quad.pole], rows[2 * quad.count + quad.pole]};
+    std::array<double, 3> sum{};
+    for (const std::size_t pole : quad.poles)
+        for (std::size_t row = 0; row < 3; ++row) sum[row] += rows[row * quad.count + pole];
+    return sum;
 }
 
 /// The quads around a large vertex, refined once. Vertex 0 is the large one; spokes and then sectors follow.
@@ -205,7 +209,7 @@ DerivedPoints::DerivedPoints(bool is_smooth, const Far::TopologyRefiner& refiner
     if (!is_smooth) return;
     Stars stars;
     for (int v = 0; v < level().GetNumVertices(); ++v) {
-        if (!is_large(v) || level().IsVertexNonManifold(v) || level().IsVertexInfSharp(v)) continue;
+        if (!is_large(v) || level().IsVertexInfSharp(v)) continue;
         throw_if_cancelled();
         add_pole(v, stars);
     }
@@ -217,10 +221,11 @@ void DerivedPoints::add_pole(int vertex, Stars& stars)
     const int face = fine.GetVertexFaces(vertex)[0];
     Sector first{face, 0};
     while (fine.GetFaceVertices(face)[first.corner] != vertex) ++first.corner;
-    // At a border, the first sector is the last one clockwise.
+    // At a border, the first sector is the last one clockwise. A vertex of several fans moves along the edges at their ends,
+    // so any of them will do.
     const auto count = static_cast<std::size_t>(fine.GetVertexFaces(vertex).size());
     const std::vector<Sector> before = sectors_after(fine, first, false, count);
-    const bool is_closed = !fine.IsVertexBoundary(vertex);
+    const bool is_closed = !fine.IsVertexBoundary(vertex) && !fine.IsVertexNonManifold(vertex);
     if (!is_closed && !before.empty()) first = before.back();
     std::vector<Sector> sectors = sectors_after(fine, first, true, count);
     sectors.insert(sectors.begin(), first);
@@ -238,6 +243,10 @@ void DerivedPoints::add_pole(int vertex, Stars& stars)
     }
     if (!is_closed) add_spoke(sectors.back(), 3);
     sharpness.push_back(fine.GetVertexSharpness(vertex));
+    if (fine.IsVertexNonManifold(vertex))  // creases of other fans keep it sharp as long as they are
+        for (const int edge : fine.GetVertexEdges(vertex))
+            if (const float s = fine.GetEdgeSharpness(edge); !Sdc::Crease::IsInfinite(s))
+                sharpness.back() = std::max(sharpness.back(), s);
     for (int k = 0; k < kMoves; ++k) {
         throw_if_cancelled();
         std::shared_ptr<const Star>& star = stars[{pole.corners.size(), sharpness}];

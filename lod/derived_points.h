@@ -45,7 +45,8 @@ public:
 private:
     struct Quad {
         OpenSubdiv::Bfr::Surface<double> surface;
-        std::size_t count = 0, pole = 0;  ///< control points, and which of them is the vertex; `count` if none is
+        std::size_t count = 0;           ///< control points
+        std::vector<std::size_t> poles;  ///< which of them are the vertex: OpenSubdiv fills up corners of one face with it
     };
     SmallSurface mesh_;
     bool is_smooth_;

@@ -303,5 +303,17 @@ TEST(FanLimits, AreThoseOfSubdivisionForEachFace)
     }
 }
 
+// A book of so many pages has a vertex of more than 64 faces between them.
+TEST(FanLimits, AreThoseOfSubdivisionInTheMiddleOfABook)
+{
+    for (const std::size_t pages : {33u, 40u, 70u})
+        for (const float sharpness : {0.0f, 2.5f}) {
+            FanMaker maker(pages);
+            for (std::size_t page = 0; page < pages; ++page) maker.add(1, 2, 1 + page % 3);
+            if (sharpness > 0) maker.add_creases(0.2, sharpness);
+            expect_one_limit(maker.make(), std::to_string(pages) + " pages, sharpness " + std::to_string(sharpness));
+        }
+}
+
 }  // namespace
 }  // namespace occam::test
