@@ -122,12 +122,14 @@ private:
         return true;
     }
     /// Returns the texture coordinate of each vertex around a face; none if they have a seam or a border there. Without one
-    /// they are refined as the vertices are.
+    /// they are refined as the vertices are, except at a vertex of several fans that is no corner: Bfr keeps its coordinate
+    /// as it is, and there are none, either.
     static Numbers values_of_vertices(const Far::TopologyLevel& level, int face, int uv_set)
     {
         Numbers values;
         for (const int vertex : level.GetFaceVertices(face)) {
             if (level.IsVertexBoundary(vertex) || !level.DoesVertexFVarTopologyMatch(vertex, uv_set)) return {};
+            if (level.IsVertexNonManifold(vertex) && !level.IsVertexInfSharp(vertex)) return {};
             for (const int f : level.GetVertexFaces(vertex)) {
                 const auto vertices = level.GetFaceVertices(f), of_face = level.GetFaceFVarValues(f, uv_set);
                 for (int i = 0; i < vertices.size(); ++i) {

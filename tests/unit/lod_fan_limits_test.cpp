@@ -315,5 +315,50 @@ TEST(FanLimits, AreThoseOfSubdivisionInTheMiddleOfABook)
         }
 }
 
+/// Returns three pages of 4 x 3 quads that share a spine, with any texture coordinates.
+Cage book_of_three_pages()
+{
+    CaseRandom random(1, 0, 911);
+    Cage cage;
+    UvSet set;
+    const auto at = [](std::uint32_t page, std::uint32_t x, std::uint32_t y) {
+        return x == 0 ? y : 5 + 15 * page + 5 * (x - 1) + y;
+    };
+    for (std::uint32_t page = 0; page < 3; ++page)
+        for (std::uint32_t y = 0; y < 4; ++y)
+            for (std::uint32_t x = 0; x < 3; ++x) {
+                cage.face_sizes.push_back(4);
+                cage.face_vertices.insert(cage.face_vertices.end(),
+                                          {at(page, x, y), at(page, x + 1, y), at(page, x + 1, y + 1), at(page, x, y + 1)});
+            }
+    for (int v = 0; v < 50; ++v) {
+        cage.positions.push_back(Vec3f(random.inside_cube()));
+        set.values.push_back(Vec2f(random.inside_cube()));
+    }
+    cage.uv_sets = {set};
+    return cage;
+}
+
+// The texture coordinate of a vertex of several fans stays where it is, and those beside it are close to it.
+TEST(FanLimits, OfTextureCoordinatesAreContinuous)
+{
+    const Cage cage = book_of_three_pages();
+    const DicedCage diced(cage, 0);
+    lod::PosedPatch patch;
+    int compared = 0;
+    for (std::uint32_t f = 0; f < cage.face_sizes.size(); ++f)
+        for (std::uint32_t c = 0; c < 4; ++c)
+            for (const float inside : {0.0f, 0x1p-12f, 0x1p-8f}) {
+                const std::uint32_t v = cage.face_vertices[4 * f + c];
+                if (v == 0 || v > 3) continue;  // the spine without its ends
+                const lod::PatchPoint place = at_corner(f, 4, c, inside);
+                patch.set_uv(diced.posed, place.patch, 0);
+                const Vec2f uv(patch.point(place.u, place.v));
+                EXPECT_LE(glm::distance(uv, cage.uv_sets[0].values[v]), 16 * inside + 1e-6f) << "face " << f;
+                ++compared;
+            }
+    EXPECT_EQ(compared, 3 * 6 * 3);
+}
+
 }  // namespace
 }  // namespace occam::test
