@@ -67,6 +67,8 @@ public:
     virtual ~PictureReader() = default;
     virtual const PictureSpec& spec() const noexcept = 0;
     virtual std::string format() const = 0;  ///< "png", "openexr", ...
+    /// Returns an attribute of the file that is a text, or by the module's readers a whole number; an empty text if there is
+    /// none.
     virtual std::string text_attribute(const std::string& name) const = 0;
     /// Reads rows [y_begin, y_end), counted from the top of the data window, and their first `channels` channels.
     /// Returns false if they cannot be decoded; error() then says why.

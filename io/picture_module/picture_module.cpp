@@ -83,7 +83,10 @@ public:
     std::string format() const override { return input_->format_name(); }
     std::string text_attribute(const std::string& name) const override
     {
-        return std::string(input_->spec().get_string_attribute(name));
+        const OIIO::ImageSpec& spec = input_->spec();
+        const OIIO::ParamValue* const found = spec.find_attribute(name);
+        if (found && found->type() == OIIO::TypeDesc::INT) return std::to_string(spec.get_int_attribute(name));
+        return std::string(spec.get_string_attribute(name));
     }
     bool read_rows(int y_begin, int y_end, int channels, std::uint8_t* to) override
     {

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include "base/error.h"
 #include "base/srgb.h"
 #include "io/texture/open_image.h"
+#include "io/texture/row_filter.h"
 
 namespace occam {
 
@@ -25,6 +27,43 @@ const std::array<float, 256>& srgb_table()
 
 constexpr ImageLimits kLimits = {kMaxTextureSide, kMaxTextureTexels, kMaxTextureTexels * 4};
 
+// Says which of the first four channels of an image are the colours of a texel and its alpha; -1: there is none.
+struct ChannelPlaces {
+    int color[3] = {0, 0, 0}, alpha = -1;
+};
+
+// OpenEXR files say what their channels are by names, which a layer's name and a point may precede. Two or more of R, G and
+// B are these colours, wherever they stand. One channel of colour alone is grey, and a depth is no colour.
+ChannelPlaces places_of(const PictureSpec& spec)
+{
+    const int count = std::min(spec.channel_count(), 4);
+    ChannelPlaces by_name, by_order;
+    if (spec.alpha_channel < count) by_name.alpha = by_order.alpha = spec.alpha_channel;
+    std::fill_n(by_name.color, 3, -1);
+    int named = 0, ordered = 0;
+    for (int c = 0; c < count; ++c) {
+        if (c == by_order.alpha) continue;
+        const std::string& whole = spec.channels[static_cast<std::size_t>(c)];
+        const std::string name = whole.substr(whole.rfind('.') + 1);
+        const std::size_t known = name.size() == 1 ? std::string_view("RGB").find(name) : std::string_view::npos;
+        if (known != std::string_view::npos && by_name.color[known] < 0) by_name.color[known] = c, ++named;
+        if (ordered < 3 && (ordered == 0 || name != "Z")) by_order.color[ordered++] = c;
+    }
+    if (ordered < 3) std::fill_n(by_order.color + 1, 2, by_order.color[0]);
+    return named > 1 ? by_name : by_order;
+}
+
+// Says how the rows of an image file lie in the picture, by the number that Exif has for it.
+enum Orientation { kAsStored = 1, kMirrored, kTurned, kUpsideDown };
+
+// A Radiance file says where its rows begin and how they run ("-Y 512 +X 1024"). Those of other formats begin at the top
+// left for what reads them here.
+int orientation_of(const PictureReader& image)
+{
+    const std::string number = image.format() == "hdr" ? image.text_attribute("Orientation") : std::string();
+    return number.size() == 1 && number[0] >= '1' && number[0] <= '8' ? number[0] - '0' : kAsStored;
+}
+
 }  // namespace
 
 struct TextureSource::State {
@@ -34,12 +73,23 @@ struct TextureSource::State {
     std::vector<Vec4f> pixels;  // linear texels; if empty, the image is encoded
     OpenImage image;
     PictureReader* input = nullptr;  // that of `image`
+    int left = 0, top = 0;           // where the rows of `input` begin in the texture; they may reach beyond it
+    ChannelPlaces places;
+    int orientation = kAsStored;
 
     void open(const Texture& texture);
+    void place(const PictureSpec& spec);
+    int data_width() const { return input ? input->spec().width : width; }
+    int data_height() const { return input ? input->spec().height : height; }
     void read_rows(int y_begin, int y_end, std::vector<Vec4f>& texels) const;
     template <class T>
     void read_rows_as(int y_begin, int y_end, std::vector<Vec4f>& texels) const;
     [[noreturn]] void refuse(const std::string& what) const { throw Error(name, what); }
+    void check_size() const
+    {
+        if (std::max(width, height) > kMaxTextureSide || std::size_t(width) * std::size_t(height) > kMaxTextureTexels)
+            refuse("image is larger than is read: " + std::to_string(width) + " x " + std::to_string(height));
+    }
 };
 
 void TextureSource::State::open(const Texture& texture)
@@ -48,7 +98,23 @@ void TextureSource::State::open(const Texture& texture)
     if (!texture.encoded && !std::filesystem::is_regular_file(texture.path, error)) refuse("no such image file");
     image = open_image(texture.path, texture.encoded.get(), name, kLimits);
     input = image.reader.get();
+    places = places_of(input->spec());
+    orientation = orientation_of(*input);
+    if (orientation > kUpsideDown) refuse("images that are stored column by column are not read");
     width = input->spec().width, height = input->spec().height;
+    if (input->format() == "openexr") place(input->spec());
+}
+
+// The picture of an OpenEXR file is its display window, of which the file may hold a part, or more. A window of which it
+// holds nothing says nothing.
+void TextureSource::State::place(const PictureSpec& spec)
+{
+    const std::int64_t x = std::int64_t(spec.x) - spec.full_x, y = std::int64_t(spec.y) - spec.full_y;
+    if (spec.full_width <= 0 || spec.full_height <= 0) return;
+    if (x >= spec.full_width || y >= spec.full_height || x + spec.width <= 0 || y + spec.height <= 0) return;
+    left = static_cast<int>(x), top = static_cast<int>(y);
+    width = spec.full_width, height = spec.full_height;
+    check_size();
 }
 
 template <class T>
@@ -56,7 +122,7 @@ void TextureSource::State::read_rows_as(int y_begin, int y_end, std::vector<Vec4
 {
     const PictureSpec& spec = input->spec();
     const int channels = std::min(spec.channel_count(), 4);
-    std::vector<T> values(std::size_t(y_end - y_begin) * std::size_t(width) * std::size_t(channels));
+    std::vector<T> values(std::size_t(y_end - y_begin) * std::size_t(spec.width) * std::size_t(channels));
     if (!input->read_rows(y_begin, y_end, channels, values.data())) refuse("image cannot be decoded: " + input->error());
 
     const bool is_srgb = role == TextureRole::Color && !is_real(spec.type);
@@ -65,18 +131,16 @@ void TextureSource::State::read_rows_as(int y_begin, int y_end, std::vector<Vec4
         if constexpr (std::is_integral_v<T>) return is_srgb ? srgb_table()[x] : data(x);
         else return is_srgb ? linear_from_srgb(x) : x;
     };
-    texels.resize(std::size_t(y_end - y_begin) * std::size_t(width));
+    const auto [r, g, b] = places.color;
+    texels.resize(std::size_t(y_end - y_begin) * std::size_t(spec.width));
     for (std::size_t i = 0; i < texels.size(); ++i) {
         const T* v = &values[i * static_cast<std::size_t>(channels)];
-        const bool is_grey = channels < 3;
-        const float r = color(v[0]);
-        texels[i] = {r, is_grey ? r : color(v[1]), is_grey ? r : color(v[2]),
-                     channels == 2   ? data(v[1])
-                     : channels == 4 ? data(v[3])
-                                     : 1.0f};
+        texels[i] = {r < 0 ? 0.0f : color(v[r]), g < 0 ? 0.0f : color(v[g]), b < 0 ? 0.0f : color(v[b]),
+                     places.alpha < 0 ? 1.0f : data(v[places.alpha])};
     }
 }
 
+// Reads rows of the data, which begin at `top`.
 void TextureSource::State::read_rows(int y_begin, int y_end, std::vector<Vec4f>& texels) const
 {
     if (!input) {
@@ -96,8 +160,7 @@ TextureSource::TextureSource(const Texture& texture) : state_(std::make_unique<S
     if (!texture.pixels.empty()) {
         state_->pixels = texture.pixels;
         state_->width = texture.width, state_->height = texture.height;
-        if (std::max(width(), height()) > kMaxTextureSide || texture.pixels.size() > kMaxTextureTexels)
-            state_->refuse("image is larger than is read: " + std::to_string(width()) + " x " + std::to_string(height()));
+        state_->check_size();
     } else {
         state_->open(texture);
     }
@@ -111,29 +174,29 @@ int TextureSource::height() const noexcept { return state_->height; }
 MipImage TextureSource::decode(int halvings) const
 {
     constexpr int kRowsAtOnce = 64;
-    const int block = 1 << halvings;
+    const State& s = *state_;
     MipImage image(std::max(1, width() >> halvings), std::max(1, height() >> halvings));
-    // The loop reads whole rows of tiles, and whole rows of the result.
-    const int tile = state_->input ? std::max(1, state_->input->spec().tile_height) : 1;
-    const int rows = std::max({block, tile, kRowsAtOnce}) / std::max(block, tile) * std::max(block, tile);
-    std::vector<Vec4f> texels, row(static_cast<std::size_t>(image.width()));
-    for (int y = 0; y < height(); y += rows) {
-        const int y_end = std::min(height(), y + rows);
-        state_->read_rows(y, y_end, texels);
-        // Texels that are left over at the right and lower edges, where the block does not divide the size, are ignored.
-        for (int out = y >> halvings; out < image.height() && (out << halvings) < y_end; ++out) {
-            const int from = (out << halvings) - y, to = std::min(from + block, y_end - y);
-            for (int x = 0; x < image.width(); ++x) {
-                Vec4f sum(0);
-                int count = 0;
-                for (int j = from; j < to; ++j)
-                    for (int i = x << halvings; i < std::min(width(), (x + 1) << halvings); ++i, ++count)
-                        sum += texels[std::size_t(j) * std::size_t(width()) + std::size_t(i)];
-                row[static_cast<std::size_t>(x)] = sum / static_cast<float>(std::max(1, count));
-            }
-            image.write_row(out, row);
+    RowFilter filter(width(), height(), image);
+    filter.mirror(s.orientation == kTurned || s.orientation == kUpsideDown,
+                  s.orientation == kMirrored || s.orientation == kTurned);
+    const int tile = s.input ? std::max(1, s.input->spec().tile_height) : 1;
+    const int rows = std::max(tile, kRowsAtOnce) / tile * tile;  // whole rows of tiles
+    const Vec4f nothing(0, 0, 0, s.places.alpha < 0 ? 1 : 0);
+    std::vector<Vec4f> texels, row(static_cast<std::size_t>(width()), nothing);
+    for (int y = 0; y < s.top; ++y) filter.add(row);
+    const int first = std::max(0, s.left), end = std::min(width(), s.left + s.data_width());
+    for (int y = 0; y < s.data_height(); y += rows) {
+        const int y_end = std::min(s.data_height(), y + rows);
+        s.read_rows(y, y_end, texels);
+        for (int j = y; j < y_end; ++j) {
+            if (s.top + j < 0 || s.top + j >= height()) continue;
+            const Vec4f* const from = &texels[std::size_t(j - y) * std::size_t(s.data_width())];
+            std::copy(from + (first - s.left), from + (end - s.left), row.begin() + first);
+            filter.add(row);
         }
     }
+    std::fill(row.begin(), row.end(), nothing);
+    for (int y = s.top + s.data_height(); y < height(); ++y) filter.add(row);
     image.build_levels();
     return image;
 }

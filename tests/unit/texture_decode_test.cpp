@@ -1,0 +1,170 @@
+// Tests of what becomes of image files as textures: which channels are colours, where the picture lies in its window, which
+// way its rows run, and that halved images are whole.
+#include <OpenImageIO/imageio.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "io/texture/texture_store.h"
+#include "scenegraph/scene.h"
+#include "tests/support/temp_folder.h"
+
+namespace occam {
+namespace {
+
+constexpr std::size_t kPlenty = std::size_t(1) << 30;
+
+Texture texture_of(const std::filesystem::path& path)
+{
+    Texture texture;
+    texture.path = path;
+    return texture;
+}
+
+// Holds a texture alone in a scene.
+struct Loaded {
+    Scene scene;
+    TextureStore store;
+    TextureUse use;
+
+    explicit Loaded(Texture texture, std::size_t cap = kPlenty) : store(cap)
+    {
+        use.texture = scene.add(std::move(texture));
+        use.wrap_s = use.wrap_t = TextureUse::Wrap::Clamp;
+        store.prepare(scene);
+        store.decode_all();
+        for (const std::string& line : store.errors()) ADD_FAILURE() << line;
+    }
+    explicit Loaded(const std::filesystem::path& path, std::size_t cap = kPlenty) : Loaded(texture_of(path), cap) {}
+    Vec4f at(float u, float v) const { return store.sample(use, {u, v}, 0); }
+    Vec4f mean() const { return store.sample(use, {0.5f, 0.5f}, 1e6f); }
+};
+
+OIIO::ImageSpec floats(int width, int height, std::vector<std::string> channels)
+{
+    OIIO::ImageSpec spec(width, height, static_cast<int>(channels.size()), OIIO::TypeDesc::FLOAT);
+    spec.channelnames = std::move(channels);
+    spec.alpha_channel = spec.z_channel = -1;
+    for (int c = 0; c < spec.nchannels; ++c) {
+        if (spec.channelnames[std::size_t(c)] == "A") spec.alpha_channel = c;
+        if (spec.channelnames[std::size_t(c)] == "Z") spec.z_channel = c;
+    }
+    return spec;
+}
+
+std::filesystem::path write(const test::TempFolder& folder, const OIIO::ImageSpec& spec, const std::vector<float>& values)
+{
+    const std::filesystem::path path = folder.path() / "image.exr";
+    const auto writer = OIIO::ImageOutput::create(path.string());
+    EXPECT_TRUE(writer && writer->open(path.string(), spec) && writer->write_image(OIIO::TypeDesc::FLOAT, values.data()));
+    writer->close();
+    return path;
+}
+
+// Returns the texel of an OpenEXR file that has the value 1 / 4 in the first channel, 2 / 4 in the second, and so on.
+Vec4f texel_of(std::vector<std::string> channels)
+{
+    const test::TempFolder folder;
+    std::vector<float> values;
+    for (std::size_t c = 0; c < channels.size(); ++c) values.push_back(0.25f * float(c + 1));
+    return Loaded(write(folder, floats(1, 1, std::move(channels)), values)).at(0.5f, 0.5f);
+}
+
+TEST(TextureDecode, ChannelsOfOpenExrAreWhatTheirNamesSay)
+{
+    EXPECT_EQ(texel_of({"R", "G", "B"}), Vec4f(0.25f, 0.5f, 0.75f, 1));
+    EXPECT_EQ(texel_of({"R", "G", "B", "A"}), Vec4f(0.25f, 0.5f, 0.75f, 1));
+    EXPECT_EQ(texel_of({"R", "G", "B", "Z"}), Vec4f(0.25f, 0.5f, 0.75f, 1)) << "a depth is no alpha";
+    EXPECT_EQ(texel_of({"R", "G"}), Vec4f(0.25f, 0.5f, 0, 1)) << "nor is green";
+    EXPECT_EQ(texel_of({"G", "B"}), Vec4f(0, 0.25f, 0.5f, 1));
+    EXPECT_EQ(texel_of({"Y"}), Vec4f(0.25f, 0.25f, 0.25f, 1));
+    EXPECT_EQ(texel_of({"R"}), Vec4f(0.25f, 0.25f, 0.25f, 1));
+    EXPECT_EQ(texel_of({"Y", "A"}), Vec4f(0.25f, 0.25f, 0.25f, 0.5f));
+    EXPECT_EQ(texel_of({"Y", "Z"}), Vec4f(0.25f, 0.25f, 0.25f, 1));
+    EXPECT_EQ(texel_of({"paint.R", "paint.G"}), Vec4f(0.25f, 0.5f, 0, 1));
+}
+
+// Programs that crop what is black write a part of the picture and say where it lies.
+TEST(TextureDecode, ThePictureOfAnOpenExrFileIsItsDisplayWindow)
+{
+    const test::TempFolder folder;
+    OIIO::ImageSpec spec = floats(2, 1, {"R", "G", "B"});
+    spec.x = 11, spec.y = 21;
+    spec.full_x = 10, spec.full_y = 20, spec.full_width = 4, spec.full_height = 2;
+    const std::vector<float> values = {0.25f, 0.25f, 0.25f, 0.5f, 0.5f, 0.5f};
+    {
+        const Loaded part(write(folder, spec, values));
+        for (int y = 0; y < 2; ++y)
+            for (int x = 0; x < 4; ++x) {
+                const float expected = y == 1 && x == 1 ? 0.25f : y == 1 && x == 2 ? 0.5f : 0;
+                EXPECT_EQ(part.at((float(x) + 0.5f) / 4, (float(y) + 0.5f) / 2), Vec4f(Vec3f(expected), 1)) << x << ' ' << y;
+            }
+    }
+    spec.full_x = 12, spec.full_y = 21, spec.full_width = 1, spec.full_height = 1;
+    EXPECT_EQ(Loaded(write(folder, spec, values)).at(0.1f, 0.1f), Vec4f(Vec3f(0.5f), 1)) << "it holds more than the picture";
+    spec.full_x = 500, spec.full_width = 7;
+    EXPECT_EQ(Loaded(write(folder, spec, values)).at(0.25f, 0.5f), Vec4f(Vec3f(0.25f), 1)) << "it holds nothing of it";
+}
+
+TEST(TextureDecode, RowsOfRadianceFilesRunAsTheySay)
+{
+    const test::TempFolder folder;
+    const auto picture = [&](const std::string& size, const std::string& order) {
+        std::string bytes = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n" + size + "\n";
+        for (const char texel : order) bytes += std::string(3, static_cast<char>((texel - '0') * 32)) + '\x81';
+        return folder.write("image.hdr", bytes);
+    };
+    // Texels are numbered from the top left: 1 2 above 3 4.
+    for (const auto& [size, order] : {std::pair<const char*, const char*>{"-Y 2 +X 2", "1234"},
+                                      {"+Y 2 +X 2", "3412"},
+                                      {"-Y 2 -X 2", "2143"},
+                                      {"+Y 2 -X 2", "4321"}}) {
+        const Loaded image(picture(size, order));
+        for (int k = 0; k < 4; ++k)
+            EXPECT_NEAR(image.at(k % 2 == 0 ? 0.1f : 0.9f, k < 2 ? 0.1f : 0.9f).x, float(k + 1) * 0.25f, 0.01f)
+                << size << ' ' << k;
+    }
+}
+
+// The tiles do not divide the rows of a halved image, nor these the tiles.
+TEST(TextureDecode, HalvesTiledImagesOfAnyTileHeight)
+{
+    constexpr int kSide = 96;
+    const test::TempFolder folder;
+    std::vector<float> values;
+    for (int i = 0; i < kSide * kSide; ++i) values.push_back(float(i / kSide) / kSide);
+    for (const int tile : {3, 20, 48, 64, 100}) {
+        OIIO::ImageSpec spec = floats(kSide, kSide, {"Y"});
+        spec.tile_width = 16, spec.tile_height = tile, spec.tile_depth = 1;
+        const std::filesystem::path path = write(folder, spec, values);
+        for (const std::size_t cap : {kPlenty, std::size_t(30'000), std::size_t(6'000), std::size_t(2'500)}) {
+            const Loaded image(path, cap);
+            EXPECT_LE(image.store.bytes(), cap);
+            for (const float v : {0.2f, 0.5f, 0.8f}) EXPECT_NEAR(image.at(0.5f, v).x, v - 0.5f / kSide, 0.002f) << tile;
+        }
+    }
+}
+
+TEST(TextureDecode, AHalvedImageIsWholeWhateverItsSize)
+{
+    for (const auto& [width, height] : {std::pair(15, 7), {7, 15}, {1000, 3}, {3, 1000}, {255, 257}, {1, 700}}) {
+        Texture texture;
+        texture.name = "ramp";
+        texture.width = width, texture.height = height;
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                texture.pixels.emplace_back(float(x) / float(width), float(y) / float(height), 1, 1);
+        for (const std::size_t cap : {std::size_t(100'000), std::size_t(4'000), std::size_t(1'000), std::size_t(0)}) {
+            const Loaded halved(texture, cap);
+            const Vec4f mean = halved.mean();
+            EXPECT_NEAR(mean.x, 0.5f * (1 - 1 / float(width)), 0.003f) << width << " x " << height << ", " << cap;
+            EXPECT_NEAR(mean.y, 0.5f * (1 - 1 / float(height)), 0.003f) << width << " x " << height << ", " << cap;
+            EXPECT_NEAR(mean.z, 1, 1e-3f);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace occam
