@@ -19,6 +19,7 @@ namespace {
 constexpr double kEven = 1.5;
 
 constexpr int kColumns = 512, kRows = 256;
+const Vec2f kCell(1.0f / kColumns, 1.0f / kRows);
 
 // Returns the density per solid angle of directions in a cell.
 // row, column   chances of the cell's row, and of the cell in it
@@ -210,8 +211,7 @@ float Environment::mean_of_cell(int row, int column) const noexcept
         for (int i = 0; i <= kSteps; ++i) {
             const Vec2f uv((float(column) + float(i) / kSteps) / kColumns, (float(row) + float(j) / kSteps) / kRows);
             const float weight = (i % kSteps == 0 ? 0.5f : 1.0f) * (j % kSteps == 0 ? 0.5f : 1.0f);
-            sum += weight *
-                   brightness_of(glm::max(Vec3f(textures_->sample(image_, uv, 1.0f / (kColumns * kSteps))), Vec3f(0)));
+            sum += weight * brightness_of(glm::max(Vec3f(textures_->sample(image_, uv, kCell / float(kSteps))), Vec3f(0)));
         }
     return sum / (kSteps * kSteps);
 }
@@ -252,7 +252,7 @@ Environment::Kept Environment::tabulate() const
     for (int row = 0; row < kRows; ++row)
         for (int column = 0; column < kColumns; ++column) {
             const Vec2f uv((float(column) + 0.5f) / kColumns, (float(row) + 0.5f) / kRows);
-            const Vec3f c = glm::max(Vec3f(textures_->sample(image_, uv, 1.0f / kColumns)), Vec3f(0));
+            const Vec3f c = glm::max(Vec3f(textures_->sample(image_, uv, kCell)), Vec3f(0));
             const float y = brightness_of(c);
             cells[std::size_t(row * kColumns + column)].upto = y;
             total += double(y);

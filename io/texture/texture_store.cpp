@@ -183,6 +183,16 @@ std::vector<int> halvings_that_fit(const std::vector<std::shared_ptr<Entry>>& en
     return halvings;
 }
 
+// Returns how many texels of the finest level a filter spans. One texel for the whole image, or for the whole surface, does
+// not vary along its axis, which then has no say.
+// width   in units of the image
+float texels_in(Vec2f width, const MipImage& image) noexcept
+{
+    const float x = width.x * static_cast<float>(image.width()), y = width.y * static_cast<float>(image.height());
+    if (x == y || image.height() == 1 || !(y > 0)) return x;
+    return image.width() == 1 || !(x > 0) ? y : std::sqrt(x * y);
+}
+
 // Refuses images that would take minutes to decode though their files are small: each of them may be within its limits.
 void check_texels(const std::vector<Entry*>& entries)
 {
@@ -293,25 +303,26 @@ std::uint64_t TextureStore::identity(const TextureUse& use) const noexcept
     return found ? found->identity() : 0;
 }
 
-Vec4f TextureStore::sample(const TextureUse& use, Vec2f uv, float width) const noexcept
+Vec2f scaled_and_rotated(const TextureUse& use, Vec2f uv) noexcept
+{
+    const Vec2f st = uv * use.scale;
+    if (use.rotation == 0) return st;
+    const float s = maths::sin(use.rotation), c = maths::cos(use.rotation);
+    return {c * st.x + s * st.y, c * st.y - s * st.x};
+}
+
+Vec4f TextureStore::sample(const TextureUse& use, Vec2f uv, Vec2f width) const noexcept
 {
     Entry* found = state_->find(use.texture);
     if (!found) return Vec4f(1);
 
-    // KHR_texture_transform scales first, then rotates, then translates.
-    Vec2f st = uv * use.scale;
-    if (use.rotation != 0) {
-        const float s = maths::sin(use.rotation), c = maths::cos(use.rotation);
-        st = Vec2f(c * st.x + s * st.y, c * st.y - s * st.x);
-    }
-    st += use.offset;
+    Vec2f st = scaled_and_rotated(use, uv) + use.offset;
     if (!std::isfinite(st.x)) st.x = 0;
     if (!std::isfinite(st.y)) st.y = 0;
 
     const MipImage& image = found->image(state_->unreadable);
     const auto at = [&](int level, bool nearest) { return image.lookup(level, st, use.wrap_s, use.wrap_t, nearest); };
-    const float texels = width * std::max(std::abs(use.scale.x), std::abs(use.scale.y)) *
-                         static_cast<float>(std::max(image.width(), image.height()));
+    const float texels = texels_in(width * glm::abs(use.scale), image);
     if (!(texels > 1)) return at(0, use.nearest);
     const int last = image.level_count() - 1;
     // Two levels are blended by the width and not by its logarithm. Both agree at the ends, and a logarithm would make the

@@ -21,6 +21,10 @@ namespace occam {
 
 class Scene;
 
+/// Returns what a difference of coordinates becomes by the transform of a use (KHR_texture_transform), which scales first
+/// and then rotates.
+Vec2f scaled_and_rotated(const TextureUse& use, Vec2f uv) noexcept;
+
 class TextureStore {
 public:
     explicit TextureStore(std::size_t cap_bytes);
@@ -36,8 +40,13 @@ public:
 
     /// Returns the filtered texel of `use` at texture coordinates `uv` (before the use's own transform), linear RGBA.
     /// Returns white for no texture, or for one that was absent at prepare(). Coordinates that are not finite count as 0.
-    /// width    of the filter in units of uv; 0: bilinear texels of the finest level (how the references are made)
-    Vec4f sample(const TextureUse& use, Vec2f uv, float width) const noexcept;
+    ///
+    /// Filters are as wide along the image as across it. Where the width spans more texels one way than the other, as it
+    /// does in an image that is not square or by a transform with two scales, it is their geometric mean that counts: the
+    /// surface is then likely to have as many of them one way as the other, since the width is a mean over its directions,
+    /// too. width    of the filter in units of u and v; 0: bilinear texels of the finest level (how the references are made)
+    Vec4f sample(const TextureUse& use, Vec2f uv, Vec2f width) const noexcept;
+    Vec4f sample(const TextureUse& use, Vec2f uv, float width) const noexcept { return sample(use, uv, Vec2f(width)); }
 
     /// Returns the width of a texel of the finest level, in units of uv; 0 where sample() gives white.
     float texel_width(const TextureUse& use) const noexcept;

@@ -1,0 +1,59 @@
+// Tests of pictures of textured surfaces: the same mapping gives the same picture however it is written, masks are as open
+// far away as they are nearby, and textures cannot take light away.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "render/compare.h"
+#include "tests/support/textured_floor.h"
+#include "tests/support/tracer_stage.h"
+
+namespace occam::test {
+namespace {
+
+Image picture_of(const Material& material, Scene& scene, Cage cage, render::ShadeAt at)
+{
+    cage.materials = {scene.add(material)};
+    const NodeId floor = place(scene, scene.add(std::move(cage)), {0, 0, 0});
+    Renderer renderer({.threads = 1});
+    Settings settings{.width = 48, .height = 36, .spp = 4};
+    settings.aovs = {render::Aov::NormalMean, render::Aov::Albedo};
+    settings.integrator = IntegratorKind::Direct;
+    settings.shade_at = at;
+    const Image image = renderer.render(scene, Camera::look_at({0, 2.5, 3}, {0, 0, 0}, {0, 1, 0}, 0.9f), settings);
+    scene.remove(floor);
+    return image;
+}
+
+// The floor has as many texels a length one way as the other, by its coordinates, the transform or the image's own size.
+TEST(TexturedSurfaces, AreAsSharpHoweverTheTexelsAreSpreadOverThem)
+{
+    const auto stripes = [](int width, int height) {
+        Texture texture;
+        texture.role = TextureRole::Data;
+        texture.width = width, texture.height = height;
+        for (int k = 0; k < width * height; ++k) texture.pixels.push_back(Vec4f(Vec3f(k % 4 < 2 ? 0.1f : 0.9f), 1));
+        return texture;
+    };
+    const auto floor_with = [](float repeats) {
+        Cage cage = floor_of({}, Scheme::Triangles);
+        for (Vec2f& uv : cage.uv_sets[0].values) uv.x *= repeats;
+        for (Vec3f& p : cage.positions) p.x *= 8;
+        return cage;
+    };
+    Scene scene;
+    scene.environment.radiance = Vec3f(1);
+    Material material;
+    material.base_color_texture.texture = scene.add(stripes(64, 64));
+    const Image by_coordinates = picture_of(material, scene, floor_with(8), render::ShadeAt::Hit);
+    material.base_color_texture.scale = {8, 1};
+    const Image by_transform = picture_of(material, scene, floor_with(1), render::ShadeAt::Hit);
+    EXPECT_LT(render::compare(by_transform, by_coordinates, "albedo").rmse, 1e-4);
+    material.base_color_texture.scale = {1, 1};
+    material.base_color_texture.texture = scene.add(stripes(512, 64));
+    const Image by_size = picture_of(material, scene, floor_with(1), render::ShadeAt::Hit);
+    EXPECT_LT(render::compare(by_size, by_coordinates, "albedo").rmse, 1e-4);
+}
+
+}  // namespace
+}  // namespace occam::test
