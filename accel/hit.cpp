@@ -23,6 +23,11 @@ int normal_map_set(const Material& m) noexcept
     return m.anisotropy > 0 ? std::clamp(m.anisotropy_texture.uv_set, 0, 1) : -1;
 }
 
+bool rotates_normal_map(const Material& m) noexcept
+{
+    return m.normal_texture.rotation != 0 || m.clearcoat_normal_texture.rotation != 0;
+}
+
 // For smaller values no gradient is computed: a float would not hold it.
 constexpr float kLeastArea = 1e-30f;
 
@@ -162,7 +167,7 @@ struct HitsRead {
 // Holds the set of texture coordinates of each lane's normal map, or -1, and what maps there are.
 struct MapSets {
     vfloat of;
-    bool any = false, any_bump = false;
+    bool any = false, any_bump = false, any_rotated = false;
 
     MapSets(std::span<const GridHit> met, const HitCorners& corners) noexcept
     {
@@ -176,6 +181,7 @@ struct MapSets {
                 of_last = static_cast<float>(normal_map_set(*last));
                 any = any || of_last >= 0;
                 any_bump = any_bump || last->bump_texture;
+                any_rotated = any_rotated || rotates_normal_map(*last);
             }
             set[i] = of_last;
         }
@@ -191,7 +197,8 @@ struct FilledLanes {
     Stored from_corner, share, to_start, start_normal;
     unsigned starts_beside, is_back, has_gradients;  // bit masks of lanes
     const FloatLanes& mirrored;
-    bool any_bump;  // some lane's material has a bump map
+    const MapSets& maps;
+    const Tangents& tangent;
 };
 
 // Fills in what is computed hit by hit, after what is written in lanes.
@@ -203,6 +210,7 @@ void fill(const FilledLanes& of, std::size_t i, const GridHit& met, float time, 
     hit.position = of.placed.anchor_of(i) + place;
     hit.back_side = (of.is_back >> i & 1) != 0;
     hit.to_start = hit.u_gradient = hit.v_gradient = hit.velocity = Vec3f(0);
+    hit.v_axis = Vec2f(0);
     hit.color = Vec4f(1);
     hit.material = corners.material[i];
     // For most hits secondary rays start on the micropolygon that was hit.
@@ -212,8 +220,10 @@ void fill(const FilledLanes& of, std::size_t i, const GridHit& met, float time, 
         if (unturned != Vec3f(0)) hit.start_normal = hit.back_side ? -unturned : unturned;
     }
     if (corners.has_color >> i & 1) hit.color = weighted(corners.color[i], of.share[i]);
-    if (of.any_bump && hit.material->bump_texture && (of.has_gradients >> i & 1) != 0)
+    if (of.maps.any_bump && hit.material->bump_texture && (of.has_gradients >> i & 1) != 0)
         set_bump_gradients(corners, of.tri, i, static_cast<float>(tools.frame.scale.to_frame()), hit);
+    if (of.maps.any_rotated && rotates_normal_map(*hit.material))
+        hit.v_axis = Vec2f(Stored({of.tangent.v_axis[0], of.tangent.v_axis[1], 0.0f})[i]);
     if (met.grid->segments > 0) hit.velocity = corners.velocity_of(i, of.share[i]);
     else if (met.grid->cage->affine) hit.velocity = of.placed.velocity_of(i, *met.grid->cage, time, place);
 }
@@ -286,7 +296,8 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
                             bits(normal.is_back),
                             bits(has_gradients),
                             read.mirrored,
-                            map_sets.any_bump};
+                            map_sets,
+                            uv.tangent};
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (!met[i].grid) continue;
         hits[i]->start_level = static_cast<std::int8_t>(read.start_level[i]);

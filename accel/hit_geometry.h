@@ -144,17 +144,19 @@ struct UvLanes {
 struct Tangents {
     VecLanes along;  ///< unit length, or 0
     vfloat sign;
+    vfloat v_axis[2];  ///< SurfaceHit::v_axis
 };
 
 /// The vectors dP/du and dP/dv are the columns of the inverse of (du/dP, dv/dP): each lies in the plane, at a right
-/// angle to the other coordinate's gradient. Their lengths do not matter here, but the sign of the gradients' area
-/// does.
+/// angle to the other coordinate's gradient. Only the ratio of their lengths matters here, and the sign of the gradients'
+/// area.
 inline Tangents tangents(const Triangles& tri, const UvLanes& uv, const VecLanes& outward) noexcept
 {
     VecLanes d[2];
+    vfloat size[2];
     for (int a = 0; a < 2; ++a) {
-        const vfloat size = max(abs(uv.edge[0][a]), abs(uv.edge[1][a]));
-        const vfloat scale = select(size > vfloat(0.0f), vfloat(1.0f) / size, 0.0f);
+        size[a] = max(abs(uv.edge[0][a]), abs(uv.edge[1][a]));
+        const vfloat scale = select(size[a] > vfloat(0.0f), vfloat(1.0f) / size[a], 0.0f);
         d[a] = tri.way[0] * (uv.edge[0][a] * scale) + tri.way[1] * (uv.edge[1][a] * scale);
     }
     const vfloat zero = 0.0f, turn = dot(tri.normal, cross(d[0], d[1])), hand = select(turn > zero, 1.0f, -1.0f);
@@ -162,8 +164,11 @@ inline Tangents tangents(const Triangles& tri, const UvLanes& uv, const VecLanes
     const VecLanes tangent = along_u - outward * dot(along_u, outward);
     const vfloat length = sqrt(dot(tangent, tangent));
     const vmask known = ((turn > zero) | (turn < zero)) & (length > zero) & (length <= vfloat(FLT_MAX));
-    return {select(known, tangent * (vfloat(1.0f) / length), VecLanes{0.0f, 0.0f, 0.0f}),
-            select(known & (dot(cross(outward, tangent), along_v) > zero), -1.0f, 1.0f)};
+    const VecLanes along = select(known, tangent * (vfloat(1.0f) / length), VecLanes{0.0f, 0.0f, 0.0f});
+    const vfloat ratio = select(known, size[0] / (size[1] * length), zero);
+    return {along,
+            select(known & (dot(cross(outward, tangent), along_v) > zero), -1.0f, 1.0f),
+            {dot(along_v, along) * ratio, dot(along_v, cross(outward, along)) * ratio}};
 }
 
 /// Holds the texture coordinates at hits, in lanes.
@@ -177,7 +182,7 @@ struct UvAtHits {
     /// outward         the shading normal, outside
     UvAtHits(const HitCorners& corners, const Triangles& tri, const vfloat (&share)[3], vfloat width_of_beam,
              const vfloat* map_set, const VecLanes& outward) noexcept
-        : tangent{VecLanes{0.0f, 0.0f, 0.0f}, 1.0f}
+        : tangent{VecLanes{0.0f, 0.0f, 0.0f}, 1.0f, {0.0f, -1.0f}}
     {
         const vfloat zero = 0.0f;
         UvLanes of_map;  // lanes without a map or coordinates are all 0, and so is the tangent

@@ -112,9 +112,10 @@ Vec3d PosedDisplacement::turned(const PointToDisplace& at, Vec3d v) const noexce
 
 Vec3d PosedDisplacement::in_tangents(const PointToDisplace& at, Vec3d v) const noexcept
 {
-    const double turn = double(at.uv_du.x) * at.uv_dv.y - double(at.uv_du.y) * at.uv_dv.x;
+    const Vec2f st_du = scaled_and_rotated(of->texture, at.uv_du), st_dv = scaled_and_rotated(of->texture, at.uv_dv);
+    const double turn = double(st_du.x) * st_dv.y - double(st_du.y) * st_dv.x;
     const Vec3d du = to_object(at.du), dv = to_object(at.dv);
-    const Vec3d along_u = (du * double(at.uv_dv.y) - dv * double(at.uv_du.y)) * (turn < 0 ? -1.0 : 1.0);
+    const Vec3d along_u = (du * double(st_dv.y) - dv * double(st_du.y)) * (turn < 0 ? -1.0 : 1.0);
     const double size = glm::length(along_u);
     if (turn == 0 || !(size > 0)) return along_normal(at, v.z);
     const Vec3d area = glm::cross(du, dv), tangent = along_u / size;

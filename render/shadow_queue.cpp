@@ -42,6 +42,7 @@ shade::ShadePoint shade_point(const accel::Ray& ray, const accel::SurfaceHit& hi
     p.self_distance = hit.self_distance;
     p.tangent = hit.tangent;
     p.tangent_sign = hit.tangent_sign;
+    p.v_axis = hit.v_axis;
     p.u_gradient = hit.u_gradient;
     p.v_gradient = hit.v_gradient;
     for (int set = 0; set < 2; ++set) {

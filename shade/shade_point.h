@@ -21,6 +21,9 @@ struct ShadePoint {
     const float* phase_one = nullptr;    ///< what PhaseOne made at the vertices about the hit, interpolated; null: nothing
     Vec4f color{1};                      ///< vertex colour, linear
     const Material* material = nullptr;  ///< never null
+    /// dP/dv over the length of dP/du, both across the outward normal n: along the tangent, and along cross(n, tangent). It
+    /// is only known where coordinates of a normal map are rotated.
+    Vec2f v_axis{0, -1};
 };
 
 }  // namespace occam::shade

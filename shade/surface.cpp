@@ -35,21 +35,34 @@ float opacity_of(const Material& material, float alpha) noexcept
     return 1;
 }
 
-// Returns the normal from a map (glTF 2.0, sec. 3.9.3), about the interpolated normal and on its side. The axes are those
-// of the coordinates after KHR_texture_transform.
+// The axes of a normal map, across the outward normal.
+struct MapAxes {
+    Vec3f right, up;
+};
+
+// Returns the axes of coordinates (s, t) after KHR_texture_transform: where s grows, and where t falls; both are zero where
+// there are none. By the transform's inverse, dP/ds is cos / scale.x of dP/du and sin / scale.y of dP/dv. How long these are
+// on the surface counts, too: a turned map is only square to its axes where its texels are squares.
+MapAxes axes_of(const TextureUse& use, Vec3f outward, const ShadePoint& p) noexcept
+{
+    const float hand = (use.scale.x < 0) != (use.scale.y < 0) ? -1.0f : 1.0f;
+    Vec3f right = use.scale.x < 0 ? -p.tangent : p.tangent;
+    if (use.rotation != 0) {
+        const float u = hand * use.scale.y * maths::cos(use.rotation), v = hand * use.scale.x * maths::sin(use.rotation);
+        right = p.tangent * (u + v * p.v_axis.x) + glm::cross(outward, p.tangent) * (v * p.v_axis.y);
+        const float length = glm::length(right);
+        right = length > 0 && length < std::numeric_limits<float>::infinity() ? right / length : Vec3f(0);
+    }
+    return {right, glm::cross(outward, right) * (p.tangent_sign * hand)};
+}
+
+// Returns the normal from a map (glTF 2.0, sec. 3.9.3), about the interpolated normal and on its side.
 Vec3f mapped_normal(const TextureUse& use, Vec3f t, float scale, const ShadePoint& p) noexcept
 {
     if (!use || p.tangent == Vec3f(0)) return p.normal_shading;
     const Vec3f outward = p.back_side ? -p.normal_shading : p.normal_shading;
-    Vec3f right = p.tangent, up = glm::cross(outward, p.tangent) * p.tangent_sign;
-    if (use.rotation != 0 || use.scale.x < 0 || use.scale.y < 0) {
-        const float s = maths::sin(use.rotation), c = maths::cos(use.rotation);
-        const float sx = use.scale.x < 0 ? -1.0f : 1.0f, sy = use.scale.y < 0 ? -1.0f : 1.0f;
-        const Vec3f turned = right * (c * sx) - up * (s * sy);
-        up = right * (s * sx) + up * (c * sy);
-        right = turned;
-    }
-    const Vec3f n = right * (t.x * scale) + up * (t.y * scale) + outward * t.z;
+    const MapAxes axes = axes_of(use, outward, p);
+    const Vec3f n = axes.right * (t.x * scale) + axes.up * (t.y * scale) + outward * t.z;
     const float length = glm::length(n);
     if (!(length > 1e-6f)) return p.normal_shading;
     return (p.back_side ? -n : n) / length;

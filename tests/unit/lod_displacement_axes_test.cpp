@@ -53,6 +53,24 @@ TEST(DisplacementInTangentSpace, OfTheThirdChannelIsThatAlongNormals)
     }
 }
 
+TEST(DisplacementInTangentSpace, FollowsATransformAsItFollowsCoordinates)
+{
+    DisplacedCage transformed = displaced_case(8), baked = displaced_case(8);
+    set_texel(transformed, {0.9f, 0.3f, 0.6f});
+    set_texel(baked, {0.9f, 0.3f, 0.6f});
+    TextureUse& use = transformed.cage.displacement->texture;
+    use.rotation = 0.7f;
+    use.scale = {2, -0.6f};
+    for (Vec2f& uv : baked.cage.uv_sets[0].values) uv = scaled_and_rotated(use, uv);
+    DicedCage a(transformed.cage, 0, mirrored_and_turned(), &transformed.textures),
+        b(baked.cage, 0, mirrored_and_turned(), &baked.textures);
+    b.posed.level = a.level_of_largest_exponent(4);
+    for (const lod::TileRef& tile : a.tiles()) {
+        const lod::LevelGrid x = a.dicer.dice(a.posed, tile, a.arena), y = b.dicer.dice(b.posed, tile, b.arena);
+        for (int k = 0; k < x.vertex_count; ++k) ASSERT_NEAR(glm::distance(x.at(k), y.at(k)), 0, 1e-5f);
+    }
+}
+
 TEST(DisplacementInTangentSpace, OfTheFirstTwoFollowsTheCoordinatesOverTheSurface)
 {
     for (const Mat4d& place : {Mat4d(1), mirrored_and_turned()})

@@ -11,6 +11,15 @@
 namespace occam::test {
 namespace {
 
+// Returns a floor whose coordinates are stretched and slanted, and then go through the transform of a use.
+Cage slanted_floor(MaterialId material, Scheme scheme, const TextureUse& transform)
+{
+    Cage cage = floor_of(material, scheme);
+    for (Vec2f& uv : cage.uv_sets[0].values)
+        uv = scaled_and_rotated(transform, {3 * uv.x + 0.5f * uv.y, 0.8f * uv.y}) + transform.offset;
+    return cage;
+}
+
 Image picture_of(const Material& material, Scene& scene, Cage cage, render::ShadeAt at)
 {
     cage.materials = {scene.add(material)};
@@ -23,6 +32,35 @@ Image picture_of(const Material& material, Scene& scene, Cage cage, render::Shad
     const Image image = renderer.render(scene, Camera::look_at({0, 2.5, 3}, {0, 0, 0}, {0, 1, 0}, 0.9f), settings);
     scene.remove(floor);
     return image;
+}
+
+constexpr float kScales[][2] = {{1, 1}, {2, 0.5f}, {-3, 1}, {0.7f, -2}, {-1, -1.5f}};
+
+// The axes of a normal map are those of the coordinates in the end, whether a file stores these or a transform.
+TEST(TexturedSurfaces, NormalMapsFollowTransformsAsTheyFollowCoordinates)
+{
+    for (const Scheme scheme : {Scheme::Triangles, Scheme::CatmullClark})
+        for (const auto& scale : kScales)
+            for (const float rotation : {0.0f, 0.6f, -2.1f}) {
+                TextureUse transform;
+                transform.offset = {0.1f, 0.2f};
+                transform.scale = {scale[0], scale[1]};
+                transform.rotation = rotation;
+                Scene scene;
+                scene.environment.radiance = Vec3f(1);
+                Material material;
+                material.normal_texture.texture = scene.add(
+                    texture_of([](float, float) { return Vec4f(0.8f, 0.6f, 0.85f, 1); }));
+                const Image baked = picture_of(material, scene, slanted_floor({}, scheme, transform), render::ShadeAt::Hit);
+                const TextureId map = material.normal_texture.texture;
+                material.normal_texture = transform;
+                material.normal_texture.texture = map;
+                for (const render::ShadeAt at : {render::ShadeAt::Hit, render::ShadeAt::Vertex}) {
+                    const Image moved = picture_of(material, scene, slanted_floor({}, scheme, {}), at);
+                    EXPECT_LT(render::compare(moved, baked, "normal_mean").max, 2e-3)
+                        << rotation << ' ' << scale[0] << ' ' << scale[1] << ' ' << int(scheme);
+                }
+            }
 }
 
 // The floor has as many texels a length one way as the other, by its coordinates, the transform or the image's own size.
