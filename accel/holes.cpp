@@ -1,7 +1,5 @@
 #include "accel/holes.h"
 
-#include <cstddef>
-
 #include "accel/hit_geometry.h"
 #include "accel/hit_shares.h"
 #include "accel/packet.h"
@@ -15,25 +13,21 @@ struct Place {
     Vec4f color{1};
 };
 
-// Returns what resolve() would find there.
+// Returns what resolve() would find there, without the widths of filters.
 Place place_of(const Holes& holes, const Ray& ray, const GridHit& met, const MicropolygonPlace& spot) noexcept
 {
     const std::span<const Ray> rays(&ray, 1);
     HitCorners corners({&met, 1}, &spot);
-    vfloat beam[4], share[3];
-    gather_four(rays.data(), 1, offsetof(Ray, t_near), beam);
+    vfloat share[3];
     const HitRays placed(rays, {&met, 1}, *met.grid, met.grid->cage->affine ? 1u : 0u);
     placed.set_positions(corners, 0);
     corners.set_attributes(*holes.frame.scene);
     shares_of(corners, {holes.axes, rays, placed, is_gap(met) ? 1u : 0u}, share);
-    const Triangles tri(corners);
-    const vfloat width = max(beam[2] + beam[3] * vfloat(met.t), vfloat(0.0f));
     Place place;
     for (int s = 0; s < 2; ++s) {
         if (corners.has_uv[s] == 0) continue;
         const UvLanes uv(corners.uv[s]);
         for (int a = 0; a < 2; ++a) place.texture.uv[s][a] = first_lane(uv.at_share(a, share));
-        place.texture.uv_width[s] = first_lane(uv.width_on(tri, width));
     }
     if (corners.has_color != 0)
         place.color = weighted(corners.color[0], {first_lane(share[0]), first_lane(share[1]), first_lane(share[2])});

@@ -15,7 +15,7 @@ public:
     virtual ~HitFilter() = default;
 
     /// Returns whether a surface has a hole at a point.
-    /// at      where textures are looked up, over the footprint of the ray
+    /// at      where textures are looked up, without a width: a filter would close small holes far away, or open them all
     /// color   vertex colour
     virtual bool is_hole(const Material& material, const VertexToShade& at, Vec4f color) const noexcept = 0;
 };

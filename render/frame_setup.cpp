@@ -76,7 +76,7 @@ FrameSetup::FrameSetup(const FrameInputs& in)
       lights(lights_of(in, scale)),
       context{in.settings, camera, sampler, filter, lights, in.textures, in.scene.contents().has(Contents::Passing)},
       phase_one(in.textures),
-      masks(in.textures, sample_width(in.settings.spp)),
+      masks(in.textures),
       frame(in.scene, in.topologies, levels, {&in.textures, shading_of(in, phase_one, masks), scale, in.resources.tree})
 {
     context.scene = &in.scene;

@@ -62,7 +62,7 @@ std::vector<Glimpse> small_picture(const FrameInputs& in, const FrameScale& scal
     context.moves = camera.moves() || in.scene.shutter_segments() > 0;
     context.scale = scale;
     context.shadow_batch = in.memory.shadow_batch;
-    const MaskFilter masks(in.textures, sample_width(settings.spp));
+    const MaskFilter masks(in.textures);
     const lod::VertexShading shading{nullptr, 1, in.scene.contents().has(Contents::Masked) ? &masks : nullptr};
     const accel::Frame frame(in.scene, in.topologies, camera.levels(settings.shading_rate),
                              {.textures = &in.textures, .shading = shading, .scale = scale});

@@ -60,6 +60,14 @@ void MaterialValues::look_up_color(const Material& m, const lod::VertexToShade& 
 {
     base_color = m.base_color * texel(m.base_color_texture, at, textures);
     alpha = texel(m.alpha_texture, at, textures).x;
+    if (m.alpha_mode == AlphaMode::Mask) look_up_mask(m, at, textures);
+}
+
+void MaterialValues::look_up_mask(const Material& m, const lod::VertexToShade& at, const TextureStore& textures) noexcept
+{
+    const lod::VertexToShade point{{at.uv[0], at.uv[1]}, {}};
+    base_color.w = m.base_color.w * texel(m.base_color_texture, point, textures).w;
+    alpha = texel(m.alpha_texture, point, textures).x;
 }
 
 void MaterialValues::look_up_rest(const Material& m, const lod::VertexToShade& at, const TextureStore& textures) noexcept

@@ -33,6 +33,9 @@ struct MaterialValues {
 
     /// Looks up base colour and alpha, which decide whether there is anything to shade.
     void look_up_color(const Material& material, const lod::VertexToShade& at, const TextureStore& textures) noexcept;
+    /// Looks up the alpha of a mask alone. It has no filter, because what is compared with the cutoff cannot be averaged
+    /// before: of a mask that has holes everywhere, all or nothing would be left far away.
+    void look_up_mask(const Material& material, const lod::VertexToShade& at, const TextureStore& textures) noexcept;
     /// Looks up everything except the occlusion, which is rarely needed, and the slope, which takes more than one
     /// position (shade/bump.h).
     void look_up_rest(const Material& material, const lod::VertexToShade& at, const TextureStore& textures) noexcept;

@@ -277,7 +277,7 @@ bool is_hole(const Material& m, const lod::VertexToShade& at, Vec4f color, const
 {
     if (m.alpha_mode != AlphaMode::Mask) return false;
     MaterialValues values(m);
-    values.look_up_color(m, at, textures);
+    values.look_up_mask(m, at, textures);
     return opacity_of(m, (values.base_color * color).w * values.alpha) == 0;
 }
 

@@ -13,14 +13,14 @@ namespace {
 
 using accel::TreeKind;
 
-// Cuts holes by the place and the width of the beam there, and everything where the vertex colour is clear.
+// Cuts holes by the place, and everything where the vertex colour is clear.
 class Checks final : public lod::HitFilter {
 public:
     bool is_hole(const Material&, const lod::VertexToShade& at, Vec4f color) const noexcept override
     {
         if (color.w < 0.5f) return true;
-        const float wide = std::min(at.uv_width[0], 0.05f);
-        return (int(std::floor(at.uv[0].x * 7 + wide)) + int(std::floor(at.uv[0].y * 5))) % 2 != 0;
+        EXPECT_EQ(at.uv_width[0], 0);
+        return (int(std::floor(at.uv[0].x * 7)) + int(std::floor(at.uv[0].y * 5))) % 2 != 0;
     }
 };
 
@@ -110,7 +110,7 @@ Answers answers_by_restarts(accel::Tracer& whole, std::span<const accel::Ray> ra
             whole.closest({&ray, 1}, {&hit, 1});
             if (!hit.is_hit()) break;
             ray.t_near = accel::behind(hit.t);
-            const lod::VertexToShade at{{hit.uv[0], hit.uv[1]}, {hit.uv_width[0], hit.uv_width[1]}};
+            const lod::VertexToShade at{{hit.uv[0], hit.uv[1]}, {}};
             const bool is_hole = hit.material->alpha_mode == AlphaMode::Mask && checks.is_hole(*hit.material, at, hit.color);
             holes += is_hole;
             if (is_hole) continue;

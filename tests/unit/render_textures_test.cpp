@@ -93,5 +93,34 @@ TEST(TexturedSurfaces, AreAsSharpHoweverTheTexelsAreSpreadOverThem)
     EXPECT_LT(render::compare(by_size, by_coordinates, "albedo").rmse, 1e-4);
 }
 
+double covered_share(const Image& image)
+{
+    double sum = 0;
+    for (std::size_t i = 3; i < image.layers()[0].pixels.size(); i += 4) sum += double(image.layers()[0].pixels[i]);
+    return sum;
+}
+
+// Three eighths of a mask are there. Its texels are far smaller than pixels.
+TEST(TexturedSurfaces, MasksAreAsOpenFarAwayAsNearby)
+{
+    for (const Scheme scheme : {Scheme::Triangles, Scheme::CatmullClark})
+        for (const bool is_apart : {false, true}) {
+            TexturedFloor world(scheme, [](Scene&) { return Material(); });
+            const double whole = covered_share(world.picture({}));
+            Material mask;
+            mask.alpha_mode = AlphaMode::Mask;
+            TextureUse& use = is_apart ? mask.alpha_texture : mask.base_color_texture;
+            use.texture = world.scene.add(texture_of([](float x, float) {
+                const float is_there = int(x) % 8 < 3 ? 1.0f : 0.0f;
+                return Vec4f(is_there, 1, 1, is_there);
+            }));
+            use.scale = Vec2f(100);
+            place(world.scene, world.scene.add(floor_of(world.scene.add(mask), scheme)), {0, 0, 0});
+            const std::vector<NodeId> below = world.scene.node(world.scene.root()).children;
+            world.scene.set_visible(below.front(), false);
+            EXPECT_NEAR(covered_share(world.picture({})) / whole, 0.375, 0.02) << int(scheme) << ' ' << is_apart;
+        }
+}
+
 }  // namespace
 }  // namespace occam::test
