@@ -5,6 +5,7 @@
 // Threads  any.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -21,10 +22,11 @@ namespace occam::shade {
 /// frame's unit of length.
 inline constexpr float kMaxRadiance = 1e12f;
 
-/// Returns the colour with no channel above kMaxRadiance; a channel that is not a number becomes 0.
+/// Returns the colour with no channel above kMaxRadiance. A channel that is below 0, as texels of floats may be, or not a
+/// number becomes 0.
 inline Vec3f limited(Vec3f c) noexcept
 {
-    for (int i = 0; i < 3; ++i) c[i] = c[i] <= kMaxRadiance ? c[i] : c[i] > kMaxRadiance ? kMaxRadiance : 0.0f;
+    for (int i = 0; i < 3; ++i) c[i] = c[i] > 0 ? std::min(c[i], kMaxRadiance) : 0.0f;
     return c;
 }
 

@@ -99,7 +99,8 @@ struct Dielectric {
 Dielectric dielectric_of(const Material& m, const MaterialValues& values) noexcept
 {
     const float root = (m.ior - 1) / (m.ior + 1);
-    return {glm::min(root * root * values.specular_color, Vec3f(1)) * values.specular, values.specular};
+    const float specular = std::max(values.specular, 0.0f);  // texels of floats may be below 0
+    return {glm::clamp(root * root * values.specular_color, 0.0f, 1.0f) * specular, specular};
 }
 
 // Handles a surface that is glass in part: the rest is metal and opaque dielectric, in their given proportion.

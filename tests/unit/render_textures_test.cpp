@@ -122,5 +122,21 @@ TEST(TexturedSurfaces, MasksAreAsOpenFarAwayAsNearby)
         }
 }
 
+TEST(TexturedSurfaces, TexelsBelowZeroTakeNoLightAway)
+{
+    for (const bool is_emission : {false, true}) {
+        TexturedFloor world(Scheme::Triangles, [&](Scene& scene) {
+            Material m;
+            if (is_emission) m.emission = Vec3f(1);
+            (is_emission ? m.emission_texture : m.base_color_texture).texture = scene.add(
+                texture_of([](float, float) { return Vec4f(-3, -0.5f, 0.5f, 1); }));
+            return m;
+        });
+        const Image image = world.picture({});
+        for (const float value : image.layers()[0].pixels) ASSERT_GE(value, 0);
+        EXPECT_GT(covered_share(image), 100);
+    }
+}
+
 }  // namespace
 }  // namespace occam::test
