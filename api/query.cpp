@@ -9,6 +9,7 @@
 #include "api/renderer_state.h"
 #include "base/error_without_file.h"
 #include "render/camera_rays.h"
+#include "render/mask_filter.h"
 #include "scenegraph/content_rules.h"
 
 namespace occam {
@@ -23,13 +24,16 @@ int checked_height(int height)
 
 // Holds the scene that queries ask about, as it was when they began.
 struct Asked {
+    /// masks   let rays pass the holes of surfaces, as they do in the picture
     Asked(Scene& scene, const Camera& camera, int height, const std::shared_ptr<SharedTopologies>& topologies,
-          TextureStore& textures)
+          const TextureStore& textures, const render::MaskFilter& masks)
         : scale(scene.bounds()),
           lock(scene),
           tables(topologies, scene),
           frame(scene, tables.cache(), render::CameraRays(scale.placed(camera), height, height).levels(1),
-                {.textures = &textures, .scale = scale})
+                {.textures = &textures,
+                 .shading = {nullptr, 1, scene.contents().has(Contents::Masked) ? &masks : nullptr},
+                 .scale = scale})
     {
     }
     FrameScale scale;
@@ -97,12 +101,12 @@ struct Query::State {
         check(with_camera);
         end();
         scene.refit();
-        // Of textures that displaced something before, neither memory nor errors are left.
-        if (scene.contents().has(Contents::Displaced)) textures.prepare(scene);
+        // Of textures that were looked up before, neither memory nor errors are left.
+        if (looks_up_textures()) textures.prepare(scene);
         else textures.clear();
         refuse_bad_textures();
         camera = with_camera;
-        asked.emplace(scene, camera, height, topologies, textures);
+        asked.emplace(scene, camera, height, topologies, textures, masks);
     }
     void end() noexcept
     {
@@ -152,14 +156,16 @@ struct Query::State {
         std::unique_ptr<accel::Tracer> tracer_;
     };
 
-    /// Calls call(tracer). What it finds does not count if a displacement cannot be read, for which a stand-in was taken.
+    /// Calls call(tracer). What it finds does not count if a displacement or a mask cannot be read, for which a stand-in was
+    /// taken.
     template <class Call>
     void ask(Call&& call)
     {
         const Borrowed borrowed(*this);
         call(borrowed.tracer());
-        if (scene.contents().has(Contents::Displaced)) refuse_bad_textures();
+        if (looks_up_textures()) refuse_bad_textures();
     }
+    bool looks_up_textures() const { return scene.contents().has(Contents::Displaced | Contents::Masked); }
     void refuse_bad_textures() const
     {
         if (const std::vector<std::string> errors = textures.errors(); !errors.empty())
@@ -199,7 +205,8 @@ struct Query::State {
     int height;
     std::size_t memory_bytes;
     std::shared_ptr<SharedTopologies> topologies;
-    TextureStore textures;  // holds the textures of displacement
+    TextureStore textures;  // of displacements and masks
+    const render::MaskFilter masks{textures};
     std::optional<Asked> asked;
     std::mutex mutex;  // guards the pool
     std::vector<std::unique_ptr<accel::Tracer>> idle;

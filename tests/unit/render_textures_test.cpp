@@ -138,5 +138,25 @@ TEST(TexturedSurfaces, TexelsBelowZeroTakeNoLightAway)
     }
 }
 
+// A query finds what the picture shows.
+TEST(TexturedSurfaces, QueriesPassTheHolesOfMasks)
+{
+    Scene scene;
+    Material mask;
+    mask.alpha_mode = AlphaMode::Mask;
+    mask.base_color_texture.nearest = true;
+    mask.base_color_texture.texture = scene.add(
+        texture_of([](float x, float) { return Vec4f(1, 1, 1, x < kTexels / 2 ? 1.0f : 0.0f); }));
+    const NodeId sheet = place(scene, scene.add(floor_of(scene.add(mask), Scheme::Triangles)), {0, 1, 0});
+    const NodeId floor = place(scene, scene.add(floor_of(scene.add(Material{}), Scheme::Triangles)), {0, 0, 0});
+    const Query query(scene, Camera::look_at({0, 5, 0.1}, {0, 0, 0}, {0, 1, 0}, 0.9f));
+    const auto left = query.closest({-1, 3, 0}, {0, -1, 0}), right = query.closest({1, 3, 0}, {0, -1, 0});
+    ASSERT_TRUE(left && right);
+    EXPECT_EQ(left->node, sheet);
+    EXPECT_EQ(right->node, floor);
+    EXPECT_TRUE(query.is_occluded({-1, 3, 0}, {-1, 0.5, 0}));
+    EXPECT_FALSE(query.is_occluded({1, 3, 0}, {1, 0.5, 0}));
+}
+
 }  // namespace
 }  // namespace occam::test
