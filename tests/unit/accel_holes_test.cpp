@@ -116,7 +116,7 @@ Answers answers_by_restarts(accel::Tracer& whole, std::span<const accel::Ray> ra
             if (is_hole) continue;
             if (n == 0) {
                 out.hits[i] = hit;
-                out.first[i] = {hit.t, hit.node, hit.face};
+                out.first[i] = {hit.t, hit.node, hit.cage, hit.face};
                 out.occluded[i] = 1;
             }
             out.some[i * kMost + std::size_t(n)] = hit;
@@ -133,6 +133,8 @@ void expect_same(const Answers& expected, const Answers& found, const std::strin
         ASSERT_TRUE(same(expected.hits[i], found.hits[i]))
             << what << ", ray " << i << ": " << expected.hits[i].t << ", " << found.hits[i].t;
         ASSERT_EQ(expected.first[i].t, found.first[i].t) << what << ", ray " << i;
+        ASSERT_EQ(expected.first[i].cage, found.first[i].cage) << what << ", ray " << i;
+        ASSERT_EQ(expected.first[i].face, found.first[i].face) << what << ", ray " << i;
         ASSERT_EQ(expected.occluded[i], found.occluded[i]) << what << ", ray " << i;
         ASSERT_EQ(expected.counts[i].count, found.counts[i].count) << what << ", ray " << i;
         for (int n = 0; n < expected.counts[i].count; ++n) {
