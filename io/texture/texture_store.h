@@ -42,9 +42,9 @@ public:
     /// Returns white for no texture, or for one that was absent at prepare(). Coordinates that are not finite count as 0.
     ///
     /// Filters are as wide along the image as across it. Where the width spans more texels one way than the other, as it
-    /// does in an image that is not square or by a transform with two scales, it is their geometric mean that counts: the
-    /// surface is then likely to have as many of them one way as the other, since the width is a mean over its directions,
-    /// too. width    of the filter in units of u and v; 0: bilinear texels of the finest level (how the references are made)
+    /// does in an image that is not square or by a transform with two scales, their geometric mean counts, because the
+    /// width is a mean over the directions of the surface, too.
+    /// width    of the filter in units of u and v; 0: bilinear texels of the finest level (how the references are made)
     Vec4f sample(const TextureUse& use, Vec2f uv, Vec2f width) const noexcept;
     Vec4f sample(const TextureUse& use, Vec2f uv, float width) const noexcept { return sample(use, uv, Vec2f(width)); }
 
