@@ -55,10 +55,10 @@ struct alignas(64) SurfaceHit {
     int phase_one_channels = 0;
     std::int8_t start_level = kAnyLevel;                    ///< one of that pair's two levels, for Ray::start_level
     bool back_side = false;                                 ///< the ray came from behind the face
-    float phase_one[lod::VertexShader::kMaxChannels] = {};  ///< the first phase_one_channels are valid
     /// What dP/dv, over the length of dP/du and both across the outward normal n, has along the tangent and along
     /// cross(n, tangent). It is zero unless the material has a normal map whose coordinates are rotated.
     Vec2f v_axis{0};
+    float phase_one[lod::VertexShader::kMaxChannels] = {};  ///< the first phase_one_channels are valid
 
     bool is_hit() const noexcept { return t < std::numeric_limits<float>::infinity(); }
 };

@@ -163,7 +163,7 @@ struct Query::State {
     {
         const Borrowed borrowed(*this);
         call(borrowed.tracer());
-        if (looks_up_textures()) refuse_bad_textures();
+        if (textures.has_failed()) refuse_bad_textures();
     }
     bool looks_up_textures() const { return scene.contents().has(Contents::Displaced | Contents::Masked); }
     void refuse_bad_textures() const

@@ -59,8 +59,8 @@ MaterialValues::MaterialValues(const Material& m) noexcept
 void MaterialValues::look_up_color(const Material& m, const lod::VertexToShade& at, const TextureStore& textures) noexcept
 {
     base_color = m.base_color * texel(m.base_color_texture, at, textures);
-    alpha = texel(m.alpha_texture, at, textures).x;
     if (m.alpha_mode == AlphaMode::Mask) look_up_mask(m, at, textures);
+    else alpha = texel(m.alpha_texture, at, textures).x;
 }
 
 void MaterialValues::look_up_mask(const Material& m, const lod::VertexToShade& at, const TextureStore& textures) noexcept
@@ -99,7 +99,8 @@ void MaterialValues::look_up_rest(const Material& m, const lod::VertexToShade& a
 void MaterialValues::look_up_occlusion(const Material& m, const lod::VertexToShade& at,
                                        const TextureStore& textures) noexcept
 {
-    if (m.occlusion_texture) occlusion = 1 + m.occlusion_strength * (texel(m.occlusion_texture, at, textures).x - 1);
+    if (m.occlusion_texture)
+        occlusion = 1 + m.occlusion_strength * (std::max(texel(m.occlusion_texture, at, textures).x, 0.0f) - 1);
 }
 
 int packed_floats(const Material& material) noexcept

@@ -26,7 +26,7 @@ float mean_luminance(const Material& m, const TextureStore& textures) noexcept
 {
     if (m.unlit || m.emission == Vec3f(0)) return 0;
     const Vec3f texture = m.emission_texture ? Vec3f(textures.sample(m.emission_texture, Vec2f(0.5f), 1e6f)) : Vec3f(1);
-    return luminance(limited(m.emission) * texture);
+    return luminance(limited(m.emission) * glm::max(texture, Vec3f(0)));
 }
 
 auto key_of(NodeId node, const Material* material) noexcept

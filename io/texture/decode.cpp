@@ -32,25 +32,46 @@ struct ChannelPlaces {
     int color[3] = {0, 0, 0}, alpha = -1;
 };
 
-// OpenEXR files say what their channels are by names, which a layer's name and a point may precede. Two or more of R, G and
-// B are these colours, wherever they stand. One channel of colour alone is grey, and a depth is no colour.
-ChannelPlaces places_of(const PictureSpec& spec)
+// Returns the places that the letters of a set have among the channels, by their names without that of a layer.
+ChannelPlaces places_by_name(const PictureSpec& spec, int count, std::string_view letters)
 {
-    const int count = std::min(spec.channel_count(), 4);
-    ChannelPlaces by_name, by_order;
-    if (spec.alpha_channel < count) by_name.alpha = by_order.alpha = spec.alpha_channel;
-    std::fill_n(by_name.color, 3, -1);
-    int named = 0, ordered = 0;
+    ChannelPlaces places;
+    std::fill_n(places.color, 3, -1);
     for (int c = 0; c < count; ++c) {
-        if (c == by_order.alpha) continue;
         const std::string& whole = spec.channels[static_cast<std::size_t>(c)];
         const std::string name = whole.substr(whole.rfind('.') + 1);
-        const std::size_t known = name.size() == 1 ? std::string_view("RGB").find(name) : std::string_view::npos;
-        if (known != std::string_view::npos && by_name.color[known] < 0) by_name.color[known] = c, ++named;
-        if (ordered < 3 && (ordered == 0 || name != "Z")) by_order.color[ordered++] = c;
+        const std::size_t known = name.size() == 1 ? letters.find(name) : std::string_view::npos;
+        if (known != std::string_view::npos && places.color[known] < 0) places.color[known] = c;
     }
-    if (ordered < 3) std::fill_n(by_order.color + 1, 2, by_order.color[0]);
-    return named > 1 ? by_name : by_order;
+    return places;
+}
+
+// OpenEXR files say what their channels are by names: two or more of R, G and B are these colours, wherever they stand, and
+// X, Y and Z together are a vector. Else three channels are colours in their order, and fewer are grey. A depth is no
+// colour. In other formats the order of the channels says what they are.
+ChannelPlaces places_of(const PictureReader& image)
+{
+    const PictureSpec& spec = image.spec();
+    const int count = std::min(spec.channel_count(), 4);
+    if (image.format() != "openexr") {
+        if (count < 3) return {{0, 0, 0}, count == 2 ? 1 : -1};
+        return {{0, 1, 2}, count == 4 ? 3 : -1};
+    }
+    const int alpha = spec.alpha_channel < count ? spec.alpha_channel : -1;
+    for (const std::string_view letters : {"RGB", "XYZ"}) {
+        ChannelPlaces places = places_by_name(spec, count, letters);
+        const auto missing = std::count(places.color, places.color + 3, -1);
+        places.alpha = alpha;
+        if (missing == 0 || (missing == 1 && letters == "RGB")) return places;
+    }
+    ChannelPlaces places;
+    places.alpha = alpha;
+    int found = 0;
+    const int depth = places_by_name(spec, count, "XYZ").color[2];
+    for (int c = 0; c < count && found < 3; ++c)
+        if (c != alpha && (found == 0 || c != depth)) places.color[found++] = c;
+    if (found < 3) std::fill_n(places.color + 1, 2, places.color[0]);
+    return places;
 }
 
 // Says how the rows of an image file lie in the picture, by the number that Exif has for it.
@@ -78,7 +99,7 @@ struct TextureSource::State {
     int orientation = kAsStored;
 
     void open(const Texture& texture);
-    void place(const PictureSpec& spec);
+    void place(const PictureSpec& spec, std::uintmax_t file_bytes);
     int data_width() const { return input ? input->spec().width : width; }
     int data_height() const { return input ? input->spec().height : height; }
     void read_rows(int y_begin, int y_end, std::vector<Vec4f>& texels) const;
@@ -98,16 +119,17 @@ void TextureSource::State::open(const Texture& texture)
     if (!texture.encoded && !std::filesystem::is_regular_file(texture.path, error)) refuse("no such image file");
     image = open_image(texture.path, texture.encoded.get(), name, kLimits);
     input = image.reader.get();
-    places = places_of(input->spec());
+    places = places_of(*input);
     orientation = orientation_of(*input);
     if (orientation > kUpsideDown) refuse("images that are stored column by column are not read");
     width = input->spec().width, height = input->spec().height;
-    if (input->format() == "openexr") place(input->spec());
+    if (input->format() != "openexr") return;
+    place(input->spec(), texture.encoded ? texture.encoded->size() : std::filesystem::file_size(texture.path, error));
 }
 
 // The picture of an OpenEXR file is its display window, of which the file may hold a part, or more. A window of which it
 // holds nothing says nothing.
-void TextureSource::State::place(const PictureSpec& spec)
+void TextureSource::State::place(const PictureSpec& spec, std::uintmax_t file_bytes)
 {
     const std::int64_t x = std::int64_t(spec.x) - spec.full_x, y = std::int64_t(spec.y) - spec.full_y;
     if (spec.full_width <= 0 || spec.full_height <= 0) return;
@@ -115,6 +137,8 @@ void TextureSource::State::place(const PictureSpec& spec)
     left = static_cast<int>(x), top = static_cast<int>(y);
     width = spec.full_width, height = spec.full_height;
     check_size();
+    const std::uintmax_t texels = std::uintmax_t(width) * std::uintmax_t(height);
+    if (declares_too_much(texels, file_bytes)) refuse("the display window is far larger than the file");
 }
 
 template <class T>

@@ -69,8 +69,7 @@ private:
         const std::string size = std::to_string(wide) + " x " + std::to_string(high);
         if (wide > limits_.side || high > limits_.side || wide * high > limits_.texels)
             refuse("image is larger than is read: " + size);
-        if (wide * high > kAlwaysAllowedTexels && wide * high / kMaxTexelsPerByte > bytes_.size())
-            refuse("image declares far more than the file holds: " + size);
+        if (declares_too_much(wide * high, bytes_.size())) refuse("image declares far more than the file holds: " + size);
     }
 
     void check_header()
@@ -129,6 +128,11 @@ private:
 };
 
 }  // namespace
+
+bool declares_too_much(std::uintmax_t texels, std::uintmax_t file_bytes) noexcept
+{
+    return texels > kAlwaysAllowedTexels && texels / kMaxTexelsPerByte > file_bytes;
+}
 
 OpenImage open_image(const std::filesystem::path& file, const std::vector<std::byte>* encoded, const std::string& name,
                      const ImageLimits& limits)

@@ -25,6 +25,9 @@ struct OpenImage {
     std::unique_ptr<PictureReader> reader;
 };
 
+/// Returns whether so many texels are more than an honest file of that size holds: few bytes may declare many texels.
+bool declares_too_much(std::uintmax_t texels, std::uintmax_t file_bytes) noexcept;
+
 /// Opens an image file; if `encoded` is given, the image is in memory. The image is flat, not deep, and within the limits.
 /// The codec's readers allocate up to a tile of 2^26 values, or a row of tiles.
 /// name     of the image, for errors

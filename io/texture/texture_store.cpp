@@ -35,7 +35,8 @@ class Entry {
 public:
     /// Opens the image to learn its size. Throws std::bad_alloc alone: a missing texture has a warning and no size, and one
     /// that cannot be opened has an error and no size.
-    explicit Entry(const Texture& texture) : description_(texture)
+    /// has_failed   is set if the image cannot be read, now or later; it must outlive the entry
+    Entry(const Texture& texture, std::atomic<bool>& has_failed) : description_(texture), has_failed_(has_failed)
     {
         std::error_code ignored;
         if (!texture.encoded && texture.pixels.empty() && !std::filesystem::is_regular_file(texture.path, ignored)) {
@@ -134,6 +135,7 @@ private:
                     ": texels that are not finite numbers, or above 65504, were clamped: " + std::to_string(texels));
         } catch (const std::bad_alloc&) {
             lacks_memory_ = true;  // a line for it would need memory, too
+            has_failed_ = true;
         } catch (const std::exception& error) {
             add_error(error);
         }
@@ -142,6 +144,7 @@ private:
 
     void add_error(const std::exception& error) noexcept
     {
+        has_failed_ = true;
         try {
             // What a library throws names no file.
             const bool is_named = dynamic_cast<const Error*>(&error) != nullptr;
@@ -154,6 +157,7 @@ private:
 
     std::atomic<const MipImage*> ready_{nullptr};
     Texture description_;
+    std::atomic<bool>& has_failed_;
     int width_ = 0, height_ = 0, halvings_ = 0;
     std::uintmax_t file_bytes_ = 0;
     mutable std::mutex decoding_;  // guards the members below
@@ -227,6 +231,7 @@ struct TextureStore::State {
 
     std::size_t cap_bytes;
     MipImage unreadable;
+    std::atomic<bool> has_failed = false;  ///< some texture could not be read, perhaps one that is forgotten since
     std::map<std::uint64_t, std::shared_ptr<Entry>> entries;  // by identity
     std::vector<Slot> slots;                                  // by TextureId
 };
@@ -245,7 +250,7 @@ void TextureStore::prepare(const Scene& scene)
         const Texture& texture = scene.texture(id);
         const auto known = state_->entries.find(texture.identity);
         is_fresh.push_back(known == state_->entries.end() || known->second->lacks_memory());
-        all.push_back(is_fresh.back() ? std::make_shared<Entry>(texture) : known->second);
+        all.push_back(is_fresh.back() ? std::make_shared<Entry>(texture, state_->has_failed) : known->second);
         if (is_fresh.back()) fresh.push_back(all.back().get());
     }
     if (fresh.empty() && ids.size() == state_->entries.size()) return;  // the textures are those of the frame before
@@ -257,7 +262,7 @@ void TextureStore::prepare(const Scene& scene)
         const Texture& texture = scene.texture(ids[i]);
         std::shared_ptr<Entry>& entry = all[i];
         if (entry->halvings() != halvings[i]) {
-            if (!is_fresh[i]) entry = std::make_shared<Entry>(texture);
+            if (!is_fresh[i]) entry = std::make_shared<Entry>(texture, state_->has_failed);
             entry->halve(halvings[i]);
         }
         entries[texture.identity] = entry;
@@ -270,6 +275,7 @@ void TextureStore::prepare(const Scene& scene)
 
 void TextureStore::clear() noexcept
 {
+    state_->has_failed = false;
     state_->slots.clear();
     state_->entries.clear();
 }
@@ -355,6 +361,8 @@ std::vector<std::string> TextureStore::warnings() const
         for (std::string& line : entry->warnings()) lines.push_back(std::move(line));
     return lines;
 }
+
+bool TextureStore::has_failed() const noexcept { return state_->has_failed; }
 
 std::vector<std::string> TextureStore::errors() const
 {

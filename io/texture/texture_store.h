@@ -65,6 +65,8 @@ public:
     /// Returns errors: textures that are not images or cannot be read, as far as they have been looked up, in the same
     /// order.
     std::vector<std::string> errors() const;
+    /// Returns true if errors() may have something to say; it costs next to nothing.
+    bool has_failed() const noexcept;
 
 private:
     struct State;

@@ -122,7 +122,7 @@ TEST(ImportGltf, AScenesLightsAreThoseThatItsNodesHave)
     EXPECT_EQ(load(g.write(folder)).counts().lights, 1u);
     g.nodes += ", " + with("0", "") + ", " + with("0", "") + ", " + with("0", R"("light_group": "key")");
     EXPECT_EQ(load(g.write(folder)).counts().lights, 2u) << "one light in two kinds of groups";
-    g.nodes += ", " + with("1", R"("area_light": {})");
+    g.nodes += ", " + with("1", R"("area_light": {"shape": "disc"})");
     EXPECT_EQ(load(g.write(folder)).counts().lights, 3u) << "the area light is taken";
 }
 
@@ -134,7 +134,7 @@ TEST(ImportGltf, LightGroupsThatHaveNoEffectAreWarnings)
         g.nodes = nodes;
         return load(g.write(folder)).warnings;
     };
-    const std::string lamp = R"({"extras": {"occam": {"area_light": {}, "light_group": "key"}}})";
+    const std::string lamp = R"({"extras": {"occam": {"area_light": {"shape": "disc"}, "light_group": "key"}}})";
     EXPECT_EQ(warnings_of(lamp + R"(, {"extras": {"occam": {"lit_by": ["key"]}}})"), std::vector<std::string>());
     EXPECT_EQ(warnings_of(lamp + R"(, {"extras": {"occam": {"lit_by": ["key", "kye"]}}})"),
               std::vector<std::string>{"no light belongs to the group that lit_by names (kye)"});
