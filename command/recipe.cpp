@@ -39,12 +39,6 @@ public:
         while (in.read(block.data(), static_cast<std::streamsize>(block.size())) || in.gcount() > 0)
             hash_ = fnv1a(block.data(), static_cast<std::size_t>(in.gcount()), hash_);
     }
-    void add_size_of(const fs::path& file)
-    {
-        std::error_code error;
-        const auto bytes = fs::file_size(file, error);
-        add(error ? 0.0 : static_cast<double>(bytes));
-    }
     std::uint64_t value() const { return mix_bits(hash_); }
 
 private:
@@ -57,7 +51,7 @@ std::uint64_t scene_stamp(Scene& scene, const RenderArguments& a)
 {
     Fingerprint print;
     if (!a.scene.empty()) print.add_bytes_of(a.scene);
-    if (!a.environment.empty()) print.add_size_of(a.environment);
+    if (!a.environment.empty()) print.add_bytes_of(a.environment);
     const Scene::Counts counts = scene.counts();
     print.add(counts.nodes, counts.cages, counts.faces, counts.materials, counts.textures, counts.lights, counts.skins);
     const Box3d bounds = scene.bounds();

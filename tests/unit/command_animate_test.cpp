@@ -229,6 +229,23 @@ TEST_F(Animate, FramesOfOtherSettingsAreRefused)
     EXPECT_EQ(run(words("b.#.hdr", "0", {"--crop", "0,0.5,0,1"})).exit_code, kBadInput) << "of another size";
 }
 
+// Images without compression have as many bytes as others of their size.
+TEST_F(Animate, FramesWithAnotherEnvironmentAreRefused)
+{
+    const auto write_sky = [&](const char* name, const std::string& texel) {
+        std::ofstream file(folder / name, std::ios::binary);
+        file << "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n";
+        for (int i = 0; i < 8; ++i) file << texel;
+    };
+    write_sky("red.hdr", "\x60\x20\x10\x81");
+    write_sky("blue.hdr", "\x10\x20\x60\x81");
+    ASSERT_EQ(run(words("a.#.exr", "0", {"--environment", "red.hdr"})).exit_code, kDone);
+    EXPECT_EQ(run(words("a.#.exr", "0", {"--environment", "red.hdr"})).exit_code, kDone);
+    const Outcome other = run(words("a.#.exr", "0", {"--environment", "blue.hdr"}));
+    EXPECT_EQ(other.exit_code, kBadInput) << "the frame of another environment was taken for whole and of these settings";
+    EXPECT_NE(other.err.find("--overwrite"), std::string::npos) << other.err;
+}
+
 TEST_F(Animate, KilledAtAnyTimeEveryFrameIsWholeAndNoneIsMissing)
 {
     ASSERT_EQ(run(words("good.####.exr", "0-39", {}, "64")).exit_code, kDone);
