@@ -10,6 +10,9 @@
 namespace occam {
 namespace {
 
+// What no segment of the shutter shows is left out, unless it is there in the middle: lights shine as they are then.
+bool counts(const Node& node) noexcept { return node.is_visible_in_shutter() || node.visible; }
+
 class Walk {
 public:
     explicit Walk(const Scene& scene) : scene_(scene) {}
@@ -19,7 +22,7 @@ public:
         const Environment& sky = scene_.environment;
         add(sky.radiance, sky.rotation);
         add_texture(sky.image);
-        if (scene_.node(scene_.root()).is_visible_in_shutter()) refer(scene_.root());
+        if (counts(scene_.node(scene_.root()))) refer(scene_.root());
         while (!todo_.empty()) {
             const NodeId id = todo_.back();
             todo_.pop_back();
@@ -202,7 +205,7 @@ void Walk::add_node(const Node& node)
     add_materials(node.materials);
     refer(node.instance_of);
     for (const NodeId child : node.children)
-        if (const Node* below = scene_.find(child); below && below->is_visible_in_shutter()) refer(child);
+        if (const Node* below = scene_.find(child); below && counts(*below)) refer(child);
     add(std::uint64_t(0));
 }
 

@@ -130,5 +130,15 @@ TEST(ContentHash, TellsEditsApart)
     }
 }
 
+// Lights are those of the middle of the shutter, although no segment of the shutter shows this one's node.
+TEST(ContentHash, KnowsALightThatIsVisibleInTheMiddleOfTheShutterAlone)
+{
+    HashedScene subject;
+    subject.scene.record_shutter(1, [&](double t) { subject.scene.set_visible(subject.lit, t >= 0.5); });
+    const std::uint64_t before = subject.hash();
+    subject.scene.replace(subject.light, Light{{}, SunLight{}});
+    EXPECT_NE(subject.hash(), before);
+}
+
 }  // namespace
 }  // namespace occam
