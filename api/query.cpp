@@ -84,12 +84,13 @@ accel::Ray ray_of(const QueryRay& asked, const Asked& about)
 }  // namespace
 
 struct Query::State {
-    State(Scene& borrowed, int image_height, std::size_t bytes, std::shared_ptr<SharedTopologies> tables)
+    State(Scene& borrowed, int image_height, std::size_t bytes, std::shared_ptr<SharedTopologies> tables,
+          std::size_t texture_bytes = render::Resources().texture_bytes)
         : scene(borrowed),
           height(checked_height(image_height)),
           memory_bytes(bytes),
           topologies(std::move(tables)),
-          textures(render::Resources().texture_bytes)
+          textures(texture_bytes)
     {
     }
     ~State() { end(); }
@@ -219,7 +220,8 @@ Query::Query(Scene& scene, const Camera& camera, int image_height, std::size_t m
     begin(camera);
 }
 Query::Query(const Renderer& renderer, Scene& scene, const Camera& camera, int image_height, std::size_t memory_bytes)
-    : state_(std::make_unique<State>(scene, image_height, memory_bytes, renderer.state_->topologies))
+    : state_(std::make_unique<State>(scene, image_height, memory_bytes, renderer.state_->topologies,
+                                     renderer.state_->resources.texture_bytes))
 {
     begin(camera);
 }

@@ -78,6 +78,40 @@ TEST(Query, RaysThatStartAnywhereHitWhatThePictureShows)
     }
 }
 
+// The texture of the displacement does not fit the renderer's memory, and so the picture is displaced by a smaller one.
+TEST(Query, OfARendererHitsTheDisplacedSurfaceThatItsPictureShows)
+{
+    constexpr int kSide = 64;
+    Scene scene;
+    Texture noise;
+    noise.role = TextureRole::Data;
+    noise.width = noise.height = kSide;
+    for (std::uint32_t i = 0; i < kSide * kSide; ++i) noise.pixels.push_back(Vec4f(float((i * 2654435761u) >> 24) / 255));
+    Cage square;
+    square.scheme = Scheme::Bilinear;
+    square.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+    square.face_sizes = {4};
+    square.face_vertices = {0, 1, 2, 3};
+    square.uv_sets = {{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {}}};
+    Displacement displacement;
+    displacement.texture.texture = scene.add(std::move(noise));
+    displacement.scale = 0.4f;
+    displacement.bound = 0.2f;
+    square.displacement = displacement;
+    NodeDesc desc;
+    desc.cages = {scene.add(std::move(square))};
+    scene.add_node(scene.root(), desc);
+    Renderer renderer({.threads = 1, .texture_bytes = 4096});
+    Image image = renderer.render(scene, kBefore,
+                                  {.width = kSide, .height = kSide, .spp = 1, .jitter = false, .aovs = Aov::Depth});
+    const Query query(renderer, scene, kBefore, kSide);
+    for (int at = 20; at < 44; ++at) {
+        const std::optional<Hit> hit = query.pick(at + 0.5, at + 0.5, kSide);
+        ASSERT_TRUE(hit) << at;
+        EXPECT_NEAR(5 - hit->position.z, double(image.layer(1).pixels[std::size_t(at * kSide + at)]), 1e-5) << at;
+    }
+}
+
 TEST(Query, PicksWhatLiesBehindThePlaneOfFocus)
 {
     Ball ball;

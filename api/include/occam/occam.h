@@ -197,8 +197,8 @@ public:
     /// image_height   height of the picture whose pixels decide how fine surfaces are
     /// scene          must outlive the query and stay where it is
     Query(Scene& scene, const Camera& camera, int image_height = 720, std::size_t memory_bytes = std::size_t(256) << 20);
-    /// Shares the renderer's topology tables, so that none is made twice. The renderer may render meanwhile, and may be
-    /// destroyed first.
+    /// Shares the renderer's topology tables, so that none is made twice, and halves textures of displacement as often as
+    /// the renderer does. The renderer may render meanwhile, and may be destroyed first.
     Query(const Renderer& renderer, Scene& scene, const Camera& camera, int image_height = 720,
           std::size_t memory_bytes = std::size_t(256) << 20);
     Query(Query&&) noexcept;
