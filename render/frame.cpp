@@ -24,6 +24,10 @@ std::unique_ptr<FrameSums> sums_of(const FrameInputs& in)
     return std::make_unique<FrameSums>(in.settings, in.camera);
 }
 
+// Returns a hash of what the picture shows, and of how much smaller textures are than their images: other budgets of
+// textures may make another picture.
+std::uint64_t scene_hash(const FrameInputs& in) { return content_hash(in.scene) ^ in.textures.halvings_hash(); }
+
 // Develops what an earlier run has made. Returns the number of its samples, counting one pixel of each tile.
 std::size_t develop_all(const FrameSums& sums, const std::vector<PixelRect>& tiles, const Settings& settings, Film& film)
 {
@@ -65,7 +69,7 @@ FrameResult make_frame(const FrameInputs& in, FrameControl& control, FrameStats&
     if (sums) {
         stats.memory.film_bytes += FrameSums::bytes_for(in.settings);
         if (!in.checkpoint.empty()) {
-            sums->restore(in.checkpoint, content_hash(in.scene));
+            sums->restore(in.checkpoint, scene_hash(in));
             done_before = develop_all(*sums, tiles, in.settings, film);
         }
     }
@@ -84,8 +88,22 @@ FrameResult make_frame(const FrameInputs& in, FrameControl& control, FrameStats&
     stats.complete = control.is_whole();
     stats.image.least_samples = stats.complete ? in.settings.spp : sums ? sums->least_samples() : 0;
     FrameResult result{std::move(film).take(), {}, setup.context.clamp};
-    if (sums && !stats.complete && in.keeps_checkpoint) result.checkpoint = sums->checkpoint(content_hash(in.scene));
+    if (sums && !stats.complete && in.keeps_checkpoint) result.checkpoint = sums->checkpoint(scene_hash(in));
     return result;
+}
+
+// Returns a frame that was cancelled before its workers began: what an earlier run has made of it.
+FrameResult frame_so_far(const FrameInputs& in, FrameStats& stats)
+{
+    Film film(in.settings);
+    if (!in.checkpoint.empty()) {
+        FrameSums sums(in.settings, in.camera);
+        sums.restore(in.checkpoint, scene_hash(in));
+        develop_all(sums, make_tiles(crop_pixels(in.settings)), in.settings, film);
+        stats.image.least_samples = sums.least_samples();
+    }
+    stats.complete = false;
+    return {std::move(film).take(), std::string(in.checkpoint), in.settings.clamp};
 }
 
 }  // namespace
@@ -96,9 +114,7 @@ FrameResult render_frame(const FrameInputs& in, FrameControl& control, FrameStat
     try {
         return make_frame(in, control, stats);
     } catch (const Cancelled&) {
-        // Workers end by themselves: it was cancelled before the first of them began.
-        stats.complete = false;
-        return {Film(in.settings).take(), std::string(in.checkpoint), in.settings.clamp};
+        return frame_so_far(in, stats);  // workers end by themselves
     }
 }
 

@@ -175,7 +175,8 @@ void FrameSums::restore(std::string_view checkpoint, std::uint64_t scene_hash)
 
     Reader in(checkpoint.substr(kMagic.size()));
     if (in.next<std::uint64_t>() != identity_) refuse("belongs to a picture with other settings or another camera");
-    if (in.next<std::uint64_t>() != scene_hash) refuse("belongs to a picture of another scene, or of an edited one");
+    if (in.next<std::uint64_t>() != scene_hash)
+        refuse("belongs to a picture of another scene, of an edited one, or with textures made smaller for other memory");
     in.read_bytes(tiles_.data(), tiles_.size() * sizeof(Tile));
     for (const Tile& tile : tiles_)
         if (tile.samples < 0 || tile.samples > spp_ || (tile.is_done && tile.samples == 0))

@@ -111,7 +111,7 @@ struct Settings {
     bool has(Aov aov) const noexcept { return aovs.has(aov); }
 };
 
-/// The resources for rendering. They have no influence on the picture.
+/// The resources for rendering. They have no influence on the picture, except for what `texture_bytes` says.
 struct Resources {
     int threads = 0;  ///< 0: one for each processor
     /// The memory for what is rebuilt in each frame, all workers together; 0 means a quarter of the machine's, but no
@@ -119,8 +119,8 @@ struct Resources {
     /// Renderer::memory_floor() returns the least with which a frame is begun.
     std::size_t memory_bytes = 0;
     int workers_a_tree = 1;  ///< 1: each worker builds its own tree; more: that many share one; 0: all share one
-    std::size_t texture_bytes = std::size_t(1) << 30;
-    accel::TreeKind tree = accel::TreeKind::Auto;  ///< the tree over the parts of the scene that rays touch
+    std::size_t texture_bytes = std::size_t(1) << 30;  ///< textures that do not fit in it together are made smaller
+    accel::TreeKind tree = accel::TreeKind::Auto;      ///< the tree over the parts of the scene that rays touch
 
     /// Returns a copy in which the zeros above are replaced by what the machine has.
     Resources resolved() const;

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "base/error_without_file.h"
+#include "base/hash.h"
 #include "base/maths.h"
 #include "base/stopwatch.h"
 #include "io/texture/decode.h"
@@ -338,6 +339,16 @@ Vec4f TextureStore::sample(const TextureUse& use, Vec2f uv, Vec2f width) const n
     if (finer >= last) return at(last, false);
     const float share = std::bit_cast<float>((bits & 0x7fffffu) | 0x3f800000u) - 1;
     return at(finer, false) * (1 - share) + at(finer + 1, false) * share;
+}
+
+std::uint64_t TextureStore::halvings_hash() const noexcept
+{
+    std::uint64_t hash = 0, place = 0;
+    for (const auto& [identity, entry] : state_->entries) {
+        ++place;
+        if (entry->halvings() > 0) hash = mix_bits(mix_bits(hash ^ place) ^ std::uint64_t(entry->halvings()));
+    }
+    return hash;
 }
 
 std::size_t TextureStore::bytes() const noexcept

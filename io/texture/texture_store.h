@@ -55,6 +55,9 @@ public:
     /// before a Scene::replace(); 0 where sample() gives white.
     std::uint64_t identity(const TextureUse& use) const noexcept;
 
+    /// Returns a hash of how often each texture is halved to fit the memory; 0 if none is.
+    std::uint64_t halvings_hash() const noexcept;
+
     /// Returns the bytes of all decoded textures.
     std::size_t bytes() const noexcept;
     /// Returns the seconds that threads have spent on decoding known textures, summed.

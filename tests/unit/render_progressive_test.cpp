@@ -129,6 +129,72 @@ TEST(Progressive, ACheckpointOfAnotherPictureOrADamagedOneIsRefused)
     EXPECT_TRUE(renderer.start(same.scene, same.camera, same.settings, good).stats().complete);
 }
 
+// The lights of this scene take so long to gather that the frame is cancelled meanwhile.
+TEST(Progressive, APictureThatIsCancelledBeforeItGoesOnIsThatOfTheCheckpoint)
+{
+    ProgressiveScene subject;
+    const LightId lamp = subject.scene.add(Light{"lamp", PointLight{}});
+    for (int i = 0; i < 20000; ++i) {
+        NodeDesc desc;
+        desc.light = lamp;
+        desc.place.translation = Vec3d(i % 100, 20, i / 100);
+        subject.scene.add_node(subject.scene.root(), desc);
+    }
+    subject.settings.spp = 4096;
+    subject.settings.progressive = true;
+    Renderer renderer({.threads = 2});
+    Job first = renderer.start(subject.scene, subject.camera, subject.settings);
+    while (!(first.progress().fraction > 1.0 / 4096)) first.wait_for(1ms);
+    first.cancel();
+    const std::string checkpoint = first.checkpoint();
+    Job next = Renderer({.threads = 2}).start(subject.scene, subject.camera, subject.settings, checkpoint);
+    next.cancel();
+    EXPECT_EQ(next.checkpoint(), checkpoint);
+    EXPECT_EQ(next.stats().image.least_samples, first.stats().image.least_samples);
+    expect_same(next.image(), first.image());
+}
+
+TEST(Progressive, ACheckpointWithTexturesOfOtherSizesIsRefused)
+{
+    Scene scene;
+    Texture texture;
+    texture.width = texture.height = 64;
+    for (int i = 0; i < 64 * 64; ++i) texture.pixels.push_back(Vec4f(Vec3f(float(i % 64) / 63), 1));
+    Cage square;
+    square.scheme = Scheme::Bilinear;
+    square.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+    square.face_sizes = {4};
+    square.face_vertices = {0, 1, 2, 3};
+    square.uv_sets = {{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {}}};
+    Material material;
+    material.base_color_texture.texture = scene.add(std::move(texture));
+    square.materials = {scene.add(material)};
+    NodeDesc desc;
+    desc.cages = {scene.add(std::move(square))};
+    scene.add_node(scene.root(), desc);
+    const Camera camera = Camera::framing(scene.bounds());
+    const Settings settings{.width = 16, .height = 16, .spp = 4};
+    Settings stopped = settings;
+    stopped.deadline_s = 1e-9;
+    const std::size_t small = 4096;  // of the 64 x 64 texels
+    const std::string of_whole = Renderer().start(scene, camera, stopped).checkpoint();
+    const std::string of_halved = Renderer({.texture_bytes = small}).start(scene, camera, stopped).checkpoint();
+    const auto is_taken = [&](std::size_t texture_bytes, const std::string& checkpoint) {
+        Renderer renderer({.texture_bytes = texture_bytes});
+        const Job job = renderer.start(scene, camera, settings, checkpoint);
+        try {
+            return job.stats().complete;
+        } catch (const Error&) {
+            return false;
+        }
+    };
+    EXPECT_TRUE(is_taken(std::size_t(1) << 30, of_whole));
+    EXPECT_TRUE(is_taken(std::size_t(1) << 20, of_whole)) << "nothing is halved";
+    EXPECT_TRUE(is_taken(small, of_halved));
+    EXPECT_FALSE(is_taken(small, of_whole)) << "the picture would be a mixture";
+    EXPECT_FALSE(is_taken(std::size_t(1) << 30, of_halved));
+}
+
 using Resume = test::CommandTest;
 
 TEST_F(Resume, AnInterruptedPictureGoesOnAndIsTheSame)
