@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <fstream>
 #include <iostream>
 #include <iterator>
@@ -79,6 +80,13 @@ Settings settings_of(const RenderArguments& a, Settings settings)
     return settings;
 }
 
+// Returns whether nothing is in the picture yet, so that there is nothing to keep of a frame that was stopped.
+bool is_empty(const Image& image)
+{
+    const std::vector<float>& pixels = image.layers().front().pixels;
+    return std::all_of(pixels.begin(), pixels.end(), [](float value) { return value == 0; });
+}
+
 int run_frame(const RenderArguments& a, ProgressDisplay& display)
 {
     if (!a.replay) check_outputs(a, {&a.output, 1}, {&a.output, 1});
@@ -114,7 +122,7 @@ int run_frame(const RenderArguments& a, ProgressDisplay& display)
     Job job = renderer.start(scene, camera, settings, std::move(checkpoint));
     HeldInterrupts held;
     const Ending ending = wait_for(job, display, true);
-    if (ending == Ending::Abandoned) {
+    if (ending == Ending::Abandoned || (ending == Ending::Interrupted && is_empty(job.image()))) {
         display.end();
         end_interrupted();
     }

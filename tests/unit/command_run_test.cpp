@@ -344,15 +344,33 @@ TEST_F(Command, ClipsOfDifferentObjectsPlayTogetherAndOneCanBeChosen)
 
 TEST_F(Command, AnInterruptWritesWhatIsDone)
 {
-    const pid_t child = start({"render", "triangle.obj", "-o", "a.png", "--size", "1024x1024", "--spp", "4096", "--progress",
+    const pid_t child = start({"render", "triangle.obj", "-o", "a.png", "--size", "1024x1024", "--spp", "256", "--progress",
                                "plain", "--threads", "1"});
-    // This waits until the first line about tiles appears.
-    for (int i = 0; i < 1000 && text_of(folder / "stderr.txt").find("rendering") == std::string::npos; ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    // This waits until the first tiles are finished.
+    const auto has_begun = [&] {
+        const std::string said = text_of(folder / "stderr.txt");
+        const std::size_t at = said.rfind("rendering, ");
+        return at != std::string::npos && said[at + 11] != '0';
+    };
+    for (int i = 0; i < 3000 && !has_begun(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(20));
     kill(child, SIGINT);
     const Outcome o = finish(child);
     EXPECT_EQ(o.exit_code, kInterrupted) << o.err;
     EXPECT_TRUE(fs::exists(folder / "a.png"));
+}
+
+// The first tile takes seconds.
+TEST_F(Command, AnInterruptBeforeAnythingIsDoneKeepsTheOlderPicture)
+{
+    std::ofstream(folder / "a.png") << "an older picture";
+    const pid_t child = start({"render", "triangle.obj", "-o", "a.png", "--size", "1024x1024", "--spp", "65536",
+                               "--progress", "plain", "--threads", "1"});
+    for (int i = 0; i < 3000 && text_of(folder / "stderr.txt").find("rendering") == std::string::npos; ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    kill(child, SIGINT);
+    const Outcome o = finish(child);
+    EXPECT_EQ(o.exit_code, kInterrupted) << o.err;
+    EXPECT_TRUE(text_of(folder / "a.png") == "an older picture") << "it was replaced by a black one";
 }
 
 }  // namespace
