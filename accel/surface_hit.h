@@ -53,8 +53,8 @@ struct alignas(64) SurfaceHit {
     int level = 0;                   ///< the finer level of the pair at which the ray sees the cage, world lengths
     /// The number of VertexShader's values at the hit; if it is 0, none were made, and textures must be looked up.
     int phase_one_channels = 0;
-    std::int8_t start_level = kAnyLevel;                    ///< one of that pair's two levels, for Ray::start_level
-    bool back_side = false;                                 ///< the ray came from behind the face
+    std::int8_t start_level = kAnyLevel;  ///< one of that pair's two levels, for Ray::start_level
+    bool back_side = false;               ///< the ray came from behind the face
     /// What dP/dv, over the length of dP/du and both across the outward normal n, has along the tangent and along
     /// cross(n, tangent). It is zero unless the material has a normal map whose coordinates are rotated.
     Vec2f v_axis{0};

@@ -99,19 +99,17 @@ TEST(Verify, StartsInsideOfSkinnedCagesWhetherNodeOrJointMirrors)
         }
 }
 
-// Rays start at eight moments. A cage that becomes its own mirror image is flat at one moment only.
-TEST(Verify, StartsAtAllMomentsOfACageThatBecomesItsMirrorImage)
+// Rays start at several moments. This cage is its own mirror image at nearly all of them, and too thin before.
+TEST(Verify, StartsInsideOfACageThatBecomesItsMirrorImage)
 {
-    const auto starts_of = [](double last) {
-        Scene scene;
-        const CageId id = scene.add(prism(5));
-        const NodeId node = scene.add_node(scene.root(), {.name = "cage", .cages = {id}});
-        scene.record_shutter(1, [&](double tau) { scene.set_transform(node, stretched(1 + (last - 1) * tau)); });
-        const VerifiedCage found = verify(scene, {.rays = 1'024, .largest_rate = 4}).at(0);
-        EXPECT_TRUE(found.holds()) << last;
-        return found.starts;
-    };
-    EXPECT_EQ(starts_of(-1), starts_of(2));
+    Scene scene;
+    const CageId id = scene.add(prism(5));
+    const NodeId node = scene.add_node(scene.root(), {.name = "cage", .cages = {id}});
+    scene.record_shutter(1, [&](double tau) { scene.set_transform(node, stretched(0.01 - 2 * tau)); });
+    const VerifiedCage found = verify(scene, {.rays = 1'024, .largest_rate = 4}).at(0);
+    EXPECT_EQ(found.not_testable, "");
+    EXPECT_GT(found.rays, 0u);
+    EXPECT_TRUE(found.holds());
 }
 
 // A frame makes such a cage when a ray comes near it, and leaves out one that was removed.
