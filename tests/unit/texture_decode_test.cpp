@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
+#include "io/texture/decode.h"
 #include "io/texture/texture_store.h"
 #include "scenegraph/scene.h"
 #include "tests/support/temp_folder.h"
@@ -84,6 +86,7 @@ TEST(TextureDecode, ChannelsOfOpenExrAreWhatTheirNamesSay)
     EXPECT_EQ(texel_of({"Y", "A"}), Vec4f(0.25f, 0.25f, 0.25f, 0.5f));
     EXPECT_EQ(texel_of({"Y", "Z"}), Vec4f(0.25f, 0.25f, 0.25f, 1));
     EXPECT_EQ(texel_of({"paint.R", "paint.G"}), Vec4f(0.25f, 0.5f, 0, 1));
+    EXPECT_EQ(texel_of({"N.X", "N.Y", "N.Z"}), Vec4f(0.25f, 0.5f, 0.75f, 1)) << "a vector has three parts";
 }
 
 // Programs that crop what is black write a part of the picture and say where it lies.
@@ -106,6 +109,14 @@ TEST(TextureDecode, ThePictureOfAnOpenExrFileIsItsDisplayWindow)
     EXPECT_EQ(Loaded(write(folder, spec, values)).at(0.1f, 0.1f), Vec4f(Vec3f(0.5f), 1)) << "it holds more than the picture";
     spec.full_x = 500, spec.full_width = 7;
     EXPECT_EQ(Loaded(write(folder, spec, values)).at(0.25f, 0.5f), Vec4f(Vec3f(0.25f), 1)) << "it holds nothing of it";
+}
+
+TEST(TextureDecode, ADisplayWindowThatIsFarLargerThanTheFileIsRefused)
+{
+    const test::TempFolder folder;
+    OIIO::ImageSpec spec = floats(1, 1, {"R", "G", "B"});
+    spec.full_width = 16384, spec.full_height = 8192;
+    EXPECT_THROW(TextureSource(texture_of(write(folder, spec, {0.25f, 0.5f, 0.75f}))), Error);
 }
 
 TEST(TextureDecode, RowsOfRadianceFilesRunAsTheySay)
