@@ -48,6 +48,18 @@ inline Cage unit_square()
     return cage;
 }
 
+/// Returns a bilinear square over [-1, 1] in x and y that faces +z, with texture coordinates from 0 to 1.
+inline Cage textured_square()
+{
+    Cage cage;
+    cage.scheme = Scheme::Bilinear;
+    cage.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+    cage.face_sizes = {4};
+    cage.face_vertices = {0, 1, 2, 3};
+    cage.uv_sets = {{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {}}};
+    return cage;
+}
+
 /// Returns a translation.
 inline Mat4d moved(double x, double y, double z)
 {

@@ -87,12 +87,7 @@ TEST(Query, OfARendererHitsTheDisplacedSurfaceThatItsPictureShows)
     noise.role = TextureRole::Data;
     noise.width = noise.height = kSide;
     for (std::uint32_t i = 0; i < kSide * kSide; ++i) noise.pixels.push_back(Vec4f(float((i * 2654435761u) >> 24) / 255));
-    Cage square;
-    square.scheme = Scheme::Bilinear;
-    square.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
-    square.face_sizes = {4};
-    square.face_vertices = {0, 1, 2, 3};
-    square.uv_sets = {{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {}}};
+    Cage square = test::textured_square();
     Displacement displacement;
     displacement.texture.texture = scene.add(std::move(noise));
     displacement.scale = 0.4f;

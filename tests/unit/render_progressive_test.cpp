@@ -9,6 +9,7 @@
 
 #include "occam/occam.h"
 #include "tests/support/command_test.h"
+#include "tests/support/shape_builders.h"
 
 namespace occam {
 namespace {
@@ -76,15 +77,22 @@ TEST(Progressive, APictureOfManyShortRunsHasTheBitsOfOne)
     EXPECT_GT(runs, 2);
 }
 
-TEST(Progressive, WhatIsStoppedHasNearlyAsManySamplesEverywhere)
+// Renders in rounds and stops after so many samples a pixel, of 4,096.
+Job stopped_after(int samples, ProgressiveScene& subject)
 {
-    ProgressiveScene subject;
     subject.settings.spp = 4096;
     subject.settings.progressive = true;
     Renderer renderer({.threads = 2});
     Job job = renderer.start(subject.scene, subject.camera, subject.settings);
-    while (!(job.progress().fraction > 5.0 / 4096)) job.wait_for(1ms);
+    while (!(job.progress().fraction > samples / 4096.0)) job.wait_for(1ms);
     job.cancel();
+    return job;
+}
+
+TEST(Progressive, WhatIsStoppedHasNearlyAsManySamplesEverywhere)
+{
+    ProgressiveScene subject;
+    const Job job = stopped_after(5, subject);
     EXPECT_FALSE(job.stats().complete);
     EXPECT_GE(job.stats().image.least_samples, 4) << "the round of five samples a pixel begins with four everywhere";
 }
@@ -140,12 +148,7 @@ TEST(Progressive, APictureThatIsCancelledBeforeItGoesOnIsThatOfTheCheckpoint)
         desc.place.translation = Vec3d(i % 100, 20, i / 100);
         subject.scene.add_node(subject.scene.root(), desc);
     }
-    subject.settings.spp = 4096;
-    subject.settings.progressive = true;
-    Renderer renderer({.threads = 2});
-    Job first = renderer.start(subject.scene, subject.camera, subject.settings);
-    while (!(first.progress().fraction > 1.0 / 4096)) first.wait_for(1ms);
-    first.cancel();
+    Job first = stopped_after(1, subject);
     const std::string checkpoint = first.checkpoint();
     Job next = Renderer({.threads = 2}).start(subject.scene, subject.camera, subject.settings, checkpoint);
     next.cancel();
@@ -160,12 +163,7 @@ TEST(Progressive, ACheckpointWithTexturesOfOtherSizesIsRefused)
     Texture texture;
     texture.width = texture.height = 64;
     for (int i = 0; i < 64 * 64; ++i) texture.pixels.push_back(Vec4f(Vec3f(float(i % 64) / 63), 1));
-    Cage square;
-    square.scheme = Scheme::Bilinear;
-    square.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
-    square.face_sizes = {4};
-    square.face_vertices = {0, 1, 2, 3};
-    square.uv_sets = {{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {}}};
+    Cage square = test::textured_square();
     Material material;
     material.base_color_texture.texture = scene.add(std::move(texture));
     square.materials = {scene.add(material)};
