@@ -192,6 +192,7 @@ struct FirstHit {
 ///
 /// Memory   at most `memory_bytes` for each thread that asks at the same time.
 /// Threads  any number of threads may call the const functions at once; begin() and end() need to be called alone.
+/// Errors   in a scene with displacements or masks, begin() and questions throw Error if a texture cannot be read.
 class Query {
 public:
     /// image_height   height of the picture whose pixels decide how fine surfaces are
