@@ -48,8 +48,10 @@ constexpr Rule kRules[] = {
      "--integrator ao does not follow light"},
     {"--clamp", [](const RenderArguments& a, const Given&) { return a.settings.integrator == IntegratorKind::Ao; },
      "--integrator ao does not follow light"},
-    {"--error", [](const RenderArguments& a, const Given&) { return a.settings.spp <= render::kLeastErrorSamples; },
-     "errors are estimated from 16 samples on, so --spp has to be above 16"},
+    {"--error", [](const RenderArguments& a, const Given&) { return a.settings.spp <= a.settings.min_spp; },
+     "pixels end at --min-spp samples (16 unless given) at the earliest, so --spp has to be above it"},
+    {"--min-spp", [](const RenderArguments&, const Given& given) { return !given.contains("--error"); },
+     "only --error ends pixels early"},
     {"--environment-strength",
      [](const RenderArguments& a, const Given& given) {
          return is_sky_or_none(a, given) && a.settings.sky == shade::Sky::Off;

@@ -54,6 +54,7 @@ public:
     float relative_error() const noexcept;
     /// Writes the channels of a layer that is no Cryptomatte.
     void write(Aov aov, float* to) const noexcept;
+    int count() const noexcept { return count_; }  ///< number of samples
     int not_finite() const noexcept { return not_finite_; }
     double weight() const noexcept { return weight_; }  ///< sum over all samples
     static constexpr float kDarkest = 0.02f;

@@ -11,7 +11,7 @@
 namespace occam::render {
 namespace {
 
-constexpr std::string_view kMagic = "Occam checkpoint 3\n";
+constexpr std::string_view kMagic = "Occam checkpoint 4\n";
 
 std::size_t tile_count(const PixelRect& area)
 {

@@ -27,7 +27,9 @@ public:
     FrameSums(const Settings& settings, const Camera& camera);
     static std::size_t bytes_for(const Settings& settings) noexcept;
 
-    /// Says how far a tile is. Settings::error may end it before all its samples are made.
+    /// Says how far a tile is.
+    /// samples   of the pixels that go on; Settings::error may have ended others, which have fewer
+    /// is_done   no pixel goes on
     struct Tile {
         std::int32_t samples = 0, is_done = 0;
     };

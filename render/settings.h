@@ -69,9 +69,11 @@ struct Settings {
     bool jitter = true;  ///< false: every sample goes through the middle of its pixel
     FilterKind filter = FilterKind::Box;
     float filter_radius = 0;  ///< half the width of the filter in pixels; 0: the usual one
-    /// If this is above 0, a tile of pixels ends before its `spp` samples once the estimated standard error of its pixels
-    /// is below this share of their brightness (see PixelSums::relative_error).
+    /// If this is above 0, a pixel ends before its `spp` samples once the estimated standard error of the pixels around it
+    /// is below this share of their brightness (see render/pixel_errors.h).
     float error = 0;
+    /// The number of samples at which errors are estimated for the first time; then it is doubled.
+    int min_spp = 16;
     IntegratorKind integrator = IntegratorKind::Path;
     int bounces = 8;  ///< the largest number of scattering events of light; for `direct`, of mirrors one behind the other
     /// If this is above 0, no single contribution of light that was scattered twice or more exceeds it in any channel. The
@@ -139,8 +141,6 @@ PixelRect crop_pixels(const Settings& settings) noexcept;
 void check(const Settings& settings);
 inline constexpr int kMaxSide = 65536;
 inline constexpr int kMaxSamples = 65536;
-/// Settings::error ends no tile before this number of samples, since estimates from fewer samples say little.
-inline constexpr int kLeastErrorSamples = 16;
 inline constexpr int kMaxLightSamples = 1024;
 inline constexpr int kMaxBounces = 128;
 inline constexpr std::int64_t kMaxPixels = std::int64_t(1) << 28;

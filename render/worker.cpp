@@ -6,6 +6,7 @@
 
 #include "base/cancellation.h"
 #include "base/stopwatch.h"
+#include "render/pixel_errors.h"
 
 namespace occam::render {
 namespace {
@@ -42,8 +43,8 @@ bool Worker::make(std::span<const PixelRect> tiles, int before, int target, Film
 
 std::size_t Worker::tiles_at_once(int samples) const noexcept
 {
-    if (context_.settings.error > 0) return 1;
-    return static_cast<std::size_t>(std::max(1, batch_rays_ / (samples * kTileSide * kTileSide)));
+    const int next = std::min(samples, next_check(0));
+    return static_cast<std::size_t>(std::max(1, batch_rays_ / (next * kTileSide * kTileSide)));
 }
 
 void Worker::count_rays_into(FrameStats& stats) const
@@ -103,27 +104,29 @@ bool Worker::make_samples(std::span<const PixelRect> tiles, int before, int targ
 {
     const int spp = context_.settings.spp;
     load(tiles, kept);
-    const int step = std::clamp(batch_rays_ / static_cast<int>(pixels_.size()), 1, spp);
-    const std::uint64_t not_finite = count_not_finite();
+    if (is_check(before)) end_clean_pixels(tiles);  // as they did when their last samples were made
+    const std::uint64_t not_finite = count_not_finite(), samples_before = samples_made_;
     const double cells = integrator_.counters().visible_cells;
     int made = before;
-    bool is_done = false, is_stopped = false;
-    while (made < target && !is_done) {
+    bool is_stopped = false;
+    while (made < target && !going_.empty()) {
         is_stopped = control.is_cancelled() || Clock::now() >= deadline_;
         if (is_stopped) break;
+        const int step = std::clamp(batch_rays_ / static_cast<int>(going_.size()), 1, spp);
         const int last = std::min({made + step, next_check(made), target});
         is_stopped = !trace(made, last);
         if (is_stopped) break;
         made = last;
-        is_done = made == spp || (made == next_check(made - 1) && is_good_enough());
+        if (made == spp) going_.clear();
+        else if (is_check(made)) end_clean_pixels(tiles);
     }
     if (made == before || (!kept && control.is_cancelled())) return false;
-    visible_cells_ += (integrator_.counters().visible_cells - cells) / (kept ? spp : made);
+    const std::uint64_t samples = kept ? pixels_.size() * std::uint64_t(spp) : samples_made_ - samples_before;
+    visible_cells_ += (integrator_.counters().visible_cells - cells) * double(pixels_.size()) / double(samples);
     not_finite_ += count_not_finite() - not_finite;
-    tiles_ += is_done ? tiles.size() : 0;
-    if (kept) keep(tiles, {made, is_done}, *kept);
+    const std::size_t finished = finish(tiles, before, made, kept);
     develop(film);
-    if (kept || is_done) control.finish_samples(tiles.size() * static_cast<std::size_t>((is_done ? spp : made) - before));
+    if (kept || going_.empty()) control.finish_samples(finished);
     return !is_stopped;
 }
 
@@ -131,25 +134,34 @@ void Worker::load(std::span<const PixelRect> tiles, const FrameSums* kept)
 {
     pixels_.clear();
     sums_.clear();
+    going_.clear();
     for (std::vector<MatteSums>& mattes : mattes_) mattes.clear();
     for (const PixelRect& tile : tiles) {
         const std::vector<Pixel> pixels = pixels_of(tile);
         pixels_.insert(pixels_.end(), pixels.begin(), pixels.end());
         if (kept) kept->load(tile, sums_, mattes_);
+        else sums_.resize(pixels_.size());
+        for (std::size_t i = pixels_.size() - pixels.size(); i < pixels_.size(); ++i)
+            if (!kept || sums_[i].count() == kept->tile(tile).samples) going_.push_back(static_cast<std::uint32_t>(i));
     }
     if (kept) return;
-    sums_.assign(pixels_.size(), {});
     for (int k : {0, 1})
         if (context_.settings.has(kMattes[k])) mattes_[k].assign(pixels_.size(), {});
 }
 
-void Worker::keep(std::span<const PixelRect> tiles, FrameSums::Tile state, FrameSums& kept) const
+std::size_t Worker::finish(std::span<const PixelRect> tiles, int before, int made, FrameSums* kept)
 {
-    std::size_t first = 0;
+    std::size_t first = 0, finished = 0;
     for (const PixelRect& tile : tiles) {
-        kept.store(tile, state, sums_, mattes_, first);
-        first += static_cast<std::size_t>(tile.width() * tile.height());
+        const std::size_t end = first + static_cast<std::size_t>(tile.width() * tile.height());
+        const auto next = std::lower_bound(going_.begin(), going_.end(), first);
+        const bool is_done = next == going_.end() || *next >= end;
+        tiles_ += is_done;
+        finished += static_cast<std::size_t>((is_done ? context_.settings.spp : made) - before);
+        if (kept) kept->store(tile, {made, is_done}, sums_, mattes_, first);
+        first = end;
     }
+    return finished;
 }
 
 std::uint64_t Worker::count_not_finite() const noexcept
@@ -173,25 +185,29 @@ void Worker::develop(Film& film)
 int Worker::next_check(int after) const noexcept
 {
     if (!(context_.settings.error > 0)) return context_.settings.spp;
-    int count = kLeastErrorSamples;
+    int count = context_.settings.min_spp;
     while (count <= after) count *= 2;
     return count;
 }
 
-bool Worker::is_good_enough() const noexcept
+void Worker::end_clean_pixels(std::span<const PixelRect> tiles)
 {
-    if (!(context_.settings.error > 0)) return false;
-    double sum = 0;
-    for (const PixelSums& pixel : sums_) sum += double(pixel.relative_error()) * double(pixel.relative_error());
-    const double most = double(context_.settings.error);
-    return sum <= most * most * double(sums_.size());
+    std::vector<float> errors(pixels_.size());
+    std::size_t first = 0;
+    for (const PixelRect& tile : tiles) {
+        const auto count = static_cast<std::size_t>(tile.width() * tile.height());
+        errors_around(tile, std::span(pixels_).subspan(first, count), std::span(sums_).subspan(first, count),
+                      std::span(errors).subspan(first, count));
+        first += count;
+    }
+    std::erase_if(going_, [&](std::uint32_t i) { return errors[i] < context_.settings.error; });
 }
 
 bool Worker::trace(int first, int last)
 {
     samples_.clear();
-    for (const auto [x, y] : pixels_)
-        for (int s = first; s < last; ++s) samples_.push_back({x, y, s});
+    for (const std::uint32_t i : going_)
+        for (int s = first; s < last; ++s) samples_.push_back({pixels_[i].x, pixels_[i].y, s});
     results_.resize(samples_.size());
     try {
         integrator_.run(tracer_, samples_, results_);
@@ -200,12 +216,12 @@ bool Worker::trace(int first, int last)
     }
     const Stopwatch watch(film_seconds_);
     const auto per_pixel = static_cast<std::size_t>(last - first);
-    for (std::size_t i = 0; i < samples_.size(); ++i) sums_[i / per_pixel].add(results_[i]);
+    for (std::size_t i = 0; i < samples_.size(); ++i) sums_[going_[i / per_pixel]].add(results_[i]);
     for (const MatteShare& share : integrator_.mattes()) {
         const double covers = double(share.coverage) * double(results_[share.sample].weight);
         for (int k : {0, 1})
             if (context_.settings.has(kMattes[k]))
-                mattes_[k][share.sample / per_pixel].add(k ? share.material : share.object, covers);
+                mattes_[k][going_[share.sample / per_pixel]].add(k ? share.material : share.object, covers);
     }
     samples_made_ += samples_.size();
     return true;

@@ -30,7 +30,7 @@ public:
     /// was cancelled. Returns false if it stopped before the target, because the frame was cancelled or is out of time.
     bool make(std::span<const PixelRect> tiles, int before, int target, Film& film, FrameControl& control, FrameSums* sums);
 
-    /// Returns how many tiles fill a batch of rays with `samples` samples a pixel. If tiles end by their error, it is one.
+    /// Returns how many tiles fill a batch of rays with the next samples of each pixel, which are at most `samples`.
     std::size_t tiles_at_once(int samples) const noexcept;
 
     /// Adds the rays, and the time that tracing and shading them took.
@@ -48,22 +48,26 @@ private:
 
     void load(std::span<const PixelRect> tiles, const FrameSums* kept);
 
-    void keep(std::span<const PixelRect> tiles, FrameSums::Tile state, FrameSums& kept) const;
+    /// Counts the tiles of which no pixel goes on, and keeps the sums of all if `kept` is not null.
+    /// made   samples of the pixels that go on
+    /// Returns how many samples are finished, counting one pixel of each tile.
+    std::size_t finish(std::span<const PixelRect> tiles, int before, int made, FrameSums* kept);
 
     std::uint64_t count_not_finite() const noexcept;
 
     /// Turns the sums of the tile into pixels.
     void develop(Film& film);
 
-    /// Returns the next number of samples per pixel at which the tile may end. These are powers of two, because their
-    /// points are evenly distributed.
+    /// Returns the next number of samples at which pixels may end. These are powers of two times the least number, because
+    /// their points are evenly distributed.
     int next_check(int after) const noexcept;
+    bool is_check(int samples) const noexcept { return samples > 0 && samples == next_check(samples - 1); }
 
-    /// Tests the root mean square over the tile, since chance would decide for a single pixel.
-    bool is_good_enough() const noexcept;
+    /// Ends the pixels around which the error is below Settings::error (render/pixel_errors.h).
+    void end_clean_pixels(std::span<const PixelRect> tiles);
 
-    /// Traces samples [first, last) of each pixel, pixel by pixel and in their order, so that neighbouring rays stay
-    /// neighbours in the batch. Returns false if the frame was cancelled meanwhile; the batch is then dropped.
+    /// Traces samples [first, last) of each pixel that goes on, pixel by pixel and in their order, so that neighbouring rays
+    /// stay neighbours in the batch. Returns false if the frame was cancelled meanwhile; the batch is then dropped.
     bool trace(int first, int last);
 
     const FrameContext& context_;
@@ -76,7 +80,8 @@ private:
     std::uint64_t samples_made_ = 0, not_finite_ = 0, tiles_ = 0;
     std::vector<CameraSample> samples_;
     std::vector<SampleResult> results_;
-    std::vector<Pixel> pixels_;  ///< pixels of the tile
+    std::vector<Pixel> pixels_;         ///< pixels of the tiles
+    std::vector<std::uint32_t> going_;  ///< indices of those that go on, in their order
     std::vector<PixelSums> sums_;
     std::vector<MatteSums> mattes_[2];
 };

@@ -73,7 +73,10 @@ scene.collection.objects.link(placed)
 scene.camera = placed
 render, cycles = scene.render, scene.cycles
 render.engine, cycles.device = "CYCLES", "CPU"
-cycles.samples, cycles.seed, cycles.use_adaptive_sampling, cycles.use_denoising = job["samples"], job["seed"], False, False
+cycles.samples, cycles.seed, cycles.use_denoising = job["samples"], job["seed"], False
+cycles.use_adaptive_sampling = job["end_below"] > 0
+if cycles.use_adaptive_sampling:
+    cycles.adaptive_threshold, cycles.adaptive_min_samples = job["end_below"], job["min_samples"]
 cycles.max_bounces = 0
 cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
 cycles.pixel_filter_type, cycles.filter_width = "BOX", 1

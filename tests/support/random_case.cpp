@@ -83,7 +83,7 @@ Settings settings_of(const RandomCase& c)
     if (c.has(SettingFeature::Fine)) s.shading_rate = 0.5f;
     if (c.has(SettingFeature::Coarse)) s.shading_rate = 3;
     if (c.has(SettingFeature::Still)) s.jitter = false;
-    if (c.has(SettingFeature::Adaptive)) s.error = 0.1f, s.spp = 16;
+    if (c.has(SettingFeature::Adaptive)) s.error = 0.1f, s.spp = 16, s.min_spp = 4;
     if (c.has(SettingFeature::Cropped)) s.crop_x0 = 0.2f, s.crop_x1 = 0.7f, s.crop_y1 = 0.55f;
     if (c.has(SettingFeature::OneSided)) s.back_faces = false;
     if (c.has(SettingFeature::Layers))
