@@ -1,8 +1,10 @@
 // The state that a renderer keeps from frame to frame; it is private to api/.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <mutex>
+#include <vector>
 
 #include "io/texture/texture_store.h"
 #include "lod/topology_cache.h"
@@ -19,23 +21,24 @@ public:
 private:
     friend class TopologyUse;
     std::mutex mutex_;
-    int users_ = 0;
+    std::vector<const Scene*> scenes_;  ///< one for each user
 };
 
-/// Borrows the tables for a frame, or for as long as a query may be asked. Tables of cages that the scene no longer has are
-/// forgotten first, unless there is another user: it may ask about another scene.
+/// Borrows the tables for a frame, or for as long as a query may be asked. Tables of cages that neither the scene nor that
+/// of another user has are forgotten first. The scene is locked meanwhile.
 class TopologyUse {
 public:
-    TopologyUse(std::shared_ptr<SharedTopologies> tables, const Scene& scene) : tables_(std::move(tables))
+    TopologyUse(std::shared_ptr<SharedTopologies> tables, const Scene& scene) : tables_(std::move(tables)), scene_(&scene)
     {
         const std::lock_guard guard(tables_->mutex_);
-        if (tables_->users_ == 0) tables_->cache.prune(scene);
-        ++tables_->users_;
+        tables_->scenes_.push_back(scene_);
+        tables_->cache.prune(tables_->scenes_);
     }
     ~TopologyUse()
     {
         const std::lock_guard guard(tables_->mutex_);
-        --tables_->users_;
+        std::vector<const Scene*>& scenes = tables_->scenes_;
+        scenes.erase(std::find(scenes.begin(), scenes.end(), scene_));
     }
     TopologyUse(const TopologyUse&) = delete;
     TopologyUse& operator=(const TopologyUse&) = delete;
@@ -44,6 +47,7 @@ public:
 
 private:
     std::shared_ptr<SharedTopologies> tables_;
+    const Scene* scene_;
 };
 
 struct Renderer::State {

@@ -1,5 +1,6 @@
 #include "lod/topology_cache.h"
 
+#include <algorithm>
 #include <bit>
 #include <mutex>
 #include <unordered_map>
@@ -46,7 +47,7 @@ struct WordsHash {
 
 struct TopologyCache::State {
     struct Shared {
-        std::once_flag once;
+        std::mutex mutex;  // held while the topology is made
         std::shared_ptr<const Topology> topology;
     };
     /// Returns the topology of cages that are connected like this one; other callers wait for it.
@@ -60,7 +61,8 @@ struct TopologyCache::State {
             if (!found) found = std::make_shared<Shared>();
             shared = found;
         }
-        std::call_once(shared->once, [&] { shared->topology = std::make_shared<const Topology>(cage, classes); });
+        const std::lock_guard making(shared->mutex);
+        if (!shared->topology) shared->topology = std::make_shared<const Topology>(cage, classes);
         return shared->topology;
     }
 
@@ -114,13 +116,24 @@ std::size_t TopologyCache::class_bytes() const noexcept { return state_->classes
 
 void TopologyCache::prune(const Scene& scene)
 {
+    const Scene* const one = &scene;
+    prune({&one, 1});
+}
+
+void TopologyCache::prune(std::span<const Scene* const> scenes)
+{
     const auto is_gone = [&](const auto& entry) {
-        const CageSlot* slot = scene.find(entry.second->cage);
-        return !slot || slot->identity != entry.first;
+        return std::none_of(scenes.begin(), scenes.end(), [&](const Scene* scene) {
+            const CageSlot* slot = scene->find(entry.second->cage);
+            return slot && slot->identity == entry.first;
+        });
     };
     const std::lock_guard lock(state_->mutex);
     if (std::erase_if(state_->entries, is_gone) == 0) return;
-    std::erase_if(state_->topologies, [](const auto& entry) { return entry.second->topology.use_count() <= 1; });
+    std::erase_if(state_->topologies, [](const auto& entry) {
+        const std::unique_lock making(entry.second->mutex, std::try_to_lock);
+        return making && entry.second->topology.use_count() <= 1;  // one that is being made is wanted
+    });
 }
 
 }  // namespace occam::lod

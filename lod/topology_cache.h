@@ -3,11 +3,11 @@
 // Cages that are connected alike share a topology, wherever their vertices are, so that the matrices of a crowd stay in the
 // processor's caches.
 //
-// Threads  any worker may call get(): the first caller for a cage builds, and others wait for that cage only. Call prune()
-//          and refit() between frames.
+// Threads  any worker may call get(): the first caller for a cage builds, and others wait for that cage only.
 #pragma once
 
 #include <memory>
+#include <span>
 
 #include "lod/clusters.h"
 #include "lod/deformed_clusters.h"
@@ -35,6 +35,8 @@ public:
     std::size_t class_bytes() const noexcept;
     /// Forgets cages that the scene no longer has. Call it between frames.
     void prune(const Scene& scene);
+    /// Forgets cages that none of the scenes has. Workers may call get() for cages of these scenes meanwhile.
+    void prune(std::span<const Scene* const> scenes);
 
 private:
     struct State;

@@ -268,9 +268,8 @@ TEST(Query, OutlivesEdits)
     EXPECT_THROW(square.scene.set_visible(square.node, false), Error);
 }
 
-// The limit surface of a cube's cage lies 1/6 of a side inside the middles of its faces. A wide beam sees a coarse mesh.
-// What was made for cages is forgotten when another scene is asked about, as for removed cages, but only while no query is
-// begun. A kept query that was ended between frames had all cages of all frames.
+// What was made for cages is forgotten when another scene is asked about, as for removed cages, but not while a query about
+// them is begun. A kept query that was ended between frames had all cages of all frames.
 TEST(Query, ThatWasEndedKeepsNoTablesAlive)
 {
     Scene scene;
@@ -303,6 +302,30 @@ TEST(Query, ThatWasEndedKeepsNoTablesAlive)
     EXPECT_EQ(made, 3) << "a query about another scene";
 }
 
+// A game may keep a query about its level while it renders other scenes: what these have no longer is forgotten all the
+// same.
+TEST(Query, KeepsTheTablesOfItsOwnSceneAlone)
+{
+    Square level, other;
+    Scene scene;
+    std::atomic<int> made = 0;
+    OnDemandCage cage;
+    cage.bounds = {Vec3d(-1), Vec3d(1)};
+    cage.make = [&] { return ++made, level.scene.cage(level.scene.node(level.node).cages[0]).cage; };
+    scene.add_node(scene.root(), {.cages = {scene.add(cage)}});
+    Renderer renderer;
+    const Settings settings{.width = 4, .height = 4, .spp = 1};
+    const Query query(renderer, level.scene, kFront);
+    renderer.render(scene, kFront, settings);
+    renderer.render(scene, kFront, settings);
+    EXPECT_EQ(made, 1);
+    renderer.render(other.scene, kFront, settings);
+    renderer.render(scene, kFront, settings);
+    EXPECT_EQ(made, 2) << "the tables were kept as long as the query was not ended";
+    EXPECT_TRUE(query.closest(Vec3d(0.1, 0.2, 5), Vec3d(0, 0, -1)));
+}
+
+// The limit surface of a cube's cage lies 1/6 of a side inside the middles of its faces. A wide beam sees a coarse mesh.
 TEST(Query, TakesTheFootprintOfEachRay)
 {
     Scene scene;
