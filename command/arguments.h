@@ -85,6 +85,11 @@ struct VerifyArguments : RenderArguments {
     bool json = false;
 };
 
+struct TextureArguments {
+    std::filesystem::path image, out;
+    bool is_data = false;  ///< the texels are no colours
+};
+
 struct BenchArguments {
     std::vector<std::string> words;  ///< arguments for the benchmark program
 };
@@ -95,7 +100,7 @@ struct Finished {
 };
 
 using Arguments = std::variant<Finished, RenderArguments, AnimateArguments, InfoArguments, VerifyArguments, CompareArguments,
-                               BenchArguments>;
+                               TextureArguments, BenchArguments>;
 
 /// Parses the command line. Usage errors go to standard error, --help and --version to standard output.
 Arguments parse(int argc, char** argv);
@@ -105,6 +110,7 @@ int run(const AnimateArguments& arguments);
 int run(const InfoArguments& arguments);
 int run(const VerifyArguments& arguments);
 int run(const CompareArguments& arguments);
+int run(const TextureArguments& arguments);
 int run(const BenchArguments& arguments);
 
 /// Returns the scene of a file, or the built-in one.

@@ -93,7 +93,8 @@ void add_sequence(CLI::App& app, AnimateArguments& arguments);
 // The options that trace one sample or ray again. With the first, the picture's option is not required.
 void add_replay(CLI::App& app, CLI::Option& output, RenderArguments& arguments);
 void add_replay(CLI::App& app, VerifyArguments& arguments);
-/// Adds what `occam compare` takes (parse_compare.cpp).
-void add_compare(CLI::App& app, CompareArguments& arguments);
+/// Add `occam compare` and `occam texture` (parse_pictures.cpp).
+CLI::App& add_compare(CLI::App& all, CompareArguments& arguments);
+CLI::App& add_texture(CLI::App& all, TextureArguments& arguments);
 
 }  // namespace occam::command

@@ -166,7 +166,8 @@ void add_machine(CLI::App& app, RenderArguments& a)
         "Tree over the scene: a kd-tree, or boxes eight wide; the picture is the same [auto]");
     add_whole(app, "--share-tree", a.resources.workers_a_tree, 1, 1024,
               "Workers that share one tree, in the memory of one [1: each its own]");
-    add_value(app, "--texture-memory", "Cap of the texture cache [1G]", "SIZE",
+    add_value(app, "--texture-memory",
+              "Memory for textures; what does not fit is made smaller, unless occam texture made it [1G]", "SIZE",
               [&](const std::string& t) { a.resources.texture_bytes = bytes_of(t); });
     add_choice<ProgressStyle>(app, "--progress", a.progress,
                               {{"auto", ProgressStyle::Auto},
@@ -283,14 +284,6 @@ CLI::App& add_verify(CLI::App& app, VerifyArguments& verify)
     return command;
 }
 
-CLI::App& add_compare_command(CLI::App& app, CompareArguments& compare)
-{
-    CLI::App& command = *app.add_subcommand("compare", "Measure how far two pictures are apart");
-    add_compare(command, compare);
-    command.footer("Example: occam compare out.exr reference.exr --heat heat.png --max-rmse 0.01");
-    return command;
-}
-
 struct BenchWords {
     std::vector<std::string> suites;
     std::string only, json;
@@ -324,7 +317,7 @@ std::optional<Finished> read_words(CLI::App& app, int argc, char** argv)
         return std::any_of(all.begin(), all.end(), [&](const CLI::App* command) { return command->get_name() == word; });
     };
     if (argc < 2) {
-        std::cerr << "occam: a command is needed: render, animate, info, verify, compare or bench (occam --help)\n";
+        std::cerr << "occam: a command is needed: render, animate, info, verify, compare, texture or bench (occam --help)\n";
         return Finished{2};
     }
     if (argv[1][0] != '-' && !is_command(argv[1])) {
@@ -360,6 +353,7 @@ Arguments parse(int argc, char** argv)
     InfoArguments info;
     VerifyArguments verify;
     CompareArguments compare;
+    TextureArguments texture;
     BenchWords bench;
 
     CLI::App app("Occam: dynamic multiresolution ray tracing.", "occam");
@@ -376,7 +370,8 @@ Arguments parse(int argc, char** argv)
     CLI::App& animate_app = add_animate(app, animate);
     CLI::App& info_app = add_info(app, info);
     CLI::App& verify_app = add_verify(app, verify);
-    add_compare_command(app, compare);
+    add_compare(app, compare);
+    CLI::App& texture_app = add_texture(app, texture);
     CLI::App& bench_app = add_bench(app, bench);
     if (const auto finished_already = read_words(app, argc, argv)) return *finished_already;
     if (render_app.parsed()) {
@@ -390,6 +385,7 @@ Arguments parse(int argc, char** argv)
     }
     if (bench_app.parsed()) return bench.arguments();
     if (info_app.parsed()) return info;
+    if (texture_app.parsed()) return texture;
     verify.command = words_of_scene({argv, static_cast<std::size_t>(argc)});
     if (verify_app.parsed()) return all_have_effect(verify_app, verify) ? Arguments(verify) : Finished{2};
     return compare;

@@ -1,15 +1,13 @@
-// This is the only source file that uses OpenEXR.
+// This source file and texture/tiled_file.cpp use OpenEXR.
 #include "io/exr_file.h"
 
 #include <Iex.h>
-#include <IlmThreadPool.h>
 #include <ImathBox.h>
 #include <ImfChannelList.h>
 #include <ImfChromaticitiesAttribute.h>
 #include <ImfFloatAttribute.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
-#include <ImfIO.h>
 #include <ImfInputFile.h>
 #include <ImfIntAttribute.h>
 #include <ImfMatrixAttribute.h>
@@ -28,58 +26,13 @@
 #include <vector>
 
 #include "base/overloaded.h"
+#include "io/exr_streams.h"
 
 namespace occam {
 namespace {
 
 using Imath::Box2i;
 using Imath::V2i;
-
-// Returns the number of threads with which the library does all work in the calling thread. It makes the library's pool of
-// threads first. The library would make it after a group of tasks has begun, which waits for ever if there is no memory for
-// it.
-int no_threads()
-{
-    IlmThread::ThreadPool::globalThreadPool();
-    return 0;
-}
-
-// Hands the bytes of the encoder on. Failures are remembered by the receiver.
-class ExrOutput final : public Imf::OStream {
-public:
-    explicit ExrOutput(PictureBytes& to) : OStream("picture"), to_(to) {}
-
-    void write(const char* bytes, int size) override
-    {
-        to_.write_at(bytes, static_cast<std::size_t>(size), at_);
-        at_ += static_cast<std::uint64_t>(size);
-    }
-    std::uint64_t tellp() override { return at_; }
-    void seekp(std::uint64_t position) override { at_ = position; }
-
-private:
-    PictureBytes& to_;
-    std::uint64_t at_ = 0;
-};
-
-class ExrInput final : public Imf::IStream {
-public:
-    explicit ExrInput(ImageBytes& from) : IStream("picture"), from_(from) {}
-
-    bool read(char* to, int size) override
-    {
-        const auto count = static_cast<std::size_t>(size);
-        if (!from_.read(at_, {reinterpret_cast<unsigned char*>(to), count})) throw Iex::InputExc("the file is cut off");
-        at_ += count;
-        return at_ < from_.size();
-    }
-    std::uint64_t tellg() override { return at_; }
-    void seekg(std::uint64_t position) override { at_ = position; }
-
-private:
-    ImageBytes& from_;
-    std::uint64_t at_ = 0;
-};
 
 Imf::PixelType pixel_type(const PictureSpec& spec, std::size_t channel)
 {
@@ -194,7 +147,7 @@ bool is_plain(const VersionedHeader& first)
     // The library keeps a whole row of tiles.
     constexpr unsigned kMostTileSide = 256;
     const Imf::TileDescription& tiles = first.header.tileDescription();
-    return tiles.mode == Imf::ONE_LEVEL && std::max(tiles.xSize, tiles.ySize) <= kMostTileSide;
+    return tiles.mode != Imf::RIPMAP_LEVELS && std::max(tiles.xSize, tiles.ySize) <= kMostTileSide;
 }
 
 PictureSpec spec_of(const Imf::Header& header, int version)

@@ -34,10 +34,10 @@ std::optional<ExrHead> read_exr_head(ImageBytes& file, const char* attribute = "
 /// room for some rows, as it does for open_exr().
 bool has_last_row(ImageBytes file);
 
-/// Opens a plain picture: a single part that is not deep, of scanlines or of small tiles of one level, with the channels R,
-/// G, B and perhaps A, or with Y alone, in floats or halves and without subsampling. Returns null for any other file, and
-/// for one that the library refuses: picture_codec() may know to read it, or to say what is wrong. The library allocates
-/// room for some rows, so the caller has to find the size of read_exr_head() acceptable first.
+/// Opens a plain picture: a single part that is not deep, of scanlines or of small tiles (of their finest level), with the
+/// channels R, G, B and perhaps A, or with Y alone, in floats or halves and without subsampling. Returns null for any other
+/// file, and for one that the library refuses: picture_codec() may know to read it, or to say what is wrong. The library
+/// allocates room for some rows, so the caller has to find the size of read_exr_head() acceptable first.
 std::unique_ptr<PictureReader> open_exr(ImageBytes file);
 
 }  // namespace occam

@@ -10,6 +10,7 @@
 #include "base/srgb.h"
 #include "io/texture/open_image.h"
 #include "io/texture/row_filter.h"
+#include "io/texture/tiled_file.h"
 
 namespace occam {
 
@@ -97,6 +98,7 @@ struct TextureSource::State {
     int left = 0, top = 0;           // where the rows of `input` begin in the texture; they may reach beyond it
     ChannelPlaces places;
     int orientation = kAsStored;
+    bool is_tiled_file = false;
 
     void open(const Texture& texture);
     void place(const PictureSpec& spec, std::uintmax_t file_bytes);
@@ -124,6 +126,7 @@ void TextureSource::State::open(const Texture& texture)
     if (orientation > kUpsideDown) refuse("images that are stored column by column are not read");
     width = input->spec().width, height = input->spec().height;
     if (input->format() != "openexr") return;
+    is_tiled_file = !texture.encoded && TiledFile::is_one(*input);
     place(input->spec(), texture.encoded ? texture.encoded->size() : std::filesystem::file_size(texture.path, error));
 }
 
@@ -194,6 +197,7 @@ TextureSource::TextureSource(TextureSource&&) noexcept = default;
 
 int TextureSource::width() const noexcept { return state_->width; }
 int TextureSource::height() const noexcept { return state_->height; }
+bool TextureSource::is_tiled_file() const noexcept { return state_->is_tiled_file; }
 
 MipImage TextureSource::decode(int halvings) const
 {

@@ -23,6 +23,8 @@ public:
 
     int width() const noexcept;
     int height() const noexcept;
+    /// Returns whether single tiles of it can be read, with all its levels (TiledFile).
+    bool is_tiled_file() const noexcept;
     /// Returns all texels, linear, with all levels; a box filter divides the sides by 2^halvings (to at least 1) while the
     /// file is read. Throws Error.
     MipImage decode(int halvings) const;

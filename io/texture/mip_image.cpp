@@ -6,6 +6,7 @@
 #include "base/half.h"
 #include "base/half_lanes.h"
 #include "base/simd.h"
+#include "io/texture/texel_places.h"
 
 namespace occam {
 
@@ -35,13 +36,6 @@ Taps taps_of(int i, int from, int to) noexcept
     return taps;
 }
 
-// Maps a coordinate into one period of the wrap mode, in which an index fits an int.
-float fold(float s, TextureUse::Wrap wrap) noexcept
-{
-    if (wrap == TextureUse::Wrap::Clamp) return std::clamp(s, 0.0f, 1.0f);
-    return wrap == TextureUse::Wrap::Mirror ? s - 2 * std::floor(s * 0.5f) : s - std::floor(s);
-}
-
 // Returns where the texel of a column begins within a row of tiles, and where the texels of a row begin, in half floats.
 std::size_t offset_of_column(int x) noexcept
 {
@@ -50,22 +44,6 @@ std::size_t offset_of_column(int x) noexcept
 std::size_t offset_of_row(int y, int tiles_x) noexcept
 {
     return (std::size_t(y >> kTileBits) * std::size_t(tiles_x) * kTile + std::size_t(y & (kTile - 1))) * kTile * 4;
-}
-
-// Wraps an index that is at most one texel outside of the period.
-int wrapped(int i, int size, TextureUse::Wrap wrap) noexcept
-{
-    switch (wrap) {
-        case TextureUse::Wrap::Clamp:
-            return std::clamp(i, 0, size - 1);
-        case TextureUse::Wrap::Repeat:
-            return i < 0 ? i + size : i >= size ? i - size : i;
-        case TextureUse::Wrap::Mirror:
-            break;
-    }
-    if (i < 0) i = -1 - i;
-    if (i >= 2 * size) i -= 2 * size;
-    return i >= size ? 2 * size - 1 - i : i;
 }
 
 }  // namespace
@@ -151,27 +129,11 @@ MipImage::Level MipImage::halved(const Level& from)
 Vec4f MipImage::lookup(int level, Vec2f st, TextureUse::Wrap wrap_s, TextureUse::Wrap wrap_t, bool nearest) const noexcept
 {
     const Level& l = levels_[static_cast<std::size_t>(level)];
-    // Texel centres lie at halves.
-    const float x = fold(st.x, wrap_s) * static_cast<float>(l.width) - 0.5f,
-                y = fold(st.y, wrap_t) * static_cast<float>(l.height) - 0.5f;
-    if (nearest)
-        return l.texel(wrapped(static_cast<int>(std::floor(x + 0.5f)), l.width, wrap_s),
-                       wrapped(static_cast<int>(std::floor(y + 0.5f)), l.height, wrap_t));
-    const float x_floor = std::floor(x), y_floor = std::floor(y), fx = x - x_floor, fy = y - y_floor;
-    const int x0 = static_cast<int>(x_floor), y0 = static_cast<int>(y_floor);
-    int xs[2] = {x0, x0 + 1}, ys[2] = {y0, y0 + 1};
-    if (x0 < 0 || xs[1] >= l.width)
-        for (int& i : xs) i = wrapped(i, l.width, wrap_s);
-    if (y0 < 0 || ys[1] >= l.height)
-        for (int& i : ys) i = wrapped(i, l.height, wrap_t);
-    const std::size_t columns[2] = {offset_of_column(xs[0]), offset_of_column(xs[1])};
-    const std::size_t rows[2] = {offset_of_row(ys[0], l.tiles_x), offset_of_row(ys[1], l.tiles_x)};
-    const auto texel_at = [&](int i, int j) { return vfloat4::from_halves(&l.halves[rows[j] + columns[i]]); };
-    const vfloat4 top = texel_at(0, 0) * (1 - fx) + texel_at(1, 0) * fx;
-    const vfloat4 bottom = texel_at(0, 1) * (1 - fx) + texel_at(1, 1) * fx;
-    Vec4f mean;
-    (top * (1 - fy) + bottom * fy).store(&mean.x);
-    return mean;
+    const TexelPlaces at(l.width, l.height, st, wrap_s, wrap_t, nearest);
+    if (nearest) return l.texel(at.x[0], at.y[0]);
+    const std::size_t columns[2] = {offset_of_column(at.x[0]), offset_of_column(at.x[1])};
+    const std::size_t rows[2] = {offset_of_row(at.y[0], l.tiles_x), offset_of_row(at.y[1], l.tiles_x)};
+    return blended(at, [&](int i, int j) { return &l.halves[rows[j] + columns[i]]; });
 }
 
 }  // namespace occam

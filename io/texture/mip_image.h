@@ -34,6 +34,11 @@ public:
     std::size_t clamped_texels() const noexcept { return clamped_texels_; }
 
     Vec4f texel(int level, int x, int y) const noexcept { return levels_[static_cast<std::size_t>(level)].texel(x, y); }
+    /// Returns the four half floats of a texel.
+    const std::uint16_t* halves(int level, int x, int y) const noexcept
+    {
+        return levels_[static_cast<std::size_t>(level)].at(x, y);
+    }
     /// Returns the bilinear or the nearest texel about `st` of a level. `st` is finite; (0, 0) is the top left corner.
     Vec4f lookup(int level, Vec2f st, TextureUse::Wrap wrap_s, TextureUse::Wrap wrap_t, bool nearest) const noexcept;
 

@@ -2,8 +2,10 @@
 // half-float MIP levels.
 //
 // Memory   at most the cap given at construction, if textures of a single tile each fit into it. The sizes of all textures
-//          of the scene are known before the first lookup, and the largest are halved until all would fit together. So a
-//          picture depends neither on which textures are decoded nor on those of earlier frames. A renderer owns the store.
+//          of the scene are known before the first lookup. Those whose files `occam texture` has made (TiledFile) are read
+//          tile by tile, which changes no texel. If the others would not all fit into what the tiles leave, at least three
+//          quarters, the largest are halved until they do. So a picture depends neither on which textures are decoded nor
+//          on those of earlier frames. A renderer owns the store.
 // Threads  prepare() is called by one thread while no other looks up. After that any number of threads may call sample().
 //          The first lookup in a texture decodes it under a lock of that texture alone, so several are decoded at a time.
 // Errors   a texture without a file is grey, with a warning. One whose file or bytes are no image that can be read is grey

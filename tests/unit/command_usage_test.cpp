@@ -16,7 +16,7 @@ TEST_F(CommandUsage, AMistakeIsOneLineThatSaysWhatToDo)
         EXPECT_EQ(o.exit_code, kBadInput);
         EXPECT_EQ(o.err, "occam: " + line + "\n");
     };
-    expect({}, "a command is needed: render, animate, info, verify, compare or bench (occam --help)");
+    expect({}, "a command is needed: render, animate, info, verify, compare, texture or bench (occam --help)");
     expect({"--hlep"}, "there is no option '--hlep' (occam --help)");
     expect({"triangle.obj"},
            "there is no command 'triangle.obj'; to render it: occam render triangle.obj -o triangle.png "

@@ -253,6 +253,7 @@ const Made kPlain[] = {
     {.compression = Imf::NO_COMPRESSION, .order = Imf::DECREASING_Y},
     {.compression = Imf::B44_COMPRESSION, .tile = 32},
     {.types = std::vector<Imf::PixelType>(4, Imf::FLOAT), .order = Imf::RANDOM_Y, .tile = 50},
+    {.tile = 32, .levels = Imf::MIPMAP_LEVELS},
 };
 
 TEST(ExrFile, PlainPicturesAreReadAsTheLibraryForAllFormatsReadsThem)
@@ -293,7 +294,7 @@ TEST(ExrFile, OtherPicturesAreLeftToTheLibraryForAllFormats)
     for (const Made& made :
          {Made{.channels = {"R", "G", "B"}, .types = {Imf::UINT, Imf::UINT, Imf::UINT}},
           Made{.channels = {"R", "G", "depth"}, .types = three}, Made{.channels = {"RY", "BY", "Y"}, .types = three},
-          Made{.channels = {"a.R", "a.G", "a.B"}, .types = three}, Made{.tile = 32, .levels = Imf::MIPMAP_LEVELS},
+          Made{.channels = {"a.R", "a.G", "a.B"}, .types = three}, Made{.tile = 32, .levels = Imf::RIPMAP_LEVELS},
           Made{.tile = 1024}, Made{.channels = {"R", "G", "B"}, .types = three, .sampling = 2}})
         EXPECT_FALSE(open_exr(ImageBytes(make(folder.path() / "a.exr", made)))) << made.channels[2];
     OIIO::ImageSpec spec(8, 8, 3, OIIO::TypeDesc::HALF);

@@ -1,0 +1,104 @@
+#include "io/texture/texture_entry.h"
+
+#include "base/error.h"
+#include "base/stopwatch.h"
+#include "io/texture/decode.h"
+
+namespace occam {
+namespace {
+
+std::string name_of(const Texture& texture) { return texture.name.empty() ? texture.path.string() : texture.name; }
+
+}  // namespace
+
+TextureEntry::TextureEntry(const Texture& texture, std::atomic<bool>& has_failed)
+    : description_(texture), has_failed_(has_failed)
+{
+    std::error_code ignored;
+    if (!texture.encoded && texture.pixels.empty() && !std::filesystem::is_regular_file(texture.path, ignored)) {
+        warnings_.push_back(name_of(texture) + ": there is no such image file: it is grey");
+        return;
+    }
+    try {
+        const TextureSource source(texture);
+        width_ = source.width();
+        height_ = source.height();
+        is_tiled_file_ = source.is_tiled_file();
+        if (texture.encoded) file_bytes_ = texture.encoded->size();
+        else if (texture.pixels.empty()) file_bytes_ = std::filesystem::file_size(texture.path, ignored);
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& error) {
+        add_error(error);
+    }
+}
+
+std::size_t TextureEntry::bytes_of(int halvings) const
+{
+    return width_ > 0 ? MipImage::bytes_of(std::max(1, width_ >> halvings), std::max(1, height_ >> halvings)) : 0;
+}
+
+void TextureEntry::keep(TextureKeeping how)
+{
+    keeping_ = how;
+    if (how.is_in_tiles) tiles_ = std::make_unique<TiledFile>(description_.path, name_of(description_), width_, height_);
+    if (how.halvings > 0)
+        warnings_.push_back(name_of(description_) + ": halved " + std::to_string(how.halvings) +
+                            " times to fit the texture memory; files that occam texture makes need not be");
+}
+
+void TextureEntry::fail(const std::exception& error) noexcept
+{
+    const std::lock_guard lock(decoding_);
+    if (!is_broken_.exchange(true)) add_error(error);
+}
+
+const MipImage& TextureEntry::image(const MipImage& unreadable)
+{
+    if (const MipImage* known = ready_.load(std::memory_order_acquire)) return *known;
+    const std::lock_guard lock(decoding_);
+    if (!ready_.load(std::memory_order_relaxed)) {
+        decode();
+        ready_.store(decoded_ ? decoded_.get() : &unreadable, std::memory_order_release);
+    }
+    return *ready_.load(std::memory_order_relaxed);
+}
+
+void TextureEntry::decode()
+{
+    if (width_ == 0) return;
+    const auto start = Clock::now();
+    try {
+        const TextureSource source(description_);
+        if (source.width() != width_ || source.height() != height_)
+            throw Error(description_.name, "the image has changed while the scene was rendered");
+        decoded_ = std::make_unique<const MipImage>(source.decode(keeping_.halvings));
+        description_.pixels = {};
+        if (const std::size_t texels = decoded_->clamped_texels())
+            warnings_.push_back(description_.name + ": texels that are not finite numbers, or above 65504, were clamped: " +
+                                std::to_string(texels));
+    } catch (const std::bad_alloc&) {
+        lacks_memory_ = true;  // a line for it would need memory, too
+        has_failed_ = true;
+    } catch (const std::exception& error) {
+        add_error(error);
+    }
+    decode_seconds_ = seconds_since(start);
+}
+
+void TextureEntry::add_error(const std::exception& error) noexcept
+{
+    has_failed_ = true;
+    lacks_memory_ |= dynamic_cast<const std::bad_alloc*>(&error) != nullptr;
+    if (lacks_memory_) return;
+    try {
+        // What a library throws names no file.
+        const bool is_named = dynamic_cast<const Error*>(&error) != nullptr;
+        errors_.push_back(is_named ? error.what()
+                                   : Error(name_of(description_), "image cannot be read", error.what()).what());
+    } catch (const std::bad_alloc&) {
+        lacks_memory_ = true;
+    }
+}
+
+}  // namespace occam

@@ -1,0 +1,109 @@
+// One texture of a TextureStore: what is known of its image, and its texels once a lookup has asked for them.
+//
+// Threads  keep() is called before the first lookup; image(), fail() and what asks for counts and messages may be called by
+//          any thread.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "io/texture/mip_image.h"
+#include "io/texture/tiled_file.h"
+#include "scenegraph/texture.h"
+
+namespace occam {
+
+/// Says how a texture is kept in memory.
+struct TextureKeeping {
+    int halvings = 0;
+    bool is_in_tiles = false;  ///< its tiles are read one by one
+    friend bool operator==(const TextureKeeping&, const TextureKeeping&) = default;
+};
+
+/// Holds one texture that the store knows; it is decoded when it is first asked for.
+class TextureEntry {
+public:
+    /// Opens the image to learn its size. Throws std::bad_alloc alone: a missing texture has a warning and no size, and one
+    /// that cannot be opened has an error and no size.
+    /// has_failed   is set if the image cannot be read, now or later; it must outlive the entry
+    TextureEntry(const Texture& texture, std::atomic<bool>& has_failed);
+
+    /// Returns the bytes of the image with all its levels, if it is halved that often; 0 if it cannot be opened.
+    std::size_t bytes_of(int halvings) const;
+    bool is_readable() const { return width_ > 0; }
+    std::uint64_t identity() const { return description_.identity; }
+    /// Returns the texels that decoding will visit, and the bytes of the file from which they come; both are 0 for texels
+    /// that are in memory.
+    std::uintmax_t encoded_texels() const { return file_bytes_ == 0 ? 0 : std::uintmax_t(width_) * std::uintmax_t(height_); }
+    std::uintmax_t file_bytes() const { return file_bytes_; }
+    bool is_tiled_file() const { return is_tiled_file_; }
+    int width() const { return std::max(1, width_ >> keeping_.halvings); }
+    int height() const { return std::max(1, height_ >> keeping_.halvings); }
+    TextureKeeping keeping() const { return keeping_; }
+    /// Says how the image will be kept. It may be called once, before the first lookup.
+    void keep(TextureKeeping how);
+    /// Returns the file of an image that is kept in tiles, else null.
+    TiledFile* tiles() const { return tiles_.get(); }
+    /// Returns whether a tile could not be read; no other is to be asked for then.
+    bool is_broken() const noexcept { return is_broken_; }
+    /// Remembers why a tile could not be read.
+    void fail(const std::exception& error) noexcept;
+
+    /// Returns the image, and decodes it if this is the first call. Callers from other threads wait for it.
+    const MipImage& image(const MipImage& unreadable);
+    std::size_t decoded_bytes() const
+    {
+        const std::lock_guard lock(decoding_);
+        return decoded_ ? decoded_->bytes() : 0;
+    }
+    double decode_seconds() const
+    {
+        const std::lock_guard lock(decoding_);
+        return decode_seconds_;
+    }
+    /// Returns whether decoding it has failed for lack of memory. The next frame may have more.
+    bool lacks_memory() const
+    {
+        const std::lock_guard lock(decoding_);
+        return lacks_memory_;
+    }
+    std::vector<std::string> warnings() const
+    {
+        const std::lock_guard lock(decoding_);
+        return warnings_;
+    }
+    std::vector<std::string> errors() const
+    {
+        const std::lock_guard lock(decoding_);
+        if (lacks_memory_) throw std::bad_alloc();
+        return errors_;
+    }
+
+private:
+    void decode();
+    void add_error(const std::exception& error) noexcept;
+
+    std::atomic<const MipImage*> ready_{nullptr};
+    Texture description_;
+    std::atomic<bool>& has_failed_;
+    int width_ = 0, height_ = 0;
+    bool is_tiled_file_ = false;
+    TextureKeeping keeping_;
+    std::unique_ptr<TiledFile> tiles_;
+    std::atomic<bool> is_broken_ = false;  ///< a tile could not be read
+    std::uintmax_t file_bytes_ = 0;
+    mutable std::mutex decoding_;  // guards the members below
+    std::unique_ptr<const MipImage> decoded_;
+    std::vector<std::string> warnings_, errors_;
+    double decode_seconds_ = 0;
+    bool lacks_memory_ = false;
+};
+
+}  // namespace occam

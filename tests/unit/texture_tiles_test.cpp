@@ -1,0 +1,246 @@
+// Tests of texture files that are read tile by tile: `occam texture` makes them, and no texel depends on it.
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <cstring>
+#include <fstream>
+#include <random>
+#include <thread>
+
+#include "base/error.h"
+#include "io/texture/texture_store.h"
+#include "io/texture/tile_cache.h"
+#include "io/texture/tiled_file.h"
+#include "scenegraph/scene.h"
+#include "tests/support/command_test.h"
+#include "tests/support/temp_folder.h"
+
+namespace occam::test {
+namespace {
+
+float uniform(std::mt19937& random, float least, float most)
+{
+    return least + (most - least) * static_cast<float>(random() >> 8) * 0x1p-24f;
+}
+
+MipImage random_image(int width, int height)
+{
+    std::mt19937 random(7);
+    MipImage image(width, height);
+    std::vector<Vec4f> row(static_cast<std::size_t>(width));
+    for (int y = 0; y < height; ++y) {
+        for (Vec4f& texel : row)
+            for (int c = 0; c < 4; ++c) texel[c] = uniform(random, -0.5f, 3);
+        image.write_row(y, row);
+    }
+    image.build_levels();
+    return image;
+}
+
+// One texel is looked up at random places, by all wrap modes and at all levels.
+struct Places {
+    std::mt19937 random{3};
+    int level = 0;
+    Vec2f st{0};
+    TextureUse::Wrap wrap_s{}, wrap_t{};
+    bool is_nearest = false;
+
+    void draw(int levels)
+    {
+        constexpr TextureUse::Wrap kWraps[] = {TextureUse::Wrap::Repeat, TextureUse::Wrap::Clamp, TextureUse::Wrap::Mirror};
+        level = static_cast<int>(random() % static_cast<unsigned>(levels));
+        st.x = uniform(random, -2, 3);
+        st.y = uniform(random, -2, 3);
+        wrap_s = kWraps[random() % 3];
+        wrap_t = kWraps[random() % 3];
+        is_nearest = random() % 4 == 0;
+    }
+};
+
+TEST(TiledTextures, HaveTheTexelsOfTheImageInMemory)
+{
+    const TempFolder folder;
+    for (const auto& [width, height] : {std::pair(1, 1), {64, 64}, {100, 37}, {65, 130}, {3, 200}, {300, 257}}) {
+        const MipImage image = random_image(width, height);
+        TiledFile::write(image, folder.path() / "a.tx");
+        TiledFile file(folder.path() / "a.tx", "a.tx", width, height);
+        ASSERT_EQ(file.level_count(), image.level_count());
+        for (const std::size_t limit : {std::size_t(1), std::size_t(1) << 30}) {
+            TileCache cache(limit);
+            Places at;
+            for (int n = 0; n < 3000; ++n) {
+                at.draw(image.level_count());
+                const Vec4f expected = image.lookup(at.level, at.st, at.wrap_s, at.wrap_t, at.is_nearest);
+                const Vec4f found = cache.lookup(file, at.level, at.st, at.wrap_s, at.wrap_t, at.is_nearest);
+                ASSERT_EQ(std::memcmp(&found, &expected, sizeof found), 0)
+                    << width << " x " << height << ", level " << at.level << ", at " << at.st.x << ' ' << at.st.y;
+            }
+        }
+    }
+}
+
+TEST(TiledTextures, StayWithinTheirLimitAndAreReadOnceWhileTheyFit)
+{
+    const TempFolder folder;
+    const MipImage image = random_image(1024, 512);
+    TiledFile::write(image, folder.path() / "a.tx");
+    TiledFile file(folder.path() / "a.tx", "a.tx", 1024, 512);
+    TileCache small(std::size_t(3) << 20), large(std::size_t(8) << 20);
+    for (TileCache* cache : {&small, &large}) {
+        Places at;
+        for (int n = 0; n < 20000; ++n) {
+            at.draw(2);
+            cache->lookup(file, at.level, at.st, at.wrap_s, at.wrap_t, at.is_nearest);
+            ASSERT_LE(cache->bytes(), cache == &small ? std::size_t(3) << 20 : std::size_t(8) << 20);
+        }
+    }
+    EXPECT_EQ(large.tiles_read(), 16u * 8 + 8 * 4);
+    EXPECT_GT(small.tiles_read(), large.tiles_read());
+}
+
+TEST(TiledTextures, AreLookedUpByManyThreads)
+{
+    const TempFolder folder;
+    const MipImage image = random_image(512, 512);
+    TiledFile::write(image, folder.path() / "a.tx");
+    TiledFile file(folder.path() / "a.tx", "a.tx", 512, 512);
+    TileCache cache(std::size_t(1) << 20);
+    std::atomic<int> wrong = 0;
+    {
+        std::vector<std::jthread> threads;
+        for (unsigned t = 0; t < 4; ++t)
+            threads.emplace_back([&, t] {
+                Places at;
+                at.random.seed(t);
+                for (int n = 0; n < 2000; ++n) {
+                    at.draw(image.level_count());
+                    const Vec4f found = cache.lookup(file, at.level, at.st, at.wrap_s, at.wrap_t, at.is_nearest);
+                    wrong += found != image.lookup(at.level, at.st, at.wrap_s, at.wrap_t, at.is_nearest);
+                }
+            });
+    }
+    EXPECT_EQ(wrong, 0);
+}
+
+// Returns the text of a file.
+std::string bytes_of(const std::filesystem::path& file)
+{
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// A file may be damaged, or change between two lookups. The texture is then grey, and an error names it.
+TEST(TiledTextures, AFileThatIsDamagedOrExchangedIsAnError)
+{
+    const TempFolder folder;
+    TiledFile::write(random_image(600, 600), folder.path() / "a.tx");
+    TiledFile::write(random_image(300, 600), folder.path() / "b.tx");
+    const std::string good = bytes_of(folder.path() / "a.tx");
+    std::string torn = good;
+    std::fill(torn.begin() + std::ptrdiff_t(torn.size() / 3), torn.end() - 4, '\x5a');
+    for (const std::string& bytes :
+         {bytes_of(folder.path() / "b.tx"), good.substr(0, good.size() / 2), torn, std::string()}) {
+        std::ofstream(folder.path() / "c.tx", std::ios::binary) << good;
+        Scene scene;
+        Texture texture;
+        texture.path = folder.path() / "c.tx";
+        texture.name = "c.tx";
+        const TextureId id = scene.add(texture);
+        TextureStore store(std::size_t(1) << 30);
+        store.prepare(scene);
+        std::ofstream(folder.path() / "c.tx", std::ios::binary | std::ios::trunc) << bytes;
+        TextureUse use;
+        use.texture = id;
+        EXPECT_FALSE(store.has_failed());
+        bool is_grey = false;
+        for (int n = 0; n < 100; ++n)
+            is_grey |= store.sample(use, Vec2f(0.1f * float(n % 10), 0.01f * float(n)), 0) == Vec4f(0.5f, 0.5f, 0.5f, 1);
+        EXPECT_TRUE(is_grey);
+        EXPECT_TRUE(store.has_failed());
+        ASSERT_EQ(store.errors().size(), 1u);
+        EXPECT_EQ(store.errors()[0].find("c.tx: "), 0u) << store.errors()[0];
+    }
+}
+
+// More files than a process may open are read all the same.
+TEST(TiledTextures, MayBeMoreThanCanBeOpen)
+{
+    const TempFolder folder;
+    const MipImage image = random_image(70, 5);
+    Scene scene;
+    std::vector<TextureId> ids;
+    for (int i = 0; i < 1200; ++i) {
+        Texture texture;
+        texture.path = folder.path() / (std::to_string(i) + ".tx");
+        texture.name = texture.path.filename();
+        if (i == 0) TiledFile::write(image, texture.path);
+        else std::filesystem::create_hard_link(folder.path() / "0.tx", texture.path);
+        ids.push_back(scene.add(texture));
+    }
+    rlimit before{};
+    ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+    const rlimit few{std::min<rlim_t>(before.rlim_cur, 600), before.rlim_max};
+    ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &few), 0);
+    TextureStore store(std::size_t(1) << 20);
+    store.prepare(scene);
+    for (const float u : {0.1f, 0.99f})
+        for (const TextureId id : ids) {
+            TextureUse use;
+            use.texture = id;
+            EXPECT_EQ(store.sample(use, Vec2f(u), 0), image.lookup(0, Vec2f(u), use.wrap_s, use.wrap_t, false));
+        }
+    setrlimit(RLIMIT_NOFILE, &before);
+    EXPECT_TRUE(store.errors().empty());
+    EXPECT_TRUE(store.warnings().empty()) << "nothing is halved";
+}
+
+class TextureCommand : public CommandTest {
+protected:
+    // Writes a square whose colour is a file.
+    void write_square(const std::string& name, const std::string& image) const
+    {
+        std::ofstream(folder / (name + ".mtl")) << "newmtl a\nKd 1 1 1\nmap_Kd " << image << '\n';
+        std::ofstream(folder / (name + ".obj")) << "mtllib " << name << ".mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\n"
+                                                << "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3 4/4\n";
+    }
+    // Returns the picture of it.
+    std::string picture_of(const std::string& name, const std::string& memory) const
+    {
+        const Outcome o = run({"render", name + ".obj", "-o", name + ".exr", "--size", "90x60", "--spp", "4", "-q",
+                               "--texture-memory", memory, "--look-at=0,0,1.2,0,0,0", "--integrator", "direct"});
+        EXPECT_EQ(o.exit_code, 0) << o.err;
+        return bytes_of(folder / (name + ".exr"));
+    }
+};
+
+TEST_F(TextureCommand, MakesFilesOfWhichAPictureIsTheSameInAnyMemory)
+{
+    ASSERT_EQ(run({"render", "-o", "wood.png", "--size", "600x400", "--spp", "1", "-q"}).exit_code, 0);
+    ASSERT_EQ(run({"texture", "wood.png", "wood.tx"}).exit_code, 0);
+    write_square("plain", "wood.png");
+    write_square("tiled", "wood.tx");
+    const auto pixels = [&](const std::string& a, const std::string& b) {
+        return run({"compare", a + ".exr", b + ".exr", "--max-error", "0"}).exit_code;
+    };
+    picture_of("plain", "1G");
+    for (const char* memory : {"1G", "64K"}) {
+        picture_of("tiled", memory);
+        EXPECT_EQ(pixels("plain", "tiled"), 0) << memory;
+    }
+    picture_of("plain", "64K");
+    EXPECT_EQ(pixels("plain", "tiled"), 1) << "an image that is not tiled is halved";
+}
+
+TEST_F(TextureCommand, RefusesWhatItCannotReadOrWrite)
+{
+    EXPECT_EQ(run({"texture", "triangle.obj", "a.tx"}).exit_code, 2);
+    EXPECT_EQ(run({"texture", "absent.png", "a.tx"}).exit_code, 2);
+    ASSERT_EQ(run({"render", "triangle.obj", "-o", "a.png", "--size", "8x8", "-q"}).exit_code, 0);
+    EXPECT_EQ(run({"texture", "a.png", "no/such/folder/a.tx"}).exit_code, 3);
+    EXPECT_NE(run({"texture", "a.png", "a.png"}).exit_code, 0) << "it would replace its own input";
+    EXPECT_FALSE(fs::exists(folder / "a.tx"));
+    EXPECT_EQ(run({"texture", "a.png"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace occam::test
