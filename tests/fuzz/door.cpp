@@ -53,10 +53,12 @@ std::uint64_t sum_of(std::string_view bytes)
 
 }  // namespace
 
-void write_file(const std::string& name, std::string_view bytes)
+std::filesystem::path write_file(const std::string& name, std::string_view bytes)
 {
-    std::ofstream stream(folder() / name, std::ios::binary | std::ios::trunc);
+    std::filesystem::path file = folder() / name;
+    std::ofstream stream(file, std::ios::binary | std::ios::trunc);
     stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    return file;
 }
 
 void pass_door(const std::string& name, std::string_view bytes)

@@ -6,7 +6,7 @@ cd "$(dirname "$0")/../.."
 seconds=${1:?usage: tests/fuzz/run.sh SECONDS [TARGET ...]}
 shift
 targets=("$@")
-[ ${#targets[@]} -gt 0 ] || targets=(gltf glb obj mtl ply off stl texture)
+[ ${#targets[@]} -gt 0 ] || targets=(gltf glb obj mtl ply off stl texture tiled)
 build=build/fuzz
 mkdir -p $build/findings
 shared=${OCCAM_SHARED:-../shared}

@@ -23,6 +23,30 @@ def png():
             chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 
 
+def tiled(width, height):
+    """Returns a texture of grey texels as `occam texture` writes it, but without compression."""
+    def attribute(name, kind, data):
+        return name + b"\0" + kind + b"\0" + struct.pack("<i", len(data)) + data
+
+    window = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    channels = b"".join(c + b"\0" + struct.pack("<4i", 1, 0, 1, 1) for c in (b"A", b"B", b"G", b"R")) + b"\0"
+    header = struct.pack("<2I", 20000630, 0x202) + b"".join(attribute(*a) for a in (
+        (b"channels", b"chlist", channels), (b"compression", b"compression", b"\0"), (b"dataWindow", b"box2i", window),
+        (b"displayWindow", b"box2i", window), (b"lineOrder", b"lineOrder", b"\0"), (b"occam_texture", b"string", b"1"),
+        (b"pixelAspectRatio", b"float", struct.pack("<f", 1)), (b"screenWindowCenter", b"v2f", struct.pack("<2f", 0, 0)),
+        (b"screenWindowWidth", b"float", struct.pack("<f", 1)), (b"tiles", b"tiledesc", struct.pack("<2IB", 64, 64, 1)))) + b"\0"
+    tiles = []
+    for level in range(max(width, height).bit_length()):
+        wide, high = max(1, width >> level), max(1, height >> level)
+        for y in range(0, high, 64):
+            for x in range(0, wide, 64):
+                texels = min(64, wide - x) * min(64, high - y)
+                tiles.append(struct.pack("<5i", x // 64, y // 64, level, level, 8 * texels) + struct.pack("<H", 0x3800) * 4 * texels)
+    at = len(header) + 8 * len(tiles)
+    offsets = [at + sum(len(t) for t in tiles[:i]) for i in range(len(tiles))]
+    return header + struct.pack(f"<{len(tiles)}Q", *offsets) + b"".join(tiles)
+
+
 def gltf(buffer):
     """Returns a scene with a bit of everything that the importer reads."""
     data_uri = "data:image/png;base64," + base64.b64encode(png()).decode()
@@ -83,6 +107,8 @@ def own_seeds():
     yield "stl", "binary", b"\0" * 80 + struct.pack("<I12fH", 1, 0, 0, 1, *corners, 0)
     yield "texture", "png", png()
     yield "texture", "bmp", struct.pack("<2sIHHI", b"BM", 58, 0, 0, 54) + struct.pack("<IiiHHIIiiII", 40, 1, 1, 1, 24, 0, 4, 0, 0, 0, 0) + b"abc\0"
+    yield "tiled", "small", tiled(3, 2)
+    yield "tiled", "two_tiles", tiled(66, 5)
     yield "texture", "hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\nabcdefgh"
 
 
