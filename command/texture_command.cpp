@@ -20,7 +20,7 @@ int run(const TextureArguments& a)
     if (const std::size_t texels = image.clamped_texels())
         std::fprintf(stderr, "occam: %s: texels that are not finite numbers, or above 65504, were clamped: %zu\n",
                      printable_line(a.image.string()).c_str(), texels);
-    TiledFile::write(image, a.out);
+    TiledFile::write(image, texture.role, a.out);
     return 0;
 }
 

@@ -161,6 +161,8 @@ PictureSpec spec_of(const Imf::Header& header, int version)
     if (Imf::isTiled(version)) {
         spec.tile_width = static_cast<int>(header.tileDescription().xSize);
         spec.tile_height = static_cast<int>(header.tileDescription().ySize);
+        const Imf::TileDescription& tiles = header.tileDescription();
+        spec.has_levels = tiles.mode == Imf::MIPMAP_LEVELS && tiles.roundingMode == Imf::ROUND_DOWN;
     }
     spec.channels = plain_channels(header.channels());
     spec.type = SampleType::Half;

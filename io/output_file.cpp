@@ -275,7 +275,7 @@ void refuse_inputs(std::span<const fs::path> outputs, std::span<const fs::path> 
     if (known.empty()) return;
     for (const fs::path& output : outputs)
         if (const auto place = place_of(output); place && known.contains(*place))
-            throw Error(output.string(), "is read for the picture, so it cannot be written");
+            throw Error(output.string(), "is an input, so it cannot be written");
 }
 
 void remove_unfinished(std::span<const fs::path> outputs) noexcept

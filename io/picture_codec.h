@@ -42,6 +42,7 @@ struct PictureSpec {
     int full_x = 0, full_y = 0, full_width = 0, full_height = 0;
     int tile_width = 0, tile_height = 0;  ///< 0: the file has no tiles
     bool is_deep = false;
+    bool has_levels = false;  ///< MIP levels, each side half as long and rounded down; told of OpenEXR files of one part
     SampleType type = SampleType::Float;
     std::vector<std::string> channels;
     std::vector<SampleType> channel_types;  ///< empty: all are of `type`

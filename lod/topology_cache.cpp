@@ -131,8 +131,8 @@ void TopologyCache::prune(std::span<const Scene* const> scenes)
     const std::lock_guard lock(state_->mutex);
     if (std::erase_if(state_->entries, is_gone) == 0) return;
     std::erase_if(state_->topologies, [](const auto& entry) {
-        const std::unique_lock making(entry.second->mutex, std::try_to_lock);
-        return making && entry.second->topology.use_count() <= 1;  // one that is being made is wanted
+        // One that is being made, or is about to be, has another owner.
+        return entry.second.use_count() == 1 && entry.second->topology.use_count() <= 1;
     });
 }
 

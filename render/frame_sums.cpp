@@ -20,11 +20,12 @@ std::size_t tile_count(const PixelRect& area)
 }
 
 // Returns a hash of the settings and the camera, without those settings that do not change the finished picture: the
-// deadline, and whether the frame is made in rounds.
+// deadline, whether the frame is made in rounds, and the least number of samples where no pixel ends early.
 std::uint64_t identity_of(Settings settings, const Camera& camera)
 {
     settings.deadline_s = 0;
     settings.progressive = false;
+    if (!(settings.error > 0)) settings.min_spp = Settings().min_spp;
     const auto add = [](const auto& value, std::uint64_t h) { return fnv1a(&value, sizeof value, h); };
     const std::string text = std::string(kVersion) + to_json(settings);
     std::uint64_t h = fnv1a(text.data(), text.size());

@@ -11,6 +11,9 @@
 namespace occam::render {
 namespace {
 
+// Tiles that are made together from their first to their last sample cannot be shared by workers.
+constexpr int kMostTilesThatEndEarly = 4;
+
 double thread_seconds()
 {
     timespec t{};
@@ -43,8 +46,10 @@ bool Worker::make(std::span<const PixelRect> tiles, int before, int target, Film
 
 std::size_t Worker::tiles_at_once(int samples) const noexcept
 {
+    const bool may_end_early = context_.settings.error > 0;
     const int next = std::min(samples, next_check(0));
-    return static_cast<std::size_t>(std::max(1, batch_rays_ / (next * kTileSide * kTileSide)));
+    const int tiles = std::max(1, batch_rays_ / (next * kTileSide * kTileSide));
+    return static_cast<std::size_t>(may_end_early ? std::min(tiles, kMostTilesThatEndEarly) : tiles);
 }
 
 void Worker::count_rays_into(FrameStats& stats) const

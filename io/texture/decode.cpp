@@ -98,7 +98,7 @@ struct TextureSource::State {
     int left = 0, top = 0;           // where the rows of `input` begin in the texture; they may reach beyond it
     ChannelPlaces places;
     int orientation = kAsStored;
-    bool is_tiled_file = false;
+    bool is_tiled_file = false, has_other_role = false;
 
     void open(const Texture& texture);
     void place(const PictureSpec& spec, std::uintmax_t file_bytes);
@@ -126,7 +126,9 @@ void TextureSource::State::open(const Texture& texture)
     if (orientation > kUpsideDown) refuse("images that are stored column by column are not read");
     width = input->spec().width, height = input->spec().height;
     if (input->format() != "openexr") return;
-    is_tiled_file = !texture.encoded && TiledFile::is_one(*input);
+    const bool is_tiled = TiledFile::is_one(*input);
+    is_tiled_file = is_tiled && !texture.encoded;
+    has_other_role = is_tiled && TiledFile::role_of(*input) != role;
     place(input->spec(), texture.encoded ? texture.encoded->size() : std::filesystem::file_size(texture.path, error));
 }
 
@@ -198,6 +200,7 @@ TextureSource::TextureSource(TextureSource&&) noexcept = default;
 int TextureSource::width() const noexcept { return state_->width; }
 int TextureSource::height() const noexcept { return state_->height; }
 bool TextureSource::is_tiled_file() const noexcept { return state_->is_tiled_file; }
+bool TextureSource::has_texels_of_another_role() const noexcept { return state_->has_other_role; }
 
 MipImage TextureSource::decode(int halvings) const
 {

@@ -24,6 +24,11 @@ TextureEntry::TextureEntry(const Texture& texture, std::atomic<bool>& has_failed
         width_ = source.width();
         height_ = source.height();
         is_tiled_file_ = source.is_tiled_file();
+        if (source.has_texels_of_another_role())
+            warnings_.push_back(name_of(texture) + (texture.role == TextureRole::Data
+                                                        ? ": it was made for colours (occam texture without --data)"
+                                                        : ": it was not made for colours (occam texture --data)"));
+        is_file_ = !texture.encoded && texture.pixels.empty();
         if (texture.encoded) file_bytes_ = texture.encoded->size();
         else if (texture.pixels.empty()) file_bytes_ = std::filesystem::file_size(texture.path, ignored);
     } catch (const std::bad_alloc&) {
@@ -44,7 +49,17 @@ void TextureEntry::keep(TextureKeeping how)
     if (how.is_in_tiles) tiles_ = std::make_unique<TiledFile>(description_.path, name_of(description_), width_, height_);
     if (how.halvings > 0)
         warnings_.push_back(name_of(description_) + ": halved " + std::to_string(how.halvings) +
-                            " times to fit the texture memory; files that occam texture makes need not be");
+                            " times to fit the texture memory" +
+                            (is_file_ ? "; a file that occam texture makes of it is not halved" : ""));
+}
+
+void TextureEntry::check_tiles() noexcept
+{
+    try {
+        tiles_->check();
+    } catch (const std::exception& error) {
+        fail(error);
+    }
 }
 
 void TextureEntry::fail(const std::exception& error) noexcept

@@ -49,6 +49,8 @@ public:
     TextureKeeping keeping() const { return keeping_; }
     /// Says how the image will be kept. It may be called once, before the first lookup.
     void keep(TextureKeeping how);
+    /// Reads all tiles of an image that is kept in tiles, so that errors() knows whether they can be read.
+    void check_tiles() noexcept;
     /// Returns the file of an image that is kept in tiles, else null.
     TiledFile* tiles() const { return tiles_.get(); }
     /// Returns whether a tile could not be read; no other is to be asked for then.
@@ -94,7 +96,7 @@ private:
     Texture description_;
     std::atomic<bool>& has_failed_;
     int width_ = 0, height_ = 0;
-    bool is_tiled_file_ = false;
+    bool is_file_ = false, is_tiled_file_ = false;
     TextureKeeping keeping_;
     std::unique_ptr<TiledFile> tiles_;
     std::atomic<bool> is_broken_ = false;  ///< a tile could not be read

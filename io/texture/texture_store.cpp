@@ -159,7 +159,7 @@ struct TextureStore::State {
     std::atomic<bool> has_failed = false;  ///< some texture could not be read, perhaps one that is forgotten since
     std::map<std::uint64_t, std::shared_ptr<TextureEntry>> entries;  // by identity
     std::vector<Slot> slots;                                         // by TextureId
-    std::unique_ptr<TileCache> tiles;                                // of the entries that are kept in tiles
+    TileCache tiles{0};                                              // of the entries that are kept in tiles
 };
 
 TextureStore::TextureStore(std::size_t cap_bytes) : state_(std::make_unique<State>(cap_bytes)) {}
@@ -182,7 +182,6 @@ void TextureStore::prepare(const Scene& scene)
     if (fresh.empty() && ids.size() == state_->entries.size()) return;  // the textures are those of the frame before
     check_texels(fresh);
     const Plan plan = plan_for(all, state_->cap_bytes);
-    auto tiles = std::make_unique<TileCache>(plan.tile_bytes);
     std::map<std::uint64_t, std::shared_ptr<TextureEntry>> entries;
     std::vector<State::Slot> slots;
     for (std::size_t i = 0; i < ids.size(); ++i) {
@@ -198,15 +197,15 @@ void TextureStore::prepare(const Scene& scene)
     }
     state_->entries.swap(entries);
     state_->slots.swap(slots);
-    state_->tiles.swap(tiles);
+    state_->tiles.set_limit(plan.tile_bytes);
 }
 
 void TextureStore::clear() noexcept
 {
     state_->has_failed = false;
     state_->slots.clear();
-    state_->tiles.reset();
     state_->entries.clear();
+    state_->tiles.set_limit(0);
 }
 
 void TextureStore::decode_all()
@@ -216,7 +215,8 @@ void TextureStore::decode_all()
     std::atomic<std::size_t> next{0};
     const auto work = [&] {
         for (std::size_t i; (i = next.fetch_add(1)) < all.size();)
-            if (!all[i]->tiles()) all[i]->image(state_->unreadable);
+            if (all[i]->tiles()) all[i]->check_tiles();
+            else all[i]->image(state_->unreadable);
     };
     std::vector<std::jthread> workers;
     const std::size_t threads = std::min<std::size_t>(all.size(), std::thread::hardware_concurrency());
@@ -257,7 +257,7 @@ Vec4f TextureStore::sample(const TextureUse& use, Vec2f uv, Vec2f width) const n
     if (!std::isfinite(st.y)) st.y = 0;
 
     if (TiledFile* const tiles = found->tiles())
-        return filtered(ImageInTiles(*tiles, *state_->tiles, *found), use, st, width);
+        return filtered(ImageInTiles(*tiles, state_->tiles, *found), use, st, width);
     return filtered(found->image(state_->unreadable), use, st, width);
 }
 
@@ -274,14 +274,14 @@ std::uint64_t TextureStore::halvings_hash() const noexcept
 
 std::size_t TextureStore::bytes() const noexcept
 {
-    std::size_t sum = state_->tiles ? state_->tiles->bytes() : 0;
+    std::size_t sum = state_->tiles.bytes();
     for (const auto& [identity, entry] : state_->entries) sum += entry->decoded_bytes();
     return sum;
 }
 
 double TextureStore::decode_seconds() const noexcept
 {
-    double sum = state_->tiles ? state_->tiles->read_seconds() : 0;
+    double sum = state_->tiles.read_seconds();
     for (const auto& [identity, entry] : state_->entries) sum += entry->decode_seconds();
     return sum;
 }

@@ -1,7 +1,8 @@
 // The textures of a scene, ready for lookup: each is decoded when a lookup first asks for it, made linear, and kept as
 // half-float MIP levels.
 //
-// Memory   at most the cap given at construction, if textures of a single tile each fit into it. The sizes of all textures
+// Memory   at most the cap given at construction, if textures of a single tile each fit into it and 2 MB of tiles beside
+// them. The sizes of all textures
 //          of the scene are known before the first lookup. Those whose files `occam texture` has made (TiledFile) are read
 //          tile by tile, which changes no texel. If the others would not all fit into what the tiles leave, at least three
 //          quarters, the largest are halved until they do. So a picture depends neither on which textures are decoded nor
@@ -37,7 +38,8 @@ public:
     void prepare(const Scene& scene);
     /// Forgets all textures.
     void clear() noexcept;
-    /// Decodes all known textures now, on several threads, so that errors() is then complete.
+    /// Decodes all known textures now, on several threads, and reads all tiles of those in tiles, so that errors() is then
+    /// complete.
     void decode_all();
 
     /// Returns the filtered texel of `use` at texture coordinates `uv` (before the use's own transform), linear RGBA.
@@ -60,9 +62,9 @@ public:
     /// Returns a hash of how often each texture is halved to fit the memory; 0 if none is.
     std::uint64_t halvings_hash() const noexcept;
 
-    /// Returns the bytes of all decoded textures.
+    /// Returns the bytes of all decoded textures and of the tiles in memory.
     std::size_t bytes() const noexcept;
-    /// Returns the seconds that threads have spent on decoding known textures, summed.
+    /// Returns the seconds that threads have spent on decoding known textures and reading tiles, summed.
     double decode_seconds() const noexcept;
     /// Returns warnings: textures without a file, those that were halved, and those with clamped texels, in the order of
     /// the textures' identities.

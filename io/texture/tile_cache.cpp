@@ -7,8 +7,17 @@
 #include "base/stopwatch.h"
 
 namespace occam {
+namespace {
 
-TileCache::TileCache(std::size_t limit_bytes) : most_bytes_a_part_(limit_bytes / kParts) {}
+constexpr std::size_t kLeastTiles = 4;  // of each part of the cache
+
+}  // namespace
+
+void TileCache::set_limit(std::size_t limit_bytes) noexcept
+{
+    most_bytes_a_part_ = limit_bytes / kParts;
+    for (Part& part : parts_) part.keep_to(most_bytes_a_part_);
+}
 
 const TextureTile* TileCache::Part::find(Key key) noexcept
 {
@@ -20,11 +29,15 @@ const TextureTile* TileCache::Part::find(Key key) noexcept
 
 void TileCache::Part::keep(Key key, TextureTile tile, std::size_t most_bytes)
 {
-    constexpr std::size_t kLeastTiles = 4;
     if (slots.size() == slots.capacity()) slots.reserve(2 * slots.size() + kLeastTiles);
     places.emplace(key, slots.size());
     bytes += tile.bytes();
     slots.push_back({key, true, std::move(tile)});
+    keep_to(most_bytes);
+}
+
+void TileCache::Part::keep_to(std::size_t most_bytes) noexcept
+{
     while (bytes > most_bytes && slots.size() > kLeastTiles) forget_one();
 }
 
@@ -41,29 +54,28 @@ void TileCache::Part::forget_one() noexcept
     hand = hand < slots.size() ? hand : 0;
 }
 
-TextureTile TileCache::read(TiledFile& file, int level, int column, int row)
-{
-    const auto start = Clock::now();
-    TextureTile tile = file.read(level, column, row);
-    nanoseconds_ += static_cast<std::int64_t>(1e9 * seconds_since(start));
-    ++tiles_read_;
-    return tile;
-}
-
 template <class Use>
 void TileCache::with_tile(TiledFile& file, int level, int column, int row, Use&& use)
 {
     // A level has at most 256 x 256 tiles, and a file at most fifteen levels.
     const Key key = file.number() << 24 | Key(level) << 18 | Key(row) << 9 | Key(column);
     Part& part = parts_[mix_bits(key) % kParts];
-    {
+    const auto use_known = [&] {
         const std::lock_guard lock(part.mutex);
-        if (const TextureTile* known = part.find(key)) return use(*known);
-    }
-    TextureTile tile = read(file, level, column, row);
+        const TextureTile* const known = part.find(key);
+        if (known) use(*known);
+        return known != nullptr;
+    };
+    if (use_known()) return;
+    const std::lock_guard reading(file.reading());
+    if (use_known()) return;  // another thread has read it meanwhile
+    const auto start = Clock::now();
+    TextureTile tile = file.read(level, column, row);
+    nanoseconds_ += static_cast<std::int64_t>(1e9 * seconds_since(start));
+    ++tiles_read_;
     use(std::as_const(tile));
     const std::lock_guard lock(part.mutex);
-    if (!part.find(key)) part.keep(key, std::move(tile), most_bytes_a_part_);  // another thread may have read it, too
+    part.keep(key, std::move(tile), most_bytes_a_part_);
 }
 
 Vec4f TileCache::lookup(TiledFile& file, int level, Vec2f st, TextureUse::Wrap wrap_s, TextureUse::Wrap wrap_t, bool nearest)

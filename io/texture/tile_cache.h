@@ -23,7 +23,9 @@ namespace occam {
 
 class TileCache {
 public:
-    explicit TileCache(std::size_t limit_bytes);
+    explicit TileCache(std::size_t limit_bytes) { set_limit(limit_bytes); }
+    /// Forgets tiles if there are too many now. No other thread looks up meanwhile.
+    void set_limit(std::size_t limit_bytes) noexcept;
 
     /// Returns the bilinear or the nearest texel about `st` of a level, with the bits of MipImage::lookup(). Throws what
     /// TiledFile::read() throws, and std::bad_alloc.
@@ -51,16 +53,16 @@ private:
 
         const TextureTile* find(Key key) noexcept;
         void keep(Key key, TextureTile tile, std::size_t most_bytes);
+        void keep_to(std::size_t most_bytes) noexcept;
         void forget_one() noexcept;
     };
     static constexpr std::size_t kParts = 16;
 
-    TextureTile read(TiledFile& file, int level, int column, int row);
     /// Calls `use` with a tile while it cannot give way.
     template <class Use>
     void with_tile(TiledFile& file, int level, int column, int row, Use&& use);
 
-    std::size_t most_bytes_a_part_;
+    std::size_t most_bytes_a_part_ = 0;
     std::array<Part, kParts> parts_;
     std::atomic<std::int64_t> nanoseconds_ = 0;
     std::atomic<std::uint64_t> tiles_read_ = 0;

@@ -7,14 +7,16 @@
 #include <ImfTileDescription.h>
 #include <ImfTiledInputFile.h>
 #include <ImfTiledOutputFile.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <atomic>
 #include <bit>
-#include <mutex>
+#include <span>
 #include <utility>
 
 #include "base/error.h"
+#include "io/exr_file.h"
 #include "io/exr_streams.h"
 #include "io/output_file.h"
 #include "io/texture/image_header.h"
@@ -23,11 +25,28 @@ namespace occam {
 namespace {
 
 constexpr const char *kAttribute = "occam_texture", *kVersion = "1";
+constexpr const char *kRoleAttribute = "occam_texture_role", *kColor = "color", *kData = "data";
 constexpr const char* kChannels[] = {"R", "G", "B", "A"};
 
-// Files beyond this number are closed after each tile, since a process may open a thousand or so.
-constexpr int kMostOpen = 256;
 std::atomic<int> files_open = 0;
+
+// Returns how many files stay open after a tile was read: a process may open a thousand or so, and others need some.
+int most_open()
+{
+    static const int most = [] {
+        rlimit limit{};
+        const bool is_known = getrlimit(RLIMIT_NOFILE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
+        return is_known ? static_cast<int>(std::min<rlim_t>(limit.rlim_cur / 4, 256)) : 256;
+    }();
+    return most;
+}
+
+// What MipImage::write_row() makes of numbers that are not finite.
+void make_finite(std::span<std::uint16_t> halves) noexcept
+{
+    for (std::uint16_t& h : halves)
+        if ((h & 0x7c00u) == 0x7c00u) h = (h & 0x3ffu) != 0 ? 0 : static_cast<std::uint16_t>((h & 0x8000u) | 0x7bffu);
+}
 
 std::atomic<std::uint64_t> next_number = 0;
 
@@ -59,13 +78,14 @@ private:
     OutputFile& file_;
 };
 
-void write_levels(const MipImage& image, PictureBytes& to)
+void write_levels(const MipImage& image, TextureRole role, PictureBytes& to)
 {
     Imf::Header header(image.width(), image.height());
     header.compression() = Imf::ZIP_COMPRESSION;
     header.setTileDescription({TextureTile::kSide, TextureTile::kSide, Imf::MIPMAP_LEVELS, Imf::ROUND_DOWN});
     for (const char* name : kChannels) header.channels().insert(name, Imf::Channel(Imf::HALF));
     header.insert(kAttribute, Imf::StringAttribute(kVersion));
+    header.insert(kRoleAttribute, Imf::StringAttribute(role == TextureRole::Data ? kData : kColor));
     ExrOutput output(to);
     Imf::TiledOutputFile file(output, header, no_threads());
     for (int level = 0; level < file.numLevels(); ++level)
@@ -84,30 +104,41 @@ void write_levels(const MipImage& image, PictureBytes& to)
 
 }  // namespace
 
+// What a library may allocate for is checked before it sees the file again, which may have changed.
 struct TiledFile::Open {
-    std::mutex mutex;  // guards the members below
-    struct Input {
-        explicit Input(const std::filesystem::path& file) : bytes(file), stream(bytes), tiles(stream, no_threads())
-        {
-            ++files_open;
-        }
-        ~Input() { --files_open; }
-        Input(const Input&) = delete;
-        Input& operator=(const Input&) = delete;
+    Open(const std::filesystem::path& file, int width, int height)
+        : bytes(checked(file, width, height)), stream(bytes), tiles(stream, no_threads())
+    {
+        ++files_open;
+    }
+    ~Open() { --files_open; }
+    Open(const Open&) = delete;
+    Open& operator=(const Open&) = delete;
 
-        ImageBytes bytes;
-        ExrInput stream;
-        Imf::TiledInputFile tiles;
-    };
-    std::unique_ptr<Input> input;
+    static ImageBytes checked(const std::filesystem::path& file, int width, int height)
+    {
+        std::error_code error;
+        if (!std::filesystem::is_regular_file(file, error)) throw Iex::InputExc("it is no file any more");
+        ImageBytes bytes(file);
+        if (bytes.size() == 0) throw Iex::InputExc("it is empty, or the process may not open it");
+        const auto head = is_cut_off_exr(bytes) ? std::nullopt : read_exr_head(bytes);
+        if (!head) throw Iex::InputExc("it is cut off, or damaged");
+        if (head->width != width || head->height != height || head->channel_count != 4)
+            throw Iex::InputExc("it has changed while the scene was rendered");
+        return ImageBytes(file);
+    }
+
+    ImageBytes bytes;
+    ExrInput stream;
+    Imf::TiledInputFile tiles;
 };
 
-void TiledFile::write(const MipImage& image, const std::filesystem::path& file)
+void TiledFile::write(const MipImage& image, TextureRole role, const std::filesystem::path& file)
 {
     OutputFile out(file);
     TileBytes bytes(out);
     try {
-        write_levels(image, bytes);
+        write_levels(image, role, bytes);
     } catch (const Iex::BaseExc& error) {
         throw Error(file.string(), std::string("cannot be written: ") + error.what(), {}, Error::Kind::Output);
     }
@@ -117,19 +148,20 @@ void TiledFile::write(const MipImage& image, const std::filesystem::path& file)
 bool TiledFile::is_one(const PictureReader& picture)
 {
     const PictureSpec& spec = picture.spec();
-    return picture.format() == "openexr" && picture.text_attribute(kAttribute) == kVersion &&
-           spec.tile_width == TextureTile::kSide && spec.tile_height == TextureTile::kSide && spec.x == 0 && spec.y == 0 &&
-           spec.full_x == 0 && spec.full_y == 0 && spec.full_width == spec.width && spec.full_height == spec.height &&
+    return picture.format() == "openexr" && picture.text_attribute(kAttribute) == kVersion && spec.has_levels &&
+           spec.type == SampleType::Half && spec.tile_width == TextureTile::kSide &&
+           spec.tile_height == TextureTile::kSide && spec.x == 0 && spec.y == 0 && spec.full_x == 0 && spec.full_y == 0 &&
+           spec.full_width == spec.width && spec.full_height == spec.height &&
            spec.channels == std::vector<std::string>(std::begin(kChannels), std::end(kChannels));
 }
 
+TextureRole TiledFile::role_of(const PictureReader& picture)
+{
+    return picture.text_attribute(kRoleAttribute) == kData ? TextureRole::Data : TextureRole::Color;
+}
+
 TiledFile::TiledFile(std::filesystem::path file, std::string name, int width, int height)
-    : file_(std::move(file)),
-      name_(std::move(name)),
-      width_(width),
-      height_(height),
-      number_(++next_number),
-      open_(std::make_unique<Open>())
+    : file_(std::move(file)), name_(std::move(name)), width_(width), height_(height), number_(++next_number)
 {
 }
 TiledFile::~TiledFile() = default;
@@ -143,28 +175,32 @@ TextureTile TiledFile::read(int level, int column, int row)
     constexpr int kSide = TextureTile::kSide;
     TextureTile tile(std::min(kSide, level_width(level) - column * kSide),
                      std::min(kSide, level_height(level) - row * kSide));
-    const std::lock_guard lock(open_->mutex);
     try {
-        if (!open_->input) {
-            auto input = std::make_unique<Open::Input>(file_);
-            const Imf::TiledInputFile& tiles = input->tiles;
-            const Imf::Header& header = tiles.header();
-            const Imath::Box2i& data = header.dataWindow();
-            if (tiles.numXLevels() != level_count() || tiles.levelMode() != Imf::MIPMAP_LEVELS ||
-                tiles.levelRoundingMode() != Imf::ROUND_DOWN || tiles.tileXSize() != TextureTile::kSide ||
-                tiles.tileYSize() != TextureTile::kSide || data.min != Imath::V2i(0, 0) ||
-                data.max != Imath::V2i(width_ - 1, height_ - 1))
-                throw Error(name_, "the image has changed while the scene was rendered, or is not as occam texture made it");
-            open_->input = std::move(input);
-        }
-        open_->input->tiles.setFrameBuffer(buffer_of(tile));
-        open_->input->tiles.readTile(column, row, level);
-        if (files_open > kMostOpen) open_->input.reset();
+        if (!open_) open_ = std::make_unique<Open>(file_, width_, height_);
+        Imf::TiledInputFile& tiles = open_->tiles;
+        if (tiles.levelMode() != Imf::MIPMAP_LEVELS || tiles.levelRoundingMode() != Imf::ROUND_DOWN ||
+            tiles.tileXSize() != TextureTile::kSide || tiles.tileYSize() != TextureTile::kSide)
+            throw Iex::InputExc("it has changed while the scene was rendered");
+        tiles.setFrameBuffer(buffer_of(tile));
+        tiles.readTile(column, row, level);
+        if (files_open > most_open()) open_.reset();
+        make_finite(tile.halves);
         return tile;
     } catch (const Iex::BaseExc& error) {
-        open_->input.reset();
+        open_.reset();
         throw Error(name_, "a tile of the image cannot be read", error.what());
     }
+}
+
+void TiledFile::check()
+{
+    constexpr int kSide = TextureTile::kSide;
+    for (int level = 0; level < level_count(); ++level)
+        for (int row = 0; row * kSide < level_height(level); ++row)
+            for (int column = 0; column * kSide < level_width(level); ++column) {
+                const std::lock_guard lock(reading_);
+                read(level, column, row);
+            }
 }
 
 }  // namespace occam

@@ -5,6 +5,9 @@
 // does not change a picture whether a file is kept in memory as a whole (TextureSource reads it as any other image) or read
 // tile by tile.
 //
+// Memory   some 100 KB for each file that is open, and 8 bytes for each of its tiles; at most 256 files of the process are
+// kept
+//          open, or a quarter of those that it may open.
 // Threads  any thread may read tiles; those of one file are read one after the other.
 // Errors   Error names the file.
 #pragma once
@@ -12,11 +15,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
 #include "io/picture_codec.h"
 #include "io/texture/mip_image.h"
+#include "scenegraph/texture.h"
 
 namespace occam {
 
@@ -40,9 +45,12 @@ struct TextureTile {
 class TiledFile {
 public:
     /// Writes a texture. Throws Error of Kind::Output.
-    static void write(const MipImage& image, const std::filesystem::path& file);
-    /// Returns whether an opened picture says that write() has made it.
+    /// role   of the image from which the texels were decoded
+    static void write(const MipImage& image, TextureRole role, const std::filesystem::path& file);
+    /// Returns whether an opened picture says that write() has made it, and has the form that write() gives.
     static bool is_one(const PictureReader& picture);
+    /// Returns the role with which write() has made such a picture.
+    static TextureRole role_of(const PictureReader& picture);
 
     /// Opens nothing yet.
     /// width, height   of the finest level
@@ -57,9 +65,14 @@ public:
     /// Tells this object apart from all others of the process.
     std::uint64_t number() const noexcept { return number_; }
 
-    /// Reads the tile in that column and row of the level's tiles. Throws Error if the file is not there any more, is
-    /// damaged, or is not of the size that was given.
+    /// Is held while a tile of this file is read.
+    std::mutex& reading() noexcept { return reading_; }
+    /// Reads the tile in that column and row of the level's tiles; the caller holds reading(). Halves that are no finite
+    /// numbers become what MipImage makes of them. Throws Error if the file is not there any more, is damaged, or is not of
+    /// the size that was given.
     TextureTile read(int level, int column, int row);
+    /// Reads all tiles and throws what read() throws; the caller does not hold reading().
+    void check();
 
 private:
     struct Open;
@@ -67,7 +80,8 @@ private:
     std::string name_;
     int width_, height_;
     std::uint64_t number_;
-    std::unique_ptr<Open> open_;
+    std::mutex reading_;
+    std::unique_ptr<Open> open_;  ///< null: the file is closed
 };
 
 }  // namespace occam

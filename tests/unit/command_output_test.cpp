@@ -155,10 +155,10 @@ TEST_F(Outputs, WhatIsReadForAPictureIsNotOverwritten)
         return words;
     };
     const std::pair<std::vector<std::string>, const char*> calls[] = {
-        {with(scene, {"image.png"}), "image.png: is read for the picture"},
-        {with(scene, {"other.png"}), "other.png: is read for the picture"},
-        {with(scene, {"linked.png"}), "linked.png: is read for the picture"},
-        {with(lit, {"./image.png"}), "image.png: is read for the picture"},
+        {with(scene, {"image.png"}), "image.png: is an input, so it cannot be written"},
+        {with(scene, {"other.png"}), "other.png: is an input, so it cannot be written"},
+        {with(scene, {"linked.png"}), "linked.png: is an input, so it cannot be written"},
+        {with(lit, {"./image.png"}), "image.png: is an input, so it cannot be written"},
         {with(scene, {"a.png", "--stats", "scene.obj"}), "scene.obj: is there already and holds no statistics"},
         {with(scene, {"a.png", "--stats", "red.mtl"}), "red.mtl: is there already and holds no statistics"},
         {with(scene, {"a.png", "--stats", "a.png"}), "cannot be written to one file"},
@@ -167,7 +167,7 @@ TEST_F(Outputs, WhatIsReadForAPictureIsNotOverwritten)
         {{"animate", "triangle.obj", "-o", "f.##.png", "--frames", "0-3", "--shard", "1/2", "--stats", "./f.01.png"},
          "cannot be written to one file"},
         {with(scene, {"a.png", "--stats", "braces.bin"}), "braces.bin: is there already and holds no statistics"},
-        {{"compare", "image.png", "image.png", "--heat", "other.png"}, "other.png: is read for the picture"},
+        {{"compare", "image.png", "image.png", "--heat", "other.png"}, "other.png: is an input, so it cannot be written"},
     };
     for (const auto& [words, why] : calls) {
         const Outcome o = run(words);

@@ -1,6 +1,13 @@
 // Tests of texture files that are read tile by tile: `occam texture` makes them, and no texel depends on it.
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfStringAttribute.h>
+#include <ImfTileDescription.h>
+#include <ImfTiledOutputFile.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <cstring>
 #include <fstream>
@@ -62,7 +69,7 @@ TEST(TiledTextures, HaveTheTexelsOfTheImageInMemory)
     const TempFolder folder;
     for (const auto& [width, height] : {std::pair(1, 1), {64, 64}, {100, 37}, {65, 130}, {3, 200}, {300, 257}}) {
         const MipImage image = random_image(width, height);
-        TiledFile::write(image, folder.path() / "a.tx");
+        TiledFile::write(image, TextureRole::Color, folder.path() / "a.tx");
         TiledFile file(folder.path() / "a.tx", "a.tx", width, height);
         ASSERT_EQ(file.level_count(), image.level_count());
         for (const std::size_t limit : {std::size_t(1), std::size_t(1) << 30}) {
@@ -83,7 +90,7 @@ TEST(TiledTextures, StayWithinTheirLimitAndAreReadOnceWhileTheyFit)
 {
     const TempFolder folder;
     const MipImage image = random_image(1024, 512);
-    TiledFile::write(image, folder.path() / "a.tx");
+    TiledFile::write(image, TextureRole::Color, folder.path() / "a.tx");
     TiledFile file(folder.path() / "a.tx", "a.tx", 1024, 512);
     TileCache small(std::size_t(3) << 20), large(std::size_t(8) << 20);
     for (TileCache* cache : {&small, &large}) {
@@ -102,7 +109,7 @@ TEST(TiledTextures, AreLookedUpByManyThreads)
 {
     const TempFolder folder;
     const MipImage image = random_image(512, 512);
-    TiledFile::write(image, folder.path() / "a.tx");
+    TiledFile::write(image, TextureRole::Color, folder.path() / "a.tx");
     TiledFile file(folder.path() / "a.tx", "a.tx", 512, 512);
     TileCache cache(std::size_t(1) << 20);
     std::atomic<int> wrong = 0;
@@ -133,8 +140,8 @@ std::string bytes_of(const std::filesystem::path& file)
 TEST(TiledTextures, AFileThatIsDamagedOrExchangedIsAnError)
 {
     const TempFolder folder;
-    TiledFile::write(random_image(600, 600), folder.path() / "a.tx");
-    TiledFile::write(random_image(300, 600), folder.path() / "b.tx");
+    TiledFile::write(random_image(600, 600), TextureRole::Color, folder.path() / "a.tx");
+    TiledFile::write(random_image(300, 600), TextureRole::Color, folder.path() / "b.tx");
     const std::string good = bytes_of(folder.path() / "a.tx");
     std::string torn = good;
     std::fill(torn.begin() + std::ptrdiff_t(torn.size() / 3), torn.end() - 4, '\x5a');
@@ -162,6 +169,136 @@ TEST(TiledTextures, AFileThatIsDamagedOrExchangedIsAnError)
     }
 }
 
+// Writes a file of one value that says it is one of Occam's, as another program might.
+void write_foreign(const std::filesystem::path& file, Imf::LevelMode mode, std::uint16_t value)
+{
+    constexpr int kSide = TextureTile::kSide;
+    Imf::Header header(kSide, kSide);
+    header.setTileDescription({kSide, kSide, mode, Imf::ROUND_DOWN});
+    header.insert("occam_texture", Imf::StringAttribute("1"));
+    Imf::FrameBuffer buffer;
+    std::vector<std::uint16_t> values(std::size_t(kSide) * kSide, value);
+    for (const char* name : {"R", "G", "B", "A"}) {
+        header.channels().insert(name, Imf::Channel(Imf::HALF));
+        buffer.insert(name,
+                      Imf::Slice(Imf::HALF, reinterpret_cast<char*>(values.data()), 2, 2 * kSide, 1, 1, 0, true, true));
+    }
+    Imf::TiledOutputFile out(file.c_str(), header);
+    out.setFrameBuffer(buffer);
+    for (int level = 0; level < out.numLevels(); ++level) out.writeTile(0, 0, level);
+}
+
+// Holds a file as the only texture of a scene.
+struct OneTexture {
+    Scene scene;
+    TextureStore store;
+    TextureUse use;
+
+    explicit OneTexture(const std::filesystem::path& file, TextureRole role = TextureRole::Color,
+                        std::size_t cap = std::size_t(1) << 30)
+        : store(cap)
+    {
+        Texture texture;
+        texture.path = file;
+        texture.role = role;
+        use.texture = scene.add(texture);
+        store.prepare(scene);
+    }
+};
+
+// Nothing that looks textures up expects numbers that are not finite.
+TEST(TiledTextures, HaveFiniteTexels)
+{
+    const TempFolder folder;
+    const std::pair<std::uint16_t, float> values[] = {
+        {0x7e00, 0.0f}, {0xfc01, 0.0f}, {0x7c00, 65504.0f}, {0xfc00, -65504.0f}};
+    for (const auto& [half, expected] : values) {
+        write_foreign(folder.path() / "a.tx", Imf::MIPMAP_LEVELS, half);
+        const OneTexture texture(folder.path() / "a.tx");
+        for (const float width : {0.0f, 0.2f, 1.0f})
+            EXPECT_EQ(texture.store.sample(texture.use, Vec2f(0.4f), width), Vec4f(expected)) << half;
+        EXPECT_LE(texture.store.bytes(), 45000u) << "it is not in tiles";
+    }
+}
+
+// A program that keeps attributes which it does not know may write another form.
+TEST(TiledTextures, FilesOfAnotherFormAreDecodedAsAWhole)
+{
+    const TempFolder folder;
+    write_foreign(folder.path() / "a.tx", Imf::ONE_LEVEL, 0x3800);
+    const OneTexture texture(folder.path() / "a.tx");
+    EXPECT_EQ(texture.store.sample(texture.use, Vec2f(0.4f), 1.0f), Vec4f(0.5f));
+    EXPECT_TRUE(texture.store.errors().empty());
+    EXPECT_EQ(texture.store.bytes(), MipImage::bytes_of(64, 64));
+}
+
+TEST(TiledTextures, MadeForAnotherRoleHaveAWarning)
+{
+    const TempFolder folder;
+    for (const TextureRole made : {TextureRole::Color, TextureRole::Data})
+        for (const TextureRole used : {TextureRole::Color, TextureRole::Data}) {
+            TiledFile::write(random_image(9, 9), made, folder.path() / "a.tx");
+            EXPECT_EQ(OneTexture(folder.path() / "a.tx", used).store.warnings().size(), made == used ? 0u : 1u);
+        }
+}
+
+TEST(TiledTextures, DecodingAllFindsADamagedTile)
+{
+    const TempFolder folder;
+    TiledFile::write(random_image(600, 600), TextureRole::Color, folder.path() / "a.tx");
+    std::string bytes = bytes_of(folder.path() / "a.tx");
+    std::fill(bytes.end() - std::ptrdiff_t(bytes.size() / 3), bytes.end() - std::ptrdiff_t(bytes.size() / 4), '\x5a');
+    OneTexture good(folder.path() / "a.tx");
+    good.store.decode_all();
+    EXPECT_TRUE(good.store.errors().empty());
+    std::ofstream(folder.path() / "a.tx", std::ios::binary) << bytes;
+    OneTexture bad(folder.path() / "a.tx");
+    bad.store.decode_all();
+    EXPECT_EQ(bad.store.errors().size(), 1u);
+}
+
+// A file that became a pipe would wait for a writer for ever.
+TEST(TiledTextures, AFileThatBecameAPipeIsAnError)
+{
+    const TempFolder folder;
+    const std::filesystem::path file = folder.path() / "a.tx";
+    TiledFile::write(random_image(100, 100), TextureRole::Color, file);
+    const OneTexture texture(file);
+    std::filesystem::remove(file);
+    ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
+    EXPECT_EQ(texture.store.sample(texture.use, Vec2f(0.4f), 0), Vec4f(0.5f, 0.5f, 0.5f, 1));
+    EXPECT_EQ(texture.store.errors().size(), 1u);
+}
+
+// The images that are not tiled share what the tiles leave, and tiles that were read stay while other textures change.
+TEST(TiledTextures, StandBesideOthersInOneMemory)
+{
+    const TempFolder folder;
+    const MipImage image = random_image(512, 512);
+    TiledFile::write(image, TextureRole::Color, folder.path() / "a.tx");
+    Texture tiled, plain;
+    tiled.path = folder.path() / "a.tx";
+    plain.pixels.assign(512 * 512, Vec4f(0.25f));
+    plain.width = plain.height = 512;
+    const std::size_t whole = MipImage::bytes_of(512, 512);
+    for (const std::size_t cap : {2 * whole, whole + whole / 2, whole}) {
+        Scene scene;
+        TextureUse use, other;
+        use.texture = scene.add(tiled);
+        other.texture = scene.add(plain);
+        TextureStore store(cap);
+        store.prepare(scene);
+        EXPECT_EQ(store.warnings().empty(), cap > whole) << "three quarters of the cap are for the image that is not tiled";
+        EXPECT_EQ(store.sample(use, Vec2f(0.3f), 0), image.lookup(0, Vec2f(0.3f), use.wrap_s, use.wrap_t, false));
+        EXPECT_EQ(store.sample(other, Vec2f(0.3f), 0), Vec4f(0.25f));
+        const std::size_t before = store.bytes();
+        scene.add(
+            Texture{.name = "small", .role = {}, .path = {}, .encoded = {}, .pixels = {Vec4f(1)}, .width = 1, .height = 1});
+        store.prepare(scene);
+        EXPECT_EQ(store.bytes(), before);
+    }
+}
+
 // More files than a process may open are read all the same.
 TEST(TiledTextures, MayBeMoreThanCanBeOpen)
 {
@@ -173,7 +310,7 @@ TEST(TiledTextures, MayBeMoreThanCanBeOpen)
         Texture texture;
         texture.path = folder.path() / (std::to_string(i) + ".tx");
         texture.name = texture.path.filename();
-        if (i == 0) TiledFile::write(image, texture.path);
+        if (i == 0) TiledFile::write(image, TextureRole::Color, texture.path);
         else std::filesystem::create_hard_link(folder.path() / "0.tx", texture.path);
         ids.push_back(scene.add(texture));
     }
