@@ -49,6 +49,40 @@ bool is_tga(ImageBytes& bytes)
 constexpr std::string_view kPngMagic("\x89PNG\r\n\x1a\n", 8);
 constexpr std::string_view kExrMagic("\x76\x2f\x31\x01");
 
+// Returns whether an attribute of an OpenEXR header is as long as its type says (OpenEXR, "Predefined Attribute Types"). The
+// library reads such types without a look at the length, and would take the next attribute from another place than we do.
+bool has_length_of_type(ImageBytes& bytes, std::uintmax_t type_at, std::uintmax_t type_length, std::uintmax_t at,
+                        std::uint32_t length)
+{
+    struct Fixed {
+        std::string_view type;
+        std::uint32_t length;
+    };
+    constexpr Fixed kFixed[] = {{"box2i", 16},      {"box2f", 16},   {"chromaticities", 32},
+                                {"compression", 1}, {"double", 8},   {"envmap", 1},
+                                {"float", 4},       {"int", 4},      {"keycode", 28},
+                                {"lineOrder", 1},   {"m33f", 36},    {"m44f", 64},
+                                {"m33d", 72},       {"m44d", 128},   {"rational", 8},
+                                {"tiledesc", 9},    {"v2i", 8},      {"v2f", 8},
+                                {"v2d", 16},        {"v3i", 12},     {"v3f", 12},
+                                {"v3d", 24},        {"timecode", 8}, {"deepImageState", 1}};
+    std::array<unsigned char, 16> letters{};
+    if (type_length > letters.size()) return true;
+    if (!bytes.read(type_at, std::span(letters).first(static_cast<std::size_t>(type_length)))) return false;
+    const std::string_view type(reinterpret_cast<const char*>(letters.data()), static_cast<std::size_t>(type_length));
+    for (const Fixed& fixed : kFixed)
+        if (type == fixed.type) return length == fixed.length;
+    if (type != "chlist") return true;
+    // A name and 16 bytes for each channel, up to an empty name.
+    constexpr std::uintmax_t kChannelBytes = 16;
+    for (std::uintmax_t next = at;;) {
+        const auto name = skip_name(bytes, next);
+        if (!name || next > at + length) return false;
+        if (*name == 0) return next == at + length;
+        next += kChannelBytes;
+    }
+}
+
 }  // namespace
 
 ImageBytes::ImageBytes(const std::filesystem::path& file) : stream_(file, std::ios::binary)
@@ -116,11 +150,13 @@ bool is_cut_off_exr(ImageBytes& bytes)
         if (*name == 0 && (is_empty || !has_parts)) return false;
         is_empty = *name == 0;
         if (is_empty) continue;
+        const std::uintmax_t type_at = at;
         std::array<unsigned char, 4> word{};
-        if (!skip_name(bytes, at) || !bytes.read(at, word)) return true;
+        const auto type = skip_name(bytes, at);
+        if (!type || !bytes.read(at, word)) return true;
         const std::uint32_t length = little_endian(bytes, at, word.size());
         at += word.size();
-        if (length > bytes.size() - at) return true;
+        if (length > bytes.size() - at || !has_length_of_type(bytes, type_at, *type, at, length)) return true;
         at += length;
     }
 }
