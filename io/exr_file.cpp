@@ -248,8 +248,15 @@ std::optional<ExrHead> read_exr_head(ImageBytes& file, const char* attribute)
         const VersionedHeader first = first_header(file);
         const Box2i& data = first.header.dataWindow();
         const auto* const text = first.header.findTypedAttribute<Imf::StringAttribute>(attribute);
-        return ExrHead{data.max.x - data.min.x + 1, data.max.y - data.min.y + 1, channel_count(first.header.channels()),
-                       text ? text->value() : std::string()};
+        ExrHead head{.width = data.max.x - data.min.x + 1,
+                     .height = data.max.y - data.min.y + 1,
+                     .channel_count = channel_count(first.header.channels()),
+                     .text = text ? text->value() : std::string()};
+        if (Imf::isTiled(first.version)) {
+            head.tile_width = first.header.tileDescription().xSize;
+            head.tile_height = first.header.tileDescription().ySize;
+        }
+        return head;
     } catch (const std::bad_alloc&) {
         throw;
     } catch (const std::exception&) {

@@ -24,7 +24,8 @@ std::string write_exr(const PictureSpec& spec, std::span<const PictureAttribute>
 /// Holds what the first header of a file says of its picture.
 struct ExrHead {
     int width = 0, height = 0, channel_count = 0;
-    std::string text;  ///< the attribute that was asked for
+    std::int64_t tile_width = 0, tile_height = 0;  ///< 0: the file has no tiles
+    std::string text;                              ///< the attribute that was asked for
 };
 /// Reads the first header of a file, with one of its text attributes, and allocates nothing for the pixels. Returns nothing
 /// if the header is not valid.

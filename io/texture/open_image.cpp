@@ -80,6 +80,8 @@ private:
         if (const auto head = read_exr_head(bytes_)) {
             check_size(static_cast<std::uintmax_t>(head->width), static_cast<std::uintmax_t>(head->height));
             check_values(head->width, head->height, head->channel_count);
+            check_tiles(static_cast<std::uintmax_t>(head->tile_width), static_cast<std::uintmax_t>(head->tile_height),
+                        head->channel_count);
         }
     }
 
@@ -106,8 +108,14 @@ private:
         if (spec.is_deep) refuse("deep images are not read");
         check_size(static_cast<std::uintmax_t>(spec.width), static_cast<std::uintmax_t>(spec.height));
         check_values(spec.width, spec.height, spec.channel_count());
-        const auto wide = static_cast<std::uintmax_t>(spec.tile_width), high = static_cast<std::uintmax_t>(spec.tile_height);
-        if (wide > kMostTileValues / std::max<std::uintmax_t>(high, 1) / static_cast<std::uintmax_t>(spec.channel_count()))
+        check_tiles(static_cast<std::uintmax_t>(spec.tile_width), static_cast<std::uintmax_t>(spec.tile_height),
+                    spec.channel_count());
+    }
+
+    void check_tiles(std::uintmax_t wide, std::uintmax_t high, int channels) const
+    {
+        const auto values = static_cast<std::uintmax_t>(std::max(channels, 1));
+        if (wide > kMostTileValues / std::max<std::uintmax_t>(high, 1) / values)
             refuse("image has larger tiles than are read: " + std::to_string(wide) + " x " + std::to_string(high));
     }
 
