@@ -12,7 +12,7 @@ namespace occam::render {
 
 /// Computes for each pixel of a tile the root mean square of the relative errors (PixelSums::relative_error) of the pixels
 /// around it: of up to 3 x 3, those of other tiles left out. One pixel's samples may miss by chance what its neighbours'
-/// samples have found (as do the blocks of Mitchell 1987, section 3).
+/// samples have found (Mitchell 1987 looks at several pixels at once, too).
 /// pixels   those of the tile, as pixels_of() orders them
 /// sums     one for each pixel
 /// errors   one for each pixel, which is written

@@ -121,7 +121,7 @@ struct Resources {
     /// Renderer::memory_floor() returns the least with which a frame is begun.
     std::size_t memory_bytes = 0;
     int workers_a_tree = 1;  ///< 1: each worker builds its own tree; more: that many share one; 0: all share one
-    std::size_t texture_bytes = std::size_t(1) << 30;  ///< textures that do not fit in it together are made smaller
+    std::size_t texture_bytes = std::size_t(1) << 30;  ///< textures that do not fit are made smaller (TextureStore)
     accel::TreeKind tree = accel::TreeKind::Auto;      ///< the tree over the parts of the scene that rays touch
 
     /// Returns a copy in which the zeros above are replaced by what the machine has.

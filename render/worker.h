@@ -30,7 +30,8 @@ public:
     /// was cancelled. Returns false if it stopped before the target, because the frame was cancelled or is out of time.
     bool make(std::span<const PixelRect> tiles, int before, int target, Film& film, FrameControl& control, FrameSums* sums);
 
-    /// Returns how many tiles fill a batch of rays with the next samples of each pixel, which are at most `samples`.
+    /// Returns how many tiles fill a batch of rays with `samples` samples a pixel. If pixels may end early, the number of
+    /// samples at which they do so first counts if it is smaller, and no more than four tiles are made together.
     std::size_t tiles_at_once(int samples) const noexcept;
 
     /// Adds the rays, and the time that tracing and shading them took.
@@ -58,8 +59,8 @@ private:
     /// Turns the sums of the tile into pixels.
     void develop(Film& film);
 
-    /// Returns the next number of samples at which pixels may end. These are powers of two times the least number, because
-    /// their points are evenly distributed.
+    /// Returns the next number of samples at which pixels may end: Settings::min_spp, twice as many, and so on. Where these
+    /// are powers of two, their points are evenly distributed.
     int next_check(int after) const noexcept;
     bool is_check(int samples) const noexcept { return samples > 0 && samples == next_check(samples - 1); }
 
