@@ -114,12 +114,6 @@ const CageTables& TopologyCache::get(const CageSlot& asked)
 
 std::size_t TopologyCache::class_bytes() const noexcept { return state_->classes->bytes(); }
 
-void TopologyCache::prune(const Scene& scene)
-{
-    const Scene* const one = &scene;
-    prune({&one, 1});
-}
-
 void TopologyCache::prune(std::span<const Scene* const> scenes)
 {
     const auto is_gone = [&](const auto& entry) {

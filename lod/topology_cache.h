@@ -33,8 +33,6 @@ public:
     const CageTables& get(const CageSlot& slot);
     /// Returns the bytes of the tables of all patch classes (class_memory.h).
     std::size_t class_bytes() const noexcept;
-    /// Forgets cages that the scene no longer has. Call it between frames.
-    void prune(const Scene& scene);
     /// Forgets cages that none of the scenes has. Workers may call get() for cages of these scenes meanwhile.
     void prune(std::span<const Scene* const> scenes);
 

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "io/encoded_bytes.h"
 #include "io/exr_file.h"
 #include "io/extensions.h"
 #include "io/output_file.h"
@@ -26,26 +27,6 @@ constexpr float kHalfMax = 65504.0f;
 {
     throw Error(file.string(), why, {}, Error::Kind::Output);
 }
-
-// Receives the bytes of encoders. Some of their libraries end the process when a write fails, and some ignore it. So they
-// are told that every write succeeded, and OutputFile::finish() reports what failed.
-class EncodedBytes final : public PictureBytes {
-public:
-    explicit EncodedBytes(OutputFile& file) : file_(file) {}
-
-    void write_at(const void* bytes, std::size_t size, std::uint64_t offset) noexcept override
-    {
-        file_.write_at(bytes, size, offset);
-    }
-    std::size_t read_at(void* bytes, std::size_t size, std::uint64_t offset) const noexcept override
-    {
-        return file_.read_at(bytes, size, offset);
-    }
-    std::uint64_t size() const noexcept override { return file_.size(); }
-
-private:
-    OutputFile& file_;
-};
 
 void add(std::vector<PictureAttribute>& attributes, std::string name, PictureAttribute::Value value)
 {

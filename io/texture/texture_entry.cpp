@@ -28,7 +28,6 @@ TextureEntry::TextureEntry(const Texture& texture, std::atomic<bool>& has_failed
             warnings_.push_back(name_of(texture) + (texture.role == TextureRole::Data
                                                         ? ": it was made for colours (occam texture without --data)"
                                                         : ": it was not made for colours (occam texture --data)"));
-        is_file_ = !texture.encoded && texture.pixels.empty();
         if (texture.encoded) file_bytes_ = texture.encoded->size();
         else if (texture.pixels.empty()) file_bytes_ = std::filesystem::file_size(texture.path, ignored);
     } catch (const std::bad_alloc&) {
@@ -46,11 +45,12 @@ std::size_t TextureEntry::bytes_of(int halvings) const
 void TextureEntry::keep(TextureKeeping how)
 {
     keeping_ = how;
+    const bool is_file = !description_.encoded && description_.pixels.empty();
     if (how.is_in_tiles) tiles_ = std::make_unique<TiledFile>(description_.path, name_of(description_), width_, height_);
     if (how.halvings > 0)
         warnings_.push_back(name_of(description_) + ": halved " + std::to_string(how.halvings) +
                             " times to fit the texture memory" +
-                            (is_file_ ? "; a file that occam texture makes of it is not halved" : ""));
+                            (is_file ? "; a file that occam texture makes of it is not halved" : ""));
 }
 
 void TextureEntry::check_tiles() noexcept

@@ -96,7 +96,7 @@ private:
     Texture description_;
     std::atomic<bool>& has_failed_;
     int width_ = 0, height_ = 0;
-    bool is_file_ = false, is_tiled_file_ = false;
+    bool is_tiled_file_ = false;
     TextureKeeping keeping_;
     std::unique_ptr<TiledFile> tiles_;
     std::atomic<bool> is_broken_ = false;  ///< a tile could not be read

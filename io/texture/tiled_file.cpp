@@ -16,9 +16,9 @@
 #include <utility>
 
 #include "base/error.h"
+#include "io/encoded_bytes.h"
 #include "io/exr_file.h"
 #include "io/exr_streams.h"
-#include "io/output_file.h"
 #include "io/texture/image_header.h"
 
 namespace occam {
@@ -61,23 +61,6 @@ Imf::FrameBuffer buffer_of(TextureTile& tile)
     return buffer;
 }
 
-class TileBytes final : public PictureBytes {
-public:
-    explicit TileBytes(OutputFile& file) : file_(file) {}
-    void write_at(const void* bytes, std::size_t size, std::uint64_t offset) noexcept override
-    {
-        file_.write_at(bytes, size, offset);
-    }
-    std::size_t read_at(void* bytes, std::size_t size, std::uint64_t offset) const noexcept override
-    {
-        return file_.read_at(bytes, size, offset);
-    }
-    std::uint64_t size() const noexcept override { return file_.size(); }
-
-private:
-    OutputFile& file_;
-};
-
 void write_levels(const MipImage& image, TextureRole role, PictureBytes& to)
 {
     Imf::Header header(image.width(), image.height());
@@ -109,6 +92,7 @@ struct TiledFile::Open {
     Open(const std::filesystem::path& file, int width, int height)
         : bytes(checked(file, width, height)), stream(bytes), tiles(stream, no_threads())
     {
+        if (tiles.levelMode() != Imf::MIPMAP_LEVELS || tiles.levelRoundingMode() != Imf::ROUND_DOWN) refuse_change();
         ++files_open;
     }
     ~Open() { --files_open; }
@@ -123,10 +107,12 @@ struct TiledFile::Open {
         if (bytes.size() == 0) throw Iex::InputExc("it is empty, or the process may not open it");
         const auto head = is_cut_off_exr(bytes) ? std::nullopt : read_exr_head(bytes);
         if (!head) throw Iex::InputExc("it is cut off, or damaged");
-        if (head->width != width || head->height != height || head->channel_count != 4)
-            throw Iex::InputExc("it has changed while the scene was rendered");
-        return ImageBytes(file);
+        if (head->width != width || head->height != height || head->channel_count != 4 ||
+            head->tile_width != TextureTile::kSide || head->tile_height != TextureTile::kSide)
+            refuse_change();
+        return bytes;
     }
+    [[noreturn]] static void refuse_change() { throw Iex::InputExc("it has changed while the scene was rendered"); }
 
     ImageBytes bytes;
     ExrInput stream;
@@ -136,7 +122,7 @@ struct TiledFile::Open {
 void TiledFile::write(const MipImage& image, TextureRole role, const std::filesystem::path& file)
 {
     OutputFile out(file);
-    TileBytes bytes(out);
+    EncodedBytes bytes(out);
     try {
         write_levels(image, role, bytes);
     } catch (const Iex::BaseExc& error) {
@@ -177,12 +163,8 @@ TextureTile TiledFile::read(int level, int column, int row)
                      std::min(kSide, level_height(level) - row * kSide));
     try {
         if (!open_) open_ = std::make_unique<Open>(file_, width_, height_);
-        Imf::TiledInputFile& tiles = open_->tiles;
-        if (tiles.levelMode() != Imf::MIPMAP_LEVELS || tiles.levelRoundingMode() != Imf::ROUND_DOWN ||
-            tiles.tileXSize() != TextureTile::kSide || tiles.tileYSize() != TextureTile::kSide)
-            throw Iex::InputExc("it has changed while the scene was rendered");
-        tiles.setFrameBuffer(buffer_of(tile));
-        tiles.readTile(column, row, level);
+        open_->tiles.setFrameBuffer(buffer_of(tile));
+        open_->tiles.readTile(column, row, level);
         if (files_open > most_open()) open_.reset();
         make_finite(tile.halves);
         return tile;

@@ -5,8 +5,7 @@
 // does not change a picture whether a file is kept in memory as a whole (TextureSource reads it as any other image) or read
 // tile by tile.
 //
-// Memory   some 100 KB for each file that is open, and 8 bytes for each of its tiles; at most 256 files of the process are
-// kept
+// Memory   some 100 KB for each file that is open, and 8 bytes for each of its tiles. The process keeps at most 256 files
 //          open, or a quarter of those that it may open.
 // Threads  any thread may read tiles; those of one file are read one after the other.
 // Errors   Error names the file.

@@ -20,13 +20,14 @@ TEST(TopologyCache, ForgetsCagesThatAreRemovedOrReplacedAndNoOthers)
     const CageId removed = scene.add(square(1)), replaced = scene.add(square(2)), kept = scene.add(square(3));
     const CageId foreign = other.add(square(4));
     lod::TopologyCache cache;
+    const Scene* const scenes[] = {&scene};
     const auto topology_of = [&](const Scene& of, CageId id) {
         return std::weak_ptr<const lod::Topology>(cache.get(of.cage(id)).topology);
     };
     const auto of_removed = topology_of(scene, removed), of_replaced = topology_of(scene, replaced);
     const auto of_kept = topology_of(scene, kept), of_foreign = topology_of(other, foreign);
 
-    cache.prune(scene);
+    cache.prune(scenes);
     EXPECT_TRUE(of_foreign.expired());
     EXPECT_FALSE(of_removed.expired() || of_replaced.expired());
     scene.remove(removed);
@@ -34,7 +35,7 @@ TEST(TopologyCache, ForgetsCagesThatAreRemovedOrReplacedAndNoOthers)
     std::vector<Vec3f> positions = test::unit_square().positions;
     positions[0].z = 1;
     scene.write_vertices(kept, positions);
-    cache.prune(scene);
+    cache.prune(scenes);
     EXPECT_TRUE(of_removed.expired());
     EXPECT_TRUE(of_replaced.expired());
     EXPECT_FALSE(of_kept.expired());

@@ -129,24 +129,17 @@ TEST(TiledTextures, AreLookedUpByManyThreads)
     EXPECT_EQ(wrong, 0);
 }
 
-// Returns the text of a file.
-std::string bytes_of(const std::filesystem::path& file)
-{
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
 // A file may be damaged, or change between two lookups. The texture is then grey, and an error names it.
 TEST(TiledTextures, AFileThatIsDamagedOrExchangedIsAnError)
 {
     const TempFolder folder;
     TiledFile::write(random_image(600, 600), TextureRole::Color, folder.path() / "a.tx");
     TiledFile::write(random_image(300, 600), TextureRole::Color, folder.path() / "b.tx");
-    const std::string good = bytes_of(folder.path() / "a.tx");
+    const std::string good = text_of(folder.path() / "a.tx");
     std::string torn = good;
     std::fill(torn.begin() + std::ptrdiff_t(torn.size() / 3), torn.end() - 4, '\x5a');
     for (const std::string& bytes :
-         {bytes_of(folder.path() / "b.tx"), good.substr(0, good.size() / 2), torn, std::string()}) {
+         {text_of(folder.path() / "b.tx"), good.substr(0, good.size() / 2), torn, std::string()}) {
         std::ofstream(folder.path() / "c.tx", std::ios::binary) << good;
         Scene scene;
         Texture texture;
@@ -246,7 +239,7 @@ TEST(TiledTextures, DecodingAllFindsADamagedTile)
 {
     const TempFolder folder;
     TiledFile::write(random_image(600, 600), TextureRole::Color, folder.path() / "a.tx");
-    std::string bytes = bytes_of(folder.path() / "a.tx");
+    std::string bytes = text_of(folder.path() / "a.tx");
     std::fill(bytes.end() - std::ptrdiff_t(bytes.size() / 3), bytes.end() - std::ptrdiff_t(bytes.size() / 4), '\x5a');
     OneTexture good(folder.path() / "a.tx");
     good.store.decode_all();
@@ -346,7 +339,7 @@ protected:
         const Outcome o = run({"render", name + ".obj", "-o", name + ".exr", "--size", "90x60", "--spp", "4", "-q",
                                "--texture-memory", memory, "--look-at=0,0,1.2,0,0,0", "--integrator", "direct"});
         EXPECT_EQ(o.exit_code, 0) << o.err;
-        return bytes_of(folder / (name + ".exr"));
+        return text_of(folder / (name + ".exr"));
     }
 };
 
