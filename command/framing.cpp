@@ -215,8 +215,9 @@ Camera Framing::camera()
         camera = *scene_.camera();
     }
     if (a.fov_deg > 0) {
+        if (camera.lens.orthographic)
+            throw Error(a.scene.string(), "has an orthographic camera, which has no angle of view", "--fov");
         camera.lens.fov = a.fov_deg * kRadians;
-        camera.lens.orthographic = false;
     }
     if (a.lens_radius > 0) {
         camera.lens.radius = a.lens_radius;

@@ -50,8 +50,8 @@ constexpr Rule kRules[] = {
      "--integrator ao does not follow light"},
     {"--error", [](const RenderArguments& a, const Given&) { return a.settings.spp <= a.settings.min_spp; },
      "pixels end at --min-spp samples (16 unless given) at the earliest, so --spp has to be above it"},
-    {"--min-spp", [](const RenderArguments&, const Given& given) { return !given.contains("--error"); },
-     "only --error ends pixels early"},
+    {"--min-spp", [](const RenderArguments& a, const Given&) { return !(a.settings.error > 0); },
+     "only --error above 0 ends pixels early"},
     {"--environment-strength",
      [](const RenderArguments& a, const Given& given) {
          return is_sky_or_none(a, given) && a.settings.sky == shade::Sky::Off;

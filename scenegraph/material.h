@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <string>
+#include <type_traits>
 
 #include "base/vec.h"
 #include "scenegraph/ids.h"
@@ -67,28 +69,28 @@ struct Material {
     TextureUse anisotropy_texture;  ///< RG the direction, B the strength
 };
 
-/// Returns all uses of textures by a material.
-inline std::array<const TextureUse*, 19> texture_uses(const Material& m) noexcept
+/// Returns pointers to all uses of textures by a material: an array of TextureUse*, or of const TextureUse* if it is const.
+auto texture_uses(auto& m) noexcept requires std::derived_from<std::remove_cvref_t<decltype(m)>, Material>
 {
-    return {&m.base_color_texture,
-            &m.metallic_roughness_texture,
-            &m.roughness_texture,
-            &m.metallic_texture,
-            &m.glossiness_texture,
-            &m.emission_texture,
-            &m.normal_texture,
-            &m.bump_texture,
-            &m.occlusion_texture,
-            &m.alpha_texture,
-            &m.transmission_texture,
-            &m.clearcoat_texture,
-            &m.clearcoat_roughness_texture,
-            &m.clearcoat_normal_texture,
-            &m.specular_texture,
-            &m.specular_color_texture,
-            &m.sheen_color_texture,
-            &m.sheen_roughness_texture,
-            &m.anisotropy_texture};
+    return std::array{&m.base_color_texture,
+                      &m.metallic_roughness_texture,
+                      &m.roughness_texture,
+                      &m.metallic_texture,
+                      &m.glossiness_texture,
+                      &m.emission_texture,
+                      &m.normal_texture,
+                      &m.bump_texture,
+                      &m.occlusion_texture,
+                      &m.alpha_texture,
+                      &m.transmission_texture,
+                      &m.clearcoat_texture,
+                      &m.clearcoat_roughness_texture,
+                      &m.clearcoat_normal_texture,
+                      &m.specular_texture,
+                      &m.specular_color_texture,
+                      &m.sheen_color_texture,
+                      &m.sheen_roughness_texture,
+                      &m.anisotropy_texture};
 }
 
 }  // namespace occam

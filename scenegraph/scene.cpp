@@ -198,11 +198,16 @@ void Scene::set_materials(NodeId id, std::vector<MaterialId> materials)
     state_->mark_dirty(id);
 }
 
-NodeId Scene::find_node(std::string_view name) const
+NodeId Scene::find_node(std::string_view name, NodeId below) const
 {
+    if (below) State::at(state_->nodes, below, "node");
+    const auto is_below = [&](NodeId id) {
+        while (id && id != below) id = state_->nodes.find(id)->parent;
+        return id == below;
+    };
     NodeId found;
     state_->nodes.for_each([&](NodeId id, const Node& node) {
-        if (!found && node.name == name) found = id;
+        if (!found && node.name == name && is_below(id)) found = id;
     });
     return found;
 }

@@ -113,6 +113,13 @@ struct SkinSlot {
     std::vector<std::vector<Mat4d>> key_poses;  ///< mesh_poses at each key of the shutter; empty: no joint moves
 };
 
+/// What Scene::add() made of another scene.
+struct AddedScene {
+    NodeId node;                ///< was the other scene's root
+    std::vector<ClipId> clips;  ///< in file order
+    Environment environment;    ///< the other scene's own, which is not used unless the application assigns it
+};
+
 class ChildBoxes;
 
 /// Returns the bounds of a cage that a node shows, at all keys of the shutter, in the node's axes. It visits no vertex.
@@ -144,7 +151,9 @@ public:
     void set_materials(NodeId id, std::vector<MaterialId> materials);
     void set_skin(NodeId id, SkinId skin);  ///< call it after the skin's nodes exist, because a skin names them
     void set_morph_weights(NodeId id, std::vector<float> weights);  ///< empty: the cage's own
-    NodeId find_node(std::string_view name) const;                  ///< the first one by slot, or a null handle
+    /// Returns the first node of that name by slot, `below` itself or a node of its subtree, or a null handle. If `below` is
+    /// null, it looks everywhere.
+    NodeId find_node(std::string_view name, NodeId below = {}) const;
     Mat4d world_from_node(NodeId id) const;
 
     // Animation. Poses are written into the nodes, as if by set_transform() and set_morph_weights().
@@ -159,6 +168,11 @@ public:
     /// Copies the subtree below `parent`. The nodes and the skins whose joints lie in the subtree are new, and the rest is
     /// shared, so each copy has a pose of its own. Throws if `parent` lies in the subtree.
     NodeId copy(NodeId subtree, NodeId parent);
+    /// Adds all of another scene below `parent`, as scene.add(occam::load("fox.glb"), scene.root()) does. Its content is
+    /// moved, not copied, and all of its handles are dead from then on. It shows what it showed, and its clips and what
+    /// copy() made can be posed as before, but the keys of record_shutter() are dropped. Warnings and notes are appended,
+    /// variants are not. If there is not enough memory, this scene stays as it is, and the other one is lost.
+    AddedScene add(Scene part, NodeId parent);
     ClipId find_clip(std::string_view name) const;  ///< the first one in file order, or a null handle
 
     // Motion blur. What moves while the shutter of the next frame is open is recorded as poses at evenly spaced keys.

@@ -185,6 +185,12 @@ NodeDesc Scene::State::desc_of_copy(NodeId original) const
     return desc;
 }
 
+void Scene::State::show_instance(NodeId id, NodeId shown)
+{
+    nodes.find(id)->instance_of = shown;
+    nodes.find(shown)->instances.add(id, [&](NodeId known) { return nodes.find(known) != nullptr; });
+}
+
 // What the subtree itself shows by an instance within it is copied, too, so only what lies outside can show the copy.
 std::vector<NodeId> Scene::State::subtree_to_copy(NodeId subtree, NodeId parent) const
 {
@@ -233,13 +239,7 @@ NodeId Scene::copy(NodeId subtree, NodeId parent)
             const auto found = copy.node_of.find(id);
             return found == copy.node_of.end() ? id : found->second;
         };
-        if (s.nodes.find(from.instance_of)) {
-            State::NodeRecord& record = *s.nodes.find(to);
-            record.instance_of = counterpart(from.instance_of);
-            s.nodes.find(record.instance_of)->instances.add(to, [&](NodeId known) {
-                return s.nodes.find(known) != nullptr;
-            });
-        }
+        if (s.nodes.find(from.instance_of)) s.show_instance(to, counterpart(from.instance_of));
         if (!s.skins.find(from.skin)) continue;
         const auto [entry, is_new] = skin_of.try_emplace(from.skin, from.skin);
         if (is_new) {

@@ -12,14 +12,6 @@ namespace occam {
 
 namespace {
 
-// Returns a number that is unique in the process, since renderers use it as a key for data that they keep across frames and
-// scenes.
-std::uint64_t next_identity() noexcept
-{
-    static std::atomic<std::uint64_t> last{0};
-    return ++last;
-}
-
 // Names an object in a message, by its handle if it has no name.
 template <class Tag>
 std::string named(const char* kind, const std::string& name, Handle<Tag> id)
@@ -40,6 +32,12 @@ std::uint32_t largest_face(const Cage& cage)
 }
 
 }  // namespace
+
+std::uint64_t next_identity() noexcept
+{
+    static std::atomic<std::uint64_t> last{0};
+    return ++last;
+}
 
 void find_bounds(CageSlot& slot)
 {

@@ -20,6 +20,10 @@ Box3d grown_by_displacement(const Cage& cage, const Box3d& box) noexcept;
 /// cage without keys, skin and morph targets needs none.
 void find_bounds(CageSlot& slot);
 
+/// Returns a number that is unique in the process, since renderers use it as a key for data that they keep across frames and
+/// scenes.
+std::uint64_t next_identity() noexcept;
+
 /// The nodes, cages or skins that an edit must notify. Removed ones and duplicates are dropped when the list would grow, so
 /// that its size stays in proportion to the number alive at one time.
 template <class Id>
@@ -329,6 +333,9 @@ struct Scene::State {
     void restore_weights(NodeRecord& node, NodeId id);
     /// Returns what copy() makes a node from, without the skin and the instance that it shows.
     NodeDesc desc_of_copy(NodeId original) const;
+    /// Shows another node's subtree in this one, and registers it there.
+    void show_instance(NodeId id, NodeId shown);
+    class Addition;
     /// Lists a subtree's nodes, parents first. Throws Error if a copy of them below `parent` would show itself.
     std::vector<NodeId> subtree_to_copy(NodeId subtree, NodeId parent) const;
 };

@@ -4,6 +4,8 @@
 #include <occam/occam.h>
 
 #include <cmath>
+#include <filesystem>
+#include <vector>
 
 #include "worm.h"
 
@@ -11,30 +13,34 @@ namespace sample {
 
 using namespace occam;
 
+struct Character {
+    NodeId node;
+    ClipId clip;  ///< null: it stands still
+};
 struct Walker {
     NodeId node;
+    ClipId clip;
     double radius, phase, speed;
 };
 
 /// The scene of a game: characters walk in circles, some appear and some vanish.
 class Game {
 public:
-    /// Makes a game; without a file the character is the worm.
-    explicit Game(const char* file = nullptr)
+    /// Makes a game in which each file holds a character; without files the character is the worm.
+    explicit Game(const std::vector<std::filesystem::path>& files = {})
     {
-        if (file) {
-            scene_ = load(file);
-            if (scene_.node(scene_.root()).children.empty()) throw Error(file, "has no node to make a character of");
-            character_ = scene_.node(scene_.root()).children.front();
-            clip_ = scene_.clips().empty() ? ClipId() : scene_.clips().front();
-        } else {
+        for (const std::filesystem::path& file : files) {
+            const AddedScene added = scene_.add(load(file), scene_.root());
+            characters_.push_back({added.node, added.clips.empty() ? ClipId() : added.clips.front()});
+        }
+        if (files.empty()) {
             const sample::Worm worm = sample::add_worm(scene_, {0.9f, 0.35f, 0.25f});
-            character_ = worm.node;
-            clip_ = worm.crawl;
+            characters_.push_back({worm.node, worm.crawl});
         }
         size_ = std::max(1e-3, 2 * scene_.bounds().radius());
         height_ = -scene_.bounds().lo.y;
-        scene_.set_visible(character_, false);  // the original is hidden; copies of it walk
+        for (const Character& character : characters_)
+            scene_.set_visible(character.node, false);  // the originals are hidden; copies of them walk
         sample::add_surroundings(scene_, float(20 * size_));
         for (int i = 0; i < 12; ++i) appear();
     }
@@ -53,9 +59,9 @@ public:
             place.translation = {w.radius * std::cos(angle), height_, -w.radius * std::sin(angle)};
             place.rotation = {0, std::sin((angle + 1.5708) / 2), 0, std::cos((angle + 1.5708) / 2)};
             scene_.set_transform(w.node, place);
-            if (!clip_) continue;
+            if (!w.clip) continue;
             // The pose is described, not evaluated: a character that is not seen is never skinned.
-            const ClipAt now{clip_, looped(time_range(scene_.clip(clip_)), clock + w.phase)};
+            const ClipAt now{w.clip, looped(time_range(scene_.clip(w.clip)), clock + w.phase)};
             scene_.pose({&now, 1}, w.node);
         }
     }
@@ -71,16 +77,16 @@ private:
     void appear()
     {
         const double n = double(++made_);
-        walkers_.push_back({scene_.copy(character_, scene_.root()), size_ * (1 + std::fmod(n * 0.618, 1.0) * 4), n * 2.4,
-                            0.3 + 0.1 * std::fmod(n, 3)});
+        const Character& character = characters_[std::size_t(made_) % characters_.size()];
+        walkers_.push_back({scene_.copy(character.node, scene_.root()), character.clip,
+                            size_ * (1 + std::fmod(n * 0.618, 1.0) * 4), n * 2.4, 0.3 + 0.1 * std::fmod(n, 3)});
         scene_.set_visible(walkers_.back().node, true);
     }
 
     static constexpr std::size_t kMostWalkers = 16;
 
     Scene scene_;
-    NodeId character_;
-    ClipId clip_;
+    std::vector<Character> characters_;
     std::vector<Walker> walkers_;
     double size_ = 1, height_ = 0;
     int frame_ = 0, made_ = 0;

@@ -1,9 +1,9 @@
 // A game's loop: the application owns the scene, and every frame is new.
 //
-//     occam_game [FILE.glb] [--headless] [--frames N] [--size WxH] [-o PICTURE]
+//     occam_game [FILE.glb ...] [--headless] [--frames N] [--size WxH] [-o PICTURE]
 //
-// FILE holds a character whose first clip is played, in place of the worm. The key Escape ends the game. Without a window,
-// the last frame is written to PICTURE (game.png).
+// Each FILE holds a character whose first clip is played, in place of the worm. The key Escape ends the game. Without a
+// window, the last frame is written to PICTURE (game.png).
 #include <occam/occam.h>
 
 #include <cmath>
@@ -78,7 +78,7 @@ int play(Game& game, Settings settings)
 
 // Holds the options of the command line.
 struct Words {
-    const char* file = nullptr;
+    std::vector<std::filesystem::path> files;
     bool headless = false;
     int frames = 100, width = 640, height = 360, spp = 4;
     std::filesystem::path picture = "game.png";
@@ -88,7 +88,7 @@ struct Words {
     bool read(int argc, char** argv)
     {
         if (sample::Arguments(argc, argv)
-                .wants_help("occam_game [FILE.glb] [--headless] [--frames N] [--size WxH] [-o PICTURE]"))
+                .wants_help("occam_game [FILE.glb ...] [--headless] [--frames N] [--size WxH] [-o PICTURE]"))
             return false;
         for (int i = 1; i < argc; ++i) {
             const std::string word = argv[i];
@@ -98,7 +98,7 @@ struct Words {
             else if (word == "--frames" && std::sscanf(value, "%d%n", &frames, &end) == 1 && !value[end] && frames > 0) ++i;
             else if (word == "--size" && std::sscanf(value, "%dx%d%n", &width, &height, &end) == 2 && !value[end]) ++i;
             else if (word == "-o" && *value) picture = argv[++i];
-            else if (word[0] != '-' && !file) file = argv[i];
+            else if (word[0] != '-') files.emplace_back(word);
             else throw Error("", "is not understood here (--help)", word + (*value ? std::string(" ") + value : ""));
         }
         return true;
@@ -111,7 +111,7 @@ int main(int argc, char** argv)
 try {
     Words words;
     if (!words.read(argc, argv)) return 0;
-    Game game(words.file);
+    Game game(words.files);
     const Settings settings{.width = words.width,
                             .height = words.height,
                             .spp = words.spp,

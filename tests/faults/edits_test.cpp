@@ -74,6 +74,25 @@ Texture pattern(float shade)
     return texture;
 }
 
+/// Returns a scene with one thing of each kind.
+Scene another_scene()
+{
+    Scene scene;
+    Material patterned = paint();
+    patterned.base_color_texture.texture = scene.add(pattern(0.5f));
+    Cage ring = with_a_warning();
+    ring.materials = {scene.add(std::move(patterned))};
+    const NodeId node = scene.add_node(scene.root(),
+                                       {.name = "a node with a name that is not short", .matrix = moved(1, 1, 0)});
+    const SkinId skin = scene.add(Skin{"a skin with a name that is not short", {node}, {}});
+    const LightId light = scene.add(Light{"a light with a name that is not short", PointLight{Vec3f(1)}});
+    scene.add_node(node, {.cages = {scene.add(std::move(ring))}, .light = light, .camera = scene.add(CameraLens{})});
+    scene.add_node(scene.root(), {.matrix = moved(0, -1, 0), .instance_of = node});
+    scene.set_skin(scene.add_node(scene.root(), {.cages = {scene.add(skinned())}}), skin);
+    scene.add(turning(node));
+    return scene;
+}
+
 /// Each step edits the scene once.
 const std::vector<Step> kSteps = {
     {[](World& w) { w.paint = w.scene.add(paint()); }},
@@ -112,6 +131,7 @@ const std::vector<Step> kSteps = {
     }},
     {[](World& w) { w.scene.replace(w.pattern, pattern(0.75f)); }},
     {[](World& w) { w.lens = w.scene.add(CameraLens{}); }},
+    {[](World& w) { w.scene.add(another_scene(), w.house); }},
     {[](World& w) { w.scene.replace(w.ring, torus(7, 5)); }},
     {[](World& w) { w.scene.write_vertices(w.box, prism(5).positions); }},
     {[](World& w) { w.scene.set_visible(w.joint, false); }},

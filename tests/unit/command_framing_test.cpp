@@ -114,5 +114,22 @@ TEST_F(Framing, BadSidesAndDirectionsAreRefused)
     }
 }
 
+TEST_F(Framing, AnOrthographicCameraHasNoAngle)
+{
+    std::ofstream(folder / "flat.gltf") << R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+        "nodes": [{"camera": 0, "translation": [0, 0, 5]}],
+        "cameras": [{"type": "orthographic", "orthographic": {"xmag": 2, "ymag": 1, "znear": 0.1, "zfar": 9}}]})";
+    const std::vector<std::string> words{"render", "flat.gltf", "-o", "a.exr", "--size", "8x4", "--spp", "1"};
+    EXPECT_EQ(run(words).exit_code, kDone);
+    std::vector<std::string> with_angle = words;
+    with_angle.insert(with_angle.end(), {"--fov", "40"});
+    const Outcome refused = run(with_angle);
+    EXPECT_EQ(refused.exit_code, kBadInput);
+    EXPECT_NE(refused.err.find("orthographic"), std::string::npos) << refused.err;
+    // Another place has another camera.
+    with_angle.insert(with_angle.end(), {"--look-at", "0,0,5,0,0,0"});
+    EXPECT_EQ(run(with_angle).exit_code, kDone);
+}
+
 }  // namespace
 }  // namespace occam

@@ -26,6 +26,7 @@ TEST_F(CommandOptions, OptionsThatWouldDoNothingAreRefused)
         {"render", "triangle.obj", "-o", "a.png", "--error", "0.1"},
         {"render", "triangle.obj", "-o", "a.png", "--error", "0.1", "--spp", "32", "--min-spp", "32"},
         {"render", "triangle.obj", "-o", "a.png", "--min-spp", "4"},
+        {"render", "triangle.obj", "-o", "a.png", "--error", "0", "--min-spp", "4"},
         {"render", "triangle.obj", "-o", "a.png", "--environment", "none", "--environment-strength", "2"},
         {"render", "triangle.obj", "-o", "a.png", "--environment", "sky", "--environment-rotation", "20"},
         {"render", "triangle.obj", "-o", "a.png", "--blades", "5"},
