@@ -1,13 +1,17 @@
+#include <cmath>
+
 #include "base/error_without_file.h"
 #include "lod/extent.h"
 #include "occam/occam.h"
 #include "render/camera_rays.h"
+#include "scenegraph/content_rules.h"
 #include "scenegraph/shutter.h"
 
 namespace occam {
 
 Camera framing(Scene& scene, float aspect, ViewFrom from, Vec3d up)
 {
+    if (!(std::isfinite(aspect) && aspect > 0)) throw error_without_file("the aspect must be finite and above 0", "framing");
     scene.refit();
     CameraFit fit(from, up, CameraLens().fov, aspect);
     lod::Extent().visit_points(scene, [&](Vec3d point) { fit.add(point); });
@@ -33,7 +37,14 @@ Camera record_shutter(Scene& scene, const std::function<void(double tau)>& pose,
         }
     };
     while (!is_recorded()) finest /= 2;
-    Camera moving = camera();
+    Camera moving;
+    try {
+        moving = camera();
+        check(moving);
+    } catch (...) {
+        scene.clear_shutter();
+        throw;
+    }
     if (segments != 0) return moving;
     scene.refit();
     const lod::Footprint pixel = render::CameraRays(moving, height, height).pixel();

@@ -74,6 +74,7 @@ accel::Ray ray_of(const QueryRay& asked, const Asked& about)
         throw error_without_file("a footprint's width must be finite and 0 or more, and its spread finite", "ray");
     if (!(asked.time >= 0 && asked.time <= 1)) throw error_without_file("a ray's time must be from 0 to 1", "ray");
     ray.time = asked.time;
+    ray.kinds = asked.kinds;
     ray.origin = origin;
     ray.direction = Vec3f(direction);
     ray.t_far = static_cast<float>(asked.far * about.scale.to_frame());

@@ -96,6 +96,7 @@ const CageTables& TopologyCache::get(const CageSlot& asked)
     CageTables& tables = entry->tables;
     if (asked.is_on_demand() && !tables.made) tables.made = std::make_unique<const CageSlot>(asked.made());
     const CageSlot& slot = tables.made ? *tables.made : asked;
+    if (slot.cage.face_count() == 0) return tables;
     if (!tables.clusters) {
         if (slot.cage.scheme != Scheme::Triangles) tables.topology = state_->topology_of(slot.cage);
         tables.clusters = std::make_unique<ClusterTree>(slot.cage);

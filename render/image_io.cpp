@@ -250,6 +250,10 @@ void Image::write(const fs::path& file, const WriteOptions& options) const
 {
     check_writable(file);
     if (width < 1 || height < 1) refuse(file, "there is no picture to write");
+    if (layers().empty()) refuse(file, "there is no layer to write");
+    for (const Layer& layer : layers())
+        if (layer.pixels.size() != layer.channel_count() * std::size_t(width) * std::size_t(height))
+            refuse(file, "layer " + layer.name + " does not hold a value of each channel for each pixel");
     picture_format_of(file)->write(*this, file, options);
 }
 

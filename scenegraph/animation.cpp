@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/quaternion.hpp>
 #include <limits>
 
 #include "scenegraph/interpolation.h"
@@ -74,6 +75,24 @@ Vec4d slerp(Vec4d a, Vec4d b, double t) noexcept
     const Vec4d across = a - b;
     const double versine = glm::dot(across, across) / 2;
     return normalised(a * ratio_of_sines(1 - t, versine) + b * ratio_of_sines(t, versine));
+}
+
+Trs decomposed(const Mat4d& m) noexcept
+{
+    Trs trs;
+    trs.translation = Vec3d(m[3]);
+    Vec3d x(m[0]), y(m[1]);
+    const Vec3d z(m[2]);
+    trs.scale = {glm::length(x), glm::length(y), glm::length(z)};
+    if (glm::dot(glm::cross(x, y), z) < 0) x = -x, trs.scale.x = -trs.scale.x;
+    if (trs.scale.x == 0 || trs.scale.y == 0) return trs;
+    x = glm::normalize(x);
+    y -= x * glm::dot(x, y);
+    if (glm::length(y) == 0) return trs;
+    y = glm::normalize(y);
+    const glm::dquat q = glm::quat_cast(Mat3d(x, y, glm::cross(x, y)));
+    trs.rotation = glm::normalize(Vec4d(q.x, q.y, q.z, q.w));
+    return trs;
 }
 
 TimeRange time_range(const Clip& clip) noexcept

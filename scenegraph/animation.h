@@ -25,6 +25,10 @@ struct Trs {
     Mat4d matrix() const noexcept;
 };
 
+/// Returns the transform of an affine matrix, whose shear is left out: translation, the lengths of its axes, and the
+/// rotation of its first two axes, the first of which is turned round if the matrix mirrors.
+Trs decomposed(const Mat4d& parent_from_node) noexcept;
+
 /// One animated property of one node (glTF 2.0, animation.channel and its sampler).
 struct Channel {
     enum class Path : unsigned char { Translation, Rotation, Scale, Weights };

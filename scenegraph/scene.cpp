@@ -64,6 +64,7 @@ NodeId Scene::add_node(NodeId parent, NodeDesc desc)
     State::NodeRecord record;
     static_cast<NodeDesc&>(record) = std::move(desc);
     record.parent = parent;
+    record.added = next_identity();
     record.parent_from_node = parent_from_node;
     record.dirty = false;  // mark_dirty() stops at dirty nodes, so this one must be clean
     const NodeId id = s.nodes.add(std::move(record));
@@ -206,8 +207,9 @@ NodeId Scene::find_node(std::string_view name, NodeId below) const
         return id == below;
     };
     NodeId found;
-    state_->nodes.for_each([&](NodeId id, const Node& node) {
-        if (!found && node.name == name && is_below(id)) found = id;
+    std::uint64_t earliest = ~std::uint64_t(0);
+    state_->nodes.for_each([&](NodeId id, const State::NodeRecord& node) {
+        if (node.added < earliest && node.name == name && is_below(id)) found = id, earliest = node.added;
     });
     return found;
 }
@@ -227,7 +229,7 @@ std::vector<NodeId> Scene::State::nodes_with_cameras() const
         for (const NodeId user : camera.users.ids())
             if (nodes.find(user)) found.push_back(user);
     });
-    std::sort(found.begin(), found.end(), [](NodeId a, NodeId b) { return a.slot < b.slot; });
+    std::sort(found.begin(), found.end(), [&](NodeId a, NodeId b) { return nodes.find(a)->added < nodes.find(b)->added; });
     found.erase(std::unique(found.begin(), found.end()), found.end());
     return found;
 }

@@ -65,6 +65,7 @@ struct NodeKey {
 struct Node : NodeDesc {
     NodeId parent;
     std::vector<NodeId> children;  ///< in order of addition; a node with many has null handles where some were removed
+    std::uint32_t place_among_siblings = 0;  ///< index in the parent's list of children
     Mat4d parent_from_node{1};
     /// Holds the subtree and instance_of at all keys of the shutter, in the node's own axes; valid after Scene::refit().
     Box3d bounds;
@@ -151,8 +152,8 @@ public:
     void set_materials(NodeId id, std::vector<MaterialId> materials);
     void set_skin(NodeId id, SkinId skin);  ///< call it after the skin's nodes exist, because a skin names them
     void set_morph_weights(NodeId id, std::vector<float> weights);  ///< empty: the cage's own
-    /// Returns the first node of that name by slot, `below` itself or a node of its subtree, or a null handle. If `below` is
-    /// null, it looks everywhere.
+    /// Returns the node of that name that was added first, `below` itself or a node of its subtree, or a null handle. If
+    /// `below` is null, it looks everywhere.
     NodeId find_node(std::string_view name, NodeId below = {}) const;
     Mat4d world_from_node(NodeId id) const;
 
@@ -240,6 +241,8 @@ public:
     /// earlier one of them moves. Blender, for instance, writes one clip for each object.
     std::vector<ClipId> clips_together() const;
     std::vector<TextureId> texture_ids() const;  ///< in the order in which they were added
+    /// Returns whether a material that masks or blends has the texture as its base colour.
+    bool is_cut_out_by(TextureId id) const noexcept;
     Environment environment;
 
     /// Returns the camera of that name, or the scene's first camera if the name is empty, in world axes. It has keys if its
@@ -269,6 +272,8 @@ public:
     void for_placements_of(std::uint8_t kinds, const VisitPlacement& visit, Shown shown = Shown::InShutter) const;
     /// Returns the tree over the node's children, or null for a node with few of them. It is valid after refit().
     const ChildBoxes* child_boxes(NodeId id) const noexcept;
+    /// Returns the number of a node's children.
+    std::size_t child_count(NodeId id) const;
 
     struct Counts {
         std::size_t nodes = 0, cages = 0, faces = 0, lights = 0, cameras = 0;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <unordered_set>
 
 #include "base/error_without_file.h"
@@ -20,6 +21,9 @@ struct Scene::State::PoseSum {
         std::vector<double>& v = values;
         v.resize(static_cast<std::size_t>(channel.width));
         evaluate(channel, seconds, v);
+        for (const double value : v)
+            if (!(std::abs(value) <= double(std::numeric_limits<float>::max())))
+                throw error_without_file("a clip's value is beyond the largest float");
         switch (channel.path) {
             case Channel::Path::Translation:
                 add_vector(translation, of_translation, weight);
@@ -99,7 +103,8 @@ void Scene::State::write_pose(NodeId id, const PoseSum& sum)
     if (!node.rest) node.rest = std::make_unique<Rest>();
     if (sum.has_place()) {
         if (!node.rest->place) node.rest->place = node.place, node.rest->matrix = node.matrix;
-        const Trs posed_place = sum.place(*node.rest->place);
+        const Rest& rest = *node.rest;
+        const Trs posed_place = sum.place(rest.matrix ? decomposed(*rest.matrix) : *rest.place);
         if (node.matrix || !same(posed_place, node.place)) {
             place(id, node, posed_place.matrix());
             node.place = posed_place;
@@ -132,6 +137,8 @@ void Scene::pose(std::span<const ClipAt> clips, NodeId of)
         if (!std::isfinite(at.seconds) || !(at.weight >= 0) || !std::isfinite(at.weight))
             throw error_without_file("a clip needs finite seconds and a weight of 0 or more", clip(at.clip).name);
     }
+    double largest_weight = 0;
+    for (const ClipAt& at : clips) largest_weight = std::max(largest_weight, at.weight);
     State::Posed& posed = s.posed[of];
     std::vector<NodeId> order;
     std::unordered_map<NodeId, State::PoseSum> sums;
@@ -146,7 +153,7 @@ void Scene::pose(std::span<const ClipAt> clips, NodeId of)
             if (!(at.weight > 0) || channel.times.empty() || !s.nodes.find(target)) continue;
             const auto [entry, is_new] = sums.try_emplace(target);
             if (is_new) order.push_back(target);
-            entry->second.add(channel, at.seconds, at.weight);
+            entry->second.add(channel, at.seconds, at.weight / largest_weight);
         }
 
     // If there is not enough memory for all of them, those that were moved are known, and the next call restores them.

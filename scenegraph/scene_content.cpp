@@ -78,7 +78,9 @@ CageId Scene::add(OnDemandCage cage)
 {
     state_->require_editable();
     if (!cage.make) throw error_without_file("a cage on demand needs something that makes it", cage.name);
-    if (!cage.bounds.is_empty() && !(cage.bounds.largest_coordinate() <= double(kMaxCoordinate)))
+    const auto is_number = [](const Vec3d& p) { return p == p; };
+    const bool are_numbers = is_number(cage.bounds.lo) && is_number(cage.bounds.hi);
+    if (!are_numbers || (!cage.bounds.is_empty() && !(cage.bounds.largest_coordinate() <= double(kMaxCoordinate))))
         throw error_without_file("a bound is not finite, or beyond 1e16", cage.name);
     for (const MaterialId material : cage.materials) State::at(state_->materials, material, "material");
     State::CageRecord record;
@@ -270,7 +272,7 @@ void Scene::write_vertices(CageId id, std::span<const Vec3f> positions)
     record.cage.positions.assign(positions.begin(), positions.end());
     find_bounds(record);
     written.keep();
-    if (record.layers.are_many()) record.layers = FaceLayers(record.cage);
+    if (record.layers.are_many() || FaceLayers::may_be_many(record.cage)) record.layers = FaceLayers(record.cage);
     ++record.positions_version;
     state_->mark_users_dirty(record);
 }

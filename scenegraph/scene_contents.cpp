@@ -1,6 +1,8 @@
 // What subtrees hold: how it is summed up, and how what is looked for is found by it.
+#include <cmath>
 #include <cstdio>
 #include <string>
+#include <tuple>
 #include <unordered_map>
 
 #include "base/cancellation.h"
@@ -32,6 +34,20 @@ std::uint8_t kinds_of(const Material& m) noexcept
     return static_cast<std::uint8_t>(
         (m.emission != Vec3f(0) ? Contents::Emitters : 0) | (blends_or_is_clear(m) ? Contents::Passing : 0) |
         (m.alpha_mode == AlphaMode::Mask ? Contents::Masked : 0) | (is_within ? 0 : Contents::OverWhite));
+}
+
+bool Scene::is_cut_out_by(TextureId id) const noexcept
+{
+    const State::TextureRecord* texture = state_->textures.find(id);
+    if (!texture) return false;
+    const auto cuts = [&](MaterialId user) {
+        const Material* m = find(user);
+        const bool shows_all = !m || m->alpha_mode == AlphaMode::Opaque ||
+                               (m->alpha_mode == AlphaMode::Mask && !(m->alpha_cutoff > 0));
+        return !shows_all && m->base_color_texture.texture == id;
+    };
+    const std::vector<MaterialId>& users = texture->materials.ids();
+    return std::any_of(users.begin(), users.end(), cuts);
 }
 
 void Scene::State::take_contents(CageId id, CageRecord& record)
@@ -112,32 +128,79 @@ Error too_many_placements(const Node& node)
         "nodes are placed more than " + std::to_string(kMostListed) + " times, by instances of instances", naming(node));
 }
 
+namespace {
+
+/// Sums up how the faces of a cage lie in its box.
+class LayerSums {
+public:
+    explicit LayerSums(const Cage& cage) noexcept
+        : cage_(cage), bound_(cage.is_displaced() ? double(cage.displacement->bound) : 0)
+    {
+    }
+    /// first   of the face's corners, in Cage::face_vertices
+    void add(std::size_t first, std::size_t corners) noexcept
+    {
+        // A box of triangles is tested together with seven others. Each corner of a polygon that is subdivided has a patch
+        // of its own, which is smaller the more corners there are.
+        constexpr double kOfATriangle = 1.0 / 8;
+        constexpr std::size_t kCornersOfALayer = 8;
+        Box3d box;
+        for (std::size_t c = first; c < first + corners; ++c) box.add(Vec3d(cage_.positions[cage_.face_vertices[c]]));
+        box = {box.lo - bound_, box.hi + bound_};
+        whole_.add(box);
+        sizes_ += Contents::size_of(box) * (cage_.scheme == Scheme::Triangles
+                                                ? kOfATriangle
+                                                : double(std::max<std::size_t>(1, corners / kCornersOfALayer)));
+        volumes_ += Contents::volume_of(box);
+    }
+    /// Returns how many surfaces a ray meets, and in how many boxes a point lies; at least 1, which also counts for what is
+    /// a point, flat, or overflows. scale   the number of faces for each that was added
+    std::pair<double, double> layers(double scale) const noexcept
+    {
+        constexpr double kOfAClosedSurface = 3;  // what the boxes of its faces come to: 2.7 for a cube
+        const double across = scale * sizes_ / Contents::size_of(whole_),
+                     depth = scale * volumes_ / Contents::volume_of(whole_);
+        return {std::isfinite(across) && whole_.extent() != Vec3d(0) ? std::max(1.0, across - kOfAClosedSurface) : 1,
+                std::isfinite(depth) ? std::max(1.0, depth) : 1};
+    }
+
+private:
+    const Cage& cage_;
+    double bound_;
+    Box3d whole_;
+    double sizes_ = 0, volumes_ = 0;
+};
+
+}  // namespace
+
 FaceLayers::FaceLayers(const Cage& cage)
 {
-    // A box of triangles is tested together with seven others. Each corner of a polygon that is subdivided has a patch of
-    // its own, which is smaller the more corners there are.
-    constexpr double kOfATriangle = 1.0 / 8;
-    constexpr std::size_t kCornersOfALayer = 8;
-    constexpr double kOfAClosedSurface = 3;  // what the boxes of its faces come to: 2.7 for a cube
-    const bool is_mesh = cage.scheme == Scheme::Triangles;
-    const double bound = cage.is_displaced() ? double(cage.displacement->bound) : 0;
-    Box3d whole;
-    double sizes = 0, volumes = 0;
-    const auto* corner = cage.face_vertices.data();
+    LayerSums sums(cage);
+    std::size_t first = 0;
     for (std::size_t face = 0; face < cage.face_count(); ++face) {
-        const std::size_t corners = is_mesh ? 3 : cage.face_sizes[face];
-        Box3d box;
-        for (std::size_t c = 0; c < corners; ++c) box.add(Vec3d(cage.positions[*corner++]));
-        box = {box.lo - bound, box.hi + bound};
-        whole.add(box);
-        sizes += Contents::size_of(box) *
-                 (is_mesh ? kOfATriangle : double(std::max<std::size_t>(1, corners / kCornersOfALayer)));
-        volumes += Contents::volume_of(box);
+        const std::size_t corners = cage.scheme == Scheme::Triangles ? 3 : cage.face_sizes[face];
+        sums.add(first, corners);
+        first += corners;
     }
-    const double across = sizes / Contents::size_of(whole), depth = volumes / Contents::volume_of(whole);
-    // What is a point, flat, or overflows counts as one surface.
-    if (std::isfinite(across) && whole.extent() != Vec3d(0)) crossed = std::max(1.0, across - kOfAClosedSurface);
-    if (std::isfinite(depth)) held = std::max(1.0, depth);
+    std::tie(crossed, held) = sums.layers(1);
+}
+
+bool FaceLayers::may_be_many(const Cage& cage)
+{
+    constexpr std::size_t kLookedAt = 1024;
+    constexpr double kAFourth = kMany / 4;  // some of the faces tell no more than about how many there are
+    const std::size_t count = cage.face_count();
+    if (double(count) <= kMany) return false;
+    const std::size_t step = std::max<std::size_t>(1, count / kLookedAt);
+    LayerSums sums(cage);
+    std::size_t first = 0;
+    for (std::size_t face = 0; face < count; ++face) {
+        const std::size_t corners = cage.scheme == Scheme::Triangles ? 3 : cage.face_sizes[face];
+        if (face % step == 0) sums.add(first, corners);
+        first += corners;
+    }
+    const auto [across, depth] = sums.layers(double(step));
+    return across > kAFourth || depth > kAFourth;
 }
 
 namespace {
@@ -211,6 +274,12 @@ const ChildBoxes* Scene::child_boxes(NodeId id) const noexcept
 {
     const State::NodeRecord* node = state_->nodes.find(id);
     return node ? node->child_boxes.get() : nullptr;
+}
+
+std::size_t Scene::child_count(NodeId id) const
+{
+    const State::NodeRecord& node = State::at(state_->nodes, id, "node");
+    return node.children.size() - node.removed_children;
 }
 
 void Scene::for_placements_of(std::uint8_t kinds, const VisitPlacement& visit, Shown shown) const

@@ -139,6 +139,8 @@ void Scene::State::drop_keys(NodeId id, NodeRecord& node) noexcept
     touch_in_parent(node);
     mark_dirty(id);
     if (!node.dependents) return;
+    for (const SkinId skin_id : node.dependents->skins.ids())
+        if (SkinRecord* skin = skins.find(skin_id)) drop_keys(*skin);
     for (const NodeId user_id : node.dependents->users.ids())
         if (NodeRecord* user = nodes.find(user_id)) {
             user->has_stale_keys = true;
@@ -272,6 +274,7 @@ void Scene::record_shutter(int segments, const std::function<void(double tau)>& 
         }
         pose(0.5);
     }
+    s.require_editable();  // `pose` may have begun a frame
     s.store_keys(record);
     s.shutter_segments = segments;
 }

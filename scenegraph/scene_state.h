@@ -138,7 +138,7 @@ struct Scene::State {
         std::optional<std::vector<float>> weights;
     };
     struct NodeRecord : Node {
-        std::uint32_t place_among_siblings = 0;   ///< index in the parent's list
+        std::uint64_t added = 0;                  ///< rises from one added node to the next
         std::uint32_t removed_children = 0;       ///< null handles in the list of a node with many children
         std::unique_ptr<ChildBoxes> child_boxes;  ///< for a node with many children; made by its first refit
         Watchers instances;                       ///< nodes whose instance_of is this node
@@ -301,7 +301,7 @@ struct Scene::State {
     /// Finds NodeKey::node_from_skin again where it is stale, and gives a node without keys those keys that it needs because
     /// it or its skin's base hangs below nodes that move.
     void keep_skin_in_place(NodeId id, NodeRecord& node, const SkinRecord& skin);
-    /// Returns the nodes that have a camera, in the order of their slots.
+    /// Returns the nodes that have a camera, in the order in which they were added.
     std::vector<NodeId> nodes_with_cameras() const;
     NodeKey key_of(const NodeRecord& node, NodeId id) const;
     void take_key(Recorder& record);

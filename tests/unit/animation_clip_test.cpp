@@ -275,5 +275,53 @@ TEST(Clips, ThoseThatMoveOtherNodesPlayTogether)
     EXPECT_EQ(scene.clips_together(), (std::vector<ClipId>{walk, door}));
 }
 
+// The matrix that a node was given is what it rests at where a clip moves only a part of it.
+TEST(Pose, AMatrixIsTheRestOfWhatAClipLeavesOut)
+{
+    Scene scene;
+    const NodeId node = scene.add_node(scene.root(), {});
+    Mat4d placed(1);  // a quarter turn about y, twice as long along x, mirrored along z
+    placed[0] = {0, 0, -2, 0};
+    placed[2] = {-1, 0, 0, 0};
+    placed[3] = {5, 6, 7, 1};
+    const auto clip_with = [&](Path path, std::vector<float> value) {
+        const int width = static_cast<int>(value.size());
+        Channel c = channel(path, Interpolation::Step, {0}, std::move(value), width);
+        c.target = node;
+        return scene.add(Clip{"", {c}});
+    };
+    const ClipId moves = clip_with(Path::Translation, {1, 2, 3}), turns = clip_with(Path::Rotation, {0, 0, 0, 1});
+    scene.pose(moves, 0);  // an earlier pose has no say
+    scene.set_transform(node, placed);
+    scene.pose(turns, 0);
+    EXPECT_EQ(Vec3d(scene.node(node).parent_from_node[3]), Vec3d(5, 6, 7));
+    scene.pose(moves, 0);
+    const Mat4d moved = scene.node(node).parent_from_node;
+    EXPECT_EQ(Vec3d(moved[3]), Vec3d(1, 2, 3));
+    for (int c = 0; c < 3; ++c)
+        for (int r = 0; r < 3; ++r) EXPECT_NEAR(moved[c][r], placed[c][r], 1e-15) << c << ' ' << r;
+    scene.pose({}, NodeId());
+    EXPECT_EQ(scene.node(node).parent_from_node, placed);
+}
+
+TEST(Pose, WeightsAndValuesOfAnySizeGiveNumbersOrAreRefused)
+{
+    Scene scene;
+    const NodeId node = scene.add_node(scene.root(), {});
+    Channel goes = channel(Path::Translation, Interpolation::Step, {0}, {1, 2, 3}, 3);
+    goes.target = node;
+    const ClipId one = scene.add(Clip{"", {goes}});
+    const ClipAt twice[] = {{one, 0, 1e308}, {one, 0, 1e308}};
+    scene.pose(twice);
+    EXPECT_EQ(scene.node(node).place.translation, Vec3d(1, 2, 3));
+
+    Channel swells = channel(Path::Weights, Interpolation::CubicSpline, {0, 1}, {0, 3e38f, 3e38f, -3e38f, 3e38f, 0}, 1);
+    swells.target = node;
+    const ClipId large = scene.add(Clip{"", {swells}});
+    EXPECT_THROW(scene.pose(large, 0.5), Error);
+    EXPECT_TRUE(scene.node(node).morph_weights.empty());
+    EXPECT_EQ(scene.node(node).place.translation, Vec3d(1, 2, 3)) << "nothing has changed";
+}
+
 }  // namespace
 }  // namespace occam

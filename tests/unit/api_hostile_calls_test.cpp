@@ -3,7 +3,10 @@
 
 #include <atomic>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <sstream>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -183,6 +186,77 @@ TEST(Api, RenderersBeginFramesOfOneSceneAtOnce)
         elsewhere.join();
         EXPECT_EQ(checksums[0], checksums[1]) << frame;
     }
+}
+
+TEST(Api, AShutterIsNotRecordedIntoAFrameThatItsPoseHasBegun)
+{
+    Scene scene;
+    const NodeId node = scene.add_node(scene.root(), {.cages = {scene.add(test::torus())}});
+    std::optional<Scene::FrameLock> frame;
+    const auto pose = [&](double tau) {
+        if (!frame) scene.set_transform(node, test::moved(tau, 0, 0));
+        if (tau == 1) frame.emplace(scene);
+    };
+    EXPECT_THROW(scene.record_shutter(2, pose), Error);
+    frame.reset();
+    EXPECT_EQ(scene.shutter_segments(), 0);
+}
+
+TEST(Api, AShutterWhoseCameraFailsIsNotKept)
+{
+    Scene scene;
+    const NodeId node = scene.add_node(scene.root(), {.cages = {scene.add(test::torus())}});
+    const auto pose = [&](double tau) { scene.set_transform(node, test::moved(tau, 0, 0)); };
+    const auto nowhere = [] {
+        Camera camera;
+        camera.world_from_camera[3].x = std::numeric_limits<double>::quiet_NaN();
+        return camera;
+    };
+    for (const int segments : {0, 4}) {
+        EXPECT_THROW(record_shutter(scene, pose, nowhere, 100, segments), Error);
+        EXPECT_EQ(scene.shutter_segments(), 0);
+    }
+}
+
+TEST(Query, RaysOfAKindPassWhatThisKindDoesNotSee)
+{
+    Scene scene;
+    NodeDesc desc;
+    desc.cages = {scene.add(test::textured_square())};
+    desc.seen_by = RayKind::Shadow;
+    scene.add_node(scene.root(), desc);
+    const Query query(scene, Camera::look_at({0, 0, 3}, Vec3d(0), {0, 1, 0}, 0.6f), 16);
+    QueryRay ray;
+    ray.origin = {0.1, 0.1, 3};
+    EXPECT_FALSE(query.closest(ray)) << "the camera does not see it";
+    EXPECT_FALSE(query.is_occluded(ray));
+    EXPECT_FALSE(query.is_occluded({0.1, 0.1, 3}, {0.1, 0.1, -3}));
+    ray.kinds = RayKind::Shadow | RayKind::Diffuse;
+    EXPECT_TRUE(query.closest(ray));
+    EXPECT_TRUE(query.is_occluded(ray));
+}
+
+TEST(Api, FramingRefusesAnAspectThatIsNone)
+{
+    Scene scene;
+    scene.add_node(scene.root(), {.cages = {scene.add(test::torus())}});
+    for (const float aspect : {0.0f, -1.0f, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()})
+        EXPECT_THROW(framing(scene, aspect), Error) << aspect;
+}
+
+// Slots of removed nodes are used again, which says nothing about the order of addition.
+TEST(Api, TheFirstCameraIsTheOneThatWasAddedFirst)
+{
+    Scene scene;
+    const NodeId first = scene.add_node(scene.root(), {}), second = scene.add_node(scene.root(), {});
+    scene.remove(first);
+    scene.remove(second);
+    const CameraId lens = scene.add(CameraLens{});
+    scene.add_node(scene.root(), {.name = "one", .camera = lens});
+    scene.add_node(scene.root(), {.name = "two", .camera = lens});
+    const NodeId three = scene.add_node(scene.root(), {.name = "one", .camera = lens});
+    EXPECT_EQ(scene.camera_names(), (std::vector<std::string>{"one", "two", "one"}));
+    EXPECT_NE(scene.find_node("one"), three);
 }
 
 }  // namespace

@@ -185,6 +185,19 @@ TEST_F(ImageFile, WhatCannotBeWrittenIsAnOutputError)
     EXPECT_EQ(files(), 1u);
 }
 
+// An application may have taken or changed the layers.
+TEST_F(ImageFile, PicturesWithoutTheirPixelsAreRefusedInEveryFormat)
+{
+    Image fewer(4, 3), more(4, 3);
+    fewer.add_layer("beauty", {"R", "G", "B", "A"}).pixels.resize(4);
+    more.add_layer("beauty", {"R", "G", "B", "A"}).pixels.resize(400);
+    for (const char* name : {"a.exr", "a.png", "a.jpg", "a.hdr", "a.tif"})
+        for (const Image* image : {&fewer, &more}) EXPECT_THROW(image->write(folder / name), Error) << name;
+    for (const char* name : {"a.exr", "a.png", "a.jpg", "a.hdr", "a.tif"})
+        EXPECT_THROW(Image(4, 3).write(folder / name), Error) << name;
+    EXPECT_EQ(files(), 0u);
+}
+
 TEST_F(ImageFile, WhatIsNoPictureIsRefused)
 {
     std::ofstream(folder / "a.exr") << "not an image";

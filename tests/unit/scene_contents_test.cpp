@@ -246,5 +246,33 @@ TEST(ChildBoxes, KeepNeighboursTogether)
     }
 }
 
+// A cage whose vertices gather has the layers of the same cage built anew.
+TEST(Contents, LayersFollowVerticesThatGather)
+{
+    constexpr int kFaces = 20'000;
+    std::vector<Vec3f> spread, gathered;
+    Cage cage;
+    cage.scheme = Scheme::Triangles;
+    for (std::uint32_t face = 0; face < kFaces; ++face)
+        for (const Vec2f corner : {Vec2f(0, 0), Vec2f(1, 0), Vec2f(0, 1)}) {
+            cage.face_vertices.push_back(static_cast<std::uint32_t>(spread.size()));
+            spread.emplace_back(corner.x + float(face % 141), corner.y + float(face / 141), 0.1f * corner.x);
+            gathered.emplace_back(corner.x, corner.y, 0.1f * corner.x);
+        }
+    cage.positions = spread;
+    Scene scene, anew;
+    const CageId id = scene.add(cage);
+    scene.add_node(scene.root(), {.cages = {id}});
+    scene.refit();
+    EXPECT_LT(scene.contents().most_layers, 256);
+    scene.write_vertices(id, gathered);
+    scene.refit();
+    cage.positions = gathered;
+    anew.add_node(anew.root(), {.cages = {anew.add(cage)}});
+    anew.refit();
+    EXPECT_GT(anew.contents().most_layers, 256);
+    EXPECT_EQ(scene.contents(), anew.contents());
+}
+
 }  // namespace
 }  // namespace occam

@@ -84,5 +84,24 @@ TEST(Shutter, ASkinnedNodeWithoutMotionHasNoKeys)
     EXPECT_EQ(scene.shutter_segments(), 0);
 }
 
+// What hangs on a joint and what its skin deforms lose their motion together.
+TEST(Shutter, AnyEditOfAJointDropsTheKeysOfItsSkin)
+{
+    for (const bool is_morph : {false, true}) {
+        Bent bent;
+        Scene& scene = bent.scene;
+        scene.add_node(scene.root(), {.cages = {bent.cage}, .skin = bent.skin});
+        scene.record_shutter(2, [&](double tau) { scene.set_transform(bent.tip_joint, moved(0, tau, 0)); });
+        scene.refit();
+        ASSERT_FALSE(scene.find(bent.skin)->key_poses.empty());
+        if (is_morph) scene.set_morph_weights(bent.tip_joint, {});
+        else scene.set_visible(bent.tip_joint, true);
+        scene.refit();
+        EXPECT_TRUE(scene.node(bent.tip_joint).keys.empty());
+        EXPECT_TRUE(scene.find(bent.skin)->key_poses.empty());
+        EXPECT_EQ(scene.shutter_segments(), 0);
+    }
+}
+
 }  // namespace
 }  // namespace occam

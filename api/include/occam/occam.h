@@ -173,6 +173,8 @@ struct QueryRay {
     /// If it is absent, it is that of a pixel of the query's camera where the ray starts, and grows as the camera's does.
     std::optional<RayFootprint> footprint{};
     float time = 0.5f;  ///< from 0 (the shutter opens) to 1; only for scenes whose shutter is recorded
+    /// It passes through surfaces that rays of none of these kinds see (NodeDesc::seen_by).
+    std::uint8_t kinds = RayKind::Camera;
 };
 
 /// Says where a ray ends.
@@ -186,7 +188,7 @@ struct FirstHit {
 /// Answers questions about a scene that must not change meanwhile: edits throw from construction or begin() until end().
 ///
 /// Surfaces are diced as for the camera's picture: a ray hits what that picture shows, unless it has a footprint of its own.
-/// It passes the holes of alpha masks, and hits what is transparent otherwise.
+/// It passes the holes of alpha masks, and hits what is transparent otherwise, and the backs of all surfaces.
 /// A query can be used for many frames: end() lets the application edit the scene, begin() continues with the edited scene,
 /// and everything that no vertex position can change is kept in between.
 ///
