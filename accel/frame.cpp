@@ -64,6 +64,11 @@ Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::Leve
     state_->anchor = glm::clamp(levels.eye, world.lo, world.hi);
     const double pad = vertex_rounding(world);
     state_->bounds = outward_float({world.lo - pad, world.hi + pad}, state_->anchor, 8);
+    state_->diced_bounds = state_->bounds;
+    if (const Box3d diced = options.scale.placed(bounds_of_diced(scene)); !diced.is_empty()) {
+        const double diced_pad = vertex_rounding(diced);
+        state_->diced_bounds = outward_float({diced.lo - diced_pad, diced.hi + diced_pad}, state_->anchor, 8);
+    }
     state_->radius = static_cast<float>(glm::length(glm::max(state_->anchor - world.lo, world.hi - state_->anchor))) *
                      1.001f;
 }

@@ -107,7 +107,7 @@ OCCAM_NEVER_INLINE void set_identity(const GridHit& met, const MicropolygonPlace
     hit.face = spot.face;
     const std::uint64_t tile = spot.part ? std::uint64_t(spot.part->tile.j0) << 32 | spot.part->tile.i0 : 0;
     hit.micropolygon = static_cast<std::uint32_t>(
-        mix_bits(cage.key ^ (std::uint64_t(spot.number) << 32 ^ spot.face) ^ tile * 0x9e3779b97f4a7c15u));
+        mix_bits(cage.path.hash ^ (std::uint64_t(spot.number) << 32 ^ spot.face) ^ tile * 0x9e3779b97f4a7c15u));
 }
 
 // Returns the level at which secondary rays from a hit start: of the igrid's two levels, the one to which the surface is

@@ -27,7 +27,7 @@ using ItemIndex = std::uint32_t;
 struct PlacedNode {
     NodeId id;
     Mat4d world_from_node;
-    std::uint64_t key;  ///< hash of the path from the root
+    lod::GraphPath path;
     const PlacedNode* parent;
     std::uint8_t seen_by;              ///< follows from all nodes on the path
     LightGroups lit_by;                ///< follows from all nodes on the path
@@ -161,6 +161,7 @@ private:
         std::uint32_t visible_in;
     };
     /// Adds a child of a placed node, or what is placed there by instance_of.
+    /// place   as GraphPath::place
     void add_placed(const PlacedNode& parent, NodeId id, const Placement& placement, std::uint64_t place);
     void add_child(const PlacedNode& parent, NodeId id);
     void add_children(const PlacedNode& parent, const ChildBoxes& boxes, std::uint32_t at);

@@ -23,8 +23,8 @@ ItemIndex Items::restart()
     const Scene& scene = *frame_.scene;
     PlacedNode* root = arena_.make<PlacedNode>();
     const Node& top = scene.node(scene.root());
-    *root = {scene.root(), frame_.scale.placed(top.parent_from_node), kFnvStart, nullptr, top.seen_by, top.lit_by};
-    const PlacedNode world{{}, frame_.scale.placed(Mat4d(1)), 0, nullptr, 0, 0};
+    *root = {scene.root(), frame_.scale.placed(top.parent_from_node), {}, nullptr, top.seen_by, top.lit_by};
+    const PlacedNode world{{}, frame_.scale.placed(Mat4d(1)), {}, nullptr, 0, 0};
     root->at_keys = child_at_keys(world, top);
     root->visible_in = visible_in(top, frame_.segments);
     Item item;
@@ -89,9 +89,11 @@ void Items::add_cage(const PlacedNode& at, const Node& node, CageId id, std::siz
     const lod::CageTables& tables = frame_.topologies->get(*slot);
     if (tables.made) slot = tables.made.get();
     if (slot->cage.face_count() == 0) return;
-    const lod::CagePlacement placement{
-        *slot,      node,      at.id,         frame_.scene->find(node.skin), at.matrices(), frame_.segments,
-        at.seen_by, at.lit_by, at.visible_in, mix_bits(at.key + place + 1)};
+    const lod::CagePlacement placement{*slot,         node,
+                                       at.id,         frame_.scene->find(node.skin),
+                                       at.matrices(), frame_.segments,
+                                       at.seen_by,    at.lit_by,
+                                       at.visible_in, at.path.to(lod::GraphPath::place_of_cage(place))};
     add_cluster(lod::pose_cage(placement, frame_.levels, {tables, frame_.textures, arena_, counters_.deform}), 0);
 }
 
@@ -121,8 +123,7 @@ void Items::open_node(const PlacedNode& at)
         for (const NodeId child : node->children) add_child(at, child);
     }
     if (node->instance_of)
-        add_placed(at, node->instance_of, {at.world_from_node, at.at_keys, at.visible_in},
-                   ~std::uint64_t(0) - node->instance_of.slot);
+        add_placed(at, node->instance_of, {at.world_from_node, at.at_keys, at.visible_in}, lod::GraphPath::kPlaceOfInstance);
 }
 
 void Items::add_placed(const PlacedNode& parent, NodeId id, const Placement& placement, std::uint64_t place)
@@ -132,7 +133,7 @@ void Items::add_placed(const PlacedNode& parent, NodeId id, const Placement& pla
     PlacedNode* placed = arena_.make<PlacedNode>();
     *placed = {id,
                placement.world_from_node,
-               mix_bits(parent.key ^ mix_bits(place)),
+               parent.path.to(place),
                &parent,
                static_cast<std::uint8_t>(parent.seen_by & below->seen_by),
                parent.lit_by & below->lit_by,
@@ -151,7 +152,7 @@ void Items::add_child(const PlacedNode& parent, NodeId id)
     const std::uint32_t seen_in = child ? parent.visible_in & visible_in(*child, frame_.segments) : 0;
     if (seen_in == 0) return;
     add_placed(parent, id, {parent.world_from_node * child->parent_from_node, child_at_keys(parent, *child), seen_in},
-               id.slot);
+               lod::GraphPath::place_of_child(child->place_among_siblings));
 }
 
 void Items::add_children(const PlacedNode& parent, const ChildBoxes& boxes, std::uint32_t at)

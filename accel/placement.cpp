@@ -24,6 +24,60 @@ bool moves_in_parent(const Node& node) noexcept
                        [&](const NodeKey& key) { return key.parent_from_node != node.parent_from_node; });
 }
 
+namespace {
+
+// Visits the graph as far as it has few nodes; the boxes of what lies below count as a whole. What it visits follows from
+// the graph alone, so the box does not depend on how the scene came to be.
+class DicedBounds {
+public:
+    explicit DicedBounds(const Scene& scene) noexcept : scene_(scene) {}
+
+    /// Returns the box of a placed node in its parent's axes.
+    Box3d placed(NodeId id, const Node& node, int depth)
+    {
+        const Box3d own = below(id, node, depth);
+        if (own.is_empty()) return own;
+        if (node.keys.empty()) return transform_box(node.parent_from_node, own);
+        Box3d box;
+        for (const NodeKey& key : node.keys) box.add(transform_box(key.parent_from_node, own));
+        return box;
+    }
+
+private:
+    static constexpr std::size_t kMostVisits = 4096;
+    static constexpr int kMostDepth = 64;
+
+    /// Returns the box of what a node shows, in its own axes.
+    Box3d below(NodeId id, const Node& node, int depth)
+    {
+        if (!node.contents.has(Contents::Subdivided)) return {};
+        const std::size_t visits = scene_.child_count(id) + 1;
+        if (depth == kMostDepth || visits > visits_left_) return node.bounds;
+        visits_left_ -= visits;
+        Box3d box;
+        for (const CageId cage : node.cages)
+            if (const CageSlot* slot = scene_.find(cage);
+                slot && (slot->is_on_demand() || slot->cage.scheme != Scheme::Triangles))
+                box.add(cage_bounds(node, *slot, scene_.find(node.skin)));
+        for (const NodeId child : node.children)
+            if (const Node* there = scene_.find(child); there && there->is_visible_in_shutter())
+                box.add(placed(child, *there, depth + 1));
+        if (const Node* shown = scene_.find(node.instance_of)) box.add(below(node.instance_of, *shown, depth + 1));
+        return box;
+    }
+
+    const Scene& scene_;
+    std::size_t visits_left_ = kMostVisits;
+};
+
+}  // namespace
+
+Box3d bounds_of_diced(const Scene& scene)
+{
+    const Node& root = scene.node(scene.root());
+    return root.is_visible_in_shutter() ? DicedBounds(scene).placed(scene.root(), root, 0) : Box3d();
+}
+
 void for_each_placement(const Scene& scene, const std::function<void(const Node&, std::span<const Mat4d>)>& visit)
 {
     struct Place {

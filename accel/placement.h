@@ -16,6 +16,10 @@ std::uint32_t visible_in(const Node& node, int segments) noexcept;
 /// Returns whether the node's own transform changes in the shutter.
 bool moves_in_parent(const Node& node) noexcept;
 
+/// Returns a box that holds all that is diced (Contents::Subdivided) and is visible at some time, in world axes. Where the
+/// scene is large it may be larger than that. The scene must be refitted.
+Box3d bounds_of_diced(const Scene& scene);
+
 /// Calls visit(node, world_from_node) for every placement that is visible at some time. world_from_node is given at each key
 /// of the shutter, or once if no transform on the way to the node changes.
 void for_each_placement(const Scene& scene, const std::function<void(const Node&, std::span<const Mat4d>)>& visit);

@@ -42,7 +42,7 @@ public:
         if (none(enters)) return PacketResult::Done;
         pairs_ = {nullptr, ray_.shift, 0, 0};
         if (state_.frame.has_levels) {
-            lod::RayLevels<F>* const levels = party_.find_levels(enters, ray_.shift + begin_, ray_.shift + end);
+            lod::RayLevels<F>* const levels = find_levels(enters, end);
             if (!levels) return PacketResult::TooWide;
             pairs_ = {levels, ray_.shift, levels->finest, levels->coarsest};
         }
@@ -76,6 +76,16 @@ public:
     }
 
 private:
+    /// Makes the table of levels of the rays `enters`. A ray that misses what is diced may have any table.
+    lod::RayLevels<F>* find_levels(const Mask& enters, const F& end) noexcept
+    {
+        F in = begin_, out = end;
+        clip(ray_, state_.frame.diced_bounds, in, out);
+        const Mask sees_levels = enters & (in <= out);
+        if (none(sees_levels)) return party_.find_levels(enters, ray_.shift + begin_, ray_.shift + end);
+        return party_.find_levels(sees_levels, ray_.shift + in, ray_.shift + out);
+    }
+
     /// Returns the ends of the rays, widened, as t of the tree's frame.
     OCCAM_ALWAYS_INLINE F limit() const noexcept
     {

@@ -8,7 +8,7 @@ namespace occam::lod {
 
 PosedCage& pose_cage(const CagePlacement& placement, const LevelSettings& levels, const PosingTools& tools)
 {
-    const auto& [slot, node, node_id, skin, matrices, shutter_segments, seen_by, lit_by, visible_in, key] = placement;
+    const auto& [slot, node, node_id, skin, matrices, shutter_segments, seen_by, lit_by, visible_in, path] = placement;
     PosedCage& cage = *tools.arena.make<PosedCage>();
     cage.slot = &slot;
     cage.topology = tools.tables.topology.get();
@@ -19,7 +19,7 @@ PosedCage& pose_cage(const CagePlacement& placement, const LevelSettings& levels
     cage.seen_by = seen_by;
     cage.lit_by = lit_by;
     cage.visible_in = visible_in;
-    cage.key = key;
+    cage.path = path;
     const bool chooses_level = cage.topology && levels.mode == LevelMode::PerInstance;
     const CageMotion motion(slot, node, skin, matrices, shutter_segments);
     if (motion.moves()) {

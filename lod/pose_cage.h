@@ -20,7 +20,7 @@ struct CagePlacement {
     std::uint8_t seen_by = RayKind::All;     ///< the fields from here on are as in PosedCage
     LightGroups lit_by = kAllGroups;
     std::uint32_t visible_in = PosedCage::kAllSegments;
-    std::uint64_t key = 0;
+    GraphPath path{};
 };
 
 /// Poses the cage. With LevelMode::PerInstance, a cage that is subdivided gets the level that its rays see, which is the

@@ -17,6 +17,7 @@
 #include "lod/clusters.h"
 #include "lod/deformed_cage.h"
 #include "lod/displacement.h"
+#include "lod/graph_path.h"
 #include "lod/key_time.h"
 #include "lod/rates.h"
 #include "lod/topology.h"
@@ -47,7 +48,7 @@ struct PosedCage {
     std::uint8_t seen_by = RayKind::All;  ///< combined over all nodes that lead here, as is lit_by
     LightGroups lit_by = kAllGroups;
     std::uint32_t visible_in = kAllSegments;  ///< bit k: whether it is visible in segment k of the scene's shutter
-    std::uint64_t key = 0;                    ///< key of the path of nodes that leads here; it orders hits at equal distance
+    GraphPath path;                           ///< leads here; it orders hits at equal distance
     double frame_from_object[3][4] = {};      ///< rows: rotation and scale, then translation
     double columns[4][4] = {};       ///< the same map by columns, the last row 0, so that four sums are computed at a time
     Vec3d anchor{0};                 ///< world

@@ -193,5 +193,39 @@ TEST(Levels, BuildNoMoreInAMuchLargerWorld)
     }
 }
 
+// Nor must it make anything near coarser: a ray has a limited number of pairs of levels (RayLevels::kMostOfRay).
+TEST(Levels, AreAsFineUnderADistantSkyOfTriangles)
+{
+    const Camera camera = Camera::look_at({0, 1.5, 2.5}, {0, 0, 0}, {0, 1, 0}, 0.8f);
+    const render::CameraRays view(camera, 32, 32);
+    std::vector<accel::Ray> rays;
+    for (int y = 0; y < 32; ++y)
+        for (int x = 0; x < 32; ++x) rays.push_back(view.ray(x + 0.5, y + 0.5));
+    const auto hits_with = [&](double sky, int siblings) {
+        World world(torus(24, 12));
+        for (int k = 0; k < siblings; ++k) place(world.scene, world.scene.add(torus(6, 4)), {0.1 * k, -3, 0}, 0.05);
+        if (sky > 0) place(world.scene, world.scene.add(torus_mesh(9, 5)), {0, 0, 0}, sky);
+        world.scene.refit();
+        const accel::Frame frame(world.scene, world.topologies, view.levels(1));
+        accel::Tracer tracer(frame, std::size_t(1) << 30);
+        std::vector<accel::SurfaceHit> hits(rays.size());
+        tracer.closest(rays, hits);
+        return hits;
+    };
+    for (const int siblings : {0, 40}) {
+        const std::vector<accel::SurfaceHit> alone = hits_with(0, siblings);
+        for (const double sky : {1e4, 1e6, 1e8}) {
+            const std::vector<accel::SurfaceHit> under_sky = hits_with(sky, siblings);
+            int both = 0;
+            for (std::size_t i = 0; i < rays.size(); ++i) {
+                if (!alone[i].is_hit() || !(under_sky[i].t < 10)) continue;
+                ++both;
+                EXPECT_NEAR(under_sky[i].t, alone[i].t, 1e-5) << "sky " << sky << ", ray " << i;
+            }
+            EXPECT_GT(both, 200);
+        }
+    }
+}
+
 }  // namespace
 }  // namespace occam::test

@@ -1,7 +1,9 @@
 // Tests of a scene that changes between frames: each picture is that of a scene built anew, whatever the renderer has kept.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
+#include <limits>
 #include <stdexcept>
 
 #include "occam/occam.h"
@@ -93,6 +95,43 @@ TEST(ChangingScene, EveryFrameIsThatOfASceneBuiltAnew)
                   Renderer().render(fresh.scene, kCamera, kSmall).checksum());
         before = now;
     }
+}
+
+// Two squares lie in one place, so each ray hits both at one distance.
+TEST(ChangingScene, WhatLiesInOnePlaceIsSeenInTheOrderOfTheGraph)
+{
+    enum class History { None, NodesBefore, NodesRemoved, AnInstance };
+    const auto albedo_with = [](History history, int siblings, TreeKind tree) {
+        Scene scene;
+        std::vector<NodeId> earlier;
+        const auto empty_nodes = [&](int count) {
+            for (int k = 0; k < count; ++k) earlier.push_back(scene.add_node(scene.root(), {}));
+        };
+        if (history == History::NodesBefore) empty_nodes(2);
+        if (history == History::NodesRemoved) empty_nodes(9);
+        for (const NodeId id : earlier) scene.remove(id);  // slots are used again in the reverse order
+        std::vector<CageId> squares;
+        for (const bool is_red : {true, false}) {
+            Cage square = test::textured_square();
+            square.materials = {scene.add(paint({.is_red = is_red}))};
+            squares.push_back(scene.add(square));
+        }
+        const NodeId top = scene.add_node(scene.root(), {.name = "squares"});
+        if (history == History::AnInstance) scene.add_node(top, {.matrix = test::moved(0, 9, 0)});
+        for (const CageId square : squares) scene.add_node(top, {.cages = {square}});
+        for (int k = 0; k < siblings; ++k) place(scene, squares[1], {double(5 + k % 20), double(k / 20), -3}, 0.1);
+        const Camera camera = Camera::look_at({0, 0, 3}, {0, 0, 0}, {0, 1, 0}, 0.6f);
+        const Settings settings{.width = 24, .height = 24, .spp = 1, .aovs = {Aov::Albedo}};
+        const Image image = Renderer({.threads = 1, .tree = tree}).render(scene, camera, settings);
+        return image.find("albedo")->pixels;
+    };
+    for (const TreeKind tree : {TreeKind::Kd, TreeKind::Bvh})
+        for (const int siblings : {0, 400}) {
+            const std::vector<float> plain = albedo_with(History::None, siblings, tree);
+            EXPECT_GT(plain[0], plain[1] + 0.5f) << "the first one is red";
+            for (const History history : {History::NodesBefore, History::NodesRemoved, History::AnInstance})
+                EXPECT_EQ(albedo_with(history, siblings, tree), plain) << int(history) << ' ' << siblings;
+        }
 }
 
 TEST(ChangingScene, EditsWaitForARunningJobAndPassAfterIt)
@@ -249,6 +288,35 @@ TEST(OnDemandCages, EndTheFrameWithAClearErrorIfTheyDoNotKeepTheirWord)
     place(scene, scene.add(demanded(calls, torus())), {0, 0, 0});
     EXPECT_NO_THROW(renderer.render(scene, camera, kSmall)) << "the renderer goes on";
     EXPECT_THROW(scene.add(OnDemandCage{}), Error);
+}
+
+TEST(OnDemandCages, WithoutFacesShowNothing)
+{
+    std::atomic<int> calls = 0;
+    Cage without_faces = torus(), bilinear, dropped = torus();
+    without_faces.face_sizes.clear();
+    without_faces.face_vertices.clear();
+    bilinear.scheme = Scheme::Bilinear;
+    std::fill(dropped.face_vertices.begin(), dropped.face_vertices.end(), 0);
+    Scene empty;
+    const std::uint64_t nothing = Renderer().render(empty, kCamera, kSmall).checksum();
+    for (const Cage& cage : {Cage(), without_faces, bilinear, dropped}) {
+        Scene scene;
+        place(scene, scene.add(demanded(calls, cage)), {0, 0, 0});
+        EXPECT_EQ(Renderer().render(scene, kCamera, kSmall).checksum(), nothing);
+    }
+    EXPECT_GE(calls, 4);
+}
+
+TEST(OnDemandCages, NeedBoundsThatAreNumbers)
+{
+    std::atomic<int> calls = 0;
+    Scene scene;
+    for (const bool is_low : {false, true}) {
+        OnDemandCage cage = demanded(calls, torus());
+        (is_low ? cage.bounds.lo : cage.bounds.hi).y = std::numeric_limits<double>::quiet_NaN();
+        EXPECT_THROW(scene.add(cage), Error);
+    }
 }
 
 }  // namespace
