@@ -202,7 +202,7 @@ int TextureSource::height() const noexcept { return state_->height; }
 bool TextureSource::is_tiled_file() const noexcept { return state_->is_tiled_file; }
 bool TextureSource::has_texels_of_another_role() const noexcept { return state_->has_other_role; }
 
-MipImage TextureSource::decode(int halvings) const
+MipImage TextureSource::decode(int halvings, bool multiplies_by_alpha) const
 {
     constexpr int kRowsAtOnce = 64;
     const State& s = *state_;
@@ -223,6 +223,8 @@ MipImage TextureSource::decode(int halvings) const
             if (s.top + j < 0 || s.top + j >= height()) continue;
             const Vec4f* const from = &texels[std::size_t(j - y) * std::size_t(s.data_width())];
             std::copy(from + (first - s.left), from + (end - s.left), row.begin() + first);
+            if (multiplies_by_alpha)
+                for (int x = first; x < end; ++x) row[std::size_t(x)] *= Vec4f(Vec3f(row[std::size_t(x)].w), 1);
             filter.add(row);
         }
     }

@@ -29,7 +29,8 @@ public:
     bool has_texels_of_another_role() const noexcept;
     /// Returns all texels, linear, with all levels; a box filter divides the sides by 2^halvings (to at least 1) while the
     /// file is read. Throws Error.
-    MipImage decode(int halvings) const;
+    /// multiplies_by_alpha   whether colours are multiplied by their alpha before that
+    MipImage decode(int halvings, bool multiplies_by_alpha = false) const;
 
 private:
     struct State;

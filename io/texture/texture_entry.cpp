@@ -87,7 +87,7 @@ void TextureEntry::decode()
         const TextureSource source(description_);
         if (source.width() != width_ || source.height() != height_)
             throw Error(description_.name, "the image has changed while the scene was rendered");
-        decoded_ = std::make_unique<const MipImage>(source.decode(keeping_.halvings));
+        decoded_ = std::make_unique<const MipImage>(source.decode(keeping_.halvings, keeping_.is_weighted));
         description_.pixels = {};
         if (const std::size_t texels = decoded_->clamped_texels())
             warnings_.push_back(description_.name + ": texels that are not finite numbers, or above 65504, were clamped: " +

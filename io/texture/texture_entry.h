@@ -24,6 +24,7 @@ namespace occam {
 struct TextureKeeping {
     int halvings = 0;
     bool is_in_tiles = false;  ///< its tiles are read one by one
+    bool is_weighted = false;  ///< colours are filtered with their alpha as weight, and multiplied by it in memory
     friend bool operator==(const TextureKeeping&, const TextureKeeping&) = default;
 };
 

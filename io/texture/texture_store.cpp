@@ -37,17 +37,20 @@ struct Plan {
     std::size_t tile_bytes = 0;
 };
 
-// Plans the memory of the textures: tiled files are read in tiles. If the others do not fit beside a quarter for these, or
+// Plans the memory of the textures: tiled files are read in tiles, unless their colours are weighted by alpha, which those
+// of the tiles are not. If the others do not fit beside a quarter for these, or
 // beside all of these, the largest are halved until they do. Sizes alone decide, so the outcome depends neither on which
 // textures are looked up, nor on the number of threads, nor on what earlier frames knew.
-Plan plan_for(const std::vector<std::shared_ptr<TextureEntry>>& entries, std::size_t bytes)
+Plan plan_for(const std::vector<std::shared_ptr<TextureEntry>>& entries, const std::vector<bool>& are_weighted,
+              std::size_t bytes)
 {
     Plan plan{std::vector<TextureKeeping>(entries.size())};
     std::vector<std::size_t> planned;
     std::size_t sum = 0, in_tiles = 0;
     for (const auto& entry : entries) sum += planned.emplace_back(entry->bytes_of(0));
     for (std::size_t i = 0; i < entries.size(); ++i) {
-        if (!entries[i]->is_tiled_file()) continue;
+        plan.keepings[i].is_weighted = are_weighted[i];
+        if (!entries[i]->is_tiled_file() || are_weighted[i]) continue;
         plan.keepings[i].is_in_tiles = true;
         in_tiles += std::exchange(planned[i], 0);
     }
@@ -170,18 +173,22 @@ void TextureStore::prepare(const Scene& scene)
     // The store changes at the end only: it stays as it was if an image is refused or there is not enough memory.
     const std::vector<TextureId> ids = scene.texture_ids();
     std::vector<std::shared_ptr<TextureEntry>> all;
-    std::vector<bool> is_fresh;
+    std::vector<bool> is_fresh, are_weighted;
     std::vector<TextureEntry*> fresh;
+    bool is_weighting_known = true;
     for (const TextureId id : ids) {
         const Texture& texture = scene.texture(id);
         const auto known = state_->entries.find(texture.identity);
         is_fresh.push_back(known == state_->entries.end() || known->second->lacks_memory());
         all.push_back(is_fresh.back() ? std::make_shared<TextureEntry>(texture, state_->has_failed) : known->second);
         if (is_fresh.back()) fresh.push_back(all.back().get());
+        are_weighted.push_back(scene.is_cut_out_by(id));
+        is_weighting_known &= all.back()->keeping().is_weighted == are_weighted.back();
     }
-    if (fresh.empty() && ids.size() == state_->entries.size()) return;  // the textures are those of the frame before
+    // The textures may be those of the frame before, and used in the same way.
+    if (fresh.empty() && is_weighting_known && ids.size() == state_->entries.size()) return;
     check_texels(fresh);
-    const Plan plan = plan_for(all, state_->cap_bytes);
+    const Plan plan = plan_for(all, are_weighted, state_->cap_bytes);
     std::map<std::uint64_t, std::shared_ptr<TextureEntry>> entries;
     std::vector<State::Slot> slots;
     for (std::size_t i = 0; i < ids.size(); ++i) {
@@ -258,7 +265,9 @@ Vec4f TextureStore::sample(const TextureUse& use, Vec2f uv, Vec2f width) const n
 
     if (TiledFile* const tiles = found->tiles())
         return filtered(ImageInTiles(*tiles, state_->tiles, *found), use, st, width);
-    return filtered(found->image(state_->unreadable), use, st, width);
+    Vec4f texel = filtered(found->image(state_->unreadable), use, st, width);
+    if (found->keeping().is_weighted && texel.w > 0) texel = Vec4f(Vec3f(texel) / texel.w, texel.w);
+    return texel;
 }
 
 std::uint64_t TextureStore::halvings_hash() const noexcept

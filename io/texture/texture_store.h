@@ -7,6 +7,8 @@
 //          tile by tile, which changes no texel. If the others would not all fit into what the tiles leave, at least three
 //          quarters, the largest are halved until they do. So a picture depends neither on which textures are decoded nor
 //          on those of earlier frames. A renderer owns the store.
+// Alpha    a texture by which a material is cut out (Scene::is_cut_out_by()) is filtered with alpha as the weight of its
+//          colours, so that what lies under its transparent texels is seen nowhere.
 // Threads  prepare() is called by one thread while no other looks up. After that any number of threads may call sample().
 //          The first lookup in a texture decodes it under a lock of that texture alone, so several are decoded at a time.
 // Errors   a texture without a file is grey, with a warning. One whose file or bytes are no image that can be read is grey

@@ -16,17 +16,17 @@ namespace {
 struct ImageSky {
     static constexpr int kWidth = 32, kHeight = 16;
     Scene scene;
-    TextureStore textures{1 << 20};
+    TextureStore textures{1 << 24};
     Environment environment;
 
     template <class ColorOf>
-    explicit ImageSky(ColorOf&& color_of)
+    explicit ImageSky(ColorOf&& color_of, int width = kWidth, int height = kHeight)
     {
         Texture texture;
-        texture.width = kWidth;
-        texture.height = kHeight;
-        for (int y = 0; y < kHeight; ++y)
-            for (int x = 0; x < kWidth; ++x) texture.pixels.push_back(Vec4f(color_of(x, y), 1));
+        texture.width = width;
+        texture.height = height;
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x) texture.pixels.push_back(Vec4f(color_of(x, y), 1));
         scene.environment.radiance = Vec3f(2);
         scene.environment.image = scene.add(texture);
         textures.prepare(scene);
@@ -45,6 +45,21 @@ TEST(Environment, AnImageOfOneColorIsThatColorAndHasNoSamples)
         EXPECT_EQ(sky.environment.radiance(d), Vec3f(0.5f, 1, 2));
         EXPECT_EQ(sky.environment.look_up(d).density, 0);
     }
+}
+
+// The means of the cells of the table are those of an image of one colour.
+TEST(Environment, AFinePatternIsSeen)
+{
+    const ImageSky sky([](int x, int y) { return Vec3f(float((x + y) % 2)); }, 1024, 512);
+    EXPECT_FALSE(sky.environment.has_density());
+    float darkest = 2, brightest = 0;
+    for (int k = 0; k < 100; ++k) {
+        const float radiance = sky.environment.radiance(glm::normalize(Vec3f(1, 0.003f * float(k), 0.2f))).x;
+        darkest = std::min(darkest, radiance);
+        brightest = std::max(brightest, radiance);
+    }
+    EXPECT_LT(darkest, 0.4f);
+    EXPECT_GT(brightest, 1.6f);
 }
 
 TEST(Environment, ABlackImageIsAnEnvironmentWithoutLight)
