@@ -4,8 +4,10 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <map>
+#include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "arguments.h"
 #include "values.h"
@@ -79,6 +81,16 @@ inline void refuse_empty_values(const CLI::App& command)
     for (const CLI::Option* option : command.get_options())
         for (const std::string& value : option->results())
             if (value.empty()) throw CLI::ValidationError(option->get_name(), "its value is empty");
+}
+/// Refuses words like --name= before they are parsed, for the same reason: the parser would take the next word for the
+/// value.
+inline void refuse_empty_values(std::span<char* const> words)
+{
+    for (const std::string_view word : words) {
+        if (word == "--") return;  // names of files follow
+        if (word.starts_with("--") && word.find('=') == word.size() - 1)
+            throw CLI::ValidationError(std::string(word.substr(0, word.size() - 1)), "its value is empty");
+    }
 }
 
 /// Adds an option for each row of render/setting_rows.h that has one.

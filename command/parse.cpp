@@ -312,15 +312,13 @@ CLI::App& add_bench(CLI::App& app, BenchWords& bench)
 // Reads the words of the command line. Returns how it has ended already, if it has.
 std::optional<Finished> read_words(CLI::App& app, int argc, char** argv)
 {
-    const auto is_command = [&](const char* word) {
-        const auto all = app.get_subcommands([](const CLI::App*) { return true; });
-        return std::any_of(all.begin(), all.end(), [&](const CLI::App* command) { return command->get_name() == word; });
-    };
     if (argc < 2) {
         std::cerr << "occam: a command is needed: render, animate, info, verify, compare, texture or bench (occam --help)\n";
         return Finished{2};
     }
-    if (argv[1][0] != '-' && !is_command(argv[1])) {
+    const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
+    const auto named = std::ranges::find(commands, argv[1], [](const CLI::App* command) { return command->get_name(); });
+    if (argv[1][0] != '-' && named == commands.end()) {
         std::string line = "there is no command '" + std::string(argv[1]) + "'";
         // A name with an extension is taken for a scene.
         if (const std::filesystem::path scene(argv[1]); scene.has_extension())
@@ -328,7 +326,9 @@ std::optional<Finished> read_words(CLI::App& app, int argc, char** argv)
         std::cerr << "occam: " << printable_line(line) << " (occam --help)\n";
         return Finished{2};
     }
+    const std::span<char*> words(argv, static_cast<std::size_t>(argc));
     try {
+        refuse_empty_values(words);
         app.parse(argc, argv);
         refuse_empty_values(*app.get_subcommands().front());
     } catch (const CLI::CallForHelp& help) {
@@ -336,8 +336,8 @@ std::optional<Finished> read_words(CLI::App& app, int argc, char** argv)
     } catch (const CLI::CallForVersion& version) {
         return Finished{app.exit(version)};
     } catch (const CLI::ParseError& error) {
-        const CLI::App* used = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
-        std::cerr << "occam: " << message_of(error, *used, {argv, static_cast<std::size_t>(argc)}) << " ("
+        const CLI::App* used = named == commands.end() ? &app : *named;
+        std::cerr << "occam: " << message_of(error, *used, words) << " ("
                   << (used == &app ? "occam" : "occam " + used->get_name()) << " --help)\n";
         return Finished{2};
     }

@@ -1,6 +1,8 @@
 // What the command says to a line that it cannot parse.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/support/command_test.h"
 
 namespace occam {
@@ -37,6 +39,28 @@ TEST_F(CommandUsage, AMistakeIsOneLineThatSaysWhatToDo)
     expect({"animate", "triangle.obj", "-o", "a.#.png", "--frames", "999999-1000001"},
            "--frames: expected frames from 0 to 1000000 like 1-240, 1-240x10 or 1,5,9, not '999999-1000001' "
            "(occam animate --help)");
+}
+
+// The parser takes the next word for the value, so a script with an empty variable would get another scene, clip or file.
+TEST_F(CommandUsage, AnOptionWithNothingBehindItsSignTakesNoOtherWord)
+{
+    const std::vector<std::vector<std::string>> calls{{"info", "--variant=", "triangle.obj"},
+                                                      {"render", "triangle.obj", "--clip=", "Swim", "-o", "a.png"},
+                                                      {"render", "triangle.obj", "--output=", "a.png"},
+                                                      {"render", "triangle.obj", "-o", "a.png", "--spp=", "4"},
+                                                      {"compare", "a.exr", "b.exr", "--max-rmse=", "1"},
+                                                      {"info", "triangle.obj", "--json="}};
+    for (const std::vector<std::string>& words : calls) {
+        const Outcome o = run(words);
+        const auto empty = std::find_if(words.begin(), words.end(), [](const std::string& w) { return w.ends_with('='); });
+        EXPECT_EQ(o.exit_code, kBadInput) << *empty;
+        EXPECT_EQ(o.err, "occam: " + empty->substr(0, empty->size() - 1) + ": its value is empty (occam " + words[0] +
+                             " --help)\n");
+    }
+    fs::copy_file(folder / "triangle.obj", folder / "--scene=");
+    const Outcome file = run({"info", "--", "--scene="});
+    EXPECT_EQ(file.err.find("its value is empty"), std::string::npos) << "a name after -- is no option: " << file.err;
+    EXPECT_EQ(run({"render", "-o", "a.png", "--size=8x4", "--spp", "1", "--", "triangle.obj"}).exit_code, kDone);
 }
 
 TEST_F(CommandUsage, NumbersBeyondTheRangeOfFloatsAreRefusedByTheirOption)
