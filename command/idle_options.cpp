@@ -14,8 +14,15 @@ bool is_sky_or_none(const RenderArguments& a, const Given& given)
 
 bool is_debug_view(const RenderArguments& a, const Given&) { return a.settings.view != render::View::Beauty; }
 
+bool is_ao(const RenderArguments& a, const Given&) { return a.settings.integrator == IntegratorKind::Ao; }
+
+// Of `occam verify`: render has none of the options that this concerns.
+bool is_one_ray(const RenderArguments&, const Given& given) { return given.contains("--replay"); }
+
 constexpr char kHoldsLight[] = "EXR and HDR files hold the light as it is; it is for PNG, JPEG and TIFF",
-               kNoLight[] = "a debug view shows no light";
+               kNoLight[] = "a debug view shows no light", kAo[] = "--integrator ao does not follow light",
+               kAllSides[] = "--integrator ao has equal light from all sides",
+               kOneRay[] = "--replay traces one ray, and prints its steps";
 
 struct Rule {
     const char* option;
@@ -32,6 +39,14 @@ constexpr Rule kRules[] = {
     {"--tonemap", [](const RenderArguments& a, const Given&) { return !Image::is_for_display(a.output); }, kHoldsLight},
     {"--exposure", is_debug_view, kNoLight},
     {"--tonemap", is_debug_view, kNoLight},
+    {"--integrator", is_debug_view, kNoLight},
+    {"--bounces", is_debug_view, kNoLight},
+    {"--clamp", is_debug_view, kNoLight},
+    {"--light-samples", is_debug_view, kNoLight},
+    {"--background", is_debug_view, kNoLight},
+    {"--environment", is_debug_view, kNoLight},
+    {"--environment-strength", is_debug_view, kNoLight},
+    {"--environment-rotation", is_debug_view, kNoLight},
     {"--ao-distance", [](const RenderArguments& a, const Given&) { return a.settings.integrator != IntegratorKind::Ao; },
      "only --integrator ao looks for it"},
     {"--fps",
@@ -44,10 +59,13 @@ constexpr Rule kRules[] = {
          return a.clip.empty() && !a.time && !a.frame && !given.contains("--frames");
      },
      "nothing moves without --frame, --time or --clip"},
-    {"--bounces", [](const RenderArguments& a, const Given&) { return a.settings.integrator == IntegratorKind::Ao; },
-     "--integrator ao does not follow light"},
-    {"--clamp", [](const RenderArguments& a, const Given&) { return a.settings.integrator == IntegratorKind::Ao; },
-     "--integrator ao does not follow light"},
+    {"--shutter-segments", [](const RenderArguments& a, const Given&) { return !a.settings.shutter.is_open(); },
+     "nothing moves while the shutter is open for one moment"},
+    {"--bounces", is_ao, kAo},
+    {"--clamp", is_ao, kAo},
+    {"--environment", is_ao, kAllSides},
+    {"--environment-strength", is_ao, kAllSides},
+    {"--environment-rotation", is_ao, kAllSides},
     {"--error", [](const RenderArguments& a, const Given&) { return a.settings.spp <= a.settings.min_spp; },
      "pixels end at --min-spp samples (16 unless given) at the earliest, so --spp has to be above it"},
     {"--min-spp", [](const RenderArguments& a, const Given&) { return !(a.settings.error > 0); },
@@ -59,6 +77,8 @@ constexpr Rule kRules[] = {
      "--environment none has no light"},
     {"--environment-rotation", is_sky_or_none, "only an image can be turned"},
     {"--subdivide", [](const RenderArguments& a, const Given&) { return a.scene.empty(); }, "the built-in scene is no file"},
+    {"--rays", is_one_ray, kOneRay},
+    {"--json", is_one_ray, kOneRay},
     {"--variant", [](const RenderArguments& a, const Given&) { return a.scene.empty(); }, "the built-in scene is no file"},
 };
 

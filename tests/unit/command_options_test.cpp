@@ -12,6 +12,8 @@ using namespace test;
 
 class CommandOptions : public CommandTest {};
 
+constexpr char kRay[] = "origin 0.2 0.2 0.2, direction 1 0 0, footprint 0 0.001";
+
 TEST_F(CommandOptions, OptionsThatWouldDoNothingAreRefused)
 {
     const std::vector<std::vector<std::string>> idle{
@@ -23,6 +25,18 @@ TEST_F(CommandOptions, OptionsThatWouldDoNothingAreRefused)
         {"render", "triangle.obj", "-o", "a.hdr", "--exposure", "1"},
         {"render", "triangle.obj", "-o", "a.png", "--ao-distance", "3"},
         {"render", "triangle.obj", "-o", "a.png", "--integrator", "ao", "--bounces", "3"},
+        {"render", "triangle.obj", "-o", "a.png", "--view", "depth", "--integrator", "ao"},
+        {"render", "triangle.obj", "-o", "a.png", "--view", "face", "--bounces", "3"},
+        {"render", "triangle.obj", "-o", "a.png", "--view", "tests", "--clamp", "1"},
+        {"render", "triangle.obj", "-o", "a.png", "--view", "uv", "--light-samples", "2"},
+        {"render", "triangle.obj", "-o", "a.png", "--view", "uv", "--background", "off"},
+        {"render", "triangle.obj", "-o", "a.png", "--view", "depth", "--environment", "sky"},
+        {"render", "triangle.obj", "-o", "a.png", "--view", "depth", "--environment-strength", "2"},
+        {"render", "triangle.obj", "-o", "a.png", "--integrator", "ao", "--environment", "none"},
+        {"render", "triangle.obj", "-o", "a.png", "--integrator", "ao", "--environment-strength", "2"},
+        {"render", "triangle.obj", "-o", "a.png", "--frame", "1", "--shutter", "0,0", "--shutter-segments", "4"},
+        {"verify", "tetrahedron.obj", "--subdivide", "on", "--replay", kRay, "--json"},
+        {"verify", "tetrahedron.obj", "--subdivide", "on", "--replay", kRay, "--rays", "10"},
         {"render", "triangle.obj", "-o", "a.png", "--error", "0.1"},
         {"render", "triangle.obj", "-o", "a.png", "--error", "0.1", "--spp", "32", "--min-spp", "32"},
         {"render", "triangle.obj", "-o", "a.png", "--min-spp", "4"},
@@ -36,6 +50,8 @@ TEST_F(CommandOptions, OptionsThatWouldDoNothingAreRefused)
         {"compare", "a.exr", "a.exr", "--heat-scale", "2"},
         {"verify", "triangle.obj", "--rays", "100"}};
     ASSERT_EQ(run({"render", "triangle.obj", "-o", "a.exr", "--size", "8x8"}).exit_code, kDone);
+    std::ofstream(folder / "tetrahedron.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+    EXPECT_EQ(run({"verify", "tetrahedron.obj", "--subdivide", "on", "--replay", kRay}).exit_code, kDone);
     for (const auto& arguments : idle) {
         const Outcome o = run(arguments);
         EXPECT_EQ(o.exit_code, kBadInput) << arguments[arguments.size() - 2] << o.err;
