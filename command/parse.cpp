@@ -155,7 +155,7 @@ CLI::Option& add_output(CLI::App& app, RenderArguments& a, const std::string& fo
 
 void add_machine(CLI::App& app, RenderArguments& a)
 {
-    add_whole(app, "--threads", a.resources.threads, 1, 1024, "Workers [all processors]");
+    add_whole(app, "--threads", a.resources.threads, 1, 1024, "Workers [all processors that the process may use]");
     add_value(
         app, "--memory",
         "Budget for what is rebuilt each frame [a quarter of the machine, at most 3 GB, or 512 MB a thread if that is more]",

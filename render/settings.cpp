@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <thread>
 
 #include "base/error_without_file.h"
+#include "base/processors.h"
 #include "render/setting_rows.h"
 #include "scenegraph/content_rules.h"
 
@@ -38,7 +38,7 @@ bool shows_cost(View view) noexcept
 Resources Resources::resolved() const
 {
     Resources r = *this;
-    if (r.threads <= 0) r.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    if (r.threads <= 0) r.threads = processor_count();
     if (r.workers_a_tree <= 0 || r.workers_a_tree > r.threads) r.workers_a_tree = r.threads;
     if (r.memory_bytes == 0) {
         const auto pages = static_cast<std::size_t>(std::max(0L, sysconf(_SC_PHYS_PAGES)));

@@ -7,7 +7,8 @@
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <thread>
+
+#include "base/processors.h"
 
 namespace occam::bench {
 namespace {
@@ -102,10 +103,8 @@ std::string Report::json() const
         if (!row.note.empty()) entry["note"] = row.note;
         rows.push_back(std::move(entry));
     }
-    const Json all = {{"version", OCCAM_PROJECT_VERSION},
-                      {"processor", processor_name()},
-                      {"threads", std::thread::hardware_concurrency()},
-                      {"rows", rows}};
+    const Json all = {
+        {"version", OCCAM_PROJECT_VERSION}, {"processor", processor_name()}, {"threads", processor_count()}, {"rows", rows}};
     return all.dump(2) + "\n";
 }
 

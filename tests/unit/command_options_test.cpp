@@ -1,5 +1,6 @@
 // Tests of options that a person or a script gives without effect, without a value, or out of range.
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <algorithm>
 
@@ -87,6 +88,24 @@ TEST_F(CommandOptions, CountsAreWholeNumbersWithinTheirLimits)
     EXPECT_EQ(o.exit_code, kDone) << o.err;
     EXPECT_NE(o.out.find("\"spp\": 10,"), std::string::npos);
     EXPECT_NE(o.out.find("\"seed\": 18446744073709551615"), std::string::npos);
+}
+
+// A batch system may leave a process fewer processors than the machine has.
+TEST_F(CommandOptions, WorkersAreAsManyAsTheProcessorsOfTheProcess)
+{
+    before_exec = [] {
+        cpu_set_t allowed;
+        if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) return;
+        int first = 0;
+        while (first < CPU_SETSIZE - 1 && !CPU_ISSET(first, &allowed)) ++first;
+        cpu_set_t one;
+        CPU_ZERO(&one);
+        CPU_SET(first, &one);
+        sched_setaffinity(0, sizeof one, &one);
+    };
+    const Outcome o = run({"render", "triangle.obj", "-o", "a.png", "--size", "8x4", "--spp", "1", "--stats", "-"});
+    EXPECT_EQ(o.exit_code, kDone) << o.err;
+    EXPECT_NE(o.out.find("\"threads\": 1,"), std::string::npos) << o.out;
 }
 
 }  // namespace
