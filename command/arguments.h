@@ -115,5 +115,7 @@ int run(const BenchArguments& arguments);
 
 /// Returns the scene of a file, or the built-in one.
 Scene open_scene(const SceneArguments& arguments);
+/// Returns the file as it was given, or "the built-in scene".
+std::string name_of_scene(const SceneArguments& arguments);
 
 }  // namespace occam::command

@@ -39,7 +39,7 @@ std::vector<ClipId> choose_clips(const Scene& scene, const RenderArguments& a)
     std::vector<std::string> names;
     for (const ClipId id : clips)
         names.push_back(scene.clip(id).name.empty() ? std::to_string(names.size()) : scene.clip(id).name);
-    throw Error(a.scene.string(), "has no clip of that name or number; " + list_of(names), a.clip);
+    throw Error(name_of_scene(a), "has no clip of that name or number; " + list_of(names), a.clip);
 }
 
 void set_environment(Scene& scene, const RenderArguments& a)
@@ -106,8 +106,10 @@ Framing::Framing(Scene& scene, const RenderArguments& arguments)
            float(arguments.settings.width) / float(arguments.settings.height))
 {
     set_environment(scene, arguments);
-    if (clips_.empty() && (arguments.time || arguments.frame))
-        scene.warnings.push_back("nothing in the scene is animated, so --time and --frame change nothing");
+    if (!clips_.empty() || (!arguments.time && !arguments.frame)) return;
+    constexpr char kStill[] = "nothing in the scene is animated, so --time and --frame change nothing";
+    if (arguments.load.strict) throw Error(name_of_scene(arguments), kStill);
+    scene.warnings.push_back(kStill);
 }
 
 bool Framing::is_fitted() const
@@ -180,7 +182,7 @@ Camera Framing::open_shutter(const Camera& camera, std::optional<int> frame)
     const Shutter& shutter = arguments_.settings.shutter;
     if (shutter == Shutter{}) return camera;
     const auto time = moment(frame);
-    if (!time) throw Error(arguments_.scene.string(), "has no animation that a shutter could blur", "--shutter");
+    if (!time) throw Error(name_of_scene(arguments_), "has no animation that a shutter could blur", "--shutter");
     if (!shutter.is_open()) return camera;
     const int height = settings(camera).height;
     const auto pose = [&](double tau) { pose_at(*time + (shutter.open + tau * shutter.length()) / arguments_.fps); };
@@ -191,7 +193,7 @@ Camera Framing::open_shutter(const Camera& camera, std::optional<int> frame)
 Camera Framing::camera_named(const std::string& name) const
 {
     if (const auto found = scene_.camera(name)) return *found;
-    throw Error(arguments_.scene.string(), "has no camera of that name; " + list_of(scene_.camera_names()), name);
+    throw Error(name_of_scene(arguments_), "has no camera of that name; " + list_of(scene_.camera_names()), name);
 }
 
 Camera Framing::camera()

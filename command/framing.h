@@ -14,7 +14,8 @@ namespace occam::command {
 /// Chooses the camera and the pose of each frame of one scene.
 class Framing {
 public:
-    /// Throws Error if the clip does not exist.
+    /// Throws Error if the clip does not exist. If a time is asked for and nothing moves, that is a warning of the scene, or
+    /// an Error if the arguments are strict.
     Framing(Scene& scene, const RenderArguments& arguments);
 
     /// Makes camera() see the scene throughout its clip, with one camera for all frames. Changes the pose.

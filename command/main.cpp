@@ -85,6 +85,11 @@ Scene open_scene(const SceneArguments& arguments)
     return load(arguments.scene, arguments.load);
 }
 
+std::string name_of_scene(const SceneArguments& arguments)
+{
+    return arguments.scene.empty() ? "the built-in scene" : arguments.scene.string();
+}
+
 }  // namespace occam::command
 
 int main(int argc, char** argv)

@@ -24,7 +24,9 @@ void add_scene(CLI::App& app, SceneArguments& a)
                           "Polygons are the cage of a Catmull-Clark surface. auto: only those of an OBJ with subdivision "
                           "tags, and those that glTF's extras.occam names; others are rendered as they are, with the "
                           "file's normals, or flat or smooth by the smoothing groups of an OBJ [auto]");
-    app.add_flag("--strict", a.load.strict, "Every warning is an error, such as a missing texture or a dropped primitive");
+    app.add_flag(
+        "--strict", a.load.strict,
+        "What is wrong in the scene's files is an error and no warning, such as a missing texture or a dropped primitive");
     app.add_option("--variant", a.load.variant, "Materials of this variant (KHR_materials_variants) [the file's own]")
         ->type_name("NAME");
 }

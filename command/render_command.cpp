@@ -92,7 +92,7 @@ int run_frame(const RenderArguments& a, ProgressDisplay& display)
     if (!a.replay) check_outputs(a, {&a.output, 1}, {&a.output, 1});
     const CheckpointFile checkpoint_file(a);
 
-    display.say("reading " + (a.scene.empty() ? "the built-in scene" : a.scene.string()));
+    display.say("reading " + name_of_scene(a));
     const auto load_start = Clock::now();
     Scene scene = open_scene(a, {&a.output, a.replay ? 0u : 1u});
     const double load_seconds = seconds_since(load_start);

@@ -38,8 +38,8 @@ int run(const VerifyArguments& a)
 {
     Scene scene = open_scene(a);
     print_notes(scene);
-    print_warnings(scene.warnings, false);
     Framing framing(scene, a);
+    print_warnings(scene.warnings, false);
     framing.pose();
     if (a.settings.shutter != Shutter{}) framing.open_shutter(framing.camera());
     if (!a.replay.empty()) return replay(scene, a.test, a.replay, std::cout) ? 0 : 1;
@@ -68,7 +68,7 @@ int run(const VerifyArguments& a)
                   << not_finite << " not finite\n";
     }
     if (tested == 0)
-        throw Error(a.scene.string(),
+        throw Error(name_of_scene(a),
                     cages.empty() ? "has no cage to test" : "none of its cages can be tested, so nothing was shown");
     return escaped + not_finite > 0 ? 1 : 0;
 }

@@ -90,6 +90,33 @@ TEST_F(CommandOptions, CountsAreWholeNumbersWithinTheirLimits)
     EXPECT_NE(o.out.find("\"seed\": 18446744073709551615"), std::string::npos);
 }
 
+TEST_F(CommandOptions, AMomentOfAStillSceneIsAWarningAndAnErrorIfItIsStrict)
+{
+    const std::string what = "nothing in the scene is animated, so --time and --frame change nothing\n";
+    std::ofstream(folder / "tetrahedron.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+    const std::vector<std::vector<std::string>> calls{
+        {"render", "tetrahedron.obj", "-o", "a.png", "--size", "8x4", "--spp", "1", "--frame", "3", "--subdivide", "on"},
+        {"verify", "tetrahedron.obj", "--rays", "1", "--time", "3", "--subdivide", "on"}};
+    for (std::vector<std::string> words : calls) {
+        const Outcome o = run(words);
+        EXPECT_EQ(o.exit_code, kDone) << o.err;
+        EXPECT_NE(o.err.find("occam: warning: " + what), std::string::npos) << words[0] << ": " << o.err;
+        words.push_back("--strict");
+        const Outcome strict = run(words);
+        EXPECT_EQ(strict.exit_code, kBadInput) << words[0];
+        EXPECT_NE(strict.err.find("occam: tetrahedron.obj: " + what), std::string::npos) << strict.err;
+    }
+}
+
+TEST_F(CommandOptions, ErrorsNameTheBuiltInScene)
+{
+    for (const auto& [option, value] : {std::pair("--clip", "all"), std::pair("--lod-camera", "foo")}) {
+        const Outcome o = run({"render", "-o", "a.png", "--size", "8x4", "--spp", "1", option, value});
+        EXPECT_EQ(o.exit_code, kBadInput) << option;
+        EXPECT_EQ(o.err.find("occam: the built-in scene: has no "), 0u) << o.err;
+    }
+}
+
 // A batch system may leave a process fewer processors than the machine has.
 TEST_F(CommandOptions, WorkersAreAsManyAsTheProcessorsOfTheProcess)
 {
