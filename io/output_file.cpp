@@ -243,7 +243,7 @@ void check_output(const fs::path& file)
     if (file.filename().empty()) refuse_output(file, "is the name of a folder, not of a file");
     if (!fs::is_directory(folder, error)) refuse_output(file, "cannot be written: there is no folder " + folder.string());
     if (access(folder.c_str(), W_OK) != 0)
-        refuse_output(file, "cannot be written: no permission in folder " + folder.string());
+        refuse_output(file, "cannot be written in folder " + folder.string() + ": " + std::strerror(errno));
     if (fs::exists(file, error) && !fs::is_regular_file(file, error))
         refuse_output(file, "is there already and is not a file");
     // A read-only file system, a name that is too long or a folder without space is detected here, before minutes of work.
@@ -258,7 +258,8 @@ void check_whole(const fs::path& file)
     const std::optional<int> own = descriptor_of(file);
     if (own && !is_writable(*own))
         refuse_output(shown_name(file), "cannot be written: it is closed, or open only for reading");
-    if (!own && access(file.c_str(), W_OK) != 0) refuse_output(file, "cannot be written: no permission");
+    if (!own && access(file.c_str(), W_OK) != 0)
+        refuse_output(file, "cannot be written: " + std::string(std::strerror(errno)));
 }
 
 void refuse_inputs(std::span<const fs::path> outputs, std::span<const fs::path> inputs)

@@ -27,6 +27,7 @@ constexpr std::size_t queue_bytes(int rays) { return std::size_t(rays) * (kBytes
 std::string needed(std::size_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20) + "M"; }
 std::string given(std::size_t bytes)
 {
+    if (bytes < 1 << 10) return std::to_string(bytes) + (bytes == 1 ? " byte" : " bytes");
     return bytes < (1 << 20) ? std::to_string(bytes >> 10) + "K" : std::to_string(bytes >> 20) + "M";
 }
 

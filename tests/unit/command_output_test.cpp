@@ -113,6 +113,15 @@ TEST_F(Outputs, ASequenceOnAFullDiskKeepsItsWholeFramesAlone)
     }
 }
 
+TEST_F(Outputs, AFolderThatCannotBeWrittenToIsRefusedWithTheSystemsReason)
+{
+    if (!mount_small("4k")) GTEST_SKIP() << "this user may not mount a file system";
+    ASSERT_EQ(mount(nullptr, small().c_str(), nullptr, MS_REMOUNT | MS_RDONLY, nullptr), 0);
+    const Outcome o = run({"render", "triangle.obj", "-o", "small/a.png", "--size", "8x4", "--spp", "1"});
+    EXPECT_EQ(o.exit_code, kOutput);
+    EXPECT_EQ(o.err, "occam: small/a.png: cannot be written in folder small: Read-only file system\n");
+}
+
 TEST_F(Outputs, AnOlderPictureSurvivesARunThatCannotReplaceIt)
 {
     ASSERT_EQ(run(detailed("a.png")).exit_code, kDone);

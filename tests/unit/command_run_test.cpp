@@ -239,6 +239,8 @@ TEST_F(Command, AMemoryBudgetBelowTheFloorIsRefusedAndTheFloorIsNamed)
     ASSERT_NE(at, std::string::npos) << o.err;
     const std::size_t begin = at + before.size();
     EXPECT_NE(o.err.find("(1K given)"), std::string::npos) << o.err;
+    EXPECT_NE(with("1").err.find("(1 byte given)"), std::string::npos);
+    EXPECT_NE(with("1000").err.find("(1000 bytes given)"), std::string::npos);
     EXPECT_EQ(with(o.err.substr(begin, o.err.find(' ', begin) - begin)).exit_code, kDone)
         << "what it asks for is enough: " << o.err;
 }
