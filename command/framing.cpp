@@ -10,6 +10,7 @@
 #include "base/printable.h"
 #include "base/stopwatch.h"
 #include "interrupt.h"
+#include "io/input_file.h"
 #include "io/output_file.h"
 #include "values.h"
 
@@ -57,26 +58,24 @@ void set_environment(Scene& scene, const RenderArguments& a)
     scene.environment.rotation += a.environment_rotation_deg * kRadians;
 }
 
-// Statistics may have any name, so a slip of the hand may name a file of the scene. Only an empty file is replaced, and one
-// that begins as older statistics do: as a JSON object, or as a list of objects for the frames of a sequence.
+// Statistics may have any name, so a slip of the hand may name a file of the scene, or what another program has written.
+// Only an empty file is replaced, and one that begins as older statistics do: a JSON object whose first key is "scene", with
+// an object, or a list of objects whose first key is "frame", with a number. Of glTF files "scene" is a number.
 void check_replaceable(const std::filesystem::path& file)
 {
     std::error_code error;
     if (is_written_directly(file) || !std::filesystem::is_regular_file(file, error)) return;
+    if (const std::string why = why_unreadable(file); !why.empty()) throw Error(file.string(), why, "--stats");
+    constexpr std::string_view kOfFrame = R"({"scene":{)", kOfSequence = R"([{"frame":)";
     std::ifstream stream(file, std::ios::binary);
-    const auto next = [&] { return (stream >> std::ws).get(); };
-    int first = stream.get();
-    if (first == std::char_traits<char>::eof()) return;
-    if (first == '[') {
-        first = next();
-        if (first == ']') return;
-    }
-    const int second = next();
-    if (first != '{' || (second != '"' && second != '}'))
+    std::string head;  // without blanks
+    for (char c = 0; head.size() <= kOfSequence.size() && stream >> c;) head += c;
+    const bool is_list = head.starts_with(kOfSequence) && head.find_first_of("0123456789", kOfSequence.size()) != head.npos;
+    if (!head.empty() && head != "[]" && !is_list && !head.starts_with(kOfFrame))
         throw Error(file.string(), "is there already and holds no statistics, so it is not replaced", "--stats");
 }
 
-/// Throws Error if the statistics would be written over one of these pictures, which are in one folder.
+/// Throws Error if the statistics would be written over one of these files of pictures, which are in one folder.
 void refuse_statistics_among(std::span<const std::filesystem::path> pictures, const RenderArguments& a)
 {
     if (a.stats.empty() || pictures.empty()) return;
@@ -92,7 +91,8 @@ void refuse_statistics_among(std::span<const std::filesystem::path> pictures, co
     const std::filesystem::path named = folder_of(a.stats) / std::filesystem::path(a.stats).filename();
     for (const std::filesystem::path& picture : pictures)
         if (const auto name = folder / picture.filename(); name == stats || name == named)
-            throw error_without_file("the statistics and the picture cannot be written to one file", "--stats");
+            throw error_without_file("the statistics and the picture, or its checkpoint, cannot be written to one file",
+                                     "--stats");
 }
 
 }  // namespace
@@ -277,6 +277,9 @@ void check_outputs(const RenderArguments& a, std::span<const std::filesystem::pa
     remove_unfinished(outputs);
     if (!pictures.empty()) Image::check_writable(pictures.front());
     if (!a.stats.empty()) {
+        if (a.progress == ProgressStyle::OpenJd && !a.quiet && is_standard_output(a.stats))
+            throw error_without_file("statistics on standard output would be among the lines of --progress openjd",
+                                     "--stats");
         check_whole(a.stats);
         check_replaceable(a.stats);
     }

@@ -64,7 +64,8 @@ Ending wait_for(Job& job, ProgressDisplay& display, bool keeps_part, std::size_t
 
 /// Checks, before minutes of work, that pictures and statistics can be written, and removes what killed runs left of
 /// these pictures. The pictures are in one folder and of one format. Throws Error.
-/// all   the pictures of all parts of the sequence, over which the statistics must not be written under any name
+/// all   the pictures of all parts of the sequence, or the picture and its checkpoint, in one folder: over these the
+///       statistics must not be written under any name
 void check_outputs(const RenderArguments& arguments, std::span<const std::filesystem::path> pictures,
                    std::span<const std::filesystem::path> all);
 /// Opens the scene. Throws Error if it cannot be read, or if one of the outputs is an image of it.

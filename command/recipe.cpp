@@ -11,7 +11,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kUnfinished[] = ", unfinished";  // follows the note of a picture that was stopped
+constexpr char kBeforeVersion[] = "Occam ", kBeforeNumber[] = ", recipe ";  // the parts of a note
+constexpr char kUnfinished[] = ", unfinished";                              // follows the note of a picture that was stopped
 
 class Fingerprint {
 public:
@@ -80,9 +81,18 @@ std::string recipe_note(std::uint64_t scene_stamp, const Recipe& recipe)
         print.add(write.exposure_ev.has_value(), write.exposure_ev.value_or(0), static_cast<int>(write.tonemap));
     else print.add(write.half);
     char text[64];
-    std::snprintf(text, sizeof text, "Occam %s, recipe %016llx", std::string(render::kVersion).c_str(),
+    std::snprintf(text, sizeof text, "%s%s%s%016llx", kBeforeVersion, std::string(render::kVersion).c_str(), kBeforeNumber,
                   static_cast<unsigned long long>(print.value()));
     return text;
+}
+
+bool is_recipe_note(std::string_view text)
+{
+    constexpr std::size_t kDigits = 16;
+    const std::size_t at = text.rfind(kBeforeNumber);
+    if (!text.starts_with(kBeforeVersion) || at == std::string_view::npos) return false;
+    const std::string_view number = text.substr(at + std::string_view(kBeforeNumber).size());
+    return number.size() == kDigits && number.find_first_not_of("0123456789abcdef") == std::string_view::npos;
 }
 
 std::string note_in_file(const std::string& note, bool is_complete) { return is_complete ? note : note + kUnfinished; }

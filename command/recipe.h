@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "arguments.h"
 
@@ -26,6 +27,8 @@ struct Recipe {
 };
 /// Returns the note of a picture: "Occam 0.1.0, recipe 0123456789abcdef".
 std::string recipe_note(std::uint64_t scene_stamp, const Recipe& recipe);
+/// Returns whether a text is such a note, of any picture and version.
+bool is_recipe_note(std::string_view text);
 /// Returns what the file of the picture holds: its note, and whether it was stopped before it was finished.
 std::string note_in_file(const std::string& note, bool is_complete);
 

@@ -2,45 +2,63 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <string_view>
 
 #include "arguments.h"
 #include "base/stopwatch.h"
 #include "framing.h"
 #include "interrupt.h"
+#include "io/input_file.h"
 #include "io/output_file.h"
 #include "progress.h"
 #include "recipe.h"
+#include "render/frame_sums.h"
 #include "small_picture.h"
 
 namespace occam::command {
 namespace {
 
+std::filesystem::path checkpoint_of(const std::filesystem::path& picture)
+{
+    std::filesystem::path file = picture;
+    return file += ".checkpoint";
+}
+
 // The file beside a picture from which the picture can be continued. Its first line is the note of the picture, and the
-// engine's checkpoint follows.
+// engine's checkpoint follows. A file of that name that begins otherwise belongs to somebody else and stays as it is.
 class CheckpointFile {
 public:
     /// Throws Error if a checkpoint may be left and cannot be written.
-    explicit CheckpointFile(const RenderArguments& a) : arguments_(a), file_(a.output)
+    explicit CheckpointFile(const RenderArguments& a) : arguments_(a), file_(checkpoint_of(a.output))
     {
-        file_ += ".checkpoint";
         if (!a.keeps_checkpoint() || a.replay) return;
         remove_unfinished(std::span(&file_, 1));
         check_output(file_);  // before minutes of work
+        refuse_foreign();
     }
 
     /// Returns the checkpoint from which the picture continues; empty if it starts anew. Throws Error for the checkpoint of
     /// another picture.
     std::string read(const std::string& note) const
     {
-        std::error_code ignored;
-        if (!arguments_.resume || !std::filesystem::exists(file_, ignored)) return {};
+        if (!arguments_.resume || !is_there()) return {};
+        if (const std::string why = why_unreadable(file_); !why.empty()) throw Error(file_.string(), why);
         std::ifstream in(file_, std::ios::binary);
         std::string first;
         std::getline(in, first);
-        if (first != note)
-            throw Error(file_.string(),
-                        "belongs to other settings or another scene; without --resume the picture is made anew");
+        if (first != note) throw Error(file_.string(), "belongs to other settings or another scene" + std::string(kAnew));
         return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+    }
+
+    /// Returns the figures of the frame when it is done. Throws Error: that of the frame, or if the engine refuses the
+    /// checkpoint, one that names the file.
+    FrameStats stats_of(const Job& job) const
+    try {
+        return job.stats();
+    } catch (const Error& error) {
+        const std::string_view what = error.what();
+        if (!what.starts_with(render::kTheCheckpoint)) throw;
+        throw Error(file_.string(), std::string(what.substr(render::kTheCheckpoint.size())) + kAnew);
     }
 
     /// Writes the checkpoint of an unfinished picture, and removes that of a finished one. Returns true if it was written.
@@ -48,8 +66,9 @@ public:
     {
         std::error_code ignored;
         const std::string& checkpoint = job.checkpoint();
-        if (job.stats().complete) std::filesystem::remove(file_, ignored);
+        if (job.stats().complete && is_own()) std::filesystem::remove(file_, ignored);
         if (checkpoint.empty() || !arguments_.keeps_checkpoint()) return false;
+        refuse_foreign();
         OutputFile out(file_);
         out.append(note + "\n");
         out.append(checkpoint);
@@ -58,6 +77,33 @@ public:
     }
 
 private:
+    static constexpr char kAnew[] = "; without --resume the picture is made anew";
+
+    bool is_there() const
+    {
+        std::error_code ignored;
+        return std::filesystem::exists(file_, ignored);
+    }
+    // Returns whether the file is a checkpoint, of whatever picture. Where there is no file, nothing is allocated: the
+    // picture is there already when this is asked for the last time.
+    bool is_own() const
+    {
+        constexpr std::size_t kLongestNote = 256;
+        if (!is_there() || !why_unreadable(file_).empty()) return false;
+        std::string head(kLongestNote, '\0');
+        std::ifstream in(file_, std::ios::binary);
+        in.read(head.data(), static_cast<std::streamsize>(head.size()));
+        head.resize(static_cast<std::size_t>(in.gcount()));
+        return is_recipe_note(head.substr(0, head.find('\n')));
+    }
+    void refuse_foreign() const
+    {
+        if (!is_there()) return;
+        if (const std::string why = why_unreadable(file_); !why.empty()) throw Error(file_.string(), why);
+        if (!is_own())
+            throw Error(file_.string(), "is there already and is no checkpoint, so it is not replaced", "--checkpoint");
+    }
+
     const RenderArguments& arguments_;
     std::filesystem::path file_;
 };
@@ -89,7 +135,8 @@ bool is_empty(const Image& image)
 
 int run_frame(const RenderArguments& a, ProgressDisplay& display)
 {
-    if (!a.replay) check_outputs(a, {&a.output, 1}, {&a.output, 1});
+    const std::filesystem::path files[] = {a.output, checkpoint_of(a.output)};
+    if (!a.replay) check_outputs(a, {&a.output, 1}, files);
     const CheckpointFile checkpoint_file(a);
 
     display.say("reading " + name_of_scene(a));
@@ -126,7 +173,7 @@ int run_frame(const RenderArguments& a, ProgressDisplay& display)
         display.end();
         end_interrupted();
     }
-    FrameStats stats = job.stats();
+    FrameStats stats = checkpoint_file.stats_of(job);
 
     display.say("writing " + a.output.string());
     held.limit();

@@ -134,6 +134,8 @@ bool is_written_directly(const fs::path& file)
     return descriptor_of(file) || (fs::exists(file, error) && !fs::is_regular_file(file, error));
 }
 
+bool is_standard_output(const fs::path& file) { return descriptor_of(file) == STDOUT_FILENO; }
+
 OutputFile::OutputFile(const fs::path& file) : final_(file)
 {
     constexpr int kAttempts = 1000;

@@ -55,6 +55,9 @@ private:
 /// (/dev/stdout, /dev/fd/3), and anything that exists but is not a regular file (a pipe, a terminal, /dev/null).
 bool is_written_directly(const std::filesystem::path& file);
 
+/// Returns true if write_whole() writes that name to standard output.
+bool is_standard_output(const std::filesystem::path& file);
+
 /// Writes a whole file through OutputFile, or directly where is_written_directly() says so. Throws Error of Kind::Output.
 void write_whole(const std::filesystem::path& file, std::string_view bytes);
 

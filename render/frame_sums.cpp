@@ -40,7 +40,7 @@ std::uint64_t identity_of(Settings settings, const Camera& camera)
     return h;
 }
 
-[[noreturn]] void refuse(const std::string& why) { throw error_without_file("the checkpoint " + why); }
+[[noreturn]] void refuse(const std::string& why) { throw error_without_file(std::string(kTheCheckpoint) + why); }
 
 class Writer {
 public:

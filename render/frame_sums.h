@@ -22,6 +22,9 @@ namespace occam::render {
 /// The layers of mattes, in the order in which their sums are kept.
 inline constexpr Aov kMattes[] = {Aov::CryptomatteObject, Aov::CryptomatteMaterial};
 
+/// How the Errors of FrameSums::restore() begin.
+inline constexpr std::string_view kTheCheckpoint = "the checkpoint ";
+
 class FrameSums {
 public:
     FrameSums(const Settings& settings, const Camera& camera);

@@ -45,6 +45,64 @@ TEST_F(OutputNames, WithoutALastPartLoseNoFiles)
     }
 }
 
+// Files that have the name of a checkpoint need not be one.
+TEST_F(OutputNames, AFileOfSomebodyElseIsNoCheckpoint)
+{
+    const auto words = [](std::initializer_list<std::string> more) {
+        std::vector<std::string> all{"render", "triangle.obj", "-o", "a.exr", "--size", "8x4", "--spp", "1"};
+        all.insert(all.end(), more);
+        return all;
+    };
+    const fs::path file = folder / "a.exr.checkpoint";
+    for (const char* text : {"mine", "", "Occam 0.1.0, recipe of the day\n", "\n", "Occam 1, recipe 0123456789abcdefg\n"}) {
+        std::ofstream(file, std::ios::binary) << text;
+        EXPECT_EQ(run(words({})).exit_code, kDone) << text;
+        EXPECT_TRUE(fs::exists(file)) << "a finished picture leaves it alone: " << text;
+        EXPECT_TRUE(fs::remove(folder / "a.exr"));
+        for (const char* option : {"--resume", "--deadline=1e-9", "--checkpoint=on"}) {
+            const Outcome o = run(words({option}));
+            EXPECT_EQ(o.exit_code, kBadInput) << option;
+            EXPECT_EQ(o.err.find("occam: a.exr.checkpoint: is there already and is no checkpoint"), 0u) << o.err;
+            EXPECT_FALSE(fs::exists(folder / "a.exr")) << "found before the picture is made";
+        }
+        EXPECT_EQ(text_of(file), text);
+    }
+    fs::remove(file);
+    ASSERT_EQ(run(words({"--deadline", "1e-9"})).exit_code, kDone);
+    ASSERT_TRUE(fs::exists(file));
+    EXPECT_EQ(run(words({"--seed", "1"})).exit_code, kDone);
+    EXPECT_FALSE(fs::exists(file)) << "a checkpoint is removed by a finished picture";
+}
+
+TEST_F(OutputNames, StatisticsTakeNoNameOfACheckpoint)
+{
+    for (const char* name : {"a.exr.checkpoint", "./a.exr.checkpoint"}) {
+        const Outcome o = run({"render", "triangle.obj", "-o", "a.exr", "--size", "8x4", "--spp", "1", "--stats", name});
+        EXPECT_EQ(o.exit_code, kBadInput) << name;
+        EXPECT_NE(o.err.find("or its checkpoint, cannot be written to one file"), std::string::npos) << o.err;
+        EXPECT_FALSE(fs::exists(folder / "a.exr")) << "found before the picture is made";
+    }
+}
+
+TEST_F(OutputNames, StatisticsReplaceNoFilesButStatistics)
+{
+    const std::vector<std::string> words{"render", "triangle.obj", "-o", "a.exr",   "--size",
+                                         "8x4",    "--spp",        "1",  "--stats", "s.json"};
+    for (const char* text : {R"({"name": "package"})", R"({"scene": 0, "asset": {}})", R"({"scenes": {}})", "{}",
+                             "[] and more", R"([{"frame": "first"}])", R"([{"frames": 1}])", R"(["frame"])", "x"}) {
+        std::ofstream(folder / "s.json") << text;
+        const Outcome o = run(words);
+        EXPECT_EQ(o.exit_code, kBadInput) << text;
+        EXPECT_NE(o.err.find("s.json: is there already and holds no statistics"), std::string::npos) << o.err;
+        EXPECT_EQ(text_of(folder / "s.json"), text);
+    }
+    for (const char* text : {"", "[]\n", " {\n \"scene\" : {\"nodes\": 1", "[\n{\"frame\": 12,"}) {
+        std::ofstream(folder / "s.json") << text;
+        EXPECT_EQ(run(words).exit_code, kDone) << text;
+        EXPECT_TRUE(text_of(folder / "s.json").starts_with("{\n  \"scene\": {"));
+    }
+}
+
 // A terminal obeys what follows an escape character, and files may be anybody's.
 TEST_F(OutputNames, NamesInFilesAreShownAndNotObeyed)
 {

@@ -216,13 +216,21 @@ TEST_F(Outputs, StatisticsGoToTheOpenFileThatLinksLeadTo)
 {
     fs::create_symlink("/proc/self/fd/1", folder / "out");
     fs::create_symlink("out", folder / "linked");
+    const auto words = [](const char* name, const char* progress) {
+        return std::vector<std::string>{"render", "triangle.obj", "-o", "a.png",      "--size", "8x4", "--spp",
+                                        "1",      "--stats",      name, "--progress", progress};
+    };
+    before_exec = [] { dprintf(STDOUT_FILENO, "before\n"); };
     for (const char* name : {"out", "linked", "/dev/fd/1"}) {
-        const Outcome o = run({"render", "triangle.obj", "-o", "a.png", "--size", "8x4", "--spp", "1", "--stats", name,
-                               "--progress", "openjd"});
+        const Outcome o = run(words(name, "plain"));
         EXPECT_EQ(o.exit_code, kDone) << name << ": " << o.err;
-        EXPECT_TRUE(o.out.starts_with("openjd_status: reading")) << "what was printed before is kept: " << o.out;
-        EXPECT_NE(o.out.find("\n{\n  \"scene\": {"), std::string::npos) << name << ": " << o.out;
+        EXPECT_TRUE(o.out.starts_with("before\n{\n  \"scene\": {")) << "what was printed before is kept: " << o.out;
         EXPECT_TRUE(o.out.ends_with("}\n")) << o.out;
+    }
+    for (const char* name : {"-", "out", "/dev/stdout"}) {
+        const Outcome o = run(words(name, "openjd"));
+        EXPECT_EQ(o.exit_code, kBadInput) << name << ": a render farm reads the lines of standard output";
+        EXPECT_NE(o.err.find("--progress openjd (--stats)"), std::string::npos) << o.err;
     }
     EXPECT_TRUE(fs::is_symlink(folder / "out") && fs::is_symlink(folder / "linked"));
     fs::remove(folder / "a.png");

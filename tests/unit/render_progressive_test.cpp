@@ -230,6 +230,15 @@ TEST_F(Resume, AnInterruptedPictureGoesOnAndIsTheSame)
     EXPECT_EQ(pixels("a.exr"), pixels("b.exr"));
     EXPECT_NE(pixels("a.exr"), partly);
 
+    ASSERT_EQ(run(words("d.exr", {"--deadline", "1e-9"})).exit_code, test::kDone);
+    const std::filesystem::path damaged = folder / "d.exr.checkpoint";
+    std::filesystem::resize_file(damaged, std::filesystem::file_size(damaged) - 1);
+    const test::Outcome refused = run(words("d.exr", {"--resume"}));
+    EXPECT_EQ(refused.exit_code, test::kBadInput);
+    EXPECT_NE(
+        refused.err.find("occam: d.exr.checkpoint: is cut off or damaged; without --resume the picture is made anew\n"),
+        std::string::npos)
+        << refused.err;
     ASSERT_EQ(run(words("c.exr", {"--deadline", "1e-9", "--checkpoint", "off"})).exit_code, test::kDone);
     EXPECT_FALSE(std::filesystem::exists(folder / "c.exr.checkpoint"));
 }
