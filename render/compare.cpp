@@ -16,12 +16,23 @@ struct Pair {
     std::size_t stride_a, stride_b, channels, pixels;
 };
 
+// Returns the rectangle of a picture's pixels, and the frame in which it lies.
+std::string place_of(const Image& image)
+{
+    const auto pair = [](int x, const char* between, int y) { return std::to_string(x) + between + std::to_string(y); };
+    return pair(image.width, "x", image.height) + " pixels from " + pair(image.x0, ",", image.y0) + " of a frame of " +
+           pair(image.full_width, "x", image.full_height);
+}
+
 Pair pair_of(const Image& a, const Image& b, const std::string& name)
 {
     if (a.width != b.width || a.height != b.height)
         throw error_without_file("pictures of different sizes cannot be compared: " + std::to_string(a.width) + "x" +
                                  std::to_string(a.height) + " and " + std::to_string(b.width) + "x" +
                                  std::to_string(b.height));
+    if (a.x0 != b.x0 || a.y0 != b.y0 || a.full_width != b.full_width || a.full_height != b.full_height)
+        throw error_without_file("pictures of different parts of a frame cannot be compared: " + place_of(a) + ", and " +
+                                 place_of(b));
     const Layer* la = a.find(name);
     const Layer* lb = b.find(name);
     if (!la || !lb) throw error_without_file("only one of the pictures has the layer", name);

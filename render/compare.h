@@ -23,10 +23,12 @@ struct Difference {
     double p999 = 0;     ///< 99.9th percentile of a pixel's largest absolute difference (nearest rank)
 };
 
-/// Compares two layers with the same channels (only R, G and B of beauty). Throws Error if sizes or channels differ.
+/// Compares two layers with the same channels (only R, G and B of beauty). Throws Error if channels, sizes or places
+/// in the frame differ.
 Difference compare(const Image& a, const Image& reference, const std::string& layer);
 
-/// Compares every layer that both pictures have, beauty first. Throws Error if sizes differ or no layer is common.
+/// Compares every layer that both pictures have, beauty first. Throws Error if sizes or places in the frame
+/// differ, or no layer is common.
 std::vector<Difference> compare(const Image& a, const Image& reference);
 
 /// Returns the layer's largest absolute difference at each pixel as a colour, from black for none through red and yellow

@@ -98,6 +98,26 @@ TEST(Compare, DifferentSizesOrChannelsAreRefused)
     EXPECT_THROW(compare(flat(2, 2, 0), other), Error);
 }
 
+// Two crops of one size show different things.
+TEST(Compare, PartsOfAFrameAreComparedInOnePlaceAlone)
+{
+    Image left = flat(2, 2, 0), right = left, of_larger = left;
+    for (Image* image : {&left, &right}) image->full_width = 4;
+    right.x0 = 2;
+    EXPECT_EQ(compare(left, left, "beauty").max, 0);
+    for (const auto& [a, b] : {std::pair(&left, &right), std::pair(&left, &of_larger)}) {
+        EXPECT_THROW(compare(*a, *b), Error);
+        EXPECT_THROW(heat_map(*a, *b, "beauty", 1), Error);
+    }
+    try {
+        compare(left, right, "beauty");
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("2x2 pixels from 0,0 of a frame of 4x2, and 2x2 pixels from 2,0 of"),
+                  std::string::npos)
+            << error.what();
+    }
+}
+
 TEST(Compare, HeatGoesFromBlackOverRedToWhite)
 {
     const Image b = flat(3, 1, 0);
