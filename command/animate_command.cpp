@@ -5,6 +5,7 @@
 #include <set>
 
 #include "arguments.h"
+#include "base/printable.h"
 #include "base/stopwatch.h"
 #include "framing.h"
 #include "interrupt.h"
@@ -110,7 +111,8 @@ public:
     }
 
     /// Returns the frames that have to be made. A file that is not a whole picture is made again, with a warning, and stays
-    /// until then. Throws Error for a whole picture that was made with other settings or from another scene.
+    /// until then. Throws Error for a whole picture that was made with other settings or from another scene, and for a file
+    /// that cannot be read.
     std::vector<int> missing(const std::vector<int>& frames)
     {
         std::vector<int> todo;
@@ -124,7 +126,8 @@ public:
             const Camera camera = framing_.camera();
             const Settings settings = this->settings(camera);
             const FoundPicture found = look_for(file, settings, note(frame, settings, camera));
-            if (found.state == FoundPicture::State::OtherSize || found.state == FoundPicture::State::OtherRecipe)
+            if (found.state == FoundPicture::State::OtherSize || found.state == FoundPicture::State::OtherRecipe ||
+                found.state == FoundPicture::State::Unreadable)
                 refuse(file, found);
             if (found.state == FoundPicture::State::Broken) {
                 std::fprintf(stderr, "occam: warning: %s; it is made again\n", found.why.c_str());
@@ -179,24 +182,37 @@ std::size_t count_what_is_there(std::size_t missing, std::size_t all, ProgressDi
     return done;
 }
 
-int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
+// Says which part of the sequence is made where the variables of a batch system decide it, of which a person may not know.
+void say_part(const AnimateArguments& a)
 {
-    const std::vector<int> frames = a.shard.of(a.frames);
-    check_outputs(a, files_of(a.pattern, frames), files_of(a.pattern, a.frames));
+    if (!a.is_slurms_shard || a.shard.count == 1) return;
+    std::fprintf(stderr,
+                 "occam: part %d of %d of the sequence is made, since Slurm's array variables say so (SLURM_ARRAY_TASK_ID); "
+                 "--shard 1/1 makes all of it\n",
+                 a.shard.index, a.shard.count);
+}
 
-    display.say("reading " + (a.scene.empty() ? "the built-in scene" : a.scene.string()));
-    const auto load_start = Clock::now();
-    Scene scene = open_scene(a, files_of(a.pattern, frames));
-    double load_seconds = seconds_since(load_start);
-    display.end();
-    print_notes(scene);
-    Renderer renderer(a.resources);
-    Sequence sequence(a, scene, renderer);
+// What the frames of a sequence are made with.
+struct Stage {
+    const AnimateArguments& arguments;
+    ProgressDisplay& display;
+    Scene& scene;
+    Renderer& renderer;
+    Sequence& sequence;
+    std::size_t frame_count;
+    double load_seconds;  // they count for the first frame
+};
+
+void write_stats(const AnimateArguments& a, const SequenceStats& all)
+{
+    if (!a.stats.empty()) write_whole(a.stats, all.text());
+}
+
+// Makes the frames that are missing, when `done` others are there, until one is interrupted. Adds their statistics to `all`.
+void make_frames(Stage stage, const std::vector<int>& missing, std::size_t done, SequenceStats& all)
+{
+    auto& [a, display, scene, renderer, sequence, frame_count, load_seconds] = stage;
     Framing& framing = sequence.framing();
-    const std::vector<int> missing = sequence.missing(frames);
-    std::size_t done = count_what_is_there(missing.size(), frames.size(), display);
-
-    SequenceStats all;
     std::set<std::string> known_warnings;  // warnings of the frames so far; each is printed once
     for (const int frame : missing) {
         const fs::path file = a.pattern.file(frame);
@@ -205,7 +221,7 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
             continue;
         }
         display.set_subject("frame " + std::to_string(frame) + " (" + std::to_string(done + 1) + " of " +
-                            std::to_string(frames.size()) + ")");
+                            std::to_string(frame_count) + ")");
         const auto edit_start = Clock::now();
         framing.pose(frame);
         const Camera camera = framing.open_shutter(framing.camera(), frame);
@@ -214,9 +230,9 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
         Job job = renderer.start(scene, camera, settings);
         HeldInterrupts held;
         // An interrupted frame is not written, since a frame is either complete or absent.
-        if (wait_for(job, display, false, done, frames.size()) != Ending::Whole) {
+        if (wait_for(job, display, false, done, frame_count) != Ending::Whole) {
             display.end();
-            if (!a.stats.empty()) write_whole(a.stats, all.text());
+            write_stats(a, all);
             end_interrupted();
         }
         FrameStats stats = job.stats();
@@ -230,15 +246,46 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
         load_seconds = 0;
         if (!a.stats.empty()) all.add(frame, stats);
         ++done;
-        display.finish_part(done, frames.size(), file.string());
+        display.finish_part(done, frame_count, file.string());
         display.end();
         if (frame == missing.front()) print_light(stats);
         print_warnings(new_ones(stats.warnings, known_warnings), a.verbose);
         if (a.verbose) print_figures(stats);
-        if (is_interrupted()) break;
+        if (is_interrupted()) return;
+    }
+}
+
+int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
+{
+    const std::vector<int> frames = a.shard.of(a.frames);
+    check_outputs(a, files_of(a.pattern, frames), files_of(a.pattern, a.frames));
+    say_part(a);
+
+    display.say("reading " + name_of_scene(a));
+    const auto load_start = Clock::now();
+    Scene scene = open_scene(a, files_of(a.pattern, frames));
+    const double load_seconds = seconds_since(load_start);
+    display.end();
+    print_notes(scene);
+    Renderer renderer(a.resources);
+    Sequence sequence(a, scene, renderer);
+    const std::vector<int> missing = sequence.missing(frames);
+    const std::size_t done = count_what_is_there(missing.size(), frames.size(), display);
+
+    SequenceStats all;
+    try {
+        make_frames({a, display, scene, renderer, sequence, frames.size(), load_seconds}, missing, done, all);
+    } catch (...) {
+        // The frames that are finished have their statistics, and what ended the run is what is reported.
+        try {
+            write_stats(a, all);
+        } catch (const std::exception& error) {
+            std::fprintf(stderr, "occam: %s\n", printable_line(error.what()).c_str());
+        }
+        throw;
     }
     display.end();
-    if (!a.stats.empty()) write_whole(a.stats, all.text());
+    write_stats(a, all);
     return is_interrupted() ? kInterruptedExit : 0;
 }
 

@@ -61,6 +61,7 @@ struct AnimateArguments : RenderArguments {
     FramePattern pattern{"frame.####.exr"};  ///< from `output`
     std::vector<int> frames;
     Shard shard;
+    bool is_slurms_shard = false;  ///< Slurm's variables say it, and not the command line
     bool overwrite = false;
 };
 

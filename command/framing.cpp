@@ -47,8 +47,8 @@ void set_environment(Scene& scene, const RenderArguments& a)
 {
     if (!a.has_environment) scene.environment = {};
     if (!a.environment.empty()) {
-        if (!std::filesystem::is_regular_file(a.environment))
-            throw Error(a.environment.string(), "is not there or is not a file", "--environment");
+        if (const std::string why = why_unreadable(a.environment); !why.empty())
+            throw Error(a.environment.string(), why, "--environment");
         Texture image;
         image.name = a.environment.filename().string();
         image.path = a.environment;
@@ -276,6 +276,10 @@ void check_outputs(const RenderArguments& a, std::span<const std::filesystem::pa
     if (!a.stats.empty()) outputs.push_back(a.stats);
     remove_unfinished(outputs);
     if (!pictures.empty()) Image::check_writable(pictures.front());
+    for (const std::filesystem::path& picture : pictures)
+        if (std::error_code error;
+            std::filesystem::exists(picture, error) && !std::filesystem::is_regular_file(picture, error))
+            throw Error(picture.string(), "is there already and is not a file", {}, Error::Kind::Output);
     if (!a.stats.empty()) {
         if (a.progress == ProgressStyle::OpenJd && !a.quiet && is_standard_output(a.stats))
             throw error_without_file("statistics on standard output would be among the lines of --progress openjd",

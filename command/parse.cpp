@@ -215,8 +215,10 @@ Arguments finished(AnimateArguments a, bool has_shard)
         return Finished{2};
     }
     if (!has_shard)
-        if (const auto slurm = slurm_shard([](const char* name) -> const char* { return std::getenv(name); }))
+        if (const auto slurm = slurm_shard([](const char* name) -> const char* { return std::getenv(name); })) {
             a.shard = *slurm;
+            a.is_slurms_shard = true;
+        }
     return a;
 }
 

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "base/hash.h"
+#include "io/input_file.h"
 
 namespace occam::command {
 namespace {
@@ -102,6 +103,7 @@ FoundPicture look_for(const fs::path& file, const Settings& settings, const std:
     using State = FoundPicture::State;
     std::error_code error;
     if (!fs::exists(file, error)) return {};
+    if (std::string why = why_unreadable(file); !why.empty()) return {State::Unreadable, std::move(why)};
     render::PictureHead head;
     try {
         head = Image::read_head(file);

@@ -37,11 +37,12 @@ struct FoundPicture {
     enum class State : unsigned char {
         Missing,
         Same,        ///< whole, of the right size, and with this note or without one
+        Unreadable,  ///< the system does not let it be opened, so that nothing is known of it
         Broken,      ///< not a whole picture, or one that was stopped while these settings have no deadline
         OtherSize,   ///< a whole picture of another size
         OtherRecipe  ///< a whole picture of this size that was made with other settings or from another scene
     } state = State::Missing;
-    std::string why;  ///< says what is broken or other
+    std::string why;  ///< says what is broken, other or in the way
 };
 FoundPicture look_for(const std::filesystem::path& file, const Settings& settings, const std::string& note);
 

@@ -10,6 +10,7 @@
 #include "io/encoded_bytes.h"
 #include "io/exr_file.h"
 #include "io/extensions.h"
+#include "io/input_file.h"
 #include "io/output_file.h"
 #include "io/picture_codec.h"
 #include "io/png_file.h"
@@ -271,8 +272,7 @@ bool Image::is_for_display(const fs::path& file)
 
 Image Image::read(const fs::path& file)
 {
-    std::error_code error;
-    if (!fs::is_regular_file(file, error)) throw Error(file.string(), "is not there or is not a file");
+    if (const std::string why = why_unreadable(file); !why.empty()) throw Error(file.string(), why);
     const OpenImage opened = open_image(file, nullptr, file.string(), kReadLimits);
     PictureReader* const in = opened.reader.get();
     const PictureSpec& spec = in->spec();

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "io/exr_file.h"
+#include "io/input_file.h"
 #include "io/png_file.h"
 #include "io/texture/open_image.h"
 #include "render/picture_formats.h"
@@ -78,8 +79,8 @@ PictureHead head_by_codec(const fs::path& file, const std::string& file_format)
 
 PictureHead Image::read_head(const fs::path& file)
 {
+    if (const std::string why = why_unreadable(file); !why.empty()) refuse(file, why);
     std::error_code error;
-    if (!fs::is_regular_file(file, error)) refuse(file, "is not there or is not a file");
     if (fs::file_size(file, error) == 0) refuse(file, "is empty");
     ImageBytes bytes(file);
     const std::string format = image_format(bytes);

@@ -1,7 +1,10 @@
 // Tests of `occam animate` as a render farm uses it: stopped at any moment and started again, in parts, and without space to
 // write.
 #include <OpenImageIO/imageio.h>
+#include <linux/capability.h>
 #include <signal.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <chrono>
@@ -283,17 +286,81 @@ TEST_F(Animate, AnInterruptLeavesNoPartOfAFrame)
     for (const auto& entry : fs::directory_iterator(folder)) EXPECT_NE(entry.path().extension(), ".exr") << entry.path();
 }
 
+// The triangle is beside the first picture and fills the last one, which no format packs into so few bytes.
 TEST_F(Animate, AFrameThatCannotBeWrittenIsExitCode3AndTheRestIsKept)
 {
-    // A folder stands in the place of the third frame, which fails also for a user who may write everywhere.
-    fs::create_directories(folder / "a.0002.exr" / "in the way");
-    const Outcome o = run(words("a.####.exr", "0-4", {"--overwrite", "--progress", "openjd"}));
+    before_exec = [] {
+        const rlimit limit{16384, 16384};
+        setrlimit(RLIMIT_FSIZE, &limit);
+    };
+    const Outcome o = run({"animate",      "moving.gltf", "-o",         "a.##.exr", "--frames",  "0,10",
+                           "--fps",        "10",          "--clip",     "slide",    "--look-at", "2,-0.3,1.2,2,-0.3,0",
+                           "--background", "off",         "--size",     "200x150",  "--spp",     "1",
+                           "--stats",      "s.json",      "--progress", "openjd"});
     EXPECT_EQ(o.exit_code, kOutput);
-    EXPECT_NE(o.err.find("a.0002.exr"), std::string::npos) << o.err;
+    EXPECT_EQ(o.err.find("occam: a.10.exr: cannot be written"), 0u) << o.err;
     EXPECT_NE(o.out.find("openjd_fail: "), std::string::npos) << o.out;
-    EXPECT_TRUE(fs::is_regular_file(folder / "a.0000.exr"));
-    EXPECT_TRUE(fs::is_regular_file(folder / "a.0001.exr"));
+    EXPECT_TRUE(fs::is_regular_file(folder / "a.00.exr"));
+    const std::string stats = text_of(folder / "s.json");
+    EXPECT_TRUE(stats.starts_with("[\n{\"frame\": 0,")) << "the finished frame has its statistics: " << stats;
+    EXPECT_TRUE(stats.ends_with("]\n")) << stats;
     EXPECT_EQ(run(words("missing/a.####.exr", "0-1")).exit_code, kOutput);
+}
+
+TEST_F(Animate, WhatStandsInTheWayOfALaterFrameIsFoundBeforeTheFirst)
+{
+    fs::create_directories(folder / "a.0002.exr" / "in the way");
+    mkfifo((folder / "b.0002.exr").c_str(), 0666);
+    for (const std::string name : {"a", "b"})
+        for (const auto& more : std::vector<std::vector<std::string>>{{}, {"--overwrite"}}) {
+            const Outcome o = run(words(name + ".####.exr", "0-4", more));
+            EXPECT_EQ(o.exit_code, kOutput);
+            EXPECT_EQ(o.err, "occam: " + name + ".0002.exr: is there already and is not a file\n");
+            EXPECT_FALSE(fs::exists(folder / (name + ".0000.exr")));
+        }
+}
+
+// A file that cannot be read may be a whole frame. Whoever may read all files loses that right with the start of the
+// program.
+TEST_F(Animate, AFrameThatCannotBeReadIsRefusedWithTheSystemsReason)
+{
+    ASSERT_EQ(run(words("a.#.exr", "0-1")).exit_code, kDone);
+    fs::permissions(folder / "a.1.exr", fs::perms::none);
+    constexpr int kNotPossible = 97, kReadAll[] = {CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH};
+    before_exec = [&kReadAll] {
+        for (const int right : kReadAll)
+            if (geteuid() == 0 && prctl(PR_CAPBSET_DROP, right, 0, 0, 0) != 0) _exit(kNotPossible);
+    };
+    const Outcome o = run(words("a.#.exr", "0-1"));
+    if (o.exit_code == kNotPossible) GTEST_SKIP() << "this user may read all files, and may not give that up";
+    EXPECT_EQ(o.exit_code, kBadInput);
+    EXPECT_EQ(o.err,
+              "occam: a.1.exr: is there already, and cannot be read: Permission denied; --overwrite makes it again\n");
+    const Outcome compared = run({"compare", "a.0.exr", "a.1.exr"});
+    EXPECT_EQ(compared.err, "occam: a.1.exr: cannot be read: Permission denied\n");
+    std::ofstream(folder / "s.json") << "not empty";
+    fs::permissions(folder / "s.json", fs::perms::none);
+    const Outcome stats = run(words("b.#.exr", "0", {"--stats", "s.json"}));
+    EXPECT_EQ(stats.err, "occam: s.json: cannot be read: Permission denied (--stats)\n");
+    EXPECT_EQ(run(words("a.#.exr", "0-1", {"--overwrite"})).exit_code, kDone);
+}
+
+TEST_F(Animate, APartThatSlurmChoosesIsTold)
+{
+    before_exec = [] {
+        setenv("SLURM_ARRAY_TASK_ID", "2", 1);
+        setenv("SLURM_ARRAY_TASK_COUNT", "3", 1);
+        setenv("SLURM_ARRAY_TASK_MIN", "1", 1);
+    };
+    const Outcome part = run(words("a.#.exr", "0-3"));
+    EXPECT_EQ(part.exit_code, kDone);
+    EXPECT_EQ(part.err.find("occam: part 2 of 3 of the sequence is made, since Slurm's array variables say so"), 0u)
+        << part.err;
+    EXPECT_FALSE(fs::exists(folder / "a.0.exr"));
+    EXPECT_TRUE(fs::exists(folder / "a.1.exr"));
+    const Outcome whole = run(words("a.#.exr", "0-3", {"--shard", "1/1"}));
+    EXPECT_EQ(whole.err, "");
+    EXPECT_TRUE(fs::exists(folder / "a.3.exr"));
 }
 
 TEST_F(Animate, SpeaksOpenJobDescription)
