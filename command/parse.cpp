@@ -114,7 +114,7 @@ void add_camera(CLI::App& app, RenderArguments& a)
               [&](const std::string& t) { a.up = axis_of(t); })
         ->excludes(name);
     add_number(app, "--fov", "Whole vertical angle, degrees", [&](double v) {
-        if (!(v > 0 && v < 180)) throw std::invalid_argument("expected more than 0 and less than 180 degrees");
+        if (!(v >= 0.0006 && v <= 179.9)) throw std::invalid_argument("expected from 0.0006 to 179.9 degrees");
         a.fov_deg = float(v);
     });
     CLI::Option* lens = add_number(app, "--lens", "Radius of a thin lens, world length [a pinhole]", [&](double v) {

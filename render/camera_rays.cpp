@@ -15,8 +15,7 @@ CameraRays::CameraRays(const Camera& camera, int width, int height, int samples)
         focus_ = camera.lens.focus;
         blades_ = camera.lens.blades;
     }
-    const float half_fov = std::clamp(camera.lens.fov, 1e-4f, 3.14f) * 0.5f;
-    const double half = orthographic_ ? double(camera.lens.height) * 0.5 : double(maths::tan(half_fov));
+    const double half = orthographic_ ? double(camera.lens.height) * 0.5 : double(maths::tan(camera.lens.fov * 0.5f));
     half_ = half;
     middle_ = view_of(camera.world_from_camera, half);
     if (camera.keys.size() > 1)

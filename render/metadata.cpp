@@ -29,7 +29,7 @@ Mat4d ndc_from_camera(const CameraLens& lens, double aspect)
         m[2][2] = -1;
         m[3][3] = 1;
     } else {
-        const double half = double(maths::tan(std::clamp(lens.fov, 1e-4f, 3.14f) * 0.5f));
+        const double half = double(maths::tan(lens.fov * 0.5f));
         m[0][0] = 1 / (half * aspect);
         m[1][1] = 1 / half;
         m[2][2] = -1;

@@ -118,8 +118,8 @@ void check(const Light& light)
 void check(const CameraLens& lens)
 {
     const Rules rules("camera", {});
-    rules.require(lens.orthographic || (lens.fov > 0 && lens.fov < 3.14159265f), "the angle of view",
-                  "above 0 and below pi");
+    rules.require(lens.orthographic || (lens.fov >= kNarrowestView && lens.fov <= kWidestView), "the angle of view",
+                  "from 0.00001 to 3.14 radians");
     rules.at_least_0(lens.aspect, "the aspect");
     rules.require(!lens.orthographic || (std::isfinite(lens.height) && lens.height > 0), "the height", "finite and above 0");
     rules.at_least_0(lens.radius, "the radius of the lens");

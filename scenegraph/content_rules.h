@@ -12,6 +12,10 @@
 
 namespace occam {
 
+/// The range of a perspective camera's angle, radians. Directions of rays are floats, whose steps, 6e-8, are then less than
+/// a hundredth of the picture's height.
+inline constexpr float kNarrowestView = 1e-5f, kWidestView = 3.14f;
+
 /// Returns an affine matrix with a last row of exactly 0, 0, 0, 1, which products and inverses may have rounded. Throws
 /// Error if the matrix is not finite or not affine.
 /// value        names the matrix in the message

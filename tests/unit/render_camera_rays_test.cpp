@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "scenegraph/content_rules.h"
+
 namespace occam::render {
 namespace {
 
@@ -23,6 +25,29 @@ TEST(CameraRays, FollowTheConventionOfTheReferencePictures)
         EXPECT_LT(glm::length(Vec3d(ray.direction) - glm::normalize(d)), 2e-7);
         EXPECT_NEAR(rays.depth(eye + d * 5.0), 5, 1e-12);
     }
+}
+
+// What is far away is framed by a narrow angle to a hundredth of the picture's height, wherever the camera looks.
+TEST(CameraRays, KeepTheFramingOfNarrowViews)
+{
+    constexpr int kSide = 64;
+    for (const float fov : {0.1f, 1e-3f, 1e-4f, kNarrowestView})
+        for (const Vec3d towards : {Vec3d(0, 0, -1), Vec3d(1, 2, -3), Vec3d(-1, 1, 1)}) {
+            const double distance = 1 / double(fov);  // the picture shows one unit there
+            const Vec3d eye = glm::normalize(towards) * -distance;
+            const Camera camera = Camera::look_at(eye, {0, 0, 0}, {0, 1, 0}, fov);
+            const CameraRays rays(camera, kSide, kSide);
+            const Vec3d right(camera.world_from_camera[0]), up(camera.world_from_camera[1]);
+            for (const Vec2d at : {Vec2d(0.5, 0.5), Vec2d(63.5, 10.5), Vec2d(32, 32), Vec2d(40.25, 63)}) {
+                const accel::Ray ray = rays.ray(at.x, at.y);
+                const double t = distance / glm::dot(Vec3d(ray.direction), -Vec3d(camera.world_from_camera[2]));
+                const Vec3d there = ray.origin + Vec3d(ray.direction) * t;
+                EXPECT_NEAR(glm::dot(there, right), at.x / kSide - 0.5, 0.01) << fov;
+                EXPECT_NEAR(glm::dot(there, up), 0.5 - at.y / kSide, 0.01) << fov;
+                EXPECT_NEAR(rays.depth(there), distance, 1e-9 * distance);
+                EXPECT_NEAR(ray.footprint.at(static_cast<float>(t)) * kSide, 1, 0.01) << fov;
+            }
+        }
 }
 
 TEST(CameraRays, ABeamIsOnePixelWideWhereItsPixelLies)

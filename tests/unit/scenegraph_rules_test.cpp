@@ -106,7 +106,8 @@ TEST(SceneRules, ValuesThatNothingCanHaveAreRefused)
     EXPECT_THROW(scene.add(Light{"l", PointLight{Vec3f(nan)}}), Error);
     EXPECT_THROW(scene.add(Light{"l", SunLight{Vec3f(-1)}}), Error);
     EXPECT_THROW(scene.add(Light{"l", AreaLight{AreaLight::Shape::Disc, Vec2f(-1)}}), Error);
-    EXPECT_THROW(scene.add(CameraLens{.fov = 0}), Error);
+    for (const float fov : {0.0f, 0.9e-5f, 3.1415f}) EXPECT_THROW(scene.add(CameraLens{.fov = fov}), Error) << fov;
+    for (const float fov : {1e-5f, 3.14f}) EXPECT_NO_THROW(scene.add(CameraLens{.fov = fov})) << fov;
     EXPECT_THROW(scene.set_transform(node, Trs{.rotation = Vec4d(0)}), Error);
     EXPECT_THROW(scene.set_transform(node, Trs{.rotation = Vec4d(double(nan))}), Error);
     EXPECT_THROW(scene.add_node(node, {.place = {.rotation = Vec4d(0)}}), Error);
