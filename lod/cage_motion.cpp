@@ -5,6 +5,8 @@
 #include <limits>
 #include <optional>
 
+#include "scenegraph/posed_faces.h"
+
 namespace occam::lod {
 namespace {
 
@@ -130,6 +132,21 @@ double CageMotion::deviation_of_positions(int key, int before, int after) const
     return std::sqrt(squared) * stretch_bound(world(0));
 }
 
+double CageMotion::deviation_of_displacement(int key, int before, int after) const
+{
+    const auto normal_at = [&](int k, std::span<const std::uint32_t> face) {
+        const CagePose at = pose(k);
+        return face_normal(face, [&](std::uint32_t v) { return morphed(slot_.cage, at.positions, at.morph_weights, v); });
+    };
+    const double share = share_of(key, before, after);
+    double farthest = 0;
+    for_some_faces(slot_.cage, [&](std::span<const std::uint32_t> face) {
+        const Vec3d chord = glm::mix(normal_at(before, face), normal_at(after, face), share);
+        farthest = std::max(farthest, glm::distance(normal_at(key, face), chord));
+    });
+    return farthest * double(slot_.cage.displacement->bound) * stretch_bound(world(0));
+}
+
 std::vector<Vec3d> CageMotion::moves_from(int key) const
 {
     std::vector<Vec3d> moves;
@@ -192,9 +209,10 @@ double CageMotion::deviation(int key, int before, int after) const
     const bool is_product = changes_ > 1 || (moves_positions_ && slot_.is_deformed()) ||
                             (is_skinned_ && world_.size() > 1 && slot_.cage.is_displaced());
     if (is_product) return std::numeric_limits<double>::infinity();
-    return moves_maps_      ? deviation_of_maps(key, before, after)
-           : moves_weights_ ? deviation_of_weights(key, before, after)
-                            : deviation_of_positions(key, before, after);
+    if (moves_maps_) return deviation_of_maps(key, before, after);
+    const double off = moves_weights_ ? deviation_of_weights(key, before, after)
+                                      : deviation_of_positions(key, before, after);
+    return slot_.cage.is_displaced() ? off + deviation_of_displacement(key, before, after) : off;
 }
 
 int CageMotion::segments(double tolerance) const

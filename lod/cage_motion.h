@@ -60,6 +60,8 @@ private:
     double deviation_of_maps(int key, int before, int after) const;
     double deviation_of_weights(int key, int before, int after) const;
     double deviation_of_positions(int key, int before, int after) const;
+    /// What the normals' turning adds, where vertices move; it measures some of the cage's faces.
+    double deviation_of_displacement(int key, int before, int after) const;
 
     const CageSlot& slot_;
     const Node& node_;

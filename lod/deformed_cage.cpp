@@ -1,6 +1,7 @@
 #include "lod/deformed_cage.h"
 
 #include "base/stopwatch.h"
+#include "scenegraph/posed_faces.h"
 
 namespace occam::lod {
 namespace {
@@ -60,13 +61,23 @@ DeformedCage::DeformedCage(const CageSlot& slot, const CagePose& pose, const dou
     std::fill_n(blocks_, blocks, nullptr);
 }
 
-Vec3d DeformedCage::morphed(std::uint32_t v) const noexcept
+Vec3f DeformedCage::posed(std::uint32_t v) const noexcept
 {
-    Vec3d p(positions_[v]);
-    for (std::size_t k = 0; k < std::min(weights_.size(), cage_.morph_targets.size()); ++k)
-        if (weights_[k] != 0 && !cage_.morph_targets[k].positions.empty())
-            p += Vec3d(cage_.morph_targets[k].positions[v]) * double(weights_[k]);
-    return p;
+    const Vec3d p = morphed(cage_, positions_, weights_, v);
+    if (!joints_) return Vec3f(transform_point(frame_from_mesh_, p));
+    Vec3d sum(0);
+    double total = 0;
+    for (int set = 0; set < cage_.skin.sets; ++set) {
+        const std::size_t at = std::size_t(set) * cage_.positions.size() + v;
+        for (int k = 0; k < 4; ++k) {
+            const double w = double(cage_.skin.weights[at][k]);
+            if (!(w > 0)) continue;
+            sum += transform_point(joint(cage_.skin.joints[at][k]), p) * w;
+            total += w;
+        }
+    }
+    // The weights are divided by their sum, so that they are those of a mean, as deformed_box() requires.
+    return Vec3f(sum / total);
 }
 
 const Vec3f* DeformedCage::pose_block(std::uint32_t block)
@@ -75,26 +86,7 @@ const Vec3f* DeformedCage::pose_block(std::uint32_t block)
     const auto vertices = static_cast<std::uint32_t>(cage_.positions.size());
     const std::uint32_t first = block * kBlock, end = std::min(first + kBlock, vertices);
     Vec3f* out = arena_->make_array<Vec3f>(kBlock).data();
-    for (std::uint32_t v = first; v < end; ++v) {
-        const Vec3d p = morphed(v);
-        if (!joints_) {
-            out[v - first] = Vec3f(transform_point(frame_from_mesh_, p));
-            continue;
-        }
-        Vec3d sum(0);
-        double total = 0;
-        for (int set = 0; set < cage_.skin.sets; ++set) {
-            const std::size_t at = std::size_t(set) * vertices + v;
-            for (int k = 0; k < 4; ++k) {
-                const double w = double(cage_.skin.weights[at][k]);
-                if (!(w > 0)) continue;
-                sum += transform_point(joint(cage_.skin.joints[at][k]), p) * w;
-                total += w;
-            }
-        }
-        // The weights are divided by their sum, so that they are those of a mean, as deformed_box() requires.
-        out[v - first] = Vec3f(sum / total);
-    }
+    for (std::uint32_t v = first; v < end; ++v) out[v - first] = posed(v);
     blocks_[block] = out;
     counters_->vertices += end - first;
     return out;

@@ -47,17 +47,19 @@ public:
             block = pose_block(v / kBlock);  // as (block ? block : ...)[v % kBlock], g++ 12 loses the index under ubsan
         return block[v % kBlock];
     }
+    /// Returns the same without keeping it.
+    Vec3f posed(std::uint32_t v) const noexcept;
     /// Returns the unit normal of a vertex of a cage that has normals: morphed, then mapped by the inverse transpose of the
     /// vertex's blended matrix. It is 0 if that leaves no direction.
     Vec3f normal(std::uint32_t v) const noexcept;
     /// Returns the bounds of the vertices that `of` describes, in the dicing frame.
     Box3d box(const DeformBounds& of) const noexcept;
     bool is_mirrored() const noexcept { return is_mirrored_; }
+    bool is_skinned() const noexcept { return joints_ != nullptr; }
 
 private:
     static constexpr std::uint32_t kBlock = 32;
 
-    Vec3d morphed(std::uint32_t v) const noexcept;
     const Vec3f* pose_block(std::uint32_t block);
     const Mat4d& joint(std::size_t j) const noexcept { return j < joint_count_ ? joints_[j] : frame_from_mesh_; }
 

@@ -8,6 +8,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "scenegraph/posed_faces.h"
 #include "scenegraph/shown_nodes.h"
 
 namespace occam {
@@ -114,6 +115,26 @@ private:
     PathTolerance tolerance_;
 };
 
+// Shows the paths of points of a displaced cage whose vertices move, at both ends of what displacement may add. They go with
+// the normal, which turns even if vertices move along straight lines.
+// position_at   returns a vertex at a key
+template <class PositionAt>
+void add_displaced_points(SegmentCount& count, const Place& place, const Cage& cage, PositionAt&& position_at)
+{
+    if (!cage.is_displaced()) return;
+    std::vector<Vec3d> out(count.most() + 1), in(count.most() + 1);
+    for_some_faces(cage, [&](std::span<const std::uint32_t> face) {
+        for (std::size_t k = 0; k < out.size() && !count.is_decided(); ++k) {
+            const Vec3d normal = face_normal(face, [&](std::uint32_t v) { return position_at(k, v); });
+            const Vec3d offset = normal * double(cage.displacement->bound), at = position_at(k, face[0]);
+            out[k] = transform_point(place.at(k), at + offset);
+            in[k] = transform_point(place.at(k), at - offset);
+        }
+        count.add_path(out);
+        count.add_path(in);
+    });
+}
+
 // Shows the paths of a cage that nothing deforms.
 void add_rigid_cage(SegmentCount& count, const Place& place, const CageSlot& slot)
 {
@@ -125,6 +146,8 @@ void add_rigid_cage(SegmentCount& count, const Place& place, const CageSlot& slo
             path[k] = transform_point(place.at(k), Vec3d(slot.key_positions[k][v]));
         count.add_path(path);
     }
+    add_displaced_points(count, place, slot.cage,
+                         [&](std::size_t k, std::uint32_t v) { return Vec3d(slot.key_positions[k][v]); });
 }
 
 // The morph targets of a placed cage.
@@ -132,18 +155,19 @@ struct Morphs {
     std::vector<std::size_t> moving;           ///< those whose weights change
     std::vector<std::vector<double>> weights;  ///< of each of them, at each key
     Box3d still{Vec3d(0), Vec3d(0)};           ///< what the others add to a vertex
+    std::vector<std::span<const float>> all;   ///< the weights of all targets, at each key
 
     Morphs(const Node& node, const CageSlot& slot, std::size_t keys)
     {
         const std::span<const Box3f> offsets = slot.deform[0].offsets;
-        const auto weights_at = [&](std::size_t k) -> const std::vector<float>& {
+        for (std::size_t k = 0; k < keys; ++k) {
             const std::vector<float>& own = node.keys.empty() ? node.morph_weights : node.keys[k].morph_weights;
-            return own.empty() ? slot.cage.morph_weights : own;
-        };
+            all.push_back(own.empty() ? slot.cage.morph_weights : own);
+        }
         std::vector<float> constant(offsets.size(), 0);
         for (std::size_t m = 0; m < offsets.size(); ++m) {
             std::vector<double> at(keys);
-            for (std::size_t k = 0; k < keys; ++k) at[k] = m < weights_at(k).size() ? double(weights_at(k)[m]) : 0.0;
+            for (std::size_t k = 0; k < keys; ++k) at[k] = m < all[k].size() ? double(all[k][m]) : 0.0;
             if (std::adjacent_find(at.begin(), at.end(), std::not_equal_to<>()) == at.end()) {
                 constant[m] = static_cast<float>(at[0]);
             } else if (!offsets[m].is_empty()) {
@@ -181,7 +205,13 @@ void add_deformed_cage(SegmentCount& count, const Place& place, const Node& node
         count.add_box(frames, {Vec3d(box.lo) + morphs.still.lo, Vec3d(box.hi) + morphs.still.hi}, offsets);
     };
     const DeformBounds deform = slot.deform[0];
-    if (!is_skinned) return add_box(deform.rest, 0);
+    if (!is_skinned) {
+        add_box(deform.rest, 0);
+        if (morphs.moving.empty()) return;
+        return add_displaced_points(count, place, slot.cage, [&](std::size_t k, std::uint32_t v) {
+            return morphed(slot.cage, slot.cage.positions, morphs.all[k], v);
+        });
+    }
     for (const JointBox& joint : deform.joints)
         if (!count.is_decided()) add_box(joint.box, joint.joint);
 }

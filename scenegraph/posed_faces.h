@@ -1,0 +1,65 @@
+// Measures a posed cage by some of its faces, where all of them would take too long.
+//
+// Threads  any number.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+
+#include "scenegraph/cage.h"
+
+namespace occam {
+
+/// Calls visit(vertices of a face) for at most kSomeFaces faces, evenly spaced in their order.
+inline constexpr std::size_t kSomeFaces = 128;
+template <class Visit>
+void for_some_faces(const Cage& cage, Visit&& visit)
+{
+    const std::span<const std::uint32_t> vertices(cage.face_vertices);
+    const std::size_t count = cage.face_count(), step = std::max<std::size_t>(1, (count + kSomeFaces - 1) / kSomeFaces);
+    std::size_t first = 0;
+    for (std::size_t face = 0; face < count; ++face) {
+        const std::size_t size = cage.scheme == Scheme::Triangles ? 3 : cage.face_sizes[face];
+        if (face % step == 0) visit(vertices.subspan(first, size));
+        first += size;
+    }
+}
+
+/// Returns a vertex as morph targets move it.
+/// positions   at rest
+inline Vec3d morphed(const Cage& cage, std::span<const Vec3f> positions, std::span<const float> weights,
+                     std::uint32_t v) noexcept
+{
+    Vec3d p(positions[v]);
+    for (std::size_t k = 0; k < std::min(weights.size(), cage.morph_targets.size()); ++k)
+        if (weights[k] != 0 && !cage.morph_targets[k].positions.empty())
+            p += Vec3d(cage.morph_targets[k].positions[v]) * double(weights[k]);
+    return p;
+}
+
+/// Returns the vector area of a face, which is twice its area long and points outside.
+/// position_of   returns the position of a vertex, as a Vec3d
+template <class PositionOf>
+Vec3d vector_area(std::span<const std::uint32_t> face, PositionOf&& position_of)
+{
+    const Vec3d from = position_of(face[0]);
+    Vec3d area(0), last = position_of(face[1]) - from;
+    for (std::size_t k = 2; k < face.size(); ++k) {
+        const Vec3d next = position_of(face[k]) - from;
+        area += glm::cross(last, next);
+        last = next;
+    }
+    return area;
+}
+
+/// Returns the unit normal of a face, which points outside; 0 if it has no area.
+template <class PositionOf>
+Vec3d face_normal(std::span<const std::uint32_t> face, PositionOf&& position_of)
+{
+    const Vec3d area = vector_area(face, position_of);
+    const double length = glm::length(area);
+    return length > 0 ? area / length : Vec3d(0);
+}
+
+}  // namespace occam
