@@ -104,15 +104,21 @@ void HitCorners::set_moving_normals(std::size_t lane, const std::ptrdiff_t (&i)[
     const IGridPart& part = *spots_[lane].part;
     const lod::GridAttributes& made = part.attributes;
     const std::ptrdiff_t width = part.tile.columns + 1;
-    const lod::ShortNormal* first = made.at_keys + static_cast<std::size_t>(m.time.key) * made.normals_of_a_key;
-    const auto at_time = [&](const lod::ShortNormal* n) { return m.between(n[0].get(), n[made.normals_of_a_key].get()); };
+    const lod::PosedCage& posed = *m.grid->cage;
+    const bool follows = posed.normal_key >= 0;  // from the normals of one key
+    const int key = follows ? posed.normal_key : m.time.key;
+    const lod::ShortNormal* first = made.at_keys + static_cast<std::size_t>(key) * made.normals_of_a_key;
+    const auto at_time = [&](const lod::ShortNormal* n) {
+        return follows ? n->get() : m.between(n[0].get(), n[made.normals_of_a_key].get());
+    };
     for (int p = 0; p < 3; ++p) {
         const float w = weight[p][lane];
         const std::ptrdiff_t at = j[p] * width + i[p], step = (j[p] & halved) * width + (i[p] & halved);
         const Vec3f fine = at_time(first + at);
         const Vec3f coarse = made.to_coarse != 0 ? at_time(first + made.to_coarse + at)
                                                  : (at_time(first + at - step) + at_time(first + at + step)) * 0.5f;
-        const Vec3f mixed = fine * (1 - w) + coarse * w;
+        Vec3f mixed = fine * (1 - w) + coarse * w;
+        if (follows) mixed = posed.moved_normal(mixed, m.time);
         vfloat4(0.0f).store(normal[p][lane]);
         for (int a = 0; a < 3; ++a) normal[p][lane][a] = mixed[a];
     }
@@ -164,9 +170,12 @@ void HitCorners::set_normals_of_mesh(std::size_t lane) noexcept
     for (std::size_t p = 0; p < 3; ++p) {
         const std::uint32_t v = posed.slot->cage.face_vertices[std::size_t(spots_[lane].number) * 3 + p];
         const auto normal_at = [&](const lod::PosedCage& of) { return of.vertex_normal(v); };
-        const Vec3f n = posed.segments == 0
-                            ? normal_at(posed)
-                            : m.between(normal_at(posed.keys[m.time.key]), normal_at(posed.keys[m.time.key + 1]));
+        const auto normal_at_time = [&] {
+            if (posed.segments == 0) return normal_at(posed);
+            if (posed.normal_key >= 0) return posed.moved_normal(normal_at(posed.keys[posed.normal_key]), m.time);
+            return m.between(normal_at(posed.keys[m.time.key]), normal_at(posed.keys[m.time.key + 1]));
+        };
+        const Vec3f n = normal_at_time();
         vfloat4(0.0f).store(normal[p][lane]);
         for (int a = 0; a < 3; ++a) normal[p][lane][a] = n[a];
     }

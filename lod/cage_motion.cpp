@@ -50,6 +50,52 @@ std::optional<Mat4d> inverse_of(const PosedCage& cage) noexcept
 Mat4d between(const Mat4d& a, const Mat4d& b, double share) noexcept { return a * (1 - share) + b * share; }
 double share_of(int key, int before, int after) noexcept { return double(key - before) / double(after - before); }
 
+// Returns the key at which the map enlarges areas most; the middle one if no other is clearly better.
+std::size_t largest_key(std::span<const PosedCage> keys) noexcept
+{
+    constexpr double kClearly = 1.001;
+    const auto area_of = [](const PosedCage& cage) {
+        const Mat3d m = cage.linear_map();
+        const Vec3d a = glm::cross(m[1], m[2]), b = glm::cross(m[2], m[0]), c = glm::cross(m[0], m[1]);
+        return std::sqrt(glm::dot(a, a) + glm::dot(b, b) + glm::dot(c, c));
+    };
+    std::size_t best = (keys.size() - 1) / 2;
+    for (std::size_t k = 0; k < keys.size(); ++k)
+        if (area_of(keys[k]) > kClearly * area_of(keys[best])) best = k;
+    return best;
+}
+
+// Returns the key whose map is least flat, so that normals at rest follow best from normals there; -1 if all are so flat
+// that too few bits of them are left.
+int roundest_key(std::span<const PosedCage> keys) noexcept
+{
+    double roundest = 0x1p-12;
+    int best = -1;
+    for (std::size_t k = 0; k < keys.size(); ++k) {
+        const Mat3d m = keys[k].linear_map();
+        const double length = std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
+        const double roundness = std::abs(glm::determinant(m)) / (length * length * length);
+        if (!(roundness > roundest)) continue;
+        roundest = roundness;
+        best = static_cast<int>(k);
+    }
+    return best;
+}
+
+// Makes the filter of the displacement's texture the same part of the surface at all keys. Edges of levels are about the key
+// at which the cage is largest.
+void share_filters(std::span<PosedCage> keys)
+{
+    double largest = 0;
+    std::vector<double> sizes;
+    for (const PosedCage& key : keys) {
+        sizes.push_back(key.size_of_faces());
+        largest = std::max(largest, sizes.back());
+    }
+    for (std::size_t k = 0; k < keys.size() && largest > 0; ++k)
+        keys[k].displacement.filter_share = static_cast<float>(sizes[k] / largest);
+}
+
 }  // namespace
 
 CageMotion::CageMotion(const CageSlot& slot, const Node& node, const SkinSlot* skin, std::span<const Mat4d> world_from_node,
@@ -263,7 +309,11 @@ PosedCage& CageMotion::make_keys(const PosedCage& still, int segments, const Pos
         key.displacement.reach = reach;
         if (largest > kMostGrowth * smallest) key.coarsened = kCoarsenedByGrowth;
     }
-    keys[0].still_pose = make_still_pose(keys, tools);
+    if (keys[0].is_displaced()) share_filters(keys);
+    if (moves_by_nodes_alone()) {
+        keys[0].still_pose = make_still_pose(keys, tools);
+        keys[0].normal_key = roundest_key(keys);
+    }
     keys[0].keys = keys.data();
     keys[0].segments = segments;
     return keys[0];
@@ -271,12 +321,14 @@ PosedCage& CageMotion::make_keys(const PosedCage& still, int segments, const Pos
 
 const PosedCage* CageMotion::make_still_pose(std::span<const PosedCage> keys, const PosingTools& tools) const
 {
-    // Skins and morph targets move vertices against each other.
-    if (!moves_maps_ || is_skinned_ || changes_ > 1 || keys[0].coarsened > 0) return nullptr;
-    const int segments = static_cast<int>(keys.size()) - 1, step = segments_ / segments, middle = segments / 2;
-    PosedCage still = keys[static_cast<std::size_t>(middle)];
-    still.set_frame(transform_box(world(middle * step), cage_bounds(node_, slot_, skin_)));
-    still.set_map(world(middle * step));
+    if (keys[0].coarsened > 0) return nullptr;
+    // Textures are filtered by the sizes that the surface has in this pose, and rates are those of the largest key.
+    const std::size_t largest = largest_key(keys);
+    const int segments = static_cast<int>(keys.size()) - 1, step = segments_ / segments,
+              at_largest = static_cast<int>(largest) * step;
+    PosedCage still = keys[largest];
+    still.set_frame(transform_box(world(at_largest), cage_bounds(node_, slot_, skin_)));
+    still.set_map(world(at_largest));
     const std::span<AffinePose> poses = tools.arena.make_array<AffinePose>(keys.size());
     const std::optional<Mat4d> object_from_still = inverse_of(still);
     if (!object_from_still) return nullptr;
@@ -286,7 +338,7 @@ const PosedCage* CageMotion::make_still_pose(std::span<const PosedCage> keys, co
     }
     const AffineMotion motion{poses};
     if (!motion.is_invertible()) return nullptr;
-    const CagePose at = pose(middle * step);
+    const CagePose at = pose(at_largest);
     still.positions = at.positions.data();
     if (tools.tables.deformed_clusters) still.deform(*tools.tables.deformed_clusters, at, tools.arena, tools.counters);
     if (tools.textures) still.displace(*tools.textures);

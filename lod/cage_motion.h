@@ -48,8 +48,11 @@ public:
     PosedCage& make_keys(const PosedCage& still, int segments, const PosingTools& tools) const;
 
 private:
-    /// Returns the pose of which all others are affine images, made of the middle one of the keys; null if there is none, or
-    /// if rays cannot be taken to it at all times.
+    /// Returns whether every moment's cage is an affine image of every other's. Skins and morph targets move vertices
+    /// against each other.
+    bool moves_by_nodes_alone() const noexcept { return moves_maps_ && !is_skinned_ && changes_ == 1; }
+    /// Returns the pose of which all others are affine images, made of the largest one of the keys; null if rays cannot be
+    /// taken to it at all times. Call it if moves_by_nodes_alone().
     const PosedCage* make_still_pose(std::span<const PosedCage> keys, const PosingTools& tools) const;
     const Mat4d& world(int key) const noexcept { return world_[world_.size() > 1 ? std::size_t(key) : 0]; }
     CagePose pose(int key) const noexcept { return {slot_, node_, skin_, key}; }

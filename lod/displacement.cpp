@@ -63,6 +63,8 @@ PosedDisplacement::PosedDisplacement(const Cage& cage, const TextureStore& store
     stops = std::min(ceil_log2(4 * radius), kCoarsestLevel);
 }
 
+double PosedDisplacement::filter_edge(int level) const noexcept { return double(edge_length(level)) * double(filter_share); }
+
 Vec3d PosedDisplacement::from_object(Vec3d v) const noexcept
 {
     const auto row = [&](int r) { return map[r][0] * v.x + map[r][1] * v.y + map[r][2] * v.z; };
@@ -131,7 +133,7 @@ Vec3f PosedDisplacement::offset(const PointToDisplace& at, int level) const noex
 {
     const double size = glm::length(glm::cross(Vec3d(at.du), Vec3d(at.dv)));
     const double uv_size = std::abs(double(at.uv_du.x) * at.uv_dv.y - double(at.uv_du.y) * at.uv_dv.x);
-    const auto width = size > 0 ? static_cast<float>(double(edge_length(level)) * std::sqrt(uv_size / size)) : 0;
+    const auto width = size > 0 ? static_cast<float>(filter_edge(level) * std::sqrt(uv_size / size)) : 0;
     const Vec4f texel = textures->sample(of->texture, at.uv, width);
     switch (of->space) {
         case Displacement::Space::Normal: {
@@ -154,7 +156,7 @@ void PosedDisplacement::offsets_along_normal(const PointsToDisplace& at, int lev
     constexpr int kAtOnce = 32;
     double area[3][kAtOnce], size[kAtOnce], filter[kAtOnce], height[kAtOnce], length[kAtOnce];
     float moved[3][kAtOnce];
-    const auto edge = double(edge_length(level)), turned = double(sense);
+    const double edge = filter_edge(level), turned = double(sense);
     for (int first = 0; first < at.count; first += kAtOnce) {
         const int n = std::min(kAtOnce, at.count - first);
         const auto from = [&](const float* values) { return values + first; };

@@ -4,7 +4,8 @@
 // around the point, clamped to the cage's bound. On curves and corners between patches all three are the owner's
 // (topology.h), so that neither creases nor seams of the coordinates open; T-vertices are middles of displaced points. N and
 // h are the object's: a placement that stretches the cage stretches the displacement with it. A skinned cage moves along its
-// posed normal, by the distance that its node's own transform gives.
+// posed normal, by the distance that its node's own transform gives. Where a cage moves while the shutter is open, the
+// square is the same part of the surface at all times: that of d_l where the cage is largest.
 //
 // Vector displacement is P + v_l, where v_l has three channels and is shortened to the bound:
 // - In the object's axes at rest, it needs no smooth coordinates. Where skin or morph targets pose the cage, v turns as they
@@ -57,7 +58,9 @@ struct PosedDisplacement {
     float sense_in_object = 1;  ///< -1 if the pose mirrors before the map does its part
     float reach = 0;            ///< no point moves farther, world length
     int stops = 0;              ///< from this level on the displacement is the same
-    bool turns = false;         ///< whether vectors in object axes turn, because the cage is posed
+    float filter_share = 1;  ///< the width of the texture's filter, in edges of a level; below 1 at keys at which the cage
+                             ///< is smaller than at others, whose edges levels are about
+    bool turns = false;      ///< whether vectors in object axes turn, because the cage is posed
 
     int uv_set() const noexcept { return of->texture.uv_set; }
     /// Returns the offset of the limit point, in the dicing frame.
@@ -66,6 +69,7 @@ struct PosedDisplacement {
     void offsets_along_normal(const PointsToDisplace& at, int level, float* const out[3]) const noexcept;
 
 private:
+    double filter_edge(int level) const noexcept;
     Vec3d from_object(Vec3d v) const noexcept;
     Vec3d to_object(Vec3d v) const noexcept;
     Vec3d texel_vector(const Vec4f& texel) const noexcept;

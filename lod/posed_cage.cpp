@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "scenegraph/posed_faces.h"
+
 namespace occam::lod {
 
 void PosedCage::place(const Mat4d& world_from_object, const Box3d& object_bounds) noexcept
@@ -85,24 +87,63 @@ Box3d PosedCage::world_box(std::uint32_t cluster) const noexcept
     return grown(transform_box(world_from_object(), {Vec3d(box.lo), Vec3d(box.hi)}));
 }
 
+namespace {
+
+// A surface and its image under a map have normals that the map's cofactors take to each other. These are its inverse
+// transpose times its determinant.
+Vec3d turned_by_cofactors(const Mat3d& map, Vec3d n) noexcept
+{
+    return glm::cross(map[1], map[2]) * n.x + glm::cross(map[2], map[0]) * n.y + glm::cross(map[0], map[1]) * n.z;
+}
+
+bool mirrors(const Mat3d& map) noexcept { return glm::determinant(map) < 0; }
+Mat3d between(const Mat3d& a, const Mat3d& b, float share) noexcept { return a * (1 - double(share)) + b * double(share); }
+
+}  // namespace
+
+Mat3d PosedCage::linear_map() const noexcept
+{
+    Mat3d map;
+    for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c) map[c][r] = frame_from_object[r][c];
+    return map;
+}
+
+double PosedCage::size_of_faces() const noexcept
+{
+    double areas = 0;
+    for_some_faces(slot->cage, [&](std::span<const std::uint32_t> face) {
+        areas += glm::length(
+            vector_area(face, [&](std::uint32_t v) { return Vec3d(deformed ? deformed->posed(v) : pose(positions[v])); }));
+    });
+    return std::sqrt(areas);
+}
+
 bool PosedCage::is_mirrored_at(KeyTime time) const noexcept
 {
     const PosedCage &a = at_key(time.key), &b = at_key(segments > 0 ? time.key + 1 : 0);
+    const Mat3d from = a.linear_map(), to = b.linear_map();
+    if (!deformed || !deformed->is_skinned()) return mirrors(between(from, to, time.share));
+    // Joints may undo what the map does.
     if (a.is_mirrored == b.is_mirrored) return a.is_mirrored;
-    if (deformed) return time.share < 0.5f ? a.is_mirrored : b.is_mirrored;
-    Mat3d between;
-    for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 3; ++c)
-            between[c][r] = glm::mix(a.frame_from_object[r][c], b.frame_from_object[r][c], double(time.share));
-    return glm::determinant(between) < 0;
+    const bool joints_mirror = a.is_mirrored != mirrors(from);
+    if (joints_mirror != (b.is_mirrored != mirrors(to))) return time.share < 0.5f ? a.is_mirrored : b.is_mirrored;
+    return mirrors(between(from, to, time.share)) != joints_mirror;
+}
+
+Vec3f PosedCage::moved_normal(Vec3f n, KeyTime time) const noexcept
+{
+    const Mat3d map = between(at_key(time.key).linear_map(), at_key(time.key + 1).linear_map(), time.share);
+    const Vec3d at_rest = glm::transpose(at_key(normal_key).linear_map()) * Vec3d(n);
+    const Vec3d turned = turned_by_cofactors(map, at_rest);
+    const double length = glm::length(turned);
+    if (!(length > 0)) return n;
+    return Vec3f(turned * ((mirrors(map) ? -1.0 : 1.0) / length));
 }
 
 Vec3f PosedCage::pose_normal(Vec3f n) const noexcept
 {
-    // The cofactors of the map are its inverse transpose times its determinant.
-    const auto& m = frame_from_object;
-    const Vec3d a{m[0][0], m[1][0], m[2][0]}, b{m[0][1], m[1][1], m[2][1]}, c{m[0][2], m[1][2], m[2][2]};
-    const Vec3d turned = glm::cross(b, c) * double(n.x) + glm::cross(c, a) * double(n.y) + glm::cross(a, b) * double(n.z);
+    const Vec3d turned = turned_by_cofactors(linear_map(), Vec3d(n));
     const double length = glm::length(turned);
     if (!(length > 0)) return n;
     return Vec3f(turned * ((is_mirrored ? -1.0 : 1.0) / length));

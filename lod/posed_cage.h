@@ -42,6 +42,7 @@ struct PosedCage {
     const PosedCage* still_pose =
         nullptr;  ///< of the first key: what is diced in place of the keys; null: the keys are diced
     const AffineMotion* affine = nullptr;  ///< of a still pose: how it moves; null for all other poses
+    int normal_key = -1;  ///< of the first key: the key from whose normals those of all times follow; -1: each key's serve
     const Node* node = nullptr;
     NodeId node_id;
     CageId cage_id;
@@ -93,12 +94,19 @@ struct PosedCage {
     }
 
     Mat4d world_from_object() const noexcept;
+    /// Returns the linear part of the map from object axes.
+    Mat3d linear_map() const noexcept;
+    /// Returns a length whose square grows as the areas of the posed cage's faces do.
+    double size_of_faces() const noexcept;
     /// Returns the cage at a key of its motion; itself if it stands still.
     const PosedCage& at_key(int k) const noexcept { return keys ? keys[k] : *this; }
     /// Returns the pose that igrids are made of: the still pose if there is one, else the cage with all its keys.
     const PosedCage& diced() const noexcept { return still_pose ? *still_pose : *this; }
     /// Returns whether faces are reversed at a moment of the cage's motion.
     bool is_mirrored_at(KeyTime time) const noexcept;
+    /// Takes a normal at the key normal_key, which must not be -1, to a moment of the cage's motion. The result has unit
+    /// length and points outside; it is n if the map of that moment leaves no direction.
+    Vec3f moved_normal(Vec3f n, KeyTime time) const noexcept;
 
     /// Returns the finest level, which keeps all rates within kMaxExponent. Finer levels are the same as this one.
     int finest_level() const noexcept { return std::max(ceil_log2(16 * radius) - kMaxExponent + coarsened, least_level); }

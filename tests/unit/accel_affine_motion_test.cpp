@@ -1,4 +1,5 @@
-// Tests of cages that their nodes alone move: they are diced once, and rays are taken to them (lod/affine_motion.h).
+// Tests of cages that their nodes alone move: they are diced once, and rays are taken to them (lod/affine_motion.h). Those
+// that become flat, or their mirror image, have vertices at keys instead.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -9,6 +10,7 @@
 #include "accel/tracer.h"
 #include "lod/pose_cage.h"
 #include "tests/support/motions.h"
+#include "tests/support/random_directions.h"
 #include "tests/support/shape_builders.h"
 
 namespace occam::test {
@@ -201,6 +203,149 @@ TEST(AffineMotion, TakesTheMemoryOfACageThatStands)
         EXPECT_LT(bytes(turning), 1.5 * bytes(standing));
         EXPECT_GT(bytes(written), 3 * bytes(standing));
     }
+}
+
+// A cage that a matrix moves, or that stands where the matrix has it at one moment.
+struct ScaledStage {
+    Scene scene;
+    lod::TopologyCache topologies;
+    accel::Frame frame;
+    accel::Tracer tracer;
+
+    ScaledStage(const Cage& cage, const Motion& motion)
+        : frame((add_moving(scene, cage, motion), scene.refit(), scene), topologies, settings()),
+          tracer(frame, kMoreThanEnough)
+    {
+    }
+    ScaledStage(const Cage& cage, const Mat4d& place)
+        : frame((scene.add_node(scene.root(), {.matrix = place, .cages = {scene.add(cage)}}), scene.refit(), scene),
+                topologies, settings()),
+          tracer(frame, kMoreThanEnough)
+    {
+    }
+    static lod::LevelSettings settings()
+    {
+        return {.pixel = {1.0f / 64, 0}, .mode = lod::LevelMode::PerRay, .motion_edges = 0};
+    }
+    std::vector<accel::SurfaceHit> trace(std::span<const accel::Ray> rays)
+    {
+        std::vector<accel::SurfaceHit> hits(rays.size());
+        tracer.closest(rays, hits);
+        return hits;
+    }
+};
+
+std::vector<accel::Ray> rays_at(float time, int count)
+{
+    Random random(7);
+    std::vector<accel::Ray> rays(static_cast<std::size_t>(count));
+    for (accel::Ray& ray : rays) {
+        ray.origin = {0.5, 5, 6};
+        const double x = random() - 0.5, y = random() - 0.5, z = random() - 0.5;
+        ray.direction = Vec3f(glm::normalize(Vec3d(x, y, z) * Vec3d(3, 2, 3) - ray.origin));
+        ray.footprint = {0.01f, 0};
+        ray.time = time;
+    }
+    return rays;
+}
+
+struct Scaling {
+    const char* name;
+    int segments;
+    Vec3d from, to;
+};
+const Scaling kScalings[] = {
+    {"flattens", 1, {1, 1, 1}, {1, 0.01, 1}},
+    {"becomes its mirror image", 1, {1, 1, 1}, {1, -1, 1}},
+    {"becomes its mirror image late", 1, {1, 1, 1}, {1, 1, -0.2}},
+    {"turns over by two mirrorings", 1, {1, 2, 1}, {-2, -1, 1}},
+    {"has a flat key", 2, {1, 1, 1}, {1, -1, 1}},
+    {"grows from a point", 1, {0, 0, 0}, {1.5, 0.5, 1}},
+};
+Motion motion_of(const Scaling& of)
+{
+    return {of.name, of.segments, [of](double tau) { return scaled_by(glm::mix(of.from, of.to, tau)); }, {}, {}, {}};
+}
+
+// What a node alone moves has the shading normals of a cage that stands where it is at each moment. Before, unit normals
+// were interpolated between keys.
+TEST(MovingNormals, OfACageThatItsNodeAloneMovesAreThoseOfOneThatStandsThere)
+{
+    for (const Cage& cage : {torus(), torus_mesh(24, 16)})
+        for (const Scaling& scaling : kScalings) {
+            ScaledStage moving(cage, motion_of(scaling));
+            int compared = 0;
+            for (const float time : {0.05f, 0.2f, 0.35f, 0.6f, 0.85f, 1.0f}) {
+                const auto rays = rays_at(time, 400);
+                ScaledStage still(cage, scaled_by(glm::mix(scaling.from, scaling.to, double(time))));
+                const auto a = moving.trace(rays), b = still.trace(rays);
+                for (std::size_t i = 0; i < rays.size(); ++i) {
+                    const bool is_same = a[i].is_hit() && b[i].is_hit() && std::abs(a[i].t - b[i].t) < 1e-3f &&
+                                         glm::dot(a[i].normal_geometric, b[i].normal_geometric) > 0.99f;
+                    if (!is_same) continue;
+                    ++compared;
+                    ASSERT_GT(glm::dot(a[i].normal_shading, b[i].normal_shading), 0.995f)
+                        << scaling.name << " at " << time << (cage.scheme == Scheme::Triangles ? ", mesh" : "");
+                    ASSERT_EQ(a[i].back_side, b[i].back_side) << scaling.name << " at " << time;
+                }
+            }
+            EXPECT_GT(compared, 100) << scaling.name;
+        }
+}
+
+TEST(MovingNormals, HaveTheSameBitsAloneAndInPackets)
+{
+    for (const Cage& cage : {torus(), torus_mesh(24, 16)}) {
+        ScaledStage together(cage, motion_of(kScalings[1])), alone(cage, motion_of(kScalings[1]));
+        const auto rays = rays_at(0.35f, 400);
+        const auto hits = together.trace(rays);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            const accel::SurfaceHit other = alone.trace({&rays[i], 1}).front();
+            ASSERT_EQ(std::bit_cast<std::uint32_t>(hits[i].t), std::bit_cast<std::uint32_t>(other.t));
+            ASSERT_TRUE(!other.is_hit() || hits[i].normal_shading == other.normal_shading);
+        }
+    }
+}
+
+// The cage is closed and its faces point outwards, so a ray from outside meets its outside first, also if a morph target
+// deforms it, or a joint mirrors it.
+TEST(MovingNormals, TheOutsideIsSeenWhileACageBecomesItsMirrorImage)
+{
+    for (const Scaling& scaling : kScalings)
+        for (const int deformation : {0, 1, 2}) {
+            Motion motion = motion_of(scaling);
+            if (deformation == 1) motion.morph = [](double tau) { return 1e-4f * static_cast<float>(tau); };
+            Scene scene;
+            if (deformation == 2) {
+                Cage skinned = torus();
+                skinned.skin.sets = 1;
+                skinned.skin.joints.assign(skinned.positions.size(), {0, 0, 0, 0});
+                skinned.skin.weights.assign(skinned.positions.size(), {1, 0, 0, 0});
+                Skin skin;
+                const NodeId joint = scene.add_node(scene.root(), {});
+                skin.joints = {joint};
+                scene.add_node(scene.root(), {.cages = {scene.add(skinned)}, .skin = scene.add(std::move(skin))});
+                scene.record_shutter(scaling.segments, [&](double tau) { scene.set_transform(joint, motion.matrix(tau)); });
+            } else {
+                add_moving(scene, torus(), motion);
+            }
+            scene.refit();
+            lod::TopologyCache topologies;
+            const accel::Frame frame(scene, topologies, ScaledStage::settings());
+            accel::Tracer tracer(frame, kMoreThanEnough);
+            int hits = 0, inside = 0;
+            // A skin's sense is known at keys alone: it is asked for there, and near them.
+            const std::vector<float> times = deformation == 2 ? std::vector{0.02f, 0.98f}
+                                                              : std::vector{0.1f, 0.3f, 0.4f, 0.7f, 0.9f};
+            for (const float time : times) {
+                const auto rays = rays_at(time, 300);
+                std::vector<accel::SurfaceHit> found(rays.size());
+                tracer.closest(rays, found);
+                for (const accel::SurfaceHit& hit : found) hits += hit.is_hit(), inside += hit.is_hit() && hit.back_side;
+            }
+            EXPECT_GT(hits, 30) << scaling.name;
+            EXPECT_EQ(inside, 0) << scaling.name << ", deformation " << deformation << ", of " << hits;
+        }
 }
 
 }  // namespace
