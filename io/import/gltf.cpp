@@ -1,6 +1,7 @@
 // The importer of glTF: it reads the node tree, and decides the order in which the file's parts are read.
 #include "io/import/gltf.h"
 
+#include <algorithm>
 #include <map>
 #include <unordered_map>
 #include <unordered_set>
@@ -14,6 +15,7 @@
 #include "io/import/gltf_uri.h"
 #include "io/import/gltf_value.h"
 #include "io/import/obj.h"
+#include "scenegraph/content_rules.h"
 #include "scenegraph/shown_nodes.h"
 
 namespace occam::import {
@@ -260,7 +262,9 @@ private:
             constexpr double kWidest = 3.1;
             if (camera.perspective.yfov > kWidest)
                 report_.warn("a camera's angle above 3.1 radians is made smaller", camera.name);
-            lens.fov = static_cast<float>(std::min(camera.perspective.yfov, kWidest));
+            if (camera.perspective.yfov < double(kNarrowestView))
+                report_.warn("a camera's angle below 0.00001 radians is made larger", camera.name);
+            lens.fov = std::max(static_cast<float>(std::min(camera.perspective.yfov, kWidest)), kNarrowestView);
             lens.aspect = static_cast<float>(camera.perspective.aspectRatio);
         }
         desc.camera = scene_.add(lens);

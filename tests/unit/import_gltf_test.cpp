@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "scenegraph/content_rules.h"
 #include "tests/support/gltf_scene.h"
 #include "tests/support/import_errors.h"
 #include "tests/support/temp_folder.h"
@@ -168,6 +169,18 @@ TEST(ImportGltf, UnknownRequiredExtensionsAreRefusedByName)
     EXPECT_NE(error_of(g.write(folder)).find("only glTF 2"), std::string::npos);
     g.asset = R"({"version": "2.0", "minVersion": "2.1"})";
     EXPECT_NE(error_of(g.write(folder)).find("2.1"), std::string::npos);
+}
+
+TEST(ImportGltf, AnglesOfCamerasAreWithinWhatCanBeSeen)
+{
+    const TempFolder folder;
+    Gltf g;
+    g.nodes = R"({"camera": 0}, {"camera": 1})";
+    g.more = R"(, "cameras": [{"type": "perspective", "perspective": {"yfov": 1e-9, "znear": 0.1}},
+                              {"type": "perspective", "perspective": {"yfov": 9, "znear": 0.1}}])";
+    const Scene scene = load(g.write(folder));
+    EXPECT_EQ(scene.warnings.size(), 2u);
+    for (const std::string& name : scene.camera_names()) EXPECT_NO_THROW(check(*scene.camera(name))) << name;
 }
 
 TEST(ImportGltf, ReadsCamerasAndPunctualLights)
