@@ -26,8 +26,9 @@ bool moves_in_parent(const Node& node) noexcept
 
 namespace {
 
-// Visits the graph as far as it has few nodes; the boxes of what lies below count as a whole. What it visits follows from
-// the graph alone, so the box does not depend on how the scene came to be.
+// Opens the graph as far as it has few nodes. The children of the others count by their boxes as a whole, and where even
+// these are many, the box of all of them does. What it visits follows from the graph alone, so the box does not depend on
+// how the scene came to be.
 class DicedBounds {
 public:
     explicit DicedBounds(const Scene& scene) noexcept : scene_(scene) {}
@@ -44,30 +45,35 @@ public:
     }
 
 private:
-    static constexpr std::size_t kMostVisits = 4096;
+    static constexpr std::size_t kMostVisits = 4096, kMostBoxes = 65536;
     static constexpr int kMostDepth = 64;
 
     /// Returns the box of what a node shows, in its own axes.
     Box3d below(NodeId id, const Node& node, int depth)
     {
         if (!node.contents.has(Contents::Subdivided)) return {};
-        const std::size_t visits = scene_.child_count(id) + 1;
-        if (depth == kMostDepth || visits > visits_left_) return node.bounds;
-        visits_left_ -= visits;
+        const std::size_t children = scene_.child_count(id);
+        const bool opens = depth < kMostDepth && children < visits_left_;
+        std::size_t& left = opens ? visits_left_ : boxes_left_;
+        if (children >= left) return node.bounds;
+        left -= children + 1;
         Box3d box;
         for (const CageId cage : node.cages)
             if (const CageSlot* slot = scene_.find(cage);
                 slot && (slot->is_on_demand() || slot->cage.scheme != Scheme::Triangles))
                 box.add(cage_bounds(node, *slot, scene_.find(node.skin)));
         for (const NodeId child : node.children)
-            if (const Node* there = scene_.find(child); there && there->is_visible_in_shutter())
-                box.add(placed(child, *there, depth + 1));
-        if (const Node* shown = scene_.find(node.instance_of)) box.add(below(node.instance_of, *shown, depth + 1));
+            if (const Node* there = scene_.find(child); there && there->contents.has(Contents::Subdivided))
+                box.add(!opens                           ? box_in_parent(*there)
+                        : there->is_visible_in_shutter() ? placed(child, *there, depth + 1)
+                                                         : Box3d());
+        if (const Node* shown = scene_.find(node.instance_of); shown && shown->contents.has(Contents::Subdivided))
+            box.add(opens ? below(node.instance_of, *shown, depth + 1) : shown->bounds);
         return box;
     }
 
     const Scene& scene_;
-    std::size_t visits_left_ = kMostVisits;
+    std::size_t visits_left_ = kMostVisits, boxes_left_ = kMostBoxes;
 };
 
 }  // namespace

@@ -73,6 +73,7 @@ accel::Ray ray_of(const QueryRay& asked, const Asked& about)
     if (const auto& f = asked.footprint; f && !(f->width >= 0 && std::isfinite(f->width) && std::isfinite(f->spread)))
         throw error_without_file("a footprint's width must be finite and 0 or more, and its spread finite", "ray");
     if (!(asked.time >= 0 && asked.time <= 1)) throw error_without_file("a ray's time must be from 0 to 1", "ray");
+    if ((asked.kinds & RayKind::All) == 0) throw error_without_file("a ray must be of a kind that sees something", "ray");
     ray.time = asked.time;
     ray.kinds = asked.kinds;
     ray.origin = origin;

@@ -28,6 +28,7 @@ public:
         text_ += (text_.empty() ? "[\n{\"frame\": " : ",\n{\"frame\": ") + std::to_string(frame) + "," +
                  object.substr(object.find('{') + 1);
     }
+    bool is_empty() const { return text_.empty(); }
     std::string text() const { return text_.empty() ? "[]\n" : text_ + "]\n"; }
 
 private:
@@ -278,7 +279,7 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
     } catch (...) {
         // The frames that are finished have their statistics, and what ended the run is what is reported.
         try {
-            write_stats(a, all);
+            if (!all.is_empty()) write_stats(a, all);
         } catch (const std::exception& error) {
             std::fprintf(stderr, "occam: %s\n", printable_line(error.what()).c_str());
         }

@@ -218,7 +218,7 @@ Camera Framing::camera()
     }
     if (a.fov_deg > 0) {
         if (camera.lens.orthographic)
-            throw Error(a.scene.string(), "has an orthographic camera, which has no angle of view", "--fov");
+            throw Error(name_of_scene(a), "has an orthographic camera, which has no angle of view", "--fov");
         camera.lens.fov = a.fov_deg * kRadians;
     }
     if (a.lens_radius > 0) {

@@ -5,8 +5,6 @@
 #include <limits>
 #include <optional>
 
-#include "scenegraph/posed_faces.h"
-
 namespace occam::lod {
 namespace {
 
@@ -88,8 +86,9 @@ void share_filters(std::span<PosedCage> keys)
 {
     double largest = 0;
     std::vector<double> sizes;
+    const std::vector<FaceVertices> faces = some_faces(keys[0].slot->cage);
     for (const PosedCage& key : keys) {
-        sizes.push_back(key.size_of_faces());
+        sizes.push_back(key.size_of_faces(faces));
         largest = std::max(largest, sizes.back());
     }
     for (std::size_t k = 0; k < keys.size() && largest > 0; ++k)
@@ -99,7 +98,7 @@ void share_filters(std::span<PosedCage> keys)
 }  // namespace
 
 CageMotion::CageMotion(const CageSlot& slot, const Node& node, const SkinSlot* skin, std::span<const Mat4d> world_from_node,
-                       int segments) noexcept
+                       int segments)
     : slot_(slot), node_(node), skin_(skin), world_(world_from_node), segments_(segments)
 {
     is_skinned_ = skin && slot.cage.skin.sets > 0;
@@ -113,6 +112,7 @@ CageMotion::CageMotion(const CageSlot& slot, const Node& node, const SkinSlot* s
         moves_weights_ = moves_weights_ || (!slot.cage.morph_targets.empty() && key.morph_weights != node.morph_weights);
     }
     changes_ = int(moves_maps_) + int(moves_weights_) + int(moves_positions_);
+    if (slot.cage.is_displaced() && changes_ == 1 && !moves_maps_) some_faces_ = some_faces(slot.cage);
 }
 
 Box3d CageMotion::world_box() const noexcept
@@ -180,16 +180,15 @@ double CageMotion::deviation_of_positions(int key, int before, int after) const
 
 double CageMotion::deviation_of_displacement(int key, int before, int after) const
 {
-    const auto normal_at = [&](int k, std::span<const std::uint32_t> face) {
+    const auto normal_at = [&](int k, FaceVertices face) {
         const CagePose at = pose(k);
         return face_normal(face, [&](std::uint32_t v) { return morphed(slot_.cage, at.positions, at.morph_weights, v); });
     };
     const double share = share_of(key, before, after);
     double farthest = 0;
-    for_some_faces(slot_.cage, [&](std::span<const std::uint32_t> face) {
-        const Vec3d chord = glm::mix(normal_at(before, face), normal_at(after, face), share);
-        farthest = std::max(farthest, glm::distance(normal_at(key, face), chord));
-    });
+    for (const FaceVertices face : some_faces_)
+        farthest = std::max(
+            farthest, glm::distance(normal_at(key, face), glm::mix(normal_at(before, face), normal_at(after, face), share)));
     return farthest * double(slot_.cage.displacement->bound) * stretch_bound(world(0));
 }
 

@@ -14,6 +14,7 @@
 #include "lod/footprint.h"
 #include "lod/posed_cage.h"
 #include "lod/topology_cache.h"
+#include "scenegraph/posed_faces.h"
 
 namespace occam::lod {
 
@@ -32,7 +33,7 @@ public:
     /// world_from_node   at each key of the shutter, or once if the placement stands still
     /// segments          of the scene's shutter; 0: it has none
     CageMotion(const CageSlot& slot, const Node& node, const SkinSlot* skin, std::span<const Mat4d> world_from_node,
-               int segments) noexcept;
+               int segments);
 
     /// Returns whether any vertex moves.
     bool moves() const noexcept { return changes_ > 0; }
@@ -73,7 +74,8 @@ private:
     int segments_;
     bool is_skinned_;
     bool moves_maps_ = false, moves_weights_ = false, moves_positions_ = false;
-    int changes_ = 0;  ///< how many of these are true
+    int changes_ = 0;                       ///< how many of these are true
+    std::vector<FaceVertices> some_faces_;  ///< if the normals' turning counts
 };
 
 /// Returns how far control points in the box may be from where the scene's keys have them, unseen:

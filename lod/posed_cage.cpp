@@ -109,13 +109,12 @@ Mat3d PosedCage::linear_map() const noexcept
     return map;
 }
 
-double PosedCage::size_of_faces() const noexcept
+double PosedCage::size_of_faces(std::span<const FaceVertices> faces) const noexcept
 {
     double areas = 0;
-    for_some_faces(slot->cage, [&](std::span<const std::uint32_t> face) {
+    for (const FaceVertices face : faces)
         areas += glm::length(
             vector_area(face, [&](std::uint32_t v) { return Vec3d(deformed ? deformed->posed(v) : pose(positions[v])); }));
-    });
     return std::sqrt(areas);
 }
 

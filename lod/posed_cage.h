@@ -96,8 +96,8 @@ struct PosedCage {
     Mat4d world_from_object() const noexcept;
     /// Returns the linear part of the map from object axes.
     Mat3d linear_map() const noexcept;
-    /// Returns a length whose square grows as the areas of the posed cage's faces do.
-    double size_of_faces() const noexcept;
+    /// Returns a length whose square grows as the areas of these faces of the posed cage do.
+    double size_of_faces(std::span<const std::span<const std::uint32_t>> faces) const noexcept;
     /// Returns the cage at a key of its motion; itself if it stands still.
     const PosedCage& at_key(int k) const noexcept { return keys ? keys[k] : *this; }
     /// Returns the pose that igrids are made of: the still pose if there is one, else the cage with all its keys.

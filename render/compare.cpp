@@ -24,13 +24,20 @@ std::string place_of(const Image& image)
            pair(image.full_width, "x", image.full_height);
 }
 
+bool is_whole(const Image& image)
+{
+    return image.x0 == 0 && image.y0 == 0 && image.full_width == image.width && image.full_height == image.height;
+}
+
 Pair pair_of(const Image& a, const Image& b, const std::string& name)
 {
     if (a.width != b.width || a.height != b.height)
         throw error_without_file("pictures of different sizes cannot be compared: " + std::to_string(a.width) + "x" +
                                  std::to_string(a.height) + " and " + std::to_string(b.width) + "x" +
                                  std::to_string(b.height));
-    if (a.x0 != b.x0 || a.y0 != b.y0 || a.full_width != b.full_width || a.full_height != b.full_height)
+    // Most formats cannot say that a picture is a part of a frame.
+    const bool may_be_same = is_whole(a) || is_whole(b);
+    if (!may_be_same && (a.x0 != b.x0 || a.y0 != b.y0 || a.full_width != b.full_width || a.full_height != b.full_height))
         throw error_without_file("pictures of different parts of a frame cannot be compared: " + place_of(a) + ", and " +
                                  place_of(b));
     const Layer* la = a.find(name);

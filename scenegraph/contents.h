@@ -119,13 +119,6 @@ struct FaceLayers {
 
     FaceLayers() = default;
     explicit FaceLayers(const Cage& cage);
-    bool are_many() const noexcept { return crossed > kMany || held > kMany; }
-    /// Looks at some of the faces and returns whether all of them may be many. It is for cages whose vertices move: few
-    /// faces that overlap then cost no pass over all.
-    static bool may_be_many(const Cage& cage);
-
-private:
-    static constexpr double kMany = 256;
 };
 
 /// Throws Error, naming a node, if a ray may have to meet more than kMostLayers surfaces, or if a point may lie in more than

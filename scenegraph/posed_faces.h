@@ -6,24 +6,29 @@
 #include <algorithm>
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include "scenegraph/cage.h"
 
 namespace occam {
 
-/// Calls visit(vertices of a face) for at most kSomeFaces faces, evenly spaced in their order.
+/// The vertices of a face.
+using FaceVertices = std::span<const std::uint32_t>;
+
+/// Returns at most kSomeFaces faces, evenly spaced in their order. It visits all of them.
 inline constexpr std::size_t kSomeFaces = 128;
-template <class Visit>
-void for_some_faces(const Cage& cage, Visit&& visit)
+inline std::vector<FaceVertices> some_faces(const Cage& cage)
 {
-    const std::span<const std::uint32_t> vertices(cage.face_vertices);
+    const FaceVertices vertices(cage.face_vertices);
     const std::size_t count = cage.face_count(), step = std::max<std::size_t>(1, (count + kSomeFaces - 1) / kSomeFaces);
+    std::vector<FaceVertices> faces;
     std::size_t first = 0;
     for (std::size_t face = 0; face < count; ++face) {
         const std::size_t size = cage.scheme == Scheme::Triangles ? 3 : cage.face_sizes[face];
-        if (face % step == 0) visit(vertices.subspan(first, size));
+        if (face % step == 0) faces.push_back(vertices.subspan(first, size));
         first += size;
     }
+    return faces;
 }
 
 /// Returns a vertex as morph targets move it.
@@ -41,7 +46,7 @@ inline Vec3d morphed(const Cage& cage, std::span<const Vec3f> positions, std::sp
 /// Returns the vector area of a face, which is twice its area long and points outside.
 /// position_of   returns the position of a vertex, as a Vec3d
 template <class PositionOf>
-Vec3d vector_area(std::span<const std::uint32_t> face, PositionOf&& position_of)
+Vec3d vector_area(FaceVertices face, PositionOf&& position_of)
 {
     const Vec3d from = position_of(face[0]);
     Vec3d area(0), last = position_of(face[1]) - from;
@@ -55,7 +60,7 @@ Vec3d vector_area(std::span<const std::uint32_t> face, PositionOf&& position_of)
 
 /// Returns the unit normal of a face, which points outside; 0 if it has no area.
 template <class PositionOf>
-Vec3d face_normal(std::span<const std::uint32_t> face, PositionOf&& position_of)
+Vec3d face_normal(FaceVertices face, PositionOf&& position_of)
 {
     const Vec3d area = vector_area(face, position_of);
     const double length = glm::length(area);

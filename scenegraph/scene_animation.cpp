@@ -16,14 +16,14 @@ struct Scene::State::PoseSum {
     std::vector<double> weights;
     double of_translation = 0, of_scale = 0, of_rotation = 0, of_weights = 0;
 
-    void add(const Channel& channel, double seconds, double weight)
+    /// Returns false if a value is beyond the largest float.
+    bool add(const Channel& channel, double seconds, double weight)
     {
         std::vector<double>& v = values;
         v.resize(static_cast<std::size_t>(channel.width));
         evaluate(channel, seconds, v);
         for (const double value : v)
-            if (!(std::abs(value) <= double(std::numeric_limits<float>::max())))
-                throw error_without_file("a clip's value is beyond the largest float");
+            if (!(std::abs(value) <= double(std::numeric_limits<float>::max()))) return false;
         switch (channel.path) {
             case Channel::Path::Translation:
                 add_vector(translation, of_translation, weight);
@@ -43,6 +43,7 @@ struct Scene::State::PoseSum {
                 for (std::size_t k = 0; k < v.size(); ++k) weights[k] += v[k] * weight;
                 of_weights += weight;
         }
+        return true;
     }
 
     bool has_place() const noexcept { return of_translation + of_rotation + of_scale > 0; }
@@ -137,8 +138,11 @@ void Scene::pose(std::span<const ClipAt> clips, NodeId of)
         if (!std::isfinite(at.seconds) || !(at.weight >= 0) || !std::isfinite(at.weight))
             throw error_without_file("a clip needs finite seconds and a weight of 0 or more", clip(at.clip).name);
     }
-    double largest_weight = 0;
-    for (const ClipAt& at : clips) largest_weight = std::max(largest_weight, at.weight);
+    // Weights whose sums could overflow count by a smaller unit.
+    const bool are_large = std::any_of(clips.begin(), clips.end(), [](const ClipAt& at) { return at.weight > 1e200; });
+    const auto weight_of = [&](const ClipAt& at) {
+        return are_large ? std::max(at.weight * 1e-200, std::numeric_limits<double>::min()) : at.weight;
+    };
     State::Posed& posed = s.posed[of];
     std::vector<NodeId> order;
     std::unordered_map<NodeId, State::PoseSum> sums;
@@ -153,7 +157,8 @@ void Scene::pose(std::span<const ClipAt> clips, NodeId of)
             if (!(at.weight > 0) || channel.times.empty() || !s.nodes.find(target)) continue;
             const auto [entry, is_new] = sums.try_emplace(target);
             if (is_new) order.push_back(target);
-            entry->second.add(channel, at.seconds, at.weight / largest_weight);
+            if (!entry->second.add(channel, at.seconds, weight_of(at)))
+                throw error_without_file("a clip's value is beyond the largest float", clip(at.clip).name);
         }
 
     // If there is not enough memory for all of them, those that were moved are known, and the next call restores them.

@@ -7,6 +7,7 @@
 
 #include "base/cancellation.h"
 #include "base/error_without_file.h"
+#include "base/hash.h"
 #include "scenegraph/child_boxes.h"
 #include "scenegraph/scene_state.h"
 #include "scenegraph/shown_nodes.h"
@@ -39,15 +40,24 @@ std::uint8_t kinds_of(const Material& m) noexcept
 bool Scene::is_cut_out_by(TextureId id) const noexcept
 {
     const State::TextureRecord* texture = state_->textures.find(id);
-    if (!texture) return false;
-    const auto cuts = [&](MaterialId user) {
+    if (!texture || environment.image == id) return false;
+    bool is_cut_out = false;
+    for (const MaterialId user : texture->materials.ids()) {
         const Material* m = find(user);
-        const bool shows_all = !m || m->alpha_mode == AlphaMode::Opaque ||
-                               (m->alpha_mode == AlphaMode::Mask && !(m->alpha_cutoff > 0));
-        return !shows_all && m->base_color_texture.texture == id;
+        if (!m) continue;
+        const bool cuts = m->alpha_mode == AlphaMode::Blend || (m->alpha_mode == AlphaMode::Mask && m->alpha_cutoff > 0);
+        for (const TextureUse* use : texture_uses(*m)) {
+            if (use->texture != id) continue;
+            if (!cuts || use != &m->base_color_texture) return false;
+            is_cut_out = true;
+        }
+    }
+    const auto displaces = [&](CageId user) {
+        const CageSlot* slot = find(user);
+        return slot && slot->cage.displacement && slot->cage.displacement->texture.texture == id;
     };
-    const std::vector<MaterialId>& users = texture->materials.ids();
-    return std::any_of(users.begin(), users.end(), cuts);
+    const std::vector<CageId>& cages = texture->cages.ids();
+    return is_cut_out && std::none_of(cages.begin(), cages.end(), displaces);
 }
 
 void Scene::State::take_contents(CageId id, CageRecord& record)
@@ -171,36 +181,30 @@ private:
     double sizes_ = 0, volumes_ = 0;
 };
 
-}  // namespace
-
-FaceLayers::FaceLayers(const Cage& cage)
+/// Returns the layers by one face of each `step`, at any place among these, so that a regular order of the faces has no say.
+std::pair<double, double> layers_of(const Cage& cage, std::size_t step) noexcept
 {
     LayerSums sums(cage);
     std::size_t first = 0;
     for (std::size_t face = 0; face < cage.face_count(); ++face) {
         const std::size_t corners = cage.scheme == Scheme::Triangles ? 3 : cage.face_sizes[face];
-        sums.add(first, corners);
+        if (step == 1 || face % step == mix_bits(face / step) % step) sums.add(first, corners);
         first += corners;
     }
-    std::tie(crossed, held) = sums.layers(1);
+    return sums.layers(double(step));
 }
 
-bool FaceLayers::may_be_many(const Cage& cage)
+}  // namespace
+
+FaceLayers::FaceLayers(const Cage& cage)
 {
+    // Of many faces one in each so many is looked at, and all of them where these overlap. Few faces that overlap cost
+    // little so, whenever vertices move; and what is found follows from the cage alone.
     constexpr std::size_t kLookedAt = 1024;
-    constexpr double kAFourth = kMany / 4;  // some of the faces tell no more than about how many there are
-    const std::size_t count = cage.face_count();
-    if (double(count) <= kMany) return false;
-    const std::size_t step = std::max<std::size_t>(1, count / kLookedAt);
-    LayerSums sums(cage);
-    std::size_t first = 0;
-    for (std::size_t face = 0; face < count; ++face) {
-        const std::size_t corners = cage.scheme == Scheme::Triangles ? 3 : cage.face_sizes[face];
-        if (face % step == 0) sums.add(first, corners);
-        first += corners;
-    }
-    const auto [across, depth] = sums.layers(double(step));
-    return across > kAFourth || depth > kAFourth;
+    constexpr double kMany = 64;
+    const std::size_t step = std::max<std::size_t>(1, cage.face_count() / kLookedAt);
+    std::tie(crossed, held) = layers_of(cage, step);
+    if (step > 1 && (crossed > kMany || held > kMany)) std::tie(crossed, held) = layers_of(cage, 1);
 }
 
 namespace {

@@ -1,4 +1,5 @@
 // Adds one scene to another: what the part holds is moved, and refers to its new handles.
+#include <algorithm>
 #include <unordered_map>
 
 #include "base/error_without_file.h"
@@ -97,7 +98,10 @@ public:
     }
     void move_nodes(NodeId parent)
     {
-        const std::vector<NodeId> originals = part_.subtree_to_copy(part_.root, part_.root);
+        std::vector<NodeId> originals = part_.subtree_to_copy(part_.root, part_.root);
+        // The nodes that were added first are found first, and parents were added before their children.
+        std::sort(originals.begin(), originals.end(),
+                  [&](NodeId a, NodeId b) { return part_.nodes.find(a)->added < part_.nodes.find(b)->added; });
         for (const NodeId old : originals) {
             const NodeRecord& from = *part_.nodes.find(old);
             NodeDesc desc = part_.desc_of_copy(old);
@@ -120,12 +124,14 @@ public:
             record.rest = std::move(from.rest);
         }
     }
-    void move_skins()
+    /// parent   of the part's root: the base of a skin whose base lay above that root
+    void move_skins(NodeId parent)
     {
         part_.skins.for_each([&](SkinId old, SkinRecord& from) {
             Skin skin = std::move(from.skin);
             for (NodeId& joint : skin.joints) joint = node_or_dead(joint);
-            skins_.add(old, [&] { return to_.add_skin(std::move(skin)); });
+            const NodeId base = from.base ? node_or_dead(from.base) : parent;
+            skins_.add(old, [&] { return to_.add_skin(std::move(skin), base); });
         });
         part_.nodes.for_each([&](NodeId old, const NodeRecord& from) {
             if (const SkinId skin = skins_.of(from.skin)) scene_.set_skin(nodes_.of(old), skin);
@@ -207,8 +213,8 @@ private:
 
 AddedScene Scene::add(Scene part, NodeId parent)
 {
+    if (!state_ || !part.state_) throw error_without_file("a scene that was moved from cannot be added");
     state_->require_unrecorded();
-    if (!part.state_) throw error_without_file("a scene that was moved from cannot be added");
     part.clear_shutter();
     State::at(state_->nodes, parent, "node");
 
@@ -223,7 +229,7 @@ AddedScene Scene::add(Scene part, NodeId parent)
     addition.move_cages();
     addition.move_lights_and_cameras();
     addition.move_nodes(parent);
-    addition.move_skins();
+    addition.move_skins(parent);
     addition.move_poses();
     AddedScene made{addition.node(), addition.move_clips(), addition.environment()};
     warnings.insert(warnings.end(), part.warnings.begin(), part.warnings.end());

@@ -41,7 +41,7 @@ Mat4d Scene::State::path(NodeId above, NodeId node, std::optional<std::size_t> k
     return m;
 }
 
-void Scene::State::link_skin(SkinId id)
+void Scene::State::link_skin(SkinId id, std::optional<NodeId> base)
 {
     SkinRecord& skin = *skins.find(id);
     const std::vector<NodeId>& joints = skin.skin.joints;
@@ -57,6 +57,7 @@ void Scene::State::link_skin(SkinId id)
             const NodeId parent = parent_of(joint);
             skin.base = parent && skin.base ? lowest_common(skin.base, parent) : NodeId();
         }
+    if (base) skin.base = *base;
     std::unordered_map<NodeId, int> index_of;
     for (std::size_t j = 0; j < joints.size(); ++j) index_of.emplace(joints[j], static_cast<int>(j));
     skin.parent_joint.assign(joints.size(), -1);
@@ -162,13 +163,13 @@ SkinId Scene::add(Skin skin)
     return state_->add_skin(std::move(skin));
 }
 
-SkinId Scene::State::add_skin(Skin skin)
+SkinId Scene::State::add_skin(Skin skin, std::optional<NodeId> base)
 {
     SkinRecord record;
     record.skin = std::move(skin);
     const SkinId id = skins.add(std::move(record));
     Rollback added([&] { skins.remove(id); });
-    link_skin(id);
+    link_skin(id, base);
     added.keep();
     return id;
 }

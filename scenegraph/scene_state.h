@@ -311,10 +311,11 @@ struct Scene::State {
     void place_changed(NodeId id, const NodeRecord& node) noexcept;
     void place(NodeId id, NodeRecord& node, const Mat4d& parent_from_node);
     /// Adds a skin, some of whose joints may have been removed.
-    SkinId add_skin(Skin skin);
-    /// Finds the base and the parents of a new skin's joints, and registers the skin with the nodes between them. Joints
-    /// that were removed do not count.
-    void link_skin(SkinId id);
+    /// base   of a skin that is known; none: it is found
+    SkinId add_skin(Skin skin, std::optional<NodeId> base = {});
+    /// Finds the parents of a new skin's joints, and the base unless it is given, and registers the skin with the nodes
+    /// between them. Joints that were removed do not count.
+    void link_skin(SkinId id, std::optional<NodeId> base);
     /// Returns whether the base was removed, and all joints with it.
     bool has_lost_base(const SkinRecord& skin) const noexcept;
     /// Registers a skinned node with the nodes between it and the skin's base.

@@ -123,7 +123,7 @@ void add_displaced_points(SegmentCount& count, const Place& place, const Cage& c
 {
     if (!cage.is_displaced()) return;
     std::vector<Vec3d> out(count.most() + 1), in(count.most() + 1);
-    for_some_faces(cage, [&](std::span<const std::uint32_t> face) {
+    for (const FaceVertices face : some_faces(cage)) {
         for (std::size_t k = 0; k < out.size() && !count.is_decided(); ++k) {
             const Vec3d normal = face_normal(face, [&](std::uint32_t v) { return position_at(k, v); });
             const Vec3d offset = normal * double(cage.displacement->bound), at = position_at(k, face[0]);
@@ -132,7 +132,7 @@ void add_displaced_points(SegmentCount& count, const Place& place, const Cage& c
         }
         count.add_path(out);
         count.add_path(in);
-    });
+    }
 }
 
 // Shows the paths of a cage that nothing deforms.

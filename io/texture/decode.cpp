@@ -200,6 +200,7 @@ TextureSource::TextureSource(TextureSource&&) noexcept = default;
 int TextureSource::width() const noexcept { return state_->width; }
 int TextureSource::height() const noexcept { return state_->height; }
 bool TextureSource::is_tiled_file() const noexcept { return state_->is_tiled_file; }
+bool TextureSource::has_alpha() const noexcept { return !state_->input || state_->places.alpha >= 0; }
 bool TextureSource::has_texels_of_another_role() const noexcept { return state_->has_other_role; }
 
 MipImage TextureSource::decode(int halvings, bool multiplies_by_alpha) const

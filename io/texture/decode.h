@@ -25,6 +25,8 @@ public:
     int height() const noexcept;
     /// Returns whether single tiles of it can be read, with all its levels (TiledFile).
     bool is_tiled_file() const noexcept;
+    /// Returns whether its texels have an alpha of their own.
+    bool has_alpha() const noexcept;
     /// Returns whether `occam texture` made the file of an image of colours and the texture is none, or the reverse.
     bool has_texels_of_another_role() const noexcept;
     /// Returns all texels, linear, with all levels; a box filter divides the sides by 2^halvings (to at least 1) while the

@@ -24,6 +24,7 @@ TextureEntry::TextureEntry(const Texture& texture, std::atomic<bool>& has_failed
         width_ = source.width();
         height_ = source.height();
         is_tiled_file_ = source.is_tiled_file();
+        has_alpha_ = source.has_alpha();
         if (source.has_texels_of_another_role())
             warnings_.push_back(name_of(texture) + (texture.role == TextureRole::Data
                                                         ? ": it was made for colours (occam texture without --data)"

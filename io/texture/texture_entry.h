@@ -45,6 +45,7 @@ public:
     std::uintmax_t encoded_texels() const { return file_bytes_ == 0 ? 0 : std::uintmax_t(width_) * std::uintmax_t(height_); }
     std::uintmax_t file_bytes() const { return file_bytes_; }
     bool is_tiled_file() const { return is_tiled_file_; }
+    bool has_alpha() const { return has_alpha_; }
     int width() const { return std::max(1, width_ >> keeping_.halvings); }
     int height() const { return std::max(1, height_ >> keeping_.halvings); }
     TextureKeeping keeping() const { return keeping_; }
@@ -97,7 +98,7 @@ private:
     Texture description_;
     std::atomic<bool>& has_failed_;
     int width_ = 0, height_ = 0;
-    bool is_tiled_file_ = false;
+    bool is_tiled_file_ = false, has_alpha_ = false;
     TextureKeeping keeping_;
     std::unique_ptr<TiledFile> tiles_;
     std::atomic<bool> is_broken_ = false;  ///< a tile could not be read

@@ -12,6 +12,7 @@
 #include "base/error_without_file.h"
 #include "base/hash.h"
 #include "base/maths.h"
+#include "base/processors.h"
 #include "io/texture/texture_entry.h"
 #include "io/texture/tile_cache.h"
 #include "scenegraph/scene.h"
@@ -182,7 +183,7 @@ void TextureStore::prepare(const Scene& scene)
         is_fresh.push_back(known == state_->entries.end() || known->second->lacks_memory());
         all.push_back(is_fresh.back() ? std::make_shared<TextureEntry>(texture, state_->has_failed) : known->second);
         if (is_fresh.back()) fresh.push_back(all.back().get());
-        are_weighted.push_back(scene.is_cut_out_by(id));
+        are_weighted.push_back(all.back()->has_alpha() && scene.is_cut_out_by(id));
         is_weighting_known &= all.back()->keeping().is_weighted == are_weighted.back();
     }
     // The textures may be those of the frame before, and used in the same way.
@@ -226,7 +227,7 @@ void TextureStore::decode_all()
             else all[i]->image(state_->unreadable);
     };
     std::vector<std::jthread> workers;
-    const std::size_t threads = std::min<std::size_t>(all.size(), std::thread::hardware_concurrency());
+    const std::size_t threads = std::min<std::size_t>(all.size(), std::size_t(processor_count()));
     for (std::size_t t = 1; t < threads; ++t) workers.emplace_back(work);
     work();
 }

@@ -212,7 +212,7 @@ TEST(Levels, AreAsFineUnderADistantSkyOfTriangles)
         tracer.closest(rays, hits);
         return hits;
     };
-    for (const int siblings : {0, 40}) {
+    for (const int siblings : {0, 40, 5000}) {
         const std::vector<accel::SurfaceHit> alone = hits_with(0, siblings);
         for (const double sky : {1e4, 1e6, 1e8}) {
             const std::vector<accel::SurfaceHit> under_sky = hits_with(sky, siblings);

@@ -311,16 +311,21 @@ TEST(Pose, WeightsAndValuesOfAnySizeGiveNumbersOrAreRefused)
     Channel goes = channel(Path::Translation, Interpolation::Step, {0}, {1, 2, 3}, 3);
     goes.target = node;
     const ClipId one = scene.add(Clip{"", {goes}});
-    const ClipAt twice[] = {{one, 0, 1e308}, {one, 0, 1e308}};
-    scene.pose(twice);
-    EXPECT_EQ(scene.node(node).place.translation, Vec3d(1, 2, 3));
+    const NodeId other = scene.add_node(scene.root(), {});
+    goes.target = other;
+    const ClipId light = scene.add(Clip{"", {goes}});
+    const ClipAt all[] = {{one, 0, 1e308}, {one, 0, 1e308}, {light, 0, 1e-300}};
+    scene.pose(all);
+    for (const NodeId id : {node, other})
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(scene.node(id).place.translation[c], c + 1, 1e-12);
+    const Vec3d before = scene.node(node).place.translation;
 
     Channel swells = channel(Path::Weights, Interpolation::CubicSpline, {0, 1}, {0, 3e38f, 3e38f, -3e38f, 3e38f, 0}, 1);
     swells.target = node;
     const ClipId large = scene.add(Clip{"", {swells}});
     EXPECT_THROW(scene.pose(large, 0.5), Error);
     EXPECT_TRUE(scene.node(node).morph_weights.empty());
-    EXPECT_EQ(scene.node(node).place.translation, Vec3d(1, 2, 3)) << "nothing has changed";
+    EXPECT_EQ(scene.node(node).place.translation, before) << "nothing has changed";
 }
 
 }  // namespace

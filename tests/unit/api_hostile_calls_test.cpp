@@ -234,6 +234,8 @@ TEST(Query, RaysOfAKindPassWhatThisKindDoesNotSee)
     ray.kinds = RayKind::Shadow | RayKind::Diffuse;
     EXPECT_TRUE(query.closest(ray));
     EXPECT_TRUE(query.is_occluded(ray));
+    ray.kinds = 0;
+    EXPECT_THROW(query.closest(ray), Error);
 }
 
 TEST(Api, FramingRefusesAnAspectThatIsNone)

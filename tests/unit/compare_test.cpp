@@ -104,7 +104,9 @@ TEST(Compare, PartsOfAFrameAreComparedInOnePlaceAlone)
     Image left = flat(2, 2, 0), right = left, of_larger = left;
     for (Image* image : {&left, &right}) image->full_width = 4;
     right.x0 = 2;
+    of_larger.full_width = 8;
     EXPECT_EQ(compare(left, left, "beauty").max, 0);
+    EXPECT_EQ(compare(right, flat(2, 2, 0), "beauty").max, 0) << "a PNG file does not say of what it is a part";
     for (const auto& [a, b] : {std::pair(&left, &right), std::pair(&left, &of_larger)}) {
         EXPECT_THROW(compare(*a, *b), Error);
         EXPECT_THROW(heat_map(*a, *b, "beauty", 1), Error);

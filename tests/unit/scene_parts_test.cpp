@@ -206,5 +206,47 @@ TEST(SceneParts, LoseTheirKeysButNotTheirPlaceAtMidShutter)
     EXPECT_EQ(scene.node(scene.find_node("thing")).parent_from_node[3].x, 0.5);
 }
 
+// A skin stays where it was, whatever was removed of what it hangs on.
+TEST(SceneParts, KeepThePlacesOfSkinsThatHaveLostJoints)
+{
+    enum class Lost { Nothing, OneJoint, AllJoints, Base };
+    for (const Lost lost : {Lost::Nothing, Lost::OneJoint, Lost::AllJoints, Lost::Base}) {
+        Scene alone, part;
+        for (Scene* scene : {&alone, &part}) {
+            const NodeId base = scene->add_node(scene->root(), {.matrix = moved(1, 0, 0)});
+            const NodeId first = scene->add_node(base, {.matrix = moved(0, 1, 0)});
+            const NodeId second = scene->add_node(first, {.matrix = moved(0, 1, 0)}),
+                         third = scene->add_node(base, {.matrix = moved(0.5, 0, 0)});
+            Cage ring = test::torus(5, 4);
+            test::add_skin(ring);
+            const SkinId skin = scene->add(Skin{"", {second, third}, {}});
+            const NodeId worn = scene->add_node(scene->root(), {.matrix = moved(0, 0, -1), .cages = {scene->add(ring)}});
+            scene->set_skin(worn, skin);
+            if (lost == Lost::OneJoint || lost == Lost::AllJoints) scene->remove(third);
+            if (lost == Lost::AllJoints) scene->remove(second);
+            if (lost == Lost::Base) scene->remove(base);
+        }
+        Scene scene;
+        const NodeId place = scene.add_node(scene.root(), {.matrix = moved(-0.75, 0, 0)});
+        scene.add(std::move(part), place);
+        alone.set_transform(alone.root(), moved(-0.75, 0, 0));
+        EXPECT_EQ(picture(scene), picture(alone)) << int(lost);
+        const Vec3d apart = scene.bounds().lo - alone.bounds().lo;
+        EXPECT_LT(glm::length(apart), 1e-12) << int(lost);
+    }
+}
+
+TEST(SceneParts, KeepTheOrderInWhichTheirNodesWereAdded)
+{
+    Scene part;
+    const CameraId lens = part.add(CameraLens{});
+    const NodeId a = part.add_node(part.root(), {});
+    part.add_node(a, {.name = "one", .camera = lens});
+    part.add_node(part.root(), {.name = "two", .camera = lens});
+    Scene scene;
+    scene.add(std::move(part), scene.root());
+    EXPECT_EQ(scene.camera_names(), (std::vector<std::string>{"one", "two"}));
+}
+
 }  // namespace
 }  // namespace occam

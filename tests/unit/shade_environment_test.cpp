@@ -53,8 +53,9 @@ TEST(Environment, AFinePatternIsSeen)
     const ImageSky sky([](int x, int y) { return Vec3f(float((x + y) % 2)); }, 1024, 512);
     EXPECT_FALSE(sky.environment.has_density());
     float darkest = 2, brightest = 0;
-    for (int k = 0; k < 100; ++k) {
-        const float radiance = sky.environment.radiance(glm::normalize(Vec3f(1, 0.003f * float(k), 0.2f))).x;
+    for (int k = 0; k < 1000; ++k) {
+        const float around = 2.4f * float(k), up = 0.001f * float(k) - 0.5f;
+        const float radiance = sky.environment.radiance(glm::normalize(Vec3f(std::cos(around), up, std::sin(around)))).x;
         darkest = std::min(darkest, radiance);
         brightest = std::max(brightest, radiance);
     }

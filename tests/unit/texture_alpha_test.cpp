@@ -85,6 +85,14 @@ TEST(CutOuts, AreThoseThatHideSomething)
     scene.replace(material, emits);
     EXPECT_FALSE(scene.is_cut_out_by(texture)) << "its alpha cuts nothing";
     EXPECT_TRUE(scene.is_cut_out_by(other));
+    Material shows_all;
+    shows_all.base_color_texture.texture = other;
+    const MaterialId second = scene.add(shows_all);
+    EXPECT_FALSE(scene.is_cut_out_by(other)) << "a part of it is seen whatever its alpha";
+    scene.remove(second);
+    EXPECT_TRUE(scene.is_cut_out_by(other));
+    scene.environment.image = other;
+    EXPECT_FALSE(scene.is_cut_out_by(other));
 }
 
 // A leaf is as bright in few pixels as in many.
