@@ -140,11 +140,11 @@ public:
     void move_poses()
     {
         for (const auto& [old, from] : part_.posed) {
-            Posed& posed = to_.posed[nodes_.of(old)];  // a null handle stands for the scene itself
-            for (const auto& [original, made] : from.node_of) posed.node_of[node_or_dead(original)] = node_or_dead(made);
-            for (const SkinId skin : from.skins) posed.skins.push_back(skins_.of(skin));
+            Posed& own = to_.posed[nodes_.of(old)];  // a null handle stands for the scene itself
+            for (const auto& [original, made] : from.node_of) own.node_of[node_or_dead(original)] = node_or_dead(made);
+            for (const SkinId skin : from.skins) own.skins.push_back(skins_.of(skin));
             for (const NodeId node : from.nodes)
-                if (nodes_.of(node)) posed.nodes.push_back(nodes_.of(node));
+                if (nodes_.of(node)) own.nodes.push_back(nodes_.of(node));
         }
     }
     std::vector<ClipId> move_clips()
