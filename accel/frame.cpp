@@ -62,13 +62,13 @@ Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::Leve
     // Floats in the tree's frame are the more precise the nearer they are to its origin. So the origin is the scene's point
     // nearest to the eye: a far thing is seen with a wide footprint, and a telescope sees the near side of the scene.
     state_->anchor = glm::clamp(levels.eye, world.lo, world.hi);
-    const double pad = vertex_rounding(world);
-    state_->bounds = outward_float({world.lo - pad, world.hi + pad}, state_->anchor, 8);
-    state_->diced_bounds = state_->bounds;
-    if (const Box3d diced = options.scale.placed(bounds_of_diced(scene)); !diced.is_empty()) {
-        const double diced_pad = vertex_rounding(diced);
-        state_->diced_bounds = outward_float({diced.lo - diced_pad, diced.hi + diced_pad}, state_->anchor, 8);
-    }
+    const auto in_tree = [&](const Box3d& box) {
+        const double pad = vertex_rounding(box);
+        return outward_float({box.lo - pad, box.hi + pad}, state_->anchor, 8);
+    };
+    state_->bounds = in_tree(world);
+    const Box3d diced = state_->has_levels ? options.scale.placed(bounds_of_diced(scene)) : Box3d();
+    state_->diced_bounds = diced.is_empty() ? state_->bounds : in_tree(diced);
     state_->radius = static_cast<float>(glm::length(glm::max(state_->anchor - world.lo, world.hi - state_->anchor))) *
                      1.001f;
 }

@@ -21,8 +21,8 @@ struct FrameState {
     TreeKind tree = TreeKind::Kd;  ///< never Auto
     Vec3d anchor{0};  ///< origin of the tree's frame: the point of the scene's bounds that is nearest to the eye
     Box3f bounds;     ///< bounds of the scene, in the tree's frame
-    /// A box that holds all surfaces with several levels: where a ray is in it decides which levels it sees. Else a distant
-    /// mesh would take the levels of what is near (RayLevels::kMostOfRay).
+    /// A box that holds all surfaces with several levels, in the tree's frame. A ray's pairs of levels are those that it
+    /// sees within this box: their number is limited (RayLevels::kMostOfRay), and meshes beyond the box need none.
     Box3f diced_bounds;
     /// Rays see several levels of detail: levels are chosen by each ray, and not all cages are meshes of triangles.
     bool has_levels = true;

@@ -10,7 +10,7 @@
 namespace occam::accel {
 
 /// Orders micropolygons that a ray hits at the same distance: by their cages' paths in the scene graph, and within a cage by
-/// number. Which one is seen so follows from the scene alone.
+/// number. So the scene alone decides which of them is seen.
 bool comes_before(const IGrid& a, std::uint32_t a_id, const IGrid& b, std::uint32_t b_id) noexcept;
 
 /// Holds the final hit of a ray.

@@ -14,7 +14,6 @@
 #include "lod/footprint.h"
 #include "lod/posed_cage.h"
 #include "lod/topology_cache.h"
-#include "scenegraph/posed_faces.h"
 
 namespace occam::lod {
 

@@ -13,7 +13,7 @@ struct GraphPath {
     const GraphPath* above = nullptr;  ///< null for the root
     std::uint64_t place = 0;           ///< its order among all that lies directly below `above`
     std::uint32_t depth = 0;
-    std::uint32_t hash = 0;
+    std::uint32_t hash = 0;  ///< of all places on the way; those of removed siblings count, so it is for colours of views
 
     /// What lies directly below a node comes in this order: its cages, its children, and what it shows by instance_of.
     static std::uint64_t place_of_cage(std::size_t index) noexcept { return index; }
@@ -41,6 +41,5 @@ inline std::strong_ordering operator<=>(const GraphPath& a, const GraphPath& b) 
         if (x->place != y->place) order = x->place <=> y->place;  // the step nearest to the root counts
     return order;
 }
-inline bool operator==(const GraphPath& a, const GraphPath& b) noexcept { return (a <=> b) == 0; }
 
 }  // namespace occam::lod

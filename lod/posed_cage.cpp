@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "scenegraph/posed_faces.h"
-
 namespace occam::lod {
 
 void PosedCage::place(const Mat4d& world_from_object, const Box3d& object_bounds) noexcept

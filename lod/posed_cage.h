@@ -21,6 +21,7 @@
 #include "lod/key_time.h"
 #include "lod/rates.h"
 #include "lod/topology.h"
+#include "scenegraph/posed_faces.h"
 #include "scenegraph/scene.h"
 
 namespace occam::lod {
@@ -97,7 +98,7 @@ struct PosedCage {
     /// Returns the linear part of the map from object axes.
     Mat3d linear_map() const noexcept;
     /// Returns a length whose square grows as the areas of these faces of the posed cage do.
-    double size_of_faces(std::span<const std::span<const std::uint32_t>> faces) const noexcept;
+    double size_of_faces(std::span<const FaceVertices> faces) const noexcept;
     /// Returns the cage at a key of its motion; itself if it stands still.
     const PosedCage& at_key(int k) const noexcept { return keys ? keys[k] : *this; }
     /// Returns the pose that igrids are made of: the still pose if there is one, else the cage with all its keys.

@@ -241,11 +241,12 @@ public:
     /// earlier one of them moves. Blender, for instance, writes one clip for each object.
     std::vector<ClipId> clips_together() const;
     std::vector<TextureId> texture_ids() const;  ///< in the order in which they were added
-    /// Returns whether a material that masks or blends has the texture as its base colour.
+    /// Returns whether materials that mask or blend have the texture as their base colour, and nothing else uses it.
     bool is_cut_out_by(TextureId id) const noexcept;
     Environment environment;
 
-    /// Returns the camera of that name, or the scene's first camera if the name is empty, in world axes. It has keys if its
+    /// Returns the camera of that name, or the first one if the name is empty, in world axes; those whose nodes were added
+    /// earlier come first. It has keys if its
     /// node moves while the shutter is open.
     std::optional<Camera> camera(std::string_view name = {}) const;
     std::vector<std::string> camera_names() const;

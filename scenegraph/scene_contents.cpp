@@ -1,13 +1,10 @@
 // What subtrees hold: how it is summed up, and how what is looked for is found by it.
-#include <cmath>
 #include <cstdio>
 #include <string>
-#include <tuple>
 #include <unordered_map>
 
 #include "base/cancellation.h"
 #include "base/error_without_file.h"
-#include "base/hash.h"
 #include "scenegraph/child_boxes.h"
 #include "scenegraph/scene_state.h"
 #include "scenegraph/shown_nodes.h"
@@ -136,75 +133,6 @@ Error too_many_placements(const Node& node)
 {
     return error_without_file(
         "nodes are placed more than " + std::to_string(kMostListed) + " times, by instances of instances", naming(node));
-}
-
-namespace {
-
-/// Sums up how the faces of a cage lie in its box.
-class LayerSums {
-public:
-    explicit LayerSums(const Cage& cage) noexcept
-        : cage_(cage), bound_(cage.is_displaced() ? double(cage.displacement->bound) : 0)
-    {
-    }
-    /// first   of the face's corners, in Cage::face_vertices
-    void add(std::size_t first, std::size_t corners) noexcept
-    {
-        // A box of triangles is tested together with seven others. Each corner of a polygon that is subdivided has a patch
-        // of its own, which is smaller the more corners there are.
-        constexpr double kOfATriangle = 1.0 / 8;
-        constexpr std::size_t kCornersOfALayer = 8;
-        Box3d box;
-        for (std::size_t c = first; c < first + corners; ++c) box.add(Vec3d(cage_.positions[cage_.face_vertices[c]]));
-        box = {box.lo - bound_, box.hi + bound_};
-        whole_.add(box);
-        sizes_ += Contents::size_of(box) * (cage_.scheme == Scheme::Triangles
-                                                ? kOfATriangle
-                                                : double(std::max<std::size_t>(1, corners / kCornersOfALayer)));
-        volumes_ += Contents::volume_of(box);
-    }
-    /// Returns how many surfaces a ray meets, and in how many boxes a point lies; at least 1, which also counts for what is
-    /// a point, flat, or overflows. scale   the number of faces for each that was added
-    std::pair<double, double> layers(double scale) const noexcept
-    {
-        constexpr double kOfAClosedSurface = 3;  // what the boxes of its faces come to: 2.7 for a cube
-        const double across = scale * sizes_ / Contents::size_of(whole_),
-                     depth = scale * volumes_ / Contents::volume_of(whole_);
-        return {std::isfinite(across) && whole_.extent() != Vec3d(0) ? std::max(1.0, across - kOfAClosedSurface) : 1,
-                std::isfinite(depth) ? std::max(1.0, depth) : 1};
-    }
-
-private:
-    const Cage& cage_;
-    double bound_;
-    Box3d whole_;
-    double sizes_ = 0, volumes_ = 0;
-};
-
-/// Returns the layers by one face of each `step`, at any place among these, so that a regular order of the faces has no say.
-std::pair<double, double> layers_of(const Cage& cage, std::size_t step) noexcept
-{
-    LayerSums sums(cage);
-    std::size_t first = 0;
-    for (std::size_t face = 0; face < cage.face_count(); ++face) {
-        const std::size_t corners = cage.scheme == Scheme::Triangles ? 3 : cage.face_sizes[face];
-        if (step == 1 || face % step == mix_bits(face / step) % step) sums.add(first, corners);
-        first += corners;
-    }
-    return sums.layers(double(step));
-}
-
-}  // namespace
-
-FaceLayers::FaceLayers(const Cage& cage)
-{
-    // Of many faces one in each so many is looked at, and all of them where these overlap. Few faces that overlap cost
-    // little so, whenever vertices move; and what is found follows from the cage alone.
-    constexpr std::size_t kLookedAt = 1024;
-    constexpr double kMany = 64;
-    const std::size_t step = std::max<std::size_t>(1, cage.face_count() / kLookedAt);
-    std::tie(crossed, held) = layers_of(cage, step);
-    if (step > 1 && (crossed > kMany || held > kMany)) std::tie(crossed, held) = layers_of(cage, 1);
 }
 
 namespace {

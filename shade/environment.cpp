@@ -1,7 +1,6 @@
 #include "shade/environment.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <span>
 
@@ -241,22 +240,6 @@ void Environment::add_light_from_beside(std::vector<Sum>& cells, double mean) co
     for (const Refined& r : refined) cells[r.cell].upto = r.luminance;
 }
 
-// Returns whether all texels of the image have this colour, which the means of the cells may have whatever lies in them.
-bool Environment::is_image_of(Vec3f color) const
-{
-    TextureUse texels = image_;
-    texels.nearest = true;
-    const int side = static_cast<int>(std::lround(1 / textures_->texel_width(image_)));
-    for (int y = 0; y < side; ++y) {
-        throw_if_cancelled();
-        for (int x = 0; x < side; ++x) {
-            const Vec2f uv((float(x) + 0.5f) / float(side), (float(y) + 0.5f) / float(side));
-            if (glm::max(Vec3f(textures_->sample(texels, uv, 0)), Vec3f(0)) != color) return false;
-        }
-    }
-    return true;
-}
-
 Environment::Kept Environment::tabulate() const
 {
     const auto table = std::make_shared<Table>();
@@ -280,7 +263,8 @@ Environment::Kept Environment::tabulate() const
     if (spread.is_even()) {
         cells.clear();
         rows.clear();
-        table->is_one_color = spread.is_one_color() && is_image_of(spread.darkest);
+        // The means of the cells may be equal whatever lies in them.
+        table->is_one_color = spread.is_one_color() && textures_->has_one_texel(image_);
         return table;
     }
     add_light_from_beside(cells, total / (kColumns * kRows));

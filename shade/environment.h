@@ -76,7 +76,6 @@ private:
     float density_at(int row, int column, float ring) const noexcept;
     void take(Kept table) noexcept;
     Kept tabulate() const;
-    bool is_image_of(Vec3f color) const;
     /// Returns the mean luminance of a cell as it is interpolated.
     float mean_of_cell(int row, int column) const noexcept;
     /// Corrects the cells beside far brighter ones.

@@ -9,6 +9,7 @@
 #include <thread>
 #include <utility>
 
+#include "base/cancellation.h"
 #include "base/error_without_file.h"
 #include "base/hash.h"
 #include "base/maths.h"
@@ -126,6 +127,22 @@ Vec4f filtered(const Image& image, const TextureUse& use, Vec2f st, Vec2f width)
     return at(finer, false) * (1 - share) + at(finer + 1, false) * share;
 }
 
+template <class Image>
+bool has_one_texel_in(const Image& image)
+{
+    const auto texel = [&](int x, int y) {
+        const Vec2f st((float(x) + 0.5f) / float(image.width()), (float(y) + 0.5f) / float(image.height()));
+        return image.lookup(0, st, TextureUse::Wrap::Clamp, TextureUse::Wrap::Clamp, true);
+    };
+    const Vec4f first = texel(0, 0);
+    for (int y = 0; y < image.height(); ++y) {
+        throw_if_cancelled();
+        for (int x = 0; x < image.width(); ++x)
+            if (texel(x, y) != first) return false;
+    }
+    return true;
+}
+
 // Refuses images that would take minutes to decode though their files are small: each of them may be within its limits.
 void check_texels(const std::vector<TextureEntry*>& entries)
 {
@@ -239,6 +256,14 @@ float TextureStore::texel_width(const TextureUse& use) const noexcept
     const int side = found->is_readable() ? std::max(found->width(), found->height()) : state_->unreadable.width();
     const float repeats = std::max(std::abs(use.scale.x), std::abs(use.scale.y));
     return repeats > 0 ? 1 / (repeats * static_cast<float>(side)) : 0;
+}
+
+bool TextureStore::has_one_texel(const TextureUse& use) const
+{
+    TextureEntry* const found = state_->find(use.texture);
+    if (!found) return true;
+    if (TiledFile* const tiles = found->tiles()) return has_one_texel_in(ImageInTiles(*tiles, state_->tiles, *found));
+    return has_one_texel_in(found->image(state_->unreadable));
 }
 
 std::uint64_t TextureStore::identity(const TextureUse& use) const noexcept

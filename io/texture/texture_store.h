@@ -7,7 +7,7 @@
 //          tile by tile, which changes no texel. If the others would not all fit into what the tiles leave, at least three
 //          quarters, the largest are halved until they do. So a picture depends neither on which textures are decoded nor
 //          on those of earlier frames. A renderer owns the store.
-// Alpha    a texture by which a material is cut out (Scene::is_cut_out_by()) is filtered with alpha as the weight of its
+// Alpha    a texture that only cuts out materials (Scene::is_cut_out_by()) is filtered with alpha as the weight of its
 //          colours, so that what lies under its transparent texels is seen nowhere.
 // Threads  prepare() is called by one thread while no other looks up. After that any number of threads may call sample().
 //          The first lookup in a texture decodes it under a lock of that texture alone, so several are decoded at a time.
@@ -56,6 +56,10 @@ public:
 
     /// Returns the width of a texel of the finest level, in units of uv; 0 where sample() gives white.
     float texel_width(const TextureUse& use) const noexcept;
+
+    /// Returns whether all texels of the finest level are the same, as those of a single colour are. It looks at each of
+    /// them until one differs.
+    bool has_one_texel(const TextureUse& use) const;
 
     /// Returns the identity of the texture as it was at prepare(), which tells its texels apart from those that it had
     /// before a Scene::replace(); 0 where sample() gives white.

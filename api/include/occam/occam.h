@@ -188,7 +188,7 @@ struct FirstHit {
 /// Answers questions about a scene that must not change meanwhile: edits throw from construction or begin() until end().
 ///
 /// Surfaces are diced as for the camera's picture: a ray hits what that picture shows, unless it has a footprint of its own.
-/// It passes the holes of alpha masks, and hits what is transparent otherwise, and the backs of all surfaces.
+/// It passes the holes of alpha masks. It hits what is transparent in other ways, and the backs of single-sided surfaces.
 /// A query can be used for many frames: end() lets the application edit the scene, begin() continues with the edited scene,
 /// and everything that no vertex position can change is kept in between.
 ///

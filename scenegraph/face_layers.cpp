@@ -1,0 +1,84 @@
+// Measures how the faces of a cage lie in its box.
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "base/hash.h"
+#include "scenegraph/cage.h"
+#include "scenegraph/contents.h"
+
+namespace occam {
+namespace {
+
+/// Sums up how the faces of a cage lie in its box.
+class LayerSums {
+public:
+    explicit LayerSums(const Cage& cage) noexcept
+        : cage_(cage), bound_(cage.is_displaced() ? double(cage.displacement->bound) : 0)
+    {
+    }
+    /// first   of the face's corners, in Cage::face_vertices
+    void add(std::size_t first, std::size_t corners) noexcept
+    {
+        // A box of triangles is tested together with seven others. Each corner of a polygon that is subdivided has a patch
+        // of its own, which is smaller the more corners there are.
+        constexpr double kOfATriangle = 1.0 / 8;
+        constexpr std::size_t kCornersOfALayer = 8;
+        Box3d box;
+        for (std::size_t c = first; c < first + corners; ++c) box.add(Vec3d(cage_.positions[cage_.face_vertices[c]]));
+        box = {box.lo - bound_, box.hi + bound_};
+        whole_.add(box);
+        sizes_ += Contents::size_of(box) * (cage_.scheme == Scheme::Triangles
+                                                ? kOfATriangle
+                                                : double(std::max<std::size_t>(1, corners / kCornersOfALayer)));
+        volumes_ += Contents::volume_of(box);
+    }
+    /// Returns how many surfaces a ray meets, and in how many boxes a point lies: at least 1, and 1 for what is a point,
+    /// flat, or overflows.
+    ///
+    /// scale   the number of the cage's faces for each that was added
+    std::pair<double, double> layers(double scale) const noexcept
+    {
+        constexpr double kOfAClosedSurface = 3;  // what the boxes of its faces come to: 2.7 for a cube
+        const double across = scale * sizes_ / Contents::size_of(whole_),
+                     depth = scale * volumes_ / Contents::volume_of(whole_);
+        return {std::isfinite(across) && whole_.extent() != Vec3d(0) ? std::max(1.0, across - kOfAClosedSurface) : 1,
+                std::isfinite(depth) ? std::max(1.0, depth) : 1};
+    }
+
+private:
+    const Cage& cage_;
+    double bound_;
+    Box3d whole_;
+    double sizes_ = 0, volumes_ = 0;
+};
+
+/// Returns the layers by one face of every `step`. Which one it is changes, so that a regular order of the faces has no
+/// influence.
+std::pair<double, double> layers_of(const Cage& cage, std::size_t step) noexcept
+{
+    LayerSums sums(cage);
+    std::size_t first = 0;
+    for (std::size_t face = 0; face < cage.face_count(); ++face) {
+        const std::size_t corners = cage.scheme == Scheme::Triangles ? 3 : cage.face_sizes[face];
+        if (step == 1 || face % step == mix_bits(face / step) % step) sums.add(first, corners);
+        first += corners;
+    }
+    return sums.layers(double(step));
+}
+
+}  // namespace
+
+FaceLayers::FaceLayers(const Cage& cage)
+{
+    // Of many faces some are looked at first, and all of them only where these overlap. So a cage whose faces hardly overlap
+    // costs little whenever its vertices move, and the result depends on the cage alone.
+    constexpr std::size_t kLookedAt = 1024;
+    constexpr double kMany = 64;
+    const std::size_t step = std::max<std::size_t>(1, cage.face_count() / kLookedAt);
+    std::tie(crossed, held) = layers_of(cage, step);
+    if (step > 1 && (crossed > kMany || held > kMany)) std::tie(crossed, held) = layers_of(cage, 1);
+}
+
+}  // namespace occam
