@@ -1,5 +1,5 @@
-// Adds, removes, places and finds the nodes of a scene. The objects that nodes refer to are in scene_content.cpp, and bounds
-// in scene_bounds.cpp.
+// Adds, removes, places and finds the nodes of a scene. Where they hang and what they hold is changed in scene_links.cpp,
+// the objects that they refer to are in scene_content.cpp, and bounds in scene_bounds.cpp.
 #include "scenegraph/scene.h"
 
 #include <cmath>
@@ -52,8 +52,7 @@ NodeId Scene::add_node(NodeId parent, NodeDesc desc)
     if (desc.skin) State::at(s.skins, desc.skin, "skin");
     if (desc.instance_of) {
         State::at(s.nodes, desc.instance_of, "node");
-        if (s.is_shown_by(parent, desc.instance_of))
-            throw error_without_file("a node cannot show itself as an instance", desc.name);
+        if (s.is_shown_by(parent, desc.instance_of)) throw State::shows_itself(desc.name);
     }
     if (!desc.matrix) check(desc.place, desc.name);
     check_morph_weights(desc.morph_weights, desc.name);
@@ -103,7 +102,7 @@ void Scene::remove(NodeId id)
     State::at(s.nodes, id, "node");
     if (id == s.root) throw error_without_file("the root cannot be removed");
     s.mark_dirty(id);
-    s.leave_parent(*s.nodes.find(id));
+    s.leave_parent(s.nodes.find(id)->parent, s.nodes.find(id)->place_among_siblings);
     for (NodeId at = id; at;) {
         State::NodeRecord& node = *s.nodes.find(at);
         if (!node.children.empty()) {
@@ -187,18 +186,6 @@ void Scene::set_lit_by(NodeId id, LightGroups groups)
     State::at(state_->nodes, id, "node").lit_by = groups;
 }
 
-void Scene::set_materials(NodeId id, std::vector<MaterialId> materials)
-{
-    state_->require_editable();
-    State::NodeRecord& node = State::at(state_->nodes, id, "node");
-    for (MaterialId material : materials) State::at(state_->materials, material, "material");
-    node.materials.swap(materials);
-    Rollback changed([&] { node.materials.swap(materials); });
-    state_->watch_contents(id, node);
-    changed.keep();
-    state_->mark_dirty(id);
-}
-
 NodeId Scene::find_node(std::string_view name, NodeId below) const
 {
     if (below) State::at(state_->nodes, below, "node");
@@ -225,9 +212,9 @@ Mat4d Scene::world_from_node(NodeId id) const
 std::vector<NodeId> Scene::State::nodes_with_cameras() const
 {
     std::vector<NodeId> found;
-    cameras.for_each([&](CameraId, const CameraRecord& camera) {
+    cameras.for_each([&](CameraId id, const CameraRecord& camera) {
         for (const NodeId user : camera.users.ids())
-            if (nodes.find(user)) found.push_back(user);
+            if (const NodeRecord* node = nodes.find(user); node && node->camera == id) found.push_back(user);
     });
     std::sort(found.begin(), found.end(), [&](NodeId a, NodeId b) { return nodes.find(a)->added < nodes.find(b)->added; });
     found.erase(std::unique(found.begin(), found.end()), found.end());

@@ -144,13 +144,22 @@ public:
     NodeId add_node(NodeId parent, NodeDesc desc);  ///< also throws if the node would show itself through instance_of
     void remove(NodeId id);
     const Node& node(NodeId id) const;
+    /// Hangs the node and its subtree below another node, as the last of its children. The node keeps its transform in the
+    /// axes of its parent, which is another one now: to keep its place in the world, an application also calls
+    /// set_transform(id, inverse(world_from_node(parent)) * world_from_node(id)), the latter of before. Skins follow their
+    /// joints. Throws Error if the node is the root, or shows `parent`.
+    void set_parent(NodeId id, NodeId parent);
     void set_transform(NodeId id, const Trs& place);
     void set_transform(NodeId id, const Mat4d& parent_from_node);
     void set_visible(NodeId id, bool visible);
     void set_seen_by(NodeId id, std::uint8_t ray_kinds);
     void set_lit_by(NodeId id, LightGroups groups);
+    void set_cages(NodeId id, std::vector<CageId> cages);
     void set_materials(NodeId id, std::vector<MaterialId> materials);
-    void set_skin(NodeId id, SkinId skin);  ///< call it after the skin's nodes exist, because a skin names them
+    void set_light(NodeId id, LightId light);       ///< null: none
+    void set_camera(NodeId id, CameraId camera);    ///< null: none
+    void set_instance_of(NodeId id, NodeId shown);  ///< null: none; throws Error if `shown` shows the node
+    void set_skin(NodeId id, SkinId skin);          ///< call it after the skin's nodes exist, because a skin names them
     void set_morph_weights(NodeId id, std::vector<float> weights);  ///< empty: the cage's own
     /// Returns the node of that name that was added first, `below` itself or a node of its subtree, or a null handle. If
     /// `below` is null, it looks everywhere.
@@ -181,9 +190,10 @@ public:
     /// Calls pose(tau) for tau = 0 (the shutter opens), 1 / segments, ..., 1 (it closes), which poses the scene by
     /// set_transform(), set_visible(), set_morph_weights(), write_vertices() and pose(); records what changes; and calls
     /// pose(0.5), so that everything without keys, lights and the edited nodes' own values are those of mid-shutter. An
-    /// earlier recording is dropped. While it is recorded, nodes can be neither added nor removed, and cages and skins
-    /// can be neither removed nor replaced. If `pose` throws, no keys are left. A later edit of a node, of a joint or of a
-    /// cage's vertices drops its keys.
+    /// earlier recording is dropped. While it is recorded, nodes can be neither added nor removed nor given another
+    /// parent, other cages or another instance, and cages and skins can be neither removed nor replaced. If `pose` throws,
+    /// no keys are left. A later edit of a node or of a cage's vertices drops its keys, and skins follow what is left of
+    /// the motion of their joints.
     /// segments   1, 2, 4, 8, 16 or 32
     void record_shutter(int segments, const std::function<void(double tau)>& pose);
     void clear_shutter();
@@ -226,6 +236,7 @@ public:
     void replace(MaterialId id, Material material);
     void replace(TextureId id, Texture texture);  ///< with the same path, the file is read again
     void replace(LightId id, Light light);
+    void replace(CameraId id, CameraLens lens);
 
     // Lookups for the engine, which return null for a dead handle and do not throw.
     const Node* find(NodeId id) const noexcept;

@@ -197,12 +197,6 @@ NodeDesc Scene::State::desc_of_copy(NodeId original) const
     return desc;
 }
 
-void Scene::State::show_instance(NodeId id, NodeId shown)
-{
-    nodes.find(id)->instance_of = shown;
-    nodes.find(shown)->instances.add(id, [&](NodeId known) { return nodes.find(known) != nullptr; });
-}
-
 // What the subtree itself shows by an instance within it is copied, too, so only what lies outside can show the copy.
 std::vector<NodeId> Scene::State::subtree_to_copy(NodeId subtree, NodeId parent) const
 {
@@ -216,8 +210,7 @@ std::vector<NodeId> Scene::State::subtree_to_copy(NodeId subtree, NodeId parent)
     for (const NodeId id : found) {
         const Node& from = *nodes.find(id);
         if (!nodes.find(from.instance_of) || !is_fine.insert(from.instance_of).second) continue;
-        if (is_shown_by(parent, from.instance_of))
-            throw error_without_file("a node cannot show itself as an instance", from.name);
+        if (is_shown_by(parent, from.instance_of)) throw shows_itself(from.name);
     }
     return found;
 }

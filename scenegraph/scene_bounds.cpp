@@ -22,9 +22,13 @@ try {
 }
 
 void Scene::State::touch_in_parent(const NodeRecord& node) noexcept
+{
+    if (NodeRecord* parent = nodes.find(node.parent)) touch_child(*parent, node.place_among_siblings);
+}
+
+void Scene::State::touch_child(NodeRecord& parent, std::uint32_t place_among_siblings) noexcept
 try {
-    if (NodeRecord* parent = nodes.find(node.parent); parent && parent->child_boxes)
-        parent->child_boxes->touch(node.place_among_siblings);
+    if (parent.child_boxes) parent.child_boxes->touch(place_among_siblings);
 } catch (const std::bad_alloc&) {
     lose_bounds();
 }
@@ -46,11 +50,11 @@ void Scene::State::find_lost_bounds() noexcept
     has_lost_bounds = false;
 }
 
-void Scene::State::leave_parent(const NodeRecord& node) noexcept
+void Scene::State::leave_parent(NodeId id, std::uint32_t place_among_siblings) noexcept
 {
-    NodeRecord& parent = *nodes.find(node.parent);
-    touch_in_parent(node);
-    parent.children[node.place_among_siblings] = NodeId();
+    NodeRecord& parent = *nodes.find(id);
+    touch_child(parent, place_among_siblings);
+    parent.children[place_among_siblings] = NodeId();
     // Gaps are closed if there are few children, or as many gaps as children, so the mean cost of a removal is constant.
     if (++parent.removed_children * 2 < parent.children.size() && parent.children.size() > kManyChildren) return;
     std::erase(parent.children, NodeId());
@@ -75,7 +79,9 @@ bool Scene::State::is_shown_by(NodeId below, NodeId above) const
         for (const NodeRecord* node = nodes.find(id); node; id = node->parent, node = nodes.find(id)) {
             if (id == above) return true;
             if (!seen.insert(id).second) break;
-            for (NodeId instance : node->instances.ids()) todo.push_back(instance);
+            for (NodeId instance : node->instances.ids())
+                if (const NodeRecord* shows = nodes.find(instance); shows && shows->instance_of == id)
+                    todo.push_back(instance);
         }
     }
     return false;
@@ -93,6 +99,7 @@ std::size_t Scene::State::refit_node(NodeId id, NodeRecord& node)
     SkinRecord* skin = skins.find(node.skin);
     if (skin && skin->dirty) pose_skin(*skin);
     if (skin) {
+        keep_skin_moving(node.skin, *skin);
         node.node_from_skin = node_from_skin(id, *skin);
         keep_skin_in_place(id, node, *skin);
     }

@@ -320,6 +320,13 @@ void Scene::replace(LightId id, Light light)
     check(light);
     static_cast<Light&>(known) = std::move(light);
 }
+void Scene::replace(CameraId id, CameraLens lens)
+{
+    state_->require_editable();
+    CameraLens& known = State::at(state_->cameras, id, "camera");
+    check(lens);
+    known = lens;
+}
 
 const Node* Scene::find(NodeId id) const noexcept { return state_->nodes.find(id); }
 const CageSlot* Scene::find(CageId id) const noexcept { return state_->cages.find(id); }

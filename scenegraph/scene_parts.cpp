@@ -99,9 +99,6 @@ public:
     void move_nodes(NodeId parent)
     {
         std::vector<NodeId> originals = part_.subtree_to_copy(part_.root, part_.root);
-        // The nodes that were added first are found first, and parents were added before their children.
-        std::sort(originals.begin(), originals.end(),
-                  [&](NodeId a, NodeId b) { return part_.nodes.find(a)->added < part_.nodes.find(b)->added; });
         for (const NodeId old : originals) {
             const NodeRecord& from = *part_.nodes.find(old);
             NodeDesc desc = part_.desc_of_copy(old);
@@ -123,6 +120,10 @@ public:
             record.first_original = first;
             record.rest = std::move(from.rest);
         }
+        // What was added first is found first.
+        std::sort(originals.begin(), originals.end(),
+                  [&](NodeId a, NodeId b) { return part_.nodes.find(a)->added < part_.nodes.find(b)->added; });
+        for (const NodeId old : originals) to_.nodes.find(nodes_.of(old))->added = next_identity();
     }
     /// parent   of the part's root: the base of a skin whose base lay above that root
     void move_skins(NodeId parent)

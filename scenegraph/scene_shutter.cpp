@@ -108,7 +108,7 @@ void Scene::State::about_to_move(NodeId id, NodeRecord& node)
         SkinRecord* skin = skins.find(skin_id);
         if (!skin) continue;
         if (!recorder) {
-            drop_keys(*skin);
+            lose_keys(*skin);
         } else if (!recorder->skins.contains(skin_id)) {
             if (skin->dirty) pose_skin(*skin);
             recorder->skins.emplace(skin_id, std::vector<std::vector<Mat4d>>(recorder->keys_done, skin->mesh_poses));
@@ -140,7 +140,7 @@ void Scene::State::drop_keys(NodeId id, NodeRecord& node) noexcept
     mark_dirty(id);
     if (!node.dependents) return;
     for (const SkinId skin_id : node.dependents->skins.ids())
-        if (SkinRecord* skin = skins.find(skin_id)) drop_keys(*skin);
+        if (SkinRecord* skin = skins.find(skin_id)) lose_keys(*skin);
     for (const NodeId user_id : node.dependents->users.ids())
         if (NodeRecord* user = nodes.find(user_id)) {
             user->has_stale_keys = true;
@@ -153,6 +153,13 @@ void Scene::State::drop_keys(SkinRecord& skin) noexcept
     if (skin.key_poses.empty()) return;
     skin.key_poses.clear();
     --things_with_keys;
+    for (const NodeId user : skin.users.ids()) mark_dirty(user);
+}
+
+void Scene::State::lose_keys(SkinRecord& skin) noexcept
+{
+    if (things_with_keys == 0) return;
+    skin.has_stale_keys = true;
     for (const NodeId user : skin.users.ids()) mark_dirty(user);
 }
 
@@ -196,6 +203,27 @@ void Scene::State::keep_skin_in_place(NodeId id, NodeRecord& node, const SkinRec
         ++things_with_keys;
     }
     node.keys = std::move(keys);
+}
+
+void Scene::State::keep_skin_moving(SkinId id, SkinRecord& skin)
+{
+    if (!skin.has_stale_keys) return;
+    const auto moves = [&] {
+        const std::vector<NodeId> between = nodes_of_skin(skin);
+        return std::any_of(between.begin(), between.end(), [&](NodeId at) { return !nodes.find(at)->keys.empty(); });
+    };
+    std::vector<std::vector<Mat4d>> keys;
+    if (things_with_keys > 0 && moves())
+        for (std::size_t k = 0; k <= std::size_t(shutter_segments); ++k) keys.push_back(poses_of(skin, k));
+    if (are_all_equal(keys)) keys.clear();
+    if (!keys.empty() && skin.key_poses.empty()) {
+        skins_with_keys.push_back(id);
+        ++things_with_keys;
+    } else if (keys.empty() && !skin.key_poses.empty()) {
+        --things_with_keys;
+    }
+    skin.key_poses = std::move(keys);
+    skin.has_stale_keys = false;
 }
 
 void Scene::State::take_key(Recorder& record)

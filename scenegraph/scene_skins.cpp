@@ -4,6 +4,8 @@
 // whole and leaves its pose as it is. The nodes between the joints and the base know the skin, so an edit that moves a joint
 // finds the nodes that use the skin in O(depth). Joints that were removed do not count, and a skin whose base was removed
 // has none left: it deforms nothing, and the places of the nodes that wear it count.
+#include <unordered_set>
+
 #include "base/error_without_file.h"
 #include "scenegraph/content_rules.h"
 #include "scenegraph/scene_state.h"
@@ -67,15 +69,24 @@ void Scene::State::link_skin(SkinId id, std::optional<NodeId> base)
                 skin.parent_joint[j] = found->second;
                 break;
             }
-    for (const NodeId joint : joints)
-        for (NodeId at = joint; is_alive(at) && at != skin.base; at = parent_of(at)) {
-            NodeRecord& node = *nodes.find(at);
-            if (!node.dependents) node.dependents = std::make_unique<Dependents>();
-            // An earlier joint has registered this node and all nodes above it.
-            WatcherList<SkinId>& known = node.dependents->skins;
-            if (!known.ids().empty() && known.ids().back() == id) break;
-            known.add(id, [&](SkinId other) { return skins.find(other) != nullptr; });
+    for (const NodeId at : nodes_of_skin(skin)) {
+        NodeRecord& node = *nodes.find(at);
+        if (!node.dependents) node.dependents = std::make_unique<Dependents>();
+        node.dependents->skins.add(id, [&](SkinId other) { return skins.find(other) != nullptr; });
+    }
+}
+
+std::vector<NodeId> Scene::State::nodes_of_skin(const SkinRecord& skin) const
+{
+    std::vector<NodeId> found;
+    std::unordered_set<NodeId> seen;
+    for (NodeId at : skin.skin.joints)
+        for (const NodeRecord* node = nodes.find(at); node && at != skin.base; node = nodes.find(at)) {
+            if (!seen.insert(at).second) break;
+            found.push_back(at);
+            at = node->parent;
         }
+    return found;
 }
 
 bool Scene::State::has_lost_base(const SkinRecord& skin) const noexcept { return skin.base && !nodes.find(skin.base); }
@@ -105,7 +116,7 @@ Mat4d Scene::State::node_from_skin(NodeId id, const SkinRecord& skin, std::optio
     return glm::inverse(top_from_node) * path(top, skin.base, key);
 }
 
-void Scene::State::pose_skin(SkinRecord& skin) const
+std::vector<Mat4d> Scene::State::poses_of(const SkinRecord& skin, std::optional<std::size_t> key) const
 {
     const std::size_t count = skin.skin.joints.size();
     std::vector<Mat4d> base_from_joint(count);
@@ -122,20 +133,26 @@ void Scene::State::pose_skin(SkinRecord& skin) const
             const std::size_t at = todo.back();
             const int above = skin.parent_joint[at];
             const NodeId joint = skin.skin.joints[at];
-            base_from_joint[at] = above < 0 ? path(skin.base, joint)
+            base_from_joint[at] = above < 0 ? path(skin.base, joint, key)
                                             : base_from_joint[static_cast<std::size_t>(above)] *
-                                                  path(skin.skin.joints[static_cast<std::size_t>(above)], joint);
+                                                  path(skin.skin.joints[static_cast<std::size_t>(above)], joint, key);
             is_known[at] = true;
         }
     }
-    skin.mesh_poses.resize(count);
+    std::vector<Mat4d> poses(count);
     for (std::size_t j = 0; j < count; ++j) {
         const bool is_alive = nodes.find(skin.skin.joints[j]) != nullptr;
         const Mat4d& from_joint = base_from_joint[j];
-        skin.mesh_poses[j] = !is_alive                           ? Mat4d(1)
-                             : skin.skin.joint_from_mesh.empty() ? from_joint
-                                                                 : from_joint * skin.skin.joint_from_mesh[j];
+        poses[j] = !is_alive                           ? Mat4d(1)
+                   : skin.skin.joint_from_mesh.empty() ? from_joint
+                                                       : from_joint * skin.skin.joint_from_mesh[j];
     }
+    return poses;
+}
+
+void Scene::State::pose_skin(SkinRecord& skin) const
+{
+    skin.mesh_poses = poses_of(skin);
     skin.dirty = false;
 }
 

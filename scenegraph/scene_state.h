@@ -151,6 +151,7 @@ struct Scene::State {
     struct SkinRecord : SkinSlot {
         std::vector<int> parent_joint;  ///< the nearest joint above each joint, by index; below 0: none
         bool dirty = true;              ///< mesh_poses are out of date
+        bool has_stale_keys = true;     ///< key_poses have to be found again
         Watchers users;
     };
     /// The state of pose() for the scene itself, and for each subtree that copy() made.
@@ -251,17 +252,20 @@ struct Scene::State {
     /// Records in the parent that its data about this child's box, transform and visibility are out of date, without marking
     /// it.
     void touch_in_parent(const NodeRecord& node) noexcept;
+    void touch_child(NodeRecord& parent, std::uint32_t place_among_siblings) noexcept;
     /// Marks all nodes by one flag, where there is no memory to find those that an edit affects. It needs no memory itself.
     void lose_bounds() noexcept;
     /// Makes all nodes dirty if they were marked by lose_bounds().
     void find_lost_bounds() noexcept;
     /// Enters a new node into the lists of its parent and of what it refers to.
     void link_node(NodeId id);
-    /// Removes a node from its parent's list, at a cost that does not grow with the list.
-    void leave_parent(const NodeRecord& node) noexcept;
+    /// Removes a child from a node's list, at a mean cost that does not grow with the list.
+    void leave_parent(NodeId parent, std::uint32_t place_among_siblings) noexcept;
+    class MovedSkins;
     /// Removes one node of a subtree that is removed.
     void remove_one(NodeId id) noexcept;
     void mark_users_dirty(const CageRecord& cage) noexcept;
+    static Error shows_itself(const std::string& name);
     /// Returns whether `below` lies in what `above` shows, or is `above`.
     bool is_shown_by(NodeId below, NodeId above) const;
     /// Refits one node and returns the number of children's boxes it visited beyond those that Scene::refit() has visited.
@@ -301,6 +305,10 @@ struct Scene::State {
     /// Finds NodeKey::node_from_skin again where it is stale, and gives a node without keys those keys that it needs because
     /// it or its skin's base hangs below nodes that move.
     void keep_skin_in_place(NodeId id, NodeRecord& node, const SkinRecord& skin);
+    /// Finds SkinSlot::key_poses again from the keys of the joints, and of what lies between them and the base.
+    void keep_skin_moving(SkinId id, SkinRecord& skin);
+    /// Says that a skin's keys are stale, and marks the nodes that it deforms.
+    void lose_keys(SkinRecord& skin) noexcept;
     /// Returns the nodes that have a camera, in the order in which they were added.
     std::vector<NodeId> nodes_with_cameras() const;
     NodeKey key_of(const NodeRecord& node, NodeId id) const;
@@ -320,8 +328,11 @@ struct Scene::State {
     bool has_lost_base(const SkinRecord& skin) const noexcept;
     /// Registers a skinned node with the nodes between it and the skin's base.
     void link_user(NodeId id);
+    /// Lists the nodes with which link_skin() registers a skin: each joint and what lies between it and the base.
+    std::vector<NodeId> nodes_of_skin(const SkinRecord& skin) const;
     void pose_skin(SkinRecord& skin) const;
-    // Both are as the nodes are posed, or at one key of the shutter.
+    // These are as the nodes are posed, or at one key of the shutter.
+    std::vector<Mat4d> poses_of(const SkinRecord& skin, std::optional<std::size_t> key = {}) const;
     Mat4d node_from_skin(NodeId node, const SkinRecord& skin, std::optional<std::size_t> key = {}) const;
     Mat4d path(NodeId above, NodeId node, std::optional<std::size_t> key = {}) const;  ///< above_from_node
     NodeId lowest_common(NodeId a, NodeId b) const;  ///< lowest common ancestor; a node counts as its own

@@ -131,6 +131,15 @@ const std::vector<Step> kSteps = {
     }},
     {[](World& w) { w.scene.replace(w.pattern, pattern(0.75f)); }},
     {[](World& w) { w.lens = w.scene.add(CameraLens{}); }},
+    {[](World& w) { w.scene.set_parent(w.joint, w.copied); }},
+    {[](World& w) { w.scene.set_parent(w.worn, w.joint); }},
+    {[](World& w) { w.scene.set_parent(w.joint, w.house); }},
+    {[](World& w) {
+        w.scene.set_cages(w.shown, {w.ring, w.box, w.ring});
+    }},
+    {[](World& w) { w.scene.set_camera(w.shown, w.lens); }},
+    {[](World& w) { w.scene.set_light(w.joint, w.lamp); }},
+    {[](World& w) { w.scene.set_instance_of(w.worn, w.shown); }},
     {[](World& w) { w.scene.add(another_scene(), w.house); }},
     {[](World& w) { w.scene.replace(w.ring, torus(7, 5)); }},
     {[](World& w) { w.scene.write_vertices(w.box, prism(5).positions); }},

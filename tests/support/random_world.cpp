@@ -195,10 +195,45 @@ const char* RandomWorld::edit_nodes(CaseRandom& random, AddedPart& object)
             scene_.remove(node);
             if (goes) scene_.remove(object.cage);
             for (const MaterialId material : before) remove_if_unused(scene_, material);
-            objects_.erase(objects_.begin() + (&object - objects_.data()));
             return "object removed";
         }
     }
+}
+
+const char* RandomWorld::edit_links(CaseRandom& random, const AddedPart& object)
+{
+    const AddedPart& other = *any_object(random);
+    const NodeId moved = object.joint && random.number() < 0.3 ? object.joint : object.node;
+    try {
+        switch (random.index(4)) {
+            case 0: {
+                const bool is_copy = !copies_.empty() && random.number() < 0.3;
+                scene_.set_parent(moved, is_copy ? copies_.back() : other.node);
+                return "parent";
+            }
+            case 1:
+                scene_.set_parent(moved, scene_.root());
+                return "root as parent";
+            case 2:
+                if (random.number() < 0.5) scene_.set_cages(object.node, {object.cage, other.cage});
+                else scene_.set_cages(object.node, {object.cage});
+                return "cages of a node";
+            default:
+                if (copies_.empty()) return "nothing";
+                scene_.set_instance_of(copies_.back(), random.number() < 0.7 ? other.node : NodeId());
+                return "another instance";
+        }
+    } catch (const Error&) {
+        return "a circle is refused";
+    }
+}
+
+void RandomWorld::forget_removed()
+{
+    std::erase_if(objects_, [&](const AddedPart& object) { return !scene_.find(object.node); });
+    for (AddedPart& object : objects_)
+        if (object.joint && !scene_.find(object.joint)) object.joint = {};
+    std::erase_if(copies_, [&](NodeId id) { return !scene_.find(id); });
 }
 
 const char* RandomWorld::edit_light(CaseRandom& random)
@@ -274,9 +309,16 @@ const char* RandomWorld::edit_clips(CaseRandom& random, const AddedPart& object)
 
 const char* RandomWorld::edit()
 {
+    const char* what = make_edit();
+    forget_removed();
+    return what;
+}
+
+const char* RandomWorld::make_edit()
+{
     ++step_;
     CaseRandom random(seed_, step_, 300);
-    const std::size_t kind = random.index(15);
+    const std::size_t kind = random.index(17);
     AddedPart* const object = any_object(random);
     if (kind == 0 || !object) {
         add_object();
@@ -287,6 +329,7 @@ const char* RandomWorld::edit()
     if (kind == 8) return edit_light(random);
     if (kind == 9) return edit_shutter(random);
     if (kind == 14) return edit_textures(random, scene_);
+    if (kind > 14) return edit_links(random, *object);
     return kind < 12 ? edit_clips(random, *object) : groups_.edit(scene_, random, object->node);
 }
 

@@ -29,8 +29,12 @@ private:
     RandomCase picture_case() const;
     void add_object();
     AddedPart* any_object(CaseRandom& random);
+    const char* make_edit();
     const char* edit_object(CaseRandom& random, const AddedPart& object);
     const char* edit_nodes(CaseRandom& random, AddedPart& object);
+    const char* edit_links(CaseRandom& random, const AddedPart& object);
+    /// Drops the handles of objects, joints and copies that were removed with what is above them.
+    void forget_removed();
     const char* edit_light(CaseRandom& random);
     const char* edit_shutter(CaseRandom& random);
     const char* edit_clips(CaseRandom& random, const AddedPart& object);

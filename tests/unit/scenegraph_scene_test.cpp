@@ -247,7 +247,7 @@ TEST(Scene, RefitAfterRandomEditsAgreesWithARefitOfEverything)
         std::erase_if(nodes, [&](NodeId id) { return !scene.find(id); });
         const NodeId at = nodes[pick(nodes.size())];
         const Mat4d place = moved(double(pick(20)), double(pick(20)), double(pick(20)));
-        switch (pick(6)) {
+        switch (pick(8)) {
             case 0:
             case 1:
                 nodes.push_back(scene.add_node(at, {.matrix = place, .cages = {square}}));
@@ -261,6 +261,14 @@ TEST(Scene, RefitAfterRandomEditsAgreesWithARefitOfEverything)
             case 4:
                 try {
                     nodes.push_back(scene.add_node(nodes[pick(nodes.size())], {.matrix = place, .instance_of = at}));
+                } catch (const Error&) {
+                }
+                break;
+            case 5:
+            case 6:
+                try {
+                    if (pick(2) == 0) scene.set_parent(at, nodes[pick(nodes.size())]);
+                    else scene.set_instance_of(at, pick(2) == 0 ? NodeId() : nodes[pick(nodes.size())]);
                 } catch (const Error&) {
                 }
                 break;
@@ -295,7 +303,7 @@ TEST(Scene, RefitOfManySiblingsAgreesWithARefitOfEverything)
         // The number of children grows to about 200, shrinks to about 20, and so on.
         const bool grows = step / 1000 % 2 == 0;
         const std::size_t i = nodes.empty() ? 0 : pick(nodes.size());
-        const std::size_t choice = pick(4);
+        const std::size_t choice = pick(5);
         if (nodes.empty() || (choice == 0 && (grows ? nodes.size() < 200 : nodes.size() < 20))) {
             nodes.push_back(scene.add_node(crowd, {.matrix = place, .cages = {square}}));
         } else if (choice == 1 && (grows ? pick(4) == 0 : nodes.size() > 20)) {
@@ -303,6 +311,10 @@ TEST(Scene, RefitOfManySiblingsAgreesWithARefitOfEverything)
             nodes.erase(nodes.begin() + std::ptrdiff_t(i));
         } else if (choice == 2) {
             scene.set_transform(nodes[i], place);
+        } else if (choice == 3) {
+            if (pick(2) == 0) scene.set_parent(nodes[i], scene.root());
+            scene.set_parent(nodes[i], crowd);  // as the last of the children
+            std::rotate(nodes.begin() + std::ptrdiff_t(i), nodes.begin() + std::ptrdiff_t(i) + 1, nodes.end());
         } else {
             scene.set_visible(nodes[i], pick(3) != 0);
         }

@@ -103,5 +103,41 @@ TEST(Shutter, AnyEditOfAJointDropsTheKeysOfItsSkin)
     }
 }
 
+// What is left of a recording moves what hangs on a joint and what its skin deforms alike.
+TEST(Shutter, ASkinFollowsWhatIsLeftOfTheMotionOfItsJoints)
+{
+    Bent bent;
+    Scene& scene = bent.scene;
+    const auto record = [&](NodeId goes) {
+        scene.record_shutter(2, [&](double tau) { scene.set_transform(goes, moved(0, tau, 0)); });
+    };
+    const auto expect_tip_at_its_joint = [&](SkinId skin, const char* edit) {
+        scene.refit();
+        ASSERT_EQ(scene.find(skin)->key_poses.size(), 3u) << edit;
+        const std::vector<Mat4d> joint = scene.world_from_node_keys(bent.tip_joint);
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec4d origin(2, 0, 0, 1);  // of the tip joint, in the mesh's axes
+            EXPECT_EQ(scene.find(skin)->key_poses[k][1] * origin, joint.at(k)[3]) << edit << ", key " << k;
+        }
+    };
+    record(bent.root_joint);
+    scene.set_transform(bent.tip_joint, moved(2, 1, 0));
+    expect_tip_at_its_joint(bent.skin, "a joint below one that moves is edited");
+
+    const SkinId late = scene.add(Skin{"late", {bent.root_joint, bent.tip_joint}, {Mat4d(1), moved(-2, 0, 0)}});
+    scene.add_node(scene.root(), {.cages = {bent.cage}, .skin = late});
+    expect_tip_at_its_joint(late, "a skin is added after the recording");
+
+    const NodeId mover = scene.add_node(scene.root(), {});
+    record(mover);
+    scene.refit();
+    EXPECT_TRUE(scene.find(bent.skin)->key_poses.empty());
+    scene.set_parent(bent.tip_joint, mover);
+    expect_tip_at_its_joint(bent.skin, "a joint hangs below what moves");
+    scene.set_parent(bent.tip_joint, bent.root_joint);
+    scene.refit();
+    EXPECT_TRUE(scene.find(bent.skin)->key_poses.empty());
+}
+
 }  // namespace
 }  // namespace occam

@@ -256,8 +256,12 @@ TEST(Shutter, AnEditDropsTheKeysOfWhatItEditsAndOfNothingElse)
     EXPECT_FALSE(scene.node(b).keys.empty());
     EXPECT_FALSE(scene.find(bent.skin)->key_poses.empty());
     scene.set_transform(bent.root_joint, moved(0, 0, 1));
-    EXPECT_TRUE(scene.find(bent.skin)->key_poses.empty()) << "a joint of its skin was edited";
+    scene.refit();
+    EXPECT_FALSE(scene.find(bent.skin)->key_poses.empty()) << "its other joint still moves";
     EXPECT_FALSE(scene.node(bent.tip_joint).keys.empty());
+    scene.set_transform(bent.tip_joint, moved(2, 0, 0));
+    scene.refit();
+    EXPECT_TRUE(scene.find(bent.skin)->key_poses.empty()) << "none of its joints moves";
     EXPECT_EQ(scene.shutter_segments(), 2);
 
     record();
