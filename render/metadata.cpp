@@ -38,13 +38,15 @@ Mat4d ndc_from_camera(const CameraLens& lens, double aspect)
     return m;
 }
 
-std::string date_now()
+// Adds the local time, and the seconds from it to universal time.
+void add_date(std::vector<Attribute>& attributes)
 {
     const std::time_t now = std::time(nullptr);
     std::tm local{};
     char text[32] = "";
-    if (localtime_r(&now, &local)) std::strftime(text, sizeof text, "%Y:%m:%d %H:%M:%S", &local);
-    return text;
+    if (!localtime_r(&now, &local) || std::strftime(text, sizeof text, "%Y:%m:%d %H:%M:%S", &local) == 0) return;
+    attributes.push_back({"capDate", std::string(text)});
+    attributes.push_back({"utcOffset", static_cast<float>(-local.tm_gmtoff)});
 }
 
 }  // namespace
@@ -60,7 +62,7 @@ void describe(Image& image, const Camera& camera, const Settings& settings)
         {"chromaticities", std::array<float, 8>{0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f}});
     image.attributes.push_back({"comments", std::string("Occam ") + kVersion + ", " + std::to_string(settings.spp) +
                                                 " samples a pixel, seed " + std::to_string(settings.seed)});
-    image.attributes.push_back({"capDate", date_now()});
+    add_date(image.attributes);
 }
 
 }  // namespace occam::render

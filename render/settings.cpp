@@ -38,6 +38,8 @@ bool shows_cost(View view) noexcept
 Resources Resources::resolved() const
 {
     Resources r = *this;
+    using accel::TreeKind;
+    require(tree == TreeKind::Auto || tree == TreeKind::Kd || tree == TreeKind::Bvh, "tree", "expected a kind of tree");
     if (r.threads <= 0) r.threads = processor_count();
     if (r.workers_a_tree <= 0 || r.workers_a_tree > r.threads) r.workers_a_tree = r.threads;
     if (r.memory_bytes == 0) {
@@ -76,12 +78,16 @@ void check(const Settings& s)
             "expected at most " + std::to_string(kMaxPixels) + " pixels in one picture");
     for (const SettingRow& row : kSettings) {
         const auto is_in_range = [&]<class T>(T Settings::*member) {
-            if constexpr (std::is_enum_v<T> || std::is_same_v<T, bool>) return true;
+            if constexpr (std::is_enum_v<T>) return !name_of(s.*member).empty();
+            else if constexpr (std::is_same_v<T, bool>) return true;
             else return double(s.*member) >= row.least && double(s.*member) <= row.most;
         };
         std::string name(row.name);
         std::replace(name.begin(), name.end(), '_', ' ');
-        if (!std::visit(is_in_range, row.member)) throw error_without_file("expected " + range_of(row), name);
+        if (!std::visit(is_in_range, row.member)) {
+            const std::string range = range_of(row);
+            throw error_without_file("expected " + (range.empty() ? "one of the choices that it has" : range), name);
+        }
     }
     check(s.shutter);
     require(!s.has(Aov::Motion) || s.shutter.is_open(), "aov", "motion needs a shutter that is open for some time");

@@ -66,9 +66,20 @@ TEST(Tables, ValuesOutsideOfARangeAreRefusedByName)
                             EXPECT_NE(std::string(error.what()).find(render::range_of(row)), std::string::npos);
                         }
                     }
+                } else if constexpr (std::is_enum_v<T>) {
+                    Settings settings;
+                    settings.*member = static_cast<T>(200);
+                    EXPECT_THROW(render::check(settings), Error) << row.name;
                 }
             },
             row.member);
+}
+
+TEST(Tables, AKindOfTreeThatDoesNotExistIsRefused)
+{
+    Resources resources;
+    resources.tree = static_cast<accel::TreeKind>(9);
+    EXPECT_THROW(resources.resolved(), Error);
 }
 
 TEST(Tables, SettingsAreWrittenAsTheyDifferFromTheUsualOnes)
