@@ -242,7 +242,7 @@ std::optional<Hit> Query::closest(const QueryRay& ray) const { return state_->cl
 
 void Query::first_hits(std::span<const QueryRay> rays, std::span<FirstHit> hits) const
 {
-    if (rays.size() != hits.size()) throw std::invalid_argument("Query::first_hits needs as many hits as rays");
+    if (rays.size() != hits.size()) throw error_without_file("Query::first_hits() needs as many hits as rays");
     constexpr std::size_t kBatch = 2048;
     std::vector<accel::Ray> batch;
     std::vector<accel::FirstHit> found;

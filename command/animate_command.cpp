@@ -270,6 +270,7 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
     print_notes(scene);
     Renderer renderer(a.resources);
     Sequence sequence(a, scene, renderer);
+    sequence.framing().note_stillness("all frames are alike");
     const std::vector<int> missing = sequence.missing(frames);
     const std::size_t done = count_what_is_there(missing.size(), frames.size(), display);
 

@@ -106,10 +106,15 @@ Framing::Framing(Scene& scene, const RenderArguments& arguments)
            float(arguments.settings.width) / float(arguments.settings.height))
 {
     set_environment(scene, arguments);
-    if (!clips_.empty() || (!arguments.time && !arguments.frame)) return;
-    constexpr char kStill[] = "nothing in the scene is animated, so --time and --frame change nothing";
-    if (arguments.load.strict) throw Error(name_of_scene(arguments), kStill);
-    scene.warnings.push_back(kStill);
+    if (arguments.time || arguments.frame) note_stillness("--time and --frame change nothing");
+}
+
+void Framing::note_stillness(const char* consequence)
+{
+    if (!clips_.empty()) return;
+    std::string warning = std::string("nothing in the scene is animated, so ") + consequence;
+    if (arguments_.load.strict) throw Error(name_of_scene(arguments_), warning);
+    scene_.warnings.push_back(std::move(warning));
 }
 
 bool Framing::is_fitted() const

@@ -18,6 +18,8 @@ public:
     /// an Error if the arguments are strict.
     Framing(Scene& scene, const RenderArguments& arguments);
 
+    /// If nothing in the scene is animated, adds a warning to it that says so, or throws Error if the arguments are strict.
+    void note_stillness(const char* consequence);
     /// Makes camera() see the scene throughout its clip, with one camera for all frames. Changes the pose.
     void fit_clip();
 

@@ -4,16 +4,33 @@
 
 #include <atomic>
 #include <csignal>
+#include <cstdint>
+#include <ctime>
 
 namespace occam::command {
 namespace {
 
-std::atomic<bool> interrupted = false, held = false, is_limited = false;
-static_assert(std::atomic<bool>::is_always_lock_free);  // a signal handler may use no other atomics
+std::atomic<bool> held = false, is_limited = false;
+std::atomic<std::int64_t> interrupted_at = 0;  // in milliseconds; 0: no signal was noted
+// A signal handler may use no other atomics.
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<std::int64_t>::is_always_lock_free);
+
+// Programs such as timeout send a signal twice, to the process and to its group, so one that follows at once is the same.
+constexpr std::int64_t kSameSignalMs = 100;
+
+std::int64_t now_ms() noexcept
+{
+    timespec now{};
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return std::int64_t(now.tv_sec) * 1000 + now.tv_nsec / 1'000'000;
+}
 
 extern "C" void note_interrupt(int)
 {
-    if (interrupted.exchange(true) || !held.load()) _exit(kInterruptedExit);
+    if (!held.load()) _exit(kInterruptedExit);
+    const std::int64_t now = now_ms();
+    std::int64_t first = 0;
+    if (!interrupted_at.compare_exchange_strong(first, now) && now - first > kSameSignalMs) _exit(kInterruptedExit);
     if (is_limited.load()) alarm(1);
 }
 
@@ -32,7 +49,7 @@ void catch_interrupts() noexcept
     sigaction(SIGALRM, &action, nullptr);
 }
 
-bool is_interrupted() noexcept { return interrupted.load(); }
+bool is_interrupted() noexcept { return interrupted_at.load() != 0; }
 
 void end_interrupted() noexcept { _exit(kInterruptedExit); }
 

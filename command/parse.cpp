@@ -278,7 +278,8 @@ CLI::App& add_verify(CLI::App& app, VerifyArguments& verify)
     add_clip(command, verify);
     add_moment(command, verify);
     add_shutter(command, verify);
-    add_whole(command, "--rays", verify.test.rays, 1, kMostVerifyRays, "Rays for each placed cage [1000000]");
+    add_whole(command, "--rays", verify.test.rays, 1, kMostVerifyRays,
+              "Rays for each placed cage, in groups of 512 [1000000]");
     add_whole(command, "--seed", verify.test.seed, 0, ~std::uint64_t(0), "Seed of the random numbers [0]");
     command.add_flag("--json", verify.json, "Print JSON");
     add_replay(command, verify);

@@ -7,7 +7,8 @@ void add_replay(CLI::App& app, CLI::Option& output, RenderArguments& a)
 {
     add_value(
         app, "--replay",
-        "Trace sample S [0] of pixel X,Y from the top left again, and print each step of its rays; no picture is written",
+        "Trace sample S [0] of pixel X,Y from the top left again, and print each step of its rays; no picture is written, "
+        "so --output is not needed",
         "X,Y[,S]", [&](const std::string& t) {
             const std::vector<std::string_view> words = words_of(t);
             if (words.size() < 2 || words.size() > 3) throw std::invalid_argument("expected X,Y or X,Y,SAMPLE");

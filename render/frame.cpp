@@ -1,6 +1,8 @@
 #include "render/frame.h"
 
 #include "base/cancellation.h"
+#include "base/error_without_file.h"
+#include "base/machine_memory.h"
 #include "base/stopwatch.h"
 #include "render/crew.h"
 #include "render/exposure_sketch.h"
@@ -13,6 +15,18 @@
 namespace occam::render {
 namespace {
 
+// The memory is touched as soon as it is taken, so a picture that does not fit would stop the machine. A frame that is
+// stopped copies its sums to the checkpoint.
+void refuse_if_too_large(const FrameInputs& in)
+{
+    const std::size_t bytes = FrameSums::bytes_for(in.settings) * (in.keeps_checkpoint ? 2 : 1);
+    if (const std::size_t most = machine_memory_bytes() / 4 * 3; most > 0 && bytes > most)
+        throw error_without_file("a picture of this size that is made in rounds takes " + std::to_string(bytes >> 20) +
+                                     " MB for the sums of its pixels, and three quarters of the machine's memory are " +
+                                     std::to_string(most >> 20) + " MB",
+                                 "size", Error::Kind::Output);
+}
+
 // Returns the sums of a frame that is made in rounds, or null for a frame that is made tile by tile. A frame with a deadline
 // or a checkpoint is always made in rounds. Any other one is if the settings ask for it and its sums fit in the memory
 // budget.
@@ -21,6 +35,7 @@ std::unique_ptr<FrameSums> sums_of(const FrameInputs& in)
     const bool has_to = in.deadline != Clock::time_point::max() || !in.checkpoint.empty();
     const bool is_wanted = in.settings.progressive && FrameSums::bytes_for(in.settings) <= in.resources.memory_bytes;
     if (!has_to && !is_wanted) return nullptr;
+    refuse_if_too_large(in);
     return std::make_unique<FrameSums>(in.settings, in.camera);
 }
 

@@ -86,7 +86,7 @@ public:
 
     /// Writes the picture. The format follows the extension: .exr .png .jpg .jpeg .tif .tiff .hdr; all but EXR keep
     /// beauty alone. The file is written beside its final name and then renamed, so that no reader ever sees half a file.
-    /// Throws Error of Kind::Output.
+    /// Throws Error: of Kind::BadInput if check_writable() refuses the extension, else of Kind::Output.
     void write(const std::filesystem::path& file, const WriteOptions& options = {}) const;
     /// Throws Error if write() would refuse that name: its extension, its folder, or what exists there already.
     static void check_writable(const std::filesystem::path& file);
@@ -98,7 +98,7 @@ public:
 
     /// Reads the head, and as much as shows that the end of the picture is there. Throws Error if it is not.
     static PictureHead read_head(const std::filesystem::path& file);
-    /// Reads any format that OpenImageIO knows; 8-bit colours are made linear. Throws Error.
+    /// Reads a picture of any format that textures may have (docs/files.md); 8-bit colours are made linear. Throws Error.
     static Image read(const std::filesystem::path& file);
 
 private:

@@ -231,6 +231,23 @@ std::pair<std::string, std::string> split_channel(const std::string& name)
     return {name.substr(0, dot), name.substr(dot + 1)};
 }
 
+// Moves pixels from where a file has them to where they are in the picture.
+void put_in_order(std::vector<float>& pixels, const PictureSpec& spec, Orientation orientation)
+{
+    const auto width = std::size_t(spec.width), height = std::size_t(spec.height), channels = spec.channels.size();
+    const auto swap = [&](std::size_t a, std::size_t b, std::size_t count) {
+        const auto first = pixels.begin() + std::ptrdiff_t(a);
+        std::swap_ranges(first, first + std::ptrdiff_t(count), pixels.begin() + std::ptrdiff_t(b));
+    };
+    if (orientation.mirrors_rows)
+        for (std::size_t y = 0; y < height / 2; ++y)
+            swap(y * width * channels, (height - 1 - y) * width * channels, width * channels);
+    if (orientation.mirrors_columns)
+        for (std::size_t y = 0; y < height; ++y)
+            for (std::size_t x = 0; x < width / 2; ++x)
+                swap((y * width + x) * channels, (y * width + width - 1 - x) * channels, channels);
+}
+
 }  // namespace
 
 std::span<const PictureFormat> picture_formats() noexcept { return kFormats; }
@@ -282,6 +299,7 @@ Image Image::read(const fs::path& file)
     std::vector<float> pixels(count * channels);
     if (!in->read_rows(0, spec.height, spec.channel_count(), pixels.data()))
         throw Error(file.string(), "cannot be read: " + in->error());
+    put_in_order(pixels, spec, orientation_of(*in, file.string()));
 
     Image image(spec.width, spec.height);
     image.x0 = spec.x - spec.full_x;

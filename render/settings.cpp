@@ -1,12 +1,11 @@
 #include "render/settings.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "base/error_without_file.h"
+#include "base/machine_memory.h"
 #include "base/processors.h"
 #include "render/setting_rows.h"
 #include "scenegraph/content_rules.h"
@@ -43,11 +42,9 @@ Resources Resources::resolved() const
     if (r.threads <= 0) r.threads = processor_count();
     if (r.workers_a_tree <= 0 || r.workers_a_tree > r.threads) r.workers_a_tree = r.threads;
     if (r.memory_bytes == 0) {
-        const auto pages = static_cast<std::size_t>(std::max(0L, sysconf(_SC_PHYS_PAGES)));
-        const auto page_bytes = static_cast<std::size_t>(std::max(0L, sysconf(_SC_PAGESIZE)));
         // A quarter of the machine, but no more than few threads have a use for.
         const std::size_t most = std::max(std::size_t(3) << 30, static_cast<std::size_t>(r.threads) << 29);
-        r.memory_bytes = std::clamp(pages * page_bytes / 4, std::size_t(256) << 20, most);
+        r.memory_bytes = std::clamp(machine_memory_bytes() / 4, std::size_t(256) << 20, most);
     }
     return r;
 }

@@ -1,4 +1,5 @@
-// The cost of a frame: the numbers that --stats writes, under the same names.
+// The cost of a frame: the numbers that --stats writes, under the same names but for `tree`, which is accel there, and the
+// micropolygons for camera and shadow rays, which are given for each cell.
 //
 // The seconds of build, tessellate, deform (which is a part of those two), trace, shade, phase_one (a part of shade) and
 // film are summed over the workers; total, load, edit, refit, texture and write are wall time. Keys may be added, but not
@@ -67,14 +68,14 @@ struct FrameStats {
     struct Image {
         int width = 0, height = 0, spp = 0;
         std::uint64_t checksum = 0;
-        std::uint64_t samples = 0;             ///< all samples; fewer than spp a pixel where Settings::error ended a tile
+        std::uint64_t samples = 0;             ///< all samples; fewer than spp a pixel where Settings::error ends some early
         int least_samples = 0;                 ///< least number of a pixel that is not done; spp if all are done
         std::uint64_t samples_not_finite = 0;  ///< left out of the picture
     } image;
     Settings settings;
     int threads = 0;
     accel::TreeKind tree = accel::TreeKind::Kd;  ///< the tree of this frame, which is never Auto
-    bool complete = true;                        ///< false: cancelled or out of time; some tiles are black
+    bool complete = true;  ///< false: cancelled or out of time; Image::least_samples says what there is
     std::vector<std::string> warnings;
 };
 

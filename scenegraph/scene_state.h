@@ -224,7 +224,8 @@ struct Scene::State {
         require_editable();
         if (recorder)
             throw error_without_file(
-                "while a shutter is recorded, only transforms, visibility, morph weights and vertices may change");
+                "while a shutter is recorded, the scene's nodes, and the cages and skins that they have, stay the same "
+                "ones");
     }
     /// Returns the value of a live handle and throws Error for any other.
     template <class T, class Tag>

@@ -98,13 +98,17 @@ void warn_of_empty_extras(const json& root, Report& report)
         const auto found = object.is_object() ? object.find(key) : object.end();
         return found == object.end() ? nullptr : &*found;
     };
+    const auto is_empty = [](const json& value) {
+        return value.empty() || (value.is_string() && value.get_ref<const std::string&>().empty());
+    };
     for (const char* kind : {"nodes", "meshes", "materials", "scenes"})
         for (std::size_t i = 0; i < list(root, kind).size(); ++i) {
             const json* const extras = find(list(root, kind)[i], "extras");
             const json* const occam = extras ? find(*extras, "occam") : nullptr;
+            if (occam && occam->empty()) report.warn("'occam' is empty, and is not read", element(kind, i) + ".extras");
             if (!occam || !occam->is_object()) continue;
             for (const auto& entry : occam->items())
-                if (entry.value().empty() && entry.key() != "hidden_from")
+                if (is_empty(entry.value()) && entry.key() != "hidden_from")
                     report.warn("'" + entry.key() + "' is empty, and is not read", element(kind, i) + ".extras.occam");
         }
 }

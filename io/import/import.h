@@ -10,10 +10,10 @@
 
 namespace occam {
 
-/// Says whether polygons are the cage of a Catmull-Clark surface: always, never, or as the file says. With Auto only two
-/// kinds are subdivided: an OBJ file with subdivision tags, and what glTF's extras.occam names. All other polygons are
-/// rendered as they are, with the file's normals, or without those flat or smooth as the smoothing groups (`s`) of an OBJ
-/// say.
+/// Says whether polygons are the cage of a Catmull-Clark surface where glTF's extras.occam says nothing of it: always,
+/// never, or as the file says. With Auto only two kinds are subdivided: an OBJ file with subdivision tags, and what glTF's
+/// extras.occam names. All other polygons are rendered as they are, with the file's normals, or without those flat or smooth
+/// as the smoothing groups (`s`) of an OBJ say.
 enum class Subdivide : unsigned char { Auto, On, Off };
 
 struct LoadOptions {

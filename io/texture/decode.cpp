@@ -75,17 +75,6 @@ ChannelPlaces places_of(const PictureReader& image)
     return places;
 }
 
-// Says how the rows of an image file lie in the picture, by the number that Exif has for it.
-enum Orientation { kAsStored = 1, kMirrored, kTurned, kUpsideDown };
-
-// A Radiance file says where its rows begin and how they run ("-Y 512 +X 1024"). Those of other formats begin at the top
-// left for what reads them here.
-int orientation_of(const PictureReader& image)
-{
-    const std::string number = image.format() == "hdr" ? image.text_attribute("Orientation") : std::string();
-    return number.size() == 1 && number[0] >= '1' && number[0] <= '8' ? number[0] - '0' : kAsStored;
-}
-
 }  // namespace
 
 struct TextureSource::State {
@@ -97,7 +86,7 @@ struct TextureSource::State {
     PictureReader* input = nullptr;  // that of `image`
     int left = 0, top = 0;           // where the rows of `input` begin in the texture; they may reach beyond it
     ChannelPlaces places;
-    int orientation = kAsStored;
+    Orientation orientation;
     bool is_tiled_file = false, has_other_role = false;
 
     void open(const Texture& texture);
@@ -122,8 +111,7 @@ void TextureSource::State::open(const Texture& texture)
     image = open_image(texture.path, texture.encoded.get(), name, kLimits);
     input = image.reader.get();
     places = places_of(*input);
-    orientation = orientation_of(*input);
-    if (orientation > kUpsideDown) refuse("images that are stored column by column are not read");
+    orientation = orientation_of(*input, name);
     width = input->spec().width, height = input->spec().height;
     if (input->format() != "openexr") return;
     const bool is_tiled = TiledFile::is_one(*input);
@@ -209,8 +197,7 @@ MipImage TextureSource::decode(int halvings, bool multiplies_by_alpha) const
     const State& s = *state_;
     MipImage image(std::max(1, width() >> halvings), std::max(1, height() >> halvings));
     RowFilter filter(width(), height(), image);
-    filter.mirror(s.orientation == kTurned || s.orientation == kUpsideDown,
-                  s.orientation == kMirrored || s.orientation == kTurned);
+    filter.mirror(s.orientation.mirrors_rows, s.orientation.mirrors_columns);
     const int tile = s.input ? std::max(1, s.input->spec().tile_height) : 1;
     const int rows = std::max(tile, kRowsAtOnce) / tile * tile;  // whole rows of tiles
     const Vec4f nothing(0, 0, 0, s.places.alpha < 0 ? 1 : 0);

@@ -148,4 +148,17 @@ OpenImage open_image(const std::filesystem::path& file, const std::vector<std::b
     return Opener(file, encoded, name, limits).open();
 }
 
+Orientation orientation_of(const PictureReader& image, const std::string& name)
+{
+    if (image.format() != "hdr") return {};
+    // The number is that which Exif has for it.
+    const std::string number = image.text_attribute("Orientation");
+    if (number == "2") return {false, true};
+    if (number == "3") return {true, true};
+    if (number == "4") return {true, false};
+    if (number.size() == 1 && number[0] > '4' && number[0] <= '8')
+        throw Error(name, "images that are stored column by column are not read");
+    return {};
+}
+
 }  // namespace occam

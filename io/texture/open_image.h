@@ -25,6 +25,16 @@ struct OpenImage {
     std::unique_ptr<PictureReader> reader;
 };
 
+/// Says how the rows of a file lie in the picture.
+struct Orientation {
+    bool mirrors_rows = false;     ///< they run from the bottom
+    bool mirrors_columns = false;  ///< the columns run from the right
+};
+
+/// Returns how the rows of a Radiance file lie: its head says it ("-Y 512 +X 1024"). Those of other formats begin at the top
+/// left for what reads them here. Throws Error if it is stored column by column.
+Orientation orientation_of(const PictureReader& image, const std::string& name);
+
 /// Returns whether so many texels are more than an honest file of that size holds: few bytes may declare many texels.
 bool declares_too_much(std::uintmax_t texels, std::uintmax_t file_bytes) noexcept;
 

@@ -280,6 +280,18 @@ TEST_F(Command, AMomentOfASceneThatDoesNotMoveIsAWarning)
     const Outcome o = run({"render", "triangle.obj", "-o", "a.exr", "--size", "16x16", "--spp", "1", "--frame", "3"});
     EXPECT_EQ(o.exit_code, kDone);
     EXPECT_EQ(o.err, "occam: warning: nothing in the scene is animated, so --time and --frame change nothing\n");
+    const std::vector<std::string> sequence = {"animate", "triangle.obj", "-o",    "a.#.exr", "--frames",
+                                               "0-1",     "--size",       "16x16", "--spp",   "1"};
+    EXPECT_EQ(run(sequence).err, "occam: warning: nothing in the scene is animated, so all frames are alike\n");
+    std::vector<std::string> strict = sequence;
+    strict.insert(strict.end(), {"--strict", "--overwrite"});
+    EXPECT_EQ(run(strict).exit_code, kBadInput);
+}
+
+TEST_F(Command, AnErrorOfZeroEndsNoPixelEarly)
+{
+    EXPECT_EQ(run({"render", "triangle.obj", "-o", "a.exr", "--size", "16x16", "--spp", "4", "--error", "0"}).exit_code,
+              kDone);
 }
 
 TEST_F(Command, CompareChecksItsLimits)

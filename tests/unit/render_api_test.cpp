@@ -182,7 +182,7 @@ TEST(Query, FindsFirstHitsOfManyRays)
     EXPECT_EQ(hits[0].node, square.node);
     for (std::size_t i = 1; i < rays.size(); ++i) EXPECT_TRUE(std::isinf(hits[i].distance)) << i;
     std::vector<FirstHit> too_few(1);
-    EXPECT_THROW(query.first_hits(rays, too_few), std::invalid_argument);
+    EXPECT_THROW(query.first_hits(rays, too_few), Error);
 }
 
 // Of a node's cages, one is made on demand and one is replaced; a second node shows one of them again.

@@ -125,6 +125,30 @@ TEST_F(ImageFile, AllFormatsAreWrittenUnderTheirFinalNameAlone)
     EXPECT_EQ(files(), 5u) << "nothing temporary is left";
 }
 
+// The head of a Radiance file says in which order its pixels are.
+TEST_F(ImageFile, TheRowsOfRadianceFilesBeginWhereTheirHeadSays)
+{
+    // Three columns and two rows of red texels: 1, 2, 3 above 4, 5, 6, in units of a 128th.
+    const auto read = [&](const char* sizes, std::initializer_list<int> reds) {
+        std::ofstream file(folder / "a.hdr", std::ios::binary);
+        file << "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n" << sizes << '\n';
+        for (const int red : reds) file << char(red) << '\0' << '\0' << char(129);
+        file.close();
+        std::vector<int> found;
+        const Image image = Image::read(folder / "a.hdr");
+        const std::size_t channels = image.find("beauty")->channel_count();
+        for (std::size_t i = 0; i < 6; ++i)
+            found.push_back(int(std::lround(image.find("beauty")->pixels[i * channels] * 128)));
+        return found;
+    };
+    const std::vector<int> expected{1, 2, 3, 4, 5, 6};
+    EXPECT_EQ(read("-Y 2 +X 3", {1, 2, 3, 4, 5, 6}), expected);
+    EXPECT_EQ(read("+Y 2 +X 3", {4, 5, 6, 1, 2, 3}), expected);
+    EXPECT_EQ(read("-Y 2 -X 3", {3, 2, 1, 6, 5, 4}), expected);
+    EXPECT_EQ(read("+Y 2 -X 3", {6, 5, 4, 3, 2, 1}), expected);
+    EXPECT_THROW(read("+X 3 -Y 2", {1, 2, 3, 4, 5, 6}), Error);
+}
+
 TEST_F(ImageFile, PngCarriesTheSrgbCurve)
 {
     const Image image = gradient(8, 8);

@@ -7,7 +7,7 @@
 //
 // The application owns the scene. Renderers, jobs and queries only borrow it, and while one of them works on it, edits
 // throw; what has no function to edit it, such as Scene::environment, must stay as it is. Every failure is an occam::Error
-// that names file, element and reason.
+// that names file, element and reason; what a callback of the application throws is passed on as it is.
 #pragma once
 
 #include <chrono>
@@ -217,8 +217,8 @@ public:
     std::optional<Hit> closest(Vec3d origin, Vec3d direction, double far = std::numeric_limits<double>::infinity()) const;
     std::optional<Hit> closest(const QueryRay& ray) const;
     /// Finds the nearest surfaces of many rays at once, without what shading needs. This is several times as fast for each
-    /// ray where rays lie close together (sensors, lines of sight, footsteps). Throws std::invalid_argument if hits.size()
-    /// differs from rays.size().
+    /// ray where rays lie close together (sensors, lines of sight, footsteps). Throws Error if hits.size() differs from
+    /// rays.size().
     void first_hits(std::span<const QueryRay> rays, std::span<FirstHit> hits) const;
     /// Returns true if a surface lies between the two points. A point on a surface has to be moved off it, towards the other
     /// one, by more than its coordinates are rounded and more than a footprint there: else its own surface may count.
