@@ -28,7 +28,8 @@ Integrator::Integrator(const FrameContext& context)
       has_mattes_(context.settings.has(Aov::CryptomatteObject) || context.settings.has(Aov::CryptomatteMaterial)),
       shows_cost_(shows_cost(context.settings.view)),
       wants_occlusion_(context.settings.integrator == IntegratorKind::Ao || context.settings.has(Aov::Occlusion)),
-      shadows_(context.textures, context.may_pass, !context.settings.back_faces, texture_width_)
+      shadows_(context.textures, context.scale,
+               {context.may_pass || !context.settings.back_faces, !context.settings.back_faces, texture_width_})
 {
     waits_ = !context.log && context.settings.light_samples == 1 && context.lights.tree().is_empty() &&
              context.lights.lights_outside_tree() <= static_cast<std::size_t>(kMaxLightsPerHit);
@@ -134,7 +135,9 @@ void Integrator::shade_miss(std::size_t i, SampleResult& result)
     if (path.is_before_focus) {
         Path next = path;
         next.is_before_focus = false;
-        push(next, context_.camera.behind_focus(ray));
+        const accel::Ray rest = context_.camera.behind_focus(ray);
+        next.throughput *= left_by_body(path.absorption, start_of(rest) - start_of(ray));
+        push(next, rest);
         return;
     }
     if (shows_cost_) {
@@ -160,22 +163,13 @@ void Integrator::shade_miss(std::size_t i, SampleResult& result)
     if (context_.log) context_.log->added("the background", light);
 }
 
-Vec3f Integrator::left_by_body(Vec3f absorption, float length) const noexcept
-{
-    Vec3f left(1);
-    if (absorption == Vec3f(0) || !(length < std::numeric_limits<float>::infinity())) return left;
-    const float in_world = std::min(context_.scale.to_world(length), std::numeric_limits<float>::max());
-    for (int c = 0; c < 3; ++c) left[c] = maths::exp(-absorption[c] * in_world);
-    return left;
-}
-
 void Integrator::cross_lights(const Path& path, const accel::Ray& ray, float t_far, SampleResult& result) const
 {
     const auto add = [&](const shade::WorldLight& light, const shade::LightCrossing& crossing, float expected) {
         if (crossing.distance <= ray.t_near || (light.groups & path.receiver.groups) == 0) return;
         const shade::SampleCounts counts{path.light_samples * expected, path.scatter_samples};
         const float weight = counts.of_scatter(path.density, crossing.density);
-        const Vec3f arrives = path.throughput * left_by_body(path.absorption, crossing.distance - ray.t_near);
+        const Vec3f arrives = path.throughput * left_by_body(path.absorption, crossing.distance - start_of(ray));
         const Vec3f found = clamped(arrives * crossing.radiance * weight, path.bounces);
         result.radiance += found;
         if (context_.log) context_.log->added("a light that the ray crosses", found);
@@ -253,10 +247,10 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
     // Only the last piece of a ray knows which lights lie before its end: those behind a surface that it passes come
     // later.
     if (!path.is_camera()) cross_lights(path, ray, hit.t, result);
-    path.throughput *= left_by_body(path.absorption, hit.t - ray.t_near);
+    path.throughput *= left_by_body(path.absorption, hit.t - start_of(ray));
     if (!settings.back_faces && is_culled(hit)) {
         if (context_.log) context_.log->culled();
-        return pass_straight(i, path, hit.t, {Vec3f(1), path.coverage, 1}, sample);
+        return pass_straight(i, path, hit.t, {Vec3f(1), path.coverage, 1, path.absorption}, sample);
     }
 
     counters_.hits_looked_up += hit.phase_one_channels == 0;
@@ -272,7 +266,8 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
     }
     if (context_.log) context_.log->surface(path, hit, surface);
     const Vec3f share = path.throughput * surface.opacity;
-    Vec3f transmittance = surface.transmittance;
+    Vec3f transmittance = surface.transmittance,
+          absorption = surface.is_straight ? surface.absorption_behind(hit.back_side, path.absorption) : path.absorption;
     Vertex& v = *new (slot.vertex) Vertex{path, ray, hit, sample, surface, share, share, occlusion};
     set_receiver(v);
     const Chances chance = chances(v);
@@ -284,19 +279,22 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
                                         ? cost_color(settings.view, costs_[i - first_of_chunk_])
                                         : view_color(settings.view, hit, z, context_.depth_near, context_.depth_far));
         transmittance = Vec3f(1 - surface.opacity);
+        absorption = path.absorption;
     } else if (surface.opacity > 0 && settings.integrator == IntegratorKind::Ao) {
         if (chance.light > 0) gather_sky(v);
         transmittance = Vec3f(1 - surface.opacity);
+        absorption = path.absorption;
     } else if (surface.unlit) {
         if (!path.is_probe) result.radiance += clamped(share * surface.base_color, path.bounces);
         if (path.is_camera()) result.emitted += luminance(share * surface.base_color);
     } else if (surface.opacity > 0) {
         add_emission(path, hit, surface, share, result);
-        if (!path.is_probe && (chance.light > 0 || chance.scatter > 0)) shade_or_wait(v, chance);
+        const bool scatters = !path.is_probe && !surface.only_passes();
+        if (scatters && (chance.light > 0 || chance.scatter > 0)) shade_or_wait(v, chance);
     }
     if (!(chance.pass > 0)) return false;
     if (path.is_camera() && chance.pass == 1 && chance.scatter > 0) ++path.splits;
-    return pass_straight(i, path, hit.t, {transmittance, path.coverage - covered, chance.pass}, sample);
+    return pass_straight(i, path, hit.t, {transmittance, path.coverage - covered, chance.pass, absorption}, sample);
 }
 
 Integrator::Chances Integrator::chances_of_both(const Vertex& v) const noexcept
@@ -315,6 +313,7 @@ bool Integrator::pass_straight(std::size_t i, const Path& path, float t, const P
     if (context_.log) context_.log->passes(passing.light, passing.chance);
     next.throughput *= passing.light / passing.chance;
     next.coverage = passing.coverage / passing.chance;
+    next.absorption = passing.absorption;
     next.key = child_key(path.key, 0);
     next.passed = static_cast<std::uint16_t>(std::min(path.passed + 1, 0xffff));
     next.straight *= std::max({passing.light.x, passing.light.y, passing.light.z}) / passing.chance;

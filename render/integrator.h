@@ -24,6 +24,7 @@
 
 #include "accel/tracer.h"
 #include "base/stopwatch.h"
+#include "render/body_absorption.h"
 #include "render/camera_rays.h"
 #include "render/cryptomatte.h"
 #include "render/film.h"
@@ -200,14 +201,16 @@ private:
     void set_receiver(Vertex& v) const noexcept;
     void count_cells(const accel::Ray& ray, const accel::SurfaceHit& hit);
     void shade_miss(std::size_t i, SampleResult& result);
-    /// Returns the share of light that a body leaves over a length of the way through it. Light from infinitely far is not
-    /// dimmed: no boundary of a body lies on its way.
-    Vec3f left_by_body(Vec3f absorption, float length) const noexcept;
+    Vec3f left_by_body(Vec3f absorption, float length) const noexcept
+    {
+        return render::left_by_body(absorption, length, context_.scale);
+    }
     /// Returns the absorption coefficient that holds along a ray which leaves the surface in that direction.
     static Vec3f absorption_along(const Vertex& v, Vec3f direction) noexcept
     {
-        if (!v.surface.is_solid || glm::dot(v.surface.normal_geometric, direction) > 0) return v.path.absorption;
-        return v.hit.back_side ? Vec3f(0) : v.surface.absorption_inside;
+        return glm::dot(v.surface.normal_geometric, direction) > 0
+                   ? v.path.absorption
+                   : v.surface.absorption_behind(v.hit.back_side, v.path.absorption);
     }
     /// Adds the lights without a surface that a scattered ray crosses before `t_far`.
     void cross_lights(const Path& path, const accel::Ray& ray, float t_far, SampleResult& result) const;
@@ -233,7 +236,8 @@ private:
     };
     Chances chances(const Vertex& v) const noexcept
     {
-        const bool passes = v.surface.transmittance != Vec3f(0), scatters = v.surface.opacity > 0 && !v.path.is_probe;
+        const bool passes = v.surface.transmittance != Vec3f(0),
+                   scatters = v.surface.opacity > 0 && !v.path.is_probe && !v.surface.only_passes();
         if (passes && scatters) return chances_of_both(v);
         return {passes ? 1.0f : 0.0f, scatters ? 1.0f : 0.0f, 1};
     }
@@ -298,9 +302,10 @@ private:
     }
     /// Describes what continues straight on behind a surface.
     struct Passing {
-        Vec3f light;     ///< transmittance for light that comes from there
-        float coverage;  ///< share of the pixel that no surface up to here covers
-        float chance;    ///< the chance that the ray continues at all
+        Vec3f light;       ///< transmittance for light that comes from there
+        float coverage;    ///< share of the pixel that no surface up to here covers
+        float chance;      ///< the chance that the ray continues at all
+        Vec3f absorption;  ///< coefficient that holds behind the surface
     };
     /// Replaces path i, which has come to t, by what continues behind. Returns false if it ends by chance.
     bool pass_straight(std::size_t i, const Path& path, float t, const Passing& passing, const CameraSample& sample);

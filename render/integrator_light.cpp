@@ -80,11 +80,12 @@ int Integrator::scatter_samples_at(const Path& path) const noexcept
 void Integrator::test(const Vertex& v, const shade::ShadowTest& test, Vec3f share, int samples)
 {
     if (is_black(test.radiance)) return;
-    const Vec3f left = left_by_body(absorption_along(v, test.direction), test.t_far);
+    const Vec3f absorption = absorption_along(v, test.direction), left = left_by_body(absorption, test.t_far);
     const Vec3f light = clamped(test.radiance * share * left, v.path.bounces + 1);
     if (context_.log) context_.log->light_sample(test.direction, test.t_far, light);
     const auto of_pixel = static_cast<float>(samples * context_.settings.spp);
     shoot(v, test, light, shade::light_spread(v.width, test.t_far, test.density, of_pixel));
+    if (absorption != Vec3f(0)) shadows_.starts_in_body(absorption, clamped(test.radiance * share, v.path.bounces + 1));
 }
 
 void Integrator::gather_and_scatter(Vertex& v, const Chances& chance)
@@ -310,11 +311,13 @@ void Integrator::look_for_light(const Path& next, const accel::Ray& ray, const s
     const auto add = [&](float t_far, Vec3f radiance) {
         const Vec3f left = left_by_body(next.absorption, t_far);
         const Vec3f reaches = clamped(next.throughput * left * radiance, next.bounces);
-        if (is_black(reaches)) return;
+        const Vec3f unabsorbed = clamped(next.throughput * radiance, next.bounces);
+        if (is_black(unabsorbed)) return;
         if (context_.log) context_.log->light_sample(ray.direction, t_far, reaches);
         accel::Ray& shadow = shadows_.add(next.sample, reaches);
         shadow = ray;
         shadow.t_far = t_far;
+        if (next.absorption != Vec3f(0)) shadows_.starts_in_body(next.absorption, unabsorbed);
     };
     const float infinity = std::numeric_limits<float>::infinity();
     const auto cross = [&](const shade::WorldLight& light, const shade::LightCrossing& c, float expected) {

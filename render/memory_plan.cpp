@@ -20,7 +20,7 @@ constexpr std::size_t kShadowRays = FrameContext::kShadowBatch /
 constexpr std::size_t kBytesOfARay = 2 * (sizeof(Path) + sizeof(accel::Ray)) + sizeof(accel::SurfaceHit) +
                                      sizeof(SampleResult) + 4 * sizeof(int) + sizeof(Vec3f) + sizeof(float) +
                                      accel::kBytesOfABatchedRay;
-constexpr std::size_t kBytesOfAShadowRay = sizeof(accel::Ray) + 2 * sizeof(Vec4f) + accel::kBytesOfABatchedRay;
+constexpr std::size_t kBytesOfAShadowRay = sizeof(accel::Ray) + 5 * sizeof(Vec4f) + accel::kBytesOfABatchedRay;
 constexpr std::size_t queue_bytes(int rays) { return std::size_t(rays) * (kBytesOfARay + kShadowRays * kBytesOfAShadowRay); }
 
 // Both are in the units of --memory: what is needed is rounded up, and what there is down, so that it looks like less.

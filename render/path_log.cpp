@@ -68,6 +68,7 @@ void PathLog::surface(const Path& path, const accel::SurfaceHit& hit, const shad
     if (surface.coat > 0) out_ << ", coat " << surface.coat << " of width " << surface.coat_alpha;
     if (surface.transmission != Vec3f(0)) out_ << ", transmission " << surface.transmission;
     if (surface.is_solid) out_ << ", refractive index " << surface.eta;
+    if (surface.is_straight) out_ << ", a body that does not bend light";
     if (surface.emission != Vec3f(0)) out_ << ", emission " << surface.emission;
     if (surface.unlit) out_ << ", unlit";
     out_ << '\n';

@@ -59,19 +59,24 @@ void ShadowQueue::clear() noexcept
 {
     shadows_.clear();
     rays_.clear();
+    starts_.clear();
 }
 
 void ShadowQueue::collect_blocked()
 {
     blocked_.clear();
     blocked_rays_.clear();
+    auto start = starts_.cbegin();
     for (std::size_t i = 0; i < shadows_.size(); ++i) {
+        const bool is_in_body = start != starts_.cend() && start->shadow == i;
+        const Start* const body = is_in_body ? &*start++ : nullptr;
         if (!occluded_[i]) continue;
-        if (!may_pass_) {
+        if (!may_pass()) {
             shadows_[i].radiance = Vec3f(0);
             continue;
         }
-        blocked_.push_back({static_cast<std::uint32_t>(i), 1, 0});
+        if (body) shadows_[i].radiance = body->radiance;
+        blocked_.push_back({static_cast<std::uint32_t>(i), 1, 0, body ? body->absorption : Vec3f(0)});
         blocked_rays_.push_back(rays_[i]);
     }
 }
@@ -79,19 +84,22 @@ void ShadowQueue::collect_blocked()
 bool ShadowQueue::passes(std::size_t blocked, const accel::SurfaceHit& hit, std::span<const float> luck)
 {
     accel::Ray& ray = blocked_rays_[blocked];
-    const Vec3f transmittance = culls_ && is_culled(hit)
-                                    ? Vec3f(1)
-                                    : shade::passes_straight(shade_point(ray, hit, texture_width_), textures_);
-    Shadow& shadow = shadows_[blocked_[blocked].shadow];
-    const float share = blocked_[blocked].share * std::max({transmittance.x, transmittance.y, transmittance.z});
-    const float chance = passing_chance(share, ++blocked_[blocked].passed);
+    Blocked& of = blocked_[blocked];
+    const shade::StraightPass pass = rules_.culls && is_culled(hit)
+                                         ? shade::StraightPass{Vec3f(1)}
+                                         : shade::passes_straight(shade_point(ray, hit, rules_.texture_width), textures_);
+    const Vec3f transmittance = pass.transmittance * left_by_body(of.absorption, hit.t - start_of(ray), scale_);
+    if (pass.is_straight) of.absorption = hit.back_side ? Vec3f(0) : pass.absorption_inside;
+    Shadow& shadow = shadows_[of.shadow];
+    const float share = of.share * std::max({transmittance.x, transmittance.y, transmittance.z});
+    const float chance = passing_chance(share, ++of.passed);
     ray = behind(ray, hit.t);
     if (!(chance > 0) || (chance < 1 && number_of(ray, luck[shadow.sample]) >= chance)) {
         shadow.radiance = Vec3f(0);
         return false;
     }
     shadow.radiance *= chance < 1 ? transmittance / chance : transmittance;
-    blocked_[blocked].share = share / chance;
+    of.share = share / chance;
     return true;
 }
 
@@ -102,10 +110,21 @@ void ShadowQueue::pass_blocked(std::size_t first, int most, std::span<const floa
         const accel::HitCount known = hit_counts_[i];
         int passed = 0;
         while (passed < known.count && passes(first + i, hits[passed], luck)) ++passed;
-        if (passed < known.count || known.is_all) continue;
+        if (passed < known.count) continue;
+        if (known.is_all) {
+            end(first + i);
+            continue;
+        }
         blocked_rays_[kept_] = blocked_rays_[first + i];
         blocked_[kept_++] = blocked_[first + i];
     }
+}
+
+void ShadowQueue::end(std::size_t blocked)
+{
+    const accel::Ray& ray = blocked_rays_[blocked];
+    const Blocked& of = blocked_[blocked];
+    shadows_[of.shadow].radiance *= left_by_body(of.absorption, ray.t_far - start_of(ray), scale_);
 }
 
 void ShadowQueue::add_light(std::span<Vec3f> sums)

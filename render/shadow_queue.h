@@ -1,10 +1,10 @@
 // The shadow rays of a batch: they are collected while hits are shaded, traced together, and added in the order in which
 // they came.
 //
-// A ray may pass the surface that it hits where this blends, masks or is clear glass. It is then shot again from there, in
-// order of t, so the result of a sample depends on the sample alone. The number of surfaces that a ray passes is not
-// limited: a ray with little transmittance left is ended by chance (Russian roulette), and weighs more where it
-// continues.
+// A ray may pass the surface that it hits where this blends, masks, is clear glass or bounds a body that does not bend
+// light. It is then shot again from there, in order of t, so the result of a sample depends on the sample alone, and what
+// bodies absorb is known piece by piece, as for the rays of paths. The number of surfaces that a ray passes is not limited:
+// a ray with little transmittance left is ended by chance (Russian roulette), and weighs more where it continues.
 //
 // Threads  each worker owns one.
 #pragma once
@@ -15,6 +15,7 @@
 
 #include "accel/tracer.h"
 #include "io/texture/texture_store.h"
+#include "render/body_absorption.h"
 #include "render/path.h"
 #include "shade/surface.h"
 
@@ -47,16 +48,19 @@ accel::Ray behind(accel::Ray ray, float t) noexcept;
 
 class ShadowQueue {
 public:
-    /// may_pass   some material of the scene transmits light straight on
-    /// culls      the backs of single-sided surfaces let rays pass, too
-    ShadowQueue(const TextureStore& textures, bool may_pass, bool culls, float texture_width) noexcept
-        : textures_(textures), texture_width_(texture_width), may_pass_(may_pass || culls), culls_(culls)
+    struct Rules {
+        bool may_pass;        ///< a ray that hits a surface may continue behind it
+        bool culls;           ///< the backs of single-sided surfaces let rays pass
+        float texture_width;  ///< width of the texture filter, in pixels
+    };
+    ShadowQueue(const TextureStore& textures, const FrameScale& scale, const Rules& rules) noexcept
+        : textures_(textures), scale_(scale), rules_(rules)
     {
     }
 
     std::size_t size() const noexcept { return rays_.size(); }
     /// Returns true if a ray that hits a surface may continue behind it.
-    bool may_pass() const noexcept { return may_pass_; }
+    bool may_pass() const noexcept { return rules_.may_pass; }
     void clear() noexcept;
     /// Adds a ray, which the caller fills in. trace() adds `radiance` to sums[sample], times the transmittance along the
     /// ray.
@@ -69,6 +73,13 @@ public:
         accel::Ray& ray = rays_.emplace_back();
         ray.kinds = accel::RayKind::Shadow;
         return ray;
+    }
+    /// Says that the ray that was added last starts in a body. Its radiance is what arrives if the whole way lies in there.
+    /// absorption   coefficient of that body, per world length
+    /// radiance     what the ray brings if nothing absorbs it, for a ray that leaves the body again
+    void starts_in_body(Vec3f absorption, Vec3f radiance)
+    {
+        if (may_pass()) starts_.push_back({static_cast<std::uint32_t>(shadows_.size() - 1), absorption, radiance});
     }
 
     /// Traces all rays and adds their radiance. Returns how many were shot. See Integrator::run for Tracer.
@@ -106,11 +117,17 @@ private:
         std::uint32_t sample = 0;
         Vec3f radiance{0};
     };
+    /// Describes a shadow ray that starts in a body: see starts_in_body().
+    struct Start {
+        std::uint32_t shadow;  ///< index into shadows_
+        Vec3f absorption, radiance;
+    };
     /// Describes a shadow ray that has hit a surface.
     struct Blocked {
         std::uint32_t shadow;  ///< index into shadows_
-        float share;           ///< transmittance of the surfaces so far, in the brightest channel
-        int passed;            ///< number of these surfaces
+        float share;           ///< transmittance so far, in the brightest channel
+        int passed;            ///< number of the surfaces so far
+        Vec3f absorption;      ///< coefficient behind the last of them, per world length
     };
 
     /// Collects those rays that have hit a surface and may pass it, so that their hits can be found.
@@ -119,14 +136,17 @@ private:
     void pass_blocked(std::size_t first, int most, std::span<const float> luck);
     /// Returns false if the ray ends at the hit.
     bool passes(std::size_t blocked, const accel::SurfaceHit& hit, std::span<const float> luck);
+    /// Lets a ray that has passed all of its hits come to its end.
+    void end(std::size_t blocked);
     void add_light(std::span<Vec3f> sums);
 
     const TextureStore& textures_;
-    float texture_width_;
-    bool may_pass_, culls_;
+    const FrameScale scale_;
+    const Rules rules_;
     // These are parallel arrays, kept from batch to batch for their memory.
     std::vector<Shadow> shadows_;
     std::vector<accel::Ray> rays_;
+    std::vector<Start> starts_;  ///< of those that start in a body, in the order of the rays
     std::vector<std::uint8_t> occluded_;
     std::vector<Blocked> blocked_;
     std::vector<accel::Ray> blocked_rays_;

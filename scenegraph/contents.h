@@ -22,7 +22,7 @@ struct Contents {
     enum Kind : std::uint8_t {
         Lights = 1,       ///< a placed light
         Emitters = 2,     ///< a surface whose material has an emission that is not zero
-        Passing = 4,      ///< a surface that blends or may be clear glass, so that light may pass it straight on
+        Passing = 4,      ///< a surface that light may pass straight on, but for the holes of a mask: see may_pass()
         OverWhite = 8,    ///< a surface whose base colour is not within [0, 1]
         Displaced = 16,   ///< a displaced cage
         Subdivided = 32,  ///< a cage that is diced: a subdivision surface, or a cage that is made on demand
@@ -133,7 +133,12 @@ struct Material;
 
 /// Transmission through a surface without a volume that is smoother than this does not scatter.
 inline constexpr float kClearRoughness = 0.05f;
-/// Returns true if light may pass straight on through a surface of this material: it masks, blends or is clear glass.
+/// A body whose refractive index differs from 1 by no more than this does not bend light.
+inline constexpr float kLeastBend = 1e-3f;
+/// Returns true if the surface bounds a body that light passes straight on, whatever its roughness.
+bool is_straight_body(const Material& material) noexcept;
+/// Returns true if light may pass straight on through a surface of this material: it masks, blends, is clear glass or bounds
+/// a body that does not bend light.
 bool may_pass(const Material& material) noexcept;
 /// Returns the kinds of Contents that a surface of this material is.
 std::uint8_t kinds_of(const Material& material) noexcept;

@@ -18,10 +18,15 @@ bool blends_or_is_clear(const Material& m) noexcept
 {
     const bool may_be_clear = m.roughness < kClearRoughness || m.metallic_roughness_texture || m.roughness_texture ||
                               m.glossiness_texture;
-    return m.alpha_mode == AlphaMode::Blend || (m.transmission > 0 && may_be_clear);
+    return m.alpha_mode == AlphaMode::Blend || (m.transmission > 0 && may_be_clear) || is_straight_body(m);
 }
 
 }  // namespace
+
+bool is_straight_body(const Material& m) noexcept
+{
+    return m.transmission > 0 && m.thickness > 0 && m.ior >= 1 - kLeastBend && m.ior <= 1 + kLeastBend;
+}
 
 bool may_pass(const Material& m) noexcept { return m.alpha_mode == AlphaMode::Mask || blends_or_is_clear(m); }
 

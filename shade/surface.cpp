@@ -13,9 +13,6 @@
 namespace occam::shade {
 namespace {
 
-// A body whose index is nearer than this to that of the outside does not refract light at all.
-constexpr float kLeastBend = 1e-3f;
-
 float lobe_width(float roughness) noexcept
 {
     const float r = std::clamp(roughness, 0.0f, 1.0f);
@@ -113,23 +110,51 @@ void mix_opaque_rest(const MaterialValues& values, float metallic, const Dielect
     s.f90 = (dielectric.f90 * opaque + metallic) / rest;
 }
 
+// Returns the tint at the surface of a body. Light crosses it twice, so one straight path through a body is tinted once.
+Vec3f tint_of_crossing(Vec3f base_color) noexcept
+{
+    return Vec3f(std::sqrt(std::max(0.0f, base_color.x)), std::sqrt(std::max(0.0f, base_color.y)),
+                 std::sqrt(std::max(0.0f, base_color.z)));
+}
+
+Vec3f absorption_in(const Material& m) noexcept
+{
+    Vec3f absorption(0);
+    if (m.attenuation_distance > 0 && m.attenuation_distance < std::numeric_limits<float>::infinity())
+        for (int c = 0; c < 3; ++c)
+            absorption[c] = -maths::log(std::clamp(m.attenuation_color[c], 1e-6f, 1.0f)) / m.attenuation_distance;
+    return absorption;
+}
+
+// Handles the boundary of a body of the same index as the outside. However rough it is, it neither reflects nor bends light:
+// only the share that is metal or an opaque dielectric scatters.
+void add_straight_body(const Material& m, const MaterialValues& values, const Dielectric& dielectric, float share,
+                       Surface& s) noexcept
+{
+    const float metallic = std::clamp(values.metallic, 0.0f, 1.0f),
+                opaque = (1 - metallic) * (1 - std::min(values.transmission, 1.0f));
+    s.is_straight = true;
+    s.absorption_inside = absorption_in(m);
+    s.transmittance += s.opacity * std::min(share, 1.0f) * tint_of_crossing(s.base_color);
+    s.diffuse = s.base_color * opaque;
+    s.f0 = dielectric.f0 * opaque + s.base_color * metallic;
+    s.f90 = dielectric.f90 * opaque + metallic;
+    if (!(opaque > 0)) s.dielectric_f0 = s.dielectric_f90 = 0;  // there is no base under it
+}
+
 void add_transmission(const Material& m, const MaterialValues& values, const Dielectric& dielectric, bool back_side,
                       Surface& s) noexcept
 {
     const float metallic = std::clamp(values.metallic, 0.0f, 1.0f), share = values.transmission * (1 - metallic);
     if (!(share > 0)) return;
+    if (is_straight_body(m)) return add_straight_body(m, values, dielectric, share, s);
     s.is_solid = m.thickness > 0 && m.ior > 1 + kLeastBend;
     if (s.is_solid) {
         s.solid_share = std::min(share, 1.0f);
         mix_opaque_rest(values, metallic, dielectric, s);
-        // Light crosses the surface of a body twice, so one straight path through it is tinted once.
-        s.transmission = Vec3f(std::sqrt(std::max(0.0f, s.base_color.x)), std::sqrt(std::max(0.0f, s.base_color.y)),
-                               std::sqrt(std::max(0.0f, s.base_color.z)));
+        s.transmission = tint_of_crossing(s.base_color);
         s.eta = back_side ? 1 / m.ior : m.ior;
-        if (m.attenuation_distance > 0 && m.attenuation_distance < std::numeric_limits<float>::infinity())
-            for (int c = 0; c < 3; ++c)
-                s.absorption_inside[c] = -maths::log(std::clamp(m.attenuation_color[c], 1e-6f, 1.0f)) /
-                                         m.attenuation_distance;
+        s.absorption_inside = absorption_in(m);
         return;
     }
     s.diffuse *= 1 - std::min(values.transmission, 1.0f);
@@ -282,9 +307,11 @@ bool is_hole(const Material& m, const lod::VertexToShade& at, Vec4f color, const
     return opacity_of(m, (values.base_color * color).w * values.alpha) == 0;
 }
 
-Vec3f passes_straight(const ShadePoint& point, const TextureStore& textures) noexcept
+StraightPass passes_straight(const ShadePoint& point, const TextureStore& textures) noexcept
 {
-    return may_pass(*point.material) ? evaluate(point, textures).transmittance : Vec3f(0);
+    if (!may_pass(*point.material)) return {};
+    const Surface s = evaluate(point, textures);
+    return {s.transmittance, s.is_straight, s.absorption_inside};
 }
 
 float ambient_share(const ShadePoint& point, const TextureStore& textures) noexcept

@@ -28,7 +28,8 @@ struct Surface {
 
     Vec3f base_color{0};  ///< factor, texture and vertex colour
     float opacity = 1;    ///< share that is there at all; below 1 where the material blends, 0 or 1 where it masks
-    /// Transmittance straight on: through the share that is not there, and through smooth thin glass.
+    /// Transmittance straight on: through the share that is not there, through smooth thin glass, and through the boundary
+    /// of a body that does not bend light.
     Vec3f transmittance{0};
     Vec3f emission{0};   ///< towards the eye, without the share of the coat
     bool unlit = false;  ///< base_color is the radiance; nothing else counts
@@ -49,11 +50,23 @@ struct Surface {
 
     bool is_matte = false;  ///< only `diffuse` scatters light, so what follows from the other lobes need not be computed
 
-    Vec3f transmission{0};       ///< tint of what a rough thin pane or a solid body transmits; zero: nothing
-    bool is_solid = false;       ///< Light is refracted (KHR_materials_volume); otherwise the surface is a thin pane.
-    float solid_share = 1;       ///< Solid: the share of the surface that is glass. f0 and diffuse describe the rest.
-    float eta = 1;               ///< solid: refractive index behind the surface over that on the eye's side
-    Vec3f absorption_inside{0};  ///< solid: coefficient per world length inside of the body (Beer-Lambert)
+    Vec3f transmission{0};     ///< tint of what a rough thin pane or a solid body transmits; zero: nothing
+    bool is_solid = false;     ///< The surface bounds a body (KHR_materials_volume) and refracts light.
+    bool is_straight = false;  ///< It bounds a body that does not bend light: what passes straight on enters or leaves it.
+    float solid_share = 1;     ///< Solid: the share of the surface that is glass. f0 and diffuse describe the rest.
+    float eta = 1;             ///< solid: refractive index behind the surface over that on the eye's side
+    /// Coefficient per world length inside of the body that the surface bounds (Beer-Lambert).
+    Vec3f absorption_inside{0};
+
+    bool bounds_body() const noexcept { return is_solid || is_straight; }
+    /// Returns the coefficient that holds on the far side of the surface, seen from the back or from the front.
+    /// here   that on the eye's side, which is also that behind a surface that bounds no body
+    Vec3f absorption_behind(bool back_side, Vec3f here) const noexcept
+    {
+        return !bounds_body() ? here : back_side ? Vec3f(0) : absorption_inside;
+    }
+    /// Returns true if light passes straight on and none is scattered.
+    bool only_passes() const noexcept { return is_straight && is_matte && diffuse == Vec3f(0); }
 
     /// Returns where a ray in that direction starts: off the mesh that it sees by more than rounding, to the side that it
     /// leaves by.
@@ -109,8 +122,15 @@ inline bool is_single_sided(const Material& material) noexcept
 /// color   vertex colour
 bool is_hole(const Material& material, const lod::VertexToShade& at, Vec4f color, const TextureStore& textures) noexcept;
 
-/// Returns the transmittance straight on at the point, which is evaluate().transmittance, without computing the rest.
-Vec3f passes_straight(const ShadePoint& point, const TextureStore& textures) noexcept;
+/// Describes what happens to light that comes to a surface and passes it straight on.
+struct StraightPass {
+    Vec3f transmittance{0};      ///< as that of evaluate()
+    bool is_straight = false;    ///< it enters or leaves a body that does not bend light
+    Vec3f absorption_inside{0};  ///< of that body
+};
+/// Returns what evaluate() gives for light that passes straight on, without computing the rest for surfaces that let none
+/// pass.
+StraightPass passes_straight(const ShadePoint& point, const TextureStore& textures) noexcept;
 
 /// Returns the share of ambient light, 0 to 1, that the occlusion map of the material leaves. It applies to light that is
 /// not traced to its origin. Nothing else reads the map, because traced rays find the same occlusion.

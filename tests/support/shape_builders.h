@@ -119,6 +119,27 @@ inline Cage creased_cube(float sharpness)
     return cage;
 }
 
+/// Returns a closed box of triangles from (-1, -1, -1) to (1, 1, 1), which is visible from inside and outside.
+inline Cage triangle_box()
+{
+    Cage cage;
+    cage.scheme = Scheme::Triangles;
+    for (int i = 0; i < 8; ++i) cage.positions.push_back({i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f});
+    cage.face_vertices = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4,
+                          2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
+    return cage;
+}
+
+/// Returns a level square of two triangles that faces up.
+inline Cage level_square(float half)
+{
+    Cage cage;
+    cage.scheme = Scheme::Triangles;
+    cage.positions = {{-half, 0, -half}, {half, 0, -half}, {half, 0, half}, {-half, 0, half}};
+    cage.face_vertices = {0, 2, 1, 0, 3, 2};
+    return cage;
+}
+
 inline NodeId place(Scene& scene, CageId cage, Vec3d at, double scale = 1)
 {
     NodeDesc desc;

@@ -8,27 +8,7 @@
 namespace occam::test {
 namespace {
 
-// Returns a closed box of triangles, which is visible from inside and outside.
-Cage box()
-{
-    Cage cage;
-    cage.scheme = Scheme::Triangles;
-    for (int i = 0; i < 8; ++i) cage.positions.push_back({i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f});
-    cage.face_vertices = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4,
-                          2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
-    return cage;
-}
-
-Cage square(float half)
-{
-    Cage cage;
-    cage.scheme = Scheme::Triangles;
-    cage.positions = {{-half, 0, -half}, {half, 0, -half}, {half, 0, half}, {-half, 0, half}};
-    cage.face_vertices = {0, 2, 1, 0, 3, 2};
-    return cage;
-}
-
-// Returns the same square, of 2 side^2 triangles.
+// Returns the same square as level_square(), of 2 side^2 triangles.
 Cage tiled_square(float half, std::uint32_t side)
 {
     Cage cage;
@@ -81,7 +61,7 @@ TEST(Path, AShiningRoomIsAsBrightAsTheSeriesOfItsBounces)
     Scene scene;
     Material walls = matte(0.6f);
     walls.emission = Vec3f(0.4f);
-    put(scene, box(), walls);
+    put(scene, triangle_box(), walls);
     Settings settings = kSmall;
     settings.bounces = 60;
     const Mean all = mean_of(scene, kInside, settings);
@@ -107,7 +87,7 @@ TEST(Path, AShiningMeshLightsAsAnAreaLightDoes)
         floor.specular = 1;
         floor.metallic = 0.5f;
         floor.roughness = roughness;
-        put(scene, square(4), floor);
+        put(scene, level_square(4), floor);
         const auto radiance = static_cast<float>(5 * height * height);
         if (tiles > 0) {
             Material lamp = matte(0);
@@ -146,7 +126,7 @@ TEST(Path, GlassInAWhiteSkyIsWhite)
             glass.roughness = roughness;
             glass.transmission = 1;
             glass.thickness = thickness;
-            put(scene, box(), glass);
+            put(scene, triangle_box(), glass);
             scene.environment.radiance = Vec3f(1);
             Settings settings = kSmall;
             settings.bounces = 128;  // A cube holds light by total reflection for long.
@@ -170,7 +150,7 @@ TEST(Path, ByDefaultMetalsAndRoughGlassAreAsBrightAsTheirSky)
             material.transmission = kind.transmission;
             material.thickness = kind.thickness;
             material.roughness = roughness;
-            put(scene, box(), material);
+            put(scene, triangle_box(), material);
             scene.environment.radiance = Vec3f(1);
             const Mean m = mean_of(scene, Camera::look_at({2, 3, 4}, {0, 0, 0}, {0, 1, 0}, 0.4f),
                                    {.width = 32, .height = 32});
@@ -193,7 +173,7 @@ TEST(Path, ABodyTakesLightByTheLengthOfTheWay)
     glass.ior = 1.5f;
     glass.attenuation_color = Vec3f(0.25f);
     glass.attenuation_distance = 4;
-    put(scene, box(), glass);
+    put(scene, triangle_box(), glass);
     scene.environment.radiance = Vec3f(1);
     Settings settings = kSmall;
     settings.bounces = 40;
@@ -218,8 +198,8 @@ TEST(Path, ABodyTakesLightOnItsWayToALampInside)
         m.ior = 1.01f;
         m.attenuation_color = Vec3f(0.5f);
         m.attenuation_distance = 1;
-        put(scene, square(50), m);
-        put(scene, square(50), floor, {0, -3, 0});
+        put(scene, level_square(50), m);
+        put(scene, level_square(50), floor, {0, -3, 0});
     };
     Settings settings = kSmall;
     settings.width = settings.height = 8;
@@ -258,13 +238,13 @@ TEST(Path, UnlitSurfacesAreSeenAtTheSameStepsBesideAnEmissiveOne)
         for (const IntegratorKind integrator : {IntegratorKind::Direct, IntegratorKind::Path}) {
             const auto lit = [&](bool has_emitter) {
                 Scene scene;
-                put(scene, square(3), matte(0.8f));
+                put(scene, level_square(3), matte(0.8f));
                 Material unlit;
                 unlit.unlit = true;
-                put(scene, square(1), unlit, {0, 1, 0});
+                put(scene, level_square(1), unlit, {0, 1, 0});
                 Material shining = matte(0);
                 shining.emission = Vec3f(1);
-                if (has_emitter) put(scene, square(0.1f), shining, {0, -5, 0});
+                if (has_emitter) put(scene, level_square(0.1f), shining, {0, -5, 0});
                 Settings settings = kSmall;
                 settings.integrator = integrator;
                 settings.bounces = bounces;
