@@ -31,6 +31,7 @@ float exposure_of_sketch(const FrameInputs& in, const FrameSetup& setup, FrameTr
     const Sampler sampler(settings.seed, settings.spp, settings.jitter);
     FrameContext context{settings, camera, sampler, setup.filter, setup.lights, in.textures, setup.context.may_pass};
     context.moves = setup.context.moves;
+    context.may_start_in_body = setup.context.may_start_in_body;
     context.scene = setup.context.scene;
     context.scale = setup.scale;
     context.shadow_batch = setup.context.shadow_batch;

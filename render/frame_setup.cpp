@@ -82,6 +82,7 @@ FrameSetup::FrameSetup(const FrameInputs& in)
     context.scene = &in.scene;
     context.scale = scale;
     context.moves = camera.moves() || in.scene.shutter_segments() > 0;
+    context.may_start_in_body = in.scene.contents().has(Contents::Absorbing);
     context.shadow_batch = in.memory.shadow_batch;
     set_depth_range(context, scale.placed(in.scene_bounds));
 }

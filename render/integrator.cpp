@@ -29,7 +29,10 @@ Integrator::Integrator(const FrameContext& context)
       shows_cost_(shows_cost(context.settings.view)),
       wants_occlusion_(context.settings.integrator == IntegratorKind::Ao || context.settings.has(Aov::Occlusion)),
       shadows_(context.textures, context.scale,
-               {context.may_pass || !context.settings.back_faces, !context.settings.back_faces, texture_width_})
+               {context.may_pass || !context.settings.back_faces, !context.settings.back_faces, texture_width_}),
+      eye_body_(context.textures, texture_width_),
+      seeks_eye_body_(context.may_start_in_body && context.settings.view == View::Beauty &&
+                      context.settings.integrator != IntegratorKind::Ao)
 {
     waits_ = !context.log && context.settings.light_samples == 1 && context.lights.tree().is_empty() &&
              context.lights.lights_outside_tree() <= static_cast<std::size_t>(kMaxLightsPerHit);
@@ -84,6 +87,11 @@ void Integrator::begin(std::span<const CameraSample> samples, std::span<SampleRe
                                                        s.y + 0.5 + double(results[i].offset.y), lens, time));
     }
     counters_.rays.primary += samples.size();
+}
+
+void Integrator::log_eye_body() const
+{
+    if (context_.log) context_.log->starts_in(paths_.front().absorption);
 }
 
 std::size_t Integrator::end_of_chunk(std::size_t first) const noexcept

@@ -27,6 +27,7 @@
 #include "render/body_absorption.h"
 #include "render/camera_rays.h"
 #include "render/cryptomatte.h"
+#include "render/eye_body.h"
 #include "render/film.h"
 #include "render/filter.h"
 #include "render/path.h"
@@ -50,6 +51,7 @@ struct FrameContext {
     const TextureStore& textures;
     bool may_pass = false;                ///< some material of the scene transmits light straight on
     bool moves = false;                   ///< something moves while the shutter is open: samples have moments
+    bool may_start_in_body = false;       ///< some body of the scene absorbs light, and camera rays may start in it
     float depth_near = 0, depth_far = 1;  ///< camera z of the scene, for View::Depth
     const Scene* scene = nullptr;         ///< has the names that Cryptomatte needs
     FrameScale scale{};                   ///< all other lengths of the frame are in its unit
@@ -109,6 +111,7 @@ public:
     void run(Tracer& tracer, std::span<const CameraSample> samples, std::span<SampleResult> results)
     {
         begin(samples, results);
+        if (seeks_eye_body_) find_eye_body(tracer);
         for (; !paths_.empty(); extend()) {
             for (std::size_t first = 0, end = 0; first < paths_.size(); first = end) {
                 hits_of_each_ = hits_at_once(paths_[first]);
@@ -158,6 +161,14 @@ private:
     };
 
     void begin(std::span<const CameraSample> samples, std::span<SampleResult> results);
+    /// Finds the bodies in which the rays of the samples start.
+    template <class Tracer>
+    void find_eye_body(Tracer& tracer)
+    {
+        trace([&] { counters_.rays.primary += eye_body_.find(tracer, rays_, paths_); });
+        log_eye_body();
+    }
+    void log_eye_body() const;
     /// Sets the offsets and weights of samples by the filter.
     void place(std::span<const CameraSample> samples, std::span<SampleResult> results) const;
     /// Returns how many hits of the path's ray are found at once: more for one that has passed many surfaces, so that the
@@ -351,6 +362,8 @@ private:
     std::vector<Vec3f> lit_;   ///< radiance from shadow rays, one sum per sample
     std::vector<float> luck_;  ///< the number for each sample that ShadowQueue::trace() needs
     ShadowQueue shadows_;
+    EyeBody eye_body_;
+    bool seeks_eye_body_;  ///< the picture shows what the body takes in which the eye may be
     shade::PlainSurfaces plain_surfaces_;
 
     /// Keeps what a surface needs that waits to be shaded with others.

@@ -60,6 +60,7 @@ std::vector<Glimpse> small_picture(const FrameInputs& in, const FrameScale& scal
     const PixelFilter filter(settings.filter, settings.filter_radius);
     FrameContext context{settings, camera, sampler, filter, lights, in.textures, true};
     context.moves = camera.moves() || in.scene.shutter_segments() > 0;
+    context.may_start_in_body = in.scene.contents().has(Contents::Absorbing);
     context.scale = scale;
     context.shadow_batch = in.memory.shadow_batch;
     const MaskFilter masks(in.textures);

@@ -31,6 +31,12 @@ std::string_view lobe_name(shade::Lobe lobe) noexcept
 
 }  // namespace
 
+void PathLog::starts_in(Vec3f absorption)
+{
+    if (absorption == Vec3f(0)) out_ << "the camera ray starts in no body that absorbs light\n";
+    else out_ << "the camera ray starts in a body that absorbs " << absorption << " a length\n";
+}
+
 void PathLog::ray(const accel::Ray& ray)
 {
     const double to_world = scale_.to_world();

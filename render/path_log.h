@@ -28,6 +28,8 @@ public:
 
     std::ostream& out() noexcept { return out_; }
 
+    /// Writes in what the path starts, after the rays that found it.
+    void starts_in(Vec3f absorption);
     /// Begins the part of a ray, before it is traced.
     void ray(const accel::Ray& ray);
     /// Writes what a ray has hit.

@@ -91,7 +91,7 @@ std::size_t ChildBoxes::most_at_once(std::size_t children) noexcept
     return children <= kMostAtOnce ? children : kBlock + 2 * std::size_t(std::bit_width(children / kBlock) + 1);
 }
 
-void ChildBoxes::find(std::uint8_t kinds, std::vector<std::uint32_t>& out) const
+void ChildBoxes::find(Contents::Kinds kinds, std::vector<std::uint32_t>& out) const
 {
     const std::size_t before = out.size();
     std::vector<std::uint32_t> todo{kRoot};

@@ -84,7 +84,7 @@ public:
     /// Returns how many things opening a node with that many children puts side by side, at most.
     static std::size_t most_at_once(std::size_t children) noexcept;
     /// Appends the children of the blocks that hold one of these kinds, by their index and in rising order.
-    void find(std::uint8_t kinds, std::vector<std::uint32_t>& out) const;
+    void find(Contents::Kinds kinds, std::vector<std::uint32_t>& out) const;
 
 private:
     struct Sum {

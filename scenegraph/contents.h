@@ -18,8 +18,9 @@
 namespace occam {
 
 struct Contents {
-    /// What a subtree may hold; the values combine to a mask.
-    enum Kind : std::uint8_t {
+    /// A mask of what a subtree may hold.
+    using Kinds = std::uint16_t;
+    enum Kind : Kinds {
         Lights = 1,       ///< a placed light
         Emitters = 2,     ///< a surface whose material has an emission that is not zero
         Passing = 4,      ///< a surface that light may pass straight on, but for the holes of a mask: see may_pass()
@@ -27,10 +28,11 @@ struct Contents {
         Displaced = 16,   ///< a displaced cage
         Subdivided = 32,  ///< a cage that is diced: a subdivision surface, or a cage that is made on demand
         Masked = 64,      ///< a surface with an alpha mask, which may have holes
-        Moving = 128      ///< a node that moves or changes while the shutter is open, or whose cages or skin do
+        Moving = 128,     ///< a node that moves or changes while the shutter is open, or whose cages or skin do
+        Absorbing = 256   ///< a surface that bounds a body which absorbs light
     };
 
-    std::uint8_t kinds = 0;
+    Kinds kinds = 0;
     std::uint32_t widest = 0;             ///< most things that opening one node puts side by side
     std::uint32_t levels = 0;             ///< most nodes on a way down, the first one included
     std::uint32_t largest_face = 0;       ///< corners
@@ -96,7 +98,7 @@ struct Contents {
         const Vec3d e = box.extent();
         return std::max((e.x + e.y + e.z) * (e.x + e.y + e.z), 1e-300);
     }
-    bool has(std::uint8_t any_of) const noexcept { return (kinds & any_of) != 0; }
+    bool has(Kinds any_of) const noexcept { return (kinds & any_of) != 0; }
     friend bool operator==(const Contents&, const Contents&) = default;
 };
 
@@ -141,6 +143,6 @@ bool is_straight_body(const Material& material) noexcept;
 /// a body that does not bend light.
 bool may_pass(const Material& material) noexcept;
 /// Returns the kinds of Contents that a surface of this material is.
-std::uint8_t kinds_of(const Material& material) noexcept;
+Contents::Kinds kinds_of(const Material& material) noexcept;
 
 }  // namespace occam

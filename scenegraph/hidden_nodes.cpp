@@ -7,7 +7,7 @@
 
 namespace occam {
 
-std::unordered_set<NodeId> nodes_hidden_from(const Scene& scene, std::uint8_t rays, std::uint8_t kinds)
+std::unordered_set<NodeId> nodes_hidden_from(const Scene& scene, std::uint8_t rays, Contents::Kinds kinds)
 {
     struct Step {
         NodeId id;

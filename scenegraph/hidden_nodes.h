@@ -10,6 +10,6 @@ namespace occam {
 
 /// Returns the nodes that themselves or below hold one of these kinds of Contents, and that rays of one of the kinds in
 /// `rays` do not see in one of their placements.
-std::unordered_set<NodeId> nodes_hidden_from(const Scene& scene, std::uint8_t rays, std::uint8_t kinds);
+std::unordered_set<NodeId> nodes_hidden_from(const Scene& scene, std::uint8_t rays, Contents::Kinds kinds);
 
 }  // namespace occam

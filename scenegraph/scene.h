@@ -281,7 +281,7 @@ public:
     /// shown   whether it visits what is visible at any time while the shutter is open, or what is in its middle
     using VisitPlacement = std::function<void(NodeId, const Node&, const Mat4d& world_from_node)>;
     enum class Shown : std::uint8_t { InShutter, MidShutter };
-    void for_placements_of(std::uint8_t kinds, const VisitPlacement& visit, Shown shown = Shown::InShutter) const;
+    void for_placements_of(Contents::Kinds kinds, const VisitPlacement& visit, Shown shown = Shown::InShutter) const;
     /// Returns the tree over the node's children, or null for a node with few of them. It is valid after refit().
     const ChildBoxes* child_boxes(NodeId id) const noexcept;
     /// Returns the number of a node's children.

@@ -301,7 +301,7 @@ void Scene::replace(MaterialId id, Material material)
     check(material);
     state_->check_handles(material);
     state_->watch_textures(id, material);
-    const std::uint8_t kinds = kinds_of(known);
+    const Contents::Kinds kinds = kinds_of(known);
     static_cast<Material&>(known) = std::move(material);
     if (kinds_of(known) != kinds) state_->mark_users_dirty(known);
 }

@@ -1,5 +1,6 @@
 // What subtrees hold: how it is summed up, and how what is looked for is found by it.
 #include <cstdio>
+#include <limits>
 #include <string>
 #include <unordered_map>
 
@@ -21,6 +22,14 @@ bool blends_or_is_clear(const Material& m) noexcept
     return m.alpha_mode == AlphaMode::Blend || (m.transmission > 0 && may_be_clear) || is_straight_body(m);
 }
 
+bool bounds_absorbing_body(const Material& m) noexcept
+{
+    const Vec3f c = m.attenuation_color;
+    const bool is_body = m.transmission > 0 && m.thickness > 0 && m.ior >= 1 - kLeastBend;
+    const bool is_finite = m.attenuation_distance > 0 && m.attenuation_distance < std::numeric_limits<float>::infinity();
+    return is_body && is_finite && (c.x < 1 || c.y < 1 || c.z < 1);
+}
+
 }  // namespace
 
 bool is_straight_body(const Material& m) noexcept
@@ -30,13 +39,14 @@ bool is_straight_body(const Material& m) noexcept
 
 bool may_pass(const Material& m) noexcept { return m.alpha_mode == AlphaMode::Mask || blends_or_is_clear(m); }
 
-std::uint8_t kinds_of(const Material& m) noexcept
+Contents::Kinds kinds_of(const Material& m) noexcept
 {
     const Vec3f c(m.base_color);
     const bool is_within = c.x >= 0 && c.x <= 1 && c.y >= 0 && c.y <= 1 && c.z >= 0 && c.z <= 1;
-    return static_cast<std::uint8_t>(
+    return static_cast<Contents::Kinds>(
         (m.emission != Vec3f(0) ? Contents::Emitters : 0) | (blends_or_is_clear(m) ? Contents::Passing : 0) |
-        (m.alpha_mode == AlphaMode::Mask ? Contents::Masked : 0) | (is_within ? 0 : Contents::OverWhite));
+        (m.alpha_mode == AlphaMode::Mask ? Contents::Masked : 0) | (is_within ? 0 : Contents::OverWhite) |
+        (bounds_absorbing_body(m) ? Contents::Absorbing : 0));
 }
 
 bool Scene::is_cut_out_by(TextureId id) const noexcept
@@ -219,7 +229,7 @@ std::size_t Scene::child_count(NodeId id) const
     return node.children.size() - node.removed_children;
 }
 
-void Scene::for_placements_of(std::uint8_t kinds, const VisitPlacement& visit, Shown shown) const
+void Scene::for_placements_of(Contents::Kinds kinds, const VisitPlacement& visit, Shown shown) const
 {
     const State& s = *state_;
     const Holders holders(*this);

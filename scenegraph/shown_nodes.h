@@ -18,11 +18,11 @@ class Holders {
 public:
     explicit Holders(const Scene& scene) : scene_(scene), is_summed_(!scene.node(scene.root()).dirty) {}
 
-    bool may_hold(const Node& node, std::uint8_t kinds) const noexcept { return !is_summed_ || node.contents.has(kinds); }
+    bool may_hold(const Node& node, Contents::Kinds kinds) const noexcept { return !is_summed_ || node.contents.has(kinds); }
     /// Calls visit(NodeId) for children of a node in their order, among them all that may hold one of these kinds of
     /// Contents; 0: for all children. Handles of children that were removed are null.
     template <class Visit>
-    void for_each_child(NodeId id, std::uint8_t kinds, Visit&& visit) const
+    void for_each_child(NodeId id, Contents::Kinds kinds, Visit&& visit) const
     {
         const Node& node = scene_.node(id);
         const ChildBoxes* boxes = is_summed_ && kinds != 0 ? scene_.child_boxes(id) : nullptr;
@@ -41,7 +41,7 @@ private:
 /// Calls visit(NodeId, const Node&) once for every node that has a placement that Scene::for_each_placement visits. With
 /// `kinds`, subtrees that hold none of these kinds of Contents are left out, if the scene is refitted.
 template <class Visit>
-void for_each_shown_node(const Scene& scene, std::uint8_t kinds, Visit&& visit)
+void for_each_shown_node(const Scene& scene, Contents::Kinds kinds, Visit&& visit)
 {
     std::vector<bool> is_known;
     std::vector<NodeId> todo;

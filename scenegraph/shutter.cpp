@@ -282,7 +282,7 @@ int needed_segments(const Scene& scene, const PathTolerance& tolerance)
     return count.needed();
 }
 
-std::unordered_set<NodeId> moving_nodes(const Scene& scene, std::uint8_t kinds)
+std::unordered_set<NodeId> moving_nodes(const Scene& scene, Contents::Kinds kinds)
 {
     std::unordered_set<NodeId> moving;
     if (scene.shutter_segments() == 0) return moving;
@@ -306,7 +306,7 @@ std::unordered_set<NodeId> moving_nodes(const Scene& scene, std::uint8_t kinds)
         // A node that was found to move has been followed already, and a still one only once for placements that are still.
         if (moving.contains(step.id) || (!step.moves && still.contains(step.id))) continue;
         (step.moves ? moving : still).insert(step.id);
-        holders.for_each_child(step.id, step.moves ? kinds : std::uint8_t(Contents::Moving),
+        holders.for_each_child(step.id, step.moves ? kinds : Contents::Kinds(Contents::Moving),
                                [&](NodeId child) { push(child, step.moves); });
         push(scene.node(step.id).instance_of, step.moves);
     }

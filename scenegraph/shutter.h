@@ -47,6 +47,6 @@ inline constexpr int kMostPlacements = 64, kMostPlacementsInAll = 1 << 16;
 
 /// Returns the nodes whose surfaces move, or are hidden for a part of the time, while the shutter is open, in any of their
 /// placements, among those that hold one of these kinds of Contents. After Scene::refit() it visits no others.
-std::unordered_set<NodeId> moving_nodes(const Scene& scene, std::uint8_t kinds);
+std::unordered_set<NodeId> moving_nodes(const Scene& scene, Contents::Kinds kinds);
 
 }  // namespace occam

@@ -40,7 +40,7 @@ std::vector<std::string> input_warnings(const Scene& scene, float sky_strength, 
         for (const MaterialId id : ids)
             if (const Material* m = scene.find(id)) materials.insert(m);
     };
-    constexpr std::uint8_t kKinds = Contents::OverWhite | Contents::Emitters | Contents::Lights;
+    constexpr Contents::Kinds kKinds = Contents::OverWhite | Contents::Emitters | Contents::Lights;
     for_each_shown_node(scene, kKinds, [&](NodeId, const Node& node) {
         look(node.materials);
         for (const CageId id : node.cages)

@@ -40,9 +40,9 @@ struct Placement {
 
 void expect_what_a_walk_finds(Scene& scene, int step)
 {
-    constexpr std::uint8_t kMasks[] = {Contents::Lights,     Contents::Emitters,
-                                       Contents::Passing,    Contents::OverWhite | Contents::Displaced,
-                                       Contents::Subdivided, Contents::Masked};
+    constexpr Contents::Kinds kMasks[] = {
+        Contents::Lights,     Contents::Emitters, Contents::Passing,  Contents::OverWhite | Contents::Displaced,
+        Contents::Subdivided, Contents::Masked,   Contents::Absorbing};
     scene.refit();
     Contents all;
     std::vector<Placement> expected[std::size(kMasks)];
@@ -69,12 +69,14 @@ class EditedScene {
 public:
     explicit EditedScene(unsigned seed) : random_(seed)
     {
-        Material glowing, glass, white, leaf;
+        Material glowing, glass, white, leaf, water;
         glowing.emission = Vec3f(2);
         glass.alpha_mode = AlphaMode::Blend;
         white.base_color = Vec4f(1.5f);
         leaf.alpha_mode = AlphaMode::Mask;
-        for (const Material& m : {Material(), glowing, glass, white, leaf}) looks_.push_back(m);
+        water.transmission = water.thickness = water.attenuation_distance = 1;
+        water.attenuation_color = Vec3f(0.5f);
+        for (const Material& m : {Material(), glowing, glass, white, leaf, water}) looks_.push_back(m);
         for (int i = 0; i < 6; ++i) materials_.push_back(scene.add(looks_[pick(looks_.size())]));
         for (int i = 0; i < 4; ++i) cages_.push_back(scene.add(cage(i)));
         light_ = scene.add(Light{{}, PointLight{}});
