@@ -155,6 +155,30 @@ TEST(EyeInABody, IsTheSameInAnySizeOfTheWorldAndMirrored)
         }
 }
 
+// The lens is cut by the surface of the body, so that each sample asks for itself.
+TEST(EyeInABody, IsTheSameForAnyThreadsAndBudget)
+{
+    BodyStage stage;
+    stage.put(torus(), body_of(1.3f), {}, Vec3d(2));
+    stage.put(torus(), matte_of(0.7f), {2.2, 0, 0}, Vec3d(0.3));
+    stage.scene.environment.radiance = Vec3f(1);
+    stage.settings.width = 32;
+    stage.settings.height = 18;
+    stage.settings.spp = 4;
+    Camera camera = Camera::look_at({2.7, 0.1, 0.3}, {0, 0, 0}, {0, 1, 0}, 1);
+    camera.lens.radius = 0.3f;
+    camera.lens.focus = 2;
+    std::uint64_t checksum = 0;
+    for (const int threads : {1, 3})
+        for (const std::size_t memory : {std::size_t(1) << 30, Renderer({.threads = threads}).memory_floor(stage.scene)}) {
+            Renderer renderer({.threads = threads, .memory_bytes = memory});
+            const Image image = renderer.render(stage.scene, camera, stage.settings);
+            EXPECT_GT(renderer.stats().rays.primary, 2u * 32 * 18 * 4);
+            if (checksum == 0) checksum = image.checksum();
+            EXPECT_EQ(image.checksum(), checksum) << threads << " threads, " << memory << " bytes";
+        }
+}
+
 // A scene whose bodies absorb nothing takes no ray more than one without bodies.
 TEST(EyeInABody, IsNotSoughtWhereNoBodyAbsorbs)
 {
