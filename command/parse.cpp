@@ -110,8 +110,9 @@ void add_camera(CLI::App& app, RenderArguments& a)
                                         "Frame the scene from this side of it, whatever cameras it has [three-quarter]")
         ->excludes(name)
         ->excludes(look_at);
-    add_value(app, "--up", "Which way is up, for --look-at and for framing [z for STL, else y]", "x|y|z|X,Y,Z",
-              [&](const std::string& t) { a.up = axis_of(t); })
+    add_value(app, "--up",
+              "Which way is up, for --look-at and for framing; without --look-at a new camera is placed [z for STL, else y]",
+              "x|y|z|X,Y,Z", [&](const std::string& t) { a.up = axis_of(t); })
         ->excludes(name);
     add_number(app, "--fov", "Whole vertical angle, degrees", [&](double v) {
         if (!(v >= 0.0006 && v <= 179.9)) throw std::invalid_argument("expected from 0.0006 to 179.9 degrees");
@@ -305,7 +306,7 @@ struct BenchWords {
 
 CLI::App& add_bench(CLI::App& app, BenchWords& bench)
 {
-    CLI::App& command = *app.add_subcommand("bench", "Measure speed, beside other software");
+    CLI::App& command = *app.add_subcommand("bench", "Measure speed, beside other software, where benchmarks were built");
     command.add_option("SUITE", bench.suites, "Suites to run [all]")->type_name("");
     command.add_option("--only", bench.only, "Cases whose name or recipe has this text")->type_name("TEXT");
     command.add_option("--json", bench.json, "Write the rows as JSON")->type_name("FILE");
