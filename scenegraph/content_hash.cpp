@@ -98,7 +98,8 @@ private:
     {
         const Texture* texture = scene_.find(id);
         if (!is_new(textures_, id, texture != nullptr)) return;
-        add(texture->role, texture->path.string(), texture->pixels, texture->width, texture->height);
+        add(texture->role, texture->path.string(), texture->pixels, texture->width, texture->height,
+            std::uint8_t(scene_.is_cut_out_by(id)));
         if (texture->encoded) add(*texture->encoded);
     }
     void add_use(const TextureUse& use)
@@ -200,8 +201,9 @@ void Walk::add_node(const Node& node)
     add_skin(node.skin);
     if (scene_.find(node.skin)) add(node.node_from_skin);
     add_light(node.light);
-    add(std::uint64_t(node.cages.size()));
-    for (const CageId cage : node.cages) add_cage(cage);
+    for (const CageId cage : node.cages)
+        if (scene_.find(cage)) add_cage(cage);
+    add(std::uint64_t(0));
     add_materials(node.materials);
     refer(node.instance_of);
     for (const NodeId child : node.children)

@@ -123,16 +123,26 @@ void Scene::State::remove_one(NodeId id) noexcept
     NodeRecord& node = *nodes.find(id);
     about_to_move(id, node);
     // Instances elsewhere that show a part of the subtree lose it.
-    for (NodeId instance : node.instances.ids()) mark_dirty(instance);
+    for (NodeId instance : node.instances.ids())
+        if (nodes.find(instance) && nodes.find(instance)->instance_of == id) mark_dirty(instance);
     place_changed(id, node);  // the node may be a joint of a skin that stays
+    if (node.dependents)
+        for (const SkinId skin : node.dependents->skins.ids()) skins.find(skin)->has_stale_base = true;
+    std::vector<SkinId> made;
     if (const auto copy = posed.find(id); copy != posed.end()) {
-        for (const SkinId id_of_skin : copy->second.skins) {
-            if (SkinRecord* skin = skins.find(id_of_skin)) drop_keys(*skin);
-            skins.remove(id_of_skin);
-        }
+        made.swap(copy->second.skins);
         posed.erase(copy);
     }
     nodes.remove(id);
+    // Skins that were made for a copy go with it, unless a node that hangs elsewhere wears them.
+    for (const SkinId skin_of_copy : made) {
+        SkinRecord* skin = skins.find(skin_of_copy);
+        if (!skin) continue;
+        const auto wears_it = [&](NodeId user) { return nodes.find(user) && nodes.find(user)->skin == skin_of_copy; };
+        if (!skin->users.those_that(wears_it).empty()) continue;
+        drop_keys(*skin);
+        skins.remove(skin_of_copy);
+    }
 }
 
 const Node& Scene::node(NodeId id) const { return State::at(state_->nodes, id, "node"); }
@@ -225,11 +235,18 @@ std::optional<Camera> Scene::camera(std::string_view name) const
 {
     for (const NodeId id : state_->nodes_with_cameras()) {
         if (!name.empty() && node(id).name != name) continue;
-        Camera camera{rigid(world_from_node(id)), *state_->cameras.find(node(id).camera), {}};
-        for (const Mat4d& key : world_from_node_keys(id)) camera.keys.push_back(rigid(key));
-        return camera;
+        return camera_of(id);
     }
     return std::nullopt;
+}
+
+std::optional<Camera> Scene::camera_of(NodeId id) const
+{
+    const CameraLens* lens = state_->cameras.find(node(id).camera);
+    if (!lens) return std::nullopt;
+    Camera camera{rigid(world_from_node(id)), *lens, {}};
+    for (const Mat4d& key : world_from_node_keys(id)) camera.keys.push_back(rigid(key));
+    return camera;
 }
 
 std::vector<std::string> Scene::camera_names() const

@@ -43,7 +43,8 @@ struct NodeDesc {
     NodeId instance_of{};  ///< shows that node's subtree here too, without that node's own transform and visibility
     LightId light{};
     CameraId camera{};
-    SkinId skin{};  ///< its joints place the skinned cages, and this node's own transform does not count for them
+    SkinId skin{};  ///< its joints place the skinned cages, and this node's own transform does not count for them, unless
+                    ///< it is singular: then nothing is seen of them
     std::vector<float> morph_weights{};  ///< empty: the cage's own
     bool visible = true;                 ///< false hides the subtree below its parent; its instances stay visible
     std::uint8_t seen_by =
@@ -108,7 +109,8 @@ struct CageSlot {
 /// A skin and the poses of its joints.
 struct SkinSlot {
     Skin skin;
-    /// Lowest common ancestor of all joints; null if it lies above the root. If it was removed, the skin deforms nothing.
+    /// Lowest common ancestor of all joints that are left; null if it lies above the root, or if none is left, and then the
+    /// skin deforms nothing.
     NodeId base;
     std::vector<Mat4d> mesh_poses;  ///< base_from_mesh of each joint; valid after Scene::refit(). A removed joint: identity
     std::vector<std::vector<Mat4d>> key_poses;  ///< mesh_poses at each key of the shutter; empty: no joint moves
@@ -119,6 +121,13 @@ struct AddedScene {
     NodeId node;                ///< was the other scene's root
     std::vector<ClipId> clips;  ///< in file order
     Environment environment;    ///< the other scene's own, which is not used unless the application assigns it
+    // All that came with it.
+    std::vector<CageId> cages;
+    std::vector<MaterialId> materials;
+    std::vector<TextureId> textures;
+    std::vector<LightId> lights;
+    std::vector<CameraId> cameras;
+    std::vector<SkinId> skins;
 };
 
 class ChildBoxes;
@@ -176,13 +185,17 @@ public:
     void pose(std::span<const ClipAt> clips, NodeId of = {});
     void pose(ClipId clip, double seconds);
     /// Copies the subtree below `parent`. The nodes and the skins whose joints lie in the subtree are new, and the rest is
-    /// shared, so each copy has a pose of its own. Throws if `parent` lies in the subtree.
+    /// shared, so each copy has a pose of its own, as have the copies within it; keys of the shutter are not copied. The
+    /// skins are removed with the copy, unless a node elsewhere wears them. Throws if `parent` lies in the subtree.
     NodeId copy(NodeId subtree, NodeId parent);
     /// Adds all of another scene below `parent`, as scene.add(occam::load("fox.glb"), scene.root()) does. Its content is
     /// moved, not copied, and all of its handles are dead from then on. It shows what it showed, and its clips and what
     /// copy() made can be posed as before, but the keys of record_shutter() are dropped. Warnings and notes are appended,
-    /// variants are not. If there is not enough memory, this scene stays as it is, and the other one is lost.
-    AddedScene add(Scene part, NodeId parent);
+    /// variants are not. If there is not enough memory, this scene stays as it is, and the other one is lost; after any
+    /// other Error both stay as they are.
+    AddedScene add(Scene&& part, NodeId parent);
+    /// Removes what add() made of another scene, but for materials and textures that something else uses.
+    void remove(const AddedScene& part);
     ClipId find_clip(std::string_view name) const;  ///< the first one in file order, or a null handle
 
     // Motion blur. What moves while the shutter of the next frame is open is recorded as poses at evenly spaced keys.
@@ -261,6 +274,8 @@ public:
     /// node moves while the shutter is open.
     std::optional<Camera> camera(std::string_view name = {}) const;
     std::vector<std::string> camera_names() const;
+    /// Returns the camera of that node; none if it has none, or it was removed.
+    std::optional<Camera> camera_of(NodeId id) const;
 
     /// Returns the bounds of all that is visible, in world axes. It refits first.
     Box3d bounds();

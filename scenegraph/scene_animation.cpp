@@ -263,6 +263,19 @@ NodeId Scene::copy(NodeId subtree, NodeId parent)
         s.nodes.find(to)->first_original = first ? first : original;
         if (first) copy.node_of.try_emplace(first, to);
     }
+    // What is a copy within the subtree can be posed in this copy, too.
+    for (const NodeId original : originals) {
+        const auto known = s.posed.find(original);
+        if (original == subtree || known == s.posed.end()) continue;
+        State::Posed within;
+        for (const auto& [from, to] : known->second.node_of)
+            if (const auto counterpart = copy.node_of.find(to); counterpart != copy.node_of.end())
+                within.node_of[from] = counterpart->second;
+        for (const SkinId skin : known->second.skins)
+            if (const auto made = skin_of.find(skin); made != skin_of.end() && made->second != skin)
+                within.skins.push_back(made->second);
+        s.posed[copy.node_of.at(original)] = std::move(within);
+    }
     const NodeId made = copy.node_of.at(subtree);
     s.posed[made] = std::move(copy);
     copied.keep();

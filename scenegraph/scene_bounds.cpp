@@ -9,12 +9,16 @@ void Scene::State::mark_dirty(NodeId id) noexcept
 try {
     std::vector<NodeId> todo{id};
     while (!todo.empty()) {
-        NodeRecord* node = nodes.find(todo.back());
+        NodeId at = todo.back();
         todo.pop_back();
-        for (; node && !node->dirty; node = nodes.find(node->parent)) {
+        for (NodeRecord* node = nodes.find(at); node && !node->dirty; at = node->parent, node = nodes.find(at)) {
             node->dirty = true;
             touch_in_parent(*node);
-            for (NodeId instance : node->instances.ids()) todo.push_back(instance);
+            const auto shows_it = [&](NodeId instance) {
+                const NodeRecord* shows = nodes.find(instance);
+                return shows && shows->instance_of == at;
+            };
+            for (NodeId instance : node->instances.those_that(shows_it)) todo.push_back(instance);
         }
     }
 } catch (const std::bad_alloc&) {
@@ -64,9 +68,22 @@ void Scene::State::leave_parent(NodeId id, std::uint32_t place_among_siblings) n
         nodes.find(parent.children[i])->place_among_siblings = static_cast<std::uint32_t>(i);
 }
 
-void Scene::State::mark_users_dirty(const CageRecord& cage) noexcept
+void Scene::State::mark_users_dirty(CageRecord& cage) noexcept
 {
-    for (NodeId user : cage.users.ids()) mark_dirty(user);
+    const auto shows_it = [&](NodeId id) {
+        const NodeRecord* user = nodes.find(id);
+        return user && std::find(user->cages.begin(), user->cages.end(), cage.id) != user->cages.end();
+    };
+    for (NodeId user : cage.users.those_that(shows_it)) mark_dirty(user);
+}
+
+void Scene::State::mark_users_dirty(SkinRecord& skin) noexcept
+{
+    const auto wears_it = [&](NodeId id) {
+        const NodeRecord* user = nodes.find(id);
+        return user && skins.find(user->skin) == &skin;
+    };
+    for (NodeId user : skin.users.those_that(wears_it)) mark_dirty(user);
 }
 
 bool Scene::State::is_shown_by(NodeId below, NodeId above) const
@@ -97,6 +114,7 @@ Box3d grown_by_displacement(const Cage& cage, const Box3d& box) noexcept
 std::size_t Scene::State::refit_node(NodeId id, NodeRecord& node)
 {
     SkinRecord* skin = skins.find(node.skin);
+    if (skin && skin->has_stale_base) link_again(node.skin, *skin);
     if (skin && skin->dirty) pose_skin(*skin);
     if (skin) {
         keep_skin_moving(node.skin, *skin);

@@ -105,11 +105,15 @@ void Scene::State::watch_contents(NodeId id, const NodeRecord& node)
         if (MaterialRecord* known = materials.find(material)) known->users.add(id, is_alive);
 }
 
-void Scene::State::mark_users_dirty(const MaterialRecord& material) noexcept
+void Scene::State::mark_users_dirty(MaterialRecord& material) noexcept
 {
-    for (const NodeId user : material.users.ids()) mark_dirty(user);
-    for (const CageId id : material.cages.ids())
-        if (const CageRecord* cage = cages.find(id)) mark_users_dirty(*cage);
+    const auto is_among = [&](const std::vector<MaterialId>& list) {
+        return std::any_of(list.begin(), list.end(), [&](MaterialId id) { return materials.find(id) == &material; });
+    };
+    const auto overrides_by_it = [&](NodeId id) { return nodes.find(id) && is_among(nodes.find(id)->materials); };
+    const auto has_it = [&](CageId id) { return cages.find(id) && is_among(cages.find(id)->cage.materials); };
+    for (const NodeId user : material.users.those_that(overrides_by_it)) mark_dirty(user);
+    for (const CageId id : material.cages.those_that(has_it)) mark_users_dirty(*cages.find(id));
 }
 
 void Scene::State::count_faces(const CageRecord& record, int sign) noexcept

@@ -36,7 +36,7 @@ public:
     /// Finds the bases again, and registers skins and nodes with what lies below these.
     void link()
     {
-        for (const SkinLinks& links : skins_) state_.link_skin(links.id, {});
+        for (const SkinLinks& links : skins_) state_.link_skin(links.id);
         for (const NodeId id : users_) state_.link_user(id);
     }
     /// Takes back what link() changed.

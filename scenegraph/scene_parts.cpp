@@ -38,6 +38,13 @@ public:
         for (const auto& [old, made] : new_of_)
             if (made) visit(made);
     }
+    std::vector<Id> all() const
+    {
+        std::vector<Id> found;
+        for_each([&](Id id) { found.push_back(id); });
+        std::sort(found.begin(), found.end(), [](Id a, Id b) { return a.slot < b.slot; });
+        return found;
+    }
 
 private:
     std::unordered_map<Id, Id> new_of_;
@@ -56,7 +63,7 @@ public:
             textures_.add(old, [&] {
                 TextureRecord record;
                 static_cast<Texture&>(record) = std::move(*part_.textures.find(old));
-                record.added = next_identity();
+                record.added = record.identity = next_identity();  // renderers know it by its old handle
                 return to_.textures.add(std::move(record));
             });
     }
@@ -125,14 +132,12 @@ public:
                   [&](NodeId a, NodeId b) { return part_.nodes.find(a)->added < part_.nodes.find(b)->added; });
         for (const NodeId old : originals) to_.nodes.find(nodes_.of(old))->added = next_identity();
     }
-    /// parent   of the part's root: the base of a skin whose base lay above that root
-    void move_skins(NodeId parent)
+    void move_skins()
     {
         part_.skins.for_each([&](SkinId old, SkinRecord& from) {
             Skin skin = std::move(from.skin);
             for (NodeId& joint : skin.joints) joint = node_or_dead(joint);
-            const NodeId base = from.base ? node_or_dead(from.base) : parent;
-            skins_.add(old, [&] { return to_.add_skin(std::move(skin), base); });
+            skins_.add(old, [&] { return to_.add_skin(std::move(skin)); });
         });
         part_.nodes.for_each([&](NodeId old, const NodeRecord& from) {
             if (const SkinId skin = skins_.of(from.skin)) scene_.set_skin(nodes_.of(old), skin);
@@ -161,11 +166,19 @@ public:
         return made;
     }
     NodeId node() const { return nodes_.of(part_.root); }
-    Environment environment() const
+    AddedScene all(std::vector<ClipId> clips) const
     {
-        Environment moved = part_scene_.environment;
-        textures_.replace(moved.image);
-        return moved;
+        AddedScene added{.node = node(),
+                         .clips = std::move(clips),
+                         .environment = part_scene_.environment,
+                         .cages = cages_.all(),
+                         .materials = materials_.all(),
+                         .textures = textures_.all(),
+                         .lights = lights_.all(),
+                         .cameras = cameras_.all(),
+                         .skins = skins_.all()};
+        textures_.replace(added.environment.image);
+        return added;
     }
 
     /// Removes what was moved so far.
@@ -212,12 +225,15 @@ private:
     NewHandles<ClipTag> clips_;
 };
 
-AddedScene Scene::add(Scene part, NodeId parent)
+AddedScene Scene::add(Scene&& other, NodeId parent)
 {
-    if (!state_ || !part.state_) throw error_without_file("a scene that was moved from cannot be added");
+    if (!state_ || !other.state_) throw error_without_file("a scene that was moved from cannot be added");
+    if (this == &other) throw error_without_file("a scene cannot be added to itself");
     state_->require_unrecorded();
-    part.clear_shutter();
+    other.state_->require_unrecorded();
     State::at(state_->nodes, parent, "node");
+    Scene part = std::move(other);
+    part.clear_shutter();
 
     State::Addition addition(*this, part);
     Rollback added([&, lines = warnings.size(), choices = notes.size()] {
@@ -230,13 +246,38 @@ AddedScene Scene::add(Scene part, NodeId parent)
     addition.move_cages();
     addition.move_lights_and_cameras();
     addition.move_nodes(parent);
-    addition.move_skins(parent);
+    addition.move_skins();
     addition.move_poses();
-    AddedScene made{addition.node(), addition.move_clips(), addition.environment()};
+    AddedScene made = addition.all(addition.move_clips());
     warnings.insert(warnings.end(), part.warnings.begin(), part.warnings.end());
     notes.insert(notes.end(), part.notes.begin(), part.notes.end());
     added.keep();
     return made;
+}
+
+void Scene::remove(const AddedScene& part)
+{
+    state_->require_unrecorded();
+    const auto remove_all = [&](const auto& ids, const auto& table) {
+        for (const auto id : ids)
+            if (table.find(id)) remove(id);
+    };
+    if (find(part.node)) remove(part.node);
+    remove_all(part.clips, state_->clips);
+    remove_all(part.skins, state_->skins);
+    remove_all(part.cages, state_->cages);
+    remove_all(part.lights, state_->lights);
+    remove_all(part.cameras, state_->cameras);
+    const auto remove_unused = [&](const auto& ids, const auto& table) {
+        for (const auto id : ids) {
+            try {
+                if (table.find(id)) remove(id);
+            } catch (const Error&) {  // something else uses it
+            }
+        }
+    };
+    remove_unused(part.materials, state_->materials);
+    remove_unused(part.textures, state_->textures);
 }
 
 }  // namespace occam

@@ -153,14 +153,14 @@ void Scene::State::drop_keys(SkinRecord& skin) noexcept
     if (skin.key_poses.empty()) return;
     skin.key_poses.clear();
     --things_with_keys;
-    for (const NodeId user : skin.users.ids()) mark_dirty(user);
+    mark_users_dirty(skin);
 }
 
 void Scene::State::lose_keys(SkinRecord& skin) noexcept
 {
     if (things_with_keys == 0) return;
     skin.has_stale_keys = true;
-    for (const NodeId user : skin.users.ids()) mark_dirty(user);
+    mark_users_dirty(skin);
 }
 
 // A cage with keys is neither skinned nor morphed, so without them its bounds need no memory.
@@ -260,7 +260,7 @@ void Scene::State::store_keys(Recorder& record)
         SkinRecord& skin = *skins.find(id);
         skin.key_poses = std::move(keys);
         skins_with_keys.push_back(id);
-        for (const NodeId user : skin.users.ids()) mark_dirty(user);
+        mark_users_dirty(skin);
     }
     for (auto& [id, keys] : record.cages) {
         if (are_all_equal(keys)) continue;
@@ -281,6 +281,9 @@ void Scene::record_shutter(int segments, const std::function<void(double tau)>& 
         throw error_without_file("a shutter has 1, 2, 4, 8, 16 or 32 segments", std::to_string(segments));
     if (!pose) throw error_without_file("a shutter needs something that poses the scene");
     clear_shutter();
+    s.skins.for_each([&](SkinId id, State::SkinRecord& skin) {
+        if (skin.has_stale_base) s.link_again(id, skin);
+    });
 
     State::Recorder record;
     struct Recording {

@@ -2,8 +2,8 @@
 //
 // The base of a skin is the lowest node above all its joints. Moving the base, or a node above it, moves a character as a
 // whole and leaves its pose as it is. The nodes between the joints and the base know the skin, so an edit that moves a joint
-// finds the nodes that use the skin in O(depth). Joints that were removed do not count, and a skin whose base was removed
-// has none left: it deforms nothing, and the places of the nodes that wear it count.
+// finds the nodes that use the skin in O(depth). Joints that were removed do not count: their vertices stay where they are
+// in the axes of the base. A skin without any joint deforms nothing, and the places of the nodes that wear it count.
 #include <unordered_set>
 
 #include "base/error_without_file.h"
@@ -43,7 +43,7 @@ Mat4d Scene::State::path(NodeId above, NodeId node, std::optional<std::size_t> k
     return m;
 }
 
-void Scene::State::link_skin(SkinId id, std::optional<NodeId> base)
+void Scene::State::link_skin(SkinId id)
 {
     SkinRecord& skin = *skins.find(id);
     const std::vector<NodeId>& joints = skin.skin.joints;
@@ -59,7 +59,6 @@ void Scene::State::link_skin(SkinId id, std::optional<NodeId> base)
             const NodeId parent = parent_of(joint);
             skin.base = parent && skin.base ? lowest_common(skin.base, parent) : NodeId();
         }
-    if (base) skin.base = *base;
     std::unordered_map<NodeId, int> index_of;
     for (std::size_t j = 0; j < joints.size(); ++j) index_of.emplace(joints[j], static_cast<int>(j));
     skin.parent_joint.assign(joints.size(), -1);
@@ -74,6 +73,15 @@ void Scene::State::link_skin(SkinId id, std::optional<NodeId> base)
         if (!node.dependents) node.dependents = std::make_unique<Dependents>();
         node.dependents->skins.add(id, [&](SkinId other) { return skins.find(other) != nullptr; });
     }
+    skin.has_stale_base = false;
+}
+
+void Scene::State::link_again(SkinId id, SkinRecord& skin)
+{
+    link_skin(id);
+    skin.dirty = skin.has_stale_keys = true;
+    for (const NodeId user : skin.users.ids())
+        if (const NodeRecord* node = nodes.find(user); node && node->skin == id) link_user(user);
 }
 
 std::vector<NodeId> Scene::State::nodes_of_skin(const SkinRecord& skin) const
@@ -89,12 +97,16 @@ std::vector<NodeId> Scene::State::nodes_of_skin(const SkinRecord& skin) const
     return found;
 }
 
-bool Scene::State::has_lost_base(const SkinRecord& skin) const noexcept { return skin.base && !nodes.find(skin.base); }
+bool Scene::State::has_no_joint(const SkinRecord& skin) const noexcept
+{
+    const std::vector<NodeId>& joints = skin.skin.joints;
+    return std::none_of(joints.begin(), joints.end(), [&](NodeId joint) { return nodes.find(joint) != nullptr; });
+}
 
 void Scene::State::link_user(NodeId id)
 {
     const SkinRecord* skin = skins.find(nodes.find(id)->skin);
-    if (has_lost_base(*skin)) return;
+    if (has_no_joint(*skin)) return;
     const auto is_alive = [&](NodeId known) { return nodes.find(known) != nullptr; };
     const NodeId top = lowest_common(id, skin->base);
     for (const NodeId from : {id, skin->base})
@@ -107,7 +119,7 @@ void Scene::State::link_user(NodeId id)
 
 Mat4d Scene::State::node_from_skin(NodeId id, const SkinRecord& skin, std::optional<std::size_t> key) const
 {
-    if (has_lost_base(skin)) return Mat4d(1);
+    if (has_no_joint(skin)) return Mat4d(1);
     const NodeId top = skin.base ? lowest_common(id, skin.base) : NodeId();
     const Mat4d top_from_node = path(top, id, key);
     // A node that is scaled to zero shows nothing, so all of its points may collapse.
@@ -162,12 +174,12 @@ void Scene::State::place_changed(NodeId id, const NodeRecord& node) noexcept
     touch_in_parent(node);
     mark_dirty(node.parent ? node.parent : id);
     if (!node.dependents) return;
-    for (const SkinId s : node.dependents->skins.ids())
-        if (SkinRecord* skin = skins.find(s)) {
-            skin->dirty = true;
-            for (const NodeId user : skin->users.ids()) mark_dirty(user);
-        }
-    for (const NodeId user : node.dependents->users.ids()) mark_dirty(user);
+    for (const SkinId s : node.dependents->skins.those_that([&](SkinId skin) { return skins.find(skin) != nullptr; })) {
+        skins.find(s)->dirty = true;
+        mark_users_dirty(*skins.find(s));
+    }
+    const auto wears_one = [&](NodeId user) { return nodes.find(user) && skins.find(nodes.find(user)->skin); };
+    for (const NodeId user : node.dependents->users.those_that(wears_one)) mark_dirty(user);
 }
 
 SkinId Scene::add(Skin skin)
@@ -180,13 +192,13 @@ SkinId Scene::add(Skin skin)
     return state_->add_skin(std::move(skin));
 }
 
-SkinId Scene::State::add_skin(Skin skin, std::optional<NodeId> base)
+SkinId Scene::State::add_skin(Skin skin)
 {
     SkinRecord record;
     record.skin = std::move(skin);
     const SkinId id = skins.add(std::move(record));
     Rollback added([&] { skins.remove(id); });
-    link_skin(id, base);
+    link_skin(id);
     added.keep();
     return id;
 }
@@ -196,7 +208,7 @@ void Scene::remove(SkinId id)
     state_->require_unrecorded();
     State::SkinRecord& skin = State::at(state_->skins, id, "skin");
     state_->drop_keys(skin);
-    for (const NodeId user : skin.users.ids()) state_->mark_dirty(user);
+    state_->mark_users_dirty(skin);
     state_->skins.remove(id);
 }
 

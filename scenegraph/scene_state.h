@@ -48,6 +48,13 @@ public:
         if (std::find(ids_.begin(), ids_.end(), id) == ids_.end()) add(id, is_alive);
     }
     const std::vector<Id>& ids() const noexcept { return ids_; }
+    /// Drops the ids that watch no longer, and returns the others.
+    template <class Watches>
+    const std::vector<Id>& those_that(Watches&& watches) noexcept
+    {
+        std::erase_if(ids_, [&](Id id) { return !watches(id); });
+        return ids_;
+    }
 
 private:
     std::vector<Id> ids_;
@@ -152,6 +159,7 @@ struct Scene::State {
         std::vector<int> parent_joint;  ///< the nearest joint above each joint, by index; below 0: none
         bool dirty = true;              ///< mesh_poses are out of date
         bool has_stale_keys = true;     ///< key_poses have to be found again
+        bool has_stale_base = false;    ///< a joint was removed: the base is that of the other joints
         Watchers users;
     };
     /// The state of pose() for the scene itself, and for each subtree that copy() made.
@@ -265,7 +273,8 @@ struct Scene::State {
     class MovedSkins;
     /// Removes one node of a subtree that is removed.
     void remove_one(NodeId id) noexcept;
-    void mark_users_dirty(const CageRecord& cage) noexcept;
+    void mark_users_dirty(CageRecord& cage) noexcept;
+    void mark_users_dirty(SkinRecord& skin) noexcept;
     static Error shows_itself(const std::string& name);
     /// Returns whether `below` lies in what `above` shows, or is `above`.
     bool is_shown_by(NodeId below, NodeId above) const;
@@ -283,7 +292,7 @@ struct Scene::State {
     /// Registers a node with its light and with the materials of its override.
     void watch_contents(NodeId id, const NodeRecord& node);
     /// Marks the nodes that show the material.
-    void mark_users_dirty(const MaterialRecord& material) noexcept;
+    void mark_users_dirty(MaterialRecord& material) noexcept;
     /// Counts a cage's faces into the scene's, or with `sign` -1 out of them.
     void count_faces(const CageRecord& cage, int sign) noexcept;
 
@@ -320,13 +329,14 @@ struct Scene::State {
     void place_changed(NodeId id, const NodeRecord& node) noexcept;
     void place(NodeId id, NodeRecord& node, const Mat4d& parent_from_node);
     /// Adds a skin, some of whose joints may have been removed.
-    /// base   of a skin that is known; none: it is found
-    SkinId add_skin(Skin skin, std::optional<NodeId> base = {});
-    /// Finds the parents of a new skin's joints, and the base unless it is given, and registers the skin with the nodes
-    /// between them. Joints that were removed do not count.
-    void link_skin(SkinId id, std::optional<NodeId> base);
-    /// Returns whether the base was removed, and all joints with it.
-    bool has_lost_base(const SkinRecord& skin) const noexcept;
+    SkinId add_skin(Skin skin);
+    /// Finds the parents of a skin's joints and the base, and registers the skin with the nodes between them. Joints that
+    /// were removed do not count.
+    void link_skin(SkinId id);
+    /// Does the same for a skin that has lost a joint, and registers the nodes that wear it.
+    void link_again(SkinId id, SkinRecord& skin);
+    /// Returns whether all joints were removed.
+    bool has_no_joint(const SkinRecord& skin) const noexcept;
     /// Registers a skinned node with the nodes between it and the skin's base.
     void link_user(NodeId id);
     /// Lists the nodes with which link_skin() registers a skin: each joint and what lies between it and the base.

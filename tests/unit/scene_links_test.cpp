@@ -202,9 +202,138 @@ TEST(SceneLinks, LampsAndCamerasAreSwitched)
     scene.replace(narrow, CameraLens{.fov = 0.5f});
     EXPECT_EQ(scene.camera().value().lens.fov, 0.5f);
     EXPECT_THROW(scene.replace(narrow, CameraLens{.fov = -1}), Error);
+    EXPECT_EQ(scene.camera_of(node).value().lens.fov, 0.5f);
     scene.set_camera(node, {});
+    EXPECT_FALSE(scene.camera_of(node));
     EXPECT_FALSE(scene.camera());
     EXPECT_TRUE(scene.camera_names().empty());
+}
+
+// Where a skin is depends on the joints that it has now, and not on which were removed before which edit.
+TEST(SceneLinks, ASkinWithoutOneOfItsJointsDoesNotDependOnHistory)
+{
+    struct Case {
+        Bent bent;
+        NodeId arm, other;
+        Case()
+        {
+            Scene& scene = bent.scene;
+            arm = scene.add_node(bent.root_joint, {.matrix = moved(0, 3, 0)});
+            other = scene.add_node(scene.root(), {.matrix = moved(0, 0, 5)});
+            scene.set_parent(bent.tip_joint, arm);
+        }
+        Box3d bounds() { return bent.scene.bounds(); }
+    };
+    const auto expect_same = [](Case& a, Case& b, const char* what) {
+        EXPECT_EQ(a.bounds().lo, b.bounds().lo) << what;
+        EXPECT_EQ(a.bounds().hi, b.bounds().hi) << what;
+    };
+    // Of the two joints the tip stays, whose former ancestor the other one is.
+    const auto without_root_joint = [](Case& c) {
+        Skin skin = c.bent.scene.skin(c.bent.skin);
+        skin.joints[0] = c.bent.scene.add_node(c.other, {});
+        c.bent.scene.set_skin(c.bent.skinned, c.bent.scene.add(skin));
+        return skin.joints[0];
+    };
+    Case before, after, back;
+    before.bent.scene.remove(without_root_joint(before));
+    before.bent.scene.set_parent(before.bent.tip_joint, before.other);
+    const NodeId joint = without_root_joint(after);
+    after.bent.scene.set_parent(after.bent.tip_joint, after.other);
+    after.bent.scene.refit();
+    after.bent.scene.remove(joint);
+    expect_same(before, after, "removed before and after the other one was hung elsewhere");
+
+    back.bent.scene.remove(without_root_joint(back));
+    Case still;
+    still.bent.scene.remove(without_root_joint(still));
+    back.bent.scene.refit();
+    back.bent.scene.set_parent(back.bent.tip_joint, back.other);
+    back.bent.scene.set_parent(back.bent.tip_joint, back.arm);
+    expect_same(back, still, "there and back");
+
+    const NodeId copied = still.bent.scene.copy(still.bent.skinned, still.bent.scene.root());
+    const Box3d original = still.bounds();
+    still.bent.scene.remove(still.bent.skinned);
+    EXPECT_EQ(still.bounds().lo, original.lo) << "the copy is where the original was";
+    EXPECT_EQ(still.bounds().hi, original.hi);
+    EXPECT_TRUE(still.bent.scene.find(copied));
+}
+
+TEST(SceneLinks, ASkinOutlivesItsCopyIfANodeElsewhereWearsIt)
+{
+    Bent bent;
+    Scene& scene = bent.scene;
+    const NodeId hero = scene.add_node(scene.root(), {});
+    scene.set_parent(bent.root_joint, hero);
+    scene.set_parent(bent.skinned, hero);
+    const NodeId copied = scene.copy(hero, scene.root());
+    const NodeId armature = scene.node(copied).children.at(0), body = scene.node(copied).children.at(1);
+    const SkinId skin = scene.node(body).skin;
+    ASSERT_NE(skin, bent.skin);
+    scene.set_transform(armature, moved(0, 0, 7));
+    scene.set_parent(armature, scene.root());
+    const NodeId hat = scene.add_node(scene.root(), {.cages = {bent.cage}, .skin = skin});
+    scene.remove(hero);
+    scene.refit();
+    scene.remove(copied);
+    EXPECT_EQ(scene.bounds().lo.z, 7) << "the hat is where the joints are";
+    scene.remove(hat);
+    EXPECT_TRUE(scene.bounds().is_empty());
+    EXPECT_TRUE(scene.find(skin));
+
+    const NodeId again = scene.copy(armature, scene.root());
+    scene.remove(again);
+    EXPECT_TRUE(scene.find(skin));
+}
+
+TEST(SceneLinks, SkinsOfACopyGoWithIt)
+{
+    Bent bent;
+    Scene& scene = bent.scene;
+    const NodeId hero = scene.add_node(scene.root(), {});
+    scene.set_parent(bent.root_joint, hero);
+    scene.set_parent(bent.skinned, hero);
+    const NodeId copied = scene.copy(hero, scene.root());
+    EXPECT_EQ(scene.counts().skins, 2u);
+    scene.remove(copied);
+    EXPECT_EQ(scene.counts().skins, 1u);
+}
+
+// An edit costs the path to the root of those that use a thing now.
+TEST(SceneLinks, FormerUsersCostAnEditNothing)
+{
+    Bent bent;
+    Scene& scene = bent.scene;
+    const CageId fine = scene.add(unit_square()), coarse = scene.add(unit_square());
+    const MaterialId paint = scene.add(Material{}), other = scene.add(Material{});
+    const NodeId shown = scene.add_node(scene.root(), {.cages = {fine}}), now = scene.add_node(scene.root(), {});
+    const NodeId crowd = scene.add_node(scene.root(), {});
+    std::vector<NodeId> nodes;
+    for (int i = 0; i < 2000; ++i)
+        nodes.push_back(scene.add_node(
+            crowd, {.cages = {fine}, .materials = {paint}, .instance_of = shown, .skin = i < 200 ? bent.skin : SkinId()}));
+    scene.refit();
+    for (const NodeId id : nodes) {
+        scene.set_cages(id, {coarse});
+        scene.set_materials(id, {other});
+        scene.set_instance_of(id, now);
+        scene.set_skin(id, {});
+    }
+    scene.refit();
+    const auto visited = [&](auto&& edit) {
+        edit();
+        return scene.refit();
+    };
+    const std::vector<Vec3f> square = unit_square().positions;
+    EXPECT_LT(visited([&] { scene.set_transform(shown, moved(1, 0, 0)); }), 50u);
+    EXPECT_LT(visited([&] { scene.set_cages(shown, {fine, fine}); }), 50u);
+    EXPECT_LT(visited([&] { scene.write_vertices(fine, square); }), 50u);
+    EXPECT_LT(visited([&] { scene.set_transform(bent.tip_joint, moved(3, 0, 0)); }), 50u);
+    Material glowing;
+    glowing.emission = Vec3f(1);
+    EXPECT_LT(visited([&] { scene.replace(paint, glowing); }), 50u);
+    EXPECT_GT(visited([&] { scene.write_vertices(coarse, square); }), 1000u);
 }
 
 }  // namespace

@@ -194,6 +194,81 @@ TEST(SceneParts, AreRefusedWhereTheyCannotBeAdded)
         const Scene::FrameLock frame(scene);
         EXPECT_THROW(scene.add(std::move(moved_to), scene.root()), Error);
     }
+    {
+        const Scene::FrameLock frame(moved_to);
+        EXPECT_THROW(scene.add(std::move(moved_to), scene.root()), Error);
+    }
+    EXPECT_THROW(scene.add(std::move(moved_to), gone), Error);
+    EXPECT_THROW(scene.add(std::move(scene), scene.root()), Error);
+    EXPECT_GT(moved_to.counts().nodes, 5u) << "a scene that is refused stays as it is";
+    EXPECT_NO_THROW(scene.add(std::move(moved_to), scene.root()));
+}
+
+TEST(SceneParts, LookTheSameToARendererThatHasSeenThem)
+{
+    Renderer renderer({.threads = 1});
+    Part part(kRed, 0);
+    part.scene.environment.image = part.texture;
+    const std::uint64_t alone = renderer.render(part.scene, kCamera, kSmall).checksum();
+    Query query(renderer, part.scene, kCamera, 36);
+    query.end();
+    Scene scene;
+    const AddedScene added = scene.add(std::move(part.scene), scene.root());
+    scene.environment = added.environment;
+    EXPECT_EQ(renderer.render(scene, kCamera, kSmall).checksum(), alone);
+    EXPECT_EQ(picture(scene), alone);
+}
+
+TEST(SceneParts, AreRemovedWithAllThatCameWithThem)
+{
+    Scene scene;
+    scene.add(std::move(Part(kBlue, 2.5).scene), scene.root());
+    const std::uint64_t before = picture(scene);
+    const Scene::Counts counts = scene.counts();
+    for (const bool is_used : {false, true}) {
+        const AddedScene added = scene.add(std::move(Part(kRed, 0).scene), scene.root());
+        EXPECT_EQ(added.materials.size(), 1u);
+        EXPECT_EQ(added.cages.size(), 3u);
+        Material paint;
+        paint.base_color_texture.texture = added.textures.at(0);
+        const MaterialId user = is_used ? scene.add(paint) : MaterialId();
+        scene.remove(added);
+        EXPECT_EQ(picture(scene), before);
+        const Scene::Counts now = scene.counts();
+        EXPECT_EQ(now.nodes, counts.nodes);
+        EXPECT_EQ(now.cages, counts.cages);
+        EXPECT_EQ(now.lights, counts.lights);
+        EXPECT_EQ(now.cameras, counts.cameras);
+        EXPECT_EQ(now.clips, counts.clips);
+        EXPECT_EQ(now.skins, counts.skins);
+        EXPECT_EQ(now.materials, counts.materials + is_used);
+        EXPECT_EQ(now.textures, counts.textures + is_used) << "something else uses it";
+        EXPECT_NO_THROW(scene.remove(added)) << "all of it is gone already";
+        EXPECT_EQ(scene.find(user) != nullptr, is_used);
+    }
+}
+
+// A copy of several copies has one pose for each of them.
+TEST(SceneParts, CopiesWithinACopyHaveTheirOwnPoses)
+{
+    Part part(kRed, 0);
+    Scene& scene = part.scene;
+    const NodeId squad = scene.add_node(scene.root(), {});
+    scene.copy(part.thing, squad);
+    scene.copy(part.thing, squad);
+    const NodeId second = scene.copy(squad, scene.root());
+    const auto joint_of = [&](int soldier) {
+        return scene.node(scene.find_node("joint", scene.node(second).children.at(std::size_t(soldier))))
+            .parent_from_node[3]
+            .y;
+    };
+    for (const int soldier : {0, 1}) {
+        const ClipAt at{part.clip, soldier == 0 ? 0.25 : 0.75};
+        scene.pose({&at, 1}, scene.node(second).children.at(std::size_t(soldier)));
+    }
+    EXPECT_EQ(joint_of(0), 0.25);
+    EXPECT_EQ(joint_of(1), 0.75);
+    EXPECT_EQ(scene.node(part.joint).parent_from_node[3].y, 0);
 }
 
 TEST(SceneParts, LoseTheirKeysButNotTheirPlaceAtMidShutter)

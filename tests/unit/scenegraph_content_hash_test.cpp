@@ -68,6 +68,33 @@ TEST(ContentHash, IsTheSameForScenesThatShowTheSame)
     EXPECT_EQ(subject.hash(), other.hash()) << "nor do keys that were dropped";
 }
 
+TEST(ContentHash, DoesNotCountCagesThatWereRemoved)
+{
+    HashedScene subject;
+    const std::uint64_t before = subject.hash();
+    const CageId passing = subject.scene.add(unit_square());
+    subject.scene.set_cages(subject.square, {passing, subject.mesh});
+    EXPECT_NE(subject.hash(), before);
+    subject.scene.remove(passing);
+    EXPECT_EQ(subject.hash(), before);
+}
+
+// A texture is filtered in another way if materials that cut out alone use it, also such as nothing shows.
+TEST(ContentHash, KnowsWhetherATextureIsCutOut)
+{
+    HashedScene subject;
+    Material mask = subject.scene.material(subject.material);
+    mask.alpha_mode = AlphaMode::Mask;
+    subject.scene.replace(subject.material, mask);
+    const std::uint64_t before = subject.hash();
+    Material plain;
+    plain.base_color_texture.texture = subject.texture;
+    const MaterialId unused = subject.scene.add(plain);
+    EXPECT_NE(subject.hash(), before);
+    subject.scene.remove(unused);
+    EXPECT_EQ(subject.hash(), before);
+}
+
 TEST(ContentHash, TellsEditsApart)
 {
     const std::function<void(HashedScene&)> edits[] = {
