@@ -255,7 +255,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
     gather_four(rays.data(), rays.size(), offsetof(Ray, t_near), beam);
     placed.set_positions(corners, read.coarse_starts);
     corners.set_attributes(tools);
-    if (placed.in_still != 0) placed.move_normals(corners);
+    if (placed.in_still != 0 && corners.has_normals != 0) placed.move_normals(corners);
     vfloat share[3];
     shares_of(corners, {axes, rays, placed, read.gaps}, share);
 

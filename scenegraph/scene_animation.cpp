@@ -215,6 +215,19 @@ std::vector<NodeId> Scene::State::subtree_to_copy(NodeId subtree, NodeId parent)
     return found;
 }
 
+Scene::State::Posed Scene::State::copy_within(const Posed& original, const Posed& copy,
+                                              const std::unordered_map<SkinId, SkinId>& skin_of) const
+{
+    Posed within;
+    for (const auto& [from, to] : original.node_of)
+        if (const auto counterpart = copy.node_of.find(to); counterpart != copy.node_of.end())
+            within.node_of[from] = counterpart->second;
+    for (const SkinId skin : original.skins)
+        if (const auto made = skin_of.find(skin); made != skin_of.end() && made->second != skin)
+            within.skins.push_back(made->second);
+    return within;
+}
+
 NodeId Scene::copy(NodeId subtree, NodeId parent)
 {
     State& s = *state_;
@@ -263,19 +276,9 @@ NodeId Scene::copy(NodeId subtree, NodeId parent)
         s.nodes.find(to)->first_original = first ? first : original;
         if (first) copy.node_of.try_emplace(first, to);
     }
-    // What is a copy within the subtree can be posed in this copy, too.
-    for (const NodeId original : originals) {
-        const auto known = s.posed.find(original);
-        if (original == subtree || known == s.posed.end()) continue;
-        State::Posed within;
-        for (const auto& [from, to] : known->second.node_of)
-            if (const auto counterpart = copy.node_of.find(to); counterpart != copy.node_of.end())
-                within.node_of[from] = counterpart->second;
-        for (const SkinId skin : known->second.skins)
-            if (const auto made = skin_of.find(skin); made != skin_of.end() && made->second != skin)
-                within.skins.push_back(made->second);
-        s.posed[copy.node_of.at(original)] = std::move(within);
-    }
+    for (const NodeId original : originals)
+        if (original != subtree && s.posed.contains(original))
+            s.posed[copy.node_of.at(original)] = s.copy_within(s.posed.at(original), copy, skin_of);
     const NodeId made = copy.node_of.at(subtree);
     s.posed[made] = std::move(copy);
     copied.keep();

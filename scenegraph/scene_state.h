@@ -354,6 +354,8 @@ struct Scene::State {
     // Each of these gives a node that pose() moved its rest value back, and forgets it.
     void restore_place(NodeRecord& node, NodeId id);
     void restore_weights(NodeRecord& node, NodeId id);
+    /// Returns the state of pose() for what is a copy within the subtree that is copied.
+    Posed copy_within(const Posed& original, const Posed& copy, const std::unordered_map<SkinId, SkinId>& skin_of) const;
     /// Returns what copy() makes a node from, without the skin and the instance that it shows.
     NodeDesc desc_of_copy(NodeId original) const;
     /// Shows another node's subtree in this one, and registers it there.
