@@ -102,6 +102,7 @@ OCCAM_NEVER_INLINE void set_identity(const GridHit& met, const MicropolygonPlace
 {
     const lod::PosedCage& cage = *met.grid->cage;
     hit.node = cage.node_id;
+    hit.instance = cage.instance;
     hit.cage = cage.cage_id;
     hit.lit_by = cage.lit_by;
     hit.face = spot.face;

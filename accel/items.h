@@ -29,6 +29,7 @@ struct PlacedNode {
     Mat4d world_from_node;
     lod::GraphPath path;
     const PlacedNode* parent;
+    NodeId instance;                   ///< the last node on the path that shows the next one by instance_of; null: none does
     std::uint8_t seen_by;              ///< follows from all nodes on the path
     LightGroups lit_by;                ///< follows from all nodes on the path
     std::span<const Mat4d> at_keys{};  ///< world_from_node at each key of the scene's shutter; empty: it stands still

@@ -23,8 +23,8 @@ ItemIndex Items::restart()
     const Scene& scene = *frame_.scene;
     PlacedNode* root = arena_.make<PlacedNode>();
     const Node& top = scene.node(scene.root());
-    *root = {scene.root(), frame_.scale.placed(top.parent_from_node), {}, nullptr, top.seen_by, top.lit_by};
-    const PlacedNode world{{}, frame_.scale.placed(Mat4d(1)), {}, nullptr, 0, 0};
+    *root = {scene.root(), frame_.scale.placed(top.parent_from_node), {}, nullptr, {}, top.seen_by, top.lit_by};
+    const PlacedNode world{{}, frame_.scale.placed(Mat4d(1)), {}, nullptr, {}, 0, 0};
     root->at_keys = child_at_keys(world, top);
     root->visible_in = visible_in(top, frame_.segments);
     Item item;
@@ -93,7 +93,8 @@ void Items::add_cage(const PlacedNode& at, const Node& node, CageId id, std::siz
                                        at.id,         frame_.scene->find(node.skin),
                                        at.matrices(), frame_.segments,
                                        at.seen_by,    at.lit_by,
-                                       at.visible_in, at.path.to(lod::GraphPath::place_of_cage(place))};
+                                       at.visible_in, at.path.to(lod::GraphPath::place_of_cage(place)),
+                                       at.instance};
     add_cluster(lod::pose_cage(placement, frame_.levels, {tables, frame_.textures, arena_, counters_.deform}), 0);
 }
 
@@ -135,6 +136,7 @@ void Items::add_placed(const PlacedNode& parent, NodeId id, const Placement& pla
                placement.world_from_node,
                parent.path.to(place),
                &parent,
+               place == lod::GraphPath::kPlaceOfInstance ? parent.id : parent.instance,
                static_cast<std::uint8_t>(parent.seen_by & below->seen_by),
                parent.lit_by & below->lit_by,
                placement.at_keys,

@@ -46,6 +46,7 @@ struct alignas(64) SurfaceHit {
     Vec4f color{1};                      ///< vertex colour
     const Material* material = nullptr;  ///< never null at a hit
     NodeId node;
+    NodeId instance;  ///< the innermost node that shows that one by instance_of; null: none does
     CageId cage;
     LightGroups lit_by = kAllGroups;
     std::uint32_t face = 0;          ///< face index in the cage
@@ -77,6 +78,7 @@ struct FirstHit {
     NodeId node;
     CageId cage;
     std::uint32_t face = 0;  ///< face index in the cage
+    NodeId instance{};       ///< as in SurfaceHit
 
     bool is_hit() const noexcept { return t < std::numeric_limits<float>::infinity(); }
 };

@@ -205,7 +205,7 @@ void Tracer::first_hits(std::span<const Ray> rays, std::span<FirstHit> hits)
                 MicropolygonPlace spot;
                 spot.set(met[i]);
                 const lod::PosedCage& cage = *met[i].grid->cage;
-                hit = {met[i].t, cage.node_id, cage.cage_id, spot.face};
+                hit = {met[i].t, cage.node_id, cage.cage_id, spot.face, cage.instance};
             }
         });
 }

@@ -189,6 +189,7 @@ struct Query::State {
         found.normal = hit.normal_shading;
         found.uv = hit.uv[0];
         found.node = hit.node;
+        found.instance = hit.instance;
         found.cage = hit.cage;
         found.face = hit.face;
         found.velocity = hit.velocity * static_cast<float>(to_world);
@@ -255,7 +256,7 @@ void Query::first_hits(std::span<const QueryRay> rays, std::span<FirstHit> hits)
             tracer.first_hits(batch, found);
             for (std::size_t i = 0; i < count; ++i)
                 hits[first + i] = {double(found[i].t) * state_->asked->scale.to_world(), found[i].node, found[i].cage,
-                                   found[i].face};
+                                   found[i].face, found[i].instance};
         }
     });
 }

@@ -8,13 +8,15 @@ namespace occam::lod {
 
 PosedCage& pose_cage(const CagePlacement& placement, const LevelSettings& levels, const PosingTools& tools)
 {
-    const auto& [slot, node, node_id, skin, matrices, shutter_segments, seen_by, lit_by, visible_in, path] = placement;
+    const auto& [slot, node, node_id, skin, matrices, shutter_segments, seen_by, lit_by, visible_in, path,
+                 instance] = placement;
     PosedCage& cage = *tools.arena.make<PosedCage>();
     cage.slot = &slot;
     cage.topology = tools.tables.topology.get();
     cage.clusters = tools.tables.clusters.get();
     cage.node = &node;
     cage.node_id = node_id;
+    cage.instance = instance;
     cage.cage_id = slot.id;
     cage.seen_by = seen_by;
     cage.lit_by = lit_by;

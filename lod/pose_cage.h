@@ -21,6 +21,7 @@ struct CagePlacement {
     LightGroups lit_by = kAllGroups;
     std::uint32_t visible_in = PosedCage::kAllSegments;
     GraphPath path{};
+    NodeId instance{};
 };
 
 /// Poses the cage. With LevelMode::PerInstance, a cage that is subdivided gets the level that its rays see, which is the

@@ -46,6 +46,7 @@ struct PosedCage {
     int normal_key = -1;  ///< of the first key: the key from whose normals those of all times follow; -1: each key's serve
     const Node* node = nullptr;
     NodeId node_id;
+    NodeId instance;  ///< the innermost node that shows that node by instance_of; null: none does
     CageId cage_id;
     std::uint8_t seen_by = RayKind::All;  ///< combined over all nodes that lead here, as is lit_by
     LightGroups lit_by = kAllGroups;

@@ -16,16 +16,16 @@ public:
     {
         const NodeRecord& node = *state.nodes.find(moved);
         if (!node.dependents) return;
-        std::unordered_set<NodeId> users;
+        std::unordered_set<NodeId> known_users;
         const auto add_user = [&](NodeId id) {
             const NodeRecord* user = state.nodes.find(id);
-            if (user && state.skins.find(user->skin) && users.insert(id).second) users_.push_back(id);
+            if (user && state.skins.find(user->skin) && known_users.insert(id).second) users_.push_back(id);
         };
         for (const NodeId id : node.dependents->users.ids()) add_user(id);
-        std::unordered_set<SkinId> skins;
+        std::unordered_set<SkinId> known;
         for (const SkinId id : node.dependents->skins.ids()) {
             const SkinRecord* skin = state.skins.find(id);
-            if (!skin || !skins.insert(id).second) continue;
+            if (!skin || !known.insert(id).second) continue;
             const std::vector<NodeId> known_by = state.nodes_of_skin(*skin);
             if (std::find(known_by.begin(), known_by.end(), moved) == known_by.end()) continue;
             skins_.push_back({id, skin->base, skin->parent_joint});

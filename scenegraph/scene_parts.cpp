@@ -166,10 +166,10 @@ public:
         return made;
     }
     NodeId node() const { return nodes_.of(part_.root); }
-    AddedScene all(std::vector<ClipId> clips) const
+    AddedScene all(std::vector<ClipId> made_clips) const
     {
         AddedScene added{.node = node(),
-                         .clips = std::move(clips),
+                         .clips = std::move(made_clips),
                          .environment = part_scene_.environment,
                          .cages = cages_.all(),
                          .materials = materials_.all(),

@@ -154,6 +154,7 @@ struct Hit {
     Vec3f normal{0};            ///< shading normal, unit
     Vec2f uv{0};
     NodeId node;
+    NodeId instance;         ///< the innermost node that shows that one by NodeDesc::instance_of; null: none does
     CageId cage;             ///< of the node's cages
     std::uint32_t face = 0;  ///< index in the cage
     Vec3f velocity{0};       ///< of the surface there at the ray's time, by its own motion: world length per shutter
@@ -183,6 +184,7 @@ struct FirstHit {
     NodeId node;
     CageId cage;             ///< of the node's cages
     std::uint32_t face = 0;  ///< index in the cage
+    NodeId instance{};       ///< as in Hit
 };
 
 /// Answers questions about a scene that must not change meanwhile: edits throw from construction or begin() until end().
