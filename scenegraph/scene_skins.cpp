@@ -113,7 +113,7 @@ void Scene::State::link_user(NodeId id)
         for (NodeId at = from; at && at != top; at = nodes.find(at)->parent) {
             NodeRecord& node = *nodes.find(at);
             if (!node.dependents) node.dependents = std::make_unique<Dependents>();
-            node.dependents->users.add_once(id, is_alive);
+            node.dependents->users.add(id, is_alive);
         }
 }
 
@@ -223,7 +223,7 @@ void Scene::set_skin(NodeId id, SkinId skin)
     node.skin = skin;
     if (skin) {
         const auto is_alive = [&](NodeId known) { return state_->nodes.find(known) != nullptr; };
-        state_->skins.find(skin)->users.add_once(id, is_alive);
+        state_->skins.find(skin)->users.add(id, is_alive);
         state_->link_user(id);
     }
     worn.keep();

@@ -41,12 +41,6 @@ public:
         }
         ids_.push_back(id);
     }
-    /// Adds the id unless it is already in the list. The cost is linear in the list's length.
-    template <class IsAlive>
-    void add_once(Id id, IsAlive&& is_alive)
-    {
-        if (std::find(ids_.begin(), ids_.end(), id) == ids_.end()) add(id, is_alive);
-    }
     const std::vector<Id>& ids() const noexcept { return ids_; }
     /// Drops the ids that watch no longer, and returns the others.
     template <class Watches>
