@@ -30,8 +30,11 @@ extern "C" void note_interrupt(int)
     if (!held.load()) _exit(kInterruptedExit);
     const std::int64_t now = now_ms();
     std::int64_t first = 0;
-    if (!interrupted_at.compare_exchange_strong(first, now) && now - first > kSameSignalMs) _exit(kInterruptedExit);
-    if (is_limited.load()) alarm(1);
+    if (interrupted_at.compare_exchange_strong(first, now)) {
+        if (is_limited.load()) alarm(1);
+    } else if (now - first > kSameSignalMs) {
+        _exit(kInterruptedExit);
+    }
 }
 
 extern "C" void end_at_alarm(int) { _exit(kInterruptedExit); }

@@ -19,9 +19,7 @@ accel::Ray ray_up(const accel::Ray& from) noexcept
     ray.direction = kUp;
     ray.kinds = from.kinds;
     ray.time = from.time;
-    // The beam of a lens narrows up to the focus, which lies elsewhere.
-    ray.footprint = {from.footprint.a, std::abs(from.footprint.b)};
-    return ray;
+    return ray;  // with the footprint of the camera: its own rays have others, which share this one's answer
 }
 
 }  // namespace

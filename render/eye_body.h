@@ -45,7 +45,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t kRaysAtOnce = 1024, kHitsAtOnce = 4096;
+    static constexpr std::size_t kRaysAtOnce = 1024, kHitsAtOnce = 512;
 
     /// Describes where and when rays start.
     struct Place {

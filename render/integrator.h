@@ -5,7 +5,8 @@
 // path     light of any number of bounces up to a limit; Russian roulette ends paths of little throughput
 // ao       the share of a white sky that each point sees
 //
-// A surface that blends, masks or is clear glass transmits light, and the ray is shot again from there, in order of t.
+// A surface that blends, masks, is clear glass or bounds a body that does not bend light transmits it, and the ray is shot
+// again from there, in order of t.
 // Camera rays split in two at it, up to kMaxSplits times; from then on they continue along one of the two at random, as
 // scattered rays always do. The number of surfaces that a ray passes is not limited, and few rays of a sample are on
 // their way at once. The sums of a sample are made in an order that depends on the sample alone, so neither the size of a

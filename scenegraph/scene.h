@@ -194,7 +194,8 @@ public:
     /// variants are not. If there is not enough memory, this scene stays as it is, and the other one is lost; after any
     /// other Error both stay as they are.
     AddedScene add(Scene&& part, NodeId parent);
-    /// Removes what add() made of another scene, but for materials and textures that something else uses.
+    /// Removes the subtree of AddedScene::node as it is now, and the clips, skins, cages, lights and cameras that came with
+    /// the other scene, whatever still refers to them; then its materials and textures, but for those that something uses.
     void remove(const AddedScene& part);
     ClipId find_clip(std::string_view name) const;  ///< the first one in file order, or a null handle
 

@@ -54,6 +54,7 @@ public:
         for (const SkinLinks& links : skins_) {
             SkinRecord& skin = *state_.skins.find(links.id);
             skin.dirty = skin.has_stale_keys = true;
+            skin.has_stale_base = false;
         }
         for (const NodeId id : users_) {
             state_.nodes.find(id)->has_stale_keys = true;

@@ -272,7 +272,8 @@ void Scene::remove(const AddedScene& part)
         for (const auto id : ids) {
             try {
                 if (table.find(id)) remove(id);
-            } catch (const Error&) {  // something else uses it
+            } catch (const Error&) {           // something else uses it
+            } catch (const std::bad_alloc&) {  // the same, without memory to say so
             }
         }
     };

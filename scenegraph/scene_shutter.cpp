@@ -15,7 +15,7 @@ namespace occam {
 struct Scene::State::Recorder {
     std::size_t keys_done = 0;
     std::unordered_map<NodeId, std::vector<NodeKey>> nodes;
-    std::unordered_map<SkinId, std::vector<std::vector<Mat4d>>> skins;
+    std::unordered_map<SkinId, std::size_t> skins;  ///< whose joints move, and how many they are
     std::unordered_map<CageId, std::vector<std::vector<Vec3f>>> cages;
 
     /// Returns the bytes that all keys so far and `more` of them take.
@@ -25,7 +25,7 @@ struct Scene::State::Recorder {
         std::size_t bytes = 0;
         for (const auto& [id, keys] : nodes)
             bytes += keys_after * (sizeof(NodeKey) + (keys.empty() ? 0 : keys.front().morph_weights.size() * sizeof(float)));
-        for (const auto& [id, keys] : skins) bytes += keys_after * (keys.empty() ? 0 : keys.front().size() * sizeof(Mat4d));
+        for (const auto& [id, joints] : skins) bytes += keys_after * joints * sizeof(Mat4d);
         for (const auto& [id, keys] : cages) bytes += keys_after * (keys.empty() ? 0 : keys.front().size() * sizeof(Vec3f));
         return bytes;
     }
@@ -107,12 +107,8 @@ void Scene::State::about_to_move(NodeId id, NodeRecord& node)
     for (const SkinId skin_id : node.dependents->skins.ids()) {
         SkinRecord* skin = skins.find(skin_id);
         if (!skin) continue;
-        if (!recorder) {
-            lose_keys(*skin);
-        } else if (!recorder->skins.contains(skin_id)) {
-            if (skin->dirty) pose_skin(*skin);
-            recorder->skins.emplace(skin_id, std::vector<std::vector<Mat4d>>(recorder->keys_done, skin->mesh_poses));
-        }
+        if (recorder) recorder->skins.emplace(skin_id, skin->skin.joints.size());
+        else lose_keys(*skin);
     }
     for (const NodeId user_id : node.dependents->users.ids())
         if (NodeRecord* user = nodes.find(user_id)) {
@@ -229,11 +225,6 @@ void Scene::State::keep_skin_moving(SkinId id, SkinRecord& skin)
 void Scene::State::take_key(Recorder& record)
 {
     for (auto& [id, keys] : record.nodes) keys.push_back(key_of(*nodes.find(id), id));
-    for (auto& [id, keys] : record.skins) {
-        SkinRecord& skin = *skins.find(id);
-        if (skin.dirty) pose_skin(skin);
-        keys.push_back(skin.mesh_poses);
-    }
     for (auto& [id, keys] : record.cages) keys.push_back(cages.find(id)->cage.positions);
     ++record.keys_done;
 }
@@ -242,25 +233,17 @@ void Scene::State::store_keys(Recorder& record)
 {
     // What needs memory comes first, so that all keys are stored or none.
     nodes_with_keys.reserve(record.nodes.size());
-    skins_with_keys.reserve(record.skins.size());
     cages_with_keys.reserve(record.cages.size());
     for (const auto& [id, keys] : record.cages) cages.find(id)->key_bounds.reserve(keys.size());
     for (auto& [id, keys] : record.nodes) {
         if (are_all_equal(keys)) continue;
         NodeRecord& node = *nodes.find(id);
         node.keys = std::move(keys);
-        node.has_stale_keys = false;
+        node.has_stale_keys = true;
         nodes_with_keys.push_back(id);
         node.is_listed_with_keys = true;
         touch_in_parent(node);
         mark_dirty(id);
-    }
-    for (auto& [id, keys] : record.skins) {
-        if (are_all_equal(keys)) continue;
-        SkinRecord& skin = *skins.find(id);
-        skin.key_poses = std::move(keys);
-        skins_with_keys.push_back(id);
-        mark_users_dirty(skin);
     }
     for (auto& [id, keys] : record.cages) {
         if (are_all_equal(keys)) continue;
@@ -270,7 +253,7 @@ void Scene::State::store_keys(Recorder& record)
         find_bounds(cage);
         mark_users_dirty(cage);
     }
-    things_with_keys = nodes_with_keys.size() + skins_with_keys.size() + cages_with_keys.size();
+    things_with_keys = nodes_with_keys.size() + cages_with_keys.size();
 }
 
 void Scene::record_shutter(int segments, const std::function<void(double tau)>& pose)
@@ -308,6 +291,15 @@ void Scene::record_shutter(int segments, const std::function<void(double tau)>& 
     s.require_editable();  // `pose` may have begun a frame
     s.store_keys(record);
     s.shutter_segments = segments;
+    // The keys of skins follow from those of their joints, as they do after an edit.
+    Rollback stored([&] { clear_shutter(); });
+    for (const auto& [id, joints] : record.skins) {
+        State::SkinRecord& skin = *s.skins.find(id);
+        skin.has_stale_keys = true;
+        s.mark_users_dirty(skin);
+        s.keep_skin_moving(id, skin);
+    }
+    stored.keep();
 }
 
 void Scene::clear_shutter()

@@ -73,7 +73,6 @@ void Scene::State::link_skin(SkinId id)
         if (!node.dependents) node.dependents = std::make_unique<Dependents>();
         node.dependents->skins.add(id, [&](SkinId other) { return skins.find(other) != nullptr; });
     }
-    skin.has_stale_base = false;
 }
 
 void Scene::State::link_again(SkinId id, SkinRecord& skin)
@@ -81,7 +80,11 @@ void Scene::State::link_again(SkinId id, SkinRecord& skin)
     link_skin(id);
     skin.dirty = skin.has_stale_keys = true;
     for (const NodeId user : skin.users.ids())
-        if (const NodeRecord* node = nodes.find(user); node && node->skin == id) link_user(user);
+        if (NodeRecord* node = nodes.find(user); node && node->skin == id) {
+            node->has_stale_keys = true;
+            link_user(user);
+        }
+    skin.has_stale_base = false;
 }
 
 std::vector<NodeId> Scene::State::nodes_of_skin(const SkinRecord& skin) const

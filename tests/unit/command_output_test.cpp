@@ -370,23 +370,5 @@ TEST_F(Outputs, ASecondSignalOfEitherKindEndsTheProcess)
     }
 }
 
-// Programs such as timeout send a signal to the process and to its group.
-TEST_F(Outputs, ASignalThatIsSentTwiceAtOnceCountsOnce)
-{
-    for (int round = 0; round < 3; ++round) {
-        fs::remove(folder / "stderr.txt");
-        fs::remove(folder / "a.exr");
-        const pid_t child = start({"render", "triangle.obj", "-o", "a.exr", "--size", "320x240", "--spp", "65536",
-                                   "--checkpoint", "on", "--progress", "plain"});
-        for (int i = 0; i < 1000 && text_of(folder / "stderr.txt").find("rendering") == std::string::npos; ++i)
-            std::this_thread::sleep_for(std::chrono::milliseconds(10));
-        std::this_thread::sleep_for(std::chrono::milliseconds(300));  // until some of the picture is done
-        kill(child, SIGTERM);
-        kill(child, SIGTERM);
-        EXPECT_EQ(finish(child).exit_code, kInterrupted);
-        EXPECT_TRUE(fs::exists(folder / "a.exr")) << "what was done is written";
-    }
-}
-
 }  // namespace
 }  // namespace occam

@@ -139,5 +139,58 @@ TEST(Shutter, ASkinFollowsWhatIsLeftOfTheMotionOfItsJoints)
     EXPECT_TRUE(scene.find(bent.skin)->key_poses.empty());
 }
 
+// What is recorded does not depend on what was refitted before, and what a joint's removal does not on when it was removed.
+TEST(Shutter, KeysOfSkinsDoNotDependOnHistory)
+{
+    const auto boxes = [](Bent& bent) {
+        Scene& scene = bent.scene;
+        scene.refit();
+        const Node& node = scene.node(bent.skinned);
+        std::vector<Box3d> found;
+        for (std::size_t k = 0; k <= std::size_t(scene.shutter_segments()); ++k)
+            found.push_back(cage_bounds(node, scene.cage(bent.cage), scene.find(bent.skin), k));
+        return found;
+    };
+    const auto expect_same = [](const std::vector<Box3d>& a, const std::vector<Box3d>& b, const char* what) {
+        ASSERT_EQ(a.size(), b.size()) << what;
+        for (std::size_t k = 0; k < a.size(); ++k) EXPECT_TRUE(a[k].lo == b[k].lo && a[k].hi == b[k].hi) << what << ' ' << k;
+    };
+    // The tip is elsewhere only between the two keys.
+    const auto bend = [](Bent& bent) {
+        bent.scene.record_shutter(1, [&](double tau) {
+            bent.scene.set_transform(bent.root_joint, moved(tau, 0, 0));
+            bent.scene.set_transform(bent.tip_joint, moved(2, 4 * tau * (1 - tau), 0));
+        });
+    };
+    Bent fresh, known;
+    known.scene.refit();
+    bend(fresh);
+    bend(known);
+    expect_same(boxes(fresh), boxes(known), "refitted before");
+
+    const auto slide = [](Bent& bent) {
+        bent.scene.record_shutter(2, [&](double tau) { bent.scene.set_transform(bent.skinned, moved(tau, 0, 0)); });
+        bent.scene.refit();
+    };
+    for (const bool keeps_tip : {false, true}) {
+        Bent before, after;
+        NodeId removed[2];
+        for (Bent* bent : {&before, &after}) {
+            Scene& scene = bent->scene;
+            NodeId& extra = removed[bent == &after] = bent->root_joint;
+            if (!keeps_tip) continue;
+            extra = scene.add_node(scene.root(), {});  // the base of both joints is the root, and that of the tip lower
+            bent->skin = scene.add(Skin{"", {extra, bent->tip_joint}, {}});
+            scene.set_skin(bent->skinned, bent->skin);
+            scene.set_transform(bent->root_joint, moved(0, 3, 0));
+        }
+        before.scene.remove(removed[0]);
+        slide(before);
+        slide(after);
+        after.scene.remove(removed[1]);
+        expect_same(boxes(before), boxes(after), keeps_tip ? "the tip is left" : "no joint is left");
+    }
+}
+
 }  // namespace
 }  // namespace occam
