@@ -150,7 +150,7 @@ public:
     // Returns true if the library counts it: a line without a corner is not a face.
     bool face(std::string_view line)
     {
-        if (line.size() < 2 || !is_blank(line[1])) return false;
+        if (line.size() > 1 && !is_blank(line[1])) return false;
         const std::optional<std::size_t> corners = count_corners(lines_.place().subspan(1));
         if (!corners) throw Error(report_.name(), "an index of a face is not a whole number", where());
         if (*corners < 3) report_.warn("a face of fewer than three corners is left out", where());

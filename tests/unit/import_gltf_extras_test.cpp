@@ -153,8 +153,8 @@ TEST(ImportGltf, EmptyExtrasAreWarnings)
     g.more = R"(, "scenes": [{"nodes": [0, 1, 2, 3], "extras": {"occam": {"environment": null}}}])";
     EXPECT_EQ(load(g.write(folder)).warnings,
               (std::vector<std::string>{"'area_light' is empty, and is not read (nodes[0].extras.occam)",
-                                        "'lit_by' is empty, and is not read (nodes[1].extras.occam)",
                                         "'cage' is empty, and is not read (nodes[1].extras.occam)",
+                                        "'lit_by' is empty, and is not read (nodes[1].extras.occam)",
                                         "'occam' is empty, and is not read (nodes[2].extras)",
                                         "'environment' is empty, and is not read (scenes[0].extras.occam)"}));
 }

@@ -42,7 +42,7 @@ TEST(ImportObjLines, FacesOfFewerThanThreeCornersAreReported)
     const std::string quad = std::string(kQuad) + "f 1 2 3 4\n";
     for (const char* line : {"f", "f 1", "f 1 2"}) {
         const Scene scene = load(folder.write("few.obj", quad + line + "\nf 1 2 3\n" + line + "\n"));
-        EXPECT_TRUE(warns(scene, "a face of fewer than three corners is left out (line 8, first of 2)")) << line;
+        EXPECT_TRUE(warns(scene, "a face of fewer than three corners is left out (line 6, first of 2)")) << line;
         EXPECT_EQ(only_cage(scene).face_count(), 3u) << line;  // a quad is two triangles
     }
 }
