@@ -2,8 +2,8 @@
 //
 // A signal ends the process at once with exit code 130, unless something is being made that is worth keeping: while a
 // HeldInterrupts lives, the first signal is noted and the second one ends the process, unless it comes within a tenth of a
-// second: programs such as timeout send a signal twice. While a file is written, which cannot
-// look for signals, the first one ends the process a second later; the file then keeps what it held before.
+// second: programs such as timeout send a signal twice. While a file is written, which cannot look for signals, the first
+// one ends the process a second later; the file then keeps what it held before.
 #pragma once
 
 namespace occam::command {

@@ -85,9 +85,7 @@ void Scene::State::link_node(NodeId id)
     std::vector<NodeId>& siblings = nodes.find(node.parent)->children;
     node.place_among_siblings = static_cast<std::uint32_t>(siblings.size());
     siblings.push_back(id);
-    for (CageId cage : node.cages) cages.find(cage)->users.add(id, is_alive);
     watch_contents(id, node);
-    if (node.camera) cameras.find(node.camera)->users.add(id, is_alive);
     if (node.instance_of) nodes.find(node.instance_of)->instances.add(id, is_alive);
     if (!node.skin) return;
     skins.find(node.skin)->users.add(id, is_alive);
@@ -124,10 +122,9 @@ void Scene::State::remove_one(NodeId id) noexcept
     about_to_move(id, node);
     // Instances elsewhere that show a part of the subtree lose it.
     for (NodeId instance : node.instances.ids())
-        if (nodes.find(instance) && nodes.find(instance)->instance_of == id) mark_dirty(instance);
+        if (is_instance_of(instance, id)) mark_dirty(instance);
     place_changed(id, node);  // the node may be a joint of a skin that stays
-    if (node.dependents)
-        for (const SkinId skin : node.dependents->skins.ids()) skins.find(skin)->has_stale_base = true;
+    lose_links(node);
     std::vector<SkinId> made;
     if (const auto copy = posed.find(id); copy != posed.end()) {
         made.swap(copy->second.skins);
@@ -138,8 +135,7 @@ void Scene::State::remove_one(NodeId id) noexcept
     for (const SkinId skin_of_copy : made) {
         SkinRecord* skin = skins.find(skin_of_copy);
         if (!skin) continue;
-        const auto wears_it = [&](NodeId user) { return nodes.find(user) && nodes.find(user)->skin == skin_of_copy; };
-        if (!skin->users.those_that(wears_it).empty()) continue;
+        if (!skin->users.those_that([&](NodeId user) { return wears(user, *skin); }).empty()) continue;
         drop_keys(*skin);
         skins.remove(skin_of_copy);
     }

@@ -271,8 +271,7 @@ public:
     Environment environment;
 
     /// Returns the camera of that name, or the first one if the name is empty, in world axes; those whose nodes were added
-    /// earlier come first. It has keys if its
-    /// node moves while the shutter is open.
+    /// earlier come first. It has keys if its node moves while the shutter is open.
     std::optional<Camera> camera(std::string_view name = {}) const;
     std::vector<std::string> camera_names() const;
     /// Returns the camera of that node; none if it has none, or it was removed.

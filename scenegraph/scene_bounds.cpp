@@ -14,10 +14,7 @@ try {
         for (NodeRecord* node = nodes.find(at); node && !node->dirty; at = node->parent, node = nodes.find(at)) {
             node->dirty = true;
             touch_in_parent(*node);
-            const auto shows_it = [&](NodeId instance) {
-                const NodeRecord* shows = nodes.find(instance);
-                return shows && shows->instance_of == at;
-            };
+            const auto shows_it = [&](NodeId instance) { return is_instance_of(instance, at); };
             for (NodeId instance : node->instances.those_that(shows_it)) todo.push_back(instance);
         }
     }
@@ -79,11 +76,13 @@ void Scene::State::mark_users_dirty(CageRecord& cage) noexcept
 
 void Scene::State::mark_users_dirty(SkinRecord& skin) noexcept
 {
-    const auto wears_it = [&](NodeId id) {
-        const NodeRecord* user = nodes.find(id);
-        return user && skins.find(user->skin) == &skin;
-    };
-    for (NodeId user : skin.users.those_that(wears_it)) mark_dirty(user);
+    for (NodeId user : skin.users.those_that([&](NodeId id) { return wears(id, skin); })) mark_dirty(user);
+}
+
+bool Scene::State::is_instance_of(NodeId id, NodeId shown) const noexcept
+{
+    const NodeRecord* node = nodes.find(id);
+    return node && node->instance_of == shown;
 }
 
 bool Scene::State::is_shown_by(NodeId below, NodeId above) const
@@ -97,8 +96,7 @@ bool Scene::State::is_shown_by(NodeId below, NodeId above) const
             if (id == above) return true;
             if (!seen.insert(id).second) break;
             for (NodeId instance : node->instances.ids())
-                if (const NodeRecord* shows = nodes.find(instance); shows && shows->instance_of == id)
-                    todo.push_back(instance);
+                if (is_instance_of(instance, id)) todo.push_back(instance);
         }
     }
     return false;
@@ -114,9 +112,10 @@ Box3d grown_by_displacement(const Cage& cage, const Box3d& box) noexcept
 std::size_t Scene::State::refit_node(NodeId id, NodeRecord& node)
 {
     SkinRecord* skin = skins.find(node.skin);
-    if (skin && skin->has_stale_base) link_again(node.skin, *skin);
-    if (skin && skin->dirty) pose_skin(*skin);
     if (skin) {
+        if (skin->has_stale_links || node.has_stale_links) link_user(id);
+        if (skin->dirty) skin->mesh_poses = poses_of(*skin);
+        skin->dirty = false;
         keep_skin_moving(node.skin, *skin);
         node.node_from_skin = node_from_skin(id, *skin);
         keep_skin_in_place(id, node, *skin);

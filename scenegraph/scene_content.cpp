@@ -228,7 +228,8 @@ void Scene::remove(TextureId id)
 void Scene::remove(LightId id)
 {
     state_->require_editable();
-    for (const NodeId user : State::at(state_->lights, id, "light").users.ids()) state_->mark_dirty(user);
+    const auto has_it = [&](NodeId node) { return find(node) && find(node)->light == id; };
+    for (const NodeId user : State::at(state_->lights, id, "light").users.those_that(has_it)) state_->mark_dirty(user);
     state_->lights.remove(id);
 }
 void Scene::remove(CameraId id)

@@ -100,7 +100,10 @@ void Scene::State::watch_textures(MaterialId id, const Material& material)
 void Scene::State::watch_contents(NodeId id, const NodeRecord& node)
 {
     const auto is_alive = [&](NodeId known) { return nodes.find(known) != nullptr; };
+    for (const CageId cage : node.cages)
+        if (CageRecord* known = cages.find(cage)) known->users.add(id, is_alive);
     if (LightRecord* light = lights.find(node.light)) light->users.add(id, is_alive);
+    if (CameraRecord* camera = cameras.find(node.camera)) camera->users.add(id, is_alive);
     for (const MaterialId material : node.materials)
         if (MaterialRecord* known = materials.find(material)) known->users.add(id, is_alive);
 }

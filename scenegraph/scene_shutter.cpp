@@ -264,8 +264,9 @@ void Scene::record_shutter(int segments, const std::function<void(double tau)>& 
         throw error_without_file("a shutter has 1, 2, 4, 8, 16 or 32 segments", std::to_string(segments));
     if (!pose) throw error_without_file("a shutter needs something that poses the scene");
     clear_shutter();
-    s.skins.for_each([&](SkinId id, State::SkinRecord& skin) {
-        if (skin.has_stale_base) s.link_again(id, skin);
+    s.skins.for_each([&](SkinId, State::SkinRecord& skin) {
+        for (const NodeId user : skin.users.ids())
+            if (s.wears(user, skin) && (skin.has_stale_links || s.nodes.find(user)->has_stale_links)) s.link_user(user);
     });
 
     State::Recorder record;
@@ -295,8 +296,7 @@ void Scene::record_shutter(int segments, const std::function<void(double tau)>& 
     Rollback stored([&] { clear_shutter(); });
     for (const auto& [id, joints] : record.skins) {
         State::SkinRecord& skin = *s.skins.find(id);
-        skin.has_stale_keys = true;
-        s.mark_users_dirty(skin);
+        s.lose_keys(skin);
         s.keep_skin_moving(id, skin);
     }
     stored.keep();

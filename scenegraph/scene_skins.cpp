@@ -2,8 +2,10 @@
 //
 // The base of a skin is the lowest node above all its joints. Moving the base, or a node above it, moves a character as a
 // whole and leaves its pose as it is. The nodes between the joints and the base know the skin, so an edit that moves a joint
-// finds the nodes that use the skin in O(depth). Joints that were removed do not count: their vertices stay where they are
-// in the axes of the base. A skin without any joint deforms nothing, and the places of the nodes that wear it count.
+// finds the nodes that use the skin in O(depth). Where a node is hung elsewhere or removed, these links are out of date, and
+// the next refit finds them again. Nodes that a skin no longer depends on still know it, which costs their edits some marks.
+// Joints that were removed do not count: their vertices stay where they are in the axes of the base. A skin without any
+// joint deforms nothing, and the places of the nodes that wear it count.
 #include <unordered_set>
 
 #include "base/error_without_file.h"
@@ -73,18 +75,10 @@ void Scene::State::link_skin(SkinId id)
         if (!node.dependents) node.dependents = std::make_unique<Dependents>();
         node.dependents->skins.add(id, [&](SkinId other) { return skins.find(other) != nullptr; });
     }
-}
-
-void Scene::State::link_again(SkinId id, SkinRecord& skin)
-{
-    link_skin(id);
     skin.dirty = skin.has_stale_keys = true;
     for (const NodeId user : skin.users.ids())
-        if (NodeRecord* node = nodes.find(user); node && node->skin == id) {
-            node->has_stale_keys = true;
-            link_user(user);
-        }
-    skin.has_stale_base = false;
+        if (wears(user, skin)) nodes.find(user)->has_stale_keys = nodes.find(user)->has_stale_links = true;
+    skin.has_stale_links = false;
 }
 
 std::vector<NodeId> Scene::State::nodes_of_skin(const SkinRecord& skin) const
@@ -108,8 +102,11 @@ bool Scene::State::has_no_joint(const SkinRecord& skin) const noexcept
 
 void Scene::State::link_user(NodeId id)
 {
-    const SkinRecord* skin = skins.find(nodes.find(id)->skin);
-    if (has_no_joint(*skin)) return;
+    NodeRecord& wearer = *nodes.find(id);
+    const SkinRecord* skin = skins.find(wearer.skin);
+    if (skin->has_stale_links) link_skin(wearer.skin);
+    wearer.has_stale_links = !has_no_joint(*skin);
+    if (!wearer.has_stale_links) return;
     const auto is_alive = [&](NodeId known) { return nodes.find(known) != nullptr; };
     const NodeId top = lowest_common(id, skin->base);
     for (const NodeId from : {id, skin->base})
@@ -118,6 +115,22 @@ void Scene::State::link_user(NodeId id)
             if (!node.dependents) node.dependents = std::make_unique<Dependents>();
             node.dependents->users.add(id, is_alive);
         }
+    wearer.has_stale_links = false;
+}
+
+void Scene::State::lose_links(const NodeRecord& node) noexcept
+{
+    if (!node.dependents) return;
+    for (const SkinId id : node.dependents->skins.ids())
+        if (SkinRecord* skin = skins.find(id)) skin->has_stale_links = true;
+    for (const NodeId id : node.dependents->users.ids())
+        if (NodeRecord* user = nodes.find(id)) user->has_stale_links = user->has_stale_keys = true;
+}
+
+bool Scene::State::wears(NodeId id, const SkinRecord& skin) const noexcept
+{
+    const NodeRecord* node = nodes.find(id);
+    return node && skins.find(node->skin) == &skin;
 }
 
 Mat4d Scene::State::node_from_skin(NodeId id, const SkinRecord& skin, std::optional<std::size_t> key) const
@@ -163,12 +176,6 @@ std::vector<Mat4d> Scene::State::poses_of(const SkinRecord& skin, std::optional<
                                                        : from_joint * skin.skin.joint_from_mesh[j];
     }
     return poses;
-}
-
-void Scene::State::pose_skin(SkinRecord& skin) const
-{
-    skin.mesh_poses = poses_of(skin);
-    skin.dirty = false;
 }
 
 void Scene::State::place_changed(NodeId id, const NodeRecord& node) noexcept

@@ -148,12 +148,13 @@ struct Scene::State {
         std::unique_ptr<Rest> rest;
         bool is_listed_with_keys = false;  ///< in nodes_with_keys
         bool has_stale_keys = false;       ///< NodeKey::node_from_skin has to be found again
+        bool has_stale_links = false;      ///< of a skinned node: link_user() has to register it again
     };
     struct SkinRecord : SkinSlot {
         std::vector<int> parent_joint;  ///< the nearest joint above each joint, by index; below 0: none
         bool dirty = true;              ///< mesh_poses are out of date
         bool has_stale_keys = true;     ///< key_poses have to be found again
-        bool has_stale_base = false;    ///< a joint was removed: the base is that of the other joints
+        bool has_stale_links = false;   ///< what link_skin() finds is out of date
         Watchers users;
     };
     /// The state of pose() for the scene itself, and for each subtree that copy() made.
@@ -255,6 +256,7 @@ struct Scene::State {
     /// Records in the parent that its data about this child's box, transform and visibility are out of date, without marking
     /// it.
     void touch_in_parent(const NodeRecord& node) noexcept;
+    /// Does the same for the child in that place.
     void touch_child(NodeRecord& parent, std::uint32_t place_among_siblings) noexcept;
     /// Marks all nodes by one flag, where there is no memory to find those that an edit affects. It needs no memory itself.
     void lose_bounds() noexcept;
@@ -264,11 +266,12 @@ struct Scene::State {
     void link_node(NodeId id);
     /// Removes a child from a node's list, at a mean cost that does not grow with the list.
     void leave_parent(NodeId parent, std::uint32_t place_among_siblings) noexcept;
-    class MovedSkins;
     /// Removes one node of a subtree that is removed.
     void remove_one(NodeId id) noexcept;
     void mark_users_dirty(CageRecord& cage) noexcept;
     void mark_users_dirty(SkinRecord& skin) noexcept;
+    bool is_instance_of(NodeId id, NodeId shown) const noexcept;   ///< false also for a node that was removed
+    bool wears(NodeId id, const SkinRecord& skin) const noexcept;  ///< likewise
     static Error shows_itself(const std::string& name);
     /// Returns whether `below` lies in what `above` shows, or is `above`.
     bool is_shown_by(NodeId below, NodeId above) const;
@@ -283,8 +286,11 @@ struct Scene::State {
     void take_contents(CageId id, CageRecord& cage);
     /// Registers a material with its textures.
     void watch_textures(MaterialId id, const Material& material);
-    /// Registers a node with its light and with the materials of its override.
+    /// Registers a node with its cages, its light, its camera and the materials of its override.
     void watch_contents(NodeId id, const NodeRecord& node);
+    /// Gives a node another value of what watch_contents() registers.
+    template <class T>
+    void change_contents(NodeId id, T NodeDesc::*member, T value);
     /// Marks the nodes that show the material.
     void mark_users_dirty(MaterialRecord& material) noexcept;
     /// Counts a cage's faces into the scene's, or with `sign` -1 out of them.
@@ -327,15 +333,15 @@ struct Scene::State {
     /// Finds the parents of a skin's joints and the base, and registers the skin with the nodes between them. Joints that
     /// were removed do not count.
     void link_skin(SkinId id);
-    /// Does the same for a skin that has lost a joint, and registers the nodes that wear it.
-    void link_again(SkinId id, SkinRecord& skin);
     /// Returns whether all joints were removed.
     bool has_no_joint(const SkinRecord& skin) const noexcept;
-    /// Registers a skinned node with the nodes between it and the skin's base.
+    /// Registers a skinned node with the nodes between it and the skin's base, which is found again if it has to be.
     void link_user(NodeId id);
+    /// Says that a node was moved below another one or is about to be removed, so that skins and skinned nodes have to be
+    /// linked again.
+    void lose_links(const NodeRecord& node) noexcept;
     /// Lists the nodes with which link_skin() registers a skin: each joint and what lies between it and the base.
     std::vector<NodeId> nodes_of_skin(const SkinRecord& skin) const;
-    void pose_skin(SkinRecord& skin) const;
     // These are as the nodes are posed, or at one key of the shutter.
     std::vector<Mat4d> poses_of(const SkinRecord& skin, std::optional<std::size_t> key = {}) const;
     Mat4d node_from_skin(NodeId node, const SkinRecord& skin, std::optional<std::size_t> key = {}) const;
