@@ -16,6 +16,7 @@
 
 #include "accel/tracer.h"
 #include "io/texture/texture_store.h"
+#include "render/passing_rays.h"
 #include "render/path.h"
 
 namespace occam::render {
@@ -45,7 +46,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t kRaysAtOnce = 1024, kHitsAtOnce = 512;
+    static constexpr std::size_t kRaysAtOnce = 1024;
 
     /// Describes where and when rays start.
     struct Place {
@@ -65,31 +66,15 @@ private:
     /// Replaces the rays up by those down, in places that may lie in a body that absorbs light.
     void turn_back();
     void tell(std::span<Path> paths);
-    /// Follows the probes from `first` on through their hits, of which each has up to `most`, and keeps those that may have
-    /// more.
-    void follow(std::size_t first, int most);
-    /// Returns true if the probe ends at the hit.
-    bool ends(std::size_t probe, const accel::SurfaceHit& hit);
+    /// Returns false if the probe has found out at the hit, and else moves its ray behind.
+    bool passes(Probe& of, accel::Ray& ray, const accel::SurfaceHit& hit);
 
     template <class Tracer>
     std::uint64_t probe(Tracer& tracer)
     {
-        std::uint64_t shot = 0;
-        for (int most = 1; !probes_.empty(); most = std::min(most * 4, accel::kMostNearest)) {
-            shot += probes_.size();
-            const std::size_t at_once = kHitsAtOnce / static_cast<std::size_t>(most), all = probes_.size();
-            kept_ = 0;
-            for (std::size_t first = 0; first < all; first += at_once) {
-                const std::size_t n = std::min(at_once, all - first);
-                hits_.resize(n * static_cast<std::size_t>(most));
-                hit_counts_.resize(n);
-                tracer.nearest(std::span(rays_).subspan(first, n), most, hits_, hit_counts_);
-                follow(first, most);
-            }
-            probes_.resize(kept_);
-            rays_.resize(kept_);
-        }
-        return shot;
+        return probes_.trace(
+            tracer, [&](Probe& of, accel::Ray& ray, const accel::SurfaceHit& hit) { return passes(of, ray, hit); },
+            [](const Probe&, const accel::Ray&) {});
     }
 
     const TextureStore& textures_;
@@ -97,12 +82,8 @@ private:
     bool goes_up_ = true;                  ///< the direction of the probes
     std::vector<Place> places_;            ///< the first one is the last of the rays before, if there were any
     std::vector<std::uint32_t> place_of_;  ///< for each of the rays that are looked at together
-    // These are parallel arrays, kept from batch to batch for their memory.
-    std::vector<Probe> probes_;
-    std::vector<accel::Ray> rays_, rays_up_;
-    std::size_t kept_ = 0;  ///< the number of probes that go on
-    std::vector<accel::SurfaceHit> hits_;
-    std::vector<accel::HitCount> hit_counts_;
+    std::size_t known_ = 0;                ///< the number of places whose answer was known before
+    PassingRays<Probe, 512> probes_;
 };
 
 }  // namespace occam::render

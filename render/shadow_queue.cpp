@@ -65,7 +65,6 @@ void ShadowQueue::clear() noexcept
 void ShadowQueue::collect_blocked()
 {
     blocked_.clear();
-    blocked_rays_.clear();
     auto start = starts_.cbegin();
     for (std::size_t i = 0; i < shadows_.size(); ++i) {
         const bool is_in_body = start != starts_.cend() && start->shadow == i;
@@ -76,15 +75,12 @@ void ShadowQueue::collect_blocked()
             continue;
         }
         if (body) shadows_[i].radiance = body->radiance;
-        blocked_.push_back({static_cast<std::uint32_t>(i), 1, 0, body ? body->absorption : Vec3f(0)});
-        blocked_rays_.push_back(rays_[i]);
+        blocked_.add({static_cast<std::uint32_t>(i), 1, 0, body ? body->absorption : Vec3f(0)}, rays_[i]);
     }
 }
 
-bool ShadowQueue::passes(std::size_t blocked, const accel::SurfaceHit& hit, std::span<const float> luck)
+bool ShadowQueue::passes(Blocked& of, accel::Ray& ray, const accel::SurfaceHit& hit, std::span<const float> luck)
 {
-    accel::Ray& ray = blocked_rays_[blocked];
-    Blocked& of = blocked_[blocked];
     const shade::StraightPass pass = rules_.culls && is_culled(hit)
                                          ? shade::StraightPass{Vec3f(1)}
                                          : shade::passes_straight(shade_point(ray, hit, rules_.texture_width), textures_);
@@ -103,27 +99,8 @@ bool ShadowQueue::passes(std::size_t blocked, const accel::SurfaceHit& hit, std:
     return true;
 }
 
-void ShadowQueue::pass_blocked(std::size_t first, int most, std::span<const float> luck)
+void ShadowQueue::end(const Blocked& of, const accel::Ray& ray)
 {
-    for (std::size_t i = 0; i < hit_counts_.size(); ++i) {
-        const accel::SurfaceHit* hits = &blocked_hits_[i * static_cast<std::size_t>(most)];
-        const accel::HitCount known = hit_counts_[i];
-        int passed = 0;
-        while (passed < known.count && passes(first + i, hits[passed], luck)) ++passed;
-        if (passed < known.count) continue;
-        if (known.is_all) {
-            end(first + i);
-            continue;
-        }
-        blocked_rays_[kept_] = blocked_rays_[first + i];
-        blocked_[kept_++] = blocked_[first + i];
-    }
-}
-
-void ShadowQueue::end(std::size_t blocked)
-{
-    const accel::Ray& ray = blocked_rays_[blocked];
-    const Blocked& of = blocked_[blocked];
     shadows_[of.shadow].radiance *= left_by_body(of.absorption, ray.t_far - start_of(ray), scale_);
 }
 

@@ -16,6 +16,7 @@
 #include "accel/tracer.h"
 #include "io/texture/texture_store.h"
 #include "render/body_absorption.h"
+#include "render/passing_rays.h"
 #include "render/path.h"
 #include "shade/surface.h"
 
@@ -91,28 +92,14 @@ public:
         occluded_.assign(rays_.size(), 0);
         tracer.occluded(rays_, occluded_);
         collect_blocked();
-        // Rays that pass many surfaces ask for more and more hits at once, so that the work grows with their number.
-        for (int most = 1; !blocked_.empty(); most = std::min(most * 4, accel::kMostNearest)) {
-            shot += blocked_.size();
-            const std::size_t at_once = kHitsAtOnce / static_cast<std::size_t>(most), all = blocked_.size();
-            kept_ = 0;
-            for (std::size_t first = 0; first < all; first += at_once) {
-                const std::size_t n = std::min(at_once, all - first);
-                blocked_hits_.resize(n * static_cast<std::size_t>(most));
-                hit_counts_.resize(n);
-                tracer.nearest(std::span(blocked_rays_).subspan(first, n), most, blocked_hits_, hit_counts_);
-                pass_blocked(first, most, luck);
-            }
-            blocked_.resize(kept_);
-            blocked_rays_.resize(kept_);
-        }
+        shot += blocked_.trace(
+            tracer, [&](Blocked& of, accel::Ray& ray, const accel::SurfaceHit& hit) { return passes(of, ray, hit, luck); },
+            [&](const Blocked& of, const accel::Ray& ray) { end(of, ray); });
         add_light(sums);
         return shot;
     }
 
 private:
-    static constexpr std::size_t kHitsAtOnce = 4096;
-
     struct Shadow {
         std::uint32_t sample = 0;
         Vec3f radiance{0};
@@ -132,12 +119,10 @@ private:
 
     /// Collects those rays that have hit a surface and may pass it, so that their hits can be found.
     void collect_blocked();
-    /// Lets the rays from `first` on pass their hits, of which each has up to `most`, and keeps those that may have more.
-    void pass_blocked(std::size_t first, int most, std::span<const float> luck);
-    /// Returns false if the ray ends at the hit.
-    bool passes(std::size_t blocked, const accel::SurfaceHit& hit, std::span<const float> luck);
+    /// Returns false if the ray ends at the hit, and else moves it behind.
+    bool passes(Blocked& of, accel::Ray& ray, const accel::SurfaceHit& hit, std::span<const float> luck);
     /// Lets a ray that has passed all of its hits come to its end.
-    void end(std::size_t blocked);
+    void end(const Blocked& of, const accel::Ray& ray);
     void add_light(std::span<Vec3f> sums);
 
     const TextureStore& textures_;
@@ -148,11 +133,7 @@ private:
     std::vector<accel::Ray> rays_;
     std::vector<Start> starts_;  ///< of those that start in a body, in the order of the rays
     std::vector<std::uint8_t> occluded_;
-    std::vector<Blocked> blocked_;
-    std::vector<accel::Ray> blocked_rays_;
-    std::size_t kept_ = 0;  ///< the number of blocked rays that go on
-    std::vector<accel::SurfaceHit> blocked_hits_;
-    std::vector<accel::HitCount> hit_counts_;
+    PassingRays<Blocked, 4096> blocked_;
 };
 
 }  // namespace occam::render

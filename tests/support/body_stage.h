@@ -59,6 +59,14 @@ inline void expect_close(Vec3f found, Vec3f expected, double tolerance, const ch
         EXPECT_NEAR(found[c], expected[c], tolerance * double(expected[c])) << what << ", channel " << c;
 }
 
+/// Calls test(size, hand) for worlds of very different sizes, as they are and mirrored.
+template <class Test>
+void for_sizes_and_hands(const Test& test)
+{
+    for (const double size : {3e-7, 1.0, 1e7})
+        for (const double hand : {1.0, -1.0}) test(size, hand);
+}
+
 struct BodyStage {
     Scene scene;
     Settings settings{.width = 4, .height = 4, .spp = 16, .sky = shade::Sky::Off};

@@ -144,15 +144,14 @@ TEST(EyeInABody, TakesNothingOutsideOfIt)
 
 TEST(EyeInABody, IsTheSameInAnySizeOfTheWorldAndMirrored)
 {
-    for (const double size : {3e-7, 1.0, 1e7})
-        for (const double hand : {1.0, -1.0}) {
-            BodyStage stage;
-            Material m = body_of(1.3f);
-            m.attenuation_distance = float(size);
-            stage.put(triangle_box(), m, {}, Vec3d(hand, 1, 1) * size);
-            stage.put(triangle_box(), shining(1), {}, Vec3d(0.6 * size));
-            expect_close(stage.seen(along_x({0, 0, 0})), left_after(0.6), 1e-4);
-        }
+    for_sizes_and_hands([](double size, double hand) {
+        BodyStage stage;
+        Material m = body_of(1.3f);
+        m.attenuation_distance = float(size);
+        stage.put(triangle_box(), m, {}, Vec3d(hand, 1, 1) * size);
+        stage.put(triangle_box(), shining(1), {}, Vec3d(0.6 * size));
+        expect_close(stage.seen(along_x({0, 0, 0})), left_after(0.6), 1e-4);
+    });
 }
 
 // The lens is cut by the surface of the body, so that each sample asks for itself.

@@ -27,15 +27,14 @@ TEST(StraightBodies, TakeLightByTheLengthOfTheWayAtAnyRoughness)
 
 TEST(StraightBodies, TakeTheSameInAnySizeOfTheWorldAndMirrored)
 {
-    for (const double size : {3e-7, 1.0, 1e7})
-        for (const double hand : {1.0, -1.0}) {
-            BodyStage stage;
-            Material m = body_of(1);
-            m.attenuation_distance = float(size);
-            stage.put(triangle_box(), m, {}, Vec3d(hand, 1, 1) * size);
-            stage.scene.environment.radiance = Vec3f(1);
-            expect_close(stage.seen(Camera::look_at({0, 0, 60 * size}, {0, 0, 0}, {0, 1, 0}, 0.01f)), left_after(2), 1e-4);
-        }
+    for_sizes_and_hands([](double size, double hand) {
+        BodyStage stage;
+        Material m = body_of(1);
+        m.attenuation_distance = float(size);
+        stage.put(triangle_box(), m, {}, Vec3d(hand, 1, 1) * size);
+        stage.scene.environment.radiance = Vec3f(1);
+        expect_close(stage.seen(Camera::look_at({0, 0, 60 * size}, {0, 0, 0}, {0, 1, 0}, 0.01f)), left_after(2), 1e-4);
+    });
 }
 
 TEST(StraightBodies, AreShadedAtVerticesAsAtHits)

@@ -260,13 +260,20 @@ TEST(SceneLinks, ASkinWithoutOneOfItsJointsDoesNotDependOnHistory)
     EXPECT_TRUE(still.bent.scene.find(copied));
 }
 
+/// Hangs the joints and what they bend below a new node.
+NodeId hero_of(Bent& bent)
+{
+    const NodeId hero = bent.scene.add_node(bent.scene.root(), {});
+    bent.scene.set_parent(bent.root_joint, hero);
+    bent.scene.set_parent(bent.skinned, hero);
+    return hero;
+}
+
 TEST(SceneLinks, ASkinOutlivesItsCopyIfANodeElsewhereWearsIt)
 {
     Bent bent;
     Scene& scene = bent.scene;
-    const NodeId hero = scene.add_node(scene.root(), {});
-    scene.set_parent(bent.root_joint, hero);
-    scene.set_parent(bent.skinned, hero);
+    const NodeId hero = hero_of(bent);
     const NodeId copied = scene.copy(hero, scene.root());
     const NodeId armature = scene.node(copied).children.at(0), body = scene.node(copied).children.at(1);
     const SkinId skin = scene.node(body).skin;
@@ -291,9 +298,7 @@ TEST(SceneLinks, SkinsOfACopyGoWithIt)
 {
     Bent bent;
     Scene& scene = bent.scene;
-    const NodeId hero = scene.add_node(scene.root(), {});
-    scene.set_parent(bent.root_joint, hero);
-    scene.set_parent(bent.skinned, hero);
+    const NodeId hero = hero_of(bent);
     const NodeId copied = scene.copy(hero, scene.root());
     EXPECT_EQ(scene.counts().skins, 2u);
     scene.remove(copied);

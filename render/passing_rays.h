@@ -1,0 +1,82 @@
+// Rays that may pass the surfaces which they hit, whose hits are therefore looked at in order of t.
+//
+// At first one hit of each ray is found, and then more and more of those rays that go on, so that the work grows with the
+// number of surfaces that they pass.
+//
+// Threads  each worker owns its own.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "accel/tracer.h"
+
+namespace occam::render {
+
+/// Of            what is known of a ray
+/// kHitsAtOnce   how many hits of all rays are found together
+template <class Of, std::size_t kHitsAtOnce>
+class PassingRays {
+public:
+    void clear() noexcept
+    {
+        of_.clear();
+        rays_.clear();
+    }
+    void add(const Of& of, const accel::Ray& ray)
+    {
+        of_.push_back(of);
+        rays_.push_back(ray);
+    }
+
+    /// Follows the rays until none goes on, and forgets them. Returns how many were shot. See Integrator::run for Tracer.
+    /// passes   is called with (Of&, Ray&, const SurfaceHit&), and either returns false, or moves the ray behind the hit and
+    ///          returns true
+    /// leaves   is called with (Of&, const Ray&) for a ray that has passed all of its hits
+    template <class Tracer, class Passes, class Leaves>
+    std::uint64_t trace(Tracer& tracer, const Passes& passes, const Leaves& leaves)
+    {
+        std::uint64_t shot = 0;
+        for (int most = 1; !rays_.empty(); most = std::min(most * 4, accel::kMostNearest)) {
+            shot += rays_.size();
+            const std::size_t at_once = kHitsAtOnce / static_cast<std::size_t>(most), all = rays_.size();
+            kept_ = 0;
+            for (std::size_t first = 0; first < all; first += at_once) {
+                const std::size_t n = std::min(at_once, all - first);
+                hits_.resize(n * static_cast<std::size_t>(most));
+                counts_.resize(n);
+                tracer.nearest(std::span(rays_).subspan(first, n), most, hits_, counts_);
+                for (std::size_t i = 0; i < n; ++i)
+                    follow(first + i, {&hits_[i * static_cast<std::size_t>(most)], static_cast<std::size_t>(most)},
+                           counts_[i], passes, leaves);
+            }
+            of_.resize(kept_);
+            rays_.resize(kept_);
+        }
+        return shot;
+    }
+
+private:
+    /// Lets a ray pass the hits that were found, and keeps it if it may have more.
+    template <class Passes, class Leaves>
+    void follow(std::size_t i, std::span<const accel::SurfaceHit> hits, accel::HitCount known, const Passes& passes,
+                const Leaves& leaves)
+    {
+        for (const accel::SurfaceHit& hit : hits.first(static_cast<std::size_t>(known.count)))
+            if (!passes(of_[i], rays_[i], hit)) return;
+        if (known.is_all) return leaves(of_[i], rays_[i]);
+        of_[kept_] = of_[i];
+        rays_[kept_++] = rays_[i];
+    }
+
+    // These are parallel arrays, kept from batch to batch for their memory.
+    std::vector<Of> of_;
+    std::vector<accel::Ray> rays_;
+    std::size_t kept_ = 0;  ///< the number of rays that go on
+    std::vector<accel::SurfaceHit> hits_;
+    std::vector<accel::HitCount> counts_;
+};
+
+}  // namespace occam::render
