@@ -73,13 +73,13 @@ FrameResult make_frame(const FrameInputs& in, FrameControl& control, FrameStats&
     stats.lights = {setup.lights.has_default(), setup.lights.meshes().any_emitter()};
     stats.tree = setup.frame.tree();
 
+    const std::unique_ptr<FrameSums> sums = sums_of(in);  // first, since it may be too large
     Film film(in.settings);
     stats.memory.film_bytes = film.bytes();
     stats.memory.floor_bytes = in.memory.floor_bytes;
     stats.memory.queue_bytes = in.memory.queue_bytes * static_cast<std::size_t>(in.resources.threads);
     FrameTracers tracers(setup.frame, in);
     const std::vector<PixelRect> tiles = make_tiles(crop_pixels(in.settings));
-    const std::unique_ptr<FrameSums> sums = sums_of(in);
     std::size_t done_before = 0;
     if (sums) {
         stats.memory.film_bytes += FrameSums::bytes_for(in.settings);

@@ -364,7 +364,6 @@ TEST_F(Outputs, ASecondSignalOfEitherKindEndsTheProcess)
         for (int i = 0; i < 1000 && text_of(folder / "stderr.txt").find("rendering") == std::string::npos; ++i)
             std::this_thread::sleep_for(std::chrono::milliseconds(10));
         kill(child, first);
-        std::this_thread::sleep_for(std::chrono::milliseconds(150));
         kill(child, second);
         EXPECT_EQ(finish(child).exit_code, kInterrupted);
     }

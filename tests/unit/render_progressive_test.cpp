@@ -7,7 +7,9 @@
 #include <cstring>
 #include <thread>
 
+#include "base/machine_memory.h"
 #include "occam/occam.h"
+#include "render/frame_sums.h"
 #include "tests/support/command_test.h"
 #include "tests/support/shape_builders.h"
 
@@ -95,6 +97,22 @@ TEST(Progressive, WhatIsStoppedHasNearlyAsManySamplesEverywhere)
     const Job job = stopped_after(5, subject);
     EXPECT_FALSE(job.stats().complete);
     EXPECT_GE(job.stats().image.least_samples, 4) << "the round of five samples a pixel begins with four everywhere";
+}
+
+TEST(Progressive, SumsThatExceedTheMachinesMemoryAreRefused)
+{
+    const Settings largest{.width = 1 << 14, .height = 1 << 14, .spp = 1, .deadline_s = 1};
+    if (render::FrameSums::bytes_for(largest) * 2 <= machine_memory_bytes() / 4 * 3)
+        GTEST_SKIP() << "this machine has room for the sums of the largest picture";
+    Scene scene;
+    try {
+        Renderer renderer({.threads = 1});
+        renderer.start(scene, Camera(), largest).image();
+        ADD_FAILURE() << "it was made";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), Error::Kind::Output);
+        EXPECT_NE(std::string(error.what()).find("for the sums of its pixels"), std::string::npos) << error.what();
+    }
 }
 
 TEST(Progressive, ACheckpointOfAnotherPictureOrADamagedOneIsRefused)
