@@ -55,6 +55,14 @@ const std::vector<std::string>& closed_shapes()
     return shapes;
 }
 
+std::vector<std::string> closed_cages_without_creases()
+{
+    std::vector<std::string> names;
+    for (const auto& [name, cage, is_closed] : made_cages())
+        if (is_closed && cage.creases.empty() && cage.corners.empty()) names.push_back(std::string(kMade) + name);
+    return names;
+}
+
 Cage load_cage(const std::string& name)
 {
     if (name.starts_with(kMade)) return made_cage(name.substr(kMade.size()));

@@ -15,6 +15,9 @@ std::vector<std::string> subdivision_shapes();
 /// Names the closed made cages, then the files of all closed cages below subdiv/.
 const std::vector<std::string>& closed_shapes();
 
+/// Names the closed made cages that have no creases and no corners.
+std::vector<std::string> closed_cages_without_creases();
+
 /// Returns the made cage of that name, or reads an OBJ as a cage of the scheme that its name begins with.
 Cage load_cage(const std::string& name);
 

@@ -7,6 +7,7 @@
 #include "base/hash.h"
 #include "lod/patch_surface.h"
 #include "tests/support/campaign.h"
+#include "tests/support/creased_cages.h"
 #include "tests/support/diced_mesh.h"
 #include "tests/support/displaced_cages.h"
 #include "tests/support/limit_oracle.h"
@@ -165,39 +166,6 @@ void expect_oracle_near(const Cage& cage, std::uint32_t vertex, const std::strin
 {
     Comparison comparison(cage);
     expect_oracle_near(comparison, cage, vertex, what);
-}
-
-/// Returns the edges of a cage, each once.
-std::vector<Crease> edges_of(const Cage& cage)
-{
-    std::vector<Crease> edges;
-    std::size_t first = 0;
-    for (const std::uint32_t size : cage.face_sizes) {
-        for (std::uint32_t i = 0; i < size; ++i) {
-            const std::uint32_t a = cage.face_vertices[first + i], b = cage.face_vertices[first + (i + 1) % size];
-            if (a < b) edges.push_back({a, b, 0});
-        }
-        first += size;
-    }
-    return edges;
-}
-
-/// Returns the cage with creases and corners of 0.25 to 11.25 in steps of a quarter on some of its edges and vertices.
-Cage creased(Cage cage, std::uint64_t seed)
-{
-    std::uint64_t state = seed;
-    const auto number = [&state](std::uint64_t count) { return mix_bits(state += 0x9e3779b97f4a7c15ull) % count; };
-    const auto sharpness = [&] { return 0.25f * static_cast<float>(1 + number(45)); };
-    const std::uint64_t one_in = 1 + number(6);
-    cage.creases.clear();
-    cage.corners.clear();
-    for (Crease edge : edges_of(cage)) {
-        edge.sharpness = sharpness();
-        if (number(one_in) == 0) cage.creases.push_back(edge);
-    }
-    for (std::uint32_t v = 0; v < cage.positions.size(); ++v)
-        if (number(12) == 0) cage.corners.push_back({v, sharpness()});
-    return cage;
 }
 
 TEST(LimitOracle, FindsEachSharpnessOfACube)

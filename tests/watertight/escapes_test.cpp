@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/campaign.h"
+#include "tests/support/creased_cages.h"
 #include "tests/support/displaced_cages.h"
 #include "tests/support/escapes.h"
 #include "tests/support/shape_builders.h"
@@ -23,15 +24,38 @@ void expect_no_escape(const Cage& cage, int exponent, const TextureStore* textur
     }
 }
 
+/// Returns the log2 of the largest rate of a patch, by which no cage becomes more than some 10^5 triangles.
+int exponent_for(const Cage& cage) { return cage.face_count() > 2000 ? 1 : cage.face_count() > 100 ? 3 : 5; }
+
 class Escapes : public testing::TestWithParam<std::string> {};
 
 TEST_P(Escapes, NoRayLeavesAClosedCage)
 {
     const Cage cage = load_cage(GetParam());
-    expect_no_escape(cage, cage.face_count() > 2000 ? 1 : cage.face_count() > 100 ? 3 : 5);
+    expect_no_escape(cage, exponent_for(cage));
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, Escapes, testing::ValuesIn(closed_shapes()), shape_test_name);
+
+// Creases of each quarter up to the one that is never smoothed: on all edges, or on one in two or three of them, so that
+// lines of creases end in darts. The rays of a cage are divided among the steps. By default few steps are tested.
+class EscapesOfCreases : public testing::TestWithParam<std::string> {};
+TEST_P(EscapesOfCreases, NoRayLeavesAClosedCage)
+{
+    const Cage cage = load_cage(GetParam());
+    constexpr std::uint64_t kSteps = std::uint64_t(4 * kInfiniteSharpness);
+    const std::uint64_t stride = is_long() ? 1 : cage.face_count() > 60 ? kSteps : 10;
+    for (std::uint64_t step = 1 + cage.face_count() % stride; step <= kSteps; step += stride) {
+        const float sharpness = 0.25f * static_cast<float>(step);
+        SCOPED_TRACE("sharpness " + std::to_string(sharpness));
+        const Cage creased = creased_evenly(cage, sharpness, 1 + step % 3, step);
+        const EscapeCount count = count_escapes(creased, Mat4d(1), exponent_for(cage), rays_per_cage() / kSteps, step);
+        EXPECT_GT(count.starts, 0u);
+        EXPECT_EQ(count.escaped, 0u) << "of " << count.rays << '\n' << count.replay;
+        EXPECT_EQ(count.not_finite, 0u);
+    }
+}
+INSTANTIATE_TEST_SUITE_P(Made, EscapesOfCreases, testing::ValuesIn(closed_cages_without_creases()), shape_test_name);
 
 class EscapesOfDisplacedCages : public testing::TestWithParam<int> {};
 TEST_P(EscapesOfDisplacedCages, NoRayLeavesAClosedCage)

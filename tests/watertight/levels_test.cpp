@@ -4,6 +4,7 @@
 
 #include "io/builtin/pieces.h"
 #include "tests/support/campaign.h"
+#include "tests/support/creased_cages.h"
 #include "tests/support/displaced_cages.h"
 #include "tests/support/made_cages.h"
 #include "tests/support/shape_builders.h"
@@ -46,6 +47,27 @@ void expect_no_escape(const Cage& cage, const TextureStore* textures = nullptr)
 class Levels : public testing::TestWithParam<std::string> {};
 TEST_P(Levels, LetNoRayOut) { expect_no_escape(load_cage(GetParam())); }
 INSTANTIATE_TEST_SUITE_P(Shapes, Levels, testing::ValuesIn(closed_shapes()), shape_test_name);
+
+// Creases as in EscapesOfCreases (escapes_test.cpp). The rays of a cage are divided among the steps.
+class LevelsOfCreases : public testing::TestWithParam<std::string> {};
+TEST_P(LevelsOfCreases, LetNoRayOut)
+{
+    const Cage cage = load_cage(GetParam());
+    constexpr std::uint64_t kSteps = std::uint64_t(4 * kInfiniteSharpness);
+    const std::uint64_t stride = is_long() ? 1 : cage.face_count() > 60 ? kSteps : 10;
+    VerifySettings settings;
+    settings.rays = 2 * blended_rays_per_place() / kSteps;
+    settings.largest_rate = cage.face_count() > 60 ? 8 : 32;
+    for (std::uint64_t step = 1 + cage.face_count() % stride; step <= kSteps; step += stride) {
+        const float sharpness = 0.25f * static_cast<float>(step);
+        settings.seed = step;
+        const VerifiedCage found = verify(creased_evenly(cage, sharpness, 1 + step % 3, step), Mat4d(1), settings);
+        EXPECT_EQ(found.not_testable, "") << "sharpness " << sharpness;
+        EXPECT_TRUE(found.holds()) << found.escaped << " of " << found.rays << ", sharpness " << sharpness << '\n'
+                                   << (found.replay.empty() ? "" : found.replay.front());
+    }
+}
+INSTANTIATE_TEST_SUITE_P(Made, LevelsOfCreases, testing::ValuesIn(closed_cages_without_creases()), shape_test_name);
 
 class LevelsOfPieces : public testing::TestWithParam<Cage> {};
 TEST_P(LevelsOfPieces, LetNoRayOut) { expect_no_escape(GetParam()); }
