@@ -30,6 +30,19 @@ std::vector<Mat4d> placed_by(const FrameScale& scale, std::span<const Mat4d> wor
     return placed;
 }
 
+// Returns the length of the longest edge of the pair's fine mesh. It may be far shorter than the edges of its level are
+// allowed to be, where a patch needs many pieces whatever the level, or its rate follows from a few fast ones.
+double longest_edge(const Subject::Pair& pair)
+{
+    float squared = 0;
+    for (std::size_t i = 0; i < pair.corners.size(); i += 3)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec3f edge = pair.corners[i + k] - pair.corners[i + (k + 1) % 3];
+            squared = std::max(squared, glm::dot(edge, edge));
+        }
+    return std::min(std::sqrt(double(squared)), double(lod::edge_length(pair.level)));
+}
+
 }  // namespace
 
 EscapeTest::EscapeTest(const ShownCage& shown, const VerifySettings& settings, const TextureStore* textures,
@@ -69,7 +82,8 @@ void EscapeTest::run()
     std::erase_if(instants_, [](const Instant& instant) { return instant.starts.empty(); });
     if (instants_.empty()) {
         report_.not_testable =
-            "no point inside was found: no winding number is 1, so the surface is open or its faces are turned inside out";
+            "no point inside was found: no winding number is 1, so the surface is open, its faces are turned inside out, or "
+            "its inside is thinner than the edges at the largest rate";
         return;
     }
     set_levels();
@@ -157,15 +171,14 @@ void EscapeTest::find_starts(Instant& instant)
     // A mirrored mesh winds the other way around.
     const int turn = subject_.is_mirrored_at(instant.time) ? -1 : 1;
     // A point needs so much room that coarser meshes do not pass by it.
-    const double least_distance = 2 * lod::edge_length(finest_);
+    const double edge = longest_edge(pairs.front()), least_distance = 2 * edge;
     // Where no finer level will be looked at, more points are tried until one is inside.
     const std::size_t tries = pairs.front().corners.size() > kMostCorners ? 64 : 4;
     for (std::size_t attempt = 0; attempt < (starts.empty() ? tries : 4) * most && starts.size() < most / 4; ++attempt) {
         // Half of the points lie anywhere, half near the surface.
         Vec3d p = box.lo + box.extent() * Vec3d(uniform(random_), uniform(random_), uniform(random_));
         if (attempt & 1)
-            p = Vec3d(pick(pairs.front().corners, random_)) +
-                any_direction(random_) * (lod::edge_length(finest_) * uniform(random_, 2, 6));
+            p = Vec3d(pick(pairs.front().corners, random_)) + any_direction(random_) * (edge * uniform(random_, 2, 6));
         const double distance = pieces.distance(p, least_distance);
         if (distance < least_distance || turn * pieces.crossings_along_x(p) < 1) continue;
         const double reach = std::min(distance, box.radius()) * 0.5;
