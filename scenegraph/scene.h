@@ -177,11 +177,12 @@ public:
 
     // Animation. Poses are written into the nodes, as if by set_transform() and set_morph_weights().
 
-    /// Poses the clips' nodes. What an earlier pose() changed of a node (its place or its morph weights) and these clips do
-    /// not change returns to its rest value. A value that the application sets itself becomes the new rest value. Several
-    /// clips that move the same property are blended by their weighted mean (rotations along the shorter arc). Seconds must
-    /// be finite, and weights finite and at least 0. If `of` is null, the clips move the nodes that they name; if it is a
-    /// node that copy() made, they move the counterparts in that copy, which may be a copy of a copy.
+    /// Poses the clips' nodes. What an earlier pose() of the same `of` changed of a node (its place or its morph weights)
+    /// and these clips do not change returns to its rest value. A value that the application sets itself becomes the new
+    /// rest value. Several clips that move the same property are blended by their weighted mean (rotations along the
+    /// shorter arc). Seconds must be finite, and weights finite and at least 0.
+    /// of   null: the clips move the nodes that they name; a node that copy() made: they move the counterparts in that copy,
+    ///      which may be a copy of a copy; AddedScene::node: they move what they name in that part
     void pose(std::span<const ClipAt> clips, NodeId of = {});
     void pose(ClipId clip, double seconds);
     /// Copies the subtree below `parent`. The nodes and the skins whose joints lie in the subtree are new, and the rest is
@@ -189,10 +190,10 @@ public:
     /// skins are removed with the copy, unless a node elsewhere wears them. Throws if `parent` lies in the subtree.
     NodeId copy(NodeId subtree, NodeId parent);
     /// Adds all of another scene below `parent`, as scene.add(occam::load("fox.glb"), scene.root()) does. Its content is
-    /// moved, not copied, and all of its handles are dead from then on. It shows what it showed, and its clips and what
-    /// copy() made can be posed as before, but the keys of record_shutter() are dropped. Warnings and notes are appended,
-    /// variants are not. If there is not enough memory, this scene stays as it is, and the other one is lost; after any
-    /// other Error both stay as they are.
+    /// moved, not copied, and all of its handles are dead from then on. It shows what it showed, and has a pose of its own,
+    /// as have the copies within it, but the keys of record_shutter() are dropped. Warnings and notes are appended, variants
+    /// are not. If there is not enough memory, this scene stays as it is, and the other one is lost; after any other Error
+    /// both stay as they are.
     AddedScene add(Scene&& part, NodeId parent);
     /// Removes the subtree of AddedScene::node as it is now, and the clips, skins, cages, lights and cameras that came with
     /// the other scene, whatever still refers to them; then its materials and textures, but for those that something uses.

@@ -132,7 +132,8 @@ void Scene::pose(std::span<const ClipAt> clips, NodeId of)
 {
     State& s = *state_;
     s.require_editable();
-    if (of && !s.posed.contains(of)) throw error_without_file("only what copy() made has a pose of its own", node(of).name);
+    if (of && !s.posed.contains(of))
+        throw error_without_file("only what copy() or add() made has a pose of its own", node(of).name);
     for (const ClipAt& at : clips) {
         State::at(s.clips, at.clip, "clip");
         if (!std::isfinite(at.seconds) || !(at.weight >= 0) || !std::isfinite(at.weight))

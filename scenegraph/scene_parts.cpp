@@ -152,6 +152,12 @@ public:
             for (const NodeId node : from.nodes)
                 if (nodes_.of(node)) own.nodes.push_back(nodes_.of(node));
         }
+        // Its clips move its own nodes, whether the whole scene is posed or the part alone.
+        Posed& alone = to_.posed[node()];
+        nodes_.for_each([&](NodeId made) { alone.node_of[made] = made; });
+        if (const auto from = part_.posed.find(NodeId()); from != part_.posed.end())
+            for (const NodeId node : from->second.nodes)
+                if (nodes_.of(node)) alone.nodes.push_back(nodes_.of(node));
     }
     std::vector<ClipId> move_clips()
     {

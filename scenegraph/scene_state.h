@@ -157,9 +157,9 @@ struct Scene::State {
         bool has_stale_links = false;   ///< what link_skin() finds is out of date
         Watchers users;
     };
-    /// The state of pose() for the scene itself, and for each subtree that copy() made.
+    /// The state of pose() for the scene itself, and for each subtree that copy() or add() made.
     struct Posed {
-        std::unordered_map<NodeId, NodeId> node_of;  ///< for copies: maps originals to copies, and first originals too
+        std::unordered_map<NodeId, NodeId> node_of;  ///< from what clips name to what they move
         std::vector<SkinId> skins;                   ///< for copies: the skins made for the copy
         std::vector<NodeId> nodes;                   ///< moved by the last pose()
     };
@@ -209,7 +209,7 @@ struct Scene::State {
     std::vector<NodeId> nodes_with_keys;
     std::vector<SkinId> skins_with_keys;
     std::vector<CageId> cages_with_keys;
-    std::unordered_map<NodeId, Posed> posed;  ///< for each copy; the key of the scene itself is a null handle
+    std::unordered_map<NodeId, Posed> posed;  ///< by its top node; the key of the scene itself is a null handle
     NodeId root;
     std::size_t faces = 0, mesh_triangles = 0;  ///< of all cages
     bool has_lost_bounds = false;               ///< all bounds are out of date, whatever the nodes say

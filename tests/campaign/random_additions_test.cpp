@@ -21,8 +21,10 @@ std::vector<NodeId> subtree(const Scene& scene, NodeId top)
     return found;
 }
 
-/// Poses the scene and each copy in it, every time by the clip that has its turn. Returns how many copies there are.
-std::size_t pose_all(Scene& scene, const std::vector<ClipId>& clips, NodeId top)
+/// Poses the subtree of `top` and each copy in it, every time by the clip that has its turn. Returns how many copies there
+/// are.
+/// of   a null handle if `top` is the root, else `top`, which was added
+std::size_t pose_all(Scene& scene, const std::vector<ClipId>& clips, NodeId top, NodeId of)
 {
     std::size_t turn = 0, copies = 0;
     const auto next = [&] {
@@ -31,8 +33,9 @@ std::size_t pose_all(Scene& scene, const std::vector<ClipId>& clips, NodeId top)
         ++turn;
         return at;
     };
-    scene.pose(next());
+    scene.pose(next(), of);
     for (const NodeId id : subtree(scene, top)) {
+        if (id == top) continue;
         try {
             scene.pose(next(), id);
             ++copies;
@@ -73,10 +76,10 @@ std::size_t expect_same_when_added(std::uint64_t seed, int edits)
             << when;
     };
     expect_same_picture("as it was");
-    const std::size_t copies = pose_all(scene, added.clips, added.node);
-    EXPECT_EQ(pose_all(alone.scene(), alone.scene().clips(), alone.scene().root()), copies);
+    const std::size_t copies = pose_all(scene, added.clips, added.node, added.node);
+    EXPECT_EQ(pose_all(alone.scene(), alone.scene().clips(), alone.scene().root(), {}), copies);
     expect_same_picture("posed");
-    scene.pose({});
+    scene.pose({}, added.node);
     alone.scene().pose({});
     expect_same_picture("at rest again");
     return copies;

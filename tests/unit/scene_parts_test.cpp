@@ -113,6 +113,45 @@ TEST(SceneParts, ShowWhatTheSameThingsShowInOneScene)
     EXPECT_EQ(picture(scene), picture(together));
 }
 
+TEST(SceneParts, HavePosesOfTheirOwn)
+{
+    Scene scene;
+    Part walker(kRed, 0);
+    walker.scene.pose(walker.clip, 0.3);  // what a part was posed by before it was added belongs to its pose
+    const AddedScene first = scene.add(std::move(walker.scene), scene.root());
+    const AddedScene second = scene.add(std::move(Part(kBlue, 2.5).scene), scene.root());
+    const NodeId copy = scene.copy(first.node, scene.root());
+    const auto moved_by = [&](const AddedScene& part, double seconds) {
+        const ClipAt at{part.clips[0], seconds};
+        scene.pose({&at, 1}, part.node);
+    };
+    const auto joints = [&] {
+        std::vector<Mat4d> places;
+        for (const NodeId top : {first.node, second.node, copy})
+            places.push_back(scene.world_from_node(scene.find_node("joint", top)));
+        return places;
+    };
+    scene.pose({}, first.node);
+    const std::vector<Mat4d> rest = joints();
+    moved_by(first, 0.4);
+    const std::vector<Mat4d> one = joints();
+    EXPECT_NE(one[0], rest[0]);
+    EXPECT_EQ(one[1], rest[1]);
+    EXPECT_EQ(one[2], rest[2]);
+    moved_by(second, 0.7);
+    EXPECT_EQ(joints()[0], one[0]) << "another part was posed";
+    EXPECT_NE(joints()[1], rest[1]);
+    scene.pose({}, first.node);
+    EXPECT_EQ(joints()[0], rest[0]);
+    EXPECT_NE(joints()[1], rest[1]);
+
+    // The clips of another part name nothing of this one.
+    const ClipAt others{second.clips[0], 0.9};
+    scene.pose({&others, 1}, first.node);
+    EXPECT_EQ(joints()[0], rest[0]);
+    EXPECT_THROW(scene.pose({&others, 1}, scene.root()), Error);
+}
+
 TEST(SceneParts, AreFoundByNameEachInItsOwnSubtree)
 {
     Scene scene;
