@@ -22,7 +22,7 @@ namespace occam::lod {
 class ClassMemory : public ClassAccount {
 public:
     /// The bytes of tables of classes from which on a new class is refused.
-    static constexpr std::size_t kMostBytes = std::size_t(1) << 30;
+    static constexpr std::size_t kMostBytes = std::size_t(768) << 20;
     /// The bytes of pooled sources that are kept, as the sources say.
     static constexpr std::size_t kPoolBytes = std::size_t(256) << 20;
 
