@@ -16,6 +16,8 @@ bool matches(ImageBytes& bytes, std::string_view magic, std::uintmax_t at = 0)
     return bytes.read(at, first) && std::memcmp(first.data(), magic.data(), magic.size()) == 0;
 }
 
+constexpr std::uint32_t kOldestBmpHeader = 12;  // its size; it knows no compression
+
 // Returns an integer of `count` bytes, the lowest first; bytes beyond the end count as 0.
 std::uint32_t little_endian(ImageBytes& bytes, std::uintmax_t at, std::size_t count)
 {
@@ -161,6 +163,16 @@ bool is_cut_off_exr(ImageBytes& bytes)
     }
 }
 
+bool has_foreign_compression_bmp(ImageBytes& bytes)
+{
+    if (!matches(bytes, "BM") || little_endian(bytes, 14, 4) == kOldestBmpHeader) return false;
+    enum Compression { None = 0, Runs8 = 1, Runs4 = 2, Masks = 3, MasksWithAlpha = 6 };
+    const std::uint32_t bits = little_endian(bytes, 28, 2), compression = little_endian(bytes, 30, 4);
+    if (compression == Runs8) return bits != 8;
+    if (compression == Runs4) return bits != 4;
+    return compression != None && compression != Masks && compression != MasksWithAlpha;
+}
+
 std::optional<ImageSize> declared_canvas(ImageBytes& bytes)
 {
     if (matches(bytes, kPngMagic)) {
@@ -174,8 +186,7 @@ std::optional<ImageSize> declared_canvas(ImageBytes& bytes)
     }
     if (matches(bytes, "BM")) {
         // The oldest header has sizes of 16 bits, and a height below 0 counts from the top.
-        constexpr std::uint32_t kOldest = 12;
-        if (little_endian(bytes, 14, 4) == kOldest)
+        if (little_endian(bytes, 14, 4) == kOldestBmpHeader)
             return ImageSize{little_endian(bytes, 18, 2), little_endian(bytes, 20, 2)};
         const std::uint32_t height = little_endian(bytes, 22, 4);
         return ImageSize{little_endian(bytes, 18, 4), std::min(height, 0u - height)};

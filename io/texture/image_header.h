@@ -43,6 +43,10 @@ bool is_cut_off_png(ImageBytes& bytes);
 /// much as an attribute declares. Returns false for other formats.
 bool is_cut_off_exr(ImageBytes& bytes);
 
+/// Returns true if a BMP is compressed in another way than by run lengths of its own bits a pixel. OpenImageIO looks colours
+/// up in a table even if the file has none, and takes other compressed bytes for pixels. Returns false for other formats.
+bool has_foreign_compression_bmp(ImageBytes& bytes);
+
 struct ImageSize {
     std::uint32_t width, height;
 };

@@ -23,8 +23,7 @@ std::string little_endian(std::uint32_t value, int bytes)
 
 class ImageFiles : public testing::Test {
 protected:
-    /// Expects one error, which names the file and gives the reason.
-    void expect_refusal(const std::string& name, const std::string& content, const std::string& why)
+    std::vector<std::string> errors_of(const std::string& name, const std::string& content)
     {
         Scene scene;
         Texture texture;
@@ -33,7 +32,16 @@ protected:
         TextureStore store(std::size_t(16) << 20);
         store.prepare(scene);
         store.decode_all();
-        const std::vector<std::string> errors = store.errors();
+        return store.errors();
+    }
+    void expect_no_refusal(const std::string& name, const std::string& content)
+    {
+        for (const std::string& error : errors_of(name, content)) ADD_FAILURE() << error;
+    }
+    /// Expects one error, which names the file and gives the reason.
+    void expect_refusal(const std::string& name, const std::string& content, const std::string& why)
+    {
+        const std::vector<std::string> errors = errors_of(name, content);
         ASSERT_EQ(errors.size(), 1u) << name;
         EXPECT_NE(errors[0].find(name), std::string::npos) << errors[0];
         EXPECT_NE(errors[0].find(why), std::string::npos) << errors[0];
@@ -145,6 +153,25 @@ TEST_F(ImageFiles, BmpsDeclareTheirSizeBeforeTheyAreOpened)
     expect_refusal("b.bmp", bmp(30'000, static_cast<std::uint32_t>(-30'000), 8),
                    "image is larger than is read: 30000 x 30000");
     expect_refusal("c.bmp", bmp(16'000, 8000, 8), "image declares far more than the file holds: 16000 x 8000");
+}
+
+// Run lengths are of colours in a table, and pixels of 16 bits or more have none: the library looked there nevertheless.
+TEST_F(ImageFiles, BmpsOfRunLengthsHaveAsManyBitsAsTheseSay)
+{
+    const auto bmp = [](std::uint32_t bits, std::uint32_t compression) {
+        return "BM" + little_endian(0, 4) + little_endian(0, 4) + little_endian(54 + (bits <= 8 ? 4u << bits : 0), 4) +
+               little_endian(40, 4) + little_endian(6, 4) + little_endian(1, 4) + little_endian(1, 2) +
+               little_endian(bits, 2) + little_endian(compression, 4) + std::string(20, '\0') +
+               std::string(bits <= 8 ? 4u << bits : 0, '\x55') + std::string("\6\2\0\1", 4) + std::string(100, '\0');
+    };
+    const char* const kWhy = "the image is compressed in a way that is not read";
+    for (const std::uint32_t bits : {1u, 4u, 16u, 24u, 32u}) expect_refusal("runs8.bmp", bmp(bits, 1), kWhy);
+    for (const std::uint32_t bits : {1u, 8u, 16u, 24u, 32u}) expect_refusal("runs4.bmp", bmp(bits, 2), kWhy);
+    for (const std::uint32_t compression : {4u, 5u, 11u, 0xffffffffu}) expect_refusal("c.bmp", bmp(24, compression), kWhy);
+    expect_no_refusal("runs8.bmp", bmp(8, 1));
+    expect_no_refusal("runs4.bmp", bmp(4, 2));
+    for (const std::uint32_t bits : {1u, 4u, 8u, 16u, 24u, 32u}) expect_no_refusal("plain.bmp", bmp(bits, 0));
+    for (const std::uint32_t bits : {16u, 32u}) expect_no_refusal("masks.bmp", bmp(bits, 3));
 }
 
 TEST_F(ImageFiles, PngsDeclareTheirSizeBeforeTheyAreOpened)
