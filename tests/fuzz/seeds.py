@@ -84,6 +84,48 @@ def glb(text, binary):
     return text + b"\0" + binary
 
 
+def bmp(bits, compression, rows):
+    """Returns a BMP of 2 x 2 pixels."""
+    palette = bytes(range(4 << bits)) if bits <= 4 else bytes(k >> 2 for k in range(1024)) if bits == 8 else b""
+    head = struct.pack("<IiiHHIIiiII", 40, 2, 2, 1, bits, compression, len(rows), 0, 0, 0, 0)
+    return struct.pack("<2sIHHI", b"BM", 54 + len(palette) + len(rows), 0, 0, 54 + len(palette)) + head + palette + rows
+
+
+def tga(kind, bits, data, palette=b""):
+    """Returns a TGA of 2 x 2 pixels, with a palette of 24 bits an entry if there is one."""
+    head = struct.pack("<BBBHHBHHHHBB", 0, palette != b"", kind, 0, len(palette) // 3, 24 if palette else 0, 0, 0, 2, 2, bits, 32)
+    return head + palette + data
+
+
+def dds(code, block):
+    """Returns a DDS of 4 x 4 pixels in one block."""
+    pixel = struct.pack("<II4s5I", 32, 4, code, 0, 0, 0, 0, 0)
+    return b"DDS " + struct.pack("<7I", 124, 0x81007, 4, 4, len(block), 0, 0) + bytes(44) + pixel + struct.pack("<5I", 0x1000, 0, 0, 0, 0) + block
+
+
+def small_images():
+    yield "bmp24", bmp(24, 0, b"abcdef\0\0" * 2)
+    yield "bmp16", bmp(16, 0, b"abcd" * 2)
+    yield "bmp8", bmp(8, 0, b"ab\0\0" * 2)
+    yield "bmp1", bmp(1, 0, b"\x80\0\0\0" * 2)
+    yield "bmp_runs8", bmp(8, 1, b"\2a\0\0\0\3ab\0\0\0\1")
+    yield "bmp_runs4", bmp(4, 2, b"\2\x12\0\0\2\x21\0\1")
+    yield "bmp_oldest", struct.pack("<2sIHHIIHHHH", b"BM", 0, 0, 0, 26, 12, 2, 2, 1, 24) + b"abcdef\0\0" * 2
+    yield "tga", tga(2, 24, b"abcdefabcdef")
+    yield "tga_gray", tga(3, 8, b"abcd")
+    yield "tga_runs", tga(10, 32, b"\x83abcd")
+    yield "tga_palette", tga(1, 8, b"\0\1\1\0", b"abcdef")
+    yield "tga_palette_runs", tga(9, 8, b"\x81\1\1\0\1", b"abcdef")
+    yield "dds1", dds(b"DXT1", b"abcd\0\1\2\3")
+    yield "dds5", dds(b"DXT5", b"ab012345abcd\0\1\2\3")
+    yield "gif", b"GIF89a\1\0\1\0\x80\0\0\0\0\0\xff\xff\xff!\xf9\4\0\0\0\0\0,\0\0\0\0\1\0\1\0\0\2\2D\1\0;"
+    yield "webp", b"RIFF\x1a\0\0\0WEBPVP8L\r\0\0\0/\0\0\0\x10\7\x10\x11\x11\x88\x88\xfe\7\0"
+    for name, image in (("p1", b"P1 2 1 0 1"), ("p3", b"P3 1 1 9 1 2 3"), ("p4", b"P4 8 1\n\xaa"), ("p5", b"P5 2 1 65535\nabcd"),
+                        ("p6", b"P6 2 1 255\nabcdef"), ("pf", b"PF 1 1 -1.0\nabcdefghijkl")):
+        yield "pnm_" + name, image
+    yield "hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\nabcdefgh"
+
+
 def own_seeds():
     uri = "data:application/octet-stream;base64," + base64.b64encode(TRIANGLE).decode()
     text = gltf({})
@@ -106,10 +148,10 @@ def own_seeds():
     yield "stl", "ascii", b"solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid s\n"
     yield "stl", "binary", b"\0" * 80 + struct.pack("<I12fH", 1, 0, 0, 1, *corners, 0)
     yield "texture", "png", png()
-    yield "texture", "bmp", struct.pack("<2sIHHI", b"BM", 58, 0, 0, 54) + struct.pack("<IiiHHIIiiII", 40, 1, 1, 1, 24, 0, 4, 0, 0, 0, 0) + b"abc\0"
     yield "tiled", "small", tiled(3, 2)
     yield "tiled", "two_tiles", tiled(66, 5)
-    yield "texture", "hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\nabcdefgh"
+    for name, image in small_images():
+        yield "texture", name, image
 
 
 def parts(path):
