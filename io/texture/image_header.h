@@ -47,6 +47,10 @@ bool is_cut_off_exr(ImageBytes& bytes);
 /// up in a table even if the file has none, and takes other compressed bytes for pixels. Returns false for other formats.
 bool has_foreign_compression_bmp(ImageBytes& bytes);
 
+/// Returns true if a DDS is a cube map or a volume, or has pixels of a kind that its format does not have. OpenImageIO does
+/// not come to an end with some of them. Returns false for other formats.
+bool has_foreign_pixels_dds(ImageBytes& bytes);
+
 struct ImageSize {
     std::uint32_t width, height;
 };

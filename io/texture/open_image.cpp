@@ -75,6 +75,8 @@ private:
     void check_header()
     {
         if (is_cut_off_png(bytes_) || is_cut_off_exr(bytes_)) refuse("the image is cut off");
+        if (has_foreign_pixels_dds(bytes_))
+            refuse("the DDS file is a cube map or a volume, or its pixels are of a kind that is not read");
         if (has_foreign_compression_bmp(bytes_)) refuse("the image is compressed in a way that is not read");
         if (const auto canvas = declared_canvas(bytes_)) check_size(canvas->width, canvas->height);
         if (format_ != "openexr") return;

@@ -174,6 +174,28 @@ TEST_F(ImageFiles, BmpsOfRunLengthsHaveAsManyBitsAsTheseSay)
     for (const std::uint32_t bits : {16u, 32u}) expect_no_refusal("masks.bmp", bmp(bits, 3));
 }
 
+// The library did not come to an end with one that is a cube map of pixels without bits.
+TEST_F(ImageFiles, OfDdsAreFlatAndOfKnownPixels)
+{
+    const auto dds = [](std::uint32_t flags, std::uint32_t bits, std::uint32_t caps, std::uint32_t more_caps) {
+        std::string file = "DDS " + little_endian(124, 4) + little_endian(0x81007, 4) + little_endian(4, 4) +
+                           little_endian(4, 4) + little_endian(8, 4) + std::string(52, '\0');
+        file += little_endian(32, 4) + little_endian(flags, 4) + "DXT1" + little_endian(bits, 4);
+        for (const std::uint32_t mask : {0xffu, 0xff00u, 0xff0000u, 0u}) file += little_endian(mask, 4);
+        return file + little_endian(caps, 4) + little_endian(more_caps, 4) + std::string(100, '\0');
+    };
+    constexpr std::uint32_t kTexture = 0x1000, kComplex = 8, kDxt = 4, kRgb = 0x40;
+    const char* const kWhy = "the DDS file is a cube map or a volume";
+    expect_refusal("hangs.dds", dds(0x29, 0, 0xffffffff, 0x4cffff), kWhy);
+    expect_refusal("cube.dds", dds(kDxt, 0, kTexture | kComplex, 0xfe00), kWhy);
+    expect_refusal("volume.dds", dds(kDxt, 0, kTexture | kComplex, 0x200000), kWhy);
+    for (const std::uint32_t bits : {0u, 7u, 64u, 0xffffffffu})
+        expect_refusal("bits.dds", dds(kRgb, bits, kTexture, 0), kWhy);
+    expect_refusal("palette.dds", dds(0x20, 8, kTexture, 0), kWhy);
+    expect_no_refusal("dxt.dds", dds(kDxt, 0, kTexture, 0));
+    for (const std::uint32_t bits : {24u, 32u}) expect_no_refusal("rgb.dds", dds(kRgb, bits, kTexture, 0));
+}
+
 TEST_F(ImageFiles, PngsDeclareTheirSizeBeforeTheyAreOpened)
 {
     const auto big = [](std::uint32_t v) {
