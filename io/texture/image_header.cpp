@@ -177,12 +177,16 @@ bool has_foreign_pixels_dds(ImageBytes& bytes)
 {
     if (!matches(bytes, "DDS ")) return false;
     // Microsoft, "DDS_HEADER" and "DDS_PIXELFORMAT".
-    constexpr std::uint32_t kAlphaOnly = 0x2, kFourCharacters = 0x4, kRgb = 0x40, kLuminance = 0x20000;
+    constexpr std::uint32_t kHasAlpha = 0x1, kAlphaOnly = 0x2, kFourCharacters = 0x4, kRgb = 0x40, kLuminance = 0x20000;
     constexpr std::uint32_t kCubeMapOrVolume = 0x200 | 0x200000;
     const std::uint32_t flags = little_endian(bytes, 80, 4), bits = little_endian(bytes, 88, 4);
     if (little_endian(bytes, 112, 4) & kCubeMapOrVolume) return true;
     if (flags & kFourCharacters) return false;
     if (!(flags & (kAlphaOnly | kRgb | kLuminance))) return true;
+    // Red, green, blue and alpha have a mask each, whose lowest bit the library looks for.
+    constexpr std::array<std::uint32_t, 4> kWhoHasIt = {kRgb | kLuminance, kRgb, kRgb, kHasAlpha | kAlphaOnly};
+    for (std::size_t k = 0; k < kWhoHasIt.size(); ++k)
+        if ((flags & kWhoHasIt[k]) && little_endian(bytes, 92 + 4 * k, 4) == 0) return true;
     return bits != 8 && bits != 16 && bits != 24 && bits != 32;
 }
 

@@ -192,6 +192,7 @@ TEST_F(ImageFiles, OfDdsAreFlatAndOfKnownPixels)
     for (const std::uint32_t bits : {0u, 7u, 64u, 0xffffffffu})
         expect_refusal("bits.dds", dds(kRgb, bits, kTexture, 0), kWhy);
     expect_refusal("palette.dds", dds(0x20, 8, kTexture, 0), kWhy);
+    for (const std::uint32_t alpha : {1u, 2u}) expect_refusal("masks.dds", dds(kRgb | alpha, 32, kTexture, 0), kWhy);
     expect_no_refusal("dxt.dds", dds(kDxt, 0, kTexture, 0));
     for (const std::uint32_t bits : {24u, 32u}) expect_no_refusal("rgb.dds", dds(kRgb, bits, kTexture, 0));
 }
