@@ -300,10 +300,9 @@ void check_outputs(const RenderArguments& a, std::span<const std::filesystem::pa
 Scene open_scene(const RenderArguments& a, std::span<const std::filesystem::path> pictures)
 {
     Scene scene = open_scene(a);
-    std::vector<std::filesystem::path> outputs(pictures.begin(), pictures.end()), inputs;
+    std::vector<std::filesystem::path> outputs(pictures.begin(), pictures.end());
     if (!a.stats.empty()) outputs.push_back(a.stats);
-    for (const TextureId id : scene.texture_ids()) inputs.push_back(scene.texture(id).path);
-    refuse_inputs(outputs, inputs);
+    refuse_inputs(outputs, scene.files);
     return scene;
 }
 

@@ -70,7 +70,7 @@ Ending wait_for(Job& job, ProgressDisplay& display, bool keeps_part, std::size_t
 ///       statistics must not be written under any name
 void check_outputs(const RenderArguments& arguments, std::span<const std::filesystem::path> pictures,
                    std::span<const std::filesystem::path> all);
-/// Opens the scene. Throws Error if it cannot be read, or if one of the outputs is an image of it.
+/// Opens the scene. Throws Error if it cannot be read, or if one of the outputs is a file of it.
 Scene open_scene(const RenderArguments& arguments, std::span<const std::filesystem::path> pictures);
 
 /// Prints what the importer chose on standard error.

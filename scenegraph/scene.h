@@ -13,6 +13,7 @@
 #pragma once
 
 #include <atomic>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -191,9 +192,9 @@ public:
     NodeId copy(NodeId subtree, NodeId parent);
     /// Adds all of another scene below `parent`, as scene.add(occam::load("fox.glb"), scene.root()) does. Its content is
     /// moved, not copied, and all of its handles are dead from then on. It shows what it showed, and has a pose of its own,
-    /// as have the copies within it, but the keys of record_shutter() are dropped. Warnings and notes are appended, variants
-    /// are not. If there is not enough memory, this scene stays as it is, and the other one is lost; after any other Error
-    /// both stay as they are.
+    /// as have the copies within it, but the keys of record_shutter() are dropped. Warnings, notes and files are appended,
+    /// variants are not. If there is not enough memory, this scene stays as it is, and the other one is lost; after any
+    /// other Error both stay as they are.
     AddedScene add(Scene&& part, NodeId parent);
     /// Removes the subtree of AddedScene::node as it is now, and the clips, skins, cages, lights and cameras that came with
     /// the other scene, whatever still refers to them; then its materials and textures, but for those that something uses.
@@ -316,6 +317,9 @@ public:
     std::vector<std::string> warnings;
     /// Lists what the importer chose where the file leaves a choice, such as whether polygons are subdivided: one line each.
     std::vector<std::string> notes;
+    /// Lists the files that the scene was read from, and those that they name if these are there, used or not: libraries,
+    /// buffers, images. An application may watch them, and must not write over them.
+    std::vector<std::filesystem::path> files;
     /// The names under which the file offers alternative materials (KHR_materials_variants).
     std::vector<std::string> variants;
 

@@ -242,10 +242,11 @@ AddedScene Scene::add(Scene&& other, NodeId parent)
     part.clear_shutter();
 
     State::Addition addition(*this, part);
-    Rollback added([&, lines = warnings.size(), choices = notes.size()] {
+    Rollback added([&, lines = warnings.size(), choices = notes.size(), read = files.size()] {
         addition.undo();
         warnings.resize(lines);
         notes.resize(choices);
+        files.resize(read);
     });
     addition.move_textures();
     addition.move_materials();
@@ -257,6 +258,7 @@ AddedScene Scene::add(Scene&& other, NodeId parent)
     AddedScene made = addition.all(addition.move_clips());
     warnings.insert(warnings.end(), part.warnings.begin(), part.warnings.end());
     notes.insert(notes.end(), part.notes.begin(), part.notes.end());
+    files.insert(files.end(), part.files.begin(), part.files.end());
     added.keep();
     return made;
 }

@@ -339,6 +339,7 @@ private:
         Cage cage = settle(std::move(polygons), is_cage ? Subdivide::On : Subdivide::Off, report).cage;
         extras.style.apply(cage);
         if (extras.style.displacement) cage.displacement = materials_.displacement(*extras.style.displacement, where);
+        for (const std::filesystem::path& file : report.files()) report_.add_file(file);
         for (const std::string& line : report.lines()) scene_.warnings.push_back(extras.cage + ": " + line);
         return known->second = scene_.add(std::move(cage));
     }
@@ -356,6 +357,7 @@ private:
         if (!path) throw Error(report_.name(), "the environment is not in the scene's folder: " + extras->image, "scene");
         if (!std::filesystem::is_regular_file(*path))
             throw Error(report_.name(), "the environment is missing: " + extras->image, "scene");
+        report_.add_file(*path);
         Texture texture;
         texture.name = report_.file().filename().string() + ": " + extras->image, texture.path = *path;
         scene_.environment.image = scene_.add(std::move(texture));

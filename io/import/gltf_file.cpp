@@ -16,6 +16,7 @@ namespace {
 struct Folder {
     std::filesystem::path folder;
     const GltfContainer& container;
+    Report& report;
     std::map<std::string, std::vector<std::size_t>> files;
     std::map<std::string, std::size_t> reads;  // the number of reads so far
     bool lacks_memory = false;                 // a read has failed for lack of memory
@@ -51,9 +52,13 @@ bool read_whole_file(std::vector<unsigned char>* out, std::string* error, const 
             return true;
         }
         const auto file = inside(folder.folder, name);
-        if (file) *out = read_buffer(*file, wanted);
-        else *error = "not in the scene's folder";
-        return file.has_value();
+        if (!file) {
+            *error = "not in the scene's folder";
+            return false;
+        }
+        folder.report.add_file(*file);
+        *out = read_buffer(*file, wanted);
+        return true;
     } catch (const std::bad_alloc&) {
         folder.lacks_memory = true;
         return false;
@@ -86,7 +91,7 @@ tinygltf::Model open_gltf(Report& report)
     if (const auto chunk = checked.files.find(kBinaryChunk); chunk != checked.files.end())
         container.require_binary(chunk->second.front());
     const std::string& json = checked.json.empty() ? container.json() : checked.json;
-    Folder folder{report.file().parent_path(), container, std::move(checked.files), {}, false};
+    Folder folder{report.file().parent_path(), container, report, std::move(checked.files), {}, false};
 
     tinygltf::TinyGLTF reader;
     reader.SetFsCallbacks({file_exists, expand_path, read_whole_file, write_whole_file, &folder});

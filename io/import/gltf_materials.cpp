@@ -167,6 +167,7 @@ std::optional<Texture> MaterialImporter::describe(int index, TextureRole role)
         report_.warn_of_file("image file is missing", shown);
         return std::nullopt;
     }
+    report_.add_file(*path);
     t.path = *path;
     return t;
 }

@@ -18,6 +18,7 @@ void finish(Scene& scene, const Report& report)
     if (report.is_strict() && !scene.warnings.empty()) throw Error(report.name(), scene.warnings.front());
     std::vector<std::string> lines = report.lines();
     scene.warnings.insert(scene.warnings.begin(), lines.begin(), lines.end());
+    scene.files.insert(scene.files.end(), report.files().begin(), report.files().end());
 }
 
 namespace {

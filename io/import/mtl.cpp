@@ -97,12 +97,14 @@ private:
     {
         const auto path = inside(folder_, name);
         if (!path || !std::filesystem::is_regular_file(*path)) return false;
+        report_.add_file(*path);
         const std::string text = prepare_mtl(read_text(*path, kMaxLibraryBytes), name, report_);
         std::map<std::string, int> index;
         std::vector<tinyobj::material_t> list;
         std::string warnings, errors;
         TextStream stream(text);
         tinyobj::LoadMtl(&index, &list, &stream, &warnings, &errors);
+        for (const tinyobj::material_t& m : list) add_image_files(m);
         // The library always gives one material, even for an empty file: that one has no name.
         for (const tinyobj::material_t& m : list)
             if (!m.name.empty() && !materials_.count(m.name)) materials_.emplace(m.name, scene_.add(convert(m)));
@@ -124,6 +126,17 @@ private:
                 if (path && std::filesystem::is_regular_file(*path)) return path;
             }
         return path;
+    }
+
+    // Lists the images that the material names, also those of kinds that are not read.
+    void add_image_files(const tinyobj::material_t& m)
+    {
+        for (const std::string* name :
+             {&m.ambient_texname, &m.diffuse_texname, &m.specular_texname, &m.specular_highlight_texname, &m.bump_texname,
+              &m.displacement_texname, &m.alpha_texname, &m.reflection_texname, &m.roughness_texname, &m.metallic_texname,
+              &m.sheen_texname, &m.emissive_texname, &m.normal_texname})
+            if (const auto path = image_path(*name); path && std::filesystem::is_regular_file(*path))
+                report_.add_file(*path);
     }
 
     TextureUse texture(const std::string& name, const tinyobj::texture_option_t& option, TextureRole role)

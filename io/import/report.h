@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,7 @@ namespace occam::import {
 class Report {
 public:
     /// strict   every warning is thrown as an Error instead
-    Report(std::filesystem::path file, bool strict) : file_(std::move(file)), strict_(strict) {}
+    Report(std::filesystem::path file, bool strict) : file_(std::move(file)), strict_(strict), files_{file_} {}
 
     const std::filesystem::path& file() const noexcept { return file_; }
     std::string name() const { return file_.string(); }
@@ -26,6 +27,10 @@ public:
     {
         add(what + '\n' + file, {what, file, ", number of uses: "});
     }
+
+    /// Lists a file that is read for the scene, or that is named in it (Scene::files).
+    void add_file(const std::filesystem::path& file) { files_.insert(file); }
+    const std::set<std::filesystem::path>& files() const noexcept { return files_; }
 
     /// Returns one line for each kind, in the order in which they came up.
     std::vector<std::string> lines() const
@@ -64,12 +69,14 @@ private:
     static constexpr std::size_t kMaxKinds = 1000;  // more kinds than this would not be read
     std::filesystem::path file_;
     bool strict_;
+    std::set<std::filesystem::path> files_;
     std::size_t left_out_ = 0;
     std::vector<Kind> kinds_;
     std::map<std::string, std::size_t> index_;
 };
 
-/// Ends an import: what was repaired goes into scene.warnings, or is thrown as an Error if the report is strict.
+/// Ends an import: what was repaired goes into scene.warnings, or is thrown as an Error if the report is strict. What was
+/// read goes into scene.files.
 void finish(Scene& scene, const Report& report);
 
 }  // namespace occam::import
