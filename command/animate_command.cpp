@@ -200,22 +200,19 @@ struct Stage {
     Scene& scene;
     Renderer& renderer;
     Sequence& sequence;
+    HeldInterrupts& held;
     std::size_t frame_count;
     double load_seconds;  // they count for the first frame
 };
 
-void write_stats(const AnimateArguments& a, const SequenceStats& all)
-{
-    if (!a.stats.empty()) write_whole(a.stats, all.text());
-}
-
 // Makes the frames that are missing, when `done` others are there, until one is interrupted. Adds their statistics to `all`.
 void make_frames(Stage stage, const std::vector<int>& missing, std::size_t done, SequenceStats& all)
 {
-    auto& [a, display, scene, renderer, sequence, frame_count, load_seconds] = stage;
+    auto& [a, display, scene, renderer, sequence, held, frame_count, load_seconds] = stage;
     Framing& framing = sequence.framing();
     std::set<std::string> known_warnings;  // warnings of the frames so far; each is printed once
     for (const int frame : missing) {
+        if (is_interrupted()) return;
         const fs::path file = a.pattern.file(frame);
         if (sequence.is_made_by_now(frame)) {
             ++done;
@@ -229,15 +226,13 @@ void make_frames(Stage stage, const std::vector<int>& missing, std::size_t done,
         const double edit_seconds = seconds_since(edit_start);
         const Settings settings = sequence.settings(camera);
         Job job = renderer.start(scene, camera, settings);
-        HeldInterrupts held;
         // An interrupted frame is not written, since a frame is either complete or absent.
-        if (wait_for(job, display, false, done, frame_count) != Ending::Whole) {
+        if (wait_for(job, display, held, false, done, frame_count) != Ending::Whole) {
             display.end();
-            write_stats(a, all);
+            write_stats(a, all.text(), held);
             end_interrupted();
         }
         FrameStats stats = job.stats();
-        held.limit();
         const auto write_start = Clock::now();
         WriteOptions write = sequence.write_options();
         write.exposure_seconds = framing.exposure_seconds();
@@ -252,7 +247,6 @@ void make_frames(Stage stage, const std::vector<int>& missing, std::size_t done,
         if (frame == missing.front()) print_light(stats);
         print_warnings(new_ones(stats.warnings, known_warnings), a.verbose);
         if (a.verbose) print_figures(stats);
-        if (is_interrupted()) return;
     }
 }
 
@@ -275,19 +269,20 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
     const std::size_t done = count_what_is_there(missing.size(), frames.size(), display);
 
     SequenceStats all;
+    HeldInterrupts held;
     try {
-        make_frames({a, display, scene, renderer, sequence, frames.size(), load_seconds}, missing, done, all);
+        make_frames({a, display, scene, renderer, sequence, held, frames.size(), load_seconds}, missing, done, all);
     } catch (...) {
         // The frames that are finished have their statistics, and what ended the run is what is reported.
         try {
-            if (!all.is_empty()) write_stats(a, all);
+            if (!all.is_empty()) write_stats(a, all.text(), held);
         } catch (const std::exception& error) {
             std::fprintf(stderr, "occam: %s\n", printable_line(error.what()).c_str());
         }
         throw;
     }
     display.end();
-    write_stats(a, all);
+    write_stats(a, all.text(), held);
     return is_interrupted() ? kInterruptedExit : 0;
 }
 

@@ -49,6 +49,7 @@ int run(const CompareArguments& a)
         Image::check_writable(a.heat);
         const std::filesystem::path inputs[] = {a.a, a.b};
         refuse_inputs({&a.heat, 1}, inputs);
+        remove_unfinished({&a.heat, 1});
     }
     const Image picture = Image::read(a.a), reference = Image::read(a.b);
     const auto differences = render::compare(picture, reference);

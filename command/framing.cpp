@@ -9,9 +9,10 @@
 #include "base/number_in.h"
 #include "base/printable.h"
 #include "base/stopwatch.h"
-#include "interrupt.h"
 #include "io/input_file.h"
 #include "io/output_file.h"
+#include "io/picture_codec.h"
+#include "render/picture_formats.h"
 #include "values.h"
 
 namespace occam::command {
@@ -245,13 +246,14 @@ Settings Framing::settings(const Camera& camera) const
     return settings;
 }
 
-Ending wait_for(Job& job, ProgressDisplay& display, bool keeps_part, std::size_t done, std::size_t all)
+Ending wait_for(Job& job, ProgressDisplay& display, HeldInterrupts& held, bool keeps_part, std::size_t done, std::size_t all)
 {
     constexpr auto kPatience = 800ms;
     std::optional<Clock::time_point> cancelled;
     while (!job.wait_for(50ms)) {
         Progress progress = job.progress();
         if (is_interrupted()) {
+            if (keeps_part && progress.fraction > 0) held.allow_time();
             if (!cancelled) {
                 job.cancel();
                 display.announce(keeps_part
@@ -271,7 +273,17 @@ Ending wait_for(Job& job, ProgressDisplay& display, bool keeps_part, std::size_t
         progress.fraction = (double(done) + progress.fraction) / double(all);
         display.show(progress);
     }
-    return is_interrupted() ? Ending::Interrupted : Ending::Whole;
+    if (!is_interrupted()) return Ending::Whole;
+    held.allow_time();
+    return Ending::Interrupted;
+}
+
+void write_stats(const RenderArguments& a, const std::string& json, HeldInterrupts& held)
+{
+    if (a.stats.empty()) return;
+    if (is_written_directly(a.stats)) held.limit();
+    else held.allow_time();
+    write_whole(a.stats, json);
 }
 
 void check_outputs(const RenderArguments& a, std::span<const std::filesystem::path> pictures,

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "arguments.h"
+#include "interrupt.h"
 #include "lod/extent.h"
 #include "progress.h"
 #include "scenegraph/camera_fit.h"
@@ -60,12 +61,18 @@ enum class Ending : unsigned char {
     Abandoned     ///< it was interrupted with nothing to keep; the job may still run, so the process has to end without it
 };
 
-/// Waits for the frame and shows its progress, as part `done` of `all` equal ones. The caller holds interrupts.
-/// keeps_part   true if a picture that is done in parts is worth waiting for
-Ending wait_for(Job& job, ProgressDisplay& display, bool keeps_part, std::size_t done = 0, std::size_t all = 1);
+/// Waits for the frame and shows its progress, as part `done` of `all` equal ones.
+/// keeps_part   true if a picture that is done in parts is worth waiting for; `held` then allows the time for that
+Ending wait_for(Job& job, ProgressDisplay& display, HeldInterrupts& held, bool keeps_part, std::size_t done = 0,
+                std::size_t all = 1);
+
+/// Writes the statistics, if they are asked for. Whoever reads a pipe may do so when he likes, so after a signal the process
+/// waits no longer than a second for him, while a regular file gets the time that it needs.
+void write_stats(const RenderArguments& arguments, const std::string& json, HeldInterrupts& held);
 
 /// Checks, before minutes of work, that pictures and statistics can be written, and removes what killed runs left of
-/// these pictures. The pictures are in one folder and of one format. Throws Error.
+/// these pictures. The pictures are in one folder and of one format. Throws Error. Whether the pictures that are there can
+/// be replaced is not checked, since not all of them may have to be (check_replaceable()).
 /// all   the pictures of all parts of the sequence, or the picture and its checkpoint, in one folder: over these the
 ///       statistics must not be written under any name
 void check_outputs(const RenderArguments& arguments, std::span<const std::filesystem::path> pictures,

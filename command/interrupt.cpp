@@ -3,20 +3,25 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cerrno>
 #include <csignal>
 #include <cstdint>
 #include <ctime>
 
+#include "io/open_temporaries.h"
+
 namespace occam::command {
 namespace {
 
-std::atomic<bool> held = false, is_limited = false;
+std::atomic<bool> held = false;
+std::atomic<bool> has_time = false;            // the limit that the first signal has set is lifted
 std::atomic<std::int64_t> interrupted_at = 0;  // in milliseconds; 0: no signal was noted
 // A signal handler may use no other atomics.
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<std::int64_t>::is_always_lock_free);
 
 // Programs such as timeout send a signal twice, to the process and to its group, so one that follows at once is the same.
 constexpr std::int64_t kSameSignalMs = 100;
+constexpr unsigned kLimitSeconds = 1;
 
 std::int64_t now_ms() noexcept
 {
@@ -27,17 +32,20 @@ std::int64_t now_ms() noexcept
 
 extern "C" void note_interrupt(int)
 {
-    if (!held.load()) _exit(kInterruptedExit);
+    if (!held.load()) end_interrupted();
+    const int error = errno;  // of the call that is interrupted
     const std::int64_t now = now_ms();
     std::int64_t first = 0;
-    if (interrupted_at.compare_exchange_strong(first, now)) {
-        if (is_limited.load()) alarm(1);
-    } else if (now - first > kSameSignalMs) {
-        _exit(kInterruptedExit);
-    }
+    // Whatever the process waits for, it does not wait for it for ever.
+    if (interrupted_at.compare_exchange_strong(first, now)) alarm(kLimitSeconds);
+    else if (now - first > kSameSignalMs) end_interrupted();
+    errno = error;
 }
 
-extern "C" void end_at_alarm(int) { _exit(kInterruptedExit); }
+extern "C" void end_at_alarm(int)
+{
+    if (!has_time.load()) end_interrupted();
+}
 
 }  // namespace
 
@@ -50,20 +58,37 @@ void catch_interrupts() noexcept
     for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
     action.sa_handler = end_at_alarm;
     sigaction(SIGALRM, &action, nullptr);
+    sigset_t alarm_alone;  // a process may be started with signals blocked
+    sigemptyset(&alarm_alone);
+    sigaddset(&alarm_alone, SIGALRM);
+    pthread_sigmask(SIG_UNBLOCK, &alarm_alone, nullptr);
 }
 
 bool is_interrupted() noexcept { return interrupted_at.load() != 0; }
 
-void end_interrupted() noexcept { _exit(kInterruptedExit); }
+void end_interrupted() noexcept
+{
+    remove_open_temporaries();
+    _exit(kInterruptedExit);
+}
 
 HeldInterrupts::HeldInterrupts() noexcept { held.store(true); }
 
-HeldInterrupts::~HeldInterrupts()
+HeldInterrupts::~HeldInterrupts() noexcept
 {
-    is_limited.store(false);
+    limit();
     held.store(false);
 }
 
-void HeldInterrupts::limit() noexcept { is_limited.store(true); }
+void HeldInterrupts::allow_time() noexcept
+{
+    if (is_interrupted()) has_time.store(true);
+}
+
+void HeldInterrupts::limit() noexcept
+{
+    has_time.store(false);
+    if (is_interrupted()) alarm(kLimitSeconds);
+}
 
 }  // namespace occam::command

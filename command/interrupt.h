@@ -1,9 +1,9 @@
 // Handles Ctrl-C and SIGTERM.
 //
-// A signal ends the process at once with exit code 130, unless something is being made that is worth keeping: while a
-// HeldInterrupts lives, the first signal is noted and the second one ends the process, unless it comes within a tenth of a
-// second: programs such as timeout send a signal twice. While a file is written, which cannot look for signals, the first
-// one ends the process a second later; the file then keeps what it held before.
+// A signal ends the process at once with exit code 130 and removes its temporary files, unless something is being made that
+// is worth keeping: while a HeldInterrupts lives, the first signal is noted, and the process has a second to end by itself,
+// or longer where it asks for that. The second signal ends it at once, unless it comes within a tenth of a second: programs
+// such as timeout send a signal twice.
 #pragma once
 
 namespace occam::command {
@@ -17,15 +17,20 @@ bool is_interrupted() noexcept;
 /// Ends the process now, without waiting for threads.
 [[noreturn]] void end_interrupted() noexcept;
 
+/// At most one lives at a time.
 class HeldInterrupts {
 public:
     HeldInterrupts() noexcept;
-    ~HeldInterrupts();
-    /// From now on the process ends a second after its first signal. A signal that was noted before has no such limit: what
-    /// is written then is what was worth keeping.
-    void limit() noexcept;
+    /// Sets the limit again: a process that was interrupted ends within a second from now.
+    ~HeldInterrupts() noexcept;
     HeldInterrupts(const HeldInterrupts&) = delete;
     HeldInterrupts& operator=(const HeldInterrupts&) = delete;
+
+    /// If a signal was noted, lets the process go on without a limit: what is done now is worth waiting for, and nobody can
+    /// hold it up as long as he likes. A signal that comes later has its limit.
+    void allow_time() noexcept;
+    /// From now on the process ends a second after its first signal, or a second from now if that was noted before.
+    void limit() noexcept;
 };
 
 }  // namespace occam::command

@@ -13,6 +13,7 @@
 #include "arguments.h"
 #include "base/error_without_file.h"
 #include "base/printable.h"
+#include "interrupt.h"
 #include "io/picture_codec.h"
 
 namespace occam::command {
@@ -96,6 +97,7 @@ int main(int argc, char** argv)
 {
     using namespace occam::command;
     fill_standard_streams();
+    catch_interrupts();
     std::signal(SIGXFSZ, SIG_IGN);  // a write beyond `ulimit -f` then fails as on a full disk
     usual_end = std::set_terminate(end_by_exception);
     try {

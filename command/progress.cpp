@@ -1,20 +1,38 @@
 #include "progress.h"
 
+#include <poll.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <string_view>
 
 #include "base/printable.h"
+#include "interrupt.h"
 
 namespace occam::command {
 namespace {
 
 constexpr int kBarWidth = 32;
+
+// Prints text. A reader that takes none holds up the command, as he may, but not once a signal was noted: what he does not
+// take is then left out, since there may be a picture to write.
+void put(std::FILE* to, const std::string& text)
+{
+    constexpr int kPatienceMs = 20;
+    pollfd reader = {fileno(to), POLLOUT, 0};
+    for (int ready = 0; ready == 0;) {
+        ready = poll(&reader, 1, kPatienceMs);
+        if (ready < 0 && errno == EINTR) ready = 0;
+        if (ready == 0 && is_interrupted()) return;
+    }
+    std::fputs(text.c_str(), to);
+    std::fflush(to);
+}
 
 // Returns true if the terminal moves its cursor when it is told to. One that is named `dumb` does not.
 bool shows_bars()
@@ -76,8 +94,7 @@ ProgressDisplay::~ProgressDisplay() { end(); }
 
 void ProgressDisplay::draw(const std::string& line)
 {
-    std::fprintf(stderr, "\r\033[K%s", fitted(line).c_str());
-    std::fflush(stderr);
+    put(stderr, "\r\033[K" + fitted(line));
     is_bar_drawn_ = true;
 }
 
@@ -85,11 +102,8 @@ void ProgressDisplay::say(const std::string& status)
 {
     const std::string line = printable_line(status);  // it may name a file
     if (style_ == Style::Bar) draw(line);
-    if (style_ == Style::Plain) std::fprintf(stderr, "%s\n", line.c_str());
-    if (style_ == Style::OpenJd) {
-        std::printf("openjd_status: %s\n", line.c_str());
-        std::fflush(stdout);
-    }
+    if (style_ == Style::Plain) put(stderr, line + "\n");
+    if (style_ == Style::OpenJd) put(stdout, "openjd_status: " + line + "\n");
 }
 
 void ProgressDisplay::announce(const std::string& what)
@@ -97,26 +111,27 @@ void ProgressDisplay::announce(const std::string& what)
     if (is_quiet_) return;
     end();
     if (style_ == Style::OpenJd) say(what);
-    else std::fprintf(stderr, "occam: %s\n", what.c_str());
+    else put(stderr, "occam: " + what + "\n");
 }
 
 void ProgressDisplay::finish_part(std::size_t done, std::size_t all, const std::string& file)
 {
     const std::string line = printable_line(subject_ + ": " + file);
-    if (style_ == Style::Plain) std::fprintf(stderr, "%s\n", line.c_str());
-    if (style_ == Style::OpenJd) {
-        last_percent_ = static_cast<int>(100 * done / all);
-        std::printf("openjd_progress: %d\nopenjd_status: %s\n", last_percent_, line.c_str());
-        std::fflush(stdout);
-    }
+    if (style_ == Style::Plain) put(stderr, line + "\n");
+    if (style_ == Style::OpenJd) put_percent(static_cast<int>(100 * done / all), line);
+}
+
+void ProgressDisplay::put_percent(int percent, const std::string& status)
+{
+    last_percent_ = percent;
+    put(stdout, "openjd_progress: " + std::to_string(percent) + "\nopenjd_status: " + status + "\n");
 }
 
 void ProgressDisplay::fail(const std::string& what)
 {
     end();
     if (style_ != Style::OpenJd) return;
-    std::printf("openjd_fail: %s\n", printable_line(what).c_str());
-    std::fflush(stdout);
+    put(stdout, "openjd_fail: " + printable_line(what) + "\n");
 }
 
 void ProgressDisplay::show(const Progress& p)
@@ -131,16 +146,13 @@ void ProgressDisplay::show(const Progress& p)
     // A line is printed only at each further 5 %, because a log is read by people.
     if (p.stage != Stage::Rendering || percent < last_percent_ + (last_percent_ < 0 ? 1 : 5)) return;
     last_percent_ = percent;
-    if (style_ == Style::Plain) std::fprintf(stderr, "%s\n", text.c_str());
-    if (style_ == Style::OpenJd) {
-        std::printf("openjd_progress: %d\nopenjd_status: %s\n", percent, text.c_str());
-        std::fflush(stdout);
-    }
+    if (style_ == Style::Plain) put(stderr, text + "\n");
+    if (style_ == Style::OpenJd) put_percent(percent, text);
 }
 
 void ProgressDisplay::end()
 {
-    if (is_bar_drawn_) std::fputs("\r\033[K", stderr);
+    if (is_bar_drawn_) put(stderr, "\r\033[K");
     is_bar_drawn_ = false;
 }
 

@@ -1,4 +1,5 @@
-// Display of a frame's progress, in the requested style.
+// Display of a frame's progress, in the requested style. A reader who takes no lines holds up the command until a signal is
+// noted.
 #pragma once
 
 #include <chrono>
@@ -6,7 +7,6 @@
 #include <string>
 
 #include "arguments.h"
-#include "interrupt.h"
 
 namespace occam::command {
 
@@ -34,6 +34,7 @@ public:
 private:
     enum class Style : unsigned char { None, Bar, Plain, OpenJd };
     void draw(const std::string& line);
+    void put_percent(int percent, const std::string& status);
 
     Style style_;
     bool is_quiet_;
@@ -46,7 +47,6 @@ private:
 template <class Arguments>
 int run_with_display(const Arguments& a, int (*work)(const Arguments&, ProgressDisplay&))
 {
-    catch_interrupts();
     ProgressDisplay display(a.progress, a.quiet);
     try {
         return work(a, display);

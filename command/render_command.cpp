@@ -31,8 +31,9 @@ public:
     /// Throws Error if a checkpoint may be left and cannot be written.
     explicit CheckpointFile(const RenderArguments& a) : arguments_(a), file_(checkpoint_of(a.output))
     {
-        if (!a.keeps_checkpoint() || a.replay) return;
+        if (a.replay) return;
         remove_unfinished(std::span(&file_, 1));
+        if (!a.keeps_checkpoint()) return;
         check_output(file_);  // before minutes of work
         refuse_foreign();
     }
@@ -108,10 +109,11 @@ private:
     std::filesystem::path file_;
 };
 
-// Prints what is known of a frame that was made.
-void report(const RenderArguments& a, const FrameStats& stats)
+// Writes and prints what is known of a frame that was made, which is not worth waiting for as its picture is.
+void report(const RenderArguments& a, const FrameStats& stats, HeldInterrupts& held)
 {
-    if (!a.stats.empty()) write_whole(a.stats, render::to_json(stats));
+    write_stats(a, render::to_json(stats), held);
+    held.limit();
     print_light(stats);
     print_warnings(stats.warnings, a.verbose);
     if (a.verbose) print_figures(stats);
@@ -168,7 +170,7 @@ int run_frame(const RenderArguments& a, ProgressDisplay& display)
 
     Job job = renderer.start(scene, camera, settings, std::move(checkpoint));
     HeldInterrupts held;
-    const Ending ending = wait_for(job, display, true);
+    const Ending ending = wait_for(job, display, held, true);
     if (ending == Ending::Abandoned || (ending == Ending::Interrupted && is_empty(job.image()))) {
         display.end();
         end_interrupted();
@@ -176,7 +178,6 @@ int run_frame(const RenderArguments& a, ProgressDisplay& display)
     FrameStats stats = checkpoint_file.stats_of(job);
 
     display.say("writing " + a.output.string());
-    held.limit();
     const auto write_start = Clock::now();
     write.note = note_in_file(note, stats.complete);
     job.image().write(a.output, write);
@@ -187,7 +188,7 @@ int run_frame(const RenderArguments& a, ProgressDisplay& display)
                     " samples a pixel; --resume goes on");
     display.end();
 
-    report(a, stats);
+    report(a, stats, held);
     return ending == Ending::Interrupted ? kInterruptedExit : 0;
 }
 

@@ -57,14 +57,6 @@ std::string output_of(const std::string& temporary)
     return temporary.substr(1, mark - 1) + temporary.substr(end);
 }
 
-// Returns true if the name still leads to the file that is open.
-bool is_same_file(int descriptor, const fs::path& name)
-{
-    struct stat open_file = {}, named = {};
-    return fstat(descriptor, &open_file) == 0 && stat(name.c_str(), &named) == 0 && open_file.st_dev == named.st_dev &&
-           open_file.st_ino == named.st_ino;
-}
-
 int sync_again(int descriptor)
 {
     int result = 0;
@@ -148,7 +140,10 @@ OutputFile::OutputFile(const fs::path& file) : final_(file)
         // On file systems without locks no other process can remove the temporary file either, so a failure does not matter.
         (void)flock(descriptor_, LOCK_EX | LOCK_NB);
         // Between the two calls another process that tidies up may have taken the file for abandoned.
-        if (is_same_file(descriptor_, temporary_)) return;
+        if (is_same_file(descriptor_, temporary_.c_str())) {
+            listed_.list(temporary_, descriptor_);
+            return;
+        }
         close(descriptor_);
     }
     descriptor_ = -1;
@@ -157,7 +152,8 @@ OutputFile::OutputFile(const fs::path& file) : final_(file)
 
 OutputFile::~OutputFile()
 {
-    if (!is_published_ && descriptor_ >= 0 && is_same_file(descriptor_, temporary_)) unlink(temporary_.c_str());
+    if (!is_published_ && descriptor_ >= 0 && is_same_file(descriptor_, temporary_.c_str())) unlink(temporary_.c_str());
+    listed_.unlist();
     if (descriptor_ >= 0) close(descriptor_);
 }
 
@@ -202,7 +198,8 @@ void OutputFile::finish()
     if (static_cast<std::uint64_t>(status.st_size) != size_)
         refuse_output(final_, "cannot be written: " + std::to_string(status.st_size) + " of " + std::to_string(size_) +
                                   " bytes are in the file");
-    if (!is_same_file(descriptor_, temporary_)) refuse_output(final_, "cannot be written: its temporary file is gone");
+    if (!is_same_file(descriptor_, temporary_.c_str()))
+        refuse_output(final_, "cannot be written: its temporary file is gone");
     is_finished_ = true;
 }
 
@@ -214,6 +211,7 @@ void OutputFile::publish()
     fs::rename(temporary_, final_, error);
     if (error) refuse_output(final_, "cannot be written: " + error.message());
     is_published_ = true;
+    listed_.unlist();
     // The name is an entry of the folder, which is synced separately where the file system allows it.
     if (const int folder = open(folder_path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); folder >= 0) {
         (void)sync_again(folder);

@@ -2,8 +2,9 @@
 //
 // The bytes go to a hidden temporary beside the final name (".name.part1234.exr" for "name.exr", with the number of the
 // process). publish() flushes, checks the size and renames; whatever fails before that leaves neither the final name nor the
-// temporary. A process that was killed cannot tidy up: its temporaries are removed by the next run with the same output. The
-// writer holds a lock (flock) on its temporary, so the work of a process that still lives is never removed.
+// temporary. A handler of signals can remove it, too (open_temporaries.h). A process that is killed cannot: its temporaries
+// are removed by the next run with the same output. The writer holds a lock (flock) on its temporary, so the work of a
+// process that still lives is never removed.
 //
 // Threads   one caller at a time for each object.
 #pragma once
@@ -13,6 +14,8 @@
 #include <span>
 #include <string>
 #include <string_view>
+
+#include "io/open_temporaries.h"
 
 namespace occam {
 
@@ -49,6 +52,7 @@ private:
     int error_ = 0;  ///< the first errno of a write that failed
     std::uint64_t size_ = 0;
     bool is_finished_ = false, is_published_ = false;
+    ListedTemporary listed_;
 };
 
 /// Returns true for what write_whole() does not replace but writes to: standard output ("-"), open files by their names

@@ -1,0 +1,309 @@
+// Tests of signals that come while somebody holds the command up, and of what a process that ends leaves behind.
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/stat.h>
+
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+#include "command/interrupt.h"
+#include "io/output_file.h"
+#include "render/image.h"
+#include "tests/support/command_test.h"
+
+namespace occam {
+namespace {
+
+using namespace test;
+using namespace std::chrono_literals;
+
+class Signals : public CommandTest {
+protected:
+    /// Returns how the command ended, or, if it has not after a minute, that it was killed: an exit code of -1.
+    Outcome finish_or_kill(pid_t child) const
+    {
+        for (int i = 0; i < 6000; ++i) {
+            siginfo_t ended = {};
+            if (waitid(P_PID, id_t(child), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && ended.si_pid == child) break;
+            if (i == 5999) kill(child, SIGKILL);
+            std::this_thread::sleep_for(10ms);
+        }
+        return finish(child);
+    }
+    // A picture that takes minutes, whose first tiles take none.
+    std::vector<std::string> long_picture(const std::vector<std::string>& more) const
+    {
+        std::vector<std::string> all{"render",    "triangle.obj", "-o",  "a.png",     "--size",
+                                     "1024x1024", "--spp",        "256", "--threads", "1"};
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    }
+    std::vector<std::string> names_in_folder() const
+    {
+        std::vector<std::string> names;
+        for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().filename().string());
+        std::sort(names.begin(), names.end());
+        return names;
+    }
+    void wait_for_text(const std::string& text) const
+    {
+        for (int i = 0; i < 6000 && text_of(folder / "stderr.txt").find(text) == std::string::npos; ++i)
+            std::this_thread::sleep_for(10ms);
+    }
+};
+
+// A pipe that nobody reads. Its ends stay open in this process, so that the command's writes block.
+class UnreadPipe {
+public:
+    UnreadPipe()
+    {
+        if (pipe2(ends_, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
+    }
+    ~UnreadPipe() { close(ends_[0]), close(ends_[1]); }
+    UnreadPipe(const UnreadPipe&) = delete;
+    UnreadPipe& operator=(const UnreadPipe&) = delete;
+
+    int writer() const { return ends_[1]; }
+    /// Reads until the text has come.
+    void read_until(const std::string& text) const
+    {
+        std::string all;
+        char block[512];
+        while (all.find(text) == std::string::npos) {
+            pollfd ready = {ends_[0], POLLIN, 0};
+            if (poll(&ready, 1, 60'000) != 1) return;
+            const ssize_t got = read(ends_[0], block, sizeof block);
+            if (got <= 0) return;
+            all.append(block, std::size_t(got));
+        }
+    }
+    void fill() const
+    {
+        // Another description of the pipe, since the command shares the flags of this one.
+        const int filler = open(("/proc/self/fd/" + std::to_string(ends_[1])).c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
+        const std::string block(4096, ' ');
+        while (write(filler, block.data(), block.size()) > 0) {
+        }
+        while (write(filler, " ", 1) > 0) {
+        }
+        close(filler);
+    }
+
+private:
+    int ends_[2] = {};
+};
+
+TEST_F(Signals, EndARenderWhoseStatisticsNobodyReads)
+{
+    mkfifo((folder / "s.fifo").c_str(), 0666);
+    const pid_t child = start(long_picture({"--progress", "plain", "--stats", "s.fifo"}));
+    wait_for_text("rendering, 1");
+    kill(child, SIGTERM);
+    const Outcome o = finish_or_kill(child);
+    EXPECT_EQ(o.exit_code, kInterrupted) << o.err;
+    EXPECT_TRUE(fs::exists(folder / "a.png")) << "what was done of the picture is worth waiting for";
+    EXPECT_EQ(names_in_folder(), (std::vector<std::string>{"a.png", "s.fifo", "stderr.txt", "stdout.txt", "triangle.obj"}));
+}
+
+TEST_F(Signals, EndAFinishedRenderWhoseStatisticsNobodyReads)
+{
+    mkfifo((folder / "s.fifo").c_str(), 0666);
+    const pid_t child = start({"render", "triangle.obj", "-o", "a.png", "--size", "4x4", "--spp", "1", "--stats", "s.fifo"});
+    for (int i = 0; i < 6000 && !fs::exists(folder / "a.png"); ++i) std::this_thread::sleep_for(10ms);
+    kill(child, SIGTERM);
+    EXPECT_EQ(finish_or_kill(child).exit_code, kInterrupted);
+    EXPECT_TRUE(fs::exists(folder / "a.png"));
+}
+
+TEST_F(Signals, EndASequenceWhoseStatisticsNobodyReads)
+{
+    mkfifo((folder / "s.fifo").c_str(), 0666);
+    const pid_t child = start({"animate", "triangle.obj", "-o", "a.#.png", "--frames", "0-3", "--size", "1024x1024", "--spp",
+                               "65536", "--progress", "plain", "--threads", "1", "--exposure", "0", "--stats", "s.fifo"});
+    wait_for_text("rendering, 0");
+    kill(child, SIGTERM);
+    EXPECT_EQ(finish_or_kill(child).exit_code, kInterrupted);
+}
+
+TEST_F(Signals, EndARenderWhoseProgressNobodyReadsAndItsPictureIsWritten)
+{
+    for (const char* style : {"plain", "openjd"}) {
+        fs::remove(folder / "a.png");
+        const UnreadPipe pipe;
+        const int stream = style == std::string("plain") ? STDERR_FILENO : STDOUT_FILENO;
+        before_exec = [&] { dup2(pipe.writer(), stream); };
+        const pid_t child = start(long_picture({"--progress", style}));
+        pipe.read_until("rendering, 1");
+        pipe.fill();
+        kill(child, SIGTERM);
+        EXPECT_EQ(finish_or_kill(child).exit_code, kInterrupted) << style;
+        EXPECT_TRUE(fs::exists(folder / "a.png")) << style;
+    }
+}
+
+/// Calls `act` in a process of its own, which handles signals as the command does, and returns its exit code.
+int exit_code_of(const std::function<void()>& act)
+{
+    const pid_t child = fork();
+    if (child == 0) {
+        command::catch_interrupts();
+        act();
+        _exit(kDone);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+// Does nothing, until the limit of a second has passed.
+void outlast_the_limit() { std::this_thread::sleep_for(1500ms); }
+
+TEST_F(Signals, LeaveASecondUnlessTimeIsAllowed)
+{
+    using command::HeldInterrupts;
+    const int without = exit_code_of([] {
+        const HeldInterrupts held;
+        std::raise(SIGTERM);
+        outlast_the_limit();
+    });
+    EXPECT_EQ(without, kInterrupted);
+    const int allowed = exit_code_of([] {
+        HeldInterrupts held;
+        std::raise(SIGTERM);
+        held.allow_time();
+        outlast_the_limit();
+    });
+    EXPECT_EQ(allowed, kDone);
+    const int limited_again = exit_code_of([] {
+        HeldInterrupts held;
+        std::raise(SIGTERM);
+        held.allow_time();
+        outlast_the_limit();
+        held.limit();
+        outlast_the_limit();
+    });
+    EXPECT_EQ(limited_again, kInterrupted);
+    const int allowed_too_early = exit_code_of([] {
+        HeldInterrupts held;
+        held.allow_time();
+        std::raise(SIGTERM);
+        outlast_the_limit();
+    });
+    EXPECT_EQ(allowed_too_early, kInterrupted);
+    const int after = exit_code_of([] {
+        {
+            HeldInterrupts held;
+            std::raise(SIGTERM);
+            held.allow_time();
+        }
+        outlast_the_limit();
+    });
+    EXPECT_EQ(after, kInterrupted);
+}
+
+// A parent may block signals, and a process inherits that.
+TEST_F(Signals, LeaveASecondAlsoWhereAlarmsWereBlocked)
+{
+    sigset_t alarms, before;
+    sigemptyset(&alarms);
+    sigaddset(&alarms, SIGALRM);
+    pthread_sigmask(SIG_BLOCK, &alarms, &before);
+    const int code = exit_code_of([] {
+        const command::HeldInterrupts held;
+        std::raise(SIGTERM);
+        outlast_the_limit();
+    });
+    pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    EXPECT_EQ(code, kInterrupted);
+}
+
+TEST_F(Signals, RemoveTheTemporaryFilesOfTheProcess)
+{
+    const auto write_some = [&](const char* name) {
+        const auto out = new OutputFile(folder / name);  // it has no time to end by itself
+        out->append("half");
+    };
+    EXPECT_EQ(exit_code_of([&] {
+                  write_some("a.png");
+                  write_some("b.exr");
+                  std::raise(SIGINT);
+              }),
+              kInterrupted);
+    EXPECT_EQ(names_in_folder(), (std::vector<std::string>{"triangle.obj"}));
+    EXPECT_EQ(exit_code_of([&] {
+                  const command::HeldInterrupts held;
+                  write_some("a.png");
+                  std::raise(SIGTERM);
+                  outlast_the_limit();
+              }),
+              kInterrupted);
+    EXPECT_EQ(names_in_folder(), (std::vector<std::string>{"triangle.obj"}));
+    // What was published, and what somebody else has put in the place of a temporary, stays.
+    EXPECT_EQ(exit_code_of([&] {
+                  OutputFile done(folder / "done.png");
+                  done.append("whole");
+                  done.publish();
+                  const auto out = new OutputFile(folder / "a.png");
+                  fs::rename(out->temporary(), folder / "moved");
+                  std::ofstream(out->temporary()) << "of somebody else";
+                  std::raise(SIGTERM);
+              }),
+              kInterrupted);
+    const std::vector<std::string> names = names_in_folder();
+    ASSERT_EQ(names.size(), 4u);
+    EXPECT_TRUE(names[0].starts_with(".a.part")) << names[0];
+    EXPECT_EQ(text_of(folder / names[0]), "of somebody else");
+    EXPECT_EQ(text_of(folder / "done.png"), "whole");
+}
+
+TEST_F(Signals, DuringTextureOrCompareLeaveNoTemporaryFile)
+{
+    render::Image image(3000, 3000);
+    std::uint32_t state = 1;
+    for (float& value : image.add_layer("beauty", {"R", "G", "B"}).pixels)
+        value = float((state = state * 1664525u + 1013904223u) >> 8) * 0x1p-24f;
+    image.write(folder / "noise.exr");
+    const std::vector<std::string> calls[] = {{"texture", "noise.exr", "out.exr"},
+                                              {"compare", "noise.exr", "noise.exr", "--heat", "out.exr"}};
+    for (const std::vector<std::string>& words : calls) {
+        fs::remove(folder / "out.exr");
+        const pid_t child = start(words);
+        // The first temporary file only tries whether there can be one, and is empty.
+        const auto is_writing = [&] {
+            for (const auto& entry : fs::directory_iterator(folder)) {
+                std::error_code error;
+                const std::uintmax_t size = entry.file_size(error);
+                if (entry.path().filename().string().starts_with(".out.part") && !error && size > 0) return true;
+            }
+            return false;
+        };
+        for (int i = 0; i < 60'000 && !is_writing() && !fs::exists(folder / "out.exr"); ++i)
+            std::this_thread::sleep_for(1ms);
+        kill(child, SIGTERM);
+        const Outcome o = finish_or_kill(child);
+        EXPECT_TRUE(o.exit_code == kInterrupted || fs::exists(folder / "out.exr")) << words[0] << ' ' << o.exit_code;
+        for (const std::string& name : names_in_folder()) EXPECT_FALSE(name.starts_with(".")) << words[0] << ": " << name;
+    }
+}
+
+TEST_F(Signals, LeaveTemporaryFilesOfKilledRunsToTheNextRunOfAnyCommand)
+{
+    render::Image image(2, 2);
+    image.add_layer("beauty", {"R", "G", "B"}).pixels.assign(12, 0.5f);
+    image.write(folder / "one.png");
+    const std::pair<std::vector<std::string>, const char*> calls[] = {
+        {{"compare", "one.png", "one.png", "--heat", "a.png"}, ".a.part7.png"},
+        {{"texture", "one.png", "a.tx"}, ".a.part7.tx"},
+        {{"render", "triangle.obj", "-o", "a.exr", "--size", "4x4", "--spp", "1"}, ".a.part7.exr"},
+        {{"render", "triangle.obj", "-o", "a.exr", "--size", "4x4", "--spp", "1"}, ".a.exr.part7.checkpoint"},
+        {{"animate", "triangle.obj", "-o", "a.#.exr", "--frames", "0", "--size", "4x4", "--spp", "1"}, ".a.0.part7.exr"}};
+    for (const auto& [words, name] : calls) {
+        std::ofstream(folder / name) << "half";
+        EXPECT_EQ(run(words).exit_code, kDone) << words[0];
+        EXPECT_FALSE(fs::exists(folder / name)) << words[0];
+    }
+}
+
+}  // namespace
+}  // namespace occam
