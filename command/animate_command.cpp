@@ -112,14 +112,15 @@ public:
     }
 
     /// Returns the frames that have to be made. A file that is not a whole picture is made again, with a warning, and stays
-    /// until then. Throws Error for a whole picture that was made with other settings or from another scene, and for a file
-    /// that cannot be read.
+    /// until then. Throws Error for a whole picture that was made with other settings or from another scene or says
+    /// nothing of them, and for a file that cannot be read or has to be replaced and cannot be.
     std::vector<int> missing(const std::vector<int>& frames)
     {
         std::vector<int> todo;
         for (const int frame : frames) {
             const fs::path file = arguments_.pattern.file(frame);
             if (std::error_code ignored; arguments_.overwrite || !fs::exists(file, ignored)) {
+                check_replaceable(file);
                 todo.push_back(frame);
                 continue;
             }
@@ -127,10 +128,9 @@ public:
             const Camera camera = framing_.camera();
             const Settings settings = this->settings(camera);
             const FoundPicture found = look_for(file, settings, note(frame, settings, camera));
-            if (found.state == FoundPicture::State::OtherSize || found.state == FoundPicture::State::OtherRecipe ||
-                found.state == FoundPicture::State::Unreadable)
-                refuse(file, found);
+            if (found.state != FoundPicture::State::Same && found.state != FoundPicture::State::Broken) refuse(file, found);
             if (found.state == FoundPicture::State::Broken) {
+                check_replaceable(file);
                 std::fprintf(stderr, "occam: warning: %s; it is made again\n", found.why.c_str());
                 made_again_.insert(frame);
             }

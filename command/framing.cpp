@@ -62,7 +62,7 @@ void set_environment(Scene& scene, const RenderArguments& a)
 // Statistics may have any name, so a slip of the hand may name a file of the scene, or what another program has written.
 // Only an empty file is replaced, and one that begins as older statistics do: a JSON object whose first key is "scene", with
 // an object, or a list of objects whose first key is "frame", with a number. Of glTF files "scene" is a number.
-void check_replaceable(const std::filesystem::path& file)
+void require_older_statistics(const std::filesystem::path& file)
 {
     std::error_code error;
     if (is_written_directly(file) || !std::filesystem::is_regular_file(file, error)) return;
@@ -292,7 +292,11 @@ void check_outputs(const RenderArguments& a, std::span<const std::filesystem::pa
     std::vector<std::filesystem::path> outputs(pictures.begin(), pictures.end());
     if (!a.stats.empty()) outputs.push_back(a.stats);
     remove_unfinished(outputs);
-    if (!pictures.empty()) Image::check_writable(pictures.front());
+    if (!pictures.empty()) {
+        const bool needs_codec = render::required_picture_format(pictures.front()).needs_codec;
+        check_folder(pictures.front());
+        if (needs_codec) check_picture_codec();
+    }
     for (const std::filesystem::path& picture : pictures)
         if (std::error_code error;
             std::filesystem::exists(picture, error) && !std::filesystem::is_regular_file(picture, error))
@@ -302,7 +306,7 @@ void check_outputs(const RenderArguments& a, std::span<const std::filesystem::pa
             throw error_without_file("statistics on standard output would be among the lines of --progress openjd",
                                      "--stats");
         check_whole(a.stats);
-        check_replaceable(a.stats);
+        require_older_statistics(a.stats);
     }
     const std::filesystem::path inputs[] = {a.scene, a.has_environment ? a.environment : std::filesystem::path()};
     refuse_inputs(outputs, inputs);

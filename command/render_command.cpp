@@ -138,7 +138,10 @@ bool is_empty(const Image& image)
 int run_frame(const RenderArguments& a, ProgressDisplay& display)
 {
     const std::filesystem::path files[] = {a.output, checkpoint_of(a.output)};
-    if (!a.replay) check_outputs(a, {&a.output, 1}, files);
+    if (!a.replay) {
+        check_outputs(a, {&a.output, 1}, files);
+        check_replaceable(a.output);
+    }
     const CheckpointFile checkpoint_file(a);
 
     display.say("reading " + name_of_scene(a));

@@ -19,6 +19,7 @@
 
 #include "base/error.h"
 #include "base/number_in.h"
+#include "io/output_place.h"
 
 namespace occam {
 namespace {
@@ -238,14 +239,28 @@ void write_whole(const fs::path& file, std::string_view bytes)
 
 void check_output(const fs::path& file)
 {
+    check_folder(file);
+    check_replaceable(file);
+}
+
+void check_replaceable(const fs::path& file)
+{
+    std::error_code error;
+    if (fs::exists(file, error) && !fs::is_regular_file(file, error))
+        refuse_output(file, "is there already and is not a file");
+    if (const std::string why = why_not_replaceable(file); !why.empty()) refuse_output(file, why);
+}
+
+void check_folder(const fs::path& file)
+{
     std::error_code error;
     const fs::path folder = folder_of(file);
     if (file.filename().empty()) refuse_output(file, "is the name of a folder, not of a file");
     if (!fs::is_directory(folder, error)) refuse_output(file, "cannot be written: there is no folder " + folder.string());
     if (access(folder.c_str(), W_OK) != 0)
         refuse_output(file, "cannot be written in folder " + folder.string() + ": " + std::strerror(errno));
-    if (fs::exists(file, error) && !fs::is_regular_file(file, error))
-        refuse_output(file, "is there already and is not a file");
+    if (keeps_all_names(folder))
+        refuse_output(file, "cannot be written in folder " + folder.string() + ", which has the attribute append-only");
     // A read-only file system, a name that is too long or a folder without space is detected here, before minutes of work.
     const OutputFile attempt(file);
 }

@@ -68,6 +68,9 @@ void write_whole(const std::filesystem::path& file, std::string_view bytes);
 /// Throws Error of Kind::Output if a file of that name cannot be written, because of its folder or of what exists there
 /// already.
 void check_output(const std::filesystem::path& file);
+/// Do one half of that check each: that of the folder, and that of what exists there.
+void check_folder(const std::filesystem::path& file);
+void check_replaceable(const std::filesystem::path& file);
 
 /// Does the same check for write_whole(), which also writes to what is not a regular file.
 void check_whole(const std::filesystem::path& file);

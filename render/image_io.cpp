@@ -254,14 +254,19 @@ std::span<const PictureFormat> picture_formats() noexcept { return kFormats; }
 
 const PictureFormat* picture_format_of(const fs::path& file) { return find_by_extension(picture_formats(), file); }
 
+const PictureFormat& required_picture_format(const fs::path& file)
+{
+    if (file.filename().empty()) refuse(file, "is the name of a folder, not of a file");
+    if (const PictureFormat* const format = picture_format_of(file)) return *format;
+    throw Error(file.string(),
+                "has no extension of a format that can be written: " + extensions_of(picture_formats(), true));
+}
+
 void Image::check_writable(const fs::path& file)
 {
-    const PictureFormat* const format = picture_format_of(file);
-    if (!format)
-        throw Error(file.string(),
-                    "has no extension of a format that can be written: " + extensions_of(picture_formats(), true));
+    const PictureFormat& format = required_picture_format(file);
     check_output(file);
-    if (format->needs_codec) check_picture_codec();
+    if (format.needs_codec) check_picture_codec();
 }
 
 void Image::write(const fs::path& file, const WriteOptions& options) const

@@ -37,5 +37,7 @@ struct PictureFormat {
 std::span<const PictureFormat> picture_formats() noexcept;
 /// Returns the format that the extension of a file names, or null.
 const PictureFormat* picture_format_of(const std::filesystem::path& file);
+/// Returns the same format. Throws Error if there is none.
+const PictureFormat& required_picture_format(const std::filesystem::path& file);
 
 }  // namespace occam::render
