@@ -114,7 +114,8 @@ FoundPicture look_for(const fs::path& file, const Settings& settings, const std:
     if (head.width != rect.width() || head.height != rect.height())
         return {State::OtherSize, "has " + std::to_string(head.width) + "x" + std::to_string(head.height) + " pixels, not " +
                                       std::to_string(rect.width()) + "x" + std::to_string(rect.height())};
-    if (!head.note.empty() && head.note != note && head.note != note + kUnfinished)
+    if (head.note.empty()) return {State::NoRecipe, "does not say with which settings it was made"};
+    if (head.note != note && head.note != note + kUnfinished)
         return {State::OtherRecipe, "was made with other settings or from another scene"};
     // With a deadline, a run that is started again would make such a picture no better.
     if (head.note == note + kUnfinished && settings.deadline_s == 0)

@@ -36,11 +36,12 @@ std::string note_in_file(const std::string& note, bool is_complete);
 struct FoundPicture {
     enum class State : unsigned char {
         Missing,
-        Same,        ///< whole, of the right size, and with this note or without one
-        Unreadable,  ///< the system does not let it be opened, so that nothing is known of it
-        Broken,      ///< not a whole picture, or one that was stopped while these settings have no deadline
-        OtherSize,   ///< a whole picture of another size
-        OtherRecipe  ///< a whole picture of this size that was made with other settings or from another scene
+        Same,         ///< whole, of the right size, and with this note
+        Unreadable,   ///< the system does not let it be opened, so that nothing is known of it
+        Broken,       ///< not a whole picture, or one that was stopped while these settings have no deadline
+        OtherSize,    ///< a whole picture of another size
+        OtherRecipe,  ///< a whole picture of this size that was made with other settings or from another scene
+        NoRecipe      ///< a whole picture of this size that has no note
     } state = State::Missing;
     std::string why;  ///< says what is broken, other or in the way
 };

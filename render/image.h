@@ -51,7 +51,7 @@ struct WriteOptions {
     /// automatic_exposure() decides. EXR and HDR files keep the scene's own values.
     std::optional<float> exposure_ev{};
     Tonemap tonemap = Tonemap::Filmic;  ///< curve of display formats
-    std::string note{};                 ///< kept in the file's head by all formats but HDR
+    std::string note{};                 ///< kept in the file's head; HDR keeps the first 2 KB at most
     /// The time for which the shutter was open. EXR files keep it (expTime).
     std::optional<float> exposure_seconds{};
 };

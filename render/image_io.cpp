@@ -10,6 +10,7 @@
 #include "io/encoded_bytes.h"
 #include "io/exr_file.h"
 #include "io/extensions.h"
+#include "io/hdr_note.h"
 #include "io/input_file.h"
 #include "io/output_file.h"
 #include "io/picture_codec.h"
@@ -54,10 +55,10 @@ void check_size(const fs::path& file, const PictureSpec& spec, int width, int he
 }
 
 // Checks the header: encoders that write a wrong one, or none, are not trusted with the final name.
-void check_header(const OutputFile& out, const fs::path& file, const PictureSpec& spec)
+void check_header(const PictureCodec& codec, const OutputFile& out, const fs::path& file, const PictureSpec& spec)
 {
     std::string why;
-    const auto in = picture_codec().open(out.temporary(), why);
+    const auto in = codec.open(out.temporary(), why);
     if (!in) refuse(file, "cannot be written: its head cannot be read back: " + why);
     const PictureSpec& found = in->spec();
     check_size(file, spec, found.width, found.height, found.channel_count());
@@ -79,15 +80,19 @@ void write_exr_pixels(const fs::path& file, const PictureSpec& spec, std::span<c
     target.publish();
 }
 
+// comments   what a Radiance file says in its head, as it has no attributes
 void write_pixels(const fs::path& file, const PictureSpec& spec, std::span<const PictureAttribute> attributes,
-                  const std::vector<float>& pixels)
+                  const std::vector<float>& pixels, const std::string& comments = {})
 {
+    const PictureCodec& codec = picture_codec();  // loading it may take a second, in which there is no file yet
     OutputFile target(file);
     EncodedBytes bytes(target);
-    const std::string why = picture_codec().write(target.temporary(), spec, attributes, pixels.data(), bytes);
+    HdrNoteBytes with_note(bytes, comments);
+    PictureBytes& to = comments.empty() ? static_cast<PictureBytes&>(bytes) : with_note;
+    const std::string why = codec.write(target.temporary(), spec, attributes, pixels.data(), to);
     if (!why.empty()) refuse(file, "cannot be written: " + why);
     target.finish();
-    check_header(target, file, spec);
+    check_header(codec, target, file, spec);
     target.publish();
 }
 
@@ -128,7 +133,7 @@ void write_exr(const Image& image, const fs::path& file, const WriteOptions& opt
     write_exr_pixels(file, spec, attributes, pixels);
 }
 
-void write_hdr(const Image& image, const fs::path& file, const WriteOptions&)
+void write_hdr(const Image& image, const fs::path& file, const WriteOptions& options)
 {
     const Layer* beauty = image.find("beauty");
     if (!beauty || beauty->channel_count() < 3) refuse(file, "there is no beauty layer to write");
@@ -136,7 +141,7 @@ void write_hdr(const Image& image, const fs::path& file, const WriteOptions&)
     std::vector<float> pixels;
     for (std::size_t i = 0; i < beauty->pixels.size(); i += n)
         for (std::size_t c = 0; c < 3; ++c) pixels.push_back(std::max(0.0f, beauty->pixels[i + c]));
-    write_pixels(file, base_spec(image, 3, SampleType::Float), {}, pixels);
+    write_pixels(file, base_spec(image, 3, SampleType::Float), {}, pixels, options.note);
 }
 
 // Says what a file of a display format holds.

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "io/exr_file.h"
+#include "io/hdr_note.h"
 #include "io/input_file.h"
 #include "io/png_file.h"
 #include "io/texture/open_image.h"
@@ -57,7 +58,7 @@ std::string note_of(const fs::path& file, const std::string& format)
     return in->text_attribute(kNote);
 }
 
-PictureHead head_by_codec(const fs::path& file, const std::string& file_format)
+PictureHead head_by_codec(const fs::path& file, const std::string& file_format, ImageBytes& bytes)
 {
     const OpenImage opened = open_image(file, nullptr, file.string(), kHeadLimits);
     PictureReader* const in = opened.reader.get();
@@ -72,7 +73,7 @@ PictureHead head_by_codec(const fs::path& file, const std::string& file_format)
         is_whole = in->read_rows(spec.height - 1, spec.height, spec.channel_count(), row.data());
     }
     if (!is_whole) refuse(file, "is cut off");
-    return {spec.width, spec.height, note_of(file, file_format)};
+    return {spec.width, spec.height, file_format == "hdr" ? hdr_note(bytes) : note_of(file, file_format)};
 }
 
 }  // namespace
@@ -86,7 +87,7 @@ PictureHead Image::read_head(const fs::path& file)
     const std::string format = image_format(bytes);
     if (format == "png") return head_of_png(file, bytes);
     if (format == "openexr") return head_of_exr(file, bytes);
-    return head_by_codec(file, format);
+    return head_by_codec(file, format, bytes);
 }
 
 }  // namespace occam::render
