@@ -172,8 +172,13 @@ std::optional<double> Framing::moment(std::optional<int> frame) const
 
 void Framing::pose(std::optional<int> frame)
 {
+    if (moment(frame)) pose_in_shutter(frame, 0.5);
+}
+
+void Framing::pose_in_shutter(std::optional<int> frame, double tau)
+{
     const Shutter& shutter = arguments_.settings.shutter;
-    if (const auto time = moment(frame)) pose_at(*time + 0.5 * (shutter.open + shutter.close) / arguments_.fps);
+    pose_at(*moment(frame) + (shutter.open + tau * shutter.length()) / arguments_.fps);
 }
 
 std::optional<float> Framing::exposure_seconds() const
@@ -187,13 +192,12 @@ Camera Framing::open_shutter(const Camera& camera, std::optional<int> frame)
 {
     const Shutter& shutter = arguments_.settings.shutter;
     if (shutter == Shutter{}) return camera;
-    const auto time = moment(frame);
-    if (!time) throw Error(name_of_scene(arguments_), "has no animation that a shutter could blur", "--shutter");
+    if (!moment(frame)) throw Error(name_of_scene(arguments_), "has no animation that a shutter could blur", "--shutter");
     if (!shutter.is_open()) return camera;
     const int height = settings(camera).height;
-    const auto pose = [&](double tau) { pose_at(*time + (shutter.open + tau * shutter.length()) / arguments_.fps); };
     return record_shutter(
-        scene_, pose, [&] { return this->camera(); }, height, arguments_.shutter_segments);
+        scene_, [&](double tau) { pose_in_shutter(frame, tau); }, [&] { return this->camera(); }, height,
+        arguments_.shutter_segments);
 }
 
 Camera Framing::camera_named(const std::string& name) const

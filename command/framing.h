@@ -45,6 +45,8 @@ private:
     Vec3d up() const;
     void fit_pose();
     void pose_at(double seconds);
+    /// Poses the scene at a moment of the shutter: it opens at 0 and closes at 1. There has to be a moment() of the frame.
+    void pose_in_shutter(std::optional<int> frame, double tau);
 
     Scene& scene_;
     const RenderArguments& arguments_;
