@@ -246,7 +246,9 @@ Settings Framing::settings(const Camera& camera) const
     if (const std::string& name = arguments_.lod_camera; !name.empty()) settings.lod_camera = camera_named(name);
     const float aspect = camera.lens.aspect;
     if (!arguments_.size_given && aspect > 0)
-        settings.height = std::clamp(static_cast<int>(std::lround(float(settings.width) / aspect)), 1, render::kMaxSide);
+        settings.height = static_cast<int>(
+            std::clamp(std::round(float(settings.width) / aspect), 1.0f, float(render::kMaxSide)));
+    render::check(settings);
     return settings;
 }
 
