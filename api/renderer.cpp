@@ -310,11 +310,17 @@ SampleColor Renderer::replay(Scene& scene, const Camera& camera, const Settings&
         ~Busy() { flag = false; }
     } const busy{state_->busy};
     Job::State frame(state_, scene, camera, settings);
-    frame.begin();
-    frame.prepare();
-    const render::SampleResult result = render::replay_sample(frame.inputs(Clock::time_point::max()),
-                                                              {which.x, which.y, which.sample}, out);
-    return {result.radiance, result.alpha};
+    try {
+        frame.begin();
+        frame.prepare();
+        const render::SampleResult result = render::replay_sample(frame.inputs(Clock::time_point::max()),
+                                                                  {which.x, which.y, which.sample}, out);
+        frame.refuse_bad_textures();  // those whose texels turned out to be unreadable
+        return {result.radiance, result.alpha};
+    } catch (...) {
+        state_->lights = {};  // it may be made from images that could not be decoded
+        throw;
+    }
 }
 
 std::size_t Renderer::memory_floor(const Scene& scene) const

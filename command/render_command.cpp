@@ -160,6 +160,7 @@ int run_frame(const RenderArguments& a, ProgressDisplay& display)
     Renderer renderer(a.resources);
     Settings settings = settings_of(a, framing.settings(camera));
     if (a.replay) {
+        print_warnings(scene.warnings, a.verbose);
         renderer.replay(scene, camera, settings, *a.replay, std::cout);
         return 0;
     }
