@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 
+#include "render/picture_formats.h"
+
 namespace occam::command {
 namespace {
 
@@ -24,6 +26,19 @@ constexpr char kHoldsLight[] = "EXR and HDR files hold the light as it is; it is
                kAllSides[] = "--integrator ao has equal light from all sides",
                kOneRay[] = "--replay traces one ray, and prints its steps";
 
+// Where the name of the picture has no format, that is what is wrong.
+bool has_no_layers(const RenderArguments& a, const Given&)
+{
+    const render::PictureFormat* format = render::picture_format_of(a.output);
+    return format && !format->holds_layers;
+}
+
+bool is_scene_linear(const RenderArguments& a, const Given&)
+{
+    const render::PictureFormat* format = render::picture_format_of(a.output);
+    return format && !format->is_for_display;
+}
+
 struct Rule {
     const char* option;
     bool (*is_idle)(const RenderArguments&, const Given&);
@@ -31,12 +46,10 @@ struct Rule {
 };
 
 constexpr Rule kRules[] = {
-    {"--aov", [](const RenderArguments& a, const Given&) { return !Image::has_layers(a.output); },
-     "only EXR files hold layers"},
-    {"--exr", [](const RenderArguments& a, const Given&) { return !Image::has_layers(a.output); },
-     "the picture is no EXR file"},
-    {"--exposure", [](const RenderArguments& a, const Given&) { return !Image::is_for_display(a.output); }, kHoldsLight},
-    {"--tonemap", [](const RenderArguments& a, const Given&) { return !Image::is_for_display(a.output); }, kHoldsLight},
+    {"--aov", has_no_layers, "only EXR files hold layers"},
+    {"--exr", has_no_layers, "the picture is no EXR file"},
+    {"--exposure", is_scene_linear, kHoldsLight},
+    {"--tonemap", is_scene_linear, kHoldsLight},
     {"--exposure", is_debug_view, kNoLight},
     {"--tonemap", is_debug_view, kNoLight},
     {"--integrator", is_debug_view, kNoLight},

@@ -1,5 +1,8 @@
 #include "io/import/files.h"
 
+#include <cerrno>
+#include <cstring>
+
 #include "base/error.h"
 
 namespace occam::import {
@@ -10,14 +13,14 @@ FileReader::FileReader(const fs::path& file, std::size_t max_bytes) : name_(file
 {
     std::error_code error;
     const fs::file_status status = fs::status(file, error);
-    if (!fs::exists(status)) throw Error(name_, "no such file");
-    if (!fs::is_regular_file(status)) throw Error(name_, "not a regular file");
-    const std::uintmax_t size = fs::file_size(file, error);
-    if (error) throw Error(name_, "cannot be read", error.message());
+    if (status.type() == fs::file_type::not_found) throw Error(name_, "no such file");
+    if (fs::exists(status) && !fs::is_regular_file(status)) throw Error(name_, "not a regular file");
+    const std::uintmax_t size = error ? 0 : fs::file_size(file, error);
+    if (error) throw Error(name_, "cannot be read: " + error.message());
     if (size > max_bytes) throw Error(name_, "larger than " + std::to_string(max_bytes >> 20) + " MiB");
     size_ = size;
     stream_.reset(std::fopen(file.c_str(), "rb"));
-    if (!stream_) throw Error(name_, "cannot be opened");
+    if (!stream_) throw Error(name_, "cannot be read: " + std::string(std::strerror(errno)));
     std::setvbuf(stream_.get(), nullptr, _IONBF, 0);  // the parts are read whole, so a buffer would only copy
 }
 

@@ -39,7 +39,8 @@ void require_file(const std::filesystem::path& file)
 {
     std::error_code error;
     const std::filesystem::file_status status = std::filesystem::status(file, error);
-    if (!std::filesystem::exists(status)) throw Error(file.string(), "no such file");
+    if (status.type() == std::filesystem::file_type::not_found) throw Error(file.string(), "no such file");
+    if (error) throw Error(file.string(), "cannot be read: " + error.message());
     if (std::filesystem::is_directory(status)) throw Error(file.string(), "is a folder; name a scene file in it");
     if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(file, error) == 0)
         throw Error(file.string(), "the file is empty");

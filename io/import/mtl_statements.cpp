@@ -1,6 +1,7 @@
 #include "io/import/mtl_statements.h"
 
 #include <array>
+#include <charconv>
 #include <initializer_list>
 
 #include "io/import/words.h"
@@ -24,6 +25,15 @@ constexpr NumberOption kNumberOptions[] = {
     {"-o", 3, {"0", "0", "0"}}, {"-s", 3, {"1", "1", "1"}}, {"-t", 3, {"0", "0", "0"}},
     {"-mm", 2, {"0", "1", ""}}, {"-bm", 1, {"1", "", ""}},  {"-boost", 1, {"1", "", ""}},
 };
+
+// Returns whether the word is a number, also one that is not finite or that no double holds.
+bool is_any_number(std::string_view word)
+{
+    if (word.starts_with('+')) word.remove_prefix(1);
+    double value = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    return error != std::errc::invalid_argument && end == word.data() + word.size();
+}
 
 class Preparation {
 public:
@@ -129,14 +139,17 @@ private:
     void take_numbers(const NumberOption& option, Words& words)
     {
         out_.append(" ").append(option.name);
-        bool is_number = true;
+        bool is_number = true, is_finite = true;
         for (std::size_t i = 0; i < static_cast<std::size_t>(option.numbers); ++i) {
             Words after = words;
             const std::string_view value = after.next();
-            is_number = is_number && finite_number(value) && !after.rest().empty();
+            is_number = is_number && is_any_number(value) && !after.rest().empty();
             if (is_number) words = after;
-            out_.append(" ").append(is_number ? value : option.defaults[i]);
+            const bool is_taken = is_number && finite_number(value);
+            is_finite = is_finite && is_taken == is_number;
+            out_.append(" ").append(is_taken ? value : option.defaults[i]);
         }
+        if (!is_finite) warn("a value of an image's option is not a finite number: the default is used");
     }
 
     const std::string& name_;

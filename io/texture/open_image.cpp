@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "io/exr_file.h"
+#include "io/input_file.h"
 #include "io/png_file.h"
 #include "io/texture/image_header.h"
 #include "io/texture/image_metadata.h"
@@ -39,6 +40,8 @@ public:
 
     OpenImage open()
     {
+        if (format_.empty() && !encoded_)
+            if (const std::string why = why_unreadable(path_); !why.empty()) refuse(why);
         if (format_.empty()) refuse(std::string("not an image of a format that is read: ") + kImageFormats);
         check_header();
         OpenImage image;

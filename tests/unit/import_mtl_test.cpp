@@ -134,6 +134,20 @@ TEST(ImportMtl, OpacityWithAHaloKeepsItsNumber)
     EXPECT_TRUE(warns(loaded.scene, "-halo"));
 }
 
+TEST(ImportMtl, NumbersOfOptionsThatAreNotFiniteGetTheirDefaultsAndAWarning)
+{
+    for (const char* options : {"-o inf nan 0 -mm 0 1", "-o 1e999 -nan -1e999 -mm nan inf", "-s inf -mm 0 1", "-bm +inf"}) {
+        const Loaded loaded(std::string("map_Kd ") + options + " blue.ppm\n");
+        EXPECT_EQ(loaded.file(loaded.material.base_color_texture), "blue.ppm") << options;
+        EXPECT_EQ(loaded.material.base_color_texture.scale, Vec2f(1)) << options;
+        EXPECT_EQ(loaded.material.base_color_texture.offset, Vec2f(0)) << options;
+        EXPECT_TRUE(warns(loaded.scene,
+                          "a value of an image's option is not a finite number: the default is used (m.mtl, "
+                          "line 2"))
+            << options;
+    }
+}
+
 TEST(ImportMtl, NumbersOfOptionsMayBeLeftOut)
 {
     const auto map = [](const std::string& options) {
