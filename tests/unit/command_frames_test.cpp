@@ -23,7 +23,7 @@ constexpr const char* kFlight = R"({"asset": {"version": "2.0"}, "scene": 0, "sc
 {"bufferView": 1, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [2]},
 {"bufferView": 2, "componentType": 5126, "count": 2, "type": "VEC3"}]})";
 
-class Frames : public CommandTest {
+class MadeFrames : public CommandTest {
 protected:
     void SetUp() override
     {
@@ -44,7 +44,7 @@ protected:
 
 constexpr const char* kExtensions[] = {"exr", "png", "jpg", "tif", "hdr"};
 
-TEST_F(Frames, ThatWereStoppedAreMadeAgainInEveryFormat)
+TEST_F(MadeFrames, ThatWereStoppedAreMadeAgainInEveryFormat)
 {
     for (const std::string extension : kExtensions) {
         const std::string pattern = "a.#." + extension, name = "a.0." + extension;
@@ -60,7 +60,7 @@ TEST_F(Frames, ThatWereStoppedAreMadeAgainInEveryFormat)
     }
 }
 
-TEST_F(Frames, OfOtherSettingsOrOfUnknownOnesAreRefusedInEveryFormat)
+TEST_F(MadeFrames, OfOtherSettingsOrOfUnknownOnesAreRefusedInEveryFormat)
 {
     render::Image image(16, 12);
     image.add_layer("beauty", {"R", "G", "B"}).pixels.assign(16 * 12 * 3, 0.5f);
@@ -84,7 +84,7 @@ TEST_F(Frames, OfOtherSettingsOrOfUnknownOnesAreRefusedInEveryFormat)
 }
 
 // The middle of a shutter is a moment that two formulas would round differently in some frames.
-TEST_F(Frames, OfACameraThatMovesAreKnownAgainWithAnyShutter)
+TEST_F(MadeFrames, OfACameraThatMovesAreKnownAgainWithAnyShutter)
 {
     for (const char* shutter : {"-0.4,0.8", "0,0.5", "-0.1,0.7", "0.3,0.9", "-0.5,0.5"}) {
         const std::vector<std::string> all = words("a.##.exr", "0-40", {"--fps", "24", "--shutter", shutter});
@@ -106,7 +106,7 @@ render::Image noise_of(int width, int height)
     return image;
 }
 
-TEST_F(Frames, KeepAnyNoteInEveryFormat)
+TEST_F(MadeFrames, KeepAnyNoteInEveryFormat)
 {
     const render::Image image = noise_of(33, 7);
     const std::string notes[] = {"Occam 0.1.0, recipe 0123456789abcdef", "one\ntwo",
@@ -129,7 +129,7 @@ TEST_F(Frames, KeepAnyNoteInEveryFormat)
 }
 
 // What follows a note is what a file without one holds, and a head of other programs has no note.
-TEST_F(Frames, HaveTheNoteOfRadianceFilesInComments)
+TEST_F(MadeFrames, HaveTheNoteOfRadianceFilesInComments)
 {
     const render::Image image = noise_of(9, 5);
     image.write(folder / "a.hdr", {.note = "first\nsecond"});

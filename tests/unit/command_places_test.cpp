@@ -16,7 +16,7 @@ namespace {
 
 using namespace test;
 
-constexpr int kNotPossible = 97;
+constexpr int kKeepsRights = 97;
 
 class OutputPlaces : public CommandTest {
 protected:
@@ -31,7 +31,7 @@ protected:
     void lose_rights_of_owners()
     {
         before_exec = [] {
-            if (geteuid() == 0 && prctl(PR_CAPBSET_DROP, CAP_FOWNER, 0, 0, 0) != 0) _exit(kNotPossible);
+            if (geteuid() == 0 && prctl(PR_CAPBSET_DROP, CAP_FOWNER, 0, 0, 0) != 0) _exit(kKeepsRights);
         };
     }
     // Calls all commands that would replace taken.png or taken.1.png, each of which must refuse that before it makes
@@ -49,7 +49,7 @@ protected:
              "--overwrite"}};
         for (const std::vector<std::string>& words : calls) {
             const Outcome o = run(words);
-            ASSERT_NE(o.exit_code, kNotPossible);
+            ASSERT_NE(o.exit_code, kKeepsRights);
             EXPECT_EQ(o.exit_code, kOutput) << words[0] << ": " << o.err;
             EXPECT_NE(o.err.find(all), std::string::npos) << words[0] << ": " << o.err;
         }
@@ -68,7 +68,7 @@ TEST_F(OutputPlaces, OfAnotherUserInAStickyFolderAreRefused)
         if (chown((folder / name).c_str(), kOther, gid_t(-1)) != 0) GTEST_SKIP() << "this user may not give files away";
     ASSERT_EQ(chmod(folder.c_str(), 01777), 0);
     lose_rights_of_owners();
-    if (run({"--version"}).exit_code == kNotPossible) GTEST_SKIP() << "this user may not give up rights";
+    if (run({"--version"}).exit_code == kKeepsRights) GTEST_SKIP() << "this user may not give up rights";
     expect_refusals("it belongs to another user, and folder . is sticky");
     // A finished frame of somebody else is left alone, and does not stop the rest of the sequence.
     const std::vector<std::string> sequence{"animate", "triangle.obj", "-o", "shared.#.png", "--frames", "0-1", "--size",

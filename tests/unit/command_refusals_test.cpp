@@ -43,7 +43,7 @@ TEST_F(Refusals, OfAPictureWithoutAFormatDoNotSpeakOfOtherOptions)
 
 TEST_F(Refusals, OfFilesThatCannotBeReadGiveTheReason)
 {
-    constexpr int kNotPossible = 97;
+    constexpr int kMayReadAll = 97;
     fs::create_directory(folder / "closed");
     render::Image image(2, 2);
     image.add_layer("beauty", {"R", "G", "B"}).pixels.assign(12, 0.5f);
@@ -58,9 +58,9 @@ TEST_F(Refusals, OfFilesThatCannotBeReadGiveTheReason)
     fs::permissions(folder / "closed", fs::perms::none);
     before_exec = [] {
         for (const int right : {CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH})
-            if (geteuid() == 0 && prctl(PR_CAPBSET_DROP, right, 0, 0, 0) != 0) _exit(kNotPossible);
+            if (geteuid() == 0 && prctl(PR_CAPBSET_DROP, right, 0, 0, 0) != 0) _exit(kMayReadAll);
     };
-    if (run({"--version"}).exit_code == kNotPossible) GTEST_SKIP() << "this user may not give up rights";
+    if (run({"--version"}).exit_code == kMayReadAll) GTEST_SKIP() << "this user may not give up rights";
     for (const char* extension : {"obj", "ply", "stl", "off", "gltf", "glb"})
         for (const std::string& name : {std::string("a.") + extension, std::string("closed/a.") + extension})
             expect_refusal({"info", name}, name + ": cannot be read: Permission denied");
