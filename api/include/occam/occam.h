@@ -130,7 +130,7 @@ public:
     Job start(Scene& scene, const Camera& camera, const Settings& settings = {}, std::string checkpoint = {});
     /// Traces one sample of the picture that render() would make, and writes to `out` what each of its rays does and how
     /// each hit is shaded. Returns what the sample contributes, with the bits that it has in the picture. Throws Error for a
-    /// pixel outside of the picture, and for a sample that it does not have.
+    /// pixel outside of the picture, for a sample that it does not have, and for a texture that cannot be decoded.
     SampleColor replay(Scene& scene, const Camera& camera, const Settings& settings, const PixelSample& which,
                        std::ostream& out);
     /// Returns the least Resources::memory_bytes with which this renderer's number of threads can render the scene.
