@@ -240,7 +240,7 @@ void Integrator::set_receiver(Vertex& v) const noexcept
 {
     v.receiver.groups = v.hit.lit_by;
     if (!context_.lights.needs_receivers()) return;
-    v.receiver.point = context_.lights.relative(v.surface.position);
+    v.receiver.point = context_.lights.relative(v.start);
     v.receiver.normal = v.surface.normal_geometric;
     v.receiver.is_two_sided = v.surface.is_solid || v.surface.transmission != Vec3f(0);
 }

@@ -152,7 +152,7 @@ private:
         /// shade::peak_density(), set where light is gathered. It decides which lights are left to their own samples here
         /// (shade/direct.h).
         float peak = 0;
-        Vec3d start = surface.start(surface.normal_geometric);
+        Vec3d start = surface.front_start();
         shade::Receiver receiver{};             ///< filled if there is a tree of lights
         float width = ray.footprint.at(hit.t);  ///< width of the beam
         /// The surface with its lobes; not null where light is gathered.

@@ -67,7 +67,7 @@ void Integrator::shade_waiting()
         for (const LightTests& t : tests_) {
             if ((t.not_black >> k & 1) == 0) continue;
             const Vec3f direction = t.directions.vector(k), radiance = t.radiances.vector(k);
-            shoot(of, {of.surface.start(direction), direction, t.directions.number(k), radiance, t.radiances.number(k)},
+            shoot(of, {of.start, direction, t.directions.number(k), radiance, t.radiances.number(k)},
                   clamped(radiance * of.lit_share, of.path.bounces + 1), t.spread.of[k]);
         }
         if (is_scattered[k] && (samples.not_black >> k & 1) != 0)
@@ -88,7 +88,7 @@ void Integrator::gather_in_lanes(const shade::SurfaceLanes& surfaces, int count)
             const SurfaceNumbers::Squares& squares = drawn_.light[slot];
             const shade::LightNumbers u{Vec2f(squares.x[k], squares.y[k]),
                                         numbers(of, Use::LightChoice, slot).interval(of.first_of(1))};
-            samples.set(k, all.meshes().sample(of.surface.position, of.receiver.of_all_groups(), u));
+            samples.set(k, all.meshes().sample(of.start, of.receiver.of_all_groups(), u));
         }
         add_tests(surfaces, samples.lanes(), 1.0f);
     }
@@ -106,11 +106,10 @@ void Integrator::gather_in_lanes(const shade::SurfaceLanes& surfaces, int count)
 void Integrator::gather_placed_in_lanes(const shade::SurfaceLanes& surfaces, int count)
 {
     const vfloat one = 1.0f, zero = 0.0f;
-    shade::LanePoints position, start;
+    shade::LanePoints start;
     shade::LaneFloats peak;
     for (int k = 0; k < kLanes; ++k) {
         const Vertex& of = waiting(std::min(k, count - 1));
-        position.set(k, of.surface.position);
         start.set(k, of.start);
         peak.of[k] = of.peak;
         widths_.of[k] = of.width;
@@ -128,10 +127,10 @@ void Integrator::gather_placed_in_lanes(const shade::SurfaceLanes& surfaces, int
         }
         // Lights without an area are found by their samples alone in any case.
         vfloat scatter_count = one;
+        const shade::LaneVectors to_middle = start.to(light.position);
         if (light.has_area())
-            scatter_count = select(shade::is_left_to_samples(light, start.to(light.position).lanes(), peak.lanes()), zero,
-                                   one);
-        shade::LightSampleLanes sample = shade::sample_from(light, position.to(light.position), u, v);
+            scatter_count = select(shade::is_left_to_samples(light, to_middle.lanes(), peak.lanes()), zero, one);
+        shade::LightSampleLanes sample = shade::sample_from(light, to_middle, u, v);
         sample.radiance = select(is_lit.lanes() > zero, sample.radiance, shade::all_channels(zero));
         add_tests(surfaces, sample, scatter_count);
     }

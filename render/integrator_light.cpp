@@ -186,7 +186,7 @@ void Integrator::gather_light(const Vertex& v, const shade::WorldLight& light, c
     // Lights without an area are found by their samples alone in any case.
     const bool is_left_to_samples = light.has_area() && shade::FrameLights::is_left_to_samples(light, v.start, v.peak);
     const shade::SampleCounts counts{samples.expected, is_left_to_samples ? 0.0f : float(scatter_samples_at(v.path))};
-    const Vec3f to_middle(light.position - v.surface.position);
+    const Vec3f to_middle(light.position - v.start);
     draw([&](Vec2f square) {
         test(v, shade::test_of(*v.for_eye, light.sample_from(to_middle, {square}), counts), samples.share, per_hit);
     });

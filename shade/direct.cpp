@@ -13,7 +13,7 @@ LightSample sample_of(const Environment::Light& light) noexcept
 ShadowTest test_meshes(const SurfaceForEye& surface, const MeshLights& lights, const Receiver& receiver,
                        LightNumbers numbers, SampleCounts counts) noexcept
 {
-    return test_of(surface, lights.sample(surface.surface.position, receiver, numbers), counts);
+    return test_of(surface, lights.sample(surface.surface.front_start(), receiver, numbers), counts);
 }
 
 ShadowTest test_environment(const SurfaceForEye& surface, const Environment& environment, LightNumbers numbers,

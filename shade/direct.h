@@ -12,6 +12,8 @@
 // see FrameLights::kLeastChance.
 #pragma once
 
+#include <cmath>
+
 #include "shade/bsdf.h"
 #include "shade/frame_lights.h"
 
@@ -47,7 +49,24 @@ struct SampleCounts {
     }
 };
 
+/// Returns the ray that decides whether a sample of a light arrives, without what it brings. The sample is drawn for
+/// Surface::front_start(). A ray to the other side starts elsewhere, and leads to the same point of the light.
+inline ShadowTest ray_to(const Surface& surface, const LightSample& sample) noexcept
+{
+    const Vec3d start = surface.start(sample.direction);
+    ShadowTest ray{start, sample.direction, sample.distance, Vec3f(0), sample.density};
+    const Vec3d aside = surface.front_start() - start;
+    if (aside == Vec3d(0) || !std::isfinite(sample.distance)) return ray;
+    const Vec3d way = Vec3d(sample.direction) * double(sample.distance) + aside;
+    const double length = glm::length(way);
+    if (!(length > 0)) return ray;
+    ray.direction = Vec3f(way / length);
+    ray.t_far = static_cast<float>(length);
+    return ray;
+}
+
 /// Returns what a sample of a light contributes. Lights that scattered directions cannot find get the full weight.
+/// sample   drawn for Surface::front_start()
 inline ShadowTest test_of(const SurfaceForEye& surface, const LightSample& sample, SampleCounts counts) noexcept
 {
     if (sample.radiance == Vec3f(0)) return {};
@@ -56,8 +75,9 @@ inline ShadowTest test_of(const SurfaceForEye& surface, const LightSample& sampl
                                             : ScatterWithDensity{scatter(surface, sample.direction), 0};
     if (f.light == Vec3f(0)) return {};
     const float weight = is_weighed ? counts.of_light(sample.density, f.density) : 1;
-    return {surface.surface.start(sample.direction), sample.direction, sample.distance, f.light * sample.radiance * weight,
-            sample.density};
+    ShadowTest test = ray_to(surface.surface, sample);
+    test.radiance = f.light * sample.radiance * weight;
+    return test;
 }
 
 /// Returns a light from infinitely far as a sample of it; black if it has no density.

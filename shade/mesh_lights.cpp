@@ -1,6 +1,7 @@
 #include "shade/mesh_lights.h"
 
 #include <algorithm>
+#include <cfloat>
 #include <functional>
 #include <limits>
 #include <tuple>
@@ -18,8 +19,9 @@
 namespace occam::shade {
 namespace {
 
-// A shadow ray stops at this share of the distance before its end, beyond which lies the emissive surface itself.
-constexpr float kShort = 1e-4f;
+// A shadow ray ends this far before the plane of the emissive triangle, in ulps of the length of the ray and of the extent
+// of the cage: rounding moves the end of the ray and the vertices by less (accel/ray_starts.h has the same for starts).
+constexpr double kEndUlps = 16;
 
 // Returns the mean over the whole texture: the filter is as wide as the image.
 float mean_luminance(const Material& m, const TextureStore& textures) noexcept
@@ -64,16 +66,27 @@ double polygon_area(const Cage& cage, std::size_t first, std::size_t corners, co
     return 0.5 * glm::length(sum);
 }
 
-// Returns the area of the box that holds the node's cage, in world axes.
-double box_area(const Node& node, const CageSlot& slot, const SkinSlot* skin, const Mat4d& world_from_object) noexcept
-{
-    const Box3d box = cage_bounds(node, slot, skin);
-    if (box.is_empty()) return 0;
-    const Vec3d size = box.hi - box.lo;
-    const auto edge = [&](Vec3d along) { return transform_vector(world_from_object, along); };
-    const Vec3d x = edge({size.x, 0, 0}), y = edge({0, size.y, 0}), z = edge({0, 0, size.z});
-    return 2 * (glm::length(glm::cross(x, y)) + glm::length(glm::cross(y, z)) + glm::length(glm::cross(z, x)));
-}
+// The edges of the box that holds a node's cage, in world axes.
+struct BoxEdges {
+    Vec3d x{0}, y{0}, z{0};
+
+    BoxEdges(const Node& node, const CageSlot& slot, const SkinSlot* skin, const Mat4d& world_from_object) noexcept
+    {
+        const Box3d box = cage_bounds(node, slot, skin);
+        if (box.is_empty()) return;
+        const Vec3d size = box.hi - box.lo;
+        const auto edge = [&](Vec3d along) { return transform_vector(world_from_object, along); };
+        x = edge({size.x, 0, 0});
+        y = edge({0, size.y, 0});
+        z = edge({0, 0, size.z});
+    }
+    double area() const noexcept
+    {
+        return 2 * (glm::length(glm::cross(x, y)) + glm::length(glm::cross(y, z)) + glm::length(glm::cross(z, x)));
+    }
+    /// Returns at least the distance of any two points of the box.
+    double extent() const noexcept { return glm::length(x) + glm::length(y) + glm::length(z); }
+};
 
 // The faces of a cage and their area in world axes, for each slot of its materials.
 struct SlotFaces {
@@ -116,7 +129,7 @@ SlotFaces faces_of_slots(const Scene& scene, const Node& node, const CageSlot& s
         first += corners;
     }
     if (is_rigid && !slot.is_on_demand()) return out;
-    const double whole = box_area(node, slot, scene.find(node.skin), world_from_object);
+    const double whole = BoxEdges(node, slot, scene.find(node.skin), world_from_object).area();
     for (std::size_t s = 0; s < slots; ++s)
         out.area[s] = slot.is_on_demand() ? whole / double(slots)
                                           : whole * double(out.of(s).size()) / double(cage.face_count());
@@ -181,6 +194,7 @@ void MeshLights::add(const Placed& placed, const CageSlot& slot)
     if (std::ranges::none_of(glows, std::identity())) return;
     any_emitter_ = true;
     const SlotFaces found = faces_of_slots(scene, node, slot, glows, world_from_object);
+    const auto extent = static_cast<float>(BoxEdges(node, slot, scene.find(node.skin), world_from_object).extent());
     for (std::size_t s = 0; s < slots; ++s) {
         if (!glows[s]) continue;
         const Material* material = material_of(scene, node, cage, s);
@@ -188,7 +202,8 @@ void MeshLights::add(const Placed& placed, const CageSlot& slot)
         if (density > 0) power_ += double(density) * found.area[s];
         if (!(density > 0) || !is_sampled || scene.find(node.skin) || unsampled.contains(material)) continue;
         known_.push_back({id, material, density});
-        const Mesh mesh{id, &cage, material, world_from_object, density, glm::determinant(Mat3d(world_from_object)) < 0};
+        const bool is_mirrored = glm::determinant(Mat3d(world_from_object)) < 0;
+        const Mesh mesh{id, &cage, material, world_from_object, density, is_mirrored, extent};
         const std::size_t before = sums_.size();
         for (const std::uint32_t face : found.of(s)) {
             const TrianglePoints c = corners(mesh, face);
@@ -374,7 +389,8 @@ LightSample MeshLights::sample(Vec3d point, const Receiver& receiver, LightNumbe
     const Surface surface = evaluate(p, *textures_);
     const auto density = static_cast<float>(chosen.area_density * distance2 / cosine);
     if (!(density > 0)) return {};
-    return {Vec3f(to_light / distance), static_cast<float>(distance) * (1 - kShort),
+    const double short_by = kEndUlps * FLT_EPSILON * (distance + double(mesh.extent)) / cosine;
+    return {Vec3f(to_light / distance), static_cast<float>(std::max(distance - short_by, 0.0)),
             surface.emission * (surface.opacity / density), density};
 }
 

@@ -51,7 +51,8 @@ public:
     /// Returns the tree of emissive triangles, which may be empty.
     const LightTree& tree() const noexcept { return tree_; }
 
-    /// Draws a point on the surfaces for a receiver, which counts if there is a tree.
+    /// Draws a point on the surfaces for a receiver, which counts if there is a tree. The distance of the sample ends before
+    /// the surface by what rounding may move that.
     LightSample sample(Vec3d point, const Receiver& receiver, LightNumbers numbers) const noexcept;
 
     /// Describes where a ray hits an emissive surface.
@@ -73,6 +74,7 @@ private:
         Mat4d world_from_object;
         float area_density;  ///< not yet divided by the total
         bool is_mirrored;    ///< the placement reverses the orientation of faces
+        float extent;        ///< of the cage, as far as its coordinates and so their rounding go
     };
     struct Known {
         NodeId node;

@@ -72,9 +72,14 @@ struct Surface {
     /// leaves by.
     Vec3d start(Vec3f direction) const noexcept
     {
-        const float side = glm::dot(normal_geometric, direction) < 0 ? -self_distance : self_distance;
-        return start_point + Vec3d(start_normal) * double(side);
+        return start_on(glm::dot(normal_geometric, direction) < 0 ? -1.0f : 1.0f);
     }
+    /// Returns where a ray to the side of the eye starts. Light is sampled as seen from there, since a place on the surface
+    /// and this point may see a light that is near, or a wall before it, in different directions.
+    Vec3d front_start() const noexcept { return start_on(1); }
+
+private:
+    Vec3d start_on(float side) const noexcept { return start_point + Vec3d(start_normal) * double(side * self_distance); }
 };
 
 /// Evaluates the material at a point. `point.material` is never null; textures must be prepared.

@@ -84,6 +84,50 @@ void record(Scene& scene, NodeId node, Camera& camera, Moves how)
         camera.keys.push_back(place * map_at(0.25 * key) * eye_from_node);
 }
 
+/// Puts what shines behind the walls, about where the camera's eye sees them.
+void shine_from_outside(Scene& scene, const Camera& camera, Vec3d eye, Outside what)
+{
+    struct Wall {
+        Vec3d place, outward;
+        double distance;
+    };
+    std::vector<Wall> walls;
+    {
+        scene.refit();
+        const Query query(scene, camera, 720);
+        for (int x = -1; x <= 1; ++x)
+            for (int y = -1; y <= 1; ++y)
+                for (int z = -1; z <= 1; ++z) {
+                    QueryRay ray{eye, glm::normalize(Vec3d(x + 0.21, y - 0.13, z + 0.08))};
+                    // Normals of the finest micropolygons are not exact enough for panels.
+                    ray.footprint = RayFootprint{what == Outside::Panels ? 0.05f : 0.0f, 0};
+                    if (const auto hit = query.closest(ray))
+                        walls.push_back({hit->position, -Vec3d(hit->normal_geometric), hit->distance});
+                }
+    }
+    for (const Wall& wall : walls) {
+        NodeDesc desc;
+        if (what == Outside::Lamps) {
+            desc.place.translation = wall.place + (wall.place - eye) * 0.02;
+            desc.light = scene.add(Light{"lamp", PointLight{Vec3f(1000)}});
+        } else {
+            const Vec3d x = glm::normalize(glm::cross(wall.outward, Vec3d(0.3, 0.5, 0.8))), y = glm::cross(wall.outward, x);
+            Material glowing;
+            glowing.emission = Vec3f(1000);
+            glowing.double_sided = true;
+            Cage panel;
+            panel.scheme = Scheme::Triangles;
+            for (const auto& [u, v] : {std::pair(-1, -1), std::pair(1, -1), std::pair(0, 1)})
+                panel.positions.push_back(Vec3f((x * double(u) + y * double(v)) * (0.2 * wall.distance)));
+            panel.face_vertices = {0, 1, 2};
+            panel.materials = {scene.add(glowing)};
+            desc.place.translation = wall.place + wall.outward * (2e-5 * wall.distance);
+            desc.cages = {scene.add(std::move(panel))};
+        }
+        scene.add_node(scene.root(), desc);
+    }
+}
+
 }  // namespace
 
 Cage lump(std::uint64_t seed)
@@ -138,6 +182,38 @@ std::vector<Room> rooms()
             {"torus", torus(), {1, 0.02, 0.05}, {0.9, 0.1, 1}}};
 }
 
+std::vector<Room> rooms_with_concave_floors()
+{
+    const auto room = [](const char* name, const std::vector<Vec2f>& floor, Vec3d eye, Vec3d target) {
+        Cage cage;
+        const auto n = static_cast<std::uint32_t>(floor.size());
+        for (const float y : {0.0f, 1.0f})
+            for (const Vec2f p : floor) cage.positions.push_back({p.x, y, p.y});
+        cage.face_sizes = {n, n};
+        for (std::uint32_t i = 0; i < n; ++i) cage.face_vertices.push_back(i);
+        for (std::uint32_t i = 0; i < n; ++i) cage.face_vertices.push_back(2 * n - 1 - i);
+        for (std::uint32_t i = 0; i < n; ++i) {
+            const std::uint32_t j = (i + 1) % n;
+            cage.face_sizes.push_back(4);
+            cage.face_vertices.insert(cage.face_vertices.end(), {i, n + i, n + j, j});
+            for (const auto& [a, b] : {std::pair(i, j), std::pair(n + i, n + j), std::pair(i, n + i)})
+                cage.creases.push_back({a, b, 10});
+        }
+        return Room{name, cage, eye, target};
+    };
+    std::vector<Vec2f> star;
+    for (int k = 0; k < 14; ++k) {
+        const double r = k % 2 ? 1 : 0.35, angle = 3.14159265 * k / 7;
+        star.push_back({float(r * std::cos(angle)), float(r * std::sin(angle))});
+    }
+    return {
+        {room("L", {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}, {0.5, 0.3, 1.7}, {0.6, 0.1, 0.2})},
+        {room("long L", {{0, 0}, {4, 0}, {4, 0.5f}, {0.5f, 0.5f}, {0.5f, 4}, {0, 4}}, {0.25, 0.5, 0.25}, {3.8, 0.1, 0.25})},
+        {room("U", {{0, 0}, {3, 0}, {3, 3}, {2, 3}, {2, 0.5f}, {1, 0.5f}, {1, 3}, {0, 3}}, {0.5, 0.5, 2.5},
+              {0.5, 0.1, 0.2})},
+        {room("star", star, {0, 0.2, 0}, {0.5, 0.9, 0.5})}};
+}
+
 int lit_pixels(const Room& room, const Look& look)
 {
     Scene scene;
@@ -174,9 +250,11 @@ int lit_pixels(const Room& room, const Look& look)
         scene.add_node(scene.root(), other);
     }
     const NodeId node = scene.add_node(scene.root(), desc);
-    scene.environment.radiance = Vec3f(1000);
+    if (look.outside == Outside::Sky) scene.environment.radiance = Vec3f(1000);
     Camera camera = Camera::look_at(transform_point(world_from_room, room.eye),
                                     transform_point(world_from_room, room.target), {0, 1, 0}, 1.5f);
+    if (look.outside != Outside::Sky)
+        shine_from_outside(scene, camera, transform_point(world_from_room, room.eye), look.outside);
     Settings settings{.width = look.width, .height = look.height, .spp = look.spp};
     if (look.moves != Moves::Not) record(scene, node, camera, look.moves);
     settings.integrator = look.integrator;

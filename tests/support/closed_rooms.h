@@ -16,11 +16,18 @@ struct Room {
 
 /// Returns boxes, cubes, poles, a prism and a torus.
 std::vector<Room> rooms();
+/// Returns rooms with walls at right angles or like a star. Floor and ceiling are single faces that are not convex.
+std::vector<Room> rooms_with_concave_floors();
 /// Returns a sphere of quads with two poles. Its vertices are moved in and out, and some of its edges are creased.
 Cage lump(std::uint64_t seed);
 
 /// How a room and the camera in it move while the shutter is open.
 enum class Moves { Not, Slides, Turns, Grows, Bends };
+
+/// What shines outside: a sky; point lights behind the walls, by a fiftieth of the way from the camera; or emissive panels
+/// along the walls, by so little behind them that they barely do not touch. Lamps are for convex rooms, and panels for those
+/// whose walls are flat, too.
+enum class Outside { Sky, Lamps, Panels };
 
 struct Look {
     float rate = 1;
@@ -33,6 +40,7 @@ struct Look {
     bool instanced = false;      ///< the room is one of three instances of a node that stands elsewhere
     bool crossed = false;        ///< the room is crossed by another instance of it
     Moves moves = Moves::Not;
+    Outside outside = Outside::Sky;
     int width = 24, height = 18, spp = 4;
 };
 

@@ -75,6 +75,25 @@ TEST(Path, AShiningRoomIsAsBrightAsTheSeriesOfItsBounces)
     EXPECT_NEAR(one.value(), 0.4 * (1 + 0.6), 4 * one.error() + 1e-3);
 }
 
+// Between a floor and a wide lamp close above it, nearly all directions lead to the lamp. The floor is so large that shadow
+// rays start far above it against the height of the lamp.
+TEST(Path, ALampLowOverALargeFloorLightsIt)
+{
+    for (const double height : {1e-2, 1e-3})
+        for (const std::uint32_t tiles : {1u, 8u}) {
+            Scene scene;
+            put(scene, level_square(50), matte(0.5f));
+            Material lamp = matte(0);
+            lamp.emission = Vec3f(2);
+            put(scene, tiled_square(1, tiles), lamp, {0, height, 0});
+            const Camera camera = Camera::look_at({0.1, 0.5 * height, 0.2}, {0.1 + 0.1 * height, 0, 0.2}, {0, 0, -1}, 0.7f);
+            Settings settings = kSmall;
+            settings.integrator = IntegratorKind::Direct;
+            const Mean mean = mean_of(scene, camera, settings);
+            EXPECT_NEAR(mean.value(), 1, 4 * mean.error() + 2e-3) << height << ' ' << tiles;
+        }
+}
+
 // The same lamp is an area light of the scene graph and an emissive mesh of few or many triangles. It is near, or so far
 // away that the area light is left to its samples, while scattered rays still find the mesh.
 TEST(Path, AShiningMeshLightsAsAnAreaLightDoes)

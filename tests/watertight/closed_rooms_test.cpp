@@ -132,6 +132,31 @@ Look random_look(std::mt19937_64& random)
     return look;
 }
 
+/// The patches of a flat face that is not convex overlap, and some reach beyond its border, at each level in another way.
+TEST(ClosedRooms, AreDarkOverFloorsThatAreNotConvex)
+{
+    for (const Room& room : rooms_with_concave_floors())
+        for (const float rate : {1.0f, 4.0f, 16.0f})
+            for (const render::Lod lod : {render::Lod::On, render::Lod::Frozen})
+                expect_dark(room, {.rate = rate, .lod = lod, .width = 120, .height = 90});
+}
+
+/// A shadow ray starts beside the place where its parent saw the surface. It leads to the light all the same: one that kept
+/// the direction from that place would end beside the light, within the room.
+TEST(ClosedRooms, AreDarkThoughLightsAreJustOutside)
+{
+    for (const Room& room : rooms()) {
+        if (room.name == "torus") continue;  // this is not convex
+        const bool is_flat = room.name == "bilinear box" || room.name == "box with sharp edges";
+        for (const Outside what : is_flat ? std::vector{Outside::Lamps, Outside::Panels} : std::vector{Outside::Lamps})
+            for (const float rate : {1.0f, 8.0f}) {
+                SCOPED_TRACE(what == Outside::Lamps ? "lamps" : "panels");
+                expect_dark(room, {.rate = rate, .outside = what});
+                expect_dark(room, {.rate = rate, .lod = render::Lod::Off, .outside = what});
+            }
+    }
+}
+
 /// Where two cages cross, a ray that starts on one of them may start behind the other: its start is moved to the mesh of one
 /// level, while its parent saw both cages between two levels. So it is moved to the level that is nearer at the hit. Few
 /// pixels may be lit all the same, and none where there is one level only.
