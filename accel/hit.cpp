@@ -1,6 +1,7 @@
 #include "accel/hit.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 
@@ -196,14 +197,25 @@ struct FilledLanes {
     const HitRays& placed;
     const Triangles& tri;
     Stored from_corner, share, to_start, start_normal;
-    unsigned starts_beside, is_back, has_gradients;  // bit masks of lanes
+    unsigned starts_beside, starts_on_ray, is_back, has_gradients;  // bit masks of lanes
     const FloatLanes& mirrored;
     const MapSets& maps;
     const Tangents& tangent;
 };
 
+// Returns the lanes whose patch overlaps others of its face in a plane (lod::GridAttributes).
+unsigned overlapping_lanes(const HitsRead& read, const HitCorners& corners) noexcept
+{
+    unsigned found = 0;
+    for (unsigned left = corners.has_start & ~read.gaps; left != 0; left &= left - 1) {
+        const int lane = std::countr_zero(left);
+        found |= unsigned(read.spots[lane].part && read.spots[lane].part->attributes.overlaps_in_plane) << lane;
+    }
+    return found;
+}
+
 // Fills in what is computed hit by hit, after what is written in lanes.
-void fill(const FilledLanes& of, std::size_t i, const GridHit& met, float time, const PhaseOneTools& tools,
+void fill(const FilledLanes& of, std::size_t i, const GridHit& met, const Ray& ray, const PhaseOneTools& tools,
           SurfaceHit& hit) noexcept
 {
     const HitCorners& corners = of.corners;
@@ -214,8 +226,11 @@ void fill(const FilledLanes& of, std::size_t i, const GridHit& met, float time, 
     hit.v_axis = Vec2f(0);
     hit.color = Vec4f(1);
     hit.material = corners.material[i];
-    // For most hits secondary rays start on the micropolygon that was hit.
+    // For most hits secondary rays start on the micropolygon that was hit. Where patches overlap, the same place of the mesh
+    // that they see may be beyond the face's border, or turned over: they start on the parent's ray, a little before its
+    // end, and so in the room where that ray was.
     if (of.starts_beside >> i & 1) hit.to_start = of.to_start[i];
+    if (of.starts_on_ray >> i & 1) hit.to_start = ray.direction * (hit.self_distance * -(kEdgeUlps / kStartUlps));
     if (corners.has_start >> i & 1) {
         const Vec3f unturned = of.start_normal[i] * of.mirrored[i];
         if (unturned != Vec3f(0)) hit.start_normal = hit.back_side ? -unturned : unturned;
@@ -226,7 +241,7 @@ void fill(const FilledLanes& of, std::size_t i, const GridHit& met, float time, 
     if (of.maps.any_rotated && rotates_normal_map(*hit.material))
         hit.v_axis = Vec2f(Stored({of.tangent.v_axis[0], of.tangent.v_axis[1], 0.0f})[i]);
     if (met.grid->segments > 0) hit.velocity = corners.velocity_of(i, of.share[i]);
-    else if (met.grid->cage->affine) hit.velocity = of.placed.velocity_of(i, *met.grid->cage, time, place);
+    else if (met.grid->cage->affine) hit.velocity = of.placed.velocity_of(i, *met.grid->cage, ray.time, place);
 }
 
 // Sets the level that the ray sees, and the values that phase one has made for it.
@@ -275,6 +290,8 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
     const vfloat farthest = max(largest(load(corners.position[0]) + offset), placed.radius(read.radius));
     const vfloat blend = fma(vfloat::load(corners.weight[0]), share[0],
                              fma(vfloat::load(corners.weight[1]), share[1], vfloat::load(corners.weight[2]) * share[2]));
+    const unsigned on_ray = overlapping_lanes(read, corners);
+    corners.has_start &= ~on_ray;
     const StartsBesideHits beside(corners, tri, share, is_flat, farthest);
 
     HitWriter writer(met, hits);
@@ -294,6 +311,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
                             Stored(beside.from_hits(corners, offset)),
                             Stored(beside.starts ? beside.starts->normal : offset),
                             beside.which,
+                            on_ray,
                             bits(normal.is_back),
                             bits(has_gradients),
                             read.mirrored,
@@ -302,7 +320,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (!met[i].grid) continue;
         hits[i]->start_level = static_cast<std::int8_t>(read.start_level[i]);
-        fill(lanes, i, met[i], rays[i].time, tools, *hits[i]);
+        fill(lanes, i, met[i], rays[i], tools, *hits[i]);
         set_identity(met[i], read.spots[i], *hits[i]);
         set_level(rays[i], met[i], read.spots[i], lanes.share[i], tools, *hits[i]);
     }

@@ -83,6 +83,9 @@ struct GridAttributes {
     /// The distance from a normal to the same one in the next coarser level, for displaced cages. If 0, those are means of
     /// neighbours, as positions are.
     std::uint32_t to_coarse = 0;
+    /// Whether the tile is flat and part of a face that is not convex. Some patches of such a face reach beyond its border
+    /// or are turned over, and others cover what is behind the border in turn.
+    bool overlaps_in_plane = false;
 };
 
 }  // namespace occam::lod

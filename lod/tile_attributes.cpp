@@ -1,6 +1,8 @@
 #include "lod/tile_attributes.h"
 
 #include <algorithm>
+#include <cfloat>
+#include <cmath>
 
 namespace occam::lod {
 namespace {
@@ -10,6 +12,26 @@ ParameterGrid parameters_of(const TileRef& tile, int step)
 {
     return {float(tile.i0) * tile.step_u(), float(tile.j0) * tile.step_v(), float(step) * tile.step_u(),
             float(step) * tile.step_v(),    tile.columns / step + 1,        tile.rows / step + 1};
+}
+
+// Returns whether a face is not convex at some corner. Faces of very many corners are not looked at: each of their patches
+// would take as long as there are corners.
+bool is_concave(const PosedCage& cage, std::uint32_t face)
+{
+    constexpr std::uint32_t kMostCorners = 1024;
+    const std::uint32_t count = cage.topology->face_size(face), first = cage.topology->first_corner(face);
+    if (count < 4 || count > kMostCorners) return false;
+    const auto corner = [&](std::uint32_t k) { return cage.vertex(cage.slot->cage.face_vertices[first + k % count]); };
+    const Vec3f origin = corner(0);
+    Vec3f area(0);
+    for (std::uint32_t k = 1; k + 1 < count; ++k) area += glm::cross(corner(k) - origin, corner(k + 1) - origin);
+    constexpr float kLeastSine = 1e-3f;
+    const float least = -kLeastSine * glm::length(area);
+    for (std::uint32_t k = 0; k < count; ++k) {
+        const Vec3f in = corner(k + 1) - corner(k), out = corner(k + 2) - corner(k + 1);
+        if (glm::dot(glm::cross(in, out), area) < least * glm::length(in) * glm::length(out)) return true;
+    }
+    return false;
 }
 
 }  // namespace
@@ -40,6 +62,7 @@ GridAttributes TileAttributes::make(const PosedCage& cage, const TileRef& tile, 
             for (std::size_t n = 0; n < at_key_.size(); ++n) made.at_keys[k * at_key_.size() + n] = ShortNormal(at_key_[n]);
         }
     }
+    made.overlaps_in_plane = overlaps_in_plane(cage, tile);
     uvs_.resize(3 * count);
     for (int set = 0; set < std::min(2, cage.topology->uv_set_count()); ++set) {
         made.uv[set] = arena.make_array<Vec2f>(count + 1).data();
@@ -47,6 +70,31 @@ GridAttributes TileAttributes::make(const PosedCage& cage, const TileRef& tile, 
         for (std::size_t k = 0; k < count; ++k) made.uv[set][k] = {uvs_[k], uvs_[count + k]};
     }
     return made;
+}
+
+bool TileAttributes::overlaps_in_plane(const PosedCage& cage, const TileRef& tile)
+{
+    for (int k = 0; k <= cage.segments; ++k) {
+        const PosedCage& at = cage.at_key(k);
+        if (at.is_displaced() || !is_concave(at, tile.patch.face) || !is_flat(at, tile)) return false;
+    }
+    return true;
+}
+
+// Returns whether all points of a tile are in the plane of the first one and its diagonals, as far as rounding lets them.
+bool TileAttributes::is_flat(const PosedCage& cage, const TileRef& tile)
+{
+    const ParameterGrid grid = parameters_of(tile, 1);
+    const auto count = static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows);
+    points_.resize(3 * count);
+    surface_.posed(cage, tile.patch).points(grid, &points_[0], &points_[count], &points_[2 * count], grid.columns);
+    const auto at = [&](std::size_t k) { return Vec3f(points_[k], points_[count + k], points_[2 * count + k]); };
+    const auto last_of_row = static_cast<std::size_t>(grid.columns) - 1;
+    const Vec3f across = glm::cross(at(count - 1) - at(0), at(count - 1 - last_of_row) - at(last_of_row));
+    const float length = glm::length(across), most = 16 * FLT_EPSILON * cage.radius;
+    for (std::size_t k = 0; k < count; ++k)
+        if (!(std::fabs(glm::dot(at(k) - at(0), across)) <= most * length)) return false;
+    return true;
 }
 
 void TileAttributes::coarse_normals(const PosedCage& cage, const TileRef& tile, const PatchRates& coarser, Vec3f* out)

@@ -29,9 +29,13 @@ private:
     /// Computes normals of the next coarser level of a displaced cage: an odd vertex lies between two that the level has.
     void coarse_normals(const PosedCage& cage, const TileRef& tile, const PatchRates& coarser, Vec3f* out);
 
+    /// Returns GridAttributes::overlaps_in_plane.
+    bool overlaps_in_plane(const PosedCage& cage, const TileRef& tile);
+    bool is_flat(const PosedCage& cage, const TileRef& tile);
+
     PatchSurface& surface_;
     std::vector<Vec3f> normals_, at_key_;
-    std::vector<float> uvs_;
+    std::vector<float> uvs_, points_;
 };
 
 }  // namespace occam::lod
