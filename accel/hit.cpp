@@ -244,6 +244,13 @@ void fill(const FilledLanes& of, std::size_t i, const GridHit& met, const Ray& r
     else if (met.grid->cage->affine) hit.velocity = of.placed.velocity_of(i, *met.grid->cage, ray.time, place);
 }
 
+// Returns the weight of the coarser level at the hits.
+vfloat weight_at(const HitCorners& corners, const vfloat (&share)[3]) noexcept
+{
+    return fma(vfloat::load(corners.weight[0]), share[0],
+               fma(vfloat::load(corners.weight[1]), share[1], vfloat::load(corners.weight[2]) * share[2]));
+}
+
 // Sets the level that the ray sees, and the values that phase one has made for it.
 void set_level(const Ray& ray, const GridHit& met, const MicropolygonPlace& spot, Vec3f share, const PhaseOneTools& tools,
                SurfaceHit& hit)
@@ -288,8 +295,6 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
     const UvAtHits uv(corners, tri, share, max(beam[2] + beam[3] * t, zero), map_sets.any ? &map_set : nullptr,
                       select(normal.is_back, -normal.shading, normal.shading));
     const vfloat farthest = max(largest(load(corners.position[0]) + offset), placed.radius(read.radius));
-    const vfloat blend = fma(vfloat::load(corners.weight[0]), share[0],
-                             fma(vfloat::load(corners.weight[1]), share[1], vfloat::load(corners.weight[2]) * share[2]));
     const unsigned on_ray = overlapping_lanes(read, corners);
     corners.has_start &= ~on_ray;
     const StartsBesideHits beside(corners, tri, share, is_flat, farthest);
@@ -300,7 +305,8 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
                  {normal.geometric.x, normal.geometric.y, normal.geometric.z, curvature});
     writer.write(offsetof(SurfaceHit, normal_shading),
                  {normal.shading.x, normal.shading.y, normal.shading.z, uv.tangent.sign});
-    writer.write(offsetof(SurfaceHit, tangent), {uv.tangent.along.x, uv.tangent.along.y, uv.tangent.along.z, blend});
+    writer.write(offsetof(SurfaceHit, tangent),
+                 {uv.tangent.along.x, uv.tangent.along.y, uv.tangent.along.z, weight_at(corners, share)});
     writer.write(offsetof(SurfaceHit, uv), {uv.at[0][0], uv.at[0][1], uv.at[1][0], uv.at[1][1]});
     writer.write(offsetof(SurfaceHit, start_normal), {normal.geometric.x, normal.geometric.y, normal.geometric.z, zero});
     const FilledLanes lanes{corners,
