@@ -251,6 +251,15 @@ vfloat weight_at(const HitCorners& corners, const vfloat (&share)[3]) noexcept
                fma(vfloat::load(corners.weight[1]), share[1], vfloat::load(corners.weight[2]) * share[2]));
 }
 
+// Returns the width of the rays' beams at their hits.
+vfloat beam_width(std::span<const Ray> rays, vfloat t) noexcept
+{
+    vfloat beam[4];
+    static_assert(offsetof(Ray, footprint) == offsetof(Ray, t_near) + 2 * sizeof(float));
+    gather_four(rays.data(), rays.size(), offsetof(Ray, t_near), beam);
+    return max(beam[2] + beam[3] * t, vfloat(0.0f));
+}
+
 // Sets the level that the ray sees, and the values that phase one has made for it.
 void set_level(const Ray& ray, const GridHit& met, const MicropolygonPlace& spot, Vec3f share, const PhaseOneTools& tools,
                SurfaceHit& hit)
@@ -273,9 +282,6 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
     HitCorners corners(met, read.spots);
     const HitRays placed(rays, met, *read.any, read.in_still);
     const vfloat(&way)[4] = placed.way;
-    vfloat beam[4];
-    static_assert(offsetof(Ray, footprint) == offsetof(Ray, t_near) + 2 * sizeof(float));
-    gather_four(rays.data(), rays.size(), offsetof(Ray, t_near), beam);
     placed.set_positions(corners, read.coarse_starts);
     corners.set_attributes(tools);
     if (placed.in_still != 0 && corners.has_normals != 0) placed.move_normals(corners);
@@ -292,7 +298,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
     const vfloat curvature = select(has_gradients, select(normal.is_back, -outward, outward), zero);
     const MapSets map_sets(met, corners);
     const vfloat map_set = select(has_gradients, map_sets.of, -1.0f);
-    const UvAtHits uv(corners, tri, share, max(beam[2] + beam[3] * t, zero), map_sets.any ? &map_set : nullptr,
+    const UvAtHits uv(corners, tri, share, beam_width(rays, t), map_sets.any ? &map_set : nullptr,
                       select(normal.is_back, -normal.shading, normal.shading));
     const vfloat farthest = max(largest(load(corners.position[0]) + offset), placed.radius(read.radius));
     const unsigned on_ray = overlapping_lanes(read, corners);
