@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cfloat>
 #include <cmath>
 
 #include "base/maths.h"
@@ -88,17 +89,19 @@ TEST(MeshLights, DensitiesOfPlacesAreThoseOfSamples)
             const Place at(lights, n);
             const LightSample s = lights.sample(at.point, at.receiver, {{n.one(), n.one()}, n.one()});
             if (s.radiance == Vec3f(0)) continue;
-            // The nearest triangle that the direction meets at that distance.
+            // The nearest triangle that the direction meets at that distance, before whose plane the sample ends by what
+            // rounding may move it.
             for (const Lamp& lamp : lamps.all) {
                 const Vec3d normal = glm::cross(lamp.corner[1] - lamp.corner[0], lamp.corner[2] - lamp.corner[0]);
                 const double along = glm::dot(Vec3d(s.direction), normal);
                 const double distance = glm::dot(lamp.corner[0] - at.point, normal) / along;
-                if (!(std::abs(distance - double(s.distance)) < 1e-5 * distance)) continue;
+                const double cosine = std::abs(along) / glm::length(normal), size = 40;  // the cage's edges added up
+                const double gap = (distance - double(s.distance)) * cosine, rounding = FLT_EPSILON * (distance + size);
+                if (!(gap > -rounding && gap < 20 * rounding)) continue;
                 const Vec3d hit = at.point + Vec3d(s.direction) * distance;
                 const double area2 = glm::dot(normal, normal);
                 const double b = glm::dot(glm::cross(hit - lamp.corner[0], lamp.corner[2] - lamp.corner[0]), normal) / area2,
                              c = glm::dot(glm::cross(lamp.corner[1] - lamp.corner[0], hit - lamp.corner[0]), normal) / area2;
-                const double cosine = std::abs(along) / glm::length(normal);
                 if (b < 1e-4 || c < 1e-4 || b + c > 1 - 1e-4 || cosine < 0.02) continue;
                 const float per_area = lights.area_density({lamp.node, lamp.material, lamp.face, hit}, at.receiver);
                 EXPECT_NEAR(double(per_area) * distance * distance / cosine, double(s.density), 1e-2 * double(s.density));
