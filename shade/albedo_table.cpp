@@ -70,15 +70,6 @@ LayerAlbedo integrate(const Disc& disc, float cosine, float alpha) noexcept
     return {static_cast<float>(f0 / disc.whole), static_cast<float>(f90 / disc.whole)};
 }
 
-using Place = AlbedoTable::Row;
-
-Place place_of(float x, int nodes) noexcept
-{
-    const float at = std::clamp(x, 0.0f, 1.0f) * static_cast<float>(nodes - 1);
-    const int below = std::min(static_cast<int>(at), nodes - 2);
-    return {below, at - static_cast<float>(below)};
-}
-
 LayerAlbedo mix(LayerAlbedo a, LayerAlbedo b, float share) noexcept
 {
     return {a.f0 + (b.f0 - a.f0) * share, a.f90 + (b.f90 - a.f90) * share};
@@ -90,7 +81,7 @@ const float kLeastRoot = row_root(kMinAlpha);
 template <class Row>
 LayerAlbedo in_row(const Row& row, float root_of_cosine) noexcept
 {
-    const Place p = place_of(root_of_cosine, static_cast<int>(row.size()));
+    const TablePlace p = table_place(root_of_cosine, static_cast<int>(row.size()));
     const auto i = static_cast<std::size_t>(p.below);
     return mix(row[i], row[i + 1], p.share);
 }
@@ -105,15 +96,17 @@ const AlbedoTable& AlbedoTable::instance()
 
 AlbedoTable::Row AlbedoTable::row_of(float alpha) noexcept
 {
-    return place_of((row_root(alpha) - kLeastRoot) / (1 - kLeastRoot), kRoughnesses);
+    return table_place((row_root(alpha) - kLeastRoot) / (1 - kLeastRoot), kRoughnesses);
 }
 
 namespace {
 
+// Does what table_place() does.
 AlbedoTable::RowLanes places_of(vfloat x, int nodes) noexcept
 {
     alignas(32) float at[kLanes], below[kLanes];
-    (clamp(x, vfloat(0.0f), vfloat(1.0f)) * static_cast<float>(nodes - 1)).store(at);
+    const vfloat zero = 0.0f;
+    (select(x > zero, min(x, vfloat(1.0f)), zero) * static_cast<float>(nodes - 1)).store(at);
     AlbedoTable::RowLanes places;
     for (int i = 0; i < kLanes; ++i) {
         const int node = std::min(static_cast<int>(at[i]), nodes - 2);

@@ -13,6 +13,7 @@
 #include <cstddef>
 
 #include "base/simd.h"
+#include "shade/table_place.h"
 
 namespace occam::shade {
 
@@ -29,10 +30,7 @@ public:
     static const AlbedoTable& instance();
 
     /// A place between two roughnesses of the table.
-    struct Row {
-        int below = 0;
-        float share = 0;  ///< weight of the one above
-    };
+    using Row = TablePlace;
     /// Returns the place of a GGX width.
     static Row row_of(float alpha) noexcept;
 

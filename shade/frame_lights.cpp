@@ -83,13 +83,25 @@ bool are_lamps(const MeshLights& meshes, const Scene& scene, const FrameScale& s
 
 }  // namespace
 
+Vec3d middle_of(const Scene& scene, const FrameScale& scale) noexcept
+{
+    const Node& root = scene.node(scene.root());
+    const Vec3d middle = transform_box(scale.placed(root.parent_from_node), root.bounds).centre();
+    const bool is_known = std::isfinite(middle.x) && std::isfinite(middle.y) && std::isfinite(middle.z);
+    return is_known && !root.bounds.is_empty() ? middle : Vec3d(0);
+}
+
 FrameLights::FrameLights(const Scene& scene, const Camera& camera, const TextureStore& textures,
                          const DefaultLight& otherwise, const FrameScale& scale, KeptFrameLights* kept)
     : meshes_(scene, textures, scale), environment_(scene.environment, textures, kept ? &kept->environment : nullptr)
 {
     LightGathering gathering(kept ? kept->placed : nullptr);
+    const Vec3d middle = middle_of(scene, scale);
     const auto add = [&](NodeId, const Node& node, const Mat4d& world_from_node) {
-        if (const Light* light = scene.find(node.light)) gathering.add(WorldLight::place(*light, world_from_node, scale));
+        const Light* light = scene.find(node.light);
+        if (!light) return;
+        const WorldLight placed = WorldLight::place(*light, world_from_node, scale);
+        if (placed.is_in_reach(middle)) gathering.add(placed);
     };
     scene.for_placements_of(Contents::Lights, add, Scene::Shown::MidShutter);
     const bool is_dark = environment_.is_black();

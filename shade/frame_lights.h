@@ -37,6 +37,10 @@ struct KeptFrameLights {
     Environment::Kept environment;
 };
 
+/// Returns the middle of a scene that is refitted, from which the distances of its lights are measured, in frame lengths. It
+/// is the origin for a scene without finite bounds.
+Vec3d middle_of(const Scene& scene, const FrameScale& scale) noexcept;
+
 class FrameLights {
 public:
     /// A placed light is left to its own samples (direct.h) if no lobe of the surface finds it with more than about this

@@ -6,6 +6,7 @@
 
 #include "base/overloaded.h"
 #include "scenegraph/shown_nodes.h"
+#include "shade/frame_lights.h"
 
 namespace occam::shade {
 namespace {
@@ -28,6 +29,19 @@ bool is_too_white(const Material& m) noexcept
 {
     const Vec3f c(m.base_color);
     return !m.unlit && !(c.x <= 1 && c.y <= 1 && c.z <= 1);
+}
+
+// Counts the placed lights that the frame leaves out.
+std::size_t lights_out_of_reach(const Scene& scene, const FrameScale& scale)
+{
+    std::size_t count = 0;
+    const Vec3d middle = middle_of(scene, scale);
+    const auto look = [&](NodeId, const Node& node, const Mat4d& world_from_node) {
+        const Light* light = scene.find(node.light);
+        if (light && !WorldLight::place(*light, world_from_node, scale).is_in_reach(middle)) ++count;
+    };
+    scene.for_placements_of(Contents::Lights, look, Scene::Shown::MidShutter);
+    return count;
 }
 
 }  // namespace
@@ -62,6 +76,9 @@ std::vector<std::string> input_warnings(const Scene& scene, float sky_strength, 
         lines.push_back(
             "lights, environments and emissions that are not a number or brighter than 1e12, which were clamped: " +
             std::to_string(too_bright));
+    if (const std::size_t far = lights_out_of_reach(scene, scale); far > 0)
+        lines.push_back("lights that are farther away than 1e15 times the size of the scene, which were left out: " +
+                        std::to_string(far));
     return lines;
 }
 

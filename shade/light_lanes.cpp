@@ -17,7 +17,7 @@ LightSampleLanes sample_flat(const WorldLight& light, const VecLanes& to_middle,
     vfloat cosine = -dot(towards, spread(light.direction));
     if (light.two_sided) cosine = abs(cosine);
     const vfloat solid_angle = light.area * cosine / distance2;
-    const vmask shines = cosine > zero;
+    const vmask shines = (cosine > zero) & (solid_angle > zero);
     return {towards, distance, select(shines, spread(light.strength) * solid_angle, spread(Vec3f(0))),
             select(shines, one / solid_angle, zero)};
 }
@@ -26,6 +26,7 @@ LightSampleLanes sample_point(const WorldLight& light, const VecLanes& to_light)
 {
     const vfloat zero = 0.0f, one = 1.0f;
     const vfloat distance2 = max(vfloat(kMinDistance2), dot(to_light, to_light)), distance = sqrt(distance2);
+    const vmask is_in_range = distance2 < vfloat(std::numeric_limits<float>::infinity());
     const VecLanes direction = divided(to_light, distance);
     const vfloat along = -dot(direction, spread(light.direction));
     const vfloat cone = clamp(along * light.spot_scale + light.spot_offset, zero, one);
@@ -34,7 +35,7 @@ LightSampleLanes sample_point(const WorldLight& light, const VecLanes& to_light)
         const vfloat share = distance2 / (light.range * light.range);
         fall = fall * clamp(one - share * share, zero, one);
     }
-    return {direction, distance, spread(light.strength) * fall, zero};
+    return {direction, distance, select(is_in_range, spread(light.strength) * fall, spread(Vec3f(0))), zero};
 }
 
 LightSampleLanes sample_sun(const WorldLight& light, vfloat u, vfloat v) noexcept

@@ -20,11 +20,34 @@ constexpr double kLongestSide = 1e15;
 // A light counts as long if its sides differ by more than this factor.
 constexpr double kLong = 64;
 
+double largest_of(Vec3d v) noexcept { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
+// Returns whether the square of a vector with this largest component is within the range of doubles. It is also true for
+// vectors that have no direction at all.
+bool is_in_range(double largest) noexcept
+{
+    return (largest > 1e-100 && largest < 1e100) || !(largest > 0) || !std::isfinite(largest);
+}
+
+// Returns a vector of the same direction whose products with two others of the kind are within the range of doubles.
+Vec3d in_range(Vec3d v) noexcept
+{
+    const double largest = largest_of(v);
+    return is_in_range(largest) ? v : v / largest;
+}
+
+// Returns the length of a vector whose square may leave the range of doubles.
+double length_of(Vec3d v) noexcept
+{
+    const double largest = largest_of(v);
+    return is_in_range(largest) ? glm::length(v) : glm::length(v / largest) * largest;
+}
+
 // Returns the vector from the middle of a flat light to the middle of an edge.
 Vec3f half_side(const Mat4d& m, int column, float size) noexcept
 {
     const Vec3d exact = Vec3d(m[column]) * (double(size) * 0.5);
-    const double length = glm::length(exact);
+    const double length = length_of(exact);
     return length > kLongestSide ? Vec3f(exact * (kLongestSide / length)) : axis(m, column) * (size * 0.5f);
 }
 
@@ -45,15 +68,15 @@ float area_between(Vec3f a, Vec3f b) noexcept
 
 Vec3f unit_or(Vec3d v, Vec3f fallback) noexcept
 {
-    const double length = glm::length(v);
+    const double length = length_of(v);
     return length > 0 && length < std::numeric_limits<double>::infinity() ? Vec3f(v / length) : fallback;
 }
 
 // Returns the node's -z as a normal: it is perpendicular to the node's x and y also when they are sheared.
 Vec3f shining_normal(const Mat4d& m) noexcept
 {
-    const Vec3d n = glm::cross(Vec3d(m[0]), Vec3d(m[1]));
-    return unit_or(glm::dot(n, Vec3d(m[2])) < 0 ? n : -n, {0, 0, -1});
+    const Vec3d n = glm::cross(in_range(Vec3d(m[0])), in_range(Vec3d(m[1])));
+    return unit_or(glm::dot(n, in_range(Vec3d(m[2]))) < 0 ? n : -n, {0, 0, -1});
 }
 
 void place_point(WorldLight& out, const PointLight& light, const FrameScale& scale)
@@ -100,6 +123,7 @@ void place_area(WorldLight& out, const AreaLight& light, const Mat4d& world_from
 LightSample sample_point(const WorldLight& light, Vec3f to_light) noexcept
 {
     const float distance2 = std::max(glm::dot(to_light, to_light), kMinDistance2);
+    if (!(distance2 < kInfinity)) return {};
     const float distance = std::sqrt(distance2);
     const Vec3f direction = to_light / distance;
     const float cone = std::clamp(-glm::dot(direction, light.direction) * light.spot_scale + light.spot_offset, 0.0f, 1.0f);
@@ -264,12 +288,19 @@ WorldLight WorldLight::place(const Light& light, const Mat4d& placement, const F
     std::visit(Overloaded{[&](const PointLight& point) { place_point(out, point, scale); },
                           [&](const SunLight& sun) {
                               out.kind = Kind::Sun;
+                              out.position = Vec3d(0);  // it is infinitely far, wherever its node is
                               out.strength = sun.irradiance;
                           },
                           [&](const AreaLight& area_light) { place_area(out, area_light, world_from_node); }},
                light.kind);
     out.strength = limited(out.strength);
     return out;
+}
+
+bool WorldLight::is_in_reach(Vec3d middle) const noexcept
+{
+    const auto are_numbers = [](Vec3f v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); };
+    return length_of(position - middle) <= kFarthestLight && are_numbers(half_x) && are_numbers(half_y);
 }
 
 LightSample WorldLight::sample_other(Vec3f to_middle, LightNumbers numbers) const noexcept

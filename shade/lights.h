@@ -67,6 +67,10 @@ struct WorldLight {
     /// Returns the squared sine of the half angle that a sphere around the light subtends at the point; the result is
     /// above 1 within that sphere.
     float sine2_subtended(Vec3d point) const noexcept;
+    /// Returns whether floats hold the squares of all distances between the light and the surfaces of a scene. The frame
+    /// leaves out a light that is farther away than kFarthestLight, or whose place is not a number.
+    /// middle   that of the scene
+    bool is_in_reach(Vec3d middle) const noexcept;
     /// Returns the square of the radius of that sphere.
     float size2() const noexcept
     {
@@ -92,6 +96,10 @@ private:
     LightSample sample_other(Vec3f to_middle, LightNumbers numbers) const noexcept;
 };
 
+/// The largest distance of a light from the middle of the scene, frame lengths. A point light of kMaxRadiance there gives an
+/// irradiance of 1e-18.
+inline constexpr double kFarthestLight = 1e15;
+
 /// The smallest squared distance to a light, frame lengths: a point light's 1 / d^2 must not overflow.
 inline constexpr float kMinDistance2 = 1e-24f;
 
@@ -104,6 +112,7 @@ inline LightSample WorldLight::sample_towards(Vec3f to_light, float share) const
     if (two_sided) cosine = std::fabs(cosine);
     if (!(cosine > 0)) return {};
     const float solid_angle = area * cosine / (distance2 * share);
+    if (!(solid_angle > 0)) return {};  // it has no area, or is too far away for floats
     return {towards, distance, strength * solid_angle, 1 / solid_angle};
 }
 

@@ -5,6 +5,7 @@
 
 #include "base/maths.h"
 #include "shade/bsdf.h"
+#include "shade/table_place.h"
 #include "shade/transmission.h"
 
 namespace occam::shade {
@@ -72,16 +73,14 @@ public:
     }
     float at(float cosine, float alpha) const noexcept
     {
-        const float y = std::clamp(std::sqrt(alpha), 0.0f, 1.0f) * (kWidths - 1);
-        const float x = std::clamp(cosine, 0.0f, 1.0f) * (kCosines - 1);
-        const int row = std::min(static_cast<int>(y), kWidths - 2), column = std::min(static_cast<int>(x), kCosines - 2);
+        const TablePlace row = table_place(std::sqrt(alpha), kWidths), column = table_place(cosine, kCosines);
         const auto in_row = [&](int r) {
             const auto& values = rows_[std::size_t(r)];
-            const float a = values[std::size_t(column)], b = values[std::size_t(column) + 1];
-            return a + (b - a) * (x - static_cast<float>(column));
+            const float a = values[std::size_t(column.below)], b = values[std::size_t(column.below) + 1];
+            return a + (b - a) * column.share;
         };
-        const float a = in_row(row), b = in_row(row + 1);
-        return a + (b - a) * (y - static_cast<float>(row));
+        const float a = in_row(row.below), b = in_row(row.below + 1);
+        return a + (b - a) * row.share;
     }
 
 private:

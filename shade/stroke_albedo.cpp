@@ -1,6 +1,7 @@
 #include "shade/stroke_albedo.h"
 
 #include "base/maths.h"
+#include "shade/table_place.h"
 
 namespace occam::shade {
 namespace {
@@ -47,9 +48,8 @@ struct Place {
 
 Place place_of(float x, std::size_t nodes) noexcept
 {
-    const float at = std::clamp(x, 0.0f, 1.0f) * static_cast<float>(nodes - 1);
-    const std::size_t below = std::min(static_cast<std::size_t>(at), nodes - 2);
-    return {below, at - static_cast<float>(below)};
+    const TablePlace place = table_place(x, static_cast<int>(nodes));
+    return {static_cast<std::size_t>(place.below), place.share};
 }
 
 float fourth_root(float x) noexcept { return std::sqrt(std::sqrt(std::max(0.0f, x))); }

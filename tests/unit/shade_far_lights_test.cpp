@@ -1,0 +1,158 @@
+// Tests of lights whose places or sizes are beyond the range of floats: none of them makes a sample that is not a number,
+// and a frame leaves out those that are too far away, with a warning.
+#include <gtest/gtest.h>
+#include <occam/occam.h>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "shade/albedo_table.h"
+#include "shade/light_lanes.h"
+#include "shade/sheen.h"
+#include "shade/stroke_albedo.h"
+#include "tests/support/shape_builders.h"
+
+namespace occam::shade {
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+bool is_finite(Vec3f v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+// Returns lights of all kinds, among them spots, long lights, and lights without an area.
+std::vector<Light> lights_of_all_kinds()
+{
+    PointLight point, spot;
+    point.range = 1e30f;
+    spot.outer_angle = 0.9f;
+    std::vector<Light> all{{"point", PointLight{Vec3f(1e9f)}}, {"range", point}, {"spot", spot}, {"sun", SunLight{}}};
+    for (const AreaLight::Shape shape : {AreaLight::Shape::Rectangle, AreaLight::Shape::Disc, AreaLight::Shape::Sphere})
+        for (const Vec2f size : {Vec2f(1), Vec2f(0.5f, 40), Vec2f(1, 0), Vec2f(0), Vec2f(1e38f)})
+            for (const bool two_sided : {false, true}) all.push_back({"area", AreaLight{shape, size, Vec3f(1), two_sided}});
+    return all;
+}
+
+TEST(FarLights, SampleOfAnyDistanceIsANumberAndHasTheBitsOfALane)
+{
+    for (const Light& light : lights_of_all_kinds())
+        for (const double far : {0.0, 1e-30, 1.0, 1e15, 1e19, 1e20, 1e38, 1e39, 1e155, 1e300, 1e308}) {
+            const WorldLight placed = WorldLight::place(light, Mat4d(1));
+            const Vec3d point = Vec3d(-0.5, 0.25, -1) * far;
+            LanePoints points;
+            LaneFloats u, v;
+            for (int k = 0; k < kLanes; ++k) {
+                points.set(k, point);
+                u.of[k] = 0.125f * static_cast<float>(k);
+                v.of[k] = 0.75f;
+            }
+            LightSamples lanes;
+            lanes = sample_from(placed, points.to(placed.position), u, v);
+            for (int k = 0; k < kLanes; ++k) {
+                const LightSample one = placed.sample(point, {{u.of[k], v.of[k]}});
+                EXPECT_TRUE(is_finite(one.radiance)) << light.name << ' ' << far;
+                EXPECT_TRUE(one.radiance == Vec3f(0) || is_finite(one.direction)) << light.name << ' ' << far;
+                EXPECT_EQ(lanes.radiance.at(k), one.radiance) << light.name << ' ' << far;
+                if (one.radiance == Vec3f(0)) continue;
+                EXPECT_EQ(lanes.direction.at(k), one.direction) << light.name << ' ' << far;
+                EXPECT_EQ(lanes.density.of[k], one.density) << light.name << ' ' << far;
+            }
+        }
+}
+
+TEST(FarLights, AreOutOfReachWhereSquaresOverflowAndSunsNever)
+{
+    for (const Light& light : lights_of_all_kinds())
+        for (const double far : {1.0, 1e14, 1e16, 1e39, 1e300, double(INFINITY), double(NAN)}) {
+            Mat4d at(1);
+            at[3] = Vec4d(3, far, 0, 1);
+            EXPECT_EQ(WorldLight::place(light, at).is_in_reach(Vec3d(3, 1, 0)), light.name == "sun" || far < 1e15)
+                << light.name << ' ' << far;
+        }
+}
+
+TEST(FarLights, NodesOfAnyScaleKeepTheirDirectionsAndSizes)
+{
+    for (const double scale : {1e-200, 1e-160, 1.0, 1e155, 1e200, 1e300}) {
+        Mat4d m(0);
+        m[0] = Vec4d(0, scale, 0, 0);
+        m[1] = Vec4d(0, 0, scale, 0);
+        m[2] = Vec4d(scale, 0, 0, 0);
+        m[3].w = 1;
+        for (const Light& light : {Light{"sun", SunLight{}}, Light{"spot", PointLight{}}, Light{"area", AreaLight{}}})
+            EXPECT_EQ(WorldLight::place(light, m).direction, Vec3f(-1, 0, 0)) << light.name << ' ' << scale;
+        const WorldLight area = WorldLight::place({"area", AreaLight{}}, m);
+        EXPECT_EQ(area.half_x.y, static_cast<float>(std::min(scale / 2, 1e15))) << scale;
+    }
+}
+
+TEST(Tables, LookUpsOfWhatIsNotANumberStayWithinTheTables)
+{
+    for (const float x : {kNaN, -kNaN, 1e38f, -1e38f, float(INFINITY), -float(INFINITY)})
+        for (const float y : {kNaN, 0.3f, 1e38f}) {
+            for (const float albedo : {sheen_albedo(x, y), sheen_albedo(y, x)})
+                EXPECT_TRUE(albedo >= 0 && albedo <= 1) << x << ' ' << y;
+            const AlbedoTable& table = AlbedoTable::instance();
+            const float one = table.at(x, y).sum(), mean = table.mean(x).sum();
+            EXPECT_TRUE(one >= 0 && one <= 1.01f) << x << ' ' << y;
+            LaneFloats lanes, means;
+            lanes = table.at(vfloat(x), AlbedoTable::row_of(vfloat(y))).sum();
+            means = table.mean(AlbedoTable::row_of(vfloat(x))).sum();
+            EXPECT_EQ(lanes.of[0], one) << x << ' ' << y;
+            EXPECT_EQ(means.of[kLanes - 1], mean) << x;
+            EXPECT_TRUE(std::isfinite(StrokeAlbedo::instance().at(Vec3f(x, y, x), {0.5f, 0.2f}, 0.3f).sum()))
+                << x << ' ' << y;
+            EXPECT_TRUE(std::isfinite(StrokeAlbedo::instance().mean({x, y}, 0.3f).sum())) << x << ' ' << y;
+        }
+}
+
+// A surface of each kind of lobe; some of them shade several hits in lanes, and others one by one.
+Material cloth(int kind)
+{
+    Material m;
+    if (kind == 1) m.sheen_color = Vec3f(1);
+    if (kind == 2) m.clearcoat = 1;
+    if (kind == 3) m.anisotropy = 1;
+    if (kind == 4) m.transmission = 1;
+    return m;
+}
+
+TEST(FarLights, AreLeftOutOfPicturesWithAWarning)
+{
+    for (int kind = 0; kind < 5; ++kind)
+        for (const int count : {1, 40}) {
+            Scene near, far;
+            for (Scene* scene : {&near, &far}) {
+                Cage cage = test::torus();
+                cage.materials = {scene->add(cloth(kind))};
+                test::place(*scene, scene->add(std::move(cage)), Vec3d(0));
+                scene->environment.radiance = Vec3f(0.5f);
+            }
+            const auto lights = lights_of_all_kinds();
+            std::size_t left_out = 0;
+            for (int i = 0; i < count; ++i)
+                for (const double distance : {1e20, 1e39, 1e300}) {
+                    const Light& light = lights[static_cast<std::size_t>(i) % lights.size()];
+                    if (light.name == "sun") continue;
+                    NodeDesc desc;
+                    desc.place.translation = Vec3d(0.1 * i, 1, 0.5) * distance;
+                    desc.light = far.add(light);
+                    far.add_node(far.root(), desc);
+                    ++left_out;
+                }
+            Renderer renderer({.threads = 1});
+            const Settings settings{.width = 12, .height = 8, .spp = 4};
+            const Camera camera = Camera::framing(near.bounds());
+            const std::uint64_t without = renderer.render(near, camera, settings).checksum();
+            EXPECT_TRUE(renderer.stats().warnings.empty());
+            EXPECT_EQ(renderer.render(far, camera, settings).checksum(), without) << kind << ' ' << count;
+            ASSERT_EQ(renderer.stats().warnings.size(), 1u) << kind << ' ' << count;
+            EXPECT_NE(renderer.stats().warnings[0].find("times the size of the scene, which were left out: " +
+                                                        std::to_string(left_out)),
+                      std::string::npos)
+                << renderer.stats().warnings[0];
+        }
+}
+
+}  // namespace
+}  // namespace occam::shade
