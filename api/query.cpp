@@ -64,16 +64,23 @@ lod::Footprint footprint_of(const RayFootprint& asked, const FrameScale& scale) 
     return {asked.spread == 0 ? std::max(width, std::numeric_limits<float>::min()) : width, asked.spread};
 }
 
-accel::Ray ray_of(const QueryRay& asked, const Asked& about)
+void check_ray(const QueryRay& asked)
 {
-    accel::Ray ray;
-    ray.t_far = 0;  // the ray stays one that hits nothing if it has no direction
-    const Vec3d direction = unit_vector(asked.direction), origin = asked.origin * about.scale.to_frame();
-    if (direction == Vec3d(0) || !std::isfinite(glm::dot(origin, origin))) return ray;
     if (const auto& f = asked.footprint; f && !(f->width >= 0 && std::isfinite(f->width) && std::isfinite(f->spread)))
         throw error_without_file("a footprint's width must be finite and 0 or more, and its spread finite", "ray");
     if (!(asked.time >= 0 && asked.time <= 1)) throw error_without_file("a ray's time must be from 0 to 1", "ray");
     if ((asked.kinds & RayKind::All) == 0) throw error_without_file("a ray must be of a kind that sees something", "ray");
+}
+
+/// The ray that is asked for has to pass check_ray().
+accel::Ray ray_of(const QueryRay& asked, const Asked& about)
+{
+    accel::Ray ray;
+    // The ray stays one that hits nothing if it has no direction, no origin or no end. One whose end is not a number would
+    // decide for all rays of its packet where they end.
+    ray.t_far = 0;
+    const Vec3d direction = unit_vector(asked.direction), origin = asked.origin * about.scale.to_frame();
+    if (direction == Vec3d(0) || !std::isfinite(glm::dot(origin, origin)) || std::isnan(asked.far)) return ray;
     ray.time = asked.time;
     ray.kinds = asked.kinds;
     ray.origin = origin;
@@ -239,11 +246,16 @@ std::optional<Hit> Query::closest(Vec3d origin, Vec3d direction, double far) con
     return closest(QueryRay{origin, direction, far});
 }
 
-std::optional<Hit> Query::closest(const QueryRay& ray) const { return state_->closest(ray_of(ray, state_->asked_about())); }
+std::optional<Hit> Query::closest(const QueryRay& ray) const
+{
+    check_ray(ray);
+    return state_->closest(ray_of(ray, state_->asked_about()));
+}
 
 void Query::first_hits(std::span<const QueryRay> rays, std::span<FirstHit> hits) const
 {
     if (rays.size() != hits.size()) throw error_without_file("Query::first_hits() needs as many hits as rays");
+    for (const QueryRay& ray : rays) check_ray(ray);  // so that no hit is written if one of the rays is refused
     constexpr std::size_t kBatch = 2048;
     std::vector<accel::Ray> batch;
     std::vector<accel::FirstHit> found;
@@ -266,12 +278,17 @@ bool Query::is_occluded(Vec3d from, Vec3d to) const
     return is_occluded(QueryRay{from, to - from, glm::distance(from, to)});
 }
 
-bool Query::is_occluded(const QueryRay& ray) const { return state_->is_occluded(ray_of(ray, state_->asked_about())); }
+bool Query::is_occluded(const QueryRay& ray) const
+{
+    check_ray(ray);
+    return state_->is_occluded(ray_of(ray, state_->asked_about()));
+}
 
 std::optional<Hit> Query::pick(double x, double y, int width) const
 {
     if (width < 1 || width > render::kMaxSide)
         throw error_without_file("from 1 to " + std::to_string(render::kMaxSide), "width");
+    if (!std::isfinite(x) || !std::isfinite(y)) return {};
     Camera placed = state_->asked_about().scale.placed(state_->camera);
     placed.lens.radius = 0;  // the ray through the middle of the lens, which does not end at the plane of focus
     return state_->closest(render::CameraRays(placed, width, state_->height).ray(x, y, Vec2f(0.5f), 0.5f));

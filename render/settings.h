@@ -99,7 +99,9 @@ struct Settings {
     Shutter shutter{};
     std::optional<Camera> lod_camera{};  ///< the camera whose pixels the footprints are; none: the picture's own
     std::uint64_t seed = 0;
-    double deadline_s = 0;  ///< stop after so long with what is done; 0: none. The one setting that makes pictures differ
+    /// Stop after so long with what is done; 0: none. With a deadline pictures may differ from run to run, as do the views
+    /// that show costs.
+    double deadline_s = 0;
     /// The frame is made in rounds of 1, 1, 2, 4, 8, ... samples a pixel, so that a frame that stops early is a picture of
     /// few samples, and can go on later. Costs 64 to 200 bytes a pixel. A deadline implies it.
     bool progressive = false;

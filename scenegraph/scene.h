@@ -286,9 +286,10 @@ public:
     std::size_t refit();
 
     /// Calls visit(NodeId, const Node&, const Mat4d& world_from_node) for every placement in the graph that is visible at
-    /// any time while the shutter is open. It visits parents first and follows instances too (there are no cycles, because
-    /// add_node() and copy() refuse them). If visit returns a bool, false leaves out what is below the placement. Instances
-    /// of instances may be more than can be visited.
+    /// any time while the shutter is open, with its matrix in the pose that the scene is in. It visits parents first and
+    /// follows instances too, whether or not the node that they show is visible itself (there are no cycles, because every
+    /// edit that would make one is refused). If visit returns a bool, false leaves out what is below the placement.
+    /// Instances of instances may be more than can be visited.
     template <class Visit>
     void for_each_placement(Visit&& visit) const;
     /// Returns what is visible in the whole scene. After refit() the cost is constant, otherwise it is a visit to all nodes.

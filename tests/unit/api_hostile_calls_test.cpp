@@ -51,6 +51,49 @@ TEST(Query, DirectionsMayHaveAnyLength)
         EXPECT_FALSE(query.closest(from, none).has_value());
 }
 
+// Rays of one packet end one by one: what is wrong with one of them may not decide where the others end.
+TEST(Query, ARayThatIsNotANumberHitsNothingAndLeavesItsNeighboursAlone)
+{
+    Ball ball;
+    const Query query(ball.scene, kBefore);
+    std::vector<QueryRay> rays;
+    for (int i = 0; i < 64; ++i) rays.push_back({{0.01 * (i % 8), 0.01 * (i / 8), 5}, {0, 0, -1}, 20});
+    std::vector<FirstHit> wanted(rays.size()), found(rays.size());
+    query.first_hits(rays, wanted);
+    for (const FirstHit& hit : wanted) ASSERT_TRUE(std::isfinite(hit.distance));
+    for (const int field : {0, 1, 2, 3, 4, 5, 6})
+        for (const double bad : {double(NAN), -double(NAN)})
+            for (const std::size_t at : {0u, 3u, 9u, 63u}) {
+                std::vector<QueryRay> asked = rays;
+                QueryRay& ray = asked[at];
+                (field < 3 ? ray.origin[field] : field < 6 ? ray.direction[field - 3] : ray.far) = bad;
+                query.first_hits(asked, found);
+                EXPECT_FALSE(query.closest(ray).has_value()) << field;
+                EXPECT_FALSE(query.is_occluded(ray)) << field;
+                for (std::size_t i = 0; i < asked.size(); ++i)
+                    if (i == at) EXPECT_TRUE(std::isinf(found[i].distance)) << field;
+                    else EXPECT_EQ(found[i].distance, wanted[i].distance) << field << ": " << at << ' ' << i;
+            }
+    for (const Vec2d place : {Vec2d(NAN, 3), Vec2d(3, NAN), Vec2d(INFINITY, 3)})
+        EXPECT_FALSE(query.pick(place.x, place.y, 64).has_value());
+}
+
+TEST(Query, WritesNoHitIfOneOfTheRaysIsRefused)
+{
+    Ball ball;
+    const Query query(ball.scene, kBefore);
+    std::vector<QueryRay> rays(5000, QueryRay{{0, 0, 5}, {0, 0, -1}});
+    std::vector<FirstHit> found(rays.size());
+    for (const int field : {0, 1, 2}) {
+        std::vector<QueryRay> asked = rays;
+        if (field == 0) asked.back().time = NAN;
+        if (field == 1) asked.back().footprint = RayFootprint{NAN, 0};
+        if (field == 2) asked.back().kinds = 0;
+        EXPECT_THROW(query.first_hits(asked, found), Error) << field;
+        for (const FirstHit& hit : found) ASSERT_FALSE(hit.node) << field;
+    }
+}
+
 // The camera's footprint is wide here, so that it is told from none.
 TEST(Query, AFootprintOfZeroIsNotThatOfTheCamera)
 {

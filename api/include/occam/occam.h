@@ -6,8 +6,9 @@
 //     renderer.render(scene, camera, {.width = 1280, .height = 720, .spp = 16}).write("courtyard.exr");
 //
 // The application owns the scene. Renderers, jobs and queries only borrow it, and while one of them works on it, edits
-// throw; what has no function to edit it, such as Scene::environment, must stay as it is. Every failure is an occam::Error
-// that names file, element and reason; what a callback of the application throws is passed on as it is.
+// throw; what has no function to edit it, such as Scene::environment, must stay as it is. What fails throws an occam::Error
+// that names the reason and, as far as there are any, file and element. Where there is not enough memory it may be a
+// std::bad_alloc instead; what a callback of the application throws is passed on as it is.
 #pragma once
 
 #include <chrono>
@@ -79,12 +80,14 @@ public:
     void wait() const;
 
     Progress progress() const noexcept;
-    /// Stops the frame soon, within a batch of rays. Finished tiles are kept; with Settings::progressive all samples so far
-    /// are.
+    /// Stops the frame soon: before it begins, or within a batch of rays. That is no failure. The picture keeps the tiles
+    /// that are finished, or all samples so far with Settings::progressive, and FrameStats::complete is false.
     void cancel() noexcept;
 
-    // These functions wait for the end, and throw the Error of the frame if it failed.
+    // These functions wait for the end. If the frame failed, they throw what it ended with: an Error, std::bad_alloc, or
+    // what a callback of the application has thrown.
     const Image& image() const;
+    /// Returns the picture and leaves an empty one to the job.
     Image take_image();
     const FrameStats& stats() const;
     /// Returns what Renderer::start() can continue from, if the frame was made in rounds (Settings::progressive) and stopped
@@ -166,7 +169,9 @@ struct RayFootprint {
     float width = 0, spread = 0;
 };
 
-/// A ray of a query.
+/// A ray of a query. One whose origin or direction is not finite, whose direction is zero or whose `far` is not a number
+/// hits nothing. Questions throw Error, before any of their rays is traced, for a footprint or a time out of range, and for
+/// kinds that see nothing.
 struct QueryRay {
     Vec3d origin{0};
     Vec3d direction{0, 0, -1};                             ///< need not be unit
@@ -215,7 +220,7 @@ public:
     void begin(const Camera& camera);
 
     /// Returns the nearest surface within `far`; `direction` need not be unit. Returns none for a direction that is zero or
-    /// not finite.
+    /// not finite, for an origin that is not finite, and for a `far` that is not a number.
     std::optional<Hit> closest(Vec3d origin, Vec3d direction, double far = std::numeric_limits<double>::infinity()) const;
     std::optional<Hit> closest(const QueryRay& ray) const;
     /// Finds the nearest surfaces of many rays at once, without what shading needs. This is several times as fast for each
@@ -227,7 +232,7 @@ public:
     bool is_occluded(Vec3d from, Vec3d to) const;
     bool is_occluded(const QueryRay& ray) const;
     /// Returns the surface that a pixel of the camera's picture shows, through the middle of its lens; x and y are in pixels
-    /// of a width x image_height frame.
+    /// of a width x image_height frame. Returns none if either is not finite.
     std::optional<Hit> pick(double x, double y, int width) const;
 
 private:
