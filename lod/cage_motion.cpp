@@ -1,16 +1,16 @@
 #include "lod/cage_motion.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 
+#include "lod/growth.h"
+
 namespace occam::lod {
 namespace {
 
-// Rates are those of the largest key. Where a cage is much smaller than there, all of its micropolygons lie in one place,
-// and a ray of that moment meets them all; so a cage that grows that much has no edges below a 128th of its largest radius.
-constexpr double kMostGrowth = 4096;
 constexpr int kCoarsenedByGrowth = 9;
 
 /// Returns the largest distance from the origin of the image of a box under an affine map.
@@ -281,7 +281,7 @@ PosedCage& CageMotion::make_keys(const PosedCage& still, int segments, const Pos
     const int step = segments_ / segments;
     const Box3d box = world_box();
     float reach = 0;
-    double smallest = std::numeric_limits<double>::infinity(), largest = 0;
+    std::array<double, kMostSegments + 1> radii{};
     for (std::size_t k = 0; k < count; ++k) {
         PosedCage& cage = *new (&keys[k]) PosedCage(still);
         const int key = static_cast<int>(k) * step;
@@ -300,13 +300,14 @@ PosedCage& CageMotion::make_keys(const PosedCage& still, int segments, const Pos
         if (tools.textures) cage.displace(*tools.textures);
         cage.derive(tools.arena);
         reach = std::max(reach, cage.displacement.reach);
-        const double radius = cage.world_box(0).radius();
-        smallest = std::min(smallest, radius);
-        largest = std::max(largest, radius);
+        radii[k] = cage.world_box(0).radius();
     }
+    const std::span<const double> of_keys(radii.data(), count);
+    const std::uint32_t hidden = segments_of_tiny(of_keys, step);
     for (PosedCage& key : keys) {
         key.displacement.reach = reach;
-        if (largest > kMostGrowth * smallest) key.coarsened = kCoarsenedByGrowth;
+        key.visible_in &= ~hidden;
+        if (grows_much(of_keys)) key.coarsened = kCoarsenedByGrowth;
     }
     if (keys[0].is_displaced()) share_filters(keys);
     if (moves_by_nodes_alone()) {

@@ -39,6 +39,37 @@ protected:
     }
 };
 
+// Boxes of surfaces that move are padded for the rounding where the cage is largest. In the first half of this shutter all
+// boxes of the cage would be padding, and each ray would meet all of them.
+TEST(HostileMotion, CagesAreLeftOutOfSegmentsInWhichTheyAreTiny)
+{
+    for (const double size : {4e4, 1e6, 1e9, 1e16, 1e38, 1e200})
+        for (const TreeKind tree : {TreeKind::Bvh, TreeKind::Kd}) {
+            Scene scene;
+            const CageId cage = scene.add(creased_cube(1));
+            const NodeId grows = place(scene, cage, Vec3d(0)), still = place(scene, cage, Vec3d(4, 0, 0));
+            scene.record_shutter(2, [&](double tau) {
+                Trs place;
+                if (tau > 0.75) place.scale = Vec3d(size);
+                scene.set_transform(grows, place);
+            });
+            Renderer renderer({.threads = 1, .tree = tree});
+            renderer.render(scene, Camera::look_at({0, 0, 8}, Vec3d(0), {0, 1, 0}, 0.8f),
+                            {.width = 12, .height = 8, .spp = 1});
+            EXPECT_EQ(renderer.stats().warnings.size(), size > 1e16 ? 1u : 0u) << size;
+            if (size > 1e16) continue;  // the rest has vanished
+            const Query query(scene, Camera::look_at({0, 0, 8}, Vec3d(0), {0, 1, 0}, 0.8f), 48);
+            const auto seen = [&](Vec3d from, float time) {
+                const auto hit = query.closest(QueryRay{.origin = from, .direction = {0, 0, -1}, .time = time});
+                return hit ? hit->node : NodeId();
+            };
+            EXPECT_EQ(seen({0.1, 0.2, 8}, 0.25f) == grows, size < 0x1p17) << size;
+            EXPECT_EQ(seen({0.1, 0.2, 8}, 0.75f), grows) << size << ": from within";
+            EXPECT_EQ(seen({0.1, 0.2, 8}, 0.5f), grows) << size << ": where the segment begins in which it grows";
+            EXPECT_EQ(seen({4.1, 0.2, 8}, 0.25f), still) << size;
+        }
+}
+
 TEST_F(HostileShutter, OptionsThatAreNoShuttersAreRefusedInOneLine)
 {
     const auto expect_refused = [&](const Outcome& o, const std::string& what) {
